@@ -6,13 +6,13 @@ use std::hint::black_box;
 use std::io::{BufReader, BufWriter, Seek};
 use std::sync::Arc;
 
-use arrow_array::{ArrayRef, Float64Array, RecordBatch};
+use arrow_array::{ArrayRef, RecordBatch};
 use bsm_batch::{
-    Answers, Cell, Chunk, Column, Columns, CsvSink, CsvSource, ParquetSink, ParquetSource, Sink,
-    Source, Task,
+    Answers, Chunk, Columns, CsvSource, Dialect, Format, ParquetSource, Sink, Source, TableSink,
+    Task,
 };
 use bsm_benches::seeded;
-use bsm_case::{InputKey, Output, Scene, Settings};
+use bsm_case::{Output, Scene, Settings};
 use bsm_dyn::{Model, ModelWorkspace, Problem};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use parquet::arrow::ArrowWriter;
@@ -30,16 +30,9 @@ const INPUTS: [&str; 7] = [
 
 /// Scenes as a chunk, and the scene of all the rest.
 fn chunk(scenes: &[Scene]) -> (Chunk, Columns, Scene) {
-    let mut inputs = vec![Column::default(); INPUTS.len()];
-    for scene in scenes {
-        for (name, column) in INPUTS.iter().zip(&mut inputs) {
-            column.push(Cell::Number(
-                scene[InputKey::named(name).expect("known name")].expect("complete scene"),
-            ));
-        }
-    }
     let columns = Columns::sort(INPUTS, &[]).expect("known names");
-    let chunk = Chunk { first: 1, len: scenes.len(), inputs, kept: Vec::new() };
+    let rows = scenes.iter().map(|scene| columns.inputs.iter().map(|key| scene[*key]));
+    let chunk = Chunk::of_rows(&columns, rows);
     (chunk, columns, bsm_benches::lin())
 }
 
@@ -90,27 +83,32 @@ fn tables(c: &mut Criterion) {
     let task = Task::new(base, Model::Rigid.into(), outputs.clone());
     let file = || tempfile::tempfile().expect("temporary file");
     let (mut csv, mut parquet) = (file(), file());
-    let numbers = |row: usize| points.inputs.iter().map(move |c| c.values()[row].to_string());
+    let numbers = |row: usize| points.inputs.iter().map(move |c| c.value(row).to_string());
     let mut writer = csv::Writer::from_writer(BufWriter::new(&csv));
     writer.write_record(INPUTS).expect("header");
     for row in 0..rows {
         writer.write_record(numbers(row)).expect("row");
     }
     drop(writer.into_inner().expect("end"));
-    let arrays = INPUTS.iter().zip(&points.inputs).map(|(name, column)| {
-        (*name, Arc::new(Float64Array::from(column.values().to_vec())) as ArrayRef)
-    });
+    let arrays = INPUTS
+        .iter()
+        .zip(&points.inputs)
+        .map(|(name, column)| (*name, Arc::new(column.clone()) as ArrayRef));
     let batch = RecordBatch::try_from_iter(arrays).expect("columns of one length");
     let mut writer = ArrowWriter::try_new(&parquet, batch.schema(), None).expect("schema");
     writer.write(&batch).expect("rows");
     writer.close().expect("end");
 
-    let run = |source: &mut dyn Source, sink: &mut dyn Sink| {
+    let signs = Dialect::default();
+    let run = |source: &mut dyn Source, format: Format, out: BufWriter<File>| {
         let columns = source.columns().clone();
+        let sink = TableSink::new(format, out, &columns, &outputs, &signs);
+        let mut sink = sink.expect("a head");
         while let Some(chunk) = source.next(1 << 16).expect("rows") {
             let answers = task.solve(&chunk, &columns);
             sink.write(chunk, answers).expect("rows");
         }
+        sink.finish(None).expect("end")
     };
     let again = |file: &mut File| {
         file.rewind().expect("temporary file");
@@ -122,19 +120,13 @@ fn tables(c: &mut Criterion) {
         b.iter(|| {
             let reader = BufReader::new(again(&mut csv));
             let mut source = CsvSource::new(reader, &[]).expect("header");
-            let out = BufWriter::new(file());
-            let mut sink = CsvSink::new(out, source.columns(), &outputs).expect("header");
-            run(&mut source, &mut sink);
-            sink.finish().expect("end")
+            run(&mut source, Format::Csv, BufWriter::new(file()))
         });
     });
     group.bench_function("Parquet", |b| {
         b.iter(|| {
             let mut source = ParquetSource::new(again(&mut parquet), &[]).expect("schema");
-            let columns = source.columns().clone();
-            let mut sink = ParquetSink::new(file(), &columns, &outputs).expect("schema");
-            run(&mut source, &mut sink);
-            sink.finish().expect("end")
+            run(&mut source, Format::Parquet, BufWriter::new(file()))
         });
     });
 }

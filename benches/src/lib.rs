@@ -1,6 +1,6 @@
 //! Operating points for the benches: validated cases and a seeded set.
 
-use bsm_batch::{Cell, Chunk, Column, Columns};
+use bsm_batch::{Chunk, Columns};
 use bsm_case::{InputKey, Scene};
 use bsm_dyn::{Model, Problem};
 use rand::{RngExt, SeedableRng};
@@ -81,11 +81,6 @@ pub fn values<const N: usize>(scene: &Scene, inputs: &[&str; N]) -> [f64; N] {
 /// If an input is unknown.
 pub fn chunk<const N: usize>(inputs: [&str; N], points: &[[f64; N]]) -> (Chunk, Columns) {
     let columns = Columns::sort(inputs, &[]).expect("known names");
-    let mut cells = inputs.map(|_| Column::with_capacity(points.len())).to_vec();
-    for point in points {
-        for (column, value) in cells.iter_mut().zip(point) {
-            column.push(Cell::Number(*value));
-        }
-    }
-    (Chunk { first: 1, len: points.len(), inputs: cells, kept: Vec::new() }, columns)
+    let rows = points.iter().map(|point| point.iter().copied().map(Some));
+    (Chunk::of_rows(&columns, rows), columns)
 }

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use allocation_counter::measure;
 use bsm_batch::{
-    Answers, Columns, CsvSink, CsvSource, JsonSink, JsonSource, ParquetSink, ParquetSource, Sink,
-    Source, TableError, Task, hush_caught_panics,
+    Answers, CsvSource, Dialect, Format, JsonSource, ParquetSource, Sink, Source, TableError,
+    TableSink, Task, hush_caught_panics,
 };
 use bsm_case::{
     Axis, Catalogue, Condition, DesignReport, Fit, Grid, NutProblem, RequirementFile, Row, Samples,
@@ -193,11 +193,11 @@ fn table(open: impl Fn(&[String]) -> Result<Box<dyn Source>, TableError>) {
 fn rewrite(source: &mut dyn Source) -> Result<(), TableError> {
     let base = Scene::from_json(BASES[0].1.as_bytes()).expect("an example");
     let outputs = Answers::select(Some(&["efficiency".to_owned()]))?;
-    let columns: Columns = source.columns().clone();
-    let mut csv = CsvSink::new(Vec::new(), &columns, &outputs)?;
-    let mut lines = JsonSink::new(Vec::new(), columns.clone(), &outputs);
-    let mut parquet = ParquetSink::new(Vec::new(), &columns, &outputs)?;
-    let task = Task::new(base, Model::ClosedForm.into(), outputs);
+    let (columns, signs) = (source.columns().clone(), Dialect::default());
+    let sink = |format| TableSink::new(format, Vec::new(), &columns, &outputs, &signs);
+    let formats = [Format::Csv, Format::JsonLines, Format::Parquet];
+    let mut sinks = formats.into_iter().map(sink).collect::<Result<Vec<_>, _>>()?;
+    let task = Task::new(base, Model::ClosedForm.into(), outputs.clone());
     let mut rows = 0;
     while rows < ROWS
         && let Some(chunk) = source.next(512)?
@@ -206,14 +206,12 @@ fn rewrite(source: &mut dyn Source) -> Result<(), TableError> {
         rows += chunk.len;
         let answers = task.solve(&chunk, &columns);
         assert_eq!(answers.verdicts.len(), chunk.len);
-        for sink in [&mut csv as &mut dyn Sink, &mut lines, &mut parquet] {
+        for sink in &mut sinks {
             sink.write(chunk.clone(), answers.clone())?;
         }
     }
     source.skip(10)?;
-    csv.finish()?;
-    parquet.finish()?;
-    Ok(())
+    sinks.into_iter().try_for_each(|sink| sink.finish(None).map(drop))
 }
 
 /// The loads of a nut as a table.

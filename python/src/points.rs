@@ -11,11 +11,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use arrow_array::{Array, ArrayRef};
-use arrow_buffer::{Buffer, ScalarBuffer};
+use arrow_array::{Array, ArrayRef, Float64Array};
+use arrow_buffer::{Buffer, NullBuffer, ScalarBuffer};
 use bsm_batch::{
-    Answers, Chunk, Columns, Format, GridSource, ROWS, Room, Sink, Source, TableError, TableSink,
-    Task, Told, Verdict, Workers,
+    Answers, Chunk, Columns, Dialect, Format, GridSource, ROWS, Room, Sink, Source, TableError,
+    TableSink, Task, Told, Verdict, Workers,
 };
 use bsm_case::{Axis, Grid, ModelChoice, OUTPUTS, Output};
 use bsm_dyn::Status;
@@ -30,15 +30,12 @@ use crate::table::{Kept, Numbers};
 /// How often the thread that called looks at signals and shows progress.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Values of an input, and its rows without one.
-type Given = (ScalarBuffer<f64>, Vec<usize>);
-
 /// The rows of a table in memory.
 #[derive(Clone)]
 pub(crate) struct Memory {
     columns: Columns,
     names: Vec<String>,
-    inputs: Vec<Given>,
+    inputs: Vec<Float64Array>,
     kept: Vec<ArrayRef>,
     len: usize,
     at: usize,
@@ -60,16 +57,12 @@ impl Source for Memory {
         }
         let first = self.at;
         self.at += len;
-        let column = |(place, (values, missing)): (usize, &Given)| {
-            let from = missing.partition_point(|row| *row < first);
-            let rows = missing[from..].iter().map(|row| row - first).take_while(|row| *row < len);
-            self.columns.column(place, values.slice(first, len), rows)
-        };
         Ok(Some(Chunk {
             first: first as u64 + 1,
             len,
-            inputs: self.inputs.iter().enumerate().map(column).collect(),
+            inputs: self.inputs.iter().map(|column| column.slice(first, len)).collect(),
             kept: self.kept.iter().map(|column| column.slice(first, len)).collect(),
+            ..Chunk::default()
         }))
     }
 }
@@ -155,7 +148,8 @@ impl Rows {
     fn write_to(&self, path: &Path, format: Format) -> Result<(), TableError> {
         let file = beside(path)?;
         let mut source = self.origin.source();
-        let mut sink = TableSink::new(format, file, source.columns(), &self.outputs)?;
+        let (columns, signs) = (source.columns(), Dialect::default());
+        let mut sink = TableSink::new(format, file, columns, &self.outputs, &signs)?;
         let mut messages = self.messages.iter().peekable();
         while let Some(chunk) = source.next(ROWS)? {
             let first = usize::try_from(chunk.first - 1).unwrap_or(0);
@@ -209,8 +203,14 @@ pub(crate) fn table_of(
         kept.into_iter().map(|(name, column)| (name, column.get().0.clone())).unzip();
     let names = columns.iter().map(|(name, ..)| name).chain(&keep).map(String::as_str);
     let named = Columns::sort(names, &keep).map_err(|e| errors::table(&e))?;
-    let given = |place: &usize| (columns[*place].1.0.clone(), columns[*place].2.clone());
-    let inputs = named.input_places().iter().map(given).collect();
+    let input = |(input, place): (usize, &usize)| {
+        let (_, values, missing) = &columns[*place];
+        let mut given = vec![true; if missing.is_empty() { 0 } else { len }];
+        missing.iter().for_each(|row| given[*row] = false);
+        let given = (!given.is_empty()).then(|| NullBuffer::from(given));
+        named.in_unit(input, Float64Array::new(values.0.clone(), given))
+    };
+    let inputs = named.input_places().iter().enumerate().map(input).collect();
     let names = named.input_places().iter().map(|place| columns[*place].0.clone()).collect();
     if let Some(place) = kept.iter().position(|column| column.data_type().is_nested()) {
         return Err(errors::table(&TableError::NotText { name: keep[place].clone() }));

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use bsm_batch::{Format, NumberColumn, NumberSink, TableError};
+use bsm_batch::{NumberColumn, TableError, TableSink};
 use bsm_case::{
     Answer, AxisReport, CATALOGUE_COLUMNS, Calibration, CaseError, Catalogue, Content,
     DesignReport, Fit, MakerNut, MakerRow, Moving, NutProblem, NutReport, Record, RequirementFile,
@@ -269,18 +269,13 @@ pub(crate) fn write_numbers(
     let names: Vec<_> = columns.iter().map(named).collect::<PyResult<_>>()?;
     let write = || -> Result<(), TableError> {
         let file = beside(&path)?;
-        let mut sink = match format {
-            Format::Csv => NumberSink::csv(file, &names)?,
-            Format::JsonLines => NumberSink::json_lines(file, &names),
-            Format::Parquet => NumberSink::parquet(file, &names)?,
-        };
+        let mut sink = TableSink::of_numbers(format, file, &names)?;
         let len = columns.first().map_or(0, |(_, values)| values.0.len());
         for first in (0..len).step_by(PART) {
             let rows = first..len.min(first + PART);
-            let part: Vec<_> = columns.iter().map(|(_, v)| v.0[rows.clone()].to_vec()).collect();
-            sink.write(&part)?;
+            sink.write_numbers(columns.iter().map(|(_, v)| v.0[rows.clone()].to_vec()).collect())?;
         }
-        sink.finish()?.persist(&path).map_err(|e| TableError::Io(e.error))?;
+        sink.finish(None)?.persist(&path).map_err(|e| TableError::Io(e.error))?;
         Ok(())
     };
     py.detach(write).map_err(|e| errors::table(&e))

@@ -2,16 +2,17 @@
 //!
 //! Few values are a dictionary and runs of keys. Numbers that vary get no dictionary: `BYTE_STREAM_SPLIT` puts
 //! the bytes of one place of all numbers together, where Snappy finds what they have in common. Measured on
-//! grids, that takes half the bytes of `PLAIN` in the same time.
+//! grids, that takes half the bytes of `PLAIN` in the same time. The encoders of the library do the same: 1e7 rows of
+//! a grid took 4.8 times as long with them and 1.15 times the bytes, as they look up every value by its hash and
+//! pack keys by bits.
 
-use std::borrow::Cow;
 use std::collections::HashMap;
-use std::hash::Hash;
 use std::iter::repeat_n;
 
+use arrow_array::{Array, Float64Array, StringArray};
 use bytes::Bytes;
 use foldhash::fast::FixedState;
-use parquet::basic::{Compression, Encoding, EncodingMask, PageType, Type};
+use parquet::basic::{Compression, Encoding, EncodingMask, PageType};
 use parquet::column::page::{CompressedPage, Page, PageWriter};
 use parquet::column::writer::ColumnCloseResult;
 use parquet::data_type::ByteArray;
@@ -28,29 +29,8 @@ pub(crate) const PACKED: Compression = Compression::SNAPPY;
 /// A column chunk, and what the footer says of it.
 pub(crate) type Encoded = (Bytes, ColumnCloseResult);
 
-/// A value of a dictionary.
-pub(crate) trait Word: Copy + Eq + Hash {
-    /// Appends it as `PLAIN` has it.
-    fn write(self, to: &mut Vec<u8>);
-}
-
-/// The bits of a number.
-impl Word for u64 {
-    fn write(self, to: &mut Vec<u8>) {
-        to.extend(self.to_le_bytes());
-    }
-}
-
-impl Word for &str {
-    fn write(self, to: &mut Vec<u8>) {
-        let length = u32::try_from(self.len()).unwrap_or(u32::MAX);
-        to.extend(length.to_le_bytes());
-        to.extend(self.as_bytes());
-    }
-}
-
-/// Begins a run, or as many groups of eight values, in the hybrid of both: a number by seven bits.
-fn header(mut number: usize, to: &mut Vec<u8>) {
+/// Appends a number by seven bits: it begins a run, or as many groups of eight values, in the hybrid of both.
+fn varint(mut number: usize, to: &mut Vec<u8>) {
     while number >= 0x80 {
         to.push(number.to_le_bytes()[0] | 0x80);
         number >>= 7;
@@ -82,7 +62,7 @@ impl Levels {
 
     fn end_run(&mut self) {
         if self.run > 0 {
-            header(self.run << 1, &mut self.bytes);
+            varint(self.run << 1, &mut self.bytes);
             self.bytes.push(self.there.into());
             self.run = 0;
         }
@@ -131,14 +111,15 @@ const LEAST_RUN: usize = 8;
 
 /// Rows as keys of a dictionary, in runs.
 #[derive(Debug)]
-pub(crate) struct Keys<T> {
-    words: Vec<T>,
-    places: HashMap<T, u16, FixedState>,
-    /// Place of the last word.
+struct Keys {
+    /// The values of the dictionary, as bits.
+    values: Vec<u64>,
+    places: HashMap<u64, u16, FixedState>,
+    /// Place of the last value.
     last: u16,
     /// Bytes of a key.
     width: usize,
-    /// Words that there may be.
+    /// Values that there may be.
     most: u16,
     levels: Levels,
     bytes: Vec<u8>,
@@ -146,11 +127,11 @@ pub(crate) struct Keys<T> {
     single: Vec<u16>,
 }
 
-impl<T: Word> Keys<T> {
-    /// No rows, with room for some words.
-    pub(crate) fn new(most: u16) -> Self {
+impl Keys {
+    /// No rows, with room for some values.
+    fn new(most: u16) -> Self {
         Self {
-            words: Vec::new(),
+            values: Vec::new(),
             places: HashMap::default(),
             last: 0,
             width: if most <= 1 << 8 { 1 } else { 2 },
@@ -161,35 +142,35 @@ impl<T: Word> Keys<T> {
         }
     }
 
-    /// Appends rows of the same value; false if it would be one word too many.
-    pub(crate) fn push(&mut self, word: Option<T>, rows: usize) -> bool {
-        if let Some(word) = word {
+    /// Appends rows of the same value; false if it would be one too many.
+    fn push(&mut self, value: Option<u64>, rows: usize) -> bool {
+        if let Some(value) = value {
             let next = self.next();
-            self.last = if self.words.get(usize::from(next)) == Some(&word) {
+            self.last = if self.values.get(usize::from(next)) == Some(&value) {
                 next
-            } else if let Some(place) = self.places.get(&word) {
+            } else if let Some(place) = self.places.get(&value) {
                 *place
             } else if let Some(place) =
-                u16::try_from(self.words.len()).ok().filter(|place| *place < self.most)
+                u16::try_from(self.values.len()).ok().filter(|place| *place < self.most)
             {
-                self.places.insert(word, place);
-                self.words.push(word);
+                self.places.insert(value, place);
+                self.values.push(value);
                 place
             } else {
                 return false;
             };
             self.push_key(rows);
         }
-        self.levels.push(word.is_some(), rows);
+        self.levels.push(value.is_some(), rows);
         true
     }
 
-    /// A grid goes on as it did before: the next word, and after the last one the first.
+    /// A grid goes on as it did before: the next value, and after the last one the first.
     fn next(&self) -> u16 {
-        if usize::from(self.last) + 1 < self.words.len() { self.last + 1 } else { 0 }
+        if usize::from(self.last) + 1 < self.values.len() { self.last + 1 } else { 0 }
     }
 
-    /// Appends the key of the last word.
+    /// Appends the key of the last value.
     fn push_key(&mut self, rows: usize) {
         // What lacks to a group of eight.
         let lacks = self.single.len().wrapping_neg() % LEAST_RUN;
@@ -197,7 +178,7 @@ impl<T: Word> Keys<T> {
         self.single.extend(repeat_n(self.last, single));
         if rows > single {
             self.end_single();
-            header((rows - single) << 1, &mut self.bytes);
+            varint((rows - single) << 1, &mut self.bytes);
             self.bytes.extend_from_slice(&self.last.to_le_bytes()[..self.width]);
         }
     }
@@ -206,7 +187,7 @@ impl<T: Word> Keys<T> {
         let groups = self.single.len().div_ceil(LEAST_RUN);
         if groups > 0 {
             self.single.resize(groups * LEAST_RUN, 0);
-            header(groups << 1 | 1, &mut self.bytes);
+            varint(groups << 1 | 1, &mut self.bytes);
             let keys = self.single.iter();
             if self.width == 1 {
                 self.bytes.extend(keys.map(|key| key.to_le_bytes()[0]));
@@ -218,18 +199,24 @@ impl<T: Word> Keys<T> {
     }
 
     /// The dictionary and the keys; neither without rows, no dictionary without values.
-    fn pages(mut self, column: &ColumnDescPtr) -> Result<Vec<CompressedPage>> {
+    ///
+    /// * `write`: appends a value of the dictionary as `PLAIN` has it.
+    fn pages(
+        mut self,
+        column: &ColumnDescPtr,
+        write: impl Fn(u64, &mut Vec<u8>),
+    ) -> Result<Vec<CompressedPage>> {
         if self.levels.rows == 0 {
             return Ok(Vec::new());
         }
-        if self.words.is_empty() {
+        if self.values.is_empty() {
             return Ok(vec![self.levels.page(column, Encoding::PLAIN, |_| {})?]);
         }
         let mut plain = Vec::new();
-        self.words.iter().for_each(|word| word.write(&mut plain));
+        self.values.iter().for_each(|value| write(*value, &mut plain));
         let dictionary = Page::DictionaryPage {
             buf: packed(&plain)?,
-            num_values: count(self.words.len())?,
+            num_values: count(self.values.len())?,
             encoding: Encoding::PLAIN,
             is_sorted: false,
         };
@@ -241,15 +228,13 @@ impl<T: Word> Keys<T> {
         })?;
         Ok(vec![CompressedPage::new(dictionary, plain.len()), keys])
     }
-}
 
-impl Keys<u64> {
     /// Appends numbers for as long as they go on as a grid does, none like the one after it; returns how many.
     fn push_next(&mut self, rows: &[f64]) -> usize {
         let mut pushed = 0;
         while pushed < rows.len() {
             let (next, rest) = (self.next(), &rows[pushed..]);
-            let mut more = alike(&self.words[usize::from(next)..], rest);
+            let mut more = alike(&self.values[usize::from(next)..], rest);
             let same = |x: &f64| x.to_bits() == rest[more - 1].to_bits();
             if more > 0 && rest.get(more).is_some_and(same) {
                 // A run begins.
@@ -269,51 +254,80 @@ impl Keys<u64> {
     }
 }
 
-/// How many numbers at the beginning of `rows` are these words.
-fn alike(words: &[u64], rows: &[f64]) -> usize {
+/// How many numbers at the beginning of `rows` are these values.
+fn alike(values: &[u64], rows: &[f64]) -> usize {
     /// Compared at once, whatever the first ones are.
     const BLOCK: usize = 64;
-    let same = |(word, x): (&u64, &f64)| *word == x.to_bits();
-    let blocks = words.chunks_exact(BLOCK).zip(rows.chunks_exact(BLOCK));
-    let all = |(words, rows): &(&[u64], &[f64])| {
-        words.iter().zip(*rows).fold(true, |all, pair| all & same(pair))
+    let same = |(value, x): (&u64, &f64)| *value == x.to_bits();
+    let blocks = values.chunks_exact(BLOCK).zip(rows.chunks_exact(BLOCK));
+    let all = |(values, rows): &(&[u64], &[f64])| {
+        values.iter().zip(*rows).fold(true, |all, pair| all & same(pair))
     };
     let first = BLOCK * blocks.take_while(all).count();
-    first + words[first..].iter().zip(&rows[first..]).take_while(|pair| same(*pair)).count()
+    first + values[first..].iter().zip(&rows[first..]).take_while(|pair| same(*pair)).count()
 }
 
-impl Keys<&'static str> {
+/// A column chunk of a few words.
+#[derive(Debug)]
+pub(crate) struct Words {
+    column: ColumnDescPtr,
+    /// The words, in the order of their keys.
+    words: Vec<String>,
+    keys: Keys,
+}
+
+impl Words {
+    /// No rows; `most` is the size of a dictionary.
+    pub(crate) fn new(column: ColumnDescPtr, most: u16) -> Self {
+        Self { column, words: Vec::new(), keys: Keys::new(most) }
+    }
+
+    /// Appends rows.
+    pub(crate) fn push(&mut self, rows: &StringArray) {
+        let word = |row: usize| rows.is_valid(row).then(|| rows.value(row));
+        let mut row = 0;
+        while row < rows.len() {
+            let this = word(row);
+            let end = (row + 1..rows.len()).find(|other| word(*other) != this);
+            let end = end.unwrap_or(rows.len());
+            let key = this.map(|this| {
+                let known = self.words.iter().position(|word| word == this);
+                known.unwrap_or_else(|| {
+                    self.words.push(this.to_owned());
+                    self.words.len() - 1
+                }) as u64
+            });
+            self.keys.push(key, end - row);
+            row = end;
+        }
+    }
+
     /// The column chunk.
-    pub(crate) fn finish(self, column: &ColumnDescPtr) -> Result<Encoded> {
-        let end = |word: Option<&&str>| word.map(|word| ByteArray::from(*word));
-        let (least, most) = (end(self.words.iter().min()), end(self.words.iter().max()));
-        let nulls = self.levels.nulls as u64;
-        let mut pages = Pages::default();
-        let statistics = Statistics::byte_array(least, most, None, Some(nulls), false);
-        pages.write(self.pages(column)?)?;
-        pages.finish(column, statistics)
+    pub(crate) fn finish(self) -> Result<Encoded> {
+        let Self { column, words, keys } = self;
+        let end = |word: Option<&String>| word.map(|word| ByteArray::from(word.as_str()));
+        let (least, most) = (end(words.iter().min()), end(words.iter().max()));
+        let nulls = Some(keys.levels.nulls as u64);
+        let pages = keys.pages(&column, |key, to| {
+            let word = usize::try_from(key).ok().and_then(|key| words.get(key));
+            let word = word.map_or("", String::as_str);
+            to.extend(u32::try_from(word.len()).unwrap_or(u32::MAX).to_le_bytes());
+            to.extend(word.as_bytes());
+        })?;
+        chunk(&column, pages, Statistics::byte_array(least, most, None, nulls, false))
     }
 }
 
-/// A number as it stands in the file.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small counts")]
-fn bits(value: f64, whole: bool) -> u64 {
-    if whole { value as u64 } else { value.to_bits() }
-}
-
 /// A column chunk of numbers, NaN or not.
-#[derive(Debug)]
 pub(crate) struct Numbers {
     column: ColumnDescPtr,
-    /// True for whole numbers without sign, false for `f64`.
-    whole: bool,
-    /// Words that a dictionary may have.
+    /// Values that a dictionary may have.
     most: u16,
-    /// The rows at the beginning, until there were too many words.
-    keys: Keys<u64>,
+    /// The rows at the beginning, until there were too many values.
+    keys: Keys,
     varies: bool,
     /// All other rows.
-    pages: Pages,
+    pages: Vec<CompressedPage>,
     least: f64,
     greatest: f64,
     nulls: usize,
@@ -323,56 +337,51 @@ impl Numbers {
     /// No rows; `most` is the size of a dictionary.
     pub(crate) fn new(column: ColumnDescPtr, most: u16) -> Self {
         Self {
-            whole: column.physical_type() == Type::INT64,
             column,
             most,
             keys: Keys::new(most),
             varies: false,
-            pages: Pages::default(),
+            pages: Vec::new(),
             least: f64::INFINITY,
             greatest: f64::NEG_INFINITY,
             nulls: 0,
         }
     }
 
-    /// Appends rows; all have a value unless `there` says which.
-    pub(crate) fn push(&mut self, values: &[f64], there: Option<&[bool]>) -> Result<()> {
+    /// Appends rows.
+    pub(crate) fn push(&mut self, rows: &Float64Array) -> Result<()> {
         let mut first = 0;
         if !self.varies {
-            first = self.push_keys(values, there);
-            self.varies = first < values.len();
+            first = self.push_keys(rows);
+            self.varies = first < rows.len();
             if self.varies && self.keys.levels.rows == first {
                 // All rows are like these.
                 self.keys = Keys::new(self.most);
                 first = 0;
             }
         }
-        if first < values.len() {
-            self.push_page(&values[first..], there.map(|there| &there[first..]))?;
+        if first < rows.len() {
+            self.push_page(&rows.slice(first, rows.len() - first))?;
         }
         Ok(())
     }
 
     /// Appends rows as keys, and returns the first one that the dictionary has no room for.
-    fn push_keys(&mut self, values: &[f64], there: Option<&[bool]>) -> usize {
-        let is_there = |row: usize| there.is_none_or(|there| there[row]);
-        let same = |a: usize, b: usize| {
-            values[a].to_bits() == values[b].to_bits() && is_there(a) == is_there(b)
-        };
+    fn push_keys(&mut self, rows: &Float64Array) -> usize {
+        let (values, gaps) = (&rows.values()[..], rows.null_count() > 0);
+        let word = |row: usize| (!gaps || rows.is_valid(row)).then(|| values[row].to_bits());
         let mut row = 0;
         while row < values.len() {
-            if there.is_none() && self.keys.words.len() > 1 {
+            if !gaps && self.keys.values.len() > 1 {
                 row += self.keys.push_next(&values[row..]);
                 if row == values.len() {
                     break;
                 }
             }
-            let mut end = row + 1;
-            while end < values.len() && same(row, end) {
-                end += 1;
-            }
-            let word = is_there(row).then(|| values[row].to_bits());
-            if !self.keys.push(word, end - row) {
+            let this = word(row);
+            let end = (row + 1..values.len()).find(|other| word(*other) != this);
+            let end = end.unwrap_or(values.len());
+            if !self.keys.push(this, end - row) {
                 break;
             }
             row = end;
@@ -381,30 +390,28 @@ impl Numbers {
     }
 
     /// Appends rows as a page of their own.
-    fn push_page(&mut self, values: &[f64], there: Option<&[bool]>) -> Result<()> {
+    fn push_page(&mut self, rows: &Float64Array) -> Result<()> {
         let mut levels = Levels::default();
-        let given: Cow<'_, [f64]> = if let Some(there) = there {
-            for there in there {
-                levels.push(*there, 1);
-            }
-            values.iter().zip(there).filter_map(|(value, there)| there.then_some(*value)).collect()
+        let given: Vec<f64>;
+        let values = if rows.null_count() > 0 {
+            (0..rows.len()).for_each(|row| levels.push(rows.is_valid(row), 1));
+            given = rows.iter().flatten().collect();
+            &given[..]
         } else {
-            levels.push(true, values.len());
-            values.into()
+            levels.push(true, rows.len());
+            &rows.values()[..]
         };
-        self.widen(&given);
+        self.widen(values);
         self.nulls += levels.nulls;
-        let whole = self.whole;
-        let plain = whole || given.is_empty();
-        let encoding = if plain { Encoding::PLAIN } else { Encoding::BYTE_STREAM_SPLIT };
+        let encoding =
+            if values.is_empty() { Encoding::PLAIN } else { Encoding::BYTE_STREAM_SPLIT };
         let page = levels.page(&self.column, encoding, |page| {
-            if plain {
-                page.extend(given.iter().flat_map(|x| bits(*x, whole).to_le_bytes()));
-            } else {
-                by_places(&given, page);
+            if !values.is_empty() {
+                split_bytes(values, page);
             }
         })?;
-        self.pages.write(vec![page])
+        self.pages.push(page);
+        Ok(())
     }
 
     /// Puts values between the least and the greatest one; NaN is none.
@@ -417,33 +424,23 @@ impl Numbers {
 
     /// The column chunk.
     pub(crate) fn finish(mut self) -> Result<Encoded> {
-        let words: Vec<_> = self.keys.words.iter().map(|word| f64::from_bits(*word)).collect();
-        self.widen(&words);
-        self.keys.words = words.iter().map(|value| bits(*value, self.whole)).collect();
-        self.nulls += self.keys.levels.nulls;
+        let values: Vec<_> = self.keys.values.iter().map(|bits| f64::from_bits(*bits)).collect();
+        self.widen(&values);
         // There may be none, or only NaN; which zero it was is not told.
         let any = self.least <= self.greatest;
         let [least, greatest] = [(self.least, -0.0), (self.greatest, 0.0)]
             .map(|(end, zero)| any.then_some(if end.abs() > 0.0 { end } else { zero }));
-        let nulls = Some(self.nulls as u64);
-        let statistics = if self.whole {
-            #[expect(clippy::cast_possible_truncation, reason = "small counts")]
-            let [least, greatest] = [least, greatest].map(|end| end.map(|end| end as i64));
-            Statistics::int64(least, greatest, None, nulls, false)
-        } else {
-            Statistics::double(least, greatest, None, nulls, false)
-        };
-        let mut pages = Pages::default();
-        pages.write(self.keys.pages(&self.column)?)?;
-        pages.append(self.pages);
-        pages.finish(&self.column, statistics)
+        let nulls = Some((self.nulls + self.keys.levels.nulls) as u64);
+        let mut pages = self.keys.pages(&self.column, |bits, to| to.extend(bits.to_le_bytes()))?;
+        pages.append(&mut self.pages);
+        chunk(&self.column, pages, Statistics::double(least, greatest, None, nulls, false))
     }
 }
 
 /// Appends the first bytes of all numbers, then all second ones, and so on: `BYTE_STREAM_SPLIT`.
 ///
 /// * `values`: one at least.
-fn by_places(values: &[f64], to: &mut Vec<u8>) {
+fn split_bytes(values: &[f64], to: &mut Vec<u8>) {
     const BLOCK: usize = 64;
     let first = to.len();
     to.resize(first + 8 * values.len(), 0);
@@ -465,76 +462,53 @@ fn by_places(values: &[f64], to: &mut Vec<u8>) {
     }
 }
 
-/// Pages of a column chunk, one behind the other.
-#[derive(Debug, Default)]
-struct Pages {
-    bytes: Vec<u8>,
-    /// Length of the dictionary, which is first.
-    dictionary: Option<usize>,
-    /// Length before packing.
-    unpacked: usize,
-    rows: usize,
-    encodings: Vec<PageEncodingStats>,
-}
-
-impl Pages {
-    fn write(&mut self, pages: Vec<CompressedPage>) -> Result<()> {
-        let mut out = TrackedWrite::new(&mut self.bytes);
-        let mut writer = SerializedPageWriter::new(&mut out);
-        for page in pages {
-            let (page_type, encoding, rows) =
-                (page.page_type(), page.encoding(), page.num_values());
-            let written = writer.write_page(page)?;
-            self.unpacked += written.uncompressed_size;
-            if page_type == PageType::DICTIONARY_PAGE {
-                self.dictionary = Some(written.compressed_size);
-            } else {
-                self.rows += rows as usize;
-            }
-            self.encodings.push(PageEncodingStats { page_type, encoding, count: 1 });
-        }
-        Ok(())
-    }
-
-    /// Appends pages without a dictionary.
-    fn append(&mut self, mut other: Self) {
-        if self.bytes.is_empty() {
-            *self = other;
+/// The column chunk of some pages, of which a dictionary is the first.
+fn chunk(
+    column: &ColumnDescPtr,
+    pages: Vec<CompressedPage>,
+    statistics: Statistics,
+) -> Result<Encoded> {
+    let mut bytes = Vec::new();
+    let (mut unpacked, mut rows, mut dictionary) = (0, 0, None);
+    let (mut kinds, mut encodings) = (vec![Encoding::RLE], Vec::new());
+    let mut out = TrackedWrite::new(&mut bytes);
+    let mut writer = SerializedPageWriter::new(&mut out);
+    for page in pages {
+        let (page_type, encoding) = (page.page_type(), page.encoding());
+        let values = u64::from(page.num_values());
+        let written = writer.write_page(page)?;
+        unpacked += written.uncompressed_size as u64;
+        if page_type == PageType::DICTIONARY_PAGE {
+            dictionary = Some(written.compressed_size as u64);
         } else {
-            self.bytes.append(&mut other.bytes);
-            self.unpacked += other.unpacked;
-            self.rows += other.rows;
-            self.encodings.append(&mut other.encodings);
+            rows += values;
         }
+        kinds.push(encoding);
+        encodings.push(PageEncodingStats { page_type, encoding, count: 1 });
     }
-
-    fn finish(self, column: &ColumnDescPtr, statistics: Statistics) -> Result<Encoded> {
-        let Self { bytes, dictionary, unpacked, rows, encodings } = self;
-        let (length, rows) = (bytes.len() as u64, rows as u64);
-        let signed = |number: u64| i64::try_from(number).unwrap_or(i64::MAX);
-        let mut kinds = vec![Encoding::RLE];
-        kinds.extend(encodings.iter().map(|page| page.encoding));
-        let metadata = ColumnChunkMetaData::builder(column.clone())
-            .set_compression(PACKED)
-            .set_encodings_mask(EncodingMask::new_from_encodings(kinds.iter()))
-            .set_page_encoding_stats(encodings)
-            .set_total_compressed_size(signed(length))
-            .set_total_uncompressed_size(signed(unpacked as u64))
-            .set_num_values(signed(rows))
-            .set_dictionary_page_offset(dictionary.map(|_| 0))
-            .set_data_page_offset(signed(dictionary.unwrap_or(0) as u64))
-            .set_statistics(statistics)
-            .build()?;
-        let close = ColumnCloseResult {
-            bytes_written: length,
-            rows_written: rows,
-            metadata,
-            bloom_filter: None,
-            column_index: None,
-            offset_index: None,
-        };
-        Ok((bytes.into(), close))
-    }
+    drop(out);
+    let signed = |number: u64| i64::try_from(number).unwrap_or(i64::MAX);
+    let length = bytes.len() as u64;
+    let metadata = ColumnChunkMetaData::builder(column.clone())
+        .set_compression(PACKED)
+        .set_encodings_mask(EncodingMask::new_from_encodings(kinds.iter()))
+        .set_page_encoding_stats(encodings)
+        .set_total_compressed_size(signed(length))
+        .set_total_uncompressed_size(signed(unpacked))
+        .set_num_values(signed(rows))
+        .set_dictionary_page_offset(dictionary.map(|_| 0))
+        .set_data_page_offset(signed(dictionary.unwrap_or(0)))
+        .set_statistics(statistics)
+        .build()?;
+    let close = ColumnCloseResult {
+        bytes_written: length,
+        rows_written: rows,
+        metadata,
+        bloom_filter: None,
+        column_index: None,
+        offset_index: None,
+    };
+    Ok((bytes.into(), close))
 }
 
 #[cfg(test)]
@@ -543,7 +517,7 @@ mod tests {
 
     use arrow_array::ArrayRef;
     use arrow_array::cast::AsArray;
-    use arrow_array::types::{Float64Type, Int64Type};
+    use arrow_array::types::Float64Type;
     use parquet::arrow::arrow_reader::ParquetRecordBatchReader;
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::file::writer::SerializedFileWriter;
@@ -606,9 +580,7 @@ mod tests {
                         expected.push(there.then(|| value(kind, row, &mut rng)));
                     }
                     let rows = &expected[first..];
-                    let values: Vec<_> = rows.iter().map(|x| x.unwrap_or(f64::NAN)).collect();
-                    let there: Vec<_> = rows.iter().map(Option::is_some).collect();
-                    numbers.push(&values, there.contains(&false).then_some(&there[..]))?;
+                    numbers.push(&rows.iter().copied().collect())?;
                     if rng.random_range(0..4) == 0 {
                         kind = rng.random_range(0..5);
                     }
@@ -635,34 +607,16 @@ mod tests {
         }
     }
 
-    /// More counts than a dictionary has room for stand in full.
-    #[test]
-    fn counts_are_whole_numbers() {
-        for most in [2_u16, 300] {
-            let bytes = file("optional int64 x", |column| {
-                let mut counts = Numbers::new(column.clone(), most);
-                counts.push(&[3.0, 3.0, 5.0], None)?;
-                counts.push(&[5.0, f64::NAN, 9.0], Some(&[true, false, true]))?;
-                counts.finish()
-            });
-            let found: Vec<_> = read(&bytes)[0].as_primitive::<Int64Type>().iter().collect();
-            assert_eq!(found, [Some(3), Some(3), Some(5), Some(5), None, Some(9)]);
-            let Statistics::Int64(told) = statistics(&bytes) else { panic!("no counts") };
-            assert_eq!((told.min_opt(), told.max_opt()), (Some(&3), Some(&9)));
-        }
-    }
-
     /// A million equal words take no more bytes than a few.
     #[test]
     fn words_cost_by_the_run() {
         let names = [Some("rigid"), None, Some("elastic"), Some("rigid")];
         let rows = [250_000, 3, 17, 750_000];
+        let all = || names.into_iter().zip(rows).flat_map(|(name, rows)| repeat_n(name, rows));
         let bytes = file("optional binary x (UTF8)", |column| {
-            let mut keys = Keys::new(4);
-            for (name, rows) in names.into_iter().zip(rows) {
-                assert!(keys.push(name, rows));
-            }
-            let encoded = keys.finish(column)?;
+            let mut words = Words::new(column.clone(), 4);
+            words.push(&all().collect());
+            let encoded = words.finish()?;
             assert!(encoded.0.len() < 200, "{} bytes", encoded.0.len());
             Ok(encoded)
         });
@@ -670,9 +624,7 @@ mod tests {
         for array in read(&bytes) {
             found.extend(array.as_string::<i32>().iter().map(|name| name.map(str::to_owned)));
         }
-        let wanted =
-            names.into_iter().zip(rows).flat_map(|(name, rows)| std::iter::repeat_n(name, rows));
-        assert!(found.iter().map(Option::as_deref).eq(wanted));
+        assert!(found.iter().map(Option::as_deref).eq(all()));
         let Statistics::ByteArray(told) = statistics(&bytes) else { panic!("no words") };
         let ends = [told.min_opt(), told.max_opt()].map(|end| end.expect("words").data().to_vec());
         assert_eq!(ends, [b"elastic".to_vec(), b"rigid".to_vec()]);

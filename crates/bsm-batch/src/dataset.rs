@@ -40,8 +40,10 @@ pub use self::points::{Points, sha256};
 
 use self::folder::{Folder, complete};
 use self::part::{Proving, kind, prove, seal};
-use crate::arrow_table::ArrowSink;
-use crate::{Answers, Chunk, Count, ParquetSink, RunError, Source, Task, Workers};
+use crate::table::MemorySink;
+use crate::{
+    Answers, Chunk, Count, Dialect, Format, RunError, Source, TableError, TableSink, Task, Workers,
+};
 
 /// A part that is written and has no name yet.
 type Unnamed = BufWriter<NamedTempFile>;
@@ -160,15 +162,21 @@ pub fn solve_part(
     let place = plan.place(shard)?;
     let mut source = points.open().map_err(DatasetError::Read)?;
     source.skip(place.first_row).map_err(DatasetError::Read)?;
-    let sink = ArrowSink::new(source.columns(), &task.outputs);
+    let sink = MemorySink::new(source.columns(), &task.outputs);
     let run = task.run(source.as_mut(), sink, place.rows, workers, &mut |_, _| {});
-    let (sink, count) = run.map_err(|error| match error {
-        RunError::Read(error) | RunError::Write(error) => DatasetError::Read(error),
+    let (sink, count) = run.map_err(|error| not_solved(error, DatasetError::Read))?;
+    place.check(count)?;
+    Ok((sink.schema, sink.tables))
+}
+
+/// What ended the solve of a part.
+fn not_solved(error: RunError, unwritable: impl Fn(TableError) -> DatasetError) -> DatasetError {
+    match error {
+        RunError::Read(error) => DatasetError::Read(error),
+        RunError::Write(error) => unwritable(error),
         RunError::Thread(error) => DatasetError::Thread(error),
         RunError::Stopped => DatasetError::Stopped,
-    })?;
-    place.check(count)?;
-    Ok((sink.schema, sink.batches))
+    }
 }
 
 /// A folder and its plan.
@@ -404,20 +412,15 @@ impl Dataset {
         let place = self.plan.place(shard)?;
         let path = self.part_file(shard);
         let unwritable = |error| DatasetError::Write { path: path.clone(), error };
-        let failed = |error| match error {
-            RunError::Read(error) => DatasetError::Read(error),
-            RunError::Write(error) => unwritable(error),
-            RunError::Thread(error) => DatasetError::Thread(error),
-            RunError::Stopped => DatasetError::Stopped,
-        };
         let file = self.folder.unfinished(&path, self.plan.id())?;
         let out = Proving::new(BufWriter::new(file));
         let mut seen = |chunk: &Chunk, answers: &Answers| tell(Event::Solved(chunk, answers));
-        let sink = ParquetSink::new(out, source.columns(), &task.outputs).map_err(unwritable)?;
-        let run = task.run(source, sink, place.rows, workers, &mut seen);
-        let (sink, count) = run.map_err(failed)?;
+        let (columns, signs) = (source.columns(), Dialect::default());
+        let sink = TableSink::new(Format::Parquet, out, columns, &task.outputs, &signs);
+        let run = task.run(source, sink.map_err(unwritable)?, place.rows, workers, &mut seen);
+        let (sink, count) = run.map_err(|error| not_solved(error, unwritable))?;
         place.check(count)?;
-        seal(sink.into_file().map_err(unwritable)?, place, count).map_err(unwritable)
+        seal(sink, place, count).map_err(unwritable)
     }
 
     /// Gives a part that is solved its name.

@@ -182,14 +182,12 @@ impl Source for DrawSource {
 
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
         let end = self.draws.count.min(self.at.saturating_add(rows as u64));
-        let len = usize::try_from(end - self.at).unwrap_or(rows);
-        let mut chunk = Chunk::empty(self.at + 1, &self.columns, len);
-        for (place, column) in chunk.inputs.iter_mut().enumerate() {
-            column.extend_with(|values| self.draws.fill(place, self.at..end, values));
-        }
-        chunk.len = len;
+        let (rows, first) = (self.at..end, self.at + 1);
+        let len = usize::try_from(end - self.at).unwrap_or(usize::MAX);
         self.at = end;
-        Ok(chunk.filled())
+        Ok(Chunk::of_numbers(first, len, &self.columns, |place, values| {
+            self.draws.fill(place, rows.clone(), values);
+        }))
     }
 
     fn skip(&mut self, rows: u64) -> Result<(), TableError> {
@@ -231,7 +229,7 @@ mod tests {
         source.skip(19_990).expect("never fails");
         let chunk = source.next(100).expect("never fails").expect("rows");
         assert_eq!((chunk.first, chunk.len), (19_991, 10));
-        assert_eq!(chunk.inputs[0].values(), column(&draws, 0, 19_990..20_000));
+        assert_eq!(chunk.inputs[0].values()[..], column(&draws, 0, 19_990..20_000));
         assert!(source.next(1).expect("never fails").is_none());
     }
 

@@ -11,9 +11,6 @@ pub enum TableError {
     /// The file or the disk.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// Not to be written as CSV.
-    #[error("cannot be written as CSV: {0}")]
-    Csv(csv::Error),
     /// A line with another number of cells than the first.
     #[error("line {line} has {found} cells, but the table has {columns} columns")]
     Ragged {
@@ -183,18 +180,6 @@ fn twice([one, other]: &[String; 2]) -> String {
             brief(one),
             brief(other)
         )
-    }
-}
-
-impl From<csv::Error> for TableError {
-    fn from(error: csv::Error) -> Self {
-        match error.kind() {
-            csv::ErrorKind::Io(_) => match error.into_kind() {
-                csv::ErrorKind::Io(io) => Self::Io(io),
-                _ => unreachable!("the kind was asked"),
-            },
-            _ => Self::Csv(error),
-        }
     }
 }
 

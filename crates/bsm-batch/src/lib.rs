@@ -39,14 +39,13 @@
 //! ```
 
 pub mod arrow_column;
-mod arrow_table;
 mod column_chunk;
+mod columns;
 pub mod dataset;
 mod dialect;
 mod draws;
 mod error;
 mod lines;
-mod numbers;
 mod operand;
 mod pages;
 mod parquet_table;
@@ -57,17 +56,17 @@ mod source;
 mod table;
 mod text;
 
+pub use columns::{Columns, Heading};
 pub use dialect::Dialect;
 pub use draws::{Draw, DrawSource, Draws};
 pub use error::TableError;
-pub use numbers::{NumberColumn, NumberRows, NumberSink};
-pub use parquet_table::{ParquetSink, ParquetSource, caught, hush_caught_panics};
+pub use parquet_table::{ParquetSource, caught, hush_caught_panics};
 pub use pipeline::{Count, ROWS, RunError, Task, Workers};
-pub use rows::{Answers, Cell, Chunk, Column, Columns, Heading, Verdict};
+pub use rows::{Answers, Cell, Cells, Chunk, Verdict};
 pub use solve::{Room, Told};
 pub use source::{GridSource, Source};
-pub use table::{ABOUT, Format, TableSink};
-pub use text::{CsvSink, CsvSource, JsonSink, JsonSource};
+pub use table::{ABOUT, Format, NumberColumn, TableSink};
+pub use text::{CsvSource, JsonSource};
 
 /// Where answered rows go.
 pub trait Sink {

@@ -1,81 +1,139 @@
-//! Columns of a chunk and values of the base scene as the inputs of a kernel.
+//! Which model answers the rows of a table many at a time, and where it has its inputs from.
 
 use std::borrow::Cow;
 
+use arrow_array::Array;
 use bsm_case::{INPUTS, Input, InputKey, InputSet, ModelChoice, Scene, Settings, following};
-use bsm_dyn::{Model, RacewayFriction};
+use bsm_dyn::{Lubricant, Model, RacewayFriction};
 use bsm_kernels::{Operand, Operands, is_plain};
 
-use crate::rows::{Chunk, Columns};
+use crate::{Cell, Chunk, Columns};
 
-/// The inputs, and the model that answers ordinary rows, which have a value in every column;
-/// `None` if the model depends on the row, or if something is wrong that every
-/// row must tell.
-pub(crate) fn operands<'a>(
-    chunk: &'a Chunk,
-    columns: &Columns,
-    base: &Scene,
-    settings: &Settings,
-) -> Option<(Operands<'a>, Model)> {
-    settings.check().ok()?;
-    let in_row = |cells: InputSet| base.stated().overridden_by(cells);
-    let cells = columns.set();
-    let ordinary = in_row(cells);
-    ordinary.check_forms().ok()?;
-    // Rows that a model does not cover are not ordinary either.
-    let choice = settings.model.resolve(ordinary, |_| Ok(())).ok()?;
-    let ModelChoice::Fixed(model) = choice else { return None };
-    let lubricant = if ordinary.is_lubricated() {
-        if model != Model::RacewayControl || settings.friction != RacewayFriction::PerContact {
-            return None;
-        }
-        Some(base.lubricant_but_for_temperature(cells)?)
-    } else {
-        None
-    };
-    let mut operands = [const { Operand::Absent }; INPUTS.len()];
-    for (key, operand) in InputKey::ALL.into_iter().zip(&mut operands) {
-        let Input { rule, default, .. } = *key.input();
-        if let Some(place) = columns.inputs.iter().position(|column| *column == key) {
-            // A row without this cell is ordinary if its other cells leave the value to the base.
-            let has_same =
-                |set: InputSet| set | InputSet::WITH_DEFAULT == ordinary | InputSet::WITH_DEFAULT;
-            let filled = has_same(in_row(cells - InputSet::of(&[key])));
-            let value = base.value_or_default(key).filter(|_| filled);
-            *operand = Operand::Column(rule, chunk.inputs[place].filled(value));
-        } else if let Some(value) = follows(key, chunk, columns, base, ordinary) {
-            *operand = Operand::Column(rule, Cow::Owned(value));
-        } else if let Some(value) =
-            base.value_or_default(key).filter(|_| ordinary.completed().contains(key))
-        {
-            if !rule.holds(value) || !is_plain(value) {
-                return None;
-            }
-            *operand = Operand::Constant(value);
-        } else if let Some(value) = default {
-            *operand = Operand::Constant(value);
-        }
-    }
-    Some((Operands::new(operands, lubricant), model))
+/// Where a kernel has an input from.
+#[derive(Debug, Clone, Copy)]
+enum Origin {
+    /// It has none.
+    Absent,
+    /// The base scene, or the default.
+    Constant(f64),
+    /// A column, by its place, and what a row without a value takes: that of the base scene, if the other cells of
+    /// the row leave it to that.
+    Column(usize, Option<f64>),
+    /// Other inputs, of which some are columns.
+    Others,
 }
 
-/// The values of an input that follows from columns where it is not given.
-fn follows(
-    key: InputKey,
-    chunk: &Chunk,
-    columns: &Columns,
-    base: &Scene,
-    ordinary: InputSet,
-) -> Option<Vec<f64>> {
-    if ordinary.contains(key) || !ordinary.completed().contains(key) {
-        return None;
+/// How a kernel answers the rows of a table that have a value in every column, made once for all of them.
+#[derive(Debug)]
+pub(crate) struct ColumnPlan<'a> {
+    pub(crate) model: Model,
+    base: &'a Scene,
+    columns: &'a Columns,
+    /// Inputs that such a row has.
+    given: InputSet,
+    lubricant: Option<Lubricant>,
+    origins: [Origin; INPUTS.len()],
+}
+
+impl<'a> ColumnPlan<'a> {
+    /// `None` if the model depends on the row, or if something is wrong that every row must tell.
+    pub(crate) fn new(base: &'a Scene, settings: &Settings, columns: &'a Columns) -> Option<Self> {
+        settings.check().ok()?;
+        let cells = columns.set();
+        let in_row = |cells: InputSet| base.stated().overridden_by(cells);
+        let given = in_row(cells);
+        given.check_forms().ok()?;
+        // Rows that a model does not cover are left to it too.
+        let choice = settings.model.resolve(given, |_| Ok(())).ok()?;
+        let ModelChoice::Fixed(model) = choice else { return None };
+        let lubricant = if given.is_lubricated() {
+            if model != Model::RacewayControl || settings.friction != RacewayFriction::PerContact {
+                return None;
+            }
+            Some(base.lubricant_but_for_temperature(cells)?)
+        } else {
+            None
+        };
+        let mut plan = Self {
+            model,
+            base,
+            columns,
+            given,
+            lubricant,
+            origins: [Origin::Absent; INPUTS.len()],
+        };
+        for (place, key) in InputKey::ALL.into_iter().enumerate() {
+            let Input { rule, default, .. } = *key.input();
+            let completed = given.completed().contains(key);
+            let of_base = base.value_or_default(key);
+            plan.origins[place] = if let Some(column) = plan.column(key) {
+                let without = in_row(cells - InputSet::of(&[key])) | InputSet::WITH_DEFAULT;
+                let leaves = without == given | InputSet::WITH_DEFAULT;
+                Origin::Column(column, of_base.filter(|_| leaves))
+            } else if completed && !given.contains(key) && plan.follows(key, |_| 0.0).is_some() {
+                Origin::Others
+            } else if let Some(value) = of_base.filter(|_| completed) {
+                if !rule.holds(value) || !is_plain(value) {
+                    return None;
+                }
+                Origin::Constant(value)
+            } else {
+                default.map_or(Origin::Absent, Origin::Constant)
+            };
+        }
+        Some(plan)
     }
-    let place = |key| columns.inputs.iter().position(|column| *column == key);
-    let value = |row: usize| {
-        following(key, |from| match place(from) {
-            Some(place) => Some(chunk.inputs[place].values()[row]),
-            None => base[from].filter(|_| ordinary.contains(from)),
+
+    fn column(&self, key: InputKey) -> Option<usize> {
+        self.columns.inputs.iter().position(|column| *column == key)
+    }
+
+    /// The value of an input that follows from others.
+    ///
+    /// * `cell`: the value of a column, by its place.
+    fn follows(&self, key: InputKey, cell: impl Fn(usize) -> f64) -> Option<f64> {
+        following(key, |from| match self.column(from) {
+            Some(place) => Some(cell(place)),
+            None => self.base[from].filter(|_| self.given.contains(from)),
         })
-    };
-    (0..chunk.len).map(value).collect()
+    }
+
+    /// The inputs of a chunk.
+    pub(crate) fn operands<'c>(&self, chunk: &'c Chunk) -> Operands<'c> {
+        let mut operands = [const { Operand::Absent }; INPUTS.len()];
+        for ((key, operand), origin) in
+            InputKey::ALL.into_iter().zip(&mut operands).zip(&self.origins)
+        {
+            let rule = key.input().rule;
+            *operand = match *origin {
+                Origin::Absent => Operand::Absent,
+                Origin::Constant(value) => Operand::Constant(value),
+                Origin::Column(place, or) => Operand::Column(rule, numbers(chunk, place, or)),
+                Origin::Others => {
+                    let cell = |row, place| match chunk.cell(row, place) {
+                        Cell::Number(value) => value,
+                        _ => f64::NAN,
+                    };
+                    let value = |row| self.follows(key, |place| cell(row, place));
+                    let values = (0..chunk.len).map(|row| value(row).unwrap_or(f64::NAN));
+                    Operand::Column(rule, values.collect())
+                }
+            };
+        }
+        Operands::new(operands, self.lubricant)
+    }
+}
+
+/// The values of a column, with `or` where nothing is given, NaN where there is none.
+fn numbers(chunk: &Chunk, place: usize, or: Option<f64>) -> Cow<'_, [f64]> {
+    let input = &chunk.inputs[place];
+    if input.null_count() == 0 {
+        return Cow::Borrowed(input.values());
+    }
+    let or = or.unwrap_or(f64::NAN);
+    let mut values: Vec<_> = input.iter().map(|x| x.unwrap_or(or)).collect();
+    for (row, _) in chunk.texts.keys().filter(|(_, column)| *column == place) {
+        values[*row] = f64::NAN;
+    }
+    values.into()
 }

@@ -7,9 +7,8 @@ use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
 use arrow_array::{Array, ArrayRef, RecordBatch, StringArray};
-use arrow_schema::{DataType, Field, Schema};
+use arrow_schema::{DataType, FieldRef, Schema, SchemaRef};
 use arrow_select::concat::concat;
-use bsm_case::Output;
 use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader,
     ParquetRecordBatchReaderBuilder,
@@ -24,11 +23,11 @@ use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::ColumnDescPtr;
 use rayon::prelude::*;
 
-use crate::arrow_table::{flags, messages, schema};
-use crate::column_chunk::{Keys, Numbers, PACKED};
+use crate::column_chunk::{Numbers, PACKED, Words};
+use crate::columns::{ANSWERS, Columns, UNIT};
 use crate::pages::Pages;
-use crate::rows::{ANSWERS, Answers, Cell, Chunk, Columns, TEXT};
-use crate::{Dialect, Sink, Source, TableError, arrow_column};
+use crate::rows::{Chunk, TEXT};
+use crate::{Dialect, Source, TableError, arrow_column};
 
 thread_local! {
     static CAUGHT: cell::Cell<bool> = const { cell::Cell::new(false) };
@@ -199,21 +198,23 @@ impl Source for ParquetSource {
     }
 
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
-        let mut chunk = Chunk::empty(self.row + 1, &self.columns, rows);
-        let (mut text, mut kept) = (0, vec![Vec::new(); self.columns.kept.len()]);
-        while chunk.len < rows && text < TEXT {
+        let Columns { input_places, kept_places, kept_types, .. } = &self.columns;
+        let (input_places, kept_places) = (input_places.clone(), kept_places.clone());
+        let kinds = kept_types.clone();
+        let mut inputs = vec![Vec::new(); input_places.len()];
+        let mut kept = vec![Vec::new(); kept_places.len()];
+        let (mut len, mut text) = (0, 0);
+        while len < rows && text < TEXT {
             let Some(batch) = self.batch()? else { break };
-            let columns: Vec<_> =
-                self.columns.kept_places.iter().map(|place| batch.column(*place)).collect();
+            let columns: Vec<_> = kept_places.iter().map(|place| batch.column(*place)).collect();
             let texts: Vec<_> = columns.iter().filter_map(|c| c.as_string_view_opt()).collect();
             let mut taken = 0;
-            while taken < batch.num_rows() && chunk.len < rows && text < TEXT {
+            while taken < batch.num_rows() && len < rows && text < TEXT {
                 text += texts.iter().map(|texts| texts.value(taken).len()).sum::<usize>();
-                chunk.len += 1;
+                len += 1;
                 taken += 1;
             }
-            let kinds = &self.columns.kept_types;
-            for ((parts, column), kind) in kept.iter_mut().zip(columns).zip(kinds) {
+            for ((parts, column), kind) in kept.iter_mut().zip(columns).zip(&kinds) {
                 let part = column.slice(0, taken);
                 parts.push(match part.as_string_view_opt() {
                     Some(texts) if *kind == DataType::Utf8 => {
@@ -222,22 +223,24 @@ impl Source for ParquetSource {
                     _ => part,
                 });
             }
-            for (cells, place) in chunk.inputs.iter_mut().zip(&self.columns.input_places) {
-                let numbers = arrow_column::numbers(&batch.column(*place).slice(0, taken))?;
-                cells.extend(numbers.into_iter().map(|x| x.map_or(Cell::Missing, Cell::Number)));
+            for (numbers, place) in inputs.iter_mut().zip(&input_places) {
+                numbers.extend(arrow_column::numbers(&batch.column(*place).slice(0, taken))?);
             }
             if taken < batch.num_rows() {
                 self.rest = Some(batch.slice(taken, batch.num_rows() - taken));
             }
         }
-        if chunk.len > 0 {
-            let whole = |parts: &Vec<ArrayRef>| {
-                concat(&parts.iter().map(AsRef::as_ref).collect::<Vec<_>>())
-            };
-            chunk.kept = kept.iter().map(whole).collect::<Result<_, _>>()?;
+        if len == 0 {
+            return Ok(None);
         }
-        self.row += chunk.len as u64;
-        Ok(chunk.filled())
+        let whole =
+            |parts: Vec<ArrayRef>| concat(&parts.iter().map(AsRef::as_ref).collect::<Vec<_>>());
+        let kept = kept.into_iter().map(whole).collect::<Result<_, _>>()?;
+        let inputs = inputs.into_iter().enumerate();
+        let inputs = inputs.map(|(place, numbers)| self.columns.in_unit(place, numbers.into()));
+        let (first, inputs) = (self.row + 1, inputs.collect());
+        self.row += len as u64;
+        Ok(Some(Chunk { first, len, inputs, kept, ..Chunk::default() }))
     }
 
     fn skip(&mut self, rows: u64) -> Result<(), TableError> {
@@ -253,106 +256,48 @@ impl Source for ParquetSource {
 /// Rows of a row group, which ends with a chunk: a compromise of memory, which holds one, and the readers' work.
 const ROW_GROUP: usize = 1 << 18;
 
-/// Words of a dictionary: inputs are often values of a grid; outputs that vary shall not fill one first. Names of
+/// Values of a dictionary: inputs are often values of a grid; outputs that vary shall not fill one first. Names of
 /// models, of statuses and of words of an output are far fewer.
 pub(crate) const INPUT_WORDS: u16 = 1 << 14;
 const OUTPUT_WORDS: u16 = 1 << 8;
 
-/// Where the values of a column come from, and its chunk of the row group that goes on.
+/// A column of the row group that goes on.
 enum Encoder {
-    Kept(usize, ArrowColumnWriter),
-    Input(usize, Numbers),
-    Model(Keys<&'static str>),
-    Status(Keys<&'static str>),
-    Message(ArrowColumnWriter),
-    Number(usize, Numbers),
-    Flag(usize, ArrowColumnWriter),
-    Word(usize, &'static Output, Keys<&'static str>),
+    Numbers(Numbers),
+    Words(Words),
+    /// By the library.
+    Any(ArrowColumnWriter),
 }
 
 impl Encoder {
-    /// Appends the rows of a chunk.
-    fn push(&mut self, field: &Field, chunk: &Chunk, answers: &Answers) -> Result<(), TableError> {
-        let verdicts = &answers.verdicts;
+    fn push(&mut self, field: &FieldRef, column: &ArrayRef) -> Result<(), TableError> {
         match self {
-            Self::Kept(place, column) => {
-                push_array(column, field, &chunk.kept[*place])?;
-            }
-            Self::Input(place, column) => {
-                let input = &chunk.inputs[*place];
-                column.push(input.values(), input.given().as_deref())?;
-            }
-            Self::Model(keys) => {
-                for run in verdicts.chunk_by(|a, b| a.model == b.model) {
-                    keys.push(Some(run[0].model.name()), run.len());
-                }
-            }
-            Self::Status(keys) => {
-                for run in verdicts.chunk_by(|a, b| a.status == b.status) {
-                    keys.push(Some(run[0].status.name()), run.len());
-                }
-            }
-            Self::Message(column) => {
-                push_array(column, field, &messages(answers))?;
-            }
-            Self::Number(place, column) => {
-                let values = &answers.columns[*place];
-                let there = |x: &f64| !x.is_nan();
-                // All of them are looked at, several at once.
-                let gaps = !values.iter().fold(true, |all, x| all & there(x));
-                let there: Option<Vec<_>> = gaps.then(|| values.iter().map(there).collect());
-                column.push(values, there.as_deref())?;
-            }
-            Self::Flag(place, column) => {
-                push_array(column, field, &flags(&answers.columns[*place]))?;
-            }
-            Self::Word(place, output, keys) => {
-                let same = |a: &f64, b: &f64| a.to_bits() == b.to_bits();
-                for run in answers.columns[*place].chunk_by(same) {
-                    keys.push(output.word(run[0]), run.len());
-                }
+            Self::Numbers(numbers) => numbers.push(column.as_primitive())?,
+            Self::Words(words) => words.push(column.as_string()),
+            Self::Any(any) => {
+                compute_leaves(field, column)?.iter().try_for_each(|leaf| any.write(leaf))?;
             }
         }
         Ok(())
     }
 
-    /// Writes the chunk to its row group.
     fn finish<W: Write + Send>(
         self,
-        column: &ColumnDescPtr,
         to: &mut SerializedRowGroupWriter<'_, W>,
     ) -> Result<(), TableError> {
         let (bytes, close) = match self {
-            Self::Kept(_, column) | Self::Message(column) | Self::Flag(_, column) => {
-                return Ok(column.close()?.append_to_row_group(to)?);
-            }
-            Self::Input(_, numbers) | Self::Number(_, numbers) => numbers.finish()?,
-            Self::Model(keys) | Self::Status(keys) | Self::Word(_, _, keys) => {
-                keys.finish(column)?
-            }
+            Self::Numbers(numbers) => numbers.finish()?,
+            Self::Words(words) => words.finish()?,
+            Self::Any(any) => return Ok(any.close()?.append_to_row_group(to)?),
         };
         Ok(to.append_column(&bytes, close)?)
     }
 }
 
-fn push_array(
-    column: &mut ArrowColumnWriter,
-    field: &Field,
-    array: &ArrayRef,
-) -> Result<(), TableError> {
-    for leaf in compute_leaves(field, array)? {
-        column.write(&leaf)?;
-    }
-    Ok(())
-}
-
-/// Parquet with the columns of the source, then model, status, message and outputs.
-pub struct ParquetSink<W: Write + Send> {
+/// Parquet that is being written, units in the metadata of the columns.
+pub(crate) struct ParquetSink<W: Write + Send> {
     file: SerializedFileWriter<W>,
-    columns: Columns,
-    outputs: Vec<&'static Output>,
-    schema: Arc<Schema>,
-    /// Makes the columns that Arrow encodes.
+    schema: SchemaRef,
     arrow: ArrowRowGroupWriterFactory,
     /// The row group that goes on, if it has begun.
     group: Vec<Encoder>,
@@ -361,118 +306,73 @@ pub struct ParquetSink<W: Write + Send> {
 
 impl<W: Write + Send> ParquetSink<W> {
     /// Writes the schema.
-    ///
-    /// # Errors
-    ///
-    /// [`TableError`].
-    pub fn new(
-        writer: W,
-        columns: &Columns,
-        outputs: &[&'static Output],
-    ) -> Result<Self, TableError> {
-        let schema = schema(columns, outputs);
-        let writer = ArrowWriter::try_new(writer, schema.clone(), Some(properties()))?;
+    pub(crate) fn new(writer: W, schema: SchemaRef) -> Result<Self, TableError> {
+        let properties = WriterProperties::builder()
+            .set_compression(PACKED)
+            // The footer follows the rows at once, so that one hash covers all before it.
+            .set_offset_index_disabled(true)
+            .set_statistics_enabled(EnabledStatistics::Chunk);
+        let writer = ArrowWriter::try_new(writer, schema.clone(), Some(properties.build()))?;
         let (file, arrow) = writer.into_serialized_writer()?;
-        let (columns, outputs) = (columns.clone(), outputs.to_vec());
-        Ok(Self { file, columns, outputs, schema, arrow, group: Vec::new(), rows: 0 })
+        Ok(Self { file, schema, arrow, group: Vec::new(), rows: 0 })
     }
 
     /// Encoders of a row group, in the order of the schema.
     fn begin_group(&self) -> Result<Vec<Encoder>, TableError> {
         let arrow = self.arrow.create_column_writers(self.file.flushed_row_groups().len())?;
+        let fields = self.schema.fields();
+        let inputs = fields.iter().position(|field| field.name() == ANSWERS[0]);
         let columns = self.file.schema_descr().columns();
-        let (kept, inputs) = (self.columns.kept.len(), self.columns.inputs.len());
-        let answers = kept + inputs;
-        let words = || Keys::new(OUTPUT_WORDS);
-        let encoder = |(place, (column, arrow)): (usize, (&ColumnDescPtr, _))| match place {
-            _ if place < kept => Encoder::Kept(place, arrow),
-            _ if place < answers => {
-                Encoder::Input(place - kept, Numbers::new(column.clone(), INPUT_WORDS))
+        let encoder = |(place, (column, arrow)): (usize, (&ColumnDescPtr, _))| {
+            let few = if Some(place) < inputs { INPUT_WORDS } else { OUTPUT_WORDS };
+            let field = &fields[place];
+            // Messages, and texts that are carried through, are as many as there are rows.
+            let is_word = !field.is_nullable() || field.metadata().contains_key(UNIT);
+            match field.data_type() {
+                DataType::Float64 => Encoder::Numbers(Numbers::new(column.clone(), few)),
+                DataType::Utf8 if is_word => Encoder::Words(Words::new(column.clone(), few)),
+                _ => Encoder::Any(arrow),
             }
-            _ => match place - answers {
-                0 => Encoder::Model(words()),
-                1 => Encoder::Status(words()),
-                2 => Encoder::Message(arrow),
-                place => {
-                    let place = place - ANSWERS.len();
-                    let output = self.outputs[place];
-                    match output.json_type {
-                        "boolean" => Encoder::Flag(place, arrow),
-                        "string" => Encoder::Word(place, output, words()),
-                        _ => Encoder::Number(place, Numbers::new(column.clone(), OUTPUT_WORDS)),
-                    }
-                }
-            },
         };
         Ok(columns.iter().zip(arrow).enumerate().map(encoder).collect())
     }
 
+    /// Writes rows, each column on a thread.
+    pub(crate) fn write(&mut self, table: &RecordBatch) -> Result<(), TableError> {
+        if self.group.is_empty() {
+            self.group = self.begin_group()?;
+        }
+        let columns = self.group.par_iter_mut().zip(&self.schema.fields()[..]);
+        let columns = columns.zip(table.columns());
+        columns.try_for_each(|((encoder, field), column)| encoder.push(field, column))?;
+        self.rows += table.num_rows();
+        if self.rows >= ROW_GROUP {
+            self.end_group()?;
+        }
+        Ok(())
+    }
+
     fn end_group(&mut self) -> Result<(), TableError> {
         if self.rows > 0 {
-            let columns = self.file.schema_descr().columns().to_vec();
             let mut group = self.file.next_row_group()?;
-            for (encoder, column) in self.group.drain(..).zip(&columns) {
-                encoder.finish(column, &mut group)?;
-            }
+            self.group.drain(..).try_for_each(|encoder| encoder.finish(&mut group))?;
             group.close()?;
             self.rows = 0;
         }
         Ok(())
     }
 
-    /// Writes what is left and the footer, and returns the writer.
-    ///
-    /// # Errors
-    ///
-    /// [`TableError`].
-    pub fn finish(self) -> Result<W, TableError> {
-        Ok(self.into_file()?.into_inner()?)
-    }
-
-    /// The file with all its rows and no footer.
-    pub(crate) fn into_file(mut self) -> Result<SerializedFileWriter<W>, TableError> {
+    /// Writes what is left and the footer with keys, which are asked for when all before the footer is written,
+    /// and returns the writer.
+    pub(crate) fn finish(
+        mut self,
+        keys: impl FnOnce(&mut W) -> Vec<(&'static str, String)>,
+    ) -> Result<W, TableError> {
         self.end_group()?;
-        Ok(self.file)
-    }
-}
-
-/// Writes the footer with keys, which are asked for when all before the footer is written, and returns
-/// the writer.
-pub(crate) fn finish_with<W: Write + Send>(
-    mut file: SerializedFileWriter<W>,
-    keys: impl FnOnce(&mut W) -> Vec<(&'static str, String)>,
-) -> Result<W, TableError> {
-    file.flush()?;
-    for (key, value) in keys(file.inner_mut()) {
-        file.append_key_value_metadata(KeyValue::new(key.to_owned(), value));
-    }
-    Ok(file.into_inner()?)
-}
-
-/// How all our tables are packed.
-pub(crate) fn properties() -> WriterProperties {
-    WriterProperties::builder()
-        .set_compression(PACKED)
-        // The footer follows the rows at once, so that one hash covers all before it.
-        .set_offset_index_disabled(true)
-        .set_statistics_enabled(EnabledStatistics::Chunk)
-        .build()
-}
-
-impl<W: Write + Send> Sink for ParquetSink<W> {
-    fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
-        if self.group.is_empty() {
-            self.group = self.begin_group()?;
+        self.file.flush()?;
+        for (key, value) in keys(self.file.inner_mut()) {
+            self.file.append_key_value_metadata(KeyValue::new(key.to_owned(), value));
         }
-        let fields = self.schema.fields();
-        self.group
-            .par_iter_mut()
-            .zip(&fields[..])
-            .try_for_each(|(encoder, field)| encoder.push(field, &chunk, &answers))?;
-        self.rows += chunk.len;
-        if self.rows >= ROW_GROUP {
-            self.end_group()?;
-        }
-        Ok(())
+        Ok(self.file.into_inner()?)
     }
 }

@@ -9,9 +9,11 @@ use std::thread::{self, available_parallelism};
 
 use bsm_case::{AnalysisKind, CaseError, Grid, InputSet, ModelChoice, Output, Scene, Settings};
 use bsm_dyn::Status;
+use bsm_simd::Arch;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::{Answers, Chunk, Columns, Format, Sink, Source, TableError, TableSink};
+use crate::solve::Solver;
+use crate::{Answers, Chunk, Columns, Dialect, Format, Sink, Source, TableError, TableSink};
 
 /// Stack of a thread \[B\]: the kernels keep every intermediate result where the code is not optimised, some 4 MB.
 const STACK: usize = if cfg!(debug_assertions) { 16 << 20 } else { 2 << 20 };
@@ -239,7 +241,8 @@ impl Task {
         workers: &Workers<'_>,
         seen: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<(W, Count), RunError> {
-        let sink = TableSink::new(format, to, source.columns(), &self.outputs);
+        let (columns, signs) = (source.columns(), Dialect::default());
+        let sink = TableSink::new(format, to, columns, &self.outputs, &signs);
         let sink = sink.map_err(RunError::Write)?;
         let (sink, count) = self.run(source, sink, u64::MAX, workers, seen)?;
         Ok((sink.finish(None).map_err(RunError::Write)?, count))
@@ -263,6 +266,7 @@ impl Task {
         seen: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<(S, Count), RunError> {
         let columns = source.columns().clone();
+        let solver = Solver::new(self, &columns);
         let (read, chunks) = sync_channel(1);
         thread::scope(|scope| {
             thread::Builder::new()
@@ -272,10 +276,12 @@ impl Task {
             let mut behind = None;
             for chunk in chunks {
                 let mut chunk = chunk.map_err(RunError::Read)?;
-                let solve = || self.solve_until(workers.stop, &chunk, &columns);
+                let solve = || solver.solve(Arch::new(), workers.stop, &chunk);
                 let write = || write(&mut sink, &mut count, behind.take());
                 let (answers, written) = workers.install(|| rayon::join(solve, write));
-                let answers = answers.ok_or(RunError::Stopped)?;
+                if workers.stopped() {
+                    return Err(RunError::Stopped);
+                }
                 written?;
                 seen(&chunk, &answers);
                 for (output, values) in
@@ -283,7 +289,7 @@ impl Task {
                 {
                     let place = columns.inputs.iter().position(|key| key.name() == output.name);
                     if let Some(place) = place {
-                        chunk.inputs[place].fill(values);
+                        chunk.complete(place, values);
                     }
                 }
                 behind = Some((chunk, answers));

@@ -1,198 +1,53 @@
-//! Rows in memory: a chunk of them by columns, and their answers.
+//! Rows in memory: a chunk of them by columns of Arrow, their answers, and the table of both.
 
-use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use arrow_array::ArrayRef;
-use arrow_buffer::ScalarBuffer;
-use arrow_schema::DataType;
-use bsm_case::{CaseError, InputKey, InputSet, ModelChoice, OUTPUTS, Output, Scene, nearest_input};
+use arrow_array::builder::{Float64Builder, StringBuilder};
+use arrow_array::cast::AsArray;
+use arrow_array::types::UInt64Type;
+use arrow_array::{
+    Array, ArrayRef, BooleanArray, Float64Array, RecordBatch, StringArray, UInt64Array,
+};
+use arrow_buffer::NullBuffer;
+use arrow_schema::{DataType, SchemaRef};
+use bsm_case::{CaseError, ModelChoice, OUTPUTS, Output, Scene};
 use bsm_dyn::Status;
-use serde_json::Value;
+use rayon::prelude::*;
+use serde_json::{Number, Value};
 
-use crate::{Dialect, TableError, arrow_column};
+use crate::columns::{ANSWERS, Columns};
+use crate::{TableError, arrow_column};
 
-/// A value of an input.
+/// A cell of a table.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Cell {
-    /// Not given: the base scene decides.
+pub enum Cell<'a> {
+    /// Nothing; of an input, the base scene decides.
     Missing,
     /// A number.
     Number(f64),
-    /// Something else, which makes the row invalid.
-    Text(String),
+    /// A whole number, or one that keeps its digits.
+    Digits(Number),
+    /// True or false.
+    Flag(bool),
+    /// A text; in place of a number of an input it makes the row invalid.
+    Text(&'a str),
 }
 
-/// Columns of the answers before the outputs.
-pub(crate) const ANSWERS: [&str; 3] = ["model", "status", "message"];
-
-/// True for a column of an answer.
-pub(crate) fn is_answer(name: &str) -> bool {
-    ANSWERS.contains(&name) || Output::named(name).is_some()
-}
-
-/// What the columns of a table are.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Columns {
-    /// Inputs, in the order of the table.
-    pub inputs: Vec<InputKey>,
-    /// Places of the inputs in the table.
-    pub(crate) input_places: Vec<usize>,
-    /// Their names in the table, and what a value there is multiplied with to be in the unit of the input.
-    pub(crate) units: Vec<(String, f64)>,
-    /// Columns that are carried through.
-    pub kept: Vec<String>,
-    pub(crate) kept_places: Vec<usize>,
-    /// Their types.
-    pub(crate) kept_types: Vec<DataType>,
-    /// Names of columns that are not read.
-    pub(crate) unread: Vec<String>,
-}
-
-/// The head of a column of a table of answers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Heading<'a> {
-    /// Name.
-    pub name: &'a str,
-    /// JSON type.
-    pub json_type: &'static str,
-    /// Unit in words; empty if it has none.
-    pub unit: &'static str,
-    /// Meaning.
-    pub about: &'static str,
-}
-
-impl Columns {
-    /// Sorts the names of a table into inputs and columns to keep; columns of an earlier answer are
-    /// passed over.
-    ///
-    /// # Errors
-    ///
-    /// [`TableError`] for a name that is neither, that stands twice or is one of the answers, or that
-    /// is to be kept but is not there.
-    pub fn sort<'a>(
-        names: impl IntoIterator<Item = &'a str>,
-        keep: &[String],
-    ) -> Result<Self, TableError> {
-        Self::sort_as(names, keep, &Dialect::default())
-    }
-
-    /// Inputs and nothing else, in their units.
-    pub(crate) fn of_inputs(inputs: Vec<InputKey>) -> Self {
-        Self { input_places: (0..inputs.len()).collect(), inputs, ..Self::default() }
-    }
-
-    /// [`sort`](Self::sort) for a table that has other names; `keep` has those of the table.
-    pub(crate) fn sort_as<'a>(
-        names: impl IntoIterator<Item = &'a str>,
-        keep: &[String],
-        dialect: &Dialect,
-    ) -> Result<Self, TableError> {
-        let mut renamed: Vec<_> = dialect.names.keys().collect();
-        if let Some(name) = keep.iter().find(|name| is_answer(name)) {
-            return Err(TableError::NameOfAnAnswer { name: name.clone() });
-        }
-        let mut columns = Self::default();
-        let mut answered = false;
-        for (place, own) in names.into_iter().enumerate() {
-            let own = own.trim();
-            renamed.retain(|name| *name != own);
-            let is_kept = keep.iter().any(|kept| kept == own);
-            let Some(name) = (if is_kept { Some(own) } else { dialect.name(own) }) else {
-                columns.unread.push(own.to_owned());
-                continue;
-            };
-            let repeated = |former: &str| {
-                Err(TableError::RepeatedColumn { names: [former, own].map(str::to_owned) })
-            };
-            answered |= ANSWERS.contains(&name);
-            if columns.kept.iter().any(|k| k == name) {
-                return repeated(own);
-            }
-            if is_kept {
-                columns.kept.push(name.to_owned());
-                columns.kept_places.push(place);
-                columns.kept_types.push(DataType::Utf8);
-            } else if answered && is_answer(name) {
-                // Some answers have the name of an input; the inputs of an earlier answer stand before it.
-                columns.unread.push(own.to_owned());
-            } else if let Ok((key, factor)) = InputKey::in_unit(name) {
-                if let Some(former) = columns.inputs.iter().position(|input| *input == key) {
-                    return repeated(&columns.units[former].0);
-                }
-                columns.inputs.push(key);
-                columns.input_places.push(place);
-                columns.units.push((own.to_owned(), factor));
-            } else if !is_answer(name) {
-                let nearest = nearest_input(name).map(str::to_owned);
-                return Err(TableError::UnknownColumn { name: name.to_owned(), nearest });
-            }
-        }
-        match (keep.iter().find(|name| !columns.kept.contains(name)), renamed.first()) {
-            (Some(name), _) => Err(TableError::NothingToKeep { name: name.clone() }),
-            (None, Some(name)) => Err(TableError::NothingToRename { name: (*name).clone() }),
-            (None, None) => Ok(columns),
+impl<'a> From<&'a Value> for Cell<'a> {
+    fn from(value: &'a Value) -> Self {
+        match value {
+            Value::Bool(flag) => Self::Flag(*flag),
+            Value::Number(number) => Self::Digits(number.clone()),
+            Value::String(text) => Self::Text(text),
+            _ => Self::Missing,
         }
     }
+}
 
-    /// With the types of the columns that are carried through, which are texts otherwise.
-    #[must_use]
-    pub fn with_kept_types(self, types: Vec<DataType>) -> Self {
-        Self { kept_types: types, ..self }
-    }
-
-    /// The columns of a table of answers, in order.
-    pub fn headings<'a>(
-        &'a self,
-        outputs: &'a [&'static Output],
-    ) -> impl Iterator<Item = Heading<'a>> {
-        let text = |name, about| Heading { name, json_type: "string", unit: "", about };
-        let kept = self.kept.iter().map(move |name| text(name, "copied from the table of points"));
-        let inputs = self.inputs.iter().map(|key| {
-            let input = key.input();
-            Heading { name: input.name, json_type: "number", unit: input.unit, about: input.about }
-        });
-        let [model, status, message] = ANSWERS;
-        let answers = [
-            text(model, "the model that was solved"),
-            text(status, "how the solve ended"),
-            text(message, "why there is no result, or why auto chose its model"),
-        ];
-        let outputs = outputs.iter().map(|output| {
-            let Output { name, json_type, unit, about, .. } = **output;
-            Heading { name, json_type, unit, about }
-        });
-        kept.chain(inputs).chain(answers).chain(outputs)
-    }
-
-    /// Values of the input at a place, in memory that somebody else may hold too; copied only if they are in
-    /// another unit than the input.
-    ///
-    /// * `missing`: rows without a value, in their order.
-    pub fn column(
-        &self,
-        place: usize,
-        values: ScalarBuffer<f64>,
-        missing: impl IntoIterator<Item = usize>,
-    ) -> Column {
-        let values = match self.units.get(place) {
-            #[expect(clippy::float_cmp, reason = "exactly one: no conversion")]
-            Some((_, factor)) if *factor != 1.0 => {
-                Numbers::Own(values.iter().map(|value| value * factor).collect())
-            }
-            _ => Numbers::Shared(values),
-        };
-        let odd = missing.into_iter().map(|row| (row, Cell::Missing)).collect();
-        Column { values, odd, ..Column::default() }
-    }
-
-    /// Places of the inputs among the names of the table.
-    pub fn input_places(&self) -> &[usize] {
-        &self.input_places
-    }
-
-    /// The inputs as a set.
-    pub fn set(&self) -> InputSet {
-        self.inputs.iter().copied().collect()
+impl From<Option<f64>> for Cell<'_> {
+    fn from(value: Option<f64>) -> Self {
+        value.map_or(Self::Missing, Self::Number)
     }
 }
 
@@ -200,175 +55,75 @@ impl Columns {
 /// few places of the cache that hold such addresses.
 pub(crate) const APART: usize = 40;
 
-/// Numbers of a column.
-#[derive(Debug, Clone)]
-enum Numbers {
-    Own(Vec<f64>),
-    /// Memory that somebody else holds too.
-    Shared(ScalarBuffer<f64>),
-}
-
-impl PartialEq for Numbers {
-    fn eq(&self, other: &Self) -> bool {
-        self.get() == other.get()
-    }
-}
-
-impl Numbers {
-    fn get(&self) -> &[f64] {
-        match self {
-            Self::Own(values) => values,
-            Self::Shared(values) => values,
-        }
-    }
-
-    fn own(&mut self) -> &mut Vec<f64> {
-        if let Self::Shared(values) = self {
-            *self = Self::Own(values.to_vec());
-        }
-        match self {
-            Self::Own(values) => values,
-            Self::Shared(_) => unreachable!("copied above"),
-        }
-    }
-}
-
-/// The values of an input.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Column {
-    /// Numbers, NaN where there is none.
-    values: Numbers,
-    /// What is no number, by row.
-    odd: Vec<(usize, Cell)>,
-    /// What numbers are multiplied with, from the unit of the table to that of the input.
-    factor: f64,
-}
-
-impl Default for Column {
-    fn default() -> Self {
-        Self { values: Numbers::Own(Vec::new()), odd: Vec::new(), factor: 1.0 }
-    }
-}
-
-impl Column {
-    /// A column with room for some rows.
-    pub fn with_capacity(rows: usize) -> Self {
-        Self { values: Numbers::Own(Vec::with_capacity(rows + APART)), ..Self::default() }
-    }
-
-    /// Appends a value, in the unit of the table.
-    pub fn push(&mut self, cell: Cell) {
-        let values = self.values.own();
-        if let Cell::Number(value) = cell {
-            values.push(value * self.factor);
-        } else {
-            self.odd.push((values.len(), cell));
-            values.push(f64::NAN);
-        }
-    }
-
-    /// Appends the numbers that `fill` appends.
-    pub(crate) fn extend_with(&mut self, fill: impl FnOnce(&mut Vec<f64>)) {
-        fill(self.values.own());
-    }
-
-    /// The value of a row.
-    pub fn cell(&self, row: usize) -> Cell {
-        match self.odd.binary_search_by_key(&row, |(odd, _)| *odd) {
-            Ok(place) => self.odd[place].1.clone(),
-            Err(_) => Cell::Number(self.values()[row]),
-        }
-    }
-
-    /// The numbers, NaN where there is none.
-    pub fn values(&self) -> &[f64] {
-        self.values.get()
-    }
-
-    /// The numbers, with `value` where nothing is given.
-    pub(crate) fn filled(&self, value: Option<f64>) -> Cow<'_, [f64]> {
-        let mut values = Cow::Borrowed(self.values());
-        let missing = self.odd.iter().filter(|(_, cell)| *cell == Cell::Missing);
-        if let Some(value) = value {
-            for (row, _) in missing {
-                values.to_mut()[*row] = value;
-            }
-        }
-        values
-    }
-
-    /// Gives rows without a value theirs, if that is no NaN.
-    pub(crate) fn fill(&mut self, values: &[f64]) {
-        let mut odd = std::mem::take(&mut self.odd);
-        odd.retain(|(row, cell)| {
-            let is_left = *cell != Cell::Missing || values[*row].is_nan();
-            if !is_left {
-                self.values.own()[*row] = values[*row];
-            }
-            is_left
-        });
-        self.odd = odd;
-    }
-
-    /// The rows that have a number, which may be NaN itself, unless all have.
-    pub(crate) fn given(&self) -> Option<Vec<bool>> {
-        let mut given = (!self.odd.is_empty()).then(|| vec![true; self.values().len()])?;
-        for (row, _) in &self.odd {
-            given[*row] = false;
-        }
-        Some(given)
-    }
-}
-
-impl Extend<Cell> for Column {
-    fn extend<I: IntoIterator<Item = Cell>>(&mut self, cells: I) {
-        for cell in cells {
-            self.push(cell);
-        }
-    }
-}
-
 /// Text that a chunk may hold, but for its last row \[B\]: few rows of long texts are as much work as
 /// many of numbers.
 pub(crate) const TEXT: usize = 32 << 20;
 
 /// Some rows of a table.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Chunk {
     /// Number of the first row, from 1.
     pub first: u64,
     /// Number of rows.
     pub len: usize,
-    /// Values of each input.
-    pub inputs: Vec<Column>,
+    /// Values of each input, null where there is none.
+    pub inputs: Vec<Float64Array>,
+    /// What stands in place of numbers of inputs, by row and place of the input.
+    pub texts: BTreeMap<(usize, usize), String>,
     /// Each column that is carried through.
     pub kept: Vec<ArrayRef>,
 }
 
 impl Chunk {
-    /// A chunk without rows.
-    pub(crate) fn empty(first: u64, columns: &Columns, rows: usize) -> Self {
-        Self {
-            first,
-            len: 0,
-            inputs: (0..columns.inputs.len())
-                .map(|i| Column {
-                    // A grid has the units of the inputs.
-                    factor: columns.units.get(i).map_or(1.0, |(_, factor)| *factor),
-                    ..Column::with_capacity(rows)
-                })
-                .collect(),
-            kept: Vec::new(),
-        }
+    /// Rows of numbers, unless there are none.
+    ///
+    /// * `fill`: appends the values of the input at a place.
+    pub(crate) fn of_numbers(
+        first: u64,
+        len: usize,
+        columns: &Columns,
+        fill: impl Fn(usize, &mut Vec<f64>),
+    ) -> Option<Self> {
+        let input = |place| {
+            let mut values = Vec::with_capacity(len + APART);
+            fill(place, &mut values);
+            Float64Array::from(values)
+        };
+        let inputs = (0..columns.inputs.len()).map(input).collect();
+        (len > 0).then(|| Self { first, len, inputs, ..Self::default() })
     }
 
-    /// What is carried through as text files have it, by columns.
-    ///
-    /// # Errors
-    ///
-    /// [`TableError`] if a column cannot be written as text.
-    pub fn kept_values(&self) -> Result<Vec<Vec<Value>>, TableError> {
-        Ok(self.kept.iter().map(arrow_column::values).collect::<Result<_, _>>()?)
+    /// Rows of the inputs of a table.
+    pub fn of_rows<'a, C: Into<Cell<'a>>, R: IntoIterator<Item = C>>(
+        columns: &Columns,
+        rows: impl IntoIterator<Item = R>,
+    ) -> Self {
+        let mut chunk = ChunkBuilder::new(1, columns, 0);
+        for row in rows {
+            for (place, cell) in row.into_iter().enumerate() {
+                chunk.input(place, &cell.into());
+            }
+            chunk.end_row();
+        }
+        chunk.finish().unwrap_or_default()
+    }
+
+    /// The numbers of some rows, in that order.
+    #[must_use]
+    pub fn select(&self, rows: impl Iterator<Item = usize> + Clone) -> Self {
+        let of = |input: &Float64Array| {
+            rows.clone().map(|row| input.is_valid(row).then(|| input.value(row))).collect()
+        };
+        let inputs = self.inputs.iter().map(of).collect();
+        Self { first: 1, len: rows.clone().count(), inputs, ..Self::default() }
+    }
+
+    /// The value of an input, by its place.
+    pub fn cell(&self, row: usize, place: usize) -> Cell<'_> {
+        match self.texts.get(&(row, place)) {
+            Some(text) => Cell::Text(text),
+            None => number(&self.inputs[place], row),
+        }
     }
 
     /// The scene of a row: `base` with the given cells of the row as settings.
@@ -378,19 +133,82 @@ impl Chunk {
     /// [`CaseError`] for a text in place of a number.
     pub fn scene(&self, columns: &Columns, base: &Scene, row: usize) -> Result<Scene, CaseError> {
         let (mut scene, mut settings) = (base.clone(), Scene::default());
-        for (key, column) in columns.inputs.iter().zip(&self.inputs) {
-            match column.cell(row) {
-                Cell::Missing => {}
+        for (place, key) in columns.inputs.iter().enumerate() {
+            match self.cell(row, place) {
                 Cell::Number(value) => settings[*key] = Some(value),
-                Cell::Text(text) => return Err(CaseError::not_a_number(key.name(), &text)),
+                Cell::Text(text) => return Err(CaseError::not_a_number(key.name(), text)),
+                _ => {}
             }
         }
         scene.override_with(&settings);
         Ok(scene)
     }
 
-    pub(crate) fn filled(self) -> Option<Self> {
-        (self.len > 0).then_some(self)
+    /// Gives rows without a value of an input theirs, if that is no NaN.
+    pub(crate) fn complete(&mut self, place: usize, values: &[f64]) {
+        let both = self.inputs[place].iter().zip(values);
+        let both = both.map(|(x, other)| x.or_else(|| Some(*other).filter(|x| !x.is_nan())));
+        self.inputs[place] = both.collect();
+    }
+}
+
+fn number(column: &Float64Array, row: usize) -> Cell<'static> {
+    column.is_valid(row).then(|| column.value(row)).into()
+}
+
+/// A chunk of a table of text, which is read row by row.
+pub(crate) struct ChunkBuilder<'a> {
+    columns: &'a Columns,
+    chunk: Chunk,
+    inputs: Vec<Float64Builder>,
+    kept: Vec<StringBuilder>,
+}
+
+impl<'a> ChunkBuilder<'a> {
+    pub(crate) fn new(first: u64, columns: &'a Columns, rows: usize) -> Self {
+        let input = || Float64Builder::with_capacity(rows + APART);
+        Self {
+            columns,
+            chunk: Chunk { first, ..Chunk::default() },
+            inputs: columns.inputs.iter().map(|_| input()).collect(),
+            kept: columns.kept.iter().map(|_| StringBuilder::new()).collect(),
+        }
+    }
+
+    /// Rows that are complete.
+    pub(crate) fn len(&self) -> usize {
+        self.chunk.len
+    }
+
+    /// Appends a value of an input, in the unit of the table.
+    pub(crate) fn input(&mut self, place: usize, cell: &Cell<'_>) {
+        match cell {
+            Cell::Number(value) => {
+                return self.inputs[place].append_value(value * self.columns.factor(place));
+            }
+            Cell::Text(text) => {
+                self.chunk.texts.insert((self.chunk.len, place), (*text).to_owned());
+            }
+            _ => {}
+        }
+        self.inputs[place].append_null();
+    }
+
+    /// Appends a value of a column that is carried through.
+    pub(crate) fn keep(&mut self, place: usize, text: Option<&str>) {
+        self.kept[place].append_option(text);
+    }
+
+    pub(crate) fn end_row(&mut self) {
+        self.chunk.len += 1;
+    }
+
+    /// The chunk, unless it has no rows.
+    pub(crate) fn finish(self) -> Option<Chunk> {
+        let inputs = self.inputs.into_iter().map(|mut column| column.finish());
+        let kept = self.kept.into_iter().map(|mut texts| Arc::new(texts.finish()) as ArrayRef);
+        let chunk = Chunk { inputs: inputs.collect(), kept: kept.collect(), ..self.chunk };
+        (chunk.len > 0).then_some(chunk)
     }
 }
 
@@ -462,5 +280,118 @@ impl Answers {
             selected.push(output);
         }
         Ok(selected)
+    }
+
+    /// The table of a chunk and its answers.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError`] if a column that is carried through is not of its type.
+    pub fn table(
+        self,
+        chunk: &Chunk,
+        schema: &SchemaRef,
+        outputs: &[&'static Output],
+    ) -> Result<RecordBatch, TableError> {
+        let verdicts = &self.verdicts[..];
+        let models = words(verdicts, |a, b| a.model == b.model, |v| Some(v.model.name()));
+        let statuses = words(verdicts, |a, b| a.status == b.status, |v| Some(v.status.name()));
+        let mut told = self.messages.iter().peekable();
+        let message = |row| Some(told.next_if(|(other, _)| *other == row)?.1.as_str());
+        let messages: StringArray = (0..verdicts.len()).map(message).collect();
+        let inputs = chunk.inputs.iter().map(|input| Arc::new(input.clone()) as ArrayRef);
+        let before = chunk.kept.iter().cloned().chain(inputs);
+        let before = before.chain([models, statuses, Arc::new(messages)]);
+        let answers = self.columns.into_par_iter().zip(outputs);
+        let answers: Vec<_> = answers.map(|(column, output)| values(output, column)).collect();
+        Ok(RecordBatch::try_new(schema.clone(), before.chain(answers).collect())?)
+    }
+}
+
+/// Words that stand in runs of rows.
+fn words<T>(
+    rows: &[T],
+    same: impl Fn(&T, &T) -> bool,
+    word: impl Fn(&T) -> Option<&'static str>,
+) -> ArrayRef {
+    let mut words = StringBuilder::with_capacity(rows.len(), 8 * rows.len());
+    for run in rows.chunk_by(same) {
+        let word = word(&run[0]);
+        run.iter().for_each(|_| words.append_option(word));
+    }
+    Arc::new(words.finish())
+}
+
+/// Values of an output by its type.
+fn values(output: &Output, values: Vec<f64>) -> ArrayRef {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small counts")]
+    let count = |x: &f64| (!x.is_nan()).then_some(*x as u64);
+    let flag = |x: &f64| (!x.is_nan()).then_some(*x > 0.5);
+    match output.json_type {
+        "integer" => Arc::new(values.iter().map(count).collect::<UInt64Array>()),
+        "boolean" => Arc::new(values.iter().map(flag).collect::<BooleanArray>()),
+        "string" => words(&values, |a, b| a.to_bits() == b.to_bits(), |x| output.word(*x)),
+        _ => Arc::new(numbers(values)),
+    }
+}
+
+/// Numbers, of which NaN is none.
+pub(crate) fn numbers(values: Vec<f64>) -> Float64Array {
+    // All of them are looked at, several at once.
+    let gaps = values.iter().fold(false, |gaps, x| gaps | x.is_nan());
+    let given = gaps.then(|| values.iter().map(|x| !x.is_nan()).collect::<NullBuffer>());
+    Float64Array::new(values.into(), given)
+}
+
+/// A table that is read by rows.
+pub struct Cells<'a> {
+    columns: Vec<Typed<'a>>,
+    texts: &'a BTreeMap<(usize, usize), String>,
+    kept: usize,
+}
+
+/// A column of it.
+enum Typed<'a> {
+    Numbers(&'a Float64Array),
+    Counts(&'a UInt64Array),
+    Flags(&'a BooleanArray),
+    Texts(&'a StringArray),
+    Values(Vec<Value>),
+}
+
+impl<'a> Cells<'a> {
+    /// The cells of the table of a chunk.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError`] if a column that is carried through cannot be written as text.
+    pub fn of(table: &'a RecordBatch, chunk: &'a Chunk) -> Result<Self, TableError> {
+        let kept = chunk.kept.len();
+        let column = |(place, column): (usize, &'a ArrayRef)| {
+            Ok(match column.data_type() {
+                DataType::Utf8 => Typed::Texts(column.as_string()),
+                _ if place < kept => Typed::Values(arrow_column::values(column)?),
+                DataType::Boolean => Typed::Flags(column.as_boolean()),
+                DataType::UInt64 => Typed::Counts(column.as_primitive::<UInt64Type>()),
+                _ => Typed::Numbers(column.as_primitive()),
+            })
+        };
+        let columns = table.columns().iter().enumerate().map(column);
+        Ok(Self { columns: columns.collect::<Result<_, TableError>>()?, texts: &chunk.texts, kept })
+    }
+
+    /// The cells of a row.
+    pub fn row(&self, row: usize) -> impl Iterator<Item = Cell<'_>> {
+        self.columns.iter().enumerate().map(move |(place, column)| match column {
+            Typed::Numbers(column) => match self.texts.get(&(row, place.wrapping_sub(self.kept))) {
+                Some(text) => Cell::Text(text),
+                None => number(column, row),
+            },
+            Typed::Counts(column) if column.is_valid(row) => Cell::Digits(column.value(row).into()),
+            Typed::Flags(column) if column.is_valid(row) => Cell::Flag(column.value(row)),
+            Typed::Texts(column) if column.is_valid(row) => Cell::Text(column.value(row)),
+            Typed::Values(values) => Cell::from(&values[row]),
+            _ => Cell::Missing,
+        })
     }
 }

@@ -3,15 +3,15 @@
 use std::cell::{Cell, RefCell};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use bsm_case::{AnalysisKind, CaseError, Cell as Answer, Moving, Output, Quantity, Record, Scene};
+use bsm_case::{AnalysisKind, CaseError, Cell as Answer, Moving, Output, Quantity, Record};
 use bsm_dyn::{Model, ModelWorkspace, Status};
-use bsm_kernels::{Rows, Wanted};
+use bsm_kernels::{Operands, Rows, Wanted};
 use bsm_simd::Arch;
 use rayon::prelude::*;
 
-use crate::Task;
-use crate::operand::operands;
-use crate::rows::{APART, Answers, Chunk, Columns, Verdict};
+use crate::operand::ColumnPlan;
+use crate::rows::APART;
+use crate::{Answers, Chunk, Columns, Task, Verdict};
 
 /// Rows that one thread takes at a time: a kernel answers many in the time that it takes to hand
 /// them over, the one of traction some, a model few.
@@ -49,6 +49,28 @@ pub struct Told {
     pub values: Vec<(usize, usize, Vec<f64>)>,
 }
 
+impl<'a> Room<'a> {
+    /// The room in strides of rows.
+    fn parts(self, stride: usize) -> Vec<Part<'a>> {
+        let columns = self.columns.into_iter();
+        let mut columns: Vec<_> = columns.map(|c| Some(c?.chunks_mut(stride))).collect();
+        let part = |(i, verdicts)| Part {
+            first: i * stride,
+            verdicts,
+            columns: columns.iter_mut().map(|column| column.as_mut()?.next()).collect(),
+        };
+        self.verdicts.chunks_mut(stride).enumerate().map(part).collect()
+    }
+}
+
+impl Told {
+    fn and(mut self, other: Self) -> Self {
+        self.messages.extend(other.messages);
+        self.values.extend(other.values);
+        self
+    }
+}
+
 /// Some rows of a chunk.
 struct Part<'a> {
     /// The first of them in the chunk.
@@ -75,32 +97,7 @@ impl Task {
 
     /// [`solve`](Self::solve) on an instruction set of one's choice.
     pub fn solve_on(&self, arch: Arch, chunk: &Chunk, columns: &Columns) -> Answers {
-        self.answer(arch, &AtomicBool::new(false), chunk, columns)
-    }
-
-    /// [`solve`](Self::solve) unless `stop` becomes true before the end: that is looked at before every
-    /// row of a model, and before every stride of a kernel.
-    pub(crate) fn solve_until(
-        &self,
-        stop: &AtomicBool,
-        chunk: &Chunk,
-        columns: &Columns,
-    ) -> Option<Answers> {
-        let answers = self.answer(Arch::new(), stop, chunk, columns);
-        (!stop.load(Ordering::Relaxed)).then_some(answers)
-    }
-
-    /// The answers, complete unless `stop` has become true.
-    fn answer(&self, arch: Arch, stop: &AtomicBool, chunk: &Chunk, columns: &Columns) -> Answers {
-        let outputs = self.outputs.len() + self.filled.len() + usize::from(self.watched.is_some());
-        let mut answers = Answers::room(chunk.len, outputs);
-        let room = Room {
-            verdicts: &mut answers.verdicts,
-            columns: answers.columns.iter_mut().map(|column| Some(&mut column[..])).collect(),
-        };
-        answers.messages =
-            self.fill(arch, stop, &AtomicU64::new(0), (chunk, columns), room).messages;
-        answers
+        Solver::new(self, columns).solve(arch, &AtomicBool::new(false), chunk)
     }
 
     /// [`solve`](Self::solve) into memory of the caller.
@@ -114,115 +111,7 @@ impl Task {
         stop: &AtomicBool,
         done: &AtomicU64,
     ) -> Told {
-        self.fill(Arch::new(), stop, done, (chunk, columns), room)
-    }
-
-    fn fill(
-        &self,
-        arch: Arch,
-        stop: &AtomicBool,
-        count: &AtomicU64,
-        (chunk, columns): (&Chunk, &Columns),
-        mut room: Room<'_>,
-    ) -> Told {
-        let Self { base, settings, .. } = self;
-        let mut asked = Asked::of(self);
-        // Who has no places for what fills gaps does not ask for it.
-        asked.outputs.truncate(room.columns.len());
-        let wanted = Wanted::of(&asked.outputs);
-        let operands = if asked.solves { operands(chunk, columns, base, settings) } else { None };
-        let model = operands.as_ref().map_or(settings.model, |(_, model)| (*model).into());
-        let verdict = Verdict { model, status: Status::Converged, has_others: false };
-
-        let stride = match operands {
-            Some((_, Model::Traction)) => TRACTION_STRIDE,
-            Some(_) => KERNEL_STRIDE,
-            None => MODEL_STRIDE,
-        };
-        let columns_of = room.columns.iter_mut();
-        let mut pieces: Vec<_> = columns_of.map(|c| Some(c.as_mut()?.chunks_mut(stride))).collect();
-        let parts: Vec<_> = room
-            .verdicts
-            .chunks_mut(stride)
-            .enumerate()
-            .map(|(i, verdicts)| Part {
-                first: i * stride,
-                verdicts,
-                columns: pieces.iter_mut().map(|piece| piece.as_mut()?.next()).collect(),
-            })
-            .collect();
-        let solve = |Part { first, verdicts, columns: given }: Part<'_>| {
-            if stop.load(Ordering::Relaxed) {
-                return Told::default();
-            }
-            let len = verdicts.len();
-            verdicts.fill(verdict);
-            let without: Vec<_> = given.iter().map(Option::is_none).collect();
-            // Given back when it is NaN again: after a panic it is not.
-            let mut spare = SPARE.take();
-            let needed = without.iter().filter(|none| **none).count() * (stride + APART);
-            spare.resize(needed.max(spare.len()), f64::NAN);
-            let mut places = spare.chunks_exact_mut(stride + APART);
-            let place = |column: Option<_>| column.or_else(|| Some(&mut places.next()?[..len]));
-            let mut outputs: Vec<&mut [f64]> = given.into_iter().filter_map(place).collect();
-            for (column, without) in outputs.iter_mut().zip(&without) {
-                if !without {
-                    column.fill(f64::NAN);
-                }
-            }
-            let mut done = vec![false; len];
-            if let Some((operands, model)) = &operands {
-                let (wanted, columns) = (&wanted, &mut outputs[..]);
-                let rows = Rows { operands, wanted, first, columns, done: &mut done };
-                rows.solve(arch, *model, settings);
-            }
-            if asked.analyses.is_empty() && !done.contains(&false) {
-                // Nothing is left of any row.
-                done.clear();
-            }
-            let mut messages = Vec::new();
-            for (i, done) in done.into_iter().enumerate() {
-                if done && asked.analyses.is_empty() {
-                    continue;
-                }
-                if stop.load(Ordering::Relaxed) {
-                    break;
-                }
-                let row = first + i;
-                if !done {
-                    // A kernel may have begun the row.
-                    for column in &mut outputs {
-                        column[i] = f64::NAN;
-                    }
-                }
-                let put = |place: usize, value| outputs[place][i] = value;
-                let scene = chunk.scene(columns, base, row);
-                let (verdict, message) = self.answer_row(&asked, scene, done, put);
-                verdicts[i] = verdict.unwrap_or(verdicts[i]);
-                messages.extend(message.map(|message| (row, message)));
-            }
-            let mut values = Vec::new();
-            for (place, column) in outputs.into_iter().enumerate() {
-                if without[place] && has_value(column) {
-                    values.push((place, first, column.to_vec()));
-                    column.fill(f64::NAN);
-                }
-            }
-            SPARE.set(spare);
-            count.fetch_add(len as u64, Ordering::Relaxed);
-            Told { messages, values }
-        };
-        let told: Vec<_> = if self.is_quick(chunk.len) {
-            parts.into_iter().map(solve).collect()
-        } else {
-            parts.into_par_iter().map(solve).collect()
-        };
-        let mut all = Told::default();
-        for part in told {
-            all.messages.extend(part.messages);
-            all.values.extend(part.values);
-        }
-        all
+        Solver::new(self, columns).fill(Arch::new(), stop, done, chunk, room)
     }
 
     /// True if the thread that asks solves so many rows itself: few, and none with an analysis, which may
@@ -230,29 +119,187 @@ impl Task {
     pub fn is_quick(&self, rows: usize) -> bool {
         rows <= FEW && self.outputs.iter().chain(&self.watched).all(|o| o.analysis().is_none())
     }
+}
+
+/// A task for the rows of one table: what is asked of every row, and how it is answered.
+pub(crate) struct Solver<'a> {
+    task: &'a Task,
+    columns: &'a Columns,
+    /// How a kernel answers rows; none if every row is solved by itself.
+    plan: Option<ColumnPlan<'a>>,
+    /// Outputs to write, those that fill gaps, then the one that is watched.
+    outputs: Vec<&'static Output>,
+    /// The analyses that they are numbers of.
+    analyses: Vec<AnalysisKind>,
+    /// True if the points must be solved, and not only the inputs be read.
+    solves: bool,
+    /// True if the motion of the ball is analysed.
+    moves: bool,
+}
+
+impl<'a> Solver<'a> {
+    pub(crate) fn new(task: &'a Task, columns: &'a Columns) -> Self {
+        let outputs = task.outputs.iter().chain(&task.filled).copied().chain(task.watched);
+        let outputs: Vec<_> = outputs.collect();
+        let asked = |kind: &AnalysisKind| outputs.iter().any(|o| o.analysis() == Some(*kind));
+        let analyses: Vec<_> = AnalysisKind::ALL.into_iter().filter(asked).collect();
+        let (solves, moves) = (task.solves(), analyses.iter().any(|kind| kind.needs_motion()));
+        let plan = || ColumnPlan::new(&task.base, &task.settings, columns);
+        let plan = if solves { plan() } else { None };
+        Self { task, columns, plan, outputs, analyses, solves, moves }
+    }
+
+    /// The answers, complete unless `stop` has become true: that is looked at before every row of a model, and
+    /// before every stride of a kernel.
+    pub(crate) fn solve(&self, arch: Arch, stop: &AtomicBool, chunk: &Chunk) -> Answers {
+        let mut answers = Answers::room(chunk.len, self.outputs.len());
+        let room = Room {
+            verdicts: &mut answers.verdicts,
+            columns: answers.columns.iter_mut().map(|column| Some(&mut column[..])).collect(),
+        };
+        answers.messages = self.fill(arch, stop, &AtomicU64::new(0), chunk, room).messages;
+        answers
+    }
+
+    fn fill(
+        &self,
+        arch: Arch,
+        stop: &AtomicBool,
+        count: &AtomicU64,
+        chunk: &Chunk,
+        room: Room<'_>,
+    ) -> Told {
+        // Who has no places for what fills gaps does not ask for it.
+        let outputs = &self.outputs[..room.columns.len()];
+        let stride = match &self.plan {
+            Some(plan) if plan.model == Model::Traction => TRACTION_STRIDE,
+            Some(_) => KERNEL_STRIDE,
+            None => MODEL_STRIDE,
+        };
+        let model = self.plan.as_ref().map(|plan| (plan.operands(chunk), plan.model));
+        let wanted = Wanted::of(outputs);
+        let run = Run { solver: self, chunk, kernel: model, outputs, wanted, arch, stop, stride };
+        let solve = |part: Part<'_>| {
+            if stop.load(Ordering::Relaxed) {
+                return Told::default();
+            }
+            let rows = part.verdicts.len();
+            let told = run.solve(part);
+            count.fetch_add(rows as u64, Ordering::Relaxed);
+            told
+        };
+        let parts = room.parts(stride);
+        let told: Vec<_> = if self.task.is_quick(chunk.len) {
+            parts.into_iter().map(solve).collect()
+        } else {
+            parts.into_par_iter().map(solve).collect()
+        };
+        told.into_iter().fold(Told::default(), Told::and)
+    }
+}
+
+/// A chunk that is being solved.
+struct Run<'a> {
+    solver: &'a Solver<'a>,
+    chunk: &'a Chunk,
+    /// The inputs of a kernel, and its model.
+    kernel: Option<(Operands<'a>, Model)>,
+    outputs: &'a [&'static Output],
+    wanted: Wanted,
+    arch: Arch,
+    stop: &'a AtomicBool,
+    stride: usize,
+}
+
+impl Run<'_> {
+    /// Solves a part, in memory of its own for columns that have none.
+    fn solve(&self, Part { first, verdicts, columns }: Part<'_>) -> Told {
+        let (len, apart) = (verdicts.len(), self.stride + APART);
+        let without: Vec<_> = columns.iter().map(Option::is_none).collect();
+        // Given back when it is NaN again: after a panic it is not.
+        let mut spare = SPARE.take();
+        let needed = without.iter().filter(|none| **none).count() * apart;
+        spare.resize(needed.max(spare.len()), f64::NAN);
+        let mut places = spare.chunks_exact_mut(apart);
+        let mut outputs: Vec<&mut [f64]> = Vec::with_capacity(without.len());
+        for column in columns {
+            if let Some(column) = column {
+                column.fill(f64::NAN);
+                outputs.push(column);
+            } else {
+                outputs.extend(places.next().map(|place| &mut place[..len]));
+            }
+        }
+        let messages = self.rows(first, verdicts, &mut outputs);
+        let mut values = Vec::new();
+        for (place, column) in outputs.into_iter().enumerate() {
+            if without[place] && has_value(column) {
+                values.push((place, first, column.to_vec()));
+                column.fill(f64::NAN);
+            }
+        }
+        SPARE.set(spare);
+        Told { messages, values }
+    }
+
+    /// Answers rows: all that a kernel can, then what it leaves, one by one. Returns their messages.
+    ///
+    /// * `outputs`: their columns, NaN.
+    fn rows(
+        &self,
+        first: usize,
+        verdicts: &mut [Verdict],
+        outputs: &mut [&mut [f64]],
+    ) -> Vec<(usize, String)> {
+        let solver = self.solver;
+        let settings = &solver.task.settings;
+        let model = self.kernel.as_ref().map_or(settings.model, |(_, model)| (*model).into());
+        verdicts.fill(Verdict { model, status: Status::Converged, has_others: false });
+        let mut done = vec![false; verdicts.len()];
+        if let Some((operands, model)) = &self.kernel {
+            let (wanted, columns) = (&self.wanted, &mut *outputs);
+            let rows = Rows { operands, wanted, first, columns, done: &mut done };
+            rows.solve(self.arch, *model, settings);
+        }
+        let mut messages = Vec::new();
+        let is_left = |done: &bool| !(*done && solver.analyses.is_empty());
+        for (i, done) in done.iter().enumerate().filter(|(_, done)| is_left(done)) {
+            if self.stop.load(Ordering::Relaxed) {
+                break;
+            }
+            if !done {
+                // A kernel may have begun the row.
+                outputs.iter_mut().for_each(|column| column[i] = f64::NAN);
+            }
+            let put = |place: usize, value| outputs[place][i] = value;
+            let (verdict, message) = self.row(first + i, *done, put);
+            verdicts[i] = verdict.unwrap_or(verdicts[i]);
+            messages.extend(message.map(|message| (first + i, message)));
+        }
+        messages
+    }
 
     /// Answers a row: its verdict unless a kernel has answered all but its analyses, and its words.
     ///
     /// * `put`: takes the value of an output, by place.
-    fn answer_row(
+    fn row(
         &self,
-        asked: &Asked,
-        scene: Result<Scene, CaseError>,
+        row: usize,
         by_kernel: bool,
         mut put: impl FnMut(usize, f64),
     ) -> (Option<Verdict>, Option<String>) {
-        let settings = &self.settings;
+        let Task { base, settings, .. } = self.solver.task;
         let invalid = |error: &CaseError| {
             let status = Status::InvalidInput;
             let verdict = Verdict { model: settings.model, status, has_others: false };
             (Some(verdict), Some(error.to_string()))
         };
-        let scene = match scene {
+        let scene = match self.chunk.scene(self.solver.columns, base, row) {
             Ok(scene) => scene,
             Err(error) => return invalid(&error),
         };
         let (mut verdict, mut words, mut motion) = (None, Vec::new(), None);
-        if asked.solves && (asked.moves || !by_kernel) {
+        if self.solver.solves && (self.solver.moves || !by_kernel) {
             let record = match scene.problem(settings) {
                 Ok(problem) => Record::new(WORK.with_borrow_mut(|work| problem.solve(work))),
                 Err(error) => return invalid(&error),
@@ -264,52 +311,32 @@ impl Task {
                     has_others: record.has_others(),
                 });
                 words.extend(record.message().map(str::to_owned).or_else(|| record.choice()));
-                for (place, output) in asked.outputs.iter().enumerate() {
+                for (place, output) in self.outputs.iter().enumerate() {
                     put(place, record.cell(output).map_or(f64::NAN, Answer::number));
                 }
             }
-            let solution = record.into_solution().filter(|s| asked.moves && s.solved().is_some());
+            let solution =
+                record.into_solution().filter(|s| self.solver.moves && s.solved().is_some());
             motion = solution.map(|solution| Moving { settings: *settings, solution });
         }
-        for kind in asked.analyses.iter().filter(|kind| motion.is_some() || !kind.needs_motion()) {
+        for kind in
+            self.solver.analyses.iter().filter(|kind| motion.is_some() || !kind.needs_motion())
+        {
             let wanted = |quantity: &Quantity| {
-                let of_it = |column: &Output| asked.outputs.iter().any(|o| o.name == column.name);
+                let of_it = |column: &Output| self.outputs.iter().any(|o| o.name == column.name);
                 quantity.columns.iter().any(of_it)
             };
             match kind.numbers(&scene, settings, motion.as_ref(), wanted) {
                 Ok(numbers) => {
-                    let places = asked.outputs.iter().enumerate();
+                    let places = self.outputs.iter().enumerate();
                     let values =
                         places.filter_map(|(place, output)| Some((place, numbers.value(output)?)));
                     values.for_each(|(place, value)| put(place, value));
                 }
-                Err(error) if !asked.solves => return invalid(&error),
+                Err(error) if !self.solver.solves => return invalid(&error),
                 Err(error) => words.push(format!("{}: {error}", kind.name())),
             }
         }
         (verdict, (!words.is_empty()).then(|| words.join("; ")))
-    }
-}
-
-/// What is asked of every row.
-struct Asked {
-    /// Outputs to write, then the one that is watched.
-    outputs: Vec<&'static Output>,
-    /// The analyses that they are numbers of.
-    analyses: Vec<AnalysisKind>,
-    /// True if the points must be solved, and not only the inputs be read.
-    solves: bool,
-    /// True if the motion of the ball is analysed.
-    moves: bool,
-}
-
-impl Asked {
-    fn of(task: &Task) -> Self {
-        let outputs = task.outputs.iter().chain(&task.filled).copied().chain(task.watched);
-        let outputs: Vec<_> = outputs.collect();
-        let asked = |kind: &AnalysisKind| outputs.iter().any(|o| o.analysis() == Some(*kind));
-        let analyses: Vec<_> = AnalysisKind::ALL.into_iter().filter(asked).collect();
-        let moves = analyses.iter().any(|kind| kind.needs_motion());
-        Self { analyses, solves: task.solves(), moves, outputs }
     }
 }

@@ -2,8 +2,7 @@
 
 use bsm_case::Grid;
 
-use crate::TableError;
-use crate::rows::{Chunk, Columns};
+use crate::{Chunk, Columns, TableError};
 
 /// Rows in chunks, in order.
 pub trait Source: Send {
@@ -68,13 +67,11 @@ impl Source for GridSource {
 
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
         let end = self.grid.len().min(self.at.saturating_add(rows));
-        let mut chunk = Chunk::empty(self.at as u64 + 1, &self.columns, end - self.at);
-        for (axis, column) in chunk.inputs.iter_mut().enumerate() {
-            column.extend_with(|values| self.grid.fill(axis, self.at..end, values));
-        }
-        chunk.len = end - self.at;
+        let (rows, first) = (self.at..end, self.at as u64 + 1);
         self.at = end;
-        Ok(chunk.filled())
+        Ok(Chunk::of_numbers(first, rows.len(), &self.columns, |axis, values| {
+            self.grid.fill(axis, rows.clone(), values);
+        }))
     }
 
     fn skip(&mut self, rows: u64) -> Result<(), TableError> {

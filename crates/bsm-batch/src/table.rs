@@ -3,15 +3,17 @@
 use std::fs::File;
 use std::io::{BufReader, Read, Write};
 use std::path::Path;
+use std::sync::Arc;
 
+use arrow_array::{ArrayRef, RecordBatch};
+use arrow_schema::{Schema, SchemaRef};
 use bsm_case::Output;
 
-use crate::parquet_table::finish_with;
-use crate::rows::{Answers, Chunk, Columns};
-use crate::{
-    CsvSink, CsvSource, Dialect, JsonSink, JsonSource, ParquetSink, ParquetSource, Sink, Source,
-    TableError,
-};
+use crate::columns::{Columns, field};
+use crate::parquet_table::ParquetSink;
+use crate::rows::{Answers, Chunk, numbers};
+use crate::text::TextSink;
+use crate::{CsvSource, Dialect, JsonSource, ParquetSource, Sink, Source, TableError};
 
 /// Key of the metadata of a Parquet table that says what the table is made from, in JSON.
 pub const ABOUT: &str = "bsm";
@@ -41,19 +43,12 @@ impl Format {
 
     /// The rows of a file of this form.
     ///
+    /// * `dialect`: its names, and its signs, which only text has.
+    ///
     /// # Errors
     ///
     /// [`TableError`] if it cannot be opened, or its columns are neither inputs nor in `keep`.
-    pub fn open(self, path: &Path, keep: &[String]) -> Result<Box<dyn Source>, TableError> {
-        self.open_as(path, keep, &Dialect::default())
-    }
-
-    /// [`open`](Self::open) for a table with other signs, which only text has, or names.
-    ///
-    /// # Errors
-    ///
-    /// As [`open`](Self::open).
-    pub fn open_as(
+    pub fn open(
         self,
         path: &Path,
         keep: &[String],
@@ -71,18 +66,31 @@ impl Format {
     }
 }
 
-/// A table of answers, in one of the forms.
-pub enum TableSink<W: Write + Send> {
-    /// Text with commas.
-    Csv(CsvSink<W>),
-    /// One JSON object a line.
-    Json(JsonSink<W>),
-    /// Columns in binary.
+/// A column of numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NumberColumn {
+    /// Name.
+    pub name: &'static str,
+    /// Unit, for the metadata.
+    pub unit: &'static str,
+}
+
+/// A table that is being written.
+pub struct TableSink<W: Write + Send> {
+    schema: SchemaRef,
+    outputs: Vec<&'static Output>,
+    file: Form<W>,
+}
+
+enum Form<W: Write + Send> {
+    Text(TextSink<W>),
     Parquet(Box<ParquetSink<W>>),
 }
 
 impl<W: Write + Send> TableSink<W> {
-    /// Writes the names of the columns.
+    /// Writes the names of the columns of the source, then model, status, message and outputs.
+    ///
+    /// * `dialect`: the signs of CSV.
     ///
     /// # Errors
     ///
@@ -92,12 +100,57 @@ impl<W: Write + Send> TableSink<W> {
         out: W,
         columns: &Columns,
         outputs: &[&'static Output],
+        dialect: &Dialect,
     ) -> Result<Self, TableError> {
-        Ok(match format {
-            Format::Csv => Self::Csv(CsvSink::new(out, columns, outputs)?),
-            Format::JsonLines => Self::Json(JsonSink::new(out, columns.clone(), outputs)),
-            Format::Parquet => Self::Parquet(Box::new(ParquetSink::new(out, columns, outputs)?)),
-        })
+        let this = Self::of_schema(format, out, columns.schema(outputs), dialect)?;
+        Ok(Self { outputs: outputs.to_vec(), ..this })
+    }
+
+    /// A table of numbers only.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError`].
+    pub fn of_numbers(
+        format: Format,
+        out: W,
+        columns: &[NumberColumn],
+    ) -> Result<Self, TableError> {
+        let fields = columns.iter().map(|column| field(column.name, column.unit));
+        let schema = Arc::new(Schema::new(fields.collect::<Vec<_>>()));
+        Self::of_schema(format, out, schema, &Dialect::default())
+    }
+
+    fn of_schema(
+        format: Format,
+        out: W,
+        schema: SchemaRef,
+        dialect: &Dialect,
+    ) -> Result<Self, TableError> {
+        let file = match format {
+            Format::Csv => Form::Text(TextSink::csv(out, &schema, dialect)?),
+            Format::JsonLines => Form::Text(TextSink::json_lines(out, &schema)),
+            Format::Parquet => Form::Parquet(Box::new(ParquetSink::new(out, schema.clone())?)),
+        };
+        Ok(Self { schema, outputs: Vec::new(), file })
+    }
+
+    /// Writes rows of numbers, by columns of one length; NaN is a gap.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError`].
+    pub fn write_numbers(&mut self, columns: Vec<Vec<f64>>) -> Result<(), TableError> {
+        let arrays = columns.into_iter().map(|values| Arc::new(numbers(values)) as ArrayRef);
+        let table = RecordBatch::try_new(self.schema.clone(), arrays.collect())?;
+        self.write_table(&table, &Chunk::default())
+    }
+
+    fn write_table(&mut self, table: &RecordBatch, chunk: &Chunk) -> Result<(), TableError> {
+        match &mut self.file {
+            Form::Text(sink) => sink.write(table, chunk),
+            Form::Parquet(sink) => sink.write(table),
+        }
     }
 
     /// Writes the end of the table, and returns the writer.
@@ -108,23 +161,45 @@ impl<W: Write + Send> TableSink<W> {
     ///
     /// [`TableError`].
     pub fn finish(self, about: Option<&str>) -> Result<W, TableError> {
-        match self {
-            Self::Csv(sink) => sink.finish(),
-            Self::Json(sink) => Ok(sink.finish()),
-            Self::Parquet(sink) => {
-                let about = about.map(|text| (ABOUT, text.to_owned()));
-                finish_with(sink.into_file()?, |_| about.into_iter().collect())
-            }
+        self.finish_with(|_| about.map(|text| (ABOUT, text.to_owned())).into_iter().collect())
+    }
+
+    /// [`finish`](Self::finish) with keys of the metadata of Parquet, which are asked for when all before the
+    /// footer is written.
+    pub(crate) fn finish_with(
+        self,
+        keys: impl FnOnce(&mut W) -> Vec<(&'static str, String)>,
+    ) -> Result<W, TableError> {
+        match self.file {
+            Form::Text(sink) => sink.finish(),
+            Form::Parquet(sink) => sink.finish(keys),
         }
     }
 }
 
 impl<W: Write + Send> Sink for TableSink<W> {
     fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
-        match self {
-            Self::Csv(sink) => sink.write(chunk, answers),
-            Self::Json(sink) => sink.write(chunk, answers),
-            Self::Parquet(sink) => sink.write(chunk, answers),
-        }
+        let table = answers.table(&chunk, &self.schema, &self.outputs)?;
+        self.write_table(&table, &chunk)
+    }
+}
+
+/// Answers in memory, a table for each chunk.
+pub(crate) struct MemorySink {
+    pub(crate) schema: SchemaRef,
+    pub(crate) tables: Vec<RecordBatch>,
+    outputs: Vec<&'static Output>,
+}
+
+impl MemorySink {
+    pub(crate) fn new(columns: &Columns, outputs: &[&'static Output]) -> Self {
+        Self { schema: columns.schema(outputs), tables: Vec::new(), outputs: outputs.to_vec() }
+    }
+}
+
+impl Sink for MemorySink {
+    fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
+        self.tables.push(answers.table(&chunk, &self.schema, &self.outputs)?);
+        Ok(())
     }
 }

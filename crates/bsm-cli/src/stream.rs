@@ -7,8 +7,8 @@ use bsm_batch::dataset::{
     self, Damage, Dataset, DatasetError, Event, Filling, Plan, Points, sha256,
 };
 use bsm_batch::{
-    Answers, Chunk, Count, CsvSink, CsvSource, Dialect, Format, NumberColumn, NumberSink, RunError,
-    Sink, Source, TableError, TableSink, Task, Workers,
+    Answers, Cell, Chunk, Count, CsvSource, Dialect, Format, NumberColumn, RunError, Sink, Source,
+    TableError, TableSink, Task, Workers,
 };
 use bsm_case::{Axis, Grid, ModelChoice, Output as Column, exact};
 use bsm_dyn::Status;
@@ -22,7 +22,7 @@ use crate::files::{self, Output, ending_of, is_stdout, pretty_json};
 use crate::parts::print_plan;
 use crate::unfinished;
 #[cfg(feature = "xlsx")]
-use crate::workbook::{self, Entry, Workbook};
+use crate::workbook::{self, Workbook};
 
 /// Endings of tables.
 pub(crate) const TABLES: [&str; 4] = ["csv", "jsonl", "parquet", "xlsx"];
@@ -143,12 +143,7 @@ impl Job<'_> {
             Form::Table(format) => {
                 let (columns, outputs) = (source.columns(), &self.task.outputs);
                 let out = Output::create(path)?;
-                let sink = match format {
-                    Format::Csv => {
-                        CsvSink::with(out, columns, outputs, &self.signs).map(TableSink::Csv)
-                    }
-                    _ => TableSink::new(format, out, columns, outputs),
-                };
+                let sink = TableSink::new(format, out, columns, outputs, &self.signs);
                 let sink = sink.map_err(|error| unwritable(path, &error))?;
                 let run = self.task.run(source, sink, u64::MAX, workers, seen);
                 let (sink, count) = run.map_err(failed)?;
@@ -294,7 +289,7 @@ pub(crate) fn open(
         CsvSource::with(reader, keep, dialect).map(|source| Box::new(source) as Box<dyn Source>)
     } else {
         ending_of("--points", path, &POINTS)?;
-        Format::of(path).unwrap_or(Format::Csv).open_as(path, keep, dialect)
+        Format::of(path).unwrap_or(Format::Csv).open(path, keep, dialect)
     };
     source.map_err(|e| Failure::table(path, &e))
 }
@@ -369,16 +364,11 @@ pub(crate) fn write_numbers(
     match form {
         Form::Table(format) => {
             let written = || {
-                let mut table = match format {
-                    Format::Csv => NumberSink::csv(out, columns)?,
-                    Format::JsonLines => NumberSink::json_lines(out, columns),
-                    Format::Parquet => NumberSink::parquet(out, columns)?,
-                };
-                table.describe(about.to_string());
+                let mut table = TableSink::of_numbers(format, out, columns)?;
                 for part in parts {
-                    table.write(&part)?;
+                    table.write_numbers(part)?;
                 }
-                table.finish()
+                table.finish(Some(&about.to_string()))
             };
             written().map_err(failed)?.complete()
         }
@@ -388,7 +378,7 @@ pub(crate) fn write_numbers(
                 let mut book = Workbook::new(columns.iter().map(|c| (c.name, c.unit)))?;
                 for part in parts {
                     for row in 0..part.first().map_or(0, Vec::len) {
-                        book.row(part.iter().map(|values| Entry::Number(values[row])))?;
+                        book.row(part.iter().map(|values| Cell::Number(values[row])))?;
                     }
                 }
                 book.finish(&about)
@@ -417,7 +407,7 @@ pub(crate) fn write_rows(
                 let names = ["name", "unit", "value"].map(|name| (name, ""));
                 let mut book = Workbook::new(names.into_iter())?;
                 for (name, unit, value) in rows {
-                    let cells = [Entry::Text(name), Entry::Text(unit), Entry::Number(*value)];
+                    let cells = [Cell::Text(name), Cell::Text(unit), Cell::Number(*value)];
                     book.row(cells.into_iter())?;
                 }
                 book.finish(&made_from(about))

@@ -4,7 +4,7 @@
 use std::sync::atomic::Ordering;
 use std::{env, io};
 
-use bsm_batch::{Answers, Cell, Chunk, Columns, Sink, TableError, caught};
+use bsm_batch::{Answers, Cell, Cells, Chunk, Columns, Sink, TableError, caught};
 use bsm_case::Output;
 use rust_xlsxwriter::{Format, Workbook as Book, Worksheet, XlsxError};
 use serde_json::Value;
@@ -21,15 +21,8 @@ const WIDTHS: (u16, u16) = (10, 40);
 pub(crate) struct Workbook {
     book: Book,
     row: u32,
+    columns: Columns,
     outputs: Vec<&'static Output>,
-}
-
-/// A cell.
-pub(crate) enum Entry<'a> {
-    Nothing,
-    Number(f64),
-    Text(&'a str),
-    Flag(bool),
 }
 
 impl Workbook {
@@ -54,7 +47,7 @@ impl Workbook {
             Ok(())
         };
         written().map_err(|e| failed(&e))?;
-        Ok(Self { book, row: 2, outputs: Vec::new() })
+        Ok(Self { book, row: 2, columns: Columns::default(), outputs: Vec::new() })
     }
 
     /// A table of answers.
@@ -64,13 +57,13 @@ impl Workbook {
     ) -> Result<Self, TableError> {
         let headings: Vec<_> = columns.headings(outputs).collect();
         let this = Self::new(headings.iter().map(|heading| (heading.name, heading.unit)))?;
-        Ok(Self { outputs: outputs.to_vec(), ..this })
+        Ok(Self { columns: columns.clone(), outputs: outputs.to_vec(), ..this })
     }
 
     /// Writes a row.
     pub(crate) fn row<'a>(
         &mut self,
-        entries: impl Iterator<Item = Entry<'a>>,
+        entries: impl Iterator<Item = Cell<'a>>,
     ) -> Result<(), TableError> {
         if u64::from(self.row) >= MOST_ROWS + 2 {
             return Err(TableError::Io(io::Error::other(too_many("more"))));
@@ -123,35 +116,9 @@ fn written<T>(write: impl FnOnce() -> Result<T, XlsxError>) -> Result<T, TableEr
 
 impl Sink for Workbook {
     fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
-        let (outputs, kept) = (self.outputs.clone(), chunk.kept_values()?);
-        for row in 0..chunk.len {
-            let inputs: Vec<_> = chunk.inputs.iter().map(|column| column.cell(row)).collect();
-            let inputs = inputs.iter().map(|cell| match cell {
-                Cell::Missing => Entry::Nothing,
-                Cell::Number(value) => Entry::Number(*value),
-                Cell::Text(text) => Entry::Text(text),
-            });
-            let verdict = answers.verdicts[row];
-            let message = answers.message(row).map_or(Entry::Nothing, Entry::Text);
-            let verdict =
-                [Entry::Text(verdict.model.name()), Entry::Text(verdict.status.name()), message];
-            let outputs = outputs.iter().zip(&answers.columns).map(|(output, column)| {
-                match (output.json_type, column[row]) {
-                    (_, value) if value.is_nan() => Entry::Nothing,
-                    ("boolean", value) => Entry::Flag(value > 0.5),
-                    ("string", value) => output.word(value).map_or(Entry::Nothing, Entry::Text),
-                    (_, value) => Entry::Number(value),
-                }
-            });
-            let kept = kept.iter().map(|values| match &values[row] {
-                Value::Null => Entry::Nothing,
-                Value::Number(number) => Entry::Number(number.as_f64().unwrap_or(f64::NAN)),
-                Value::Bool(yes) => Entry::Flag(*yes),
-                other => Entry::Text(other.as_str().unwrap_or_default()),
-            });
-            self.row(kept.chain(inputs).chain(verdict).chain(outputs))?;
-        }
-        Ok(())
+        let table = answers.table(&chunk, &self.columns.schema(&self.outputs), &self.outputs)?;
+        let cells = Cells::of(&table, &chunk)?;
+        (0..chunk.len).try_for_each(|row| self.row(cells.row(row)))
     }
 }
 
@@ -160,14 +127,17 @@ pub(crate) fn too_many(rows: &str) -> String {
     format!("a sheet has {MOST_ROWS} rows, and this table has {rows}; write .csv or .parquet")
 }
 
-fn write(sheet: &mut Worksheet, row: u32, column: u16, entry: &Entry<'_>) -> Result<(), XlsxError> {
+fn write(sheet: &mut Worksheet, row: u32, column: u16, entry: &Cell<'_>) -> Result<(), XlsxError> {
     match entry {
-        Entry::Nothing => return Ok(()),
+        Cell::Missing => return Ok(()),
         // A sheet has no sign for what is not finite.
-        Entry::Number(value) if !value.is_finite() => return Ok(()),
-        Entry::Number(value) => sheet.write_number(row, column, *value)?,
-        Entry::Text(text) => sheet.write_string(row, column, *text)?,
-        Entry::Flag(yes) => sheet.write_boolean(row, column, *yes)?,
+        Cell::Number(value) if !value.is_finite() => return Ok(()),
+        Cell::Number(value) => sheet.write_number(row, column, *value)?,
+        Cell::Digits(number) => {
+            sheet.write_number(row, column, number.as_f64().unwrap_or(f64::NAN))?
+        }
+        Cell::Text(text) => sheet.write_string(row, column, *text)?,
+        Cell::Flag(yes) => sheet.write_boolean(row, column, *yes)?,
     };
     Ok(())
 }

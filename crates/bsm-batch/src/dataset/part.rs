@@ -14,12 +14,11 @@ use std::sync::Arc;
 use arrow_array::{ArrayRef, RecordBatch, StringArray, UInt64Array};
 use parquet::arrow::ArrowWriter;
 use parquet::file::metadata::ParquetMetaDataReader;
-use parquet::file::writer::SerializedFileWriter;
 use sha2::{Digest, Sha256};
 
 use super::{DatasetError, digest};
-use crate::parquet_table::{decoded, finish_with};
-use crate::{Count, TableError, Workers};
+use crate::parquet_table::decoded;
+use crate::{Count, TableError, TableSink, Workers};
 
 const PLAN: &str = "bsm.plan";
 const SHARD: &str = "bsm.shard";
@@ -150,14 +149,14 @@ impl<W: Write> Write for Proving<W> {
 
 /// Writes the end of a part, and returns the writer.
 pub(super) fn seal<W: Write + Send>(
-    file: SerializedFileWriter<Proving<W>>,
+    table: TableSink<Proving<W>>,
     place: Place<'_>,
     Count { failed, several, .. }: Count,
 ) -> Result<(W, Part), TableError> {
     let Place { plan, shard, first_row, rows, .. } = place;
     let (data_bytes, data_sha256) = (0, String::new());
     let mut part = Part { shard, first_row, rows, failed, several, data_bytes, data_sha256 };
-    let written = finish_with(file, |file| {
+    let written = table.finish_with(|file| {
         part.data_bytes = file.data_bytes;
         part.data_sha256 = digest::hex(file.hash.clone());
         file.footer = Some(Vec::new());

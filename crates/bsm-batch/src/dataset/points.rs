@@ -47,7 +47,7 @@ impl Points {
                     let words = "a table ends in .csv, .jsonl or .parquet";
                     io::Error::new(io::ErrorKind::InvalidInput, words)
                 })?;
-                format.open_as(path, keep, dialect)
+                format.open(path, keep, dialect)
             }
         }
     }

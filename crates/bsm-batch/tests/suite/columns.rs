@@ -1,6 +1,6 @@
 //! Numbers of the analyses as columns of tables.
 
-use bsm_batch::{Answers, Column, Columns, GridSource, Source, Task};
+use bsm_batch::{Answers, Chunk, Columns, GridSource, Source, Task};
 use bsm_case::{AnalysisKind, Axis, Grid, Moving, Output, Scene, Settings};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 
@@ -180,9 +180,7 @@ fn columns_of_the_inputs_alone_need_no_solution() {
     let columns = Columns::sort(["friction_coefficient"], &[]).expect("an input");
     let task = outputs(&["rotary_to_linear_optimum_contact_angle_deg"]);
     let task = Task::over_table(base, Settings::default(), task, &columns).expect("a task");
-    let mut column = Column::default();
-    column.extend([bsm_batch::Cell::Number(0.075), bsm_batch::Cell::Missing]);
-    let chunk = bsm_batch::Chunk { first: 1, len: 2, inputs: vec![column], kept: Vec::new() };
+    let chunk = Chunk::of_rows(&columns, [[Some(0.075)], [None]]);
     let answers = task.solve(&chunk, &columns);
     assert_eq!(answers.verdicts[0].status, Status::Converged);
     assert!(answers.columns[0][0] > 5.0 && answers.columns[0][1].is_nan());

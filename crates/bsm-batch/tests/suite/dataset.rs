@@ -84,7 +84,7 @@ fn rows(source: &mut dyn Source, size: usize) -> Vec<f64> {
     let mut rows = Vec::new();
     while let Some(chunk) = source.next(size).expect("a table") {
         for row in 0..chunk.len {
-            rows.extend(chunk.inputs.iter().map(|column| column.values()[row]));
+            rows.extend(chunk.inputs.iter().map(|column| column.value(row)));
         }
     }
     rows
@@ -144,12 +144,18 @@ fn parts_are_the_rows_of_one_file() {
     let mut source = GridSource::new(grid());
     let columns = source.columns().clone();
     let out = fs::File::create(&one).expect("file");
-    let sink = TableSink::new(Format::Csv, out, &columns, &task.outputs).expect("a table");
+    let signs = Dialect::default();
+    let sink = TableSink::new(Format::Csv, out, &columns, &task.outputs, &signs);
+    let sink = sink.expect("a table");
     let run = task.run(&mut source, sink, u64::MAX, &workers(2), &mut |_, _| {});
     run.expect("solved").0.finish(None).expect("written");
     let keep = ["model", "status"].map(str::to_owned);
-    assert!(Format::Csv.open(&one, &keep).is_err(), "columns of answers are passed over");
-    let whole = rows(Format::Csv.open(&one, &[]).expect("a table").as_mut(), 1000);
+    assert!(
+        Format::Csv.open(&one, &keep, &Dialect::default()).is_err(),
+        "columns of answers are passed over"
+    );
+    let whole =
+        rows(Format::Csv.open(&one, &[], &Dialect::default()).expect("a table").as_mut(), 1000);
     let mut parts = Vec::new();
     for shard in 0..3 {
         let path = folder.path().join(format!("data/part-{shard:06}.parquet"));
@@ -160,7 +166,10 @@ fn parts_are_the_rows_of_one_file() {
         for key in ["plan", "shard", "rows", "failed", "several", "data_bytes", "data_sha256"] {
             assert!(names.contains(&format!("bsm.{key}").as_str()), "{names:?}");
         }
-        parts.extend(rows(Format::Parquet.open(&path, &[]).expect("a part").as_mut(), 7));
+        parts.extend(rows(
+            Format::Parquet.open(&path, &[], &Dialect::default()).expect("a part").as_mut(),
+            7,
+        ));
     }
     assert_eq!(parts, whole);
     assert_eq!(parts.len(), 240);
@@ -268,7 +277,9 @@ fn rows_of_parquet_are_passed_over() {
     let out = fs::File::create(&path).expect("file");
     let task = Task { outputs: Vec::new(), ..task(Model::ClosedForm) };
     let columns = source.columns().clone();
-    let sink = TableSink::new(Format::Parquet, out, &columns, &task.outputs).expect("a table");
+    let signs = Dialect::default();
+    let sink = TableSink::new(Format::Parquet, out, &columns, &task.outputs, &signs);
+    let sink = sink.expect("a table");
     let run = task.run(&mut source, sink, u64::MAX, &workers(2), &mut |_, _| {});
     run.expect("solved").0.finish(None).expect("written");
     let open = || ParquetSource::new(fs::File::open(&path).expect("file"), &[]).expect("Parquet");
@@ -324,7 +335,8 @@ fn a_table_without_rows_is_one_part() {
     }
     let names: Vec<_> = files(&map).into_keys().collect();
     assert_eq!(names, ["data/part-000000.parquet", "plan.json", "shards.parquet"]);
-    let mut part = Format::Parquet.open(&map.join(&names[0]), &[]).expect("a part");
+    let mut part =
+        Format::Parquet.open(&map.join(&names[0]), &[], &Dialect::default()).expect("a part");
     assert!(part.next(10).expect("Parquet").is_none());
 }
 
@@ -409,7 +421,7 @@ fn random_points_are_the_same_rows_in_any_parts() {
     whole.run_shards(&task, &points, 0..1, false, &workers, &mut |_| {}).expect("solved");
     let rows_of = |folder: &Path, parts: usize| -> Vec<f64> {
         let part = |i: usize| folder.join(format!("data/part-{i:06}.parquet"));
-        let part = |i| Format::Parquet.open(&part(i), &[]).expect("a part");
+        let part = |i| Format::Parquet.open(&part(i), &[], &Dialect::default()).expect("a part");
         (0..parts).flat_map(|i| rows(part(i).as_mut(), 1000)).collect()
     };
     let all = rows_of(one.path(), 1);

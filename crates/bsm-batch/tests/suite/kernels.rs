@@ -4,7 +4,8 @@ use crate::alike;
 
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
-use bsm_batch::{Answers, Cell, Chunk, Column, Columns, Room, Task};
+use arrow_array::Float64Array;
+use bsm_batch::{Answers, Cell, Chunk, Columns, Room, Task};
 use bsm_case::{Output, Record, Scene, Settings};
 use bsm_dyn::{Control, Model, ModelWorkspace, RacewayFriction, Status};
 use bsm_sample::{Sample, campaign};
@@ -36,8 +37,7 @@ const INPUTS: [&str; 16] = [
 fn points(count: usize) -> (Chunk, Columns) {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut elastic = ChaCha8Rng::seed_from_u64(7);
-    let mut inputs = vec![Column::default(); INPUTS.len()];
-    for _ in 0..count {
+    let row = |_| {
         let mut rpm = || {
             let size = rng.log_uniform(1.0, 3e4);
             if rng.random_bool(0.5) { size } else { -size }
@@ -49,7 +49,7 @@ fn points(count: usize) -> (Chunk, Columns) {
             _ => speeds,
         };
         let pitch = rng.random_range(8.0..100.0);
-        let row = [
+        [
             rng.random_range(1.0..45.0),
             rng.random_range(20.0..75.0),
             rng.log_uniform(1e-3, 0.2),
@@ -66,19 +66,17 @@ fn points(count: usize) -> (Chunk, Columns) {
             elastic.random_range(0.2..0.4),
             elastic.random_range(150.0..350.0),
             elastic.random_range(0.2..0.4),
-        ];
-        for (column, value) in inputs.iter_mut().zip(row) {
-            column.push(Cell::Number(value));
-        }
-    }
+        ]
+        .map(Cell::Number)
+    };
     let columns = Columns::sort(INPUTS, &[]).expect("known names");
-    (Chunk { first: 1, len: count, inputs, kept: Vec::new() }, columns)
+    (Chunk::of_rows(&columns, (0..count).map(row)), columns)
 }
 
 fn scene(names: &[&str], chunk: &Chunk, base: &Scene, row: usize) -> Scene {
     let mut scene = base.clone();
     for (name, column) in names.iter().zip(&chunk.inputs) {
-        scene.set(name, column.values()[row]).expect("known name");
+        scene.set(name, column.value(row)).expect("known name");
     }
     scene
 }
@@ -152,10 +150,8 @@ fn lubricated_raceway_control() {
     let (mut names, mut rng) = (INPUTS, ChaCha8Rng::seed_from_u64(10));
     let place = names.iter().position(|name| *name == "friction_coefficient").expect("known");
     names[place] = "lubricant_temperature_C";
-    chunk.inputs[place] = Column::default();
-    for _ in 0..COUNT {
-        chunk.inputs[place].push(Cell::Number(rng.random_range(0.0..90.0)));
-    }
+    chunk.inputs[place] =
+        Float64Array::from_iter_values((0..COUNT).map(|_| rng.random_range(0.0..90.0)));
     let columns = Columns::sort(names, &[]).expect("known names");
     let settings =
         Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() };
@@ -185,12 +181,7 @@ fn enough(model: Model, count: usize) -> (Chunk, Columns) {
 
 /// Rows `first` to `last` of a chunk.
 fn part(chunk: &Chunk, first: usize, last: usize) -> Chunk {
-    let inputs = chunk.inputs.iter().map(|column| {
-        let mut part = Column::default();
-        part.extend((first..last).map(|row| column.cell(row)));
-        part
-    });
-    Chunk { first: first as u64 + 1, len: last - first, inputs: inputs.collect(), kept: Vec::new() }
+    Chunk { first: first as u64 + 1, ..chunk.select(first..last) }
 }
 
 /// Verdicts and bits of all outputs, row by row.
@@ -249,13 +240,8 @@ fn sweeps_finish_nearly_all_points() {
     ];
     let names = ranges.each_ref().map(|(name, _)| *name);
     let columns = Columns::sort(names, &[]).expect("known names");
-    let mut inputs = vec![Column::default(); names.len()];
-    for _ in 0..COUNT {
-        for (column, (_, range)) in inputs.iter_mut().zip(&ranges) {
-            column.push(Cell::Number(rng.random_range(range.clone())));
-        }
-    }
-    let chunk = Chunk { first: 1, len: COUNT, inputs, kept: Vec::new() };
+    let row = |_| ranges.each_ref().map(|(_, range)| Cell::Number(rng.random_range(range.clone())));
+    let chunk = Chunk::of_rows(&columns, (0..COUNT).map(row));
     let way = OF_THE_WAY.map(|name| Output::named(name).expect("known name"));
     let settings = Settings::from(Model::Rigid);
     let answers = Task::new(base.clone(), settings, way.to_vec()).solve(&chunk, &columns);
@@ -333,7 +319,7 @@ fn rows_that_are_not_ordinary_are_told() {
     let rows = [
         ([number(8.74), number(30.0), number(0.0)], "converged", ""),
         ([number(-8.74), number(30.0), number(0.0)], "invalid_input", "`ball_diameter_mm` = -8.74"),
-        ([number(8.74), Cell::Text("wide".into()), number(0.0)], "invalid_input", "lead_mm"),
+        ([number(8.74), Cell::Text("wide"), number(0.0)], "invalid_input", "lead_mm"),
         ([number(8.74), number(f64::NAN), number(0.0)], "invalid_input", "`lead_mm` = NaN"),
         ([number(30.0), number(30.0), number(0.0)], "invalid_input", "30"),
         ([Cell::Missing, number(30.0), number(0.0)], "invalid_input", "ball_diameter_mm"),
@@ -343,13 +329,7 @@ fn rows_that_are_not_ordinary_are_told() {
         ([number(8.74), Cell::Missing, number(0.0)], "converged", ""),
         ([number(8.74), number(10.0), number(0.0)], "no_solution", "lead angle"),
     ];
-    let mut inputs = vec![Column::default(); 3];
-    for (cells, ..) in &rows {
-        for (column, cell) in inputs.iter_mut().zip(cells) {
-            column.push(cell.clone());
-        }
-    }
-    let chunk = Chunk { first: 1, len: rows.len(), inputs, kept: Vec::new() };
+    let chunk = Chunk::of_rows(&columns, rows.iter().map(|(cells, ..)| cells.clone()));
     let efficiency = Output::named("efficiency").expect("known name");
     let task = Task::new(base, Model::Rigid.into(), vec![efficiency]);
     let answers = task.solve(&chunk, &columns);

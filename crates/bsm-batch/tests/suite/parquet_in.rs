@@ -37,7 +37,7 @@ fn read(table: Vec<u8>, kept: &[&str]) -> Result<Rows, TableError> {
     let mut rows = Rows::default();
     while let Some(chunk) = source.next(1000)? {
         for row in 0..chunk.len {
-            match chunk.inputs[0].cell(row) {
+            match chunk.cell(row, 0) {
                 Cell::Number(value) => rows.0.push(value),
                 other => panic!("{other:?}"),
             }

@@ -2,7 +2,7 @@
 
 use crate::alike;
 
-use bsm_batch::{Answers, Cell, Chunk, Column, Columns, CsvSource, Source, Task};
+use bsm_batch::{Answers, Cell, Chunk, Columns, CsvSource, Source, Task};
 use bsm_case::units::other_units;
 use bsm_case::{InputKey, ModelChoice, Record, Scene, Settings};
 use bsm_dyn::{Model, ModelWorkspace, RacewayFriction, Status};
@@ -21,30 +21,25 @@ fn drive() -> Scene {
 /// A table of rows of cells.
 struct Table {
     keys: Vec<InputKey>,
-    rows: Vec<Vec<Cell>>,
+    rows: Vec<Vec<Cell<'static>>>,
 }
 
 impl Table {
     fn solve(&self, base: &Scene, settings: &Settings) -> Answers {
         let columns = Columns::sort(self.keys.iter().map(|key| key.name()), &[]);
-        let mut inputs = vec![Column::default(); self.keys.len()];
-        for row in &self.rows {
-            for (column, cell) in inputs.iter_mut().zip(row) {
-                column.push(cell.clone());
-            }
-        }
-        let chunk = Chunk { first: 1, len: self.rows.len(), inputs, kept: Vec::new() };
+        let columns = columns.expect("inputs, each once");
+        let chunk = Chunk::of_rows(&columns, self.rows.iter().cloned());
         let outputs = Answers::select(None).expect("all outputs");
         let task = Task::new(base.clone(), *settings, outputs);
-        task.solve(&chunk, &columns.expect("inputs, each once"))
+        task.solve(&chunk, &columns)
     }
 
     /// The cells of a row as words of `--set`.
     fn words(&self, row: usize) -> Vec<String> {
         let word = |(key, cell): (&InputKey, &Cell)| match cell {
-            Cell::Missing => None,
             Cell::Number(value) => Some(format!("{}={value}", key.name())),
             Cell::Text(text) => Some(format!("{}={text}", key.name())),
+            _ => None,
         };
         self.keys.iter().zip(&self.rows[row]).filter_map(word).collect()
     }
@@ -239,11 +234,11 @@ const KEYS: [InputKey; 19] = [
     InputKey::race_yield_strength_MPa,
 ];
 
-fn cell(key: InputKey, rng: &mut impl Rng) -> Cell {
+fn cell(key: InputKey, rng: &mut impl Rng) -> Cell<'static> {
     const WRONG: [f64; 8] = [f64::NAN, f64::INFINITY, 0.0, -1.0, 90.0, 1e-300, 1e300, 0.5];
     match rng.random_range(0..100) {
         0..25 => Cell::Missing,
-        25 => Cell::Text("wide".to_owned()),
+        25 => Cell::Text("wide"),
         26..29 => Cell::Number(*WRONG.choose(rng).expect("some values")),
         _ => Cell::Number(value(key, rng)),
     }

@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
-use bsm_batch::{Cell as Value, Chunk, Column, Columns, Task};
+use bsm_batch::{Chunk, Columns, Task};
 use bsm_case::units::{MM, RPM};
 use bsm_case::{
     Cell, InputKey, ModelChoice, OUTPUTS, Output, Record, Scene, Sensitivities, Settings,
@@ -148,13 +148,8 @@ pub(crate) fn in_batch(scenes: &[Scene], model: ModelChoice, answers: &mut [Answ
     let given = |key: &InputKey| scenes.iter().any(|scene| scene[*key].is_some());
     let names = InputKey::ALL.into_iter().filter(given).map(InputKey::name);
     let columns = Columns::sort(names, &[]).expect("names of inputs, each once");
-    let column = |key: &InputKey| {
-        let mut column = Column::with_capacity(scenes.len());
-        column.extend(scenes.iter().map(|s| s[*key].map_or(Value::Missing, Value::Number)));
-        column
-    };
-    let inputs = columns.inputs.iter().map(column).collect();
-    let chunk = Chunk { first: 1, len: scenes.len(), inputs, kept: Vec::new() };
+    let rows = scenes.iter().map(|scene| columns.inputs.iter().map(|key| scene[*key]));
+    let chunk = Chunk::of_rows(&columns, rows);
     let efficiency = Output::named("efficiency").expect("an output");
     let task = Task::new(Scene::default(), settings(model), vec![efficiency]);
     let Ok(batch) = catch_unwind(AssertUnwindSafe(|| task.solve(&chunk, &columns))) else {

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use bsm_batch::{Chunk, Column, Columns, Task};
+use bsm_batch::{Chunk, Columns, Task};
 use bsm_case::{CaseError, ModelChoice, Output, Scene, Settings};
 use bsm_dyn::{Model, ModelWorkspace};
 use bsm_simd::Arch;
@@ -138,15 +138,7 @@ struct Forms<'a> {
 
 impl<'a> Forms<'a> {
     fn of(points: &'a Points, places: &[usize]) -> Self {
-        let rows = |len: usize| {
-            let rows = |column: &Column| {
-                let mut chosen = Column::with_capacity(len);
-                chosen.extend((0..len).map(|row| column.cell(places[row % places.len()])));
-                chosen
-            };
-            let inputs = points.chunk.inputs.iter().map(rows).collect();
-            Chunk { first: 1, len, inputs, kept: Vec::new() }
-        };
+        let rows = |len: usize| points.chunk.select(places.iter().copied().cycle().take(len));
         Self {
             scenes: places.iter().map(|place| &points.scenes[*place]).collect(),
             chunk: rows(places.len()),

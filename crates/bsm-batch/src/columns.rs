@@ -1,0 +1,204 @@
+//! What the columns of a table are.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use arrow_array::Float64Array;
+use arrow_schema::{DataType, Field, Schema, SchemaRef};
+use bsm_case::{InputKey, InputSet, Output, nearest_input};
+
+use crate::{Dialect, TableError};
+
+/// Columns of the answers before the outputs.
+pub(crate) const ANSWERS: [&str; 3] = ["model", "status", "message"];
+
+/// Key of the metadata of a column for its unit.
+pub(crate) const UNIT: &str = "unit";
+
+/// True for a column of an answer.
+pub(crate) fn is_answer(name: &str) -> bool {
+    ANSWERS.contains(&name) || Output::named(name).is_some()
+}
+
+/// What the columns of a table are.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Columns {
+    /// Inputs, in the order of the table.
+    pub inputs: Vec<InputKey>,
+    /// Places of the inputs in the table.
+    pub(crate) input_places: Vec<usize>,
+    /// Their names in the table, and what a value there is multiplied with to be in the unit of the input.
+    pub(crate) units: Vec<(String, f64)>,
+    /// Columns that are carried through.
+    pub kept: Vec<String>,
+    pub(crate) kept_places: Vec<usize>,
+    /// Their types.
+    pub(crate) kept_types: Vec<DataType>,
+    /// Names of columns that are not read.
+    pub(crate) unread: Vec<String>,
+}
+
+/// The head of a column of a table of answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Heading<'a> {
+    /// Name.
+    pub name: &'a str,
+    /// JSON type.
+    pub json_type: &'static str,
+    /// Unit in words; empty if it has none.
+    pub unit: &'static str,
+    /// Meaning.
+    pub about: &'static str,
+}
+
+impl Columns {
+    /// Sorts the names of a table into inputs and columns to keep; columns of an earlier answer are
+    /// passed over.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError`] for a name that is neither, that stands twice or is one of the answers, or that
+    /// is to be kept but is not there.
+    pub fn sort<'a>(
+        names: impl IntoIterator<Item = &'a str>,
+        keep: &[String],
+    ) -> Result<Self, TableError> {
+        Self::sort_as(names, keep, &Dialect::default())
+    }
+
+    /// Inputs and nothing else, in their units.
+    pub(crate) fn of_inputs(inputs: Vec<InputKey>) -> Self {
+        Self { input_places: (0..inputs.len()).collect(), inputs, ..Self::default() }
+    }
+
+    /// [`sort`](Self::sort) for a table that has other names; `keep` has those of the table.
+    pub(crate) fn sort_as<'a>(
+        names: impl IntoIterator<Item = &'a str>,
+        keep: &[String],
+        dialect: &Dialect,
+    ) -> Result<Self, TableError> {
+        let mut renamed: Vec<_> = dialect.names.keys().collect();
+        if let Some(name) = keep.iter().find(|name| is_answer(name)) {
+            return Err(TableError::NameOfAnAnswer { name: name.clone() });
+        }
+        let mut columns = Self::default();
+        let mut answered = false;
+        for (place, own) in names.into_iter().enumerate() {
+            let own = own.trim();
+            renamed.retain(|name| *name != own);
+            let is_kept = keep.iter().any(|kept| kept == own);
+            let Some(name) = (if is_kept { Some(own) } else { dialect.name(own) }) else {
+                columns.unread.push(own.to_owned());
+                continue;
+            };
+            let repeated = |former: &str| {
+                Err(TableError::RepeatedColumn { names: [former, own].map(str::to_owned) })
+            };
+            answered |= ANSWERS.contains(&name);
+            if columns.kept.iter().any(|k| k == name) {
+                return repeated(own);
+            }
+            if is_kept {
+                columns.kept.push(name.to_owned());
+                columns.kept_places.push(place);
+                columns.kept_types.push(DataType::Utf8);
+            } else if answered && is_answer(name) {
+                // Some answers have the name of an input; the inputs of an earlier answer stand before it.
+                columns.unread.push(own.to_owned());
+            } else if let Ok((key, factor)) = InputKey::in_unit(name) {
+                if let Some(former) = columns.inputs.iter().position(|input| *input == key) {
+                    return repeated(&columns.units[former].0);
+                }
+                columns.inputs.push(key);
+                columns.input_places.push(place);
+                columns.units.push((own.to_owned(), factor));
+            } else if !is_answer(name) {
+                let nearest = nearest_input(name).map(str::to_owned);
+                return Err(TableError::UnknownColumn { name: name.to_owned(), nearest });
+            }
+        }
+        match (keep.iter().find(|name| !columns.kept.contains(name)), renamed.first()) {
+            (Some(name), _) => Err(TableError::NothingToKeep { name: name.clone() }),
+            (None, Some(name)) => Err(TableError::NothingToRename { name: (*name).clone() }),
+            (None, None) => Ok(columns),
+        }
+    }
+
+    /// With the types of the columns that are carried through, which are texts otherwise.
+    #[must_use]
+    pub fn with_kept_types(self, types: Vec<DataType>) -> Self {
+        Self { kept_types: types, ..self }
+    }
+
+    /// The columns of a table of answers, in order.
+    pub fn headings<'a>(
+        &'a self,
+        outputs: &'a [&'static Output],
+    ) -> impl Iterator<Item = Heading<'a>> {
+        let text = |name, about| Heading { name, json_type: "string", unit: "", about };
+        let kept = self.kept.iter().map(move |name| text(name, "copied from the table of points"));
+        let inputs = self.inputs.iter().map(|key| {
+            let input = key.input();
+            Heading { name: input.name, json_type: "number", unit: input.unit, about: input.about }
+        });
+        let [model, status, message] = ANSWERS;
+        let answers = [
+            text(model, "the model that was solved"),
+            text(status, "how the solve ended"),
+            text(message, "why there is no result, or why auto chose its model"),
+        ];
+        let outputs = outputs.iter().map(|output| {
+            let Output { name, json_type, unit, about, .. } = **output;
+            Heading { name, json_type, unit, about }
+        });
+        kept.chain(inputs).chain(answers).chain(outputs)
+    }
+
+    /// Values of the input at a place, in its unit; copied only if the table has another one.
+    pub fn in_unit(&self, place: usize, values: Float64Array) -> Float64Array {
+        match self.factor(place) {
+            #[expect(clippy::float_cmp, reason = "exactly one: no conversion")]
+            factor if factor != 1.0 => values.unary(|value| value * factor),
+            _ => values,
+        }
+    }
+
+    /// What a value of the table is multiplied with to be in the unit of the input; a grid has its units.
+    pub(crate) fn factor(&self, place: usize) -> f64 {
+        self.units.get(place).map_or(1.0, |(_, factor)| *factor)
+    }
+
+    /// The columns of a table of answers, units in their metadata.
+    pub fn schema(&self, outputs: &[&'static Output]) -> SchemaRef {
+        let kept = self.kept.iter().zip(&self.kept_types);
+        let kept = kept.map(|(name, kind)| Field::new(name, kind.clone(), true));
+        let inputs = self.inputs.iter().map(|key| field(key.name(), key.input().unit));
+        let words = ANSWERS.map(|name| Field::new(name, DataType::Utf8, name == "message"));
+        let answers = outputs.iter().map(|output| {
+            let kind = match output.json_type {
+                "integer" => DataType::UInt64,
+                "boolean" => DataType::Boolean,
+                "string" => DataType::Utf8,
+                _ => DataType::Float64,
+            };
+            field(output.name, output.unit).with_data_type(kind)
+        });
+        Arc::new(Schema::new(kept.chain(inputs).chain(words).chain(answers).collect::<Vec<_>>()))
+    }
+
+    /// Places of the inputs among the names of the table.
+    pub fn input_places(&self) -> &[usize] {
+        &self.input_places
+    }
+
+    /// The inputs as a set.
+    pub fn set(&self) -> InputSet {
+        self.inputs.iter().copied().collect()
+    }
+}
+
+/// A column of numbers with its unit.
+pub(crate) fn field(name: &str, unit: &str) -> Field {
+    let unit = HashMap::from([(UNIT.to_owned(), unit.to_owned())]);
+    Field::new(name, DataType::Float64, true).with_metadata(unit)
+}
