@@ -48,11 +48,11 @@ from ballscrew._errors import (
     InputError,
     NoSolutionError,
     NotConvergedError,
+    PartError,
     RunnerLostError,
-    ShardError,
     SolveError,
 )
-from ballscrew._shards import Plan, normal, plan, run_shard, solve_shard, uniform
+from ballscrew._parts import Plan, normal, plan, run_part, solve_part, uniform
 
 __all__ = [
     "INPUTS",
@@ -66,12 +66,12 @@ __all__ = [
     "NotConvergedError",
     "NutReport",
     "Nuts",
+    "PartError",
     "Plan",
     "Quantity",
     "Report",
     "RunnerLostError",
     "Scene",
-    "ShardError",
     "Solution",
     "SolveError",
     "Table",
@@ -89,13 +89,13 @@ __all__ = [
     "optimum",
     "plan",
     "plot",
-    "run_shard",
+    "run_part",
     "sensitivities",
     "size",
     "slip",
     "solve",
     "solve_many",
-    "solve_shard",
+    "solve_part",
     "sweep",
     "uniform",
     "validate",

@@ -12,8 +12,8 @@ __all__ = [
     "InputError",
     "NoSolutionError",
     "NotConvergedError",
+    "PartError",
     "RunnerLostError",
-    "ShardError",
     "SolveError",
 ]
 
@@ -82,7 +82,7 @@ class NotConvergedError(SolveError):
     """No solution was found, though there may be one."""
 
 
-class ShardError(BallscrewError):
+class PartError(BallscrewError):
     """A part that is missing, damaged or could not be solved."""
 
 

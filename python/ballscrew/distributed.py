@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 import ballscrew
 from ballscrew import _core
 from ballscrew._api import Progress, _shown
-from ballscrew._errors import InputError, RunnerLostError, ShardError
-from ballscrew._shards import Plan, Shard, Summary, Verification, incomplete, part_name, run_shard, verified
+from ballscrew._errors import InputError, PartError, RunnerLostError
+from ballscrew._parts import Plan, SolvedPart, Summary, Verification, incomplete, part_name, run_part, verified
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -58,8 +58,8 @@ class _Store:
     def path(self, *names: str) -> str:
         return "/".join([self.root, *names])
 
-    def part(self, shard: int) -> str:
-        return self.path("data", part_name(shard))
+    def part(self, number: int) -> str:
+        return self.path("data", part_name(number))
 
     def put(self, file: Path, path: str) -> None:
         """A file appears when it is whole: stores do so."""
@@ -80,7 +80,7 @@ class _Store:
         self.fs.invalidate_cache()
         folder = self.path("data")
         entries = self.fs.ls(folder, detail=True) if self.fs.exists(folder) else []
-        expected = {part_name(shard): shard for shard in range(plan.shards)}
+        expected = {part_name(number): number for number in range(plan.parts)}
         parts, damaged, foreign = [], [], []
         ours = []
         for entry in entries:
@@ -93,12 +93,12 @@ class _Store:
                 foreign.append(entry["name"])
 
         def prove(entry: tuple[int, str, int]) -> tuple[_core.Part | None, str | None]:
-            shard, path, size = entry
+            number, path, size = entry
             end = self.fs.cat_file(path, start=max(0, size - _END), end=size)
-            part, needed, why = plan._core.prove(shard, end, size)
+            part, needed, why = plan._core.prove(number, end, size)
             if needed is not None:
                 end = self.fs.cat_file(path, start=size - needed, end=size)
-                part, _, why = plan._core.prove(shard, end, size)
+                part, _, why = plan._core.prove(number, end, size)
             return part, why
 
         with ThreadPoolExecutor(_AT_ONCE) as pool:
@@ -109,22 +109,22 @@ class _Store:
                     damaged.append((entry[1], why or "is no part"))
         parts.sort()
         there = {part[0] for part in parts}
-        missing = _ranges(shard for shard in range(plan.shards) if shard not in there)
+        missing = _ranges(number for number in range(plan.parts) if number not in there)
         return parts, verified(parts, missing, sorted(damaged), sorted(foreign))
 
     def finish(self, parts: list[_core.Part]) -> None:
         """The list of all parts."""
-        self.fs.pipe_file(self.path("shards.parquet"), _core.Plan.table(parts))
+        self.fs.pipe_file(self.path("parts.parquet"), _core.Plan.table(parts))
 
 
-def _ranges(shards: Iterable[int]) -> list[tuple[int, int]]:
+def _ranges(numbers: Iterable[int]) -> list[tuple[int, int]]:
     """Growing numbers as ranges, from the first to before the last."""
     ranges: list[tuple[int, int]] = []
-    for shard in shards:
-        if ranges and ranges[-1][1] == shard:
-            ranges[-1] = (ranges[-1][0], shard + 1)
+    for number in numbers:
+        if ranges and ranges[-1][1] == number:
+            ranges[-1] = (ranges[-1][0], number + 1)
         else:
-            ranges.append((shard, shard + 1))
+            ranges.append((number, number + 1))
     return ranges
 
 
@@ -140,18 +140,18 @@ def _version() -> str:
     return ballscrew.__version__
 
 
-def _solve(task: tuple[int, int], place: _Place) -> list[Shard]:
+def _solve(task: tuple[int, int], place: _Place) -> list[SolvedPart]:
     """On a worker: some parts."""
     text, folder, url, options, points, threads = place
     solved = []
-    for shard in range(*task):
+    for number in range(*task):
         if url is None:
-            solved.append(run_shard(text, shard, folder, points=points, threads=threads))
+            solved.append(run_part(text, number, folder, points=points, threads=threads))
             continue
         store = _Store(url, options)
         with tempfile.TemporaryDirectory() as scratch:
-            solved.append(run_shard(text, shard, scratch, points=points, threads=threads))
-            store.put(Path(scratch, "data", part_name(shard)), store.part(shard))
+            solved.append(run_part(text, number, scratch, points=points, threads=threads))
+            store.put(Path(scratch, "data", part_name(number)), store.part(number))
     return solved
 
 
@@ -161,18 +161,18 @@ def _check(task: tuple[int, int], place: _Place) -> list[tuple[str, str]]:
     store = _Store(url or "", options)
     plan = _core.Plan.from_text(text)
     damaged = []
-    for shard in range(*task):
+    for number in range(*task):
         with tempfile.TemporaryDirectory() as scratch:
             plan.begin(Path(scratch))
-            store.fs.get_file(store.part(shard), str(Path(scratch, "data", part_name(shard))))
-            damaged += [(store.part(shard), why) for _, why in plan.survey(Path(scratch), True)[2]]
+            store.fs.get_file(store.part(number), str(Path(scratch, "data", part_name(number))))
+            damaged += [(store.part(number), why) for _, why in plan.survey(Path(scratch), True)[2]]
     return damaged
 
 
 def _per_task(plan: Plan) -> int:
     """Parts that take long enough together."""
-    seconds = plan.estimate().core_hours * 3600 / plan.shards
-    return max(1, min(plan.shards, round(_TASK_SECONDS / max(seconds, 1e-9))))
+    seconds = plan.estimate().core_hours * 3600 / plan.parts
+    return max(1, min(plan.parts, round(_TASK_SECONDS / max(seconds, 1e-9))))
 
 
 def _drive(
@@ -264,7 +264,7 @@ def run(
 
     Raises
     ------
-    ShardError
+    PartError
         If a part is damaged, or could not be solved; the others are solved.
     RunnerLostError
         If the scheduler is gone: run again, with any cluster.
@@ -274,13 +274,13 @@ def run(
         store.begin(plan)
     _, found = store.survey(plan) if store is not None else plan._survey(False)
     if found.damaged:
-        raise ShardError(incomplete(plan.shards, found) + "; remove them, and run again")
+        raise PartError(incomplete(plan.parts, found) + "; remove them, and run again")
     per_task = per_task or _per_task(plan)
-    skipped = plan.shards - sum(stop - start for start, stop in found.missing)
+    skipped = plan.parts - sum(stop - start for start, stop in found.missing)
     show = _shown(progress)
     rows, failed_rows, solved = found.rows, found.failed, 0
 
-    def done(parts: list[Shard]) -> None:
+    def done(parts: list[SolvedPart]) -> None:
         nonlocal rows, failed_rows, solved
         solved += len(parts)
         rows += sum(part["rows"] for part in parts)
@@ -294,18 +294,18 @@ def run(
         lost = _drive(client, _solve, _tasks(found.missing, per_task), place, window, retries, done)
     except RunnerLostError as error:
         count = skipped + solved
-        message = f"{error}; run again: at least {count} of {plan.shards} shards are finished and stay"
+        message = f"{error}; run again: at least {count} of {plan.parts} parts are finished and stay"
         raise RunnerLostError(message) from error
     if lost:
         (first, last), why = min(lost)
         more = f", and {len(lost) - 1} tasks more" if len(lost) > 1 else ""
-        raise ShardError(f"shards {first} to {last - 1}{more} could not be solved: {why}")
+        raise PartError(f"parts {first} to {last - 1}{more} could not be solved: {why}")
     if store is None:
         plan.finish()
     else:
         parts, found = store.survey(plan)
         if not found.complete:
-            raise ShardError(incomplete(plan.shards, found))
+            raise PartError(incomplete(plan.parts, found))
         store.finish(parts)
     return Summary(skipped + solved, skipped, rows, failed_rows)
 
@@ -330,6 +330,6 @@ def verify(
     damaged: list[tuple[str, str]] = []
     place = _Place(plan.text, "", url, options, None, 1)
     failed = _drive(client, _check, _tasks(there, _per_task(plan)), place, None, 2, damaged.extend)
-    damaged += [(f"shards {first} to {last - 1}", why) for (first, last), why in failed]
+    damaged += [(f"parts {first} to {last - 1}", why) for (first, last), why in failed]
     complete = found.complete and not damaged
     return found._replace(damaged=sorted(found.damaged + damaged), complete=complete)

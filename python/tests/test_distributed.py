@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import EXAMPLES
-from test_shards import files
+from test_parts import files
 
 import ballscrew as bs
 
@@ -35,7 +35,7 @@ KILLS = int(os.environ.get("BSM_FAULTS", "2"))
 def planned(folder: Path, rows: int = 3000, parts: int = 30, **how: Any) -> bs.Plan:
     vary = {"axial_load_N": bs.linspace(500, 9000, rows)}
     screw = bs.Scene.read(EXAMPLES / "feed_drive.json")
-    how = {"model": "traction", "outputs": ["efficiency"], "rows_per_shard": rows // parts, **how}
+    how = {"model": "traction", "outputs": ["efficiency"], "rows_per_part": rows // parts, **how}
     return bs.plan(folder, screw, vary=vary, **how)
 
 
@@ -88,7 +88,7 @@ def test_workers_that_are_killed(tmp_path: Path) -> None:
             finally:
                 ended.set()
                 killer.join()
-        assert (summary.shards, summary.rows) == (100, 20_000)
+        assert (summary.parts, summary.rows) == (100, 20_000)
         assert files(folder) == files(tmp_path / "alone"), "not the bytes of one machine"
     print(f"0 wrong bytes, 0 lost: {killed} workers killed in {rounds} runs")
 
@@ -135,7 +135,7 @@ def test_a_scheduler_that_is_killed(tmp_path: Path) -> None:
     local = distributed.LocalCluster(n_workers=1, processes=True, dashboard_address=None)
     with local as cluster, distributed.Client(cluster) as client:
         summary = on_dask.run(client, plan, progress=False)
-    assert summary.shards == 60 and summary.skipped >= 20
+    assert summary.parts == 60 and summary.skipped >= 20
     assert files(folder) == files(tmp_path / "alone")
 
 
@@ -143,7 +143,7 @@ def test_parts_that_cannot_be_solved_are_told(tmp_path: Path, client: Any) -> No
     plan = planned(tmp_path / "map")
     plan.run([0])
     (tmp_path / "map" / "data" / plan.files[0]).write_bytes(b"mine")
-    with pytest.raises(bs.ShardError, match=r"part-000000\.parquet"):
+    with pytest.raises(bs.PartError, match=r"part-000000\.parquet"):
         on_dask.run(client, plan, progress=False)
     (tmp_path / "map" / "data" / plan.files[0]).unlink()
 
@@ -154,9 +154,9 @@ def test_parts_that_cannot_be_solved_are_told(tmp_path: Path, client: Any) -> No
     points, moved = tmp_path / "points.parquet", tmp_path / "moved.parquet"
     pq.write_table(pa.table({"axial_load_N": np.linspace(500, 9000, 3000)}), points)
     screw = bs.Scene.read(EXAMPLES / "feed_drive.json")
-    plan = bs.plan(tmp_path / "table", screw, points=points, model="rigid", outputs=["efficiency"], rows_per_shard=100)
+    plan = bs.plan(tmp_path / "table", screw, points=points, model="rigid", outputs=["efficiency"], rows_per_part=100)
     points.rename(moved)
-    with pytest.raises(bs.ShardError, match=r"shards 0 to 9, and 2 tasks more could not be solved: (OSError|FileNotFoundError)"):
+    with pytest.raises(bs.PartError, match=r"parts 0 to 9, and 2 tasks more could not be solved: (OSError|FileNotFoundError)"):
         on_dask.run(client, plan, per_task=10, retries=0, progress=False)
     moved.rename(points)
     assert on_dask.run(client, plan, progress=False).rows == 3000
@@ -202,7 +202,7 @@ def test_a_store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         assert not found.complete and [path for path, _ in found.damaged] == [part]
         assert "has been changed" in found.damaged[0][1]
         store.pipe_file(part, bytes(flipped[:50]))
-        with pytest.raises(bs.ShardError, match="remove them, and run again"):
+        with pytest.raises(bs.PartError, match="remove them, and run again"):
             on_dask.run(client, plan, url=url, progress=False)
         store.rm_file(part)
         assert on_dask.verify(client, plan, url=url).missing == [(7, 8)]
@@ -219,11 +219,11 @@ def test_statistics_on_a_cluster(tmp_path: Path, client: Any) -> None:
 
     plan = planned(tmp_path / "plan", model="rigid")
 
-    def statistics(shard: int, text: str) -> tuple[int, float]:
-        rows = pl.DataFrame(bs.solve_shard(text, shard))
+    def statistics(number: int, text: str) -> tuple[int, float]:
+        rows = pl.DataFrame(bs.solve_part(text, number))
         return len(rows), float(rows["efficiency"].to_numpy().min())
 
-    parts = client.gather(client.map(statistics, range(plan.shards), text=plan.text))
+    parts = client.gather(client.map(statistics, range(plan.parts), text=plan.text))
     assert sum(rows for rows, _ in parts) == 3000
     plan.run()
     assert min(least for _, least in parts) == pl.read_parquet(tmp_path / "plan" / "data")["efficiency"].min()

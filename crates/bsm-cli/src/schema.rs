@@ -310,7 +310,7 @@ fn validate() -> Value {
 fn verify() -> Value {
     let damaged = closed("file string, reason string", []);
     closed(
-        "plan string, shards integer, finished integer, complete boolean, deep boolean, missing texts, damaged *, \
+        "plan string, parts integer, finished integer, complete boolean, deep boolean, missing texts, damaged *, \
          foreign texts, rows integer, failed integer, several integer",
         [list(&damaged)],
     )
