@@ -65,8 +65,8 @@ kills:
 
 # Processes, workers and a scheduler killed, raced and damaged, and every byte compared; the second line after `just python`.
 faults:
-    cargo test --workspace --locked --test suite -- --include-ignored --nocapture shards::
-    BSM_FAULTS=20 target/python/bin/pytest -c python/pyproject.toml -s -k killed python/tests/test_shards.py
+    cargo test --workspace --locked --test suite -- --include-ignored --nocapture parts::
+    BSM_FAULTS=20 target/python/bin/pytest -c python/pyproject.toml -s -k killed python/tests/test_parts.py
 
 # Coverage-guided fuzzing on the stable toolchain; `just fuzz 600 parquet` takes ten minutes for one target.
 fuzz *FLAGS:

@@ -48,10 +48,10 @@ from ballscrew._errors import (
     InputError,
     NoSolutionError,
     NotConvergedError,
-    ShardError,
+    PartError,
     SolveError,
 )
-from ballscrew._shards import Plan, normal, plan, run_shard, solve_shard, uniform
+from ballscrew._parts import Plan, normal, plan, run_part, solve_part, uniform
 
 __all__ = [
     "INPUTS",
@@ -65,11 +65,11 @@ __all__ = [
     "NotConvergedError",
     "NutReport",
     "Nuts",
+    "PartError",
     "Plan",
     "Quantity",
     "Report",
     "Scene",
-    "ShardError",
     "Solution",
     "SolveError",
     "Table",
@@ -87,13 +87,13 @@ __all__ = [
     "optimum",
     "plan",
     "plot",
-    "run_shard",
+    "run_part",
     "sensitivities",
     "size",
     "slip",
     "solve",
     "solve_many",
-    "solve_shard",
+    "solve_part",
     "sweep",
     "uniform",
     "validate",

@@ -12,7 +12,7 @@ __all__ = [
     "InputError",
     "NoSolutionError",
     "NotConvergedError",
-    "ShardError",
+    "PartError",
     "SolveError",
 ]
 
@@ -81,5 +81,5 @@ class NotConvergedError(SolveError):
     """No solution was found, though there may be one."""
 
 
-class ShardError(BallscrewError):
+class PartError(BallscrewError):
     """A part that is missing, damaged or could not be solved."""

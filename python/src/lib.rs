@@ -9,10 +9,10 @@
 
 mod clock;
 mod errors;
+mod parts;
 mod points;
 mod reports;
 mod scene;
-mod shards;
 mod solution;
 mod table;
 
@@ -87,7 +87,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<points::Rows>()?;
     module.add_class::<table::Arrow>()?;
     module.add_class::<table::Kept>()?;
-    module.add_class::<shards::PyPlan>()?;
+    module.add_class::<parts::PyPlan>()?;
     module.add_class::<reports::Nuts>()?;
     for function in [
         wrap_pyfunction!(inputs, module)?,

@@ -206,7 +206,9 @@ pub(crate) fn table_of(
     let input = |(input, place): (usize, &usize)| {
         let (_, values, missing) = &columns[*place];
         let mut given = vec![true; if missing.is_empty() { 0 } else { len }];
-        missing.iter().for_each(|row| given[*row] = false);
+        for row in missing {
+            given[*row] = false;
+        }
         let given = (!given.is_empty()).then(|| NullBuffer::from(given));
         named.in_unit(input, Float64Array::new(values.0.clone(), given))
     };

@@ -10,9 +10,10 @@ use std::collections::HashMap;
 use std::iter::repeat_n;
 
 use arrow_array::{Array, Float64Array, StringArray};
+use arrow_buffer::ArrowNativeType;
 use bytes::Bytes;
 use foldhash::fast::FixedState;
-use parquet::basic::{Compression, Encoding, EncodingMask, PageType};
+use parquet::basic::{Compression, Encoding, EncodingMask, PageType, Type};
 use parquet::column::page::{CompressedPage, Page, PageWriter};
 use parquet::column::writer::ColumnCloseResult;
 use parquet::data_type::ByteArray;
@@ -272,29 +273,30 @@ fn alike(values: &[u64], rows: &[f64]) -> usize {
 pub(crate) struct Words {
     column: ColumnDescPtr,
     /// The words, in the order of their keys.
-    words: Vec<String>,
+    known: Vec<String>,
     keys: Keys,
 }
 
 impl Words {
     /// No rows; `most` is the size of a dictionary.
     pub(crate) fn new(column: ColumnDescPtr, most: u16) -> Self {
-        Self { column, words: Vec::new(), keys: Keys::new(most) }
+        Self { column, known: Vec::new(), keys: Keys::new(most) }
     }
 
     /// Appends rows.
     pub(crate) fn push(&mut self, rows: &StringArray) {
         let word = |row: usize| rows.is_valid(row).then(|| rows.value(row));
+        let is_one = is_one_word(rows);
         let mut row = 0;
         while row < rows.len() {
             let this = word(row);
-            let end = (row + 1..rows.len()).find(|other| word(*other) != this);
-            let end = end.unwrap_or(rows.len());
+            let other = || (row + 1..rows.len()).find(|other| word(*other) != this);
+            let end = if is_one { None } else { other() }.unwrap_or(rows.len());
             let key = this.map(|this| {
-                let known = self.words.iter().position(|word| word == this);
+                let known = self.known.iter().position(|word| word == this);
                 known.unwrap_or_else(|| {
-                    self.words.push(this.to_owned());
-                    self.words.len() - 1
+                    self.known.push(this.to_owned());
+                    self.known.len() - 1
                 }) as u64
             });
             self.keys.push(key, end - row);
@@ -304,12 +306,12 @@ impl Words {
 
     /// The column chunk.
     pub(crate) fn finish(self) -> Result<Encoded> {
-        let Self { column, words, keys } = self;
+        let Self { column, known, keys } = self;
         let end = |word: Option<&String>| word.map(|word| ByteArray::from(word.as_str()));
-        let (least, most) = (end(words.iter().min()), end(words.iter().max()));
+        let (least, most) = (end(known.iter().min()), end(known.iter().max()));
         let nulls = Some(keys.levels.nulls as u64);
         let pages = keys.pages(&column, |key, to| {
-            let word = usize::try_from(key).ok().and_then(|key| words.get(key));
+            let word = usize::try_from(key).ok().and_then(|key| known.get(key));
             let word = word.map_or("", String::as_str);
             to.extend(u32::try_from(word.len()).unwrap_or(u32::MAX).to_le_bytes());
             to.extend(word.as_bytes());
@@ -318,9 +320,27 @@ impl Words {
     }
 }
 
+/// True if all rows are the same word; most columns are.
+fn is_one_word(rows: &StringArray) -> bool {
+    let [begin, end] = [0, rows.len()].map(|row| rows.offsets()[row].as_usize());
+    let text = &rows.value_data()[begin..end];
+    let length = text.len() / rows.len().max(1);
+    let same = |ends: &[i32]| (ends[1] - ends[0]).as_usize() == length;
+    let alike = rows.offsets().windows(2).fold(true, |all, ends| all & same(ends));
+    rows.null_count() == 0 && alike && text[length..] == text[..text.len() - length]
+}
+
+/// A number as it stands in the file.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small counts")]
+fn bits(value: f64, whole: bool) -> u64 {
+    if whole { value as u64 } else { value.to_bits() }
+}
+
 /// A column chunk of numbers, NaN or not.
 pub(crate) struct Numbers {
     column: ColumnDescPtr,
+    /// True for counts, false for `f64`.
+    whole: bool,
     /// Values that a dictionary may have.
     most: u16,
     /// The rows at the beginning, until there were too many values.
@@ -337,6 +357,7 @@ impl Numbers {
     /// No rows; `most` is the size of a dictionary.
     pub(crate) fn new(column: ColumnDescPtr, most: u16) -> Self {
         Self {
+            whole: column.physical_type() == Type::INT64,
             column,
             most,
             keys: Keys::new(most),
@@ -403,10 +424,12 @@ impl Numbers {
         };
         self.widen(values);
         self.nulls += levels.nulls;
-        let encoding =
-            if values.is_empty() { Encoding::PLAIN } else { Encoding::BYTE_STREAM_SPLIT };
+        let (whole, plain) = (self.whole, self.whole || values.is_empty());
+        let encoding = if plain { Encoding::PLAIN } else { Encoding::BYTE_STREAM_SPLIT };
         let page = levels.page(&self.column, encoding, |page| {
-            if !values.is_empty() {
+            if plain {
+                page.extend(values.iter().flat_map(|x| bits(*x, whole).to_le_bytes()));
+            } else {
                 split_bytes(values, page);
             }
         })?;
@@ -431,9 +454,19 @@ impl Numbers {
         let [least, greatest] = [(self.least, -0.0), (self.greatest, 0.0)]
             .map(|(end, zero)| any.then_some(if end.abs() > 0.0 { end } else { zero }));
         let nulls = Some((self.nulls + self.keys.levels.nulls) as u64);
-        let mut pages = self.keys.pages(&self.column, |bits, to| to.extend(bits.to_le_bytes()))?;
+        let whole = self.whole;
+        let statistics = if whole {
+            let [least, greatest] =
+                [least, greatest].map(|end| end.map(|end| bits(end, true).cast_signed()));
+            Statistics::int64(least, greatest, None, nulls, false)
+        } else {
+            Statistics::double(least, greatest, None, nulls, false)
+        };
+        let mut pages = self.keys.pages(&self.column, |value, to| {
+            to.extend(bits(f64::from_bits(value), whole).to_le_bytes());
+        })?;
         pages.append(&mut self.pages);
-        chunk(&self.column, pages, Statistics::double(least, greatest, None, nulls, false))
+        chunk(&self.column, pages, statistics)
     }
 }
 
@@ -517,7 +550,7 @@ mod tests {
 
     use arrow_array::ArrayRef;
     use arrow_array::cast::AsArray;
-    use arrow_array::types::Float64Type;
+    use arrow_array::types::{Float64Type, Int64Type};
     use parquet::arrow::arrow_reader::ParquetRecordBatchReader;
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::file::writer::SerializedFileWriter;
@@ -604,6 +637,23 @@ mod tests {
             assert_eq!((told.min_opt().copied(), told.max_opt().copied()), (least, greatest));
             let nulls = expected.iter().filter(|x| x.is_none()).count();
             assert_eq!(told.null_count_opt(), Some(nulls as u64));
+        }
+    }
+
+    /// More counts than a dictionary has room for stand in full.
+    #[test]
+    fn counts_are_whole_numbers() {
+        for most in [2_u16, 300] {
+            let bytes = file("optional int64 x", |column| {
+                let mut counts = Numbers::new(column.clone(), most);
+                counts.push(&vec![3.0, 3.0, 5.0].into())?;
+                counts.push(&vec![Some(5.0), None, Some(9.0)].into())?;
+                counts.finish()
+            });
+            let found: Vec<_> = read(&bytes)[0].as_primitive::<Int64Type>().iter().collect();
+            assert_eq!(found, [Some(3), Some(3), Some(5), Some(5), None, Some(9)]);
+            let Statistics::Int64(told) = statistics(&bytes) else { panic!("no counts") };
+            assert_eq!((told.min_opt(), told.max_opt()), (Some(&3), Some(&9)));
         }
     }
 

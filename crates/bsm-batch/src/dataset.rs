@@ -5,7 +5,7 @@
 //!   plan.json                  written first, never changed
 //!   data/part-000000.parquet   finished parts and nothing else
 //!   tmp/                       unfinished files
-//!   shards.parquet             written last: what the footers of the parts say
+//!   parts.parquet             written last: what the footers of the parts say
 //! ```
 //!
 //! The bytes of a part depend on the plan only. A part is there because its footer, its length and its
@@ -35,7 +35,7 @@ use tempfile::NamedTempFile;
 pub use self::error::DatasetError;
 pub use self::folder::MakeTemporary;
 pub use self::part::{Damage, Part, list_parts};
-pub use self::plan::{Estimate, MOST_SHARDS, Plan, RESULTS};
+pub use self::plan::{Estimate, MOST_PARTS, Plan, RESULTS};
 pub use self::points::{Points, sha256};
 
 use self::folder::{Folder, complete};
@@ -77,11 +77,11 @@ impl Survey {
     pub fn missing(&self, plan: &Plan) -> Vec<Range<u64>> {
         let mut missing = Vec::new();
         let mut next = 0;
-        for shard in self.parts.keys().copied().chain([plan.shards()]) {
-            if next < shard {
-                missing.push(next..shard);
+        for number in self.parts.keys().copied().chain([plan.parts()]) {
+            if next < number {
+                missing.push(next..number);
             }
-            next = shard + 1;
+            next = number + 1;
         }
         missing
     }
@@ -117,7 +117,7 @@ pub struct Filling {
     /// written; else the folder must be new or empty.
     pub resume: bool,
     /// Rows of a part; follow from the task unless given.
-    pub rows_per_shard: Option<NonZeroU64>,
+    pub rows_per_part: Option<NonZeroU64>,
     /// Makes unfinished files.
     pub make: MakeTemporary,
 }
@@ -135,8 +135,8 @@ pub fn fill(
     workers: &Workers<'_>,
     tell: &mut dyn FnMut(Event<'_>),
 ) -> Result<Count, DatasetError> {
-    let Filling { resume, rows_per_shard, make } = how;
-    let plan = Plan::new(task, points, rows_per_shard, workers)?;
+    let Filling { resume, rows_per_part, make } = how;
+    let plan = Plan::new(task, points, rows_per_part, workers)?;
     let begin = if resume { Dataset::resume } else { Dataset::create };
     let parts = begin(folder, plan, make)?;
     let found = parts.survey(true, workers)?;
@@ -155,11 +155,11 @@ pub fn fill(
 pub fn solve_part(
     plan: &Plan,
     points: &Points,
-    shard: u64,
+    number: u64,
     workers: &Workers<'_>,
 ) -> Result<(SchemaRef, Vec<RecordBatch>), DatasetError> {
     let task = plan.task().map_err(DatasetError::NotPoints)?;
-    let place = plan.place(shard)?;
+    let place = plan.place(number)?;
     let mut source = points.open().map_err(DatasetError::Read)?;
     source.skip(place.first_row).map_err(DatasetError::Read)?;
     let sink = MemorySink::new(source.columns(), &task.outputs);
@@ -234,8 +234,8 @@ impl Dataset {
     }
 
     /// Where a part is once it is finished.
-    pub fn part_file(&self, shard: u64) -> PathBuf {
-        self.folder.part(shard)
+    pub fn part_file(&self, number: u64) -> PathBuf {
+        self.folder.part(number)
     }
 
     /// Whether something has the name of the plan.
@@ -286,19 +286,19 @@ impl Dataset {
     /// [`DatasetError`] if the folder cannot be read, or the workers are stopped. What is wrong with a part
     /// is no error here.
     pub fn survey(&self, deep: bool, workers: &Workers<'_>) -> Result<Survey, DatasetError> {
-        let (shards, mut survey) = self.listed()?;
+        let (numbers, mut survey) = self.listed()?;
         let proven: Vec<_> = workers.pool.install(|| {
-            let prove = |shard: &u64| {
-                let path = self.part_file(*shard);
-                let place = self.plan.place_of(*shard);
+            let prove = |number: &u64| {
+                let path = self.part_file(*number);
+                let place = self.plan.place_of(*number);
                 prove(&path, place, deep, workers).map_err(|why| (path, why))
             };
-            shards.par_iter().map(prove).collect()
+            numbers.par_iter().map(prove).collect()
         });
         for proven in proven {
             match proven {
                 Ok(Some(part)) => {
-                    survey.parts.insert(part.shard, part);
+                    survey.parts.insert(part.number, part);
                 }
                 Ok(None) => return Err(DatasetError::Stopped),
                 Err(damaged) => survey.damaged.push(damaged),
@@ -311,22 +311,22 @@ impl Dataset {
 
     /// The parts whose names stand in the folder, and what else stands among them.
     fn listed(&self) -> Result<(Vec<u64>, Survey), DatasetError> {
-        let (mut shards, mut survey) = (Vec::new(), Survey::default());
+        let (mut numbers, mut survey) = (Vec::new(), Survey::default());
         for entry in self.folder.data()? {
             let name = entry.file_name();
             let name = name.to_string_lossy();
-            let shard = name.strip_prefix("part-").and_then(|n| n.strip_suffix(".parquet"));
-            match shard.map(str::parse) {
-                Some(Ok(shard))
-                    if shard < self.plan.shards() && self.part_file(shard) == entry.path() =>
+            let number = name.strip_prefix("part-").and_then(|n| n.strip_suffix(".parquet"));
+            match number.map(str::parse) {
+                Some(Ok(number))
+                    if number < self.plan.parts() && self.part_file(number) == entry.path() =>
                 {
-                    shards.push(shard);
+                    numbers.push(number);
                 }
                 Some(_) => survey.damaged.push((entry.path(), Damage::NotInThePlan)),
                 None => survey.foreign.push(entry.path()),
             }
         }
-        Ok((shards, survey))
+        Ok((numbers, survey))
     }
 
     /// Refuses parts that the plan does not have: who reads the folder reads them too.
@@ -367,11 +367,11 @@ impl Dataset {
     /// [`Damage`] of what stands there and is not the part; [`DatasetError::Stopped`].
     fn find(
         &self,
-        shard: u64,
+        number: u64,
         deep: bool,
         workers: &Workers<'_>,
     ) -> Result<Result<Option<Part>, Damage>, DatasetError> {
-        match prove(&self.part_file(shard), self.plan.place_of(shard), deep, workers) {
+        match prove(&self.part_file(number), self.plan.place_of(number), deep, workers) {
             Ok(None) => Err(DatasetError::Stopped),
             Ok(part) => Ok(Ok(part)),
             Err(Damage::Io(error)) if error.kind() == ErrorKind::NotFound => Ok(Ok(None)),
@@ -387,30 +387,30 @@ impl Dataset {
     /// # Errors
     ///
     /// [`DatasetError`]; nothing stays then.
-    pub fn run_shard(
+    pub fn run_part(
         &self,
-        shard: u64,
+        number: u64,
         task: &Task,
         source: &mut dyn Source,
         replace: bool,
         workers: &Workers<'_>,
         tell: &mut dyn FnMut(Event<'_>),
     ) -> Result<Part, DatasetError> {
-        let (file, part) = self.solve_shard(shard, task, source, workers, tell)?;
+        let (file, part) = self.write_part(number, task, source, workers, tell)?;
         self.keep(file, part, replace, workers)
     }
 
     /// Solves one part into a file without its name.
-    fn solve_shard(
+    fn write_part(
         &self,
-        shard: u64,
+        number: u64,
         task: &Task,
         source: &mut dyn Source,
         workers: &Workers<'_>,
         tell: &mut dyn FnMut(Event<'_>),
     ) -> Result<(Unnamed, Part), DatasetError> {
-        let place = self.plan.place(shard)?;
-        let path = self.part_file(shard);
+        let place = self.plan.place(number)?;
+        let path = self.part_file(number);
         let unwritable = |error| DatasetError::Write { path: path.clone(), error };
         let file = self.folder.unfinished(&path, self.plan.id())?;
         let out = Proving::new(BufWriter::new(file));
@@ -431,12 +431,12 @@ impl Dataset {
         replace: bool,
         workers: &Workers<'_>,
     ) -> Result<Part, DatasetError> {
-        let path = self.part_file(part.shard);
+        let path = self.part_file(part.number);
         let file = file.into_inner().map_err(io::IntoInnerError::into_error);
         match file.and_then(|file| complete(file, &path, replace)) {
             Ok(()) => Ok(part),
             // Somebody else may have finished it in the meantime, and may have tidied up.
-            Err(error) => match self.find(part.shard, false, workers)? {
+            Err(error) => match self.find(part.number, false, workers)? {
                 Ok(Some(there)) if there == part => Ok(there),
                 _ => Err(DatasetError::io("write", &path, error)),
             },
@@ -446,17 +446,17 @@ impl Dataset {
     /// Solves those of some parts that are not there, in their order. What is damaged is told at the end, and
     /// the others are solved.
     ///
-    /// * `shards`: their numbers, growing. * `repair`: whether all bytes of those that are there are looked at, and
+    /// * `numbers`: their numbers, growing. * `repair`: whether all bytes of those that are there are looked at, and
     ///   what is no part is replaced, unless it is another plan that most of them are of.
     ///
     /// # Errors
     ///
     /// [`DatasetError`]; the parts that are finished stay.
-    pub fn run_shards(
+    pub fn run_parts(
         &self,
         task: &Task,
         points: &Points,
-        shards: impl IntoIterator<Item = u64>,
+        numbers: impl IntoIterator<Item = u64>,
         repair: bool,
         workers: &Workers<'_>,
         tell: &mut dyn FnMut(Event<'_>),
@@ -472,27 +472,27 @@ impl Dataset {
         thread::scope(|scope| {
             let joined = |thread: ScopedJoinHandle<'_, Result<Part, _>>| {
                 let kept = thread.join().unwrap_or_else(|panic| resume_unwind(panic));
-                kept.map(|part| (part.shard, part))
+                kept.map(|part| (part.number, part))
             };
             let mut behind = None;
-            for shard in shards {
-                let first = self.plan.place(shard)?.first_row;
-                let found = self.find(shard, repair, workers)?;
+            for number in numbers {
+                let first = self.plan.place(number)?.first_row;
+                let found = self.find(number, repair, workers)?;
                 let replace = found.is_err();
                 match found {
                     Ok(Some(part)) => {
                         tell(Event::Found(&part));
-                        parts.insert(shard, part);
+                        parts.insert(number, part);
                         continue;
                     }
                     Err(damage) if !repair => {
-                        damaged.push((self.part_file(shard), damage));
+                        damaged.push((self.part_file(number), damage));
                         continue;
                     }
                     Ok(None) | Err(_) => {}
                 }
                 source.skip(first - at).map_err(DatasetError::Read)?;
-                let (file, part) = self.solve_shard(shard, task, source.as_mut(), workers, tell)?;
+                let (file, part) = self.write_part(number, task, source.as_mut(), workers, tell)?;
                 at = first + part.rows;
                 // The disk takes its time, in which the next part is solved.
                 let keep = move || self.keep(file, part, replace, workers);
@@ -527,7 +527,7 @@ impl Dataset {
         }
         let missing = found.missing(&self.plan).into_iter().flatten();
         let mut parts = found.parts;
-        parts.append(&mut self.run_shards(task, points, missing, false, workers, tell)?);
+        parts.append(&mut self.run_parts(task, points, missing, false, workers, tell)?);
         self.finish(&parts)?;
         Ok(count(&parts))
     }
@@ -540,7 +540,7 @@ impl Dataset {
     ///
     /// [`DatasetError`].
     pub fn finish(&self, parts: &BTreeMap<u64, Part>) -> Result<(), DatasetError> {
-        let path = self.folder.shards();
+        let path = self.folder.list();
         let list =
             list_parts(parts).map_err(|error| DatasetError::Write { path: path.clone(), error })?;
         self.write_once(&path, &list)?;

@@ -6,6 +6,7 @@ use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
+use arrow_array::types::UInt64Type;
 use arrow_array::{Array, ArrayRef, RecordBatch, StringArray};
 use arrow_schema::{DataType, FieldRef, Schema, SchemaRef};
 use arrow_select::concat::concat;
@@ -266,13 +267,17 @@ enum Encoder {
     Numbers(Numbers),
     Words(Words),
     /// By the library.
-    Any(ArrowColumnWriter),
+    Any(Box<ArrowColumnWriter>),
 }
 
 impl Encoder {
     fn push(&mut self, field: &FieldRef, column: &ArrayRef) -> Result<(), TableError> {
         match self {
-            Self::Numbers(numbers) => numbers.push(column.as_primitive())?,
+            Self::Numbers(numbers) => match column.as_primitive_opt::<UInt64Type>() {
+                #[expect(clippy::cast_precision_loss, reason = "small counts")]
+                Some(counts) => numbers.push(&counts.unary(|count| count as f64))?,
+                None => numbers.push(column.as_primitive())?,
+            },
             Self::Words(words) => words.push(column.as_string()),
             Self::Any(any) => {
                 compute_leaves(field, column)?.iter().try_for_each(|leaf| any.write(leaf))?;
@@ -326,12 +331,14 @@ impl<W: Write + Send> ParquetSink<W> {
         let encoder = |(place, (column, arrow)): (usize, (&ColumnDescPtr, _))| {
             let few = if Some(place) < inputs { INPUT_WORDS } else { OUTPUT_WORDS };
             let field = &fields[place];
-            // Messages, and texts that are carried through, are as many as there are rows.
-            let is_word = !field.is_nullable() || field.metadata().contains_key(UNIT);
+            // Neither messages nor what is carried through: those may be as many as there are rows.
+            let is_known = !field.is_nullable() || field.metadata().contains_key(UNIT);
             match field.data_type() {
-                DataType::Float64 => Encoder::Numbers(Numbers::new(column.clone(), few)),
-                DataType::Utf8 if is_word => Encoder::Words(Words::new(column.clone(), few)),
-                _ => Encoder::Any(arrow),
+                DataType::Float64 | DataType::UInt64 if is_known => {
+                    Encoder::Numbers(Numbers::new(column.clone(), few))
+                }
+                DataType::Utf8 if is_known => Encoder::Words(Words::new(column.clone(), few)),
+                _ => Encoder::Any(Box::new(arrow)),
             }
         };
         Ok(columns.iter().zip(arrow).enumerate().map(encoder).collect())

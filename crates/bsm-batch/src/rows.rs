@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use arrow_array::builder::{Float64Builder, StringBuilder};
+use arrow_array::builder::{ArrayBuilder, Float64Builder, StringBuilder};
 use arrow_array::cast::AsArray;
 use arrow_array::types::UInt64Type;
 use arrow_array::{
@@ -110,12 +110,12 @@ impl Chunk {
 
     /// The numbers of some rows, in that order.
     #[must_use]
-    pub fn select(&self, rows: impl Iterator<Item = usize> + Clone) -> Self {
+    pub fn select(&self, rows: &[usize]) -> Self {
         let of = |input: &Float64Array| {
-            rows.clone().map(|row| input.is_valid(row).then(|| input.value(row))).collect()
+            rows.iter().map(|row| input.is_valid(*row).then(|| input.value(*row))).collect()
         };
         let inputs = self.inputs.iter().map(of).collect();
-        Self { first: 1, len: rows.clone().count(), inputs, ..Self::default() }
+        Self { first: 1, len: rows.len(), inputs, ..Self::default() }
     }
 
     /// The value of an input, by its place.
@@ -296,12 +296,15 @@ impl Answers {
         let verdicts = &self.verdicts[..];
         let models = words(verdicts, |a, b| a.model == b.model, |v| Some(v.model.name()));
         let statuses = words(verdicts, |a, b| a.status == b.status, |v| Some(v.status.name()));
-        let mut told = self.messages.iter().peekable();
-        let message = |row| Some(told.next_if(|(other, _)| *other == row)?.1.as_str());
-        let messages: StringArray = (0..verdicts.len()).map(message).collect();
+        let mut messages = StringBuilder::new();
+        for (row, message) in &self.messages {
+            messages.append_nulls(row - messages.len());
+            messages.append_value(message);
+        }
+        messages.append_nulls(verdicts.len() - messages.len());
         let inputs = chunk.inputs.iter().map(|input| Arc::new(input.clone()) as ArrayRef);
         let before = chunk.kept.iter().cloned().chain(inputs);
-        let before = before.chain([models, statuses, Arc::new(messages)]);
+        let before = before.chain([models, statuses, Arc::new(messages.finish())]);
         let answers = self.columns.into_par_iter().zip(outputs);
         let answers: Vec<_> = answers.map(|(column, output)| values(output, column)).collect();
         Ok(RecordBatch::try_new(schema.clone(), before.chain(answers).collect())?)
@@ -314,10 +317,16 @@ fn words<T>(
     same: impl Fn(&T, &T) -> bool,
     word: impl Fn(&T) -> Option<&'static str>,
 ) -> ArrayRef {
-    let mut words = StringBuilder::with_capacity(rows.len(), 8 * rows.len());
+    let mut words = StringBuilder::new();
     for run in rows.chunk_by(same) {
-        let word = word(&run[0]);
-        run.iter().for_each(|_| words.append_option(word));
+        match word(&run[0]) {
+            // Most columns have one word.
+            Some(word) if run.len() == rows.len() => {
+                return Arc::new(StringArray::new_repeated(word, rows.len()));
+            }
+            Some(word) => words.append_value_n(word, run.len()),
+            None => words.append_nulls(run.len()),
+        }
     }
     Arc::new(words.finish())
 }

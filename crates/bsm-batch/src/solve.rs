@@ -269,7 +269,9 @@ impl Run<'_> {
             }
             if !done {
                 // A kernel may have begun the row.
-                outputs.iter_mut().for_each(|column| column[i] = f64::NAN);
+                for column in outputs.iter_mut() {
+                    column[i] = f64::NAN;
+                }
             }
             let put = |place: usize, value| outputs[place][i] = value;
             let (verdict, message) = self.row(first + i, *done, put);

@@ -116,7 +116,7 @@ pub(crate) enum PartsCommand {
     /// Parts that are there are kept. Example, of 100 tasks of a scheduler: bsm parts run map/ --only $TASK/100
     Run(RunArgs),
     /// Check the parts: every part there, and as it was written. Exit code 3 if one is missing or damaged. When all
-    /// are there it writes shards.parquet, and removes what killed runs have left.
+    /// are there it writes parts.parquet, and removes what killed runs have left.
     Check(CheckArgs),
 }
 

@@ -30,7 +30,7 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
     let task = task.map_err(|why| Failure::in_scene(&folder.join("plan.json"), &why))?;
     let points = parts.points(args.points.as_deref(), workers);
     let points = points.map_err(|error| failed(folder, error))?;
-    let all = parts.plan().shards();
+    let all = parts.plan().parts();
     // One number in so many, so that expensive corners of a grid are spread over all processes.
     let ((from, to), (index, of)) = match args.only {
         None => ((0, all), (0, 1)),
@@ -41,8 +41,8 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
         let text = format!("--only {from}:{to}: the plan has the parts 0:{all}");
         return Err(Failure::Input(text));
     }
-    let mine = || (from..to).filter(|shard| shard % of == index);
-    let rows = (mine().count() as u64).saturating_mul(parts.plan().rows_per_shard());
+    let mine = || (from..to).filter(|number| number % of == index);
+    let rows = (mine().count() as u64).saturating_mul(parts.plan().rows_per_part());
     let bar = progress(Some(rows.min(parts.plan().rows())), "rows", args.work.quiet);
     let mut found = 0;
     let mut tell = |event: Event<'_>| match event {
@@ -53,7 +53,7 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
         Event::Solved(chunk, _) => bar.inc(chunk.len as u64),
         Event::Foreign(_) | Event::Planned(_) => {}
     };
-    let solved = parts.run_shards(&task, &points, mine(), args.repair, workers, &mut tell);
+    let solved = parts.run_parts(&task, &points, mine(), args.repair, workers, &mut tell);
     bar.finish_and_clear();
     let solved = solved.map_err(|error| failed(folder, error))?.len() - found;
     parts.check_names().map_err(|error| failed(folder, error))?;
@@ -71,9 +71,9 @@ pub(crate) fn print_plan(folder: &Path, plan: &Plan) -> Result<(), Failure> {
     let hours = estimate.core_seconds / 3600.0;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bytes to look at")]
     let bytes = HumanBytes(estimate.bytes as u64);
-    let (shards, per_shard) = (plan.shards(), plan.rows_per_shard());
+    let (parts, per_part) = (plan.parts(), plan.rows_per_part());
     print(&format!(
-        "plan        {}\nrows        {}\nshards      {shards} of {per_shard} rows\n\
+        "plan        {}\nrows        {}\nparts       {parts} of {per_part} rows\n\
          core-hours  {hours:.3}\nsize        {bytes} at most",
         plan.id(),
         plan.rows(),
@@ -85,7 +85,7 @@ pub(crate) fn print_plan(folder: &Path, plan: &Plan) -> Result<(), Failure> {
     warn("note", &how);
     if plan.rows() > MANY_ROWS {
         let text = "so many rows are cheaper to solve again than to keep and read: the Python package solves \
-                    parts of this plan in memory, for statistics (ballscrew.solve_shard)";
+                    parts of this plan in memory, for statistics (ballscrew.solve_part)";
         warn("note", text);
     }
     Ok(())
@@ -114,7 +114,7 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
         let damage = |(path, why): &(PathBuf, Damage)| json!({ "file": name(path), "reason": why.to_string() });
         print(&pretty_json(&json!({
             "plan": plan.id(),
-            "shards": plan.shards(),
+            "parts": plan.parts(),
             "finished": there,
             "complete": is_complete,
             "deep": args.deep,
@@ -129,7 +129,7 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
         let what =
             if args.deep { "all bytes read" } else { "footers read; --deep reads all bytes" };
         let mut lines = vec![
-            format!("{there} of {} shards ({what})", plan.shards()),
+            format!("{there} of {} parts ({what})", plan.parts()),
             format!("{} of {} rows, {} without a result", count.rows, plan.rows(), count.failed),
         ];
         let damaged = found.damaged.iter().map(|(path, why)| format!("{} {why}", name(path)));

@@ -106,7 +106,7 @@ const OBJECTS: &[(&str, &str)] = &[
     ("point", "measured number, fitted number"),
     (
         "parts",
-        "plan string, shards integer, finished integer, complete boolean, deep boolean, missing texts, damaged [damage], \
+        "plan string, parts integer, finished integer, complete boolean, deep boolean, missing texts, damaged [damage], \
          foreign texts, rows integer, failed integer, several integer",
     ),
     ("damage", "file string, reason string"),

@@ -190,8 +190,8 @@ impl Job<'_> {
         workers: &Workers<'_>,
         watch: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<Count, Failure> {
-        let SweepArgs { resume, rows_per_part: rows_per_shard, .. } = *self.args;
-        let how = Filling { resume, rows_per_shard, make: unfinished::create_temporary };
+        let SweepArgs { resume, rows_per_part, .. } = *self.args;
+        let how = Filling { resume, rows_per_part, make: unfinished::create_temporary };
         let mut bar = ProgressBar::hidden();
         let mut tell = |event: Event<'_>| match event {
             Event::Foreign(files) => {

@@ -5,7 +5,7 @@ use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 
 use super::folder::OLD_PLAN;
-use super::{Damage, MOST_SHARDS};
+use super::{Damage, MOST_PARTS};
 use crate::TableError;
 
 /// A folder that cannot be made, gone on with or finished.
@@ -50,11 +50,11 @@ pub enum DatasetError {
     },
     /// Points with fewer rows than before.
     #[error(
-        "the points have changed while they were solved: part {shard} has {found} of {rows} rows"
+        "the points have changed while they were solved: part {number} has {found} of {rows} rows"
     )]
     PointsChanged {
         /// The part.
-        shard: u64,
+        number: u64,
         /// Its rows by the plan.
         rows: u64,
         /// Those that there were.
@@ -73,23 +73,23 @@ pub enum DatasetError {
         name: String,
     },
     /// Parts that the plan does not have.
-    #[error("the plan has parts 0 to {}, and none of the number {shard}", shards - 1)]
+    #[error("the plan has parts 0 to {}, and none of the number {number}", parts - 1)]
     NoSuchPart {
         /// What was asked for.
-        shard: u64,
+        number: u64,
         /// Number of parts.
-        shards: u64,
+        parts: u64,
     },
     /// More parts than a folder takes.
     #[error(
-        "{rows} rows in parts of {rows_per_shard} are more than {MOST_SHARDS} parts; take at least \
+        "{rows} rows in parts of {rows_per_part} are more than {MOST_PARTS} parts; take at least \
         {least} rows for a part"
     )]
-    TooManyShards {
+    TooManyParts {
         /// All rows.
         rows: u64,
         /// Rows of a part.
-        rows_per_shard: NonZeroU64,
+        rows_per_part: NonZeroU64,
         /// The fewest that are possible.
         least: u64,
     },

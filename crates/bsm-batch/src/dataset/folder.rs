@@ -13,7 +13,7 @@ use super::part::kind;
 const PLAN: &str = "plan.json";
 const DATA: &str = "data";
 const UNFINISHED: &str = "tmp";
-const SHARDS: &str = "shards.parquet";
+const LIST: &str = "parts.parquet";
 /// What older versions wrote in place of a plan.
 pub(super) const OLD_PLAN: &str = "parts.json";
 
@@ -43,13 +43,13 @@ impl Folder {
     }
 
     /// Where a part is once it is finished.
-    pub(super) fn part(&self, shard: u64) -> PathBuf {
-        self.path.join(DATA).join(format!("part-{shard:06}.parquet"))
+    pub(super) fn part(&self, number: u64) -> PathBuf {
+        self.path.join(DATA).join(format!("part-{number:06}.parquet"))
     }
 
     /// Where the list of the parts is.
-    pub(super) fn shards(&self) -> PathBuf {
-        self.path.join(SHARDS)
+    pub(super) fn list(&self) -> PathBuf {
+        self.path.join(LIST)
     }
 
     /// What is among the parts; nothing if their folder is not there.
@@ -174,7 +174,7 @@ fn unfinished_id(entry: &fs::DirEntry) -> Option<String> {
     let name = entry.file_name().into_string().ok()?;
     let [what, id, random] = name.split('.').collect::<Vec<_>>()[..] else { return None };
     let part = what.strip_prefix("part-").is_some_and(|n| n.parse::<u64>().is_ok());
-    let ours = (part || ["plan", "shards"].contains(&what))
+    let ours = (part || ["plan", "parts"].contains(&what))
         && id.len() == SHORT_ID
         && id.bytes().all(|b| b.is_ascii_hexdigit())
         && random.len() == RANDOM

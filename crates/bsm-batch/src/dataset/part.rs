@@ -21,7 +21,7 @@ use crate::parquet_table::decoded;
 use crate::{Count, TableError, TableSink, Workers};
 
 const PLAN: &str = "bsm.plan";
-const SHARD: &str = "bsm.shard";
+const PART: &str = "bsm.part";
 const ROWS: &str = "bsm.rows";
 const FAILED: &str = "bsm.failed";
 const SEVERAL: &str = "bsm.several";
@@ -43,7 +43,7 @@ const LONGEST_FOOTER: u64 = 64 << 20;
 pub(super) struct Place<'a> {
     /// Id of the plan.
     pub(super) plan: &'a str,
-    pub(super) shard: u64,
+    pub(super) number: u64,
     pub(super) first_row: u64,
     pub(super) rows: u64,
 }
@@ -51,12 +51,12 @@ pub(super) struct Place<'a> {
 impl Place<'_> {
     /// Refuses points that are not as many as the plan has.
     pub(super) fn check(&self, count: Count) -> Result<(), DatasetError> {
-        let Self { shard, rows, .. } = *self;
+        let Self { number, rows, .. } = *self;
         let found = count.rows;
         if found == rows {
             return Ok(());
         }
-        Err(DatasetError::PointsChanged { shard, rows, found })
+        Err(DatasetError::PointsChanged { number, rows, found })
     }
 }
 
@@ -64,7 +64,7 @@ impl Place<'_> {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Part {
     /// Its number, from 0.
-    pub shard: u64,
+    pub number: u64,
     /// Its first row, from 0.
     pub first_row: u64,
     /// Its rows.
@@ -153,16 +153,16 @@ pub(super) fn seal<W: Write + Send>(
     place: Place<'_>,
     Count { failed, several, .. }: Count,
 ) -> Result<(W, Part), TableError> {
-    let Place { plan, shard, first_row, rows, .. } = place;
+    let Place { plan, number, first_row, rows, .. } = place;
     let (data_bytes, data_sha256) = (0, String::new());
-    let mut part = Part { shard, first_row, rows, failed, several, data_bytes, data_sha256 };
+    let mut part = Part { number, first_row, rows, failed, several, data_bytes, data_sha256 };
     let written = table.finish_with(|file| {
         part.data_bytes = file.data_bytes;
         part.data_sha256 = digest::hex(file.hash.clone());
         file.footer = Some(Vec::new());
         vec![
             (PLAN, plan.to_owned()),
-            (SHARD, shard.to_string()),
+            (PART, number.to_string()),
             (ROWS, format!("{first_row}:{rows}")),
             (FAILED, failed.to_string()),
             (SEVERAL, several.to_string()),
@@ -245,9 +245,9 @@ pub(super) fn proven(mut footer: Vec<u8>, len: u64, place: Place<'_>) -> Result<
     if plan != place.plan {
         return Err(Damage::OtherPlan(plan.to_owned()));
     }
-    let Place { shard, first_row, rows, .. } = place;
-    let found = value(SHARD).unwrap_or("?");
-    if found != shard.to_string() || value(ROWS) != Some(&format!("{first_row}:{rows}")) {
+    let Place { number, first_row, rows, .. } = place;
+    let found = value(PART).unwrap_or("?");
+    if found != number.to_string() || value(ROWS) != Some(&format!("{first_row}:{rows}")) {
         return Err(Damage::OtherPart(found.to_owned()));
     }
     let counted = |key| value(key).and_then(|n| n.parse().ok()).ok_or(Damage::Footer);
@@ -257,7 +257,7 @@ pub(super) fn proven(mut footer: Vec<u8>, len: u64, place: Place<'_>) -> Result<
     if data_bytes + footer.len() as u64 != len || !all_rows {
         return Err(Damage::Footer);
     }
-    Ok(Part { shard, first_row, rows, failed, several, data_bytes, data_sha256 })
+    Ok(Part { number, first_row, rows, failed, several, data_bytes, data_sha256 })
 }
 
 /// How long the footer of a Parquet file is with its tail, by the last bytes of the file; `None` if they are
@@ -290,7 +290,7 @@ fn read_footer(file: &mut File, len: u64) -> io::Result<Option<Vec<u8>>> {
     Ok((bytes.len() as u64 == rest).then_some(bytes))
 }
 
-/// The parts as a Parquet table, the file `shards.parquet` of a folder.
+/// The parts as a Parquet table, the file `parts.parquet` of a folder.
 ///
 /// # Errors
 ///
@@ -301,7 +301,7 @@ pub fn list_parts(parts: &BTreeMap<u64, Part>) -> Result<Vec<u8>, TableError> {
     };
     let hashes = StringArray::from_iter_values(parts.values().map(|part| &part.data_sha256));
     let table = RecordBatch::try_from_iter([
-        ("shard", numbers(|part| part.shard)),
+        ("part", numbers(|part| part.number)),
         ("first_row", numbers(|part| part.first_row)),
         ("rows", numbers(|part| part.rows)),
         ("failed", numbers(|part| part.failed)),

@@ -18,10 +18,10 @@ use crate::{Answers, Columns, Heading, Task, Workers};
 pub const RESULTS: u32 = 35;
 
 /// Form of the file itself and of the parts: their bytes follow from the plan.
-const FORMAT: u32 = 3;
+const FORMAT: u32 = 4;
 
 /// Most parts of a folder.
-pub const MOST_SHARDS: u64 = 100_000;
+pub const MOST_PARTS: u64 = 100_000;
 
 /// What a folder is to hold.
 #[derive(Debug, Clone)]
@@ -41,7 +41,7 @@ struct Written {
     model: WrittenModel,
     columns: Vec<String>,
     rows: u64,
-    rows_per_shard: NonZeroU64,
+    rows_per_part: NonZeroU64,
     /// SHA-256 of the text with nothing in this place; the id of the plan.
     #[serde(default)]
     sha256: String,
@@ -115,23 +115,23 @@ impl WrittenModel {
 impl Plan {
     /// The plan of a task over points.
     ///
-    /// * `rows_per_shard`: rows of a part; follow from the task unless given.
+    /// * `rows_per_part`: rows of a part; follow from the task unless given.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the points cannot be read, or there would be more than [`MOST_SHARDS`] parts.
+    /// [`DatasetError`] if the points cannot be read, or there would be more than [`MOST_PARTS`] parts.
     pub fn new(
         task: &Task,
         points: &Points,
-        rows_per_shard: Option<NonZeroU64>,
+        rows_per_part: Option<NonZeroU64>,
         workers: &Workers<'_>,
     ) -> Result<Self, DatasetError> {
         let (points, rows) = points.written(workers)?;
-        let rule = || rows_of_a_shard(rows, task.settings.model);
-        let rows_per_shard = rows_per_shard.unwrap_or_else(rule);
-        if rows.div_ceil(rows_per_shard.get()) > MOST_SHARDS {
-            let least = rows.div_ceil(MOST_SHARDS);
-            return Err(DatasetError::TooManyShards { rows, rows_per_shard, least });
+        let rule = || rows_of_a_part(rows, task.settings.model);
+        let rows_per_part = rows_per_part.unwrap_or_else(rule);
+        if rows.div_ceil(rows_per_part.get()) > MOST_PARTS {
+            let least = rows.div_ceil(MOST_PARTS);
+            return Err(DatasetError::TooManyParts { rows, rows_per_part, least });
         }
         let base = Scene { description: None, ..task.base.clone() };
         let written = Written {
@@ -142,7 +142,7 @@ impl Plan {
             model: WrittenModel::of(&task.settings),
             columns: task.outputs.iter().map(|output| output.name.to_owned()).collect(),
             rows,
-            rows_per_shard,
+            rows_per_part,
             sha256: String::new(),
         };
         let unwritable =
@@ -218,7 +218,7 @@ impl Plan {
         const FOOTER: f64 = 1500.0;
         const COLUMN: f64 = 150.0;
         let task = self.task()?;
-        let [rows, shards] = [self.rows(), self.shards()].map(approximate);
+        let [rows, parts] = [self.rows(), self.parts()].map(approximate);
         let inputs = self.written.points.inputs();
         #[expect(clippy::cast_precision_loss, reason = "there are some fifty")]
         let columns = (inputs.len() + task.outputs.len()) as f64;
@@ -232,7 +232,7 @@ impl Plan {
         let words = if task.settings.model == ModelChoice::Auto { 4.0 } else { 0.5 };
         let data = rows * (words + outputs + inputs.iter().sum::<f64>());
         let core_seconds = rows * seconds(task.settings.model);
-        Ok(Estimate { core_seconds, bytes: data + shards * (FOOTER + COLUMN * columns) })
+        Ok(Estimate { core_seconds, bytes: data + parts * (FOOTER + COLUMN * columns) })
     }
 
     /// The part of a number that the last bytes of a file prove, for files that are not in a folder.
@@ -242,9 +242,9 @@ impl Plan {
     /// # Errors
     ///
     /// [`Damage`]; [`Damage::Short`] if more of the last bytes are needed.
-    pub fn prove(&self, shard: u64, end: &[u8], len: u64) -> Result<Part, Damage> {
+    pub fn prove(&self, number: u64, end: &[u8], len: u64) -> Result<Part, Damage> {
         match part::footer_of(end) {
-            Ok(footer) => part::proven(footer, len, self.place_of(shard)),
+            Ok(footer) => part::proven(footer, len, self.place_of(number)),
             Err(Some(needed)) if needed <= len => Err(Damage::Short(needed)),
             Err(_) if len == 0 => Err(Damage::Empty),
             Err(_) => Err(Damage::Footer),
@@ -267,26 +267,26 @@ impl Plan {
     }
 
     /// Rows of a part but the last, which may have fewer.
-    pub fn rows_per_shard(&self) -> u64 {
-        self.written.rows_per_shard.get()
+    pub fn rows_per_part(&self) -> u64 {
+        self.written.rows_per_part.get()
     }
 
     /// Number of parts, at least one: a table without rows is a part without rows.
-    pub fn shards(&self) -> u64 {
-        self.rows().div_ceil(self.rows_per_shard()).max(1)
+    pub fn parts(&self) -> u64 {
+        self.rows().div_ceil(self.rows_per_part()).max(1)
     }
 
     /// The place of a part that the plan has.
-    pub(super) fn place(&self, shard: u64) -> Result<Place<'_>, DatasetError> {
-        let shards = self.shards();
-        let place = (shard < shards).then(|| self.place_of(shard));
-        place.ok_or(DatasetError::NoSuchPart { shard, shards })
+    pub(super) fn place(&self, number: u64) -> Result<Place<'_>, DatasetError> {
+        let parts = self.parts();
+        let place = (number < parts).then(|| self.place_of(number));
+        place.ok_or(DatasetError::NoSuchPart { number, parts })
     }
 
-    pub(super) fn place_of(&self, shard: u64) -> Place<'_> {
-        let first_row = shard * self.rows_per_shard();
-        let rows = self.rows_per_shard().min(self.rows() - first_row);
-        Place { plan: self.id(), shard, first_row, rows }
+    pub(super) fn place_of(&self, number: u64) -> Place<'_> {
+        let first_row = number * self.rows_per_part();
+        let rows = self.rows_per_part().min(self.rows() - first_row);
+        Place { plan: self.id(), number, first_row, rows }
     }
 
     /// Which keys of another plan's text are not as here, with both values where they are short; `None`
@@ -354,7 +354,7 @@ fn seconds(model: ModelChoice) -> f64 {
 
 /// Rows of a part: the largest power of two that takes seconds, so that a kill loses no more; twice as many
 /// until a folder takes the parts.
-fn rows_of_a_shard(rows: u64, model: ModelChoice) -> NonZeroU64 {
+fn rows_of_a_part(rows: u64, model: ModelChoice) -> NonZeroU64 {
     /// Most rows: where a point takes a hundred times its nominal time, as `rigid` does at strong inertia, a
     /// part takes no hour.
     const MOST: u32 = 1 << 20;
@@ -366,7 +366,7 @@ fn rows_of_a_shard(rows: u64, model: ModelChoice) -> NonZeroU64 {
         count /= 2;
     }
     let mut count = NonZeroU64::from(NonZeroU32::new(count).unwrap_or(NonZeroU32::MIN));
-    while rows.div_ceil(count.get()) > MOST_SHARDS {
+    while rows.div_ceil(count.get()) > MOST_PARTS {
         count = count.saturating_add(count.get());
     }
     count
@@ -416,13 +416,13 @@ mod tests {
                  \"screw_speed_rpm=1e300,-0.1,1500\"]}},\"base\":{{\"axial_load_N\":0.1}},\
                  \"model\":{{\"name\":\"rigid\",\"tolerance\":0.01,\"accuracy\":1e-8,\
                  \"creep\":0.0001,\"control\":null,\"friction\":\"local\"}},\"columns\":[\"efficiency\"],\"rows\":33,\
-                 \"rows_per_shard\":16,\"sha256\":\"{hash}\"}}\n"
+                 \"rows_per_part\":16,\"sha256\":\"{hash}\"}}\n"
             )
         };
         assert_eq!(plan.id(), digest::of_bytes(text("").as_bytes()));
         assert_eq!(plan.text(), text(plan.id()));
         let again = Plan::from_text(plan.text()).expect("its own text");
-        assert_eq!((again.id(), again.shards(), again.rows()), (plan.id(), 3, 33));
+        assert_eq!((again.id(), again.parts(), again.rows()), (plan.id(), 3, 33));
         assert_eq!(again.place(2).expect("a part").rows, 1);
         let read = again.points(|name| name.into(), &workers()).expect("points");
         let (Points::Grid(read), Points::Grid(grid)) = (read, points) else {
@@ -439,7 +439,7 @@ mod tests {
             (plan.text().replace("}\n", "}"), "has been changed"),
             (plan.text().replace("load_N\":0.1", "load_N\":0.2"), "has been changed"),
             (text(""), "has been changed"),
-            (plan.text().replace("\"format\":3", "\"format\":2"), "in form 2"),
+            (plan.text().replace("\"format\":4", "\"format\":3"), "in form 3"),
             (plan.text().replace(",\"rows\":33", ""), "missing field `rows`"),
             (plan.text().replace("\"name\":\"bsm\"", "\"name\":\"msb\""), "it is of msb"),
             (String::new(), "EOF"),
@@ -476,7 +476,7 @@ mod tests {
             (with(|t| t.settings.accuracy = 1e-6), "model"),
             (with(|t| t.settings.friction = RacewayFriction::PerContact), "model"),
             (with(all), "columns"),
-            (plan(&task(), &points, 17), "rows_per_shard (17, now 16)"),
+            (plan(&task(), &points, 17), "rows_per_part (17, now 16)"),
             (plan(&task(), &grid(&["lead_mm=5:11:11"]), 16), "points"),
             (plan(&task(), &draws("lead_mm=uniform:5:10", 11), 16), "points"),
         ] {
@@ -511,7 +511,7 @@ mod tests {
     /// A part is seconds of one core, whatever the job; beyond 100 000 parts, less than 1/50 000 of it.
     #[test]
     fn rows_of_a_part_follow_one_rule() {
-        for (rows, model, shards, power) in [
+        for (rows, model, parts, power) in [
             (0, ModelChoice::Auto, 0, 18),
             (1_000_000, Model::Rigid.into(), 1, 20),
             (1_000_000, Model::Elastic.into(), 1, 20),
@@ -522,8 +522,8 @@ mod tests {
             (1_000_000_000_000, Model::Traction.into(), 59_605, 24),
             (u64::MAX, Model::Traction.into(), 65_536, 48),
         ] {
-            let count = rows_of_a_shard(rows, model).get();
-            assert_eq!((rows.div_ceil(count), count), (shards, 1 << power), "{rows} {model:?}");
+            let count = rows_of_a_part(rows, model).get();
+            assert_eq!((rows.div_ceil(count), count), (parts, 1 << power), "{rows} {model:?}");
         }
     }
 

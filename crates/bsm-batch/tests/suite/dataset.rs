@@ -53,7 +53,7 @@ fn plan(task: &Task, points: &Points, rows: u64) -> Plan {
 }
 
 fn fill(folder: &Path, task: &Task, points: &Points, threads: usize) -> Count {
-    let how = Filling { resume: true, rows_per_shard: NonZeroU64::new(50), make };
+    let how = Filling { resume: true, rows_per_part: NonZeroU64::new(50), make };
     dataset::fill(folder, task, points, how, &workers(threads), &mut |_| {}).expect("solved")
 }
 
@@ -100,7 +100,7 @@ fn bytes_depend_on_the_plan_only() {
     let names: Vec<_> = expected.keys().map(String::as_str).collect();
     let parts =
         ["data/part-000000.parquet", "data/part-000001.parquet", "data/part-000002.parquet"];
-    assert_eq!(names, [&parts[..], &["plan.json", "shards.parquet"]].concat());
+    assert_eq!(names, [&parts[..], &["parts.parquet", "plan.json"]].concat());
 
     for threads in [2, 5] {
         let other = temporary();
@@ -108,16 +108,16 @@ fn bytes_depend_on_the_plan_only() {
         assert!(files(other.path()) == expected, "{threads} threads");
     }
 
-    // Any order, by shards; what is there is found and counted.
+    // Any order, by parts; what is there is found and counted.
     let other = temporary();
     let workers = workers(2);
     let parts = Dataset::create(other.path(), plan(&task, &points, 50), make).expect("a folder");
-    for (shard, rows) in [(2, 20), (0, 50)] {
+    for (number, rows) in [(2, 20), (0, 50)] {
         let mut source = points.open().expect("a grid");
-        source.skip(shard * 50).expect("a grid");
-        let part = parts.run_shard(shard, &task, source.as_mut(), false, &workers, &mut |_| {});
+        source.skip(number * 50).expect("a grid");
+        let part = parts.run_part(number, &task, source.as_mut(), false, &workers, &mut |_| {});
         let part = part.expect("solved");
-        assert_eq!((part.shard, part.first_row, part.rows), (shard, shard * 50, rows));
+        assert_eq!((part.number, part.first_row, part.rows), (number, number * 50, rows));
     }
     // Opened with nothing but the folder.
     let parts = Dataset::open(other.path(), make).expect("a folder");
@@ -157,13 +157,13 @@ fn parts_are_the_rows_of_one_file() {
     let whole =
         rows(Format::Csv.open(&one, &[], &Dialect::default()).expect("a table").as_mut(), 1000);
     let mut parts = Vec::new();
-    for shard in 0..3 {
-        let path = folder.path().join(format!("data/part-{shard:06}.parquet"));
+    for number in 0..3 {
+        let path = folder.path().join(format!("data/part-{number:06}.parquet"));
         let bytes = bytes::Bytes::from(fs::read(&path).expect("a part"));
         let footer = ParquetMetaDataReader::new().parse_and_finish(&bytes).expect("Parquet");
         let keys = footer.file_metadata().key_value_metadata().expect("keys");
         let names: Vec<_> = keys.iter().map(|entry| entry.key.as_str()).collect();
-        for key in ["plan", "shard", "rows", "failed", "several", "data_bytes", "data_sha256"] {
+        for key in ["plan", "part", "rows", "failed", "several", "data_bytes", "data_sha256"] {
             assert!(names.contains(&format!("bsm.{key}").as_str()), "{names:?}");
         }
         parts.extend(rows(
@@ -216,7 +216,7 @@ fn a_damaged_part_stops_the_run_and_stays() {
     // Neither is it written over by who solves that part.
     let mut source = points.open().expect("a grid");
     source.skip(50).expect("a grid");
-    let error = parts.run_shard(1, &task, source.as_mut(), false, &workers, &mut |_| {});
+    let error = parts.run_part(1, &task, source.as_mut(), false, &workers, &mut |_| {});
     assert!(error.expect_err("there is something").to_string().contains("part-000001.parquet"));
     assert_eq!(fs::read(parts.part_file(1)).expect("left"), b"mine");
     assert_eq!(fs::read_dir(folder.path().join("tmp")).expect("folder").count(), 0);
@@ -334,7 +334,7 @@ fn a_table_without_rows_is_one_part() {
         assert_eq!(count, Count::default());
     }
     let names: Vec<_> = files(&map).into_keys().collect();
-    assert_eq!(names, ["data/part-000000.parquet", "plan.json", "shards.parquet"]);
+    assert_eq!(names, ["data/part-000000.parquet", "parts.parquet", "plan.json"]);
     let mut part =
         Format::Parquet.open(&map.join(&names[0]), &[], &Dialect::default()).expect("a part");
     assert!(part.next(10).expect("Parquet").is_none());
@@ -350,18 +350,19 @@ fn a_part_in_memory_is_the_part_of_the_folder() {
     let task = Task { outputs, ..task(Model::RacewayControl) };
     fill(folder.path(), &task, &points, 2);
     let parts = Dataset::open(folder.path(), make).expect("a folder");
-    for shard in 0..3 {
-        let file = fs::File::open(parts.part_file(shard)).expect("a part");
+    for number in 0..3 {
+        let file = fs::File::open(parts.part_file(number)).expect("a part");
         let reader = ParquetRecordBatchReaderBuilder::try_new(file).expect("Parquet").build();
         let of_file: Vec<RecordBatch> =
             reader.expect("Parquet").map(|batch| batch.expect("rows")).collect();
         let workers = workers(2);
-        let (schema, batches) = solve_part(parts.plan(), &points, shard, &workers).expect("solved");
+        let (schema, batches) =
+            solve_part(parts.plan(), &points, number, &workers).expect("solved");
         assert_eq!(schema.fields(), of_file[0].schema().fields());
-        assert!(batches == of_file, "part {shard}");
+        assert!(batches == of_file, "part {number}");
     }
     let none = solve_part(parts.plan(), &points, 3, &workers(1));
-    assert!(matches!(none, Err(DatasetError::NoSuchPart { shard: 3, shards: 3 })));
+    assert!(matches!(none, Err(DatasetError::NoSuchPart { number: 3, parts: 3 })));
 }
 
 /// Audit, reliability 3: a plan that was put in place of another one made `--repair` overwrite good parts.
@@ -377,7 +378,7 @@ fn parts_that_agree_on_another_plan_are_not_overwritten() {
     let workers = workers(1);
     let repair = |task: &Task| {
         let parts = Dataset::open(mine.path(), make).expect("a folder");
-        parts.run_shards(task, &points, 0..3, true, &workers, &mut |_| {}).map(|parts| parts.len())
+        parts.run_parts(task, &points, 0..3, true, &workers, &mut |_| {}).map(|parts| parts.len())
     };
     let refused = repair(&task(Model::QuasiStatic));
     assert!(matches!(refused, Err(DatasetError::PartsOfAnotherPlan { .. })), "{refused:?}");
@@ -418,7 +419,7 @@ fn random_points_are_the_same_rows_in_any_parts() {
     let whole = Dataset::open(one.path(), make).map(|_| whole).expect("its own plan");
     let workers = workers(1);
     let points = whole.points(None, &workers).expect("draws");
-    whole.run_shards(&task, &points, 0..1, false, &workers, &mut |_| {}).expect("solved");
+    whole.run_parts(&task, &points, 0..1, false, &workers, &mut |_| {}).expect("solved");
     let rows_of = |folder: &Path, parts: usize| -> Vec<f64> {
         let part = |i: usize| folder.join(format!("data/part-{i:06}.parquet"));
         let part = |i| Format::Parquet.open(&part(i), &[], &Dialect::default()).expect("a part");
@@ -448,17 +449,17 @@ fn parts_of_a_table_need_the_table_of_the_plan() {
     let expected = files(&map);
     let workers = workers(2);
     let parts = Dataset::open(&map, make).expect("a folder");
-    for shard in [1, 2] {
-        fs::remove_file(parts.part_file(shard)).expect("removable");
+    for number in [1, 2] {
+        fs::remove_file(parts.part_file(number)).expect("removable");
     }
     // Beside the folder under its name, and anywhere.
     let beside = parts.points(None, &workers).expect("the table");
-    parts.run_shards(&task, &beside, [2], false, &workers, &mut |_| {}).expect("solved");
+    parts.run_parts(&task, &beside, [2], false, &workers, &mut |_| {}).expect("solved");
     let moved = folder.path().join("other.parquet");
     fs::rename(&path, &moved).expect("movable");
     assert!(parts.points(None, &workers).expect_err("gone").to_string().contains("points.parquet"));
     let found = parts.points(Some(&moved), &workers).expect("the table");
-    parts.run_shards(&task, &found, 0..3, false, &workers, &mut |_| {}).expect("solved");
+    parts.run_parts(&task, &found, 0..3, false, &workers, &mut |_| {}).expect("solved");
     assert!(files(&map) == expected);
     write("500:9001");
     let said = parts.points(None, &workers).expect_err("another table").to_string();
@@ -477,7 +478,7 @@ fn damaged_parts_are_replaced_on_demand() {
     fs::write(parts.part_file(0), &bytes).expect("writable");
     fs::write(parts.part_file(1), b"mine").expect("writable");
     fs::remove_file(parts.part_file(2)).expect("removable");
-    let run = |repair| parts.run_shards(&task, &points, 0..3, repair, &workers, &mut |_| {});
+    let run = |repair| parts.run_parts(&task, &points, 0..3, repair, &workers, &mut |_| {});
     let said = run(false).expect_err("damaged").to_string();
     // A bit of the data is beyond the footers.
     assert!(said.contains("part-000001.parquet") && !said.contains("part-000000"), "{said}");
@@ -489,8 +490,8 @@ fn damaged_parts_are_replaced_on_demand() {
     assert_eq!(run(true).expect("solved").len(), 3);
     assert!(files(folder.path()) == expected);
     assert!(matches!(
-        parts.run_shards(&task, &points, [3], false, &workers, &mut |_| {}),
-        Err(DatasetError::NoSuchPart { shard: 3, shards: 3 })
+        parts.run_parts(&task, &points, [3], false, &workers, &mut |_| {}),
+        Err(DatasetError::NoSuchPart { number: 3, parts: 3 })
     ));
 }
 
@@ -521,10 +522,10 @@ fn the_size_of_a_plan_is_that_of_its_parts() {
     let draws = draws.map(|draw| Draw::parse(draw).expect("a draw")).to_vec();
     let points = Points::Draws(Draws::new(11, 100_000, draws).expect("draws"));
     let (task, folder) = (task(Model::Rigid), temporary());
-    let rows_per_shard = NonZeroU64::new(30_000);
-    let plan = Plan::new(&task, &points, rows_per_shard, &workers(1)).expect("a plan");
+    let rows_per_part = NonZeroU64::new(30_000);
+    let plan = Plan::new(&task, &points, rows_per_part, &workers(1)).expect("a plan");
     let bytes = plan.estimate().expect("a task").bytes;
-    let how = Filling { resume: false, rows_per_shard, make };
+    let how = Filling { resume: false, rows_per_part, make };
     dataset::fill(folder.path(), &task, &points, how, &workers(2), &mut |_| {}).expect("solved");
     let parts = files(folder.path()).into_iter().filter(|(name, _)| name.starts_with("data"));
     let found: u32 = parts.map(|(_, bytes)| u32::try_from(bytes.len()).expect("small")).sum();
@@ -542,12 +543,12 @@ fn a_part_of_a_million_million_points_takes_a_moment() {
     let (task, folder, workers) = (task(Model::ClosedForm), temporary(), workers(1));
     let begin = Instant::now();
     let plan = Plan::new(&task, &points, None, &workers).expect("a plan");
-    assert_eq!((plan.rows(), plan.shards()), (999_989_186_560, 59_605));
+    assert_eq!((plan.rows(), plan.parts()), (999_989_186_560, 59_605));
     assert!(plan.text().len() < 1000, "{}", plan.text());
     let parts = Dataset::create(folder.path(), plan, make).expect("a folder");
     let mut source = points.open().expect("a grid");
     source.skip(59_604 << 24).expect("a grid");
-    let part = parts.run_shard(59_604, &task, source.as_mut(), false, &workers, &mut |_| {});
+    let part = parts.run_part(59_604, &task, source.as_mut(), false, &workers, &mut |_| {});
     let part = part.expect("solved");
     assert_eq!((part.first_row, part.rows), (59_604 << 24, 4096));
     let found = Dataset::open(folder.path(), make).expect("a folder").survey(true, &workers);

@@ -181,7 +181,7 @@ fn enough(model: Model, count: usize) -> (Chunk, Columns) {
 
 /// Rows `first` to `last` of a chunk.
 fn part(chunk: &Chunk, first: usize, last: usize) -> Chunk {
-    Chunk { first: first as u64 + 1, ..chunk.select(first..last) }
+    Chunk { first: first as u64 + 1, ..chunk.select(&(first..last).collect::<Vec<_>>()) }
 }
 
 /// Verdicts and bits of all outputs, row by row.

@@ -394,12 +394,12 @@ fn resume_looks_at_finished_parts() {
         ),
         (
             "a damaged list",
-            Box::new(|| fs::write(map.join("shards.parquet"), "PAR1").expect("writable")),
+            Box::new(|| fs::write(map.join("parts.parquet"), "PAR1").expect("writable")),
             Healed,
         ),
         (
             "no list",
-            Box::new(|| fs::remove_file(map.join("shards.parquet")).expect("removable")),
+            Box::new(|| fs::remove_file(map.join("parts.parquet")).expect("removable")),
             Healed,
         ),
         (
@@ -464,7 +464,7 @@ fn another_grid_is_not_mixed_in() {
         (args(24, &[]), "map/ holds the parts of another task; continue with --resume"),
         (
             args(24, &["--resume"]),
-            "which differs in: points, rows (80, now 96), rows_per_shard (5, now 6)",
+            "which differs in: points, rows (80, now 96), rows_per_part (5, now 6)",
         ),
         (
             args(20, &["--resume", "--set=density_kg_m3=7000"]),
@@ -513,7 +513,7 @@ fn files_of_others_are_left_alone() {
     let plan = fs::read(dir.path().join("map/plan.json")).expect("a plan");
     let plan: Value = serde_json::from_slice(&plan).expect("JSON");
     let id = plan["sha256"].as_str().expect("its hash")[..12].to_owned();
-    let ours = [format!("part-000003.{id}.AbCd1234"), format!("shards.{id}.AbCd1234")];
+    let ours = [format!("part-000003.{id}.AbCd1234"), format!("parts.{id}.AbCd1234")];
     let others = [
         ".bsm-notes".to_owned(),
         "part-000003.parquet".to_owned(),

@@ -486,7 +486,7 @@ fn resume_leaves_the_files_of_others() {
         expected.sort();
         expected.clone()
     });
-    expected.extend(["data", "plan.json", "shards.parquet", "tmp"].map(str::to_owned));
+    expected.extend(["data", "parts.parquet", "plan.json", "tmp"].map(str::to_owned));
     assert_eq!(names(&parts), expected);
 }
 

@@ -138,7 +138,8 @@ struct Forms<'a> {
 
 impl<'a> Forms<'a> {
     fn of(points: &'a Points, places: &[usize]) -> Self {
-        let rows = |len: usize| points.chunk.select(places.iter().copied().cycle().take(len));
+        let places_of = |len| places.iter().copied().cycle().take(len).collect::<Vec<_>>();
+        let rows = |len: usize| points.chunk.select(&places_of(len));
         Self {
             scenes: places.iter().map(|place| &points.scenes[*place]).collect(),
             chunk: rows(places.len()),

@@ -23,7 +23,7 @@ ROWS = 120
 
 
 def made(folder: Path, **how: object) -> bs.Plan:
-    given = {"vary": VARY, "model": "elastic", "outputs": ["efficiency", "screw_torque_Nm"], "rows_per_shard": 13, **how}
+    given = {"vary": VARY, "model": "elastic", "outputs": ["efficiency", "screw_torque_Nm"], "rows_per_part": 13, **how}
     return bs.plan(folder, bs.Scene.read(EXAMPLES / "feed_drive.json"), **given)  # type: ignore[arg-type]
 
 
@@ -53,16 +53,16 @@ def test_the_bytes_are_those_of_the_program(tmp_path: Path, alone: Path, threads
 
 def test_a_part_is_text_and_numbers(tmp_path: Path, alone: Path) -> None:
     text = (alone / "plan.json").read_text()
-    for shard in reversed(range(10)):
-        told = json.loads(json.dumps(bs.run_shard(text, shard, tmp_path)))
-        assert (told["shard"], told["skipped"]) == (shard, False)
-        assert told["rows"] == (13 if shard < 9 else 3)
-    assert bs.run_shard(text, 3, tmp_path)["skipped"]
+    for number in reversed(range(10)):
+        told = json.loads(json.dumps(bs.run_part(text, number, tmp_path)))
+        assert (told["part"], told["skipped"]) == (number, False)
+        assert told["rows"] == (13 if number < 9 else 3)
+    assert bs.run_part(text, 3, tmp_path)["skipped"]
     plan = bs.Plan.open(tmp_path)
     assert plan.verify(deep=True) == ([], [], [], True, ROWS, 40)
     plan.finish()
     assert files(tmp_path) == files(alone)
-    assert (plan.text, plan.rows, plan.shards, plan.rows_per_shard) == (text, ROWS, 10, 13)
+    assert (plan.text, plan.rows, plan.parts, plan.rows_per_part) == (text, ROWS, 10, 13)
     assert plan.files[9] == "part-000009.parquet"
 
 
@@ -75,17 +75,17 @@ def test_what_is_wrong_is_told(tmp_path: Path) -> None:
     found = plan.verify()
     assert found.missing == [(1, 5), (6, 10)] and not found.complete
     assert "its footer proves nothing" in found.damaged[0][1] and found.foreign[0].endswith("notes.txt")
-    with pytest.raises(bs.ShardError, match="8 of 10 shards are missing"):
+    with pytest.raises(bs.PartError, match="8 of 10 parts are missing"):
         plan.finish()
-    with pytest.raises(bs.ShardError, match="part-000004.parquet"):
+    with pytest.raises(bs.PartError, match="part-000004.parquet"):
         plan.run()
     assert plan.run(repair=True).rows == ROWS
-    with pytest.raises(bs.InputError, match="differs in: rows_per_shard"):
-        made(tmp_path / "map", rows_per_shard=14)
+    with pytest.raises(bs.InputError, match="differs in: rows_per_part"):
+        made(tmp_path / "map", rows_per_part=14)
     with pytest.raises(bs.InputError, match="none of the number 10"):
         plan.run([10])
     with pytest.raises(bs.InputError, match="results"):
-        bs.run_shard(plan.text.replace('"results":', '"results":1'), 0, tmp_path / "other")
+        bs.run_part(plan.text.replace('"results":', '"results":1'), 0, tmp_path / "other")
     with pytest.raises(bs.InputError, match="one of vary, draw and points"):
         made(tmp_path / "x", vary=None)
     # Audit, reliability 3: a plan that was changed made every good part one of another plan.
@@ -95,18 +95,18 @@ def test_what_is_wrong_is_told(tmp_path: Path) -> None:
         bs.Plan.open(tmp_path / "map")
     (tmp_path / "map" / "plan.json").write_text(text)
     shutil.copy(data / plan.files[4], data / "part-000010.parquet")
-    with pytest.raises(bs.ShardError, match=r"part-000010\.parquet the plan has no part of that name"):
+    with pytest.raises(bs.PartError, match=r"part-000010\.parquet the plan has no part of that name"):
         plan.run()
     (data / "part-000010.parquet").unlink()
     other = made(tmp_path / "swapped", model="closed-form")
     other.run()
     shutil.copy(tmp_path / "map" / "plan.json", tmp_path / "swapped")
-    with pytest.raises(bs.ShardError, match="parts of another plan"):
+    with pytest.raises(bs.PartError, match="parts of another plan"):
         bs.Plan.open(tmp_path / "swapped").run(repair=True)
     with pytest.raises(OSError, match="plan.json"):
         bs.Plan.open(tmp_path / "nowhere")
     # What stops a run is what was raised, and what is finished stays.
-    stopped = made(tmp_path / "stopped", vary={"axial_load_N": bs.linspace(500, 9000, 3_000_000)}, rows_per_shard=1_000_000)
+    stopped = made(tmp_path / "stopped", vary={"axial_load_N": bs.linspace(500, 9000, 3_000_000)}, rows_per_part=1_000_000)
     with pytest.raises(RuntimeError, match="enough"):
         stopped.run(progress=lambda done, total: (_ for _ in ()).throw(RuntimeError("enough")))
     assert not list((tmp_path / "stopped" / "tmp").iterdir())
@@ -117,13 +117,13 @@ def test_statistics_without_rows_on_a_disk(tmp_path: Path) -> None:
 
     plan = made(tmp_path / "map")
     text = plan.text
-    frames = [pl.DataFrame(bs.solve_shard(text, shard, threads=2)) for shard in range(plan.shards)]
+    frames = [pl.DataFrame(bs.solve_part(text, number, threads=2)) for number in range(plan.parts)]
     assert not list((tmp_path / "map" / "data").iterdir())
     plan.run()
     rows = pl.read_parquet(tmp_path / "map" / "data")
     assert pl.concat(frames).equals(rows)
     with pytest.raises(bs.InputError, match="none of the number 10"):
-        bs.solve_shard(text, 10)
+        bs.solve_part(text, 10)
     by = "friction_coefficient"
 
     def summed(frame: pl.DataFrame) -> pl.DataFrame:
@@ -180,7 +180,7 @@ def test_workers_that_are_killed(tmp_path: Path) -> None:
     """Dask as the guide has it, whose workers are killed: the bytes of one machine. BSM_FAULTS=20 kills twenty in place of two."""
     dask, distributed = pytest.importorskip("dask"), pytest.importorskip("distributed")
     kills, draws, killed, rounds = int(os.environ.get("BSM_FAULTS", "2")), random.Random(25), 0, 0
-    long: dict[str, Any] = {"vary": {"axial_load_N": bs.linspace(500, 9000, 20_000)}, "model": "traction", "rows_per_shard": 200}
+    long: dict[str, Any] = {"vary": {"axial_load_N": bs.linspace(500, 9000, 20_000)}, "model": "traction", "rows_per_part": 200}
     alone = made(tmp_path / "alone", **long)
     start = time.monotonic()
     alone.run(threads=2)
@@ -197,8 +197,8 @@ def test_workers_that_are_killed(tmp_path: Path) -> None:
                 client.wait_for_workers(1)
                 time.sleep(1)
 
-    def solve(shards: range, folder: Path) -> tuple[int, ...]:
-        return bs.Plan.open(folder).run(shards, threads=1)
+    def solve(parts: range, folder: Path) -> tuple[int, ...]:
+        return bs.Plan.open(folder).run(parts, threads=1)
 
     while killed < kills:
         rounds += 1

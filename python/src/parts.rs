@@ -31,7 +31,7 @@ fn failed(error: DatasetError) -> PyErr {
         DatasetError::Read(error) | DatasetError::Write { error, .. } => errors::table(error),
         DatasetError::Damaged(_)
         | DatasetError::PartsOfAnotherPlan { .. }
-        | DatasetError::PointsChanged { .. } => errors::named("ShardError", &error.to_string()),
+        | DatasetError::PointsChanged { .. } => errors::named("PartError", &error.to_string()),
         other => errors::words(&other.to_string()),
     }
 }
@@ -40,16 +40,16 @@ fn planned(why: String) -> PyErr {
     errors::words(&format!("the plan: {why}"))
 }
 
-/// Shard, first row, rows, failed, several, bytes before the footer, their hash.
+/// Number, first row, rows, failed, several, bytes before the footer, their hash.
 type Told = (u64, u64, u64, u64, u64, u64, String);
 
 fn told(part: &Part) -> Told {
-    let Part { shard, first_row, rows, failed, several, data_bytes, data_sha256 } = part.clone();
-    (shard, first_row, rows, failed, several, data_bytes, data_sha256)
+    let Part { number, first_row, rows, failed, several, data_bytes, data_sha256 } = part.clone();
+    (number, first_row, rows, failed, several, data_bytes, data_sha256)
 }
 
-fn part_of((shard, first_row, rows, failed, several, data_bytes, data_sha256): Told) -> Part {
-    Part { shard, first_row, rows, failed, several, data_bytes, data_sha256 }
+fn part_of((number, first_row, rows, failed, several, data_bytes, data_sha256): Told) -> Part {
+    Part { number, first_row, rows, failed, several, data_bytes, data_sha256 }
 }
 
 /// Parts, missing ranges, what is damaged and why, foreign files.
@@ -75,7 +75,7 @@ impl PyPlan {
         table: Option<(PathBuf, Vec<String>)>,
         how: How,
         outputs: Option<Vec<String>>,
-        rows_per_shard: Option<NonZeroU64>,
+        rows_per_part: Option<NonZeroU64>,
     ) -> PyResult<Self> {
         let (base, settings) = (base.get().0.clone(), how.settings()?);
         let outputs = selected(outputs)?;
@@ -101,7 +101,7 @@ impl PyPlan {
         let plan = watched(py, false, 0, Some(NonZeroUsize::MIN), None, |stop, _| {
             let workers = Workers::start(Some(NonZeroUsize::MIN), stop);
             let workers = workers.map_err(DatasetError::Thread)?;
-            Plan::new(&task, &points, rows_per_shard, &workers)
+            Plan::new(&task, &points, rows_per_part, &workers)
         })?;
         Ok(Self(plan.map_err(failed)?))
     }
@@ -138,13 +138,13 @@ impl PyPlan {
     }
 
     #[getter]
-    fn shards(&self) -> u64 {
-        self.0.shards()
+    fn parts(&self) -> u64 {
+        self.0.parts()
     }
 
     #[getter]
-    fn rows_per_shard(&self) -> u64 {
-        self.0.rows_per_shard()
+    fn rows_per_part(&self) -> u64 {
+        self.0.rows_per_part()
     }
 
     /// Seconds on one core and bytes at most.
@@ -155,13 +155,13 @@ impl PyPlan {
 
     /// Solves parts into a folder, which is begun if it is not, and returns them, and which of them were there.
     ///
-    /// * `shards`: growing numbers; all unless given. * `table`: where the table of the plan is.
+    /// * `numbers`: growing numbers; all unless given. * `table`: where the table of the plan is.
     #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
     fn run(
         &self,
         py: Python<'_>,
         folder: PathBuf,
-        shards: Option<Vec<u64>>,
+        numbers: Option<Vec<u64>>,
         table: Option<PathBuf>,
         repair: bool,
         threads: Option<NonZeroUsize>,
@@ -169,7 +169,7 @@ impl PyPlan {
     ) -> PyResult<(Vec<Told>, Vec<u64>)> {
         let plan = &self.0;
         let task = plan.task().map_err(planned)?;
-        let len = shards.as_ref().map_or(plan.rows(), |s| s.len() as u64 * plan.rows_per_shard());
+        let len = numbers.as_ref().map_or(plan.rows(), |s| s.len() as u64 * plan.rows_per_part());
         let len = usize::try_from(len.min(plan.rows())).unwrap_or(usize::MAX);
         let solve = |stop: &AtomicBool, done: &AtomicU64| {
             let parts = Dataset::resume(&folder, plan.clone(), make)?;
@@ -178,7 +178,7 @@ impl PyPlan {
             let mut there = Vec::new();
             let mut tell = |event: Event<'_>| match event {
                 Event::Found(part) => {
-                    there.push(part.shard);
+                    there.push(part.number);
                     done.fetch_add(part.rows, Ordering::Relaxed);
                 }
                 Event::Solved(chunk, _) => {
@@ -186,9 +186,9 @@ impl PyPlan {
                 }
                 Event::Foreign(_) | Event::Planned(_) => {}
             };
-            let all = shards.is_none();
-            let shards = shards.unwrap_or_else(|| (0..plan.shards()).collect());
-            let found = parts.run_shards(&task, &points, shards, repair, &workers, &mut tell)?;
+            let all = numbers.is_none();
+            let numbers = numbers.unwrap_or_else(|| (0..plan.parts()).collect());
+            let found = parts.run_parts(&task, &points, numbers, repair, &workers, &mut tell)?;
             if all {
                 parts.check_names()?;
             }
@@ -204,7 +204,7 @@ impl PyPlan {
     fn solve(
         &self,
         py: Python<'_>,
-        shard: u64,
+        number: u64,
         table: Option<PathBuf>,
         threads: Option<NonZeroUsize>,
     ) -> PyResult<Arrow> {
@@ -212,7 +212,7 @@ impl PyPlan {
             let workers = Workers::start(threads, stop).map_err(DatasetError::Thread)?;
             let beside = |name: &str| table.unwrap_or_else(|| name.into());
             let points = self.0.points(beside, &workers)?;
-            solve_part(&self.0, &points, shard, &workers)
+            solve_part(&self.0, &points, number, &workers)
         };
         let solved = watched(py, false, 0, Some(NonZeroUsize::MIN), None, solve)?;
         let (schema, batches) = solved.map_err(failed)?;

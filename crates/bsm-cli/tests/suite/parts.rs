@@ -78,7 +78,7 @@ fn a_plan_is_solved_by_anybody_and_verified() {
     let plan = [&sweep(&drive, loads, "map/", "40")[..], &["--plan"]].concat();
     for _ in 0..2 {
         let said = run(0, &plan);
-        assert!(said.contains("shards      10 of 40 rows\n"), "{said}");
+        assert!(said.contains("parts       10 of 40 rows\n"), "{said}");
         assert!(
             said.contains("rows        400\n") && said.contains("core-hours  0.000\n"),
             "{said}"
@@ -87,7 +87,7 @@ fn a_plan_is_solved_by_anybody_and_verified() {
     }
     let other = [&sweep(&drive, loads, "map/", "50")[..], &["--plan"]].concat();
     let said = run(2, &other);
-    assert!(said.contains("differs in: rows_per_shard (40, now 50)"), "{said}");
+    assert!(said.contains("differs in: rows_per_part (40, now 50)"), "{said}");
     assert!(!said.contains("--resume"), "nobody asked for it: {said}");
     assert!(run(2, &sweep(&drive, loads, "map/", "40")).contains("continue with --resume"));
     assert!(run(3, &["parts", "check", "map/"]).contains("missing  0:10\n"));
@@ -98,9 +98,9 @@ fn a_plan_is_solved_by_anybody_and_verified() {
         run(0, &["parts", "run", "map/", "--only", "3:5"]).contains("1 solved, 1 there before")
     );
     let said = run(3, &["parts", "check", "map/"]);
-    assert!(said.starts_with("4 of 10 shards"), "{said}");
+    assert!(said.starts_with("4 of 10 parts"), "{said}");
     assert!(said.contains("missing  0:1\nmissing  2:3\nmissing  5:7\nmissing  8:10\n"), "{said}");
-    assert!(!dir.path().join("map/shards.parquet").exists());
+    assert!(!dir.path().join("map/parts.parquet").exists());
     for (args, words) in [
         (&["--only", "5:11"][..], "the plan has the parts 0:10"),
         (&["--only", "5:5"], "such as 0:100"),
@@ -113,7 +113,7 @@ fn a_plan_is_solved_by_anybody_and_verified() {
     }
     run(0, &["parts", "run", "map/", "--threads", "1"]);
     let said = run(0, &["parts", "check", "map/"]);
-    assert!(said.contains("10 of 10 shards") && said.contains("100 without a result"), "{said}");
+    assert!(said.contains("10 of 10 parts") && said.contains("100 without a result"), "{said}");
     assert!(files(&dir.path().join("map")) == expected, "not the bytes of one run");
     assert!(run(1, &["parts", "check", "nowhere/"]).contains("nowhere/plan.json"));
 }
@@ -262,8 +262,8 @@ struct Tampering {
     does: Box<dyn Fn(&Path)>,
 }
 
-fn name(shard: usize) -> String {
-    format!("data/part-{shard:06}.parquet")
+fn name(number: usize) -> String {
+    format!("data/part-{number:06}.parquet")
 }
 
 /// Sixty kinds; where and with what follows from a seed.
@@ -284,12 +284,12 @@ fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
             ("end of the footer", 1.9, false),
             ("tail", 2.0, false),
         ] {
-            let (shard, bit) = (rng.random_range(0..10), 1_u8 << rng.random_range(0..8));
+            let (number, bit) = (rng.random_range(0..10), 1_u8 << rng.random_range(0..8));
             let place: f64 =
                 begin + if region == "pages" { rng.random_range(0.0..0.6) } else { 0.0 };
             let zeros = round == 1 && region == "pages";
             let change = move |map: &Path| {
-                let path = map.join(name(shard));
+                let path = map.join(name(number));
                 let mut bytes = fs::read(&path).expect("a part");
                 let len = bytes.len();
                 let tail: [u8; 4] = bytes[len - 8..len - 4].try_into().expect("four");
@@ -318,19 +318,19 @@ fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
             };
             let how = if zeros { "512 zeros in" } else { "a bit of" };
             add(
-                format!("{how} the {region} of part {shard}, {round}"),
+                format!("{how} the {region} of part {number}, {round}"),
                 is_hidden,
                 Box::new(change),
             );
         }
     }
     for keep in [0.0, 0.01, 0.5, 0.9, 0.99] {
-        let shard = rng.random_range(0..10);
+        let number = rng.random_range(0..10);
         add(
-            format!("part {shard} cut to {keep}"),
+            format!("part {number} cut to {keep}"),
             false,
             Box::new(move |map| {
-                let path = map.join(name(shard));
+                let path = map.join(name(number));
                 let bytes = fs::read(&path).expect("a part");
                 #[expect(
                     clippy::cast_possible_truncation,
@@ -349,12 +349,12 @@ fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
         ("a byte before", "x", ""),
         ("PAR1 behind", "", "PAR1"),
     ] {
-        let shard = rng.random_range(0..10);
+        let number = rng.random_range(0..10);
         add(
-            format!("{what} part {shard}"),
+            format!("{what} part {number}"),
             false,
             Box::new(move |map| {
-                let path = map.join(name(shard));
+                let path = map.join(name(number));
                 let bytes = fs::read(&path).expect("a part");
                 fs::write(path, [before.as_bytes(), &bytes, after.as_bytes()].concat())
                     .expect("writable");
@@ -362,26 +362,26 @@ fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
         );
     }
     for text in ["", "PAR1", "mine", "PAR1\u{8}\0\0\0PAR1"] {
-        let shard = rng.random_range(0..10);
+        let number = rng.random_range(0..10);
         add(
-            format!("part {shard} is {text:?}"),
+            format!("part {number} is {text:?}"),
             false,
             Box::new(move |map| {
-                fs::write(map.join(name(shard)), text).expect("writable");
+                fs::write(map.join(name(number)), text).expect("writable");
             }),
         );
     }
     for (what, from_other) in [("another plan", true), ("this plan", false)] {
         for _ in 0..2 {
-            let (shard, by) = (rng.random_range(0..10), rng.random_range(1..10));
+            let (number, by) = (rng.random_range(0..10), rng.random_range(1..10));
             let other = other.to_owned();
-            let from = if from_other { shard } else { (shard + by) % 10 };
+            let from = if from_other { number } else { (number + by) % 10 };
             add(
-                format!("part {shard} is part {from} of {what}"),
+                format!("part {number} is part {from} of {what}"),
                 false,
                 Box::new(move |map| {
                     let folder = if from_other { &other } else { map };
-                    fs::copy(folder.join(name(from)), map.join(name(shard))).expect("writable");
+                    fs::copy(folder.join(name(from)), map.join(name(number))).expect("writable");
                 }),
             );
         }
@@ -411,12 +411,12 @@ fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
         }),
     );
     for what in ["a folder", "a link"] {
-        let shard = rng.random_range(0..10);
+        let number = rng.random_range(0..10);
         add(
-            format!("part {shard} is {what}"),
+            format!("part {number} is {what}"),
             false,
             Box::new(move |map| {
-                let (path, away) = (map.join(name(shard)), map.join("../away"));
+                let (path, away) = (map.join(name(number)), map.join("../away"));
                 fs::rename(&path, &away).expect("a part");
                 match what {
                     "a folder" => fs::create_dir(&path).expect("a folder"),
@@ -446,7 +446,7 @@ fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
         (":9000:100", ":9000:200"),
         ("closed-form", "quasi-static"),
         ("\"rows\":100", "\"rows\":200"),
-        ("rows_per_shard\":10", "rows_per_shard\":20"),
+        ("rows_per_part\":10", "rows_per_part\":20"),
         ("}\n", "}"),
         ("{\"format\"", " {\"format\""),
         ("efficiency", "slide_to_roll"),
@@ -477,7 +477,7 @@ fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
             fs::copy(&plan, map.join("plan.json")).expect("writable");
         }),
     );
-    for what in ["shards.parquet", "data", "tmp"] {
+    for what in ["parts.parquet", "data", "tmp"] {
         add(
             format!("{what} removed"),
             false,
@@ -490,14 +490,14 @@ fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
     }
     for bytes in ["", "mine"] {
         add(
-            format!("shards.parquet is {bytes:?}"),
+            format!("parts.parquet is {bytes:?}"),
             false,
             Box::new(move |map| {
-                fs::write(map.join("shards.parquet"), bytes).expect("writable");
+                fs::write(map.join("parts.parquet"), bytes).expect("writable");
             }),
         );
     }
-    for what in ["data", "shards.parquet"] {
+    for what in ["data", "parts.parquet"] {
         add(
             format!("{what} of another kind"),
             false,
@@ -535,8 +535,8 @@ fn tamper(seed: u64, step: usize) -> (usize, usize) {
     let commands: [(&str, &[&str]); 5] = [
         ("verify", &["parts", "check", "map/"]),
         ("verify --deep", &["parts", "check", "map/", "--deep"]),
-        ("shard", &["parts", "run", "map/"]),
-        ("shard --repair", &["parts", "run", "map/", "--repair"]),
+        ("run", &["parts", "run", "map/"]),
+        ("run --repair", &["parts", "run", "map/", "--repair"]),
         ("sweep --resume", &resume),
     ];
     let (mut runs, mut mended) = (0, 0);
@@ -569,7 +569,7 @@ fn tamper(seed: u64, step: usize) -> (usize, usize) {
             let parts = |files: &BTreeMap<PathBuf, Vec<u8>>| {
                 files.clone().into_iter().filter(|(name, _)| is_part(name)).collect::<Vec<_>>()
             };
-            let reads_all = !matches!(command, "verify" | "shard");
+            let reads_all = !matches!(command, "verify" | "run");
             if code == 0 && (!is_hidden || reads_all) {
                 assert!(parts(&after) == parts(&expected), "silent: {at}");
                 assert!(
@@ -599,7 +599,7 @@ fn sixty_kinds_of_tampering_and_five_commands() {
 
 /// SIGTERM and Ctrl-C end at once, and leave nothing unfinished.
 #[test]
-fn a_stopped_shard_leaves_nothing_unfinished() {
+fn a_stopped_part_leaves_nothing_unfinished() {
     let dir = folder();
     let drive = drive();
     let loads = "axial_load_N=500:9000:1000000";
@@ -698,14 +698,14 @@ fn a_million_million_points_are_planned_in_a_moment() {
     let how = ["--model=closed-form", "--columns=efficiency", "-o", "map/", "--plan"];
     let said = told(dir.path(), 0, &[&["sweep", &drive][..], &vary, &how].concat());
     assert!(
-        said.contains("rows        999989186560\nshards      59605 of 16777216 rows\n"),
+        said.contains("rows        999989186560\nparts       59605 of 16777216 rows\n"),
         "{said}"
     );
     assert!(said.contains("solves parts of this plan in memory"), "{said}");
     let said = told(dir.path(), 0, &["parts", "run", "map/", "--only=59604:59605"]);
     assert!(said.contains("1 solved, 0 there before"), "{said}");
     let said = told(dir.path(), 3, &["parts", "check", "map/", "--deep"]);
-    assert!(said.starts_with("1 of 59605 shards") && said.contains("missing  0:59604\n"), "{said}");
+    assert!(said.starts_with("1 of 59605 parts") && said.contains("missing  0:59604\n"), "{said}");
     assert!(said.contains("4096 of 999989186560 rows"), "{said}");
     // It takes 0.1 s; the rest is for a machine that does other things.
     assert!(begin.elapsed() < Duration::from_secs(10), "{:?}", begin.elapsed());
@@ -800,21 +800,21 @@ fn the_guide_has_the_table_of_the_plans() {
                 let line = said.lines().find_map(|line| line.strip_prefix(name));
                 line.unwrap_or_else(|| panic!("{name}: {said}")).trim().to_owned()
             };
-            let parts = line("shards");
-            let (shards, _) = parts.split_once(" of ").expect("shards");
-            let count: u64 = shards.parse().expect("a number");
+            let parts = line("parts");
+            let (number, _) = parts.split_once(" of ").expect("parts");
+            let count: u64 = number.parse().expect("a number");
             let hours: f64 = line("core-hours").parse().expect("a number");
             let size = line("size");
-            let part = |shard| Part {
-                shard,
-                first_row: shard << 20,
+            let part = |number| Part {
+                number,
+                first_row: number << 20,
                 rows: 1 << 20,
                 failed: 0,
                 several: 0,
                 data_bytes: 8 << 20,
-                data_sha256: format!("{shard:064x}"),
+                data_sha256: format!("{number:064x}"),
             };
-            let list = list_parts(&(0..count).map(|shard| (shard, part(shard))).collect());
+            let list = list_parts(&(0..count).map(|number| (number, part(number))).collect());
             let list = list.expect("memory").len();
             #[expect(clippy::cast_precision_loss, reason = "some ten thousand")]
             let list = list as f64 / 1e6;

@@ -9,19 +9,19 @@ from typing import Any, NamedTuple, TypedDict, Unpack
 
 from ballscrew import _core
 from ballscrew._api import Linspace, Progress, Scene, Solver, _axes, _how, _list, _outputs, _scene, _shown
-from ballscrew._errors import InputError, ShardError
+from ballscrew._errors import InputError, PartError
 from ballscrew._vocabulary import Output
 
 __all__ = [
     "Estimate",
     "Plan",
-    "Shard",
+    "SolvedPart",
     "Summary",
     "Verification",
     "normal",
     "plan",
-    "run_shard",
-    "solve_shard",
+    "run_part",
+    "solve_part",
     "uniform",
 ]
 
@@ -50,10 +50,10 @@ def normal(mean: float, deviation: float) -> Normal:
     return Normal(mean, deviation)
 
 
-class Shard(TypedDict):
+class SolvedPart(TypedDict):
     """A finished part: plain numbers and a text, for any runner."""
 
-    shard: int
+    part: int
     rows: int
     failed: int
     bytes: int
@@ -66,7 +66,7 @@ class Summary(NamedTuple):
 
     Attributes
     ----------
-    shards : int
+    parts : int
         Parts that are there now, of those that were asked for.
     skipped : int
         Those that were there before.
@@ -74,7 +74,7 @@ class Summary(NamedTuple):
         Their rows, and how many of them have no result.
     """
 
-    shards: int
+    parts: int
     skipped: int
     rows: int
     failed: int
@@ -146,19 +146,19 @@ class Plan:
         return self._core.rows
 
     @property
-    def shards(self) -> int:
+    def parts(self) -> int:
         """Number of parts."""
-        return self._core.shards
+        return self._core.parts
 
     @property
-    def rows_per_shard(self) -> int:
+    def rows_per_part(self) -> int:
         """Rows of a part; the last may have fewer."""
-        return self._core.rows_per_shard
+        return self._core.rows_per_part
 
     @property
     def files(self) -> list[str]:
         """Names of the files of all parts, in `data/` of the folder."""
-        return [f"part-{shard:06}.parquet" for shard in range(self.shards)]
+        return [f"part-{part:06}.parquet" for part in range(self.parts)]
 
     def estimate(self) -> Estimate:
         """Core-hours and bytes to expect: nominal times where the balls grip, sizes at most."""
@@ -167,7 +167,7 @@ class Plan:
 
     def run(
         self,
-        shards: Iterable[int] | None = None,
+        parts: Iterable[int] | None = None,
         *,
         repair: bool = False,
         threads: int | None = None,
@@ -177,7 +177,7 @@ class Plan:
 
         Parameters
         ----------
-        shards : iterable of int, optional
+        parts : iterable of int, optional
             Numbers of parts; all of them unless given, and then the folder is finished too.
         repair : bool
             Read all bytes of the parts that are there, and solve those again that are not as they were written.
@@ -186,11 +186,11 @@ class Plan:
         progress : bool or callable, optional
             As in `solve_many`.
         """
-        which = sorted(set(shards)) if shards is not None else None
-        parts, there = self._core.run(self.folder, which, self.points, repair, threads, _shown(progress))
+        which = sorted(set(parts)) if parts is not None else None
+        solved, there = self._core.run(self.folder, which, self.points, repair, threads, _shown(progress))
         if which is None:
-            self._core.finish(self.folder, parts)
-        return Summary(len(parts), len(there), sum(part[2] for part in parts), sum(part[3] for part in parts))
+            self._core.finish(self.folder, solved)
+        return Summary(len(solved), len(there), sum(part[2] for part in solved), sum(part[3] for part in solved))
 
     def verify(self, deep: bool = False) -> Verification:
         """Say which parts are there, missing, damaged; read all of their bytes if `deep`, else their footers."""
@@ -203,22 +203,22 @@ class Plan:
         return parts, Verification(missing, *told, not missing and not damaged, rows, failed)
 
     def finish(self) -> None:
-        """Write `shards.parquet`, and remove what killed runs have left.
+        """Write `parts.parquet`, and remove what killed runs have left.
 
         Raises
         ------
-        ShardError
+        PartError
             If a part is missing or damaged.
         """
         parts, found = self._survey(False)
         if not found.complete:
             count = sum(stop - start for start, stop in found.missing)
-            words = [f"{count} of {self.shards} shards are missing"] if count else []
-            raise ShardError("; ".join(words + [f"{path} {why}" for path, why in found.damaged[:3]]))
+            words = [f"{count} of {self.parts} parts are missing"] if count else []
+            raise PartError("; ".join(words + [f"{path} {why}" for path, why in found.damaged[:3]]))
         self._core.finish(self.folder, parts)
 
     def __repr__(self) -> str:
-        return f"Plan({str(self.folder)!r}: {self.rows:,} rows in {self.shards:,} shards, {self.id[:12]})"
+        return f"Plan({str(self.folder)!r}: {self.rows:,} rows in {self.parts:,} parts, {self.id[:12]})"
 
 
 def plan(
@@ -233,7 +233,7 @@ def plan(
     points: str | os.PathLike[str] | None = None,
     keep: Sequence[str] = (),
     outputs: Sequence[Output] | None = None,
-    rows_per_shard: int | None = None,
+    rows_per_part: int | None = None,
     **solver: Unpack[Solver],
 ) -> Plan:
     """Plan a folder, or go on with one of the same plan.
@@ -251,7 +251,7 @@ def plan(
         Further columns of the table to carry through.
     outputs, **solver
         As in `solve_many`.
-    rows_per_shard : int, optional
+    rows_per_part : int, optional
         Rows of a part; chosen from rows and model unless given.
 
     Raises
@@ -267,7 +267,7 @@ def plan(
     ...     plan = bs.plan(folder, screw, vary={"friction_coefficient": bs.linspace(0.02, 0.1, 1000)},
     ...                    model="closed-form", outputs=["efficiency"])
     ...     plan.run(), plan.verify().complete
-    (Summary(shards=1, skipped=0, rows=1000, failed=0), True)
+    (Summary(parts=1, skipped=0, rows=1000, failed=0), True)
     """
     if sum(given is not None for given in (vary, draw, points)) != 1:
         raise InputError("points of a plan come from one of vary, draw and points")
@@ -288,27 +288,27 @@ def plan(
         (table, _list("keep", keep)) if table is not None else None,
         _how(solver),
         _outputs(outputs),
-        rows_per_shard,
+        rows_per_part,
     )
     core.begin(Path(folder))
     return Plan(core, Path(folder), table)
 
 
-def run_shard(
+def run_part(
     text: str,
-    shard: int,
+    number: int,
     folder: str | os.PathLike[str],
     *,
     points: str | os.PathLike[str] | None = None,
     threads: int = 1,
-) -> Shard:
+) -> SolvedPart:
     """Solve one part of a plan: the one function for every runner, such as Ray, joblib or Airflow.
 
     Parameters
     ----------
     text : str
         `Plan.text`.
-    shard : int
+    number : int
         Number of the part.
     folder : path
         Where parts go; it is begun if it is not there.
@@ -319,14 +319,14 @@ def run_shard(
     """
     core = _core.Plan.from_text(text)
     table = Path(points) if points is not None else None
-    parts, there = core.run(Path(folder), [shard], table, False, threads, None)
+    parts, there = core.run(Path(folder), [part], table, False, threads, None)
     _, _, rows, failed, _, size, sha256 = parts[0]
-    return Shard(shard=shard, rows=rows, failed=failed, bytes=size, data_sha256=sha256, skipped=bool(there))
+    return SolvedPart(part=part, rows=rows, failed=failed, bytes=size, data_sha256=sha256, skipped=bool(there))
 
 
-def solve_shard(
+def solve_part(
     text: str,
-    shard: int,
+    number: int,
     *,
     points: str | os.PathLike[str] | None = None,
     threads: int = 1,
@@ -337,7 +337,7 @@ def solve_shard(
     ----------
     text : str
         `Plan.text`.
-    shard : int
+    number : int
         Number of the part.
     points : path, optional
         Where the table of points is, if the plan has one.
@@ -356,7 +356,7 @@ def solve_shard(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     plan = bs.plan(folder, bs.Scene(lead_angle_deg=5, contact_angle_deg=45), model="closed-form",
     ...                    vary={"friction_coefficient": bs.linspace(0.02, 0.1, 1000)}, outputs=["efficiency"])
-    >>> pl.DataFrame(bs.solve_shard(plan.text, 0))["efficiency"].max() > 0.9
+    >>> pl.DataFrame(bs.solve_part(plan.text, 0))["efficiency"].max() > 0.9
     True
     """
-    return _core.Plan.from_text(text).solve(shard, Path(points) if points is not None else None, threads)
+    return _core.Plan.from_text(text).solve(part, Path(points) if points is not None else None, threads)
