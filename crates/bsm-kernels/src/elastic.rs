@@ -64,8 +64,9 @@ pub(super) struct Skid<S: Simd> {
     pub(super) tilt: (Lane<S>, Lane<S>),
     pub(super) steps: Lane<S>,
     residual: Lane<S>,
-    /// Where it is the first root on the curve.
-    pub(super) found: Mask<S>,
+    /// Where it is a root, and where it is the first one on the curve.
+    pub(super) steady: Mask<S>,
+    found: Mask<S>,
 }
 
 /// Rotation relative to the nut over `$W$`, in the triad of the mean normal.
@@ -138,11 +139,10 @@ impl<S: Simd> Skid<S> {
         let left = (sign.select(backwards, forwards) / node.motion.drive).abs();
         // What the logarithm of q has no finer digits than.
         let digit = node.place[0].abs().max(one) * (4.0 * f64::EPSILON);
-        let found = node.found
-            & node.is_straight_from(&level, &scale)
+        let steady = node.found
             & node.state.is_admissible(&node.motion)
-            & node.state.along.lt(one * MOST_LOAD)
-            & left.le(digit);
+            & node.state.along.lt(one * MOST_LOAD);
+        let found = steady & node.is_straight_from(&level, &scale) & left.le(digit);
         let size = (node.state.centrifugal / pair.inertia_ratio).sqrt();
         let (sin, cos) = node.state.turn;
         let half = ((cos + 1.0) * 0.5).sqrt();
@@ -154,6 +154,7 @@ impl<S: Simd> Skid<S> {
             tilt: (sin * 0.5 / half, half),
             steps: level.steps + node.steps,
             residual: node.left.max(left),
+            steady,
             found,
         }
     }

@@ -63,11 +63,12 @@ impl Node {
 /// A steady motion on the curve: its state, and the sign of `$P/W$`.
 type Root = (Node, f64);
 
-/// Unknowns of the first root on the curve, and Newton steps.
-pub(super) fn first_root(pair: &ElasticBall) -> Result<([f64; BALL], usize), Unsolved> {
+/// Unknowns of the first root on the curve, or of any that serves as a start, and Newton steps.
+pub(super) fn root(pair: &ElasticBall, any: bool) -> Result<([f64; BALL], usize), Unsolved> {
     let mut curve = Curve { forces: Forces::new(pair), steps: 0 };
     let begin = curve.begin()?;
-    let (root, sign) = match curve.straight(&begin) {
+    let near = if any { curve.steady(&begin) } else { curve.straight(&begin) };
+    let (root, sign) = match near {
         Some(root) => root,
         None => curve.search(begin)?,
     };
@@ -133,25 +134,27 @@ impl Curve<'_> {
         Ok(Begin { level, root })
     }
 
-    /// The first root, if it is where the curve is straight: up to there the inertia (S27) has only
-    /// risen, so that no other root is before it.
-    fn straight(&mut self, begin: &Begin) -> Option<Root> {
-        let Begin { level, root } = begin;
+    /// The root that Newton finds from where the curve begins, if it slides against friction on its flanks.
+    fn steady(&mut self, Begin { level, root }: &Begin) -> Option<Root> {
         let rise = UP * (root - Elastic::NO_INERTIA);
         let scale = self.scale(level);
         let (place, state) = self.forces.steady(level.place() + rise, &scale, &mut self.steps)?;
         let node = self.at(place, state);
         let sign = (level.motion.drive * level.motion.inertia).signum();
-        let is_first = node.is_straight_from(
-            level,
-            place[0] - Elastic::NO_INERTIA,
-            Elastic::RISES,
-            &self.forces,
-        );
+        node.is_admissible().then_some((node, sign))
+    }
+
+    /// The first root, if it is where the curve is straight: up to there the inertia (S27) has only
+    /// risen, so that no other root is before it.
+    fn straight(&mut self, begin: &Begin) -> Option<Root> {
+        let (level, (node, sign)) = (&begin.level, self.steady(begin)?);
+        let log = node.z[0];
+        let is_first =
+            node.is_straight_from(level, log - Elastic::NO_INERTIA, Elastic::RISES, &self.forces);
         // Where rounding decides, the search does its best.
         let left = self.forces.excess(&node.state, &node.motion)[usize::from(sign < 0.0)].abs();
-        let is_exact = left <= digit(place[0]) * node.motion.drive.abs();
-        (is_first && is_exact && node.is_admissible()).then_some((node, sign))
+        let is_exact = left <= digit(log) * node.motion.drive.abs();
+        (is_first && is_exact).then_some((node, sign))
     }
 
     /// The first root along the whole curve, or why there is none.
