@@ -13,7 +13,7 @@ use bsm_kin::{BallFrame, Motion, Over, Scalar};
 use bsm_newton::{EvalError, Options, Report, Scales, solve};
 use nalgebra::Vector3;
 
-use self::curve::first_root;
+use self::curve::root;
 pub use self::states::{SlidingBall, SlidingMotion, SlidingState};
 use self::steady::rotation;
 pub use self::steady::{SlidingRoot, SlidingRotation};
@@ -145,6 +145,13 @@ impl Skid {
         self.steps
     }
 
+    /// A root on the curve of all states of force that serves as a start, mostly the first one.
+    pub(crate) fn start(pair: &ElasticBall) -> Result<Self, Unsolved> {
+        let (y, steps) = root(pair, true)?;
+        let state = Saturated(pair).state(&y).map_err(refused)?;
+        Ok(Self { state, steps, residual: f64::NAN })
+    }
+
     /// The first root on the curve of all states of force.
     pub(crate) fn of(pair: &ElasticBall, newton: &mut Workspace) -> Result<Self, Unsolved> {
         let (y, steps, residual) = find(pair, newton)?;
@@ -158,7 +165,7 @@ type Found = ([f64; BALL], usize, f64);
 
 /// The first root on the curve of all states of force, as (S1) has it.
 fn find(pair: &ElasticBall, newton: &mut Workspace) -> Result<Found, Unsolved> {
-    let (mut y, steps) = first_root(pair)?;
+    let (mut y, steps) = root(pair, false)?;
     let report = run(pair, &mut y, newton);
     if report.converged() {
         return Ok((y, steps + report.steps.len(), report.residual));

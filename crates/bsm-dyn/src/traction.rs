@@ -9,12 +9,13 @@ mod path;
 mod root;
 mod scatter;
 mod sensitivities;
+mod slips;
 
 use std::array::from_fn;
 use std::cell::OnceCell;
 
 use bsm_kin::{Helix, Motion, Scalar};
-use bsm_newton::{EvalError, Options, Report, Scales, solve};
+use bsm_newton::{EvalError, JacobianUpdate, Options, Report, Scales, solve};
 use bsm_simd::Block;
 
 use self::columns::{Evaluated, Transmitted, Watched, lever, sizes};
@@ -52,8 +53,8 @@ const FINER: [f64; 2] = [1e-6, Traction::ACCURACY];
 /// Nut speed over the relative speed from which the unknown of the precession leaves it out.
 pub const FAST_NUT: f64 = 2.0;
 
-/// A solve may take this many steps.
-const MOST_STEPS: usize = 20;
+/// A solve may take this many steps and halvings of a step; the second ones where others follow that may do better.
+const LIMITS: [(usize, u32); 2] = [(20, 20), (12, 6)];
 
 /// Inputs of the traction model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,6 +96,8 @@ struct Rolling<'a, P = f64> {
     at_nut: bool,
     /// What friction comes from, unless it has one coefficient.
     lubrication: Option<Lubrication<'a, P>>,
+    /// Solves that do not converge soon are given up.
+    brief: bool,
 }
 
 /// Friction by a lubricant.
@@ -217,8 +220,8 @@ impl<P: Scalar> Rolling<'_, P> {
 impl<'a> Rolling<'a> {
     /// In the unknowns (T1).
     fn of_pair(pair: &'a ElasticBall, quadrature: &'a Quadrature, creep: f64) -> Self {
-        let (plans, lubrication) = (None, None);
-        Self { pair, quadrature, plans, creep, enough: 1e-12, at_nut: false, lubrication }
+        let (plans, lubrication, at_nut, brief) = (None, None, false, false);
+        Self { pair, quadrature, plans, creep, enough: 1e-12, at_nut, lubrication, brief }
     }
 }
 
@@ -229,8 +232,8 @@ impl<'a> Rolling<'a> {
         pair: &'a ElasticBall<P>,
         lubrication: Option<Lubrication<'a, P>>,
     ) -> Rolling<'a, P> {
-        let Self { quadrature, plans, creep, enough, at_nut, .. } = *self;
-        Rolling { pair, quadrature, plans, creep, enough, at_nut, lubrication }
+        let Self { quadrature, plans, creep, enough, at_nut, brief, .. } = *self;
+        Rolling { pair, quadrature, plans, creep, enough, at_nut, lubrication, brief }
     }
 }
 
@@ -247,15 +250,16 @@ impl Rolling<'_> {
         efficiency: f64,
         newton: &mut Workspace,
     ) -> f64 {
-        let other = found.map_or(f64::NAN, |found| {
+        let other = found.and_then(|found| {
             // y' = y − J⁻¹ F'(y)                                          (T24)
-            let step = newton.correction(&found.left);
+            let step = newton.correction(&found.left).ok()?;
             let further = step.iter().zip(slope).map(|(x, slope)| x * slope).sum::<f64>();
             let torque = found.transmitted.torque + further;
             let Helix { radius, lead_angle } = self.pair.helix;
             let ideal = ideal_torque(1.0, radius, lead_angle.tan());
-            crate::balance::efficiency(self.pair.direction.is_back(), ideal, torque)
+            Some(crate::balance::efficiency(self.pair.direction.is_back(), ideal, torque))
         });
+        let other = other.unwrap_or(f64::NAN);
         let error = quadrature_error(other - efficiency, accuracy);
         if error.is_finite() { error } else { (1.0 - efficiency).abs() }
     }
@@ -310,13 +314,23 @@ impl Rolling<'_> {
 }
 
 impl<P> Rolling<'_, P> {
+    /// What a solve aims at. Where friction hardly depends on a slip the state of a first try is far less exact than its
+    /// residual, and so is the Jacobian there, of which the error is told.
+    fn goal(&self) -> f64 {
+        if self.enough.total_cmp(&NEAR).is_eq() { 0.1 * NEAR } else { self.enough }
+    }
+
     /// Of a Newton solve.
     fn options(&self) -> Options {
+        let (max_steps, max_halvings) = LIMITS[usize::from(self.brief)];
+        let by_jets = self.lubrication.as_ref().is_some_and(|lubrication| lubrication.complete);
+        let chord_below = if by_jets { 0.0 } else { self.enough.sqrt().max(KEEP) };
         Options {
             residual_tol: self.enough.max(1e-10),
-            residual_goal: self.enough,
-            max_steps: MOST_STEPS,
-            slopes_at_trials: true,
+            residual_goal: self.goal(),
+            max_steps,
+            max_halvings,
+            jacobian: JacobianUpdate::EveryTrial { chord_below },
             ..Options::default()
         }
     }
@@ -326,10 +340,7 @@ impl Watched<'_> {
     fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
         let weights = self.ball.weights(y);
         let scales = Scales { x: &[1.0; BALL], f: &weights };
-        let by_jets = self.ball.lubrication.is_some_and(|lubrication| lubrication.complete);
-        let keep_below = if by_jets { 0.0 } else { self.ball.enough.sqrt().max(KEEP) };
-        let options = Options { keep_below, ..self.ball.options() };
-        solve(self, y, &scales, &options, newton)
+        solve(self, y, &scales, &self.ball.options(), newton)
     }
 }
 

@@ -76,7 +76,8 @@ impl<S: Simd> NullaryFnOnce for Skid<'_, S> {
             & takes(friction.abs(), pair.inertia_ratio)
             & pair.nut_speed.abs().lt(pair.constant(MOST_NUT_SPEED));
         let root = ball.first_root(pair.cos_b / pair.sin_b, expected);
-        SlidingRoot { found: root.found & root.state.along.lt(pair.constant(MOST_LOAD)), ..root }
+        let sure = root.state.along.lt(pair.constant(MOST_LOAD));
+        SlidingRoot { steady: root.steady & sure, found: root.found & sure, ..root }
     }
 }
 

@@ -157,7 +157,7 @@ fn transmit<S: Simd>(
     (at_nut & at_screw & finite, friction)
 }
 
-/// Stores skid number and onset number where they have a meaning, and returns the skid number.
+/// Stores skid number and onset number where they have a meaning, and returns the latter.
 #[inline(always)]
 pub(super) fn regime<S: Simd>(
     out: &mut Out<'_, '_>,
@@ -178,5 +178,5 @@ pub(super) fn regime<S: Simd>(
         let finite = x.lt(x.constant(f64::INFINITY));
         out.set(key, finite.select(x, x.constant(f64::NAN)));
     }
-    skid
+    onset
 }

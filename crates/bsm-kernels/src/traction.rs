@@ -174,7 +174,7 @@ fn start<S: Simd>(
     let grip = given.simd.vectorize(Balanced { pair, control: None });
     let mut found = grip.found & takes(friction, pair.inertia_ratio);
     let motion = Motion::of(pair, &grip);
-    let skid_number = regime(out, friction, (units, pair), (&grip, &motion));
+    let onset = regime(out, friction, (units, pair), (&grip, &motion));
     let [a, b] = &grip.sides;
     let mut loads = [a.load, b.load];
     // sin 2ν = sin(β_B − β_A)
@@ -183,10 +183,10 @@ fn start<S: Simd>(
     let mut p = motion.p;
     // Along t, n and b.
     let mut omega = [pair.sin_a * 0.5, motion.omega[0], motion.omega[1]];
-    let skids = skid_number.gt(one * SKIDS);
+    let skids = onset.gt(one * SKIDS) & onset.lt(one.constant(f64::INFINITY));
     if (found & skids).any() {
         let skid = given.simd.vectorize(Skid { pair, friction: point.friction });
-        found = found & (skid.found | !skids);
+        found = found & (skid.steady | !skids);
         let [q_a, q_b] = skid.state.loads;
         loads = [skids.select(q_a, loads[0]), skids.select(q_b, loads[1])];
         let (s, c) = skid.tilt;

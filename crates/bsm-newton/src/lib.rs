@@ -10,7 +10,7 @@
 //! separate types. Nothing is printed, nothing is allocated inside an iteration, and every outcome
 //! is data. The crate is the only one that names faer.
 //!
-//! Theory: `docs/theory/05-newton.md`, (N1) to (N14).
+//! Theory: `docs/theory/05-newton.md`, (N1) to (N15).
 
 mod bracket;
 mod continuation;
@@ -28,7 +28,7 @@ pub use continuation::{Continuation, follow};
 pub use error::{DimensionError, EvalError, NotConverged, Singular};
 pub use implicit::implicit_slopes;
 pub use linear::{Block, Bordered, Dense, DynamicDense, LinearSolver};
-pub use options::{Options, Scales};
+pub use options::{JacobianUpdate, Options, Scales};
 pub use path::{Crossing, End, Family, Resolution, Seed, Stride, Trace, path_direction, trace};
 pub use report::{Report, Status, Step};
 pub use solve::{Workspace, solve, solve_system};

@@ -16,12 +16,21 @@ pub struct Options {
     pub max_halvings: u32,
     /// Newton steps before giving up. Default `50`.
     pub max_steps: usize,
-    /// Evaluate the Jacobian with the residual at every trial, for models whose trials are hardly ever
-    /// rejected, and which compute both at once. Default `false`: after a trial is accepted.
-    pub slopes_at_trials: bool,
-    /// With `slopes_at_trials`: a trial from a residual below this has no Jacobian of its own, and the steps
-    /// from there keep the last one as long as each lowers the residual to a tenth. Default `0`.
-    pub keep_below: f64,
+    /// When the Jacobian is evaluated. Default [`JacobianUpdate::EveryStep`].
+    pub jacobian: JacobianUpdate,
+}
+
+/// When the Jacobian is evaluated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum JacobianUpdate {
+    /// At every accepted point: Newton's method.
+    EveryStep,
+    /// With the residual at every trial, for models whose trials are hardly ever rejected, and which compute both at once.
+    EveryTrial {
+        /// From a residual below this on, trials have no Jacobian of their own, and the steps keep the last factors as
+        /// long as each lowers the residual to a tenth: the chord method. Zero: never.
+        chord_below: f64,
+    },
 }
 
 impl Default for Options {
@@ -33,8 +42,7 @@ impl Default for Options {
             armijo: 1e-4,
             max_halvings: 20,
             max_steps: 50,
-            slopes_at_trials: false,
-            keep_below: 0.0,
+            jacobian: JacobianUpdate::EveryStep,
         }
     }
 }

@@ -165,7 +165,8 @@ pub struct Trace<const M: usize> {
     pub steps: usize,
 }
 
-/// Least cosine between the directions at both ends of a step: no step goes to another curve.
+/// Least cosine between the directions at both ends of a step, and between the step and its tangent: no step goes to
+/// another curve.
 const STRAIGHT: f64 = 0.9;
 
 /// Room for what an event is besides a cubic, in parts of its slopes.
@@ -361,7 +362,9 @@ where
         let (z, steps) = self.corrected(&foot, &at.direction, &at.sizes).ok()?;
         let next = self.node(&z, &at.direction, sense).ok()?;
         let arriving = unit(&next.direction, &at.sizes);
-        let straight = dot(&arriving, &normal(&at.direction, &at.sizes)) > STRAIGHT;
+        // A step far off its tangent may end on another curve, whatever the direction of that.
+        let straight = dot(&arriving, &normal(&at.direction, &at.sizes)) > STRAIGHT
+            && length > STRAIGHT * distance(&at.z, &z, &at.sizes);
         straight.then_some((next, steps <= EASY))
     }
 

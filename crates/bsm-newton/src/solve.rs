@@ -2,8 +2,8 @@
 
 use crate::system::{Square, VectorOf};
 use crate::{
-    Dense, DimensionError, Equations, EvalError, LinearSolver, Options, Report, Scales, Singular,
-    Status, Step, System,
+    Dense, DimensionError, Equations, EvalError, JacobianUpdate, LinearSolver, Options, Report,
+    Scales, Singular, Status, Step, System,
 };
 
 /// Memory of a solve, reused by the next one; nothing is allocated per step.
@@ -15,7 +15,7 @@ pub struct Workspace<L: LinearSolver> {
     /// Weights of the equations of the last solve.
     d_f: L::Vector,
     pub(crate) linear: L,
-    held: Held,
+    matrix: Matrix,
 }
 
 impl<L: LinearSolver> Workspace<L> {
@@ -23,29 +23,45 @@ impl<L: LinearSolver> Workspace<L> {
     pub fn new(linear: L) -> Self {
         let zeros = || linear.zeros();
         let (r, dx, x_trial, d_f) = (zeros(), zeros(), zeros(), zeros());
-        Self { r, dx, x_trial, d_f, linear, held: Held::Nothing }
+        Self { r, dx, x_trial, d_f, linear, matrix: Matrix::Stale }
     }
 
     /// Factors of the Jacobian with the weights of the solve.
     fn factorize(&mut self) -> Result<(), Singular> {
         self.linear.scale_rows(&self.d_f);
-        self.held = Held::Factors;
-        self.linear.factorize()
+        self.matrix = Matrix::Stale;
+        self.linear.factorize()?;
+        self.matrix = Matrix::Factors;
+        Ok(())
     }
 
     /// The step `$-J^{-1} r$` of another residual, with the Jacobian as the last solve left it.
-    pub fn correction(&mut self, residual: &L::Vector) -> L::Vector {
-        if self.held == Held::Jacobian {
-            // A correction without factors is no number.
-            let _ = self.factorize();
+    ///
+    /// # Errors
+    ///
+    /// [`Singular`] if that could not be factorized.
+    pub fn correction(&mut self, residual: &L::Vector) -> Result<L::Vector, Singular> {
+        match self.matrix {
+            Matrix::Stale => return Err(Singular { pivot: 0 }),
+            Matrix::Jacobian => self.factorize()?,
+            Matrix::Factors => {}
         }
         let mut step = residual.clone();
         for (step, d) in step.as_mut().iter_mut().zip(self.d_f.as_ref()) {
             *step *= -d;
         }
         self.linear.solve(&mut step);
-        step
+        Ok(step)
     }
+}
+
+/// What the matrix of a solve holds: nothing of use, the Jacobian of the last point, or the factors of this or an
+/// earlier one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Matrix {
+    Stale,
+    Jacobian,
+    Factors,
 }
 
 impl<const N: usize> Default for Workspace<Dense<N>> {
@@ -139,81 +155,65 @@ fn iterate<S: System + ?Sized>(
     work: &mut Workspace<S::Jacobian>,
     report: &mut Report,
 ) -> Status {
-    let joint = options.slopes_at_trials;
-    work.held = Held::Nothing;
-    let first = evaluate(system, x, joint, (&mut work.r, &mut work.linear), report);
-    if let Err(refusal) = first {
+    let joint = options.jacobian != JacobianUpdate::EveryStep;
+    work.matrix = Matrix::Stale;
+    work.d_f.as_mut().copy_from_slice(scales.f.as_ref());
+    let into = (&mut work.r, &mut work.linear, &mut work.matrix);
+    if let Err(refusal) = evaluate(system, x, joint, into, report) {
         report.refusal = Some(refusal);
         return Status::ModelRefused;
     }
-    work.d_f.as_mut().copy_from_slice(scales.f.as_ref());
-    let (d_x, d_f) = (scales.x.as_ref(), scales.f.as_ref());
-    if joint {
-        work.held = Held::Jacobian;
-    }
     loop {
-        // ‖D_F F(x_k)‖₂ ≤ residual_tol                                    (N1)
-        (report.residual, report.worst_equation) = scaled_norm(work.r.as_ref(), d_f);
-        if !report.residual.is_finite() {
-            return Status::NotFinite;
+        (report.residual, report.worst_equation) = scaled_norm(work.r.as_ref(), scales.f.as_ref());
+        let convergence = Convergence::of(report, options);
+        if let Convergence::Ended(status) = convergence {
+            return status;
         }
-        let solved = report.residual <= options.residual_tol;
-        // ‖D_F F(x_k)‖₂ ≤ residual_goal, or the last step no longer halved it  (N2)
-        let refined = report.residual <= options.residual_goal
-            || report.steps.last().is_some_and(|s| report.residual > 0.5 * s.residual);
-        let exhausted = report.steps.len() == options.max_steps;
-        if solved && (refined || exhausted) {
-            return Status::Converged;
-        }
-        if exhausted {
-            return Status::MaxSteps;
-        }
+        let is_solved = convergence == Convergence::Refinable;
+        let ended = |status| if is_solved { Status::Converged } else { status };
 
-        let ended = |status| if solved { Status::Converged } else { status };
-        // ‖D_F F(x_k)‖₂ ≤ ‖D_F F(x_{k−1})‖₂/10 by the factors of an earlier point
-        let keeps = work.held == Held::Factors
-            && report.steps.last().is_some_and(|s| report.residual <= 0.1 * s.residual);
-        if !keeps {
-            if work.held != Held::Jacobian {
-                report.n_jacobian += 1;
-                if let Err(refusal) = system.linearize(x, &mut work.r, &mut work.linear) {
+        let is_chord = joint && work.matrix == Matrix::Factors && report.is_quick();
+        if !is_chord {
+            if work.matrix != Matrix::Jacobian {
+                let into = (&mut work.r, &mut work.linear, &mut work.matrix);
+                if let Err(refusal) = evaluate(system, x, true, into, report) {
                     report.refusal = Some(refusal);
                     return ended(Status::ModelRefused);
                 }
             }
-            // D_F J(x_k) δx_k = −D_F F(x_k)
             if work.factorize().is_err() {
                 return ended(Status::SingularJacobian);
             }
         }
-        for ((dx, r), d) in work.dx.as_mut().iter_mut().zip(work.r.as_ref()).zip(d_f) {
+        // D_F J(x_k) δx_k = −D_F F(x_k)
+        for ((dx, r), d) in work.dx.as_mut().iter_mut().zip(work.r.as_ref()).zip(scales.f.as_ref())
+        {
             *dx = -r * d;
         }
         work.linear.solve(&mut work.dx);
-        let dx = work.dx.as_ref();
-        if !dx.iter().all(|dx| dx.is_finite()) {
+        if !work.dx.as_ref().iter().all(|dx| dx.is_finite()) {
             return ended(Status::SingularJacobian);
         }
-
         // ‖D_x δx_k‖∞ < step_tol                                          (N3)
-        let step = dx.iter().zip(d_x).fold(0.0, |m: f64, (v, d)| m.max((v * d).abs()));
+        let sizes = work.dx.as_ref().iter().zip(scales.x.as_ref());
+        let step = sizes.fold(0.0, |m: f64, (v, d)| m.max((v * d).abs()));
         if step < options.step_tol {
             return ended(Status::Stalled);
         }
 
-        let sloped = joint && report.residual > options.keep_below;
-        let halvings = if solved { 0 } else { options.max_halvings };
-        let trials = (sloped, halvings);
-        let lambda = backtrack(system, x, scales, options, work, report, trials);
-        work.held = match (joint, sloped) {
-            (_, true) => Held::Jacobian,
-            (true, false) => Held::Factors,
-            (false, false) => Held::Nothing,
+        let search = LineSearch {
+            armijo: options.armijo,
+            // A point that already is a solution is only refined by full steps.
+            max_halvings: if is_solved { 0 } else { options.max_halvings },
+            joint: match options.jacobian {
+                JacobianUpdate::EveryStep => false,
+                JacobianUpdate::EveryTrial { chord_below } => report.residual > chord_below,
+            },
         };
-        let Some(lambda) = lambda else {
-            if keeps && !solved {
+        let Some(lambda) = search.step(system, x, work, report) else {
+            if is_chord && !is_solved {
                 // Its own Jacobian may do.
-                work.held = Held::Nothing;
+                work.matrix = Matrix::Stale;
                 continue;
             }
             return ended(Status::LineSearchFailed);
@@ -223,12 +223,42 @@ fn iterate<S: System + ?Sized>(
     }
 }
 
-/// What the matrix holds: the Jacobian of the last point, or the factors of this or an earlier one.
+/// What the residual of a point says.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Held {
-    Nothing,
-    Jacobian,
-    Factors,
+enum Convergence {
+    /// No solution yet.
+    Open,
+    /// A solution that further steps may make more exact.
+    Refinable,
+    Ended(Status),
+}
+
+impl Convergence {
+    fn of(report: &Report, options: &Options) -> Self {
+        let residual = report.residual;
+        if !residual.is_finite() {
+            return Self::Ended(Status::NotFinite);
+        }
+        // ‖D_F F(x_k)‖₂ ≤ residual_tol                                    (N1)
+        let is_solved = residual <= options.residual_tol;
+        // ‖D_F F(x_k)‖₂ ≤ residual_goal, or the last step no longer halved it  (N2)
+        let is_refined = residual <= options.residual_goal
+            || report.steps.last().is_some_and(|s| residual > 0.5 * s.residual);
+        let exhausted = report.steps.len() == options.max_steps;
+        match (is_solved, is_refined || exhausted) {
+            (true, true) => Self::Ended(Status::Converged),
+            (true, false) => Self::Refinable,
+            (false, _) if exhausted => Self::Ended(Status::MaxSteps),
+            (false, _) => Self::Open,
+        }
+    }
+}
+
+impl Report {
+    /// True if the last step has lowered the residual to a tenth.
+    fn is_quick(&self) -> bool {
+        self.steps.last().is_some_and(|s| self.residual <= 0.1 * s.residual)
+    }
 }
 
 /// Evaluates the residual, with the Jacobian if `joint`.
@@ -236,11 +266,12 @@ fn evaluate<S: System + ?Sized>(
     system: &S,
     x: &VectorOf<S>,
     joint: bool,
-    (r, jacobian): (&mut VectorOf<S>, &mut S::Jacobian),
+    (r, jacobian, matrix): (&mut VectorOf<S>, &mut S::Jacobian, &mut Matrix),
     report: &mut Report,
 ) -> Result<(), EvalError> {
     if joint {
         report.n_jacobian += 1;
+        *matrix = Matrix::Jacobian;
         system.linearize(x, r, jacobian)
     } else {
         report.n_residual += 1;
@@ -248,42 +279,47 @@ fn evaluate<S: System + ?Sized>(
     }
 }
 
-/// Largest `$\lambda = 2^{-m}$` with a sufficient decrease; leaves the point in `x_trial`.
-///
-/// A trial that the model refuses counts as no decrease: the step is halved. A point that
-/// already is a solution is only refined by full steps. Trials are `sloped` or values only.
-fn backtrack<S: System + ?Sized>(
-    system: &S,
-    x: &VectorOf<S>,
-    scales: &Scales<'_, VectorOf<S>>,
-    options: &Options,
-    work: &mut Workspace<S::Jacobian>,
-    report: &mut Report,
-    (sloped, halvings): (bool, u32),
-) -> Option<f64> {
-    // φ(λ) = ½ ‖D_F F(x + λ δx)‖₂²,  φ'(0) = −2 φ(0) along a Newton step   (N4)
-    let phi_0 = 0.5 * report.residual.powi(2);
-    let mut lambda = 1.0;
-    for _ in 0..=halvings {
-        let trial = work.x_trial.as_mut().iter_mut();
-        for ((t, x), dx) in trial.zip(x.as_ref()).zip(work.dx.as_ref()) {
-            *t = x + lambda * dx;
-        }
-        let into = (&mut work.r, &mut work.linear);
-        match evaluate(system, &work.x_trial, sloped, into, report) {
-            // φ(λ) ≤ (1 − 2 γ λ) φ(0)                                     (N5)
-            Ok(()) => {
-                let phi = 0.5 * scaled_norm(work.r.as_ref(), scales.f.as_ref()).0.powi(2);
-                if phi <= (1.0 - 2.0 * options.armijo * lambda) * phi_0 {
-                    return Some(lambda);
+/// Backtracking along a step.
+struct LineSearch {
+    armijo: f64,
+    max_halvings: u32,
+    /// Trials have a Jacobian.
+    joint: bool,
+}
+
+impl LineSearch {
+    /// Largest `$\lambda = 2^{-m}$` with a sufficient decrease; leaves the point in `x_trial`.
+    ///
+    /// A trial that the model refuses counts as no decrease: the step is halved.
+    fn step<S: System + ?Sized>(
+        &self,
+        system: &S,
+        x: &VectorOf<S>,
+        work: &mut Workspace<S::Jacobian>,
+        report: &mut Report,
+    ) -> Option<f64> {
+        // φ(λ) = ½ ‖D_F F(x + λ δx)‖₂²,  φ'(0) = −2 φ(0) along a Newton step   (N4)
+        let phi_0 = 0.5 * report.residual.powi(2);
+        let mut lambda = 1.0;
+        for _ in 0..=self.max_halvings {
+            // R(λ δx_k), R(0) = x_k, R'(0) = δx_k                          (N15)
+            system.retract(x, &work.dx, lambda, &mut work.x_trial);
+            let into = (&mut work.r, &mut work.linear, &mut work.matrix);
+            match evaluate(system, &work.x_trial, self.joint, into, report) {
+                // φ(λ) ≤ (1 − 2 γ λ) φ(0)                                 (N5)
+                Ok(()) => {
+                    let phi = 0.5 * scaled_norm(work.r.as_ref(), work.d_f.as_ref()).0.powi(2);
+                    if phi <= (1.0 - 2.0 * self.armijo * lambda) * phi_0 {
+                        return Some(lambda);
+                    }
                 }
+                Err(refusal) => report.refusal = Some(refusal),
             }
-            Err(refusal) => report.refusal = Some(refusal),
+            // λ ← λ/2                                                     (N6)
+            lambda *= 0.5;
         }
-        // λ ← λ/2                                                         (N6)
-        lambda *= 0.5;
+        None
     }
-    None
 }
 
 /// `$\lVert D v \rVert_2$` and the index of the largest term; a NaN makes it infinite.

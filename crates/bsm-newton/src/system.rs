@@ -1,5 +1,7 @@
 //! What a model provides.
 
+use std::array::from_fn;
+
 use crate::{Dense, EvalError, LinearSolver};
 
 /// Values of `N` functions of `N` unknowns, and the rows of their Jacobian
@@ -24,6 +26,13 @@ pub trait Equations<const N: usize> {
     ///
     /// As [`residual`](Self::residual).
     fn linearize(&self, x: &[f64; N]) -> Result<Linear<N>, EvalError>;
+
+    /// Where a part `lambda` of the Newton step `dx` leads to (N15).
+    ///
+    /// On a straight line, unless another curve with the same tangent at `lambda = 0` is nearer to the solution.
+    fn retract(&self, x: &[f64; N], dx: &[f64; N], lambda: f64) -> [f64; N] {
+        from_fn(|i| x[i] + lambda * dx[i])
+    }
 
     /// Equation `i` in words, for reports.
     fn equation(&self, i: usize) -> String {
@@ -57,6 +66,19 @@ pub trait System {
         jacobian: &mut Self::Jacobian,
     ) -> Result<(), EvalError>;
 
+    /// Writes where a part `lambda` of the Newton step `dx` leads to, as [`Equations::retract`], into `to`.
+    fn retract(
+        &self,
+        x: &VectorOf<Self>,
+        dx: &VectorOf<Self>,
+        lambda: f64,
+        to: &mut VectorOf<Self>,
+    ) {
+        for ((to, x), dx) in to.as_mut().iter_mut().zip(x.as_ref()).zip(dx.as_ref()) {
+            *to = x + lambda * dx;
+        }
+    }
+
     /// Equation `i` in words, for reports.
     fn equation(&self, i: usize) -> String {
         format!("equation {i}")
@@ -85,6 +107,10 @@ impl<const N: usize, E: Equations<N> + ?Sized> System for Square<'_, N, E> {
     ) -> Result<(), EvalError> {
         (*r, *jacobian.rows_mut()) = self.0.linearize(x)?;
         Ok(())
+    }
+
+    fn retract(&self, x: &[f64; N], dx: &[f64; N], lambda: f64, to: &mut [f64; N]) {
+        *to = self.0.retract(x, dx, lambda);
     }
 
     fn equation(&self, i: usize) -> String {

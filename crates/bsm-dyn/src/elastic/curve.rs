@@ -46,11 +46,11 @@ impl Node {
 /// A steady motion on the curve: its state, and the sign of `$P/W$`.
 type Root = (Node, f64);
 
-/// Unknowns of the first root on the curve, and Newton steps.
-pub(super) fn first_root(pair: &ElasticBall) -> Result<([f64; BALL], usize), Unsolved> {
+/// Unknowns of the first root on the curve, or of any that serves as a start, and Newton steps.
+pub(super) fn root(pair: &ElasticBall, any: bool) -> Result<([f64; BALL], usize), Unsolved> {
     let mut curve = Curve { forces: Forces::new(pair), steps: 0 };
     let level = curve.begin()?;
-    let (root, sign) = match curve.straight(&level) {
+    let (root, sign) = match curve.direct(&level, any) {
         Some(root) => root,
         None => curve.search(&level)?,
     };
@@ -102,12 +102,12 @@ impl Curve<'_> {
         self.forces.inertia_ratio().ln() - level.log_inertia()
     }
 
-    /// The first root, if it is where the curve is straight.
-    fn straight(&mut self, level: &CurveState<f64>) -> Option<Root> {
+    /// The root that Newton finds from where the curve begins: the first one, if it is where the curve is straight, or any.
+    fn direct(&mut self, level: &CurveState<f64>, any: bool) -> Option<Root> {
         let root = self.forces.ball.straight(level);
         self.count(root.steps - level.steps);
         let node = Node { state: root.state, motion: root.motion };
-        root.found.then_some((node, root.rate.signum()))
+        (if any { root.steady } else { root.found }).then_some((node, root.rate.signum()))
     }
 
     /// The first root along the whole curve, or why there is none.
@@ -221,7 +221,7 @@ mod tests {
             let Ok(pair) = screw.scaled() else { continue };
             let mut curve = Curve { forces: Forces::new(&pair), steps: 0 };
             let Ok(level) = curve.begin() else { continue };
-            let Some((straight, sign)) = curve.straight(&level) else { continue };
+            let Some((straight, sign)) = curve.direct(&level, false) else { continue };
             let (first, same) = curve.search(&level).expect("a root");
             // Where friction all but holds the load a million times the axial load is left, ten digits;
             // another root differs by per cent.

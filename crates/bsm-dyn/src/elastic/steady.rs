@@ -62,7 +62,9 @@ pub struct SlidingRoot<F: Field> {
     pub steps: F,
     /// Scaled residual.
     pub residual: F,
-    /// Where it is the first root on the curve.
+    /// Where it is a steady motion.
+    pub steady: F::Mask,
+    /// Where it is the first one on the curve.
     pub found: F::Mask,
 }
 
@@ -258,10 +260,8 @@ where
         let left = (F::select(back, backwards, forwards) / node.motion.drive).abs();
         // What the logarithm of q has no finer digits than; where rounding decides, a search does its best.
         let digit = node.place[0].abs().larger(one) * (4.0 * f64::EPSILON);
-        let found = node.found
-            & node.is_straight_from(level, &scale, Elastic::RISES)
-            & node.is_admissible()
-            & left.le(digit);
+        let steady = node.found & node.is_admissible();
+        let found = steady & node.is_straight_from(level, &scale, Elastic::RISES) & left.le(digit);
         let size = (node.state.centrifugal / self.inertia_ratio).sqrt();
         let (sin, cos) = node.state.turn;
         let half = ((cos + 1.0) * 0.5).sqrt();
@@ -273,6 +273,7 @@ where
             tilt: (sin * 0.5 / half, half),
             steps: level.steps + node.steps,
             residual: node.left.larger(left),
+            steady,
             found,
         }
     }

@@ -3,7 +3,7 @@
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W2), (W12) to (W15).
 
 use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar, Site};
-use bsm_newton::{Bracket, EvalError, Options, Report, Scales, solve};
+use bsm_newton::{Bracket, EvalError, JacobianUpdate, Options, Report, Scales, solve};
 
 use super::statics::{StaticBalance, StaticState};
 use super::{Control, RacewayControl, rolling};
@@ -198,7 +198,7 @@ impl Balance<'_> {
         let options = Options {
             residual_goal: 3e-15,
             max_steps: MOST_STEPS,
-            slopes_at_trials: true,
+            jacobian: JacobianUpdate::EveryTrial { chord_below: 0.0 },
             ..Options::default()
         };
         solve(self, x, &scales, &options, newton)

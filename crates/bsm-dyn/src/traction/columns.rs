@@ -215,6 +215,10 @@ impl<'a> Watched<'a> {
 }
 
 impl Equations<BALL> for Watched<'_> {
+    fn retract(&self, x: &[f64; BALL], dx: &[f64; BALL], lambda: f64) -> [f64; BALL] {
+        self.ball.slid(x, &dx.map(|dx| lambda * dx))
+    }
+
     fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {
         let found = self.ball.evaluated::<false>(x)?;
         self.last.set(Some((*x, found.transmitted)));
@@ -443,7 +447,7 @@ pub(super) struct Contacts<F> {
 impl Rolling<'_> {
     /// The numbers of the equations.
     #[inline(always)]
-    fn scaled(&self) -> Scaled {
+    pub(super) fn scaled(&self) -> Scaled {
         let pair = self.pair;
         Scaled {
             lead: pair.lead,
@@ -474,6 +478,62 @@ fn sin_cos_of_tilt<S: Simd>(simd: S, tilt: f64) -> (f64, f64) {
     (sin.as_slice()[0], cos.as_slice()[0])
 }
 
+/// Lengths of both sides of the triangle of loaded contacts, and their slopes by the loads.
+pub(super) struct Sides<F: Compare> {
+    /// Cube roots of the loads.
+    growth: [F; 2],
+    pub(super) lengths: [F; 2],
+    pub(super) slopes: [F; 2],
+    pub(super) pressed: F::Mask,
+}
+
+impl<F: Compare> Sides<F> {
+    #[inline(always)]
+    pub(super) fn of(pair: &Scaled<F>, y: &[F; BALL]) -> Self {
+        let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
+        let zero = pair.radius.constant(0.0);
+        // a ~ Q^{1/3},  δ = (Q/K_H)^{2/3}                                 (P6), (P2)
+        let growth = [loads[0].cube_root(), loads[1].cube_root()];
+        let (mut lengths, mut slopes) = (pair.offsets, [zero; 2]);
+        for i in 0..2 {
+            let approach = growth[i] * growth[i] * pair.approach[i];
+            lengths[i] = lengths[i] + approach;
+            slopes[i] = approach / loads[i] * (2.0 / 3.0);
+        }
+        Self { growth, lengths, slopes, pressed: loads[0].gt(zero) & loads[1].gt(zero) }
+    }
+}
+
+/// Sines and cosines of the mean contact angle and of those at nut and screw, and the height `$A_1$` of the triangle.
+pub(super) struct Mean<F: Compare> {
+    pub(super) angle: (F, F),
+    pub(super) nut: [F; 2],
+    pub(super) screw: [F; 2],
+    pub(super) height: F,
+    pub(super) exists: F::Mask,
+}
+
+impl<F: Compare> Mean<F> {
+    /// Of two sides that are turned apart by twice the tilt.
+    #[inline(always)]
+    pub(super) fn of([l_a, l_b]: [F; 2], a_2: F, (sin_y, cos_y): (F, F)) -> Self {
+        // l_A cos(β − ν) + l_B cos(β + ν) = A₂ = S cosβ + D sinβ          (J7)
+        let (s, d) = ((l_a + l_b) * cos_y, (l_a - l_b) * sin_y);
+        let both = s * s + d * d;
+        let square = both - a_2 * a_2;
+        let zero = a_2.constant(0.0);
+        let height = square.sqrt();
+        let (sin, cos) = ((height * s + a_2 * d) / both, (a_2 * s - height * d) / both);
+        Self {
+            angle: (sin, cos),
+            nut: [sin * cos_y - cos * sin_y, cos * cos_y + sin * sin_y],
+            screw: [sin * cos_y + cos * sin_y, cos * cos_y - sin * sin_y],
+            height,
+            exists: square.gt(zero) & s.gt(zero),
+        }
+    }
+}
+
 /// The contacts of a state, and where they exist.
 ///
 /// * `sin_y`, `cos_y`: of the tilt.
@@ -483,19 +543,8 @@ pub(super) fn contacts<F: Compare>(
     y: &[F; BALL],
     (sin_y, cos_y): (F, F),
 ) -> (Contacts<F>, F::Mask) {
-    let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
     let (zero, one) = (pair.radius.constant(0.0), pair.radius.constant(1.0));
-    let pressed = loads[0].gt(zero) & loads[1].gt(zero);
-    // a ~ Q^{1/3},  δ = (Q/K_H)^{2/3}                                     (P6), (P2)
-    let growth = [loads[0].cube_root(), loads[1].cube_root()];
-    let mut lengths = pair.offsets;
-    let mut slopes = [zero; 2];
-    for i in 0..2 {
-        let approach = growth[i] * growth[i] * pair.approach[i];
-        lengths[i] = lengths[i] + approach;
-        slopes[i] = approach / loads[i] * (2.0 / 3.0);
-    }
-    let [l_a, l_b] = lengths;
+    let Sides { growth, lengths: [l_a, l_b], slopes, pressed } = Sides::of(pair, y);
     let a_2 = pair.reach;
     let own = along(TILT, one);
     let (turn, tilts, angles, exist);
@@ -518,19 +567,14 @@ pub(super) fn contacts<F: Compare>(
         tilts = [Angle { sin: zero, cos: one, by: [zero; BLOCK] }, apart];
         angles = [nut, screw];
     } else {
-        // l_A cos(β − ν) + l_B cos(β + ν) = A₂ = S cosβ + D sinβ          (J7)
-        let (s, d) = ((l_a + l_b) * cos_y, (l_a - l_b) * sin_y);
-        let both = s * s + d * d;
-        let square = both - a_2 * a_2;
-        exist = pressed & square.gt(zero) & s.gt(zero);
-        let a_1 = square.sqrt();
-        let (sin, cos) = ((a_1 * s + a_2 * d) / both, (a_2 * s - a_1 * d) / both);
-        let (sin_a, cos_a) = (sin * cos_y - cos * sin_y, cos * cos_y + sin * sin_y);
-        let (sin_b, cos_b) = (sin * cos_y + cos * sin_y, cos * cos_y - sin * sin_y);
+        let Mean { angle: (sin, cos), nut, screw, height, exists } =
+            Mean::of([l_a, l_b], a_2, (sin_y, cos_y));
+        exist = pressed & exists;
+        let ([sin_a, cos_a], [sin_b, cos_b]) = (nut, screw);
         // A₁ dβ = cosβ_A dl_A + cosβ_B dl_B + (l_A sinβ_A − l_B sinβ_B) dν
         let mut by = along(TILT, l_a * sin_a - l_b * sin_b);
         (by[NUT_LOAD], by[SCREW_LOAD]) = (cos_a * slopes[0], cos_b * slopes[1]);
-        let by = times(one / a_1, &by);
+        let by = times(one / height, &by);
         turn = Angle { sin, cos, by };
         tilts = [
             Angle { sin: -sin_y, cos: cos_y, by: along(TILT, -one) },

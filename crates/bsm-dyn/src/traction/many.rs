@@ -18,14 +18,15 @@ use bsm_simd::{Arch, BLOCK, Compare, Lane, Mask, NullaryFnOnce, Simd, WithSimd};
 use super::columns::{
     Angle, Contacts, Evaluated, Rubbed, Scaled, contacts, evaluate, lever, sizes,
 };
-use super::root::FASTEST;
+use super::root::{FASTEST, LEFT, LEVEL};
+use super::slips::slid;
 use super::{COARSE, OMEGA};
 use crate::ball_unknowns::BALL;
 use crate::ball_unknowns::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::ellipse::{Dry, ManyNodes, ManyQuadrature, Quadrature};
 
 /// Residual from which the coarse quadrature is left for the one that is asked for.
-const NEAR: f64 = 1e-3;
+const NEAR: f64 = 1e-4;
 
 /// Sufficient decrease of (N5).
 const ARMIJO: f64 = 1e-4;
@@ -36,8 +37,8 @@ const GOAL: f64 = 1e-12;
 const ROOT: f64 = 1e-10;
 const QUICK: f64 = 1e-2;
 
-/// Evaluations with the coarse and with the fine quadrature before a point is left to the model.
-const MOST_COARSE: usize = 12;
+/// Evaluations at each creep speed with the coarse and with the fine quadrature before a point is left to the model.
+const MOST_COARSE: f64 = 12.0;
 const MOST_FINE: usize = 8;
 
 /// Which equation each unknown is eliminated with: friction is a convex potential of the motion, so that no
@@ -98,6 +99,21 @@ impl<F: Copy> TractionRoot<F> {
 pub const START: usize = 27;
 
 impl<F: Compare> TractionStart<F> {
+    /// Where a step leads to.
+    #[inline(always)]
+    fn moved(&self, step: &[F; BALL]) -> Self {
+        let (y, mut next) = (&self.unknowns, self.unknowns);
+        for k in 0..BALL {
+            next[k] = next[k] + step[k];
+        }
+        let tilts = [y[TILT].sin_cos_of_tilt(), next[TILT].sin_cos_of_tilt()];
+        let (slid, exists) = slid(&self.point, y, step, tilts);
+        for k in 0..BALL {
+            next[k] = F::select(exists, slid[k], next[k]);
+        }
+        Self { unknowns: next, ..*self }
+    }
+
     /// The numbers one after the other, the unknowns last.
     #[inline(always)]
     pub fn numbers(&self) -> [F; START] {
@@ -175,7 +191,7 @@ impl<F: Compare> TractionStart<F> {
 }
 
 /// Numbers of a point on the way to its root.
-const NUMBERS: usize = START + BALL + 5;
+const NUMBERS: usize = START + BALL + 7;
 
 /// A point on the way to its root.
 struct Walk<F> {
@@ -186,8 +202,11 @@ struct Walk<F> {
     /// Scaled residual there, infinite where there is none yet, and weights of forces and moments.
     before: F,
     weights: (F, F),
-    /// Evaluations.
+    /// Evaluations, and those with the present creep speed.
     steps: F,
+    tries: F,
+    /// The present creep speed.
+    creep: F,
 }
 
 /// Quadratures of the solves of an accuracy.
@@ -227,11 +246,12 @@ impl WithSimd for Solve<'_> {
         for (walk, start) in walks.iter_mut().zip(starts) {
             walk[..START].copy_from_slice(&start.numbers());
             walk[START + BALL + 1] = f64::INFINITY;
+            walk[NUMBERS - 1] = start.point.creep.max(LEVEL);
         }
         let mut points: Vec<usize> = (0..starts.len()).collect();
         let (mut next, mut near) = (Vec::new(), Vec::new());
         let work = &mut Work::new(simd);
-        for _ in 0..MOST_COARSE {
+        while !points.is_empty() {
             for some in points.chunks(Lane::<S>::LEN) {
                 approach(simd, coarse, work, &mut walks, some, (&mut next, &mut near));
             }
@@ -266,7 +286,7 @@ fn gather<S: Simd>(simd: S, walks: &[[f64; NUMBERS]], some: &[usize]) -> Walk<La
     for k in 0..BALL {
         step[k] = Lane::load(simd, &blocks[START + k]);
     }
-    let [.., part, before, force, moment, steps] = &blocks;
+    let [.., part, before, force, moment, steps, tries, creep] = &blocks;
     Walk {
         at: TractionStart::of(lanes),
         step,
@@ -274,6 +294,8 @@ fn gather<S: Simd>(simd: S, walks: &[[f64; NUMBERS]], some: &[usize]) -> Walk<La
         before: Lane::load(simd, before),
         weights: (Lane::load(simd, force), Lane::load(simd, moment)),
         steps: Lane::load(simd, steps),
+        tries: Lane::load(simd, tries),
+        creep: Lane::load(simd, creep),
     }
 }
 
@@ -282,10 +304,10 @@ fn gather<S: Simd>(simd: S, walks: &[[f64; NUMBERS]], some: &[usize]) -> Walk<La
 fn scatter<S: Simd>(walk: &Walk<Lane<S>>, walks: &mut [[f64; NUMBERS]], some: &[usize]) {
     let [y_0, y_1, y_2, y_3, y_4, y_5, y_6] = walk.at.unknowns;
     let [d_0, d_1, d_2, d_3, d_4, d_5, d_6] = walk.step;
-    let &Walk { part, before, weights: (force, moment), steps, .. } = walk;
+    let &Walk { part, before, weights: (force, moment), steps, tries, creep, .. } = walk;
     let lanes = [
         y_0, y_1, y_2, y_3, y_4, y_5, y_6, d_0, d_1, d_2, d_3, d_4, d_5, d_6, part, before, force,
-        moment, steps,
+        moment, steps, tries, creep,
     ];
     let mut blocks = [[0.0; BLOCK]; NUMBERS - START + BALL];
     for (block, lane) in blocks.iter_mut().zip(lanes) {
@@ -461,10 +483,12 @@ fn approach<S: Simd>(
     (next, near): (&mut Vec<usize>, &mut Vec<(usize, usize)>),
 ) {
     let mut walk = gather(simd, walks, some);
-    let mut trial = walk.at;
+    let mut step = walk.step;
     for k in 0..BALL {
-        trial.unknowns[k] = walk.step[k].mul_add(walk.part, trial.unknowns[k]);
+        step[k] = step[k] * walk.part;
     }
+    let mut trial = walk.at.moved(&step);
+    trial.point.creep = walk.creep;
     let here = {
         let (at, counted, work) = (&trial, false, &mut *work);
         simd.vectorize(Evaluate::<S, true, true> { simd, rule, at, counted, work })
@@ -481,23 +505,30 @@ fn approach<S: Simd>(
     let decrease = walk.part.mul_add(walk.part.constant(-2.0 * ARMIJO), walk.part.constant(1.0));
     let enough = (size * size).le(decrease * walk.before * walk.before);
     let accepted = here.exists & size.lt(infinity) & (first | enough);
-    let arrived = accepted & size.le(size.constant(NEAR));
+    let above = walk.at.point.creep.lt(walk.creep);
+    let arrived = accepted & !above & size.le(size.constant(NEAR));
+    let left = accepted & above & size.le(size.constant(LEFT));
     let step = Factors::of(found, &here, walk.at.point.lead).step(&found.left);
+    // The last step of those that have arrived is taken.
+    let last = trial.moved(&step);
+    let zero = size.constant(0.0);
     for k in 0..BALL {
         let y = &mut walk.at.unknowns[k];
-        // The last step of those that have arrived is taken.
-        let new = arrived.select(trial.unknowns[k] + step[k], trial.unknowns[k]);
-        *y = accepted.select(new, *y);
-        walk.step[k] = accepted.select(step[k], walk.step[k]);
+        *y = accepted.select(arrived.select(last.unknowns[k], trial.unknowns[k]), *y);
+        walk.step[k] = left.select(zero, accepted.select(step[k], walk.step[k]));
     }
     walk.part = accepted.select(size.constant(1.0), walk.part * 0.5);
-    walk.before = accepted.select(size, walk.before);
+    // The next creep speed begins anew.
+    walk.before = left.select(infinity, accepted.select(size, walk.before));
+    walk.creep = left.select(walk.at.point.creep, walk.creep);
+    walk.tries = left.select(zero, walk.tries + 1.0);
     (walk.weights, walk.steps) = (weights, walk.steps + 1.0);
     let alive = accepted | !first;
+    let waits = alive & walk.tries.lt(size.constant(MOST_COARSE));
     scatter(&walk, walks, some);
     let [mut ends, mut goes_on] = [[false; BLOCK]; 2];
     (alive & arrived).store(&mut ends);
-    (alive & !arrived).store(&mut goes_on);
+    (waits & !arrived).store(&mut goes_on);
     for (i, point) in some.iter().enumerate() {
         if ends[i] {
             near.push((work.nodes[0].size(i) + work.nodes[1].size(i), *point));
@@ -531,9 +562,9 @@ fn refine<S: Simd>(
     let (mut left, mut before) = (found.left, norm(&found.left, weights));
     let (mut torque, mut power, mut settled) = (one, one, !held);
     for _ in 0..MOST_FINE {
-        let step = factors.step(&left);
+        let next = at.moved(&factors.step(&left));
         for k in 0..BALL {
-            at.unknowns[k] = settled.select(at.unknowns[k], at.unknowns[k] + step[k]);
+            at.unknowns[k] = settled.select(at.unknowns[k], next.unknowns[k]);
         }
         {
             let (at, counted, work) = (&at, true, &mut *work);

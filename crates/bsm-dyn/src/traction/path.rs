@@ -30,7 +30,7 @@ pub(super) const STRIDE: Stride = Stride {
     longest: 1.0,
     shortest: 1e-7,
     pair: 1e-3,
-    most_points: 600,
+    most_points: 1000,
     goal: 1e-8,
     place: 1e-4,
 };

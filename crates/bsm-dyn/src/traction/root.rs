@@ -19,8 +19,16 @@ use crate::equations::Workspace;
 use crate::raceway_control::Grip;
 use crate::{Evidence, Reason, Unsolved};
 
-/// Skid number from which the skidding ball is the nearer start.
-pub const SKIDS: f64 = 0.3;
+/// Onset number from which the skidding ball is the nearer start.
+pub const SKIDS: f64 = 0.5;
+
+/// Creep speeds over `$r_b|W|$` that are solved for before the asked one, in the order of the tries: against them friction
+/// is nearly linear in the slips of most starts.
+const LEVELS: [&[f64]; 2] = [&[LEVEL], &[0.3, 0.01]];
+pub(super) const LEVEL: f64 = 0.1;
+
+/// Residual from which a level is left.
+pub(super) const LEFT: f64 = 0.1;
 
 /// No ball turns that fast: friction takes the power that the screw puts in.
 pub(super) const FASTEST: f64 = 1e9;
@@ -92,18 +100,20 @@ impl Rolling<'_> {
     ) -> Result<Root, Unsolved> {
         let gripping = self.unknowns(&grip.loaded, &grip.to_nut);
         let mut failure = None;
-        let skids = grip.skid_number(self.pair) > SKIDS;
+        let skids = grip.skid(self.pair).onset_number().is_some_and(|onset| onset > SKIDS);
         for skids in [skids, !skids] {
             let y = if skids {
-                let Ok(skid) = Skid::of(self.pair, newton) else { continue };
+                let Ok(skid) = Skid::start(self.pair) else { continue };
                 *steps += skid.steps();
                 self.unknowns(skid.state().0, skid.state().1)
             } else {
                 gripping
             };
-            match self.solved(y, newton, steps) {
-                Ok(root) => return Ok(root),
-                Err(reason) => failure = Some(reason),
+            for levels in LEVELS {
+                match self.descended(y, levels, newton, steps) {
+                    Ok(root) => return Ok(root),
+                    Err(reason) => failure = Some(reason),
+                }
             }
         }
         let stride = Continuation { first: 1.0, shortest: 0.05 };
@@ -145,6 +155,25 @@ impl Rolling<'_> {
             }
             Shown::Nothing => Err(Unsolved::LOST),
         }
+    }
+
+    /// The root that Newton finds from `y` over a few levels of the creep speed, if it is on the flanks.
+    fn descended(
+        &self,
+        mut y: [f64; BALL],
+        levels: &[f64],
+        newton: &mut Workspace,
+        steps: &mut usize,
+    ) -> Result<Root, Reason> {
+        let brief = Self { brief: true, ..*self };
+        for level in levels.iter().filter(|level| **level > self.creep) {
+            let report = Self { creep: *level, enough: LEFT, ..brief }.run(&mut y, newton);
+            *steps += report.steps.len();
+            if !report.converged() {
+                return Err(report.into());
+            }
+        }
+        brief.solved(y, newton, steps)
     }
 
     /// The root that Newton finds from `y`, if it is on the flanks.
