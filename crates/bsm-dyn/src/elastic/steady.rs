@@ -305,8 +305,8 @@ where
                 let (m, ratio) = (state.centrifugal, i.re / d.re);
                 // 0 = ln[(M/μ) ((1 − g)/(π/d + Ω_n/W))²], to the last digit of its argument  (S27)
                 left = (m.re / self.inertia_ratio * ratio * ratio).ln();
-                for k in 0..3 {
-                    across[k] = m.eps[k] / m.re + (i.eps[k] / i.re - d.eps[k] / d.re) * 2.0;
+                for (k, across) in across.iter_mut().enumerate() {
+                    *across = m.eps[k] / m.re + (i.eps[k] / i.re - d.eps[k] / d.re) * 2.0;
                 }
             }
             let (one_way, two) = (cross(&b.eps, &across), cross(&across, &a.eps));

@@ -4,8 +4,9 @@
 
 use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar, Site};
 use bsm_newton::{Bracket, EvalError, JacobianUpdate, Options, Report, Scales, solve};
+use bsm_simd::Arch;
 
-use super::statics::{StaticBalance, StaticState};
+use super::statics::{Rates, StaticBalance, StaticState};
 use super::{Control, RacewayControl, rolling};
 use crate::elastic_ball::{ElasticBall, Loaded};
 use crate::equations::{Workspace, equations};
@@ -22,8 +23,9 @@ const MOST_STEPS: usize = 8;
 /// centrifugal force nearly touches what the flanks hold.
 const MOST_PASSES: usize = 20_000;
 
-/// Steps of the scan for more roots.
-const SCAN: u32 = 48;
+/// Steps of the scan for more roots, and their ends.
+const SCAN: u8 = 48;
+const PLACES: usize = SCAN as usize + 1;
 
 /// Roots that differ by less, relative, are one.
 const SAME: f64 = 1e-6;
@@ -115,10 +117,9 @@ impl Balance<'_> {
         near: Option<[f64; STATIC]>,
         newton: &mut Workspace<STATIC>,
     ) -> Result<Root, Unsolved> {
-        let angle = self.pair.jones.contact_angle;
         let mut at = match near {
             Some(unknowns) => StaticState { unknowns, steps: 0.0, settled: false },
-            None => self.statics.start(angle.cos() / angle.sin(), true),
+            None => self.statics.start(self.unloaded(), true),
         };
         self.statics.settle(&mut at);
         let residual = self.statics.scaled_residual(at.unknowns);
@@ -165,14 +166,21 @@ impl Balance<'_> {
         let excess = |c: f64| c - self.centrifugal(self.rate_at(c));
         let begin = (first * (1.0 + SAME)).max(1e-3 * farthest);
         let grow = (farthest / begin).powf(f64::from(SCAN).recip());
-        let (mut low, mut at_low, mut found) = (begin, excess(begin), Vec::new());
-        for step in 1..=SCAN {
-            let high = if step < SCAN { low * grow } else { farthest };
-            let at_high = excess(high);
-            if let Some(root) = Bracket::new([low, high], [at_low, at_high]).root(excess).root() {
+        let mut places = [begin; PLACES];
+        for i in 1..PLACES {
+            places[i] = places[i - 1] * grow;
+        }
+        places[PLACES - 1] = farthest;
+        let rates =
+            Rates { balance: &self.statics, differences: &places, unloaded: self.unloaded() };
+        let rates: [f64; PLACES] = Arch::new().dispatch(rates);
+        let at = |i: usize| places[i] - self.centrifugal(rates[i]);
+        let mut found = Vec::new();
+        for i in 1..PLACES {
+            let (ends, values) = ([places[i - 1], places[i]], [at(i - 1), at(i)]);
+            if let Some(root) = Bracket::new(ends, values).root(excess).root() {
                 found.extend(self.polished(root.x, newton));
             }
-            (low, at_low) = (high, at_high);
         }
         found
     }
@@ -226,21 +234,15 @@ impl Balance<'_> {
         2.0 * self.statics.inertia * outwards * slope < 1.0
     }
 
-    /// Cotangent of the screw's contact angle that closes the triangle at a difference `c`, by
-    /// Newton within a bracket: (W13) rises with it.
-    fn closed(&self, c: f64) -> f64 {
+    /// Cotangent of the unloaded contact angle.
+    fn unloaded(&self) -> f64 {
         let angle = self.pair.jones.contact_angle;
-        let high = angle.cos() / angle.sin();
-        let bracket = Bracket {
-            start: Some(0.5 * high),
-            x_tol: 2.0 * f64::EPSILON,
-            ..Bracket::new([0.0, high], [f64::NEG_INFINITY, f64::INFINITY])
-        };
-        let found = bracket.root(|cot| {
-            let [a, b] = self.statics.loaded([c, cot]);
-            (a.reach() + b.reach() - self.statics.reach, a.reach_slope() + b.reach_slope())
-        });
-        found.root().map_or(f64::NAN, |root| root.x)
+        angle.cos() / angle.sin()
+    }
+
+    /// Cotangent of the screw's contact angle that closes the triangle at a difference `c`.
+    fn closed(&self, c: f64) -> f64 {
+        self.statics.closed(c, self.unloaded())
     }
 
     /// Largest difference of the cotangents on the flanks: the screw's contact angle is 90 deg there.
@@ -256,7 +258,7 @@ impl Balance<'_> {
 
     /// `$P/W$` at a difference of the cotangents.
     fn rate_at(&self, c: f64) -> f64 {
-        self.statics.rate(&self.statics.loaded([c, self.closed(c)]))
+        self.statics.rate_at(c, self.unloaded())
     }
 
     /// The first root by brackets, in any inertia; or the proof that there is none.

@@ -9,7 +9,7 @@
 )]
 
 use bsm_kin::{Field, FieldOver};
-use bsm_simd::Compare;
+use bsm_simd::{Compare, Lane, Simd, WithSimd};
 
 use super::{STATIC, rolling_precession};
 use crate::ball_contacts::{BallContacts, LoadedContact};
@@ -17,6 +17,10 @@ use crate::cost;
 
 /// Newton steps before a root is looked for in another way.
 const MOST_STEPS: usize = 6;
+
+/// Steps to a closed triangle: as many halvings lead to rounding, and what that is.
+const MOST_CLOSING: usize = 60;
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Last step of an angle \[rad\]: the error behind it is of the order of its square.
 const LAST_STEP: f64 = 1e-9;
@@ -181,10 +185,80 @@ impl<F: Compare> StaticBalance<F> {
         ]
     }
 
+    /// Cotangent of the screw's contact angle that closes the triangle at a difference `c`, by Newton within
+    /// zero and the cotangent of the unloaded angle: (W13) rises with it.
+    #[inline(always)]
+    pub(super) fn closed(&self, c: F, unloaded: F) -> F {
+        let zero = c.constant(0.0);
+        let (mut low, mut high, mut cot) = (zero, unloaded, unloaded * 0.5);
+        let mut settled = zero.lt(zero);
+        for _ in 0..MOST_CLOSING {
+            let [a, b] = self.loaded([c, cot]);
+            let excess = a.reach() + b.reach() - self.reach;
+            let slope = a.reach_slope() + b.reach_slope();
+            let beyond = excess.gt(zero);
+            (low, high) = (F::select(beyond, low, cot), F::select(beyond, cot, high));
+            let newton = cot - excess / slope;
+            let inside = low.le(newton) & newton.le(high);
+            let next = F::select(inside, newton, (low + high) * 0.5);
+            let step = (next - cot).abs();
+            cot = F::select(settled, cot, next);
+            settled = settled | step.le(unloaded * ROUNDING);
+            if !F::any(!settled) {
+                break;
+            }
+        }
+        cot
+    }
+
+    /// `$P/W$` at a difference of the cotangents.
+    #[inline(always)]
+    pub(super) fn rate_at(&self, c: F, unloaded: F) -> F {
+        self.rate(&self.loaded([c, self.closed(c, unloaded)]))
+    }
+
     /// Scaled residual of a state.
     #[inline(always)]
     pub fn scaled_residual(&self, [c, screw]: [F; STATIC]) -> F {
         let [radial, reach] = self.residual(c, &self.loaded([c, screw]));
         (radial / self.inertia.larger(c.constant(1.0))).abs().larger(reach.abs())
+    }
+}
+
+/// `$P/W$` of a balance at several differences of the cotangents.
+///
+/// * `unloaded`: cotangent of the unloaded contact angle.
+pub(super) struct Rates<'a, const N: usize> {
+    pub(super) balance: &'a StaticBalance<f64>,
+    pub(super) differences: &'a [f64; N],
+    pub(super) unloaded: f64,
+}
+
+impl<const N: usize> WithSimd for Rates<'_, N> {
+    type Output = [f64; N];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> [f64; N] {
+        let Self { balance: one, differences, unloaded } = self;
+        let lane = Lane::<S>::splat(simd, unloaded);
+        let [nut, screw] = one.contacts;
+        let balance = StaticBalance {
+            by_nut: if one.by_nut { lane.le(lane) } else { lane.lt(lane) },
+            axial: lane.constant(one.axial),
+            inertia: lane.constant(one.inertia),
+            lever: lane.constant(one.lever),
+            nut_speed: lane.constant(one.nut_speed),
+            reach: lane.constant(one.reach),
+            contacts: [
+                (lane.constant(nut.0), lane.constant(nut.1)),
+                (lane.constant(screw.0), lane.constant(screw.1)),
+            ],
+        };
+        let mut rates = [0.0; N];
+        for first in (0..N).step_by(Lane::<S>::LEN) {
+            let c = Lane::load(simd, &differences[first..]);
+            balance.rate_at(c, lane).store(&mut rates[first..]);
+        }
+        rates
     }
 }

@@ -1,6 +1,18 @@
-//! The rigid equations solved down to one unknown, for any inertia.
+//! The rigid equations solved down to one unknown, for any inertia, for one state and for several side by
+//! side.
 //!
-//! Theory: `docs/theory/04-rigid.md`, equations (R33) to (R42).
+//! Theory: `docs/theory/04-rigid.md`, equations (R33) to (R42); windows by (R46), (R48).
+
+#![expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+#![expect(clippy::needless_range_loop, reason = "closures do not take the instruction set")]
+
+use std::f64::consts::FRAC_PI_2;
+
+use bsm_kin::Field;
+use bsm_simd::{Arch, BLOCK, Block, Compare, Lane, Simd, WithSimd};
 
 use super::ball::{RigidBall, RigidMotion};
 use super::trig_quadratic::{Line, Quadratic};
@@ -31,29 +43,28 @@ pub(super) struct Curve {
 
 /// All states with a given direction of slip at B, as functions of the direction `c` of friction at
 /// the lesser of the nut's contacts: A' where `$g > 0$`, else A.
-#[derive(Debug, Clone, Copy)]
-struct Fan {
-    turn: f64,
+#[derive(Clone, Copy)]
+struct Fan<F: Field> {
     /// True if the direction is that at A.
-    at_nut: bool,
+    at_nut: F::Mask,
     /// Direction of the slip at B.
-    b: [f64; 2],
+    b: [F; 2],
     /// `$|g|$` and `$K$`.
-    gap: f64,
-    curvature: f64,
+    gap: F,
+    curvature: F,
     /// Axial load over the load of B.
-    axial: f64,
+    axial: F,
     /// `$B_0$`.
-    drive: f64,
+    drive: F,
     /// `$\Delta$`, `$X$`, `$\Delta M$` and the friction of the other contact times `$\Delta$`.
-    reach: Line,
-    cross: Line,
-    centrifugal: Line,
-    other: [Line; 2],
+    reach: Line<F>,
+    cross: Line<F>,
+    centrifugal: Line<F>,
+    other: [Line<F>; 2],
     /// `$S$`, `$N_1$` and `$N_2$`.
-    slip: [Quadratic; 2],
-    advance: Quadratic,
-    resistance: Quadratic,
+    slip: [Quadratic<F>; 2],
+    advance: Quadratic<F>,
+    resistance: Quadratic<F>,
 }
 
 /// The states with one direction of slip at B.
@@ -93,7 +104,33 @@ pub(super) struct Point {
     pub(super) sense: f64,
 }
 
+/// Numbers of a [`Point`] but for its turn.
+const NUMBERS: usize = 19;
+
 impl Point {
+    /// Of its numbers, as [`Curve::point`] has them; none where the direction is none.
+    fn of(turn: f64, numbers: &[f64; NUMBERS]) -> Option<Self> {
+        let [c, s, at_nut, a_x, a_t, m_x, m_t, nut, minor, axial, centrifugal, ..] = *numbers;
+        let [.., precession, rate, slip_x, slip_t, broken, given, wanted, sense] = *numbers;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "nine bits")]
+        let broken = broken as u16;
+        (!c.is_nan()).then_some(Self {
+            turn,
+            direction: [c, s],
+            at_nut: at_nut > 0.0,
+            friction: [[a_x, a_t], [m_x, m_t]],
+            loads: [nut, minor],
+            axial,
+            centrifugal,
+            precession,
+            rate,
+            slip: [slip_x, slip_t],
+            broken,
+            inertia: [given, wanted],
+            sense,
+        })
+    }
+
     /// Excess of the inertia over the one that would make this a root, from -1 to 1.
     pub(super) fn excess(&self) -> f64 {
         let [given, wanted] = self.inertia;
@@ -119,8 +156,46 @@ impl Point {
     }
 }
 
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+#[inline(always)]
+fn dot<F: Field>(a: [F; 2], b: [F; 2]) -> F {
     a[0] * b[0] + a[1] * b[1]
+}
+
+/// Samples at several turns.
+struct Samples<'a>(&'a Curve, &'a [f64]);
+
+impl WithSimd for Samples<'_> {
+    type Output = [Option<Sample>; BLOCK];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self(curve, turns) = self;
+        let mut samples = [None; BLOCK];
+        let (mut sines, mut cosines): (Block, Block) = ([0.0; BLOCK], [1.0; BLOCK]);
+        for i in 0..turns.len() {
+            (sines[i], cosines[i]) = turns[i].sin_cos();
+        }
+        for first in (0..turns.len()).step_by(Lane::<S>::LEN) {
+            let sin = Lane::<S>::load(simd, &sines[first..]);
+            let (drive, sheets) = curve.states([sin, Lane::load(simd, &cosines[first..])]);
+            for i in first..turns.len().min(first + Lane::<S>::LEN) {
+                let mut sample = Sample {
+                    turn: turns[i],
+                    drive: drive.as_slice()[i - first],
+                    sheets: [None; 4],
+                };
+                for k in 0..4 {
+                    let mut numbers = [0.0; NUMBERS];
+                    for n in 0..NUMBERS {
+                        numbers[n] = sheets[k][n].as_slice()[i - first];
+                    }
+                    sample.sheets[k] = Point::of(turns[i], &numbers);
+                }
+                samples[i] = Some(sample);
+            }
+        }
+        samples
+    }
 }
 
 impl Curve {
@@ -140,61 +215,93 @@ impl Curve {
         }
     }
 
-    /// True if the axial load and the loads of A and A' can be positive with this turn.
-    pub(super) fn bears(&self, turn: f64) -> bool {
-        let fan = self.fan(turn);
-        fan.axial > 0.0 && fan.curvature > 0.0
+    /// The turns that admissible states can have, below zero and above it; none where no state is admissible.
+    pub(super) fn windows(&self) -> [Option<[f64; 2]>; 2] {
+        let ([sin_psi, cos_psi], [k_e, k_t]) = (self.psi, self.axis);
+        let lean = self.signed * self.contact[1] / self.contact[0];
+        let psi = sin_psi.atan2(cos_psi);
+        // tanφ_E = k_t/(d − k_e),  −φ_E < ψ + δ < π − φ_E                 (R47)
+        let lost = k_t.atan2(self.arc - k_e);
+        // K has the sign of δ [a sinδ + b cosδ − F cotβ],  a = (cos²ψ − F² cot²β)/sinψ,  b = cosψ
+        let carries = cos_psi - lean;
+        let (a, sum) = (carries * (cos_psi + lean) / sin_psi, cos_psi + lean);
+        let [low, high] = if sum > 0.0 {
+            let root = (a * a + carries * sum).sqrt();
+            let low = if a > 0.0 { -carries / (a + root) } else { (a - root) / sum };
+            let high = if a > 0.0 { (a + root) / sum } else { carries / (root - a) };
+            [2.0 * low.atan(), 2.0 * high.atan()]
+        } else {
+            let wide = (lean / a.hypot(cos_psi)).max(-1.0).acos();
+            [a.atan2(cos_psi) - wide, a.atan2(cos_psi) + wide]
+        };
+        // 0 < δ < min(π/2 − ψ − φ_E, δ_K), none where F cotβ ≥ cosψ       (R49)
+        let end = high.min(FRAC_PI_2 - psi - lost);
+        let above = (carries > 0.0 && end > 0.0).then_some([0.0, end]);
+        // −ψ < δ < δ_K⁻, F > 0, where 2 cotψ > tanφ_E                     (R50)
+        let steep = 2.0 * cos_psi * (self.arc - k_e) <= sin_psi * k_t;
+        let (begin, end) =
+            (-psi - if steep { lost } else { 0.0 }, if carries > 0.0 { low } else { 0.0 });
+        let below = ((steep || self.signed > 0.0) && begin < end).then_some([begin, end]);
+        [below, above]
     }
 
-    /// Everything that the direction of slip at B tells.
-    fn fan(&self, turn: f64) -> Fan {
+    /// Everything that the direction of slip at B tells, from the sine and cosine of its turn.
+    #[inline(always)]
+    fn fan<F: Compare>(&self, [sin, cos]: [F; 2]) -> Fan<F> {
         let Self { signed: f, contact: [sin_b, cos_b], psi: [sin_psi, cos_psi], axis, .. } = *self;
         let [k_e, k_t] = axis;
-        let (sin, cos) = turn.sin_cos();
+        let (zero, one) = (sin.constant(0.0), sin.constant(1.0));
         // b = −(cos(ψ + δ), sin(ψ + δ)),  ξ = 2 sinδ / sinψ               (R33)
-        let b = [sin_psi * sin - cos_psi * cos, -sin_psi * cos - cos_psi * sin];
-        let xi = 2.0 * sin / sin_psi;
+        let b = [sin * sin_psi - cos * cos_psi, -(cos * sin_psi) - sin * cos_psi];
+        let xi = sin * (2.0 / sin_psi);
         // ℓ = (ξ, 0) − b,  g = 1 + F ξ cotβ                               (R34)
         let ell = [xi - b[0], -b[1]];
         let lean = f * cos_b / sin_b;
-        let gap = 1.0 + lean * xi;
+        let gap = xi * lean + 1.0;
         // K = ξ [ξ (1 − F² cot²β)/2 − b_x − F cotβ],  Δ = |g| + ℓ·c       (R35)
-        let curvature = xi * (0.5 * xi * (1.0 - lean * lean) - b[0] - lean);
-        let at_nut = gap < 0.0;
+        let curvature = xi * (xi * (0.5 * (1.0 - lean * lean)) - b[0] - lean);
+        let at_nut = gap.lt(zero);
         let gap = gap.abs();
         let reach = Line([gap, ell[0], ell[1]]);
-        let own = [Line([0.0, 1.0, 0.0]), Line([0.0, 0.0, 1.0])];
-        let scaled = own.map(|c| Line(c.0.map(|x| curvature * x)));
-        let other: [Line; 2] = std::array::from_fn(|i| reach.combined(ell[i], &own[i], -curvature));
-        let minor = if at_nut { other } else { scaled };
+        let own = [Line([zero, one, zero]), Line([zero, zero, one])];
+        let scaled = [Line([zero, curvature, zero]), Line([zero, zero, curvature])];
+        let other = [
+            reach.combined(ell[0], &own[0], -curvature),
+            reach.combined(ell[1], &own[1], -curvature),
+        ];
+        let minor = [
+            Line::select(at_nut, &other[0], &scaled[0]),
+            Line::select(at_nut, &other[1], &scaled[1]),
+        ];
         // A = cosα sinβ − F h cosδ                                        (R36)
-        let axial = self.thrust + f * dot(axis, b);
+        let axial = (b[0] * k_e + b[1] * k_t) * f + self.thrust;
         // Δ M = Δ [ξ F/sinβ + 2 Q' cosβ] − 2 F sinβ Δ f'_x                (R37)
-        let minor_load = Line([curvature, 0.0, 0.0]);
-        let minor_load = if at_nut { minor_load.combined(1.0, &reach, gap) } else { minor_load };
-        let centrifugal = reach.combined(xi * f / sin_b, &minor_load, 2.0 * cos_b).combined(
-            1.0,
-            &minor[0],
-            -2.0 * f * sin_b,
-        );
+        let minor_load = Line([curvature, zero, zero]);
+        let minor_load = minor_load.combined(one, &reach, F::select(at_nut, gap, zero));
+        let centrifugal = reach
+            .combined(xi * (f / sin_b), &minor_load, sin.constant(2.0 * cos_b))
+            .combined(one, &minor[0], sin.constant(-2.0 * f * sin_b));
         // X = ± c × ℓ                                                     (R38)
-        let side = if at_nut { -1.0 } else { 1.0 };
-        let sideways = Line([0.0, side * ell[1], -side * ell[0]]);
+        let side = F::select(at_nut, -one, one);
+        let cross = Line([zero, side * ell[1], -side * ell[0]]);
         // S = −(2 b_t/k_t) Δ² f'_x f_A/K                                  (R38)
-        let pull = -2.0 * b[1] / k_t;
-        let slip: [Quadratic; 2] = std::array::from_fn(|i| {
-            let (one, two) = if at_nut { (other[0], own[i]) } else { (own[0], other[i]) };
-            one.times(&two).scaled(pull)
-        });
+        let pull = b[1] * (-2.0 / k_t);
+        let one_way = Line::select(at_nut, &other[0], &own[0]);
+        let slip = [
+            one_way.times(&Line::select(at_nut, &own[0], &other[0])).scaled(pull),
+            one_way.times(&Line::select(at_nut, &own[1], &other[1])).scaled(pull),
+        ];
         // N₁ = k·S − Δ f'_t X,  N₂ = b × S − 2 b_x N₁/k_t                 (R39)
-        let advance =
-            slip[0].combined(k_e, &slip[1], k_t).combined(1.0, &minor[1].times(&sideways), -1.0);
+        let advance = slip[0].combined(sin.constant(k_e), &slip[1], sin.constant(k_t)).combined(
+            one,
+            &minor[1].times(&cross),
+            -one,
+        );
         let resistance =
-            slip[1].combined(b[0], &slip[0], -b[1]).combined(1.0, &advance, -2.0 * b[0] / k_t);
+            slip[1].combined(b[0], &slip[0], -b[1]).combined(one, &advance, b[0] * (-2.0 / k_t));
         // B₀ = k_t b_t + (k_e − d/r_b) b_x                                (R40)
-        let drive = k_t * b[1] + (k_e - self.arc) * b[0];
+        let drive = b[1] * k_t + b[0] * (k_e - self.arc);
         Fan {
-            turn,
             at_nut,
             b,
             gap,
@@ -202,7 +309,7 @@ impl Curve {
             axial,
             drive,
             reach,
-            cross: sideways,
+            cross,
             centrifugal,
             other,
             slip,
@@ -211,42 +318,55 @@ impl Curve {
         }
     }
 
-    /// The states with this turn of the slip at B, at most four, with loads and speeds of any sign.
-    pub(super) fn sample(&self, turn: f64) -> Sample {
+    /// `$B_0$` and the states with a turn of the slip at B, at most four, with loads and speeds of any sign: of
+    /// each the numbers of [`Point`].
+    #[inline(always)]
+    fn states<F: Compare>(&self, turn: [F; 2]) -> (F, [[F; NUMBERS]; 4]) {
         cost::evaluated();
         let fan = self.fan(turn);
+        let one = turn[0].constant(1.0);
         // B₀ X Δ M = C₀ (B₀ N₁/(k_t d) + ω N₂),  C₀ = 5 F sinβ cosβ r_m/r_b  (R41)
-        let (drive, nut) = if self.nut == 0.0 { (1.0, 0.0) } else { (fan.drive, self.nut) };
-        let moving = fan.advance.combined(drive / (self.axis[1] * self.arc), &fan.resistance, nut);
-        let balance = fan.cross.times(&fan.centrifugal).combined(drive, &moving, -self.gyration);
-        let sheets = balance.zeros().map(|c| (!c[0].is_nan()).then(|| self.point(&fan, c)));
-        Sample { turn, drive: fan.drive, sheets }
+        let drive = if self.nut == 0.0 { one } else { fan.drive };
+        let per_turn = drive * (1.0 / (self.axis[1] * self.arc));
+        let moving = fan.advance.combined(per_turn, &fan.resistance, one * self.nut);
+        let balance =
+            fan.cross.times(&fan.centrifugal).combined(drive, &moving, one * -self.gyration);
+        let zeros = balance.zeros();
+        let mut sheets = [[one; NUMBERS]; 4];
+        for i in 0..4 {
+            sheets[i] = self.point(&fan, zeros[i]);
+        }
+        (fan.drive, sheets)
     }
 
-    /// The state of one direction of friction.
-    fn point(&self, fan: &Fan, c: [f64; 2]) -> Point {
+    /// The numbers of the state of one direction of friction.
+    #[inline(always)]
+    fn point<F: Compare>(&self, fan: &Fan<F>, c: [F; 2]) -> [F; NUMBERS] {
         let [k_e, k_t] = self.axis;
         let reach = fan.reach.at(c);
-        let load = fan.curvature / reach;
+        let per_reach = reach.recip();
+        let load = fan.curvature * per_reach;
         let own = [load * c[0], load * c[1]];
-        let other = fan.other.map(|line| line.at(c) / reach);
-        let (loads, friction) = if fan.at_nut {
-            ([load, load + fan.gap], [own, other])
-        } else {
-            ([load + fan.gap, load], [other, own])
-        };
+        let other = [fan.other[0].at(c) * per_reach, fan.other[1].at(c) * per_reach];
+        let (zero, larger) = (load.constant(0.0), load + fan.gap);
+        let loads = [F::select(fan.at_nut, load, larger), F::select(fan.at_nut, larger, load)];
+        let mut friction = [own, other];
+        for k in 0..2 {
+            friction[0][k] = F::select(fan.at_nut, own[k], other[k]);
+            friction[1][k] = F::select(fan.at_nut, other[k], own[k]);
+        }
         // V_A = B₀ S/N₂,  G = B₀ Δ X/N₂,  p = B₀ N₁/(k_t d N₂)            (R40)
         let (resistance, centrifugal, cross) =
             (fan.resistance.at(c), fan.centrifugal.at(c), fan.cross.at(c));
         let scale = fan.drive / resistance;
-        let slip = fan.slip.map(|s| scale * s.at(c));
-        let precession = scale * fan.advance.at(c) / (k_t * self.arc);
-        let at_minor = [slip[0], slip[1] + 2.0 * scale * reach * cross * fan.b[1] / k_t];
-        let at_screw = [-slip[0] - k_t, 2.0 * self.arc * precession - slip[1] + k_e - self.arc];
+        let slip = [scale * fan.slip[0].at(c), scale * fan.slip[1].at(c)];
+        let precession = scale * fan.advance.at(c) * (1.0 / (k_t * self.arc));
+        let at_minor = [slip[0], slip[1] + scale * reach * cross * fan.b[1] * (2.0 / k_t)];
+        let at_screw = [-slip[0] - k_t, precession * (2.0 * self.arc) - slip[1] + (k_e - self.arc)];
         // μ A (B₀ X)² Δ (Δ M) = (C₀ N₂)²                                  (R42)
         let sense = fan.drive * cross;
-        let given =
-            self.inertia * fan.axial * (sense / self.gyration).powi(2) * reach * centrifugal;
+        let part = sense * (1.0 / self.gyration);
+        let given = fan.axial * self.inertia * (part * part) * reach * centrifugal;
         let demands = [
             fan.curvature,
             reach,
@@ -258,25 +378,37 @@ impl Curve {
             dot(at_minor, friction[1]),
             dot(at_screw, fan.b),
         ];
-        let broken = demands.iter().fold(0, |bits, x| {
-            let met = *x > 0.0;
-            2 * bits + u16::from(!met)
-        });
-        Point {
-            turn: fan.turn,
-            direction: c,
-            at_nut: fan.at_nut,
-            friction,
-            loads,
-            axial: fan.axial,
-            centrifugal: centrifugal / reach,
-            precession,
-            rate: precession + self.nut,
-            slip,
-            broken,
-            inertia: [given, resistance * resistance],
-            sense,
+        let mut broken = zero;
+        for demand in demands {
+            let bit = F::select(demand.gt(zero), zero, zero.constant(1.0));
+            broken = broken * 2.0 + bit;
         }
+        [
+            c[0],
+            c[1],
+            F::select(fan.at_nut, zero.constant(1.0), zero),
+            friction[0][0],
+            friction[0][1],
+            friction[1][0],
+            friction[1][1],
+            loads[0],
+            loads[1],
+            fan.axial,
+            centrifugal * per_reach,
+            precession,
+            precession + self.nut,
+            slip[0],
+            slip[1],
+            broken,
+            given,
+            resistance * resistance,
+            sense,
+        ]
+    }
+
+    /// The states with these turns of the slip at B, at most [`BLOCK`].
+    pub(super) fn samples(&self, turns: &[f64]) -> [Option<Sample>; BLOCK] {
+        Arch::new().dispatch(Samples(self, turns))
     }
 
     /// The motion of a state.

@@ -14,8 +14,12 @@ use super::ball::RigidBall;
 use super::sweep::Directions;
 
 /// Crowding (R45) up to which no point was seen to have a second root: the least of those that have one
-/// is 3.4.
+/// is 1.8.
 const UNIQUE_BELOW: f64 = 1.0;
+
+/// Friction from which that is so: at a coefficient of 6e-6 a ball was seen to have a second root at a crowding of 0.08,
+/// on an arc as short as friction is small.
+pub(super) const UNIQUE_FROM: f64 = 1e-3;
 
 /// Crowding (R45) from which second roots are looked for: below, one point in 10 000 has any.
 pub(super) const SEARCHED_FROM: f64 = 300.0;
@@ -47,6 +51,8 @@ pub struct FirstOrder<F = f64> {
     /// Inertia forces times the load of a contact, over friction and over `$(P/W)^2$`: what roots have to
     /// exceed to be several.
     pub crowding: F,
+    /// Coulomb coefficient `$f$`.
+    pub friction: F,
     /// The directions that the first sweep leads to, and how far they are from those that it began with.
     pub(super) next: Directions<F>,
     pub(super) change: F,
@@ -78,6 +84,7 @@ impl<F: Compare> RigidBall<F> {
             spin: load * self.signed * self.per_h * -2.0,
             // C = q ι / (f (P/W)²)                                        (R45)
             crowding: load.abs() * size / (self.friction() * rate.square()),
+            friction: self.friction(),
             next: state.next,
             change: start.farthest(&state.next),
         }
@@ -95,6 +102,7 @@ impl<F: Compare> FirstOrder<F> {
     #[inline(always)]
     pub fn is_unique(&self) -> F::Mask {
         self.crowding.lt(self.crowding.constant(UNIQUE_BELOW))
+            & self.friction.gt(self.crowding.constant(UNIQUE_FROM))
     }
 
     /// Where the contacts push to first order.

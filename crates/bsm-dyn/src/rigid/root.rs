@@ -5,6 +5,7 @@
 use std::mem;
 
 use bsm_newton::{Bracket, Equations, Options, Report, Scales, solve};
+use bsm_simd::{Arch, BLOCK, Block, Lane, Simd, WithSimd};
 
 use super::ball::{RigidBall, RigidMotion};
 use super::curve::Curve;
@@ -14,7 +15,7 @@ use super::search::{LONGEST, Search};
 use crate::ball_unknowns::BALL;
 use crate::ball_unknowns::unknown::{MINOR_LOAD, SLIP};
 use crate::equations::Workspace;
-use crate::{Evidence, Reason, Unsolved};
+use crate::{Evidence, Reason, Sines, Unsolved};
 
 /// Up to this ratio of inertia to friction what the first order denies by more than its error is not
 /// there; above it, friction of order one leaves roots further from the first order.
@@ -63,8 +64,8 @@ struct Point<'a> {
     first: FirstOrder,
     /// Ratio of inertia to friction.
     inertia: f64,
-    /// Why the root that the sweeps have met is none.
-    denial: Option<Unsolved>,
+    /// What the sweeps have met, if it is no root.
+    met: Option<RigidMotion<f64>>,
     work: &'a mut RigidWorkspace,
 }
 
@@ -82,7 +83,7 @@ type Verdict = Option<Result<Root, Unsolved>>;
 pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<Root, Unsolved> {
     let first = ball.first_order();
     let inertia = first.size / ball.friction();
-    let mut point = Point { ball, first, inertia, denial: None, work };
+    let mut point = Point { ball, first, inertia, met: None, work };
     let verdict = point.first_order().or_else(|| point.sweeps());
     let found = verdict.unwrap_or_else(|| point.search()).map(|root| {
         // That a search has met no other which the sweeps did not need is not told: a row of a table says
@@ -142,7 +143,7 @@ impl Point<'_> {
             return None;
         }
         let motion = swept.motion;
-        let Some(reason) = inadmissible(self.ball, &motion, self.work) else {
+        if motion.is_admissible() {
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
@@ -150,11 +151,11 @@ impl Point<'_> {
             )]
             let steps = swept.count as usize;
             return Some(Ok(Root { motion, steps, residual: swept.residual, others: None }));
-        };
-        if self.inertia < SMALL_INERTIA {
-            return Some(Err(reason));
         }
-        self.denial = Some(reason);
+        if self.inertia < SMALL_INERTIA {
+            return Some(Err(none(inadmissible(self.ball, &motion, self.work))));
+        }
+        self.met = Some(motion);
         None
     }
 
@@ -167,12 +168,13 @@ impl Point<'_> {
         if let Some(failure) = met.failure {
             return Err(failure);
         }
-        let evidence = Evidence::Traced { resolution: LONGEST };
-        Err(match self.denial.take() {
-            Some(Unsolved::NoSolution { reason, .. }) => Unsolved::none(evidence, reason),
-            Some(lost) => lost,
-            None => Unsolved::none(evidence, self.why_none(met.nearest_inertia)),
-        })
+        let evidence =
+            if met.excluded { Evidence::Proof } else { Evidence::Traced { resolution: LONGEST } };
+        let reason = match self.met {
+            Some(motion) => inadmissible(self.ball, &motion, self.work),
+            None => self.why_none(met.nearest_inertia),
+        };
+        Err(Unsolved::none(evidence, reason))
     }
 
     /// What to say of a point where the search found no root.
@@ -193,6 +195,8 @@ pub(super) struct Met {
     /// downwards.
     pub(super) roots: Vec<Root>,
     nearest_inertia: Option<f64>,
+    /// No turn can have a root.
+    excluded: bool,
     /// A part of the curve was not searched, or a crossing gave no root.
     failure: Option<Unsolved>,
 }
@@ -222,7 +226,8 @@ impl Met {
         if cut_short && failure.is_none() {
             failure = Some(Unsolved::LOST);
         }
-        Self { roots, nearest_inertia, failure }
+        let excluded = curve.windows() == [None; 2];
+        Self { roots, nearest_inertia, excluded, failure }
     }
 
     /// The first root, with the others.
@@ -268,19 +273,16 @@ fn inadmissible(
     ball: &RigidBall<f64>,
     motion: &RigidMotion<f64>,
     work: &mut RigidWorkspace,
-) -> Option<Unsolved> {
+) -> Reason {
     let ([nut, minor, screw], slip) = (motion.loads, motion.speeds[0]);
     if nut <= 0.0 || screw <= 0.0 {
-        let (nut_load_ratio, screw_load_ratio) = (nut, screw);
-        return Some(none(Reason::LoadedContactWouldPull { nut_load_ratio, screw_load_ratio }));
+        return Reason::LoadedContactWouldPull { nut_load_ratio: nut, screw_load_ratio: screw };
     }
     if minor <= 0.0 {
-        return Some(none(Reason::MinorContactWouldPull { load_ratio: minor }));
+        return Reason::MinorContactWouldPull { load_ratio: minor };
     }
-    (slip <= 0.0).then(|| {
-        let critical_lead_angle = critical_lead_angle(ball, work);
-        none(Reason::NutContactWouldRoll { slip, exact: true, critical_lead_angle })
-    })
+    let critical_lead_angle = critical_lead_angle(ball, work);
+    Reason::NutContactWouldRoll { slip, exact: true, critical_lead_angle }
 }
 
 /// What a relative error of the first order makes of its margin.
@@ -307,6 +309,40 @@ fn would_roll(ball: &RigidBall<f64>, first: &FirstOrder, work: &mut RigidWorkspa
     Reason::NutContactWouldRoll { slip: first.slip, exact: false, critical_lead_angle }
 }
 
+/// Whether the first order has a root at other lead angles.
+struct Exists<'a>(&'a RigidBall<f64>, &'a Block);
+
+impl WithSimd for Exists<'_> {
+    type Output = [bool; BLOCK];
+
+    #[expect(clippy::inline_always, reason = "code takes the instruction set only inline")]
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self(ball, leads) = self;
+        let mut exists = [false; BLOCK];
+        for first in (0..BLOCK).step_by(Lane::<S>::LEN) {
+            let lead = Lane::<S>::load(simd, &leads[first..]);
+            let sines = Sines {
+                sin_a: lead.each(f64::sin),
+                cos_a: lead.each(f64::cos),
+                sin_b: lead.constant(ball.sines.sin_b),
+                cos_b: lead.constant(ball.sines.cos_b),
+            };
+            let [mass, nut, signed] =
+                [ball.inertia_ratio / ball.radius, ball.nut_speed, ball.signed];
+            let ball = RigidBall::new(
+                sines,
+                lead.constant(ball.radius),
+                lead.constant(mass),
+                lead.constant(nut),
+                lead.constant(signed),
+            );
+            ball.first_order().exists().store(&mut exists[first..]);
+        }
+        exists
+    }
+}
+
 /// Smallest lead angle above the point's at which the slip at A is no longer negative.
 ///
 /// The first-order margin brackets it, Newton on the exact equations with the lead angle as an
@@ -317,12 +353,22 @@ pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>, work: &mut RigidWorkspa
 
     let at = |lead: f64| ball.with_lead_angle(lead).first_order();
     let lead_angle = ball.sines.sin_a.atan2(ball.sines.cos_a);
-    let mut high = lead_angle;
-    while !at(high).exists() {
-        high += STEP;
-        if high > LARGEST {
+    let mut leads = [lead_angle; BLOCK];
+    let high = loop {
+        for i in 1..BLOCK {
+            leads[i] = leads[i - 1] + STEP;
+        }
+        let exists = Arch::new().dispatch(Exists(ball, &leads));
+        if let Some(first) = exists.iter().position(|exists| *exists) {
+            break leads[first];
+        }
+        leads[0] = leads[BLOCK - 1] + STEP;
+        if leads[0] > LARGEST {
             return None;
         }
+    };
+    if high > LARGEST.max(lead_angle) {
+        return None;
     }
     // An angle that has one, next to one that has none.
     let ends = [(high - STEP).max(0.5 * high), high];

@@ -2,9 +2,8 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, section on fast balls.
 
-use std::f64::consts::PI;
-
 use bsm_newton::Bracket;
+use bsm_simd::BLOCK;
 
 use super::curve::{Curve, Point, Sample};
 
@@ -17,6 +16,15 @@ const EARLIEST: f64 = 1e-16;
 /// Growth of its steps, and the longest one \[rad\].
 const GROWTH: f64 = 1.5;
 pub(super) const LONGEST: f64 = 0.04;
+
+/// Steps to an end of a window, where slips turn fast and loads grow, each half of the one before, and the
+/// shortest step there \[rad\].
+const APPROACHES: i32 = 30;
+const APPROACH: f64 = 0.5;
+const NEAREST: f64 = 1e-10;
+
+/// Turns of a walk are at most so many: hundreds of growing steps, of long ones and of approaches.
+const MOST_TURNS: usize = 400;
 
 /// A direction moves less than this in a step, as the square of its distance on the unit circle:
 /// sheets are told apart by it.
@@ -51,11 +59,43 @@ pub(super) struct Search<'a, F> {
     samples: usize,
 }
 
+/// Turns of a walk through a window above zero: steps that grow up to the longest, and ever shorter ones
+/// towards its ends.
+fn turns(first: f64, [low, high]: [f64; 2]) -> Vec<f64> {
+    let mut turns = Vec::with_capacity(MOST_TURNS);
+    let step = LONGEST.min(0.5 * (high - low));
+    let mut turn = if low > 0.0 {
+        turns.extend((0..APPROACHES).rev().map(|i| low + step * APPROACH.powi(i)));
+        low + step
+    } else {
+        let first = first.min(step);
+        turns.push(first);
+        first
+    };
+    while turn < high - step {
+        turn = (turn * GROWTH).min(turn + LONGEST).min(high - step);
+        turns.push(turn);
+    }
+    turns.extend((1..=APPROACHES).map(|i| high - step * APPROACH.powi(i)));
+    turns.push(high);
+    turns
+}
+
 impl Sample {
     /// Number of the sheet whose point is nearest.
     fn nearest(&self, point: &Point) -> Option<usize> {
         let apart = |i: &usize| self.sheets[*i].map_or(f64::INFINITY, |sheet| sheet.apart(point));
         (0..4).min_by(|i, j| apart(i).total_cmp(&apart(j))).filter(|i| self.sheets[*i].is_some())
+    }
+
+    /// True if a sheet keeps all demands, or one of each sample together do: else no root is between them.
+    fn may_meet(&self, other: &Self) -> bool {
+        let broken = |sample: &Self| sample.sheets.map(|sheet| sheet.map(|point| point.broken));
+        let (one, two) = (broken(self), broken(other));
+        let met = |i: &Option<u16>| {
+            *i == Some(0) || two.iter().flatten().any(|j| i.is_some_and(|i| i & j == 0))
+        };
+        one.iter().any(met) || two.contains(&Some(0))
     }
 
     /// The sheets of both samples that are nearest to each other.
@@ -76,25 +116,18 @@ impl<'a, F: FnMut(&Point) -> bool> Search<'a, F> {
     /// says that it is enough; returns whether one did. `inertia`: `$\varepsilon$` of the first order.
     pub(super) fn run(&mut self, inertia: f64) -> bool {
         let first = (BEGIN * inertia).clamp(EARLIEST, LATEST);
-        [1.0, -1.0].into_iter().any(|side| {
-            let mut turn = first;
+        let [below, above] = self.curve.windows();
+        let above = above.map(|window| turns(first, window));
+        let below = below.map(|[low, high]| turns(first, [-high, -low]));
+        let below = below.map(|turns| turns.into_iter().map(|turn| -turn).collect());
+        [above, below].into_iter().flatten().any(|turns: Vec<f64>| {
             let mut before: Option<Sample> = None;
-            while turn < PI {
-                let next = (turn * GROWTH).min(turn + LONGEST).min(PI);
-                let turns = [side * turn, 0.5 * side * (turn + next), side * next];
-                turn = next;
-                if !turns.into_iter().any(|turn| self.curve.bears(turn)) {
-                    before = None;
-                    continue;
-                }
-                let one = before.unwrap_or_else(|| self.sample(turns[0]));
-                let other = self.sample(turns[2]);
-                if self.between(&one, &other, 0) {
-                    return true;
-                }
-                before = Some(other);
-            }
-            false
+            turns.chunks(BLOCK).any(|turns| {
+                self.samples(turns).into_iter().flatten().any(|sample| {
+                    let one = before.replace(sample);
+                    one.is_some_and(|one| self.between(&one, &sample, 0))
+                })
+            })
         })
     }
 
@@ -103,21 +136,26 @@ impl<'a, F: FnMut(&Point) -> bool> Search<'a, F> {
         self.samples >= MOST_SAMPLES
     }
 
-    fn sample(&mut self, turn: f64) -> Sample {
-        self.samples += 1;
-        let sample = self.curve.sample(turn);
-        for point in sample.sheets.iter().flatten().filter(|point| point.broken == 0) {
+    /// Samples at some turns, at most [`BLOCK`], which take as long as one; notes their admissible states.
+    fn samples(&mut self, turns: &[f64]) -> [Option<Sample>; BLOCK] {
+        self.samples += turns.len();
+        let samples = self.curve.samples(turns);
+        let states = samples.iter().flatten().flat_map(|sample| &sample.sheets).flatten();
+        for point in states.filter(|point| point.broken == 0) {
             let far = |ratio: f64| (ratio / self.curve.inertia).max(self.curve.inertia / ratio);
             let here = point.inertia_ratio();
             if self.nearest_inertia.is_none_or(|nearest| far(here) < far(nearest)) {
                 self.nearest_inertia = Some(here);
             }
         }
-        sample
+        samples
     }
 
     /// The roots between two turns, a step that was halved so many times.
     fn between(&mut self, a: &Sample, b: &Sample, halved: u32) -> bool {
+        if !a.may_meet(b) {
+            return false;
+        }
         let pairs = a.pairs(b);
         // A sheet that may have a root and has no partner.
         let torn = (0..4).any(|i| {
@@ -137,7 +175,7 @@ impl<'a, F: FnMut(&Point) -> bool> Search<'a, F> {
         };
         let most = if torn || any(|one, other| one.apart(other) > NEAR) {
             TORN
-        } else if (a.drive > 0.0) != (b.drive > 0.0) {
+        } else if (a.drive > 0.0) != (b.drive > 0.0) && (a.turn - b.turn).abs() > NEAREST {
             FAST
         } else if any(breaks) {
             BREAKS
@@ -147,8 +185,10 @@ impl<'a, F: FnMut(&Point) -> bool> Search<'a, F> {
             0
         };
         if halved < most && !self.is_cut_short() {
-            let middle = self.sample(0.5 * (a.turn + b.turn));
-            return self.between(a, &middle, halved + 1) || self.between(&middle, b, halved + 1);
+            let [middle, ..] = self.samples(&[0.5 * (a.turn + b.turn)]);
+            return middle.is_some_and(|middle| {
+                self.between(a, &middle, halved + 1) || self.between(&middle, b, halved + 1)
+            });
         }
         live.iter().flatten().any(|(one, other)| {
             if (one.sense > 0.0) == (other.sense > 0.0) {
@@ -183,9 +223,9 @@ impl<'a, F: FnMut(&Point) -> bool> Search<'a, F> {
         let rises = values[1] > 0.0;
         let bracket = Bracket { f_tol: enough, ..Bracket::new(ends.map(|end| end.turn), values) };
         bracket.root(|turn| {
-            let sample = self.sample(turn);
+            let [sample, ..] = self.samples(&[turn]);
             let near = |point: &Point| point.apart(&ends[0]).min(point.apart(&ends[1]));
-            let points = sample.sheets.iter().flatten();
+            let points = sample.iter().flat_map(|sample| &sample.sheets).flatten();
             points.min_by(|x, y| near(x).total_cmp(&near(y))).map_or(f64::NAN, |point| {
                 let value = value(point);
                 ends[usize::from((value > 0.0) == rises)] = *point;

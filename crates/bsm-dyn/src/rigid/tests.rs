@@ -12,7 +12,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::curve::Curve;
-use super::first_order::SEARCHED_FROM;
+use super::first_order::{SEARCHED_FROM, UNIQUE_FROM};
 use super::*;
 use crate::equations::Workspace;
 use crate::extreme::extreme;
@@ -249,7 +249,9 @@ fn count_second_roots(counts: [usize; 2]) {
             if balanced(&rigid, &case, &met.roots) > 1 {
                 several += 1;
                 below += usize::from(crowding < SEARCHED_FROM);
-                least = least.min(crowding);
+                if case.friction() > UNIQUE_FROM {
+                    least = least.min(crowding);
+                }
                 let known = root.others.map(|others| others.len());
                 assert_ne!(known, Some(0), "{rigid:?} {:?}", met.roots);
                 assert!(known.is_some() || crowding < SEARCHED_FROM, "{rigid:?} {:?}", met.roots);
@@ -259,8 +261,8 @@ fn count_second_roots(counts: [usize; 2]) {
             "{name}: {several} of {tried} have several roots, {below} of them at C < {SEARCHED_FROM}, \
              the least at C = {least:.1}"
         );
-        // The least of 100 000 points is 3.4.
-        assert!(several >= campaign(3).max(count / 1000) && least > 3.0, "{several} {least}");
+        // The least of 30 000 points is 1.8.
+        assert!(several >= campaign(3).max(count / 1000) && least > 1.0, "{several} {least}");
     }
 }
 
@@ -338,6 +340,12 @@ fn an_arc_of_its_own_is_not_denied() {
     assert_eq!(Rigid { point: rigid }.solve(&mut work).answer.expect("a root").others, None);
 }
 
+/// The states with a turn of the slip at B.
+fn states(curve: &Curve, turn: f64) -> impl Iterator<Item = curve::Point> {
+    let [sample, ..] = curve.samples(&[turn]);
+    sample.into_iter().flat_map(|sample| sample.sheets).flatten()
+}
+
 /// Every state of the curve is a root of the seven equations of the inertia that it belongs to.
 #[test]
 fn the_reduction_solves_the_equations() {
@@ -348,7 +356,7 @@ fn the_reduction_solves_the_equations() {
         let Ok(case) = Rigid { point: rigid }.ball() else { continue };
         let curve = Curve::of(&case);
         let turn = rng.random_range(-3.0..3.0_f64) * rng.log_uniform(1e-3, 1.0);
-        for point in curve.sample(turn).sheets.into_iter().flatten() {
+        for point in states(&curve, turn) {
             if point.broken != 0 {
                 continue;
             }
@@ -363,6 +371,37 @@ fn the_reduction_solves_the_equations() {
             assert!(norm <= 1e-6, "{rigid:?} {turn} {point:?} {residual} {norm:e}");
         }
     }
+}
+
+/// Outside the windows no state meets all demands, over practice and over the extremes.
+#[test]
+fn no_state_is_beyond_the_windows() {
+    let mut rng = ChaCha8Rng::seed_from_u64(47);
+    let (mut inside, mut outside) = (0, 0);
+    for number in 0..campaign(4000) {
+        let rigid = if number % 2 == 0 { practical(&mut rng) } else { screw(&mut rng) };
+        let Ok(case) = Rigid { point: rigid }.ball() else { continue };
+        let curve = Curve::of(&case);
+        let windows = curve.windows();
+        let edges = windows.into_iter().flatten().flatten().collect::<Vec<_>>();
+        for _ in 0..20 {
+            // Anywhere, near no turn at all, or next to an edge.
+            let near = rng.log_uniform(1e-9, PI) * if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+            let edge = edges.get(rng.random_range(0..4)).copied().unwrap_or(0.0);
+            let turn = [rng.random_range(-PI..PI), near, edge + near][rng.random_range(0..3)];
+            let admissible = states(&curve, turn).filter(|state| state.broken == 0).count();
+            // Ends have the rounding of angles.
+            let slack = 1e-14;
+            let known = windows
+                .into_iter()
+                .flatten()
+                .any(|[low, high]| low - slack <= turn && turn <= high + slack);
+            inside += usize::from(known && admissible > 0);
+            outside += usize::from(!known);
+            assert!(known || turn.abs() > PI || admissible == 0, "{rigid:?} {turn} {windows:?}");
+        }
+    }
+    assert!(inside > outside / 100 && outside > campaign(20_000), "{inside} {outside}");
 }
 
 /// The sweeps are believed at large inertia only where they meet the root that the search prefers.

@@ -1,9 +1,15 @@
-//! Zeros of a quadratic form on the unit circle.
+//! Zeros of a quadratic form on the unit circle, for one form and for several side by side.
 
-use std::array;
+#![expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+#![expect(clippy::needless_range_loop, reason = "closures do not take the instruction set")]
+
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use bsm_newton::Bracket;
+use bsm_kin::Field;
+use bsm_simd::Compare;
 
 /// Eight directions around the circle.
 const DIRECTIONS: [[f64; 2]; 8] = [
@@ -17,47 +23,80 @@ const DIRECTIONS: [[f64; 2]; 8] = [
     [FRAC_1_SQRT_2, -FRAC_1_SQRT_2],
 ];
 
+/// A step of a root that is rounding, and steps before one is believed: as many halvings as lead there.
+const ROUNDING: f64 = 1e-15;
+const MOST_STEPS: usize = 80;
+
 /// `$a_0 + a_1 c + a_2 s$` of a direction `(c, s)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Line(pub(super) [f64; 3]);
+pub(super) struct Line<F>(pub(super) [F; 3]);
 
 /// `$a_0 + a_1 c + a_2 s + a_3 c^2 + a_4 c s + a_5 s^2$` of a direction `(c, s)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Quadratic(pub(super) [f64; 6]);
+pub(super) struct Quadratic<F>(pub(super) [F; 6]);
 
-impl Line {
-    pub(super) fn at(&self, [c, s]: [f64; 2]) -> f64 {
+impl<F: Field> Line<F> {
+    #[inline(always)]
+    pub(super) fn at(&self, [c, s]: [F; 2]) -> F {
         self.0[0] + self.0[1] * c + self.0[2] * s
     }
 
     /// `self` times `x` plus `other` times `y`.
-    pub(super) fn combined(&self, x: f64, other: &Self, y: f64) -> Self {
-        Self(array::from_fn(|i| self.0[i] * x + other.0[i] * y))
+    #[inline(always)]
+    pub(super) fn combined(&self, x: F, other: &Self, y: F) -> Self {
+        let mut sum = *self;
+        for i in 0..3 {
+            sum.0[i] = self.0[i] * x + other.0[i] * y;
+        }
+        sum
     }
 
-    pub(super) fn times(&self, other: &Self) -> Quadratic {
+    /// One line where the mask is true, another elsewhere.
+    #[inline(always)]
+    pub(super) fn select(mask: F::Mask, yes: &Self, no: &Self) -> Self {
+        let mut line = *yes;
+        for i in 0..3 {
+            line.0[i] = F::select(mask, yes.0[i], no.0[i]);
+        }
+        line
+    }
+
+    #[inline(always)]
+    pub(super) fn times(&self, other: &Self) -> Quadratic<F> {
         let ([a, b, c], [x, y, z]) = (self.0, other.0);
         Quadratic([a * x, a * y + b * x, a * z + c * x, b * y, b * z + c * y, c * z])
     }
 }
 
-impl Quadratic {
-    pub(super) fn at(&self, [c, s]: [f64; 2]) -> f64 {
+impl<F: Field> Quadratic<F> {
+    #[inline(always)]
+    pub(super) fn at(&self, [c, s]: [F; 2]) -> F {
         let a = &self.0;
         a[0] + c * (a[1] + a[3] * c + a[4] * s) + s * (a[2] + a[5] * s)
     }
 
     /// `self` times `x` plus `other` times `y`.
-    pub(super) fn combined(&self, x: f64, other: &Self, y: f64) -> Self {
-        Self(array::from_fn(|i| self.0[i] * x + other.0[i] * y))
+    #[inline(always)]
+    pub(super) fn combined(&self, x: F, other: &Self, y: F) -> Self {
+        let mut sum = *self;
+        for i in 0..6 {
+            sum.0[i] = self.0[i] * x + other.0[i] * y;
+        }
+        sum
     }
 
-    pub(super) fn scaled(&self, x: f64) -> Self {
-        Self(self.0.map(|a| a * x))
+    #[inline(always)]
+    pub(super) fn scaled(&self, x: F) -> Self {
+        let mut scaled = *self;
+        for i in 0..6 {
+            scaled.0[i] = self.0[i] * x;
+        }
+        scaled
     }
 
     /// The same values as a form of directions that are turned by the angle of `[cos, sin]`.
-    fn turned(&self, [cos, sin]: [f64; 2]) -> Self {
+    #[inline(always)]
+    fn turned(&self, [cos, sin]: [F; 2]) -> Self {
         // c = cosφ c' − sinφ s',  s = sinφ c' + cosφ s'
         let a = &self.0;
         Self([
@@ -65,74 +104,145 @@ impl Quadratic {
             a[1] * cos + a[2] * sin,
             a[2] * cos - a[1] * sin,
             a[3] * cos * cos + a[4] * cos * sin + a[5] * sin * sin,
-            2.0 * (a[5] - a[3]) * cos * sin + a[4] * (cos * cos - sin * sin),
+            (a[5] - a[3]) * cos * sin * 2.0 + a[4] * (cos * cos - sin * sin),
             a[3] * sin * sin - a[4] * cos * sin + a[5] * cos * cos,
         ])
     }
+}
 
+impl<F: Compare> Quadratic<F> {
     /// The directions on which the form vanishes, at most four; `NaN` for those that are missing.
-    pub(super) fn zeros(&self) -> [[f64; 2]; 4] {
+    #[inline(always)]
+    pub(super) fn zeros(&self) -> [[F; 2]; 4] {
         // t = tan(φ/2) sends the direction of largest value to infinity: all zeros are finite.
-        let (mut turn, mut most) = (DIRECTIONS[0], -1.0);
-        for direction in DIRECTIONS {
-            let value = self.at([-direction[0], -direction[1]]).abs();
-            if value > most {
-                (turn, most) = (direction, value);
-            }
+        let one = self.0[0].constant(1.0);
+        let mut turn = [one, one * 0.0];
+        let mut most = -one;
+        for [c, s] in DIRECTIONS {
+            let (c, s) = (one.constant(c), one.constant(s));
+            let value = self.at([-c, -s]).abs();
+            let more = value.gt(most);
+            turn = [F::select(more, c, turn[0]), F::select(more, s, turn[1])];
+            most = F::select(more, value, most);
         }
         let a = self.turned(turn).0;
         let quartic = [
             a[0] + a[1] + a[3],
-            2.0 * (a[2] + a[4]),
-            2.0 * (a[0] - a[3]) + 4.0 * a[5],
-            2.0 * (a[2] - a[4]),
+            (a[2] + a[4]) * 2.0,
+            (a[0] - a[3]) * 2.0 + a[5] * 4.0,
+            (a[2] - a[4]) * 2.0,
             a[0] - a[1] + a[3],
         ];
-        real_roots(&quartic).map(|t| {
-            let unit = (1.0 + t * t).recip();
-            let (c, s) = ((1.0 - t * t) * unit, 2.0 * t * unit);
-            [turn[0] * c - turn[1] * s, turn[1] * c + turn[0] * s]
-        })
+        let mut zeros = [turn; 4];
+        let roots = real_roots(&quartic);
+        for i in 0..4 {
+            let t = roots[i];
+            let unit = (t * t + 1.0).recip();
+            let (c, s) = ((one - t * t) * unit, t * 2.0 * unit);
+            zeros[i] = [turn[0] * c - turn[1] * s, turn[1] * c + turn[0] * s];
+        }
+        zeros
     }
 }
 
 /// Real roots of a quartic with its coefficients from the constant upwards, in ascending order;
 /// `NaN` for those that are missing.
-fn real_roots(a: &[f64; 5]) -> [f64; 4] {
-    let slope = [a[1], 2.0 * a[2], 3.0 * a[3], 4.0 * a[4]];
-    let bend = [a[2], 3.0 * a[3], 6.0 * a[4]];
+#[inline(always)]
+fn real_roots<F: Compare>(a: &[F; 5]) -> [F; 4] {
+    let slope = [a[1], a[2] * 2.0, a[3] * 3.0, a[4] * 4.0];
+    let bend = [a[2], a[3] * 3.0, a[4] * 6.0];
     // All roots of a polynomial and of its derivatives are within Cauchy's bound.
-    let bound = 1.0 + a[..4].iter().fold(0.0_f64, |most, x| most.max((x / a[4]).abs()));
+    let mut bound = a[4] * 0.0;
+    for i in 0..4 {
+        bound = bound.larger((a[i] / a[4]).abs());
+    }
+    let bound = bound + 1.0;
     // Between the places where its derivative vanishes a polynomial has at most one root.
-    let root = (bend[1] * bend[1] - 4.0 * bend[0] * bend[2]).sqrt();
-    let q = -0.5 * (bend[1] + root.copysign(bend[1]));
+    let (zero, root) = (bound * 0.0, (bend[1] * bend[1] - bend[0] * bend[2] * 4.0).sqrt());
+    let root = F::select(bend[1].lt(zero), -root, root);
+    let q = (bend[1] + root) * -0.5;
     let (one, two) = (q / bend[2], bend[0] / q);
-    let turns = if root.is_nan() { [f64::NAN; 2] } else { [one.min(two), one.max(two)] };
-    let flat: [f64; 3] = isolated(&slope, &turns, bound);
+    let turns = [F::select(two.lt(one), two, one), F::select(two.lt(one), one, two)];
+    let flat: [F; 3] = isolated(&slope, &turns, bound);
     isolated(a, &flat, bound)
 }
 
-/// The `N` roots of a polynomial of degree `N` between the places `flat` where its slope vanishes.
-fn isolated<const N: usize>(a: &[f64], flat: &[f64], bound: f64) -> [f64; N] {
-    let mut roots = [f64::NAN; N];
-    let (mut low, mut at_low, mut found) = (-bound, horner(a, -bound).0, 0);
-    for high in flat.iter().copied().filter(|t| t.abs() < bound).chain([bound]) {
-        let at_high = horner(a, high).0;
-        if found < N && (at_low > 0.0) != (at_high > 0.0) {
-            let start = Some(0.5 * (low + high));
-            let bracket =
-                Bracket { start, x_tol: 1e-15, ..Bracket::new([low, high], [at_low, at_high]) };
-            roots[found] = bracket.root(|t| horner(a, t)).root().map_or(f64::NAN, |root| root.x);
-            found += 1;
+/// The `N` roots of a polynomial of degree `N` between the places `flat` where its slope vanishes; `NaN` for
+/// those that are missing.
+#[inline(always)]
+fn isolated<F: Compare, const A: usize, const B: usize, const N: usize>(
+    a: &[F; A],
+    flat: &[F; B],
+    bound: F,
+) -> [F; N] {
+    let (mut low, mut high, mut end) = ([bound; N], [bound; N], -bound);
+    for i in 0..N {
+        low[i] = end;
+        if i < B {
+            // Where a place is missing, or beyond the bound, the interval before it goes on.
+            let here = flat[i].abs().lt(bound) & end.le(flat[i]);
+            high[i] = F::select(here, flat[i], end);
         }
-        (low, at_low) = (high, at_high);
+        end = high[i];
     }
-    roots
+    between(a, low, high)
+}
+
+/// The roots of a polynomial between places where it has other signs, by Newton within them; `NaN` where
+/// the signs are the same. Steps of all roots are taken side by side, as each waits for its division.
+#[inline(always)]
+fn between<F: Compare, const A: usize, const N: usize>(
+    a: &[F; A],
+    mut low: [F; N],
+    mut high: [F; N],
+) -> [F; N] {
+    let zero = a[0].constant(0.0);
+    let no = zero.lt(zero);
+    let (mut t, mut crosses, mut above, mut settled) = (low, [no; N], [no; N], [no; N]);
+    for i in 0..N {
+        let below = horner(a, low[i]).0.gt(zero);
+        above[i] = horner(a, high[i]).0.gt(zero);
+        crosses[i] = (below & !above[i]) | (above[i] & !below);
+        settled[i] = !crosses[i];
+        t[i] = (low[i] + high[i]) * 0.5;
+    }
+    for _ in 0..MOST_STEPS {
+        let mut moving = no;
+        for i in 0..N {
+            moving = moving | !settled[i];
+        }
+        if !F::any(moving) {
+            break;
+        }
+        for i in 0..N {
+            let (value, slope) = horner(a, t[i]);
+            let positive = value.gt(zero);
+            let is_high = (positive & above[i]) | (!positive & !above[i]);
+            low[i] = F::select(is_high, low[i], t[i]);
+            high[i] = F::select(is_high, t[i], high[i]);
+            let newton = t[i] - value / slope;
+            let inside = low[i].le(newton) & newton.le(high[i]);
+            let next = F::select(inside, newton, (low[i] + high[i]) * 0.5);
+            let step = (next - t[i]).abs();
+            t[i] = F::select(settled[i], t[i], next);
+            settled[i] = settled[i] | step.le((t[i].abs() + 1.0) * ROUNDING);
+        }
+    }
+    for i in 0..N {
+        t[i] = F::select(crosses[i], t[i], zero.constant(f64::NAN));
+    }
+    t
 }
 
 /// A polynomial, its coefficients from the constant upwards, and its slope.
-fn horner(a: &[f64], t: f64) -> (f64, f64) {
-    a.iter().rev().fold((0.0, 0.0), |(value, slope), x| (value * t + x, slope * t + value))
+#[inline(always)]
+fn horner<F: Compare, const A: usize>(a: &[F; A], t: F) -> (F, F) {
+    let (mut value, mut slope) = (a[A - 1], t.constant(0.0));
+    for i in 1..A {
+        slope = slope.mul_add(t, value);
+        value = value.mul_add(t, a[A - 1 - i]);
+    }
+    (value, slope)
 }
 
 #[cfg(test)]
