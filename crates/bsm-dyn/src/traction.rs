@@ -47,7 +47,7 @@ const SEARCH: f64 = 1e-6;
 /// Residual from which the first try is left to the quadrature that is asked for.
 const NEAR: f64 = 1e-4;
 /// Residual below which steps keep the Jacobian; that whose square is enough, if it is larger.
-const KEEP: f64 = 1e-4;
+const KEEP: f64 = 1e-3;
 const FINER: [f64; 2] = [1e-6, Traction::ACCURACY];
 
 /// Nut speed over the relative speed from which the unknown of the precession leaves it out.
