@@ -64,6 +64,10 @@ pub(super) struct Search<'a, F> {
 fn turns(first: f64, [low, high]: [f64; 2]) -> Vec<f64> {
     let mut turns = Vec::with_capacity(MOST_TURNS);
     let step = LONGEST.min(0.5 * (high - low));
+    if step <= 0.0 {
+        // Half of the smallest number is none: nothing is between the ends.
+        return vec![high];
+    }
     let mut turn = if low > 0.0 {
         turns.extend((0..APPROACHES).rev().map(|i| low + step * APPROACH.powi(i)));
         low + step
