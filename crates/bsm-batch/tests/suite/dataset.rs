@@ -246,7 +246,8 @@ fn a_stop_takes_effect_at_once() {
     let axes = vec![Axis::parse("axial_load_N=500:9000:1000000").expect("an axis")];
     let points = Points::Grid(Grid::new(axes).expect("a grid"));
     let (task, folder) = (task(Model::Traction), temporary());
-    let plan = plan(&task, &points, 1 << 16);
+    // One part takes some seconds: none is finished before the stop.
+    let plan = plan(&task, &points, 1 << 20);
     let asked = thread::scope(|scope| {
         let asked = scope.spawn(|| {
             thread::sleep(Duration::from_millis(300));
@@ -260,7 +261,7 @@ fn a_stop_takes_effect_at_once() {
         assert!(matches!(stopped, Err(DatasetError::Stopped)), "{stopped:?}");
         asked.join().expect("no panic")
     });
-    // A point takes some 0.1 ms; the rest is for a machine that does other things.
+    // A chunk takes some milliseconds; the rest is for a machine that does other things.
     assert!(asked.elapsed() < Duration::from_millis(100), "{:?}", asked.elapsed());
     assert_eq!(files(folder.path()).keys().collect::<Vec<_>>(), ["plan.json"]);
 }
