@@ -296,7 +296,7 @@ def plan(
 
 def run_part(
     text: str,
-    number: int,
+    part: int,
     folder: str | os.PathLike[str],
     *,
     points: str | os.PathLike[str] | None = None,
@@ -308,7 +308,7 @@ def run_part(
     ----------
     text : str
         `Plan.text`.
-    number : int
+    part : int
         Number of the part.
     folder : path
         Where parts go; it is begun if it is not there.
@@ -326,7 +326,7 @@ def run_part(
 
 def solve_part(
     text: str,
-    number: int,
+    part: int,
     *,
     points: str | os.PathLike[str] | None = None,
     threads: int = 1,
@@ -337,7 +337,7 @@ def solve_part(
     ----------
     text : str
         `Plan.text`.
-    number : int
+    part : int
         Number of the part.
     points : path, optional
         Where the table of points is, if the plan has one.

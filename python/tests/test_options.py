@@ -53,7 +53,6 @@ LEFT_OUT = {
     "sweep samples": "draws=",
     "sweep plan": "a function of its own",
     "sweep resume": "Plan.run() goes on",
-    "sweep rows-per-part": "rows_per_part=",
     "parts run only": "run(range(index, plan.parts, of))",
     "select from": "lists= and makers=",
     "select where": "require=",
