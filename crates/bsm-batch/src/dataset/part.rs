@@ -98,9 +98,6 @@ pub enum Damage {
     /// It has no footer, or none of a part.
     #[error("is cut off, changed, or no part of bsm: its footer proves nothing")]
     Footer,
-    /// The bytes that are known are not all of the footer.
-    #[error("needs the last {0} bytes to be known")]
-    Short(u64),
     /// A part of something else.
     #[error("is a part of another plan")]
     OtherPlan(
@@ -225,7 +222,7 @@ pub(super) fn prove(
 /// The part of a place that a footer with its tail proves.
 ///
 /// * `len`: of the file.
-pub(super) fn proven(mut footer: Vec<u8>, len: u64, place: Place<'_>) -> Result<Part, Damage> {
+fn proven(mut footer: Vec<u8>, len: u64, place: Place<'_>) -> Result<Part, Damage> {
     // The footer proves itself before anything in it is believed.
     let hash_place = place_of_hash(&footer).ok_or(Damage::Footer)?;
     let said = footer.get(hash_place.clone()).ok_or(Damage::Footer)?.to_owned();
@@ -266,13 +263,6 @@ fn footer_len(tail: [u8; TAIL]) -> Option<u64> {
     let [a, b, c, d, letters @ ..] = tail;
     let footer = u64::from(u32::from_le_bytes([a, b, c, d]));
     (letters == *b"PAR1" && footer <= LONGEST_FOOTER).then_some(footer + TAIL as u64)
-}
-
-/// The footer among the last bytes of a file; else how many of them are needed, if it can be one.
-pub(super) fn footer_of(end: &[u8]) -> Result<Vec<u8>, Option<u64>> {
-    let needed = end.last_chunk().and_then(|tail| footer_len(*tail)).ok_or(None)?;
-    let from = usize::try_from(needed).ok().and_then(|needed| end.len().checked_sub(needed));
-    from.map(|from| end[from..].to_vec()).ok_or(Some(needed))
 }
 
 /// The footer of a file with its tail; `None` if it has none.

@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 
 use super::part::Place;
 use super::points::{Points, WrittenPoints};
-use super::{Damage, DatasetError, Part, digest, part};
+use super::{DatasetError, digest};
 use crate::{Answers, Columns, Heading, Task, Workers};
 
 /// Goes up by one with each entry under "Changed numbers" in the changelog: parts of two revisions are
@@ -233,22 +233,6 @@ impl Plan {
         let data = rows * (words + outputs + inputs.iter().sum::<f64>());
         let core_seconds = rows * seconds(task.settings.model);
         Ok(Estimate { core_seconds, bytes: data + parts * (FOOTER + COLUMN * columns) })
-    }
-
-    /// The part of a number that the last bytes of a file prove, for files that are not in a folder.
-    ///
-    /// * `len`: bytes of the file.
-    ///
-    /// # Errors
-    ///
-    /// [`Damage`]; [`Damage::Short`] if more of the last bytes are needed.
-    pub fn prove(&self, number: u64, end: &[u8], len: u64) -> Result<Part, Damage> {
-        match part::footer_of(end) {
-            Ok(footer) => part::proven(footer, len, self.place_of(number)),
-            Err(Some(needed)) if needed <= len => Err(Damage::Short(needed)),
-            Err(_) if len == 0 => Err(Damage::Empty),
-            Err(_) => Err(Damage::Footer),
-        }
     }
 
     /// The text of its file.

@@ -11,9 +11,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use arrow_array::RecordBatch;
-use bsm_batch::dataset::{
-    self, Damage, Dataset, DatasetError, Event, Filling, Plan, Points, solve_part,
-};
+use bsm_batch::dataset::{self, Dataset, DatasetError, Event, Filling, Plan, Points, solve_part};
 use bsm_batch::{
     Answers, Count, Dialect, Draw, Draws, Format, GridSource, ParquetSource, Source, TableSink,
     Task, Workers,
@@ -494,26 +492,6 @@ fn damaged_parts_are_replaced_on_demand() {
         parts.run_parts(&task, &points, [3], false, &workers, &mut |_| {}),
         Err(DatasetError::NoSuchPart { number: 3, parts: 3 })
     ));
-}
-
-/// The end of a file proves it, wherever the rest of it is.
-#[test]
-fn the_last_bytes_prove_a_part() {
-    let (task, points, folder) = (task(Model::ClosedForm), Points::Grid(grid()), temporary());
-    fill(folder.path(), &task, &points, 1);
-    let parts = Dataset::open(folder.path(), make).expect("a folder");
-    let bytes = fs::read(parts.part_file(1)).expect("a part");
-    let len = bytes.len() as u64;
-    let end = |count: usize| &bytes[bytes.len() - count..];
-    let Err(Damage::Short(needed)) = parts.plan().prove(1, end(8), len) else { panic!("short") };
-    let needed = usize::try_from(needed).expect("small");
-    let part = parts.plan().prove(1, end(needed), len).expect("the part");
-    let found = parts.survey(true, &workers(1)).expect("readable").parts.remove(&1);
-    assert_eq!(Some(part), found);
-    assert!(matches!(parts.plan().prove(1, end(needed), len + 1), Err(Damage::Footer)));
-    assert!(matches!(parts.plan().prove(0, end(needed), len), Err(Damage::OtherPart(_))));
-    assert!(matches!(parts.plan().prove(0, &[], 0), Err(Damage::Empty)));
-    assert!(matches!(parts.plan().prove(0, b"no part at all", 14), Err(Damage::Footer)));
 }
 
 /// The size that a plan tells is one to count on: at most, and no more than what is at most twice as much.
