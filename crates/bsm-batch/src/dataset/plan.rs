@@ -8,9 +8,9 @@ use bsm_dyn::Model;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use super::part::Place;
+use super::part::PartRange;
 use super::points::{Points, WrittenPoints};
-use super::{Damage, DatasetError, Part, digest, part};
+use super::{DatasetError, Part, PartDefect, digest, part};
 use crate::{Answers, Columns, Heading, Task, Workers};
 
 /// Goes up by one with each entry under "Changed numbers" in the changelog: parts of two revisions are
@@ -241,13 +241,13 @@ impl Plan {
     ///
     /// # Errors
     ///
-    /// [`Damage`]; [`Damage::Short`] if more of the last bytes are needed.
-    pub fn prove(&self, number: u64, end: &[u8], len: u64) -> Result<Part, Damage> {
+    /// [`PartDefect`]; [`PartDefect::Short`] if more of the last bytes are needed.
+    pub fn verify(&self, number: u64, end: &[u8], len: u64) -> Result<Part, PartDefect> {
         match part::footer_of(end) {
-            Ok(footer) => part::proven(footer, len, self.place_of(number)),
-            Err(Some(needed)) if needed <= len => Err(Damage::Short(needed)),
-            Err(_) if len == 0 => Err(Damage::Empty),
-            Err(_) => Err(Damage::Footer),
+            Ok(footer) => part::verified(footer, len, self.place_of(number)),
+            Err(Some(needed)) if needed <= len => Err(PartDefect::Short(needed)),
+            Err(_) if len == 0 => Err(PartDefect::Empty),
+            Err(_) => Err(PartDefect::Footer),
         }
     }
 
@@ -277,16 +277,16 @@ impl Plan {
     }
 
     /// The place of a part that the plan has.
-    pub(super) fn place(&self, number: u64) -> Result<Place<'_>, DatasetError> {
+    pub(super) fn place(&self, number: u64) -> Result<PartRange<'_>, DatasetError> {
         let parts = self.parts();
         let place = (number < parts).then(|| self.place_of(number));
         place.ok_or(DatasetError::NoSuchPart { number, parts })
     }
 
-    pub(super) fn place_of(&self, number: u64) -> Place<'_> {
+    pub(super) fn place_of(&self, number: u64) -> PartRange<'_> {
         let first_row = number * self.rows_per_part();
         let rows = self.rows_per_part().min(self.rows() - first_row);
-        Place { plan: self.id(), number, first_row, rows }
+        PartRange { plan: self.id(), number, first_row, rows }
     }
 
     /// Which keys of another plan's text are not as here, with both values where they are short; `None`
