@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use arrow_array::{ArrayRef, RecordBatch};
 use bsm_batch::{
-    Answers, Chunk, Columns, CsvSource, Dialect, Format, ParquetSource, Sink, Source, TableSink,
-    Task,
+    Answers, Chunk, Columns, CsvSource, Format, ParquetSource, Sink, Source, TableFormat,
+    TableSink, Task,
 };
 use bsm_benches::seeded;
 use bsm_case::{Output, Scene, Settings};
@@ -99,7 +99,7 @@ fn tables(c: &mut Criterion) {
     writer.write(&batch).expect("rows");
     writer.close().expect("end");
 
-    let signs = Dialect::default();
+    let signs = TableFormat::default();
     let run = |source: &mut dyn Source, format: Format, out: BufWriter<File>| {
         let columns = source.columns().clone();
         let sink = TableSink::new(format, out, &columns, &outputs, &signs);

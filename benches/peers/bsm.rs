@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::sync::atomic::{AtomicBool, AtomicU64};
 use std::sync::{Mutex, MutexGuard};
 
-use bsm_batch::{Answers, Chunk, Columns, Room, Task};
+use bsm_batch::{Answers, Buffers, Chunk, Columns, Task};
 use bsm_case::{Output, Record, Scene, Settings};
 use bsm_dyn::{Model, ModelWorkspace, Problem, RigidWorkspace, Solution, Status};
 
@@ -62,7 +62,7 @@ impl Table {
         let mut answers = self.answers.lock().expect("no solve has panicked");
         let Answers { verdicts, columns, .. } = &mut *answers;
         let columns = columns.iter_mut().map(|column| Some(&mut column[..])).collect();
-        let room = Room { verdicts, columns };
+        let room = Buffers { verdicts, columns };
         let (stop, done) = (AtomicBool::new(false), AtomicU64::new(0));
         let told = self.task.solve_into((&self.chunk, &self.columns), room, &stop, &done);
         answers.messages = told.messages;

@@ -270,7 +270,7 @@ impl Case {
 #[cfg(test)]
 mod tests {
     use bsm_benches::seeded;
-    use bsm_dyn::inside::{RigidSystem, RigidUnknowns};
+    use bsm_dyn::internals::{RigidSystem, RigidUnknowns};
     use bsm_dyn::{Model, Problem};
     use bsm_kin::{Field, Jet, Scalar};
 

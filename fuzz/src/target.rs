@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use allocation_counter::measure;
 use bsm_batch::{
-    Answers, CsvSource, Dialect, Format, JsonSource, ParquetSource, Sink, Source, TableError,
+    Answers, CsvSource, Format, JsonSource, ParquetSource, Sink, Source, TableError, TableFormat,
     TableSink, Task, hush_caught_panics,
 };
 use bsm_case::{
@@ -193,7 +193,7 @@ fn table(open: impl Fn(&[String]) -> Result<Box<dyn Source>, TableError>) {
 fn rewrite(source: &mut dyn Source) -> Result<(), TableError> {
     let base = Scene::from_json(BASES[0].1.as_bytes()).expect("an example");
     let outputs = Answers::select(Some(&["efficiency".to_owned()]))?;
-    let (columns, signs) = (source.columns().clone(), Dialect::default());
+    let (columns, signs) = (source.columns().clone(), TableFormat::default());
     let sink = |format| TableSink::new(format, Vec::new(), &columns, &outputs, &signs);
     let formats = [Format::Csv, Format::JsonLines, Format::Parquet];
     let mut sinks = formats.into_iter().map(sink).collect::<Result<Vec<_>, _>>()?;

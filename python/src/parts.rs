@@ -7,8 +7,10 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use bsm_batch::dataset::{Dataset, DatasetError, Event, Part, Plan, Points, Survey, solve_part};
-use bsm_batch::{Dialect, Draws, Task, Workers};
+use bsm_batch::dataset::{
+    Dataset, DatasetError, Event, FolderScan, Part, Plan, Points, solve_part,
+};
+use bsm_batch::{Draws, TableFormat, Task, Workers};
 use bsm_case::Grid;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
@@ -41,19 +43,19 @@ fn planned(why: String) -> PyErr {
 }
 
 /// Number, first row, rows, failed, several, bytes before the footer, their hash.
-type Told = (u64, u64, u64, u64, u64, u64, String);
+type RowReport = (u64, u64, u64, u64, u64, u64, String);
 
-fn told(part: &Part) -> Told {
+fn told(part: &Part) -> RowReport {
     let Part { number, first_row, rows, failed, several, data_bytes, data_sha256 } = part.clone();
     (number, first_row, rows, failed, several, data_bytes, data_sha256)
 }
 
-fn part_of((number, first_row, rows, failed, several, data_bytes, data_sha256): Told) -> Part {
+fn part_of((number, first_row, rows, failed, several, data_bytes, data_sha256): RowReport) -> Part {
     Part { number, first_row, rows, failed, several, data_bytes, data_sha256 }
 }
 
 /// Parts, missing ranges, what is damaged and why, foreign files.
-type Surveyed = (Vec<Told>, Vec<(u64, u64)>, Vec<(PathBuf, String)>, Vec<PathBuf>);
+type Surveyed = (Vec<RowReport>, Vec<(u64, u64)>, Vec<(PathBuf, String)>, Vec<PathBuf>);
 
 /// Where random points come from: seed, number, and what is drawn.
 type Random = (u64, u64, Vec<String>);
@@ -85,7 +87,7 @@ impl PyPlan {
         };
         let (task, points) = if let Some((path, keep)) = table {
             format_of(&path)?;
-            let points = Points::Table { path, keep, dialect: Dialect::default() };
+            let points = Points::Table { path, keep, dialect: TableFormat::default() };
             let source = points.open().map_err(|e| errors::table(&e))?;
             let task = Task::over_table(base, settings, outputs, source.columns());
             (task.map_err(|e| errors::input(&e))?, points)
@@ -166,7 +168,7 @@ impl PyPlan {
         repair: bool,
         threads: Option<NonZeroUsize>,
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<(Vec<Told>, Vec<u64>)> {
+    ) -> PyResult<(Vec<RowReport>, Vec<u64>)> {
         let plan = &self.0;
         let task = plan.task().map_err(planned)?;
         let len = numbers.as_ref().map_or(plan.rows(), |s| s.len() as u64 * plan.rows_per_part());
@@ -228,13 +230,13 @@ impl PyPlan {
         let survey = survey.map_err(failed)?;
         let range = |Range { start, end }| (start, end);
         let missing = survey.missing(&self.0).into_iter().map(range).collect();
-        let Survey { parts, damaged, foreign } = survey;
+        let FolderScan { parts, damaged, foreign } = survey;
         let damaged = damaged.into_iter().map(|(path, why)| (path, why.to_string())).collect();
         Ok((parts.values().map(told).collect(), missing, damaged, foreign))
     }
 
     /// Writes the list of all parts.
-    fn finish(&self, folder: PathBuf, parts: Vec<Told>) -> PyResult<()> {
+    fn finish(&self, folder: PathBuf, parts: Vec<RowReport>) -> PyResult<()> {
         let parts: BTreeMap<_, _> = parts.into_iter().map(|told| (told.0, part_of(told))).collect();
         let folder = Dataset::resume(&folder, self.0.clone(), make).map_err(failed)?;
         folder.finish(&parts).map_err(failed)

@@ -14,8 +14,8 @@ use std::time::Duration;
 use arrow_array::{Array, ArrayRef, Float64Array};
 use arrow_buffer::{Buffer, NullBuffer, ScalarBuffer};
 use bsm_batch::{
-    Answers, Chunk, Columns, Dialect, Format, GridSource, ROWS, Room, Sink, Source, TableError,
-    TableSink, Task, Told, Verdict, Workers,
+    Answers, Buffers, Chunk, Columns, Format, GridSource, ROWS, RowReport, Sink, Source,
+    TableError, TableFormat, TableSink, Task, Verdict, Workers,
 };
 use bsm_case::{Axis, Grid, ModelChoice, OUTPUTS, Output};
 use bsm_dyn::Status;
@@ -148,7 +148,7 @@ impl Rows {
     fn write_to(&self, path: &Path, format: Format) -> Result<(), TableError> {
         let file = beside(path)?;
         let mut source = self.origin.source();
-        let (columns, signs) = (source.columns(), Dialect::default());
+        let (columns, signs) = (source.columns(), TableFormat::default());
         let mut sink = TableSink::new(format, file, columns, &self.outputs, &signs)?;
         let mut messages = self.messages.iter().peekable();
         while let Some(chunk) = source.next(ROWS)? {
@@ -364,8 +364,9 @@ impl Gathered {
             let here = verdicts.split_off_mut(..chunk.len).unwrap_or_default();
             let columns = self.columns.iter_mut();
             let columns = columns.map(|column| Some(&mut column.as_mut()?[rows.clone()])).collect();
-            let room = Room { verdicts: &mut *here, columns };
-            let Told { messages, values } = task.solve_into((&chunk, &named), room, stop, done);
+            let room = Buffers { verdicts: &mut *here, columns };
+            let RowReport { messages, values } =
+                task.solve_into((&chunk, &named), room, stop, done);
             let wanted = |row: usize| self.text || here[row].status != Status::Converged;
             let words = messages.into_iter().filter(|(row, _)| wanted(*row));
             self.messages.extend(words.map(|(row, text)| (first + row, text)));

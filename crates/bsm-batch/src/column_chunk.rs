@@ -41,7 +41,7 @@ fn varint(mut number: usize, to: &mut Vec<u8>) {
 
 /// Which rows have a value, by runs.
 #[derive(Debug, Default)]
-struct Levels {
+struct DefinitionLevels {
     bytes: Vec<u8>,
     /// The run that goes on.
     there: bool,
@@ -50,7 +50,7 @@ struct Levels {
     nulls: usize,
 }
 
-impl Levels {
+impl DefinitionLevels {
     fn push(&mut self, there: bool, rows: usize) {
         if there != self.there {
             self.end_run();
@@ -85,7 +85,7 @@ impl Levels {
         values(&mut page);
         let (length, rle) = (page.len(), Encoding::RLE);
         let page = Page::DataPage {
-            buf: packed(&page)?,
+            buf: compressed(&page)?,
             num_values: count(self.rows)?,
             encoding,
             def_level_encoding: rle,
@@ -102,9 +102,9 @@ fn count(number: usize) -> Result<u32> {
     fits.ok_or_else(|| ParquetError::General(format!("{number} is too much for a page")))
 }
 
-fn packed(page: &[u8]) -> Result<Bytes> {
-    let packed = Encoder::new().compress_vec(page);
-    Ok(packed.map_err(|error| ParquetError::External(Box::new(error)))?.into())
+fn compressed(page: &[u8]) -> Result<Bytes> {
+    let compressed = Encoder::new().compress_vec(page);
+    Ok(compressed.map_err(|error| ParquetError::External(Box::new(error)))?.into())
 }
 
 /// Equal keys that are a run; fewer stand one by one.
@@ -112,7 +112,7 @@ const LEAST_RUN: usize = 8;
 
 /// Rows as keys of a dictionary, in runs.
 #[derive(Debug)]
-struct Keys {
+struct DictEncoder {
     /// The values of the dictionary, as bits.
     values: Vec<u64>,
     places: HashMap<u64, u16, FixedState>,
@@ -122,13 +122,13 @@ struct Keys {
     width: usize,
     /// Values that there may be.
     most: u16,
-    levels: Levels,
+    levels: DefinitionLevels,
     bytes: Vec<u8>,
     /// Keys that stand one by one, in groups of eight.
     single: Vec<u16>,
 }
 
-impl Keys {
+impl DictEncoder {
     /// No rows, with room for some values.
     fn new(most: u16) -> Self {
         Self {
@@ -137,7 +137,7 @@ impl Keys {
             last: 0,
             width: if most <= 1 << 8 { 1 } else { 2 },
             most,
-            levels: Levels::default(),
+            levels: DefinitionLevels::default(),
             bytes: Vec::new(),
             single: Vec::new(),
         }
@@ -216,7 +216,7 @@ impl Keys {
         let mut plain = Vec::new();
         self.values.iter().for_each(|value| write(*value, &mut plain));
         let dictionary = Page::DictionaryPage {
-            buf: packed(&plain)?,
+            buf: compressed(&plain)?,
             num_values: count(self.values.len())?,
             encoding: Encoding::PLAIN,
             is_sorted: false,
@@ -274,13 +274,13 @@ pub(crate) struct Words {
     column: ColumnDescPtr,
     /// The words, in the order of their keys.
     known: Vec<String>,
-    keys: Keys,
+    keys: DictEncoder,
 }
 
 impl Words {
     /// No rows; `most` is the size of a dictionary.
     pub(crate) fn new(column: ColumnDescPtr, most: u16) -> Self {
-        Self { column, known: Vec::new(), keys: Keys::new(most) }
+        Self { column, known: Vec::new(), keys: DictEncoder::new(most) }
     }
 
     /// Appends rows.
@@ -344,7 +344,7 @@ pub(crate) struct Numbers {
     /// Values that a dictionary may have.
     most: u16,
     /// The rows at the beginning, until there were too many values.
-    keys: Keys,
+    keys: DictEncoder,
     varies: bool,
     /// All other rows.
     pages: Vec<CompressedPage>,
@@ -360,7 +360,7 @@ impl Numbers {
             whole: column.physical_type() == Type::INT64,
             column,
             most,
-            keys: Keys::new(most),
+            keys: DictEncoder::new(most),
             varies: false,
             pages: Vec::new(),
             least: f64::INFINITY,
@@ -377,7 +377,7 @@ impl Numbers {
             self.varies = first < rows.len();
             if self.varies && self.keys.levels.rows == first {
                 // All rows are like these.
-                self.keys = Keys::new(self.most);
+                self.keys = DictEncoder::new(self.most);
                 first = 0;
             }
         }
@@ -412,7 +412,7 @@ impl Numbers {
 
     /// Appends rows as a page of their own.
     fn push_page(&mut self, rows: &Float64Array) -> Result<()> {
-        let mut levels = Levels::default();
+        let mut levels = DefinitionLevels::default();
         let given: Vec<f64>;
         let values = if rows.null_count() > 0 {
             (0..rows.len()).for_each(|row| levels.push(rows.is_valid(row), 1));
@@ -422,7 +422,7 @@ impl Numbers {
             levels.push(true, rows.len());
             &rows.values()[..]
         };
-        self.widen(values);
+        self.update_bounds(values);
         self.nulls += levels.nulls;
         let (whole, plain) = (self.whole, self.whole || values.is_empty());
         let encoding = if plain { Encoding::PLAIN } else { Encoding::BYTE_STREAM_SPLIT };
@@ -438,7 +438,7 @@ impl Numbers {
     }
 
     /// Puts values between the least and the greatest one; NaN is none.
-    fn widen(&mut self, values: &[f64]) {
+    fn update_bounds(&mut self, values: &[f64]) {
         let ends = values.iter().fold((self.least, self.greatest), |(least, greatest), x| {
             (if *x < least { *x } else { least }, if *x > greatest { *x } else { greatest })
         });
@@ -448,7 +448,7 @@ impl Numbers {
     /// The column chunk.
     pub(crate) fn finish(mut self) -> Result<Encoded> {
         let values: Vec<_> = self.keys.values.iter().map(|bits| f64::from_bits(*bits)).collect();
-        self.widen(&values);
+        self.update_bounds(&values);
         // There may be none, or only NaN; which zero it was is not told.
         let any = self.least <= self.greatest;
         let [least, greatest] = [(self.least, -0.0), (self.greatest, 0.0)]

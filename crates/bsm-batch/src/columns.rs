@@ -7,7 +7,7 @@ use arrow_array::Float64Array;
 use arrow_schema::{DataType, Field, Schema, SchemaRef};
 use bsm_case::{InputKey, InputSet, Output, nearest_input};
 
-use crate::{Dialect, TableError};
+use crate::{TableError, TableFormat};
 
 /// Columns of the answers before the outputs.
 pub(crate) const ANSWERS: [&str; 3] = ["model", "status", "message"];
@@ -63,7 +63,7 @@ impl Columns {
         names: impl IntoIterator<Item = &'a str>,
         keep: &[String],
     ) -> Result<Self, TableError> {
-        Self::sort_as(names, keep, &Dialect::default())
+        Self::sort_as(names, keep, &TableFormat::default())
     }
 
     /// Inputs and nothing else, in their units.
@@ -75,7 +75,7 @@ impl Columns {
     pub(crate) fn sort_as<'a>(
         names: impl IntoIterator<Item = &'a str>,
         keep: &[String],
-        dialect: &Dialect,
+        dialect: &TableFormat,
     ) -> Result<Self, TableError> {
         let mut renamed: Vec<_> = dialect.names.keys().collect();
         if let Some(name) = keep.iter().find(|name| is_answer(name)) {

@@ -34,19 +34,20 @@ use tempfile::NamedTempFile;
 
 pub use self::error::DatasetError;
 pub use self::folder::MakeTemporary;
-pub use self::part::{Damage, Part, list_parts};
+pub use self::part::{Part, PartDefect, list_parts};
 pub use self::plan::{Estimate, MOST_PARTS, Plan, RESULTS};
 pub use self::points::{Points, sha256};
 
 use self::folder::{Folder, complete};
-use self::part::{Proving, kind, prove, seal};
+use self::part::{HashingWriter, kind, verify, write_footer};
 use crate::table::MemorySink;
 use crate::{
-    Answers, Chunk, Count, Dialect, Format, RunError, Source, TableError, TableSink, Task, Workers,
+    Answers, Chunk, Count, Format, RunError, Source, TableError, TableFormat, TableSink, Task,
+    Workers,
 };
 
 /// A part that is written and has no name yet.
-type Unnamed = BufWriter<NamedTempFile>;
+type TempFile = BufWriter<NamedTempFile>;
 
 /// What happens in a run.
 #[derive(Debug, Clone, Copy)]
@@ -63,16 +64,16 @@ pub enum Event<'a> {
 
 /// What is in a folder.
 #[derive(Debug, Default)]
-pub struct Survey {
+pub struct FolderScan {
     /// Finished parts, by their number.
     pub parts: BTreeMap<u64, Part>,
     /// What stands in place of parts and is none.
-    pub damaged: Vec<(PathBuf, Damage)>,
+    pub damaged: Vec<(PathBuf, PartDefect)>,
     /// Other files among the parts.
     pub foreign: Vec<PathBuf>,
 }
 
-impl Survey {
+impl FolderScan {
     /// The parts that a plan has and the folder has not, as ranges of their numbers.
     pub fn missing(&self, plan: &Plan) -> Vec<Range<u64>> {
         let mut missing = Vec::new();
@@ -89,7 +90,7 @@ impl Survey {
     /// The other plan that the parts are of: more than are of this plan, and all of the same one.
     pub fn other_plan(&self) -> Option<&str> {
         let mut others = self.damaged.iter().filter_map(|(_, damage)| match damage {
-            Damage::OtherPlan(id) => Some(id.as_str()),
+            PartDefect::OtherPlan(id) => Some(id.as_str()),
             _ => None,
         });
         let (count, id) = (others.clone().count(), others.next()?);
@@ -112,7 +113,7 @@ fn count(parts: &BTreeMap<u64, Part>) -> Count {
 
 /// How a folder is filled.
 #[derive(Debug, Clone, Copy)]
-pub struct Filling {
+pub struct RunOptions {
     /// Goes on with a folder of the same plan, whose parts are trusted when their bytes are as they were
     /// written; else the folder must be new or empty.
     pub resume: bool,
@@ -131,11 +132,11 @@ pub fn fill(
     folder: &Path,
     task: &Task,
     points: &Points,
-    how: Filling,
+    how: RunOptions,
     workers: &Workers<'_>,
     tell: &mut dyn FnMut(Event<'_>),
 ) -> Result<Count, DatasetError> {
-    let Filling { resume, rows_per_part, make } = how;
+    let RunOptions { resume, rows_per_part, make } = how;
     let plan = Plan::new(task, points, rows_per_part, workers)?;
     let begin = if resume { Dataset::resume } else { Dataset::create };
     let parts = begin(folder, plan, make)?;
@@ -285,18 +286,18 @@ impl Dataset {
     ///
     /// [`DatasetError`] if the folder cannot be read, or the workers are stopped. What is wrong with a part
     /// is no error here.
-    pub fn survey(&self, deep: bool, workers: &Workers<'_>) -> Result<Survey, DatasetError> {
+    pub fn survey(&self, deep: bool, workers: &Workers<'_>) -> Result<FolderScan, DatasetError> {
         let (numbers, mut survey) = self.listed()?;
-        let proven: Vec<_> = workers.pool.install(|| {
-            let prove = |number: &u64| {
+        let verified: Vec<_> = workers.pool.install(|| {
+            let verify = |number: &u64| {
                 let path = self.part_file(*number);
                 let place = self.plan.place_of(*number);
-                prove(&path, place, deep, workers).map_err(|why| (path, why))
+                verify(&path, place, deep, workers).map_err(|why| (path, why))
             };
-            numbers.par_iter().map(prove).collect()
+            numbers.par_iter().map(verify).collect()
         });
-        for proven in proven {
-            match proven {
+        for verified in verified {
+            match verified {
                 Ok(Some(part)) => {
                     survey.parts.insert(part.number, part);
                 }
@@ -310,8 +311,8 @@ impl Dataset {
     }
 
     /// The parts whose names stand in the folder, and what else stands among them.
-    fn listed(&self) -> Result<(Vec<u64>, Survey), DatasetError> {
-        let (mut numbers, mut survey) = (Vec::new(), Survey::default());
+    fn listed(&self) -> Result<(Vec<u64>, FolderScan), DatasetError> {
+        let (mut numbers, mut survey) = (Vec::new(), FolderScan::default());
         for entry in self.folder.data()? {
             let name = entry.file_name();
             let name = name.to_string_lossy();
@@ -322,7 +323,7 @@ impl Dataset {
                 {
                     numbers.push(number);
                 }
-                Some(_) => survey.damaged.push((entry.path(), Damage::NotInThePlan)),
+                Some(_) => survey.damaged.push((entry.path(), PartDefect::NotInThePlan)),
                 None => survey.foreign.push(entry.path()),
             }
         }
@@ -364,17 +365,17 @@ impl Dataset {
     ///
     /// # Errors
     ///
-    /// [`Damage`] of what stands there and is not the part; [`DatasetError::Stopped`].
+    /// [`PartDefect`] of what stands there and is not the part; [`DatasetError::Stopped`].
     fn find(
         &self,
         number: u64,
         deep: bool,
         workers: &Workers<'_>,
-    ) -> Result<Result<Option<Part>, Damage>, DatasetError> {
-        match prove(&self.part_file(number), self.plan.place_of(number), deep, workers) {
+    ) -> Result<Result<Option<Part>, PartDefect>, DatasetError> {
+        match verify(&self.part_file(number), self.plan.place_of(number), deep, workers) {
             Ok(None) => Err(DatasetError::Stopped),
             Ok(part) => Ok(Ok(part)),
-            Err(Damage::Io(error)) if error.kind() == ErrorKind::NotFound => Ok(Ok(None)),
+            Err(PartDefect::Io(error)) if error.kind() == ErrorKind::NotFound => Ok(Ok(None)),
             Err(damage) => Ok(Err(damage)),
         }
     }
@@ -408,25 +409,25 @@ impl Dataset {
         source: &mut dyn Source,
         workers: &Workers<'_>,
         tell: &mut dyn FnMut(Event<'_>),
-    ) -> Result<(Unnamed, Part), DatasetError> {
+    ) -> Result<(TempFile, Part), DatasetError> {
         let place = self.plan.place(number)?;
         let path = self.part_file(number);
         let unwritable = |error| DatasetError::Write { path: path.clone(), error };
         let file = self.folder.unfinished(&path, self.plan.id())?;
-        let out = Proving::new(BufWriter::new(file));
+        let out = HashingWriter::new(BufWriter::new(file));
         let mut seen = |chunk: &Chunk, answers: &Answers| tell(Event::Solved(chunk, answers));
-        let (columns, signs) = (source.columns(), Dialect::default());
+        let (columns, signs) = (source.columns(), TableFormat::default());
         let sink = TableSink::new(Format::Parquet, out, columns, &task.outputs, &signs);
         let run = task.run(source, sink.map_err(unwritable)?, place.rows, workers, &mut seen);
         let (sink, count) = run.map_err(|error| not_solved(error, unwritable))?;
         place.check(count)?;
-        seal(sink, place, count).map_err(unwritable)
+        write_footer(sink, place, count).map_err(unwritable)
     }
 
     /// Gives a part that is solved its name.
     fn keep(
         &self,
-        file: Unnamed,
+        file: TempFile,
         part: Part,
         replace: bool,
         workers: &Workers<'_>,
@@ -515,7 +516,7 @@ impl Dataset {
         &self,
         task: &Task,
         points: &Points,
-        found: Survey,
+        found: FolderScan,
         workers: &Workers<'_>,
         tell: &mut dyn FnMut(Event<'_>),
     ) -> Result<Count, DatasetError> {

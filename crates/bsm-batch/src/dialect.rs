@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Signs of a table of text, and names of its columns.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Dialect {
+pub struct TableFormat {
     /// What separates cells, in ASCII.
     pub delimiter: char,
     /// The decimal sign.
@@ -16,13 +16,13 @@ pub struct Dialect {
     pub names: BTreeMap<String, Option<String>>,
 }
 
-impl Default for Dialect {
+impl Default for TableFormat {
     fn default() -> Self {
         Self { delimiter: ',', decimal: '.', names: BTreeMap::new() }
     }
 }
 
-impl Dialect {
+impl TableFormat {
     /// True if the table is written as ours are.
     pub(crate) fn is_ours(&self) -> bool {
         *self == Self::default()

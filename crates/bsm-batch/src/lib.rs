@@ -57,13 +57,13 @@ mod table;
 mod text;
 
 pub use columns::{Columns, Heading};
-pub use dialect::Dialect;
+pub use dialect::TableFormat;
 pub use draws::{Draw, DrawSource, Draws};
 pub use error::TableError;
 pub use parquet_table::{ParquetSource, caught, hush_caught_panics};
 pub use pipeline::{Count, ROWS, RunError, Task, Workers};
 pub use rows::{Answers, Cell, Cells, Chunk, Verdict};
-pub use solve::{Room, Told};
+pub use solve::{Buffers, RowReport};
 pub use source::{GridSource, Source};
 pub use table::{ABOUT, Format, NumberColumn, TableSink};
 pub use text::{CsvSource, JsonSource};

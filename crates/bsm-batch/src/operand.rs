@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use arrow_array::Array;
 use bsm_case::{INPUTS, Input, InputKey, InputSet, ModelChoice, Scene, Settings, following};
 use bsm_dyn::{Lubricant, Model, RacewayFriction};
-use bsm_kernels::{Operand, Operands, is_plain};
+use bsm_kernels::{InputColumn, InputColumns, is_plain};
 
 use crate::{Cell, Chunk, Columns};
 
@@ -99,16 +99,16 @@ impl<'a> ColumnPlan<'a> {
     }
 
     /// The inputs of a chunk.
-    pub(crate) fn operands<'c>(&self, chunk: &'c Chunk) -> Operands<'c> {
-        let mut operands = [const { Operand::Absent }; INPUTS.len()];
+    pub(crate) fn operands<'c>(&self, chunk: &'c Chunk) -> InputColumns<'c> {
+        let mut operands = [const { InputColumn::Absent }; INPUTS.len()];
         for ((key, operand), origin) in
             InputKey::ALL.into_iter().zip(&mut operands).zip(&self.origins)
         {
             let rule = key.input().rule;
             *operand = match *origin {
-                Origin::Absent => Operand::Absent,
-                Origin::Constant(value) => Operand::Constant(value),
-                Origin::Column(place, or) => Operand::Column(rule, numbers(chunk, place, or)),
+                Origin::Absent => InputColumn::Absent,
+                Origin::Constant(value) => InputColumn::Constant(value),
+                Origin::Column(place, or) => InputColumn::Column(rule, numbers(chunk, place, or)),
                 Origin::Others => {
                     let cell = |row, place| match chunk.cell(row, place) {
                         Cell::Number(value) => value,
@@ -116,11 +116,11 @@ impl<'a> ColumnPlan<'a> {
                     };
                     let value = |row| self.follows(key, |place| cell(row, place));
                     let values = (0..chunk.len).map(|row| value(row).unwrap_or(f64::NAN));
-                    Operand::Column(rule, values.collect())
+                    InputColumn::Column(rule, values.collect())
                 }
             };
         }
-        Operands::new(operands, self.lubricant)
+        InputColumns::new(operands, self.lubricant)
     }
 }
 

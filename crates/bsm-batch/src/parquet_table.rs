@@ -28,7 +28,7 @@ use crate::column_chunk::{Numbers, PACKED, Words};
 use crate::columns::{ANSWERS, Columns, UNIT};
 use crate::pages::Pages;
 use crate::rows::{Chunk, TEXT};
-use crate::{Dialect, Source, TableError, arrow_column};
+use crate::{Source, TableError, TableFormat, arrow_column};
 
 thread_local! {
     static CAUGHT: cell::Cell<bool> = const { cell::Cell::new(false) };
@@ -79,7 +79,7 @@ impl ParquetSource {
     ///
     /// [`TableError`] if it is not Parquet, or its columns are not inputs of numbers or in `keep`.
     pub fn new(file: impl ChunkReader + 'static, keep: &[String]) -> Result<Self, TableError> {
-        Self::with(file, keep, &Dialect::default())
+        Self::with(file, keep, &TableFormat::default())
     }
 
     /// [`new`](Self::new) for a table with other names.
@@ -90,7 +90,7 @@ impl ParquetSource {
     pub fn with(
         file: impl ChunkReader + 'static,
         keep: &[String],
-        dialect: &Dialect,
+        dialect: &TableFormat,
     ) -> Result<Self, TableError> {
         decoded(|| Self::open(file, keep, dialect))
     }
@@ -98,7 +98,7 @@ impl ParquetSource {
     fn open(
         file: impl ChunkReader + 'static,
         keep: &[String],
-        dialect: &Dialect,
+        dialect: &TableFormat,
     ) -> Result<Self, TableError> {
         // What Arrow adds to the types of Parquet is not needed, and panics where it is damaged.
         let plain = ArrowReaderOptions::new().with_skip_arrow_metadata(true);

@@ -13,7 +13,7 @@ use bsm_simd::Arch;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::solve::Solver;
-use crate::{Answers, Chunk, Columns, Dialect, Format, Sink, Source, TableError, TableSink};
+use crate::{Answers, Chunk, Columns, Format, Sink, Source, TableError, TableFormat, TableSink};
 
 /// Stack of a thread \[B\]: the kernels keep every intermediate result where the code is not optimised, some 4 MB.
 const STACK: usize = if cfg!(debug_assertions) { 16 << 20 } else { 2 << 20 };
@@ -241,7 +241,7 @@ impl Task {
         workers: &Workers<'_>,
         seen: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<(W, Count), RunError> {
-        let (columns, signs) = (source.columns(), Dialect::default());
+        let (columns, signs) = (source.columns(), TableFormat::default());
         let sink = TableSink::new(format, to, columns, &self.outputs, &signs);
         let sink = sink.map_err(RunError::Write)?;
         let (sink, count) = self.run(source, sink, u64::MAX, workers, seen)?;

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use bsm_case::{AnalysisKind, CaseError, Cell as Answer, Moving, Output, Quantity, Record};
 use bsm_dyn::{Model, ModelWorkspace, Status};
-use bsm_kernels::{Operands, Rows, Wanted};
+use bsm_kernels::{InputColumns, Rows, Selection};
 use bsm_simd::Arch;
 use rayon::prelude::*;
 
@@ -27,12 +27,12 @@ thread_local! {
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
 
     /// NaN, for a stride of the outputs that have no place: it stays in the cache.
-    static SPARE: Cell<Vec<f64>> = const { Cell::new(Vec::new()) };
+    static SCRATCH: Cell<Vec<f64>> = const { Cell::new(Vec::new()) };
 }
 
 /// Where the answers of a chunk go.
 #[derive(Debug)]
-pub struct Room<'a> {
+pub struct Buffers<'a> {
     /// A place for each row.
     pub verdicts: &'a mut [Verdict],
     /// The outputs of the task, a place for each row. Of an output without a place only the values come back: most
@@ -42,14 +42,14 @@ pub struct Room<'a> {
 
 /// What there is to say of a chunk besides.
 #[derive(Debug, Default)]
-pub struct Told {
+pub struct RowReport {
     /// Why there is no result, or why auto chose its model: rows in their order.
     pub messages: Vec<(usize, String)>,
     /// Values of outputs without a place: the output, the first row, and some rows, in which the others have none.
     pub values: Vec<(usize, usize, Vec<f64>)>,
 }
 
-impl<'a> Room<'a> {
+impl<'a> Buffers<'a> {
     /// The room in strides of rows.
     fn parts(self, stride: usize) -> Vec<Part<'a>> {
         let columns = self.columns.into_iter();
@@ -63,7 +63,7 @@ impl<'a> Room<'a> {
     }
 }
 
-impl Told {
+impl RowReport {
     fn and(mut self, other: Self) -> Self {
         self.messages.extend(other.messages);
         self.values.extend(other.values);
@@ -107,10 +107,10 @@ impl Task {
     pub fn solve_into(
         &self,
         (chunk, columns): (&Chunk, &Columns),
-        room: Room<'_>,
+        room: Buffers<'_>,
         stop: &AtomicBool,
         done: &AtomicU64,
-    ) -> Told {
+    ) -> RowReport {
         Solver::new(self, columns).fill(Arch::new(), stop, done, chunk, room)
     }
 
@@ -153,7 +153,7 @@ impl<'a> Solver<'a> {
     /// before every stride of a kernel.
     pub(crate) fn solve(&self, arch: Arch, stop: &AtomicBool, chunk: &Chunk) -> Answers {
         let mut answers = Answers::room(chunk.len, self.outputs.len());
-        let room = Room {
+        let room = Buffers {
             verdicts: &mut answers.verdicts,
             columns: answers.columns.iter_mut().map(|column| Some(&mut column[..])).collect(),
         };
@@ -167,8 +167,8 @@ impl<'a> Solver<'a> {
         stop: &AtomicBool,
         count: &AtomicU64,
         chunk: &Chunk,
-        room: Room<'_>,
-    ) -> Told {
+        room: Buffers<'_>,
+    ) -> RowReport {
         // Who has no places for what fills gaps does not ask for it.
         let outputs = &self.outputs[..room.columns.len()];
         let stride = match &self.plan {
@@ -177,11 +177,11 @@ impl<'a> Solver<'a> {
             None => MODEL_STRIDE,
         };
         let model = self.plan.as_ref().map(|plan| (plan.operands(chunk), plan.model));
-        let wanted = Wanted::of(outputs);
+        let wanted = Selection::of(outputs);
         let run = Run { solver: self, chunk, kernel: model, outputs, wanted, arch, stop, stride };
         let solve = |part: Part<'_>| {
             if stop.load(Ordering::Relaxed) {
-                return Told::default();
+                return RowReport::default();
             }
             let rows = part.verdicts.len();
             let told = run.solve(part);
@@ -194,7 +194,7 @@ impl<'a> Solver<'a> {
         } else {
             parts.into_par_iter().map(solve).collect()
         };
-        told.into_iter().fold(Told::default(), Told::and)
+        told.into_iter().fold(RowReport::default(), RowReport::and)
     }
 }
 
@@ -203,9 +203,9 @@ struct Run<'a> {
     solver: &'a Solver<'a>,
     chunk: &'a Chunk,
     /// The inputs of a kernel, and its model.
-    kernel: Option<(Operands<'a>, Model)>,
+    kernel: Option<(InputColumns<'a>, Model)>,
     outputs: &'a [&'static Output],
-    wanted: Wanted,
+    wanted: Selection,
     arch: Arch,
     stop: &'a AtomicBool,
     stride: usize,
@@ -213,11 +213,11 @@ struct Run<'a> {
 
 impl Run<'_> {
     /// Solves a part, in memory of its own for columns that have none.
-    fn solve(&self, Part { first, verdicts, columns }: Part<'_>) -> Told {
+    fn solve(&self, Part { first, verdicts, columns }: Part<'_>) -> RowReport {
         let (len, apart) = (verdicts.len(), self.stride + APART);
         let without: Vec<_> = columns.iter().map(Option::is_none).collect();
         // Given back when it is NaN again: after a panic it is not.
-        let mut spare = SPARE.take();
+        let mut spare = SCRATCH.take();
         let needed = without.iter().filter(|none| **none).count() * apart;
         spare.resize(needed.max(spare.len()), f64::NAN);
         let mut places = spare.chunks_exact_mut(apart);
@@ -238,8 +238,8 @@ impl Run<'_> {
                 column.fill(f64::NAN);
             }
         }
-        SPARE.set(spare);
-        Told { messages, values }
+        SCRATCH.set(spare);
+        RowReport { messages, values }
     }
 
     /// Answers rows: all that a kernel can, then what it leaves, one by one. Returns their messages.

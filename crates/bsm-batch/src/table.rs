@@ -13,7 +13,7 @@ use crate::columns::{Columns, field};
 use crate::parquet_table::ParquetSink;
 use crate::rows::{Answers, Chunk, numbers};
 use crate::text::TextSink;
-use crate::{CsvSource, Dialect, JsonSource, ParquetSource, Sink, Source, TableError};
+use crate::{CsvSource, JsonSource, ParquetSource, Sink, Source, TableError, TableFormat};
 
 /// Key of the metadata of a Parquet table that says what the table is made from, in JSON.
 pub const ABOUT: &str = "bsm";
@@ -52,7 +52,7 @@ impl Format {
         self,
         path: &Path,
         keep: &[String],
-        dialect: &Dialect,
+        dialect: &TableFormat,
     ) -> Result<Box<dyn Source>, TableError> {
         let file = File::open(path)?;
         Ok(match self {
@@ -100,7 +100,7 @@ impl<W: Write + Send> TableSink<W> {
         out: W,
         columns: &Columns,
         outputs: &[&'static Output],
-        dialect: &Dialect,
+        dialect: &TableFormat,
     ) -> Result<Self, TableError> {
         let this = Self::of_schema(format, out, columns.schema(outputs), dialect)?;
         Ok(Self { outputs: outputs.to_vec(), ..this })
@@ -118,14 +118,14 @@ impl<W: Write + Send> TableSink<W> {
     ) -> Result<Self, TableError> {
         let fields = columns.iter().map(|column| field(column.name, column.unit));
         let schema = Arc::new(Schema::new(fields.collect::<Vec<_>>()));
-        Self::of_schema(format, out, schema, &Dialect::default())
+        Self::of_schema(format, out, schema, &TableFormat::default())
     }
 
     fn of_schema(
         format: Format,
         out: W,
         schema: SchemaRef,
-        dialect: &Dialect,
+        dialect: &TableFormat,
     ) -> Result<Self, TableError> {
         let file = match format {
             Format::Csv => Form::Text(TextSink::csv(out, &schema, dialect)?),

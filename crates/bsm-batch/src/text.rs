@@ -13,7 +13,7 @@ use serde_json::{Map, Value};
 use crate::columns::{Columns, is_answer};
 use crate::lines::Lines;
 use crate::rows::{Cell, Cells, Chunk, ChunkBuilder, TEXT};
-use crate::{Dialect, Source, TableError};
+use crate::{Source, TableError, TableFormat};
 
 /// A value as it stands in a text cell.
 fn parse(text: &str, decimal: char) -> Cell<'_> {
@@ -51,7 +51,7 @@ impl<R: Read> CsvSource<R> {
     ///
     /// [`TableError`] if they are not those of inputs or of `keep`.
     pub fn new(reader: R, keep: &[String]) -> Result<Self, TableError> {
-        Self::with(reader, keep, &Dialect::default())
+        Self::with(reader, keep, &TableFormat::default())
     }
 
     /// [`new`](Self::new) for a table with other signs or names.
@@ -59,8 +59,8 @@ impl<R: Read> CsvSource<R> {
     /// # Errors
     ///
     /// As [`new`](Self::new).
-    pub fn with(reader: R, keep: &[String], dialect: &Dialect) -> Result<Self, TableError> {
-        let Dialect { delimiter, decimal, .. } = *dialect;
+    pub fn with(reader: R, keep: &[String], dialect: &TableFormat) -> Result<Self, TableError> {
+        let TableFormat { delimiter, decimal, .. } = *dialect;
         let mut lines = Lines::new(reader);
         let header = lines.next()?.ok_or(TableError::NoHeader)?;
         let mut names = Vec::new();
@@ -184,7 +184,7 @@ impl<R: Read> JsonSource<R> {
     ///
     /// [`TableError`] if it is no object, or has keys that are neither inputs nor in `keep`.
     pub fn new(reader: R, keep: &[String]) -> Result<Self, TableError> {
-        Self::with(reader, keep, &Dialect::default())
+        Self::with(reader, keep, &TableFormat::default())
     }
 
     /// [`new`](Self::new) for a table with other names.
@@ -192,7 +192,7 @@ impl<R: Read> JsonSource<R> {
     /// # Errors
     ///
     /// As [`new`](Self::new).
-    pub fn with(reader: R, keep: &[String], dialect: &Dialect) -> Result<Self, TableError> {
+    pub fn with(reader: R, keep: &[String], dialect: &TableFormat) -> Result<Self, TableError> {
         let mut lines = Lines::new(reader);
         let (first, _) = object(&mut lines)?.ok_or(TableError::NoHeader)?;
         let columns = Columns::sort_as(first.iter().map(|(key, _)| key.as_str()), keep, dialect)?;
@@ -380,7 +380,7 @@ impl<W: Write> TextSink<W> {
     pub(crate) fn csv(
         mut writer: W,
         schema: &SchemaRef,
-        dialect: &Dialect,
+        dialect: &TableFormat,
     ) -> Result<Self, TableError> {
         let [delimiter, decimal] = [dialect.delimiter, dialect.decimal].map(|sign| sign as u8);
         let signs = Signs { delimiter, decimal };

@@ -4,7 +4,7 @@ use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use bsm_batch::Dialect;
+use bsm_batch::TableFormat;
 use bsm_case::{CaseError, ModelChoice, Rule, Scene, Settings};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
@@ -247,7 +247,7 @@ fn sign(text: &str) -> Result<(String, String), String> {
 
 impl DialectArgs {
     /// The dialect, of which a table has these keys.
-    pub(crate) fn read(&self, keys: &[&str]) -> Result<Dialect, Failure> {
+    pub(crate) fn read(&self, keys: &[&str]) -> Result<TableFormat, Failure> {
         if let Some((key, _)) = self.dialect.iter().find(|(key, _)| !keys.contains(&key.as_str())) {
             let text = format!("--dialect {key}: this table has {}", keys.join(", "));
             return Err(Failure::Input(text));
@@ -260,7 +260,7 @@ impl DialectArgs {
         };
         let decimal = if value(&self.dialect, "decimal") == Some("comma") { ',' } else { '.' };
         let names = value(&self.dialect, "names").map(Path::new);
-        Ok(Dialect { delimiter, decimal, names: files::names_of_columns(names)? })
+        Ok(TableFormat { delimiter, decimal, names: files::names_of_columns(names)? })
     }
 
     /// True if CSV is written like it.

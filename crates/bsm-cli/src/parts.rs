@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use bsm_batch::Workers;
-use bsm_batch::dataset::{Damage, Dataset, Event, Plan};
+use bsm_batch::dataset::{Dataset, Event, PartDefect, Plan};
 use indicatif::HumanBytes;
 use serde_json::json;
 
@@ -111,7 +111,7 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
     let ranges: Vec<_> = missing.iter().map(text).collect();
     let name = |path: &Path| path.display().to_string();
     if args.json {
-        let damage = |(path, why): &(PathBuf, Damage)| json!({ "file": name(path), "reason": why.to_string() });
+        let damage = |(path, why): &(PathBuf, PartDefect)| json!({ "file": name(path), "reason": why.to_string() });
         print(&pretty_json(&json!({
             "plan": plan.id(),
             "parts": plan.parts(),

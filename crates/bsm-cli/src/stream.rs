@@ -4,11 +4,11 @@ use std::io::{self, IsTerminal, Read};
 use std::path::{Path, PathBuf};
 
 use bsm_batch::dataset::{
-    self, Damage, Dataset, DatasetError, Event, Filling, Plan, Points, sha256,
+    self, Dataset, DatasetError, Event, PartDefect, Plan, Points, RunOptions, sha256,
 };
 use bsm_batch::{
-    Answers, Cell, Chunk, Count, CsvSource, Dialect, Format, NumberColumn, RunError, Sink, Source,
-    TableError, TableSink, Task, Workers,
+    Answers, Cell, Chunk, Count, CsvSource, Format, NumberColumn, RunError, Sink, Source,
+    TableError, TableFormat, TableSink, Task, Workers,
 };
 use bsm_case::{Axis, Grid, ModelChoice, Output as Column, exact};
 use bsm_dyn::Status;
@@ -39,7 +39,7 @@ pub(crate) struct Job<'a> {
     /// File that says what the table is made from.
     pub(crate) about: Option<&'a Path>,
     /// How CSV is written.
-    pub(crate) signs: Dialect,
+    pub(crate) signs: TableFormat,
 }
 
 /// Rows that are seen only.
@@ -191,7 +191,7 @@ impl Job<'_> {
         watch: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<Count, Failure> {
         let SweepArgs { resume, rows_per_part, .. } = *self.args;
-        let how = Filling { resume, rows_per_part, make: unfinished::create_temporary };
+        let how = RunOptions { resume, rows_per_part, make: unfinished::create_temporary };
         let mut bar = ProgressBar::hidden();
         let mut tell = |event: Event<'_>| match event {
             Event::Foreign(files) => {
@@ -282,7 +282,7 @@ pub(crate) fn is_folder(path: &Path) -> bool {
 pub(crate) fn open(
     path: &Path,
     keep: &[String],
-    dialect: &Dialect,
+    dialect: &TableFormat,
 ) -> Result<Box<dyn Source>, Failure> {
     let source: Result<Box<dyn Source>, TableError> = if is_stdout(path) {
         let reader: Box<dyn Read + Send> = Box::new(io::stdin());
@@ -317,9 +317,9 @@ pub(crate) fn failed(folder: &Path, error: DatasetError) -> Failure {
 }
 
 /// What to do about files in place of parts.
-pub(crate) fn mend(folder: &Path, damaged: &[(PathBuf, Damage)]) -> String {
+pub(crate) fn mend(folder: &Path, damaged: &[(PathBuf, PartDefect)]) -> String {
     let them = if damaged.len() == 1 { "it" } else { "them" };
-    if damaged.iter().all(|(_, why)| matches!(why, Damage::NotInThePlan)) {
+    if damaged.iter().all(|(_, why)| matches!(why, PartDefect::NotInThePlan)) {
         return format!("move {them} away");
     }
     format!(

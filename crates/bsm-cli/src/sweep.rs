@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use bsm_batch::dataset::Points;
-use bsm_batch::{Dialect, Draws, Task, Workers};
+use bsm_batch::{Draws, TableFormat, Task, Workers};
 use bsm_case::{CaseError, Grid, Output as OutputColumn, Scene, Settings};
 use bsm_report::ReportError;
 
@@ -62,7 +62,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let title = title.map_or_else(String::new, |text| format!("{}: ", head(text)));
     let of = watched.map_or_else(String::new, |output| output.name.replace('_', " "));
     let title = format!("{title}{of}, model {model}");
-    let job = files.job(task, args, Dialect::default());
+    let job = files.job(task, args, TableFormat::default());
     let mut source = points.open()?;
     let solved = job.run(source.as_mut(), &points, workers, |chunk, answers, values| {
         if let Some((curves, _)) = &mut curves {
@@ -107,7 +107,7 @@ fn of_table(
         return Err(Failure::Input(text));
     }
     let dialect = args.dialect.read(&["delimiter", "decimal", "names", "output"])?;
-    let signs = if args.dialect.is_of_output() { dialect.clone() } else { Dialect::default() };
+    let signs = if args.dialect.is_of_output() { dialect.clone() } else { TableFormat::default() };
     let mut source = open(path, &args.keep, &dialect)?;
     let task = Task::over_table(base, settings, outputs, source.columns()).map_err(|error| {
         let path = path.display();
@@ -204,7 +204,7 @@ impl<'a> Files<'a> {
         Ok(files)
     }
 
-    fn job(&self, task: Task, args: &'a SweepArgs, signs: Dialect) -> Job<'a> {
+    fn job(&self, task: Task, args: &'a SweepArgs, signs: TableFormat) -> Job<'a> {
         Job { task, args, table: self.table, about: self.about, signs }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bsm_batch::Dialect;
+use bsm_batch::TableFormat;
 use bsm_case::{Answer, Content};
 use bsm_report::{PROGRAM, short};
 use bsm_validate::tradeoff::{self, Advice, Count, Group, Measured, Points, Tradeoff};
@@ -44,7 +44,7 @@ pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
 }
 
 fn read(path: &Path) -> Result<Points, Failure> {
-    let mut source = open(path, &[], &Dialect::default())?;
+    let mut source = open(path, &[], &TableFormat::default())?;
     Points::read(source.as_mut()).map_err(|e| Failure::in_scene(path, &e.to_string()))
 }
 

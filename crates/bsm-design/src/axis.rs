@@ -4,8 +4,8 @@
 //! Theory: `docs/theory/18-axis.md`.
 
 use crate::{
-    Body, Carriage, Duty, Life, Nut, PERMITTED_STRESS, Pace, Shaft, StaticRating, Support, Thread,
-    life, pair_loads,
+    Duty, DutySpeed, Life, MachineTable, Nut, NutBody, PERMITTED_STRESS, Shaft, StaticRating,
+    Support, Thread, life, pair_loads,
 };
 
 /// Leads that the screw is longer than stroke and nut, unless its length is given.
@@ -19,7 +19,7 @@ pub struct Motion {
     /// Process force \[N\], positive against a positive feed.
     pub force: f64,
     /// Speed, with its sign.
-    pub pace: Pace,
+    pub pace: DutySpeed,
     /// Acceleration along a positive feed \[m/s²\].
     pub acceleration: f64,
 }
@@ -41,7 +41,7 @@ impl Motion {
     /// What the screw carries and how fast it turns, with weight, guides and inertia of the moved mass.
     ///
     /// * `lead` \[m\].
-    pub fn phase(&self, carriage: &Carriage, lead: f64) -> Phase {
+    pub fn phase(&self, carriage: &MachineTable, lead: f64) -> Phase {
         let Self { time, force, pace, acceleration } = *self;
         let speed = pace.speed(lead);
         Phase { time, load: carriage.load(force, speed, acceleration), speed, acceleration }
@@ -67,7 +67,7 @@ impl Mount {
         &self,
         nut: &Nut,
         thread: &Thread,
-        body: &Body,
+        body: &NutBody,
         stroke: Option<f64>,
     ) -> Option<Shaft> {
         let usual = stroke.map(|stroke| stroke + body.length + OVERRUN_LEADS * nut.lead);

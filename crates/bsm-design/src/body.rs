@@ -13,14 +13,14 @@ const IDLE_TURNS: f64 = 3.0;
 
 /// Outside of a nut.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Body {
+pub struct NutBody {
     /// Outer diameter `$D_1$` \[m\].
     pub outer: f64,
     /// Length `$L_n$` \[m\].
     pub length: f64,
 }
 
-impl Body {
+impl NutBody {
     /// The usual body of a nut (D10).
     ///
     /// Source: Sobolewski (2002).

@@ -6,7 +6,7 @@ use bsm_dyn::Material;
 use rayon::prelude::*;
 
 use crate::nut::turn_length;
-use crate::{Body, Elasticity, Nut, Thread};
+use crate::{Elasticity, Nut, NutBody, Thread};
 
 /// Balls of a turn that stand in the return and carry nothing.
 pub(crate) const IDLE_BALLS: f64 = 4.0;
@@ -79,7 +79,7 @@ pub struct Candidate {
     /// Its grooves and those of the screw.
     pub thread: Thread,
     /// Its body.
-    pub body: Body,
+    pub body: NutBody,
     /// Dynamic axial load rating \[N\].
     pub dynamic_rating: f64,
     /// Static axial load rating \[N\].
@@ -173,7 +173,7 @@ impl Limits {
         {
             return None;
         }
-        let body = Body::usual(&nut);
+        let body = NutBody::usual(&nut);
         let dynamic_rating = nut.dynamic_rating().rating;
         let preload = self.preload * dynamic_rating;
         let elasticity = nut.elasticity(&body).ok()?;

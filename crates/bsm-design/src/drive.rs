@@ -11,7 +11,7 @@ pub(crate) const GRAVITY: f64 = 9.806_65;
 
 /// What an axis moves, and along which slope.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Carriage {
+pub struct MachineTable {
     /// Moved mass \[kg\].
     pub mass: f64,
     /// Inclination `$\varphi$` of the axis \[rad\]: 0 level, π/2 upwards along the feed.
@@ -20,7 +20,7 @@ pub struct Carriage {
     pub friction: f64,
 }
 
-impl Carriage {
+impl MachineTable {
     /// Axial load of the screw \[N\], positive against a positive feed (Z7).
     ///
     /// ```math
@@ -143,17 +143,17 @@ mod tests {
     /// and the guides carry nothing. Nook's selection example: 5000 lb on guides of 0.0013 take 6.5 lb.
     #[test]
     fn loads_of_a_carriage() {
-        let level = Carriage { mass: 500.0, inclination: 0.0, friction: 0.01 };
+        let level = MachineTable { mass: 500.0, inclination: 0.0, friction: 0.01 };
         assert_relative_eq!(level.load(1e3, 0.1, 0.0), 1_049.033_25, max_relative = 1e-12);
         assert_relative_eq!(level.load(1e3, -0.1, 0.0), 950.966_75, max_relative = 1e-12);
         assert_relative_eq!(level.load(1e3, 0.0, 2.0), 2e3, max_relative = 1e-12);
-        let upright = Carriage { inclination: FRAC_PI_2, ..level };
+        let upright = MachineTable { inclination: FRAC_PI_2, ..level };
         for feed in [0.3, -0.3] {
             assert_relative_eq!(upright.load(0.0, feed, 0.0), 4903.325, max_relative = 1e-12);
         }
         assert!(upright.guide_friction() <= 0.0, "guides of an upright axis carry nothing");
         let pounds = 0.453_592_37;
-        let nook = Carriage { mass: 5000.0 * pounds, inclination: 0.0, friction: 0.0013 };
+        let nook = MachineTable { mass: 5000.0 * pounds, inclination: 0.0, friction: 0.0013 };
         let in_pounds = nook.load(0.0, 1.0, 0.0) / (pounds * GRAVITY);
         assert_relative_eq!(in_pounds, 6.5, max_relative = 1e-12);
     }

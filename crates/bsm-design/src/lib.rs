@@ -42,17 +42,17 @@ mod standard;
 mod thread;
 
 pub use axis::{Axis, Motion, Mount, Phase};
-pub use body::Body;
+pub use body::NutBody;
 pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, Size, front, loaded_balls};
-pub use drive::{Carriage, Drive, drag_torque, root_mean_square, screw_inertia};
+pub use drive::{Drive, MachineTable, drag_torque, root_mean_square, screw_inertia};
 pub use grade::Grade;
 pub use least_squares::{LeastSquares, least_squares};
 pub use life::{Duty, Life, OPENS_AT, life, pair_loads, reliability_factor};
 pub use nut::{DynamicRating, Nut, StaticRating};
-pub use procedure::{Blocked, Outcome, Why};
+pub use procedure::{ActiveLimit, Outcome, Why};
 pub use requirement::{
-    AcceptedBy, Check, Demand, Design, EfficiencyOf, Fixed, Objective, Pace, Pitch, Quantity,
-    Ranges, Reach, Requirement,
+    AcceptedBy, Check, Design, DutySpeed, EfficiencyOf, Fixed, LoadCase, Objective, Pitch,
+    Quantity, Ranges, Requirement, Travel,
 };
 pub use rigidity::{Elasticity, in_series};
 pub use shaft::{

@@ -66,13 +66,13 @@ pub enum Outcome {
         /// The limits that block: each that alone, left out, would let all others be kept; or else
         /// what the compromise fails. Empty if the model has no efficiency for any screw, or those that keep all
         /// limits break a rule of all balls.
-        blocking: Vec<Blocked>,
+        blocking: Vec<ActiveLimit>,
     },
 }
 
 /// A limit that no screw keeps together with the others.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Blocked {
+pub struct ActiveLimit {
     /// The limit, and the value of the compromise.
     pub check: Check,
     /// What else there is to say.
@@ -125,7 +125,7 @@ impl Requirement {
         feasible.sort_by(|a, b| value(a).objective.total_cmp(&value(b).objective));
         let (first, refused) = first_accepted(&feasible, accepted);
         if let Some(design) = first {
-            let active = near_their_limits(design);
+            let active = active_constraints(design);
             return Outcome::Found { design: complete(design.nut), active, refused };
         }
         if let [best, ..] = feasible[..] {
@@ -138,7 +138,7 @@ impl Requirement {
         if blocking.is_empty()
             && let Some(design) = least(exact.iter(), |d| search.value_of(d).worst())
         {
-            let blocked = |check: &Check| Blocked { check: *check, why: Why::WholeBalls };
+            let blocked = |check: &Check| ActiveLimit { check: *check, why: Why::WholeBalls };
             blocking = design.checks.iter().filter(|check| !check.passes()).map(blocked).collect();
             nut = design.nut;
         }
@@ -181,7 +181,7 @@ pub(crate) fn first_accepted<'a>(
 }
 
 /// The limits that a design meets with nothing to spare.
-fn near_their_limits(design: &Design) -> Vec<Quantity> {
+fn active_constraints(design: &Design) -> Vec<Quantity> {
     let near = |check: &&Check| check.excess().is_some_and(|excess| excess > -NEAR);
     design.checks.iter().filter(near).map(|check| check.quantity).collect()
 }
@@ -201,7 +201,7 @@ fn rank(value: &Value) -> f64 {
 
 /// A place in the space of designs.
 #[derive(Debug, Clone)]
-struct Place {
+struct Trial {
     turns: f64,
     /// Free numbers in the unit cube.
     free: Vec<f64>,
@@ -266,7 +266,7 @@ impl Search<'_> {
     }
 
     /// The nut of a place, with fractions of balls.
-    fn nut(&self, at: &Place) -> Nut {
+    fn nut(&self, at: &Trial) -> Nut {
         let numbers = self.numbers(&at.free);
         // Fewer than the four that stand in the return would carry nothing.
         let loaded = (self.balls(&numbers) - IDLE_BALLS).max(0.1);
@@ -277,7 +277,7 @@ impl Search<'_> {
         Design::of(self.requirement, nut, self.efficiency)
     }
 
-    fn value(&self, at: &Place) -> Value {
+    fn value(&self, at: &Trial) -> Value {
         self.value_of(&self.design(self.nut(at)))
     }
 
@@ -291,13 +291,13 @@ impl Search<'_> {
 
     /// The best with any ball and fractions of balls, from a few starts.
     fn relaxed(&self, turns: &[f64]) -> Value {
-        let value = |at: &Place| self.value(at);
+        let value = |at: &Trial| self.value(at);
         let best = |turns: &f64| self.best_from(&STARTS[..FEW_STARTS], *turns, value);
         value(&best_place(turns.par_iter().map(best).collect(), value))
     }
 
     /// The best of the minima from all starts.
-    fn best_of_starts(&self, turns: f64, value: impl Fn(&Place) -> Value + Sync) -> Place {
+    fn best_of_starts(&self, turns: f64, value: impl Fn(&Trial) -> Value + Sync) -> Trial {
         self.best_from(&STARTS, turns, value)
     }
 
@@ -305,13 +305,13 @@ impl Search<'_> {
         &self,
         starts: &[[f64; 4]],
         turns: f64,
-        value: impl Fn(&Place) -> Value + Sync,
-    ) -> Place {
+        value: impl Fn(&Trial) -> Value + Sync,
+    ) -> Trial {
         let free = self.is_free();
         let places = starts.par_iter().map(|start| {
             let start: Vec<_> =
                 start.iter().zip(free).filter(|(_, free)| *free).map(|(x, _)| *x).collect();
-            let place = |x: &[f64]| Place { turns, free: x.to_vec() };
+            let place = |x: &[f64]| Trial { turns, free: x.to_vec() };
             place(&minimise(|x| value(&place(x)), &start))
         });
         best_place(places.collect(), &value)
@@ -423,12 +423,12 @@ impl Search<'_> {
 
     /// The place that fails least with any ball and fractions of balls, and the limits that block;
     /// none if it fails nothing.
-    fn conflict(&self, turns: &[f64]) -> (Place, Vec<Blocked>) {
-        let failure = |at: &Place| {
+    fn conflict(&self, turns: &[f64]) -> (Trial, Vec<ActiveLimit>) {
+        let failure = |at: &Trial| {
             let excess = self.value(at).excess;
             excess.iter().map(|g| g.max(0.0).powi(2)).sum::<f64>()
         };
-        let only = |at: &Place| Value { objective: failure(at), excess: Vec::new() };
+        let only = |at: &Trial| Value { objective: failure(at), excess: Vec::new() };
         let at = self.best_of_all(turns, only);
         let checks = self.design(self.nut(&at)).checks;
         if checks.iter().all(Check::passes) {
@@ -438,15 +438,15 @@ impl Search<'_> {
         let alone = limited.par_iter().filter_map(|check| self.without(check, turns));
         let mut blocking: Vec<_> = alone.collect();
         if blocking.is_empty() {
-            let together = |check: &Check| Blocked { check: *check, why: Why::WithOthers };
+            let together = |check: &Check| ActiveLimit { check: *check, why: Why::WithOthers };
             blocking = checks.iter().filter(|check| !check.passes()).map(together).collect();
         }
         (at, blocking)
     }
 
     /// What a quantity can be with all other limits kept; `None` if these cannot all be.
-    fn without(&self, check: &Check, turns: &[f64]) -> Option<Blocked> {
-        let blocked = |best| Blocked { check: *check, why: Why::Alone(best) };
+    fn without(&self, check: &Check, turns: &[f64]) -> Option<ActiveLimit> {
+        let blocked = |best| ActiveLimit { check: *check, why: Why::Alone(best) };
         if check.quantity == Quantity::Turns {
             let more = (TURNS.0..=TURNS.1).map(f64::from).filter(|more| !turns.contains(more));
             let feasible = |turns: &f64| {
@@ -457,7 +457,7 @@ impl Search<'_> {
             };
             return more.into_iter().find(feasible).map(blocked);
         }
-        let split = |at: &Place| {
+        let split = |at: &Trial| {
             let checks = self.design(self.nut(at)).checks;
             let others = checks.iter().filter(|c| c.quantity != check.quantity);
             let excess = others.filter_map(Check::excess).collect();
@@ -475,7 +475,7 @@ impl Search<'_> {
     }
 
     /// The best of the minima of all numbers of turns.
-    fn best_of_all(&self, turns: &[f64], value: impl Fn(&Place) -> Value + Sync) -> Place {
+    fn best_of_all(&self, turns: &[f64], value: impl Fn(&Trial) -> Value + Sync) -> Trial {
         let places: Vec<_> =
             turns.par_iter().map(|turns| self.best_of_starts(*turns, &value)).collect();
         best_place(places, value)
@@ -496,8 +496,8 @@ fn tidy(nut: Nut) -> Nut {
 }
 
 /// The place of the least objective among those that keep the constraints best.
-fn best_place(places: Vec<Place>, value: impl Fn(&Place) -> Value) -> Place {
-    let rank = |at: &Place| {
+fn best_place(places: Vec<Trial>, value: impl Fn(&Trial) -> Value) -> Trial {
+    let rank = |at: &Trial| {
         let value = value(at);
         (value.worst().max(SLACK), value.objective)
     };

@@ -4,20 +4,20 @@ use std::f64::consts::{PI, TAU};
 
 use bsm_dyn::{Direction, Hertz, Material, Optimum};
 
-use crate::{Axis, Body, Carriage, Life, Motion, Mount, Nut, PRELOAD, Phase};
+use crate::{Axis, Life, MachineTable, Motion, Mount, Nut, NutBody, PRELOAD, Phase};
 
 /// The cycle of the machine, or a torque.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Demand {
+pub enum LoadCase {
     /// Forces and speeds; one stretch at least, one of them moves.
     Cycle(Vec<Motion>),
     /// Torque on the screw \[N·m\], and its speed.
-    Torque(f64, Pace),
+    Torque(f64, DutySpeed),
 }
 
-impl Demand {
+impl LoadCase {
     /// What a screw carries.
-    fn phases(&self, carriage: &Carriage, nut: &Nut) -> Vec<Phase> {
+    fn phases(&self, carriage: &MachineTable, nut: &Nut) -> Vec<Phase> {
         match self {
             Self::Cycle(motions) => {
                 motions.iter().map(|motion| motion.phase(carriage, nut.lead)).collect()
@@ -53,7 +53,7 @@ impl Pitch {
 
 /// Length of the screw, or of its stroke.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Reach {
+pub enum Travel {
     /// Length of the screw \[m\].
     Screw(f64),
     /// Way of the nut \[m\].
@@ -62,14 +62,14 @@ pub enum Reach {
 
 /// Speed of the screw, or of the nut along it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Pace {
+pub enum DutySpeed {
     /// Relative speed of screw and nut \[rad/s\].
     Turns(f64),
     /// Velocity of the nut \[m/s\].
     Feed(f64),
 }
 
-impl Pace {
+impl DutySpeed {
     /// Relative speed of screw and nut with a lead \[rad/s\].
     pub fn speed(self, lead: f64) -> f64 {
         match self {
@@ -122,9 +122,9 @@ pub struct Ranges {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Requirement {
     /// Forces and speeds, or a torque.
-    pub demand: Demand,
+    pub demand: LoadCase,
     /// What is moved, which adds to the forces.
-    pub carriage: Carriage,
+    pub carriage: MachineTable,
     /// Preload of a pair of nuts \[N\].
     pub preload: Option<f64>,
     /// Life over that of 90 % of all nuts (Z14).
@@ -134,7 +134,7 @@ pub struct Requirement {
     /// Leads or lead angles to choose from; one at least.
     pub pitches: Vec<Pitch>,
     /// Length or stroke.
-    pub reach: Reach,
+    pub reach: Travel,
     /// Ends and length of the screw.
     pub mount: Mount,
     /// Largest speed over the critical one.
@@ -315,11 +315,11 @@ impl Design {
         let Requirement { direction, friction, ranges, .. } = *requirement;
         let (lead, beta) = (nut.lead_angle(), nut.contact_angle);
         let (radius, ball) = (0.5 * nut.pitch_diameter, 0.5 * nut.ball_diameter);
-        let body = Body::usual(&nut);
+        let body = NutBody::usual(&nut);
         let thread = nut.thread(0.0, nut.usual_lands());
         let (length, stroke) = match requirement.reach {
-            Reach::Screw(length) => (length, length - body.length),
-            Reach::Stroke(stroke) => (stroke + body.length, stroke),
+            Travel::Screw(length) => (length, length - body.length),
+            Travel::Stroke(stroke) => (stroke + body.length, stroke),
         };
         let phases = requirement.demand.phases(&requirement.carriage, &nut);
         let axis = Axis {

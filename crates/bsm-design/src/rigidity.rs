@@ -4,9 +4,9 @@
 
 use std::f64::consts::PI;
 
-use bsm_dyn::{Hertz, Member, Reason, contact_modulus};
+use bsm_dyn::{Hertz, Race, Reason, contact_modulus};
 
-use crate::{Body, Nut};
+use crate::{Nut, NutBody};
 
 /// Elasticity of one nut, whatever its load.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,7 +82,7 @@ impl Nut {
     pub fn hertz(&self) -> Result<[Hertz; 2], Reason> {
         let modulus = contact_modulus(&self.material.0, &self.material.1);
         let of = |member| Hertz::of(&self.curvatures(member, self.lead_angle()), modulus);
-        Ok([of(Member::Nut)?, of(Member::Screw)?])
+        Ok([of(Race::Nut)?, of(Race::Screw)?])
     }
 
     /// Elasticity of one nut (D6), (D8).
@@ -97,7 +97,7 @@ impl Nut {
     /// # Errors
     ///
     /// [`Reason::CurvaturesNotHertzian`] if the grooves leave no ellipse across them.
-    pub fn elasticity(&self, body: &Body) -> Result<Elasticity, Reason> {
+    pub fn elasticity(&self, body: &NutBody) -> Result<Elasticity, Reason> {
         let hertz = self.hertz()?;
         let direction = self.contact_angle.sin() * self.lead_angle().cos();
         // k = n (sinβ cosα)^5/2 / (δ_n + δ_s)^3/2                         (D6)
@@ -108,7 +108,7 @@ impl Nut {
     }
 }
 
-impl Body {
+impl NutBody {
     /// Rigidity along the loaded turns \[N/m\] (D8).
     ///
     /// Source: Sobolewski (2002), eq. 2.
@@ -145,7 +145,7 @@ mod tests {
             balls_per_turn: 16.0,
             turns: 6.0,
         };
-        nut.elasticity(&Body::usual(&nut)).expect("ellipses")
+        nut.elasticity(&NutBody::usual(&nut)).expect("ellipses")
     }
 
     /// Found by the audit: the program printed a tangent under the name of the secant of eq. 5.

@@ -3,7 +3,7 @@
 use argmin::core::{CostFunction, Executor};
 use argmin::solver::brent::BrentOpt;
 use argmin::solver::neldermead::NelderMead;
-use bsm_newton::{Bracket, Found};
+use bsm_newton::{Bracket, RootResult};
 
 pub use argmin::core::Error as SearchError;
 
@@ -38,7 +38,7 @@ pub fn root_of<E: Into<SearchError>>(
     };
     let bracket = Bracket { x_tol: 1e-10, ..Bracket::new(ends, ends.map(&mut value)) };
     match bracket.root(value) {
-        Found::Root(root) => Ok(root.x),
+        RootResult::Root(root) => Ok(root.x),
         none => Err(failure.unwrap_or_else(|| SearchError::msg(format!("no root: {none:?}")))),
     }
 }

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::procedure::first_accepted;
 use crate::{
-    AcceptedBy, Blocked, Check, Design, EfficiencyOf, Limits, Lists, Objective, Outcome, Pitch,
+    AcceptedBy, ActiveLimit, Check, Design, EfficiencyOf, Limits, Lists, Objective, Outcome, Pitch,
     Quantity, Requirement, Why,
 };
 
@@ -149,10 +149,10 @@ fn blocked(designs: Vec<Design>, complete: impl Fn(&Design) -> Design) -> Option
     let nearest = nearest?;
     let mut blocking: Vec<_> = alone
         .into_iter()
-        .map(|(_, check)| Blocked { why: Why::Alone(check.value), check })
+        .map(|(_, check)| ActiveLimit { why: Why::Alone(check.value), check })
         .collect();
     if blocking.is_empty() {
-        let with = |check: Check| Blocked { check, why: Why::WithOthers };
+        let with = |check: Check| ActiveLimit { check, why: Why::WithOthers };
         blocking = failing(&nearest).into_iter().map(with).collect();
     }
     Some(Outcome::Infeasible { design: complete(&nearest), blocking })

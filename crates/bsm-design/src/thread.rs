@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/11-ratings.md`, equations (G1) to (G9). Section across the groove, without lead.
 
-use bsm_dyn::{Hertz, Member};
+use bsm_dyn::{Hertz, Race};
 
 use crate::Nut;
 
@@ -147,10 +147,10 @@ impl Nut {
 
 impl Thread {
     /// The groove of a member.
-    pub fn profile(&self, member: Member) -> &Profile {
+    pub fn profile(&self, member: Race) -> &Profile {
         match member {
-            Member::Nut => &self.nut,
-            Member::Screw => &self.screw,
+            Race::Nut => &self.nut,
+            Race::Screw => &self.screw,
         }
     }
 }

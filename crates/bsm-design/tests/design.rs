@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 
 use bsm_design::{
-    BUCKLING_SAFETY, Blocked, CRITICAL_SPEED_RATIO, Carriage, Demand, Design, Fixed, Motion, Mount,
-    Nut, Objective, Outcome, Pace, Phase, Pitch, Quantity, Ranges, Reach, Requirement, Support,
-    Why,
+    ActiveLimit, BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, Design, DutySpeed, Fixed, LoadCase,
+    MachineTable, Motion, Mount, Nut, Objective, Outcome, Phase, Pitch, Quantity, Ranges,
+    Requirement, Support, Travel, Why,
 };
 use bsm_dyn::{Angles, Direction, Material};
 
@@ -14,9 +14,9 @@ const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 /// Balls of the tests \[m\].
 const STOCK: [f64; 6] = [3.175e-3, 3.969e-3, 4.763e-3, 5.556e-3, 6.35e-3, 7.144e-3];
 
-fn load(newtons: f64, rpm: f64) -> Demand {
-    let pace = Pace::Turns(rpm * PI / 30.0);
-    Demand::Cycle(vec![Motion { time: 1.0, force: newtons, pace, acceleration: 0.0 }])
+fn load(newtons: f64, rpm: f64) -> LoadCase {
+    let pace = DutySpeed::Turns(rpm * PI / 30.0);
+    LoadCase::Cycle(vec![Motion { time: 1.0, force: newtons, pace, acceleration: 0.0 }])
 }
 
 /// The loads of all balls have no part in these searches.
@@ -28,12 +28,12 @@ fn accepted(_nut: &Nut) -> Result<(), Vec<&'static str>> {
 fn feed_drive() -> Requirement {
     Requirement {
         demand: load(8e3, 1500.0),
-        carriage: Carriage { mass: 0.0, inclination: 0.0, friction: 0.0 },
+        carriage: MachineTable { mass: 0.0, inclination: 0.0, friction: 0.0 },
         preload: None,
         reliability: 1.0,
         direction: Direction::RotaryToLinear,
         pitches: vec![Pitch::Lead(10e-3)],
-        reach: Reach::Stroke(0.7),
+        reach: Travel::Stroke(0.7),
         mount: Mount { support: Support::FixedSupported, length: None, diameter: None },
         speed_ratio: CRITICAL_SPEED_RATIO,
         buckling_safety: BUCKLING_SAFETY,
@@ -152,7 +152,9 @@ fn what_blocks_is_named_with_its_best_value() {
         panic!("a million hours")
     };
     let alone = blocking.iter().find_map(|b| match b {
-        Blocked { check, why: Why::Alone(best) } if check.quantity == Quantity::Life => Some(*best),
+        ActiveLimit { check, why: Why::Alone(best) } if check.quantity == Quantity::Life => {
+            Some(*best)
+        }
         _ => None,
     });
     let mut best: f64 = 0.0;
@@ -187,7 +189,7 @@ fn a_load_beyond_the_rating_is_refused() {
         conformity: Some(0.52),
         turns: Some(3.0),
     };
-    let requirement = Requirement { fixed, life: None, reach: Reach::Screw(0.2), ..feed_drive() };
+    let requirement = Requirement { fixed, life: None, reach: Travel::Screw(0.2), ..feed_drive() };
     let under = |newtons| Requirement { demand: load(newtons, 1500.0), ..requirement.clone() };
     let Outcome::Infeasible { blocking, .. } = under(12e3).choose(&efficiency, &accepted) else {
         panic!("12 kN on small balls")
@@ -201,7 +203,7 @@ fn a_load_beyond_the_rating_is_refused() {
 #[test]
 fn a_ball_beyond_its_land_is_refused() {
     let fixed = Fixed { ball: Some(3.175e-3), contact_angle: Some(1.1), ..Fixed::default() };
-    let requirement = Requirement { fixed, life: None, reach: Reach::Screw(0.2), ..feed_drive() };
+    let requirement = Requirement { fixed, life: None, reach: Travel::Screw(0.2), ..feed_drive() };
     let requirement = Requirement { demand: load(500.0, 1500.0), ..requirement };
     let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accepted) else {
         panic!("beyond the land")
@@ -238,8 +240,9 @@ fn fixed_numbers_stay() {
     let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accepted) else {
         panic!("11 degrees are not easy to make")
     };
-    let alone =
-        |b: &Blocked| b.check.quantity == Quantity::ContactAngle && matches!(b.why, Why::Alone(_));
+    let alone = |b: &ActiveLimit| {
+        b.check.quantity == Quantity::ContactAngle && matches!(b.why, Why::Alone(_))
+    };
     assert!(blocking.iter().any(alone), "{blocking:?}");
 }
 
@@ -249,7 +252,7 @@ fn a_torque_is_a_load() {
     let torque = 8e3 * 10e-3 / (2.0 * PI);
     let (by_load, _) = found(&feed_drive());
     let (by_torque, _) = found(&Requirement {
-        demand: Demand::Torque(torque, Pace::Turns(50.0 * PI)),
+        demand: LoadCase::Torque(torque, DutySpeed::Turns(50.0 * PI)),
         ..feed_drive()
     });
     // Rounding of the load moves the search by its tolerance.

@@ -12,14 +12,13 @@ mod panels;
 use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
 use bsm_simd::Arch;
 
-pub(crate) use self::kernel::{Dry, Point, SUMS, Sums, sums};
+pub(crate) use self::kernel::{Dry, Patch, Resultants, SUMS, sums};
 use self::kernel::{MOTION, sums_on};
 pub(crate) use self::many::{ManyNodes, ManyQuadrature};
-pub use self::oil::Bend;
-pub(crate) use self::oil::Lubricated;
-pub use self::panels::{EllipseSlip, Quadrature, power_of_many};
-pub(crate) use self::panels::{Nodes, Plan, Rules, depth};
-use crate::{Coulomb, FrictionLaw, MixedFriction, Wrench};
+pub(crate) use self::oil::OilLaw;
+pub use self::panels::{EllipseSlip, Quadrature, power_of_many, slip_scale};
+pub(crate) use self::panels::{FrozenRule, Nodes, Rules, surface_drop};
+use crate::contact::{Coulomb, FrictionLaw, MixedFriction, Wrench};
 
 /// A loaded contact ellipse on the ball.
 #[derive(Debug, Clone, Copy)]
@@ -158,7 +157,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
 
 /// Scalars over constants of type `P` in which friction of a [`Coulomb`] coefficient can be summed over
 /// an ellipse: fast over numbers, by the law itself over jets.
-pub(crate) trait Lanes<P>: Over<P> {
+pub(crate) trait Integrate<P>: Over<P> {
     /// Friction over `$f Q$`, as [`Ellipse::integrate`], and the power that it takes, without derivatives.
     fn integrate(
         ellipse: &Ellipse<Self, P>,
@@ -172,7 +171,7 @@ pub(crate) trait Lanes<P>: Over<P> {
     -> Self;
 
     /// Friction of a lubricated ellipse over `$Q$`, as [`Ellipse::integrate`], and the power that it takes.
-    fn oiled(
+    fn lubricated(
         ellipse: &Ellipse<Self, P>,
         local: &Local<Self>,
         law: &MixedFriction<Self>,
@@ -183,8 +182,8 @@ pub(crate) trait Lanes<P>: Over<P> {
 
 impl<P: Scalar, D: Scalar> Ellipse<D, P> {
     /// The values without derivatives.
-    fn point(&self, local: &Local<D>, creep: f64) -> Point {
-        Point {
+    fn point(&self, local: &Local<D>, creep: f64) -> Patch {
+        Patch {
             semi_axes: (self.semi_axes.0.re(), self.semi_axes.1.re()),
             pressed_radius: self.pressed_radius.re(),
             ball_radius: self.ball_radius.re(),
@@ -207,7 +206,7 @@ impl<D: Copy> Integral<D> {
     }
 }
 
-impl Lanes<f64> for f64 {
+impl Integrate<f64> for f64 {
     fn integrate(
         ellipse: &Ellipse<f64>,
         local: &Local<f64>,
@@ -223,20 +222,20 @@ impl Lanes<f64> for f64 {
         Self::integrate(ellipse, local, creep, nodes).1
     }
 
-    fn oiled(
+    fn lubricated(
         ellipse: &Ellipse<f64>,
         local: &Local<f64>,
         law: &MixedFriction,
         creep: f64,
         nodes: Nodes<'_>,
     ) -> (Integral<f64>, f64) {
-        let (point, law) = (ellipse.point(local, creep), Lubricated::of(law));
+        let (point, law) = (ellipse.point(local, creep), OilLaw::of(law));
         let sums = sums_on::<_, 4, false>(Arch::new(), &point, law, nodes);
         (Integral::from_sums(sums.values), sums.power)
     }
 }
 
-impl<const N: usize> Lanes<f64> for Jet<N> {
+impl<const N: usize> Integrate<f64> for Jet<N> {
     fn integrate(
         ellipse: &Ellipse<Self>,
         local: &Local<Self>,
@@ -244,7 +243,7 @@ impl<const N: usize> Lanes<f64> for Jet<N> {
         nodes: Nodes<'_>,
     ) -> (Integral<Self>, f64) {
         let point = ellipse.point(local, creep);
-        let Sums { values, power, slopes, .. } =
+        let Resultants { values, power, slopes, .. } =
             sums_on::<_, 2, true>(Arch::new(), &point, Dry, nodes);
         let [a, t, n, c] = local.numbers();
         let arguments = [a, t, n, c, ellipse.growth()];
@@ -255,7 +254,7 @@ impl<const N: usize> Lanes<f64> for Jet<N> {
         ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule.into()).1
     }
 
-    fn oiled(
+    fn lubricated(
         ellipse: &Ellipse<Self>,
         local: &Local<Self>,
         law: &MixedFriction<Self>,
@@ -289,7 +288,7 @@ impl<const N: usize> Integral<Jet<N>> {
     }
 }
 
-impl<const N: usize> Lanes<Self> for Jet<N> {
+impl<const N: usize> Integrate<Self> for Jet<N> {
     fn integrate(
         ellipse: &Ellipse<Self, Self>,
         local: &Local<Self>,
@@ -310,7 +309,7 @@ impl<const N: usize> Lanes<Self> for Jet<N> {
         ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule.into()).1
     }
 
-    fn oiled(
+    fn lubricated(
         ellipse: &Ellipse<Self, Self>,
         local: &Local<Self>,
         law: &MixedFriction<Self>,
@@ -472,7 +471,7 @@ mod tests {
             let nodes = Nodes::from(&quadrature);
             let (slow, power) = ellipse.integrate(&local, &law, creep, nodes);
             let point = ellipse.point(&local, creep);
-            let oil = Lubricated::of(&law.values());
+            let oil = OilLaw::of(&law.values());
             let fast = sums_on::<_, 4, true>(Arch::new(), &point, oil, nodes);
             let bare = sums_on::<_, 4, false>(Arch::new(), &point, oil, nodes);
             for sums in [&fast, &bare] {
@@ -508,7 +507,7 @@ mod tests {
             let (fast, sloped_power) =
                 Jet::integrate(&ellipse, &local, creep, (&quadrature).into());
             let point = ellipse.point(&local, creep);
-            let Sums { values, power: fast_power, .. } =
+            let Resultants { values, power: fast_power, .. } =
                 sums_on::<_, 2, false>(Arch::new(), &point, Dry, (&quadrature).into());
             // Rounding of sums of terms of at most one, and of slopes of at most 1/v_e.
             let same = |a: Jet<5>, b: Jet<5>| {
@@ -532,7 +531,7 @@ mod tests {
             let (ellipse, local) = sloped(motion, (0.3, b));
             let (point, rule) = (ellipse.point(&local, 1e-4), Quadrature::of(1e-6));
             let bits = |arch| {
-                let Sums { values, power, slopes, .. } =
+                let Resultants { values, power, slopes, .. } =
                     sums_on::<_, 2, true>(arch, &point, Dry, (&rule).into());
                 (values.map(f64::to_bits), power.to_bits(), slopes.map(|s| s.map(f64::to_bits)))
             };
@@ -620,7 +619,7 @@ mod tests {
                 pressure_scale: 52e6,
             };
             let sums = rules.each_ref().map(|rule| {
-                let oil = Lubricated::of(&law);
+                let oil = OilLaw::of(&law);
                 let sums = sums_on::<_, 4, false>(Arch::new(), &point, oil, rule.into());
                 let [f_t, f_c, m_t, m_n, m_c] = sums.values;
                 [f_t, f_c, m_t, m_n / a, m_c, sums.power / (roll + spin * a)]

@@ -6,8 +6,8 @@ use bsm_dyn::Model;
 use bsm_dyn::balance::{Power, efficiency, ideal_torque};
 use bsm_simd::Simd;
 
-use crate::operand::{Given, Lane, Mask};
-use crate::{Kernel, Out};
+use crate::operand::{Lane, LaneInputs, Mask};
+use crate::{Kernel, Sink};
 
 pub(super) struct ClosedForm;
 
@@ -15,7 +15,7 @@ impl Kernel for ClosedForm {
     const MODEL: Model = Model::ClosedForm;
 
     #[inline(always)]
-    fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S> {
+    fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S> {
         let sines = given.sines();
         let f = given.get(InputKey::friction_coefficient);
         let back = backwards(given);
@@ -29,7 +29,7 @@ impl Kernel for ClosedForm {
             out.set(OutputKey::screw_slip_angle_deg, screw.each(direction_deg));
         }
         out.set_flag(OutputKey::self_locking, sines.self_locking(back, f));
-        transmit(given, out, &Transmitted { back, tan_a: sines.tan_a(), eta, ratio });
+        transmit(given, out, &NoInertia { back, tan_a: sines.tan_a(), eta, ratio });
         let zero = f.constant(0.0);
         zero.le(zero)
     }
@@ -37,21 +37,21 @@ impl Kernel for ClosedForm {
 
 /// Where the load drives; nowhere without a speed.
 #[inline(always)]
-pub(super) fn backwards<S: Simd>(given: &Given<'_, S>) -> Mask<S> {
+pub(super) fn backwards<S: Simd>(given: &LaneInputs<'_, S>) -> Mask<S> {
     let zero = Lane::splat(given.simd, 0.0);
     given.speeds().map_or(zero.lt(zero), |(screw, nut)| screw.lt(nut))
 }
 
 /// Contact angles that are given.
 #[inline(always)]
-pub(super) fn contact_angles<S: Simd>(given: &Given<'_, S>, out: &mut Out<'_, '_>) {
+pub(super) fn contact_angles<S: Simd>(given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) {
     let angle = given.get(InputKey::contact_angle_deg);
     out.set(OutputKey::nut_contact_angle_deg, angle);
     out.set(OutputKey::screw_contact_angle_deg, angle);
 }
 
 /// What a model without inertia knows.
-pub(super) struct Transmitted<S: Simd> {
+pub(super) struct NoInertia<S: Simd> {
     pub(super) back: Mask<S>,
     pub(super) tan_a: Lane<S>,
     pub(super) eta: Lane<S>,
@@ -62,9 +62,9 @@ pub(super) struct Transmitted<S: Simd> {
 /// Torque, loads and powers, if size and load are given; none where the screw cannot be turned.
 #[inline(always)]
 pub(super) fn transmit<S: Simd>(
-    given: &Given<'_, S>,
-    out: &mut Out<'_, '_>,
-    known: &Transmitted<S>,
+    given: &LaneInputs<'_, S>,
+    out: &mut Sink<'_, '_>,
+    known: &NoInertia<S>,
 ) {
     let (Some(pitch), Some(load), Some(balls)) = (
         given.try_get(InputKey::pitch_circle_diameter_mm),
@@ -73,7 +73,7 @@ pub(super) fn transmit<S: Simd>(
     ) else {
         return;
     };
-    let Transmitted { back, tan_a, eta, ratio } = *known;
+    let NoInertia { back, tan_a, eta, ratio } = *known;
     let zero = eta.constant(0.0);
     let turns = (back | eta.gt(zero)) & ratio.gt(zero) & ratio.lt(zero.constant(f64::INFINITY));
     let none = zero.constant(f64::NAN);
@@ -92,7 +92,7 @@ pub(super) fn transmit<S: Simd>(
 /// frictionless screw, both over `unit`; returns the efficiency.
 #[inline(always)]
 pub(super) fn transmit_torque<S: Simd>(
-    out: &mut Out<'_, '_>,
+    out: &mut Sink<'_, '_>,
     back: Mask<S>,
     (torque, ideal): (Lane<S>, Lane<S>),
     unit: Lane<S>,
@@ -111,7 +111,7 @@ pub(super) fn transmit_torque<S: Simd>(
 /// * `speed`: its sign tells which side drives.
 #[inline(always)]
 pub(super) fn power_balance<S: Simd>(
-    out: &mut Out<'_, '_>,
+    out: &mut Sink<'_, '_>,
     speed: Lane<S>,
     (torque, ideal): (Lane<S>, Lane<S>),
     lost: Lane<S>,
@@ -125,7 +125,7 @@ pub(super) fn power_balance<S: Simd>(
 
 /// Powers of a torque on the screw and of that of the frictionless screw.
 #[inline(always)]
-fn powers<S: Simd>(out: &mut Out<'_, '_>, (torque, ideal): (Lane<S>, Lane<S>), speed: Lane<S>) {
+fn powers<S: Simd>(out: &mut Sink<'_, '_>, (torque, ideal): (Lane<S>, Lane<S>), speed: Lane<S>) {
     // Not a number where there is no torque.
     let Power { input, output, dissipated } =
         Power::transmitted(torque, ideal + torque * 0.0, speed);

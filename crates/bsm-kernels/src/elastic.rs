@@ -8,11 +8,11 @@ use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::closed_form::{power_balance, transmit_torque};
-use crate::operand::{Given, Lane, Mask};
-use crate::pair::{Contacts, InUnits, Pair};
+use crate::operand::{Lane, LaneInputs, Mask};
+use crate::pair::{Balls, ContactRow, InUnits};
 use crate::rigid::slip_angle;
 use crate::units::Units;
-use crate::{Kernel, Out};
+use crate::{Kernel, Sink};
 
 pub(super) struct Elastic;
 
@@ -26,19 +26,19 @@ impl Kernel for Elastic {
     const MODEL: Model = Model::Elastic;
 
     #[inline(always)]
-    fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S> {
+    fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S> {
         let (units, pair) = given.simd.vectorize(InUnits(given));
         let friction = given.get(InputKey::friction_coefficient);
         let back = units.speed.lt(friction.constant(0.0));
         let signed = back.select(-friction, friction);
-        let skid = given.simd.vectorize(Skid { pair: &pair, friction: signed });
+        let skid = given.simd.vectorize(GrossSlip { pair: &pair, friction: signed });
         if !skid.found.any() {
             return skid.found;
         }
         let ([q_a, q_b], [sin_a, sin_b], [cos_a, cos_b]) =
             (skid.state.loads, skid.state.sin, skid.state.cos);
         let sides = [pair.loaded(0, q_a, (sin_a, cos_a)), pair.loaded(1, q_b, (sin_b, cos_b))];
-        given.simd.vectorize(Contacts { out, units: &units, pair: &pair, sides: &sides });
+        given.simd.vectorize(ContactRow { out, units: &units, pair: &pair, sides: &sides });
         let imbalance = outputs(&skid, out, &units, &pair);
         out.set(OutputKey::iterations, skid.steps);
         out.set(OutputKey::residual_norm, skid.residual);
@@ -48,12 +48,12 @@ impl Kernel for Elastic {
 
 /// The first roots, if they are where the curve is straight, of a friction with the sign of the speed: a call of its
 /// own, as the code is long.
-pub(super) struct Skid<'a, S: Simd> {
-    pub(super) pair: &'a Pair<S>,
+pub(super) struct GrossSlip<'a, S: Simd> {
+    pub(super) pair: &'a Balls<S>,
     pub(super) friction: Lane<S>,
 }
 
-impl<S: Simd> NullaryFnOnce for Skid<'_, S> {
+impl<S: Simd> NullaryFnOnce for GrossSlip<'_, S> {
     type Output = SlidingRoot<Lane<S>>;
 
     #[inline(always)]
@@ -85,9 +85,9 @@ impl<S: Simd> NullaryFnOnce for Skid<'_, S> {
 #[inline(always)]
 fn outputs<S: Simd>(
     skid: &SlidingRoot<Lane<S>>,
-    out: &mut Out<'_, '_>,
+    out: &mut Sink<'_, '_>,
     units: &Units<S>,
-    pair: &Pair<S>,
+    pair: &Balls<S>,
 ) -> Lane<S> {
     let (w, lead) = (units.speed, (pair.sin_a, pair.cos_a));
     let to_nut = skid.rotation().in_frenet();

@@ -27,9 +27,9 @@ use self::elastic::Elastic;
 use self::quasi_static::QuasiStatic;
 use self::raceway::Raceway;
 use self::rigid::Rigid;
-use crate::operand::{Given, Lane, Lawful, Mask};
+use crate::operand::{Lane, LaneInputs, Mask, Valid};
 
-pub use operand::{Operand, Operands, is_plain};
+pub use operand::{InputColumn, InputColumns, is_plain};
 
 /// A model by lanes.
 trait Kernel {
@@ -37,14 +37,14 @@ trait Kernel {
     const MODEL: Model;
 
     /// Solves a lane of points, and says for which of them the numbers are the answer.
-    fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S>;
+    fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S>;
 }
 
 /// The outputs that are wanted, and their places.
 #[derive(Debug)]
-pub struct Wanted([Option<usize>; OUTPUTS.len()]);
+pub struct Selection([Option<usize>; OUTPUTS.len()]);
 
-impl Wanted {
+impl Selection {
     /// Outputs in the order of their columns.
     pub fn of(outputs: &[&Output]) -> Self {
         let mut places = [None; OUTPUTS.len()];
@@ -58,14 +58,14 @@ impl Wanted {
 }
 
 /// Where the outputs of a lane of points go.
-struct Out<'a, 'b> {
-    wanted: &'a Wanted,
+struct Sink<'a, 'b> {
+    wanted: &'a Selection,
     columns: &'a mut [&'b mut [f64]],
     /// The first of the points.
     row: usize,
 }
 
-impl Out<'_, '_> {
+impl Sink<'_, '_> {
     /// True if any of these outputs is wanted: what takes time is computed only then.
     #[inline(always)]
     fn wants(&self, keys: &[OutputKey]) -> bool {
@@ -97,9 +97,9 @@ impl Out<'_, '_> {
 #[derive(Debug)]
 pub struct Rows<'a, 'b> {
     /// The inputs of the chunk.
-    pub operands: &'a Operands<'a>,
+    pub operands: &'a InputColumns<'a>,
     /// The outputs that are wanted.
-    pub wanted: &'a Wanted,
+    pub wanted: &'a Selection,
     /// The first of the rows in the chunk.
     pub first: usize,
     /// Columns of the outputs, of these rows only.
@@ -138,11 +138,11 @@ impl<K: Kernel> WithSimd for Run<'_, '_, K> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Rows { operands, wanted, first, columns, done } = self.rows;
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
-            let given = Given { simd, operands, row: first + row };
-            let mut out = Out { wanted, columns: &mut *columns, row };
+            let given = LaneInputs { simd, operands, row: first + row };
+            let mut out = Sink { wanted, columns: &mut *columns, row };
             let solved = self.kernel.solve(&given, &mut out);
-            let lawful = simd.vectorize(Lawful { given: &given, model: K::MODEL });
-            (solved & lawful).store(&mut done[row..]);
+            let valid = simd.vectorize(Valid { given: &given, model: K::MODEL });
+            (solved & valid).store(&mut done[row..]);
         }
     }
 }

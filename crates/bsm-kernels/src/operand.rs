@@ -8,14 +8,14 @@ use bsm_dyn::{Lubricant, Model, Sines};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 /// Vectors that are worked on together: measured, the fastest number for the rigid model.
-const TOGETHER: usize = 2;
+const UNROLL: usize = 2;
 
-pub(crate) type Lane<S> = bsm_simd::Lane<S, TOGETHER>;
-pub(crate) type Mask<S> = bsm_simd::Mask<S, TOGETHER>;
+pub(crate) type Lane<S> = bsm_simd::Lane<S, UNROLL>;
+pub(crate) type Mask<S> = bsm_simd::Mask<S, UNROLL>;
 
 /// Where the values of an input come from.
 #[derive(Debug)]
-pub enum Operand<'a> {
+pub enum InputColumn<'a> {
     /// The points do not have it.
     Absent,
     /// All points have the same value, which keeps its rule and is plain ([`is_plain`]).
@@ -26,20 +26,20 @@ pub enum Operand<'a> {
 
 /// The inputs of some points that one model takes.
 #[derive(Debug)]
-pub struct Operands<'a> {
-    inputs: [Operand<'a>; INPUTS.len()],
+pub struct InputColumns<'a> {
+    inputs: [InputColumn<'a>; INPUTS.len()],
     /// Places of those that are columns.
     columns: Vec<usize>,
     /// What friction comes from, but for its temperature; `None` with a coefficient.
     pub(crate) lubricant: Option<Lubricant>,
 }
 
-impl<'a> Operands<'a> {
+impl<'a> InputColumns<'a> {
     /// Inputs in the order of the vocabulary.
     ///
     /// * `lubricant`: what friction comes from, but for its temperature; `None` with a coefficient.
-    pub fn new(inputs: [Operand<'a>; INPUTS.len()], lubricant: Option<Lubricant>) -> Self {
-        let is_column = |place: &usize| matches!(inputs[*place], Operand::Column(..));
+    pub fn new(inputs: [InputColumn<'a>; INPUTS.len()], lubricant: Option<Lubricant>) -> Self {
+        let is_column = |place: &usize| matches!(inputs[*place], InputColumn::Column(..));
         let columns = (0..inputs.len()).filter(is_column).collect();
         Self { inputs, columns, lubricant }
     }
@@ -56,14 +56,14 @@ pub fn is_plain(value: f64) -> bool {
 
 /// The inputs of as many points as a lane holds.
 #[derive(Clone, Copy)]
-pub(crate) struct Given<'a, S> {
+pub(crate) struct LaneInputs<'a, S> {
     pub(crate) simd: S,
-    pub(crate) operands: &'a Operands<'a>,
+    pub(crate) operands: &'a InputColumns<'a>,
     /// The first of the points.
     pub(crate) row: usize,
 }
 
-impl<S: Simd> Given<'_, S> {
+impl<S: Simd> LaneInputs<'_, S> {
     #[inline(always)]
     fn load(&self, values: &[f64]) -> Lane<S> {
         Lane::load(self.simd, &values[self.row..])
@@ -73,9 +73,9 @@ impl<S: Simd> Given<'_, S> {
     #[inline(always)]
     pub(crate) fn try_get(&self, key: InputKey) -> Option<Lane<S>> {
         match &self.operands.inputs[key as usize] {
-            Operand::Absent => None,
-            Operand::Constant(value) => Some(Lane::splat(self.simd, *value)),
-            Operand::Column(_, values) => Some(self.load(values)),
+            InputColumn::Absent => None,
+            InputColumn::Constant(value) => Some(Lane::splat(self.simd, *value)),
+            InputColumn::Column(_, values) => Some(self.load(values)),
         }
     }
 
@@ -121,46 +121,46 @@ impl<S: Simd> Given<'_, S> {
     /// Where the values of all columns keep their rules, alone and against each other, and the model
     /// covers them.
     #[inline(always)]
-    fn lawful(&self, model: Model) -> Mask<S> {
+    fn valid(&self, model: Model) -> Mask<S> {
         let zero = Lane::splat(self.simd, 0.0);
         let [least, most] = PLAIN.map(|x| zero.constant(x));
-        let mut lawful = zero.le(zero);
+        let mut valid = zero.le(zero);
         // Constants were checked.
         for place in &self.operands.columns {
-            let Operand::Column(rule, values) = &self.operands.inputs[*place] else { continue };
+            let InputColumn::Column(rule, values) = &self.operands.inputs[*place] else { continue };
             let x = self.load(values);
             let size = x.abs();
             let plain = size.le(zero) | (least.le(size) & size.le(most));
-            lawful = lawful & plain & rule.holds(x);
+            valid = valid & plain & rule.holds(x);
         }
         for relation in Relation::ALL {
             if let Some(holds) = relation.holds(self) {
-                lawful = lawful & holds;
+                valid = valid & holds;
             }
         }
         match covered(model, self) {
-            Some(covered) => lawful & covered,
-            None => lawful,
+            Some(covered) => valid & covered,
+            None => valid,
         }
     }
 }
 
-/// [`Given::lawful`] as a call of its own, as all kernels share it.
-pub(crate) struct Lawful<'a, 'b, S> {
-    pub(crate) given: &'a Given<'b, S>,
+/// [`LaneInputs::valid`] as a call of its own, as all kernels share it.
+pub(crate) struct Valid<'a, 'b, S> {
+    pub(crate) given: &'a LaneInputs<'b, S>,
     pub(crate) model: Model,
 }
 
-impl<S: Simd> NullaryFnOnce for Lawful<'_, '_, S> {
+impl<S: Simd> NullaryFnOnce for Valid<'_, '_, S> {
     type Output = Mask<S>;
 
     #[inline(always)]
     fn call(self) -> Mask<S> {
-        self.given.lawful(self.model)
+        self.given.valid(self.model)
     }
 }
 
-impl<S: Simd> Inputs for Given<'_, S> {
+impl<S: Simd> Inputs for LaneInputs<'_, S> {
     type Number = Lane<S>;
 
     #[inline(always)]

@@ -5,21 +5,21 @@ use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::{BallContacts, LoadedContact, ScaledSize, max_pressure};
 use bsm_simd::{NullaryFnOnce, Simd};
 
-use crate::Out;
-use crate::operand::{Given, Lane};
+use crate::Sink;
+use crate::operand::{Lane, LaneInputs};
 use crate::units::{Units, modulus};
 
 /// A lane of points in units of ball radius, axial load per ball and relative speed.
-pub(super) type Pair<S> = BallContacts<Lane<S>>;
+pub(super) type Balls<S> = BallContacts<Lane<S>>;
 
 /// A contact at its angle, in the same units.
-pub(super) type Side<S> = LoadedContact<Lane<S>>;
+pub(super) type LaneContact<S> = LoadedContact<Lane<S>>;
 
 /// A lane of points in SI units and in those of its ball: a call of its own, as three kernels share it.
-pub(super) struct InUnits<'a, 'b, S>(pub(super) &'a Given<'b, S>);
+pub(super) struct InUnits<'a, 'b, S>(pub(super) &'a LaneInputs<'b, S>);
 
 impl<S: Simd> NullaryFnOnce for InUnits<'_, '_, S> {
-    type Output = (Units<S>, Pair<S>);
+    type Output = (Units<S>, Balls<S>);
 
     #[inline(always)]
     fn call(self) -> Self::Output {
@@ -32,20 +32,20 @@ impl<S: Simd> NullaryFnOnce for InUnits<'_, '_, S> {
             nut_speed: units.nut_speed / units.speed,
             modulus: modulus(self.0, &units),
         };
-        let pair = Pair::new(&self.0.sines(), conformities, &size);
+        let pair = Balls::new(&self.0.sines(), conformities, &size);
         (units, pair)
     }
 }
 
 /// Stores loads, angles, ellipses, approaches and displacement: a call of its own, as three kernels share it.
-pub(super) struct Contacts<'a, 'b, 'c, S: Simd> {
-    pub(super) out: &'a mut Out<'b, 'c>,
+pub(super) struct ContactRow<'a, 'b, 'c, S: Simd> {
+    pub(super) out: &'a mut Sink<'b, 'c>,
     pub(super) units: &'a Units<S>,
-    pub(super) pair: &'a Pair<S>,
-    pub(super) sides: &'a [Side<S>; 2],
+    pub(super) pair: &'a Balls<S>,
+    pub(super) sides: &'a [LaneContact<S>; 2],
 }
 
-impl<S: Simd> NullaryFnOnce for Contacts<'_, '_, '_, S> {
+impl<S: Simd> NullaryFnOnce for ContactRow<'_, '_, '_, S> {
     type Output = ();
 
     #[inline(always)]

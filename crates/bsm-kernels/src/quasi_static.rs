@@ -4,9 +4,9 @@ use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::{Model, TwoContacts};
 use bsm_simd::Simd;
 
-use crate::closed_form::{Transmitted, backwards, contact_angles, transmit};
-use crate::operand::{Given, Mask};
-use crate::{Kernel, Out};
+use crate::closed_form::{NoInertia, backwards, contact_angles, transmit};
+use crate::operand::{LaneInputs, Mask};
+use crate::{Kernel, Sink};
 
 pub(super) struct QuasiStatic;
 
@@ -14,7 +14,7 @@ impl Kernel for QuasiStatic {
     const MODEL: Model = Model::QuasiStatic;
 
     #[inline(always)]
-    fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S> {
+    fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S> {
         let ball = given.get(InputKey::ball_diameter_mm);
         let (back, zero) = (backwards(given), ball.constant(0.0));
         let sign = back.select(zero.constant(-1.0), zero.constant(1.0));
@@ -30,7 +30,7 @@ impl Kernel for QuasiStatic {
         out.set(OutputKey::efficiency, eta);
         contact_angles(given, out);
         out.set_flag(OutputKey::self_locking, eta.le(zero));
-        transmit(given, out, &Transmitted { back, tan_a: contacts.sines.tan_a(), eta, ratio });
+        transmit(given, out, &NoInertia { back, tan_a: contacts.sines.tan_a(), eta, ratio });
         ratio.gt(zero)
     }
 }

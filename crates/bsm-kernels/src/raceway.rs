@@ -13,14 +13,14 @@ use bsm_dyn::{
 use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::Simd;
 
-pub(super) use self::balance::{Balanced, Grip};
+pub(super) use self::balance::{Balanced, Roll};
 use self::friction::Ellipse;
-use self::oil::Oiled;
+use self::oil::OilLane;
 use crate::closed_form::transmit_torque;
-use crate::operand::{Given, Lane, Mask};
-use crate::pair::{Contacts, InUnits, Pair};
+use crate::operand::{Lane, LaneInputs, Mask};
+use crate::pair::{Balls, ContactRow, InUnits};
 use crate::units::Units;
-use crate::{Kernel, Out};
+use crate::{Kernel, Sink};
 
 pub(super) struct Raceway {
     /// The controlling race; `None` decides by (W7).
@@ -31,14 +31,14 @@ impl Kernel for Raceway {
     const MODEL: Model = Model::RacewayControl;
 
     #[inline(always)]
-    fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S> {
+    fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S> {
         let (units, pair) = given.simd.vectorize(InUnits(given));
         let grip = given.simd.vectorize(Balanced { pair: &pair, control: self.control });
         if !grip.found.any() {
             return grip.found;
         }
         let motion = Motion::of(&pair, &grip);
-        given.simd.vectorize(Contacts { out, units: &units, pair: &pair, sides: &grip.sides });
+        given.simd.vectorize(ContactRow { out, units: &units, pair: &pair, sides: &grip.sides });
         motion.outputs(out, &units, &pair);
         let (resolved, friction) = transmit(out, given, (&units, &pair), (&grip, &motion));
         regime(out, friction, (&units, &pair), (&grip, &motion));
@@ -70,7 +70,7 @@ pub(super) struct Motion<S: Simd> {
 
 impl<S: Simd> Motion<S> {
     #[inline(always)]
-    pub(super) fn of(pair: &Pair<S>, grip: &Grip<S>) -> Self {
+    pub(super) fn of(pair: &Balls<S>, grip: &Roll<S>) -> Self {
         let ([a, b], by_nut, one) = (&grip.sides, grip.by_nut, pair.constant(1.0));
         let lead = (pair.sin_a, pair.cos_a);
         let (p, to_nut) = rolling(by_nut, lead, pair.arc, [(a.sin, a.cos), (b.sin, b.cos)]);
@@ -86,7 +86,7 @@ impl<S: Simd> Motion<S> {
     }
 
     #[inline(always)]
-    fn outputs(&self, out: &mut Out<'_, '_>, units: &Units<S>, pair: &Pair<S>) {
+    fn outputs(&self, out: &mut Sink<'_, '_>, units: &Units<S>, pair: &Balls<S>) {
         let w = units.speed;
         let to_nut = [pair.sin_a * 0.5, self.omega[0], self.omega[1]];
         let [t, n, b] = relative_rotation(to_nut, -pair.nut_speed, (pair.sin_a, pair.cos_a));
@@ -110,7 +110,7 @@ impl<S: Simd> Motion<S> {
 
 /// The ellipse at nut (0) or screw (1) and the motion over it.
 #[inline(always)]
-fn ellipse<S: Simd>(i: usize, pair: &Pair<S>, grip: &Grip<S>, motion: &Motion<S>) -> Ellipse<S> {
+fn ellipse<S: Simd>(i: usize, pair: &Balls<S>, grip: &Roll<S>, motion: &Motion<S>) -> Ellipse<S> {
     let (side, pressed) = (&grip.sides[i], &pair.pressed[i]);
     let speed = motion.speed[i];
     Ellipse {
@@ -127,31 +127,31 @@ fn ellipse<S: Simd>(i: usize, pair: &Pair<S>, grip: &Grip<S>, motion: &Motion<S>
 /// depend on the outputs that are wanted; and the friction coefficient.
 #[inline(always)]
 fn transmit<S: Simd>(
-    out: &mut Out<'_, '_>,
-    given: &Given<'_, S>,
-    (units, pair): (&Units<S>, &Pair<S>),
-    (grip, motion): (&Grip<S>, &Motion<S>),
+    out: &mut Sink<'_, '_>,
+    given: &LaneInputs<'_, S>,
+    (units, pair): (&Units<S>, &Balls<S>),
+    (grip, motion): (&Roll<S>, &Motion<S>),
 ) -> (Mask<S>, Lane<S>) {
     let (nut, screw) = (ellipse(0, pair, grip, motion), ellipse(1, pair, grip, motion));
     let ((nut_power, at_nut), (screw_power, at_screw)) = (nut.power(), screw.power());
     let zero = nut_power.constant(0.0);
     let back = units.speed.lt(zero);
-    let oiled =
-        Oiled::of(given, (units, pair), (grip, motion), [(nut, nut_power), (screw, screw_power)]);
-    let (loss, friction) = if let Some(oiled) = &oiled {
-        (oiled.loss(), oiled.friction_scale())
+    let lubricated =
+        OilLane::of(given, (units, pair), (grip, motion), [(nut, nut_power), (screw, screw_power)]);
+    let (loss, friction) = if let Some(lubricated) = &lubricated {
+        (lubricated.loss(), lubricated.friction_scale())
     } else {
         let friction = given.get(InputKey::friction_coefficient);
         (friction_power(friction, [nut.load, screw.load], [nut_power, screw_power]), friction)
     };
     let ideal = ideal_torque(units.axial, units.pitch, pair.sin_a / pair.cos_a);
     let mut torque = rolling_torque(ideal, back.select(-loss, loss), units.ball, units.axial);
-    if let Some(oiled) = &oiled {
-        torque = torque + oiled.outside.torque(units.speed);
+    if let Some(lubricated) = &lubricated {
+        torque = torque + lubricated.outside.torque(units.speed);
     }
     let eta = transmit_torque(out, back, (torque, ideal), torque.constant(1.0), units.speed);
-    if let Some(oiled) = &oiled {
-        oiled.outputs(out, (units, pair), (back, eta));
+    if let Some(lubricated) = &lubricated {
+        lubricated.outputs(out, (units, pair), (back, eta));
     }
     let finite = torque.abs().lt(zero.constant(f64::INFINITY));
     (at_nut & at_screw & finite, friction)
@@ -160,10 +160,10 @@ fn transmit<S: Simd>(
 /// Stores skid number and onset number where they have a meaning, and returns the latter.
 #[inline(always)]
 pub(super) fn regime<S: Simd>(
-    out: &mut Out<'_, '_>,
+    out: &mut Sink<'_, '_>,
     friction: Lane<S>,
-    (units, pair): (&Units<S>, &Pair<S>),
-    (grip, motion): (&Grip<S>, &Motion<S>),
+    (units, pair): (&Units<S>, &Balls<S>),
+    (grip, motion): (&Roll<S>, &Motion<S>),
 ) -> Lane<S> {
     let [a, b] = &grip.sides;
     let rate = motion.p + pair.nut_speed;

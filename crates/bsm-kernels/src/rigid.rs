@@ -8,9 +8,9 @@ use bsm_dyn::{Model, POWER_BALANCE_TOL, Plane, RigidBall, RigidMotion, friction_
 use bsm_simd::Simd;
 
 use crate::closed_form::{contact_angles, power_balance, transmit_torque};
-use crate::operand::{Given, Lane, Mask};
+use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::Units;
-use crate::{Kernel, Out};
+use crate::{Kernel, Sink};
 
 pub(super) struct Rigid;
 
@@ -18,7 +18,7 @@ impl Kernel for Rigid {
     const MODEL: Model = Model::Rigid;
 
     #[inline(always)]
-    fn solve<S: Simd>(&self, given: &Given<'_, S>, out: &mut Out<'_, '_>) -> Mask<S> {
+    fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S> {
         let si = Units::of(given);
         let (friction, zero) = (given.get(InputKey::friction_coefficient), si.speed.constant(0.0));
         let signed = si.speed.lt(zero).select(-friction, friction);
@@ -44,7 +44,7 @@ impl Kernel for Rigid {
 /// Stores what is wanted of a motion, and returns the violation of its power balance.
 #[inline(always)]
 fn outputs<S: Simd>(
-    out: &mut Out<'_, '_>,
+    out: &mut Sink<'_, '_>,
     si: &Units<S>,
     ball: &RigidBall<Lane<S>>,
     motion: &RigidMotion<Lane<S>>,
@@ -83,7 +83,11 @@ fn outputs<S: Simd>(
 
 /// Stores the direction of friction, by its parts across the groove and along the helix.
 #[inline(always)]
-pub(super) fn slip_angle<S: Simd>(out: &mut Out<'_, '_>, key: OutputKey, friction: Plane<Lane<S>>) {
+pub(super) fn slip_angle<S: Simd>(
+    out: &mut Sink<'_, '_>,
+    key: OutputKey,
+    friction: Plane<Lane<S>>,
+) {
     if out.wants(&[key]) {
         out.set(key, friction_angle(friction).each(direction_deg));
     }

@@ -7,21 +7,21 @@ use std::rc::Rc;
 use bsm_case::{InputKey, OutputKey, Settings};
 use bsm_dyn::balance::ideal_torque;
 use bsm_dyn::{
-    FAST_NUT, MOST_LOSS_ERROR, Model, POWER_BALANCE_TOL, SKIDS, Scaled, TRACTION_FOUND,
-    TRACTION_START, TractionMany, TractionRoot, TractionStart, loss_error, quadrature_error,
+    FAST_NUT, MOST_LOSS_ERROR, Model, POWER_BALANCE_TOL, SKIDS, TRACTION_FOUND, TRACTION_START,
+    TractionMany, TractionPoint, TractionRoot, TractionStart, loss_error, quadrature_error,
     slip_scale, takes,
 };
 use bsm_kin::relative_rotation;
 use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
 
 use crate::closed_form::{power_balance, transmit_torque};
-use crate::elastic::Skid;
-use crate::operand::{Given, Lane, Lawful, Mask};
-use crate::pair::{Contacts, InUnits, Pair};
+use crate::elastic::GrossSlip;
+use crate::operand::{Lane, LaneInputs, Mask, Valid};
+use crate::pair::{Balls, ContactRow, InUnits};
 use crate::raceway::{Balanced, Motion, regime};
 use crate::rigid::slip_angle;
 use crate::units::Units;
-use crate::{Out, Rows};
+use crate::{Rows, Sink};
 
 /// Most points in a lane.
 const MANY: usize = 4 * BLOCK;
@@ -66,11 +66,11 @@ impl WithSimd for Solve<'_, '_> {
         let Rows { operands, wanted, first, columns, done } = rows;
         let (mut lanes, mut points, mut starts) = (Vec::new(), Vec::new(), Vec::new());
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
-            let given = Given { simd, operands, row: first + row };
+            let given = LaneInputs { simd, operands, row: first + row };
             let (units, pair) = simd.vectorize(InUnits(&given));
             let scaled = scaled(&given, (&units, &pair), creep);
             let lane = Points { units, pair, scaled };
-            let mut out = Out { wanted, columns: &mut *columns, row };
+            let mut out = Sink { wanted, columns: &mut *columns, row };
             let (start, found) = start(&given, &lane, &mut out);
             lanes.push((given, lane));
             let mut blocks = [[0.0; MANY]; TRACTION_START];
@@ -110,11 +110,11 @@ impl WithSimd for Solve<'_, '_> {
             for k in 0..TRACTION_FOUND {
                 root[k] = Lane::load(simd, &blocks[k]);
             }
-            let mut out = Out { wanted, columns: &mut *columns, row };
+            let mut out = Sink { wanted, columns: &mut *columns, row };
             let solved = outputs(simd, lane, &TractionRoot::of(root), accuracy, &mut out);
             let mut answered = [false; MANY];
-            let lawful = simd.vectorize(Lawful { given, model: Model::Traction });
-            (solved & lawful).store(&mut answered);
+            let valid = simd.vectorize(Valid { given, model: Model::Traction });
+            (solved & valid).store(&mut answered);
             for (i, done) in done[row..].iter_mut().enumerate().take(Lane::<S>::LEN) {
                 *done = answered[i] && found[i];
             }
@@ -125,23 +125,23 @@ impl WithSimd for Solve<'_, '_> {
 /// A lane of points.
 struct Points<S: Simd> {
     units: Units<S>,
-    pair: Pair<S>,
-    scaled: Scaled<Lane<S>>,
+    pair: Balls<S>,
+    scaled: TractionPoint<Lane<S>>,
 }
 
 #[inline(always)]
 fn scaled<S: Simd>(
-    given: &Given<'_, S>,
-    (units, pair): (&Units<S>, &Pair<S>),
+    given: &LaneInputs<'_, S>,
+    (units, pair): (&Units<S>, &Balls<S>),
     creep: f64,
-) -> Scaled<Lane<S>> {
+) -> TractionPoint<Lane<S>> {
     let (zero, one) = (pair.constant(0.0), pair.constant(1.0));
     let friction = given.get(InputKey::friction_coefficient);
     let [nut, screw] = &pair.pressed;
     let pressed_radius = [nut.pressed_radius, screw.pressed_radius];
     let scale = slip_scale([nut.hertz.semi_axis, screw.hertz.semi_axis], pressed_radius);
     let fast = pair.nut_speed.abs().gt(one * FAST_NUT);
-    Scaled {
+    TractionPoint {
         lead: (pair.sin_a, pair.cos_a),
         radius: units.pitch / units.ball,
         arc: pair.arc,
@@ -165,9 +165,9 @@ fn scaled<S: Simd>(
 /// Where the solves of some rows start, and the rows that have a start.
 #[inline(always)]
 fn start<S: Simd>(
-    given: &Given<'_, S>,
+    given: &LaneInputs<'_, S>,
     Points { units, pair, scaled: point }: &Points<S>,
-    out: &mut Out<'_, '_>,
+    out: &mut Sink<'_, '_>,
 ) -> (TractionStart<Lane<S>>, Mask<S>) {
     let one = pair.constant(1.0);
     let friction = point.friction.abs();
@@ -185,7 +185,7 @@ fn start<S: Simd>(
     let mut omega = [pair.sin_a * 0.5, motion.omega[0], motion.omega[1]];
     let skids = onset.gt(one * SKIDS) & onset.lt(one.constant(f64::INFINITY));
     if (found & skids).any() {
-        let skid = given.simd.vectorize(Skid { pair, friction: point.friction });
+        let skid = given.simd.vectorize(GrossSlip { pair, friction: point.friction });
         found = found & (skid.steady | !skids);
         let [q_a, q_b] = skid.state.loads;
         loads = [skids.select(q_a, loads[0]), skids.select(q_b, loads[1])];
@@ -211,13 +211,13 @@ fn outputs<S: Simd>(
     Points { units, pair, scaled: point }: &Points<S>,
     root: &TractionRoot<Lane<S>>,
     accuracy: f64,
-    out: &mut Out<'_, '_>,
+    out: &mut Sink<'_, '_>,
 ) -> Mask<S> {
     let (y, w, zero) = (root.unknowns, units.speed, units.speed.constant(0.0));
     let at = TractionStart { point: *point, unknowns: y };
     let ([nut, screw], motions) = at.contacts();
     let sides = [pair.loaded(0, y[0], nut), pair.loaded(1, y[2], screw)];
-    simd.vectorize(Contacts { out: &mut *out, units, pair, sides: &sides });
+    simd.vectorize(ContactRow { out: &mut *out, units, pair, sides: &sides });
     let keys = [
         [
             OutputKey::nut_slip_velocity_m_s,

@@ -5,7 +5,7 @@ use bsm_case::units::{GPA, MM};
 use bsm_dyn::{Ball, Material, contact_modulus};
 use bsm_simd::Simd;
 
-use crate::operand::{Given, Lane};
+use crate::operand::{Lane, LaneInputs};
 
 /// Sizes in SI units, and the mass of the ball in its own.
 pub(super) struct Units<S: Simd> {
@@ -26,7 +26,7 @@ pub(super) struct Units<S: Simd> {
 
 impl<S: Simd> Units<S> {
     #[inline(always)]
-    pub(super) fn of(given: &Given<'_, S>) -> Self {
+    pub(super) fn of(given: &LaneInputs<'_, S>) -> Self {
         let ball = given.get(InputKey::ball_diameter_mm) * (0.5 * MM);
         let axial = given.get(InputKey::axial_load_N);
         let load = axial / given.get(InputKey::loaded_balls);
@@ -48,7 +48,7 @@ impl<S: Simd> Units<S> {
 
 /// `$E^* r_b^2/F_a$` of the materials, those of the races unless given for the ball.
 #[inline(always)]
-pub(super) fn modulus<S: Simd>(given: &Given<'_, S>, units: &Units<S>) -> Lane<S> {
+pub(super) fn modulus<S: Simd>(given: &LaneInputs<'_, S>, units: &Units<S>) -> Lane<S> {
     let youngs_modulus = given.get(InputKey::youngs_modulus_GPa);
     let poisson_ratio = given.get(InputKey::poisson_ratio);
     let races = Material { youngs_modulus, poisson_ratio };

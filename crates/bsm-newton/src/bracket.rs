@@ -2,20 +2,20 @@
 
 /// A value and, where it is known, the slope.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample {
+pub struct FunctionValue {
     /// The value.
     pub value: f64,
     /// The slope there; it makes the next place a Newton step.
     pub slope: Option<f64>,
 }
 
-impl From<f64> for Sample {
+impl From<f64> for FunctionValue {
     fn from(value: f64) -> Self {
         Self { value, slope: None }
     }
 }
 
-impl From<(f64, f64)> for Sample {
+impl From<(f64, f64)> for FunctionValue {
     fn from((value, slope): (f64, f64)) -> Self {
         Self { value, slope: Some(slope) }
     }
@@ -35,7 +35,7 @@ impl From<(f64, f64)> for Sample {
 /// * **A sign change, no more**: where the function has several roots one of them is found; where it
 ///   jumps or has a pole, the place of the jump is, and [`Root::value`] is not small there. A
 ///   predicate is a function that is 1 or -1; the answer then is in [`Root::ends`].
-/// * **NaN ends it**, as [`Found::NotFinite`]; an infinite value has a sign and is welcome. A function
+/// * **NaN ends it**, as [`RootResult::NotFinite`]; an infinite value has a sign and is welcome. A function
 ///   that may fail returns NaN.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bracket {
@@ -54,7 +54,7 @@ pub struct Bracket {
 
 /// What was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Found {
+pub enum RootResult {
     /// The place of a sign change.
     Root(Root),
     /// Both ends have the same sign.
@@ -87,7 +87,7 @@ pub struct Root {
     pub evaluations: usize,
 }
 
-impl Found {
+impl RootResult {
     /// The root, if there is one.
     pub fn root(self) -> Option<Root> {
         match self {
@@ -114,16 +114,16 @@ impl Bracket {
     /// Source: Chandrupatla, *A new hybrid quadratic/bisection algorithm for finding the zero of a
     /// nonlinear function without using derivatives*, Adv. Eng. Softw. 28 (1997); the guards by
     /// length and number of doubles are ours.
-    pub fn root<S: Into<Sample>>(&self, mut function: impl FnMut(f64) -> S) -> Found {
+    pub fn root<S: Into<FunctionValue>>(&self, mut function: impl FnMut(f64) -> S) -> RootResult {
         let (mut ends, mut values) = (self.ends, self.values);
         for (x, value) in ends.into_iter().zip(values) {
             if !x.is_finite() || value.is_nan() {
-                return Found::NotFinite { x, value };
+                return RootResult::NotFinite { x, value };
             }
         }
         let mut evaluations = 0;
         let done = |x, value, ends, values, evaluations| {
-            Found::Root(Root { x, value, ends, values, evaluations })
+            RootResult::Root(Root { x, value, ends, values, evaluations })
         };
         for (x, value) in ends.into_iter().zip(values) {
             if value.abs() <= self.f_tol {
@@ -131,12 +131,12 @@ impl Bracket {
             }
         }
         if (values[0] > 0.0) == (values[1] > 0.0) {
-            return Found::NoSignChange { values };
+            return RootResult::NoSignChange { values };
         }
         // The end that was moved last, what it was before, and the slope there.
         let (mut newest, mut old, mut slope) = (0, None::<(f64, f64)>, None::<f64>);
         let mut start = self.start;
-        let (mut length, mut doubles) = (Stalling::new(2), Stalling::new(3));
+        let (mut length, mut doubles) = (Progress::new(2), Progress::new(3));
         loop {
             let [x, other] = [ends[newest], ends[1 - newest]];
             let [value, opposite] = [values[newest], values[1 - newest]];
@@ -174,7 +174,7 @@ impl Bracket {
             let sample = function(next).into();
             evaluations += 1;
             if sample.value.is_nan() {
-                return Found::NotFinite { x: next, value: sample.value };
+                return RootResult::NotFinite { x: next, value: sample.value };
             }
             let side = usize::from((sample.value > 0.0) != (values[0] > 0.0));
             // The third place is that which left the bracket.
@@ -203,13 +203,13 @@ fn part((a, fa): (f64, f64), (b, fb): (f64, f64), old: Option<(f64, f64)>) -> f6
 }
 
 /// Tells when a size has not been halved for so many questions.
-struct Stalling {
+struct Progress {
     patience: u32,
     size: f64,
     left: u32,
 }
 
-impl Stalling {
+impl Progress {
     fn new(patience: u32) -> Self {
         Self { patience, size: f64::INFINITY, left: patience }
     }

@@ -13,7 +13,7 @@ use crate::{Dense, Equations, LinearSolver, Status, Workspace};
 /// * `columns`: `$\partial F/\partial p$` at the root for each `$p$`; on return `$dx/dp$`.
 ///
 /// The status is [`Status::Converged`], or says why there are no derivatives:
-/// [`Status::ModelRefused`], [`Status::SingularJacobian`].
+/// [`Status::OutsideDomain`], [`Status::SingularJacobian`].
 pub fn implicit_slopes<const N: usize, E: Equations<N> + ?Sized>(
     equations: &E,
     x: &[f64; N],
@@ -21,7 +21,7 @@ pub fn implicit_slopes<const N: usize, E: Equations<N> + ?Sized>(
     columns: &mut [[f64; N]],
     work: &mut Workspace<Dense<N>>,
 ) -> Status {
-    let Ok((_, rows)) = equations.linearize(x) else { return Status::ModelRefused };
+    let Ok((_, rows)) = equations.linearize(x) else { return Status::OutsideDomain };
     *work.linear.rows_mut() = rows;
     // D_F J dx/dp = −D_F ∂F/∂p                                            (N7)
     work.linear.scale_rows(f_scale);

@@ -23,13 +23,15 @@ mod report;
 mod solve;
 mod system;
 
-pub use bracket::{Bracket, Found, Root, Sample};
+pub use bracket::{Bracket, FunctionValue, Root, RootResult};
 pub use continuation::{Continuation, follow};
 pub use error::{DimensionError, EvalError, NotConverged, Singular};
 pub use implicit::implicit_slopes;
 pub use linear::{Block, Bordered, Dense, DynamicDense, LinearSolver};
 pub use options::{JacobianUpdate, Options, Scales};
-pub use path::{Crossing, End, Family, Resolution, Seed, Stride, Trace, path_direction, trace};
+pub use path::{
+    EventRoot, Exit, Homotopy, Resolution, Seed, StepControl, Trace, path_direction, trace,
+};
 pub use report::{Report, Status, Step};
 pub use solve::{Workspace, solve, solve_system};
 pub use system::{Equations, Linear, System, VectorOf};

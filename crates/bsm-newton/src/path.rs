@@ -3,8 +3,8 @@
 use std::array::from_fn;
 
 use crate::{
-    Bracket, Dense, Equations, EvalError, Found, Linear, LinearSolver, Options, Scales, Status,
-    Workspace, solve,
+    Bracket, Dense, Equations, EvalError, Linear, LinearSolver, Options, RootResult, Scales,
+    Status, Workspace, solve,
 };
 
 /// Direction of the curve of the first `N − 1` equations at `z`, where the last equation is a plane
@@ -21,7 +21,7 @@ use crate::{
 ///
 /// # Errors
 ///
-/// [`Status::ModelRefused`] or [`Status::SingularJacobian`]: there is no direction, as where the
+/// [`Status::OutsideDomain`] or [`Status::SingularJacobian`]: there is no direction, as where the
 /// curve branches or the plane touches it.
 pub fn path_direction<const N: usize, E: Equations<N> + ?Sized>(
     equations: &E,
@@ -29,7 +29,7 @@ pub fn path_direction<const N: usize, E: Equations<N> + ?Sized>(
     f_scale: &[f64; N],
     work: &mut Workspace<Dense<N>>,
 ) -> Result<[f64; N], Status> {
-    let (_, rows) = equations.linearize(z).map_err(|_| Status::ModelRefused)?;
+    let (_, rows) = equations.linearize(z).map_err(|_| Status::OutsideDomain)?;
     *work.linear.rows_mut() = rows;
     work.linear.scale_rows(f_scale);
     work.linear.factorize().map_err(|_| Status::SingularJacobian)?;
@@ -44,7 +44,7 @@ pub fn path_direction<const N: usize, E: Equations<N> + ?Sized>(
 }
 
 /// `N` equations of `M = N + 1` unknowns: a curve.
-pub trait Family<const N: usize, const M: usize> {
+pub trait Homotopy<const N: usize, const M: usize> {
     /// What the equations leave over at `z`.
     ///
     /// # Errors
@@ -81,7 +81,7 @@ pub struct Seed<const M: usize> {
 
 /// Lengths of the steps, in the sizes of the unknowns, and bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stride {
+pub struct StepControl {
     /// Length of the first step. Default 0.1.
     pub first: f64,
     /// The longest step. Default 0.5.
@@ -99,7 +99,7 @@ pub struct Stride {
     pub place: f64,
 }
 
-impl Default for Stride {
+impl Default for StepControl {
     fn default() -> Self {
         let (most_points, goal, place) = (1000, Options::default().residual_goal, 1e-14);
         Self { first: 0.1, longest: 0.5, shortest: 1e-7, pair: 1e-3, most_points, goal, place }
@@ -108,7 +108,7 @@ impl Default for Stride {
 
 /// A point of the curve at which the value of an event changes its sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Crossing<const M: usize> {
+pub struct EventRoot<const M: usize> {
     /// Number of the event.
     pub event: usize,
     /// The point.
@@ -123,11 +123,11 @@ pub struct Crossing<const M: usize> {
 
 /// Why a path ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum End {
+pub enum Exit {
     /// It came back to the seed: the crossings are those of the whole curve.
     Closed,
     /// It was not to go on.
-    Stopped,
+    Ended,
     /// Cut short after as many points as are allowed.
     MostPoints,
     /// Cut short: the shortest step led to no point of the curve; what the equations last refused.
@@ -141,7 +141,7 @@ pub enum End {
 pub struct Resolution {
     /// The longest step.
     pub longest: f64,
-    /// Steps of length [`Stride::pair`] or less that may hide a pair of crossings (N14). Zero: no pair
+    /// Steps of length [`StepControl::pair`] or less that may hide a pair of crossings (N14). Zero: no pair
     /// is missed but one that the values and slopes of the events at both ends of a step do not show.
     pub unresolved: usize,
     /// Points.
@@ -154,11 +154,11 @@ pub struct Resolution {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace<const M: usize> {
     /// The crossings in their order.
-    pub crossings: Vec<Crossing<M>>,
+    pub crossings: Vec<EventRoot<M>>,
     /// The last point.
     pub last: [f64; M],
     /// Why it ended.
-    pub end: End,
+    pub end: Exit,
     /// How closely it was looked at.
     pub resolution: Resolution,
     /// Newton steps of all corrections.
@@ -167,10 +167,10 @@ pub struct Trace<const M: usize> {
 
 /// Least cosine between the directions at both ends of a step, and between the step and its tangent: no step goes to
 /// another curve.
-const STRAIGHT: f64 = 0.9;
+const LEAST_COSINE: f64 = 0.9;
 
 /// Room for what an event is besides a cubic, in parts of its slopes.
-const ROOM: f64 = 2.0;
+const SAFETY: f64 = 2.0;
 
 /// Newton steps of a correction, and up to which a step was easy.
 const MOST_STEPS: usize = 10;
@@ -190,19 +190,19 @@ const EASY: usize = 4;
 ///
 /// Source: Allgower and Georg, *Introduction to Numerical Continuation Methods*, ch. 2 and 6; the guard
 /// (N14) is ours.
-pub fn trace<const N: usize, const M: usize, const K: usize, F: Family<N, M>>(
+pub fn trace<const N: usize, const M: usize, const K: usize, F: Homotopy<N, M>>(
     family: &F,
     seed: &Seed<M>,
     events: impl FnMut(&[f64; M], &[f64; M]) -> [(f64, f64); K],
     on: impl FnMut(&Trace<M>) -> bool,
-    stride: &Stride,
+    stride: &StepControl,
 ) -> Trace<M> {
     const { assert!(M == N + 1, "a curve has one unknown more than equations") };
     let resolution = Resolution { longest: 0.0, unresolved: 0, points: 0, arc: 0.0 };
     let trace =
-        Trace { crossings: Vec::new(), last: seed.z, end: End::MostPoints, resolution, steps: 0 };
+        Trace { crossings: Vec::new(), last: seed.z, end: Exit::MostPoints, resolution, steps: 0 };
     let work = Workspace::default();
-    Walk { family, events, on, stride, work, refusal: None, trace }.run(seed)
+    Tracer { family, events, on, stride, work, domain_error: None, trace }.run(seed)
 }
 
 /// The equations of a curve and a plane across it.
@@ -212,7 +212,7 @@ struct OnPlane<'a, const N: usize, const M: usize, F> {
     normal: [f64; M],
 }
 
-impl<const N: usize, const M: usize, F: Family<N, M>> Equations<M> for OnPlane<'_, N, M, F> {
+impl<const N: usize, const M: usize, F: Homotopy<N, M>> Equations<M> for OnPlane<'_, N, M, F> {
     fn residual(&self, z: &[f64; M]) -> Result<[f64; M], EvalError> {
         let left = self.family.residual(z)?;
         let way: [f64; M] = from_fn(|i| z[i] - self.foot[i]);
@@ -236,26 +236,26 @@ struct Node<const M: usize, const K: usize> {
     events: [(f64, f64); K],
 }
 
-struct Walk<'a, const N: usize, const M: usize, F, E, D> {
+struct Tracer<'a, const N: usize, const M: usize, F, E, D> {
     family: &'a F,
     events: E,
     on: D,
-    stride: &'a Stride,
+    stride: &'a StepControl,
     work: Workspace<Dense<M>>,
-    refusal: Option<EvalError>,
+    domain_error: Option<EvalError>,
     trace: Trace<M>,
 }
 
-impl<const N: usize, const M: usize, const K: usize, F, E, D> Walk<'_, N, M, F, E, D>
+impl<const N: usize, const M: usize, const K: usize, F, E, D> Tracer<'_, N, M, F, E, D>
 where
-    F: Family<N, M>,
+    F: Homotopy<N, M>,
     E: FnMut(&[f64; M], &[f64; M]) -> [(f64, f64); K],
     D: FnMut(&Trace<M>) -> bool,
 {
     fn run(mut self, seed: &Seed<M>) -> Trace<M> {
         self.trace.end = match self.begin(seed) {
             Ok((begin, sense)) => self.walk(&begin, sense),
-            Err(status) => End::NoCurve(status),
+            Err(status) => Exit::NoCurve(status),
         };
         self.trace
     }
@@ -287,7 +287,7 @@ where
         let mut z = *foot;
         let report = solve(&plane, &mut z, &scales, &options, &mut self.work);
         self.trace.steps += report.steps.len();
-        self.refusal = report.refusal.or(self.refusal);
+        self.domain_error = report.domain_error.or(self.domain_error);
         if report.converged() { Ok((z, report.steps.len())) } else { Err(report.status) }
     }
 
@@ -307,12 +307,12 @@ where
         if known { Ok(Node { z: *z, direction, sizes, events }) } else { Err(Status::NotFinite) }
     }
 
-    fn walk(&mut self, begin: &Node<M, K>, sense: f64) -> End {
+    fn walk(&mut self, begin: &Node<M, K>, sense: f64) -> Exit {
         let (mut at, mut length) = (*begin, self.stride.first);
         for point in 0..self.stride.most_points {
             self.trace.resolution.points = point + 1;
             let Some((next, moved, easy)) = self.next(&at, begin, &mut length, sense, point) else {
-                return End::Lost(self.refusal);
+                return Exit::Lost(self.domain_error);
             };
             let closed = next.z.iter().zip(&begin.z).all(|(a, b)| a.total_cmp(b).is_eq());
             let resolution = &mut self.trace.resolution;
@@ -320,15 +320,15 @@ where
             resolution.arc += moved;
             self.trace.last = next.z;
             if !(self.on)(&self.trace) {
-                return End::Stopped;
+                return Exit::Ended;
             }
             if closed {
-                return End::Closed;
+                return Exit::Closed;
             }
             at = next;
             length = (length * if easy { 1.6 } else { 1.0 }).min(self.stride.longest);
         }
-        End::MostPoints
+        Exit::MostPoints
     }
 
     /// The next point, the length of the step, and whether it was easy; crossings are noted.
@@ -346,7 +346,7 @@ where
                 if point > 1 && passes(begin, at, &next, moved) {
                     (next, moved) = (*begin, distance(&at.z, &begin.z, &at.sizes));
                 }
-                let hides = (0..K).any(|k| may_hide([at.events[k], next.events[k]], moved));
+                let hides = (0..K).any(|k| may_miss_pair([at.events[k], next.events[k]], moved));
                 if (!hides || moved <= self.stride.pair) && self.cross(at, &next, moved) {
                     self.trace.resolution.unresolved += usize::from(hides);
                     return Some((next, moved, easy));
@@ -363,8 +363,8 @@ where
         let next = self.node(&z, &at.direction, sense).ok()?;
         let arriving = unit(&next.direction, &at.sizes);
         // A step far off its tangent may end on another curve, whatever the direction of that.
-        let straight = dot(&arriving, &normal(&at.direction, &at.sizes)) > STRAIGHT
-            && length > STRAIGHT * distance(&at.z, &z, &at.sizes);
+        let straight = dot(&arriving, &normal(&at.direction, &at.sizes)) > LEAST_COSINE
+            && length > LEAST_COSINE * distance(&at.z, &z, &at.sizes);
         straight.then_some((next, steps <= EASY))
     }
 
@@ -390,7 +390,7 @@ where
                     Err(_) => f64::NAN,
                 }
             });
-            let Found::Root(root) = found else {
+            let RootResult::Root(root) = found else {
                 self.trace.crossings.truncate(known);
                 return false;
             };
@@ -404,7 +404,7 @@ where
             }
             let arc = self.trace.resolution.arc + root.x * moved;
             let rises = values[1] > values[0];
-            let crossing = Crossing { event, z: place, value: root.value, rises, arc };
+            let crossing = EventRoot { event, z: place, value: root.value, rises, arc };
             self.trace.crossings.push(crossing);
         }
         self.trace.crossings[known..].sort_by(|a, b| a.arc.total_cmp(&b.arc));
@@ -414,9 +414,10 @@ where
 
 /// True if an event with these values and slopes at both ends of a step of this length may have two
 /// zeros more than the values show (N14).
-fn may_hide([from, to]: [(f64, f64); 2], length: f64) -> bool {
+fn may_miss_pair([from, to]: [(f64, f64); 2], length: f64) -> bool {
     // g₀, g₀ + r h g₀'/3, g₁ − r h g₁'/3, g₁ change their sign at most once  (N14)
-    let inner = |(value, slope): (f64, f64), sign: f64| value + sign * ROOM * length * slope / 3.0;
+    let inner =
+        |(value, slope): (f64, f64), sign: f64| value + sign * SAFETY * length * slope / 3.0;
     let corners = [from.0, inner(from, 1.0), inner(to, -1.0), to.0];
     corners.windows(2).filter(|pair| (pair[0] > 0.0) != (pair[1] > 0.0)).count() > 1
 }

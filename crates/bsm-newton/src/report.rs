@@ -22,8 +22,8 @@ pub enum Status {
     NotFinite,
     /// A scale is zero, negative or not finite: no step was taken.
     BadScale,
-    /// The model cannot be evaluated at the starting point, or not linearized; see [`Report::refusal`].
-    ModelRefused,
+    /// The model cannot be evaluated at the starting point, or not linearized; see [`Report::domain_error`].
+    OutsideDomain,
 }
 
 impl Status {
@@ -37,7 +37,7 @@ impl Status {
             Self::SingularJacobian => "the Jacobian is singular",
             Self::NotFinite => "the residual is not finite",
             Self::BadScale => "a scale is not positive and finite",
-            Self::ModelRefused => "the model refused the starting point",
+            Self::OutsideDomain => "the model refused the starting point",
         }
     }
 }
@@ -73,7 +73,7 @@ pub struct Report {
     /// Jacobian evaluations, one a step that was tried.
     pub n_jacobian: usize,
     /// What the model last refused, a halved trial step included.
-    pub refusal: Option<EvalError>,
+    pub domain_error: Option<EvalError>,
     /// The accepted steps, in order.
     pub steps: Vec<Step>,
 }
@@ -113,8 +113,8 @@ impl fmt::Display for Report {
         if !self.converged() {
             write!(f, ", largest in {}", self.worst_equation_name)?;
         }
-        match &self.refusal {
-            Some(refusal) => write!(f, "; last refusal: {refusal}"),
+        match &self.domain_error {
+            Some(domain_error) => write!(f, "; last refusal: {domain_error}"),
             None => Ok(()),
         }
     }

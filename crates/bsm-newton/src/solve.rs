@@ -132,7 +132,7 @@ fn run<S: System + ?Sized>(
         worst_equation_name: String::new(),
         n_residual: 0,
         n_jacobian: 0,
-        refusal: None,
+        domain_error: None,
         steps: Vec::with_capacity(options.max_steps),
     };
     let diagonals = [scales.x, scales.f].map(AsRef::as_ref);
@@ -159,9 +159,9 @@ fn iterate<S: System + ?Sized>(
     work.matrix = Matrix::Stale;
     work.d_f.as_mut().copy_from_slice(scales.f.as_ref());
     let into = (&mut work.r, &mut work.linear, &mut work.matrix);
-    if let Err(refusal) = evaluate(system, x, joint, into, report) {
-        report.refusal = Some(refusal);
-        return Status::ModelRefused;
+    if let Err(domain_error) = evaluate(system, x, joint, into, report) {
+        report.domain_error = Some(domain_error);
+        return Status::OutsideDomain;
     }
     loop {
         (report.residual, report.worst_equation) = scaled_norm(work.r.as_ref(), scales.f.as_ref());
@@ -176,9 +176,9 @@ fn iterate<S: System + ?Sized>(
         if !is_chord {
             if work.matrix != Matrix::Jacobian {
                 let into = (&mut work.r, &mut work.linear, &mut work.matrix);
-                if let Err(refusal) = evaluate(system, x, true, into, report) {
-                    report.refusal = Some(refusal);
-                    return ended(Status::ModelRefused);
+                if let Err(domain_error) = evaluate(system, x, true, into, report) {
+                    report.domain_error = Some(domain_error);
+                    return ended(Status::OutsideDomain);
                 }
             }
             if work.factorize().is_err() {
@@ -313,7 +313,7 @@ impl LineSearch {
                         return Some(lambda);
                     }
                 }
-                Err(refusal) => report.refusal = Some(refusal),
+                Err(domain_error) => report.domain_error = Some(domain_error),
             }
             // λ ← λ/2                                                     (N6)
             lambda *= 0.5;

@@ -8,17 +8,17 @@ use bsm_newton::{Bordered, DynamicDense, LinearSolver};
 
 use crate::ball::{BallInGrooves, FourContacts};
 use crate::equilibrium::{FREEDOMS, Freedom, NutError, Support};
-use crate::geometry::{BallNut, Place, count};
+use crate::geometry::{BallNut, BallPosition, count};
 
 /// A ball with what does not change in the iteration.
-struct Seat {
-    place: Place,
+struct BallSite {
+    place: BallPosition,
     /// Displacement of the groove by errors \[m\], excess of the radius \[m\].
     error: ([f64; 2], f64),
     /// From the reference to the ball, across the axis and along it \[m\].
     arm: [f64; 3],
     /// Displacement of the groove by each freedom of the nut (U4).
-    by_the_nut: [[f64; 2]; FREEDOMS],
+    nut_matrix: [[f64; 2]; FREEDOMS],
     /// Its section of the chain; none if both bodies are rigid.
     node: Option<usize>,
     /// The unknown that is the widening of its ring; none if the nut is rigid.
@@ -33,7 +33,7 @@ struct Spring {
 
 /// Whose stiffness is put into the matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Of {
+pub(crate) enum StiffnessScope {
     /// Of all that moves in a Newton step: what the guides hold is left out.
     Step = 0,
     /// Of the nut itself: nothing of its guides.
@@ -46,7 +46,7 @@ pub(crate) struct Assembly<'a> {
     pub(crate) nut: &'a BallNut,
     support: Support,
     ball: FourContacts,
-    seats: Vec<Seat>,
+    seats: Vec<BallSite>,
     nodes: usize,
     /// `$\cos\alpha$`: along the binormal for a displacement along the axis.
     along: f64,
@@ -54,13 +54,13 @@ pub(crate) struct Assembly<'a> {
     bodies: Vec<Spring>,
     guides: Vec<Spring>,
     rings: usize,
-    /// Unknowns that stand still, for each of [`Of`].
+    /// Unknowns that stand still, for each of [`StiffnessScope`].
     held: [Vec<bool>; 2],
     pub(crate) matrix: Bordered<2>,
 }
 
 /// Energy, forces and balls of a set of unknowns.
-pub(crate) struct State {
+pub(crate) struct EnergyState {
     pub(crate) energy: f64,
     /// Size of the energies that it is the sum of.
     pub(crate) energies: f64,
@@ -122,17 +122,17 @@ impl<'a> Assembly<'a> {
             }
         }
         let reference = nut.middle();
-        let seat = |(number, place): (usize, Place)| {
+        let seat = |(number, place): (usize, BallPosition)| {
             let node = nodes.partition_point(|z| *z < place.z - 1e-9 * length);
             let ring = first + FREEDOMS + place.circuit;
             let (sin, cos) = place.theta.sin_cos();
             let radius = nut.helix.radius;
             let arm = [radius * cos, radius * sin, place.z - reference];
-            Seat {
+            BallSite {
                 place,
                 error: nut.error_at(number, &place),
                 arm,
-                by_the_nut: kinematics([sin, cos], nut.helix.lead_angle, arm),
+                nut_matrix: kinematics([sin, cos], nut.helix.lead_angle, arm),
                 node: (!nodes.is_empty()).then_some(node),
                 ring: (!rings.is_empty()).then_some(ring),
             }
@@ -187,9 +187,9 @@ impl<'a> Assembly<'a> {
     /// # Errors
     ///
     /// The number of a ball whose forces do not balance.
-    pub(crate) fn state(&self, y: &[f64]) -> Result<State, usize> {
+    pub(crate) fn state(&self, y: &[f64]) -> Result<EnergyState, usize> {
         let first = self.freedoms();
-        let mut state = State {
+        let mut state = EnergyState {
             energy: 0.0,
             energies: 0.0,
             residual: vec![0.0; y.len()],
@@ -199,7 +199,7 @@ impl<'a> Assembly<'a> {
         };
         for (number, seat) in self.seats.iter().enumerate() {
             let (mut w, excess) = seat.error;
-            for (q, by) in y[first..].iter().zip(seat.by_the_nut) {
+            for (q, by) in y[first..].iter().zip(seat.nut_matrix) {
                 w[0] += by[0] * q;
                 w[1] += by[1] * q;
             }
@@ -216,7 +216,7 @@ impl<'a> Assembly<'a> {
             state.energies += ball.energy.abs();
             state.forces += ball.max_load();
             // r = Σ A_jᵀ G_j + …                                          (U15)
-            for (r, by) in state.residual[first..].iter_mut().zip(seat.by_the_nut) {
+            for (r, by) in state.residual[first..].iter_mut().zip(seat.nut_matrix) {
                 *r += dot(by, ball.force);
             }
             if let Some(node) = seat.node {
@@ -257,7 +257,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// Puts the slopes of the forces of a state into the matrix (U16).
-    pub(crate) fn linearize(&mut self, state: &State, of: Of) {
+    pub(crate) fn linearize(&mut self, state: &EnergyState, of: StiffnessScope) {
         let (first, along) = (self.freedoms(), self.along);
         let matrix = &mut self.matrix;
         matrix.clear();
@@ -265,9 +265,9 @@ impl<'a> Assembly<'a> {
         // H = K_q + Σ A_jᵀ V″ A_j                                         (U16)
         for (seat, ball) in self.seats.iter().zip(&state.balls) {
             let [[bb, bn], [_, nn]] = ball.slope;
-            let pulled = seat.by_the_nut.map(|by| [dot([bb, bn], by), dot([bn, nn], by)]);
+            let pulled = seat.nut_matrix.map(|by| [dot([bb, bn], by), dot([bn, nn], by)]);
             for (row, pulled) in of_the_nut.iter_mut().zip(&pulled) {
-                for (entry, by) in row.iter_mut().zip(seat.by_the_nut) {
+                for (entry, by) in row.iter_mut().zip(seat.nut_matrix) {
                     *entry += dot(*pulled, by);
                 }
             }
@@ -305,7 +305,7 @@ impl<'a> Assembly<'a> {
             }
         }
         // What the guides do to the nut is no stiffness of the nut.
-        let guides = self.guides.iter().filter(|_| of == Of::Step);
+        let guides = self.guides.iter().filter(|_| of == StiffnessScope::Step);
         for &Spring { ends: (i, other), stiffness } in self.bodies.iter().chain(guides) {
             matrix.add(i, i, stiffness);
             if let Some(k) = other {
@@ -320,13 +320,13 @@ impl<'a> Assembly<'a> {
     }
 
     /// Adds a part of the stiffness that each unknown had if every ball carried its share.
-    pub(crate) fn damp(&mut self, state: &State, part: f64) {
+    pub(crate) fn damp(&mut self, state: &EnergyState, part: f64) {
         let share = (state.forces / count(self.seats.len())).max(f64::MIN_POSITIVE);
         let one = 1.5 * self.ball.series.stiffness.powf(2.0 / 3.0) * share.cbrt();
         let mut usual = vec![one; self.held[0].len()];
         let mut all = [0.0; FREEDOMS];
         for seat in &self.seats {
-            for (all, by) in all.iter_mut().zip(seat.by_the_nut) {
+            for (all, by) in all.iter_mut().zip(seat.nut_matrix) {
                 *all += one * dot(by, by);
             }
         }
@@ -339,7 +339,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// What is left of the forces, over the sum of their sizes.
-    pub(crate) fn imbalance(&self, state: &State) -> f64 {
+    pub(crate) fn imbalance(&self, state: &EnergyState) -> f64 {
         let tilts = self.freedoms() + 3..self.freedoms() + FREEDOMS;
         let force = |(i, r): (usize, &f64)| {
             if tilts.contains(&i) { r.abs() / self.nut.helix.radius } else { r.abs() }
@@ -355,7 +355,7 @@ impl<'a> Assembly<'a> {
         if self.nodes == 0 {
             return [u_z, u_x, u_y].into_iter().fold(0.0, |most: f64, u| most.max(u.abs()));
         }
-        let at = |seat: &Seat| {
+        let at = |seat: &BallSite| {
             let [x, y_j, zeta] = seat.arm;
             let strain = seat.node.map_or(0.0, |node| y[2 * node] - y[2 * node + 1]);
             let along = u_z + phi_x * y_j - phi_y * x + strain;
@@ -366,11 +366,11 @@ impl<'a> Assembly<'a> {
     }
 
     /// Force and moment of the nut on its balls, by freedom, and the axial force of each body.
-    pub(crate) fn carried(&self, state: &State) -> ([f64; FREEDOMS], Vec<f64>) {
+    pub(crate) fn carried(&self, state: &EnergyState) -> ([f64; FREEDOMS], Vec<f64>) {
         let mut carried = [0.0; FREEDOMS];
         let mut bodies = Vec::new();
         for (seat, ball) in self.seats.iter().zip(&state.balls) {
-            let forces = seat.by_the_nut.map(|by| dot(by, ball.force));
+            let forces = seat.nut_matrix.map(|by| dot(by, ball.force));
             for (carried, force) in carried.iter_mut().zip(forces) {
                 *carried += force;
             }
@@ -384,7 +384,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// Where the balls are.
-    pub(crate) fn places(&self) -> Vec<Place> {
+    pub(crate) fn places(&self) -> Vec<BallPosition> {
         self.seats.iter().map(|seat| seat.place).collect()
     }
 

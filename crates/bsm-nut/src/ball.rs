@@ -4,7 +4,7 @@
 
 use std::array::from_fn;
 
-use bsm_dyn::{PressedBall, Pressing};
+use bsm_dyn::{GrooveForces, StaticBall};
 
 use crate::Flanks;
 
@@ -16,7 +16,7 @@ pub struct FourContacts {
     /// Hertz stiffness of a contact at nut and screw \[N/m^1.5\].
     pub stiffness: [f64; 2],
     /// Both contacts of a diagonal in series.
-    pub series: PressedBall,
+    pub series: StaticBall,
     /// Part of the nut's contact in the approach of both.
     pub nut_share: f64,
     /// Force on the ball away from the axis \[N\]: the centrifugal one.
@@ -72,7 +72,7 @@ impl FourContacts {
     /// The energy is convex in `w`. `None` if the place of the ball is not found.
     pub fn at(&self, w: [f64; 2], oversize: f64, flanks: Flanks) -> Option<BallInGrooves> {
         let diagonals = flanks.diagonals();
-        let alone = |i: usize| -> Option<(usize, Pressing)> {
+        let alone = |i: usize| -> Option<(usize, GrooveForces)> {
             let ball = self.series.at([SIGNS[i] * w[0], w[1]], oversize);
             (diagonals[i] && ball.load > 0.0).then_some((i, ball))
         };
@@ -84,7 +84,7 @@ impl FourContacts {
             let free = !diagonals[1 - first]
                 || others.iter().all(|&c| self.reach(c, w, place, oversize).approach <= 0.0);
             if free {
-                return Some(on_one_diagonal(first, &ball));
+                return Some(is_two_point(first, &ball));
             }
         }
         let pressed = alone.map(|(i, ball)| self.place(i, &ball, w, oversize));
@@ -93,7 +93,7 @@ impl FourContacts {
     }
 
     /// Where the ball of one diagonal lies: from the nut's arc centre back along the contact normal.
-    fn place(&self, diagonal: usize, ball: &Pressing, w: [f64; 2], oversize: f64) -> [f64; 2] {
+    fn place(&self, diagonal: usize, ball: &GrooveForces, w: [f64; 2], oversize: f64) -> [f64; 2] {
         let arc = self.arc_centre(diagonal);
         // V = ⅖ Q δ, and δ_A is its part of the approach of both contacts
         let approach = self.nut_share * ball.energy / (0.4 * ball.load);
@@ -128,7 +128,7 @@ impl FourContacts {
     }
 
     /// From the ball at `x` to the arc centre of a contact, the grooves displaced by `w`.
-    fn reach(&self, contact: usize, w: [f64; 2], x: [f64; 2], oversize: f64) -> Reach {
+    fn reach(&self, contact: usize, w: [f64; 2], x: [f64; 2], oversize: f64) -> ArcDistance {
         let (l, arc) = (self.offsets[contact / 2], self.arc_centre(contact));
         let moved: [f64; 2] = from_fn(|i| if contact < 2 { w[i] - x[i] } else { -x[i] });
         let v: [f64; 2] = from_fn(|i| arc[i] + moved[i]);
@@ -137,15 +137,15 @@ impl FourContacts {
         let approach = dot([2.0 * arc[0] + moved[0], 2.0 * arc[1] + moved[1]], moved)
             / (length + l)
             + oversize;
-        Reach { approach, length, v }
+        ArcDistance { approach, length, v }
     }
 
     /// A contact of the ball at `x`, the grooves displaced by `w`.
-    fn contact(&self, contact: usize, w: [f64; 2], x: [f64; 2], oversize: f64) -> Touching {
-        let Reach { approach, length, v } = self.reach(contact, w, x, oversize);
+    fn contact(&self, contact: usize, w: [f64; 2], x: [f64; 2], oversize: f64) -> ContactForce {
+        let ArcDistance { approach, length, v } = self.reach(contact, w, x, oversize);
         let m = v.map(|v| v / length);
         if approach <= 0.0 {
-            return Touching { load: 0.0, energy: 0.0, m, slope: [[0.0; 2]; 2] };
+            return ContactForce { load: 0.0, energy: 0.0, m, slope: [[0.0; 2]; 2] };
         }
         let root = approach.sqrt();
         // Q = K δ^(3/2),  V = ⅖ K δ^(5/2)                                 (U9)
@@ -156,7 +156,7 @@ impl FourContacts {
             (along - turning) * m[i] * m[k] + if i == k { turning } else { 0.0 }
         };
         let slope = from_fn(|i| from_fn(|k| entry(i, k)));
-        Touching { load, energy: 0.4 * load * approach, m, slope }
+        ContactForce { load, energy: 0.4 * load * approach, m, slope }
     }
 
     /// The ball of least energy among all its places, from the better of two starts (U10).
@@ -170,7 +170,7 @@ impl FourContacts {
         let diagonals = flanks.diagonals();
         let at = |x: [f64; 2]| {
             let touching = |c: usize| diagonals[c % 2].then(|| self.contact(c, w, x, oversize));
-            Settling::of(&from_fn(touching), self.outward, x)
+            BallEnergy::of(&from_fn(touching), self.outward, x)
         };
         let places = starts.into_iter().flatten().map(|x| (x, at(x)));
         let (mut x, mut here) = places.min_by(|a, b| a.1.energy.total_cmp(&b.1.energy))?;
@@ -235,7 +235,7 @@ fn inverse2(a: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
 }
 
 /// How far an arc centre is from the ball.
-struct Reach {
+struct ArcDistance {
     /// Negative where there is a gap \[m\].
     approach: f64,
     length: f64,
@@ -244,7 +244,7 @@ struct Reach {
 
 /// One contact at a place of the ball.
 #[derive(Debug, Clone, Copy)]
-struct Touching {
+struct ContactForce {
     load: f64,
     energy: f64,
     /// From the ball to the groove-arc centre.
@@ -254,8 +254,8 @@ struct Touching {
 
 /// All contacts at a place of the ball.
 #[derive(Debug, Clone, Copy)]
-struct Settling {
-    contacts: [Option<Touching>; 4],
+struct BallEnergy {
+    contacts: [Option<ContactForce>; 4],
     energy: f64,
     /// Force on the ball.
     pull: [f64; 2],
@@ -264,8 +264,8 @@ struct Settling {
     slope: [[f64; 2]; 2],
 }
 
-impl Settling {
-    fn of(contacts: &[Option<Touching>; 4], outward: f64, x: [f64; 2]) -> Self {
+impl BallEnergy {
+    fn of(contacts: &[Option<ContactForce>; 4], outward: f64, x: [f64; 2]) -> Self {
         // U = Σ ⅖ K δ^(5/2) + F_c x_n; the force points along −n          (U9)
         let mut all = Self {
             contacts: *contacts,
@@ -316,7 +316,7 @@ impl Settling {
             let across = 0.5 * (product[0][1] + product[1][0]);
             [[product[0][0], across], [across, product[1][1]]]
         });
-        let load = |touching: &Option<Touching>| touching.as_ref().map_or(0.0, |t| t.load);
+        let load = |touching: &Option<ContactForce>| touching.as_ref().map_or(0.0, |t| t.load);
         let angles = from_fn(|c| {
             let m = self.contacts[c].as_ref().map_or([0.0, 1.0], |t| t.m);
             // atan2(±m_b, m_n) at the nut, of −m at the screw             (U8)
@@ -342,7 +342,7 @@ fn times(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
 }
 
 /// A ball that only one diagonal presses: the closed form, mirrored for the flanks −.
-fn on_one_diagonal(diagonal: usize, ball: &Pressing) -> BallInGrooves {
+fn is_two_point(diagonal: usize, ball: &GrooveForces) -> BallInGrooves {
     let sign = SIGNS[diagonal];
     let mut found = BallInGrooves::LOOSE;
     for contact in [diagonal, 2 + diagonal] {

@@ -3,7 +3,7 @@
 use bsm_dyn::{Reason, Status};
 
 use crate::assembly::Assembly;
-use crate::{BallInGrooves, BallNut, Place};
+use crate::{BallInGrooves, BallNut, BallPosition};
 
 /// Displacements of a rigid body but the rotation about the axis: `$u_z, u_x, u_y$` \[m\] and
 /// `$\varphi_x, \varphi_y$` \[rad\] of the nut against the screw.
@@ -73,7 +73,7 @@ pub struct Equilibrium {
     /// Stiffness of the nut, all freedoms against each other, with its bodies (U17).
     pub stiffness: [[f64; FREEDOMS]; FREEDOMS],
     /// Where the balls are.
-    pub places: Vec<Place>,
+    pub places: Vec<BallPosition>,
     /// What they carry.
     pub balls: Vec<BallInGrooves>,
     /// The groove displacement of each ball along binormal and principal normal \[m\].

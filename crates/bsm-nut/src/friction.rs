@@ -3,8 +3,8 @@
 //! Theory: `docs/theory/16-nut.md`, equations (U21), (U29), (U30) and (U32).
 
 use bsm_dyn::{
-    Ball, Coulomb, ElasticPoint, HeldBall, HeldContact, Hertz, Load, OperatingPoint, Quadrature,
-    Solution, Traction, pressed_radius,
+    Ball, Coulomb, ElasticPoint, Hertz, Load, OperatingPoint, PrescribedBall, PrescribedContact,
+    Quadrature, Solution, Traction, pressed_radius,
 };
 use bsm_kin::{Drive, Site};
 
@@ -96,7 +96,7 @@ impl BallNut {
         friction: f64,
         drive: &Drive<f64>,
         hertz: &[Hertz; 2],
-    ) -> HeldBall {
+    ) -> PrescribedBall {
         let ball = &found.balls[number];
         let contact = |c: usize| {
             let (site, conformity) = if c < 2 {
@@ -105,7 +105,7 @@ impl BallNut {
                 (Site::Screw, self.conformity.1)
             };
             let flank = [1.0, -1.0][c % 2];
-            HeldContact {
+            PrescribedContact {
                 site,
                 angle: flank * ball.angles[c],
                 load: ball.loads[c],
@@ -114,7 +114,7 @@ impl BallNut {
             }
         };
         let pressed = (0..4).filter(|c| ball.loads[*c] > 0.0);
-        HeldBall {
+        PrescribedBall {
             helix: self.helix,
             ball: self.ball,
             drive: *drive,

@@ -5,7 +5,7 @@
 use std::f64::consts::TAU;
 
 use bsm_dyn::{
-    Ball, Coulomb, ElasticPoint, Groove, Hertz, Load, Material, Member, OperatingPoint, Reason,
+    Ball, Coulomb, ElasticPoint, Groove, Hertz, Load, Material, OperatingPoint, Race, Reason,
 };
 use bsm_kin::{Drive, Helix};
 
@@ -117,7 +117,7 @@ pub struct BallNut {
 
 /// Where a ball is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
+pub struct BallPosition {
     /// Its circuit.
     pub circuit: usize,
     /// Helix angle \[rad\].
@@ -128,7 +128,7 @@ pub struct Place {
 
 impl BallNut {
     /// The balls in the order of the circuits (U1).
-    pub fn places(&self) -> Vec<Place> {
+    pub fn places(&self) -> Vec<BallPosition> {
         let lead = self.helix.lead();
         let per_radian = lead / TAU;
         let of = |(number, circuit): (usize, &Circuit)| {
@@ -137,7 +137,7 @@ impl BallNut {
                 // θ_j = θ_c + (j + ½) Θ_c/Z_c,  z_j = h θ_j + m_c P_h/n   (U1)
                 let theta = start + (count(j) + 0.5) * arc / count(balls);
                 let z = per_radian * theta + count(thread) * lead / count(self.starts);
-                Place { circuit: number, theta, z }
+                BallPosition { circuit: number, theta, z }
             })
         };
         self.circuits.iter().enumerate().flat_map(of).collect()
@@ -219,7 +219,7 @@ impl BallNut {
 
     /// Displacement of the groove of a ball by its errors, along binormal and principal normal \[m\],
     /// and the excess of its radius \[m\] (U5) to (U7).
-    pub(crate) fn error_at(&self, number: usize, place: &Place) -> ([f64; 2], f64) {
+    pub(crate) fn error_at(&self, number: usize, place: &BallPosition) -> ([f64; 2], f64) {
         let wrong = |error: &LeadError| match *error {
             LeadError::Wave { amplitude, order, phase } => {
                 amplitude * (order * place.theta + phase).cos()
@@ -247,7 +247,7 @@ impl BallNut {
     /// Distances from groove-arc centre to ball centre at first touch, of nut and screw \[m\].
     fn offsets(&self) -> [f64; 2] {
         let offset = |member, conformity| Groove { member, conformity }.offset(self.ball.radius);
-        [offset(Member::Nut, self.conformity.0), offset(Member::Screw, self.conformity.1)]
+        [offset(Race::Nut, self.conformity.0), offset(Race::Screw, self.conformity.1)]
     }
 
     /// Distance of the groove-arc centres of nut and screw at first touch \[m\].

@@ -22,7 +22,7 @@ pub use ball::{BallInGrooves, FourContacts};
 pub use bodies::{Bar, Ring};
 pub use equilibrium::{Equilibrium, Freedom, NutError, Support};
 pub use friction::NutFriction;
-pub use geometry::{BallNut, Circuit, Errors, Flanks, LeadError, Place};
+pub use geometry::{BallNut, BallPosition, Circuit, Errors, Flanks, LeadError};
 pub use life::TurnRatings;
 pub use preload::Preload;
 pub use sharing::Equal;

@@ -7,7 +7,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use bsm_newton::LinearSolver;
 
-use crate::assembly::{Assembly, Of, State};
+use crate::assembly::{Assembly, EnergyState, StiffnessScope};
 use crate::equilibrium::{Equilibrium, FREEDOMS, NutError};
 use crate::{BallInGrooves, BallNut};
 
@@ -24,7 +24,7 @@ const ROUNDED: (usize, f64) = (30, 1e-10);
 /// Where the search is.
 struct At {
     y: Vec<f64>,
-    state: State,
+    state: EnergyState,
 }
 
 impl Assembly<'_> {
@@ -68,7 +68,7 @@ impl Assembly<'_> {
     /// A Newton step that lowers the energy.
     fn step(&mut self, at: &At, damping: f64) -> Option<At> {
         let At { y, state } = at;
-        self.linearize(state, Of::Step);
+        self.linearize(state, StiffnessScope::Step);
         if damping > 0.0 {
             self.damp(state, damping);
         }
@@ -99,7 +99,7 @@ impl Assembly<'_> {
 
     fn finish(&mut self, At { y, state }: At, steps: usize, residual: f64) -> Equilibrium {
         let first = self.freedoms();
-        self.linearize(&state, Of::Nut);
+        self.linearize(&state, StiffnessScope::Nut);
         let stiffness = self.condensed();
         let (carried, bodies) = self.carried(&state);
         Equilibrium {

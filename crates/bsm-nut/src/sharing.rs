@@ -2,10 +2,10 @@
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U26) and (U27).
 
-use bsm_dyn::PressedBall;
+use bsm_dyn::StaticBall;
 
 use crate::geometry::count;
-use crate::{BallNut, Bar, Circuit, Errors, Freedom, NutError, Place, Support};
+use crate::{BallNut, BallPosition, Bar, Circuit, Errors, Freedom, NutError, Support};
 
 /// The ball of a nut that shares its load equally.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,7 +35,7 @@ impl BallNut {
     }
 
     /// The same with a ball that is known.
-    pub(crate) fn equal_of(&self, ball: &PressedBall, axial: f64) -> Result<Equal, NutError> {
+    pub(crate) fn equal_of(&self, ball: &StaticBall, axial: f64) -> Result<Equal, NutError> {
         let balls = count(self.balls());
         let alpha = self.helix.lead_angle;
         // Z Q m_b cosα = F                                                (U26)
@@ -70,7 +70,7 @@ impl BallNut {
         let ball = self.ball_in_grooves().map_err(NutError::Contact)?.series;
         let (sin, alpha) = (self.contact_angle.sin(), self.helix.lead_angle);
         let places = self.places();
-        let shift = |(number, place): (usize, &Place)| {
+        let shift = |(number, place): (usize, &BallPosition)| {
             let ([along, _], excess) = self.error_at(number, place);
             (along + 2.0 * excess / sin) / alpha.cos()
         };

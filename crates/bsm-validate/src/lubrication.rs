@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use bsm_case::{Record, Scene, ScrewTorque, torque_parts};
-use bsm_dyn::{BaseOil, Model, ModelWorkspace, Oil, Status, WarmOil, ZERO_CELSIUS};
+use bsm_dyn::{BaseOil, Model, ModelWorkspace, Oil, OilState, Status, ZERO_CELSIUS};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
@@ -276,7 +276,7 @@ struct Outer {
 
 impl Outer {
     /// * `oil`: that of the scene, at its temperature. * `(ball, pitch)`: radii \[m\], of a conformity of 0.52.
-    fn of(record: &Record, oil: &WarmOil, conductivity: f64, (ball, pitch): (f64, f64)) -> Self {
+    fn of(record: &Record, oil: &OilState, conductivity: f64, (ball, pitch): (f64, f64)) -> Self {
         let value = |name: &str| number(record, name);
         let angle = value("nut_contact_angle_deg").to_radians();
         // 1/R_x = 1/r_b − cosβ/(r_m + r_b cosβ);  1/R_y = (1 − 1/(2f))/r_b

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_4;
 
 use bsm_case::units::{MM, UM};
-use bsm_design::{BALL_GAP, Body, Nut, PRELOAD, ROLLING_LEVER, Thread, loaded_balls};
+use bsm_design::{BALL_GAP, Nut, NutBody, PRELOAD, ROLLING_LEVER, Thread, loaded_balls};
 use bsm_dyn::Material;
 use serde::Deserialize;
 
@@ -76,7 +76,7 @@ impl Row {
 /// Rigidity of a pair under the preload of the tables \[N/um\].
 fn pair_rigidity(nut: &Nut) -> f64 {
     let preload = PRELOAD * nut.dynamic_rating().rating;
-    let elasticity = nut.elasticity(&Body::usual(nut));
+    let elasticity = nut.elasticity(&NutBody::usual(nut));
     elasticity.map_or(f64::NAN, |elasticity| elasticity.preloaded_pair(preload) * UM)
 }
 
@@ -134,7 +134,7 @@ const QUANTITIES: [Column; 10] = [
         what: "rigidity characteristic of a turn",
         unit: "N/um^1.5",
         printed: |row| row.rigidity_characteristic_N_um15,
-        ours: |nut| nut.elasticity(&Body::usual(nut)).map_or(f64::NAN, |e| e.turn * 1e-9),
+        ours: |nut| nut.elasticity(&NutBody::usual(nut)).map_or(f64::NAN, |e| e.turn * 1e-9),
         tolerance: (0.0, 0.02),
         reason: "2 %: exact Hertz contacts in place of fits that are not printed; the five rows of conformity 0.52 are all 1.5 to 1.8 % low",
     },
@@ -152,7 +152,7 @@ const QUANTITIES: [Column; 10] = [
         what: "outer diameter",
         unit: "mm",
         printed: |row| row.outer_diameter_mm,
-        ours: |nut| Body::usual(nut).outer / MM,
+        ours: |nut| NutBody::usual(nut).outer / MM,
         tolerance: (1e-3, 0.0),
         reason: "steps of 0.01 mm",
     },
@@ -161,7 +161,7 @@ const QUANTITIES: [Column; 10] = [
         what: "length of the nut",
         unit: "mm",
         printed: |row| row.nut_length_mm,
-        ours: |nut| Body::usual(nut).length / MM,
+        ours: |nut| NutBody::usual(nut).length / MM,
         tolerance: (1e-3, 0.0),
         reason: "a whole number of leads",
     },
@@ -170,7 +170,7 @@ const QUANTITIES: [Column; 10] = [
         what: "mass of the nut",
         unit: "kg",
         printed: |row| row.mass_kg,
-        ours: |nut| Body::usual(nut).mass(nut, &thread(nut)),
+        ours: |nut| NutBody::usual(nut).mass(nut, &thread(nut)),
         tolerance: (0.0, 0.052),
         reason: "the source does not give its rule; of 360 rules none is within 3.8 % of all rows",
     },

@@ -1,7 +1,7 @@
 //! Trends of Xu and Tang (2015), and identities of the slips.
 
 use bsm_case::{Scene, Settings, slip};
-use bsm_dyn::{Control, Model, ModelWorkspace, SteadyBall, Touch};
+use bsm_dyn::{ContactSite, Control, Model, ModelWorkspace, SteadyBall};
 use bsm_kin::{BallFrame, Site};
 use bsm_report::sheets::Study;
 
@@ -76,7 +76,10 @@ fn case(scene: &Scene) -> Result<Vec<Check>, ValidateError> {
                 - radius * ((w.z - speed * cos_a) * screw.cos() - w.y * screw.sin()),
         ),
     ];
-    let touch = [Touch { site: Site::Nut, angle: nut }, Touch { site: Site::Screw, angle: screw }];
+    let touch = [
+        ContactSite { site: Site::Nut, angle: nut },
+        ContactSite { site: Site::Screw, angle: screw },
+    ];
     let exact = touch.map(|touch| ball.differential_slip(&touch));
     let worst = (0..2).map(|i| (printed[i] / exact[i] - 1.0).abs()).fold(0.0, f64::max);
     // Eq 3 with the axial displacement alone, which both races share.
@@ -131,7 +134,8 @@ fn field(scene: &Scene) -> Result<[Check; 2], ValidateError> {
         let ball = SteadyBall { helix, radius, drive, motion };
         for (i, site) in [Site::Nut, Site::Screw].into_iter().enumerate() {
             let state = solution.contact(site);
-            let touch = Touch { site, angle: state.map_or(f64::NAN, |contact| contact.angle) };
+            let touch =
+                ContactSite { site, angle: state.map_or(f64::NAN, |contact| contact.angle) };
             // Of the model, which knows the motion in its own units and axes.
             let own = state.and_then(|contact| contact.slip).map_or(f64::NAN, |slip| slip.speed);
             let contact = ball.contact(&touch);

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use bsm_batch::{Answers, GridSource, Room, Source, Task, Workers};
+use bsm_batch::{Answers, Buffers, GridSource, Source, Task, Workers};
 use bsm_case::{
     Axis, Beside, CaseError, Columns, Comparison, EllipseFields, Grid, GrooveSection, ModelChoice,
     Moving, NutProblem, Of, Quantity, Record, Row, Scene, Settings, torque_parts,
@@ -270,7 +270,7 @@ fn sweep(
     let chunk = source.next(grid.len()).map_err(|error| Refusal::Input(error.to_string()))?;
     let chunk = chunk.ok_or_else(|| Refusal::Input("a map without points".to_owned()))?;
     let mut answers = Answers::room(grid.len(), task.outputs.len());
-    let room = Room {
+    let room = Buffers {
         verdicts: &mut answers.verdicts,
         columns: answers.columns.iter_mut().map(|column| Some(&mut column[..])).collect(),
     };

@@ -5,7 +5,7 @@ use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 
 use super::folder::OLD_PLAN;
-use super::{Damage, MOST_PARTS};
+use super::{MOST_PARTS, PartDefect};
 use crate::TableError;
 
 /// A folder that cannot be made, gone on with or finished.
@@ -135,7 +135,7 @@ pub enum DatasetError {
     },
     /// What stands in place of parts is none of the plan's.
     #[error("{}", words(.0))]
-    Damaged(Vec<(PathBuf, Damage)>),
+    Damaged(Vec<(PathBuf, PartDefect)>),
 }
 
 impl DatasetError {
@@ -145,7 +145,7 @@ impl DatasetError {
 }
 
 /// The first few of what is wrong.
-fn words(damaged: &[(PathBuf, Damage)]) -> String {
+fn words(damaged: &[(PathBuf, PartDefect)]) -> String {
     const SHOWN: usize = 3;
     let shown = damaged.iter().take(SHOWN).map(|(path, why)| format!("{} {why}", path.display()));
     let more = damaged.len().checked_sub(SHOWN).filter(|more| *more > 0);

@@ -40,7 +40,7 @@ const LONGEST_FOOTER: u64 = 64 << 20;
 
 /// Which part of which plan a file should be.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place<'a> {
+pub(super) struct PartRange<'a> {
     /// Id of the plan.
     pub(super) plan: &'a str,
     pub(super) number: u64,
@@ -48,7 +48,7 @@ pub(super) struct Place<'a> {
     pub(super) rows: u64,
 }
 
-impl Place<'_> {
+impl PartRange<'_> {
     /// Refuses points that are not as many as the plan has.
     pub(super) fn check(&self, count: Count) -> Result<(), DatasetError> {
         let Self { number, rows, .. } = *self;
@@ -82,7 +82,7 @@ pub struct Part {
 /// What is wrong with what stands under the name of a part.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum Damage {
+pub enum PartDefect {
     /// It cannot be read.
     #[error(transparent)]
     Io(#[from] io::Error),
@@ -114,20 +114,20 @@ pub enum Damage {
 
 /// A writer that hashes what goes through it, and holds back the footer until its hash is in it.
 #[derive(Debug)]
-pub(super) struct Proving<W> {
+pub(super) struct HashingWriter<W> {
     out: W,
     hash: Sha256,
     data_bytes: u64,
     footer: Option<Vec<u8>>,
 }
 
-impl<W: Write> Proving<W> {
+impl<W: Write> HashingWriter<W> {
     pub(super) fn new(out: W) -> Self {
         Self { out, hash: Sha256::new(), data_bytes: 0, footer: None }
     }
 }
 
-impl<W: Write> Write for Proving<W> {
+impl<W: Write> Write for HashingWriter<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         if let Some(footer) = &mut self.footer {
             footer.extend_from_slice(bytes);
@@ -145,12 +145,12 @@ impl<W: Write> Write for Proving<W> {
 }
 
 /// Writes the end of a part, and returns the writer.
-pub(super) fn seal<W: Write + Send>(
-    table: TableSink<Proving<W>>,
-    place: Place<'_>,
+pub(super) fn write_footer<W: Write + Send>(
+    table: TableSink<HashingWriter<W>>,
+    place: PartRange<'_>,
     Count { failed, several, .. }: Count,
 ) -> Result<(W, Part), TableError> {
-    let Place { plan, number, first_row, rows, .. } = place;
+    let PartRange { plan, number, first_row, rows, .. } = place;
     let (data_bytes, data_sha256) = (0, String::new());
     let mut part = Part { number, first_row, rows, failed, several, data_bytes, data_sha256 };
     let written = table.finish_with(|file| {
@@ -168,7 +168,7 @@ pub(super) fn seal<W: Write + Send>(
             (FOOTER_SHA256, String::from_utf8_lossy(&ZEROS).into_owned()),
         ]
     })?;
-    let Proving { mut out, footer, .. } = written;
+    let HashingWriter { mut out, footer, .. } = written;
     let mut footer = footer.unwrap_or_default();
     let hash = digest::of_bytes(&footer);
     let place = place_of_hash(&footer)
@@ -192,28 +192,28 @@ fn place_of_hash(footer: &[u8]) -> Option<Range<usize>> {
 /// * `deep`: whether all bytes are looked at, or those of the footer only.
 ///
 /// `None` if the workers are stopped before that is known.
-pub(super) fn prove(
+pub(super) fn verify(
     path: &Path,
-    place: Place<'_>,
+    place: PartRange<'_>,
     deep: bool,
     workers: &Workers<'_>,
-) -> Result<Option<Part>, Damage> {
+) -> Result<Option<Part>, PartDefect> {
     let found = fs::symlink_metadata(path)?;
     if !found.is_file() {
-        return Err(Damage::NotAFile(kind(&found)));
+        return Err(PartDefect::NotAFile(kind(&found)));
     }
     if found.len() == 0 {
-        return Err(Damage::Empty);
+        return Err(PartDefect::Empty);
     }
     let mut file = File::open(path)?;
-    let footer = read_footer(&mut file, found.len())?.ok_or(Damage::Footer)?;
-    let part = proven(footer, found.len(), place)?;
+    let footer = read_footer(&mut file, found.len())?.ok_or(PartDefect::Footer)?;
+    let part = verified(footer, found.len(), place)?;
     if deep {
         file.seek(SeekFrom::Start(0))?;
         match digest::of_reader(&mut file.take(part.data_bytes), || workers.stopped())? {
             None => return Ok(None),
             Some((hash, _)) if hash == part.data_sha256 => {}
-            Some(_) => return Err(Damage::Changed),
+            Some(_) => return Err(PartDefect::Changed),
         }
     }
     Ok(Some(part))
@@ -222,37 +222,37 @@ pub(super) fn prove(
 /// The part of a place that a footer with its tail proves.
 ///
 /// * `len`: of the file.
-fn proven(mut footer: Vec<u8>, len: u64, place: Place<'_>) -> Result<Part, Damage> {
+fn verified(mut footer: Vec<u8>, len: u64, place: PartRange<'_>) -> Result<Part, PartDefect> {
     // The footer proves itself before anything in it is believed.
-    let hash_place = place_of_hash(&footer).ok_or(Damage::Footer)?;
-    let said = footer.get(hash_place.clone()).ok_or(Damage::Footer)?.to_owned();
+    let hash_place = place_of_hash(&footer).ok_or(PartDefect::Footer)?;
+    let said = footer.get(hash_place.clone()).ok_or(PartDefect::Footer)?.to_owned();
     footer[hash_place].copy_from_slice(&ZEROS);
     if digest::of_bytes(&footer).as_bytes() != said {
-        return Err(Damage::Footer);
+        return Err(PartDefect::Footer);
     }
     let thrift = &footer[..footer.len() - TAIL];
     let metadata = decoded(|| Ok(ParquetMetaDataReader::decode_metadata(thrift)?));
-    let metadata = metadata.map_err(|_| Damage::Footer)?;
+    let metadata = metadata.map_err(|_| PartDefect::Footer)?;
     let metadata = metadata.file_metadata();
     let value = |key: &str| {
         let keys = metadata.key_value_metadata()?;
         keys.iter().rev().find(|entry| entry.key == key)?.value.as_deref()
     };
-    let plan = value(PLAN).ok_or(Damage::Footer)?;
+    let plan = value(PLAN).ok_or(PartDefect::Footer)?;
     if plan != place.plan {
-        return Err(Damage::OtherPlan(plan.to_owned()));
+        return Err(PartDefect::OtherPlan(plan.to_owned()));
     }
-    let Place { number, first_row, rows, .. } = place;
+    let PartRange { number, first_row, rows, .. } = place;
     let found = value(PART).unwrap_or("?");
     if found != number.to_string() || value(ROWS) != Some(&format!("{first_row}:{rows}")) {
-        return Err(Damage::OtherPart(found.to_owned()));
+        return Err(PartDefect::OtherPart(found.to_owned()));
     }
-    let counted = |key| value(key).and_then(|n| n.parse().ok()).ok_or(Damage::Footer);
+    let counted = |key| value(key).and_then(|n| n.parse().ok()).ok_or(PartDefect::Footer);
     let (failed, several, data_bytes) = (counted(FAILED)?, counted(SEVERAL)?, counted(DATA_BYTES)?);
-    let data_sha256 = value(DATA_SHA256).ok_or(Damage::Footer)?.to_owned();
+    let data_sha256 = value(DATA_SHA256).ok_or(PartDefect::Footer)?.to_owned();
     let all_rows = u64::try_from(metadata.num_rows()) == Ok(rows);
     if data_bytes + footer.len() as u64 != len || !all_rows {
-        return Err(Damage::Footer);
+        return Err(PartDefect::Footer);
     }
     Ok(Part { number, first_row, rows, failed, several, data_bytes, data_sha256 })
 }

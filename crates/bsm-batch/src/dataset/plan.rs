@@ -8,7 +8,7 @@ use bsm_dyn::Model;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use super::part::Place;
+use super::part::PartRange;
 use super::points::{Points, WrittenPoints};
 use super::{DatasetError, digest};
 use crate::{Answers, Columns, Heading, Task, Workers};
@@ -261,16 +261,16 @@ impl Plan {
     }
 
     /// The place of a part that the plan has.
-    pub(super) fn place(&self, number: u64) -> Result<Place<'_>, DatasetError> {
+    pub(super) fn place(&self, number: u64) -> Result<PartRange<'_>, DatasetError> {
         let parts = self.parts();
         let place = (number < parts).then(|| self.place_of(number));
         place.ok_or(DatasetError::NoSuchPart { number, parts })
     }
 
-    pub(super) fn place_of(&self, number: u64) -> Place<'_> {
+    pub(super) fn place_of(&self, number: u64) -> PartRange<'_> {
         let first_row = number * self.rows_per_part();
         let rows = self.rows_per_part().min(self.rows() - first_row);
-        Place { plan: self.id(), number, first_row, rows }
+        PartRange { plan: self.id(), number, first_row, rows }
     }
 
     /// Which keys of another plan's text are not as here, with both values where they are short; `None`

@@ -12,7 +12,7 @@ use super::part::kind;
 use super::{DatasetError, digest};
 use crate::parquet_table::INPUT_WORDS;
 use crate::pipeline::ROWS;
-use crate::{Dialect, DrawSource, Draws, Format, GridSource, Source, TableError, Workers};
+use crate::{DrawSource, Draws, Format, GridSource, Source, TableError, TableFormat, Workers};
 
 /// Rows that points come from, and can come from again.
 #[derive(Debug, Clone)]
@@ -28,7 +28,7 @@ pub enum Points {
         /// Columns to carry through.
         keep: Vec<String>,
         /// How it is written.
-        dialect: Dialect,
+        dialect: TableFormat,
     },
 }
 
@@ -209,6 +209,6 @@ pub(super) struct WrittenTable {
     sha256: String,
     rows: u64,
     keep: Vec<String>,
-    #[serde(default, skip_serializing_if = "Dialect::is_ours")]
-    dialect: Dialect,
+    #[serde(default, skip_serializing_if = "TableFormat::is_ours")]
+    dialect: TableFormat,
 }

@@ -11,9 +11,11 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use arrow_array::RecordBatch;
-use bsm_batch::dataset::{self, Dataset, DatasetError, Event, Filling, Plan, Points, solve_part};
+use bsm_batch::dataset::{
+    self, Dataset, DatasetError, Event, Plan, Points, RunOptions, solve_part,
+};
 use bsm_batch::{
-    Answers, Count, Dialect, Draw, Draws, Format, GridSource, ParquetSource, Source, TableSink,
+    Answers, Count, Draw, Draws, Format, GridSource, ParquetSource, Source, TableFormat, TableSink,
     Task, Workers,
 };
 use bsm_case::{Axis, Grid, Scene, Settings};
@@ -51,7 +53,7 @@ fn plan(task: &Task, points: &Points, rows: u64) -> Plan {
 }
 
 fn fill(folder: &Path, task: &Task, points: &Points, threads: usize) -> Count {
-    let how = Filling { resume: true, rows_per_part: NonZeroU64::new(50), make };
+    let how = RunOptions { resume: true, rows_per_part: NonZeroU64::new(50), make };
     dataset::fill(folder, task, points, how, &workers(threads), &mut |_| {}).expect("solved")
 }
 
@@ -142,18 +144,18 @@ fn parts_are_the_rows_of_one_file() {
     let mut source = GridSource::new(grid());
     let columns = source.columns().clone();
     let out = fs::File::create(&one).expect("file");
-    let signs = Dialect::default();
+    let signs = TableFormat::default();
     let sink = TableSink::new(Format::Csv, out, &columns, &task.outputs, &signs);
     let sink = sink.expect("a table");
     let run = task.run(&mut source, sink, u64::MAX, &workers(2), &mut |_, _| {});
     run.expect("solved").0.finish(None).expect("written");
     let keep = ["model", "status"].map(str::to_owned);
     assert!(
-        Format::Csv.open(&one, &keep, &Dialect::default()).is_err(),
+        Format::Csv.open(&one, &keep, &TableFormat::default()).is_err(),
         "columns of answers are passed over"
     );
     let whole =
-        rows(Format::Csv.open(&one, &[], &Dialect::default()).expect("a table").as_mut(), 1000);
+        rows(Format::Csv.open(&one, &[], &TableFormat::default()).expect("a table").as_mut(), 1000);
     let mut parts = Vec::new();
     for number in 0..3 {
         let path = folder.path().join(format!("data/part-{number:06}.parquet"));
@@ -165,7 +167,7 @@ fn parts_are_the_rows_of_one_file() {
             assert!(names.contains(&format!("bsm.{key}").as_str()), "{names:?}");
         }
         parts.extend(rows(
-            Format::Parquet.open(&path, &[], &Dialect::default()).expect("a part").as_mut(),
+            Format::Parquet.open(&path, &[], &TableFormat::default()).expect("a part").as_mut(),
             7,
         ));
     }
@@ -276,7 +278,7 @@ fn rows_of_parquet_are_passed_over() {
     let out = fs::File::create(&path).expect("file");
     let task = Task { outputs: Vec::new(), ..task(Model::ClosedForm) };
     let columns = source.columns().clone();
-    let signs = Dialect::default();
+    let signs = TableFormat::default();
     let sink = TableSink::new(Format::Parquet, out, &columns, &task.outputs, &signs);
     let sink = sink.expect("a table");
     let run = task.run(&mut source, sink, u64::MAX, &workers(2), &mut |_, _| {});
@@ -326,7 +328,7 @@ fn a_table_without_rows_is_one_part() {
     let folder = temporary();
     let path = folder.path().join("points.csv");
     fs::write(&path, "axial_load_N\n").expect("writable");
-    let points = Points::Table { path, keep: Vec::new(), dialect: Dialect::default() };
+    let points = Points::Table { path, keep: Vec::new(), dialect: TableFormat::default() };
     let map = folder.path().join("map");
     for _ in 0..2 {
         let count = fill(&map, &task(Model::Rigid), &points, 1);
@@ -335,7 +337,7 @@ fn a_table_without_rows_is_one_part() {
     let names: Vec<_> = files(&map).into_keys().collect();
     assert_eq!(names, ["data/part-000000.parquet", "parts.parquet", "plan.json"]);
     let mut part =
-        Format::Parquet.open(&map.join(&names[0]), &[], &Dialect::default()).expect("a part");
+        Format::Parquet.open(&map.join(&names[0]), &[], &TableFormat::default()).expect("a part");
     assert!(part.next(10).expect("Parquet").is_none());
 }
 
@@ -421,7 +423,8 @@ fn random_points_are_the_same_rows_in_any_parts() {
     whole.run_parts(&task, &points, 0..1, false, &workers, &mut |_| {}).expect("solved");
     let rows_of = |folder: &Path, parts: usize| -> Vec<f64> {
         let part = |i: usize| folder.join(format!("data/part-{i:06}.parquet"));
-        let part = |i| Format::Parquet.open(&part(i), &[], &Dialect::default()).expect("a part");
+        let part =
+            |i| Format::Parquet.open(&part(i), &[], &TableFormat::default()).expect("a part");
         (0..parts).flat_map(|i| rows(part(i).as_mut(), 1000)).collect()
     };
     let all = rows_of(one.path(), 1);
@@ -442,7 +445,7 @@ fn parts_of_a_table_need_the_table_of_the_plan() {
     };
     write("500:9000");
     let task = task(Model::Rigid);
-    let (dialect, keep) = (Dialect::default(), Vec::new());
+    let (dialect, keep) = (TableFormat::default(), Vec::new());
     let points = Points::Table { path: path.clone(), keep, dialect };
     fill(&map, &task, &points, 1);
     let expected = files(&map);
@@ -504,7 +507,7 @@ fn the_size_of_a_plan_is_that_of_its_parts() {
     let rows_per_part = NonZeroU64::new(30_000);
     let plan = Plan::new(&task, &points, rows_per_part, &workers(1)).expect("a plan");
     let bytes = plan.estimate().expect("a task").bytes;
-    let how = Filling { resume: false, rows_per_part, make };
+    let how = RunOptions { resume: false, rows_per_part, make };
     dataset::fill(folder.path(), &task, &points, how, &workers(2), &mut |_| {}).expect("solved");
     let parts = files(folder.path()).into_iter().filter(|(name, _)| name.starts_with("data"));
     let found: u32 = parts.map(|(_, bytes)| u32::try_from(bytes.len()).expect("small")).sum();

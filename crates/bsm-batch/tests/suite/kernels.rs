@@ -5,7 +5,7 @@ use crate::alike;
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use arrow_array::Float64Array;
-use bsm_batch::{Answers, Cell, Chunk, Columns, Room, Task};
+use bsm_batch::{Answers, Buffers, Cell, Chunk, Columns, Task};
 use bsm_case::{Output, Record, Scene, Settings};
 use bsm_dyn::{Control, Model, ModelWorkspace, RacewayFriction, Status};
 use bsm_sample::{Sample, campaign};
@@ -270,7 +270,8 @@ fn outputs_without_a_place_come_back() {
         let task = Task::new(Scene::default(), model.into(), all());
         let expected = task.solve(&chunk, &columns);
         let mut verdicts = expected.verdicts.clone();
-        let room = Room { verdicts: &mut verdicts, columns: all().iter().map(|_| None).collect() };
+        let room =
+            Buffers { verdicts: &mut verdicts, columns: all().iter().map(|_| None).collect() };
         let (stop, done) = (AtomicBool::new(false), AtomicU64::new(0));
         let told = task.solve_into((&chunk, &columns), room, &stop, &done);
         let mut found = vec![vec![f64::NAN; chunk.len]; all().len()];

@@ -61,7 +61,7 @@ fn written(columns: Vec<(&str, ArrayRef)>, properties: WriterProperties) -> Vec<
     writer.into_inner().expect("a footer")
 }
 
-fn packed(codec: Compression) -> WriterProperties {
+fn compressed(codec: Compression) -> WriterProperties {
     WriterProperties::builder().set_compression(codec).build()
 }
 
@@ -91,7 +91,7 @@ fn every_usual_codec_is_read() {
     let ids: Vec<_> = (0..3000).map(|row| format!("point {row}")).collect();
     for codec in codecs() {
         let texts: ArrayRef = Arc::new(StringArray::from_iter_values(&ids));
-        let table = written(vec![("lead_mm", column(leads())), ("id", texts)], packed(codec));
+        let table = written(vec![("lead_mm", column(leads())), ("id", texts)], compressed(codec));
         let (numbers, texts) = read(table, &["id"]).expect("a table");
         assert_eq!(numbers, leads(), "{codec}");
         assert_eq!(texts, ids, "{codec}");
@@ -108,7 +108,8 @@ fn what_is_not_read_is_told_with_the_remedy() {
         "the Parquet table is written with Brotli compression, which is not read here; write it \
          without encryption, and with Snappy, Zstandard, gzip, LZ4 or no compression"
     );
-    let mut encrypted = written(vec![("lead_mm", column(leads()))], packed(Compression::SNAPPY));
+    let mut encrypted =
+        written(vec![("lead_mm", column(leads()))], compressed(Compression::SNAPPY));
     let end = encrypted.len() - 4;
     encrypted[end..].copy_from_slice(b"PARE");
     let encrypted = why(read(encrypted, &[]));
@@ -132,7 +133,7 @@ fn kept_structures_maps_and_lists_are_refused_in_words() {
         [Arc::new(list), Arc::new(StructArray::from(structure)), Arc::new(map.finish())];
     for nested in all {
         let columns = vec![("id", nested), ("lead_mm", column(vec![5.0]))];
-        let table = written(columns, packed(Compression::SNAPPY));
+        let table = written(columns, compressed(Compression::SNAPPY));
         assert_eq!(
             why(read(table, &["id"])),
             "the cells of column `id` are lists, maps or structures, which cannot be copied; \
@@ -159,7 +160,7 @@ fn kept_columns_keep_their_types() {
         ("t", texts),
     ];
     let leads = ("axial_load_N", column(vec![500.0, 600.0, 700.0]));
-    let table = written([&kept[..], &[leads]].concat(), packed(Compression::SNAPPY));
+    let table = written([&kept[..], &[leads]].concat(), compressed(Compression::SNAPPY));
     let keep: Vec<_> = kept.iter().map(|(name, _)| (*name).to_owned()).collect();
     let solved = |format| {
         let mut source = ParquetSource::new(Bytes::from(table.clone()), &keep).expect("a table");
@@ -216,9 +217,9 @@ fn field(value: u32) -> Vec<u8> {
 }
 
 /// A page of plain numbers without anything in it: its length, and that in the file, are announced.
-fn data_page(length: u32, packed: u32) -> Vec<u8> {
+fn data_page(length: u32, compressed: u32) -> Vec<u8> {
     // Kind 0; then a structure: 3 values, plain, levels by runs.
-    let head = [field(0), field(length), field(packed), vec![0x2c]].concat();
+    let head = [field(0), field(length), field(compressed), vec![0x2c]].concat();
     let values = [field(3), field(0), field(3), field(3), vec![0, 0]].concat();
     [head, values, vec![0; 24]].concat()
 }

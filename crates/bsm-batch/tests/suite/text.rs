@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use arrow_array::ArrayRef;
 use arrow_array::cast::AsArray;
 use bsm_batch::{
-    Answers, Cell, CsvSource, Dialect, Format, JsonSource, Sink, Source, TableError, TableSink,
+    Answers, Cell, CsvSource, Format, JsonSource, Sink, Source, TableError, TableFormat, TableSink,
     Task, Workers,
 };
 use bsm_case::{Scene, Settings};
@@ -127,7 +127,7 @@ fn a_blank_line_is_not_passed_over() {
 /// space.
 #[test]
 fn a_row_of_empty_cells_between_tabs_is_a_row() {
-    let dialect = Dialect { delimiter: '\t', ..Dialect::default() };
+    let dialect = TableFormat { delimiter: '\t', ..TableFormat::default() };
     let tabs = |table: &str, kept: &[&str]| {
         rows(&mut CsvSource::with(table.as_bytes(), &keep(kept), &dialect).expect("a table"))
     };
@@ -186,7 +186,7 @@ fn an_output_that_is_a_column_of_inputs_has_no_gaps() {
 /// Audit, users 20: a table of decimal commas could not be written as one.
 #[test]
 fn a_table_is_written_with_the_signs_of_the_points() {
-    let dialect = Dialect { delimiter: ';', decimal: ',', ..Dialect::default() };
+    let dialect = TableFormat { delimiter: ';', decimal: ',', ..TableFormat::default() };
     let table = "id;axial_load_N\n\"a;b\";5000,5\n";
     let mut source = CsvSource::with(table.as_bytes(), &keep(&["id"]), &dialect).expect("a table");
     let base =
@@ -197,7 +197,7 @@ fn a_table_is_written_with_the_signs_of_the_points() {
     let chunk = source.next(10).expect("a table").expect("a row");
     let answers = task.solve(&chunk, &columns);
     let efficiency = answers.columns[0][0];
-    let written = |dialect: &Dialect| {
+    let written = |dialect: &TableFormat| {
         let sink = TableSink::new(Format::Csv, Vec::new(), &columns, &task.outputs, dialect);
         let mut sink = sink.expect("a head");
         sink.write(chunk.clone(), answers.clone()).expect("a row");
@@ -212,7 +212,7 @@ fn a_table_is_written_with_the_signs_of_the_points() {
         )
     );
     // It is read back by the same signs, also where both are commas.
-    for dialect in [dialect, Dialect { decimal: ',', ..Dialect::default() }] {
+    for dialect in [dialect, TableFormat { decimal: ',', ..TableFormat::default() }] {
         let own = written(&dialect);
         let again =
             rows(&mut CsvSource::with(own.as_bytes(), &keep(&["id"]), &dialect).expect("ours"));

@@ -1,6 +1,6 @@
 //! Analyses of a scene or of a solved motion: their numbers, and what they are made from.
 
-use bsm_dyn::{Control, Model, ModelWorkspace, Solution, SteadyBall, Touch};
+use bsm_dyn::{ContactSite, Control, Model, ModelWorkspace, Solution, SteadyBall};
 use bsm_kin::Site;
 use serde_json::json;
 
@@ -254,7 +254,7 @@ pub struct Moving {
 /// A contact of a ball in motion.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MovingContact {
-    pub(crate) touch: Touch<f64>,
+    pub(crate) touch: ContactSite<f64>,
     /// Normal load \[N\].
     pub(crate) load: f64,
     /// Slip angle \[rad\].
@@ -330,7 +330,7 @@ impl MovingBall {
         let contacts = SITES.map(|site| {
             let contact = state.contact(site)?;
             Some(MovingContact {
-                touch: Touch { site, angle: contact.angle },
+                touch: ContactSite { site, angle: contact.angle },
                 load: contact.load?,
                 slip_angle: contact.slip_angle?,
                 semi_axes: contact.pressed.map(|pressed| pressed.semi_axes),

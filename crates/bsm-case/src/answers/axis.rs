@@ -6,7 +6,7 @@ mod rules;
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, Motion, Nut, Pace, Phase, Shaft, drag_torque, in_series, life, lost_motion,
+    Axis, DutySpeed, Motion, Nut, Phase, Shaft, drag_torque, in_series, life, lost_motion,
     root_mean_square, steady_rise,
 };
 use bsm_dyn::ModelWorkspace;
@@ -345,7 +345,7 @@ pub fn torque_parts(scene: &Scene, settings: &Settings) -> Result<Option<ScrewTo
     else {
         return Ok(None);
     };
-    let pace = Pace::Turns((screw - turned) * RPM);
+    let pace = DutySpeed::Turns((screw - turned) * RPM);
     let motion = Motion { time: 1.0, force, pace, acceleration: 0.0 };
     let phase = motion.phase(&carriage(scene), lead * MM);
     let drag = if preloaded {

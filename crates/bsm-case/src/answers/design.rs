@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use bsm_design::{
-    Blocked, Check, Demand, Design, Nut, Outcome, Phase, Pitch, Quantity, Requirement, Why,
+    ActiveLimit, Check, Design, LoadCase, Nut, Outcome, Phase, Pitch, Quantity, Requirement, Why,
 };
 use bsm_dyn::{Direction, ModelWorkspace};
 use serde_json::json;
@@ -112,7 +112,7 @@ impl DesignReport {
             let model = wish.model.name();
             warnings.push(format!("model {model} has no solution for this screw: see bsm solve"));
         }
-        if let Demand::Torque(torque, _) = wish.requirement.demand {
+        if let LoadCase::Torque(torque, _) = wish.requirement.demand {
             let eta = design.value(Quantity::Efficiency);
             let driving = wish.requirement.direction == Direction::RotaryToLinear;
             let needed = if driving { torque / eta } else { torque * eta };
@@ -260,7 +260,7 @@ fn efficiency(wish: &RequirementFile, nut: &Nut, phase: &Phase) -> Option<f64> {
 ///
 /// * `load`: of the screw \[N\], where the requirement has a torque.
 fn scene(wish: &RequirementFile, nut: &Nut, load: f64) -> Scene {
-    let by_torque = matches!(wish.requirement.demand, Demand::Torque(..));
+    let by_torque = matches!(wish.requirement.demand, LoadCase::Torque(..));
     // In decimals, as the search leaves them.
     let round = |x: f64| (x * 1e9).round() * 1e-9;
     let conformity = Some(round(nut.conformity.0));
@@ -370,7 +370,7 @@ fn required(check: &Check) -> Option<String> {
 }
 
 /// A limit that blocks, by how much, and why.
-fn blocks(Blocked { check, why }: &Blocked) -> String {
+fn blocks(ActiveLimit { check, why }: &ActiveLimit) -> String {
     let (name, unit, _) = label(check.quantity);
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
     let number = |value: f64| format!("{}{unit}", trimmed(in_unit(check, value)));

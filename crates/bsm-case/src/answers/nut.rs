@@ -6,8 +6,8 @@ use std::f64::consts::TAU;
 use bsm_design::{Duty, in_series, life};
 use bsm_dyn::{Hertz, ModelWorkspace};
 use bsm_nut::{
-    BallInGrooves, BallNut, Circuit, Equal, Equilibrium, Flanks, Freedom, NutError, NutFriction,
-    Place, Support,
+    BallInGrooves, BallNut, BallPosition, Circuit, Equal, Equilibrium, Flanks, Freedom, NutError,
+    NutFriction, Support,
 };
 use serde_json::{Map, Value, json};
 
@@ -193,7 +193,7 @@ pub(crate) const LISTED: std::ops::Range<usize> = 4..12;
 
 /// A ball of a nut under load.
 pub(crate) struct OneBall<'a> {
-    place: &'a Place,
+    place: &'a BallPosition,
     ball: &'a BallInGrooves,
     body: usize,
     hertz: Option<&'a [Hertz; 2]>,
@@ -582,7 +582,7 @@ impl NutReport {
     pub fn balls(&self) -> Columns {
         let Made { nut, found, .. } = &self.state.made;
         let (friction, hertz) = (self.state.friction(&self.problem), nut.hertz().ok());
-        let row = |(number, (place, ball)): (usize, (&Place, &BallInGrooves))| {
+        let row = |(number, (place, ball)): (usize, (&BallPosition, &BallInGrooves))| {
             let one = OneBall {
                 place,
                 ball,

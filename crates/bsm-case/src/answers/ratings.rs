@@ -3,8 +3,8 @@
 mod doubts;
 
 use bsm_design::{
-    Body, Duty, DynamicRating, Elasticity, Life, Nut, PRELOAD, ROLLING_LEVER, StaticRating, Thread,
-    in_series, life, pair_loads,
+    Duty, DynamicRating, Elasticity, Life, Nut, NutBody, PRELOAD, ROLLING_LEVER, StaticRating,
+    Thread, in_series, life, pair_loads,
 };
 
 use doubts::{doubts, doubts_of_pair, off_the_flank};
@@ -120,7 +120,7 @@ pub(crate) struct Rated<'a> {
     scene: &'a Scene,
     nut: Nut,
     thread: Thread,
-    body: Body,
+    body: NutBody,
     elasticity: Elasticity,
     dynamic: DynamicRating,
     static_rating: StaticRating,

@@ -1,7 +1,7 @@
 //! The answer in the vocabulary.
 
 use bsm_dyn::{
-    Band, Basis, Choice, ContactState, ErrorBound, FilmState, GRIPS_BELOW, Model, Others,
+    Alternatives, Band, Basis, Choice, ContactState, ErrorBound, FilmState, GRIPS_BELOW, Model,
     RaceControl, Reason, Regime, Slip, SlipRegime, Solution, Solved, Status, ZERO_CELSIUS,
 };
 use bsm_kin::Site;
@@ -236,14 +236,14 @@ impl Record {
         Some(if nut == screw { nut.to_owned() } else { format!("{nut} (nut), {screw} (screw)") })
     }
 
-    fn others(&self) -> Option<Others> {
+    fn others(&self) -> Option<Alternatives> {
         self.solved()?.others
     }
 
     /// Warnings where the equations have other solutions, or no consistent one.
     fn ambiguities(&self) -> Vec<String> {
         let mut warnings = Vec::new();
-        if let Some(Others { count, farthest_efficiency: Some(eta) }) = self.others() {
+        if let Some(Alternatives { count, farthest_efficiency: Some(eta) }) = self.others() {
             let which = match self.model {
                 ModelChoice::Fixed(Model::RacewayControl) => {
                     "this is the one with the smallest difference of the contact angles, under nut \

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use bsm_dyn::{ModelWorkspace, Problem, Transmitted, Unsolved};
+use bsm_dyn::{ModelWorkspace, Performance, Problem, Unsolved};
 use bsm_kin::Jet;
 use serde_json::json;
 
@@ -88,13 +88,13 @@ impl Sensitivities {
     pub fn solve(
         &self,
         work: &mut ModelWorkspace,
-    ) -> Result<(Transmitted<f64>, Vec<Sensitivity>), Unsolved> {
+    ) -> Result<(Performance<f64>, Vec<Sensitivity>), Unsolved> {
         let mut rows = Vec::new();
-        let mut value = Transmitted { efficiency: f64::NAN, screw_torque: None };
+        let mut value = Performance { efficiency: f64::NAN, screw_torque: None };
         for Part(problem, variables) in &self.0 {
             let answer = problem.sensitivities(work)?;
             let torque = answer.screw_torque.map(|torque| torque.re);
-            value = Transmitted { efficiency: answer.efficiency.re, screw_torque: torque };
+            value = Performance { efficiency: answer.efficiency.re, screw_torque: torque };
             rows.extend((0..).zip(variables).map(|(place, (key, value))| {
                 let relative = |output: &Jets| {
                     let share = output.eps[place] * value / output.re;

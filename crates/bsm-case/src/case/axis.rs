@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, Body, Carriage, Drive, Motion, Mount, Pace, StaticRating, Support, Thread,
+    Axis, Drive, DutySpeed, MachineTable, Motion, Mount, NutBody, StaticRating, Support, Thread,
     reliability_factor, screw_inertia,
 };
 
@@ -17,8 +17,8 @@ use crate::{CaseError, InputKey, PhaseWords, Scene};
 pub(crate) struct Machine {
     pub(crate) axis: Axis,
     pub(crate) thread: Thread,
-    pub(crate) body: Body,
-    pub(crate) carriage: Carriage,
+    pub(crate) body: NutBody,
+    pub(crate) carriage: MachineTable,
     pub(crate) drive: Drive,
     /// Mass \[kg\] and moment of inertia \[kg·m²\] of the screw; `None` without a length.
     pub(crate) screw: Option<(f64, f64)>,
@@ -68,9 +68,9 @@ impl Machine {
 }
 
 /// What the axis of a scene moves.
-pub(crate) fn carriage(scene: &Scene) -> Carriage {
+pub(crate) fn carriage(scene: &Scene) -> MachineTable {
     let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
-    Carriage {
+    MachineTable {
         mass: value(InputKey::moved_mass_kg),
         inclination: value(InputKey::inclination_deg) * DEG,
         friction: value(InputKey::guide_friction),
@@ -96,7 +96,7 @@ pub(crate) fn motions(scene: &Scene) -> Result<Vec<Motion>, CaseError> {
     let motion = |words: &PhaseWords| Motion {
         time: words.time(),
         force: words.force_N,
-        pace: Pace::Feed(words.feed()),
+        pace: DutySpeed::Feed(words.feed()),
         acceleration: words.acceleration_m_s2,
     };
     if let Some(cycle) = &scene.nut.cycle {
@@ -109,8 +109,8 @@ pub(crate) fn motions(scene: &Scene) -> Result<Vec<Motion>, CaseError> {
         return Ok(cycle.iter().map(motion).collect());
     }
     let pace = match (scene.feed_m_min, scene.speeds_rpm()) {
-        (Some(feed), _) if scene.nut_speed_rpm.is_none() => Some(Pace::Feed(feed / 60.0)),
-        (_, speeds) => speeds.map(|(screw, nut)| Pace::Turns((screw - nut) * RPM)),
+        (Some(feed), _) if scene.nut_speed_rpm.is_none() => Some(DutySpeed::Feed(feed / 60.0)),
+        (_, speeds) => speeds.map(|(screw, nut)| DutySpeed::Turns((screw - nut) * RPM)),
     };
     let missing = |absent: bool, words: &str| absent.then(|| words.to_owned());
     let (Some(pace), Some(force)) = (pace, scene.axial_load_N) else {

@@ -1,6 +1,6 @@
 //! The nut that a scene describes: its balls, thread and body.
 
-use bsm_design::{Body, Nut, Thread};
+use bsm_design::{Nut, NutBody, Thread};
 
 use crate::case::nut::balls_and_turns;
 use crate::case::problem::Needs;
@@ -87,8 +87,8 @@ pub(crate) fn thread(scene: &Scene, nut: &Nut) -> Result<Thread, CaseError> {
 }
 
 /// The body of the nut of a scene, which must have its grooves within.
-pub(crate) fn body(scene: &Scene, nut: &Nut, thread: &Thread) -> Result<Body, CaseError> {
-    let mut body = Body::usual(nut);
+pub(crate) fn body(scene: &Scene, nut: &Nut, thread: &Thread) -> Result<NutBody, CaseError> {
+    let mut body = NutBody::usual(nut);
     if let Some(outer) = scene.nut_outer_diameter_mm {
         body.outer = outer * MM;
     }

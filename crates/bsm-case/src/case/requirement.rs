@@ -1,6 +1,8 @@
 //! What a screw must do, in the vocabulary and a few more keys.
 
-use bsm_design::{Demand, Fixed, Lists, Objective, Pace, Pitch, Ranges, Reach, Requirement};
+use bsm_design::{
+    DutySpeed, Fixed, Lists, LoadCase, Objective, Pitch, Ranges, Requirement, Travel,
+};
 use bsm_dyn::{Direction, Model, Optimum};
 use serde_json::{Map, Value};
 
@@ -177,7 +179,7 @@ impl Given {
     }
 
     /// The cycle, or the operating point, or a torque.
-    fn demand(&self, scene: &Scene) -> Result<Demand, CaseError> {
+    fn demand(&self, scene: &Scene) -> Result<LoadCase, CaseError> {
         let torque = self.number("screw_torque_Nm");
         let not_with = |key: &'static str, given: bool| {
             if given {
@@ -191,17 +193,17 @@ impl Given {
                 let keys = ["axial_load_N", "screw_torque_Nm"];
                 return Err(CaseError::OneOfTwo { keys, found: "neither is" });
             }
-            return Ok(Demand::Cycle(motions(scene)?));
+            return Ok(LoadCase::Cycle(motions(scene)?));
         };
         not_with("axial_load_N", scene.axial_load_N.is_some())?;
         not_with("cycle", scene.nut.cycle.is_some())?;
         // It is the torque of all that the screw carries.
         not_with("moved_mass_kg", scene.moved_mass_kg.is_some_and(|mass| mass != 0.0))?;
         let pace = match (scene.feed_m_min, scene.screw_speed_rpm) {
-            (Some(feed), _) => Pace::Feed(feed / 60.0),
-            (None, rpm) => Pace::Turns(rpm.unwrap_or(f64::NAN) * RPM),
+            (Some(feed), _) => DutySpeed::Feed(feed / 60.0),
+            (None, rpm) => DutySpeed::Turns(rpm.unwrap_or(f64::NAN) * RPM),
         };
-        Ok(Demand::Torque(torque, pace))
+        Ok(LoadCase::Torque(torque, pace))
     }
 
     /// Least and largest of a number; the keys of both are of the requirement.
@@ -236,8 +238,8 @@ impl Given {
         let mut scene = self.scene.clone();
         scene.check()?;
         let reach = self.one_of([
-            ("screw_length_mm", |mm| Reach::Screw(mm * MM)),
-            ("stroke_mm", |mm| Reach::Stroke(mm * MM)),
+            ("screw_length_mm", |mm| Travel::Screw(mm * MM)),
+            ("stroke_mm", |mm| Travel::Stroke(mm * MM)),
         ])?;
         // Lead and lead angle together are a pitch circle.
         if let (Some(lead), Some(angle), None) =
@@ -247,7 +249,7 @@ impl Given {
             scene.pitch_circle_diameter_mm = Some(diameter);
         }
         // The screw is judged over its whole length unless that between its bearings is given.
-        if let Reach::Screw(length) = reach {
+        if let Travel::Screw(length) = reach {
             scene.unsupported_length_mm.get_or_insert(length / MM);
         }
         let moves = scene.screw_speed_rpm.is_some() || scene.feed_m_min.is_some();

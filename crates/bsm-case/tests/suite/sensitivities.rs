@@ -2,11 +2,11 @@
 
 use approx::assert_relative_eq;
 use bsm_case::{ModelChoice, Scene, Sensitivities, Sensitivity, Settings};
-use bsm_dyn::{Basis, Control, Model, ModelWorkspace, Traction, Transmission, Transmitted};
+use bsm_dyn::{Basis, Control, Model, ModelWorkspace, Performance, Traction, Transmission};
 use proptest::prelude::*;
 
 /// The answer and its rows; `None` if there is no solution.
-fn derived(scene: &Scene, settings: &Settings) -> Option<(Transmitted<f64>, Vec<Sensitivity>)> {
+fn derived(scene: &Scene, settings: &Settings) -> Option<(Performance<f64>, Vec<Sensitivity>)> {
     let inputs = Sensitivities::of(scene, settings).expect("complete scene");
     inputs.solve(&mut ModelWorkspace::default()).ok()
 }
@@ -124,7 +124,7 @@ fn dimension(key: &str) -> [f64; 3] {
 }
 
 /// Euler's identity: largest violation over masses, lengths and times, of efficiency, and of torque.
-fn worst_identity((answer, rows): &(Transmitted<f64>, Vec<Sensitivity>)) -> [f64; 2] {
+fn worst_identity((answer, rows): &(Performance<f64>, Vec<Sensitivity>)) -> [f64; 2] {
     let torque = answer.screw_torque.expect("a torque");
     let exponents = [1.0, 2.0, -2.0];
     (0..3).fold([0.0; 2], |[worst, worst_torque]: [f64; 2], unit| {

@@ -3,7 +3,7 @@
 //! Coordinates are over the semi-axes: `xi` along `$t \times N$`, across the groove, and `upsilon` along `$t$`.
 
 use super::EllipseSlip;
-use crate::FrictionLaw;
+use crate::contact::FrictionLaw;
 
 impl EllipseSlip<f64> {
     /// Slip along the groove and across it, in the unit of the speeds.

@@ -13,12 +13,13 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 use bsm_simd::{Arch, BLOCK, Block, Compare, Lane, NullaryFnOnce, Simd, WithSimd};
 
 use super::Quadrature;
-use super::oil::{Bend, Half, Node, Rings};
-use super::panels::{EllipseSlip, FAR, Lines, MOST, Nodes, Visit, chord, walk};
+use super::oil::{HalfChord, HalfNode, PolarRule};
+use super::panels::{Chords, EllipseSlip, FAR, MOST, Nodes, Visitor, each_chord, half_length};
+use crate::contact::Knee;
 
 /// What the sums depend on: a contact with numbers in its own axes.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Point<F = f64> {
+pub(crate) struct Patch<F = f64> {
     /// Semi-axes across and along the groove.
     pub(crate) semi_axes: (F, F),
     /// Radius of the pressed surface.
@@ -33,7 +34,7 @@ pub(crate) struct Point<F = f64> {
 
 /// Friction of a contact over `$Q$`, or over `$f Q$` of a constant coefficient.
 #[derive(Clone, Copy)]
-pub(crate) struct Sums<F = f64> {
+pub(crate) struct Resultants<F = f64> {
     /// Force along t and t × N; moment about t, N, t × N.
     pub(crate) values: [F; SUMS],
     /// The power that it takes.
@@ -55,7 +56,7 @@ pub(super) const VALUES: usize = SUMS + 1;
 pub(super) const ALL: usize = VALUES + 14;
 const TERMS: usize = ALL + SUMS;
 
-impl<F: Compare> Point<F> {
+impl<F: Compare> Patch<F> {
     /// Slip along the long axis.
     #[inline(always)]
     pub(super) fn slip(&self) -> EllipseSlip<F> {
@@ -66,7 +67,7 @@ impl<F: Compare> Point<F> {
 }
 
 /// The nodes of a line whose spin pole is inside the ellipse.
-pub(super) struct Near {
+pub(super) struct NearPole {
     /// The angle of the pole, and its width.
     at: f64,
     width: f64,
@@ -74,7 +75,7 @@ pub(super) struct Near {
     sides: [(f64, f64); 2],
 }
 
-impl Near {
+impl NearPole {
     pub(super) fn of(slip: &EllipseSlip<f64>, xi: f64) -> Self {
         let sinh = slip.analyticity(xi).sqrt();
         let (b_0, b_1) = slip.across(xi);
@@ -128,9 +129,9 @@ impl Near {
 /// Sums along lines across the ellipse: J and K of (T21) and, of a lubricant, those by the slip across and J by
 /// the film.
 #[derive(Clone, Copy)]
-pub(crate) struct Inner<S: Simd, const N: usize>(pub(super) [[Lane<S>; 3]; N]);
+pub(crate) struct Moments<S: Simd, const N: usize>(pub(super) [[Lane<S>; 3]; N]);
 
-impl<S: Simd, const N: usize> Inner<S, N> {
+impl<S: Simd, const N: usize> Moments<S, N> {
     #[inline(always)]
     pub(super) fn zero(simd: S) -> Self {
         Self([[Lane::splat(simd, 0.0); 3]; N])
@@ -163,18 +164,18 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
     const FILM: bool;
 
     /// What the coefficient at any slip needs of a pressure.
-    type Pressed<S: Simd>: Copy;
+    type NodePressure<S: Simd>: Copy;
 
     /// * `pressure`: over the largest of the contact.
-    fn pressed<S: Simd>(&self, pressure: Lane<S>) -> Self::Pressed<S>;
+    fn pressed<S: Simd>(&self, pressure: Lane<S>) -> Self::NodePressure<S>;
 
     /// Adds a node.
     ///
     /// * `square`: of the slip along the groove and the creep speed. * `v_c`: slip across.
     fn add<S: Simd, const SLOPED: bool>(
         &self,
-        to: &mut Inner<S, N>,
-        pressed: Self::Pressed<S>,
+        to: &mut Moments<S, N>,
+        pressed: Self::NodePressure<S>,
         square: Lane<S>,
         v_c: Lane<S>,
         node: (Lane<S>, Lane<S>),
@@ -188,17 +189,17 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
         simd: S,
         of: (Nodes<'_>, Option<usize>),
         slip: &EllipseSlip<Lane<S>>,
-        line: &Line<S>,
-    ) -> Inner<S, N>;
+        line: &Chord<S>,
+    ) -> Moments<S, N>;
 
     /// J, K, those by the slip across, and J by the film.
-    fn kinds<S: Simd>(inner: Inner<S, N>, square: Lane<S>) -> [[Lane<S>; 3]; 4];
+    fn kinds<S: Simd>(inner: Moments<S, N>, square: Lane<S>) -> [[Lane<S>; 3]; 4];
 
     /// Sums an ellipse that is better not summed along lines; false of others.
     #[inline(always)]
     fn all_over<S: Simd, const SLOPED: bool>(
         _simd: S,
-        _gather: &mut Gather<'_, Self, N, SLOPED>,
+        _gather: &mut Accumulator<'_, Self, N, SLOPED>,
         _ellipse: usize,
     ) -> bool {
         false
@@ -213,7 +214,7 @@ impl Dry {
     /// Adds a node, to rounding or, if `ROUGH`, to the error of a rough root.
     #[inline(always)]
     pub(super) fn add<S: Simd, const SLOPED: bool, const ROUGH: bool>(
-        Inner([j, k]): &mut Inner<S, 2>,
+        Moments([j, k]): &mut Moments<S, 2>,
         square: Lane<S>,
         v_c: Lane<S>,
         (s, weight): (Lane<S>, Lane<S>),
@@ -232,7 +233,7 @@ impl Dry {
     /// Adds nodes of the same places on all lines.
     #[inline(always)]
     fn add_all<S: Simd, const SLOPED: bool, const ROUGH: bool>(
-        to: &mut Inner<S, 2>,
+        to: &mut Moments<S, 2>,
         square: Lane<S>,
         (b_0, b_1): (Lane<S>, Lane<S>),
         nodes: &[(f64, f64)],
@@ -247,7 +248,7 @@ impl Dry {
 impl PointLaw<2> for Dry {
     const FILM: bool = false;
 
-    type Pressed<S: Simd> = ();
+    type NodePressure<S: Simd> = ();
 
     #[inline(always)]
     fn pressed<S: Simd>(&self, _pressure: Lane<S>) {}
@@ -255,7 +256,7 @@ impl PointLaw<2> for Dry {
     #[inline(always)]
     fn add<S: Simd, const SLOPED: bool>(
         &self,
-        to: &mut Inner<S, 2>,
+        to: &mut Moments<S, 2>,
         (): (),
         square: Lane<S>,
         v_c: Lane<S>,
@@ -270,9 +271,9 @@ impl PointLaw<2> for Dry {
         simd: S,
         (nodes, inner): (Nodes<'_>, Option<usize>),
         slip: &EllipseSlip<Lane<S>>,
-        line: &Line<S>,
-    ) -> Inner<S, 2> {
-        let (mut sums, square) = (Inner::zero(simd), line.square(slip));
+        line: &Chord<S>,
+    ) -> Moments<S, 2> {
+        let (mut sums, square) = (Moments::zero(simd), line.square(slip));
         let places = inner.map_or(&[][..], |count| &nodes.rule.inner[count]);
         if nodes.rough {
             Self::add_all::<S, SLOPED, true>(&mut sums, square, line.across, places);
@@ -283,7 +284,7 @@ impl PointLaw<2> for Dry {
     }
 
     #[inline(always)]
-    fn kinds<S: Simd>(Inner([j, k]): Inner<S, 2>, square: Lane<S>) -> [[Lane<S>; 3]; 4] {
+    fn kinds<S: Simd>(Moments([j, k]): Moments<S, 2>, square: Lane<S>) -> [[Lane<S>; 3]; 4] {
         // (C_b, C_s, S_s) = (v_t² + v_e²) (K₀, K₁, K₂)                    (T23)
         [j, k, [square * k[0], square * k[1], square * k[2]], [square.constant(0.0); 3]]
     }
@@ -299,16 +300,16 @@ pub(super) fn add_powers<S: Simd>(sums: &mut [Lane<S>; 3], x: Lane<S>, s: Lane<S
 }
 
 /// Sums over all lines of a few contacts; those of the slopes only if `SLOPED`.
-pub(crate) struct Gather<'a, L, const N: usize, const SLOPED: bool> {
+pub(crate) struct Accumulator<'a, L, const N: usize, const SLOPED: bool> {
     pub(super) nodes: &'a [Nodes<'a>],
-    pub(super) points: &'a [Point],
+    pub(super) points: &'a [Patch],
     pub(super) slips: &'a [EllipseSlip<f64>],
     pub(super) laws: &'a [L],
     totals: [[Block; TERMS]; MOST],
 }
 
 /// The sums of a line whose spin pole is inside: rare, so that its code is out of the way.
-struct NearLine<'a, S, L, const N: usize, const SLOPED: bool> {
+struct NearChord<'a, S, L, const N: usize, const SLOPED: bool> {
     simd: S,
     rule: &'a Quadrature,
     slip: &'a EllipseSlip<f64>,
@@ -317,7 +318,7 @@ struct NearLine<'a, S, L, const N: usize, const SLOPED: bool> {
 }
 
 impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
-    for NearLine<'_, S, L, N, SLOPED>
+    for NearChord<'_, S, L, N, SLOPED>
 {
     type Output = [[f64; 3]; N];
 
@@ -327,23 +328,23 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
         let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across(xi));
         let (b_0, b_1) = (Lane::splat(simd, b_0), Lane::splat(simd, b_1));
         let square = Lane::splat(simd, v_t * v_t + slip.creep * slip.creep);
-        let (near, chord) = (Near::of(slip, xi), chord(xi));
+        let (near, half_length) = (NearPole::of(slip, xi), half_length(xi));
         let mut sums = [[[0.0; BLOCK]; 3]; N];
-        for first in (0..Near::len(rule)).step_by(BLOCK) {
+        for first in (0..NearPole::len(rule)).step_by(BLOCK) {
             let (places, weights) = near.nodes(simd, rule, first);
             for at in (0..BLOCK).step_by(S::F64_LANES) {
-                let mut inner = Inner::load(simd, &sums, at);
+                let mut inner = Moments::load(simd, &sums, at);
                 let s = Lane::load(simd, &places[at..]);
                 let weight = Lane::load(simd, &weights[at..]);
                 let inside = (-(s * s) + 1.0).max(s.constant(0.0)).sqrt();
-                let (pressed, v_c) = (law.pressed(inside * chord), b_1.mul_add(s, b_0));
+                let (pressed, v_c) = (law.pressed(inside * half_length), b_1.mul_add(s, b_0));
                 law.add::<S, SLOPED>(&mut inner, pressed, square, v_c, (s, weight));
                 inner.store(&mut sums, at);
             }
         }
         let mut folded = [[0.0; 3]; N];
         for k in 0..N {
-            fold(simd, &sums[k], &mut folded[k]);
+            reduce(simd, &sums[k], &mut folded[k]);
         }
         folded
     }
@@ -351,7 +352,7 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
 
 /// Sums over blocks, in the same order for all widths.
 #[inline(always)]
-pub(super) fn fold<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
+pub(super) fn reduce<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
     for (sum, block) in sums.iter_mut().zip(blocks) {
         // One of them is as long as a block.
         *sum = match S::F64_LANES {
@@ -363,17 +364,17 @@ pub(super) fn fold<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
     }
 }
 
-impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> Visit<S>
-    for Gather<'_, L, N, SLOPED>
+impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> Visitor<S>
+    for Accumulator<'_, L, N, SLOPED>
 {
     #[inline(always)]
-    fn visit(&mut self, simd: S, ellipse: usize, lines: &Lines) {
+    fn visit(&mut self, simd: S, ellipse: usize, lines: &Chords) {
         let (law, nodes) = (&self.laws[ellipse], self.nodes[ellipse]);
         let slip = self.slips[ellipse].splat(simd);
         for at in (0..BLOCK).step_by(S::F64_LANES) {
             let xi = Lane::load(simd, &lines.xi[at..]);
             let weight = Lane::load(simd, &lines.weight[at..]);
-            let line = Line::new(&slip, xi, weight, Lane::load(simd, &lines.chord[at..]));
+            let line = Chord::new(&slip, xi, weight, Lane::load(simd, &lines.half_length[at..]));
             let mut inner = law.along::<S, SLOPED>(simd, (nodes, lines.inner), &slip, &line);
             if lines.any_inside {
                 let mut sums = [[[0.0; BLOCK]; 3]; N];
@@ -382,7 +383,7 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> Visit<S>
                     if lines.inside[i] {
                         let (slip, xi) = (&self.slips[ellipse], lines.xi[i]);
                         let rule = nodes.rule;
-                        let line = NearLine::<_, _, N, SLOPED> { simd, rule, slip, law, xi };
+                        let line = NearChord::<_, _, N, SLOPED> { simd, rule, slip, law, xi };
                         let near = simd.vectorize(line);
                         for (sum, near) in
                             sums.as_flattened_mut().iter_mut().zip(near.as_flattened())
@@ -391,14 +392,14 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> Visit<S>
                         }
                     }
                 }
-                inner = Inner::load(simd, &sums, at);
+                inner = Moments::load(simd, &sums, at);
             }
             self.add_line(simd, ellipse, at, &slip, (&line, inner));
         }
     }
 }
 
-impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> Gather<'_, L, N, SLOPED> {
+impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> Accumulator<'_, L, N, SLOPED> {
     /// How many of the terms are not zero.
     const SOME: usize = match (SLOPED, L::FILM) {
         (true, true) => TERMS,
@@ -414,7 +415,7 @@ impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> Gather<'_, L, N, SLOPED
         ellipse: usize,
         at: usize,
         slip: &EllipseSlip<Lane<S>>,
-        (line, inner): (&Line<S>, Inner<S, N>),
+        (line, inner): (&Chord<S>, Moments<S, N>),
     ) {
         let (a, b) = self.points[ellipse].semi_axes;
         let of = ((Lane::splat(simd, a), Lane::splat(simd, b)), slip);
@@ -436,10 +437,10 @@ impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> Gather<'_, L, N, SLOPED
 #[inline(always)]
 pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool>(
     simd: S,
-    points: &[Point],
+    points: &[Patch],
     laws: &[L],
     nodes: &[Nodes<'_>],
-) -> [Sums; MOST] {
+) -> [Resultants; MOST] {
     // One call for all numbers of contacts: the code is long.
     simd.vectorize(All::<S, L, N, SLOPED> { simd, points, laws, nodes })
 }
@@ -447,7 +448,7 @@ pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool>(
 /// What [`sums`] is asked for.
 struct All<'a, S, L, const N: usize, const SLOPED: bool> {
     simd: S,
-    points: &'a [Point],
+    points: &'a [Patch],
     laws: &'a [L],
     nodes: &'a [Nodes<'a>],
 }
@@ -455,7 +456,7 @@ struct All<'a, S, L, const N: usize, const SLOPED: bool> {
 impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
     for All<'_, S, L, N, SLOPED>
 {
-    type Output = [Sums; MOST];
+    type Output = [Resultants; MOST];
 
     #[inline(always)]
     fn call(self) -> Self::Output {
@@ -466,21 +467,21 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
         }
         let slips = &slips[..points.len()];
         let totals = [[[0.0; BLOCK]; TERMS]; MOST];
-        let mut gather = Gather::<L, N, SLOPED> { nodes, points, slips, laws, totals };
+        let mut gather = Accumulator::<L, N, SLOPED> { nodes, points, slips, laws, totals };
         let mut done = [false; MOST];
         for i in 0..points.len() {
             done[i] = L::all_over(simd, &mut gather, i);
         }
-        walk(simd, nodes, slips, done, &mut gather);
-        let mut all = [Sums::none(0.0); MOST];
+        each_chord(simd, nodes, slips, done, &mut gather);
+        let mut all = [Resultants::none(0.0); MOST];
         for i in 0..points.len() {
             let mut terms = [0.0; TERMS];
-            let some = Gather::<L, N, SLOPED>::SOME;
-            fold(simd, &gather.totals[i][..some], &mut terms[..some]);
+            let some = Accumulator::<L, N, SLOPED>::SOME;
+            reduce(simd, &gather.totals[i][..some], &mut terms[..some]);
             let (terms, by_film) = terms.split_at(ALL);
             let mut known = [0.0; ALL];
             known.copy_from_slice(terms);
-            all[i] = Sums::of(known, &points[i]);
+            all[i] = Resultants::of(known, &points[i]);
             all[i].by_film.copy_from_slice(by_film);
         }
         all
@@ -491,26 +492,26 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
 pub(super) type Shape<'a, S> = ((Lane<S>, Lane<S>), &'a EllipseSlip<Lane<S>>);
 
 /// A few lines across an ellipse.
-pub(crate) struct Line<S: Simd> {
+pub(crate) struct Chord<S: Simd> {
     /// Place on the long axis, part of the load, and half the length.
     pub(super) xi: Lane<S>,
     pub(super) weight: Lane<S>,
-    pub(super) chord: Lane<S>,
+    pub(super) half_length: Lane<S>,
     /// Slip along the groove, and across it (T13).
     pub(super) v_t: Lane<S>,
     pub(super) across: (Lane<S>, Lane<S>),
 }
 
-impl<S: Simd> Line<S> {
+impl<S: Simd> Chord<S> {
     #[inline(always)]
     pub(super) fn new(
         slip: &EllipseSlip<Lane<S>>,
         xi: Lane<S>,
         weight: Lane<S>,
-        chord: Lane<S>,
+        half_length: Lane<S>,
     ) -> Self {
-        let (v_t, across) = (slip.along(xi), slip.across_at(xi, chord));
-        Self { xi, weight, chord, v_t, across }
+        let (v_t, across) = (slip.along(xi), slip.across_at(xi, half_length));
+        Self { xi, weight, half_length, v_t, across }
     }
 
     /// Square of the slip along the groove and of the creep speed.
@@ -528,10 +529,10 @@ impl<S: Simd> Line<S> {
         ((a, b), slip): Shape<'_, S>,
         j: [Lane<S>; 3],
     ) -> [Lane<S>; VALUES] {
-        let &Self { xi, chord, v_t, across: (b_0, b_1), .. } = self;
+        let &Self { xi, half_length, v_t, across: (b_0, b_1), .. } = self;
         // T = v_t J₀,  C = b₀ J₀ + b₁ J₁,  S = b₀ J₁ + b₁ J₂
         let (t, c, s) = (v_t * j[0], b_0 * j[0] + b_1 * j[1], b_0 * j[1] + b_1 * j[2]);
-        let (x, y, h) = (xi * a, chord * b, slip.height(xi));
+        let (x, y, h) = (xi * a, half_length * b, slip.height(xi));
         // F_t = −T,  F_c = C,  M_t = −h C,  M_n = −(x T + Y S),  M_c = −h T,
         // P = v_t T + b₀ C + b₁ S                                         (T22)
         [-t, c, -(h * c), -(x * t + y * s), -(h * t), v_t * t + b_0 * c + b_1 * s]
@@ -545,7 +546,7 @@ impl<S: Simd> Line<S> {
         of: Shape<'_, S>,
         [j, k, across]: [[Lane<S>; 3]; 3],
     ) -> [Lane<S>; ALL] {
-        let &Self { xi, weight, chord, v_t, across: (b_0, b_1) } = self;
+        let &Self { xi, weight, half_length, v_t, across: (b_0, b_1) } = self;
         let j = [j[0] * weight, j[1] * weight, j[2] * weight];
         let [f_t, f_c, m_t, m_n, m_c, power] = self.values(of, j);
         if !SLOPED {
@@ -555,7 +556,7 @@ impl<S: Simd> Line<S> {
             return terms;
         }
         let ((a, b), slip) = of;
-        let (x, y, h) = (xi * a, chord * b, slip.height(xi));
+        let (x, y, h) = (xi * a, half_length * b, slip.height(xi));
         let k = [k[0] * weight, k[1] * weight, k[2] * weight];
         // T_v = J₀ − v_t² K₀,  T_b = −v_t (b₀ K₀ + b₁ K₁),  T_s = −v_t (b₀ K₁ + b₁ K₂)  (T23)
         let t_v = j[0] - v_t * v_t * k[0];
@@ -598,7 +599,7 @@ fn add_to<S: Simd>(simd: S, totals: &mut [Block], at: usize, values: &[Lane<S>])
     }
 }
 
-impl<F: Compare> Sums<F> {
+impl<F: Compare> Resultants<F> {
     #[inline(always)]
     pub(crate) fn none(zero: F) -> Self {
         let slopes = [[zero; SLOPES]; SUMS];
@@ -607,7 +608,7 @@ impl<F: Compare> Sums<F> {
 
     /// Of the sums of all terms at a point.
     #[inline(always)]
-    pub(super) fn of(all: [F; ALL], point: &Point<F>) -> Self {
+    pub(super) fn of(all: [F; ALL], point: &Patch<F>) -> Self {
         let [
             f_t,
             f_c,
@@ -656,20 +657,20 @@ impl<F: Compare> Sums<F> {
 /// Sums of one contact; slopes only if `SLOPED`, else zero.
 pub(super) fn sums_on<L: PointLaw<N>, const N: usize, const SLOPED: bool>(
     arch: Arch,
-    point: &Point,
+    point: &Patch,
     law: L,
     nodes: Nodes<'_>,
-) -> Sums {
+) -> Resultants {
     arch.dispatch(One::<L, N, SLOPED>(point, law, nodes))
 }
 
-struct One<'a, L, const N: usize, const SLOPED: bool>(&'a Point, L, Nodes<'a>);
+struct One<'a, L, const N: usize, const SLOPED: bool>(&'a Patch, L, Nodes<'a>);
 
 impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> WithSimd for One<'_, L, N, SLOPED> {
-    type Output = Sums;
+    type Output = Resultants;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Sums {
+    fn with_simd<S: Simd>(self, simd: S) -> Resultants {
         let Self(point, law, nodes) = self;
         let [sums, _] = sums::<S, L, N, SLOPED>(simd, &[*point], &[law], &[nodes]);
         sums
@@ -678,37 +679,37 @@ impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> WithSimd for One<'_, L,
 
 /// Coordinates over the semi-axes and part of the load of all nodes: those of the sums of a constant
 /// coefficient, or of one that bends.
-pub(super) fn nodes(point: &Point, nodes: Nodes<'_>, bend: Option<&Bend>) -> Vec<(f64, f64, f64)> {
+pub(super) fn nodes(point: &Patch, nodes: Nodes<'_>, bend: Option<&Knee>) -> Vec<(f64, f64, f64)> {
     Arch::new().dispatch(List(point, nodes, bend))
 }
 
-struct List<'a>(&'a Point, Nodes<'a>, Option<&'a Bend>);
+struct List<'a>(&'a Patch, Nodes<'a>, Option<&'a Knee>);
 
 /// The nodes of all lines, one by one.
 struct Collect<'a> {
     rule: &'a Quadrature,
     slip: EllipseSlip<f64>,
-    bend: Option<&'a Bend>,
+    bend: Option<&'a Knee>,
     nodes: Vec<(f64, f64, f64)>,
 }
 
-impl<S: Simd> Visit<S> for Collect<'_> {
+impl<S: Simd> Visitor<S> for Collect<'_> {
     #[inline(always)]
-    fn visit(&mut self, simd: S, _ellipse: usize, lines: &Lines) {
+    fn visit(&mut self, simd: S, _ellipse: usize, lines: &Chords) {
         for (i, (xi, weight)) in lines.xi.into_iter().zip(lines.weight).enumerate() {
-            let chord = chord(xi);
-            let mut add = |s: f64, part: f64| self.nodes.push((xi, chord * s, weight * part));
+            let half_length = half_length(xi);
+            let mut add = |s: f64, part: f64| self.nodes.push((xi, half_length * s, weight * part));
             if lines.inside[i] {
-                let near = Near::of(&self.slip, xi);
-                for first in (0..Near::len(self.rule)).step_by(BLOCK) {
+                let near = NearPole::of(&self.slip, xi);
+                for first in (0..NearPole::len(self.rule)).step_by(BLOCK) {
                     let (places, parts) = near.nodes(simd, self.rule, first);
                     places.into_iter().zip(parts).for_each(|(s, part)| add(s, part));
                 }
             } else if let Some(bend) = self.bend {
                 let slip = self.slip.splat(simd);
-                let half = Half::of(bend, &slip, Lane::<S>::splat(simd, xi));
+                let half = HalfChord::of(bend, &slip, Lane::<S>::splat(simd, xi));
                 for k in 0..self.rule.half.len() {
-                    let Node { s, weight, .. } = half.node(self.rule.half.at(k));
+                    let HalfNode { s, weight, .. } = half.node(self.rule.half.at(k));
                     let (s, part) = (s.as_slice()[0], weight.as_slice()[0]);
                     add(s, part);
                     add(-s, part);
@@ -728,10 +729,10 @@ impl WithSimd for List<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self(point, nodes, bend) = self;
         if let (Some(bend), blocks @ 1..) = (bend, nodes.blocks(&point.slip())) {
-            return Rings::of(simd, bend, &point.slip(), nodes.rule).nodes(nodes.rule, blocks);
+            return PolarRule::of(simd, bend, &point.slip(), nodes.rule).nodes(nodes.rule, blocks);
         }
         let mut list = Collect { rule: nodes.rule, slip: point.slip(), bend, nodes: Vec::new() };
-        walk(simd, &[nodes], &[point.slip()], [false; MOST], &mut list);
+        each_chord(simd, &[nodes], &[point.slip()], [false; MOST], &mut list);
         list.nodes
     }
 }

@@ -13,8 +13,8 @@ use std::ops::Range;
 use bsm_simd::{BLOCK, Lane, Mask, NullaryFnOnce, Simd};
 
 use super::Quadrature;
-use super::kernel::{ALL, Dry, Inner, Line, Point, PointLaw, Sums, VALUES};
-use super::panels::{MOST_INNER, chord, clamp, line_at};
+use super::kernel::{ALL, Chord, Dry, Moments, Patch, PointLaw, Resultants, VALUES};
+use super::panels::{MOST_INNER, clamp, half_length, line_at};
 
 /// Most nodes of a panel.
 const MOST_NODES: usize = 16;
@@ -54,7 +54,7 @@ pub(crate) struct ManyNodes<S: Simd> {
     /// Numbers of nodes along neighbouring lines.
     inner: [[usize; BLOCK]; GROUPS],
     across: [(Lane<S>, Lane<S>); MOST_INNER + 2],
-    found: [(Inner<S, 2>, Lane<S>); BLOCK],
+    found: [(Moments<S, 2>, Lane<S>); BLOCK],
 }
 
 impl<S: Simd> ManyNodes<S> {
@@ -65,7 +65,7 @@ impl<S: Simd> ManyNodes<S> {
             second_only: [false; BLOCK],
             inner: [[0; BLOCK]; GROUPS],
             across: [(zero, zero); MOST_INNER + 2],
-            found: [(Inner::zero(simd), zero); BLOCK],
+            found: [(Moments::zero(simd), zero); BLOCK],
         }
     }
 
@@ -108,12 +108,12 @@ impl ManyQuadrature {
     pub(crate) fn place<S: Simd>(
         &self,
         simd: S,
-        point: &Point<Lane<S>>,
+        point: &Patch<Lane<S>>,
         nodes: &mut ManyNodes<S>,
         counted: bool,
     ) -> Mask<S> {
         // A call of its own: the code is long.
-        simd.vectorize(Place { rule: self, point, nodes, counted })
+        simd.vectorize(PlaceNodes { rule: self, point, nodes, counted })
     }
 
     /// Frictions at nodes that were placed with this; slopes only if `SLOPED`, to 1e-5 if `ROUGH`.
@@ -121,22 +121,22 @@ impl ManyQuadrature {
     pub(crate) fn sums<S: Simd, const SLOPED: bool, const ROUGH: bool>(
         &self,
         simd: S,
-        point: &Point<Lane<S>>,
+        point: &Patch<Lane<S>>,
         nodes: &mut ManyNodes<S>,
-    ) -> Sums<Lane<S>> {
+    ) -> Resultants<Lane<S>> {
         simd.vectorize(Call::<S, SLOPED, ROUGH> { simd, rule: self, point, nodes })
     }
 }
 
 /// What [`ManyQuadrature::place`] is asked for.
-struct Place<'a, S: Simd> {
+struct PlaceNodes<'a, S: Simd> {
     rule: &'a ManyQuadrature,
-    point: &'a Point<Lane<S>>,
+    point: &'a Patch<Lane<S>>,
     nodes: &'a mut ManyNodes<S>,
     counted: bool,
 }
 
-impl<S: Simd> NullaryFnOnce for Place<'_, S> {
+impl<S: Simd> NullaryFnOnce for PlaceNodes<'_, S> {
     type Output = Mask<S>;
 
     #[inline(always)]
@@ -202,12 +202,12 @@ impl<S: Simd> NullaryFnOnce for Place<'_, S> {
 struct Call<'a, S: Simd, const SLOPED: bool, const ROUGH: bool> {
     simd: S,
     rule: &'a ManyQuadrature,
-    point: &'a Point<Lane<S>>,
+    point: &'a Patch<Lane<S>>,
     nodes: &'a mut ManyNodes<S>,
 }
 
 impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce for Call<'_, S, SLOPED, ROUGH> {
-    type Output = Sums<Lane<S>>;
+    type Output = Resultants<Lane<S>>;
 
     #[inline(always)]
     fn call(self) -> Self::Output {
@@ -232,18 +232,18 @@ impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce for Call<'_, 
             }
             let lines = &lines[segment.panel][segment.lines.clone()];
             for ((inner, chord_here), (xi, _)) in found.iter_mut().zip(lines) {
-                *chord_here = chord(*xi);
+                *chord_here = half_length(*xi);
                 let (v_t, (b_0, b_1)) = (slip.along(*xi), slip.across_at(*xi, *chord_here));
                 let square = v_t * v_t + slip.creep * slip.creep;
-                let mut sums = Inner::zero(simd);
+                let mut sums = Moments::zero(simd);
                 for (s, weight) in &across[..most] {
                     let v_c = b_1.mul_add(*s, b_0);
                     Dry::add::<S, SLOPED, ROUGH>(&mut sums, square, v_c, (*s, *weight));
                 }
                 *inner = sums;
             }
-            for ((inner, chord), (xi, weight)) in found.iter().zip(lines) {
-                let line = Line::new(&slip, *xi, *weight, *chord);
+            for ((inner, half_length), (xi, weight)) in found.iter().zip(lines) {
+                let line = Chord::new(&slip, *xi, *weight, *half_length);
                 let [j, k, across, _] = Dry::kinds(*inner, line.square(&slip));
                 let terms = line.terms::<SLOPED>((point.semi_axes, &slip), [j, k, across]);
                 for i in 0..(if SLOPED { ALL } else { VALUES }) {
@@ -251,7 +251,7 @@ impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce for Call<'_, 
                 }
             }
         }
-        Sums::of(totals, point)
+        Resultants::of(totals, point)
     }
 }
 
@@ -283,7 +283,7 @@ mod tests {
                 let [a, b, pressed_radius, speed, w_t, w_n, w_c, creep] =
                     self.1.map(|x| Lane::<S>::load(simd, &x[at..]));
                 let (motion, ball_radius) = ([speed, w_t, w_n, w_c], creep.constant(1.0));
-                let point = Point { semi_axes: (a, b), pressed_radius, ball_radius, motion, creep };
+                let point = Patch { semi_axes: (a, b), pressed_radius, ball_radius, motion, creep };
                 let nodes = &mut ManyNodes::new(simd);
                 let resolved = self.0.place(simd, &point, nodes, false);
                 let sums = self.0.sums::<S, true, false>(simd, &point, nodes);
@@ -327,12 +327,12 @@ mod tests {
             for i in 0..BLOCK {
                 let [a, b, pressed_radius, speed, w_t, w_n, w_c, creep] = contacts.map(|x| x[i]);
                 let (semi_axes, motion) = ((a, b), [speed, w_t, w_n, w_c]);
-                let point = Point { semi_axes, pressed_radius, ball_radius: 1.0, motion, creep };
+                let point = Patch { semi_axes, pressed_radius, ball_radius: 1.0, motion, creep };
                 if found[FOUND - 1][i] < 0.5 {
                     continue;
                 }
                 let nodes = (&single).into();
-                let Sums { values, power, slopes, .. } =
+                let Resultants { values, power, slopes, .. } =
                     kernel::sums_on::<_, 2, true>(Arch::new(), &point, Dry, nodes);
                 let expected = values.into_iter().chain(slopes.into_iter().flatten());
                 for (number, expected) in expected.chain([power]).enumerate() {

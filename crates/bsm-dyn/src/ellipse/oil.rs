@@ -8,15 +8,14 @@
     reason = "code takes the instruction set of its caller only inline"
 )]
 
-use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
+use std::f64::consts::FRAC_2_PI;
 
 use bsm_simd::{BLOCK, Lane, Simd};
 
 use super::Quadrature;
-use super::kernel::{Gather, Inner, Line, PointLaw, add_powers};
-use super::panels::{EllipseSlip, MOST_RINGS, Nodes, Plan};
-use crate::MixedFriction;
-use crate::lubricant::PRESSURE_SLOPE;
+use super::kernel::{Accumulator, Chord, Moments, PointLaw, add_powers};
+use super::panels::{EllipseSlip, FrozenRule, MOST_RINGS, Nodes};
+use crate::contact::{Knee, MixedFriction, PRESSURE_SLOPE};
 
 /// Below this the inverse hyperbolic sine is its series, whose next term is of the size of rounding.
 const SMALL: f64 = 5e-3;
@@ -24,42 +23,9 @@ const SMALL: f64 = 5e-3;
 /// Numbers below this are no divisors.
 const TINY: f64 = 1e-300;
 
-/// Where a coefficient bends along a line: at the pressure at which the oil turns from thin to stiff.
-#[derive(Debug, Clone, Copy)]
-pub struct Bend {
-    /// Twice the shear of (Y11) for a slip of one.
-    shear: f64,
-    /// `$a_p$` over the largest pressure.
-    scale: f64,
-}
-
-impl Bend {
-    /// Of a coefficient that changes slowly with the pressure.
-    pub(crate) const SMOOTH: Self = Self { shear: 1.0, scale: 1.0 };
-
-    pub(crate) fn of(law: &MixedFriction) -> Self {
-        Self { shear: 2.0 * law.shear, scale: law.pressure_scale / law.max_pressure }
-    }
-
-    /// Where it is at a slip, and how far its poles are off, over a part of the largest pressure.
-    ///
-    /// * `square`: of the slip.
-    #[inline(always)]
-    fn place<S: Simd>(&self, square: Lane<S>, part: Lane<S>) -> (Lane<S>, Lane<S>) {
-        let one = square.constant(1.0);
-        // p* = a_p l/(1 − b_p l),  l = −ln[2 η s/(h τ_E)]                 (Y34)
-        let log = (square * (self.shear * self.shear)).max(one.constant(TINY)).ln() * -0.5;
-        let log = log.max(one.constant(0.0)).min(one.constant(40.0));
-        let room = (-(log * PRESSURE_SLOPE) + 1.0).recip();
-        let largest = part.max(one.constant(1e-4)).recip() * self.scale;
-        // Its poles are π/2 off in l: dp*/dl = a_p/(1 − b_p l)²
-        (log * room * largest, room * room * largest * FRAC_PI_2)
-    }
-}
-
 /// The nodes of rings of equal pressure over the whole ellipse: on each of them the coefficient changes with the
 /// slip alone.
-pub(super) struct Rings {
+pub(super) struct PolarRule {
     count: usize,
     /// Pressure over the largest, radius over the semi-axes, and part of the load.
     pressure: [f64; MOST_RINGS],
@@ -67,12 +33,12 @@ pub(super) struct Rings {
     weight: [f64; MOST_RINGS],
 }
 
-impl Rings {
+impl PolarRule {
     /// About the bend of an ellipse.
     #[inline(always)]
     pub(super) fn of<S: Simd>(
         simd: S,
-        bend: &Bend,
+        bend: &Knee,
         slip: &EllipseSlip<f64>,
         rule: &Quadrature,
     ) -> Self {
@@ -81,8 +47,8 @@ impl Rings {
         let (middle, b_0) = (q_0 + 0.2 * q_2, slip.across(0.0).0);
         let spread = 0.2 * (q_1 * q_1 + slip.turn * slip.turn);
         let square = middle * middle + b_0 * b_0 + spread + slip.creep * slip.creep;
-        let (at, depth) = bend.place(Lane::<S>::splat(simd, square), Lane::splat(simd, 1.0));
-        let width = (depth * 2.0).min(depth.constant(8.0));
+        let (at, surface_drop) = bend.place(Lane::<S>::splat(simd, square), Lane::splat(simd, 1.0));
+        let width = (surface_drop * 2.0).min(surface_drop.constant(8.0));
         let from = (-at / width).arsinh();
         let length = ((-at + 1.0) / width).arsinh() - from;
         let mut rings = Self {
@@ -133,7 +99,7 @@ pub(super) fn part_of_a_node(blocks: usize) -> f64 {
 }
 
 /// The nodes of one half of a few lines, in `$t = \sqrt{1 - |s|}$`, in which pressure is smooth at both ends.
-pub(super) struct Half<S: Simd> {
+pub(super) struct HalfChord<S: Simd> {
     at: Lane<S>,
     width: Lane<S>,
     from: Lane<S>,
@@ -141,7 +107,7 @@ pub(super) struct Half<S: Simd> {
 }
 
 /// A node of the half line with positive s; the other half has the same with -s.
-pub(super) struct Node<S: Simd> {
+pub(super) struct HalfNode<S: Simd> {
     /// Place along the line, and pressure over the largest of the line.
     pub(super) s: Lane<S>,
     pub(super) pressure: Lane<S>,
@@ -149,23 +115,24 @@ pub(super) struct Node<S: Simd> {
     pub(super) weight: Lane<S>,
 }
 
-impl<S: Simd> Half<S> {
+impl<S: Simd> HalfChord<S> {
     /// About the bend of lines at `xi`.
     #[inline(always)]
-    pub(super) fn of(bend: &Bend, slip: &EllipseSlip<Lane<S>>, xi: Lane<S>) -> Self {
-        let chord = super::panels::chord(xi);
-        let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across_at(xi, chord));
+    pub(super) fn of(bend: &Knee, slip: &EllipseSlip<Lane<S>>, xi: Lane<S>) -> Self {
+        let half_length = super::panels::half_length(xi);
+        let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across_at(xi, half_length));
         let square = v_t * v_t + b_0 * b_0 + b_1 * b_1 * 0.25 + slip.creep * slip.creep;
         let one = xi.constant(1.0);
-        let (at, depth) = bend.place(square, chord);
+        let (at, surface_drop) = bend.place(square, half_length);
         // ζ = t √(2 − t²): t* and the width there, √(depth)/2 at the middle of the line.
         let inside = at.min(one);
         let rest = (-(inside * inside) + 1.0).max(one.constant(0.0)).sqrt();
         let at_t = inside / (rest + 1.0).sqrt();
         let slope = rest * rest * 4.0 / (rest + 1.0);
         let beyond = (at - 1.0).max(one.constant(0.0)) * 0.5;
-        let width =
-            ((depth * depth / (slope + depth * 4.0) + beyond).sqrt() * 2.0).min(one.constant(8.0));
+        let width = ((surface_drop * surface_drop / (slope + surface_drop * 4.0) + beyond).sqrt()
+            * 2.0)
+            .min(one.constant(8.0));
         let from = (-at_t / width).arsinh();
         let length = ((-at_t + 1.0) / width).arsinh() - from;
         Self { at: at_t, width, from, length }
@@ -173,7 +140,7 @@ impl<S: Simd> Half<S> {
 
     /// The node of a place and a weight on [0, 1].
     #[inline(always)]
-    pub(super) fn node(&self, (place, part): (f64, f64)) -> Node<S> {
+    pub(super) fn node(&self, (place, part): (f64, f64)) -> HalfNode<S> {
         // As on rings, about t*.
         let grow = (self.length * place + self.from).exp();
         let fall = grow.recip();
@@ -185,59 +152,59 @@ impl<S: Simd> Half<S> {
         // (2/π) √(1 − s²) ds,  s = 1 − t²
         let weight =
             t * pressure * (half * (grow + fall)) * (self.length * (part * 2.0 * FRAC_2_PI));
-        Node { s: -square + 1.0, pressure, weight }
+        HalfNode { s: -square + 1.0, pressure, weight }
     }
 }
 
 /// What is the same at all points of a contact.
 #[derive(Clone, Copy)]
-pub(crate) struct Lubricated {
+pub(crate) struct OilLaw {
     mixed: MixedFriction,
-    bend: Bend,
+    bend: Knee,
     /// `$\xi\mu_b$`, `$(1 - \xi)\Lambda$`, and `$-d\xi/d\ln h$`.
     boundary: f64,
     film: f64,
     falling: f64,
 }
 
-impl Lubricated {
+impl OilLaw {
     pub(crate) fn of(law: &MixedFriction) -> Self {
         let MixedFriction { share, boundary, limit, .. } = *law;
         // ξ = e^{−1.4λ}: dξ/d ln h = ξ ln ξ
         let falling = if share > 0.0 { -share * share.ln() } else { 0.0 };
         let (boundary, film) = (share * boundary, (1.0 - share) * limit);
-        Self { mixed: *law, bend: Bend::of(law), boundary, film, falling }
+        Self { mixed: *law, bend: Knee::of(law), boundary, film, falling }
     }
 }
 
 /// A pressure, and what the coefficient at any slip needs of it.
 #[derive(Clone, Copy)]
-pub(crate) struct Pressed<S: Simd> {
+pub(crate) struct NodePressure<S: Simd> {
     /// `$\eta(p)/(h\tau_E)$`, and `$(\Lambda p/\tau_E)^4$`.
     shear: Lane<S>,
     fourth: Lane<S>,
 }
 
-impl PointLaw<4> for Lubricated {
+impl PointLaw<4> for OilLaw {
     const FILM: bool = true;
 
-    type Pressed<S: Simd> = Pressed<S>;
+    type NodePressure<S: Simd> = NodePressure<S>;
 
     #[inline(always)]
-    fn pressed<S: Simd>(&self, pressure: Lane<S>) -> Pressed<S> {
+    fn pressed<S: Simd>(&self, pressure: Lane<S>) -> NodePressure<S> {
         let law = &self.mixed;
         let p = pressure * law.max_pressure;
         let room = p.mul_add(p.constant(PRESSURE_SLOPE), p.constant(law.pressure_scale));
         let ratio = p * (law.limit / law.eyring_stress);
         let square = ratio * ratio;
-        Pressed { shear: (p / room).exp() * law.shear, fourth: square * square }
+        NodePressure { shear: (p / room).exp() * law.shear, fourth: square * square }
     }
 
     #[inline(always)]
     fn add<S: Simd, const SLOPED: bool>(
         &self,
-        Inner([j, k, across, film]): &mut Inner<S, 4>,
-        pressed: Pressed<S>,
+        Moments([j, k, across, film]): &mut Moments<S, 4>,
+        pressed: NodePressure<S>,
         square: Lane<S>,
         v_c: Lane<S>,
         (s, weight): (Lane<S>, Lane<S>),
@@ -284,13 +251,13 @@ impl PointLaw<4> for Lubricated {
         simd: S,
         (nodes, _): (Nodes<'_>, Option<usize>),
         slip: &EllipseSlip<Lane<S>>,
-        line: &Line<S>,
-    ) -> Inner<S, 4> {
-        let (mut sums, square) = (Inner::zero(simd), line.square(slip));
-        let (half, (b_0, b_1)) = (Half::of(&self.bend, slip, line.xi), line.across);
+        line: &Chord<S>,
+    ) -> Moments<S, 4> {
+        let (mut sums, square) = (Moments::zero(simd), line.square(slip));
+        let (half, (b_0, b_1)) = (HalfChord::of(&self.bend, slip, line.xi), line.across);
         for k in 0..nodes.rule.half.len() {
-            let Node { s, pressure, weight } = half.node(nodes.rule.half.at(k));
-            let pressed = self.pressed(pressure * line.chord);
+            let HalfNode { s, pressure, weight } = half.node(nodes.rule.half.at(k));
+            let pressed = self.pressed(pressure * line.half_length);
             let turned = b_1 * s;
             self.add::<S, SLOPED>(&mut sums, pressed, square, b_0 + turned, (s, weight));
             self.add::<S, SLOPED>(&mut sums, pressed, square, b_0 - turned, (-s, weight));
@@ -299,7 +266,7 @@ impl PointLaw<4> for Lubricated {
     }
 
     #[inline(always)]
-    fn kinds<S: Simd>(Inner(kinds): Inner<S, 4>, _square: Lane<S>) -> [[Lane<S>; 3]; 4] {
+    fn kinds<S: Simd>(Moments(kinds): Moments<S, 4>, _square: Lane<S>) -> [[Lane<S>; 3]; 4] {
         kinds
     }
 
@@ -307,7 +274,7 @@ impl PointLaw<4> for Lubricated {
     #[inline(always)]
     fn all_over<S: Simd, const SLOPED: bool>(
         simd: S,
-        gather: &mut Gather<'_, Self, 4, SLOPED>,
+        gather: &mut Accumulator<'_, Self, 4, SLOPED>,
         ellipse: usize,
     ) -> bool {
         let (law, nodes) = (gather.laws[ellipse], gather.nodes[ellipse]);
@@ -316,7 +283,7 @@ impl PointLaw<4> for Lubricated {
             return false;
         }
         let (rule, slip) = (nodes.rule, gather.slips[ellipse].splat(simd));
-        let rings = Rings::of(simd, &law.bend, &gather.slips[ellipse], rule);
+        let rings = PolarRule::of(simd, &law.bend, &gather.slips[ellipse], rule);
         let mut shear = [0.0; MOST_RINGS];
         let mut fourth = [0.0; MOST_RINGS];
         for i in (0..MOST_RINGS).step_by(S::F64_LANES) {
@@ -329,23 +296,23 @@ impl PointLaw<4> for Lubricated {
         for i in 0..rings.count {
             let radius = Lane::splat(simd, rings.radius[i]);
             let weight = Lane::splat(simd, rings.weight[i] * part);
-            let pressed = Pressed {
+            let pressed = NodePressure {
                 shear: Lane::splat(simd, shear[i]),
                 fourth: Lane::splat(simd, fourth[i]),
             };
             for first in (0..cos.len()).step_by(S::F64_LANES) {
                 let xi = radius * Lane::load(simd, &cos[first..]);
                 // A line with a node at each end.
-                let chord = radius * Lane::load(simd, &sin[first..]);
-                let line = Line::new(&slip, xi, one, chord);
+                let half_length = radius * Lane::load(simd, &sin[first..]);
+                let line = Chord::new(&slip, xi, one, half_length);
                 let ((b_0, b_1), square) = (line.across, line.square(&slip));
-                let mut inner = Inner::zero(simd);
+                let mut inner = Moments::zero(simd);
                 law.add::<S, SLOPED>(&mut inner, pressed, square, b_0 + b_1, (one, weight));
                 law.add::<S, SLOPED>(&mut inner, pressed, square, b_0 - b_1, (-one, weight));
                 gather.add_line(simd, ellipse, first % BLOCK, &slip, (&line, inner));
             }
         }
-        nodes.keep(Plan { blocks, ..Plan::default() });
+        nodes.keep(FrozenRule { blocks, ..FrozenRule::default() });
         true
     }
 }

@@ -24,7 +24,7 @@ pub(super) const MOST_INNER: usize = 24;
 pub(super) const FAR: f64 = 8.0;
 
 /// The same with an oil, whose nodes are not those of the slip.
-const MOST_OILED: usize = 6;
+const MOST_LUBRICATED: usize = 6;
 
 /// Rings of an oil, and blocks of angles on half a ring, beyond which lines are better.
 pub(super) const MOST_RINGS: usize = 2 * BLOCK;
@@ -159,10 +159,10 @@ impl Quadrature {
     /// many on lines whose spin pole is near.
     pub(crate) fn of_oil(accuracy: f64) -> Self {
         let nodes = Self::nodes(accuracy);
-        Self::oiled(nodes.saturating_mul(TWO), 3 * nodes.get() / 4, accuracy)
+        Self::lubricated(nodes.saturating_mul(TWO), 3 * nodes.get() / 4, accuracy)
     }
 
-    pub(super) fn oiled(nodes: NonZeroUsize, half: usize, accuracy: f64) -> Self {
+    pub(super) fn lubricated(nodes: NonZeroUsize, half: usize, accuracy: f64) -> Self {
         let rule = Self::with(nodes, accuracy, 0);
         let of = |nodes: usize| Gauss::of(NonZeroUsize::new(nodes).unwrap_or(NonZeroUsize::MIN));
         Self {
@@ -175,15 +175,15 @@ impl Quadrature {
             resolved: (1..=MOST_BLOCKS)
                 .map(|blocks| (-accuracy.ln() * part_of_a_node(blocks)).cosh())
                 .collect(),
-            inner: rule.inner[..=MOST_OILED].to_vec(),
-            reach: rule.reach[..=MOST_OILED].to_vec(),
+            inner: rule.inner[..=MOST_LUBRICATED].to_vec(),
+            reach: rule.reach[..=MOST_LUBRICATED].to_vec(),
         }
     }
 
     /// The rule that the error of [`Self::of_oil`] is told from: fewer nodes both ways.
     pub(crate) fn check_of_oil(accuracy: f64) -> Self {
         let nodes = Self::nodes(accuracy);
-        Self::oiled(nodes, (3 * nodes.get() / 4).saturating_sub(2).max(1), 10.0 * accuracy)
+        Self::lubricated(nodes, (3 * nodes.get() / 4).saturating_sub(2).max(1), 10.0 * accuracy)
     }
 
     /// How many blocks of angles on half a ring resolve a slip; none where its poles are so near that lines about
@@ -272,7 +272,7 @@ impl Quadrature {
 
     /// The nodes of neighbouring lines with these `$\sinh^2\eta$`.
     #[inline(always)]
-    fn along(&self, squares: &Block) -> PlannedLines {
+    fn along(&self, squares: &Block) -> FrozenChords {
         let mut least = *squares;
         let mut half = BLOCK / 2;
         while half > 0 {
@@ -302,7 +302,7 @@ pub struct EllipseSlip<F> {
     pub(super) along: [F; 3],
     /// Ball radius, and how far the surface falls off at the end of the ellipse.
     pub(super) radius: F,
-    pub(super) sag: F,
+    pub(super) sagitta: F,
     /// Angular velocity about the groove, and that of spin by the short semi-axis.
     roll: F,
     pub(super) turn: F,
@@ -311,7 +311,7 @@ pub struct EllipseSlip<F> {
 
 /// How far a pressed surface falls off at a distance across the groove.
 #[inline(always)]
-pub(crate) fn depth<F: Compare>(across: F, pressed_radius: F) -> F {
+pub(crate) fn surface_drop<F: Compare>(across: F, pressed_radius: F) -> F {
     across * across * 0.5 / pressed_radius
 }
 
@@ -323,7 +323,7 @@ pub(super) fn clamp<F: Compare>(x: F, low: f64, high: f64) -> F {
 
 /// Half the length of the line at a place on the long axis, over the short semi-axis.
 #[inline(always)]
-pub(super) fn chord<F: Compare>(xi: F) -> F {
+pub(super) fn half_length<F: Compare>(xi: F) -> F {
     ((-xi + 1.0) * (xi + 1.0)).larger(xi.constant(0.0)).sqrt()
 }
 
@@ -364,10 +364,10 @@ impl<F: Compare> EllipseSlip<F> {
         creep: F,
     ) -> Self {
         let (a, b) = semi_axes;
-        let sag = depth(a, pressed_radius);
+        let sagitta = surface_drop(a, pressed_radius);
         // q₀ = A + ω_c r_b,  q₁ = ω_N a,  q₂ = −ω_c a²/(2 R_c)           (T12)
-        let along = [speed + across * radius, spin * a, -(across * sag)];
-        Self { along, radius, sag, roll, turn: spin * b, creep }
+        let along = [speed + across * radius, spin * a, -(across * sagitta)];
+        Self { along, radius, sagitta, roll, turn: spin * b, creep }
     }
 
     /// Slip along the groove.
@@ -380,20 +380,20 @@ impl<F: Compare> EllipseSlip<F> {
     /// Slip across it, `$-(b_0 + b_1 s)$`.
     #[inline(always)]
     pub(super) fn across(&self, xi: F) -> (F, F) {
-        self.across_at(xi, chord(xi))
+        self.across_at(xi, half_length(xi))
     }
 
-    /// The same of a line with this [`chord`].
+    /// The same of a line with this [`half_length`].
     #[inline(always)]
-    pub(super) fn across_at(&self, xi: F, chord: F) -> (F, F) {
+    pub(super) fn across_at(&self, xi: F, half_length: F) -> (F, F) {
         // b₀ = ω_t h,  b₁ = ω_N Y                                        (T13)
-        (self.roll * self.height(xi), self.turn * chord)
+        (self.roll * self.height(xi), self.turn * half_length)
     }
 
     /// Height over the ball centre.
     #[inline(always)]
     pub(super) fn height(&self, xi: F) -> F {
-        self.radius - self.sag * (xi * xi)
+        self.radius - self.sagitta * (xi * xi)
     }
 
     /// `$\sinh^2\eta$` of the ellipse of analyticity of the line at `xi`.
@@ -454,29 +454,29 @@ impl<F: Compare> EllipseSlip<F> {
 /// Numbers of nodes that stay as they are while the slip changes: sums without steps, near where they were
 /// taken.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Plan {
+pub(crate) struct FrozenRule {
     /// Of an oil: blocks of angles on half a ring; none where lines are taken.
     pub(super) blocks: usize,
     /// Which of the two panels are split.
     pub(super) split: [bool; 2],
-    pub(super) lines: Vec<PlannedLines>,
+    pub(super) lines: Vec<FrozenChords>,
 }
 
 /// How many nodes each of a few neighbouring lines has, for places and weights, none where the spin poles of
 /// all are inside; and of each whether it is.
-type PlannedLines = (Option<usize>, [bool; BLOCK]);
+type FrozenChords = (Option<usize>, [bool; BLOCK]);
 
 /// The nodes of a quadrature over an ellipse: by the slip, or as in a plan, which the first walk fills.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Nodes<'a> {
     pub(crate) rule: &'a Quadrature,
-    pub(crate) plan: Option<&'a OnceCell<Plan>>,
+    pub(crate) plan: Option<&'a OnceCell<FrozenRule>>,
     /// Sums are wanted to 1e-5 only.
     pub(crate) rough: bool,
 }
 
 impl<'a> Nodes<'a> {
-    fn planned(&self) -> Option<&'a Plan> {
+    fn frozen(&self) -> Option<&'a FrozenRule> {
         self.plan?.get()
     }
 
@@ -486,7 +486,7 @@ impl<'a> Nodes<'a> {
     }
 
     /// Fills the plan if it is new.
-    pub(super) fn keep(&self, made: Plan) {
+    pub(super) fn keep(&self, made: FrozenRule) {
         if let Some(plan) = self.plan {
             plan.get_or_init(|| made);
         }
@@ -494,7 +494,7 @@ impl<'a> Nodes<'a> {
 
     /// Blocks of angles on half a ring; none where lines are taken.
     pub(super) fn blocks(&self, slip: &EllipseSlip<f64>) -> usize {
-        self.planned().map_or_else(|| self.rule.blocks(slip), |plan| plan.blocks)
+        self.frozen().map_or_else(|| self.rule.blocks(slip), |plan| plan.blocks)
     }
 }
 
@@ -506,12 +506,12 @@ impl<'a> From<&'a Quadrature> for Nodes<'a> {
 
 /// A few neighbouring lines across the ellipse.
 #[derive(Clone, Copy)]
-pub(super) struct Lines {
+pub(super) struct Chords {
     /// Places over the long semi-axis, and their parts of the load.
     pub(super) xi: Block,
     pub(super) weight: Block,
     /// Half their lengths over the short semi-axis.
-    pub(super) chord: Block,
+    pub(super) half_length: Block,
     /// How many inner nodes, for places and weights; none where all poles are inside.
     pub(super) inner: Option<usize>,
     /// Of each line, whether the spin pole is inside the ellipse.
@@ -536,11 +536,11 @@ pub(super) struct Panels<'a> {
     split: [bool; 2],
 }
 
-impl Lines {
+impl Chords {
     const NONE: Self = Self {
         xi: [0.0; BLOCK],
         weight: [0.0; BLOCK],
-        chord: [0.0; BLOCK],
+        half_length: [0.0; BLOCK],
         inner: None,
         inside: [false; BLOCK],
         any_inside: false,
@@ -553,7 +553,7 @@ impl Lines {
     fn place<S: Simd>(
         &mut self,
         simd: S,
-        (rule, planned): (&Quadrature, Option<&PlannedLines>),
+        (rule, frozen): (&Quadrature, Option<&FrozenChords>),
         slip: &EllipseSlip<Lane<S>>,
         (places, parts): (&Block, &Block),
         of_panel: impl Fn(usize) -> [Lane<S>; 4],
@@ -566,13 +566,13 @@ impl Lines {
             let (x, part) = line(&Pole { at, width }, from + length * place, length * part);
             x.store(&mut self.xi[i..]);
             part.store(&mut self.weight[i..]);
-            chord(x).store(&mut self.chord[i..]);
-            if planned.is_none() {
+            half_length(x).store(&mut self.half_length[i..]);
+            if frozen.is_none() {
                 slip.analyticity(x).store(&mut square[i..]);
             }
         }
-        (self.inner, self.inside) = match planned {
-            Some(planned) => *planned,
+        (self.inner, self.inside) = match frozen {
+            Some(frozen) => *frozen,
             None => rule.along(&square),
         };
         self.any_inside = self.inside != [false; BLOCK];
@@ -580,9 +580,9 @@ impl Lines {
 }
 
 /// What is done with the lines of a few ellipses.
-pub(super) trait Visit<S: Simd> {
+pub(super) trait Visitor<S: Simd> {
     /// A few lines of an ellipse.
-    fn visit(&mut self, simd: S, ellipse: usize, lines: &Lines);
+    fn visit(&mut self, simd: S, ellipse: usize, lines: &Chords);
 }
 
 impl<'a> Panels<'a> {
@@ -646,7 +646,7 @@ impl<'a> Panels<'a> {
     /// Around two poles with these `$\sinh^2\eta$`, split where they are inside.
     #[inline(always)]
     fn between(nodes: Nodes<'a>, poles: [Pole<f64>; 2], square: [f64; 2]) -> Self {
-        let (rule, plan) = (nodes.rule, nodes.planned());
+        let (rule, plan) = (nodes.rule, nodes.frozen());
         let mut all = Self::none(rule);
         let middle = clamp(0.5 * (poles[0].at + poles[1].at), -1.0, 1.0);
         for (i, (low, high)) in [(-1.0, middle), (middle, 1.0)].into_iter().enumerate() {
@@ -699,14 +699,14 @@ impl<'a> Panels<'a> {
         at: &mut At,
         of: Nodes<'_>,
         slip: &EllipseSlip<Lane<S>>,
-        lines: &mut Lines,
+        lines: &mut Chords,
     ) {
-        let planned = of.planned().and_then(|plan| plan.lines.get(at.number));
+        let frozen = of.frozen().and_then(|plan| plan.lines.get(at.number));
         at.number += 1;
         let Panel { pole, ends: [begin, end], nodes } = self.parts[at.panel];
         if let Some((places, parts)) = nodes.block(at.node) {
             let of_panel = [begin, end - begin, pole.at, pole.width].map(|x| Lane::splat(simd, x));
-            lines.place(simd, (of.rule, planned), slip, (places, parts), |_| of_panel);
+            lines.place(simd, (of.rule, frozen), slip, (places, parts), |_| of_panel);
             at.node += BLOCK;
             if at.node == nodes.len() {
                 (at.panel, at.node) = (at.panel + 1, 0);
@@ -715,7 +715,7 @@ impl<'a> Panels<'a> {
             let mut block = LineNodes::default();
             (at.panel, at.node) = self.gather(at.panel, at.node, &mut block);
             let LineNodes { places, parts, of_panel } = &block;
-            lines.place(simd, (of.rule, planned), slip, (places, parts), |i| {
+            lines.place(simd, (of.rule, frozen), slip, (places, parts), |i| {
                 of_panel.each_ref().map(|block| Lane::load(simd, &block[i..]))
             });
         }
@@ -739,17 +739,18 @@ pub(crate) const MOST: usize = 2;
 
 /// Goes through the lines across a few ellipses, but for those that are done with.
 #[inline(always)]
-pub(super) fn walk<S: Simd>(
+pub(super) fn each_chord<S: Simd>(
     simd: S,
     nodes: &[Nodes<'_>],
     slips: &[EllipseSlip<f64>],
     done: [bool; MOST],
-    visitor: &mut impl Visit<S>,
+    visitor: &mut impl Visitor<S>,
 ) {
     let (all, count) = (Panels::of(simd, nodes, slips, done), slips.len());
     let mut at = [At::default(); MOST];
-    let mut plans: [_; MOST] = from_fn(|c| Plan { split: all[c].split, ..Plan::default() });
-    let mut lines = [[Lines::NONE; AHEAD]; MOST];
+    let mut plans: [_; MOST] =
+        from_fn(|c| FrozenRule { split: all[c].split, ..FrozenRule::default() });
+    let mut lines = [[Chords::NONE; AHEAD]; MOST];
     loop {
         let mut found = [0; MOST];
         for c in 0..count {
@@ -815,13 +816,13 @@ struct LineNodes {
 impl<F: Copy> EllipseSlip<F> {
     #[inline(always)]
     fn numbers(&self) -> [F; 8] {
-        let Self { along: [q_0, q_1, q_2], radius, sag, roll, turn, creep } = *self;
-        [q_0, q_1, q_2, radius, sag, roll, turn, creep]
+        let Self { along: [q_0, q_1, q_2], radius, sagitta, roll, turn, creep } = *self;
+        [q_0, q_1, q_2, radius, sagitta, roll, turn, creep]
     }
 
     #[inline(always)]
-    fn of([q_0, q_1, q_2, radius, sag, roll, turn, creep]: [F; 8]) -> Self {
-        Self { along: [q_0, q_1, q_2], radius, sag, roll, turn, creep }
+    fn of([q_0, q_1, q_2, radius, sagitta, roll, turn, creep]: [F; 8]) -> Self {
+        Self { along: [q_0, q_1, q_2], radius, sagitta, roll, turn, creep }
     }
 }
 
@@ -912,3 +913,17 @@ pub fn power_of_many<S: Simd, const N: usize>(
 
 /// Most contacts side by side.
 const MANY: usize = 4 * BLOCK;
+
+/// Speed over `$r_b W$` of the ends of the longer ellipse when the ball turns against a race at `$W$`; 1 for
+/// ellipses shorter than the ball (T9).
+///
+/// * `semi_axes`, `pressed_radius`: across the grooves of nut and screw, over the ball radius.
+#[inline(always)]
+pub fn slip_scale<F: Compare>(semi_axes: [F; 2], pressed_radius: [F; 2]) -> F {
+    // max(1, a²/2R_c)                                                     (T9)
+    let mut scale = semi_axes[0].constant(1.0);
+    for i in 0..2 {
+        scale = scale.larger(surface_drop(semi_axes[i], pressed_radius[i]));
+    }
+    scale
+}

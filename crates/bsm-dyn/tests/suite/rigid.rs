@@ -154,8 +154,8 @@ fn numbers_beyond_double_precision_are_refused() {
         let drive = Drive { screw_speed: speed, nut_speed: 0.0 };
         let case = OperatingPoint { drive, load: Load { axial, balls: 1.0 }, ..lin() };
         let (status, why) = reason(&case);
-        let refused = matches!(why, Reason::InertiaOutOfRange { .. } | Reason::Newton { .. });
-        assert!(status != Status::Converged && refused, "{speed} {axial} {why:?}");
+        let domain_error = matches!(why, Reason::InertiaOutOfRange { .. } | Reason::Newton { .. });
+        assert!(status != Status::Converged && domain_error, "{speed} {axial} {why:?}");
     }
 }
 

@@ -4,7 +4,7 @@ use bsm_dyn::{Control, RacewayControl, StaticBalance, rolling, spread_of_control
 use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::operand::{Lane, Mask};
-use crate::pair::{Pair, Side};
+use crate::pair::{Balls, LaneContact};
 
 /// Largest centrifugal force over the axial load. Beyond it the contact angles are far apart, and
 /// the model itself may fail.
@@ -15,10 +15,10 @@ const CENTRIFUGAL: f64 = 0.5;
 const TIE: f64 = 1e-9;
 
 /// A lane of gripping balls.
-pub(crate) struct Grip<S: Simd> {
+pub(crate) struct Roll<S: Simd> {
     /// Where the nut controls.
     pub(crate) by_nut: Mask<S>,
-    pub(crate) sides: [Side<S>; 2],
+    pub(crate) sides: [LaneContact<S>; 2],
     /// `$\sin(\beta_B - \beta_A)$`.
     pub(crate) twist: Lane<S>,
     pub(crate) steps: Lane<S>,
@@ -30,15 +30,15 @@ pub(crate) struct Grip<S: Simd> {
 /// The gripping balls of a lane, with the race that controls or by the decision: a call of its own, as two kernels
 /// share it.
 pub(crate) struct Balanced<'a, S: Simd> {
-    pub(crate) pair: &'a Pair<S>,
+    pub(crate) pair: &'a Balls<S>,
     pub(crate) control: Option<Control>,
 }
 
 impl<S: Simd> NullaryFnOnce for Balanced<'_, S> {
-    type Output = Grip<S>;
+    type Output = Roll<S>;
 
     #[inline(always)]
-    fn call(self) -> Grip<S> {
+    fn call(self) -> Roll<S> {
         let Self { pair, control } = self;
         let zero = pair.constant(0.0);
         let by_nut = match control {
@@ -70,13 +70,13 @@ impl<S: Simd> NullaryFnOnce for Balanced<'_, S> {
         let closed = residual.lt(zero.constant(StaticBalance::<Lane<S>>::CLOSED));
         let found = found & on_flanks & moderate & closed;
         let twist = b.sin * a.cos - b.cos * a.sin;
-        Grip { by_nut: balance.by_nut, sides, twist, steps: at.steps, residual, found }
+        Roll { by_nut: balance.by_nut, sides, twist, steps: at.steps, residual, found }
     }
 }
 
 /// By how much the cotangents differ between the balls of both races, to first order.
 #[inline(always)]
-fn apart<S: Simd>(pair: &Pair<S>, [a, b]: &[Side<S>; 2]) -> Lane<S> {
+fn apart<S: Simd>(pair: &Balls<S>, [a, b]: &[LaneContact<S>; 2]) -> Lane<S> {
     let (zero, lead) = (pair.constant(0.0), (pair.sin_a, pair.cos_a));
     let angles = [(a.sin, a.cos), (b.sin, b.cos)];
     let (nut, _) = rolling(zero.le(zero), lead, pair.arc, angles);

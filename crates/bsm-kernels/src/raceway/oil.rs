@@ -5,20 +5,20 @@ use std::f64::consts::PI;
 use bsm_case::units::{GPA, MILLI, MM, UM};
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::{
-    Circling, Hertz, Losses, Lubricant, Oil, OutsidePower, RacewayControl, Roughness, ScaledFilm,
-    Temperature, Wetted, WettedUnits, ZERO_CELSIUS, catalogue_friction, film_heating,
+    BallOrbit, EhlPoint, EhlUnits, Hertz, Losses, Lubricant, Oil, OutsidePower, RacewayControl,
+    Roughness, ScaledFilm, Temperature, ZERO_CELSIUS, catalogue_friction, film_heating,
 };
 use bsm_simd::Simd;
 
 use super::friction::Ellipse;
-use super::{Grip, Motion};
-use crate::Out;
-use crate::operand::{Given, Lane, Mask};
-use crate::pair::Pair;
+use super::{Motion, Roll};
+use crate::Sink;
+use crate::operand::{Lane, LaneInputs, Mask};
+use crate::pair::Balls;
 use crate::units::{Units, modulus};
 
 /// What a contact loses, over axial load per ball, ball radius and relative speed.
-struct Rub<S: Simd> {
+struct EhlLoss<S: Simd> {
     film: ScaledFilm<Lane<S>>,
     /// `$a$` and `$b$`.
     semi_axes: (Lane<S>, Lane<S>),
@@ -30,11 +30,11 @@ struct Rub<S: Simd> {
 }
 
 /// Lubricated rolling balls.
-pub(super) struct Oiled<S: Simd> {
+pub(super) struct OilLane<S: Simd> {
     lubricant: Lubricant<Lane<S>>,
-    wetted: Wetted<Lane<S>>,
+    ehl: EhlPoint<Lane<S>>,
     /// At nut and screw.
-    rubs: [Rub<S>; 2],
+    losses: [EhlLoss<S>; 2],
     /// Outside the contacts, of all balls \[W\].
     pub(super) outside: OutsidePower<Lane<S>>,
 }
@@ -76,15 +76,15 @@ fn lubricant<S: Simd>(one: &Lubricant, kelvin: Lane<S>) -> Lubricant<Lane<S>> {
     }
 }
 
-impl<S: Simd> Oiled<S> {
+impl<S: Simd> OilLane<S> {
     /// `None` with a friction coefficient.
     ///
     /// * `ellipses`: with the power over `$Q$` of a friction coefficient of one.
     #[inline(always)]
     pub(super) fn of(
-        given: &Given<'_, S>,
-        (units, pair): (&Units<S>, &Pair<S>),
-        (grip, motion): (&Grip<S>, &Motion<S>),
+        given: &LaneInputs<'_, S>,
+        (units, pair): (&Units<S>, &Balls<S>),
+        (grip, motion): (&Roll<S>, &Motion<S>),
         ellipses: [(Ellipse<S>, Lane<S>); 2],
     ) -> Option<Self> {
         let one = given.operands.lubricant.as_ref()?;
@@ -100,18 +100,18 @@ impl<S: Simd> Oiled<S> {
             Hertz { semi_axis: pressed[1].hertz.semi_axis * growth, ..pressed[1].hertz },
         ];
         let modulus = modulus(given, units) * units.load / (ball * ball);
-        let scale = WettedUnits { load: units.load, speed: ball * speed, length: ball };
-        let wetted = Wetted::of(&lubricant, kelvin, (&curvatures, &hertz), modulus, scale);
+        let scale = EhlUnits { load: units.load, speed: ball * speed, length: ball };
+        let ehl = EhlPoint::of(&lubricant, kelvin, (&curvatures, &hertz), modulus, scale);
         let [nut, screw] = &grip.sides;
         // k·(t × N)
         let [k_nut, k_screw] = [nut.cos * pair.cos_a, -(screw.cos * pair.cos_a)];
-        let rubs = [
-            Rub::of(&wetted, 0, (k_nut, pair), &ellipses[0]),
-            Rub::of(&wetted, 1, (k_screw, pair), &ellipses[1]),
+        let losses = [
+            EhlLoss::of(&ehl, 0, (k_nut, pair), &ellipses[0]),
+            EhlLoss::of(&ehl, 1, (k_screw, pair), &ellipses[1]),
         ];
         let across = motion.omega[1] - motion.p * pair.cos_a;
         let rubbing = (motion.omega[0] * motion.omega[0] + across * across).sqrt();
-        let circling = Circling {
+        let circling = BallOrbit {
             rubbing: rubbing * speed,
             rate: motion.p.abs() * speed,
             relative_speed: speed,
@@ -122,19 +122,19 @@ impl<S: Simd> Oiled<S> {
             balls: given.get(InputKey::loaded_balls),
         };
         let outside = lubricant.losses.power(&circling, lubricant.oil.density);
-        Some(Self { lubricant, wetted, rubs, outside })
+        Some(Self { lubricant, ehl, losses, outside })
     }
 
     /// The larger coefficient of nut and screw if the oil bore all that it can.
     #[inline(always)]
     pub(super) fn friction_scale(&self) -> Lane<S> {
-        self.rubs[0].film.law.most().max(self.rubs[1].film.law.most())
+        self.losses[0].film.law.most().max(self.losses[1].film.law.most())
     }
 
     /// Power of sliding at nut and screw.
     #[inline(always)]
     fn sliding(&self) -> [Lane<S>; 2] {
-        let [nut, screw] = &self.rubs;
+        let [nut, screw] = &self.losses;
         [nut.friction * nut.unit, screw.friction * screw.unit]
     }
 
@@ -142,14 +142,14 @@ impl<S: Simd> Oiled<S> {
     #[inline(always)]
     pub(super) fn loss(&self) -> Lane<S> {
         let [nut, screw] = self.sliding();
-        nut + self.rubs[0].rolling + screw + self.rubs[1].rolling
+        nut + self.losses[0].rolling + screw + self.losses[1].rolling
     }
 
     #[inline(always)]
     pub(super) fn outputs(
         &self,
-        out: &mut Out<'_, '_>,
-        (units, pair): (&Units<S>, &Pair<S>),
+        out: &mut Sink<'_, '_>,
+        (units, pair): (&Units<S>, &Balls<S>),
         (back, efficiency): (Mask<S>, Lane<S>),
     ) {
         const KEYS: [[OutputKey; 6]; 2] = [
@@ -170,21 +170,22 @@ impl<S: Simd> Oiled<S> {
                 OutputKey::screw_entrainment_m_s,
             ],
         ];
-        let oil = &self.wetted.oil;
+        let oil = &self.ehl.oil;
         out.set(OutputKey::lubricant_temperature_C, oil.temperature - ZERO_CELSIUS);
         out.set(OutputKey::viscosity_mPas, oil.viscosity / MILLI);
         out.set(OutputKey::pressure_viscosity_1_GPa, oil.pressure_viscosity * GPA);
         let speed = units.ball * units.speed.abs();
-        for (rub, [film, ratio, share, friction, moment, entrainment]) in self.rubs.iter().zip(KEYS)
+        for (loss, [film, ratio, share, friction, moment, entrainment]) in
+            self.losses.iter().zip(KEYS)
         {
-            out.set(film, rub.film.thickness / UM);
-            out.set(ratio, rub.film.ratio);
-            out.set(share, rub.film.law.share);
-            out.set(friction, rub.friction);
-            out.set(moment, rub.film.couple * units.load * units.ball / MM);
-            out.set(entrainment, rub.film.entrainment * speed);
+            out.set(film, loss.film.thickness / UM);
+            out.set(ratio, loss.film.ratio);
+            out.set(share, loss.film.law.share);
+            out.set(friction, loss.friction);
+            out.set(moment, loss.film.couple * units.load * units.ball / MM);
+            out.set(entrainment, loss.film.entrainment * speed);
         }
-        let [nut, screw] = &self.rubs;
+        let [nut, screw] = &self.losses;
         let (sliding, rolling) = (self.sliding(), nut.rolling + screw.rolling);
         // Scaled powers in watts, of all balls.
         let unit = speed * units.axial;
@@ -199,12 +200,12 @@ impl<S: Simd> Oiled<S> {
             let of_a_ball = speed * units.load;
             let conductivity = self.lubricant.oil.base.conductivity();
             let mut heating = speed.constant(0.0);
-            for (rub, sliding) in self.rubs.iter().zip(sliding) {
-                let (a, b) = (rub.semi_axes.0 * units.ball, rub.semi_axes.1 * units.ball);
+            for (loss, sliding) in self.losses.iter().zip(sliding) {
+                let (a, b) = (loss.semi_axes.0 * units.ball, loss.semi_axes.1 * units.ball);
                 // q = P_s/(π a b)                                         (Y29)
                 let heat = sliding * of_a_ball / (a * b * PI);
-                let at = (b, rub.film.entrainment * speed);
-                heating = heating.max(film_heating(heat, rub.film.thickness, at, conductivity));
+                let at = (b, loss.film.entrainment * speed);
+                heating = heating.max(film_heating(heat, loss.film.thickness, at, conductivity));
             }
             out.set(OutputKey::film_heating_K, heating);
         }
@@ -216,22 +217,22 @@ impl<S: Simd> Oiled<S> {
     }
 }
 
-impl<S: Simd> Rub<S> {
+impl<S: Simd> EhlLoss<S> {
     /// Of nut (0) or screw (1).
     ///
     /// * `k_c`: `$k \cdot (t \times N)$`. * `slip`: `$\int|v|\,dQ/Q$` over `$W$`, the power over `$Q$` of a friction
     ///   coefficient of one.
     #[inline(always)]
     fn of(
-        wetted: &Wetted<Lane<S>>,
+        ehl: &EhlPoint<Lane<S>>,
         i: usize,
-        (k_c, pair): (Lane<S>, &Pair<S>),
+        (k_c, pair): (Lane<S>, &Balls<S>),
         (ellipse, slip): &(Ellipse<S>, Lane<S>),
     ) -> Self {
         let creep = RacewayControl::CREEP;
         let [_, _, around] = ellipse.omega;
         let rate = ellipse.speed / pair.arc;
-        let film = wetted.of_motion(i, ellipse.load, [rate, ellipse.speed, around], k_c, creep);
+        let film = ehl.of_motion(i, ellipse.load, [rate, ellipse.speed, around], k_c, creep);
         Self {
             semi_axes: ellipse.semi_axes,
             unit: ellipse.load * *slip,

@@ -1,6 +1,6 @@
 //! Roots of one variable in closed form, with pinned counts, and functions that are no help.
 
-use bsm_newton::{Bracket, Found, Root};
+use bsm_newton::{Bracket, Root, RootResult};
 
 /// The root of `f` between `ends`, which are evaluated first, to the last double.
 fn root(f: impl Fn(f64) -> f64, ends: [f64; 2]) -> Root {
@@ -50,12 +50,12 @@ fn an_end_that_is_the_root_takes_no_evaluation() {
 #[test]
 fn what_is_no_bracket_is_told() {
     let same = Bracket::new([0.0, 1.0], [2.0, 1.0]).root(|x| x);
-    assert_eq!(same, Found::NoSignChange { values: [2.0, 1.0] });
+    assert_eq!(same, RootResult::NoSignChange { values: [2.0, 1.0] });
     let inside = Bracket::new([0.0, 1.0], [-1.0, 1.0]).root(|_| f64::NAN);
-    assert!(matches!(inside, Found::NotFinite { x, value } if x > 0.0 && value.is_nan()));
+    assert!(matches!(inside, RootResult::NotFinite { x, value } if x > 0.0 && value.is_nan()));
     for ends in [[f64::NAN, 1.0], [0.0, f64::INFINITY]] {
         let bad = Bracket::new(ends, [-1.0, 1.0]).root(|x| x);
-        assert!(matches!(bad, Found::NotFinite { .. }), "{bad:?}");
+        assert!(matches!(bad, RootResult::NotFinite { .. }), "{bad:?}");
     }
 }
 

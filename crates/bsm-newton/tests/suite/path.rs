@@ -1,11 +1,11 @@
 //! Curves in closed form: crossings, folds, double roots, poles and ends, with pinned counts.
 
-use bsm_newton::{End, EvalError, Family, Seed, Status, Stride, Trace, trace};
+use bsm_newton::{EvalError, Exit, Homotopy, Seed, Status, StepControl, Trace, trace};
 
 /// A curve in the plane given by one function with its gradient.
 struct Curve<F>(F);
 
-impl<F: Fn(f64, f64) -> Result<(f64, [f64; 2]), EvalError>> Family<1, 2> for Curve<F> {
+impl<F: Fn(f64, f64) -> Result<(f64, [f64; 2]), EvalError>> Homotopy<1, 2> for Curve<F> {
     fn residual(&self, &[x, y]: &[f64; 2]) -> Result<[f64; 1], EvalError> {
         Ok([self.0(x, y)?.0])
     }
@@ -29,7 +29,7 @@ fn follow(
     (z, towards): ([f64; 2], [f64; 2]),
     height: f64,
     on: impl Fn(&Trace<2>) -> bool,
-    stride: &Stride,
+    stride: &StepControl,
 ) -> Trace<2> {
     let event = |z: &[f64; 2], way: &[f64; 2]| [(z[1] - height, way[1])];
     trace(&Curve(curve), &Seed { z, towards }, event, on, stride)
@@ -40,8 +40,8 @@ fn follow(
 fn a_closed_curve_is_gone_round_once() {
     for (towards, first, points) in [([0.0, 1.0], 0.8, 19), ([0.0, -1.0], -0.8, 21)] {
         let seed = ([1.0, 0.0], towards);
-        let seen = follow(circle, seed, 0.6, |_| true, &Stride::default());
-        assert_eq!(seen.end, End::Closed, "{seen:?}");
+        let seen = follow(circle, seed, 0.6, |_| true, &StepControl::default());
+        assert_eq!(seen.end, Exit::Closed, "{seen:?}");
         let places: Vec<_> = seen.crossings.iter().map(|c| (c.z[0], c.rises)).collect();
         assert_eq!(places.len(), 2, "{seen:?}");
         for ((x, rises), expected) in places.into_iter().zip([first, -first]) {
@@ -61,8 +61,9 @@ fn a_path_goes_through_a_fold() {
     let fold = |x: f64, y: f64| Ok((x - y * y, [1.0, -2.0 * y]));
     let event = |z: &[f64; 2], way: &[f64; 2]| [(z[0] - 1.0, way[0])];
     let seed = Seed { z: [4.0, 2.0], towards: [-1.0, 0.0] };
-    let seen = trace(&Curve(fold), &seed, event, |seen| seen.last[1] > -2.0, &Stride::default());
-    assert_eq!(seen.end, End::Stopped, "{seen:?}");
+    let seen =
+        trace(&Curve(fold), &seed, event, |seen| seen.last[1] > -2.0, &StepControl::default());
+    assert_eq!(seen.end, Exit::Ended, "{seen:?}");
     let places: Vec<f64> = seen.crossings.iter().map(|c| c.z[1]).collect();
     assert_eq!(places.len(), 2, "{seen:?}");
     assert!((places[0] - 1.0).abs() < 1e-9 && (places[1] + 1.0).abs() < 1e-9, "{places:?}");
@@ -76,8 +77,8 @@ fn a_close_pair_is_found_or_counted() {
     for (height, crossings, resolved, points) in
         [(1.0 - 1e-4, 2, true, 37), (1.0, 0, false, 42), (1.0 + 1e-2, 0, true, 19)]
     {
-        let seen = follow(circle, seed, height, |_| true, &Stride::default());
-        assert_eq!(seen.end, End::Closed, "{height}: {seen:?}");
+        let seen = follow(circle, seed, height, |_| true, &StepControl::default());
+        assert_eq!(seen.end, Exit::Closed, "{height}: {seen:?}");
         assert_eq!(seen.crossings.len(), crossings, "{height}: {seen:?}");
         assert_eq!(seen.resolution.unresolved == 0, resolved, "{height}: {seen:?}");
         assert_eq!(seen.resolution.points, points, "{height}: {seen:?}");
@@ -89,14 +90,14 @@ fn a_close_pair_is_found_or_counted() {
 fn a_pole_leads_out_of_the_domain() {
     let pole = |x: f64, y: f64| Ok((y * (1.0 - x) - 1.0, [-y, 1.0 - x]));
     let seed = ([0.0, 1.0], [1.0, 0.0]);
-    let seen = follow(pole, seed, 1e3, |seen| seen.last[1] < 1e6, &Stride::default());
-    assert_eq!(seen.end, End::Stopped, "{seen:?}");
+    let seen = follow(pole, seed, 1e3, |seen| seen.last[1] < 1e6, &StepControl::default());
+    assert_eq!(seen.end, Exit::Ended, "{seen:?}");
     assert_eq!(seen.crossings.len(), 1, "{seen:?}");
     assert!((seen.crossings[0].z[0] - 0.999).abs() < 1e-9, "{seen:?}");
-    let cut = Stride { most_points: 5, ..Stride::default() };
-    assert_eq!(follow(pole, seed, 1e3, |_| true, &cut).end, End::MostPoints);
-    let first = follow(pole, seed, 2.0, |seen| seen.crossings.is_empty(), &Stride::default());
-    assert!(first.end == End::Stopped && first.crossings.len() == 1, "{first:?}");
+    let cut = StepControl { most_points: 5, ..StepControl::default() };
+    assert_eq!(follow(pole, seed, 1e3, |_| true, &cut).end, Exit::MostPoints);
+    let first = follow(pole, seed, 2.0, |seen| seen.crossings.is_empty(), &StepControl::default());
+    assert!(first.end == Exit::Ended && first.crossings.len() == 1, "{first:?}");
 }
 
 /// Expected failures: equations that end, with what they refused; a seed without a curve.
@@ -108,19 +109,19 @@ fn the_end_of_a_curve_is_told() {
         }
         Ok((y - x.sqrt() - x, [-0.5 / x.sqrt() - 1.0, 1.0]))
     };
-    let seen = follow(root, ([1.0, 2.0], [-1.0, 0.0]), 1.0, |_| true, &Stride::default());
-    assert!(matches!(seen.end, End::Lost(Some(e)) if e.quantity == "x"), "{seen:?}");
+    let seen = follow(root, ([1.0, 2.0], [-1.0, 0.0]), 1.0, |_| true, &StepControl::default());
+    assert!(matches!(seen.end, Exit::Lost(Some(e)) if e.quantity == "x"), "{seen:?}");
     assert!(seen.crossings.len() == 1 && seen.last[0] < 1e-3, "{seen:?}");
     let nothing = |x: f64, y: f64| Ok((x * x + y * y + 1.0, [2.0 * x, 2.0 * y]));
-    let seen = follow(nothing, ([1.0, 2.0], [-1.0, 0.0]), 1.0, |_| true, &Stride::default());
-    assert!(matches!(seen.end, End::NoCurve(status) if status != Status::Converged), "{seen:?}");
+    let seen = follow(nothing, ([1.0, 2.0], [-1.0, 0.0]), 1.0, |_| true, &StepControl::default());
+    assert!(matches!(seen.end, Exit::NoCurve(status) if status != Status::Converged), "{seen:?}");
 }
 
 /// Seven equations: z_i = sin(i u) along u; the last of them crosses zero at u = π/7, 2π/7, ….
 #[test]
 fn a_family_of_seven_is_followed() {
     struct Waves;
-    impl Family<7, 8> for Waves {
+    impl Homotopy<7, 8> for Waves {
         fn residual(&self, z: &[f64; 8]) -> Result<[f64; 7], EvalError> {
             Ok(self.linearize(z)?.0)
         }
@@ -137,8 +138,8 @@ fn a_family_of_seven_is_followed() {
     }
     let seed = Seed { z: [0.0; 8], towards: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0] };
     let event = |z: &[f64; 8], way: &[f64; 8]| [(z[6] - 0.5, way[6])];
-    let seen = trace(&Waves, &seed, event, |seen| seen.last[7] < 3.1, &Stride::default());
-    assert_eq!(seen.end, End::Stopped, "{:?}", seen.end);
+    let seen = trace(&Waves, &seed, event, |seen| seen.last[7] < 3.1, &StepControl::default());
+    assert_eq!(seen.end, Exit::Ended, "{:?}", seen.end);
     // sin 7u = 1/2: 7u = π/6, 5π/6, 13π/6, …, below 7·3.1 there are eight (at 41π/6 = 21.5).
     assert_eq!(seen.crossings.len(), 8, "{:?}", seen.crossings);
     for (k, crossing) in seen.crossings.iter().enumerate() {

@@ -140,7 +140,7 @@ fn a_step_out_of_the_domain_is_halved() {
     assert_eq!(report.status, Status::Converged);
     assert!((x[0] - 1.0).abs() < 1e-10);
     assert!(report.steps[0].lambda < 1.0);
-    assert_eq!(report.refusal.map(|e| e.requirement), Some("x > 0"));
+    assert_eq!(report.domain_error.map(|e| e.requirement), Some("x > 0"));
     assert_eq!(report.n_jacobian, report.steps.len());
 }
 
@@ -178,8 +178,8 @@ fn a_nan_is_told() {
 #[test]
 fn a_refused_start_is_told() {
     let report = run(logarithm, &mut [-1.0]);
-    assert_eq!(report.status, Status::ModelRefused);
-    assert_eq!(report.refusal.map(|e| e.value.to_bits()), Some((-1.0_f64).to_bits()));
+    assert_eq!(report.status, Status::OutsideDomain);
+    assert_eq!(report.domain_error.map(|e| e.value.to_bits()), Some((-1.0_f64).to_bits()));
 }
 
 /// Expected failure: steps that shrink below `step_tol` above a root of a discontinuous function.
@@ -278,7 +278,7 @@ fn a_root_that_does_not_move_smoothly_is_told() {
     assert_eq!(singular, Status::SingularJacobian);
     let work = &mut Workspace::<Dense<1>>::default();
     let refused = implicit_slopes(&Given(logarithm), &[-1.0], &[1.0], &mut [[1.0]], work);
-    assert_eq!(refused, Status::ModelRefused);
+    assert_eq!(refused, Status::OutsideDomain);
 }
 
 /// The list of steps is the only allocation, however many steps are taken.

@@ -1,5 +1,7 @@
 //! `docs/architecture.md` and its drawing say what is there.
 
+use crate::sources;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -90,6 +92,107 @@ fn a_case_knows_no_answer() {
         }
     }
     assert!(files > 35, "{files} modules");
+}
+
+/// Models of `bsm-dyn`, each with those that it is made of: a model names no other, and none that comes after it.
+const MODELS: [(&str, &[&str]); 14] = [
+    ("closed_form", &[]),
+    ("quasi_static", &["closed_form"]),
+    ("permanent_set", &[]),
+    ("prescribed_ball", &[]),
+    ("static_ball", &[]),
+    ("rigid", &[]),
+    ("raceway_control", &[]),
+    ("slip", &["raceway_control"]),
+    ("elastic", &[]),
+    // It starts from pure rolling and from gross slip.
+    ("traction", &["raceway_control", "elastic"]),
+    // Memory of the solves, which is handed down to those that are made of several.
+    ("workspace", &["rigid", "raceway_control", "elastic", "traction"]),
+    ("lubricated", &["raceway_control", "traction", "workspace"]),
+    ("auto", &["raceway_control", "elastic", "traction", "workspace"]),
+    (
+        "problem",
+        &[
+            "closed_form",
+            "quasi_static",
+            "rigid",
+            "raceway_control",
+            "elastic",
+            "traction",
+            "workspace",
+            "lubricated",
+            "auto",
+        ],
+    ),
+];
+
+/// Modules that a file names, each from the crate's root: `crate::contact::Hertz` and, in `models/rigid/root.rs`,
+/// `super::ball::RigidBall`, which is `models::rigid::ball::RigidBall`.
+fn named(module: &[&str], code: &str) -> Vec<Vec<String>> {
+    let is_name = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
+    let mut named = Vec::new();
+    for line in code.lines().filter(|line| !line.trim_start().starts_with("//")) {
+        let starts = line.match_indices("crate::").chain(line.match_indices("super::"));
+        for (at, word) in starts {
+            let before = &line[..at];
+            let path = line[at..].split(|c| !is_name(c)).next().unwrap_or_default();
+            let ups = path.split("::").take_while(|part| *part == "super").count();
+            // The second `super` of a path belongs to the first.
+            if before.ends_with("super::") || (word == "super::" && ups > module.len()) {
+                continue;
+            }
+            let base = if word == "crate::" { &[][..] } else { &module[..module.len() - ups] };
+            let rest = path.split("::").skip(ups.max(1)).filter(|part| !part.is_empty());
+            named.push(base.iter().copied().chain(rest).map(str::to_owned).collect());
+        }
+    }
+    named
+}
+
+/// `bsm-dyn` has three layers, and each names only those below: contact, ellipse, models. A model names what all
+/// share, `models/ball`, and of others what [`MODELS`] lists. No module takes a name from the face of the crate.
+#[test]
+fn layers() {
+    const LAYERS: [&str; 3] = ["contact", "ellipse", "models"];
+    for (at, (model, parts)) in MODELS.iter().enumerate() {
+        let before = |part: &&str| MODELS[..at].iter().any(|(name, _)| name == part);
+        assert!(parts.iter().all(before), "{model} comes before what it is made of");
+    }
+    let source = root().join("crates/bsm-dyn/src");
+    let mut seen = 0;
+    for file in sources::files(&source, "rs") {
+        let path = file.strip_prefix(&source).expect("a source").with_extension("");
+        let module: Vec<_> = path.iter().map(|part| part.to_str().expect("UTF-8")).collect();
+        if module == ["lib"] || module.contains(&"tests") || module == ["extreme"] {
+            continue;
+        }
+        seen += 1;
+        let text = fs::read_to_string(&file).expect("a module");
+        let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
+        // What stands below all layers: how a solve ends, and the count of evaluations.
+        let rank = |name: &str| LAYERS.iter().position(|layer| *layer == name).map_or(0, |i| i + 1);
+        for used in named(&module, code) {
+            let [layer, rest @ ..] = &used[..] else {
+                panic!("{} names the face of the crate", path.display())
+            };
+            let own = [&LAYERS[..], &["outcome", "cost"]].concat();
+            assert!(own.contains(&layer.as_str()), "{} takes {used:?} from lib.rs", path.display());
+            assert!(rank(layer) <= rank(module[0]), "{} names {used:?}, above it", path.display());
+            let ([_, model, ..], Some(other)) = (&module[..], rest.first()) else { continue };
+            if layer != "models" || other == model || other == "ball" {
+                continue;
+            }
+            let parts = MODELS.iter().find(|(name, _)| name == model).map_or(&[][..], |m| m.1);
+            let memory = other == "workspace" && *model == "traction";
+            assert!(
+                memory || parts.contains(&other.as_str()),
+                "{} names {used:?}: no part of {model}",
+                path.display()
+            );
+        }
+    }
+    assert!(seen > 60, "{seen} modules");
 }
 
 /// Our crates under `[dependencies]` of the manifests, by the name of the crate.

@@ -1,12 +1,12 @@
 //! What makes the numbers of a nut doubtful, or the nut poor.
 
-use bsm_design::{Body, Elasticity, LIMIT_LOAD, Limits, Nut, OPENS_AT, PRELOAD, Thread};
+use bsm_design::{Elasticity, LIMIT_LOAD, Limits, Nut, NutBody, OPENS_AT, PRELOAD, Thread};
 
 use crate::exact;
 use crate::vocabulary::units::{MM, UM};
 
 /// What makes the numbers of a nut doubtful, or the nut poor: the limits of the catalogue, and more.
-pub(super) fn doubts(nut: &Nut, thread: &Thread, body: &Body, limits: &Limits) -> Vec<String> {
+pub(super) fn doubts(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits) -> Vec<String> {
     let mut warnings = Vec::new();
     if body.length < nut.turns * nut.lead {
         warnings.push(format!(

@@ -1,6 +1,6 @@
 //! Nut and screw as elastic bodies.
 
-use bsm_design::Body;
+use bsm_design::NutBody;
 use bsm_nut::{BallNut, Bar, Ring};
 
 use super::problem::{bad, checked, twice};
@@ -9,7 +9,11 @@ use crate::vocabulary::words::{BarWords, End};
 use crate::{CaseError, InputKey, Rule, Scene};
 
 /// The nut with bars and ring.
-pub(super) fn bodies(scene: &Scene, mut nut: BallNut, body: &Body) -> Result<BallNut, CaseError> {
+pub(super) fn bodies(
+    scene: &Scene,
+    mut nut: BallNut,
+    body: &NutBody,
+) -> Result<BallNut, CaseError> {
     use InputKey as K;
     let words = &scene.nut;
     let bars = words.bars.clone().unwrap_or_default();

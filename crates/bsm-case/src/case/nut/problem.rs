@@ -1,6 +1,6 @@
 //! From the inputs of a scene to the nut in SI.
 
-use bsm_design::{Body, DynamicRating, Nut, PRELOAD, StaticRating};
+use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating};
 use bsm_dyn::{Ball, Lubricant, Temperature};
 use bsm_kin::{Drive, Helix};
 use bsm_nut::{BallNut, Equilibrium, Errors, NutError, Preload, Support, TurnRatings};
@@ -39,7 +39,7 @@ pub struct NutProblem {
     scatter: f64,
     pub(crate) seed: u64,
     pub(crate) design: Nut,
-    pub(crate) body: Body,
+    pub(crate) body: NutBody,
     pub(crate) rating: DynamicRating,
     pub(crate) static_rating: StaticRating,
     pub(crate) ratings: TurnRatings,

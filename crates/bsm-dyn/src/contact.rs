@@ -1,0 +1,16 @@
+//! What acts at a contact of ball and groove: geometry, Hertz pressure, friction, the lubricant, balance.
+
+mod angles;
+pub mod balance;
+mod friction;
+mod hertz;
+mod jam;
+mod jones;
+mod knee;
+mod lubricant;
+
+pub use self::{
+    angles::*, balance::*, friction::*, hertz::*, jam::*, jones::*, knee::*,
+    lubricant::film_state::*, lubricant::losses::*, lubricant::mixed::*, lubricant::oil::*,
+    lubricant::*,
+};

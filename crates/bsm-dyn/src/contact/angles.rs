@@ -1,0 +1,299 @@
+//! Lead angle and contact angle of a screw: friction, efficiency and self-locking of a ball without inertia.
+//!
+//! Theory: `docs/theory/03-closed-form.md`, equations (C1) to (C20).
+
+#![expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+
+use std::f64::consts::PI;
+
+use bsm_kin::{Field, Scalar};
+use bsm_simd::Compare;
+
+use crate::outcome::Direction;
+
+/// Lead angle and contact angle of a screw whose two loaded contacts have equal angles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Angles<D> {
+    /// Lead angle `$\alpha$` \[rad\], in (0, π/2).
+    pub lead: D,
+    /// Contact angle `$\beta$` \[rad\], in (0, π/2); 0 is radial.
+    pub contact: D,
+}
+
+impl<D: Scalar> Angles<D> {
+    /// Sines and cosines.
+    pub fn sines(&self) -> Sines<D> {
+        let (sin_a, cos_a) = self.lead.sin_cos();
+        let (sin_b, cos_b) = self.contact.sin_cos();
+        Sines { sin_a, cos_a, sin_b, cos_b }
+    }
+
+    /// `$D = \sqrt{\cos^2\beta + \tan^2\alpha}$` (C1).
+    pub fn slip_factor(&self) -> D {
+        self.sines().slip_factor()
+    }
+
+    /// Efficiency, negative if self-locking in that direction (C2), (C3).
+    ///
+    /// ```math
+    /// \eta_{rl} = 1 - \frac{f}{\cos^2\alpha\,\sin\beta\,(D + f\sin\beta)}, \qquad
+    /// \eta_{lr} = 1 - \frac{f}{\cos^2\alpha\,(D\sin\beta + f D^2)}
+    /// ```
+    ///
+    /// * `friction`: `$f \ge 0$`.
+    ///
+    /// Assumes: equal contact angles, saturated friction, inertia forces small against the load.
+    /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs 14 and 17.
+    /// Difference from the source: the root ends before `$+ f\sin\beta$`, see `docs/theory/errata.md`.
+    pub fn efficiency(&self, direction: Direction, friction: D) -> D {
+        self.sines().efficiency(direction.is_back(), friction)
+    }
+
+    /// Efficiency of a ball whose slip at the screw has a given direction (C17), (C18).
+    ///
+    /// ```math
+    /// \eta_{rl} = \frac{\sin\beta - f(\cos\beta\cos\psi + \tan\alpha\sin\psi)}
+    ///   {\sin\beta + f[\cos\psi\,(r_b/r_m - \cos\beta) + \sin\psi\,(1 - (r_b/r_m)\cos\beta)/\tan\alpha]}
+    /// ```
+    ///
+    /// and its inverse where the load drives.
+    ///
+    /// * `friction`: `$f \ge 0$`.
+    /// * `size_ratio`: `$r_b/r_m$`.
+    /// * `slip_angle`: `$\psi_B$` \[rad\]; at the nut it is turned by half a turn.
+    ///
+    /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eq 11.
+    /// Difference from the source: the sign of friction in the numerator, see `docs/theory/errata.md`.
+    pub fn efficiency_at(
+        &self,
+        direction: Direction,
+        friction: D,
+        size_ratio: D,
+        slip_angle: D,
+    ) -> D {
+        let (force, torque) = self.transmitted_at(friction, size_ratio, slip_angle);
+        match direction {
+            Direction::RotaryToLinear => force / torque,
+            Direction::LinearToRotary => torque / force,
+        }
+    }
+
+    /// Axial force over that without friction, and torque over that without friction, of a ball with
+    /// the same normal loads whose slip at the screw has a given direction (C17), (C18).
+    pub fn transmitted_at(&self, friction: D, size_ratio: D, slip_angle: D) -> (D, D) {
+        let sines @ Sines { sin_b, cos_b, .. } = self.sines();
+        let (sin, cos) = slip_angle.sin_cos();
+        let tan_a = sines.tan_a();
+        // F_a/(Q cosα) = sinβ − f (cosβ cosψ + tanα sinψ)                 (C17)
+        let force = sin_b - friction * (cos_b * cos + tan_a * sin);
+        // M/(Q r_m sinα) = sinβ + f [cosψ (r_b/r_m − cosβ) + sinψ (1 − r_b/r_m cosβ)/tanα] (C18)
+        let lever = (-(size_ratio * cos_b) + 1.0) / tan_a;
+        let torque = sin_b + friction * (cos * (size_ratio - cos_b) + sin * lever);
+        (force / sin_b, torque / sin_b)
+    }
+
+    /// Normal load of either loaded contact over the axial load per ball (C4).
+    ///
+    /// Negative when `$\sin\beta < f D$` and the drive works against the load: no load satisfies
+    /// the balance.
+    pub fn load_ratio(&self, direction: Direction, friction: D) -> D {
+        self.sines().load_ratio(direction.is_back(), friction)
+    }
+
+    /// Slip angle at the screw `$\psi_B$` \[rad\]; the nut's is `$\psi_A = \psi_B + \pi$`.
+    ///
+    /// Source: Lin, Velinsky and Ravani, Eq 13.
+    pub fn screw_slip_angle(&self, direction: Direction) -> D {
+        // ψ_B = atan(tanα / cosβ), turned by π if the load drives         (C5)
+        let forward = self.lead.tan().atan2(self.contact.cos());
+        match direction {
+            Direction::RotaryToLinear => forward,
+            Direction::LinearToRotary => forward - PI,
+        }
+    }
+}
+
+impl Angles<f64> {
+    /// True if the screw is self-locking in that direction (C6), (C7).
+    ///
+    /// Source: Lin, Velinsky and Ravani, Eqs 16 and 19.
+    pub fn self_locking(&self, direction: Direction, friction: f64) -> bool {
+        self.sines().self_locking(direction.is_back(), friction)
+    }
+
+    /// Friction coefficient from which on the screw is self-locking in that direction (C6), (C7).
+    pub fn locking_friction(&self, direction: Direction) -> f64 {
+        // f = sinβ/D                                                      (C6)
+        // f = D/sinβ                                                      (C7)
+        let [outer, inner] = self.sines().by_direction(direction.is_back());
+        outer / inner
+    }
+
+    /// Border of self-locking: the contact angle \[rad\] up to which (rotary to linear) or from
+    /// which on (linear to rotary) a screw of this lead angle \[rad\] is self-locking (C14), (C15).
+    ///
+    /// π/2 if every contact angle locks; `None` if none does.
+    pub fn locking_contact_angle(
+        direction: Direction,
+        lead_angle: f64,
+        friction: f64,
+    ) -> Option<f64> {
+        let unit = lead_angle.cos() * friction.hypot(1.0);
+        match direction {
+            // sinβ = f / (cosα √(1+f²))                                   (C14)
+            Direction::RotaryToLinear => Some((friction / unit).min(1.0).asin()),
+            // sinβ = 1 / (cosα √(1+f²))                                   (C15)
+            Direction::LinearToRotary => (unit >= 1.0).then(|| unit.recip().asin()),
+        }
+    }
+
+    /// The same border for a contact angle \[rad\]: the lead angle \[rad\] from which on (rotary to
+    /// linear) or up to which (linear to rotary) a screw is self-locking (C20); `None` if every lead
+    /// angle locks (rotary to linear), or none does (linear to rotary).
+    pub fn locking_lead_angle(
+        direction: Direction,
+        contact_angle: f64,
+        friction: f64,
+    ) -> Option<f64> {
+        let unit = contact_angle.sin() * friction.hypot(1.0);
+        let term = if direction.is_back() { 1.0 } else { friction };
+        // cosα = f / (sinβ √(1+f²)) or 1 / (sinβ √(1+f²))                 (C20)
+        (term <= unit).then(|| (term / unit).acos())
+    }
+}
+
+/// Contact angle of best efficiency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Optimum {
+    /// `$\beta^*$` \[rad\].
+    pub contact_angle: f64,
+    /// Efficiency there.
+    pub efficiency: f64,
+}
+
+impl Optimum {
+    /// Contact angle of best efficiency for a lead angle \[rad\], in closed form (C8) to (C10).
+    ///
+    /// ```math
+    /// (\sin\beta^*\cos\alpha)^2 = y^* = \tfrac12\Big(1 \pm \frac{f}{\sqrt{1+f^2}}\Big), \qquad
+    /// \eta^* = \big(\sqrt{1+f^2} - f\big)^2
+    /// ```
+    ///
+    /// upper sign for rotary to linear. `None` if the lead angle is too large:
+    /// `$\sin\beta^* = \sqrt{y^*}/\cos\alpha > 1$`.
+    ///
+    /// Source: roots of Lin, Velinsky and Ravani's Eqs 15 and 18; the closed form is ours.
+    pub fn of(direction: Direction, lead_angle: f64, friction: f64) -> Option<Self> {
+        // sinβ* = √y* / cosα                                              (C9)
+        let sine = Self::constant(direction, friction) / lead_angle.cos();
+        (sine <= 1.0).then(|| Self {
+            contact_angle: sine.asin(),
+            efficiency: Self::best_efficiency(friction),
+        })
+    }
+
+    /// The other way round: lead angle \[rad\] that makes a contact angle \[rad\] the one of best
+    /// efficiency (C19); `None` if the contact angle is too small: `$\sin\beta < \sqrt{y^*}$`.
+    ///
+    /// Source: Lin, Velinsky and Ravani (1994), "Load capacity considerations": for linear to rotary,
+    /// the largest contact angle and the lead angle of Eq 18.
+    pub fn lead_angle(direction: Direction, contact_angle: f64, friction: f64) -> Option<f64> {
+        // cosα* = √y* / sinβ                                              (C19)
+        let cosine = Self::constant(direction, friction) / contact_angle.sin();
+        (cosine <= 1.0).then(|| cosine.acos())
+    }
+
+    /// The value `$\sqrt{y^*}$` of `$\cos\alpha\sin\beta$` at the optimum, for every lead angle.
+    pub fn constant(direction: Direction, friction: f64) -> f64 {
+        // y* = (1 ± f/√(1+f²))/2                                          (C8)
+        (0.5 * (1.0 + direction.sign() * friction / friction.hypot(1.0))).sqrt()
+    }
+
+    /// Best efficiency that any contact angle reaches, the same in both directions.
+    pub fn best_efficiency(friction: f64) -> f64 {
+        // η* = (√(1+f²) − f)² = 1/(√(1+f²) + f)²                          (C10)
+        (friction.hypot(1.0) + friction).powi(-2)
+    }
+}
+
+/// Sines and cosines of lead angle and contact angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sines<D> {
+    /// `$\sin\alpha$`.
+    pub sin_a: D,
+    /// `$\cos\alpha$`.
+    pub cos_a: D,
+    /// `$\sin\beta$`.
+    pub sin_b: D,
+    /// `$\cos\beta$`.
+    pub cos_b: D,
+}
+
+/// In all of them: `back`, where the load drives; `friction`: `$f \ge 0$`.
+impl<D: Field> Sines<D> {
+    /// `$\tan\alpha$`.
+    #[inline(always)]
+    pub fn tan_a(&self) -> D {
+        self.sin_a / self.cos_a
+    }
+
+    /// `$D = \sqrt{\cos^2\beta + \tan^2\alpha}$` (C1).
+    #[inline(always)]
+    pub fn slip_factor(&self) -> D {
+        // D = √(cos²β + tan²α)                                            (C1)
+        (self.cos_b.square() + self.tan_a().square()).sqrt()
+    }
+
+    /// `$\sin\beta$` and `$D$`, exchanged where the load drives.
+    #[inline(always)]
+    fn by_direction(&self, back: D::Mask) -> [D; 2] {
+        let (s, d) = (self.sin_b, self.slip_factor());
+        [D::select(back, d, s), D::select(back, s, d)]
+    }
+
+    /// Efficiency, see [`Angles::efficiency`] (C2), (C3).
+    #[inline(always)]
+    pub fn efficiency(&self, back: D::Mask, friction: D) -> D {
+        // η = 1 − f / {cos²α sinβ (D + f sinβ)}                           (C2)
+        // η = 1 − f / {cos²α (D sinβ + f D²)}                             (C3)
+        let [outer, inner] = self.by_direction(back);
+        -(friction / (self.cos_a.square() * outer * (inner + friction * outer))) + 1.0
+    }
+
+    /// Normal load over axial load per ball, see [`Angles::load_ratio`] (C4).
+    #[inline(always)]
+    pub fn load_ratio(&self, back: D::Mask, friction: D) -> D {
+        let signed = D::select(back, -friction, friction);
+        // Q/F_a = 1 / [cosα (sinβ ∓ f D)]                                 (C4)
+        (self.cos_a * (self.sin_b - signed * self.slip_factor())).recip()
+    }
+
+    /// Directions of friction on the ball at nut and screw \[rad\], see [`Angles::screw_slip_angle`]
+    /// (C5), (C11).
+    #[inline(always)]
+    pub fn slip_angles(&self, back: D::Mask) -> [D; 2]
+    where
+        D: Compare,
+    {
+        // ψ_B = atan(tanα / cosβ), turned by π if the load drives         (C5)
+        let forward = self.tan_a().zip(self.cos_b, f64::atan2);
+        // ψ_A = ψ_B ± π, in (−π, π]                                       (C11)
+        let turned = forward - PI;
+        [D::select(back, forward, turned), D::select(back, turned, forward)]
+    }
+
+    /// Where the screw locks itself, see [`Angles::self_locking`] (C6), (C7).
+    #[inline(always)]
+    pub fn self_locking(&self, back: D::Mask, friction: D) -> D::Mask
+    where
+        D: Compare,
+    {
+        // sinβ ≤ f D                                                      (C6)
+        // D ≤ f sinβ                                                      (C7)
+        let [outer, inner] = self.by_direction(back);
+        outer.le(friction * inner)
+    }
+}

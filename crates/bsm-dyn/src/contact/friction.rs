@@ -1,0 +1,110 @@
+//! Laws of friction, and friction at a contact point.
+//!
+//! Theory: `docs/theory/02-balance.md`, equation (F1).
+
+use bsm_kin::Scalar;
+use bsm_newton::EvalError;
+use nalgebra::Vector3;
+
+use super::knee::Knee;
+
+/// What the coefficient of friction depends on where a ball slides.
+///
+/// Friction is against the slip, and its size is the normal load times the coefficient: at a point
+/// (F1), and at every point of a contact ellipse (E4).
+///
+/// The closed forms, the reductions of the rigid and the elastic model, and the fast sums over an
+/// ellipse hold for one [`Coulomb`] coefficient only and take that in place of a law.
+pub trait FrictionLaw<D> {
+    /// The coefficient at a point.
+    ///
+    /// * `pressure`: over the largest pressure of the contact, 0 to 1.
+    /// * `speed`: slip speed \[m/s\], positive.
+    fn coefficient(&self, pressure: D, speed: D) -> D;
+
+    /// Where the coefficient bends along a line across an ellipse; `None` if neither pressure nor speed change
+    /// it: an ellipse then takes fewer nodes.
+    fn bend(&self) -> Option<Knee> {
+        Some(Knee::SMOOTH)
+    }
+}
+
+/// One coefficient `$f \ge 0$` for every pressure and speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coulomb<D>(pub D);
+
+impl<D: Copy> FrictionLaw<D> for Coulomb<D> {
+    fn coefficient(&self, _pressure: D, _speed: D) -> D {
+        self.0
+    }
+
+    fn bend(&self) -> Option<Knee> {
+        None
+    }
+}
+
+/// Friction force on the ball at a sliding point contact \[N\] (F1).
+///
+/// ```math
+/// F_f = -f\,Q\,\frac{v}{|v|}
+/// ```
+///
+/// * `law`: its coefficient `$f$` at the largest pressure.
+/// * `normal_load`: `$Q$` \[N\].
+/// * `slip`: velocity `$v$` of the ball's surface against the body \[m/s\], tangential.
+///
+/// # Errors
+///
+/// [`EvalError`] if the slip vanishes: the direction of friction is then not defined.
+pub fn friction_force<D: Scalar>(
+    law: &impl FrictionLaw<D>,
+    normal_load: D,
+    slip: &Vector3<D>,
+) -> Result<Vector3<D>, EvalError> {
+    let speed = sliding(slip.dot(slip).sqrt())?;
+    let friction = law.coefficient(D::from(1.0), speed);
+    Ok(against(slip, friction * normal_load / speed))
+}
+
+/// A slip speed at which friction has a direction.
+pub(crate) fn sliding<D: Scalar>(speed: D) -> Result<D, EvalError> {
+    if speed.re() > 0.0 && speed.re().is_finite() {
+        return Ok(speed);
+    }
+    Err(EvalError {
+        quantity: "slip speed at a contact",
+        value: speed.re(),
+        requirement: "positive and finite, for friction to have a direction",
+    })
+}
+
+/// Friction against a slip, by its size over that of the slip \[N\] (F1).
+pub(crate) fn against<D: Scalar>(slip: &Vector3<D>, size: D) -> Vector3<D> {
+    // F = −f Q v/|v|                                                      (F1)
+    slip * -size
+}
+
+/// Absolute value, with the derivatives of its sign.
+pub(crate) fn magnitude<D: Scalar>(x: D) -> D {
+    if x.re() < 0.0 { -x } else { x }
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+
+    use super::*;
+
+    #[test]
+    fn friction_opposes_slip_and_is_saturated() {
+        let slip = Vector3::new(3.0e-4, 0.0, -4.0e-4);
+        let force = friction_force(&Coulomb(0.07), 130.0, &slip).unwrap();
+        assert_relative_eq!(force, Vector3::new(-0.6, 0.0, 0.8) * (0.07 * 130.0), epsilon = 1e-14);
+    }
+
+    #[test]
+    fn no_slip_has_no_direction() {
+        assert!(friction_force(&Coulomb(0.07), 130.0, &Vector3::zeros()).is_err());
+        assert!(friction_force(&Coulomb(0.07), 130.0, &Vector3::repeat(f64::NAN)).is_err());
+    }
+}

@@ -1,0 +1,363 @@
+//! Jamming: the wedge between the races, drag of the lubricant, and thrust in the returner.
+//!
+//! Theory: `docs/theory/14-jamming.md`, equations (M5) to (M22). `A` and `B` here are nut and
+//! screw; Dong et al. write `o` and `i`.
+
+use std::f64::consts::PI;
+
+use bsm_kin::{Field, Scalar};
+
+use super::friction::magnitude;
+
+/// A ball that the races push out of the wedge between them, and friction that holds it there.
+///
+/// Source: Dong et al. (2020), Eqs 15-17.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wedge<D> {
+    /// Normal loads at nut and screw \[N\].
+    pub loads: [D; 2],
+    /// Contact angles at nut and screw \[rad\].
+    pub angles: [D; 2],
+    /// Slip angles at nut and screw \[rad\] (K15).
+    pub slip_angles: [D; 2],
+    /// Coulomb coefficient.
+    pub friction: D,
+    /// Centrifugal force \[N\] (M5).
+    pub centrifugal: D,
+}
+
+impl<D: Scalar> Wedge<D> {
+    /// Angle of the wedge `$D = \beta_B - \beta_A$` \[rad\]; positive: it opens towards the axis.
+    pub fn opening(&self) -> D {
+        self.angles[1] - self.angles[0]
+    }
+
+    /// Mean of both contact angles \[rad\].
+    pub fn mean_angle(&self) -> D {
+        (self.angles[0] + self.angles[1]) * 0.5
+    }
+
+    /// Friction across the grooves at nut and screw \[N\] (M7).
+    pub fn across(&self) -> [D; 2] {
+        // F_X = f Q |cosψ|                                                (M7)
+        [0, 1].map(|i| magnitude(self.slip_angles[i].cos()) * self.loads[i] * self.friction)
+    }
+
+    /// Force that holds the ball \[N\] (M8), left.
+    pub fn holding(&self) -> D {
+        let [a, b] = self.across();
+        // (F_XA + F_XB) cos(D/2) + F_c sin β                              (M8)
+        (a + b) * (self.opening() * 0.5).cos() + self.centrifugal * self.mean_angle().sin()
+    }
+
+    /// Force that pushes it out \[N\] (M8), right; negative where the wedge opens outwards.
+    pub fn expelling(&self) -> D {
+        // (Q_A + Q_B) sin(D/2)                                            (M8)
+        (self.loads[0] + self.loads[1]) * (self.opening() * 0.5).sin()
+    }
+
+    /// Friction coefficient from which the ball is held, whichever way it is pushed (M9).
+    ///
+    /// Without slip across the grooves there is none: infinite.
+    pub fn critical_friction(&self) -> D {
+        let push = self.expelling() - self.centrifugal * self.mean_angle().sin();
+        // f_lock = |(Q_A + Q_B) sin(D/2) − F_c sinβ| / (Σ Q|cosψ| cos(D/2))  (M9)
+        magnitude(push) / (self.grip() * (self.opening() * 0.5).cos())
+    }
+
+    /// The same as printed, at nut and screw (M18).
+    ///
+    /// Source: Dong et al. (2020), Eq 16.
+    pub fn critical_friction_printed(&self) -> [D; 2] {
+        // f ≥ |sinψ| tan(|D|/2)                                           (M18)
+        self.slip_angles.map(|psi| magnitude(psi.sin()) * self.critical_friction_simplified())
+    }
+
+    /// The same with `$\sin\psi = 1$`.
+    ///
+    /// Source: Dong et al. (2020), Eq 17 without its radical.
+    pub fn critical_friction_simplified(&self) -> D {
+        magnitude((self.opening() * 0.5).tan())
+    }
+
+    /// The critical friction coefficient without the centrifugal force, as corrected (M10).
+    pub fn critical_friction_corrected(&self) -> D {
+        let share = self.grip() / (self.loads[0] + self.loads[1]);
+        // f_lock |cosψ| = tan(|D|/2)                                      (M10)
+        self.critical_friction_simplified() / share
+    }
+
+    /// The largest opening that friction can hold, if all of it points across the grooves \[rad\] (M17).
+    pub fn widest_opening(&self) -> D {
+        // D_max = 2 arctan f                                              (M17)
+        self.friction.atan() * 2.0
+    }
+
+    /// `$\sum Q\,|\cos\psi|$` \[N\].
+    fn grip(&self) -> D {
+        let part = |i: usize| magnitude(self.slip_angles[i].cos()) * self.loads[i];
+        part(0) + part(1)
+    }
+}
+
+/// Centrifugal force `$m r_m P^2$` \[N\] (M5).
+pub fn centrifugal_force<D: Scalar>(mass: D, pitch_radius: D, precession: D) -> D {
+    // F_c = m r_m P²                                                      (M5)
+    mass * pitch_radius * precession.square()
+}
+
+/// Drag of the lubricant on a ball, against its travel \[N\] (M6).
+///
+/// * `coefficient`: `$C_v$`; `density`: of the lubricant in the nut \[kg/m³\]; `diameter`: of the
+///   ball \[m\]; `speed`: `$2 r_m|P - \Omega_n|$`, twice the speed of the ball centre around the
+///   axis \[m/s\].
+///
+/// Source: Dong et al. (2020), as for rolling bearings.
+#[expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+#[inline(always)]
+pub fn viscous_drag<D: Field>(coefficient: D, density: D, diameter: D, speed: D) -> D {
+    // F_v = (π/32) C_v ρ d_b² (2 r_m ω_m)^1.95                            (M6)
+    coefficient * (PI / 32.0) * density * diameter.square() * speed.powf(1.95)
+}
+
+/// Hertz stiffness of a ball against a flat of contact modulus `modulus` \[N/m^1.5\] (M11).
+pub fn flat_stiffness(modulus: f64, ball_radius: f64) -> f64 {
+    // K = (4/3) E* √r_b                                                   (M11)
+    4.0 / 3.0 * modulus * ball_radius.sqrt()
+}
+
+/// Force of the impact of a ball that meets a contact of this stiffness \[N\] (M12), (M13).
+///
+/// * `mass` \[kg\]; `speed`: along the normal \[m/s\]; `stiffness`: `$K$` \[N/m^1.5\].
+///
+/// Source: Dong et al. (2020), Eq 19.
+pub fn impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
+    // δ_m = (5 m v² / (4 K))^{2/5}                                        (M12)
+    let approach = (1.25 * mass * speed.powi(2) / stiffness).powf(0.4);
+    // F_m = 1.14 m v² / δ_m                                               (M13)
+    1.14 * mass * speed.powi(2) / approach
+}
+
+/// Force of the impact of a ball that meets a linear spring \[N\] (M19).
+///
+/// * `mass` \[kg\]; `speed`: along the normal \[m/s\]; `stiffness`: `$k_h$` \[N/m\].
+///
+/// Source: Dong et al. (2020), Eq 19, as printed.
+pub fn linear_impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
+    // F_m = k_h δ_m = 1.14 m v²/δ_m  ⇒  F_m = v √(1.14 k_h m)             (M19)
+    speed * (1.14 * stiffness * mass).sqrt()
+}
+
+/// A ball that enters the ball return over a step, between the ball behind it and the one ahead.
+///
+/// Source: Dong et al. (2020), Eq 22.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EntryStep {
+    /// Height of the step over the radius of the ball.
+    pub height: f64,
+    /// Angle between channel and track \[rad\].
+    pub angle: f64,
+    /// Rolling friction coefficient `$\mu'$`.
+    pub rolling: f64,
+}
+
+impl EntryStep {
+    /// Force of the ball behind over that of the ball ahead, as the ball lifts off its track (M21);
+    /// `None` if no force lifts it over the step.
+    pub fn thrust_ratio(&self) -> Option<f64> {
+        // sinα' = 1 − h/r_b                                               (M20)
+        let edge = (1.0 - self.height).asin();
+        let free = edge - self.rolling.atan();
+        // F_O1/F_O3 = sin(α + α' − φ)/sin(α' − φ),  tanφ = μ'             (M21)
+        (free > 0.0).then(|| (self.angle + free).sin() / free.sin())
+    }
+
+    /// Height over the radius of the ball from which no force lifts it (M22).
+    pub fn highest(&self) -> f64 {
+        // h_max/r_b = 1 − sinφ                                            (M22)
+        1.0 - self.rolling.atan().sin()
+    }
+}
+
+/// Thrust on the ball behind one that meets the apex of the return curve \[N\] (M14).
+///
+/// * `impact`: `$F_m$` \[N\]; `half_angle`: `$\lambda_1$` of the apex \[rad\]; `friction`: `$f$`.
+///
+/// Source: Dong et al. (2020), Eq 18.
+pub fn apex_thrust<D: Scalar>(impact: D, half_angle: D, friction: D) -> D {
+    let (sin, cos) = half_angle.sin_cos();
+    // F_O1 = (F_m/2)(1/sinλ₁ + f/cosλ₁)                                   (M14)
+    impact * (sin.recip() + friction / cos) * 0.5
+}
+
+/// Thrust on the ball behind one that meets the step from the returner into the screw \[N\] (M15).
+///
+/// * `normal`: force `$F_N$` of the step \[N\]; `friction`: `$f > 0$`; `return_angle`:
+///   `$\lambda_3$` \[rad\].
+///
+/// Source: Dong et al. (2020), Eqs 23-24.
+pub fn step_thrust<D: Scalar>(normal: D, friction: D, return_angle: D) -> D {
+    // F_O1 = 2 F_N / ((f + 1/f) cosλ₃)                                    (M15)
+    normal * 2.0 / ((friction + friction.recip()) * return_angle.cos())
+}
+
+/// Friction along the track with which the loaded balls of a turn push \[N\] (M16).
+///
+/// * `balls`: of a turn; `friction`: `$f$`; `load`: normal load of a ball \[N\]; `slip_angle`: at that
+///   contact \[rad\].
+///
+/// Source: Dong et al. (2020), Eqs 20-21, with the contact at the screw.
+pub fn track_friction(balls: f64, friction: f64, load: f64, slip_angle: f64) -> f64 {
+    // F_t = Z_t f Q |sinψ|                                                (M16)
+    balls * friction * load * slip_angle.sin().abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+    use approx::assert_relative_eq;
+    use bsm_kin::{BallFrame, Contact, Site};
+    use nalgebra::{Matrix2, Vector2, Vector3};
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// The sides of the criterion are the forces along the direction in which a ball leaves the
+        /// wedge, and at the critical coefficient friction holds it exactly.
+        #[test]
+        fn the_wedge_is_the_balance_of_forces(
+            a in 0.1..1.4_f64, tilt in -0.2..0.2_f64, q_a in 10.0..500.0_f64, q_b in 10.0..500.0_f64,
+            f_c in 0.0..30.0_f64, psi in 0.0..1.5_f64,
+        ) {
+            let (angles, loads) = ([a - tilt, a + tilt], [q_a, q_b]);
+            let slip_angles = [psi, PI - psi];
+            let wedge = Wedge { loads, angles, slip_angles, friction: 0.1, centrifugal: f_c };
+            let frame = BallFrame::turned(0.1, 0.0);
+            let normal = |site, angle| Contact::new(site, angle, &frame).normal;
+            let forces = normal(Site::Nut, angles[0]) * q_a + normal(Site::Screw, angles[1]) * q_b;
+            // Out of the wedge: across the mean normal, towards the axis.
+            let out = Vector3::new(0.0, a.sin(), -a.cos());
+            let net = (forces - frame.n * f_c).dot(&out);
+            let friction: f64 = wedge.across().iter().sum();
+            let held = wedge.holding() - friction * tilt.cos() - wedge.expelling();
+            // Rounding of forces of 1 kN.
+            prop_assert!((held + net).abs() <= 1e-11, "{held} {net}");
+            let critical = Wedge { friction: wedge.critical_friction(), ..wedge };
+            let held: f64 = critical.across().iter().sum::<f64>() * tilt.cos();
+            prop_assert!((held - net.abs()).abs() <= 1e-11);
+            let equal = Wedge { centrifugal: 0.0, ..wedge };
+            let corrected = equal.critical_friction_corrected();
+            prop_assert!((equal.critical_friction() / corrected - 1.0).abs() <= 1e-12);
+            prop_assert!((corrected * psi.cos() - tilt.abs().tan()).abs() <= 1e-14);
+            // As printed it is the sine: the other component of the friction force.
+            let [at_nut, at_screw] = equal.critical_friction_printed();
+            prop_assert!((at_nut - psi.sin() * tilt.abs().tan()).abs() <= 1e-14);
+            prop_assert!((at_nut - at_screw).abs() <= 1e-14);
+        }
+
+        /// Eq 24 of Dong et al. from the two balances of Eq 23, in the force of the opposite wall and the
+        /// thrust.
+        #[test]
+        fn the_step_balances_the_forces_of_eq_23(
+            normal in 1.0..500.0_f64, mu in 0.01..0.6_f64, angle in 0.0..1.4_f64,
+        ) {
+            let (sin, cos) = angle.sin_cos();
+            // μ F_s + μ F_O1 sinλ₃ + μ F_N = F_O1 cosλ₃,  F_N = F_s + μ F_O1 cosλ₃ + F_O1 sinλ₃
+            let rows = Matrix2::new(mu, mu * sin - cos, 1.0, mu * cos + sin);
+            let right = Vector2::new(-mu * normal, normal);
+            let solved = rows.lu().solve(&right).expect("regular");
+            let thrust = step_thrust(normal, mu, angle);
+            // Rounding, times the condition of a step that is nearly across the travel.
+            prop_assert!((thrust / solved.y - 1.0).abs() <= 1e-13 / cos, "{thrust} {solved}");
+        }
+
+        /// An impact that obeys Hertz stores its energy in the contact; 1.14 is that of a half sine
+        /// of the same approach and duration, 5/4 the largest force of Hertz.
+        #[test]
+        fn the_impact_conserves_energy(
+            mass in 1e-5..1e-2_f64, speed in 0.01..20.0_f64, log_k in 7.0..11.0_f64,
+        ) {
+            let stiffness = 10.0_f64.powf(log_k);
+            let force = impact_force(mass, speed, stiffness);
+            let hertz = force * 1.25 / 1.14;
+            let approach = (hertz / stiffness).powf(2.0 / 3.0);
+            let (stored, moving) = (0.4 * hertz * approach, 0.5 * mass * speed.powi(2));
+            prop_assert!((stored / moving - 1.0).abs() <= 1e-12);
+        }
+    }
+
+    /// By hand: a 45 degree apex without friction has half the impact times √2; friction adds as
+    /// much of itself.
+    #[test]
+    fn apex_by_hand() {
+        let thrust = apex_thrust(10.0, FRAC_PI_4, 0.1);
+        assert_relative_eq!(thrust, 5.0 * 1.1 * 2.0_f64.sqrt(), max_relative = 1e-14);
+    }
+
+    /// Limits: friction across the groove pushes nothing, friction along it with all it has.
+    #[test]
+    fn only_friction_along_the_track_pushes() {
+        let full = track_friction(14.0, 0.1, 90.0, -FRAC_PI_2);
+        assert_relative_eq!(full, 126.0, max_relative = 1e-14);
+        assert!(track_friction(14.0, 0.1, 100.0, PI).abs() < 1e-12);
+    }
+
+    /// A linear spring: the force is proportional to the speed, and the approach that it is divided
+    /// by is that of the spring.
+    #[test]
+    fn the_linear_impact_is_eq_19_as_printed() {
+        let (mass, stiffness) = (1.7e-4, 3e7);
+        let force = linear_impact_force(mass, 1.3, stiffness);
+        let approach = force / stiffness;
+        assert_relative_eq!(force, 1.14 * mass * 1.3 * 1.3 / approach, max_relative = 1e-14);
+        let twice = linear_impact_force(mass, 2.6, stiffness);
+        assert_relative_eq!(twice, 2.0 * force, max_relative = 1e-14);
+    }
+
+    proptest! {
+        /// The three balances of Eq 22 at the moment at which the ball lifts off its track; the third,
+        /// of moments, follows from the two of forces.
+        #[test]
+        fn the_entry_step_balances(
+            height in 0.0..0.8_f64, angle in 0.01..1.5_f64, rolling in 0.0..0.05_f64,
+        ) {
+            let step = EntryStep { height, angle, rolling };
+            let ratio = step.thrust_ratio().expect("a low step");
+            let (sin, cos) = (1.0 - height).asin().sin_cos();
+            // F_N sinα' − f_N cosα' + F_R − F_O3 sinα = 0 with F_R = 0 and F_O3 = 1.
+            let normal = angle.sin() / (sin - rolling * cos);
+            let along = angle.cos() + normal * cos + rolling * normal * sin - ratio;
+            // Rounding, times the condition of a step that is nearly too high.
+            prop_assert!(along.abs() <= 1e-13 * (1.0 + normal), "{along}");
+            let moments = ratio * sin - (angle.cos() * sin + angle.sin() * cos) - rolling * normal;
+            prop_assert!(moments.abs() <= 1e-13 * (1.0 + normal), "{moments}");
+        }
+    }
+
+    /// A step of no height only turns the ball; from the highest one on no thrust lifts it, and next to it
+    /// the thrust has no bound.
+    #[test]
+    fn the_entry_step_has_limits() {
+        let step = |height, angle, rolling| EntryStep { height, angle, rolling };
+        let flat = step(0.0, 0.4, 0.0).thrust_ratio().expect("flat");
+        assert_relative_eq!(flat, 0.4_f64.cos(), max_relative = 1e-14);
+        let highest = step(0.0, 0.4, 0.02).highest();
+        assert!(step(highest * (1.0 - 1e-6), 0.4, 0.02).thrust_ratio().expect("below") > 1e4);
+        assert_eq!(step(highest * (1.0 + 1e-6), 0.4, 0.02).thrust_ratio(), None);
+        assert_eq!(step(1.5, 0.4, 0.0).thrust_ratio(), None);
+    }
+
+    /// By hand: (π/32) × 0.5 × 880 × 3.5e-3² × 2^1.95 m/s.
+    #[test]
+    fn drag_and_centrifugal_force_by_hand() {
+        let drag = viscous_drag(0.5, 880.0, 3.5e-3, 2.0);
+        assert_relative_eq!(drag, 2.044_6e-3, max_relative = 1e-4);
+        assert_relative_eq!(centrifugal_force(2e-3, 8e-3, 250.0), 1.0, max_relative = 1e-14);
+        assert_relative_eq!(flat_stiffness(1e11, 4e-3), 8.432_74e9, max_relative = 1e-6);
+    }
+}

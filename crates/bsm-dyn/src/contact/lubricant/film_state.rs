@@ -1,0 +1,83 @@
+//! What a lubricated ball has to tell.
+
+use super::losses::OutsidePower;
+use super::mixed::MixedFriction;
+
+/// How the surfaces of a contact are separated, in words that no equation uses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Regime {
+    /// Asperities carry most of the load.
+    Boundary,
+    /// Asperities and film carry it.
+    Mixed,
+    /// The film carries it.
+    FullFilm,
+}
+
+impl Regime {
+    /// Of a film over the roughness.
+    pub fn of(film_ratio: f64) -> Self {
+        match film_ratio {
+            ..0.3 => Self::Boundary,
+            ..2.0 => Self::Mixed,
+            _ => Self::FullFilm,
+        }
+    }
+
+    /// In a word or two.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Boundary => "boundary",
+            Self::Mixed => "mixed",
+            Self::FullFilm => "full film",
+        }
+    }
+}
+
+/// The film of a contact, and what it costs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactFilm {
+    /// Thickness \[m\].
+    pub thickness: f64,
+    /// Thickness over the roughness of both surfaces `$\lambda$`.
+    pub ratio: f64,
+    /// Share of the load that asperities carry `$\xi$`.
+    pub share: f64,
+    /// Mean friction coefficient: sliding power over that of a coefficient of one (Y22).
+    pub friction: f64,
+    /// Couple against rolling \[N·m\].
+    pub rolling_moment: f64,
+    /// Mean speed of both surfaces along the track, with the creep speed \[m/s\].
+    pub entrainment: f64,
+    /// How far the load deforms the inlet `$M$` (Y17): below some 10 the film of (Y7) is too thin.
+    pub elasticity: f64,
+    /// Friction at its points, of slip speeds in m/s.
+    pub law: MixedFriction,
+}
+
+/// Oil, films and losses of a steady ball; powers of all balls together \[W\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FilmState {
+    /// Temperature of the oil \[K\].
+    pub temperature: f64,
+    /// Its dynamic viscosity \[Pa·s\].
+    pub viscosity: f64,
+    /// Its pressure-viscosity coefficient \[1/Pa\].
+    pub pressure_viscosity: f64,
+    /// At the nut.
+    pub nut: ContactFilm,
+    /// At the screw.
+    pub screw: ContactFilm,
+    /// Lost by sliding at the contacts.
+    pub sliding_power: f64,
+    /// Lost by rolling.
+    pub rolling_power: f64,
+    /// Lost outside the contacts.
+    pub outside: OutsidePower,
+    /// By how much the hotter film is above the temperature of the oil \[K\] (Y29).
+    pub heating: f64,
+    /// The constant coefficient with the same loss at the contacts (Y30).
+    pub equivalent_friction: f64,
+    /// The coefficient of a plain thread of the same efficiency (Y31).
+    pub catalogue_friction: f64,
+}

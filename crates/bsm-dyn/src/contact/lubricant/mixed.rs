@@ -1,0 +1,121 @@
+//! Friction at a point of a lubricated contact.
+//!
+//! Theory: `docs/theory/17-lubricant.md`, equations (Y10) to (Y13).
+
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+
+use bsm_kin::{Field, FieldOver, Scalar};
+
+use super::oil::{OilState, PRESSURE_SLOPE};
+use crate::contact::friction::FrictionLaw;
+use crate::contact::knee::Knee;
+
+/// Friction of asperities that touch and of an oil that is sheared between them.
+///
+/// ```math
+/// \mu = \xi\mu_b + (1-\xi)\,\Lambda\Big[1 + \Big(\frac{\Lambda p}{\tau_y}\Big)^4\Big]^{-1/4},
+/// \qquad \tau_y = \tau_E\,\mathrm{arsinh}\frac{\eta(p)\,s}{h\,\tau_E}
+/// ```
+///
+/// Source: Eyring's law with the limiting shear of Bair and Winer (1979); the sum of both over the share
+/// of the load, as in Zhou and Hoeprich (1991).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MixedFriction<D = f64> {
+    /// Share of the load that asperities carry `$\xi$`.
+    pub share: D,
+    /// Friction coefficient where they touch `$\mu_b$`.
+    pub boundary: D,
+    /// Largest shear stress of the oil over pressure `$\Lambda$`.
+    pub limit: D,
+    /// Eyring stress `$\tau_E$` \[Pa\].
+    pub eyring_stress: D,
+    /// Largest pressure of the contact \[Pa\].
+    pub max_pressure: D,
+    /// `$a_p$` of (Y5) \[Pa\].
+    pub pressure_scale: D,
+    /// `$\eta/(h\,\tau_E)$` over the unit of speed.
+    pub shear: D,
+}
+
+impl<D: Field> MixedFriction<D> {
+    /// Of an oil in a film of a thickness \[m\].
+    ///
+    /// * `speed_unit`: of the slip \[m/s\].
+    #[inline(always)]
+    pub(crate) fn of<P: Field>(
+        (oil, limit, boundary): (&OilState<P>, P, P),
+        (film, share, max_pressure): (D, D, D),
+        speed_unit: P,
+    ) -> Self
+    where
+        D: FieldOver<P>,
+    {
+        let zero = film.constant(0.0);
+        let (limit, boundary) = (zero + limit, zero + boundary);
+        // τ_E = 2 Λ (a_p + b_p p_max)                                     (Y10)
+        let pressure_scale = zero + oil.pressure_scale;
+        let eyring_stress = (max_pressure * PRESSURE_SLOPE + pressure_scale) * limit * 2.0;
+        let shear = (film * eyring_stress).recip() * (oil.viscosity * speed_unit);
+        Self { share, boundary, limit, eyring_stress, max_pressure, pressure_scale, shear }
+    }
+
+    /// The same law of speeds in another unit, of which the present one is so many.
+    pub(crate) fn in_unit(self, speed_unit: D) -> Self {
+        Self { shear: self.shear / speed_unit, ..self }
+    }
+
+    /// The coefficient at a point of pressure over the largest, and slip.
+    #[inline(always)]
+    pub(crate) fn at(&self, pressure: D, speed: D) -> D {
+        let p = self.max_pressure * pressure;
+        let thickened = (p / (p * PRESSURE_SLOPE + self.pressure_scale)).exp();
+        // τ_y = τ_E arsinh[η(p) s/(h τ_E)]                                (Y11)
+        let stress = self.eyring_stress * (thickened * self.shear * speed).asinh();
+        // μ_f = Λ [1 + (Λ p/τ_y)⁴]^{−1/4}                                 (Y12)
+        let fourth = (self.limit * p / stress).square().square();
+        let fluid = self.limit / (fourth + 1.0).sqrt().sqrt();
+        // μ = ξ μ_b + (1 − ξ) μ_f                                         (Y13)
+        self.share * self.boundary + (-self.share + 1.0) * fluid
+    }
+
+    /// The coefficient if the oil bore all that it can.
+    #[inline(always)]
+    pub fn most(&self) -> D {
+        self.share * self.boundary + (-self.share + 1.0) * self.limit
+    }
+}
+
+impl<D: Scalar> MixedFriction<D> {
+    /// The same without derivatives.
+    pub(crate) fn values(&self) -> MixedFriction {
+        MixedFriction {
+            share: self.share.re(),
+            boundary: self.boundary.re(),
+            limit: self.limit.re(),
+            eyring_stress: self.eyring_stress.re(),
+            max_pressure: self.max_pressure.re(),
+            pressure_scale: self.pressure_scale.re(),
+            shear: self.shear.re(),
+        }
+    }
+}
+
+impl<D: Scalar> FrictionLaw<D> for MixedFriction<D> {
+    fn coefficient(&self, pressure: D, speed: D) -> D {
+        self.at(pressure, speed)
+    }
+
+    fn bend(&self) -> Option<Knee> {
+        Some(Knee::of(&self.values()))
+    }
+}
+
+impl Knee {
+    /// Of a law of friction.
+    pub(crate) fn of(law: &MixedFriction) -> Self {
+        Self { shear: 2.0 * law.shear, scale: law.pressure_scale / law.max_pressure }
+    }
+}

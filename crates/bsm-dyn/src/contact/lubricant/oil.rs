@@ -1,0 +1,171 @@
+//! The oil: viscosity by temperature and pressure.
+//!
+//! Theory: `docs/theory/17-lubricant.md`, equations (Y1) to (Y5).
+
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+
+use std::f64::consts::LN_10;
+
+use bsm_kin::Field;
+
+/// Kind of base oil, for what is not given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BaseOil {
+    /// Mineral oil.
+    Mineral,
+    /// Polyalphaolefin.
+    Pao,
+    /// Ester.
+    Ester,
+    /// Polyglycol.
+    Pag,
+}
+
+/// Typical values of a base oil.
+struct Typical {
+    /// `$s$`, `$t$` of (Y4).
+    pressure_viscosity: (f64, f64),
+    limiting_shear: f64,
+    density: f64,
+    conductivity: f64,
+}
+
+impl BaseOil {
+    fn typical(self) -> Typical {
+        let of = |pressure_viscosity, limiting_shear, density, conductivity| Typical {
+            pressure_viscosity,
+            limiting_shear,
+            density,
+            conductivity,
+        };
+        match self {
+            Self::Mineral => of((9.904, 0.139), 0.047, 880.0, 0.134),
+            Self::Pao => of((7.382, 0.1335), 0.035, 840.0, 0.14),
+            Self::Ester => of((6.605, 0.136), 0.030, 920.0, 0.15),
+            Self::Pag => of((5.489, 0.1485), 0.044, 1050.0, 0.15),
+        }
+    }
+
+    /// Largest shear stress over pressure `$\Lambda$`.
+    pub fn limiting_shear(self) -> f64 {
+        self.typical().limiting_shear
+    }
+
+    /// Density at 15 °C \[kg/m³\].
+    pub fn density(self) -> f64 {
+        self.typical().density
+    }
+
+    /// Thermal conductivity \[W/(m·K)\].
+    pub fn conductivity(self) -> f64 {
+        self.typical().conductivity
+    }
+}
+
+/// Viscosity grades of ISO 3448: kinematic viscosities at 40 °C \[mm²/s\].
+pub const VISCOSITY_GRADES: [f64; 11] =
+    [10.0, 15.0, 22.0, 32.0, 46.0, 68.0, 100.0, 150.0, 220.0, 320.0, 460.0];
+
+/// Those of the grades at 100 °C with the viscosity index 95 \[mm²/s\].
+const HOT_GRADES: [f64; 11] =
+    [2.64, 3.38, 4.25, 5.29, 6.64, 8.53, 11.07, 14.54, 18.75, 23.95, 30.34];
+
+/// An oil.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Oil<D = f64> {
+    /// What it is made of.
+    pub base: BaseOil,
+    /// Kinematic viscosities at 40 and 100 °C \[m²/s\], the first larger.
+    pub viscosities: [D; 2],
+    /// Density at 15 °C \[kg/m³\].
+    pub density: D,
+    /// Pressure-viscosity coefficient `$\alpha$` \[1/Pa\], if it is known.
+    pub pressure_viscosity: Option<D>,
+    /// Largest shear stress over pressure `$\Lambda$`, positive.
+    pub limiting_shear: D,
+}
+
+/// An oil at a temperature.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OilState<D = f64> {
+    /// Temperature \[K\].
+    pub temperature: D,
+    /// Kinematic viscosity `$\nu$` \[m²/s\].
+    pub kinematic_viscosity: D,
+    /// Density `$\rho$` \[kg/m³\].
+    pub density: D,
+    /// Dynamic viscosity `$\eta$` \[Pa·s\].
+    pub viscosity: D,
+    /// Its relative decrease with temperature `$\beta$` \[1/K\].
+    pub thinning: D,
+    /// Pressure-viscosity coefficient `$\alpha$` \[1/Pa\].
+    pub pressure_viscosity: D,
+    /// `$a_p$` of (Y5) \[Pa\].
+    pub pressure_scale: D,
+}
+
+/// Expansion of oil `$\rho_{15}^{-1} d\rho/dT$` \[1/K\].
+const EXPANSION: f64 = 6.5e-4;
+
+/// `$b_p$` of (Y5).
+pub(crate) const PRESSURE_SLOPE: f64 = 0.02;
+
+impl Oil {
+    /// Kinematic viscosities at 40 and 100 °C \[m²/s\] of a viscosity grade of ISO 3448 with the
+    /// viscosity index 95; `None` if there is no such grade.
+    pub fn of_grade(grade: f64) -> Option<[f64; 2]> {
+        let place = VISCOSITY_GRADES.iter().position(|known| known.total_cmp(&grade).is_eq())?;
+        Some([VISCOSITY_GRADES[place], HOT_GRADES[place]].map(|viscosity| viscosity * 1e-6))
+    }
+}
+
+impl<D: Field> Oil<D> {
+    /// The oil at a temperature \[K\] (Y1) to (Y5).
+    ///
+    /// ```math
+    /// \log_{10}\log_{10}(\nu + 0.7) = A - B\log_{10}\theta, \qquad \eta = \nu\rho
+    /// ```
+    ///
+    /// Source: ASTM D341 (Walther) for the temperature, Gold et al. for the pressure.
+    #[inline(always)]
+    pub fn at(&self, temperature: D) -> OilState<D> {
+        let (warm, hot) = (40.0 + ZERO_CELSIUS, 100.0 + ZERO_CELSIUS);
+        let [at_40, at_100] = self.viscosities;
+        let at_40 = (at_40 * 1e6 + 0.7).ln() * LN_10.recip();
+        let at_100 = (at_100 * 1e6 + 0.7).ln() * LN_10.recip();
+        let exponent = (at_40 / at_100).ln() * (hot / warm).ln().recip();
+        // log₁₀ log₁₀(ν + 0.7) = A − B log₁₀ θ                             (Y1)
+        let z = at_40 * (exponent * (temperature.recip() * warm).ln()).exp();
+        let shifted = (z * LN_10).exp();
+        let nu = shifted - 0.7;
+        // η = ν ρ,  ρ = ρ₁₅ [1 − 6.5·10⁻⁴ (T − 15 °C)]                    (Y2)
+        let density = self.density * ((temperature - (ZERO_CELSIUS + 15.0)) * -EXPANSION + 1.0);
+        let viscosity = nu * density * 1e-6;
+        // β = (ν + 0.7)/ν ln(10) Z B/θ + 6.5·10⁻⁴ ρ₁₅/ρ                   (Y3)
+        let thinning =
+            shifted / nu * z * exponent * LN_10 / temperature + self.density / density * EXPANSION;
+        // α = s νᵗ 10⁻⁹                                                   (Y4)
+        let (s, t) = self.base.typical().pressure_viscosity;
+        let pressure_viscosity = match self.pressure_viscosity {
+            Some(known) => known,
+            None => nu.powf(t) * (s * 1e-9),
+        };
+        // η(p) = η exp[p/(a_p + b_p p)],  a_p = 1/α − 2·10⁸ b_p           (Y5)
+        let pressure_scale = pressure_viscosity.recip() - 2e8 * PRESSURE_SLOPE;
+        OilState {
+            temperature,
+            kinematic_viscosity: nu * 1e-6,
+            density,
+            viscosity,
+            thinning,
+            pressure_viscosity,
+            pressure_scale,
+        }
+    }
+}
+
+/// 0 °C \[K\].
+pub const ZERO_CELSIUS: f64 = 273.15;

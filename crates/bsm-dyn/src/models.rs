@@ -1,0 +1,30 @@
+//! The models, from the one with the fewest inputs to the one with the most, and what they share.
+
+mod auto;
+mod ball;
+mod closed_form;
+mod elastic;
+mod lubricated;
+mod permanent_set;
+mod prescribed_ball;
+mod problem;
+mod quasi_static;
+mod raceway_control;
+mod rigid;
+mod slip;
+mod static_ball;
+mod traction;
+mod workspace;
+
+pub use self::{
+    auto::*, ball::*, closed_form::*, elastic::*, lubricated::*, permanent_set::*,
+    prescribed_ball::*, problem::*, quasi_static::*, raceway_control::*, rigid::*, slip::*,
+    static_ball::*, traction::*, workspace::*,
+};
+
+/// Equations that are timed and compared from outside, by `benches` and by its peers in other
+/// languages. No part of the API: another way to solve would not have them.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::models::rigid::{RigidSystem, Unknowns as RigidUnknowns};
+}

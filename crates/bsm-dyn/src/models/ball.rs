@@ -1,0 +1,19 @@
+//! What the models share: the operating point, the ball and its unknowns, and the form of an answer.
+
+mod ball_contacts;
+pub(crate) mod ball_unknowns;
+mod elastic_ball;
+mod equations;
+mod film;
+mod model;
+mod operating_point;
+mod sensitivity;
+mod solution;
+mod state;
+
+pub use self::{
+    ball_contacts::*, elastic_ball::*, film::*, model::*, operating_point::*, sensitivity::*,
+    solution::*, state::*,
+};
+pub(crate) use self::{ball_unknowns::*, equations::*};
+pub use crate::outcome::*;

@@ -1,0 +1,230 @@
+//! A ball between elastic races in units of ball radius, axial load per ball and relative speed, by sines
+//! and cosines, for one point and for several side by side.
+//!
+//! Theory: `docs/theory/06-elastic-contact.md`, equations (P1), (P2), (P6).
+
+#![expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+
+use bsm_kin::{Field, FieldOver};
+use bsm_simd::Compare;
+
+use crate::contact::{Axes, Curvatures, Groove, Hertz, Race, Sines, axial_displacement};
+use crate::ellipse::pressed_radius;
+
+/// Size, inertia, speed and material of a point.
+#[derive(Debug, Clone, Copy)]
+pub struct ScaledSize<F> {
+    /// `$r_m/r_b$`.
+    pub radius: F,
+    /// `$m r_b W^2/F_a$`.
+    pub mass: F,
+    /// `$\Omega_n/W$`.
+    pub nut_speed: F,
+    /// `$E^* r_b^2/F_a$`.
+    pub modulus: F,
+}
+
+/// A Hertz contact of ball and groove.
+#[derive(Debug, Clone, Copy)]
+pub struct GrooveContact<F> {
+    /// `$l_0$` of (H2).
+    pub offset: F,
+    /// Radius of the pressed surface.
+    pub pressed_radius: F,
+    /// Of ball and groove, relative.
+    pub curvatures: Curvatures<F>,
+    /// Of the axial load.
+    pub hertz: Hertz<F>,
+}
+
+/// A ball and its contacts at nut and screw.
+#[derive(Clone, Copy)]
+pub struct BallContacts<F: Field> {
+    /// `$\sin\alpha$` and `$\cos\alpha$`.
+    pub sin_a: F,
+    /// `$\cos\alpha$`.
+    pub cos_a: F,
+    /// Of the unloaded contact angle.
+    pub sin_b: F,
+    /// Of the unloaded contact angle.
+    pub cos_b: F,
+    /// `$d/r_b$`.
+    pub arc: F,
+    /// `$m r_m W^2/F_a$`.
+    pub inertia_ratio: F,
+    /// `$\Omega_n/W$`.
+    pub nut_speed: F,
+    /// Contacts at nut and screw.
+    pub pressed: [GrooveContact<F>; 2],
+    /// Where numbers neither overflow nor underflow and contacts are ellipses of practice.
+    pub regular: F::Mask,
+}
+
+/// A contact under its load.
+#[derive(Debug, Clone, Copy)]
+pub struct LoadedContact<D> {
+    /// Cotangent, sine and cosine of the contact angle.
+    pub cot: D,
+    /// Sine of the contact angle.
+    pub sin: D,
+    /// Cosine of the contact angle.
+    pub cos: D,
+    /// `$Q/F_a$`, and its cube root.
+    pub load: D,
+    /// Cube root of the load.
+    pub growth: D,
+    /// `$\delta$`.
+    pub approach: D,
+    /// `$l$`, from the arc centre to the ball centre.
+    pub length: D,
+}
+
+impl<D: Field> LoadedContact<D> {
+    /// Of a load at the sine and cosine of its angle.
+    ///
+    /// * `offset`: `$l_0$`. * `compliance`: `$\delta$` of the axial load.
+    #[inline(always)]
+    pub fn of<P: Copy>((offset, compliance): (P, P), load: D, (sin, cos): (D, D)) -> Self
+    where
+        D: FieldOver<P>,
+    {
+        let growth = load.cbrt();
+        // δ = (Q/K_H)^{2/3}                                               (P2), (W1)
+        let approach = growth.square() * compliance;
+        Self { cot: cos / sin, sin, cos, load, growth, approach, length: approach + offset }
+    }
+
+    /// Of the cotangent of its angle, without friction.
+    ///
+    /// * `axial`: `$1/\cos\alpha$`.
+    #[inline(always)]
+    pub fn without_friction<P: Copy>(stiff: (P, P), axial: P, cot: D) -> Self
+    where
+        D: FieldOver<P>,
+    {
+        let length = (cot.square() + 1.0).sqrt();
+        let sin = length.recip();
+        // Q sinβ cosα = F_a                                               (W2)
+        Self { cot, ..Self::of(stiff, length * axial, (sin, cot * sin)) }
+    }
+
+    /// `$l\cos\beta$`.
+    #[inline(always)]
+    pub fn reach(&self) -> D {
+        self.length * self.cos
+    }
+
+    /// Its derivative by the cotangent without friction, positive.
+    #[inline(always)]
+    pub fn reach_slope(&self) -> D {
+        // d cosβ = sin³β d cotβ,  dδ = ⅔ δ sinβ cosβ d cotβ by δ ~ Q^{2/3}
+        self.sin.square() * self.sin * self.length
+            + self.approach * self.sin * self.cos.square() * (2.0 / 3.0)
+    }
+
+    /// Semi-axes across and along the groove.
+    #[inline(always)]
+    pub fn semi_axes(&self, contact: &GrooveContact<D>) -> (D, D) {
+        // a ~ Q^{1/3}                                                     (P6)
+        let a = self.growth * contact.hertz.semi_axis;
+        (a, a * contact.hertz.flatness)
+    }
+}
+
+impl<F: Compare> GrooveContact<F> {
+    /// The contact of a groove, and where its ellipse is one of practice.
+    #[inline(always)]
+    fn of(groove: &Groove<F>, tan_a: F, cos_b: F, size: &ScaledSize<F>) -> (Self, F::Mask) {
+        let one = cos_b.constant(1.0);
+        let curvatures = groove.curvatures_at(size.radius, one, tan_a, cos_b);
+        let target = curvatures.along / curvatures.across;
+        let practice = one.le(target) & target.le(one.constant(Axes::<F>::PRACTICE));
+        let contact = Self {
+            offset: groove.offset(one),
+            pressed_radius: pressed_radius(groove.conformity, one),
+            hertz: Hertz::on(&Axes::in_practice(target), &curvatures, size.modulus),
+            curvatures,
+        };
+        (contact, practice & curvatures.across.gt(one.constant(0.0)))
+    }
+}
+
+impl<F: Compare> BallContacts<F> {
+    /// A point in its own units.
+    ///
+    /// * `conformities`: of nut and screw.
+    #[inline(always)]
+    pub fn new(sines: &Sines<F>, conformities: [F; 2], size: &ScaledSize<F>) -> Self {
+        let &Sines { sin_a, cos_a, sin_b, cos_b } = sines;
+        // Lengths in r_b, forces in F_a, speeds in W                      (P1)
+        let (arc, inertia_ratio) = (size.radius / cos_a, size.mass * size.radius);
+        let nut = Groove { member: Race::Nut, conformity: conformities[0] };
+        let screw = Groove { member: Race::Screw, conformity: conformities[1] };
+        let (nut, at_nut) = GrooveContact::of(&nut, sines.tan_a(), cos_b, size);
+        let (screw, at_screw) = GrooveContact::of(&screw, sines.tan_a(), cos_b, size);
+        let [least, infinity] = [arc.constant(f64::MIN_POSITIVE), arc.constant(f64::INFINITY)];
+        let regular = at_nut
+            & at_screw
+            & size.mass.gt(least)
+            & inertia_ratio.gt(least)
+            & inertia_ratio.lt(infinity);
+        let nut_speed = size.nut_speed;
+        let pressed = [nut, screw];
+        Self { sin_a, cos_a, sin_b, cos_b, arc, inertia_ratio, nut_speed, pressed, regular }
+    }
+
+    /// The same number at every point.
+    #[inline(always)]
+    pub fn constant(&self, x: f64) -> F {
+        self.arc.constant(x)
+    }
+
+    /// `$A_2 = (l_{A0} + l_{B0})\cos\beta_0$`.
+    #[inline(always)]
+    pub fn reach(&self) -> F {
+        (self.pressed[0].offset + self.pressed[1].offset) * self.cos_b
+    }
+
+    /// The contact at nut (0) or screw (1) of a load, with sine and cosine of its angle.
+    #[inline(always)]
+    pub fn loaded(&self, i: usize, load: F, angle: (F, F)) -> LoadedContact<F> {
+        let GrooveContact { offset, hertz, .. } = self.pressed[i];
+        LoadedContact::of((offset, hertz.compliance), load, angle)
+    }
+
+    /// Axial displacement of the nut.
+    #[inline(always)]
+    pub fn displacement(&self, [a, b]: &[LoadedContact<F>; 2]) -> F {
+        let both = self.pressed[0].offset + self.pressed[1].offset;
+        axial_displacement([a.length, b.length], [a.sin, b.sin], both * self.sin_b)
+    }
+
+    /// By how much the spin moment of the nut exceeds that of the screw, relative (W7).
+    #[inline(always)]
+    pub fn nut_excess(&self, [a, b]: &[LoadedContact<F>; 2]) -> F {
+        let [nut, screw] = [&self.pressed[0].hertz, &self.pressed[1].hertz];
+        let of_nut = a.load * a.growth * nut.semi_axis * nut.second_integral;
+        let of_screw = b.load * b.growth * screw.semi_axis * screw.second_integral;
+        excess_of_nut([of_nut, of_screw], a.cos * b.cos + a.sin * b.sin)
+    }
+}
+
+/// Friction power of a coefficient at two contacts, from their loads and slips; over an ellipse the slip is
+/// its integral by the load.
+#[inline(always)]
+pub fn friction_power<F: Field>(friction: F, loads: [F; 2], slips: [F; 2]) -> F {
+    // P_f = Σ f Q_c |V_c|, or Σ f Q ∫ dP                                  (R21), (P7)
+    friction * (loads[0] * slips[0] + loads[1] * slips[1])
+}
+
+/// By how much the spin friction moment of the nut exceeds that of the screw, relative (W7).
+///
+/// * `moments`: `$Q a E$` of both contacts. * `between`: `$\cos(\beta_A - \beta_B)$`.
+#[inline(always)]
+pub fn excess_of_nut<F: Field>(moments: [F; 2], between: F) -> F {
+    // Q_A a_A E_A cos(β_A − β_B) > Q_B a_B E_B                            (W7)
+    moments[0] * between / moments[1] - 1.0
+}

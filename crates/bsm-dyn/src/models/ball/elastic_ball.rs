@@ -1,0 +1,410 @@
+//! A ball between elastic races: inputs, units, and the state that belongs to loads and tilt.
+//!
+//! Theory: `docs/theory/06-elastic-contact.md`, equations (P1) to (P8).
+
+mod start;
+
+use std::f64::consts::FRAC_PI_2;
+
+use bsm_kin::{BallFrame, Contact, Helix, Motion, Over, Scalar, Site};
+use bsm_newton::EvalError;
+
+use super::ball_unknowns::BALL;
+use super::operating_point::{BallUnits, OperatingPoint};
+use super::sensitivity::Performance;
+use super::state::{BallState, ContactState, HertzContact, Transmission, in_frenet};
+use crate::contact::{
+    Ball, Curvatures, Groove, Hertz, Jones, Material, Race, Wrench, axial_force, contact_modulus,
+    efficiency, newton_euler, torque,
+};
+use crate::ellipse::{Ellipse, Integrate, Local, Nodes, pressed_radius, slip_scale};
+use crate::models::ball::ball_unknowns;
+use crate::outcome::{Direction, Reason, Unsolved};
+
+/// An operating point of a ball screw whose balls touch nut and screw at one elastic contact each.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ElasticPoint<D = f64> {
+    /// Geometry, friction, speeds and load.
+    pub point: OperatingPoint<D>,
+    /// Conformities of nut and screw, groove radius over ball diameter, above 1/2.
+    pub conformity: (D, D),
+    /// Elastic constants of races and ball.
+    pub material: (Material<D>, Material<D>),
+}
+
+impl<D: Scalar> ElasticPoint<D> {
+    /// Hertz contacts at nut and screw.
+    ///
+    /// # Errors
+    ///
+    /// [`Reason::CurvaturesNotHertzian`].
+    pub fn hertz(&self) -> Result<[Hertz<D>; 2], Reason> {
+        let modulus = contact_modulus(&self.material.0, &self.material.1);
+        let [nut, screw] = self.curvatures();
+        Ok([Hertz::of(&nut, modulus)?, Hertz::of(&screw, modulus)?])
+    }
+
+    /// Relative curvatures at nut and screw.
+    pub(crate) fn curvatures(&self) -> [Curvatures<D>; 2] {
+        let (r_m, r_b) = (self.point.helix.radius, self.point.ball.radius);
+        let (lead, beta) = (self.point.helix.lead_angle, self.point.contact_angle);
+        self.grooves().map(|groove| groove.curvatures(r_m, r_b, lead, beta))
+    }
+
+    /// The same screw without derivatives.
+    pub(crate) fn values(&self) -> ElasticPoint {
+        let material = |m: &Material<D>| Material {
+            youngs_modulus: m.youngs_modulus.re(),
+            poisson_ratio: m.poisson_ratio.re(),
+        };
+        ElasticPoint {
+            point: self.point.values(),
+            conformity: (self.conformity.0.re(), self.conformity.1.re()),
+            material: (material(&self.material.0), material(&self.material.1)),
+        }
+    }
+
+    pub(crate) fn grooves(&self) -> [Groove<D>; 2] {
+        [
+            Groove { member: Race::Nut, conformity: self.conformity.0 },
+            Groove { member: Race::Screw, conformity: self.conformity.1 },
+        ]
+    }
+
+    /// The point in units of ball radius, axial load per ball and relative speed (P1).
+    pub(crate) fn scaled(&self) -> Result<ElasticBall<D>, Unsolved> {
+        // Lengths in r_b, forces in F_a, speeds in W, Eq (R1)             (P1)
+        let BallUnits { helix, ball, nut_speed, direction } = self.point.in_own_units()?;
+        let hertz = self.hertz().map_err(Unsolved::invalid)?;
+        let (r_b, load) = (self.point.ball.radius, self.point.load.per_ball());
+        let one = D::from(1.0);
+        let [nut_offset, screw_offset] = self.grooves().map(|groove| groove.offset(one));
+        let reach = (nut_offset + screw_offset) * self.point.contact_angle.cos();
+        Ok(ElasticBall {
+            helix,
+            lead: helix.lead_angle.sin_cos(),
+            reach,
+            arc: helix.arc_length_per_radian(),
+            jones: Jones { nut_offset, screw_offset, contact_angle: self.point.contact_angle },
+            approach: hertz.map(|h| h.approach(load) / r_b),
+            semi_axes: hertz.map(|h| {
+                let (a, b) = h.semi_axes(load);
+                (a / r_b, b / r_b)
+            }),
+            pressed_radius: [
+                pressed_radius(self.conformity.0, one),
+                pressed_radius(self.conformity.1, one),
+            ],
+            friction: self.point.friction.0,
+            ball,
+            nut_speed,
+            direction,
+            hertz,
+        })
+    }
+}
+
+/// One operating point in scaled units.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ElasticBall<P = f64> {
+    /// Helix with radius `$r_m/r_b$`.
+    pub(crate) helix: Helix<P>,
+    /// Sine and cosine of its lead angle.
+    pub(crate) lead: (P, P),
+    /// `$A_2$` of (J2).
+    pub(crate) reach: P,
+    /// Arc length per radian of the helix.
+    pub(crate) arc: P,
+    /// Offsets of the groove arcs and unloaded contact angle.
+    pub(crate) jones: Jones<P>,
+    /// Approaches at nut and screw under the axial load.
+    pub(crate) approach: [P; 2],
+    /// Semi-axes at nut and screw under the axial load.
+    pub(crate) semi_axes: [(P, P); 2],
+    /// Radii of the pressed surfaces.
+    pub(crate) pressed_radius: [P; 2],
+    /// Coulomb coefficient.
+    pub(crate) friction: P,
+    /// Ball of radius 1 and mass `$m r_b W^2/F_a$`.
+    pub(crate) ball: Ball<P>,
+    /// Nut speed over `$W$`.
+    pub(crate) nut_speed: P,
+    /// Which side drives: the sign of `$W$`.
+    pub(crate) direction: Direction,
+    /// Contacts in SI units.
+    pub(crate) hertz: [Hertz<P>; 2],
+}
+
+/// Motion relative to nut and to screw of a motion relative to the nut; speeds over `$W$`.
+pub(crate) fn to_both<D: Scalar>(to_nut: &Motion<D>, frame: &BallFrame<D>) -> [Motion<D>; 2] {
+    [*to_nut, to_nut.relative_to(D::from(1.0), frame)]
+}
+
+/// What loads and tilt say about the two contacts.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BallLoads<D> {
+    /// Normal loads at nut and screw.
+    pub(crate) loads: [D; 2],
+    /// Half the difference of the contact angles \[rad\].
+    pub(crate) tilt: D,
+    /// Contact angles at nut and screw \[rad\].
+    pub(crate) angles: [D; 2],
+    /// Triad turned to the mean contact normal, or to the nut's (P8).
+    pub(crate) frame: BallFrame<D>,
+    /// Contacts at nut and screw.
+    pub(crate) contacts: [Contact<D>; 2],
+    /// Axial displacement of the nut.
+    pub(crate) displacement: D,
+}
+
+impl<P: Scalar> ElasticBall<P> {
+    /// What is against a slip, or the power it takes, of the same for a slip over `$W$`.
+    pub(crate) fn signed<D: Over<P>>(&self, size: D) -> D {
+        size * self.direction.sign()
+    }
+
+    /// Friction coefficient against a slip over `$W$`.
+    pub(crate) fn signed_friction(&self) -> P {
+        self.friction * self.direction.sign()
+    }
+
+    /// `$m r_m W^2/F_a$`, the size of the inertia forces.
+    pub(crate) fn inertia_ratio(&self) -> P {
+        self.ball.mass * self.helix.radius
+    }
+
+    /// Approaches over ball radius of loads over axial load (P2).
+    pub(crate) fn approaches<D: Over<P>>(&self, loads: [D; 2]) -> [D; 2] {
+        // δ = (Q/K_H)^{2/3}, Eq (H9)                                      (P2)
+        std::array::from_fn(|i| self.approach_of(i, loads[i]))
+    }
+
+    /// Approach over ball radius at nut (0) or screw (1) of a load over the axial load (P2).
+    pub(crate) fn approach_of<D: Over<P>>(&self, i: usize, load: D) -> D {
+        load.cbrt().square() * self.approach[i]
+    }
+
+    /// Contacts and displacement of two loads and a tilt (P2) to (P4).
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if a contact is lost.
+    pub(crate) fn loaded<D: Over<P>>(
+        &self,
+        loads: [D; 2],
+        tilt: D,
+    ) -> Result<BallLoads<D>, EvalError> {
+        let (jones, approaches) = self.pressed(loads)?;
+        let deformed = jones.deformed(approaches, tilt)?;
+        // β_A = β − ν,  β_B = β + ν                                       (P3)
+        let contacts = [Contact::tilted(Site::Nut, -tilt), Contact::tilted(Site::Screw, tilt)];
+        let frame = BallFrame::turned(D::from(self.helix.lead_angle), deformed.mean_angle);
+        let angles = [deformed.mean_angle - tilt, deformed.mean_angle + tilt];
+        let displacement = deformed.displacement.nut;
+        Ok(BallLoads { loads, tilt, angles, frame, contacts, displacement })
+    }
+
+    /// The same of two loads and the contact angle at the nut (P8).
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if a contact is lost.
+    pub(crate) fn loaded_at_nut<D: Over<P>>(
+        &self,
+        loads: [D; 2],
+        nut: D,
+    ) -> Result<BallLoads<D>, EvalError> {
+        let (jones, approaches) = self.pressed(loads)?;
+        let (screw, displacement) = jones.opposite(approaches, nut)?;
+        // The triad is turned to β_A, and B from there by β_B − β_A       (P8)
+        let frame = BallFrame::turned(D::from(self.helix.lead_angle), nut);
+        let contacts =
+            [Contact::tilted(Site::Nut, D::from(0.0)), Contact::tilted(Site::Screw, screw - nut)];
+        let (tilt, angles) = ((screw - nut) * 0.5, [nut, screw]);
+        Ok(BallLoads { loads, tilt, angles, frame, contacts, displacement: displacement.nut })
+    }
+
+    /// Groove arcs, and the approaches of two loads (P2).
+    fn pressed<D: Over<P>>(&self, loads: [D; 2]) -> Result<(Jones<D>, [D; 2]), EvalError> {
+        let least = loads[0].re().min(loads[1].re());
+        if least.is_nan() || least <= 0.0 {
+            return Err(EvalError {
+                quantity: "normal load of a contact over the axial load",
+                value: least,
+                requirement: "positive: the contact is lost",
+            });
+        }
+        let jones = Jones {
+            nut_offset: D::from(self.jones.nut_offset),
+            screw_offset: D::from(self.jones.screw_offset),
+            contact_angle: D::from(self.jones.contact_angle),
+        };
+        Ok((jones, self.approaches(loads)))
+    }
+
+    /// The same point with the inertia multiplied by `factor`.
+    pub(crate) fn with_inertia(&self, factor: f64) -> Self {
+        let ball = Ball { mass: self.ball.mass * factor, ..self.ball };
+        Self { ball, ..*self }
+    }
+
+    /// The same point with another friction.
+    pub(crate) fn with_friction(&self, friction: P) -> Self {
+        Self { friction, ..*self }
+    }
+
+    /// The seven equations (P5): force and moment balance in (t, N, e_x) of the loaded contacts, and
+    /// the axial load.
+    ///
+    /// * `motion`: absolute. * `wrenches`: of nut and screw on the ball.
+    pub(crate) fn balance<D: Over<P>>(
+        &self,
+        loaded: &BallLoads<D>,
+        motion: &Motion<D>,
+        wrenches: &[Wrench<D>; 2],
+    ) -> [D; BALL] {
+        let ball = Ball { radius: D::from(1.0), mass: D::from(self.ball.mass) };
+        let [nut, screw] = *wrenches;
+        let radius = D::from(self.helix.radius);
+        let left = newton_euler(&(nut + screw), &ball, radius, motion, &loaded.frame);
+        // Σ F − m r_m P² n = 0,  Σ M − P k × Iω = 0,  F_nut·k − F_a = 0   (P5)
+        ball_unknowns::rows(&left, axial_force(&nut.force, &loaded.frame) - 1.0)
+    }
+
+    /// Friction power over `$W$` of both ellipses at a motion relative to the nut (P7).
+    pub(crate) fn friction_power<D: Integrate<P>>(
+        &self,
+        loaded: &BallLoads<D>,
+        to_nut: &Motion<D>,
+        creep: f64,
+        nodes: [Nodes<'_>; 2],
+    ) -> D {
+        let motions = to_both(to_nut, &loaded.frame);
+        let [nut, screw] = [0, 1].map(|i| {
+            let local = Local::of(&motions[i], &loaded.contacts[i], D::from(self.arc));
+            let power = D::power(&self.ellipse(i, loaded), &local, creep, nodes[i]);
+            // P_f = Σ f Q ∫ dP                                            (P7)
+            loaded.loads[i] * self.signed_friction() * power
+        });
+        nut + screw
+    }
+
+    /// Absolute motion of a motion relative to the nut.
+    pub(crate) fn absolute<D: Over<P>>(
+        &self,
+        to_nut: &Motion<D>,
+        frame: &BallFrame<D>,
+    ) -> Motion<D> {
+        to_nut.relative_to(D::from(-self.nut_speed), frame)
+    }
+
+    /// Speed over `$r_b W$` of the ends of the longer ellipse under the axial load when the ball
+    /// turns against a race at `$W$`; 1 for ellipses shorter than the ball (T9).
+    pub(crate) fn slip_scale(&self) -> f64 {
+        slip_scale([0, 1].map(|i| self.semi_axes[i].0.re()), self.pressed_radius.map(|r| r.re()))
+    }
+
+    /// The loaded ellipse at nut (0) or screw (1) (P6).
+    pub(crate) fn ellipse<D: Over<P>>(&self, i: usize, loaded: &BallLoads<D>) -> Ellipse<D, P> {
+        // a ~ Q^{1/3}                                                     (P6)
+        let (load, (a, b)) = (loaded.loads[i], self.semi_axes[i]);
+        let growth = load.cbrt();
+        Ellipse {
+            contact: loaded.contacts[i],
+            load,
+            semi_axes: (growth * a, growth * b),
+            pressed_radius: self.pressed_radius[i],
+            ball_radius: P::from(1.0),
+        }
+    }
+}
+
+impl<D: Scalar> ElasticPoint<D> {
+    /// Torque on the screw from its scaled wrench on the ball.
+    pub(crate) fn screw_torque(
+        &self,
+        pair: &ElasticBall<D>,
+        frame: &BallFrame<D>,
+        screw: &Wrench<D>,
+    ) -> D {
+        torque(screw, pair.helix.radius, frame) * (self.point.ball.radius * self.point.load.axial)
+    }
+
+    /// Efficiency and torque of a scaled wrench of the screw on the ball.
+    pub(crate) fn transmitted(
+        &self,
+        pair: &ElasticBall<D>,
+        frame: &BallFrame<D>,
+        screw: &Wrench<D>,
+    ) -> Performance<D> {
+        let torque = self.screw_torque(pair, frame, screw);
+        let efficiency = efficiency(pair.direction.is_back(), self.point.ideal_torque(), torque);
+        Performance { efficiency, screw_torque: Some(torque) }
+    }
+}
+
+impl ElasticPoint {
+    /// The ball in SI units, of a state of the pair.
+    ///
+    /// A ball that has left its flanks is no result: at the bottom of the groove a gothic arch
+    /// touches with its other flank, and no groove reaches beyond the axial direction.
+    pub(crate) fn ball_state(
+        &self,
+        pair: &ElasticBall,
+        loaded: &BallLoads<f64>,
+        to_nut: &Motion<f64>,
+    ) -> Result<BallState, Unsolved> {
+        let angles @ [nut, screw] = loaded.angles;
+        if !angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle)) {
+            return Err(Unsolved::not_converged(Reason::BallLeavesFlank { nut, screw }));
+        }
+        let (w, r_b) = (self.point.drive.relative_speed(), self.point.ball.radius);
+        let motions = to_both(to_nut, &loaded.frame);
+        let approaches = pair.approaches(loaded.loads);
+        let [nut, screw] = std::array::from_fn(|i| {
+            let (contact, hertz, motion) = (&loaded.contacts[i], &pair.hertz[i], &motions[i]);
+            let load = loaded.loads[i] * self.point.load.per_ball();
+            let slip = motion.slip_velocity(pair.arc, &contact.point(1.0)) * (w * r_b);
+            let pressed = Some(HertzContact {
+                semi_axes: hertz.semi_axes(load),
+                max_pressure: hertz.max_pressure(load),
+                approach: approaches[i] * r_b,
+            });
+            let sliding = ContactState::sliding((angles[i], load), contact, motion, &slip, w);
+            ContactState { pressed, ..sliding }
+        });
+        Ok(BallState {
+            motion: Some(in_frenet(&pair.absolute(to_nut, &loaded.frame), &loaded.frame, w)),
+            nut,
+            screw,
+            minor: None,
+            axial_displacement: Some(loaded.displacement * r_b),
+        })
+    }
+
+    /// Torque, efficiency and powers of the wrench of the screw, and their balance against the
+    /// friction power; both scaled, the power over `$W$`.
+    pub(crate) fn transmission(
+        &self,
+        pair: &ElasticBall,
+        frame: &BallFrame<f64>,
+        screw: &Wrench<f64>,
+        friction_power: f64,
+    ) -> Result<Transmission, Unsolved> {
+        self.transmission_at(pair, torque(screw, pair.helix.radius, frame), friction_power)
+    }
+
+    /// The same of the scaled torque on the screw.
+    pub(crate) fn transmission_at(
+        &self,
+        pair: &ElasticBall,
+        torque: f64,
+        friction_power: f64,
+    ) -> Result<Transmission, Unsolved> {
+        let unit = self.point.ball.radius * self.point.load.axial;
+        let torque = torque * unit;
+        let speed = self.point.drive.relative_speed();
+        Transmission::of(pair.direction, self.point.ideal_torque(), torque, speed)
+            .balanced_against(friction_power * unit * speed)
+    }
+}

@@ -1,0 +1,514 @@
+//! The film between ball and race, the share of the load that asperities carry, and what rolling loses.
+//!
+//! Theory: `docs/theory/17-lubricant.md`, equations (Y6) to (Y9), (Y14) to (Y20).
+
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+
+use std::f64::consts::PI;
+
+use bsm_kin::{BallFrame, Contact, Field, FieldOver, Motion, Over, Scalar};
+use nalgebra::Vector3;
+
+use super::elastic_ball::{BallLoads, ElasticBall, ElasticPoint, to_both};
+use super::state::{RaceControl, SkidNumbers, SolveInfo};
+use crate::contact::{
+    Curvatures, Hertz, Lubricant, MixedFriction, OilState, Roughness, Wrench, contact_modulus,
+};
+use crate::ellipse::{Integrate, Local, Nodes, Quadrature, Rules};
+use crate::outcome::Unsolved;
+
+/// What a film depends on besides load and speed: the gap of one contact \[SI\]. Its powers are taken once.
+#[derive(Debug, Clone, Copy)]
+struct Gap<P> {
+    /// Radius along the track `$R_x = 1/\rho_t$`.
+    radius: P,
+    /// `$b/a$`.
+    flatness: P,
+    /// Semi-axis across the groove over the cube root of the load.
+    semi_axis: P,
+    /// Roughness of both surfaces together.
+    roughness: P,
+    /// `$U$` and `$W$` of (Y6) over speed and load.
+    rate: P,
+    weight: P,
+    /// `$L^{0.62}$` of (Y8) over `$U^{1.24}$`.
+    heat: P,
+    /// Film of (Y7) over `$U^{0.67}W^{-0.067}\varphi_T$`.
+    film: P,
+    /// `$M\,U_2^{3/4}/W$` of (Y17), what `$U_2^{-1/12}$` and one are multiplied with in (Y16), and all of it
+    /// over semi-axis, brackets and `$U_2^{3/4}$`.
+    elastic: P,
+    rigid: P,
+    flat: P,
+    rolling: P,
+}
+
+/// An operating point with its oil: what turns loads and speeds of a scaled point into films.
+#[derive(Debug, Clone, Copy)]
+pub struct EhlPoint<P = f64> {
+    lubricant: Lubricant<P>,
+    /// The oil at its temperature.
+    pub oil: OilState<P>,
+    gaps: [Gap<P>; 2],
+    pub(crate) units: EhlUnits<P>,
+}
+
+/// What the numbers of a scaled point are multiplied with \[SI\].
+#[derive(Debug, Clone, Copy)]
+pub struct EhlUnits<P = f64> {
+    /// Axial load of a ball `$F_a$`.
+    pub load: P,
+    /// `$r_b |W|$`.
+    pub speed: P,
+    /// Ball radius `$r_b$`.
+    pub length: P,
+}
+
+/// A film, scaled as the point is.
+#[derive(Debug, Clone, Copy)]
+pub struct ScaledFilm<D> {
+    /// Entrainment, signed along the track.
+    pub along: D,
+    /// Its size, with the creep speed.
+    pub entrainment: D,
+    /// Thickness \[m\].
+    pub thickness: D,
+    /// Its power of the entrainment here.
+    pub(crate) growth: D,
+    /// Thickness over the roughness.
+    pub ratio: D,
+    /// Friction at its points.
+    pub law: MixedFriction<D>,
+    /// Force of the oil `$F_R$`.
+    pub(crate) force: D,
+    /// Couple of all that rolling loses `$C$`.
+    pub couple: D,
+    /// `$2 R_x/r_b - 1$`.
+    lever: D,
+}
+
+impl<P: Field> EhlPoint<P> {
+    /// Contacts at nut and screw with their oil.
+    ///
+    /// * `kelvin`: temperature of the oil. * `curvatures` \[1/m\], `hertz`: by the load \[N\].
+    /// * `modulus`: `$E^*$` of the contacts \[Pa\].
+    #[inline(always)]
+    pub fn of(
+        lubricant: &Lubricant<P>,
+        kelvin: P,
+        (curvatures, hertz): (&[Curvatures<P>; 2], &[Hertz<P>; 2]),
+        modulus: P,
+        units: EhlUnits<P>,
+    ) -> Self {
+        let oil = lubricant.oil.at(kelvin);
+        let Roughness { nut, screw, .. } = lubricant.roughness;
+        let of = (lubricant, &oil, modulus * 2.0);
+        let gaps = [
+            Gap::of(of, &curvatures[0], &hertz[0], nut),
+            Gap::of(of, &curvatures[1], &hertz[1], screw),
+        ];
+        Self { lubricant: *lubricant, oil, gaps, units }
+    }
+
+    /// The film of a load and a motion in the axes of the contact.
+    ///
+    /// * `[rate, speed, around]`: precession, speed of the centre along `$t$` and angular velocity about
+    ///   `$t \times N$`, relative to the race. * `k_c`: `$k \cdot (t \times N)$`.
+    #[inline(always)]
+    pub fn of_motion<D: FieldOver<P>>(
+        &self,
+        i: usize,
+        load: D,
+        [rate, speed, around]: [D; 3],
+        k_c: D,
+        creep: f64,
+    ) -> ScaledFilm<D> {
+        // u_t = ½ [ω_c − P (d + 2 k_c)]                                   (Y14)
+        let along = (around - speed) * 0.5 - rate * k_c;
+        self.of_speed(i, load, along, creep)
+    }
+
+    /// The film of a load and an entrainment along the track.
+    #[inline(always)]
+    fn of_speed<D: FieldOver<P>>(&self, i: usize, load: D, along: D, creep: f64) -> ScaledFilm<D> {
+        let (Self { lubricant, oil, units, .. }, gap) = (self, &self.gaps[i]);
+        // u = √(u_t² + v_e²)                                              (Y14)
+        let entrainment = (along.square() + creep * creep).sqrt();
+        let (speed, force) = (entrainment * units.speed, load * units.load);
+        let zero = load.constant(0.0);
+        // U = η u/(E' R_x),  W = Q/(E' R_x²)                              (Y6)
+        let (log_rate, weight) = ((speed * gap.rate).ln(), force * gap.weight);
+        // φ_T = 1/(1 + 0.254 L^0.62)                                      (Y8)
+        let heat = (log_rate * (2.0 * 0.62)).exp() * gap.heat;
+        let heating = (heat * 0.254 + 1.0).recip();
+        // h ~ U^0.67 W^−0.067 φ_T                                         (Y7)
+        let thickness = (log_rate * 0.67 - weight.ln() * 0.067).exp() * gap.film * heating;
+        // λ = h/√(R_q,ball² + R_q,race²),  ξ = e^{−1.4λ}                  (Y9)
+        let ratio = thickness * gap.roughness.recip();
+        let share = (ratio * -1.4).exp();
+        let semi_axis = force.cbrt() * gap.semi_axis;
+        let short = semi_axis * gap.flatness;
+        let max_pressure = force * 1.5 / (semi_axis * short * PI);
+        let law = MixedFriction::of(
+            (oil, lubricant.oil.limiting_shear, lubricant.boundary_friction),
+            (thickness, share, max_pressure),
+            units.speed,
+        );
+        let rolling = gap.rolling_force(log_rate, weight, semi_axis) * heating;
+        // C = 2 F_R R_x + (3/16) c_h Q b                                  (Y18)
+        let couple =
+            rolling * gap.radius * 2.0 + force * short * lubricant.hysteresis_loss * (3.0 / 16.0);
+        ScaledFilm {
+            along,
+            entrainment,
+            thickness,
+            growth: -(-heating + 1.0) * 1.24 + 0.67,
+            ratio,
+            law,
+            force: rolling * units.load.recip(),
+            couple: couple * (units.load * units.length).recip(),
+            lever: zero + (gap.radius * 2.0 / units.length - 1.0),
+        }
+    }
+}
+
+impl EhlPoint {
+    /// How far the load deforms the inlet at nut (0) or screw (1), `$M$` (Y17).
+    ///
+    /// * `load`: scaled as the point is.
+    pub(crate) fn elasticity(&self, i: usize, load: f64, film: &ScaledFilm<f64>) -> f64 {
+        let gap = &self.gaps[i];
+        let root = (2.0 * film.entrainment * self.units.speed * gap.rate).powf(0.75);
+        gap.elasticity(root, load * self.units.load * gap.weight)
+    }
+}
+
+impl<P: Scalar> EhlPoint<P> {
+    /// A point with its oil at a temperature \[K\].
+    pub(crate) fn new(
+        screw: &ElasticPoint<P>,
+        lubricant: &Lubricant<P>,
+        temperature: P,
+    ) -> Result<Self, Unsolved> {
+        let hertz = screw.hertz().map_err(Unsolved::invalid)?;
+        let relative = screw.point.drive.relative_speed();
+        let length = screw.point.ball.radius;
+        let units = EhlUnits {
+            load: screw.point.load.per_ball(),
+            speed: length * relative * relative.re().signum(),
+            length,
+        };
+        let modulus = contact_modulus(&screw.material.0, &screw.material.1);
+        Ok(Self::of(lubricant, temperature, (&screw.curvatures(), &hertz), modulus, units))
+    }
+
+    /// The film at nut (0) or screw (1).
+    ///
+    /// * `motion`: relative to the race. * `load`, `arc`, `creep`: scaled as the point is.
+    pub(crate) fn film<D: Over<P>>(
+        &self,
+        i: usize,
+        (contact, load): (&Contact<D>, D),
+        motion: &Motion<D>,
+        frame: &BallFrame<D>,
+        (arc, creep): (P, f64),
+    ) -> ScaledFilm<D> {
+        self.of_speed(i, load, entrainment(contact, motion, frame, D::from(arc)), creep)
+    }
+}
+
+impl<P: Field> Gap<P> {
+    /// * `modulus`: `$E' = 2 E^*$`. * `race`: roughness of the groove.
+    #[inline(always)]
+    fn of(
+        (lubricant, oil, modulus): (&Lubricant<P>, &OilState<P>, P),
+        curvatures: &Curvatures<P>,
+        hertz: &Hertz<P>,
+        race: P,
+    ) -> Self {
+        let Hertz { flatness, semi_axis, second_integral, .. } = *hertz;
+        let radius = curvatures.along.recip();
+        // U = η u/(E' R_x),  G = α E',  W = Q/(E' R_x²)                   (Y6)
+        let rate = oil.viscosity / (modulus * radius);
+        let stiffening = (oil.pressure_viscosity * modulus).powf(0.53);
+        // h = 2.69 R_x U^0.67 G^0.53 W^−0.067 (1 − 0.61 e^{−0.73κ}) φ_T φ_s  (Y7)
+        let shape = -(flatness.recip() * -0.73).exp() * 0.61 + 1.0;
+        // B = (4/π) E(m)/(1 + ρ_x/ρ_t)                                    (Y15)
+        let inlet = second_integral * (4.0 / PI) / (curvatures.across / curvatures.along + 1.0);
+        let log_inlet = inlet.ln();
+        // L = η β u²/k                                                    (Y8)
+        let conductivity = lubricant.oil.base.conductivity();
+        let heat = oil.viscosity * oil.thinning * conductivity.recip() / rate.square();
+        Self {
+            radius,
+            flatness,
+            semi_axis,
+            roughness: (lubricant.roughness.ball.square() + race.square()).sqrt(),
+            rate,
+            weight: (modulus * radius.square()).recip(),
+            heat: heat.powf(0.62),
+            film: radius * stiffening * shape * lubricant.film_factor * 2.69,
+            // B^{1/4} k of M                                              (Y17)
+            elastic: (log_inlet * 0.25).exp() * flatness,
+            // 0.77 B^{−1/3} k^0.12 U₂^{−1/12},  c = 1.8 B^{−1/4}          (Y16)
+            rigid: (flatness.ln() * 0.12 - log_inlet * (1.0 / 3.0)).exp() * 0.77,
+            flat: (log_inlet * -0.25).exp() * 1.8,
+            rolling: radius * modulus * lubricant.rolling_factor * lubricant.film_factor * 2.0,
+        }
+    }
+
+    /// How far the load deforms the inlet, `$M$` (Y17).
+    ///
+    /// * `root`: `$U_2^{3/4}$`. * `weight`: `$W$`.
+    #[inline(always)]
+    fn elasticity<D: FieldOver<P>>(&self, root: D, weight: D) -> D {
+        // M = B^{1/4} k W U₂^{−3/4}                                       (Y17)
+        weight * self.elastic / root
+    }
+
+    /// Force that presses the oil through the inlet, without heating \[N\] (Y16).
+    ///
+    /// Source: Biboulet and Houpert (2010), part 2, point contacts from rigid to elastic.
+    #[inline(always)]
+    fn rolling_force<D: FieldOver<P>>(&self, log_rate: D, weight: D, semi_axis: D) -> D {
+        // U₂ = 2 η u/(E' R_x)                                             (Y17)
+        let log = log_rate + std::f64::consts::LN_2;
+        let root = (log * 0.75).exp();
+        let elastic = self.elasticity(root, weight);
+        // F_R = c_R φ_s φ_T E' R_x² (2a/R_x) [(0.77 B^{−1/3} k^0.12 U₂^{−1/12} − c)/(1 + M/6.6) + c] U₂^{3/4}  (Y16)
+        let rigid = (log * (-1.0 / 12.0)).exp() * self.rigid;
+        let both = (rigid - self.flat) / (elastic * 6.6_f64.recip() + 1.0) + self.flat;
+        semi_axis * both * root * self.rolling
+    }
+}
+
+/// What ball and race do to each other besides the normal load; scaled as the point is.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct EhlLoss<D> {
+    pub(crate) film: ScaledFilm<D>,
+    /// Friction and rolling resistance on the ball.
+    pub(crate) wrench: Wrench<D>,
+    /// Power over `$W$` that sliding takes, with the derivatives of constants only, and rolling.
+    pub(crate) sliding: D,
+    pub(crate) rolling: D,
+}
+
+impl<P: Scalar> EhlPoint<P> {
+    /// Friction and rolling resistance at nut (0) or screw (1).
+    ///
+    /// * `motion`: relative to the race.
+    pub(crate) fn loss<D: Integrate<P>>(
+        &self,
+        i: usize,
+        (pair, loaded): (&ElasticBall<P>, &BallLoads<D>),
+        motion: &Motion<D>,
+        creep: f64,
+        nodes: Nodes<'_>,
+    ) -> EhlLoss<D> {
+        let (contact, load) = (&loaded.contacts[i], loaded.loads[i]);
+        let loss = self.loss_of(i, (pair, loaded), motion, creep, D::from(0.0));
+        let local = Local::of(motion, contact, D::from(pair.arc));
+        let law = &loss.film.law;
+        let (unit, power) = D::lubricated(&pair.ellipse(i, loaded), &local, law, creep, nodes);
+        let wrench = unit.wrench(contact) * pair.signed(load) + loss.wrench;
+        EhlLoss { wrench, sliding: pair.signed(power * load), ..loss }
+    }
+
+    /// The same with one coefficient for all points, at the mean of pressure and slip that the load
+    /// sees (Y23), and without the wrench of friction.
+    ///
+    /// * `unit`: power over `$W$` of a coefficient of one.
+    pub(crate) fn mean_loss<D: Over<P>>(
+        &self,
+        i: usize,
+        of: (&ElasticBall<P>, &BallLoads<D>),
+        motion: &Motion<D>,
+        creep: f64,
+        unit: D,
+    ) -> EhlLoss<D> {
+        let loss = self.loss_of(i, of, motion, creep, unit);
+        let mean = loss.film.mean_friction(of.0.signed(unit / of.1.loads[i]));
+        EhlLoss { sliding: mean * unit, ..loss }
+    }
+
+    /// Film and rolling resistance, without the wrench of friction.
+    ///
+    /// * `sliding`: power over `$W$` that sliding takes.
+    pub(crate) fn loss_of<D: Over<P>>(
+        &self,
+        i: usize,
+        (pair, loaded): (&ElasticBall<P>, &BallLoads<D>),
+        motion: &Motion<D>,
+        creep: f64,
+        sliding: D,
+    ) -> EhlLoss<D> {
+        let (contact, load) = (&loaded.contacts[i], loaded.loads[i]);
+        let film = self.film(i, (contact, load), motion, &loaded.frame, (pair.arc, creep));
+        let resistance = film.resistance(contact, motion, creep);
+        EhlLoss {
+            film,
+            wrench: resistance.wrench(contact) * pair.signed(D::from(1.0)),
+            sliding,
+            rolling: pair.signed(resistance.power(contact, motion, D::from(pair.arc))),
+        }
+    }
+}
+
+/// Mean speed of both surfaces along the track, as the contact sees them (Y14).
+///
+/// * `motion`: relative to the race.
+fn entrainment<D: Scalar>(
+    contact: &Contact<D>,
+    motion: &Motion<D>,
+    frame: &BallFrame<D>,
+    arc: D,
+) -> D {
+    let point = contact.point(D::from(1.0));
+    let ball = (motion.omega - frame.k * motion.precession).cross(&point).x;
+    let race = motion.precession * (arc + frame.k.cross(&point).x);
+    // u_t = ½ {[(ω − P k) × r]·t − (P − Ω_i)[d + (k × r)·t]}              (Y14)
+    (ball - race) * 0.5
+}
+
+/// What rolling costs at a contact: a force at its centre, and a couple.
+pub(crate) struct Resistance<D> {
+    force: Vector3<D>,
+    couple: Vector3<D>,
+}
+
+impl<D: Field> ScaledFilm<D> {
+    /// The coefficient of the whole contact, at the mean of pressure and slip that the load sees (Y23).
+    ///
+    /// * `slip`: `$\int|v|\,dQ/Q$` over `$W$`.
+    #[inline(always)]
+    pub fn mean_friction(&self, slip: D) -> D {
+        // μ = μ(¾ p_max, ∫|v| dQ/Q)                                       (Y23)
+        self.law.at(slip.constant(0.75), slip)
+    }
+
+    /// Force of rolling resistance along `$t$` at the centre of the contact, and its couple about `$t \times N$`.
+    ///
+    /// * `across`: angular velocity about `$t \times N$`, relative to the race.
+    #[inline(always)]
+    pub fn resist(&self, across: D, creep: f64) -> [D; 2] {
+        // F_h = (2 R_x/r_b − 1) F_R (u_t/u) t                             (Y19)
+        let push = self.lever * self.force * self.along / self.entrainment;
+        // C_h = −C ω_x/√(ω_x² + (v_e/r_b)²) e_x                           (Y20)
+        let twist = self.couple * across / (across.square() + creep * creep).sqrt();
+        [push, -twist]
+    }
+
+    /// Power that rolling resistance takes.
+    ///
+    /// * `speed`, `around`: as in [`EhlPoint::of_motion`].
+    #[inline(always)]
+    pub fn resisted([push, couple]: [D; 2], speed: D, around: D) -> D {
+        // P_r = −F_h·v_c − C_h·(ω − Ω_i k)                                (Y21)
+        -(push * (speed + around)) - couple * around
+    }
+}
+
+impl<D: Scalar> ScaledFilm<D> {
+    /// Rolling resistance on the ball.
+    ///
+    /// * `motion`: relative to the race.
+    pub(crate) fn resistance(
+        &self,
+        contact: &Contact<D>,
+        motion: &Motion<D>,
+        creep: f64,
+    ) -> Resistance<D> {
+        let [push, couple] = self.resist(motion.omega.dot(&contact.across), creep);
+        Resistance { force: BallFrame::tangent() * push, couple: contact.across * couple }
+    }
+}
+
+impl<D: Scalar> Resistance<D> {
+    /// As a wrench about the ball centre.
+    pub(crate) fn wrench(&self, contact: &Contact<D>) -> Wrench<D> {
+        let moment = contact.point(D::from(1.0)).cross(&self.force) + self.couple;
+        Wrench { force: self.force, moment }
+    }
+
+    /// Power that it takes.
+    pub(crate) fn power(&self, contact: &Contact<D>, motion: &Motion<D>, arc: D) -> D {
+        let slip = motion.slip_velocity(arc, &contact.point(D::from(1.0)));
+        // P_r = −F_h·v_c − C_h·(ω − Ω_i k)                                (Y21)
+        -self.force.dot(&slip) - self.couple.dot(&motion.omega)
+    }
+}
+
+/// Memory of the solves.
+#[derive(Default)]
+pub struct LubricatedWorkspace {
+    pub(crate) oil: Rules,
+    pub(crate) dry: Rules,
+}
+
+impl LubricatedWorkspace {
+    /// The rules of an accuracy, of an oil and of a constant coefficient.
+    pub(crate) fn both(&mut self, accuracy: f64) -> [&Quadrature; 2] {
+        let ([[oil, _]], [[dry, _]]) = (self.oil.of_oil([accuracy]), self.dry.dry([accuracy]));
+        [oil, dry]
+    }
+}
+
+/// A lubricated ball in steady motion; scaled as the point is, but for the torque.
+pub(crate) struct Steady<D = f64> {
+    pub(crate) loaded: BallLoads<D>,
+    pub(crate) to_nut: Motion<D>,
+    /// At nut and screw.
+    pub(crate) losses: [EhlLoss<D>; 2],
+    /// Torque on the screw by the contacts \[N·m\].
+    pub(crate) torque: D,
+}
+
+/// How it was found.
+pub(crate) struct SteadyRoot {
+    pub(crate) pair: ElasticBall,
+    pub(crate) steady: Steady,
+    /// Sliding powers of a friction coefficient of one.
+    pub(crate) unit: [f64; 2],
+    pub(crate) skid: SkidNumbers,
+    pub(crate) info: SolveInfo,
+    pub(crate) control: Option<RaceControl>,
+    /// What the quadrature may leave in the efficiency, if it is told (T25).
+    pub(crate) error: Option<f64>,
+}
+
+impl EhlPoint {
+    /// The larger friction coefficient of nut and screw if the oil bore all that it can.
+    pub(crate) fn friction_scale(
+        &self,
+        pair: &ElasticBall,
+        loaded: &BallLoads<f64>,
+        to_nut: &Motion<f64>,
+        creep: f64,
+    ) -> f64 {
+        let motions = to_both(to_nut, &loaded.frame);
+        let [nut, screw] = [0, 1].map(|i| {
+            let at = (&loaded.contacts[i], loaded.loads[i]);
+            self.film(i, at, &motions[i], &loaded.frame, (pair.arc, creep)).law.most()
+        });
+        nut.max(screw)
+    }
+}
+
+/// Sliding powers over `$W$` of a friction coefficient of one at nut and screw.
+pub(crate) fn unit_powers<P: Scalar, D: Integrate<P>>(
+    pair: &ElasticBall<P>,
+    loaded: &BallLoads<D>,
+    to_nut: &Motion<D>,
+    creep: f64,
+    nodes: [Nodes<'_>; 2],
+) -> [D; 2] {
+    let motions = to_both(to_nut, &loaded.frame);
+    std::array::from_fn(|i| {
+        let local = Local::of(&motions[i], &loaded.contacts[i], D::from(pair.arc));
+        let power = D::power(&pair.ellipse(i, loaded), &local, creep, nodes[i]);
+        pair.signed(loaded.loads[i] * power)
+    })
+}

@@ -1,0 +1,108 @@
+//! What every model of one ball takes: geometry, friction, speeds and load.
+//!
+//! Theory: `docs/theory/04-rigid.md`, equation (R1).
+
+use bsm_kin::{Drive, Helix, Scalar};
+use bsm_simd::Compare;
+
+use crate::contact::{Ball, Coulomb, Load, ideal_torque};
+use crate::outcome::{Direction, Reason, Unsolved};
+
+/// Inertia ratios whose squares and ratios to loads double precision has room for. The extremes of
+/// practice and far beyond are between 1e-45 and 1e20.
+const INERTIA: [f64; 2] = [1e-100, 1e28];
+
+/// Friction below this is none: it would drown in the rounding of the loads.
+const LEAST_FRICTION: f64 = 1e-12;
+
+/// Where a model of friction and inertia takes these, for one point or for several side by side.
+///
+/// * `inertia_ratio`: `$\mu = m r_m W^2/F_a$`.
+#[expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+#[inline(always)]
+pub fn takes<F: Compare>(friction: F, inertia_ratio: F) -> F::Mask {
+    let [least, most] = INERTIA;
+    friction.constant(LEAST_FRICTION).le(friction)
+        & friction.constant(least).le(inertia_ratio)
+        & inertia_ratio.le(friction.constant(most))
+}
+
+/// A ball screw at an operating point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OperatingPoint<D = f64> {
+    /// Helix of the ball centres.
+    pub helix: Helix<D>,
+    /// Unloaded contact angle \[rad\], in (0, π/2).
+    pub contact_angle: D,
+    /// The ball.
+    pub ball: Ball<D>,
+    /// Friction, positive where it takes part in the balance.
+    pub friction: Coulomb<D>,
+    /// Speeds of screw and nut.
+    pub drive: Drive<D>,
+    /// Load on the balls.
+    pub load: Load<D>,
+}
+
+/// An operating point in units of ball radius, axial load per ball and relative speed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BallUnits<D> {
+    /// Helix with radius `$r_m/r_b$`.
+    pub(crate) helix: Helix<D>,
+    /// Ball of radius 1 and mass `$m r_b W^2/F_a$`.
+    pub(crate) ball: Ball<D>,
+    /// Nut speed over `$W$`.
+    pub(crate) nut_speed: D,
+    /// Which side drives: the sign of `$W$`.
+    pub(crate) direction: Direction,
+}
+
+impl<D: Scalar> OperatingPoint<D> {
+    /// The same point without derivatives.
+    pub(crate) fn values(&self) -> OperatingPoint {
+        let Self { helix, ball, drive, load, .. } = self;
+        OperatingPoint {
+            helix: Helix { radius: helix.radius.re(), lead_angle: helix.lead_angle.re() },
+            contact_angle: self.contact_angle.re(),
+            ball: Ball { radius: ball.radius.re(), mass: ball.mass.re() },
+            friction: Coulomb(self.friction.0.re()),
+            drive: Drive { screw_speed: drive.screw_speed.re(), nut_speed: drive.nut_speed.re() },
+            load: Load { axial: load.axial.re(), balls: load.balls.re() },
+        }
+    }
+
+    /// Refuses a point without friction, for models in which friction takes part in the balance.
+    pub(crate) fn require_friction(&self) -> Result<(), Unsolved> {
+        if self.friction.0.re() < LEAST_FRICTION {
+            return Err(Unsolved::invalid(Reason::Frictionless));
+        }
+        Ok(())
+    }
+
+    /// The point in its own units (R1).
+    ///
+    /// # Errors
+    ///
+    /// [`Reason::NoRelativeSpeed`], [`Reason::InertiaOutOfRange`].
+    pub(crate) fn in_own_units(&self) -> Result<BallUnits<D>, Unsolved> {
+        let Self { helix, ball, drive, load, .. } = self;
+        let w = drive.relative_speed();
+        let direction = Direction::of(w.re()).ok_or(Unsolved::invalid(Reason::NoRelativeSpeed))?;
+        let helix = Helix { radius: helix.radius / ball.radius, ..*helix };
+        let mass = ball.scaled_mass(w, load.per_ball());
+        let nut_speed = drive.nut_speed / w;
+        let inertia_ratio = (mass * helix.radius).re();
+        if !(INERTIA[0]..=INERTIA[1]).contains(&inertia_ratio) || !nut_speed.re().is_finite() {
+            return Err(Unsolved::invalid(Reason::InertiaOutOfRange { inertia_ratio }));
+        }
+        Ok(BallUnits { helix, ball: Ball { radius: D::from(1.0), mass }, nut_speed, direction })
+    }
+
+    /// Torque of the frictionless screw.
+    pub(crate) fn ideal_torque(&self) -> D {
+        ideal_torque(self.load.axial, self.helix.radius, self.helix.lead_angle.tan())
+    }
+}

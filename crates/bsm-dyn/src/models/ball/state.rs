@@ -1,0 +1,397 @@
+//! The answer of a model: the state of the ball, what the screw transmits, and how it was found.
+//!
+//! SI units and radians. Loads are per ball, torque and powers of all loaded balls together.
+
+use bsm_kin::{BallFrame, Contact, Field, Motion, Site};
+use bsm_simd::Compare;
+use nalgebra::Vector3;
+
+use crate::contact::{FilmState, POWER_BALANCE_TOL, Power, efficiency};
+use crate::outcome::{Control, Direction, Reason, Unsolved};
+
+/// What a model says of the steady ball.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BallState {
+    /// Absolute motion in the Frenet-Serret triad `(t, n, b)` \[rad/s\]; none where the model fixes
+    /// no motion.
+    pub motion: Option<Motion<f64>>,
+    /// Contact with the loaded flank of the nut.
+    pub nut: ContactState,
+    /// Contact with the loaded flank of the screw.
+    pub screw: ContactState,
+    /// Minor contact with the opposite flank of the nut, of models that have it.
+    pub minor: Option<ContactState>,
+    /// Displacement of the nut in the normal plane \[m\], of elastic contacts.
+    pub axial_displacement: Option<f64>,
+}
+
+/// One contact of the steady ball.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactState {
+    /// Contact angle \[rad\].
+    pub angle: f64,
+    /// Normal load \[N\]; none where the load on the screw is not given.
+    pub load: Option<f64>,
+    /// Direction of friction on the ball \[rad\].
+    pub slip_angle: Option<f64>,
+    /// Slip at the contact centre and spin, of models with a motion.
+    pub slip: Option<Slip>,
+    /// The pressed surface, of elastic contacts.
+    pub pressed: Option<HertzContact>,
+}
+
+/// Velocities of the ball against the body at a contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slip {
+    /// Slip speed at the contact centre \[m/s\].
+    pub speed: f64,
+    /// Spin about the contact normal \[rad/s\].
+    pub spin: f64,
+}
+
+/// A Hertz contact under load.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HertzContact {
+    /// Semi-axes of the ellipse across and along the groove \[m\].
+    pub semi_axes: (f64, f64),
+    /// Largest pressure \[Pa\].
+    pub max_pressure: f64,
+    /// Elastic approach \[m\].
+    pub approach: f64,
+}
+
+/// What the screw makes of the power put in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transmission {
+    /// Power out over power in; negative: self-locking.
+    pub efficiency: f64,
+    /// True if friction holds the screw in this direction.
+    pub self_locking: bool,
+    /// Torque on the screw that holds the steady state \[N·m\].
+    pub screw_torque: Option<f64>,
+    /// Powers \[W\], where the speed is given.
+    pub power: Option<Power>,
+    /// Relative violation of the power balance (B10), of models with a balance of forces.
+    pub power_balance: Option<f64>,
+}
+
+/// Where a ball is between gripping and skidding.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SkidNumbers {
+    /// Gyroscopic over friction moment of the gripping motion (W9); none without friction.
+    pub skid_number: Option<f64>,
+    /// The slip across the grooves that the lead forces, over the slip of spin (W10); none without
+    /// spin.
+    pub cross_slip: Option<f64>,
+}
+
+impl SkidNumbers {
+    pub(crate) fn new(skid_number: f64, cross_slip: f64) -> Self {
+        let finite = |x: f64| x.is_finite().then_some(x);
+        Self { skid_number: finite(skid_number), cross_slip: finite(cross_slip) }
+    }
+
+    /// Skid number of a ball whose friction is already spent on the slip of the lead (W11): below
+    /// 0.1 the ball grips, above 2 friction is nearly saturated.
+    pub fn onset_number(&self) -> Option<f64> {
+        Some(onset_number(self.skid_number?, self.cross_slip?))
+    }
+
+    /// What the ball does.
+    pub fn regime(&self) -> Option<SlipRegime> {
+        self.onset_number().map(SlipRegime::of)
+    }
+}
+
+/// How a root was found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SolveInfo {
+    /// Newton steps.
+    pub steps: usize,
+    /// Scaled residual.
+    pub residual: f64,
+}
+
+/// The answer of a model that has one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solved {
+    /// The ball.
+    pub ball: BallState,
+    /// Torque and powers.
+    pub transmission: Transmission,
+    /// Between gripping and skidding, of models that tell.
+    pub skid: Option<SkidNumbers>,
+    /// How it was found, unless in closed form.
+    pub info: Option<SolveInfo>,
+    /// The race at which the ball does not spin, of raceway control.
+    pub control: Option<RaceControl>,
+    /// Other admissible solutions that are known; none where none was looked for.
+    pub others: Option<Alternatives>,
+    /// Bound of the error: of the quadrature in model traction, against model traction in the choice by
+    /// error bounds.
+    pub error: Option<ErrorBound>,
+    /// Of a lubricated ball.
+    pub film: Option<FilmState>,
+}
+
+/// How far an answer may be off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorBound {
+    /// Of the efficiency.
+    pub efficiency: f64,
+    /// Of the power that is lost, relative to that of the answer; none above [`MOST_LOSS_ERROR`].
+    pub loss: Option<f64>,
+}
+
+impl ErrorBound {
+    /// Of an efficiency and the bound of its error; the load on the screw or on the nut is given,
+    /// whichever is not driven.
+    pub(crate) fn of(direction: Direction, efficiency: f64, bound: f64) -> Self {
+        let loss = loss_error(direction == Direction::LinearToRotary, efficiency, bound);
+        Self { efficiency: bound, loss: Some(loss).filter(|loss| *loss <= MOST_LOSS_ERROR) }
+    }
+}
+
+/// Largest relative error of a lost power that is stated: beyond, it may be off by factors.
+pub const MOST_LOSS_ERROR: f64 = 0.5;
+
+/// Bound of the error of an efficiency by integration over the contact ellipses (T25).
+///
+/// * `difference`: to the efficiency of another quadrature. * `accuracy`: of the one that was taken.
+#[expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+#[inline(always)]
+pub fn quadrature_error<F: Compare>(difference: F, accuracy: f64) -> F {
+    // δη = max(20 |η'(y') − η(y)|, ε/200, 10⁻⁹)                           (T25)
+    (difference.abs() * 20.0).larger(difference.constant((accuracy / 200.0).max(1e-9)))
+}
+
+/// Skid number of a ball whose friction is already spent on the slip of the lead, see
+/// [`SkidNumbers::onset_number`] (W11).
+#[expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+#[inline(always)]
+pub fn onset_number<F: Field>(skid_number: F, cross_slip: F) -> F {
+    // S = G √(1 + χ²)                                                     (W11)
+    skid_number * (cross_slip.square() + 1.0).sqrt()
+}
+
+/// Direction of a friction force on the ball \[rad\] from its parts across the groove and along the helix; see
+/// [`Contact::slip_angle`].
+#[expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+#[inline(always)]
+pub fn friction_angle<F: Compare>([across, along]: [F; 2]) -> F {
+    along.zip(across, f64::atan2)
+}
+
+/// Error of the power that is lost, relative to it; not finite where the error may be all of the efficiency.
+///
+/// * `back`: where the load drives.
+/// * `bound`: of the error of the efficiency.
+#[expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+#[inline(always)]
+pub fn loss_error<F: Compare>(back: F::Mask, efficiency: F, bound: F) -> F {
+    // P_f/P_out = 1/η − 1 of a drive, P_f/P_in = 1 − η of a load that drives:
+    // δP_f/P_f = δη/[(η − δη) (1 − η)] or δη/(1 − η)                      (A7)
+    let (zero, one) = (bound.constant(0.0), bound.constant(1.0));
+    let least = F::select(back, one, zero.larger(efficiency - bound));
+    bound / (least * (one - efficiency).abs())
+}
+
+/// The race at which the ball does not spin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RaceControl {
+    /// The race.
+    pub race: Control,
+    /// True if the decision (W7), asked at this solution, names that race; none if it was given.
+    pub consistent: Option<bool>,
+}
+
+/// Other admissible solutions of the same equations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Alternatives {
+    /// How many.
+    pub count: usize,
+    /// Efficiency of the one of them that differs most.
+    pub farthest_efficiency: Option<f64>,
+}
+
+impl Solved {
+    /// A ball and what the screw transmits, and nothing else.
+    pub(crate) fn new(ball: &BallState, transmission: Transmission) -> Self {
+        Self {
+            ball: *ball,
+            transmission,
+            skid: None,
+            info: None,
+            control: None,
+            others: None,
+            error: None,
+            film: None,
+        }
+    }
+
+    /// The same, with what is known of other solutions.
+    pub(crate) fn among(self, others: impl Iterator<Item = Self>) -> Self {
+        let others: Vec<_> = others.map(|other| other.transmission.efficiency).collect();
+        let far = |eta: &f64| (eta - self.transmission.efficiency).abs();
+        let farthest = others.iter().max_by(|a, b| far(a).total_cmp(&far(b))).copied();
+        let others = Alternatives { count: others.len(), farthest_efficiency: farthest };
+        Self { others: Some(others), ..self }
+    }
+}
+
+impl BallState {
+    /// The contact at a site.
+    pub fn contact(&self, site: Site) -> Option<&ContactState> {
+        match site {
+            Site::Nut => Some(&self.nut),
+            Site::Screw => Some(&self.screw),
+            Site::NutMinor => self.minor.as_ref(),
+        }
+    }
+
+    /// A ball whose loaded contacts have the same angle \[rad\] and no friction direction yet.
+    pub(crate) fn at_angle(angle: f64) -> Self {
+        let contact =
+            ContactState { angle, load: None, slip_angle: None, slip: None, pressed: None };
+        Self { motion: None, nut: contact, screw: contact, minor: None, axial_displacement: None }
+    }
+}
+
+impl ContactState {
+    /// Of a contact and its slip.
+    ///
+    /// * `motion`: relative to the body of the contact, of speeds over `unit` \[rad/s\].
+    /// * `slip`: velocity at the contact centre \[m/s\].
+    pub(crate) fn sliding(
+        (angle, load): (f64, f64),
+        contact: &Contact<f64>,
+        motion: &Motion<f64>,
+        slip: &Vector3<f64>,
+        unit: f64,
+    ) -> Self {
+        Self {
+            angle,
+            load: Some(load),
+            slip_angle: Some(contact.slip_angle(slip)),
+            slip: Some(Slip { speed: slip.norm(), spin: motion.spin(contact) * unit }),
+            pressed: None,
+        }
+    }
+}
+
+/// Motion in the Frenet-Serret triad, of one in the triad of `frame` with speeds over `unit`
+/// \[rad/s\].
+pub(crate) fn in_frenet(motion: &Motion<f64>, frame: &BallFrame<f64>, unit: f64) -> Motion<f64> {
+    let omega = frame.to_frenet(&motion.omega) * unit;
+    Motion { precession: motion.precession * unit, omega }
+}
+
+impl Transmission {
+    /// Of a torque on the screw and that of the frictionless screw \[N·m\], at a relative speed
+    /// \[rad/s\].
+    pub(crate) fn of(direction: Direction, ideal: f64, torque: f64, speed: f64) -> Self {
+        let efficiency = efficiency(direction.is_back(), ideal, torque);
+        Self {
+            efficiency,
+            self_locking: efficiency <= 0.0,
+            screw_torque: Some(torque),
+            power: Some(Power::transmitted(torque, ideal, speed)),
+            power_balance: None,
+        }
+    }
+
+    /// The same, with the violation of the power balance by a friction power \[W\].
+    pub(crate) fn against(self, friction_power: f64) -> Self {
+        let power_balance = self.power.map(|power| power.imbalance(friction_power));
+        Self { power_balance, ..self }
+    }
+
+    /// The same, unless it violates the balance by more than rounding.
+    pub(crate) fn balanced_against(self, friction_power: f64) -> Result<Self, Unsolved> {
+        let transmission = self.against(friction_power);
+        let imbalance = transmission.power_balance.unwrap_or(f64::NAN);
+        if imbalance.abs() <= POWER_BALANCE_TOL {
+            return Ok(transmission);
+        }
+        Err(Unsolved::not_converged(Reason::PowerDoesNotBalance { imbalance }))
+    }
+}
+
+/// Below this onset number a ball grips, whatever its cross slip.
+pub const GRIPS_BELOW: f64 = 0.1;
+
+/// Onset number above which friction is nearly saturated.
+const SKIDS_ABOVE: f64 = 2.0;
+
+/// What a ball does, by its onset number (W11).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum SlipRegime {
+    /// It rolls on both races.
+    Grips,
+    /// Between rolling and sliding.
+    SkidsPartly,
+    /// Friction is nearly saturated at both contacts.
+    Skids,
+}
+
+impl SlipRegime {
+    /// From gripping to skidding.
+    pub const ALL: [Self; 3] = [Self::Grips, Self::SkidsPartly, Self::Skids];
+
+    /// The motion at an onset number.
+    pub fn of(onset_number: f64) -> Self {
+        if onset_number < GRIPS_BELOW {
+            Self::Grips
+        } else if onset_number < SKIDS_ABOVE {
+            Self::SkidsPartly
+        } else {
+            Self::Skids
+        }
+    }
+
+    /// In a word or two.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Grips => "grips",
+            Self::SkidsPartly => "skids partly",
+            Self::Skids => "skids",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// At coarse accuracies two rules agreed by chance, and the stated bound was a thousandth of the error.
+    #[test]
+    fn a_bound_does_not_rest_on_two_rules_that_agree() {
+        for (difference, accuracy, bound) in
+            [(0.0, 1e-4, 5e-7), (0.0, 1e-8, 1e-9), (-1e-6, 1e-4, 2e-5), (1e-12, 1e-12, 1e-9)]
+        {
+            let stated: f64 = quadrature_error(difference, accuracy);
+            assert!((stated - bound).abs() <= 1e-12 * bound, "{difference} {accuracy}: {stated}");
+        }
+    }
+
+    /// A loss bound near 1 was printed beside a loss that was 32 times the true one.
+    #[test]
+    fn a_loss_that_may_be_off_by_factors_has_no_bound() {
+        let loss = |bound| ErrorBound::of(Direction::RotaryToLinear, 0.9, bound).loss;
+        // δη/[(η − δη) (1 − η)] is 1/2 at δη = 0.045/1.05.
+        assert!(loss(0.042).is_some_and(|loss| loss < 0.5), "{:?}", loss(0.042));
+        assert_eq!(loss(0.043), None);
+    }
+}

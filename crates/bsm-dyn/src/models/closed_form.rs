@@ -1,0 +1,325 @@
+//! Lin's closed form: efficiency, slip directions, optimum and self-locking from angles alone.
+//!
+//! Theory: `docs/theory/03-closed-form.md`, equations (C1) to (C20).
+
+use bsm_kin::Scalar;
+
+use crate::contact::{Angles, Coulomb, Load, Power, ideal_torque};
+use crate::models::ball::{
+    BallState, Direction, Model, Performance, Solution, Solved, Transmission,
+};
+
+/// Size and load of a screw: what the torque of a model without inertia needs beyond its efficiency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Size<D = f64> {
+    /// Pitch-circle radius `$r_m$` \[m\].
+    pub pitch_radius: D,
+    /// Load on the balls.
+    pub load: Load<D>,
+    /// Relative speed `$W$` \[rad/s\], if known; the powers need it.
+    pub relative_speed: Option<D>,
+}
+
+impl<D: Scalar> Size<D> {
+    /// Torque of the frictionless screw and torque on the screw, of a model that is given by its
+    /// efficiency and the ratio of normal to axial load; `None` if the screw cannot be turned.
+    pub(crate) fn torques(
+        &self,
+        direction: Direction,
+        lead_angle: D,
+        efficiency: D,
+        load_ratio: D,
+    ) -> Option<(D, D)> {
+        let locked = direction == Direction::RotaryToLinear && efficiency.re() <= 0.0;
+        if locked || !load_ratio.re().is_finite() || load_ratio.re() <= 0.0 {
+            return None;
+        }
+        let ideal = ideal_torque(self.load.axial, self.pitch_radius, lead_angle.tan());
+        let torque = match direction {
+            Direction::RotaryToLinear => ideal / efficiency,
+            Direction::LinearToRotary => ideal * efficiency,
+        };
+        Some((ideal, torque))
+    }
+}
+
+/// The answer of a model that is given by its efficiency and the ratio of normal to axial load: no
+/// torque and no loads if the screw cannot be turned.
+pub(crate) fn answer(
+    mut ball: BallState,
+    (efficiency, self_locking): (f64, bool),
+    load_ratio: f64,
+    size: Option<&Size>,
+    (direction, lead_angle): (Direction, f64),
+) -> Solved {
+    let mut transmission = Transmission {
+        efficiency,
+        self_locking,
+        screw_torque: None,
+        power: None,
+        power_balance: None,
+    };
+    let torques =
+        size.and_then(|s| Some((s, s.torques(direction, lead_angle, efficiency, load_ratio)?)));
+    if let Some((size, (ideal, torque))) = torques {
+        transmission.screw_torque = Some(torque);
+        transmission.power =
+            size.relative_speed.map(|speed| Power::transmitted(torque, ideal, speed));
+        for contact in [&mut ball.nut, &mut ball.screw] {
+            contact.load = Some(load_ratio * size.load.per_ball());
+        }
+    }
+    Solved::new(&ball, transmission)
+}
+
+/// Inputs of the closed-form model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClosedForm<D = f64> {
+    /// Lead and contact angle.
+    pub angles: Angles<D>,
+    /// Coulomb friction coefficient `$f \ge 0$`.
+    pub friction: Coulomb<D>,
+    /// Which side drives.
+    pub direction: Direction,
+    /// Size and load, if the torque is wanted.
+    pub size: Option<Size<D>>,
+}
+
+impl<D: Scalar> ClosedForm<D> {
+    /// Efficiency, and torque if there is one.
+    pub(crate) fn transmitted(&self) -> Performance<D> {
+        let efficiency = self.angles.efficiency(self.direction, self.friction.0);
+        let ratio = self.angles.load_ratio(self.direction, self.friction.0);
+        let torques =
+            self.size.and_then(|t| t.torques(self.direction, self.angles.lead, efficiency, ratio));
+        Performance { efficiency, screw_torque: torques.map(|(_, torque)| torque) }
+    }
+}
+
+impl ClosedForm {
+    /// Evaluates the closed form; it has a value at every point.
+    pub fn solve(&self) -> Solution {
+        let (angles, f, direction) = (&self.angles, self.friction.0, self.direction);
+        let eta = angles.efficiency(direction, f);
+        let mut ball = BallState::at_angle(angles.contact);
+        let slip_angles = angles.sines().slip_angles(direction.is_back());
+        [ball.nut.slip_angle, ball.screw.slip_angle] = slip_angles.map(Some);
+        let (locks, ratio) = (angles.self_locking(direction, f), angles.load_ratio(direction, f));
+        let along = (direction, angles.lead);
+        let solved = answer(ball, (eta, locks), ratio, self.size.as_ref(), along);
+        Solution::new(Model::ClosedForm, Ok(solved))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Optimum;
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    use approx::assert_relative_eq;
+    use bsm_kin::{BallFrame, Contact, Site};
+    use nalgebra::Vector3;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::contact::{Wrench, axial_force, efficiency, torque};
+
+    const ETA_LIN: f64 = 0.860_111_653_874_581_8;
+    const BOTH: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];
+
+    /// Lin's case: the formula in decimal arithmetic of 40 digits.
+    #[test]
+    fn lin_case() {
+        let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
+        let eta = angles.efficiency(Direction::RotaryToLinear, 0.075);
+        assert_relative_eq!(eta, ETA_LIN, max_relative = 1e-14);
+    }
+
+    /// Found in review: exactly on the border of self-locking the load was infinite.
+    #[test]
+    fn the_border_of_self_locking_has_no_torque() {
+        let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
+        let friction = angles.contact.sin() / angles.slip_factor();
+        let load = Load { axial: 2113.0, balls: 1.0 };
+        let size = Size { pitch_radius: 24.3e-3, load, relative_speed: None };
+        let case = ClosedForm {
+            angles,
+            friction: Coulomb(friction),
+            direction: Direction::RotaryToLinear,
+            size: Some(size),
+        };
+        let solution = case.solve();
+        let torque = solution.solved().expect("converged").transmission.screw_torque;
+        let load = solution.contact(Site::Nut).expect("a contact").load;
+        for value in [torque, load].into_iter().flatten() {
+            // One unit in the last place on the good side is still a number, if a large one.
+            assert!(value.is_finite() && value > 0.0, "{solution:?}");
+        }
+    }
+
+    /// Fig 5 of the paper at its ends: across the groove and along it, by hand.
+    #[test]
+    fn slip_across_the_groove_costs_less_than_along_it() {
+        let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
+        let at = |psi| angles.efficiency_at(Direction::RotaryToLinear, 0.075, 0.1, psi);
+        // (0.707107 − 0.0530330) / (0.707107 + 0.075 (0.1 − 0.707107)), six digits of a hand calculation.
+        assert_relative_eq!(at(0.0), 0.654_073_8 / 0.661_573_8, epsilon = 1e-6);
+        // (0.707107 − 0.0132245) / (0.707107 + 0.075 × 0.929289 / 0.176327).
+        assert_relative_eq!(at(FRAC_PI_2), 0.693_882_3 / 1.102_376_4, epsilon = 1e-6);
+    }
+
+    #[test]
+    fn no_friction_means_no_loss() {
+        let angles = Angles { lead: 0.17, contact: 0.8 };
+        for direction in BOTH {
+            assert_relative_eq!(angles.efficiency(direction, 0.0), 1.0);
+            let ideal = 1.0 / (0.17_f64.cos() * 0.8_f64.sin());
+            assert_relative_eq!(angles.load_ratio(direction, 0.0), ideal, max_relative = 1e-15);
+            assert!(!angles.self_locking(direction, 0.0));
+        }
+    }
+
+    proptest! {
+        /// Back-driving is driving with negative friction: η_lr(f) = 1/η_rl(−f).
+        #[test]
+        fn directions_mirror_in_friction(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..0.5_f64) {
+            let angles = Angles { lead: a, contact: b };
+            let back = angles.efficiency(Direction::LinearToRotary, f);
+            let mirrored = angles.efficiency(Direction::RotaryToLinear, -f);
+            // Away from the pole of the mirrored formula, rounding only.
+            prop_assume!(mirrored.abs() < 1e3);
+            prop_assert!((back * mirrored - 1.0).abs() <= 1e-10, "{back} {mirrored}");
+        }
+
+        /// The closed form is the efficiency of a wedge (C16) of angle φ, sinφ = cosα sinβ.
+        #[test]
+        fn it_is_a_wedge(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..0.5_f64) {
+            let angles = Angles { lead: a, contact: b };
+            let (phi, rho) = ((a.cos() * b.sin()).asin(), f.atan());
+            let forward = (phi - rho).tan() / phi.tan();
+            let back = phi.tan() / (phi + rho).tan();
+            // The arcsine loses digits towards π/2.
+            let close = |x: f64, y: f64| (x - y).abs() <= 1e-9 * (1.0 + y.abs());
+            prop_assert!(close(angles.efficiency(Direction::RotaryToLinear, f), forward));
+            prop_assert!(close(angles.efficiency(Direction::LinearToRotary, f), back));
+        }
+
+        /// Efficiency is exactly zero on the border of self-locking, and negative beyond.
+        #[test]
+        fn self_locking_is_the_sign_of_efficiency(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..1.0_f64) {
+            let angles = Angles { lead: a, contact: b };
+            for direction in BOTH {
+                let eta = angles.efficiency(direction, f);
+                prop_assume!(eta.abs() > 1e-12);
+                prop_assert_eq!(angles.self_locking(direction, f), eta < 0.0);
+                prop_assert_eq!(f >= angles.locking_friction(direction), eta < 0.0);
+                let border = angles.locking_friction(direction);
+                // Rounding of terms of the size of the friction coefficient at the border.
+                prop_assert!(angles.efficiency(direction, border).abs() <= 1e-12 * border.max(1.0));
+            }
+        }
+
+        /// The border angle is where locking begins or ends.
+        #[test]
+        fn locking_angle_is_the_border(a in 0.01..1.4_f64, f in 0.01..1.0_f64) {
+            let locks = |d, contact: f64| Angles { lead: a, contact }.self_locking(d, f);
+            let Some(border) = Angles::locking_contact_angle(Direction::RotaryToLinear, a, f) else {
+                panic!("friction locks some contact angle");
+            };
+            prop_assert!(locks(Direction::RotaryToLinear, border * (1.0 - 1e-9)));
+            prop_assert!(border > 1.57 || !locks(Direction::RotaryToLinear, border * (1.0 + 1e-9)));
+            match Angles::locking_contact_angle(Direction::LinearToRotary, a, f) {
+                None => prop_assert!(!locks(Direction::LinearToRotary, FRAC_PI_2)),
+                Some(border) => {
+                    prop_assert!(border > 1.570 || locks(Direction::LinearToRotary, border + 1e-9));
+                    prop_assert!(!locks(Direction::LinearToRotary, border - 1e-6));
+                }
+            }
+        }
+
+        /// At the direction of slip of (C5), Eq 11 is the closed form for balls of any size, and its
+        /// numerator vanishes where the driven side locks.
+        #[test]
+        fn the_slip_angle_of_the_closed_form_gives_its_efficiency(
+            a in 0.02..1.3_f64, b in 0.1..1.5_f64, f in 0.0..0.15_f64, size in 0.0..0.3_f64,
+        ) {
+            let angles = Angles { lead: a, contact: b };
+            for direction in BOTH {
+                let psi = angles.screw_slip_angle(direction);
+                let at = angles.efficiency_at(direction, f, size, psi);
+                let eta = angles.efficiency(direction, f);
+                // Rounding, magnified where both vanish at locking.
+                prop_assert!((at - eta).abs() <= 1e-11 * (1.0 + eta.abs()), "{at} {eta}");
+            }
+            let border = b.sin() / angles.slip_factor();
+            let psi = angles.screw_slip_angle(Direction::RotaryToLinear);
+            let (force, torque) = angles.transmitted_at(border, size, psi);
+            prop_assert!(force.abs() <= 1e-12 && torque > 1.0, "{force} {torque}");
+        }
+
+        /// Lead angle for a contact angle and contact angle for a lead angle are inverse.
+        #[test]
+        fn optimum_and_border_are_the_same_from_either_angle(a in 0.01..1.4_f64, f in 0.001..0.5_f64) {
+            for direction in BOTH {
+                if let Some(best) = Optimum::of(direction, a, f) {
+                    let lead = Optimum::lead_angle(direction, best.contact_angle, f);
+                    // Near α = 0 the cosine keeps half the digits.
+                    prop_assert!(lead.is_some_and(|lead| (lead - a).abs() < 1e-12 / a), "{lead:?} {a}");
+                }
+                let border = Angles::locking_contact_angle(direction, a, f);
+                if let Some(border) = border.filter(|border| *border < 1.57) {
+                    let lead = Angles::locking_lead_angle(direction, border, f);
+                    prop_assert!(lead.is_some_and(|lead| (lead - a).abs() < 1e-9), "{lead:?} {a}");
+                }
+            }
+        }
+
+        /// The closed-form optimum beats its neighbours, has the stated efficiency, and solves
+        /// the published conditions (15) and (18).
+        #[test]
+        fn optimum_is_one(a in 0.01..0.75_f64, f in 0.001..0.3_f64) {
+            for direction in BOTH {
+                let Some(best) = Optimum::of(direction, a, f) else { continue };
+                let at = |contact| Angles { lead: a, contact };
+                let eta = at(best.contact_angle).efficiency(direction, f);
+                prop_assert!((eta - best.efficiency).abs() <= 1e-13, "{eta} {}", best.efficiency);
+                // η is symmetric in y to second order, flat to 1e-9 at a distance of 1e-4.
+                for step in [-1e-4, 1e-4] {
+                    prop_assert!(at(best.contact_angle + step).efficiency(direction, f) <= eta + 1e-15);
+                }
+                let (d, s) = (at(best.contact_angle).slip_factor(), best.contact_angle.sin());
+                let condition = match direction {
+                    // D² + 2 f sinβ D = sin²β  (C12),  D² = sin²β + 2 f sinβ D  (C13)
+                    Direction::RotaryToLinear => d * d + 2.0 * f * s * d - s * s,
+                    Direction::LinearToRotary => d * d - 2.0 * f * s * d - s * s,
+                };
+                prop_assert!(condition.abs() <= 1e-13, "{condition}");
+            }
+        }
+
+        /// Forces at both contacts, with these loads and slip directions, transmit the axial load
+        /// and need the torque that the efficiency states, for a ball of any size.
+        #[test]
+        fn efficiency_agrees_with_the_forces(
+            a in 0.02..0.8_f64, b in 0.2..1.4_f64, f in 0.0..0.15_f64, size in 0.0..0.3_f64,
+        ) {
+            let angles = Angles { lead: a, contact: b };
+            prop_assume!(b.sin() > 1.05 * f * angles.slip_factor());
+            for direction in BOTH {
+                let frame = BallFrame::turned(a, 0.0);
+                let psi = angles.screw_slip_angle(direction);
+                let q = angles.load_ratio(direction, f);
+                let wrench = |site, psi: f64| {
+                    let contact = Contact::new(site, b, &frame);
+                    let friction = (contact.across * psi.cos() + Vector3::x() * psi.sin()) * (f * q);
+                    Wrench::at_contact(&contact.normal, &contact.point(size), q, &friction)
+                };
+                let axial = axial_force(&wrench(Site::Nut, psi + PI).force, &frame);
+                prop_assert!((axial - 1.0).abs() <= 1e-12, "{axial}");
+                let screw = torque(&wrench(Site::Screw, psi), 1.0, &frame);
+                let eta = efficiency(direction.is_back(), ideal_torque(1.0, 1.0, a.tan()), screw);
+                prop_assert!((eta - angles.efficiency(direction, f)).abs() <= 1e-12, "{eta}");
+            }
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! Gross slip on elastic contacts: saturated friction at the contact centres, contact angles that
+//! follow load and speed.
+//!
+//! Theory: `docs/theory/08-elastic.md`, equations (S1) to (S6), (S11).
+
+mod curve;
+mod forces;
+mod sensitivities;
+mod states;
+mod steady;
+
+use bsm_kin::{BallFrame, Motion, Over, Scalar};
+use bsm_newton::{EvalError, Options, Report, Scales, solve};
+use nalgebra::Vector3;
+
+use self::curve::root;
+pub use self::states::{SlidingBall, SlidingMotion, SlidingState};
+use self::steady::rotation;
+pub use self::steady::{SlidingRoot, SlidingRotation};
+use crate::contact::{Coulomb, DOES_NOT_CIRCLE, Wrench, against, friction_force};
+use crate::cost;
+use crate::models::ball::unknown::{
+    NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
+};
+use crate::models::ball::{
+    BALL, BallLoads, ElasticBall, ElasticPoint, MOMENT_NORMAL, Model, ROWS, Reason, Solution,
+    SolveInfo, Solved, Unsolved, Workspace, domain_error, equations, friction_power, weight,
+};
+
+/// Below this ratio of inertia to friction the rounding of the loads shows in the slip.
+const SMALL_INERTIA: f64 = 1e-5;
+
+/// A solve may take this many steps; it begins at the root.
+const MOST_STEPS: usize = 4;
+
+/// Inputs of the elastic model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Elastic<D = f64> {
+    /// The screw at its operating point; friction positive.
+    pub at: ElasticPoint<D>,
+}
+
+impl Elastic {
+    /// Logarithm of a `$q$` without inertia: next to the smallest normal number.
+    pub const NO_INERTIA: f64 = -700.0;
+
+    /// Relative changes of the factors of (S27) from where the curve begins, up to which the curve is
+    /// straight: the inertia has only risen up to there.
+    pub const RISES: f64 = 0.1;
+
+    /// The scale of a place on the curve is some third of it: a third of a relative change in its units.
+    pub const LARGE: f64 = 3.0;
+
+    /// What a state of force may leave of (S14) and (S20), both of size one; Newton leaves rounding.
+    pub const CLOSED: f64 = 1e-10;
+}
+
+/// Memory of the solves.
+#[derive(Default)]
+pub struct ElasticWorkspace(Workspace);
+
+/// Contacts, motion, slips and wrenches that belong to a set of unknowns.
+#[derive(Debug)]
+struct GrossSlipState<D> {
+    loaded: BallLoads<D>,
+    to_nut: Motion<D>,
+    /// `$P$`.
+    precession: D,
+    slip: [Vector3<D>; 2],
+    wrench: [Wrench<D>; 2],
+}
+
+/// Saturated friction on a pair of contacts; unknowns `$Q_A/F_a,\; \nu,\; Q_B/F_a,\; p,\; \lambda,\;
+/// \theta,\; s$` (S1).
+struct Saturated<'a, P = f64>(&'a ElasticBall<P>);
+
+impl<P: Scalar> Saturated<'_, P> {
+    fn state<D: Over<P>>(&self, y: &[D; BALL]) -> Result<GrossSlipState<D>, EvalError> {
+        cost::evaluated();
+        let pair = self.0;
+        let loaded = pair.loaded([y[NUT_LOAD], y[SCREW_LOAD]], y[TILT])?;
+        let [nut, screw] = loaded.contacts;
+        // P = Ω_n + p W                                                   (S2)
+        let precession = y[PRECESSION] + pair.nut_speed;
+        if precession.re() == 0.0 {
+            return Err(DOES_NOT_CIRCLE);
+        }
+        // V_A = W r_b λ (cosθ e_xA + sinθ t)                              (S4)
+        let (sin, cos) = y[SLIP_ANGLE].sin_cos();
+        let tangent = BallFrame::tangent();
+        let along = nut.across * cos + tangent * sin;
+        let spin = (y[SPIN], precession * pair.ball.inertia());
+        let tilt = (nut.across.y, nut.across.z);
+        let omega = rotation(pair.arc, [y[SLIP] * cos, y[SLIP] * sin], y[PRECESSION], spin, tilt);
+        let omega = Vector3::from(omega);
+        let to_nut = Motion { precession: y[PRECESSION], omega };
+
+        let points = loaded.contacts.map(|c| c.point(D::from(1.0)));
+        // V_A + V_B = d (2p − 1) W t + ω' × (r_A + r_B) − W k × r_B, in which the spin, of order
+        // 1/P, meets the tilt only and does not cancel                    (S11)
+        let arc = tangent * ((y[PRECESSION] * 2.0 - 1.0) * pair.arc);
+        let both = arc + omega.cross(&(points[0] + points[1])) - loaded.frame.k.cross(&points[1]);
+        let at_screw = both - along * y[SLIP];
+        // The part along the normal is zero but for rounding.
+        let slip_screw = screw.across * at_screw.dot(&screw.across) + tangent * at_screw.x;
+        let slip = [along * y[SLIP], slip_screw];
+        let friction = D::from(pair.signed_friction());
+        let friction = [
+            against(&along, y[NUT_LOAD] * friction),
+            friction_force(&Coulomb(friction), y[SCREW_LOAD], &slip[1])?,
+        ];
+        let wrench = std::array::from_fn(|i| {
+            let normal = &loaded.contacts[i].normal;
+            Wrench::at_contact(normal, &points[i], loaded.loads[i], &friction[i])
+        });
+        Ok(GrossSlipState { loaded, to_nut, precession, slip, wrench })
+    }
+
+    fn residual<D: Over<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
+        let (pair, state) = (self.0, self.state(y)?);
+        // The speed of the nut, along k, has no gyroscopic moment but for its rounding.
+        let motion = Motion { precession: state.precession, ..state.to_nut };
+        Ok(pair.balance(&state.loaded, &motion, &state.wrench))
+    }
+}
+
+equations!(Saturated<'_>, BALL, Saturated::residual, ROWS);
+
+/// A root of the elastic equations.
+#[derive(Debug)]
+pub(crate) struct GrossSlip {
+    state: GrossSlipState<f64>,
+    steps: usize,
+    residual: f64,
+}
+
+impl GrossSlip {
+    /// Contacts and motion relative to the nut.
+    pub(crate) fn state(&self) -> (&BallLoads<f64>, &Motion<f64>) {
+        (&self.state.loaded, &self.state.to_nut)
+    }
+
+    /// Newton steps of all solves.
+    pub(crate) fn steps(&self) -> usize {
+        self.steps
+    }
+
+    /// A root on the curve of all states of force that serves as a start, mostly the first one.
+    pub(crate) fn start(pair: &ElasticBall) -> Result<Self, Unsolved> {
+        let (y, steps) = root(pair, true)?;
+        let state = Saturated(pair).state(&y).map_err(domain_error)?;
+        Ok(Self { state, steps, residual: f64::NAN })
+    }
+
+    /// The first root on the curve of all states of force.
+    pub(crate) fn of(pair: &ElasticBall, newton: &mut Workspace) -> Result<Self, Unsolved> {
+        let (y, steps, residual) = find(pair, newton)?;
+        let state = Saturated(pair).state(&y).map_err(domain_error)?;
+        Ok(Self { state, steps, residual })
+    }
+}
+
+/// Unknowns, Newton steps of all solves, residual.
+type ElasticRoot = ([f64; BALL], usize, f64);
+
+/// The first root on the curve of all states of force, as (S1) has it.
+fn find(pair: &ElasticBall, newton: &mut Workspace) -> Result<ElasticRoot, Unsolved> {
+    let (mut y, steps) = root(pair, false)?;
+    let report = run(pair, &mut y, newton);
+    if report.converged() {
+        return Ok((y, steps + report.steps.len(), report.residual));
+    }
+    Err(Unsolved::not_converged(Reason::from(report)))
+}
+
+/// How many times as much inertia it takes for a ball to be no longer slow.
+fn inertia_factor(pair: &ElasticBall, root: &[f64; BALL]) -> f64 {
+    let rate = root[PRECESSION] + pair.nut_speed;
+    SMALL_INERTIA / (pair.inertia_ratio() * rate * rate / pair.friction)
+}
+
+/// Weights of the equations near `y`: one over the largest term of each. None of them vanishes where
+/// the ball stops circling, P → 0.
+fn weights(pair: &ElasticBall, y: &[f64; BALL]) -> [f64; BALL] {
+    let rate = (y[PRECESSION] + pair.nut_speed).abs();
+    let centrifugal = pair.inertia_ratio() * rate * rate;
+    let force = centrifugal.max(y[NUT_LOAD]).max(y[SCREW_LOAD]).max(1.0);
+    // I P ω of the rolling ball, all there is of the moment about the mean normal.
+    let gyroscopic = pair.ball.inertia() * rate * (1.0 + y[PRECESSION].abs() * pair.arc);
+    let mut weights = [weight(force); BALL];
+    weights[MOMENT_NORMAL - 1] = weight(force.max(gyroscopic));
+    weights[MOMENT_NORMAL + 1] = weights[MOMENT_NORMAL - 1];
+    weights[MOMENT_NORMAL] = weight(gyroscopic);
+    weights
+}
+
+/// One damped Newton solve from `y`.
+fn run(pair: &ElasticBall, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
+    let weights = weights(pair, y);
+    let scales = Scales { x: &[1.0; BALL], f: &weights };
+    let options = Options { max_steps: MOST_STEPS, ..Options::default() };
+    solve(&Saturated(pair), y, &scales, &options, newton)
+}
+
+impl Elastic {
+    /// Solves for the steady motion of the ball.
+    pub fn solve(&self, work: &mut ElasticWorkspace) -> Solution {
+        let solved = self
+            .at
+            .point
+            .require_friction()
+            .and_then(|()| self.at.scaled())
+            .and_then(|pair| self.solved(&pair, work));
+        Solution::new(Model::Elastic, solved)
+    }
+
+    /// The answer of the root.
+    pub(crate) fn solved(
+        &self,
+        pair: &ElasticBall,
+        work: &mut ElasticWorkspace,
+    ) -> Result<Solved, Unsolved> {
+        let GrossSlip { state, steps, residual } = GrossSlip::of(pair, &mut work.0)?;
+        let ball = self.at.ball_state(pair, &state.loaded, &state.to_nut)?;
+        let slips = state.slip.map(|slip| slip.norm());
+        let friction_power = friction_power(pair.signed_friction(), state.loaded.loads, slips);
+        let frame = &state.loaded.frame;
+        let transmission = self.at.transmission(pair, frame, &state.wrench[1], friction_power)?;
+        let info = Some(SolveInfo { steps, residual });
+        Ok(Solved { info, ..Solved::new(&ball, transmission) })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,253 @@
+//! The first steady motion on the curve of all states of force.
+//!
+//! Theory: `docs/theory/08-elastic.md`, equations (S12), (S26).
+
+use std::array::from_fn;
+
+use bsm_kin::Jet;
+use bsm_newton::{EventRoot, Exit, Seed, StepControl, Trace, trace};
+
+use super::forces::{CURVE, Forces};
+use super::states::{SlidingMotion, SlidingState};
+use super::steady::{CurveState, log_inertia};
+use crate::models::ball::{BALL, ElasticBall, Evidence, Reason, Unsolved};
+use crate::models::elastic::Elastic;
+
+/// Steps along the curve, in units of its sizes; fifty are usual. Refined to rounding.
+const STRIDE: StepControl = StepControl {
+    first: 1.0,
+    longest: 1.0,
+    shortest: 1e-4,
+    pair: 1e-4,
+    most_points: 4000,
+    goal: 1e-15,
+    place: 1e-14,
+};
+
+/// Relative change of the factors of (S27) from where the curve begins, up to which a walk may begin; the
+/// inertia has only risen up to [`Elastic::RISES`].
+const BEGINS: f64 = 0.01;
+
+/// A point of the curve.
+#[derive(Debug, Clone, Copy)]
+struct SlidingPoint {
+    state: SlidingState<f64>,
+    motion: SlidingMotion<f64>,
+}
+
+impl SlidingPoint {
+    /// True if the ball slides against friction on its flanks.
+    fn is_admissible(&self) -> bool {
+        self.state.is_admissible(&self.motion)
+    }
+}
+
+/// A steady motion on the curve: its state, and the sign of `$P/W$`.
+type CurveRoot = (SlidingPoint, f64);
+
+/// Unknowns of the first root on the curve, or of any that serves as a start, and Newton steps.
+pub(super) fn root(pair: &ElasticBall, any: bool) -> Result<([f64; BALL], usize), Unsolved> {
+    let mut curve = SlidingCurve { forces: Forces::new(pair), steps: 0 };
+    let level = curve.begin()?;
+    let (root, sign) = match curve.direct(&level, any) {
+        Some(root) => root,
+        None => curve.search(&level)?,
+    };
+    Ok((curve.forces.unknowns(&root.state, &root.motion, sign), curve.steps))
+}
+
+struct SlidingCurve<'a> {
+    forces: Forces<'a>,
+    /// Newton steps.
+    steps: usize,
+}
+
+impl SlidingCurve<'_> {
+    /// The node at a point of the curve.
+    fn held(&self, z: &[f64; CURVE]) -> Option<SlidingPoint> {
+        let (state, _) = self.forces.held(z)?;
+        Some(SlidingPoint { state, motion: self.forces.motion(&state) })
+    }
+
+    fn count(&mut self, steps: f64) {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few")]
+        let steps = steps as usize;
+        self.steps += steps;
+    }
+
+    /// Where the curve begins, without inertia, if it does.
+    fn begin(&mut self) -> Result<CurveState<f64>, Unsolved> {
+        let friction_term = self.forces.friction_term();
+        if !self.forces.ball.carries() {
+            let locks = Reason::SelfLocking { sin_contact_angle: 1.0, friction_term };
+            return Err(Unsolved::none(Evidence::Proof, locks));
+        }
+        let inertia = self.forces.inertia_ratio();
+        let begin = self.forces.begin(&mut self.steps).ok_or(Unsolved::LOST)?;
+        let level = self.forces.ball.state_without_inertia(begin, true);
+        self.count(level.steps);
+        if !level.found {
+            return Err(Unsolved::LOST);
+        }
+        if self.rise(&level) < 0.0 {
+            let reason = Reason::InertiaOutOfRange { inertia_ratio: inertia };
+            return Err(Unsolved::invalid(reason));
+        }
+        Ok(level)
+    }
+
+    /// From where the curve begins to the root, if the curve were straight up to it, in `$\ln q$`.
+    fn rise(&self, level: &CurveState<f64>) -> f64 {
+        self.forces.inertia_ratio().ln() - level.log_inertia()
+    }
+
+    /// The root that Newton finds from where the curve begins: the first one, if it is where the curve is straight, or any.
+    fn direct(&mut self, level: &CurveState<f64>, any: bool) -> Option<CurveRoot> {
+        let root = self.forces.ball.straight(level);
+        self.count(root.steps - level.steps);
+        let node = SlidingPoint { state: root.state, motion: root.motion };
+        (if any { root.steady } else { root.found }).then_some((node, root.rate.signum()))
+    }
+
+    /// The first root along the whole curve, or why there is none.
+    fn search(&mut self, level: &CurveState<f64>) -> Result<CurveRoot, Unsolved> {
+        let inertia = self.forces.inertia_ratio();
+        let slip = level.motion.slip[0];
+        // Smallest and largest inertia ratio of a ball that slides against friction on its flanks.
+        let mut seen = None::<(f64, f64)>;
+        if level.is_admissible() {
+            seen = Some((0.0, level.log_inertia().exp()));
+        }
+        let CurveState { place: [log, screw, c], state, .. } = self.below(level);
+        let seed = Seed { z: [log, state.across[0], screw, c], towards: [1.0, 0.0, 0.0, 0.0] };
+        let (mut root, mut known, mut admissible) = (None, 0, false);
+        let Trace { end, steps, .. } = trace(
+            &self.forces,
+            &seed,
+            |z, way| self.events(z, way),
+            |Trace { crossings, last: z, .. }| {
+                root = root.or_else(|| crossings[known..].iter().find_map(|at| self.root(at)));
+                known = crossings.len();
+                let node = self.held(z);
+                admissible = node.is_some_and(|node| node.is_admissible());
+                if let Some(node) = node.filter(SlidingPoint::is_admissible) {
+                    let inertia = log_inertia(&node.state, &node.motion).exp();
+                    let (least, most) = seen.unwrap_or((inertia, inertia));
+                    seen = Some((least.min(inertia), most.max(inertia)));
+                }
+                // Beyond, friction is along the slip.
+                let [log, nut, screw, _] = *z;
+                root.is_none()
+                    && log >= Elastic::NO_INERTIA
+                    && screw >= 0.0
+                    && nut >= -self.forces.least()
+            },
+            &STRIDE,
+        );
+        self.steps += steps;
+        if let Some(root) = root {
+            return Ok(root);
+        }
+        match end {
+            Exit::Ended => {}
+            Exit::Lost(_) if !admissible => {}
+            Exit::Lost(_) | Exit::MostPoints | Exit::Closed | Exit::NoCurve(_) => {
+                return Err(Unsolved::LOST);
+            }
+        }
+        let reason = match seen {
+            Some((least, most)) => Reason::NoSkidAtInertia { inertia, least, most },
+            None => Reason::SlipAlongFriction { slip },
+        };
+        Err(Unsolved::none(Evidence::Traced { resolution: STRIDE.pair }, reason))
+    }
+
+    /// What is left of (S26) for `$P/W > 0$` and for `$P/W < 0$`, and how it changes along the curve.
+    fn events(&self, z: &[f64; CURVE], way: &[f64; CURVE]) -> [(f64, f64); 2] {
+        let along: [Jet<1>; CURVE] = from_fn(|i| Jet { re: z[i], eps: [way[i]] });
+        self.forces.held(&along).map_or([(f64::NAN, f64::NAN); 2], |(state, _)| {
+            let left = self.forces.excess(&state, &self.forces.motion(&state));
+            left.map(|left| (left.re, left.eps[0]))
+        })
+    }
+
+    /// The root at a crossing, if it is one.
+    fn root(&self, at: &EventRoot<CURVE>) -> Option<CurveRoot> {
+        let node = self.held(&at.z).filter(SlidingPoint::is_admissible)?;
+        Some((node, if at.event == 0 { 1.0 } else { -1.0 }))
+    }
+
+    /// A state below the first root: up to there the curve is straight.
+    fn below(&mut self, level: &CurveState<f64>) -> CurveState<f64> {
+        let (ball, [log, screw, c]) = (self.forces.ball, level.place);
+        let scale = level.scale(&ball);
+        // exp(−5): less than a hundredth of the inertia.
+        let mut rise = self.rise(level).min(-Elastic::NO_INERTIA) - 5.0;
+        while rise > 0.0 {
+            // A root moves by a few per cent, not by a factor of a hundred.
+            let state = ball.settle::<false>([log + rise, screw, c], &scale, true);
+            self.count(state.steps);
+            if state.found && state.is_straight_from(level, &scale, BEGINS) {
+                return state;
+            }
+            rise -= 3.0;
+        }
+        *level
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+    use bsm_newton::Bracket;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::extreme::{extreme, practical};
+
+    /// Newton where the curve is straight goes to the root that the search along the curve meets first.
+    #[test]
+    fn the_straight_begin_has_the_first_root() {
+        let mut rng = ChaCha8Rng::seed_from_u64(13);
+        let (mut of_practice, mut of_extremes) = (0, 0);
+        for number in 0..2000 {
+            let (screw, found) = if number % 2 == 0 {
+                (practical(&mut rng), &mut of_practice)
+            } else {
+                (extreme(&mut rng), &mut of_extremes)
+            };
+            let Ok(pair) = screw.scaled() else { continue };
+            let mut curve = SlidingCurve { forces: Forces::new(&pair), steps: 0 };
+            let Ok(level) = curve.begin() else { continue };
+            let Some((straight, sign)) = curve.direct(&level, false) else { continue };
+            let (first, same) = curve.search(&level).expect("a root");
+            // Where friction all but holds the load a million times the axial load is left, ten digits;
+            // another root differs by per cent.
+            let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);
+            close(straight.state.centrifugal, first.state.centrifugal);
+            close(straight.state.across[1], first.state.across[1]);
+            close(sign, same);
+            *found += 1;
+        }
+        // Of 1000 each; all but a few points of practice, and the slow ones of the extremes.
+        assert!(of_practice > 900 && of_extremes > 300, "{of_practice} {of_extremes}");
+    }
+
+    /// Found in an audit: the search for the begin did not end for an angle whose cotangent is no number.
+    #[test]
+    fn the_begin_is_found_in_a_bounded_number_of_steps() {
+        let mut rng = ChaCha8Rng::seed_from_u64(14);
+        for number in 0..1000 {
+            let mut screw = extreme(&mut rng);
+            if let Some(angle) = [5e-324, 1.7e-309, 1e-150, 1e-17].get(number % 8) {
+                screw.point.contact_angle = *angle;
+            }
+            let Ok(pair) = screw.scaled() else { continue };
+            let mut curve = SlidingCurve { forces: Forces::new(&pair), steps: 0 };
+            let _ = curve.begin();
+            // Those to the angle, and those onto the curve.
+            assert!(curve.steps <= Bracket::MOST_EVALUATIONS + 12, "{} {screw:?}", curve.steps);
+        }
+    }
+}

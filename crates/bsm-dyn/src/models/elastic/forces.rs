@@ -1,0 +1,192 @@
+//! All states of force that a ball with saturated friction can have, at any inertia: a curve.
+//!
+//! Theory: `docs/theory/08-elastic.md`, equations (S13), (S14), (S19), (S20), (S26) to (S28).
+
+use bsm_kin::{Jet, Over};
+use bsm_newton::{Bracket, EvalError, FunctionValue, Homotopy};
+
+use super::states::{SlidingBall, SlidingMotion, SlidingState};
+use super::steady::rounding_floor;
+use crate::models::ball::unknown::{
+    NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
+};
+use crate::models::ball::{BALL, ElasticBall, linear};
+
+/// What may be left of (S20) before the Newton steps to the begin of the curve.
+const LEVEL: f64 = 1e-9;
+
+/// Range of the cotangent of a loaded contact angle. The load turns the ball to a steeper angle, up to
+/// next to 90 deg on soft material; an unloaded angle of next to 0 has none that is a number.
+const COTANGENT: [f64; 2] = [1e-12, 1e12];
+
+/// Equations and unknowns of the curve: `$\ln q$`, `$x_A$`, `$x_B$`, `$c$`.
+pub(super) const HELD: usize = 3;
+pub(super) const CURVE: usize = HELD + 1;
+
+/// A point in scaled units, in the terms of the curve.
+pub(super) struct Forces<'a> {
+    pair: &'a ElasticBall,
+    pub(super) ball: SlidingBall<f64>,
+}
+
+/// No forces belong to a place.
+const NO_FORCES: EvalError = EvalError {
+    quantity: "the load over the axial load",
+    value: f64::NAN,
+    requirement: "positive",
+};
+
+impl Homotopy<HELD, CURVE> for Forces<'_> {
+    fn residual(&self, z: &[f64; CURVE]) -> Result<[f64; HELD], EvalError> {
+        self.held(z).map(|(_, left)| left).ok_or(NO_FORCES)
+    }
+
+    fn linearize(
+        &self,
+        z: &[f64; CURVE],
+    ) -> Result<([f64; HELD], [[f64; CURVE]; HELD]), EvalError> {
+        linear(z, |z| self.held(z).map(|(_, left)| left).ok_or(NO_FORCES))
+    }
+
+    fn weights(&self, z: &[f64; CURVE]) -> [f64; HELD] {
+        let w = self.held(z).map_or(1.0, |(state, _)| rounding_floor(&state).recip());
+        [w, w, (z[1] * z[1] + z[2] * z[2]).recip()]
+    }
+
+    fn sizes(&self, &[_, nut, screw, c]: &[f64; CURVE]) -> [f64; CURVE] {
+        let [nut, screw, c] = self.ball.scale([nut, screw], c);
+        [1.0, nut, screw, c]
+    }
+}
+
+impl<'a> Forces<'a> {
+    pub(super) fn new(pair: &'a ElasticBall) -> Self {
+        let (sin, cos) = pair.helix.lead_angle.sin_cos();
+        let jones = &pair.jones;
+        let ball = SlidingBall {
+            friction: pair.signed_friction(),
+            sin,
+            cos,
+            cot: cos / sin,
+            arc: pair.arc,
+            inertia_ratio: pair.inertia_ratio(),
+            nut_speed: pair.nut_speed,
+            offsets: [jones.nut_offset, jones.screw_offset],
+            approaches: pair.approaches([1.0; 2]),
+            reach: (jones.nut_offset + jones.screw_offset) * jones.contact_angle.cos(),
+        };
+        Self { pair, ball }
+    }
+
+    /// `$F\tan\alpha$`.
+    pub(super) fn friction_term(&self) -> f64 {
+        self.ball.friction / self.ball.cot
+    }
+
+    /// `$\mu$` of the point.
+    pub(super) fn inertia_ratio(&self) -> f64 {
+        self.ball.inertia_ratio
+    }
+
+    /// `$(r_b/d)\sin\alpha$`, below which `$-x_A$` stays.
+    pub(super) fn least(&self) -> f64 {
+        self.ball.sin / self.ball.arc
+    }
+
+    /// The state of `$q$`, `$c$` and the `$x$` of the screw, with a positive one of the nut, and what it
+    /// leaves of (S14) and (S20); none if no forces belong to them.
+    fn state<D: Over<f64>>(
+        &self,
+        unknowns @ [q, screw, c]: [D; 3],
+    ) -> Option<(SlidingState<D>, [D; 2])> {
+        let (beyond, square) = self.ball.nut_square(unknowns);
+        if square.re() < 0.0 {
+            return None;
+        }
+        self.state_of([square.sqrt(), screw], beyond, q, c)
+    }
+
+    /// The state at a point of the curve, and what it leaves of (S14), (S20) and (S19).
+    pub(super) fn held<D: Over<f64>>(
+        &self,
+        &[log, nut, screw, c]: &[D; CURVE],
+    ) -> Option<(SlidingState<D>, [D; HELD])> {
+        let q = log.re().exp();
+        let q = (log - D::from(log.re())) * q + q;
+        let (beyond, square) = self.ball.nut_square([q, screw, c]);
+        let (state, [triangle, reach]) = self.state_of([nut, screw], beyond, q, c)?;
+        Some((state, [triangle, reach, nut.square() - square]))
+    }
+
+    /// The state of `$x$` at nut and screw, `$\delta$`, `$q$` and `$c$`.
+    fn state_of<D: Over<f64>>(
+        &self,
+        across: [D; 2],
+        beyond: D,
+        q: D,
+        c: D,
+    ) -> Option<(SlidingState<D>, [D; 2])> {
+        let (state, left) = self.ball.state(across, beyond, q, c);
+        let along = state.along.re();
+        (along > 0.0 && along.is_finite()).then_some((state, left))
+    }
+
+    /// The motion of a state.
+    pub(super) fn motion<D: Over<f64>>(&self, s: &SlidingState<D>) -> SlidingMotion<D> {
+        self.ball.motion(s)
+    }
+
+    /// What is left of (S26) for `$P/W > 0$` and for `$P/W < 0$`.
+    pub(super) fn excess<D: Over<f64>>(&self, s: &SlidingState<D>, k: &SlidingMotion<D>) -> [D; 2] {
+        self.ball.excess(s, k)
+    }
+
+    /// Unknowns (S1) of a root of (S26), `sign` that of `$P/W$`.
+    pub(super) fn unknowns(
+        &self,
+        s: &SlidingState<f64>,
+        k: &SlidingMotion<f64>,
+        sign: f64,
+    ) -> [f64; BALL] {
+        let rate = sign * (s.centrifugal / self.inertia_ratio()).sqrt();
+        let tilt = 0.5 * s.turn.0.atan2(s.turn.1);
+        let mean = s.sin[0].atan2(s.cos[0]) + tilt;
+        let mut y = [0.0; BALL];
+        [y[NUT_LOAD], y[SCREW_LOAD]] = s.loads;
+        y[TILT] = tilt;
+        y[PRECESSION] = rate - self.ball.nut_speed;
+        y[SLIP] = k.slip[0];
+        y[SLIP_ANGLE] = 1.0_f64.atan2(s.across[0]);
+        y[SPIN] = self.ball.spin_moment((s, k), rate, (tilt.cos(), mean.sin()));
+        y
+    }
+
+    /// `$x$` and `$c$` of equal contact angles, from the cotangent of the angle.
+    fn level<D: Over<f64>>(&self, cot: D) -> Option<[D; 2]> {
+        let ([x, c], effect) = self.ball.level(cot);
+        (effect.re() > 0.0).then_some([x, c])
+    }
+
+    /// `$x$` and `$c$` where the curve begins, without inertia: a guess; counts evaluations.
+    pub(super) fn begin(&self, steps: &mut usize) -> Option<[f64; 2]> {
+        let bracket = Bracket {
+            start: Some(-self.pair.jones.contact_angle.tan().ln()),
+            x_tol: 4.0 * f64::EPSILON,
+            f_tol: LEVEL,
+            ..Bracket::new(COTANGENT.map(f64::ln), [f64::NEG_INFINITY, f64::INFINITY])
+        };
+        // What (S20) leaves at the angle whose cotangent has this logarithm; too much if friction holds.
+        let found = bracket.root(|log| {
+            *steps += 1;
+            let cot = log.exp();
+            let left = self.level(Jet { re: cot, eps: [cot] }).and_then(|[x, c]| {
+                let (_, [_, left]) = self.state([Jet::from(0.0), x, c])?;
+                left.re
+                    .is_finite()
+                    .then_some(FunctionValue { value: left.re, slope: Some(left.eps[0]) })
+            });
+            left.unwrap_or(f64::INFINITY.into())
+        });
+        self.level(found.root()?.x.exp())
+    }
+}

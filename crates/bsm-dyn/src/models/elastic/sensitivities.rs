@@ -1,0 +1,29 @@
+//! Derivatives of the elastic model's efficiency and torque.
+//!
+//! Theory: `docs/theory/12-sensitivities.md`.
+
+use bsm_kin::Jet;
+
+use super::{Elastic, ElasticWorkspace, Saturated, find, inertia_factor, weights};
+use crate::models::ball::{Performance, Unsolved, domain_error, inertia_limit, moving_root};
+
+impl<const M: usize> Elastic<Jet<M>> {
+    /// Efficiency and torque with their derivatives.
+    pub(crate) fn sensitivities(
+        &self,
+        ElasticWorkspace(newton): &mut ElasticWorkspace,
+    ) -> Result<Performance<Jet<M>>, Unsolved> {
+        self.at.point.require_friction()?;
+        let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
+        let (root, ..) = find(&point, newton)?;
+        inertia_limit(inertia_factor(&point, &root), |factor| {
+            let (inputs, point) = (inputs.with_inertia(factor), point.with_inertia(factor));
+            let (root, ..) = find(&point, newton)?;
+            let weights = weights(&point, &root);
+            let residual = |y: &_| Saturated(&inputs).residual(y);
+            let y = moving_root(&Saturated(&point), &root, &weights, residual, newton)?;
+            let state = Saturated(&inputs).state(&y).map_err(domain_error)?;
+            Ok(self.at.transmitted(&inputs, &state.loaded.frame, &state.wrench[1]))
+        })
+    }
+}

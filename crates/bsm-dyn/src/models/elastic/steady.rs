@@ -1,0 +1,409 @@
+//! Newton to states of force and to steady motions, and the first one where the curve of all states is
+//! straight, for one point and for several side by side.
+//!
+//! Theory: `docs/theory/08-elastic.md`, equations (S2) to (S6), (S12), (S27), (S28).
+
+#![expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+
+use bsm_kin::{Field, FieldOver};
+use bsm_simd::{Compare, Slopes};
+
+use super::Elastic;
+use super::states::{SlidingBall, SlidingMotion, SlidingState};
+use crate::contact::friction_torque;
+use crate::models::ball::friction_power;
+
+/// Newton steps to a state, of one point and of several; more means that the guess was not near it.
+const MOST_STEPS: [usize; 2] = [12, 6];
+
+/// Newton steps to the angle without inertia of several points, and their last one, from which the state
+/// without inertia is three digits away.
+const MOST_TO_ANGLE: usize = 8;
+const NEAR: f64 = 1e-4;
+
+/// A step in the scale of a state that leaves an error of about its square: rounding.
+const SETTLED: f64 = 1e-8;
+
+/// `$\ln q$`, `$x_B$`, `$c$`: the `$x$` of the nut follows.
+pub(super) type Coordinates<F> = [F; 3];
+
+/// A state on the curve.
+#[derive(Clone, Copy)]
+pub(super) struct CurveState<F: Field> {
+    pub(super) place: Coordinates<F>,
+    /// Of force.
+    pub(super) state: SlidingState<F>,
+    /// The motion that goes with it.
+    pub(super) motion: SlidingMotion<F>,
+    /// What is left of (S14) and (S20).
+    pub(super) left: F,
+    /// Newton steps.
+    pub(super) steps: F,
+    /// Where it is a state.
+    pub(super) found: F::Mask,
+}
+
+/// A ball that slides on both flanks in steady motion.
+#[derive(Clone, Copy)]
+pub struct SlidingRoot<F: Field> {
+    /// The ball.
+    pub ball: SlidingBall<F>,
+    /// Of force.
+    pub state: SlidingState<F>,
+    /// Slips.
+    pub motion: SlidingMotion<F>,
+    /// `$P/W$`.
+    pub rate: F,
+    /// Sine and cosine of the tilt `$\nu$`.
+    pub tilt: (F, F),
+    /// Newton steps.
+    pub steps: F,
+    /// Scaled residual.
+    pub residual: F,
+    /// Where it is a steady motion.
+    pub steady: F::Mask,
+    /// Where it is the first one on the curve.
+    pub found: F::Mask,
+}
+
+/// Rotation relative to the nut over `$W$`, in the triad of the mean normal.
+#[derive(Debug, Clone, Copy)]
+pub struct SlidingRotation<F> {
+    /// Along t, the mean normal and `$e_x$`.
+    pub omega: [F; 3],
+    /// Sine and cosine of the mean contact angle.
+    pub mean: (F, F),
+}
+
+impl<F: Field> SlidingRotation<F> {
+    /// In the Frenet-Serret triad `$(t, n, b)$`.
+    #[inline(always)]
+    pub fn in_frenet(&self) -> [F; 3] {
+        let ([along, normal, across], (sin, cos)) = (self.omega, self.mean);
+        [along, cos * normal - sin * across, sin * normal + cos * across]
+    }
+}
+
+/// Rotation relative to the nut in the triad of the mean normal (S3), (S5), (S6).
+///
+/// * `slip`: of the nut across the groove and along it. * `spin`: `$s$`, and `$I P/(r_b F_a)$`.
+/// * `tilt`: sine and cosine of `$\nu$`.
+#[inline(always)]
+pub(super) fn rotation<P, D: FieldOver<P>>(
+    arc: P,
+    [across, along]: [D; 2],
+    p: D,
+    (moment, gyration): (D, D),
+    (sin, cos): (D, D),
+) -> [D; 3] {
+    // σ = s r_b F_a / (I P), about the mean normal                        (S3)
+    let sigma = moment / gyration;
+    // ω'_t = −W λ cosθ,  ω'·e_xA = W (λ sinθ − p d/r_b)                   (S5)
+    let turning = along - p * arc;
+    // e_xA = sinν N + cosν e_x                                            (S6)
+    [-across, sigma, (turning - sigma * sin) / cos]
+}
+
+#[inline(always)]
+fn cross<F: Field>(a: &[F; 3], b: &[F; 3]) -> [F; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+impl<F: Compare> CurveState<F> {
+    /// Where the centrifugal force is proportional to `$q$` from `level` to here, and nothing else in (S27)
+    /// changes, nor the place but for `$q$`; to a relative `change`.
+    #[inline(always)]
+    pub(super) fn is_straight_from(&self, level: &Self, scale: &[F; 3], change: f64) -> F::Mask {
+        let rise = self.place[0] - level.place[0];
+        let most = rise.constant(-Elastic::NO_INERTIA);
+        let growth = F::select(rise.lt(most), rise, most).exp();
+        // A place may be far from the begin and have the factors of the begin again.
+        let large = Elastic::LARGE * change;
+        let begin = (&level.state, &level.motion);
+        self.state.has_only_grown(&self.motion, begin, growth, change)
+            & (self.state.across[0] - level.state.across[0]).abs().le(scale[0] * large)
+            & (self.place[1] - level.place[1]).abs().le(scale[1] * large)
+            & (self.place[2] - level.place[2]).abs().le(scale[2] * large)
+    }
+
+    /// Where the ball slides against friction on its flanks.
+    #[inline(always)]
+    pub(super) fn is_admissible(&self) -> F::Mask {
+        self.state.is_admissible(&self.motion)
+    }
+
+    /// Logarithm of the `$\mu$` with which the state is that of a steady motion.
+    #[inline(always)]
+    pub(super) fn log_inertia(&self) -> F {
+        log_inertia(&self.state, &self.motion)
+    }
+
+    /// Scale of a state.
+    #[inline(always)]
+    pub(super) fn scale(&self, ball: &SlidingBall<F>) -> [F; 3] {
+        let [nut, screw] = self.state.across;
+        ball.scale([nut, screw], self.place[2])
+    }
+}
+
+/// Logarithm of the `$\mu$` with which a state is that of a steady motion.
+#[inline(always)]
+pub(super) fn log_inertia<F: Compare>(state: &SlidingState<F>, motion: &SlidingMotion<F>) -> F {
+    // ln μ = ln M + 2 ln |(1 − g)/(π/d + Ω_n/W)|                          (S27)
+    state.centrifugal.ln() + (motion.inertia / motion.drive).abs().ln() * 2.0
+}
+
+/// How many times more than [`Elastic::CLOSED`] is rounding: where friction all but holds the load, `$Y$` is one over
+/// a small difference.
+#[inline(always)]
+pub(super) fn rounding_floor<F: Compare>(state: &SlidingState<F>) -> F {
+    let one = state.along.constant(1.0);
+    (state.along * (16.0 * f64::EPSILON / Elastic::CLOSED)).larger(one)
+}
+
+impl<F: Compare> SlidingBall<F> {
+    /// Where the contacts carry an axial load at some angles.
+    #[inline(always)]
+    pub fn carries(&self) -> F::Mask {
+        // F tanα < 1, or no contact angles carry an axial load            (S12)
+        self.friction.lt(self.cot)
+    }
+
+    /// What is a large step of `$x_A$`, `$x_B$` and `$c$`.
+    #[inline(always)]
+    pub(super) fn scale(&self, [nut, screw]: [F; 2], c: F) -> [F; 3] {
+        // Below this, −x_A stays.
+        let (sum, least) = (nut + screw, self.sin / self.arc);
+        [
+            (nut.abs() + least) * 0.3,
+            (screw.abs() + least) * 0.3,
+            (c.abs() + sum / (sum + 1.0)) * 0.3,
+        ]
+    }
+
+    /// `$I P/(r_b F_a)$` of a rate over `$W$`.
+    #[inline(always)]
+    fn gyration(&self, rate: F) -> F {
+        self.inertia_ratio / (self.arc * self.cos) * 0.4 * rate
+    }
+
+    /// `$s$` of a steady motion.
+    ///
+    /// * `tilt`: cosine of `$\nu$`. * `mean`: sine of the mean contact angle.
+    #[inline(always)]
+    pub(super) fn spin_moment(
+        &self,
+        (state, motion): (&SlidingState<F>, &SlidingMotion<F>),
+        rate: F,
+        (tilt, mean): (F, F),
+    ) -> F {
+        let x = state.across[0];
+        let across = motion.slip[0] * x / (x.square() + 1.0).sqrt();
+        // s = −2 F Y cosν/sinα − (I P/W) |V_A| cosθ_A cotα sinβ           (S28)
+        -(self.friction * state.along * tilt * 2.0 / self.sin)
+            - self.gyration(rate) * across * self.cot * mean
+    }
+}
+
+impl<F: Compare> SlidingBall<F>
+where
+    Slopes<F, 1>: FieldOver<F> + Field<Mask = F::Mask>,
+    Slopes<F, 3>: FieldOver<F> + Field<Mask = F::Mask>,
+{
+    /// `$x$` and `$c$` next to where the curve begins, from the cotangent of the unloaded contact angle,
+    /// with Newton steps and where they are found.
+    #[inline(always)]
+    pub(super) fn unloaded_level(&self, unloaded: F, expected: F::Mask) -> ([F; 2], F, F::Mask) {
+        let mut log = unloaded.ln();
+        let (mut steps, mut settled) = (log.constant(0.0), !expected);
+        for _ in 0..MOST_TO_ANGLE {
+            let cot = log.exp();
+            let ([x, c], _) = self.level(Slopes::<F, 1>::along(cot, 0, cot));
+            let none = Slopes::fixed(cot.constant(0.0));
+            let (_, [_, left]) = self.state([x, x], none, none, c);
+            let (one, step) = (cot.constant(1.0), left.re / left.eps[0]);
+            let step = F::select(one.lt(step), one, step.larger(-one));
+            log = F::select(settled, log, log - step);
+            steps = F::select(settled, steps, steps + 1.0);
+            settled = settled | step.abs().lt(one * NEAR);
+            if !F::any(!settled) {
+                break;
+            }
+        }
+        let (found, effect) = self.level(log.exp());
+        (found, steps, expected & settled & effect.gt(effect.constant(0.0)))
+    }
+
+    /// The state without inertia next to `$x$` and `$c$`.
+    #[inline(always)]
+    pub(super) fn state_without_inertia(&self, [x, c]: [F; 2], expected: F::Mask) -> CurveState<F> {
+        let guess = [x.constant(Elastic::NO_INERTIA), x, c];
+        self.settle::<false>(guess, &self.scale([x, x], c), expected)
+    }
+
+    /// The first steady motion, if it is where the curve is straight: up to there the inertia (S27) has
+    /// only risen, so that no other root is before it.
+    #[inline(always)]
+    pub(super) fn straight(&self, level: &CurveState<F>) -> SlidingRoot<F> {
+        let (one, scale) = (self.friction.constant(1.0), level.scale(self));
+        // M ~ q, up to where the curve bends. Where nut and screw turn together, the inertia of the begin
+        // underflows, its logarithm does not.
+        let root = self.inertia_ratio.ln() - level.log_inertia() + Elastic::NO_INERTIA;
+        let least = one * Elastic::NO_INERTIA;
+        let inside = level.found & root.lt(one * 0.0) & root.gt(least);
+        let node = self.settle::<true>([root, level.place[1], level.place[2]], &scale, inside);
+
+        let back = (level.motion.drive * level.motion.inertia).lt(one * 0.0);
+        let [forwards, backwards] = self.excess(&node.state, &node.motion);
+        let left = (F::select(back, backwards, forwards) / node.motion.drive).abs();
+        // What the logarithm of q has no finer digits than; where rounding decides, a search does its best.
+        let digit = node.place[0].abs().larger(one) * (4.0 * f64::EPSILON);
+        let steady = node.found & node.is_admissible();
+        let found = steady & node.is_straight_from(level, &scale, Elastic::RISES) & left.le(digit);
+        let size = (node.state.centrifugal / self.inertia_ratio).sqrt();
+        let (sin, cos) = node.state.turn;
+        let half = ((cos + 1.0) * 0.5).sqrt();
+        SlidingRoot {
+            ball: *self,
+            state: node.state,
+            motion: node.motion,
+            rate: F::select(back, -size, size),
+            tilt: (sin * 0.5 / half, half),
+            steps: level.steps + node.steps,
+            residual: node.left.larger(left),
+            steady,
+            found,
+        }
+    }
+
+    /// The states next to a guess: steady motions, or with the same `$q$`.
+    #[inline(always)]
+    pub(super) fn settle<const STEADY: bool>(
+        &self,
+        guess: Coordinates<F>,
+        &[_, by_screw, by_c]: &[F; 3],
+        expected: F::Mask,
+    ) -> CurveState<F> {
+        let (mut place, one) = (guess, guess[0].constant(1.0));
+        let (zero, infinity) = (one.constant(0.0), one.constant(f64::INFINITY));
+        let (mut steps, mut settled, mut last) = (zero, !expected, [zero; 3]);
+        for _ in 0..MOST_STEPS[usize::from(F::WIDE)] {
+            let q = place[0].exp();
+            let jets = [
+                Slopes::<F, 3>::along(q, 0, q),
+                Slopes::variable(place[1], 1),
+                Slopes::variable(place[2], 2),
+            ];
+            let (beyond, square) = self.nut_square(jets);
+            let [q, screw, c] = jets;
+            let (state, [a, b]) = self.state([square.sqrt(), screw], beyond, q, c);
+            let (mut left, mut across) = (zero, [one, zero, zero]);
+            if STEADY {
+                let SlidingMotion { inertia: i, drive: d, .. } = self.motion(&state);
+                let (m, ratio) = (state.centrifugal, i.re / d.re);
+                // 0 = ln[(M/μ) ((1 − g)/(π/d + Ω_n/W))²], to the last digit of its argument  (S27)
+                left = (m.re / self.inertia_ratio * ratio * ratio).ln();
+                for (k, across) in across.iter_mut().enumerate() {
+                    *across = m.eps[k] / m.re + (i.eps[k] / i.re - d.eps[k] / d.re) * 2.0;
+                }
+            }
+            let (one_way, two) = (cross(&b.eps, &across), cross(&across, &a.eps));
+            let three = cross(&a.eps, &b.eps);
+            let size = a.eps[0] * one_way[0] + a.eps[1] * one_way[1] + a.eps[2] * one_way[2];
+            let scale = -size.recip();
+            let mut step = [zero; 3];
+            for k in 0..3 {
+                step[k] = (one_way[k] * a.re + two[k] * b.re + three[k] * left) * scale;
+            }
+            let size = step[0].abs().larger((step[1] / by_screw).abs());
+            let size = size.larger((step[2] / by_c).abs());
+            let part = one.constant(2.0) / size;
+            let part = F::select(part.lt(one), part, one);
+            // Half the way back where no forces belong to a place; a guess without forces stays there.
+            let along = state.along.re;
+            let real = zero.le(square.re) & along.gt(zero) & along.lt(infinity);
+            for k in 0..3 {
+                step[k] = F::select(real, step[k] * part, last[k] * -0.5);
+                place[k] = F::select(settled, place[k], place[k] + step[k]);
+                last[k] = F::select(real, step[k], -step[k]);
+            }
+            steps = F::select(settled, steps, steps + 1.0);
+            let lost = !size.lt(infinity);
+            settled = settled | real & (size.lt(one * SETTLED) | lost);
+            if !F::any(!settled) {
+                break;
+            }
+        }
+        let q = place[0].exp();
+        let (beyond, square) = self.nut_square([q, place[1], place[2]]);
+        let (state, [a, b]) = self.state([square.sqrt(), place[1]], beyond, q, place[2]);
+        let motion = self.motion(&state);
+        let left = a.abs().larger(b.abs());
+        let found = expected
+            & settled
+            & left.lt(rounding_floor(&state) * Elastic::CLOSED)
+            & state.along.gt(zero)
+            & state.along.lt(infinity);
+        CurveState { place, state, motion, left, steps, found }
+    }
+
+    /// The first steady motions of several points, where they are next to equal contact angles.
+    ///
+    /// * `unloaded`: cotangent of the unloaded contact angle.
+    #[inline(always)]
+    pub fn first_root(&self, unloaded: F, expected: F::Mask) -> SlidingRoot<F> {
+        let (begin, steps, found) = self.unloaded_level(unloaded, expected & self.carries());
+        let level = self.state_without_inertia(begin, found);
+        let root = self.straight(&level);
+        SlidingRoot { steps: root.steps + steps, ..root }
+    }
+}
+
+impl<F: Compare> SlidingRoot<F> {
+    /// The rotation.
+    #[inline(always)]
+    pub fn rotation(&self) -> SlidingRotation<F> {
+        let Self { ball, state, motion, rate, tilt: (s, c), .. } = self;
+        let SlidingState { sin: [sin_a, _], cos: [cos_a, _], across: [x, _], .. } = *state;
+        // β = β_A + ν                                                     (P3)
+        let mean = (sin_a * *c + cos_a * *s, cos_a * *c - sin_a * *s);
+        // θ_A = atan2(1, x_A)
+        let slip = motion.slip[0] / (x.square() + 1.0).sqrt();
+        let moment = ball.spin_moment((state, motion), *rate, (*c, mean.0));
+        let spin = (moment, ball.gyration(*rate));
+        let omega = rotation(ball.arc, [slip * x, slip], self.precession(), spin, self.tilt);
+        SlidingRotation { omega, mean }
+    }
+
+    /// Precession relative to the nut, `$p$`.
+    #[inline(always)]
+    pub fn precession(&self) -> F {
+        // P = Ω_n + p W                                                   (S2)
+        self.rate - self.ball.nut_speed
+    }
+
+    /// Friction on the ball over `$F_a$` at nut and screw, across the groove and along it.
+    #[inline(always)]
+    pub fn friction(&self) -> [[F; 2]; 2] {
+        let ([x_a, x_b], push) = (self.state.across, self.ball.friction * self.state.along);
+        // Friction is F Y (−x_A, −1) at A and F Y (x_B, 1) at B, across and along  (S13)
+        [[-(push * x_a), -push], [push * x_b, push]]
+    }
+
+    /// Torque on the screw per ball over `$r_b F_a$`.
+    #[inline(always)]
+    pub fn torque(&self) -> F {
+        let SlidingState { loads: [_, load], sin: [_, sin], cos: [_, cos], .. } = self.state;
+        let SlidingBall { sin: sin_a, cos: cos_a, arc, .. } = self.ball;
+        friction_torque((load, self.friction()[1]), (sin_a, cos_a), (sin, cos), arc * cos_a)
+    }
+
+    /// Power lost in friction over `$r_b F_a |W|$`.
+    #[inline(always)]
+    pub fn friction_power(&self) -> F {
+        friction_power(self.ball.friction.abs(), self.state.loads, self.motion.slip)
+    }
+}

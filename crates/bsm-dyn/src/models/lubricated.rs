@@ -1,0 +1,15 @@
+//! Friction from the lubricant in raceway control and in traction.
+//!
+//! Theory: `docs/theory/17-lubricant.md`, equations (Y1) to (Y32).
+
+mod band;
+mod sensitivities;
+mod solve;
+
+pub use self::band::Band;
+pub use self::solve::{
+    Lubricated, LubricatedModel, RacewayFriction, catalogue_friction, film_heating,
+};
+
+#[cfg(test)]
+mod tests;

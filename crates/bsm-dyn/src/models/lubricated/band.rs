@@ -1,0 +1,117 @@
+//! How sure the loss of the contacts is.
+//!
+//! Theory: `docs/theory/17-lubricant.md`, section "How sure".
+
+use super::solve::{Lubricated, LubricatedModel, RacewayFriction};
+use crate::contact::{Oil, Roughness, Temperature};
+use crate::models::ball::{Direction, Solved};
+use crate::models::raceway_control::RacewayControl;
+use crate::models::workspace::ModelWorkspace;
+
+/// Bounds that nine of ten draws of what nobody knows exactly keep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    /// Loss of the contacts over the one that is stated.
+    pub loss: [f64; 2],
+    /// Torque on the screw \[N·m\], from small loss to large loss.
+    pub screw_torque: [f64; 2],
+    /// Efficiency, from small loss to large loss.
+    pub efficiency: [f64; 2],
+}
+
+/// Number of draws.
+const DRAWS: u32 = 250;
+
+/// What is drawn, by its ends.
+const UNCERTAIN: [(f64, f64); 12] = [
+    // Factors of boundary friction, rolling force, film against roughness in the share of the load,
+    (0.75, 1.25),
+    (0.5 / 0.85, 1.2 / 0.85),
+    (0.8 / 1.4, 2.3 / 1.4),
+    // roughness, supply of oil, limiting shear,
+    (0.6, 1.4),
+    (0.6, 1.0),
+    (0.8, 1.2),
+    // film formula, pressure-viscosity coefficient, viscosity, hysteresis;
+    (0.8, 1.2),
+    (0.85, 1.15),
+    (0.9, 1.1),
+    (0.3, 3.4),
+    // temperature [K], conformity.
+    (-5.0, 5.0),
+    (-0.005, 0.005),
+];
+
+/// Primes: the multiples of their square roots, modulo 1, fill the box of the draws evenly.
+const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0];
+
+impl Lubricated {
+    /// The band of a solved point; `None` where too few draws have an answer.
+    ///
+    /// The draws are even over their ranges and always the same. What they do to the loss is that of raceway
+    /// control with one friction coefficient for each contact.
+    pub fn band(&self, solved: &Solved, work: &mut ModelWorkspace) -> Option<Band> {
+        let film = solved.film?;
+        let loss = |number: Option<u32>, work: &mut ModelWorkspace| {
+            let solution = self.drawn(number, film.temperature).solve(work);
+            let film = solution.solved()?.film?;
+            Some(film.sliding_power + film.rolling_power)
+        };
+        let nominal = loss(None, work)?;
+        let mut losses: Vec<_> = (1..=DRAWS).filter_map(|n| loss(Some(n), work)).collect();
+        losses.sort_by(f64::total_cmp);
+        let places = losses.len().checked_sub(1).filter(|last| 2 * last > DRAWS as usize)?;
+        let [low, high] = [places / 20, places - places / 20].map(|i| losses[i] / nominal);
+        let speed = self.screw().point.drive.relative_speed();
+        let (torque, ideal) =
+            (solved.transmission.screw_torque?, self.screw().point.ideal_torque());
+        let contacts = (film.sliding_power + film.rolling_power) / speed;
+        let direction = Direction::of(speed)?;
+        let torques = [low, high].map(|ratio| torque + (ratio - 1.0) * contacts);
+        Some(Band {
+            loss: [low, high],
+            screw_torque: torques,
+            efficiency: torques
+                .map(|torque| crate::contact::efficiency(direction.is_back(), ideal, torque)),
+        })
+    }
+
+    /// The point of a draw at a temperature of the oil \[K\], of a fast model; without a number as it is.
+    fn drawn(&self, number: Option<u32>, kelvin: f64) -> Self {
+        let place = |i: usize| {
+            let (low, high) = UNCERTAIN[i];
+            let part = |number: u32| (f64::from(number) * PRIMES[i].sqrt()).fract();
+            number.map(|number| low + part(number) * (high - low))
+        };
+        let factor = |i| place(i).unwrap_or(1.0);
+        let offset = |i| place(i).unwrap_or(0.0);
+        let mut screw = *self.screw();
+        let (nut, groove) = screw.conformity;
+        let least = |conformity: f64| (conformity + offset(11)).max(0.5 + 0.5 * (conformity - 0.5));
+        screw.conformity = (least(nut), least(groove));
+        let mut lubricant = self.lubricant;
+        let kelvin = kelvin + offset(10);
+        lubricant.temperature = Temperature::Known(kelvin);
+        lubricant.boundary_friction *= factor(0);
+        let film = factor(6);
+        lubricant.film_factor *= factor(4) * film;
+        // The film formula has no part in the rolling force.
+        lubricant.rolling_factor *= factor(1) / film;
+        // A steeper share is the same as a smoother surface.
+        let rough = factor(3) / factor(2);
+        let Roughness { ball, nut, screw: race } = lubricant.roughness;
+        lubricant.roughness =
+            Roughness { ball: ball * rough, nut: nut * rough, screw: race * rough };
+        lubricant.hysteresis_loss *= factor(9);
+        let Oil { viscosities, limiting_shear, .. } = lubricant.oil;
+        lubricant.oil.viscosities = viscosities.map(|viscosity| viscosity * factor(8));
+        lubricant.oil.limiting_shear = limiting_shear * factor(5);
+        let alpha = lubricant.oil.at(kelvin).pressure_viscosity;
+        lubricant.oil.pressure_viscosity = Some(alpha * factor(7));
+        let case = RacewayControl { at: screw, control: None };
+        Self {
+            lubricant,
+            model: LubricatedModel::RacewayControl(case, RacewayFriction::PerContact),
+        }
+    }
+}

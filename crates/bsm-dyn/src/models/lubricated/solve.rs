@@ -1,0 +1,341 @@
+//! A lubricated ball by the models that friction is integrated in, and the temperature that it takes.
+//!
+//! Theory: `docs/theory/17-lubricant.md`, equations (Y22), (Y23), (Y28) to (Y31).
+
+use bsm_kin::{BallFrame, Field, Motion, Scalar};
+use bsm_newton::Bracket;
+
+use crate::contact::{
+    BallOrbit, ContactFilm, FilmState, Lubricant, OutsidePower, Temperature, ZERO_CELSIUS,
+    magnitude,
+};
+use crate::ellipse::{Integrate, Nodes, Quadrature};
+use crate::models::ball::{
+    BallLoads, EhlLoss, EhlPoint, ElasticBall, ElasticPoint, ErrorBound, Model, Reason, Solution,
+    Solved, Steady, SteadyRoot, Transmission, Unsolved, to_both, unit_powers,
+};
+use crate::models::raceway_control::RacewayControl;
+use crate::models::traction::Traction;
+use crate::models::workspace::ModelWorkspace;
+
+/// What friction is in the raceway-control model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum RacewayFriction {
+    /// The law of each point of the ellipses.
+    #[default]
+    Local,
+    /// One coefficient for each contact (Y23).
+    PerContact,
+}
+
+/// The model of the ball; its friction coefficient is not read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LubricatedModel<D = f64> {
+    /// The ball rolls, whatever friction does.
+    RacewayControl(RacewayControl<D>, RacewayFriction),
+    /// Friction takes part in the balance.
+    Traction(Traction<D>),
+}
+
+/// A screw with a lubricant at an operating point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lubricated<D = f64> {
+    /// What friction comes from.
+    pub lubricant: Lubricant<D>,
+    /// What the ball does with it.
+    pub model: LubricatedModel<D>,
+}
+
+impl RacewayFriction {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Local, Self::PerContact];
+
+    /// Name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Local => "local",
+            Self::PerContact => "contact",
+        }
+    }
+
+    /// The one of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|friction| friction.name() == name)
+    }
+
+    /// Accuracy of the rule: sums of a coefficient of one need fewer nodes.
+    pub(super) fn accuracy(self) -> f64 {
+        match self {
+            Self::Local => Traction::ACCURACY,
+            Self::PerContact => RacewayControl::ACCURACY,
+        }
+    }
+}
+
+/// What both contacts lose, over `$W$`; scaled as the point is.
+pub(super) fn lost<D: Scalar>(losses: &[EhlLoss<D>; 2]) -> D {
+    let [nut, screw] = losses;
+    nut.sliding + nut.rolling + screw.sliding + screw.rolling
+}
+
+impl RacewayFriction {
+    /// Sliding powers of a coefficient of one, and what the contacts of a rolling ball do.
+    pub(super) fn losses<P: Scalar, D: Integrate<P>>(
+        self,
+        ehl: &EhlPoint<P>,
+        pair: &ElasticBall<P>,
+        (loaded, to_nut): (&BallLoads<D>, &Motion<D>),
+        rules: [&Quadrature; 2],
+    ) -> ([D; 2], [EhlLoss<D>; 2]) {
+        let [oil, dry] = rules.map(Nodes::from);
+        let (motions, creep) = (to_both(to_nut, &loaded.frame), RacewayControl::CREEP);
+        let unit = unit_powers(pair, loaded, to_nut, creep, [dry; 2]);
+        let losses = std::array::from_fn(|i| {
+            let motion = &motions[i];
+            match self {
+                Self::Local => ehl.loss(i, (pair, loaded), motion, creep, oil),
+                Self::PerContact => ehl.mean_loss(i, (pair, loaded), motion, creep, unit[i]),
+            }
+        });
+        (unit, losses)
+    }
+}
+
+impl<D: Scalar> Lubricated<D> {
+    /// The screw.
+    pub(crate) fn screw(&self) -> &ElasticPoint<D> {
+        match &self.model {
+            LubricatedModel::RacewayControl(case, _) => &case.at,
+            LubricatedModel::Traction(case) => &case.at,
+        }
+    }
+
+    /// Powers lost outside the contacts \[W\].
+    pub(super) fn outside(&self, pair: &ElasticBall<D>, steady: &Steady<D>) -> OutsidePower<D> {
+        let screw = self.screw();
+        let speed = screw.point.drive.relative_speed();
+        let motion = pair.absolute(&steady.to_nut, &steady.loaded.frame);
+        let in_carrier = motion.omega - steady.loaded.frame.k * motion.precession;
+        let rubbing = in_carrier.cross(&BallFrame::tangent()) * speed;
+        let ball = BallOrbit {
+            rubbing: rubbing.dot(&rubbing).sqrt(),
+            rate: magnitude(motion.precession * speed - screw.point.drive.nut_speed),
+            relative_speed: magnitude(speed),
+            radius: screw.point.ball.radius,
+            mass: screw.point.ball.mass,
+            pitch_radius: screw.point.helix.radius,
+            arc: screw.point.helix.arc_length_per_radian(),
+            balls: screw.point.load.balls,
+        };
+        self.lubricant.losses.power(&ball, self.lubricant.oil.density)
+    }
+}
+
+/// Step and end of the search for the temperature \[K\], and what it may err by.
+const WARMING: f64 = 5.0;
+const HOTTEST: f64 = ZERO_CELSIUS + 180.0;
+const SETTLED: f64 = 1e-9;
+
+impl Lubricated {
+    /// The model that answers.
+    pub fn name(&self) -> Model {
+        match self.model {
+            LubricatedModel::RacewayControl(..) => Model::RacewayControl,
+            LubricatedModel::Traction(_) => Model::Traction,
+        }
+    }
+
+    /// Solves for the steady motion of the ball and what it loses.
+    pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
+        let solved = match self.lubricant.temperature {
+            Temperature::Known(kelvin) => self.at(kelvin, work),
+            Temperature::Balance { heat_transfer, ambient } => {
+                self.settled(heat_transfer, ambient, work)
+            }
+        };
+        Solution::new(self.name(), solved)
+    }
+
+    /// The answer at the lowest temperature that the losses keep (Y28).
+    fn settled(
+        &self,
+        heat_transfer: f64,
+        ambient: f64,
+        work: &mut ModelWorkspace,
+    ) -> Result<Solved, Unsolved> {
+        let mut excess = |kelvin: f64| {
+            let solved = self.at(kelvin, work)?;
+            let seal = solved.film.map_or(f64::NAN, |film| film.outside.seal);
+            let heat = solved.transmission.power.map_or(f64::NAN, |power| power.dissipated) + seal;
+            // hA (T − T₀) = Σ P(T)                                        (Y28)
+            Ok((heat_transfer * (kelvin - ambient) - heat, solved))
+        };
+        let (mut low, mut below) = (ambient, excess(ambient)?.0);
+        loop {
+            let high = low + WARMING;
+            if high > HOTTEST {
+                let evidence = crate::models::ball::Evidence::Traced { resolution: WARMING };
+                let reason = Reason::LubricantRunsAway { hottest: HOTTEST };
+                return Err(Unsolved::none(evidence, reason));
+            }
+            let (above, _) = excess(high)?;
+            if above < 0.0 {
+                (low, below) = (high, above);
+                continue;
+            }
+            let mut settled = Err(Unsolved::LOST);
+            let bracket =
+                Bracket { x_tol: SETTLED / high, ..Bracket::new([low, high], [below, above]) };
+            let found = bracket.root(|kelvin| match excess(kelvin) {
+                Ok((value, solved)) => {
+                    settled = Ok(solved);
+                    value
+                }
+                Err(why) => {
+                    settled = Err(why);
+                    f64::NAN
+                }
+            });
+            // An end that is the root was solved before the other.
+            return match found.root() {
+                Some(root) if [low, high].contains(&root.x) => Ok(excess(root.x)?.1),
+                _ => settled,
+            };
+        }
+    }
+
+    /// The answer at a temperature.
+    fn at(&self, kelvin: f64, work: &mut ModelWorkspace) -> Result<Solved, Unsolved> {
+        let screw = self.screw();
+        let ehl = EhlPoint::new(screw, &self.lubricant, kelvin)?;
+        let found = match &self.model {
+            LubricatedModel::RacewayControl(case, friction) => {
+                let ModelWorkspace { raceway, lubricated, .. } = work;
+                let pair = screw.scaled()?;
+                let grip = raceway.grip(&pair, case.control)?;
+                let (loaded, to_nut) = (grip.loaded, grip.to_nut);
+                let creep = RacewayControl::CREEP;
+                let pair = pair.with_friction(ehl.friction_scale(&pair, &loaded, &to_nut, creep));
+                let rules = lubricated.both(friction.accuracy());
+                let (unit, losses) = friction.losses(&ehl, &pair, (&loaded, &to_nut), rules);
+                let (_, torque) = screw.rolling_torques(lost(&losses));
+                let steady = Steady { loaded, to_nut, losses, torque };
+                let (skid, info, control) = grip.told(&pair);
+                SteadyRoot { pair, steady, unit, skid, info, control: Some(control), error: None }
+            }
+            LubricatedModel::Traction(case) => {
+                case.lubricated(&ehl, &mut work.traction, &mut work.lubricated)?
+            }
+        };
+        self.told(&ehl, &found)
+    }
+
+    /// All that a found ball tells.
+    fn told(&self, ehl: &EhlPoint, found: &SteadyRoot) -> Result<Solved, Unsolved> {
+        let (screw, SteadyRoot { pair, steady, .. }) = (self.screw(), found);
+        let Steady { loaded, to_nut, losses, torque } = steady;
+        let speed = screw.point.drive.relative_speed();
+        let outside = self.outside(pair, steady);
+        let ball = screw.ball_state(pair, loaded, to_nut)?;
+        let torque = torque + outside.torque(speed);
+        let ideal = screw.point.ideal_torque();
+        let transmission = Transmission::of(pair.direction, ideal, torque, speed);
+        // Scaled powers in watts, of all balls.
+        let unit = screw.point.ball.radius * screw.point.load.axial * speed;
+        let [sliding_power, rolling_power] =
+            [losses.map(|loss| loss.sliding), losses.map(|loss| loss.rolling)]
+                .map(|[nut, screw]| (nut + screw) * unit);
+        let lost = sliding_power + rolling_power + outside.of_balls();
+        let transmission = match self.model {
+            LubricatedModel::Traction(_) => transmission.balanced_against(lost)?,
+            LubricatedModel::RacewayControl(..) => transmission,
+        };
+        let contacts = [0, 1].map(|i| {
+            let EhlLoss { film, sliding, .. } = &losses[i];
+            ContactFilm {
+                thickness: film.thickness,
+                ratio: film.ratio,
+                share: film.law.share,
+                // μ_c = P_s/P_s(1)                                        (Y22)
+                friction: sliding / found.unit[i],
+                rolling_moment: film.couple * ehl.units.load * ehl.units.length,
+                entrainment: film.entrainment * ehl.units.speed,
+                elasticity: ehl.elasticity(i, loaded.loads[i], film),
+                law: film.law.in_unit(ehl.units.speed),
+            }
+        });
+        let of_one: f64 = found.unit.iter().sum::<f64>() * unit;
+        let heating = [0, 1].map(|i| {
+            let (a, b) = pair.hertz[i].semi_axes(loaded.loads[i] * ehl.units.load);
+            let power = losses[i].sliding * unit / screw.point.load.balls;
+            let ContactFilm { thickness, entrainment, .. } = contacts[i];
+            let heat = power / (std::f64::consts::PI * a * b);
+            film_heating(heat, thickness, (b, entrainment), self.conductivity())
+        });
+        let film = FilmState {
+            temperature: ehl.oil.temperature,
+            viscosity: ehl.oil.viscosity,
+            pressure_viscosity: ehl.oil.pressure_viscosity,
+            nut: contacts[0],
+            screw: contacts[1],
+            sliding_power,
+            rolling_power,
+            outside,
+            heating: heating[0].max(heating[1]),
+            // f_eq = (P_s + P_r)/Σ P_s(1)                                 (Y30)
+            equivalent_friction: (sliding_power + rolling_power) / of_one,
+            catalogue_friction: catalogue_friction(
+                pair.direction.is_back(),
+                screw.point.helix.lead_angle.tan(),
+                transmission.efficiency,
+            ),
+        };
+        Ok(Solved {
+            skid: Some(found.skid),
+            info: Some(found.info),
+            control: found.control,
+            film: Some(film),
+            error: found
+                .error
+                .map(|error| ErrorBound::of(pair.direction, transmission.efficiency, error)),
+            ..Solved::new(&ball, transmission)
+        })
+    }
+
+    fn conductivity(&self) -> f64 {
+        self.lubricant.oil.base.conductivity()
+    }
+}
+
+/// By how much sliding heats the film \[K\] (Y29).
+///
+/// * `heat`: sliding power over the area of the contact \[W/m²\]. * `short`: `$b$` \[m\]; `entrainment` \[m/s\].
+/// * `conductivity`: of the oil \[W/(m·K)\].
+#[inline(always)]
+pub fn film_heating<F: Field>(
+    heat: F,
+    thickness: F,
+    (short, entrainment): (F, F),
+    conductivity: f64,
+) -> F {
+    /// Conductivity, density and heat capacity of steel \[SI\].
+    const STEEL: f64 = 46.0 * 7800.0 * 460.0;
+    // ΔT = q h/(8 k) + 0.53 q √(b/(u k_s ρ_s c_s)),  q = P_s/(π a b)       (Y29)
+    heat * thickness * (8.0 * conductivity).recip()
+        + heat * (short / (entrainment * STEEL)).sqrt() * 0.53
+}
+
+/// The coefficient of a plain thread of an efficiency (Y31).
+///
+/// * `back`: where linear motion drives. * `tan`: of the lead angle.
+#[expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+#[inline(always)]
+pub fn catalogue_friction<F: Field>(back: F::Mask, tan: F, efficiency: F) -> F {
+    // η = (1 − μ tanα)/(1 + μ/tanα),  back-driving (1 − μ/tanα)/(1 + μ tanα)  (Y31)
+    let cot = tan.recip();
+    let (with, against) = (F::select(back, tan, cot), F::select(back, cot, tan));
+    (-efficiency + 1.0) / (efficiency * with + against)
+}

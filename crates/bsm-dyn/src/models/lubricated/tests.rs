@@ -1,0 +1,436 @@
+//! Pieces against published and independent numbers, limits, and the whole against an independent solution.
+
+use std::f64::consts::PI;
+
+use approx::assert_relative_eq;
+use bsm_kin::{Drive, Helix};
+
+use super::*;
+use crate::{
+    Ball, BaseOil, Coulomb, ElasticPoint, Load, Losses, Lubricant, Material, ModelWorkspace, Oil,
+    OperatingPoint, RacewayControl, Roughness, Solved, Temperature, Traction,
+};
+
+const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
+
+/// The feed drive of the examples.
+fn feed_drive(rpm: f64, axial: f64) -> ElasticPoint {
+    let (radius, lead) = (20.75e-3, 20e-3);
+    ElasticPoint {
+        point: OperatingPoint {
+            helix: Helix { radius, lead_angle: f64::atan2(lead, 2.0 * PI * radius) },
+            contact_angle: PI / 4.0,
+            ball: Ball::of_density(3.175e-3, 7800.0),
+            friction: Coulomb(f64::NAN),
+            drive: Drive { screw_speed: rpm * PI / 30.0, nut_speed: 0.0 },
+            load: Load { axial, balls: 70.0 },
+        },
+        conformity: (0.53, 0.53),
+        material: (STEEL, STEEL),
+    }
+}
+
+/// Mineral oil of ISO VG 68 at 40 °C, ground grooves.
+fn vg_68() -> Lubricant {
+    Lubricant {
+        oil: Oil {
+            base: BaseOil::Mineral,
+            viscosities: Oil::of_grade(68.0).unwrap(),
+            density: BaseOil::Mineral.density(),
+            pressure_viscosity: None,
+            limiting_shear: BaseOil::Mineral.limiting_shear(),
+        },
+        temperature: Temperature::Known(313.15),
+        boundary_friction: 0.12,
+        roughness: Roughness { ball: 0.03e-6, nut: 0.2e-6, screw: 0.2e-6 },
+        film_factor: 1.0,
+        rolling_factor: 0.85,
+        hysteresis_loss: 0.01,
+        losses: Losses {
+            seal_torque: 0.0,
+            ball_contact_force: 0.0,
+            ball_contact_friction: 0.12,
+            return_circuits: 0.0,
+            return_loss: 0.0,
+            drag_coefficient: 0.0,
+        },
+    }
+}
+
+fn traction(screw: ElasticPoint) -> LubricatedModel {
+    let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
+    LubricatedModel::Traction(Traction { at: screw, accuracy, creep })
+}
+
+fn rolling(screw: ElasticPoint) -> LubricatedModel {
+    LubricatedModel::RacewayControl(
+        RacewayControl { at: screw, control: None },
+        RacewayFriction::Local,
+    )
+}
+
+fn solved(lubricant: Lubricant, model: LubricatedModel) -> Solved {
+    let solution = Lubricated { lubricant, model }.solve(&mut ModelWorkspace::default());
+    *solution.solved().unwrap_or_else(|| panic!("{:?}", solution.reason()))
+}
+
+/// Identity: the oil at its two given temperatures is what was given, and its thinning is the slope.
+#[test]
+fn the_oil_meets_its_two_points() {
+    let oil = vg_68().oil;
+    let [warm, hot] = [313.15, 373.15].map(|kelvin| oil.at(kelvin));
+    assert_relative_eq!(warm.kinematic_viscosity, 68e-6, max_relative = 1e-13);
+    assert_relative_eq!(hot.kinematic_viscosity, 8.53e-6, max_relative = 1e-13);
+    let [below, above] = [312.65, 313.65].map(|kelvin| oil.at(kelvin).viscosity.ln());
+    // Truncation of the difference: a 24th of the third derivative, about 1e-5 of the slope.
+    assert_relative_eq!(below - above, warm.thinning, max_relative = 5e-5);
+}
+
+/// Spec 10.9, an independent solution: the numbers on the way, at the nut.
+#[test]
+fn the_numbers_on_the_way_are_those_of_an_independent_solution() {
+    let (screw, lubricant) = (feed_drive(1500.0, 8000.0), vg_68());
+    let oil = lubricant.oil.at(313.15);
+    // As many digits as were printed.
+    let digits = 2e-8;
+    assert_relative_eq!(oil.viscosity, 58.8676e-3, max_relative = 1e-7);
+    assert_relative_eq!(oil.thinning, 0.050_756_4, max_relative = 1e-6);
+    assert_relative_eq!(oil.pressure_viscosity, 17.804_48e-9, max_relative = 3e-7);
+    assert_relative_eq!(oil.pressure_scale, 52.165_629e6, max_relative = digits);
+    let all = solved(lubricant, rolling(screw));
+    let film = all.film.unwrap();
+    assert_relative_eq!(film.nut.entrainment, 1.631_072_21, max_relative = digits);
+    assert_relative_eq!(film.nut.thickness, 0.318_402_57e-6, max_relative = digits);
+    assert_relative_eq!(film.nut.ratio, 1.574_399_38, max_relative = digits);
+    assert_relative_eq!(film.nut.share, 0.110_343_27, max_relative = 1e-7);
+    assert_relative_eq!(film.nut.rolling_moment, 0.574_965_13e-3, max_relative = digits);
+    // Quadrature over the ellipse.
+    assert_relative_eq!(film.nut.friction, 0.050_597_95, max_relative = 1e-6);
+    assert_relative_eq!(film.sliding_power, 49.247_86, max_relative = 1e-6);
+    assert_relative_eq!(film.rolling_power, 36.724_14, max_relative = 2e-7);
+    assert_relative_eq!(all.transmission.screw_torque.unwrap(), 26.012_105_6, max_relative = 1e-8);
+    assert_relative_eq!(all.transmission.efficiency, 0.978_959_23, max_relative = 1e-8);
+}
+
+/// Spec 10.9, the table of the feed drive: speeds from boundary friction to a full film, in the words of its digits.
+#[test]
+fn torque_falls_and_rises_with_speed() {
+    let rows = [
+        (10.0, 26.224, 0.97104, 0.057, 0.1137, 0.78, 0.02, 0.0045),
+        (100.0, 26.118, 0.97501, 0.27, 0.0953, 6.40, 0.44, 0.0038),
+        (600.0, 25.994, 0.97963, 0.88, 0.0649, 25.4, 7.9, 0.0031),
+        (1500.0, 26.013, 0.97893, 1.58, 0.0512, 49.2, 36.9, 0.0032),
+        (3000.0, 26.116, 0.97506, 2.37, 0.0457, 87.5, 117.0, 0.0038),
+        (6000.0, 26.298, 0.96832, 3.35, 0.0437, 170.0, 353.0, 0.0049),
+    ];
+    for (rpm, torque, efficiency, ratio, friction, sliding, rolling, catalogue) in rows {
+        let all = solved(vg_68(), traction(feed_drive(rpm, 8000.0)));
+        let film = all.film.unwrap();
+        let near = |ours: f64, printed: f64, half: f64| {
+            assert!((ours - printed).abs() <= half, "{rpm} rpm: {ours} {printed}");
+        };
+        near(all.transmission.screw_torque.unwrap(), torque, 6e-4);
+        near(all.transmission.efficiency, efficiency, 6e-6);
+        near(film.nut.ratio, ratio, 6e-3);
+        near(film.nut.friction, friction, 6e-5);
+        near(film.sliding_power, sliding, if sliding > 100.0 { 0.6 } else { 0.06 });
+        near(film.rolling_power, rolling, if rolling > 100.0 { 0.6 } else { 0.06 });
+        near(film.catalogue_friction, catalogue, 6e-5);
+        assert!(all.transmission.power_balance.unwrap().abs() <= 1e-9);
+    }
+}
+
+/// Spec 10.11: 5 to 95 % of the loss over the nominal one, of other draws.
+#[test]
+fn the_band_is_a_quarter_either_way_while_the_ball_grips() {
+    let mut work = ModelWorkspace::default();
+    for (rpm, axial, low, high) in [
+        (100.0, 8000.0, 0.81, 1.26),
+        (1500.0, 8000.0, 0.80, 1.26),
+        (4000.0, 8000.0, 0.67, 1.22),
+        (1500.0, 1500.0, 0.62, 1.23),
+    ] {
+        let case = Lubricated { lubricant: vg_68(), model: rolling(feed_drive(rpm, axial)) };
+        let solution = case.solve(&mut work);
+        let band = case.band(solution.solved().unwrap(), &mut work).unwrap();
+        println!("{rpm} {axial}: {band:?}");
+        // 250 draws of each leave a few per cent, and the distributions over the ranges are not stated.
+        assert!((band.loss[0] - low).abs() < 0.07, "{band:?}");
+        assert!((band.loss[1] - high).abs() < 0.07, "{band:?}");
+    }
+}
+
+/// Limit: surfaces so rough that asperities carry all, and rolling that costs nothing, are one coefficient.
+#[test]
+fn rough_surfaces_are_a_constant_coefficient() {
+    let rough = Roughness { ball: 1.0, nut: 1.0, screw: 1.0 };
+    let lubricant =
+        Lubricant { roughness: rough, rolling_factor: 0.0, hysteresis_loss: 0.0, ..vg_68() };
+    for (rpm, axial) in [(150.0, 8000.0), (-800.0, 3000.0), (6000.0, 1400.0)] {
+        let screw = feed_drive(rpm, axial);
+        let lubricated = solved(lubricant, traction(screw)).transmission.efficiency;
+        let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
+        let dry = Traction {
+            at: ElasticPoint {
+                point: OperatingPoint { friction: Coulomb(0.12), ..screw.point },
+                ..screw
+            },
+            accuracy,
+            creep,
+        };
+        let dry = dry.solve(&mut crate::TractionWorkspace::default());
+        // What the two rules leave in an efficiency.
+        assert_relative_eq!(lubricated, dry.efficiency().unwrap(), max_relative = 1e-7);
+    }
+}
+
+/// Limits: a ball that hardly moves rubs on asperities alone, and rolling costs its hysteresis; perfect surfaces
+/// have no asperities.
+#[test]
+fn slow_is_boundary_and_smooth_is_film() {
+    let film = solved(vg_68(), traction(feed_drive(1e-3, 8000.0))).film.unwrap();
+    assert!(film.nut.share > 0.999 && (film.nut.friction - 0.12).abs() < 2e-4, "{film:?}");
+    let stiff = Lubricant { rolling_factor: 0.0, ..vg_68() };
+    let hysteresis = solved(stiff, traction(feed_drive(1e-3, 8000.0))).film.unwrap();
+    // The oil adds a three thousandth at this speed.
+    assert_relative_eq!(film.rolling_power, hysteresis.rolling_power, max_relative = 1e-2);
+    let smooth = Roughness { ball: 1e-9, nut: 1e-9, screw: 1e-9 };
+    let film =
+        solved(Lubricant { roughness: smooth, ..vg_68() }, traction(feed_drive(1500.0, 8000.0)));
+    let film = film.film.unwrap();
+    assert!(film.nut.share < 1e-12 && film.nut.friction < 0.047, "{film:?}");
+}
+
+/// Who drives makes no difference to the loss but by the inertia of the balls; so does the sense of turning but by
+/// the contact angles that friction turns.
+#[test]
+fn screw_and_nut_drive_lose_the_same() {
+    let light = |rpm: f64| {
+        let screw = feed_drive(rpm, 8000.0);
+        ElasticPoint {
+            point: OperatingPoint { ball: Ball::of_density(3.175e-3, 1e-6), ..screw.point },
+            ..screw
+        }
+    };
+    let lost = |screw| {
+        let film = solved(vg_68(), traction(screw)).film.unwrap();
+        film.sliding_power + film.rolling_power
+    };
+    let by_screw = lost(light(1500.0));
+    let drive = Drive { screw_speed: 0.0, nut_speed: -50.0 * PI };
+    assert_relative_eq!(
+        lost(ElasticPoint {
+            point: OperatingPoint { drive, ..light(1500.0).point },
+            ..light(1500.0)
+        }),
+        by_screw,
+        max_relative = 1e-6
+    );
+    // Friction of 0.05 turns the contact angles of 45 deg by as much, one way or the other: 6 %.
+    assert_relative_eq!(lost(light(-1500.0)), by_screw, max_relative = 0.08);
+}
+
+/// Extremes: 0.1 N a ball to 5 GPa, 1e-3 to 10 000 rpm, 1 mPa s to 100 Pa s: no answer holds a number that is none.
+#[test]
+fn extremes_have_numbers_or_none() {
+    let mut work = ModelWorkspace::default();
+    let (mut answers, mut points) = (0, 0);
+    for axial in [7.0, 2e5] {
+        for rpm in [1e-3, -1e4] {
+            for viscosity in [1.2e-6, 0.12] {
+                let mut lubricant = vg_68();
+                lubricant.oil.viscosities = [viscosity, 0.6 * viscosity];
+                for model in [traction(feed_drive(rpm, axial)), rolling(feed_drive(rpm, axial))] {
+                    points += 1;
+                    let solution = Lubricated { lubricant, model }.solve(&mut work);
+                    let Some(solved) = solution.solved() else { continue };
+                    answers += 1;
+                    let film = solved.film.unwrap();
+                    let [nut, screw] = [film.nut, film.screw];
+                    let numbers = [
+                        solved.transmission.efficiency,
+                        film.sliding_power,
+                        film.rolling_power,
+                        nut.friction,
+                        screw.friction,
+                        nut.thickness,
+                        film.heating,
+                    ];
+                    assert!(
+                        numbers.iter().all(|x| x.is_finite()),
+                        "{axial} {rpm} {viscosity}: {film:?}"
+                    );
+                    // Between nothing and the larger of boundary friction and limiting shear.
+                    assert!((0.0..=0.12 + 1e-12).contains(&nut.friction), "{film:?}");
+                }
+            }
+        }
+    }
+    assert!(2 * answers > points, "{answers} of {points}");
+}
+
+/// One coefficient for each contact against the law of each point.
+#[test]
+fn one_coefficient_errs_by_a_few_per_cent() {
+    let mut rng: rand_chacha::ChaCha8Rng = rand::SeedableRng::seed_from_u64(411);
+    let mut off = [const { Vec::new() }; 2];
+    for _ in 0..400 {
+        let (screw, lubricant) = everyday(&mut rng);
+        let fast = LubricatedModel::RacewayControl(
+            RacewayControl { at: screw, control: None },
+            RacewayFriction::PerContact,
+        );
+        let [local, fast] = [rolling(screw), fast].map(|model| {
+            let film = solved(lubricant, model).film.unwrap();
+            [film.sliding_power, film.sliding_power + film.rolling_power]
+        });
+        for i in 0..2 {
+            off[i].push((fast[i] / local[i] - 1.0).abs());
+        }
+    }
+    let [sliding, all] = off.map(|mut off| {
+        off.sort_by(f64::total_cmp);
+        [200, 380, 399].map(|place| off[place])
+    });
+    println!("sliding {sliding:?}, all {all:?}");
+    // Independent, over 120 screws: sliding 0.7 % in the middle and 6.6 % of 95 in 100, all loss 3.2 % at most.
+    assert!(sliding[0] < 0.02 && sliding[1] < 0.1 && sliding[2] < 0.2, "{sliding:?}");
+    assert!(all[0] < 0.01 && all[2] < 0.06, "{all:?}");
+}
+
+/// A random screw and its lubricant over everyday ranges.
+fn everyday(rng: &mut rand_chacha::ChaCha8Rng) -> (ElasticPoint, Lubricant) {
+    use rand::RngExt;
+    let mut part = |low: f64, high: f64| low + rng.random::<f64>() * (high - low);
+    let radius = part(1.0e-3, 5e-3);
+    let speed = part(1.0_f64.ln(), 5000.0_f64.ln()).exp() * part(-1.0, 1.0).signum();
+    let per_ball = part(10.0_f64.ln(), 400.0_f64.ln()).exp() * (radius / 3e-3).powi(2);
+    let helix =
+        Helix { radius: radius * part(4.0, 10.0), lead_angle: part(2.0, 22.0).to_radians() };
+    let conformity = part(0.515, 0.56);
+    let screw = ElasticPoint {
+        point: OperatingPoint {
+            helix,
+            contact_angle: part(30.0, 60.0).to_radians(),
+            ball: Ball::of_density(radius, 7800.0),
+            drive: Drive { screw_speed: speed * PI / 30.0, nut_speed: 0.0 },
+            load: Load { axial: per_ball * 50.0, balls: 50.0 },
+            ..feed_drive(1.0, 1.0).point
+        },
+        conformity: (conformity, conformity),
+        ..feed_drive(1.0, 1.0)
+    };
+    let rough = part(0.05e-6, 0.5e-6);
+    let lubricant = Lubricant {
+        temperature: Temperature::Known(273.15 + part(0.0, 70.0)),
+        roughness: Roughness { ball: 0.02e-6, nut: rough, screw: rough },
+        ..vg_68()
+    };
+    (screw, lubricant)
+}
+
+/// Of random screws over everyday ranges, the number that traction does not solve.
+fn unsolved(seed: u64, points: u64) -> u64 {
+    let mut work = ModelWorkspace::default();
+    let mut rng = rand::SeedableRng::seed_from_u64(seed);
+    let mut failed = 0;
+    for _ in 0..points {
+        let (screw, lubricant) = everyday(&mut rng);
+        let solution = Lubricated { lubricant, model: traction(screw) }.solve(&mut work);
+        if solution.solved().is_none() {
+            failed += 1;
+            println!("{:?} {screw:?} {lubricant:?}", solution.reason());
+        }
+    }
+    failed
+}
+
+#[test]
+fn everyday_screws_have_a_solution() {
+    assert_eq!(unsolved(1886, 60), 0);
+}
+
+/// The same at length: `cargo test --release -p bsm-dyn --lib everyday_screws -- --ignored --nocapture`.
+#[test]
+#[ignore = "minutes"]
+fn everyday_screws_have_a_solution_at_length() {
+    // 99.9 %.
+    assert!(unsolved(1904, 10_000) <= 10);
+}
+
+/// Middle of some numbers.
+fn median(mut numbers: Vec<f64>) -> f64 {
+    numbers.sort_by(f64::total_cmp);
+    numbers[numbers.len() / 2]
+}
+
+/// What a lubricant costs over a constant coefficient: medians over drawn everyday points, each solved dry and
+/// lubricated in turn, the fastest of a few times. Dry takes the coefficient that the lubricated solve reports.
+///
+/// `cargo test --release -p bsm-dyn --lib cost_of_a_lubricant -- --ignored --nocapture`
+#[test]
+#[ignore = "timing"]
+fn cost_of_a_lubricant() {
+    use std::time::Instant;
+
+    let mut work = ModelWorkspace::default();
+    let mut time = |solve: &mut dyn FnMut(&mut ModelWorkspace)| {
+        let times = (0..5).map(|_| {
+            let start = Instant::now();
+            solve(&mut work);
+            start.elapsed().as_secs_f64() * 1e6
+        });
+        times.fold(f64::INFINITY, f64::min)
+    };
+    let mut rng: rand_chacha::ChaCha8Rng = rand::SeedableRng::seed_from_u64(207);
+    let mut micros: [Vec<f64>; 5] = Default::default();
+    let mut bounds = Vec::new();
+    let (mut traction_ratios, mut raceway_ratios) = (Vec::new(), Vec::new());
+    while micros[0].len() < 400 {
+        let (screw, lubricant) = everyday(&mut rng);
+        let case = Lubricated { lubricant, model: traction(screw) };
+        let solution = case.solve(&mut ModelWorkspace::default());
+        let Some(film) = solution.solved().and_then(|solved| solved.film) else { continue };
+        let bound = solution.solved().and_then(|solved| solved.error);
+        bounds.push(bound.map_or(f64::NAN, |bound| bound.efficiency));
+        let friction = film.equivalent_friction;
+        let dry = ElasticPoint {
+            point: OperatingPoint { friction: Coulomb(friction), ..screw.point },
+            ..screw
+        };
+        let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
+        let dry_traction = Traction { at: dry, accuracy, creep };
+        let dry_raceway = RacewayControl { at: dry, control: None };
+        let raceway = Lubricated { lubricant, model: rolling(screw) };
+        let at_once = LubricatedModel::RacewayControl(
+            RacewayControl { at: screw, control: None },
+            RacewayFriction::PerContact,
+        );
+        let at_once = Lubricated { lubricant, model: at_once };
+        let times = [
+            time(&mut |work| drop(dry_traction.solve(&mut work.traction))),
+            time(&mut |work| drop(case.solve(work))),
+            time(&mut |work| drop(dry_raceway.solve(&mut work.raceway))),
+            time(&mut |work| drop(raceway.solve(work))),
+            time(&mut |work| drop(at_once.solve(work))),
+        ];
+        traction_ratios.push(times[1] / times[0]);
+        raceway_ratios.push(times[3] / times[2]);
+        micros.iter_mut().zip(times).for_each(|(all, time)| all.push(time));
+    }
+    let [dry, lubricated, rolls, rolls_oiled, at_once] = micros.map(median);
+    println!(
+        "traction {dry:.1} us, lubricated {lubricated:.1} us, ratio {:.2}",
+        median(traction_ratios)
+    );
+    println!(
+        "raceway control {rolls:.2} us, lubricated {rolls_oiled:.2} us, ratio {:.2}, one coefficient {at_once:.2} us",
+        median(raceway_ratios)
+    );
+    println!(
+        "bound of the efficiency {:.1e}, at most {:.1e}",
+        median(bounds.clone()),
+        bounds.iter().fold(0.0, |a: f64, b| a.max(*b))
+    );
+    assert!(dry < lubricated && rolls < rolls_oiled, "a lubricant costs something");
+}

@@ -1,0 +1,252 @@
+//! The contact state of a ball whose contacts have yielded a little: elastic and permanent
+//! approach in the geometry of the groove arcs.
+//!
+//! Theory: `docs/theory/14-jamming.md`, equations (M1) to (M4).
+
+use std::f64::consts::FRAC_PI_2;
+
+use bsm_kin::Scalar;
+use bsm_newton::{EvalError, Options, Scales, solve};
+
+use crate::contact::{Curvatures, Hertz};
+use crate::models::ball::{ElasticPoint, Reason, Unsolved, Workspace, domain_error, equations};
+
+/// Loads, contact angles and approaches at nut and screw with permanent approach.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PermanentSet {
+    /// Normal loads \[N\].
+    pub loads: [f64; 2],
+    /// Contact angles \[rad\].
+    pub angles: [f64; 2],
+    /// Elastic approaches \[m\] (H9).
+    pub elastic: [f64; 2],
+    /// Permanent approaches \[m\] (H12).
+    pub permanent: [f64; 2],
+}
+
+/// Largest pressure over the yield strength at which steel first yields, below the surface:
+/// 1.60 for a circular contact, up to 1.79 for a long one (M4).
+///
+/// Source: Johnson, *Contact Mechanics*, §6.2, Poisson's ratio 0.3.
+const FIRST_YIELD: f64 = 1.60;
+
+impl ElasticPoint {
+    /// The contact state with the permanent approach of (H12) added to the elastic one, from the
+    /// loads \[N\] and contact angles \[rad\] at nut and screw of a model without it (M1) to (M3).
+    ///
+    /// Assumes: all other forces on the ball, friction and inertia, stay what they are.
+    ///
+    /// # Errors
+    ///
+    /// Status and reason if the curvatures give no ellipse, or no state is found.
+    pub fn permanent_set(
+        &self,
+        loads: [f64; 2],
+        angles: [f64; 2],
+    ) -> Result<PermanentSet, Unsolved> {
+        let invalid = Unsolved::invalid;
+        let hertz = self.hertz().map_err(invalid)?;
+        let curvatures = self.curvatures();
+        let [nut_offset, screw_offset] = self.grooves().map(|g| g.offset(self.point.ball.radius));
+        // Q sinβ = S,  Q_A cosβ_A − Q_B cosβ_B = C, those of the model    (M1)
+        let axial = [0, 1].map(|i| loads[i] * angles[i].sin());
+        let radial = loads[0] * angles[0].cos() - loads[1] * angles[1].cos();
+        let closing = Closing {
+            axial,
+            radial,
+            offsets: [nut_offset, screw_offset],
+            reach: (nut_offset + screw_offset) * self.point.contact_angle.cos(),
+            ball_radius: self.point.ball.radius,
+            hertz,
+            curvatures,
+        };
+        let mut x = [angles[1].tan().recip()];
+        let scales = Scales { x: &[1.0], f: &[1.0] };
+        let options = Options { residual_goal: 1e-14, ..Options::default() };
+        let report = solve(&closing, &mut x, &scales, &options, &mut Workspace::default());
+        if !report.converged() {
+            return Err(Unsolved::not_converged(Reason::from(report)));
+        }
+        let (loads, cotangents) = closing.forces(x[0]).map_err(domain_error)?;
+        let [nut, screw] = cotangents.map(|c| FRAC_PI_2 - c.atan());
+        if ![nut, screw].iter().all(|angle| (0.0..FRAC_PI_2).contains(angle)) {
+            return Err(Unsolved::not_converged(Reason::BallLeavesFlank { nut, screw }));
+        }
+        let [elastic, permanent] = closing.approaches(loads);
+        Ok(PermanentSet { loads, angles: [nut, screw], elastic, permanent })
+    }
+}
+
+/// Its unknowns.
+const CLOSING: usize = 1;
+
+/// The radial closing of the triangle of arc centres, in one unknown, the cotangent of the contact
+/// angle at the screw.
+struct Closing {
+    axial: [f64; 2],
+    radial: f64,
+    offsets: [f64; 2],
+    reach: f64,
+    ball_radius: f64,
+    hertz: [Hertz; 2],
+    curvatures: [Curvatures; 2],
+}
+
+impl Closing {
+    /// Loads and cotangents of the contact angles.
+    fn forces<D: Scalar>(&self, screw: D) -> Result<([D; 2], [D; 2]), EvalError> {
+        let [s_a, s_b] = self.axial;
+        let nut = (screw * s_b + self.radial) * s_a.recip();
+        let cotangents = [nut, screw];
+        let load = |i: usize| (cotangents[i].square() + 1.0).sqrt() * self.axial[i];
+        let loads = [load(0), load(1)];
+        let least = loads[0].re().min(loads[1].re());
+        if least > 0.0 && least.is_finite() {
+            return Ok((loads, cotangents));
+        }
+        Err(EvalError {
+            quantity: "normal load of a contact [N]",
+            value: least,
+            requirement: "positive: the contact is lost",
+        })
+    }
+
+    /// Elastic and permanent approaches at nut and screw.
+    fn approaches<D: Scalar>(&self, loads: [D; 2]) -> [[D; 2]; 2] {
+        let elastic = |i: usize| self.hertz[i].approach(loads[i]);
+        let unit = |i: usize| self.curvatures[i].permanent_approach(1.0, self.ball_radius);
+        let permanent = |i: usize| loads[i].square() * unit(i);
+        [[elastic(0), elastic(1)], [permanent(0), permanent(1)]]
+    }
+
+    fn residual<D: Scalar>(&self, &[screw]: &[D; CLOSING]) -> Result<[D; CLOSING], EvalError> {
+        let (loads, cotangents) = self.forces(screw)?;
+        let [elastic, permanent] = self.approaches(loads);
+        let part = |i: usize| {
+            // l = l₀ + δ + δ_p                                            (M2)
+            let length = elastic[i] + permanent[i] + self.offsets[i];
+            length * cotangents[i] * (cotangents[i].square() + 1.0).sqrt().recip()
+        };
+        // l_A cosβ_A + l_B cosβ_B = (l_A0 + l_B0) cosβ₀                   (M3)
+        Ok([(part(0) + part(1)) * self.reach.recip() - 1.0])
+    }
+}
+
+equations!(Closing, CLOSING, Closing::residual, ["radial closing of the groove arcs"]);
+
+/// Largest pressure over that at which the softer of two bodies first yields (M4).
+///
+/// * `max_pressure`, `strengths`: `$p_{max}$`, yield strengths of both bodies, in one unit.
+pub fn yield_ratio(max_pressure: f64, strengths: (f64, f64)) -> f64 {
+    // p_max / (1.60 min(σ₁, σ₂))                                          (M4)
+    max_pressure / (FIRST_YIELD * strengths.0.min(strengths.1))
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+    use bsm_kin::{Drive, Helix, Site};
+
+    use super::*;
+    use crate::{
+        Ball, Coulomb, Load, Material, OperatingPoint, RacewayControl, RacewayWorkspace, Solution,
+        Traction,
+    };
+
+    /// The screw of Dong et al. (2020), 44 balls, 2500 rpm.
+    fn screw(axial: f64) -> ElasticPoint {
+        let races = Material { youngs_modulus: 200e9, poisson_ratio: 0.3 };
+        let balls = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
+        ElasticPoint {
+            point: OperatingPoint {
+                helix: Helix { radius: 8e-3, lead_angle: 6.807_f64.to_radians() },
+                contact_angle: 45.0_f64.to_radians(),
+                ball: Ball::of_density(1.75e-3, 7800.0),
+                friction: Coulomb(0.1),
+                drive: Drive { screw_speed: 262.0, nut_speed: 0.0 },
+                load: Load { axial, balls: 44.0 },
+            },
+            conformity: (0.535, 0.535),
+            material: (races, balls),
+        }
+    }
+
+    fn state(solution: &Solution) -> ([f64; 2], [f64; 2]) {
+        let ball = solution.solved().expect("converged").ball;
+        let contacts = [ball.nut, ball.screw];
+        (contacts.map(|c| c.load.expect("a load")), contacts.map(|c| c.angle))
+    }
+
+    /// Limit: a light load leaves no mark, and the state is that of the model, with friction in its
+    /// balance or without.
+    #[test]
+    fn a_light_load_leaves_the_state_of_the_model() {
+        let screw = screw(44.0);
+        let raceway = RacewayControl { at: screw, control: None };
+        let traction = Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
+        for o in [
+            raceway.solve(&mut RacewayWorkspace::default()),
+            traction.solve(&mut crate::TractionWorkspace::default()),
+        ] {
+            let (loads, angles) = state(&o);
+            let settled = screw.permanent_set(loads, angles).unwrap();
+            // The permanent approach is 1e-5 of the elastic one here, and 1e-8 of the distance of
+            // the arc centres, by which the angles turn.
+            for i in 0..2 {
+                assert!(settled.permanent[i] < 2e-5 * settled.elastic[i], "{settled:?}");
+                assert_relative_eq!(settled.loads[i], loads[i], max_relative = 1e-7);
+                assert_relative_eq!(settled.angles[i], angles[i], max_relative = 1e-7);
+            }
+            assert_relative_eq!(
+                settled.elastic[0],
+                o.contact(Site::Nut).unwrap().pressed.unwrap().approach,
+                max_relative = 1e-7
+            );
+        }
+    }
+
+    /// Marks steepen the contact angles, and the forces balance as before.
+    #[test]
+    fn marks_steepen_the_angles_and_keep_the_balance() {
+        let screw = screw(24e3);
+        let raceway = RacewayControl { at: screw, control: None };
+        let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()));
+        let settled = screw.permanent_set(loads, angles).unwrap();
+        for i in 0..2 {
+            assert!(settled.angles[i] > angles[i] + 1e-3, "{settled:?}");
+            let axial = settled.loads[i] * settled.angles[i].sin();
+            assert_relative_eq!(axial, loads[i] * angles[i].sin(), max_relative = 1e-13);
+        }
+        let radial = |q: [f64; 2], b: [f64; 2]| q[0] * b[0].cos() - q[1] * b[1].cos();
+        // Rounding of loads of 700 N.
+        let change = radial(settled.loads, settled.angles) - radial(loads, angles);
+        assert!(change.abs() < 1e-11, "{change}");
+    }
+
+    /// The corrected radical of Eq 17 of Dong et al. is the difference of the angles (J6), for a
+    /// ball that its inertia turns by half a degree.
+    #[test]
+    fn the_corrected_radical_is_the_difference_of_the_angles() {
+        let screw = screw(44.0);
+        let raceway = RacewayControl { at: screw, control: None };
+        let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()));
+        let settled = screw.permanent_set(loads, angles).unwrap();
+        let [nut, screw_offset] = screw.grooves().map(|g| g.offset(screw.point.ball.radius));
+        let length = |i: usize, l: f64| l + settled.elastic[i] + settled.permanent[i];
+        let (l_a, l_b) = (length(0, nut), length(1, screw_offset));
+        let [(sin_a, cos_a), (sin_b, cos_b)] = settled.angles.map(f64::sin_cos);
+        let square = (l_a * sin_a + l_b * sin_b).powi(2) + (l_a * cos_a + l_b * cos_b).powi(2);
+        let radical = ((l_a + l_b).powi(2) - square) / (square - (l_a - l_b).powi(2));
+        let difference = settled.angles[1] - settled.angles[0];
+        assert!(difference > 8e-3, "{difference}");
+        assert_relative_eq!(2.0 * radical.sqrt().atan(), difference, epsilon = 1e-12);
+        // The lengths close the triangle whose height the unloaded angle gives.
+        let reach = (nut + screw_offset) * screw.point.contact_angle.cos();
+        assert_relative_eq!(l_a * cos_a + l_b * cos_b, reach, max_relative = 1e-14);
+    }
+
+    #[test]
+    fn the_softer_body_yields_first() {
+        assert_relative_eq!(yield_ratio(3.2e9, (1e9, 2e9)), 2.0, max_relative = 1e-15);
+    }
+}

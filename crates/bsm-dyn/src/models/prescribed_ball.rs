@@ -1,0 +1,314 @@
+//! A ball whose normal loads are given, on any number of contacts: its motion from its own balance.
+//!
+//! Theory: `docs/theory/16-nut.md`, equations (U29) and (U30).
+
+use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Over, Scalar, Site};
+use bsm_newton::{
+    Continuation, Dense, EvalError, Options, Report, Scales, Workspace, follow, solve,
+};
+
+use crate::contact::{Ball, Coulomb, Wrench, newton_euler};
+use crate::ellipse::{Ellipse, Quadrature};
+use crate::models::ball::{Reason, Unsolved, equations};
+
+/// A contact whose load is given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PrescribedContact {
+    /// The body: [`Site::Nut`] or [`Site::Screw`].
+    pub site: Site,
+    /// Contact angle \[rad\]; negative on the flanks − of a gothic arch.
+    pub angle: f64,
+    /// Normal load \[N\].
+    pub load: f64,
+    /// Semi-axes across and along the groove \[m\].
+    pub semi_axes: (f64, f64),
+    /// Radius of the pressed surface \[m\] (E2).
+    pub pressed_radius: f64,
+}
+
+/// A ball with given normal loads; friction moves no load. It is what is left of a ball in a groove
+/// that holds it at more than two contacts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PrescribedBall {
+    /// Helix of the ball centres.
+    pub helix: Helix<f64>,
+    /// The ball.
+    pub ball: Ball<f64>,
+    /// Speeds of screw and nut.
+    pub drive: Drive<f64>,
+    /// Friction, positive.
+    pub friction: Coulomb<f64>,
+    /// Creep speed over `$r_b |W|$`, positive.
+    pub creep: f64,
+    /// Its contacts.
+    pub contacts: Vec<PrescribedContact>,
+}
+
+/// How a held ball moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BallMotion {
+    /// Motion relative to the nut, components in the Frenet-Serret triad.
+    pub to_nut: Motion<f64>,
+    /// Power that friction takes \[W\].
+    pub power: f64,
+    /// Friction torque on the screw \[N·m\], not negative.
+    pub torque: f64,
+}
+
+/// Rate along the helix, then the angular velocity, all over `$|W|$`.
+const UNKNOWNS: usize = 4;
+
+const ROWS: [&str; UNKNOWNS] =
+    ["force along t", "moment about t", "moment about n", "moment about b"];
+
+/// The balance at a creep speed.
+#[derive(Clone, Copy)]
+struct Balance<'a> {
+    held: &'a PrescribedBall,
+    /// The sum of the loads \[N\].
+    loads: f64,
+    creep: f64,
+    quadrature: &'a Quadrature,
+}
+
+impl PrescribedBall {
+    /// The motion in which friction and inertia are in balance along the helix and about the centre
+    /// (U29): without inertia the one of least friction power, and the only one.
+    ///
+    /// # Errors
+    ///
+    /// [`Unsolved`] if screw and nut do not move against each other, or no balance is found.
+    pub fn solve(&self, quadrature: &Quadrature) -> Result<BallMotion, Unsolved> {
+        let speed = self.drive.relative_speed();
+        let loads = self.contacts.iter().map(|contact| contact.load).sum::<f64>();
+        if speed == 0.0 {
+            return Err(Unsolved::invalid(Reason::NoRelativeSpeed));
+        }
+        if loads <= 0.0 || self.friction.0 <= 0.0 {
+            return Err(Unsolved::invalid(Reason::Frictionless));
+        }
+        // Half the speed of the screw, and rolling about b: where the races of nut and screw move on
+        // opposite sides of the ball.
+        let arc = self.helix.arc_length_per_radian();
+        let sign = speed.signum();
+        let mut y = [0.5 * sign, 0.0, 0.0, 0.0];
+        y[2] = -0.5 * sign * arc / self.ball.radius;
+        let mut work = Workspace::<Dense<UNKNOWNS>>::default();
+        // Against a creep speed far above all slip, friction is linear and the start does not matter.
+        let begin = (10.0 * arc / self.ball.radius).max(self.creep);
+        let balance = Balance { held: self, loads, creep: self.creep, quadrature };
+        let stride = Continuation { first: 1.2, shortest: 0.05 };
+        let mut failure = Reason::SearchLost;
+        follow(&mut y, (begin.ln(), self.creep.ln()), stride, |log, y| {
+            let report = Balance { creep: log.exp(), ..balance }.run(y, &mut work);
+            let converged = report.converged();
+            if !converged {
+                failure = Reason::from(report);
+            }
+            converged
+        })
+        .map_err(|_| Unsolved::not_converged(failure))?;
+        let (to_nut, _, power) = balance.friction(&y);
+        // T_f |W| = Σ P                                                   (U30)
+        Ok(BallMotion { to_nut, power, torque: power / speed.abs() })
+    }
+}
+
+impl Balance<'_> {
+    fn run(&self, y: &mut [f64; UNKNOWNS], work: &mut Workspace<Dense<UNKNOWNS>>) -> Report {
+        let around = self.held.helix.arc_length_per_radian() / self.held.ball.radius;
+        let x = [1.0, around.recip(), around.recip(), around.recip()];
+        let f = [1.0; UNKNOWNS];
+        let options = Options { max_steps: 200, max_halvings: 40, ..Options::default() };
+        solve(self, y, &Scales { x: &x, f: &f }, &options, work)
+    }
+
+    /// Motion relative to the nut, wrench of all contacts on the ball, and the power of friction.
+    fn friction<D: Over<f64>>(&self, y: &[D; UNKNOWNS]) -> (Motion<D>, Wrench<D>, D) {
+        let held = self.held;
+        let speed = held.drive.relative_speed().abs();
+        let omega = nalgebra::Vector3::new(y[1], y[2], y[3]) * D::from(speed);
+        let to_nut = Motion { precession: y[0] * speed, omega };
+        let frame = self.frame_of::<D>();
+        let to_screw = to_nut.relative_to(D::from(held.drive.relative_speed()), &frame);
+        let law = Coulomb(D::from(held.friction.0));
+        let creep = self.creep * held.ball.radius * speed;
+        let (mut wrench, mut power) = (Wrench::zero(), D::from(0.0));
+        for contact in &held.contacts {
+            let motion = if contact.site == Site::Screw { &to_screw } else { &to_nut };
+            let ellipse = Ellipse {
+                contact: Contact::new(contact.site, D::from(contact.angle), &frame),
+                load: D::from(contact.load),
+                semi_axes: (D::from(contact.semi_axes.0), D::from(contact.semi_axes.1)),
+                pressed_radius: contact.pressed_radius,
+                ball_radius: held.ball.radius,
+            };
+            let arc = D::from(held.helix.arc_length_per_radian());
+            let (friction, lost) = ellipse.friction(motion, arc, &law, creep, self.quadrature);
+            wrench = wrench + friction;
+            power += lost;
+        }
+        (to_nut, wrench, power)
+    }
+
+    fn frame_of<D: Scalar>(&self) -> BallFrame<D> {
+        BallFrame::turned(D::from(self.held.helix.lead_angle), D::from(0.0))
+    }
+
+    #[expect(clippy::unnecessary_wraps, reason = "the form that `equations!` takes")]
+    fn residual<D: Over<f64>>(&self, y: &[D; UNKNOWNS]) -> Result<[D; UNKNOWNS], EvalError> {
+        let held = self.held;
+        let (to_nut, wrench, _) = self.friction(y);
+        let frame = self.frame_of::<D>();
+        let motion = to_nut.relative_to(D::from(-held.drive.nut_speed), &frame);
+        let ball = Ball { radius: D::from(held.ball.radius), mass: D::from(held.ball.mass) };
+        // F·t = 0,  Σ M − P k × Iω = 0                                    (U29)
+        let left = newton_euler(&wrench, &ball, D::from(held.helix.radius), &motion, &frame);
+        let (force, arm) = ((held.friction.0 * self.loads).recip(), held.ball.radius.recip());
+        let moment = left.moment * D::from(force * arm);
+        Ok([left.force.x * force, moment.x, moment.y, moment.z])
+    }
+}
+
+equations!(Balance<'_>, UNKNOWNS, Balance::residual, ROWS);
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+
+    use super::*;
+    use crate::models::traction::Traction;
+    use crate::{ElasticPoint, Load, Material, OperatingPoint, TractionWorkspace, pressed_radius};
+
+    /// A screw of 40 x 10 at 500 rpm under 100 N a ball.
+    fn screw() -> ElasticPoint {
+        let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
+        let (pitch, lead) = (41.336e-3, 10e-3);
+        ElasticPoint {
+            point: OperatingPoint {
+                helix: Helix {
+                    radius: 0.5 * pitch,
+                    lead_angle: (lead / (std::f64::consts::PI * pitch)).atan(),
+                },
+                contact_angle: 45_f64.to_radians(),
+                ball: Ball::of_density(3.175e-3, 7800.0),
+                friction: Coulomb(0.06),
+                drive: Drive { screw_speed: 52.36, nut_speed: 0.0 },
+                load: Load { axial: 100.0, balls: 1.0 },
+            },
+            conformity: (0.5203, 0.5203),
+            material: (steel, steel),
+        }
+    }
+
+    fn held(screw: &ElasticPoint, contacts: &[(Site, f64, f64)]) -> PrescribedBall {
+        let hertz = screw.hertz().expect("Hertz contacts");
+        let contact = |&(site, angle, load): &(Site, f64, f64)| {
+            let (member, conformity) = match site {
+                Site::Screw => (1, screw.conformity.1),
+                Site::Nut | Site::NutMinor => (0, screw.conformity.0),
+            };
+            PrescribedContact {
+                site,
+                angle,
+                load,
+                semi_axes: hertz[member].semi_axes(load),
+                pressed_radius: pressed_radius(conformity, screw.point.ball.radius),
+            }
+        };
+        PrescribedBall {
+            helix: screw.point.helix,
+            ball: screw.point.ball,
+            drive: screw.point.drive,
+            friction: screw.point.friction,
+            creep: Traction::<f64>::CREEP,
+            contacts: contacts.iter().map(contact).collect(),
+        }
+    }
+
+    /// With the loads and angles that traction finds, a ball on two contacts moves as it does there.
+    #[test]
+    fn two_contacts_are_model_traction() {
+        let screw = screw();
+        let traction = Traction { at: screw, accuracy: 1e-8, creep: Traction::<f64>::CREEP };
+        let solution = traction.solve(&mut TractionWorkspace::default());
+        let solved = solution.solved().expect("a solution");
+        let [nut, on_screw] = [&solved.ball.nut, &solved.ball.screw];
+        let load = |c: &crate::ContactState| c.load.expect("a load");
+        let ball = held(
+            &screw,
+            &[(Site::Nut, nut.angle, load(nut)), (Site::Screw, on_screw.angle, load(on_screw))],
+        );
+        let found = ball.solve(&Quadrature::of(1e-8)).expect("a motion");
+        let power = solved.transmission.power.expect("a speed").dissipated;
+        // Both rules are exact to 1e-8 of the friction; traction solves to 1e-10.
+        assert_relative_eq!(found.power, power, max_relative = 1e-6);
+        let rate = solved.ball.motion.expect("a motion").precession;
+        assert_relative_eq!(found.to_nut.precession, rate, max_relative = 1e-6);
+    }
+
+    /// Turned the other way, a ball held alike on both flanks moves the other way with the same loss.
+    #[test]
+    fn four_equal_contacts_know_no_direction() {
+        let mut screw = screw();
+        // Without inertia: the gyroscopic moment knows a direction.
+        screw.point.ball.mass = 1e-12;
+        let angle = 45_f64.to_radians();
+        let contacts = [
+            (Site::Nut, angle, 80.0),
+            (Site::Nut, -angle, 80.0),
+            (Site::Screw, angle, 80.0),
+            (Site::Screw, -angle, 80.0),
+        ];
+        let there = held(&screw, &contacts).solve(&Quadrature::of(1e-6)).expect("a motion");
+        screw.point.drive.screw_speed *= -1.0;
+        let back = held(&screw, &contacts).solve(&Quadrature::of(1e-6)).expect("a motion");
+        // The balance ends at 1e-10 of the friction, the loss is flat about it.
+        assert_relative_eq!(there.torque, back.torque, max_relative = 1e-8);
+        // A ball on four contacts cannot roll on all: it loses several times what it does on two.
+        let two = held(&screw, &[contacts[0], contacts[2]]);
+        let two = two.solve(&Quadrature::of(1e-6)).expect("a motion");
+        assert!(there.torque > 2.5 * two.torque, "{} {}", there.torque, two.torque);
+    }
+
+    /// The motion is the one of least friction power: no other loses less.
+    #[test]
+    fn the_balance_is_the_least_power() {
+        let mut screw = screw();
+        screw.point.ball.mass = 1e-12;
+        let angle = 44_f64.to_radians();
+        let contacts = [
+            (Site::Nut, angle, 120.0),
+            (Site::Nut, -angle, 30.0),
+            (Site::Screw, angle, 120.0),
+            (Site::Screw, -angle, 30.0),
+        ];
+        let ball = held(&screw, &contacts);
+        let quadrature = Quadrature::of(1e-6);
+        let found = ball.solve(&quadrature).expect("a motion");
+        let balance =
+            Balance { held: &ball, loads: 300.0, creep: ball.creep, quadrature: &quadrature };
+        let w = 52.36;
+        let omega = found.to_nut.omega / w;
+        let y = [found.to_nut.precession / w, omega.x, omega.y, omega.z];
+        for i in 0..UNKNOWNS {
+            for step in [-1e-2, 1e-2] {
+                let mut z = y;
+                z[i] += step;
+                let (_, _, power) = balance.friction(&z);
+                assert!(power > found.power, "{i} {step}: {power} {}", found.power);
+            }
+        }
+    }
+
+    #[test]
+    fn a_ball_at_rest_or_without_friction_is_refused() {
+        let mut screw = screw();
+        let contacts = [(Site::Nut, 0.8, 80.0), (Site::Screw, 0.8, 80.0)];
+        screw.point.friction = Coulomb(0.0);
+        assert!(held(&screw, &contacts).solve(&Quadrature::of(1e-4)).is_err());
+        screw.point.friction = Coulomb(0.1);
+        screw.point.drive.screw_speed = 0.0;
+        assert!(held(&screw, &contacts).solve(&Quadrature::of(1e-4)).is_err());
+    }
+}

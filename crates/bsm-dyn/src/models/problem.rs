@@ -1,0 +1,84 @@
+//! One operating point with the inputs of one model.
+
+use bsm_kin::Jet;
+
+use crate::models::auto::Auto;
+use crate::models::ball::{Performance, Solution, Unsolved};
+use crate::models::closed_form::ClosedForm;
+use crate::models::elastic::Elastic;
+use crate::models::lubricated::Lubricated;
+use crate::models::quasi_static::QuasiStatic;
+use crate::models::raceway_control::RacewayControl;
+use crate::models::rigid::Rigid;
+use crate::models::traction::Traction;
+use crate::models::workspace::ModelWorkspace;
+
+/// Inputs of one model at one operating point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Problem<D = f64> {
+    /// Inputs of [`Model::ClosedForm`](crate::Model::ClosedForm).
+    ClosedForm(ClosedForm<D>),
+    /// Inputs of [`Model::QuasiStatic`](crate::Model::QuasiStatic).
+    QuasiStatic(QuasiStatic<D>),
+    /// Inputs of [`Model::Rigid`](crate::Model::Rigid).
+    Rigid(Rigid<D>),
+    /// Inputs of [`Model::RacewayControl`](crate::Model::RacewayControl).
+    RacewayControl(RacewayControl<D>),
+    /// Inputs of [`Model::Elastic`](crate::Model::Elastic).
+    Elastic(Elastic<D>),
+    /// Inputs of [`Model::Traction`](crate::Model::Traction).
+    Traction(Traction<D>),
+    /// Inputs of the choice by error bounds.
+    Auto(Auto<D>),
+    /// Inputs of [`Model::RacewayControl`](crate::Model::RacewayControl) or [`Model::Traction`](crate::Model::Traction) with a lubricant.
+    Lubricated(Lubricated<D>),
+}
+
+impl Problem {
+    /// Solves it; `work` is memory that one thread reuses from point to point.
+    pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
+        match self {
+            Self::ClosedForm(p) => p.solve(),
+            Self::QuasiStatic(p) => p.solve(),
+            Self::Rigid(p) => p.solve(&mut work.rigid),
+            Self::RacewayControl(p) => p.solve(&mut work.raceway),
+            Self::Elastic(p) => p.solve(&mut work.elastic),
+            Self::Traction(p) => p.solve(&mut work.traction),
+            Self::Auto(p) => p.solve(work),
+            Self::Lubricated(p) => p.solve(work),
+        }
+    }
+}
+
+impl<const M: usize> Problem<Jet<M>> {
+    /// Solves the problem of the values, and returns efficiency and torque with their derivatives
+    /// with respect to the `M` variables of the inputs.
+    ///
+    /// ```math
+    /// \frac{dy}{dp} = \frac{\partial y}{\partial p}
+    ///   - \frac{\partial y}{\partial x} J^{-1} \frac{\partial F}{\partial p}
+    /// ```
+    ///
+    /// Choices are kept: the model of [`Auto`](crate::Auto) and its accuracy, the controlling race, the direction.
+    /// Where a choice is about to change the derivatives are one-sided.
+    ///
+    /// # Errors
+    ///
+    /// Status and reason if there is no solution.
+    pub fn sensitivities(
+        &self,
+        work: &mut ModelWorkspace,
+    ) -> Result<Performance<Jet<M>>, Unsolved> {
+        // dy/dp = ∂y/∂p + ∂y/∂x dx/dp: the outputs of x and p in jets     (V3)
+        match self {
+            Self::ClosedForm(p) => Ok(p.transmitted()),
+            Self::QuasiStatic(p) => p.require_balance().map(|()| p.transmitted()),
+            Self::Rigid(p) => p.sensitivities(&mut work.rigid),
+            Self::RacewayControl(p) => p.sensitivities(&mut work.raceway),
+            Self::Elastic(p) => p.sensitivities(&mut work.elastic),
+            Self::Traction(p) => p.sensitivities(&mut work.traction),
+            Self::Auto(p) => p.sensitivities(work),
+            Self::Lubricated(p) => p.sensitivities(work),
+        }
+    }
+}

@@ -1,0 +1,267 @@
+//! Two contacts without inertia: slip in the normal plane plus rolling resistance.
+//!
+//! Theory: `docs/theory/03-closed-form.md`, equations (Q1) to (Q4).
+
+#![expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+
+use bsm_kin::{Field, Scalar};
+
+use crate::contact::{Angles, Coulomb, Sines};
+use crate::models::ball::{
+    BallState, Direction, Evidence, Model, Performance, Reason, Solution, Unsolved,
+};
+use crate::models::closed_form::{Size, answer};
+
+/// Inputs of the quasi-static model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct QuasiStatic<D = f64> {
+    /// Lead and contact angle.
+    pub angles: Angles<D>,
+    /// Coulomb friction coefficient `$f \ge 0$`.
+    pub friction: Coulomb<D>,
+    /// Ball radius over pitch radius `$r_b/r_m$`.
+    pub size_ratio: D,
+    /// Lever arm of rolling resistance over ball radius `$f_r/r_b \ge 0$`.
+    pub rolling_ratio: D,
+    /// Which member turns; the torque is that of the turning one.
+    pub driven: Driven,
+    /// Which side drives.
+    pub direction: Direction,
+    /// Size and load, if the torque is wanted.
+    pub size: Option<Size<D>>,
+}
+
+/// The member that turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Driven {
+    /// The screw turns, the nut does not.
+    Screw,
+    /// The nut turns, the screw does not.
+    Nut,
+    /// Both turn, which these equations do not cover.
+    Both,
+}
+
+/// The two contacts of the balance, their friction negative where the load drives.
+#[derive(Debug, Clone, Copy)]
+pub struct TwoContacts<D: Field> {
+    /// Of lead and contact angle.
+    pub sines: Sines<D>,
+    /// `$f$`, with that sign.
+    pub friction: D,
+    /// `$f_r/r_b$`, with that sign.
+    pub rolling_ratio: D,
+    /// `$r_b/r_m$`.
+    pub size_ratio: D,
+    /// Where the nut turns, not the screw.
+    pub nut_turns: D::Mask,
+}
+
+/// `$\tan\rho$` of a resistance to rolling (Q1).
+///
+/// * `ratio`: its lever arm over the ball radius, `$f_r/r_b$`. * `sin`: of the contact angle.
+#[inline(always)]
+pub fn rolling_tangent<D: Field>(ratio: D, sin: D) -> D {
+    // tanρ = f_r / (r_b sinβ)                                             (Q1)
+    ratio / sin
+}
+
+impl<D: Field> TwoContacts<D> {
+    #[inline(always)]
+    fn tan_rho(&self) -> D {
+        rolling_tangent(self.rolling_ratio, self.sines.sin_b)
+    }
+
+    /// Efficiency from rotary to linear (Q1) to (Q3).
+    ///
+    /// ```math
+    /// \eta = 1 - \frac{f(r_b/r_m + \epsilon) + \tan\rho/(\cos\alpha\sin\alpha)}
+    ///   {\sin\beta + f(r_b/r_m \mp \cos\beta) + \tan\rho/\tan\alpha}, \qquad
+    /// \tan\rho = \frac{f_r}{r_b\sin\beta}
+    /// ```
+    ///
+    /// with upper sign and `$\epsilon = 0$` for a turning screw, lower sign and
+    /// `$\epsilon = 2\cos\beta$` for a turning nut.
+    ///
+    /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs 1-4.
+    #[inline(always)]
+    fn forward_efficiency(&self) -> D {
+        let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
+        let (f, size, tan_rho) = (self.friction, self.size_ratio, self.tan_rho());
+        // screw: f r_b/r_m,  r_b/r_m − cosβ                               (Q2)
+        // nut: f (r_b/r_m + 2 cosβ),  r_b/r_m + cosβ                      (Q3)
+        let loss = f * D::select(self.nut_turns, size + cos_b * 2.0, size);
+        let lever = D::select(self.nut_turns, size + cos_b, size - cos_b);
+        let effort = sin_b + f * lever + tan_rho * cos_a / sin_a;
+        -((loss + tan_rho / (cos_a * sin_a)) / effort) + 1.0
+    }
+
+    /// Efficiency in the direction of the input; `back`: where the load drives.
+    #[inline(always)]
+    pub fn efficiency(&self, back: D::Mask) -> D {
+        let forward = self.forward_efficiency();
+        D::select(back, forward.recip(), forward)
+    }
+
+    /// Normal load over axial load per ball (Q4); not positive where friction holds any load.
+    #[inline(always)]
+    pub fn load_ratio(&self) -> D {
+        let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
+        // Q/F_a = 1 / [cosα (sinβ − f cosβ) − sinα tanρ]                  (Q4)
+        (cos_a * (sin_b - self.friction * cos_b) - sin_a * self.tan_rho()).recip()
+    }
+}
+
+impl<D: Scalar> QuasiStatic<D> {
+    fn contacts(&self) -> TwoContacts<D> {
+        let sign = self.direction.sign();
+        TwoContacts {
+            sines: self.angles.sines(),
+            friction: self.friction.0 * sign,
+            rolling_ratio: self.rolling_ratio * sign,
+            size_ratio: self.size_ratio,
+            nut_turns: self.driven == Driven::Nut,
+        }
+    }
+
+    /// Efficiency in the direction of the input; back-driving turns every friction term round.
+    pub fn efficiency(&self) -> D {
+        self.contacts().efficiency(self.direction.is_back())
+    }
+
+    /// Normal load over axial load per ball (Q4); not positive if friction holds any load.
+    pub fn load_ratio(&self) -> D {
+        self.contacts().load_ratio()
+    }
+
+    /// The load ratio of these contacts; refuses a point that has no balance.
+    fn balance(&self, contacts: &TwoContacts<D>) -> Result<D, Unsolved> {
+        if self.driven == Driven::Both {
+            return Err(Unsolved::invalid(Reason::DualDrive));
+        }
+        let ratio = contacts.load_ratio();
+        let load_ratio = ratio.re();
+        if load_ratio <= 0.0 {
+            return Err(Unsolved::none(Evidence::Proof, Reason::FrictionHoldsLoad { load_ratio }));
+        }
+        Ok(ratio)
+    }
+
+    /// Refuses a point that has no balance.
+    pub(crate) fn require_balance(&self) -> Result<(), Unsolved> {
+        self.balance(&self.contacts()).map(drop)
+    }
+
+    /// Efficiency, and torque if there is one.
+    pub(crate) fn transmitted(&self) -> Performance<D> {
+        let (efficiency, ratio) = (self.efficiency(), self.load_ratio());
+        let torques =
+            self.size.and_then(|t| t.torques(self.direction, self.angles.lead, efficiency, ratio));
+        Performance { efficiency, screw_torque: torques.map(|(_, torque)| torque) }
+    }
+}
+
+impl QuasiStatic {
+    /// Evaluates the equations.
+    pub fn solve(&self) -> Solution {
+        let contacts = self.contacts();
+        let ratio = match self.balance(&contacts) {
+            Ok(ratio) => ratio,
+            Err(none) => return Solution::new(Model::QuasiStatic, Err(none)),
+        };
+        let eta = contacts.efficiency(self.direction.is_back());
+        let ball = BallState::at_angle(self.angles.contact);
+        let along = (self.direction, self.angles.lead);
+        let solved = answer(ball, (eta, eta <= 0.0), ratio, self.size.as_ref(), along);
+        // In place: an answer is large, and a copy takes as long as the formulas.
+        Solution::new(Model::QuasiStatic, Ok(solved))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_4, PI};
+
+    use approx::assert_relative_eq;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const LIN: QuasiStatic = QuasiStatic {
+        angles: Angles { lead: PI / 18.0, contact: FRAC_PI_4 },
+        friction: Coulomb(0.075),
+        size_ratio: 4.37 / 24.3,
+        rolling_ratio: 0.0,
+        driven: Driven::Screw,
+        direction: Direction::RotaryToLinear,
+        size: None,
+    };
+
+    /// Lin's case by hand: 0.075 × 0.179835 / (0.707107 + 0.075 (0.179835 − 0.707107)).
+    #[test]
+    fn lin_case_by_hand() {
+        // Six digits of the hand calculation.
+        assert_relative_eq!(LIN.efficiency(), 1.0 - 0.020_204_4, epsilon = 1e-7);
+        // Nut: 0.075 (0.179835 + 1.414214) / (0.707107 + 0.075 × 0.886942).
+        let nut = QuasiStatic { driven: Driven::Nut, ..LIN };
+        assert_relative_eq!(nut.efficiency(), 1.0 - 0.154_536_5, epsilon = 1e-7);
+    }
+
+    proptest! {
+        /// Found in review: numerator and denominator turned negative together, and the
+        /// efficiency exceeded one.
+        #[test]
+        fn efficiency_never_exceeds_one(
+            lead in 0.001..1.5_f64, contact in 0.01..1.56_f64, friction in 0.0..1.0_f64,
+            size in 0.01..0.45_f64, rolling in 0.0..0.05_f64, nut in any::<bool>(), back in any::<bool>(),
+        ) {
+            let case = QuasiStatic {
+                angles: Angles { lead, contact },
+                friction: Coulomb(friction),
+                size_ratio: size,
+                rolling_ratio: rolling,
+                driven: if nut { Driven::Nut } else { Driven::Screw },
+                direction: if back { Direction::LinearToRotary } else { Direction::RotaryToLinear },
+                size: None,
+            };
+            let solution = case.solve();
+            let (eta, locked) = (solution.efficiency(), solution.self_locking());
+            let fits = eta.map_or(locked == Some(true), |eta| eta <= 1.0 + 1e-12);
+            prop_assert!(fits, "{case:?} {solution:?}");
+        }
+    }
+
+    #[test]
+    fn no_friction_means_no_loss() {
+        for direction in [Direction::RotaryToLinear, Direction::LinearToRotary] {
+            for driven in [Driven::Screw, Driven::Nut] {
+                let ideal = QuasiStatic { friction: Coulomb(0.0), direction, driven, ..LIN };
+                assert_relative_eq!(ideal.efficiency(), 1.0);
+            }
+        }
+    }
+
+    /// Limit: rolling resistance alone acts like a wedge of angle ρ' with
+    /// `$\tan\rho' = \tan\rho/\sin\beta$`: `$\eta = \tan\alpha/\tan(\alpha + \rho')$`.
+    #[test]
+    fn rolling_resistance_alone_is_a_wedge() {
+        let rolling = QuasiStatic { friction: Coulomb(0.0), rolling_ratio: 2.3e-3, ..LIN };
+        let (lead, contact) = (LIN.angles.lead, LIN.angles.contact);
+        let rho = (2.3e-3 / contact.sin().powi(2)).atan();
+        let wedge = lead.tan() / (lead + rho).tan();
+        assert_relative_eq!(rolling.efficiency(), wedge, max_relative = 1e-14);
+        let back = QuasiStatic { direction: Direction::LinearToRotary, ..rolling };
+        let wedge = (lead - rho).tan() / lead.tan();
+        assert_relative_eq!(back.efficiency(), wedge, max_relative = 1e-14);
+    }
+
+    #[test]
+    fn dual_drive_is_refused() {
+        let solution = QuasiStatic { driven: Driven::Both, ..LIN }.solve();
+        assert_eq!(solution.status(), crate::Status::InvalidInput);
+        assert_eq!(solution.self_locking(), None);
+    }
+}

@@ -1,0 +1,618 @@
+//! Raceway control: elastic contacts without friction in the balance, rolling kinematics, and
+//! friction power from the slip that is left.
+//!
+//! Theory: `docs/theory/07-raceway-control.md`, equations (W1) to (W16).
+
+#![expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+
+mod balance;
+mod sensitivities;
+mod statics;
+
+use bsm_kin::{Field, FieldOver, Motion, Scalar};
+use bsm_simd::Compare;
+
+pub(crate) use self::balance::STATIC;
+use self::balance::{Balance, RollRoot};
+pub use self::statics::{StaticBalance, StaticState};
+use crate::ellipse::{Nodes, Quadrature};
+use crate::models::ball::{
+    BallLoads, Control, ElasticBall, ElasticPoint, Model, RaceControl, SkidNumbers, Solution,
+    SolveInfo, Solved, Transmission, Unsolved, Workspace, domain_error, excess_of_nut, to_both,
+};
+
+/// Inputs of the raceway-control model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RacewayControl<D = f64> {
+    /// The screw at its operating point.
+    pub at: ElasticPoint<D>,
+    /// The controlling race; `None` decides by (W7).
+    pub control: Option<Control>,
+}
+
+/// Memory of the solves.
+pub struct RacewayWorkspace {
+    newton: Workspace<STATIC>,
+    quadrature: Quadrature,
+    /// Of derivatives.
+    slopes: Quadrature,
+}
+
+impl Default for RacewayWorkspace {
+    fn default() -> Self {
+        Self {
+            newton: Workspace::default(),
+            quadrature: Quadrature::of(RacewayControl::ACCURACY),
+            slopes: Quadrature::of(RacewayControl::SLOPES),
+        }
+    }
+}
+
+/// Rolling motion relative to the nut over the relative speed: `$p$` and the angular velocity in
+/// `$(t, n, b)$` (W3) to (W6).
+///
+/// Both contact centres roll along the groove; across it, the slip of the lead is shared equally.
+///
+/// * `by_nut`: where the nut controls. * `lead`: sine and cosine of the lead angle.
+/// * `arc`: `$d/r_b$`. * `angles`: sines and cosines of the contact angles at nut and screw.
+#[inline(always)]
+pub fn rolling<F: Field>(
+    by_nut: F::Mask,
+    lead: (F, F),
+    arc: F,
+    [(sin_n, cos_n), (sin_s, cos_s)]: [(F, F); 2],
+) -> (F, [F; 3]) {
+    let between = cos_n * cos_s + sin_n * sin_s;
+    let p = rolling_precession(by_nut, lead.1 / arc, [cos_n, cos_s], between);
+    let (to_nut, to_screw) = (p * arc, (p - 1.0) * arc);
+    // ω'_t = W sinα / 2                                                   (W3)
+    let along = lead.0 * 0.5;
+    // (ω'_n, ω'_b) = −p (d/r_b) (−sinβ_A, cosβ_A)                         (W5)
+    let nut = [to_nut * sin_n, -(to_nut * cos_n)];
+    // (ω'_n, ω'_b − cosα) = (p − 1)(d/r_b) (−sinβ_B, cosβ_B)              (W6)
+    let screw = [-(to_screw * sin_s), to_screw * cos_s + lead.1];
+    (p, [along, F::select(by_nut, nut[0], screw[0]), F::select(by_nut, nut[1], screw[1])])
+}
+
+/// Precession of the rolling ball relative to the nut over the relative speed, from the cosines of
+/// both contact angles and of their difference (W4), (W6).
+///
+/// * `by_nut`: where the nut controls.
+/// * `lever`: `$(r_b/d)\cos\alpha$`.
+#[inline(always)]
+pub(crate) fn rolling_precession<P: Field, F: FieldOver<P> + Field<Mask = P::Mask>>(
+    by_nut: P::Mask,
+    lever: P,
+    [nut, screw]: [F; 2],
+    between: F,
+) -> F {
+    let one = between.constant(1.0);
+    // p = (1 − (r_b/d) cosα cosβ_B) / (1 + cos(β_A − β_B))                (W4)
+    // p = (cos(β_A − β_B) − (r_b/d) cosα cosβ_A) / (1 + cos(β_A − β_B))   (W6)
+    let (near, far) = (F::select(by_nut, one, between), F::select(by_nut, screw, nut));
+    (near - far * lever) / (one + between)
+}
+
+/// Difference of the cotangents of the contact angles between the balls that both races control, to
+/// first order (W16).
+///
+/// * `rates`: difference and sum of both `$P/W$`.
+#[inline(always)]
+pub fn spread_of_control<F: Compare>(inertia_ratio: F, cos_lead: F, rates: [F; 2]) -> F {
+    // Δc = μ cosα |P_A² − P_B²|/W²                                        (W16)
+    (inertia_ratio * cos_lead * rates[0] * rates[1]).abs()
+}
+
+/// Torque on the screw of a rolling ball from its friction power over `$W$`, in scaled units (W8).
+#[inline(always)]
+pub fn rolling_torque<F: Field>(ideal: F, friction_power: F, ball_radius: F, axial_load: F) -> F {
+    // T = T₀ + P_f/W                                                      (W8)
+    ideal + friction_power * ball_radius * axial_load
+}
+
+/// Gyroscopic over friction moment of the gripping ball (W9).
+///
+/// * `gyroscopic`: `$I |P \omega_n|$`. * `loads`: at nut and screw.
+#[inline(always)]
+pub fn skid_number<F: Compare>(gyroscopic: F, friction: F, [nut, screw]: [F; 2]) -> F {
+    // G = I |P ω_n| / (f Q r_b)                                           (W9)
+    gyroscopic / (friction * F::select(nut.lt(screw), nut, screw))
+}
+
+/// Slip that the lead forces across the grooves over the slip of the spin at the end of the
+/// ellipse (W10).
+///
+/// * `spins`: speeds of spin at the ends of both ellipses over `$r_b W$`.
+#[inline(always)]
+pub fn cross_slip<F: Compare>(sin_lead: F, spins: [F; 2]) -> F {
+    // χ = r_b W sinα / (2 |ω_spin| a)                                     (W10)
+    sin_lead * 0.5 / spins[0].larger(spins[1])
+}
+
+/// The state of a ball that grips.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Roll {
+    /// The race that was taken to control.
+    control: Control,
+    /// Unknowns of the balance.
+    unknowns: [f64; STATIC],
+    pub(crate) loaded: BallLoads<f64>,
+    /// Motion relative to the nut over `$W$`.
+    pub(crate) to_nut: Motion<f64>,
+    pub(crate) steps: usize,
+    residual: f64,
+}
+
+impl Roll {
+    /// Solves the static balance and takes the rolling motion of the controlling race.
+    ///
+    /// Which race controls is decided by (W7) at the first root of the ball that the nut controls.
+    /// Where that has none, the screw controls if it does so by (W7) at its own first root.
+    pub(crate) fn of(
+        pair: &ElasticBall,
+        control: Option<Control>,
+        newton: &mut Workspace<STATIC>,
+    ) -> Result<Self, Unsolved> {
+        let nut = Self::controlled(pair, control.unwrap_or(Control::Nut), None, newton);
+        if control.is_some() {
+            return nut;
+        }
+        match nut {
+            Ok(nut) if control_of(pair, &nut.loaded) == Control::Nut => Ok(nut),
+            Ok(nut) => {
+                let near = Some(nut.unknowns);
+                let screw = Self::controlled(pair, Control::Screw, near, newton)?;
+                Ok(Self { steps: nut.steps + screw.steps, ..screw })
+            }
+            Err(none) => match Self::controlled(pair, Control::Screw, None, newton) {
+                Ok(screw) if control_of(pair, &screw.loaded) == Control::Screw => Ok(screw),
+                _ => Err(none),
+            },
+        }
+    }
+
+    /// The first root with this race in control.
+    fn controlled(
+        pair: &ElasticBall,
+        control: Control,
+        near: Option<[f64; STATIC]>,
+        newton: &mut Workspace<STATIC>,
+    ) -> Result<Self, Unsolved> {
+        let balance = Balance::new(pair, control);
+        Ok(Self::at(&balance, balance.first_root(near, newton)?))
+    }
+
+    /// The ball of a root.
+    fn at(balance: &Balance<'_>, RollRoot { unknowns, steps, residual }: RollRoot) -> Self {
+        let loaded = balance.loaded(&unknowns);
+        let to_nut = balance.rolling(&loaded);
+        Self { control: balance.control, unknowns, loaded, to_nut, steps, residual }
+    }
+
+    /// True if (W7), asked here, names the race that controls.
+    fn is_consistent(&self, pair: &ElasticBall) -> bool {
+        control_of(pair, &self.loaded) == self.control
+    }
+
+    /// Other balls that could be the answer: of the same race farther from equal contact angles, and
+    /// of the screw where (W7) names the nut at the nut's ball and the screw at the screw's.
+    fn others(
+        &self,
+        pair: &ElasticBall,
+        control: Option<Control>,
+        newton: &mut Workspace<STATIC>,
+    ) -> Vec<Self> {
+        let same = Balance::new(pair, self.control);
+        let farther = same.farther_roots(&self.unknowns, newton);
+        let mut others: Vec<_> = farther.into_iter().map(|root| Self::at(&same, root)).collect();
+        let decided = control.is_some() || self.control == Control::Screw || self.is_clear(pair);
+        if !decided
+            && let Ok(screw) = Self::controlled(pair, Control::Screw, Some(self.unknowns), newton)
+            && screw.is_consistent(pair)
+        {
+            others.push(screw);
+        }
+        others
+    }
+
+    /// True if (W7) names the same race at the ball that the other race controls.
+    ///
+    /// That ball has contact angles that differ by other centrifugal forces, by `$\Delta c$` in their
+    /// cotangents, which changes the ratio of the moments by `$\Delta c$` or less, to first order.
+    fn is_clear(&self, pair: &ElasticBall) -> bool {
+        let balances = Control::ALL.map(|race| Balance::new(pair, race));
+        if !balances.iter().all(Balance::is_unique) {
+            return false;
+        }
+        let [nut, screw] =
+            balances.map(|ball| ball.rolling(&self.loaded).precession + pair.nut_speed);
+        let rates = [nut - screw, nut + screw];
+        let apart = spread_of_control(pair.inertia_ratio(), pair.helix.lead_angle.cos(), rates);
+        nut_excess(pair, &self.loaded).abs() > RacewayControl::CLEAR * apart
+    }
+
+    /// The same to two digits, also where centrifugal forces are so large that raceway control
+    /// has no solution.
+    pub(crate) fn guess(pair: &ElasticBall) -> Result<Self, Unsolved> {
+        let balance = Balance::new(pair, Control::Nut);
+        let angle = pair.jones.contact_angle.sin_cos();
+        let (p, _) = rolling(true, pair.lead, pair.arc, [angle; 2]);
+        let [nut, screw, tilt] = pair.static_balance(p + pair.nut_speed);
+        let loaded = pair.loaded([nut, screw], tilt).map_err(domain_error)?;
+        let (control, to_nut) = (balance.control, balance.rolling(&loaded));
+        let unknowns = [f64::NAN; STATIC];
+        Ok(Self { control, unknowns, loaded, to_nut, steps: 0, residual: f64::INFINITY })
+    }
+
+    /// What it says besides its loads and its motion.
+    pub(crate) fn told(&self, pair: &ElasticBall) -> (SkidNumbers, SolveInfo, RaceControl) {
+        let info = SolveInfo { steps: self.steps, residual: self.residual };
+        (self.skid(pair), info, RaceControl { race: self.control, consistent: None })
+    }
+
+    /// Gyroscopic over friction moment (W9), and slip of the lead over that of spin (W10).
+    pub(crate) fn skid(&self, pair: &ElasticBall) -> SkidNumbers {
+        SkidNumbers::new(self.skid_number(pair), self.cross_slip(pair))
+    }
+
+    /// Gyroscopic over friction moment (W9).
+    pub(crate) fn skid_number(&self, pair: &ElasticBall) -> f64 {
+        let motion = pair.absolute(&self.to_nut, &self.loaded.frame);
+        let omega = self.loaded.frame.to_frenet(&motion.omega);
+        let gyroscopic = pair.ball.inertia() * (motion.precession * omega.y).abs();
+        skid_number(gyroscopic, pair.friction, self.loaded.loads)
+    }
+
+    /// Slip that the lead forces across the grooves over the slip of the spin at the end of the
+    /// ellipse (W10).
+    fn cross_slip(&self, pair: &ElasticBall) -> f64 {
+        let motions = to_both(&self.to_nut, &self.loaded.frame);
+        let spins = [0, 1].map(|i| {
+            let (a, _) = pair.ellipse(i, &self.loaded).semi_axes;
+            motions[i].spin(&self.loaded.contacts[i]).abs() * a
+        });
+        cross_slip(pair.helix.lead_angle.sin(), spins)
+    }
+}
+
+impl RacewayControl {
+    /// Accuracy of the quadrature over the ellipse. A finer one moves the efficiency by 1e-6 to 1e-5
+    /// (see the tests), which is far below what the model leaves out.
+    pub const ACCURACY: f64 = 1e-4;
+
+    /// The same for derivatives: their nodes stand still, which at the coarse rule costs up to 2e-3 of the loss and here
+    /// less than 1e-6 of it (see the tests).
+    const SLOPES: f64 = 1e-10;
+
+    /// Creep speed of (E4) over `$r_b |W|$`, small against the slip that the lead leaves,
+    /// `$\sin\alpha/2$`.
+    pub const CREEP: f64 = 1e-4;
+
+    /// Excess of one spin moment over [`spread_of_control`] from which the race is the same at the balls of both:
+    /// for all that is not of first order.
+    pub const CLEAR: f64 = 4.0;
+
+    /// Inertia (W17) up to which no ball was seen to have a second root: the least of those that have one is
+    /// 3.8, and (W15) excludes one below 0.25.
+    pub const UNIQUE_BELOW: f64 = 2.0;
+
+    /// Solves for loads and contact angles, takes the rolling motion, and integrates the friction
+    /// power of the slip that it leaves.
+    pub fn solve(&self, memory: &mut RacewayWorkspace) -> Solution {
+        let solved = self.at.scaled().and_then(|pair| {
+            let grip = memory.grip(&pair, self.control)?;
+            memory.solved_and_others(&self.at, &pair, &grip, self.control)
+        });
+        Solution::new(Model::RacewayControl, solved)
+    }
+}
+
+impl<D: Scalar> ElasticPoint<D> {
+    /// Torques of the frictionless screw and on the screw, from the scaled friction power over `$W$`.
+    pub(crate) fn rolling_torques(&self, friction_power: D) -> (D, D) {
+        let ideal = self.point.ideal_torque();
+        let (radius, axial) = (self.point.ball.radius, self.point.load.axial);
+        let torque = rolling_torque(ideal, friction_power, radius, axial);
+        (ideal, torque)
+    }
+}
+
+impl RacewayWorkspace {
+    /// The gripping ball.
+    pub(crate) fn grip(
+        &mut self,
+        pair: &ElasticBall,
+        control: Option<Control>,
+    ) -> Result<Roll, Unsolved> {
+        Roll::of(pair, control, &mut self.newton)
+    }
+
+    /// Its answer.
+    pub(crate) fn solved(
+        &self,
+        screw: &ElasticPoint,
+        pair: &ElasticBall,
+        grip: &Roll,
+    ) -> Result<Solved, Unsolved> {
+        let (loaded, nodes) = (&grip.loaded, [Nodes::from(&self.quadrature); 2]);
+        let friction_power =
+            pair.friction_power(loaded, &grip.to_nut, RacewayControl::CREEP, nodes);
+        let ball = screw.ball_state(pair, loaded, &grip.to_nut)?;
+        let (ideal, torque) = screw.rolling_torques(friction_power);
+        let speed = screw.point.drive.relative_speed();
+        let transmission = Transmission::of(pair.direction, ideal, torque, speed);
+        let (skid, info, control) = grip.told(pair);
+        let (skid, info, control) = (Some(skid), Some(info), Some(control));
+        Ok(Solved { skid, info, control, ..Solved::new(&ball, transmission) })
+    }
+
+    /// Its answer, and what is known of other solutions.
+    pub(crate) fn solved_and_others(
+        &mut self,
+        screw: &ElasticPoint,
+        pair: &ElasticBall,
+        grip: &Roll,
+        control: Option<Control>,
+    ) -> Result<Solved, Unsolved> {
+        let solved = self.solved(screw, pair, grip)?;
+        let consistent = control.is_none().then(|| grip.is_consistent(pair));
+        let others = grip.others(pair, control, &mut self.newton);
+        let others = others.iter().filter_map(|grip| self.solved(screw, pair, grip).ok());
+        let control = Some(RaceControl { race: grip.control, consistent });
+        Ok(Solved { control, ..solved.among(others) })
+    }
+}
+
+/// The race with the larger spin friction moment, that of the nut weighted with the cosine of the
+/// difference of the angles (W7).
+///
+/// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, outer raceway control.
+fn control_of(pair: &ElasticBall, loaded: &BallLoads<f64>) -> Control {
+    if nut_excess(pair, loaded) > 0.0 { Control::Nut } else { Control::Screw }
+}
+
+/// By how much the spin friction moment of the nut exceeds that of the screw, relative.
+fn nut_excess(pair: &ElasticBall, loaded: &BallLoads<f64>) -> f64 {
+    let moment = |i: usize| {
+        let (load, (a, _)) = (loaded.loads[i], pair.semi_axes[i]);
+        load * load.cbrt() * a * pair.hertz[i].second_integral
+    };
+    excess_of_nut([moment(0), moment(1)], (2.0 * loaded.tilt).cos())
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+    use proptest::prelude::*;
+
+    use bsm_kin::{Drive, Helix, Jet};
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::extreme::extreme;
+    use crate::{
+        Ball, ContactState, Coulomb, Load, Material, OperatingPoint, Reason, Slip, Status,
+    };
+
+    const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
+
+    fn lin(axial: f64, rpm: f64) -> RacewayControl {
+        let screw = ElasticPoint {
+            point: OperatingPoint {
+                helix: Helix { radius: 24.3e-3, lead_angle: 10.0_f64.to_radians() },
+                contact_angle: 45.0_f64.to_radians(),
+                ball: Ball::of_density(4.37e-3, 7800.0),
+                friction: Coulomb(0.075),
+                drive: Drive { screw_speed: rpm * std::f64::consts::PI / 30.0, nut_speed: 0.0 },
+                load: Load { axial, balls: 1.0 },
+            },
+            conformity: (0.53, 0.53),
+            material: (STEEL, STEEL),
+        };
+        RacewayControl { at: screw, control: None }
+    }
+
+    fn solved(case: &RacewayControl) -> Solved {
+        case.solve(&mut RacewayWorkspace::default()).answer.expect("a solution")
+    }
+
+    fn slip(contact: ContactState) -> Slip {
+        contact.slip.expect("a motion")
+    }
+
+    /// Independent values of the efficiency under nut control, four digits.
+    #[test]
+    fn lin_screw_has_the_reference_efficiencies() {
+        for (axial, eta) in [(2113.0, 0.9759), (100.0, 0.9805), (20.0, 0.9810)] {
+            let case = RacewayControl { control: Some(Control::Nut), ..lin(axial, 2000.0) };
+            let efficiency = solved(&case).transmission.efficiency;
+            assert_relative_eq!(efficiency, eta, epsilon = 6e-5);
+        }
+    }
+
+    /// The quadrature is fine enough: 7e-7 at Lin's load, 1.1e-5 at 5 kN, where the ellipse is larger.
+    #[test]
+    fn the_loss_does_not_depend_on_the_quadrature() {
+        let fine = Quadrature::of(1e-12);
+        for (axial, rpm) in [(2113.0, 2000.0), (20.0, 500.0), (5000.0, -30.0)] {
+            let eta = |quadrature: Quadrature| {
+                let mut memory = RacewayWorkspace { quadrature, ..RacewayWorkspace::default() };
+                lin(axial, rpm).solve(&mut memory).efficiency().expect("efficiency")
+            };
+            let exact = eta(fine.clone());
+            let ours = eta(Quadrature::of(RacewayControl::ACCURACY));
+            assert_relative_eq!(ours, exact, epsilon = 2e-5);
+        }
+    }
+
+    /// A feed screw, with its lead angle as a variable.
+    fn feed_screw<D: Scalar>(lead_angle: D) -> RacewayControl<D> {
+        let steel = Material { youngs_modulus: D::from(207e9), poisson_ratio: D::from(0.3) };
+        let ball = Ball::<f64>::of_density(3.175e-3, 7800.0);
+        let point = OperatingPoint {
+            helix: Helix { radius: D::from(30e-3), lead_angle },
+            contact_angle: D::from(45_f64.to_radians()),
+            ball: Ball { radius: D::from(ball.radius), mass: D::from(ball.mass) },
+            friction: Coulomb(D::from(0.06)),
+            drive: Drive {
+                screw_speed: D::from(-10.0 * std::f64::consts::PI),
+                nut_speed: D::from(0.0),
+            },
+            load: Load { axial: D::from(8000.0), balls: D::from(70.0) },
+        };
+        let conformity = (D::from(0.52), D::from(0.53));
+        RacewayControl {
+            at: ElasticPoint { point, conformity, material: (steel, steel) },
+            control: None,
+        }
+    }
+
+    /// Derivatives at the nodes of the coarse rule missed those of their motion, up to 2e-3 of the loss.
+    #[test]
+    fn derivatives_are_those_of_the_integral_and_not_of_its_nodes() {
+        let lead_angle = 4.1_f64.to_radians();
+        let memory = || RacewayWorkspace {
+            quadrature: Quadrature::of(RacewayControl::SLOPES),
+            ..RacewayWorkspace::default()
+        };
+        let efficiency =
+            |angle: f64| feed_screw(angle).solve(&mut memory()).efficiency().expect("a solution");
+        let exact = feed_screw(Jet::<1>::variable(lead_angle, 0))
+            .sensitivities(&mut RacewayWorkspace::default());
+        let exact = exact.expect("a solution").efficiency.eps[0];
+        // A step of 1e-4 leaves 1e-8 of curvature and 1e-9 of rounding, the solve for it less than 1e-6.
+        let step = 1e-4 * lead_angle;
+        let difference =
+            (efficiency(lead_angle + step) - efficiency(lead_angle - step)) / (2.0 * step);
+        let loss = 1.0 - efficiency(lead_angle);
+        assert!(
+            lead_angle * (exact - difference).abs() < 1e-6 * loss,
+            "{exact} {difference} {loss}"
+        );
+    }
+
+    /// The decision: close for Lin's equal conformities, clear for unequal ones.
+    #[test]
+    fn the_larger_spin_moment_controls() {
+        let spins = |conformity| {
+            let screw = ElasticPoint { conformity, ..lin(2113.0, 2000.0).at };
+            let o = solved(&RacewayControl { at: screw, control: None });
+            (slip(o.ball.nut).spin.abs(), slip(o.ball.screw).spin.abs())
+        };
+        // The closer groove has the longer ellipse, the larger moment, and holds the ball.
+        let (nut, screw) = spins((0.51, 0.55));
+        assert!(nut < 1e-9 * screw, "{nut} {screw}");
+        let (nut, screw) = spins((0.55, 0.51));
+        assert!(screw < 1e-9 * nut, "{nut} {screw}");
+    }
+
+    proptest! {
+        /// Forces balance as printed, both centres roll, and one race has no spin.
+        #[test]
+        fn the_ball_is_in_balance_and_rolls(
+            lead in 1.0..40.0_f64, beta in 30.0..60.0_f64, f_n in 0.51..0.56_f64, f_s in 0.51..0.56_f64,
+            rpm in 10.0..5000.0_f64, axial in 50.0..2000.0_f64, back in any::<bool>(), nut in -0.9..0.9_f64,
+        ) {
+            let base = lin(axial, if back { -rpm } else { rpm }).at;
+            let speed = base.point.drive.screw_speed;
+            let case = ElasticPoint { point: OperatingPoint { helix: Helix { lead_angle: lead.to_radians(), ..base.point.helix }, contact_angle: beta.to_radians(), drive: Drive { screw_speed: speed, nut_speed: nut * speed }, ..base.point }, conformity: (f_n, f_s), ..base };
+            let o = solved(&RacewayControl { at: case, control: None });
+            let [q_a, q_b] = [o.ball.nut, o.ball.screw].map(|c| c.load.expect("a load"));
+            let (a, b) = (o.ball.nut.angle, o.ball.screw.angle);
+            let rate = o.ball.motion.expect("a motion").precession;
+            let centrifugal = case.point.ball.mass * case.point.helix.radius * rate * rate;
+            prop_assert!((q_a * a.cos() - q_b * b.cos() - centrifugal).abs() <= 1e-9 * axial);
+            prop_assert!((q_a * a.sin() - q_b * b.sin()).abs() <= 1e-9 * axial);
+            prop_assert!((q_a * a.sin() * lead.to_radians().cos() - axial).abs() <= 1e-9 * axial);
+            // Only the lead's slip across the groove is left, shared equally.
+            let w = case.point.drive.relative_speed().abs();
+            let shared = 0.5 * case.point.ball.radius * w * lead.to_radians().sin();
+            prop_assert!((slip(o.ball.nut).speed - shared).abs() <= 1e-9 * shared.max(w * 1e-3));
+            prop_assert!((slip(o.ball.screw).speed - shared).abs() <= 1e-9 * shared.max(w * 1e-3));
+            let least = slip(o.ball.nut).spin.abs().min(slip(o.ball.screw).spin.abs());
+            prop_assert!(least <= 1e-9 * w, "{o:?}");
+            let eta = o.transmission.efficiency;
+            prop_assert!(eta < 1.0, "{eta}");
+        }
+    }
+
+    /// Limit: without friction nothing is lost.
+    #[test]
+    fn no_friction_means_no_loss() {
+        let screw = ElasticPoint {
+            point: OperatingPoint { friction: Coulomb(0.0), ..lin(500.0, 2000.0).at.point },
+            ..lin(500.0, 2000.0).at
+        };
+        let o = solved(&RacewayControl { at: screw, control: None });
+        assert_relative_eq!(o.transmission.efficiency, 1.0);
+    }
+
+    /// Load raises the contact angles of a gothic arch; speed presses the ball against the nut.
+    #[test]
+    fn angles_follow_load_and_speed() {
+        let angles = |axial, rpm| {
+            let o = solved(&lin(axial, rpm));
+            (o.ball.nut.angle, o.ball.screw.angle)
+        };
+        let (slow, loaded, fast) = (angles(100.0, 1.0), angles(2000.0, 1.0), angles(100.0, 8000.0));
+        assert!(loaded.0 > slow.0 && loaded.1 > slow.1);
+        assert!(fast.0 < slow.0 && fast.1 > slow.1);
+        // Without inertia both angles are equal: two forces.
+        assert_relative_eq!(slow.0, slow.1, max_relative = 1e-6);
+    }
+
+    /// Where the decision is said to be clear it is the same at both balls; near a tie both races may
+    /// control, or none.
+    #[test]
+    fn a_clear_decision_is_that_of_both_balls() {
+        let mut rng = ChaCha8Rng::seed_from_u64(33);
+        let mut newton = Workspace::default();
+        let (mut solved, mut asked, mut both, mut neither, mut missed) = (0, 0, 0, 0, 0);
+        while solved < 6000 {
+            let mut screw = extreme(&mut rng);
+            // Half of them near a tie: equal contacts.
+            if solved % 2 == 0 {
+                screw.conformity.1 = screw.conformity.0;
+            }
+            let Ok(pair) = screw.scaled() else { continue };
+            let [nut, screw] =
+                Control::ALL.map(|race| Roll::controlled(&pair, race, None, &mut newton).ok());
+            let (Some(nut), Some(screw)) = (nut, screw) else { continue };
+            solved += 1;
+            asked += usize::from(!nut.is_clear(&pair));
+            let consistent = [nut.is_consistent(&pair), screw.is_consistent(&pair)];
+            both += usize::from(consistent == [true; 2]);
+            neither += usize::from(consistent == [false; 2]);
+            missed += usize::from(consistent[0] == consistent[1] && nut.is_clear(&pair));
+            let found = Roll::of(&pair, None, &mut newton).expect("a ball");
+            let others = found.others(&pair, None, &mut newton);
+            let of_screw = others.iter().any(|other| other.control != found.control);
+            assert_eq!(of_screw, consistent == [true; 2], "{pair:?}");
+        }
+        println!(
+            "{solved} solved, {asked} asked twice, {both} both, {neither} neither, {missed} missed"
+        );
+        assert_eq!(missed, 0);
+        assert!(both + neither > 0, "the test sees none");
+    }
+
+    /// Expected failures.
+    #[test]
+    fn failures_say_why() {
+        let why = |case: &RacewayControl| {
+            let none =
+                case.solve(&mut RacewayWorkspace::default()).answer.expect_err("no solution");
+            (none.status(), none.reason().clone())
+        };
+        let still = lin(100.0, 0.0);
+        assert_eq!(why(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));
+        let screw = ElasticPoint { conformity: (5.0, 0.53), ..lin(100.0, 100.0).at };
+        let (status, reason) = why(&RacewayControl { at: screw, control: None });
+        assert_eq!(status, Status::InvalidInput);
+        assert!(matches!(reason, Reason::CurvaturesNotHertzian { .. }), "{reason:?}");
+    }
+}

@@ -1,0 +1,332 @@
+//! Static balance of the gripping ball in two unknowns, and its first root.
+//!
+//! Theory: `docs/theory/07-raceway-control.md`, equations (W2), (W12) to (W15).
+
+use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar, Site};
+use bsm_newton::{Bracket, EvalError, JacobianUpdate, Options, Report, Scales, solve};
+use bsm_simd::Arch;
+
+use super::statics::{Rates, StaticBalance, StaticState};
+use super::{RacewayControl, rolling};
+use crate::contact::axial_displacement;
+use crate::models::ball::{
+    BallLoads, Control, ElasticBall, Evidence, Reason, Unsolved, Workspace, equations,
+};
+
+/// Unknowns: the difference of the cotangents of the contact angles, and that at the screw (W12).
+pub(crate) const STATIC: usize = 2;
+
+/// Newton steps behind a bracket.
+const MOST_STEPS: usize = 8;
+
+/// Passes of the rising bound (W14). Each is a fixed-point step; thousands are needed where the
+/// centrifugal force nearly touches what the flanks hold.
+const MOST_PASSES: usize = 20_000;
+
+/// Steps of the scan for more roots, and their ends.
+const SCAN: u8 = 48;
+const PLACES: usize = SCAN as usize + 1;
+
+/// Roots that differ by less, relative, are one.
+const SAME: f64 = 1e-6;
+
+/// Static balance of the ball in the normal plane.
+pub(super) struct Balance<'a, P: Scalar = f64> {
+    pub(super) pair: &'a ElasticBall<P>,
+    pub(super) control: Control,
+    statics: StaticBalance<P>,
+}
+
+impl<'a, P: Scalar> Balance<'a, P> {
+    pub(super) fn new(pair: &'a ElasticBall<P>, control: Control) -> Self {
+        let cos = pair.lead.1;
+        let statics = StaticBalance {
+            by_nut: control == Control::Nut,
+            axial: cos.recip(),
+            inertia: pair.inertia_ratio() * cos,
+            lever: cos * cos / pair.helix.radius,
+            nut_speed: pair.nut_speed,
+            reach: pair.reach,
+            contacts: [
+                (pair.jones.nut_offset, pair.approach[0]),
+                (pair.jones.screw_offset, pair.approach[1]),
+            ],
+        };
+        Self { pair, control, statics }
+    }
+
+    /// What is left of the radial balance and of the triangle of the arc centres (W12), (W13).
+    pub(super) fn equations<D: Over<P>>(&self, x: &[D; STATIC]) -> [D; STATIC] {
+        self.statics.residual(x[0], &self.statics.loaded(*x))
+    }
+
+    #[expect(clippy::unnecessary_wraps, reason = "the shape that equations have")]
+    fn residual<D: Over<P>>(&self, x: &[D; STATIC]) -> Result<[D; STATIC], EvalError> {
+        Ok(self.equations(x))
+    }
+
+    /// Loads, angles and contacts of the unknowns.
+    pub(super) fn loaded<D: Over<P>>(&self, &[c, screw]: &[D; STATIC]) -> BallLoads<D> {
+        let jones = &self.pair.jones;
+        let nut = screw + c;
+        let [a, b] = self.statics.loaded([c, screw]);
+        let one = D::from(1.0);
+        let angles = [one.atan2(nut), one.atan2(screw)];
+        // tan 2ν = (cotβ_A − cotβ_B) / (1 + cotβ_A cotβ_B)
+        let tilt = c.atan2(nut * screw + 1.0) * 0.5;
+        let contacts = [Contact::tilted(Site::Nut, -tilt), Contact::tilted(Site::Screw, tilt)];
+        let mean = angles[1] - tilt;
+        let frame = BallFrame::turned(D::from(self.pair.helix.lead_angle), mean);
+        let unloaded = (jones.nut_offset + jones.screw_offset) * jones.contact_angle.sin();
+        let displacement = axial_displacement([a.length, b.length], [a.sin, b.sin], unloaded);
+        BallLoads { loads: [a.load, b.load], tilt, angles, frame, contacts, displacement }
+    }
+
+    /// Rolling motion relative to the nut over `$W$`.
+    pub(super) fn rolling<D: Over<P>>(&self, loaded: &BallLoads<D>) -> Motion<D> {
+        let pair = self.pair;
+        let (lead, arc) = (D::from(pair.helix.lead_angle).sin_cos(), D::from(pair.arc));
+        let angles = loaded.angles.map(|angle| angle.sin_cos());
+        let (p, omega) = rolling(self.control == Control::Nut, lead, arc, angles);
+        Motion { precession: p, omega: loaded.frame.from_frenet(&omega.into()) }
+    }
+}
+
+/// A root of the balance.
+pub(super) struct RollRoot {
+    pub(super) unknowns: [f64; STATIC],
+    pub(super) steps: usize,
+    pub(super) residual: f64,
+}
+
+impl Balance<'_> {
+    /// One over the sizes of both equations.
+    pub(super) fn weights(&self) -> [f64; STATIC] {
+        let rate = self.pair.nut_speed.abs().max(1.0);
+        // As far as a double goes.
+        let size = (self.statics.inertia * rate * rate).clamp(f64::MIN_POSITIVE, 0.25 * f64::MAX);
+        [size.recip(), 1.0]
+    }
+
+    /// The root with the smallest difference of the contact angles, or the proof that there is
+    /// none on the flanks.
+    ///
+    /// * `near`: a root of the other race, if there is one.
+    pub(super) fn first_root(
+        &self,
+        near: Option<[f64; STATIC]>,
+        newton: &mut Workspace<STATIC>,
+    ) -> Result<RollRoot, Unsolved> {
+        let mut at = match near {
+            Some(unknowns) => StaticState { unknowns, steps: 0.0, settled: false },
+            None => self.statics.start(self.unloaded(), true),
+        };
+        self.statics.settle(&mut at);
+        let residual = self.statics.scaled_residual(at.unknowns);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few")]
+        let mut steps = at.steps as usize;
+        if at.settled && residual < StaticBalance::<f64>::CLOSED && self.is_first(&at.unknowns) {
+            return Ok(RollRoot { unknowns: at.unknowns, steps, residual });
+        }
+        let bracketed = self.bracketed()?;
+        let mut x = bracketed;
+        let report = self.run(&mut x, newton);
+        steps += report.steps.len();
+        // Where two roots meet, Newton may go to the other.
+        if report.converged() && x[1] > 0.0 && (x[0] - bracketed[0]).abs() <= 1e-3 * bracketed[0] {
+            return Ok(RollRoot { unknowns: x, steps, residual: report.residual });
+        }
+        Err(Unsolved::not_converged(Reason::from(report)))
+    }
+
+    /// True if (W17) leaves no second root.
+    pub(super) fn is_unique(&self) -> bool {
+        let nut = self.pair.nut_speed;
+        let outwards = match self.control {
+            Control::Nut => 1.0 + nut,
+            Control::Screw => self.statics.lever - nut,
+        };
+        // μ cosα |P|/W < 2, with the largest |P| that may still rise      (W17)
+        self.statics.inertia * outwards < RacewayControl::UNIQUE_BELOW
+    }
+
+    /// Roots on the flanks whose contact angles differ by more than those of the first root `x`, up to
+    /// the resolution of a scan.
+    pub(super) fn farther_roots(
+        &self,
+        &[first, _]: &[f64; STATIC],
+        newton: &mut Workspace<STATIC>,
+    ) -> Vec<RollRoot> {
+        if self.is_unique() { Vec::new() } else { self.scan(first, newton) }
+    }
+
+    /// The roots beyond a first one.
+    fn scan(&self, first: f64, newton: &mut Workspace<STATIC>) -> Vec<RollRoot> {
+        let farthest = self.farthest();
+        let excess = |c: f64| c - self.centrifugal(self.rate_at(c));
+        let begin = (first * (1.0 + SAME)).max(1e-3 * farthest);
+        let grow = (farthest / begin).powf(f64::from(SCAN).recip());
+        let mut places = [begin; PLACES];
+        for i in 1..PLACES {
+            places[i] = places[i - 1] * grow;
+        }
+        places[PLACES - 1] = farthest;
+        let rates =
+            Rates { balance: &self.statics, differences: &places, unloaded: self.unloaded() };
+        let rates: [f64; PLACES] = Arch::new().dispatch(rates);
+        let at = |i: usize| places[i] - self.centrifugal(rates[i]);
+        let mut found = Vec::new();
+        for i in 1..PLACES {
+            let (ends, values) = ([places[i - 1], places[i]], [at(i - 1), at(i)]);
+            if let Some(root) = Bracket::new(ends, values).root(excess).root() {
+                found.extend(self.polished(root.x, newton));
+            }
+        }
+        found
+    }
+
+    /// The root near a difference of the cotangents, by Newton; `None` where that goes to another.
+    fn polished(&self, near: f64, newton: &mut Workspace<STATIC>) -> Option<RollRoot> {
+        let mut x = [near, self.closed(near)];
+        let report = self.run(&mut x, newton);
+        let found = report.converged() && x[1] > 0.0 && (x[0] - near).abs() <= 1e-3 * near;
+        found.then_some(RollRoot {
+            unknowns: x,
+            steps: report.steps.len(),
+            residual: report.residual,
+        })
+    }
+
+    /// `$\mu\cos\alpha\,(P/W)^2$`.
+    fn centrifugal(&self, rate: f64) -> f64 {
+        self.statics.inertia * rate * rate
+    }
+
+    /// Newton from `x`.
+    fn run(&self, x: &mut [f64; STATIC], newton: &mut Workspace<STATIC>) -> Report {
+        let weights = self.weights();
+        let scales = Scales { x: &[weights[0].max(1.0), 1.0], f: &weights };
+        // The displacement is a difference of lengths: down to their rounding.
+        let options = Options {
+            residual_goal: 3e-15,
+            max_steps: MOST_STEPS,
+            jacobian: JacobianUpdate::EveryTrial { chord_below: 0.0 },
+            ..Options::default()
+        };
+        solve(self, x, &scales, &options, newton)
+    }
+
+    /// True if (W15) shows that no other root on the flanks has a smaller difference of the angles.
+    fn is_first(&self, &[c, screw]: &[f64; STATIC]) -> bool {
+        if !(c >= 0.0 && screw > 0.0) {
+            return false;
+        }
+        let [a, b] = self.statics.loaded([c, screw]);
+        let rate = self.statics.rate(&[a, b]);
+        let p = rate - self.pair.nut_speed;
+        let (outwards, part) = match self.control {
+            Control::Nut => (rate, p),
+            Control::Screw => (-rate, 1.0 - p),
+        };
+        if outwards <= 0.0 {
+            return true;
+        }
+        let half = (1.0 + a.cos * b.cos + a.sin * b.sin).recip();
+        let twist = b.sin * a.cos - b.cos * a.sin;
+        // |∂p/∂cotβ| ≤ sin²β_B [π tan(D/2) + (r_b/d) cosα sinβ_B/(1 + cosD)]  (W15)
+        let slope = b.sin * b.sin * (part * twist + self.statics.lever * b.sin) * half;
+        2.0 * self.statics.inertia * outwards * slope < 1.0
+    }
+
+    /// Cotangent of the unloaded contact angle.
+    fn unloaded(&self) -> f64 {
+        let angle = self.pair.jones.contact_angle;
+        angle.cos() / angle.sin()
+    }
+
+    /// Cotangent of the screw's contact angle that closes the triangle at a difference `c`.
+    fn closed(&self, c: f64) -> f64 {
+        self.statics.closed(c, self.unloaded())
+    }
+
+    /// Largest difference of the cotangents on the flanks: the screw's contact angle is 90 deg there.
+    fn farthest(&self) -> f64 {
+        let excess = |cot: f64| self.statics.contact(0, cot).reach() - self.statics.reach;
+        let mut ends = [0.0, 1.0];
+        while excess(ends[1]) < 0.0 && ends[1] < f64::MAX.sqrt() {
+            ends = [ends[1], 4.0 * ends[1]];
+        }
+        let found = Bracket::new(ends, ends.map(excess)).root(excess);
+        found.root().map_or(ends[1], |root| root.ends[0])
+    }
+
+    /// `$P/W$` at a difference of the cotangents.
+    fn rate_at(&self, c: f64) -> f64 {
+        self.statics.rate_at(c, self.unloaded())
+    }
+
+    /// The first root by brackets, in any inertia; or the proof that there is none.
+    ///
+    /// The rate is monotone in the difference of the cotangents, so that one of two cases holds up
+    /// to where it changes its sign: the centrifugal force falls, and meets the straight line `c`
+    /// at most once; or it rises, and its value at any lower bound of the first root is one too.
+    fn bracketed(&self) -> Result<[f64; STATIC], Unsolved> {
+        let farthest = self.farthest();
+        let outwards = match self.control {
+            Control::Nut => 1.0,
+            Control::Screw => -1.0,
+        };
+        let none = || {
+            let rate = self.rate_at(farthest);
+            let (held, centrifugal) =
+                (farthest * self.statics.axial, self.centrifugal(rate) * self.statics.axial);
+            let reason = Reason::FlanksCannotHold { control: self.control, held, centrifugal };
+            Unsolved::none(Evidence::Proof, reason)
+        };
+        let at_rest = self.rate_at(0.0);
+        let c = if outwards * at_rest >= 0.0 {
+            self.rising(farthest).ok_or_else(none)?
+        } else {
+            // Beyond a rate of zero the line is above.
+            let above = |c: f64| {
+                let rate = self.rate_at(c);
+                if outwards * rate >= 0.0 { c } else { c - self.centrifugal(rate) }
+            };
+            if above(farthest) < 0.0 {
+                return Err(none());
+            }
+            let ends = [0.0, self.centrifugal(at_rest).min(farthest)];
+            let found = Bracket::new(ends, ends.map(above)).root(above);
+            found.root().map_or(ends[1], |root| root.x)
+        };
+        Ok([c, self.closed(c)])
+    }
+
+    /// The first root where the centrifugal force rises with the difference of the cotangents.
+    fn rising(&self, farthest: f64) -> Option<f64> {
+        let mut bound = 0.0;
+        for _ in 0..MOST_PASSES {
+            // c ← μ cosα (P(c)/W)²                                        (W14)
+            let next = self.centrifugal(self.rate_at(bound));
+            if next > farthest {
+                return None;
+            }
+            let settled = next <= bound * (1.0 + 4.0 * f64::EPSILON);
+            bound = next.max(bound);
+            if settled {
+                break;
+            }
+        }
+        Some(bound)
+    }
+}
+
+equations!(
+    Balance<'_>,
+    STATIC,
+    Balance::residual,
+    ["radial force balance", "triangle of the groove-arc centres"]
+);
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,165 @@
+//! The first root against a search that knows nothing of brackets and bounds.
+
+use std::f64::consts::FRAC_PI_2;
+
+use bsm_kin::{Drive, Helix, Jet};
+use proptest::prelude::*;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::*;
+use crate::extreme::extreme;
+use crate::models::ball::ElasticPoint;
+use crate::{Ball, Coulomb, Load, Material, OperatingPoint};
+
+/// Points of the search.
+const GRID: usize = 1500;
+
+/// Screws with inertia forces from a hundredth of the load to a hundred times as much, in which
+/// most answers are not the obvious one.
+fn screws() -> impl Strategy<Value = ElasticPoint> {
+    let shape = (0.5..80.0_f64, 3.0..87.0_f64, 0.02..0.45_f64, 0.505..0.8_f64, 0.505..0.8_f64);
+    let state = (-2.0..2.0_f64, 1e-9..1e-1_f64, -3.0..3.0_f64, any::<bool>());
+    (shape, state).prop_map(|((lead, beta, size, f_n, f_s), (inertia, soft, nut, back))| {
+        let ball = Ball::of_density(3e-3, 7800.0);
+        let radius = ball.radius / size;
+        // The load in units of the modulus, and the speed that makes the inertia ratio.
+        let axial = 100.0;
+        let modulus = axial / (soft * ball.radius * ball.radius);
+        let speed = (10.0_f64.powf(inertia) * axial / (ball.mass * radius)).sqrt();
+        let speed = if back { -speed } else { speed };
+        let material = Material { youngs_modulus: modulus, poisson_ratio: 0.3 };
+        ElasticPoint {
+            point: OperatingPoint {
+                helix: Helix { radius, lead_angle: lead.to_radians() },
+                contact_angle: beta.to_radians(),
+                ball,
+                friction: Coulomb(0.1),
+                drive: Drive { screw_speed: (1.0 + nut) * speed, nut_speed: nut * speed },
+                load: Load { axial, balls: 1.0 },
+            },
+            conformity: (f_n, f_s),
+            material: (material, material),
+        }
+    })
+}
+
+/// What is left of the radial balance at a contact angle of the screw, written in angles; `None`
+/// where no angle of the nut closes the triangle, or where the nut's would be the larger one.
+fn left(pair: &ElasticBall, control: Control, screw: f64) -> Option<f64> {
+    let jones = &pair.jones;
+    let lead = pair.helix.lead_angle;
+    let load = |angle: f64| (lead.cos() * angle.sin()).recip();
+    let along = |i: usize, offset: f64, angle: f64| {
+        (offset + pair.approach_of(i, load(angle))) * angle.cos()
+    };
+    let reach = (jones.nut_offset + jones.screw_offset) * jones.contact_angle.cos();
+    let rest = reach - along(1, jones.screw_offset, screw);
+    let (mut low, mut high) = (1e-9, screw);
+    if along(0, jones.nut_offset, low) < rest || along(0, jones.nut_offset, high) > rest {
+        return None;
+    }
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        if along(0, jones.nut_offset, middle) > rest {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let nut = 0.5 * (low + high);
+    let angles = [nut.sin_cos(), screw.sin_cos()];
+    let (p, _) = rolling(control == Control::Nut, pair.lead, pair.arc, angles);
+    let rate = p + pair.nut_speed;
+    let centrifugal = pair.inertia_ratio() * rate * rate;
+    Some(load(nut) * nut.cos() - load(screw) * screw.cos() - centrifugal)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+
+    /// The root that is returned is the first of a dense search, and where none is returned the
+    /// search finds none.
+    #[test]
+    fn the_first_root_is_that_of_a_dense_search(screw in screws(), nut in any::<bool>()) {
+        let control = if nut { Control::Nut } else { Control::Screw };
+        let Ok(pair) = screw.scaled() else { return Ok(()) };
+        let found = Balance::new(&pair, control).first_root(None, &mut Workspace::default());
+        #[expect(clippy::cast_precision_loss, reason = "a small count")]
+        let angles = (1..GRID).map(|i| FRAC_PI_2 * i as f64 / GRID as f64);
+        let mut before = None;
+        let crossed = angles.filter_map(|angle| Some((angle, left(&pair, control, angle)?))).find(|at| {
+            // The balance begins below zero, at equal angles.
+            let here = at.1 >= 0.0 && before.is_some_and(|(_, left)| left < 0.0);
+            if !here {
+                before = Some(*at);
+            }
+            here
+        });
+        let step = FRAC_PI_2 / 1500.0;
+        match found {
+            Ok(root) => {
+                let [c, cot] = root.unknowns;
+                prop_assert!(c >= 0.0 && cot > 0.0 && root.residual <= 1e-10);
+                let angle = cot.recip().atan();
+                let residual = left(&pair, control, angle);
+                // Angles near 0 have few digits in this form, and few steps of the search.
+                if let (Some(left), Some((_, around))) = (residual, before) {
+                    let size = 1.0 + around.abs().max((c + cot) / pair.helix.lead_angle.cos());
+                    prop_assert!(left.abs() <= 1e-6 * size, "{left}");
+                }
+                if let Some((beyond, _)) = crossed {
+                    // Two roots within a step of the search are not seen by it.
+                    prop_assert!(angle <= beyond + step, "{angle} {beyond}");
+                }
+            }
+            Err(none) => {
+                prop_assert_eq!(none.evidence(), Some(Evidence::Proof), "{:?}", none);
+                prop_assert!(crossed.is_none(), "{:?} {:?}", crossed, none);
+                let Reason::FlanksCannotHold { held, centrifugal, .. } = *none.reason() else {
+                    panic!("{none:?}")
+                };
+                prop_assert!(held < centrifugal);
+            }
+        }
+    }
+
+    /// The hand-written slope of the reach along the normal against the jet.
+    #[test]
+    fn the_slope_of_the_reach_is_that_of_the_jet(screw in screws(), cot in 1e-3..1e3_f64) {
+        let Ok(pair) = screw.scaled() else { return Ok(()) };
+        let balance = Balance::new(&pair, Control::Nut);
+        for i in 0..2 {
+            let exact = balance.statics.contact(i, Jet::<1>::variable(cot, 0)).reach().eps[0];
+            let slope = balance.statics.contact(i, cot).reach_slope();
+            // The jet cancels for large cotangents, 1e-16 cot² of it.
+            prop_assert!((slope - exact).abs() <= 1e-8 * exact.abs(), "{slope} {exact}");
+        }
+    }
+}
+
+/// Where (W17) leaves no second root, the scan finds none.
+#[test]
+fn a_second_root_needs_inertia() {
+    let mut rng = ChaCha8Rng::seed_from_u64(77);
+    let mut newton = Workspace::default();
+    let (mut tried, mut several, mut missed) = (0, 0, 0);
+    while tried < 8000 {
+        let Ok(pair) = extreme(&mut rng).scaled() else { continue };
+        // Less of it turns no angle.
+        if pair.inertia_ratio() < 1e-2 {
+            continue;
+        }
+        for control in Control::ALL {
+            let balance = Balance::new(&pair, control);
+            let Ok(root) = balance.first_root(None, &mut newton) else { continue };
+            tried += 1;
+            let has_more = !balance.scan(root.unknowns[0], &mut newton).is_empty();
+            several += usize::from(has_more);
+            missed += usize::from(has_more && balance.is_unique());
+        }
+    }
+    println!("{several} of {tried} have several roots, {missed} where none should have");
+    assert_eq!(missed, 0);
+    assert!(several > 100, "{several}");
+}

@@ -1,0 +1,56 @@
+//! Derivatives of raceway control's efficiency and torque.
+//!
+//! Theory: `docs/theory/12-sensitivities.md`.
+
+use bsm_kin::{Jet, Motion};
+
+use super::{Balance, RacewayControl, RacewayWorkspace, Roll, STATIC};
+use crate::contact::efficiency;
+use crate::ellipse::{Nodes, Quadrature};
+use crate::models::ball::{BallLoads, ElasticBall, Performance, Unsolved, Workspace, moving_root};
+
+/// A point, and contacts and motion of its ball.
+type Moving<D> = (ElasticBall<D>, BallLoads<D>, Motion<D>);
+
+impl<const M: usize> RacewayControl<Jet<M>> {
+    /// Efficiency and torque with their derivatives, for the race that controls.
+    pub(crate) fn sensitivities(
+        &self,
+        RacewayWorkspace { newton, quadrature, slopes }: &mut RacewayWorkspace,
+    ) -> Result<Performance<Jet<M>>, Unsolved> {
+        let (inputs, loaded, to_nut) = self.moving(newton)?;
+        let transmitted = |rule: &Quadrature| {
+            let nodes = [Nodes::from(rule); 2];
+            let creep = RacewayControl::<f64>::CREEP;
+            let power = inputs.friction_power(&loaded, &to_nut, creep, nodes);
+            let (ideal, torque) = self.at.rolling_torques(power);
+            [efficiency(inputs.direction.is_back(), ideal, torque), torque]
+        };
+        // The nodes stand still in a derivative: only a fine rule has none to lose by that.
+        let (values, slopes) = (transmitted(quadrature), transmitted(slopes));
+        let [efficiency, torque] =
+            std::array::from_fn(|i| Jet { re: values[i].re, eps: slopes[i].eps });
+        Ok(Performance { efficiency, screw_torque: Some(torque) })
+    }
+
+    /// The point, and contacts and motion of the ball, with their derivatives.
+    fn moving(&self, newton: &mut Workspace<STATIC>) -> Result<Moving<Jet<M>>, Unsolved> {
+        let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
+        let Roll { control, unknowns, .. } = Roll::of(&point, self.control, newton)?;
+        let system = Balance::new(&point, control);
+        let equations = Balance::new(&inputs, control);
+        let residual = |x: &_| Ok(equations.equations(x));
+        let x = moving_root(&system, &unknowns, &system.weights(), residual, newton)?;
+        let loaded = equations.loaded(&x);
+        let to_nut = equations.rolling(&loaded);
+        Ok((inputs, loaded, to_nut))
+    }
+
+    /// The same of the ball of a workspace.
+    pub(crate) fn rolling_ball(
+        &self,
+        work: &mut RacewayWorkspace,
+    ) -> Result<Moving<Jet<M>>, Unsolved> {
+        self.moving(&mut work.newton)
+    }
+}

@@ -1,0 +1,264 @@
+//! Static balance of the rolling ball in two unknowns and Newton on it, for one point and for several side
+//! by side.
+//!
+//! Theory: `docs/theory/07-raceway-control.md`, equations (W2), (W12), (W13).
+
+#![expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+
+use bsm_kin::{Field, FieldOver};
+use bsm_simd::{Compare, Lane, Simd, WithSimd};
+
+use super::{STATIC, rolling_precession};
+use crate::cost;
+use crate::models::ball::{BallContacts, LoadedContact};
+
+/// Newton steps before a root is looked for in another way.
+const MOST_STEPS: usize = 6;
+
+/// Steps to a closed triangle: as many halvings lead to rounding, and what that is.
+const MOST_CLOSING: usize = 60;
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Last step of an angle \[rad\]: the error behind it is of the order of its square.
+const LAST_STEP: f64 = 1e-9;
+
+/// Static balance of a ball with a race in control.
+#[derive(Clone, Copy)]
+pub struct StaticBalance<P: Field> {
+    /// Where the nut controls.
+    pub by_nut: P::Mask,
+    /// `$1/\cos\alpha$`.
+    pub(super) axial: P,
+    /// `$\mu\cos\alpha$`.
+    pub(super) inertia: P,
+    /// `$(r_b/d)\cos\alpha$`.
+    pub(super) lever: P,
+    /// `$\Omega_n/W$`.
+    pub(super) nut_speed: P,
+    /// `$A_2$`.
+    pub(super) reach: P,
+    /// `$l_0$` and `$\delta$` of the axial load, at nut and screw.
+    pub(super) contacts: [(P, P); 2],
+}
+
+/// An iterate: the difference of the cotangents of the contact angles, and that at the screw.
+#[derive(Clone, Copy)]
+pub struct StaticState<F: Field> {
+    /// The unknowns.
+    pub unknowns: [F; STATIC],
+    /// Newton steps.
+    pub steps: F,
+    /// Where no step is left to take.
+    pub settled: F::Mask,
+}
+
+impl<P: Field> StaticBalance<P> {
+    /// The contact at nut (0) or screw (1) with this cotangent of its angle.
+    #[inline(always)]
+    pub(super) fn contact<D: FieldOver<P>>(&self, i: usize, cot: D) -> LoadedContact<D> {
+        cost::evaluated();
+        LoadedContact::without_friction(self.contacts[i], self.axial, cot)
+    }
+
+    /// Both contacts.
+    #[inline(always)]
+    pub fn loaded<D: FieldOver<P>>(&self, [c, screw]: [D; STATIC]) -> [LoadedContact<D>; 2] {
+        [self.contact(0, screw + c), self.contact(1, screw)]
+    }
+
+    /// `$p$` of the rolling ball.
+    #[inline(always)]
+    pub fn precession<D>(&self, [nut, screw]: &[LoadedContact<D>; 2]) -> D
+    where
+        D: FieldOver<P> + Field<Mask = P::Mask>,
+    {
+        let between = nut.cos * screw.cos + nut.sin * screw.sin;
+        rolling_precession(self.by_nut, self.lever, [nut.cos, screw.cos], between)
+    }
+
+    /// `$P/W$` of the rolling ball.
+    #[inline(always)]
+    pub(super) fn rate<D>(&self, contacts: &[LoadedContact<D>; 2]) -> D
+    where
+        D: FieldOver<P> + Field<Mask = P::Mask>,
+    {
+        self.precession(contacts) + self.nut_speed
+    }
+
+    /// What contacts leave of the radial balance and of the triangle of the arc centres (W12), (W13).
+    #[inline(always)]
+    pub(super) fn residual<D>(&self, c: D, contacts: &[LoadedContact<D>; 2]) -> [D; STATIC]
+    where
+        D: FieldOver<P> + Field<Mask = P::Mask>,
+    {
+        let [nut, screw] = contacts;
+        [
+            // c − μ cosα (P/W)² = 0,  c = cotβ_A − cotβ_B                  (W12)
+            c - self.rate(contacts).square() * self.inertia,
+            // l_A cosβ_A + l_B cosβ_B = A₂, Eq (J7)                       (W13)
+            (nut.reach() + screw.reach()) * self.reach.recip() - 1.0,
+        ]
+    }
+}
+
+impl<F: Compare> StaticBalance<F> {
+    /// Largest scaled residual of a root.
+    pub const CLOSED: f64 = 1e-12;
+
+    /// Of a ball and its contacts.
+    #[inline(always)]
+    pub fn of(ball: &BallContacts<F>, by_nut: F::Mask) -> Self {
+        let [nut, screw] = &ball.pressed;
+        Self {
+            by_nut,
+            axial: ball.cos_a.recip(),
+            inertia: ball.inertia_ratio * ball.cos_a,
+            lever: ball.cos_a / ball.arc,
+            nut_speed: ball.nut_speed,
+            reach: ball.reach(),
+            contacts: [(nut.offset, nut.hertz.compliance), (screw.offset, screw.hertz.compliance)],
+        }
+    }
+
+    /// Equal angles, turned apart by their centrifugal force unless that is too much.
+    ///
+    /// * `unloaded`: cotangent of the unloaded contact angle. * `expected`: where a root is looked for.
+    #[inline(always)]
+    pub fn start(&self, unloaded: F, expected: F::Mask) -> StaticState<F> {
+        let zero = unloaded.constant(0.0);
+        let [nut, screw] = self.loaded([zero, unloaded]);
+        // The angle that the loads of the unloaded angle lead to.
+        let cos = self.reach / (nut.length + screw.length);
+        let cot = cos / ((-cos + 1.0) * (cos + 1.0)).sqrt();
+        let rate = self.rate(&self.loaded([zero, cot]));
+        let c = self.inertia * rate.square();
+        let c = F::select(c.lt(cot), c, zero);
+        StaticState { unknowns: [c, cot - c * 0.5], steps: zero, settled: !expected }
+    }
+
+    /// Newton steps where none has been the last.
+    #[inline(always)]
+    pub fn settle(&self, at: &mut StaticState<F>) {
+        for _ in 0..MOST_STEPS {
+            if !F::any(!at.settled) {
+                break;
+            }
+            let contacts = self.loaded(at.unknowns);
+            let [nut, screw] = &contacts;
+            let [radial, reach] = self.residual(at.unknowns[0], &contacts);
+            let p = self.precession(&contacts);
+            let [by_nut, by_screw] = self.precession_slopes(p, &contacts);
+            let drift = self.inertia * (p + self.nut_speed) * -2.0;
+            // By c, of which the cotangent at the nut is a sum, and by the cotangent at the screw.
+            let (r_c, r_s) = (drift * by_nut + 1.0, drift * (by_nut + by_screw));
+            let (l_c, l_b) = (nut.reach_slope() / self.reach, screw.reach_slope() / self.reach);
+            let l_s = l_c + l_b;
+            let scale = (r_c * l_s - r_s * l_c).recip();
+            let step_c = (radial * l_s - reach * r_s) * scale;
+            let step_s = (reach * r_c - radial * l_c) * scale;
+            // dβ = −sin²β d cotβ
+            let turn = ((step_c + step_s) * nut.sin.square()).abs();
+            let turn = turn.larger((step_s * screw.sin.square()).abs());
+            let [c, s] = at.unknowns;
+            at.unknowns =
+                [F::select(at.settled, c, c - step_c), F::select(at.settled, s, s - step_s)];
+            at.steps = F::select(at.settled, at.steps, at.steps + 1.0);
+            at.settled = at.settled | turn.lt(turn.constant(LAST_STEP));
+        }
+    }
+
+    /// Derivatives of `$p$` by the cotangents at nut and screw.
+    #[inline(always)]
+    fn precession_slopes(&self, p: F, [a, b]: &[LoadedContact<F>; 2]) -> [F; 2] {
+        let (zero, one) = (p.constant(0.0), p.constant(1.0));
+        let scale = (a.cos * b.cos + a.sin * b.sin + 1.0).recip();
+        let twist = b.sin * a.cos - b.cos * a.sin;
+        // d cosβ = sin³β d cotβ,  d cos(β_A − β_B) = ∓sin²β sin(β_B − β_A) d cotβ
+        let follow = F::select(self.by_nut, -p, one - p) * twist;
+        let (lift_a, lift_b) = (self.lever * a.sin, self.lever * b.sin);
+        [
+            -(a.sin.square() * (follow + F::select(self.by_nut, zero, lift_a)) * scale),
+            b.sin.square() * (follow - F::select(self.by_nut, lift_b, zero)) * scale,
+        ]
+    }
+
+    /// Cotangent of the screw's contact angle that closes the triangle at a difference `c`, by Newton within
+    /// zero and the cotangent of the unloaded angle: (W13) rises with it.
+    #[inline(always)]
+    pub(super) fn closed(&self, c: F, unloaded: F) -> F {
+        let zero = c.constant(0.0);
+        let (mut low, mut high, mut cot) = (zero, unloaded, unloaded * 0.5);
+        let mut settled = zero.lt(zero);
+        for _ in 0..MOST_CLOSING {
+            let [a, b] = self.loaded([c, cot]);
+            let excess = a.reach() + b.reach() - self.reach;
+            let slope = a.reach_slope() + b.reach_slope();
+            let beyond = excess.gt(zero);
+            (low, high) = (F::select(beyond, low, cot), F::select(beyond, cot, high));
+            let newton = cot - excess / slope;
+            let inside = low.le(newton) & newton.le(high);
+            let next = F::select(inside, newton, (low + high) * 0.5);
+            let step = (next - cot).abs();
+            cot = F::select(settled, cot, next);
+            settled = settled | step.le(unloaded * ROUNDING);
+            if !F::any(!settled) {
+                break;
+            }
+        }
+        cot
+    }
+
+    /// `$P/W$` at a difference of the cotangents.
+    #[inline(always)]
+    pub(super) fn rate_at(&self, c: F, unloaded: F) -> F {
+        self.rate(&self.loaded([c, self.closed(c, unloaded)]))
+    }
+
+    /// Scaled residual of a state.
+    #[inline(always)]
+    pub fn scaled_residual(&self, [c, screw]: [F; STATIC]) -> F {
+        let [radial, reach] = self.residual(c, &self.loaded([c, screw]));
+        (radial / self.inertia.larger(c.constant(1.0))).abs().larger(reach.abs())
+    }
+}
+
+/// `$P/W$` of a balance at several differences of the cotangents.
+///
+/// * `unloaded`: cotangent of the unloaded contact angle.
+pub(super) struct Rates<'a, const N: usize> {
+    pub(super) balance: &'a StaticBalance<f64>,
+    pub(super) differences: &'a [f64; N],
+    pub(super) unloaded: f64,
+}
+
+impl<const N: usize> WithSimd for Rates<'_, N> {
+    type Output = [f64; N];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> [f64; N] {
+        let Self { balance: one, differences, unloaded } = self;
+        let lane = Lane::<S>::splat(simd, unloaded);
+        let [nut, screw] = one.contacts;
+        let balance = StaticBalance {
+            by_nut: if one.by_nut { lane.le(lane) } else { lane.lt(lane) },
+            axial: lane.constant(one.axial),
+            inertia: lane.constant(one.inertia),
+            lever: lane.constant(one.lever),
+            nut_speed: lane.constant(one.nut_speed),
+            reach: lane.constant(one.reach),
+            contacts: [
+                (lane.constant(nut.0), lane.constant(nut.1)),
+                (lane.constant(screw.0), lane.constant(screw.1)),
+            ],
+        };
+        let mut rates = [0.0; N];
+        for first in (0..N).step_by(Lane::<S>::LEN) {
+            let c = Lane::load(simd, &differences[first..]);
+            balance.rate_at(c, lane).store(&mut rates[first..]);
+        }
+        rates
+    }
+}

@@ -1,0 +1,213 @@
+//! The published steady-state equations: three point contacts, equal and fixed contact angles,
+//! saturated friction (Lin, Velinsky and Ravani, Eqs 5-9).
+//!
+//! Theory: `docs/theory/04-rigid.md`.
+
+mod ball;
+mod curve;
+mod equations;
+mod first_order;
+mod root;
+mod search;
+mod sensitivities;
+mod sweep;
+mod trig_quadratic;
+
+use bsm_kin::{Motion, Over, Scalar};
+use bsm_newton::{Equations, EvalError, Linear};
+use nalgebra::Vector3;
+
+pub use self::ball::{Plane, RigidBall, RigidMotion};
+use self::equations::RigidEquations;
+pub use self::equations::Unknowns;
+pub use self::first_order::FirstOrder;
+use self::root::BallRoot;
+pub use self::root::RigidWorkspace;
+pub use self::sweep::Sweeps;
+use crate::contact::{Angles, POWER_BALANCE_TOL};
+use crate::models::ball::{
+    BALL, BallState, BallUnits, ContactState, Direction, Model, OperatingPoint, Reason, Slip,
+    Solution, SolveInfo, Solved, Transmission, Unsolved, friction_angle,
+};
+
+/// Inputs of the rigid model: the contact angle is that of all three contacts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rigid<D = f64> {
+    /// Geometry, friction, speeds and load.
+    pub point: OperatingPoint<D>,
+}
+
+/// A root of the rigid equations in the unknowns of the theory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RigidRoot {
+    /// `$Q_A/F_a$`.
+    pub nut_load: f64,
+    /// `$Q_{A'}/F_a$`.
+    pub minor_load: f64,
+    /// `$Q_B/F_a$`.
+    pub screw_load: f64,
+    /// `$p = (P - \Omega_n)/W$`.
+    pub p: f64,
+    /// `$u$`: tangential part of `$\omega - \Omega_n k$` over `$W$`.
+    pub u: f64,
+    /// `$\tau$`: part of `$\omega - \Omega_n k$` along `$e_x$` over `$W$`.
+    pub tau: f64,
+    /// `$s = I P\sigma/(r_b F_a)$`, `$\sigma$` the spin about the common normal.
+    pub s: f64,
+    /// Sweeps, or Newton steps from where the search has found it.
+    pub steps: usize,
+    /// Scaled residual.
+    pub residual: f64,
+}
+
+/// The rigid equations of one point for [`bsm_newton::solve`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RigidSystem {
+    /// Weights of the equations; the unknowns have weight one.
+    pub weights: [f64; BALL],
+    /// First-order start.
+    pub start: [f64; BALL],
+    equations: RigidEquations<f64>,
+}
+
+impl RigidSystem {
+    /// The equations of a point in the model's own units, with their weights and their first-order
+    /// start.
+    ///
+    /// `None` without friction or relative speed.
+    pub fn of(case: &Rigid) -> Option<Self> {
+        let ball = case.ball().ok()?;
+        let first = ball.first_order();
+        let (weights, start) = (ball.weights(first.rate), ball.start_of(&first).into());
+        Some(Self { weights, start, equations: RigidEquations { ball, from_ground: false } })
+    }
+
+    /// The seven equations (R8) in any scalar.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] where friction or the gyroscopic moment has no direction.
+    pub fn evaluate<D: Over<f64>>(&self, y: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
+        self.equations.residual(y)
+    }
+}
+
+impl Equations<BALL> for RigidSystem {
+    fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {
+        Equations::residual(&self.equations, x)
+    }
+
+    fn linearize(&self, x: &[f64; BALL]) -> Result<Linear<BALL>, EvalError> {
+        self.equations.linearize(x)
+    }
+
+    fn equation(&self, i: usize) -> String {
+        self.equations.equation(i)
+    }
+}
+
+impl<D: Scalar> Rigid<D> {
+    /// The point in the model's own units, or why there is none.
+    fn ball(&self) -> Result<RigidBall<D>, Unsolved> {
+        let BallUnits { helix, ball, nut_speed, direction } = self.point.in_own_units()?;
+        self.point.require_friction()?;
+        let angles = Angles { lead: helix.lead_angle, contact: self.point.contact_angle };
+        let signed = self.point.friction.0 * direction.sign();
+        Ok(RigidBall::new(angles.sines(), helix.radius, ball.mass, nut_speed, signed))
+    }
+
+    /// Which side drives.
+    fn direction(&self) -> Direction {
+        Direction::of(self.point.drive.relative_speed().re()).expect("the point was scaled")
+    }
+
+    /// Unit of torques, of all balls together: `$r_b F_a Z$` \[N·m\].
+    fn torque_unit(&self) -> D {
+        self.point.ball.radius * self.point.load.axial
+    }
+}
+
+impl Rigid {
+    /// The first-order solution, which also tells whether a root exists.
+    ///
+    /// `None` without friction or relative speed.
+    pub fn first_order(&self) -> Option<FirstOrder> {
+        self.ball().ok().map(|ball| ball.first_order())
+    }
+
+    /// Smallest lead angle from this point's upwards at which the equations have a root \[rad\].
+    ///
+    /// `None` if none was found, or without friction or relative speed.
+    pub fn critical_lead_angle(&self, work: &mut RigidWorkspace) -> Option<f64> {
+        root::critical_lead_angle(&self.ball().ok()?, work)
+    }
+
+    /// The root in the unknowns of the theory.
+    ///
+    /// # Errors
+    ///
+    /// Status and reason if there is none.
+    pub fn root(&self, work: &mut RigidWorkspace) -> Result<RigidRoot, Unsolved> {
+        let BallRoot { motion, steps, residual, .. } = root::find(&self.ball()?, work)?;
+        let ([nut_load, minor_load, screw_load], [u, _, tau]) = (motion.loads, motion.omega);
+        let (p, s) = (motion.precession, motion.spin_moment);
+        Ok(RigidRoot { nut_load, minor_load, screw_load, p, u, tau, s, steps, residual })
+    }
+
+    /// Solves for the steady motion of the ball.
+    pub fn solve(&self, work: &mut RigidWorkspace) -> Solution {
+        let answer = self.ball().and_then(|ball| {
+            let root = root::find(&ball, work)?;
+            let solved = self.balanced(&ball, &root)?;
+            let Some(others) = &root.others else { return Ok(solved) };
+            let others = others.iter().filter_map(|other| self.balanced(&ball, other).ok());
+            Ok(solved.among(others))
+        });
+        Solution::new(Model::Rigid, answer)
+    }
+
+    /// The answer of a root whose powers balance.
+    fn balanced(&self, ball: &RigidBall, root: &BallRoot) -> Result<Solved, Unsolved> {
+        let solved = self.solved(ball, root);
+        let imbalance = solved.transmission.power_balance.unwrap_or(f64::NAN);
+        if imbalance.abs() <= POWER_BALANCE_TOL {
+            return Ok(solved);
+        }
+        Err(Unsolved::not_converged(Reason::PowerDoesNotBalance { imbalance }))
+    }
+
+    /// The answer in SI units.
+    fn solved(&self, ball: &RigidBall, root: &BallRoot) -> Solved {
+        let (w, r_b) = (self.point.drive.relative_speed(), self.point.ball.radius);
+        let (motion, per_ball) = (&root.motion, self.point.load.per_ball());
+        let spins = ball.spins(motion);
+        let contact = |i: usize| {
+            let slip = Slip { speed: motion.speeds[i] * (w * r_b).abs(), spin: spins[i] * w };
+            ContactState {
+                angle: self.point.contact_angle,
+                load: Some(motion.loads[i] * per_ball),
+                slip_angle: Some(friction_angle(motion.directions[i].map(|x| x * -w))),
+                slip: Some(slip),
+                pressed: None,
+            }
+        };
+        let omega = Vector3::from(ball.angular_velocity(motion)) * w;
+        let state = BallState {
+            motion: Some(Motion { precession: motion.rate * w, omega }),
+            nut: contact(0),
+            screw: contact(2),
+            minor: Some(contact(1)),
+            axial_displacement: None,
+        };
+
+        let unit = self.torque_unit();
+        let (ideal, torque) = (ball.ideal_torque() * unit, ball.torque(motion) * unit);
+        let lost = ball.friction_power(motion) * unit * w.abs();
+        let transmission = Transmission::of(self.direction(), ideal, torque, w).against(lost);
+        let info = SolveInfo { steps: root.steps, residual: root.residual };
+        Solved { info: Some(info), ..Solved::new(&state, transmission) }
+    }
+}
+
+#[cfg(test)]
+mod tests;

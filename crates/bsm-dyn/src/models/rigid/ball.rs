@@ -1,0 +1,283 @@
+//! A ball between rigid contacts in its own units, its steady motions, and what they leave of the
+//! equations, for one point and for several side by side.
+//!
+//! Theory: `docs/theory/04-rigid.md`, equations (R1) to (R10), (R12), (R21), (R23).
+
+#![expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+
+use bsm_kin::{Field, FieldOver};
+use bsm_simd::Compare;
+
+use crate::contact::{Sines, ideal_torque};
+use crate::models::ball::{BALL, takes};
+
+/// A vector in `$(e_x, t)$`, across the groove and along the helix: the plane of the slip.
+pub type Plane<D> = [D; 2];
+
+/// One operating point in units of ball radius, axial load per ball and `$W$` (R1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RigidBall<P = f64> {
+    pub(super) sines: Sines<P>,
+    pub(super) cot_b: P,
+    pub(super) sin_2b: P,
+    pub(super) cos_2b: P,
+    /// `$\cos\alpha\sin\beta$` and `$\cos\alpha\cos\beta$`, parts of the axis along N and `$e_x$`.
+    pub(super) k_n: P,
+    pub(super) k_e: P,
+    /// `$F$`: friction coefficient with the sign of `$W$`, so that friction is against a slip over `$W$`.
+    pub(super) signed: P,
+    /// `$r_m/r_b$`, `$d/r_b$`.
+    pub(super) radius: P,
+    pub(super) arc: P,
+    /// `$\mu$`, and `$I$` in units of `$F_a r_b/W^2$`.
+    pub(super) inertia_ratio: P,
+    pub(super) inertia: P,
+    /// `$\Omega_n/W$`.
+    pub(super) nut_speed: P,
+    /// `$h$`, `$1/h$`, `$\cos\psi$`, `$\sin\psi$`: the axis in the plane of the slip.
+    pub(super) h: P,
+    pub(super) per_h: P,
+    pub(super) cos_psi: P,
+    pub(super) sin_psi: P,
+}
+
+/// A steady motion of a [`RigidBall`] and its loads, in the same units; of the contacts A, A' and B.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RigidMotion<D = f64> {
+    /// Normal loads `$Q/F_a$`.
+    pub loads: [D; 3],
+    /// Slip speeds over `$r_b|W|$`. That of A is negative where the equations go on beyond rolling.
+    pub speeds: [D; 3],
+    /// Directions of the slips over `$W$`; friction is against them.
+    pub directions: [Plane<D>; 3],
+    /// Precession relative to the nut, `$p$`.
+    pub precession: D,
+    /// Absolute precession, `$P/W$`.
+    pub rate: D,
+    /// `$u$`, `$\sigma/W$`, `$\tau$`: angular velocity relative to the nut in `$(t, N, e_x)$`.
+    pub omega: [D; 3],
+    /// `$s = I P\sigma/(r_b F_a)$`.
+    pub spin_moment: D,
+}
+
+#[inline(always)]
+pub(super) fn times<D: Field>(factor: D, a: Plane<D>) -> Plane<D> {
+    [factor * a[0], factor * a[1]]
+}
+
+/// Length and direction of a vector.
+#[inline(always)]
+fn polar<D: Field>(a: Plane<D>) -> (D, Plane<D>) {
+    let size = (a[0].square() + a[1].square()).sqrt();
+    (size, times(size.recip(), a))
+}
+
+impl<P: Field> RigidBall<P> {
+    /// A point in its own units.
+    ///
+    /// * `radius`: `$r_m/r_b$`. * `mass`: `$m\,r_b W^2/F_a$`. * `nut_speed`: `$\Omega_n/W$`.
+    /// * `signed`: `$F$`, the friction coefficient with the sign of `$W$`.
+    #[inline(always)]
+    pub fn new(sines: Sines<P>, radius: P, mass: P, nut_speed: P, signed: P) -> Self {
+        let Sines { sin_a, cos_a, sin_b, cos_b } = sines;
+        let (k_n, k_e) = (cos_a * sin_b, cos_a * cos_b);
+        let h = (sin_a.square() + k_e.square()).sqrt();
+        let per_h = h.recip();
+        Self {
+            sines,
+            cot_b: cos_b / sin_b,
+            sin_2b: sin_b * cos_b * 2.0,
+            cos_2b: (cos_b - sin_b) * (cos_b + sin_b),
+            k_n,
+            k_e,
+            signed,
+            radius,
+            arc: radius / cos_a,
+            // μ = m r_m W² / F_a                                              (R9)
+            inertia_ratio: mass * radius,
+            inertia: mass * 0.4,
+            nut_speed,
+            h,
+            per_h,
+            // tanψ = tanα / cosβ                                              (R12)
+            cos_psi: k_e * per_h,
+            sin_psi: sin_a * per_h,
+        }
+    }
+
+    /// The same point with the inertia multiplied by `factor`.
+    #[must_use]
+    pub(super) fn with_inertia(&self, factor: f64) -> Self {
+        let (inertia_ratio, inertia) = (self.inertia_ratio * factor, self.inertia * factor);
+        Self { inertia_ratio, inertia, ..*self }
+    }
+
+    /// The motion of given loads, rates `$p$` and `$P/W$`, slip at A by its size and direction, and `$s$`.
+    #[inline(always)]
+    pub fn motion<D: FieldOver<P>>(
+        &self,
+        loads: [D; 3],
+        [precession, rate]: [D; 2],
+        (slip, along): (D, Plane<D>),
+        spin_moment: D,
+    ) -> RigidMotion<D> {
+        let nut = times(slip, along);
+        // u = −λ cosθ,  τ = λ sinθ − p d/r_b                              (R4)
+        let (u, tau) = (-nut[0], nut[1] - precession * self.arc);
+        // σ = s r_b F_a / (I P)                                           (R5)
+        let sigma = spin_moment / (rate * self.inertia);
+        // V_A′ = (−u, p d + τ cos2β + σ sin2β)
+        let minor = [nut[0], precession * self.arc + tau * self.cos_2b + sigma * self.sin_2b];
+        // −V_B/(W r_b) = λ A + (sinα, d (1 − 2p) − cosα cosβ)             (R26)
+        let screw = [
+            -(nut[0] + self.sines.sin_a),
+            precession * (self.arc * 2.0) - (nut[1] + (self.arc - self.k_e)),
+        ];
+        let (minor, screw) = (polar(minor), polar(screw));
+        RigidMotion {
+            loads,
+            speeds: [slip, minor.0, screw.0],
+            directions: [along, minor.1, screw.1],
+            precession,
+            rate,
+            omega: [u, sigma, tau],
+            spin_moment,
+        }
+    }
+
+    /// Friction forces over `$F_a$`.
+    #[inline(always)]
+    fn friction_forces<D: FieldOver<P>>(&self, m: &RigidMotion<D>) -> [Plane<D>; 3] {
+        let [a, minor, b] = m.directions;
+        let [q_a, q_m, q_b] = m.loads;
+        [
+            times(-(q_a * self.signed), a),
+            times(-(q_m * self.signed), minor),
+            times(-(q_b * self.signed), b),
+        ]
+    }
+
+    /// What a motion leaves of the seven equations (R8): force and moment balance in `$(t, N, e_x)$`,
+    /// axial load.
+    #[inline(always)]
+    pub fn residual<D: FieldOver<P>>(&self, m: &RigidMotion<D>) -> [D; BALL] {
+        let Sines { sin_a, sin_b, cos_b, .. } = self.sines;
+        let [q_a, q_m, q_b] = m.loads;
+        let ([a, minor, b], [u, _, tau], s) = (self.friction_forces(m), m.omega, m.spin_moment);
+        let (gyro, centrifugal) = (m.rate * self.inertia, m.rate.square() * self.inertia_ratio);
+        // Σ F − m r_m P² n = 0,  Σ M − P k × Iω = 0,  F_nut·k − F_a = 0   (R8)
+        [
+            a[1] + minor[1] + b[1],
+            q_a - q_b + q_m * self.cos_2b + minor[0] * self.sin_2b - centrifugal * cos_b,
+            a[0] + b[0] - q_m * self.sin_2b + minor[0] * self.cos_2b + centrifugal * sin_b,
+            b[0] - a[0] - minor[0] - gyro * tau * self.k_n + s * self.k_e,
+            minor[1] * self.sin_2b - gyro * (u * self.k_e - tau * sin_a),
+            a[1] - b[1] + minor[1] * self.cos_2b - s * sin_a + gyro * u * self.k_n,
+            (q_a - q_m) * self.k_n + (a[0] + minor[0]) * self.k_e + (a[1] + minor[1]) * sin_a - 1.0,
+        ]
+    }
+
+    /// Torque on the screw per ball over `$r_b F_a$`.
+    #[inline(always)]
+    pub fn torque<D: FieldOver<P>>(&self, m: &RigidMotion<D>) -> D {
+        let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
+        let (q, [x, y]) = (m.loads[2], self.friction_forces(m)[2]);
+        // T = [(−r_m n) × F + M]·k of the wrench of the screw, Eq (B7)
+        let force = y * cos_a + (q * sin_b - x * cos_b) * sin_a;
+        force * self.radius + x * sin_a - y * self.k_e
+    }
+
+    /// Torque of the frictionless screw per ball over `$r_b F_a$`.
+    #[inline(always)]
+    pub fn ideal_torque(&self) -> P {
+        let one = self.radius.constant(1.0);
+        ideal_torque(one, self.radius, self.sines.tan_a())
+    }
+
+    /// Angular velocity of the ball over `$W$` in the Frenet-Serret triad `$(t, n, b)$`.
+    #[inline(always)]
+    pub fn angular_velocity<D: FieldOver<P>>(&self, m: &RigidMotion<D>) -> [D; 3] {
+        let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
+        let [u, sigma, tau] = m.omega;
+        // ω = Ω_n k + W u t + σ N + W τ e_x                               (R6)
+        [
+            u + self.nut_speed * sin_a,
+            sigma * cos_b - tau * sin_b,
+            sigma * sin_b + tau * cos_b + self.nut_speed * cos_a,
+        ]
+    }
+
+    /// Spins about the contact normals over `$W$`, each against the body of its contact.
+    #[inline(always)]
+    pub fn spins<D: FieldOver<P>>(&self, m: &RigidMotion<D>) -> [D; 3] {
+        let [_, sigma, tau] = m.omega;
+        [sigma, sigma * self.cos_2b - tau * self.sin_2b, -sigma + self.k_n]
+    }
+}
+
+impl<F: Compare> RigidBall<F> {
+    #[inline(always)]
+    pub(super) fn constant(&self, x: f64) -> F {
+        self.signed.constant(x)
+    }
+
+    /// Where the model takes friction and inertia.
+    #[inline(always)]
+    pub fn is_covered(&self) -> F::Mask {
+        takes(self.friction(), self.inertia_ratio)
+    }
+
+    /// Coulomb coefficient `$f$`.
+    #[inline(always)]
+    pub fn friction(&self) -> F {
+        self.signed.abs()
+    }
+
+    /// Axial load over the normal load of a ball without inertia; not positive where friction holds any
+    /// load.
+    #[inline(always)]
+    pub(super) fn held_load(&self) -> F {
+        self.k_n - self.signed * self.h
+    }
+
+    /// `$\iota$`, the size of the inertia forces of a rate.
+    #[inline(always)]
+    pub(super) fn inertia_size(&self, rate: F) -> F {
+        // ι = μ max(1, (P/W)²)                                            (R23)
+        self.inertia_ratio * rate.square().larger(self.constant(1.0))
+    }
+
+    /// Sizes of the terms of the equations: of all, and of the moment about the normal.
+    ///
+    /// The unit of force is the larger of axial load and inertia force. The moment about the normal
+    /// consists of inertia-sized terms only, and alone tells the slip at A.
+    #[inline(always)]
+    pub(super) fn units(&self, rate: F) -> [F; 2] {
+        let one = self.constant(1.0);
+        let size = self.inertia_size(rate);
+        // D_F = diag(w, w, w, w, 1/M_N, w, w),  w = 1/max(1, μ)           (R10)
+        // M_N = ι min(1, |P/W|)                                           (R23)
+        [self.inertia_ratio.larger(one), F::select(rate.abs().lt(one), size * rate.abs(), size)]
+    }
+
+    /// Largest residual of the equations in units of their terms.
+    #[inline(always)]
+    pub fn scaled_residual(&self, m: &RigidMotion<F>) -> F {
+        let [unit, normal_unit] = self.units(m.rate);
+        let [t, n, e, moment_t, normal, moment_e, axial] = self.residual(m);
+        let others = (t.abs().larger(n.abs())).larger(e.abs().larger(axial.abs()));
+        let others = others.larger(moment_t.abs().larger(moment_e.abs()));
+        (others / unit).larger(normal.abs() / normal_unit)
+    }
+
+    /// Power lost in friction over `$r_b F_a |W|$`.
+    #[inline(always)]
+    pub fn friction_power(&self, m: &RigidMotion<F>) -> F {
+        let ([q_a, q_m, q_b], [v_a, v_m, v_b]) = (m.loads, m.speeds);
+        // P_f = Σ f Q_c |V_c|                                             (R21)
+        self.friction() * (q_a * v_a + q_m * v_m + q_b * v_b)
+    }
+}

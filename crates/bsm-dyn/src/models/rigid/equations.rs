@@ -1,0 +1,250 @@
+//! The seven equations of the rigid model in the unknowns of Newton.
+//!
+//! Theory: `docs/theory/04-rigid.md`, equations (R2) to (R11).
+
+use bsm_kin::{Over, Scalar};
+use bsm_newton::{Equations, EvalError, Linear};
+use nalgebra::SVector;
+
+use super::ball::{RigidBall, RigidMotion};
+use super::first_order::FirstOrder;
+use crate::contact::{DOES_NOT_CIRCLE, Sines, sliding};
+use crate::cost;
+use crate::models::ball::unknown::{
+    MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN,
+};
+use crate::models::ball::{BALL, MOMENT_NORMAL, ROWS, equations, linear, weight};
+
+/// Ratio of inertia to friction below which rounding of loads of the size of the axial load decides about
+/// the slip at A in (R8).
+pub(super) const LEAST_INERTIA: f64 = 1e-6;
+
+/// The equations of one point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct RigidEquations<P> {
+    pub(super) ball: RigidBall<P>,
+    /// True if the unknown of the precession counts from the ground, `$P/W$` in the place of `$p$`:
+    /// where the ball hardly circles, the sum `$p + \Omega_n/W$` would lose its digits.
+    pub(super) from_ground: bool,
+}
+
+/// The seven unknowns (R2) of the rigid model: `$Q_A/F_a,\; Q_{A'}/F_a,\; Q_B/F_a,\; p,\; \lambda,\; \theta,\; s$`.
+pub type Unknowns<D> = SVector<D, BALL>;
+
+impl<P: Scalar> RigidEquations<P> {
+    /// The motion of a set of unknowns.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] where friction or the gyroscopic moment has no direction.
+    pub(super) fn motion<D: Over<P>>(&self, y: &Unknowns<D>) -> Result<RigidMotion<D>, EvalError> {
+        let (counted, nut) = (y[PRECESSION], self.ball.nut_speed);
+        // P = Ω_n + p W                                                   (R3)
+        let rates =
+            if self.from_ground { [counted - nut, counted] } else { [counted, counted + nut] };
+        if rates[1].re() == 0.0 {
+            return Err(DOES_NOT_CIRCLE);
+        }
+        // V_A = W r_b λ (cosθ e_x + sinθ t), friction against it whatever the size of λ  (R7)
+        let (sin, cos) = y[SLIP_ANGLE].sin_cos();
+        let loads = [y[NUT_LOAD], y[MINOR_LOAD], y[SCREW_LOAD]];
+        let motion = self.ball.motion(loads, rates, (y[SLIP], [cos, sin]), y[SPIN]);
+        sliding(motion.speeds[1])?;
+        sliding(motion.speeds[2])?;
+        Ok(motion)
+    }
+
+    /// The seven equations (R8): force and moment balance in (t, N, e_x), axial load.
+    ///
+    /// # Errors
+    ///
+    /// As [`motion`](Self::motion).
+    pub(super) fn residual<D: Over<P>>(&self, y: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
+        cost::evaluated();
+        // Looked at where it is: of jets it is kilobytes.
+        let motion = self.motion(y);
+        let motion = motion.as_ref().map_err(|error| *error)?;
+        Ok(self.ball.residual(motion).into())
+    }
+}
+
+impl RigidEquations<f64> {
+    /// The equations of a point, counted as the motion asks for, and the unknowns of that motion.
+    pub(super) fn at(ball: &RigidBall<f64>, motion: &RigidMotion<f64>) -> (Self, Unknowns<f64>) {
+        let from_ground = motion.rate.abs() < motion.precession.abs();
+        let ([nut, minor, screw], [x, t]) = (motion.loads, motion.directions[0]);
+        let counted = if from_ground { motion.rate } else { motion.precession };
+        let (slip, spin) = (motion.speeds[0], motion.spin_moment);
+        let unknowns = [nut, minor, screw, counted, slip, t.atan2(x), spin];
+        (Self { ball: *ball, from_ground }, unknowns.into())
+    }
+}
+
+impl RigidBall<f64> {
+    /// The unknowns of the first order.
+    pub(super) fn start_of(&self, first: &FirstOrder) -> Unknowns<f64> {
+        let (load, angle) = (first.load, self.sin_psi.atan2(self.cos_psi));
+        let minor = first.minor * first.inertia;
+        [load, minor, load, first.precession, first.slip, angle, first.spin].into()
+    }
+
+    /// Weights of the equations (R10) for a rate of this size.
+    pub(super) fn weights(&self, rate: f64) -> [f64; BALL] {
+        let [unit, normal] = self.units(rate).map(weight);
+        let mut weights = [unit; BALL];
+        weights[MOMENT_NORMAL] = normal;
+        weights
+    }
+
+    /// Weights of the equations by the size of their terms at a root (R44), for inertia forces that may
+    /// be anything against the load.
+    pub(super) fn own_weights(&self, motion: &RigidMotion<f64>) -> [f64; BALL] {
+        let (p, rate) = (motion.precession.abs(), motion.rate.abs());
+        // U = max(1, μ(P/W)²),  M = max(U, I |P/W| (|λ| + |p| d/r_b))     (R44)
+        let force = (self.inertia_ratio * rate * rate).max(1.0);
+        let moment = self.inertia * rate * (motion.speeds[0].abs() + p * self.arc);
+        // M_N = μ |P/W| (|p| + f |P/W|)                                   (R44)
+        let normal = self.inertia_ratio * rate * (p + self.friction() * rate);
+        // D_F = diag(1/U, 1/U, 1/U, 1/M, 1/M_N, 1/M, 1/U)                 (R44)
+        let [u, m, n] = [force, moment.max(force), normal].map(weight);
+        [u, u, u, m, n, m, u]
+    }
+
+    /// The same point with another lead angle \[rad\].
+    pub(super) fn with_lead_angle<D: Scalar>(&self, lead_angle: D) -> RigidBall<D> {
+        let (sin_a, cos_a) = lead_angle.sin_cos();
+        let [sin_b, cos_b] = [self.sines.sin_b, self.sines.cos_b].map(D::from);
+        let sines = Sines { sin_a, cos_a, sin_b, cos_b };
+        let mass = self.inertia_ratio / self.radius;
+        let [radius, mass, nut, signed] =
+            [self.radius, mass, self.nut_speed, self.signed].map(D::from);
+        RigidBall::new(sines, radius, mass, nut, signed)
+    }
+}
+
+impl Equations<BALL> for RigidEquations<f64> {
+    fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {
+        Ok(Self::residual(self, &Unknowns::from(*x))?.into())
+    }
+
+    fn linearize(&self, x: &[f64; BALL]) -> Result<Linear<BALL>, EvalError> {
+        linear(x, |x| Ok(Self::residual(self, &Unknowns::from(*x))?.into()))
+    }
+
+    fn equation(&self, i: usize) -> String {
+        ROWS[i].to_owned()
+    }
+}
+
+/// The existence limit as a system: slip at A zero, lead angle unknown in its place [`SLIP`]
+/// (R11).
+pub(super) struct ExistenceLimit<'a>(pub(super) &'a RigidBall<f64>);
+
+impl ExistenceLimit<'_> {
+    fn residual_at<D: Over<D>>(&self, x: &[D; BALL]) -> Result<[D; BALL], EvalError> {
+        // λ = 0, α unknown                                                (R11)
+        let mut y = Unknowns::from(*x);
+        y[SLIP] = D::from(0.0);
+        let ball = self.0.with_lead_angle(x[SLIP]);
+        Ok(RigidEquations { ball, from_ground: false }.residual(&y)?.into())
+    }
+}
+
+equations!(ExistenceLimit<'_>, BALL, ExistenceLimit::residual_at, ROWS);
+
+#[cfg(test)]
+mod tests {
+    use bsm_newton::{Options, Scales, Workspace, solve};
+    use num_dual::jacobian;
+    use proptest::prelude::*;
+
+    use bsm_kin::Jet;
+
+    use super::*;
+    use crate::Angles;
+
+    fn case(lead: f64, contact: f64, friction: f64, mass: f64, nut: f64) -> RigidEquations<f64> {
+        let sines = Angles { lead, contact }.sines();
+        RigidEquations {
+            ball: RigidBall::new(sines, 5.56, mass, nut, friction),
+            from_ground: false,
+        }
+    }
+
+    fn start(case: &RigidEquations<f64>) -> Unknowns<f64> {
+        case.ball.start_of(&case.ball.first_order())
+    }
+
+    proptest! {
+        /// Jets against central differences and num-dual, at points off the root. The spin must
+        /// dominate at A': where the slip there passes near zero, differences are no measure.
+        #[test]
+        fn jacobian_matches_differences(
+            lead in 0.1..0.7_f64, contact in 0.4..1.2_f64, friction in 0.01..0.1_f64,
+            log_mass in -5.0..-1.5_f64, nut in 0.0..1.5_f64, back in any::<bool>(),
+            shift in proptest::array::uniform7(-0.05..0.05_f64),
+        ) {
+            let sign = if back { -1.0 } else { 1.0 };
+            let case = case(lead, contact, friction * sign, 10.0_f64.powf(log_mass), nut);
+            let mut y = start(&case);
+            prop_assume!(y.iter().all(|v| v.is_finite()) && y[PRECESSION].abs() > 0.1);
+            for (y, s) in y.iter_mut().zip(shift) {
+                *y += s;
+            }
+            prop_assume!((nut + y[PRECESSION]).abs() > 0.2);
+            // The direction of friction turns with the third power of one over the slip.
+            let speeds = case.motion(&y).expect("in the domain").speeds;
+            prop_assume!(speeds[1..].iter().all(|speed| *speed > 0.1));
+            let exact = jacobian(|y| case.residual(&y), &y).expect("in the domain").1;
+            let variables = Unknowns::from_fn(|i, _| Jet::<BALL>::variable(y[i], i));
+            let jets = case.residual(&variables).expect("in the domain");
+            // Truncation h²/6 F''' with F''' up to 1e4, rounding 1e-16/h.
+            for j in 0..BALL {
+                // That of the spin is the spin times the inertia (R5): a step of 1e-4 in the spin.
+                let h = if j == SPIN { 1e-4 * case.ball.inertia } else { 1e-6 };
+                let at = |step: f64| {
+                    let mut moved = y;
+                    moved[j] += step;
+                    case.residual(&moved).expect("in the domain")
+                };
+                let difference = (at(h) - at(-h)) / (2.0 * h);
+                let scale = 1.0 + exact.norm();
+                prop_assert!((difference - exact.column(j)).norm() <= 1e-6 * scale, "{j}");
+                for i in 0..BALL {
+                    // Rounding of the same operations in another order.
+                    prop_assert!((jets[i].eps[j] - exact[(i, j)]).abs() <= 1e-12 * scale);
+                }
+            }
+        }
+    }
+
+    /// The tail of the iteration is quadratic, which only an exact Jacobian gives.
+    #[test]
+    fn newton_converges_quadratically() {
+        let case = case(0.3, 0.7, 0.08, 0.02, 0.0);
+        let mut y = start(&case);
+        y[SLIP_ANGLE] += 0.1;
+        let weights = case.ball.weights(case.ball.first_order().rate);
+        let scales = Scales { x: &[1.0; BALL], f: &weights };
+        let options = Options { residual_goal: 1e-14, ..Options::default() };
+        let report = solve(&case, &mut y.data.0[0], &scales, &options, &mut Workspace::default());
+        assert!(report.converged(), "{report}");
+        let small: Vec<f64> =
+            report.steps.iter().map(|s| s.residual).filter(|r| (1e-6..1e-1).contains(r)).collect();
+        assert!(small.len() >= 2, "{report}");
+        for pair in small.windows(2) {
+            // The constant of the quadratic tail, about 10 here.
+            assert!(pair[1] <= 100.0 * pair[0].powi(2), "{report}");
+        }
+    }
+
+    /// The triad turned to the normal keeps the large terms out of the small row: with loads of
+    /// order one and an inertia of 1e-12, the moment about the normal is of order 1e-12.
+    #[test]
+    fn the_normal_moment_is_inertia_sized() {
+        let case = case(0.3, 0.7, 0.08, 1e-12, 0.0);
+        let r = case.residual(&start(&case)).expect("in the domain");
+        // First order cancels it; the rest is of second order or rounding of 1e-12.
+        assert!(r[MOMENT_NORMAL].abs() <= 1e-20, "{r}");
+    }
+}

@@ -1,0 +1,254 @@
+//! Search for roots of the rigid equations along the curve of all inertias.
+//!
+//! Theory: `docs/theory/04-rigid.md`, section on fast balls.
+
+use bsm_newton::Bracket;
+use bsm_simd::BLOCK;
+
+use super::curve::{Curve, CurvePoint, CurveSample};
+
+/// The search begins at this turn of the slip at B over the inertia of the first order, and there at
+/// the latest and earliest \[rad\]: no root is that near to no inertia.
+const BEGIN: f64 = 1e-6;
+const LATEST: f64 = 1e-7;
+const EARLIEST: f64 = 1e-16;
+
+/// Growth of its steps, and the longest one \[rad\].
+const GROWTH: f64 = 1.5;
+pub(super) const LONGEST: f64 = 0.04;
+
+/// Steps to an end of a window, where slips turn fast and loads grow, each half of the one before, and the
+/// shortest step there \[rad\].
+const APPROACHES: i32 = 30;
+const APPROACH: f64 = 0.5;
+const NEAREST: f64 = 1e-10;
+
+/// Turns of a walk are at most so many: hundreds of growing steps, of long ones and of approaches.
+const MOST_TURNS: usize = 400;
+
+/// A direction moves less than this in a step, as the square of its distance on the unit circle:
+/// sheets are told apart by it.
+const NEAR: f64 = 0.04;
+
+/// Below this excess at both ends of a step, two roots may be in it.
+const CLOSE: f64 = 0.2;
+
+/// Where a demand breaks, inertia that is this far off at both ends of a step has no root in it.
+const FAR: f64 = 0.99;
+
+/// Most halvings of a step where a sheet that may have a root ends or moves far; where the slip at A'
+/// turns fast, within the friction coefficient of a turn; where a demand breaks; and where two roots
+/// may be close.
+const LOST: u32 = 45;
+const FAST: u32 = 30;
+const BREAKS: u32 = 8;
+const PAIR: u32 = 4;
+
+/// Halves no step any more after so many samples, ten times what was ever needed.
+const MOST_SAMPLES: usize = 10_000;
+
+/// Newton on the full equations goes on from this excess.
+const ENOUGH: f64 = 1e-9;
+
+/// The search, with what is done with a root that it finds.
+pub(super) struct Search<'a, F> {
+    curve: &'a Curve,
+    visit: F,
+    /// The inertia ratio nearest to that of the point at which an admissible state was met.
+    pub(super) nearest_inertia: Option<f64>,
+    samples: usize,
+}
+
+/// Turns of a walk through a window above zero: steps that grow up to the longest, and ever shorter ones
+/// towards its ends.
+fn turns(first: f64, [low, high]: [f64; 2]) -> Vec<f64> {
+    let mut turns = Vec::with_capacity(MOST_TURNS);
+    let step = LONGEST.min(0.5 * (high - low));
+    if step <= 0.0 {
+        // Half of the smallest number is none: nothing is between the ends.
+        return vec![high];
+    }
+    let mut turn = if low > 0.0 {
+        turns.extend((0..APPROACHES).rev().map(|i| low + step * APPROACH.powi(i)));
+        low + step
+    } else {
+        let first = first.min(step);
+        turns.push(first);
+        first
+    };
+    while turn < high - step {
+        turn = (turn * GROWTH).min(turn + LONGEST).min(high - step);
+        turns.push(turn);
+    }
+    turns.extend((1..=APPROACHES).map(|i| high - step * APPROACH.powi(i)));
+    turns.push(high);
+    turns
+}
+
+impl CurveSample {
+    /// Number of the sheet whose point is nearest.
+    fn nearest(&self, point: &CurvePoint) -> Option<usize> {
+        let apart = |i: &usize| self.sheets[*i].map_or(f64::INFINITY, |branch| branch.apart(point));
+        (0..4).min_by(|i, j| apart(i).total_cmp(&apart(j))).filter(|i| self.sheets[*i].is_some())
+    }
+
+    /// True if a sheet keeps all demands, or one of each sample together do: else no root is between them.
+    fn may_meet(&self, other: &Self) -> bool {
+        let violated =
+            |sample: &Self| sample.sheets.map(|branch| branch.map(|point| point.violated));
+        let (one, two) = (violated(self), violated(other));
+        let met = |i: &Option<u16>| {
+            *i == Some(0) || two.iter().flatten().any(|j| i.is_some_and(|i| i & j == 0))
+        };
+        one.iter().any(met) || two.contains(&Some(0))
+    }
+
+    /// The sheets of both samples that are nearest to each other.
+    fn pairs(&self, other: &Self) -> [Option<(usize, usize)>; 4] {
+        std::array::from_fn(|i| {
+            let j = other.nearest(&self.sheets[i]?)?;
+            (self.nearest(&other.sheets[j]?)? == i).then_some((i, j))
+        })
+    }
+}
+
+impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
+    pub(super) fn new(curve: &'a Curve, visit: F) -> Self {
+        Self { curve, visit, nearest_inertia: None, samples: 0 }
+    }
+
+    /// Visits the roots in the order of the turn upwards from zero, then downwards, until a visit
+    /// says that it is enough; returns whether one did. `inertia`: `$\varepsilon$` of the first order.
+    pub(super) fn run(&mut self, inertia: f64) -> bool {
+        let first = (BEGIN * inertia).clamp(EARLIEST, LATEST);
+        let [below, above] = self.curve.windows();
+        let above = above.map(|window| turns(first, window));
+        let below = below.map(|[low, high]| turns(first, [-high, -low]));
+        let below = below.map(|turns| turns.into_iter().map(|turn| -turn).collect());
+        [above, below].into_iter().flatten().any(|turns: Vec<f64>| {
+            let mut before: Option<CurveSample> = None;
+            turns.chunks(BLOCK).any(|turns| {
+                self.samples(turns).into_iter().flatten().any(|sample| {
+                    let one = before.replace(sample);
+                    one.is_some_and(|one| self.between(&one, &sample, 0))
+                })
+            })
+        })
+    }
+
+    /// True if steps were left that should have been halved further.
+    pub(super) fn is_cut_short(&self) -> bool {
+        self.samples >= MOST_SAMPLES
+    }
+
+    /// Samples at some turns, at most [`BLOCK`], which take as long as one; notes their admissible states.
+    fn samples(&mut self, turns: &[f64]) -> [Option<CurveSample>; BLOCK] {
+        self.samples += turns.len();
+        let samples = self.curve.samples(turns);
+        let states = samples.iter().flatten().flat_map(|sample| &sample.sheets).flatten();
+        for point in states.filter(|point| point.violated == 0) {
+            let far = |ratio: f64| (ratio / self.curve.inertia).max(self.curve.inertia / ratio);
+            let here = point.inertia_ratio();
+            if self.nearest_inertia.is_none_or(|nearest| far(here) < far(nearest)) {
+                self.nearest_inertia = Some(here);
+            }
+        }
+        samples
+    }
+
+    /// The roots between two turns, a step that was halved so many times.
+    fn between(&mut self, a: &CurveSample, b: &CurveSample, halved: u32) -> bool {
+        if !a.may_meet(b) {
+            return false;
+        }
+        let pairs = a.pairs(b);
+        // A sheet that may have a root and has no partner.
+        let torn = (0..4).any(|i| {
+            let alone = |branch: &Option<CurvePoint>, paired: bool| {
+                !paired && branch.is_some_and(|point| point.violated == 0)
+            };
+            alone(&a.sheets[i], pairs[i].is_some())
+                || alone(&b.sheets[i], pairs.iter().flatten().any(|(_, j)| *j == i))
+        });
+        // Pairs that may have one: no demand is broken at both ends.
+        let live = pairs.map(|pair| {
+            let (one, other) = pair.and_then(|(i, j)| a.sheets[i].zip(b.sheets[j]))?;
+            (one.violated & other.violated == 0).then_some((one, other))
+        });
+        let any = |test: fn(&CurvePoint, &CurvePoint) -> bool| {
+            live.iter().flatten().any(|(one, other)| test(one, other))
+        };
+        let most = if torn || any(|one, other| one.apart(other) > NEAR) {
+            LOST
+        } else if (a.drive > 0.0) != (b.drive > 0.0) && (a.turn - b.turn).abs() > NEAREST {
+            FAST
+        } else if any(breaks) {
+            BREAKS
+        } else if any(is_close) {
+            PAIR
+        } else {
+            0
+        };
+        if halved < most && !self.is_cut_short() {
+            let [middle, ..] = self.samples(&[0.5 * (a.turn + b.turn)]);
+            return middle.is_some_and(|middle| {
+                self.between(a, &middle, halved + 1) || self.between(&middle, b, halved + 1)
+            });
+        }
+        live.iter().flatten().any(|(one, other)| {
+            if (one.sense > 0.0) == (other.sense > 0.0) {
+                return self.crossing(one, other);
+            }
+            // P = 0 between them, where any inertia is too little, and a root on either side of it.
+            let still = self.bracketed(one, other, |point| point.sense, 0.0);
+            self.crossing(one, &still) || self.crossing(&still, other)
+        })
+    }
+
+    /// Visits the root between two points of one sheet if there is one.
+    fn crossing(&mut self, one: &CurvePoint, other: &CurvePoint) -> bool {
+        if (one.excess() > 0.0) == (other.excess() > 0.0) {
+            return false;
+        }
+        let root = self.bracketed(one, other, CurvePoint::excess, ENOUGH);
+        // Where two sheets are mistaken for one, rounding ends up between them instead.
+        root.violated == 0 && root.excess().abs() < CLOSE && (self.visit)(&root)
+    }
+
+    /// The point between two points of one sheet where `value` changes sign.
+    fn bracketed(
+        &mut self,
+        one: &CurvePoint,
+        other: &CurvePoint,
+        value: impl Fn(&CurvePoint) -> f64,
+        enough: f64,
+    ) -> CurvePoint {
+        let mut ends = [*one, *other];
+        let values = ends.map(|end| value(&end));
+        let rises = values[1] > 0.0;
+        let bracket = Bracket { f_tol: enough, ..Bracket::new(ends.map(|end| end.turn), values) };
+        bracket.root(|turn| {
+            let [sample, ..] = self.samples(&[turn]);
+            let near = |point: &CurvePoint| point.apart(&ends[0]).min(point.apart(&ends[1]));
+            let points = sample.iter().flat_map(|sample| &sample.sheets).flatten();
+            points.min_by(|x, y| near(x).total_cmp(&near(y))).map_or(f64::NAN, |point| {
+                let value = value(point);
+                ends[usize::from((value > 0.0) == rises)] = *point;
+                value
+            })
+        });
+        let [low, high] = ends;
+        if value(&low).abs() < value(&high).abs() { low } else { high }
+    }
+}
+
+/// True if a demand breaks between two points that may have a root between them.
+fn breaks(one: &CurvePoint, other: &CurvePoint) -> bool {
+    one.violated != other.violated && one.excess().abs().min(other.excess().abs()) < FAR
+}
+
+/// True if two points on the same side of a root are so near to it that two may be between them.
+fn is_close(one: &CurvePoint, other: &CurvePoint) -> bool {
+    let (x, y) = (one.excess(), other.excess());
+    x * y > 0.0 && x.abs().max(y.abs()) < CLOSE
+}

@@ -1,0 +1,35 @@
+//! Derivatives of the rigid model's efficiency and torque.
+//!
+//! Theory: `docs/theory/12-sensitivities.md`.
+
+use bsm_kin::Jet;
+
+use super::equations::{LEAST_INERTIA, RigidEquations};
+use super::{Rigid, RigidWorkspace, root};
+use crate::contact::efficiency;
+use crate::models::ball::{BALL, Performance, Unsolved, domain_error, inertia_limit, moving_root};
+
+impl<const M: usize> Rigid<Jet<M>> {
+    /// Efficiency and torque with their derivatives.
+    pub(crate) fn sensitivities(
+        &self,
+        work: &mut RigidWorkspace,
+    ) -> Result<Performance<Jet<M>>, Unsolved> {
+        let (inputs, values) = (self.ball()?, Rigid { point: self.point.values() }.ball()?);
+        let first = values.first_order();
+        inertia_limit(LEAST_INERTIA * values.friction() / first.size, |factor| {
+            let (inputs, values) = (inputs.with_inertia(factor), values.with_inertia(factor));
+            let motion = root::find(&values, work)?.motion;
+            let (equations, unknowns) = RigidEquations::at(&values, &motion);
+            let weights = values.own_weights(&motion);
+            let moved = RigidEquations { ball: inputs, from_ground: equations.from_ground };
+            let residual = |y: &[_; BALL]| Ok(moved.residual(&(*y).into())?.into());
+            let unknowns =
+                moving_root(&equations, &unknowns.into(), &weights, residual, &mut work.0)?;
+            let motion = moved.motion(&unknowns.into()).map_err(domain_error)?;
+            let (ideal, torque) = (inputs.ideal_torque(), inputs.torque(&motion));
+            let efficiency = efficiency(self.direction().is_back(), ideal, torque);
+            Ok(Performance { efficiency, screw_torque: Some(torque * self.torque_unit()) })
+        })
+    }
+}

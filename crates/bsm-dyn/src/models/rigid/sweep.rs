@@ -1,0 +1,284 @@
+//! Direct sweeps: all unknowns of given directions of slip, and the directions that they lead to, for
+//! one point and for several side by side.
+//!
+//! Theory: `docs/theory/04-rigid.md`, equations (R24) to (R32).
+
+#![expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+
+use bsm_kin::Field;
+use bsm_simd::Compare;
+
+use super::ball::{Plane, RigidBall, RigidMotion, times};
+use super::first_order::FirstOrder;
+use crate::contact::Sines;
+use crate::cost;
+
+/// Sweeps before a point is left to the search.
+const MOST_SWEEPS: usize = 24;
+
+/// Largest ratio of inertia to friction. Up to there the sweeps found the root of the search at every one of 10 000
+/// seeded points, in `sweeps_and_the_search_find_the_same_root`.
+const MOST_INERTIA: f64 = 100.0;
+
+/// What the directions may still change.
+const SETTLED: f64 = 1e-12;
+
+/// Largest scaled residual of an answer, as that of Newton.
+const RESIDUAL: f64 = 1e-10;
+
+/// Nearer to a ball that does not circle, inertia may turn its way, and the search looks closer: this much,
+/// or this much of twice the ratio of inertia to friction.
+const LEAST_RATE: f64 = 0.1;
+
+/// What the sweeps feed back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Directions<F> {
+    /// Deviations of the slip from `$\psi$` at A and B.
+    nut: F,
+    screw: F,
+    /// Direction of the friction at A' in `$(e_x, t)$`.
+    minor: Plane<F>,
+    /// Of the force along the normal.
+    correction: F,
+    /// `$|A|$` and `$|B|$`.
+    norms: [F; 2],
+}
+
+/// The state that belongs to directions.
+pub(super) struct SweepState<F> {
+    /// `$\kappa = Q_{A'}/M$` and `$M = \mu (P/W)^2$`.
+    pub(super) minor: F,
+    pub(super) centrifugal: F,
+    pub(super) p: F,
+    /// `$P/W$`.
+    pub(super) rate: F,
+    /// Slip at A, over the norm of `nut`.
+    pub(super) slip: F,
+    s: F,
+    /// Direction of the slip at A, not normalized, and the norms that it was found with.
+    nut: Plane<F>,
+    norms: [F; 2],
+    /// `$G = -2 F Q_A/|nut|$`, `$H = 2 F Q_B/|screw|$`.
+    pulls: [F; 2],
+    /// The directions that it leads to.
+    pub(super) next: Directions<F>,
+}
+
+/// Where the sweeps of a point have ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sweeps<F: Field> {
+    /// The motion, with loads and slip of any sign.
+    pub motion: RigidMotion<F>,
+    /// Scaled residual of the equations.
+    pub residual: F,
+    /// How many sweeps.
+    pub count: F,
+    /// Where it solves the equations, and is the root that the branch of small inertia meets.
+    pub converged: F::Mask,
+}
+
+#[inline(always)]
+fn dot<F: Compare>(a: Plane<F>, b: Plane<F>) -> F {
+    a[0].mul_add(b[0], a[1] * b[1])
+}
+
+/// The part of `b` across `a`.
+#[inline(always)]
+fn cross<F: Compare>(a: Plane<F>, b: Plane<F>) -> F {
+    a[1].neg_mul_add(b[0], a[0] * b[1])
+}
+
+#[inline(always)]
+fn pick<F: Field>(first: F::Mask, a: Plane<F>, b: Plane<F>) -> Plane<F> {
+    [F::select(first, a[0], b[0]), F::select(first, a[1], b[1])]
+}
+
+impl<F: Compare> RigidBall<F> {
+    /// Slip along `$\psi$` at A and B; at A' that of the spin, whose sense is that of the ball.
+    #[inline(always)]
+    pub(super) fn start(&self) -> Directions<F> {
+        let (zero, one) = (self.constant(0.0), self.constant(1.0));
+        // p of (R13) tells the sense.
+        let p = self.precession(zero, zero, [self.cos_psi, self.sin_psi], zero);
+        let along = F::select((p + self.nut_speed).gt(zero), one, -one);
+        let along = F::select(self.signed.lt(zero), -along, along);
+        Directions {
+            nut: zero,
+            screw: zero,
+            minor: [zero, along],
+            correction: zero,
+            norms: [one; 2],
+        }
+    }
+
+    /// `$p$` (R26) of the direction against the slip at B, of slopes `$e_1$` and `$e_2$` of the
+    /// slip at A, and of the turn X between the two.
+    #[inline(always)]
+    fn precession(&self, e_1: F, e_2: F, screw: Plane<F>, turn: F) -> F {
+        // p = [(d − cosα cosβ) x_B − sinα y_B − e₂ ω X] / [2 d x_B − (e₁ − e₂) X]  (R26)
+        let above = self.sines.sin_a.neg_mul_add(screw[1], (self.arc - self.k_e) * screw[0]);
+        (e_2 * turn).neg_mul_add(self.nut_speed, above)
+            / (e_1 - e_2).neg_mul_add(turn, (self.arc * 2.0) * screw[0])
+    }
+
+    /// One sweep: all unknowns of given directions, and the directions that they lead to.
+    #[inline(always)]
+    pub(super) fn sweep(&self, given: &Directions<F>) -> SweepState<F> {
+        cost::evaluated();
+        let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
+        let (f, one) = (self.signed, self.constant(1.0));
+        let (c, s_psi, h) = (self.cos_psi, self.sin_psi, self.h);
+        let [cos_m, sin_m] = given.minor;
+        // x_A = cosψ − t_A sinψ,  y_A = sinψ + t_A cosψ                   (R24)
+        let nut = [given.nut.neg_mul_add(s_psi, c), given.nut.mul_add(c, s_psi)];
+        let screw = [given.screw.neg_mul_add(s_psi, c), given.screw.mul_add(c, s_psi)];
+        // κ (Q_A′/M) from the force along N and along ψ                   (R25)
+        let below = (f * (c * self.cos_2b + f * self.sin_2b))
+            .neg_mul_add(cos_m, (f * s_psi).neg_mul_add(sin_m, c * self.sin_2b - f * self.cos_2b));
+        let minor = ((c * sin_b - f * cos_b) - given.correction) / below;
+        // λ = e₁ p − e₂ P/W from the moment about N                       (R27)
+        let e_1 = sin_a * self.arc * self.per_h;
+        let e_2 = (f * self.sin_2b * self.radius * self.per_h * 2.5) * (minor * sin_m);
+        // X = t_A − t_B, from A to B
+        let turn = given.nut - given.screw;
+        let p = self.precession(e_1, e_2, screw, turn);
+        let rate = p + self.nut_speed;
+        let slip = e_2.neg_mul_add(rate, e_1 * p);
+        let (u, tau) = (-(slip * nut[0]), p.neg_mul_add(self.arc, slip * nut[1]));
+        let centrifugal = self.inertia_ratio * rate * rate;
+        let load = minor * centrifugal;
+        let gyro = self.inertia * rate;
+        // G = −2 F Q_A/|A| from the axial load                            (R28)
+        let [norm_a, _] = given.norms;
+        let carried = (f * h * s_psi).neg_mul_add(sin_m, (f * h * c).neg_mul_add(cos_m, self.k_n));
+        let pull_a = (f * -2.0) * load.mul_add(carried, one) / norm_a.mul_add(self.k_n, -(f * h));
+        // G x_A = …, H x_B = … from the forces and moments across N       (R29), (R30)
+        let common = centrifugal.neg_mul_add(sin_b, load * self.sin_2b);
+        let (turning, rolling) = (gyro * tau, gyro * u);
+        let friction = load * cos_m;
+        let e_a = [
+            (f * 2.0 * cos_b * cos_b).neg_mul_add(friction, turning.neg_mul_add(self.k_n, common)),
+            rolling.neg_mul_add(cos_a / sin_b, turning * (sin_a * self.cot_b)),
+        ];
+        let e_b = [
+            (f * 2.0 * sin_b * sin_b).mul_add(friction, turning.mul_add(self.k_n, common)),
+            turning * (sin_a / self.cot_b),
+        ];
+        let psi = [c, s_psi];
+        let along_a = dot(psi, e_a);
+        let s = (pull_a - along_a) * self.per_h;
+        let pull_b = dot(psi, e_b) + along_a - pull_a;
+        // Directions of the next sweep                                    (R31)
+        let inverse = (pull_a * pull_b).recip();
+        let tan_a = cross(psi, e_a) * (inverse * pull_b);
+        let tan_b = cross(psi, e_b) * (inverse * pull_a);
+        let across = rolling;
+        let along = -s.mul_add(self.sin_2b, gyro.mul_add(self.arc * p, turning * self.cos_2b));
+        let norm = dot([across, along], [across, along]).sqrt();
+        let sense = F::select(rate.gt(self.constant(0.0)), norm, -norm).recip();
+        // (|A| − 1) G + (|B| − 1) H over 2 M                              (R32)
+        let (square_a, square_b) = (tan_a * tan_a, tan_b * tan_b);
+        let norms = [(square_a + one).sqrt(), (square_b + one).sqrt()];
+        let (one_a, one_b) = (norms[0] + one, norms[1] + one);
+        let correction = dot([pull_a * square_a, pull_b * square_b], [one_b, one_a])
+            / ((centrifugal * 2.0) * (one_a * one_b));
+        SweepState {
+            minor,
+            centrifugal,
+            p,
+            rate,
+            slip,
+            s,
+            nut,
+            norms: given.norms,
+            pulls: [pull_a, pull_b],
+            next: Directions {
+                nut: tan_a,
+                screw: tan_b,
+                minor: times(sense, [across, along]),
+                correction,
+                norms,
+            },
+        }
+    }
+
+    /// Sweeps from the first order on, as many as it takes.
+    ///
+    /// * `first`: of the same point.
+    #[inline(always)]
+    pub fn sweeps(&self, first: &FirstOrder<F>) -> Sweeps<F> {
+        let one = self.constant(1.0);
+        let inertia = first.size / self.friction();
+        let guided = first.pushes() & !first.is_crowded() & inertia.lt(self.constant(MOST_INERTIA));
+        let (mut directions, mut last) = (first.next, first.change);
+        let mut moving = guided;
+        let mut count = one + 1.0;
+        for _ in 0..MOST_SWEEPS {
+            let state = self.sweep(&directions);
+            let change = directions.farthest(&state.next);
+            directions = directions.onward(moving, &state.next);
+            count = F::select(moving, count + 1.0, count);
+            // Geometric series: c/(1 − c) times the last change is left, c = change/last.
+            let converges = (change * change).lt((last - change) * SETTLED);
+            moving = moving & !(converges | change.lt(self.constant(f64::EPSILON)));
+            last = change;
+            if !F::any(moving) {
+                break;
+            }
+        }
+        let motion = self.swept(&self.sweep(&directions));
+        let residual = self.scaled_residual(&motion);
+        let least_rate = F::select(inertia.lt(self.constant(0.5)), inertia * 2.0, one) * LEAST_RATE;
+        let circles = motion.rate.abs().gt(least_rate);
+        let converged = guided & !moving & circles & residual.lt(self.constant(RESIDUAL));
+        Sweeps { motion, residual, count, converged }
+    }
+
+    /// The motion of the last state.
+    #[inline(always)]
+    fn swept(&self, state: &SweepState<F>) -> RigidMotion<F> {
+        let [norm_a, norm_b] = state.norms;
+        let [pull_a, pull_b] = state.pulls;
+        let twice = self.signed * 2.0;
+        let loads =
+            [-(pull_a * norm_a) / twice, state.minor * state.centrifugal, pull_b * norm_b / twice];
+        let slip = (state.slip * norm_a, times(norm_a.recip(), state.nut));
+        self.motion(loads, [state.p, state.rate], slip, state.s)
+    }
+}
+
+impl<F: Compare> Directions<F> {
+    /// Largest change towards others.
+    #[inline(always)]
+    pub(super) fn farthest(&self, other: &Self) -> F {
+        let turns = (self.nut - other.nut).abs().larger((self.screw - other.screw).abs());
+        let x = (self.minor[0] - other.minor[0]).abs();
+        let y = (self.minor[1] - other.minor[1]).abs();
+        turns.larger(x.larger(y))
+    }
+
+    /// Others where it is still `moving`, these elsewhere.
+    #[inline(always)]
+    fn onward(&self, moving: F::Mask, other: &Self) -> Self {
+        Self {
+            nut: F::select(moving, other.nut, self.nut),
+            screw: F::select(moving, other.screw, self.screw),
+            minor: pick(moving, other.minor, self.minor),
+            correction: F::select(moving, other.correction, self.correction),
+            norms: pick(moving, other.norms, self.norms),
+        }
+    }
+}
+
+impl<F: Compare> RigidMotion<F> {
+    /// Where all contacts push and the slip at A is against its friction.
+    #[inline(always)]
+    pub fn is_admissible(&self) -> F::Mask {
+        let zero = self.rate.constant(0.0);
+        let [a, minor, b] = self.loads;
+        a.gt(zero) & minor.gt(zero) & b.gt(zero) & self.speeds[0].gt(zero)
+    }
+}

@@ -1,0 +1,194 @@
+//! Limits and identities of the slips.
+
+use approx::assert_relative_eq;
+use bsm_kin::Jet;
+use proptest::prelude::*;
+
+use super::*;
+use crate::Coulomb;
+
+const SITES: [Site; 2] = [Site::Nut, Site::Screw];
+
+fn ball(motion: Motion<f64>, lead_angle: f64) -> SteadyBall<f64> {
+    SteadyBall {
+        helix: Helix { radius: 20e-3, lead_angle },
+        radius: 3e-3,
+        drive: Drive { screw_speed: 523.0, nut_speed: -71.0 },
+        motion,
+    }
+}
+
+fn rolls(control: Control, lead: f64, angles: [f64; 2], forward: bool) -> SteadyBall<f64> {
+    let speed = if forward { 523.0 } else { -523.0 };
+    let drive = Drive { screw_speed: speed, nut_speed: 0.0 };
+    let helix = Helix { radius: 20e-3, lead_angle: lead };
+    SteadyBall::rolling(control, helix, 3e-3, drive, angles)
+}
+
+proptest! {
+    /// Differential slip and spin are the value and the derivatives of the field of slip
+    /// velocities at the contact centre.
+    #[test]
+    fn slips_are_value_and_slope_of_the_field(
+        lead in 0.02..1.2_f64, beta in 0.05..1.5_f64, p in -300.0..300.0_f64,
+        omega in proptest::array::uniform3(-3000.0..3000.0_f64), curved in 1.01..3.0_f64,
+    ) {
+        let ball = ball(Motion { precession: p, omega: omega.into() }, lead);
+        for site in SITES {
+            let touch = ContactSite { site, angle: beta };
+            let contact = ball.contact(&touch);
+            let lift = |v: Vector3<f64>| v.map(Jet::<2>::from);
+            let tangent = BallFrame::<f64>::tangent();
+            let across = tangent.cross(&contact.normal);
+            let [x, y] = [0, 1].map(|i| Jet::<2>::variable(0.0, i));
+            let height = x * x * (-0.5 / curved) + ball.radius;
+            let point = lift(contact.normal) * -height + lift(across) * x + lift(tangent) * y;
+            let relative = ball.relative_to(site);
+            let motion =
+                Motion { precession: relative.precession.into(), omega: lift(relative.omega) };
+            let v = motion.slip_velocity(ball.helix.arc_length_per_radian().into(), &point);
+            let (along, aside) = (v.dot(&lift(tangent)), v.dot(&lift(across)));
+            // Rounding of speeds of up to 10 m/s, and of rates of 5e3 rad/s.
+            let speed = along.re.hypot(aside.re);
+            prop_assert!((ball.differential_slip(&touch) - speed).abs() <= 1e-13);
+            let spin = ball.spin(&touch);
+            prop_assert!((along.eps[0] - spin).abs() <= 1e-11, "{along:?} {spin}");
+            prop_assert!((aside.eps[1] + spin).abs() <= 1e-11, "{aside:?} {spin}");
+        }
+    }
+
+    /// A rolling ball slides across the groove only, at `r_b W sinα/2` at both contacts,
+    /// whatever the contact angles and the pitch circle (X13).
+    #[test]
+    fn a_rolling_ball_slides_by_half_the_lead(
+        lead in 0.01..1.5_f64, a in 0.02..1.55_f64, b in 0.02..1.55_f64, forward: bool,
+    ) {
+        for (control, race) in [(Control::Nut, Site::Nut), (Control::Screw, Site::Screw)] {
+            let ball = rolls(control, lead, [a, b], forward);
+            // |V_A| = |V_B| = r_b |W| sinα / 2                        (X13)
+            let half = 3e-3 * 523.0 * lead.sin() / 2.0;
+            for (site, angle) in [(Site::Nut, a), (Site::Screw, b)] {
+                let touch = ContactSite { site, angle };
+                // Rounding of speeds of the order of d W, up to 150 m/s at 1.5 rad.
+                prop_assert!((ball.differential_slip(&touch) - half).abs() <= 1e-13 / lead.cos());
+                prop_assert!(ball.rolling_speed(&touch) > 0.0);
+                if site == race {
+                    let scale = ball.relative_to(site).omega.norm();
+                    prop_assert!(ball.spin(&touch).abs() <= 1e-14 * scale);
+                }
+            }
+        }
+    }
+
+    /// The orbit and the rotation in the travelling triad make up the spin.
+    #[test]
+    fn orbit_is_a_part_of_the_spin(
+        lead in 0.02..1.2_f64, beta in 0.05..1.5_f64, p in -300.0..300.0_f64,
+        omega in proptest::array::uniform3(-3000.0..3000.0_f64),
+    ) {
+        let ball = ball(Motion { precession: p, omega: omega.into() }, lead);
+        for site in SITES {
+            let touch = ContactSite { site, angle: beta };
+            let in_carrier = ball.motion.omega - ball.frame().k * p;
+            let rest = in_carrier.dot(&ball.contact(&touch).normal);
+            prop_assert!((ball.orbit_spin(&touch) + rest - ball.spin(&touch)).abs() <= 1e-11);
+            // The published orbit slip is this rate at the distance from the axis.
+            let to_contact = ball.contact(&touch).point(3e-3) - Vector3::y() * 20e-3;
+            let published = ball.orbit_slip_published(site, beta);
+            let lever = to_contact.norm();
+            prop_assert!((published - lever * ball.orbit_spin(&touch).abs()).abs() <= 1e-11);
+        }
+    }
+
+    /// The powers of the parts add up to what friction takes, whatever the motion.
+    #[test]
+    fn powers_of_the_parts_add_up(
+        beta in 0.05..1.5_f64, p in -300.0..300.0_f64,
+        omega in proptest::array::uniform3(-3000.0..3000.0_f64),
+    ) {
+        let ball = ball(Motion { precession: p, omega: omega.into() }, 0.15);
+        let quadrature = Quadrature::of(1e-4);
+        let touch = ContactSite { site: Site::Screw, angle: beta };
+        let ellipse = Ellipse {
+            contact: ball.contact(&touch),
+            load: 210.0,
+            semi_axes: (0.4e-3, 0.06e-3),
+            pressed_radius: 3.1e-3,
+            ball_radius: 3e-3,
+        };
+        let arc = ball.helix.arc_length_per_radian();
+        let motion = ball.relative_to(Site::Screw);
+        let (_, power) = ellipse.friction(&motion, arc, &Coulomb(0.07), 1e-4, &quadrature);
+        let Ellipse { semi_axes, pressed_radius, .. } = ellipse;
+        let quadrature = &quadrature;
+        let sliding = Sliding::Ellipse { semi_axes, pressed_radius, creep: 1e-4, quadrature };
+        let wrench = ball.friction(&touch, 210.0, &Coulomb(0.07), sliding).unwrap();
+        let parts = ball.power(&touch, &wrench);
+        // Rounding of powers of up to 15 N times 20 m/s.
+        prop_assert!((parts.total() - power).abs() <= 1e-11, "{parts:?} {power}");
+        let wrench = ball.friction(&touch, 210.0, &Coulomb(0.07), Sliding::Point).unwrap();
+        let parts = ball.power(&touch, &wrench);
+        let expected = 0.07 * 210.0 * ball.differential_slip(&touch);
+        prop_assert!((parts.centre - expected).abs() <= 1e-11);
+        prop_assert!(parts.spin.abs() + parts.curvature.abs() <= 1e-10, "{parts:?}");
+    }
+}
+
+/// Two balls that turn with the cage do not rub; one that rolls on a plane rubs its neighbour
+/// with twice its rim speed.
+#[test]
+fn neighbours_rub_with_both_rims() {
+    let frame = BallFrame::turned(0.2, 0.0);
+    let frozen = ball(Motion { precession: 91.0, omega: frame.k * 91.0 }, 0.2);
+    assert!(frozen.ball_slip() < 1e-14);
+    let rolling = Motion { precession: 0.0, omega: Vector3::new(5.0, 0.0, 100.0) };
+    assert_relative_eq!(ball(rolling, 0.2).ball_slip(), 0.6, max_relative = 1e-14);
+}
+
+/// The published spin slip depends on the direction of the drive, and does not vanish at the
+/// race that controls; the spin does neither.
+#[test]
+fn published_spin_slip_is_not_the_spin() {
+    let lead = 1e-9;
+    let at = |forward| {
+        let ball = rolls(Control::Nut, lead, [0.7, 0.7], forward);
+        let touch = ContactSite { site: Site::Nut, angle: 0.7 };
+        (ball.spin_slip_published(touch.angle), ball.spin(&touch), ball.relative_to(Site::Nut))
+    };
+    let ((there, spin, motion), (back, other, _)) = (at(true), at(false));
+    let rate = motion.omega.norm();
+    // Without lead γ = ∓β: sin(π/4) forwards, sin(π/4 − β) backwards, times r_b |ω'| tanβ.
+    let tangent = 3e-3 * rate * 0.7_f64.tan();
+    assert_relative_eq!(there, (FRAC_PI_2 / 2.0).sin() * tangent, max_relative = 1e-8);
+    let opposite = (FRAC_PI_2 / 2.0 - 0.7).sin() * tangent;
+    assert_relative_eq!(back, opposite, max_relative = 1e-8);
+    assert!(spin.abs() + other.abs() < 1e-12 * rate);
+}
+
+/// The gyroscopic angles give the components back, as the paper has them.
+#[test]
+fn gyroscopic_angles_are_those_of_the_paper() {
+    let omega = Vector3::new(310.0, -420.0, -1700.0);
+    let nut = ball(Motion { precession: 0.0, omega }, 0.2).drive.nut_speed;
+    let absolute = omega + BallFrame::turned(0.2, 0.0).k * nut;
+    let [pitch, yaw] = ball(Motion { precession: 0.0, omega: absolute }, 0.2).gyroscopic_angles();
+    let rate = omega.norm();
+    // ω_t = ω_R cosβ sinβ', ω_n = −ω_R sinβ, ω_b = −ω_R cosβ cosβ'
+    let paper =
+        Vector3::new(pitch.cos() * yaw.sin(), -pitch.sin(), -pitch.cos() * yaw.cos()) * rate;
+    assert_relative_eq!(paper, omega, max_relative = 1e-13);
+}
+
+/// A surface that stands still has a slide-roll ratio of two.
+#[test]
+fn slide_roll_ratio_of_a_locked_ball_is_two() {
+    // The ball is frozen to the nut, and so is what touches it there; the screw slides past.
+    let drive = Drive { screw_speed: 523.0, nut_speed: -71.0 };
+    let frame = BallFrame::turned(0.2, 0.0);
+    let frozen = Motion { precession: drive.nut_speed, omega: frame.k * drive.nut_speed };
+    let ball = ball(frozen, 0.2);
+    let touch = ContactSite { site: Site::Screw, angle: 0.8 };
+    assert_relative_eq!(ball.slide_roll_ratio(&touch), 2.0, max_relative = 1e-13);
+    let touch = ContactSite { site: Site::Nut, angle: 0.8 };
+    assert!(ball.differential_slip(&touch) < 1e-14);
+}

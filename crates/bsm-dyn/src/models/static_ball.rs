@@ -1,0 +1,239 @@
+//! A ball given the displacement of its grooves, at rest and without friction.
+//!
+//! Theory: `docs/theory/06-elastic-contact.md`, equations (J10) to (J14).
+
+use bsm_kin::Scalar;
+use bsm_newton::EvalError;
+
+use crate::models::ball::{ElasticPoint, Reason};
+
+/// A ball between one flank of the nut and one of the screw.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StaticBall<D = f64> {
+    /// Distance of the groove-arc centres at first touch `$l_{A0} + l_{B0}$` \[m\].
+    pub distance: D,
+    /// Sine and cosine of the unloaded contact angle `$\beta_0$`.
+    pub unloaded: [D; 2],
+    /// Hertz stiffness of both contacts in series `$K$` \[N/m^1.5\].
+    pub stiffness: D,
+}
+
+/// What a ball does to its grooves. Pairs are along the binormal and along the principal normal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GrooveForces<D = f64> {
+    /// Normal load at both contacts \[N\]; zero if the ball is loose.
+    pub load: D,
+    /// Contact angle at both contacts \[rad\]; zero if the ball is loose.
+    pub angle: D,
+    /// Elastic energy `$V$` \[J\].
+    pub energy: D,
+    /// Force that displaces the nut's groove so, `$\partial V/\partial w$` \[N\].
+    pub force: [D; 2],
+    /// Its slope `$\partial^2 V/\partial w^2$` \[N/m\].
+    pub slope: [[D; 2]; 2],
+}
+
+impl<D: Scalar> ElasticPoint<D> {
+    /// The ball given the displacement of its grooves.
+    ///
+    /// # Errors
+    ///
+    /// [`Reason::CurvaturesNotHertzian`].
+    pub fn pressed_ball(&self) -> Result<StaticBall<D>, Reason> {
+        let [nut, screw] = self.hertz()?.map(|hertz| hertz.compliance);
+        let [l_a, l_b] = self.grooves().map(|groove| groove.offset(self.point.ball.radius));
+        // K^(−2/3) = K_A^(−2/3) + K_B^(−2/3)                              (J11)
+        let stiffness = (nut + screw).powf(-1.5);
+        let (sin, cos) = self.point.contact_angle.sin_cos();
+        Ok(StaticBall { distance: l_a + l_b, unloaded: [sin, cos], stiffness })
+    }
+}
+
+impl<D: Scalar> StaticBall<D> {
+    /// The ball where the nut's groove is displaced against the screw's by `displacement` \[m\], along
+    /// the binormal and along the principal normal, and the ball's radius exceeds the nominal one by
+    /// `oversize` \[m\] (J10) to (J13).
+    ///
+    /// The energy is convex in the displacement.
+    ///
+    /// Assumes: no inertia, and no contact at the other flanks of the gothic arches.
+    pub fn at(&self, [along_b, along_n]: [D; 2], oversize: D) -> GrooveForces<D> {
+        let [sin, cos] = self.unloaded;
+        let (l, zero) = (self.distance, D::from(0.0));
+        // G = (l_A0 + l_B0)(sinβ₀, cosβ₀) + w                             (J10)
+        let (g_b, g_n) = (l * sin + along_b, l * cos + along_n);
+        let length = (g_b.square() + g_n.square()).sqrt();
+        // |G| − (l_A0 + l_B0) + 2 Δr, without their difference            (J10)
+        let moved = (sin * along_b + cos * along_n) * l * 2.0 + along_b.square() + along_n.square();
+        let approach = moved / (length + l) + oversize * 2.0;
+        if approach.re() <= 0.0 {
+            let (force, slope) = ([zero; 2], [[zero; 2]; 2]);
+            return GrooveForces { load: zero, angle: zero, energy: zero, force, slope };
+        }
+        let root = approach.sqrt();
+        // Q = K (|G| − L)^(3/2),  V = ⅖ K (|G| − L)^(5/2)                 (J11)
+        let load = self.stiffness * approach * root;
+        let energy = load * approach * 0.4;
+        // ∂V/∂w = Q m,  m = G/|G|                                         (J12)
+        let m = [g_b / length, g_n / length];
+        let force = m.map(|m| load * m);
+        // ∂²V/∂w² = 3/2 K √(|G| − L) m mᵀ + (Q/|G|)(1 − m mᵀ)             (J13)
+        let (along, turning) = (self.stiffness * root * 1.5, load / length);
+        let entry = |i: usize, k: usize| {
+            let both = m[i] * m[k];
+            let unit = if i == k { 1.0 } else { 0.0 };
+            along * both + turning * (-both + unit)
+        };
+        let slope = [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]];
+        GrooveForces { load, angle: g_b.atan2(g_n), energy, force, slope }
+    }
+}
+
+impl StaticBall {
+    /// Displacement of the nut along the screw axis \[m\] under an axial load of one ball \[N\], and the
+    /// ball (J14): the static ball of a nut that shares its load equally.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if no displacement carries the load.
+    pub fn under(&self, axial: f64, lead_angle: f64) -> Result<(f64, GrooveForces), EvalError> {
+        let domain_error = EvalError {
+            quantity: "axial load of a ball [N]",
+            value: axial,
+            requirement: "positive, and such as the groove flanks can carry",
+        };
+        if axial.is_nan() || axial <= 0.0 {
+            return Err(domain_error);
+        }
+        let cos_a = lead_angle.cos();
+        let at = |u: f64| self.at([u * cos_a, 0.0], 0.0);
+        // F_a = Q m_b cosα,  w = (u cosα, 0);  F_a^(2/3) is nearly straight in u  (J14)
+        let carried = |ball: &GrooveForces| ball.force[0] * cos_a;
+        let mut u =
+            (axial / self.stiffness).cbrt().powi(2) / (self.unloaded[0] * cos_a).powf(5.0 / 3.0);
+        for _ in 0..MOST_STEPS {
+            let ball = at(u);
+            let (force, slope) = (carried(&ball), ball.slope[0][0] * cos_a * cos_a);
+            let step = 1.5 * force * (1.0 - (axial / force).cbrt().powi(2)) / slope;
+            u -= step;
+            // A step leaves an error of its square.
+            if step.abs() <= 1e-9 * u {
+                return Ok((u, at(u)));
+            }
+        }
+        Err(domain_error)
+    }
+}
+
+/// Newton steps to the displacement under a load; four are usual.
+const MOST_STEPS: usize = 50;
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+    use bsm_kin::{Drive, Helix, Jet};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::{Ball, Coulomb, Load, Material, OperatingPoint, RacewayControl, RacewayWorkspace};
+
+    const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
+
+    /// The screw of the independent nut solutions: 40 x 10, balls of 6.35 mm.
+    fn screw(axial: f64, speed: f64) -> ElasticPoint {
+        let radius = 20.668e-3;
+        let lead_angle = (10e-3 / (std::f64::consts::TAU * radius)).atan();
+        ElasticPoint {
+            point: OperatingPoint {
+                helix: Helix { radius, lead_angle },
+                contact_angle: 45.0_f64.to_radians(),
+                ball: Ball::of_density(3.175e-3, 7850.0),
+                friction: Coulomb(0.06),
+                drive: Drive { screw_speed: speed, nut_speed: 0.0 },
+                load: Load { axial, balls: 98.0 },
+            },
+            conformity: (0.5203, 0.5203),
+            material: (STEEL, STEEL),
+        }
+    }
+
+    /// Independent solution of a nut of 98 balls under 6340 N that shares its load equally (case P01):
+    /// all digits that it lists.
+    #[test]
+    fn equal_sharing_has_the_reference_values() {
+        let screw = screw(6340.0, 1.0);
+        let ball = screw.pressed_ball().unwrap();
+        let (u, pressing) = ball.under(6340.0 / 98.0, screw.point.helix.lead_angle).unwrap();
+        assert_relative_eq!(u, 6.937_390_322_458_6e-6, max_relative = 1e-9);
+        assert_relative_eq!(pressing.load, 90.100_228_3, max_relative = 1e-9);
+        let cos_a = screw.point.helix.lead_angle.cos();
+        let along = 98.0 * pressing.slope[0][0] * cos_a * cos_a;
+        assert_relative_eq!(along, 1.399_319_430_252_6e9, max_relative = 1e-9);
+    }
+
+    /// Limit: the rolling ball at rest.
+    #[test]
+    fn a_ball_at_rest_is_raceway_control() {
+        for axial in [10.0, 6340.0, 90e3] {
+            let screw = screw(axial, 1e-4);
+            let solved = RacewayControl { at: screw, control: None }
+                .solve(&mut RacewayWorkspace::default())
+                .answer
+                .expect("a slow ball");
+            let ball = screw.pressed_ball().unwrap();
+            let lead = screw.point.helix.lead_angle;
+            let (u, pressing) = ball.under(screw.point.load.per_ball(), lead).unwrap();
+            // The residual of the rolling balance, 1e-13.
+            let nut = solved.ball.nut;
+            assert_relative_eq!(pressing.angle, nut.angle, max_relative = 1e-12);
+            assert_relative_eq!(pressing.load, nut.load.unwrap(), max_relative = 1e-12);
+            // The models give the displacement across the groove.
+            let across = solved.ball.axial_displacement.unwrap();
+            assert_relative_eq!(u * lead.cos(), across, max_relative = 1e-10);
+        }
+    }
+
+    /// A loose ball carries nothing, and a load that pulls is refused.
+    #[test]
+    fn a_loose_ball_carries_nothing() {
+        let ball = screw(6340.0, 1.0).pressed_ball().unwrap();
+        let loose = ball.at([-1e-6, -1e-6], 0.0);
+        assert_eq!((loose.load, loose.energy, loose.force), (0.0, 0.0, [0.0; 2]));
+        // As much oversize presses it again.
+        assert!(ball.at([-1e-6, -1e-6], 1e-6).load > 0.0);
+        assert!(ball.under(-1.0, 0.1).is_err());
+    }
+
+    proptest! {
+        /// Force and slope are the derivatives of the energy.
+        #[test]
+        fn force_and_slope_are_derivatives(
+            along_b in -1e-5..5e-5_f64, along_n in -1e-5..5e-5_f64, oversize in 0.0..5e-6_f64,
+        ) {
+            let ball = screw(6340.0, 1.0).pressed_ball().unwrap();
+            let exact = ball.at([along_b, along_n], oversize);
+            prop_assume!(exact.load > 0.0);
+            let lift = |x: f64| Jet::<2>::from(x);
+            let jets = StaticBall {
+                distance: lift(ball.distance),
+                unloaded: ball.unloaded.map(lift),
+                stiffness: lift(ball.stiffness),
+            };
+            let w = [Jet::variable(along_b, 0), Jet::variable(along_n, 1)];
+            let moved = jets.at(w, lift(oversize));
+            let size = exact.force[0].hypot(exact.force[1]);
+            let stiff = exact.slope[0][0] + exact.slope[1][1];
+            for i in 0..2 {
+                // Rounding of the same operations in another order.
+                prop_assert!((moved.energy.eps[i] - exact.force[i]).abs() <= 1e-12 * size);
+                for k in 0..2 {
+                    let error = moved.force[i].eps[k] - exact.slope[i][k];
+                    prop_assert!(error.abs() <= 1e-11 * stiff, "{error}");
+                }
+            }
+            // Convex: no direction of displacement softens the ball.
+            let [[a, b], [_, c]] = exact.slope;
+            prop_assert!(a > 0.0 && a * c - b * b >= -1e-12 * a * c);
+        }
+    }
+}

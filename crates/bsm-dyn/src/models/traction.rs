@@ -1,0 +1,513 @@
+//! Rolling, partial and gross slip in one model: friction integrated over the contact ellipses.
+//!
+//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T9) to (T11).
+
+mod columns;
+mod lubricated;
+mod many;
+mod multistart;
+mod path;
+mod root;
+mod sensitivities;
+mod slips;
+
+use std::array::from_fn;
+use std::cell::OnceCell;
+
+use bsm_kin::{Helix, Motion, Scalar};
+use bsm_newton::{EvalError, JacobianUpdate, Options, Report, Scales, solve};
+use bsm_simd::Block;
+
+pub use self::columns::TractionPoint;
+use self::columns::{Evaluated, PowerFlow, Watched, lever, sizes};
+pub use self::many::{TRACTION_FOUND, TRACTION_START, TractionMany, TractionRoot, TractionStart};
+use self::root::Refined;
+pub use self::root::SKIDS;
+pub(crate) use self::root::SlipRoot;
+use crate::contact::{Wrench, ideal_torque};
+use crate::cost;
+use crate::ellipse::{FrozenRule, Integrate, Local, Nodes, Quadrature, Rules};
+use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
+use crate::models::ball::{
+    BALL, BallLoads, BallState, EhlLoss, EhlPoint, ElasticBall, ElasticPoint, ErrorBound, Model,
+    SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission, Unsolved, Workspace,
+    quadrature_error, to_both, weight,
+};
+use crate::models::raceway_control::{Roll, STATIC};
+
+/// Places of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
+const OMEGA: [usize; 3] = [4, 5, 6];
+
+/// Accuracies of the quadrature: of the first try, of the search for what it does not find, whose sums
+/// change smoothly enough to be followed, and of the choice by error bounds after the first try.
+const COARSE: f64 = 1e-4;
+const SEARCH: f64 = 1e-6;
+/// Residual from which the first try is left to the quadrature that is asked for.
+const NEAR: f64 = 1e-4;
+/// Residual below which steps keep the Jacobian; that whose square is enough, if it is larger.
+const KEEP: f64 = 1e-3;
+const FINER: [f64; 2] = [1e-6, Traction::ACCURACY];
+
+/// Nut speed over the relative speed from which the unknown of the precession leaves it out.
+pub const FAST_NUT: f64 = 2.0;
+
+/// A solve may take this many steps and halvings of a step; the second ones where others follow that may do better.
+const LIMITS: [(usize, u32); 2] = [(20, 20), (12, 6)];
+
+/// Inputs of the traction model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Traction<D = f64> {
+    /// The screw at its operating point; friction positive.
+    pub at: ElasticPoint<D>,
+    /// Accuracy of the quadrature over the ellipses: its error over the friction.
+    pub accuracy: f64,
+    /// Creep speed `$v_e$` over `$r_b |W|$`, positive.
+    pub creep: f64,
+}
+
+impl Traction {
+    /// Accuracy that leaves an error below 1e-7 in the efficiency.
+    pub const ACCURACY: f64 = 1e-8;
+    /// Creep speed that moves the efficiency of most screws by less than 1e-6.
+    pub const CREEP: f64 = 1e-4;
+}
+
+/// Memory of the solves.
+#[derive(Default)]
+pub struct TractionWorkspace {
+    statics: Workspace<STATIC>,
+    newton: Workspace,
+    rules: Rules,
+}
+
+/// The equations of a point.
+#[derive(Clone, Copy)]
+struct SlipBall<'a, P = f64> {
+    pair: &'a ElasticBall<P>,
+    quadrature: &'a Quadrature,
+    /// Numbers of nodes near a root; by the slip elsewhere.
+    plans: Option<&'a [OnceCell<FrozenRule>; 2]>,
+    creep: f64,
+    /// The residual that is small enough for a root, and the one that is aimed at.
+    enough: f64,
+    /// The unknowns are those of a ball that is thrown against the nut (T10).
+    at_nut: bool,
+    /// What friction comes from, unless it has one coefficient.
+    lubrication: Option<Lubrication<'a, P>>,
+    /// Solves that do not converge soon are given up.
+    brief: bool,
+}
+
+/// Friction by a lubricant.
+#[derive(Clone, Copy)]
+struct Lubrication<'a, P = f64> {
+    ehl: &'a EhlPoint<P>,
+    /// Part of the friction that comes from it; the rest has one coefficient.
+    part: f64,
+    /// Derivatives of all that changes, by jets; else without those that hardly matter, by hand.
+    complete: bool,
+}
+
+struct SlipState<D> {
+    loaded: BallLoads<D>,
+    to_nut: Motion<D>,
+    wrench: [Wrench<D>; 2],
+    /// That friction takes, and that of sliding at nut and screw; without derivatives.
+    power: f64,
+    sliding: [f64; 2],
+    /// What a lubricant does.
+    losses: Option<[EhlLoss<D>; 2]>,
+}
+
+impl<P: Scalar> SlipBall<'_, P> {
+    fn state<D: Integrate<P>>(&self, y: &[D; BALL]) -> Result<SlipState<D>, EvalError> {
+        self.rubbed(y, D::from(self.pair.friction))
+    }
+
+    /// Contacts of a state.
+    fn loaded<D: Integrate<P>>(&self, y: &[D; BALL]) -> Result<BallLoads<D>, EvalError> {
+        let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
+        if self.at_nut {
+            // (Q_A/F_a, β_A, Q_B/F_a, (P − Ω_n)/W, …)                     (T10)
+            self.pair.loaded_at_nut(loads, y[TILT])
+        } else {
+            self.pair.loaded(loads, y[TILT])
+        }
+    }
+
+    /// Motion relative to the nut.
+    fn motion_to_nut<D: Integrate<P>>(&self, y: &[D; BALL], loaded: &BallLoads<D>) -> Motion<D> {
+        // ω' = ω'_k k + ω'_n n + ω'_c k × n                               (T4)
+        let [k, n] = [loaded.frame.k, loaded.frame.n];
+        let [along, radial, around] = OMEGA.map(|i| y[i]);
+        let omega = k * along + n * radial + k.cross(&n) * around;
+        Motion { precession: y[PRECESSION] + (self.offset() - self.pair.nut_speed), omega }
+    }
+
+    /// The state with another friction coefficient.
+    fn rubbed<D: Integrate<P>>(
+        &self,
+        y: &[D; BALL],
+        friction: D,
+    ) -> Result<SlipState<D>, EvalError> {
+        cost::evaluated();
+        let (pair, loaded) = (self.pair, self.loaded(y)?);
+        let to_nut = self.motion_to_nut(y, &loaded);
+        let motions = to_both(&to_nut, &loaded.frame);
+        let (mut power, mut sliding) = (0.0, [0.0; 2]);
+        let part = self.lubrication.map_or(0.0, |lubrication| lubrication.part);
+        let mut wrench = [Wrench::zero(); 2];
+        if part < 1.0 {
+            wrench = from_fn(|i| {
+                let contact = &loaded.contacts[i];
+                let local = Local::of(&motions[i], contact, D::from(pair.arc));
+                let ellipse = pair.ellipse(i, &loaded);
+                let (unit, unit_power) = D::integrate(&ellipse, &local, self.creep, self.nodes(i));
+                let pull = loaded.loads[i] * pair.signed(friction);
+                // P_f = Σ f Q ∫ dP                                        (P7)
+                sliding[i] = pull.re() * unit_power;
+                power += sliding[i];
+                // f Q ∫ dF,  f Q ∫ dM                                     (T2)
+                unit.wrench(contact) * (pull * (1.0 - part))
+            });
+        }
+        let losses = self.lubrication.map(|Lubrication { ehl, .. }| {
+            let of = (pair, &loaded);
+            from_fn(|i| ehl.loss(i, of, &motions[i], self.creep, self.nodes(i)))
+        });
+        if let Some(losses) = &losses {
+            // ∫ dF + F_h,  ∫ r × dF + r × F_h + C_h                       (Y32)
+            wrench = from_fn(|i| wrench[i] + losses[i].wrench * D::from(part));
+            sliding = losses.each_ref().map(|loss| loss.sliding.re());
+            power = losses.iter().map(|loss| (loss.sliding + loss.rolling).re()).sum();
+        }
+        // F = Q N + f Q ∫ dF                                              (T2)
+        for (wrench, (contact, load)) in
+            wrench.iter_mut().zip(loaded.contacts.iter().zip(loaded.loads))
+        {
+            wrench.force = contact.normal * load + wrench.force;
+        }
+        Ok(SlipState { loaded, to_nut, wrench, power, sliding, losses })
+    }
+
+    /// The nodes at nut (0) or screw (1).
+    fn nodes(&self, i: usize) -> Nodes<'_> {
+        let (rule, plan) = (self.quadrature, self.plans.map(|plans| &plans[i]));
+        Nodes { rule, plan, rough: self.enough >= NEAR }
+    }
+
+    /// What the unknown of the precession leaves out of its rate: the nut's speed where that is far
+    /// above the relative speed, so that neither the rate nor the slip loses its digits, or where the
+    /// ball all but sticks to the nut.
+    fn offset(&self) -> P {
+        let nut = self.pair.nut_speed;
+        if self.at_nut || nut.re().abs() > FAST_NUT { nut } else { P::from(0.0) }
+    }
+
+    fn residual<D: Integrate<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
+        let rate = y[PRECESSION] + self.offset();
+        Ok(self.left(y, &self.state(y)?, rate))
+    }
+
+    /// What the balance leaves over, with the inertia forces of a precession rate.
+    fn left<D: Integrate<P>>(&self, y: &[D; BALL], state: &SlipState<D>, rate: D) -> [D; BALL] {
+        // k × ω = ω'_n k × n − ω'_c n                                     (T5)
+        let [_, radial, around] = OMEGA.map(|i| y[i]);
+        let n = state.loaded.frame.n;
+        let omega = n * radial + state.loaded.frame.k.cross(&n) * around;
+        self.pair.balance(&state.loaded, &Motion { precession: rate, omega }, &state.wrench)
+    }
+}
+
+impl<'a> SlipBall<'a> {
+    /// In the unknowns (T1).
+    fn of_pair(pair: &'a ElasticBall, quadrature: &'a Quadrature, creep: f64) -> Self {
+        let (plans, lubrication, at_nut, brief) = (None, None, false, false);
+        Self { pair, quadrature, plans, creep, enough: 1e-12, at_nut, lubrication, brief }
+    }
+}
+
+impl<'a> SlipBall<'a> {
+    /// The same equations of a point with derivatives.
+    fn over<P>(
+        &self,
+        pair: &'a ElasticBall<P>,
+        lubrication: Option<Lubrication<'a, P>>,
+    ) -> SlipBall<'a, P> {
+        let Self { quadrature, plans, creep, enough, at_nut, brief, .. } = *self;
+        SlipBall { pair, quadrature, plans, creep, enough, at_nut, lubrication, brief }
+    }
+}
+
+impl SlipBall<'_> {
+    /// Bound of the error of the efficiency of a root of another quadrature, from that of this one (T25).
+    ///
+    /// * `accuracy`: of the other one. * `found`: there, of this quadrature. * `slope`: of the torque by the unknowns. * `newton`: as the solve
+    ///   for the root has left it.
+    fn error(
+        &self,
+        accuracy: f64,
+        found: Option<&Evaluated>,
+        slope: &Block,
+        efficiency: f64,
+        newton: &mut Workspace,
+    ) -> f64 {
+        let other = found.and_then(|found| {
+            // y' = y − J⁻¹ F'(y)                                          (T24)
+            let step = newton.correction(&found.left).ok()?;
+            let further = step.iter().zip(slope).map(|(x, slope)| x * slope).sum::<f64>();
+            let torque = found.transmitted.torque + further;
+            let Helix { radius, lead_angle } = self.pair.helix;
+            let ideal = ideal_torque(1.0, radius, lead_angle.tan());
+            Some(crate::contact::efficiency(self.pair.direction.is_back(), ideal, torque))
+        });
+        let other = other.unwrap_or(f64::NAN);
+        let error = quadrature_error(other - efficiency, accuracy);
+        if error.is_finite() { error } else { (1.0 - efficiency).abs() }
+    }
+
+    /// The unknowns (T1) of a state.
+    fn unknowns(&self, loaded: &BallLoads<f64>, to_nut: &Motion<f64>) -> [f64; BALL] {
+        let mut y = [0.0; BALL];
+        [y[NUT_LOAD], y[SCREW_LOAD]] = loaded.loads;
+        y[TILT] = if self.at_nut { loaded.angles[0] } else { loaded.tilt };
+        y[PRECESSION] = to_nut.precession + self.pair.nut_speed - self.offset();
+        let [k, n] = [loaded.frame.k, loaded.frame.n];
+        for (place, axis) in OMEGA.iter().zip([k, n, k.cross(&n)]) {
+            y[*place] = to_nut.omega.dot(&axis);
+        }
+        y
+    }
+
+    /// Weights of the equations.
+    fn weights(&self, y: &[f64; BALL]) -> [f64; BALL] {
+        self.weights_of(y, self.pair.friction, y[PRECESSION] + self.offset())
+    }
+
+    /// The same with the friction and the inertia forces of a path.
+    fn weights_of(&self, y: &[f64; BALL], friction: f64, rate: f64) -> [f64; BALL] {
+        let thrown = self.pair.inertia_ratio() * rate * rate;
+        let across =
+            if self.at_nut { thrown.min(self.rubbing(y, friction, thrown)) } else { thrown };
+        let (force, moment) = sizes(across, friction, self.lever(y));
+        let [force, pressing, moment] = [force, thrown.max(1.0), moment].map(weight);
+        [force, pressing, force, moment, moment, moment, force]
+    }
+
+    /// Size of the friction at the nut that the digits of its slip are worth.
+    fn rubbing(&self, y: &[f64; BALL], friction: f64, load: f64) -> f64 {
+        // f C (|P − Ω_n| r_m + |ω'|)/v_e                                  (T11)
+        let turning = OMEGA.iter().map(|i| y[*i].abs()).sum::<f64>();
+        let slip = y[PRECESSION].abs() * self.pair.helix.radius + turning;
+        friction * load * slip / self.creep
+    }
+
+    /// Lever arm of friction over the ball radius.
+    fn lever(&self, y: &[f64; BALL]) -> f64 {
+        let lengths = [(0, NUT_LOAD), (1, SCREW_LOAD)]
+            .map(|(i, load)| self.pair.semi_axes[i].0 * y[load].cbrt());
+        lever(lengths, self.pair.pressed_radius)
+    }
+
+    /// One damped Newton solve from `y`.
+    fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
+        Watched::new(self).run(y, newton)
+    }
+}
+
+impl<P> SlipBall<'_, P> {
+    /// What a solve aims at. Where friction hardly depends on a slip the state of a first try is far less exact than its
+    /// residual, and so is the Jacobian there, of which the error is told.
+    fn goal(&self) -> f64 {
+        if self.enough.total_cmp(&NEAR).is_eq() { 0.1 * NEAR } else { self.enough }
+    }
+
+    /// Of a Newton solve.
+    fn options(&self) -> Options {
+        let (max_steps, max_halvings) = LIMITS[usize::from(self.brief)];
+        let by_jets = self.lubrication.as_ref().is_some_and(|lubrication| lubrication.complete);
+        let chord_below = if by_jets { 0.0 } else { self.enough.sqrt().max(KEEP) };
+        Options {
+            residual_tol: self.enough.max(1e-10),
+            residual_goal: self.goal(),
+            max_steps,
+            max_halvings,
+            jacobian: JacobianUpdate::EveryTrial { chord_below },
+            ..Options::default()
+        }
+    }
+}
+
+impl Watched<'_> {
+    fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
+        let weights = self.ball.weights(y);
+        let scales = Scales { x: &[1.0; BALL], f: &weights };
+        solve(self, y, &scales, &self.ball.options(), newton)
+    }
+}
+
+impl Traction {
+    /// Solves for the steady motion of the ball.
+    ///
+    /// The root is searched with a coarse quadrature, which decides whether there is one, and refined
+    /// with that of the accuracy.
+    pub fn solve(&self, work: &mut TractionWorkspace) -> Solution {
+        let found = self.at.point.require_friction().and_then(|()| {
+            let pair = self.at.scaled()?;
+            let grip = Roll::of(&pair, None, &mut work.statics);
+            let start = Start::new(&pair, grip.ok().as_ref())?;
+            Ok(self.found(&start, None, work).map_err(NotFound::why)?.solved(&pair))
+        });
+        Solution::new(Model::Traction, found)
+    }
+
+    /// Solves with finer and finer quadratures until the error that they state for the efficiency, with
+    /// that of the creep speed, is at most `tolerance`; returns the root, its accuracy and the error.
+    ///
+    /// Where a finer one has no root, the last one that has is returned, with the whole loss as its error; where the
+    /// coarse one loses a root that the search has found, a finer one may hold it.
+    pub(crate) fn solve_to(
+        &self,
+        start: &Start<'_>,
+        tolerance: f64,
+        work: &mut TractionWorkspace,
+    ) -> Result<(SlipResult, f64, f64), Unsolved> {
+        // |δη| ≤ |δη|_rule + 5·10⁻⁷                                       (A6)
+        let bound = |found: &SlipResult| found.error + 5e-7;
+        let mut case = Self { accuracy: COARSE, ..*self };
+        let mut found = case.found(start, None, work);
+        for accuracy in FINER {
+            let from = match &found {
+                Ok(found) if bound(found) <= tolerance => break,
+                Ok(found) => found.root,
+                Err(NotFound { near: Some(root), .. }) => **root,
+                Err(_) => break,
+            };
+            let finer = Self { accuracy, ..case };
+            match (finer.found(start, Some(&from), work), &mut found) {
+                (Ok(next), former) => {
+                    let steps = former.as_ref().map_or(0, |former| former.info.steps);
+                    let info = SolveInfo { steps: next.info.steps + steps, ..next.info };
+                    (case, found) = (finer, Ok(SlipResult { info, ..next }));
+                }
+                (Err(_), Ok(found)) => {
+                    found.error = (1.0 - found.transmission.efficiency).abs();
+                    break;
+                }
+                (Err(_), Err(_)) => {}
+            }
+        }
+        let found = found.map_err(NotFound::why)?;
+        let error = bound(&found);
+        Ok((found, case.accuracy, error))
+    }
+
+    /// The root and its answer, from the root of another accuracy if there is one.
+    fn found(
+        &self,
+        Start { pair, grip }: &Start<'_>,
+        from: Option<&SlipRoot>,
+        work: &mut TractionWorkspace,
+    ) -> Result<SlipResult, NotFound> {
+        let TractionWorkspace { newton, rules, .. } = work;
+        let rules = rules.dry([COARSE, SEARCH, Self::ACCURACY, self.accuracy]);
+        let creep = self.creep * pair.slip_scale();
+        let [coarse, search, smooth, ball] =
+            rules.map(|[rule, _]| SlipBall::of_pair(pair, rule, creep));
+        let coarse = SlipBall { enough: NEAR, ..coarse };
+        let [.., [_, check]] = rules;
+        let plans = Default::default();
+        let mut steps = 0;
+        let near = if let Some(root) = from {
+            Some(*root)
+        } else {
+            steps += grip.steps;
+            coarse.search(grip, false, newton, &mut steps).ok()
+        };
+        let refined = near.and_then(|near| ball.refined(&near, &plans, newton, &mut steps));
+        let refined = match (refined, from) {
+            (Some(refined), _) => refined,
+            (None, Some(_)) => return Err(Unsolved::LOST.into()),
+            (None, None) => {
+                let mut near = search.search(grip, true, newton, &mut steps);
+                if near.as_ref().is_err_and(|none| none.status() == Status::NotConverged) {
+                    // The steps of its sums may be what a path was lost over.
+                    near = smooth.search(grip, true, newton, &mut steps);
+                }
+                let near = near?;
+                let lost = || NotFound { near: Some(Box::new(near)), why: Unsolved::LOST };
+                let plans = Default::default();
+                ball.refined(&near, &plans, newton, &mut steps).ok_or_else(lost)?
+            }
+        };
+        let Refined { root, transmitted, torque_slope, loaded } = refined;
+        let PowerFlow { torque, power, .. } = transmitted;
+        let ball = ball.of(&root);
+        let to_nut = ball.motion_to_nut(&root.unknowns, &loaded);
+        let steady = self.at.ball_state(pair, &loaded, &to_nut)?;
+        let transmission = self.at.transmission_at(pair, torque, power)?;
+        let checked = SlipBall { quadrature: check, ..ball };
+        let other = checked.evaluated::<false>(&root.unknowns).ok();
+        let (other, efficiency) = (other.as_ref(), transmission.efficiency);
+        let error = checked.error(self.accuracy, other, &torque_slope, efficiency, newton);
+        let info = SolveInfo { steps, residual: root.residual };
+        Ok(SlipResult { ball: steady, transmission, skid: grip.skid(pair), info, root, error })
+    }
+}
+
+/// A point and the gripping ball that it starts from: what does not depend on the quadrature.
+pub(crate) struct Start<'a> {
+    pair: &'a ElasticBall,
+    grip: Roll,
+}
+
+impl<'a> Start<'a> {
+    /// From a gripping ball, or from a guess where there is none.
+    pub(crate) fn new(pair: &'a ElasticBall, grip: Option<&Roll>) -> Result<Self, Unsolved> {
+        // Centrifugal forces may be beyond a guess; the ball without them is one too.
+        let guess = || Roll::guess(pair).or_else(|_| Roll::guess(&pair.with_inertia(0.0)));
+        Ok(Self { pair, grip: grip.map_or_else(guess, |grip| Ok(*grip))? })
+    }
+}
+
+/// A root and its answer.
+pub(crate) struct SlipResult {
+    ball: BallState,
+    transmission: Transmission,
+    skid: SkidNumbers,
+    info: SolveInfo,
+    pub(crate) root: SlipRoot,
+    /// What the quadrature may leave in the efficiency (T25).
+    error: f64,
+}
+
+/// Why a point has no root of an accuracy.
+#[derive(Debug)]
+struct NotFound {
+    why: Unsolved,
+    /// The root of the search that this accuracy has lost.
+    near: Option<Box<SlipRoot>>,
+}
+
+impl NotFound {
+    fn why(self) -> Unsolved {
+        self.why
+    }
+}
+
+impl From<Unsolved> for NotFound {
+    fn from(why: Unsolved) -> Self {
+        Self { why, near: None }
+    }
+}
+
+impl SlipResult {
+    pub(crate) fn solved(&self, pair: &ElasticBall) -> Solved {
+        let Self { ball, transmission, skid, info, error, .. } = *self;
+        let error = Some(ErrorBound::of(pair.direction, transmission.efficiency, error));
+        Solved { skid: Some(skid), info: Some(info), error, ..Solved::new(&ball, transmission) }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,781 @@
+//! The equations of a ball with both contacts in one call, and their Jacobian by hand.
+//!
+//! The equations are those of [`SlipBall::residual`], and their columns those of its jets, which test this; a
+//! state that has no contacts is left to them.
+//!
+//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T10), (T23).
+
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+
+use std::array::from_fn;
+use std::cell::Cell;
+use std::f64::consts::FRAC_PI_2;
+
+use bsm_kin::Jet;
+use bsm_newton::{Equations, EvalError, Linear};
+use bsm_simd::{Arch, BLOCK, Block, Compare, Lane, Simd, WithSimd};
+
+use super::{Lubrication, OMEGA, SlipBall};
+use crate::contact::torque;
+use crate::cost;
+use crate::ellipse::{Dry, OilLaw, Patch, Resultants, SUMS, sums, surface_drop};
+use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
+use crate::models::ball::{BALL, EhlPoint, ROWS, ScaledFilm, linear};
+
+/// What belongs to a state, all scaled.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Evaluated<F = f64> {
+    /// What the seven equations leave over.
+    pub(super) left: [F; BALL],
+    pub(super) transmitted: PowerFlow<F>,
+    /// Derivatives of the equations and of the torque by the unknowns, if asked for, and a place that is zero.
+    pub(super) rows: [Slopes<F>; BALL],
+    pub(super) slope: Slopes<F>,
+}
+
+/// A number for each unknown, and a place that is zero.
+type Slopes<F> = [F; BLOCK];
+
+/// Numbers of a point in units of ball radius, axial load per ball and relative speed, as the equations take
+/// them.
+#[derive(Debug, Clone, Copy)]
+pub struct TractionPoint<F = f64> {
+    /// Sine and cosine of the lead angle.
+    pub lead: (F, F),
+    /// Pitch radius.
+    pub radius: F,
+    /// Arc length per radian.
+    pub arc: F,
+    /// `$A_2$` (J2).
+    pub reach: F,
+    /// Offsets of the groove arcs at nut and screw.
+    pub offsets: [F; 2],
+    /// Approaches under the axial load.
+    pub approach: [F; 2],
+    /// Semi-axes under the axial load.
+    pub semi_axes: [(F, F); 2],
+    /// Radii of the pressed surfaces.
+    pub pressed_radius: [F; 2],
+    /// Coefficient against a slip over `$W$`.
+    pub friction: F,
+    /// Of the ball.
+    pub mass: F,
+    /// Nut speed over `$W$`.
+    pub nut_speed: F,
+    /// What the unknown of the precession leaves out of its rate.
+    pub offset: F,
+    /// Creep speed.
+    pub creep: F,
+    /// The unknowns are those of a ball that is thrown against the nut (T10).
+    pub at_nut: bool,
+}
+
+/// Lever arm of friction over the ball radius `$h$`, that of the ends of ellipses longer than the ball.
+///
+/// * `semi_axes`: of the loaded ellipses.
+#[inline(always)]
+pub(super) fn lever<F: Compare>(semi_axes: [F; 2], pressed_radius: [F; 2]) -> F {
+    let mut lever = semi_axes[0].constant(1.0);
+    for i in 0..2 {
+        let a = semi_axes[i];
+        lever = lever.larger(a.larger(surface_drop(a, pressed_radius[i])));
+    }
+    lever
+}
+
+/// Sizes of the forces along t and t × N and of the moments.
+///
+/// * `force`: the inertia force over the load.
+#[inline(always)]
+pub(super) fn sizes<F: Compare>(force: F, friction: F, lever: F) -> (F, F) {
+    // D_F = diag(w, w₀, w, w/(f h), w/(f h), w/(f h), w)                  (T3)
+    let one = force.constant(1.0);
+    let force = force.larger(one);
+    (force, force * F::select(friction.lt(one), friction, one) * lever)
+}
+
+impl SlipBall<'_> {
+    /// The equations at a state, with derivatives if `SLOPED`; of a lubricant, unless they are to be complete, without
+    /// those of rolling resistance and of the coefficient by the load.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if a contact is lost.
+    pub(super) fn evaluated<const SLOPED: bool>(
+        &self,
+        y: &[f64; BALL],
+    ) -> Result<Evaluated, EvalError> {
+        cost::evaluated();
+        let (mut found, arch) = (Evaluated::zero(0.0), Arch::new());
+        let is_done = match &self.lubrication {
+            None => arch.dispatch(Evaluate::<_, SLOPED>(self, y, &Dry, &mut found)),
+            Some(Lubrication { part, complete, .. }) if *part < 1.0 || SLOPED && *complete => false,
+            Some(Lubrication { ehl, .. }) => {
+                arch.dispatch(Evaluate::<_, SLOPED>(self, y, *ehl, &mut found))
+            }
+        };
+        if is_done { Ok(found) } else { self.in_jets(y) }
+    }
+
+    /// The same from the formulas in any scalar.
+    pub(super) fn in_jets(&self, y: &[f64; BALL]) -> Result<Evaluated, EvalError> {
+        let (mut power, mut sliding) = (f64::NAN, [f64::NAN; 2]);
+        let (values, slopes) = linear::<{ BALL + 1 }, BALL>(y, |y| {
+            let state = self.state(y)?;
+            (power, sliding) = (state.power, state.sliding);
+            let left = self.left(y, &state, y[PRECESSION] + self.offset());
+            let radius = Jet::from(self.pair.helix.radius);
+            let torque = torque(&state.wrench[1], radius, &state.loaded.frame);
+            Ok(from_fn(|i| left.get(i).copied().unwrap_or(torque)))
+        })?;
+        let block = |row: &[f64; BALL]| from_fn(|k| row.get(k).copied().unwrap_or(0.0));
+        Ok(Evaluated {
+            left: from_fn(|i| values[i]),
+            transmitted: PowerFlow { torque: values[BALL], power, sliding },
+            rows: from_fn(|i| block(&slopes[i])),
+            slope: block(&slopes[BALL]),
+        })
+    }
+}
+
+impl<F: Copy> Evaluated<F> {
+    #[inline(always)]
+    pub(super) fn zero(zero: F) -> Self {
+        Self {
+            left: [zero; BALL],
+            transmitted: PowerFlow { torque: zero, power: zero, sliding: [zero; 2] },
+            rows: [[zero; BLOCK]; BALL],
+            slope: [zero; BLOCK],
+        }
+    }
+}
+
+impl Evaluated {
+    /// The Jacobian.
+    pub(super) fn jacobian(&self) -> [[f64; BALL]; BALL] {
+        let mut jacobian = [[0.0; BALL]; BALL];
+        for (to, from) in jacobian.iter_mut().zip(&self.rows) {
+            to.copy_from_slice(&from[..BALL]);
+        }
+        jacobian
+    }
+}
+
+/// The equations of a ball, and what they were last evaluated for.
+pub(super) struct Watched<'a> {
+    pub(super) ball: &'a SlipBall<'a>,
+    last: Cell<Option<([f64; BALL], PowerFlow)>>,
+    slope: Cell<Block>,
+}
+
+/// Torque on the screw, the power that friction takes, and that of sliding at nut and screw; scaled.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PowerFlow<F = f64> {
+    pub(super) torque: F,
+    pub(super) power: F,
+    pub(super) sliding: [F; 2],
+}
+
+impl<'a> Watched<'a> {
+    pub(super) fn new(ball: &'a SlipBall<'a>) -> Self {
+        Self { ball, last: Cell::new(None), slope: Cell::new([0.0; BLOCK]) }
+    }
+
+    /// What the screw transmits at a state, which mostly was the last one.
+    pub(super) fn transmitted(&self, y: &[f64; BALL]) -> Result<PowerFlow, EvalError> {
+        match self.last.get() {
+            Some((last, known)) if last.map(f64::to_bits) == y.map(f64::to_bits) => Ok(known),
+            _ => Ok(self.ball.evaluated::<false>(y)?.transmitted),
+        }
+    }
+
+    /// Derivatives of the torque by the unknowns, where the Jacobian was last asked for.
+    pub(super) fn torque_slope(&self) -> Block {
+        self.slope.get()
+    }
+}
+
+impl Equations<BALL> for Watched<'_> {
+    fn retract(&self, x: &[f64; BALL], dx: &[f64; BALL], lambda: f64) -> [f64; BALL] {
+        self.ball.slid(x, &dx.map(|dx| lambda * dx))
+    }
+
+    fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {
+        let found = self.ball.evaluated::<false>(x)?;
+        self.last.set(Some((*x, found.transmitted)));
+        Ok(found.left)
+    }
+
+    fn linearize(&self, x: &[f64; BALL]) -> Result<Linear<BALL>, EvalError> {
+        let found = self.ball.evaluated::<true>(x)?;
+        self.last.set(Some((*x, found.transmitted)));
+        self.slope.set(found.slope);
+        Ok((found.left, found.jacobian()))
+    }
+
+    fn equation(&self, i: usize) -> String {
+        ROWS[i].to_owned()
+    }
+}
+
+/// Evaluates a state, in place, if it has contacts.
+struct Evaluate<'a, R, const SLOPED: bool>(
+    &'a SlipBall<'a>,
+    &'a [f64; BALL],
+    &'a R,
+    &'a mut Evaluated,
+);
+
+impl<R: TractionLaw, const SLOPED: bool> WithSimd for Evaluate<'_, R, SLOPED> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let Self(ball, y, rubbing, found) = self;
+        let scaled = ball.scaled();
+        let (contacts, exist) = contacts(&scaled, y, sin_cos_of_tilt(simd, y[TILT]));
+        if !exist {
+            return false;
+        }
+        let mut rubbed = [ContactTraction::none(0.0); 2];
+        rubbing.loss::<S, SLOPED>(simd, ball, y, &contacts, &mut rubbed);
+        evaluate::<_, R, SLOPED>(&scaled, y, &contacts, &rubbed, found);
+        true
+    }
+}
+
+/// What friction does at a contact.
+#[derive(Clone, Copy)]
+pub(super) struct ContactTraction<F = f64> {
+    /// The sums of its coefficient, and what they are multiplied with, against a slip over `$W$`.
+    pub(super) sums: Resultants<F>,
+    pub(super) coefficient: F,
+    /// Derivatives of the logarithm of the film by the unknowns.
+    film: Slopes<F>,
+    /// Force along t and moment about t × N of rolling resistance, and the power that it takes.
+    resistance: [F; 2],
+    rolling: F,
+}
+
+impl<F: Compare> ContactTraction<F> {
+    /// Nothing.
+    #[inline(always)]
+    pub(super) fn none(zero: F) -> Self {
+        Self {
+            sums: Resultants::none(zero),
+            coefficient: zero,
+            film: [zero; BLOCK],
+            resistance: [zero; 2],
+            rolling: zero,
+        }
+    }
+}
+
+/// What friction is made of.
+pub(super) trait TractionLaw {
+    /// True with a film and rolling resistance.
+    const LUBRICATED: bool;
+
+    /// What it does at a state, in place.
+    fn loss<S: Simd, const SLOPED: bool>(
+        &self,
+        simd: S,
+        ball: &SlipBall<'_>,
+        y: &[f64; BALL],
+        contacts: &Contacts<f64>,
+        rubbed: &mut [ContactTraction; 2],
+    );
+}
+
+impl TractionLaw for Dry {
+    const LUBRICATED: bool = false;
+
+    #[inline(always)]
+    fn loss<S: Simd, const SLOPED: bool>(
+        &self,
+        simd: S,
+        ball: &SlipBall<'_>,
+        _y: &[f64; BALL],
+        contacts: &Contacts<f64>,
+        rubbed: &mut [ContactTraction; 2],
+    ) {
+        let nodes = [ball.nodes(0), ball.nodes(1)];
+        let sums = sums::<S, _, 2, SLOPED>(simd, &contacts.points, &[Dry; 2], &nodes);
+        for (rubbed, sums) in rubbed.iter_mut().zip(sums) {
+            rubbed.sums = sums;
+            rubbed.coefficient = ball.pair.signed_friction();
+        }
+    }
+}
+
+impl TractionLaw for EhlPoint {
+    const LUBRICATED: bool = true;
+
+    #[inline(always)]
+    fn loss<S: Simd, const SLOPED: bool>(
+        &self,
+        simd: S,
+        ball: &SlipBall<'_>,
+        y: &[f64; BALL],
+        contacts: &Contacts<f64>,
+        rubbed: &mut [ContactTraction; 2],
+    ) {
+        let (arc, cos_lead) = (ball.pair.arc, ball.pair.lead.1);
+        let mut laws = [None; 2];
+        for i in 0..2 {
+            let (side, place) = [(1.0, NUT_LOAD), (-1.0, SCREW_LOAD)][i];
+            let angle = &contacts.angles[i];
+            let [along_t, _, w_n, w_c] = contacts.points[i].motion;
+            // k·(t × N), and its slope by the angle
+            let (k_c, turned) = (side * angle.cos * cos_lead, -side * angle.sin * cos_lead);
+            let rate = along_t / arc;
+            let film = self.of_motion(i, y[place], [rate, along_t, w_c], k_c, ball.creep);
+            let ContactTraction { film: by, resistance, rolling, .. } = &mut rubbed[i];
+            if SLOPED {
+                let growth = film.growth * film.along / film.entrainment.powi(2);
+                by[PRECESSION] = -(0.5 * arc + k_c) * growth;
+                by[OMEGA[1]] -= 0.5 * side * angle.sin * growth;
+                add::<_, ALL>(by, 0.5 * side * angle.cos * growth, &contacts.by_b);
+                add::<_, ALL>(by, -(0.5 * w_n + rate * turned) * growth, &angle.by);
+                by[place] -= 0.067 / y[place];
+            }
+            let [push, couple] = film.resist(w_c, ball.creep);
+            // M = r × F_h + C_h                                           (Y32)
+            *resistance = [push, push + couple].map(|x| ball.pair.signed(x));
+            *rolling = ball.pair.signed(ScaledFilm::resisted([push, couple], along_t, w_c));
+            laws[i] = Some(OilLaw::of(&film.law));
+        }
+        let [Some(nut), Some(screw)] = laws else { return };
+        let nodes = [ball.nodes(0), ball.nodes(1)];
+        let sums = sums::<S, _, 4, SLOPED>(simd, &contacts.points, &[nut, screw], &nodes);
+        for (rubbed, sums) in rubbed.iter_mut().zip(sums) {
+            rubbed.sums = sums;
+            rubbed.coefficient = ball.pair.signed(1.0);
+        }
+    }
+}
+
+/// A number and its derivatives by the unknowns.
+#[derive(Clone, Copy)]
+struct Sloped<F> {
+    re: F,
+    by: Slopes<F>,
+}
+
+/// The derivatives of an unknown at its own rate.
+#[inline(always)]
+fn along<F: Compare>(unknown: usize, rate: F) -> Slopes<F> {
+    let mut by = [rate.constant(0.0); BLOCK];
+    by[unknown] = rate;
+    by
+}
+
+/// Sets of unknowns, a bit each: all, those that the contacts stand by, and the rotation along the axis and
+/// around it.
+const ALL: u8 = (1 << BALL) - 1;
+const STATICS: u8 = 1 << NUT_LOAD | 1 << TILT | 1 << SCREW_LOAD;
+const FLAT: u8 = 1 << OMEGA[0] | 1 << OMEGA[2];
+
+/// Adds derivatives by the unknowns `OF`; those by others are zero.
+#[inline(always)]
+fn add<F: Compare, const OF: u8>(to: &mut Slopes<F>, factor: F, by: &Slopes<F>) {
+    for i in 0..BLOCK {
+        // Those of one number are side by side, and take one operation all together.
+        if !F::WIDE || OF >> i & 1 == 1 {
+            to[i] = to[i] + factor * by[i];
+        }
+    }
+}
+
+/// Derivatives times a factor.
+#[inline(always)]
+fn times<F: Compare>(factor: F, by: &Slopes<F>) -> Slopes<F> {
+    let mut product = *by;
+    for i in 0..BLOCK {
+        product[i] = factor * by[i];
+    }
+    product
+}
+
+/// Derivatives and a derivative by the tilt itself.
+#[inline(always)]
+fn tilted<F: Compare>(by: &Slopes<F>, own: f64) -> Slopes<F> {
+    let mut sum = *by;
+    sum[TILT] = sum[TILT] + own;
+    sum
+}
+
+/// Sine and cosine of an angle, and its derivatives.
+#[derive(Clone, Copy)]
+pub(super) struct Angle<F> {
+    pub(super) sin: F,
+    pub(super) cos: F,
+    by: Slopes<F>,
+}
+
+/// The contacts of a state, with what their columns are made of.
+pub(super) struct Contacts<F> {
+    pub(super) points: [Patch<F>; 2],
+    /// The turn of the triad, the angles of the contacts from there, and those of the contacts.
+    pub(super) turn: Angle<F>,
+    tilts: [Angle<F>; 2],
+    pub(super) angles: [Angle<F>; 2],
+    /// Derivatives of the angular velocity about t and b.
+    by_t: Slopes<F>,
+    by_b: Slopes<F>,
+}
+
+impl SlipBall<'_> {
+    /// The numbers of the equations.
+    #[inline(always)]
+    pub(super) fn scaled(&self) -> TractionPoint {
+        let pair = self.pair;
+        TractionPoint {
+            lead: pair.lead,
+            radius: pair.helix.radius,
+            arc: pair.arc,
+            reach: pair.reach,
+            offsets: [pair.jones.nut_offset, pair.jones.screw_offset],
+            approach: pair.approach,
+            semi_axes: pair.semi_axes,
+            pressed_radius: pair.pressed_radius,
+            friction: pair.signed_friction(),
+            mass: pair.ball.mass,
+            nut_speed: pair.nut_speed,
+            offset: self.offset(),
+            creep: self.creep,
+            at_nut: self.at_nut,
+        }
+    }
+}
+
+/// Sine and cosine of the tilt, as lanes have them, which are faster than the library.
+#[inline(always)]
+fn sin_cos_of_tilt<S: Simd>(simd: S, tilt: f64) -> (f64, f64) {
+    if tilt.abs() > FRAC_PI_2 {
+        return tilt.sin_cos();
+    }
+    let (sin, cos) = Lane::<S>::splat(simd, tilt).sin_cos_of_tilt();
+    (sin.as_slice()[0], cos.as_slice()[0])
+}
+
+/// Lengths of both sides of the triangle of loaded contacts, and their slopes by the loads.
+pub(super) struct Sides<F: Compare> {
+    /// Cube roots of the loads.
+    growth: [F; 2],
+    pub(super) lengths: [F; 2],
+    pub(super) slopes: [F; 2],
+    pub(super) pressed: F::Mask,
+}
+
+impl<F: Compare> Sides<F> {
+    #[inline(always)]
+    pub(super) fn of(pair: &TractionPoint<F>, y: &[F; BALL]) -> Self {
+        let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
+        let zero = pair.radius.constant(0.0);
+        // a ~ Q^{1/3},  δ = (Q/K_H)^{2/3}                                 (P6), (P2)
+        let growth = [loads[0].cube_root(), loads[1].cube_root()];
+        let (mut lengths, mut slopes) = (pair.offsets, [zero; 2]);
+        for i in 0..2 {
+            let approach = growth[i] * growth[i] * pair.approach[i];
+            lengths[i] = lengths[i] + approach;
+            slopes[i] = approach / loads[i] * (2.0 / 3.0);
+        }
+        Self { growth, lengths, slopes, pressed: loads[0].gt(zero) & loads[1].gt(zero) }
+    }
+}
+
+/// Sines and cosines of the mean contact angle and of those at nut and screw, and the height `$A_1$` of the triangle.
+pub(super) struct Mean<F: Compare> {
+    pub(super) angle: (F, F),
+    pub(super) nut: [F; 2],
+    pub(super) screw: [F; 2],
+    pub(super) height: F,
+    pub(super) exists: F::Mask,
+}
+
+impl<F: Compare> Mean<F> {
+    /// Of two sides that are turned apart by twice the tilt.
+    #[inline(always)]
+    pub(super) fn of([l_a, l_b]: [F; 2], a_2: F, (sin_y, cos_y): (F, F)) -> Self {
+        // l_A cos(β − ν) + l_B cos(β + ν) = A₂ = S cosβ + D sinβ          (J7)
+        let (s, d) = ((l_a + l_b) * cos_y, (l_a - l_b) * sin_y);
+        let both = s * s + d * d;
+        let square = both - a_2 * a_2;
+        let zero = a_2.constant(0.0);
+        let height = square.sqrt();
+        let (sin, cos) = ((height * s + a_2 * d) / both, (a_2 * s - height * d) / both);
+        Self {
+            angle: (sin, cos),
+            nut: [sin * cos_y - cos * sin_y, cos * cos_y + sin * sin_y],
+            screw: [sin * cos_y + cos * sin_y, cos * cos_y - sin * sin_y],
+            height,
+            exists: square.gt(zero) & s.gt(zero),
+        }
+    }
+}
+
+/// The contacts of a state, and where they exist.
+///
+/// * `sin_y`, `cos_y`: of the tilt.
+#[inline(always)]
+pub(super) fn contacts<F: Compare>(
+    pair: &TractionPoint<F>,
+    y: &[F; BALL],
+    (sin_y, cos_y): (F, F),
+) -> (Contacts<F>, F::Mask) {
+    let (zero, one) = (pair.radius.constant(0.0), pair.radius.constant(1.0));
+    let Sides { growth, lengths: [l_a, l_b], slopes, pressed } = Sides::of(pair, y);
+    let a_2 = pair.reach;
+    let own = along(TILT, one);
+    let (turn, tilts, angles, exist);
+    if pair.at_nut {
+        // cosβ_B = (A₂ − l_A cosβ_A)/l_B                                  (J9)
+        let cos = (a_2 - l_a * cos_y) / l_b;
+        let square = (one - cos) * (one + cos);
+        exist = pressed & square.gt(zero);
+        let sin = square.sqrt();
+        let mut by = along(TILT, -l_a * sin_y);
+        (by[NUT_LOAD], by[SCREW_LOAD]) = (cos_y * slopes[0], cos * slopes[1]);
+        let nut = Angle { sin: sin_y, cos: cos_y, by: own };
+        let screw = Angle { sin, cos, by: times(one / (l_b * sin), &by) };
+        let apart = Angle {
+            sin: sin * cos_y - cos * sin_y,
+            cos: cos * cos_y + sin * sin_y,
+            by: tilted(&screw.by, -1.0),
+        };
+        turn = nut;
+        tilts = [Angle { sin: zero, cos: one, by: [zero; BLOCK] }, apart];
+        angles = [nut, screw];
+    } else {
+        let Mean { angle: (sin, cos), nut, screw, height, exists } =
+            Mean::of([l_a, l_b], a_2, (sin_y, cos_y));
+        exist = pressed & exists;
+        let ([sin_a, cos_a], [sin_b, cos_b]) = (nut, screw);
+        // A₁ dβ = cosβ_A dl_A + cosβ_B dl_B + (l_A sinβ_A − l_B sinβ_B) dν
+        let mut by = along(TILT, l_a * sin_a - l_b * sin_b);
+        (by[NUT_LOAD], by[SCREW_LOAD]) = (cos_a * slopes[0], cos_b * slopes[1]);
+        let by = times(one / height, &by);
+        turn = Angle { sin, cos, by };
+        tilts = [
+            Angle { sin: -sin_y, cos: cos_y, by: along(TILT, -one) },
+            Angle { sin: sin_y, cos: cos_y, by: own },
+        ];
+        angles = [
+            Angle { sin: sin_a, cos: cos_a, by: tilted(&by, -1.0) },
+            Angle { sin: sin_b, cos: cos_b, by: tilted(&by, 1.0) },
+        ];
+    }
+
+    // ω' = ω'_k k + ω'_n n + ω'_c k × n                                   (T4)
+    let (sin_lead, cos_lead) = pair.lead;
+    let [along_axis, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
+    // About t and b, relative to the nut.
+    let mut by_t = along(OMEGA[0], sin_lead);
+    by_t[OMEGA[2]] = -cos_lead;
+    let mut by_b = along(OMEGA[0], cos_lead);
+    by_b[OMEGA[2]] = sin_lead;
+    let omega_t = sin_lead * along_axis - cos_lead * around;
+    let omega_b = cos_lead * along_axis + sin_lead * around;
+
+    let from_nut = y[PRECESSION] + (pair.offset - pair.nut_speed);
+    let mut points = [Patch {
+        semi_axes: (zero, zero),
+        pressed_radius: zero,
+        ball_radius: one,
+        motion: [zero; 4],
+        creep: pair.creep,
+    }; 2];
+    for i in 0..2 {
+        let (side, body) = [(one, zero), (-one, one)][i];
+        let Angle { sin, cos, .. } = angles[i];
+        let (t, b) = (omega_t - body * sin_lead, omega_b - body * cos_lead);
+        points[i].motion = [
+            pair.arc * (from_nut - body),
+            t,
+            side * (sin * b + cos * radial),
+            side * (cos * b - sin * radial),
+        ];
+        let (a, b) = pair.semi_axes[i];
+        points[i].semi_axes = (growth[i] * a, growth[i] * b);
+        points[i].pressed_radius = pair.pressed_radius[i];
+    }
+    (Contacts { points, turn, tilts, angles, by_t, by_b }, exist)
+}
+
+/// The equations, with derivatives if `SLOPED`, in the place of zeros.
+#[inline(always)]
+pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
+    pair: &TractionPoint<F>,
+    y: &[F; BALL],
+    Contacts { points, turn, tilts, angles, by_t, by_b }: &Contacts<F>,
+    rubbed: &[ContactTraction<F>; 2],
+    Evaluated { left, transmitted, rows, slope }: &mut Evaluated<F>,
+) {
+    let (sin_lead, cos_lead) = pair.lead;
+    let (loads, one) = ([y[NUT_LOAD], y[SCREW_LOAD]], sin_lead.constant(1.0));
+    for i in 0..2 {
+        let side = [one, -one][i];
+        let place = [NUT_LOAD, SCREW_LOAD][i];
+        let (load, by_load) = (loads[i], along(place, one));
+        let (tilt, angle) = (&tilts[i], &angles[i]);
+        let &ContactTraction { ref sums, coefficient, ref film, resistance, rolling } = &rubbed[i];
+        let &Resultants { ref values, power: unit_power, ref slopes, by_film } = sums;
+        let pull = load * coefficient;
+        // P_f = Σ f Q ∫ dP                                                (P7)
+        let sliding = pull * unit_power;
+        transmitted.sliding[i] = sliding;
+        transmitted.power = transmitted.power + (sliding + rolling);
+        let mut parts = [Sloped { re: one.constant(0.0), by: [one.constant(0.0); BLOCK] }; 5];
+        let [_, _, w_n, w_c] = points[i].motion;
+        let (mut by_n, mut by_c) =
+            (along(OMEGA[1], side * angle.cos), along(OMEGA[1], -side * angle.sin));
+        if SLOPED {
+            add::<_, STATICS>(&mut by_n, w_c, &angle.by);
+            add::<_, FLAT>(&mut by_n, side * angle.sin, by_b);
+            add::<_, STATICS>(&mut by_c, -w_n, &angle.by);
+            add::<_, FLAT>(&mut by_c, side * angle.cos, by_b);
+        }
+        for k in 0..SUMS {
+            let part = &mut parts[k];
+            part.re = pull * values[k];
+            if SLOPED {
+                let [a, t, n, c, g] = slopes[k];
+                part.by = times(pull * n, &by_n);
+                add::<_, { STATICS | FLAT | 1 << OMEGA[1] }>(&mut part.by, pull * c, &by_c);
+                add::<_, FLAT>(&mut part.by, pull * t, by_t);
+                part.by[PRECESSION] = pull * a * pair.arc;
+                // d(f Q I) = f I dQ + f Q dI,  d ln a = dQ/(3 Q)
+                part.by[place] = part.by[place] + coefficient * (values[k] + g * (1.0 / 3.0));
+            }
+        }
+        if R::LUBRICATED {
+            parts[0].re = parts[0].re + resistance[0];
+            parts[4].re = parts[4].re + resistance[1];
+        }
+        if R::LUBRICATED && SLOPED {
+            for (part, by_film) in parts.iter_mut().zip(by_film) {
+                add::<_, ALL>(&mut part.by, pull * by_film, film);
+            }
+        }
+        // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                               (T2)
+        let [f_t, f_c, m_t, m_n, m_c] = &parts;
+        let normal = Sloped { re: load, by: by_load };
+        let (force, moment) = ([f_t, &normal, f_c], [m_t, m_n, m_c]);
+        add_vector::<F, SLOPED, 0, STATICS>((side, tilt), force, (left, rows));
+        add_vector::<F, SLOPED, 3, ALL>((side, tilt), moment, (left, rows));
+        // Components along n and b.
+        let (n, b) = turned(side, (angle.sin, angle.cos), (load, f_c.re));
+        if i == 0 {
+            // F_nut·k − F_a                                               (P5)
+            left[6] = f_t.re * sin_lead + b * cos_lead - one;
+            if SLOPED {
+                let row = &mut rows[6];
+                *row = times(sin_lead, &f_t.by);
+                add::<_, STATICS>(row, cos_lead * side * angle.sin, &normal.by);
+                add::<_, ALL>(row, cos_lead * side * angle.cos, &f_c.by);
+                add::<_, STATICS>(row, cos_lead * n, &angle.by);
+            }
+        } else {
+            // T = [(−r_m n) × F + M]·k                                    (B7)
+            let (m_1, m_2) = turned(side, (angle.sin, angle.cos), (m_n.re, m_c.re));
+            let (force, arm) = (pair.radius * cos_lead, -(pair.radius * sin_lead));
+            transmitted.torque = m_t.re * sin_lead + m_2 * cos_lead + f_t.re * force + b * arm;
+            if SLOPED {
+                *slope = times(sin_lead, &m_t.by);
+                add::<_, ALL>(slope, cos_lead * side * angle.sin, &m_n.by);
+                add::<_, ALL>(slope, cos_lead * side * angle.cos, &m_c.by);
+                add::<_, STATICS>(slope, cos_lead * m_1 + arm * n, &angle.by);
+                add::<_, ALL>(slope, force, &f_t.by);
+                add::<_, STATICS>(slope, arm * side * angle.sin, &normal.by);
+                add::<_, ALL>(slope, arm * side * angle.cos, &f_c.by);
+            }
+        }
+    }
+
+    add_inertia::<F, SLOPED>(pair, y, turn, (left, rows));
+}
+
+/// Adds a vector of a contact, given along t, N and t × N, to three equations from the number `ROW` on.
+///
+/// * `NORMAL`: unknowns that its component along N changes with.
+#[inline(always)]
+fn add_vector<F: Compare, const SLOPED: bool, const ROW: usize, const NORMAL: u8>(
+    (side, tilt): (F, &Angle<F>),
+    [along_t, along_n, across]: [&Sloped<F>; 3],
+    (left, rows): (&mut [F; BALL], &mut [Slopes<F>; BALL]),
+) {
+    let (second, third) = turned(side, (tilt.sin, tilt.cos), (along_n.re, across.re));
+    left[ROW] = left[ROW] + along_t.re;
+    left[ROW + 1] = left[ROW + 1] + second;
+    left[ROW + 2] = left[ROW + 2] + third;
+    if SLOPED {
+        let one = side.constant(1.0);
+        add::<_, ALL>(&mut rows[ROW], one, &along_t.by);
+        add::<_, NORMAL>(&mut rows[ROW + 1], side * tilt.cos, &along_n.by);
+        add::<_, ALL>(&mut rows[ROW + 1], -side * tilt.sin, &across.by);
+        add::<_, STATICS>(&mut rows[ROW + 1], -third, &tilt.by);
+        add::<_, NORMAL>(&mut rows[ROW + 2], side * tilt.sin, &along_n.by);
+        add::<_, ALL>(&mut rows[ROW + 2], side * tilt.cos, &across.by);
+        add::<_, STATICS>(&mut rows[ROW + 2], second, &tilt.by);
+    }
+}
+
+/// Inertia forces and the gyroscopic moment.
+#[inline(always)]
+fn add_inertia<F: Compare, const SLOPED: bool>(
+    pair: &TractionPoint<F>,
+    y: &[F; BALL],
+    turn: &Angle<F>,
+    (left, rows): (&mut [F; BALL], &mut [Slopes<F>; BALL]),
+) {
+    let (sin_lead, cos_lead) = pair.lead;
+    let [_, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
+    let rate = y[PRECESSION] + pair.offset;
+    // Σ F − m r_m P² n                                                    (B4)
+    let mass = pair.mass * pair.radius;
+    let thrown = mass * rate * rate;
+    left[1] = left[1] - thrown * turn.cos;
+    left[2] = left[2] + thrown * turn.sin;
+    // Σ M − I P (ω'_n k × n − ω'_c n)                                     (B5), (T5)
+    // I = (2/5) m r_b²                                                    (B2)
+    let inertia = pair.mass * 0.4;
+    let (second, third) = (
+        sin_lead * turn.sin * radial - turn.cos * around,
+        sin_lead * turn.cos * radial + turn.sin * around,
+    );
+    let gyro = inertia * rate;
+    left[3] = left[3] + gyro * cos_lead * radial;
+    left[4] = left[4] - gyro * second;
+    left[5] = left[5] - gyro * third;
+    if SLOPED {
+        let change = mass * rate * 2.0;
+        for (row, unknown, slope) in [
+            (1, PRECESSION, -(change * turn.cos)),
+            (2, PRECESSION, change * turn.sin),
+            (3, PRECESSION, inertia * cos_lead * radial),
+            (4, PRECESSION, -(inertia * second)),
+            (5, PRECESSION, -(inertia * third)),
+            (3, OMEGA[1], gyro * cos_lead),
+            (4, OMEGA[1], -(gyro * sin_lead * turn.sin)),
+            (5, OMEGA[1], -(gyro * sin_lead * turn.cos)),
+            (4, OMEGA[2], gyro * turn.cos),
+            (5, OMEGA[2], -(gyro * turn.sin)),
+        ] {
+            rows[row][unknown] = rows[row][unknown] + slope;
+        }
+        add::<_, STATICS>(&mut rows[1], thrown * turn.sin, &turn.by);
+        add::<_, STATICS>(&mut rows[2], thrown * turn.cos, &turn.by);
+        add::<_, STATICS>(&mut rows[4], -(gyro * third), &turn.by);
+        add::<_, STATICS>(&mut rows[5], gyro * second, &turn.by);
+    }
+}
+
+/// Second and third component of a vector that has these along `$N = \pm(0, \cos, \sin)$` and `$t \times N$`.
+#[inline(always)]
+fn turned<F: Compare>(side: F, (sin, cos): (F, F), (normal, across): (F, F)) -> (F, F) {
+    (side * (cos * normal - sin * across), side * (sin * normal + cos * across))
+}

@@ -1,0 +1,208 @@
+//! The ball whose friction comes from a lubricant.
+//!
+//! Theory: `docs/theory/17-lubricant.md`, equation (Y32).
+
+use std::cell::OnceCell;
+
+use bsm_kin::{Helix, Jet};
+use bsm_newton::{Continuation, follow};
+
+use super::columns::Watched;
+use super::root::{Refined, SlipRoot};
+use super::{
+    COARSE, FrozenRule, Lubrication, NEAR, SEARCH, SlipBall, SlipState, Start, Traction,
+    TractionWorkspace,
+};
+use crate::contact::ideal_torque;
+use crate::models::ball::{
+    EhlPoint, ElasticBall, LubricatedWorkspace, SolveInfo, Steady, SteadyRoot, Unsolved, Workspace,
+    domain_error, moving_root, to_both, unit_powers,
+};
+use crate::models::raceway_control::Roll;
+use crate::models::workspace::ModelWorkspace;
+
+/// Residual of a root: its powers balance to a tenth of what they must.
+const ENOUGH: f64 = 1e-11;
+
+impl<'a> SlipBall<'a> {
+    /// The same with a lubricant.
+    fn lubricated(&self, ehl: &'a EhlPoint) -> Self {
+        Self { lubrication: Some(Lubrication { ehl, part: 1.0, complete: false }), ..*self }
+    }
+}
+
+impl SlipBall<'_> {
+    /// The same with so much of the friction from the lubricant, and with derivatives of all that changes.
+    fn complete(&self, part: f64) -> Self {
+        let complete = |lubrication| Lubrication { part, complete: true, ..lubrication };
+        Self { lubrication: self.lubrication.map(complete), ..*self }
+    }
+
+    /// The root near the one of a constant coefficient; else, while the oil takes over from it; else,
+    /// from the rolling ball and friction that is nearly proportional to the slip.
+    fn search_near(
+        &self,
+        near: Option<&SlipRoot>,
+        grip: &Roll,
+        newton: &mut Workspace,
+        steps: &mut usize,
+    ) -> Result<SlipRoot, Unsolved> {
+        let mut failure = Unsolved::LOST;
+        if let Some(near) = near {
+            let here = self.of(near);
+            for ball in [here, here.complete(1.0)] {
+                match ball.solved(near.unknowns, newton, steps) {
+                    Ok(root) => return Ok(root),
+                    Err(reason) => failure = Unsolved::not_converged(reason),
+                }
+            }
+            let mut y = near.unknowns;
+            let stride = Continuation { first: 0.25, shortest: 0.01 };
+            let arrived = follow(&mut y, (0.0, 1.0), stride, |part, y| {
+                let report = here.complete(part).run(y, newton);
+                *steps += report.steps.len();
+                report.converged()
+            });
+            if arrived.is_ok()
+                && let Ok(root) = here.solved(y, newton, steps)
+            {
+                return Ok(root);
+            }
+        }
+        let gripping = self.unknowns(&grip.loaded, &grip.to_nut);
+        let stride = Continuation { first: 1.0, shortest: 0.05 };
+        [*self, self.complete(1.0)]
+            .iter()
+            .find_map(|ball| ball.lowered(gripping, 0.0, stride, newton, steps))
+            .ok_or(failure)
+    }
+}
+
+/// A root, the point with its friction scale, and the gripping ball that the search began with.
+struct ScaledRoot {
+    pair: ElasticBall,
+    grip: Roll,
+    refined: Refined,
+    plans: [OnceCell<FrozenRule>; 2],
+    steps: usize,
+    /// What the quadrature may leave in the efficiency of the contacts (T25).
+    error: f64,
+}
+
+impl Traction {
+    /// The root near that of a constant coefficient, with the quadrature of the accuracy.
+    fn lubricated_root(
+        &self,
+        ehl: &EhlPoint,
+        work: &mut TractionWorkspace,
+        oil: &mut LubricatedWorkspace,
+    ) -> Result<ScaledRoot, Unsolved> {
+        let pair = self.at.scaled()?;
+        let grip = Roll::of(&pair, None, &mut work.statics);
+        let Start { grip, .. } = Start::new(&pair, grip.ok().as_ref())?;
+        let creep = self.creep * pair.slip_scale();
+        let scale = ehl.friction_scale(&pair, &grip.loaded, &grip.to_nut, creep);
+        let pair = pair.with_friction(scale);
+        let TractionWorkspace { newton, rules, .. } = work;
+        let [coarse, search] =
+            rules.dry([COARSE, SEARCH]).map(|[rule, _]| SlipBall::of_pair(&pair, rule, creep));
+        let rules = oil.oil.of_oil([COARSE, SEARCH, self.accuracy]);
+        let [rough, smooth, fine] =
+            rules.map(|[rule, _]| SlipBall::of_pair(&pair, rule, creep).lubricated(ehl));
+        let [.., [_, check]] = rules;
+        let (coarse, rough) =
+            (SlipBall { enough: NEAR, ..coarse }, SlipBall { enough: NEAR, ..rough });
+        let mut steps = grip.steps;
+        let near = coarse.search(&grip, false, newton, &mut steps).ok();
+        let found = rough.search_near(near.as_ref(), &grip, newton, &mut steps);
+        let root = if let Ok(root) = found {
+            root
+        } else {
+            let near = search.search(&grip, true, newton, &mut steps).ok();
+            smooth.search_near(near.as_ref(), &grip, newton, &mut steps)?
+        };
+        let plans = Default::default();
+        let fine = SlipBall { enough: ENOUGH, ..fine };
+        let refined = fine
+            .refined(&root, &plans, newton, &mut steps)
+            .or_else(|| fine.complete(1.0).refined(&root, &plans, newton, &mut steps))
+            .ok_or(Unsolved::LOST)?;
+        let Refined { root, transmitted, torque_slope, .. } = &refined;
+        let checked = SlipBall { quadrature: check, ..fine.of(root) };
+        let other = checked.evaluated::<false>(&root.unknowns).ok();
+        let Helix { radius, lead_angle } = pair.helix;
+        let ideal = ideal_torque(1.0, radius, lead_angle.tan());
+        let torque = transmitted.torque;
+        let efficiency = crate::contact::efficiency(pair.direction.is_back(), ideal, torque);
+        let error = checked.error(self.accuracy, other.as_ref(), torque_slope, efficiency, newton);
+        Ok(ScaledRoot { pair, grip, refined, plans, steps, error })
+    }
+
+    /// The steady ball with a lubricant.
+    pub(crate) fn lubricated(
+        &self,
+        ehl: &EhlPoint,
+        work: &mut TractionWorkspace,
+        oil: &mut LubricatedWorkspace,
+    ) -> Result<SteadyRoot, Unsolved> {
+        let ScaledRoot { pair, grip, refined, steps, error, .. } =
+            self.lubricated_root(ehl, work, oil)?;
+        let Refined { root, transmitted, loaded, .. } = refined;
+        let creep = self.creep * pair.slip_scale();
+        let [_, dry] = oil.both(self.accuracy);
+        let ball = SlipBall::of_pair(&pair, dry, creep).of(&root);
+        let to_nut = ball.motion_to_nut(&root.unknowns, &loaded);
+        let motions = to_both(&to_nut, &loaded.frame);
+        let losses = std::array::from_fn(|i| {
+            ehl.loss_of(i, (&pair, &loaded), &motions[i], creep, transmitted.sliding[i])
+        });
+        let unit = unit_powers(&pair, &loaded, &to_nut, creep, [0, 1].map(|i| ball.nodes(i)));
+        let torque = transmitted.torque * (self.at.point.ball.radius * self.at.point.load.axial);
+        let info = SolveInfo { steps, residual: root.residual };
+        let steady = Steady { loaded, to_nut, losses, torque };
+        let (skid, error) = (grip.skid(&pair), Some(error));
+        Ok(SteadyRoot { pair, steady, unit, skid, info, control: None, error })
+    }
+}
+
+impl<const M: usize> Traction<Jet<M>> {
+    /// The same without derivatives.
+    pub(crate) fn values(&self) -> Traction {
+        let Self { at, accuracy, creep } = *self;
+        Traction { at: at.values(), accuracy, creep }
+    }
+
+    /// The steady ball with a lubricant, with derivatives, and the point.
+    ///
+    /// * `values`: the same without derivatives.
+    pub(crate) fn lubricated_slopes(
+        &self,
+        ehl: &EhlPoint<Jet<M>>,
+        values: &EhlPoint,
+        ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
+    ) -> Result<(ElasticBall<Jet<M>>, Steady<Jet<M>>), Unsolved> {
+        let inputs = self.at.scaled()?;
+        let ScaledRoot { pair, refined: Refined { root, .. }, plans, .. } =
+            self.values().lubricated_root(values, traction, lubricated)?;
+        let creep = self.creep * pair.slip_scale();
+        let (newton, quadrature) = (&mut traction.newton, lubricated.both(self.accuracy)[0]);
+        let ball = SlipBall::of_pair(&pair, quadrature, creep).of(&root);
+        let ball = SlipBall { plans: Some(&plans), ..ball };
+        let lubrication = Lubrication { ehl, part: 1.0, complete: true };
+        let moving = ball.over(&inputs, Some(lubrication));
+        let system = ball.lubricated(values).complete(1.0);
+        let weights = ball.weights(&root.unknowns);
+        let y = moving_root(
+            &Watched::new(&system),
+            &root.unknowns,
+            &weights,
+            |y| moving.residual(y),
+            newton,
+        )?;
+        let SlipState { loaded, to_nut, wrench, losses, .. } =
+            moving.state(&y).map_err(domain_error)?;
+        let torque = self.at.screw_torque(&inputs, &loaded.frame, &wrench[1]);
+        let losses = losses.expect("a lubricant");
+        Ok((inputs, Steady { loaded, to_nut, losses, torque }))
+    }
+}

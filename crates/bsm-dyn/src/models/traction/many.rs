@@ -1,0 +1,621 @@
+//! Many points by lanes: Newton from a start, on the coarse quadrature and then on that of the accuracy.
+//!
+//! Points that are near their root on the coarse one make room for others. What is left over goes to
+//! the model, which searches on.
+//!
+//! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T24), (T25).
+
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+#![expect(clippy::needless_range_loop, reason = "places of vectors and matrices, as on paper")]
+
+use std::sync::LazyLock;
+
+use bsm_simd::{Arch, BLOCK, Compare, Lane, Mask, NullaryFnOnce, Simd, WithSimd};
+
+use super::columns::{
+    Angle, ContactTraction, Contacts, Evaluated, TractionPoint, contacts, evaluate, lever, sizes,
+};
+use super::root::{FASTEST, LEFT, LEVEL};
+use super::slips::slid;
+use super::{COARSE, OMEGA};
+use crate::ellipse::{Dry, ManyNodes, ManyQuadrature, Quadrature};
+use crate::models::ball::BALL;
+use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
+
+/// Residual from which the coarse quadrature is left for the one that is asked for.
+const NEAR: f64 = 1e-4;
+
+/// Sufficient decrease of (N5).
+const ARMIJO: f64 = 1e-4;
+
+/// Residual from which a last step leads to the root, and the larger one from which it does so if the last
+/// step has lowered it to this part.
+const GOAL: f64 = 1e-12;
+const ROOT: f64 = 1e-10;
+const QUICK: f64 = 1e-2;
+
+/// Evaluations at each creep speed with the coarse and with the fine quadrature before a point is left to the model.
+const MOST_COARSE: f64 = 12.0;
+const MOST_FINE: usize = 8;
+
+/// Which equation each unknown is eliminated with: friction is a convex potential of the motion, so that no
+/// exchange of rows is needed.
+const PIVOT_ROWS: [usize; BALL] = [6, 1, 2, 0, 3, 4, 5];
+
+static NEARBY: LazyLock<Option<ManyQuadrature>> =
+    LazyLock::new(|| ManyQuadrature::new(Quadrature::of(COARSE), 3));
+
+/// A point and the state to start from.
+#[derive(Debug, Clone, Copy)]
+pub struct TractionStart<F = f64> {
+    /// The point.
+    pub point: TractionPoint<F>,
+    /// The unknowns (T1).
+    pub unknowns: [F; BALL],
+}
+
+/// A root.
+#[derive(Debug, Clone, Copy)]
+pub struct TractionRoot<F = f64> {
+    /// The unknowns (T1).
+    pub unknowns: [F; BALL],
+    /// Torque on the screw.
+    pub torque: F,
+    /// The power that friction takes.
+    pub power: F,
+    /// What the torque of another quadrature differs.
+    pub error: F,
+    /// Evaluations.
+    pub steps: F,
+    /// Scaled residual.
+    pub residual: F,
+}
+
+/// Numbers of a [`TractionRoot`].
+pub const TRACTION_FOUND: usize = 12;
+
+impl<F: Copy> TractionRoot<F> {
+    /// The numbers one after the other.
+    #[inline(always)]
+    pub fn numbers(&self) -> [F; TRACTION_FOUND] {
+        let Self { unknowns: [y_0, y_1, y_2, y_3, y_4, y_5, y_6], torque, power, .. } = *self;
+        let Self { error, steps, residual, .. } = *self;
+        [y_0, y_1, y_2, y_3, y_4, y_5, y_6, torque, power, error, steps, residual]
+    }
+
+    /// Of its numbers.
+    #[inline(always)]
+    pub fn of(numbers: [F; TRACTION_FOUND]) -> Self {
+        let [y_0, y_1, y_2, y_3, y_4, y_5, y_6, torque, power, error, steps, residual] = numbers;
+        let unknowns = [y_0, y_1, y_2, y_3, y_4, y_5, y_6];
+        Self { unknowns, torque, power, error, steps, residual }
+    }
+}
+
+/// Numbers of a [`TractionStart`].
+pub const TRACTION_START: usize = 27;
+
+impl<F: Compare> TractionStart<F> {
+    /// Where a step leads to.
+    #[inline(always)]
+    fn moved(&self, step: &[F; BALL]) -> Self {
+        let (y, mut next) = (&self.unknowns, self.unknowns);
+        for k in 0..BALL {
+            next[k] = next[k] + step[k];
+        }
+        let tilts = [y[TILT].sin_cos_of_tilt(), next[TILT].sin_cos_of_tilt()];
+        let (slid, exists) = slid(&self.point, y, step, tilts);
+        for k in 0..BALL {
+            next[k] = F::select(exists, slid[k], next[k]);
+        }
+        Self { unknowns: next, ..*self }
+    }
+
+    /// The numbers one after the other, the unknowns last.
+    #[inline(always)]
+    pub fn numbers(&self) -> [F; TRACTION_START] {
+        let Self { point, unknowns: [y_0, y_1, y_2, y_3, y_4, y_5, y_6] } = *self;
+        let TractionPoint { lead: (sin, cos), radius, arc, reach, .. } = point;
+        let TractionPoint { offsets: [l_a, l_b], approach: [d_a, d_b], .. } = point;
+        let TractionPoint { semi_axes: [(a, b), (c, d)], pressed_radius: [r_a, r_b], .. } = point;
+        let TractionPoint { friction, mass, nut_speed, offset, creep, .. } = point;
+        [
+            sin, cos, radius, arc, reach, l_a, l_b, d_a, d_b, a, b, c, d, r_a, r_b, friction, mass,
+            nut_speed, offset, creep, y_0, y_1, y_2, y_3, y_4, y_5, y_6,
+        ]
+    }
+
+    /// Of its numbers.
+    #[inline(always)]
+    pub fn of(numbers: [F; TRACTION_START]) -> Self {
+        let [
+            sin,
+            cos,
+            radius,
+            arc,
+            reach,
+            l_a,
+            l_b,
+            d_a,
+            d_b,
+            a,
+            b,
+            c,
+            d,
+            r_a,
+            r_b,
+            friction,
+            mass,
+            nut_speed,
+            offset,
+            creep,
+            y_0,
+            y_1,
+            y_2,
+            y_3,
+            y_4,
+            y_5,
+            y_6,
+        ] = numbers;
+        let point = TractionPoint {
+            lead: (sin, cos),
+            radius,
+            arc,
+            reach,
+            offsets: [l_a, l_b],
+            approach: [d_a, d_b],
+            semi_axes: [(a, b), (c, d)],
+            pressed_radius: [r_a, r_b],
+            friction,
+            mass,
+            nut_speed,
+            offset,
+            creep,
+            at_nut: false,
+        };
+        Self { point, unknowns: [y_0, y_1, y_2, y_3, y_4, y_5, y_6] }
+    }
+
+    /// Sines and cosines of the contact angles, and the motion over the contacts: speed of the centre along t,
+    /// angular velocity about t, N and t × N.
+    #[inline(always)]
+    pub fn contacts(&self) -> ([(F, F); 2], [[F; 4]; 2]) {
+        let Contacts { angles: [nut, screw], points: [over_nut, over_screw], .. } =
+            contacts(&self.point, &self.unknowns, self.unknowns[TILT].sin_cos_of_tilt()).0;
+        let angles = [(nut.sin, nut.cos), (screw.sin, screw.cos)];
+        (angles, [over_nut.motion, over_screw.motion])
+    }
+}
+
+/// Numbers of a point on the way to its root.
+const NUMBERS: usize = TRACTION_START + BALL + 7;
+
+/// A point on the way to its root.
+struct Iterate<F> {
+    at: TractionStart<F>,
+    /// The step from there, and the part of it to try.
+    step: [F; BALL],
+    part: F,
+    /// Scaled residual there, infinite where there is none yet, and weights of forces and moments.
+    before: F,
+    weights: (F, F),
+    /// Evaluations, and those with the present creep speed.
+    steps: F,
+    tries: F,
+    /// The present creep speed.
+    creep: F,
+}
+
+/// Quadratures of the solves of an accuracy.
+#[derive(Debug)]
+pub struct TractionMany {
+    rule: ManyQuadrature,
+    check: ManyQuadrature,
+}
+
+impl TractionMany {
+    /// None if it takes more nodes than there is room for.
+    pub fn of(accuracy: f64) -> Option<Self> {
+        let rule = ManyQuadrature::new(Quadrature::of(accuracy), 1)?;
+        Some(Self { rule, check: ManyQuadrature::new(Quadrature::check(accuracy), 1)? })
+    }
+
+    /// The roots that the starts lead to.
+    pub fn solve(&self, arch: Arch, starts: &[TractionStart]) -> Vec<Option<TractionRoot>> {
+        arch.dispatch(Solve { rules: self, starts })
+    }
+}
+
+struct Solve<'a> {
+    rules: &'a TractionMany,
+    starts: &'a [TractionStart],
+}
+
+impl WithSimd for Solve<'_> {
+    type Output = Vec<Option<TractionRoot>>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { rules, starts } = self;
+        let mut roots = vec![None; starts.len()];
+        let Some(coarse) = &*NEARBY else { return roots };
+        let mut walks = vec![[0.0; NUMBERS]; starts.len()];
+        for (walk, start) in walks.iter_mut().zip(starts) {
+            walk[..TRACTION_START].copy_from_slice(&start.numbers());
+            walk[TRACTION_START + BALL + 1] = f64::INFINITY;
+            walk[NUMBERS - 1] = start.point.creep.max(LEVEL);
+        }
+        let mut points: Vec<usize> = (0..starts.len()).collect();
+        let (mut next, mut near) = (Vec::new(), Vec::new());
+        let work = &mut Work::new(simd);
+        while !points.is_empty() {
+            for some in points.chunks(Lane::<S>::LEN) {
+                approach(simd, coarse, work, &mut walks, some, (&mut next, &mut near));
+            }
+            points.clear();
+            points.append(&mut next);
+        }
+        // Neighbours share the largest of their numbers of nodes.
+        near.sort_unstable();
+        let near: Vec<_> = near.into_iter().map(|(_, point)| point).collect();
+        for some in near.chunks(Lane::<S>::LEN) {
+            refine(simd, rules, work, &walks, some, &mut roots);
+        }
+        roots
+    }
+}
+
+/// Numbers of some points side by side, the last one repeated.
+#[inline(always)]
+fn gather<S: Simd>(simd: S, walks: &[[f64; NUMBERS]], some: &[usize]) -> Iterate<Lane<S>> {
+    let mut blocks = [[0.0; BLOCK]; NUMBERS];
+    for i in 0..Lane::<S>::LEN {
+        let numbers = &walks[some[i.min(some.len() - 1)]];
+        for k in 0..NUMBERS {
+            blocks[k][i] = numbers[k];
+        }
+    }
+    let mut lanes = [Lane::splat(simd, 0.0); TRACTION_START];
+    for k in 0..TRACTION_START {
+        lanes[k] = Lane::load(simd, &blocks[k]);
+    }
+    let mut step = [lanes[0]; BALL];
+    for k in 0..BALL {
+        step[k] = Lane::load(simd, &blocks[TRACTION_START + k]);
+    }
+    let [.., part, before, force, moment, steps, tries, creep] = &blocks;
+    Iterate {
+        at: TractionStart::of(lanes),
+        step,
+        part: Lane::load(simd, part),
+        before: Lane::load(simd, before),
+        weights: (Lane::load(simd, force), Lane::load(simd, moment)),
+        steps: Lane::load(simd, steps),
+        tries: Lane::load(simd, tries),
+        creep: Lane::load(simd, creep),
+    }
+}
+
+/// Puts what changes of some points back.
+#[inline(always)]
+fn scatter<S: Simd>(walk: &Iterate<Lane<S>>, walks: &mut [[f64; NUMBERS]], some: &[usize]) {
+    let [y_0, y_1, y_2, y_3, y_4, y_5, y_6] = walk.at.unknowns;
+    let [d_0, d_1, d_2, d_3, d_4, d_5, d_6] = walk.step;
+    let &Iterate { part, before, weights: (force, moment), steps, tries, creep, .. } = walk;
+    let lanes = [
+        y_0, y_1, y_2, y_3, y_4, y_5, y_6, d_0, d_1, d_2, d_3, d_4, d_5, d_6, part, before, force,
+        moment, steps, tries, creep,
+    ];
+    let mut blocks = [[0.0; BLOCK]; NUMBERS - TRACTION_START + BALL];
+    for (block, lane) in blocks.iter_mut().zip(lanes) {
+        lane.store(block);
+    }
+    for (i, point) in some.iter().enumerate() {
+        for (number, block) in walks[*point][TRACTION_START - BALL..].iter_mut().zip(&blocks) {
+            *number = block[i];
+        }
+    }
+}
+
+/// Memory of the evaluations.
+struct Work<S: Simd> {
+    found: Evaluated<Lane<S>>,
+    nodes: [ManyNodes<S>; 2],
+    rubbed: [ContactTraction<Lane<S>>; 2],
+}
+
+impl<S: Simd> Work<S> {
+    fn new(simd: S) -> Self {
+        let zero = Lane::splat(simd, 0.0);
+        Self {
+            found: Evaluated::zero(zero),
+            nodes: [ManyNodes::new(simd), ManyNodes::new(simd)],
+            rubbed: [ContactTraction::none(zero); 2],
+        }
+    }
+}
+
+/// The equations at a state.
+struct Here<S: Simd> {
+    turn: Angle<Lane<S>>,
+    weights: (Lane<S>, Lane<S>),
+    /// Where there are contacts, and on their flanks; and where the quadrature resolves their friction.
+    exists: Mask<S>,
+    resolved: Mask<S>,
+}
+
+/// What [`Here`] is made of.
+struct Evaluate<'a, S: Simd, const SLOPED: bool, const ROUGH: bool> {
+    simd: S,
+    rule: &'a ManyQuadrature,
+    at: &'a TractionStart<Lane<S>>,
+    /// The numbers of inner nodes stay as they are.
+    counted: bool,
+    /// Where it goes.
+    work: &'a mut Work<S>,
+}
+
+impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
+    for Evaluate<'_, S, SLOPED, ROUGH>
+{
+    type Output = Here<S>;
+
+    #[inline(always)]
+    fn call(self) -> Here<S> {
+        let Self { simd, rule, at, counted, work: Work { found, nodes, rubbed } } = self;
+        let TractionStart { point, unknowns: y } = at;
+        let (zero, one) = (Lane::splat(simd, 0.0), Lane::splat(simd, 1.0));
+        let (contacts, mut exists) = contacts(point, y, y[TILT].sin_cos_of_tilt());
+        for angle in &contacts.angles {
+            exists = exists & zero.le(angle.sin) & angle.cos.gt(zero);
+        }
+        for place in OMEGA {
+            exists = exists & y[place].abs().lt(one * FASTEST);
+        }
+        let rate = y[PRECESSION] + point.offset;
+        let thrown = point.mass * point.radius * rate * rate;
+        let [a, b] = &contacts.points;
+        let arm = lever([a.semi_axes.0, b.semi_axes.0], point.pressed_radius);
+        let (force, moment) = sizes(thrown, point.friction.abs(), arm);
+        let mut resolved = zero.le(zero);
+        for i in 0..2 {
+            let (point, nodes) = (&contacts.points[i], &mut nodes[i]);
+            resolved = resolved & rule.place(simd, point, nodes, counted);
+            rubbed[i].sums = rule.sums::<S, SLOPED, ROUGH>(simd, point, nodes);
+            rubbed[i].coefficient = at.point.friction;
+        }
+        (found.left, found.transmitted.power) = ([zero; BALL], zero);
+        if SLOPED {
+            found.rows = [[zero; BLOCK]; BALL];
+        }
+        evaluate::<_, Dry, SLOPED>(point, y, &contacts, rubbed, found);
+        let weights = (force.recip(), moment.recip());
+        Here { turn: contacts.turn, weights, exists, resolved }
+    }
+}
+
+/// Square root of the sum of the squares of the weighted equations.
+#[inline(always)]
+fn norm<S: Simd>(left: &[Lane<S>; BALL], (force, moment): (Lane<S>, Lane<S>)) -> Lane<S> {
+    let mut sum = force.constant(0.0);
+    for (k, left) in left.iter().enumerate() {
+        let part = *left * if (3..6).contains(&k) { moment } else { force };
+        sum = sum + part * part;
+    }
+    sum.sqrt()
+}
+
+/// Triangular factors of the derivatives, whose diagonal is inverted.
+struct Factors<S: Simd> {
+    rows: [[Lane<S>; BALL]; BALL],
+    lead: (Lane<S>, Lane<S>),
+    mean: (Lane<S>, Lane<S>),
+}
+
+impl<S: Simd> Factors<S> {
+    /// The rotation is eliminated along t, N and `$e_x$`, so that the derivatives of the moments are about symmetric.
+    #[inline(always)]
+    fn of(found: &Evaluated<Lane<S>>, here: &Here<S>, lead: (Lane<S>, Lane<S>)) -> Self {
+        let ((sin_a, cos_a), Angle { sin, cos, .. }) = (lead, here.turn);
+        let mut rows = [[sin; BALL]; BALL];
+        for k in 0..BALL {
+            let by = &found.rows[PIVOT_ROWS[k]];
+            let [along, radial, around] = [by[OMEGA[0]], by[OMEGA[1]], by[OMEGA[2]]];
+            let (t, b) = (sin_a * along - cos_a * around, cos_a * along + sin_a * around);
+            let (v, w) = (cos * radial + sin * b, cos * b - sin * radial);
+            rows[k] = [by[NUT_LOAD], by[SCREW_LOAD], by[TILT], by[PRECESSION], t, v, w];
+        }
+        for k in 0..BALL {
+            let pivot = rows[k][k].recip();
+            rows[k][k] = pivot;
+            for i in k + 1..BALL {
+                let factor = rows[i][k] * pivot;
+                rows[i][k] = factor;
+                for j in k + 1..BALL {
+                    rows[i][j] = factor.neg_mul_add(rows[k][j], rows[i][j]);
+                }
+            }
+        }
+        Self { rows, lead, mean: (sin, cos) }
+    }
+
+    /// The step that a residual asks for.
+    #[inline(always)]
+    fn step(&self, left: &[Lane<S>; BALL]) -> [Lane<S>; BALL] {
+        let mut x = *left;
+        for k in 0..BALL {
+            let mut part = -left[PIVOT_ROWS[k]];
+            for j in 0..k {
+                part = self.rows[k][j].neg_mul_add(x[j], part);
+            }
+            x[k] = part;
+        }
+        for k in (0..BALL).rev() {
+            for j in k + 1..BALL {
+                x[k] = self.rows[k][j].neg_mul_add(x[j], x[k]);
+            }
+            x[k] = x[k] * self.rows[k][k];
+        }
+        let ((sin_a, cos_a), (sin, cos), [nut, screw, tilt, rate, u, v, w]) =
+            (self.lead, self.mean, x);
+        let b = sin * v + cos * w;
+        let mut step = x;
+        (step[NUT_LOAD], step[SCREW_LOAD], step[TILT]) = (nut, screw, tilt);
+        step[PRECESSION] = rate;
+        step[OMEGA[0]] = sin_a * u + cos_a * b;
+        step[OMEGA[1]] = cos * v - sin * w;
+        step[OMEGA[2]] = sin_a * b - cos_a * u;
+        step
+    }
+}
+
+/// One evaluation with the coarse quadrature, and a step from it.
+#[inline(always)]
+fn approach<S: Simd>(
+    simd: S,
+    rule: &ManyQuadrature,
+    work: &mut Work<S>,
+    walks: &mut [[f64; NUMBERS]],
+    some: &[usize],
+    (next, near): (&mut Vec<usize>, &mut Vec<(usize, usize)>),
+) {
+    let mut walk = gather(simd, walks, some);
+    let mut step = walk.step;
+    for k in 0..BALL {
+        step[k] = step[k] * walk.part;
+    }
+    let mut trial = walk.at.moved(&step);
+    trial.point.creep = walk.creep;
+    let here = {
+        let (at, counted, work) = (&trial, false, &mut *work);
+        simd.vectorize(Evaluate::<S, true, true> { simd, rule, at, counted, work })
+    };
+    let found = &work.found;
+    let infinity = walk.before.constant(f64::INFINITY);
+    let first = infinity.le(walk.before);
+    let weights = (
+        first.select(here.weights.0, walk.weights.0),
+        first.select(here.weights.1, walk.weights.1),
+    );
+    let size = norm(&found.left, weights);
+    // φ(λ) ≤ (1 − 2 γ λ) φ(0)                                             (N5)
+    let decrease = walk.part.mul_add(walk.part.constant(-2.0 * ARMIJO), walk.part.constant(1.0));
+    let enough = (size * size).le(decrease * walk.before * walk.before);
+    let accepted = here.exists & size.lt(infinity) & (first | enough);
+    let above = walk.at.point.creep.lt(walk.creep);
+    let arrived = accepted & !above & size.le(size.constant(NEAR));
+    let left = accepted & above & size.le(size.constant(LEFT));
+    let step = Factors::of(found, &here, walk.at.point.lead).step(&found.left);
+    // The last step of those that have arrived is taken.
+    let last = trial.moved(&step);
+    let zero = size.constant(0.0);
+    for k in 0..BALL {
+        let y = &mut walk.at.unknowns[k];
+        *y = accepted.select(arrived.select(last.unknowns[k], trial.unknowns[k]), *y);
+        walk.step[k] = left.select(zero, accepted.select(step[k], walk.step[k]));
+    }
+    walk.part = accepted.select(size.constant(1.0), walk.part * 0.5);
+    // The next creep speed begins anew.
+    walk.before = left.select(infinity, accepted.select(size, walk.before));
+    walk.creep = left.select(walk.at.point.creep, walk.creep);
+    walk.tries = left.select(zero, walk.tries + 1.0);
+    (walk.weights, walk.steps) = (weights, walk.steps + 1.0);
+    let alive = accepted | !first;
+    let waits = alive & walk.tries.lt(size.constant(MOST_COARSE));
+    scatter(&walk, walks, some);
+    let [mut ends, mut goes_on] = [[false; BLOCK]; 2];
+    (alive & arrived).store(&mut ends);
+    (waits & !arrived).store(&mut goes_on);
+    for (i, point) in some.iter().enumerate() {
+        if ends[i] {
+            near.push((work.nodes[0].size(i) + work.nodes[1].size(i), *point));
+        } else if goes_on[i] {
+            next.push(*point);
+        }
+    }
+}
+
+/// The roots with the quadrature that is asked for, and their errors.
+#[inline(always)]
+fn refine<S: Simd>(
+    simd: S,
+    rules: &TractionMany,
+    work: &mut Work<S>,
+    walks: &[[f64; NUMBERS]],
+    some: &[usize],
+    roots: &mut [Option<TractionRoot>],
+) {
+    let Iterate { mut at, mut steps, .. } = gather(simd, walks, some);
+    let (rule, check) = (&rules.rule, &rules.check);
+    let here = {
+        let (at, counted, work) = (&at, false, &mut *work);
+        simd.vectorize(Evaluate::<S, true, false> { simd, rule, at, counted, work })
+    };
+    let found = &work.found;
+    let factors = Factors::of(found, &here, at.point.lead);
+    let (weights, slope) = (here.weights, found.slope);
+    let one = steps.constant(1.0);
+    let held = here.exists & here.resolved;
+    let (mut left, mut before) = (found.left, norm(&found.left, weights));
+    let (mut torque, mut power, mut settled) = (one, one, !held);
+    for _ in 0..MOST_FINE {
+        let next = at.moved(&factors.step(&left));
+        for k in 0..BALL {
+            at.unknowns[k] = settled.select(at.unknowns[k], next.unknowns[k]);
+        }
+        {
+            let (at, counted, work) = (&at, true, &mut *work);
+            simd.vectorize(Evaluate::<S, false, false> { simd, rule, at, counted, work });
+        }
+        let found = &work.found;
+        let size = norm(&found.left, weights);
+        let enough = size.le(one * GOAL) | size.le((before * QUICK).min(one * ROOT));
+        for k in 0..BALL {
+            left[k] = settled.select(left[k], found.left[k]);
+        }
+        torque = settled.select(torque, found.transmitted.torque);
+        power = settled.select(power, found.transmitted.power);
+        before = settled.select(before, size);
+        steps = settled.select(steps, steps + 1.0);
+        settled = settled | enough;
+        if !(!settled).any() {
+            break;
+        }
+    }
+    // The step from there is far below what a torque has as digits beyond its first order.
+    let step = factors.step(&left);
+    for k in 0..BALL {
+        at.unknowns[k] = at.unknowns[k] + step[k];
+        torque = torque + step[k] * slope[k];
+    }
+    let other = {
+        let (rule, at, counted, work) = (check, &at, false, &mut *work);
+        simd.vectorize(Evaluate::<S, false, false> { simd, rule, at, counted, work })
+    };
+    let found = &work.found;
+    // y' = y − J⁻¹ F'(y)                                                  (T24)
+    let step = factors.step(&found.left);
+    let mut error = found.transmitted.torque - torque;
+    for k in 0..BALL {
+        error = error + step[k] * slope[k];
+    }
+    let there = held & settled & other.exists & other.resolved;
+    let mut solved = [false; BLOCK];
+    there.store(&mut solved);
+    let root =
+        TractionRoot { unknowns: at.unknowns, torque, power, error, steps, residual: before };
+    let mut blocks = [[0.0; BLOCK]; TRACTION_FOUND];
+    for (block, lane) in blocks.iter_mut().zip(root.numbers()) {
+        lane.store(block);
+    }
+    for (i, point) in some.iter().enumerate() {
+        let mut numbers = [0.0; TRACTION_FOUND];
+        for k in 0..TRACTION_FOUND {
+            numbers[k] = blocks[k][i];
+        }
+        roots[*point] = solved[i].then_some(TractionRoot::of(numbers));
+    }
+}

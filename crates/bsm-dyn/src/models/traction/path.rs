@@ -1,0 +1,257 @@
+//! The root of a ball whose inertia grows, where no start leads to one.
+//!
+//! Theory: `docs/theory/09-traction.md`, equations (T6) to (T8).
+
+use std::array::from_fn;
+use std::f64::consts::FRAC_PI_2;
+
+use bsm_newton::{
+    Continuation, EvalError, EventRoot, Exit, Homotopy, Seed, StepControl, Trace, follow, trace,
+};
+
+use super::SlipBall;
+use super::root::SlipRoot;
+use crate::ellipse::Integrate;
+use crate::models::ball::unknown::PRECESSION;
+use crate::models::ball::{BALL, Workspace, linear};
+use crate::models::raceway_control::Roll;
+
+/// Unknowns of a path: those of the ball, and what is varied.
+const PATH: usize = BALL + 1;
+
+/// Friction so small that it hardly turns the contact angles.
+const SMALL_FRICTION: f64 = 1e-3;
+
+/// A step of length 1 changes what is varied by a factor of e. Points are guesses for roots, for which eight digits
+/// are enough; few paths take a hundred.
+pub(super) const STRIDE: StepControl = StepControl {
+    first: 0.5,
+    longest: 1.0,
+    shortest: 1e-7,
+    pair: 1e-3,
+    most_points: 1000,
+    goal: 1e-8,
+    place: 1e-4,
+};
+
+/// Towards more of what is varied.
+const UP: [f64; PATH] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+
+/// Angle \[rad\] beyond a flank that is not the rounding of large loads.
+const CLEARLY: f64 = 1e-6;
+
+/// What the path shows.
+pub(super) enum PathResult {
+    /// A root on the flanks; its powers may not balance.
+    SlipRoot(SlipRoot),
+    /// All roots on the path have contact angles beyond the flanks; those of the first, or of the
+    /// end of the path.
+    OffFlank([f64; 2]),
+    /// A ball without inertia has left its flanks before friction was all there.
+    Ended([f64; 2]),
+    /// The path could not be followed to its end.
+    Nothing,
+}
+
+/// What is varied.
+#[derive(Debug, Clone, Copy)]
+enum Along {
+    /// The friction of a ball without inertia.
+    Friction,
+    /// The precession rate of the inertia forces.
+    Rate { unit: f64 },
+}
+
+impl Along {
+    /// Friction and rate, and their derivatives by `u`.
+    fn at(self, friction: f64, u: f64) -> [(f64, f64); 2] {
+        match self {
+            // f = eᵘ                                                      (T6)
+            Self::Friction => [(u.exp(), u.exp()), (0.0, 0.0)],
+            // P̂ = P₀ sinh u                                               (T7)
+            Self::Rate { unit } => [(friction, 0.0), (unit * u.sinh(), unit * u.cosh())],
+        }
+    }
+}
+
+/// The equations of a ball in which something is varied.
+struct Varied<'a> {
+    ball: &'a SlipBall<'a>,
+    along: Along,
+}
+
+impl Varied<'_> {
+    fn left<D: Integrate<f64>>(&self, z: &[D; PATH]) -> Result<[D; BALL], EvalError> {
+        let (Self { ball, along }, y) = (self, from_fn(|i| z[i]));
+        let du = z[BALL] - z[BALL].re();
+        let [friction, rate] =
+            along.at(ball.pair.friction, z[BALL].re()).map(|(value, slope)| du * slope + value);
+        Ok(ball.left(&y, &ball.rubbed(&y, friction)?, rate))
+    }
+}
+
+impl Homotopy<BALL, PATH> for Varied<'_> {
+    fn residual(&self, z: &[f64; PATH]) -> Result<[f64; BALL], EvalError> {
+        self.left(z)
+    }
+
+    fn linearize(&self, z: &[f64; PATH]) -> Result<([f64; BALL], [[f64; PATH]; BALL]), EvalError> {
+        linear(z, |z| self.left(z))
+    }
+
+    fn weights(&self, z: &[f64; PATH]) -> [f64; BALL] {
+        let [(friction, _), (rate, _)] = self.along.at(self.ball.pair.friction, z[BALL]);
+        self.ball.weights_of(&ball(z), friction, rate)
+    }
+}
+
+/// The unknowns of the ball.
+fn ball(z: &[f64; PATH]) -> [f64; BALL] {
+    from_fn(|i| z[i])
+}
+
+/// Where a path begins.
+fn seed(y: &[f64; BALL], u: f64) -> Seed<PATH> {
+    Seed { z: from_fn(|i| if i < BALL { y[i] } else { u }), towards: UP }
+}
+
+/// True if no contact is more than `margin` beyond its flank.
+pub(super) fn are_on_flanks(angles: [f64; 2], margin: f64) -> bool {
+    angles.iter().all(|angle| (-margin..FRAC_PI_2 + margin).contains(angle))
+}
+
+impl SlipBall<'_> {
+    pub(super) fn rate(&self, y: &[f64; BALL]) -> f64 {
+        y[PRECESSION] + self.offset()
+    }
+
+    /// Contact angles at nut and screw.
+    pub(super) fn angles(&self, y: &[f64; BALL]) -> [f64; 2] {
+        self.loaded(y).map_or([f64::NAN; 2], |loaded| loaded.angles)
+    }
+
+    /// True if a contact is more than `margin` beyond its flank.
+    pub(super) fn is_beyond(&self, y: &[f64; BALL], margin: f64) -> bool {
+        !are_on_flanks(self.angles(y), margin)
+    }
+
+    /// True if the path may come back to the flanks no more: a right angle beyond them.
+    fn is_far(&self, z: &[f64; PATH]) -> bool {
+        self.is_beyond(&ball(z), FRAC_PI_2)
+    }
+
+    /// The first root on the flanks along the path of growing inertia forces.
+    pub(super) fn followed(&self, newton: &mut Workspace, steps: &mut usize) -> PathResult {
+        let still = self.pair.with_inertia(0.0);
+        let slippery = still.with_friction(self.pair.friction.min(SMALL_FRICTION));
+        let Ok(guess) = Roll::guess(&still) else { return PathResult::Nothing };
+        let mut y = self.unknowns(&guess.loaded, &guess.to_nut);
+        // Friction that is nearly proportional to the slip, then less and less.
+        let begin = (10.0 * self.lever(&y)).ln();
+        let stride = Continuation { first: 2.0, shortest: 1e-3 };
+        let settled = follow(&mut y, (begin, self.creep.ln()), stride, |log, y| {
+            let report = SlipBall { pair: &slippery, creep: log.exp(), ..*self }.run(y, newton);
+            *steps += report.steps.len();
+            report.converged()
+        });
+        if settled.is_err() {
+            return PathResult::Nothing;
+        }
+        if slippery.friction < self.pair.friction {
+            let resting = SlipBall { pair: &still, ..*self };
+            let goal = self.pair.friction.ln();
+            let seen = trace(
+                &Varied { ball: &resting, along: Along::Friction },
+                &seed(&y, slippery.friction.ln()),
+                |z, way| [(z[BALL] - goal, way[BALL])],
+                |Trace { crossings, last, .. }| {
+                    let over = resting.is_far(last) || last[BALL] < 2.0 * SMALL_FRICTION.ln();
+                    crossings.is_empty() && !over
+                },
+                &STRIDE,
+            );
+            *steps += seen.steps;
+            let landed = seen.crossings.first().is_some_and(|EventRoot { z, .. }| {
+                y = ball(z);
+                resting.run(&mut y, newton).converged()
+            });
+            if !landed {
+                let end = ball(&seen.last);
+                let none = self.is_beyond(&end, CLEARLY);
+                return if none {
+                    PathResult::Ended(self.angles(&end))
+                } else {
+                    PathResult::Nothing
+                };
+            }
+        }
+        let forwards = self.beginning_at_rest(&y, 1.0, newton, steps);
+        if let PathResult::SlipRoot(root) = &forwards
+            && self.is_balanced(root)
+        {
+            return forwards;
+        }
+        match self.beginning_at_rest(&y, -1.0, newton, steps) {
+            root @ PathResult::SlipRoot(_) => root,
+            _ => forwards,
+        }
+    }
+
+    /// The first root on the flanks from a ball without inertia on, towards its own precession rate
+    /// or, with a negative `sense`, away from it.
+    fn beginning_at_rest(
+        &self,
+        y: &[f64; BALL],
+        sense: f64,
+        newton: &mut Workspace,
+        steps: &mut usize,
+    ) -> PathResult {
+        let (at_rest, mu) = (self.rate(y), self.pair.inertia_ratio());
+        // Rates up to which inertia is small against load and friction.
+        let small = at_rest.abs().min((0.1 / mu).sqrt()).min(self.pair.friction / mu);
+        let unit = sense * small.copysign(at_rest);
+        // No ball circles that fast.
+        let most = 2.0 * (1.0 + self.pair.nut_speed.abs());
+        let held = |z: &[f64; PATH]| unit * z[BALL].sinh();
+        let (mut found, mut beyond, mut known, mut more) = (None, None, 0, 0);
+        let seen = trace(
+            &Varied { ball: self, along: Along::Rate { unit } },
+            &seed(y, 0.0),
+            |z, way| {
+                let slope = way[PRECESSION] - unit * z[BALL].cosh() * way[BALL];
+                [(self.rate(&ball(z)) - held(z), slope)]
+            },
+            |Trace { crossings, last, .. }| {
+                for EventRoot { z, .. } in &crossings[known..] {
+                    let mut y = ball(z);
+                    let report = self.run(&mut y, newton);
+                    more += report.steps.len();
+                    if !report.converged() {
+                        continue;
+                    }
+                    let root = self.thrown(y, report.residual, newton, &mut more);
+                    if self.is_admissible(&root) {
+                        found = Some(PathResult::SlipRoot(root));
+                        if self.is_balanced(&root) {
+                            return false;
+                        }
+                    } else {
+                        beyond = beyond.or(Some(self.of(&root).angles(&root.unknowns)));
+                    }
+                }
+                known = crossings.len();
+                !(self.is_far(last) || held(last).abs() > most)
+            },
+            &STRIDE,
+        );
+        *steps += seen.steps + more;
+        let (end, ended) = (ball(&seen.last), seen.end == Exit::Ended);
+        let is_off = self.is_beyond(&end, CLEARLY);
+        found.unwrap_or_else(|| match beyond {
+            _ if !ended && !is_off => PathResult::Nothing,
+            Some(angles) => PathResult::OffFlank(angles),
+            None if is_off => PathResult::OffFlank(self.angles(&end)),
+            None => PathResult::Nothing,
+        })
+    }
+}

@@ -1,0 +1,273 @@
+//! Where the root of a point is looked for, and when there is none.
+//!
+//! Theory: `docs/theory/09-traction.md`, equation (T10), sections "Starts" and "Existence".
+
+use std::cell::OnceCell;
+
+use super::columns::{PowerFlow, Watched};
+use super::multistart::{MANY, STARTS};
+use super::path::{PathResult, STRIDE, are_on_flanks};
+use super::{FrozenRule, OMEGA, SlipBall, SlipState};
+use bsm_newton::{Continuation, follow};
+use bsm_simd::Block;
+
+use crate::contact::{POWER_BALANCE_TOL, Power, ideal_torque};
+use crate::models::ball::{BALL, BallLoads, Evidence, Reason, Unsolved, Workspace};
+use crate::models::elastic::GrossSlip;
+use crate::models::raceway_control::Roll;
+
+/// Onset number from which the skidding ball is the nearer start.
+pub const SKIDS: f64 = 0.5;
+
+/// Creep speeds over `$r_b|W|$` that are solved for before the asked one, in the order of the tries: against them friction
+/// is nearly linear in the slips of most starts.
+const LEVELS: [&[f64]; 2] = [&[LEVEL], &[0.3, 0.01]];
+pub(super) const LEVEL: f64 = 0.1;
+
+/// Residual from which a level is left.
+pub(super) const LEFT: f64 = 0.1;
+
+/// No ball turns that fast: friction takes the power that the screw puts in.
+pub(super) const FASTEST: f64 = 1e9;
+
+/// Inertia over friction below which a path that leaves the flanks is not asked about twice.
+const SMALL_INERTIA: f64 = 1e-3;
+
+/// Centrifugal force over the load from which the contact angle at the nut has less than ten digits as
+/// a difference of two others.
+const LARGE_INERTIA: f64 = 1e6;
+
+/// A root of the equations of a point.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SlipRoot {
+    pub(super) unknowns: [f64; BALL],
+    /// The unknowns are those of a ball that is thrown against the nut (T10).
+    pub(super) at_nut: bool,
+    pub(super) residual: f64,
+}
+
+/// A root with what belongs to it.
+pub(super) struct Refined {
+    pub(super) root: SlipRoot,
+    pub(super) transmitted: PowerFlow,
+    /// Derivatives of the torque by the unknowns, near the root.
+    pub(super) torque_slope: Block,
+    /// Its contacts.
+    pub(super) loaded: BallLoads<f64>,
+}
+
+impl SlipBall<'_> {
+    /// The root near one of another quadrature, if it is on the flanks, with the numbers of nodes that it
+    /// has there: a root may lie where they change. `newton` keeps its Jacobian.
+    ///
+    /// * `plans`: filled.
+    pub(super) fn refined(
+        &self,
+        near: &SlipRoot,
+        plans: &[OnceCell<FrozenRule>; 2],
+        newton: &mut Workspace,
+        steps: &mut usize,
+    ) -> Option<Refined> {
+        let mut unknowns = near.unknowns;
+        let ball = SlipBall { plans: Some(plans), ..self.of(near) };
+        let watched = Watched::new(&ball);
+        let report = watched.run(&mut unknowns, newton);
+        *steps += report.steps.len();
+        let root = SlipRoot { unknowns, residual: report.residual, ..*near };
+        if !report.converged() {
+            return None;
+        }
+        let loaded = self.admitted(&root)?;
+        let transmitted = watched.transmitted(&unknowns).ok()?;
+        Some(Refined { root, transmitted, torque_slope: watched.torque_slope(), loaded })
+    }
+
+    /// The root from the gripping ball or from the skidding one; if none of them leads to it, from
+    /// friction that is nearly proportional to the slip, and, if it is to be searched `all_over`, along
+    /// the path of growing inertia, and from scattered starts.
+    ///
+    /// Where the roots of the path are all beyond the flanks, and no start leads to another, the
+    /// answer is that there is none.
+    pub(super) fn search(
+        &self,
+        grip: &Roll,
+        all_over: bool,
+        newton: &mut Workspace,
+        steps: &mut usize,
+    ) -> Result<SlipRoot, Unsolved> {
+        let gripping = self.unknowns(&grip.loaded, &grip.to_nut);
+        let mut failure = None;
+        let skids = grip.skid(self.pair).onset_number().is_some_and(|onset| onset > SKIDS);
+        for skids in [skids, !skids] {
+            let y = if skids {
+                let Ok(skid) = GrossSlip::start(self.pair) else { continue };
+                *steps += skid.steps();
+                self.unknowns(skid.state().0, skid.state().1)
+            } else {
+                gripping
+            };
+            for levels in LEVELS {
+                match self.descended(y, levels, newton, steps) {
+                    Ok(root) => return Ok(root),
+                    Err(reason) => failure = Some(reason),
+                }
+            }
+        }
+        let stride = Continuation { first: 1.0, shortest: 0.05 };
+        if let Some(root) = self.lowered(gripping, 0.0, stride, newton, steps) {
+            return Ok(root);
+        }
+        if !all_over {
+            let reason = failure.expect("the gripping start was tried");
+            return Err(Unsolved::not_converged(reason));
+        }
+        let mut shown = self.followed(newton, steps);
+        if matches!(shown, PathResult::Nothing) {
+            // It may be the digits that were lost.
+            shown = Self { at_nut: true, ..*self }.followed(newton, steps);
+        }
+        if let PathResult::SlipRoot(root) = shown
+            && self.is_balanced(&root)
+        {
+            return Ok(root);
+        }
+        let starts = match shown {
+            PathResult::OffFlank(_) if self.is_calm() => 0,
+            PathResult::Ended(_) => MANY,
+            _ => STARTS,
+        };
+        if let Some(root) = self.multistart(starts, newton, steps) {
+            return Ok(root);
+        }
+        match shown {
+            // Rounding has eaten it, which its powers will show.
+            PathResult::SlipRoot(root) => Ok(root),
+            PathResult::OffFlank([nut, screw]) | PathResult::Ended([nut, screw]) => {
+                let evidence = if starts > 0 {
+                    Evidence::Sampled { starts }
+                } else {
+                    Evidence::Traced { resolution: STRIDE.longest }
+                };
+                Err(Unsolved::none(evidence, Reason::BallLeavesFlank { nut, screw }))
+            }
+            PathResult::Nothing => Err(Unsolved::LOST),
+        }
+    }
+
+    /// The root that Newton finds from `y` over a few levels of the creep speed, if it is on the flanks.
+    fn descended(
+        &self,
+        mut y: [f64; BALL],
+        levels: &[f64],
+        newton: &mut Workspace,
+        steps: &mut usize,
+    ) -> Result<SlipRoot, Reason> {
+        let brief = Self { brief: true, ..*self };
+        for level in levels.iter().filter(|level| **level > self.creep) {
+            let report = Self { creep: *level, enough: LEFT, ..brief }.run(&mut y, newton);
+            *steps += report.steps.len();
+            if !report.converged() {
+                return Err(report.into());
+            }
+        }
+        brief.solved(y, newton, steps)
+    }
+
+    /// The root that Newton finds from `y`, if it is on the flanks.
+    pub(super) fn solved(
+        &self,
+        mut y: [f64; BALL],
+        newton: &mut Workspace,
+        steps: &mut usize,
+    ) -> Result<SlipRoot, Reason> {
+        let report = self.run(&mut y, newton);
+        *steps += report.steps.len();
+        if report.converged() {
+            let root = self.thrown(y, report.residual, newton, steps);
+            if self.is_admissible(&root) {
+                return Ok(root);
+            }
+        }
+        Err(report.into())
+    }
+
+    /// The root that `y` leads to while the logarithm of the creep speed goes from `begin` to its own, if
+    /// it is on the flanks.
+    pub(super) fn lowered(
+        &self,
+        mut y: [f64; BALL],
+        begin: f64,
+        stride: Continuation,
+        newton: &mut Workspace,
+        steps: &mut usize,
+    ) -> Option<SlipRoot> {
+        let mut residual = f64::INFINITY;
+        let arrived = follow(&mut y, (begin, self.creep.ln()), stride, |log, y| {
+            let report = Self { creep: log.exp(), ..*self }.run(y, newton);
+            *steps += report.steps.len();
+            residual = report.residual;
+            report.converged()
+        });
+        arrived.ok()?;
+        let root = self.thrown(y, residual, newton, steps);
+        self.is_admissible(&root).then_some(root)
+    }
+
+    /// The root with these unknowns; in the unknowns (T10) if the ball is thrown against the nut.
+    pub(super) fn thrown(
+        &self,
+        y: [f64; BALL],
+        residual: f64,
+        newton: &mut Workspace,
+        steps: &mut usize,
+    ) -> SlipRoot {
+        let root = SlipRoot { unknowns: y, at_nut: self.at_nut, residual };
+        let rate = self.rate(&y);
+        if self.at_nut || self.pair.inertia_ratio() * rate * rate <= LARGE_INERTIA {
+            return root;
+        }
+        let Ok(SlipState { loaded, to_nut, .. }) = self.state(&y) else { return root };
+        let ball = Self { at_nut: true, ..*self };
+        let mut unknowns = ball.unknowns(&loaded, &to_nut);
+        let report = ball.run(&mut unknowns, newton);
+        *steps += report.steps.len();
+        let settled = SlipRoot { unknowns, at_nut: true, residual: report.residual };
+        if report.converged() { settled } else { root }
+    }
+
+    /// The equations in the unknowns of a root.
+    pub(super) fn of(&self, root: &SlipRoot) -> Self {
+        Self { at_nut: root.at_nut, ..*self }
+    }
+
+    /// True for a root with both contacts on their flanks.
+    pub(super) fn is_admissible(&self, root: &SlipRoot) -> bool {
+        self.admitted(root).is_some()
+    }
+
+    /// The contacts of a root that has both on their flanks.
+    fn admitted(&self, root: &SlipRoot) -> Option<BallLoads<f64>> {
+        let y = &root.unknowns;
+        let loaded = self.of(root).loaded(y).ok()?;
+        let slow = OMEGA.iter().all(|i| y[*i].abs() < FASTEST);
+        (slow && are_on_flanks(loaded.angles, 0.0)).then_some(loaded)
+    }
+
+    /// True for a root whose powers balance. Where a ball turns faster and faster about the axis the
+    /// residual vanishes without a root, and the powers do not balance.
+    pub(super) fn is_balanced(&self, root: &SlipRoot) -> bool {
+        let pair = self.pair;
+        self.of(root).evaluated::<false>(&root.unknowns).is_ok_and(|found| {
+            let ideal = ideal_torque(1.0, pair.helix.radius, pair.helix.lead_angle.tan());
+            let PowerFlow { torque, power, .. } = found.transmitted;
+            let imbalance = Power::transmitted(torque, ideal, 1.0).imbalance(power);
+            imbalance.abs() <= POWER_BALANCE_TOL
+        })
+    }
+
+    /// True if inertia forces are too small against friction to move the ball to another root.
+    fn is_calm(&self) -> bool {
+        let rate = self.pair.nut_speed.abs().max(1.0);
+        self.pair.inertia_ratio() * rate * rate < SMALL_INERTIA * self.pair.friction
+    }
+}

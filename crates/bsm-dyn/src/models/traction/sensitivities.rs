@@ -1,0 +1,52 @@
+//! Derivatives of the traction model's efficiency and torque.
+//!
+//! Theory: `docs/theory/12-sensitivities.md`.
+
+use bsm_kin::Jet;
+
+use super::columns::Watched;
+use super::{NotFound, SlipBall, SlipRoot, Start, Traction, TractionWorkspace};
+use crate::models::ball::{Performance, Unsolved, domain_error, moving_root};
+use crate::models::raceway_control::Roll;
+
+impl<const M: usize> Traction<Jet<M>> {
+    /// Efficiency and torque with their derivatives, at the accuracy and the creep of the model.
+    pub(crate) fn sensitivities(
+        &self,
+        work: &mut TractionWorkspace,
+    ) -> Result<Performance<Jet<M>>, Unsolved> {
+        let at = self.at.values();
+        at.point.require_friction()?;
+        let pair = at.scaled()?;
+        let grip = Roll::of(&pair, None, &mut work.statics);
+        let start = Start::new(&pair, grip.ok().as_ref())?;
+        let case = Traction { at, accuracy: self.accuracy, creep: self.creep };
+        let root = case.found(&start, None, work).map_err(NotFound::why)?.root;
+        self.sensitivities_at(&root, work)
+    }
+
+    /// The same at a root that is known.
+    pub(crate) fn sensitivities_at(
+        &self,
+        root: &SlipRoot,
+        work: &mut TractionWorkspace,
+    ) -> Result<Performance<Jet<M>>, Unsolved> {
+        let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
+        let TractionWorkspace { newton, rules, .. } = work;
+        let [[quadrature, _]] = rules.dry([self.accuracy]);
+        let creep = self.creep * point.slip_scale();
+        let SlipRoot { unknowns, at_nut, .. } = root;
+        let system = SlipBall { at_nut: *at_nut, ..SlipBall::of_pair(&point, quadrature, creep) };
+        let equations = system.over(&inputs, None);
+        let residual = |y: &_| equations.residual(y);
+        let y = moving_root(
+            &Watched::new(&system),
+            unknowns,
+            &system.weights(unknowns),
+            residual,
+            newton,
+        )?;
+        let state = equations.state(&y).map_err(domain_error)?;
+        Ok(self.at.transmitted(&inputs, &state.loaded.frame, &state.wrench[1]))
+    }
+}

@@ -1,0 +1,184 @@
+//! Steps in which slips and spin change linearly.
+//!
+//! Friction follows the slips, which are small differences of large rates: a step in which the rates of (T1) change
+//! linearly turns the contacts, and leaves slips of the second order that are as large as all there is.
+//!
+//! Theory: `docs/theory/09-traction.md`, equations (T26) to (T30).
+
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+
+use bsm_simd::Compare;
+
+use super::columns::{Mean, Sides, TractionPoint};
+use super::{OMEGA, SlipBall};
+use crate::models::ball::BALL;
+use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
+
+/// Relative change of a load, and angle \[rad\], from which a step is bent: the slips that a straight one leaves are of its
+/// square.
+const STRAIGHT: f64 = 1e-4;
+
+/// Spin over `$W$` whose rounding is no slip.
+const FASTEST: f64 = 1e6;
+
+impl SlipBall<'_> {
+    /// Where a step leads to.
+    pub(super) fn slid(&self, y: &[f64; BALL], step: &[f64; BALL]) -> [f64; BALL] {
+        let mut next = *y;
+        for (next, step) in next.iter_mut().zip(step) {
+            *next += step;
+        }
+        let turned = [NUT_LOAD, SCREW_LOAD]
+            .map(|i| (step[i] / y[i]).abs())
+            .into_iter()
+            .fold(step[TILT].abs(), f64::max);
+        if self.at_nut || turned < STRAIGHT {
+            return next;
+        }
+        let tilts = [y[TILT].sin_cos(), next[TILT].sin_cos()];
+        let (slid, exists) = slid(&self.scaled(), y, step, tilts);
+        if exists { slid } else { next }
+    }
+}
+
+/// Components of a rotation about t, n and b.
+#[inline(always)]
+fn frenet<F: Compare>((sin, cos): (F, F), y: &[F; BALL]) -> [F; 3] {
+    let [along, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
+    [sin * along - cos * around, radial, cos * along + sin * around]
+}
+
+/// Where a step leads to in which loads, tilt, both slips along the grooves, the rotation about t and the spin change
+/// linearly, and where there are contacts on both ends and slips that are no rounding.
+///
+/// * `tilts`: sine and cosine of the tilt on both ends.
+#[inline(always)]
+pub(super) fn slid<F: Compare>(
+    pair: &TractionPoint<F>,
+    y: &[F; BALL],
+    step: &[F; BALL],
+    [here, there]: [(F, F); 2],
+) -> ([F; BALL], F::Mask) {
+    let ((sin_lead, cos_lead), arc) = (pair.lead, pair.arc);
+    let one = arc.constant(1.0);
+    let mut next = *y;
+    for place in [NUT_LOAD, TILT, SCREW_LOAD] {
+        next[place] = next[place] + step[place];
+    }
+    let [w_t, w_n, w_b] = frenet(pair.lead, y);
+    let [dw_t, dw_n, dw_b] = frenet(pair.lead, step);
+    let from_nut = y[PRECESSION] + (pair.offset - pair.nut_speed);
+
+    let sides = Sides::of(pair, y);
+    let Mean { angle: (sin, cos), nut, screw, height, exists } =
+        Mean::of(sides.lengths, pair.reach, here);
+    let ([sin_a, cos_a], [sin_b, cos_b], [l_a, l_b]) = (nut, screw, sides.lengths);
+    let (dl_a, dl_b) = (sides.slopes[0] * step[NUT_LOAD], sides.slopes[1] * step[SCREW_LOAD]);
+    // A₁ dβ = cosβ_A dl_A + cosβ_B dl_B + (l_A sinβ_A − l_B sinβ_B) dν,  dβ_A = dβ − dν,  dβ_B = dβ + dν  (T28)
+    let turn = (cos_a * dl_a + cos_b * dl_b + (l_a * sin_a - l_b * sin_b) * step[TILT]) / height;
+    let (turn_a, turn_b) = (turn - step[TILT], turn + step[TILT]);
+    // u_A = d P' + cosβ_A ω_b − sinβ_A ω_n                                (T26)
+    let w_k = w_b - cos_lead;
+    let nut_slip = arc * (from_nut + step[PRECESSION]) + cos_a * (w_b + dw_b)
+        - sin_a * (w_n + dw_n)
+        - (sin_a * w_b + cos_a * w_n) * turn_a;
+    // u_B = d (P' − 1) − cosβ_B (ω_b − cosα) + sinβ_B ω_n                 (T26)
+    let screw_slip = arc * (from_nut + step[PRECESSION] - one) - cos_b * (w_k + dw_b)
+        + sin_b * (w_n + dw_n)
+        + (sin_b * w_k + cos_b * w_n) * turn_b;
+    // σ = sinβ ω_b + cosβ ω_n                                             (T27)
+    let spin = sin * (w_b + dw_b) + cos * (w_n + dw_n) + (cos * w_b - sin * w_n) * turn;
+
+    let loaded = Sides::of(pair, &next);
+    let mean = Mean::of(loaded.lengths, pair.reach, there);
+    let ((sin, cos), [sin_a, cos_a], [_, cos_b]) = (mean.angle, mean.nut, mean.screw);
+    // e = (u_A − u_B − d + cosα cosβ_B)/(2 cosν)                          (T29)
+    let across = (nut_slip - screw_slip - arc + cos_lead * cos_b) / (there.1 * 2.0);
+    // ω_b = cosβ e + sinβ σ,  ω_n = cosβ σ − sinβ e                       (T29)
+    let (w_t, w_b, w_n) = (w_t + dw_t, cos * across + sin * spin, cos * spin - sin * across);
+    // P' = (u_A − cosβ_A ω_b + sinβ_A ω_n)/d                              (T30)
+    let from_nut = (nut_slip - cos_a * w_b + sin_a * w_n) / arc;
+    next[PRECESSION] = from_nut - (pair.offset - pair.nut_speed);
+    // ω_k = cosα ω_b + sinα ω_t,  ω_c = sinα ω_b − cosα ω_t               (T30)
+    next[OMEGA[0]] = cos_lead * w_b + sin_lead * w_t;
+    next[OMEGA[1]] = w_n;
+    next[OMEGA[2]] = sin_lead * w_b - cos_lead * w_t;
+    let exists = exists & mean.exists & sides.pressed & loaded.pressed;
+    (next, exists & spin.abs().lt(one * FASTEST))
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::Quadrature;
+    use crate::extreme::practical;
+    use crate::models::raceway_control::Roll;
+
+    /// Rolling balls of practice.
+    fn of_practice(mut check: impl FnMut(&SlipBall<'_>, &[f64; BALL], &mut ChaCha8Rng)) {
+        let (mut rng, quadrature) = (ChaCha8Rng::seed_from_u64(31), Quadrature::of(1e-4));
+        for _ in 0..200 {
+            let Ok(pair) = practical(&mut rng).scaled() else { continue };
+            let Ok(grip) = Roll::guess(&pair) else { continue };
+            let ball = SlipBall::of_pair(&pair, &quadrature, 1e-4);
+            let y = ball.unknowns(&grip.loaded, &grip.to_nut);
+            check(&ball, &y, &mut rng);
+        }
+    }
+
+    fn slips(ball: &SlipBall<'_>, y: &[f64; BALL]) -> [f64; 4] {
+        let loaded = ball.loaded(y).expect("contacts");
+        let to_nut = ball.motion_to_nut(y, &loaded);
+        let motions = crate::models::ball::to_both(&to_nut, &loaded.frame);
+        let [nut, screw] = std::array::from_fn(|i| {
+            let local = crate::ellipse::Local::of(&motions[i], &loaded.contacts[i], ball.pair.arc);
+            local.along + local.omega[2]
+        });
+        [nut, screw, to_nut.omega.x, to_nut.omega.y]
+    }
+
+    /// A step turns contacts by up to the angle of friction; half of it lies half way in the slips.
+    #[test]
+    fn slips_of_a_step_change_linearly() {
+        let (mut seen, mut bent) = (0, 0.0_f64);
+        of_practice(|ball, y, rng| {
+            let mut step = [0.0; BALL];
+            for (step, y) in step.iter_mut().zip(y) {
+                *step = 0.1 * rng.random_range(-1.0..1.0) * (0.1 + y.abs());
+            }
+            let at = |part: f64| ball.slid(y, &step.map(|step| part * step));
+            let [begin, middle, end] = [*y, at(0.5), at(1.0)].map(|y| slips(ball, &y));
+            let straight = std::array::from_fn(|i| y[i] + step[i]);
+            for i in 0..4 {
+                // Rounding of rates of up to ten.
+                let off = middle[i] - 0.5 * (begin[i] + end[i]);
+                assert!(off.abs() <= 1e-13, "{i} {off:e} {begin:?} {middle:?} {end:?}");
+                bent = bent.max((slips(ball, &straight)[i] - end[i]).abs());
+            }
+            seen += 1;
+        });
+        // A straight step leaves slips of the second order.
+        assert!(seen > 150 && bent > 1e-3, "{seen} {bent:e}");
+    }
+
+    /// The derivative of a step by its length is the step, by differences.
+    #[test]
+    fn a_step_begins_in_its_own_direction() {
+        of_practice(|ball, y, rng| {
+            let step: [f64; BALL] = std::array::from_fn(|_| rng.random_range(-1.0..1.0));
+            let part = 2e-4;
+            let [up, down] = [part, -part].map(|part| ball.slid(y, &step.map(|step| part * step)));
+            for i in 0..BALL {
+                let slope = (up[i] - down[i]) / (2.0 * part);
+                // Of the third order, and rounding of the rates.
+                assert!((slope - step[i]).abs() <= 1e-5, "{i} {slope} {}", step[i]);
+            }
+        });
+    }
+}
