@@ -402,7 +402,8 @@ fn commands_of_the_papers_run_and_print_our_numbers() {
         let modelled = !row.verdict.starts_with("not modelled");
         assert!(!modelled || !row.commands.is_empty(), "no command: {}", row.text);
     }
-    let commands: BTreeSet<_> = rows.iter().flat_map(|row| row.commands.iter().map(String::as_str)).collect();
+    let commands: BTreeSet<_> =
+        rows.iter().flat_map(|row| row.commands.iter().map(String::as_str)).collect();
     let (waiting, answers) = (Mutex::new(commands.into_iter()), Mutex::new(BTreeMap::new()));
     let (_folder, program) = program();
     std::thread::scope(|scope| {
