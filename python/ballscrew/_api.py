@@ -30,7 +30,7 @@ Progress = Callable[[int, int], object]
 
 
 class Quantity(NamedTuple):
-    """A word of the vocabulary.
+    """An input or output of the program.
 
     Attributes
     ----------
@@ -41,15 +41,15 @@ class Quantity(NamedTuple):
     about : str
         Meaning.
     default : float or None
-        Value of an input that is not given.
+        Default of an input.
     rule : str or None
-        What the value of an input must be.
+        Rule for the value of an input.
     words : tuple of str
-        What an output in words may say.
+        Possible values of an output in words.
     kind : str
         Type in JSON: number, integer, boolean or string.
     analysis : str or None
-        The analysis that an output is a number of: slip, jam, optimum, ratings, nut, axis.
+        Analysis of an output: slip, jam, optimum, ratings, nut, axis.
     """
 
     name: str
@@ -89,7 +89,7 @@ REQUIREMENTS: Mapping[str, Quantity] = _first_of_each(
     Quantity(name, unit, about, default=default, rule=rule)
     for name, unit, about, default, rule in _core.requirements()
 )
-"""What a requirement of `design` may say besides inputs of a scene."""
+"""Keys of a requirement of `design` besides inputs of a scene."""
 
 _NUMBERS = frozenset(INPUTS)
 _OF_A_SOLUTION = [quantity for quantity in OUTPUTS.values() if quantity.analysis is None]
@@ -101,10 +101,10 @@ class Scene(SceneFields):
     Parameters
     ----------
     base : Scene or mapping, optional
-        What is not given is taken from it.
+        Source of inputs that are not given.
     **inputs
-        Inputs of the vocabulary, each in the unit that ends its name; `lead_mm` replaces a lead angle of
-        `base` and the other way round, None leaves out that of `base`. Objects with `.to` and `.magnitude` (pint) are
+        Inputs by name, each in the unit that ends its name; `lead_mm` replaces a lead angle of
+        `base` and vice versa, None removes an input of `base`. Objects with `.to` and `.magnitude` (pint) are
         converted.
 
     Raises
@@ -200,7 +200,7 @@ class Scene(SceneFields):
 
 
 class Solution(SolutionFields):
-    """The answer for one point: status, words, and a property for each output.
+    """Solution of one point: status, message, and a property for each output.
 
     A number that the model does not have is NaN.
 
@@ -213,7 +213,7 @@ class Solution(SolutionFields):
     message, choice, regime : str or None
         Why there is no result; why `auto` took its model; what the motion is.
     warnings : list of str
-        What an engineer should know before using the numbers.
+        Warnings to read before using the numbers.
     scene : Scene
         What was asked.
     """
@@ -602,7 +602,7 @@ class Grid(Table):
 
 
 class Nuts(Table):
-    """Nuts of the catalogue, or of a maker: one row a nut."""
+    """Nuts of the catalogue, or of a manufacturer: one row a nut."""
 
     def __init__(
         self, columns: Mapping[str, Any], units: Mapping[str, str], length: int, nuts: _core.Nuts | None
@@ -623,12 +623,12 @@ class Nuts(Table):
 
 
 class Report(Mapping[str, Any]):
-    """What an analysis says, under the names of the program's JSON; read-only.
+    """Result of an analysis, under the names of the program's JSON; read-only.
 
     Attributes
     ----------
     found : bool
-        False where the program exits with 3: there is none.
+        False where the program exits with 3: no result.
     warnings : list of str
         What an engineer should know before using the numbers.
     """
@@ -691,7 +691,7 @@ class NutReport(Report):
 
 
 class Solver(TypedDict, total=False):
-    """How to solve: keywords of every function that does; `solve` says what they mean."""
+    """Solver keywords of every function that solves; `solve` explains them."""
 
     model: Model
     tolerance: float
@@ -704,11 +704,11 @@ class Solver(TypedDict, total=False):
 _SOLVER: Mapping[str, Any] = {
     "model": "auto", "tolerance": 1e-2, "accuracy": 1e-8, "creep": 1e-4, "control": None, "friction": "local",
 }
-"""What is not given, in the order of the core."""
+"""Defaults, in the order of the core."""
 
 
 class Question(Inputs, Solver, total=False):
-    """Inputs in place of those of the scene, and how to solve."""
+    """Inputs that replace those of the scene, and solver keywords."""
 
 
 class Linspace(NamedTuple):
@@ -720,7 +720,7 @@ class Linspace(NamedTuple):
 
 
 def linspace(start: float, stop: float, count: int) -> Linspace:
-    """Equally spaced values for `sweep`, both ends included; nothing is made before it is asked for."""
+    """Equally spaced values for `sweep`, both ends included, evaluated lazily."""
     return Linspace(float(start), float(stop), int(count))
 
 
@@ -738,13 +738,13 @@ def _axes(vary: Mapping[str, Linspace | Iterable[float]]) -> list[str]:
 
 
 def _taken(keywords: dict[str, Any]) -> _core.How:
-    """How to solve, taken out of keywords."""
+    """Solver settings, removed from keywords."""
     take = keywords.pop
     return cast("_core.How", tuple([take(name, default) for name, default in _SOLVER.items()]))
 
 
 def _how(solver: Solver) -> _core.How:
-    """How to solve, by keywords that say nothing else."""
+    """Solver settings; any other keyword is an error."""
     keywords: dict[str, Any] = {**solver}
     how = _taken(keywords)
     for name in keywords:
@@ -753,7 +753,7 @@ def _how(solver: Solver) -> _core.How:
 
 
 def _list(word: str, names: Sequence[str]) -> list[str]:
-    """Several names; a text alone would be taken for a list of its letters."""
+    """A list of names; a single string would be read as a list of letters."""
     if isinstance(names, str):
         raise InputError(f"{word} takes a list of names, such as [{names!r}]", key=word)
     return list(names)
@@ -770,7 +770,7 @@ def _scene(scene: Scene | Mapping[str, Any] | None, inputs: Inputs) -> Scene:
 
 
 def _asked(scene: Scene | Mapping[str, Any] | None, question: Question) -> tuple[Scene, _core.How]:
-    """The scene with its other inputs, and how to solve it."""
+    """The scene with replaced inputs, and the solver settings."""
     given: dict[str, Any] = {**question}
     how = _taken(given)
     return _scene(scene, cast("Inputs", given)), how
@@ -803,7 +803,7 @@ def solve(
         creep : float, 1e-4 unless given
             Creep speed over the surface speed of the ball in model traction.
         control : {"nut", "screw"}, optional
-            The controlling race in model raceway-control; unless given the spin moments decide.
+            The controlling raceway in model raceway-control; unless given the spin moments decide.
         friction : {"local", "contact"}, "local" unless given
             Where friction of a lubricant is computed in model raceway-control: at every point of the contacts, or
             once for each contact, in half the time.
@@ -1279,7 +1279,7 @@ def capacity(
     spectrum: Any = None,
     **inputs: Unpack[Inputs],
 ) -> Report:
-    """Load ratings, life and rigidity of a nut, as `bsm solve --show ratings`.
+    """Load ratings, life and stiffness of a nut, as `bsm solve --show ratings`.
 
     Parameters
     ----------
@@ -1339,7 +1339,7 @@ def nut(
     samples: int | None = None,
     **question: Unpack[Question],
 ) -> NutReport | Report:
-    """All balls of a nut and what each of them carries, as `bsm nut`.
+    """Load of every ball of a nut, stiffness, preload and life, as `bsm nut`.
 
     Parameters
     ----------
@@ -1463,7 +1463,7 @@ def catalog(
     descending: bool = False,
     first: int | None = None,
 ) -> Nuts:
-    """Every nut of standard sizes, or those of a maker, as `bsm select --from`.
+    """Every nut of standard sizes, or those of a manufacturer, as `bsm select --from`.
 
     Parameters
     ----------
@@ -1472,14 +1472,14 @@ def catalog(
     require : sequence of str
         Conditions such as `"dynamic_load_rating_N>=40000"`.
     requirement : mapping or path, optional
-        Only nuts that keep all limits of this requirement of `design`. Numbers of `size` are columns then, to filter
+        Only nuts that meet all limits of this requirement of `design`. Numbers of `size` are columns then, to filter
         and sort by: life, critical speed, buckling, static safety, rigidity, torque, efficiency, heat, mass, inertia.
     makers : mapping, frame or path, optional
-        Nuts of a maker in place of the lists: the columns `nut`, `lead_mm`, `ball_diameter_mm`, `circuits` or
+        Nuts of a manufacturer in place of the lists: the columns `nut`, `lead_mm`, `ball_diameter_mm`, `circuits` or
         `loaded_turns`, `core_diameter_mm` or `pitch_circle_diameter_mm`, `dynamic_load_rating_N`,
-        `static_load_rating_N` and `rigidity_N_um`, in any unit. A path is that of a CSV table. The maker's ratings stand,
-        ours are beside them as `our_...`; with `requirement` each nut is sized as by `size`, and `passes` says whether it
-        keeps all rules: those that do come first, the lightest screw before the others.
+        `static_load_rating_N` and `rigidity_N_um`, in any unit. A path is that of a CSV table. Uses the
+        manufacturer's ratings and adds the calculated ones as `our_...`; with `requirement` each nut is sized as by
+        `size`, and `passes` is true if it passes all rules: those nuts come first, the lightest screw before the others.
     columns_from : mapping, optional
         Names of the columns of `makers`: from its names to ours, or to None for a column that is not read.
     pareto : bool
@@ -1513,7 +1513,7 @@ def catalog(
     wish = None if requirement is None else json.dumps(_wish(requirement))
     if makers is not None:
         if lists is not None or require or pareto or sort is not None or descending or first is not None:
-            raise InputError("of a maker's nuts all are listed: makers goes with requirement and columns_from alone",
+            raise InputError("all nuts of a manufacturer are listed: makers goes with requirement and columns_from alone",
                              key="makers")
         names = dict(columns_from or {})
         try:
@@ -1530,7 +1530,7 @@ def catalog(
             column.flags.writeable = False
     else:
         if columns_from is not None:
-            raise InputError("columns_from is for the table of makers", key="columns_from")
+            raise InputError("columns_from is for the table of a manufacturer", key="columns_from")
         text = None if lists is None else json.dumps(dict(lists))
         found, kept = _core.catalog(text, wish, _list("require", require), pareto, sort, descending, first)
         columns = {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
@@ -1548,7 +1548,7 @@ def fit(
     range: tuple[float, float] | None = None,
     **solver: Unpack[Solver],
 ) -> Report:
-    """Inputs at which the model gives what was measured, as `bsm fit`.
+    """Inputs at which the model reproduces measured outputs, as `bsm fit`.
 
     Parameters
     ----------
@@ -1806,8 +1806,8 @@ def _column(name: str, values: Any) -> Floats:
         cells = np.asarray(values, dtype=object)
         row = next((row for row, value in enumerate(cells.flat) if not _is_number(value)), None)
         if row is None or cells.ndim != 1:
-            raise InputError(f"column `{name}` holds something that is no number", key=name) from None
-        raise InputError(f"column `{name}` holds {cells[row]!r} in row {row}, which is no number", key=name,
+            raise InputError(f"column `{name}` holds something that is not a number", key=name) from None
+        raise InputError(f"column `{name}` holds {cells[row]!r} in row {row}, which is not a number", key=name,
                          row=row) from None
     if array.ndim > 1:
         raise InputError(f"column `{name}` has {array.ndim} dimensions; give one, such as values.ravel()",

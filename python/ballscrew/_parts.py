@@ -62,16 +62,16 @@ class SolvedPart(TypedDict):
 
 
 class Summary(NamedTuple):
-    """What a run came to.
+    """Result of a run.
 
     Attributes
     ----------
     parts : int
-        Parts that are there now, of those that were asked for.
+        Requested parts that exist now.
     skipped : int
-        Those that were there before.
+        Parts that existed before.
     rows, failed : int
-        Their rows, and how many of them have no result.
+        Rows of these parts; rows without a result.
     """
 
     parts: int
@@ -81,27 +81,27 @@ class Summary(NamedTuple):
 
 
 class Estimate(NamedTuple):
-    """What a plan comes to, nominally: hours of one core, bytes at most."""
+    """Nominal cost of a plan: core-hours, and an upper bound of the size in bytes."""
 
     core_hours: float
     bytes: float
 
 
 class Verification(NamedTuple):
-    """What is there of a plan.
+    """State of the parts of a plan.
 
     Attributes
     ----------
     missing : list of (int, int)
-        Ranges of parts that are not there, from the first to before the last.
+        Ranges of missing parts, (first, last + 1).
     damaged : list of (str, str)
-        Files in place of parts that are none, and why.
+        Damaged files, and the reason.
     foreign : list of str
         Other files among the parts.
     complete : bool
-        Whether every part is there and nothing is damaged.
+        True if no part is missing or damaged.
     rows, failed : int
-        Rows that are there, and how many of them have no result.
+        Existing rows; rows without a result.
     """
 
     missing: list[tuple[int, int]]
@@ -113,7 +113,7 @@ class Verification(NamedTuple):
 
 
 class Plan:
-    """What a folder is to hold: all that the bytes of its parts depend on.
+    """Plan of a folder: everything that determines the bytes of its parts.
 
     Made by `plan` or `Plan.open`.
     """
@@ -123,7 +123,7 @@ class Plan:
         self.folder = folder
         """The folder."""
         self.points = points
-        """Where the table of points is; unless given, beside the folder under its name."""
+        """Path of the table of points; beside the folder unless given."""
 
     @classmethod
     def open(cls, folder: str | os.PathLike[str], *, points: str | os.PathLike[str] | None = None) -> Plan:
@@ -161,7 +161,7 @@ class Plan:
         return [f"part-{part:06}.parquet" for part in range(self.parts)]
 
     def estimate(self) -> Estimate:
-        """Core-hours and bytes to expect: nominal times where the balls grip, sizes at most."""
+        """Core-hours and bytes to expect: nominal times for rolling balls, sizes at most."""
         seconds, size = self._core.estimate()
         return Estimate(seconds / 3600, size)
 
@@ -173,14 +173,14 @@ class Plan:
         threads: int | None = None,
         progress: bool | Progress | None = None,
     ) -> Summary:
-        """Solve parts on this machine; those that are there are kept.
+        """Solve parts on this machine; existing parts are kept.
 
         Parameters
         ----------
         parts : iterable of int, optional
-            Numbers of parts; all of them unless given, and then the folder is finished too.
+            Numbers of parts; unless given all, and the folder is finished too.
         repair : bool
-            Read all bytes of the parts that are there, and solve those again that are not as they were written.
+            Verify all bytes of existing parts, and solve changed ones again.
         threads : int, optional
             Threads; all cores unless given.
         progress : bool or callable, optional
@@ -193,7 +193,7 @@ class Plan:
         return Summary(len(solved), len(there), sum(part[2] for part in solved), sum(part[3] for part in solved))
 
     def verify(self, deep: bool = False) -> Verification:
-        """Say which parts are there, missing, damaged; read all of their bytes if `deep`, else their footers."""
+        """List existing, missing and damaged parts; reads all bytes if `deep`, else the footers."""
         return self._survey(deep)[1]
 
     def _survey(self, deep: bool) -> tuple[list[_core.Part], Verification]:
@@ -203,7 +203,7 @@ class Plan:
         return parts, Verification(missing, *told, not missing and not damaged, rows, failed)
 
     def finish(self) -> None:
-        """Write `parts.parquet`, and remove what killed runs have left.
+        """Write `parts.parquet`, and remove unfinished files.
 
         Raises
         ------
@@ -236,16 +236,16 @@ def plan(
     rows_per_part: int | None = None,
     **solver: Unpack[Solver],
 ) -> Plan:
-    """Plan a folder, or go on with one of the same plan.
+    """Plan a folder, or continue one with the same plan.
 
     Parameters
     ----------
     folder : path
-        Where parts go; new, empty, or with the same plan.
+        Folder of the parts: new, empty, or with the same plan.
     base : Scene or mapping, optional
         The inputs that are not varied.
     vary, draw, points
-        Where rows come from, one of: a grid as in `sweep`; random values, `uniform(low, high)` or
+        Source of the rows, one of: a grid as in `sweep`; random values, `uniform(low, high)` or
         `normal(mean, deviation)` by name, with their number `draws` and a `seed`; a table in a file, best Parquet.
     keep : sequence of str
         Further columns of the table to carry through.
@@ -272,7 +272,7 @@ def plan(
     if sum(given is not None for given in (vary, draw, points)) != 1:
         raise InputError("points of a plan come from one of vary, draw and points")
     if (draw is None) != (draws is None):
-        raise InputError("draw says what is drawn, draws how many rows: give both")
+        raise InputError("draw gives the distributions, draws the number of rows: give both")
     random = None
     if draw is not None and draws is not None:
         of = []
@@ -311,9 +311,9 @@ def run_part(
     part : int
         Number of the part.
     folder : path
-        Where parts go; it is begun if it is not there.
+        Folder of the parts; created if missing.
     points : path, optional
-        Where the table of points is, if the plan has one that is not beside the folder.
+        Path of the table of points of the plan, unless beside the folder.
     threads : int
         Threads.
     """
@@ -331,7 +331,7 @@ def solve_part(
     points: str | os.PathLike[str] | None = None,
     threads: int = 1,
 ) -> _core.Arrow:
-    """Solve one part of a plan in memory: for statistics of more rows than anybody keeps.
+    """Solve one part of a plan in memory, for statistics of rows that are not stored.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The words of the program, as the compiled part has them.
+"""Names of inputs and outputs, from the compiled module.
 
 `_vocabulary.pyi`, which is written as the package is built, says the same to type checkers and editors.
 """

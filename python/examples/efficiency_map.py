@@ -30,9 +30,9 @@ grid = bs.sweep(
 )
 print(grid, grid.grid("efficiency").shape)
 
-# %% Where the balls grip, the skid onset number is below one.
+# %% Where the balls roll, the skid onset number is below one.
 grips = grid.grid("onset_number") < 1.0
-print(f"the balls grip at {grips.mean():.0%} of the points")
+print(f"the balls roll at {grips.mean():.0%} of the points")
 
 # %% The map; failed points are gaps.
 figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")

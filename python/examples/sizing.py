@@ -19,13 +19,13 @@ requirement = {
     "objective": "mass",
 }
 
-# %% The best screw of standard sizes, with what holds it back.
+# %% The best screw of standard sizes, with its active limits.
 design = bs.design(requirement)
 assert design.found, design["reasons"]
 screw = bs.Scene(design["scene"])
 print(screw)
 
-# %% Every nut of the catalogue that keeps all limits, the lightest first.
+# %% Every nut of the catalogue that meets all limits, the lightest first.
 nuts = bs.catalog(requirement=requirement, sort="mass_kg", first=5)
 print(nuts.to_pandas()[["screw_root_diameter_mm", "ball_diameter_mm", "dynamic_load_rating_N", "mass_kg"]])
 

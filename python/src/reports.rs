@@ -304,7 +304,7 @@ fn wished(json: Option<&str>, catalogue: &Catalogue) -> Result<Option<Requiremen
     json.map(read).transpose()
 }
 
-/// Nuts of a maker beside ours: columns of numbers, names of the nuts, which keep all rules of a requirement.
+/// Nuts of a manufacturer beside ours: columns of numbers, names of the nuts, which pass the rules of a requirement.
 ///
 /// * `table`: CSV. * `names`: JSON of the names of its columns. * `requirement`: JSON of what all must keep.
 #[pyfunction]

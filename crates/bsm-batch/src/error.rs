@@ -40,7 +40,7 @@ pub enum TableError {
     },
     /// A quote in a cell that is not in quotes, or after the quote that ends it.
     #[error(
-        "line {line}: a quote stands inside a cell; put the whole cell in quotes and double \
+        "line {line}: a quote inside a cell; put the whole cell in quotes and double \
         those in it, or take the quotes out"
     )]
     StrayQuote {
@@ -173,7 +173,7 @@ fn meant(nearest: Option<&str>) -> String {
 
 fn twice([one, other]: &[String; 2]) -> String {
     if one == other {
-        format!("column `{}` stands twice", brief(one))
+        format!("column `{}` appears twice", brief(one))
     } else {
         format!(
             "columns `{}` and `{}` are the same input; leave one of them out",

@@ -12,7 +12,7 @@ use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use crate::failure::Failure;
 use crate::files;
 
-/// What the exit codes mean, at the end of every help text.
+/// Meaning of the exit codes, at the end of every help text.
 const EXIT_CODES: &str = "Exit codes: 0 all solved, all checks passed; 1 files, disk, threads or memory; 2 bad \
                           input or usage; 3 no solution or a failed check; 128 + N if signal N interrupted it.";
 
@@ -76,11 +76,11 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Solve one operating point: motion, slip, jamming, best contact angle, load ratings.
     Solve(SolveArgs),
-    /// All balls of a nut: how they share the load, stiffness, preload, life, torque. The nut is a scene as for
+    /// All balls of a nut: load sharing, stiffness, preload, life, torque. The nut is a scene as for
     /// --show ratings of bsm solve, with axial_load_N or a preload; docs/guide/nut.md has its other inputs.
     Nut(NutArgs),
     /// The axis around a screw, from a requirement to a calculation sheet: critical speed, buckling, speed number,
-    /// static safety, life, rigidity, torque and heat over the cycle, each with its limit, margin and source.
+    /// static safety, life, stiffness, torque and heat over the cycle, each with its limit, margin and source.
     /// Exit code 3 if a rule fails. Try: bsm axis examples/axis.json
     Axis(AxisArgs),
     /// Choose a screw: the best one for a requirement with all steps of the choice, or a list of nuts, of standard
@@ -112,11 +112,11 @@ pub(crate) enum Command {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum PartsCommand {
-    /// Solve parts, on this machine or any other: any number of processes at once, in any order, more than once.
-    /// Parts that are there are kept. Example, of 100 tasks of a scheduler: bsm parts run map/ --only $TASK/100
+    /// Solve parts: any number of processes on any machine, in any order, more than once.
+    /// Finished parts remain. Example, of 100 tasks of a scheduler: bsm parts run map/ --only $TASK/100
     Run(RunArgs),
-    /// Check the parts: every part there, and as it was written. Exit code 3 if one is missing or damaged. When all
-    /// are there it writes parts.parquet, and removes what killed runs have left.
+    /// Check that every part is there and unchanged. Exit code 3 if one is missing or damaged. When all
+    /// are there it writes parts.parquet and removes unfinished files.
     Check(CheckArgs),
 }
 
@@ -220,7 +220,7 @@ fn value<'a>(pairs: &'a [(String, String)], key: &str) -> Option<&'a str> {
     pairs.iter().rev().find(|(own, _)| own == key).map(|(_, value)| value.as_str())
 }
 
-/// How a table is written that is read.
+/// Format of a table that is read.
 #[derive(Debug, Args)]
 pub(crate) struct DialectArgs {
     /// delimiter=comma, semicolon, tab or bar; decimal=point or comma; names=JSON from its columns to ours; output=same, for
@@ -229,7 +229,7 @@ pub(crate) struct DialectArgs {
     dialect: Vec<(String, String)>,
 }
 
-/// A sign of a table.
+/// A key of the dialect of a table.
 fn sign(text: &str) -> Result<(String, String), String> {
     let (key, value) = pair(text, &["delimiter", "decimal", "names", "output"])?;
     let words: &[&str] = match key.as_str() {
@@ -268,7 +268,7 @@ impl DialectArgs {
         value(&self.dialect, "output").is_some()
     }
 
-    /// True if nothing is said.
+    /// True if no key is given.
     pub(crate) fn is_ours(&self) -> bool {
         self.dialect.is_empty()
     }
@@ -282,7 +282,7 @@ pub(crate) fn threads(text: &str) -> Result<NonZeroUsize, String> {
     }
 }
 
-/// Where an answer goes besides the screen.
+/// Outputs besides the screen.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct OutArgs {
@@ -297,7 +297,7 @@ pub(crate) struct OutArgs {
     pub(crate) json: bool,
 }
 
-/// What is shown of an operating point.
+/// Parts of the answer for an operating point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Show {
     Motion,
@@ -342,7 +342,7 @@ pub(crate) struct ViewArgs {
     pub(crate) output: Option<PathBuf>,
 }
 
-/// Which numbers of a nut are the table.
+/// Numbers of a nut that make the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum NutTable {
     Balls,
@@ -355,15 +355,15 @@ pub(crate) struct NutArgs {
     pub(crate) scene: SceneArgs,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
-    /// What a table of -o has: a row for each of the balls, or the curve of displacement, stiffness and preload that is
-    /// left over the axial load, beyond the load and the limit load.
+    /// What a table of -o has: a row for each of the balls, or the curve of displacement, stiffness and remaining
+    /// preload over the axial load, beyond the load and the limit load.
     #[arg(long, value_enum, default_value = "balls", requires_if("curve", "output"))]
     pub(crate) show: NutTable,
-    /// Solve so many nuts with balls drawn by ball_deviation_sd_um and phases of lead_error drawn, and print
+    /// Solve N nuts with random ball diameters (ball_deviation_sd_um) and phases of lead_error, and print
     /// quantiles.
     #[arg(long, value_name = "N", conflicts_with = "figures")]
     pub(crate) samples: Option<u64>,
-    /// Number that the samples follow from; the seed of the scene unless given.
+    /// Seed of the samples; the seed of the scene unless given.
     #[arg(long, value_name = "S", requires = "samples")]
     pub(crate) seed: Option<u64>,
     #[command(flatten)]
@@ -386,7 +386,7 @@ pub(crate) struct AxisArgs {
     pub(crate) out: OutArgs,
 }
 
-/// What `bsm select` prints in place of a choice.
+/// Lists that `bsm select` prints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SelectShow {
     Keys,
@@ -408,7 +408,7 @@ pub(crate) struct SelectArgs {
         requires = "requirement"
     )]
     pub(crate) settings: Vec<String>,
-    /// Let sizes and contact angle run, with balls of standard diameters; else standard sizes of ISO 3408-2 at 45 degrees.
+    /// Treat sizes and contact angle as continuous, with balls of standard diameters; else standard sizes of ISO 3408-2 at 45 degrees.
     #[arg(long, requires = "requirement", conflicts_with_all = ["from", "conditions", "pareto", "sort", "first", "figures"])]
     pub(crate) free: bool,
     /// Print the keys of a requirement, the standard lists to copy and edit, or the columns of the list of nuts.
@@ -421,13 +421,13 @@ pub(crate) struct SelectArgs {
     /// Keep nuts with NAME>=VALUE, NAME<=VALUE or NAME=VALUE; may be repeated.
     #[arg(long = "where", value_name = "CONDITION", help_heading = "List of nuts")]
     pub(crate) conditions: Vec<String>,
-    /// Keep nuts that none beats in dynamic load rating, rigidity and mass together.
+    /// Keep nuts that none beats in dynamic load rating, stiffness and mass together.
     #[arg(long, help_heading = "List of nuts")]
     pub(crate) pareto: bool,
     /// Sort by a column, the smallest first; -NAME puts the largest first.
     #[arg(long, value_name = "NAME", allow_hyphen_values = true, help_heading = "List of nuts")]
     pub(crate) sort: Option<String>,
-    /// Keep so many rows; unless given, the screen shows 20.
+    /// Keep this number of rows; unless given, the screen shows 20.
     #[arg(long, value_name = "N", help_heading = "List of nuts")]
     pub(crate) first: Option<NonZeroUsize>,
     #[command(flatten, next_help_heading = "List of nuts")]
@@ -451,7 +451,7 @@ impl SelectArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct SweepArgs {
-    /// Scene in JSON, without what the points have; `-` reads standard input.
+    /// Scene in JSON, without the inputs of the points; `-` reads standard input.
     #[arg(value_name = "SCENE.json", required_unless_present_any = ["settings", "points"])]
     pub(crate) scene: Option<PathBuf>,
     /// Set or replace an input of the scene; may be repeated.
@@ -477,7 +477,7 @@ pub(crate) struct SweepArgs {
     /// Seed of the random points.
     #[arg(long, value_name = "S", requires = "draw", default_value_t = 0, help_heading = "Points")]
     pub(crate) seed: u64,
-    /// Table of points, .csv, .jsonl, .parquet or `-`, whose columns are inputs in any unit; the scene fills what is empty.
+    /// Table of points, .csv, .jsonl, .parquet or `-`, whose columns are inputs in any unit; the scene fills empty cells.
     #[arg(long, value_name = "TABLE", conflicts_with_all = ["vary", "draw"], help_heading = "Points")]
     pub(crate) points: Option<PathBuf>,
     /// Columns of the table to copy, such as an id.
@@ -532,14 +532,14 @@ pub(crate) struct RunArgs {
     /// Folder with a plan.
     #[arg(value_name = "FOLDER")]
     pub(crate) folder: PathBuf,
-    /// Parts to solve: I/N, those whose number leaves the remainder I when divided by N, so that N processes share all of
-    /// them; or A:B, those from A to B - 1. Unless given, all that are missing.
+    /// Parts to solve: I/N, every Nth part from I, so that N processes share all of them; or A:B, those from A to
+    /// B - 1. Unless given, all missing parts.
     #[arg(long, value_name = "PARTS", value_parser = only)]
     pub(crate) only: Option<Only>,
-    /// Read all bytes of the parts that are there, and solve those again that are not as they were written.
+    /// Verify all bytes of existing parts, and solve changed ones again.
     #[arg(long)]
     pub(crate) repair: bool,
-    /// Table of points of the plan, if it is elsewhere than beside the folder under its name.
+    /// Table of points of the plan, unless it is beside the folder under its name.
     #[arg(long, value_name = "TABLE")]
     pub(crate) points: Option<PathBuf>,
     #[command(flatten)]
@@ -651,7 +651,7 @@ pub(crate) struct TradeoffArgs {
     pub(crate) out: OutArgs,
 }
 
-/// What has a schema.
+/// Names with a schema.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SchemaName {
     Input,

@@ -128,7 +128,7 @@ pub(crate) fn of_table(error: &TableError) -> String {
         ),
         TableError::UnknownOutput { .. } => "; `bsm schema output` lists them".to_owned(),
         TableError::Separator { .. } => {
-            "; --dialect delimiter=..,decimal=.. says how a table is written".to_owned()
+            "; --dialect delimiter=..,decimal=.. describes how a table is written".to_owned()
         }
         _ => String::new(),
     };

@@ -59,7 +59,7 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
     parts.check_names().map_err(|error| failed(folder, error))?;
     let folder = folder.display();
     let text = format!(
-        "{solved} solved, {found} there before, of {all} parts; `bsm parts check {folder}` tells what is missing"
+        "{solved} solved, {found} there before, of {all} parts; `bsm parts check {folder}` lists what is missing"
     );
     warn("note", &text);
     Ok(())

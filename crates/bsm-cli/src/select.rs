@@ -59,7 +59,7 @@ fn steps(args: &SelectArgs, path: &Path) -> Result<(), Failure> {
     if standard.is_none() && !args.free {
         warn(
             "note",
-            "no standard size is meant by this requirement: any size is taken, as with --free",
+            "the requirement fixes a non-standard size: all sizes are searched, as with --free",
         );
     }
     let report = standard.unwrap_or_else(|| DesignReport::of(&wish));

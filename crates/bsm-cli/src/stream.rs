@@ -114,7 +114,7 @@ impl Job<'_> {
             return Ok(());
         }
         let why = match self.table {
-            Some(path) => format!("they say why in {}", path.display()),
+            Some(path) => format!("see column `message` in {}", path.display()),
             None => "a table says why".to_owned(),
         };
         warn("note", &format!("{failed} of {rows} rows have no result; {why}"));
@@ -196,7 +196,7 @@ impl Job<'_> {
         let mut tell = |event: Event<'_>| match event {
             Event::Foreign(files) => {
                 let text = format!(
-                    "{} is no part of this table, and is left alone; programs that read the folder read it too",
+                    "{} is no part of this table, and remains; programs that read the folder will read it",
                     files[0].display()
                 );
                 warn("warning", &text);

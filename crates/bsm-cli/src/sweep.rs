@@ -226,7 +226,7 @@ fn drawn(path: &Path, columns: Option<&[String]>) -> Result<&'static OutputColum
     let name = columns.and_then(|columns| columns.first()).map_or("efficiency", String::as_str);
     OutputColumn::named(name).filter(|output| output.json_type == "number").ok_or_else(|| {
         Failure::Input(format!(
-            "-o {}: a picture shows the first of --columns, and {name} is no number; put a number first, such as \
+            "-o {}: a picture shows the first of --columns, and {name} is not a number; put a number first, such as \
              --columns efficiency,{name}",
             path.display()
         ))

@@ -73,10 +73,10 @@ fn describe(measured: &Tradeoff) -> String {
         "where the ball",
         "one point",
         "us",
-        "error is larger where it",
+        "error is larger in",
         "batch, one core",
         "us",
-        "error is larger where it",
+        "error is larger in",
     ];
     let advice: Vec<_> = measured.advice.iter().map(advice_row).collect();
     format!(
@@ -116,7 +116,7 @@ fn row(dial: &Measured) -> Vec<String> {
 }
 
 fn advice_row(advice: &Advice) -> Vec<String> {
-    let group = if advice.group == Group::All { "moves in any way" } else { advice.group.name() };
+    let group = if advice.group == Group::All { "any regime" } else { advice.group.name() };
     let mut row = vec![format!("{} %", 100.0 * advice.tolerance), group.to_owned()];
     for pick in [&advice.single, &advice.batch] {
         row.extend(match pick {

@@ -146,7 +146,7 @@ impl Limits {
     }
 
     /// The nut of a size with its numbers; `None` if it is beyond the limits, cannot be made, or cannot
-    /// hold its balls under the preload.
+    /// keep its contacts on the flanks under the preload.
     pub fn candidate(&self, size: &Size) -> Option<Candidate> {
         if !self.allow(size) {
             return None;

@@ -48,7 +48,7 @@ impl MachineTable {
     }
 }
 
-/// Drag torque of a preload by the rule of makers \[N·m\] (Z8).
+/// Friction torque of a preload by manufacturers' rule \[N·m\] (Z8).
 ///
 /// ```math
 /// T_p = K_p\,\frac{F_w P_h}{2\pi}, \qquad K_p = 0.05\,(\tan\alpha)^{-1/2}
@@ -118,7 +118,7 @@ impl Drive {
     }
 }
 
-/// Root of the mean square over time (Z13), of torques: what heats a motor; `None` without any time.
+/// RMS torque over time (Z13), which determines the heat of a motor; `None` without any time.
 ///
 /// Source: THK, "Studying the driving motor", eq. 54.
 pub fn root_mean_square(values: impl Iterator<Item = (f64, f64)>) -> Option<f64> {

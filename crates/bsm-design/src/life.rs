@@ -22,9 +22,9 @@ pub struct Duty {
 /// Life that 90 % of nuts reach, and the load that stands for all.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Life {
-    /// Load that takes the same life if it stays \[N\], of the busier flank: of one nut, or of the nuts of a pair.
+    /// Equivalent load \[N\], of the busier flank: of one nut, or of the nuts of a pair.
     pub mean_load: f64,
-    /// Speed that takes the same revolutions if it stays \[rad/s\].
+    /// Equivalent speed \[rad/s\].
     pub mean_speed: f64,
     /// `$L_{10}$` in revolutions.
     pub revolutions: f64,

@@ -64,7 +64,7 @@ pub enum Outcome {
         /// The compromise that fails least.
         design: Design,
         /// The limits that block: each that alone, left out, would let all others be kept; or else
-        /// what the compromise fails. Empty if the model has no efficiency for any screw, or those that keep all
+        /// what the compromise fails. Empty if the model has no efficiency for any screw, or those that meet all
         /// limits break a rule of all balls.
         blocking: Vec<ActiveLimit>,
     },
@@ -96,7 +96,7 @@ impl Requirement {
     /// Of several leads, that of the best screw with any ball and fractions of balls is taken.
     /// Every ball in stock and every whole number of them that the limits of size allow fixes a pitch
     /// circle. The best of these at a first look over contact angles and conformities are optimised in
-    /// both. If none keeps all limits, a search with any ball and fractions of balls tells why.
+    /// both. If none meets all limits, a search with any ball and fractions of balls tells why.
     ///
     /// # Panics
     ///
@@ -192,7 +192,7 @@ fn least<T>(items: impl Iterator<Item = T>, value: impl Fn(&T) -> f64) -> Option
     valued.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, item)| item)
 }
 
-/// Orders values: those that keep all limits by their objective, before the others by how much they
+/// Orders values: those that meet all limits by their objective, before the others by how much they
 /// fail.
 fn rank(value: &Value) -> f64 {
     let worst = value.worst();

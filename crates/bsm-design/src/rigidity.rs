@@ -175,7 +175,7 @@ mod tests {
         let limit = 3.0 * preload;
         let linear = limit / nut.preloaded(preload);
         let exact = nut.displacement(limit) - approach;
-        assert!(exact > approach, "one nut is free");
+        assert!(exact > approach, "one nut is unloaded");
         assert_relative_eq!(
             linear / exact,
             1.0 / (3.0_f64.cbrt().powi(2) - 1.0),

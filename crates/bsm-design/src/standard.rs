@@ -131,7 +131,7 @@ fn failing(design: &Design) -> Vec<Check> {
     told.filter(|check| !check.passes()).copied().collect()
 }
 
-/// Why no standard size keeps all limits: the one that fails least, and each limit that alone is in the way, with
+/// Why no standard size meets all limits: the one that fails least, and each limit that alone is in the way, with
 /// the best value that it could have.
 fn blocked(designs: Vec<Design>, complete: impl Fn(&Design) -> Design) -> Option<Outcome> {
     let mut alone: Vec<(Quantity, Check)> = Vec::new();

@@ -131,7 +131,7 @@ impl Nut {
 
     /// Axial load of one nut under which a contact ellipse reaches the end of its flank \[N\]: the edge
     /// of the land, or the bottom of the groove. 0 if even the unloaded contact is not on the
-    /// flank: such a nut cannot hold its balls.
+    /// flank: its contacts lie outside the grooves.
     ///
     /// * `hertz`: contacts at nut and screw.
     pub fn edge_load(&self, thread: &Thread, hertz: &[Hertz; 2]) -> f64 {

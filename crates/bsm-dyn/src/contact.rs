@@ -6,11 +6,10 @@ mod friction;
 mod hertz;
 mod jam;
 mod jones;
-mod knee;
 mod lubricant;
+mod transition;
 
 pub use self::{
-    angles::*, balance::*, friction::*, hertz::*, jam::*, jones::*, knee::*,
-    lubricant::film_state::*, lubricant::losses::*, lubricant::mixed::*, lubricant::oil::*,
-    lubricant::*,
+    angles::*, balance::*, friction::*, hertz::*, jam::*, jones::*, lubricant::film_state::*,
+    lubricant::losses::*, lubricant::mixed::*, lubricant::oil::*, lubricant::*, transition::*,
 };

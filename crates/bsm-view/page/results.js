@@ -24,7 +24,7 @@ export function showKey(host, result) {
     html("p", { class: "small" }, html("strong", {}, `Model ${result.model}. `), result.choice ? `Chosen: ${result.choice}. ` : "",
       result.loss_error_bound != null && !result.lubrication ? `The heat is known to ${brief(Number((100 * result.loss_error_bound).toPrecision(2)))} %. ` : "", result.lubrication ? `Lubrication: ${result.lubrication}. ` : "",
       result.controlling_race ? `The ${result.controlling_race} controls.` : ""),
-    ...(band ? [html("p", { class: "small" }, `Nine of ten draws of what nobody knows of the oil lie between ${number(band.screw_torque_Nm[0])} and ${number(band.screw_torque_Nm[1])} N m.`)] : []),
+    ...(band ? [html("p", { class: "small" }, `90 % interval over uncertain inputs of the oil: ${number(band.screw_torque_Nm[0])} and ${number(band.screw_torque_Nm[1])} N m.`)] : []),
     ...warnings(result));
 }
 

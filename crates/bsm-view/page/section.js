@@ -49,7 +49,7 @@ export function showSection(host, scene, result) {
   const labels = said.flatMap(([name, angle, load, , colour, far]) => {
     const left = far[0] < width / 2, up = far[1] < height / 2, x = left ? 8 : width - 8, y = up ? 22 : height - 30, anchor = left ? "start" : "end";
     const halo = { "text-anchor": anchor, style: `fill:${colour};font-weight:600;paint-order:stroke;stroke:var(--metal);stroke-width:4px` };
-    return [text(x, y, `${name}: ${number(load)} N`, halo), text(x, y + 17, name === "minor" ? "minor contact" : `at ${number(angle)}°`, halo)];
+    return [text(x, y, `${name}: ${number(load)} N`, halo), text(x, y + 17, name === "minor" ? "unloaded flank" : `at ${number(angle)}°`, halo)];
   });
   const words = said.map(([name, angle, load, a]) => `${name} contact at ${number(angle)} degrees under ${number(load)} newtons${a == null ? "" : `, ellipse ${number(2 * a)} millimetres wide`}`).join("; ");
   host.replaceChildren(
@@ -57,7 +57,7 @@ export function showSection(host, scene, result) {
       clip, ...grooves, svg("circle", { cx: width / 2, cy: height / 2, r: k * r, fill: "var(--steel)", "fill-opacity": 0.55, stroke: "var(--ink)" }),
       svg("path", { d: path([at([-0.12 * r, 0]), at([0.12 * r, 0])]) + path([at([0, -0.12 * r]), at([0, 0.12 * r])]), stroke: "var(--ink)" }), ...marks, ...labels,
       ...(section ? [text(width / 2, 16, "nut", { "text-anchor": "middle", class: "faint" }), text(width / 2, height - 8, "screw", { "text-anchor": "middle", class: "faint" })] : [])),
-    legend([["contact angle without load", "var(--faint)", "dash"], ["nut", "var(--c1)"], ["screw", "var(--c2)"], ...(said.some(([name]) => name === "minor") ? [["minor contact", "var(--c4)"]] : [])]),
+    legend([["contact angle without load", "var(--faint)", "dash"], ["nut", "var(--c1)"], ["screw", "var(--c2)"], ...(said.some(([name]) => name === "minor") ? [["unloaded flank", "var(--c4)"]] : [])]),
     html("p", { class: "small faint" }, section
       ? `To scale; thick arcs: widths of the ellipses, ${["nut", "screw"].map((name) => (result[`${name}_ellipse_a_mm`] == null ? "none by this model" : `${name} ${number(2 * result[`${name}_ellipse_a_mm`])} mm`)).filter((w, i, all) => all.indexOf(w) === i).join(", ")}. Conformity ${number(scene.nut_conformity)} (nut), ${number(scene.screw_conformity)} (screw).`
       : "Without nut_conformity and screw_conformity there is no groove to draw: contacts are points."),

@@ -64,7 +64,7 @@ pub enum DatasetError {
     #[error("the points of the plan: {0}")]
     NotPoints(String),
     /// A table that is not the one of the plan.
-    #[error("{} is not the table of points that the plan was made for ({name}): its bytes are others",
+    #[error("{} is not the table of points that the plan was made for ({name}): its contents differ",
         path.display())]
     OtherTable {
         /// The file.

@@ -34,60 +34,60 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
         largest_speed_rpm ["rpm"] Whole(|w| w.axis().fastest() / RPM), "largest speed of the screw";
         largest_feed_m_min ["m/min"] Whole(|w| w.axis().fastest() * w.machine.advance() * 60.0), "largest feed";
         equivalent_load_N ["N" "F_m"] Whole(|w| Some(w.axis().life()?.mean_load)),
-            "load that takes the same life if it stays; of a pair, that of the busier nut";
-        equivalent_speed_rpm ["rpm" "n_m"] Whole(|w| Some(w.axis().life()?.mean_speed / RPM)), "mean speed";
+            "equivalent load; for a pair, that of the more heavily loaded nut";
+        equivalent_speed_rpm ["rpm" "n_m"] Whole(|w| Some(w.axis().life()?.mean_speed / RPM)), "equivalent speed";
     }
     "screw and bearings" {
         screw_length_between_bearings_mm ["mm"] Whole(|w| Some(w.shaft()?.length / MM)), "unsupported length";
-        bending_diameter_mm ["mm"] Whole(|w| Some(w.shaft()?.diameter / MM)), "diameter that bends and strains";
+        bending_diameter_mm ["mm"] Whole(|w| Some(w.shaft()?.diameter / MM)), "shaft diameter for bending and buckling";
         critical_speed_rpm ["rpm" "n_k"] Whole(|w| Some(w.shaft()?.critical_speed() / RPM)), "critical speed";
         critical_speed_ratio [""] Whole(|w| w.shaft().and(w.axis().critical_speed_ratio())), "largest speed over the critical one";
         buckling_load_N ["N" "F_k"] Whole(|w| Some(w.shaft()?.buckling_load())), "buckling load";
         buckling_safety [""] Whole(|w| w.shaft().and(w.axis().buckling_safety())), "buckling load over the largest load";
-        yield_load_N ["N"] Whole(|w| w.shaft().and(w.axis().yield_load())), "load that strains the core to 147 N/mm2";
+        yield_load_N ["N"] Whole(|w| w.shaft().and(w.axis().yield_load())), "permissible axial load, core stress 147 N/mm2";
         cycle_speed_number_mm_min ["mm/min" "d_pw n"] Whole(|w| w.axis().speed_number() / (MM * RPM)), "largest speed number";
         screw_mass_kg ["kg"] Whole(|w| w.shaft().and(w.machine.screw).map(|(mass, _)| mass)), "mass of the screw between its bearings";
         steady_temperature_rise_K ["K"] Whole(|w| w.steady_rise()) needs [axis_heat_transfer_W_K],
-            "rise of temperature at which the axis gives away its mean heat";
+            "steady-state temperature rise";
         screw_growth_um ["um"] Whole(|w| w.growth()),
-            "growth of the screw between its bearings, warmer by screw_temperature_rise_K or the steady rise";
+            "thermal expansion between the bearings, by screw_temperature_rise_K or the steady-state rise";
         travel_variation_300_um ["um" "v_300p"] Whole(|w| Some(w.scene.nut.accuracy_grade?.grade.variation / UM)),
             "permitted variation of travel within any 300 mm, of accuracy_grade";
     }
     "nut and life" {
-        static_safety_factor ["" "f_s"] Whole(|w| w.static_safety()), "static safety by the rating and by the most loaded ball, the smaller one";
+        static_safety_factor ["" "f_s"] Whole(|w| w.static_safety()), "static safety factor, the smaller of rating and most loaded ball";
         cycle_life_revolutions ["" "L"] Whole(|w| Some(w.axis().life()?.revolutions)), "life of the cycle by ISO 3408-5";
         cycle_life_h ["h" "L_h"] Whole(|w| Some(w.axis().life()?.time / 3600.0)), "life of the cycle by ISO 3408-5";
         cycle_life_by_balls_h ["h"] Whole(|w| Some(w.axis().reliability * w.life_by_balls? / 3600.0)), "life of the cycle by the loads of all balls";
         opening_load_N ["N"] Whole(|w| w.of_nut("limit_load_N")), "load at which the preload is lost";
     }
     "rigidity" {
-        screw_rigidity_N_um ["N/um" "R_s"] Whole(|w| Some(w.shaft()?.least_stiffness() * UM)), "rigidity of the screw where it is least";
-        nut_rigidity_N_um ["N/um" "R_nu"] Whole(|w| w.of_nut("nut_stiffness_N_um")), "tangent rigidity of the nut at the largest load, all balls";
-        axis_rigidity_N_um ["N/um"] Whole(|w| Some(w.stiffness()? * UM)), "rigidity of screw, nut, bearings and housings in series";
+        screw_rigidity_N_um ["N/um" "R_s"] Whole(|w| Some(w.shaft()?.least_stiffness() * UM)), "minimum shaft stiffness";
+        nut_rigidity_N_um ["N/um" "R_nu"] Whole(|w| w.of_nut("nut_stiffness_N_um")), "tangent stiffness of the nut at the largest load, all balls";
+        axis_rigidity_N_um ["N/um"] Whole(|w| Some(w.stiffness()? * UM)), "stiffness of screw, nut, bearings and housings in series";
         lost_motion_um ["um"] Whole(|w| {
             let friction = Some(w.machine.carriage.guide_friction()).filter(|friction| *friction > 0.0);
             Some(lost_motion(friction?, w.stiffness()?) / UM)
-        }), "elastic lost motion where the friction of the guides turns round";
+        }), "elastic lost motion on reversal";
     }
     "drive" {
-        peak_motor_torque_Nm ["N m"] Whole(|w| w.peak(Worked::motor_torque)) needs [friction_coefficient | lubricant_temperature_C], "largest torque of the motor";
-        rms_motor_torque_Nm ["N m"] Whole(|w| w.rms_torque()) needs [friction_coefficient | lubricant_temperature_C], "root of the mean square of the torque of the motor";
-        peak_motor_power_W ["W"] Whole(|w| w.peak(Worked::motor_power)) needs [friction_coefficient | lubricant_temperature_C], "largest power of the motor";
+        peak_motor_torque_Nm ["N m"] Whole(|w| w.peak(Worked::motor_torque)) needs [friction_coefficient | lubricant_temperature_C], "peak motor torque";
+        rms_motor_torque_Nm ["N m"] Whole(|w| w.rms_torque()) needs [friction_coefficient | lubricant_temperature_C], "RMS motor torque";
+        peak_motor_power_W ["W"] Whole(|w| w.peak(Worked::motor_power)) needs [friction_coefficient | lubricant_temperature_C], "peak motor power";
         mean_heat_W ["W"] Whole(|w| w.mean_heat()) needs [friction_coefficient | lubricant_temperature_C], "mean heat of nut, seals and support bearings";
-        preload_drag_Nm ["N m" "T_p0"] Whole(|w| Some(w.preload.as_ref()?.by_rule)), "drag of the preload by the rule of makers";
+        preload_drag_Nm ["N m" "T_p0"] Whole(|w| Some(w.preload.as_ref()?.by_rule)), "friction torque of the preload by manufacturers' rule";
         screw_efficiency ["" "eta"] Whole(|w| w.heaviest()?.efficiency()) needs [friction_coefficient | lubricant_temperature_C],
             "efficiency of the screw at the largest load that moves, with preload, seals and support bearings";
-        contact_drag_Nm ["N m"] Whole(|w| w.preload.as_ref()?.of_contacts) needs [friction_coefficient | lubricant_temperature_C], "drag of the preload by its contacts alone";
+        contact_drag_Nm ["N m"] Whole(|w| w.preload.as_ref()?.of_contacts) needs [friction_coefficient | lubricant_temperature_C], "friction torque of the preload, contacts alone";
         holding_torque_Nm ["N m"] Whole(|w| w.holding) needs [friction_coefficient | lubricant_temperature_C],
-            "torque on the screw that keeps the load from driving it, contacts alone";
+            "holding torque at the screw, contacts alone";
         inertia_of_screw_kg_m2 ["kg m2" "J_s"] Whole(|w| w.machine.screw.map(|(_, inertia)| inertia)), "moment of inertia of the screw";
-        inertia_of_mass_kg_m2 ["kg m2"] Whole(|w| w.machine.drive.mass_inertia()), "moment of inertia of the moved mass at the screw";
-        inertia_at_motor_kg_m2 ["kg m2"] Whole(|w| w.inertia_at_motor()), "moment of inertia of the load at the motor";
+        inertia_of_mass_kg_m2 ["kg m2"] Whole(|w| w.machine.drive.mass_inertia()), "reflected inertia of the moved mass, at the screw";
+        inertia_at_motor_kg_m2 ["kg m2"] Whole(|w| w.inertia_at_motor()), "load inertia at the motor";
         inertia_ratio [""] Whole(|w| {
             let motor = Some(w.machine.drive.motor_inertia).filter(|inertia| *inertia > 0.0);
             Some(w.inertia_at_motor()? / motor?)
-        }), "moment of inertia of the load at the motor over that of the motor";
+        }), "load-to-motor inertia ratio";
     }
 }
 
@@ -97,7 +97,7 @@ quantities! { pub(crate) TORQUES, read_torques(&Torques);
         whole_screw_torque_Nm ["N m" "T"] Whole(Torques::at_screw), "torque of the whole screw";
         ideal_torque_Nm ["N m"] Whole(|t| t.ideal), "  of the load, without friction";
         contact_friction_torque_Nm ["N m"] Whole(|t| t.contacts.friction), "  contacts of the balls";
-        preload_drag_beyond_contacts_Nm ["N m"] Whole(|t| t.drag), "  returns and lubricant of the preload, by the rule of makers";
+        preload_drag_beyond_contacts_Nm ["N m"] Whole(|t| t.drag), "  returns and lubricant of the preload, by manufacturers' rule";
         seal_torque_Nm ["N m"] Whole(|t| t.seal), "  seals";
         support_bearing_torque_Nm ["N m"] Whole(|t| t.bearing), "  support bearings";
         screw_efficiency ["" "eta"] Whole(Torques::efficiency), "efficiency of the whole screw";
@@ -110,8 +110,8 @@ quantities! { pub(crate) PHASE, read_phase(&InPhase<'_>);
         screw_speed_rpm ["rpm" "n"] Whole(|p| p.torques.phase.speed / RPM), "speed of the screw";
         feed_m_min ["m/min"] Whole(|p| p.torques.phase.speed * p.worked.machine.advance() * 60.0), "feed";
         acceleration_m_s2 ["m/s2"] Whole(|p| p.torques.phase.acceleration), "acceleration";
-        motor_torque_Nm ["N m"] Whole(|p| p.worked.motor_torque(p.torques)), "torque of the motor";
-        motor_power_W ["W"] Whole(|p| p.worked.motor_power(p.torques)), "power of the motor";
+        motor_torque_Nm ["N m"] Whole(|p| p.worked.motor_torque(p.torques)), "motor torque";
+        motor_power_W ["W"] Whole(|p| p.worked.motor_power(p.torques)), "motor power";
         heat_W ["W"] Whole(|p| p.torques.heat()), "heat";
     }
 }
@@ -125,7 +125,7 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
         contact_angle_deg ["deg" "alpha"] Whole(|s| s.nut().contact_angle / DEG), "contact angle";
         nut_conformity [""] Whole(|s| s.nut().conformity.0), "groove radius over ball diameter, nut";
         screw_conformity [""] Whole(|s| s.nut().conformity.1), "groove radius over ball diameter, screw";
-        loaded_balls_per_turn [""] Whole(|s| s.nut().balls_per_turn), "loaded balls of a turn";
+        loaded_balls_per_turn [""] Whole(|s| s.nut().balls_per_turn), "loaded balls per turn";
         loaded_turns ["" "i"] Whole(|s| s.nut().turns), "loaded turns";
         nut_outer_diameter_mm ["mm" "D_1"] Whole(|s| s.machine.body.outer / MM), "outer diameter of the nut";
         nut_length_mm ["mm"] Whole(|s| s.machine.body.length / MM), "length of the nut";
@@ -133,7 +133,7 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
         screw_core_diameter_mm ["mm" "d_2"] Whole(|s| s.machine.thread.screw.core / MM), "calculated core diameter of the screw";
         dynamic_load_rating_N ["N" "C_a"] Whole(|s| s.machine.axis.dynamic_rating), "dynamic axial load rating";
         static_load_rating_N ["N" "C_0a"] Whole(|s| s.machine.axis.static_rating.rating), "static axial load rating";
-        edge_load_N ["N"] Whole(|s| s.of_nut.number("edge_load_N")), "axial load of one nut under which a contact ellipse reaches the end of its flank";
+        edge_load_N ["N"] Whole(|s| s.of_nut.number("edge_load_N")), "edge load, at which a contact ellipse reaches the end of its flank";
         mass_kg ["kg"] Whole(|s| s.of_nut.number("mass_kg")), "mass of the nut";
         preload_set_N ["N"] Whole(|s| Some(s.preload?.cold)), "cold preload";
         warm_preload_N ["N" "F_pr"] Whole(|s| Some(s.preload?.warm)), "warm preload";
@@ -225,8 +225,8 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
 
 /// What the torque of an axis leaves out.
 const NOT_MODELLED: [&str; 6] = [
-    "lubricant, unless its inputs are given: contacts are dry then, with one friction coefficient; the drag of the preload is that of makers' rule, which holds to some 50 %",
-    "returns of the balls and balls that touch each other: only in makers' rule for the drag",
+    "lubricant, unless its inputs are given: contacts are dry then, with one friction coefficient; the friction torque of the preload is that of manufacturers' rule, accurate to some 50 %",
+    "ball returns and ball-to-ball contact: only in manufacturers' rule for the preload",
     "temperatures of nut, screw and balls: their rises are inputs, which the preload follows; axis_heat_transfer_W_K gives the growth of the screw alone",
     "vibration of the axis, its control, and shocks: multiply the loads by the factor of your machine",
     "bending of the screw by its weight, and of the frame; misalignment unless it is given",
@@ -295,7 +295,7 @@ pub(crate) struct Preload {
     cold: f64,
     /// With the rises of temperature \[N\].
     warm: f64,
-    /// By the rule of makers.
+    /// By manufacturers' rule.
     by_rule: f64,
     /// Of its contacts alone; `None` without friction.
     of_contacts: Option<f64>,
@@ -363,7 +363,7 @@ pub fn torque_parts(scene: &Scene, settings: &Settings) -> Result<Option<ScrewTo
 }
 
 /// Efficiency of the whole screw in a phase for a search over screws, which has no time for all balls of a preloaded
-/// nut: one ball under its equal share, and the drag of the preload by the rule of makers.
+/// nut: one ball under its equal share, and the friction torque of the preload by manufacturers' rule.
 ///
 /// * `nut`: that of the scene.
 pub(crate) fn quick_efficiency(
@@ -649,7 +649,7 @@ impl<'a> Worked<'a> {
         let [low, high] = contacts::band(self.scene, settings, phase, work)?;
         let friction = heaviest.contacts.friction?;
         Some(format!(
-            "friction from the lubricant: at {:.0} N and {:.0} rpm nine of ten draws of what nobody knows exactly lie \
+            "friction from the lubricant: at {:.0} N and {:.0} rpm the 90 % interval over uncertain inputs lies \
              between {:.3} and {:.3} N m, of {friction:.3} N m of the contacts",
             phase.load,
             phase.speed / RPM,

@@ -189,7 +189,7 @@ impl Calibration {
             rows: (1..).zip(self.fitted(report)).map(point).collect(),
             keyed: false,
         };
-        let doubt = if condition > 1e3 { ": the points hardly tell the inputs apart" } else { "" };
+        let doubt = if condition > 1e3 { ": the inputs are poorly determined" } else { "" };
         Answer::default()
             .with("output", Content::Json(self.output.name.into()))
             .with("found", Content::Table(found))

@@ -195,7 +195,7 @@ impl RequirementFile {
         catalogue
     }
 
-    /// True if a nut keeps all limits of the requirement but those that need the loads of all its balls, which
+    /// True if a nut meets all limits of the requirement but those that need the loads of all its balls, which
     /// [`sheet_of`](Self::sheet_of) judges.
     pub fn is_kept_by(&self, nut: &Nut) -> bool {
         let of_pitch = |pitch: &Pitch| match pitch {
@@ -377,7 +377,10 @@ fn blocks(ActiveLimit { check, why }: &ActiveLimit) -> String {
     let rule = format!("{name} must be {}{unit}", required(check).unwrap_or_default());
     match why {
         Why::Alone(best) => {
-            format!("{rule}: with all other limits kept it can be {} at best", number(*best))
+            format!(
+                "{rule}: with all other limits met the best possible value is {}",
+                number(*best)
+            )
         }
         Why::WithOthers => {
             format!(

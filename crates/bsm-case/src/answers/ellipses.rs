@@ -31,7 +31,7 @@ impl FrictionLaw<f64> for Law {
         }
     }
 
-    fn bend(&self) -> Option<bsm_dyn::Knee> {
+    fn bend(&self) -> Option<bsm_dyn::Transition> {
         match self {
             Self::Dry(law) => FrictionLaw::<f64>::bend(law),
             Self::Oiled(law) => law.bend(),

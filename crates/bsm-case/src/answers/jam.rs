@@ -39,7 +39,7 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
         drag_over_load [""] Whole(|j| Some(j.drag? / j.least_load())) needs [lubricant_density_kg_m3, drag_coefficient],
             "drag over the normal load";
     }
-    "wedge between the races" {
+    "wedge between the raceways" {
         wedge_angle_deg ["deg"] Whole(|j| j.wedge.opening() / DEG), "contact angle, screw minus nut";
         friction_across_N ["N"] Contacts(|j| j.wedge.across()), "friction across the groove";
         holding_force_N ["N"] Whole(|j| j.wedge.holding()), "force that holds the ball";
@@ -60,9 +60,9 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
     }
     "self-locking" {
         locking_friction_coefficient [""] Whole(|j| Some(j.locking()?.1)),
-            "friction coefficient from which the screw is self-locking in its direction of drive, contact angles under load";
+            "friction coefficient for self-locking in the direction of drive, contact angles under load";
         locking_margin [""] Whole(|j| Some(j.locking()?.1 / j.wedge.friction).filter(|x| x.is_finite())),
-            "margin, locking friction coefficient over the one of the scene";
+            "self-locking margin, that coefficient over the friction coefficient";
         self_locking_under_load [""] Statement(|j| {
             let (direction, _) = j.locking()?;
             Some(j.angles().self_locking(direction, j.wedge.friction))
@@ -74,18 +74,18 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
         apex_thrust_N ["N"] Whole(|j| j.returner.apex) needs [apex_half_angle_deg], "thrust at the apex of the return curve";
         step_force_N ["N"] Whole(|j| Some(j.returner.step?.0)) needs [return_angle_deg], "normal force of the step";
         step_thrust_N ["N"] Whole(|j| Some(j.returner.step?.1)) needs [return_angle_deg], "thrust at the step into the screw";
-        highest_step_mm ["mm"] Whole(|j| j.returner.highest / MM), "height of a step into the return that no thrust overcomes";
+        highest_step_mm ["mm"] Whole(|j| j.returner.highest / MM), "critical height of a step into the return";
         entry_thrust_ratio [""] Whole(|j| j.returner.entered.filter(|ratio| ratio.is_finite())) needs [step_height_mm, return_angle_deg],
             "thrust behind over thrust ahead of a ball at the step into the return";
         entry_thrust_N ["N"] Whole(|j| j.returner.entry_thrust()) needs [step_height_mm, return_angle_deg, apex_half_angle_deg],
             "thrust at the step into the return, with a ball at the apex ahead";
         screw_track_friction_N ["N"] Whole(|j| Some(j.track?.screw)) needs [loaded_balls_per_turn],
-            "friction along the track, balls of one turn: steady motion, screw (as published)";
+            "track friction of one turn in steady motion, screw (as published)";
         weaker_track_friction_N ["N"] Whole(|j| Some(j.track?.weaker)) needs [loaded_balls_per_turn],
-            "friction along the track, balls of one turn: steady motion, weaker contact";
+            "track friction of one turn in steady motion, weaker contact";
         stopped_track_friction_N ["N"] Whole(|j| Some(j.track?.stopped)) needs [loaded_balls_per_turn],
-            "friction along the track, balls of one turn: stopped balls, screw";
-        returner_margin [""] Whole(|j| Some(j.track?.stopped / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "margin, friction over thrust: stopped balls";
+            "track friction of one turn, balls stationary, screw";
+        returner_margin [""] Whole(|j| Some(j.track?.stopped / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "ball-return margin, friction of stationary balls over thrust";
         published_margin [""] Whole(|j| Some(j.track?.screw / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
             "friction over thrust: steady motion, screw (as published)";
         weaker_contact_margin [""] Whole(|j| Some(j.track?.weaker / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
@@ -93,7 +93,7 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
         jams [""] Statement(|j| {
             let track = j.track?;
             if j.returner.is_blocked() { Some(true) } else { Some(j.returner.thrust()? >= track.stopped) }
-        }) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "true if the thrust is at least the friction of balls that are stopped";
+        }) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "true if the thrust is at least the friction of stationary balls";
     }
 }
 

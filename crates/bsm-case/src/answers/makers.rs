@@ -102,7 +102,7 @@ pub struct MakerRow {
 }
 
 impl MakerRow {
-    /// Nuts beside ours, and in the axis of a requirement: those that keep all its rules first, of them the
+    /// Nuts beside ours, and in the axis of a requirement: those that pass all its rules first, of them the
     /// lightest screw.
     ///
     /// # Errors
@@ -150,7 +150,7 @@ impl MakerRow {
 }
 
 impl MakerRow {
-    /// The answer: a row a nut. It fails if none keeps all rules of its requirement.
+    /// The answer: a row a nut. It fails if none passes the rules of its requirement.
     pub fn answer(rows: &[Self]) -> Answer {
         let Some(first) = rows.first() else {
             return Answer::default().with("", Content::Table(Table::default()));
@@ -185,9 +185,7 @@ impl MakerRow {
                 "calculated over stated:",
                 (!ratios.is_empty()).then(|| ratios.join(", ")),
             ));
-        answer
-            .notes
-            .extend(sized.then(|| format!("{passing} of {} nuts keep all rules", rows.len())));
+        answer.notes.extend(sized.then(|| format!("{passing} of {} nuts pass", rows.len())));
         answer
     }
 }
@@ -209,7 +207,7 @@ fn column(
     convert(own, &known()).map(Some).ok_or_else(|| {
         let near = nearest(own, known()).map_or(String::new(), |near| format!(", did you mean `{near}`?"));
         format!(
-            "unknown column `{own}`{near}; columns-from gives the names of a maker, null for a column that is \
+            "unknown column `{own}`{near}; columns-from gives the names of a manufacturer's columns, null for a column that is \
              not read"
         )
     })

@@ -107,8 +107,8 @@ quantities! { pub(crate) QUANTITIES, read(&Loaded<'_>) of Nut;
     }
     "load sharing" {
         max_contact_load_N ["N"] Whole(|n| Some(n.state.made.found.max_load())), "largest load of a contact";
-        max_over_mean [""] Whole(|n| Some(n.state.made.found.concentration())), "largest load of a contact over the mean";
-        unloaded_balls [""] Whole(|n| Some(count(n.state.made.found.unloaded()))), "balls that carry nothing";
+        max_over_mean [""] Whole(|n| Some(n.state.made.found.concentration())), "load concentration, largest contact load over the mean";
+        unloaded_balls [""] Whole(|n| Some(count(n.state.made.found.unloaded()))), "unloaded balls";
         max_pressure_MPa ["MPa"] Whole(|n| Some(max_pressure(&n.state.made)? / MPA)), "largest Hertz pressure";
         equal_load_N ["N"] Whole(|n| Some(equal(n.problem, &n.state.made)?.load)), "load of each ball if all shared the axial load equally";
         load_bound_N ["N"] Whole(|n| load_bound(n.problem, &n.state.made)), "bound of the largest load before solving (a guided nut)";
@@ -117,22 +117,22 @@ quantities! { pub(crate) QUANTITIES, read(&Loaded<'_>) of Nut;
         nut_stiffness_N_um ["N/um"] Whole(|n| Some(n.state.made.found.axial_stiffness(&n.problem.support) * UM)), "tangent at this load";
         secant_stiffness_N_um ["N/um"] Whole(|n| secant(n.problem, &n.state.made).map(|k| k * UM)), "secant from no load";
         equal_stiffness_N_um ["N/um"] Whole(|n| Some(equal(n.problem, &n.state.made)?.stiffness * UM)), "tangent if all balls shared the axial load equally, the bodies rigid";
-        rigidity_2_N_um ["N/um"] Whole(|n| stated(&n.state.made, 2.0)), "of the preload, 2 F_p/delta_p: two nuts side by side";
-        rigidity_2_83_N_um ["N/um"] Whole(|n| stated(&n.state.made, 2.0_f64.powf(1.5))), "of the preload, 2^1.5 F_p/delta_p: secant to the limit load";
-        rigidity_3_N_um ["N/um"] Whole(|n| stated(&n.state.made, 3.0)), "of the preload, 3 F_p/delta_p: tangent without load";
+        rigidity_2_N_um ["N/um"] Whole(|n| stated(&n.state.made, 2.0)), "preload stiffness 2 F_p/delta_p, two nuts in parallel";
+        rigidity_2_83_N_um ["N/um"] Whole(|n| stated(&n.state.made, 2.0_f64.powf(1.5))), "preload stiffness 2^1.5 F_p/delta_p, secant to the limit load";
+        rigidity_3_N_um ["N/um"] Whole(|n| stated(&n.state.made, 3.0)), "preload stiffness 3 F_p/delta_p, tangent without load";
         iso_rigidity_N_um ["N/um"] Whole(|n| Some(iso_rigidity(n.problem, n.state)? * UM)), "of ISO 3408-4: a pair at its preload, one nut as secant at its load";
-        usual_rigidity_N_um ["N/um"] Whole(|n| Some(USUAL * iso_rigidity(n.problem, n.state)? * UM)), "0.8 of that, the usual allowance of catalogues";
+        usual_rigidity_N_um ["N/um"] Whole(|n| Some(USUAL * iso_rigidity(n.problem, n.state)? * UM)), "catalogue stiffness, 80 % of ISO 3408-4";
     }
     "preload" {
-        preload_set_N ["N"] Whole(|n| Some(n.state.made.preload.as_ref()?.cold)), "cold preload: without load and rises of temperature, the nut guided";
-        warm_preload_N ["N"] Whole(|n| Some(n.state.made.preload.as_ref()?.warm)), "warm preload: the same with the rises of temperature";
-        preload_approach_um ["um"] Whole(|n| Some(n.state.made.preload.as_ref()?.approach / UM)), "delta_p, axial displacement of each side by the cold preload";
-        preload_setting_um ["um"] Whole(|n| Some(n.state.made.preload.as_ref()?.setting / UM)), "offset of the pair (below 0 in O arrangement), or excess of the balls' diameter, that gives it";
+        preload_set_N ["N"] Whole(|n| Some(n.state.made.preload.as_ref()?.cold)), "cold preload, with no external load and no temperature rise";
+        warm_preload_N ["N"] Whole(|n| Some(n.state.made.preload.as_ref()?.warm)), "warm preload, with the temperature rises";
+        preload_approach_um ["um"] Whole(|n| Some(n.state.made.preload.as_ref()?.approach / UM)), "preload deflection of each nut, delta_p";
+        preload_setting_um ["um"] Whole(|n| Some(n.state.made.preload.as_ref()?.setting / UM)), "offset of the pair (below 0 in O arrangement) or ball oversize that sets the preload";
         preload_left_N ["N"] Whole(|n| {
         let Set { by, .. } = n.state.made.preload.as_ref()?;
         Some(n.state.made.found.preload(&n.state.made.nut, *by))
-    }), "preload that is left at this load";
-        limit_load_N ["N"] Whole(|n| limit_load(n.problem, &n.state.made)), "limit load, at which the last ball of a side lets go";
+    }), "remaining preload at this load";
+        limit_load_N ["N"] Whole(|n| limit_load(n.problem, &n.state.made)), "limit load, at which one nut is fully unloaded";
     }
     "life and safety" {
         life_revolutions [""] Whole(|n| lasting(n.state.made.found.life(&n.state.made.nut, &n.problem.ratings))), "life by the loads of all balls, revolutions";
@@ -148,7 +148,7 @@ quantities! { pub(crate) QUANTITIES, read(&Loaded<'_>) of Nut;
     "friction" {
         friction_torque_Nm ["N m"] Whole(|n| n.friction()?.torque) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "friction torque of the balls";
         friction_torque_error_Nm ["N m"] Whole(|n| torque_error(n.problem, n.state)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
-            "largest error of that, by balls on both flanks";
+            "error bound of the friction torque, for balls on both flanks";
         return_torque_Nm ["N m"] Whole(|n| match n.problem.friction.as_ref()? {
         (Rubbing::Lubricant(_), _) => n.friction()?.returns,
         (Rubbing::Coefficient(_), _) => None,
@@ -158,13 +158,13 @@ quantities! { pub(crate) QUANTITIES, read(&Loaded<'_>) of Nut;
         nut_efficiency [""] Whole(|n| n.friction()?.efficiency) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "efficiency, with returns and seals";
         friction_heat_W ["W"] Whole(|n| n.friction()?.heat) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "heat of balls, returns and seals";
         preload_torque_Nm ["N m"] Whole(|n| n.drag()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
-            "friction torque of the preload without load, contacts alone";
+            "friction torque of the preload, contacts alone";
         preload_torque_factor [""] Whole(|n| Some(n.drag()? / rule_torque(n.state)?)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
             "drag coefficient K_p of the preload, in T = K_p F_p lead/(2 pi), contacts alone";
         rule_torque_low_Nm ["N m"] Whole(|n| Some(RULE_FACTORS[0] * rule_torque(n.state)?)),
-            "drag torque of such a preload by the rule of catalogues, K_p = 0.1";
+            "friction torque of the preload, catalogue estimate with K_p = 0.1";
         rule_torque_high_Nm ["N m"] Whole(|n| Some(RULE_FACTORS[1] * rule_torque(n.state)?)),
-            "drag torque of such a preload by the rule of catalogues, K_p = 0.3";
+            "friction torque of the preload, catalogue estimate with K_p = 0.3";
     }
 }
 
@@ -488,14 +488,14 @@ impl NutReport {
                 let not_in_it = match self.problem.friction {
                     Some((Rubbing::Lubricant(_), _)) => {
                         notes.push(
-                            "friction from the lubricant is known to a quarter while the balls grip, less where \
-                             rolling resistance leads; bsm solve has the band of one ball, bsm axis that of the axis"
+                            "friction from the lubricant is uncertain by about 25 % while the balls roll, by more where \
+                             rolling resistance dominates; bsm solve has the interval of one ball, bsm axis that of the axis"
                                 .to_owned(),
                         );
-                        "only by return_circuits, ball_contact_force_N and seal_torque_Nm: returns, balls that touch \
-                         each other and wipers"
+                        "only by return_circuits, ball_contact_force_N and seal_torque_Nm: returns, ball-to-ball \
+                         contact and wipers"
                     }
-                    _ => "not: returns, balls that touch each other and lubricant; wipers only by seal_torque_Nm",
+                    _ => "not: returns, ball-to-ball contact and lubricant; wipers only by seal_torque_Nm",
                 };
                 if let Some(eta) = friction.efficiency.filter(|eta| *eta <= 0.0) {
                     notes.push(format!(
@@ -535,7 +535,7 @@ impl NutReport {
         let lost = self.number("preload_left_N").is_some_and(|left| left <= 0.0);
         if let (true, Some(limit)) = (lost, self.number("limit_load_N")) {
             warnings.push(format!(
-                "no preload is left: the load of {} N is beyond the limit load of {limit:.0} N",
+                "the preload is lost: the load of {} N is beyond the limit load of {limit:.0} N",
                 exact(self.problem.axial())
             ));
         }
@@ -552,8 +552,8 @@ impl NutReport {
         let mean = found.max_load() / found.concentration();
         (nut.precession == 0.0 && part.contains(&(force / mean))).then(|| {
             format!(
-                "the centrifugal force of a ball is near {:.0} % of its mean load, and left out: give \
-                 ball_precession_rad_s, near {precession:.0}, to have it",
+                "the centrifugal force of a ball is near {:.0} % of its mean load, and neglected: set \
+                 ball_precession_rad_s = {precession:.0} to include it",
                 100.0 * force / mean
             )
         })

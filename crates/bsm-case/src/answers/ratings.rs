@@ -23,41 +23,41 @@ quantities! { pub(crate) QUANTITIES, read(&Rated<'_>) of Ratings;
         dynamic_load_rating_N ["N" "C_a"] Whole(|r| r.dynamic.rating), "dynamic axial load rating";
         static_load_rating_N ["N" "C_0a"] Whole(|r| r.static_rating.rating), "static axial load rating";
         edge_load_N ["N"] Whole(|r| r.edge_load),
-            "axial load of one nut under which a contact ellipse reaches the end of its flank";
+            "edge load, at which a contact ellipse reaches the end of its flank";
         rigidity_characteristic_N_um15 ["N/um^1.5" "k"] Whole(|r| r.elasticity.turn * 1e-9),
-            "rigidity characteristic of one turn";
+            "stiffness characteristic of one turn";
         preload_displacement_um ["um"] Whole(|r| r.of_pair(|e| e.displacement(r.force) / UM)),
             "displacement of the contacts of a nut under the preload";
         contact_displacement_um ["um"] Whole(|r| r.displacement()) needs [axial_load_N],
             "axial displacement of the contacts under the axial load, of one nut or of the preloaded pair";
         secant_contact_rigidity_N_um ["N/um"] Whole(|r| r.of_one(|e| e.secant(r.force) * UM)) needs [axial_load_N],
-            "rigidity of the contacts of one nut without preload, load over displacement";
+            "secant stiffness of the contacts of one nut without preload";
         tangent_contact_rigidity_N_um ["N/um"] Whole(|r| r.of_one(|e| e.tangent(r.force) * UM)) needs [axial_load_N],
-            "rigidity of the contacts of one nut without preload, for a small change of the load";
+            "tangent stiffness of the contacts of one nut without preload";
         preloaded_contact_rigidity_N_um ["N/um"] Whole(|r| r.of_pair(|e| e.preloaded(r.force) * UM)),
-            "rigidity of the contacts of a preloaded pair";
-        body_rigidity_N_um ["N/um"] Whole(|r| r.of_one(|e| e.body * UM)), "rigidity of the body of a nut";
+            "stiffness of the contacts of a preloaded pair";
+        body_rigidity_N_um ["N/um"] Whole(|r| r.of_one(|e| e.body * UM)), "stiffness of the nut body";
         preloaded_body_rigidity_N_um ["N/um"] Whole(|r| r.of_pair(|e| 2.0 * e.body * UM)),
-            "rigidity of the bodies of a preloaded pair";
+            "stiffness of the bodies of a preloaded pair";
         secant_rigidity_N_um ["N/um"] Whole(|r| r.of_one(|e| in_series(e.secant(r.force), e.body) * UM)) needs [axial_load_N],
-            "secant rigidity of one nut without preload, contacts and body";
+            "secant stiffness of one nut without preload, contacts and body";
         tangent_rigidity_N_um ["N/um"] Whole(|r| r.of_one(|e| in_series(e.tangent(r.force), e.body) * UM)) needs [axial_load_N],
-            "tangent rigidity of one nut without preload, contacts and body";
+            "tangent stiffness of one nut without preload, contacts and body";
         preloaded_rigidity_N_um ["N/um" "R_nu"] Whole(|r| r.of_pair(|e| e.preloaded_pair(r.force) * UM)),
-            "rigidity of a preloaded pair, contacts and bodies";
-        rolling_efficiency [""] Whole(|r| r.nut.rolling_efficiency(r.lever())), "efficiency of balls that have rolling resistance only";
+            "stiffness of a preloaded pair, contacts and bodies";
+        rolling_efficiency [""] Whole(|r| r.nut.rolling_efficiency(r.lever())), "catalogue efficiency, rolling resistance without slip";
         mass_kg ["kg"] Whole(|r| r.body.mass(&r.nut, &r.thread)), "mass of the nut";
-        permissible_speed_rpm ["rpm"] Whole(|r| speed_limit(r.scene) / r.pitch_mm()), "speed that the speed number limit permits";
+        permissible_speed_rpm ["rpm"] Whole(|r| speed_limit(r.scene) / r.pitch_mm()), "permissible speed, by the speed number limit";
         speed_number_mm_min ["mm/min" "n d_pw"] Whole(|r| Some(rpm(r.scene)? * r.pitch_mm())) needs [screw_speed_rpm], "speed number";
         mean_load_N ["N" "F_m"] Whole(|r| Some(r.life.as_ref()?.mean_load)) needs [axial_load_N, screw_speed_rpm],
-            "load that takes the same life if it stays";
+            "equivalent load";
         mean_speed_rpm ["rpm" "n_m"] Whole(|r| Some(r.life.as_ref()?.mean_speed / RPM)) needs [axial_load_N, screw_speed_rpm],
-            "speed that takes the same revolutions if it stays";
+            "equivalent speed";
         rating_life_revolutions ["" "L_10"] Whole(|r| Some(r.life.as_ref()?.revolutions)) needs [axial_load_N, screw_speed_rpm], "rating life";
         life_h ["h" "L_10h"] Whole(|r| Some(r.life.as_ref()?.time / 3600.0)) needs [axial_load_N, screw_speed_rpm], "rating life";
     }
     "thread" {
-        ball_gap_mm ["mm"] Whole(|r| r.nut.ball_gap() / MM), "gap in a turn full of balls, all gaps together";
+        ball_gap_mm ["mm"] Whole(|r| r.nut.ball_gap() / MM), "total ball clearance per turn";
         nut_groove_radius_mm ["mm" "r_n"] Whole(|r| r.thread.nut.radius / MM),
             "groove radius, nut";
         screw_groove_radius_mm ["mm" "r_s"] Whole(|r| r.thread.screw.radius / MM),

@@ -161,7 +161,7 @@ impl Record {
             (slip(Site::Nut), solution.model, solution.choice)
         {
             let minor = slip(Site::NutMinor).map_or_else(String::new, |slip| {
-                format!(", slip {:.0} m/s at the minor contact", slip.speed)
+                format!(", slip {:.0} m/s at the unloaded flank", slip.speed)
             });
             warnings.push(format!(
                 "ball spin {:.2e} rad/s{minor}: this model assumes gross skid; a loaded ball that \
@@ -247,7 +247,7 @@ impl Record {
             let which = match self.model {
                 ModelChoice::Fixed(Model::RacewayControl) => {
                     "this is the one with the smallest difference of the contact angles, under nut \
-                     control if both races can control"
+                     control if both raceways can control"
                 }
                 _ => "this is the first one as the inertia of the ball grows from zero",
             };
@@ -262,7 +262,7 @@ impl Record {
         if let Some(RaceControl { race, consistent: Some(false) }) = control {
             let race = race.name();
             warnings.push(format!(
-                "neither race has the larger spin friction moment at its own solution, so neither \
+                "neither raceway has the larger spin friction moment at its own solution, so neither \
                  controls; this is the solution under {race} control. the setting `control` sets the race"
             ));
         }
@@ -327,7 +327,7 @@ impl Record {
             }
         }
         let race = match cell("controlling_race") {
-            Some(Cell::Race(race)) => Some(format!("the {} controls", race.name())),
+            Some(Cell::Race(race)) => Some(race.name().to_owned()),
             _ => None,
         };
         let evidence = match cell("evidence") {
@@ -342,7 +342,7 @@ impl Record {
             ("shown by", evidence),
             ("regime", self.regime().map(str::to_owned)),
             ("lubrication", self.lubrication()),
-            ("race  ", race),
+            ("raceway control", race),
         ];
         let unbounded = self.unbounded();
         let doubt = (!unbounded.is_empty()).then(|| {
@@ -429,10 +429,10 @@ fn of_band(Band { loss, screw_torque, efficiency }: &Band) -> Table {
     };
     Table {
         columns: vec![
-            Column::headed("", "nine of ten draws lie between"),
+            Column::headed("", "90 % interval"),
             Column::headed("", ""),
-            Column::headed("", "less friction"),
-            Column::headed("", "more friction"),
+            Column::headed("", "low"),
+            Column::headed("", "high"),
         ],
         rows: vec![
             row("loss of the contacts over the stated one", "", loss),
@@ -492,11 +492,11 @@ pub(crate) fn message(reason: &Reason) -> String {
             )
         }
         Reason::MinorContactWouldPull { load_ratio } => format!(
-            "the minor contact would have to pull the ball: its normal load would be \
+            "the unloaded flank would have to act in tension on the ball: its normal load would be \
              {load_ratio:.3e} times the axial load"
         ),
         Reason::LoadedContactWouldPull { nut_load_ratio, screw_load_ratio } => format!(
-            "a loaded contact would have to pull the ball: normal loads of {nut_load_ratio:.3e} \
+            "a loaded contact would have to act in tension on the ball: normal loads of {nut_load_ratio:.3e} \
              (nut) and {screw_load_ratio:.3e} (screw) times the axial load"
         ),
         Reason::BallLeavesFlank { nut, screw } => format!(
@@ -522,11 +522,9 @@ pub(crate) fn message(reason: &Reason) -> String {
             "inertia forces over axial load, m r_m W^2/F_a, are {inertia:.3e}; balls that skid on \
              both flanks exist only from {least:.3e} to {most:.3e}. Change axial_load_N or the speed"
         ),
-        Reason::SearchLost => {
-            "the search for a steady motion was lost before its end: none was found, but \
+        Reason::SearchLost => "the search for a steady motion failed: none was found, but \
              one may exist. Change the inputs a little, or take another model"
-                .to_owned()
-        }
+            .to_owned(),
         Reason::CurvaturesNotHertzian { along, across } => format!(
             "relative curvatures of {along:.3e} 1/m along and {across:.3e} 1/m across the groove give \
              no contact ellipse with its long axis across the groove; set nut_conformity and \
@@ -544,7 +542,7 @@ pub(crate) fn message(reason: &Reason) -> String {
                 .to_owned()
         }
         Reason::InertiaOutOfRange { inertia_ratio } => format!(
-            "inertia forces over axial load are {inertia_ratio:e}, beyond double precision; \
+            "inertia forces over axial load are {inertia_ratio:e}, more than the models resolve; \
              check screw_speed_rpm, nut_speed_rpm and axial_load_N"
         ),
         Reason::Frictionless => {

@@ -33,7 +33,7 @@ impl Scales {
 
 macro_rules! shown {
     ($($label:literal: $first:ident $($other:ident)*;)*) => {
-        /// The numbers of a record that people see, in their order: label, and outputs, several at nut, screw and minor contact.
+        /// The numbers of a record that people see, in their order: label, and outputs, several at nut, screw and unloaded flank.
         const SHOWN: &[Quantity] = &[$(Quantity {
             name: stringify!($first),
             unit: OUTPUTS[Key::$first as usize].unit,
@@ -57,17 +57,17 @@ shown! {
     "dissipated power": dissipated_power_W;
     "  sliding at the contacts": sliding_power_W;
     "  rolling resistance": rolling_power_W;
-    "  balls on each other": ball_contact_power_W;
+    "  ball-to-ball contact": ball_contact_power_W;
     "  ball returns": return_power_W;
     "  drag": drag_power_W;
-    "equivalent friction coefficient": equivalent_friction_coefficient;
-    "friction coefficient of catalogues": catalogue_friction_coefficient;
+    "equivalent constant friction coefficient": equivalent_friction_coefficient;
+    "equivalent thread friction coefficient": catalogue_friction_coefficient;
     "temperature of the lubricant": lubricant_temperature_C;
     "viscosity": viscosity_mPas;
     "pressure-viscosity coefficient": pressure_viscosity_1_GPa;
     "heating of the film": film_heating_K;
-    "error of the efficiency, at most": efficiency_error_bound;
-    "error over this dissipated power, at most": loss_error_bound;
+    "efficiency error bound": efficiency_error_bound;
+    "relative loss error bound": loss_error_bound;
     "axial displacement of the nut": axial_displacement_um;
     "ball precession about the axis": ball_precession_rad_s;
     "ball rotation along the helix t": ball_omega_t_rad_s;
@@ -85,8 +85,8 @@ shown! {
     "ellipse along the groove": nut_ellipse_b_mm screw_ellipse_b_mm;
     "elastic approach": nut_approach_um screw_approach_um;
     "film": nut_film_um screw_film_um;
-    "film over roughness": nut_film_ratio screw_film_ratio;
-    "share of asperities": nut_asperity_share screw_asperity_share;
+    "film ratio": nut_film_ratio screw_film_ratio;
+    "asperity load share": nut_asperity_share screw_asperity_share;
     "friction coefficient": nut_friction_coefficient screw_friction_coefficient;
     "rolling moment": nut_rolling_moment_Nmm screw_rolling_moment_Nmm;
     "entrainment": nut_entrainment_m_s screw_entrainment_m_s;

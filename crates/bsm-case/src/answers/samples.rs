@@ -53,8 +53,7 @@ impl Samples {
             |(i, error): (usize, &LeadError)| matches!(error, LeadError::Wave { .. }).then_some(i);
         let waves: Vec<_> = problem.nut.errors.lead.iter().enumerate().filter_map(wave).collect();
         if !problem.scatters() && waves.is_empty() {
-            let what =
-                "is required by samples, or a wave in lead_error: without them all nuts are alike";
+            let what = "is required by samples, or a wave in lead_error: otherwise all samples are identical";
             let key = "ball_deviation_sd_um".to_owned();
             return Err(CaseError::BadEntry { key, what: what.to_owned() });
         }

@@ -169,8 +169,8 @@ impl Wanted {
 const NO_COMBINATION: &str = "no combination of the lists is within the limits: turns_range, conformity_range, \
                               largest_ball_over_lead, largest_ball_over_screw_root; or the lands hold no ball";
 const NO_NUT: &str =
-    "no nut keeps all limits of the requirement, which says alone, without a list, what blocks";
-const NO_SHEET: &str = "no nut keeps all rules of its sheet (bsm axis)";
+    "no nut meets all limits of the requirement, which says alone, without a list, what blocks";
+const NO_SHEET: &str = "no nut passes all rules of its sheet (bsm axis)";
 const NOT_ASKED: &str = "no nut that meets the requirement meets what is asked of its sheet";
 
 /// The nuts that were chosen.

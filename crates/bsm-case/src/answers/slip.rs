@@ -121,7 +121,7 @@ impl Deref for Slipping {
 }
 
 impl Slipping {
-    /// As printed a contact takes the angle of the other loaded one; the minor contact has no formula.
+    /// As printed a contact takes the angle of the other loaded one; the unloaded flank has no formula.
     fn printed(&self, form: impl Fn(Site, f64) -> f64) -> [Option<f64>; 2] {
         let [nut, screw, _] = self.contacts.map(|c| c.map(|c| c.touch.angle));
         [(Site::Nut, screw), (Site::Screw, nut)].map(|(site, angle)| Some(form(site, angle?)))

@@ -120,7 +120,10 @@ fn what_the_paper_recommends_is_told() {
     assert_eq!(warnings(&[]), "");
     for (changes, words) in [
         (&[("preload_N", 40_000.0)][..], "preload_N is 0.386 of the dynamic rating"),
-        (&[("preload_N", 15_500.0), ("axial_load_N", 80_000.0)], "from 43841 N on one nut is free"),
+        (
+            &[("preload_N", 15_500.0), ("axial_load_N", 80_000.0)],
+            "from 43841 N on one nut is unloaded",
+        ),
         (&[("loaded_turns", 9.0)], "loaded_turns = 9: 2 to 6 are usual"),
         (&[("lead_mm", 16.0)], "the ball diameter is 0.625 of the lead"),
         (
@@ -128,7 +131,7 @@ fn what_the_paper_recommends_is_told() {
             "of the root diameter",
         ),
         (&[("nut_conformity", 0.58)], "nut_conformity = 0.58: the ratings were fitted for"),
-        (&[("nut_bore_mm", 72.0)], "this nut cannot hold its balls"),
+        (&[("nut_bore_mm", 72.0)], "the contacts lie outside the grooves"),
         (&[("nut_bore_mm", 70.0)], "a contact ellipse reaches over the end of its flank"),
     ] {
         let told = warnings(changes);

@@ -141,7 +141,7 @@ fn the_sheet_of_a_lubricated_axis_says_how_sure_it_is() {
         AxisReport::of(&scene, &Settings::default()).expect("an axis")
     };
     let told = |report: &AxisReport| {
-        let found = report.answer.notes.iter().find(|note| note.contains("nine of ten draws"));
+        let found = report.answer.notes.iter().find(|note| note.contains("90 % interval"));
         found.map(|note| {
             let numbers = note.split_whitespace().filter_map(|word| word.parse::<f64>().ok());
             numbers.collect::<Vec<_>>()
@@ -155,7 +155,7 @@ fn the_sheet_of_a_lubricated_axis_says_how_sure_it_is() {
     near(rpm, 1500.0, 1e-9, "speed");
     // Three digits of the note.
     near(stated, of_phase(&report, 0, "contact_friction_torque_Nm"), 1e-3, "stated");
-    // The ranges of the specification: 0.6 to 1.3 of the loss where rolling resistance leads.
+    // The ranges of the specification: 0.6 to 1.3 of the loss where rolling resistance dominates.
     assert!(
         (0.55..0.95).contains(&(low / stated)) && (1.05..1.4).contains(&(high / stated)),
         "{numbers:?}"

@@ -10,9 +10,6 @@ const BEGIN: &str = "<!-- remake: ";
 const CLOSE: &str = " -->";
 const END: &str = "<!-- end -->";
 
-/// The page of the papers, whose commands stand in tables.
-pub(crate) const PAPERS: &str = "docs/papers.md";
-
 /// A text in Markdown, as it lies on the disk.
 pub(crate) struct Document {
     pub(crate) path: PathBuf,
@@ -38,7 +35,7 @@ pub(crate) struct Fence<'a> {
 
 /// The documents whose numbers are made by commands.
 pub(crate) fn documents(root: &Path) -> io::Result<Vec<Document>> {
-    let mut paths = vec![root.join("README.md"), root.join(PAPERS)];
+    let mut paths = vec![root.join("README.md")];
     for folder in ["docs/guide", "docs/evidence", "docs/theory"] {
         let entries = fs::read_dir(root.join(folder))?.collect::<io::Result<Vec<_>>>()?;
         let mut found: Vec<_> = entries.iter().map(fs::DirEntry::path).collect();

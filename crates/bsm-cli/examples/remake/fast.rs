@@ -214,7 +214,7 @@ fn nut_sharing(program: &Program) -> Made {
 /// Errors of every model and setting over the committed points.
 fn accuracy(_: &Program) -> Made {
     let rows: Vec<_> = tradeoff::accuracy(&Points::committed()?)?.iter().map(errors_row).collect();
-    let header = "| model and setting | solved | grips | skids partly | skids | loads, grips | angles, grips |";
+    let header = "| model and setting | solved | rolling | partial skid | gross skid | loads, rolling | angles, rolling |";
     Ok(table(header, &rows))
 }
 

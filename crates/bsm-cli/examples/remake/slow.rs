@@ -108,7 +108,7 @@ fn micro(ns: f64) -> String {
     short(1e-3 * ns)
 }
 
-/// `bsm tradeoff`: what to take, and the time of a point.
+/// `bsm tradeoff`: the fastest settings, and the time of a point.
 pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let few = site.folder()?.join("few.csv");
     let words = if site.quick {
@@ -123,14 +123,11 @@ pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let results: Value = serde_json::from_str(&site.run(&site.bsm, &words)?.0)?;
     let measured = &results["tradeoff"];
     let advice = list(measured, "advice")?;
-    let all = advice.iter().map(advice_row).collect::<Result<Vec<_>>>()?;
     let times = list(measured, "dials")?.iter().map(times_row).collect::<Result<Vec<_>>>()?;
-    let header = "| error of the efficiency | where the ball | one point | us | error is larger where it | batch, one core | us |";
-    let of_times = "| model and setting | grips | skids partly | skids | batch: grips | skids partly | skids |";
+    let header = "| model and setting | rolling | partial skid | gross skid | batch: rolling | partial skid | gross skid |";
     Ok(vec![
         ("tradeoff/summary", Text::Whole(summary(advice)?)),
-        ("tradeoff/advice", Text::Whole(table(header, &all))),
-        ("tradeoff/times", Text::Whole(table(of_times, &times))),
+        ("tradeoff/times", Text::Whole(table(header, &times))),
         ("tradeoff/machine", Text::Whole(format!("({})", site.machine()?))),
     ])
 }
@@ -142,7 +139,7 @@ fn picked(pick: &Value) -> Result<String> {
     Ok(format!("`{}`, {} us", word(pick, "dial")?, micro(number(pick, "ns")?)))
 }
 
-/// A row for each tolerance, a column for each motion but skidding partly.
+/// A row for each tolerance, a column for each regime but partial skid.
 fn summary(advice: &[Value]) -> Result<String> {
     let mut tolerances: Vec<_> = advice.iter().map(|a| &a["tolerance"]).collect();
     tolerances.dedup();
@@ -160,26 +157,7 @@ fn summary(advice: &[Value]) -> Result<String> {
             pick("skids")?
         ));
     }
-    Ok(table("| error of the efficiency | any motion | balls grip | balls skid |", &rows))
-}
-
-fn advice_row(advice: &Value) -> Result<String> {
-    let cells = |pick: &Value| {
-        if pick.is_null() {
-            return Ok(["none".to_owned(), String::new(), String::new()]);
-        }
-        let fails: Vec<_> = list(pick, "fails_where")?.iter().filter_map(Value::as_str).collect();
-        let dial = format!("`{}`", word(pick, "dial")?);
-        Ok::<_, Box<dyn Error>>([dial, micro(number(pick, "ns")?), fails.join(", ")])
-    };
-    let group = match word(advice, "group")? {
-        "all" => "moves in any way",
-        group => group,
-    };
-    let ([single, us, fails], [batch, batch_us, _]) =
-        (cells(&advice["single"])?, cells(&advice["batch"])?);
-    let percent = 100.0 * number(advice, "tolerance")?;
-    Ok(format!("| {percent} % | {group} | {single} | {us} | {fails} | {batch} | {batch_us} |"))
+    Ok(table("| error of the efficiency | any regime | rolling | gross skid |", &rows))
 }
 
 fn times_row(dial: &Value) -> Result<String> {
@@ -365,7 +343,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     )])
 }
 
-/// The peers, and what the README says of them.
+/// The peers of `rigid`.
 pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let file = site.folder()?.join("peers.json");
     let few = if site.quick { " --count 64 --runs 3" } else { "" };
@@ -395,22 +373,9 @@ pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let with =
         [vec![site.machine()?], said("versions")?.iter().map(|&v| v.to_owned()).collect(), missing];
     let with = with.concat().join("; ");
-    let times = |line: &Value| {
-        let name = word(line, "peer")?;
-        Ok::<_, Box<dyn Error>>(format!("{name} {}", short(number(line, "over_batch")?)))
-    };
-    let others =
-        lines.iter().filter(|line| !line["peer"].as_str().unwrap_or("bsm").starts_with("bsm"));
-    let others = others.map(times).collect::<Result<Vec<_>>>()?;
-    let sentence = format!(
-        "\nTime of other solvers on one core, with all set-up and outputs, over that of a batch of `rigid` on one thread, for the\n\
-         same points: {}.\n",
-        others.join("; ")
-    );
     Ok(vec![
         ("peers", Text::Whole(table(header, &rows))),
         ("peers/machine", Text::Whole(format!("({with})"))),
-        ("peers/summary", Text::Whole(sentence)),
     ])
 }
 

@@ -87,7 +87,7 @@ fn slip_shows_published_and_exact_forms() {
         .flat_map(|c| ["centre", "spin", "curvature"].map(|p| value(&format!("{c}_{p}_power_W"))))
         .sum();
     assert!((parts / value("dissipated_power_W") - 1.0).abs() < 1e-9, "{result}");
-    // The minor contact is one of the rigid model only.
+    // Only the rigid model has a contact at the unloaded flank.
     assert!(result["minor_differential_slip_m_s"].is_null());
 }
 
@@ -111,7 +111,7 @@ fn jam_gives_verdicts_with_margins() {
     let text = stdout(&text);
     // A jam is no check that passes; each title has one table of each kind.
     assert!(text.contains("self_locking_under_load  no ") && !text.contains("FAIL"), "{text}");
-    assert_eq!(text.matches("wedge between the races").count(), 2, "{text}");
+    assert_eq!(text.matches("wedge between the raceways").count(), 2, "{text}");
     assert_eq!(result["verdicts"]["contacts_yield"]["answer"], true);
     let total = value("nut_elastic_approach_um") + value("nut_permanent_approach_um");
     assert!((value("nut_total_approach_um") / total - 1.0).abs() < 1e-12);

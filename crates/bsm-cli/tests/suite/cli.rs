@@ -284,7 +284,7 @@ fn malformed_tables_are_told() {
             "line 3 has 1 cells, but the table has 2 columns",
         ),
         ("-", "axial_lod_N\n1\n", "did you mean `axial_load_N`"),
-        ("-", "axial_load_N,axial_load_N\n1,2\n", "stands twice"),
+        ("-", "axial_load_N,axial_load_N\n1,2\n", "appears twice"),
         ("-", "", "the first row must name the columns"),
         ("cut.parquet", "", "not a Parquet table"),
         ("points.xlsx", "", "must end in .csv, .jsonl or .parquet"),
@@ -476,7 +476,7 @@ fn bad_sweeps_write_nothing() {
         ),
         (
             vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.svg", "--columns", "controlling_race"],
-            "controlling_race is no number; put a number first",
+            "controlling_race is not a number; put a number first",
         ),
         (
             vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.csv", "-o", "y.csv"],

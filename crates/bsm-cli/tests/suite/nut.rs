@@ -454,7 +454,7 @@ fn a_preload_given_as_a_force_is_set_cold() {
     }
     assert!((of(&o, "preload_setting_um") + 11.784_697).abs() < 1e-5, "{o}");
     assert!((of(&x, "preload_setting_um") - 11.784_697).abs() < 1e-5, "{x}");
-    // The rule of makers and what is left without load follow the warm preload.
+    // Manufacturers' rule and the preload without load follow the warm preload.
     let ratio = of(&x, "rule_torque_low_Nm") / of(&o, "rule_torque_low_Nm");
     assert!((ratio - of(&x, "warm_preload_N") / of(&o, "warm_preload_N")).abs() < 1e-9);
     assert!((of(&x, "preload_left_N") / of(&x, "warm_preload_N") - 1.0).abs() < 1e-9);

@@ -495,7 +495,10 @@ fn a_resumed_run_counts_failed_rows_of_finished_parts() {
     let args = Points::new(20).args("grid", "map/");
     let first = run(&args, dir.path());
     assert_eq!(first.status.code(), Some(3));
-    assert_eq!(stderr(&first), "note: 20 of 80 rows have no result; they say why in map/\n");
+    assert_eq!(
+        stderr(&first),
+        "note: 20 of 80 rows have no result; see column `message` in map/\n"
+    );
     let resumed = run(&[&args[..], &strings(&["--resume"])].concat(), dir.path());
     assert_eq!((resumed.status.code(), stderr(&resumed)), (Some(3), stderr(&first)));
     let more = strings(&["--resume", "--keep-going"]);

@@ -785,7 +785,7 @@ fn tables_of_other_programs() {
             2,
             "not a Parquet table: it is damaged",
         ),
-        ("twice.csv", b"axial_load_N,axial_load_N\n1,2\n", 2, "`axial_load_N` stands twice"),
+        ("twice.csv", b"axial_load_N,axial_load_N\n1,2\n", 2, "`axial_load_N` appears twice"),
         ("twice.jsonl", b"{\"axial_load_N\": 1, \"axial_load_N\": 2}\n", 2, "is given twice"),
         (
             "ragged.csv",

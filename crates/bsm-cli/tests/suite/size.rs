@@ -175,7 +175,7 @@ fn one_screw_has_one_efficiency() {
     let part = |name: &str| number(parts, name);
     let rub = part("contact_friction_torque_Nm");
     assert!((rub / number(&nut, "friction_torque_Nm") - 1.0).abs() < 1e-9, "{parts} {nut}");
-    // By the rule of makers: 0.05/sqrt(tan a) F l/(2 pi), less what the contacts of the preload take.
+    // By manufacturers' rule: 0.05/sqrt(tan a) F l/(2 pi), less what the contacts of the preload take.
     let whole = number(&sheet["results"], "preload_drag_Nm");
     let beyond = whole - number(&sheet["results"], "contact_drag_Nm");
     assert!((part("preload_drag_beyond_contacts_Nm") - beyond).abs() < 1e-12, "{parts}");
@@ -320,7 +320,7 @@ fn a_lubricated_solve_has_a_note_and_no_eternal_warning() {
     assert!(answer["notes"][0].as_str().is_some_and(|note| note.contains("lubricant")), "{answer}");
 }
 
-/// A sheet that fails says what would help, and exits with 3; what helps helps.
+/// A sheet that fails names remedies, and exits with 3; each remedy works.
 #[test]
 fn a_failing_rule_says_what_would_help() {
     let dir = folder();

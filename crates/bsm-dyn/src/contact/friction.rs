@@ -6,7 +6,7 @@ use bsm_kin::Scalar;
 use bsm_newton::EvalError;
 use nalgebra::Vector3;
 
-use super::knee::Knee;
+use super::transition::Transition;
 
 /// What the coefficient of friction depends on where a ball slides.
 ///
@@ -24,8 +24,8 @@ pub trait FrictionLaw<D> {
 
     /// Where the coefficient bends along a line across an ellipse; `None` if neither pressure nor speed change
     /// it: an ellipse then takes fewer nodes.
-    fn bend(&self) -> Option<Knee> {
-        Some(Knee::SMOOTH)
+    fn bend(&self) -> Option<Transition> {
+        Some(Transition::SMOOTH)
     }
 }
 
@@ -38,7 +38,7 @@ impl<D: Copy> FrictionLaw<D> for Coulomb<D> {
         self.0
     }
 
-    fn bend(&self) -> Option<Knee> {
+    fn bend(&self) -> Option<Transition> {
         None
     }
 }

@@ -15,7 +15,7 @@ use bsm_simd::{Arch, BLOCK, Block, Compare, Lane, NullaryFnOnce, Simd, WithSimd}
 use super::Quadrature;
 use super::oil::{HalfChord, HalfNode, PolarRule};
 use super::panels::{Chords, EllipseSlip, FAR, MOST, Nodes, Visitor, each_chord, half_length};
-use crate::contact::Knee;
+use crate::contact::Transition;
 
 /// What the sums depend on: a contact with numbers in its own axes.
 #[derive(Debug, Clone, Copy)]
@@ -679,17 +679,21 @@ impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> WithSimd for One<'_, L,
 
 /// Coordinates over the semi-axes and part of the load of all nodes: those of the sums of a constant
 /// coefficient, or of one that bends.
-pub(super) fn nodes(point: &Patch, nodes: Nodes<'_>, bend: Option<&Knee>) -> Vec<(f64, f64, f64)> {
+pub(super) fn nodes(
+    point: &Patch,
+    nodes: Nodes<'_>,
+    bend: Option<&Transition>,
+) -> Vec<(f64, f64, f64)> {
     Arch::new().dispatch(List(point, nodes, bend))
 }
 
-struct List<'a>(&'a Patch, Nodes<'a>, Option<&'a Knee>);
+struct List<'a>(&'a Patch, Nodes<'a>, Option<&'a Transition>);
 
 /// The nodes of all lines, one by one.
 struct Collect<'a> {
     rule: &'a Quadrature,
     slip: EllipseSlip<f64>,
-    bend: Option<&'a Knee>,
+    bend: Option<&'a Transition>,
     nodes: Vec<(f64, f64, f64)>,
 }
 

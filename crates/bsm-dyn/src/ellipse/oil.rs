@@ -15,7 +15,7 @@ use bsm_simd::{BLOCK, Lane, Simd};
 use super::Quadrature;
 use super::kernel::{Accumulator, Chord, Moments, PointLaw, add_powers};
 use super::panels::{EllipseSlip, FrozenRule, MOST_RINGS, Nodes};
-use crate::contact::{Knee, MixedFriction, PRESSURE_SLOPE};
+use crate::contact::{MixedFriction, PRESSURE_SLOPE, Transition};
 
 /// Below this the inverse hyperbolic sine is its series, whose next term is of the size of rounding.
 const SMALL: f64 = 5e-3;
@@ -38,7 +38,7 @@ impl PolarRule {
     #[inline(always)]
     pub(super) fn of<S: Simd>(
         simd: S,
-        bend: &Knee,
+        bend: &Transition,
         slip: &EllipseSlip<f64>,
         rule: &Quadrature,
     ) -> Self {
@@ -118,7 +118,7 @@ pub(super) struct HalfNode<S: Simd> {
 impl<S: Simd> HalfChord<S> {
     /// About the bend of lines at `xi`.
     #[inline(always)]
-    pub(super) fn of(bend: &Knee, slip: &EllipseSlip<Lane<S>>, xi: Lane<S>) -> Self {
+    pub(super) fn of(bend: &Transition, slip: &EllipseSlip<Lane<S>>, xi: Lane<S>) -> Self {
         let half_length = super::panels::half_length(xi);
         let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across_at(xi, half_length));
         let square = v_t * v_t + b_0 * b_0 + b_1 * b_1 * 0.25 + slip.creep * slip.creep;
@@ -160,7 +160,7 @@ impl<S: Simd> HalfChord<S> {
 #[derive(Clone, Copy)]
 pub(crate) struct OilLaw {
     mixed: MixedFriction,
-    bend: Knee,
+    bend: Transition,
     /// `$\xi\mu_b$`, `$(1 - \xi)\Lambda$`, and `$-d\xi/d\ln h$`.
     boundary: f64,
     film: f64,
@@ -173,7 +173,7 @@ impl OilLaw {
         // ξ = e^{−1.4λ}: dξ/d ln h = ξ ln ξ
         let falling = if share > 0.0 { -share * share.ln() } else { 0.0 };
         let (boundary, film) = (share * boundary, (1.0 - share) * limit);
-        Self { mixed: *law, bend: Knee::of(law), boundary, film, falling }
+        Self { mixed: *law, bend: Transition::of(law), boundary, film, falling }
     }
 }
 

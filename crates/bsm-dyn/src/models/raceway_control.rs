@@ -134,7 +134,7 @@ pub fn cross_slip<F: Compare>(sin_lead: F, spins: [F; 2]) -> F {
 
 /// The state of a ball that grips.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Roll {
+pub(crate) struct RollingBall {
     /// The race that was taken to control.
     control: Control,
     /// Unknowns of the balance.
@@ -146,7 +146,7 @@ pub(crate) struct Roll {
     residual: f64,
 }
 
-impl Roll {
+impl RollingBall {
     /// Solves the static balance and takes the rolling motion of the controlling race.
     ///
     /// Which race controls is decided by (W7) at the first root of the ball that the nut controls.
@@ -326,8 +326,8 @@ impl RacewayWorkspace {
         &mut self,
         pair: &ElasticBall,
         control: Option<Control>,
-    ) -> Result<Roll, Unsolved> {
-        Roll::of(pair, control, &mut self.newton)
+    ) -> Result<RollingBall, Unsolved> {
+        RollingBall::of(pair, control, &mut self.newton)
     }
 
     /// Its answer.
@@ -335,7 +335,7 @@ impl RacewayWorkspace {
         &self,
         screw: &ElasticPoint,
         pair: &ElasticBall,
-        grip: &Roll,
+        grip: &RollingBall,
     ) -> Result<Solved, Unsolved> {
         let (loaded, nodes) = (&grip.loaded, [Nodes::from(&self.quadrature); 2]);
         let friction_power =
@@ -354,7 +354,7 @@ impl RacewayWorkspace {
         &mut self,
         screw: &ElasticPoint,
         pair: &ElasticBall,
-        grip: &Roll,
+        grip: &RollingBall,
         control: Option<Control>,
     ) -> Result<Solved, Unsolved> {
         let solved = self.solved(screw, pair, grip)?;
@@ -579,8 +579,8 @@ mod tests {
                 screw.conformity.1 = screw.conformity.0;
             }
             let Ok(pair) = screw.scaled() else { continue };
-            let [nut, screw] =
-                Control::ALL.map(|race| Roll::controlled(&pair, race, None, &mut newton).ok());
+            let [nut, screw] = Control::ALL
+                .map(|race| RollingBall::controlled(&pair, race, None, &mut newton).ok());
             let (Some(nut), Some(screw)) = (nut, screw) else { continue };
             solved += 1;
             asked += usize::from(!nut.is_clear(&pair));
@@ -588,7 +588,7 @@ mod tests {
             both += usize::from(consistent == [true; 2]);
             neither += usize::from(consistent == [false; 2]);
             missed += usize::from(consistent[0] == consistent[1] && nut.is_clear(&pair));
-            let found = Roll::of(&pair, None, &mut newton).expect("a ball");
+            let found = RollingBall::of(&pair, None, &mut newton).expect("a ball");
             let others = found.others(&pair, None, &mut newton);
             let of_screw = others.iter().any(|other| other.control != found.control);
             assert_eq!(of_screw, consistent == [true; 2], "{pair:?}");

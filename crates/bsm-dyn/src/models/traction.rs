@@ -33,7 +33,7 @@ use crate::models::ball::{
     SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission, Unsolved, Workspace,
     quadrature_error, to_both, weight,
 };
-use crate::models::raceway_control::{Roll, STATIC};
+use crate::models::raceway_control::{RollingBall, STATIC};
 
 /// Places of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
 const OMEGA: [usize; 3] = [4, 5, 6];
@@ -354,7 +354,7 @@ impl Traction {
     pub fn solve(&self, work: &mut TractionWorkspace) -> Solution {
         let found = self.at.point.require_friction().and_then(|()| {
             let pair = self.at.scaled()?;
-            let grip = Roll::of(&pair, None, &mut work.statics);
+            let grip = RollingBall::of(&pair, None, &mut work.statics);
             let start = Start::new(&pair, grip.ok().as_ref())?;
             Ok(self.found(&start, None, work).map_err(NotFound::why)?.solved(&pair))
         });
@@ -458,14 +458,15 @@ impl Traction {
 /// A point and the gripping ball that it starts from: what does not depend on the quadrature.
 pub(crate) struct Start<'a> {
     pair: &'a ElasticBall,
-    grip: Roll,
+    grip: RollingBall,
 }
 
 impl<'a> Start<'a> {
     /// From a gripping ball, or from a guess where there is none.
-    pub(crate) fn new(pair: &'a ElasticBall, grip: Option<&Roll>) -> Result<Self, Unsolved> {
+    pub(crate) fn new(pair: &'a ElasticBall, grip: Option<&RollingBall>) -> Result<Self, Unsolved> {
         // Centrifugal forces may be beyond a guess; the ball without them is one too.
-        let guess = || Roll::guess(pair).or_else(|_| Roll::guess(&pair.with_inertia(0.0)));
+        let guess =
+            || RollingBall::guess(pair).or_else(|_| RollingBall::guess(&pair.with_inertia(0.0)));
         Ok(Self { pair, grip: grip.map_or_else(guess, |grip| Ok(*grip))? })
     }
 }

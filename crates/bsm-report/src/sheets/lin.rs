@@ -194,7 +194,7 @@ fn normal_loads(scene: &Scene) -> Result<Figure, ReportError> {
         }),
         ("nut, exact", Model::Rigid, Stroke::Circles, |o| o.contact(Site::Nut)?.load),
         ("screw, exact", Model::Rigid, Stroke::Triangles, |o| o.contact(Site::Screw)?.load),
-        ("minor contact, exact", Model::Rigid, Stroke::Circles, |o| {
+        ("unloaded flank, exact", Model::Rigid, Stroke::Circles, |o| {
             o.contact(Site::NutMinor)?.load
         }),
     ];
@@ -216,7 +216,7 @@ fn normal_loads(scene: &Scene) -> Result<Figure, ReportError> {
             "lin-normal-loads",
             "Normal loads against contact angle",
             &format!(
-                "Fig 4 of Lin et al. (1994). {} The minor contact carries far less than the two that are loaded, \
+                "Fig 4 of Lin et al. (1994). {} The unloaded flank carries far less than the two that are loaded, \
              which are nearly equal.",
                 operating_point(scene)
             ),

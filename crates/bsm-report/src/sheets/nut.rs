@@ -42,7 +42,7 @@ pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
         let limit = report.number("limit_load_N").map(|load| (load, 0.0));
         figures.push(over_load(
             &curve,
-            ("nut-preload", "Preload that is left under load"),
+            ("nut-preload", "Remaining preload under load"),
             Axis::linear("preload left, N"),
             "preload_left_N",
             limit,

@@ -232,7 +232,7 @@ fn among_limits(report: &AxisReport) -> Figure {
         marks: (1..=points.len()).map(|i| i.to_string()).collect(),
         ..Curve::new("phases", 6, Stroke::Circles, points)
     });
-    let caption = "Phases must lie to the left of the solid lines and below the others. Limits that are far away are left out.";
+    let caption = "Phases must lie to the left of the solid lines and below the others. Distant limits are omitted.";
     Figure::new(
         ["size-limits", "The cycle among its limits", caption],
         [Axis::linear("speed of the screw, rpm"), Axis::linear("axial load, kN")],
@@ -271,7 +271,7 @@ fn over_time(report: &AxisReport) -> Figure {
     let wanted = [
         ("screw_load_N", "axial load", "N"),
         ("feed_m_min", "feed", "m/min"),
-        ("motor_torque_Nm", "torque of the motor", "N m"),
+        ("motor_torque_Nm", "motor torque", "N m"),
     ];
     let caption = "Each over its largest value; the sign is that of the feed.";
     Figure::new(

@@ -1,6 +1,7 @@
 //! Published results, and texts that must agree with the code.
 
 mod architecture;
+mod documents;
 mod equation_tags;
 mod formulas;
 mod published;

@@ -42,7 +42,7 @@ pub(super) fn nut_at(
     NutProblem::of(&scene, settings)?.solve().map_err(CaseError::Nut)
 }
 
-/// How sure friction from a lubricant is: nine of ten draws of what nobody knows exactly lie between these, over the
+/// How sure friction from a lubricant is: the 90 % interval over uncertain inputs lies between these, over the
 /// stated friction of the contacts.
 pub(super) fn band(
     scene: &Scene,

@@ -1,4 +1,4 @@
-//! The rules that an axis must keep: value, limit, source, and what would help.
+//! The rules of an axis: value, limit, source, and remedies.
 
 use bsm_design::{Axis, OPENS_AT, PRELOAD};
 
@@ -12,7 +12,7 @@ struct Rules(Vec<Criterion>);
 impl Rules {
     /// Adds a rule about a number, if there is one.
     ///
-    /// * `name`: with its unit. * `limit`: whether it is the least value, and it. * `remedy`: what would help,
+    /// * `name`: with its unit. * `limit`: whether it is the least value, and it. * `remedy`: what to change,
     ///   from how many times the rule is kept.
     fn add(
         &mut self,
@@ -59,7 +59,7 @@ fn screw_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers)
         ("critical_speed_ratio", ""),
         number("critical_speed_ratio"),
         (false, input(InputKey::required_critical_speed_ratio)),
-        "makers' catalogues: 0.8 of the critical speed (Z1)",
+        "manufacturers' catalogues: 0.8 of the critical speed (Z1)",
         &|margin| {
             format!(
                 "unsupported_length_mm {:.0} or less, or a core of {:.1} mm, or a stiffer support",

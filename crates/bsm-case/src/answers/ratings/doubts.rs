@@ -76,7 +76,7 @@ pub(super) fn doubts_of_pair(
     if let Some(load) = load.filter(|load| *load > LIMIT_LOAD * preload * (1.0 + 1e-9)) {
         let alone = elasticity.displacement(load) - elasticity.displacement(preload);
         warnings.push(format!(
-            "a load of {} N is more than {LIMIT_LOAD} times the preload: from {:.0} N on one nut is free, \
+            "a load of {} N is more than {LIMIT_LOAD} times the preload: from {:.0} N on one nut is unloaded, \
              the rigidity of the pair does not hold, and the displacement is that of the other nut alone, \
              {:.3} um",
             exact(load.round()),
@@ -91,7 +91,7 @@ pub(super) fn doubts_of_pair(
 pub(super) fn off_the_flank(edge_load: f64, force: f64) -> Option<String> {
     if edge_load <= 0.0 {
         return Some(
-            "this nut cannot hold its balls: their contacts are beyond the land of nut or screw; see \
+            "the contacts lie outside the grooves, beyond the land of nut or screw; see \
              nut_bore_mm and screw_outer_diameter_mm"
                 .to_owned(),
         );

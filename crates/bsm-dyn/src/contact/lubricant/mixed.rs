@@ -11,7 +11,7 @@ use bsm_kin::{Field, FieldOver, Scalar};
 
 use super::oil::{OilState, PRESSURE_SLOPE};
 use crate::contact::friction::FrictionLaw;
-use crate::contact::knee::Knee;
+use crate::contact::transition::Transition;
 
 /// Friction of asperities that touch and of an oil that is sheared between them.
 ///
@@ -108,12 +108,12 @@ impl<D: Scalar> FrictionLaw<D> for MixedFriction<D> {
         self.at(pressure, speed)
     }
 
-    fn bend(&self) -> Option<Knee> {
-        Some(Knee::of(&self.values()))
+    fn bend(&self) -> Option<Transition> {
+        Some(Transition::of(&self.values()))
     }
 }
 
-impl Knee {
+impl Transition {
     /// Of a law of friction.
     pub(crate) fn of(law: &MixedFriction) -> Self {
         Self { shear: 2.0 * law.shear, scale: law.pressure_scale / law.max_pressure }

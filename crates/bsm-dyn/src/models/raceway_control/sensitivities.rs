@@ -4,7 +4,7 @@
 
 use bsm_kin::{Jet, Motion};
 
-use super::{Balance, RacewayControl, RacewayWorkspace, Roll, STATIC};
+use super::{Balance, RacewayControl, RacewayWorkspace, RollingBall, STATIC};
 use crate::contact::efficiency;
 use crate::ellipse::{Nodes, Quadrature};
 use crate::models::ball::{BallLoads, ElasticBall, Performance, Unsolved, Workspace, moving_root};
@@ -36,7 +36,7 @@ impl<const M: usize> RacewayControl<Jet<M>> {
     /// The point, and contacts and motion of the ball, with their derivatives.
     fn moving(&self, newton: &mut Workspace<STATIC>) -> Result<Moving<Jet<M>>, Unsolved> {
         let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
-        let Roll { control, unknowns, .. } = Roll::of(&point, self.control, newton)?;
+        let RollingBall { control, unknowns, .. } = RollingBall::of(&point, self.control, newton)?;
         let system = Balance::new(&point, control);
         let equations = Balance::new(&inputs, control);
         let residual = |x: &_| Ok(equations.equations(x));

@@ -18,7 +18,7 @@ use crate::models::ball::{
     EhlPoint, ElasticBall, LubricatedWorkspace, SolveInfo, Steady, SteadyRoot, Unsolved, Workspace,
     domain_error, moving_root, to_both, unit_powers,
 };
-use crate::models::raceway_control::Roll;
+use crate::models::raceway_control::RollingBall;
 use crate::models::workspace::ModelWorkspace;
 
 /// Residual of a root: its powers balance to a tenth of what they must.
@@ -43,7 +43,7 @@ impl SlipBall<'_> {
     fn search_near(
         &self,
         near: Option<&SlipRoot>,
-        grip: &Roll,
+        grip: &RollingBall,
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> Result<SlipRoot, Unsolved> {
@@ -81,7 +81,7 @@ impl SlipBall<'_> {
 /// A root, the point with its friction scale, and the gripping ball that the search began with.
 struct ScaledRoot {
     pair: ElasticBall,
-    grip: Roll,
+    grip: RollingBall,
     refined: Refined,
     plans: [OnceCell<FrozenRule>; 2],
     steps: usize,
@@ -98,7 +98,7 @@ impl Traction {
         oil: &mut LubricatedWorkspace,
     ) -> Result<ScaledRoot, Unsolved> {
         let pair = self.at.scaled()?;
-        let grip = Roll::of(&pair, None, &mut work.statics);
+        let grip = RollingBall::of(&pair, None, &mut work.statics);
         let Start { grip, .. } = Start::new(&pair, grip.ok().as_ref())?;
         let creep = self.creep * pair.slip_scale();
         let scale = ehl.friction_scale(&pair, &grip.loaded, &grip.to_nut, creep);

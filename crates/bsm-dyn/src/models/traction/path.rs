@@ -14,7 +14,7 @@ use super::root::SlipRoot;
 use crate::ellipse::Integrate;
 use crate::models::ball::unknown::PRECESSION;
 use crate::models::ball::{BALL, Workspace, linear};
-use crate::models::raceway_control::Roll;
+use crate::models::raceway_control::RollingBall;
 
 /// Unknowns of a path: those of the ball, and what is varied.
 const PATH: usize = BALL + 1;
@@ -144,7 +144,7 @@ impl SlipBall<'_> {
     pub(super) fn followed(&self, newton: &mut Workspace, steps: &mut usize) -> PathResult {
         let still = self.pair.with_inertia(0.0);
         let slippery = still.with_friction(self.pair.friction.min(SMALL_FRICTION));
-        let Ok(guess) = Roll::guess(&still) else { return PathResult::Nothing };
+        let Ok(guess) = RollingBall::guess(&still) else { return PathResult::Nothing };
         let mut y = self.unknowns(&guess.loaded, &guess.to_nut);
         // Friction that is nearly proportional to the slip, then less and less.
         let begin = (10.0 * self.lever(&y)).ln();

@@ -14,7 +14,7 @@ use bsm_simd::Block;
 use crate::contact::{POWER_BALANCE_TOL, Power, ideal_torque};
 use crate::models::ball::{BALL, BallLoads, Evidence, Reason, Unsolved, Workspace};
 use crate::models::elastic::GrossSlip;
-use crate::models::raceway_control::Roll;
+use crate::models::raceway_control::RollingBall;
 
 /// Onset number from which the skidding ball is the nearer start.
 pub const SKIDS: f64 = 0.5;
@@ -90,7 +90,7 @@ impl SlipBall<'_> {
     /// answer is that there is none.
     pub(super) fn search(
         &self,
-        grip: &Roll,
+        grip: &RollingBall,
         all_over: bool,
         newton: &mut Workspace,
         steps: &mut usize,

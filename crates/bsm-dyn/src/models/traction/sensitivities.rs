@@ -7,7 +7,7 @@ use bsm_kin::Jet;
 use super::columns::Watched;
 use super::{NotFound, SlipBall, SlipRoot, Start, Traction, TractionWorkspace};
 use crate::models::ball::{Performance, Unsolved, domain_error, moving_root};
-use crate::models::raceway_control::Roll;
+use crate::models::raceway_control::RollingBall;
 
 impl<const M: usize> Traction<Jet<M>> {
     /// Efficiency and torque with their derivatives, at the accuracy and the creep of the model.
@@ -18,7 +18,7 @@ impl<const M: usize> Traction<Jet<M>> {
         let at = self.at.values();
         at.point.require_friction()?;
         let pair = at.scaled()?;
-        let grip = Roll::of(&pair, None, &mut work.statics);
+        let grip = RollingBall::of(&pair, None, &mut work.statics);
         let start = Start::new(&pair, grip.ok().as_ref())?;
         let case = Traction { at, accuracy: self.accuracy, creep: self.creep };
         let root = case.found(&start, None, work).map_err(NotFound::why)?.root;

@@ -118,14 +118,14 @@ mod tests {
     use super::*;
     use crate::Quadrature;
     use crate::extreme::practical;
-    use crate::models::raceway_control::Roll;
+    use crate::models::raceway_control::RollingBall;
 
     /// Rolling balls of practice.
     fn of_practice(mut check: impl FnMut(&SlipBall<'_>, &[f64; BALL], &mut ChaCha8Rng)) {
         let (mut rng, quadrature) = (ChaCha8Rng::seed_from_u64(31), Quadrature::of(1e-4));
         for _ in 0..200 {
             let Ok(pair) = practical(&mut rng).scaled() else { continue };
-            let Ok(grip) = Roll::guess(&pair) else { continue };
+            let Ok(grip) = RollingBall::guess(&pair) else { continue };
             let ball = SlipBall::of_pair(&pair, &quadrature, 1e-4);
             let y = ball.unknowns(&grip.loaded, &grip.to_nut);
             check(&ball, &y, &mut rng);

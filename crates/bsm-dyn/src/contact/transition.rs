@@ -18,14 +18,14 @@ const TINY: f64 = 1e-300;
 
 /// Where a coefficient bends along a line: at the pressure at which the oil turns from thin to stiff.
 #[derive(Debug, Clone, Copy)]
-pub struct Knee {
+pub struct Transition {
     /// Twice the shear of (Y11) for a slip of one.
     pub(super) shear: f64,
     /// `$a_p$` over the largest pressure.
     pub(super) scale: f64,
 }
 
-impl Knee {
+impl Transition {
     /// Of a coefficient that changes slowly with the pressure.
     pub(crate) const SMOOTH: Self = Self { shear: 1.0, scale: 1.0 };
 
