@@ -542,7 +542,7 @@ pub(crate) fn message(reason: &Reason) -> String {
                 .to_owned()
         }
         Reason::InertiaOutOfRange { inertia_ratio } => format!(
-            "inertia forces over axial load are {inertia_ratio:e}, more than the models resolve; \
+            "inertia forces over axial load overflow ({inertia_ratio:e}); \
              check screw_speed_rpm, nut_speed_rpm and axial_load_N"
         ),
         Reason::Frictionless => {

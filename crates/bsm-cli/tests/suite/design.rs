@@ -52,7 +52,8 @@ fn requirements_that_cannot_be_met_are_answered() {
     let (code, text, _) = set("required_life_h=1e6");
     assert_eq!(code, Some(3), "{text}");
     assert!(
-        text.contains("FAIL") && text.contains("with all other limits kept it can be"),
+        text.contains("FAIL")
+            && text.contains("with all other limits met the best possible value is"),
         "{text}"
     );
     assert!(!dir.path().join("none.json").exists());

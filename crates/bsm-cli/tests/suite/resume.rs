@@ -405,7 +405,7 @@ fn resume_looks_at_finished_parts() {
         (
             "a file of somebody else",
             Box::new(|| fs::write(&foreign, "mine").expect("writable")),
-            Refused(3, "warning: map/data/notes.txt is no part of this table, and is left alone"),
+            Refused(3, "warning: map/data/notes.txt is no part of this table, and remains"),
         ),
     ];
     assert!(damages.len() >= 20);
