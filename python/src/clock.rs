@@ -40,7 +40,7 @@ pub(crate) fn batch_seconds(
     })
 }
 
-/// Seconds that a model takes to solve a scene so many times.
+/// Seconds in which a model solves a scene a number of times.
 #[pyfunction]
 pub(crate) fn solve_seconds(scene: &Bound<'_, Scene>, how: How, times: u64) -> PyResult<f64> {
     let (scene, settings) = (&scene.get().0, how.settings()?);

@@ -63,7 +63,7 @@ fn frictions() -> [&'static str; 2] {
     RacewayFriction::ALL.map(RacewayFriction::name)
 }
 
-/// Name, unit, meaning, default and rule of what a requirement may say besides inputs of a scene.
+/// Name, unit, meaning, default and rule of the keys of a requirement besides inputs of a scene.
 #[pyfunction]
 fn requirements() -> Vec<(&'static str, &'static str, String, Option<f64>, String)> {
     let words = REQUIREMENT_WORDS.iter().map(|(name, words, about)| {

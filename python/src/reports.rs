@@ -21,7 +21,7 @@ use crate::points::{beside, format_of, watched};
 use crate::scene::{How, Scene};
 use crate::table::{Numbers, shared};
 
-/// A report as JSON, whether it found what it looked for, and warnings.
+/// A report as JSON, whether it found a result, and warnings.
 type Report = (String, bool, Vec<String>);
 
 /// An answer as a report.

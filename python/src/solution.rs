@@ -96,7 +96,7 @@ impl Solution {
         scene.warnings().into_iter().chain(self.record.warnings(scene)).collect()
     }
 
-    /// A number by the place of its output; NaN if there is none.
+    /// A number by the index of its output; NaN if missing.
     fn number(&self, place: usize) -> f64 {
         self.cell(place).map_or(f64::NAN, Cell::number)
     }

@@ -27,7 +27,7 @@ use snap::raw::Encoder;
 /// How pages are packed.
 pub(crate) const PACKED: Compression = Compression::SNAPPY;
 
-/// A column chunk, and what the footer says of it.
+/// A column chunk, with its entry in the footer.
 pub(crate) type Encoded = (Bytes, ColumnCloseResult);
 
 /// Appends a number by seven bits: it begins a run, or as many groups of eight values, in the hybrid of both.

@@ -67,7 +67,7 @@ pub enum Event<'a> {
 pub struct FolderScan {
     /// Finished parts, by their number.
     pub parts: BTreeMap<u64, Part>,
-    /// What stands in place of parts and is none.
+    /// Damaged files in place of parts.
     pub damaged: Vec<(PathBuf, PartDefect)>,
     /// Other files among the parts.
     pub foreign: Vec<PathBuf>,
@@ -444,7 +444,7 @@ impl Dataset {
         }
     }
 
-    /// Solves those of some parts that are not there, in their order. What is damaged is told at the end, and
+    /// Solves the missing ones of some parts, in their order. What is damaged is told at the end, and
     /// the others are solved.
     ///
     /// * `numbers`: their numbers, growing. * `repair`: whether all bytes of those that are there are looked at, and
@@ -533,7 +533,7 @@ impl Dataset {
         Ok(count(&parts))
     }
 
-    /// Writes the list of the parts, and removes what killed runs of this plan have left.
+    /// Writes the list of the parts, and removes unfinished files of this plan.
     ///
     /// * `parts`: all of the plan.
     ///

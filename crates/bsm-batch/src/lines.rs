@@ -28,7 +28,7 @@ impl<R: Read> Lines<R> {
         self.number
     }
 
-    /// The next line without its end; `None` if there is none, or only blank ones, which hold nothing but spaces.
+    /// The next line without its end; `None` at the end of the file or if only blank lines follow.
     pub(crate) fn next(&mut self) -> Result<Option<&str>, TableError> {
         self.next_but(|line| line.trim_ascii().is_empty())
     }

@@ -27,7 +27,7 @@ pub(crate) struct Pages<R> {
 }
 
 impl<R: ChunkReader> Pages<R> {
-    /// Pages of a file of which so many columns are read at the same time.
+    /// Pages of a file, of which a number of columns are read at the same time.
     pub(crate) fn new(file: R, columns: usize) -> Self {
         // With a page and a dictionary of each column, 64 MiB and 256 times the file.
         let most = (32 << 20) + file.len().saturating_mul(128);

@@ -68,7 +68,7 @@ pub struct ParquetSource {
     row: u64,
     /// Rows of the batches that were read.
     read: u64,
-    /// What is left of the last batch that was read.
+    /// Rest of the last batch read.
     rest: Option<RecordBatch>,
 }
 
@@ -175,7 +175,7 @@ impl ParquetSource {
         Ok(Self { reader, from_row, columns, len, row: 0, read: 0, rest: None })
     }
 
-    /// What is left of the last batch, or else the next one.
+    /// Rest of the last batch, or else the next one.
     fn batch(&mut self) -> Result<Option<RecordBatch>, TableError> {
         if let Some(batch) = self.rest.take() {
             return Ok(Some(batch));

@@ -59,7 +59,7 @@ pub struct Workers<'a> {
 const ROOM: usize = 16 << 20;
 
 impl<'a> Workers<'a> {
-    /// Starts threads, one a core unless told otherwise; fewer if the system starts no more.
+    /// Starts threads, one per core unless given; fewer if the system refuses more.
     ///
     /// * `stop`: once it is true, what the threads do ends with [`RunError::Stopped`], at the latest after
     ///   the points that are being solved, one on each thread.

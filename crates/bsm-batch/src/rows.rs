@@ -66,7 +66,7 @@ pub struct Chunk {
     pub first: u64,
     /// Number of rows.
     pub len: usize,
-    /// Values of each input, null where there is none.
+    /// Values of each input, null if missing.
     pub inputs: Vec<Float64Array>,
     /// What stands in place of numbers of inputs, by row and place of the input.
     pub texts: BTreeMap<(usize, usize), String>,
@@ -344,7 +344,7 @@ fn values(output: &Output, values: Vec<f64>) -> ArrayRef {
     }
 }
 
-/// Numbers, of which NaN is none.
+/// Numbers; NaN is missing.
 pub(crate) fn numbers(values: Vec<f64>) -> Float64Array {
     // All of them are looked at, several at once.
     let gaps = values.iter().fold(false, |gaps, x| gaps | x.is_nan());

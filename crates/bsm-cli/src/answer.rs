@@ -19,7 +19,7 @@ pub(crate) struct Reply {
     pub(crate) title: Option<String>,
     /// The answers; several are members of one JSON object.
     pub(crate) parts: Vec<(&'static str, Answer)>,
-    /// What a file of JSON gets, if not the answer: a scene; null if there is none to write.
+    /// Content of a JSON file, if not the answer: a scene; null if there is none.
     pub(crate) scene: Option<Value>,
     /// Names, units and values of a table, if the answer is one.
     pub(crate) rows: Vec<(String, String, f64)>,

@@ -24,13 +24,13 @@ pub(crate) enum Failure {
     /// Ran, but a point has no solution or a check failed; the words are printed already.
     #[error("unsolved")]
     Unsolved,
-    /// What was written before is not what it should be.
+    /// Existing output differs from what is expected.
     #[error("{0}")]
     Check(String),
     /// A table of points that cannot be read on.
     #[error("{}", of_table(.0))]
     Table(#[from] TableError),
-    /// The reader of standard output has gone: nothing is left to do.
+    /// The reader of standard output has closed it: the program ends.
     #[error("closed pipe")]
     ClosedPipe,
 }

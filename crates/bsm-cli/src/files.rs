@@ -48,7 +48,7 @@ pub(crate) fn read_json(path: &Path) -> Result<Vec<u8>, Failure> {
     read(path, MOST_OF_JSON)
 }
 
-/// Reads a file of at most so many bytes, `-` from standard input; devices and pipes without end
+/// Reads a file up to a number of bytes, `-` from standard input; devices and pipes without end
 /// are read no further.
 pub(crate) fn read(path: &Path, most: u64) -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();

@@ -14,7 +14,7 @@ use crate::files::{pretty_json, print};
 use crate::stream::{failed, mend, progress};
 use crate::unfinished;
 
-/// Rows beyond which nobody keeps them: a terabyte of files, which takes longer to read than to make again.
+/// Rows above which storage is not advised: a terabyte of files takes longer to read than to make again.
 const MANY_ROWS: u64 = 10_000_000_000;
 
 /// Opens a folder that was planned.
@@ -65,7 +65,7 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
     Ok(())
 }
 
-/// Prints a plan and what it comes to.
+/// Prints a plan and its cost.
 pub(crate) fn print_plan(folder: &Path, plan: &Plan) -> Result<(), Failure> {
     let estimate = plan.estimate().map_err(|why| Failure::in_scene(folder, &why))?;
     let hours = estimate.core_seconds / 3600.0;

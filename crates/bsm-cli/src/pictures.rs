@@ -112,7 +112,7 @@ impl Curves {
     }
 }
 
-/// Cells of the map: of long axes so many values as are seen, evenly.
+/// Cells of the map; long axes are thinned evenly to what is visible.
 pub(crate) struct Cells {
     output: &'static OutputColumn,
     axes: [Axis; 2],

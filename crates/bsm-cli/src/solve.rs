@@ -105,7 +105,7 @@ fn motion(args: &SolveArgs, scene: &Scene, settings: &Settings) -> Result<Answer
     Ok(answer)
 }
 
-/// A solution, or why there is none.
+/// A solution, or the reason for none.
 fn point(
     args: &SolveArgs,
     scene: &Scene,

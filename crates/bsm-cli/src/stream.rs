@@ -175,7 +175,7 @@ impl Job<'_> {
         Ok(count)
     }
 
-    /// Begins the folder, or finds that it has the same plan, and tells what it comes to.
+    /// Begins the folder, or verifies that it has the same plan, and prints its cost.
     fn plan(&self, folder: &Path, points: &Points, workers: &Workers<'_>) -> Result<(), Failure> {
         let plan = Plan::new(&self.task, points, self.args.rows_per_part, workers);
         let begun =

@@ -11,7 +11,7 @@ use crate::failure::{Failure, warn};
 /// Interrupts end the program at once, after its unfinished files: no code has to check for them.
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// Runs a command on so many threads, on all cores unless given; on fewer, with a note, if the
+/// Runs a command on a number of threads, all cores unless given; on fewer, with a note, if the
 /// system starts no more.
 pub(crate) fn on_threads(
     wanted: Option<NonZeroUsize>,

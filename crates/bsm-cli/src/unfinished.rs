@@ -78,7 +78,7 @@ mod signals {
         Ok(())
     }
 
-    /// Handles interrupts on a thread of its own, which waits only for code that holds the files.
+    /// Handles interrupts on a separate thread, which waits only for code that locks the files.
     pub(super) fn listen() -> io::Result<()> {
         let ignored = ignored();
         let heard = INTERRUPTS.into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
@@ -93,7 +93,7 @@ mod signals {
         Ok(())
     }
 
-    /// True if SIGXFSZ came from a write of ours, which is told where it fails.
+    /// True if SIGXFSZ came from a write of ours, which reports the error itself.
     fn write_failed() -> bool {
         thread::sleep(FAILS_WITHIN);
         FILE_TOO_LARGE.load(Ordering::Relaxed)

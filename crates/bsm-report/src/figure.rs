@@ -12,7 +12,7 @@ use serde::Deserialize;
 use crate::map::png_of;
 use crate::{ReportError, number};
 
-/// Colours that the palette has, chosen to be told apart by the colour-blind too.
+/// Colours of the palette, distinct for colour-blind readers too.
 pub const MOST_CURVES: usize = 7;
 
 /// How a curve is drawn.
@@ -123,7 +123,7 @@ const COLUMN: usize = 18;
 /// Points of a curve that tell their numbers, about: closer ones than a pointer can hit are of no use.
 const MOST_TOLD: usize = 16;
 
-/// Shapes on lines that without colours could not be told apart, in the order of their colours; the first has none.
+/// Markers of lines, which distinguish them without colour, in the order of their colours; the first has none.
 const SHAPES: [MarkerShape; 5] = [
     MarkerShape::Square,
     MarkerShape::Diamond,
@@ -139,7 +139,7 @@ const SHAPE_SIZE: f64 = 3.5;
 /// What strokes and colours mean.
 type Parts<'a> = (Vec<(Stroke, &'a str)>, Vec<(usize, &'a str)>);
 
-/// Colour of what a stroke means in every colour.
+/// Colour of strokes in a legend for all colours.
 const GREY: &str = "#777777";
 
 /// How far a logarithmic axis goes beyond the points.
@@ -152,7 +152,7 @@ impl Figure {
         Self { key, title, caption, x, y, curves }
     }
 
-    /// SVG of the figure as a file of its own.
+    /// SVG of the figure as a separate file.
     pub fn svg(&self) -> String {
         svg_of(&self.titled())
     }

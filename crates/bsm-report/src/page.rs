@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::{Figure, ReportError, number, short};
 
-/// Name and version of the program, in what it writes.
+/// Name and version of the program, in its files.
 pub const PROGRAM: &str = concat!("bsm ", env!("CARGO_PKG_VERSION"));
 
 /// Colours and styles of every page, light and dark.

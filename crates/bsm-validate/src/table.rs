@@ -1,4 +1,4 @@
-//! Checks that are rows of `checks.csv`: an expression of inputs and outputs at some points, and what it must be.
+//! Checks from rows of `checks.csv`: an expression of inputs and outputs at some points, and its claim.
 //!
 //! An expression, of the language of `minijinja`, names an input as it is and a column of `bsm sweep` behind the model
 //! that it is solved with: `raceway_control.nut_normal_load_N / axial_load_N`.

@@ -161,7 +161,7 @@ impl Row {
         Course { name: String::new(), label, points, rounding: 0.0 }
     }
 
-    /// What a curve does in the range of the claim; points that are not finite are left out.
+    /// Trend of a curve in the range of the claim; points that are not finite are omitted.
     fn trend(&self, course: &Course) -> Option<Trend> {
         let range = self.from.unwrap_or(f64::NEG_INFINITY)..=self.to.unwrap_or(f64::INFINITY);
         let rounding = course.rounding;

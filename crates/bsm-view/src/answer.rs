@@ -1,4 +1,4 @@
-//! What the page asks, and the answers: those of the commands with `--json`, with what a picture needs besides.
+//! Requests of the page, and answers: those of the commands with `--json`, and the data of pictures.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -131,7 +131,7 @@ pub(crate) fn point(asked: &Asked, points: u32) -> Result<Map<String, Value>, Re
     ]))
 }
 
-/// An answer, or why there is none.
+/// An answer, or the reason for none.
 pub(crate) fn told(answer: Result<Value, Refusal>) -> Value {
     answer.unwrap_or_else(|refusal| json!({ "error": refusal.to_string() }))
 }
@@ -194,7 +194,7 @@ fn solved(Asked { scene, settings, rest }: &Asked, parts: bool) -> Result<Value,
     Ok(Value::Object(report))
 }
 
-/// `bsm solve --model all --json`, with the models that were left out and why.
+/// `bsm solve --model all --json`, with the omitted models and the reasons.
 pub(crate) fn compare(Asked { scene, .. }: &Asked) -> Result<Value, Refusal> {
     Ok(Comparison::of(scene)?.answer().to_json())
 }

@@ -101,7 +101,7 @@ const GROUPS: [(&str, &[&str]); 5] = [
     ),
 ];
 
-/// Schemas of scene and result, and what a form needs besides.
+/// Schemas of scene and result, and the other data of the form.
 pub(crate) fn schema() -> Value {
     let group = |name: &str| {
         let found = GROUPS.iter().find(|(_, names)| names.contains(&name));

@@ -40,7 +40,7 @@ impl<'a> Connection<'a> {
         Self { stream, until: Instant::now() + TO_SEND }
     }
 
-    /// Time that is left.
+    /// Remaining time.
     fn left(&self) -> io::Result<Duration> {
         let left = self.until.saturating_duration_since(Instant::now());
         if left.is_zero() { Err(ErrorKind::TimedOut.into()) } else { Ok(left) }

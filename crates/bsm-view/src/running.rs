@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::Refusal;
 
-/// An answer, or why there is none.
+/// An answer, or the reason for none.
 type Found = Result<Value, Refusal>;
 
 /// What a page calls a request: its own name, and a number that grows with every change on it.
@@ -58,12 +58,12 @@ fn lock(entries: &Entries) -> MutexGuard<'_, Vec<Entry>> {
 }
 
 impl Running {
-    /// At most so many at a time.
+    /// Limit of answers at a time.
     pub(crate) fn most(most: usize) -> Self {
         Self { entries: Entries::default(), most }
     }
 
-    /// Begins an answer; those of earlier turns of the same page are stopped, and who waits for them is told at once.
+    /// Begins an answer; answers to earlier turns of the same page are stopped, and their requests answered at once.
     ///
     /// Returns it with the place where the answer comes.
     pub(crate) fn begin(&self, turn: Option<Turn>) -> Result<(Begun, Receiver<Found>), Refusal> {

@@ -1,4 +1,4 @@
-//! The page as one file: what it shows at the points of a small grid, worked out beforehand.
+//! The page as one file, with the answers at the points of a small grid.
 
 use std::sync::atomic::AtomicBool;
 

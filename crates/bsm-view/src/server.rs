@@ -117,7 +117,7 @@ impl Server {
         format!("http://{}/?token={}", self.address, self.shared.token)
     }
 
-    /// Serves until the program ends, each connection on a thread of its own: none waits for a client that is slow.
+    /// Serves until the program ends, each connection on its own thread, so that a slow client delays no other.
     pub fn serve(&self) {
         while !self.ended.load(Ordering::Relaxed) {
             let Ok((stream, _)) = self.listener.accept() else {
@@ -266,7 +266,7 @@ impl Shared {
         }
     }
 
-    /// Writes the scene where the program was told to.
+    /// Writes the scene to the path of `-o`.
     fn save(&self, body: &[u8]) -> Result<Value, Refusal> {
         let Some(save) = &self.save else {
             let text = "bsm view was started without -o SCENE.json: it writes nothing";

@@ -135,7 +135,7 @@ impl Folder {
             .map_err(|e| DatasetError::io("write in folder", &folder, e))
     }
 
-    /// Removes what killed runs of a plan have left.
+    /// Removes unfinished files of a plan.
     pub(super) fn tidy(&self, plan: &str) -> Result<(), DatasetError> {
         for entry in entries(&self.path.join(UNFINISHED))? {
             let ours = unfinished_id(&entry).is_some_and(|id| plan.starts_with(&id));

@@ -61,7 +61,7 @@ impl Written {
     }
 }
 
-/// What a plan comes to, nominally.
+/// Nominal cost of a plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
     /// Time on one core \[s\].
@@ -208,7 +208,7 @@ impl Plan {
         self.written.points.read(table, workers)
     }
 
-    /// What it comes to.
+    /// Its nominal cost.
     ///
     /// # Errors
     ///

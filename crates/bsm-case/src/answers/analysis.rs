@@ -161,7 +161,7 @@ impl Output {
     }
 }
 
-/// What an analysis says of a solved motion.
+/// Result of an analysis of a solved motion.
 ///
 /// * `verdicts`: names of the statements that it makes, in words. * `lacks`: parts that are left out besides those that lack inputs.
 pub(crate) fn of_a_motion(
@@ -196,7 +196,7 @@ pub(crate) fn of_a_motion(
         .with("lacks", Content::Texts("left out", lacks))
 }
 
-/// What is left out for want of contact ellipses, though their inputs may be given.
+/// Quantities omitted without contact ellipses.
 pub(crate) fn lacks_ellipses(what: &str, model: Model) -> String {
     format!("{what}: a model with elastic contacts, which {} is not", model.name())
 }

@@ -147,7 +147,7 @@ pub(crate) struct InPhase<'a> {
     torques: &'a Torques,
 }
 
-/// The screw and its nut as they were used.
+/// The screw and its nut, as used.
 pub(crate) struct Screw<'a> {
     scene: &'a Scene,
     machine: &'a Machine,
@@ -166,7 +166,7 @@ impl Screw<'_> {
 pub struct ScrewTorque {
     /// The numbers.
     pub numbers: Numbers,
-    /// The model of the contacts, or why there is none.
+    /// The model of the contacts, or the reason without one.
     pub contacts: String,
 }
 
@@ -481,7 +481,7 @@ fn no_balls(why: &CaseError) -> String {
 pub(crate) struct Worked<'a> {
     scene: &'a Scene,
     machine: Machine,
-    /// The nut under the largest load, with all its balls; or why there is none.
+    /// The nut under the largest load, with all its balls; or the reason for no solution.
     nut: Option<NutReport>,
     no_nut: Option<CaseError>,
     preload: Option<Preload>,

@@ -49,7 +49,7 @@ impl Calibration {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for unknown names, ranges that are none, and cells that are no numbers.
+    /// [`CaseError`] for unknown names, invalid ranges, and cells that are not numbers.
     pub fn new(
         base: &Scene,
         inputs: &[String],

@@ -35,7 +35,7 @@ pub struct DesignRow {
     pub passes: bool,
 }
 
-/// The screw for a requirement, or why there is none.
+/// The screw for a requirement, or the reason for none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignReport {
     /// The steps of the screw, or of the compromise that fails least.

@@ -12,10 +12,10 @@ use crate::{
     Settings, torque_parts,
 };
 
-/// Where a friction coefficient is looked for, unless told.
+/// Default range of a friction coefficient.
 const FRICTION: (f64, f64) = (1e-4, 0.5);
 
-/// Where another input is looked for, over its value in the scene, unless told.
+/// Default range of another input, over its value in the scene.
 const AROUND: (f64, f64) = (0.25, 4.0);
 
 /// What is known and what is sought.
@@ -49,7 +49,7 @@ pub struct FitReport {
     pub solved: f64,
 }
 
-/// Where an input is looked for: as told; 1e-4 to 0.5 for a friction coefficient, a quarter of the scene's value to
+/// Search range of an input: as given; 1e-4 to 0.5 for a friction coefficient, a quarter of the scene's value to
 /// four times it for another.
 pub(crate) fn range_of(
     scene: &Scene,
@@ -89,7 +89,7 @@ impl Fit {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for unknown names, no number, or a range that is none.
+    /// [`CaseError`] for unknown names, a missing number, or an invalid range.
     pub fn new(
         scene: &Scene,
         input: &str,

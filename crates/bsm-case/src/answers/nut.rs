@@ -25,7 +25,7 @@ const USUAL: f64 = 0.8;
 /// Least and largest `$K_p$` that catalogues measure (HIWIN BS-08-2, eq. 3.2).
 const RULE_FACTORS: [f64; 2] = [0.1, 0.3];
 
-/// Centrifugal force over the mean load of a ball above which a note says that it is left out, and a warning.
+/// Centrifugal force over the mean load of a ball above which a note, and a warning, say that it is neglected.
 const CENTRIFUGAL: [f64; 2] = [0.01, 0.1];
 
 /// Largest step of the friction torque of a ball between four contacts and two, over the friction coefficient
@@ -289,7 +289,7 @@ fn secant(problem: &NutProblem, made: &Made) -> Option<f64> {
     (axial != 0.0).then(|| axial / (made.found.displacement[0] - from))
 }
 
-/// Rigidity of a preloaded nut as makers state it, so many times the preload over its displacement \[N/um\].
+/// Stiffness of a preloaded nut as manufacturers state it, a multiple of the preload over its displacement \[N/um\].
 fn stated(made: &Made, times: f64) -> Option<f64> {
     let Set { cold, approach, .. } = made.preload.as_ref()?;
     Some(times * cold / approach * UM)
@@ -365,7 +365,7 @@ impl NutProblem {
         Some(Rubbed { friction, models, why })
     }
 
-    /// The answer where there is none: why.
+    /// The answer without a solution: the reason.
     pub fn unsolved(none: &NutError) -> Answer {
         let status = none.status().name().to_owned();
         Answer { fails: true, ..Answer::default() }
@@ -398,7 +398,7 @@ pub struct NutReport {
     state: State,
 }
 
-/// Rows of numbers under named columns; NaN where there is none.
+/// Rows of numbers under named columns; NaN for a missing number.
 #[derive(Debug, Clone)]
 pub struct Columns {
     /// Name and unit of each column.
@@ -420,7 +420,7 @@ impl NutReport {
         &self.state.made.found
     }
 
-    /// The numbers that are wanted; what the nut has not is left out.
+    /// The requested numbers that the nut has.
     pub fn numbers(&self, wanted: impl Fn(&Quantity) -> bool) -> Numbers {
         read(&Loaded { problem: &self.problem, state: &self.state }, wanted).where_finite()
     }
@@ -542,7 +542,7 @@ impl NutReport {
         warnings
     }
 
-    /// What to say of the centrifugal force that is left out, if it is within a part of the mean load of a ball.
+    /// Note on the neglected centrifugal force, if it is a noticeable part of the mean load of a ball.
     fn thrown(&self, part: std::ops::Range<f64>) -> Option<String> {
         let (Made { nut, found, .. }, (_, drive)) =
             (&self.state.made, self.problem.friction.as_ref()?);
@@ -598,7 +598,7 @@ impl NutReport {
         Columns { heads: Self::ball_columns(), rows }
     }
 
-    /// The curve from no load beyond the load and the limit load; NaN where there is none.
+    /// The curve from no load beyond the load and the limit load; NaN without a solution.
     pub fn curve(&self) -> Columns {
         let (problem, made) = (&self.problem, &self.state.made);
         let axial = problem.axial();

@@ -27,7 +27,7 @@ pub struct Record {
 }
 
 impl Record {
-    /// Wraps the answer of a model; one with a number beyond double precision is none.
+    /// Wraps the answer of a model; a number that overflows is an error.
     pub fn new(solution: Solution) -> Self {
         let endless = |output: &&Output| {
             let cell = output.read(&solution);
@@ -288,7 +288,7 @@ impl Record {
         })
     }
 
-    /// JSON object with the names of the vocabulary; what a model does not give is null.
+    /// JSON object with the names of the vocabulary; null for outputs that the model lacks.
     pub fn to_json(&self) -> Map<String, Value> {
         let mut map = Map::new();
         map.insert("model".to_owned(), json!(self.model().name()));

@@ -145,7 +145,7 @@ impl Wanted {
         list
     }
 
-    /// Why there is none, condition by condition.
+    /// Why no nut was found, condition by condition.
     fn nearest(&self, catalogue: &Catalogue, all: &[u32]) -> String {
         let without = |(i, (name, condition)): (usize, &(String, Condition))| {
             let others = |nut: &Candidate| {

@@ -105,7 +105,7 @@ pub fn slip(scene: &Scene, settings: &Settings, solution: &Solution) -> Result<A
     Ok(answer)
 }
 
-/// A ball whose slip is told.
+/// A ball whose slip is reported.
 struct Slipping {
     solved: MovingBall,
     /// None at given contact angles.

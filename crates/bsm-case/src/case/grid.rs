@@ -223,7 +223,7 @@ impl Grid {
         base.check_but(self.varied().replaced())
     }
 
-    /// What a choice comes to for all points over `base`: one model, of what covers the first or the
+    /// Model chosen for all points over `base`: one model, of what covers the first or the
     /// last of them at least, see [`ModelChoice::resolve`].
     ///
     /// # Errors

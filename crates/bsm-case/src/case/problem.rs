@@ -1,4 +1,4 @@
-//! Which model is asked, and whether a scene has what it needs.
+//! Choice of the model, and the inputs that it requires.
 
 use bsm_dyn::{Control, Model, Problem, RacewayFriction, Traction};
 use serde_json::{Value, json};
@@ -255,7 +255,7 @@ pub(crate) fn has_lubricant(model: Model) -> bool {
 }
 
 impl ModelChoice {
-    /// What the choice comes to for points that have the inputs `given`: `auto` stays where they
+    /// Model chosen for points that have the inputs `given`: `auto` stays where they
     /// are those of raceway control, which tell the error of a model, and is the most complete other
     /// model elsewhere; with a lubricant it is traction.
     ///
@@ -295,7 +295,7 @@ impl ModelChoice {
 }
 
 impl ModelChoice {
-    /// What the choice comes to for an analysis of the motion of the ball, whose numbers have no bound
+    /// Model chosen for an analysis of the motion of the ball, whose numbers have no bound
     /// of an error: for `auto` the most complete model that points with the inputs `given` have the
     /// inputs of, so that all points of a table have one model; raceway control where the running
     /// contact angles are given.
@@ -364,7 +364,7 @@ impl Scene {
         self.choose(model.into()).is_ok()
     }
 
-    /// What a choice comes to, see [`ModelChoice::resolve`].
+    /// Result of a choice, see [`ModelChoice::resolve`].
     ///
     /// # Errors
     ///
@@ -373,7 +373,7 @@ impl Scene {
         choice.resolve(self.stated(), |model| self.covered_by(model))
     }
 
-    /// What a choice comes to, after every check.
+    /// Result of a choice, after every check.
     pub(crate) fn ask(&self, settings: &Settings) -> Result<ModelChoice, CaseError> {
         settings.check()?;
         self.check()?;

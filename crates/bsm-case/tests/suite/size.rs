@@ -150,9 +150,10 @@ fn the_sheet_of_a_lubricated_axis_says_how_sure_it_is() {
     assert_eq!(told(&axis(&[])), None);
     let report = oiled(AXIS);
     let numbers = told(&report).expect("a band");
-    let [load, rpm, 90.0, low, high, stated] = numbers[..] else { panic!("{numbers:?}") };
+    let [load, rpm, percent, low, high, stated] = numbers[..] else { panic!("{numbers:?}") };
     near(load, 10_049.033_25, 1e-4, "load");
     near(rpm, 1500.0, 1e-9, "speed");
+    near(percent, 90.0, 1e-9, "the interval");
     // Three digits of the note.
     near(stated, of_phase(&report, 0, "contact_friction_torque_Nm"), 1e-3, "stated");
     // The ranges of the specification: 0.6 to 1.3 of the loss where rolling resistance dominates.

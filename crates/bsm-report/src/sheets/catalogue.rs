@@ -209,7 +209,7 @@ impl Drawing {
 }
 
 /// Figs 2 to 10 of Sobolewski (2002) among some nuts of a catalogue: with the numbers of the captions, or
-/// the nearest that these nuts have. A figure for which there are no two nuts is left out.
+/// the nearest that these nuts have. A figure without two nuts is omitted.
 pub fn catalogue_figures(catalogue: &Catalogue, places: &[u32]) -> Vec<Figure> {
     let drawings = drawings();
     let mut nearest = [(f64::INFINITY, None); 12];

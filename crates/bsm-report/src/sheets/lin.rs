@@ -44,7 +44,7 @@ pub fn points(
 
 /// The figures of Lin, Velinsky and Ravani (1994), Figs 3 to 7, around a scene: efficiency against both
 /// angles, normal loads, efficiency against the direction of slip, optimum contact angle and limits of
-/// self-locking. Those that lack an input of the scene are left out, and so are the exact equations.
+/// self-locking. Those that lack an input of the scene are omitted, as are the exact equations.
 ///
 /// # Errors
 ///
@@ -87,7 +87,7 @@ fn forward(scene: &Scene) -> Scene {
     scene
 }
 
-/// What a figure says of the exact equations.
+/// Caption on the exact equations.
 fn operating_point(scene: &Scene) -> String {
     let friction = scene.friction_coefficient.unwrap_or(f64::NAN);
     match (scene.axial_load_N, scene.loaded_balls, scene.speeds_rpm()) {
