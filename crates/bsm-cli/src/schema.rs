@@ -126,12 +126,15 @@ const OBJECTS: &[(&str, &str)] = &[
     ("dial", "model string, options string, errors [errors], times times"),
     (
         "errors",
-        "group string, solved number, efficiency quantiles?, torque quantiles?, loads quantiles?, angles_deg quantiles?, \
+        "group string, solved number, efficiency distribution?, torque distribution?, loads distribution?, angles_deg distribution?, \
          bound_broken number?",
     ),
-    ("quantiles", "median number, q99 number, max number"),
+    ("distribution", "mean number, median number, q90 number, q99 number, max number"),
     ("times", "one_core [one core], all_cores number, instruction_sets list"),
-    ("one core", "group string, single number, batch number"),
+    (
+        "one core",
+        "group string, single distribution, batch number, row distribution, steps distribution?, evaluations distribution",
+    ),
     ("advice", "tolerance number, group string, single pick?, batch pick?"),
     ("pick", "dial string, ns number, fails_where texts"),
 ];

@@ -5,7 +5,7 @@ use std::path::Path;
 use bsm_batch::TableFormat;
 use bsm_case::{Answer, Content};
 use bsm_report::{PROGRAM, short};
-use bsm_validate::tradeoff::{self, Advice, Count, Group, Measured, Points, Tradeoff};
+use bsm_validate::tradeoff::{self, Advice, Count, Group, Measured, OneCore, Points, Tradeoff};
 use bsm_validate::tradeoff_page;
 use serde_json::json;
 
@@ -51,9 +51,7 @@ fn read(path: &Path) -> Result<Points, Failure> {
 fn describe(measured: &Tradeoff) -> String {
     let header = [
         "model and setting",
-        "one point us",
-        "batch us",
-        "all cores",
+        "all cores us",
         "solved %",
         "eta median",
         "99 %",
@@ -66,6 +64,28 @@ fn describe(measured: &Tradeoff) -> String {
         "skids",
     ];
     let rows: Vec<_> = measured.dials.iter().map(row).collect();
+    let times_header = [
+        "model and setting",
+        "where the ball",
+        "one point us: mean",
+        "median",
+        "90 %",
+        "99 %",
+        "max",
+        "batch us: mean",
+        "median",
+        "90 %",
+        "99 %",
+        "max",
+        "steps: mean",
+        "max",
+        "evaluations: mean",
+        "max",
+    ];
+    let times = |dial: &Measured| -> Vec<_> {
+        dial.times.one_core.iter().map(|times| times_row(dial, times)).collect()
+    };
+    let times: Vec<_> = measured.dials.iter().flat_map(times).collect();
     let count = |count: &Count| format!("{} {}", count.group.name(), count.points);
     let counts: Vec<_> = measured.points.iter().map(count).collect();
     let advice_header = [
@@ -81,12 +101,14 @@ fn describe(measured: &Tradeoff) -> String {
     let advice: Vec<_> = measured.advice.iter().map(advice_row).collect();
     format!(
         "points: {}; errors against {}; {}, {} cores\n\n{}\n\n\
+         batch, one core: mean of a table of all points, quantiles of tables of one point each\n\n{}\n\n\
          eta: absolute; torque and loads: relative; the last columns: eta by motion of the ball\n\n\
          the fastest that solves 99 % of the points, with an error below the tolerance at 99 %:\n\n{}",
         counts.join(", "),
         measured.reference,
         measured.instruction_set,
         measured.threads,
+        table::plain(Some(&times_header), &times, 2),
         table::plain(Some(&header), &rows, 1),
         table::plain(Some(&advice_header), &advice, usize::MAX),
     )
@@ -94,12 +116,9 @@ fn describe(measured: &Tradeoff) -> String {
 
 fn row(dial: &Measured) -> Vec<String> {
     let cell = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), short);
-    let micro = |ns: f64| short(1e-3 * ns);
     let (all, times) = (&dial.errors[0], &dial.times);
     let mut row = vec![
         dial.dial.name(),
-        micro(times.one_core[0].single),
-        micro(times.one_core[0].batch),
         micro(times.all_cores),
         format!("{:.1}", 100.0 * all.solved),
         cell(all.efficiency.map(|e| e.median)),
@@ -113,6 +132,22 @@ fn row(dial: &Measured) -> Vec<String> {
         cell(dial.errors_of(group).and_then(|errors| errors.efficiency).map(|e| e.q99))
     }));
     row
+}
+
+fn micro(ns: f64) -> String {
+    short(1e-3 * ns)
+}
+
+/// Where the time goes: one by one, in tables, and in steps and evaluations.
+fn times_row(dial: &Measured, times: &OneCore) -> Vec<String> {
+    let OneCore { group, single, batch, row, steps, evaluations } = times;
+    let cell = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), short);
+    let mut cells = vec![dial.dial.name(), group.name().to_owned()];
+    cells.extend([single.mean, single.median, single.q90, single.q99, single.max].map(micro));
+    cells.extend([*batch, row.median, row.q90, row.q99, row.max].map(micro));
+    cells.extend([steps.map(|steps| steps.mean), steps.map(|steps| steps.max)].map(cell));
+    cells.extend([evaluations.mean, evaluations.max].map(short));
+    cells
 }
 
 fn advice_row(advice: &Advice) -> Vec<String> {

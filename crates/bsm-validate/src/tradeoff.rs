@@ -1,7 +1,7 @@
 //! Speed against accuracy: every model and dial over a set of points.
 //!
 //! The reference is traction with an accuracy of 1e-12 and a creep speed of 1e-5. Errors are those of the numbers that users ask for; times are those of this machine,
-//! medians of several rounds in which the dials take turns, so that a disturbance meets all of them.
+//! of each point the median of several rounds in which the dials take turns, so that a disturbance meets all of them.
 
 mod advice;
 mod clock;
@@ -18,7 +18,7 @@ use serde::Serialize;
 pub use self::advice::Advice;
 pub use self::clock::{OneCore, Times};
 pub use self::dials::Dial;
-pub use self::errors::{Errors, Group, Quantiles};
+pub use self::errors::{Distribution, Errors, Group};
 
 use self::errors::Reference;
 use crate::ValidateError;

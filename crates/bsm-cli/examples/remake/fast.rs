@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use bsm_report::short;
-use bsm_validate::tradeoff::{self, Dial, Errors, Group, Points, Quantiles};
+use bsm_validate::tradeoff::{self, Dial, Distribution, Errors, Group, Points};
 use serde_json::{Value, json};
 
 /// A block and its text.
@@ -220,8 +220,8 @@ fn accuracy(_: &Program) -> Made {
 
 fn errors_row((dial, errors): &(Dial, Vec<Errors>)) -> String {
     let of = |group: Group| errors.iter().find(|errors| errors.group == group);
-    let cell = |quantiles: Option<Quantiles>| {
-        quantiles.map_or_else(String::new, |q| format!("{}, {}", small(q.median), small(q.q99)))
+    let cell = |distribution: Option<Distribution>| {
+        distribution.map_or_else(String::new, |q| format!("{}, {}", small(q.median), small(q.q99)))
     };
     let [all, grips, partly, skids] = Group::ALL.map(of);
     let solved = all.map_or(0.0, |all| 100.0 * all.solved);

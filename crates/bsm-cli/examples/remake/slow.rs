@@ -163,14 +163,15 @@ fn summary(advice: &[Value]) -> Result<String> {
 fn times_row(dial: &Value) -> Result<String> {
     let name = format!("{} {}", word(dial, "model")?, word(dial, "options")?);
     let times = list(&dial["times"], "one_core")?;
-    let cells = |way: &str| -> Result<Vec<String>> {
+    let cells = |time: fn(&Value) -> Result<f64>| -> Result<Vec<String>> {
         let of = |group: &&str| {
             let there = times.iter().find(|t| t["group"] == **group);
-            there.map_or(Ok(String::new()), |t| Ok(micro(number(t, way)?)))
+            there.map_or(Ok(String::new()), |t| Ok(micro(time(t)?)))
         };
         ["grips", "skids partly", "skids"].iter().map(of).collect()
     };
-    let cells = [cells("single")?, cells("batch")?].concat();
+    let single = cells(|times| number(&times["single"], "mean"))?;
+    let cells = [single, cells(|times| number(times, "batch"))?].concat();
     Ok(format!("| `{}` | {} |", name.trim_end(), cells.join(" | ")))
 }
 

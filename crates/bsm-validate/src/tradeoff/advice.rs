@@ -38,7 +38,7 @@ pub(super) fn of(dials: &[Measured], groups: &[Group]) -> Vec<Advice> {
     for tolerance in TOLERANCES {
         for group in groups {
             let pick = |time: fn(&OneCore) -> f64| pick(dials, *group, tolerance, time);
-            let (single, batch) = (pick(|times| times.single), pick(|times| times.batch));
+            let (single, batch) = (pick(|times| times.single.mean), pick(|times| times.batch));
             advice.push(Advice { tolerance, group: *group, single, batch });
         }
     }

@@ -1,20 +1,20 @@
-//! Time of a point, one by one and in batches.
+//! Time of a point, one by one and in batches, and what it is spent on.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use bsm_batch::{Chunk, Columns, Task};
+use bsm_batch::{Chunk, Task};
 use bsm_case::{CaseError, ModelChoice, Output, Scene, Settings};
-use bsm_dyn::{Model, ModelWorkspace};
+use bsm_dyn::{Model, ModelWorkspace, evaluations};
 use bsm_simd::Arch;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 
-use super::errors::Group;
+use super::errors::{Distribution, Group};
 use super::{Dial, Points};
 use crate::ValidateError;
 
-/// Times of a point \[ns\], medians.
+/// Times of a point \[ns\].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Times {
     /// One by one and in batches on one core: all points, then by motion of the balls.
@@ -25,15 +25,21 @@ pub struct Times {
     pub instruction_sets: Vec<(&'static str, f64)>,
 }
 
-/// Times of a point of a group on one core \[ns\].
+/// Times of a point of a group on one core \[ns\], and what they are spent on.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct OneCore {
     /// Which points.
     pub group: Group,
     /// From a scene to its outputs, one after the other.
-    pub single: f64,
-    /// From columns of inputs to columns of outputs.
+    pub single: Distribution,
+    /// From columns of inputs to columns of outputs, all points of the group in one table.
     pub batch: f64,
+    /// The same, each point in a table of rows like itself.
+    pub row: Distribution,
+    /// Steps of Newton's method and along the curves of searches, of the points with a solution by steps.
+    pub steps: Option<Distribution>,
+    /// Evaluations of the equations, one by one.
+    pub evaluations: Distribution,
 }
 
 impl Times {
@@ -62,10 +68,14 @@ const OUTPUTS: [&str; 6] = [
     "screw_contact_angle_deg",
 ];
 
+/// Rows of the table of one point.
+const ROWS: usize = 64;
+
 /// What is timed of a dial; groups by their place.
 #[derive(Debug, Clone, Copy)]
 enum Way {
-    Single(usize),
+    Single,
+    Row,
     Batch(usize),
     AllCores,
     On(Arch),
@@ -91,31 +101,51 @@ pub(super) fn times(
             progress(round * jobs.len() + i + 1, ROUNDS * jobs.len());
         }
     }
-    let medians: Vec<_> = measured.into_iter().map(median).collect();
-    let of = |dial: &Dial| {
-        let none = |(group, _): &(Group, _)| OneCore { group: *group, single: 0.0, batch: 0.0 };
-        let mut times = Times {
-            one_core: groups.iter().map(none).collect(),
-            all_cores: 0.0,
-            instruction_sets: Vec::new(),
+    let medians: Vec<_> = measured.into_iter().map(medians).collect();
+    let mut all = Vec::with_capacity(dials.len());
+    for dial in dials {
+        let of = |wanted: fn(&Way) -> bool| {
+            jobs.iter()
+                .zip(&medians)
+                .filter(move |((other, way), _)| *other == dial && wanted(way))
+                .map(|((_, way), times)| (way, times.as_slice()))
         };
-        for ((_, way), time) in jobs.iter().zip(&medians).filter(|((other, _), _)| *other == dial) {
-            match way {
-                Way::Single(place) => times.one_core[*place].single = *time,
-                Way::Batch(place) => times.one_core[*place].batch = *time,
-                Way::AllCores => times.all_cores = *time,
-                Way::On(arch) => times.instruction_sets.push((bsm_simd::name(*arch), *time)),
-            }
-        }
-        times
-    };
-    Ok(dials.iter().map(of).collect())
+        let each = |wanted| of(wanted).next().map_or(&[][..], |(_, times)| times);
+        let (single, row) =
+            (each(|way| matches!(way, Way::Single)), each(|way| matches!(way, Way::Row)));
+        let batches = of(|way| matches!(way, Way::Batch(_)));
+        let work = bench.work(dial, &mut work)?;
+        let one_core = groups.iter().zip(batches).map(|((group, places), (_, batch))| {
+            let over = |of: &dyn Fn(usize) -> Option<f64>| {
+                Distribution::of(places.iter().filter_map(|place| of(*place)).collect())
+            };
+            Some(OneCore {
+                group: *group,
+                single: over(&|place| Some(single[place]))?,
+                batch: batch[0],
+                row: over(&|place| Some(row[place]))?,
+                steps: over(&|place| work[place].0),
+                evaluations: over(&|place| Some(work[place].1))?,
+            })
+        });
+        all.push(Times {
+            one_core: one_core.flatten().collect(),
+            all_cores: each(|way| matches!(way, Way::AllCores))[0],
+            instruction_sets: of(|way| matches!(way, Way::On(_)))
+                .filter_map(|(way, times)| match way {
+                    Way::On(arch) => Some((bsm_simd::name(*arch), times[0])),
+                    _ => None,
+                })
+                .collect(),
+        });
+    }
+    Ok(all)
 }
 
 fn ways(dial: &Dial, groups: usize) -> impl Iterator<Item = Way> {
     let lanes = is_quick(&dial.settings).then(bsm_simd::instruction_sets).unwrap_or_default();
-    let one_core = (0..groups).flat_map(|place| [Way::Single(place), Way::Batch(place)]);
-    one_core.chain([Way::AllCores]).chain(lanes.into_iter().map(Way::On))
+    let each = [Way::Single, Way::Row].into_iter().chain((0..groups).map(Way::Batch));
+    each.chain([Way::AllCores]).chain(lanes.into_iter().map(Way::On))
 }
 
 /// True if a batch takes nanoseconds a point.
@@ -123,36 +153,25 @@ fn is_quick(settings: &Settings) -> bool {
     matches!(settings.model, ModelChoice::Fixed(model) if model != Model::Traction)
 }
 
-fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_unstable_by(f64::total_cmp);
-    times[times.len() / 2]
-}
-
-/// The points of a group in the forms that are timed.
-struct Forms<'a> {
-    scenes: Vec<&'a Scene>,
-    chunk: Chunk,
-    /// The points over and over.
-    many: Chunk,
-}
-
-impl<'a> Forms<'a> {
-    fn of(points: &'a Points, places: &[usize]) -> Self {
-        let places_of = |len| places.iter().copied().cycle().take(len).collect::<Vec<_>>();
-        let rows = |len: usize| points.chunk.select(&places_of(len));
-        Self {
-            scenes: places.iter().map(|place| &points.scenes[*place]).collect(),
-            chunk: rows(places.len()),
-            many: rows(places.len() * BATCH.div_ceil(places.len())),
-        }
-    }
+/// Of each time over the rounds.
+fn medians(rounds: Vec<Vec<f64>>) -> Vec<f64> {
+    let median = |place: usize| {
+        let mut times: Vec<_> = rounds.iter().map(|times| times[place]).collect();
+        times.sort_unstable_by(f64::total_cmp);
+        times[times.len() / 2]
+    };
+    (0..rounds[0].len()).map(median).collect()
 }
 
 /// All that is timed.
 struct Bench<'a> {
-    columns: &'a Columns,
-    /// The groups, all points first.
-    groups: Vec<Forms<'a>>,
+    points: &'a Points,
+    /// Tables of each group, all points first.
+    groups: Vec<Chunk>,
+    /// The same, longer.
+    long_groups: Vec<Chunk>,
+    /// A table of each point.
+    rows: Vec<Chunk>,
     outputs: Vec<&'static Output>,
     one_core: ThreadPool,
     all_cores: ThreadPool,
@@ -160,60 +179,96 @@ struct Bench<'a> {
 
 impl<'a> Bench<'a> {
     fn new(points: &'a Points, groups: &[(Group, Vec<usize>)]) -> Result<Self, ValidateError> {
+        let table = |places: &[usize], len: usize| {
+            points.chunk.select(&places.iter().copied().cycle().take(len).collect::<Vec<_>>())
+        };
+        let long = |places: &Vec<_>| table(places, places.len() * BATCH.div_ceil(places.len()));
         Ok(Self {
-            columns: &points.columns,
-            groups: groups.iter().map(|(_, places)| Forms::of(points, places)).collect(),
+            points,
+            groups: groups.iter().map(|(_, places)| table(places, places.len())).collect(),
+            long_groups: groups.iter().map(|(_, places)| long(places)).collect(),
+            rows: (0..points.scenes.len()).map(|place| table(&[place], ROWS)).collect(),
             outputs: OUTPUTS.iter().filter_map(|name| Output::named(name)).collect(),
             one_core: ThreadPoolBuilder::new().num_threads(1).build()?,
             all_cores: ThreadPoolBuilder::new().build()?,
         })
     }
 
-    /// Nanoseconds a point.
-    fn time(&self, dial: &Dial, way: Way, work: &mut ModelWorkspace) -> Result<f64, CaseError> {
+    /// Steps and evaluations of each point.
+    #[expect(clippy::cast_precision_loss, reason = "counts are small")]
+    fn work(
+        &self,
+        dial: &Dial,
+        work: &mut ModelWorkspace,
+    ) -> Result<Vec<(Option<f64>, f64)>, CaseError> {
+        let count = |scene: &Scene| {
+            let before = evaluations();
+            let solution = scene.problem(&dial.settings)?.solve(work);
+            let steps = solution.solved().and_then(|solved| solved.info);
+            let evaluations = evaluations().wrapping_sub(before) as f64;
+            Ok((steps.map(|info| info.steps as f64), evaluations))
+        };
+        self.points.scenes.iter().map(count).collect()
+    }
+
+    /// Nanoseconds of each point, or of a point of a table.
+    fn time(
+        &self,
+        dial: &Dial,
+        way: Way,
+        work: &mut ModelWorkspace,
+    ) -> Result<Vec<f64>, CaseError> {
         let settings = &dial.settings;
-        let batch = |arch, place: usize| self.batch(arch, &self.groups[place], settings);
+        let task = Task::new(Scene::default(), *settings, self.outputs.clone());
+        let solve = |arch, chunk: &Chunk| {
+            black_box(task.solve_on(arch, chunk, &self.points.columns));
+        };
+        // What takes microseconds a point needs no more of them.
+        let tables = if is_quick(settings) { &self.long_groups } else { &self.groups };
+        let batch = |arch, chunk: &Chunk| {
+            per_point(1, chunk.len, |_| {
+                solve(arch, chunk);
+                Ok(())
+            })
+        };
         match way {
-            Way::Single(place) => {
-                let scenes = &self.groups[place].scenes;
-                per_point(scenes.len(), || {
-                    for scene in scenes {
-                        let scene: &Scene = black_box(scene);
-                        let _ = black_box(scene.problem(settings)?.solve(work));
-                    }
+            Way::Single => {
+                let scenes = &self.points.scenes;
+                per_point(scenes.len(), 1, |place| {
+                    let _ = black_box(black_box(&scenes[place]).problem(settings)?.solve(work));
                     Ok(())
                 })
             }
-            Way::Batch(place) => self.one_core.install(|| batch(Arch::new(), place)),
-            Way::AllCores => self.all_cores.install(|| batch(Arch::new(), 0)),
-            Way::On(arch) => self.one_core.install(|| batch(arch, 0)),
+            Way::Row => self.one_core.install(|| {
+                per_point(self.rows.len(), ROWS, |place| {
+                    solve(Arch::new(), &self.rows[place]);
+                    Ok(())
+                })
+            }),
+            Way::Batch(place) => self.one_core.install(|| batch(Arch::new(), &tables[place])),
+            Way::AllCores => self.all_cores.install(|| batch(Arch::new(), &tables[0])),
+            Way::On(arch) => self.one_core.install(|| batch(arch, &tables[0])),
         }
-    }
-
-    fn batch(&self, arch: Arch, points: &Forms, settings: &Settings) -> Result<f64, CaseError> {
-        // What takes microseconds a point needs no more of them.
-        let chunk = if is_quick(settings) { &points.many } else { &points.chunk };
-        let task = Task::new(Scene::default(), *settings, self.outputs.clone());
-        per_point(chunk.len, || {
-            black_box(task.solve_on(arch, chunk, self.columns));
-            Ok(())
-        })
     }
 }
 
-/// Nanoseconds of each of `points`, over as many runs as [`LEAST`] takes.
+/// Nanoseconds of a point of each of `tables` of `rows` points, over as many runs as [`LEAST`] takes.
 #[expect(clippy::cast_precision_loss, reason = "counts are small")]
 fn per_point(
-    points: usize,
-    mut run: impl FnMut() -> Result<(), CaseError>,
-) -> Result<f64, CaseError> {
-    let (start, mut runs) = (Instant::now(), 0_usize);
-    loop {
-        run()?;
-        runs += 1;
-        let time = start.elapsed();
-        if time >= LEAST {
-            return Ok(time.as_secs_f64() * 1e9 / (runs * points) as f64);
+    tables: usize,
+    rows: usize,
+    mut run: impl FnMut(usize) -> Result<(), CaseError>,
+) -> Result<Vec<f64>, CaseError> {
+    let mut times = vec![Duration::ZERO; tables];
+    let mut runs = 0_usize;
+    while times.iter().sum::<Duration>() < LEAST {
+        for (place, time) in times.iter_mut().enumerate() {
+            let start = Instant::now();
+            run(place)?;
+            *time += start.elapsed();
         }
+        runs += 1;
     }
+    let points = (runs * rows) as f64;
+    Ok(times.iter().map(|time| time.as_secs_f64() * 1e9 / points).collect())
 }

@@ -45,22 +45,26 @@ impl Serialize for Group {
     }
 }
 
-/// Quantiles of an error.
+/// An error or a cost over points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Quantiles {
-    /// Half of the points err less.
+pub struct Distribution {
+    /// Of all points.
+    pub mean: f64,
+    /// Half of the points have less.
     pub median: f64,
-    /// 99 % of the points err at most this.
+    /// 90 % of the points have at most this.
+    pub q90: f64,
+    /// 99 % of the points have at most this.
     pub q99: f64,
-    /// No point errs more.
+    /// No point has more.
     pub max: f64,
 }
 
-impl Quantiles {
-    /// Of some errors; `None` without any.
-    fn of(mut errors: Vec<f64>) -> Option<Self> {
-        errors.sort_unstable_by(f64::total_cmp);
-        // The smallest error that the share does not exceed.
+impl Distribution {
+    /// Of some values; `None` without any.
+    pub(super) fn of(mut values: Vec<f64>) -> Option<Self> {
+        values.sort_unstable_by(f64::total_cmp);
+        // The smallest value that the share does not exceed.
         let at = |share: f64| {
             #[expect(
                 clippy::cast_possible_truncation,
@@ -68,10 +72,12 @@ impl Quantiles {
                 clippy::cast_precision_loss,
                 reason = "a place among thousands"
             )]
-            let place = (share * errors.len() as f64).ceil() as usize;
-            errors.get(place.max(1) - 1).copied()
+            let place = (share * values.len() as f64).ceil() as usize;
+            values.get(place.max(1) - 1).copied()
         };
-        Some(Self { median: at(0.5)?, q99: at(0.99)?, max: at(1.0)? })
+        #[expect(clippy::cast_precision_loss, reason = "a number of points")]
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        Some(Self { mean, median: at(0.5)?, q90: at(0.9)?, q99: at(0.99)?, max: at(1.0)? })
     }
 }
 
@@ -83,13 +89,13 @@ pub struct Errors {
     /// Share of the points that it solved.
     pub solved: f64,
     /// Absolute error of the efficiency.
-    pub efficiency: Option<Quantiles>,
+    pub efficiency: Option<Distribution>,
     /// Relative error of the torque.
-    pub torque: Option<Quantiles>,
+    pub torque: Option<Distribution>,
     /// Relative error of the normal loads, the larger of nut and screw.
-    pub loads: Option<Quantiles>,
+    pub loads: Option<Distribution>,
     /// Error of the contact angles \[deg\], the larger of nut and screw.
-    pub angles_deg: Option<Quantiles>,
+    pub angles_deg: Option<Distribution>,
     /// Share of the solved points whose efficiency errs more than the stated bound, where one is.
     pub bound_broken: Option<f64>,
 }
@@ -151,8 +157,8 @@ impl Reference {
             .iter()
             .filter_map(|place| Some((answers[*place].as_ref()?, &self.0[*place].as_ref()?.1)))
             .collect();
-        let quantiles = |error: fn(&Solution, &Solution) -> Option<f64>| {
-            Quantiles::of(pairs.iter().filter_map(|(ours, exact)| error(ours, exact)).collect())
+        let distribution = |error: fn(&Solution, &Solution) -> Option<f64>| {
+            Distribution::of(pairs.iter().filter_map(|(ours, exact)| error(ours, exact)).collect())
         };
         let bounds: Vec<_> = pairs
             .iter()
@@ -164,17 +170,17 @@ impl Reference {
         Errors {
             group,
             solved: share(pairs.len(), places.len()),
-            efficiency: quantiles(efficiency),
-            torque: quantiles(|ours, exact| {
+            efficiency: distribution(efficiency),
+            torque: distribution(|ours, exact| {
                 let torque = |s: &Solution| s.solved()?.transmission.screw_torque;
                 relative(torque(ours)?, torque(exact)?)
             }),
-            loads: quantiles(|ours, exact| {
+            loads: distribution(|ours, exact| {
                 let load = |s: &Solution, site| s.contact(site)?.load;
                 let off = |site| relative(load(ours, site)?, load(exact, site)?);
                 Some(off(Site::Nut)?.max(off(Site::Screw)?))
             }),
-            angles_deg: quantiles(|ours, exact| {
+            angles_deg: distribution(|ours, exact| {
                 let off =
                     |site| Some((ours.contact(site)?.angle - exact.contact(site)?.angle).abs());
                 Some(off(Site::Nut)?.max(off(Site::Screw)?).to_degrees())
@@ -201,14 +207,15 @@ fn relative(ours: f64, exact: f64) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// Quantiles of 1 to 200 are known.
+    /// Mean and quantiles of 1 to 200 are known.
     #[test]
-    fn quantiles_count() {
+    fn values_are_counted() {
         let errors: Vec<_> = (1..=200).rev().map(f64::from).collect();
-        let expected = Quantiles { median: 100.0, q99: 198.0, max: 200.0 };
-        assert_eq!(Quantiles::of(errors), Some(expected));
-        let one = Quantiles { median: 3.0, q99: 3.0, max: 3.0 };
-        assert_eq!(Quantiles::of(vec![3.0]), Some(one));
-        assert_eq!(Quantiles::of(Vec::new()), None);
+        let expected =
+            Distribution { mean: 100.5, median: 100.0, q90: 180.0, q99: 198.0, max: 200.0 };
+        assert_eq!(Distribution::of(errors), Some(expected));
+        let one = Distribution { mean: 3.0, median: 3.0, q90: 3.0, q99: 3.0, max: 3.0 };
+        assert_eq!(Distribution::of(vec![3.0]), Some(one));
+        assert_eq!(Distribution::of(Vec::new()), None);
     }
 }

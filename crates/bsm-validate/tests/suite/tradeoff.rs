@@ -72,11 +72,19 @@ fn errors_and_times_are_measured() {
         let name = dial.dial.name();
         assert!(dial.times.all_cores > 0.0, "{name}");
         assert_eq!(dial.times.one_core.len(), measured.points.len());
-        assert!(dial.times.one_core.iter().all(|t| t.single > 0.0 && t.batch > 0.0), "{name}");
+        for times in &dial.times.one_core {
+            assert!(times.single.median > 0.0 && times.row.median > 0.0, "{name}");
+            assert!(times.batch > 0.0, "{name}");
+            // Closed formulas are no equations of a solve; all others are evaluated in each step.
+            let steps = times.steps.map_or(0.0, |steps| steps.mean);
+            assert!(steps <= times.evaluations.mean, "{name}: {times:?}");
+        }
         for errors in &dial.errors {
-            for quantiles in [errors.efficiency, errors.torque, errors.loads, errors.angles_deg] {
-                let Some(q) = quantiles else { continue };
-                assert!(q.median <= q.q99 && q.q99 <= q.max, "{name}: {q:?}");
+            for distribution in [errors.efficiency, errors.torque, errors.loads, errors.angles_deg]
+            {
+                let Some(q) = distribution else { continue };
+                assert!(q.median <= q.q90 && q.q90 <= q.q99 && q.q99 <= q.max, "{name}: {q:?}");
+                assert!(q.mean <= q.max, "{name}: {q:?}");
             }
         }
     }
@@ -87,7 +95,7 @@ fn errors_and_times_are_measured() {
     assert!(max("traction accuracy=1e-8") <= max("traction accuracy=1e-4"));
     // Rolling balls in a model that slides, and the other way round: several per cent.
     assert!(max("closed-form") > 1e-2 && max("raceway-control") > 1e-2);
-    let single = |name: &str| of(name).times.of(Group::All).expect("timed").single;
+    let single = |name: &str| of(name).times.of(Group::All).expect("timed").single.mean;
     assert!(single("closed-form") < single("traction accuracy=1e-8"));
     assert!(!of("rigid").times.instruction_sets.is_empty());
     // A loose tolerance is met by something, and cheaper dials do not meet it elsewhere.
