@@ -35,6 +35,26 @@ pub struct NutFriction {
     pub heat: Option<f64>,
 }
 
+/// Friction of one ball, or of all balls of a nut.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FrictionSum {
+    /// Friction torque on the screw \[N·m\], without the ball returns.
+    pub torque: f64,
+    /// Its parts at the contacts with nut and screw \[N·m\]: halves where a model does not tell them apart.
+    pub contacts: [f64; 2],
+    /// Torque of the ball returns \[N·m\].
+    pub returns: f64,
+}
+
+impl FrictionSum {
+    /// The sum with a part of another.
+    fn add(&mut self, other: &Self, part: f64) {
+        self.torque += part * other.torque;
+        self.contacts = [0, 1].map(|side| self.contacts[side] + part * other.contacts[side]);
+        self.returns += part * other.returns;
+    }
+}
+
 /// Accuracy of the quadrature over the ellipses of a ball on both flanks: far below what a constant
 /// friction coefficient is worth.
 const FOUR_CONTACTS: f64 = 1e-6;
@@ -143,39 +163,25 @@ impl BallNut {
     ) -> NutFriction {
         let speed = drive.relative_speed();
         let per_radian = self.helix.lead() / std::f64::consts::TAU;
-        let (quadrature, hertz) = (Quadrature::of(FOUR_CONTACTS), self.hertz());
-        // Friction of a ball, and what it loses in the returns.
-        let mut of_one = |number: usize| -> Option<[f64; 2]> {
-            if found.balls[number].flanks_pressed() == [true, true] {
-                let hertz = hertz.as_ref().ok()?;
-                let ball = self.ball_on_both_flanks(found, number, friction?, drive, hertz);
-                return ball.solve(&quadrature).ok().map(|motion| [motion.torque, 0.0]);
-            }
-            let coefficient = friction.unwrap_or(f64::NAN);
-            let alone = self.ball_alone(found, number, coefficient, drive)?;
-            let solution = solve(alone);
-            let solved = solution.solved()?;
-            let torque = solved.transmission.screw_torque?;
-            let lost = solved.film.map_or(0.0, |film| film.outside.ball_return);
-            let in_return = lost / speed.abs();
-            // T_f = |T − h F|                                             (U21)
-            let all = (torque - per_radian * alone.point.load.axial).abs();
-            Some([all - in_return, in_return])
+        let hertz = self.hertz();
+        let mut of_one = |number: usize| {
+            let hertz = hertz.as_ref().ok()?;
+            self.friction_of(found, number, friction, drive, hertz, &mut solve)
         };
         let mut returns = 0.0;
-        let mut last: Option<(usize, [f64; 2])> = None;
+        let mut last: Option<(usize, FrictionSum)> = None;
         let mut of_ball = |number: usize| -> Option<f64> {
             if found.balls[number].max_load() <= 0.0 {
                 return Some(0.0);
             }
             let before = last.filter(|(other, _)| self.alike(found, *other, number));
-            let (as_of, [own, in_return]) = match before {
+            let (as_of, ball) = match before {
                 None => (number, of_one(number)?),
                 Some(like) => like,
             };
-            last = Some((as_of, [own, in_return]));
-            returns += in_return;
-            Some(own)
+            last = Some((as_of, ball));
+            returns += ball.returns;
+            Some(ball.torque)
         };
         let balls: Vec<_> = (0..found.balls.len()).map_while(&mut of_ball).collect();
         let all = balls.len() == found.balls.len();
@@ -208,7 +214,125 @@ impl BallNut {
     }
 }
 
+/// What interpolation between loads may err by, relative: a tenth of the heat that a warm state leaves over.
+const BETWEEN_LOADS: f64 = 1e-9;
+
 impl BallNut {
+    /// Friction of a loaded ball, by itself or with both flanks pressed (U21).
+    fn friction_of(
+        &self,
+        found: &Equilibrium,
+        number: usize,
+        friction: Option<f64>,
+        drive: &Drive<f64>,
+        hertz: &[Hertz; 2],
+        solve: &mut impl FnMut(ElasticPoint) -> Solution,
+    ) -> Option<FrictionSum> {
+        if found.balls[number].flanks_pressed() == [true, true] {
+            let ball = self.ball_on_both_flanks(found, number, friction?, drive, hertz);
+            let torque = ball.solve(&Quadrature::of(FOUR_CONTACTS)).ok()?.torque;
+            return Some(FrictionSum { torque, contacts: [0.5 * torque; 2], returns: 0.0 });
+        }
+        let alone = self.ball_alone(found, number, friction.unwrap_or(f64::NAN), drive)?;
+        self.friction_alone(alone, solve)
+    }
+
+    /// Friction of a ball by itself (U21).
+    fn friction_alone(
+        &self,
+        alone: ElasticPoint,
+        solve: &mut impl FnMut(ElasticPoint) -> Solution,
+    ) -> Option<FrictionSum> {
+        let speed = alone.point.drive.relative_speed().abs();
+        let solution = solve(alone);
+        let solved = solution.solved()?;
+        let torque = solved.transmission.screw_torque?;
+        let lost = solved.film.map_or(0.0, |film| film.outside.ball_return);
+        let returns = lost / speed;
+        let per_radian = self.helix.lead() / std::f64::consts::TAU;
+        // T_f = |T − h F|                                                 (U21)
+        let torque = (torque - per_radian * alone.point.load.axial).abs() - returns;
+        let contacts = solved.contact_power.map(|of| of.map(|power| power / speed));
+        Some(FrictionSum { torque, contacts: contacts.unwrap_or([0.5 * torque; 2]), returns })
+    }
+
+    /// Sum of the friction of all balls (U21), for a search that asks for it often: balls that differ by their load
+    /// alone have it from a few loads between them; `None` unless every ball has one.
+    ///
+    /// Arguments as those of [`friction`](Self::friction).
+    pub fn friction_sum(
+        &self,
+        found: &Equilibrium,
+        friction: Option<f64>,
+        drive: &Drive<f64>,
+        mut solve: impl FnMut(ElasticPoint) -> Solution,
+    ) -> Option<FrictionSum> {
+        let hertz = self.hertz().ok()?;
+        let near = 1e-9 * self.arc_distance();
+        let differ_by_load = |one: usize, other: usize| {
+            let [a, b] = [one, other].map(|number| found.balls[number].flanks_pressed());
+            let apart = found.grooves[one][1] - found.grooves[other][1];
+            a == b
+                && a != [true, true]
+                && apart.abs() <= near
+                && (self.excess(one) - self.excess(other)).abs() <= near
+        };
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        for (number, ball) in found.balls.iter().enumerate() {
+            if ball.max_load() > 0.0 {
+                match groups.iter_mut().find(|group| differ_by_load(group[0], number)) {
+                    Some(group) => group.push(number),
+                    None => groups.push(vec![number]),
+                }
+            }
+        }
+        let mut sum = FrictionSum::default();
+        for group in &groups {
+            let loads = group.iter().map(|number| found.balls[*number].force[0].abs());
+            let (low, high) = loads.clone().fold((f64::MAX, 0.0), |(low, high), load| {
+                (f64::min(low, load), f64::max(high, load))
+            });
+            let (roots, narrow) = (low.sqrt() + high.sqrt(), high.sqrt() - low.sqrt());
+            // Chebyshev points: the error falls by the ratio of the ellipse through no load with each.
+            let most = count(group.len());
+            let points = (BETWEEN_LOADS.ln() / (narrow / roots).ln()).ceil().clamp(1.0, most);
+            if points >= most {
+                for number in group {
+                    let ball =
+                        self.friction_of(found, *number, friction, drive, &hertz, &mut solve)?;
+                    sum.add(&ball, 1.0);
+                }
+                continue;
+            }
+            let alone = self.ball_alone(found, group[0], friction.unwrap_or(f64::NAN), drive)?;
+            let angles = (0_u8..).take_while(|k| f64::from(*k) < points);
+            let mut nodes = Vec::with_capacity(group.len());
+            for (number, angle) in angles.enumerate() {
+                let angle = (f64::from(angle) + 0.5) * std::f64::consts::PI / points;
+                let load = 0.5 * (low + high) + 0.5 * (high - low) * angle.cos();
+                let mut ball = alone;
+                ball.point.load.axial = load * self.helix.lead_angle.cos();
+                let weight = if number % 2 == 0 { angle.sin() } else { -angle.sin() };
+                nodes.push((load, weight, self.friction_alone(ball, &mut solve)?, 0.0));
+            }
+            // How much of each node is in the sum over the balls, in barycentric form.
+            for load in loads {
+                let met = nodes.iter().position(|(node, ..)| (node - load).abs() <= 0.0);
+                let all: f64 = nodes.iter().map(|(node, weight, ..)| weight / (load - node)).sum();
+                for (number, (node, weight, _, part)) in nodes.iter_mut().enumerate() {
+                    *part += match met {
+                        Some(met) => f64::from(u8::from(met == number)),
+                        None => *weight / (load - *node) / all,
+                    };
+                }
+            }
+            for (.., ball, part) in &nodes {
+                sum.add(ball, *part);
+            }
+        }
+        Some(sum)
+    }
+
     /// True if two balls differ by no more than the rounding of their loads.
     fn alike(&self, found: &Equilibrium, one: usize, other: usize) -> bool {
         /// Part of load and contact angle: the balance of the nut leaves 1e-12 of the loads.

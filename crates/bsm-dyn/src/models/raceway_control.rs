@@ -318,6 +318,12 @@ impl<D: Scalar> ElasticPoint<D> {
         let torque = rolling_torque(ideal, friction_power, radius, axial);
         (ideal, torque)
     }
+
+    /// Powers of all balls \[W\] from the scaled ones over `$W$`.
+    pub(crate) fn in_watts(&self, powers: [D; 2]) -> [D; 2] {
+        let point = &self.point;
+        powers.map(|p| p * point.ball.radius * point.load.axial * point.drive.relative_speed())
+    }
 }
 
 impl RacewayWorkspace {
@@ -338,15 +344,16 @@ impl RacewayWorkspace {
         grip: &RollingBall,
     ) -> Result<Solved, Unsolved> {
         let (loaded, nodes) = (&grip.loaded, [Nodes::from(&self.quadrature); 2]);
-        let friction_power =
-            pair.friction_power(loaded, &grip.to_nut, RacewayControl::CREEP, nodes);
+        let [at_nut, at_screw] =
+            pair.friction_powers(loaded, &grip.to_nut, RacewayControl::CREEP, nodes);
         let ball = screw.ball_state(pair, loaded, &grip.to_nut)?;
-        let (ideal, torque) = screw.rolling_torques(friction_power);
+        let (ideal, torque) = screw.rolling_torques(at_nut + at_screw);
         let speed = screw.point.drive.relative_speed();
         let transmission = Transmission::of(pair.direction, ideal, torque, speed);
         let (skid, info, control) = grip.told(pair);
         let (skid, info, control) = (Some(skid), Some(info), Some(control));
-        Ok(Solved { skid, info, control, ..Solved::new(&ball, transmission) })
+        let contact_power = Some(screw.in_watts([at_nut, at_screw]));
+        Ok(Solved { skid, info, control, contact_power, ..Solved::new(&ball, transmission) })
     }
 
     /// Its answer, and what is known of other solutions.

@@ -4,3 +4,4 @@ mod campaign;
 mod identities;
 mod nuts;
 mod public;
+mod warm;

@@ -13,7 +13,7 @@ use serde_json::Value;
 const CASES: &str = include_str!("../../../../validation/published/nut/public.json");
 const DEG: f64 = PI / 180.0;
 
-fn number(value: &Value, key: &str) -> Option<f64> {
+pub(crate) fn number(value: &Value, key: &str) -> Option<f64> {
     value.get(key).and_then(Value::as_f64)
 }
 
@@ -38,7 +38,7 @@ fn circuit(value: &Value) -> Circuit {
     }
 }
 
-fn nut(scene: &Value) -> BallNut {
+pub(crate) fn nut(scene: &Value) -> BallNut {
     let mm = |key| number(scene, key).expect("length") * 1e-3;
     let (pitch, lead) = (mm("pitch_circle_diameter_mm"), mm("lead_mm"));
     let steel = Material {

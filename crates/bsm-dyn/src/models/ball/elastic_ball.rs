@@ -271,22 +271,21 @@ impl<P: Scalar> ElasticBall<P> {
         ball_unknowns::rows(&left, axial_force(&nut.force, &loaded.frame) - 1.0)
     }
 
-    /// Friction power over `$W$` of both ellipses at a motion relative to the nut (P7).
-    pub(crate) fn friction_power<D: Integrate<P>>(
+    /// Friction power over `$W$` of the ellipses at nut and screw at a motion relative to the nut (P7).
+    pub(crate) fn friction_powers<D: Integrate<P>>(
         &self,
         loaded: &BallLoads<D>,
         to_nut: &Motion<D>,
         creep: f64,
         nodes: [Nodes<'_>; 2],
-    ) -> D {
+    ) -> [D; 2] {
         let motions = to_both(to_nut, &loaded.frame);
-        let [nut, screw] = [0, 1].map(|i| {
+        [0, 1].map(|i| {
             let local = Local::of(&motions[i], &loaded.contacts[i], D::from(self.arc));
             let power = D::power(&self.ellipse(i, loaded), &local, creep, nodes[i]);
             // P_f = Σ f Q ∫ dP                                            (P7)
             loaded.loads[i] * self.signed_friction() * power
-        });
-        nut + screw
+        })
     }
 
     /// Absolute motion of a motion relative to the nut.

@@ -132,6 +132,9 @@ pub struct Solved {
     pub error: Option<ErrorBound>,
     /// Of a lubricated ball.
     pub film: Option<FilmState>,
+    /// Power lost at the contacts with nut and screw by all balls together \[W\], of raceway control and of
+    /// lubricated balls.
+    pub contact_power: Option<[f64; 2]>,
 }
 
 /// How far an answer may be off.
@@ -238,6 +241,7 @@ impl Solved {
             others: None,
             error: None,
             film: None,
+            contact_power: None,
         }
     }
 

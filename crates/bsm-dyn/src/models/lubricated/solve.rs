@@ -295,6 +295,7 @@ impl Lubricated {
             info: Some(found.info),
             control: found.control,
             film: Some(film),
+            contact_power: Some(screw.in_watts(losses.map(|loss| loss.sliding + loss.rolling))),
             error: found
                 .error
                 .map(|error| ErrorBound::of(pair.direction, transmission.efficiency, error)),

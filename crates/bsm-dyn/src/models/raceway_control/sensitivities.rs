@@ -22,8 +22,8 @@ impl<const M: usize> RacewayControl<Jet<M>> {
         let transmitted = |rule: &Quadrature| {
             let nodes = [Nodes::from(rule); 2];
             let creep = RacewayControl::<f64>::CREEP;
-            let power = inputs.friction_power(&loaded, &to_nut, creep, nodes);
-            let (ideal, torque) = self.at.rolling_torques(power);
+            let [nut, screw] = inputs.friction_powers(&loaded, &to_nut, creep, nodes);
+            let (ideal, torque) = self.at.rolling_torques(nut + screw);
             [efficiency(inputs.direction.is_back(), ideal, torque), torque]
         };
         // The nodes stand still in a derivative: only a fine rule has none to lose by that.

@@ -1,0 +1,21 @@
+//! The warm steady state: what friction heats, what heat does to the preload, and where that ends.
+//!
+//! Theory: `docs/theory/19-warm-state.md`, equations (I5) to (I21).
+//!
+//! A [`Network`] carries heat between five nodes. A [`WarmNut`] makes it, with grooves as warm as the nodes;
+//! [`WarmNut::steady`] finds where both agree, and [`WarmNut::fold`] the speed above which they never do.
+
+mod band;
+mod conductances;
+mod coupling;
+mod network;
+mod states;
+
+pub use band::{Band, Guess};
+pub use conductances::{Conductances, Coolant, Surfaces, coolant_conductance};
+pub use coupling::{FrictionOf, Heated, InPhase, WarmNut, WarmPhase, drag_beyond_contacts};
+pub use network::{AxialHold, Network, ScrewBar, Sinks};
+pub use states::{Fold, NoSteadyState, Steady};
+
+/// Nodes: nut, screw along the travel, balls, both ends of the screw.
+pub const NODES: usize = 5;

@@ -1,0 +1,206 @@
+//! What carries heat between nut, screw, balls and surroundings where it is not given.
+//!
+//! Theory: `docs/theory/19-warm-state.md`, equations (I9) to (I12).
+
+use std::f64::consts::{PI, TAU};
+
+use bsm_dyn::Reason;
+
+use crate::BallNut;
+use crate::geometry::count;
+
+/// Conductances of the network \[W/K\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Conductances {
+    /// Nut with its bracket and table to the air.
+    pub nut: f64,
+    /// Film of the screw \[W/(m²·K)\].
+    pub screw_film: f64,
+    /// Nut to screw through gap and wipers.
+    pub gap: f64,
+    /// Balls to nut.
+    pub ball_nut: f64,
+    /// Balls to screw.
+    pub ball_screw: f64,
+    /// Each end of the screw to the structure.
+    pub end: f64,
+    /// Screw to the coolant, along its whole length.
+    pub coolant: f64,
+    /// Nut to the coolant.
+    pub nut_coolant: f64,
+}
+
+/// Kinematic viscosity of air \[m²/s\], its conductivity \[W/(m·K)\], Prandtl number, expansion \[1/K\].
+const AIR: (f64, f64, f64, f64) = (1.6e-5, 0.026, 0.71, 1.0 / 300.0);
+/// Rise at which free convection is taken \[K\].
+const RISE: f64 = 10.0;
+/// Film of radiation at 300 K and an emissivity of one, `$4\sigma T^3$` \[W/(m²·K)\].
+const RADIATION: f64 = 4.0 * 5.670_374_419e-8 * 300.0 * 300.0 * 300.0;
+/// Acceleration of free fall \[m/s²\], to the digits of the correlation.
+const GRAVITY: f64 = 9.81;
+/// Thermal diffusivity of steel \[m²/s\].
+const DIFFUSIVITY: f64 = 1.2e-5;
+/// Conductivity of grease that half fills a gap \[W/(m·K)\], and the gap \[m\].
+const GREASE: (f64, f64) = (0.06, 0.0015);
+/// Conductance of a bearing over the square of the pitch circle diameter \[W/(m²·K)\].
+const BEARING: f64 = 3125.0;
+/// Area of bracket and table over that of the nut.
+const CARRIAGE: f64 = 10.0;
+
+/// Film of a screw that turns in air \[W/(m²·K)\] (I9).
+///
+/// * `diameter` \[m\]; `speed` \[rad/s\].
+///
+/// Source: Kays and Bjorklund (1958).
+fn film_of_screw(diameter: f64, speed: f64) -> f64 {
+    let (viscosity, conductivity, prandtl, expansion) = AIR;
+    let reynolds = speed * diameter.powi(2) / (2.0 * viscosity);
+    let grashof = GRAVITY * expansion * RISE * diameter.powi(3) / viscosity.powi(2);
+    // h_s = Nu k_a/D + 4 ε σ T³,  Nu = 0.135 [(Re²/2 + Gr) Pr]^(1/3)      (I9)
+    0.135 * ((0.5 * reynolds.powi(2) + grashof) * prandtl).cbrt() * conductivity / diameter
+        + 0.3 * RADIATION
+}
+
+/// Film of a nut that moves in air \[W/(m²·K)\] (I10).
+///
+/// * `length` of the nut \[m\]; `feed` \[m/s\].
+///
+/// Source: McAdams (free convection); laminar flow along a plate.
+fn film_of_nut(length: f64, feed: f64) -> f64 {
+    let (viscosity, conductivity, prandtl, _) = AIR;
+    let free = 1.42 * (RISE / length).powf(0.25);
+    let forced =
+        0.664 * (feed * length / viscosity).sqrt() * prandtl.cbrt() * conductivity / length;
+    // h_n = (h_f³ + h_v³)^(1/3) + 4 ε σ T³                                (I10)
+    (free.powi(3) + forced.powi(3)).cbrt() + 0.9 * RADIATION
+}
+
+/// Conductance of the contacts of all balls with one body \[W/K\] (I11).
+///
+/// * `radius`: `$\sqrt{ab}$` of a contact \[m\]; `rolling`: speed of the contact over the body \[m/s\];
+///   `conductivity` of steel \[W/(m·K)\].
+///
+/// Source: Tian and Kennedy (1994), two bodies in series. Assumes: no film.
+fn through_contacts(balls: f64, radius: f64, rolling: f64, conductivity: f64) -> f64 {
+    let peclet = rolling * radius / (2.0 * DIFFUSIVITY);
+    // G_bx = Z π a_e k √(π (0.6575 + Pe))/(2 · 1.22)                      (I11)
+    balls * PI * radius * conductivity * (PI * (0.6575 + peclet)).sqrt() / (2.0 * 1.22)
+}
+
+/// What the conductances follow from, and those that are given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surfaces {
+    /// Outer diameter and length of the nut \[m\].
+    pub size: (f64, f64),
+    /// Area of bracket and table \[m²\]; ten times that of the nut unless given.
+    pub carriage: Option<f64>,
+    /// `$\sqrt{ab}$` of a contact with nut and screw \[m\], [`BallNut::contact_radii`].
+    pub radii: [f64; 2],
+    /// Given, in place of what is computed \[W/K\].
+    pub nut: Option<f64>,
+    /// \[W/(m²·K)\]
+    pub screw_film: Option<f64>,
+    /// \[W/K\]
+    pub gap: Option<f64>,
+    /// \[W/K\]
+    pub ball_nut: Option<f64>,
+    /// \[W/K\]
+    pub ball_screw: Option<f64>,
+    /// \[W/K\]
+    pub end: Option<f64>,
+    /// Of a hollow screw, else 0 \[W/K\].
+    pub coolant: f64,
+    /// 0 unless given \[W/K\].
+    pub nut_coolant: f64,
+}
+
+impl BallNut {
+    /// `$\sqrt{ab}$` of a contact with nut and screw under a normal load \[m\].
+    ///
+    /// # Errors
+    ///
+    /// The contacts are no Hertzian ones.
+    pub fn contact_radii(&self, load: f64) -> Result<[f64; 2], Reason> {
+        Ok(self.hertz()?.map(|hertz| {
+            let (a, b) = hertz.semi_axes(load);
+            (a * b).sqrt()
+        }))
+    }
+}
+
+impl Surfaces {
+    /// Conductances in air: means over the time of the phases.
+    ///
+    /// * `conductivity`: of steel \[W/(m·K)\]. * `phases`: time and size of the speed \[rad/s\] of each.
+    pub fn conductances(
+        &self,
+        nut: &BallNut,
+        conductivity: f64,
+        phases: &[(f64, f64)],
+    ) -> Conductances {
+        let diameter = 2.0 * nut.helix.radius;
+        let time: f64 = phases.iter().map(|(time, _)| time).sum();
+        let mean = |of: &dyn Fn(f64) -> f64| {
+            phases.iter().map(|(share, speed)| share * of(*speed)).sum::<f64>() / time
+        };
+        let (outer, length) = self.size;
+        let own = PI * outer * length;
+        let area = own + self.carriage.unwrap_or(CARRIAGE * own);
+        let feed = nut.helix.lead() / TAU * mean(&|speed| speed);
+        let per_speed = diameter / (4.0 * nut.helix.lead_angle.cos());
+        let balls = count(nut.balls());
+        let [ball_nut, ball_screw] = self.radii.map(|radius| {
+            mean(&|speed| through_contacts(balls, radius, per_speed * speed, conductivity))
+        });
+        let gap = GREASE.0 * PI * diameter * length / GREASE.1;
+        let film = || mean(&|speed| film_of_screw(diameter, speed));
+        Conductances {
+            nut: self.nut.unwrap_or_else(|| area * film_of_nut(length, feed)),
+            screw_film: self.screw_film.unwrap_or_else(film),
+            gap: self.gap.unwrap_or(gap),
+            ball_nut: self.ball_nut.unwrap_or(ball_nut),
+            ball_screw: self.ball_screw.unwrap_or(ball_screw),
+            end: self.end.unwrap_or(BEARING * diameter.powi(2)),
+            coolant: self.coolant,
+            nut_coolant: self.nut_coolant,
+        }
+    }
+}
+
+/// What flows through a hollow screw.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Coolant {
+    /// Water.
+    Water,
+    /// Oil.
+    Oil,
+}
+
+/// Conductance to a coolant along a hollow screw \[W/K\] (I12).
+///
+/// * `flow` \[m³/s\]; `bore`, `length` \[m\].
+///
+/// Source: Gnielinski (1976); laminar below a Reynolds number of 2300, a straight line up to 4000.
+pub fn coolant_conductance(coolant: Coolant, flow: f64, bore: f64, length: f64) -> f64 {
+    const LAMINAR: (f64, f64) = (2300.0, 3.66);
+    const TURBULENT: f64 = 4000.0;
+    let [conductivity, viscosity, prandtl, density, capacity] = match coolant {
+        Coolant::Water => [0.60, 1.0e-6, 7.0, 998.0, 4180.0],
+        Coolant::Oil => [0.14, 2.0e-5, 236.0, 870.0, 1900.0],
+    };
+    let gnielinski = |reynolds: f64| {
+        let eighth = (0.79 * reynolds.ln() - 1.64).powi(-2) / 8.0;
+        let excess = f64::powf(prandtl, 2.0 / 3.0) - 1.0;
+        eighth * (reynolds - 1000.0) * prandtl / (1.0 + 12.7 * eighth.sqrt() * excess)
+    };
+    let reynolds = 4.0 * flow / (PI * bore * viscosity);
+    let nusselt = if reynolds >= TURBULENT {
+        gnielinski(reynolds)
+    } else {
+        let part = ((reynolds - LAMINAR.0) / (TURBULENT - LAMINAR.0)).max(0.0);
+        LAMINAR.1 + part * (gnielinski(TURBULENT) - LAMINAR.1)
+    };
+    let stream = flow * density * capacity;
+    // G_c = C (1 − exp(−UA/C)),  UA = Nu k_c π l                          (I12)
+    -stream * (-nusselt * conductivity * PI * length / stream).exp_m1()
+}

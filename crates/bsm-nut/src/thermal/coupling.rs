@@ -1,0 +1,189 @@
+//! The heat of a nut whose grooves are as warm as its nodes.
+//!
+//! Theory: `docs/theory/19-warm-state.md`, equations (I5) and (I13) to (I15).
+
+use bsm_kin::Drive;
+
+use super::{Guess, NODES, Network, ScrewBar, Sinks, Surfaces};
+use crate::{BallNut, Equilibrium, FrictionSum, LeadError, NutError, Preload, Support};
+
+/// Friction of all balls of a nut under its load at some speeds, with the oil at a temperature \[K\].
+pub type FrictionOf<'a> =
+    dyn Fn(&BallNut, &Equilibrium, &Drive<f64>, f64) -> Option<FrictionSum> + 'a;
+
+/// A part of a cycle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WarmPhase {
+    /// Time, in any unit that all parts share.
+    pub time: f64,
+    /// Axial load \[N\].
+    pub load: f64,
+    /// Speeds of screw and nut.
+    pub drive: Drive<f64>,
+}
+
+/// A nut on its screw, with what it rubs and where the heat goes.
+#[derive(Clone)]
+pub struct WarmNut<'a> {
+    /// The nut with what preloads it, at the temperature of setting.
+    pub nut: BallNut,
+    /// How it is preloaded, if it is.
+    pub preload: Option<Preload>,
+    /// What holds it besides its axial load.
+    pub support: Support,
+    /// Its cycle.
+    pub phases: Vec<WarmPhase>,
+    /// Friction of the balls.
+    pub friction: &'a FrictionOf<'a>,
+    /// Drag beyond the contacts over the warm preload, `$K_x h$` \[m\] (I15).
+    pub drag: f64,
+    /// Torque of the seals \[N·m\].
+    pub seal: f64,
+    /// Torque of all support bearings \[N·m\].
+    pub bearings: f64,
+    /// Heat that the motor gives to end 1 \[W\].
+    pub motor: f64,
+    /// Temperature at which preload and fits are set \[K\].
+    pub set: f64,
+    /// What the conductances follow from.
+    pub surfaces: Surfaces,
+    /// A guess that is off, and by which factor; `None`: all are as they are computed.
+    pub off: Option<(Guess, f64)>,
+    /// The screw.
+    pub screw: ScrewBar,
+    /// The surroundings.
+    pub sinks: Sinks,
+}
+
+/// The nut in a part of its cycle.
+#[derive(Debug, Clone)]
+pub struct InPhase {
+    /// Its loads.
+    pub found: Equilibrium,
+    /// Friction of its balls; `None` at rest.
+    pub friction: Option<FrictionSum>,
+    /// Drag beyond the contacts \[N·m\].
+    pub drag: f64,
+}
+
+/// What a nut does at some temperatures.
+#[derive(Debug, Clone)]
+pub struct Heated {
+    /// Heat of each node \[W\], mean over the cycle.
+    pub heat: [f64; NODES],
+    /// Preload without load \[N\]; 0 without one.
+    pub preload: f64,
+    /// The nut without load.
+    pub unloaded: Option<Equilibrium>,
+    /// The parts of the cycle; those at rest only where they are asked for.
+    pub phases: Vec<Option<InPhase>>,
+}
+
+/// Drag beyond the contacts over the preload, `$K_x h$` \[m\] (I15).
+///
+/// * `rule`, `contacts`: drag of the cold preload by the rule of makers and by its contacts alone \[N·m\].
+pub fn drag_beyond_contacts(rule: f64, contacts: f64, preload: f64) -> f64 {
+    // K_x h = max(0, T_p − T_c)/F_p                                       (I15)
+    (rule - contacts).max(0.0) / preload
+}
+
+impl WarmNut<'_> {
+    /// Where heat flows, all speeds multiplied by a factor.
+    pub fn network(&self, factor: f64) -> Network {
+        let paced = |phase: &WarmPhase| (phase.time, factor * phase.drive.relative_speed().abs());
+        let phases: Vec<_> = self.phases.iter().map(paced).collect();
+        let computed = self.surfaces.conductances(&self.nut, self.screw.conductivity, &phases);
+        let conductances = match self.off {
+            Some((guess, by)) => guess.multiply(computed, &self.surfaces, by),
+            None => computed,
+        };
+        Network { conductances, screw: self.screw, sinks: self.sinks }
+    }
+
+    /// Temperature of the oil \[K\] (I13).
+    pub fn oil(&self, [nut, screw, balls, ..]: &[f64; NODES]) -> f64 {
+        // T_o = T_b/2 + (T_n + T_s)/4                                     (I13)
+        self.set + 0.5 * balls + 0.25 * (nut + screw)
+    }
+
+    /// The nut with its grooves and balls as warm, and its screw as strained, as the nodes make them (I5).
+    ///
+    /// * `tension`: of the screw \[N\].
+    pub fn warmed(&self, rises: &[f64; NODES], tension: f64) -> BallNut {
+        let screw = &self.screw;
+        let mut nut = self.nut.warmed([rises[0], rises[1], rises[2]], screw.expansion);
+        if let Some(hold) = screw.hold {
+            // e −= s (z − z_ref),  g += r_m ν s,  s = F_t/(E A_s)         (I5)
+            let strain = tension / (hold.youngs_modulus * screw.section);
+            nut.errors.lead.push(LeadError::Slope { slope: -strain, origin: nut.middle() });
+            nut.errors.gap += nut.helix.radius * hold.poisson_ratio * strain;
+        }
+        nut
+    }
+
+    /// Loads and heat at some rises, all speeds multiplied by a factor (I14).
+    ///
+    /// * `all`: the parts of the cycle at rest too, which make no heat.
+    ///
+    /// # Errors
+    ///
+    /// [`NutError`] of a load; `None`: a ball has no friction.
+    pub fn heated(
+        &self,
+        rises: &[f64; NODES],
+        factor: f64,
+        all: bool,
+    ) -> Result<Heated, Option<NutError>> {
+        let tension = self.screw.hold.map_or(0.0, |_| self.network(factor).tension(rises));
+        let (nut, oil) = (self.warmed(rises, tension), self.oil(rises));
+        let unloaded = self.preload.map(|_| nut.solve(&Support::guided(0.0))).transpose()?;
+        let preload = unloaded.as_ref().zip(self.preload);
+        let preload = preload.map_or(0.0, |(found, by)| found.preload(&nut, by));
+        let time: f64 = self.phases.iter().map(|phase| phase.time).sum();
+        let ends = self.screw.bearings.map(|held| f64::from(u8::from(held)));
+        let heat_factor = match self.off {
+            Some((Guess::Heat, by)) => by,
+            _ => 1.0,
+        };
+        let mut heat = [0.0, 0.0, 0.0, self.motor, 0.0];
+        let mut phases: Vec<Option<InPhase>> = Vec::with_capacity(self.phases.len());
+        for (number, phase) in self.phases.iter().enumerate() {
+            let Drive { screw_speed, nut_speed } = phase.drive;
+            let drive = Drive { screw_speed: factor * screw_speed, nut_speed: factor * nut_speed };
+            let speed = drive.relative_speed().abs();
+            if speed == 0.0 && !all {
+                phases.push(None);
+                continue;
+            }
+            let alike = self.phases[..number].iter().zip(&phases);
+            let mut alike = alike.filter(|(other, _)| other.load.total_cmp(&phase.load).is_eq());
+            let known = alike.find_map(|(_, known)| known.as_ref());
+            let support = self.support.with_axial(phase.load);
+            let found = match (known, &unloaded) {
+                (Some(known), _) => known.found.clone(),
+                (None, Some(found)) if support == Support::guided(0.0) => found.clone(),
+                _ => nut.solve(&support)?,
+            };
+            if speed == 0.0 {
+                phases.push(Some(InPhase { found, friction: None, drag: 0.0 }));
+                continue;
+            }
+            let friction = (self.friction)(&nut, &found, &drive, oil).ok_or(None)?;
+            let FrictionSum { torque, contacts: [at_nut, at_screw], returns } = friction;
+            // T_x = K_x F_w h                                             (I15)
+            let drag = self.drag * preload;
+            let beyond = torque - at_nut - at_screw + returns + drag;
+            let power = phase.time / time * speed;
+            let rubbed = heat_factor * power;
+            // P_n = Σ q P_A/2,  P_s = Σ q (P_B/2 + T_seal |W|),  P_b = Σ q ((P_A + P_B)/2 + T_x |W| + …)  (I14)
+            heat[0] += rubbed * 0.5 * at_nut;
+            heat[1] += rubbed * 0.5 * at_screw + power * self.seal;
+            heat[2] += rubbed * (0.5 * (at_nut + at_screw) + beyond);
+            for (heat, end) in heat[3..].iter_mut().zip(ends) {
+                *heat += power * self.bearings * end / (ends[0] + ends[1]).max(1.0);
+            }
+            phases.push(Some(InPhase { found, friction: Some(friction), drag }));
+        }
+        Ok(Heated { heat, preload, unloaded, phases })
+    }
+}

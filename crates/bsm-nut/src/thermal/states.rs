@@ -1,0 +1,457 @@
+//! States in which as much heat leaves each node as it gets, and the fold beyond which there is none.
+//!
+//! Theory: `docs/theory/19-warm-state.md`, equations (I8) and (I18) to (I20).
+
+use std::array::from_fn;
+use std::cell::{Cell, RefCell};
+
+use bsm_dyn::ZERO_CELSIUS;
+use bsm_newton::{
+    Dense, End, Equations, EvalError, Family, JacobianUpdate, Linear, LinearSolver, Options,
+    Scales, Seed, Stride, Trace, Workspace, solve, trace,
+};
+
+use super::{Heated, NODES, WarmNut};
+use crate::NutError;
+
+/// Temperature above which no state counts \[K\].
+const HOTTEST: f64 = ZERO_CELSIUS + 180.0;
+
+/// Half the difference of temperatures \[K\] that a slope is taken over, and of the speed factor, relative to it: the
+/// error of the slope, its square, and the rounding of the loads, 1e-12 over it, are both below 1e-8.
+const DIFFERENCE: f64 = 2e-3;
+const SPEED_DIFFERENCE: f64 = 1e-4;
+
+/// Longest Newton step \[K\].
+const LONGEST_STEP: f64 = 8.0;
+
+/// Speed factor at which the walk from rest begins.
+const SLOW: f64 = 0.05;
+
+/// Size of a temperature on the walk \[K\], and of the speed factor: a step is half of one.
+const SIZES: (f64, f64) = (20.0, 1.0);
+
+/// Heat that is left over, relative, and Newton steps.
+const SETTLED: f64 = 1e-10;
+const MOST_STEPS: usize = 60;
+
+/// Nodes that have friction.
+const RUBBED: usize = 3;
+
+/// Part of a step to which a fold is placed: its speed is flat in it, so that this leaves 1e-6 of that.
+const PLACE: f64 = 1e-3;
+
+/// A warm steady state.
+#[derive(Debug, Clone)]
+pub struct Steady {
+    /// Rise of each node over the temperature of setting \[K\].
+    pub rises: [f64; NODES],
+    /// What the nut does there.
+    pub heated: Heated,
+    /// Loop gain: 0 without coupling, 1 where the state is lost (I18).
+    pub gain: f64,
+}
+
+impl Steady {
+    /// Heat of all nodes \[W\].
+    pub fn heat(&self) -> f64 {
+        self.heated.heat.iter().sum()
+    }
+
+    /// Heat of nut, screw and balls, without the bearings and the motor \[W\].
+    pub fn nut_heat(&self) -> f64 {
+        self.heated.heat[..RUBBED].iter().sum()
+    }
+}
+
+/// Where the branch of states turns back: the largest speed that has one (I20).
+#[derive(Debug, Clone)]
+pub struct Fold {
+    /// Factor on all speeds.
+    pub factor: f64,
+    /// Rises of the nodes there \[K\].
+    pub rises: [f64; NODES],
+    /// Preload without load there \[N\].
+    pub preload: f64,
+    /// The unstable state beyond it at the speeds themselves, if the fold is above them.
+    pub beyond: Option<Steady>,
+}
+
+/// Why there is no warm steady state.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum NoSteadyState {
+    /// Heat grows faster than what leaves.
+    #[error("runs away above {:.2} of these speeds", .0.factor)]
+    RunsAway(Box<Fold>),
+    /// A temperature above which nothing counts is reached before the speeds are.
+    #[error("a temperature passes 180 C at {factor:.2} of these speeds")]
+    TooHot {
+        /// Factor on all speeds.
+        factor: f64,
+    },
+    /// The balls let go of each other without load before the speeds are reached.
+    #[error("the preload is lost at {factor:.2} of these speeds")]
+    PreloadLost {
+        /// Factor on all speeds.
+        factor: f64,
+    },
+    /// A ball has no friction.
+    #[error("a ball has no friction torque")]
+    NoFriction,
+    /// The nut does not carry its load.
+    #[error(transparent)]
+    Nut(#[from] NutError),
+    /// The search ended without an answer.
+    #[error("the warm state is not found")]
+    NotFound,
+}
+
+impl From<Option<NutError>> for NoSteadyState {
+    fn from(why: Option<NutError>) -> Self {
+        why.map_or(Self::NoFriction, Self::Nut)
+    }
+}
+
+/// The balance of heat of a nut.
+struct Balance<'a> {
+    nut: &'a WarmNut<'a>,
+    /// One over the heat at the temperatures of the surroundings.
+    weight: f64,
+    /// The last point of a walk and the slopes of its heat.
+    last: RefCell<Option<([f64; NODES + 1], Slopes)>>,
+    /// False where the nut has lost the preload that it has been given.
+    has_preload: Cell<bool>,
+}
+
+/// Slopes of the heat of nut, screw and balls by the temperatures of all nodes.
+type Slopes = [[f64; NODES]; RUBBED];
+
+/// The same at one speed factor.
+struct AtSpeed<'a>(&'a Balance<'a>, f64);
+
+impl<'a> Balance<'a> {
+    fn of(nut: &'a WarmNut<'a>) -> Self {
+        Self { nut, weight: 1.0, last: RefCell::new(None), has_preload: Cell::new(true) }
+    }
+
+    fn heat(&self, rises: &[f64; NODES], factor: f64) -> Result<[f64; NODES], EvalError> {
+        let heated = self.nut.heated(rises, factor, false).map_err(|_| EvalError {
+            quantity: "rise of the balls [K]",
+            value: rises[2],
+            requirement: "such that the nut carries its load and every ball has friction",
+        })?;
+        self.has_preload.set(self.nut.preload.is_none() || heated.preload > 0.0);
+        Ok(heated.heat)
+    }
+
+    /// `$M T - r - P(T)$` (I8).
+    fn left(&self, rises: &[f64; NODES], factor: f64) -> Result<[f64; NODES], EvalError> {
+        let (matrix, received) = self.nut.network(factor).balance();
+        let heat = self.heat(rises, factor)?;
+        Ok(from_fn(|i| {
+            let leaves: f64 = matrix[i].iter().zip(rises).map(|(m, t)| m * t).sum();
+            leaves - received[i] - heat[i]
+        }))
+    }
+
+    /// `$P'$` by central differences.
+    fn slopes(&self, rises: &[f64; NODES], factor: f64) -> Result<Slopes, EvalError> {
+        let mut slopes = [[0.0; NODES]; RUBBED];
+        // The ends act on the nut by the tension alone.
+        let felt = if self.nut.screw.hold.is_some() { NODES } else { RUBBED };
+        for k in 0..felt {
+            let at = |by: f64| {
+                let mut moved = *rises;
+                moved[k] += by;
+                self.heat(&moved, factor)
+            };
+            let (up, down) = (at(DIFFERENCE)?, at(-DIFFERENCE)?);
+            for (i, row) in slopes.iter_mut().enumerate() {
+                row[k] = (up[i] - down[i]) / (2.0 * DIFFERENCE);
+            }
+        }
+        Ok(slopes)
+    }
+
+    /// Rows of `$M - P'$`.
+    fn rows(&self, slopes: &Slopes, factor: f64) -> [[f64; NODES]; NODES] {
+        let (matrix, _) = self.nut.network(factor).balance();
+        from_fn(|i| from_fn(|k| matrix[i][k] - slopes.get(i).map_or(0.0, |row| row[k])))
+    }
+
+    /// `$P' M^{-1}$` at nut, screw and balls, which has all eigenvalues of `$M^{-1} P'$` that are not zero.
+    fn loop_matrix(&self, slopes: &Slopes, factor: f64) -> [[f64; RUBBED]; RUBBED] {
+        let mut linear = Dense::<NODES>::default();
+        *linear.rows_mut() = self.nut.network(factor).balance().0;
+        if linear.factorize().is_err() {
+            return [[f64::NAN; RUBBED]; RUBBED];
+        }
+        let mut gains = [[0.0; RUBBED]; RUBBED];
+        for k in 0..RUBBED {
+            let mut column = [0.0; NODES];
+            column[k] = 1.0;
+            linear.solve(&mut column);
+            for (gain, row) in gains.iter_mut().zip(slopes) {
+                gain[k] = row.iter().zip(column).map(|(slope, rise)| slope * rise).sum();
+            }
+        }
+        gains
+    }
+
+    /// The state near some rises at a speed factor.
+    fn settle(&self, mut rises: [f64; NODES], factor: f64) -> Option<[f64; NODES]> {
+        let scales = Scales { x: &[1.0 / SIZES.0; NODES], f: &[self.weight; NODES] };
+        let options = Options {
+            residual_tol: SETTLED,
+            residual_goal: 0.01 * SETTLED,
+            max_steps: MOST_STEPS,
+            jacobian: JacobianUpdate::EveryTrial { chord_below: f64::INFINITY },
+            ..Options::default()
+        };
+        let report =
+            solve(&AtSpeed(self, factor), &mut rises, &scales, &options, &mut Workspace::default());
+        report.converged().then_some(rises)
+    }
+
+    /// The state at some rises that are settled.
+    fn told(&self, rises: [f64; NODES], factor: f64) -> Result<Steady, NoSteadyState> {
+        let slopes = self.slopes(&rises, factor).map_err(|_| NoSteadyState::NotFound)?;
+        let gain = largest_real_part(&self.loop_matrix(&slopes, factor));
+        Ok(Steady { rises, heated: self.nut.heated(&rises, factor, true)?, gain })
+    }
+
+    fn is_too_hot(&self, rises: &[f64]) -> bool {
+        rises.iter().any(|rise| self.nut.set + rise > HOTTEST)
+    }
+
+    /// Follows the branch from a state on until `goes_on` says no: crossings of the speeds themselves are event 0, folds
+    /// event 1.
+    fn walk(
+        &self,
+        from: ([f64; NODES], f64),
+        goes_on: impl FnMut(&Trace<{ NODES + 1 }>) -> bool,
+    ) -> Trace<{ NODES + 1 }> {
+        let mut z = [from.1; NODES + 1];
+        z[..NODES].copy_from_slice(&from.0);
+        let towards = from_fn(|i| if i == NODES { 1.0 } else { 0.0 });
+        let stride = Stride { place: PLACE, goal: SETTLED, ..Stride::default() };
+        let events = |z: &[f64; NODES + 1], along: &[f64; NODES + 1]| {
+            // det(M − P')/det M changes its sign                          (I20)
+            let fold = self.slopes_at(z).map_or(f64::NAN, |slopes| {
+                determinant(&complement(&self.loop_matrix(&slopes, z[NODES])))
+            });
+            [(z[NODES] - 1.0, along[NODES]), (fold, 0.0)]
+        };
+        trace(self, &Seed { z, towards }, events, goes_on, &stride)
+    }
+
+    /// Slopes at a point of a walk, where they are mostly known.
+    fn slopes_at(&self, z: &[f64; NODES + 1]) -> Result<Slopes, EvalError> {
+        let same =
+            |known: &[f64; NODES + 1]| known.iter().zip(z).all(|(a, b)| a.total_cmp(b).is_eq());
+        if let Some((_, slopes)) = self.last.borrow().filter(|(known, _)| same(known)) {
+            return Ok(slopes);
+        }
+        let rises: [f64; NODES] = from_fn(|i| z[i]);
+        let slopes = self.slopes(&rises, z[NODES])?;
+        *self.last.borrow_mut() = Some((*z, slopes));
+        Ok(slopes)
+    }
+}
+
+impl Equations<NODES> for AtSpeed<'_> {
+    fn residual(&self, rises: &[f64; NODES]) -> Result<[f64; NODES], EvalError> {
+        self.0.left(rises, self.1)
+    }
+
+    fn linearize(&self, rises: &[f64; NODES]) -> Result<Linear<NODES>, EvalError> {
+        Ok((self.residual(rises)?, self.0.rows(&self.0.slopes(rises, self.1)?, self.1)))
+    }
+
+    fn retract(&self, x: &[f64; NODES], dx: &[f64; NODES], lambda: f64) -> [f64; NODES] {
+        let longest = dx.iter().fold(0.0, |most: f64, dx| most.max(dx.abs()));
+        let part = lambda * (LONGEST_STEP / longest).min(1.0);
+        from_fn(|i| x[i] + part * dx[i])
+    }
+}
+
+impl Family<NODES, { NODES + 1 }> for Balance<'_> {
+    fn residual(&self, z: &[f64; NODES + 1]) -> Result<[f64; NODES], EvalError> {
+        self.left(&from_fn(|i| z[i]), z[NODES])
+    }
+
+    fn linearize(
+        &self,
+        z: &[f64; NODES + 1],
+    ) -> Result<([f64; NODES], [[f64; NODES + 1]; NODES]), EvalError> {
+        let (rises, factor): ([f64; NODES], f64) = (from_fn(|i| z[i]), z[NODES]);
+        let rows = self.rows(&self.slopes_at(z)?, factor);
+        let by = SPEED_DIFFERENCE * factor;
+        let (up, down) = (self.left(&rises, factor + by)?, self.left(&rises, factor - by)?);
+        let rows = from_fn(|i| {
+            from_fn(|k| if k < NODES { rows[i][k] } else { (up[i] - down[i]) / (2.0 * by) })
+        });
+        Ok((Family::residual(self, z)?, rows))
+    }
+
+    fn weights(&self, _: &[f64; NODES + 1]) -> [f64; NODES] {
+        [self.weight; NODES]
+    }
+
+    fn sizes(&self, _: &[f64; NODES + 1]) -> [f64; NODES + 1] {
+        from_fn(|i| if i < NODES { SIZES.0 } else { SIZES.1 })
+    }
+}
+
+impl WarmNut<'_> {
+    /// The stable state at its speeds: from the temperatures of the surroundings, or on the branch from rest.
+    ///
+    /// # Errors
+    ///
+    /// [`NoSteadyState`]: it runs away, and above which speed, or why else there is none.
+    pub fn steady(&self) -> Result<Steady, NoSteadyState> {
+        self.steady_from(None)
+    }
+
+    /// [`steady`](Self::steady), the search begun at the rises of a neighbour: it saves steps, and the same state is
+    /// found unless there are two.
+    ///
+    /// # Errors
+    ///
+    /// As [`steady`](Self::steady).
+    pub fn steady_from(&self, near: Option<&[f64; NODES]>) -> Result<Steady, NoSteadyState> {
+        let (balance, rest) = self.at_rest()?;
+        let found = balance
+            .settle(near.copied().unwrap_or(rest), 1.0)
+            .filter(|rises| !balance.is_too_hot(rises));
+        if let Some(rises) = found {
+            let state = balance.told(rises, 1.0)?;
+            if state.gain < 1.0 {
+                return Ok(state);
+            }
+        }
+        let slow = balance.settle(rest, SLOW).ok_or(NoSteadyState::NotFound)?;
+        let mut hot = None;
+        let walked = balance.walk((slow, SLOW), |trace| {
+            hot = balance.is_too_hot(&trace.last[..NODES]).then_some(trace.last[NODES]);
+            hot.is_none() && trace.crossings.is_empty() && balance.has_preload.get()
+        });
+        match (walked.crossings.first(), hot) {
+            (Some(crossing), _) if crossing.event == 0 => {
+                let near = from_fn(|i| crossing.z[i]);
+                let rises = balance.settle(near, 1.0).ok_or(NoSteadyState::NotFound)?;
+                balance.told(rises, 1.0)
+            }
+            (Some(crossing), _) => {
+                let fold = balance.folded(&crossing.z, None)?;
+                Err(NoSteadyState::RunsAway(Box::new(fold)))
+            }
+            (None, Some(factor)) => Err(NoSteadyState::TooHot { factor }),
+            (None, None) if !balance.has_preload.get() => {
+                Err(NoSteadyState::PreloadLost { factor: walked.last[NODES] })
+            }
+            (None, None) => Err(NoSteadyState::NotFound),
+        }
+    }
+
+    /// The fold above a stable state, if its speed is not more than a factor times those of the state.
+    ///
+    /// # Errors
+    ///
+    /// [`NoSteadyState`] if the branch is lost on the way.
+    pub fn fold(&self, state: &Steady, most: f64) -> Result<Option<Fold>, NoSteadyState> {
+        let (balance, _) = self.at_rest()?;
+        let walked = balance.walk((state.rises, 1.0), |trace| {
+            let hot = balance.is_too_hot(&trace.last[..NODES]);
+            let turned = trace.crossings.iter().any(|crossing| crossing.event == 1);
+            let back = turned && trace.last[NODES] < 1.0;
+            !hot && !back && balance.has_preload.get() && (turned || trace.last[NODES] <= most)
+        });
+        let fold = walked.crossings.iter().find(|crossing| crossing.event == 1);
+        let Some(fold) = fold.filter(|fold| fold.z[NODES] <= most) else {
+            let lost = matches!(walked.end, End::Lost(_) | End::NoCurve(_));
+            return if lost { Err(NoSteadyState::NotFound) } else { Ok(None) };
+        };
+        let back = walked.crossings.iter().find(|at| at.event == 0 && at.arc > fold.arc);
+        let beyond = back.and_then(|at| {
+            let rises = balance.settle(from_fn(|i| at.z[i]), 1.0)?;
+            balance.told(rises, 1.0).ok()
+        });
+        balance.folded(&fold.z, beyond).map(Some)
+    }
+
+    /// The balance of heat, and the rises without any heat of friction.
+    fn at_rest(&self) -> Result<(Balance<'_>, [f64; NODES]), NoSteadyState> {
+        let mut balance = Balance::of(self);
+        let mut linear = Dense::<NODES>::default();
+        let (matrix, mut rest) = self.network(1.0).balance();
+        *linear.rows_mut() = matrix;
+        linear.factorize().map_err(|_| NoSteadyState::NotFound)?;
+        rest[RUBBED] += self.motor;
+        linear.solve(&mut rest);
+        let heat: f64 = self.heated(&rest, 1.0, false)?.heat.iter().sum();
+        if heat > 0.0 {
+            balance.weight = heat.recip();
+        }
+        Ok((balance, rest))
+    }
+}
+
+impl Balance<'_> {
+    fn folded(&self, z: &[f64; NODES + 1], beyond: Option<Steady>) -> Result<Fold, NoSteadyState> {
+        let (rises, factor) = (from_fn(|i| z[i]), z[NODES]);
+        let preload = self.nut.heated(&rises, factor, false)?.preload;
+        Ok(Fold { factor, rises, preload, beyond })
+    }
+}
+
+/// `$1 - A$`.
+fn complement(a: &[[f64; RUBBED]; RUBBED]) -> [[f64; RUBBED]; RUBBED] {
+    from_fn(|i| from_fn(|k| f64::from(u8::from(i == k)) - a[i][k]))
+}
+
+fn determinant([a, b, c]: &[[f64; RUBBED]; RUBBED]) -> f64 {
+    a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
+        + a[2] * (b[0] * c[1] - b[1] * c[0])
+}
+
+/// Largest real part of the eigenvalues of a matrix (I18): of the roots of its cubic.
+fn largest_real_part(a: &[[f64; RUBBED]; RUBBED]) -> f64 {
+    let third = (a[0][0] + a[1][1] + a[2][2]) / 3.0;
+    let shifted: [[f64; RUBBED]; RUBBED] =
+        from_fn(|i| from_fn(|k| a[i][k] - if i == k { third } else { 0.0 }));
+    let minor = |i: usize, k: usize| shifted[i][i] * shifted[k][k] - shifted[i][k] * shifted[k][i];
+    // λ³ + p λ − q = 0 without its square                                 (I18)
+    let (p, q) = (minor(0, 1) + minor(0, 2) + minor(1, 2), determinant(&shifted));
+    let discriminant = 0.25 * q * q + p * p * p / 27.0;
+    if discriminant <= 0.0 {
+        let radius = (-p / 3.0).max(0.0).sqrt();
+        let cosine = if radius > 0.0 { 0.5 * q / radius.powi(3) } else { 1.0 };
+        return third + 2.0 * radius * (cosine.clamp(-1.0, 1.0).acos() / 3.0).cos();
+    }
+    let root = discriminant.sqrt();
+    let real = (0.5 * q + root).cbrt() + (0.5 * q - root).cbrt();
+    // The other two have half of it, the other way round.
+    third + real.max(-0.5 * real)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Eigenvalues that are known: triangular, a turn in a plane, none.
+    #[test]
+    fn largest_real_parts_of_matrices_whose_eigenvalues_are_known() {
+        let cases = [
+            ([[0.3, 5.0, -2.0], [0.0, -0.1, 4.0], [0.0, 0.0, 0.7]], 0.7),
+            ([[0.2, -1.5, 0.0], [1.5, 0.2, 0.0], [0.0, 0.0, -0.4]], 0.2),
+            ([[0.2, -1.5, 0.0], [1.5, 0.2, 0.0], [0.0, 0.0, 0.9]], 0.9),
+            ([[0.0; 3]; 3], 0.0),
+        ];
+        for (matrix, largest) in cases {
+            let found = largest_real_part(&matrix);
+            // Roots of a cubic: rounding of its terms, which are of order ten.
+            assert!((found - largest).abs() < 1e-12, "{matrix:?}: {found}, not {largest}");
+        }
+    }
+}

@@ -1,0 +1,561 @@
+//! The warm steady state: reference cases of an independent solution, identities and limits.
+
+use std::cell::RefCell;
+use std::f64::consts::PI;
+
+use bsm_design::drag_torque;
+use bsm_dyn::{
+    BaseOil, Control, ElasticPoint, Losses, Lubricant, Lubricated, LubricatedModel, ModelWorkspace,
+    Oil, RacewayControl, RacewayFriction, RacewayWorkspace, Roughness, Temperature, ZERO_CELSIUS,
+};
+use bsm_kin::Drive;
+use bsm_nut::thermal::{
+    AxialHold, Coolant, NODES, NoSteadyState, ScrewBar, Sinks, Steady, Surfaces, WarmNut,
+    WarmPhase, coolant_conductance, drag_beyond_contacts,
+};
+use bsm_nut::{BallNut, Equilibrium, FrictionSum, Preload, Support, TurnRatings};
+use bsm_sample::{Sample as _, campaign};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde_json::{Value, json};
+
+use crate::public::{number, nut};
+
+const CASES: &str = include_str!("../../../../validation/published/nut/warm_state.json");
+const RPM: f64 = PI / 30.0;
+
+/// Balls with oil of grade 68 by raceway control, the nut in control, as in the reference cases.
+fn oiled(nut: &BallNut, found: &Equilibrium, drive: &Drive<f64>, oil: f64) -> Option<FrictionSum> {
+    thread_local!(static WORK: RefCell<ModelWorkspace> = RefCell::default());
+    let lubricant = Lubricant {
+        oil: Oil {
+            base: BaseOil::Mineral,
+            viscosities: Oil::of_grade(68.0)?,
+            density: BaseOil::Mineral.density(),
+            pressure_viscosity: None,
+            limiting_shear: BaseOil::Mineral.limiting_shear(),
+        },
+        temperature: Temperature::Known(oil),
+        boundary_friction: 0.12,
+        roughness: Roughness { ball: 0.03e-6, nut: 0.2e-6, screw: 0.2e-6 },
+        film_factor: 1.0,
+        rolling_factor: 0.85,
+        hysteresis_loss: 0.01,
+        losses: Losses {
+            seal_torque: 0.0,
+            ball_contact_force: 0.0,
+            ball_contact_friction: 0.12,
+            return_circuits: 0.0,
+            return_loss: 0.0,
+            drag_coefficient: 0.0,
+        },
+    };
+    let solve = |at: ElasticPoint| {
+        let rolling = RacewayControl { at, control: Some(Control::Nut) };
+        let model = LubricatedModel::RacewayControl(rolling, RacewayFriction::Local);
+        WORK.with_borrow_mut(|work| Lubricated { lubricant, model }.solve(work))
+    };
+    nut.friction_sum(found, None, drive, solve)
+}
+
+fn mm(scene: &Value, key: &str) -> f64 {
+    number(scene, key).unwrap_or_else(|| panic!("{key}")) * 1e-3
+}
+
+/// What is given of the conductances.
+fn surfaces(scene: &Value, nut: &BallNut, length: f64) -> Surfaces {
+    let unloaded = nut.solve(&Support::guided(0.0)).expect("preloaded");
+    let mean = unloaded.max_load() / unloaded.concentration();
+    let coolant = number(scene, "coolant_flow_l_min").map_or(0.0, |flow| {
+        coolant_conductance(Coolant::Water, flow / 6e4, mm(scene, "screw_bore_mm"), length)
+    });
+    Surfaces {
+        size: (mm(scene, "nut_outer_diameter_mm"), mm(scene, "nut_length_mm")),
+        carriage: None,
+        radii: nut.contact_radii(mean).expect("Hertz"),
+        nut: number(scene, "nut_conductance_W_K"),
+        screw_film: None,
+        gap: None,
+        ball_nut: None,
+        ball_screw: None,
+        end: None,
+        coolant,
+        nut_coolant: 0.0,
+    }
+}
+
+/// The axis of a scene of the reference cases.
+fn axis(scene: &Value) -> WarmNut<'static> {
+    let mut full = scene.clone();
+    full["youngs_modulus_GPa"] = json!(207.0);
+    full["poisson_ratio"] = json!(0.3);
+    let bare = nut(&full);
+    let celsius = |key: &str, or: f64| number(scene, key).unwrap_or(or);
+    let set = 20.0 + ZERO_CELSIUS;
+    let preload = number(scene, "preload_N").expect("preload");
+    let way = if scene["preload_arrangement"] == "O" { -1.0 } else { 1.0 };
+    let guided = Support::guided(0.0);
+    let offset =
+        bare.preload_displacement(Preload::Offset, way * preload, &guided).expect("offset");
+    let nut = bare.preloaded(Preload::Offset, offset);
+    let phase = |phase: &Value| WarmPhase {
+        time: number(phase, "share").expect("share"),
+        load: number(phase, "force_N").expect("force"),
+        drive: Drive {
+            screw_speed: number(phase, "screw_speed_rpm").expect("speed") * RPM,
+            nut_speed: 0.0,
+        },
+    };
+    let phases: Vec<_> = scene["cycle"].as_array().expect("cycle").iter().map(phase).collect();
+    let travel = mm(scene, "stroke_mm") + mm(scene, "nut_length_mm");
+    let length = travel + 2.0 * mm(scene, "lead_mm");
+    let bore = number(scene, "screw_bore_mm").unwrap_or(0.0) * 1e-3;
+    let section = 0.25 * PI * (mm(scene, "shaft_diameter_mm").powi(2) - bore * bore);
+    let expansion = 11.5e-6;
+    let hold = number(scene, "pretension_K").map(|kelvin| {
+        let bearing = number(scene, "support_bearing_rigidity_N_um").expect("rigidity") * 1e6;
+        let stiffness = (length / (207e9 * section) + 2.0 / bearing).recip();
+        AxialHold {
+            stiffness,
+            pretension: stiffness * expansion * length * kelvin,
+            youngs_modulus: 207e9,
+            poisson_ratio: 0.3,
+        }
+    });
+    let screw = ScrewBar {
+        diameter: mm(scene, "pitch_circle_diameter_mm"),
+        length,
+        travel,
+        section,
+        conductivity: 45.0,
+        expansion,
+        bearings: [true; 2],
+        hold,
+    };
+    let air = celsius("ambient_temperature_C", 20.0) - 20.0;
+    let sinks = Sinks {
+        air,
+        structure: celsius("structure_temperature_C", 20.0 + air) - 20.0,
+        coolant: celsius("coolant_temperature_C", 20.0 + air) - 20.0,
+    };
+    let found = nut.solve(&guided).expect("preloaded");
+    let slow = Drive { screw_speed: 100.0 * RPM, nut_speed: 0.0 };
+    let contacts = oiled(&nut, &found, &slow, set).expect("friction").torque;
+    let rule = drag_torque(preload, mm(scene, "lead_mm"), nut.helix.lead_angle);
+    WarmNut {
+        drag: drag_beyond_contacts(rule, contacts, preload),
+        surfaces: surfaces(scene, &nut, length),
+        off: None,
+        screw,
+        sinks,
+        nut,
+        preload: Some(Preload::Offset),
+        support: guided,
+        phases,
+        friction: &oiled,
+        seal: number(scene, "seal_torque_Nm").unwrap_or(0.0),
+        bearings: number(scene, "support_bearing_torque_Nm").unwrap_or(0.0),
+        motor: 0.0,
+        set,
+    }
+}
+
+fn cases() -> Vec<Value> {
+    let all: Value = serde_json::from_str(CASES).expect("JSON");
+    all["cases"].as_array().expect("cases").clone()
+}
+
+fn case(id: &str) -> Value {
+    cases().into_iter().find(|case| case["id"] == id).unwrap_or_else(|| panic!("{id}"))
+}
+
+/// Holds a number to the expected one.
+fn near(name: &str, found: f64, expected: f64, allowed: f64) {
+    assert!(
+        (found - expected).abs() <= allowed,
+        "{name}: {found:.12}, expected {expected:.12}, off by {:.3e}, allowed {allowed:.3e}",
+        found - expected
+    );
+}
+
+fn celsius(nut: &WarmNut<'_>, state: &Steady) -> [f64; NODES] {
+    nut.temperatures(state).map(|kelvin| kelvin - ZERO_CELSIUS)
+}
+
+const NAMES: [&str; NODES] = [
+    "nut_temperature_C",
+    "screw_temperature_C",
+    "balls_temperature_C",
+    "end_1_temperature_C",
+    "end_2_temperature_C",
+];
+
+/// Tolerances are those of the cases: `rel_tol` for rises over the ambient temperature, forces, torques and heat,
+/// 1e-4 for the gain.
+#[test]
+fn reference_cases() {
+    for case in cases() {
+        let id = case["id"].as_str().expect("id");
+        let (scene, expect) = (&case["scene"], &case["expect"]);
+        let tol = number(&case, "rel_tol").expect("tolerance");
+        let nut = axis(scene);
+        let network = nut.network(1.0);
+        let of = network.conductances;
+        for (name, found) in [
+            ("nut", of.nut),
+            ("screw_film_W_m2K", of.screw_film),
+            ("gap", of.gap),
+            ("ball_nut", of.ball_nut),
+            ("ball_screw", of.ball_screw),
+            ("end", of.end),
+            ("coolant", of.coolant),
+        ] {
+            let expected = number(&expect["conductances_W_K"], name).expect("conductance");
+            near(&format!("{id} conductance {name}"), found, expected, tol * expected);
+        }
+        let state = nut.steady().unwrap_or_else(|none| panic!("{id}: {none}"));
+        let held = |name: &str, found: f64| {
+            let expected = number(expect, name).unwrap_or_else(|| panic!("{id} {name}"));
+            near(&format!("{id} {name}"), found, expected, tol * expected.abs());
+        };
+        let ambient = number(scene, "ambient_temperature_C").unwrap_or(20.0);
+        for (name, found) in NAMES.into_iter().zip(celsius(&nut, &state)) {
+            let expected = number(expect, name).expect(name);
+            near(&format!("{id} {name}"), found, expected, tol * (expected - ambient).abs());
+        }
+        let oil = nut.oil(&state.rises) - ZERO_CELSIUS;
+        let expected = number(expect, "lubricant_temperature_C").expect("oil");
+        near(&format!("{id} oil"), oil, expected, tol * (expected - ambient).abs());
+        held("warm_preload_N", state.heated.preload);
+        held("heat_W", state.heat());
+        held("nut_heat_W", state.nut_heat());
+        held("screw_growth_um", 1e6 * network.growth(&state.rises));
+        if expect.get("screw_tension_N").is_some() {
+            held("screw_tension_N", network.tension(&state.rises));
+            held("cold_tension_N", nut.screw.hold.expect("held").pretension);
+        }
+        let gain = number(expect, "loop_gain").expect("gain");
+        near(&format!("{id} gain"), state.gain, gain, 1e-4);
+        let phases = expect["phases"].as_array().expect("phases");
+        for (number_of, (found, phase)) in state.heated.phases.iter().zip(phases).enumerate() {
+            let found = found.as_ref().expect("asked for all");
+            let held = |name: &str, found: f64, expected: f64| {
+                let name = format!("{id} phase {number_of} {name}");
+                near(&name, found, expected, tol * expected.abs());
+            };
+            match (number(phase, "contact_torque_Nm"), &found.friction) {
+                (Some(expected), Some(friction)) => {
+                    held("contact torque", friction.torque, expected);
+                }
+                (None, None) => {}
+                other => panic!("{id} phase {number_of}: {other:?}"),
+            }
+            held("drag", found.drag, number(phase, "extra_drag_Nm").expect("drag"));
+            let bodies = phase["body_axial_N"].as_array().expect("bodies");
+            for (found, expected) in found.found.bodies.iter().zip(bodies) {
+                held("body", found.abs(), expected.as_f64().expect("force"));
+            }
+            let most = number(phase, "max_contact_load_N").expect("load");
+            held("largest load", found.found.max_load(), most);
+            let stiffness = 1e-6 * found.found.axial_stiffness(&nut.support);
+            held("stiffness", stiffness, number(phase, "nut_stiffness_N_um").expect("stiffness"));
+        }
+        let ratings = TurnRatings {
+            screw: number(scene, "screw_rating_N").expect("rating"),
+            nut: number(scene, "nut_rating_N").expect("rating"),
+        };
+        let first = state.heated.phases[0].as_ref().expect("asked for all");
+        held("life_revolutions", first.found.life(&nut.nut, &ratings));
+    }
+}
+
+/// Fold and second state of WS-P3, fold of WS-P6, none up to 2.5 of WS-P2: factors to 1e-5, states to the tolerance
+/// of the case. Temperatures of the folds are printed to 1 mK where the speed is flat: 0.05 K are 1e-6 of it.
+#[test]
+fn folds() {
+    for (id, most) in [("WS-P2", 2.5), ("WS-P3", 2.0), ("WS-P6", 2.5)] {
+        let case = case(id);
+        let expect = &case["expect"];
+        let nut = axis(&case["scene"]);
+        let state = nut.steady().unwrap_or_else(|none| panic!("{id}: {none}"));
+        let fold = nut.fold(&state, most).unwrap_or_else(|none| panic!("{id}: {none}"));
+        let Some(factor) = number(expect, "fold_speed_factor") else {
+            assert!(fold.is_none(), "{id}: {fold:?}");
+            continue;
+        };
+        let fold = fold.unwrap_or_else(|| panic!("{id}: no fold"));
+        near(&format!("{id} factor"), fold.factor, factor, 1e-5 * factor);
+        for (i, rise) in fold.rises.iter().enumerate() {
+            let expected = expect["fold_temperatures_C"][i].as_f64().expect("temperature");
+            near(&format!("{id} fold {i}"), rise + 20.0, expected, 0.05);
+        }
+        let Some(states) = expect["states"].as_array() else { continue };
+        let beyond = fold.beyond.unwrap_or_else(|| panic!("{id}: no second state"));
+        let (expected, tol) = (&states[1], number(&case, "rel_tol").expect("tolerance"));
+        for (i, found) in celsius(&nut, &beyond).into_iter().enumerate() {
+            let expected = expected["temperatures_C"][i].as_f64().expect("temperature");
+            near(&format!("{id} second {i}"), found, expected, tol * (expected - 20.0));
+        }
+        let preload = number(expected, "warm_preload_N").expect("preload");
+        near("second preload", beyond.heated.preload, preload, tol * preload);
+        near("second gain", beyond.gain, number(expected, "loop_gain").expect("gain"), 1e-4);
+    }
+}
+
+/// The band of WS-P2, to the 1e-3 of the reference.
+#[test]
+fn band() {
+    let case = case("WS-P2");
+    let nut = axis(&case["scene"]);
+    let state = nut.steady().expect("steady");
+    let band = nut.band(&state, |nut, state| {
+        let [body, screw, ..] = celsius(nut, state);
+        let growth = 1e6 * nut.network(1.0).growth(&state.rises);
+        vec![body, screw, state.heated.preload, state.heat(), growth]
+    });
+    assert!(band.none.is_empty(), "{:?}", band.none);
+    let names =
+        ["nut_temperature_C", "screw_temperature_C", "warm_preload_N", "heat_W", "screw_growth_um"];
+    for (name, found) in names.into_iter().zip(&band.ends) {
+        for (side, found) in found.iter().enumerate() {
+            let expected = case["expect"]["band"][name][side].as_f64().expect("end");
+            near(&format!("{name} {side}"), *found, expected, 1e-3 * expected);
+        }
+    }
+}
+
+/// The same axis at other speeds.
+fn at_speed<'a>(nut: &WarmNut<'a>, factor: f64) -> WarmNut<'a> {
+    let mut nut = nut.clone();
+    for phase in &mut nut.phases {
+        phase.drive.screw_speed *= factor;
+    }
+    nut
+}
+
+/// 0.99 of the speed of the fold of WS-P3 has a stable state and an unstable one, 1.01 none, and the fold is at one
+/// speed from wherever it is looked for: 1e-5, as of the reference. At the fold the gain is 1: it grows as the root of
+/// the distance, so that 1e-6 of the speed is 1e-3 of the gain.
+#[test]
+fn below_a_fold_are_two_states_and_above_none() {
+    let case = case("WS-P3");
+    let nut = axis(&case["scene"]);
+    let factor = number(&case["expect"], "fold_speed_factor").expect("fold");
+    let below = at_speed(&nut, 0.99 * factor);
+    let state = below.steady().expect("below the fold");
+    assert!(state.gain < 1.0, "{}", state.gain);
+    let fold = below.fold(&state, 1.5).expect("traced").expect("a fold");
+    near("fold from below", fold.factor, 1.0 / 0.99, 1e-5);
+    let beyond = fold.beyond.expect("a second state");
+    assert!(beyond.gain > 1.0 && beyond.heated.preload > state.heated.preload);
+    let at = at_speed(&nut, 0.99 * factor * fold.factor * (1.0 - 1e-6));
+    let gain = at.steady_from(Some(&fold.rises)).expect("at the fold").gain;
+    near("gain at the fold", gain, 1.0, 3e-3);
+    match at_speed(&nut, 1.01 * factor).steady() {
+        Err(NoSteadyState::RunsAway(fold)) => near("from above", fold.factor, 1.0 / 1.01, 1e-5),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Heat that leaves the surfaces, with the mean of the screw from its growth, is the heat that is made: what a search
+/// leaves over is 1e-10 of it, the reference asks for 1e-9.
+#[test]
+fn as_much_heat_leaves_as_is_made() {
+    for case in cases() {
+        let nut = axis(&case["scene"]);
+        let state = nut.steady().expect("steady");
+        let (network, [body, .., first, second]) = (nut.network(1.0), state.rises);
+        let of = network.conductances;
+        let film = of.screw_film * PI * nut.screw.diameter;
+        let through = of.coolant / nut.screw.length;
+        let mean = network.growth(&state.rises) / nut.screw.expansion;
+        let lost = of.nut * (body - nut.sinks.air)
+            + of.end * (first + second - 2.0 * nut.sinks.structure)
+            + film * (mean - nut.screw.length * nut.sinks.air)
+            + through * (mean - nut.screw.length * nut.sinks.coolant);
+        near("heat", lost, state.heat(), 1e-9 * state.heat());
+    }
+}
+
+/// The matrix of the network is symmetric, gives away at each node and couples none the wrong way round; at rest all
+/// nodes take the temperature of what is around, without heat and gain.
+#[test]
+fn at_rest_all_is_as_warm_as_what_is_around() {
+    let mut nut = axis(&case("WS-P1")["scene"]);
+    nut.phases[0].drive.screw_speed = 0.0;
+    let state = nut.steady().expect("steady");
+    // Rounding of a solve with conductances from 0.6 to 50 W/K.
+    state.rises.iter().for_each(|rise| near("rise", *rise, 15.0, 1e-12));
+    assert!(state.heat() <= 0.0 && state.gain <= 0.0);
+    // A rise of all parts leaves the preload as it is: to the rounding of the contacts.
+    near("preload", state.heated.preload, 2500.0, 1e-6);
+    let (matrix, _) = nut.network(1.0).balance();
+    for (i, row) in matrix.iter().enumerate() {
+        assert!(row.iter().sum::<f64>() >= -1e-12 * row[i], "{row:?}");
+        for (k, entry) in row.iter().enumerate() {
+            assert!(entry.total_cmp(&matrix[k][i]).is_eq());
+            assert!(i == k || *entry <= 0.0);
+        }
+    }
+}
+
+/// The same state from the cold and along a sweep up and down, to 1e-8: what is left of the heat over one minus the
+/// gain.
+#[test]
+fn a_sweep_both_ways_finds_the_states_of_cold_starts() {
+    let nut = axis(&case("WS-P3")["scene"]);
+    let factors = [0.4, 0.6, 0.8, 1.0, 1.1];
+    let cold: Vec<_> =
+        factors.iter().map(|f| at_speed(&nut, *f).steady().expect("cold").rises).collect();
+    let same = |number: usize, rises: &[f64; NODES]| {
+        for (found, expected) in rises.iter().zip(&cold[number]) {
+            near(&format!("speed {number}"), *found, *expected, 1e-8 * expected.abs());
+        }
+    };
+    let mut last = None;
+    for number in (0..factors.len()).chain((0..factors.len()).rev()) {
+        let state = at_speed(&nut, factors[number]).steady_from(last.as_ref()).expect("warm");
+        same(number, &state.rises);
+        last = Some(state.rises);
+    }
+}
+
+/// Without expansion and with friction that nothing changes, temperatures are linear in the heat and the gain is 0.
+#[test]
+fn without_coupling_temperatures_are_linear_in_the_heat() {
+    let constant = |torque: f64| {
+        move |_: &BallNut, _: &Equilibrium, _: &Drive<f64>, _: f64| {
+            Some(FrictionSum { torque, contacts: [0.5 * torque; 2], returns: 0.0 })
+        }
+    };
+    let base = axis(&case("WS-P2")["scene"]);
+    let at = |torque: f64| {
+        let friction = constant(torque);
+        let screw = ScrewBar { expansion: 0.0, ..base.screw };
+        let nut = WarmNut {
+            friction: &friction,
+            screw,
+            drag: 0.0,
+            seal: 0.0,
+            bearings: 0.0,
+            ..base.clone()
+        };
+        nut.steady().expect("steady")
+    };
+    let (one, three) = (at(0.2), at(0.6));
+    // Slopes are differences of equal heats.
+    assert!(one.gain.abs() < 1e-12, "{}", one.gain);
+    for (one, three) in one.rises.iter().zip(three.rises) {
+        near("rise", three, 3.0 * one, 1e-9 * three);
+    }
+}
+
+/// Friction from a few loads is that of all balls, one after the other: to a tenth of the 1e-6 that the rule of raceway
+/// control errs by, which is not the same from load to load.
+#[test]
+fn friction_between_loads() {
+    let nut = axis(&case("WS-P4")["scene"]);
+    let warm = nut.warmed(&[20.0, 15.0, 31.0, 7.0, 7.0], -18_000.0);
+    let found = warm.solve(&Support::guided(1500.0)).expect("carried");
+    let drive = Drive { screw_speed: 80.0, nut_speed: 0.0 };
+    let solve = |at: ElasticPoint| {
+        RacewayControl { at, control: Some(Control::Nut) }.solve(&mut RacewayWorkspace::default())
+    };
+    let sum = warm.friction_sum(&found, Some(0.06), &drive, solve).expect("friction");
+    let all = warm.friction(&found, Some(0.06), &drive, 0.0, solve).torque.expect("friction");
+    near("torque", sum.torque, all, 1e-7 * all);
+    near("contacts", sum.contacts.iter().sum(), all, 1e-7 * all);
+}
+
+/// (I3) against two solved nuts, a tenth of a kelvin apart: within 1 % for X and for the balls, whose second order is
+/// 1.3 % of the load for 0.1 K, half of it in the mean.
+#[test]
+fn change_of_a_preload_to_first_order() {
+    let axis = axis(&case("WS-P1")["scene"]);
+    let (nut, expansion) = (&axis.nut, axis.screw.expansion);
+    let preload = |rises: [f64; 3]| {
+        let warm = nut.warmed(rises, expansion);
+        warm.solve(&Support::guided(0.0)).expect("carried").preload(&warm, Preload::Offset)
+    };
+    let (sin, cos) = nut.contact_angle.sin_cos();
+    let along = nut.helix.lead_angle.cos();
+    let approach = 0.5 * nut.preload_setting(Preload::Offset) * sin * along;
+    // The bodies begin four turns apart.
+    let half = 2.0 * nut.helix.lead();
+    let rise = expansion * 0.1;
+    // dF/F = 3/(2 δ_p) {(ε_s − ε_n) [r_m cosβ₀ + c sinβ₀ cosα] + r_b (2 ε_b − ε_n − ε_s)}  (I3)
+    let screw = nut.helix.radius * cos + half * sin * along - nut.ball.radius;
+    for (rises, expected) in [([0.0, 0.1, 0.0], screw), ([0.0, 0.0, 0.1], 2.0 * nut.ball.radius)] {
+        let found = preload(rises) / preload([0.0; 3]) - 1.0;
+        let expected = 1.5 / approach * rise * expected;
+        near(&format!("{rises:?}"), found, expected, 0.01 * expected);
+    }
+}
+
+/// Random axes, 5000 with `CAMPAIGNS=whole`: each has a stable state whose heat leaves, a fold below its speed, or a
+/// reason why it has none. Friction falls with the temperature as that of an oil, so that no time goes into balls.
+#[test]
+fn random_axes_have_a_state_or_a_reason() {
+    let mut rng = ChaCha8Rng::seed_from_u64(42);
+    let (mut steady, mut folds, mut hot, mut lost) = (0, 0, 0, 0);
+    let (mut scene, whole) = (case("WS-P4")["scene"].clone(), campaign(5000));
+    let mut pairs = Vec::new();
+    for (way, flanks) in [("X", ["+", "-"]), ("O", ["-", "+"])] {
+        for (circuit, flank) in flanks.into_iter().enumerate() {
+            scene["circuits"][circuit]["balls"] = json!(12);
+            scene["circuits"][circuit]["flank"] = json!(flank);
+        }
+        scene["preload_arrangement"] = json!(way);
+        for preload in [200.0, 500.0, 1000.0] {
+            scene["preload_N"] = json!(preload);
+            pairs.push(axis(&scene));
+        }
+    }
+    for point in 0..whole {
+        let (coefficient, thinning) = (rng.log_uniform(1e-3, 4e-2), rng.random_range(0.0..0.01));
+        let friction = |nut: &BallNut, found: &Equilibrium, _: &Drive<f64>, oil: f64| {
+            let loads: f64 = found.balls.iter().map(bsm_nut::BallInGrooves::max_load).sum();
+            let thin = (-thinning * (oil - 293.15)).exp();
+            let torque = coefficient * thin * loads * nut.helix.radius;
+            Some(FrictionSum { torque, contacts: [0.4 * torque, 0.5 * torque], returns: 0.0 })
+        };
+        let mut nut =
+            WarmNut { friction: &friction, ..pairs[rng.random_range(0..pairs.len())].clone() };
+        nut.drag *= rng.random_range(0.0..2.0);
+        nut.phases[0].load = rng.random_range(-1000.0..1000.0);
+        nut.phases[0].drive.screw_speed = rng.log_uniform(1.0, 500.0);
+        nut.motor = rng.random_range(0.0..20.0);
+        nut.surfaces.nut = Some(rng.log_uniform(1.0, 60.0));
+        nut.surfaces.screw_film = Some(rng.log_uniform(5.0, 60.0));
+        nut.surfaces.gap = Some(rng.log_uniform(0.1, 5.0));
+        nut.surfaces.end = Some(rng.log_uniform(1.0, 30.0));
+        nut.surfaces.coolant = rng.random_range(-60.0_f64..60.0).max(0.0);
+        nut.sinks.air = rng.random_range(-30.0..30.0);
+        nut.sinks.structure = nut.sinks.air + rng.random_range(-5.0..5.0);
+        if rng.random_bool(0.7) {
+            nut.screw.hold = None;
+        }
+        match nut.steady() {
+            Ok(state) => {
+                steady += 1;
+                assert!(state.gain < 1.0, "{point}: gain {}", state.gain);
+                let (matrix, received) = nut.network(1.0).balance();
+                let leaves = |row: &[f64; NODES]| -> f64 {
+                    row.iter().zip(state.rises).map(|(m, t)| m * t).sum()
+                };
+                let lost = matrix.iter().map(leaves).sum::<f64>() - received.iter().sum::<f64>();
+                near(&format!("{point} heat"), lost, state.heat(), 1e-9 * state.heat());
+            }
+            Err(NoSteadyState::RunsAway(fold)) => {
+                folds += 1;
+                assert!(fold.factor < 1.0 && fold.factor > 0.05, "{point}: {}", fold.factor);
+            }
+            Err(NoSteadyState::TooHot { .. }) => hot += 1,
+            Err(NoSteadyState::PreloadLost { .. }) => lost += 1,
+            Err(why) => panic!("{point}: {why}"),
+        }
+    }
+    eprintln!("steady {steady}, folds {folds}, too hot {hot}, preload lost {lost}");
+    // One in a hundred has a fold: the draws reach what the search must tell apart.
+    assert!(100 * folds > whole, "{steady} {folds} {hot} {lost}");
+}
