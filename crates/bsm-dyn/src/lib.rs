@@ -45,5 +45,6 @@ pub mod models;
 mod outcome;
 
 pub use self::contact::*;
+pub use self::cost::evaluations;
 pub use self::ellipse::*;
 pub use self::models::*;

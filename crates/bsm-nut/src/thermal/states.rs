@@ -7,8 +7,8 @@ use std::cell::{Cell, RefCell};
 
 use bsm_dyn::ZERO_CELSIUS;
 use bsm_newton::{
-    Dense, End, Equations, EvalError, Family, JacobianUpdate, Linear, LinearSolver, Options,
-    Scales, Seed, Stride, Trace, Workspace, solve, trace,
+    Dense, Equations, EvalError, Exit, Homotopy, JacobianUpdate, Linear, LinearSolver, Options,
+    Scales, Seed, StepControl, Trace, Workspace, solve, trace,
 };
 
 use super::{Heated, NODES, WarmNut};
@@ -234,7 +234,7 @@ impl<'a> Balance<'a> {
         let mut z = [from.1; NODES + 1];
         z[..NODES].copy_from_slice(&from.0);
         let towards = from_fn(|i| if i == NODES { 1.0 } else { 0.0 });
-        let stride = Stride { place: PLACE, goal: SETTLED, ..Stride::default() };
+        let stride = StepControl { place: PLACE, goal: SETTLED, ..StepControl::default() };
         let events = |z: &[f64; NODES + 1], along: &[f64; NODES + 1]| {
             // det(M − P')/det M changes its sign                          (I20)
             let fold = self.slopes_at(z).map_or(f64::NAN, |slopes| {
@@ -275,7 +275,7 @@ impl Equations<NODES> for AtSpeed<'_> {
     }
 }
 
-impl Family<NODES, { NODES + 1 }> for Balance<'_> {
+impl Homotopy<NODES, { NODES + 1 }> for Balance<'_> {
     fn residual(&self, z: &[f64; NODES + 1]) -> Result<[f64; NODES], EvalError> {
         self.left(&from_fn(|i| z[i]), z[NODES])
     }
@@ -291,7 +291,7 @@ impl Family<NODES, { NODES + 1 }> for Balance<'_> {
         let rows = from_fn(|i| {
             from_fn(|k| if k < NODES { rows[i][k] } else { (up[i] - down[i]) / (2.0 * by) })
         });
-        Ok((Family::residual(self, z)?, rows))
+        Ok((Homotopy::residual(self, z)?, rows))
     }
 
     fn weights(&self, _: &[f64; NODES + 1]) -> [f64; NODES] {
@@ -369,7 +369,7 @@ impl WarmNut<'_> {
         });
         let fold = walked.crossings.iter().find(|crossing| crossing.event == 1);
         let Some(fold) = fold.filter(|fold| fold.z[NODES] <= most) else {
-            let lost = matches!(walked.end, End::Lost(_) | End::NoCurve(_));
+            let lost = matches!(walked.end, Exit::Lost(_) | Exit::NoCurve(_));
             return if lost { Err(NoSteadyState::NotFound) } else { Ok(None) };
         };
         let back = walked.crossings.iter().find(|at| at.event == 0 && at.arc > fold.arc);
