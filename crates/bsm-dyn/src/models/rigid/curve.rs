@@ -138,6 +138,11 @@ impl CurvePoint {
         (given - wanted) / (given.abs() + wanted)
     }
 
+    /// What changes sign with `$P$` where there is more inertia than a root has, else zero: around `$P = 0$` any is too little.
+    pub(super) fn sense_above(&self) -> f64 {
+        if self.excess() > 0.0 { self.sense } else { 0.0 }
+    }
+
     /// The inertia ratio `$\mu$` that would make this a root.
     pub(super) fn inertia_ratio(&self) -> f64 {
         // μ = M/[A (P/W)²]                                                (R42)
@@ -162,16 +167,15 @@ fn dot<F: Field>(a: [F; 2], b: [F; 2]) -> F {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// Samples at several turns.
-struct CurveSamples<'a>(&'a Curve, &'a [f64]);
+/// Samples at several turns, in place: they are large.
+struct CurveSamples<'a>(&'a Curve, &'a [f64], &'a mut [Option<CurveSample>; BLOCK]);
 
 impl WithSimd for CurveSamples<'_> {
-    type Output = [Option<CurveSample>; BLOCK];
+    type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self(curve, turns) = self;
-        let mut samples = [None; BLOCK];
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self(curve, turns, samples) = self;
         let (mut sines, mut cosines): (Block, Block) = ([0.0; BLOCK], [1.0; BLOCK]);
         for i in 0..turns.len() {
             (sines[i], cosines[i]) = turns[i].sin_cos();
@@ -195,7 +199,6 @@ impl WithSimd for CurveSamples<'_> {
                 samples[i] = Some(sample);
             }
         }
-        samples
     }
 }
 
@@ -409,7 +412,9 @@ impl Curve {
 
     /// The states with these turns of the slip at B, at most [`BLOCK`].
     pub(super) fn samples(&self, turns: &[f64]) -> [Option<CurveSample>; BLOCK] {
-        Arch::new().dispatch(CurveSamples(self, turns))
+        let mut samples = [None; BLOCK];
+        Arch::new().dispatch(CurveSamples(self, turns, &mut samples));
+        samples
     }
 
     /// The motion of a state.

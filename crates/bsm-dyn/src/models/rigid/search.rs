@@ -85,29 +85,40 @@ fn turns(first: f64, [low, high]: [f64; 2]) -> Vec<f64> {
     turns
 }
 
-impl CurveSample {
-    /// Number of the sheet whose point is nearest.
-    fn nearest(&self, point: &CurvePoint) -> Option<usize> {
-        let apart = |i: &usize| self.sheets[*i].map_or(f64::INFINITY, |branch| branch.apart(point));
-        (0..4).min_by(|i, j| apart(i).total_cmp(&apart(j))).filter(|i| self.sheets[*i].is_some())
-    }
+/// The turns that halve a step three times, which take as long as one.
+fn eighths(from: f64, to: f64) -> [f64; BLOCK - 1] {
+    let half = |from: f64, to: f64| 0.5 * (from + to);
+    let middle = half(from, to);
+    let [low, high] = [half(from, middle), half(middle, to)];
+    [half(from, low), low, half(low, middle), middle, half(middle, high), high, half(high, to)]
+}
 
+/// Place of the least of four values.
+fn least(value: impl Fn(usize) -> f64) -> usize {
+    (1..4).fold(0, |least, i| if value(i).total_cmp(&value(least)).is_lt() { i } else { least })
+}
+
+impl CurveSample {
     /// True if a sheet keeps all demands, or one of each sample together do: else no root is between them.
     fn may_meet(&self, other: &Self) -> bool {
-        let violated =
-            |sample: &Self| sample.sheets.map(|branch| branch.map(|point| point.violated));
-        let (one, two) = (violated(self), violated(other));
-        let met = |i: &Option<u16>| {
-            *i == Some(0) || two.iter().flatten().any(|j| i.is_some_and(|i| i & j == 0))
-        };
-        one.iter().any(met) || two.contains(&Some(0))
+        let violated = |point: &CurvePoint| point.violated;
+        let two = || other.sheets.iter().flatten().map(violated);
+        let met = |i: u16| i == 0 || two().any(|j| i & j == 0);
+        self.sheets.iter().flatten().map(violated).any(met) || two().any(|j| j == 0)
     }
 
     /// The sheets of both samples that are nearest to each other.
     fn pairs(&self, other: &Self) -> [Option<(usize, usize)>; 4] {
+        let apart = self.sheets.each_ref().map(|one| {
+            other.sheets.each_ref().map(|two| match (one, two) {
+                (Some(one), Some(two)) => one.apart(two),
+                _ => f64::INFINITY,
+            })
+        });
         std::array::from_fn(|i| {
-            let j = other.nearest(&self.sheets[i]?)?;
-            (self.nearest(&other.sheets[j]?)? == i).then_some((i, j))
+            let j = least(|j| apart[i][j]);
+            let are = self.sheets[i].is_some() && other.sheets[j].is_some();
+            (are && least(|i| apart[i][j]) == i).then_some((i, j))
         })
     }
 }
@@ -128,10 +139,16 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
         [above, below].into_iter().flatten().any(|turns: Vec<f64>| {
             let mut before: Option<CurveSample> = None;
             turns.chunks(BLOCK).any(|turns| {
-                self.samples(turns).into_iter().flatten().any(|sample| {
-                    let one = before.replace(sample);
-                    one.is_some_and(|one| self.between(&one, &sample, 0))
-                })
+                let samples = self.samples(turns);
+                let mut one = before.as_ref();
+                for sample in samples.iter().flatten() {
+                    if one.is_some_and(|one| self.between(one, sample, 0, &[])) {
+                        return true;
+                    }
+                    one = Some(sample);
+                }
+                before = one.copied();
+                false
             })
         })
     }
@@ -141,23 +158,37 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
         self.samples >= MOST_SAMPLES
     }
 
-    /// Samples at some turns, at most [`BLOCK`], which take as long as one; notes their admissible states.
+    /// Samples at some turns, at most [`BLOCK`], which take as long as one.
     fn samples(&mut self, turns: &[f64]) -> [Option<CurveSample>; BLOCK] {
-        self.samples += turns.len();
         let samples = self.curve.samples(turns);
-        let states = samples.iter().flatten().flat_map(|sample| &sample.sheets).flatten();
-        for point in states.filter(|point| point.violated == 0) {
+        for sample in samples.iter().flatten() {
+            self.note(sample);
+        }
+        samples
+    }
+
+    /// Counts a sample, and notes its admissible states.
+    fn note(&mut self, sample: &CurveSample) {
+        self.samples += 1;
+        for point in sample.sheets.iter().flatten().filter(|point| point.violated == 0) {
             let far = |ratio: f64| (ratio / self.curve.inertia).max(self.curve.inertia / ratio);
             let here = point.inertia_ratio();
             if self.nearest_inertia.is_none_or(|nearest| far(here) < far(nearest)) {
                 self.nearest_inertia = Some(here);
             }
         }
-        samples
     }
 
     /// The roots between two turns, a step that was halved so many times.
-    fn between(&mut self, a: &CurveSample, b: &CurveSample, halved: u32) -> bool {
+    ///
+    /// * `halves`: samples at its halves, quarters and so on, in their order, as far as they are known.
+    fn between(
+        &mut self,
+        a: &CurveSample,
+        b: &CurveSample,
+        halved: u32,
+        halves: &[Option<CurveSample>],
+    ) -> bool {
         if !a.may_meet(b) {
             return false;
         }
@@ -165,14 +196,15 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
         // A sheet that may have a root and has no partner.
         let torn = (0..4).any(|i| {
             let alone = |branch: &Option<CurvePoint>, paired: bool| {
-                !paired && branch.is_some_and(|point| point.violated == 0)
+                !paired && branch.as_ref().is_some_and(|point| point.violated == 0)
             };
             alone(&a.sheets[i], pairs[i].is_some())
                 || alone(&b.sheets[i], pairs.iter().flatten().any(|(_, j)| *j == i))
         });
         // Pairs that may have one: no demand is broken at both ends.
         let live = pairs.map(|pair| {
-            let (one, other) = pair.and_then(|(i, j)| a.sheets[i].zip(b.sheets[j]))?;
+            let (one, other) =
+                pair.and_then(|(i, j)| a.sheets[i].as_ref().zip(b.sheets[j].as_ref()))?;
             (one.violated & other.violated == 0).then_some((one, other))
         });
         let any = |test: fn(&CurvePoint, &CurvePoint) -> bool| {
@@ -190,17 +222,26 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
             0
         };
         if halved < most && !self.is_cut_short() {
-            let [middle, ..] = self.samples(&[0.5 * (a.turn + b.turn)]);
-            return middle.is_some_and(|middle| {
-                self.between(a, &middle, halved + 1) || self.between(&middle, b, halved + 1)
-            });
+            let ahead;
+            let halves = if halves.is_empty() {
+                ahead = self.curve.samples(&eighths(a.turn, b.turn));
+                &ahead[..BLOCK - 1]
+            } else {
+                halves
+            };
+            let (below, rest) = halves.split_at(halves.len() / 2);
+            let Some((Some(middle), above)) = rest.split_first() else { return false };
+            self.note(middle);
+            return self.between(a, middle, halved + 1, below)
+                || self.between(middle, b, halved + 1, above);
         }
         live.iter().flatten().any(|(one, other)| {
-            if (one.sense > 0.0) == (other.sense > 0.0) {
+            let [x, y] = [one, other].map(|point| point.sense_above());
+            if (x <= 0.0 || y >= 0.0) && (x >= 0.0 || y <= 0.0) {
                 return self.crossing(one, other);
             }
-            // P = 0 between them, where any inertia is too little, and a root on either side of it.
-            let still = self.bracketed(one, other, |point| point.sense, 0.0);
+            // P = 0 between them, and a root on either side of it.
+            let still = self.bracketed(one, other, CurvePoint::sense_above, 0.0);
             self.crossing(one, &still) || self.crossing(&still, other)
         })
     }
