@@ -81,7 +81,7 @@ pub struct Heated {
 
 /// Drag beyond the contacts over the preload, `$K_x h$` \[m\] (I15).
 ///
-/// * `rule`, `contacts`: drag of the cold preload by the rule of makers and by its contacts alone \[N·m\].
+/// * `rule`, `contacts`: drag of the cold preload by the manufacturers' rule and by its contacts alone \[N·m\].
 pub fn drag_beyond_contacts(rule: f64, contacts: f64, preload: f64) -> f64 {
     // K_x h = max(0, T_p − T_c)/F_p                                       (I15)
     (rule - contacts).max(0.0) / preload
