@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 seconds="${1:-60}"
 shift || true
-[ $# -gt 0 ] || set -- scene nut solve words csv json-lines parquet spectrum requirement catalogue
+[ $# -gt 0 ] || set -- scene nut solve words csv json-lines parquet requirement catalogue
 
 # What cargo-fuzz sets, less the sanitizers, which need nightly. With --target build scripts stay as they are.
 host="$(rustc -vV | sed -n 's/host: //p')"

@@ -1,8 +1,7 @@
 //! A scene through every model and every analysis.
 
 use bsm_case::{
-    Cell, Fit, ModelChoice, OUTPUTS, Record, Scene, Sensitivities, Settings, jam, optimum, ratings,
-    slip,
+    Fit, ModelChoice, OUTPUTS, Record, Scene, Sensitivities, Settings, jam, optimum, ratings, slip,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 
@@ -31,7 +30,7 @@ pub(crate) fn everything(scene: &Scene) {
             continue;
         }
         for output in OUTPUTS {
-            let Some(Cell::Number(number)) = record.cell(output) else { continue };
+            let Some(number) = record.value(output) else { continue };
             assert!(number.is_finite(), "{name}: {} = {number} of {scene:?}", output.name);
         }
         let _ = Sensitivities::of(scene, &settings).map(|inputs| inputs.solve(work));
@@ -39,7 +38,7 @@ pub(crate) fn everything(scene: &Scene) {
             let _ = analysis.map(|analysis| analysis.to_json());
         }
     }
-    let _ = ratings(scene, None).map(|answer| answer.to_json().to_string());
+    let _ = ratings(scene).map(|answer| answer.to_json().to_string());
     for model in [None, Some(Model::RacewayControl)] {
         let _ = optimum(scene, model).map(|answer| answer.to_json().to_string());
     }

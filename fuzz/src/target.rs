@@ -12,7 +12,7 @@ use bsm_batch::{
 };
 use bsm_case::{
     Axis, Catalogue, Condition, DesignReport, Fit, Grid, NutProblem, RequirementFile, Row, Samples,
-    Scene, Spectrum, candidate_json, ratings,
+    Scene, candidate_json,
 };
 use bsm_dyn::Model;
 use bytes::Bytes;
@@ -30,7 +30,7 @@ pub struct Target {
 }
 
 /// All of them.
-pub const TARGETS: [Target; 10] = [
+pub const TARGETS: [Target; 9] = [
     Target { name: "scene", examples: Some(("", "json")), run: scene },
     Target { name: "nut", examples: Some(("", "json")), run: nut },
     Target { name: "solve", examples: None, run: solve },
@@ -38,7 +38,6 @@ pub const TARGETS: [Target; 10] = [
     Target { name: "csv", examples: None, run: csv },
     Target { name: "json-lines", examples: None, run: json_lines },
     Target { name: "parquet", examples: None, run: parquet },
-    Target { name: "spectrum", examples: None, run: spectrum },
     Target { name: "requirement", examples: Some(("requirements", "json")), run: requirement },
     Target { name: "catalogue", examples: None, run: catalogue },
 ];
@@ -153,7 +152,7 @@ fn words(input: &[u8]) {
     for line in text.lines() {
         axes.extend(Axis::parse(line));
         let _ = base.clone().apply(&[line]);
-        let _ = Condition::parse(line);
+        let _ = Condition::parse(line, false);
         if let Ok(fit) = Fit::new(&base, "friction_coefficient", None, line) {
             let report = fit.run(&base, &Model::ClosedForm.into());
             let _ = report.map(|report| fit.answer(&base, &report).to_json().to_string());
@@ -212,14 +211,6 @@ fn rewrite(source: &mut dyn Source) -> Result<(), TableError> {
     }
     source.skip(10)?;
     sinks.into_iter().try_for_each(|sink| sink.finish(None).map(drop))
-}
-
-/// The loads of a nut as a table.
-fn spectrum(input: &[u8]) {
-    let Ok(spectrum) = Spectrum::from_csv(input) else { return };
-    let (_, nut) = BASES.iter().find(|(name, _)| *name == "nut").expect("a nut");
-    let nut = Scene::from_json(nut.as_bytes()).expect("an example");
-    let _ = ratings(&nut, Some(&spectrum)).map(|answer| answer.to_json().to_string());
 }
 
 fn requirement(input: &[u8]) {

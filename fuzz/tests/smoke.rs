@@ -81,11 +81,6 @@ fn parquet_tables() {
 }
 
 #[test]
-fn spectra() {
-    smoke("spectrum", 1000);
-}
-
-#[test]
 fn requirements() {
     smoke("requirement", 10);
 }

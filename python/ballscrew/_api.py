@@ -1236,7 +1236,7 @@ def slip(
     >>> report.found, report["nut_slide_roll_ratio"] < 0.05
     (True, True)
     """
-    return _report(_core.analysis("slip", *_asked(scene, question)))
+    return _report(_core.slip(*_asked(scene, question)))
 
 
 def jam(
@@ -1269,14 +1269,12 @@ def jam(
     >>> bs.jam(bs.Scene.read("examples/jamming.json")).found
     True
     """
-    return _report(_core.analysis("jam", *_asked(scene, question)))
+    return _report(_core.jam(*_asked(scene, question)))
 
 
 def capacity(
     nut: Scene | Mapping[str, Any] | None = None,
     /,
-    *,
-    spectrum: Any = None,
     **inputs: Unpack[Inputs],
 ) -> Report:
     """Load ratings, life and stiffness of a nut, as `bsm solve --show ratings`.
@@ -1285,21 +1283,19 @@ def capacity(
     ----------
     nut : Scene or mapping, optional
         The nut.
-    spectrum : mapping, frame or path, optional
-        A load spectrum: the columns `axial_load_N`, `screw_speed_rpm` and `time_share`. A path is that of a CSV table.
     **inputs
         Inputs in place of those of `nut`; it needs balls, conformities, `loaded_balls_per_turn` and `loaded_turns`.
 
     Returns
     -------
     Report
-        Dynamic and static load rating [N], rigidities [N/um], mass [kg], permissible speed [rpm], and with a load or a
-        spectrum the life in revolutions and hours.
+        Dynamic and static load rating [N], rigidities [N/um], mass [kg], permissible speed [rpm], and with a load and
+        a speed the life in revolutions and hours; `axis` has that of a cycle.
 
     Raises
     ------
     InputError
-        For inputs that are missing or break a rule, and a spectrum that is none.
+        For inputs that are missing or break a rule.
 
     Examples
     --------
@@ -1308,8 +1304,7 @@ def capacity(
     >>> bs.capacity(nut, axial_load_N=8000, screw_speed_rpm=500)["dynamic_load_rating_N"] > 50_000
     True
     """
-    table = _csv(spectrum) if spectrum is not None else None
-    return _report(_core.capacity(_scene(nut, inputs), table))
+    return _report(_core.capacity(_scene(nut, inputs)))
 
 
 @overload

@@ -17,7 +17,7 @@ mod solution;
 mod table;
 
 use bsm_case::{
-    INPUTS, Input, ModelChoice, NutWords, Output, REQUIREMENT_INPUTS, REQUIREMENT_WORDS,
+    INPUTS, ModelChoice, NutWords, Output, Quantity, REQUIREMENT_INPUTS, REQUIREMENT_WORDS,
 };
 use bsm_dyn::{Control, RacewayFriction};
 use pyo3::prelude::*;
@@ -69,7 +69,7 @@ fn requirements() -> Vec<(&'static str, &'static str, String, Option<f64>, Strin
     let words = REQUIREMENT_WORDS.iter().map(|(name, words, about)| {
         (*name, "", (*about).to_owned(), None, format!("one of {}", words.join(", ")))
     });
-    let number = |i: &Input| (i.name, i.unit, i.about.to_owned(), i.default, i.rule.describe());
+    let number = |i: &Quantity| (i.name, i.unit, i.about.to_owned(), i.default, i.rule.describe());
     words.chain(REQUIREMENT_INPUTS.iter().map(number)).collect()
 }
 
@@ -103,7 +103,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(points::sweep, module)?,
         wrap_pyfunction!(table::read_arrow, module)?,
         wrap_pyfunction!(table::to_arrow, module)?,
-        wrap_pyfunction!(reports::analysis, module)?,
+        wrap_pyfunction!(reports::slip, module)?,
+        wrap_pyfunction!(reports::jam, module)?,
         wrap_pyfunction!(reports::capacity, module)?,
         wrap_pyfunction!(reports::nut, module)?,
         wrap_pyfunction!(reports::nut_columns, module)?,

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use bsm_batch::{NumberColumn, TableError, TableSink};
 use bsm_case::{
-    Answer, AxisReport, CATALOGUE_COLUMNS, Calibration, CaseError, Catalogue, Content,
-    DesignReport, Fit, MakerNut, MakerRow, Moving, NutProblem, NutReport, Record, RequirementFile,
-    Samples, Spectrum, Wanted, candidate_scene, column_names, jam, ratings, sheet_columns, slip,
+    Answer, AxisReport, CATALOGUE, Calibration, CaseError, Catalogue, Content, DesignReport, Fit,
+    MakerNut, MakerRow, Moving, NutProblem, NutReport, Record, RequirementFile, Samples, Settings,
+    Wanted, candidate_scene, column_names, ratings, sheet_columns,
 };
-use bsm_dyn::{Model, ModelWorkspace};
+use bsm_dyn::{Model, ModelWorkspace, Solution};
 use bsm_report::sheets::{size_figures, size_page, size_results};
 use bsm_report::{ReportError, report_files};
 use bsm_validate::{Published, ValidateError, validation_page};
@@ -41,17 +41,27 @@ fn on_threads<R: Send>(
     watched(py, false, 0, None, None, |_, _| work())?.map_err(refused)
 }
 
-/// Slip or jamming of a solved motion.
+/// Slip of a solved motion.
 #[pyfunction]
-pub(crate) fn analysis(
+pub(crate) fn slip(py: Python<'_>, scene: &Bound<'_, Scene>, how: How) -> PyResult<Report> {
+    of_motion(py, scene, how, bsm_case::slip)
+}
+
+/// Jamming of a solved motion.
+#[pyfunction]
+pub(crate) fn jam(py: Python<'_>, scene: &Bound<'_, Scene>, how: How) -> PyResult<Report> {
+    of_motion(py, scene, how, |scene, _, solution| bsm_case::jam(scene, solution))
+}
+
+/// What is reported of a solved motion.
+fn of_motion(
     py: Python<'_>,
-    kind: &str,
     scene: &Bound<'_, Scene>,
     how: How,
+    report: impl Fn(&bsm_case::Scene, &Settings, &Solution) -> Result<Answer, CaseError> + Send + Sync,
 ) -> PyResult<Report> {
     let scene = &scene.get().0;
     let settings = how.settings()?;
-    let jams = kind == "jam";
     on_threads(py, || {
         let work = &mut ModelWorkspace::default();
         let Moving { settings, solution } = Moving::of(scene, &settings, work)?;
@@ -59,25 +69,16 @@ pub(crate) fn analysis(
             let record = Record::new(solution).to_json();
             return Ok((Value::Object(record).to_string(), false, Vec::new()));
         }
-        let answer = if jams { jam(scene, &solution) } else { slip(scene, &settings, &solution) };
-        Ok((answer?.to_json().to_string(), true, Vec::new()))
+        let answer = report(scene, &settings, &solution)?;
+        Ok((answer.to_json().to_string(), true, Vec::new()))
     })
 }
 
 /// Ratings of a nut.
-///
-/// * `spectrum`: a load spectrum as CSV.
 #[pyfunction]
-pub(crate) fn capacity(
-    py: Python<'_>,
-    scene: &Bound<'_, Scene>,
-    spectrum: Option<&[u8]>,
-) -> PyResult<Report> {
+pub(crate) fn capacity(py: Python<'_>, scene: &Bound<'_, Scene>) -> PyResult<Report> {
     let scene = &scene.get().0;
-    on_threads(py, || {
-        let spectrum = spectrum.map(Spectrum::from_csv).transpose()?;
-        Ok(told(&ratings(scene, spectrum.as_ref())?))
-    })
+    on_threads(py, || Ok(told(&ratings(scene)?)))
 }
 
 /// Rows of a table.
@@ -256,7 +257,7 @@ pub(crate) fn write_numbers(
 ) -> PyResult<()> {
     let format = format_of(&path)?;
     let known = || {
-        let catalogue = CATALOGUE_COLUMNS.iter().map(|c| (c.name, c.unit));
+        let catalogue = CATALOGUE.iter().map(|c| (c.name, c.unit));
         let of_a_nut = NutReport::ball_columns().into_iter().chain(NutReport::curve_columns());
         let of_sheets = sheet_columns().map(|c| (c.name, c.unit));
         catalogue.chain(of_a_nut).chain(of_sheets).map(|(name, unit)| NumberColumn { name, unit })
@@ -359,7 +360,8 @@ pub(crate) fn catalog(
         }
         let list = wanted.choose(catalogue, wish.as_ref());
         let places = &list.chosen[..list.chosen.len().min(first.unwrap_or(usize::MAX))];
-        let heads = list.columns().into_iter().map(|column| column.head());
+        let heads =
+            list.columns().into_iter().map(|column| (column.output.name, column.output.unit));
         let columns: Vec<_> = heads
             .zip(list.values(places))
             .map(|((name, unit), values)| (name, unit, values))

@@ -5,8 +5,7 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::Ordering;
 
 use bsm_case::{
-    Beside, CaseError, Cell, InputKey, OUTPUTS, Record, Sensitivities, Settings, following,
-    torque_parts,
+    Beside, CaseError, InputKey, OUTPUTS, Record, Sensitivities, Settings, following, torque_parts,
 };
 use bsm_dyn::{Band, ModelWorkspace, Problem};
 use bsm_report::PROGRAM;
@@ -98,15 +97,12 @@ impl Solution {
 
     /// A number by the index of its output; NaN if missing.
     fn number(&self, place: usize) -> f64 {
-        self.cell(place).map_or(f64::NAN, Cell::number)
+        self.value(place).unwrap_or(f64::NAN)
     }
 
     /// A yes or no.
     fn flag(&self, place: usize) -> Option<bool> {
-        match self.cell(place)? {
-            Cell::Flag(flag) => Some(flag),
-            _ => None,
-        }
+        self.value(place).map(|flag| flag > 0.5)
     }
 
     /// An output in words.
@@ -126,8 +122,8 @@ impl Solution {
 }
 
 impl Solution {
-    fn cell(&self, place: usize) -> Option<Cell> {
-        self.record.cell(OUTPUTS.get(place)?)
+    fn value(&self, place: usize) -> Option<f64> {
+        self.record.value(OUTPUTS.get(place)?)
     }
 
     /// What the data of a lubricant may do to the answer.

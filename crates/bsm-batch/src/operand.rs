@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use arrow_array::Array;
-use bsm_case::{INPUTS, Input, InputKey, InputSet, ModelChoice, Scene, Settings, following};
+use bsm_case::{INPUTS, InputKey, InputSet, ModelChoice, Quantity, Scene, Settings, following};
 use bsm_dyn::{Lubricant, Model, RacewayFriction};
 use bsm_kernels::{InputColumn, InputColumns, is_plain};
 
@@ -63,7 +63,7 @@ impl<'a> ColumnPlan<'a> {
             origins: [Origin::Absent; INPUTS.len()],
         };
         for (place, key) in InputKey::ALL.into_iter().enumerate() {
-            let Input { rule, default, .. } = *key.input();
+            let Quantity { rule, default, .. } = *key.input();
             let completed = given.completed().contains(key);
             let of_base = base.value_or_default(key);
             plan.origins[place] = if let Some(column) = plan.column(key) {

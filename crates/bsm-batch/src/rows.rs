@@ -230,7 +230,7 @@ pub struct Answers {
     pub verdicts: Vec<Verdict>,
     /// Why there is no result, or why auto chose its model: rows in their order.
     pub messages: Vec<(usize, String)>,
-    /// The outputs that were asked for, in their order, as [`Cell::number`](bsm_case::Cell::number)
+    /// The outputs that were asked for, in their order, as [`Output::read`]
     /// has them; NaN where there is none.
     pub columns: Vec<Vec<f64>>,
 }

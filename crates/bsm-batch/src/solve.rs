@@ -3,7 +3,7 @@
 use std::cell::{Cell, RefCell};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use bsm_case::{AnalysisKind, CaseError, Cell as Answer, Moving, Output, Quantity, Record};
+use bsm_case::{AnalysisKind, CaseError, Moving, Output, Quantity, Record};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use bsm_kernels::{InputColumns, Rows, Selection};
 use bsm_simd::Arch;
@@ -314,7 +314,7 @@ impl Run<'_> {
                 });
                 words.extend(record.message().map(str::to_owned).or_else(|| record.choice()));
                 for (place, output) in self.outputs.iter().enumerate() {
-                    put(place, record.cell(output).map_or(f64::NAN, Answer::number));
+                    put(place, record.value(output).unwrap_or(f64::NAN));
                 }
             }
             let solution =

@@ -54,27 +54,25 @@ pub use answers::rows::Scales;
 pub use answers::samples::Samples;
 pub use answers::schema::{input_schema, output_schema};
 pub use answers::section::GrooveSection;
-pub use answers::selection::{ListColumn, NutList, Wanted};
+pub use answers::selection::{
+    CATALOGUE, Condition, ListColumn, NutList, Wanted, candidate_json, candidate_scene,
+};
 pub use answers::sensitivity::{Sensitivities, Sensitivity};
 pub use answers::slip::slip;
-pub use case::catalogue::{
-    Asked, CATALOGUE_COLUMNS, Catalogue, CatalogueColumn, Condition, STANDARD_CATALOGUE,
-    candidate_json, candidate_scene,
-};
+pub use case::catalogue::{Asked, Catalogue, LISTS, STANDARD_CATALOGUE};
 pub use case::grid::{Axis, Grid};
 pub use case::nut::NutProblem;
 pub use case::problem::{ModelChoice, Settings};
 pub use case::requirement::{REQUIREMENT_INPUTS, REQUIREMENT_WORDS, RequirementFile};
-pub use case::spectrum::Spectrum;
 pub use vocabulary::answer::{Answer, Column, Content, Criterion, Section, Table, schema_of};
 pub use vocabulary::cells::decimal_number;
 pub use vocabulary::error::{CaseError, Known, brief, printable};
-pub use vocabulary::input::{INPUTS, Input, InputKey, Rule, Scene};
+pub use vocabulary::input::{INPUTS, InputKey, Rule, Scene};
 pub use vocabulary::input_set::{InputSet, following};
 pub(crate) use vocabulary::names::nearest;
 pub use vocabulary::names::{entries, nearest_input};
 pub use vocabulary::number::{exact, number, short, write_exact};
-pub use vocabulary::output::{Cell, OUTPUTS, Output, OutputKey};
+pub use vocabulary::output::{OUTPUTS, Output, OutputKey};
 pub use vocabulary::phase::PhaseWords;
 pub use vocabulary::quantity::{AnalysisKind, Numbers, Of, Quantity, Row, Values};
 pub use vocabulary::rules::{Inputs, Relation, covered};

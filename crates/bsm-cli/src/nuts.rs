@@ -36,9 +36,9 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
     let catalogue = read(lists(args))?;
     let wish = requirement(args, &catalogue)?;
     let list = wanted.choose(catalogue, wish.as_ref());
-    if let Some(why) = &list.why {
-        warn("note", why);
-        return Err(Failure::Unsolved);
+    if !list.why.is_empty() {
+        let none = Reply { scene: Some(Value::Null), ..Reply::of(list.answer(0)) };
+        return none.give(&args.out, || Ok(Drawn::default()));
     }
     let figures = match args.out.figures {
         Some(_) => catalogue_figures(&list.catalogue, &list.within),
@@ -64,8 +64,7 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
 }
 
 fn head(column: &ListColumn) -> NumberColumn {
-    let (name, unit) = column.head();
-    NumberColumn { name, unit }
+    NumberColumn { name: column.output.name, unit: column.output.unit }
 }
 
 /// File of the lists; none if they are the standard ones.
@@ -113,12 +112,13 @@ fn count(list: &NutList, args: &SelectArgs) -> String {
     format!("{} nuts within the limits{met}{left}", list.all)
 }
 
-/// Names and units of all columns.
+/// Names, units and meaning of all columns.
 pub(crate) fn columns() -> String {
     let row = |column: &ListColumn| {
-        let when = if matches!(column, ListColumn::Nut(_)) { "" } else { "with a requirement" };
-        let (name, unit) = column.head();
-        [name, unit, when].map(str::to_owned).to_vec()
+        let when = if column.is_of_sheet() { "with a requirement" } else { "" };
+        [column.output.name, column.output.unit, column.output.about, when]
+            .map(str::to_owned)
+            .to_vec()
     };
     table::plain(None, &ListColumn::all(true).iter().map(row).collect::<Vec<_>>(), usize::MAX)
 }

@@ -1,7 +1,7 @@
 //! `bsm schema`: what files and answers look like, from the tables that answers are made from.
 
 use bsm_case::{
-    AnalysisKind, CATALOGUE_COLUMNS, INPUTS, OUTPUTS, Of, input_schema, output_schema, schema_of,
+    AnalysisKind, CATALOGUE, INPUTS, OUTPUTS, Of, input_schema, output_schema, schema_of,
     sheet_columns,
 };
 use clap::ValueEnum;
@@ -199,7 +199,7 @@ fn numbers(table: &str) -> Vec<(String, Value)> {
         }
         "solution" => each(&mut OUTPUTS.iter().map(|output| output.name), "number"),
         "input" => each(&mut INPUTS.iter().map(|input| input.name), "number"),
-        "catalogue" => each(&mut CATALOGUE_COLUMNS.iter().map(|column| column.name), "number"),
+        "catalogue" => each(&mut CATALOGUE.iter().map(|column| column.name), "number"),
         "sheet" => each(&mut sheet_columns().map(|column| column.name), "number?"),
         _ => {
             let known = bsm_case::table(table).filter(|quantity| quantity.of != Of::Statement);

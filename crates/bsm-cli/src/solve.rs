@@ -1,41 +1,65 @@
 //! `bsm solve`: one operating point, and what follows from it.
 
 use bsm_case::{
-    Answer, Beside, Comparison, ModelChoice, Moving, Record, Scene, Sensitivities, Settings, jam,
-    slip, torque_parts,
+    Answer, Beside, CaseError, Comparison, ModelChoice, Moving, Record, Scene, Sensitivities,
+    Settings, jam, slip, torque_parts,
 };
 use bsm_dyn::{ModelWorkspace, Problem, Solution, Status};
 use bsm_report::sheets::Study;
-use bsm_report::{Figure, PROGRAM};
+use bsm_report::{Figure, PROGRAM, ReportError};
 
 use crate::answer::{Drawn, Reply, named};
 use crate::args::{ALL, Show, SolveArgs};
 use crate::failure::Failure;
 
-/// What is shown, in this order, and the words of each.
-const SHOWN: [(&str, &[Show]); 5] = [
-    ("motion", &[Show::Motion, Show::Band, Show::Sensitivities]),
-    ("slip", &[Show::Slip]),
-    ("jam", &[Show::Jam]),
-    ("optimum", &[Show::Optimum]),
-    ("ratings", &[Show::Ratings, Show::Steps]),
-];
+/// A part of the answer, in the order of the parts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Motion,
+    Slip,
+    Jam,
+    Optimum,
+    Ratings,
+}
+
+impl Part {
+    const ALL: [Self; 5] = [Self::Motion, Self::Slip, Self::Jam, Self::Optimum, Self::Ratings];
+
+    /// The part that a word of `--show` belongs to.
+    fn of(word: Show) -> Self {
+        match word {
+            Show::Motion | Show::Band | Show::Sensitivities => Self::Motion,
+            Show::Slip => Self::Slip,
+            Show::Jam => Self::Jam,
+            Show::Optimum => Self::Optimum,
+            Show::Ratings | Show::Steps => Self::Ratings,
+        }
+    }
+
+    /// Its member of the JSON object of several parts.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Motion => "motion",
+            Self::Slip => "slip",
+            Self::Jam => "jam",
+            Self::Optimum => "optimum",
+            Self::Ratings => "ratings",
+        }
+    }
+}
 
 pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     let scene = args.scene.read()?;
-    let is_asked = |word: &Show| args.show.contains(word);
-    let shown: Vec<_> = SHOWN
-        .into_iter()
-        .filter(|(name, words)| {
-            words.iter().any(is_asked) || args.show.is_empty() && *name == "motion"
-        })
-        .map(|(name, _)| name)
-        .collect();
-    let has_rows = shown == ["ratings"];
+    let is_shown = |part: &Part| match args.show[..] {
+        [] => *part == Part::Motion,
+        _ => args.show.iter().any(|word| Part::of(*word) == *part),
+    };
+    let shown: Vec<_> = Part::ALL.into_iter().filter(is_shown).collect();
+    let has_rows = shown == [Part::Ratings];
     let endings: &[&'static str] = if has_rows { &["json", "csv", "xlsx"] } else { &["json"] };
     args.out.check(endings, &[Some(args.scene.path())])?;
-    let draws = |name: &str| ["slip", "jam", "optimum"].contains(&name);
-    if args.out.figures.is_some() && !shown.iter().any(|name| draws(name)) {
+    let draws = |part: &Part| matches!(part, Part::Slip | Part::Jam | Part::Optimum);
+    if args.out.figures.is_some() && !shown.iter().any(draws) {
         let text = "--figures draws what --show slip, jam and optimum show";
         return Err(Failure::Input(text.to_owned()));
     }
@@ -50,15 +74,19 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     let settings = args.model.settings().map_err(args.scene.failure())?;
     let mut figures = Vec::new();
     let mut parts = Vec::new();
-    for name in shown {
+    for part in shown {
         let drawn = args.out.figures.is_some().then_some(&mut figures);
-        let part = match name {
-            "motion" => motion(args, &scene, &settings)?,
-            "optimum" => optimum(args, &scene, &settings, drawn)?,
-            "ratings" => ratings(args, &scene)?,
-            of_motion => analysis(args, of_motion == "slip", &scene, &settings, drawn)?,
+        let answer = match part {
+            Part::Motion => motion(args, &scene, &settings)?,
+            Part::Slip => analysis(args, &scene, &settings, drawn, slip, Study::slip)?,
+            Part::Jam => {
+                let jam = |scene: &_, _: &_, solution: &_| jam(scene, solution);
+                analysis(args, &scene, &settings, drawn, jam, Study::jam)?
+            }
+            Part::Optimum => optimum(args, &scene, &settings, drawn)?,
+            Part::Ratings => ratings(args, &scene)?,
         };
-        parts.push((name, part));
+        parts.push((part.name(), answer));
     }
     let rows = match (&parts[..], has_rows) {
         ([(_, ratings)], true) => {
@@ -124,10 +152,11 @@ fn point(
 /// Slip or jamming of the solved motion, and its sweeps.
 fn analysis(
     args: &SolveArgs,
-    is_slip: bool,
     scene: &Scene,
     settings: &Settings,
     figures: Option<&mut Vec<Figure>>,
+    report: impl Fn(&Scene, &Settings, &Solution) -> Result<Answer, CaseError>,
+    study: impl Fn(&Scene, &Settings, &Solution) -> Result<Study, ReportError>,
 ) -> Result<Answer, Failure> {
     let in_file = args.scene.failure();
     let Moving { settings, solution } =
@@ -135,12 +164,7 @@ fn analysis(
     if solution.reason().is_some() {
         return point(args, scene, &settings, solution, &Beside::default());
     }
-    let (report, study): (_, fn(&_, &_, &_) -> _) = if is_slip {
-        (slip(scene, &settings, &solution), Study::slip)
-    } else {
-        (jam(scene, &solution), Study::jam)
-    };
-    let answer = report.map_err(in_file)?;
+    let answer = report(scene, &settings, &solution).map_err(in_file)?;
     if let Some(figures) = figures {
         figures.extend(study(scene, &settings, &solution)?.figures);
     }
@@ -167,6 +191,6 @@ fn optimum(
 
 /// Load ratings of the nut.
 fn ratings(args: &SolveArgs, scene: &Scene) -> Result<Answer, Failure> {
-    let answer = bsm_case::ratings(scene, None).map_err(args.scene.failure())?;
+    let answer = bsm_case::ratings(scene).map_err(args.scene.failure())?;
     Ok(if args.show.contains(&Show::Steps) { answer } else { answer.hiding("steps") })
 }

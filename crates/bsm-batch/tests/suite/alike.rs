@@ -1,7 +1,7 @@
 //! An answer of the batch against that of the model.
 
 use bsm_batch::Answers;
-use bsm_case::{Cell, InputKey, Output, Record, Scene};
+use bsm_case::{InputKey, Output, Record, Scene};
 use bsm_dyn::{Ball, Status};
 
 /// Outputs that tell of the way to a root, not of the root.
@@ -58,7 +58,7 @@ pub(crate) fn assert_alike(
             continue;
         }
         let found = (!column[row].is_nan()).then_some(column[row]);
-        let known = expected.cell(output).map(Cell::number);
+        let known = expected.value(output);
         let (name, unit) = (output.name, output.unit);
         assert_eq!(found.is_some(), known.is_some(), "{}, {name}", what());
         let (Some(found), Some(known)) = (found, known) else { continue };

@@ -13,6 +13,8 @@ use bsm_dyn::ModelWorkspace;
 use serde_json::{Value, json};
 
 use self::contacts::{Contacts, contacts, is_preloaded, nut_at};
+use super::nut::QUANTITIES as NUT;
+use super::ratings::QUANTITIES as RATINGS;
 use crate::answers::nut::preload_note;
 use crate::case::axis::{Machine, carriage};
 use crate::case::rated_nut;
@@ -21,8 +23,8 @@ use crate::vocabulary::answer::numbers_json;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{
-    Answer, CaseError, Column, Content, Criterion, InputKey, Numbers, NutReport, Output, Quantity,
-    Scene, Settings, Table, ratings,
+    Answer, CaseError, Column, Content, Criterion, INPUTS, InputKey, Numbers, NutReport, Output,
+    Quantity, Scene, Settings, Table, ratings,
 };
 
 /// What an axis is sized from: its nut, and a load and a speed or a cycle.
@@ -34,18 +36,18 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
         largest_speed_rpm ["rpm"] Whole(|w| w.axis().fastest() / RPM), "largest speed of the screw";
         largest_feed_m_min ["m/min"] Whole(|w| w.axis().fastest() * w.machine.advance() * 60.0), "largest feed";
         equivalent_load_N ["N" "F_m"] Whole(|w| Some(w.axis().life()?.mean_load)),
-            "equivalent load; for a pair, that of the more heavily loaded nut";
+            "equivalent constant load, with the same life; of a pair, that of the more heavily loaded nut";
         equivalent_speed_rpm ["rpm" "n_m"] Whole(|w| Some(w.axis().life()?.mean_speed / RPM)), "equivalent speed";
     }
     "screw and bearings" {
-        screw_length_between_bearings_mm ["mm"] Whole(|w| Some(w.shaft()?.length / MM)), "unsupported length";
-        bending_diameter_mm ["mm"] Whole(|w| Some(w.shaft()?.diameter / MM)), "shaft diameter for bending and buckling";
+        unsupported_length_mm = INPUTS Whole(|w| Some(w.shaft()?.length / MM));
+        shaft_diameter_mm = INPUTS Whole(|w| Some(w.shaft()?.diameter / MM));
         critical_speed_rpm ["rpm" "n_k"] Whole(|w| Some(w.shaft()?.critical_speed() / RPM)), "critical speed";
         critical_speed_ratio [""] Whole(|w| w.shaft().and(w.axis().critical_speed_ratio())), "largest speed over the critical one";
         buckling_load_N ["N" "F_k"] Whole(|w| Some(w.shaft()?.buckling_load())), "buckling load";
         buckling_safety [""] Whole(|w| w.shaft().and(w.axis().buckling_safety())), "buckling load over the largest load";
         yield_load_N ["N"] Whole(|w| w.shaft().and(w.axis().yield_load())), "permissible axial load, core stress 147 N/mm2";
-        cycle_speed_number_mm_min ["mm/min" "d_pw n"] Whole(|w| w.axis().speed_number() / (MM * RPM)), "largest speed number";
+        largest_speed_number_mm_min ["mm/min" "d_pw n"] Whole(|w| w.axis().speed_number() / (MM * RPM)), "largest speed number";
         screw_mass_kg ["kg"] Whole(|w| w.shaft().and(w.machine.screw).map(|(mass, _)| mass)), "mass of the screw between its bearings";
         steady_temperature_rise_K ["K"] Whole(|w| w.steady_rise()) needs [axis_heat_transfer_W_K],
             "steady-state temperature rise";
@@ -59,12 +61,13 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
         cycle_life_revolutions ["" "L"] Whole(|w| Some(w.axis().life()?.revolutions)), "life of the cycle by ISO 3408-5";
         cycle_life_h ["h" "L_h"] Whole(|w| Some(w.axis().life()?.time / 3600.0)), "life of the cycle by ISO 3408-5";
         cycle_life_by_balls_h ["h"] Whole(|w| Some(w.axis().reliability * w.life_by_balls? / 3600.0)), "life of the cycle by the loads of all balls";
-        opening_load_N ["N"] Whole(|w| w.of_nut("limit_load_N")), "load at which the preload is lost";
+        limit_load_N = NUT Whole(|w| w.of_nut("limit_load_N"));
     }
-    "rigidity" {
-        screw_rigidity_N_um ["N/um" "R_s"] Whole(|w| Some(w.shaft()?.least_stiffness() * UM)), "minimum shaft stiffness";
-        nut_rigidity_N_um ["N/um" "R_nu"] Whole(|w| w.of_nut("nut_stiffness_N_um")), "tangent stiffness of the nut at the largest load, all balls";
-        axis_rigidity_N_um ["N/um"] Whole(|w| Some(w.stiffness()? * UM)), "stiffness of screw, nut, bearings and housings in series";
+    "stiffness" {
+        screw_stiffness_N_um ["N/um" "R_s"] Whole(|w| Some(w.shaft()?.least_stiffness() * UM)), "axial stiffness of the screw where it is least";
+        nut_stiffness_at_largest_load_N_um ["N/um"] Whole(|w| w.of_nut("nut_stiffness_N_um")),
+            "tangent stiffness of the nut at the largest load, all balls";
+        axis_stiffness_N_um ["N/um"] Whole(|w| Some(w.stiffness()? * UM)), "stiffness of screw, nut, bearings and housings in series";
         lost_motion_um ["um"] Whole(|w| {
             let friction = Some(w.machine.carriage.guide_friction()).filter(|friction| *friction > 0.0);
             Some(lost_motion(friction?, w.stiffness()?) / UM)
@@ -75,10 +78,10 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
         rms_motor_torque_Nm ["N m"] Whole(|w| w.rms_torque()) needs [friction_coefficient | lubricant_temperature_C], "RMS motor torque";
         peak_motor_power_W ["W"] Whole(|w| w.peak(Worked::motor_power)) needs [friction_coefficient | lubricant_temperature_C], "peak motor power";
         mean_heat_W ["W"] Whole(|w| w.mean_heat()) needs [friction_coefficient | lubricant_temperature_C], "mean heat of nut, seals and support bearings";
-        preload_drag_Nm ["N m" "T_p0"] Whole(|w| Some(w.preload.as_ref()?.by_rule)), "friction torque of the preload by manufacturers' rule";
+        rule_torque_Nm ["N m" "T_p0"] Whole(|w| Some(w.preload.as_ref()?.by_rule)), "friction torque of the preload by manufacturers' rule";
         screw_efficiency ["" "eta"] Whole(|w| w.heaviest()?.efficiency()) needs [friction_coefficient | lubricant_temperature_C],
-            "efficiency of the screw at the largest load that moves, with preload, seals and support bearings";
-        contact_drag_Nm ["N m"] Whole(|w| w.preload.as_ref()?.of_contacts) needs [friction_coefficient | lubricant_temperature_C], "friction torque of the preload, contacts alone";
+            "efficiency of the whole screw; at the largest load that moves, with preload, seals and support bearings";
+        preload_torque_Nm = NUT Whole(|w| w.preload.as_ref()?.of_contacts) needs [friction_coefficient | lubricant_temperature_C];
         holding_torque_Nm ["N m"] Whole(|w| w.holding) needs [friction_coefficient | lubricant_temperature_C],
             "holding torque at the screw, contacts alone";
         inertia_of_screw_kg_m2 ["kg m2" "J_s"] Whole(|w| w.machine.screw.map(|(_, inertia)| inertia)), "moment of inertia of the screw";
@@ -100,7 +103,7 @@ quantities! { pub(crate) TORQUES, read_torques(&Torques);
         preload_drag_beyond_contacts_Nm ["N m"] Whole(|t| t.drag), "  returns and lubricant of the preload, by manufacturers' rule";
         seal_torque_Nm ["N m"] Whole(|t| t.seal), "  seals";
         support_bearing_torque_Nm ["N m"] Whole(|t| t.bearing), "  support bearings";
-        screw_efficiency ["" "eta"] Whole(Torques::efficiency), "efficiency of the whole screw";
+        screw_efficiency = QUANTITIES Whole(Torques::efficiency);
     }
 }
 
@@ -118,26 +121,26 @@ quantities! { pub(crate) PHASE, read_phase(&InPhase<'_>);
 
 quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
     "screw and nut" {
-        pitch_circle_diameter_mm ["mm" "D_pw"] Whole(|s| s.nut().pitch_diameter / MM), "pitch circle diameter";
-        lead_mm ["mm" "P_h"] Whole(|s| s.nut().lead / MM), "lead";
-        lead_angle_deg ["deg" "phi"] Whole(|s| s.nut().lead_angle() / DEG), "lead angle";
-        ball_diameter_mm ["mm" "D_w"] Whole(|s| s.nut().ball_diameter / MM), "ball diameter";
-        contact_angle_deg ["deg" "alpha"] Whole(|s| s.nut().contact_angle / DEG), "contact angle";
-        nut_conformity [""] Whole(|s| s.nut().conformity.0), "groove radius over ball diameter, nut";
-        screw_conformity [""] Whole(|s| s.nut().conformity.1), "groove radius over ball diameter, screw";
-        loaded_balls_per_turn [""] Whole(|s| s.nut().balls_per_turn), "loaded balls per turn";
-        loaded_turns ["" "i"] Whole(|s| s.nut().turns), "loaded turns";
-        nut_outer_diameter_mm ["mm" "D_1"] Whole(|s| s.machine.body.outer / MM), "outer diameter of the nut";
-        nut_length_mm ["mm"] Whole(|s| s.machine.body.length / MM), "length of the nut";
-        screw_outer_diameter_mm ["mm" "d_1"] Whole(|s| s.machine.thread.screw.land / MM), "diameter of the land of the screw";
-        screw_core_diameter_mm ["mm" "d_2"] Whole(|s| s.machine.thread.screw.core / MM), "calculated core diameter of the screw";
-        dynamic_load_rating_N ["N" "C_a"] Whole(|s| s.machine.axis.dynamic_rating), "dynamic axial load rating";
-        static_load_rating_N ["N" "C_0a"] Whole(|s| s.machine.axis.static_rating.rating), "static axial load rating";
-        edge_load_N ["N"] Whole(|s| s.of_nut.number("edge_load_N")), "edge load, at which a contact ellipse reaches the end of its flank";
-        mass_kg ["kg"] Whole(|s| s.of_nut.number("mass_kg")), "mass of the nut";
-        preload_set_N ["N"] Whole(|s| Some(s.preload?.cold)), "cold preload";
-        warm_preload_N ["N" "F_pr"] Whole(|s| Some(s.preload?.warm)), "warm preload";
-        friction_coefficient ["" "mu"] Whole(|s| s.scene.friction_coefficient), "friction coefficient";
+        pitch_circle_diameter_mm = INPUTS Whole(|s| s.nut().pitch_diameter / MM);
+        lead_mm = INPUTS Whole(|s| s.nut().lead / MM);
+        lead_angle_deg = INPUTS Whole(|s| s.nut().lead_angle() / DEG);
+        ball_diameter_mm = INPUTS Whole(|s| s.nut().ball_diameter / MM);
+        contact_angle_deg = INPUTS Whole(|s| s.nut().contact_angle / DEG);
+        nut_conformity = INPUTS Whole(|s| s.nut().conformity.0);
+        screw_conformity = INPUTS Whole(|s| s.nut().conformity.1);
+        loaded_balls_per_turn = INPUTS Whole(|s| s.nut().balls_per_turn);
+        loaded_turns = INPUTS Whole(|s| s.nut().turns);
+        nut_outer_diameter_mm = INPUTS Whole(|s| s.machine.body.outer / MM);
+        nut_length_mm = INPUTS Whole(|s| s.machine.body.length / MM);
+        screw_outer_diameter_mm = INPUTS Whole(|s| s.machine.thread.screw.land / MM);
+        screw_core_diameter_mm = RATINGS Whole(|s| s.machine.thread.screw.core / MM);
+        dynamic_load_rating_N = RATINGS Whole(|s| s.machine.axis.dynamic_rating);
+        static_load_rating_N = RATINGS Whole(|s| s.machine.axis.static_rating.rating);
+        edge_load_N = RATINGS Whole(|s| s.of_nut.number("edge_load_N"));
+        mass_kg = RATINGS Whole(|s| s.of_nut.number("mass_kg"));
+        preload_set_N = NUT Whole(|s| Some(s.preload?.cold));
+        warm_preload_N = NUT Whole(|s| Some(s.preload?.warm));
+        friction_coefficient = INPUTS Whole(|s| s.scene.friction_coefficient);
     }
 }
 
@@ -211,7 +214,7 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
         "critical_speed_ratio",
         "buckling_safety",
         "static_safety_factor",
-        "axis_rigidity_N_um",
+        "axis_stiffness_N_um",
         "peak_motor_torque_Nm",
         "screw_efficiency",
         "mean_heat_W",
@@ -230,7 +233,7 @@ const NOT_MODELLED: [&str; 6] = [
     "temperatures of nut, screw and balls: their rises are inputs, which the preload follows; axis_heat_transfer_W_K gives the growth of the screw alone",
     "vibration of the axis, its control, and shocks: multiply the loads by the factor of your machine",
     "bending of the screw by its weight, and of the frame; misalignment unless it is given",
-    "brackets of motor and bearings beyond housing_rigidity_N_um",
+    "brackets of motor and bearings beyond housing_stiffness_N_um",
 ];
 
 /// The torque of a phase.
@@ -390,7 +393,7 @@ impl AxisReport {
     /// [`CaseError`] if an input is missing or breaks its rule.
     pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
         let worked = Worked::of(scene, settings)?;
-        let of_nut = ratings(&at_largest(scene, &worked.machine.axis), None)?;
+        let of_nut = ratings(&at_largest(scene, &worked.machine.axis))?;
         let mut warnings = of_nut.warnings.clone();
         warnings.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
         if let Some(why @ CaseError::Nut(_)) = &worked.no_nut {
@@ -544,7 +547,8 @@ impl<'a> Worked<'a> {
     fn static_safety(&self) -> f64 {
         let axis = self.axis();
         let stated = axis.static_rating.rating / axis.nut.static_rating().rating;
-        let of_balls = self.of_nut("static_safety").map_or(f64::INFINITY, |safety| safety * stated);
+        let of_balls =
+            self.of_nut("static_safety_by_balls").map_or(f64::INFINITY, |safety| safety * stated);
         axis.static_safety().min(of_balls)
     }
 
@@ -562,11 +566,12 @@ impl<'a> Worked<'a> {
 
     /// Rigidity of screw, nut, bearings and housings in series \[N/m\].
     fn stiffness(&self) -> Option<f64> {
-        let Scene { support_bearing_rigidity_N_um, housing_rigidity_N_um, .. } = self.scene;
-        let others = [*support_bearing_rigidity_N_um, *housing_rigidity_N_um].into_iter().flatten();
+        let Scene { support_bearing_stiffness_N_um, housing_stiffness_N_um, .. } = self.scene;
+        let others =
+            [*support_bearing_stiffness_N_um, *housing_stiffness_N_um].into_iter().flatten();
         let (screw, nut) =
             (self.shaft()?.least_stiffness(), self.of_nut("nut_stiffness_N_um")? / UM);
-        Some(others.map(|rigidity| rigidity / UM).fold(in_series(screw, nut), in_series))
+        Some(others.map(|stiffness| stiffness / UM).fold(in_series(screw, nut), in_series))
     }
 
     /// The largest size of a number of all phases.
@@ -688,7 +693,7 @@ fn life_by_balls(scene: &Scene, settings: &Settings, axis: &Axis) -> Option<f64>
         let moves = phase.speed != 0.0 && (phase.load != 0.0 || is_preloaded(scene));
         if moves {
             let nut = nut_at(scene, settings, phase.load, phase.speed).ok()?;
-            let ours = nut.number("life_revolutions")?;
+            let ours = nut.number("life_by_balls_revolutions")?;
             let rated = nut.number("iso_life_revolutions")?;
             // The ratio is of the model, the rating may be of the maker.
             let preload = nut.number("warm_preload_N").filter(|_| is_preloaded(scene));

@@ -8,13 +8,16 @@ use bsm_design::{
 use bsm_dyn::{Direction, ModelWorkspace};
 use serde_json::json;
 
+use super::axis::QUANTITIES as AXIS;
+use super::ratings::QUANTITIES as RATINGS;
 use crate::answers::axis::quick_efficiency;
 use crate::answers::optimum::hard_to_make;
 use crate::vocabulary::number::trimmed;
+use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM};
 use crate::{
-    Answer, AxisReport, Catalogue, Column, Content, Criterion, Output, RequirementFile, Scene,
-    Settings, Table, sheet_columns,
+    Answer, AxisReport, Catalogue, Column, Content, Criterion, INPUTS, Output, REQUIREMENT_INPUTS,
+    RequirementFile, Scene, Settings, Table, sheet_columns,
 };
 
 /// A number of the procedure: step, what it is, value and requirement in words, and whether it
@@ -80,7 +83,7 @@ impl DesignReport {
     fn from_outcome(wish: &RequirementFile, outcome: Outcome) -> Self {
         let (design, reasons, found): (_, Vec<String>, _) = match outcome {
             Outcome::Found { design, active, refused } => {
-                let mut names: Vec<_> = active.into_iter().map(|q| label(q).0).collect();
+                let mut names: Vec<_> = active.into_iter().map(|q| step(q).name).collect();
                 names.extend(refused);
                 let mut seen = Vec::new();
                 names.retain(|name| {
@@ -245,7 +248,7 @@ fn accepted(wish: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static str>> 
         let efficiency = |_: &Nut, _: &Phase| sheet.number(EFFICIENCY);
         let design = Design::of(&wish.requirement, *nut, Some(&efficiency));
         let failing = design.checks.iter().filter(|check| !check.passes());
-        broken.extend(failing.map(|check| label(check.quantity).0));
+        broken.extend(failing.map(|check| step(check.quantity).name));
     }
     if broken.is_empty() { Ok(()) } else { Err(broken) }
 }
@@ -280,46 +283,50 @@ fn scene(wish: &RequirementFile, nut: &Nut, load: f64) -> Scene {
     }
 }
 
-/// Name, unit and factor to SI.
-fn label(quantity: Quantity) -> (&'static str, &'static str, f64) {
-    match quantity {
-        Quantity::LeadAngle => ("lead_angle_deg", "deg", DEG),
-        Quantity::BestContactAngle => ("optimum_contact_angle_deg", "deg", DEG),
-        Quantity::ContactAngle => ("contact_angle_deg", "deg", DEG),
-        Quantity::ScrewLength => ("screw_length_mm", "mm", MM),
-        Quantity::RadiusOverLength => ("pitch_radius_over_length", "", 1.0),
-        Quantity::PitchDiameter => ("pitch_circle_diameter_mm", "mm", MM),
-        Quantity::BallOverRadius => ("ball_radius_over_pitch_radius", "", 1.0),
-        Quantity::BallOverLead => ("ball_diameter_over_lead", "", 1.0),
-        Quantity::BallOverGroove => ("ball_radius_over_groove_radius", "", 1.0),
-        Quantity::Conformity => ("conformity", "", 1.0),
-        Quantity::Turns => ("loaded_turns", "", 1.0),
-        Quantity::LargestLoad => ("largest_load_N", "N", 1.0),
-        Quantity::NormalLoad => ("normal_load_per_ball_N", "N", 1.0),
-        Quantity::Lead => ("lead_mm", "mm", MM),
-        Quantity::Stroke => ("stroke_mm", "mm", MM),
-        Quantity::StrokeTurns => ("turns_for_stroke", "", 1.0),
-        Quantity::Advance => ("advance_mm_s", "mm/s", MM),
-        Quantity::SpeedNumber => ("cycle_speed_number_mm_min", "mm/min", MM * RPM),
-        Quantity::NutPressure => ("nut_nominal_pressure_MPa", "MPa", MPA),
-        Quantity::ScrewPressure => ("screw_nominal_pressure_MPa", "MPa", MPA),
-        Quantity::EllipseEnd => ("contact_ellipse_end_deg", "deg", DEG),
-        Quantity::Efficiency => (EFFICIENCY, "", 1.0),
-        Quantity::InputPower => ("screw_input_power_W", "W", 1.0),
-        Quantity::OutputPower => ("screw_output_power_W", "W", 1.0),
-        Quantity::DynamicRating => ("dynamic_load_rating_N", "N", 1.0),
-        Quantity::EquivalentLoad => ("equivalent_load_N", "N", 1.0),
-        Quantity::Life => ("cycle_life_h", "h", 3600.0),
-        Quantity::StaticSafety => ("static_safety_factor", "", 1.0),
-        Quantity::Preload => ("preload_N", "N", 1.0),
-        Quantity::CriticalSpeedRatio => ("critical_speed_ratio", "", 1.0),
-        Quantity::BucklingSafety => ("buckling_safety", "", 1.0),
-        Quantity::Mass => ("mass_of_nut_and_screw_kg", "kg", 1.0),
+quantities! { pub(crate) STEPS, in_units(&f64);
+    "steps of a design" {
+        lead_angle_deg = INPUTS Whole(|x| x / DEG);
+        optimum_contact_angle_deg ["deg"] Whole(|x| x / DEG), "contact angle of best efficiency";
+        contact_angle_deg = INPUTS Whole(|x| x / DEG);
+        screw_length_mm = REQUIREMENT_INPUTS Whole(|x| x / MM);
+        pitch_radius_over_length [""] Whole(|x| *x), "pitch radius over length of the screw";
+        pitch_circle_diameter_mm = INPUTS Whole(|x| x / MM);
+        ball_radius_over_pitch_radius [""] Whole(|x| *x), "ball radius over pitch radius";
+        ball_diameter_over_lead [""] Whole(|x| *x), "ball diameter over lead";
+        ball_radius_over_groove_radius [""] Whole(|x| *x), "ball radius over groove radius";
+        nut_conformity = INPUTS Whole(|x| *x);
+        loaded_turns = INPUTS Whole(|x| *x);
+        largest_load_N = AXIS Whole(|x| *x);
+        normal_load_per_ball_N ["N" "Q"] Whole(|x| *x), "normal load of a ball if all share the load equally";
+        lead_mm = INPUTS Whole(|x| x / MM);
+        stroke_mm = INPUTS Whole(|x| x / MM);
+        turns_for_stroke [""] Whole(|x| *x), "turns of the screw for the stroke";
+        advance_mm_s ["mm/s"] Whole(|x| x / MM), "speed of the nut along the screw";
+        largest_speed_number_mm_min = AXIS Whole(|x| x / (MM * RPM));
+        nut_nominal_pressure_MPa ["MPa"] Whole(|x| x / MPA), "largest pressure at the nut if all balls share the load equally";
+        screw_nominal_pressure_MPa ["MPa"] Whole(|x| x / MPA), "largest pressure at the screw if all balls share the load equally";
+        contact_ellipse_end_deg ["deg"] Whole(|x| x / DEG), "angle to which the contact ellipse reaches along the groove";
+        screw_efficiency = AXIS Whole(|x| *x);
+        screw_input_power_W ["W"] Whole(|x| *x), "input power of the screw";
+        screw_output_power_W ["W"] Whole(|x| *x), "output power of the screw";
+        dynamic_load_rating_N = RATINGS Whole(|x| *x);
+        equivalent_load_N = AXIS Whole(|x| *x);
+        cycle_life_h = AXIS Whole(|x| x / 3600.0);
+        static_safety_factor = AXIS Whole(|x| *x);
+        preload_N = INPUTS Whole(|x| *x);
+        critical_speed_ratio = AXIS Whole(|x| *x);
+        buckling_safety = AXIS Whole(|x| *x);
+        mass_of_nut_and_screw_kg ["kg"] Whole(|x| *x), "mass of nut and screw";
     }
 }
 
+/// What a number of a design is called.
+fn step(quantity: Quantity) -> &'static crate::Quantity {
+    &STEPS[quantity as usize]
+}
+
 fn row(check: &Check) -> DesignRow {
-    let (name, unit, _) = label(check.quantity);
+    let crate::Quantity { name, unit, .. } = *step(check.quantity);
     DesignRow {
         step: check.step,
         name,
@@ -356,7 +363,8 @@ fn breaks(rule: &Criterion) -> String {
 }
 
 fn in_unit(check: &Check, value: f64) -> f64 {
-    value / label(check.quantity).2
+    let name = step(check.quantity).name;
+    in_units(&value, |quantity| quantity.name == name).number(name).unwrap_or(f64::NAN)
 }
 
 fn required(check: &Check) -> Option<String> {
@@ -371,7 +379,7 @@ fn required(check: &Check) -> Option<String> {
 
 /// A limit that blocks, by how much, and why.
 fn blocks(ActiveLimit { check, why }: &ActiveLimit) -> String {
-    let (name, unit, _) = label(check.quantity);
+    let crate::Quantity { name, unit, .. } = *step(check.quantity);
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
     let number = |value: f64| format!("{}{unit}", trimmed(in_unit(check, value)));
     let rule = format!("{name} must be {}{unit}", required(check).unwrap_or_default());
@@ -392,5 +400,27 @@ fn blocks(ActiveLimit { check, why }: &ActiveLimit) -> String {
             "{rule}: the nearest screw with whole numbers of standard balls has {}; only fractions of balls would do",
             number(check.value)
         ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The table is in the order of the numbers of a design, of which the last is the mass.
+    #[test]
+    fn steps_are_in_their_order() {
+        assert_eq!(STEPS.len(), Quantity::Mass as usize + 1);
+        let names = [
+            (Quantity::LeadAngle, "lead_angle_deg"),
+            (Quantity::Conformity, "nut_conformity"),
+            (Quantity::SpeedNumber, "largest_speed_number_mm_min"),
+            (Quantity::EllipseEnd, "contact_ellipse_end_deg"),
+            (Quantity::Life, "cycle_life_h"),
+            (Quantity::Mass, "mass_of_nut_and_screw_kg"),
+        ];
+        for (quantity, name) in names {
+            assert_eq!(step(quantity).name, name);
+        }
     }
 }

@@ -85,7 +85,7 @@ const RIGIDITY_AT: f64 = 0.3;
 const RATED: [[&str; 3]; 3] = [
     ["dynamic_load_rating_N", "our_dynamic_load_rating_N", "dynamic_load_rating_N"],
     ["static_load_rating_N", "our_static_load_rating_N", "static_load_rating_N"],
-    ["rigidity_N_um", "our_rigidity_N_um", "secant_rigidity_N_um"],
+    ["rigidity_N_um", "our_rigidity_N_um", "single_nut_secant_stiffness_N_um"],
 ];
 
 /// A nut of a maker beside ours.
@@ -122,7 +122,7 @@ impl MakerRow {
     fn of(nut: &MakerNut, wish: Option<&RequirementFile>) -> Result<Self, CaseError> {
         let mut at = nut.scene.clone();
         at.axial_load_N = at.rated_dynamic_load_N.map(|rating| RIGIDITY_AT * rating);
-        let ours = ratings(&at, None)?;
+        let ours = ratings(&at)?;
         let mut numbers = Vec::new();
         let [dynamic, rated] = [nut.scene.rated_dynamic_load_N, nut.scene.rated_static_load_N];
         for ([name, our, same], unit, makers) in

@@ -114,34 +114,34 @@ quantities! { pub(crate) QUANTITIES, read(&Loaded<'_>) of Nut;
         load_bound_N ["N"] Whole(|n| load_bound(n.problem, &n.state.made)), "bound of the largest load before solving (a guided nut)";
     }
     "stiffness along the axis" {
-        nut_stiffness_N_um ["N/um"] Whole(|n| Some(n.state.made.found.axial_stiffness(&n.problem.support) * UM)), "tangent at this load";
-        secant_stiffness_N_um ["N/um"] Whole(|n| secant(n.problem, &n.state.made).map(|k| k * UM)), "secant from no load";
-        equal_stiffness_N_um ["N/um"] Whole(|n| Some(equal(n.problem, &n.state.made)?.stiffness * UM)), "tangent if all balls shared the axial load equally, the bodies rigid";
-        rigidity_2_N_um ["N/um"] Whole(|n| stated(&n.state.made, 2.0)), "preload stiffness 2 F_p/delta_p, two nuts in parallel";
-        rigidity_2_83_N_um ["N/um"] Whole(|n| stated(&n.state.made, 2.0_f64.powf(1.5))), "preload stiffness 2^1.5 F_p/delta_p, secant to the limit load";
-        rigidity_3_N_um ["N/um"] Whole(|n| stated(&n.state.made, 3.0)), "preload stiffness 3 F_p/delta_p, tangent without load";
-        iso_rigidity_N_um ["N/um"] Whole(|n| Some(iso_rigidity(n.problem, n.state)? * UM)), "of ISO 3408-4: a pair at its preload, one nut as secant at its load";
-        usual_rigidity_N_um ["N/um"] Whole(|n| Some(USUAL * iso_rigidity(n.problem, n.state)? * UM)), "catalogue stiffness, 80 % of ISO 3408-4";
+        nut_stiffness_N_um ["N/um"] Whole(|n| Some(n.state.made.found.axial_stiffness(&n.problem.support) * UM)), "tangent stiffness of the nut at this load, all balls";
+        nut_secant_stiffness_N_um ["N/um"] Whole(|n| secant(n.problem, &n.state.made).map(|k| k * UM)), "secant stiffness of the nut from no load to this load, all balls";
+        nut_equal_stiffness_N_um ["N/um"] Whole(|n| Some(equal(n.problem, &n.state.made)?.stiffness * UM)), "tangent stiffness if all balls shared the axial load equally, the bodies rigid";
+        preload_stiffness_2_N_um ["N/um"] Whole(|n| stated(&n.state.made, 2.0)), "preload stiffness 2 F_pr/delta_pr: two nuts side by side";
+        preload_stiffness_2_83_N_um ["N/um"] Whole(|n| stated(&n.state.made, 2.0_f64.powf(1.5))), "preload stiffness 2^1.5 F_pr/delta_pr: secant to the limit load";
+        preload_stiffness_3_N_um ["N/um"] Whole(|n| stated(&n.state.made, 3.0)), "preload stiffness 3 F_pr/delta_pr: tangent without load";
+        iso_stiffness_N_um ["N/um" "R_nu"] Whole(|n| Some(iso_rigidity(n.problem, n.state)? * UM)), "stiffness by ISO 3408-4: a pair at its preload, one nut as secant at its load";
+        catalogue_stiffness_N_um ["N/um"] Whole(|n| Some(USUAL * iso_rigidity(n.problem, n.state)? * UM)), "0.8 of the stiffness by ISO 3408-4, the usual allowance of catalogues";
     }
     "preload" {
         preload_set_N ["N"] Whole(|n| Some(n.state.made.preload.as_ref()?.cold)), "cold preload, with no external load and no temperature rise";
-        warm_preload_N ["N"] Whole(|n| Some(n.state.made.preload.as_ref()?.warm)), "warm preload, with the temperature rises";
+        warm_preload_N ["N" "F_pr"] Whole(|n| Some(n.state.made.preload.as_ref()?.warm)), "warm preload, with the temperature rises";
         preload_approach_um ["um"] Whole(|n| Some(n.state.made.preload.as_ref()?.approach / UM)), "preload deflection of each nut, delta_p";
         preload_setting_um ["um"] Whole(|n| Some(n.state.made.preload.as_ref()?.setting / UM)), "offset of the pair (below 0 in O arrangement) or ball oversize that sets the preload";
         preload_left_N ["N"] Whole(|n| {
         let Set { by, .. } = n.state.made.preload.as_ref()?;
         Some(n.state.made.found.preload(&n.state.made.nut, *by))
     }), "remaining preload at this load";
-        limit_load_N ["N"] Whole(|n| limit_load(n.problem, &n.state.made)), "limit load, at which one nut is fully unloaded";
+        limit_load_N ["N" "F_lim"] Whole(|n| limit_load(n.problem, &n.state.made)), "limit load, at which the preload is lost: one side is fully unloaded";
     }
     "life and safety" {
-        life_revolutions [""] Whole(|n| lasting(n.state.made.found.life(&n.state.made.nut, &n.problem.ratings))), "life by the loads of all balls, revolutions";
+        life_by_balls_revolutions [""] Whole(|n| lasting(n.state.made.found.life(&n.state.made.nut, &n.problem.ratings))), "life by the loads of all balls, revolutions";
         iso_life_revolutions [""] Whole(|n| iso_life(n.problem, n.state)), "life by ISO 3408-5, revolutions";
         life_ratio [""] Whole(|n| {
         let ours = lasting(n.state.made.found.life(&n.state.made.nut, &n.problem.ratings))?;
         Some(ours / iso_life(n.problem, n.state)?)
     }), "life by all balls over that of ISO";
-        static_safety [""] Whole(|n| {
+        static_safety_by_balls [""] Whole(|n| {
         lasting(n.state.made.found.static_safety(&n.state.made.nut, n.problem.static_rating.rating))
     }), "static safety of the most loaded ball";
     }

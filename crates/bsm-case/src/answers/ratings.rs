@@ -13,7 +13,7 @@ use crate::answers::record::message;
 use crate::case::rated_nut::{body, nut, thread};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
-use crate::{Answer, CaseError, Catalogue, Content, InputKey, Numbers, Scene, Spectrum, exact};
+use crate::{Answer, CaseError, Catalogue, Content, INPUTS, InputKey, Numbers, Scene, exact};
 
 /// Title of what lies between the inputs and the ratings.
 pub(crate) const STEPS: &str = "steps";
@@ -24,37 +24,33 @@ quantities! { pub(crate) QUANTITIES, read(&Rated<'_>) of Ratings;
         static_load_rating_N ["N" "C_0a"] Whole(|r| r.static_rating.rating), "static axial load rating";
         edge_load_N ["N"] Whole(|r| r.edge_load),
             "edge load, at which a contact ellipse reaches the end of its flank";
-        rigidity_characteristic_N_um15 ["N/um^1.5" "k"] Whole(|r| r.elasticity.turn * 1e-9),
+        stiffness_characteristic_N_um15 ["N/um^1.5" "k"] Whole(|r| r.elasticity.turn * 1e-9),
             "stiffness characteristic of one turn";
         preload_displacement_um ["um"] Whole(|r| r.of_pair(|e| e.displacement(r.force) / UM)),
             "displacement of the contacts of a nut under the preload";
         contact_displacement_um ["um"] Whole(|r| r.displacement()) needs [axial_load_N],
             "axial displacement of the contacts under the axial load, of one nut or of the preloaded pair";
-        secant_contact_rigidity_N_um ["N/um"] Whole(|r| r.of_one(|e| e.secant(r.force) * UM)) needs [axial_load_N],
-            "secant stiffness of the contacts of one nut without preload";
-        tangent_contact_rigidity_N_um ["N/um"] Whole(|r| r.of_one(|e| e.tangent(r.force) * UM)) needs [axial_load_N],
-            "tangent stiffness of the contacts of one nut without preload";
-        preloaded_contact_rigidity_N_um ["N/um"] Whole(|r| r.of_pair(|e| e.preloaded(r.force) * UM)),
+        secant_contact_stiffness_N_um ["N/um"] Whole(|r| r.of_one(|e| e.secant(r.force) * UM)) needs [axial_load_N],
+            "stiffness of the contacts of one nut without preload, load over displacement";
+        tangent_contact_stiffness_N_um ["N/um"] Whole(|r| r.of_one(|e| e.tangent(r.force) * UM)) needs [axial_load_N],
+            "stiffness of the contacts of one nut without preload, for a small change of the load";
+        preloaded_contact_stiffness_N_um ["N/um"] Whole(|r| r.of_pair(|e| e.preloaded(r.force) * UM)),
             "stiffness of the contacts of a preloaded pair";
-        body_rigidity_N_um ["N/um"] Whole(|r| r.of_one(|e| e.body * UM)), "stiffness of the nut body";
-        preloaded_body_rigidity_N_um ["N/um"] Whole(|r| r.of_pair(|e| 2.0 * e.body * UM)),
+        body_stiffness_N_um ["N/um"] Whole(|r| r.of_one(|e| e.body * UM)), "stiffness of the body of a nut";
+        preloaded_body_stiffness_N_um ["N/um"] Whole(|r| r.of_pair(|e| 2.0 * e.body * UM)),
             "stiffness of the bodies of a preloaded pair";
-        secant_rigidity_N_um ["N/um"] Whole(|r| r.of_one(|e| in_series(e.secant(r.force), e.body) * UM)) needs [axial_load_N],
+        single_nut_secant_stiffness_N_um ["N/um"] Whole(|r| r.of_one(|e| in_series(e.secant(r.force), e.body) * UM)) needs [axial_load_N],
             "secant stiffness of one nut without preload, contacts and body";
-        tangent_rigidity_N_um ["N/um"] Whole(|r| r.of_one(|e| in_series(e.tangent(r.force), e.body) * UM)) needs [axial_load_N],
+        single_nut_tangent_stiffness_N_um ["N/um"] Whole(|r| r.of_one(|e| in_series(e.tangent(r.force), e.body) * UM)) needs [axial_load_N],
             "tangent stiffness of one nut without preload, contacts and body";
-        preloaded_rigidity_N_um ["N/um" "R_nu"] Whole(|r| r.of_pair(|e| e.preloaded_pair(r.force) * UM)),
+        preloaded_stiffness_N_um ["N/um" "R_nu"] Whole(|r| r.of_pair(|e| e.preloaded_pair(r.force) * UM)),
             "stiffness of a preloaded pair, contacts and bodies";
         rolling_efficiency [""] Whole(|r| r.nut.rolling_efficiency(r.lever())), "catalogue efficiency, rolling resistance without slip";
         mass_kg ["kg"] Whole(|r| r.body.mass(&r.nut, &r.thread)), "mass of the nut";
         permissible_speed_rpm ["rpm"] Whole(|r| speed_limit(r.scene) / r.pitch_mm()), "permissible speed, by the speed number limit";
         speed_number_mm_min ["mm/min" "n d_pw"] Whole(|r| Some(rpm(r.scene)? * r.pitch_mm())) needs [screw_speed_rpm], "speed number";
-        mean_load_N ["N" "F_m"] Whole(|r| Some(r.life.as_ref()?.mean_load)) needs [axial_load_N, screw_speed_rpm],
-            "equivalent load";
-        mean_speed_rpm ["rpm" "n_m"] Whole(|r| Some(r.life.as_ref()?.mean_speed / RPM)) needs [axial_load_N, screw_speed_rpm],
-            "equivalent speed";
         rating_life_revolutions ["" "L_10"] Whole(|r| Some(r.life.as_ref()?.revolutions)) needs [axial_load_N, screw_speed_rpm], "rating life";
-        life_h ["h" "L_10h"] Whole(|r| Some(r.life.as_ref()?.time / 3600.0)) needs [axial_load_N, screw_speed_rpm], "rating life";
+        rating_life_h ["h" "L_10h"] Whole(|r| Some(r.life.as_ref()?.time / 3600.0)) needs [axial_load_N, screw_speed_rpm], "rating life";
     }
     "thread" {
         ball_gap_mm ["mm"] Whole(|r| r.nut.ball_gap() / MM), "total ball clearance per turn";
@@ -67,9 +63,9 @@ quantities! { pub(crate) QUANTITIES, read(&Rated<'_>) of Ratings;
         screw_groove_offset_mm ["mm"] Whole(|r| r.thread.screw.offset / MM),
             "distance of the arc centres from the middle of the groove, screw";
         nut_core_diameter_mm ["mm"] Whole(|r| r.thread.nut.core / MM),
-            "calculated core diameter, at the bottom of the full arcs, nut";
-        screw_core_diameter_mm ["mm"] Whole(|r| r.thread.screw.core / MM),
-            "calculated core diameter, at the bottom of the full arcs, screw";
+            "calculated core diameter of the nut; at the bottom of the full arcs";
+        screw_core_diameter_mm ["mm" "d_2"] Whole(|r| r.thread.screw.core / MM),
+            "calculated core diameter of the screw; at the bottom of the full arcs";
         nut_root_diameter_mm ["mm"] Whole(|r| r.thread.nut.root / MM),
             "root diameter, where the two arcs meet, nut";
         screw_root_diameter_mm ["mm"] Whole(|r| r.thread.screw.root / MM),
@@ -103,19 +99,19 @@ quantities! { pub(crate) QUANTITIES, read(&Rated<'_>) of Ratings;
 
 quantities! { pub(crate) AS_USED, as_used(&Rated<'_>);
     "inputs as used" {
-        lead_angle_deg ["deg" "phi"] Whole(|r| r.nut.lead_angle() / DEG), "lead angle";
-        contact_angle_deg ["deg" "alpha"] Whole(|r| r.nut.contact_angle / DEG), "contact angle";
-        axial_play_um ["um"] Whole(|r| r.thread.play / UM), "axial play of one nut without preload";
-        nut_bore_mm ["mm"] Whole(|r| r.thread.nut.land / MM), "diameter of the land of the nut";
-        screw_outer_diameter_mm ["mm" "d_1"] Whole(|r| r.thread.screw.land / MM), "diameter of the land of the screw";
-        nut_outer_diameter_mm ["mm" "D_1"] Whole(|r| r.body.outer / MM), "outer diameter of the nut";
-        nut_length_mm ["mm"] Whole(|r| r.body.length / MM), "length of the nut";
-        preload_N ["N" "F_pr"] Whole(|r| r.preloaded.then_some(r.force)), "preload of the pair";
-        axial_load_N ["N" "F_a"] Whole(|r| r.scene.axial_load_N), "axial load";
+        lead_angle_deg = INPUTS Whole(|r| r.nut.lead_angle() / DEG);
+        contact_angle_deg = INPUTS Whole(|r| r.nut.contact_angle / DEG);
+        axial_play_um = INPUTS Whole(|r| r.thread.play / UM);
+        nut_bore_mm = INPUTS Whole(|r| r.thread.nut.land / MM);
+        screw_outer_diameter_mm = INPUTS Whole(|r| r.thread.screw.land / MM);
+        nut_outer_diameter_mm = INPUTS Whole(|r| r.body.outer / MM);
+        nut_length_mm = INPUTS Whole(|r| r.body.length / MM);
+        preload_N = INPUTS Whole(|r| r.preloaded.then_some(r.force));
+        axial_load_N = INPUTS Whole(|r| r.scene.axial_load_N);
     }
 }
 
-/// A nut that is rated: ratings, rigidity, thread, mass, life and efficiency.
+/// A nut that is rated: ratings, stiffness, thread, mass, life and efficiency.
 pub(crate) struct Rated<'a> {
     scene: &'a Scene,
     nut: Nut,
@@ -128,14 +124,14 @@ pub(crate) struct Rated<'a> {
     /// Preload of a pair, or the axial load of one nut \[N\].
     force: f64,
     preloaded: bool,
-    /// Under a spectrum, or else under axial load and speed of the scene.
+    /// Under axial load and speed of the scene.
     life: Option<Life>,
 }
 
 impl<'a> Rated<'a> {
     /// The nut of a scene: a pair of nuts under `preload_N`, or one nut under `axial_load_N`; a pair
     /// under 0.15 of the dynamic rating unless one of them is given.
-    fn of(scene: &'a Scene, spectrum: Option<&Spectrum>) -> Result<Self, CaseError> {
+    fn of(scene: &'a Scene) -> Result<Self, CaseError> {
         scene.check()?;
         let nut = nut(scene)?;
         let thread = thread(scene, &nut)?;
@@ -148,12 +144,9 @@ impl<'a> Rated<'a> {
         let elasticity =
             nut.elasticity(&body).map_err(|reason| CaseError::NotRated(message(&reason)))?;
         let edge_load = nut.edge_load(&thread, &elasticity.hertz);
-        let duty = match (spectrum, scene.axial_load_N, rpm(scene)) {
-            (Some(spectrum), ..) => spectrum.0.clone(),
-            (None, Some(load), Some(rpm)) => vec![Duty { load, speed: rpm * RPM, time: 1.0 }],
-            _ => Vec::new(),
-        };
-        let life = life(dynamic.rating, preloaded.then_some(force), &duty);
+        let duty = scene.axial_load_N.zip(rpm(scene));
+        let duty = duty.map(|(load, rpm)| Duty { load, speed: rpm * RPM, time: 1.0 });
+        let life = life(dynamic.rating, preloaded.then_some(force), duty.as_slice());
         let static_rating = nut.static_rating();
         Ok(Self {
             scene,
@@ -172,10 +165,10 @@ impl<'a> Rated<'a> {
 
     fn numbers(&self) -> Result<Numbers, CaseError> {
         let numbers = read(self, |_| true).finite()?;
-        // A load of a spectrum may leave no life that a number could tell.
+        // A load may leave no life that a number could tell.
         let lost = |life: &Life| life.revolutions <= 0.0 || life.time <= 0.0;
         if self.life.as_ref().is_some_and(lost) {
-            return Err(CaseError::BeyondDouble { output: "life_h" });
+            return Err(CaseError::BeyondDouble { output: "rating_life_h" });
         }
         Ok(numbers)
     }
@@ -208,10 +201,9 @@ impl<'a> Rated<'a> {
     }
 
     /// What makes the numbers doubtful, or the nut poor.
-    fn warnings(&self, spectrum: Option<&Spectrum>) -> Result<Vec<String>, CaseError> {
+    fn warnings(&self) -> Result<Vec<String>, CaseError> {
         let Self { scene, nut, thread, body, elasticity, dynamic, force, life, .. } = self;
-        let loads = spectrum.into_iter().flat_map(|s| s.0.iter().map(|duty| duty.load.abs()));
-        let load = scene.axial_load_N.into_iter().chain(loads).reduce(f64::max);
+        let load = scene.axial_load_N;
         let mut warnings = scene.warnings();
         warnings.extend(scene.load_of_the_mass());
         if self.preloaded && scene.has_rises() {
@@ -260,24 +252,24 @@ fn speed_limit(scene: &Scene) -> f64 {
 
 /// The numbers alone.
 pub(crate) fn numbers(scene: &Scene) -> Result<Numbers, CaseError> {
-    Rated::of(scene, None)?.numbers()
+    Rated::of(scene)?.numbers()
 }
 
 /// Ratings of the nut of a scene: a pair of nuts under `preload_N`, or one nut under
 /// `axial_load_N`; a pair under 0.15 of the dynamic rating unless one of them is given.
 ///
-/// Life is that under a spectrum, or else under axial load and speed of the scene.
+/// Life is that under axial load and speed of the scene; under a cycle it is a number of the axis.
 ///
 /// # Errors
 ///
 /// [`CaseError`] if an input is missing or breaks its rule, or the grooves leave no ellipse.
-pub fn ratings(scene: &Scene, spectrum: Option<&Spectrum>) -> Result<Answer, CaseError> {
-    let rated = Rated::of(scene, spectrum)?;
+pub fn ratings(scene: &Scene) -> Result<Answer, CaseError> {
+    let rated = Rated::of(scene)?;
     let [steps, numbers] = [true, false].map(|wanted| {
         rated.numbers().map(|all| all.part(|quantity| (quantity.title == STEPS) == wanted))
     });
     let numbers_of = |numbers| Content::numbers(numbers, "nut");
-    let answer = Answer { warnings: rated.warnings(spectrum)?, ..Answer::default() };
+    let answer = Answer { warnings: rated.warnings()?, ..Answer::default() };
     Ok(answer
         .with("", numbers_of(numbers?))
         .with("", numbers_of(as_used(&rated, |_| true)))

@@ -9,8 +9,8 @@ use serde_json::{Map, Value, json};
 
 use crate::vocabulary::units::{DEG, MM, MPA};
 use crate::{
-    Answer, CaseError, Cell, Column, Content, ModelChoice, OUTPUTS, Output, Scene, ScrewTorque,
-    Section, Sensitivity, Settings, Table,
+    Answer, CaseError, Column, Content, ModelChoice, OUTPUTS, Output, Scene, ScrewTorque, Section,
+    Sensitivity, Settings, Table,
 };
 
 /// Hertz pressure between ball and groove from which permanent marks are usual \[Pa\]; the static
@@ -29,10 +29,8 @@ pub struct Record {
 impl Record {
     /// Wraps the answer of a model; a number that overflows is an error.
     pub fn new(solution: Solution) -> Self {
-        let endless = |output: &&Output| {
-            let cell = output.read(&solution);
-            matches!(cell, Some(Cell::Number(x)) if !x.is_finite())
-        };
+        let endless =
+            |output: &&Output| output.read(&solution).is_some_and(|value| !value.is_finite());
         if let Some(output) = OUTPUTS.iter().find(endless) {
             let error = CaseError::BeyondDouble { output: output.name };
             return Self::invalid(ModelChoice::Fixed(solution.model), &error);
@@ -76,17 +74,14 @@ impl Record {
         self.status().name()
     }
 
-    /// The value of an output.
-    pub fn cell(&self, output: &Output) -> Option<Cell> {
+    /// The value of an output, see [`Output::read`].
+    pub fn value(&self, output: &Output) -> Option<f64> {
         output.read(self.solution.as_ref()?)
     }
 
     /// The value of a numeric output by name, if there is one.
     pub fn number(&self, name: &str) -> Option<f64> {
-        match self.cell(Output::named(name)?)? {
-            Cell::Number(value) => Some(value),
-            Cell::Count(_) | Cell::Flag(_) | Cell::Race(_) | Cell::Evidence(_) => None,
-        }
+        self.value(Output::named(name).filter(|output| output.json_type == "number")?)
     }
 
     /// True if the point is known to have other solutions.
@@ -298,14 +293,7 @@ impl Record {
         let unbounded = Some(self.unbounded()).filter(|names| !names.is_empty());
         map.insert("without_error_bound".to_owned(), json!(unbounded));
         for output in OUTPUTS {
-            let value = match self.cell(output) {
-                None => Value::Null,
-                Some(Cell::Number(x)) => json!(x),
-                Some(Cell::Count(n)) => json!(n),
-                Some(Cell::Flag(b)) => json!(b),
-                Some(Cell::Race(race)) => json!(race.name()),
-                Some(Cell::Evidence(evidence)) => json!(evidence.name()),
-            };
+            let value = self.value(output).map_or(Value::Null, |value| json_of(output, value));
             map.insert(output.name.to_owned(), value);
         }
         map
@@ -313,9 +301,8 @@ impl Record {
 
     /// What people see of it alone: model, status and reasons in words, then its numbers.
     pub fn shown(&self, scene: &Scene) -> Vec<Section> {
-        let cell = |name: &str| Output::named(name).and_then(|output| self.cell(output));
         let mut status = self.status_name().to_owned();
-        if let Some(Cell::Count(steps)) = cell("iterations") {
+        if let Some(steps) = self.solved().and_then(|solved| Some(solved.info?.steps)) {
             let is_rigid = self.model() == ModelChoice::from(Model::Rigid);
             let kind = if is_rigid { "sweeps" } else { "Newton steps" };
             status = format!("{status} in {steps} {kind}");
@@ -326,14 +313,10 @@ impl Record {
                 }
             }
         }
-        let race = match cell("controlling_race") {
-            Some(Cell::Race(race)) => Some(race.name().to_owned()),
-            _ => None,
-        };
-        let evidence = match cell("evidence") {
-            Some(Cell::Evidence(evidence)) => Some(evidence.to_string()),
-            _ => None,
-        };
+        let race = self.solved().and_then(|solved| solved.control);
+        let race = race.map(|control| format!("the {} controls", control.race.name()));
+        let evidence = self.solution.as_ref().and_then(Solution::evidence);
+        let evidence = evidence.map(|evidence| evidence.to_string());
         let words = [
             ("model ", Some(self.model().name().to_owned())),
             ("chosen", self.choice()),
@@ -403,6 +386,17 @@ impl Record {
             answer = answer.with("sensitivities", Content::Table(Sensitivity::table(rows)));
         }
         answer
+    }
+}
+
+/// A value of an output in JSON.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts")]
+fn json_of(output: &Output, value: f64) -> Value {
+    match output.json_type {
+        "integer" => json!(value as u64),
+        "boolean" => json!(value > 0.5),
+        "string" => json!(output.word(value)),
+        _ => json!(value),
     }
 }
 

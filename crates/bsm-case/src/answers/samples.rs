@@ -14,7 +14,7 @@ const SAMPLED: [&str; 6] = [
     "unloaded_balls",
     "max_pressure_MPa",
     "nut_stiffness_N_um",
-    "life_revolutions",
+    "life_by_balls_revolutions",
 ];
 
 /// Samples at most.

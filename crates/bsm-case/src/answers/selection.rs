@@ -3,58 +3,171 @@
 use std::collections::BTreeMap;
 
 use bsm_design::Candidate;
-use serde_json::json;
+use serde_json::{Map, Value, json};
 
+use super::ratings::QUANTITIES as RATINGS;
+use crate::case::catalogue::LISTS;
+use crate::vocabulary::answer::numbers_json;
 use crate::vocabulary::number::number;
+use crate::vocabulary::quantity::quantities;
+use crate::vocabulary::units::{DEG, GPA, MM, UM};
 use crate::{
-    Answer, Asked, CATALOGUE_COLUMNS, CaseError, Catalogue, CatalogueColumn, Column, Condition,
-    Content, Output, RequirementFile, Table, sheet_columns,
+    Answer, Asked, CaseError, Catalogue, Column, Content, DesignReport, INPUTS, Known, Output,
+    RequirementFile, Table, nearest, sheet_columns,
 };
 
-/// A column of a list of nuts.
+quantities! {
+    /// The columns of a list of nuts; those titled "shown" fit a screen.
+    pub CATALOGUE, read(&Candidate);
+    "shown" {
+        nominal_diameter_mm = LISTS Whole(|c| c.size.diameter / MM);
+        lead_mm = INPUTS Whole(|c| c.nut.lead / MM);
+        ball_diameter_mm = INPUTS Whole(|c| c.nut.ball_diameter / MM);
+        loaded_turns = INPUTS Whole(|c| c.nut.turns);
+        nut_conformity = INPUTS Whole(|c| c.nut.conformity.0);
+    }
+    "in files" {
+        screw_conformity = INPUTS Whole(|c| c.nut.conformity.1);
+        contact_angle_deg = INPUTS Whole(|c| c.nut.contact_angle / DEG);
+        pitch_circle_diameter_mm = INPUTS Whole(|c| c.nut.pitch_diameter / MM);
+        loaded_balls_per_turn = INPUTS Whole(|c| c.nut.balls_per_turn);
+    }
+    "shown" {
+        dynamic_load_rating_N = RATINGS Whole(|c| c.dynamic_rating);
+        static_load_rating_N = RATINGS Whole(|c| c.static_rating);
+    }
+    "in files" {
+        edge_load_N = RATINGS Whole(|c| c.edge_load);
+        stiffness_characteristic_N_um15 = RATINGS Whole(|c| c.elasticity.turn * 1e-9);
+        preload_N = INPUTS Whole(|c| c.preload);
+        preloaded_contact_stiffness_N_um = RATINGS Whole(|c| c.elasticity.preloaded(c.preload) * UM);
+        preloaded_body_stiffness_N_um = RATINGS Whole(|c| 2.0 * c.elasticity.body * UM);
+    }
+    "shown" {
+        preloaded_stiffness_N_um = RATINGS Whole(|c| c.rigidity * UM);
+    }
+    "in files" {
+        nut_outer_diameter_mm = INPUTS Whole(|c| c.body.outer / MM);
+        nut_length_mm = INPUTS Whole(|c| c.body.length / MM);
+    }
+    "shown" {
+        mass_kg = RATINGS Whole(|c| c.mass);
+        rolling_efficiency = RATINGS Whole(|c| c.efficiency);
+    }
+    "in files" {
+        ball_gap_mm = RATINGS Whole(|c| c.nut.ball_gap() / MM);
+        axial_play_um = INPUTS Whole(|c| c.thread.play / UM);
+        nut_groove_radius_mm = RATINGS Whole(|c| c.thread.nut.radius / MM);
+        screw_groove_radius_mm = RATINGS Whole(|c| c.thread.screw.radius / MM);
+        nut_groove_offset_mm = RATINGS Whole(|c| c.thread.nut.offset / MM);
+        screw_groove_offset_mm = RATINGS Whole(|c| c.thread.screw.offset / MM);
+        nut_core_diameter_mm = RATINGS Whole(|c| c.thread.nut.core / MM);
+        screw_core_diameter_mm = RATINGS Whole(|c| c.thread.screw.core / MM);
+        nut_root_diameter_mm = RATINGS Whole(|c| c.thread.nut.root / MM);
+        screw_root_diameter_mm = RATINGS Whole(|c| c.thread.screw.root / MM);
+        nut_bore_mm = INPUTS Whole(|c| c.thread.nut.land / MM);
+        screw_outer_diameter_mm = INPUTS Whole(|c| c.thread.screw.land / MM);
+    }
+}
+
+/// A column of a list of nuts: of [`CATALOGUE`], or of the sheet in the axis of a requirement.
 #[derive(Debug, Clone, Copy)]
-pub enum ListColumn {
-    /// Of the nut.
-    Nut(&'static CatalogueColumn),
-    /// Of its sheet in the axis of a requirement, by its place there.
-    Sheet(usize, &'static Output),
+pub struct ListColumn {
+    place: usize,
+    /// Name, unit and meaning.
+    pub output: &'static Output,
 }
 
 impl ListColumn {
     /// All of them, those of sheets if there are any.
     pub fn all(has_sheets: bool) -> Vec<Self> {
-        let of_sheets = sheet_columns().enumerate().filter(|_| has_sheets);
-        let of_sheets = of_sheets.map(|(place, column)| Self::Sheet(place, column));
-        CATALOGUE_COLUMNS.iter().map(Self::Nut).chain(of_sheets).collect()
+        let of_nut = CATALOGUE.iter().flat_map(|quantity| quantity.columns);
+        let all = of_nut.chain(sheet_columns().filter(|_| has_sheets));
+        all.enumerate().map(|(place, output)| Self { place, output }).collect()
     }
 
     fn named(name: &str, has_sheets: bool) -> Result<Self, CaseError> {
-        let is_its = |column: &Self| matches!(column, Self::Sheet(_, c) if c.name == name);
-        let of_sheet = Self::all(has_sheets).into_iter().find(is_its);
-        of_sheet.map_or_else(|| CatalogueColumn::named(name).map(Self::Nut), Ok)
+        let all = Self::all(has_sheets);
+        all.iter().copied().find(|column| column.output.name == name).ok_or_else(|| {
+            let names = all.iter().map(|column| column.output.name);
+            CaseError::unknown(Known::Column, name, nearest(name, names))
+        })
     }
 
-    /// Its name and unit.
-    pub fn head(&self) -> (&'static str, &'static str) {
-        match self {
-            Self::Nut(column) => (column.name, column.unit),
-            Self::Sheet(_, column) => (column.name, column.unit),
-        }
+    /// True if it is of the sheet.
+    pub fn is_of_sheet(&self) -> bool {
+        self.place >= CATALOGUE.len()
+    }
+
+    /// True if a screen has room for it.
+    fn is_shown(&self) -> bool {
+        CATALOGUE.get(self.place).is_none_or(|quantity| quantity.title == "shown")
     }
 
     fn read(&self, nut: &Candidate, sheet: &[f64]) -> f64 {
-        match self {
-            Self::Nut(column) => (column.read)(nut),
-            Self::Sheet(place, _) => sheet[*place],
+        match self.place.checked_sub(CATALOGUE.len()) {
+            Some(place) => sheet[place],
+            None => read(nut, |quantity| quantity.name == self.output.name)
+                .number(self.output.name)
+                .unwrap_or(f64::NAN),
         }
     }
+}
+
+/// A condition on a column.
+#[derive(Debug, Clone)]
+pub struct Condition {
+    text: String,
+    column: ListColumn,
+    asked: Asked,
+}
+
+impl Condition {
+    /// Parses a condition, see [`Asked::parse`].
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for another form, an unknown column or no number.
+    pub fn parse(text: &str, has_sheets: bool) -> Result<Self, CaseError> {
+        let asked = Asked::parse(text)?;
+        Ok(Self {
+            text: text.to_owned(),
+            column: ListColumn::named(&asked.name, has_sheets)?,
+            asked,
+        })
+    }
+
+    /// True if a nut meets it.
+    ///
+    /// * `sheet`: its numbers in the axis of a requirement.
+    pub fn is_met(&self, nut: &Candidate, sheet: &[f64]) -> bool {
+        self.asked.is_met(self.column.read(nut, sheet))
+    }
+}
+
+/// A nut as JSON object with the names of the columns.
+pub fn candidate_json(candidate: &Candidate) -> Map<String, Value> {
+    numbers_json(&read(candidate, |_| true))
+}
+
+/// A nut as the scene of every other command: with a requirement at its operating point.
+pub fn candidate_scene(candidate: &Candidate, wish: Option<&RequirementFile>) -> Value {
+    if let Some(wish) = wish {
+        return wish.scene_of(&candidate.nut).to_json();
+    }
+    let mut nut = candidate_json(candidate);
+    nut.retain(|name, _| INPUTS.iter().any(|input| input.name == name));
+    let races = candidate.nut.material.0;
+    nut.insert("youngs_modulus_GPa".to_owned(), json!(races.youngs_modulus / GPA));
+    nut.insert("poisson_ratio".to_owned(), json!(races.poisson_ratio));
+    Value::Object(nut)
 }
 
 /// What is asked of nuts besides a requirement, and their order.
 #[derive(Debug, Clone, Default)]
 pub struct Wanted {
-    of_nut: Vec<(String, Condition)>,
-    of_sheet: Vec<(usize, Asked)>,
+    of_nut: Vec<Condition>,
+    of_sheet: Vec<Condition>,
     order: Option<(ListColumn, bool)>,
     pareto: bool,
 }
@@ -70,11 +183,9 @@ impl Wanted {
     pub fn new(conditions: &[String], has_sheets: bool, pareto: bool) -> Result<Self, CaseError> {
         let mut wanted = Self { pareto, ..Self::default() };
         for text in conditions {
-            let asked = Asked::parse(text)?;
-            match ListColumn::named(&asked.name, has_sheets)? {
-                ListColumn::Sheet(place, _) => wanted.of_sheet.push((place, asked)),
-                ListColumn::Nut(_) => wanted.of_nut.push((text.clone(), Condition::on(asked)?)),
-            }
+            let condition = Condition::parse(text, has_sheets)?;
+            let is_of_sheet = condition.column.is_of_sheet();
+            if is_of_sheet { &mut wanted.of_sheet } else { &mut wanted.of_nut }.push(condition);
         }
         Ok(wanted)
     }
@@ -101,7 +212,7 @@ impl Wanted {
         };
         let all = catalogue.places();
         let keeps = |nut: &Candidate| wish.is_none_or(|wish| wish.is_kept_by(&nut.nut));
-        let meets = |nut: &Candidate| self.of_nut.iter().all(|(_, r)| r.is_met(nut)) && keeps(nut);
+        let meets = |nut: &Candidate| self.of_nut.iter().all(|c| c.is_met(nut, &[])) && keeps(nut);
         let within = catalogue.map(&all, |place, nut| meets(nut).then_some(place));
         let mut list = NutList {
             has_sheets: wish.is_some(),
@@ -109,27 +220,42 @@ impl Wanted {
             chosen: within.clone(),
             within,
             sheets: BTreeMap::new(),
-            why: None,
+            why: Vec::new(),
             catalogue,
         };
         if list.within.is_empty() {
-            list.why = Some(match wish {
-                _ if all.is_empty() => NO_COMBINATION.to_owned(),
-                Some(_) if self.of_nut.is_empty() => NO_NUT.to_owned(),
+            list.why = match wish {
+                _ if all.is_empty() => vec![NO_COMBINATION.to_owned()],
+                Some(wish) if self.of_nut.is_empty() => blocks(wish, &list.catalogue),
                 _ => self.nearest(&list.catalogue, &all),
-            });
+            };
             return list;
         }
         if let Some(wish) = wish {
-            let sheet = |place, nut: &Candidate| Some((place, wish.sheet_of(&nut.nut)?));
-            list.sheets.extend(list.catalogue.map(&list.within, sheet));
-            let kept =
-                |sheet: &Vec<f64>| self.of_sheet.iter().all(|(i, asked)| asked.is_met(sheet[*i]));
-            list.within.retain(|place| list.sheets.get(place).is_some_and(kept));
-            if list.within.is_empty() {
-                let words = if list.sheets.is_empty() { NO_SHEET } else { NOT_ASKED };
-                list.why = Some(words.to_owned());
+            let sheet = |place, nut: &Candidate| Some((place, *nut, wish.sheet_of(&nut.nut)?));
+            let sheets = list.catalogue.map(&list.within, sheet);
+            let asked =
+                |nut: &Candidate, sheet: &[f64]| self.of_sheet.iter().all(|c| c.is_met(nut, sheet));
+            list.within = sheets
+                .iter()
+                .filter(|(_, nut, sheet)| asked(nut, sheet))
+                .map(|(place, ..)| *place)
+                .collect();
+            if list.within.is_empty() && sheets.is_empty() {
+                list.why = blocks(wish, &list.catalogue);
+            } else if list.within.is_empty() {
+                let near = |condition: &Condition| {
+                    let values: Vec<_> = sheets
+                        .iter()
+                        .map(|(_, nut, sheet)| condition.column.read(nut, sheet))
+                        .collect();
+                    let value =
+                        condition.asked.nearest_of(&values).map_or_else(String::new, number);
+                    format!("{}: the nearest of {} nuts has {value}", condition.text, values.len())
+                };
+                list.why = self.of_sheet.iter().map(near).collect();
             }
+            list.sheets = sheets.into_iter().map(|(place, _, sheet)| (place, sheet)).collect();
         }
         list.chosen =
             if self.pareto { list.catalogue.pareto(&list.within) } else { list.within.clone() };
@@ -145,33 +271,41 @@ impl Wanted {
         list
     }
 
-    /// Why no nut was found, condition by condition.
-    fn nearest(&self, catalogue: &Catalogue, all: &[u32]) -> String {
-        let without = |(i, (name, condition)): (usize, &(String, Condition))| {
+    /// Why there is none, condition by condition.
+    fn nearest(&self, catalogue: &Catalogue, all: &[u32]) -> Vec<String> {
+        let without = |(i, condition): (usize, &Condition)| {
             let others = |nut: &Candidate| {
-                self.of_nut.iter().enumerate().all(|(j, (_, r))| j == i || r.is_met(nut))
+                self.of_nut.iter().enumerate().all(|(j, c)| j == i || c.is_met(nut, &[]))
             };
-            let read = condition.column().read;
+            let read = |nut: &Candidate| condition.column.read(nut, &[]);
             let rest = catalogue.map(all, |_, nut| others(nut).then(|| read(nut)));
-            match condition.nearest_of(&rest) {
+            let text = &condition.text;
+            match condition.asked.nearest_of(&rest) {
                 Some(value) => {
                     let (nuts, value) = (rest.len(), number(value));
-                    format!("\n  without {name}: {nuts} nuts, of which the nearest has {value}")
+                    format!("without {text}: {nuts} nuts, of which the nearest has {value}")
                 }
-                None => format!("\n  without {name}: no nut either"),
+                None => format!("without {text}: no nut either"),
             }
         };
-        let reasons: String = self.of_nut.iter().enumerate().map(without).collect();
-        format!("none of {} nuts within the limits meets all requirements{reasons}", all.len())
+        let count = format!("none of {} nuts within the limits meets all conditions", all.len());
+        let reasons = self.of_nut.iter().enumerate().map(without);
+        std::iter::once(count).chain(reasons).collect()
     }
 }
 
-const NO_COMBINATION: &str = "no combination of the lists is within the limits: turns_range, conformity_range, \
+/// The limits of a requirement that no nut of the lists keeps.
+fn blocks(wish: &RequirementFile, catalogue: &Catalogue) -> Vec<String> {
+    match DesignReport::standard(wish, catalogue) {
+        Some(report) => report.reasons,
+        None => vec![NO_SIZE.to_owned()],
+    }
+}
+
+const NO_COMBINATION: &str = "no combination of the lists is within the limits: turns_range, nut_conformity_range, \
                               largest_ball_over_lead, largest_ball_over_screw_root; or the lands hold no ball";
-const NO_NUT: &str =
-    "no nut meets all limits of the requirement, which says alone, without a list, what blocks";
-const NO_SHEET: &str = "no nut passes all rules of its sheet (bsm axis)";
-const NOT_ASKED: &str = "no nut that meets the requirement meets what is asked of its sheet";
+const NO_SIZE: &str = "no size of the lists has the lead, lead angle or diameter that the requirement fixes; without \
+                       lists any size is searched";
 
 /// The nuts that were chosen.
 #[derive(Debug, Clone)]
@@ -185,7 +319,7 @@ pub struct NutList {
     /// Places of those that no other one beats, if that is asked, in their order.
     pub chosen: Vec<u32>,
     /// Why there is none.
-    pub why: Option<String>,
+    pub why: Vec<String>,
     has_sheets: bool,
     sheets: BTreeMap<u32, Vec<f64>>,
 }
@@ -217,11 +351,9 @@ impl NutList {
     pub fn answer(&self, first: usize) -> Answer {
         let places = &self.chosen[..self.chosen.len().min(first)];
         let values = self.values(places);
-        let is_brief =
-            |column: &ListColumn| !matches!(column, ListColumn::Nut(column) if !column.brief);
         let head = |column: &ListColumn| {
-            let (name, unit) = column.head();
-            Column { name, unit, head: is_brief(column).then_some(name) }
+            let Output { name, unit, .. } = *column.output;
+            Column { name, unit, head: column.is_shown().then_some(name) }
         };
         let row = |row: usize| values.iter().map(|column| json!(column[row])).collect();
         let table = Table {
@@ -229,7 +361,9 @@ impl NutList {
             rows: (0..places.len()).map(row).collect(),
             keyed: false,
         };
-        let mut answer = Answer::default().with("", Content::Table(table));
+        let notes = self.why.iter().map(|why| format!("no nut: {why}")).collect();
+        let mut answer = Answer { fails: !self.why.is_empty(), notes, ..Answer::default() }
+            .with("", Content::Table(table));
         let more = self.chosen.len() - places.len();
         if more > 0 {
             let text = format!(

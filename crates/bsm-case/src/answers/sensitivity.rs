@@ -7,7 +7,7 @@ use bsm_kin::Jet;
 use serde_json::json;
 
 use crate::case::reader::Reader;
-use crate::{CaseError, Column, Input, InputKey, InputSet, Scene, Settings, Table};
+use crate::{CaseError, Column, InputKey, InputSet, Quantity, Scene, Settings, Table};
 
 /// Inputs by which derivatives are taken at a time: most callers ask for fewer, and the time of a solve in jets
 /// grows with their number.
@@ -28,7 +28,7 @@ struct Part(Problem<Jets>, Vec<(InputKey, f64)>);
 #[derive(Debug, Clone, Copy)]
 pub struct Sensitivity {
     /// The input.
-    pub input: &'static Input,
+    pub input: &'static Quantity,
     /// Its value, given or default.
     pub value: f64,
     /// Change of the efficiency per unit of the input.

@@ -6,25 +6,16 @@ use bsm_design::{
 use bsm_dyn::{Direction, Model, Optimum};
 use serde_json::{Map, Value};
 
+use crate::Rule::{Above, AtLeast, Between};
 use crate::case::axis::{carriage, motions, mount, reliability};
 use crate::vocabulary::names::wrong_type;
+use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM, convert};
-use crate::{CaseError, Input, InputKey, Known, Rule, Scene, entries, nearest};
+use crate::{CaseError, InputKey, Known, Scene, entries, nearest};
 
-macro_rules! numbers {
-    ($($name:ident [$unit:literal] $rule:ident($($bound:expr),*), $default:expr, $about:literal;)*) => {
-        /// Numbers that only requirements have.
-        pub const REQUIREMENT_INPUTS: &[Input] = &[$(Input {
-            name: stringify!($name),
-            unit: $unit,
-            rule: Rule::$rule($($bound),*),
-            default: $default,
-            about: $about,
-        },)*];
-    };
-}
-
-numbers! {
+keys! {
+    /// Numbers that only requirements have.
+    pub REQUIREMENT_INPUTS;
     screw_torque_Nm ["N m"] Above(0.0), None, "torque on the screw, in place of axial_load_N";
     screw_length_mm ["mm"] Above(0.0), None, "length of the screw, or give stroke_mm";
     least_efficiency [""] Between(0.0, 1.0), None, "smallest efficiency allowed";
@@ -67,7 +58,7 @@ const FROM_SCENES: [InputKey; 41] = inputs_of_scenes! {
     rolling_friction_mm density_kg_m3 youngs_modulus_GPa poisson_ratio ball_youngs_modulus_GPa
     ball_poisson_ratio feed_m_min stroke_mm preload_N unsupported_length_mm shaft_diameter_mm moved_mass_kg
     inclination_deg guide_friction motor_inertia_kg_m2 coupling_inertia_kg_m2 gear_ratio
-    support_bearing_torque_Nm seal_torque_Nm support_bearing_rigidity_N_um housing_rigidity_N_um
+    support_bearing_torque_Nm seal_torque_Nm support_bearing_stiffness_N_um housing_stiffness_N_um
     axis_heat_transfer_W_K reliability_percent required_life_h required_static_safety
     required_critical_speed_ratio required_buckling_safety screw_temperature_rise_K thermal_expansion_um_m_K
 };

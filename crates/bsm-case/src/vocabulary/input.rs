@@ -8,7 +8,7 @@ use bsm_simd::Compare;
 use super::names::unknown_key;
 use super::units::convert;
 use super::words::NutWords;
-use crate::CaseError;
+use crate::{CaseError, Quantity};
 
 /// Up to here every whole number is a double.
 const MOST_WHOLE: f64 = 9_007_199_254_740_992.0;
@@ -95,23 +95,10 @@ impl Rule {
     }
 }
 
-/// One input of the vocabulary.
-#[derive(Debug, Clone, Copy)]
-pub struct Input {
-    /// Name, with its unit as suffix.
-    pub name: &'static str,
-    /// Unit in words; empty if dimensionless.
-    pub unit: &'static str,
-    /// What a value must satisfy.
-    pub rule: Rule,
-    /// Value that a model takes if the scene has none.
-    pub default: Option<f64>,
-    /// Meaning.
-    pub about: &'static str,
-}
-
 macro_rules! inputs {
-    ($($name:ident [$unit:literal] $rule:expr, $default:expr, $about:literal;)*) => {
+    ($($group:literal {
+        $($name:ident [$unit:literal $($symbol:literal)?] $rule:expr, $default:expr, $about:literal;)*
+    })*) => {
         /// One operating point in the vocabulary; every input is optional, a model asks for
         /// those that it needs.
         #[derive(Debug, Clone, Default, PartialEq)]
@@ -121,28 +108,31 @@ macro_rules! inputs {
             pub description: Option<String>,
             /// What it says of a nut besides numbers.
             pub nut: NutWords,
-            $(#[doc = $about] pub $name: Option<f64>,)*
+            $($(#[doc = $about] pub $name: Option<f64>,)*)*
         }
 
         /// All inputs, in the order of the documentation.
-        pub const INPUTS: &[Input] = &[$(Input {
+        pub const INPUTS: &[Quantity] = &[$($(Quantity {
             name: stringify!($name),
             unit: $unit,
+            symbol: concat!($($symbol)?),
+            about: $about,
+            title: $group,
             rule: $rule,
             default: $default,
-            about: $about,
-        },)*];
+            ..Quantity::WHOLE
+        },)*)*];
 
         /// The key of an input: its place in [`INPUTS`] and in a [`Scene`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[expect(non_camel_case_types, reason = "the names of the vocabulary")]
         pub enum InputKey {
-            $(#[doc = $about] $name,)*
+            $($(#[doc = $about] $name,)*)*
         }
 
         impl InputKey {
             /// All inputs, in the order of the documentation.
-            pub const ALL: [Self; INPUTS.len()] = [$(Self::$name),*];
+            pub const ALL: [Self; INPUTS.len()] = [$($(Self::$name),*),*];
         }
 
         impl Index<InputKey> for Scene {
@@ -151,7 +141,7 @@ macro_rules! inputs {
             #[inline]
             fn index(&self, key: InputKey) -> &Option<f64> {
                 match key {
-                    $(InputKey::$name => &self.$name,)*
+                    $($(InputKey::$name => &self.$name,)*)*
                 }
             }
         }
@@ -160,7 +150,7 @@ macro_rules! inputs {
             #[inline]
             fn index_mut(&mut self, key: InputKey) -> &mut Option<f64> {
                 match key {
-                    $(InputKey::$name => &mut self.$name,)*
+                    $($(InputKey::$name => &mut self.$name,)*)*
                 }
             }
         }
@@ -170,7 +160,7 @@ macro_rules! inputs {
 impl InputKey {
     /// Its row of the table.
     #[inline]
-    pub fn input(self) -> &'static Input {
+    pub fn input(self) -> &'static Quantity {
         &INPUTS[self as usize]
     }
 
@@ -224,232 +214,258 @@ impl Scene {
 use Rule::{Above, Any, AtLeast, Between, OneOf, Whole, Within};
 
 inputs! {
-    ball_diameter_mm ["mm"] Above(0.0), None,
-        "ball diameter";
-    pitch_circle_diameter_mm ["mm"] Above(0.0), None,
-        "diameter of the circle of ball centres";
-    lead_angle_deg ["deg"] Between(0.0, 90.0), None,
-        "lead angle of the ball-centre helix; or give lead_mm";
-    lead_mm ["mm"] Above(0.0), None,
-        "lead, axial advance per turn; or give lead_angle_deg";
-    contact_angle_deg ["deg"] Between(0.0, 90.0), None,
-        "contact angle, 0 radial, 90 axial; unloaded in the elastic models";
-    nut_running_contact_angle_deg ["deg"] Between(0.0, 90.0), None,
-        "contact angle at the nut in motion, for slip with model raceway-control; found by the model unless given";
-    screw_running_contact_angle_deg ["deg"] Between(0.0, 90.0), None,
-        "contact angle at the screw in motion, for slip with model raceway-control; found by the model unless given";
-    nut_conformity [""] Above(0.5), None,
-        "groove radius over ball diameter, nut";
-    screw_conformity [""] Above(0.5), None,
-        "groove radius over ball diameter, screw";
-    friction_coefficient [""] AtLeast(0.0), None,
-        "Coulomb friction coefficient";
-    rolling_friction_mm ["mm"] AtLeast(0.0), Some(0.0),
-        "lever arm of rolling resistance";
-    density_kg_m3 ["kg/m3"] Above(0.0), Some(7800.0),
-        "density of the ball";
-    youngs_modulus_GPa ["GPa"] Above(0.0), Some(207.0),
-        "Young's modulus of the races, and of the ball unless given for it";
-    poisson_ratio [""] Between(-1.0, 0.5), Some(0.3),
-        "Poisson's ratio of the races, and of the ball unless given for it";
-    ball_youngs_modulus_GPa ["GPa"] Above(0.0), None,
-        "Young's modulus of the ball, if it differs from the races";
-    ball_poisson_ratio [""] Between(-1.0, 0.5), None,
-        "Poisson's ratio of the ball, if it differs from the races";
-    screw_speed_rpm ["rpm"] Any, None,
-        "speed of the screw about the axis; screw minus nut speed > 0 drives against the load, < 0 is back-driving";
-    feed_m_min ["m/min"] Any, None,
-        "velocity of the nut along the screw, in place of screw_speed_rpm; needs the lead";
-    nut_speed_rpm ["rpm"] Any, Some(0.0),
-        "speed of the nut about the axis";
-    axial_load_N ["N"] Above(0.0), None,
-        "axial load on the nut, carried by all loaded balls together";
-    loaded_balls [""] AtLeast(1.0), None,
-        "number of balls that share the load equally; loaded_balls_per_turn times loaded_turns, or those of the circuits, unless given";
-    loaded_balls_per_turn [""] Above(0.0), None,
-        "loaded balls per turn, for the load ratings of a nut; may be a fraction";
-    loaded_turns [""] Above(0.0), None,
-        "loaded turns of a nut, for its load ratings; may be a fraction";
-    preload_N ["N"] Above(0.0), None,
-        "preload, axial force between the two nuts of a preloaded pair, or of oversize balls on either flank (preload_by)";
-    preload_offset_um ["um"] Any, None,
-        "axial offset of the two nuts of a pair against each other, in place of preload_N: > 0 pulls them together (X arrangement), < 0 pushes them apart (O)";
-    ball_oversize_um ["um"] Any, None,
-        "excess of the diameter of all balls over the one that just touches both flanks of a nut; < 0 is play";
-    ball_deviation_sd_um ["um"] AtLeast(0.0), None,
-        "standard deviation of the diameters of the balls of a nut, drawn with seed";
-    seed [""] Whole(0.0), Some(0.0),
-        "number that the random deviations of the balls follow from";
-    starts [""] Whole(1.0), Some(1.0),
-        "threads of the screw";
-    circuits_count [""] Whole(1.0), Some(1.0),
-        "circuits of balls that the loaded turns of a nut are divided into";
-    gap_deg ["deg"] AtLeast(0.0), None,
-        "arc without loaded balls between two circuits of one thread; up to the next whole turn unless given";
-    phase_deg ["deg"] Any, Some(0.0),
-        "helix angle by which each circuit is shifted against the one before, besides arc and gap";
-    radial_gap_um ["um"] Any, Some(0.0),
-        "radial gap between grooves and balls of a nut at rest";
-    reference_z_mm ["mm"] Any, None,
-        "place on the axis to which displacements, side loads and moments of a nut belong; the middle of its balls unless given";
-    radial_load_x_N ["N"] Any, None,
-        "side load on the nut along x";
-    radial_load_y_N ["N"] Any, None,
-        "side load on the nut along y";
-    moment_x_Nm ["N m"] Any, None,
-        "moment on the nut about x";
-    moment_y_Nm ["N m"] Any, None,
-        "moment on the nut about y";
-    radial_x_um ["um"] Any, None,
-        "misalignment, side displacement along x at which the nut is held";
-    radial_y_um ["um"] Any, None,
-        "misalignment, side displacement along y at which the nut is held";
-    tilt_x_urad ["urad"] Any, None,
-        "misalignment, tilt about x at which the nut is held";
-    tilt_y_urad ["urad"] Any, None,
-        "misalignment, tilt about y at which the nut is held";
-    guide_x_N_um ["N/um"] Above(0.0), None,
-        "stiffness of the guides of the nut against side motion along x";
-    guide_y_N_um ["N/um"] Above(0.0), None,
-        "stiffness of the guides of the nut against side motion along y";
-    guide_tilt_x_Nm_mrad ["N m/mrad"] Above(0.0), None,
-        "stiffness of the guides of the nut against tilt about x";
-    guide_tilt_y_Nm_mrad ["N m/mrad"] Above(0.0), None,
-        "stiffness of the guides of the nut against tilt about y";
-    nut_anchor_z_mm ["mm"] Any, None,
-        "place on the axis where the force leaves the nut; or nut_anchor";
-    screw_anchor_z_mm ["mm"] Any, None,
-        "place on the axis where the force leaves the screw; or screw_anchor";
-    nut_EA_N ["N"] Above(0.0), None,
-        "Young's modulus times cross section of the nut; from its diameters unless given";
-    screw_EA_N ["N"] Above(0.0), None,
-        "Young's modulus times cross section of the screw; from its groove diameter unless given";
-    screw_rating_N ["N"] Above(0.0), None,
-        "dynamic load rating of the screw's side of one nut body; from the geometry unless given";
-    nut_rating_N ["N"] Above(0.0), None,
-        "dynamic load rating of the nut's side of one nut body; from the geometry unless given";
-    nut_temperature_rise_K ["K"] Any, Some(0.0),
-        "temperature of the nut above the one at which it fits";
-    screw_temperature_rise_K ["K"] Any, Some(0.0),
-        "temperature of the screw above the one at which it fits";
-    ball_temperature_rise_K ["K"] Any, Some(0.0),
-        "temperature of the balls above the one at which they fit";
-    thermal_expansion_um_m_K ["um/(m K)"] Above(0.0), Some(11.5),
-        "coefficient of thermal expansion of nut, screw and balls";
-    nut_outer_diameter_mm ["mm"] Above(0.0), None,
-        "outer diameter of the nut, for its rigidity and mass; pitch circle + 4 ball diameters unless given";
-    nut_length_mm ["mm"] Above(0.0), None,
-        "length of the nut, for its mass; loaded_turns + 3 leads unless given";
-    groove_bottom_distance_mm ["mm"] Above(0.0), None,
-        "radial distance of the bottoms of the groove arcs of nut and screw, half the difference of their core diameters; gives the contact angle of a nut's ratings in place of contact_angle_deg";
-    axial_play_um ["um"] AtLeast(0.0), Some(0.0),
-        "axial play of one nut without preload, for its thread; 0 is a gothic arch that the balls touch at four points";
-    nut_bore_mm ["mm"] Above(0.0), None,
-        "diameter of the land of the nut, for its mass and the ends of its flanks; pitch circle + 1.5 mm unless given, for balls below 3 mm + half a ball";
-    screw_outer_diameter_mm ["mm"] Above(0.0), None,
-        "diameter of the land of the screw, for the ends of its flanks; pitch circle - 1.5 mm unless given, for balls below 3 mm - half a ball";
-    speed_number_limit_mm_min ["mm/min"] Above(0.0), Some(70000.0),
-        "largest speed number, pitch circle diameter times speed, that the ball return permits";
-    race_yield_strength_MPa ["MPa"] Above(0.0), None,
-        "yield strength of the races, for the margin of the contacts against yield";
-    ball_yield_strength_MPa ["MPa"] Above(0.0), None,
-        "yield strength of the balls, for the margin of the contacts against yield";
-    lubricant_density_kg_m3 ["kg/m3"] Above(0.0), None,
-        "density of the lubricant, at 15 C where it varies with temperature; that of base_oil unless given, for drag in jam none";
-    drag_coefficient [""] AtLeast(0.0), None,
-        "drag coefficient of a ball in the lubricant";
-    iso_vg [""] OneOf(&VISCOSITY_GRADES), None,
-        "viscosity grade of the lubricant, for one of viscosity index 95, unless viscosity_40C_mm2_s and viscosity_100C_mm2_s are given";
-    viscosity_40C_mm2_s ["mm2/s"] AtLeast(1.0), None,
-        "kinematic viscosity of the lubricant at 40 C, of a grease that of its base oil";
-    viscosity_100C_mm2_s ["mm2/s"] AtLeast(0.5), None,
-        "kinematic viscosity of the lubricant at 100 C, less than at 40 C";
-    pressure_viscosity_1_GPa ["1/GPa"] Between(0.0, 200.0), None,
-        "pressure-viscosity coefficient at the temperature of the lubricant; from viscosity and base_oil unless given";
-    limiting_shear_ratio [""] Above(0.0), None,
-        "largest shear stress of the lubricant over pressure; that of base_oil unless given";
-    boundary_friction_coefficient [""] Above(0.0), Some(0.12),
-        "friction coefficient where asperities touch; 0.09 with friction modifiers, 0.15 at the start";
-    lubricant_temperature_C ["C"] Within(-40.0, 200.0), None,
-        "temperature of the lubricant at the inlet of the contacts, unless heat_transfer_W_K and ambient_temperature_C are given";
-    heat_transfer_W_K ["W/K"] Above(0.0), None,
-        "heat that leaves the nut for each kelvin above ambient_temperature_C, in place of lubricant_temperature_C";
-    ambient_temperature_C ["C"] Within(-40.0, 150.0), None,
-        "temperature of the surroundings";
-    ball_roughness_um ["um"] Above(0.0), None,
-        "root mean square roughness of the balls, 1.25 times the arithmetic one: 0.01 to 0.03";
-    nut_roughness_um ["um"] Above(0.0), None,
-        "root mean square roughness of the nut's groove: ground 0.1 to 0.3, run in half of it";
-    screw_roughness_um ["um"] Above(0.0), None,
-        "root mean square roughness of the screw's groove: ground 0.1 to 0.3, run in half of it, rolled 0.3 to 0.6";
-    film_factor [""] Above(0.0), Some(1.0),
-        "film thickness over that of plenty of lubricant; 0.7 (0.4 to 1) for grease";
-    rolling_factor [""] AtLeast(0.0), Some(0.85),
-        "rolling force of the lubricant over that of flooded inlets";
-    hysteresis_loss [""] AtLeast(0.0), Some(0.01),
-        "part of the elastic energy of the contacts that rolling loses, 0.003 to 0.034";
-    seal_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
-        "friction torque of the seals, of the maker or measured; felt wipers 0.02 to 0.3";
-    ball_contact_force_N ["N"] AtLeast(0.0), Some(0.0),
-        "force between neighbouring balls, 0.1 to 1; 0 with spacer balls";
-    ball_contact_friction [""] AtLeast(0.0), None,
-        "friction coefficient between balls; boundary_friction_coefficient unless given";
-    return_circuits [""] AtLeast(0.0), Some(0.0),
-        "number of ball returns that lose kinetic energy of the balls";
-    return_loss_coefficient [""] AtLeast(0.0), Some(0.0),
-        "kinetic energy that a ball loses in a return over its own, 1 to 4 for in and out";
-    apex_half_angle_deg ["deg"] Between(0.0, 90.0), None,
-        "half angle of the apex of the return curve, for jamming";
-    return_angle_deg ["deg"] Between(0.0, 90.0), None,
-        "angle between the return channel and the track of the screw at the steps between them, for jamming";
-    step_normal_force_N ["N"] Above(0.0), None,
-        "normal force of the step on the ball, for jamming; the impact force unless given";
-    return_approach_speed_m_s ["m/s"] Above(0.0), None,
-        "speed at which a ball enters the ball return, for jamming; its speed in the nut unless given";
-    return_stiffness_N_um15 ["N/um^1.5"] Above(0.0), None,
-        "Hertz stiffness of the impact on the ball return, for jamming; that of a ball on a flat of race material unless given";
-    return_linear_stiffness_N_um ["N/um"] Above(0.0), None,
-        "linear stiffness of the impact on the ball return, for jamming, in place of return_stiffness_N_um15";
-    step_height_mm ["mm"] AtLeast(0.0), None,
-        "height of the step over which a ball enters the ball return, for jamming";
-    rated_dynamic_load_N ["N"] Above(0.0), None,
-        "dynamic load rating as the maker states it, in place of the calculated one";
-    rated_static_load_N ["N"] Above(0.0), None,
-        "static load rating as the maker states it, in place of the calculated one";
-    stroke_mm ["mm"] Above(0.0), None,
-        "stroke of the nut; the screw is longer by the length of the nut";
-    unsupported_length_mm ["mm"] Above(0.0), None,
-        "length of the screw between its bearings; stroke_mm + length of the nut + two leads unless given";
-    shaft_diameter_mm ["mm"] Above(0.0), None,
-        "diameter of the screw that bends and strains; the calculated core diameter of its thread unless given";
-    moved_mass_kg ["kg"] AtLeast(0.0), Some(0.0),
-        "mass that the axis moves; its weight, friction and inertia are added to the axial load";
-    inclination_deg ["deg"] Within(-90.0, 90.0), Some(0.0),
-        "inclination of the axis: 0 level, 90 upwards along the feed";
-    guide_friction [""] AtLeast(0.0), Some(0.0),
-        "friction coefficient of the guides under the moved mass";
-    motor_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
-        "moment of inertia of the motor";
-    coupling_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
-        "moment of inertia of what turns with the screw, such as its coupling";
-    gear_ratio [""] Above(0.0), Some(1.0),
-        "turns of the motor for one of the screw";
-    support_bearing_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
-        "friction torque of the support bearings";
-    support_bearing_rigidity_N_um ["N/um"] Above(0.0), None,
-        "axial rigidity of the support bearings; rigid unless given";
-    housing_rigidity_N_um ["N/um"] Above(0.0), None,
-        "axial rigidity of the housings of bearings and nut; rigid unless given";
-    reliability_percent ["%"] Within(90.0, 99.0), Some(90.0),
-        "share of the nuts that reach the life";
-    axis_heat_transfer_W_K ["W/K"] Above(0.0), None,
-        "heat that screw and nut give to their surroundings for a kelvin, for the steady temperature of the axis";
-    required_life_h ["h"] Above(0.0), None,
-        "life that is required";
-    required_static_safety [""] Above(0.0), Some(1.5),
-        "static safety that is required";
-    required_critical_speed_ratio [""] Above(0.0), Some(0.8),
-        "largest speed over the critical one that is permitted";
-    required_buckling_safety [""] Above(0.0), Some(2.0),
-        "buckling load over the largest axial load that is required";
+    "screw" {
+        ball_diameter_mm ["mm" "D_w"] Above(0.0), None,
+            "ball diameter";
+        pitch_circle_diameter_mm ["mm" "D_pw"] Above(0.0), None,
+            "pitch circle diameter; that of the ball centres";
+        lead_angle_deg ["deg" "phi"] Between(0.0, 90.0), None,
+            "lead angle; of the ball-centre helix, or give lead_mm";
+        lead_mm ["mm" "P_h"] Above(0.0), None,
+            "lead; axial advance per turn, or give lead_angle_deg";
+        contact_angle_deg ["deg" "alpha"] Between(0.0, 90.0), None,
+            "contact angle; 0 radial, 90 axial, unloaded in the elastic models";
+        nut_running_contact_angle_deg ["deg"] Between(0.0, 90.0), None,
+            "contact angle at the nut in motion, for slip with model raceway-control; found by the model unless given";
+        screw_running_contact_angle_deg ["deg"] Between(0.0, 90.0), None,
+            "contact angle at the screw in motion, for slip with model raceway-control; found by the model unless given";
+        nut_conformity ["" "f_rn"] Above(0.5), None,
+            "groove radius over ball diameter, nut";
+        screw_conformity ["" "f_rs"] Above(0.5), None,
+            "groove radius over ball diameter, screw";
+    }
+    "operating point" {
+        friction_coefficient ["" "mu"] AtLeast(0.0), None,
+            "Coulomb friction coefficient";
+        rolling_friction_mm ["mm"] AtLeast(0.0), Some(0.0),
+            "lever arm of rolling resistance";
+    }
+    "screw" {
+        density_kg_m3 ["kg/m3"] Above(0.0), Some(7800.0),
+            "density of the ball";
+        youngs_modulus_GPa ["GPa" "E"] Above(0.0), Some(207.0),
+            "Young's modulus of the races, and of the ball unless given for it";
+        poisson_ratio ["" "nu"] Between(-1.0, 0.5), Some(0.3),
+            "Poisson's ratio of the races, and of the ball unless given for it";
+        ball_youngs_modulus_GPa ["GPa"] Above(0.0), None,
+            "Young's modulus of the ball, if it differs from the races";
+        ball_poisson_ratio [""] Between(-1.0, 0.5), None,
+            "Poisson's ratio of the ball, if it differs from the races";
+    }
+    "operating point" {
+        screw_speed_rpm ["rpm" "n"] Any, None,
+            "speed of the screw about the axis; screw minus nut speed > 0 drives against the load, < 0 is back-driving";
+        feed_m_min ["m/min"] Any, None,
+            "velocity of the nut along the screw; in place of screw_speed_rpm, needs the lead";
+        nut_speed_rpm ["rpm"] Any, Some(0.0),
+            "speed of the nut about the axis";
+        axial_load_N ["N" "F_a"] Above(0.0), None,
+            "axial load on the nut; carried by all loaded balls together";
+        loaded_balls ["" "Z"] AtLeast(1.0), None,
+            "number of balls that share the load equally; loaded_balls_per_turn times loaded_turns, or those of the circuits, unless given";
+    }
+    "nut" {
+        loaded_balls_per_turn ["" "z_1"] Above(0.0), None,
+            "loaded balls per turn; for the load ratings of a nut, may be a fraction";
+        loaded_turns ["" "i"] Above(0.0), None,
+            "loaded turns; of a nut, for its load ratings, may be a fraction";
+        preload_N ["N" "F_pr"] Above(0.0), None,
+            "preload; axial force between the two nuts of a preloaded pair, or of oversize balls on either flank (preload_by)";
+        preload_offset_um ["um"] Any, None,
+            "axial offset of the two nuts of a pair against each other, in place of preload_N: > 0 pulls them together (X arrangement), < 0 pushes them apart (O)";
+        ball_oversize_um ["um"] Any, None,
+            "excess of the diameter of all balls over the one that just touches both flanks of a nut; < 0 is play";
+        ball_deviation_sd_um ["um"] AtLeast(0.0), None,
+            "standard deviation of the diameters of the balls of a nut, drawn with seed";
+        seed [""] Whole(0.0), Some(0.0),
+            "number that the random deviations of the balls follow from";
+    }
+    "screw" {
+        starts [""] Whole(1.0), Some(1.0),
+            "threads of the screw";
+    }
+    "nut" {
+        circuits_count [""] Whole(1.0), Some(1.0),
+            "circuits of balls that the loaded turns of a nut are divided into";
+        gap_deg ["deg"] AtLeast(0.0), None,
+            "arc without loaded balls between two circuits of one thread; up to the next whole turn unless given";
+        phase_deg ["deg"] Any, Some(0.0),
+            "helix angle by which each circuit is shifted against the one before, besides arc and gap";
+        radial_gap_um ["um"] Any, Some(0.0),
+            "radial gap between grooves and balls of a nut at rest";
+        reference_z_mm ["mm"] Any, None,
+            "place on the axis to which displacements, side loads and moments of a nut belong; the middle of its balls unless given";
+        radial_load_x_N ["N"] Any, None,
+            "side load on the nut along x";
+        radial_load_y_N ["N"] Any, None,
+            "side load on the nut along y";
+        moment_x_Nm ["N m"] Any, None,
+            "moment on the nut about x";
+        moment_y_Nm ["N m"] Any, None,
+            "moment on the nut about y";
+        radial_x_um ["um"] Any, None,
+            "misalignment, side displacement along x at which the nut is held";
+        radial_y_um ["um"] Any, None,
+            "misalignment, side displacement along y at which the nut is held";
+        tilt_x_urad ["urad"] Any, None,
+            "misalignment, tilt about x at which the nut is held";
+        tilt_y_urad ["urad"] Any, None,
+            "misalignment, tilt about y at which the nut is held";
+        guide_x_N_um ["N/um"] Above(0.0), None,
+            "stiffness of the guides of the nut against side motion along x";
+        guide_y_N_um ["N/um"] Above(0.0), None,
+            "stiffness of the guides of the nut against side motion along y";
+        guide_tilt_x_Nm_mrad ["N m/mrad"] Above(0.0), None,
+            "stiffness of the guides of the nut against tilt about x";
+        guide_tilt_y_Nm_mrad ["N m/mrad"] Above(0.0), None,
+            "stiffness of the guides of the nut against tilt about y";
+        nut_anchor_z_mm ["mm"] Any, None,
+            "place on the axis where the force leaves the nut; or nut_anchor";
+        screw_anchor_z_mm ["mm"] Any, None,
+            "place on the axis where the force leaves the screw; or screw_anchor";
+        nut_EA_N ["N"] Above(0.0), None,
+            "Young's modulus times cross section of the nut; from its diameters unless given";
+        screw_EA_N ["N"] Above(0.0), None,
+            "Young's modulus times cross section of the screw; from its groove diameter unless given";
+        screw_rating_N ["N"] Above(0.0), None,
+            "dynamic load rating of the screw's side of one nut body; from the geometry unless given";
+        nut_rating_N ["N"] Above(0.0), None,
+            "dynamic load rating of the nut's side of one nut body; from the geometry unless given";
+        nut_temperature_rise_K ["K"] Any, Some(0.0),
+            "temperature of the nut above the one at which it fits";
+        screw_temperature_rise_K ["K"] Any, Some(0.0),
+            "temperature of the screw above the one at which it fits";
+        ball_temperature_rise_K ["K"] Any, Some(0.0),
+            "temperature of the balls above the one at which they fit";
+        thermal_expansion_um_m_K ["um/(m K)"] Above(0.0), Some(11.5),
+            "coefficient of thermal expansion of nut, screw and balls";
+        nut_outer_diameter_mm ["mm" "D_1"] Above(0.0), None,
+            "outer diameter of the nut; for its stiffness and mass, pitch circle + 4 ball diameters unless given";
+        nut_length_mm ["mm"] Above(0.0), None,
+            "length of the nut; for its mass, loaded_turns + 3 leads unless given";
+    }
+    "screw" {
+        groove_bottom_distance_mm ["mm"] Above(0.0), None,
+            "radial distance of the bottoms of the groove arcs of nut and screw, half the difference of their core diameters; gives the contact angle of a nut's ratings in place of contact_angle_deg";
+        axial_play_um ["um"] AtLeast(0.0), Some(0.0),
+            "axial play of one nut without preload; for its thread, 0 is a gothic arch that the balls touch at four points";
+        nut_bore_mm ["mm"] Above(0.0), None,
+            "diameter of the land of the nut; for its mass and the ends of its flanks, pitch circle + 1.5 mm unless given, for balls below 3 mm + half a ball";
+        screw_outer_diameter_mm ["mm" "d_1"] Above(0.0), None,
+            "diameter of the land of the screw; for the ends of its flanks, pitch circle - 1.5 mm unless given, for balls below 3 mm - half a ball";
+    }
+    "axis" {
+        speed_number_limit_mm_min ["mm/min"] Above(0.0), Some(70000.0),
+            "largest speed number, pitch circle diameter times speed, that the ball return permits";
+    }
+    "nut" {
+        race_yield_strength_MPa ["MPa"] Above(0.0), None,
+            "yield strength of the races, for the margin of the contacts against yield";
+        ball_yield_strength_MPa ["MPa"] Above(0.0), None,
+            "yield strength of the balls, for the margin of the contacts against yield";
+    }
+    "lubricant" {
+        lubricant_density_kg_m3 ["kg/m3"] Above(0.0), None,
+            "density of the lubricant, at 15 C where it varies with temperature; that of base_oil unless given, for drag in jam none";
+        drag_coefficient [""] AtLeast(0.0), None,
+            "drag coefficient of a ball in the lubricant";
+        iso_vg [""] OneOf(&VISCOSITY_GRADES), None,
+            "viscosity grade of the lubricant, for one of viscosity index 95, unless viscosity_40C_mm2_s and viscosity_100C_mm2_s are given";
+        viscosity_40C_mm2_s ["mm2/s"] AtLeast(1.0), None,
+            "kinematic viscosity of the lubricant at 40 C, of a grease that of its base oil";
+        viscosity_100C_mm2_s ["mm2/s"] AtLeast(0.5), None,
+            "kinematic viscosity of the lubricant at 100 C, less than at 40 C";
+        pressure_viscosity_1_GPa ["1/GPa"] Between(0.0, 200.0), None,
+            "pressure-viscosity coefficient at the temperature of the lubricant; from viscosity and base_oil unless given";
+        limiting_shear_ratio [""] Above(0.0), None,
+            "largest shear stress of the lubricant over pressure; that of base_oil unless given";
+        boundary_friction_coefficient [""] Above(0.0), Some(0.12),
+            "friction coefficient where asperities touch; 0.09 with friction modifiers, 0.15 at the start";
+        lubricant_temperature_C ["C"] Within(-40.0, 200.0), None,
+            "temperature of the lubricant at the inlet of the contacts, unless heat_transfer_W_K and ambient_temperature_C are given";
+        heat_transfer_W_K ["W/K"] Above(0.0), None,
+            "heat that leaves the nut for each kelvin above ambient_temperature_C, in place of lubricant_temperature_C";
+        ambient_temperature_C ["C"] Within(-40.0, 150.0), None,
+            "temperature of the surroundings";
+        ball_roughness_um ["um"] Above(0.0), None,
+            "root mean square roughness of the balls, 1.25 times the arithmetic one: 0.01 to 0.03";
+        nut_roughness_um ["um"] Above(0.0), None,
+            "root mean square roughness of the nut's groove: ground 0.1 to 0.3, run in half of it";
+        screw_roughness_um ["um"] Above(0.0), None,
+            "root mean square roughness of the screw's groove: ground 0.1 to 0.3, run in half of it, rolled 0.3 to 0.6";
+        film_factor [""] Above(0.0), Some(1.0),
+            "film thickness over that of plenty of lubricant; 0.7 (0.4 to 1) for grease";
+        rolling_factor [""] AtLeast(0.0), Some(0.85),
+            "rolling force of the lubricant over that of flooded inlets";
+        hysteresis_loss [""] AtLeast(0.0), Some(0.01),
+            "part of the elastic energy of the contacts that rolling loses, 0.003 to 0.034";
+        seal_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
+            "friction torque of the seals, of the maker or measured; felt wipers 0.02 to 0.3";
+        ball_contact_force_N ["N"] AtLeast(0.0), Some(0.0),
+            "force between neighbouring balls, 0.1 to 1; 0 with spacer balls";
+        ball_contact_friction [""] AtLeast(0.0), None,
+            "friction coefficient between balls; boundary_friction_coefficient unless given";
+        return_circuits [""] AtLeast(0.0), Some(0.0),
+            "number of ball returns that lose kinetic energy of the balls";
+        return_loss_coefficient [""] AtLeast(0.0), Some(0.0),
+            "kinetic energy that a ball loses in a return over its own, 1 to 4 for in and out";
+    }
+    "nut" {
+        apex_half_angle_deg ["deg"] Between(0.0, 90.0), None,
+            "half angle of the apex of the return curve, for jamming";
+        return_angle_deg ["deg"] Between(0.0, 90.0), None,
+            "angle between the return channel and the track of the screw at the steps between them, for jamming";
+        step_normal_force_N ["N"] Above(0.0), None,
+            "normal force of the step on the ball, for jamming; the impact force unless given";
+        return_approach_speed_m_s ["m/s"] Above(0.0), None,
+            "speed at which a ball enters the ball return, for jamming; its speed in the nut unless given";
+        return_stiffness_N_um15 ["N/um^1.5"] Above(0.0), None,
+            "Hertz stiffness of the impact on the ball return, for jamming; that of a ball on a flat of race material unless given";
+        return_linear_stiffness_N_um ["N/um"] Above(0.0), None,
+            "linear stiffness of the impact on the ball return, for jamming, in place of return_stiffness_N_um15";
+        step_height_mm ["mm"] AtLeast(0.0), None,
+            "height of the step over which a ball enters the ball return, for jamming";
+    }
+    "axis" {
+        rated_dynamic_load_N ["N" "C_a"] Above(0.0), None,
+            "dynamic load rating as the maker states it, in place of the calculated one";
+        rated_static_load_N ["N" "C_0a"] Above(0.0), None,
+            "static load rating as the maker states it, in place of the calculated one";
+        stroke_mm ["mm"] Above(0.0), None,
+            "stroke of the nut; the screw is longer by the length of the nut";
+        unsupported_length_mm ["mm"] Above(0.0), None,
+            "length of the screw between its bearings; stroke_mm + length of the nut + two leads unless given";
+        shaft_diameter_mm ["mm"] Above(0.0), None,
+            "diameter of the screw that bends and strains; the calculated core diameter of its thread unless given";
+        moved_mass_kg ["kg"] AtLeast(0.0), Some(0.0),
+            "mass that the axis moves; its weight, friction and inertia are added to the axial load";
+        inclination_deg ["deg"] Within(-90.0, 90.0), Some(0.0),
+            "inclination of the axis: 0 level, 90 upwards along the feed";
+        guide_friction [""] AtLeast(0.0), Some(0.0),
+            "friction coefficient of the guides under the moved mass";
+        motor_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
+            "moment of inertia of the motor";
+        coupling_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
+            "moment of inertia of what turns with the screw, such as its coupling";
+        gear_ratio [""] Above(0.0), Some(1.0),
+            "turns of the motor for one of the screw";
+        support_bearing_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
+            "friction torque of the support bearings";
+        support_bearing_stiffness_N_um ["N/um"] Above(0.0), None,
+            "axial rigidity of the support bearings; rigid unless given";
+        housing_stiffness_N_um ["N/um"] Above(0.0), None,
+            "axial rigidity of the housings of bearings and nut; rigid unless given";
+        reliability_percent ["%"] Within(90.0, 99.0), Some(90.0),
+            "share of the nuts that reach the life";
+        axis_heat_transfer_W_K ["W/K"] Above(0.0), None,
+            "heat that screw and nut give to their surroundings for a kelvin, for the steady temperature of the axis";
+        required_life_h ["h" "L_h"] Above(0.0), None,
+            "life that is required";
+        required_static_safety ["" "f_s"] Above(0.0), Some(1.5),
+            "static safety that is required";
+        required_critical_speed_ratio [""] Above(0.0), Some(0.8),
+            "largest speed over the critical one that is permitted";
+        required_buckling_safety [""] Above(0.0), Some(2.0),
+            "buckling load over the largest axial load that is required";
+    }
 }

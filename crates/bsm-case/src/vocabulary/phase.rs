@@ -3,12 +3,21 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use crate::Rule::{Above, Any};
 use crate::vocabulary::cells::Cells;
+use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::convert;
 use crate::{CaseError, nearest};
 
-/// The words of a phase.
-const WORDS: [&str; 5] = ["time_s", "share", "force_N", "feed_m_min", "acceleration_m_s2"];
+keys! {
+    /// What a phase has.
+    pub(crate) PHASE_INPUTS;
+    time_s ["s" "t"] Above(0.0), None, "how long it lasts; or share";
+    share [""] Above(0.0), None, "share of the time of the cycle; or time_s";
+    force_N ["N" "F"] Any, Some(0.0), "process force; positive against a positive feed";
+    feed_m_min ["m/min" "v"] Any, Some(0.0), "velocity of the nut along the screw";
+    acceleration_m_s2 ["m/s2" "a"] Any, Some(0.0), "acceleration along a positive feed";
+}
 
 /// A phase of a cycle.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -47,18 +56,18 @@ impl PhaseWords {
     fn of<'a>(entries: impl Iterator<Item = (&'a str, f64)>) -> Result<Self, String> {
         let mut phase = Self::default();
         for (name, value) in entries {
-            let known = WORDS.iter().find(|known| **known == name).map(|known| (*known, 1.0));
-            let (word, factor) =
-                known.or_else(|| convert(name, &WORDS.into_iter())).ok_or_else(|| {
-                    let near = nearest(name, WORDS.into_iter());
-                    let hint =
-                        near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
-                    format!("unknown key `{name}`{hint}; a phase has {}", WORDS.join(", "))
-                })?;
+            let names = PHASE_INPUTS.iter().map(|input| input.name);
+            let known = names.clone().find(|known| *known == name).map(|known| (known, 1.0));
+            let (word, factor) = known.or_else(|| convert(name, &names)).ok_or_else(|| {
+                let near = nearest(name, names.clone());
+                let hint = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+                let all = names.clone().collect::<Vec<_>>().join(", ");
+                format!("unknown key `{name}`{hint}; a phase has {all}")
+            })?;
             let value = factor * value;
-            if !value.is_finite() {
-                return Err(format!("`{name}` must be finite"));
-            }
+            let input = PHASE_INPUTS.iter().find(|input| input.name == word);
+            let rule = input.map_or(Any, |input| input.rule);
+            rule.check(name, value).map_err(|error| error.to_string())?;
             match word {
                 "time_s" => phase.time_s = Some(value),
                 "share" => phase.share = Some(value),
@@ -67,10 +76,10 @@ impl PhaseWords {
                 _ => phase.acceleration_m_s2 = value,
             }
         }
-        let ((Some(time), None) | (None, Some(time))) = (phase.time_s, phase.share) else {
+        if phase.time_s.is_some() == phase.share.is_some() {
             return Err("a phase has one of time_s and share".to_owned());
-        };
-        if time > 0.0 { Ok(phase) } else { Err("the time of a phase must be > 0".to_owned()) }
+        }
+        Ok(phase)
     }
 
     /// Its time, or its share of the cycle.

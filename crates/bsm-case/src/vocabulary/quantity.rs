@@ -1,8 +1,8 @@
-//! Tables of quantities: name, unit, what the numbers are of, how each is read, meaning. Answers, JSON, columns and
-//! schema are made from them.
+//! Tables of quantities: name, unit, symbol, what the numbers are of, the rule of an input or how a result is read,
+//! meaning. Scenes, answers, JSON, columns and schema are made from them.
 
 use super::output::Origin;
-use crate::{CaseError, InputKey, InputSet, Output};
+use crate::{CaseError, InputKey, InputSet, Output, Rule};
 
 /// An analysis, whose numbers may be columns of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,7 +21,7 @@ pub enum AnalysisKind {
     Axis,
 }
 
-/// A quantity of an answer: one number, or one for each contact or direction.
+/// An input, or a quantity of an answer: one number, or one for each contact or direction.
 #[derive(Debug, Clone, Copy)]
 pub struct Quantity {
     /// Its name, with its unit as suffix.
@@ -32,7 +32,7 @@ pub struct Quantity {
     pub symbol: &'static str,
     /// Meaning, which is also its label.
     pub about: &'static str,
-    /// What it is printed with.
+    /// What it is printed with, and the group of an input.
     pub title: &'static str,
     /// What its numbers are of.
     pub of: Of,
@@ -40,9 +40,49 @@ pub struct Quantity {
     pub columns: &'static [Output],
     /// Inputs without default that it needs besides those of its answer: one of each set.
     pub(crate) needs: &'static [InputSet],
+    /// What the value of an input must satisfy.
+    pub rule: Rule,
+    /// Value that a model takes if the scene has none.
+    pub default: Option<f64>,
 }
 
 impl Quantity {
+    /// One number, about which nothing is said.
+    pub(crate) const WHOLE: Self = Self {
+        name: "",
+        unit: "",
+        symbol: "",
+        about: "",
+        title: "",
+        of: Of::Whole,
+        columns: &[],
+        needs: &[],
+        rule: Rule::Any,
+        default: None,
+    };
+
+    /// That of a table by its name, which the table must have; of an input the words up to a semicolon.
+    pub(crate) const fn said(table: &[Self], name: &str) -> Self {
+        let mut place = 0;
+        loop {
+            let (known, asked) = (table[place].name.as_bytes(), name.as_bytes());
+            let mut same = 0;
+            while same < known.len() && same < asked.len() && known[same] == asked[same] {
+                same += 1;
+            }
+            if same == known.len() && same == asked.len() {
+                let mut said = table[place];
+                let mut end = 0;
+                while end < said.about.len() && said.about.as_bytes()[end] != b';' {
+                    end += 1;
+                }
+                said.about = said.about.split_at(end).0;
+                return said;
+            }
+            place += 1;
+        }
+    }
+
     /// Inputs that it needs besides those of its answer and that are not given, in words.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let names = |set: &InputSet| {
@@ -128,28 +168,46 @@ impl Read for Values {
     }
 }
 
+/// Declares a table of what a file may have besides the inputs of a scene: `name ["unit"] rule, default, "meaning";`.
+macro_rules! keys {
+    ($(#[$doc:meta])* $visible:vis $table:ident;
+     $($name:ident [$unit:literal $($symbol:literal)?] $rule:expr, $default:expr, $about:literal;)*) => {
+        $(#[$doc])*
+        $visible const $table: &[$crate::Quantity] = &[$($crate::Quantity {
+            name: stringify!($name),
+            unit: $unit,
+            symbol: concat!($($symbol)?),
+            about: $about,
+            rule: $rule,
+            default: $default,
+            ..$crate::Quantity::WHOLE
+        },)*];
+    };
+}
+
+pub(crate) use keys;
+
 /// Declares a table of quantities and the function that reads their numbers.
 ///
 /// `name ["unit"] Of(reader), "meaning";` with `"symbol"` behind the unit and `needs [a, b | c]`, inputs that it needs besides those
 /// of its answer (`a`, and one of `b` and `c`), behind the reader.
+/// `name = TABLE Whole(reader);` is said as in another table.
 macro_rules! quantities {
     ($(#[$doc:meta])* $visible:vis $table:ident, $numbers:ident(&$state:ty) $(of $analysis:ident)?; $($title:literal {
-        $($name:ident [$unit:literal $($symbol:literal)?] $of:ident($read:expr)
-            $(needs [$($($need:ident)|+),+])?, $about:literal;)*
+        $($name:ident $([$unit:literal $($symbol:literal)?])? $(= $table_of:ident)? $of:ident($read:expr)
+            $(needs [$($($need:ident)|+),+])? $(, $about:literal)?;)*
     })*) => {
         $(#[$doc])*
         $visible const $table: &[$crate::Quantity] = {
             const KIND: Option<$crate::AnalysisKind> =
                 $crate::vocabulary::quantity::quantities!(@kind $($analysis)?);
             &[$($($crate::Quantity {
-                name: stringify!($name),
-                unit: $unit,
-                symbol: concat!($($symbol)?),
-                about: $about,
                 title: $title,
                 of: $crate::Of::$of,
-                columns: $crate::vocabulary::quantity::quantities!(@$of $name, $unit, $about),
                 needs: &[$($($crate::InputSet::of(&[$($crate::InputKey::$need),+])),+)?],
+                ..$crate::vocabulary::quantity::quantities!(
+                    @said $of $name $([$unit $($symbol)?])? $(= $table_of)? $($about)?
+                )
             },)*)*]
         };
 
@@ -165,6 +223,30 @@ macro_rules! quantities {
             $crate::Numbers::of($table, |place| READ[place](state), wanted)
         }
     };
+    (@said $of:ident $name:ident [$unit:literal $($symbol:literal)?] $about:literal) => {
+        $crate::Quantity {
+            name: stringify!($name),
+            unit: $unit,
+            symbol: concat!($($symbol)?),
+            about: $about,
+            columns: $crate::vocabulary::quantity::quantities!(@$of $name, $unit, $about),
+            ..$crate::Quantity::WHOLE
+        }
+    };
+    (@said Whole $name:ident = $table_of:ident) => {{
+        const SAID: $crate::Quantity = $crate::Quantity::said($table_of, stringify!($name));
+        $crate::Quantity {
+            columns: &[$crate::Output {
+                name: SAID.name,
+                unit: SAID.unit,
+                json_type: "number",
+                words: &[],
+                about: SAID.about,
+                origin: $crate::vocabulary::output::Origin::Table { kind: KIND },
+            }],
+            ..SAID
+        }
+    }};
     (@kind) => { None };
     (@kind $analysis:ident) => { Some($crate::AnalysisKind::$analysis) };
     (@Whole $($of:tt)*) => {

@@ -55,14 +55,11 @@ macro_rules! words {
 }
 
 /// Objects among them, as [`schema_of`] has them.
-const OBJECTS: [(&str, &str); 6] = [
+const OBJECTS: [(&str, &str); 3] = [
     (
         "circuit",
         "start_deg number, arc_deg positive, balls count, start? count, body? count, flank? +|-|both?, offset_um? number",
     ),
-    ("bars", "nut? bar?, screw? bar?"),
-    ("bar", "EA_N positive, anchor? low|high?, anchor_z_mm? number?"),
-    ("ring", "outer_diameter_mm positive, inner_diameter_mm positive"),
     (
         "lead error",
         "amplitude_um? number?, order? number?, phase_deg? number?, slope_um_per_mm? number?, z0_mm? number?",
@@ -76,10 +73,6 @@ const OBJECTS: [(&str, &str); 6] = [
 words! {
     circuits: Vec<CircuitWords> ["[circuit]"],
         "loaded balls of a nut, circuit by circuit; in place of circuits_count, loaded_turns and loaded_balls_per_turn";
-    bars: BarsWords ["bars"],
-        "nut and screw as bars along the axis; in place of nut_anchor, nut_EA_N, screw_anchor and screw_EA_N";
-    ring: RingWords ["ring"],
-        "the tube that widens around the balls; in place of ring_expansion";
     ring_expansion: bool ["boolean"],
         "true: the nut widens around its balls, a tube from the grooves to nut_outer_diameter_mm";
     nut_guidance: Guidance ["guided|free"],
@@ -204,33 +197,6 @@ pub enum Flank {
     Both,
 }
 
-/// Nut and screw as bars; what is absent is rigid.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BarsWords {
-    /// The nut.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub nut: Option<BarWords>,
-    /// The screw.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub screw: Option<BarWords>,
-}
-
-/// A bar along the axis.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-#[expect(non_snake_case, reason = "names carry their unit as it is written")]
-pub struct BarWords {
-    /// Young's modulus times cross section.
-    pub EA_N: f64,
-    /// End of the loaded length where its force leaves; or `anchor_z_mm`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub anchor: Option<End>,
-    /// Place where its force leaves; or `anchor`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub anchor_z_mm: Option<f64>,
-}
-
 /// An end of the loaded length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -239,16 +205,6 @@ pub enum End {
     Low,
     /// Where it is largest.
     High,
-}
-
-/// The tube around the balls.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RingWords {
-    /// Outer diameter.
-    pub outer_diameter_mm: f64,
-    /// Inner diameter.
-    pub inner_diameter_mm: f64,
 }
 
 /// What holds a nut across its axis.
@@ -398,9 +354,6 @@ mod tests {
         let all = json!({
             "circuits": [{ "start_deg": 0.0, "arc_deg": 1.0, "balls": 1, "start": 0, "body": 0,
                            "flank": "both", "offset_um": 0.0 }],
-            "bars": { "nut": { "EA_N": 1.0, "anchor": "low", "anchor_z_mm": 1.0 },
-                      "screw": { "EA_N": 1.0, "anchor": "high", "anchor_z_mm": 1.0 } },
-            "ring": { "outer_diameter_mm": 2.0, "inner_diameter_mm": 1.0 },
             "ring_expansion": true,
             "nut_guidance": "free",
             "nut_anchor": "low",

@@ -454,21 +454,35 @@ fn self_locking_has_one_criterion() {
 /// Outputs of a solution that an analysis has too.
 const SHARED: [&str; 3] = ["nut_spin_rad_s", "screw_spin_rad_s", "dissipated_power_W"];
 
+/// Numbers of a nut that the sheet of its axis has too.
+const OF_A_NUT: [&str; 2] = ["limit_load_N", "preload_torque_Nm"];
+
 /// A column has one meaning: no other analysis has its name, nor has an input; what an analysis shares
-/// with a solution is the same number.
+/// with a solution, and an axis with its nut, is the same number, unit and words.
 #[test]
 fn a_column_has_one_meaning() {
     let mut names: Vec<_> = Output::all().map(|output| output.name).collect();
     let count = names.len();
     names.sort_unstable();
     let twice: Vec<_> = names.windows(2).filter(|two| two[0] == two[1]).map(|two| two[0]).collect();
-    let mut shared = SHARED;
+    let mut shared = [&SHARED[..], &OF_A_NUT].concat();
     shared.sort_unstable();
+    for name in OF_A_NUT {
+        let said = |output: &&Output| (output.unit, output.about);
+        let all: Vec<_> = Output::all().filter(|output| output.name == name).collect();
+        assert_eq!(said(&all[0]), said(&all[1]), "{name}");
+    }
     assert_eq!(twice, shared);
     let inputs: Vec<_> =
         INPUTS.iter().map(|input| input.name).filter(|name| names.contains(name)).collect();
     // The same numbers, which follow from others where they are not given.
-    assert_eq!(inputs, ["pressure_viscosity_1_GPa", "lubricant_temperature_C"]);
+    let same = [
+        "pressure_viscosity_1_GPa",
+        "lubricant_temperature_C",
+        "unsupported_length_mm",
+        "shaft_diameter_mm",
+    ];
+    assert_eq!(inputs, same);
     assert_eq!(
         count,
         OUTPUTS.len() + AnalysisKind::ALL.into_iter().flat_map(AnalysisKind::columns).count()

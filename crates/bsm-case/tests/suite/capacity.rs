@@ -14,7 +14,7 @@ fn nut(changes: &[(&str, f64)]) -> Scene {
 }
 
 fn numbers(scene: &Scene) -> impl Fn(&str) -> f64 + use<> {
-    let answer = ratings(scene, None).expect("complete");
+    let answer = ratings(scene).expect("complete");
     move |name| answer.number(name).unwrap_or(f64::NAN)
 }
 
@@ -28,7 +28,7 @@ fn turns_add_up() {
     assert!((ratio("dynamic_load_rating_N") - 4.0_f64.powf(0.86)).abs() < 1e-12);
     assert!((ratio("static_load_rating_N") - 4.0).abs() < 1e-12);
     assert!((ratio("contact_displacement_um") - 1.0).abs() < 1e-12);
-    assert!((ratio("tangent_rigidity_N_um") - 4.0).abs() < 1e-12);
+    assert!((ratio("single_nut_tangent_stiffness_N_um") - 4.0).abs() < 1e-12);
 }
 
 /// Rigidity is the slope of load over displacement.
@@ -38,9 +38,9 @@ fn rigidity_is_a_derivative() {
     let (load, step) = (2e4, 1.0);
     let slope = 2.0 * step / (displacement(load + step) - displacement(load - step));
     let numbers = numbers(&nut(&[("axial_load_N", load)]));
-    let rigidity = numbers("tangent_contact_rigidity_N_um");
+    let rigidity = numbers("tangent_contact_stiffness_N_um");
     let secant = load / numbers("contact_displacement_um");
-    assert!((secant / numbers("secant_contact_rigidity_N_um") - 1.0).abs() < 1e-12);
+    assert!((secant / numbers("secant_contact_stiffness_N_um") - 1.0).abs() < 1e-12);
     // The difference errs by (step/load)², its rounding by 1e-16 of 2e4.
     assert!((slope / rigidity - 1.0).abs() < 1e-8, "{slope} {rigidity}");
 }
@@ -71,23 +71,22 @@ fn what_cannot_be_rated_is_told() {
     let mut scene = nut(&[]);
     scene.loaded_turns = None;
     scene.screw_conformity = None;
-    let error = ratings(&scene, None).expect_err("inputs are missing").to_string();
+    let error = ratings(&scene).expect_err("inputs are missing").to_string();
     assert!(error.contains("screw_conformity and loaded_turns are required"), "{error}");
     let scene = nut(&[("loaded_turns", -1.0)]);
-    assert!(matches!(ratings(&scene, None), Err(CaseError::OutOfRange { .. })));
+    assert!(matches!(ratings(&scene), Err(CaseError::OutOfRange { .. })));
     let flat = nut(&[("nut_conformity", 50.0), ("screw_conformity", 50.0)]);
-    let error = ratings(&flat, None).expect_err("no ellipse").to_string();
+    let error = ratings(&flat).expect_err("no ellipse").to_string();
     assert!(error.contains("towards 0.52"), "{error}");
-    let heavy = ratings(&nut(&[("axial_load_N", 2e5)]), None).expect("complete");
+    let heavy = ratings(&nut(&[("axial_load_N", 2e5)])).expect("complete");
     assert!(heavy.warnings[0].contains("more than the dynamic rating"), "{heavy:?}");
 }
 
 /// Ratings said nothing of a preload that heat changes, and of a weight that is not in the load.
 #[test]
 fn what_ratings_do_not_follow_is_told() {
-    let told = |changes: &[(&str, f64)]| {
-        ratings(&nut(changes), None).expect("complete").warnings.join("\n")
-    };
+    let told =
+        |changes: &[(&str, f64)]| ratings(&nut(changes)).expect("complete").warnings.join("\n");
     let (warm, heavy) = ("rises of temperature change the preload", "without weight and guides");
     let preloaded = [("preload_N", 2000.0), ("screw_temperature_rise_K", 5.0)];
     assert!(told(&preloaded).contains(warm) && !told(&preloaded).contains(heavy));
@@ -104,7 +103,7 @@ fn the_displacement_of_a_pair_depends_on_the_load() {
     assert!((pair("preload_displacement_um") - 13.692).abs() < 5e-4);
     assert!((pair("contact_displacement_um") - 8.8332).abs() < 5e-5);
     let ratio =
-        30_000.0 / pair("contact_displacement_um") / pair("preloaded_contact_rigidity_N_um");
+        30_000.0 / pair("contact_displacement_um") / pair("preloaded_contact_stiffness_N_um");
     assert!((ratio - 1.0).abs() < 1e-12);
     let alone = numbers(&nut(&[("preload_N", 15_500.0)]));
     assert!(alone("contact_displacement_um").is_nan());
@@ -114,9 +113,8 @@ fn the_displacement_of_a_pair_depends_on_the_load() {
 /// (eq. 8), nine turns, a large ball, or lands that do not hold the balls.
 #[test]
 fn what_the_paper_recommends_is_told() {
-    let warnings = |changes: &[(&str, f64)]| {
-        ratings(&nut(changes), None).expect("complete").warnings.join("\n")
-    };
+    let warnings =
+        |changes: &[(&str, f64)]| ratings(&nut(changes)).expect("complete").warnings.join("\n");
     assert_eq!(warnings(&[]), "");
     for (changes, words) in [
         (&[("preload_N", 40_000.0)][..], "preload_N is 0.386 of the dynamic rating"),
@@ -146,7 +144,7 @@ fn the_thread_can_be_given() {
     let mut scene = nut(&[]);
     let setting = |name: &str, value: f64| [format!("{name}={value}")];
     scene.apply(&setting("groove_bottom_distance_mm", 10.5)).expect("a setting");
-    let angle = ratings(&scene, None).expect("complete").number("contact_angle_deg");
+    let angle = ratings(&scene).expect("complete").number("contact_angle_deg");
     // cos 60 deg is half of the distance of the arc centres.
     assert!((angle.expect("a row") - 60.0).abs() < 1e-9, "{angle:?}");
     let thread = numbers(&scene);
@@ -156,13 +154,13 @@ fn the_thread_can_be_given() {
         (&[("axial_play_um", 1415.0)][..], "must be <= 1414.214 um"),
         (&[("screw_outer_diameter_mm", 65.0)], "> 65 mm, the outer diameter of the screw"),
     ] {
-        let error = ratings(&nut(changes), None).expect_err(words).to_string();
+        let error = ratings(&nut(changes)).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");
     }
     let both = Scene { contact_angle_deg: Some(60.0), ..scene.clone() };
-    let error = ratings(&both, None).expect_err("two forms").to_string();
+    let error = ratings(&both).expect_err("two forms").to_string();
     assert!(error.contains("both are given"), "{error}");
     scene.groove_bottom_distance_mm = Some(12.0);
-    let error = ratings(&scene, None).expect_err("no angle").to_string();
+    let error = ratings(&scene).expect_err("no angle").to_string();
     assert!(error.contains("between 10.0000 mm, the ball, and 11.0000 mm"), "{error}");
 }

@@ -50,11 +50,11 @@ fn the_scene_of_a_design_keeps_the_requirement() {
         assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
     };
     same(solution.efficiency(), step("screw_efficiency"));
-    let capacity = ratings(&scene, None).expect("a nut");
+    let capacity = ratings(&scene).expect("a nut");
     let rating = |name: &str| capacity.number(name);
     same(rating("dynamic_load_rating_N"), step("dynamic_load_rating_N"));
-    same(rating("life_h"), step("cycle_life_h"));
-    assert!(rating("life_h").expect("a life") > 0.999e4);
+    same(rating("rating_life_h"), step("cycle_life_h"));
+    assert!(rating("rating_life_h").expect("a life") > 0.999e4);
 }
 
 /// The other motion turns the screw backwards under the load.
@@ -86,7 +86,7 @@ fn absurd_loads_are_infeasible() {
     let report = DesignReport::of(&wish(&["axial_load_N=1e30"]).expect("a number"));
     assert!(!report.found);
     assert!(report.reasons.iter().any(|r| r.contains("nut_nominal_pressure_MPa")), "{report:?}");
-    assert!(report.reasons.iter().any(|r| r.contains("life_h")), "{report:?}");
+    assert!(report.reasons.iter().any(|r| r.contains("cycle_life_h")), "{report:?}");
 }
 
 /// Lead and lead angle together are a pitch circle.

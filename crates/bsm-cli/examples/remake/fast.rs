@@ -149,8 +149,12 @@ fn nut_sharing(program: &Program) -> Made {
         fields.retain(|_, value| !value.is_null());
         std::fs::write(program.folder.join("nut-sharing.json"), scene.to_string())?;
         let found = program.json("nut nut-sharing.json --model raceway-control --json")?;
-        let names =
-            ["max_over_mean", "secant_stiffness_N_um", "life_revolutions", "friction_torque_Nm"];
+        let names = [
+            "max_over_mean",
+            "nut_secant_stiffness_N_um",
+            "life_by_balls_revolutions",
+            "friction_torque_Nm",
+        ];
         let [a, b, c, d] = names.map(|name| number(&found, name));
         Ok([a?, b?, c?, d?])
     };

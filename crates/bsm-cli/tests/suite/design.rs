@@ -113,7 +113,7 @@ fn the_catalogue_is_filtered_sorted_and_written() {
     let picked = json(&stdout(&picked));
     let args = [&["select"], &wanted[..], &["--pareto", "--first", "1", "--json"]].concat();
     let first = json(&stdout(&bsm(dir.path(), &args, "")));
-    for name in ["mass_kg", "edge_load_N", "preloaded_rigidity_N_um", "screw_root_diameter_mm"] {
+    for name in ["mass_kg", "edge_load_N", "preloaded_stiffness_N_um", "screw_root_diameter_mm"] {
         let ratio = number(&picked, name) / number(&first[0], name);
         assert!((ratio - 1.0).abs() < 1e-12, "{name}: {ratio}");
     }
@@ -125,7 +125,13 @@ fn the_catalogue_tells_what_is_wrong() {
     let heavy = ["--where", "dynamic_load_rating_N>=5e6"];
     let output = bsm(dir.path(), &[&["select"], &heavy[..]].concat(), "");
     assert_eq!(output.status.code(), Some(3));
-    assert!(stderr(&output).contains("of which the nearest has"), "{}", stderr(&output));
+    assert!(stdout(&output).contains("of which the nearest has"), "{}", stdout(&output));
+    // Found by a reader: a list without a nut printed nothing on standard output, and no limit.
+    let requirement = example("requirements/feed_drive.json");
+    let output = bsm(dir.path(), &["select", &requirement, "--from", "standard"], "");
+    assert_eq!(output.status.code(), Some(3));
+    let limit = "no nut: cycle_life_h must be >= 10000 h";
+    assert!(stdout(&output).contains(limit), "{}", stdout(&output));
     for (args, words) in [
         (["select", "--where", "mass>=1"], "did you mean `mass_kg`?"),
         (["select", "--sort", "weight_kg"], "no column is named `weight_kg`"),
@@ -161,7 +167,7 @@ fn figures_follow_the_lists() {
     let lists = |leads: &str| {
         format!(
             r#"{{"nominal_diameter_mm": [20], "lead_mm": {leads}, "ball_diameter_mm": [3.175],
-            "loaded_turns": [3], "conformity": [0.52, 0.53, 0.54, 0.55]}}"#
+            "loaded_turns": [3], "nut_conformity": [0.52, 0.53, 0.54, 0.55]}}"#
         )
     };
     fs::write(dir.path().join("lists.json"), lists("[8, 10, 20]")).expect("written");

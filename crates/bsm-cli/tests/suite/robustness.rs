@@ -522,7 +522,7 @@ fn a_large_catalogue_takes_little_memory() {
     };
     let lists = format!(
         "{{\"nominal_diameter_mm\": {}, \"lead_mm\": {}, \"ball_diameter_mm\": [4, 5],
-          \"loaded_turns\": {}, \"conformity\": {}}}",
+          \"loaded_turns\": {}, \"nut_conformity\": {}}}",
         list(40.0, 1.0, 30),
         list(12.0, 1.0, 25),
         list(2.0, 0.2, 20),

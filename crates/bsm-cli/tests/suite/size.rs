@@ -64,7 +64,7 @@ fn from_a_requirement_to_a_sheet_in_three_commands() {
         close("largest_speed_rpm", rpm, 1e-12);
         close("largest_load_N", load, 1e-9);
         let length = 1200.0 + number(screw, "nut_length_mm") + 2.0 * lead;
-        close("screw_length_between_bearings_mm", length, 1e-9);
+        close("unsupported_length_mm", length, 1e-9);
         // The factors of catalogues: three digits of 15.1, and 2.046 for 2 with 206 for 207 GPa.
         let core = number(screw, "screw_core_diameter_mm");
         let permitted = 15.1e7 * core / length.powi(2);
@@ -175,9 +175,9 @@ fn one_screw_has_one_efficiency() {
     let part = |name: &str| number(parts, name);
     let rub = part("contact_friction_torque_Nm");
     assert!((rub / number(&nut, "friction_torque_Nm") - 1.0).abs() < 1e-9, "{parts} {nut}");
-    // By manufacturers' rule: 0.05/sqrt(tan a) F l/(2 pi), less what the contacts of the preload take.
-    let whole = number(&sheet["results"], "preload_drag_Nm");
-    let beyond = whole - number(&sheet["results"], "contact_drag_Nm");
+    // By the rule of makers: 0.05/sqrt(tan a) F l/(2 pi), less what the contacts of the preload take.
+    let whole = number(&sheet["results"], "rule_torque_Nm");
+    let beyond = whole - number(&sheet["results"], "preload_torque_Nm");
     assert!((part("preload_drag_beyond_contacts_Nm") - beyond).abs() < 1e-12, "{parts}");
     let sum = part("ideal_torque_Nm") + rub + beyond + 0.3 + 0.5;
     assert!((part("whole_screw_torque_Nm") / sum - 1.0).abs() < 1e-12, "{parts}");

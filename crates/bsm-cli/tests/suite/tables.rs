@@ -239,7 +239,7 @@ fn workbooks_have_units_and_the_same_numbers() {
     );
     let wish = example("requirements/axis.json");
     run(dir.path(), &["select", &wish, "-o", "steps.csv"], 0);
-    assert!(fs::read_to_string(at("steps.csv")).expect("steps").contains("life_h,h,"));
+    assert!(fs::read_to_string(at("steps.csv")).expect("steps").contains("cycle_life_h,h,"));
     fs::write(at("lists.json"), "{\"nominal_diameter_mm\": [40], \"lead_mm\": [10]}")
         .expect("lists");
     run(dir.path(), &["select", "--from", "lists.json", "-o", "nuts.xlsx"], 0);

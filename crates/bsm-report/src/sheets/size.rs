@@ -15,7 +15,7 @@ const POINTS: u32 = 60;
 
 /// Numbers that stand at the top of the page.
 const HEADLINES: [&str; 4] =
-    ["cycle_life_h", "peak_motor_torque_Nm", "mean_heat_W", "axis_rigidity_N_um"];
+    ["cycle_life_h", "peak_motor_torque_Nm", "mean_heat_W", "axis_stiffness_N_um"];
 
 /// Numbers of the table of phases.
 const COLUMNS: [&str; 8] = [
@@ -67,7 +67,7 @@ fn sheet(report: &AxisReport) -> Value {
     };
     let results = report.answer.numbers().flat_map(Numbers::rows);
     let headlines = results.filter(|row| HEADLINES.contains(&row.quantity.name)).map(number_row);
-    let drag = report.number("contact_drag_Nm").zip(report.number("preload_drag_Nm"));
+    let drag = report.number("preload_torque_Nm").zip(report.number("rule_torque_Nm"));
     json!({
         "description": report.scene.description,
         "failed": limited.iter().filter(|rule| !rule.passes()).count(),
@@ -185,7 +185,7 @@ fn among_limits(report: &AxisReport) -> Figure {
     // Speeds and loads at which a rule is just kept.
     let speeds = [
         (rule("critical_speed_ratio"), "permitted part of the critical speed"),
-        (rule("cycle_speed_number_mm_min"), "speed number"),
+        (rule("largest_speed_number_mm_min"), "speed number"),
     ]
     .map(|(rule, label)| (rule.map(|(_, margin)| fastest * margin), label));
     let loads = [

@@ -5,9 +5,7 @@ use std::time::{Duration, Instant};
 
 use bsm_batch::{Chunk, Columns, Task};
 use bsm_case::units::{MM, RPM};
-use bsm_case::{
-    Cell, InputKey, ModelChoice, OUTPUTS, Output, Record, Scene, Sensitivities, Settings,
-};
+use bsm_case::{InputKey, ModelChoice, OUTPUTS, Output, Record, Scene, Sensitivities, Settings};
 use bsm_dyn::{Ball, ModelWorkspace, Reason, Status};
 
 /// Largest scaled residual and power balance of an answer.
@@ -197,7 +195,7 @@ pub(crate) fn inertia(scene: &Scene) -> f64 {
 /// What no converged answer may be.
 fn wrong(record: &Record, scene: &Scene, answer: &Answer) -> Option<String> {
     for output in OUTPUTS {
-        if let Some(Cell::Number(x)) = record.cell(output)
+        if let Some(x) = record.value(output)
             && !x.is_finite()
         {
             return Some(format!("{} not finite", output.name));

@@ -52,8 +52,8 @@ pub(super) fn rules(
 fn screw_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers) {
     let number = |name: &str| numbers.number(name);
     let input = |key| scene.value_or_default(key);
-    let length = number("screw_length_between_bearings_mm").unwrap_or(f64::NAN);
-    let diameter = number("bending_diameter_mm").unwrap_or(f64::NAN);
+    let length = number("unsupported_length_mm").unwrap_or(f64::NAN);
+    let diameter = number("shaft_diameter_mm").unwrap_or(f64::NAN);
     rules.add(
         "critical speed",
         ("critical_speed_ratio", ""),
@@ -71,8 +71,8 @@ fn screw_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers)
     let limit = input(InputKey::speed_number_limit_mm_min);
     rules.add(
         "speed number",
-        ("cycle_speed_number_mm_min", "mm/min"),
-        number("cycle_speed_number_mm_min"),
+        ("largest_speed_number_mm_min", "mm/min"),
+        number("largest_speed_number_mm_min"),
         (false, limit),
         "limit of the ball return: 70 000 unless given, end caps some 120 000, internal high-speed returns 160 000 (Z15)",
         &|margin| {
@@ -174,7 +174,7 @@ fn preload_rules(
             "Sobolewski, 0.15 of the dynamic load rating (D22)",
             &|_| format!("preload_N {:.0} or less", PRELOAD * dynamic * cold / warm),
         );
-        let opens = number("opening_load_N").unwrap_or(OPENS_AT * warm);
+        let opens = number("limit_load_N").unwrap_or(OPENS_AT * warm);
         rules.add(
             "preload left",
             ("largest_load_N", "N"),

@@ -3,10 +3,10 @@
 use bsm_design::NutBody;
 use bsm_nut::{BallNut, Bar, Ring};
 
-use super::problem::{bad, checked, twice};
+use super::problem::{bad, twice};
 use crate::vocabulary::units::MM;
-use crate::vocabulary::words::{BarWords, End};
-use crate::{CaseError, InputKey, Rule, Scene};
+use crate::vocabulary::words::End;
+use crate::{CaseError, InputKey, Scene};
 
 /// The nut with bars and ring.
 pub(super) fn bodies(
@@ -16,12 +16,10 @@ pub(super) fn bodies(
 ) -> Result<BallNut, CaseError> {
     use InputKey as K;
     let words = &scene.nut;
-    let bars = words.bars.clone().unwrap_or_default();
     let ends = ends(&nut);
     let made = nut.nut_stiffness(body.outer);
     let keys = [K::nut_EA_N, K::nut_anchor_z_mm];
-    nut.nut_bar =
-        bar(scene, ("nut", bars.nut), (keys, "nut_anchor", words.nut_anchor), made, ends)?;
+    nut.nut_bar = bar(scene, (keys, "nut_anchor", words.nut_anchor), made, ends)?;
     let keys = [K::screw_EA_N, K::screw_anchor_z_mm];
     let twists = words.screw_torsion == Some(true);
     if twists && scene.screw_EA_N.is_some() {
@@ -33,24 +31,12 @@ pub(super) fn bodies(
         return Err(bad("screw_torsion", what));
     }
     let made = nut.screw_stiffness(twists);
-    nut.screw_bar =
-        bar(scene, ("screw", bars.screw), (keys, "screw_anchor", words.screw_anchor), made, ends)?;
+    nut.screw_bar = bar(scene, (keys, "screw_anchor", words.screw_anchor), made, ends)?;
     let youngs_modulus = nut.material.0.youngs_modulus;
-    nut.ring = match (&words.ring, words.ring_expansion) {
-        (Some(_), Some(_)) => return Err(twice("ring", "ring_expansion")),
-        (Some(ring), None) => {
-            let inner =
-                checked(Rule::Above(0.0), "ring.inner_diameter_mm", ring.inner_diameter_mm)?;
-            let larger = Rule::Above(inner);
-            let outer = checked(larger, "ring.outer_diameter_mm", ring.outer_diameter_mm)?;
-            Some(Ring { outer: outer * MM, inner: inner * MM, youngs_modulus })
-        }
-        (None, Some(true)) => {
-            let [_, inner] = nut.groove_diameters();
-            Some(Ring { outer: body.outer, inner, youngs_modulus })
-        }
-        (None, Some(false) | None) => None,
-    };
+    nut.ring = (words.ring_expansion == Some(true)).then(|| {
+        let [_, inner] = nut.groove_diameters();
+        Ring { outer: body.outer, inner, youngs_modulus }
+    });
     Ok(nut)
 }
 
@@ -61,31 +47,16 @@ fn ends(nut: &BallNut) -> [f64; 2] {
     [z().fold(f64::INFINITY, f64::min), z().fold(f64::NEG_INFINITY, f64::max)]
 }
 
-/// A body as a bar: from an object of `bars`, or from the short words; `None` if neither names an anchor.
+/// A body as a bar; `None` if it has no anchor.
 ///
 /// * `made`: stiffness from the diameters \[N\].
 fn bar(
     scene: &Scene,
-    (name, listed): (&str, Option<BarWords>),
     ([stiffness, place], word, end): ([InputKey; 2], &'static str, Option<End>),
     made: f64,
     ends: [f64; 2],
 ) -> Result<Option<Bar>, CaseError> {
     let at = |end: End| if end == End::Low { ends[0] } else { ends[1] };
-    let short = [stiffness, place].into_iter().find(|key| scene[*key].is_some());
-    let short = short.map(InputKey::name).or(end.map(|_| word));
-    if let Some(BarWords { EA_N, anchor, anchor_z_mm }) = listed {
-        if let Some(short) = short {
-            return Err(twice("bars", short));
-        }
-        let anchor = match (anchor, anchor_z_mm) {
-            (Some(end), None) => at(end),
-            (None, Some(z)) => z * MM,
-            _ => return Err(bad(format!("bars.{name}"), "give one of anchor and anchor_z_mm")),
-        };
-        let stiffness = checked(Rule::Above(0.0), &format!("bars.{name}.EA_N"), EA_N)?;
-        return Ok(Some(Bar { stiffness, anchor }));
-    }
     let anchor = match (end, scene[place]) {
         (Some(_), Some(_)) => return Err(twice(word, place.name())),
         (Some(end), None) => at(end),
