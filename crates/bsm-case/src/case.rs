@@ -9,3 +9,4 @@ pub(crate) mod rated_nut;
 pub(crate) mod reader;
 pub(crate) mod requirement;
 pub(crate) mod scene;
+pub(crate) mod warm;

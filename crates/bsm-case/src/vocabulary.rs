@@ -12,4 +12,5 @@ pub(crate) mod phase;
 pub(crate) mod quantity;
 pub(crate) mod rules;
 pub mod units;
+pub(crate) mod warm;
 pub(crate) mod words;

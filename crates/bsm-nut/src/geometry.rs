@@ -159,6 +159,18 @@ impl BallNut {
         nut
     }
 
+    /// The same nut on a screw that a tension makes longer and thinner (I5).
+    ///
+    /// * `strain`: along the axis. * `poisson_ratio`: of the screw.
+    #[must_use]
+    pub fn strained(&self, strain: f64, poisson_ratio: f64) -> Self {
+        let mut nut = self.clone();
+        // e −= s (z − z_ref),  g += r_m ν s                               (I5)
+        nut.errors.lead.push(LeadError::Slope { slope: -strain, origin: self.middle() });
+        nut.errors.gap += self.helix.radius * poisson_ratio * strain;
+        nut
+    }
+
     /// Place on the axis to which displacements and loads belong \[m\].
     pub fn middle(&self) -> f64 {
         let mean = || {

@@ -2,6 +2,7 @@
 
 mod contacts;
 mod rules;
+mod warm;
 
 use std::f64::consts::TAU;
 
@@ -12,7 +13,8 @@ use bsm_design::{
 use bsm_dyn::ModelWorkspace;
 use serde_json::{Value, json};
 
-use self::contacts::{Contacts, contacts, is_preloaded, nut_at};
+use self::contacts::{Contacts, contacts, nut_at};
+use self::warm::{Warm, WarmState};
 use super::nut::QUANTITIES as NUT;
 use super::ratings::QUANTITIES as RATINGS;
 use crate::answers::nut::preload_note;
@@ -55,6 +57,19 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
             "thermal expansion between the bearings, by screw_temperature_rise_K or the steady-state rise";
         travel_variation_300_um ["um" "v_300p"] Whole(|w| Some(w.scene.nut.accuracy_grade?.grade.variation / UM)),
             "permitted variation of travel within any 300 mm, of accuracy_grade";
+    }
+    "warm state" {
+        nut_temperature_C ["C"] Whole(|w| Some(w.warm_state()?.celsius[0])), "steady temperature of nut and table";
+        screw_temperature_C ["C"] Whole(|w| Some(w.warm_state()?.celsius[1])), "steady temperature of the screw along its travel";
+        balls_temperature_C ["C"] Whole(|w| Some(w.warm_state()?.celsius[2])), "steady temperature of balls and oil";
+        end_1_temperature_C ["C"] Whole(|w| Some(w.warm_state()?.celsius[3])), "steady temperature of the end of the screw at the motor";
+        end_2_temperature_C ["C"] Whole(|w| Some(w.warm_state()?.celsius[4])), "steady temperature of the other end of the screw";
+        cold_preload_N ["N"] Whole(|w| w.warm.as_ref()?.cold), "cold preload";
+        warm_state_preload_N ["N"] Whole(|w| w.warm_state()?.preload), "preload that the steady temperatures leave";
+        steady_heat_W ["W"] Whole(|w| Some(w.warm_state()?.steady.heat())), "heat of contacts, drag, seals and support bearings in the steady state";
+        screw_tension_N ["N"] Whole(|w| w.warm_state()?.tension), "tension of a screw between two fixed bearings, below 0 a compression";
+        loop_gain [""] Whole(|w| Some(w.warm_state()?.steady.gain)), "part of a deviation that comes back through heat and preload: 1 is where the state is lost";
+        fold_speed_factor [""] Whole(|w| Some(w.warm.as_ref()?.fold.as_ref()?.factor)), "multiple of the speeds above which there is no steady state";
     }
     "nut and life" {
         static_safety_factor ["" "f_s"] Whole(|w| w.static_safety()), "static safety factor, the smaller of rating and most loaded ball";
@@ -314,7 +329,7 @@ impl Preload {
         speed: f64,
     ) -> Result<Option<Self>, CaseError> {
         let forces = nut.number("preload_set_N").zip(nut.number("warm_preload_N"));
-        let Some((cold, warm)) = forces.filter(|_| is_preloaded(scene)) else { return Ok(None) };
+        let Some((cold, warm)) = forces.filter(|_| scene.is_preloaded()) else { return Ok(None) };
         let of_contacts = if speed > 0.0 && scene.given().has_friction() {
             let unloaded = nut_at(scene, settings, 0.0, speed)?;
             unloaded.number("friction_heat_W").map(|heat| heat / speed)
@@ -339,7 +354,7 @@ impl Preload {
 /// [`CaseError`] if the nut or its point has no solution.
 pub fn torque_parts(scene: &Scene, settings: &Settings) -> Result<Option<ScrewTorque>, CaseError> {
     let given = |key: InputKey| scene[key].is_some_and(|value| value != 0.0);
-    let preloaded = is_preloaded(scene) && NEEDS.are_met(scene.given());
+    let preloaded = scene.is_preloaded() && NEEDS.are_met(scene.given());
     let more =
         [InputKey::moved_mass_kg, InputKey::seal_torque_Nm, InputKey::support_bearing_torque_Nm];
     let point = scene.speeds_rpm().zip(scene.axial_load_N).zip(scene.lead());
@@ -392,13 +407,18 @@ impl AxisReport {
     ///
     /// [`CaseError`] if an input is missing or breaks its rule.
     pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
-        let worked = Worked::of(scene, settings)?;
+        let warm = Warm::of(scene, settings)?;
+        let asked = scene;
+        let warmed = warm.as_ref().map(|warm| warm.scene(scene));
+        let scene = warmed.as_ref().unwrap_or(scene);
+        let worked = Worked::of(scene, settings, warm)?;
         let of_nut = ratings(&at_largest(scene, &worked.machine.axis))?;
         let mut warnings = of_nut.warnings.clone();
         warnings.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
         if let Some(why @ CaseError::Nut(_)) = &worked.no_nut {
             warnings.push(format!("{}; the rules of the preload are not judged", no_balls(why)));
         }
+        warnings.extend(worked.warm.iter().filter_map(Warm::warning));
         warnings.sort();
         warnings.dedup();
         let (machine, preload) = (&worked.machine, worked.preload.as_ref());
@@ -411,12 +431,12 @@ impl AxisReport {
         let not_modelled = NOT_MODELLED.map(str::to_owned).to_vec();
         let answer = Answer { rules, notes, warnings, fails, ..Answer::default() }
             .with("passes", Content::Json((!fails).into()))
-            .with("inputs", Content::Json(scene.to_json()))
+            .with("inputs", Content::Json(asked.to_json()))
             .with("phases", Content::Table(of_phases(&phases)))
             .with("results", Content::numbers(numbers, "axis"))
             .with("screw", Content::numbers(screw, "screw"))
             .with("not_modelled", Content::Texts("not modelled", not_modelled));
-        Ok(Self { scene: scene.clone(), phases, answer })
+        Ok(Self { scene: asked.clone(), phases, answer })
     }
 
     /// True if every rule holds.
@@ -492,10 +512,12 @@ pub(crate) struct Worked<'a> {
     holding: Option<f64>,
     /// Life by the loads of all balls \[s\].
     life_by_balls: Option<f64>,
+    /// Its warm steady state, if that is asked for.
+    warm: Option<Warm>,
 }
 
 impl<'a> Worked<'a> {
-    fn of(scene: &'a Scene, settings: &Settings) -> Result<Self, CaseError> {
+    fn of(scene: &'a Scene, settings: &Settings, warm: Option<Warm>) -> Result<Self, CaseError> {
         let mut machine = Machine::of(scene)?;
         let (axis, advance) = (&machine.axis, machine.advance());
         let mut work = ModelWorkspace::default();
@@ -527,11 +549,15 @@ impl<'a> Worked<'a> {
             .and_then(|found| Some((advance * axis.largest_load() - found.friction?).max(0.0)));
         let life_by_balls = life_by_balls(scene, settings, axis);
         machine.axis.preload = preload.as_ref().map(|preload| preload.warm);
-        Ok(Self { scene, machine, nut, no_nut, preload, torques, holding, life_by_balls })
+        Ok(Self { scene, machine, nut, no_nut, preload, torques, holding, life_by_balls, warm })
     }
 
     fn axis(&self) -> &Axis {
         &self.machine.axis
+    }
+
+    fn warm_state(&self) -> Option<&WarmState> {
+        self.warm.as_ref()?.state.as_ref()
     }
 
     fn shaft(&self) -> Option<&Shaft> {
@@ -559,6 +585,9 @@ impl<'a> Worked<'a> {
 
     /// Growth of the screw \[um\].
     fn growth(&self) -> Option<f64> {
+        if let Some(state) = self.warm_state() {
+            return Some(state.growth / UM);
+        }
         let given = self.scene.screw_temperature_rise_K.filter(|rise| *rise != 0.0);
         let expansion = self.scene.value_or_default(InputKey::thermal_expansion_um_m_K)?;
         Some(self.shaft()?.growth(expansion * UM, given.or_else(|| self.steady_rise())?) / UM)
@@ -627,6 +656,7 @@ impl<'a> Worked<'a> {
         {
             notes.push(preload_note(cold, warm));
         }
+        notes.extend(self.warm.iter().flat_map(Warm::notes));
         let mut note = |words: &str| notes.push(words.to_owned());
         if let Some(grade) = self.scene.nut.accuracy_grade {
             note(&grade.describe());
@@ -679,6 +709,7 @@ fn at_largest(scene: &Scene, axis: &Axis) -> Scene {
     (scene.screw_speed_rpm, scene.nut_speed_rpm) = (Some(rpm).filter(|rpm| *rpm > 0.0), None);
     // The load has the mass, and the warm preload is judged by itself.
     scene.moved_mass_kg = None;
+    scene.nut.warm_state = None;
     for key in RISES {
         scene[key] = None;
     }
@@ -690,13 +721,13 @@ fn life_by_balls(scene: &Scene, settings: &Settings, axis: &Axis) -> Option<f64>
     let (mut taken, mut time) = (0.0, 0.0);
     for phase in &axis.phases {
         time += phase.time;
-        let moves = phase.speed != 0.0 && (phase.load != 0.0 || is_preloaded(scene));
+        let moves = phase.speed != 0.0 && (phase.load != 0.0 || scene.is_preloaded());
         if moves {
             let nut = nut_at(scene, settings, phase.load, phase.speed).ok()?;
             let ours = nut.number("life_by_balls_revolutions")?;
             let rated = nut.number("iso_life_revolutions")?;
             // The ratio is of the model, the rating may be of the maker.
-            let preload = nut.number("warm_preload_N").filter(|_| is_preloaded(scene));
+            let preload = nut.number("warm_preload_N").filter(|_| scene.is_preloaded());
             let duty = bsm_design::Duty { load: phase.load, speed: 1.0, time: 1.0 };
             let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;
             let turns = phase.speed.abs() * phase.time / TAU;

@@ -4,10 +4,11 @@ use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
 use bsm_design::{Duty, in_series, life};
-use bsm_dyn::{Hertz, ModelWorkspace};
+use bsm_dyn::{ElasticPoint, Hertz, ModelWorkspace, Problem, Temperature};
+use bsm_kin::Drive;
 use bsm_nut::{
-    BallInGrooves, BallNut, BallPosition, Circuit, Equal, Equilibrium, Flanks, Freedom, NutError,
-    NutFriction, Support,
+    BallInGrooves, BallNut, BallPosition, Circuit, Equal, Equilibrium, Flanks, Freedom,
+    FrictionSum, NutError, NutFriction, Support,
 };
 use serde_json::{Map, Value, json};
 
@@ -218,6 +219,11 @@ const CURVE: [&str; 6] = [
     "unloaded_balls",
 ];
 
+/// Balls that carry something, at least one.
+fn loaded_balls(found: &Equilibrium) -> f64 {
+    count(found.balls.len() - found.unloaded()).max(1.0)
+}
+
 /// What the two preloads of a warm nut are.
 pub(crate) fn preload_note(cold: f64, warm: f64) -> String {
     format!(
@@ -335,25 +341,10 @@ impl NutProblem {
     fn friction_of(&self, nut: &BallNut, found: &Equilibrium) -> Option<Rubbed> {
         let (rubbing, drive) = self.friction.as_ref()?;
         let mut work = ModelWorkspace::default();
-        let settings = &self.settings;
-        let model = settings.model;
         let (mut models, mut why) = (Vec::new(), None);
-        let coefficient = match rubbing {
-            Rubbing::Coefficient(coefficient) => Some(*coefficient),
-            Rubbing::Lubricant(_) => None,
-        };
-        // Each ball has its part of the returns.
-        let loaded = count(found.balls.len() - found.unloaded()).max(1.0);
+        let (coefficient, balls) = (rubbing.coefficient(), loaded_balls(found));
         let friction = nut.friction(found, coefficient, drive, self.seal_torque, |screw| {
-            let problem = match rubbing {
-                Rubbing::Coefficient(_) => in_grooves(screw, model, settings),
-                Rubbing::Lubricant(lubricant) => {
-                    let mut lubricant = *lubricant;
-                    lubricant.losses.return_circuits /= loaded;
-                    lubricated(screw, lubricant, model, settings)
-                }
-            };
-            let solution = problem.solve(&mut work);
+            let solution = self.of_ball(rubbing, balls, screw).solve(&mut work);
             models.push(solution.model.name());
             if let Some(reason) = solution.reason() {
                 why = Some(message(reason));
@@ -363,6 +354,38 @@ impl NutProblem {
         models.sort_unstable();
         models.dedup();
         Some(Rubbed { friction, models, why })
+    }
+
+    /// Friction of all balls of a nut like this, warm or strained, with the oil at a temperature \[K\].
+    pub(crate) fn friction_sum(
+        &self,
+        nut: &BallNut,
+        found: &Equilibrium,
+        drive: &Drive<f64>,
+        oil: f64,
+    ) -> Option<FrictionSum> {
+        let mut rubbing = self.friction.as_ref()?.0;
+        if let Rubbing::Lubricant(lubricant) = &mut rubbing {
+            lubricant.temperature = Temperature::Known(oil);
+        }
+        let mut work = ModelWorkspace::default();
+        let balls = loaded_balls(found);
+        nut.friction_sum(found, rubbing.coefficient(), drive, |screw| {
+            self.of_ball(&rubbing, balls, screw).solve(&mut work)
+        })
+    }
+
+    /// The problem of one ball, which has its part of the returns.
+    fn of_ball(&self, rubbing: &Rubbing, balls: f64, screw: ElasticPoint) -> Problem {
+        let settings = &self.settings;
+        match rubbing {
+            Rubbing::Coefficient(_) => in_grooves(screw, settings.model, settings),
+            Rubbing::Lubricant(lubricant) => {
+                let mut lubricant = *lubricant;
+                lubricant.losses.return_circuits /= balls;
+                lubricated(screw, lubricant, settings.model, settings)
+            }
+        }
     }
 
     /// The answer without a solution: the reason.

@@ -9,6 +9,7 @@ use crate::case::nut::OF_A_NUT;
 use crate::vocabulary::input_set::lead_mm;
 use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::rules::Relation;
+use crate::vocabulary::warm::Found;
 use crate::{CaseError, InputKey, InputSet, NutWords, Scene, entries};
 
 /// Key of the free text.
@@ -236,6 +237,18 @@ impl Scene {
                  has them (bsm axis)"
             )
         })
+    }
+
+    /// What was found of its warm state.
+    pub(crate) fn found_warm(&self) -> Option<Found> {
+        self.nut.warm_state.as_ref()?.found
+    }
+
+    /// True if it has a preloaded nut.
+    pub(crate) fn is_preloaded(&self) -> bool {
+        [InputKey::preload_N, InputKey::preload_offset_um, InputKey::ball_oversize_um]
+            .into_iter()
+            .any(|key| self[key].is_some_and(|value| value != 0.0))
     }
 
     /// True if a part of the nut or the screw is warmer than when the preload was set.

@@ -121,6 +121,9 @@ pub enum CaseError {
         /// At 100 C.
         hot: f64,
     },
+    /// An axis has no warm steady state.
+    #[error("no warm steady state: {0}")]
+    NoWarmState(Box<bsm_nut::thermal::NoSteadyState>),
     /// A nut that does not carry its load, or whose preload cannot be set.
     #[error("{0}")]
     Nut(NutError),

@@ -7,6 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::answer::schema_of;
 use super::phase::PhaseWords;
+use super::warm::WarmWords;
 use crate::{CaseError, nearest};
 
 macro_rules! words {
@@ -55,7 +56,8 @@ macro_rules! words {
 }
 
 /// Objects among them, as [`schema_of`] has them.
-const OBJECTS: [(&str, &str); 3] = [
+const OBJECTS: [(&str, &str); 4] = [
+    ("warm state", WarmWords::MEMBERS),
     (
         "circuit",
         "start_deg number, arc_deg positive, balls count, start? count, body? count, flank? +|-|both?, offset_um? number",
@@ -101,6 +103,8 @@ words! {
         "accuracy grade of the screw, for bsm axis: P0 to P10 and T5 to T10 of ISO 3408-3, C0 to C10 of JIS B 1192 (THK, NSK, MISUMI); a number alone is a P grade";
     cycle: Vec<PhaseWords> ["[phase]"],
         "phases of the cycle of the axis, for bsm axis: time_s or share, force_N, feed_m_min, acceleration_m_s2; in place of axial_load_N and screw_speed_rpm";
+    warm_state: WarmWords ["warm state"],
+        "find the temperatures that friction brings the axis to, and the preload that they leave, for bsm axis; {} takes all as it is usual: temperatures of setting and surroundings, conductances (W_K, known by a factor of 1.4 to 3), coolant, pretension";
 }
 
 impl NutWords {
@@ -369,6 +373,7 @@ mod tests {
             "support": "fixed-supported",
             "accuracy_grade": "C3",
             "cycle": [{ "time_s": 1.0, "force_N": 1.0, "feed_m_min": 1.0, "acceleration_m_s2": 1.0 }],
+            "warm_state": WarmWords::of_ones(),
         });
         let mut words = NutWords::default();
         for (key, value) in all.as_object().expect("an object") {

@@ -9,3 +9,4 @@ mod lubricant;
 mod scene;
 mod sensitivities;
 mod size;
+mod warm;

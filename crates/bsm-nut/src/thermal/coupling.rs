@@ -1,11 +1,11 @@
 //! The heat of a nut whose grooves are as warm as its nodes.
 //!
-//! Theory: `docs/theory/19-warm-state.md`, equations (I5) and (I13) to (I15).
+//! Theory: `docs/theory/19-warm-state.md`, equations (I13) to (I15).
 
 use bsm_kin::Drive;
 
 use super::{Guess, NODES, Network, ScrewBar, Sinks, Surfaces};
-use crate::{BallNut, Equilibrium, FrictionSum, LeadError, NutError, Preload, Support};
+use crate::{BallNut, Equilibrium, FrictionSum, NutError, Preload, Support};
 
 /// Friction of all balls of a nut under its load at some speeds, with the oil at a temperature \[K\].
 pub type FrictionOf<'a> =
@@ -106,19 +106,15 @@ impl WarmNut<'_> {
         self.set + 0.5 * balls + 0.25 * (nut + screw)
     }
 
-    /// The nut with its grooves and balls as warm, and its screw as strained, as the nodes make them (I5).
+    /// The nut with its grooves and balls as warm, and its screw as strained, as the nodes make them.
     ///
     /// * `tension`: of the screw \[N\].
     pub fn warmed(&self, rises: &[f64; NODES], tension: f64) -> BallNut {
-        let screw = &self.screw;
-        let mut nut = self.nut.warmed([rises[0], rises[1], rises[2]], screw.expansion);
-        if let Some(hold) = screw.hold {
-            // e −= s (z − z_ref),  g += r_m ν s,  s = F_t/(E A_s)         (I5)
-            let strain = tension / (hold.youngs_modulus * screw.section);
-            nut.errors.lead.push(LeadError::Slope { slope: -strain, origin: nut.middle() });
-            nut.errors.gap += nut.helix.radius * hold.poisson_ratio * strain;
+        let warm = self.nut.warmed([rises[0], rises[1], rises[2]], self.screw.expansion);
+        match self.screw.hold {
+            Some(hold) => warm.strained(self.screw.strain(tension), hold.poisson_ratio),
+            None => warm,
         }
-        nut
     }
 
     /// Loads and heat at some rises, all speeds multiplied by a factor (I14).

@@ -27,6 +27,14 @@ pub struct ScrewBar {
     pub hold: Option<AxialHold>,
 }
 
+impl ScrewBar {
+    /// Strain along the axis by a tension \[N\] (I5); none unless both bearings are fixed.
+    pub fn strain(&self, tension: f64) -> f64 {
+        // s = F_t/(E A_s)                                                 (I5)
+        self.hold.map_or(0.0, |hold| tension / (hold.youngs_modulus * self.section))
+    }
+}
+
 /// A screw between two fixed bearings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxialHold {

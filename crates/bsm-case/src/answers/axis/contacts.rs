@@ -4,7 +4,7 @@ use bsm_design::Phase;
 use bsm_dyn::{ModelWorkspace, Problem, Status};
 
 use crate::vocabulary::units::RPM;
-use crate::{CaseError, InputKey, NutProblem, NutReport, Record, Scene, Settings};
+use crate::{CaseError, NutProblem, NutReport, Record, Scene, Settings};
 
 /// Friction of the contacts in a phase.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,13 +13,6 @@ pub(super) struct Contacts {
     pub(super) friction: Option<f64>,
     /// The model, or why there is no torque.
     pub(super) words: String,
-}
-
-/// True if a scene has a preloaded nut.
-pub(super) fn is_preloaded(scene: &Scene) -> bool {
-    [InputKey::preload_N, InputKey::preload_offset_um, InputKey::ball_oversize_um]
-        .into_iter()
-        .any(|key| scene[key].is_some_and(|value| value != 0.0))
 }
 
 /// A scene at another load and speed of its axis: with a load of zero only where the nut takes it.
@@ -76,7 +69,7 @@ pub(super) fn contacts(
     if *speed == 0.0 {
         return Ok(Contacts { friction: Some(0.0), words: "at rest".to_owned() });
     }
-    if is_preloaded(scene) {
+    if scene.is_preloaded() {
         let nut = nut_at(scene, settings, *load, *speed)?;
         let friction = nut.number("friction_heat_W").map(|heat| heat / speed.abs());
         let words = match nut.model() {

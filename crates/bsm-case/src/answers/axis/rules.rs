@@ -5,6 +5,9 @@ use bsm_design::{Axis, OPENS_AT, PRELOAD};
 use super::Preload;
 use crate::{Answer, Criterion, InputKey, Numbers, Scene};
 
+/// Least multiple of its speeds at which an axis runs away.
+const FOLD: f64 = 1.25;
+
 /// The rules of a sheet as they are added.
 #[derive(Default)]
 struct Rules(Vec<Criterion>);
@@ -43,6 +46,7 @@ pub(super) fn rules(
 ) -> Vec<Criterion> {
     let mut rules = Rules::default();
     screw_rules(&mut rules, scene, axis, numbers);
+    warm_rules(&mut rules, numbers);
     nut_rules(&mut rules, scene, axis, numbers);
     preload_rules(&mut rules, axis, numbers, of_nut, preload);
     rules.0
@@ -103,6 +107,20 @@ fn screw_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers)
         (false, number("yield_load_N")),
         "THK and others: 147 N/mm2 (Z3)",
         &|margin| format!("a core of {:.1} mm", diameter * margin.powf(-0.5)),
+    );
+}
+
+/// Of the warm steady state.
+fn warm_rules(rules: &mut Rules, numbers: &Numbers) {
+    rules.add(
+        "steady state",
+        ("fold_speed_factor", ""),
+        numbers.number("fold_speed_factor"),
+        (true, Some(FOLD)),
+        "no steady state above the fold (I20); a quarter is what heat is known to",
+        &|_| {
+            "a colder screw, a warmer nut, less preload, or O in place of X arrangement".to_owned()
+        },
     );
 }
 

@@ -33,6 +33,8 @@ pub struct NutProblem {
     pub(crate) nut: BallNut,
     /// Rises of temperature of nut, screw and balls \[K\], and the coefficient of expansion \[1/K\].
     rises: Option<([f64; 3], f64)>,
+    /// Strain of the screw by a tension, and its Poisson's ratio; none while it is set.
+    strain: Option<(f64, f64)>,
     pub(crate) support: Support,
     preload: Option<(Preload, Amount)>,
     /// Standard deviation of the excess of the balls' radius \[m\].
@@ -61,6 +63,14 @@ pub(crate) enum Rubbing {
 }
 
 impl Rubbing {
+    /// The friction coefficient, if it is one.
+    pub(crate) fn coefficient(&self) -> Option<f64> {
+        match self {
+            Self::Coefficient(coefficient) => Some(*coefficient),
+            Self::Lubricant(_) => None,
+        }
+    }
+
     /// What a scene gives.
     fn of(scene: &Scene) -> Result<Option<Self>, CaseError> {
         let given = scene.given();
@@ -161,6 +171,7 @@ impl NutProblem {
             notes: notes(scene, &nut, preload, loaded.is_some()),
             nut,
             rises: rises(scene),
+            strain: scene.found_warm().map(|found| (found.strain, value(InputKey::poisson_ratio))),
             preload,
             scatter: 0.5 * UM * scene.ball_deviation_sd_um.unwrap_or(0.0),
             seed,
@@ -218,6 +229,10 @@ impl NutProblem {
         let nut = match self.rises {
             Some((rises, expansion)) => cold.warmed(rises, expansion),
             None => cold.clone(),
+        };
+        let nut = match self.strain {
+            Some((strain, poisson_ratio)) => nut.strained(strain, poisson_ratio),
+            None => nut,
         };
         let found = nut.solve(&self.support)?;
         let two = nut.circuits.iter().any(|circuit| circuit.body == 1);
@@ -311,7 +326,9 @@ fn ball_nut(scene: &Scene) -> Result<(BallNut, Preload), CaseError> {
 fn rises(scene: &Scene) -> Option<([f64; 3], f64)> {
     let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
     let given = RISES.iter().any(|key| scene[*key].is_some());
-    given.then(|| (RISES.map(value), value(InputKey::thermal_expansion_um_m_K) * UM))
+    let given = given.then(|| RISES.map(value));
+    let rises = scene.found_warm().map(|found| found.rises).or(given)?;
+    Some((rises, value(InputKey::thermal_expansion_um_m_K) * UM))
 }
 
 /// A nut without load and preload as ratings take it: a pair under the usual part of its rating. `None` if the scene
