@@ -64,8 +64,8 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
         balls_temperature_C ["C"] Whole(|w| Some(w.warm_state()?.celsius[2])), "steady temperature of balls and oil";
         end_1_temperature_C ["C"] Whole(|w| Some(w.warm_state()?.celsius[3])), "steady temperature of the end of the screw at the motor";
         end_2_temperature_C ["C"] Whole(|w| Some(w.warm_state()?.celsius[4])), "steady temperature of the other end of the screw";
-        cold_preload_N ["N"] Whole(|w| w.warm.as_ref()?.cold), "cold preload";
-        warm_state_preload_N ["N"] Whole(|w| w.warm_state()?.preload), "preload that the steady temperatures leave";
+        preload_set_N = NUT Whole(|w| w.warm.as_ref()?.cold);
+        warm_preload_N = NUT Whole(|w| w.warm_state()?.preload);
         steady_heat_W ["W"] Whole(|w| Some(w.warm_state()?.steady.heat())), "heat of contacts, drag, seals and support bearings in the steady state";
         screw_tension_N ["N"] Whole(|w| w.warm_state()?.tension), "tension of a screw between two fixed bearings, below 0 a compression";
         loop_gain [""] Whole(|w| Some(w.warm_state()?.steady.gain)), "part of a deviation that comes back through heat and preload: 1 is where the state is lost";
@@ -79,7 +79,7 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
         limit_load_N = NUT Whole(|w| w.of_nut("limit_load_N"));
     }
     "stiffness" {
-        screw_stiffness_N_um ["N/um" "R_s"] Whole(|w| Some(w.shaft()?.least_stiffness() * UM)), "axial stiffness of the screw where it is least";
+        screw_stiffness_N_um ["N/um" "R_s"] Whole(|w| Some(w.shaft()?.least_stiffness() * UM)), "minimum axial stiffness of the screw";
         nut_stiffness_at_largest_load_N_um ["N/um"] Whole(|w| w.of_nut("nut_stiffness_N_um")),
             "tangent stiffness of the nut at the largest load, all balls";
         axis_stiffness_N_um ["N/um"] Whole(|w| Some(w.stiffness()? * UM)), "stiffness of screw, nut, bearings and housings in series";
@@ -245,7 +245,7 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
 const NOT_MODELLED: [&str; 6] = [
     "lubricant, unless its inputs are given: contacts are dry then, with one friction coefficient; the friction torque of the preload is that of manufacturers' rule, accurate to some 50 %",
     "ball returns and ball-to-ball contact: only in manufacturers' rule for the preload",
-    "temperatures of nut, screw and balls: their rises are inputs, which the preload follows; axis_heat_transfer_W_K gives the growth of the screw alone",
+    "temperatures of nut, screw and balls, unless warm_state asks for them: their rises are inputs, which the preload follows; axis_heat_transfer_W_K gives the growth of the screw alone",
     "vibration of the axis, its control, and shocks: multiply the loads by the factor of your machine",
     "bending of the screw by its weight, and of the frame; misalignment unless it is given",
     "brackets of motor and bearings beyond housing_stiffness_N_um",

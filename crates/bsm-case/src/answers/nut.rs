@@ -118,11 +118,11 @@ quantities! { pub(crate) QUANTITIES, read(&Loaded<'_>) of Nut;
         nut_stiffness_N_um ["N/um"] Whole(|n| Some(n.state.made.found.axial_stiffness(&n.problem.support) * UM)), "tangent stiffness of the nut at this load, all balls";
         nut_secant_stiffness_N_um ["N/um"] Whole(|n| secant(n.problem, &n.state.made).map(|k| k * UM)), "secant stiffness of the nut from no load to this load, all balls";
         nut_equal_stiffness_N_um ["N/um"] Whole(|n| Some(equal(n.problem, &n.state.made)?.stiffness * UM)), "tangent stiffness if all balls shared the axial load equally, the bodies rigid";
-        preload_stiffness_2_N_um ["N/um"] Whole(|n| stated(&n.state.made, 2.0)), "preload stiffness 2 F_pr/delta_pr: two nuts side by side";
+        preload_stiffness_2_N_um ["N/um"] Whole(|n| stated(&n.state.made, 2.0)), "preload stiffness 2 F_pr/delta_pr: two nuts in parallel";
         preload_stiffness_2_83_N_um ["N/um"] Whole(|n| stated(&n.state.made, 2.0_f64.powf(1.5))), "preload stiffness 2^1.5 F_pr/delta_pr: secant to the limit load";
         preload_stiffness_3_N_um ["N/um"] Whole(|n| stated(&n.state.made, 3.0)), "preload stiffness 3 F_pr/delta_pr: tangent without load";
         iso_stiffness_N_um ["N/um" "R_nu"] Whole(|n| Some(iso_rigidity(n.problem, n.state)? * UM)), "stiffness by ISO 3408-4: a pair at its preload, one nut as secant at its load";
-        catalogue_stiffness_N_um ["N/um"] Whole(|n| Some(USUAL * iso_rigidity(n.problem, n.state)? * UM)), "0.8 of the stiffness by ISO 3408-4, the usual allowance of catalogues";
+        catalogue_stiffness_N_um ["N/um"] Whole(|n| Some(USUAL * iso_rigidity(n.problem, n.state)? * UM)), "catalogue stiffness, 80 % of ISO 3408-4";
     }
     "preload" {
         preload_set_N ["N"] Whole(|n| Some(n.state.made.preload.as_ref()?.cold)), "cold preload, with no external load and no temperature rise";

@@ -68,7 +68,12 @@ impl InputSet {
 
     /// The inputs, in the order of the documentation.
     pub fn iter(self) -> impl Iterator<Item = InputKey> {
-        InputKey::ALL.into_iter().filter(move |key| self.contains(*key))
+        let mut left = self.0;
+        std::iter::from_fn(move || {
+            let key = InputKey::ALL.get(left.trailing_zeros() as usize)?;
+            left &= left - 1;
+            Some(*key)
+        })
     }
 
     /// The inputs that a value for any of these replaces: themselves, and the other forms of the same
@@ -352,7 +357,7 @@ impl InputSet {
     pub(crate) fn check_friction(self) -> Result<(), CaseError> {
         use InputKey as K;
         if self.contains(InputKey::friction_coefficient)
-            && let Some(key) = OF_A_LUBRICANT.iter().find(|key| self.contains(*key))
+            && let Some(key) = Self(self.0 & OF_A_LUBRICANT.0).iter().next()
         {
             return Err(CaseError::FrictionTwice { key: key.name() });
         }

@@ -207,15 +207,15 @@ outputs! {
             "power lost by sliding at the contacts, all balls";
         "  rolling resistance" ["W"] Number: rolling_power_W whole = |s, _| Some(lubricant(s)?.rolling_power),
             "power lost by rolling resistance of lubricant and hysteresis, all balls";
-        "  balls on each other" ["W"] Number: ball_contact_power_W whole = |s, _| Some(lubricant(s)?.outside.ball_contact),
+        "  ball-to-ball contact" ["W"] Number: ball_contact_power_W whole = |s, _| Some(lubricant(s)?.outside.ball_contact),
             "power lost by balls that rub on each other";
         "  ball returns" ["W"] Number: return_power_W whole = |s, _| Some(lubricant(s)?.outside.ball_return),
             "power lost in the ball returns";
         "  drag" ["W"] Number: drag_power_W whole = |s, _| Some(lubricant(s)?.outside.drag),
             "power lost by drag of the balls in the lubricant";
-        "equivalent friction coefficient" [""] Number: equivalent_friction_coefficient whole = |s, _| Some(lubricant(s)?.equivalent_friction),
+        "equivalent constant friction coefficient" [""] Number: equivalent_friction_coefficient whole = |s, _| Some(lubricant(s)?.equivalent_friction),
             "constant friction coefficient with the same loss of the contacts at this point";
-        "friction coefficient of catalogues" [""] Number: catalogue_friction_coefficient whole = |s, _| Some(lubricant(s)?.catalogue_friction),
+        "equivalent thread friction coefficient" [""] Number: catalogue_friction_coefficient whole = |s, _| Some(lubricant(s)?.catalogue_friction),
             "friction coefficient of catalogues, that of a plain thread of the same efficiency";
         "temperature of the lubricant" ["C"] Number: lubricant_temperature_C whole = |s, _| Some(lubricant(s)?.temperature - ZERO_CELSIUS),
             "temperature of the lubricant, given or that at which all losses leave as heat";
@@ -225,9 +225,9 @@ outputs! {
             "pressure-viscosity coefficient of the lubricant";
         "heating of the film" ["K"] Number: film_heating_K whole = |s, _| Some(lubricant(s)?.heating),
             "by how much sliding heats the hotter film; not in the viscosity";
-        "error of the efficiency, at most" [""] Number: efficiency_error_bound whole = |s, _| Some(s.solved()?.error?.efficiency),
+        "efficiency error bound" [""] Number: efficiency_error_bound whole = |s, _| Some(s.solved()?.error?.efficiency),
             "bound of the error of the efficiency: in model traction of its integration over the contact ellipses; in model auto against model traction, for 99 % of all points. Torque and powers follow from the efficiency; the numbers of the ball and of its contacts have no bound where auto takes another model than traction";
-        "error over this dissipated power, at most" [""] Number: loss_error_bound whole = |s, _| s.solved()?.error?.loss,
+        "relative loss error bound" [""] Number: loss_error_bound whole = |s, _| s.solved()?.error?.loss,
             "the same of the power that is lost, relative to the lost power of this result; null: more than 0.5";
         "axial displacement of the nut" ["um"] Number: axial_displacement_um whole = |s, _| Some(s.solved()?.ball.axial_displacement? / UM),
             "axial displacement of the nut";
@@ -265,9 +265,9 @@ outputs! {
             "elastic approach";
         "film" ["um" "h"] Number: nut_film_um nut screw_film_um screw = |s, at| Some(film(s, at)?.thickness / UM),
             "film thickness";
-        "film over roughness" ["" "Lambda"] Number: nut_film_ratio nut screw_film_ratio screw = |s, at| Some(film(s, at)?.ratio),
+        "film ratio" ["" "Lambda"] Number: nut_film_ratio nut screw_film_ratio screw = |s, at| Some(film(s, at)?.ratio),
             "film thickness over roughness: below 0.3 boundary, to 2 mixed, above full film";
-        "share of asperities" ["" "xi"] Number: nut_asperity_share nut screw_asperity_share screw = |s, at| Some(film(s, at)?.share),
+        "asperity load share" ["" "xi"] Number: nut_asperity_share nut screw_asperity_share screw = |s, at| Some(film(s, at)?.share),
             "share of the load that asperities carry";
         "friction coefficient" ["" "mu"] Number: nut_friction_coefficient nut screw_friction_coefficient screw = |s, at| Some(film(s, at)?.friction),
             "mean friction coefficient: sliding power over that of a coefficient of one";

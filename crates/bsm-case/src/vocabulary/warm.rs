@@ -15,7 +15,7 @@ macro_rules! numbers {
             /// What flows through a hollow screw; water unless given.
             #[serde(skip_serializing_if = "Option::is_none")]
             pub coolant: Option<CoolantWord>,
-            /// False: no drag beyond the contacts; the rule of makers unless given.
+            /// False: no drag beyond the contacts; manufacturers' rule unless given.
             #[serde(skip_serializing_if = "Option::is_none")]
             pub drag_rule: Option<bool>,
             /// What was found, of a scene in its warm state.
@@ -66,7 +66,7 @@ numbers! {
     coolant_conductance_W_K Rule::Above(0.0), "screw to the coolant, in place of coolant_flow_l_min; none";
     pretension_N Rule::AtLeast(0.0), "of a screw between two fixed bearings; 0";
     pretension_K Rule::AtLeast(0.0), "rise that a screw between two fixed bearings is stretched by, 2 to 5; 0";
-    extra_drag_factor Rule::AtLeast(0.0), "drag beyond the contacts over the warm preload times the lead over 2 pi; by the rule of makers";
+    extra_drag_factor Rule::AtLeast(0.0), "drag beyond the contacts over the warm preload times the lead over 2 pi; by manufacturers' rule";
     motor_heat_W Rule::AtLeast(0.0), "that the motor gives to end 1; 0";
     fold_search_factor Rule::Above(1.0), "up to which multiple of the speeds the fold is looked for; 2";
     steel_conductivity_W_m_K Rule::Above(0.0), "of steel; 45";

@@ -37,6 +37,10 @@ fn scene(id: &str, change: impl Fn(&mut Value)) -> (Scene, Value) {
         }
     }
     entries.insert("warm_state".to_owned(), Value::Object(words));
+    // The name of the specification, and ours.
+    if let Some(stiffness) = entries.remove("support_bearing_rigidity_N_um") {
+        entries.insert("support_bearing_stiffness_N_um".to_owned(), stiffness);
+    }
     // Phases have a feed.
     let lead = entries["lead_mm"].as_f64().expect("lead");
     for phase in entries["cycle"].as_array_mut().expect("cycle") {
@@ -64,9 +68,7 @@ fn reference_cases_from_scenes() {
             ("balls_temperature_C", "balls_temperature_C", ambient),
             ("end_1_temperature_C", "end_1_temperature_C", ambient),
             ("end_2_temperature_C", "end_2_temperature_C", ambient),
-            ("cold_preload_N", "cold_preload_N", 0.0),
-            ("warm_state_preload_N", "warm_preload_N", 0.0),
-            // The nut of the sheet is in that state.
+            ("preload_set_N", "cold_preload_N", 0.0),
             ("warm_preload_N", "warm_preload_N", 0.0),
             ("steady_heat_W", "heat_W", 0.0),
             ("screw_growth_um", "screw_growth_um", 0.0),

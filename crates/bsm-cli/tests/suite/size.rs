@@ -175,7 +175,7 @@ fn one_screw_has_one_efficiency() {
     let part = |name: &str| number(parts, name);
     let rub = part("contact_friction_torque_Nm");
     assert!((rub / number(&nut, "friction_torque_Nm") - 1.0).abs() < 1e-9, "{parts} {nut}");
-    // By the rule of makers: 0.05/sqrt(tan a) F l/(2 pi), less what the contacts of the preload take.
+    // By manufacturers' rule: 0.05/sqrt(tan a) F l/(2 pi), less what the contacts of the preload take.
     let whole = number(&sheet["results"], "rule_torque_Nm");
     let beyond = whole - number(&sheet["results"], "preload_torque_Nm");
     assert!((part("preload_drag_beyond_contacts_Nm") - beyond).abs() < 1e-12, "{parts}");
