@@ -101,7 +101,7 @@ pub(super) fn times(
             progress(round * jobs.len() + i + 1, ROUNDS * jobs.len());
         }
     }
-    let medians: Vec<_> = measured.into_iter().map(medians).collect();
+    let medians: Vec<_> = measured.iter().map(|rounds| medians(rounds)).collect();
     let mut all = Vec::with_capacity(dials.len());
     for dial in dials {
         let of = |wanted: fn(&Way) -> bool| {
@@ -154,7 +154,7 @@ fn is_quick(settings: &Settings) -> bool {
 }
 
 /// Of each time over the rounds.
-fn medians(rounds: Vec<Vec<f64>>) -> Vec<f64> {
+fn medians(rounds: &[Vec<f64>]) -> Vec<f64> {
     let median = |place: usize| {
         let mut times: Vec<_> = rounds.iter().map(|times| times[place]).collect();
         times.sort_unstable_by(f64::total_cmp);
