@@ -107,9 +107,7 @@ impl ListColumn {
     fn read(&self, nut: &Candidate, sheet: &[f64]) -> f64 {
         match self.place.checked_sub(CATALOGUE.len()) {
             Some(place) => sheet[place],
-            None => read(nut, |quantity| quantity.name == self.output.name)
-                .number(self.output.name)
-                .unwrap_or(f64::NAN),
+            None => read::READ[self.place](nut)[0].unwrap_or(f64::NAN),
         }
     }
 }

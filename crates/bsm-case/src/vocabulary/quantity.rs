@@ -211,16 +211,23 @@ macro_rules! quantities {
             },)*)*]
         };
 
+        /// The readers of the table.
+        #[expect(non_camel_case_types, reason = "the macro makes no names")]
+        enum $numbers {}
+
+        impl $numbers {
+            const READ: &[fn(&$state) -> $crate::vocabulary::quantity::Values] = &[$($(|state| {
+                let read: fn(&$state) -> _ = $read;
+                $crate::vocabulary::quantity::Read::values(read(state))
+            },)*)*];
+        }
+
         /// The numbers of the table that are wanted.
         fn $numbers(
             state: &$state,
             wanted: impl Fn(&$crate::Quantity) -> bool,
         ) -> $crate::Numbers {
-            const READ: &[fn(&$state) -> $crate::vocabulary::quantity::Values] = &[$($(|state| {
-                let read: fn(&$state) -> _ = $read;
-                $crate::vocabulary::quantity::Read::values(read(state))
-            },)*)*];
-            $crate::Numbers::of($table, |place| READ[place](state), wanted)
+            $crate::Numbers::of($table, |place| <$numbers>::READ[place](state), wanted)
         }
     };
     (@said $of:ident $name:ident [$unit:literal $($symbol:literal)?] $about:literal) => {

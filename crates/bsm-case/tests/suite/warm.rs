@@ -68,7 +68,8 @@ fn reference_cases_from_scenes() {
             ("balls_temperature_C", "balls_temperature_C", ambient),
             ("end_1_temperature_C", "end_1_temperature_C", ambient),
             ("end_2_temperature_C", "end_2_temperature_C", ambient),
-            ("preload_set_N", "cold_preload_N", 0.0),
+            ("warm_state_preload_N", "warm_preload_N", 0.0),
+            // The nut of the sheet is in that state.
             ("warm_preload_N", "warm_preload_N", 0.0),
             ("steady_heat_W", "heat_W", 0.0),
             ("screw_growth_um", "screw_growth_um", 0.0),

@@ -18,8 +18,6 @@ pub(super) struct Warm {
     /// The state; `None`: the axis runs away.
     pub(super) state: Option<WarmState>,
     pub(super) fold: Option<Fold>,
-    /// Cold preload \[N\].
-    pub(super) cold: Option<f64>,
     /// Temperature of setting \[K\].
     set: f64,
     search: f64,
@@ -53,11 +51,11 @@ impl Warm {
         let Some(axis) = WarmAxis::of(scene, settings, &machine)? else { return Ok(None) };
         let friction = axis.friction();
         let nut = axis.nut(&friction)?;
-        let (set, search, cold) = (nut.set, axis.search(), axis.cold_preload());
+        let (set, search) = (nut.set, axis.search());
         let steady = match nut.steady() {
             Ok(steady) => steady,
             Err(NoSteadyState::RunsAway(fold)) => {
-                return Ok(Some(Self { state: None, fold: Some(*fold), cold, set, search }));
+                return Ok(Some(Self { state: None, fold: Some(*fold), set, search }));
             }
             Err(why) => return Err(CaseError::NoWarmState(Box::new(why))),
         };
@@ -68,14 +66,14 @@ impl Warm {
         let state = WarmState {
             celsius: celsius(&nut, &steady),
             growth: network.growth(&steady.rises),
-            preload: cold.map(|_| steady.heated.preload),
+            preload: axis.cold_preload().map(|_| steady.heated.preload),
             tension,
             strain: nut.screw.strain(tension.unwrap_or(0.0)),
             oil: nut.oil(&steady.rises) - ZERO_CELSIUS,
             band: nut.band(&steady, of_band),
             steady,
         };
-        Ok(Some(Self { state: Some(state), fold, cold, set, search }))
+        Ok(Some(Self { state: Some(state), fold, set, search }))
     }
 
     /// The scene in this state: as warm, as strained, with oil as warm; at the temperature of setting if there is none.
