@@ -55,7 +55,7 @@ pub struct Mount {
     pub support: Support,
     /// Unsupported length \[m\]; stroke, nut and two leads unless given.
     pub length: Option<f64>,
-    /// Diameter that bends and strains \[m\]; the core of the thread unless given.
+    /// Shaft diameter for bending and buckling \[m\]; the core of the thread unless given.
     pub diameter: Option<f64>,
 }
 

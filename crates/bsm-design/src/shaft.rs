@@ -81,7 +81,7 @@ pub struct Shaft {
     pub support: Support,
     /// Unsupported length `$l$` \[m\], positive.
     pub length: f64,
-    /// Diameter `$d_3$` that bends and strains \[m\], positive: the core of the thread.
+    /// Shaft diameter `$d_3$` for bending and buckling \[m\], positive: the core of the thread.
     pub diameter: f64,
     /// Young's modulus \[Pa\].
     pub youngs_modulus: f64,

@@ -14,7 +14,7 @@ use bsm_dyn::ModelWorkspace;
 use serde_json::{Value, json};
 
 use self::contacts::{Contacts, contacts, nut_at};
-use self::warm::{Warm, WarmState};
+use self::warm::{Detail, Warm, WarmState};
 use super::nut::QUANTITIES as NUT;
 use super::ratings::QUANTITIES as RATINGS;
 use crate::answers::nut::preload_note;
@@ -64,11 +64,11 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
         balls_temperature_C ["C"] Whole(|w| Some(w.warm_state()?.celsius[2])), "steady temperature of balls and oil";
         end_1_temperature_C ["C"] Whole(|w| Some(w.warm_state()?.celsius[3])), "steady temperature of the end of the screw at the motor";
         end_2_temperature_C ["C"] Whole(|w| Some(w.warm_state()?.celsius[4])), "steady temperature of the other end of the screw";
-        warm_state_preload_N ["N"] Whole(|w| w.warm_state()?.preload), "preload that the steady temperatures leave";
+        warm_state_preload_N ["N"] Whole(|w| w.warm_state()?.preload), "warm preload without external load";
         steady_heat_W ["W"] Whole(|w| Some(w.warm_state()?.steady.heat())), "heat of contacts, drag, seals and support bearings in the steady state";
         screw_tension_N ["N"] Whole(|w| w.warm_state()?.tension), "tension of a screw between two fixed bearings, below 0 a compression";
-        loop_gain [""] Whole(|w| Some(w.warm_state()?.steady.gain)), "part of a deviation that comes back through heat and preload: 1 is where the state is lost";
-        fold_speed_factor [""] Whole(|w| Some(w.warm.as_ref()?.fold.as_ref()?.factor)), "multiple of the speeds above which there is no steady state";
+        loop_gain [""] Whole(|w| Some(w.warm_state()?.steady.gain)), "loop gain of heat and preload, 1 at the fold";
+        fold_speed_factor [""] Whole(|w| Some(w.warm.as_ref()?.fold.as_ref()?.factor)), "speed of the fold over the speeds given; there is no steady state above";
     }
     "nut and life" {
         static_safety_factor ["" "f_s"] Whole(|w| w.static_safety()), "static safety factor, the smaller of rating and most loaded ball";
@@ -406,7 +406,11 @@ impl AxisReport {
     ///
     /// [`CaseError`] if an input is missing or breaks its rule.
     pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
-        let warm = Warm::of(scene, settings)?;
+        Self::with(scene, settings, Detail { fold: true, band: true })
+    }
+
+    fn with(scene: &Scene, settings: &Settings, detail: Detail) -> Result<Self, CaseError> {
+        let warm = Warm::of(scene, settings, detail)?;
         let asked = scene;
         let warmed = warm.as_ref().map(|warm| warm.scene(scene));
         let scene = warmed.as_ref().unwrap_or(scene);
@@ -456,9 +460,19 @@ impl AxisReport {
 }
 
 /// The numbers of an axis alone.
-pub(crate) fn numbers(scene: &Scene, settings: &Settings) -> Result<Numbers, CaseError> {
-    AxisReport::of(scene, settings).map(|report| report.answer.into_numbers())
+///
+/// * `wanted`: the fold of the warm state is looked for only if it is.
+pub(crate) fn numbers(
+    scene: &Scene,
+    settings: &Settings,
+    wanted: impl Fn(&Quantity) -> bool,
+) -> Result<Numbers, CaseError> {
+    let fold = QUANTITIES.iter().any(|quantity| quantity.name == FOLD && wanted(quantity));
+    AxisReport::with(scene, settings, Detail { fold, band: false })
+        .map(|report| report.answer.into_numbers())
 }
+
+const FOLD: &str = "fold_speed_factor";
 
 /// A row a phase, of which people see these numbers.
 fn of_phases(phases: &[ScrewTorque]) -> Table {

@@ -434,9 +434,9 @@ inputs! {
         stroke_mm ["mm"] Above(0.0), None,
             "stroke of the nut; the screw is longer by the length of the nut";
         unsupported_length_mm ["mm"] Above(0.0), None,
-            "length of the screw between its bearings; stroke_mm + length of the nut + two leads unless given";
+            "unsupported length of the screw, between its bearings; stroke_mm + length of the nut + two leads unless given";
         shaft_diameter_mm ["mm"] Above(0.0), None,
-            "diameter of the screw that bends and strains; the calculated core diameter of its thread unless given";
+            "shaft diameter for bending and buckling; the calculated core diameter of its thread unless given";
         moved_mass_kg ["kg"] AtLeast(0.0), Some(0.0),
             "mass that the axis moves; its weight, friction and inertia are added to the axial load";
         inclination_deg ["deg"] Within(-90.0, 90.0), Some(0.0),

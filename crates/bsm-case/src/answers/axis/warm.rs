@@ -23,6 +23,13 @@ pub(super) struct Warm {
     search: f64,
 }
 
+/// What is looked for besides the state itself, which takes many states.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Detail {
+    pub(super) fold: bool,
+    pub(super) band: bool,
+}
+
 /// A warm steady state.
 #[derive(Debug)]
 pub(super) struct WarmState {
@@ -38,12 +45,16 @@ pub(super) struct WarmState {
     strain: f64,
     /// Temperature of the oil \[°C\].
     oil: f64,
-    band: Band,
+    band: Option<Band>,
 }
 
 impl Warm {
     /// That of a scene which asks for it.
-    pub(super) fn of(scene: &Scene, settings: &Settings) -> Result<Option<Self>, CaseError> {
+    pub(super) fn of(
+        scene: &Scene,
+        settings: &Settings,
+        detail: Detail,
+    ) -> Result<Option<Self>, CaseError> {
         if scene.nut.warm_state.is_none() {
             return Ok(None);
         }
@@ -59,7 +70,7 @@ impl Warm {
             }
             Err(why) => return Err(CaseError::NoWarmState(Box::new(why))),
         };
-        let fold = nut.fold(&steady, search);
+        let fold = if detail.fold { nut.fold(&steady, search) } else { Ok(None) };
         let fold = fold.map_err(|why| CaseError::NoWarmState(Box::new(why)))?;
         let network = nut.network(1.0);
         let tension = nut.screw.hold.map(|_| network.tension(&steady.rises));
@@ -70,7 +81,7 @@ impl Warm {
             tension,
             strain: nut.screw.strain(tension.unwrap_or(0.0)),
             oil: nut.oil(&steady.rises) - ZERO_CELSIUS,
-            band: nut.band(&steady, of_band),
+            band: detail.band.then(|| nut.band(&steady, of_band)),
             steady,
         };
         Ok(Some(Self { state: Some(state), fold, set, search }))
@@ -92,11 +103,13 @@ impl Warm {
 
     /// What the temperatures rest on.
     pub(super) fn notes(&self) -> Vec<String> {
-        let Some(state) = &self.state else { return Vec::new() };
+        let Some(band) = self.state.as_ref().and_then(|state| state.band.as_ref()) else {
+            return Vec::new();
+        };
         let end = |((name, unit), [low, high]): (&(&str, &str), &[f64; 2])| {
             format!("{name} {low:.0} to {high:.0} {unit}")
         };
-        let ends: Vec<_> = OF_BAND.iter().zip(&state.band.ends).map(end).collect();
+        let ends: Vec<_> = OF_BAND.iter().zip(&band.ends).map(end).collect();
         let mut notes = vec![format!(
             "warm state, between what the conductances that are not given may make of it: {}",
             ends.join(", ")
@@ -104,7 +117,7 @@ impl Warm {
         if self.fold.is_none() {
             notes.push(format!("no fold of the warm state up to {} times the speeds", self.search));
         }
-        for (guess, factor, why) in &state.band.none {
+        for (guess, factor, why) in &band.none {
             let (times, way) =
                 if *factor > 1.0 { (*factor, "more") } else { (factor.recip(), "less") };
             notes.push(format!("{why} if {} {times} times {way}", guess.name()));
