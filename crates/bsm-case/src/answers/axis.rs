@@ -467,12 +467,11 @@ pub(crate) fn numbers(
     settings: &Settings,
     wanted: impl Fn(&Quantity) -> bool,
 ) -> Result<Numbers, CaseError> {
-    let fold = QUANTITIES.iter().any(|quantity| quantity.name == FOLD && wanted(quantity));
+    let is_fold = |quantity: &&Quantity| quantity.name == "fold_speed_factor";
+    let fold = QUANTITIES.iter().find(is_fold).is_some_and(wanted);
     AxisReport::with(scene, settings, Detail { fold, band: false })
         .map(|report| report.answer.into_numbers())
 }
-
-const FOLD: &str = "fold_speed_factor";
 
 /// A row a phase, of which people see these numbers.
 fn of_phases(phases: &[ScrewTorque]) -> Table {

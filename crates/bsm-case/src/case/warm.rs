@@ -1,6 +1,6 @@
 //! The warm steady state of an axis: from its words to its problem in SI.
 
-use bsm_design::{Support as Mounting, drag_torque};
+use bsm_design::{Shaft, Support as Mounting, drag_torque};
 use bsm_dyn::ZERO_CELSIUS;
 use bsm_kin::Drive;
 use bsm_nut::thermal::{
@@ -26,37 +26,38 @@ pub(crate) struct WarmAxis<'a> {
     words: &'a WarmWords,
     scene: &'a Scene,
     machine: &'a Machine,
+    shaft: &'a Shaft,
+    /// Stroke and nut \[m\].
+    travel: f64,
     problem: NutProblem,
     nut: BallNut,
     preload: Option<Set>,
 }
 
 impl<'a> WarmAxis<'a> {
-    /// That of a scene which asks for it.
+    /// That of a scene with what it says of it.
     pub(crate) fn of(
         scene: &'a Scene,
+        words: &'a WarmWords,
         settings: &Settings,
         machine: &'a Machine,
-    ) -> Result<Option<Self>, CaseError> {
-        let Some(words) = &scene.nut.warm_state else { return Ok(None) };
+    ) -> Result<Self, CaseError> {
         words.check()?;
-        let not_both =
-            |one: (&'static str, Option<f64>), other: (&'static str, Option<f64>)| match one
-                .1
-                .and(other.1)
-            {
-                Some(_) => Err(twice(one.0, other.0)),
-                None => Ok(()),
-            };
-        not_both(
-            ("nut_conductance_W_K", words.nut_conductance_W_K),
-            ("carriage_area_m2", words.carriage_area_m2),
-        )?;
-        not_both(
-            ("coolant_flow_l_min", words.coolant_flow_l_min),
-            ("coolant_conductance_W_K", words.coolant_conductance_W_K),
-        )?;
-        not_both(("pretension_N", words.pretension_N), ("pretension_K", words.pretension_K))?;
+        for (one, other) in [
+            (
+                ("nut_conductance_W_K", words.nut_conductance_W_K),
+                ("carriage_area_m2", words.carriage_area_m2),
+            ),
+            (
+                ("coolant_flow_l_min", words.coolant_flow_l_min),
+                ("coolant_conductance_W_K", words.coolant_conductance_W_K),
+            ),
+            (("pretension_N", words.pretension_N), ("pretension_K", words.pretension_K)),
+        ] {
+            if one.1.and(other.1).is_some() {
+                return Err(twice(one.0, other.0));
+            }
+        }
         if scene.has_rises() {
             return Err(bad("warm_state", "finds the rises of temperature, which are given too"));
         }
@@ -64,13 +65,11 @@ impl<'a> WarmAxis<'a> {
             let what = "has five nodes: a heat transfer of one node is given too";
             return Err(bad("warm_state", what));
         }
-        let Some(shaft) = &machine.axis.shaft else {
+        let (Some(shaft), Some(stroke)) = (&machine.axis.shaft, scene.stroke_mm) else {
             return Err(bad("warm_state", "needs stroke_mm"));
         };
-        let Some(stroke) = scene.stroke_mm else {
-            return Err(bad("warm_state", "needs stroke_mm"));
-        };
-        if shaft.length <= stroke * MM + machine.body.length {
+        let travel = stroke * MM + machine.body.length;
+        if shaft.length <= travel {
             let what = "is not more than stroke and nut: the nut would run into the bearings";
             return Err(bad("unsupported_length_mm", what));
         }
@@ -101,7 +100,7 @@ impl<'a> WarmAxis<'a> {
         let problem = NutProblem::of(&cold, settings)?;
         let made = problem.made().map_err(CaseError::Nut)?;
         let (nut, preload) = (made.nut, made.preload);
-        Ok(Some(Self { words, scene, machine, problem, nut, preload }))
+        Ok(Self { words, scene, machine, shaft, travel, problem, nut, preload })
     }
 
     /// Friction of all balls.
@@ -126,7 +125,7 @@ impl<'a> WarmAxis<'a> {
         &self,
         friction: &'f bsm_nut::thermal::FrictionOf<'f>,
     ) -> Result<WarmNut<'f>, CaseError> {
-        let (words, machine) = (self.words, self.machine);
+        let (words, machine, shaft) = (self.words, self.machine, self.shaft);
         let value = |key| self.scene.value_or_default(key).unwrap_or(f64::NAN);
         let expansion = value(InputKey::thermal_expansion_um_m_K) * UM;
         let set = words.preload_temperature_C.unwrap_or(SET);
@@ -135,7 +134,6 @@ impl<'a> WarmAxis<'a> {
         let guided = Support::guided(0.0);
         let unloaded = self.nut.solve(&self.problem.support).map_err(CaseError::Nut)?;
         let mean = unloaded.max_load() / unloaded.concentration();
-        let shaft = machine.axis.shaft.as_ref().expect("checked as it was made");
         let bore = words.screw_bore_mm.unwrap_or(0.0) * MM;
         let section = 0.25 * std::f64::consts::PI * (shaft.diameter.powi(2) - bore * bore);
         let flow = words.coolant_flow_l_min.map(|flow| {
@@ -207,7 +205,7 @@ impl<'a> WarmAxis<'a> {
             screw: ScrewBar {
                 diameter: machine.axis.nut.pitch_diameter,
                 length: shaft.length,
-                travel: self.scene.stroke_mm.unwrap_or(f64::NAN) * MM + machine.body.length,
+                travel: self.travel,
                 section,
                 conductivity: words.steel_conductivity_W_m_K.unwrap_or(45.0),
                 expansion,

@@ -55,11 +55,9 @@ impl Warm {
         settings: &Settings,
         detail: Detail,
     ) -> Result<Option<Self>, CaseError> {
-        if scene.nut.warm_state.is_none() {
-            return Ok(None);
-        }
+        let Some(words) = &scene.nut.warm_state else { return Ok(None) };
         let machine = Machine::of(scene)?;
-        let Some(axis) = WarmAxis::of(scene, settings, &machine)? else { return Ok(None) };
+        let axis = WarmAxis::of(scene, words, settings, &machine)?;
         let friction = axis.friction();
         let nut = axis.nut(&friction)?;
         let (set, search) = (nut.set, axis.search());
