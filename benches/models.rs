@@ -24,8 +24,9 @@ fn equations(c: &mut Criterion) {
     c.bench_function("rigid/residual", |b| {
         b.iter(|| system.residual(black_box(&system.start)));
     });
+    let rows = &mut [[0.0; 7]; 7];
     c.bench_function("rigid/linearize", |b| {
-        b.iter(|| system.linearize(black_box(&system.start)));
+        b.iter(|| system.linearize(black_box(&system.start), rows));
     });
     let start = system.start.into();
     c.bench_function("rigid/linearize/num-dual", |b| {

@@ -9,6 +9,8 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use num_dual::{DualNum, DualNumCopy};
 
+use crate::root::cube_root;
+
 /// What a formula is written in that is evaluated for one point, with or without derivatives, and
 /// for several points side by side: every [`Scalar`](crate::Scalar), and the lanes of `bsm-simd`.
 ///
@@ -40,7 +42,7 @@ pub trait Field:
     /// Square root.
     #[must_use]
     fn sqrt(self) -> Self;
-    /// Cube root; of lanes only of positive numbers.
+    /// Cube root; of lanes only of normal positive numbers.
     #[must_use]
     fn cbrt(self) -> Self;
     /// One over the value.
@@ -98,7 +100,7 @@ impl<T: DualNumCopy + DualNum<Primitive = f64>> Field for T {
 
     #[inline(always)]
     fn cbrt(self) -> Self {
-        DualNum::cbrt(&self)
+        if T::NDERIV == 0 { T::from(cube_root(self.re())) } else { DualNum::cbrt(&self) }
     }
 
     #[inline(always)]

@@ -22,5 +22,4 @@ pub use frame::BallFrame;
 pub use helix::{FrenetFrame, Helix};
 pub use jet::Jet;
 pub use motion::{Drive, Motion, relative_rotation, spin_at_nut};
-pub use root::cube_root;
 pub use scalar::{Over, Scalar};

@@ -6,7 +6,7 @@
 ///
 /// Source: the `cbrt` of FreeBSD, after Kahan and Bergman.
 #[inline]
-pub fn cube_root(x: f64) -> f64 {
+pub(crate) fn cube_root(x: f64) -> f64 {
     /// A polynomial for one over a cube root near one, within 2^{-23.5}.
     const P: [f64; 5] = [
         1.875_951_824_271_77,

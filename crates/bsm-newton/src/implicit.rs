@@ -1,6 +1,6 @@
 //! How a root moves with what its equations depend on.
 
-use crate::{Dense, Equations, LinearSolver, Status, Workspace};
+use crate::{Dense, Equations, Status, Workspace};
 
 /// Overwrites derivatives of the equations with those of the root `x`, by the implicit function
 /// theorem (N7).
@@ -21,19 +21,15 @@ pub fn implicit_slopes<const N: usize, E: Equations<N> + ?Sized>(
     columns: &mut [[f64; N]],
     work: &mut Workspace<Dense<N>>,
 ) -> Status {
-    let Ok((_, rows)) = equations.linearize(x) else { return Status::OutsideDomain };
-    *work.linear.rows_mut() = rows;
-    // D_F J dx/dp = −D_F ∂F/∂p                                            (N7)
-    work.linear.scale_rows(f_scale);
-    if work.linear.factorize().is_err() {
-        return Status::SingularJacobian;
+    if work.linearize(equations, x, f_scale).is_err() {
+        return Status::OutsideDomain;
     }
-    for column in columns.iter_mut() {
-        for (entry, d) in column.iter_mut().zip(f_scale) {
-            *entry *= -d;
+    for column in columns {
+        // D_F J dx/dp = −D_F ∂F/∂p                                        (N7)
+        match work.correction(column) {
+            Ok(slopes) if slopes.iter().all(|slope| slope.is_finite()) => *column = slopes,
+            _ => return Status::SingularJacobian,
         }
-        work.linear.solve(column);
     }
-    let finite = columns.iter().flatten().all(|slope| slope.is_finite());
-    if finite { Status::Converged } else { Status::SingularJacobian }
+    Status::Converged
 }

@@ -34,4 +34,4 @@ pub use path::{
 };
 pub use report::{Report, Status, Step};
 pub use solve::{Workspace, solve, solve_system};
-pub use system::{Equations, Linear, System, VectorOf};
+pub use system::{Equations, System, VectorOf};

@@ -3,8 +3,8 @@
 use std::array::from_fn;
 
 use crate::{
-    Bracket, Dense, Equations, EvalError, Linear, LinearSolver, Options, RootResult, Scales,
-    Status, Workspace, solve,
+    Bracket, Dense, Equations, EvalError, LinearSolver, Options, RootResult, Scales, Status,
+    Workspace, solve,
 };
 
 /// Direction of the curve of the first `N − 1` equations at `z`, where the last equation is a plane
@@ -29,10 +29,8 @@ pub fn path_direction<const N: usize, E: Equations<N> + ?Sized>(
     f_scale: &[f64; N],
     work: &mut Workspace<Dense<N>>,
 ) -> Result<[f64; N], Status> {
-    let (_, rows) = equations.linearize(z).map_err(|_| Status::OutsideDomain)?;
-    *work.linear.rows_mut() = rows;
-    work.linear.scale_rows(f_scale);
-    work.linear.factorize().map_err(|_| Status::SingularJacobian)?;
+    work.linearize(equations, z, f_scale).map_err(|_| Status::OutsideDomain)?;
+    work.factorize().map_err(|_| Status::SingularJacobian)?;
     // D_F J t = sgn(det J) e_N                                            (N8)
     let mut direction = [0.0; N];
     if let Some(last) = direction.last_mut() {
@@ -212,18 +210,24 @@ struct OnPlane<'a, const N: usize, const M: usize, F> {
     normal: [f64; M],
 }
 
+impl<const N: usize, const M: usize, F> OnPlane<'_, N, M, F> {
+    /// Residuals of the family, and the distance from the plane.
+    fn values(&self, z: &[f64; M], residual: &[f64; N]) -> [f64; M] {
+        let way: [f64; M] = from_fn(|i| z[i] - self.foot[i]);
+        from_fn(|i| if i < N { residual[i] } else { dot(&way, &self.normal) })
+    }
+}
+
 impl<const N: usize, const M: usize, F: Homotopy<N, M>> Equations<M> for OnPlane<'_, N, M, F> {
     fn residual(&self, z: &[f64; M]) -> Result<[f64; M], EvalError> {
-        let left = self.family.residual(z)?;
-        let way: [f64; M] = from_fn(|i| z[i] - self.foot[i]);
-        Ok(from_fn(|i| if i < N { left[i] } else { dot(&way, &self.normal) }))
+        Ok(self.values(z, &self.family.residual(z)?))
     }
 
-    fn linearize(&self, z: &[f64; M]) -> Result<Linear<M>, EvalError> {
-        let (left, rows) = self.family.linearize(z)?;
-        let way: [f64; M] = from_fn(|i| z[i] - self.foot[i]);
-        let values = from_fn(|i| if i < N { left[i] } else { dot(&way, &self.normal) });
-        Ok((values, from_fn(|i| if i < N { rows[i] } else { self.normal })))
+    fn linearize(&self, z: &[f64; M], rows: &mut [[f64; M]; M]) -> Result<[f64; M], EvalError> {
+        let (left, known) = self.family.linearize(z)?;
+        rows[..N].copy_from_slice(&known);
+        rows[N] = self.normal;
+        Ok(self.values(z, &left))
     }
 }
 

@@ -27,7 +27,7 @@ impl<L: LinearSolver> Workspace<L> {
     }
 
     /// Factors of the Jacobian with the weights of the solve.
-    fn factorize(&mut self) -> Result<(), Singular> {
+    pub(crate) fn factorize(&mut self) -> Result<(), Singular> {
         self.linear.scale_rows(&self.d_f);
         self.matrix = Matrix::Stale;
         self.linear.factorize()?;
@@ -35,7 +35,7 @@ impl<L: LinearSolver> Workspace<L> {
         Ok(())
     }
 
-    /// The step `$-J^{-1} r$` of another residual, with the Jacobian as the last solve left it.
+    /// The step `$-J^{-1} r$` of a residual, with the Jacobian as [`linearize`](Self::linearize) or the last solve left it.
     ///
     /// # Errors
     ///
@@ -52,6 +52,27 @@ impl<L: LinearSolver> Workspace<L> {
         }
         self.linear.solve(&mut step);
         Ok(step)
+    }
+}
+
+impl<const N: usize> Workspace<Dense<N>> {
+    /// Takes the Jacobian at `x`, and returns the residual there.
+    ///
+    /// * `f_scale`: what counts as one unit of each equation, as in [`Scales::f`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Equations::linearize`].
+    pub fn linearize<E: Equations<N> + ?Sized>(
+        &mut self,
+        equations: &E,
+        x: &[f64; N],
+        f_scale: &[f64; N],
+    ) -> Result<[f64; N], EvalError> {
+        (self.matrix, self.d_f) = (Matrix::Stale, *f_scale);
+        let residual = equations.linearize(x, self.linear.rows_mut())?;
+        self.matrix = Matrix::Jacobian;
+        Ok(residual)
     }
 }
 

@@ -4,10 +4,6 @@ use std::array::from_fn;
 
 use crate::{Dense, EvalError, LinearSolver};
 
-/// Values of `N` functions of `N` unknowns, and the rows of their Jacobian
-/// `$J_{ij} = \partial F_i/\partial x_j$`.
-pub type Linear<const N: usize> = ([f64; N], [[f64; N]; N]);
-
 /// `N` equations `$F(x) = 0$` of `N` unknowns, a handful, with a dense Jacobian.
 ///
 /// Implementations are pure: equal `x` gives bit-equal output.
@@ -20,12 +16,12 @@ pub trait Equations<const N: usize> {
     /// tries again.
     fn residual(&self, x: &[f64; N]) -> Result<[f64; N], EvalError>;
 
-    /// `$F(x)$` and its Jacobian.
+    /// `$F(x)$`; writes the rows of its Jacobian `$J_{ij} = \partial F_i/\partial x_j$`.
     ///
     /// # Errors
     ///
     /// As [`residual`](Self::residual).
-    fn linearize(&self, x: &[f64; N]) -> Result<Linear<N>, EvalError>;
+    fn linearize(&self, x: &[f64; N], rows: &mut [[f64; N]; N]) -> Result<[f64; N], EvalError>;
 
     /// Where a part `lambda` of the Newton step `dx` leads to (N15).
     ///
@@ -105,7 +101,7 @@ impl<const N: usize, E: Equations<N> + ?Sized> System for Square<'_, N, E> {
         r: &mut [f64; N],
         jacobian: &mut Dense<N>,
     ) -> Result<(), EvalError> {
-        (*r, *jacobian.rows_mut()) = self.0.linearize(x)?;
+        *r = self.0.linearize(x, jacobian.rows_mut())?;
         Ok(())
     }
 

@@ -13,9 +13,6 @@ pub trait Compare: Field {
     /// Absolute value.
     #[must_use]
     fn abs(self) -> Self;
-    /// Cube root; of lanes only of normal positive numbers.
-    #[must_use]
-    fn cube_root(self) -> Self;
     /// Sine and cosine of an angle; of lanes only from -π/2 to π/2 \[rad\].
     #[must_use]
     fn sin_cos_of_tilt(self) -> (Self, Self);
@@ -55,11 +52,6 @@ impl Compare for f64 {
     #[inline(always)]
     fn abs(self) -> Self {
         self.abs()
-    }
-
-    #[inline(always)]
-    fn cube_root(self) -> Self {
-        bsm_kin::cube_root(self)
     }
 
     #[inline(always)]
@@ -104,11 +96,6 @@ impl<S: Simd, const N: usize> Compare for Lane<S, N> {
     #[inline(always)]
     fn abs(self) -> Self {
         self.abs()
-    }
-
-    #[inline(always)]
-    fn cube_root(self) -> Self {
-        self.cbrt_positive()
     }
 
     #[inline(always)]

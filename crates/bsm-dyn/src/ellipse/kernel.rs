@@ -14,7 +14,7 @@ use bsm_simd::{Arch, BLOCK, Block, Compare, Lane, NullaryFnOnce, Simd, WithSimd}
 
 use super::Quadrature;
 use super::oil::{HalfChord, HalfNode, PolarRule};
-use super::panels::{Chords, EllipseSlip, FAR, MOST, Nodes, Visitor, each_chord, half_length};
+use super::panels::{Chords, EllipseSlip, FAR, Nodes, Visitor, each_chord, half_length};
 use crate::contact::Transition;
 
 /// What the sums depend on: a contact with numbers in its own axes.
@@ -51,10 +51,9 @@ pub(crate) const MOTION: usize = 4;
 pub(crate) const SUMS: usize = 5;
 pub(crate) const SLOPES: usize = MOTION + 1;
 
-/// Sums and power; the same with what the derivatives are made of, and with those by the film.
+/// Sums and power; the same with what the derivatives are made of.
 pub(super) const VALUES: usize = SUMS + 1;
 pub(super) const ALL: usize = VALUES + 14;
-const TERMS: usize = ALL + SUMS;
 
 impl<F: Compare> Patch<F> {
     /// Slip along the long axis.
@@ -299,13 +298,15 @@ pub(super) fn add_powers<S: Simd>(sums: &mut [Lane<S>; 3], x: Lane<S>, s: Lane<S
     sums[2] = first.mul_add(s, sums[2]);
 }
 
-/// Sums over all lines of a few contacts; those of the slopes only if `SLOPED`.
+/// Sums over all lines of both contacts; those of the slopes only if `SLOPED`.
 pub(crate) struct Accumulator<'a, L, const N: usize, const SLOPED: bool> {
-    pub(super) nodes: &'a [Nodes<'a>],
-    pub(super) points: &'a [Patch],
-    pub(super) slips: &'a [EllipseSlip<f64>],
-    pub(super) laws: &'a [L],
-    totals: [[Block; TERMS]; MOST],
+    pub(super) nodes: &'a [Nodes<'a>; 2],
+    pub(super) points: &'a [Patch; 2],
+    pub(super) slips: &'a [EllipseSlip<f64>; 2],
+    pub(super) laws: &'a [L; 2],
+    totals: [[Block; ALL]; 2],
+    /// Derivatives of force and moment by the film, of a lubricant.
+    by_film: [[Block; SUMS]; 2],
 }
 
 /// The sums of a line whose spin pole is inside: rare, so that its code is out of the way.
@@ -401,11 +402,7 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> Visitor<S>
 
 impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> Accumulator<'_, L, N, SLOPED> {
     /// How many of the terms are not zero.
-    const SOME: usize = match (SLOPED, L::FILM) {
-        (true, true) => TERMS,
-        (true, false) => ALL,
-        (false, _) => VALUES,
-    };
+    const SOME: usize = if SLOPED { ALL } else { VALUES };
 
     /// Adds the sums of a few lines.
     #[inline(always)]
@@ -420,69 +417,70 @@ impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> Accumulator<'_, L, N, S
         let (a, b) = self.points[ellipse].semi_axes;
         let of = ((Lane::splat(simd, a), Lane::splat(simd, b)), slip);
         let [j, k, across, film] = L::kinds(inner, line.square(slip));
-        let (terms, by_film) = self.totals[ellipse].split_at_mut(ALL);
-        let some = if SLOPED { ALL } else { VALUES };
-        add_to(simd, terms, at, &line.terms::<SLOPED>(of, [j, k, across])[..some]);
+        let terms = line.terms::<SLOPED>(of, [j, k, across]);
+        add_to(simd, &mut self.totals[ellipse], at, &terms[..Self::SOME]);
         if SLOPED && L::FILM {
             let weight = line.weight;
             let film = [film[0] * weight, film[1] * weight, film[2] * weight];
-            add_to(simd, by_film, at, &line.values(of, film)[..SUMS]);
+            add_to(simd, &mut self.by_film[ellipse], at, &line.values(of, film)[..SUMS]);
         }
     }
 }
 
-/// The sums of a few contacts; slopes only if `SLOPED`, else zero.
+/// The sums of both contacts; slopes only if `SLOPED`, else zero.
 ///
-/// * `laws`, `nodes`: of each of the points.
+/// * `laws`, `nodes`: of each of the points. * `done`: contacts that are not asked for.
 #[inline(always)]
 pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool>(
     simd: S,
-    points: &[Patch],
-    laws: &[L],
-    nodes: &[Nodes<'_>],
-) -> [Resultants; MOST] {
-    // One call for all numbers of contacts: the code is long.
-    simd.vectorize(All::<S, L, N, SLOPED> { simd, points, laws, nodes })
+    points: &[Patch; 2],
+    laws: &[L; 2],
+    nodes: &[Nodes<'_>; 2],
+    done: [bool; 2],
+) -> [Resultants; 2] {
+    // A call for one contact and for two: the code is long.
+    simd.vectorize(All::<S, L, N, SLOPED> { simd, points, laws, nodes, done })
 }
 
 /// What [`sums`] is asked for.
 struct All<'a, S, L, const N: usize, const SLOPED: bool> {
     simd: S,
-    points: &'a [Patch],
-    laws: &'a [L],
-    nodes: &'a [Nodes<'a>],
+    points: &'a [Patch; 2],
+    laws: &'a [L; 2],
+    nodes: &'a [Nodes<'a>; 2],
+    done: [bool; 2],
 }
 
 impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
     for All<'_, S, L, N, SLOPED>
 {
-    type Output = [Resultants; MOST];
+    type Output = [Resultants; 2];
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        let Self { simd, points, laws, nodes } = self;
-        let mut slips = [points[0].slip(); MOST];
-        for (slip, point) in slips.iter_mut().zip(points).skip(1) {
-            *slip = point.slip();
-        }
-        let slips = &slips[..points.len()];
-        let totals = [[[0.0; BLOCK]; TERMS]; MOST];
-        let mut gather = Accumulator::<L, N, SLOPED> { nodes, points, slips, laws, totals };
-        let mut done = [false; MOST];
-        for i in 0..points.len() {
-            done[i] = L::all_over(simd, &mut gather, i);
+        let Self { simd, points, laws, nodes, mut done } = self;
+        let slips = &[points[0].slip(), points[1].slip()];
+        let mut gather = Accumulator::<L, N, SLOPED> {
+            nodes,
+            points,
+            slips,
+            laws,
+            totals: [[[0.0; BLOCK]; ALL]; 2],
+            by_film: [[[0.0; BLOCK]; SUMS]; 2],
+        };
+        for i in 0..2 {
+            done[i] = done[i] || L::all_over(simd, &mut gather, i);
         }
         each_chord(simd, nodes, slips, done, &mut gather);
-        let mut all = [Resultants::none(0.0); MOST];
-        for i in 0..points.len() {
-            let mut terms = [0.0; TERMS];
+        let mut all = [Resultants::none(0.0); 2];
+        for i in 0..2 {
+            let mut terms = [0.0; ALL];
             let some = Accumulator::<L, N, SLOPED>::SOME;
             reduce(simd, &gather.totals[i][..some], &mut terms[..some]);
-            let (terms, by_film) = terms.split_at(ALL);
-            let mut known = [0.0; ALL];
-            known.copy_from_slice(terms);
-            all[i] = Resultants::of(known, &points[i]);
-            all[i].by_film.copy_from_slice(by_film);
+            all[i] = Resultants::of(terms, &points[i]);
+            if L::FILM {
+                reduce(simd, &gather.by_film[i], &mut all[i].by_film);
+            }
         }
         all
     }
@@ -672,7 +670,8 @@ impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> WithSimd for One<'_, L,
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Resultants {
         let Self(point, law, nodes) = self;
-        let [sums, _] = sums::<S, L, N, SLOPED>(simd, &[*point], &[law], &[nodes]);
+        let (points, laws, nodes) = (&[*point; 2], &[law; 2], &[nodes; 2]);
+        let [sums, _] = sums::<S, L, N, SLOPED>(simd, points, laws, nodes, [false, true]);
         sums
     }
 }
@@ -736,7 +735,7 @@ impl WithSimd for List<'_> {
             return PolarRule::of(simd, bend, &point.slip(), nodes.rule).nodes(nodes.rule, blocks);
         }
         let mut list = Collect { rule: nodes.rule, slip: point.slip(), bend, nodes: Vec::new() };
-        each_chord(simd, &[nodes], &[point.slip()], [false; MOST], &mut list);
+        each_chord(simd, &[nodes; 2], &[point.slip(); 2], [false, true], &mut list);
         list.nodes
     }
 }

@@ -7,7 +7,6 @@
     reason = "code takes the instruction set of its caller only inline"
 )]
 
-use std::array::from_fn;
 use std::cell::OnceCell;
 use std::f64::consts::PI;
 use std::num::NonZeroUsize;
@@ -556,11 +555,14 @@ impl Chords {
         (rule, frozen): (&Quadrature, Option<&FrozenChords>),
         slip: &EllipseSlip<Lane<S>>,
         (places, parts): (&Block, &Block),
-        of_panel: impl Fn(usize) -> [Lane<S>; 4],
+        of_panel: &[Block; 4],
     ) {
         let mut square = [0.0; BLOCK];
         for i in (0..BLOCK).step_by(S::F64_LANES) {
-            let [from, length, at, width] = of_panel(i);
+            let (from, length) =
+                (Lane::load(simd, &of_panel[0][i..]), Lane::load(simd, &of_panel[1][i..]));
+            let (at, width) =
+                (Lane::load(simd, &of_panel[2][i..]), Lane::load(simd, &of_panel[3][i..]));
             let place = Lane::load(simd, &places[i..]);
             let part = Lane::load(simd, &parts[i..]);
             let (x, part) = line(&Pole { at, width }, from + length * place, length * part);
@@ -586,15 +588,15 @@ pub(super) trait Visitor<S: Simd> {
 }
 
 impl<'a> Panels<'a> {
-    /// Of a few contacts, worked on side by side; none of those that are done with.
+    /// Of both contacts, worked on side by side; none of those that are done with.
     #[inline(always)]
     fn of<S: Simd>(
         simd: S,
-        nodes: &[Nodes<'a>],
-        slips: &[EllipseSlip<f64>],
-        done: [bool; MOST],
-    ) -> [Self; MOST] {
-        const { assert!(8 * MOST <= 2 * BLOCK, "four panels with two ends each") };
+        nodes: &[Nodes<'a>; 2],
+        slips: &[EllipseSlip<f64>; 2],
+        done: [bool; 2],
+    ) -> [Self; 2] {
+        const { assert!(2 * 8 <= 2 * BLOCK, "four panels with two ends each") };
         let (mut at, mut width) = ([[0.0; BLOCK]; 2], [[0.0; BLOCK]; 2]);
         let mut square = [[0.0; BLOCK]; 2];
         for first in (0..slips.len()).step_by(S::F64_LANES) {
@@ -606,8 +608,8 @@ impl<'a> Panels<'a> {
                 slip.analyticity(poles[i].at).store(&mut square[i][first..]);
             }
         }
-        let mut all = [Self::none(nodes[0].rule); MOST];
-        for c in 0..slips.len() {
+        let mut all = [Self::none(nodes[0].rule); 2];
+        for c in 0..2 {
             if done[c] {
                 continue;
             }
@@ -705,8 +707,9 @@ impl<'a> Panels<'a> {
         at.number += 1;
         let Panel { pole, ends: [begin, end], nodes } = self.parts[at.panel];
         if let Some((places, parts)) = nodes.block(at.node) {
-            let of_panel = [begin, end - begin, pole.at, pole.width].map(|x| Lane::splat(simd, x));
-            lines.place(simd, (of.rule, frozen), slip, (places, parts), |_| of_panel);
+            let of_panel =
+                [[begin; BLOCK], [end - begin; BLOCK], [pole.at; BLOCK], [pole.width; BLOCK]];
+            lines.place(simd, (of.rule, frozen), slip, (places, parts), &of_panel);
             at.node += BLOCK;
             if at.node == nodes.len() {
                 (at.panel, at.node) = (at.panel + 1, 0);
@@ -715,9 +718,7 @@ impl<'a> Panels<'a> {
             let mut block = LineNodes::default();
             (at.panel, at.node) = self.gather(at.panel, at.node, &mut block);
             let LineNodes { places, parts, of_panel } = &block;
-            lines.place(simd, (of.rule, frozen), slip, (places, parts), |i| {
-                of_panel.each_ref().map(|block| Lane::load(simd, &block[i..]))
-            });
+            lines.place(simd, (of.rule, frozen), slip, (places, parts), of_panel);
         }
     }
 }
@@ -734,47 +735,43 @@ struct At {
 /// others.
 const AHEAD: usize = 2;
 
-/// Most ellipses that are worked on together.
-pub(crate) const MOST: usize = 2;
-
-/// Goes through the lines across a few ellipses, but for those that are done with.
+/// Goes through the lines across both ellipses, but for those that are done with.
 #[inline(always)]
 pub(super) fn each_chord<S: Simd>(
     simd: S,
-    nodes: &[Nodes<'_>],
-    slips: &[EllipseSlip<f64>],
-    done: [bool; MOST],
+    nodes: &[Nodes<'_>; 2],
+    slips: &[EllipseSlip<f64>; 2],
+    done: [bool; 2],
     visitor: &mut impl Visitor<S>,
 ) {
-    let (all, count) = (Panels::of(simd, nodes, slips, done), slips.len());
-    let mut at = [At::default(); MOST];
-    let mut plans: [_; MOST] =
-        from_fn(|c| FrozenRule { split: all[c].split, ..FrozenRule::default() });
-    let mut lines = [[Chords::NONE; AHEAD]; MOST];
+    let all = Panels::of(simd, nodes, slips, done);
+    let mut at = [At::default(); 2];
+    let mut planned = [Vec::new(), Vec::new()];
+    let mut lines = [[Chords::NONE; AHEAD]; 2];
     loop {
-        let mut found = [0; MOST];
-        for c in 0..count {
+        let mut found = [0; 2];
+        for c in 0..2 {
             let slip = slips[c].splat(simd);
             while found[c] < AHEAD && at[c].panel < all[c].count {
                 let next = &mut lines[c][found[c]];
                 all[c].next(simd, &mut at[c], nodes[c], &slip, next);
                 if nodes[c].is_new() {
-                    plans[c].lines.push((next.inner, next.inside));
+                    planned[c].push((next.inner, next.inside));
                 }
                 found[c] += 1;
             }
         }
-        if found == [0; MOST] {
+        if found == [0; 2] {
             break;
         }
-        for c in 0..count {
+        for c in 0..2 {
             for lines in &lines[c][..found[c]] {
                 visitor.visit(simd, c, lines);
             }
         }
     }
-    for (nodes, plan) in nodes.iter().zip(plans) {
-        nodes.keep(plan);
+    for (c, lines) in planned.into_iter().enumerate() {
+        nodes[c].keep(FrozenRule { blocks: 0, split: all[c].split, lines });
     }
 }
 

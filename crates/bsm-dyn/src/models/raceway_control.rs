@@ -385,7 +385,7 @@ fn control_of(pair: &ElasticBall, loaded: &BallLoads<f64>) -> Control {
 fn nut_excess(pair: &ElasticBall, loaded: &BallLoads<f64>) -> f64 {
     let moment = |i: usize| {
         let (load, (a, _)) = (loaded.loads[i], pair.semi_axes[i]);
-        load * load.cbrt() * a * pair.hertz[i].second_integral
+        load * Field::cbrt(load) * a * pair.hertz[i].second_integral
     };
     excess_of_nut([moment(0), moment(1)], (2.0 * loaded.tilt).cos())
 }

@@ -14,7 +14,7 @@ mod sweep;
 mod trig_quadratic;
 
 use bsm_kin::{Motion, Over, Scalar};
-use bsm_newton::{Equations, EvalError, Linear};
+use bsm_newton::{Equations, EvalError};
 use nalgebra::Vector3;
 
 pub use self::ball::{Plane, RigidBall, RigidMotion};
@@ -97,8 +97,12 @@ impl Equations<BALL> for RigidSystem {
         Equations::residual(&self.equations, x)
     }
 
-    fn linearize(&self, x: &[f64; BALL]) -> Result<Linear<BALL>, EvalError> {
-        self.equations.linearize(x)
+    fn linearize(
+        &self,
+        x: &[f64; BALL],
+        rows: &mut [[f64; BALL]; BALL],
+    ) -> Result<[f64; BALL], EvalError> {
+        self.equations.linearize(x, rows)
     }
 
     fn equation(&self, i: usize) -> String {

@@ -14,7 +14,7 @@ mod slips;
 use std::array::from_fn;
 use std::cell::OnceCell;
 
-use bsm_kin::{Helix, Motion, Scalar};
+use bsm_kin::{Field, Helix, Motion, Scalar};
 use bsm_newton::{EvalError, JacobianUpdate, Options, Report, Scales, solve};
 use bsm_simd::Block;
 
@@ -51,8 +51,8 @@ const FINER: [f64; 2] = [1e-6, Traction::ACCURACY];
 /// Nut speed over the relative speed from which the unknown of the precession leaves it out.
 pub const FAST_NUT: f64 = 2.0;
 
-/// A solve may take this many steps and halvings of a step; the second ones where others follow that may do better.
-const LIMITS: [(usize, u32); 2] = [(20, 20), (12, 6)];
+/// A solve may take this many steps and halvings of a step.
+const LIMITS: (usize, u32) = (20, 20);
 
 /// Inputs of the traction model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,8 +94,8 @@ struct SlipBall<'a, P = f64> {
     at_nut: bool,
     /// What friction comes from, unless it has one coefficient.
     lubrication: Option<Lubrication<'a, P>>,
-    /// Solves that do not converge soon are given up.
-    brief: bool,
+    /// Steps and halvings of a step after which a solve is given up.
+    limits: (usize, u32),
 }
 
 /// Friction by a lubricant.
@@ -222,8 +222,8 @@ impl<P: Scalar> SlipBall<'_, P> {
 impl<'a> SlipBall<'a> {
     /// In the unknowns (T1).
     fn of_pair(pair: &'a ElasticBall, quadrature: &'a Quadrature, creep: f64) -> Self {
-        let (plans, lubrication, at_nut, brief) = (None, None, false, false);
-        Self { pair, quadrature, plans, creep, enough: 1e-12, at_nut, lubrication, brief }
+        let (plans, lubrication, at_nut, limits) = (None, None, false, LIMITS);
+        Self { pair, quadrature, plans, creep, enough: 1e-12, at_nut, lubrication, limits }
     }
 }
 
@@ -234,8 +234,8 @@ impl<'a> SlipBall<'a> {
         pair: &'a ElasticBall<P>,
         lubrication: Option<Lubrication<'a, P>>,
     ) -> SlipBall<'a, P> {
-        let Self { quadrature, plans, creep, enough, at_nut, brief, .. } = *self;
-        SlipBall { pair, quadrature, plans, creep, enough, at_nut, lubrication, brief }
+        let Self { quadrature, plans, creep, enough, at_nut, limits, .. } = *self;
+        SlipBall { pair, quadrature, plans, creep, enough, at_nut, lubrication, limits }
     }
 }
 
@@ -305,7 +305,7 @@ impl SlipBall<'_> {
     /// Lever arm of friction over the ball radius.
     fn lever(&self, y: &[f64; BALL]) -> f64 {
         let lengths = [(0, NUT_LOAD), (1, SCREW_LOAD)]
-            .map(|(i, load)| self.pair.semi_axes[i].0 * y[load].cbrt());
+            .map(|(i, load)| self.pair.semi_axes[i].0 * Field::cbrt(y[load]));
         lever(lengths, self.pair.pressed_radius)
     }
 
@@ -324,7 +324,7 @@ impl<P> SlipBall<'_, P> {
 
     /// Of a Newton solve.
     fn options(&self) -> Options {
-        let (max_steps, max_halvings) = LIMITS[usize::from(self.brief)];
+        let (max_steps, max_halvings) = self.limits;
         let by_jets = self.lubrication.as_ref().is_some_and(|lubrication| lubrication.complete);
         let chord_below = if by_jets { 0.0 } else { self.enough.sqrt().max(KEEP) };
         Options {

@@ -67,14 +67,17 @@ impl<const N: usize> LinearSolver for Dense<N> {
 
     fn factorize(&mut self) -> Result<(), Singular> {
         for k in 0..N {
-            let mut pivot = k;
+            let (mut pivot, mut largest) = (k, self.rows[k][k].abs());
             for i in k + 1..N {
-                if self.rows[i][k].abs() > self.rows[pivot][k].abs() {
-                    pivot = i;
+                let size = self.rows[i][k].abs();
+                if size > largest {
+                    (pivot, largest) = (i, size);
                 }
             }
             self.exchanged[k] = pivot;
-            self.rows.swap(k, pivot);
+            if pivot != k {
+                self.rows.swap(k, pivot);
+            }
             let upper = self.rows[k];
             if upper[k] == 0.0 || !upper[k].is_finite() {
                 return Err(Singular { pivot: k });

@@ -4,23 +4,28 @@
 //! ACM Trans. Math. Softw. 7 (1981), by their numbers there.
 
 use bsm_newton::{
-    Dense, Equations, EvalError, Linear, NotConverged, Options, Report, Scales, Status, Workspace,
+    Dense, Equations, EvalError, NotConverged, Options, Report, Scales, Status, Workspace,
     implicit_slopes, path_direction, solve,
 };
 
-/// A system given by a function that returns values and rows of the Jacobian.
+/// Values, and rows of the Jacobian.
+type Values<const N: usize> = Result<([f64; N], [[f64; N]; N]), EvalError>;
+
+/// A system given by a function that returns both.
 struct Given<F>(F);
 
 impl<const N: usize, F> Equations<N> for Given<F>
 where
-    F: Fn(&[f64; N]) -> Result<Linear<N>, EvalError>,
+    F: Fn(&[f64; N]) -> Values<N>,
 {
     fn residual(&self, x: &[f64; N]) -> Result<[f64; N], EvalError> {
         Ok(self.0(x)?.0)
     }
 
-    fn linearize(&self, x: &[f64; N]) -> Result<Linear<N>, EvalError> {
-        self.0(x)
+    fn linearize(&self, x: &[f64; N], rows: &mut [[f64; N]; N]) -> Result<[f64; N], EvalError> {
+        let values;
+        (values, *rows) = self.0(x)?;
+        Ok(values)
     }
 
     fn equation(&self, i: usize) -> String {
@@ -30,14 +35,12 @@ where
 
 fn run<const N: usize, F>(function: F, x: &mut [f64; N]) -> Report
 where
-    F: Fn(&[f64; N]) -> Result<Linear<N>, EvalError>,
+    F: Fn(&[f64; N]) -> Values<N>,
 {
     let ones = [1.0; N];
     let scales = Scales { x: &ones, f: &ones };
     solve(&Given(function), x, &scales, &Options::default(), &mut Workspace::default())
 }
-
-type Values<const N: usize> = Result<Linear<N>, EvalError>;
 
 #[expect(clippy::unnecessary_wraps, reason = "the shape that a model has")]
 fn rosenbrock(x: &[f64; 2]) -> Values<2> {

@@ -7,8 +7,8 @@ use std::cell::{Cell, RefCell};
 
 use bsm_dyn::ZERO_CELSIUS;
 use bsm_newton::{
-    Dense, Equations, EvalError, Exit, Homotopy, JacobianUpdate, Linear, LinearSolver, Options,
-    Scales, Seed, StepControl, Trace, Workspace, solve, trace,
+    Dense, Equations, EvalError, Exit, Homotopy, JacobianUpdate, LinearSolver, Options, Scales,
+    Seed, StepControl, Trace, Workspace, solve, trace,
 };
 
 use super::{Heated, NODES, WarmNut};
@@ -264,8 +264,13 @@ impl Equations<NODES> for AtSpeed<'_> {
         self.0.left(rises, self.1)
     }
 
-    fn linearize(&self, rises: &[f64; NODES]) -> Result<Linear<NODES>, EvalError> {
-        Ok((self.residual(rises)?, self.0.rows(&self.0.slopes(rises, self.1)?, self.1)))
+    fn linearize(
+        &self,
+        rises: &[f64; NODES],
+        rows: &mut [[f64; NODES]; NODES],
+    ) -> Result<[f64; NODES], EvalError> {
+        *rows = self.0.rows(&self.0.slopes(rises, self.1)?, self.1);
+        self.residual(rises)
     }
 
     fn retract(&self, x: &[f64; NODES], dx: &[f64; NODES], lambda: f64) -> [f64; NODES] {

@@ -29,8 +29,11 @@ macro_rules! equations {
             fn linearize(
                 &self,
                 x: &[f64; $n],
-            ) -> Result<bsm_newton::Linear<$n>, bsm_newton::EvalError> {
-                $crate::models::ball::linear(x, |x| $residual(self, x))
+                rows: &mut [[f64; $n]; $n],
+            ) -> Result<[f64; $n], bsm_newton::EvalError> {
+                let values;
+                (values, *rows) = $crate::models::ball::linear(x, |x| $residual(self, x))?;
+                Ok(values)
             }
 
             fn equation(&self, i: usize) -> String {

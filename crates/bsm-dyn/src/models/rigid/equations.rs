@@ -3,7 +3,7 @@
 //! Theory: `docs/theory/04-rigid.md`, equations (R2) to (R11).
 
 use bsm_kin::{Over, Scalar};
-use bsm_newton::{Equations, EvalError, Linear};
+use bsm_newton::{Equations, EvalError};
 use nalgebra::SVector;
 
 use super::ball::{RigidBall, RigidMotion};
@@ -127,8 +127,14 @@ impl Equations<BALL> for RigidEquations<f64> {
         Ok(Self::residual(self, &Unknowns::from(*x))?.into())
     }
 
-    fn linearize(&self, x: &[f64; BALL]) -> Result<Linear<BALL>, EvalError> {
-        linear(x, |x| Ok(Self::residual(self, &Unknowns::from(*x))?.into()))
+    fn linearize(
+        &self,
+        x: &[f64; BALL],
+        rows: &mut [[f64; BALL]; BALL],
+    ) -> Result<[f64; BALL], EvalError> {
+        let values;
+        (values, *rows) = linear(x, |x| Ok(Self::residual(self, &Unknowns::from(*x))?.into()))?;
+        Ok(values)
     }
 
     fn equation(&self, i: usize) -> String {

@@ -11,11 +11,11 @@
 )]
 
 use std::array::from_fn;
-use std::cell::Cell;
+use std::cell::{RefCell, RefMut};
 use std::f64::consts::FRAC_PI_2;
 
 use bsm_kin::Jet;
-use bsm_newton::{Equations, EvalError, Linear};
+use bsm_newton::{Equations, EvalError};
 use bsm_simd::{Arch, BLOCK, Block, Compare, Lane, Simd, WithSimd};
 
 use super::{Lubrication, OMEGA, SlipBall};
@@ -108,16 +108,34 @@ impl SlipBall<'_> {
         &self,
         y: &[f64; BALL],
     ) -> Result<Evaluated, EvalError> {
+        let mut found = Evaluated::zero(0.0);
+        self.evaluate::<SLOPED>(y, &mut found)?;
+        Ok(found)
+    }
+
+    /// The same in place; without `SLOPED` derivatives may stay those of another state.
+    fn evaluate<const SLOPED: bool>(
+        &self,
+        y: &[f64; BALL],
+        found: &mut Evaluated,
+    ) -> Result<(), EvalError> {
         cost::evaluated();
-        let (mut found, arch) = (Evaluated::zero(0.0), Arch::new());
+        (found.left, found.transmitted) = ([0.0; BALL], PowerFlow::zero(0.0));
+        if SLOPED {
+            found.rows = [[0.0; BLOCK]; BALL];
+        }
+        let arch = Arch::new();
         let is_done = match &self.lubrication {
-            None => arch.dispatch(Evaluate::<_, SLOPED>(self, y, &Dry, &mut found)),
+            None => arch.dispatch(Evaluate::<_, SLOPED>(self, y, &Dry, found)),
             Some(Lubrication { part, complete, .. }) if *part < 1.0 || SLOPED && *complete => false,
             Some(Lubrication { ehl, .. }) => {
-                arch.dispatch(Evaluate::<_, SLOPED>(self, y, *ehl, &mut found))
+                arch.dispatch(Evaluate::<_, SLOPED>(self, y, *ehl, found))
             }
         };
-        if is_done { Ok(found) } else { self.in_jets(y) }
+        if !is_done {
+            *found = self.in_jets(y)?;
+        }
+        Ok(())
     }
 
     /// The same from the formulas in any scalar.
@@ -146,29 +164,17 @@ impl<F: Copy> Evaluated<F> {
     pub(super) fn zero(zero: F) -> Self {
         Self {
             left: [zero; BALL],
-            transmitted: PowerFlow { torque: zero, power: zero, sliding: [zero; 2] },
+            transmitted: PowerFlow::zero(zero),
             rows: [[zero; BLOCK]; BALL],
             slope: [zero; BLOCK],
         }
     }
 }
 
-impl Evaluated {
-    /// The Jacobian.
-    pub(super) fn jacobian(&self) -> [[f64; BALL]; BALL] {
-        let mut jacobian = [[0.0; BALL]; BALL];
-        for (to, from) in jacobian.iter_mut().zip(&self.rows) {
-            to.copy_from_slice(&from[..BALL]);
-        }
-        jacobian
-    }
-}
-
-/// The equations of a ball, and what they were last evaluated for.
+/// The equations of a ball, and where they were last evaluated.
 pub(super) struct Watched<'a> {
     pub(super) ball: &'a SlipBall<'a>,
-    last: Cell<Option<([f64; BALL], PowerFlow)>>,
-    slope: Cell<Block>,
+    last: RefCell<(Option<[f64; BALL]>, Evaluated)>,
 }
 
 /// Torque on the screw, the power that friction takes, and that of sliding at nut and screw; scaled.
@@ -179,22 +185,39 @@ pub(super) struct PowerFlow<F = f64> {
     pub(super) sliding: [F; 2],
 }
 
+impl<F: Copy> PowerFlow<F> {
+    #[inline(always)]
+    fn zero(zero: F) -> Self {
+        Self { torque: zero, power: zero, sliding: [zero; 2] }
+    }
+}
+
 impl<'a> Watched<'a> {
     pub(super) fn new(ball: &'a SlipBall<'a>) -> Self {
-        Self { ball, last: Cell::new(None), slope: Cell::new([0.0; BLOCK]) }
+        Self { ball, last: RefCell::new((None, Evaluated::zero(0.0))) }
     }
 
-    /// What the screw transmits at a state, which mostly was the last one.
-    pub(super) fn transmitted(&self, y: &[f64; BALL]) -> Result<PowerFlow, EvalError> {
-        match self.last.get() {
-            Some((last, known)) if last.map(f64::to_bits) == y.map(f64::to_bits) => Ok(known),
-            _ => Ok(self.ball.evaluated::<false>(y)?.transmitted),
+    /// What belongs to a state.
+    fn evaluated<const SLOPED: bool>(
+        &self,
+        y: &[f64; BALL],
+    ) -> Result<RefMut<'_, Evaluated>, EvalError> {
+        let mut last = self.last.borrow_mut();
+        last.0 = None;
+        self.ball.evaluate::<SLOPED>(y, &mut last.1)?;
+        last.0 = Some(*y);
+        Ok(RefMut::map(last, |(_, found)| found))
+    }
+
+    /// What the screw transmits at a state, which mostly was the last one, and derivatives of the torque by the
+    /// unknowns where the Jacobian was last asked for.
+    pub(super) fn transmitted(&self, y: &[f64; BALL]) -> Result<(PowerFlow, Block), EvalError> {
+        let is_last = |last: [f64; BALL]| last.map(f64::to_bits) == y.map(f64::to_bits);
+        if !self.last.borrow().0.is_some_and(is_last) {
+            self.evaluated::<false>(y)?;
         }
-    }
-
-    /// Derivatives of the torque by the unknowns, where the Jacobian was last asked for.
-    pub(super) fn torque_slope(&self) -> Block {
-        self.slope.get()
+        let (_, found) = &*self.last.borrow();
+        Ok((found.transmitted, found.slope))
     }
 }
 
@@ -204,16 +227,19 @@ impl Equations<BALL> for Watched<'_> {
     }
 
     fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {
-        let found = self.ball.evaluated::<false>(x)?;
-        self.last.set(Some((*x, found.transmitted)));
-        Ok(found.left)
+        Ok(self.evaluated::<false>(x)?.left)
     }
 
-    fn linearize(&self, x: &[f64; BALL]) -> Result<Linear<BALL>, EvalError> {
-        let found = self.ball.evaluated::<true>(x)?;
-        self.last.set(Some((*x, found.transmitted)));
-        self.slope.set(found.slope);
-        Ok((found.left, found.jacobian()))
+    fn linearize(
+        &self,
+        x: &[f64; BALL],
+        rows: &mut [[f64; BALL]; BALL],
+    ) -> Result<[f64; BALL], EvalError> {
+        let found = self.evaluated::<true>(x)?;
+        for (to, from) in rows.iter_mut().zip(&found.rows) {
+            to.copy_from_slice(&from[..BALL]);
+        }
+        Ok(found.left)
     }
 
     fn equation(&self, i: usize) -> String {
@@ -303,7 +329,7 @@ impl TractionLaw for Dry {
         rubbed: &mut [ContactTraction; 2],
     ) {
         let nodes = [ball.nodes(0), ball.nodes(1)];
-        let sums = sums::<S, _, 2, SLOPED>(simd, &contacts.points, &[Dry; 2], &nodes);
+        let sums = sums::<S, _, 2, SLOPED>(simd, &contacts.points, &[Dry; 2], &nodes, [false; 2]);
         for (rubbed, sums) in rubbed.iter_mut().zip(sums) {
             rubbed.sums = sums;
             rubbed.coefficient = ball.pair.signed_friction();
@@ -350,7 +376,8 @@ impl TractionLaw for EhlPoint {
         }
         let [Some(nut), Some(screw)] = laws else { return };
         let nodes = [ball.nodes(0), ball.nodes(1)];
-        let sums = sums::<S, _, 4, SLOPED>(simd, &contacts.points, &[nut, screw], &nodes);
+        let sums =
+            sums::<S, _, 4, SLOPED>(simd, &contacts.points, &[nut, screw], &nodes, [false; 2]);
         for (rubbed, sums) in rubbed.iter_mut().zip(sums) {
             rubbed.sums = sums;
             rubbed.coefficient = ball.pair.signed(1.0);
@@ -477,7 +504,7 @@ impl<F: Compare> Sides<F> {
         let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
         let zero = pair.radius.constant(0.0);
         // a ~ Q^{1/3},  δ = (Q/K_H)^{2/3}                                 (P6), (P2)
-        let growth = [loads[0].cube_root(), loads[1].cube_root()];
+        let growth = [loads[0].cbrt(), loads[1].cbrt()];
         let (mut lengths, mut slopes) = (pair.offsets, [zero; 2]);
         for i in 0..2 {
             let approach = growth[i] * growth[i] * pair.approach[i];

@@ -19,6 +19,11 @@ use crate::models::raceway_control::RollingBall;
 /// Onset number from which the skidding ball is the nearer start.
 pub const SKIDS: f64 = 0.5;
 
+/// Newton steps and halvings of a step of a solve after which others may do better; of most points the solve after a
+/// step at [`LEVEL`] takes full steps.
+const BRIEF: (usize, u32) = (12, 6);
+const FULL_STEPS: (usize, u32) = (12, 2);
+
 /// Creep speeds over `$r_b|W|$` that are solved for before the asked one, in the order of the tries: against them friction
 /// is nearly linear in the slips of most starts.
 const LEVELS: [&[f64]; 2] = [&[LEVEL], &[0.3, 0.01]];
@@ -78,8 +83,8 @@ impl SlipBall<'_> {
             return None;
         }
         let loaded = self.admitted(&root)?;
-        let transmitted = watched.transmitted(&unknowns).ok()?;
-        Some(Refined { root, transmitted, torque_slope: watched.torque_slope(), loaded })
+        let (transmitted, torque_slope) = watched.transmitted(&unknowns).ok()?;
+        Some(Refined { root, transmitted, torque_slope, loaded })
     }
 
     /// The root from the gripping ball or from the skidding one; if none of them leads to it, from
@@ -106,6 +111,13 @@ impl SlipBall<'_> {
             } else {
                 gripping
             };
+            if let Some(y) = self.predicted(&y, newton) {
+                *steps += 1;
+                let direct = Self { limits: FULL_STEPS, ..*self };
+                if let Ok(root) = direct.solved(y, newton, steps) {
+                    return Ok(root);
+                }
+            }
             for levels in LEVELS {
                 match self.descended(y, levels, newton, steps) {
                     Ok(root) => return Ok(root),
@@ -154,6 +166,13 @@ impl SlipBall<'_> {
         }
     }
 
+    /// Where a Newton step at the creep speed [`LEVEL`] leads to.
+    fn predicted(&self, y: &[f64; BALL], newton: &mut Workspace) -> Option<[f64; BALL]> {
+        let level = Self { creep: LEVEL.max(self.creep), ..*self };
+        let residual = newton.linearize(&Watched::new(&level), y, &level.weights(y)).ok()?;
+        Some(level.slid(y, &newton.correction(&residual).ok()?))
+    }
+
     /// The root that Newton finds from `y` over a few levels of the creep speed, if it is on the flanks.
     fn descended(
         &self,
@@ -162,7 +181,7 @@ impl SlipBall<'_> {
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> Result<SlipRoot, Reason> {
-        let brief = Self { brief: true, ..*self };
+        let brief = Self { limits: BRIEF, ..*self };
         for level in levels.iter().filter(|level| **level > self.creep) {
             let report = Self { creep: *level, enough: LEFT, ..brief }.run(&mut y, newton);
             *steps += report.steps.len();

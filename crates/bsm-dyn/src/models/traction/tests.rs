@@ -239,7 +239,7 @@ fn columns_by_hand_are_those_of_the_jets() {
         let found = ball.evaluated::<true>(&y).unwrap();
         let values = ball.evaluated::<false>(&y).unwrap();
         assert_eq!(found.left.map(f64::to_bits), values.left.map(f64::to_bits));
-        let [columns, rows] = [found.jacobian(), jets.jacobian()];
+        let [columns, rows] = [found.rows, jets.rows];
         let rate = y[PRECESSION] + ball.offset();
         // Normal forces, those of inertia, and moments: of friction, and gyroscopic ones.
         let turning = y[4..].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
