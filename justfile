@@ -35,6 +35,10 @@ dist *FLAGS:
 python:
     python/check
 
+# The book in target/book, to read and search without a network; after `just python`.
+book:
+    target/python/bin/sphinx-build -q -W --keep-going -d target/book-cache -c docs/book . target/book
+
 # The page in a real browser; `just page --pictures` makes those of docs/guide/look.md.
 page *FLAGS:
     crates/bsm-view/check {{FLAGS}}
