@@ -45,7 +45,7 @@ class Quantity(NamedTuple):
     rule : str or None
         Rule for the value of an input.
     words : tuple of str
-        Possible values of an output in words.
+        Possible values of a text output.
     kind : str
         Type in JSON: number, integer, boolean or string.
     analysis : str or None
@@ -1249,7 +1249,7 @@ def jam(
     Parameters
     ----------
     scene, **question
-        As in `solve`. The ball return is told by `apex_half_angle_deg`, `return_angle_deg` and the inputs whose
+        As in `solve`. The ball return is given by `apex_half_angle_deg`, `return_angle_deg` and the inputs whose
         meaning ends in "for jamming" (`INPUTS`).
 
     Returns
@@ -1339,7 +1339,7 @@ def nut(
     Parameters
     ----------
     scene, **question
-        As in `solve`; the nut is told by its turns, circuits, preload and loads.
+        As in `solve`; the nut is given by its turns, circuits, preload and loads.
     samples : int, optional
         Quantiles over so many random sets of balls in place of one nut; the input `seed` says where the random
         numbers begin.
@@ -1420,7 +1420,7 @@ def size(
     Parameters
     ----------
     scene, **question
-        As in `solve`; the axis is told by `stroke_mm`, `moved_mass_kg`, `support`, `cycle` and others of `INPUTS`.
+        As in `solve`; the axis is given by `stroke_mm`, `moved_mass_kg`, `support`, `cycle` and others of `INPUTS`.
     out : path, optional
         Folder for report.html, a sheet of two pages, results.json and figures; made if it does not exist.
 

@@ -28,7 +28,7 @@ fn inputs() -> Vec<(&'static str, &'static str, &'static str, Option<f64>, Strin
     INPUTS.iter().map(|i| (i.name, i.unit, i.about, i.default, i.rule.describe())).collect()
 }
 
-/// Name, unit, meaning, type in JSON, words and analysis of every output.
+/// Name, unit, meaning, type in JSON, possible texts and analysis of every output.
 #[pyfunction]
 fn outputs() -> Vec<(
     &'static str,

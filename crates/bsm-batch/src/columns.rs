@@ -45,7 +45,7 @@ pub struct Heading<'a> {
     pub name: &'a str,
     /// JSON type.
     pub json_type: &'static str,
-    /// Unit in words; empty if it has none.
+    /// Unit as text; empty if it has none.
     pub unit: &'static str,
     /// Meaning.
     pub about: &'static str,

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! The bytes of a part depend on the plan only. A part is there because its footer, its length and its
-//! hash say so; whatever else stands under its name is told and left alone.
+//! hash say so; any other file of that name is reported and kept.
 
 mod digest;
 mod error;
@@ -444,8 +444,8 @@ impl Dataset {
         }
     }
 
-    /// Solves the missing ones of some parts, in their order. What is damaged is told at the end, and
-    /// the others are solved.
+    /// Solves the missing parts of a list in order. Damaged parts are reported at the end; the others
+    /// are solved.
     ///
     /// * `numbers`: their numbers, growing. * `repair`: whether all bytes of those that are there are looked at, and
     ///   what is no part is replaced, unless it is another plan that most of them are of.

@@ -179,8 +179,8 @@ impl Task {
         Ok(self)
     }
 
-    /// A task for all points of a grid, with one model for all of them. What no point could have is
-    /// told here, once.
+    /// A task for all points of a grid, with one model for all of them. Inputs that every point
+    /// lacks are an error here.
     ///
     /// * `watched`: an output that is only looked at.
     ///
@@ -206,7 +206,7 @@ impl Task {
         task.checked(given, model)
     }
 
-    /// A task for the rows of a table. What no row could be solved without is told here, once.
+    /// A task for the rows of a table. Inputs that every row lacks are an error here.
     ///
     /// # Errors
     ///

@@ -223,7 +223,7 @@ pub struct Verdict {
     pub has_others: bool,
 }
 
-/// The answers of a chunk: a verdict for each row, words for some, and columns of outputs.
+/// The answers of a chunk: a verdict for each row, messages for some, and columns of outputs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answers {
     /// One for each row.

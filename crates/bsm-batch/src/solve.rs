@@ -281,7 +281,7 @@ impl Run<'_> {
         messages
     }
 
-    /// Answers a row: its verdict unless a kernel has answered all but its analyses, and its words.
+    /// Answers a row: its verdict unless a kernel has answered all but its analyses, and its message.
     ///
     /// * `put`: takes the value of an output, by place.
     fn row(

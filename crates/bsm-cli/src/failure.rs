@@ -21,7 +21,7 @@ pub(crate) enum Failure {
     /// A file or disk problem.
     #[error("{0}")]
     Files(String),
-    /// Ran, but a point has no solution or a check failed; the words are printed already.
+    /// Ran, but a point has no solution or a check failed; the message is printed already.
     #[error("unsolved")]
     Unsolved,
     /// Existing output differs from what is expected.

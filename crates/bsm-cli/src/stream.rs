@@ -1,4 +1,4 @@
-//! From points to a table or a folder of tables: the arguments, the bar and the words of the batch pipeline.
+//! From points to a table or a folder of tables: the arguments, the progress bar and the messages of the batch pipeline.
 
 use std::io::{self, IsTerminal, Read};
 use std::path::{Path, PathBuf};

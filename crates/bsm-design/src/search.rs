@@ -264,7 +264,7 @@ mod tests {
 
     use super::*;
 
-    /// By hand: the sine from -1 to 7, and what is left of it where it has no value beyond 4; one of
+    /// By hand: the sine from -1 to 7, and the same without a value beyond 4; one of
     /// its roots is a point that is looked at.
     #[test]
     fn all_changes_of_sign_are_found() {

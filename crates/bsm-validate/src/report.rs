@@ -25,7 +25,7 @@ pub struct Check {
     pub key: String,
     /// Paper and equation.
     pub source: String,
-    /// What is claimed, in words.
+    /// The claim, as text.
     pub claim: String,
     /// The claimed number, if it is one.
     pub claimed: Option<f64>,

@@ -112,7 +112,7 @@ struct Trend {
 }
 
 impl Trend {
-    /// What the curve does, in words.
+    /// The trend of the curve, as text.
     fn describe(&self, setting: &str) -> String {
         let Self { curve, first, last, .. } = self;
         let holds = if self.holds { "holds" } else { "does not" };

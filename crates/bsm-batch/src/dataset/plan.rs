@@ -155,7 +155,7 @@ impl Plan {
     ///
     /// # Errors
     ///
-    /// What is wrong with it, in words: it is no plan, of another program, or has been changed.
+    /// Reason of the refusal: it is no plan, of another program, or has been changed.
     pub fn from_text(text: &str) -> Result<Self, String> {
         let written: Written = serde_json::from_str(text).map_err(|e| e.to_string())?;
         let (found, this) = (&written.program, Program::this());
@@ -183,7 +183,7 @@ impl Plan {
     ///
     /// # Errors
     ///
-    /// What in the plan names nothing, in words.
+    /// Unknown names in the plan, as text.
     pub fn task(&self) -> Result<Task, String> {
         let base = serde_json::to_vec(&self.written.base).map_err(|e| e.to_string())?;
         let base = Scene::from_json(&base).map_err(|e| e.to_string())?;

@@ -59,7 +59,7 @@ impl AnalysisKind {
         }
     }
 
-    /// Inputs that it needs and that are not given, in words; single quantities may need more.
+    /// Missing inputs, as text; single quantities may need more.
     ///
     /// * `base`: the scene that the points vary.
     pub(crate) fn missing(self, base: &Scene, given: InputSet) -> Vec<String> {
@@ -163,7 +163,7 @@ impl Output {
 
 /// Result of an analysis of a solved motion.
 ///
-/// * `verdicts`: names of the statements that it makes, in words. * `lacks`: parts that are left out besides those that lack inputs.
+/// * `verdicts`: names of its statements, as text. * `lacks`: parts that are left out besides those that lack inputs.
 pub(crate) fn of_a_motion(
     kind: AnalysisKind,
     scene: &Scene,

@@ -688,7 +688,7 @@ impl<'a> Worked<'a> {
         notes
     }
 
-    /// How sure the torque is where friction comes from a lubricant.
+    /// Uncertainty of the torque where friction comes from a lubricant.
     fn how_sure(&self, settings: &Settings) -> Option<String> {
         let heaviest = self.heaviest()?;
         let phase = &heaviest.phase;

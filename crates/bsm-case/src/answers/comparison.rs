@@ -65,7 +65,7 @@ impl Comparison {
         Ok(Self { answers, left_out, notes, warnings })
     }
 
-    /// The regime in the words of the most complete model that solved the point.
+    /// The regime by the most complete model that solved the point.
     pub fn regime(&self) -> Option<&'static str> {
         self.answers.iter().rev().find_map(|answer| answer.record.regime())
     }

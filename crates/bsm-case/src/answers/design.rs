@@ -20,7 +20,7 @@ use crate::{
     RequirementFile, Scene, Settings, Table, sheet_columns,
 };
 
-/// A number of the procedure: step, what it is, value and requirement in words, and whether it
+/// A number of the procedure: step, label, value and requirement as text, and whether it
 /// holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignRow {
@@ -28,7 +28,7 @@ pub struct DesignRow {
     pub step: u8,
     /// Name, with its unit as suffix.
     pub name: &'static str,
-    /// Unit in words.
+    /// Unit as text.
     pub unit: &'static str,
     /// The number, if there is one.
     pub value: Option<f64>,

@@ -193,7 +193,7 @@ impl Fit {
         })
     }
 
-    /// What was found, in words.
+    /// Label of the found number.
     fn describe(&self, report: &FitReport) -> String {
         let (input, output) = (self.input.name(), self.output.name);
         if let [first, ..] = &report.found[..] {

@@ -1,4 +1,4 @@
-//! Nuts of a maker's table: a row each, in the words of the vocabulary or of the maker.
+//! Nuts of a manufacturer's table, a row each, with the names of the vocabulary or of the manufacturer.
 
 use std::collections::BTreeMap;
 

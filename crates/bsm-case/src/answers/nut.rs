@@ -1,4 +1,4 @@
-//! What is said of a nut under load: numbers, words, the loads of all balls, the curve of its displacement.
+//! Results of a nut under load: numbers, texts, the loads of all balls, the load-displacement curve.
 
 use std::cell::OnceCell;
 use std::f64::consts::TAU;

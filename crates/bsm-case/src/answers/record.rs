@@ -17,7 +17,7 @@ use crate::{
 /// load rating of ISO 76 is made from it.
 pub(crate) const MARKS_ABOVE: f64 = 4.2e9;
 
-/// One answer: model, status, numbers, and words where they are needed.
+/// One answer: model, status, numbers, and messages where needed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     model: ModelChoice,
@@ -94,7 +94,7 @@ impl Record {
         self.message.as_deref()
     }
 
-    /// What the numbers mean physically, in a few words.
+    /// The regime of the motion.
     pub fn regime(&self) -> Option<&'static str> {
         let solution = self.solution.as_ref()?;
         let solved = solution.solved()?;
@@ -214,8 +214,8 @@ impl Record {
 
     /// What the numbers hold and what they leave out.
     pub fn notes(&self) -> Vec<String> {
-        let of_a_film = "friction from the lubricant is known to some 25 % of the loss of the contacts; balls that rub \
-                         on each other, ball returns, errors of lead and balls and four-point contact are not \
+        let of_a_film = "friction from the lubricant is uncertain by some 25 % of the loss of the contacts; ball-to-ball \
+                         contact, ball returns, errors of lead and balls and four-point contact are not \
                          predicted: the contacts give about a third of the torque of a preloaded nut";
         self.film().map(|_| of_a_film.to_owned()).into_iter().collect()
     }
@@ -224,7 +224,7 @@ impl Record {
         self.solved()?.film.as_ref()
     }
 
-    /// How ball and races are separated at nut and screw, in words.
+    /// Lubrication regime at nut and screw: boundary, mixed or full film.
     pub fn lubrication(&self) -> Option<String> {
         let film = self.film()?;
         let [nut, screw] = [film.nut, film.screw].map(|film| Regime::of(film.ratio).name());
@@ -299,7 +299,7 @@ impl Record {
         map
     }
 
-    /// What people see of it alone: model, status and reasons in words, then its numbers.
+    /// What people see of it alone: model, status and reasons as text, then its numbers.
     pub fn shown(&self, scene: &Scene) -> Vec<Section> {
         let mut status = self.status_name().to_owned();
         if let Some(steps) = self.solved().and_then(|solved| Some(solved.info?.steps)) {
@@ -403,7 +403,7 @@ fn json_of(output: &Output, value: f64) -> Value {
 /// What is answered beside the record of a point.
 #[derive(Debug, Clone, Default)]
 pub struct Beside {
-    /// How sure a friction from the lubricant is.
+    /// Uncertainty of lubricated friction.
     pub band: Option<Band>,
     /// The torque of the whole screw, where parts of it are not in the balance of one ball ([`torque_parts`](crate::torque_parts)).
     pub parts: Option<ScrewTorque>,
@@ -412,11 +412,11 @@ pub struct Beside {
 }
 
 /// What a torque from a lubricant leaves out.
-const NOT_IN_IT: &str = "balls that rub on each other, returns, seals and drag beyond their inputs; errors of lead and ball \
+const NOT_IN_IT: &str = "ball-to-ball contact, returns, seals and drag beyond their inputs; errors of lead and ball \
                          size; contact at four points. Catalogue rules for the torque of a preloaded nut are three times that of \
                          the contacts.";
 
-/// How sure the friction of a lubricant is.
+/// Table of the uncertainty of lubricated friction.
 fn of_band(Band { loss, screw_torque, efficiency }: &Band) -> Table {
     let row = |label: &str, unit: &str, [low, high]: &[f64; 2]| {
         vec![json!(label), json!(unit), json!(low), json!(high)]
@@ -461,7 +461,7 @@ fn of_a_film(film: &FilmState) -> Vec<String> {
     warnings
 }
 
-/// A reason in words, with the numbers in the units of the vocabulary.
+/// The message of a reason, with numbers in the units of the vocabulary.
 #[expect(clippy::too_many_lines, reason = "one arm a reason")]
 pub(crate) fn message(reason: &Reason) -> String {
     match reason {
@@ -485,7 +485,7 @@ pub(crate) fn message(reason: &Reason) -> String {
                  rolls on the nut, which saturated friction does not cover; {critical}"
             )
         }
-        Reason::MinorContactWouldPull { load_ratio } => format!(
+        Reason::UnloadedFlankWouldPull { load_ratio } => format!(
             "the unloaded flank would have to act in tension on the ball: its normal load would be \
              {load_ratio:.3e} times the axial load"
         ),

@@ -228,12 +228,12 @@ impl Needs {
         given.contains_all(self.all) && self.quantities.iter().all(|q| q.forms.iter().any(complete))
     }
 
-    /// What lacks among the inputs that are given, in words.
+    /// Missing companions of the given inputs, as text.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let (given, mut missing) = (given.completed(), Vec::new());
         for Quantity { words, forms } in self.quantities {
             let begun = forms.iter().filter(|form| given.contains(form.key));
-            // What is needed anyway is told below.
+            // Inputs of every form are checked below.
             let lacks = |form: &Form| form.with - given - self.all;
             match begun.min_by_key(|form| lacks(form).iter().count()) {
                 None => missing.push((*words).to_owned()),

@@ -36,7 +36,7 @@ keys! {
 /// Contact angles that are easy to make \[deg\].
 pub(crate) const USUAL_CONTACT_ANGLES_DEG: (f64, f64) = (30.0, 75.0);
 
-/// Keys with words, and their possible words; the first is the default.
+/// Keys with texts, and their possible texts; the first is the default.
 pub const REQUIREMENT_WORDS: [(&str, &[&str], &str); 3] = [
     ("motion", &["rotary-to-linear", "linear-to-rotary"], "which side drives"),
     ("objective", &["efficiency", "capacity", "mass"], "what the search optimises"),

@@ -69,7 +69,7 @@ pub enum CaseError {
         key: String,
         /// Its value.
         value: f64,
-        /// The rule in words.
+        /// The rule as text.
         rule: String,
     },
     /// An entry of a file that cannot be used.
@@ -113,7 +113,7 @@ pub enum CaseError {
     DryAnalysis,
     /// An oil that is thicker when it is hotter.
     #[error(
-        "viscosity_100C_mm2_s = {hot} must be below viscosity_40C_mm2_s = {warm}: oil thins with heat"
+        "viscosity_100C_mm2_s = {hot} must be below viscosity_40C_mm2_s = {warm}: viscosity decreases with temperature"
     )]
     OilThickens {
         /// At 40 C.
@@ -275,7 +275,7 @@ pub enum CaseError {
         kind: &'static str,
         /// The word.
         name: String,
-        /// All words.
+        /// All possible texts.
         known: String,
     },
     /// A setting or axis on the command line that cannot be read.

@@ -78,7 +78,7 @@ impl Rule {
         Err(CaseError::OutOfRange { key: key.to_owned(), value, rule: self.describe() })
     }
 
-    /// The rule in words, after "must be".
+    /// The rule as text, after "must be".
     pub fn describe(self) -> String {
         match self {
             Self::Any => "a finite number".to_owned(),

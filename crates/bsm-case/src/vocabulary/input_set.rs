@@ -387,7 +387,7 @@ impl Scene {
         InputKey::ALL.into_iter().filter(|key| self[*key].is_some()).collect()
     }
 
-    /// The inputs that it has, and those that its words say.
+    /// The inputs that it has, and those that its other entries give.
     pub fn stated(&self) -> InputSet {
         let listed = self.nut.circuits.as_ref().map(|_| InputKey::loaded_balls);
         self.given() | listed.into_iter().collect()

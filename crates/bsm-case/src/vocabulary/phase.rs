@@ -92,7 +92,7 @@ impl PhaseWords {
         self.feed_m_min / 60.0
     }
 
-    /// Reads a cycle from a table, a row a phase: columns are the words of a phase, in any unit.
+    /// Reads a cycle from a table, a row a phase: columns are the keys of a phase, in any unit.
     ///
     /// * `separator`: between cells. * `decimal`: the decimal sign.
     ///

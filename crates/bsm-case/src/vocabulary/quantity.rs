@@ -26,7 +26,7 @@ pub enum AnalysisKind {
 pub struct Quantity {
     /// Its name, with its unit as suffix.
     pub name: &'static str,
-    /// Unit in words; empty if dimensionless.
+    /// Unit as text; empty if dimensionless.
     pub unit: &'static str,
     /// Symbol of the field, such as `C_a`; empty if it has none.
     pub symbol: &'static str,
@@ -61,7 +61,7 @@ impl Quantity {
         default: None,
     };
 
-    /// That of a table by its name, which the table must have; of an input the words up to a semicolon.
+    /// That of a table by its name, which the table must have; of an input the text up to a semicolon.
     pub(crate) const fn said(table: &[Self], name: &str) -> Self {
         let mut place = 0;
         loop {
@@ -83,7 +83,7 @@ impl Quantity {
         }
     }
 
-    /// Inputs that it needs besides those of its answer and that are not given, in words.
+    /// Missing inputs besides those of its answer, as text.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let names = |set: &InputSet| {
             let names: Vec<_> = set.iter().map(InputKey::name).collect();
@@ -98,7 +98,7 @@ impl Quantity {
 pub enum Of {
     /// The ball, the screw or the nut: one number.
     Whole,
-    /// Each contact: nut, screw and minor.
+    /// Each contact: nut, screw and unloaded flank of the nut.
     Contacts,
     /// Each direction of drive: rotary to linear, and linear to rotary.
     Directions,
@@ -111,7 +111,7 @@ impl Of {
     pub fn members(self) -> &'static [&'static str] {
         match self {
             Self::Whole | Self::Statement => &[""],
-            Self::Contacts => &["nut", "screw", "minor"],
+            Self::Contacts => &["nut", "screw", "unloaded flank"],
             Self::Directions => &["rotary to linear", "linear to rotary"],
         }
     }
@@ -266,7 +266,7 @@ macro_rules! quantities {
         &[
             $crate::vocabulary::quantity::quantities!(@column "number", "nut_", ", nut", $($of)*),
             $crate::vocabulary::quantity::quantities!(@column "number", "screw_", ", screw", $($of)*),
-            $crate::vocabulary::quantity::quantities!(@column "number", "minor_", ", minor contact", $($of)*),
+            $crate::vocabulary::quantity::quantities!(@column "number", "minor_", ", unloaded flank", $($of)*),
         ]
     };
     (@Directions $($of:tt)*) => {

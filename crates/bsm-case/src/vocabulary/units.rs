@@ -19,7 +19,7 @@ pub const GPA: f64 = 1e9;
 /// Pascals per megapascal.
 pub const MPA: f64 = 1e6;
 
-/// A name of the vocabulary as words, its unit behind a comma: `axial_load_N` is "axial load, N".
+/// A name of the vocabulary as a label, its unit behind a comma: `axial_load_N` is "axial load, N".
 pub fn words(name: &str, unit: &str) -> String {
     let written = unit.replace("(m K)", "m_K").replace([' ', '^', '.'], "").replace('/', "_");
     let ends = |unit: &str| if unit.is_empty() { None } else { stem(name, unit) };
@@ -273,7 +273,7 @@ mod tests {
         }
     }
 
-    /// Labels of axes have words and units, not names of columns.
+    /// Labels of axes are texts with units, not names of columns.
     #[test]
     fn names_as_words() {
         for (name, unit, label) in [

@@ -1,4 +1,4 @@
-//! What a scene says of a nut, its axis and its lubricant besides numbers: lists, objects, words and flags.
+//! What a scene says of a nut, its axis and its lubricant besides numbers: lists, objects, texts and flags.
 
 use bsm_design::Grade;
 use bsm_dyn::BaseOil;

@@ -70,7 +70,7 @@ fn auto_takes_the_most_complete_model() {
     let rigid = Model::Rigid;
     let [closed, quasi, skids] =
         [Model::ClosedForm, Model::QuasiStatic, rigid].map(|m| Some(ModelChoice::Fixed(m)));
-    // With both conformities the error of each model can be told: the choice is left to it.
+    // With both conformities the error of each model has a bound, and auto decides.
     let auto = Some(ModelChoice::Auto);
     assert_eq!(chosen, [None, None, closed, closed, quasi, quasi, quasi, skids, skids, auto]);
 
@@ -165,7 +165,7 @@ fn errors_say_what_to_do() {
     assert!(missing.is_io() && missing.to_string().contains("no/such/file.json"), "{missing}");
 }
 
-/// Found in review: inputs that a model does not cover were told only after the work.
+/// Found in review: inputs that a model does not cover were refused only after the work.
 #[test]
 fn a_model_that_does_not_cover_the_scene_says_so_first() {
     let mut lin = scene(LIN);

@@ -295,7 +295,7 @@ fn malformed_tables_are_told() {
         assert!(text.contains(part) && text.trim_end().lines().count() == 1, "{text}");
         assert!(!dir.path().join("out.csv").exists());
     }
-    // What every row lacks is told once.
+    // An input that every row lacks is reported once.
     let output = bsm(dir.path(), &["sweep", "--points", "-", "-o", "out.csv"], "axial_load_N\n1\n");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("a scene or --set"), "{}", stderr(&output));

@@ -125,7 +125,7 @@ impl NutProblem {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if a value or a word breaks a rule, two words say one thing, or something is missing.
+    /// [`CaseError`] if an entry breaks a rule, two entries give one quantity, or one is missing.
     pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
         settings.check()?;
         scene.check_for_a_nut()?;
@@ -141,7 +141,7 @@ impl NutProblem {
         let design = rated_nut::nut(scene)?;
         let thread = rated_nut::thread(scene, &design)?;
         let body = rated_nut::body(scene, &design, &thread)?;
-        // Short words leave a fraction of a ball, which no circuit has.
+        // Short entries leave a fraction of a ball, which no circuit has.
         let design = of_circuits(design, &nut.circuits);
         let (rating, static_rating) = (design.dynamic_rating(), design.static_rating());
         let turns = design.turns.powf(0.86);
@@ -365,7 +365,7 @@ pub(crate) fn whole(value: f64) -> usize {
     value.round() as usize
 }
 
-/// What the words mean where they could be meant otherwise.
+/// Notes on entries that could be read in two ways.
 ///
 /// * `usual`: neither load nor preload is given.
 fn notes(
