@@ -49,7 +49,7 @@ use crate::{
 /// A part that is written and has no name yet.
 type TempFile = BufWriter<NamedTempFile>;
 
-/// What happens in a run.
+/// Events of a run.
 #[derive(Debug, Clone, Copy)]
 pub enum Event<'a> {
     /// Files among the parts that are none: they are left alone, and who reads the folder reads them too.
@@ -62,7 +62,7 @@ pub enum Event<'a> {
     Solved(&'a Chunk, &'a Answers),
 }
 
-/// What is in a folder.
+/// Content of a folder.
 #[derive(Debug, Default)]
 pub struct FolderScan {
     /// Finished parts, by their number.
@@ -170,7 +170,7 @@ pub fn solve_part(
     Ok((sink.schema, sink.tables))
 }
 
-/// What ended the solve of a part.
+/// Reason that ended the solve of a part.
 fn not_solved(error: RunError, unwritable: impl Fn(TableError) -> DatasetError) -> DatasetError {
     match error {
         RunError::Read(error) => DatasetError::Read(error),

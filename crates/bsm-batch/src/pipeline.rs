@@ -22,7 +22,7 @@ const STACK: usize = if cfg!(debug_assertions) { 16 << 20 } else { 2 << 20 };
 /// depend on this number.
 pub const ROWS: usize = 1 << 16;
 
-/// What all rows of a table have in common.
+/// Settings that all rows of a table share.
 #[derive(Debug, Clone)]
 pub struct Task {
     /// The inputs that are no columns.
@@ -48,7 +48,7 @@ pub struct Count {
     pub several: u64,
 }
 
-/// What solves: threads, and an interrupt that they look at.
+/// Threads that solve, with their interrupt.
 #[derive(Debug)]
 pub struct Workers<'a> {
     pub(crate) pool: ThreadPool,

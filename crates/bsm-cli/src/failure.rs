@@ -67,7 +67,7 @@ impl Failure {
         }
     }
 
-    /// What was being done, to what, and what the system said.
+    /// Operation, object, and message of the system.
     pub(crate) fn files(doing: &str, path: &Path, error: &io::Error) -> Self {
         let path = path.display();
         // Without the name of the temporary file, which means nothing to a user.

@@ -30,7 +30,7 @@ pub struct LeastSquares {
 ///
 /// # Errors
 ///
-/// Those of `residuals`.
+/// Errors of `residuals`.
 pub fn least_squares<E>(
     mut residuals: impl FnMut(&[f64]) -> Result<Option<Vec<f64>>, E>,
     start: &[f64],

@@ -101,7 +101,7 @@ fn spread(points: &[(f64, f64)]) -> f64 {
     values().fold(0.0, f64::max) - values().fold(f64::INFINITY, f64::min)
 }
 
-/// What a curve does.
+/// Trend of a curve.
 struct Trend {
     curve: String,
     shape: Shape,

@@ -23,7 +23,7 @@ const FORMAT: u32 = 4;
 /// Most parts of a folder.
 pub const MOST_PARTS: u64 = 100_000;
 
-/// What a folder is to hold.
+/// Planned content of a folder.
 #[derive(Debug, Clone)]
 pub struct Plan {
     written: Written,

@@ -28,7 +28,7 @@ pub struct Comparison {
     pub left_out: Vec<String>,
     /// Inputs that are not in the balance of one ball.
     pub notes: Vec<String>,
-    /// What an engineer should know before using the numbers.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 

@@ -18,7 +18,7 @@ const FRICTION: (f64, f64) = (1e-4, 0.5);
 /// Default range of another input, over its value in the scene.
 const AROUND: (f64, f64) = (0.25, 4.0);
 
-/// What is known and what is sought.
+/// A fit: scene, measured output and the input to find.
 #[derive(Debug, Clone)]
 pub struct Fit {
     input: InputKey,
@@ -128,7 +128,7 @@ impl Fit {
         Ok(Record::new(scene.problem(settings)?.solve(work)))
     }
 
-    /// What would be measured: a torque is that of the whole screw.
+    /// The calculated counterpart of the measurement: a torque is that of the whole screw.
     fn measure(
         &self,
         scene: &Scene,

@@ -59,7 +59,7 @@ impl Record {
         self.solution.as_ref()?.solved()
     }
 
-    /// What the choice of the model rests on, if it was chosen by the bound of its error.
+    /// Reason of the choice, for a model chosen by its error bound.
     fn chosen(&self) -> Option<Choice> {
         self.solution.as_ref()?.choice
     }
@@ -147,7 +147,7 @@ impl Record {
         own.filter(|output| output.read(solution).is_some()).map(|output| output.name).collect()
     }
 
-    /// What an engineer should know before using the numbers; `scene` is what was asked.
+    /// Warnings; `scene` has the inputs.
     pub fn warnings(&self, scene: &Scene) -> Vec<String> {
         let mut warnings = Vec::new();
         let Some(solution) = &self.solution else { return warnings };
@@ -212,7 +212,7 @@ impl Record {
         warnings
     }
 
-    /// What the numbers hold and what they leave out.
+    /// Notes: neglected effects.
     pub fn notes(&self) -> Vec<String> {
         let of_a_film = "friction from the lubricant is uncertain by some 25 % of the loss of the contacts; ball-to-ball \
                          contact, ball returns, errors of lead and balls and four-point contact are not \
@@ -299,7 +299,7 @@ impl Record {
         map
     }
 
-    /// What people see of it alone: model, status and reasons as text, then its numbers.
+    /// Text form: model, status and reasons as text, then its numbers.
     pub fn shown(&self, scene: &Scene) -> Vec<Section> {
         let mut status = self.status_name().to_owned();
         if let Some(steps) = self.solved().and_then(|solved| Some(solved.info?.steps)) {
@@ -400,7 +400,7 @@ fn json_of(output: &Output, value: f64) -> Value {
     }
 }
 
-/// What is answered beside the record of a point.
+/// Results beside the record of a point.
 #[derive(Debug, Clone, Default)]
 pub struct Beside {
     /// Uncertainty of lubricated friction.
@@ -411,7 +411,7 @@ pub struct Beside {
     pub sensitivities: Option<Vec<Sensitivity>>,
 }
 
-/// What a torque from a lubricant leaves out.
+/// Effects that a lubricated torque neglects.
 const NOT_IN_IT: &str = "ball-to-ball contact, returns, seals and drag beyond their inputs; errors of lead and ball \
                          size; contact at four points. Catalogue rules for the torque of a preloaded nut are three times that of \
                          the contacts.";

@@ -69,7 +69,7 @@ const WORDS_FROM_SCENES: [&str; 4] = ["support", "cycle", "accuracy_grade", "pre
 /// A requirement as it is written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RequirementFile {
-    /// What it shares with scenes: load, speed, friction, materials, and whatever is fixed.
+    /// Inputs that it shares with scenes: load, speed, friction, materials, and whatever is fixed.
     pub(crate) scene: Scene,
     /// The model that tells the efficiency.
     pub(crate) model: Model,

@@ -10,11 +10,11 @@ use crate::{Numbers, Of, Output};
 pub struct Answer {
     /// In the order in which people read them.
     pub sections: Vec<Section>,
-    /// What is required of numbers.
+    /// Rules for the numbers.
     pub rules: Vec<Criterion>,
     /// Defaults that were used, and effects that are neglected.
     pub notes: Vec<String>,
-    /// What an engineer should know before using the numbers.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// True if there is no solution, nothing was found or a rule is broken.
     pub fails: bool,
@@ -25,18 +25,18 @@ pub struct Answer {
 pub struct Section {
     /// Its member of the JSON object, into which the numbers of an empty one go; a section without one is for people alone.
     pub member: Option<&'static str>,
-    /// What it says.
+    /// Its content.
     pub content: Content,
 }
 
-/// What a section says.
+/// Content of a section.
 #[derive(Debug, Clone)]
 pub enum Content {
     /// Numbers of a table of quantities.
     Numbers {
         /// The numbers.
         numbers: Numbers,
-        /// What those of no contact and direction are of.
+        /// Head of numbers of no contact and no direction.
         whole: &'static str,
         /// Names of those whose error has no bound.
         unbounded: Vec<&'static str>,
@@ -90,10 +90,10 @@ impl Column {
     }
 }
 
-/// What is required of a number.
+/// A rule for a number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Criterion {
-    /// What it is about.
+    /// Label.
     pub title: &'static str,
     /// Name of the number, with its unit as suffix.
     pub name: &'static str,
@@ -269,7 +269,7 @@ impl Answer {
     }
 }
 
-/// What a member of an object is: `number`, `positive`, `integer`, `count`, `string`, `boolean`, `texts`, `numbers`, `list`, texts `a|b`,
+/// Type of a member of an object: `number`, `positive`, `integer`, `count`, `string`, `boolean`, `texts`, `numbers`, `list`, texts `a|b`,
 /// or an object; `[kind]` a list of it, `*kind` an object of it by names that are not known beforehand, `kind?` the same or null.
 ///
 /// * `members`: those of an object by its name, separated by commas, each with its kind; a name with `?` may be absent. `@table`

@@ -13,7 +13,7 @@ use crate::{CaseError, Quantity};
 /// Up to here every whole number is a double.
 const MOST_WHOLE: f64 = 9_007_199_254_740_992.0;
 
-/// What a value must satisfy.
+/// Rule for a value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Rule {
     /// Any finite number.
@@ -106,7 +106,7 @@ macro_rules! inputs {
         pub struct Scene {
             /// Free text.
             pub description: Option<String>,
-            /// What it says of a nut besides numbers.
+            /// Entries besides numbers.
             pub nut: NutWords,
             $($(#[doc = $about] pub $name: Option<f64>,)*)*
         }

@@ -10,7 +10,7 @@ use crate::vocabulary::units::convert;
 use crate::{CaseError, nearest};
 
 keys! {
-    /// What a phase has.
+    /// Keys of a phase.
     pub(crate) PHASE_INPUTS;
     time_s ["s" "t"] Above(0.0), None, "how long it lasts; or share";
     share [""] Above(0.0), None, "share of the time of the cycle; or time_s";

@@ -32,15 +32,15 @@ pub struct Quantity {
     pub symbol: &'static str,
     /// Meaning, which is also its label.
     pub about: &'static str,
-    /// What it is printed with, and the group of an input.
+    /// Symbol, and the group of an input.
     pub title: &'static str,
-    /// What its numbers are of.
+    /// Scope of its numbers.
     pub of: Of,
     /// Its numbers as outputs; the contact or direction stands in front of the name.
     pub columns: &'static [Output],
     /// Inputs without default that it needs besides those of its answer: one of each set.
     pub(crate) needs: &'static [InputSet],
-    /// What the value of an input must satisfy.
+    /// Rule for the value of an input.
     pub rule: Rule,
     /// Value that a model takes if the scene has none.
     pub default: Option<f64>,
@@ -93,7 +93,7 @@ impl Quantity {
     }
 }
 
-/// What the numbers of a quantity are of.
+/// Scope of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Of {
     /// The ball, the screw or the nut: one number.
@@ -107,7 +107,7 @@ pub enum Of {
 }
 
 impl Of {
-    /// What its numbers are of, as heads of a table.
+    /// Members of the scope, as heads of a table.
     pub fn members(self) -> &'static [&'static str] {
         match self {
             Self::Whole | Self::Statement => &[""],
@@ -120,7 +120,7 @@ impl Of {
 /// The numbers of a quantity; a statement is 0 or 1.
 pub type Values = [Option<f64>; 3];
 
-/// What a reader of a quantity returns.
+/// Return value of the reader of a quantity.
 pub(crate) trait Read {
     fn values(self) -> Values;
 }

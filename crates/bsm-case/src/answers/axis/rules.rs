@@ -194,7 +194,7 @@ fn preload_rules(
         );
         let opens = number("limit_load_N").unwrap_or(OPENS_AT * warm);
         rules.add(
-            "preload left",
+            "remaining preload",
             ("largest_load_N", "N"),
             Some(largest),
             (false, Some(opens)),

@@ -45,7 +45,7 @@ pub struct NutProblem {
     pub(crate) rating: DynamicRating,
     pub(crate) static_rating: StaticRating,
     pub(crate) ratings: TurnRatings,
-    /// What rubs, and speeds of screw and nut.
+    /// Friction, and speeds of screw and nut.
     pub(crate) friction: Option<(Rubbing, Drive<f64>)>,
     /// Torque of the seals \[N·m\].
     pub(crate) seal_torque: f64,
@@ -53,7 +53,7 @@ pub struct NutProblem {
     pub(crate) notes: Vec<String>,
 }
 
-/// What the friction of the balls comes from.
+/// Source of the friction of the balls.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Rubbing {
     /// One coefficient.
@@ -71,7 +71,7 @@ impl Rubbing {
         }
     }
 
-    /// What a scene gives.
+    /// As given by a scene.
     fn of(scene: &Scene) -> Result<Option<Self>, CaseError> {
         let given = scene.given();
         given.check_friction()?;
