@@ -51,7 +51,7 @@ fn models() -> Vec<&'static str> {
     ModelChoice::names().collect()
 }
 
-/// The names of the races that may control.
+/// The names of the raceways that may control.
 #[pyfunction]
 fn races() -> [&'static str; 2] {
     Control::ALL.map(Control::name)

@@ -323,7 +323,7 @@ fn approximate(count: u64) -> f64 {
     count as f64
 }
 
-/// Nominal time of a row on one core with one output, solved and written \[s\], where the balls grip.
+/// Nominal time of a row on one core with one output, solved and written \[s\], of rolling balls.
 fn seconds(model: ModelChoice) -> f64 {
     let microseconds = match model {
         ModelChoice::Fixed(Model::ClosedForm | Model::QuasiStatic) => 0.1,

@@ -108,7 +108,7 @@ impl Record {
             (Model::Rigid | Model::Elastic, _) => {
                 "gross skid: friction saturated at every contact, by assumption"
             }
-            (_, Some(SlipRegime::Grips)) => "rolling, the balls grip",
+            (_, Some(SlipRegime::Grips)) => "rolling",
             (Model::RacewayControl, _) => "skidding: raceway control does not hold",
             (_, Some(SlipRegime::SkidsPartly)) => "partial skid, between rolling and gross skid",
             _ => "gross skid, friction nearly saturated",
@@ -124,17 +124,17 @@ impl Record {
                 "no more accurate model has a result here; raceway control, with a skid onset number of {onset_number:.2e}"
             ),
             Basis::Grips { onset_number } => {
-                format!("the balls grip, skid onset number {onset_number:.2e}")
+                format!("rolling, skid onset number {onset_number:.2e}")
             }
             Basis::Skids { onset_number } => {
-                format!("the balls skid, skid onset number {onset_number:.1}")
+                format!("gross skid, skid onset number {onset_number:.1}")
             }
             Basis::Integrated { accuracy } => format!(
                 "no faster model is that accurate here; friction integrated to {accuracy:.0e}"
             ),
             other => format!("{other:?}"),
         };
-        Some(format!("error of the efficiency at most {bound:.1e}: {why}"))
+        Some(format!("efficiency error at most {bound:.1e}: {why}"))
     }
 
     /// The outputs that have a value whose error has no bound, though that of the efficiency has one: those of the
@@ -258,7 +258,7 @@ impl Record {
             let race = race.name();
             warnings.push(format!(
                 "neither raceway has the larger spin friction moment at its own solution, so neither \
-                 controls; this is the solution under {race} control. the setting `control` sets the race"
+                 controls; this is the solution under {race} control. The setting `control` sets the raceway"
             ));
         }
         warnings
@@ -314,7 +314,7 @@ impl Record {
             }
         }
         let race = self.solved().and_then(|solved| solved.control);
-        let race = race.map(|control| format!("the {} controls", control.race.name()));
+        let race = race.map(|control| control.race.name().to_owned());
         let evidence = self.solution.as_ref().and_then(Solution::evidence);
         let evidence = evidence.map(|evidence| evidence.to_string());
         let words = [
@@ -325,7 +325,7 @@ impl Record {
             ("shown by", evidence),
             ("regime", self.regime().map(str::to_owned)),
             ("lubrication", self.lubrication()),
-            ("raceway control", race),
+            ("controlling raceway", race),
         ];
         let unbounded = self.unbounded();
         let doubt = (!unbounded.is_empty()).then(|| {

@@ -115,7 +115,7 @@ impl Settings {
     ) -> Result<Self, CaseError> {
         let race = |name: &str| {
             Control::from_name(name).ok_or_else(|| CaseError::UnknownWord {
-                kind: "race",
+                kind: "raceway",
                 name: name.to_owned(),
                 known: Control::ALL.map(Control::name).join(", "),
             })

@@ -288,9 +288,9 @@ outputs! {
         "self_locking" [""] Flag: self_locking whole = |s, _| s.self_locking(),
             "true if the screw is self-locking in this direction";
         "controlling_race" [""] Race: controlling_race whole = |s, _| Some(s.solved()?.control?.race),
-            "race on which the ball does not spin (raceway control)";
+            "raceway on which the ball does not spin (raceway control)";
         "control_consistent" [""] Flag: control_consistent whole = |s, _| s.solved()?.control?.consistent,
-            "true if the controlling race has the larger spin friction moment at this solution; false where neither race has it at its own solution";
+            "true if the controlling raceway has the larger spin friction moment at this solution; false where neither raceway has it at its own solution";
         "other_solutions" [""] Count: other_solutions whole = |s, _| Some(s.solved()?.others?.count),
             "number of other steady motions known at this point; null: unknown, as no search was made or it was lost";
         "other_solution_efficiency" [""] Number: other_solution_efficiency whole = |s, _| s.solved()?.others?.farthest_efficiency,

@@ -85,7 +85,7 @@ fn auto_takes_the_most_complete_model() {
     assert_eq!(named, Settings { control: Some(Control::Screw), ..Model::Rigid.into() });
     let unknown = Settings::named("rigid", Some("ball"), None);
     let unknown = unknown.expect_err("no such race").to_string();
-    assert_eq!(unknown, "unknown race `ball`; the races are nut, screw");
+    assert_eq!(unknown, "unknown raceway `ball`; the raceways are nut, screw");
     let unknown =
         Settings::named("rigid", None, Some("dry")).expect_err("no such place").to_string();
     assert_eq!(unknown, "unknown friction `dry`; the frictions are local, contact");
@@ -207,9 +207,9 @@ fn the_choice_says_model_bound_and_reason() {
         (record.model().name(), why)
     };
     for (tolerance, load, model, part) in [
-        (0.02, "axial_load_N=2113", "raceway-control", "the balls grip"),
+        (0.02, "axial_load_N=2113", "raceway-control", "rolling, skid onset"),
         (1e-4, "axial_load_N=2113", "traction", "integrated to"),
-        (0.02, "axial_load_N=1", "elastic", "the balls skid"),
+        (0.02, "axial_load_N=1", "elastic", "gross skid, skid onset"),
     ] {
         let (name, why) = solve(tolerance, load);
         assert_eq!(name, model, "{why}");
