@@ -27,7 +27,7 @@ def told(*words: str | Path) -> Any:
 
 
 def refused(*words_of_it: str | Path, words: str) -> None:
-    """The program refuses it too, in the same words."""
+    """The program refuses it too, with the same message."""
     run = subprocess.run([program(), *words_of_it], capture_output=True, text=True)
     assert run.returncode == 2 and words in run.stderr, run.stderr
 
@@ -177,7 +177,7 @@ def same_table(ours: Path, theirs: Path) -> None:
         return
     one, other = pq.read_table(ours), pq.read_table(theirs)
     assert one.equals(other), ours
-    # Units and words of the columns.
+    # Units and texts of the columns.
     assert all(a.metadata == b.metadata for a, b in zip(one.schema, other.schema, strict=True))
 
 
@@ -235,7 +235,7 @@ def test_nuts_of_a_maker(tmp_path: Path) -> None:
         rows = told("select", "--from", path, *words)
         assert nuts.to_dict() == {name: [row[name] for row in rows] for name in rows[0]}
     assert nuts.scene(0).to_dict() == bs.Scene(picked(tmp_path, "--from", path, *words)).to_dict()
-    # In a maker's own words, with a column that nobody reads, and a gap.
+    # With a manufacturer's column names, an unused column, and a gap.
     own = pd.read_csv(path).rename(columns={"nut": "Type", "rigidity_N_um": "K"}).assign(note="of a page")
     own["K"] = own["K"].where(own["Type"] != "R63-20K5-FSC")
     names = {"Type": "nut", "K": "rigidity_N_um", "note": None}

@@ -38,7 +38,7 @@ pub struct Phase {
 }
 
 impl Motion {
-    /// What the screw carries and how fast it turns, with weight, guides and inertia of the moved mass.
+    /// Load and speed of the screw, with weight, guides and inertia of the moved mass.
     ///
     /// * `lead` \[m\].
     pub fn phase(&self, carriage: &MachineTable, lead: f64) -> Phase {
@@ -48,7 +48,7 @@ impl Motion {
     }
 }
 
-/// What holds a screw at its ends, and how long it is.
+/// End supports and length of a screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mount {
     /// How its ends are held.

@@ -60,6 +60,6 @@ function deflection(curve, answer) {
     axes(x, y, [box[0], box[1], right, box[3]], "axial load, N", "displacement, µm", 64), line(shift, y, "--c1"), line(curve.nut_stiffness_N_um, y2, "--c3", "7 4"),
     preload ? line(curve.preload_left_N, preload, "--c2", "2 3") : null, mark, ...ends,
     limit && limit <= x.domain[1] ? svg("g", {}, svg("path", { d: `M${x(limit)} ${box[1]}V${box[3]}`, stroke: "var(--faint)", "stroke-dasharray": "3 3" }), text(x(limit) - 4, box[1] + 12, "limit load", { "text-anchor": "end", class: "small faint" })) : null),
-    legend([["displacement, left scale", "var(--c1)", "solid"], ["tangent stiffness, N/µm, right scale", "var(--c3)", "dash"], ...(preload ? [[`preload left, up to ${number(preload.domain[1] / 1.05)} N`, "var(--c2)", "dots"]] : [])]),
+    legend([["displacement, left scale", "var(--c1)", "solid"], ["tangent stiffness, N/µm, right scale", "var(--c3)", "dash"], ...(preload ? [[`remaining preload, up to ${number(preload.domain[1] / 1.05)} N`, "var(--c2)", "dots"]] : [])]),
     html("p", { class: "small" }, `Stiffness at this load ${number(answer.nut_stiffness_N_um)} N/µm${answer.preload_left_N == null ? "" : `; preload ${number(answer.preload_set_N)} N cold, ${number(answer.warm_preload_N)} N warm, of which ${number(answer.preload_left_N)} N are left`}${limit == null ? "" : `; from ${number(limit)} N on nothing is left of the preload`}.`));
 }

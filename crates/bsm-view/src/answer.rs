@@ -23,7 +23,7 @@ pub(crate) const FIELD_POINTS: u32 = 20;
 /// Why a request has no answer.
 #[derive(Debug, Error)]
 pub enum Refusal {
-    /// What was asked breaks a rule, in the words of the command line.
+    /// The request breaks a rule; the message is that of the command line.
     #[error("{0}")]
     Input(String),
     /// There is no such route.

@@ -144,7 +144,7 @@ fn numbers_of_analyses_do_not_change_the_others() {
     }
 }
 
-/// What no row could have is told before any work, with the inputs that lack.
+/// A column that no row can fill is refused before any work, with the missing inputs.
 #[test]
 fn columns_that_no_row_can_fill_are_told() {
     let grid = grid(&["screw_speed_rpm=100,200"]);

@@ -59,7 +59,7 @@ impl AnalysisKind {
         }
     }
 
-    /// Inputs that it needs and that are not given, in words; single quantities may need more.
+    /// Missing inputs, as text; single quantities may need more.
     ///
     /// * `base`: the scene that the points vary.
     pub(crate) fn missing(self, base: &Scene, given: InputSet) -> Vec<String> {
@@ -79,7 +79,7 @@ impl AnalysisKind {
     ///
     /// # Errors
     ///
-    /// Those of the analysis.
+    /// Quantities of the analysis.
     pub fn numbers(
         self,
         scene: &Scene,
@@ -163,7 +163,7 @@ impl Output {
 
 /// Result of an analysis of a solved motion.
 ///
-/// * `verdicts`: names of the statements that it makes, in words. * `lacks`: parts that are left out besides those that lack inputs.
+/// * `verdicts`: names of its statements, as text. * `lacks`: parts that are left out besides those that lack inputs.
 pub(crate) fn of_a_motion(
     kind: AnalysisKind,
     scene: &Scene,
@@ -245,7 +245,7 @@ fn without(kind: AnalysisKind, given: InputSet) -> Vec<String> {
 /// A solution for an analysis of the motion of the ball.
 #[derive(Debug, Clone)]
 pub struct Moving {
-    /// What it was found with.
+    /// Model and settings of the result.
     pub settings: Settings,
     /// The solution.
     pub solution: Solution,
@@ -263,7 +263,7 @@ pub(crate) struct MovingContact {
     pub(crate) semi_axes: Option<(f64, f64)>,
 }
 
-/// What the analyses take from a model: a ball whose motion and loads are known.
+/// Solution of a model that the analyses read: a ball of known motion and loads.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MovingBall {
     pub(crate) ball: SteadyBall<f64>,

@@ -29,7 +29,7 @@ use crate::{
     Quantity, Scene, Settings, Table, ratings,
 };
 
-/// What an axis is sized from: its nut, and a load and a speed or a cycle.
+/// Inputs of an axis: its nut, and a load and a speed or a cycle.
 pub(crate) const NEEDS: crate::case::problem::Needs = rated_nut::NEEDS;
 
 quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
@@ -220,7 +220,7 @@ impl ScrewTorque {
 /// An axis: its numbers, its rules, its cycle.
 #[derive(Debug, Clone)]
 pub struct AxisReport {
-    /// What was asked.
+    /// The scene.
     pub scene: Scene,
     /// Each phase of the cycle.
     pub phases: Vec<ScrewTorque>,
@@ -247,7 +247,7 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
     })
 }
 
-/// What the torque of an axis leaves out.
+/// Effects that the torque of an axis neglects.
 const NOT_MODELLED: [&str; 6] = [
     "lubricant, unless its inputs are given: contacts are dry then, with one friction coefficient; the friction torque of the preload is that of manufacturers' rule, accurate to some 50 %",
     "ball returns and ball-to-ball contact: only in manufacturers' rule for the preload",
@@ -289,7 +289,7 @@ impl Torques {
         })
     }
 
-    /// What acts against the motion, without its sign \[N·m\].
+    /// Torque against the motion, positive \[N·m\].
     fn friction(&self) -> Option<f64> {
         Some(self.contacts.friction? + self.drag + self.seal + self.bearing)
     }
@@ -515,7 +515,7 @@ fn no_balls(why: &CaseError) -> String {
     format!("no numbers of all balls: {why}")
 }
 
-/// What the numbers of an axis are made from.
+/// Intermediate results of an axis.
 pub(crate) struct Worked<'a> {
     scene: &'a Scene,
     machine: Machine,
@@ -662,7 +662,7 @@ impl<'a> Worked<'a> {
         Some(self.motor_torque(torques)? * speed)
     }
 
-    /// What was taken where nothing was given.
+    /// Defaults that were used.
     fn notes(&self) -> Vec<String> {
         let no_input = self.no_nut.as_ref().filter(|why| !matches!(why, CaseError::Nut(_)));
         let mut notes: Vec<_> = no_input.map(no_balls).into_iter().collect();
@@ -691,7 +691,7 @@ impl<'a> Worked<'a> {
         notes
     }
 
-    /// How sure the torque is where friction comes from a lubricant.
+    /// Uncertainty of the torque where friction comes from a lubricant.
     fn how_sure(&self, settings: &Settings) -> Option<String> {
         let heaviest = self.heaviest()?;
         let phase = &heaviest.phase;

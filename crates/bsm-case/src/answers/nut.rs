@@ -1,4 +1,4 @@
-//! What is said of a nut under load: numbers, words, the loads of all balls, the curve of its displacement.
+//! Results of a nut under load: numbers, texts, the loads of all balls, the load-displacement curve.
 
 use std::cell::OnceCell;
 use std::f64::consts::TAU;
@@ -224,7 +224,7 @@ fn loaded_balls(found: &Equilibrium) -> f64 {
     count(found.balls.len() - found.unloaded()).max(1.0)
 }
 
-/// What the two preloads of a warm nut are.
+/// Notes on cold and warm preload.
 pub(crate) fn preload_note(cold: f64, warm: f64) -> String {
     format!(
         "the preload is set cold, at no rise of temperature: {cold:.0} N cold, {warm:.0} N warm"
@@ -453,7 +453,7 @@ impl NutReport {
         self.numbers(|quantity| quantity.name == name).number(name)
     }
 
-    /// What the numbers mean, and what they leave out.
+    /// Notes: meaning of the numbers, neglected effects.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = self.problem.notes.clone();
         let Made { nut, .. } = &self.state.made;
@@ -536,7 +536,7 @@ impl NutReport {
         notes
     }
 
-    /// What an engineer should know before using the numbers.
+    /// Warnings.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if let Some(pressure) = max_pressure(&self.state.made).filter(|p| *p > MARKS_ABOVE) {

@@ -200,7 +200,7 @@ impl<'a> Rated<'a> {
         self.nut.pitch_diameter / MM
     }
 
-    /// What makes the numbers doubtful, or the nut poor.
+    /// Warnings: limits of the formulas, poor proportions.
     fn warnings(&self) -> Result<Vec<String>, CaseError> {
         let Self { scene, nut, thread, body, elasticity, dynamic, force, life, .. } = self;
         let load = scene.axial_load_N;

@@ -67,7 +67,7 @@ impl Machine {
     }
 }
 
-/// What the axis of a scene moves.
+/// The load that the axis of a scene moves.
 pub(crate) fn carriage(scene: &Scene) -> MachineTable {
     let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
     MachineTable {

@@ -162,7 +162,7 @@ impl Scene {
         })
     }
 
-    /// What an engineer should know of the inputs before trusting the outputs.
+    /// Warnings about the inputs.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if let (Some(ball), Some(lead)) = (self.ball_diameter_mm, self.lead())
@@ -207,7 +207,7 @@ const NOT_IN_BALANCE: [(InputSet, &str); 2] = {
 };
 
 impl InputSet {
-    /// What an engineer should know of inputs that are given, but that no model of the ball uses.
+    /// Warnings about given inputs that no model of the ball uses.
     pub fn unused_by_models(self) -> impl Iterator<Item = String> {
         NOT_IN_BALANCE.into_iter().filter_map(move |(unused, command)| {
             let names: Vec<_> =
@@ -228,7 +228,7 @@ pub(crate) const RISES: [InputKey; 3] = [
 ];
 
 impl Scene {
-    /// What to know where the axial load is that of the scene alone, and the scene moves a mass.
+    /// Warning where the axial load is that of the scene alone, and the scene moves a mass.
     pub(crate) fn load_of_the_mass(&self) -> Option<String> {
         let mass = self.moved_mass_kg.filter(|mass| *mass != 0.0)?;
         self.axial_load_N.map(|_| {

@@ -1,4 +1,4 @@
-//! The warm steady state of an axis: from its words to its problem in SI.
+//! The warm steady state of an axis: from its entries to its problem in SI.
 
 use bsm_design::{Shaft, Support as Mounting, drag_torque};
 use bsm_dyn::ZERO_CELSIUS;

@@ -13,7 +13,7 @@ use crate::{CaseError, Quantity};
 /// Up to here every whole number is a double.
 const MOST_WHOLE: f64 = 9_007_199_254_740_992.0;
 
-/// What a value must satisfy.
+/// Rule for a value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Rule {
     /// Any finite number.
@@ -78,7 +78,7 @@ impl Rule {
         Err(CaseError::OutOfRange { key: key.to_owned(), value, rule: self.describe() })
     }
 
-    /// The rule in words, after "must be".
+    /// The rule as text, after "must be".
     pub fn describe(self) -> String {
         match self {
             Self::Any => "a finite number".to_owned(),
@@ -106,7 +106,7 @@ macro_rules! inputs {
         pub struct Scene {
             /// Free text.
             pub description: Option<String>,
-            /// What it says of a nut besides numbers.
+            /// Entries besides numbers.
             pub nut: NutWords,
             $($(#[doc = $about] pub $name: Option<f64>,)*)*
         }
@@ -244,13 +244,13 @@ inputs! {
         density_kg_m3 ["kg/m3"] Above(0.0), Some(7800.0),
             "density of the ball";
         youngs_modulus_GPa ["GPa" "E"] Above(0.0), Some(207.0),
-            "Young's modulus of the races, and of the ball unless given for it";
+            "Young's modulus of the raceways, and of the ball unless given for it";
         poisson_ratio ["" "nu"] Between(-1.0, 0.5), Some(0.3),
-            "Poisson's ratio of the races, and of the ball unless given for it";
+            "Poisson's ratio of the raceways, and of the ball unless given for it";
         ball_youngs_modulus_GPa ["GPa"] Above(0.0), None,
-            "Young's modulus of the ball, if it differs from the races";
+            "Young's modulus of the ball, if it differs from the raceways";
         ball_poisson_ratio [""] Between(-1.0, 0.5), None,
-            "Poisson's ratio of the ball, if it differs from the races";
+            "Poisson's ratio of the ball, if it differs from the raceways";
     }
     "operating point" {
         screw_speed_rpm ["rpm" "n"] Any, None,
@@ -360,7 +360,7 @@ inputs! {
     }
     "nut" {
         race_yield_strength_MPa ["MPa"] Above(0.0), None,
-            "yield strength of the races, for the margin of the contacts against yield";
+            "yield strength of the raceways, for the margin of the contacts against yield";
         ball_yield_strength_MPa ["MPa"] Above(0.0), None,
             "yield strength of the balls, for the margin of the contacts against yield";
     }
@@ -400,7 +400,7 @@ inputs! {
         hysteresis_loss [""] AtLeast(0.0), Some(0.01),
             "part of the elastic energy of the contacts that rolling loses, 0.003 to 0.034";
         seal_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
-            "friction torque of the seals, of the maker or measured; felt wipers 0.02 to 0.3";
+            "friction torque of the seals, stated or measured; felt wipers 0.02 to 0.3";
         ball_contact_force_N ["N"] AtLeast(0.0), Some(0.0),
             "force between neighbouring balls, 0.1 to 1; 0 with spacer balls";
         ball_contact_friction [""] AtLeast(0.0), None,
@@ -420,7 +420,7 @@ inputs! {
         return_approach_speed_m_s ["m/s"] Above(0.0), None,
             "speed at which a ball enters the ball return, for jamming; its speed in the nut unless given";
         return_stiffness_N_um15 ["N/um^1.5"] Above(0.0), None,
-            "Hertz stiffness of the impact on the ball return, for jamming; that of a ball on a flat of race material unless given";
+            "Hertz stiffness of the impact on the ball return, for jamming; that of a ball on a flat of raceway material unless given";
         return_linear_stiffness_N_um ["N/um"] Above(0.0), None,
             "linear stiffness of the impact on the ball return, for jamming, in place of return_stiffness_N_um15";
         step_height_mm ["mm"] AtLeast(0.0), None,
@@ -428,9 +428,9 @@ inputs! {
     }
     "axis" {
         rated_dynamic_load_N ["N" "C_a"] Above(0.0), None,
-            "dynamic load rating as the maker states it, in place of the calculated one";
+            "dynamic load rating as the manufacturer states it, in place of the calculated one";
         rated_static_load_N ["N" "C_0a"] Above(0.0), None,
-            "static load rating as the maker states it, in place of the calculated one";
+            "static load rating as the manufacturer states it, in place of the calculated one";
         stroke_mm ["mm"] Above(0.0), None,
             "stroke of the nut; the screw is longer by the length of the nut";
         unsupported_length_mm ["mm"] Above(0.0), None,

@@ -117,7 +117,7 @@ impl InputSet {
         }
     }
 
-    /// What is given after `settings` have been applied to a scene that has these inputs.
+    /// Given inputs after `settings` have been applied to a scene that has these inputs.
     #[must_use]
     pub fn overridden_by(self, settings: Self) -> Self {
         (self - settings.replaced()) | settings
@@ -220,7 +220,7 @@ pub(crate) const VISCOSITY: Quantity = Quantity {
     ],
 };
 
-/// What the temperature of the lubricant follows from, or the temperature.
+/// Inputs of the lubricant temperature, or the temperature itself.
 pub(crate) const TEMPERATURE: Quantity = Quantity {
     words: "lubricant_temperature_C (or heat_transfer_W_K and ambient_temperature_C)",
     forms: &[
@@ -387,7 +387,7 @@ impl Scene {
         InputKey::ALL.into_iter().filter(|key| self[*key].is_some()).collect()
     }
 
-    /// The inputs that it has, and those that its words say.
+    /// The inputs that it has, and those that its other entries give.
     pub fn stated(&self) -> InputSet {
         let listed = self.nut.circuits.as_ref().map(|_| InputKey::loaded_balls);
         self.given() | listed.into_iter().collect()

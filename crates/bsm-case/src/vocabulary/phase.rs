@@ -10,7 +10,7 @@ use crate::vocabulary::units::convert;
 use crate::{CaseError, nearest};
 
 keys! {
-    /// What a phase has.
+    /// Keys of a phase.
     pub(crate) PHASE_INPUTS;
     time_s ["s" "t"] Above(0.0), None, "how long it lasts; or share";
     share [""] Above(0.0), None, "share of the time of the cycle; or time_s";
@@ -92,7 +92,7 @@ impl PhaseWords {
         self.feed_m_min / 60.0
     }
 
-    /// Reads a cycle from a table, a row a phase: columns are the words of a phase, in any unit.
+    /// Reads a cycle from a table, a row a phase: columns are the keys of a phase, in any unit.
     ///
     /// * `separator`: between cells. * `decimal`: the decimal sign.
     ///

@@ -1,4 +1,4 @@
-//! What a scene says of a nut, its axis and its lubricant besides numbers: lists, objects, words and flags.
+//! What a scene says of a nut, its axis and its lubricant besides numbers: lists, objects, texts and flags.
 
 use bsm_design::Grade;
 use bsm_dyn::BaseOil;
@@ -12,7 +12,7 @@ use crate::{CaseError, nearest};
 
 macro_rules! words {
     ($($name:ident: $kind:ty [$schema:literal], $about:literal;)*) => {
-        /// What a scene says of a nut besides numbers.
+        /// Entries of a scene besides numbers.
         #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
         #[serde(deny_unknown_fields)]
         pub struct NutWords {
@@ -190,10 +190,10 @@ pub struct CircuitWords {
 /// Flanks of a circuit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Flank {
-    /// Those that push the nut along +z.
+    /// Flanks that push the nut along +z.
     #[serde(rename = "+")]
     Plus,
-    /// Those that push it along -z.
+    /// Flanks that push it along -z.
     #[serde(rename = "-")]
     Minus,
     /// Both.
@@ -211,7 +211,7 @@ pub enum End {
     High,
 }
 
-/// What holds a nut across its axis.
+/// Guidance of a nut across its axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Guidance {

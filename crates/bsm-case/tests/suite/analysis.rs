@@ -81,7 +81,7 @@ fn powers_add_up_with_the_dials() {
 }
 
 /// As printed, the formulas of one contact take the angle of the other: the same where both angles are,
-/// and exchanged with the corrected spin slip where they are not; the minor contact has none.
+/// and exchanged with the corrected spin slip where they are not; the unloaded flank has none.
 #[test]
 fn printed_slips_take_the_other_angle() {
     let report = slip(&scene(XU, &[]), Model::Rigid);
@@ -458,7 +458,7 @@ const SHARED: [&str; 3] = ["nut_spin_rad_s", "screw_spin_rad_s", "dissipated_pow
 const OF_A_NUT: [&str; 2] = ["limit_load_N", "preload_torque_Nm"];
 
 /// A column has one meaning: no other analysis has its name, nor has an input; what an analysis shares
-/// with a solution, and an axis with its nut, is the same number, unit and words.
+/// with a solution, and an axis with its nut, is the same number, unit and label.
 #[test]
 fn a_column_has_one_meaning() {
     let mut names: Vec<_> = Output::all().map(|output| output.name).collect();
@@ -497,7 +497,7 @@ fn a_column_has_one_meaning() {
     }
 }
 
-/// Every quantity has a name with its unit, words, and a place of its own.
+/// Every quantity has a name with its unit, a label, and a place of its own.
 #[test]
 fn quantities_are_complete() {
     for kind in AnalysisKind::ALL {

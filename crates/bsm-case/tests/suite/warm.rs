@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 const CASES: &str = include_str!("../../../../validation/published/nut/warm_state.json");
 
-/// Inputs of a case that are words of the warm state.
+/// Inputs of a case that are entries of the warm state.
 const WORDS: [&str; 8] = [
     "ambient_temperature_C",
     "coolant",
@@ -23,7 +23,7 @@ fn settings() -> Settings {
     Settings { control: Some(Control::Nut), ..Settings::from(Model::RacewayControl) }
 }
 
-/// The scene of a reference case in the words of a scene, changed.
+/// The scene of a reference case as entries of a scene, changed.
 fn scene(id: &str, change: impl Fn(&mut Value)) -> (Scene, Value) {
     let all: Value = serde_json::from_str(CASES).expect("JSON");
     let case = all["cases"].as_array().expect("cases").iter().find(|case| case["id"] == id);

@@ -196,7 +196,7 @@ fn among_limits(report: &AxisReport) -> Figure {
                 .map(|(f, s)| f / s),
             "buckling",
         ),
-        (report.number("yield_load_N"), "stress of the core"),
+        (report.number("yield_load_N"), "core stress"),
         (rule("static_safety_factor").map(|(_, margin)| 1e3 * largest * margin), "static safety"),
     ]
     .map(|(load, label)| (load.map(|load| load / 1e3), label));

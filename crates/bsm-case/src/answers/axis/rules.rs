@@ -101,7 +101,7 @@ fn screw_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers)
         },
     );
     rules.add(
-        "stress of the core",
+        "core stress",
         ("largest_load_N", "N"),
         number("yield_load_N").map(|_| axis.largest_load()),
         (false, number("yield_load_N")),
@@ -159,7 +159,7 @@ fn nut_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers) {
         ("equivalent_load_N", "N"),
         number("equivalent_load_N"),
         (false, Some(dynamic)),
-        "a million revolutions at least (D13)",
+        "dynamic load rating: a million revolutions (D13)",
         &|margin| format!("a dynamic load rating of {:.0} N", dynamic / margin),
     );
 }
@@ -176,11 +176,11 @@ fn preload_rules(
     let edge = of_nut.number("edge_load_N");
     let (largest, dynamic) = (axis.largest_load(), axis.dynamic_rating);
     rules.add(
-        "contact ellipse on its flank",
+        "edge load of the contact ellipse",
         ("busier_nut_load_N", "N"),
         edge.map(|_| axis.busier_load()),
         (false, edge),
-        "edge of the land (G8)",
+        "end of the flank (G8)",
         &|_| "a larger land: nut_bore_mm smaller, screw_outer_diameter_mm larger".to_owned(),
     );
     if let Some(&Preload { cold, warm, .. }) = preload {
@@ -194,7 +194,7 @@ fn preload_rules(
         );
         let opens = number("limit_load_N").unwrap_or(OPENS_AT * warm);
         rules.add(
-            "preload left",
+            "remaining preload",
             ("largest_load_N", "N"),
             Some(largest),
             (false, Some(opens)),

@@ -150,7 +150,7 @@ fn celsius(nut: &WarmNut<'_>, state: &Steady) -> [f64; NODES] {
     nut.temperatures(state).map(|kelvin| kelvin - ZERO_CELSIUS)
 }
 
-/// Numbers of a state that the band is told for.
+/// Numbers of a state that have an uncertainty band.
 fn of_band(nut: &WarmNut<'_>, state: &Steady) -> Vec<f64> {
     let [body, screw, balls, ..] = celsius(nut, state);
     vec![body, screw, balls, state.heated.preload, state.heat()]

@@ -45,7 +45,7 @@ pub struct NutProblem {
     pub(crate) rating: DynamicRating,
     pub(crate) static_rating: StaticRating,
     pub(crate) ratings: TurnRatings,
-    /// What rubs, and speeds of screw and nut.
+    /// Friction, and speeds of screw and nut.
     pub(crate) friction: Option<(Rubbing, Drive<f64>)>,
     /// Torque of the seals \[N·m\].
     pub(crate) seal_torque: f64,
@@ -53,7 +53,7 @@ pub struct NutProblem {
     pub(crate) notes: Vec<String>,
 }
 
-/// What the friction of the balls comes from.
+/// Source of the friction of the balls.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Rubbing {
     /// One coefficient.
@@ -71,7 +71,7 @@ impl Rubbing {
         }
     }
 
-    /// What a scene gives.
+    /// As given by a scene.
     fn of(scene: &Scene) -> Result<Option<Self>, CaseError> {
         let given = scene.given();
         given.check_friction()?;
@@ -125,7 +125,7 @@ impl NutProblem {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if a value or a word breaks a rule, two words say one thing, or something is missing.
+    /// [`CaseError`] if an entry breaks a rule, two entries give one quantity, or one is missing.
     pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
         settings.check()?;
         scene.check_for_a_nut()?;
@@ -141,7 +141,7 @@ impl NutProblem {
         let design = rated_nut::nut(scene)?;
         let thread = rated_nut::thread(scene, &design)?;
         let body = rated_nut::body(scene, &design, &thread)?;
-        // Short words leave a fraction of a ball, which no circuit has.
+        // Short entries leave a fraction of a ball, which no circuit has.
         let design = of_circuits(design, &nut.circuits);
         let (rating, static_rating) = (design.dynamic_rating(), design.static_rating());
         let turns = design.turns.powf(0.86);
@@ -365,7 +365,7 @@ pub(crate) fn whole(value: f64) -> usize {
     value.round() as usize
 }
 
-/// What the words mean where they could be meant otherwise.
+/// Notes on entries that could be read in two ways.
 ///
 /// * `usual`: neither load nor preload is given.
 fn notes(

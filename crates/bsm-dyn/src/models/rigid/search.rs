@@ -27,7 +27,7 @@ const NEAREST: f64 = 1e-10;
 const MOST_TURNS: usize = 400;
 
 /// A direction moves less than this in a step, as the square of its distance on the unit circle:
-/// sheets are told apart by it.
+/// it distinguishes the sheets.
 const NEAR: f64 = 0.04;
 
 /// Below this excess at both ends of a step, two roots may be in it.
