@@ -346,7 +346,9 @@ fn an_arc_of_its_own_is_not_denied() {
 
 /// The states with a turn of the slip at B.
 fn states(curve: &Curve, turn: f64) -> impl Iterator<Item = curve::CurvePoint> {
-    let [sample, ..] = curve.samples(&[turn]);
+    let mut samples = [None; bsm_simd::BLOCK];
+    curve.samples(&[turn], &mut samples);
+    let [sample, ..] = samples;
     sample.into_iter().flat_map(|sample| sample.sheets).flatten()
 }
 
