@@ -129,6 +129,23 @@ def test_torque_by_its_parts() -> None:
     assert answer["torque_parts"].items() <= phase.items()
 
 
+def test_the_warm_state_of_an_axis() -> None:
+    path = EXAMPLES.parent / "validation" / "published" / "nut" / "feed_axis.json"
+    axis = bs.Scene.read(path)
+    sheet = bs.size(axis, model="raceway-control", control="nut")["warm"]
+    nut = bs.nut(axis, model="raceway-control", control="nut")
+    # The nut is solved once more, in the same state.
+    assert nut["warm_preload_N"] == pytest.approx(sheet["warm_preload_N"], rel=1e-9)
+    vary = {"nut_conductance_W_K": [3.0, 20.0]}
+    grid = bs.sweep(axis, vary=vary, outputs=["nut_temperature_C"], model="raceway-control", control="nut")
+    warm, cooled = grid["nut_temperature_C"]
+    # It computes 3.3 W/K, and is set at 20 C.
+    assert warm > sheet["nut_temperature_C"] > cooled > 20
+    # Nothing is asked for, nothing is warm.
+    cold = bs.Scene(axis, warm_state=False, lubricant_temperature_C=40)
+    assert "warm" not in bs.size(cold, model="raceway-control", control="nut")
+
+
 def test_fit_to_measured_points() -> None:
     path, table = EXAMPLES / "feed_drive_oil.json", EXAMPLES / "measured_torque.csv"
     oiled = bs.Scene.read(path)

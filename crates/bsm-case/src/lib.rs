@@ -59,6 +59,7 @@ pub use answers::selection::{
 };
 pub use answers::sensitivity::{Sensitivities, Sensitivity};
 pub use answers::slip::slip;
+pub use answers::warm::{WarmBranch, WarmPoint};
 pub use case::catalogue::{Asked, Catalogue, LISTS, STANDARD_CATALOGUE};
 pub use case::grid::{Axis, Grid};
 pub use case::nut::NutProblem;

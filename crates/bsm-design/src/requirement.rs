@@ -329,6 +329,7 @@ impl Design {
             dynamic_rating: nut.dynamic_rating().rating,
             static_rating: nut.static_rating(),
             preload: requirement.preload,
+            compression: 0.0,
             reliability: requirement.reliability,
         };
         let still = Phase { time: 1.0, load: 0.0, speed: 0.0, acceleration: 0.0 };

@@ -5,7 +5,7 @@ use bsm_kin::Site;
 use serde_json::json;
 
 use super::record::message;
-use super::{axis, jam, nut, optimum, ratings, slip};
+use super::{axis, jam, nut, optimum, ratings, slip, warm};
 use crate::case::problem::Needs;
 use crate::case::rated_nut;
 use crate::vocabulary::units::DEG;
@@ -19,8 +19,8 @@ const SITES: [Site; 3] = [Site::Nut, Site::Screw, Site::NutMinor];
 
 impl AnalysisKind {
     /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Slip, Self::Jam, Self::Optimum, Self::Ratings, Self::Nut, Self::Axis];
+    pub const ALL: [Self; 7] =
+        [Self::Slip, Self::Jam, Self::Optimum, Self::Ratings, Self::Nut, Self::Axis, Self::Warm];
 
     /// The command of that analysis.
     pub fn name(self) -> &'static str {
@@ -31,6 +31,7 @@ impl AnalysisKind {
             Self::Ratings => "ratings",
             Self::Nut => "nut",
             Self::Axis => "axis",
+            Self::Warm => "warm",
         }
     }
 
@@ -43,6 +44,7 @@ impl AnalysisKind {
             Self::Ratings => ratings::QUANTITIES,
             Self::Nut => nut::QUANTITIES,
             Self::Axis => axis::QUANTITIES,
+            Self::Warm => warm::QUANTITIES,
         }
     }
 
@@ -55,7 +57,7 @@ impl AnalysisKind {
     pub fn needs_motion(self) -> bool {
         match self {
             Self::Slip | Self::Jam => true,
-            Self::Optimum | Self::Ratings | Self::Nut | Self::Axis => false,
+            Self::Optimum | Self::Ratings | Self::Nut | Self::Axis | Self::Warm => false,
         }
     }
 
@@ -69,6 +71,7 @@ impl AnalysisKind {
             Self::Ratings => rated_nut::NEEDS.missing(given),
             Self::Nut => base.missing_for_a_nut(given),
             Self::Axis => axis::NEEDS.missing(given),
+            Self::Warm => warm::missing(base, given),
         }
     }
 
@@ -92,7 +95,8 @@ impl AnalysisKind {
                 let found = NutProblem::of(scene, settings)?.solve();
                 found.map_err(CaseError::Nut).map(|report| report.numbers(wanted))
             }
-            (Self::Axis, _) => axis::numbers(scene, settings, wanted),
+            (Self::Axis, _) => axis::numbers(scene, settings),
+            (Self::Warm, _) => warm::numbers(scene, settings, wanted),
             (Self::Optimum, _) => optimum::numbers(scene),
             (Self::Ratings, _) => ratings::numbers(scene),
             (Self::Slip, Some(Moving { settings, solution, .. })) => {
@@ -214,6 +218,7 @@ pub fn table(name: &str) -> impl Iterator<Item = &'static Quantity> + use<> {
         "as used" => (ratings::AS_USED, None),
         "nut" => (nut::QUANTITIES, None),
         "axis" => (axis::QUANTITIES, None),
+        "warm" => (warm::QUANTITIES, None),
         "screw" => (axis::SCREW, None),
         "phase" => (axis::PHASE, None),
         "torques" => (axis::TORQUES, None),

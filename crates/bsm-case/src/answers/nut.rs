@@ -15,6 +15,7 @@ use serde_json::{Map, Value, json};
 use crate::answers::record::{MARKS_ABOVE, message};
 use crate::case::nut::{Made, Rubbing, Set};
 use crate::case::reader::{in_grooves, lubricated};
+use crate::case::warm::Warm;
 use crate::vocabulary::number::count;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
@@ -675,10 +676,18 @@ impl NutReport {
             entry("K_screw_SI", json!(ball.stiffness[1]));
         }
         entry("iterations", json!(found.steps));
-        let answer = Answer { notes: self.notes(), warnings: self.warnings(), ..Answer::default() };
-        answer
+        let warm = self.problem.warm.as_deref();
+        let notes = warm.map_or_else(Vec::new, Warm::notes).into_iter().chain(self.notes());
+        let warnings = warm.and_then(Warm::warning).into_iter().chain(self.warnings());
+        let answer =
+            Answer { notes: notes.collect(), warnings: warnings.collect(), ..Answer::default() };
+        let answer = answer
             .with("", Content::numbers(self.numbers(|_| true), "nut"))
             .with("", Content::Json(Value::Object(more)))
-            .with("model", Content::Words("model ", self.model()))
+            .with("model", Content::Words("model ", self.model()));
+        match warm {
+            Some(warm) => warm.add_to(answer),
+            None => answer,
+        }
     }
 }

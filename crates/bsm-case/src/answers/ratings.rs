@@ -206,7 +206,7 @@ impl<'a> Rated<'a> {
         let load = scene.axial_load_N;
         let mut warnings = scene.warnings();
         warnings.extend(scene.load_of_the_mass());
-        if self.preloaded && scene.has_rises() {
+        if self.preloaded && scene.is_warm() {
             warnings.push(
                 "rises of temperature change the preload, which these ratings do not follow: the nut with all its \
                  balls does (bsm nut)"

@@ -380,12 +380,15 @@ impl Scene {
         self.choose(settings.model)
     }
 
-    /// The SI problem of a model.
+    /// The SI problem of a model, in the warm steady state if it is asked for.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if a value or a dial breaks a rule or an input of the model is missing.
+    /// [`CaseError`] if a value or a dial breaks a rule, an input of the model is missing, or there is no warm state.
     pub fn problem(&self, settings: &Settings) -> Result<Problem, CaseError> {
+        if self.asks_warm() {
+            return self.in_warm_state(settings)?.problem(settings);
+        }
         let model = self.ask(settings)?;
         Ok(self.reader().problem(model, settings))
     }

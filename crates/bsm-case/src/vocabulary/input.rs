@@ -386,7 +386,7 @@ inputs! {
         heat_transfer_W_K ["W/K"] Above(0.0), None,
             "heat that leaves the nut for each kelvin above ambient_temperature_C, in place of lubricant_temperature_C";
         ambient_temperature_C ["C"] Within(-40.0, 150.0), None,
-            "temperature of the surroundings";
+            "temperature of the surroundings; preload_temperature_C for the warm state unless given";
         ball_roughness_um ["um"] Above(0.0), None,
             "root mean square roughness of the balls, 1.25 times the arithmetic one: 0.01 to 0.03";
         nut_roughness_um ["um"] Above(0.0), None,
@@ -467,5 +467,49 @@ inputs! {
             "largest speed over the critical one that is permitted";
         required_buckling_safety [""] Above(0.0), Some(2.0),
             "buckling load over the largest axial load that is required";
+        extra_drag_factor [""] AtLeast(0.0), None,
+            "drag beyond the contacts over the warm preload times the lead over 2 pi; by manufacturers' rule unless given";
+    }
+    "warm state" {
+        preload_temperature_C ["C"] Within(-40.0, 150.0), Some(20.0),
+            "temperature at which preload and fits are set";
+        structure_temperature_C ["C"] Within(-40.0, 150.0), None,
+            "temperature of what carries the bearings of the screw; ambient_temperature_C unless given";
+        coolant_temperature_C ["C"] Within(-40.0, 150.0), None,
+            "temperature of the coolant of screw and nut; ambient_temperature_C unless given";
+        nut_conductance_W_K ["W/K"] Above(0.0), None,
+            "conductance of nut and table to the air; 2 to 20, computed to a factor of 2 unless given";
+        carriage_area_m2 ["m2"] Above(0.0), None,
+            "surface of bracket and table in air; in place of nut_conductance_W_K, ten times that of the nut unless given";
+        screw_film_W_m2K ["W/(m2 K)"] Above(0.0), None,
+            "film coefficient of the screw in air; 10 to 60, computed to a factor of 1.4 unless given";
+        gap_conductance_W_K ["W/K"] Above(0.0), None,
+            "conductance of gap and wipers from nut to screw; 0.2 to 3, computed to a factor of 3 unless given";
+        ball_nut_conductance_W_K ["W/K"] Above(0.0), None,
+            "conductance of the contacts from balls to nut; computed to a factor of 2 unless given";
+        ball_screw_conductance_W_K ["W/K"] Above(0.0), None,
+            "conductance of the contacts from balls to screw; computed to a factor of 2 unless given";
+        end_conductance_W_K ["W/K"] Above(0.0), None,
+            "conductance of each bearing of the screw to the structure; 2 to 20, computed to a factor of 3 unless given";
+        nut_coolant_conductance_W_K ["W/K"] AtLeast(0.0), Some(0.0),
+            "conductance of the nut to a coolant; 20 to 60 of a cooled nut";
+        screw_bore_mm ["mm"] Above(0.0), None,
+            "bore of a hollow screw";
+        coolant_flow_l_min ["l/min"] Above(0.0), None,
+            "flow of coolant through the bore of the screw";
+        coolant_conductance_W_K ["W/K"] Above(0.0), None,
+            "conductance of the screw to the coolant; in place of coolant_flow_l_min";
+        pretension_N ["N"] AtLeast(0.0), None,
+            "tension of a screw between two fixed bearings at preload_temperature_C";
+        pretension_K ["K"] AtLeast(0.0), None,
+            "rise of temperature that the screw is stretched by between two fixed bearings, 2 to 5; in place of pretension_N";
+        screw_tension_N ["N"] Any, Some(0.0),
+            "tension of the screw, below 0 a compression; found by warm_state";
+        motor_heat_W ["W"] AtLeast(0.0), Some(0.0),
+            "heat that the motor gives to the end of the screw";
+        steel_conductivity_W_m_K ["W/(m K)"] Above(0.0), Some(45.0),
+            "thermal conductivity of the steel";
+        fold_search_factor [""] Above(1.0), Some(2.0),
+            "multiple of the speeds up to which the fold is looked for";
     }
 }

@@ -19,6 +19,8 @@ pub enum AnalysisKind {
     Nut,
     /// The axis around a screw.
     Axis,
+    /// The warm steady state of an axis.
+    Warm,
 }
 
 /// An input, or a quantity of an answer: one number, or one for each contact or direction.

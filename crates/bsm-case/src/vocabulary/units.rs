@@ -21,7 +21,11 @@ pub const MPA: f64 = 1e6;
 
 /// A name of the vocabulary as a label, its unit behind a comma: `axial_load_N` is "axial load, N".
 pub fn words(name: &str, unit: &str) -> String {
-    let written = unit.replace("(m K)", "m_K").replace([' ', '^', '.'], "").replace('/', "_");
+    let written = unit
+        .replace("(m K)", "m_K")
+        .replace("(m2 K)", "m2K")
+        .replace([' ', '^', '.'], "")
+        .replace('/', "_");
     let ends = |unit: &str| if unit.is_empty() { None } else { stem(name, unit) };
     let stem = ends(&written).or_else(|| ends(&unit.replace(' ', "_")));
     let words = stem.unwrap_or(name).replace('_', " ");
@@ -264,7 +268,10 @@ mod tests {
     #[test]
     fn the_table_has_the_units_of_the_vocabulary() {
         // Degrees Celsius have no factor to other units.
-        let own = ["N/um^1.5", "um/(m K)", "N m/mrad", "%", "", "C", "mm2/s", "1/GPa", "W/K"];
+        let own = [
+            "N/um^1.5", "um/(m K)", "N m/mrad", "%", "", "C", "mm2/s", "1/GPa", "W/K", "W/(m2 K)",
+            "W/(m K)", "W", "m2", "l/min",
+        ];
         for input in INPUTS.iter().filter(|input| !own.contains(&input.unit)) {
             let has = |(unit, ..): &(&str, Dimension, f64)| {
                 input.name.strip_suffix(unit).is_some_and(|stem| stem.ends_with('_'))

@@ -36,17 +36,17 @@ impl Rules {
 
 /// All rules of an axis that it has numbers for.
 ///
-/// * `preload`: cold and warm \[N\].
+/// * `fold`: its speed over the speeds given. * `preload`: cold and warm \[N\].
 pub(super) fn rules(
     scene: &Scene,
     axis: &Axis,
-    numbers: &Numbers,
+    (numbers, fold): (&Numbers, Option<f64>),
     of_nut: &Answer,
     preload: Option<&Preload>,
 ) -> Vec<Criterion> {
     let mut rules = Rules::default();
     screw_rules(&mut rules, scene, axis, numbers);
-    warm_rules(&mut rules, numbers);
+    rules.0.extend(steady_state(fold));
     nut_rules(&mut rules, scene, axis, numbers);
     preload_rules(&mut rules, axis, numbers, of_nut, preload);
     rules.0
@@ -111,17 +111,19 @@ fn screw_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers)
 }
 
 /// Of the warm steady state.
-fn warm_rules(rules: &mut Rules, numbers: &Numbers) {
+pub(super) fn steady_state(fold: Option<f64>) -> Vec<Criterion> {
+    let mut rules = Rules::default();
     rules.add(
         "steady state",
         ("fold_speed_factor", ""),
-        numbers.number("fold_speed_factor"),
+        fold,
         (true, Some(FOLD)),
         "no steady state above the fold (I20); a quarter is what heat is known to",
         &|_| {
             "a colder screw, a warmer nut, less preload, or O in place of X arrangement".to_owned()
         },
     );
+    rules.0
 }
 
 /// Of the load ratings.
