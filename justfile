@@ -84,6 +84,8 @@ remake *FLAGS:
 pictures: (validate "--figures" "target/report") (tradeoff "--figures" "target/tradeoff")
     cargo run --release --locked -p bsm-cli -- axis examples/axis.json --figures target/axis
     cp target/axis/figures/size-limits.svg docs/img/axis-limits.svg
+    cargo run --release --locked -p bsm-cli -- solve examples/dong2020.json --show jam --model raceway-control --figures target/jam
+    cp target/jam/jam-margin-speed.svg docs/img/
     cargo run --release --locked -p bsm-validate --features tools --example sketches -- docs/img
     for name in architecture ways; do dot -Tsvg docs/img/$name.dot -o docs/img/$name.svg; done
     cp target/report/figures/{transition,lin-efficiency-lead-angle}.svg target/tradeoff/figures/pareto-single.svg docs/img/

@@ -113,7 +113,7 @@ quantities! { pub(crate) QUANTITIES, read(&Loaded<'_>) of Nut;
         unloaded_balls [""] Whole(|n| Some(count(n.state.made.found.unloaded()))), "unloaded balls";
         max_pressure_MPa ["MPa"] Whole(|n| Some(max_pressure(&n.state.made)? / MPA)), "largest Hertz pressure";
         equal_load_N ["N"] Whole(|n| Some(equal(n.problem, &n.state.made)?.load)), "load of each ball if all shared the axial load equally";
-        load_bound_N ["N"] Whole(|n| load_bound(n.problem, &n.state.made)), "bound of the largest load before solving (a guided nut)";
+        load_bound_N ["N"] Whole(|n| load_bound(n.problem, &n.state.made)), "upper bound of the largest load (guided nut)";
     }
     "stiffness along the axis" {
         nut_stiffness_N_um ["N/um"] Whole(|n| Some(n.state.made.found.axial_stiffness(&n.problem.support) * UM)), "tangent stiffness of the nut at this load, all balls";

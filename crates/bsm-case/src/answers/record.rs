@@ -380,7 +380,7 @@ impl Record {
             answer = answer
                 .with("band", Content::Json(json))
                 .with_shown(Content::Table(of_band(band)))
-                .with_shown(Content::Words("not in it:", Some(NOT_IN_IT.to_owned())));
+                .with_shown(Content::Words("not included:", Some(NOT_IN_IT.to_owned())));
         }
         if let Some(rows) = sensitivities {
             answer = answer.with("sensitivities", Content::Table(Sensitivity::table(rows)));
@@ -429,7 +429,7 @@ fn of_band(Band { loss, screw_torque, efficiency }: &Band) -> Table {
             Column::headed("", "high"),
         ],
         rows: vec![
-            row("loss of the contacts over the stated one", "", loss),
+            row("contact loss relative to the stated one", "", loss),
             row("torque of the balls", "N m", screw_torque),
             row("efficiency", "", efficiency),
         ],

@@ -266,7 +266,7 @@ fn the_band_is_printed_where_it_is_wanted() {
         stdout(&bsm(dir.path(), &args, ""))
     };
     let table = said(&[]);
-    assert!(table.contains("90 % interval") && table.contains("not in it"), "{table}");
+    assert!(table.contains("90 % interval") && table.contains("not included"), "{table}");
     assert!(!said(&["--show", "motion"]).contains("90 % interval"));
     assert!(json(&said(&["--json"]))["band"].is_null());
     let band = json(&said(&["--json", "--show", "band"]));

@@ -200,7 +200,7 @@ fn preload_rules(
             ("largest_load_N", "N"),
             Some(largest),
             (false, Some(opens)),
-            "the preload is lost at some 2.83 times itself (D14), (U20)",
+            "limit load, some 2.83 times the preload (D14), (U20)",
             &|margin| format!("preload_N {:.0}", cold / margin),
         );
     }
