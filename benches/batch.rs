@@ -79,7 +79,7 @@ fn kernels(c: &mut Criterion) {
 fn tables(c: &mut Criterion) {
     let rows = 100_000;
     let (points, _, base) = chunk(&seeded(rows));
-    let outputs = named(&["efficiency", "screw_torque_Nm"]);
+    let outputs = named(&["efficiency", "ball_torque_Nm"]);
     let task = Task::new(base, Model::Rigid.into(), outputs.clone());
     let file = || tempfile::tempfile().expect("temporary file");
     let (mut csv, mut parquet) = (file(), file());

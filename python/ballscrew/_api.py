@@ -256,7 +256,7 @@ class Solution(SolutionFields):
         return _html(rows)
 
 
-_MAIN = ("efficiency", "screw_torque_Nm", "nut_normal_load_N", "nut_contact_angle_deg")
+_MAIN = ("efficiency", "ball_torque_Nm", "nut_normal_load_N", "nut_contact_angle_deg")
 
 
 class Words:
@@ -848,7 +848,7 @@ def sensitivities(
     Returns
     -------
     Table
-        A row an input, the most important first: `input`, `value`, `efficiency` and `screw_torque_Nm` per
+        A row an input, the most important first: `input`, `value`, `efficiency` and `ball_torque_Nm` per
         unit of the input, and both in per cent for each per cent of the input.
 
     Raises
@@ -866,7 +866,7 @@ def sensitivities(
     rows = _core.sensitivities(*_asked(scene, question))
     if rows is None:
         raise NotConvergedError("no sensitivities at this point", solve(scene, **question))
-    names = ["input", "value", "efficiency", "screw_torque_Nm", "efficiency_relative", "screw_torque_relative"]
+    names = ["input", "value", "efficiency", "ball_torque_Nm", "efficiency_relative", "ball_torque_relative"]
     return _listed(names, rows)
 
 
@@ -1136,7 +1136,7 @@ def gradient(
     points : mapping
         Inputs: numbers for one point, arrays for many.
     output : str
-        `efficiency` or `screw_torque_Nm` with method "exact", any numeric output with "difference".
+        `efficiency` or `ball_torque_Nm` with method "exact", any numeric output with "difference".
     wrt : sequence of str
         The inputs to differentiate by.
     base : Scene or mapping, optional
@@ -1175,8 +1175,8 @@ def gradient(
     columns = {name: np.broadcast_to(values, (length,)) for name, values in columns.items()}
     scene = _scene(base, {})
     if method == "exact":
-        if output not in ("efficiency", "screw_torque_Nm"):
-            raise InputError("exact derivatives are of efficiency and screw_torque_Nm; take method='difference'",
+        if output not in ("efficiency", "ball_torque_Nm"):
+            raise InputError("exact derivatives are of efficiency and ball_torque_Nm; take method='difference'",
                              key=output)
         whole = [(name, np.ascontiguousarray(column)) for name, column in columns.items()]
         found = _core.gradient(scene, whole, length, wrt, output != "efficiency", _how(solver), threads)

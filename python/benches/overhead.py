@@ -39,7 +39,7 @@ SCREW = bs.Scene(
     axial_load_N=8000,
     loaded_balls=70,
 )
-FOUR: list[Output] = ["efficiency", "screw_torque_Nm", "input_power_W", "dissipated_power_W"]
+FOUR: list[Output] = ["efficiency", "ball_torque_Nm", "input_power_W", "dissipated_power_W"]
 ONE: list[Output] = ["efficiency"]
 
 

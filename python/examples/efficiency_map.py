@@ -26,7 +26,7 @@ grid = bs.sweep(
     screw,
     vary={"screw_speed_rpm": bs.linspace(100, 6000, 60), "axial_load_N": bs.linspace(20, 2000, 40)},
     model="raceway-control",
-    outputs=["efficiency", "screw_torque_Nm", "axial_displacement_um", "onset_number"],
+    outputs=["efficiency", "ball_torque_Nm", "axial_displacement_um", "onset_number"],
 )
 print(grid, grid.grid("efficiency").shape)
 
@@ -41,16 +41,16 @@ bs.plot.curves(
     bs.sweep(
         screw,
         vary={"screw_speed_rpm": bs.linspace(100, 6000, 60), "axial_load_N": [2e3, 8e3, 2e4]},
-        outputs=["screw_torque_Nm"],
+        outputs=["ball_torque_Nm"],
     ),
     "screw_speed_rpm",
-    "screw_torque_Nm",
+    "ball_torque_Nm",
     by="axial_load_N",
     ax=right,
 )
 figure.savefig("efficiency_map.svg")
 
 # %% For a drive model: torque over speed and load, as any frame or file.
-table = grid.to_pandas().pivot(index="axial_load_N", columns="screw_speed_rpm", values="screw_torque_Nm")
+table = grid.to_pandas().pivot(index="axial_load_N", columns="screw_speed_rpm", values="ball_torque_Nm")
 table.to_csv("torque.csv")
 assert np.isfinite(table.to_numpy()).all()

@@ -42,12 +42,12 @@ class BallScrew(Fmi2Slave):  # type: ignore[misc, unused-ignore]
         super().__init__(**keywords)
         self.screw_speed_rpm = 1500.0
         self.axial_load_N = 8000.0
-        self.screw_torque_Nm = 0.0
+        self.ball_torque_Nm = 0.0
         self.efficiency = 1.0
         self.dissipated_power_W = 0.0
         for name in ("screw_speed_rpm", "axial_load_N"):
             self.register_variable(Real(name, causality=Fmi2Causality.input))
-        for name in ("screw_torque_Nm", "efficiency", "dissipated_power_W"):
+        for name in ("ball_torque_Nm", "efficiency", "dissipated_power_W"):
             self.register_variable(Real(name, causality=Fmi2Causality.output))
 
     def do_step(self, current_time: float, step_size: float) -> bool:
@@ -56,7 +56,7 @@ class BallScrew(Fmi2Slave):  # type: ignore[misc, unused-ignore]
         answer = bs.solve(SCREW, screw_speed_rpm=speed, axial_load_N=max(self.axial_load_N, 1.0), check=False)
         if not answer.converged:
             return False
-        self.screw_torque_Nm = answer.screw_torque_Nm
+        self.ball_torque_Nm = answer.ball_torque_Nm
         self.efficiency = answer.efficiency
         self.dissipated_power_W = answer.dissipated_power_W * abs(self.screw_speed_rpm) / abs(speed)
         return True
@@ -82,8 +82,8 @@ def main() -> None:
         dtype=[("time", float), ("screw_speed_rpm", float), ("axial_load_N", float)],
     )
     result = fmpy.simulate_fmu(str(unit), stop_time=1.0, step_size=0.01, output_interval=0.01, input=signals)
-    torque = result["screw_torque_Nm"][-1]
-    expected = bs.solve(SCREW, screw_speed_rpm=2970.0, axial_load_N=8000.0).screw_torque_Nm
+    torque = result["ball_torque_Nm"][-1]
+    expected = bs.solve(SCREW, screw_speed_rpm=2970.0, axial_load_N=8000.0).ball_torque_Nm
     print(f"torque at the end {torque:.3f} N m")
     # The last step began one hundredth of a second before the end.
     assert abs(torque / expected - 1.0) < 1e-3, (torque, expected)

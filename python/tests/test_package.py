@@ -492,9 +492,9 @@ def test_exact_derivatives_are_those_of_differences(screw: bs.Scene) -> None:
 def test_many_gradients_are_those_of_single_points(screw: bs.Scene) -> None:
     wrt = ["lead_mm", "axial_load_N", "nut_conformity"]
     loads = np.linspace(1e3, 2e4, 50)
-    values, slopes = bs.gradient({"axial_load_N": loads, "lead_mm": 15.0}, "screw_torque_Nm", wrt, screw)
+    values, slopes = bs.gradient({"axial_load_N": loads, "lead_mm": 15.0}, "ball_torque_Nm", wrt, screw)
     for row, load in enumerate(loads):
-        value, slope = bs.gradient({"axial_load_N": load, "lead_mm": 15.0}, "screw_torque_Nm", wrt, screw)
+        value, slope = bs.gradient({"axial_load_N": load, "lead_mm": 15.0}, "ball_torque_Nm", wrt, screw)
         assert value == values[row] and (slope == slopes[row]).all()
 
 
@@ -607,7 +607,7 @@ def test_calls_do_not_leak(screw: bs.Scene) -> None:
     if not Path("/proc/self/statm").exists():
         pytest.skip("no /proc here")
     points = random_points(100, 8)
-    outputs: list[Output] = ["efficiency", "screw_torque_Nm"]
+    outputs: list[Output] = ["efficiency", "ball_torque_Nm"]
 
     def calls(count: int) -> None:
         for _ in range(count):

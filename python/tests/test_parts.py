@@ -23,7 +23,7 @@ ROWS = 120
 
 
 def made(folder: Path, **how: object) -> bs.Plan:
-    given = {"vary": VARY, "model": "elastic", "outputs": ["efficiency", "screw_torque_Nm"], "rows_per_part": 13, **how}
+    given = {"vary": VARY, "model": "elastic", "outputs": ["efficiency", "ball_torque_Nm"], "rows_per_part": 13, **how}
     return bs.plan(folder, bs.Scene.read(EXAMPLES / "feed_drive.json"), **given)  # type: ignore[arg-type]
 
 
@@ -36,7 +36,7 @@ def alone(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What the program makes of the same plan."""
     folder = tmp_path_factory.mktemp("alone")
     axes = ["--vary=axial_load_N=500:9000:40", "--vary=friction_coefficient=0.05,0.1,12"]
-    how = ["--model=elastic", "--columns=efficiency,screw_torque_Nm", "--rows-per-part=13", "--keep-going"]
+    how = ["--model=elastic", "--columns=efficiency,ball_torque_Nm", "--rows-per-part=13", "--keep-going"]
     words: list[str | Path] = [program(), "sweep", EXAMPLES / "feed_drive.json", *axes, *how, "-o", f"{folder}/map/"]
     assert subprocess.run(words, capture_output=True).returncode == 0
     return folder / "map"

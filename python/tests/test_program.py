@@ -54,7 +54,7 @@ def test_compare() -> None:
     path = EXAMPLES / "feed_drive.json"
     table = bs.compare(bs.Scene.read(path)).to_dict()
     for row, model in enumerate(told("solve", path, "--model", "all")["models"]):
-        for name in ("model", "status", "efficiency", "screw_torque_Nm", "nut_normal_load_N"):
+        for name in ("model", "status", "efficiency", "ball_torque_Nm", "nut_normal_load_N"):
             assert table[name][row] == model[name]
 
 
@@ -64,7 +64,7 @@ def test_sensitivities() -> None:
     rows = told("solve", path, "--show", "sensitivities")["sensitivities"]
     assert table["input"] == list(rows)
     assert table["efficiency"] == [row["efficiency"] for row in rows.values()]
-    assert table["screw_torque_relative"] == [row["screw_torque_relative"] for row in rows.values()]
+    assert table["ball_torque_relative"] == [row["ball_torque_relative"] for row in rows.values()]
 
 
 REPORTS: dict[str, list[str]] = {
@@ -98,7 +98,7 @@ def test_fit() -> None:
     report = bs.fit(screw, {"screw_torque_Nm": 26.0}, model="raceway-control")
     assert plain(report) == told("fit", path, "--measured", "screw_torque_Nm=26", "--model", "raceway-control")
     found = report["found"][0]["friction_coefficient"]
-    torque = bs.solve(screw, model="raceway-control", friction_coefficient=found).screw_torque_Nm
+    torque = bs.solve(screw, model="raceway-control", friction_coefficient=found).ball_torque_Nm
     # The fit ends when the torque agrees to 1e-6.
     assert torque == pytest.approx(26.0, rel=1e-5)
 
@@ -306,7 +306,7 @@ def test_a_table_of_points_has_the_bytes_of_the_program(tmp_path: Path, model: s
     # Rows that no scene may have stay in their place and say why.
     points["axial_load_kN"][[1, 100, rows - 1]] = -1.0
     names = [f"point {row}" for row in range(rows)]
-    outputs = ["efficiency", "screw_torque_Nm", "controlling_race"]
+    outputs = ["efficiency", "ball_torque_Nm", "controlling_race"]
     table = bs.solve_many({**points, "name": names}, bs.Scene.read(path), model=model, outputs=outputs, keep=["name"], text=True)  # type: ignore[arg-type]
     assert table.ok.sum() == rows - 3
     given = zip(*points.values(), names, strict=True)

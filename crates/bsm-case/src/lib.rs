@@ -23,7 +23,7 @@
 //! let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
 //!
 //! assert_eq!(record.model(), Model::RacewayControl.into());
-//! let torque = record.number("screw_torque_Nm").expect("converged");
+//! let torque = record.number("ball_torque_Nm").expect("converged");
 //! assert!((torque - 25.828).abs() < 1e-3);
 //! # Ok::<(), bsm_case::CaseError>(())
 //! ```

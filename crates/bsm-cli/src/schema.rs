@@ -42,11 +42,11 @@ const OBJECTS: &[(&str, &str)] = &[
         "settings",
         "name string, tolerance number, accuracy number, creep number, control string?, friction string",
     ),
-    ("band", "contact_loss_ratio numbers, screw_torque_Nm numbers, efficiency numbers"),
+    ("band", "contact_loss_ratio numbers, ball_torque_Nm numbers, efficiency numbers"),
     ("torque", "@torques, contacts string"),
     (
         "derivatives",
-        "efficiency number, screw_torque_Nm number?, efficiency_relative number?, screw_torque_relative number?",
+        "efficiency number, ball_torque_Nm number?, efficiency_relative number?, ball_torque_relative number?",
     ),
     ("models", "regime string?, models [model], left_out texts, notes texts, warnings texts"),
     ("model", "@output, time_us number"),
@@ -95,7 +95,7 @@ const OBJECTS: &[(&str, &str)] = &[
         "fit",
         "measured measured, found [fitted], reachable [number?]?, message string, notes texts, warnings texts",
     ),
-    ("measured", "@solution?"),
+    ("measured", "@solution?, screw_torque_Nm? number"),
     ("fitted", "@input?, relative_response number?, result result"),
     ("result", "@output"),
     (

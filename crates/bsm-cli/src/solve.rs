@@ -112,7 +112,7 @@ fn motion(args: &SolveArgs, scene: &Scene, settings: &Settings) -> Result<Answer
     };
     let (mut notes, mut sensitivities) = (Vec::new(), None);
     let parts = torque_parts(scene, settings).unwrap_or_else(|why| {
-        notes.push(format!("no torque of the whole screw: {why}"));
+        notes.push(format!("no screw torque: {why}"));
         None
     });
     if args.show.contains(&Show::Sensitivities) && solution.status() == Status::Converged {

@@ -82,7 +82,7 @@ pub(super) fn transmit<S: Simd>(
     out.set(OutputKey::screw_normal_load_N, normal);
     let ideal = ideal_torque(load, pitch * (0.5 * MM), tan_a);
     let torque = turns.select(back.select(ideal * eta, ideal / eta), none);
-    out.set(OutputKey::screw_torque_Nm, torque);
+    out.set(OutputKey::ball_torque_Nm, torque);
     if let Some((screw, nut)) = given.speeds() {
         powers(out, (torque, ideal), screw - nut);
     }
@@ -101,7 +101,7 @@ pub(super) fn transmit_torque<S: Simd>(
     let eta = efficiency(back, ideal, torque);
     out.set(OutputKey::efficiency, eta);
     out.set_flag(OutputKey::self_locking, eta.le(eta.constant(0.0)));
-    out.set(OutputKey::screw_torque_Nm, torque * unit);
+    out.set(OutputKey::ball_torque_Nm, torque * unit);
     powers(out, (torque * unit, ideal * unit), speed);
     eta
 }

@@ -2,7 +2,7 @@
 
 import { html, number, table, none } from "bsm/draw";
 
-const COLUMNS = [["efficiency", "efficiency"], ["screw_torque_Nm", "torque, N m"], ["dissipated_power_W", "heat, W"], ["nut_normal_load_N", "load nut, N"], ["nut_contact_angle_deg", "angle nut, °"], ["screw_contact_angle_deg", "angle screw, °"], ["time_us", "time, µs"]];
+const COLUMNS = [["efficiency", "efficiency"], ["ball_torque_Nm", "torque, N m"], ["dissipated_power_W", "heat, W"], ["nut_normal_load_N", "load nut, N"], ["nut_contact_angle_deg", "angle nut, °"], ["screw_contact_angle_deg", "angle screw, °"], ["time_us", "time, µs"]];
 
 export function showModels(host, answer, solved) {
   if (answer instanceof Error) { host.replaceChildren(none(answer.message)); return; }

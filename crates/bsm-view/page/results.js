@@ -4,7 +4,7 @@ import { html, number, brief, table, row, none } from "bsm/draw";
 
 const KEYS = [
   ["efficiency", "Efficiency", ""],
-  ["screw_torque_Nm", "Screw torque", "N m"],
+  ["ball_torque_Nm", "Torque of the balls", "N m"],
   ["dissipated_power_W", "Heat", "W"],
   ["nut_max_pressure_MPa", "Pressure, nut", "MPa"],
   ["axial_displacement_um", "Displacement", "µm"],
@@ -24,7 +24,7 @@ export function showKey(host, result) {
     html("p", { class: "small" }, html("strong", {}, `Model ${result.model}. `), result.choice ? `Chosen: ${result.choice}. ` : "",
       result.loss_error_bound != null && !result.lubrication ? `The heat is known to ${brief(Number((100 * result.loss_error_bound).toPrecision(2)))} %. ` : "", result.lubrication ? `Lubrication: ${result.lubrication}. ` : "",
       result.controlling_race ? `The ${result.controlling_race} controls.` : ""),
-    ...(band ? [html("p", { class: "small" }, `90 % interval over uncertain inputs of the oil: ${number(band.screw_torque_Nm[0])} and ${number(band.screw_torque_Nm[1])} N m.`)] : []),
+    ...(band ? [html("p", { class: "small" }, `90 % interval over uncertain inputs of the oil: ${number(band.ball_torque_Nm[0])} and ${number(band.ball_torque_Nm[1])} N m.`)] : []),
     ...warnings(result));
 }
 

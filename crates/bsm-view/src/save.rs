@@ -23,7 +23,7 @@ const COARSE: u32 = 6;
 /// What the map can show.
 const COLUMNS: [&str; 8] = [
     "efficiency",
-    "screw_torque_Nm",
+    "ball_torque_Nm",
     "dissipated_power_W",
     "nut_max_pressure_MPa",
     "screw_contact_angle_deg",

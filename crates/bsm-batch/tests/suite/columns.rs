@@ -128,11 +128,11 @@ fn numbers_of_analyses_do_not_change_the_others() {
         let task = |names: &[&str]| {
             Task::over_grid(dong(""), model.into(), outputs(names), None, &grid).expect("a task")
         };
-        let kernel = solve(&task(&["efficiency", "screw_torque_Nm"]), &grid);
+        let kernel = solve(&task(&["efficiency", "ball_torque_Nm"]), &grid);
         let analysed = if model == Model::QuasiStatic {
-            vec!["efficiency", "screw_torque_Nm", "rotary_to_linear_optimum_efficiency"]
+            vec!["efficiency", "ball_torque_Nm", "rotary_to_linear_optimum_efficiency"]
         } else {
-            vec!["efficiency", "screw_torque_Nm", "returner_margin", "nut_spin_power_W"]
+            vec!["efficiency", "ball_torque_Nm", "returner_margin", "nut_spin_power_W"]
         };
         let both = solve(&task(&analysed), &grid);
         assert_eq!(both.verdicts, kernel.verdicts, "{model:?}");

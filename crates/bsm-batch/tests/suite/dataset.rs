@@ -37,7 +37,7 @@ fn make(file: &mut dyn FnMut() -> io::Result<NamedTempFile>) -> io::Result<Named
 fn task(model: Model) -> Task {
     let base = include_bytes!("../../../../examples/feed_drive.json");
     let base = Scene::from_json(base).expect("a scene");
-    let outputs = ["efficiency", "screw_torque_Nm"].map(str::to_owned);
+    let outputs = ["efficiency", "ball_torque_Nm"].map(str::to_owned);
     let outputs = Answers::select(Some(&outputs)).expect("outputs");
     Task::new(base, Settings::from(model), outputs)
 }

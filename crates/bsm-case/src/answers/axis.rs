@@ -93,8 +93,10 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
         peak_motor_power_W ["W"] Whole(|w| w.peak(Worked::motor_power)) needs [friction_coefficient | lubricant_temperature_C], "peak motor power";
         mean_heat_W ["W"] Whole(|w| w.mean_heat()) needs [friction_coefficient | lubricant_temperature_C], "mean heat of nut, seals and support bearings";
         rule_torque_Nm ["N m" "T_p0"] Whole(|w| Some(w.preload.as_ref()?.by_rule)), "friction torque of the preload by manufacturers' rule";
+        screw_torque_Nm ["N m" "T"] Whole(|w| w.heaviest()?.at_screw()) needs [friction_coefficient | lubricant_temperature_C],
+            "screw torque; at the largest load that moves, with preload, seals and support bearings";
         screw_efficiency ["" "eta"] Whole(|w| w.heaviest()?.efficiency()) needs [friction_coefficient | lubricant_temperature_C],
-            "efficiency of the whole screw; at the largest load that moves, with preload, seals and support bearings";
+            "efficiency of the screw; at the largest load that moves, with preload, seals and support bearings";
         preload_torque_Nm = NUT Whole(|w| w.preload.as_ref()?.of_contacts) needs [friction_coefficient | lubricant_temperature_C];
         holding_torque_Nm ["N m"] Whole(|w| w.holding) needs [friction_coefficient | lubricant_temperature_C],
             "holding torque at the screw, contacts alone";
@@ -111,7 +113,7 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
 quantities! { pub(crate) TORQUES, read_torques(&Torques);
     "torque" {
         screw_load_N ["N" "F_a"] Whole(|t| t.phase.load), "axial load, with the moved mass";
-        whole_screw_torque_Nm ["N m" "T"] Whole(Torques::at_screw), "torque of the whole screw";
+        screw_torque_Nm = QUANTITIES Whole(Torques::at_screw);
         ideal_torque_Nm ["N m"] Whole(|t| t.ideal), "  of the load, without friction";
         contact_friction_torque_Nm ["N m"] Whole(|t| t.contacts.friction), "  contacts of the balls";
         preload_drag_beyond_contacts_Nm ["N m"] Whole(|t| t.drag), "  returns and lubricant of the preload, by manufacturers' rule";
@@ -178,7 +180,7 @@ impl Screw<'_> {
     }
 }
 
-/// The torque of the whole screw by its parts, in a phase with what follows.
+/// The screw torque by its parts, in a phase with what follows.
 #[derive(Debug, Clone)]
 pub struct ScrewTorque {
     /// The numbers.
@@ -200,6 +202,11 @@ impl ScrewTorque {
     /// A number by name.
     pub fn number(&self, name: &str) -> Option<f64> {
         self.numbers.number(name)
+    }
+
+    /// The screw torque \[N m\], if the contacts have a solution.
+    pub fn torque(&self) -> Option<f64> {
+        self.number("screw_torque_Nm")
     }
 
     /// JSON object.
@@ -345,20 +352,16 @@ impl Preload {
     }
 }
 
-/// The torque of the whole screw at the operating point of its scene by its parts, where it has more than the contacts
-/// of its balls: weight and guides of what it moves, preload, seals, support bearings. `None` where there are none.
+/// The screw torque at the operating point of its scene by its parts: the load with weight and guides of what it moves, contacts
+/// of the balls, preload, seals, support bearings. `None` without load, speed or friction.
 ///
 /// # Errors
 ///
 /// [`CaseError`] if the nut or its point has no solution.
 pub fn torque_parts(scene: &Scene, settings: &Settings) -> Result<Option<ScrewTorque>, CaseError> {
-    let given = |key: InputKey| scene[key].is_some_and(|value| value != 0.0);
     let preloaded = scene.is_preloaded() && NEEDS.are_met(scene.given());
-    let more =
-        [InputKey::moved_mass_kg, InputKey::seal_torque_Nm, InputKey::support_bearing_torque_Nm];
     let point = scene.speeds_rpm().zip(scene.axial_load_N).zip(scene.lead());
-    let (true, Some((((screw, turned), force), lead)), true) =
-        (preloaded || more.into_iter().any(given), point, scene.given().has_friction())
+    let Some((((screw, turned), force), lead)) = point.filter(|_| scene.given().has_friction())
     else {
         return Ok(None);
     };
@@ -379,7 +382,7 @@ pub fn torque_parts(scene: &Scene, settings: &Settings) -> Result<Option<ScrewTo
     Ok(Some(ScrewTorque { numbers, contacts: torques.contacts.words }))
 }
 
-/// Efficiency of the whole screw in a phase for a search over screws, which has no time for all balls of a preloaded
+/// Efficiency of the screw in a phase for a search over screws, which has no time for all balls of a preloaded
 /// nut: one ball under its equal share, and the friction torque of the preload by manufacturers' rule.
 ///
 /// * `nut`: that of the scene.
@@ -481,7 +484,7 @@ fn of_phases(phases: &[ScrewTorque]) -> Table {
         "feed_m_min",
         "screw_speed_rpm",
         "ideal_torque_Nm",
-        "whole_screw_torque_Nm",
+        "screw_torque_Nm",
         "screw_efficiency",
         "motor_torque_Nm",
         "heat_W",

@@ -1,16 +1,15 @@
 //! Several inputs from a table of measured points.
 
 use bsm_design::{LeastSquares, least_squares};
-use bsm_dyn::{Model, ModelWorkspace, Status};
+use bsm_dyn::{Model, ModelWorkspace};
 use serde_json::json;
 
-use crate::answers::fit::range_of;
+use crate::answers::fit::{measurable, measured, range_of};
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::number::number;
 use crate::vocabulary::units::convert;
 use crate::{
-    Answer, CaseError, Column, Content, InputKey, Known, ModelChoice, OUTPUTS, Output, Record,
-    Scene, Settings, Table, torque_parts,
+    Answer, CaseError, Column, Content, InputKey, ModelChoice, Output, Scene, Settings, Table,
 };
 
 /// A measured point.
@@ -56,11 +55,7 @@ impl Calibration {
         output: &str,
         table: &[u8],
     ) -> Result<Self, CaseError> {
-        let named = |name: &str| Output::named(name).filter(|o| o.json_type == "number");
-        let output = named(output.trim()).filter(|o| o.key().is_some()).ok_or_else(|| {
-            let name = output.trim();
-            CaseError::unknown(Known::Output, name, Output::nearest(name))
-        })?;
+        let output = measurable(output)?;
         let inputs = inputs.iter().map(|text| sought(base, text)).collect::<Result<_, _>>()?;
         let points = points(base, output, table)?;
         Ok(Self { inputs, output, points })
@@ -129,22 +124,7 @@ impl Calibration {
             ModelChoice::Auto => Settings { model: Model::Traction.into(), ..*settings },
             ModelChoice::Fixed(model) => Settings { model: model.into(), ..*settings },
         };
-        // A measured torque is that of the whole screw.
-        if self.output.name == "screw_torque_Nm"
-            && let Some(parts) = torque_parts(&scene, &settings)?
-        {
-            return Ok(parts.number("whole_screw_torque_Nm"));
-        }
-        let record = Record::new(scene.problem(&settings)?.solve(work));
-        if record.status() != Status::Converged {
-            return Ok(None);
-        }
-        let value = record.number(self.output.name);
-        value.map(Some).ok_or_else(|| CaseError::NoOutput {
-            output: self.output.name,
-            model: record.model().name(),
-            missing: scene.missing(Model::Traction),
-        })
+        measured(self.output, &scene, &settings, work)
     }
 
     /// Rows of input, value and standard deviation.
@@ -230,7 +210,7 @@ enum Sought {
 
 fn points(base: &Scene, output: &'static Output, table: &[u8]) -> Result<Vec<Measured>, CaseError> {
     let cells = Cells::read(table, b',', '.')?;
-    let outputs = OUTPUTS.iter().map(|output| output.name);
+    let outputs = std::iter::once(output.name);
     let columns = cells.columns(|name| {
         if name == output.name {
             return Ok(Sought::Measured(1.0));
@@ -238,8 +218,8 @@ fn points(base: &Scene, output: &'static Output, table: &[u8]) -> Result<Vec<Mea
         match InputKey::in_unit(name) {
             Ok((key, factor)) => Ok(Sought::Input(key, factor)),
             Err(unknown) => match convert(name, &outputs) {
-                Some((known, factor)) if known == output.name => Ok(Sought::Measured(factor)),
-                _ => Err(unknown),
+                Some((_, factor)) => Ok(Sought::Measured(factor)),
+                None => Err(unknown),
             },
         }
     })?;

@@ -80,7 +80,7 @@ impl Comparison {
         /// Outputs of the table for people, with their heads.
         const SHOWN: [(&str, &str); 6] = [
             ("efficiency", "efficiency"),
-            ("screw_torque_Nm", "torque N m"),
+            ("ball_torque_Nm", "torque N m"),
             ("nut_normal_load_N", "Q nut N"),
             ("screw_normal_load_N", "Q screw N"),
             ("nut_contact_angle_deg", "angle nut deg"),

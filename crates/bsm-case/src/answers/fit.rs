@@ -12,6 +12,46 @@ use crate::{
     Settings, torque_parts,
 };
 
+/// What may be measured: a number of a solution, or the torque that the screw takes.
+const SCREW_TORQUE: &str = "screw_torque_Nm";
+
+/// An output that may be measured.
+pub(crate) fn measurable(name: &str) -> Result<&'static Output, CaseError> {
+    let name = name.trim();
+    let output = Output::named(name).filter(|o| o.json_type == "number");
+    output
+        .filter(|output| output.key().is_some() || output.name == SCREW_TORQUE)
+        .ok_or_else(|| CaseError::unknown(Known::Output, name, Output::nearest(name)))
+}
+
+/// What would be measured at a point; `None` without a solution.
+///
+/// # Errors
+///
+/// [`CaseError`] if the scene lacks inputs of the model, or the model does not have the output.
+pub(crate) fn measured(
+    output: &Output,
+    scene: &Scene,
+    settings: &Settings,
+    work: &mut ModelWorkspace,
+) -> Result<Option<f64>, CaseError> {
+    let lacks = |model: &'static str| CaseError::NoOutput {
+        output: output.name,
+        model,
+        missing: scene.missing(Model::Traction),
+    };
+    if output.name == SCREW_TORQUE {
+        let parts = torque_parts(scene, settings)?;
+        return Ok(parts.ok_or_else(|| lacks(settings.model.name()))?.torque());
+    }
+    let record = Record::new(scene.problem(settings)?.solve(work));
+    match record.number(output.name) {
+        _ if record.status() != Status::Converged => Ok(None),
+        None => Err(lacks(record.model().name())),
+        value => Ok(value),
+    }
+}
+
 /// Default range of a friction coefficient.
 const FRICTION: (f64, f64) = (1e-4, 0.5);
 
@@ -106,46 +146,17 @@ impl Fit {
         let form = "output=value, such as screw_torque_Nm=1.5";
         let bad = || CaseError::BadSetting { text: measurement.to_owned(), form };
         let (name, value) = measurement.split_once('=').ok_or_else(bad)?;
-        let of_solution = |o: &&Output| o.json_type == "number" && o.key().is_some();
-        let output = Output::named(name.trim()).filter(of_solution);
-        let unknown = |name| CaseError::unknown(Known::Output, name, Output::nearest(name));
-        let output = output.ok_or_else(|| unknown(name.trim()))?;
+        let output = measurable(name)?;
         let measured: f64 =
             value.trim().parse().ok().filter(|v| f64::is_finite(*v)).ok_or_else(bad)?;
         Ok(Self { input, range, output, measured })
     }
 
-    /// The scene with a value of the input, solved.
-    fn solve(
-        &self,
-        scene: &Scene,
-        settings: &Settings,
-        value: f64,
-        work: &mut ModelWorkspace,
-    ) -> Result<Record, CaseError> {
+    /// The scene with a value of the input.
+    fn at(&self, scene: &Scene, value: f64) -> Result<Scene, CaseError> {
         let mut scene = scene.clone();
         scene.set(self.input.name(), value)?;
-        Ok(Record::new(scene.problem(settings)?.solve(work)))
-    }
-
-    /// What would be measured: a torque is that of the whole screw.
-    fn measure(
-        &self,
-        scene: &Scene,
-        settings: &Settings,
-        value: f64,
-        record: &Record,
-    ) -> Result<Option<f64>, CaseError> {
-        let mut scene = scene.clone();
-        scene.set(self.input.name(), value)?;
-        let parts = match self.output.name {
-            "screw_torque_Nm" => torque_parts(&scene, settings)?,
-            _ => None,
-        };
-        Ok(match parts {
-            Some(parts) => parts.number("whole_screw_torque_Nm"),
-            None => record.number(self.output.name),
-        })
+        Ok(scene)
     }
 
     /// Every value in the range at which the output is as measured.
@@ -163,28 +174,18 @@ impl Fit {
             ModelChoice::Auto => Settings { model: Model::Traction.into(), ..*settings },
             ModelChoice::Fixed(model) => Settings { model: model.into(), ..*settings },
         };
-        let scene = &scene;
         let work = RefCell::new(ModelWorkspace::default());
-        let answer = |value: f64| self.solve(scene, settings, value, &mut work.borrow_mut());
         let excess = |value: f64| -> Result<f64, CaseError> {
-            let record = answer(value)?;
-            if record.status() == Status::Converged && record.number(self.output.name).is_none() {
-                return Err(CaseError::NoOutput {
-                    output: self.output.name,
-                    model: record.model().name(),
-                    missing: scene.missing(Model::Traction),
-                });
-            }
-            let output = match record.status() {
-                Status::Converged => self.measure(scene, settings, value, &record)?,
-                _ => None,
-            };
+            let scene = self.at(&scene, value)?;
+            let output = measured(self.output, &scene, settings, &mut work.borrow_mut())?;
             Ok(output.map_or(f64::NAN, |output| output - self.measured))
         };
         let run = crossings(excess, self.range)?;
         let fitted = |root: Crossing| {
             let response = self.measured / (root.at * root.slope);
-            Ok(Fitted { value: root.at, response, record: answer(root.at)? })
+            let problem = self.at(&scene, root.at)?.problem(settings)?;
+            let record = Record::new(problem.solve(&mut work.borrow_mut()));
+            Ok(Fitted { value: root.at, response, record })
         };
         Ok(FitReport {
             found: run.roots.into_iter().map(fitted).collect::<Result<_, CaseError>>()?,

@@ -334,7 +334,7 @@ impl Record {
                 self.model().name()
             )
         });
-        let numbers = Content::Numbers { numbers: self.rows(scene), whole: "", unbounded };
+        let numbers = Content::Numbers { numbers: self.rows(scene), whole: "balls", unbounded };
         let words = words.map(|(label, words)| Content::Words(label, words));
         let all = words.into_iter().chain([numbers, Content::Words("", doubt)]);
         all.map(|content| Section { member: None, content }).collect()
@@ -360,9 +360,9 @@ impl Record {
             fails: self.status() != Status::Converged,
             ..Answer::default()
         };
-        if let Some(parts) = parts {
+        if let Some(parts) = parts.as_ref().filter(|parts| parts.torque().is_some()) {
             answer = answer
-                .with_shown(Content::numbers(parts.numbers.clone(), "whole screw"))
+                .with_shown(Content::numbers(parts.numbers.clone(), "screw"))
                 .with_shown(Content::Words("contacts by model", Some(parts.contacts.clone())));
         }
         answer.sections.extend(self.shown(scene));
@@ -374,7 +374,7 @@ impl Record {
             let Band { loss, screw_torque, efficiency } = band;
             let json = json!({
                 "contact_loss_ratio": loss,
-                "screw_torque_Nm": screw_torque,
+                "ball_torque_Nm": screw_torque,
                 "efficiency": efficiency,
             });
             answer = answer
@@ -405,7 +405,7 @@ fn json_of(output: &Output, value: f64) -> Value {
 pub struct Beside {
     /// How sure a friction from the lubricant is.
     pub band: Option<Band>,
-    /// The torque of the whole screw, where parts of it are not in the balance of one ball ([`torque_parts`](crate::torque_parts)).
+    /// The screw torque by its parts ([`torque_parts`](crate::torque_parts)).
     pub parts: Option<ScrewTorque>,
     /// How much efficiency and torque depend on each input.
     pub sensitivities: Option<Vec<Sensitivity>>,
@@ -430,7 +430,7 @@ fn of_band(Band { loss, screw_torque, efficiency }: &Band) -> Table {
         ],
         rows: vec![
             row("loss of the contacts over the stated one", "", loss),
-            row("screw torque, all balls", "N m", screw_torque),
+            row("torque of the balls", "N m", screw_torque),
             row("efficiency", "", efficiency),
         ],
         keyed: false,

@@ -124,9 +124,9 @@ impl Sensitivity {
             Column::headed("", "unit"),
             Column::headed("", "value"),
             Column::headed("efficiency_relative", "efficiency, %/%"),
-            Column::headed("screw_torque_relative", "torque, %/%"),
+            Column::headed("ball_torque_relative", "torque, %/%"),
             Column::headed("efficiency", "efficiency, 1/unit"),
-            Column::headed("screw_torque_Nm", "torque, N m/unit"),
+            Column::headed("ball_torque_Nm", "torque, N m/unit"),
         ];
         let row = |row: &Self| {
             vec![

@@ -193,10 +193,10 @@ fn motion(solution: &Solution) -> Option<Motion<f64>> {
 
 outputs! {
     "" {
-        "efficiency, all balls" ["" "eta"] Number: efficiency whole = |s, _| s.efficiency(),
-            "output power over input power; negative: self-locking";
-        "screw torque, all balls" ["N m" "T"] Number: screw_torque_Nm whole = |s, _| transmission(s)?.screw_torque,
-            "torque on the screw in the steady state, all balls";
+        "efficiency of the balls" ["" "eta"] Number: efficiency whole = |s, _| s.efficiency(),
+            "output power over input power of the balls, without preload, seals and bearings; negative: self-locking";
+        "torque of the balls" ["N m"] Number: ball_torque_Nm whole = |s, _| transmission(s)?.screw_torque,
+            "torque of all balls on the screw; screw_torque_Nm has preload, seals and bearings, too";
         "input power" ["W"] Number: input_power_W whole = |s, _| Some(transmission(s)?.power?.input),
             "input power, all balls";
         "output power" ["W"] Number: output_power_W whole = |s, _| Some(transmission(s)?.power?.output),
@@ -284,7 +284,7 @@ outputs! {
         "residual_norm" [""] Number: residual_norm whole = |s, _| Some(s.solved()?.info?.residual),
             "scaled residual of the equations";
         "seal_power_W" ["W"] Number: seal_power_W whole = |s, _| Some(lubricant(s)?.outside.seal),
-            "power lost at the seals, which warms the lubricant; a part of the torque of the whole screw, not of dissipated_power_W";
+            "power lost at the seals, which warms the lubricant; a part of screw_torque_Nm, not of dissipated_power_W";
         "self_locking" [""] Flag: self_locking whole = |s, _| s.self_locking(),
             "true if the screw is self-locking in this direction";
         "controlling_race" [""] Race: controlling_race whole = |s, _| Some(s.solved()?.control?.race),

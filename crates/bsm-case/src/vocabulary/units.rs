@@ -280,7 +280,7 @@ mod tests {
             ("axial_load_N", "N", "axial load, N"),
             ("efficiency", "", "efficiency"),
             ("nut_slip_velocity_m_s", "m/s", "nut slip velocity, m/s"),
-            ("screw_torque_Nm", "N m", "screw torque, N m"),
+            ("ball_torque_Nm", "N m", "ball torque, N m"),
             ("thermal_expansion_um_m_K", "um/(m K)", "thermal expansion, um/(m K)"),
             ("return_stiffness_N_um15", "N/um^1.5", "return stiffness, N/um^1.5"),
         ] {

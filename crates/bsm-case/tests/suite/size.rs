@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
+use approx::assert_relative_eq;
 use bsm_case::{
-    AxisReport, Catalogue, Content, DesignReport, MakerNut, RequirementFile, Scene, Settings,
-    column_names,
+    AxisReport, Catalogue, Content, DesignReport, MakerNut, Record, RequirementFile, Scene,
+    ScrewTorque, Settings, column_names, torque_parts,
 };
-use bsm_dyn::Model;
+use bsm_dyn::{Model, ModelWorkspace};
 
 const AXIS: &[u8] = include_bytes!("../../../../examples/axis.json");
 
@@ -93,13 +94,45 @@ fn the_rules_again_in_workshop_units() {
     near(part("ideal_torque_Nm"), ideal, TIGHT, "ideal torque");
     let parts = ["contact_friction_torque_Nm", "preload_drag_beyond_contacts_Nm"].map(part);
     let sum = ideal + parts.iter().sum::<f64>() + 0.3 + 0.5;
-    near(part("whole_screw_torque_Nm"), sum, TIGHT, "sum");
+    near(part("screw_torque_Nm"), sum, TIGHT, "sum");
     let speed = 1500.0 * TAU / 60.0;
     near(part("motor_power_W"), part("heat_W") + ideal * speed, TIGHT, "power");
     near(part("screw_efficiency"), ideal / sum, TIGHT, "efficiency");
     near(number(&report, "peak_motor_torque_Nm"), sum, TIGHT, "motor");
     near(number(&report, "rms_motor_torque_Nm"), sum, TIGHT, "mean square");
     assert!(report.passes(), "{:?}", report.answer.rules);
+}
+
+/// The screw torque is the sum of its parts, and without preload the balls have their part of it: forwards, driven by the
+/// load, with the nut turning, and with what the balls do not know.
+#[test]
+fn the_screw_torque_is_the_sum_of_its_parts() {
+    let drive = include_bytes!("../../../../examples/feed_drive.json");
+    for settings in [
+        &[][..],
+        &["screw_speed_rpm=-1500"],
+        &["screw_speed_rpm=300", "nut_speed_rpm=-1200"],
+        &["seal_torque_Nm=0.3", "support_bearing_torque_Nm=0.5", "screw_speed_rpm=-1500"],
+    ] {
+        let mut scene = Scene::from_json(drive).expect("an example");
+        scene.apply(settings).expect("settings");
+        let settings = Settings::from(Model::RacewayControl);
+        let parts = torque_parts(&scene, &settings).expect("a screw").expect("load and friction");
+        let part = |name: &str| parts.number(name).unwrap_or_else(|| panic!("no {name}"));
+        let (screw, nut) = scene.speeds_rpm().expect("speeds");
+        let [ideal, friction @ ..] = ScrewTorque::PARTS.map(part);
+        let sum = ideal + (screw - nut).signum() * friction.iter().sum::<f64>();
+        let torque = parts.torque().expect("a torque");
+        // Rounding of five terms.
+        assert_relative_eq!(torque, sum, max_relative = 1e-14);
+        let solution = scene.problem(&settings).expect("complete");
+        let record = Record::new(solution.solve(&mut ModelWorkspace::default()));
+        let others = part("seal_torque_Nm") + part("support_bearing_torque_Nm");
+        let balls = torque - (screw - nut).signum() * others;
+        // The friction of the contacts is a difference of torques that are 40 times as large.
+        let of_balls = record.number("ball_torque_Nm").expect("a torque");
+        assert_relative_eq!(balls, of_balls, max_relative = 1e-13);
+    }
 }
 
 /// Upright, the weight is lifted and lowered: going down the load drives, and the motor brakes with less than
@@ -115,7 +148,7 @@ fn an_upright_axis_lifts_and_lowers() {
     for phase in 0..3 {
         near(of_phase(&report, phase, "screw_load_N"), weight, 1e-9, "weight");
     }
-    let torque = |phase| of_phase(&report, phase, "whole_screw_torque_Nm");
+    let torque = |phase| of_phase(&report, phase, "screw_torque_Nm");
     let (up, down, rest) = (torque(0), torque(1), torque(2));
     near(rest, weight * 20e-3 / TAU, 1e-9, "rest");
     assert!(up > rest && down < rest && down > 0.0, "{up} {down} {rest}");

@@ -297,7 +297,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         folder,
         &format!(
             "sweep {scene} --model traction --vary screw_speed_rpm=100:6000:{side} \
-             --vary axial_load_N=500:20000:{side} --columns efficiency,screw_torque_Nm -o traction/"
+             --vary axial_load_N=500:20000:{side} --columns efficiency,ball_torque_Nm -o traction/"
         ),
     )?;
     let (points, rows) = (f64::from(axis.pow(2)), f64::from(cube.pow(3)));
@@ -312,7 +312,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         let words = format!(
             "sweep {scene} --set lead_mm=25 --model closed-form --vary axial_load_N=2000:8000:{cube} \
              --vary screw_speed_rpm=100:1500:{cube} --vary friction_coefficient=0.03:0.05:{cube} \
-             --columns screw_torque_Nm -o points.{end}"
+             --columns ball_torque_Nm -o points.{end}"
         );
         site.took(folder, &words)?;
     }

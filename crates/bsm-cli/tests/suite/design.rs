@@ -209,7 +209,7 @@ fn friction_is_fitted_to_a_torque() {
     let setting = format!("friction_coefficient={friction}");
     let args = ["solve", &feed_drive, "--model", "traction", "--set", &setting, "--json"];
     let solved = json(&stdout(&bsm(dir.path(), &args, "")));
-    let torque = solved["screw_torque_Nm"].as_f64().expect("converged");
+    let torque = solved["ball_torque_Nm"].as_f64().expect("converged");
     // The search stops at 5e-11 in the friction coefficient.
     assert!((torque - 26.0).abs() < 1e-7, "{torque}");
     let args = ["fit", &feed_drive, "--measured", "screw_torque_Nm=1"];
@@ -270,7 +270,7 @@ fn the_band_is_printed_where_it_is_wanted() {
     assert!(!said(&["--show", "motion"]).contains("90 % interval"));
     assert!(json(&said(&["--json"]))["band"].is_null());
     let band = json(&said(&["--json", "--show", "band"]));
-    assert!(band["band"]["screw_torque_Nm"][1].as_f64().expect("a number") > 26.0, "{band}");
+    assert!(band["band"]["ball_torque_Nm"][1].as_f64().expect("a number") > 26.0, "{band}");
 }
 
 /// The closed form as a model finds the optimum of the closed form.

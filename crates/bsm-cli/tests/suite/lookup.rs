@@ -29,7 +29,7 @@ fn matrix(lines: &[&str], between: char) -> Vec<Vec<f64>> {
 fn a_lookup_has_the_numbers_of_the_table() {
     let dir = folder();
     // A given model, so that no row has a message, which may hold commas.
-    let columns = ["--columns", "efficiency,screw_torque_Nm", "--model", "raceway-control"];
+    let columns = ["--columns", "efficiency,ball_torque_Nm", "--model", "raceway-control"];
     for out in ["map.txt", "map.csv"] {
         let options = [&SPEED[..], &LOAD, &columns, &["-o", out]].concat();
         assert_eq!(sweep(dir.path(), "feed_drive.json", &options), (Some(0), String::new()));
@@ -45,7 +45,7 @@ fn a_lookup_has_the_numbers_of_the_table() {
     let text = read("map.txt");
     let lines: Vec<_> = text.lines().collect();
     assert_eq!(lines[0], "#1");
-    for (table, column) in [("efficiency", 5), ("screw_torque_Nm", 6)] {
+    for (table, column) in [("efficiency", 5), ("ball_torque_Nm", 6)] {
         let head = format!("double {table}(4,3)");
         let first = lines.iter().position(|line| *line == head).expect("a table") + 1;
         let found = matrix(&lines[first..first + 4], ' ');
@@ -68,11 +68,11 @@ fn a_lookup_has_the_numbers_of_the_table() {
 fn one_input_makes_one_table() {
     let dir = folder();
     let options =
-        [&SPEED[..], &["--columns", "efficiency,screw_torque_Nm", "-o", "map.txt"]].concat();
+        [&SPEED[..], &["--columns", "efficiency,ball_torque_Nm", "-o", "map.txt"]].concat();
     assert_eq!(sweep(dir.path(), "feed_drive.json", &options), (Some(0), String::new()));
     let text = fs::read_to_string(dir.path().join("map.txt")).expect("written");
     let lines: Vec<_> = text.lines().collect();
-    assert_eq!(lines[1], "# screw_speed_rpm [rpm]: efficiency, screw_torque_Nm [N m]");
+    assert_eq!(lines[1], "# screw_speed_rpm [rpm]: efficiency, ball_torque_Nm [N m]");
     assert_eq!(lines[2], "double map(3,3)");
     let rows = matrix(&lines[3..], ' ');
     assert_eq!(rows.iter().map(|row| row[0]).collect::<Vec<_>>(), [500.0, 1000.0, 1500.0]);

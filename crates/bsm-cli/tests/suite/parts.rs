@@ -55,7 +55,7 @@ fn told(folder: &Path, code: i32, args: &[&str]) -> String {
 /// Arguments of a sweep over loads in 100 parts, a quarter of whose rows has no result.
 fn sweep<'a>(drive: &'a str, loads: &'a str, output: &'a str, rows: &'a str) -> Vec<&'a str> {
     let vary = ["--vary", loads, "--vary=friction_coefficient=0.05,0.1,0.15,12"];
-    let how = ["--model=elastic", "--columns=efficiency,screw_torque_Nm", "--rows-per-part", rows];
+    let how = ["--model=elastic", "--columns=efficiency,ball_torque_Nm", "--rows-per-part", rows];
     [&["sweep", drive][..], &vary, &how, &["-o", output]].concat()
 }
 

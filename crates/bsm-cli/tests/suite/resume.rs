@@ -91,7 +91,7 @@ impl Points {
             "grid" => [&strings(&["sweep", &drive])[..], &self.vary].concat(),
             table => strings(&["sweep", &drive, "--points", table]),
         };
-        args.extend(strings(&["--model=elastic", "--columns=efficiency,screw_torque_Nm"]));
+        args.extend(strings(&["--model=elastic", "--columns=efficiency,ball_torque_Nm"]));
         args.extend(strings(&["-o", output]));
         if output.ends_with('/') {
             args.push(format!("--rows-per-part={}", self.rows.div_ceil(16)));

@@ -180,7 +180,7 @@ fn one_screw_has_one_efficiency() {
     let beyond = whole - number(&sheet["results"], "preload_torque_Nm");
     assert!((part("preload_drag_beyond_contacts_Nm") - beyond).abs() < 1e-12, "{parts}");
     let sum = part("ideal_torque_Nm") + rub + beyond + 0.3 + 0.5;
-    assert!((part("whole_screw_torque_Nm") / sum - 1.0).abs() < 1e-12, "{parts}");
+    assert!((part("screw_torque_Nm") / sum - 1.0).abs() < 1e-12, "{parts}");
     let table = run(&[&["solve", "screw.json"], &sets[..]].concat());
     assert!(table.contains("contacts by model") && table.contains("support bearings"), "{table}");
 }
@@ -209,7 +209,7 @@ fn named_numbers(answer: &Value) -> Vec<(String, f64)> {
     found
 }
 
-/// Found by the audit: 32.3, 34.9 and 35.0 N m were all the `screw_torque_Nm` of one screw, and it had two efficiencies in one
+/// Found by the audit: 32.3, 34.9 and 35.0 N m were all the torque of one screw, and it had two efficiencies in one
 /// answer. One name has one number, in one answer and from one command to the next: level and upright, as a preloaded
 /// pair that is warm, and a feed drive with and without oil.
 #[test]
@@ -245,8 +245,8 @@ fn one_name_has_one_number_in_every_command() {
             found.unwrap_or_else(|| panic!("{case}: no {wanted}")).2
         };
         [
+            number("ball_torque_Nm"),
             number("screw_torque_Nm"),
-            number("whole_screw_torque_Nm"),
             number("efficiency"),
             number("screw_efficiency"),
         ]
@@ -300,7 +300,7 @@ fn one_name_has_one_number_in_every_command() {
         drive.insert("seal_torque_Nm".to_owned(), 0.3.into());
         fs::write(dir.path().join(name), Value::Object(drive).to_string()).expect("written");
         let [torque, whole, efficiency, of_screw] = both(name, &[]);
-        // Oil or not, the seal is a part of the whole screw and of nothing else.
+        // Oil or not, the seal is a part of the torque of the screw and of nothing else.
         assert!((whole - torque - 0.3).abs() < 1e-9 * whole, "{name}: {torque} {whole}");
         let output = efficiency * torque;
         assert!((of_screw * whole / output - 1.0).abs() < 1e-9, "{name}: {efficiency} {of_screw}");
@@ -393,7 +393,7 @@ fn names_may_have_any_unit() {
         let args = [&["solve", &drive, "--json"], args].concat();
         let output = bsm(dir.path(), &args, "");
         assert_eq!(output.status.code(), Some(0), "{args:?} {}", stderr(&output));
-        number(&json(&stdout(&output)), "screw_torque_Nm")
+        number(&json(&stdout(&output)), "ball_torque_Nm")
     };
     let own = torque(&[]);
     for settings in [
@@ -409,18 +409,18 @@ fn names_may_have_any_unit() {
         assert!((torque(&sets) / own - 1.0).abs() < 1e-9, "{settings:?}");
     }
     let points = "axial_load_kN,feed_m_min\n8,30\n4,15\n";
-    let args = ["sweep", &drive, "--points", "-", "-o", "-", "--columns", "model,screw_torque_Nm"];
+    let args = ["sweep", &drive, "--points", "-", "-o", "-", "--columns", "model,ball_torque_Nm"];
     for model in ["raceway-control", "auto"] {
         let output = bsm(dir.path(), &[&args[..], &["--model", model]].concat(), points);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         let text = stdout(&output);
         let mut lines = text.lines();
-        let header = "axial_load_N,feed_m_min,model,status,message,screw_torque_Nm";
+        let header = "axial_load_N,feed_m_min,model,status,message,ball_torque_Nm";
         assert_eq!(lines.next(), Some(header), "{text}");
         assert!(lines.next().is_some_and(|row| row.starts_with("8000,30,")), "{text}");
     }
     let args =
-        ["sweep", &drive, "--vary", "axial_load_kN=4,8", "-o", "-", "--columns", "screw_torque_Nm"];
+        ["sweep", &drive, "--vary", "axial_load_kN=4,8", "-o", "-", "--columns", "ball_torque_Nm"];
     let text = stdout(&bsm(dir.path(), &args, ""));
     assert!(text.lines().nth(2).is_some_and(|row| row.starts_with("8000,")), "{text}");
     let args = ["solve", &drive, "--set", "axial_load_kN=8", "--set", "axial_load_mm=8"];

@@ -110,7 +110,7 @@ fn tables_say_what_they_are_made_from() {
             ["sweep", &drive, "--set", "lead_mm=10", "--vary", "axial_load_kN=1:9:3", "--columns"];
         let args = [
             &args[..],
-            &["efficiency,screw_torque_Nm", "--solver", "tolerance=1e-3", "-o", output],
+            &["efficiency,ball_torque_Nm", "--solver", "tolerance=1e-3", "-o", output],
             more,
         ];
         run(dir.path(), &args.concat(), 0);
@@ -134,7 +134,7 @@ fn tables_say_what_they_are_made_from() {
             (&about["scene"]["lead_mm"], &about["settings"]["tolerance"]),
             (&serde_json::json!(10.0), &serde_json::json!(1e-3))
         );
-        assert_eq!(about["columns"]["screw_torque_Nm"]["unit"], "N m");
+        assert_eq!(about["columns"]["ball_torque_Nm"]["unit"], "N m");
     }
     // FIPS 180 by another program.
     let hash =
@@ -144,7 +144,7 @@ fn tables_say_what_they_are_made_from() {
     // The way back.
     fs::write(at("again.json"), about["scene"].to_string()).expect("scene");
     let vary = about["points"]["grid"][0].as_str().expect("an axis").to_owned();
-    let again = ["sweep", "again.json", "--vary", &vary, "--columns", "efficiency,screw_torque_Nm"];
+    let again = ["sweep", "again.json", "--vary", &vary, "--columns", "efficiency,ball_torque_Nm"];
     run(dir.path(), &[&again[..], &["--solver", "tolerance=1e-3", "-o", "again.csv"]].concat(), 0);
     assert_eq!(fs::read(at("again.csv")).expect("table"), fs::read(at("map.csv")).expect("table"));
     // A table of points is named by its hash.
@@ -201,7 +201,7 @@ fn workbooks_have_units_and_the_same_numbers() {
             "--vary",
             "lead_mm=5:20:4",
             "--columns",
-            "screw_torque_Nm",
+            "ball_torque_Nm",
             "-o",
             output,
         ];
@@ -212,7 +212,7 @@ fn workbooks_have_units_and_the_same_numbers() {
         |place: &str| found.iter().find(|(at, _)| at == place).map(|(_, text)| text.as_str());
     assert_eq!(
         (cell("A1"), cell("A2"), cell("E1"), cell("E2")),
-        (Some("lead_mm"), Some("mm"), Some("screw_torque_Nm"), Some("N m"))
+        (Some("lead_mm"), Some("mm"), Some("ball_torque_Nm"), Some("N m"))
     );
     let mut csv = csv::Reader::from_path(at("out.csv")).expect("a table");
     let rows: Vec<_> = csv.records().map(|row| row.expect("a row")).collect();
@@ -271,7 +271,7 @@ fn a_map_shows_a_grid_and_its_models() {
         run(dir.path(), &[&args[..], &["--keep-going", "-o", "x.parquet"], more].concat(), 0)
     };
     sweep(&["--columns", "efficiency", "-o", "x.map.svg"]);
-    sweep(&["-o", "x.map.png", "--columns", "screw_torque_Nm"]);
+    sweep(&["-o", "x.map.png", "--columns", "ball_torque_Nm"]);
     let svg = fs::read_to_string(at("x.map.svg")).expect("a map");
     let document = roxmltree::Document::parse(&svg).expect("an SVG");
     let texts: Vec<_> = document.descendants().filter_map(|node| node.text()).collect();

@@ -23,7 +23,7 @@ const COLUMNS: [&str; 8] = [
     "screw_load_N",
     "feed_m_min",
     "screw_speed_rpm",
-    "whole_screw_torque_Nm",
+    "screw_torque_Nm",
     "screw_efficiency",
     "motor_torque_Nm",
     "heat_W",

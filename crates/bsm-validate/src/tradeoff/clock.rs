@@ -61,7 +61,7 @@ const BATCH: usize = if cfg!(debug_assertions) { 512 } else { 8192 };
 /// Outputs of the batches: those whose errors are measured.
 const OUTPUTS: [&str; 6] = [
     "efficiency",
-    "screw_torque_Nm",
+    "ball_torque_Nm",
     "nut_normal_load_N",
     "screw_normal_load_N",
     "nut_contact_angle_deg",

@@ -15,11 +15,18 @@ pub(super) struct Contacts {
     pub(super) words: String,
 }
 
-/// A scene at another load and speed of its axis: with a load of zero only where the nut takes it.
+/// A scene at another load and speed of its axis: with a load of zero only where the nut takes it. Screw and nut turn in
+/// the ratio of the scene.
+///
+/// * `speed`: of the screw against the nut \[rad/s\].
 fn at(scene: &Scene, load: f64, speed: f64) -> Scene {
+    let turning = scene.speeds_rpm().map(|(screw, nut)| nut / (screw - nut));
+    let nut = turning.filter(|share| share.is_finite() && *share != 0.0);
+    let nut = nut.map(|share| share * speed / RPM);
     let mut scene = scene.clone();
     (scene.axial_load_N, scene.feed_m_min) = (Some(load), None);
-    (scene.screw_speed_rpm, scene.nut_speed_rpm) = (Some(speed / RPM), None);
+    scene.screw_speed_rpm = Some(speed / RPM + nut.unwrap_or(0.0));
+    scene.nut_speed_rpm = nut;
     scene
 }
 
@@ -84,7 +91,7 @@ pub(super) fn contacts(
     // The model has the load positive, and the speed negative where the load drives.
     let scene = at(scene, load.abs(), load.signum() * speed);
     let record = Record::new(scene.problem(settings)?.solve(work));
-    let torque = record.number("screw_torque_Nm").filter(|_| record.status() == Status::Converged);
+    let torque = record.number("ball_torque_Nm").filter(|_| record.status() == Status::Converged);
     let ideal = advance * load.abs();
     let words = match (torque, record.message()) {
         (None, Some(why)) => format!("no torque: {why}"),
