@@ -3,8 +3,8 @@
 use std::f64::consts::{FRAC_PI_4, PI};
 
 use bsm_dyn::{
-    Ball, Coulomb, ElasticPoint, Load, Material, ModelWorkspace, OperatingPoint, TrainBall,
-    TrainMotion, Traction,
+    Ball, Coulomb, ElasticPoint, Load, Material, ModelWorkspace, OperatingPoint, Traction,
+    TrainBall, TrainMotion,
 };
 use bsm_kin::{Drive, Helix};
 
@@ -91,8 +91,7 @@ fn unbalanced(rpm: f64, at: &ElasticPoint, moved: &TrainMotion) -> f64 {
     let put_in = (screw_torque - per_radian * (at.point.load.axial + axial_push)) * speed;
     let travel = helix.arc_length_per_radian() * rate * speed.abs();
     // T W = h (F_j + F_b·k) W + P_races + f_b r_b (N_f + N_b)|w| − (N_b − N_f) v     (O4)
-    let lost =
-        race_power + BALLS * radius * (front + back) * rotation - (back - front) * travel;
+    let lost = race_power + BALLS * radius * (front + back) * rotation - (back - front) * travel;
     (put_in - lost) / race_power
 }
 

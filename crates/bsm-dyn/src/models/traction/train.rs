@@ -8,11 +8,9 @@ use bsm_newton::{Continuation, Equations, EvalError, Scales, follow, solve};
 use super::columns::Watched;
 use super::lubricated::{ENOUGH, ScaledRoot};
 use super::{Lubrication, SlipBall, SlipRoot, Start, Traction};
-use crate::contact::Wrench;
+use crate::contact::{Temperature, Wrench};
 use crate::models::ball::unknown::PRECESSION;
-use crate::models::ball::{
-    BALL, BallLoads, EhlPoint, ElasticBall, ElasticPoint, ROWS, Workspace,
-};
+use crate::models::ball::{BALL, BallLoads, EhlPoint, ElasticBall, ElasticPoint, ROWS, Workspace};
 use crate::models::lubricated::{Lubricated, LubricatedModel};
 use crate::models::raceway_control::RollingBall;
 use crate::models::workspace::ModelWorkspace;
@@ -28,14 +26,6 @@ pub(super) struct Push {
     friction: f64,
 }
 
-/// Rotation in the frame of the train across the groove, `$\\omega - Pk - (\\ldots \\cdot t)\\,t$` (O1).
-fn across<D: Scalar>(to_nut: &Motion<D>, frame: &BallFrame<D>) -> nalgebra::Vector3<D> {
-    // w = ω' − (ω'·t) t,  ω' = ω − P k                                    (O1)
-    let mut rolling = to_nut.omega - frame.k * to_nut.precession;
-    rolling.x = D::from(0.0);
-    rolling
-}
-
 impl Push {
     /// Force and moment on the ball.
     fn wrench<P: Scalar, D: Over<P>>(
@@ -44,14 +34,14 @@ impl Push {
         frame: &BallFrame<D>,
         to_nut: &Motion<D>,
     ) -> Wrench<D> {
-        let rolling = across(to_nut, frame);
+        let rolling = to_nut.across_groove(&frame.k);
         let speed = rolling.dot(&rolling).sqrt();
         let normal = D::from(self.front + self.back);
         // M_b = −f_b r_b (N_f + N_b) e                                    (O2)
         let moment = rolling * -pair.signed(normal * self.friction / speed);
         // F_b = [s (N_b − N_f) − (M_b·k)/d] t                             (O3)
-        let along = pair.signed(D::from(self.back - self.front))
-            - moment.dot(&frame.k) / D::from(pair.arc);
+        let along =
+            pair.signed(D::from(self.back - self.front)) - moment.dot(&frame.k) / D::from(pair.arc);
         Wrench { force: BallFrame::tangent() * along, moment }
     }
 
@@ -118,14 +108,17 @@ impl SlipBall<'_> {
     fn by_back_push(&self, y: &[f64; BALL], friction: f64) -> Result<[f64; BALL], EvalError> {
         let loaded = self.loaded(y)?;
         let mut by_push = [0.0; BALL];
-        Push { front: 0.0, back: 1.0, friction }
-            .add_to(&mut by_push, self.pair, (&loaded, &self.motion_to_nut(y, &loaded)));
+        Push { front: 0.0, back: 1.0, friction }.add_to(
+            &mut by_push,
+            self.pair,
+            (&loaded, &self.motion_to_nut(y, &loaded)),
+        );
         Ok(by_push)
     }
 }
 
 /// A ball of a train by [`Traction`], of which the motion without pushes is known.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct TrainBall {
     pair: ElasticBall,
     ehl: Option<EhlPoint>,
@@ -174,17 +167,14 @@ impl Traction {
 }
 
 impl Lubricated {
-    /// The same with a lubricant at a temperature \[K\]; `None` also where the model is not traction.
-    pub fn in_train(
-        &self,
-        kelvin: f64,
-        contact_friction: f64,
-        work: &mut ModelWorkspace,
-    ) -> Option<TrainBall> {
+    /// The same with a lubricant; `None` also where the model is not traction or the temperature is not known.
+    pub fn in_train(&self, contact_friction: f64, work: &mut ModelWorkspace) -> Option<TrainBall> {
         let LubricatedModel::Traction(case) = &self.model else { return None };
+        let Temperature::Known(kelvin) = self.lubricant.temperature else { return None };
         let ehl = EhlPoint::new(&case.at, &self.lubricant, kelvin).ok()?;
         let ModelWorkspace { traction, lubricated, .. } = work;
-        let ScaledRoot { pair, refined, .. } = case.lubricated_root(&ehl, traction, lubricated).ok()?;
+        let ScaledRoot { pair, refined, .. } =
+            case.lubricated_root(&ehl, traction, lubricated).ok()?;
         TrainBall::of(case, (pair, Some(ehl)), &refined.root, contact_friction, work)
     }
 }
@@ -236,6 +226,21 @@ impl TrainBall {
         &self.free
     }
 
+    /// Axial load \[N\].
+    pub fn axial_load(&self) -> f64 {
+        self.units[0]
+    }
+
+    /// Relative speed `$W$` \[rad/s\].
+    pub fn relative_speed(&self) -> f64 {
+        self.units[2]
+    }
+
+    /// Coefficient of friction at the races; of a lubricant the largest that it takes.
+    pub fn friction(&self) -> f64 {
+        self.pair.friction
+    }
+
     /// Growth of the rate by the force of the neighbour behind, without pushes (O5) \[1/N\].
     pub fn compliance(&self) -> f64 {
         self.compliance
@@ -248,7 +253,8 @@ impl TrainBall {
         solve: impl FnOnce(&SlipBall<'_>, &mut Workspace) -> R,
     ) -> R {
         let (accuracy, newton) = ([self.accuracy], &mut traction.newton);
-        let ([[dry, _]], [[oil, _]]) = (traction.rules.dry(accuracy), lubricated.oil.of_oil(accuracy));
+        let ([[dry, _]], [[oil, _]]) =
+            (traction.rules.dry(accuracy), lubricated.oil.of_oil(accuracy));
         let plans = Default::default();
         let ball = SlipBall::of_pair(&self.pair, dry, self.creep);
         let ball = SlipBall { plans: Some(&plans), at_nut: self.at_nut, ..ball };
@@ -339,7 +345,7 @@ impl TrainBall {
             rate: to_nut.precession,
             screw_torque: found.transmitted.torque * radius * load,
             race_power: found.transmitted.power * radius * load * speed,
-            rotation: across(&to_nut, &loaded.frame).norm() * speed.abs(),
+            rotation: to_nut.across_groove(&loaded.frame.k).norm() * speed.abs(),
             loads: loaded.loads.map(|part| part * load),
             pushes,
             axial_push: axial_push * load,
