@@ -35,6 +35,10 @@ dist *FLAGS:
 python:
     python/check
 
+# The book in target/book, to read and search without a network; after `just python`.
+book:
+    target/python/bin/sphinx-build -q -W --keep-going -d target/book-cache -c docs/book . target/book
+
 # The page in a real browser; `just page --pictures` makes those of docs/guide/look.md.
 page *FLAGS:
     crates/bsm-view/check {{FLAGS}}
@@ -78,6 +82,9 @@ remake *FLAGS:
 
 # The pictures of README and docs; `dot` is that of Graphviz.
 pictures: (validate "--figures" "target/report") (tradeoff "--figures" "target/tradeoff")
+    cargo run --release --locked -p bsm-cli -- axis examples/axis.json --figures target/axis
+    cp target/axis/figures/size-limits.svg docs/img/axis-limits.svg
     cargo run --release --locked -p bsm-validate --features tools --example sketches -- docs/img
     for name in architecture ways; do dot -Tsvg docs/img/$name.dot -o docs/img/$name.svg; done
     cp target/report/figures/{transition,lin-efficiency-lead-angle}.svg target/tradeoff/figures/pareto-single.svg docs/img/
+    cargo run --release --locked -p bsm-cli -- sweep examples/feed_drive_oil.json --vary screw_speed_rpm=10,20,50,100,200,500,1000,2000,4000 --vary lubricant_temperature_C=20,40,60 --columns equivalent_friction_coefficient -o docs/img/stribeck.svg

@@ -359,7 +359,7 @@ def scipy_hybr(points):
 
 
 def jax_newton(points):
-    """All points in one call with the room and the steps that most of them need; what is left, in another with more."""
+    """All points in one call with the room and the steps that most of them need; the others, in another with more."""
     import jax
 
     jax.config.update("jax_platforms", "cpu")

@@ -67,7 +67,7 @@ impl Target {
     ///
     /// If the program would, or if it takes too long or too much memory on this thread.
     pub fn check(&self, input: &[u8]) {
-        // As the program does: a panic in a damaged table is told as an error.
+        // As the program does: a panic in a damaged table becomes an error.
         HOOK.call_once(hush_caught_panics);
         let start = Instant::now();
         let memory = measure(|| (self.run)(input)).bytes_max;
@@ -138,7 +138,7 @@ fn solve(input: &[u8]) {
     let (_, base) = base.unwrap_or(&BASES[0]);
     let mut scene = Scene::from_json(base.as_bytes()).expect("an example");
     for line in lines {
-        // What is wrong with it has been told to the user.
+        // The user has the error message.
         let _ = scene.apply(&[line]);
     }
     everything(&scene);
@@ -184,7 +184,7 @@ const ROWS: usize = 3000;
 /// Reads a table, with a column to keep and without, and writes the answers in all forms.
 fn table(open: impl Fn(&[String]) -> Result<Box<dyn Source>, TableError>) {
     for keep in [&[][..], &["id".to_owned()]] {
-        // What is wrong with it has been told to the user.
+        // The user has the error message.
         let _ = open(keep).and_then(|mut source| rewrite(source.as_mut()));
     }
 }

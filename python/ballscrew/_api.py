@@ -45,7 +45,7 @@ class Quantity(NamedTuple):
     rule : str or None
         Rule for the value of an input.
     words : tuple of str
-        Possible values of an output in words.
+        Possible values of a text output.
     kind : str
         Type in JSON: number, integer, boolean or string.
     analysis : str or None
@@ -211,11 +211,11 @@ class Solution(SolutionFields):
     model : str
         The model that answered.
     message, choice, regime : str or None
-        Why there is no result; why `auto` took its model; what the motion is.
+        Reason why there is no result; reason of the choice of `auto`; regime of the motion.
     warnings : list of str
         Warnings to read before using the numbers.
     scene : Scene
-        What was asked.
+        The solved scene.
     """
 
     __slots__ = ()
@@ -1249,7 +1249,7 @@ def jam(
     Parameters
     ----------
     scene, **question
-        As in `solve`. The ball return is told by `apex_half_angle_deg`, `return_angle_deg` and the inputs whose
+        As in `solve`. The ball return is given by `apex_half_angle_deg`, `return_angle_deg` and the inputs whose
         meaning ends in "for jamming" (`INPUTS`).
 
     Returns
@@ -1289,7 +1289,7 @@ def capacity(
     Returns
     -------
     Report
-        Dynamic and static load rating [N], rigidities [N/um], mass [kg], permissible speed [rpm], and with a load and
+        Dynamic and static load rating [N], stiffnesses [N/um], mass [kg], permissible speed [rpm], and with a load and
         a speed the life in revolutions and hours; `axis` has that of a cycle.
 
     Raises
@@ -1339,10 +1339,9 @@ def nut(
     Parameters
     ----------
     scene, **question
-        As in `solve`; the nut is told by its turns, circuits, preload and loads.
+        As in `solve`; the nut is given by its turns, circuits, preload and loads.
     samples : int, optional
-        Quantiles over so many random sets of balls in place of one nut; the input `seed` says where the random
-        numbers begin.
+        Number of nuts with random balls, of which the report has quantiles; the input `seed` seeds them.
 
     Returns
     -------
@@ -1420,14 +1419,14 @@ def size(
     Parameters
     ----------
     scene, **question
-        As in `solve`; the axis is told by `stroke_mm`, `moved_mass_kg`, `support`, `cycle` and others of `INPUTS`.
+        As in `solve`; the axis is given by `stroke_mm`, `moved_mass_kg`, `support`, `cycle` and others of `INPUTS`.
     out : path, optional
         Folder for report.html, a sheet of two pages, results.json and figures; made if it does not exist.
 
     Returns
     -------
     Report
-        `found` is true if every rule is kept.
+        `found` is true if every rule passes.
 
     Raises
     ------
@@ -1552,12 +1551,12 @@ def fit(
     measured : mapping or str
         One output and its value, such as `{"screw_torque_Nm": 26.0}`; with `data` the name of the output alone.
     data : mapping, frame or path, optional
-        Measured points: a column of the output, and columns of inputs, in any units; `scene` has the rest. The sum
-        of squares of the differences is made least. A path is that of a CSV table.
+        Measured points: a column of the output, and columns of inputs, in any units; `scene` has the rest. The fit
+        minimises the sum of squared differences. A path is that of a CSV table.
     input : str, or with `data` also a sequence of them, or a mapping of them to ranges
-        What is sought.
+        Inputs to fit, or a mapping of them to their ranges.
     range : (float, float), optional
-        Where one input is sought.
+        Range of one input.
     **solver
         As in `solve_many`.
 
@@ -1565,8 +1564,9 @@ def fit(
     -------
     Report
         `found` of one measured value is a list of all values of the input. With `data` it is a mapping of the inputs
-        to value and standard deviation; `points` has what was measured and fitted, `condition` says how well the points
-        tell the inputs apart. `found` of the report itself is false where no value gives what was measured.
+        to value and standard deviation; `points` has measured and fitted values, `condition` the condition number: above some
+        thousand the points do not determine the inputs. `found` of the report is false where no value reproduces
+        the measurement.
 
     Raises
     ------
@@ -1650,7 +1650,7 @@ def design(
     requirement : mapping or path, optional
         Inputs of a scene and keys of `REQUIREMENTS`, or a file of them.
     free : bool
-        Take any size, not only the standard ones.
+        Treat sizes and contact angle as continuous.
     **changes
         Keys of the requirement, in place of those of `requirement`.
 
@@ -1662,7 +1662,7 @@ def design(
     Raises
     ------
     InputError
-        For a requirement that lacks something or breaks a rule.
+        For an incomplete requirement, or one that breaks a rule.
 
     Examples
     --------

@@ -31,7 +31,7 @@ class InputError(BallscrewError, ValueError):
     value : float or None
         Its value, if that breaks a rule.
     rule : str or None
-        The rule in words, after "must be".
+        The rule as text, after "must be".
     nearest : str or None
         The known name that is nearest to an unknown one.
     row : int or None
@@ -62,7 +62,7 @@ class SolveError(BallscrewError, ArithmeticError):
     Attributes
     ----------
     solution : Solution
-        The answer, with its status and words.
+        The answer, with its status and message.
     """
 
     def __init__(self, message: str, solution: Solution) -> None:

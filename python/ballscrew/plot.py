@@ -111,7 +111,7 @@ def _unit(name: str) -> str:
 
 
 def _words(name: str) -> str:
-    """A name in words, without its unit."""
+    """The label of a name, without its unit."""
     unit = _unit(name)
     ending = unit.replace("/", "_").replace("^", "").replace(" ", "")
     bare = name.removesuffix(f"_{ending}") if ending else name

@@ -82,7 +82,7 @@ fn invalid(message: &str, about: About<'_>, hint: &str) -> PyErr {
     made.unwrap_or_else(|error| error)
 }
 
-/// An error of the package, by its name, with words alone.
+/// An error of the package, by its name, with a message alone.
 pub(crate) fn named(kind: &str, message: &str) -> PyErr {
     let made = Python::attach(|py| -> PyResult<PyErr> {
         let kind = py.import("ballscrew._errors")?.getattr(kind)?;
@@ -91,7 +91,7 @@ pub(crate) fn named(kind: &str, message: &str) -> PyErr {
     made.unwrap_or_else(|error| error)
 }
 
-/// An `InputError` with words alone.
+/// An `InputError` with a message alone.
 pub(crate) fn words(message: &str) -> PyErr {
     invalid(message, About::default(), "")
 }

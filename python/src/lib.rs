@@ -28,7 +28,7 @@ fn inputs() -> Vec<(&'static str, &'static str, &'static str, Option<f64>, Strin
     INPUTS.iter().map(|i| (i.name, i.unit, i.about, i.default, i.rule.describe())).collect()
 }
 
-/// Name, unit, meaning, type in JSON, words and analysis of every output.
+/// Name, unit, meaning, type in JSON, possible texts and analysis of every output.
 #[pyfunction]
 fn outputs() -> Vec<(
     &'static str,
@@ -51,7 +51,7 @@ fn models() -> Vec<&'static str> {
     ModelChoice::names().collect()
 }
 
-/// The names of the races that may control.
+/// The names of the raceways that may control.
 #[pyfunction]
 fn races() -> [&'static str; 2] {
     Control::ALL.map(Control::name)

@@ -93,7 +93,7 @@ pub(crate) struct Rows {
     columns: Vec<ScalarBuffer<f64>>,
 }
 
-/// Places of words in a list: the words, and one place a row.
+/// Places of texts in a list: the texts, and one place a row.
 type Words = (PyArrowBuffer, Vec<&'static str>);
 
 #[pymethods]
@@ -302,7 +302,7 @@ fn workers(threads: Option<NonZeroUsize>) -> PyResult<Arc<Workers<'static>>> {
 /// Solves a task.
 ///
 /// * `how`: the number of threads, what is called with the rows that are done, and whether rows with a result keep
-///   their words.
+///   their messages.
 fn drive(
     py: Python<'_>,
     task: &Task,
@@ -332,7 +332,7 @@ struct Gathered {
     /// The outputs; none as long as no row has a value.
     columns: Vec<Option<Vec<f64>>>,
     len: usize,
-    /// Keep words of rows that have a result too.
+    /// Keep messages of rows that have a result too.
     text: bool,
 }
 

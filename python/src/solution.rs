@@ -105,7 +105,7 @@ impl Solution {
         self.value(place).map(|flag| flag > 0.5)
     }
 
-    /// An output in words.
+    /// An output that is a text.
     fn word(&self, place: usize) -> Option<&'static str> {
         OUTPUTS.get(place)?.word(self.number(place))
     }

@@ -74,7 +74,7 @@ fn stream(
     batches: Vec<RecordBatch>,
 ) -> PyResult<Bound<'_, PyCapsule>> {
     let batches = RecordBatchIterator::new(batches.into_iter().map(Ok), schema);
-    // Not by pyo3-arrow's classes: their methods are a quarter of the module, and nobody calls them.
+    // Not by pyo3-arrow's classes: their methods are a quarter of the module, and are not used.
     let stream = FFI_ArrowArrayStream::new(Box::new(batches));
     PyCapsule::new_with_value(py, stream, c"arrow_array_stream")
 }
@@ -248,9 +248,9 @@ pub(crate) fn read_arrow(
     schema.fields().iter().enumerate().map(column).collect()
 }
 
-/// A table as an Arrow stream, in the capsule of `__arrow_c_stream__`: name, unit, kind, values and words of each column; NaN is null.
+/// A table as an Arrow stream, in the capsule of `__arrow_c_stream__`: name, unit, kind, values and texts of each column; NaN is null.
 ///
-/// The kinds: `numbers`; `flags`, numbers that are 0 or 1; `words`, places in the words, negative for none;
+/// The kinds: `numbers`; `flags`, numbers that are 0 or 1; `words`, places in the texts, negative for none;
 /// `texts`; `kept`.
 #[pyfunction]
 pub(crate) fn to_arrow<'py>(

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from conftest import ROOT
 
-SHOWN = [ROOT / "README.md", ROOT / "python" / "README.md"]
+SHOWN = [ROOT / name for name in ("README.md", "python/README.md", "docs/guide/million-points.md")]
 SCRIPTS = sorted((ROOT / "python" / "examples").glob("*.py"))
 
 

@@ -27,7 +27,7 @@ def told(*words: str | Path) -> Any:
 
 
 def refused(*words_of_it: str | Path, words: str) -> None:
-    """The program refuses it too, in the same words."""
+    """The program refuses it too, with the same message."""
     run = subprocess.run([program(), *words_of_it], capture_output=True, text=True)
     assert run.returncode == 2 and words in run.stderr, run.stderr
 
@@ -129,6 +129,23 @@ def test_torque_by_its_parts() -> None:
     assert answer["torque_parts"].items() <= phase.items()
 
 
+def test_the_warm_state_of_an_axis() -> None:
+    path = EXAMPLES.parent / "validation" / "published" / "nut" / "feed_axis.json"
+    axis = bs.Scene.read(path)
+    sheet = bs.size(axis, model="raceway-control", control="nut")["warm"]
+    nut = bs.nut(axis, model="raceway-control", control="nut")
+    # The nut is solved once more, in the same state.
+    assert nut["warm_preload_N"] == pytest.approx(sheet["warm_preload_N"], rel=1e-9)
+    vary = {"nut_conductance_W_K": [3.0, 20.0]}
+    grid = bs.sweep(axis, vary=vary, outputs=["nut_temperature_C"], model="raceway-control", control="nut")
+    warm, cooled = grid["nut_temperature_C"]
+    # It computes 3.3 W/K, and is set at 20 C.
+    assert warm > sheet["nut_temperature_C"] > cooled > 20
+    # Nothing is asked for, nothing is warm.
+    cold = bs.Scene(axis, warm_state=False, lubricant_temperature_C=40)
+    assert "warm" not in bs.size(cold, model="raceway-control", control="nut")
+
+
 def test_fit_to_measured_points() -> None:
     path, table = EXAMPLES / "feed_drive_oil.json", EXAMPLES / "measured_torque.csv"
     oiled = bs.Scene.read(path)
@@ -177,7 +194,7 @@ def same_table(ours: Path, theirs: Path) -> None:
         return
     one, other = pq.read_table(ours), pq.read_table(theirs)
     assert one.equals(other), ours
-    # Units and words of the columns.
+    # Units and texts of the columns.
     assert all(a.metadata == b.metadata for a, b in zip(one.schema, other.schema, strict=True))
 
 
@@ -235,7 +252,7 @@ def test_nuts_of_a_maker(tmp_path: Path) -> None:
         rows = told("select", "--from", path, *words)
         assert nuts.to_dict() == {name: [row[name] for row in rows] for name in rows[0]}
     assert nuts.scene(0).to_dict() == bs.Scene(picked(tmp_path, "--from", path, *words)).to_dict()
-    # In a maker's own words, with a column that nobody reads, and a gap.
+    # With a manufacturer's column names, an unused column, and a gap.
     own = pd.read_csv(path).rename(columns={"nut": "Type", "rigidity_N_um": "K"}).assign(note="of a page")
     own["K"] = own["K"].where(own["Type"] != "R63-20K5-FSC")
     names = {"Type": "nut", "K": "rigidity_N_um", "note": None}

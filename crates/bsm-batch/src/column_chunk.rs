@@ -268,11 +268,11 @@ fn alike(values: &[u64], rows: &[f64]) -> usize {
     first + values[first..].iter().zip(&rows[first..]).take_while(|pair| same(*pair)).count()
 }
 
-/// A column chunk of a few words.
+/// A column chunk of a few texts.
 #[derive(Debug)]
 pub(crate) struct Words {
     column: ColumnDescPtr,
-    /// The words, in the order of their keys.
+    /// The texts, in the order of their keys.
     known: Vec<String>,
     keys: DictEncoder,
 }
@@ -449,7 +449,7 @@ impl Numbers {
     pub(crate) fn finish(mut self) -> Result<Encoded> {
         let values: Vec<_> = self.keys.values.iter().map(|bits| f64::from_bits(*bits)).collect();
         self.update_bounds(&values);
-        // There may be none, or only NaN; which zero it was is not told.
+        // There may be none, or only NaN; the sign of zero is not stored.
         let any = self.least <= self.greatest;
         let [least, greatest] = [(self.least, -0.0), (self.greatest, 0.0)]
             .map(|(end, zero)| any.then_some(if end.abs() > 0.0 { end } else { zero }));
@@ -657,7 +657,7 @@ mod tests {
         }
     }
 
-    /// A million equal words take no more bytes than a few.
+    /// A million equal texts take no more bytes than a few.
     #[test]
     fn words_cost_by_the_run() {
         let names = [Some("rigid"), None, Some("elastic"), Some("rigid")];

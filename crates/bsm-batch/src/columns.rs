@@ -20,7 +20,7 @@ pub(crate) fn is_answer(name: &str) -> bool {
     ANSWERS.contains(&name) || Output::named(name).is_some()
 }
 
-/// What the columns of a table are.
+/// Columns of a table.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Columns {
     /// Inputs, in the order of the table.
@@ -45,7 +45,7 @@ pub struct Heading<'a> {
     pub name: &'a str,
     /// JSON type.
     pub json_type: &'static str,
-    /// Unit in words; empty if it has none.
+    /// Unit as text; empty if it has none.
     pub unit: &'static str,
     /// Meaning.
     pub about: &'static str,
@@ -163,7 +163,7 @@ impl Columns {
         }
     }
 
-    /// What a value of the table is multiplied with to be in the unit of the input; a grid has its units.
+    /// Factor from the unit of the table to that of the input; 1 in a grid.
     pub(crate) fn factor(&self, place: usize) -> f64 {
         self.units.get(place).map_or(1.0, |(_, factor)| *factor)
     }

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! The bytes of a part depend on the plan only. A part is there because its footer, its length and its
-//! hash say so; whatever else stands under its name is told and left alone.
+//! hash say so; any other file of that name is reported and kept.
 
 mod digest;
 mod error;
@@ -49,7 +49,7 @@ use crate::{
 /// A part that is written and has no name yet.
 type TempFile = BufWriter<NamedTempFile>;
 
-/// What happens in a run.
+/// Events of a run.
 #[derive(Debug, Clone, Copy)]
 pub enum Event<'a> {
     /// Files among the parts that are none: they are left alone, and who reads the folder reads them too.
@@ -62,7 +62,7 @@ pub enum Event<'a> {
     Solved(&'a Chunk, &'a Answers),
 }
 
-/// What is in a folder.
+/// Content of a folder.
 #[derive(Debug, Default)]
 pub struct FolderScan {
     /// Finished parts, by their number.
@@ -170,7 +170,7 @@ pub fn solve_part(
     Ok((sink.schema, sink.tables))
 }
 
-/// What ended the solve of a part.
+/// Reason that ended the solve of a part.
 fn not_solved(error: RunError, unwritable: impl Fn(TableError) -> DatasetError) -> DatasetError {
     match error {
         RunError::Read(error) => DatasetError::Read(error),
@@ -444,8 +444,8 @@ impl Dataset {
         }
     }
 
-    /// Solves the missing ones of some parts, in their order. What is damaged is told at the end, and
-    /// the others are solved.
+    /// Solves the missing parts of a list in order. Damaged parts are reported at the end; the others
+    /// are solved.
     ///
     /// * `numbers`: their numbers, growing. * `repair`: whether all bytes of those that are there are looked at, and
     ///   what is no part is replaced, unless it is another plan that most of them are of.

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TableFormat {
-    /// What separates cells, in ASCII.
+    /// Separator of cells, in ASCII.
     pub delimiter: char,
     /// The decimal sign.
     pub decimal: char,

@@ -113,7 +113,7 @@ impl Draws {
         self.count
     }
 
-    /// What is drawn.
+    /// The drawn inputs.
     pub fn of(&self) -> &[Draw] {
         &self.of
     }

@@ -39,6 +39,9 @@ impl<'a> ColumnPlan<'a> {
     /// `None` if the model depends on the row, or if something is wrong that every row must tell.
     pub(crate) fn new(base: &'a Scene, settings: &Settings, columns: &'a Columns) -> Option<Self> {
         settings.check().ok()?;
+        if base.asks_warm() {
+            return None;
+        }
         let cells = columns.set();
         let in_row = |cells: InputSet| base.stated().overridden_by(cells);
         let given = in_row(cells);

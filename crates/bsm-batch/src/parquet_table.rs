@@ -34,7 +34,7 @@ thread_local! {
     static CAUGHT: cell::Cell<bool> = const { cell::Cell::new(false) };
 }
 
-/// Keeps panics that are [`caught`] from the panic hook of the program: they are told as errors. For
+/// Keeps panics that are [`caught`] from the panic hook of the program: they become errors. For
 /// the start of a program; panics elsewhere go to the hook that there is.
 pub fn hush_caught_panics() {
     let tell = panic::take_hook();
@@ -258,7 +258,7 @@ impl Source for ParquetSource {
 const ROW_GROUP: usize = 1 << 18;
 
 /// Values of a dictionary: inputs are often values of a grid; outputs that vary shall not fill one first. Names of
-/// models, of statuses and of words of an output are far fewer.
+/// models, of statuses and texts of an output are far fewer.
 pub(crate) const INPUT_WORDS: u16 = 1 << 14;
 const OUTPUT_WORDS: u16 = 1 << 8;
 
@@ -369,7 +369,7 @@ impl<W: Write + Send> ParquetSink<W> {
         Ok(())
     }
 
-    /// Writes what is left and the footer with keys, which are asked for when all before the footer is written,
+    /// Writes the remaining rows and the footer with keys, which are requested when all before the footer is written,
     /// and returns the writer.
     pub(crate) fn finish(
         mut self,

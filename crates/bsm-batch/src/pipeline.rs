@@ -22,7 +22,7 @@ const STACK: usize = if cfg!(debug_assertions) { 16 << 20 } else { 2 << 20 };
 /// depend on this number.
 pub const ROWS: usize = 1 << 16;
 
-/// What all rows of a table have in common.
+/// Settings that all rows of a table share.
 #[derive(Debug, Clone)]
 pub struct Task {
     /// The inputs that are no columns.
@@ -48,7 +48,7 @@ pub struct Count {
     pub several: u64,
 }
 
-/// What solves: threads, and an interrupt that they look at.
+/// Threads that solve, with their interrupt.
 #[derive(Debug)]
 pub struct Workers<'a> {
     pub(crate) pool: ThreadPool,
@@ -179,8 +179,8 @@ impl Task {
         Ok(self)
     }
 
-    /// A task for all points of a grid, with one model for all of them. What no point could have is
-    /// told here, once.
+    /// A task for all points of a grid, with one model for all of them. Inputs that every point
+    /// lacks are an error here.
     ///
     /// * `watched`: an output that is only looked at.
     ///
@@ -206,7 +206,7 @@ impl Task {
         task.checked(given, model)
     }
 
-    /// A task for the rows of a table. What no row could be solved without is told here, once.
+    /// A task for the rows of a table. Inputs that every row lacks are an error here.
     ///
     /// # Errors
     ///

@@ -68,7 +68,7 @@ pub struct Chunk {
     pub len: usize,
     /// Values of each input, null if missing.
     pub inputs: Vec<Float64Array>,
-    /// What stands in place of numbers of inputs, by row and place of the input.
+    /// Cells without a number, by row and place of the input.
     pub texts: BTreeMap<(usize, usize), String>,
     /// Each column that is carried through.
     pub kept: Vec<ArrayRef>,
@@ -223,7 +223,7 @@ pub struct Verdict {
     pub has_others: bool,
 }
 
-/// The answers of a chunk: a verdict for each row, words for some, and columns of outputs.
+/// The answers of a chunk: a verdict for each row, messages for some, and columns of outputs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answers {
     /// One for each row.

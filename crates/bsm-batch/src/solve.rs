@@ -40,7 +40,7 @@ pub struct Buffers<'a> {
     pub columns: Vec<Option<&'a mut [f64]>>,
 }
 
-/// What there is to say of a chunk besides.
+/// Messages of a chunk.
 #[derive(Debug, Default)]
 pub struct RowReport {
     /// Why there is no result, or why auto chose its model: rows in their order.
@@ -281,7 +281,7 @@ impl Run<'_> {
         messages
     }
 
-    /// Answers a row: its verdict unless a kernel has answered all but its analyses, and its words.
+    /// Answers a row: its verdict unless a kernel has answered all but its analyses, and its message.
     ///
     /// * `put`: takes the value of an output, by place.
     fn row(

@@ -29,7 +29,7 @@ fn parse(text: &str, decimal: char) -> Cell<'_> {
 pub struct CsvSource<R> {
     lines: Lines<R>,
     columns: Columns,
-    /// What becomes of each cell of a line.
+    /// Use of each cell of a line.
     takes: Vec<Take>,
     delimiter: char,
     decimal: char,
@@ -262,7 +262,7 @@ impl<R: Read + Send> Source for JsonSource<R> {
 const SLICE: usize = 512;
 const SLICES: usize = 32;
 
-/// What separates the cells of a CSV table that is written, and its decimal sign; both are ASCII.
+/// Separator and decimal sign of a written CSV table; both are ASCII.
 #[derive(Debug, Clone, Copy)]
 struct Signs {
     delimiter: u8,

@@ -20,3 +20,4 @@ pub(crate) mod section;
 pub(crate) mod selection;
 pub(crate) mod sensitivity;
 pub(crate) mod slip;
+pub(crate) mod warm;

@@ -2,7 +2,7 @@
 //!
 //! The only place that knows millimetres, degrees and rpm. A [`Scene`] is one operating point in
 //! the vocabulary; [`Scene::problem`] turns it into the SI problem of a model, [`Record`] turns
-//! the answer back. Ratings, designs, fits and analyses are asked and answered here in the same words; how
+//! the answer back. Ratings, designs, fits and analyses use the same vocabulary; how
 //! anything is solved is not known here: no iteration, no search, no tolerance of one.
 //!
 //! Model `auto` takes the cheapest model that is exact enough:
@@ -59,6 +59,7 @@ pub use answers::selection::{
 };
 pub use answers::sensitivity::{Sensitivities, Sensitivity};
 pub use answers::slip::slip;
+pub use answers::warm::{WarmBranch, WarmPoint};
 pub use case::catalogue::{Asked, Catalogue, LISTS, STANDARD_CATALOGUE};
 pub use case::grid::{Axis, Grid};
 pub use case::nut::NutProblem;

@@ -12,5 +12,4 @@ pub(crate) mod phase;
 pub(crate) mod quantity;
 pub(crate) mod rules;
 pub mod units;
-pub(crate) mod warm;
 pub(crate) mod words;

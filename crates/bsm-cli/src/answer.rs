@@ -12,10 +12,10 @@ use crate::files::{self, ending_of, is_stdout, keep, pretty_json, print, write_b
 use crate::stream::{TABLES, write_rows};
 use crate::table;
 
-/// What a command answers.
+/// Answer of a command.
 #[derive(Debug, Default)]
 pub(crate) struct Reply {
-    /// What stands above it.
+    /// Heading.
     pub(crate) title: Option<String>,
     /// The answers; several are members of one JSON object.
     pub(crate) parts: Vec<(&'static str, Answer)>,

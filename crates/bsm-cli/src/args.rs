@@ -376,7 +376,7 @@ pub(crate) struct AxisArgs {
     pub(crate) scene: SceneArgs,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
-    /// Load cycle: CSV with the columns time_s or share, force_N, feed_m_min and acceleration_m_s2, in any unit; in
+    /// Load cycle: CSV with the columns time_s or share, force_N, feed_m_min or screw_speed_rpm, and acceleration_m_s2, in any unit; in
     /// place of the cycle of the scene.
     #[arg(long, value_name = "CYCLE.csv")]
     pub(crate) cycle: Option<PathBuf>,

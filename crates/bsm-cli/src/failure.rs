@@ -21,7 +21,7 @@ pub(crate) enum Failure {
     /// A file or disk problem.
     #[error("{0}")]
     Files(String),
-    /// Ran, but a point has no solution or a check failed; the words are printed already.
+    /// Ran, but a point has no solution or a check failed; the message is printed already.
     #[error("unsolved")]
     Unsolved,
     /// Existing output differs from what is expected.
@@ -67,7 +67,7 @@ impl Failure {
         }
     }
 
-    /// What was being done, to what, and what the system said.
+    /// Operation, object, and message of the system.
     pub(crate) fn files(doing: &str, path: &Path, error: &io::Error) -> Self {
         let path = path.display();
         // Without the name of the temporary file, which means nothing to a user.

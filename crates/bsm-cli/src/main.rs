@@ -47,7 +47,7 @@ fn main() -> ExitCode {
         Ok(cli) => cli.command,
         Err(usage) => return failure::usage(&usage),
     };
-    // Rayon starts as many as it is told; 0 and what is no number mean all cores there.
+    // Rayon starts the number in RAYON_NUM_THREADS; 0 or text means all cores there.
     let asked =
         env::var("RAYON_NUM_THREADS").ok().filter(|n| n.parse::<usize>().is_ok_and(|n| n > 0));
     let asked = match asked.as_deref().map(args::threads).transpose() {

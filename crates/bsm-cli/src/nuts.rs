@@ -79,7 +79,7 @@ fn read(lists: Option<&Path>) -> Result<Catalogue, Failure> {
     Catalogue::from_json(&files::read_json(path)?).map_err(|e| Failure::scene(path, &e))
 }
 
-/// What was asked for.
+/// The request.
 fn asked(args: &SelectArgs) -> Result<Value, Failure> {
     let json = |path: Option<&Path>| -> Result<Value, Failure> {
         let Some(path) = path else { return Ok(Value::Null) };

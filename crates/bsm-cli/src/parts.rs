@@ -1,4 +1,4 @@
-//! `bsm parts`: parts of a planned folder solved, here or anywhere, and checked; and the plan in words.
+//! `bsm parts`: parts of a planned folder solved, here or anywhere, and checked; and the printed plan.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -91,7 +91,7 @@ pub(crate) fn print_plan(folder: &Path, plan: &Plan) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Lines of a list in words.
+/// Printed lines of a list.
 const SHOWN: usize = 20;
 
 /// Tells what of a folder is there, and what is wrong with it.

@@ -83,7 +83,7 @@ fn steps(args: &SelectArgs, path: &Path) -> Result<(), Failure> {
     reply.give(&args.out, || Ok(Drawn::default()))
 }
 
-/// What a requirement may say.
+/// Keys of a requirement.
 fn keys() -> String {
     let words = REQUIREMENT_WORDS.iter().map(|(name, words, about)| {
         vec![(*name).to_owned(), String::new(), format!("{about}: {}", words.join(", "))]

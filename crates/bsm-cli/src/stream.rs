@@ -1,4 +1,4 @@
-//! From points to a table or a folder of tables: the arguments, the bar and the words of the batch pipeline.
+//! From points to a table or a folder of tables: the arguments, the progress bar and the messages of the batch pipeline.
 
 use std::io::{self, IsTerminal, Read};
 use std::path::{Path, PathBuf};
@@ -30,7 +30,7 @@ pub(crate) const TABLES: [&str; 4] = ["csv", "jsonl", "parquet", "xlsx"];
 /// Endings of tables of points: they are not read from workbooks.
 const POINTS: [&str; 3] = ["csv", "jsonl", "parquet"];
 
-/// What all rows have in common, and where they go.
+/// Settings that all rows share, and their destination.
 pub(crate) struct Job<'a> {
     pub(crate) task: Task,
     pub(crate) args: &'a SweepArgs,
@@ -294,7 +294,7 @@ pub(crate) fn open(
     source.map_err(|e| Failure::table(path, &e))
 }
 
-/// What is wrong with a folder, with the exit code of its kind.
+/// Error of a folder, with its exit code.
 pub(crate) fn failed(folder: &Path, error: DatasetError) -> Failure {
     match error {
         DatasetError::Read(error) => Failure::Table(error),
@@ -316,7 +316,7 @@ pub(crate) fn failed(folder: &Path, error: DatasetError) -> Failure {
     }
 }
 
-/// What to do about files in place of parts.
+/// Treatment of files in place of parts.
 pub(crate) fn mend(folder: &Path, damaged: &[(PathBuf, PartDefect)]) -> String {
     let them = if damaged.len() == 1 { "it" } else { "them" };
     if damaged.iter().all(|(_, why)| matches!(why, PartDefect::NotInThePlan)) {
@@ -425,7 +425,7 @@ pub(crate) fn write_rows(
     }
 }
 
-/// What a table is written as.
+/// Format of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Form {
     /// Text or Parquet.

@@ -31,7 +31,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let (points, grid) = points_of(args)?;
     let is_grid = matches!(points, Points::Grid(_));
 
-    // Everything that can be told before the work: the fixed inputs, the model, the outputs.
+    // Everything that can be checked before the work: the fixed inputs, the model, the outputs.
     let picture = files.lines.or(files.map);
     if picture.or(files.lookup).is_some() && (args.resume || args.plan || !is_grid) {
         let text = "pictures and lookups need all points of a grid; they do not go with --resume, --plan or --draw";

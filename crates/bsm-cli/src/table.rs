@@ -95,7 +95,7 @@ fn rule(rule: &Criterion) -> Vec<String> {
     ]
 }
 
-/// Rows of numbers and words.
+/// Rows of numbers and texts.
 fn rows(table: &Rows) -> String {
     let shown: Vec<_> =
         (0..).zip(&table.columns).filter_map(|(i, column)| Some((i, column.head?))).collect();

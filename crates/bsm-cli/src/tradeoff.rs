@@ -59,14 +59,14 @@ fn describe(measured: &Tradeoff) -> String {
         "torque 99 %",
         "loads 99 %",
         "angles deg",
-        "99 % grips",
-        "partly",
-        "skids",
+        "99 % rolling",
+        "partial skid",
+        "gross skid",
     ];
     let rows: Vec<_> = measured.dials.iter().map(row).collect();
     let times_header = [
         "model and setting",
-        "where the ball",
+        "regime",
         "one point us: mean",
         "median",
         "90 %",
@@ -90,7 +90,7 @@ fn describe(measured: &Tradeoff) -> String {
     let counts: Vec<_> = measured.points.iter().map(count).collect();
     let advice_header = [
         "tolerance",
-        "where the ball",
+        "regime",
         "one point",
         "us",
         "error is larger in",

@@ -71,7 +71,7 @@ mod signals {
 
     /// Turns two ends of the program without a word into failures with exit code 1.
     pub(crate) fn prepare() -> io::Result<()> {
-        // A write beyond `ulimit -f` fails, and is told as that.
+        // A write beyond `ulimit -f` returns an error instead of a signal.
         flag::register(SIGXFSZ, Arc::default())?;
         // Without memory Rust says so and aborts.
         flag::register_conditional_shutdown(SIGABRT, 1, Arc::new(AtomicBool::new(true)))?;

@@ -19,7 +19,7 @@ pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure>
         let text = "--open and --port are of the server, which -o PAGE.html does not start";
         return Err(Failure::Input(text.to_owned()));
     }
-    // What cannot be solved is told here, not in the browser.
+    // Unsolvable input is an error here, not in the browser.
     scene.problem(&settings).map_err(in_file)?;
     note_unused(scene.given());
     if let Some(path) = args.output.as_deref().filter(|_| is_page) {

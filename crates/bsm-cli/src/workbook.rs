@@ -105,7 +105,7 @@ impl Workbook {
 /// What the library writes; it panics where the temporary file that it holds rows in has no room.
 fn written<T>(write: impl FnOnce() -> Result<T, XlsxError>) -> Result<T, TableError> {
     let done = caught(write).ok_or_else(|| {
-        // The end of a write beyond `ulimit -f` is told here.
+        // A write beyond `ulimit -f` returns its error here.
         FILE_TOO_LARGE.store(true, Ordering::Relaxed);
         let folder = env::temp_dir();
         let text = format!("no room for a temporary file in {} (TMPDIR)", folder.display());

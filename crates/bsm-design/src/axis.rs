@@ -38,7 +38,7 @@ pub struct Phase {
 }
 
 impl Motion {
-    /// What the screw carries and how fast it turns, with weight, guides and inertia of the moved mass.
+    /// Load and speed of the screw, with weight, guides and inertia of the moved mass.
     ///
     /// * `lead` \[m\].
     pub fn phase(&self, carriage: &MachineTable, lead: f64) -> Phase {
@@ -48,7 +48,7 @@ impl Motion {
     }
 }
 
-/// What holds a screw at its ends, and how long it is.
+/// End supports and length of a screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mount {
     /// How its ends are held.
@@ -95,6 +95,8 @@ pub struct Axis {
     pub static_rating: StaticRating,
     /// Preload of a pair \[N\].
     pub preload: Option<f64>,
+    /// Compression of the screw by its growth between two fixed bearings \[N\].
+    pub compression: f64,
     /// Life over that of 90 % of all nuts (Z14).
     pub reliability: f64,
 }
@@ -155,9 +157,10 @@ impl Axis {
         Some(self.fastest() / self.shaft.as_ref()?.critical_speed())
     }
 
-    /// Buckling load over the largest load.
+    /// Buckling load over the largest load and the compression together.
     pub fn buckling_safety(&self) -> Option<f64> {
-        Some(self.shaft.as_ref()?.buckling_load() / self.largest_load())
+        let pressed = self.largest_load() + self.compression;
+        Some(self.shaft.as_ref()?.buckling_load() / pressed)
     }
 
     /// Load that strains the core up to [`PERMITTED_STRESS`] \[N\].

@@ -34,7 +34,7 @@ pub struct Lists {
     pub contact_angles: Vec<f64>,
 }
 
-/// What a size must satisfy, and what all sizes have in common.
+/// Limits of a size, and values that all sizes share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Largest ball diameter over lead.
@@ -203,7 +203,7 @@ impl Candidate {
         ratings.iter().chain(&others).all(|number| number.is_finite())
     }
 
-    /// What a front is made of, the less the better: dynamic rating and rigidity with the sign
+    /// Objectives of a Pareto front, to minimise: dynamic rating and rigidity with the sign
     /// turned, and mass.
     pub fn costs(&self) -> [f64; 3] {
         [-self.dynamic_rating, -self.rigidity, self.mass]
@@ -243,7 +243,7 @@ impl Lists {
         all.into_par_iter().filter(|place| self.candidate(limits, *place).is_some()).collect()
     }
 
-    /// What `each` makes of the nuts of some places, in their order; no nut is kept.
+    /// Applies `each` to the nuts of some places, in order; no nut is stored.
     pub fn map<R: Send>(
         &self,
         limits: &Limits,

@@ -9,7 +9,7 @@ use crate::body::STEEL;
 /// Acceleration of free fall \[m/s²\], standard.
 pub(crate) const GRAVITY: f64 = 9.806_65;
 
-/// What an axis moves, and along which slope.
+/// Moved mass and inclination of an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MachineTable {
     /// Moved mass \[kg\].
@@ -72,7 +72,7 @@ pub fn screw_inertia(length: f64, mass: f64) -> f64 {
     mass.powi(2) / (TAU * STEEL * length)
 }
 
-/// What turns and moves between motor and carriage.
+/// Inertias between motor and carriage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
     /// Lead \[m\].

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 const MOST_STEPS: usize = 60;
 const SETTLED: f64 = 1e-9;
 
-/// Step of the differences that slopes are told from, in parts of the bounds.
+/// Step of the finite differences, relative to the bounds.
 const APART: f64 = 1e-3;
 
 /// Where the sum of squares is least, nearby at least.
@@ -14,9 +14,9 @@ const APART: f64 = 1e-3;
 pub struct LeastSquares {
     /// The numbers.
     pub at: Vec<f64>,
-    /// What is left over.
+    /// Residuals at the solution.
     pub residuals: Vec<f64>,
-    /// Standard deviations of the numbers, if what is left is chance; `None` with no more residuals than
+    /// Standard deviations of the numbers, if the residuals are random; `None` with no more residuals than
     /// numbers.
     pub deviations: Option<Vec<f64>>,
     /// Largest over smallest response to changes of the numbers, in parts of the bounds: from some thousands on
@@ -30,7 +30,7 @@ pub struct LeastSquares {
 ///
 /// # Errors
 ///
-/// Those of `residuals`.
+/// Errors of `residuals`.
 pub fn least_squares<E>(
     mut residuals: impl FnMut(&[f64]) -> Result<Option<Vec<f64>>, E>,
     start: &[f64],

@@ -46,7 +46,7 @@ const RESERVE: f64 = SLACK - ROUNDING;
 /// How near to a limit counts as held back by it.
 const NEAR: f64 = 2e-3;
 
-/// What the search says.
+/// Result of the search.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
     /// A screw that meets the requirement, with whole numbers of balls and a ball from stock.
@@ -75,7 +75,7 @@ pub enum Outcome {
 pub struct ActiveLimit {
     /// The limit, and the value of the compromise.
     pub check: Check,
-    /// What else there is to say.
+    /// Notes.
     pub why: Why,
 }
 
@@ -444,7 +444,7 @@ impl Search<'_> {
         (at, blocking)
     }
 
-    /// What a quantity can be with all other limits kept; `None` if these cannot all be.
+    /// Best value of a quantity with all other limits met; `None` if they cannot all be met.
     fn without(&self, check: &Check, turns: &[f64]) -> Option<ActiveLimit> {
         let blocked = |best| ActiveLimit { check: *check, why: Why::Alone(best) };
         if check.quantity == Quantity::Turns {

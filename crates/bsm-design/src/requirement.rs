@@ -16,7 +16,7 @@ pub enum LoadCase {
 }
 
 impl LoadCase {
-    /// What a screw carries.
+    /// Loads of a screw.
     fn phases(&self, carriage: &MachineTable, nut: &Nut) -> Vec<Phase> {
         match self {
             Self::Cycle(motions) => {
@@ -79,7 +79,7 @@ impl DutySpeed {
     }
 }
 
-/// What the design is to be best in.
+/// Objective of the design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Objective {
     /// Efficiency, as large as possible.
@@ -90,7 +90,7 @@ pub enum Objective {
     Mass,
 }
 
-/// What a designer has fixed; the rest is free.
+/// Fixed values; the others are free.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Fixed {
     /// Diameter of the circle of ball centres \[m\].
@@ -105,7 +105,7 @@ pub struct Fixed {
     pub turns: Option<f64>,
 }
 
-/// What a screw may look like: least and largest value of each number.
+/// Limits of a screw: least and largest value of each number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ranges {
     /// Contact angle \[rad\].
@@ -118,12 +118,12 @@ pub struct Ranges {
     pub ball_over_groove: (f64, f64),
 }
 
-/// What a screw must do.
+/// Requirement of a screw.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Requirement {
     /// Forces and speeds, or a torque.
     pub demand: LoadCase,
-    /// What is moved, which adds to the forces.
+    /// Moved mass, which adds to the forces.
     pub carriage: MachineTable,
     /// Preload of a pair of nuts \[N\].
     pub preload: Option<f64>,
@@ -163,11 +163,11 @@ pub struct Requirement {
     pub least_efficiency: Option<f64>,
     /// Largest input power \[W\]: that of the motor where the screw is driven.
     pub largest_power: Option<f64>,
-    /// What the screw may look like.
+    /// Limits of the screw.
     pub ranges: Ranges,
-    /// What is to be best.
+    /// Objective.
     pub objective: Objective,
-    /// What is fixed.
+    /// Fixed values.
     pub fixed: Fixed,
     /// Diameters of balls in stock \[m\].
     pub stock: Vec<f64>,
@@ -329,6 +329,7 @@ impl Design {
             dynamic_rating: nut.dynamic_rating().rating,
             static_rating: nut.static_rating(),
             preload: requirement.preload,
+            compression: 0.0,
             reliability: requirement.reliability,
         };
         let still = Phase { time: 1.0, load: 0.0, speed: 0.0, acceleration: 0.0 };

@@ -15,7 +15,7 @@ pub struct Elasticity {
     pub hertz: [Hertz; 2],
     /// Characteristic `$k$` of one turn \[N/m^1.5\] (D6).
     pub turn: f64,
-    /// That of all turns `$k\,i$` \[N/m^1.5\].
+    /// Characteristic of all turns `$k\,i$` \[N/m^1.5\].
     pub turns: f64,
     /// Rigidity of the body \[N/m\] (D8).
     pub body: f64,

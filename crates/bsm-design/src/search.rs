@@ -91,7 +91,7 @@ pub struct Crossings {
 ///
 /// # Errors
 ///
-/// That of `function`.
+/// Error of `function`.
 pub fn crossings<E: Into<SearchError>>(
     function: impl Fn(f64) -> Result<f64, E>,
     range: (f64, f64),
@@ -138,7 +138,7 @@ fn place((low, high): (f64, f64), i: u32, steps: u32) -> f64 {
 ///
 /// # Errors
 ///
-/// That of `function`.
+/// Error of `function`.
 pub fn minimum_inside<E: Into<SearchError>>(
     function: impl Fn(f64) -> Result<f64, E>,
     (low, high): (f64, f64),
@@ -156,9 +156,9 @@ pub fn minimum_inside<E: Into<SearchError>>(
 /// Objective and constraints at a point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Value {
-    /// What is to be small.
+    /// Objective to minimise.
     pub objective: f64,
-    /// What must not be positive.
+    /// Constraints, at most 0.
     pub excess: Vec<f64>,
 }
 
@@ -264,7 +264,7 @@ mod tests {
 
     use super::*;
 
-    /// By hand: the sine from -1 to 7, and what is left of it where it has no value beyond 4; one of
+    /// By hand: the sine from -1 to 7, and the same without a value beyond 4; one of
     /// its roots is a point that is looked at.
     #[test]
     fn all_changes_of_sign_are_found() {

@@ -129,8 +129,8 @@ impl Nut {
         }
     }
 
-    /// Axial load of one nut under which a contact ellipse reaches the end of its flank \[N\]: the edge
-    /// of the land, or the bottom of the groove. 0 if even the unloaded contact is not on the
+    /// Axial load of one nut under which a contact ellipse reaches the end of its flank \[N\], at the
+    /// land or at the bottom of the groove. 0 if even the unloaded contact is not on the
     /// flank: its contacts lie outside the grooves.
     ///
     /// * `hertz`: contacts at nut and screw.

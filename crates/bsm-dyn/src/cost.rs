@@ -63,7 +63,7 @@ mod tests {
     }
 
     /// Found in an audit: searches along the curve were put in front of Newton, elastic took three
-    /// times as long, and nothing told. Bounds are half as much again as what is counted, in brackets.
+    /// times as long, and no test failed. Bounds are half as much again as what is counted, in brackets.
     #[test]
     fn a_model_that_becomes_slower_is_noticed() {
         let mut off = Vec::new();

@@ -123,12 +123,12 @@ pub enum Reason {
         /// found.
         critical_lead_angle: Option<f64>,
     },
-    /// The minor contact A' would have to pull.
-    MinorContactWouldPull {
+    /// Contact A' on the unloaded flank would have to act in tension.
+    UnloadedFlankWouldPull {
         /// `$Q_{A'}/F_a$`, not positive.
         load_ratio: f64,
     },
-    /// A loaded contact would have to pull.
+    /// A loaded contact would have to act in tension.
     LoadedContactWouldPull {
         /// `$Q_A/F_a$`.
         nut_load_ratio: f64,
@@ -221,7 +221,7 @@ pub enum Reason {
         status: NewtonStatus,
         /// Its last scaled residual.
         residual: f64,
-        /// The equation with the largest part of it, in words.
+        /// The equation with the largest part of it, as text.
         worst_equation: String,
     },
 }
@@ -237,7 +237,7 @@ impl From<Report> for Reason {
     }
 }
 
-/// How sure it is that there is no solution.
+/// Evidence that there is no solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Evidence {
     /// A proof from the equations of the model, up to rounding.

@@ -1,7 +1,7 @@
 //! Models by lanes: several points at a time, on the widest instruction set of the machine.
 //!
 //! A kernel answers the ordinary points of its model, and leaves the others to the model itself,
-//! which also finds the words for them. Formulas are those of the model, over lanes; the tests compare the two.
+//! which also writes the messages. Formulas are those of the model, over lanes; the tests compare the two.
 
 #![expect(
     clippy::inline_always,

@@ -46,7 +46,7 @@ impl<S: Simd> Units<S> {
     }
 }
 
-/// `$E^* r_b^2/F_a$` of the materials, those of the races unless given for the ball.
+/// `$E^* r_b^2/F_a$` of the materials, those of the raceways unless given for the ball.
 #[inline(always)]
 pub(super) fn modulus<S: Simd>(given: &LaneInputs<'_, S>, units: &Units<S>) -> Lane<S> {
     let youngs_modulus = given.get(InputKey::youngs_modulus_GPa);

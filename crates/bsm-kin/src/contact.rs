@@ -11,7 +11,7 @@ use crate::{BallFrame, Scalar};
 pub enum Site {
     /// A: loaded flank of the nut groove.
     Nut,
-    /// A': opposite flank of the nut's gothic arch, the minor contact.
+    /// A': unloaded flank of the nut's gothic arch.
     NutMinor,
     /// B: loaded flank of the screw groove.
     Screw,

@@ -111,7 +111,7 @@ pub struct EventRoot<const M: usize> {
     pub event: usize,
     /// The point.
     pub z: [f64; M],
-    /// What is left of the event's value; not small where the event jumps.
+    /// Residual value of the event; not small where the event jumps.
     pub value: f64,
     /// True if the value rises.
     pub rises: bool,

@@ -27,7 +27,7 @@ pub enum Status {
 }
 
 impl Status {
-    /// The outcome in words.
+    /// The outcome as text.
     pub fn describe(self) -> &'static str {
         match self {
             Self::Converged => "converged",
@@ -65,7 +65,7 @@ pub struct Report {
     pub residual: f64,
     /// Index of the equation with the largest scaled residual.
     pub worst_equation: usize,
-    /// That equation in words, from its
+    /// That equation as text, from its
     /// [`equation`](crate::Equations::equation); empty if the solve converged.
     pub worst_equation_name: String,
     /// Residual evaluations: one at the start, one a trial step.

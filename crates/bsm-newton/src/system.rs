@@ -30,7 +30,7 @@ pub trait Equations<const N: usize> {
         from_fn(|i| x[i] + lambda * dx[i])
     }
 
-    /// Equation `i` in words, for reports.
+    /// Name of equation `i`, for reports.
     fn equation(&self, i: usize) -> String {
         format!("equation {i}")
     }
@@ -75,7 +75,7 @@ pub trait System {
         }
     }
 
-    /// Equation `i` in words, for reports.
+    /// Name of equation `i`, for reports.
     fn equation(&self, i: usize) -> String {
         format!("equation {i}")
     }

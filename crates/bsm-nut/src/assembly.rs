@@ -338,7 +338,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// What is left of the forces, over the sum of their sizes.
+    /// Residual force over the sum of the magnitudes.
     pub(crate) fn imbalance(&self, state: &EnergyState) -> f64 {
         let tilts = self.freedoms() + 3..self.freedoms() + FREEDOMS;
         let force = |(i, r): (usize, &f64)| {

@@ -105,7 +105,7 @@ pub enum NutError {
         "the forces of the balls do not balance: {residual:e} of their sum is left after {steps} steps"
     )]
     NotConverged {
-        /// What is left of the sum of all forces.
+        /// Residual of the sum of all forces.
         residual: f64,
         /// Newton steps.
         steps: usize,

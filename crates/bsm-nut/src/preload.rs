@@ -1,4 +1,4 @@
-//! Preload: the offset that gives it, what is left of it under load, and the load that takes it away.
+//! Preload: its offset, the remaining preload under load, and the limit load.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U18) to (U20).
 

@@ -15,7 +15,7 @@ pub use band::{Band, Guess};
 pub use conductances::{Conductances, Coolant, Surfaces, coolant_conductance};
 pub use coupling::{FrictionOf, Heated, InPhase, WarmNut, WarmPhase, drag_beyond_contacts};
 pub use network::{AxialHold, Network, ScrewBar, Sinks};
-pub use states::{Fold, NoSteadyState, Steady};
+pub use states::{Fold, NoSteadyState, OnBranch, Steady};
 
 /// Nodes: nut, screw along the travel, balls, both ends of the screw.
 pub const NODES: usize = 5;

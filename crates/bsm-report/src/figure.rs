@@ -40,7 +40,7 @@ impl Stroke {
 /// One curve of a figure; a y that is not finite is a gap.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// What it is, in the legend.
+    /// Label in the legend.
     pub label: Option<String>,
     /// Number of its colour in the palette.
     pub color: usize,
@@ -97,9 +97,9 @@ impl Axis {
 pub struct Figure {
     /// Name of its files.
     pub key: String,
-    /// What it shows.
+    /// Title.
     pub title: String,
-    /// What to see in it.
+    /// Caption.
     pub caption: String,
     /// Horizontal axis.
     pub x: Axis,
@@ -136,7 +136,7 @@ const SHAPES: [MarkerShape; 5] = [
 const SHAPES_OF_LINE: usize = 5;
 const SHAPE_SIZE: f64 = 3.5;
 
-/// What strokes and colours mean.
+/// Meaning of strokes and colours.
 type Parts<'a> = (Vec<(Stroke, &'a str)>, Vec<(usize, &'a str)>);
 
 /// Colour of strokes in a legend for all colours.

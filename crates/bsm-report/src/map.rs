@@ -32,13 +32,13 @@ const PNG_SCALE: f32 = 2.0;
 /// A map of a quantity over two others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Map {
-    /// What it shows.
+    /// Title.
     pub title: String,
     /// Horizontal axis, and its values.
     pub x: (Axis, Vec<f64>),
     /// Vertical axis, and its values.
     pub y: (Axis, Vec<f64>),
-    /// What the colours are.
+    /// Meaning of the colours.
     pub label: String,
     /// A value for each cell, those of one x after each other; NaN where there is none.
     pub values: Vec<f64>,

@@ -372,7 +372,7 @@ fn stiff_bars() -> Vec<Check> {
     let order = Check::new(
         "nut/cosh-order",
         BARS,
-        "what is left of it falls with the compliance of the bars",
+        "the remaining part falls with the compliance of the bars",
     )
     .measured(two.measured / one.measured, "")
     .note(format!("tenfold stiffness leaves 1/{ratio:.1} of the difference"))

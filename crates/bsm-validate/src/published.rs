@@ -112,6 +112,8 @@ tables! {
     nut_bearings: "nut/bearings.csv";
     /// Rigidity of nuts and pairs of a catalogue.
     nut_rigidity: "nut/rigidity.csv";
+    /// A feed axis in its warm steady state.
+    feed_axis: "nut/feed_axis.json";
     /// The case of Xu and Tang (2015).
     xu_case: "xu2015/case.json";
     /// Their trends, and on how many curves they hold.

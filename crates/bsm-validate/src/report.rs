@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// What is claimed holds.
+    /// The claim holds.
     Pass,
     /// It does not.
     Fail,
@@ -25,7 +25,7 @@ pub struct Check {
     pub key: String,
     /// Paper and equation.
     pub source: String,
-    /// What is claimed, in words.
+    /// The claim, as text.
     pub claim: String,
     /// The claimed number, if it is one.
     pub claimed: Option<f64>,

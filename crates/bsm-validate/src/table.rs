@@ -151,6 +151,7 @@ fn scene(published: &Published, name: &str) -> Result<Scene, ValidateError> {
         "xu2015" => published.xu_case.scene(),
         "dong2020" => published.dong_case.scene(),
         "makers" => published.makers_case.scene(),
+        "feed_axis" => published.feed_axis.scene(),
         _ => case(published, name),
     }
 }

@@ -80,7 +80,7 @@ const MOST_POINTS: usize = 3000;
 /// Accuracy of the quadrature of the reference.
 const FINE: f64 = 1e-12;
 
-/// What the reference is solved with.
+/// Settings of the reference.
 fn reference_settings() -> Settings {
     Settings { accuracy: FINE, creep: 1e-5, ..Model::Traction.into() }
 }
@@ -94,7 +94,7 @@ pub fn reference() -> String {
 /// A dial, its errors and its times.
 #[derive(Debug, Clone, Serialize)]
 pub struct Measured {
-    /// What was measured.
+    /// Measurements.
     #[serde(flatten)]
     pub dial: Dial,
     /// Errors over all points, then by motion of the balls, where there are points.
@@ -122,7 +122,7 @@ pub struct Count {
 /// The measurement.
 #[derive(Debug, Clone, Serialize)]
 pub struct Tradeoff {
-    /// What errors are against, as options of `bsm solve`.
+    /// Reference of the errors, as options of `bsm solve`.
     pub reference: String,
     /// The groups that have points, all first.
     pub points: Vec<Count>,
@@ -134,7 +134,7 @@ pub struct Tradeoff {
     pub threads: usize,
     /// Every dial, cheapest models first.
     pub dials: Vec<Measured>,
-    /// What to take for a tolerance.
+    /// Recommended setting for a tolerance.
     pub advice: Vec<Advice>,
 }
 

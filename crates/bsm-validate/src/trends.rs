@@ -101,7 +101,7 @@ fn spread(points: &[(f64, f64)]) -> f64 {
     values().fold(0.0, f64::max) - values().fold(f64::INFINITY, f64::min)
 }
 
-/// What a curve does.
+/// Trend of a curve.
 struct Trend {
     curve: String,
     shape: Shape,
@@ -112,7 +112,7 @@ struct Trend {
 }
 
 impl Trend {
-    /// What the curve does, in words.
+    /// The trend of the curve, as text.
     fn describe(&self, setting: &str) -> String {
         let Self { curve, first, last, .. } = self;
         let holds = if self.holds { "holds" } else { "does not" };

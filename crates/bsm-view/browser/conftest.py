@@ -21,7 +21,7 @@ FLAGS = ["--no-sandbox", "--enable-unsafe-swiftshader"]
 PATIENCE = 30_000
 
 
-# Times that a test measures, told at the end.
+# Times that a test measures, printed at the end.
 MEASURED: list[str] = []
 
 

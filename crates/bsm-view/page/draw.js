@@ -159,7 +159,7 @@ export function table(caption, head, rows, attributes = {}) {
     html("tbody", {}, rows.map((row) => row instanceof Node ? row : html("tr", {}, row.map(cell))))));
 }
 
-/** A row of a table: what it is, its unit, its numbers in words. */
+/** A row of a table: what it is, its unit, its numbers as text. */
 export const row = (label, unit, ...values) => html("tr", {}, html("th", { scope: "row" }, label), html("td", { class: "faint" }, unit), values.map((value) => html("td", { class: "number" }, value ?? "")));
 
 export function legend(entries) {

@@ -7,8 +7,11 @@ const { schema } = start;
 const INPUT = new Map(schema.inputs.map((input) => [input.name, input]));
 const STEPS = 1000;
 
-/** Words of the vocabulary that are one of a list. */
-const WORDS = Object.entries(schema.input.properties).filter(([name, property]) => !INPUT.has(name) && Array.isArray(property.enum));
+/** What a word may be: one of a list, true or false. */
+const choices = (name) => { const { enum: words, type } = schema.input.properties[name]; return words ?? (type?.includes("boolean") ? [true, false] : null); };
+/** Words of the vocabulary that are one of a list, true or false; those of a nut are in no other group. */
+const WORDS = Object.keys(schema.input.properties).filter((name) => !INPUT.has(name) && choices(name));
+const GROUPED = { lubricant: ["base_oil"], axis: ["support", "drag_rule"], "warm state": ["warm_state", "coolant"] };
 
 /** Range of a slider around a value, within the rule of the input. */
 function rangeOf(name, value) {
@@ -44,7 +47,7 @@ export class Inputs {
 
   build() {
     this.fields.clear();
-    const words = (group) => (group === "lubricant" ? ["base_oil"] : group === "axis" ? ["support"] : group === "nut" ? WORDS.map(([name]) => name).filter((name) => !["base_oil", "support"].includes(name)) : []);
+    const words = (group) => GROUPED[group] ?? (group === "nut" ? WORDS.filter((name) => !Object.values(GROUPED).flat().includes(name)) : []);
     const sets = schema.groups.map((group) => {
       const given = schema.inputs.filter((input) => input.group === group && input.name in this.scene);
       const texts = words(group).filter((name) => name in this.scene);
@@ -94,8 +97,8 @@ export class Inputs {
   }
 
   choice(name) {
-    const { enum: words, description } = schema.input.properties[name];
-    const pick = html("select", { id: `in-${name}`, title: description, disabled: !start.live, onchange: () => { this.scene[name] = pick.value; this.changed(this.scene); } },
+    const words = choices(name), { description } = schema.input.properties[name];
+    const pick = html("select", { id: `in-${name}`, title: description, disabled: !start.live, onchange: () => { this.scene[name] = words.find((word) => String(word) === pick.value); this.changed(this.scene); } },
       words.filter((word) => word !== null).map((word) => html("option", { value: word, selected: this.scene[name] === word }, String(word))));
     return html("div", { class: "field", "data-name": name }, html("label", { for: `in-${name}` }, `${name.replaceAll("_", " ")} `), pick);
   }
@@ -139,7 +142,7 @@ export class Inputs {
   add(name) {
     if (!name) return;
     const input = INPUT.get(name), property = schema.input.properties[name];
-    this.scene[name] = input ? (input.default ?? property.minimum ?? (property.exclusiveMinimum != null ? (property.exclusiveMinimum || 0.1) * 1.04 : 1)) : property.enum.find((word) => word !== null);
+    this.scene[name] = input ? (input.default ?? property.minimum ?? (property.exclusiveMinimum != null ? (property.exclusiveMinimum || 0.1) * 1.04 : 1)) : choices(name).find((word) => word !== null);
     this.build();
     this.form.querySelector(`[id="in-${name}"]`)?.focus();
     this.changed(this.scene);

@@ -13,7 +13,7 @@ export function showLosses(host, result, slip) {
   if (result.sliding_power_W != null) rows = OILED.map(([name, words, paint]) => [words, result[name] ?? 0, paint]).filter(([, value]) => value !== 0);
   else if (slip.error) { host.replaceChildren(html("p", {}, `${number(total)} W in all.`), none(slip.error)); return; }
   else rows = DRY.flatMap(([name, words]) => CONTACTS.map(([contact, paint]) => [`${words}, ${contact}`, slip[`${contact}_${name}_power_W`], paint])).filter(([, value]) => value != null && Math.abs(value) > 1e-9 * total);
-  // On a phone the words stand above the bars.
+  // On a phone the labels stand above the bars.
   const phone = narrow(), [left, width, row, top, base] = phone ? [2, 340, 40, 18, 13] : [204, 560, 27, 4, 17], high = Math.max(total, ...rows.map(([, value]) => value)), low = Math.min(0, ...rows.map(([, value]) => value));
   const x = (v) => left + ((v - low) / (high - low || 1)) * (width - left - 78 - 0.12 * (width - left));
   const bar = (y, value, paint) => svg("g", {}, svg("rect", { x: Math.min(x(0), x(value)), y, width: Math.max(Math.abs(x(value) - x(0)), 0.8), height: 18, fill: paint, rx: 2 }));

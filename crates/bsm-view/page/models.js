@@ -9,7 +9,7 @@ export function showModels(host, answer, solved) {
   const rows = answer.models.map((model) => html("tr", { class: model.model === solved?.model ? "here" : null }, html("th", { scope: "row" }, model.model),
     model.status === "converged" ? COLUMNS.map(([name]) => html("td", { class: "number" }, name === "time_us" ? model[name].toFixed(2) : model[name] == null ? "–" : number(model[name])))
       : html("td", { colspan: COLUMNS.length, class: "small" }, html("strong", {}, model.status.replace("_", " ")), `: ${model.message}`)));
-  // Models that are left out for the same reason share its words.
+  // Models that are left out for the same reason share a line.
   const why = new Map();
   for (const words of answer.left_out) {
     const name = words.match(/model ([a-z-]+)/)?.[1] ?? "", rest = words.replace(/^model [a-z-]+ /, "").replace(/ by model [a-z-]+/, "");

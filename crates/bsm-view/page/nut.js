@@ -10,7 +10,7 @@ const span = (values) => { const v = values.filter(Number.isFinite); return [Mat
 export function showNut(host, answer) {
   if (answer instanceof Error || answer.status !== "converged") { host.replaceChildren(none(answer.message ?? "")); return; }
   const { balls, curve } = answer;
-  host.replaceChildren(html("div", { class: "pair" }, sharing(balls, answer), developed(balls), deflection(curve, answer),
+  host.replaceChildren(html("div", { class: "pair" }, sharing(balls, answer), developed(balls), deflection(curve, answer), warm(answer.warm_branch, answer),
     html("div", {}, answer.notes.map((note) => html("p", { class: "small faint" }, note)), answer.warnings.map((warning) => html("p", { class: "warn" }, warning)))),
     html("details", {}, html("summary", {}, "Numbers of the nut"), html("div", { class: "tables" }, groups(answer.shown))));
 }
@@ -60,6 +60,22 @@ function deflection(curve, answer) {
     axes(x, y, [box[0], box[1], right, box[3]], "axial load, N", "displacement, µm", 64), line(shift, y, "--c1"), line(curve.nut_stiffness_N_um, y2, "--c3", "7 4"),
     preload ? line(curve.preload_left_N, preload, "--c2", "2 3") : null, mark, ...ends,
     limit && limit <= x.domain[1] ? svg("g", {}, svg("path", { d: `M${x(limit)} ${box[1]}V${box[3]}`, stroke: "var(--faint)", "stroke-dasharray": "3 3" }), text(x(limit) - 4, box[1] + 12, "limit load", { "text-anchor": "end", class: "small faint" })) : null),
-    legend([["displacement, left scale", "var(--c1)", "solid"], ["tangent stiffness, N/µm, right scale", "var(--c3)", "dash"], ...(preload ? [[`preload left, up to ${number(preload.domain[1] / 1.05)} N`, "var(--c2)", "dots"]] : [])]),
+    legend([["displacement, left scale", "var(--c1)", "solid"], ["tangent stiffness, N/µm, right scale", "var(--c3)", "dash"], ...(preload ? [[`remaining preload, up to ${number(preload.domain[1] / 1.05)} N`, "var(--c2)", "dots"]] : [])]),
     html("p", { class: "small" }, `Stiffness at this load ${number(answer.nut_stiffness_N_um)} N/µm${answer.preload_left_N == null ? "" : `; preload ${number(answer.preload_set_N)} N cold, ${number(answer.warm_preload_N)} N warm, of which ${number(answer.preload_left_N)} N are left`}${limit == null ? "" : `; from ${number(limit)} N on nothing is left of the preload`}.`));
+}
+
+/** Preload over the speed in the warm steady state: solid up to the fold, dashed beyond it. */
+function warm(branch, answer) {
+  if (!branch) return null;
+  const [width, height, box] = sizes();
+  const { screw_speed_rpm: speed, warm_preload_N: preload, stable, asked_rpm: asked } = branch, turn = stable.indexOf(false);
+  const x = scale([0, Math.max(...speed, asked) * 1.05], [box[0], box[2]]), y = scale([0, Math.max(...preload, 1) * 1.06], [box[3], box[1]]);
+  const line = (part, dash) => svg("path", { d: path(part.map((i) => [x(speed[i]), y(preload[i])])), fill: "none", stroke: "var(--c1)", "stroke-width": 2.2, "stroke-dasharray": dash });
+  const all = speed.map((_, i) => i), until = turn < 0 ? all : all.slice(0, turn), fold = until.at(-1);
+  const { nut_temperature_C: nut, screw_temperature_C: screw, balls_temperature_C: balls } = answer.warm;
+  return figure("Warm preload over the speed", picture(width, height, `Warm preload over the speed of the screw${turn < 0 ? ", without a fold" : `, with a fold at ${number(speed[fold])} rpm`}`,
+    axes(x, y, box, "speed of the screw, rpm", "warm preload, N", 64), line(until), turn < 0 ? null : line(all.slice(turn - 1), "7 4"),
+    turn < 0 ? null : svg("circle", { cx: x(speed[fold]), cy: y(preload[fold]), r: 5, fill: "none", stroke: "var(--ink)", "stroke-width": 2 }, svg("title", {}, "fold: no steady state above this speed")),
+    svg("path", { d: `M${x(asked)} ${box[1]}V${box[3]}`, stroke: "var(--faint)", "stroke-dasharray": "3 3" })),
+    html("p", { class: "small" }, `Nut ${number(nut)} °C, screw ${number(screw)} °C, balls ${number(balls)} °C at ${number(asked)} rpm. ${turn < 0 ? "No fold in this range." : `Above ${number(speed[fold])} rpm (circle) there is no steady state: the preload runs away. Dashed: states that a disturbance leaves.`}`));
 }

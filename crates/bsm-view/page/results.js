@@ -37,7 +37,7 @@ export function showNumbers(host, result) {
   const minor = contacts.some(([, , values]) => values[2] != null);
   host.replaceChildren(html("div", { class: "tables" },
     table("Ball and screw", null, overall.map(([label, ...entry]) => row(marked(label), ...entry))),
-    contacts.length ? table("Contacts", ["", "", "nut", "screw", ...(minor ? ["minor"] : [])], contacts.map(([label, unit, values]) =>
+    contacts.length ? table("Contacts", ["", "", "nut", "screw", ...(minor ? ["unloaded flank"] : [])], contacts.map(([label, unit, values]) =>
       row(marked(label), unit, ...values.slice(0, minor ? 3 : 2)))) : null),
     ...(unbounded.length ? [html("p", { class: "small faint" }, `* Not covered by the error bound: value of model ${result.model}; take model traction where it matters.`)] : []));
 }

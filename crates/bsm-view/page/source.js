@@ -2,7 +2,7 @@
 
 export const start = JSON.parse(document.getElementById("start").textContent);
 
-/** What was asked breaks a rule: the words are those of the command line. */
+/** What was asked breaks a rule: the message is that of the command line. */
 export class Refused extends Error {}
 
 /** The server does not answer any more. */

@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use bsm_batch::{Answers, Buffers, GridSource, Source, Task, Workers};
 use bsm_case::{
     Axis, Beside, CaseError, Columns, Comparison, EllipseFields, Grid, GrooveSection, ModelChoice,
-    Moving, NutProblem, Of, Quantity, Record, Row, Scene, Settings, torque_parts,
+    Moving, Numbers, NutProblem, Of, Quantity, Record, Row, Scene, Settings, WarmBranch,
+    torque_parts,
 };
 use bsm_dyn::{ModelWorkspace, Problem, Status};
 use bsm_report::{PROGRAM, number};
@@ -23,7 +24,7 @@ pub(crate) const FIELD_POINTS: u32 = 20;
 /// Why a request has no answer.
 #[derive(Debug, Error)]
 pub enum Refusal {
-    /// What was asked breaks a rule, in the words of the command line.
+    /// The request breaks a rule; the message is that of the command line.
     #[error("{0}")]
     Input(String),
     /// There is no such route.
@@ -225,15 +226,16 @@ pub(crate) fn nut(Asked { scene, settings, .. }: &Asked) -> Result<Value, Refusa
         Ok(report) => report,
         Err(none) => return Ok(NutProblem::unsolved(&none).to_json()),
     };
-    let mut answer = report.answer().to_json();
+    let told = report.answer();
+    let mut answer = told.to_json();
     answer["balls"] = columns(&report.balls());
     answer["curve"] = columns(&report.curve());
-    let numbers = report.numbers(|_| true);
     let row = |row: &Row| {
         let Quantity { title, about, unit, .. } = row.quantity;
         Some(json!([title, about, unit, number(row.values[0]?)]))
     };
-    answer["shown"] = numbers.rows().filter_map(row).collect();
+    answer["shown"] = told.numbers().flat_map(Numbers::rows).filter_map(row).collect();
+    answer["warm_branch"] = WarmBranch::of(scene, settings)?.map_or(Value::Null, |b| b.to_json());
     Ok(answer)
 }
 

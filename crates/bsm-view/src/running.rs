@@ -128,17 +128,17 @@ mod tests {
         turn
     }
 
-    /// A page that has moved on stops its own earlier requests, and nobody else's; who waits is told before the work
+    /// A page that has moved on stops its own earlier requests only; a waiting request is answered before the work
     /// has ended.
     #[test]
     fn a_newer_turn_stops_those_of_its_page() {
         let running = Running::most(4);
         let (old, old_answer) = running.begin(Some(turn("a", 1))).expect("room");
         let (other, other_answer) = running.begin(Some(turn("b", 1))).expect("room");
-        let (nobody, _) = running.begin(None).expect("room");
+        let (unnamed, _) = running.begin(None).expect("room");
         let (new, new_answer) = running.begin(Some(turn("a", 2))).expect("room");
         let stopped =
-            [&old, &other, &nobody, &new].map(|begun| begun.stop().load(Ordering::Relaxed));
+            [&old, &other, &unnamed, &new].map(|begun| begun.stop().load(Ordering::Relaxed));
         assert_eq!(stopped, [true, false, false, false]);
         assert!(matches!(old_answer.try_recv(), Ok(Err(Refusal::Overtaken))));
         assert!(matches!(other_answer.try_recv(), Err(TryRecvError::Empty)));

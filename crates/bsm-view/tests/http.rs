@@ -331,7 +331,7 @@ fn clients_that_are_slow_hold_up_no_other() {
     let deaf: Vec<_> = (0..40).map(|_| connect(&page)).collect();
     assert_eq!(served.post("solve", &asked()).0, 200);
     for mut stream in [silent, begun].into_iter().flatten() {
-        // They are told after a while, whatever else they send.
+        // They get an answer after a while, whatever else they send.
         let mut answer = String::new();
         stream.read_to_string(&mut answer).expect("text");
         assert!(answer.starts_with("HTTP/1.1 408 "), "{answer}");

@@ -15,11 +15,11 @@ pub enum DatasetError {
     /// The disk.
     #[error("cannot {doing} {}: {error}", path.display())]
     Io {
-        /// What was being done.
+        /// The operation.
         doing: &'static str,
         /// To what.
         path: PathBuf,
-        /// What the system said.
+        /// Message of the system.
         error: io::Error,
     },
     /// The points cannot be read.
@@ -45,7 +45,7 @@ pub enum DatasetError {
     NotReadTwice {
         /// The points.
         path: PathBuf,
-        /// What it is.
+        /// Its kind.
         found: &'static str,
     },
     /// Points with fewer rows than before.
@@ -57,7 +57,7 @@ pub enum DatasetError {
         number: u64,
         /// Its rows by the plan.
         rows: u64,
-        /// Those that there were.
+        /// The existing ones.
         found: u64,
     },
     /// Points of a plan that name nothing.
@@ -75,7 +75,7 @@ pub enum DatasetError {
     /// Parts that the plan does not have.
     #[error("the plan has parts 0 to {}, and none of the number {number}", parts - 1)]
     NoSuchPart {
-        /// What was asked for.
+        /// The request.
         number: u64,
         /// Number of parts.
         parts: u64,
@@ -125,7 +125,7 @@ pub enum DatasetError {
         /// The id of their plan.
         other: String,
     },
-    /// What stands in place of the plan is none.
+    /// The file in place of the plan is no plan.
     #[error("{} is not the plan of this task: {why}", path.display())]
     NotAPlan {
         /// The file.
@@ -133,7 +133,7 @@ pub enum DatasetError {
         /// Why not.
         why: String,
     },
-    /// What stands in place of parts is none of the plan's.
+    /// A file in place of a part is not of this plan.
     #[error("{}", words(.0))]
     Damaged(Vec<(PathBuf, PartDefect)>),
 }

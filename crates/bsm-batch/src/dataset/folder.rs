@@ -52,7 +52,7 @@ impl Folder {
         self.path.join(LIST)
     }
 
-    /// What is among the parts; nothing if their folder is not there.
+    /// Files among the parts; none without their folder.
     pub(super) fn data(&self) -> Result<Vec<fs::DirEntry>, DatasetError> {
         match entries(&self.path.join(DATA)) {
             Err(DatasetError::Io { error, .. }) if error.kind() == ErrorKind::NotFound => {

@@ -79,7 +79,7 @@ pub struct Part {
     pub data_sha256: String,
 }
 
-/// What is wrong with what stands under the name of a part.
+/// Defect of a file with the name of a part.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PartDefect {
@@ -304,7 +304,7 @@ pub fn list_parts(parts: &BTreeMap<u64, Part>) -> Result<Vec<u8>, TableError> {
     Ok(writer.into_inner()?)
 }
 
-/// What something is that is no file.
+/// Kind of an entry that is no file.
 pub(super) fn kind(found: &fs::Metadata) -> &'static str {
     if found.is_dir() {
         "a folder"

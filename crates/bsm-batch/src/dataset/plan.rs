@@ -23,7 +23,7 @@ const FORMAT: u32 = 4;
 /// Most parts of a folder.
 pub const MOST_PARTS: u64 = 100_000;
 
-/// What a folder is to hold.
+/// Planned content of a folder.
 #[derive(Debug, Clone)]
 pub struct Plan {
     written: Written,
@@ -155,7 +155,7 @@ impl Plan {
     ///
     /// # Errors
     ///
-    /// What is wrong with it, in words: it is no plan, of another program, or has been changed.
+    /// Reason of the refusal: it is no plan, of another program, or has been changed.
     pub fn from_text(text: &str) -> Result<Self, String> {
         let written: Written = serde_json::from_str(text).map_err(|e| e.to_string())?;
         let (found, this) = (&written.program, Program::this());
@@ -183,7 +183,7 @@ impl Plan {
     ///
     /// # Errors
     ///
-    /// What in the plan names nothing, in words.
+    /// Unknown names in the plan, as text.
     pub fn task(&self) -> Result<Task, String> {
         let base = serde_json::to_vec(&self.written.base).map_err(|e| e.to_string())?;
         let base = Scene::from_json(&base).map_err(|e| e.to_string())?;
@@ -323,7 +323,7 @@ fn approximate(count: u64) -> f64 {
     count as f64
 }
 
-/// Nominal time of a row on one core with one output, solved and written \[s\], where the balls grip.
+/// Nominal time of a row on one core with one output, solved and written \[s\], of rolling balls.
 fn seconds(model: ModelChoice) -> f64 {
     let microseconds = match model {
         ModelChoice::Fixed(Model::ClosedForm | Model::QuasiStatic) => 0.1,

@@ -159,7 +159,7 @@ impl WrittenPoints {
         const NUMBER: f64 = 8.0;
         const COLUMNS: usize = 4;
         match self {
-            // A value of an outer axis stands in many rows; those of the innermost repeat, as words of a list.
+            // A value of an outer axis stands in many rows; those of the innermost repeat, as entries of a list.
             Self::Grid(axes) => {
                 let bytes = |(place, text): (usize, &String)| match Axis::parse(text) {
                     _ if place > 0 => 0.1,

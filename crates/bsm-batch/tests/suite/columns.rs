@@ -2,7 +2,7 @@
 
 use bsm_batch::{Answers, Chunk, Columns, GridSource, Source, Task};
 use bsm_case::{AnalysisKind, Axis, Grid, Moving, Output, Scene, Settings};
-use bsm_dyn::{Model, ModelWorkspace, Status};
+use bsm_dyn::{Control, Model, ModelWorkspace, Status};
 
 const DONG: &[u8] = include_bytes!("../../../../examples/dong2020.json");
 
@@ -30,9 +30,11 @@ fn outputs(names: &[&str]) -> Vec<&'static Output> {
     Answers::select(Some(&names)).expect("outputs")
 }
 
-/// All numbers of all analyses of a dry screw; the loss of the ball returns is one of a lubricant.
+/// All numbers of all analyses of a dry screw but those of its warm state; the loss of the ball returns is one of a
+/// lubricant.
 fn all() -> Vec<&'static Output> {
-    let columns = AnalysisKind::ALL.into_iter().flat_map(AnalysisKind::columns);
+    let kinds = AnalysisKind::ALL.into_iter().filter(|kind| *kind != AnalysisKind::Warm);
+    let columns = kinds.flat_map(AnalysisKind::columns);
     columns.filter(|column| column.name != "return_torque_Nm").collect()
 }
 
@@ -144,7 +146,7 @@ fn numbers_of_analyses_do_not_change_the_others() {
     }
 }
 
-/// What no row could have is told before any work, with the inputs that lack.
+/// A column that no row can fill is refused before any work, with the missing inputs.
 #[test]
 fn columns_that_no_row_can_fill_are_told() {
     let grid = grid(&["screw_speed_rpm=100,200"]);
@@ -187,4 +189,24 @@ fn columns_of_the_inputs_alone_need_no_solution() {
     assert_eq!(answers.verdicts[1].status, Status::InvalidInput);
     let words = answers.message(1).expect("words");
     assert!(words.contains("friction_coefficient is required"), "{words}");
+}
+
+/// Columns of the warm state follow the conductances of each row: an X pair at 1000 rpm without load by the table of an
+/// independent solution, in whole newtons. A column of one ball has the temperature of its lubricant.
+#[test]
+fn columns_of_the_warm_state_follow_the_conductances() {
+    let axis = include_str!("../../../../validation/published/nut/feed_axis.json");
+    let mut base = Scene::from_json(axis.as_bytes()).expect("a scene");
+    let cycle = r#"cycle=[{"share": 1, "screw_speed_rpm": 1000, "force_N": 0}]"#;
+    base.apply(&["preload_arrangement=X", cycle]).expect("settings");
+    let settings = Settings { control: Some(Control::Nut), ..Model::RacewayControl.into() };
+    let grid = grid(&["nut_conductance_W_K=5,8,12,20"]);
+    let names = ["warm_preload_N", "nut_temperature_C", "lubricant_temperature_C"];
+    let task = Task::over_grid(base, settings, outputs(&names), None, &grid).expect("a task");
+    let answers = solve(&task, &grid);
+    for (row, expected) in [2872.0, 3850.0, 5034.0, 7443.0].into_iter().enumerate() {
+        let [preload, nut, oil] = [0, 1, 2].map(|column: usize| answers.columns[column][row]);
+        assert!((preload - expected).abs() < 0.6, "{preload}, not {expected}");
+        assert!(nut > 20.0 && oil > nut, "{nut} {oil}");
+    }
 }

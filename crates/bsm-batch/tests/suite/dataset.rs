@@ -222,7 +222,7 @@ fn a_damaged_part_stops_the_run_and_stays() {
     assert_eq!(fs::read_dir(folder.path().join("tmp")).expect("folder").count(), 0);
 }
 
-/// Nobody holds a lock, and nobody needs one.
+/// There is no lock, and none is needed.
 #[test]
 fn three_that_race_make_the_same_bytes() {
     let (task, points) = (task(Model::Elastic), Points::Grid(grid()));
@@ -431,7 +431,7 @@ fn random_points_are_the_same_rows_in_any_parts() {
     assert_eq!((all.len(), &all), (240, &rows_of(folder.path(), 3)));
 }
 
-/// A folder of a table is gone on with by whoever has the table, and by nobody who has another one.
+/// A folder of a table is continued with the same table only.
 #[test]
 fn parts_of_a_table_need_the_table_of_the_plan() {
     let folder = temporary();

@@ -305,7 +305,7 @@ fn columns_do_not_depend_on_the_selection() {
 }
 
 /// Rows that break a rule, lack a value, or hold text keep their place among ordinary ones, with
-/// the words of a scene; leads stand for lead angles.
+/// entries of a scene; leads stand for lead angles.
 #[test]
 fn rows_that_are_not_ordinary_are_told() {
     let base = Scene::from_json(

@@ -1,5 +1,5 @@
 //! Tables of Parquet that others wrote: the usual codecs are read, checksums are checked, and what is
-//! not read or asks for memory without end is refused in words.
+//! not read or asks for unlimited memory is refused with a message.
 
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -278,7 +278,7 @@ fn a_bomb_is_refused_before_it_takes_memory() {
         let table = chunk_of(codec, "lead_mm", bomb);
         assert!(table.len() < 2000);
         let mut said = String::new();
-        // The footer and the words take some kB.
+        // The footer and the texts take some kB.
         let memory = measure(|| said = why(read(table, &[]))).bytes_max;
         assert!(memory < 1 << 20, "{codec}: {memory} bytes");
         assert!(said.starts_with("not a Parquet table: a page announces "), "{said}");

@@ -34,7 +34,7 @@ impl Table {
         task.solve(&chunk, &columns)
     }
 
-    /// The cells of a row as words of `--set`.
+    /// The cells of a row as values of `--set`.
     fn words(&self, row: usize) -> Vec<String> {
         let word = |(key, cell): (&InputKey, &Cell)| match cell {
             Cell::Number(value) => Some(format!("{}={value}", key.name())),

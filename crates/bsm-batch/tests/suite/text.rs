@@ -68,7 +68,7 @@ fn an_open_quote_does_not_swallow_the_rows_below() {
     // A second stray quote further down must not make one cell of the lines between.
     let two = why(csv(b"lead_mm,id\n4,x\n5,\"a\n6,b\n7,c\"\n", &["id"]));
     assert!(two.starts_with("line 3: a quoted cell does not end"), "{two}");
-    // Nor in a column that nobody reads, nor with the last byte of the file.
+    // Nor in an unused column, nor with the last byte of the file.
     let passed_over = why(csv(b"lead_mm,message\n5,\"a\n6,b\n", &[]));
     assert!(passed_over.starts_with("line 2: a quoted cell"), "{passed_over}");
     let last = why(csv(b"lead_mm,id\n5,\"", &["id"]));

@@ -5,7 +5,7 @@ use bsm_kin::Site;
 use serde_json::json;
 
 use super::record::message;
-use super::{axis, jam, nut, optimum, ratings, slip};
+use super::{axis, jam, nut, optimum, ratings, slip, warm};
 use crate::case::problem::Needs;
 use crate::case::rated_nut;
 use crate::vocabulary::units::DEG;
@@ -19,8 +19,8 @@ const SITES: [Site; 3] = [Site::Nut, Site::Screw, Site::NutMinor];
 
 impl AnalysisKind {
     /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Slip, Self::Jam, Self::Optimum, Self::Ratings, Self::Nut, Self::Axis];
+    pub const ALL: [Self; 7] =
+        [Self::Slip, Self::Jam, Self::Optimum, Self::Ratings, Self::Nut, Self::Axis, Self::Warm];
 
     /// The command of that analysis.
     pub fn name(self) -> &'static str {
@@ -31,6 +31,7 @@ impl AnalysisKind {
             Self::Ratings => "ratings",
             Self::Nut => "nut",
             Self::Axis => "axis",
+            Self::Warm => "warm",
         }
     }
 
@@ -43,6 +44,7 @@ impl AnalysisKind {
             Self::Ratings => ratings::QUANTITIES,
             Self::Nut => nut::QUANTITIES,
             Self::Axis => axis::QUANTITIES,
+            Self::Warm => warm::QUANTITIES,
         }
     }
 
@@ -55,11 +57,11 @@ impl AnalysisKind {
     pub fn needs_motion(self) -> bool {
         match self {
             Self::Slip | Self::Jam => true,
-            Self::Optimum | Self::Ratings | Self::Nut | Self::Axis => false,
+            Self::Optimum | Self::Ratings | Self::Nut | Self::Axis | Self::Warm => false,
         }
     }
 
-    /// Inputs that it needs and that are not given, in words; single quantities may need more.
+    /// Missing inputs, as text; single quantities may need more.
     ///
     /// * `base`: the scene that the points vary.
     pub(crate) fn missing(self, base: &Scene, given: InputSet) -> Vec<String> {
@@ -69,6 +71,7 @@ impl AnalysisKind {
             Self::Ratings => rated_nut::NEEDS.missing(given),
             Self::Nut => base.missing_for_a_nut(given),
             Self::Axis => axis::NEEDS.missing(given),
+            Self::Warm => warm::missing(base, given),
         }
     }
 
@@ -79,7 +82,7 @@ impl AnalysisKind {
     ///
     /// # Errors
     ///
-    /// Those of the analysis.
+    /// Quantities of the analysis.
     pub fn numbers(
         self,
         scene: &Scene,
@@ -92,7 +95,8 @@ impl AnalysisKind {
                 let found = NutProblem::of(scene, settings)?.solve();
                 found.map_err(CaseError::Nut).map(|report| report.numbers(wanted))
             }
-            (Self::Axis, _) => axis::numbers(scene, settings, wanted),
+            (Self::Axis, _) => axis::numbers(scene, settings),
+            (Self::Warm, _) => warm::numbers(scene, settings, wanted),
             (Self::Optimum, _) => optimum::numbers(scene),
             (Self::Ratings, _) => ratings::numbers(scene),
             (Self::Slip, Some(Moving { settings, solution, .. })) => {
@@ -163,7 +167,7 @@ impl Output {
 
 /// Result of an analysis of a solved motion.
 ///
-/// * `verdicts`: names of the statements that it makes, in words. * `lacks`: parts that are left out besides those that lack inputs.
+/// * `verdicts`: names of its statements, as text. * `lacks`: parts that are left out besides those that lack inputs.
 pub(crate) fn of_a_motion(
     kind: AnalysisKind,
     scene: &Scene,
@@ -214,6 +218,7 @@ pub fn table(name: &str) -> impl Iterator<Item = &'static Quantity> + use<> {
         "as used" => (ratings::AS_USED, None),
         "nut" => (nut::QUANTITIES, None),
         "axis" => (axis::QUANTITIES, None),
+        "warm" => (warm::QUANTITIES, None),
         "screw" => (axis::SCREW, None),
         "phase" => (axis::PHASE, None),
         "torques" => (axis::TORQUES, None),
@@ -245,7 +250,7 @@ fn without(kind: AnalysisKind, given: InputSet) -> Vec<String> {
 /// A solution for an analysis of the motion of the ball.
 #[derive(Debug, Clone)]
 pub struct Moving {
-    /// What it was found with.
+    /// Model and settings of the result.
     pub settings: Settings,
     /// The solution.
     pub solution: Solution,
@@ -263,7 +268,7 @@ pub(crate) struct MovingContact {
     pub(crate) semi_axes: Option<(f64, f64)>,
 }
 
-/// What the analyses take from a model: a ball whose motion and loads are known.
+/// Solution of a model that the analyses read: a ball of known motion and loads.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MovingBall {
     pub(crate) ball: SteadyBall<f64>,

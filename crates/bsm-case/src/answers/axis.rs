@@ -2,7 +2,6 @@
 
 mod contacts;
 mod rules;
-mod warm;
 
 use std::f64::consts::TAU;
 
@@ -14,22 +13,21 @@ use bsm_dyn::ModelWorkspace;
 use serde_json::{Value, json};
 
 use self::contacts::{Contacts, contacts, nut_at};
-use self::warm::{Detail, Warm, WarmState};
 use super::nut::QUANTITIES as NUT;
 use super::ratings::QUANTITIES as RATINGS;
 use crate::answers::nut::preload_note;
 use crate::case::axis::{Machine, carriage};
 use crate::case::rated_nut;
-use crate::case::scene::RISES;
+use crate::case::warm::{ColdNut, Detail, Warm, WarmState};
 use crate::vocabulary::answer::numbers_json;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{
     Answer, CaseError, Column, Content, Criterion, INPUTS, InputKey, Numbers, NutReport, Output,
-    Quantity, Scene, Settings, Table, ratings,
+    Quantity, Scene, Settings, Table, WarmBranch, ratings,
 };
 
-/// What an axis is sized from: its nut, and a load and a speed or a cycle.
+/// Inputs of an axis: its nut, and a load and a speed or a cycle.
 pub(crate) const NEEDS: crate::case::problem::Needs = rated_nut::NEEDS;
 
 quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
@@ -54,21 +52,9 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
         steady_temperature_rise_K ["K"] Whole(|w| w.steady_rise()) needs [axis_heat_transfer_W_K],
             "steady-state temperature rise";
         screw_growth_um ["um"] Whole(|w| w.growth()),
-            "thermal expansion between the bearings, by screw_temperature_rise_K or the steady-state rise";
+            "thermal expansion between the bearings, in the warm state, by screw_temperature_rise_K or by the steady-state rise";
         travel_variation_300_um ["um" "v_300p"] Whole(|w| Some(w.scene.nut.accuracy_grade?.grade.variation / UM)),
             "permitted variation of travel within any 300 mm, of accuracy_grade";
-    }
-    "warm state" {
-        nut_temperature_C ["C"] Whole(|w| Some(w.warm_state()?.celsius[0])), "steady temperature of nut and table";
-        screw_temperature_C ["C"] Whole(|w| Some(w.warm_state()?.celsius[1])), "steady temperature of the screw along its travel";
-        balls_temperature_C ["C"] Whole(|w| Some(w.warm_state()?.celsius[2])), "steady temperature of balls and oil";
-        end_1_temperature_C ["C"] Whole(|w| Some(w.warm_state()?.celsius[3])), "steady temperature of the end of the screw at the motor";
-        end_2_temperature_C ["C"] Whole(|w| Some(w.warm_state()?.celsius[4])), "steady temperature of the other end of the screw";
-        warm_state_preload_N ["N"] Whole(|w| w.warm_state()?.preload), "warm preload without external load";
-        steady_heat_W ["W"] Whole(|w| Some(w.warm_state()?.steady.heat())), "heat of contacts, drag, seals and support bearings in the steady state";
-        screw_tension_N ["N"] Whole(|w| w.warm_state()?.tension), "tension of a screw between two fixed bearings, below 0 a compression";
-        loop_gain [""] Whole(|w| Some(w.warm_state()?.steady.gain)), "loop gain of heat and preload, 1 at the fold";
-        fold_speed_factor [""] Whole(|w| Some(w.warm.as_ref()?.fold.as_ref()?.factor)), "speed of the fold over the speeds given; there is no steady state above";
     }
     "nut and life" {
         static_safety_factor ["" "f_s"] Whole(|w| w.static_safety()), "static safety factor, the smaller of rating and most loaded ball";
@@ -220,8 +206,10 @@ impl ScrewTorque {
 /// An axis: its numbers, its rules, its cycle.
 #[derive(Debug, Clone)]
 pub struct AxisReport {
-    /// What was asked.
+    /// The scene.
     pub scene: Scene,
+    /// How friction was calculated.
+    pub settings: Settings,
     /// Each phase of the cycle.
     pub phases: Vec<ScrewTorque>,
     /// The answer.
@@ -247,7 +235,7 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
     })
 }
 
-/// What the torque of an axis leaves out.
+/// Effects that the torque of an axis neglects.
 const NOT_MODELLED: [&str; 6] = [
     "lubricant, unless its inputs are given: contacts are dry then, with one friction coefficient; the friction torque of the preload is that of manufacturers' rule, accurate to some 50 %",
     "ball returns and ball-to-ball contact: only in manufacturers' rule for the preload",
@@ -289,7 +277,7 @@ impl Torques {
         })
     }
 
-    /// What acts against the motion, without its sign \[N·m\].
+    /// Torque against the motion, positive \[N·m\].
     fn friction(&self) -> Option<f64> {
         Some(self.contacts.friction? + self.drag + self.seal + self.bearing)
     }
@@ -323,6 +311,8 @@ pub(crate) struct Preload {
     by_rule: f64,
     /// Of its contacts alone; `None` without friction.
     of_contacts: Option<f64>,
+    /// Of returns and lubricant, beyond the contacts.
+    beyond: f64,
 }
 
 impl Preload {
@@ -330,7 +320,7 @@ impl Preload {
     fn of(
         scene: &Scene,
         settings: &Settings,
-        axis: &Axis,
+        machine: &Machine,
         nut: &NutReport,
         speed: f64,
     ) -> Result<Option<Self>, CaseError> {
@@ -342,13 +332,10 @@ impl Preload {
         } else {
             None
         };
-        let by_rule = drag_torque(warm, axis.nut.lead, axis.nut.lead_angle());
-        Ok(Some(Self { cold, warm, by_rule, of_contacts }))
-    }
-
-    /// Drag of returns and lubricant, beyond the contacts.
-    fn beyond(&self) -> f64 {
-        (self.by_rule - self.of_contacts.unwrap_or(0.0)).max(0.0)
+        let rated = &machine.axis.nut;
+        let by_rule = drag_torque(warm, rated.lead, rated.lead_angle());
+        let beyond = ColdNut::of(scene, settings, machine)?.drag(scene, machine)? * warm;
+        Ok(Some(Self { cold, warm, by_rule, of_contacts, beyond }))
     }
 }
 
@@ -359,6 +346,7 @@ impl Preload {
 ///
 /// [`CaseError`] if the nut or its point has no solution.
 pub fn torque_parts(scene: &Scene, settings: &Settings) -> Result<Option<ScrewTorque>, CaseError> {
+    let scene = &scene.in_warm_state(settings)?;
     let preloaded = scene.is_preloaded() && NEEDS.are_met(scene.given());
     let point = scene.speeds_rpm().zip(scene.axial_load_N).zip(scene.lead());
     let Some((((screw, turned), force), lead)) = point.filter(|_| scene.given().has_friction())
@@ -369,10 +357,10 @@ pub fn torque_parts(scene: &Scene, settings: &Settings) -> Result<Option<ScrewTo
     let motion = Motion { time: 1.0, force, pace, acceleration: 0.0 };
     let phase = motion.phase(&carriage(scene), lead * MM);
     let drag = if preloaded {
-        let axis = Machine::of(scene)?.axis;
+        let machine = Machine::of(scene)?;
         let nut = nut_at(scene, settings, phase.load, phase.speed)?;
-        let preload = Preload::of(scene, settings, &axis, &nut, phase.speed.abs())?;
-        preload.map_or(0.0, |preload| preload.beyond())
+        let preload = Preload::of(scene, settings, &machine, &nut, phase.speed.abs())?;
+        preload.map_or(0.0, |preload| preload.beyond)
     } else {
         0.0
     };
@@ -412,11 +400,12 @@ impl AxisReport {
         Self::with(scene, settings, Detail { fold: true, band: true })
     }
 
-    fn with(scene: &Scene, settings: &Settings, detail: Detail) -> Result<Self, CaseError> {
-        let warm = Warm::of(scene, settings, detail)?;
-        let asked = scene;
-        let warmed = warm.as_ref().map(|warm| warm.scene(scene));
-        let scene = warmed.as_ref().unwrap_or(scene);
+    fn with(asked: &Scene, settings: &Settings, detail: Detail) -> Result<Self, CaseError> {
+        let warm = Warm::with_band(asked, settings, detail)?;
+        if let Some(warm) = warm.as_ref().filter(|warm| warm.state.is_none()) {
+            return Ok(Self::of_none(asked, settings, warm));
+        }
+        let scene = &warm.as_ref().map_or_else(|| asked.clone(), |warm| warm.scene(asked));
         let worked = Worked::of(scene, settings, warm)?;
         let of_nut = ratings(&at_largest(scene, &worked.machine.axis))?;
         let mut warnings = of_nut.warnings.clone();
@@ -428,8 +417,9 @@ impl AxisReport {
         warnings.sort();
         warnings.dedup();
         let (machine, preload) = (&worked.machine, worked.preload.as_ref());
+        let fold = worked.warm.as_ref().and_then(|warm| warm.fold.as_ref()).map(|fold| fold.factor);
         let numbers = read(&worked, |_| true).where_finite();
-        let rules = rules::rules(scene, &machine.axis, &numbers, &of_nut, preload);
+        let rules = rules::rules(scene, &machine.axis, (&numbers, fold), &of_nut, preload);
         let phases: Vec<_> = worked.torques.iter().map(|torques| worked.phase(torques)).collect();
         let screw = read_screw(&Screw { scene, machine, of_nut: &of_nut, preload }, |_| true);
         let fails = !rules.iter().all(Criterion::passes);
@@ -439,10 +429,31 @@ impl AxisReport {
             .with("passes", Content::Json((!fails).into()))
             .with("inputs", Content::Json(asked.to_json()))
             .with("phases", Content::Table(of_phases(&phases)))
-            .with("results", Content::numbers(numbers, "axis"))
+            .with("results", Content::numbers(numbers, "axis"));
+        let answer = match &worked.warm {
+            Some(warm) => warm.add_to(answer),
+            None => answer,
+        };
+        let answer = answer
             .with("screw", Content::numbers(screw, "screw"))
             .with("not_modelled", Content::Texts("not modelled", not_modelled));
-        Ok(Self { scene: asked.clone(), phases, answer })
+        Ok(Self { scene: asked.clone(), settings: *settings, phases, answer })
+    }
+
+    /// The sheet of an axis that has no warm steady state.
+    fn of_none(scene: &Scene, settings: &Settings, warm: &Warm) -> Self {
+        let rules = rules::steady_state(warm.fold.as_ref().map(|fold| fold.factor));
+        let warnings = warm.warning().into_iter().collect();
+        let answer = Answer { rules, warnings, fails: true, ..Answer::default() }
+            .with("passes", Content::Json(false.into()))
+            .with("inputs", Content::Json(scene.to_json()))
+            .with("phases", Content::Table(of_phases(&[])))
+            .with("results", Content::numbers(Numbers::none(QUANTITIES), "axis"));
+        let answer = warm
+            .add_to(answer)
+            .with("screw", Content::numbers(Numbers::none(SCREW), "screw"))
+            .with("not_modelled", Content::Texts("not modelled", Vec::new()));
+        Self { scene: scene.clone(), settings: *settings, phases: Vec::new(), answer }
     }
 
     /// True if every rule holds.
@@ -455,6 +466,11 @@ impl AxisReport {
         self.answer.number(name)
     }
 
+    /// Its warm states over the speed; `None` unless they are asked for, or where there are none.
+    pub fn warm_branch(&self) -> Option<WarmBranch> {
+        WarmBranch::of(&self.scene, &self.settings).ok()?
+    }
+
     /// Points of the speed-force diagram: for a speed \[rpm\] the load that gives the required life \[N\].
     pub fn load_of_life(&self, rpm: f64) -> Option<f64> {
         let hours = self.scene.required_life_h?;
@@ -464,16 +480,12 @@ impl AxisReport {
 
 /// The numbers of an axis alone.
 ///
-/// * `wanted`: the fold of the warm state is looked for only if it is.
-pub(crate) fn numbers(
-    scene: &Scene,
-    settings: &Settings,
-    wanted: impl Fn(&Quantity) -> bool,
-) -> Result<Numbers, CaseError> {
-    let is_fold = |quantity: &&Quantity| quantity.name == "fold_speed_factor";
-    let fold = QUANTITIES.iter().find(is_fold).is_some_and(wanted);
-    AxisReport::with(scene, settings, Detail { fold, band: false })
-        .map(|report| report.answer.into_numbers())
+/// # Errors
+///
+/// Those of [`AxisReport::of`], and [`CaseError::NoWarmState`] if it runs away.
+pub(crate) fn numbers(scene: &Scene, settings: &Settings) -> Result<Numbers, CaseError> {
+    let scene = scene.in_warm_state(settings)?;
+    AxisReport::of(&scene, settings).map(|report| report.answer.into_numbers())
 }
 
 /// A row a phase, of which people see these numbers.
@@ -515,7 +527,7 @@ fn no_balls(why: &CaseError) -> String {
     format!("no numbers of all balls: {why}")
 }
 
-/// What the numbers of an axis are made from.
+/// Intermediate results of an axis.
 pub(crate) struct Worked<'a> {
     scene: &'a Scene,
     machine: Machine,
@@ -548,10 +560,10 @@ impl<'a> Worked<'a> {
             None => (None, None),
         };
         let preload = match &nut {
-            Some(nut) => Preload::of(scene, settings, axis, nut, fastest)?,
+            Some(nut) => Preload::of(scene, settings, &machine, nut, fastest)?,
             None => None,
         };
-        let drag = preload.as_ref().map_or(0.0, Preload::beyond);
+        let drag = preload.as_ref().map_or(0.0, |preload| preload.beyond);
         let torque =
             |phase: &Phase| Torques::of(scene, settings, (advance, drag), phase, &mut work);
         let torques = axis.phases.iter().map(torque).collect::<Result<_, _>>()?;
@@ -662,7 +674,7 @@ impl<'a> Worked<'a> {
         Some(self.motor_torque(torques)? * speed)
     }
 
-    /// What was taken where nothing was given.
+    /// Defaults that were used.
     fn notes(&self) -> Vec<String> {
         let no_input = self.no_nut.as_ref().filter(|why| !matches!(why, CaseError::Nut(_)));
         let mut notes: Vec<_> = no_input.map(no_balls).into_iter().collect();
@@ -672,6 +684,7 @@ impl<'a> Worked<'a> {
             notes.push(preload_note(cold, warm));
         }
         notes.extend(self.warm.iter().flat_map(Warm::notes));
+        notes.extend(self.idle());
         let mut note = |words: &str| notes.push(words.to_owned());
         if let Some(grade) = self.scene.nut.accuracy_grade {
             note(&grade.describe());
@@ -691,7 +704,19 @@ impl<'a> Worked<'a> {
         notes
     }
 
-    /// How sure the torque is where friction comes from a lubricant.
+    /// Inputs of the warm state that nothing asks for.
+    fn idle(&self) -> Option<String> {
+        // These act without it too.
+        let act =
+            [InputKey::preload_temperature_C, InputKey::screw_tension_N, InputKey::screw_bore_mm];
+        let given = self.scene.given().iter();
+        let idle = given.filter(|key| key.input().title == "warm state" && !act.contains(key));
+        let names: Vec<_> = idle.map(InputKey::name).collect();
+        let none = self.warm.is_some() || names.is_empty();
+        (!none).then(|| format!("without warm_state nothing follows from {}", names.join(", ")))
+    }
+
+    /// Uncertainty of the torque where friction comes from a lubricant.
     fn how_sure(&self, settings: &Settings) -> Option<String> {
         let heaviest = self.heaviest()?;
         let phase = &heaviest.phase;
@@ -717,17 +742,13 @@ impl<'a> Worked<'a> {
 
 /// A scene at the largest load and speed of its axis, for the ratings.
 fn at_largest(scene: &Scene, axis: &Axis) -> Scene {
-    let mut scene = scene.clone();
+    let mut scene = scene.cold();
     let load = axis.largest_load();
     (scene.axial_load_N, scene.feed_m_min) = (Some(load).filter(|load| *load > 0.0), None);
     let rpm = axis.fastest() / RPM;
     (scene.screw_speed_rpm, scene.nut_speed_rpm) = (Some(rpm).filter(|rpm| *rpm > 0.0), None);
     // The load has the mass, and the warm preload is judged by itself.
     scene.moved_mass_kg = None;
-    scene.nut.warm_state = None;
-    for key in RISES {
-        scene[key] = None;
-    }
     scene
 }
 

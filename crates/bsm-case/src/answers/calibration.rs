@@ -17,11 +17,11 @@ use crate::{
 struct Measured {
     /// Its inputs.
     scene: Scene,
-    /// What was measured, in the unit of the vocabulary.
+    /// Measured values, in the unit of the vocabulary.
     value: f64,
 }
 
-/// What is known and what is sought.
+/// A fit: scene, measured output and inputs to fit.
 #[derive(Debug, Clone)]
 pub struct Calibration {
     inputs: Vec<(InputKey, (f64, f64))>,
@@ -202,7 +202,7 @@ pub(crate) fn sought(base: &Scene, text: &str) -> Result<(InputKey, (f64, f64)),
     Ok((key, range_of(base, key, range)?))
 }
 
-/// What a column of a table holds: an input or what was measured, times a factor.
+/// Content of a column: an input or the measured output, times a factor.
 enum Sought {
     Input(InputKey, f64),
     Measured(f64),

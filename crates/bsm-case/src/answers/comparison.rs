@@ -28,7 +28,7 @@ pub struct Comparison {
     pub left_out: Vec<String>,
     /// Inputs that are not in the balance of one ball.
     pub notes: Vec<String>,
-    /// What an engineer should know before using the numbers.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 
@@ -65,7 +65,7 @@ impl Comparison {
         Ok(Self { answers, left_out, notes, warnings })
     }
 
-    /// The regime in the words of the most complete model that solved the point.
+    /// The regime by the most complete model that solved the point.
     pub fn regime(&self) -> Option<&'static str> {
         self.answers.iter().rev().find_map(|answer| answer.record.regime())
     }

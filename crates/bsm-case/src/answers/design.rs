@@ -20,7 +20,7 @@ use crate::{
     RequirementFile, Scene, Settings, Table, sheet_columns,
 };
 
-/// A number of the procedure: step, what it is, value and requirement in words, and whether it
+/// A number of the procedure: step, label, value and requirement as text, and whether it
 /// holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignRow {
@@ -28,11 +28,11 @@ pub struct DesignRow {
     pub step: u8,
     /// Name, with its unit as suffix.
     pub name: &'static str,
-    /// Unit in words.
+    /// Unit as text.
     pub unit: &'static str,
     /// The number, if there is one.
     pub value: Option<f64>,
-    /// What it must be, if anything.
+    /// Its requirement, if any.
     pub requirement: Option<String>,
     /// True if it is so, or nothing is required.
     pub passes: bool,
@@ -45,9 +45,9 @@ pub struct DesignReport {
     pub rows: Vec<DesignRow>,
     /// True if the screw meets the requirement.
     pub found: bool,
-    /// What holds the design back, or which limits block it and by how much.
+    /// Active limits, or limits that cannot be met and by how much.
     pub reasons: Vec<String>,
-    /// What an engineer should know.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// The screw at its operating point.
     pub scene: Scene,
@@ -320,7 +320,7 @@ quantities! { pub(crate) STEPS, in_units(&f64);
     }
 }
 
-/// What a number of a design is called.
+/// Label of a number of a design.
 fn step(quantity: Quantity) -> &'static crate::Quantity {
     &STEPS[quantity as usize]
 }

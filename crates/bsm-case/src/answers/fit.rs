@@ -58,7 +58,7 @@ const FRICTION: (f64, f64) = (1e-4, 0.5);
 /// Default range of another input, over its value in the scene.
 const AROUND: (f64, f64) = (0.25, 4.0);
 
-/// What is known and what is sought.
+/// A fit: scene, measured output and the input to find.
 #[derive(Debug, Clone)]
 pub struct Fit {
     input: InputKey,
@@ -194,7 +194,7 @@ impl Fit {
         })
     }
 
-    /// What was found, in words.
+    /// Label of the found number.
     fn describe(&self, report: &FitReport) -> String {
         let (input, output) = (self.input.name(), self.output.name);
         if let [first, ..] = &report.found[..] {

@@ -114,7 +114,7 @@ fn if_any(critical: f64) -> Option<f64> {
     Some(critical).filter(|x| *x < f64::INFINITY)
 }
 
-/// What the numbers of jamming are made from.
+/// Intermediate results of jamming.
 struct Jam {
     ball: SteadyBall<f64>,
     settled: Option<Settled>,

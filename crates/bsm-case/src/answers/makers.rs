@@ -1,4 +1,4 @@
-//! Nuts of a maker's table: a row each, in the words of the vocabulary or of the maker.
+//! Nuts of a manufacturer's table, a row each, with the names of the vocabulary or of the manufacturer.
 
 use std::collections::BTreeMap;
 
@@ -81,7 +81,7 @@ impl MakerNut {
 /// Load over the dynamic rating at which makers state the rigidity of one nut.
 const RIGIDITY_AT: f64 = 0.3;
 
-/// What makers state: its name, the name of ours beside it, and what ours is among the ratings.
+/// Stated ratings: name, name of the calculated one, and its quantity among the ratings.
 const RATED: [[&str; 3]; 3] = [
     ["dynamic_load_rating_N", "our_dynamic_load_rating_N", "dynamic_load_rating_N"],
     ["static_load_rating_N", "our_static_load_rating_N", "static_load_rating_N"],
@@ -228,7 +228,7 @@ pub fn column_names(json: &[u8]) -> Result<BTreeMap<String, Option<String>>, Cas
     entries(json)?.into_iter().map(name).collect()
 }
 
-/// What a row says.
+/// Content of a row.
 #[derive(Default)]
 struct Given {
     name: String,

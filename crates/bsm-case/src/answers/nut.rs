@@ -1,4 +1,4 @@
-//! What is said of a nut under load: numbers, words, the loads of all balls, the curve of its displacement.
+//! Results of a nut under load: numbers, texts, the loads of all balls, the load-displacement curve.
 
 use std::cell::OnceCell;
 use std::f64::consts::TAU;
@@ -15,6 +15,7 @@ use serde_json::{Map, Value, json};
 use crate::answers::record::{MARKS_ABOVE, message};
 use crate::case::nut::{Made, Rubbing, Set};
 use crate::case::reader::{in_grooves, lubricated};
+use crate::case::warm::Warm;
 use crate::vocabulary::number::count;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
@@ -224,7 +225,7 @@ fn loaded_balls(found: &Equilibrium) -> f64 {
     count(found.balls.len() - found.unloaded()).max(1.0)
 }
 
-/// What the two preloads of a warm nut are.
+/// Notes on cold and warm preload.
 pub(crate) fn preload_note(cold: f64, warm: f64) -> String {
     format!(
         "the preload is set cold, at no rise of temperature: {cold:.0} N cold, {warm:.0} N warm"
@@ -453,7 +454,7 @@ impl NutReport {
         self.numbers(|quantity| quantity.name == name).number(name)
     }
 
-    /// What the numbers mean, and what they leave out.
+    /// Notes: meaning of the numbers, neglected effects.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = self.problem.notes.clone();
         let Made { nut, .. } = &self.state.made;
@@ -536,7 +537,7 @@ impl NutReport {
         notes
     }
 
-    /// What an engineer should know before using the numbers.
+    /// Warnings.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if let Some(pressure) = max_pressure(&self.state.made).filter(|p| *p > MARKS_ABOVE) {
@@ -675,10 +676,18 @@ impl NutReport {
             entry("K_screw_SI", json!(ball.stiffness[1]));
         }
         entry("iterations", json!(found.steps));
-        let answer = Answer { notes: self.notes(), warnings: self.warnings(), ..Answer::default() };
-        answer
+        let warm = self.problem.warm.as_deref();
+        let notes = warm.map_or_else(Vec::new, Warm::notes).into_iter().chain(self.notes());
+        let warnings = warm.and_then(Warm::warning).into_iter().chain(self.warnings());
+        let answer =
+            Answer { notes: notes.collect(), warnings: warnings.collect(), ..Answer::default() };
+        let answer = answer
             .with("", Content::numbers(self.numbers(|_| true), "nut"))
             .with("", Content::Json(Value::Object(more)))
-            .with("model", Content::Words("model ", self.model()))
+            .with("model", Content::Words("model ", self.model()));
+        match warm {
+            Some(warm) => warm.add_to(answer),
+            None => answer,
+        }
     }
 }

@@ -40,11 +40,11 @@ quantities! { pub(crate) BY_MODEL, by_model(&ByModel);
     }
 }
 
-/// What it needs, and besides a lead angle or a contact angle.
+/// Required inputs, besides a lead angle or a contact angle.
 pub(crate) const NEEDS: Needs =
     Needs { all: InputSet::of(&[InputKey::friction_coefficient]), quantities: &[] };
 
-/// What both directions follow from.
+/// Inputs of both directions.
 struct Known {
     lead: Option<f64>,
     contact: Option<f64>,

@@ -200,13 +200,13 @@ impl<'a> Rated<'a> {
         self.nut.pitch_diameter / MM
     }
 
-    /// What makes the numbers doubtful, or the nut poor.
+    /// Warnings: limits of the formulas, poor proportions.
     fn warnings(&self) -> Result<Vec<String>, CaseError> {
         let Self { scene, nut, thread, body, elasticity, dynamic, force, life, .. } = self;
         let load = scene.axial_load_N;
         let mut warnings = scene.warnings();
         warnings.extend(scene.load_of_the_mass());
-        if self.preloaded && scene.has_rises() {
+        if self.preloaded && scene.is_warm() {
             warnings.push(
                 "rises of temperature change the preload, which these ratings do not follow: the nut with all its \
                  balls does (bsm nut)"

@@ -17,7 +17,7 @@ use crate::{
 /// load rating of ISO 76 is made from it.
 pub(crate) const MARKS_ABOVE: f64 = 4.2e9;
 
-/// One answer: model, status, numbers, and words where they are needed.
+/// One answer: model, status, numbers, and messages where needed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     model: ModelChoice,
@@ -59,7 +59,7 @@ impl Record {
         self.solution.as_ref()?.solved()
     }
 
-    /// What the choice of the model rests on, if it was chosen by the bound of its error.
+    /// Reason of the choice, for a model chosen by its error bound.
     fn chosen(&self) -> Option<Choice> {
         self.solution.as_ref()?.choice
     }
@@ -94,7 +94,7 @@ impl Record {
         self.message.as_deref()
     }
 
-    /// What the numbers mean physically, in a few words.
+    /// The regime of the motion.
     pub fn regime(&self) -> Option<&'static str> {
         let solution = self.solution.as_ref()?;
         let solved = solution.solved()?;
@@ -108,7 +108,7 @@ impl Record {
             (Model::Rigid | Model::Elastic, _) => {
                 "gross skid: friction saturated at every contact, by assumption"
             }
-            (_, Some(SlipRegime::Grips)) => "rolling, the balls grip",
+            (_, Some(SlipRegime::Grips)) => "rolling",
             (Model::RacewayControl, _) => "skidding: raceway control does not hold",
             (_, Some(SlipRegime::SkidsPartly)) => "partial skid, between rolling and gross skid",
             _ => "gross skid, friction nearly saturated",
@@ -124,17 +124,17 @@ impl Record {
                 "no more accurate model has a result here; raceway control, with a skid onset number of {onset_number:.2e}"
             ),
             Basis::Grips { onset_number } => {
-                format!("the balls grip, skid onset number {onset_number:.2e}")
+                format!("rolling, skid onset number {onset_number:.2e}")
             }
             Basis::Skids { onset_number } => {
-                format!("the balls skid, skid onset number {onset_number:.1}")
+                format!("gross skid, skid onset number {onset_number:.1}")
             }
             Basis::Integrated { accuracy } => format!(
                 "no faster model is that accurate here; friction integrated to {accuracy:.0e}"
             ),
             other => format!("{other:?}"),
         };
-        Some(format!("error of the efficiency at most {bound:.1e}: {why}"))
+        Some(format!("efficiency error at most {bound:.1e}: {why}"))
     }
 
     /// The outputs that have a value whose error has no bound, though that of the efficiency has one: those of the
@@ -147,7 +147,7 @@ impl Record {
         own.filter(|output| output.read(solution).is_some()).map(|output| output.name).collect()
     }
 
-    /// What an engineer should know before using the numbers; `scene` is what was asked.
+    /// Warnings; `scene` has the inputs.
     pub fn warnings(&self, scene: &Scene) -> Vec<String> {
         let mut warnings = Vec::new();
         let Some(solution) = &self.solution else { return warnings };
@@ -212,10 +212,10 @@ impl Record {
         warnings
     }
 
-    /// What the numbers hold and what they leave out.
+    /// Notes: neglected effects.
     pub fn notes(&self) -> Vec<String> {
-        let of_a_film = "friction from the lubricant is known to some 25 % of the loss of the contacts; balls that rub \
-                         on each other, ball returns, errors of lead and balls and four-point contact are not \
+        let of_a_film = "friction from the lubricant is uncertain by some 25 % of the loss of the contacts; ball-to-ball \
+                         contact, ball returns, errors of lead and balls and four-point contact are not \
                          predicted: the contacts give about a third of the torque of a preloaded nut";
         self.film().map(|_| of_a_film.to_owned()).into_iter().collect()
     }
@@ -224,7 +224,7 @@ impl Record {
         self.solved()?.film.as_ref()
     }
 
-    /// How ball and races are separated at nut and screw, in words.
+    /// Lubrication regime at nut and screw: boundary, mixed or full film.
     pub fn lubrication(&self) -> Option<String> {
         let film = self.film()?;
         let [nut, screw] = [film.nut, film.screw].map(|film| Regime::of(film.ratio).name());
@@ -258,7 +258,7 @@ impl Record {
             let race = race.name();
             warnings.push(format!(
                 "neither raceway has the larger spin friction moment at its own solution, so neither \
-                 controls; this is the solution under {race} control. the setting `control` sets the race"
+                 controls; this is the solution under {race} control. The setting `control` sets the raceway"
             ));
         }
         warnings
@@ -299,7 +299,7 @@ impl Record {
         map
     }
 
-    /// What people see of it alone: model, status and reasons in words, then its numbers.
+    /// Text form: model, status and reasons as text, then its numbers.
     pub fn shown(&self, scene: &Scene) -> Vec<Section> {
         let mut status = self.status_name().to_owned();
         if let Some(steps) = self.solved().and_then(|solved| Some(solved.info?.steps)) {
@@ -314,7 +314,7 @@ impl Record {
             }
         }
         let race = self.solved().and_then(|solved| solved.control);
-        let race = race.map(|control| format!("the {} controls", control.race.name()));
+        let race = race.map(|control| control.race.name().to_owned());
         let evidence = self.solution.as_ref().and_then(Solution::evidence);
         let evidence = evidence.map(|evidence| evidence.to_string());
         let words = [
@@ -325,7 +325,7 @@ impl Record {
             ("shown by", evidence),
             ("regime", self.regime().map(str::to_owned)),
             ("lubrication", self.lubrication()),
-            ("raceway control", race),
+            ("controlling raceway", race),
         ];
         let unbounded = self.unbounded();
         let doubt = (!unbounded.is_empty()).then(|| {
@@ -400,10 +400,10 @@ fn json_of(output: &Output, value: f64) -> Value {
     }
 }
 
-/// What is answered beside the record of a point.
+/// Results beside the record of a point.
 #[derive(Debug, Clone, Default)]
 pub struct Beside {
-    /// How sure a friction from the lubricant is.
+    /// Uncertainty of lubricated friction.
     pub band: Option<Band>,
     /// The screw torque by its parts ([`torque_parts`](crate::torque_parts)).
     pub parts: Option<ScrewTorque>,
@@ -411,12 +411,12 @@ pub struct Beside {
     pub sensitivities: Option<Vec<Sensitivity>>,
 }
 
-/// What a torque from a lubricant leaves out.
-const NOT_IN_IT: &str = "balls that rub on each other, returns, seals and drag beyond their inputs; errors of lead and ball \
+/// Effects that a lubricated torque neglects.
+const NOT_IN_IT: &str = "ball-to-ball contact, returns, seals and drag beyond their inputs; errors of lead and ball \
                          size; contact at four points. Catalogue rules for the torque of a preloaded nut are three times that of \
                          the contacts.";
 
-/// How sure the friction of a lubricant is.
+/// Table of the uncertainty of lubricated friction.
 fn of_band(Band { loss, screw_torque, efficiency }: &Band) -> Table {
     let row = |label: &str, unit: &str, [low, high]: &[f64; 2]| {
         vec![json!(label), json!(unit), json!(low), json!(high)]
@@ -461,7 +461,7 @@ fn of_a_film(film: &FilmState) -> Vec<String> {
     warnings
 }
 
-/// A reason in words, with the numbers in the units of the vocabulary.
+/// The message of a reason, with numbers in the units of the vocabulary.
 #[expect(clippy::too_many_lines, reason = "one arm a reason")]
 pub(crate) fn message(reason: &Reason) -> String {
     match reason {
@@ -485,7 +485,7 @@ pub(crate) fn message(reason: &Reason) -> String {
                  rolls on the nut, which saturated friction does not cover; {critical}"
             )
         }
-        Reason::MinorContactWouldPull { load_ratio } => format!(
+        Reason::UnloadedFlankWouldPull { load_ratio } => format!(
             "the unloaded flank would have to act in tension on the ball: its normal load would be \
              {load_ratio:.3e} times the axial load"
         ),

@@ -7,7 +7,7 @@ use crate::{Numbers, OUTPUTS, Output, Quantity, Record, Scene};
 /// Below this part of what is usual for its unit a number is rounding, and is shown as 0.
 const ROUNDING: f64 = 1e-12;
 
-/// What is usual for a unit in one table: the largest number that has it; 180 for angles.
+/// Scale of a unit in one table: the largest number that has it; 180 for angles.
 #[derive(Debug, Clone)]
 pub struct Scales(Vec<(&'static str, f64)>);
 

@@ -61,7 +61,7 @@ impl GrooveSection {
         })
     }
 
-    /// Contact ellipses that reach beyond the ends of their flanks, in words.
+    /// Contact ellipses that reach beyond the ends of their flanks, as warnings.
     pub fn doubts(&self, record: &Record) -> Vec<String> {
         let doubt = |(place, member): (usize, &str)| {
             let number = |name: &str| record.number(&format!("{member}_{name}"));

@@ -161,7 +161,7 @@ pub fn candidate_scene(candidate: &Candidate, wish: Option<&RequirementFile>) ->
     Value::Object(nut)
 }
 
-/// What is asked of nuts besides a requirement, and their order.
+/// Filter and order of nuts besides a requirement.
 #[derive(Debug, Clone, Default)]
 pub struct Wanted {
     of_nut: Vec<Condition>,

@@ -58,6 +58,8 @@ impl Sensitivities {
     ///
     /// As [`Scene::problem`].
     pub fn by(scene: &Scene, settings: &Settings, wanted: InputSet) -> Result<Self, CaseError> {
+        // At the temperatures of a warm state, which do not move with the inputs.
+        let scene = &scene.in_warm_state(settings)?;
         let model = scene.ask(settings)?;
         let used = Cell::new(InputSet::default());
         let part = |variables: &[(InputKey, f64)]| {

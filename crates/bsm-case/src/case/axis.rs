@@ -56,6 +56,7 @@ impl Machine {
             dynamic_rating: scene.rated_dynamic_load_N.unwrap_or(nut.dynamic_rating().rating),
             static_rating: StaticRating { rating, ..static_rating },
             preload: None,
+            compression: -scene.screw_tension_N.unwrap_or(0.0).min(0.0),
             reliability: reliability(scene),
         };
         Ok(Self { axis, thread, body, carriage, drive, screw })
@@ -67,7 +68,7 @@ impl Machine {
     }
 }
 
-/// What the axis of a scene moves.
+/// The load that the axis of a scene moves.
 pub(crate) fn carriage(scene: &Scene) -> MachineTable {
     let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
     MachineTable {
@@ -96,7 +97,7 @@ pub(crate) fn motions(scene: &Scene) -> Result<Vec<Motion>, CaseError> {
     let motion = |words: &PhaseWords| Motion {
         time: words.time(),
         force: words.force_N,
-        pace: DutySpeed::Feed(words.feed()),
+        pace: words.pace(),
         acceleration: words.acceleration_m_s2,
     };
     if let Some(cycle) = &scene.nut.cycle {

@@ -31,7 +31,7 @@ pub struct Catalogue {
 }
 
 keys! {
-    /// What lists of sizes have: each key takes what the standard lists have there, a list, a range or a number.
+    /// Keys of lists of sizes: each takes the standard list, a list, a range or a number.
     pub LISTS;
     nominal_diameter_mm ["mm" "d_0"] Within(LEAST, 1e4), None, "nominal diameters";
     lead_mm ["mm" "P_h"] Within(LEAST, 1e4), None, "leads";
@@ -80,7 +80,7 @@ impl Catalogue {
         self.lists.places(&self.limits)
     }
 
-    /// What `each` makes of the nuts of some places, in their order.
+    /// Applies `each` to the nuts of some places, in order.
     pub fn map<R: Send>(
         &self,
         places: &[u32],
@@ -184,7 +184,7 @@ impl Given {
     }
 }
 
-/// What is asked of a number: its name, and a range.
+/// A condition: name of a number, and its range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Asked {
     /// Its name.

@@ -228,7 +228,7 @@ impl Grid {
     ///
     /// # Errors
     ///
-    /// Those of [`check`](Self::check) and of [`ModelChoice::resolve`].
+    /// Errors of [`check`](Self::check) and of [`ModelChoice::resolve`].
     pub fn choose(&self, base: &Scene, choice: ModelChoice) -> Result<ModelChoice, CaseError> {
         self.check(base)?;
         let ends = [0, self.len - 1].map(|i| self.scene(base, &self.point(i)));

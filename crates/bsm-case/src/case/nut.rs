@@ -1,4 +1,4 @@
-//! The nut of a scene with all its balls: from words and numbers to its problem in SI.
+//! The nut of a scene with all its balls: from its entries to its problem in SI.
 
 mod bodies;
 mod circuits;
@@ -8,4 +8,4 @@ mod problem;
 
 pub(crate) use circuits::balls_and_turns;
 pub use problem::NutProblem;
-pub(crate) use problem::{Made, OF_A_NUT, Rubbing, Set, bad, twice};
+pub(crate) use problem::{Made, OF_A_NUT, Rubbing, Set, bad, section_of_screw};

@@ -94,12 +94,12 @@ impl From<Model> for Settings {
 }
 
 impl Settings {
-    /// What [`tolerance`](Self::tolerance) must be.
+    /// Rule for [`tolerance`](Self::tolerance).
     pub const TOLERANCE: Rule = Rule::Above(0.0);
-    /// What [`accuracy`](Self::accuracy) must be: from what rounding leaves to the coarsest whose bound of the error
+    /// Rule for [`accuracy`](Self::accuracy): from the rounding error to the coarsest whose bound of the error
     /// holds.
     pub const ACCURACY: Rule = Rule::Within(1e-13, 1e-4);
-    /// What [`creep`](Self::creep) must be.
+    /// Rule for [`creep`](Self::creep).
     pub const CREEP: Rule = Rule::Above(0.0);
 
     /// The model, the controlling race and the place of friction of these names, with the other dials at their
@@ -115,7 +115,7 @@ impl Settings {
     ) -> Result<Self, CaseError> {
         let race = |name: &str| {
             Control::from_name(name).ok_or_else(|| CaseError::UnknownWord {
-                kind: "race",
+                kind: "raceway",
                 name: name.to_owned(),
                 known: Control::ALL.map(Control::name).join(", "),
             })
@@ -167,7 +167,7 @@ pub(crate) struct Needs {
 }
 
 impl Needs {
-    /// What a model needs of points that have the inputs `given`.
+    /// Required inputs of a model for points with the inputs `given`.
     fn for_points(model: Model, given: InputSet) -> Self {
         if given.is_lubricated() && has_lubricant(model) {
             return Self::LUBRICATED;
@@ -175,21 +175,21 @@ impl Needs {
         Self::of(model)
     }
 
-    /// What friction from a lubricant needs besides the ball.
+    /// Required inputs of a lubricant.
     pub(crate) const LUBRICANT: Self = {
         use InputKey as K;
         let all = InputSet::of(&[K::ball_roughness_um, K::nut_roughness_um, K::screw_roughness_um]);
         Self { all, quantities: &[VISCOSITY, TEMPERATURE] }
     };
 
-    /// What a model needs whose friction comes from a lubricant.
+    /// Required inputs of a lubricated model.
     const LUBRICATED: Self = {
         let Self { all, .. } = Self::of(Model::Traction);
         let all = all.without(InputSet::of(&[InputKey::friction_coefficient]));
         Self { all: all.and(Self::LUBRICANT.all), quantities: &[LEAD, VISCOSITY, TEMPERATURE] }
     };
 
-    /// What a model needs whose friction is a coefficient.
+    /// Required inputs of a model with a friction coefficient.
     pub(crate) const fn of(model: Model) -> Self {
         use InputKey as K;
         const FRICTION: InputSet = InputSet::of(&[K::contact_angle_deg, K::friction_coefficient]);
@@ -208,7 +208,7 @@ impl Needs {
         Self { all, quantities: &[LEAD] }
     }
 
-    /// What a nut needs besides its balls and its load.
+    /// Required inputs of a nut besides balls and load.
     pub(crate) const NUT: Self = {
         use InputKey as K;
         let all = InputSet::of(&[
@@ -228,12 +228,12 @@ impl Needs {
         given.contains_all(self.all) && self.quantities.iter().all(|q| q.forms.iter().any(complete))
     }
 
-    /// What lacks among the inputs that are given, in words.
+    /// Missing companions of the given inputs, as text.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let (given, mut missing) = (given.completed(), Vec::new());
         for Quantity { words, forms } in self.quantities {
             let begun = forms.iter().filter(|form| given.contains(form.key));
-            // What is needed anyway is told below.
+            // Inputs of every form are checked below.
             let lacks = |form: &Form| form.with - given - self.all;
             match begun.min_by_key(|form| lacks(form).iter().count()) {
                 None => missing.push((*words).to_owned()),
@@ -380,12 +380,15 @@ impl Scene {
         self.choose(settings.model)
     }
 
-    /// The SI problem of a model.
+    /// The SI problem of a model, in the warm steady state if it is asked for.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if a value or a dial breaks a rule or an input of the model is missing.
+    /// [`CaseError`] if a value or a dial breaks a rule, an input of the model is missing, or there is no warm state.
     pub fn problem(&self, settings: &Settings) -> Result<Problem, CaseError> {
+        if self.asks_warm() {
+            return self.in_warm_state(settings)?.problem(settings);
+        }
         let model = self.ask(settings)?;
         Ok(self.reader().problem(model, settings))
     }

@@ -9,7 +9,7 @@ use crate::vocabulary::input_set::{CONTACT_ANGLE, LEAD};
 use crate::vocabulary::units::{DEG, MM, UM};
 use crate::{CaseError, InputKey, InputSet, Scene};
 
-/// What a nut is rated from.
+/// Required inputs of the ratings.
 pub(crate) const NEEDS: Needs = Needs {
     all: InputSet::of(&[
         InputKey::ball_diameter_mm,

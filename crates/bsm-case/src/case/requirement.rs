@@ -36,7 +36,7 @@ keys! {
 /// Contact angles that are easy to make \[deg\].
 pub(crate) const USUAL_CONTACT_ANGLES_DEG: (f64, f64) = (30.0, 75.0);
 
-/// Keys with words, and their possible words; the first is the default.
+/// Keys with texts, and their possible texts; the first is the default.
 pub const REQUIREMENT_WORDS: [(&str, &[&str], &str); 3] = [
     ("motion", &["rotary-to-linear", "linear-to-rotary"], "which side drives"),
     ("objective", &["efficiency", "capacity", "mass"], "what the search optimises"),
@@ -69,7 +69,7 @@ const WORDS_FROM_SCENES: [&str; 4] = ["support", "cycle", "accuracy_grade", "pre
 /// A requirement as it is written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RequirementFile {
-    /// What it shares with scenes: load, speed, friction, materials, and whatever is fixed.
+    /// Inputs that it shares with scenes: load, speed, friction, materials, and whatever is fixed.
     pub(crate) scene: Scene,
     /// The model that tells the efficiency.
     pub(crate) model: Model,

@@ -9,7 +9,6 @@ use crate::case::nut::OF_A_NUT;
 use crate::vocabulary::input_set::lead_mm;
 use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::rules::Relation;
-use crate::vocabulary::warm::Found;
 use crate::{CaseError, InputKey, InputSet, NutWords, Scene, entries};
 
 /// Key of the free text.
@@ -162,7 +161,7 @@ impl Scene {
         })
     }
 
-    /// What an engineer should know of the inputs before trusting the outputs.
+    /// Warnings about the inputs.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if let (Some(ball), Some(lead)) = (self.ball_diameter_mm, self.lead())
@@ -207,7 +206,7 @@ const NOT_IN_BALANCE: [(InputSet, &str); 2] = {
 };
 
 impl InputSet {
-    /// What an engineer should know of inputs that are given, but that no model of the ball uses.
+    /// Warnings about given inputs that no model of the ball uses.
     pub fn unused_by_models(self) -> impl Iterator<Item = String> {
         NOT_IN_BALANCE.into_iter().filter_map(move |(unused, command)| {
             let names: Vec<_> =
@@ -220,6 +219,12 @@ impl InputSet {
     }
 }
 
+/// What a warm state changes in its nut.
+const WARM: [InputKey; 4] = {
+    let [nut, screw, balls] = RISES;
+    [nut, screw, balls, InputKey::screw_tension_N]
+};
+
 /// Rises of temperature of nut, screw and balls.
 pub(crate) const RISES: [InputKey; 3] = [
     InputKey::nut_temperature_rise_K,
@@ -228,7 +233,7 @@ pub(crate) const RISES: [InputKey; 3] = [
 ];
 
 impl Scene {
-    /// What to know where the axial load is that of the scene alone, and the scene moves a mass.
+    /// Warning where the axial load is that of the scene alone, and the scene moves a mass.
     pub(crate) fn load_of_the_mass(&self) -> Option<String> {
         let mass = self.moved_mass_kg.filter(|mass| *mass != 0.0)?;
         self.axial_load_N.map(|_| {
@@ -239,9 +244,19 @@ impl Scene {
         })
     }
 
-    /// What was found of its warm state.
-    pub(crate) fn found_warm(&self) -> Option<Found> {
-        self.nut.warm_state.as_ref()?.found
+    /// True if it asks for its warm steady state.
+    pub fn asks_warm(&self) -> bool {
+        self.nut.warm_state == Some(true)
+    }
+
+    /// At the temperature of setting: without rises, tension of the screw and warm state.
+    pub(crate) fn cold(&self) -> Self {
+        let mut cold = self.clone();
+        cold.nut.warm_state = None;
+        for key in WARM {
+            cold[key] = None;
+        }
+        cold
     }
 
     /// True if it has a preloaded nut.
@@ -251,8 +266,8 @@ impl Scene {
             .any(|key| self[key].is_some_and(|value| value != 0.0))
     }
 
-    /// True if a part of the nut or the screw is warmer than when the preload was set.
-    pub(crate) fn has_rises(&self) -> bool {
-        RISES.into_iter().any(|key| self[key].is_some_and(|rise| rise != 0.0))
+    /// True if a part of the nut or the screw is warmer than when the preload was set, or the screw is under tension.
+    pub(crate) fn is_warm(&self) -> bool {
+        WARM.into_iter().any(|key| self[key].is_some_and(|value| value != 0.0))
     }
 }

@@ -1,4 +1,4 @@
-//! What is answered: sections of numbers, tables and words, rules with limit, margin and source, notes and warnings. Text,
+//! What is answered: sections of numbers, tables and texts, rules with limit, margin and source, notes and warnings. Text,
 //! JSON and pages of every answer are made of them.
 
 use serde_json::{Map, Value, json};
@@ -10,11 +10,11 @@ use crate::{Numbers, Of, Output};
 pub struct Answer {
     /// In the order in which people read them.
     pub sections: Vec<Section>,
-    /// What is required of numbers.
+    /// Rules for the numbers.
     pub rules: Vec<Criterion>,
-    /// What was taken where nothing was given, and what is left out.
+    /// Defaults that were used, and effects that are neglected.
     pub notes: Vec<String>,
-    /// What an engineer should know before using the numbers.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// True if there is no solution, nothing was found or a rule is broken.
     pub fails: bool,
@@ -25,25 +25,25 @@ pub struct Answer {
 pub struct Section {
     /// Its member of the JSON object, into which the numbers of an empty one go; a section without one is for people alone.
     pub member: Option<&'static str>,
-    /// What it says.
+    /// Its content.
     pub content: Content,
 }
 
-/// What a section says.
+/// Content of a section.
 #[derive(Debug, Clone)]
 pub enum Content {
     /// Numbers of a table of quantities.
     Numbers {
         /// The numbers.
         numbers: Numbers,
-        /// What those of no contact and direction are of.
+        /// Head of numbers of no contact and no direction.
         whole: &'static str,
         /// Names of those whose error has no bound.
         unbounded: Vec<&'static str>,
     },
-    /// Rows of numbers and words.
+    /// Rows of numbers and texts.
     Table(Table),
-    /// A few words behind a label, if there are any.
+    /// A short text behind a label, if any.
     Words(&'static str, Option<String>),
     /// Sentences behind a label.
     Texts(&'static str, Vec<String>),
@@ -90,14 +90,14 @@ impl Column {
     }
 }
 
-/// What is required of a number.
+/// A rule for a number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Criterion {
-    /// What it is about.
+    /// Label.
     pub title: &'static str,
     /// Name of the number, with its unit as suffix.
     pub name: &'static str,
-    /// Unit in words.
+    /// Unit as text.
     pub unit: &'static str,
     /// The number.
     pub value: f64,
@@ -158,7 +158,7 @@ impl Table {
     }
 }
 
-/// JSON object of numbers; null where there is none. Statements stand with their words.
+/// JSON object of numbers; null where there is none. Statements stand with their texts.
 pub(crate) fn numbers_json(numbers: &Numbers) -> Map<String, Value> {
     let shown = numbers.all().iter().filter(|row| row.quantity.of != Of::Statement);
     let columns = shown.flat_map(|row| row.quantity.columns.iter().zip(row.values));
@@ -269,7 +269,7 @@ impl Answer {
     }
 }
 
-/// What a member of an object is: `number`, `positive`, `integer`, `count`, `string`, `boolean`, `texts`, `numbers`, `list`, words `a|b`,
+/// Type of a member of an object: `number`, `positive`, `integer`, `count`, `string`, `boolean`, `texts`, `numbers`, `list`, texts `a|b`,
 /// or an object; `[kind]` a list of it, `*kind` an object of it by names that are not known beforehand, `kind?` the same or null.
 ///
 /// * `members`: those of an object by its name, separated by commas, each with its kind; a name with `?` may be absent. `@table`

@@ -38,7 +38,7 @@ impl Cells {
         Ok(Self { heads, rows, decimal })
     }
 
-    /// What each column is, by its name.
+    /// Type of each column, by its name.
     pub(crate) fn columns<C>(
         &self,
         column: impl Fn(&str) -> Result<C, CaseError>,
@@ -46,7 +46,7 @@ impl Cells {
         self.heads.iter().map(|head| column(head)).collect()
     }
 
-    /// What is made of each row, from its cells that are not empty under their columns.
+    /// Result of each row, from its cells that are not empty.
     pub(crate) fn each<C, R>(
         &self,
         columns: &[C],

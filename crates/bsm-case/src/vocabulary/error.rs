@@ -19,7 +19,7 @@ pub enum CaseError {
     Unreadable {
         /// Which file.
         path: PathBuf,
-        /// What the system says.
+        /// Message of the system.
         source: io::Error,
     },
     /// There is nothing in it.
@@ -39,7 +39,7 @@ pub enum CaseError {
     /// A name that is not known.
     #[error("{} `{}`{}", known.words(), brief(name), nearest_hint(nearest.as_deref()))]
     Unknown {
-        /// What it should be a name of.
+        /// Kind of the name.
         known: Known,
         /// The name.
         name: String,
@@ -57,9 +57,9 @@ pub enum CaseError {
     WrongType {
         /// The key.
         key: String,
-        /// What is there.
+        /// Found.
         found: String,
-        /// What should be.
+        /// Expected.
         expected: String,
     },
     /// A number outside its range.
@@ -69,7 +69,7 @@ pub enum CaseError {
         key: String,
         /// Its value.
         value: f64,
-        /// The rule in words.
+        /// The rule as text.
         rule: String,
     },
     /// An entry of a file that cannot be used.
@@ -77,7 +77,7 @@ pub enum CaseError {
     BadEntry {
         /// The key.
         key: String,
-        /// What is wrong.
+        /// Reason.
         what: String,
     },
     /// Inputs are not given.
@@ -113,7 +113,7 @@ pub enum CaseError {
     DryAnalysis,
     /// An oil that is thicker when it is hotter.
     #[error(
-        "viscosity_100C_mm2_s = {hot} must be below viscosity_40C_mm2_s = {warm}: oil thins with heat"
+        "viscosity_100C_mm2_s = {hot} must be below viscosity_40C_mm2_s = {warm}: viscosity decreases with temperature"
     )]
     OilThickens {
         /// At 40 C.
@@ -174,7 +174,7 @@ pub enum CaseError {
         output: &'static str,
         /// The model.
         model: &'static str,
-        /// What the most complete model lacks.
+        /// Missing inputs of the most complete model.
         missing: Vec<String>,
     },
     /// Where to look for an input is not known.
@@ -211,7 +211,7 @@ pub enum CaseError {
     NoMotion {
         /// The model.
         model: &'static str,
-        /// What the simplest model with a motion lacks.
+        /// Missing inputs of the simplest model with a motion.
         missing: Vec<String>,
     },
     /// A row of a table that cannot be used.
@@ -275,15 +275,15 @@ pub enum CaseError {
         kind: &'static str,
         /// The word.
         name: String,
-        /// All words.
+        /// All possible texts.
         known: String,
     },
     /// A setting or axis on the command line that cannot be read.
     #[error("`{}` is not of the form {form}", brief(text))]
     BadSetting {
-        /// What was given.
+        /// Given value.
         text: String,
-        /// What is expected.
+        /// Expected value.
         form: &'static str,
     },
     /// A model does not cover what the scene asks for.
@@ -293,7 +293,7 @@ pub enum CaseError {
         key: &'static str,
         /// Its value.
         value: f64,
-        /// What the model covers.
+        /// Range of the model.
         rule: &'static str,
         /// The model.
         model: &'static str,
@@ -312,7 +312,7 @@ pub enum CaseError {
     },
 }
 
-/// What has names.
+/// Kinds of names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Known {
     /// Inputs of a scene.

@@ -13,7 +13,7 @@ use crate::{CaseError, Quantity};
 /// Up to here every whole number is a double.
 const MOST_WHOLE: f64 = 9_007_199_254_740_992.0;
 
-/// What a value must satisfy.
+/// Rule for a value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Rule {
     /// Any finite number.
@@ -78,7 +78,7 @@ impl Rule {
         Err(CaseError::OutOfRange { key: key.to_owned(), value, rule: self.describe() })
     }
 
-    /// The rule in words, after "must be".
+    /// The rule as text, after "must be".
     pub fn describe(self) -> String {
         match self {
             Self::Any => "a finite number".to_owned(),
@@ -106,7 +106,7 @@ macro_rules! inputs {
         pub struct Scene {
             /// Free text.
             pub description: Option<String>,
-            /// What it says of a nut besides numbers.
+            /// Entries besides numbers.
             pub nut: NutWords,
             $($(#[doc = $about] pub $name: Option<f64>,)*)*
         }
@@ -244,13 +244,13 @@ inputs! {
         density_kg_m3 ["kg/m3"] Above(0.0), Some(7800.0),
             "density of the ball";
         youngs_modulus_GPa ["GPa" "E"] Above(0.0), Some(207.0),
-            "Young's modulus of the races, and of the ball unless given for it";
+            "Young's modulus of the raceways, and of the ball unless given for it";
         poisson_ratio ["" "nu"] Between(-1.0, 0.5), Some(0.3),
-            "Poisson's ratio of the races, and of the ball unless given for it";
+            "Poisson's ratio of the raceways, and of the ball unless given for it";
         ball_youngs_modulus_GPa ["GPa"] Above(0.0), None,
-            "Young's modulus of the ball, if it differs from the races";
+            "Young's modulus of the ball, if it differs from the raceways";
         ball_poisson_ratio [""] Between(-1.0, 0.5), None,
-            "Poisson's ratio of the ball, if it differs from the races";
+            "Poisson's ratio of the ball, if it differs from the raceways";
     }
     "operating point" {
         screw_speed_rpm ["rpm" "n"] Any, None,
@@ -360,7 +360,7 @@ inputs! {
     }
     "nut" {
         race_yield_strength_MPa ["MPa"] Above(0.0), None,
-            "yield strength of the races, for the margin of the contacts against yield";
+            "yield strength of the raceways, for the margin of the contacts against yield";
         ball_yield_strength_MPa ["MPa"] Above(0.0), None,
             "yield strength of the balls, for the margin of the contacts against yield";
     }
@@ -386,7 +386,7 @@ inputs! {
         heat_transfer_W_K ["W/K"] Above(0.0), None,
             "heat that leaves the nut for each kelvin above ambient_temperature_C, in place of lubricant_temperature_C";
         ambient_temperature_C ["C"] Within(-40.0, 150.0), None,
-            "temperature of the surroundings";
+            "temperature of the surroundings; preload_temperature_C for the warm state unless given";
         ball_roughness_um ["um"] Above(0.0), None,
             "root mean square roughness of the balls, 1.25 times the arithmetic one: 0.01 to 0.03";
         nut_roughness_um ["um"] Above(0.0), None,
@@ -400,7 +400,7 @@ inputs! {
         hysteresis_loss [""] AtLeast(0.0), Some(0.01),
             "part of the elastic energy of the contacts that rolling loses, 0.003 to 0.034";
         seal_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
-            "friction torque of the seals, of the maker or measured; felt wipers 0.02 to 0.3";
+            "friction torque of the seals, stated or measured; felt wipers 0.02 to 0.3";
         ball_contact_force_N ["N"] AtLeast(0.0), Some(0.0),
             "force between neighbouring balls, 0.1 to 1; 0 with spacer balls";
         ball_contact_friction [""] AtLeast(0.0), None,
@@ -420,7 +420,7 @@ inputs! {
         return_approach_speed_m_s ["m/s"] Above(0.0), None,
             "speed at which a ball enters the ball return, for jamming; its speed in the nut unless given";
         return_stiffness_N_um15 ["N/um^1.5"] Above(0.0), None,
-            "Hertz stiffness of the impact on the ball return, for jamming; that of a ball on a flat of race material unless given";
+            "Hertz stiffness of the impact on the ball return, for jamming; that of a ball on a flat of raceway material unless given";
         return_linear_stiffness_N_um ["N/um"] Above(0.0), None,
             "linear stiffness of the impact on the ball return, for jamming, in place of return_stiffness_N_um15";
         step_height_mm ["mm"] AtLeast(0.0), None,
@@ -428,9 +428,9 @@ inputs! {
     }
     "axis" {
         rated_dynamic_load_N ["N" "C_a"] Above(0.0), None,
-            "dynamic load rating as the maker states it, in place of the calculated one";
+            "dynamic load rating as the manufacturer states it, in place of the calculated one";
         rated_static_load_N ["N" "C_0a"] Above(0.0), None,
-            "static load rating as the maker states it, in place of the calculated one";
+            "static load rating as the manufacturer states it, in place of the calculated one";
         stroke_mm ["mm"] Above(0.0), None,
             "stroke of the nut; the screw is longer by the length of the nut";
         unsupported_length_mm ["mm"] Above(0.0), None,
@@ -467,5 +467,49 @@ inputs! {
             "largest speed over the critical one that is permitted";
         required_buckling_safety [""] Above(0.0), Some(2.0),
             "buckling load over the largest axial load that is required";
+        extra_drag_factor [""] AtLeast(0.0), None,
+            "drag beyond the contacts over the warm preload times the lead over 2 pi; by manufacturers' rule unless given";
+    }
+    "warm state" {
+        preload_temperature_C ["C"] Within(-40.0, 150.0), Some(20.0),
+            "temperature at which preload and fits are set";
+        structure_temperature_C ["C"] Within(-40.0, 150.0), None,
+            "temperature of what carries the bearings of the screw; ambient_temperature_C unless given";
+        coolant_temperature_C ["C"] Within(-40.0, 150.0), None,
+            "temperature of the coolant of screw and nut; ambient_temperature_C unless given";
+        nut_conductance_W_K ["W/K"] Above(0.0), None,
+            "conductance of nut and table to the air; 2 to 20, computed to a factor of 2 unless given";
+        carriage_area_m2 ["m2"] Above(0.0), None,
+            "surface of bracket and table in air; in place of nut_conductance_W_K, ten times that of the nut unless given";
+        screw_film_W_m2K ["W/(m2 K)"] Above(0.0), None,
+            "film coefficient of the screw in air; 10 to 60, computed to a factor of 1.4 unless given";
+        gap_conductance_W_K ["W/K"] Above(0.0), None,
+            "conductance of gap and wipers from nut to screw; 0.2 to 3, computed to a factor of 3 unless given";
+        ball_nut_conductance_W_K ["W/K"] Above(0.0), None,
+            "conductance of the contacts from balls to nut; computed to a factor of 2 unless given";
+        ball_screw_conductance_W_K ["W/K"] Above(0.0), None,
+            "conductance of the contacts from balls to screw; computed to a factor of 2 unless given";
+        end_conductance_W_K ["W/K"] Above(0.0), None,
+            "conductance of each bearing of the screw to the structure; 2 to 20, computed to a factor of 3 unless given";
+        nut_coolant_conductance_W_K ["W/K"] AtLeast(0.0), Some(0.0),
+            "conductance of the nut to a coolant; 20 to 60 of a cooled nut";
+        screw_bore_mm ["mm"] Above(0.0), None,
+            "bore of a hollow screw";
+        coolant_flow_l_min ["l/min"] Above(0.0), None,
+            "flow of coolant through the bore of the screw";
+        coolant_conductance_W_K ["W/K"] Above(0.0), None,
+            "conductance of the screw to the coolant; in place of coolant_flow_l_min";
+        pretension_N ["N"] AtLeast(0.0), None,
+            "tension of a screw between two fixed bearings at preload_temperature_C";
+        pretension_K ["K"] AtLeast(0.0), None,
+            "rise of temperature that the screw is stretched by between two fixed bearings, 2 to 5; in place of pretension_N";
+        screw_tension_N ["N"] Any, Some(0.0),
+            "tension of the screw, below 0 a compression; found by warm_state";
+        motor_heat_W ["W"] AtLeast(0.0), Some(0.0),
+            "heat that the motor gives to the end of the screw";
+        steel_conductivity_W_m_K ["W/(m K)"] Above(0.0), Some(45.0),
+            "thermal conductivity of the steel";
+        fold_search_factor [""] Above(1.0), Some(2.0),
+            "multiple of the speeds up to which the fold is looked for";
     }
 }

@@ -10,19 +10,22 @@ use super::number::count;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{CaseError, INPUTS, InputKey, Scene};
 
+/// Bits of a word of an [`InputSet`].
+const BITS: usize = u128::BITS as usize;
+
 /// Some of the inputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct InputSet(u128);
+pub struct InputSet([u128; 2]);
 
-const _: () = assert!(INPUTS.len() <= 128, "a bit for each input");
+const _: () = assert!(INPUTS.len() <= 2 * BITS, "a bit for each input");
 
 impl InputSet {
     /// Inputs that have a default.
     pub const WITH_DEFAULT: Self = {
-        let (mut set, mut i) = (0, 0);
+        let (mut set, mut i) = ([0; 2], 0);
         while i < INPUTS.len() {
             if INPUTS[i].default.is_some() {
-                set |= 1 << i;
+                set[i / BITS] |= 1 << (i % BITS);
             }
             i += 1;
         }
@@ -31,9 +34,10 @@ impl InputSet {
 
     /// These inputs.
     pub const fn of(keys: &[InputKey]) -> Self {
-        let (mut set, mut i) = (0, 0);
+        let (mut set, mut i) = ([0; 2], 0);
         while i < keys.len() {
-            set |= 1 << keys[i] as u32;
+            let place = keys[i] as usize;
+            set[place / BITS] |= 1 << (place % BITS);
             i += 1;
         }
         Self(set)
@@ -42,13 +46,18 @@ impl InputSet {
     /// The inputs of either set.
     #[must_use]
     pub const fn and(self, other: Self) -> Self {
-        Self(self.0 | other.0)
+        Self([self.0[0] | other.0[0], self.0[1] | other.0[1]])
+    }
+
+    /// The inputs of both sets.
+    const fn common(self, other: Self) -> Self {
+        Self([self.0[0] & other.0[0], self.0[1] & other.0[1]])
     }
 
     /// The inputs of this set that are not in the other.
     #[must_use]
     pub const fn without(self, other: Self) -> Self {
-        Self(self.0 & !other.0)
+        Self([self.0[0] & !other.0[0], self.0[1] & !other.0[1]])
     }
 
     /// True if the input is one of them.
@@ -63,16 +72,18 @@ impl InputSet {
 
     /// True if any of `other` is among them.
     pub fn meets(self, other: Self) -> bool {
-        self.0 & other.0 != 0
+        self.common(other) != Self::default()
     }
 
     /// The inputs, in the order of the documentation.
     pub fn iter(self) -> impl Iterator<Item = InputKey> {
-        let mut left = self.0;
-        std::iter::from_fn(move || {
-            let key = InputKey::ALL.get(left.trailing_zeros() as usize)?;
-            left &= left - 1;
-            Some(*key)
+        self.0.into_iter().enumerate().flat_map(|(word, mut left)| {
+            std::iter::from_fn(move || {
+                let bit = left.trailing_zeros() as usize;
+                let key = InputKey::ALL.get(word * BITS + bit).filter(|_| left != 0)?;
+                left &= left - 1;
+                Some(*key)
+            })
         })
     }
 
@@ -117,7 +128,7 @@ impl InputSet {
         }
     }
 
-    /// What is given after `settings` have been applied to a scene that has these inputs.
+    /// Given inputs after `settings` have been applied to a scene that has these inputs.
     #[must_use]
     pub fn overridden_by(self, settings: Self) -> Self {
         (self - settings.replaced()) | settings
@@ -220,7 +231,7 @@ pub(crate) const VISCOSITY: Quantity = Quantity {
     ],
 };
 
-/// What the temperature of the lubricant follows from, or the temperature.
+/// Inputs of the lubricant temperature, or the temperature itself.
 pub(crate) const TEMPERATURE: Quantity = Quantity {
     words: "lubricant_temperature_C (or heat_transfer_W_K and ambient_temperature_C)",
     forms: &[
@@ -233,8 +244,40 @@ pub(crate) const TEMPERATURE: Quantity = Quantity {
     ],
 };
 
+/// What nut and table give to the air.
+const NUT_IN_AIR: Quantity = Quantity {
+    words: "nut_conductance_W_K (or carriage_area_m2)",
+    forms: &[
+        Form { key: InputKey::nut_conductance_W_K, with: InputSet::of(&[]), to: "" },
+        Form { key: InputKey::carriage_area_m2, with: InputSet::of(&[]), to: "" },
+    ],
+};
+
+/// What a hollow screw gives to its coolant.
+const COOLED_SCREW: Quantity = Quantity {
+    words: "coolant_flow_l_min (or coolant_conductance_W_K)",
+    forms: &[
+        Form {
+            key: InputKey::coolant_flow_l_min,
+            with: InputSet::of(&[InputKey::screw_bore_mm]),
+            to: "for the flow through the screw",
+        },
+        Form { key: InputKey::coolant_conductance_W_K, with: InputSet::of(&[]), to: "" },
+    ],
+};
+
+/// Tension of a screw between two fixed bearings as it is set.
+const PRETENSION: Quantity = Quantity {
+    words: "pretension_N (or pretension_K)",
+    forms: &[
+        Form { key: InputKey::pretension_N, with: InputSet::of(&[]), to: "" },
+        Form { key: InputKey::pretension_K, with: InputSet::of(&[]), to: "" },
+    ],
+};
+
 /// All quantities that have several forms.
-const QUANTITIES: &[Quantity] = &[LEAD, CONTACT_ANGLE, SPEED, VISCOSITY, TEMPERATURE];
+const QUANTITIES: &[Quantity] =
+    &[LEAD, CONTACT_ANGLE, SPEED, VISCOSITY, TEMPERATURE, NUT_IN_AIR, COOLED_SCREW, PRETENSION];
 
 /// Inputs that follow from others where they are not given, and from which.
 const FOLLOW: &[(InputKey, &[InputSet])] = {
@@ -314,7 +357,6 @@ const OF_A_LUBRICANT: InputSet = {
         K::boundary_friction_coefficient,
         K::lubricant_temperature_C,
         K::heat_transfer_W_K,
-        K::ambient_temperature_C,
         K::ball_roughness_um,
         K::nut_roughness_um,
         K::screw_roughness_um,
@@ -333,7 +375,12 @@ impl InputSet {
     pub(crate) const OF_ONE_LUBRICANT: Self = {
         use InputKey as K;
         // A ball without a lubricant may have these too.
-        let more = Self::of(&[K::lubricant_density_kg_m3, K::seal_torque_Nm, K::drag_coefficient]);
+        let more = Self::of(&[
+            K::lubricant_density_kg_m3,
+            K::seal_torque_Nm,
+            K::drag_coefficient,
+            K::ambient_temperature_C,
+        ]);
         OF_A_LUBRICANT.and(more).without(Self::of(&[K::lubricant_temperature_C]))
     };
 
@@ -357,7 +404,7 @@ impl InputSet {
     pub(crate) fn check_friction(self) -> Result<(), CaseError> {
         use InputKey as K;
         if self.contains(InputKey::friction_coefficient)
-            && let Some(key) = Self(self.0 & OF_A_LUBRICANT.0).iter().next()
+            && let Some(key) = self.common(OF_A_LUBRICANT).iter().next()
         {
             return Err(CaseError::FrictionTwice { key: key.name() });
         }
@@ -365,7 +412,6 @@ impl InputSet {
             [K::viscosity_40C_mm2_s, K::viscosity_100C_mm2_s],
             [K::viscosity_100C_mm2_s, K::viscosity_40C_mm2_s],
             [K::heat_transfer_W_K, K::ambient_temperature_C],
-            [K::ambient_temperature_C, K::heat_transfer_W_K],
             [K::nut_running_contact_angle_deg, K::screw_running_contact_angle_deg],
             [K::screw_running_contact_angle_deg, K::nut_running_contact_angle_deg],
         ];
@@ -387,10 +433,13 @@ impl Scene {
         InputKey::ALL.into_iter().filter(|key| self[*key].is_some()).collect()
     }
 
-    /// The inputs that it has, and those that its words say.
+    /// The inputs that it has, those that its other entries give, and those that are found in its warm state.
     pub fn stated(&self) -> InputSet {
+        let given = self.given();
         let listed = self.nut.circuits.as_ref().map(|_| InputKey::loaded_balls);
-        self.given() | listed.into_iter().collect()
+        let warm = self.asks_warm() && given.is_lubricated();
+        let found = warm.then_some(InputKey::lubricant_temperature_C);
+        given | listed.into_iter().chain(found).collect()
     }
 
     /// The value of an input that is not given, from others or from the circuits of a nut.

@@ -6,7 +6,7 @@ use bsm_kin::{Motion, Site};
 use super::quantity::{AnalysisKind, Of, Quantity};
 use crate::vocabulary::units::{DEG, GPA, MILLI, MM, MPA, UM, direction_deg};
 
-/// A value as it stands in a column of numbers: no is 0 and yes is 1, a text its place among the words of its output.
+/// A value as it stands in a column of numbers: no is 0 and yes is 1, a text its place among the texts of its output.
 trait Number {
     fn number(self) -> f64;
 }
@@ -47,11 +47,11 @@ impl Number for Evidence {
 pub struct Output {
     /// Name, with its unit as suffix.
     pub name: &'static str,
-    /// Unit in words; empty if dimensionless.
+    /// Unit as text; empty if dimensionless.
     pub unit: &'static str,
     /// JSON type.
     pub json_type: &'static str,
-    /// The words that a text may be; empty if it is none.
+    /// The possible texts; empty for numbers.
     pub words: &'static [&'static str],
     /// Meaning.
     pub about: &'static str,
@@ -69,7 +69,7 @@ pub(crate) enum Origin {
 
 impl Output {
     /// The value in a solution, in the unit of the vocabulary; `None` if it has none. No is 0 and yes is 1, a text its
-    /// place among the words.
+    /// place among the texts.
     pub fn read(&self, solution: &Solution) -> Option<f64> {
         match self.origin {
             Origin::Solution { read, .. } => read(solution),
@@ -119,7 +119,7 @@ macro_rules! outputs {
         pub const OUTPUTS: &[Output] =
             &[$($($(outputs!(@output $name $at, $unit, $kind, $read, $about),)+)*)*];
 
-        /// The same for people: one quantity for the contacts. Those titled "hidden" are said in words.
+        /// The same for people: one quantity for the contacts. Those titled "hidden" are part of a sentence.
         pub(crate) const SOLUTION: &[Quantity] = &[$($(Quantity {
             name: outputs!(@first $($name)+),
             unit: $unit,
@@ -159,7 +159,7 @@ macro_rules! outputs {
     (@of $($at:ident)+) => { Of::Contacts };
     (@said nut) => { ", nut" };
     (@said screw) => { ", screw" };
-    (@said minor) => { ", minor contact, the opposite flank of the nut" };
+    (@said minor) => { ", unloaded flank of the nut" };
     (@said whole) => { "" };
     (@site screw) => { Site::Screw };
     (@site minor) => { Site::NutMinor };
@@ -208,7 +208,7 @@ outputs! {
         "  rolling resistance" ["W"] Number: rolling_power_W whole = |s, _| Some(lubricant(s)?.rolling_power),
             "power lost by rolling resistance of lubricant and hysteresis, all balls";
         "  ball-to-ball contact" ["W"] Number: ball_contact_power_W whole = |s, _| Some(lubricant(s)?.outside.ball_contact),
-            "power lost by balls that rub on each other";
+            "power lost by ball-to-ball contact";
         "  ball returns" ["W"] Number: return_power_W whole = |s, _| Some(lubricant(s)?.outside.ball_return),
             "power lost in the ball returns";
         "  drag" ["W"] Number: drag_power_W whole = |s, _| Some(lubricant(s)?.outside.drag),
@@ -288,15 +288,15 @@ outputs! {
         "self_locking" [""] Flag: self_locking whole = |s, _| s.self_locking(),
             "true if the screw is self-locking in this direction";
         "controlling_race" [""] Race: controlling_race whole = |s, _| Some(s.solved()?.control?.race),
-            "race on which the ball does not spin (raceway control)";
+            "raceway on which the ball does not spin (raceway control)";
         "control_consistent" [""] Flag: control_consistent whole = |s, _| s.solved()?.control?.consistent,
-            "true if the controlling race has the larger spin friction moment at this solution; false where neither race has it at its own solution";
+            "true if the controlling raceway has the larger spin friction moment at this solution; false where neither raceway has it at its own solution";
         "other_solutions" [""] Count: other_solutions whole = |s, _| Some(s.solved()?.others?.count),
             "number of other steady motions known at this point; null: unknown, as no search was made or it was lost";
         "other_solution_efficiency" [""] Number: other_solution_efficiency whole = |s, _| s.solved()?.others?.farthest_efficiency,
             "efficiency of the other steady motion whose efficiency differs most";
         "evidence" [""] Evidence: evidence whole = |s, _| s.evidence(),
-            "how sure no_solution is: proof; bound (an expansion whose error is smaller than what decides); traced (a curve that contains all solutions was followed in steps of finite size); sampled (also random starts found none)";
+            "evidence of no_solution: proof; bound (an expansion whose error is smaller than what decides); traced (a curve that contains all solutions was followed in steps of finite size); sampled (also random starts found none)";
     }
 }
 

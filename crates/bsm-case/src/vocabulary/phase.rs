@@ -1,21 +1,23 @@
 //! The cycle of an axis: its phases, from JSON and from a table.
 
+use bsm_design::DutySpeed;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::Rule::{Above, Any};
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::quantity::keys;
-use crate::vocabulary::units::convert;
+use crate::vocabulary::units::{RPM, convert};
 use crate::{CaseError, nearest};
 
 keys! {
-    /// What a phase has.
+    /// Keys of a phase.
     pub(crate) PHASE_INPUTS;
     time_s ["s" "t"] Above(0.0), None, "how long it lasts; or share";
     share [""] Above(0.0), None, "share of the time of the cycle; or time_s";
     force_N ["N" "F"] Any, Some(0.0), "process force; positive against a positive feed";
-    feed_m_min ["m/min" "v"] Any, Some(0.0), "velocity of the nut along the screw";
+    feed_m_min ["m/min" "v"] Any, None, "velocity of the nut along the screw; 0 unless screw_speed_rpm is given";
+    screw_speed_rpm ["rpm" "n"] Any, None, "speed of the screw, in place of feed_m_min";
     acceleration_m_s2 ["m/s2" "a"] Any, Some(0.0), "acceleration along a positive feed";
 }
 
@@ -32,8 +34,12 @@ pub struct PhaseWords {
     pub share: Option<f64>,
     /// Process force, positive against a positive feed.
     pub force_N: f64,
-    /// Velocity of the nut.
-    pub feed_m_min: f64,
+    /// Velocity of the nut; or `screw_speed_rpm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub feed_m_min: Option<f64>,
+    /// Speed of the screw; or `feed_m_min`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub screw_speed_rpm: Option<f64>,
     /// Acceleration along a positive feed.
     pub acceleration_m_s2: f64,
 }
@@ -72,12 +78,16 @@ impl PhaseWords {
                 "time_s" => phase.time_s = Some(value),
                 "share" => phase.share = Some(value),
                 "force_N" => phase.force_N = value,
-                "feed_m_min" => phase.feed_m_min = value,
+                "feed_m_min" => phase.feed_m_min = Some(value),
+                "screw_speed_rpm" => phase.screw_speed_rpm = Some(value),
                 _ => phase.acceleration_m_s2 = value,
             }
         }
         if phase.time_s.is_some() == phase.share.is_some() {
             return Err("a phase has one of time_s and share".to_owned());
+        }
+        if phase.feed_m_min.and(phase.screw_speed_rpm).is_some() {
+            return Err("a phase has one of feed_m_min and screw_speed_rpm".to_owned());
         }
         Ok(phase)
     }
@@ -87,12 +97,15 @@ impl PhaseWords {
         self.time_s.or(self.share).unwrap_or(0.0)
     }
 
-    /// Velocity of the nut \[m/s\].
-    pub(crate) fn feed(&self) -> f64 {
-        self.feed_m_min / 60.0
+    /// How fast the nut moves, or the screw turns.
+    pub(crate) fn pace(&self) -> DutySpeed {
+        match self.screw_speed_rpm {
+            Some(rpm) => DutySpeed::Turns(rpm * RPM),
+            None => DutySpeed::Feed(self.feed_m_min.unwrap_or(0.0) / 60.0),
+        }
     }
 
-    /// Reads a cycle from a table, a row a phase: columns are the words of a phase, in any unit.
+    /// Reads a cycle from a table, a row a phase: columns are the keys of a phase, in any unit.
     ///
     /// * `separator`: between cells. * `decimal`: the decimal sign.
     ///

@@ -19,6 +19,8 @@ pub enum AnalysisKind {
     Nut,
     /// The axis around a screw.
     Axis,
+    /// The warm steady state of an axis.
+    Warm,
 }
 
 /// An input, or a quantity of an answer: one number, or one for each contact or direction.
@@ -26,21 +28,21 @@ pub enum AnalysisKind {
 pub struct Quantity {
     /// Its name, with its unit as suffix.
     pub name: &'static str,
-    /// Unit in words; empty if dimensionless.
+    /// Unit as text; empty if dimensionless.
     pub unit: &'static str,
     /// Symbol of the field, such as `C_a`; empty if it has none.
     pub symbol: &'static str,
     /// Meaning, which is also its label.
     pub about: &'static str,
-    /// What it is printed with, and the group of an input.
+    /// Symbol, and the group of an input.
     pub title: &'static str,
-    /// What its numbers are of.
+    /// Scope of its numbers.
     pub of: Of,
     /// Its numbers as outputs; the contact or direction stands in front of the name.
     pub columns: &'static [Output],
     /// Inputs without default that it needs besides those of its answer: one of each set.
     pub(crate) needs: &'static [InputSet],
-    /// What the value of an input must satisfy.
+    /// Rule for the value of an input.
     pub rule: Rule,
     /// Value that a model takes if the scene has none.
     pub default: Option<f64>,
@@ -61,7 +63,7 @@ impl Quantity {
         default: None,
     };
 
-    /// That of a table by its name, which the table must have; of an input the words up to a semicolon.
+    /// That of a table by its name, which the table must have; of an input the text up to a semicolon.
     pub(crate) const fn said(table: &[Self], name: &str) -> Self {
         let mut place = 0;
         loop {
@@ -83,7 +85,7 @@ impl Quantity {
         }
     }
 
-    /// Inputs that it needs besides those of its answer and that are not given, in words.
+    /// Missing inputs besides those of its answer, as text.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let names = |set: &InputSet| {
             let names: Vec<_> = set.iter().map(InputKey::name).collect();
@@ -93,12 +95,12 @@ impl Quantity {
     }
 }
 
-/// What the numbers of a quantity are of.
+/// Scope of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Of {
     /// The ball, the screw or the nut: one number.
     Whole,
-    /// Each contact: nut, screw and minor.
+    /// Each contact: nut, screw and unloaded flank of the nut.
     Contacts,
     /// Each direction of drive: rotary to linear, and linear to rotary.
     Directions,
@@ -107,11 +109,11 @@ pub enum Of {
 }
 
 impl Of {
-    /// What its numbers are of, as heads of a table.
+    /// Members of the scope, as heads of a table.
     pub fn members(self) -> &'static [&'static str] {
         match self {
             Self::Whole | Self::Statement => &[""],
-            Self::Contacts => &["nut", "screw", "minor"],
+            Self::Contacts => &["nut", "screw", "unloaded flank"],
             Self::Directions => &["rotary to linear", "linear to rotary"],
         }
     }
@@ -120,7 +122,7 @@ impl Of {
 /// The numbers of a quantity; a statement is 0 or 1.
 pub type Values = [Option<f64>; 3];
 
-/// What a reader of a quantity returns.
+/// Return value of the reader of a quantity.
 pub(crate) trait Read {
     fn values(self) -> Values;
 }
@@ -266,7 +268,7 @@ macro_rules! quantities {
         &[
             $crate::vocabulary::quantity::quantities!(@column "number", "nut_", ", nut", $($of)*),
             $crate::vocabulary::quantity::quantities!(@column "number", "screw_", ", screw", $($of)*),
-            $crate::vocabulary::quantity::quantities!(@column "number", "minor_", ", minor contact", $($of)*),
+            $crate::vocabulary::quantity::quantities!(@column "number", "minor_", ", unloaded flank", $($of)*),
         ]
     };
     (@Directions $($of:tt)*) => {

@@ -43,7 +43,7 @@ pub enum Relation {
     OilThins,
 }
 
-/// What lead and lead angle may differ in, relative.
+/// Permitted relative difference of lead and lead angle.
 const LEADS_AGREE: f64 = 1e-9;
 
 impl Relation {
@@ -88,7 +88,7 @@ impl Relation {
         })
     }
 
-    /// What to say of a scene in which it does not hold.
+    /// Message for a scene that breaks it.
     pub(crate) fn broken(self, scene: &Scene) -> CaseError {
         let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
         let pitch = value(InputKey::pitch_circle_diameter_mm);
@@ -135,7 +135,7 @@ pub fn covered<I: Inputs>(model: Model, inputs: &I) -> Option<Mask<I>> {
     }
 }
 
-/// What to say of a scene that a model does not cover.
+/// Message for a scene that a model does not cover.
 pub(crate) fn not_covered(model: Model, scene: &Scene) -> CaseError {
     let (key, rule) = match model {
         Model::QuasiStatic => (InputKey::nut_speed_rpm, "0 while the screw turns (no dual drive)"),

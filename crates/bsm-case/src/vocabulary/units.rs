@@ -19,9 +19,13 @@ pub const GPA: f64 = 1e9;
 /// Pascals per megapascal.
 pub const MPA: f64 = 1e6;
 
-/// A name of the vocabulary as words, its unit behind a comma: `axial_load_N` is "axial load, N".
+/// A name of the vocabulary as a label, its unit behind a comma: `axial_load_N` is "axial load, N".
 pub fn words(name: &str, unit: &str) -> String {
-    let written = unit.replace("(m K)", "m_K").replace([' ', '^', '.'], "").replace('/', "_");
+    let written = unit
+        .replace("(m K)", "m_K")
+        .replace("(m2 K)", "m2K")
+        .replace([' ', '^', '.'], "")
+        .replace('/', "_");
     let ends = |unit: &str| if unit.is_empty() { None } else { stem(name, unit) };
     let stem = ends(&written).or_else(|| ends(&unit.replace(' ', "_")));
     let words = stem.unwrap_or(name).replace('_', " ");
@@ -37,7 +41,7 @@ pub fn direction_deg(angle: f64) -> f64 {
     if degrees + 180.0 < TURN_ROUNDING { 180.0 } else { degrees }
 }
 
-/// What a unit measures.
+/// Dimension of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Dimension {
     Length,
@@ -148,7 +152,7 @@ const UNITS: &[(&str, Dimension, f64)] = {
 /// Short names that stand for one of the vocabulary, without their units.
 const SHORT_NAMES: [(&str, &str); 2] = [("speed", "screw_speed"), ("load", "axial_load")];
 
-/// What a short name stands for.
+/// Long form of a short name.
 pub(crate) fn long_name(short: &str) -> Option<&'static str> {
     SHORT_NAMES.iter().find(|(known, _)| *known == short).map(|(_, long)| *long)
 }
@@ -238,7 +242,7 @@ mod tests {
         }
     }
 
-    /// What is offered is what is read, with the same factor.
+    /// Offered units can be read, with the same factor.
     #[test]
     fn other_units_are_read_back() {
         let mut offered = 0;
@@ -264,7 +268,10 @@ mod tests {
     #[test]
     fn the_table_has_the_units_of_the_vocabulary() {
         // Degrees Celsius have no factor to other units.
-        let own = ["N/um^1.5", "um/(m K)", "N m/mrad", "%", "", "C", "mm2/s", "1/GPa", "W/K"];
+        let own = [
+            "N/um^1.5", "um/(m K)", "N m/mrad", "%", "", "C", "mm2/s", "1/GPa", "W/K", "W/(m2 K)",
+            "W/(m K)", "W", "m2", "l/min",
+        ];
         for input in INPUTS.iter().filter(|input| !own.contains(&input.unit)) {
             let has = |(unit, ..): &(&str, Dimension, f64)| {
                 input.name.strip_suffix(unit).is_some_and(|stem| stem.ends_with('_'))
@@ -273,7 +280,7 @@ mod tests {
         }
     }
 
-    /// Labels of axes have words and units, not names of columns.
+    /// Labels of axes are texts with units, not names of columns.
     #[test]
     fn names_as_words() {
         for (name, unit, label) in [

@@ -1,4 +1,4 @@
-//! What a scene says of a nut, its axis and its lubricant besides numbers: lists, objects, words and flags.
+//! What a scene says of a nut, its axis and its lubricant besides numbers: lists, objects, texts and flags.
 
 use bsm_design::Grade;
 use bsm_dyn::BaseOil;
@@ -7,12 +7,11 @@ use serde_json::{Map, Value, json};
 
 use super::answer::schema_of;
 use super::phase::PhaseWords;
-use super::warm::WarmWords;
 use crate::{CaseError, nearest};
 
 macro_rules! words {
     ($($name:ident: $kind:ty [$schema:literal], $about:literal;)*) => {
-        /// What a scene says of a nut besides numbers.
+        /// Entries of a scene besides numbers.
         #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
         #[serde(deny_unknown_fields)]
         pub struct NutWords {
@@ -56,8 +55,7 @@ macro_rules! words {
 }
 
 /// Objects among them, as [`schema_of`] has them.
-const OBJECTS: [(&str, &str); 4] = [
-    ("warm state", WarmWords::MEMBERS),
+const OBJECTS: [(&str, &str); 3] = [
     (
         "circuit",
         "start_deg number, arc_deg positive, balls count, start? count, body? count, flank? +|-|both?, offset_um? number",
@@ -68,7 +66,7 @@ const OBJECTS: [(&str, &str); 4] = [
     ),
     (
         "phase",
-        "time_s? number, share? number, force_N? number, feed_m_min? number, acceleration_m_s2? number",
+        "time_s? number, share? number, force_N? number, feed_m_min? number, screw_speed_rpm? number, acceleration_m_s2? number",
     ),
 ];
 
@@ -102,9 +100,13 @@ words! {
     accuracy_grade: GradeWord ["string"],
         "accuracy grade of the screw, for bsm axis: P0 to P10 and T5 to T10 of ISO 3408-3, C0 to C10 of JIS B 1192 (THK, NSK, MISUMI); a number alone is a P grade";
     cycle: Vec<PhaseWords> ["[phase]"],
-        "phases of the cycle of the axis, for bsm axis: time_s or share, force_N, feed_m_min, acceleration_m_s2; in place of axial_load_N and screw_speed_rpm";
-    warm_state: WarmWords ["warm state"],
-        "find the temperatures that friction brings the axis to, and the preload that they leave, for bsm axis; {} takes all as it is usual: temperatures of setting and surroundings, conductances (W_K, known by a factor of 1.4 to 3), coolant, pretension";
+        "phases of the cycle of the axis, for bsm axis: time_s or share, force_N, feed_m_min or screw_speed_rpm, acceleration_m_s2; in place of axial_load_N and screw_speed_rpm";
+    warm_state: bool ["boolean"],
+        "true: find the temperatures that friction brings the axis to, and the preload that they leave";
+    coolant: CoolantWord ["water|oil"],
+        "what flows through a hollow screw; water unless given";
+    drag_rule: bool ["boolean"],
+        "false: no drag of the preload beyond the contacts; manufacturers' rule unless given";
 }
 
 impl NutWords {
@@ -190,10 +192,10 @@ pub struct CircuitWords {
 /// Flanks of a circuit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Flank {
-    /// Those that push the nut along +z.
+    /// Flanks that push the nut along +z.
     #[serde(rename = "+")]
     Plus,
-    /// Those that push it along -z.
+    /// Flanks that push it along -z.
     #[serde(rename = "-")]
     Minus,
     /// Both.
@@ -211,7 +213,7 @@ pub enum End {
     High,
 }
 
-/// What holds a nut across its axis.
+/// Guidance of a nut across its axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Guidance {
@@ -238,6 +240,16 @@ pub enum PreloadWay {
     Pair,
     /// The balls are too large.
     Oversize,
+}
+
+/// What flows through a hollow screw.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CoolantWord {
+    /// Water.
+    Water,
+    /// Oil.
+    Oil,
 }
 
 /// How the ends of a screw are held.
@@ -341,8 +353,9 @@ mod tests {
             }
         }
         if let (Value::Object(map), Value::Object(properties)) = (value, &schema["properties"]) {
-            // A phase has one of time_s and share.
-            let known = properties.keys().filter(|key| *key != "share");
+            // A phase has one of time_s and share, and of feed and speed.
+            let known = properties.keys();
+            let known = known.filter(|key| !["share", "screw_speed_rpm"].contains(&key.as_str()));
             assert_eq!(map.keys().collect::<Vec<_>>(), known.collect::<Vec<_>>());
             for (key, value) in map {
                 same_keys(value, &properties[key]);
@@ -373,7 +386,9 @@ mod tests {
             "support": "fixed-supported",
             "accuracy_grade": "C3",
             "cycle": [{ "time_s": 1.0, "force_N": 1.0, "feed_m_min": 1.0, "acceleration_m_s2": 1.0 }],
-            "warm_state": WarmWords::of_ones(),
+            "warm_state": true,
+            "coolant": "oil",
+            "drag_rule": false,
         });
         let mut words = NutWords::default();
         for (key, value) in all.as_object().expect("an object") {

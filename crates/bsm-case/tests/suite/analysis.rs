@@ -81,7 +81,7 @@ fn powers_add_up_with_the_dials() {
 }
 
 /// As printed, the formulas of one contact take the angle of the other: the same where both angles are,
-/// and exchanged with the corrected spin slip where they are not; the minor contact has none.
+/// and exchanged with the corrected spin slip where they are not; the unloaded flank has none.
 #[test]
 fn printed_slips_take_the_other_angle() {
     let report = slip(&scene(XU, &[]), Model::Rigid);
@@ -454,11 +454,12 @@ fn self_locking_has_one_criterion() {
 /// Outputs of a solution that an analysis has too.
 const SHARED: [&str; 3] = ["nut_spin_rad_s", "screw_spin_rad_s", "dissipated_power_W"];
 
-/// Numbers of a nut that the sheet of its axis has too.
-const OF_A_NUT: [&str; 2] = ["limit_load_N", "preload_torque_Nm"];
+/// Numbers of a nut that the sheet of its axis or the warm state has too.
+const OF_A_NUT: [&str; 4] =
+    ["limit_load_N", "preload_set_N", "preload_torque_Nm", "warm_preload_N"];
 
 /// A column has one meaning: no other analysis has its name, nor has an input; what an analysis shares
-/// with a solution, and an axis with its nut, is the same number, unit and words.
+/// with a solution, and an axis with its nut, is the same number, unit and label.
 #[test]
 fn a_column_has_one_meaning() {
     let mut names: Vec<_> = Output::all().map(|output| output.name).collect();
@@ -481,6 +482,14 @@ fn a_column_has_one_meaning() {
         "lubricant_temperature_C",
         "unsupported_length_mm",
         "shaft_diameter_mm",
+        "nut_conductance_W_K",
+        "screw_film_W_m2K",
+        "gap_conductance_W_K",
+        "ball_nut_conductance_W_K",
+        "ball_screw_conductance_W_K",
+        "end_conductance_W_K",
+        "coolant_conductance_W_K",
+        "screw_tension_N",
     ];
     assert_eq!(inputs, same);
     assert_eq!(
@@ -497,7 +506,7 @@ fn a_column_has_one_meaning() {
     }
 }
 
-/// Every quantity has a name with its unit, words, and a place of its own.
+/// Every quantity has a name with its unit, a label, and a place of its own.
 #[test]
 fn quantities_are_complete() {
     for kind in AnalysisKind::ALL {

@@ -133,7 +133,7 @@ fn a_fit_finds_what_was_put_in() {
     }
 }
 
-/// Any input can be fitted; what cannot be reached is told with what can.
+/// Any input can be fitted; a value out of reach is refused with the range.
 #[test]
 fn a_fit_tells_what_can_be_reached() {
     let scene = feed_drive();

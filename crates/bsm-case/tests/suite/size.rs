@@ -1,4 +1,4 @@
-//! The axis: its numbers against a second implementation, and its words.
+//! The axis: its numbers against a second implementation, and its messages.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -211,7 +211,7 @@ fn the_ratings_of_a_maker_count() {
     near(number(&half, "cycle_life_h"), 0.62 * number(&own, "cycle_life_h"), 1e-9, "95 %");
 }
 
-/// What lacks is told, and what cannot be meant is refused.
+/// Missing inputs are named, contradictory ones refused.
 #[test]
 fn what_lacks_is_told() {
     let says = |json: &str, words: &str| {
@@ -249,7 +249,7 @@ fn wish(settings: &[&str]) -> (RequirementFile, Catalogue) {
     (wish.expect("an example"), catalogue)
 }
 
-/// Found by the audit: `design` proposed a pitch circle of 45.4 mm at 67 deg, which nobody sells, and knew no critical
+/// Found by the audit: `design` proposed a pitch circle of 45.4 mm at 67 deg, which no manufacturer sells, and knew no critical
 /// speed. A standard screw at 45 deg that its own sheet agrees with.
 #[test]
 fn a_design_is_of_standard_size() {
@@ -458,7 +458,7 @@ fn a_long_screw_is_blocked_by_its_critical_speed() {
     assert!(reasons.contains("critical_speed_ratio must be <= 0.8"), "{reasons}");
 }
 
-/// The ten nuts of the published catalogue, in its own words with semicolons and decimal commas, and in ours.
+/// The ten nuts of the published catalogue, with its own names, semicolons and decimal commas, and with ours.
 #[test]
 fn a_makers_table_is_read() {
     let table = include_str!("../../../../examples/maker_table.csv");

@@ -1,52 +1,29 @@
 //! The warm steady state of an axis, from its scene: the reference cases of `validation/published/nut`, and what a
 //! scene may not say.
 
-use bsm_case::{AxisReport, Scene, Settings};
+use bsm_case::{
+    AnalysisKind, AxisReport, InputKey, NutProblem, Scene, Settings, WarmBranch, torque_parts,
+};
 use bsm_dyn::{Control, Model};
 use serde_json::{Value, json};
 
 const CASES: &str = include_str!("../../../../validation/published/nut/warm_state.json");
 
-/// Inputs of a case that are words of the warm state.
-const WORDS: [&str; 8] = [
-    "ambient_temperature_C",
-    "coolant",
-    "coolant_flow_l_min",
-    "coolant_temperature_C",
-    "drag_rule",
-    "nut_conductance_W_K",
-    "pretension_K",
-    "screw_bore_mm",
-];
-
 fn settings() -> Settings {
     Settings { control: Some(Control::Nut), ..Settings::from(Model::RacewayControl) }
 }
 
-/// The scene of a reference case in the words of a scene, changed.
+/// The scene of a reference case as entries of a scene, changed.
 fn scene(id: &str, change: impl Fn(&mut Value)) -> (Scene, Value) {
     let all: Value = serde_json::from_str(CASES).expect("JSON");
     let case = all["cases"].as_array().expect("cases").iter().find(|case| case["id"] == id);
     let case = case.unwrap_or_else(|| panic!("{id}")).clone();
-    let mut words = serde_json::Map::new();
     let mut scene = case["scene"].clone();
     let entries = scene.as_object_mut().expect("a scene");
-    for key in WORDS {
-        if let Some(value) = entries.remove(key) {
-            words.insert(key.to_owned(), value);
-        }
-    }
-    entries.insert("warm_state".to_owned(), Value::Object(words));
+    entries.insert("warm_state".to_owned(), json!(true));
     // The name of the specification, and ours.
     if let Some(stiffness) = entries.remove("support_bearing_rigidity_N_um") {
         entries.insert("support_bearing_stiffness_N_um".to_owned(), stiffness);
-    }
-    // Phases have a feed.
-    let lead = entries["lead_mm"].as_f64().expect("lead");
-    for phase in entries["cycle"].as_array_mut().expect("cycle") {
-        let phase = phase.as_object_mut().expect("phase");
-        let rpm = phase.remove("screw_speed_rpm").and_then(|rpm| rpm.as_f64()).expect("speed");
-        phase.insert("feed_m_min".to_owned(), json!(1e-3 * lead * rpm));
     }
     change(&mut scene);
     (Scene::from_json(scene.to_string().as_bytes()).expect("scene"), case)
@@ -56,8 +33,7 @@ fn scene(id: &str, change: impl Fn(&mut Value)) -> (Scene, Value) {
 #[test]
 fn reference_cases_from_scenes() {
     for id in ["WS-P1", "WS-P2", "WS-P4", "WS-P5"] {
-        let (scene, case) =
-            scene(id, |scene| scene["warm_state"]["fold_search_factor"] = json!(1.01));
+        let (scene, case) = scene(id, |scene| scene["fold_search_factor"] = json!(1.01));
         let report =
             AxisReport::of(&scene, &settings()).unwrap_or_else(|why| panic!("{id}: {why}"));
         let tolerance = case["rel_tol"].as_f64().expect("tolerance");
@@ -68,8 +44,6 @@ fn reference_cases_from_scenes() {
             ("balls_temperature_C", "balls_temperature_C", ambient),
             ("end_1_temperature_C", "end_1_temperature_C", ambient),
             ("end_2_temperature_C", "end_2_temperature_C", ambient),
-            ("warm_state_preload_N", "warm_preload_N", 0.0),
-            // The nut of the sheet is in that state.
             ("warm_preload_N", "warm_preload_N", 0.0),
             ("steady_heat_W", "heat_W", 0.0),
             ("screw_growth_um", "screw_growth_um", 0.0),
@@ -77,10 +51,6 @@ fn reference_cases_from_scenes() {
             ("loop_gain", "loop_gain", 0.0),
         ] {
             let Some(expected) = case["expect"][expected].as_f64() else { continue };
-            let loaded = case["scene"]["cycle"][0]["force_N"].as_f64() != Some(0.0);
-            if name == "warm_preload_N" && !loaded {
-                continue;
-            }
             let found = report.number(name).unwrap_or_else(|| panic!("{id} {name}"));
             let allowed =
                 if name == "loop_gain" { 1e-4 } else { tolerance * (expected - from).abs() };
@@ -92,7 +62,7 @@ fn reference_cases_from_scenes() {
 /// Above its fold WS-P3 has no state, and the rule says by how much: 1166.55 of 1500 rpm.
 #[test]
 fn above_the_fold_a_rule_fails() {
-    let (scene, _) = scene("WS-P3", |scene| scene["cycle"][0]["feed_m_min"] = json!(18.0));
+    let (scene, _) = scene("WS-P3", |scene| scene["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
     let report = AxisReport::of(&scene, &settings()).expect("an axis");
     assert!(!report.passes());
     let factor = report.number("fold_speed_factor").expect("a fold");
@@ -109,9 +79,7 @@ fn what_contradicts_itself_is_refused() {
         let why = AxisReport::of(&scene, &settings()).expect_err(words).to_string();
         assert!(why.contains(words), "{why}");
     };
-    let set = |key: &'static str, value: Value| {
-        move |scene: &mut Value| scene["warm_state"][key] = value.clone()
-    };
+    let set = |key: &'static str, value: Value| move |scene: &mut Value| scene[key] = value.clone();
     refused("WS-P2", &set("nut_conductance_W_K", json!(0.0)), "nut_conductance_W_K");
     refused("WS-P3", &set("carriage_area_m2", json!(0.5)), "carriage_area_m2");
     refused("WS-P4", &set("pretension_N", json!(1e3)), "pretension_N");
@@ -130,4 +98,150 @@ fn what_contradicts_itself_is_refused() {
         "rises of temperature",
     );
     refused("WS-P2", &|scene| scene["axis_heat_transfer_W_K"] = json!(5.0), "one node");
+}
+
+const FEED_AXIS: &str = include_str!("../../../../validation/published/nut/feed_axis.json");
+
+/// The feed axis with settings.
+fn feed_axis(settings: &[&str]) -> Scene {
+    let mut scene = Scene::from_json(FEED_AXIS.as_bytes()).expect("a scene");
+    scene.apply(settings).expect("settings");
+    scene
+}
+
+/// One name has one number: nut, axis, warm state, columns of tables, and the torque of `bsm solve`.
+#[test]
+fn all_answers_are_in_one_warm_state() {
+    let scene = feed_axis(&[]);
+    let sheet = AxisReport::of(&scene, &settings()).expect("an axis");
+    let nut = NutProblem::of(&scene, &settings()).expect("a nut").solve().expect("a state");
+    let preload = nut.number("warm_preload_N").expect("a preload");
+    let same = |name: &str, found: Option<f64>, expected: Option<f64>, allowed: f64| {
+        let (found, expected) = found.zip(expected).unwrap_or_else(|| panic!("no {name}"));
+        assert!((found - expected).abs() <= allowed * expected.abs(), "{name}: {found} {expected}");
+    };
+    // The search meets the balance of heat to 1e-10, in the same order each time; the nut is solved once more.
+    same("preload of the sheet", sheet.number("warm_preload_N"), Some(preload), 1e-9);
+    for kind in [AnalysisKind::Nut, AnalysisKind::Warm] {
+        let numbers = kind.numbers(&scene, &settings(), None, |_| true).expect("numbers");
+        same(kind.name(), numbers.number("warm_preload_N"), Some(preload), 1e-9);
+    }
+    for name in ["nut_temperature_C", "screw_temperature_C", "balls_temperature_C"] {
+        same(name, nut.answer().number(name), sheet.number(name), 1e-9);
+    }
+    // Friction of balls that differ by their load alone is interpolated to 1e-9 in the one and in the other.
+    same("heat", sheet.number("mean_heat_W"), sheet.number("steady_heat_W"), 1e-7);
+    let parts = torque_parts(&scene, &settings()).expect("a torque").expect("its parts");
+    let whole = "whole_screw_torque_Nm";
+    same(whole, parts.number(whole), sheet.phases[0].number(whole), 1e-9);
+    // The same nut at the temperatures as inputs.
+    let warm = scene.in_warm_state(&settings()).expect("a state");
+    assert!(!warm.asks_warm() && warm.screw_temperature_rise_K.is_some());
+    let plain = NutProblem::of(&warm, &settings()).expect("a nut").solve().expect("a state");
+    for name in ["warm_preload_N", "friction_torque_Nm", "life_by_balls_revolutions"] {
+        same(name, plain.number(name), nut.number(name), 0.0);
+    }
+}
+
+/// The band of WS-P2 by the reference, to the 1e-3 that it states; what is given is not estimated, and narrows it.
+#[test]
+fn what_is_given_narrows_the_band() {
+    let band = |change: &dyn Fn(&mut Value)| {
+        let (scene, case) = scene("WS-P2", |scene| {
+            scene["fold_search_factor"] = json!(1.01);
+            change(scene);
+        });
+        let report = AxisReport::of(&scene, &settings()).expect("an axis");
+        (report.answer.to_json()["band"].clone(), case)
+    };
+    let (found, case) = band(&|_| {});
+    for (name, own) in [
+        ("nut_temperature_C", "nut_temperature_C"),
+        ("screw_temperature_C", "screw_temperature_C"),
+        ("warm_preload_N", "warm_preload_N"),
+        ("heat_W", "steady_heat_W"),
+        ("screw_growth_um", "screw_growth_um"),
+    ] {
+        for (end, place) in ["low", "high"].into_iter().zip(0..) {
+            let expected = case["expect"]["band"][name][place].as_f64().expect(name);
+            let own = found[own][end].as_f64().expect(name);
+            assert!((own - expected).abs() <= 1e-3 * expected, "{name}: {own}, not {expected}");
+        }
+    }
+    let width = |band: &Value, name: &str| {
+        band[name]["high"].as_f64().expect(name) - band[name]["low"].as_f64().expect(name)
+    };
+    let computed = 3.306;
+    let (given, _) = band(&|scene| scene["nut_conductance_W_K"] = json!(computed));
+    for name in
+        ["nut_temperature_C", "warm_preload_N", "steady_heat_W", "contact_friction_torque_Nm 1"]
+    {
+        assert!(width(&given, name) < width(&found, name), "{name}");
+        assert!(width(&given, name) > 0.0, "{name}");
+    }
+}
+
+/// A screw that may not grow is pressed, which joins its load in buckling.
+#[test]
+fn compression_by_heat_joins_buckling() {
+    let (scene, _) = scene("WS-P4", |scene| scene["fold_search_factor"] = json!(1.01));
+    let sheet = AxisReport::of(&scene, &settings()).expect("an axis");
+    let number = |name: &str| sheet.number(name).expect(name);
+    let tension = number("screw_tension_N");
+    assert!(tension < 0.0);
+    let safety = number("buckling_load_N") / (number("largest_load_N") - tension);
+    // Rounding.
+    assert!((number("buckling_safety") / safety - 1.0).abs() < 1e-12);
+    assert!(sheet.answer.warnings.iter().any(|words| words.contains("its pretension is lost")));
+}
+
+/// Why X and O differ: in a nut that is cooled better than its screw the states of an X pair end at a fold, dry and oiled,
+/// beyond which they go back to lower speeds at higher preloads; those of an O pair go on.
+#[test]
+fn an_x_pair_has_a_fold_and_an_o_pair_none() {
+    let oil = ["iso_vg", "ball_roughness_um", "nut_roughness_um", "screw_roughness_um"];
+    for (arrangement, dry) in [("X", false), ("X", true), ("O", false), ("O", true)] {
+        let word = format!("preload_arrangement={arrangement}");
+        let mut scene = feed_axis(&[&word, "nut_conductance_W_K=20", "axial_load_N=1e-3"]);
+        if dry {
+            scene.friction_coefficient = Some(0.06);
+            for name in oil {
+                scene[InputKey::named(name).expect("an input")] = None;
+            }
+        }
+        let branch = WarmBranch::of(&scene, &settings()).expect("a branch").expect("asked for");
+        let beyond: Vec<_> = branch.points.iter().filter(|point| !point.stable).collect();
+        let Some(fold) = branch.fold() else {
+            assert!(arrangement == "O", "{word}, dry {dry}");
+            assert!(beyond.is_empty() && branch.points.last().expect("points").speed_rpm > 2000.0);
+            continue;
+        };
+        assert!(arrangement == "X", "{word}, dry {dry}");
+        assert!(beyond.iter().all(|point| point.speed_rpm < fold.speed_rpm));
+        assert!(beyond.iter().all(|point| point.preload_N > fold.preload_N));
+        if !dry {
+            // WS-P3, to the 1e-5 of the reference; a thousandth of a newton is no load.
+            assert!((fold.speed_rpm / 1166.546_7 - 1.0).abs() < 1e-5, "{}", fold.speed_rpm);
+        }
+    }
+}
+
+/// A phase turns at a speed as it moves at its feed.
+#[test]
+fn phases_have_a_feed_or_a_speed() {
+    let at = |phase: Value| {
+        let (scene, _) = scene("WS-P2", |scene| {
+            scene["warm_state"] = json!(false);
+            scene["lubricant_temperature_C"] = json!(40.0);
+            scene["cycle"] = json!([phase]);
+        });
+        AxisReport::of(&scene, &settings()).expect("an axis").number("mean_heat_W").expect("heat")
+    };
+    let turned = at(json!({ "share": 1.0, "force_N": 2000.0, "screw_speed_rpm": 1000.0 }));
+    let moved = at(json!({ "share": 1.0, "force_N": 2000.0, "feed_m_min": 12.0 }));
+    // Rounding of the lead.
+    assert!((turned / moved - 1.0).abs() < 1e-12);
+    let both = json!({ "cycle": [{ "share": 1.0, "screw_speed_rpm": 1.0, "feed_m_min": 1.0 }] });
+    let why = Scene::from_json(both.to_string().as_bytes()).expect_err("both").to_string();
+    assert!(why.contains("one of feed_m_min and screw_speed_rpm"), "{why}");
 }

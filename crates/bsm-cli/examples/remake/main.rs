@@ -26,7 +26,7 @@ type Made = Vec<(&'static str, Text)>;
 /// Something that can be asked for by name.
 struct Source {
     name: String,
-    /// The commands, in words.
+    /// The commands, as text.
     commands: &'static str,
     takes: &'static str,
     how: How,

@@ -153,8 +153,8 @@ fn summary(advice: &[Value]) -> Result<String> {
         rows.push(format!(
             "| {percent} % | {} | {} | {} |",
             pick("all")?,
-            pick("grips")?,
-            pick("skids")?
+            pick("rolling")?,
+            pick("gross skid")?
         ));
     }
     Ok(table("| error of the efficiency | any regime | rolling | gross skid |", &rows))
@@ -168,7 +168,7 @@ fn times_row(dial: &Value) -> Result<String> {
             let there = times.iter().find(|t| t["group"] == **group);
             there.map_or(Ok(String::new()), |t| Ok(micro(time(t)?)))
         };
-        ["grips", "skids partly", "skids"].iter().map(of).collect()
+        ["rolling", "partial skid", "gross skid"].iter().map(of).collect()
     };
     let single = cells(|times| number(&times["single"], "mean"))?;
     let cells = [single, cells(|times| number(times, "batch"))?].concat();

@@ -230,8 +230,8 @@ fn bad_input_is_told() {
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 0);
 }
 
-/// Numbers of analyses are columns and curves; a wrong name is answered with the nearest, and what no row
-/// could have is told before any work.
+/// Numbers of analyses are columns and curves; a wrong name is answered with the nearest, and a column
+/// that no row can fill is refused before any work.
 #[test]
 fn analyses_are_columns_of_a_sweep() {
     let dir = folder();

@@ -256,7 +256,7 @@ fn inputs_are_fitted_to_a_table() {
     assert_eq!(bsm(dir.path(), &two, "").status.code(), Some(2));
 }
 
-/// The band of a torque from a lubricant: in the table unless told, in JSON if asked for.
+/// The 90 % interval of a lubricated torque is in the table by default, in JSON on request.
 #[test]
 fn the_band_is_printed_where_it_is_wanted() {
     let dir = folder();

@@ -42,7 +42,7 @@ fn single() -> Value {
     })
 }
 
-/// The scene of a reference case with its loads in the words of a scene.
+/// The scene of a reference case with its loads as entries of a scene.
 fn scene_of(case: &Value) -> Value {
     let mut scene = case["scene"].clone();
     let loads = case["load_SI"].as_object().expect("loads");
@@ -129,7 +129,7 @@ fn reference_cases_run_as_scenes() {
     }
 }
 
-/// The words mean what the objects mean: bars and ring from anchors and diameters (chapter 16), the pair of
+/// Short entries and objects are equivalent: bars and ring from anchors and diameters (chapter 16), the pair of
 /// case P06 from a preload, to the digits of the bracket of the preload, 1e-8.
 #[test]
 fn short_words_are_the_objects() {

@@ -88,7 +88,7 @@ fn a_plan_is_solved_by_anybody_and_verified() {
     let other = [&sweep(&drive, loads, "map/", "50")[..], &["--plan"]].concat();
     let said = run(2, &other);
     assert!(said.contains("differs in: rows_per_part (40, now 50)"), "{said}");
-    assert!(!said.contains("--resume"), "nobody asked for it: {said}");
+    assert!(!said.contains("--resume"), "not requested: {said}");
     assert!(run(2, &sweep(&drive, loads, "map/", "40")).contains("continue with --resume"));
     assert!(run(3, &["parts", "check", "map/"]).contains("missing  0:10\n"));
 
@@ -118,7 +118,7 @@ fn a_plan_is_solved_by_anybody_and_verified() {
     assert!(run(1, &["parts", "check", "nowhere/"]).contains("nowhere/plan.json"));
 }
 
-/// What stands under the name of a part is found, told, left alone, and replaced on demand.
+/// A foreign or damaged file with the name of a part is reported, kept, and replaced on demand.
 #[test]
 fn damage_is_found_and_repaired() {
     let dir = folder();

@@ -120,7 +120,7 @@ struct Tally {
 }
 
 /// Kills runs of one source into a folder and into a file, `kills` each, and compares what is there after each
-/// kill, and at the end, with the run that nobody disturbed.
+/// kill, and at the end, with an undisturbed run.
 fn kill(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, tally: &mut Tally) {
     let dir = folder();
     points.write(dir.path());
@@ -137,7 +137,7 @@ fn kill(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, tally
         sleep(time.mul_f64(rng.random_range(0.0..1.0)));
         let over = child.try_wait().expect("a child").is_some();
         if !over {
-            // It may end between the two: then nobody is killed.
+            // It may end between the two: then no process is killed.
             let _ = Command::new("kill").args([signal, &child.id().to_string()]).output();
         }
         let output = child.wait_with_output().expect("ends");
@@ -237,7 +237,7 @@ type Harm<'a> = Box<dyn Fn() + 'a>;
 
 /// What `--resume` says to a damaged folder.
 enum Said {
-    /// Exit code and words, and that the damage is left as it is.
+    /// Exit code and message; the damaged file is kept.
     Refused(i32, &'static str),
     /// Solved or written again, with what an undisturbed run says.
     Healed,

@@ -110,7 +110,7 @@ fn a_closed_pipe_is_no_failure() {
     }
 }
 
-/// Without standard output the answer is dropped, as into /dev/null; without standard error only words.
+/// Without standard output the answer is dropped, as into /dev/null; without standard error only messages.
 #[test]
 fn closed_streams_do_no_harm() {
     let dir = folder();
@@ -183,7 +183,7 @@ fn links_stay_links_and_what_is_protected_stays() {
     );
     assert_eq!(fs::read_to_string(at("kept.csv")).expect("there"), "old");
 
-    // Nobody makes files here, not even root.
+    // No user can make files here, not even root.
     assert_told(&sweep("/proc/x.csv"), 1, "cannot write in folder /proc: ");
     assert_told(&sweep("no/such/x.csv"), 1, "cannot write in folder no/such: No such file");
     assert_told(&sweep("real.csv/x.csv"), 1, "cannot write in folder real.csv: Not a directory");
@@ -336,7 +336,7 @@ fn threads_that_cannot_be_started_are_no_panic() {
         assert_eq!((output.status.code(), stdout(&output)), (Some(0), stdout(&usual)));
         assert!(stderr(&output).contains("of 1024 threads: the system starts no more"));
     }
-    // Root may start as many as it likes; others are told that there are none.
+    // Root may start as many as it likes; others get an error.
     for args in [&many[..], &catalog] {
         let Some(output) = limited("ulimit -u 1", args, dir.path()) else { continue };
         let text = stderr(&output);
@@ -740,7 +740,7 @@ fn names_need_not_be_utf8() {
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 4);
 }
 
-/// What other programs write: answered, or told what is wrong with it.
+/// Files of other programs are solved, or refused with the reason.
 #[test]
 fn tables_of_other_programs() {
     let dir = folder();

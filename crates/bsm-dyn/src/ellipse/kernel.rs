@@ -304,8 +304,9 @@ pub(crate) struct Accumulator<'a, L, const N: usize, const SLOPED: bool> {
     pub(super) points: &'a [Patch; 2],
     pub(super) slips: &'a [EllipseSlip<f64>; 2],
     pub(super) laws: &'a [L; 2],
-    totals: [[Block; ALL]; 2],
-    /// Derivatives of force and moment by the film, of a lubricant.
+    /// Values, what the derivatives are made of, and those by the film, of a lubricant.
+    values: [[Block; VALUES]; 2],
+    slopes: [[Block; ALL - VALUES]; 2],
     by_film: [[Block; SUMS]; 2],
 }
 
@@ -401,9 +402,6 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> Visitor<S>
 }
 
 impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> Accumulator<'_, L, N, SLOPED> {
-    /// How many of the terms are not zero.
-    const SOME: usize = if SLOPED { ALL } else { VALUES };
-
     /// Adds the sums of a few lines.
     #[inline(always)]
     pub(super) fn add_line<S: Simd>(
@@ -418,7 +416,10 @@ impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> Accumulator<'_, L, N, S
         let of = ((Lane::splat(simd, a), Lane::splat(simd, b)), slip);
         let [j, k, across, film] = L::kinds(inner, line.square(slip));
         let terms = line.terms::<SLOPED>(of, [j, k, across]);
-        add_to(simd, &mut self.totals[ellipse], at, &terms[..Self::SOME]);
+        add_to(simd, &mut self.values[ellipse], at, &terms[..VALUES]);
+        if SLOPED {
+            add_to(simd, &mut self.slopes[ellipse], at, &terms[VALUES..]);
+        }
         if SLOPED && L::FILM {
             let weight = line.weight;
             let film = [film[0] * weight, film[1] * weight, film[2] * weight];
@@ -465,7 +466,8 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
             points,
             slips,
             laws,
-            totals: [[[0.0; BLOCK]; ALL]; 2],
+            values: [[[0.0; BLOCK]; VALUES]; 2],
+            slopes: [[[0.0; BLOCK]; ALL - VALUES]; 2],
             by_film: [[[0.0; BLOCK]; SUMS]; 2],
         };
         for i in 0..2 {
@@ -475,10 +477,12 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
         let mut all = [Resultants::none(0.0); 2];
         for i in 0..2 {
             let mut terms = [0.0; ALL];
-            let some = Accumulator::<L, N, SLOPED>::SOME;
-            reduce(simd, &gather.totals[i][..some], &mut terms[..some]);
+            reduce(simd, &gather.values[i], &mut terms[..VALUES]);
+            if SLOPED {
+                reduce(simd, &gather.slopes[i], &mut terms[VALUES..]);
+            }
             all[i] = Resultants::of(terms, &points[i]);
-            if L::FILM {
+            if SLOPED && L::FILM {
                 reduce(simd, &gather.by_film[i], &mut all[i].by_film);
             }
         }

@@ -60,7 +60,7 @@ pub struct Quadrature {
     pub(super) reach: Vec<f64>,
 }
 
-/// Quadratures of a few accuracies, and those that their errors are told from; each is made when it is first asked for.
+/// Quadratures of a few accuracies, and the coarser ones of their error estimates; each is made when it is first asked for.
 #[derive(Debug, Default)]
 pub(crate) struct Rules(Vec<(f64, [Quadrature; 2])>);
 
@@ -179,7 +179,7 @@ impl Quadrature {
         }
     }
 
-    /// The rule that the error of [`Self::of_oil`] is told from: fewer nodes both ways.
+    /// The coarser rule of the error estimate of [`Self::of_oil`]: fewer nodes both ways.
     pub(crate) fn check_of_oil(accuracy: f64) -> Self {
         let nodes = Self::nodes(accuracy);
         Self::lubricated(nodes, (3 * nodes.get() / 4).saturating_sub(2).max(1), 10.0 * accuracy)
@@ -213,7 +213,7 @@ impl Quadrature {
         NonZeroUsize::new(nodes).unwrap_or(NonZeroUsize::MIN)
     }
 
-    /// The rule that the error of this one is told from: fewer nodes a panel, one more along each line.
+    /// The coarser rule of the error estimate: fewer nodes a panel, one more along each line.
     /// With the same number along the lines it would not see what they miss.
     pub(crate) fn check(accuracy: f64) -> Self {
         let Self { part, .. } = Self::of(accuracy);
@@ -668,7 +668,7 @@ impl<'a> Panels<'a> {
         all
     }
 
-    /// The next nodes from node `node` of a panel on, and where they end; what is left over repeats the last
+    /// The next nodes from node `node` of a panel on, and where they end; unused places repeat the last
     /// one without weight.
     fn gather(&self, mut panel: usize, mut node: usize, block: &mut LineNodes) -> (usize, usize) {
         let LineNodes { places, parts, of_panel } = block;

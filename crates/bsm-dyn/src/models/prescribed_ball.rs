@@ -26,8 +26,8 @@ pub struct PrescribedContact {
     pub pressed_radius: f64,
 }
 
-/// A ball with given normal loads; friction moves no load. It is what is left of a ball in a groove
-/// that holds it at more than two contacts.
+/// A ball with given normal loads; friction moves no load. So moves a ball that its grooves hold
+/// at more than two contacts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PrescribedBall {
     /// Helix of the ball centres.

@@ -46,7 +46,7 @@ pub struct SlipPower<D> {
     pub centre: D,
     /// Of the spin about the contact normal.
     pub spin: D,
-    /// Of what is left: the curvature of the pressed surface under a rolling ball (Heathcote).
+    /// Of the curvature of the pressed surface under a rolling ball (Heathcote).
     pub curvature: D,
 }
 

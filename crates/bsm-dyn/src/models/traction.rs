@@ -327,7 +327,7 @@ impl SlipBall<'_> {
 
 impl<P> SlipBall<'_, P> {
     /// What a solve aims at. Where friction hardly depends on a slip the state of a first try is far less exact than its
-    /// residual, and so is the Jacobian there, of which the error is told.
+    /// residual, and so is the Jacobian there, from which the error is estimated.
     fn goal(&self) -> f64 {
         if self.enough.total_cmp(&NEAR).is_eq() { 0.1 * NEAR } else { self.enough }
     }

@@ -166,7 +166,7 @@ fn a_contact_angle_of_1e_307_deg_is_answered_in_time() {
         for (model, problem) in problems(absurd(input, value)).into_iter().enumerate() {
             let (done, answer) = std::sync::mpsc::channel();
             std::thread::spawn(move || {
-                // Nobody listens any more if this comes too late.
+                // The receiver is gone if this comes too late.
                 let _ = done.send(problem.solve(&mut ModelWorkspace::default()));
             });
             // The slowest answer takes a quarter of a second, some twenty times that in a debug build,

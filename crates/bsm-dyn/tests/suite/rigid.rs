@@ -49,7 +49,7 @@ fn root_satisfies_the_published_equations() {
             (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
         for (site, told, speed) in [
             (Site::Nut, o.ball.nut, nut),
-            (Site::NutMinor, o.ball.minor.expect("a minor contact"), nut),
+            (Site::NutMinor, o.ball.minor.expect("a contact on the unloaded flank"), nut),
             (Site::Screw, o.ball.screw, screw),
         ] {
             let contact = Contact::new(site, b, &frame);
@@ -159,7 +159,7 @@ fn numbers_beyond_double_precision_are_refused() {
     }
 }
 
-/// Found in review: self-locking and a pulling minor contact were claimed for points of large
+/// Found in review: self-locking and tension on the unloaded flank were claimed for points of large
 /// inertia, of which the first order knows nothing.
 #[test]
 fn large_inertia_is_not_denied_by_the_first_order() {
@@ -216,7 +216,7 @@ fn failures_say_why() {
     };
     let (status, why) = reason(&steep);
     assert_eq!(status, Status::NoSolution);
-    assert!(matches!(why, Reason::MinorContactWouldPull { .. }), "{why:?}");
+    assert!(matches!(why, Reason::UnloadedFlankWouldPull { .. }), "{why:?}");
 }
 
 /// Where friction holds the load against back-driving, the closed form has a negative efficiency,

@@ -78,11 +78,12 @@ impl<const N: usize> LinearSolver for Dense<N> {
             if pivot != k {
                 self.rows.swap(k, pivot);
             }
-            let upper = self.rows[k];
+            let (above, below) = self.rows.split_at_mut(k + 1);
+            let upper = &above[k];
             if upper[k] == 0.0 || !upper[k].is_finite() {
                 return Err(Singular { pivot: k });
             }
-            for row in &mut self.rows[k + 1..] {
+            for row in below {
                 let factor = row[k] / upper[k];
                 row[k] = factor;
                 for j in k + 1..N {

@@ -80,6 +80,8 @@ impl Guess {
 /// Between what numbers of a warm state lie.
 #[derive(Debug, Clone)]
 pub struct Band {
+    /// The numbers themselves.
+    pub values: Vec<f64>,
     /// Lower and upper end of each number.
     pub ends: Vec<[f64; 2]>,
     /// Guesses with which there is no state, and the factor on them.
@@ -122,7 +124,8 @@ impl WarmNut<'_> {
         // upper = value + √(Σ largest rise²), lower likewise              (I21)
         let end =
             |(middle, [down, up]): (&f64, &[f64; 2])| [middle - down.sqrt(), middle + up.sqrt()];
-        Band { ends: middle.iter().zip(&squares).map(end).collect(), none }
+        let ends = middle.iter().zip(&squares).map(end).collect();
+        Band { values: middle, ends, none }
     }
 
     /// Temperatures of the nodes of a state \[K\].

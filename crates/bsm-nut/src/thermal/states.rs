@@ -11,6 +11,8 @@ use bsm_newton::{
     Seed, StepControl, Trace, Workspace, solve, trace,
 };
 
+use nalgebra::{Matrix3, Schur};
+
 use super::{Heated, NODES, WarmNut};
 use crate::NutError;
 
@@ -28,12 +30,22 @@ const LONGEST_STEP: f64 = 8.0;
 /// Speed factor at which the walk from rest begins.
 const SLOW: f64 = 0.05;
 
-/// Size of a temperature on the walk \[K\], and of the speed factor: a step is half of one.
+/// Size of a temperature on the walk \[K\], and of the speed factor.
 const SIZES: (f64, f64) = (20.0, 1.0);
+
+/// Longest step of a walk in these sizes, and of one whose points are wanted.
+const STRIDE: f64 = 0.5;
+const CLOSE: f64 = 0.2;
+
+/// Part of the speed of a fold down to which the states beyond it are followed.
+const BACK: f64 = 0.8;
 
 /// Heat that is left over, relative, and Newton steps.
 const SETTLED: f64 = 1e-10;
 const MOST_STEPS: usize = 60;
+
+/// Sweeps that eigenvalues may take: three of a matrix converge in some ten.
+const MOST_SWEEPS: usize = 200;
 
 /// Nodes that have friction.
 const RUBBED: usize = 3;
@@ -75,6 +87,19 @@ pub struct Fold {
     pub preload: f64,
     /// The unstable state beyond it at the speeds themselves, if the fold is above them.
     pub beyond: Option<Steady>,
+}
+
+/// A state on the branch that goes out from rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OnBranch {
+    /// Factor on all speeds.
+    pub factor: f64,
+    /// Rises of the nodes \[K\].
+    pub rises: [f64; NODES],
+    /// Preload without load \[N\].
+    pub preload: f64,
+    /// False beyond the fold.
+    pub stable: bool,
 }
 
 /// Why there is no warm steady state.
@@ -224,21 +249,23 @@ impl<'a> Balance<'a> {
         rises.iter().any(|rise| self.nut.set + rise > HOTTEST)
     }
 
-    /// Follows the branch from a state on until `goes_on` says no: crossings of the speeds themselves are event 0, folds
+    /// Follows the branch from a state on, in steps of a part of [`SIZES`] at most, until `goes_on` says no: crossings of the speeds themselves are event 0, folds
     /// event 1.
     fn walk(
         &self,
         from: ([f64; NODES], f64),
+        longest: f64,
         goes_on: impl FnMut(&Trace<{ NODES + 1 }>) -> bool,
     ) -> Trace<{ NODES + 1 }> {
         let mut z = [from.1; NODES + 1];
         z[..NODES].copy_from_slice(&from.0);
         let towards = from_fn(|i| if i == NODES { 1.0 } else { 0.0 });
-        let stride = StepControl { place: PLACE, goal: SETTLED, ..StepControl::default() };
+        let stride = StepControl { longest, place: PLACE, goal: SETTLED, ..StepControl::default() };
         let events = |z: &[f64; NODES + 1], along: &[f64; NODES + 1]| {
             // det(M − P')/det M changes its sign                          (I20)
             let fold = self.slopes_at(z).map_or(f64::NAN, |slopes| {
-                determinant(&complement(&self.loop_matrix(&slopes, z[NODES])))
+                let gains = self.loop_matrix(&slopes, z[NODES]);
+                (Matrix3::identity() - Matrix3::from_fn(|i, k| gains[i][k])).determinant()
             });
             [(z[NODES] - 1.0, along[NODES]), (fold, 0.0)]
         };
@@ -337,7 +364,7 @@ impl WarmNut<'_> {
         }
         let slow = balance.settle(rest, SLOW).ok_or(NoSteadyState::NotFound)?;
         let mut hot = None;
-        let walked = balance.walk((slow, SLOW), |trace| {
+        let walked = balance.walk((slow, SLOW), STRIDE, |trace| {
             hot = balance.is_too_hot(&trace.last[..NODES]).then_some(trace.last[NODES]);
             hot.is_none() && trace.crossings.is_empty() && balance.has_preload.get()
         });
@@ -366,7 +393,7 @@ impl WarmNut<'_> {
     /// [`NoSteadyState`] if the branch is lost on the way.
     pub fn fold(&self, state: &Steady, most: f64) -> Result<Option<Fold>, NoSteadyState> {
         let (balance, _) = self.at_rest()?;
-        let walked = balance.walk((state.rises, 1.0), |trace| {
+        let walked = balance.walk((state.rises, 1.0), STRIDE, |trace| {
             let hot = balance.is_too_hot(&trace.last[..NODES]);
             let turned = trace.crossings.iter().any(|crossing| crossing.event == 1);
             let back = turned && trace.last[NODES] < 1.0;
@@ -383,6 +410,36 @@ impl WarmNut<'_> {
             balance.told(rises, 1.0).ok()
         });
         balance.folded(&fold.z, beyond).map(Some)
+    }
+
+    /// The branch of states from rest up to a multiple of the speeds, or through its fold and some way back; it ends where no
+    /// state counts, above 180 °C or without preload. The fold itself is one of the points.
+    ///
+    /// # Errors
+    ///
+    /// [`NoSteadyState`] if there is not even a slow state.
+    pub fn branch(&self, most: f64) -> Result<Vec<OnBranch>, NoSteadyState> {
+        let (balance, rest) = self.at_rest()?;
+        let slow = balance.settle(rest, SLOW).ok_or(NoSteadyState::NotFound)?;
+        let (mut points, mut turned) = (vec![(rest, 0.0, true), (slow, SLOW, true)], None);
+        balance.walk((slow, SLOW), CLOSE, |trace| {
+            let fold = trace.crossings.iter().find(|crossing| crossing.event == 1);
+            if let Some(fold) = fold.filter(|_| turned.is_none()) {
+                points.push((from_fn(|i| fold.z[i]), fold.z[NODES], true));
+                turned = Some(fold.z[NODES]);
+            }
+            let (rises, factor) = (from_fn(|i| trace.last[i]), trace.last[NODES]);
+            let counts = !balance.is_too_hot(&rises) && balance.has_preload.get();
+            if counts {
+                points.push((rises, factor, turned.is_none()));
+            }
+            counts && factor <= most && turned.is_none_or(|fold| factor > BACK * fold)
+        });
+        let point = |(rises, factor, stable)| {
+            let preload = self.heated(&rises, factor, false)?.preload;
+            Ok(OnBranch { factor, rises, preload, stable })
+        };
+        points.into_iter().map(point).collect()
     }
 
     /// The balance of heat, and the rises without any heat of friction.
@@ -410,34 +467,14 @@ impl Balance<'_> {
     }
 }
 
-/// `$1 - A$`.
-fn complement(a: &[[f64; RUBBED]; RUBBED]) -> [[f64; RUBBED]; RUBBED] {
-    from_fn(|i| from_fn(|k| f64::from(u8::from(i == k)) - a[i][k]))
-}
-
-fn determinant([a, b, c]: &[[f64; RUBBED]; RUBBED]) -> f64 {
-    a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
-        + a[2] * (b[0] * c[1] - b[1] * c[0])
-}
-
-/// Largest real part of the eigenvalues of a matrix (I18): of the roots of its cubic.
+/// Largest real part of the eigenvalues of a matrix (I18); NaN if they are not found.
 fn largest_real_part(a: &[[f64; RUBBED]; RUBBED]) -> f64 {
-    let third = (a[0][0] + a[1][1] + a[2][2]) / 3.0;
-    let shifted: [[f64; RUBBED]; RUBBED] =
-        from_fn(|i| from_fn(|k| a[i][k] - if i == k { third } else { 0.0 }));
-    let minor = |i: usize, k: usize| shifted[i][i] * shifted[k][k] - shifted[i][k] * shifted[k][i];
-    // λ³ + p λ − q = 0 without its square                                 (I18)
-    let (p, q) = (minor(0, 1) + minor(0, 2) + minor(1, 2), determinant(&shifted));
-    let discriminant = 0.25 * q * q + p * p * p / 27.0;
-    if discriminant <= 0.0 {
-        let radius = (-p / 3.0).max(0.0).sqrt();
-        let cosine = if radius > 0.0 { 0.5 * q / radius.powi(3) } else { 1.0 };
-        return third + 2.0 * radius * (cosine.clamp(-1.0, 1.0).acos() / 3.0).cos();
-    }
-    let root = discriminant.sqrt();
-    let real = (0.5 * q + root).cbrt() + (0.5 * q - root).cbrt();
-    // The other two have half of it, the other way round.
-    third + real.max(-0.5 * real)
+    let matrix = Matrix3::from_fn(|i, k| a[i][k]);
+    let schur = Schur::try_new(matrix, f64::EPSILON, MOST_SWEEPS);
+    schur.map_or(f64::NAN, |schur| {
+        // gain = max Re λ(M⁻¹ P')                                        (I18)
+        schur.complex_eigenvalues().iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max)
+    })
 }
 
 #[cfg(test)]
@@ -455,7 +492,7 @@ mod tests {
         ];
         for (matrix, largest) in cases {
             let found = largest_real_part(&matrix);
-            // Roots of a cubic: rounding of its terms, which are of order ten.
+            // Rounding of an orthogonal reduction of entries of order ten.
             assert!((found - largest).abs() < 1e-12, "{matrix:?}: {found}, not {largest}");
         }
     }

@@ -331,7 +331,7 @@ fn a_long_screw_is_no_play() {
     assert!(matches!(refused, Err(NutError::NothingCarries { .. })));
 }
 
-/// A nut that is held far from its screw strains its bodies; it was told that nothing carries its load.
+/// A nut that is held far from its screw strains its bodies; the message said that nothing carries its load.
 #[test]
 fn a_nut_that_is_held_far_away_strains_its_bodies() {
     let mut nut = nut_a();
@@ -417,8 +417,8 @@ fn oversize_balls_drag() {
     let found = tight.solve(&Support::guided(0.0)).expect("at rest");
     let drag = |screw_speed: f64, friction: f64| {
         let drive = Drive { screw_speed, nut_speed: 0.0 };
-        let nobody = |_: bsm_dyn::ElasticPoint| unreachable!("all balls are on both flanks");
-        let all = tight.friction(&found, Some(friction), &drive, 0.0, nobody);
+        let unused = |_: bsm_dyn::ElasticPoint| unreachable!("all balls are on both flanks");
+        let all = tight.friction(&found, Some(friction), &drive, 0.0, unused);
         assert_eq!(all.on_both_flanks, 98);
         all.torque.expect("all balls")
     };

@@ -158,7 +158,7 @@ fn reference_cases() {
         let lengths = [uz, ux, uy].map(|u| u * 1e6);
         agree(name, "displacement", &lengths, &numbers(&expect["displacement_um"]), tolerance);
         agree(name, "tilt", &[px, py].map(|t| t * 1e6), &numbers(&expect["tilt_urad"]), tolerance);
-        // The sum of all forces stands in the list, so that zero is told from rounding.
+        // The sum of all forces stands in the list, which separates zero from rounding.
         let sum = load(0).into_iter().chain(load(1)).sum::<f64>();
         let with_sum = |mut all: Vec<f64>| {
             all.push(sum);

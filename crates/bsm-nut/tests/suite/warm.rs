@@ -404,7 +404,7 @@ fn at_rest_all_is_as_warm_as_what_is_around() {
     }
 }
 
-/// The same state from the cold and along a sweep up and down, to 1e-8: what is left of the heat over one minus the
+/// The same state from the cold and along a sweep up and down, to 1e-8: residual heat over one minus the
 /// gain.
 #[test]
 fn a_sweep_both_ways_finds_the_states_of_cold_starts() {

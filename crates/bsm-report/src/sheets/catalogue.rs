@@ -36,7 +36,7 @@ impl Entry {
         }
     }
 
-    /// Unit in words, and in SI.
+    /// Unit as text, and in SI.
     fn unit(self) -> (&'static str, f64) {
         match self {
             Diameter | Lead | Ball => (" mm", MM),

@@ -43,7 +43,7 @@ pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
         figures.push(over_load(
             &curve,
             ("nut-preload", "Remaining preload under load"),
-            Axis::linear("preload left, N"),
+            Axis::linear("remaining preload, N"),
             "preload_left_N",
             limit,
         ));

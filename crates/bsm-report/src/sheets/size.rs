@@ -8,6 +8,7 @@ use bsm_case::{
 };
 use serde_json::{Value, json};
 
+use super::warm::warm_figures;
 use crate::{Axis, Curve, Figure, PROGRAM, Page, ReportError, Stroke, number as text_of};
 
 /// Points of a limit in the diagram of speed and force.
@@ -138,11 +139,13 @@ fn groups(report: &AxisReport) -> Vec<Value> {
     all.map(|(title, rows)| json!({ "title": title, "rows": rows })).collect()
 }
 
-/// Load and speed of the screw over the cycle, and the cycle among its limits.
+/// Load and speed of the screw over the cycle, the cycle among its limits, and the warm states over the speed if they are asked
+/// for.
 pub fn size_figures(report: &AxisReport) -> Vec<Figure> {
     // Of one phase there is no course.
     let cycle = (report.phases.len() > 1).then(|| over_time(report));
-    [Some(among_limits(report)), cycle, section(report)].into_iter().flatten().collect()
+    let warm = report.warm_branch().map_or_else(Vec::new, |branch| warm_figures(&branch));
+    [Some(among_limits(report)), cycle, section(report)].into_iter().flatten().chain(warm).collect()
 }
 
 /// Grooves of nut and screw around a ball, with the line through its contacts.
@@ -196,7 +199,7 @@ fn among_limits(report: &AxisReport) -> Figure {
                 .map(|(f, s)| f / s),
             "buckling",
         ),
-        (report.number("yield_load_N"), "stress of the core"),
+        (report.number("yield_load_N"), "core stress"),
         (rule("static_safety_factor").map(|(_, margin)| 1e3 * largest * margin), "static safety"),
     ]
     .map(|(load, label)| (load.map(|load| load / 1e3), label));

@@ -48,7 +48,7 @@ pub(crate) struct Answer {
     /// What the program says.
     pub(crate) words: String,
     pub(crate) residual: f64,
-    /// Other solutions; `None` if nobody looked.
+    /// Other solutions; `None` without a search.
     pub(crate) others: Option<usize>,
     pub(crate) balance: f64,
     pub(crate) time: Duration,

@@ -57,7 +57,7 @@ struct Asked {
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let Asked { points, seed, model, edges } = asked(std::env::args().skip(1))?;
     fs::create_dir_all(FOLDER)?;
-    // Panics are counted, their words are in the scene.
+    // Panics are counted, their messages are in the scene.
     std::panic::set_hook(Box::new(|_| {}));
     let models = match model {
         Some(model) => vec![model],

@@ -4,16 +4,15 @@ use bsm_report::{Axis, Curve, Figure, Stroke};
 
 use super::{Group, Measured, OneCore};
 
-/// One by one and in batches over all points, then one by one for each motion of the balls.
+/// One by one and in batches over all points, then one by one for each regime.
 pub(super) fn figures(dials: &[Measured]) -> Vec<Figure> {
     let mut figures = vec![
         figure(dials, Group::All, "single", "one point after the other", |times| times.single.mean),
         figure(dials, Group::All, "batch", "batches on one core", |times| times.batch),
     ];
     for group in Group::ALL.into_iter().filter(|group| *group != Group::All) {
-        let words = format!("where the ball {}", group.name());
         let key = group.name().replace(' ', "-");
-        figures.push(figure(dials, group, &key, &words, |times| times.single.mean));
+        figures.push(figure(dials, group, &key, group.name(), |times| times.single.mean));
     }
     // Not every table has points of every motion.
     figures.retain(|figure| !figure.curves.is_empty());

@@ -154,8 +154,7 @@ fn a_formula_stands_in_one_crate() {
     assert!(gone.is_empty(), "written once by now, take it off the list: {gone:?}");
 }
 
-/// What is compiled for tests only is told from the rest: items, modules in files of their own, one
-/// line of many.
+/// Code compiled for tests only is recognised: items, modules in files, single lines.
 #[test]
 fn code_for_tests_is_no_code() {
     let text = "fn a() {} // (K1)\n#[cfg(test)]\nmod tests;\nmod b; // (K2)\n    #[cfg(test)]\n    \

@@ -42,7 +42,7 @@ pub(super) fn nut_at(
     NutProblem::of(&scene, settings)?.solve().map_err(CaseError::Nut)
 }
 
-/// How sure friction from a lubricant is: the 90 % interval over uncertain inputs lies between these, over the
+/// 90 % interval of lubricated friction over uncertain inputs, relative to the
 /// stated friction of the contacts.
 pub(super) fn band(
     scene: &Scene,

@@ -36,17 +36,17 @@ impl Rules {
 
 /// All rules of an axis that it has numbers for.
 ///
-/// * `preload`: cold and warm \[N\].
+/// * `fold`: its speed over the speeds given. * `preload`: cold and warm \[N\].
 pub(super) fn rules(
     scene: &Scene,
     axis: &Axis,
-    numbers: &Numbers,
+    (numbers, fold): (&Numbers, Option<f64>),
     of_nut: &Answer,
     preload: Option<&Preload>,
 ) -> Vec<Criterion> {
     let mut rules = Rules::default();
     screw_rules(&mut rules, scene, axis, numbers);
-    warm_rules(&mut rules, numbers);
+    rules.0.extend(steady_state(fold));
     nut_rules(&mut rules, scene, axis, numbers);
     preload_rules(&mut rules, axis, numbers, of_nut, preload);
     rules.0
@@ -101,7 +101,7 @@ fn screw_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers)
         },
     );
     rules.add(
-        "stress of the core",
+        "core stress",
         ("largest_load_N", "N"),
         number("yield_load_N").map(|_| axis.largest_load()),
         (false, number("yield_load_N")),
@@ -111,17 +111,19 @@ fn screw_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers)
 }
 
 /// Of the warm steady state.
-fn warm_rules(rules: &mut Rules, numbers: &Numbers) {
+pub(super) fn steady_state(fold: Option<f64>) -> Vec<Criterion> {
+    let mut rules = Rules::default();
     rules.add(
         "steady state",
         ("fold_speed_factor", ""),
-        numbers.number("fold_speed_factor"),
+        fold,
         (true, Some(FOLD)),
         "no steady state above the fold (I20); a quarter is what heat is known to",
         &|_| {
             "a colder screw, a warmer nut, less preload, or O in place of X arrangement".to_owned()
         },
     );
+    rules.0
 }
 
 /// Of the load ratings.
@@ -159,7 +161,7 @@ fn nut_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers) {
         ("equivalent_load_N", "N"),
         number("equivalent_load_N"),
         (false, Some(dynamic)),
-        "a million revolutions at least (D13)",
+        "dynamic load rating: a million revolutions (D13)",
         &|margin| format!("a dynamic load rating of {:.0} N", dynamic / margin),
     );
 }
@@ -176,11 +178,11 @@ fn preload_rules(
     let edge = of_nut.number("edge_load_N");
     let (largest, dynamic) = (axis.largest_load(), axis.dynamic_rating);
     rules.add(
-        "contact ellipse on its flank",
+        "edge load of the contact ellipse",
         ("busier_nut_load_N", "N"),
         edge.map(|_| axis.busier_load()),
         (false, edge),
-        "edge of the land (G8)",
+        "end of the flank (G8)",
         &|_| "a larger land: nut_bore_mm smaller, screw_outer_diameter_mm larger".to_owned(),
     );
     if let Some(&Preload { cold, warm, .. }) = preload {
@@ -194,7 +196,7 @@ fn preload_rules(
         );
         let opens = number("limit_load_N").unwrap_or(OPENS_AT * warm);
         rules.add(
-            "preload left",
+            "remaining preload",
             ("largest_load_N", "N"),
             Some(largest),
             (false, Some(opens)),

@@ -5,7 +5,7 @@ use bsm_design::{Elasticity, LIMIT_LOAD, Limits, Nut, NutBody, OPENS_AT, PRELOAD
 use crate::exact;
 use crate::vocabulary::units::{MM, UM};
 
-/// What makes the numbers of a nut doubtful, or the nut poor: the limits of the catalogue, and more.
+/// Warnings about a nut: limits of the catalogue formulas, poor proportions.
 pub(super) fn doubts(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits) -> Vec<String> {
     let mut warnings = Vec::new();
     if body.length < nut.turns * nut.lead {

@@ -13,7 +13,7 @@ use crate::vocabulary::units::{DEG, MM, UM};
 use crate::vocabulary::words::{Arrangement, CircuitWords, Flank, LeadErrorWords, NutWords};
 use crate::{CaseError, InputKey, Rule, Scene};
 
-/// The words that circuits are made from where they are not listed.
+/// The entries that circuits are made from where they are not listed.
 pub(super) const SHORT: [InputKey; 5] = [
     InputKey::circuits_count,
     InputKey::loaded_turns,
@@ -28,7 +28,7 @@ const ANGLES: Rule = Rule::Within(-1e6, 1e6);
 /// Balls of a nut at most.
 const MOST_BALLS: usize = 100_000;
 
-/// Loaded balls of a turn and loaded turns of one body: from the listed circuits or from the short words.
+/// Loaded balls of a turn and loaded turns of one body: from the listed circuits or from the short entries.
 pub(crate) fn balls_and_turns(scene: &Scene) -> (Option<f64>, Option<f64>) {
     let Some(circuits) = &scene.nut.circuits else {
         return (scene.loaded_balls_per_turn, loaded_turns(|key| scene[key]));

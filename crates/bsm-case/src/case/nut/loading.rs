@@ -73,7 +73,7 @@ fn arrangement_of(nut: &BallNut, given: Option<Arrangement>) -> Result<Arrangeme
     }
 }
 
-/// What preloads the nut, and how much.
+/// Kind and amount of the preload.
 pub(super) fn preload(
     scene: &Scene,
     nut: &BallNut,

@@ -1,6 +1,9 @@
 //! From the inputs of a scene to the nut in SI.
 
-use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating, Thread};
 use bsm_dyn::{Ball, Lubricant, Temperature};
 use bsm_kin::{Drive, Helix};
 use bsm_nut::{BallNut, Equilibrium, Errors, NutError, Preload, Support, TurnRatings};
@@ -15,6 +18,7 @@ use crate::case::problem::{Needs, has_lubricant};
 use crate::case::rated_nut;
 use crate::case::reader::has_grooves;
 use crate::case::scene::RISES;
+use crate::case::warm::Warm;
 use crate::vocabulary::units::{DEG, MM, UM};
 use crate::{CaseError, InputKey, InputSet, ModelChoice, Rule, Scene, Settings};
 
@@ -45,15 +49,17 @@ pub struct NutProblem {
     pub(crate) rating: DynamicRating,
     pub(crate) static_rating: StaticRating,
     pub(crate) ratings: TurnRatings,
-    /// What rubs, and speeds of screw and nut.
+    /// Friction, and speeds of screw and nut.
     pub(crate) friction: Option<(Rubbing, Drive<f64>)>,
     /// Torque of the seals \[N·m\].
     pub(crate) seal_torque: f64,
     pub(crate) settings: Settings,
+    /// The warm steady state that it is in, if it was asked for.
+    pub(crate) warm: Option<Arc<Warm>>,
     pub(crate) notes: Vec<String>,
 }
 
-/// What the friction of the balls comes from.
+/// Source of the friction of the balls.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Rubbing {
     /// One coefficient.
@@ -71,7 +77,7 @@ impl Rubbing {
         }
     }
 
-    /// What a scene gives.
+    /// As given by a scene.
     fn of(scene: &Scene) -> Result<Option<Self>, CaseError> {
         let given = scene.given();
         given.check_friction()?;
@@ -125,10 +131,14 @@ impl NutProblem {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if a value or a word breaks a rule, two words say one thing, or something is missing.
+    /// [`CaseError`] if an entry breaks a rule, two entries give one quantity, or one is missing.
     pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
         settings.check()?;
         scene.check_for_a_nut()?;
+        if let Some(warm) = Warm::state_of(scene, settings)? {
+            let nut = Self::of(&warm.scene(scene), settings)?;
+            return Ok(Self { warm: Some(Arc::new(warm)), ..nut });
+        }
         let missing = scene.missing_for_a_nut(scene.given());
         if !missing.is_empty() {
             return Err(CaseError::Missing { missing, by: "for a nut".to_owned() });
@@ -141,7 +151,7 @@ impl NutProblem {
         let design = rated_nut::nut(scene)?;
         let thread = rated_nut::thread(scene, &design)?;
         let body = rated_nut::body(scene, &design, &thread)?;
-        // Short words leave a fraction of a ball, which no circuit has.
+        // Short entries leave a fraction of a ball, which no circuit has.
         let design = of_circuits(design, &nut.circuits);
         let (rating, static_rating) = (design.dynamic_rating(), design.static_rating());
         let turns = design.turns.powf(0.86);
@@ -171,7 +181,7 @@ impl NutProblem {
             notes: notes(scene, &nut, preload, loaded.is_some()),
             nut,
             rises: rises(scene),
-            strain: scene.found_warm().map(|found| (found.strain, value(InputKey::poisson_ratio))),
+            strain: strain(scene, &design, &thread),
             preload,
             scatter: 0.5 * UM * scene.ball_deviation_sd_um.unwrap_or(0.0),
             seed,
@@ -183,6 +193,7 @@ impl NutProblem {
             friction: Rubbing::of(scene)?.zip(drive),
             seal_torque: value(InputKey::seal_torque_Nm),
             settings: *settings,
+            warm: None,
         })
     }
 
@@ -245,7 +256,8 @@ impl NutProblem {
         let preload = by.and_then(|by| {
             let force = |nut: &BallNut| Some(nut.solve(&guided).ok()?.preload(nut, by));
             let before = force(&cold)?;
-            let warm = if self.rises.is_some() { force(&nut)? } else { before };
+            let warm =
+                if self.rises.is_some() || self.strain.is_some() { force(&nut)? } else { before };
             let (setting, approach) = (cold.preload_setting(by), cold.preload_approach(by));
             (before > 0.0 || warm > 0.0).then_some(Set {
                 by,
@@ -326,9 +338,22 @@ fn ball_nut(scene: &Scene) -> Result<(BallNut, Preload), CaseError> {
 fn rises(scene: &Scene) -> Option<([f64; 3], f64)> {
     let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
     let given = RISES.iter().any(|key| scene[*key].is_some());
-    let given = given.then(|| RISES.map(value));
-    let rises = scene.found_warm().map(|found| found.rises).or(given)?;
-    Some((rises, value(InputKey::thermal_expansion_um_m_K) * UM))
+    given.then(|| (RISES.map(value), value(InputKey::thermal_expansion_um_m_K) * UM))
+}
+
+/// Strain of the screw by its tension, and Poisson's ratio; none without a tension.
+fn strain(scene: &Scene, design: &Nut, thread: &Thread) -> Option<(f64, f64)> {
+    let tension = scene.screw_tension_N.filter(|tension| *tension != 0.0)?;
+    let diameter = scene.shaft_diameter_mm.map_or(thread.screw.core, |mm| mm * MM);
+    let section = section_of_screw(scene, diameter);
+    let strain = tension / (design.material.0.youngs_modulus * section);
+    Some((strain, scene.value_or_default(InputKey::poisson_ratio)?))
+}
+
+/// Cross section of a screw of a diameter, less its bore \[m²\].
+pub(crate) fn section_of_screw(scene: &Scene, diameter: f64) -> f64 {
+    let bore = scene.screw_bore_mm.unwrap_or(0.0) * MM;
+    0.25 * PI * (diameter.powi(2) - bore.powi(2))
 }
 
 /// A nut without load and preload as ratings take it: a pair under the usual part of its rating. `None` if the scene
@@ -365,7 +390,7 @@ pub(crate) fn whole(value: f64) -> usize {
     value.round() as usize
 }
 
-/// What the words mean where they could be meant otherwise.
+/// Notes on entries that could be read in two ways.
 ///
 /// * `usual`: neither load nor preload is given.
 fn notes(

@@ -3,7 +3,7 @@
 use super::losses::OutsidePower;
 use super::mixed::MixedFriction;
 
-/// How the surfaces of a contact are separated, in words that no equation uses.
+/// How the surfaces of a contact are separated; no equation uses it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Regime {
     /// Asperities carry most of the load.

@@ -33,7 +33,7 @@ pub struct Losses<D = f64> {
 pub struct OutsidePower<D = f64> {
     /// Of the seals.
     pub seal: D,
-    /// Of balls that rub on each other.
+    /// Of ball-to-ball contact.
     pub ball_contact: D,
     /// Of the ball returns.
     pub ball_return: D,

@@ -475,7 +475,7 @@ pub(crate) struct SteadyRoot {
     pub(crate) skid: SkidNumbers,
     pub(crate) info: SolveInfo,
     pub(crate) control: Option<RaceControl>,
-    /// What the quadrature may leave in the efficiency, if it is told (T25).
+    /// Bound of the quadrature error of the efficiency, if estimated (T25).
     pub(crate) error: Option<f64>,
 }
 

@@ -19,7 +19,7 @@ pub struct BallState {
     pub nut: ContactState,
     /// Contact with the loaded flank of the screw.
     pub screw: ContactState,
-    /// Minor contact with the opposite flank of the nut, of models that have it.
+    /// Contact with the unloaded flank of the nut, of models that have it.
     pub minor: Option<ContactState>,
     /// Displacement of the nut in the normal plane \[m\], of elastic contacts.
     pub axial_displacement: Option<f64>,
@@ -351,7 +351,7 @@ pub enum SlipRegime {
 }
 
 impl SlipRegime {
-    /// From gripping to skidding.
+    /// From rolling to gross skid.
     pub const ALL: [Self; 3] = [Self::Grips, Self::SkidsPartly, Self::Skids];
 
     /// The motion at an onset number.
@@ -365,12 +365,12 @@ impl SlipRegime {
         }
     }
 
-    /// In a word or two.
+    /// Name of the regime.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Grips => "grips",
-            Self::SkidsPartly => "skids partly",
-            Self::Skids => "skids",
+            Self::Grips => "rolling",
+            Self::SkidsPartly => "partial skid",
+            Self::Skids => "gross skid",
         }
     }
 }

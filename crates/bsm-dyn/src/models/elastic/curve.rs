@@ -182,7 +182,7 @@ impl SlidingCurve<'_> {
         Err(Unsolved::none(Evidence::Traced { resolution: STRIDE.pair }, reason))
     }
 
-    /// What is left of (S26) for `$P/W > 0$` and for `$P/W < 0$`, and how it changes along the curve.
+    /// Residual of (S26) for `$P/W > 0$` and for `$P/W < 0$`, and how it changes along the curve.
     fn events(&self, z: &[f64; CURVE], way: &[f64; CURVE]) -> [(f64, f64); 2] {
         let along: [Jet<1>; CURVE] = from_fn(|i| Jet { re: z[i], eps: [way[i]] });
         self.forces.held(&along).map_or([(f64::NAN, f64::NAN); 2], |(state, _)| {

@@ -136,7 +136,7 @@ impl<'a> Forces<'a> {
         self.ball.motion(s)
     }
 
-    /// What is left of (S26) for `$P/W > 0$` and for `$P/W < 0$`.
+    /// Residual of (S26) for `$P/W > 0$` and for `$P/W < 0$`.
     pub(super) fn excess<D: Over<f64>>(&self, s: &SlidingState<D>, k: &SlidingMotion<D>) -> [D; 2] {
         self.ball.excess(s, k)
     }

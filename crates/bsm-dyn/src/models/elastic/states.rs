@@ -161,7 +161,7 @@ impl<P: Field> SlidingBall<P> {
         SlidingMotion { slip, inertia: -g + 1.0, drive: rolling + self.nut_speed }
     }
 
-    /// What is left of (S26) for `$P/W > 0$` and for `$P/W < 0$`.
+    /// Residual of (S26) for `$P/W > 0$` and for `$P/W < 0$`.
     #[inline(always)]
     pub fn excess<D: FieldOver<P>>(&self, s: &SlidingState<D>, k: &SlidingMotion<D>) -> [D; 2] {
         // (1 − g) √(M/μ) = ± (π/d + Ω_n/W)                                (S26)

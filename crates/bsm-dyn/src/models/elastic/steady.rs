@@ -38,7 +38,7 @@ pub(super) struct CurveState<F: Field> {
     pub(super) state: SlidingState<F>,
     /// The motion that goes with it.
     pub(super) motion: SlidingMotion<F>,
-    /// What is left of (S14) and (S20).
+    /// Residuals of (S14) and (S20).
     pub(super) left: F,
     /// Newton steps.
     pub(super) steps: F,

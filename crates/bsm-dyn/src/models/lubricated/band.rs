@@ -1,6 +1,6 @@
-//! How sure the loss of the contacts is.
+//! Uncertainty of the loss of the contacts.
 //!
-//! Theory: `docs/theory/17-lubricant.md`, section "How sure".
+//! Theory: `docs/theory/17-lubricant.md`, section "Uncertainty".
 
 use super::solve::{Lubricated, LubricatedModel, RacewayFriction};
 use crate::contact::{Oil, Roughness, Temperature};
@@ -8,7 +8,7 @@ use crate::models::ball::{Direction, Solved};
 use crate::models::raceway_control::RacewayControl;
 use crate::models::workspace::ModelWorkspace;
 
-/// Bounds that nine of ten draws of what nobody knows exactly keep.
+/// 90 % interval over random draws of the uncertain inputs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
     /// Loss of the contacts over the one that is stated.

@@ -10,7 +10,7 @@ use crate::models::ball::{EhlPoint, Performance, Steady, Unsolved};
 use crate::models::raceway_control::RacewayControl;
 use crate::models::workspace::ModelWorkspace;
 
-/// Difference of two temperatures from which a slope is told \[K\]: the losses bend over tens of kelvins.
+/// Temperature step of a finite difference \[K\]: the losses bend over tens of kelvins.
 const APART: f64 = 1e-3;
 
 impl<D: Scalar> Lubricant<D> {

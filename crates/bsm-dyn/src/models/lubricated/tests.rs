@@ -112,7 +112,7 @@ fn the_numbers_on_the_way_are_those_of_an_independent_solution() {
     assert_relative_eq!(all.transmission.efficiency, 0.978_959_23, max_relative = 1e-8);
 }
 
-/// Spec 10.9, the table of the feed drive: speeds from boundary friction to a full film, in the words of its digits.
+/// Spec 10.9, the table of the feed drive: speeds from boundary friction to a full film, to its printed digits.
 #[test]
 fn torque_falls_and_rises_with_speed() {
     let rows = [

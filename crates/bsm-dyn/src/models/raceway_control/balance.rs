@@ -55,7 +55,7 @@ impl<'a, P: Scalar> Balance<'a, P> {
         Self { pair, control, statics }
     }
 
-    /// What is left of the radial balance and of the triangle of the arc centres (W12), (W13).
+    /// Residuals of the radial balance and of the triangle of the arc centres (W12), (W13).
     pub(super) fn equations<D: Over<P>>(&self, x: &[D; STATIC]) -> [D; STATIC] {
         self.statics.residual(x[0], &self.statics.loaded(*x))
     }

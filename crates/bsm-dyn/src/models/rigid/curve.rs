@@ -109,13 +109,14 @@ pub(super) struct CurvePoint {
 const NUMBERS: usize = 19;
 
 impl CurvePoint {
-    /// Of its numbers, as [`Curve::point`] has them; none where the direction is none.
-    fn of(turn: f64, numbers: &[f64; NUMBERS]) -> Option<Self> {
+    /// Of its numbers, as [`Curve::point`] has them.
+    #[inline(always)]
+    fn of(turn: f64, numbers: &[f64; NUMBERS]) -> Self {
         let [c, s, at_nut, a_x, a_t, m_x, m_t, nut, minor, axial, centrifugal, ..] = *numbers;
         let [.., precession, rate, slip_x, slip_t, violated, given, wanted, sense] = *numbers;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "nine bits")]
         let violated = violated as u16;
-        (!c.is_nan()).then_some(Self {
+        Self {
             turn,
             direction: [c, s],
             at_nut: at_nut > 0.0,
@@ -129,7 +130,7 @@ impl CurvePoint {
             violated,
             inertia: [given, wanted],
             sense,
-        })
+        }
     }
 
     /// Excess of the inertia over the one that would make this a root, from -1 to 1.
@@ -184,19 +185,20 @@ impl WithSimd for CurveSamples<'_> {
             let sin = Lane::<S>::load(simd, &sines[first..]);
             let (drive, sheets) = curve.states([sin, Lane::load(simd, &cosines[first..])]);
             for i in first..turns.len().min(first + Lane::<S>::LEN) {
-                let mut sample = CurveSample {
-                    turn: turns[i],
-                    drive: drive.as_slice()[i - first],
-                    sheets: [None; 4],
-                };
+                let drive = drive.as_slice()[i - first];
+                let sample =
+                    samples[i].insert(CurveSample { turn: turns[i], drive, sheets: [None; 4] });
                 for k in 0..4 {
+                    // Most directions are none.
+                    if sheets[k][0].as_slice()[i - first].is_nan() {
+                        continue;
+                    }
                     let mut numbers = [0.0; NUMBERS];
                     for n in 0..NUMBERS {
                         numbers[n] = sheets[k][n].as_slice()[i - first];
                     }
-                    sample.sheets[k] = CurvePoint::of(turns[i], &numbers);
+                    sample.sheets[k] = Some(CurvePoint::of(turns[i], &numbers));
                 }
-                samples[i] = Some(sample);
             }
         }
     }
@@ -410,11 +412,9 @@ impl Curve {
         ]
     }
 
-    /// The states with these turns of the slip at B, at most [`BLOCK`].
-    pub(super) fn samples(&self, turns: &[f64]) -> [Option<CurveSample>; BLOCK] {
-        let mut samples = [None; BLOCK];
-        Arch::new().dispatch(CurveSamples(self, turns, &mut samples));
-        samples
+    /// The states with these turns of the slip at B, at most [`BLOCK`], in place of none.
+    pub(super) fn samples(&self, turns: &[f64], samples: &mut [Option<CurveSample>; BLOCK]) {
+        Arch::new().dispatch(CurveSamples(self, turns, samples));
     }
 
     /// The motion of a state.

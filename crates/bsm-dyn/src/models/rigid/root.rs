@@ -85,8 +85,8 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
     let mut point = RootSearch { ball, first, inertia, met: None, work };
     let verdict = point.first_order().or_else(|| point.sweeps());
     let found = verdict.unwrap_or_else(|| point.search()).map(|root| {
-        // That a search has met no other which the sweeps did not need is not told: a row of a table says
-        // what the model says.
+        // Without crowding no search is due, and an empty list of one is dropped: a row of a table and
+        // the model report the same.
         let met = root.others.filter(|met| first.is_crowded() || !met.is_empty());
         let others = met.or(first.is_unique().then(Vec::new));
         BallRoot { others, ..root }
@@ -278,7 +278,7 @@ fn inadmissible(
         return Reason::LoadedContactWouldPull { nut_load_ratio: nut, screw_load_ratio: screw };
     }
     if minor <= 0.0 {
-        return Reason::MinorContactWouldPull { load_ratio: minor };
+        return Reason::UnloadedFlankWouldPull { load_ratio: minor };
     }
     let critical_lead_angle = critical_lead_angle(ball, work);
     Reason::NutContactWouldRoll { slip, exact: true, critical_lead_angle }
@@ -300,7 +300,7 @@ fn self_locking(ball: &RigidBall<f64>) -> Reason {
 }
 
 fn minor_would_pull(first: &FirstOrder) -> Reason {
-    Reason::MinorContactWouldPull { load_ratio: first.minor * first.inertia }
+    Reason::UnloadedFlankWouldPull { load_ratio: first.minor * first.inertia }
 }
 
 fn would_roll(ball: &RigidBall<f64>, first: &FirstOrder, work: &mut RigidWorkspace) -> Reason {
@@ -375,7 +375,7 @@ pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>, work: &mut RigidWorkspa
     let found = bracket.root(|lead| if at(lead).exists() { 1.0 } else { -1.0 }).root();
     let high = found.map_or(high, |root| root.ends[1]);
 
-    // With too little inertia to tell, as much as can be told moves the angle by that much.
+    // At inertia below the resolution, the smallest resolved inertia moves the angle by as much.
     let slow = ball.friction() * LEAST_INERTIA / at(high).size;
     let ball = &ball.with_inertia(slow.max(1.0));
     let there = ball.with_lead_angle(high);

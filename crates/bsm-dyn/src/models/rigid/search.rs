@@ -27,7 +27,7 @@ const NEAREST: f64 = 1e-10;
 const MOST_TURNS: usize = 400;
 
 /// A direction moves less than this in a step, as the square of its distance on the unit circle:
-/// sheets are told apart by it.
+/// it distinguishes the sheets.
 const NEAR: f64 = 0.04;
 
 /// Below this excess at both ends of a step, two roots may be in it.
@@ -139,7 +139,8 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
         [above, below].into_iter().flatten().any(|turns: Vec<f64>| {
             let mut before: Option<CurveSample> = None;
             turns.chunks(BLOCK).any(|turns| {
-                let samples = self.samples(turns);
+                let mut samples = [None; BLOCK];
+                self.samples(turns, &mut samples);
                 let mut one = before.as_ref();
                 for sample in samples.iter().flatten() {
                     if one.is_some_and(|one| self.between(one, sample, 0, &[])) {
@@ -158,13 +159,12 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
         self.samples >= MOST_SAMPLES
     }
 
-    /// Samples at some turns, at most [`BLOCK`], which take as long as one.
-    fn samples(&mut self, turns: &[f64]) -> [Option<CurveSample>; BLOCK] {
-        let samples = self.curve.samples(turns);
+    /// Samples at some turns, at most [`BLOCK`], which take as long as one, in place of none.
+    fn samples(&mut self, turns: &[f64], samples: &mut [Option<CurveSample>; BLOCK]) {
+        self.curve.samples(turns, samples);
         for sample in samples.iter().flatten() {
             self.note(sample);
         }
-        samples
     }
 
     /// Counts a sample, and notes its admissible states.
@@ -222,9 +222,9 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
             0
         };
         if halved < most && !self.is_cut_short() {
-            let ahead;
+            let mut ahead = [None; BLOCK];
             let halves = if halves.is_empty() {
-                ahead = self.curve.samples(&eighths(a.turn, b.turn));
+                self.curve.samples(&eighths(a.turn, b.turn), &mut ahead);
                 &ahead[..BLOCK - 1]
             } else {
                 halves
@@ -269,9 +269,10 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
         let rises = values[1] > 0.0;
         let bracket = Bracket { f_tol: enough, ..Bracket::new(ends.map(|end| end.turn), values) };
         bracket.root(|turn| {
-            let [sample, ..] = self.samples(&[turn]);
+            let mut samples = [None; BLOCK];
+            self.samples(&[turn], &mut samples);
             let near = |point: &CurvePoint| point.apart(&ends[0]).min(point.apart(&ends[1]));
-            let points = sample.iter().flat_map(|sample| &sample.sheets).flatten();
+            let points = samples.iter().flatten().flat_map(|sample| &sample.sheets).flatten();
             points.min_by(|x, y| near(x).total_cmp(&near(y))).map_or(f64::NAN, |point| {
                 let value = value(point);
                 ends[usize::from((value > 0.0) == rises)] = *point;

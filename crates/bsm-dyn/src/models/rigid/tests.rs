@@ -339,14 +339,16 @@ fn an_arc_of_its_own_is_not_denied() {
     assert_eq!(balanced(&rigid, &case, &met.roots), 2);
     let [across, _] = met.roots[1].motion.directions[0];
     assert!(across < -0.99, "{across}");
-    // Nobody looks there: unknown is not none.
+    // No search is made there: unknown is not none.
     assert!(!start.is_unique() && !start.is_crowded());
     assert_eq!(Rigid { point: rigid }.solve(&mut work).answer.expect("a root").others, None);
 }
 
 /// The states with a turn of the slip at B.
 fn states(curve: &Curve, turn: f64) -> impl Iterator<Item = curve::CurvePoint> {
-    let [sample, ..] = curve.samples(&[turn]);
+    let mut samples = [None; bsm_simd::BLOCK];
+    curve.samples(&[turn], &mut samples);
+    let [sample, ..] = samples;
     sample.into_iter().flat_map(|sample| sample.sheets).flatten()
 }
 

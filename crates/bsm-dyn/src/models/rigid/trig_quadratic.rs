@@ -23,8 +23,8 @@ const DIRECTIONS: [[f64; 2]; 8] = [
     [FRAC_1_SQRT_2, -FRAC_1_SQRT_2],
 ];
 
-/// A step of a root that is rounding, and steps before one is believed: as many halvings as lead there.
-const ROUNDING: f64 = 1e-15;
+/// Last step of a root: the error behind it is of the order of its cube, of two equal roots of its own.
+const LAST_STEP: f64 = 1e-7;
 const MOST_STEPS: usize = 80;
 
 /// `$a_0 + a_1 c + a_2 s$` of a direction `(c, s)`.
@@ -188,7 +188,7 @@ fn isolated<F: Compare, const A: usize, const B: usize, const N: usize>(
     between(a, low, high)
 }
 
-/// The roots of a polynomial between places where it has other signs, by Newton within them; `NaN` where
+/// The roots of a polynomial between places where it has other signs, by Halley's steps within them; `NaN` where
 /// the signs are the same. Steps of all roots are taken side by side, as each waits for its division.
 #[inline(always)]
 fn between<F: Compare, const A: usize, const N: usize>(
@@ -200,8 +200,8 @@ fn between<F: Compare, const A: usize, const N: usize>(
     let no = zero.lt(zero);
     let (mut t, mut crosses, mut above, mut settled) = (low, [no; N], [no; N], [no; N]);
     for i in 0..N {
-        let below = horner(a, low[i]).0.gt(zero);
-        above[i] = horner(a, high[i]).0.gt(zero);
+        let below = horner(a, low[i])[0].gt(zero);
+        above[i] = horner(a, high[i])[0].gt(zero);
         crosses[i] = (below & !above[i]) | (above[i] & !below);
         settled[i] = !crosses[i];
         t[i] = (low[i] + high[i]) * 0.5;
@@ -215,17 +215,17 @@ fn between<F: Compare, const A: usize, const N: usize>(
             break;
         }
         for i in 0..N {
-            let (value, slope) = horner(a, t[i]);
+            let [value, slope, bend] = horner(a, t[i]);
             let positive = value.gt(zero);
             let is_high = (positive & above[i]) | (!positive & !above[i]);
             low[i] = F::select(is_high, low[i], t[i]);
             high[i] = F::select(is_high, t[i], high[i]);
-            let newton = t[i] - value / slope;
-            let inside = low[i].le(newton) & newton.le(high[i]);
-            let next = F::select(inside, newton, (low[i] + high[i]) * 0.5);
+            let halley = t[i] - value * slope / (slope * slope - value * bend);
+            let inside = low[i].le(halley) & halley.le(high[i]);
+            let next = F::select(inside, halley, (low[i] + high[i]) * 0.5);
             let step = (next - t[i]).abs();
             t[i] = F::select(settled[i], t[i], next);
-            settled[i] = settled[i] | step.le((t[i].abs() + 1.0) * ROUNDING);
+            settled[i] = settled[i] | step.le((t[i].abs() + 1.0) * LAST_STEP);
         }
     }
     for i in 0..N {
@@ -234,15 +234,16 @@ fn between<F: Compare, const A: usize, const N: usize>(
     t
 }
 
-/// A polynomial, its coefficients from the constant upwards, and its slope.
+/// A polynomial, its coefficients from the constant upwards, its slope, and half its second derivative.
 #[inline(always)]
-fn horner<F: Compare, const A: usize>(a: &[F; A], t: F) -> (F, F) {
-    let (mut value, mut slope) = (a[A - 1], t.constant(0.0));
+fn horner<F: Compare, const A: usize>(a: &[F; A], t: F) -> [F; 3] {
+    let (mut value, mut slope, mut bend) = (a[A - 1], t.constant(0.0), t.constant(0.0));
     for i in 1..A {
+        bend = bend.mul_add(t, slope);
         slope = slope.mul_add(t, value);
         value = value.mul_add(t, a[A - 1 - i]);
     }
-    (value, slope)
+    [value, slope, bend]
 }
 
 #[cfg(test)]

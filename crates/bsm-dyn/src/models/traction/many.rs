@@ -1,7 +1,7 @@
 //! Many points by lanes: Newton from a start, on the coarse quadrature and then on that of the accuracy.
 //!
-//! Points that are near their root on the coarse one make room for others. What is left over goes to
-//! the model, which searches on.
+//! Points that are near their root on the coarse one make room for others. Unsolved points go to
+//! the model, which searches further.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T24), (T25).
 

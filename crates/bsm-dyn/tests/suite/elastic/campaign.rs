@@ -83,7 +83,7 @@ fn the_choice_keeps_its_bounds() {
         assert!(tolerance < 1e-3 || tried.traction * 10 <= 9 * tried.points, "{tried:?}");
         let tried = bounds(unusual_screws(seed), tolerance);
         println!("unusual screws, tolerance {tolerance}: {tried:?}");
-        // Beyond the ranges of the fit the bounds are as good as can be told: 2 %.
+        // Beyond the ranges of the fit the bounds may fail at 2 % of the points.
         assert!(tried.broken * 100 <= 2 * tried.points, "{tried:?} at {tolerance}");
     }
 }

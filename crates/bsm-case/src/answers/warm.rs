@@ -1,0 +1,262 @@
+//! What is said of the warm steady state of an axis: numbers, the band of what is estimated, notes and warnings.
+
+use bsm_dyn::ZERO_CELSIUS;
+use bsm_nut::FrictionSum;
+use bsm_nut::thermal::{InPhase, OnBranch, Steady, WarmNut};
+use serde_json::{Value, json};
+
+use super::nut::QUANTITIES as NUT;
+use crate::case::axis::Machine;
+use crate::case::rated_nut;
+use crate::case::warm::{Detail, Warm, WarmState};
+use crate::vocabulary::quantity::quantities;
+use crate::vocabulary::units::{RPM, UM};
+use crate::{
+    Answer, CaseError, Column, Content, INPUTS, InputKey, InputSet, Numbers, Quantity, Scene,
+    Settings, Table,
+};
+
+quantities! { pub(crate) QUANTITIES, read(&Warm) of Warm;
+    "warm state" {
+        nut_temperature_C ["C"] Whole(|w| Some(state(w)?.celsius[0])), "steady temperature of nut and table";
+        screw_temperature_C ["C"] Whole(|w| Some(state(w)?.celsius[1])), "steady temperature of the screw along its travel";
+        balls_temperature_C ["C"] Whole(|w| Some(state(w)?.celsius[2])), "steady temperature of balls and oil";
+        end_1_temperature_C ["C"] Whole(|w| Some(state(w)?.celsius[3])), "steady temperature of the end of the screw at the motor";
+        end_2_temperature_C ["C"] Whole(|w| Some(state(w)?.celsius[4])), "steady temperature of the other end of the screw";
+        preload_set_N = NUT Whole(|w| Some(state(w)?.preload?[0]));
+        warm_preload_N = NUT Whole(|w| Some(state(w)?.preload?[1]));
+        steady_heat_W ["W"] Whole(|w| Some(state(w)?.steady.heat())), "heat of contacts, drag, seals, support bearings and motor in the steady state";
+        screw_tension_N = INPUTS Whole(|w| state(w)?.tension);
+        loop_gain [""] Whole(|w| Some(state(w)?.steady.gain)), "loop gain of heat and preload, 1 at the fold";
+        fold_speed_factor [""] Whole(|w| Some(w.fold.as_ref()?.factor)), "speed of the fold over the speeds given; there is no steady state above";
+        fold_preload_N ["N"] Whole(|w| Some(w.fold.as_ref()?.preload)), "warm preload at the fold";
+    }
+    "conductances" {
+        nut_conductance_W_K = INPUTS Whole(|w| Some(state(w)?.conductances.nut));
+        screw_film_W_m2K = INPUTS Whole(|w| Some(state(w)?.conductances.screw_film));
+        gap_conductance_W_K = INPUTS Whole(|w| Some(state(w)?.conductances.gap));
+        ball_nut_conductance_W_K = INPUTS Whole(|w| Some(state(w)?.conductances.ball_nut));
+        ball_screw_conductance_W_K = INPUTS Whole(|w| Some(state(w)?.conductances.ball_screw));
+        end_conductance_W_K = INPUTS Whole(|w| Some(state(w)?.conductances.end));
+        coolant_conductance_W_K = INPUTS Whole(|w| Some(state(w)?.conductances.coolant));
+    }
+}
+
+fn state(warm: &Warm) -> Option<&WarmState> {
+    warm.state.as_ref()
+}
+
+/// Numbers of a state that the band is told for.
+const OF_BAND: [&str; 10] = [
+    "nut_temperature_C",
+    "screw_temperature_C",
+    "balls_temperature_C",
+    "end_1_temperature_C",
+    "end_2_temperature_C",
+    "warm_preload_N",
+    "steady_heat_W",
+    "screw_growth_um",
+    "screw_tension_N",
+    "loop_gain",
+];
+
+/// The same of each phase that moves.
+const OF_PHASE: [&str; 2] = ["contact_friction_torque_Nm", "preload_drag_beyond_contacts_Nm"];
+
+/// Their values in a state: [`OF_BAND`], then [`OF_PHASE`] of each phase.
+fn of_band(nut: &WarmNut<'_>, steady: &Steady) -> Vec<f64> {
+    let celsius = nut.temperatures(steady).map(|kelvin| kelvin - ZERO_CELSIUS);
+    let network = nut.network(1.0);
+    let (growth, tension) = (network.growth(&steady.rises), network.tension(&steady.rises));
+    let whole = [steady.heated.preload, steady.heat(), growth / UM, tension, steady.gain];
+    let moving = steady.heated.phases.iter().flatten();
+    let torques = moving.filter_map(|phase| {
+        let FrictionSum { torque, returns, .. } = phase.friction?;
+        Some([torque + returns, phase.drag])
+    });
+    celsius.into_iter().chain(whole).chain(torques.flatten()).collect()
+}
+
+impl Warm {
+    /// The state of a scene which asks for it, with its band.
+    pub(crate) fn with_band(
+        scene: &Scene,
+        settings: &Settings,
+        detail: Detail,
+    ) -> Result<Option<Self>, CaseError> {
+        Self::of(scene, settings, detail, of_band)
+    }
+
+    /// Adds its numbers and its band to an answer.
+    pub(crate) fn add_to(&self, answer: Answer) -> Answer {
+        let numbers = read(self, |_| true).where_finite();
+        let answer = answer.with("warm", Content::numbers(numbers, "warm"));
+        match self.band() {
+            Some(band) => answer.with("band", Content::Table(band)),
+            None => answer,
+        }
+    }
+
+    /// Between what the numbers lie.
+    fn band(&self) -> Option<Table> {
+        let state = state(self)?;
+        let band = state.band.as_ref()?;
+        let moving = state.steady.heated.phases.iter().enumerate();
+        let moves = |phase: &Option<InPhase>| phase.as_ref().is_some_and(|p| p.friction.is_some());
+        let moving = moving.filter(|(_, phase)| moves(phase)).map(|(place, _)| place + 1);
+        let of_phase = moving.flat_map(|number| OF_PHASE.map(|name| format!("{name} {number}")));
+        let names = OF_BAND.map(str::to_owned).into_iter().chain(of_phase);
+        let row = |((name, value), [low, high]): ((String, &f64), &[f64; 2])| {
+            vec![json!(name), json!(low), json!(value), json!(high)]
+        };
+        let rows = names.zip(&band.values).zip(&band.ends);
+        let is_there = |((name, value), _): &((String, &f64), &[f64; 2])| {
+            let tension = name == "screw_tension_N" && state.tension.is_none();
+            !(tension || value.is_nan())
+        };
+        Some(Table {
+            columns: vec![
+                Column::headed("", "by what is estimated, phase"),
+                Column::named("low"),
+                Column::named("value"),
+                Column::named("high"),
+            ],
+            rows: rows.filter(is_there).map(row).collect(),
+            keyed: true,
+        })
+    }
+
+    /// What the temperatures rest on.
+    pub(crate) fn notes(&self) -> Vec<String> {
+        let Some(state) = state(self) else { return Vec::new() };
+        let mut notes = Vec::new();
+        if let Some(oil) = state.oil {
+            notes.push(format!(
+                "the lubricant has {oil:.1} C in the warm steady state, in place of lubricant_temperature_C"
+            ));
+        }
+        let Some(band) = &state.band else { return notes };
+        if self.fold.is_none() {
+            notes.push(format!("no fold of the warm state up to {} times the speeds", self.search));
+        }
+        for (guess, factor, why) in &band.none {
+            let (times, way) =
+                if *factor > 1.0 { (*factor, "more") } else { (factor.recip(), "less") };
+            notes.push(format!("{why} if {} {times} times {way}", guess.name()));
+        }
+        notes
+    }
+
+    /// What a user should know first.
+    pub(crate) fn warning(&self) -> Option<String> {
+        let Some(state) = state(self) else {
+            let fold = self.fold.as_ref()?;
+            let [nut, screw, balls, ..] = fold.rises.map(|rise| self.set + rise - ZERO_CELSIUS);
+            return Some(format!(
+                "no warm steady state: runs away above {:.2} of these speeds; there nut {nut:.0}, screw {screw:.0}, \
+                 balls {balls:.0} C, preload {:.0} N",
+                fold.factor, fold.preload
+            ));
+        };
+        if state.preload.is_some_and(|[_, warm]| warm <= 0.0) {
+            return Some("the preload is lost in the warm state: the nut has play".to_owned());
+        }
+        state.tension.filter(|tension| *tension < 0.0).map(|tension| {
+            format!(
+                "the screw at {:.1} C is pressed between its bearings with {:.0} N: its pretension is lost",
+                state.celsius[1], -tension
+            )
+        })
+    }
+}
+
+/// The warm steady states of an axis over its speed: from rest on, and beyond the fold back.
+#[derive(Debug, Clone)]
+pub struct WarmBranch {
+    /// The states in their order.
+    pub points: Vec<WarmPoint>,
+    /// Largest speed of the screw that the scene asks for \[rpm\].
+    pub speed_rpm: f64,
+}
+
+/// A state of a [`WarmBranch`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[expect(non_snake_case, reason = "names carry their unit as it is written")]
+pub struct WarmPoint {
+    /// Largest speed of the screw \[rpm\].
+    pub speed_rpm: f64,
+    /// Temperatures of nut, screw and balls \[°C\].
+    pub temperatures_C: [f64; 3],
+    /// Preload without load \[N\].
+    pub preload_N: f64,
+    /// False beyond the fold.
+    pub stable: bool,
+}
+
+impl WarmBranch {
+    /// That of a scene that asks for its warm state, up to `fold_search_factor` times its speeds; `None` if it does not.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if an input is missing or breaks its rule, or there is no state at low speed.
+    pub fn of(scene: &Scene, settings: &Settings) -> Result<Option<Self>, CaseError> {
+        if !scene.asks_warm() {
+            return Ok(None);
+        }
+        let (set, states) = Warm::branch(scene, settings)?;
+        let speed_rpm = Machine::of(scene)?.axis.fastest() / RPM;
+        let point = |state: OnBranch| {
+            let [nut, screw, balls, ..] = state.rises;
+            WarmPoint {
+                speed_rpm: state.factor * speed_rpm,
+                temperatures_C: [nut, screw, balls].map(|rise| set + rise - ZERO_CELSIUS),
+                preload_N: state.preload,
+                stable: state.stable,
+            }
+        };
+        Ok(Some(Self { points: states.into_iter().map(point).collect(), speed_rpm }))
+    }
+
+    /// The state of the largest speed, if there is none above it.
+    pub fn fold(&self) -> Option<&WarmPoint> {
+        let first_beyond = self.points.iter().position(|point| !point.stable)?;
+        self.points[..first_beyond].last()
+    }
+
+    /// JSON object of lists.
+    pub fn to_json(&self) -> Value {
+        let list = |number: &dyn Fn(&WarmPoint) -> f64| -> Value {
+            self.points.iter().map(number).collect()
+        };
+        json!({
+            "screw_speed_rpm": list(&|point| point.speed_rpm),
+            "nut_temperature_C": list(&|point| point.temperatures_C[0]),
+            "screw_temperature_C": list(&|point| point.temperatures_C[1]),
+            "balls_temperature_C": list(&|point| point.temperatures_C[2]),
+            "warm_preload_N": list(&|point| point.preload_N),
+            "stable": self.points.iter().map(|point| point.stable).collect::<Vec<_>>(),
+            "asked_rpm": self.speed_rpm,
+        })
+    }
+}
+
+/// Inputs that it needs and that are not given, in words.
+pub(crate) fn missing(base: &Scene, given: InputSet) -> Vec<String> {
+    let asked = (!base.asks_warm()).then(|| "warm_state (true)".to_owned());
+    let stroke = (!given.contains(InputKey::stroke_mm)).then(|| "stroke_mm".to_owned());
+    rated_nut::NEEDS.missing(given).into_iter().chain(asked).chain(stroke).collect()
+}
+
+/// The numbers of the warm state alone; none unless the scene asks for it.
+///
+/// * `wanted`: the fold is looked for only if it is.
+pub(crate) fn numbers(
+    scene: &Scene,
+    settings: &Settings,
+    wanted: impl Fn(&Quantity) -> bool,
+) -> Result<Numbers, CaseError> {
+    let fold =
+        QUANTITIES.iter().any(|quantity| quantity.name.starts_with("fold_") && wanted(quantity));
+    let warm = Warm::with_band(scene, settings, Detail { fold, band: false })?;
+    Ok(warm.map_or_else(|| Numbers::none(QUANTITIES), |warm| read(&warm, wanted).where_finite()))
+}

@@ -1,0 +1,232 @@
+//! The warm steady state of an axis: from its scene to its problem in SI.
+
+use bsm_design::{Shaft, Support as Mounting, drag_torque};
+use bsm_dyn::ZERO_CELSIUS;
+use bsm_kin::Drive;
+use bsm_nut::thermal::{
+    AxialHold, Coolant, ScrewBar, Sinks, Surfaces, WarmNut, WarmPhase, coolant_conductance,
+    drag_beyond_contacts,
+};
+use bsm_nut::{BallNut, Equilibrium, FrictionSum, Support};
+
+use crate::case::axis::Machine;
+use crate::case::nut::{Set, bad, section_of_screw};
+use crate::vocabulary::units::{MM, RPM, UM};
+use crate::vocabulary::words::CoolantWord;
+use crate::{CaseError, InputKey, NutProblem, Scene, Settings};
+
+/// Speed at which makers measure the drag of a preload \[rad/s\].
+const SLOW: f64 = 100.0 * RPM;
+
+/// A nut as its preload is set and makers measure it: cold, at [`SLOW`].
+pub(crate) struct ColdNut {
+    problem: NutProblem,
+    nut: BallNut,
+    preload: Option<Set>,
+    /// Temperature of setting \[K\].
+    set: f64,
+}
+
+impl ColdNut {
+    /// That of a scene.
+    pub(crate) fn of(
+        scene: &Scene,
+        settings: &Settings,
+        machine: &Machine,
+    ) -> Result<Self, CaseError> {
+        let mut cold = scene.cold();
+        let celsius = scene.value_or_default(InputKey::preload_temperature_C).unwrap_or(f64::NAN);
+        (cold.feed_m_min, cold.seal_torque_Nm) = (None, None);
+        (cold.screw_speed_rpm, cold.nut_speed_rpm) = (Some(SLOW / RPM), None);
+        let heaviest = machine.axis.heaviest().map_or(0.0, |phase| phase.load);
+        cold.axial_load_N = Some(if scene.is_preloaded() { 0.0 } else { heaviest });
+        if scene.given().is_lubricated() {
+            cold.lubricant_temperature_C = Some(celsius);
+        }
+        let problem = NutProblem::of(&cold, settings)?;
+        let made = problem.made().map_err(CaseError::Nut)?;
+        let (nut, preload) = (made.nut, made.preload);
+        Ok(Self { problem, nut, preload, set: celsius + ZERO_CELSIUS })
+    }
+
+    /// Friction of all balls.
+    pub(crate) fn friction(
+        &self,
+    ) -> impl Fn(&BallNut, &Equilibrium, &Drive<f64>, f64) -> Option<FrictionSum> {
+        |nut, found, drive, oil| self.problem.friction_sum(nut, found, drive, oil)
+    }
+
+    /// Drag beyond the contacts over the warm preload, `$K_x h$` \[m\]; 0 without a preload.
+    pub(crate) fn drag(&self, scene: &Scene, machine: &Machine) -> Result<f64, CaseError> {
+        if let Some(factor) = scene.extra_drag_factor {
+            return Ok(factor * machine.advance());
+        }
+        let Some(preload) = self.preload.filter(|_| scene.nut.drag_rule != Some(false)) else {
+            return Ok(0.0);
+        };
+        let found = self.nut.solve(&Support::guided(0.0)).map_err(CaseError::Nut)?;
+        let slow = Drive { screw_speed: SLOW, nut_speed: 0.0 };
+        let contacts = self
+            .problem
+            .friction_sum(&self.nut, &found, &slow, self.set)
+            .map_or(0.0, |friction| friction.torque);
+        let nut = &machine.axis.nut;
+        let rule = drag_torque(preload.cold, nut.lead, nut.lead_angle());
+        Ok(drag_beyond_contacts(rule, contacts, preload.cold))
+    }
+}
+
+/// The axis of a scene with what its warm state follows from.
+pub(crate) struct WarmAxis<'a> {
+    scene: &'a Scene,
+    machine: &'a Machine,
+    shaft: &'a Shaft,
+    /// Stroke and nut \[m\].
+    travel: f64,
+    cold: ColdNut,
+}
+
+impl<'a> WarmAxis<'a> {
+    /// That of a scene which asks for its warm state.
+    pub(crate) fn of(
+        scene: &'a Scene,
+        settings: &Settings,
+        machine: &'a Machine,
+    ) -> Result<Self, CaseError> {
+        if scene.is_warm() {
+            let what =
+                "finds rises of temperature and the tension of the screw, which are given too";
+            return Err(bad("warm_state", what));
+        }
+        if scene.axis_heat_transfer_W_K.or(scene.heat_transfer_W_K).is_some() {
+            let what = "has five nodes: a heat transfer of one node is given too";
+            return Err(bad("warm_state", what));
+        }
+        let (Some(shaft), Some(stroke)) = (&machine.axis.shaft, scene.stroke_mm) else {
+            return Err(bad("warm_state", "needs stroke_mm"));
+        };
+        let travel = stroke * MM + machine.body.length;
+        if shaft.length <= travel {
+            let what = "is not more than stroke and nut: the nut would run into the bearings";
+            return Err(bad("unsupported_length_mm", what));
+        }
+        if scene.screw_bore_mm.is_some_and(|bore| bore * MM >= shaft.diameter) {
+            return Err(bad("screw_bore_mm", "must be less than the core of the screw"));
+        }
+        if scene.coolant_flow_l_min.is_some() && scene.screw_bore_mm.is_none() {
+            return Err(bad("coolant_flow_l_min", "needs screw_bore_mm"));
+        }
+        let pretension = scene.pretension_N.or(scene.pretension_K);
+        if pretension.is_some() && shaft.support != Mounting::FixedFixed {
+            return Err(bad("warm_state", "a pretension needs support fixed-fixed"));
+        }
+        if !scene.given().has_friction() {
+            let missing = vec!["friction_coefficient or a lubricant".to_owned()];
+            return Err(CaseError::Missing { missing, by: "for the warm state".to_owned() });
+        }
+        let cold = ColdNut::of(scene, settings, machine)?;
+        Ok(Self { scene, machine, shaft, travel, cold })
+    }
+
+    /// Friction of all balls.
+    pub(crate) fn friction(
+        &self,
+    ) -> impl Fn(&BallNut, &Equilibrium, &Drive<f64>, f64) -> Option<FrictionSum> {
+        self.cold.friction()
+    }
+
+    /// Up to which multiple of the speeds the fold is looked for.
+    pub(crate) fn search(&self) -> f64 {
+        self.scene.value_or_default(InputKey::fold_search_factor).unwrap_or(f64::NAN)
+    }
+
+    /// The cold preload \[N\].
+    pub(crate) fn cold_preload(&self) -> Option<f64> {
+        self.cold.preload.map(|preload| preload.cold)
+    }
+
+    /// The nut with its friction.
+    pub(crate) fn nut<'f>(
+        &self,
+        friction: &'f bsm_nut::thermal::FrictionOf<'f>,
+    ) -> Result<WarmNut<'f>, CaseError> {
+        let Self { scene, machine, shaft, travel, ref cold } = *self;
+        let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
+        let expansion = value(InputKey::thermal_expansion_um_m_K) * UM;
+        let over_set = |celsius: f64| celsius + ZERO_CELSIUS - cold.set;
+        let air = scene.ambient_temperature_C.map_or(0.0, over_set);
+        let unloaded = cold.nut.solve(&cold.problem.support).map_err(CaseError::Nut)?;
+        let mean = unloaded.max_load() / unloaded.concentration();
+        let bore = scene.screw_bore_mm.unwrap_or(0.0) * MM;
+        let section = section_of_screw(scene, shaft.diameter);
+        let flow = scene.coolant_flow_l_min.map(|flow| {
+            let coolant = match scene.nut.coolant {
+                Some(CoolantWord::Oil) => Coolant::Oil,
+                _ => Coolant::Water,
+            };
+            coolant_conductance(coolant, flow / 6e4, bore, shaft.length)
+        });
+        let hold = (shaft.support == Mounting::FixedFixed).then(|| {
+            let bearing = scene.support_bearing_stiffness_N_um.map_or(0.0, |k| 2.0 * UM / k);
+            let own = shaft.length / (shaft.youngs_modulus * section);
+            let stiffness = (own + bearing).recip();
+            let by_rise = scene.pretension_K.unwrap_or(0.0) * expansion * shaft.length * stiffness;
+            AxialHold {
+                stiffness,
+                pretension: scene.pretension_N.unwrap_or(by_rise),
+                youngs_modulus: shaft.youngs_modulus,
+                poisson_ratio: value(InputKey::poisson_ratio),
+            }
+        });
+        let free = shaft.support == Mounting::FixedFree;
+        let phase = |phase: &bsm_design::Phase| WarmPhase {
+            time: phase.time,
+            load: phase.load,
+            drive: Drive { screw_speed: phase.speed, nut_speed: 0.0 },
+        };
+        Ok(WarmNut {
+            nut: cold.nut.clone(),
+            preload: cold.preload.map(|preload| preload.by),
+            support: cold.problem.support,
+            phases: machine.axis.phases.iter().map(phase).collect(),
+            friction,
+            drag: cold.drag(scene, machine)?,
+            seal: value(InputKey::seal_torque_Nm),
+            bearings: value(InputKey::support_bearing_torque_Nm),
+            motor: value(InputKey::motor_heat_W),
+            set: cold.set,
+            surfaces: Surfaces {
+                size: (machine.body.outer, machine.body.length),
+                carriage: scene.carriage_area_m2,
+                radii: cold
+                    .nut
+                    .contact_radii(mean)
+                    .map_err(|why| CaseError::Nut(bsm_nut::NutError::Contact(why)))?,
+                nut: scene.nut_conductance_W_K,
+                screw_film: scene.screw_film_W_m2K,
+                gap: scene.gap_conductance_W_K,
+                ball_nut: scene.ball_nut_conductance_W_K,
+                ball_screw: scene.ball_screw_conductance_W_K,
+                end: scene.end_conductance_W_K,
+                coolant: scene.coolant_conductance_W_K.or(flow).unwrap_or(0.0),
+                nut_coolant: value(InputKey::nut_coolant_conductance_W_K),
+            },
+            off: None,
+            screw: ScrewBar {
+                diameter: machine.axis.nut.pitch_diameter,
+                length: shaft.length,
+                travel,
+                section,
+                conductivity: value(InputKey::steel_conductivity_W_m_K),
+                expansion,
+                bearings: [true, !free],
+                hold,
+            },
+            sinks: Sinks {
+                air,
+                structure: scene.structure_temperature_C.map_or(air, over_set),
+                coolant: scene.coolant_temperature_C.map_or(air, over_set),
+            },
+        })
+    }
+}

@@ -1,0 +1,63 @@
+//! Warm steady states over the speed: temperatures, and the preload with its fold.
+
+use bsm_case::{WarmBranch, WarmPoint};
+
+use crate::{Axis, Curve, Figure, Stroke};
+
+/// Points of a branch up to its fold, or from there on.
+fn part(branch: &WarmBranch, stable: bool, value: impl Fn(&WarmPoint) -> f64) -> Vec<(f64, f64)> {
+    let points = branch.points.iter().filter(|point| point.stable == stable);
+    // Both parts meet at the fold.
+    let fold = branch.fold().filter(|_| !stable);
+    fold.into_iter().chain(points).map(|point| (point.speed_rpm, value(point))).collect()
+}
+
+/// Preload over the speed of one or several axes: solid up to the fold, dashed beyond it, the fold as a circle.
+pub fn warm_preload(words: [&str; 3], branches: &[(impl AsRef<str>, &WarmBranch)]) -> Figure {
+    let preload = |point: &WarmPoint| point.preload_N;
+    let mut curves = Vec::new();
+    let mut folds = Vec::new();
+    for (color, (label, branch)) in branches.iter().enumerate() {
+        curves.push(Curve::new(label.as_ref(), color, Stroke::Solid, part(branch, true, preload)));
+        if let Some(fold) = branch.fold() {
+            let beyond = Curve::new("", color, Stroke::Dashed, part(branch, false, preload));
+            curves.push(Curve { label: None, ..beyond });
+            folds.push((fold.speed_rpm, fold.preload_N));
+        }
+    }
+    if !folds.is_empty() {
+        curves.push(Curve::new("fold: no state above", 6, Stroke::Circles, folds));
+    }
+    Figure::new(
+        words,
+        [Axis::linear("speed of the screw, rpm"), Axis::linear("warm preload, N")],
+        curves,
+    )
+}
+
+/// Temperatures and preload of an axis over its speed.
+pub fn warm_figures(branch: &WarmBranch) -> Vec<Figure> {
+    let caption = match branch.fold() {
+        Some(fold) => format!(
+            "Dashed: states that a disturbance leaves. Above {:.0} rpm the preload runs away; {:.0} rpm are asked for.",
+            fold.speed_rpm, branch.speed_rpm
+        ),
+        None => format!("{:.0} rpm are asked for.", branch.speed_rpm),
+    };
+    let mut curves = Vec::new();
+    for (color, name) in ["nut", "screw", "balls"].into_iter().enumerate() {
+        let value = |point: &WarmPoint| point.temperatures_C[color];
+        curves.push(Curve::new(name, color, Stroke::Solid, part(branch, true, value)));
+        if branch.fold().is_some() {
+            let beyond = Curve::new("", color, Stroke::Dashed, part(branch, false, value));
+            curves.push(Curve { label: None, ..beyond });
+        }
+    }
+    let temperatures = Figure::new(
+        ["warm-temperatures", "Steady temperatures over the speed", &caption],
+        [Axis::linear("speed of the screw, rpm"), Axis::linear("temperature, C")],
+        curves,
+    );
+    let words = ["warm-preload", "Warm preload over the speed", &caption];
+    vec![temperatures, warm_preload(words, &[("preload", branch)])]
+}

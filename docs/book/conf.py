@@ -1,0 +1,141 @@
+"""The book: README and docs as one site that can be searched and read without a network. `just book` builds it.
+
+docs/README.md is the table of contents: each heading is a part of the book, each link below it a chapter.
+The pages of docs/reference end with what the program says of itself.
+"""
+
+import html
+import json
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+from docutils.nodes import SkipNode
+
+ROOT = Path(__file__).parents[2]
+KATEX = ROOT / "docs/katex"
+
+project = "bsm"
+root_doc = "README"
+include_patterns = ["README.md", "CONTRIBUTING.md", "docs/**.md"]
+exclude_patterns = ["target", ".git", "python", "crates"]
+extensions = ["myst_parser"]
+myst_enable_extensions = ["dollarmath"]
+myst_heading_anchors = 4
+html_theme = "furo"
+html_title = "bsm: ball screws"
+html_static_path = [str(KATEX / "katex.css"), "book.css"]
+html_css_files = ["katex.css", "book.css"]
+html_copy_source = False
+html_math_renderer = "katex"
+# Fences name files (`csv loads.csv`) and say how tests run them (`sh long`).
+suppress_warnings = ["misc.highlighting_failure"]
+html_show_copyright = False
+html_permalinks_icon = "#"
+
+
+def program():
+    """The compiled program: BSM, else that of a release, else that of the tests."""
+    for place in os.environ.get("BSM", ""), ROOT / "target/release/bsm", ROOT / "target/debug/bsm":
+        if Path(place).is_file():
+            return place
+    raise FileNotFoundError("build the program first: cargo build -p bsm-cli")
+
+
+def said(*arguments):
+    return subprocess.run([program(), *arguments], capture_output=True, text=True, check=True).stdout
+
+
+def leaves(schema):
+    """Described values of a JSON Schema by name, without the scene that some results repeat."""
+    found = {}
+    for name, entry in schema.get("properties", {}).items():
+        if name in ("inputs", "scene"):
+            continue
+        found |= {name: entry} if "description" in entry else leaves(entry)
+    for part in schema.get("anyOf", []) + ([schema["items"]] if "items" in schema else []):
+        found |= leaves(part)
+    return found
+
+
+def table(schema):
+    """Names of a JSON Schema with what a value must be, and its meaning."""
+    bounds = {"exclusiveMinimum": "> ", "minimum": "≥ ", "exclusiveMaximum": "< ", "maximum": "≤ ", "default": "default "}
+    rows = ["| name | value | meaning |", "|---|---|---|"]
+    for name, entry in leaves(schema).items():
+        kinds = entry.get("enum", entry.get("type", []))
+        kinds = [str(kind) for kind in (kinds if isinstance(kinds, list) else [kinds]) if kind not in (None, "null")]
+        rules = [f"{sign}{entry[key]}".removesuffix(".0") for key, sign in bounds.items() if key in entry]
+        rows.append(f"| `{name}` | {'; '.join([', '.join(kinds), *rules])} | {entry['description']} |".replace("$", r"\$"))
+    return "\n".join(rows) + "\n"
+
+
+def commands():
+    summary = said("--help")
+    names = re.findall(r"^  (\w+) ", summary.split("Commands:")[1].split("Options:")[0], re.MULTILINE)
+    for name in names:
+        if name != "help":
+            yield f"## bsm {name}\n\n```text\n{said(name, '--help')}```\n"
+
+
+def outputs():
+    names = {"output": "bsm solve, bsm sweep"}
+    names |= {name: f"bsm solve --show {name}" for name in ("slip", "jam", "optimum", "ratings")}
+    names |= {name: f"bsm {name}" for name in ("nut", "axis", "select", "fit")}
+    for name, command in names.items():
+        yield f"## {command}\n\n{table(json.loads(said('schema', name)))}"
+
+
+GENERATED = {
+    "docs/reference/commands": lambda: "\n".join(commands()),
+    "docs/reference/inputs": lambda: table(json.loads(said("schema", "input"))),
+    "docs/reference/outputs": lambda: "\n".join(outputs()),
+}
+
+
+def contents():
+    """Hidden tables of contents, one for each heading of docs/README.md that has links."""
+    text = (ROOT / "docs/README.md").read_text(encoding="utf-8")
+    yield "\n```{toctree}\n:hidden:\nContents </docs/README.md>\n```\n"
+    seen = {"README.md"}
+    for part in text.split("\n## ")[1:]:
+        title, body = part.split("\n", 1)
+        lines = []
+        for label, address in re.findall(r"\[([^]]+)\]\(([^)#]+\.md)[^)]*\)", body):
+            path = os.path.relpath(ROOT / "docs" / address, ROOT)
+            if path not in seen:
+                seen.add(path)
+                lines.append(f"{label[0].upper()}{label[1:]} </{path}>")
+        if lines:
+            chapters = "\n".join(lines)
+            yield f"\n```{{toctree}}\n:hidden:\n:caption: {title}\n{chapters}\n```\n"
+
+
+def read(_app, name, source):
+    if name in GENERATED:
+        source[0] += "\n" + GENERATED[name]()
+    if name == "README":
+        source[0] += "".join(contents())
+
+
+def formula(self, node, form):
+    """The markup of rustdoc, which the script of docs/katex turns into formulas."""
+    self.body.append(form.format(html.escape(node.astext(), quote=False)))
+    raise SkipNode
+
+
+def finish(app, error):
+    if not error:
+        shutil.copy(Path(app.outdir, "README.html"), Path(app.outdir, "index.html"))
+
+
+def setup(app):
+    inline = lambda self, node: formula(self, node, "<code>${}$</code>")
+    block = lambda self, node: formula(self, node, '<pre class="language-math"><code>{}</code></pre>')
+    app.add_html_math_renderer("katex", (inline, None), (block, None))
+    script = (KATEX / "header.html").read_text(encoding="utf-8")
+    app.add_js_file(None, body=re.sub("</?script>", "", script))
+    app.connect("source-read", read)
+    app.connect("build-finished", finish)
