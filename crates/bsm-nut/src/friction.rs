@@ -180,8 +180,6 @@ impl BallNut {
         seal_torque: f64,
         mut solve: impl FnMut(ElasticPoint) -> Solution,
     ) -> NutFriction {
-        let speed = drive.relative_speed();
-        let per_radian = self.helix.lead() / std::f64::consts::TAU;
         let hertz = self.hertz();
         let mut of_one = |number: usize| {
             let hertz = hertz.as_ref().ok()?;
@@ -209,31 +207,48 @@ impl BallNut {
         let all = balls.len() == found.balls.len();
         let torque = all.then(|| balls.iter().sum::<f64>());
         let returns = all.then_some(returns);
-        let friction = torque.zip(returns).map(|(balls, returns)| balls + returns + seal_torque);
-        let axial: f64 = found.bodies.iter().sum();
-        let ideal = per_radian * axial;
-        // T = h F_a + sign(W) (Σ T_f + T_return + T_seal)                 (U32)
-        let drive_torque = friction.map(|torque| ideal + torque * speed.signum());
-        // The load is moved if it resists the motion, else it drives.
-        let efficiency = drive_torque
-            .filter(|_| axial.abs() > f64::EPSILON * found.forces())
-            .map(|torque| if ideal * speed > 0.0 { ideal / torque } else { torque / ideal });
-        let heat = friction.map(|torque| torque * speed.abs());
         let on_both = |ball: &BallInGrooves| ball.flanks_pressed() == [true, true];
         let on_both_flanks = found.balls.iter().filter(|ball| on_both(ball)).count();
         let solved = found.balls.iter().zip(&balls).filter(|(ball, _)| on_both(ball));
         let torque_on_both_flanks = solved.fold(0.0, |sum, (_, torque)| sum + torque);
-        NutFriction {
+        let mut friction = NutFriction {
             balls,
             motions,
             on_both_flanks,
             torque_on_both_flanks,
             torque,
             returns,
-            drive_torque,
-            efficiency,
-            heat,
-        }
+            drive_torque: None,
+            efficiency: None,
+            heat: None,
+        };
+        self.with_torque(&mut friction, found, drive, seal_torque, torque);
+        friction
+    }
+
+    /// Gives the balls another friction torque, such as one with the pushes of a [`train`](Self::train), and what follows
+    /// from it.
+    pub fn with_torque(
+        &self,
+        friction: &mut NutFriction,
+        found: &Equilibrium,
+        drive: &Drive<f64>,
+        seal_torque: f64,
+        balls: Option<f64>,
+    ) {
+        let speed = drive.relative_speed();
+        let all = balls.zip(friction.returns).map(|(balls, returns)| balls + returns + seal_torque);
+        let axial: f64 = found.bodies.iter().sum();
+        let ideal = self.helix.lead() / std::f64::consts::TAU * axial;
+        friction.torque = balls;
+        // T = h F_a + sign(W) (Σ T_f + T_return + T_seal)                 (U32)
+        friction.drive_torque = all.map(|torque| ideal + torque * speed.signum());
+        // The load is moved if it resists the motion, else it drives.
+        let is_loaded = axial.abs() > f64::EPSILON * found.forces();
+        let driven = friction.drive_torque.filter(|_| is_loaded);
+        friction.efficiency =
+            driven.map(|torque| if ideal * speed > 0.0 { ideal / torque } else { torque / ideal });
+        friction.heat = all.map(|torque| torque * speed.abs());
     }
 }
 

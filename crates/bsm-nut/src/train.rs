@@ -29,6 +29,13 @@ pub struct Advance {
     pub contact_torque: f64,
 }
 
+impl Advance {
+    /// The largest gap that a circuit needs \[m\].
+    pub fn largest_gap(&self) -> f64 {
+        self.circuits.iter().map(|circuit| circuit.needed_gap).fold(0.0, f64::max)
+    }
+}
+
 /// The same of a circuit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CircuitAdvance {
