@@ -66,6 +66,17 @@ impl<D: Scalar> Motion<D> {
         BallFrame::tangent() * (arc_length_per_radian * self.precession) + self.omega.cross(point)
     }
 
+    /// Rotation against the neighbours in the train, seen from the frame that goes around the axis with the ball:
+    /// its part across the groove (O1) \[rad/s\].
+    ///
+    /// * `axis`: `$k$` in the triad of the angular velocity.
+    pub fn across_groove(&self, axis: &Vector3<D>) -> Vector3<D> {
+        // w = ω' − (ω'·t) t,  ω' = ω − P k                                (O1)
+        let mut across = self.omega - axis * self.precession;
+        across.x = D::from(0.0);
+        across
+    }
+
     /// Spin about the contact normal, `self` relative to the body of that contact \[rad/s\] (K14).
     pub fn spin(&self, contact: &Contact<D>) -> D {
         // ω_spin = (ω − Ω k)·N                                            (K14)

@@ -3,10 +3,10 @@
 //! Theory: `docs/theory/16-nut.md`, equations (U21), (U29), (U30) and (U32).
 
 use bsm_dyn::{
-    Ball, Coulomb, ElasticPoint, Hertz, Load, OperatingPoint, PrescribedBall, PrescribedContact,
-    Quadrature, Solution, Traction, pressed_radius,
+    Ball, BallMotion, Coulomb, ElasticPoint, Hertz, Load, OperatingPoint, PrescribedBall,
+    PrescribedContact, Quadrature, Solution, Traction, pressed_radius,
 };
-use bsm_kin::{Drive, Site};
+use bsm_kin::{BallFrame, Drive, Motion, Site};
 
 use crate::geometry::count;
 use crate::{BallInGrooves, BallNut, Equilibrium};
@@ -17,6 +17,8 @@ pub struct NutFriction {
     /// Friction torque of each ball on the screw \[N·m\], not negative; if the model has no answer for a
     /// ball, of those before it.
     pub balls: Vec<f64>,
+    /// Motion of each ball; of a ball without a load none.
+    pub motions: Vec<Option<FreeMotion>>,
     /// Balls that both flanks press, whose friction is integrated over all their ellipses, whatever the
     /// model of the others.
     pub on_both_flanks: usize,
@@ -33,6 +35,23 @@ pub struct NutFriction {
     pub efficiency: Option<f64>,
     /// Friction power of balls, returns and seals \[W\].
     pub heat: Option<f64>,
+}
+
+/// Motion of a ball that no neighbour pushes on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FreeMotion {
+    /// Precession relative to the nut over the relative speed, `$(P - \Omega_n)/W$`.
+    pub rate: f64,
+    /// Rotation against the neighbours in the train (O1) \[rad/s\].
+    pub rotation: f64,
+}
+
+/// A ball with friction.
+#[derive(Debug, Clone, Copy)]
+struct Rubbed {
+    friction: FrictionSum,
+    /// None where the model fixes none.
+    motion: Option<FreeMotion>,
 }
 
 /// Friction of one ball, or of all balls of a nut.
@@ -161,17 +180,17 @@ impl BallNut {
         seal_torque: f64,
         mut solve: impl FnMut(ElasticPoint) -> Solution,
     ) -> NutFriction {
-        let speed = drive.relative_speed();
-        let per_radian = self.helix.lead() / std::f64::consts::TAU;
         let hertz = self.hertz();
         let mut of_one = |number: usize| {
             let hertz = hertz.as_ref().ok()?;
             self.friction_of(found, number, friction, drive, hertz, &mut solve)
         };
         let mut returns = 0.0;
-        let mut last: Option<(usize, FrictionSum)> = None;
+        let mut last: Option<(usize, Rubbed)> = None;
+        let mut motions = Vec::with_capacity(found.balls.len());
         let mut of_ball = |number: usize| -> Option<f64> {
             if found.balls[number].max_load() <= 0.0 {
+                motions.push(None);
                 return Some(0.0);
             }
             let before = last.filter(|(other, _)| self.alike(found, *other, number));
@@ -180,37 +199,56 @@ impl BallNut {
                 Some(like) => like,
             };
             last = Some((as_of, ball));
-            returns += ball.returns;
-            Some(ball.torque)
+            motions.push(ball.motion);
+            returns += ball.friction.returns;
+            Some(ball.friction.torque)
         };
         let balls: Vec<_> = (0..found.balls.len()).map_while(&mut of_ball).collect();
         let all = balls.len() == found.balls.len();
         let torque = all.then(|| balls.iter().sum::<f64>());
         let returns = all.then_some(returns);
-        let friction = torque.zip(returns).map(|(balls, returns)| balls + returns + seal_torque);
-        let axial: f64 = found.bodies.iter().sum();
-        let ideal = per_radian * axial;
-        // T = h F_a + sign(W) (Σ T_f + T_return + T_seal)                 (U32)
-        let drive_torque = friction.map(|torque| ideal + torque * speed.signum());
-        // The load is moved if it resists the motion, else it drives.
-        let efficiency = drive_torque
-            .filter(|_| axial.abs() > f64::EPSILON * found.forces())
-            .map(|torque| if ideal * speed > 0.0 { ideal / torque } else { torque / ideal });
-        let heat = friction.map(|torque| torque * speed.abs());
         let on_both = |ball: &BallInGrooves| ball.flanks_pressed() == [true, true];
         let on_both_flanks = found.balls.iter().filter(|ball| on_both(ball)).count();
         let solved = found.balls.iter().zip(&balls).filter(|(ball, _)| on_both(ball));
         let torque_on_both_flanks = solved.fold(0.0, |sum, (_, torque)| sum + torque);
-        NutFriction {
+        let mut friction = NutFriction {
             balls,
+            motions,
             on_both_flanks,
             torque_on_both_flanks,
             torque,
             returns,
-            drive_torque,
-            efficiency,
-            heat,
-        }
+            drive_torque: None,
+            efficiency: None,
+            heat: None,
+        };
+        self.with_torque(&mut friction, found, drive, seal_torque, torque);
+        friction
+    }
+
+    /// Gives the balls another friction torque, such as one with the pushes of a [`train`](Self::train), and what follows
+    /// from it.
+    pub fn with_torque(
+        &self,
+        friction: &mut NutFriction,
+        found: &Equilibrium,
+        drive: &Drive<f64>,
+        seal_torque: f64,
+        balls: Option<f64>,
+    ) {
+        let speed = drive.relative_speed();
+        let all = balls.zip(friction.returns).map(|(balls, returns)| balls + returns + seal_torque);
+        let axial: f64 = found.bodies.iter().sum();
+        let ideal = self.helix.lead() / std::f64::consts::TAU * axial;
+        friction.torque = balls;
+        // T = h F_a + sign(W) (Σ T_f + T_return + T_seal)                 (U32)
+        friction.drive_torque = all.map(|torque| ideal + torque * speed.signum());
+        // The load is moved if it resists the motion, else it drives.
+        let is_loaded = axial.abs() > f64::EPSILON * found.forces();
+        let driven = friction.drive_torque.filter(|_| is_loaded);
+        friction.efficiency =
+            driven.map(|torque| if ideal * speed > 0.0 { ideal / torque } else { torque / ideal });
+        friction.heat = all.map(|torque| torque * speed.abs());
     }
 }
 
@@ -227,11 +265,14 @@ impl BallNut {
         drive: &Drive<f64>,
         hertz: &[Hertz; 2],
         solve: &mut impl FnMut(ElasticPoint) -> Solution,
-    ) -> Option<FrictionSum> {
+    ) -> Option<Rubbed> {
         if found.balls[number].flanks_pressed() == [true, true] {
             let ball = self.ball_on_both_flanks(found, number, friction?, drive, hertz);
-            let torque = ball.solve(&Quadrature::of(FOUR_CONTACTS)).ok()?.torque;
-            return Some(FrictionSum { torque, contacts: [0.5 * torque; 2], returns: 0.0 });
+            let BallMotion { to_nut, torque, .. } =
+                ball.solve(&Quadrature::of(FOUR_CONTACTS)).ok()?;
+            let friction = FrictionSum { torque, contacts: [0.5 * torque; 2], returns: 0.0 };
+            let motion = Some(self.free_motion(&to_nut, drive.relative_speed()));
+            return Some(Rubbed { friction, motion });
         }
         let alone = self.ball_alone(found, number, friction.unwrap_or(f64::NAN), drive)?;
         self.friction_alone(alone, solve)
@@ -242,8 +283,10 @@ impl BallNut {
         &self,
         alone: ElasticPoint,
         solve: &mut impl FnMut(ElasticPoint) -> Solution,
-    ) -> Option<FrictionSum> {
-        let speed = alone.point.drive.relative_speed().abs();
+    ) -> Option<Rubbed> {
+        let Drive { nut_speed, .. } = alone.point.drive;
+        let signed = alone.point.drive.relative_speed();
+        let speed = signed.abs();
         let solution = solve(alone);
         let solved = solution.solved()?;
         let torque = solved.transmission.screw_torque?;
@@ -253,7 +296,21 @@ impl BallNut {
         // T_f = |T − h F|                                                 (U21)
         let torque = (torque - per_radian * alone.point.load.axial).abs() - returns;
         let contacts = solved.contact_power.map(|of| of.map(|power| power / speed));
-        Some(FrictionSum { torque, contacts: contacts.unwrap_or([0.5 * torque; 2]), returns })
+        let contacts = contacts.unwrap_or([0.5 * torque; 2]);
+        let to_nut = |motion: Motion<f64>| motion.relative_to(nut_speed, &self.frenet());
+        let motion = solved.ball.motion.map(|motion| self.free_motion(&to_nut(motion), signed));
+        Some(Rubbed { friction: FrictionSum { torque, contacts, returns }, motion })
+    }
+
+    /// Of a motion relative to the nut in the Frenet-Serret triad.
+    fn free_motion(&self, to_nut: &Motion<f64>, speed: f64) -> FreeMotion {
+        let rotation = to_nut.across_groove(&self.frenet().k).norm();
+        FreeMotion { rate: to_nut.precession / speed, rotation }
+    }
+
+    /// The triad of the helix.
+    fn frenet(&self) -> BallFrame<f64> {
+        BallFrame::turned(self.helix.lead_angle, 0.0)
     }
 
     /// Sum of the friction of all balls (U21), for a search that asks for it often: balls that differ by their load
@@ -300,7 +357,7 @@ impl BallNut {
                 for number in group {
                     let ball =
                         self.friction_of(found, *number, friction, drive, &hertz, &mut solve)?;
-                    sum.add(&ball, 1.0);
+                    sum.add(&ball.friction, 1.0);
                 }
                 continue;
             }
@@ -313,7 +370,7 @@ impl BallNut {
                 let mut ball = alone;
                 ball.point.load.axial = load * self.helix.lead_angle.cos();
                 let weight = if number % 2 == 0 { angle.sin() } else { -angle.sin() };
-                nodes.push((load, weight, self.friction_alone(ball, &mut solve)?, 0.0));
+                nodes.push((load, weight, self.friction_alone(ball, &mut solve)?.friction, 0.0));
             }
             // How much of each node is in the sum over the balls, in barycentric form.
             for load in loads {
@@ -334,7 +391,7 @@ impl BallNut {
     }
 
     /// True if two balls differ by no more than the rounding of their loads.
-    fn alike(&self, found: &Equilibrium, one: usize, other: usize) -> bool {
+    pub(crate) fn alike(&self, found: &Equilibrium, one: usize, other: usize) -> bool {
         /// Part of load and contact angle: the balance of the nut leaves 1e-12 of the loads.
         const SAME: f64 = 1e-10;
         let near = |[a, b]: [f64; 2]| (a - b).abs() <= SAME * a.abs();

@@ -20,12 +20,17 @@ mod search;
 mod sharing;
 mod stiffness;
 pub mod thermal;
+mod train;
 
 pub use ball::{BallInGrooves, FourContacts};
 pub use bodies::{Bar, Ring};
 pub use equilibrium::{Equilibrium, Freedom, NutError, Support};
-pub use friction::{FrictionSum, NutFriction};
+pub use friction::{FreeMotion, FrictionSum, NutFriction};
 pub use geometry::{BallNut, BallPosition, Circuit, Errors, Flanks, LeadError};
 pub use life::TurnRatings;
 pub use preload::Preload;
 pub use sharing::Equal;
+pub use train::{
+    Advance, BallOfTrain, CircuitAdvance, CircuitTrain, Exit, ExitPush, LARGEST_PUSH, Rolling,
+    Train, TrainError, TrainInputs,
+};

@@ -7,8 +7,8 @@ use bsm_design::{Duty, in_series, life};
 use bsm_dyn::{ElasticPoint, Hertz, ModelWorkspace, Problem, Temperature};
 use bsm_kin::Drive;
 use bsm_nut::{
-    BallInGrooves, BallNut, BallPosition, Circuit, Equal, Equilibrium, Flanks, Freedom,
-    FrictionSum, NutError, NutFriction, Support,
+    Advance, BallInGrooves, BallNut, BallOfTrain, BallPosition, Circuit, Equal, Equilibrium,
+    Flanks, Freedom, FrictionSum, NutError, NutFriction, Rolling, Support, Train,
 };
 use serde_json::{Map, Value, json};
 
@@ -20,6 +20,10 @@ use crate::vocabulary::number::count;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
 use crate::{Answer, Content, Numbers, NutProblem, Quantity, exact};
+
+mod train;
+
+use train::Pushed;
 
 /// Allowance of catalogues on the calculated rigidity, for what is made (HIWIN BS-08-2).
 const USUAL: f64 = 0.8;
@@ -43,15 +47,43 @@ pub(crate) struct State {
     pub(crate) made: Made,
     friction: OnceCell<Option<Rubbed>>,
     drag: OnceCell<Option<f64>>,
+    advance: OnceCell<Option<Advance>>,
+    pushed: OnceCell<Option<Pushed>>,
 }
 
 impl State {
     fn new(made: Made) -> Self {
-        Self { made, friction: OnceCell::new(), drag: OnceCell::new() }
+        Self {
+            made,
+            friction: OnceCell::new(),
+            drag: OnceCell::new(),
+            advance: OnceCell::new(),
+            pushed: OnceCell::new(),
+        }
     }
 
     fn rubbed(&self, problem: &NutProblem) -> Option<&Rubbed> {
-        self.friction.get_or_init(|| problem.friction_of(&self.made.nut, &self.made.found)).as_ref()
+        let work_out = || {
+            let Made { nut, found, .. } = &self.made;
+            let mut rubbed = problem.friction_of(nut, found)?;
+            if let (Some(pushed), Some((_, drive))) = (self.pushed(problem), &problem.friction) {
+                let balls = pushed.as_ref().ok().map(Train::torque);
+                nut.with_torque(&mut rubbed.friction, found, drive, problem.seal_torque, balls);
+            }
+            Some(rubbed)
+        };
+        self.friction.get_or_init(work_out).as_ref()
+    }
+
+    /// How the balls advance on each other; none without their free motions.
+    fn advance(&self, problem: &NutProblem) -> Option<&Advance> {
+        let work_out = || problem.advance_of(&self.made, self.rubbed(problem)?);
+        self.advance.get_or_init(work_out).as_ref()
+    }
+
+    /// The pushes of the balls; none where no gap is given.
+    fn pushed(&self, problem: &NutProblem) -> Option<&Pushed> {
+        self.pushed.get_or_init(|| problem.pushed_of(&self.made)).as_ref()
     }
 
     fn friction(&self, problem: &NutProblem) -> Option<&NutFriction> {
@@ -92,6 +124,14 @@ impl Loaded<'_> {
 
     fn drag(&self) -> Option<f64> {
         self.state.drag(self.problem)
+    }
+
+    fn advance(&self) -> Option<&Advance> {
+        self.state.advance(self.problem)
+    }
+
+    fn train(&self) -> Option<&Train> {
+        self.state.pushed(self.problem)?.as_ref().ok()
     }
 }
 
@@ -168,6 +208,21 @@ quantities! { pub(crate) QUANTITIES, read(&Loaded<'_>) of Nut;
         rule_torque_high_Nm ["N m"] Whole(|n| Some(RULE_FACTORS[1] * rule_torque(n.state)?)),
             "friction torque of the preload, catalogue estimate with K_p = 0.3";
     }
+    "ball train" {
+        advance_spread [""] Whole(|n| Some(n.advance()?.spread)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "spread of the free speeds of the balls, largest less smallest over their mean";
+        needed_gap_mm ["mm"] Whole(|n| Some(n.advance()?.largest_gap() / MM)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
+            "gaps between the balls of the loaded part of a circuit, all together, from which no balls touch";
+        ball_contact_band_Nm ["N m"] Whole(|n| Some(n.advance()?.contact_torque * n.problem.gaps.friction?)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
+            "largest torque of ball-to-ball contact while pushes are below 3 % of the ball load; 0 with the needed gaps";
+        touching_contacts [""] Whole(|n| Some(count(n.train()?.touching))) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "contacts between balls that carry a push";
+        max_push_N ["N"] Whole(|n| Some(n.train()?.largest_push)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "largest force between balls";
+        idle_balls [""] Whole(|n| Some(count(n.train()?.number_of(Rolling::Idle)))) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "balls that are moved without a load";
+        blocked_balls [""] Whole(|n| Some(count(n.train()?.number_of(Rolling::Blocked)))) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "balls whose neighbours stop their rotation";
+        contact_torque_Nm ["N m"] Whole(|n| Some(n.train()?.race_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "part of the friction torque of the balls: contacts with nut and screw";
+        ball_contact_torque_Nm ["N m"] Whole(|n| Some(n.train()?.contact_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "part of the friction torque of the balls: ball-to-ball contact";
+        return_push_torque_Nm ["N m"] Whole(|n| Some(n.train()?.return_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "part of the friction torque of the balls: push through the returns";
+        catching_torque_Nm ["N m"] Whole(|n| Some(n.train()?.catching_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "part of the friction torque of the balls: balls that run up to a slower one";
+    }
 }
 
 quantities! { pub(crate) BALLS, read_ball(&OneBall<'_>);
@@ -186,7 +241,13 @@ quantities! { pub(crate) BALLS, read_ball(&OneBall<'_>);
         screw_minus_deg ["deg"] Whole(|b| b.angle(3)), "contact angle at the other flank of the screw";
         max_pressure_MPa ["MPa"] Whole(|b| Some(pressure(b.hertz?, b.ball) / MPA)), "largest Hertz pressure";
         outwards_um ["um"] Whole(|b| b.outwards / UM), "displacement away from the axis";
-        friction_torque_Nm ["N m"] Whole(|b| b.torque), "friction torque";
+        friction_torque_Nm ["N m"] Whole(|b| b.torque), "friction torque, without pushes of other balls";
+        free_rate [""] Whole(|b| b.pushed?.free_rate), "precession relative to the nut over the relative speed, without pushes of other balls";
+        rate [""] Whole(|b| Some(b.pushed?.rate)), "precession relative to the nut over the relative speed";
+        advance_mm ["mm"] Whole(|b| Some(b.advance? / MM)), "advance of the free ball on a cage that turns evenly";
+        gap_to_next_mm ["mm"] Whole(|b| Some(b.pushed?.gap / MM)), "gap to the next ball in the direction of travel";
+        front_push_N ["N"] Whole(|b| Some(b.pushed?.pushes[0])), "force of the next ball in the direction of travel";
+        back_push_N ["N"] Whole(|b| Some(b.pushed?.pushes[1])), "force of the ball behind";
     }
 }
 
@@ -201,6 +262,8 @@ pub(crate) struct OneBall<'a> {
     hertz: Option<&'a [Hertz; 2]>,
     outwards: f64,
     torque: Option<f64>,
+    advance: Option<f64>,
+    pushed: Option<&'a BallOfTrain>,
 }
 
 impl OneBall<'_> {
@@ -469,6 +532,7 @@ impl NutReport {
             notes.push(preload_note(*cold, *warm));
         }
         notes.extend(self.thrown(CENTRIFUGAL[0]..CENTRIFUGAL[1]));
+        notes.extend(self.state.touch_note(&self.problem));
         let rubbed = self.state.rubbed(&self.problem);
         match rubbed.map(|rubbed| &rubbed.friction) {
             None => notes.push(
@@ -487,6 +551,7 @@ impl NutReport {
                     self.found().balls.len()
                 ));
             }
+            Some(_) if matches!(self.state.pushed(&self.problem), Some(Err(_))) => {}
             Some(friction) if friction.torque.is_none() => {
                 let why = rubbed.and_then(|rubbed| rubbed.why.as_deref());
                 notes.push(format!(
@@ -548,6 +613,7 @@ impl NutReport {
             ));
         }
         warnings.extend(self.thrown(CENTRIFUGAL[1]..f64::INFINITY));
+        warnings.extend(self.state.train_warnings(&self.problem));
         if let Some(Set { cold, warm, .. }) = &self.state.made.preload
             && *cold > 0.0
             && *warm <= 0.0
@@ -606,6 +672,19 @@ impl NutReport {
     pub fn balls(&self) -> Columns {
         let Made { nut, found, .. } = &self.state.made;
         let (friction, hertz) = (self.state.friction(&self.problem), nut.hertz().ok());
+        let loaded = Loaded { problem: &self.problem, state: &self.state };
+        let advances: Vec<_> = loaded
+            .advance()
+            .into_iter()
+            .flat_map(|advance| &advance.circuits)
+            .flat_map(|circuit| circuit.advance.iter().copied())
+            .collect();
+        let pushed: Vec<_> = loaded
+            .train()
+            .into_iter()
+            .flat_map(|train| &train.circuits)
+            .flat_map(|circuit| &circuit.balls)
+            .collect();
         let row = |(number, (place, ball)): (usize, (&BallPosition, &BallInGrooves))| {
             let one = OneBall {
                 place,
@@ -614,6 +693,8 @@ impl NutReport {
                 hertz: hertz.as_ref(),
                 outwards: -found.grooves[number][1],
                 torque: friction.and_then(|friction| friction.balls.get(number).copied()),
+                advance: advances.get(number).copied().flatten(),
+                pushed: pushed.get(number).copied(),
             };
             let numbers = read_ball(&one, |_| true);
             numbers.columns().map(|(_, value)| value.unwrap_or(f64::NAN)).collect()

@@ -5,6 +5,7 @@ mod circuits;
 mod draw;
 mod loading;
 mod problem;
+mod train;
 
 pub(crate) use circuits::balls_and_turns;
 pub use problem::NutProblem;

@@ -293,6 +293,20 @@ inputs! {
             "helix angle by which each circuit is shifted against the one before, besides arc and gap";
         radial_gap_um ["um"] Any, Some(0.0),
             "radial gap between grooves and balls of a nut at rest";
+        ball_gap_mm ["mm"] Above(0.0), None,
+            "gaps between the balls of the loaded part of a circuit, all together, along the helix; with it the forces of balls that touch are calculated";
+        spacer_thickness_mm ["mm"] AtLeast(0.0), Some(0.0),
+            "distance of two load balls that touch the same spacer; of spacer balls their diameter, with ball_contact_friction 0";
+        return_push_N ["N"] AtLeast(0.0), None,
+            "force on the last loaded ball with which the balls are pushed through the return, in place of return_entry_force_N and return_bend_deg";
+        return_entry_force_N ["N"] AtLeast(0.0), Some(0.0),
+            "force with which a ball is pushed from the return into the loaded part";
+        return_bend_deg ["deg"] AtLeast(0.0), Some(0.0),
+            "angle of all bends of a return together, in which pushed balls press outwards";
+        return_friction_coefficient [""] AtLeast(0.0), Some(0.1),
+            "friction coefficient of the balls in the bends of a return";
+        idle_ball_drag_N ["N"] AtLeast(0.0), Some(0.0),
+            "force that moves a ball on which no load acts";
         reference_z_mm ["mm"] Any, None,
             "place on the axis to which displacements, side loads and moments of a nut belong; the middle of its balls unless given";
         radial_load_x_N ["N"] Any, None,
@@ -402,9 +416,9 @@ inputs! {
         seal_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
             "friction torque of the seals, stated or measured; felt wipers 0.02 to 0.3";
         ball_contact_force_N ["N"] AtLeast(0.0), Some(0.0),
-            "force between neighbouring balls, 0.1 to 1; 0 with spacer balls";
+            "force between neighbouring balls, 0.1 to 1; 0 with spacer balls, calculated with ball_gap_mm";
         ball_contact_friction [""] AtLeast(0.0), None,
-            "friction coefficient between balls; boundary_friction_coefficient unless given";
+            "friction coefficient between balls, or of spacers on balls; boundary_friction_coefficient unless given, of dry balls friction_coefficient";
         return_circuits [""] AtLeast(0.0), Some(0.0),
             "number of ball returns that lose kinetic energy of the balls";
         return_loss_coefficient [""] AtLeast(0.0), Some(0.0),

@@ -364,7 +364,6 @@ const OF_A_LUBRICANT: InputSet = {
         K::rolling_factor,
         K::hysteresis_loss,
         K::ball_contact_force_N,
-        K::ball_contact_friction,
         K::return_circuits,
         K::return_loss_coefficient,
     ])

@@ -9,4 +9,5 @@ mod lubricant;
 mod scene;
 mod sensitivities;
 mod size;
+mod train;
 mod warm;

@@ -10,6 +10,7 @@ mod path;
 mod root;
 mod sensitivities;
 mod slips;
+mod train;
 
 use std::array::from_fn;
 use std::cell::OnceCell;
@@ -24,6 +25,8 @@ pub use self::many::{TRACTION_FOUND, TRACTION_START, TractionMany, TractionRoot,
 use self::root::Refined;
 pub use self::root::SKIDS;
 pub(crate) use self::root::SlipRoot;
+use self::train::Push;
+pub use self::train::{TrainBall, TrainMotion};
 use crate::contact::{Wrench, ideal_torque};
 use crate::cost;
 use crate::ellipse::{FrozenRule, Integrate, Local, Nodes, Quadrature, Rules};
@@ -94,6 +97,8 @@ struct SlipBall<'a, P = f64> {
     at_nut: bool,
     /// What friction comes from, unless it has one coefficient.
     lubrication: Option<Lubrication<'a, P>>,
+    /// Of its neighbours.
+    push: Option<Push>,
     /// Steps and halvings of a step after which a solve is given up.
     limits: (usize, u32),
 }
@@ -215,15 +220,20 @@ impl<P: Scalar> SlipBall<'_, P> {
         let [_, radial, around] = OMEGA.map(|i| y[i]);
         let n = state.loaded.frame.n;
         let omega = n * radial + state.loaded.frame.k.cross(&n) * around;
-        self.pair.balance(&state.loaded, &Motion { precession: rate, omega }, &state.wrench)
+        let mut left =
+            self.pair.balance(&state.loaded, &Motion { precession: rate, omega }, &state.wrench);
+        if let Some(push) = &self.push {
+            push.add_to(&mut left, self.pair, (&state.loaded, &state.to_nut));
+        }
+        left
     }
 }
 
 impl<'a> SlipBall<'a> {
     /// In the unknowns (T1).
     fn of_pair(pair: &'a ElasticBall, quadrature: &'a Quadrature, creep: f64) -> Self {
-        let (plans, lubrication, at_nut, limits) = (None, None, false, LIMITS);
-        Self { pair, quadrature, plans, creep, enough: 1e-12, at_nut, lubrication, limits }
+        let (plans, lubrication, push, at_nut, limits) = (None, None, None, false, LIMITS);
+        Self { pair, quadrature, plans, creep, enough: 1e-12, at_nut, lubrication, push, limits }
     }
 }
 
@@ -234,8 +244,8 @@ impl<'a> SlipBall<'a> {
         pair: &'a ElasticBall<P>,
         lubrication: Option<Lubrication<'a, P>>,
     ) -> SlipBall<'a, P> {
-        let Self { quadrature, plans, creep, enough, at_nut, limits, .. } = *self;
-        SlipBall { pair, quadrature, plans, creep, enough, at_nut, lubrication, limits }
+        let Self { quadrature, plans, creep, enough, at_nut, push, limits, .. } = *self;
+        SlipBall { pair, quadrature, plans, creep, enough, at_nut, lubrication, push, limits }
     }
 }
 

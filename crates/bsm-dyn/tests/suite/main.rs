@@ -5,3 +5,4 @@ mod extremes;
 mod lanes;
 mod rigid;
 mod rigid_campaign;
+mod train;

@@ -4,4 +4,5 @@ mod campaign;
 mod identities;
 mod nuts;
 mod public;
+mod train;
 mod warm;

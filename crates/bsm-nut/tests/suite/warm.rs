@@ -24,10 +24,9 @@ use crate::public::{number, nut};
 const CASES: &str = include_str!("../../../../validation/published/nut/warm_state.json");
 const RPM: f64 = PI / 30.0;
 
-/// Balls with oil of grade 68 by raceway control, the nut in control, as in the reference cases.
-fn oiled(nut: &BallNut, found: &Equilibrium, drive: &Drive<f64>, oil: f64) -> Option<FrictionSum> {
-    thread_local!(static WORK: RefCell<ModelWorkspace> = RefCell::default());
-    let lubricant = Lubricant {
+/// Mineral oil of grade 68 between ground races.
+pub(crate) fn oil_68(kelvin: f64) -> Option<Lubricant> {
+    Some(Lubricant {
         oil: Oil {
             base: BaseOil::Mineral,
             viscosities: Oil::of_grade(68.0)?,
@@ -35,7 +34,7 @@ fn oiled(nut: &BallNut, found: &Equilibrium, drive: &Drive<f64>, oil: f64) -> Op
             pressure_viscosity: None,
             limiting_shear: BaseOil::Mineral.limiting_shear(),
         },
-        temperature: Temperature::Known(oil),
+        temperature: Temperature::Known(kelvin),
         boundary_friction: 0.12,
         roughness: Roughness { ball: 0.03e-6, nut: 0.2e-6, screw: 0.2e-6 },
         film_factor: 1.0,
@@ -49,7 +48,13 @@ fn oiled(nut: &BallNut, found: &Equilibrium, drive: &Drive<f64>, oil: f64) -> Op
             return_loss: 0.0,
             drag_coefficient: 0.0,
         },
-    };
+    })
+}
+
+/// Balls with oil of grade 68 by raceway control, the nut in control, as in the reference cases.
+fn oiled(nut: &BallNut, found: &Equilibrium, drive: &Drive<f64>, oil: f64) -> Option<FrictionSum> {
+    thread_local!(static WORK: RefCell<ModelWorkspace> = RefCell::default());
+    let lubricant = oil_68(oil)?;
     let solve = |at: ElasticPoint| {
         let rolling = RacewayControl { at, control: Some(Control::Nut) };
         let model = LubricatedModel::RacewayControl(rolling, RacewayFriction::Local);

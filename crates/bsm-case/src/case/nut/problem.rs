@@ -14,6 +14,7 @@ use super::circuits::{
 };
 use super::draw::draw;
 use super::loading::{Amount, arrangement, preload, support};
+use super::train::BallGaps;
 use crate::case::problem::{Needs, has_lubricant};
 use crate::case::rated_nut;
 use crate::case::reader::has_grooves;
@@ -51,6 +52,8 @@ pub struct NutProblem {
     pub(crate) ratings: TurnRatings,
     /// Friction, and speeds of screw and nut.
     pub(crate) friction: Option<(Rubbing, Drive<f64>)>,
+    /// Gaps between the balls.
+    pub(crate) gaps: BallGaps,
     /// Torque of the seals \[N·m\].
     pub(crate) seal_torque: f64,
     pub(crate) settings: Settings,
@@ -176,6 +179,7 @@ impl NutProblem {
             reason = "a whole number"
         )]
         let seed = value(InputKey::seed) as u64;
+        let (friction, circuits) = (Rubbing::of(scene)?, nut.circuits.len());
         Ok(Self {
             support: support(scene)?,
             notes: notes(scene, &nut, preload, loaded.is_some()),
@@ -190,7 +194,8 @@ impl NutProblem {
             rating,
             static_rating,
             ratings,
-            friction: Rubbing::of(scene)?.zip(drive),
+            gaps: BallGaps::of(scene, friction, circuits)?,
+            friction: friction.zip(drive),
             seal_torque: value(InputKey::seal_torque_Nm),
             settings: *settings,
             warm: None,

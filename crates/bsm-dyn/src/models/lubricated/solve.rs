@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y22), (Y23), (Y28) to (Y31).
 
-use bsm_kin::{BallFrame, Field, Motion, Scalar};
+use bsm_kin::{Field, Motion, Scalar};
 use bsm_newton::Bracket;
 
 use crate::contact::{
@@ -115,8 +115,7 @@ impl<D: Scalar> Lubricated<D> {
         let screw = self.screw();
         let speed = screw.point.drive.relative_speed();
         let motion = pair.absolute(&steady.to_nut, &steady.loaded.frame);
-        let in_carrier = motion.omega - steady.loaded.frame.k * motion.precession;
-        let rubbing = in_carrier.cross(&BallFrame::tangent()) * speed;
+        let rubbing = motion.across_groove(&steady.loaded.frame.k) * speed;
         let ball = BallOrbit {
             rubbing: rubbing.dot(&rubbing).sqrt(),
             rate: magnitude(motion.precession * speed - screw.point.drive.nut_speed),

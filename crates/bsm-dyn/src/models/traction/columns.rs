@@ -134,6 +134,19 @@ impl SlipBall<'_> {
         };
         if !is_done {
             *found = self.in_jets(y)?;
+        } else if let Some(push) = &self.push {
+            let (values, slopes) = linear::<BALL, BALL>(y, |y| {
+                let loaded = self.loaded(y)?;
+                let mut left = [Jet::from(0.0); BALL];
+                push.add_to(&mut left, self.pair, (&loaded, &self.motion_to_nut(y, &loaded)));
+                Ok(left)
+            })?;
+            for (i, (value, slope)) in values.iter().zip(&slopes).enumerate() {
+                found.left[i] += value;
+                for (to, slope) in found.rows[i].iter_mut().zip(slope) {
+                    *to += slope;
+                }
+            }
         }
         Ok(())
     }

@@ -22,7 +22,7 @@ use crate::models::raceway_control::RollingBall;
 use crate::models::workspace::ModelWorkspace;
 
 /// Residual of a root: its powers balance to a tenth of what they must.
-const ENOUGH: f64 = 1e-11;
+pub(super) const ENOUGH: f64 = 1e-11;
 
 impl<'a> SlipBall<'a> {
     /// The same with a lubricant.
@@ -79,10 +79,10 @@ impl SlipBall<'_> {
 }
 
 /// A root, the point with its friction scale, and the gripping ball that the search began with.
-struct ScaledRoot {
-    pair: ElasticBall,
+pub(super) struct ScaledRoot {
+    pub(super) pair: ElasticBall,
     grip: RollingBall,
-    refined: Refined,
+    pub(super) refined: Refined,
     plans: [OnceCell<FrozenRule>; 2],
     steps: usize,
     /// What the quadrature may leave in the efficiency of the contacts (T25).
@@ -91,7 +91,7 @@ struct ScaledRoot {
 
 impl Traction {
     /// The root near that of a constant coefficient, with the quadrature of the accuracy.
-    fn lubricated_root(
+    pub(super) fn lubricated_root(
         &self,
         ehl: &EhlPoint,
         work: &mut TractionWorkspace,

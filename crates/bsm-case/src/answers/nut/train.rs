@@ -1,0 +1,106 @@
+//! The train of balls of a nut: its advance, and its pushes where a gap is given.
+
+use bsm_dyn::{Model, ModelWorkspace, Problem};
+use bsm_nut::{Advance, FreeMotion, LARGEST_PUSH, Rolling, Train};
+
+use super::{NutProblem, Rubbed, State};
+use crate::case::nut::Made;
+use crate::vocabulary::units::MM;
+use crate::{ModelChoice, exact};
+
+/// The pushes of the balls, or why there are none.
+pub(super) type Pushed = Result<Train, String>;
+
+/// Whether a model has the free speeds that balls push from.
+fn pushes(model: ModelChoice) -> bool {
+    matches!(model, ModelChoice::Auto | ModelChoice::Fixed(Model::Traction))
+}
+
+impl NutProblem {
+    /// Advance of the balls, of whose free motions those by model traction are taken unless another is asked for.
+    pub(super) fn advance_of(&self, made: &Made, rubbed: &Rubbed) -> Option<Advance> {
+        let Made { nut, found, .. } = made;
+        let (_, drive) = self.friction.as_ref()?;
+        let of =
+            |motions: &[Option<FreeMotion>]| nut.advance(found, motions, drive, self.gaps.spacer);
+        let rolls_alone = rubbed.models.iter().any(|model| *model != Model::Traction.name());
+        if self.settings.model == ModelChoice::Auto && rolls_alone {
+            // Free speeds of two models differ by more than those of neighbours.
+            let traction = self.by_traction();
+            return of(&traction.friction_of(nut, found)?.friction.motions);
+        }
+        of(&rubbed.friction.motions)
+    }
+
+    /// The same with friction by model traction.
+    fn by_traction(&self) -> Self {
+        let mut traction = self.clone();
+        traction.settings.model = ModelChoice::Fixed(Model::Traction);
+        traction
+    }
+
+    /// The pushes of the balls where a gap is given.
+    pub(super) fn pushed_of(&self, made: &Made) -> Option<Pushed> {
+        let (inputs, (rubbing, drive)) = (self.gaps.train.as_ref()?, self.friction.as_ref()?);
+        let Made { nut, found, .. } = made;
+        if !pushes(self.settings.model) {
+            let model = self.settings.model.name();
+            return Some(Err(format!("pushes of the balls need model traction, not {model}")));
+        }
+        if self.scatters() || !nut.errors.balls.is_empty() {
+            return Some(Err(
+                "the push of balls of unequal size is not calculated: a slow one gathers a queue \
+                 whatever the gap"
+                    .to_owned(),
+            ));
+        }
+        let (traction, balls) = (self.by_traction(), super::loaded_balls(found));
+        let in_train = |at, work: &mut ModelWorkspace| match traction.of_ball(rubbing, balls, at) {
+            Problem::Traction(ball) => ball.in_train(inputs.contact_friction, work),
+            Problem::Lubricated(ball) => ball.in_train(inputs.contact_friction, work),
+            _ => None,
+        };
+        let train = nut.train(found, rubbing.coefficient(), drive, inputs, in_train);
+        Some(train.map_err(|why| why.to_string()))
+    }
+}
+
+impl State {
+    /// Whether the balls touch, in one line; `None` where no gap is given.
+    pub(super) fn touch_note(&self, problem: &NutProblem) -> Option<String> {
+        let inputs = problem.gaps.train.as_ref()?;
+        let train = match self.pushed(problem)? {
+            Ok(train) => train,
+            Err(why) => return Some(format!("no friction torque with pushes of the balls: {why}")),
+        };
+        let needed = self.advance(problem)?.largest_gap() / MM;
+        let gap = inputs.gaps.first()? / MM;
+        let touch = if train.touching > 0 { "touch" } else { "do not touch" };
+        Some(format!("the balls {touch}: {needed:.3} mm needed, {} mm there", exact(gap)))
+    }
+
+    /// What is beyond the range of the ball train.
+    pub(super) fn train_warnings(&self, problem: &NutProblem) -> Vec<String> {
+        let Some(Ok(train)) = self.pushed(problem) else { return Vec::new() };
+        let found = &self.made.found;
+        let mean = found.max_load() / found.concentration();
+        let part = train.largest_push / mean;
+        let mut warnings = Vec::new();
+        if part > LARGEST_PUSH {
+            warnings.push(format!(
+                "a push of {:.3} N between balls is {:.1} % of their mean load: above {:.0} % loads and contact angles \
+                 are no longer those without pushes, and the torque is an estimate",
+                train.largest_push,
+                100.0 * part,
+                100.0 * LARGEST_PUSH
+            ));
+        }
+        match train.number_of(Rolling::Blocked) {
+            0 => {}
+            blocked => warnings.push(format!(
+                "{blocked} balls do not roll: friction of their neighbours stops them"
+            )),
+        }
+        warnings
+    }
+}

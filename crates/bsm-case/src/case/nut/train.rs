@@ -1,0 +1,64 @@
+//! The train of balls of a nut, from the inputs of a scene.
+
+use bsm_nut::{Exit, ExitPush, TrainInputs};
+
+use super::problem::{Rubbing, bad, twice};
+use crate::vocabulary::units::{DEG, MM};
+use crate::{CaseError, InputKey, Scene};
+
+/// What a scene says of the gaps between the balls of a nut.
+#[derive(Debug, Clone)]
+pub(crate) struct BallGaps {
+    /// Thickness of the spacers \[m\].
+    pub(crate) spacer: f64,
+    /// Coefficient of friction between balls; `None` without any friction.
+    pub(crate) friction: Option<f64>,
+    /// All gaps of the loaded part of each circuit together, and what pushes the balls; `None` where no gap is given.
+    pub(crate) train: Option<TrainInputs>,
+}
+
+impl BallGaps {
+    pub(super) fn of(
+        scene: &Scene,
+        friction: Option<Rubbing>,
+        circuits: usize,
+    ) -> Result<Self, CaseError> {
+        use InputKey as K;
+        let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
+        let spacer = value(K::spacer_thickness_mm) * MM;
+        let friction = match friction {
+            Some(Rubbing::Coefficient(coefficient)) => {
+                Some(scene.ball_contact_friction.unwrap_or(coefficient))
+            }
+            Some(Rubbing::Lubricant(lubricant)) => Some(lubricant.losses.ball_contact_friction),
+            None => None,
+        };
+        let Some(gap) = scene.ball_gap_mm else {
+            return Ok(Self { spacer, friction, train: None });
+        };
+        let of_bends =
+            [K::return_entry_force_N, K::return_bend_deg, K::return_friction_coefficient];
+        let bends = of_bends.into_iter().find(|key| scene[*key].is_some());
+        let push = match (scene.return_push_N, bends) {
+            (Some(_), Some(bends)) => return Err(twice("return_push_N", bends.name())),
+            (Some(push), None) => ExitPush::AtExit(push),
+            (None, _) => ExitPush::AtEntry(value(K::return_entry_force_N)),
+        };
+        if scene.ball_contact_force_N.is_some_and(|force| force > 0.0) {
+            let what = "the force between the balls follows from ball_gap_mm, which is given too";
+            return Err(bad("ball_contact_force_N", what));
+        }
+        let train = friction.map(|contact_friction| TrainInputs {
+            gaps: vec![gap * MM; circuits],
+            spacer,
+            contact_friction,
+            exit: Exit {
+                push,
+                bend: value(K::return_bend_deg) * DEG,
+                friction: value(K::return_friction_coefficient),
+            },
+            idle_drag: value(K::idle_ball_drag_N),
+        });
+        Ok(Self { spacer, friction, train })
+    }
+}

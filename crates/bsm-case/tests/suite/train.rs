@@ -1,0 +1,141 @@
+//! The ball train of a nut, from its scene: the reference cases of `validation/published/nut`, and what a scene may not
+//! say.
+
+use bsm_case::{CaseError, NutProblem, NutReport, Scene, Settings};
+use bsm_dyn::Model;
+use serde_json::{Value, json};
+
+const CASES: &str = include_str!("../../../../validation/published/nut/ball_train.json");
+
+fn cases() -> Vec<Value> {
+    let file: Value = serde_json::from_str(CASES).expect("JSON");
+    file["cases"].as_array().expect("cases").clone()
+}
+
+/// The nut of a scene with some entries changed.
+fn nut(scene: &Value, change: &Value, settings: &Settings) -> Result<NutReport, CaseError> {
+    let mut scene = scene.clone();
+    scene.as_object_mut().expect("a scene").extend(change.as_object().expect("entries").clone());
+    let scene = Scene::from_json(scene.to_string().as_bytes())?;
+    NutProblem::of(&scene, settings)?.solve().map_err(CaseError::Nut)
+}
+
+fn number(report: &NutReport, name: &str) -> f64 {
+    report.number(name).unwrap_or_else(|| panic!("{name}"))
+}
+
+/// To the tolerances of the file: torques over the friction torque, pushes over the largest.
+#[test]
+fn reference_cases_from_scenes() {
+    for case in cases() {
+        let name = case["case"].as_str().expect("name");
+        let settings = Settings::default();
+        let report = nut(&case["scene"], &json!({}), &settings).expect("a nut");
+        let expected = |key: &str| case["expected"][key].as_f64().expect("number");
+        let is_oiled = case["scene"].get("iso_vg").is_some();
+        let [rates, torques, pushes] =
+            if is_oiled { [1e-5, 1e-4, 1e-3] } else { [1e-7, 1e-6, 1e-5] };
+        let friction = expected("friction_torque_Nm");
+        let largest = expected("max_push_N");
+        let circuits = case["expected"]["circuits"].as_array().expect("circuits");
+        let needed = circuits.iter().filter_map(|circuit| circuit["needed_gap_mm"].as_f64());
+        for (ours, want, allowed) in [
+            ("advance_spread", expected("advance_spread"), rates),
+            // A gap is a sum of a hundred differences of rates.
+            ("needed_gap_mm", needed.fold(0.0, f64::max), 600.0 * rates),
+            ("contact_torque_Nm", expected("contact_torque_Nm"), torques * friction),
+            ("ball_contact_torque_Nm", expected("ball_contact_torque_Nm"), torques * friction),
+            ("return_push_torque_Nm", expected("return_torque_Nm"), torques * friction),
+            ("catching_torque_Nm", expected("catching_torque_Nm"), torques * friction),
+            ("friction_torque_Nm", friction, torques * friction),
+            ("max_push_N", largest, pushes * largest),
+            ("touching_contacts", expected("touching_contacts"), 0.0),
+            ("idle_balls", expected("idle_balls"), 0.0),
+            ("blocked_balls", expected("blocked_balls"), 0.0),
+        ] {
+            let found = number(&report, ours);
+            assert!((found - want).abs() <= allowed, "{name} {ours}: {found}, not {want}");
+        }
+        let touch = if expected("touching_contacts") > 0.0 { "touch:" } else { "do not touch:" };
+        let line = format!("the balls {touch}");
+        assert!(report.notes().iter().any(|note| note.starts_with(&line)), "{name}");
+    }
+}
+
+/// Exactly: the parts are the sum, and what the screw is driven with follows from it.
+#[test]
+fn the_parts_of_the_torque_are_the_whole() {
+    let case = &cases()[1];
+    let report = nut(&case["scene"], &json!({"seal_torque_Nm": 0.2}), &Settings::default());
+    let report = report.expect("a nut");
+    let parts = [
+        "contact_torque_Nm",
+        "ball_contact_torque_Nm",
+        "return_push_torque_Nm",
+        "catching_torque_Nm",
+    ];
+    let sum: f64 = parts.iter().map(|part| number(&report, part)).sum();
+    let whole = number(&report, "friction_torque_Nm");
+    assert!((sum - whole).abs() <= 1e-15 * whole, "{sum} {whole}");
+    let ideal = 6340.0 * 10e-3 / std::f64::consts::TAU;
+    let drive = number(&report, "drive_torque_Nm");
+    // The nut is in balance to 1e-10 of its load.
+    assert!((drive - ideal - whole - 0.2).abs() < 1e-9 * drive, "{drive}");
+}
+
+/// Where nothing touches, the torque is that of balls that are solved alone, to the root of each, 1e-10.
+#[test]
+fn with_room_enough_the_nut_is_the_same() {
+    let case = &cases()[2];
+    let settings = Settings::from(Model::Traction);
+    let with = nut(&case["scene"], &json!({}), &settings).expect("a nut");
+    let without = nut(&case["scene"], &json!({"ball_gap_mm": null}), &settings).expect("a nut");
+    for name in ["friction_torque_Nm", "nut_efficiency", "needed_gap_mm", "ball_contact_band_Nm"] {
+        let [a, b] = [&with, &without].map(|report| number(report, name));
+        assert!((a - b).abs() <= 1e-9 * b, "{name}: {a} {b}");
+    }
+    assert!(without.number("max_push_N").is_none());
+}
+
+#[test]
+fn what_a_train_does_not_take() {
+    let scene = &cases()[1]["scene"];
+    let refused = |change: Value| {
+        nut(scene, &change, &Settings::default())
+            .err()
+            .map(|why| why.to_string())
+            .expect("an error")
+    };
+    assert!(refused(json!({"ball_gap_mm": 0.0})).contains("ball_gap_mm"));
+    let both = refused(json!({"return_push_N": 1.0, "return_bend_deg": 180.0}));
+    assert!(both.contains("return_push_N") && both.contains("return_bend_deg"), "{both}");
+    let force = json!({
+        "friction_coefficient": null, "iso_vg": 68, "lubricant_temperature_C": 40.0,
+        "ball_roughness_um": 0.03, "nut_roughness_um": 0.2, "screw_roughness_um": 0.2,
+        "ball_contact_force_N": 0.5,
+    });
+    assert!(refused(force).contains("ball_gap_mm"));
+}
+
+#[test]
+fn without_pushes_there_is_no_torque_and_a_reason() {
+    let scene = &cases()[1]["scene"];
+    for (change, settings, says) in [
+        (json!({}), Settings::from(Model::RacewayControl), "need model traction"),
+        (json!({"ball_deviation_sd_um": 0.5}), Settings::default(), "unequal size"),
+        (json!({"return_push_N": 1e4}), Settings::default(), "the return needs a push"),
+    ] {
+        let report = nut(scene, &change, &settings).expect("a nut");
+        assert!(report.number("friction_torque_Nm").is_none(), "{says}");
+        assert!(report.number("needed_gap_mm").is_some(), "{says}");
+        assert!(report.notes().iter().any(|note| note.contains(says)), "{:?}", report.notes());
+    }
+}
+
+/// A hard push leaves the range of the loads without pushes.
+#[test]
+fn a_push_above_three_percent_of_the_load_is_said() {
+    let scene = &cases()[0]["scene"];
+    let report = nut(scene, &json!({"return_push_N": 3.0}), &Settings::default()).expect("a nut");
+    assert!(report.warnings().iter().any(|note| note.contains("of their mean load")));
+}

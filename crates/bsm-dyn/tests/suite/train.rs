@@ -1,0 +1,132 @@
+//! One ball that its neighbours push on (theory 20).
+
+use std::f64::consts::{FRAC_PI_4, PI};
+
+use bsm_dyn::{
+    Ball, Coulomb, ElasticPoint, Load, Material, ModelWorkspace, OperatingPoint, Traction,
+    TrainBall, TrainMotion,
+};
+use bsm_kin::{Drive, Helix};
+
+/// Coefficient between balls.
+const BALLS: f64 = 0.1;
+
+/// The ball of reference 17.10.
+fn ball(screw_rpm: f64) -> ElasticPoint {
+    let (radius, lead) = (20.668e-3, 10e-3);
+    let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
+    let point = OperatingPoint {
+        helix: Helix { radius, lead_angle: f64::atan2(lead, 2.0 * PI * radius) },
+        contact_angle: FRAC_PI_4,
+        ball: Ball::of_density(3.175e-3, 7800.0),
+        friction: Coulomb(0.06),
+        drive: Drive { screw_speed: screw_rpm * PI / 30.0, nut_speed: 0.0 },
+        load: Load { axial: 50.0, balls: 1.0 },
+    };
+    ElasticPoint { point, conformity: (0.5203, 0.5203), material: (steel, steel) }
+}
+
+fn train_ball(at: ElasticPoint, work: &mut ModelWorkspace) -> TrainBall {
+    let traction = Traction { at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
+    traction.in_train(BALLS, work).expect("a ball that moves")
+}
+
+/// Screw speed, pushes, rate, torque, power at the races and rotation against the neighbours; a rate is held where the
+/// last push is `None`.
+type Reference = (f64, [f64; 2], f64, [f64; 3]);
+
+const REFERENCES: [Reference; 9] = [
+    (100.0, [0.0, 0.0], 0.446182258, [0.0809398, 1.426627e-2, 3.408293e1]),
+    (100.0, [1.0, 0.0], 0.443348010, [0.0910631, 1.443199e-2, 3.431961e1]),
+    (100.0, [0.0, 1.0], 0.450496048, [0.0727819, 1.447729e-2, 3.428679e1]),
+    (100.0, [2.0, 1.5], 0.445312695, [0.0891112, 1.431094e-2, 3.408544e1]),
+    (100.0, [1.0, 1.0], 0.446855648, [0.0830027, 1.427972e-2, 3.404064e1]),
+    (-100.0, [0.0, 0.0], 0.446685068, [0.0784933, 1.135387e-2, 3.371076e1]),
+    (-100.0, [1.0, 0.0], 0.444768742, [0.0683552, 1.157023e-2, 3.368468e1]),
+    (-100.0, [0.0, 1.0], 0.448724185, [0.0866316, 1.156002e-2, 3.373047e1]),
+    (-100.0, [1.0, 1.0], 0.446611475, [0.0764523, 1.135536e-2, 3.369890e1]),
+];
+
+fn assert_near(name: &str, got: f64, want: f64, digits: f64) {
+    assert!((got - want).abs() <= digits * want.abs(), "{name}: {got} in place of {want}");
+}
+
+#[test]
+fn a_pushed_ball_moves_as_the_reference_says() {
+    let work = &mut ModelWorkspace::default();
+    for (rpm, pushes, rate, [torque, power, rotation]) in REFERENCES {
+        let ball = train_ball(ball(rpm), work);
+        let moved = ball.pushed(ball.free(), pushes, work).expect("a motion");
+        // The quadrature is good to 1e-8, the rest is printed with six and seven digits.
+        assert_near("rate", moved.rate, rate, 1e-8);
+        assert_near("torque", moved.screw_torque, torque, 1e-6);
+        assert_near("power", moved.race_power, power, 1e-6);
+        assert_near("rotation", moved.rotation, rotation, 1e-6);
+    }
+}
+
+#[test]
+fn a_held_ball_is_pushed_as_the_reference_says() {
+    let work = &mut ModelWorkspace::default();
+    for (rpm, rate, back, torque, power) in [
+        (100.0, 0.4452898933, 0.6909486, 0.0855036, 1.428459e-2),
+        (-100.0, 0.4457916984, 0.6210079, 0.0733794, 1.139787e-2),
+    ] {
+        let ball = train_ball(ball(rpm), work);
+        let held = ball.held(ball.free(), rate, 1.0, work).expect("a motion");
+        // Seven and six digits are printed.
+        assert_near("push behind", held.pushes[1], back, 1e-6);
+        assert_near("torque", held.screw_torque, torque, 1e-6);
+        assert_near("power", held.race_power, power, 1e-6);
+    }
+}
+
+/// Power in less power out over the power lost (O4).
+fn unbalanced(rpm: f64, at: &ElasticPoint, moved: &TrainMotion) -> f64 {
+    let speed = rpm * PI / 30.0;
+    let (helix, radius) = (at.point.helix, at.point.ball.radius);
+    let TrainMotion { rate, screw_torque, race_power, rotation, pushes, axial_push, .. } = moved;
+    let [front, back] = pushes;
+    let per_radian = helix.lead() / (2.0 * PI);
+    let put_in = (screw_torque - per_radian * (at.point.load.axial + axial_push)) * speed;
+    let travel = helix.arc_length_per_radian() * rate * speed.abs();
+    // T W = h (F_j + F_b·k) W + P_races + f_b r_b (N_f + N_b)|w| − (N_b − N_f) v     (O4)
+    let lost = race_power + BALLS * radius * (front + back) * rotation - (back - front) * travel;
+    (put_in - lost) / race_power
+}
+
+#[test]
+fn the_power_of_a_pushed_ball_balances() {
+    let work = &mut ModelWorkspace::default();
+    for rpm in [100.0, -100.0] {
+        let at = ball(rpm);
+        let ball = train_ball(at, work);
+        for pushes in [[0.0; 2], [1.0, 0.0], [0.3, 2.0], [3.0, 2.5]] {
+            let moved = ball.pushed(ball.free(), pushes, work).expect("a motion");
+            // The root leaves 1e-10 of the balance, the powers are some hundredth of what is transmitted.
+            assert!(unbalanced(rpm, &at, &moved).abs() < 1e-9, "{rpm} {pushes:?}");
+        }
+    }
+}
+
+#[test]
+fn the_compliance_is_the_slope_of_the_rate() {
+    let work = &mut ModelWorkspace::default();
+    let ball = train_ball(ball(100.0), work);
+    let step = 1e-5;
+    let there = ball.pushed(ball.free(), [0.0, step], work).expect("a motion");
+    let slope = (there.rate - ball.free().rate) / step;
+    // The law bends by 20 % over a tenth of f Q = 0.4 N, so by 1e-4 over the step; the roots leave 1e-9.
+    assert_near("compliance", ball.compliance(), slope, 1e-3);
+}
+
+#[test]
+fn a_held_ball_and_a_pushed_one_are_the_same_motion() {
+    let work = &mut ModelWorkspace::default();
+    let ball = train_ball(ball(100.0), work);
+    let pushed = ball.pushed(ball.free(), [0.8, 0.5], work).expect("a motion");
+    let held = ball.held(ball.free(), pushed.rate, 0.8, work).expect("a motion");
+    // Both roots leave 1e-10 of the balance.
+    assert_near("push behind", held.pushes[1], 0.5, 1e-6);
+    assert_near("torque", held.screw_torque, pushed.screw_torque, 1e-9);
+}

@@ -1,0 +1,691 @@
+//! The ball train: how balls advance on each other, the room that they need, and what follows where they touch.
+//!
+//! Theory: `docs/theory/20-ball-train.md`, equations (O1) to (O16).
+
+use std::f64::consts::TAU;
+
+use bsm_dyn::{ElasticPoint, ModelWorkspace, TrainBall, TrainMotion};
+use bsm_kin::Drive;
+use bsm_newton::Bracket;
+
+use crate::geometry::count;
+use crate::{BallNut, Equilibrium, FreeMotion};
+
+/// Load over the largest of a nut below which nothing presses a ball.
+const IDLE: f64 = 1e-3;
+
+/// Push over the mean load of the balls up to which loads and contact angles are those without pushes.
+pub const LARGEST_PUSH: f64 = 0.03;
+
+/// How balls that do not touch advance on each other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Advance {
+    /// Largest less smallest rate of the free balls over their mean.
+    pub spread: f64,
+    /// Of each circuit.
+    pub circuits: Vec<CircuitAdvance>,
+    /// Largest torque of the balls on each other while pushes are below [`LARGEST_PUSH`] \[N·m\], over the
+    /// coefficient between balls.
+    pub contact_torque: f64,
+}
+
+impl Advance {
+    /// The largest gap that a circuit needs \[m\].
+    pub fn largest_gap(&self) -> f64 {
+        self.circuits.iter().map(|circuit| circuit.needed_gap).fold(0.0, f64::max)
+    }
+}
+
+/// The same of a circuit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CircuitAdvance {
+    /// Helix angle of two balls that touch \[rad\].
+    pub touch_angle: f64,
+    /// All gaps of the loaded part together from which no balls touch \[m\].
+    pub needed_gap: f64,
+    /// What each ball, in the order of the circuit, has gained on a cage that turns evenly \[m\]; none of idle balls.
+    pub advance: Vec<Option<f64>>,
+}
+
+/// What a train of balls is given.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrainInputs {
+    /// All gaps of the loaded part of each circuit together, along the helix \[m\], positive.
+    pub gaps: Vec<f64>,
+    /// Thickness of the spacers between balls \[m\].
+    pub spacer: f64,
+    /// Coefficient of friction between balls.
+    pub contact_friction: f64,
+    /// What the return asks of the last ball.
+    pub exit: Exit,
+    /// What moves a ball that nothing presses \[N\].
+    pub idle_drag: f64,
+}
+
+/// The push that a return takes at its exit from the loaded part (O12).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exit {
+    /// Without a push of the balls that come in: as a force \[N\], or of the step into the loaded part.
+    pub push: ExitPush,
+    /// All bends of the return together \[rad\].
+    pub bend: f64,
+    /// Friction there.
+    pub friction: f64,
+}
+
+/// The push at the exit without a push of the balls that come in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ExitPush {
+    /// At the exit itself \[N\].
+    AtExit(f64),
+    /// Of the step into the loaded part, at the other end of the return \[N\].
+    AtEntry(f64),
+}
+
+impl Exit {
+    /// Push at the exit \[N\].
+    ///
+    /// * `entry`: push of the first ball on those of the return \[N\]. * `centrifugal`: `$m v^2/2r_b$` \[N\].
+    fn push(&self, entry: f64, centrifugal: f64) -> f64 {
+        let grown = (self.friction * self.bend).exp();
+        // N_x = (F_e + N_e + m v²/(2 r_b)) e^(μ_r φ_r) − m v²/(2 r_b)     (O12)
+        match self.push {
+            ExitPush::AtExit(push) => push + entry * grown,
+            ExitPush::AtEntry(step) => (step + entry + centrifugal) * grown - centrifugal,
+        }
+    }
+}
+
+/// What a ball of a train does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rolling {
+    /// It rolls on both races.
+    Rolls,
+    /// Nothing presses it.
+    Idle,
+    /// Its neighbours stop its rotation.
+    Blocked,
+}
+
+/// A ball of a train.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BallOfTrain {
+    /// What it does.
+    pub rolling: Rolling,
+    /// Rate without pushes; none of an idle ball.
+    pub free_rate: Option<f64>,
+    /// Rate `$(P - \Omega_n)/W$`.
+    pub rate: f64,
+    /// Normal forces of the neighbours in front and behind, in the direction of travel \[N\].
+    pub pushes: [f64; 2],
+    /// Room to the next ball \[m\].
+    pub gap: f64,
+}
+
+/// A circuit in steady flux.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CircuitTrain {
+    /// Rate of the balls that touch.
+    pub rate: f64,
+    /// Balls that pass \[1/s\].
+    pub flux: f64,
+    /// Pushes at the exit from the loaded part and at its entry \[N\].
+    pub ends: [f64; 2],
+    /// The balls in the order of the circuit.
+    pub balls: Vec<BallOfTrain>,
+}
+
+/// A nut whose balls may touch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Train {
+    /// Its circuits.
+    pub circuits: Vec<CircuitTrain>,
+    /// Torque of the races if no balls touch \[N·m\].
+    pub free_torque: f64,
+    /// Of the races.
+    pub race_torque: f64,
+    /// Of the balls on each other, with what moves idle ones.
+    pub contact_torque: f64,
+    /// Of the returns, as far as balls are pushed through them.
+    pub return_torque: f64,
+    /// Of balls that have caught up with the train and are faster on their own.
+    pub catching_torque: f64,
+    /// Power of screw and load less all losses, over the losses.
+    pub power_balance: f64,
+    /// Contacts between balls that carry a push.
+    pub touching: usize,
+    /// Largest push \[N\].
+    pub largest_push: f64,
+}
+
+impl Train {
+    /// The whole friction torque of the balls \[N·m\].
+    pub fn torque(&self) -> f64 {
+        self.race_torque + self.contact_torque + self.return_torque + self.catching_torque
+    }
+
+    /// Balls that do this.
+    pub fn number_of(&self, rolling: Rolling) -> usize {
+        let balls = self.circuits.iter().flat_map(|circuit| &circuit.balls);
+        balls.filter(|ball| ball.rolling == rolling).count()
+    }
+}
+
+/// Why a train has no steady flux, or none that is found.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TrainError {
+    /// Balls on both flanks are not pressed as this chapter takes them.
+    #[error("a ball is pressed by both flanks; pushes are calculated for balls on one flank")]
+    BothFlanks,
+    /// The return takes more than the balls have.
+    #[error("the return needs a push of {needed:.3} N, the balls can give {available:.3} N")]
+    Return {
+        /// Push at the exit \[N\].
+        needed: f64,
+        /// What all balls before it can give before they slide \[N\].
+        available: f64,
+    },
+    /// A ball or a flux that no solve finds.
+    #[error("the pushes of circuit {circuit} are not found: {what}")]
+    NotConverged {
+        /// Its number.
+        circuit: usize,
+        /// What is missing.
+        what: &'static str,
+    },
+}
+
+impl BallNut {
+    /// Helix angle of two balls whose centres are a ball and a spacer apart (O8) \[rad\].
+    pub fn touch_angle(&self, spacer: f64) -> f64 {
+        let apart = 2.0 * self.ball.radius + spacer;
+        let per_radian = self.helix.lead() / TAU;
+        let missing = |angle: f64| {
+            let chord = 2.0 * self.helix.radius * (0.5 * angle).sin();
+            // [2 r_m sin(θ_c/2)]² + (h θ_c)² = c²                         (O8)
+            chord.hypot(per_radian * angle) - apart
+        };
+        let straight = apart / self.helix.arc_length_per_radian();
+        let ends = [straight, std::f64::consts::FRAC_PI_2 * straight];
+        Bracket::new(ends, ends.map(missing)).root(missing).root().map_or(straight, |root| root.x)
+    }
+
+    /// Whether nothing presses a ball.
+    fn is_idle(found: &Equilibrium, number: usize) -> bool {
+        found.balls[number].max_load() < IDLE * found.max_load()
+    }
+
+    /// The numbers of the balls of a circuit, in the direction of travel.
+    fn in_travel(found: &Equilibrium, circuit: usize, speed: f64) -> Vec<usize> {
+        let numbers = 0..found.places.len();
+        let mut order: Vec<_> = numbers.filter(|n| found.places[*n].circuit == circuit).collect();
+        if speed < 0.0 {
+            order.reverse();
+        }
+        order
+    }
+
+    /// How the balls advance on each other where none touch; none unless every ball with a load has a motion.
+    ///
+    /// * `motions`: of [`NutFriction`](crate::NutFriction). * `spacer`: thickness \[m\].
+    pub fn advance(
+        &self,
+        found: &Equilibrium,
+        motions: &[Option<FreeMotion>],
+        drive: &Drive<f64>,
+        spacer: f64,
+    ) -> Option<Advance> {
+        let speed = drive.relative_speed();
+        let arc = self.helix.arc_length_per_radian();
+        let of = |number: usize| -> Option<Option<FreeMotion>> {
+            if Self::is_idle(found, number) { Some(None) } else { motions.get(number)?.map(Some) }
+        };
+        let motions = (0..found.balls.len()).map(of).collect::<Option<Vec<_>>>()?;
+        let touch_angle = self.touch_angle(spacer);
+        let summed = |numbers: &[usize]| {
+            let rates = numbers.iter().filter_map(|n| Some(motions[*n]?.rate));
+            let start = (0.0, 0.0, f64::MAX, f64::MIN);
+            rates.fold(start, |(n, sum, low, high), rate| {
+                (n + 1.0, sum + rate, low.min(rate), high.max(rate))
+            })
+        };
+        let all: Vec<_> = (0..motions.len()).collect();
+        let (number, sum, low, high) = summed(&all);
+        let spread = if number > 0.0 { (high - low) * number / sum } else { 0.0 };
+        let circuits = self.circuits.iter().enumerate().map(|(circuit, of)| {
+            let order = Self::in_travel(found, circuit, speed);
+            let (number, sum, low, _) = summed(&order);
+            let needed_gap =
+                if number > 0.0 { arc * touch_angle * (sum / low - number) } else { 0.0 };
+            let (mean, apart) = (sum / number, arc * of.arc / count(of.balls));
+            let mut gained = 0.0;
+            let mut advance: Vec<_> = order
+                .iter()
+                .map(|n| {
+                    // A_j = Σ a_j Δ,  a_j = p_j/p̄ − 1                     (O14)
+                    gained += (motions[*n]?.rate / mean - 1.0) * apart;
+                    Some(gained)
+                })
+                .collect();
+            if speed < 0.0 {
+                advance.reverse();
+            }
+            CircuitAdvance { touch_angle, needed_gap, advance }
+        });
+        let circuits = circuits.collect();
+        let rotations: f64 = motions.iter().flatten().map(|motion| motion.rotation).sum();
+        let push = LARGEST_PUSH * self.mean_load(found);
+        let contact_torque = 2.0 * self.ball.radius * rotations * push / speed.abs();
+        Some(Advance { spread, circuits, contact_torque })
+    }
+
+    /// Mean of the largest loads of the balls \[N\].
+    fn mean_load(&self, found: &Equilibrium) -> f64 {
+        let sum: f64 = found.balls.iter().map(crate::BallInGrooves::max_load).sum();
+        sum / count(found.balls.len())
+    }
+
+    /// The balls with the pushes of those that touch (O8) to (O16).
+    ///
+    /// * `friction`: coefficient, none of another law. * `in_train`: the ball of a point, ready to be pushed.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError`].
+    pub fn train(
+        &self,
+        found: &Equilibrium,
+        friction: Option<f64>,
+        drive: &Drive<f64>,
+        inputs: &TrainInputs,
+        in_train: impl Fn(ElasticPoint, &mut ModelWorkspace) -> Option<TrainBall>,
+    ) -> Result<Train, TrainError> {
+        let mut work = ModelWorkspace::default();
+        let mut balls: Vec<Option<TrainBall>> = Vec::with_capacity(found.balls.len());
+        for number in 0..found.balls.len() {
+            let circuit = found.places[number].circuit;
+            let ball = if Self::is_idle(found, number) {
+                None
+            } else if found.balls[number].flanks_pressed() == [true, true] {
+                return Err(TrainError::BothFlanks);
+            } else if number > 0
+                && balls[number - 1].is_some()
+                && self.alike(found, number - 1, number)
+            {
+                balls[number - 1].clone()
+            } else {
+                let ball = self
+                    .ball_alone(found, number, friction.unwrap_or(f64::NAN), drive)
+                    .and_then(|alone| in_train(alone, &mut work));
+                let what = "a ball has no steady motion";
+                Some(ball.ok_or(TrainError::NotConverged { circuit, what })?)
+            };
+            balls.push(ball);
+        }
+        let mut train = Train {
+            circuits: Vec::with_capacity(self.circuits.len()),
+            free_torque: 0.0,
+            race_torque: 0.0,
+            contact_torque: 0.0,
+            return_torque: 0.0,
+            catching_torque: 0.0,
+            power_balance: 0.0,
+            touching: 0,
+            largest_push: 0.0,
+        };
+        let speed = drive.relative_speed();
+        let (mut put_in, mut lost) = (0.0, 0.0);
+        for circuit in 0..self.circuits.len() {
+            let order = Self::in_travel(found, circuit, speed);
+            let flow = Flow {
+                nut: self,
+                inputs,
+                speed,
+                circuit,
+                room: inputs.gaps[circuit],
+                touch_angle: self.touch_angle(inputs.spacer),
+                balls: order.iter().map(|number| balls[*number].as_ref()).collect(),
+            };
+            let pass = flow.steady(&mut work)?;
+            let circuit = flow.train(&pass, speed < 0.0);
+            let [races, contacts, returns, catching] = flow.losses(&pass);
+            train.race_torque += races / speed.abs();
+            train.contact_torque += contacts / speed.abs();
+            train.return_torque += returns / speed.abs();
+            train.catching_torque += catching / speed.abs();
+            train.free_torque +=
+                flow.rolling().map(|ball| ball.free().race_power).sum::<f64>() / speed.abs();
+            lost += races + contacts + returns + catching;
+            put_in += flow.put_in(&pass);
+            let [exit, _] = circuit.ends;
+            let pushes = circuit.balls.iter().flat_map(|ball| ball.pushes).chain([exit]);
+            train.largest_push = pushes.fold(train.largest_push, f64::max);
+            train.touching +=
+                pass.states.iter().skip(1).filter(|state| state.pushes[1] > 0.0).count();
+            train.circuits.push(circuit);
+        }
+        train.power_balance = if lost > 0.0 { (put_in - lost) / lost } else { 0.0 };
+        Ok(train)
+    }
+}
+
+/// A circuit whose flux is looked for.
+struct Flow<'a> {
+    nut: &'a BallNut,
+    inputs: &'a TrainInputs,
+    speed: f64,
+    circuit: usize,
+    room: f64,
+    touch_angle: f64,
+    /// In the direction of travel; none of idle ones.
+    balls: Vec<Option<&'a TrainBall>>,
+}
+
+/// A ball at a rate of the train.
+#[derive(Debug, Clone, Copy)]
+struct State {
+    rolling: Rolling,
+    rate: f64,
+    pushes: [f64; 2],
+    /// None of idle and blocked balls.
+    motion: Option<TrainMotion>,
+}
+
+/// A circuit at a rate of the train.
+#[derive(Debug, Clone)]
+struct Pass {
+    rate: f64,
+    states: Vec<State>,
+    /// Push at the exit \[N\].
+    exit: f64,
+}
+
+impl Pass {
+    /// Push of the first ball on those of the return \[N\].
+    fn entry(&self) -> f64 {
+        self.states.first().map_or(0.0, |state| state.pushes[1])
+    }
+}
+
+/// Push that counts as the same after another pass around the circuit, over the push.
+const AROUND: f64 = 1e-9;
+/// Passes around a circuit: the first free ball forgets what was before, so that two are enough where there is one.
+const PASSES: usize = 40;
+/// First step from the rate of the linear law, over the rate; what it grows by; and the number of steps.
+const STEP: f64 = 1e-4;
+const GROWTH: f64 = 3.0;
+const STEPS: usize = 12;
+/// Rate of the train, relative.
+const RATE: f64 = 1e-11;
+
+impl Flow<'_> {
+    fn rolling(&self) -> impl Iterator<Item = &TrainBall> {
+        self.balls.iter().flatten().copied()
+    }
+
+    /// Length of the train at a place: a ball and a spacer along the helix \[m\].
+    fn pitch(&self) -> f64 {
+        self.nut.helix.arc_length_per_radian() * self.touch_angle
+    }
+
+    /// Speed along the helix of a rate \[m/s\].
+    fn speed_of(&self, rate: f64) -> f64 {
+        self.nut.helix.arc_length_per_radian() * self.speed.abs() * rate
+    }
+
+    /// `$m v^2/2r_b$` of the free balls \[N\].
+    fn centrifugal(&self) -> f64 {
+        let (number, sum) =
+            self.rolling().fold((0.0, 0.0), |(n, sum), ball| (n + 1.0, sum + ball.free().rate));
+        let speed = self.speed_of(if number > 0.0 { sum / number } else { 0.0 });
+        self.nut.ball.mass * speed * speed / (2.0 * self.nut.ball.radius)
+    }
+
+    /// Free length that the balls leave at rates over that of the train (O10) \[m\], less what is there.
+    fn surplus(&self, rate: f64, rates: impl Iterator<Item = f64>) -> f64 {
+        // Σ (p_j/p_c − 1) = X/(d θ_c)                                     (O10)
+        let left: f64 = rates.map(|of_ball| of_ball / rate - 1.0).sum();
+        left - self.room / self.pitch()
+    }
+
+    /// What the law that is linear in the pushes leaves of the free length: pushes at the exit and its surplus.
+    fn linear(&self, rate: f64, centrifugal: f64) -> f64 {
+        let mut entry = 0.0;
+        let mut surplus = 0.0;
+        for _ in 0..PASSES {
+            let mut push = self.inputs.exit.push(entry, centrifugal);
+            let rates = self.balls.iter().rev().map(|ball| {
+                let Some(ball) = ball else {
+                    push += self.inputs.idle_drag;
+                    return rate;
+                };
+                let free = ball.free().rate - ball.compliance() * push;
+                // N_b = max(0, N_f − (p_free − p_c)/c)                    (O11)
+                push = ((rate - free) / ball.compliance()).max(0.0);
+                free.max(rate)
+            });
+            surplus = self.surplus(rate, rates);
+            if (push - entry).abs() <= AROUND * push {
+                break;
+            }
+            entry = push;
+        }
+        surplus
+    }
+
+    /// The circuit at a rate of the train, from the exit backwards (O11), until the push at the entry stands still.
+    fn pass(&self, rate: f64, last: &mut Pass, work: &mut ModelWorkspace) -> Option<()> {
+        let centrifugal = self.centrifugal();
+        last.rate = rate;
+        for _ in 0..PASSES {
+            let entry = last.entry();
+            last.exit = self.inputs.exit.push(entry, centrifugal);
+            let mut front = last.exit;
+            for (ball, state) in self.balls.iter().zip(&mut last.states).rev() {
+                *state = self.state(*ball, state, rate, front, work)?;
+                front = state.pushes[1];
+            }
+            // Where all balls touch, the push of each pass is added to the one before: there is no free length.
+            let all_touch = last.states.iter().all(|state| state.rate <= rate);
+            if all_touch || (last.entry() - entry).abs() <= AROUND * entry {
+                return Some(());
+            }
+        }
+        None
+    }
+
+    /// A ball with the push of the one in front.
+    fn state(
+        &self,
+        ball: Option<&TrainBall>,
+        last: &State,
+        rate: f64,
+        front: f64,
+        work: &mut ModelWorkspace,
+    ) -> Option<State> {
+        let passes_on = |rolling| State {
+            rolling,
+            rate,
+            pushes: [front, front + self.inputs.idle_drag],
+            motion: None,
+        };
+        let Some(ball) = ball else { return Some(passes_on(Rolling::Idle)) };
+        let free = ball.free();
+        let rolls = |motion: TrainMotion| State {
+            rolling: Rolling::Rolls,
+            rate: motion.rate,
+            pushes: motion.pushes,
+            motion: Some(motion),
+        };
+        if front <= 0.0 && free.rate >= rate {
+            return Some(rolls(*free));
+        }
+        // 2 f_b N_f > f (Q_A + Q_B)                                       (O6)
+        if 2.0 * self.inputs.contact_friction * front
+            > ball.friction() * free.loads.iter().sum::<f64>()
+        {
+            return Some(passes_on(Rolling::Blocked));
+        }
+        let from = last.motion.as_ref().unwrap_or(free);
+        let held =
+            ball.held(from, rate, front, work).or_else(|| ball.held(free, rate, front, work))?;
+        if held.pushes[1] >= 0.0 {
+            return Some(rolls(held));
+        }
+        let caught =
+            ball.pushed(from, [front, 0.0], work).or_else(|| ball.pushed(free, [front, 0.0], work));
+        caught.map(rolls)
+    }
+
+    /// The circuit at the rate of the train for which the free length is there.
+    fn steady(&self, work: &mut ModelWorkspace) -> Result<Pass, TrainError> {
+        let rates: Vec<_> = self.rolling().map(|ball| ball.free().rate).collect();
+        let centrifugal = self.centrifugal();
+        let states = self.balls.iter().map(|ball| State {
+            rolling: if ball.is_some() { Rolling::Rolls } else { Rolling::Idle },
+            rate: ball.map_or(0.0, |ball| ball.free().rate),
+            pushes: [0.0; 2],
+            motion: ball.map(|ball| *ball.free()),
+        });
+        let free: Vec<_> = states.collect();
+        let mut pass = Pass { rate: 0.0, states: free.clone(), exit: 0.0 };
+        let failed = |what| TrainError::NotConverged { circuit: self.circuit, what };
+        if rates.is_empty() {
+            return Err(failed("no ball of it carries a load"));
+        }
+        let needed = self.inputs.exit.push(0.0, centrifugal);
+        // A ball gives no more than the friction of both contacts that slide.
+        let available: f64 = self
+            .rolling()
+            .map(|ball| ball.friction() * ball.free().loads.iter().sum::<f64>())
+            .sum();
+        if needed > available {
+            return Err(TrainError::Return { needed, available });
+        }
+        // p_c = Σ p_j/(Z + X/(d θ_c))                                     (O13)
+        let apart = rates.iter().sum::<f64>() / (count(rates.len()) + self.room / self.pitch());
+        let slowest = rates.iter().copied().fold(f64::MAX, f64::min);
+        let is_pushed = needed > 0.0 || self.inputs.idle_drag > 0.0;
+        if apart <= slowest && !is_pushed {
+            pass.rate = apart;
+            for state in pass.states.iter_mut().filter(|state| state.motion.is_none()) {
+                state.rate = apart;
+            }
+            return Ok(pass);
+        }
+        let linear = |rate| self.linear(rate, centrifugal);
+        let begin = [0.5 * apart, 2.0 * apart];
+        let guess = Bracket { x_tol: 1e-9, ..Bracket::new(begin, begin.map(linear)) }.root(linear);
+        let guess = guess.root().map_or(apart, |root| root.x);
+        let mut surplus = |rate: f64| -> f64 {
+            match self.pass(rate, &mut pass, work) {
+                Some(()) => self.surplus(rate, pass.states.iter().map(|state| state.rate)),
+                // Pushes rise with the rate of the train, up to what no ball can take.
+                None => {
+                    pass.states.clone_from(&free);
+                    f64::NEG_INFINITY
+                }
+            }
+        };
+        let lost = || failed("a ball in the train has no steady motion");
+        let mut here = (guess, surplus(guess));
+        let mut step = STEP;
+        let mut bracket = None;
+        for _ in 0..STEPS {
+            // The surplus falls with the rate of the train.
+            let there = here.0 * (1.0 + step * here.1.signum());
+            let next = (there, surplus(there));
+            if next.1.signum() * here.1.signum() <= 0.0 {
+                bracket = Some(Bracket::new([here.0, next.0], [here.1, next.1]));
+                break;
+            }
+            here = next;
+            step *= GROWTH;
+        }
+        let bracket =
+            bracket.ok_or_else(|| failed("no rate of the train leaves this free length"))?;
+        let found = Bracket { x_tol: RATE, f_tol: 1e-13, ..bracket }.root(&mut surplus);
+        let rate = found.root().ok_or_else(lost)?.x;
+        self.pass(rate, &mut pass, work).ok_or_else(lost)?;
+        Ok(pass)
+    }
+
+    /// Powers lost at the races, by balls on each other and idle ones, in the return, and by catching up \[W\].
+    fn losses(&self, pass: &Pass) -> [f64; 4] {
+        let mut lost = [0.0; 4];
+        let push_of = |pushes: [f64; 2]| pushes[0] + pushes[1];
+        for (ball, state) in self.balls.iter().zip(&pass.states) {
+            let speed = self.speed_of(state.rate);
+            match (ball, state.motion) {
+                (_, Some(motion)) => {
+                    lost[0] += motion.race_power;
+                    lost[1] += self.inputs.contact_friction
+                        * self.nut.ball.radius
+                        * push_of(state.pushes)
+                        * motion.rotation;
+                }
+                (Some(ball), None) => {
+                    let [nut, screw] = ball.free().loads;
+                    // f Q_A v + f Q_B (d|W| − v)                          (O7)
+                    lost[0] +=
+                        ball.friction() * (nut * speed + screw * (self.speed_of(1.0) - speed));
+                }
+                (None, None) => lost[1] += self.inputs.idle_drag * speed,
+            }
+        }
+        for pair in pass.states.windows(2) {
+            let [behind, ahead] = [pair[0].rate, pair[1].rate].map(|rate| self.speed_of(rate));
+            lost[3] += pair[0].pushes[0] * (behind - ahead);
+        }
+        let [first, last] = [pass.states.first(), pass.states.last()]
+            .map(|state| state.map_or(0.0, |state| self.speed_of(state.rate)));
+        lost[2] = pass.exit * last - pass.entry() * first;
+        lost
+    }
+
+    /// Power that a ball loses that slides on both races without turning \[W\].
+    fn blocked(&self, ball: &TrainBall, rate: f64) -> f64 {
+        let ([nut, screw], speed) = (ball.free().loads, self.speed_of(rate));
+        // f Q_A v + f Q_B (d|W| − v)                                      (O7)
+        ball.friction() * (nut * speed + screw * (self.speed_of(1.0) - speed))
+    }
+
+    /// Power that screw and load put in \[W\].
+    fn put_in(&self, pass: &Pass) -> f64 {
+        let per_radian = self.nut.helix.lead() / TAU;
+        let of = |(ball, state): (&Option<&TrainBall>, &State)| {
+            let Some(ball) = ball else { return 0.0 };
+            let Some(motion) = state.motion else { return self.blocked(ball, state.rate) };
+            let axial = ball.axial_load() + motion.axial_push;
+            // T W − h (F_j + F_b·k) W                                     (O4)
+            (motion.screw_torque - per_radian * axial) * ball.relative_speed()
+        };
+        self.balls.iter().zip(&pass.states).map(of).sum()
+    }
+
+    /// In the order of the circuit.
+    fn train(&self, pass: &Pass, is_reversed: bool) -> CircuitTrain {
+        let mut balls: Vec<_> = self
+            .balls
+            .iter()
+            .zip(&pass.states)
+            .map(|(ball, state)| BallOfTrain {
+                rolling: state.rolling,
+                free_rate: ball.map(|ball| ball.free().rate),
+                rate: state.rate,
+                pushes: state.pushes,
+                gap: self.pitch() * (state.rate / pass.rate - 1.0),
+            })
+            .collect();
+        if is_reversed {
+            balls.reverse();
+        }
+        CircuitTrain {
+            rate: pass.rate,
+            // Φ = p_c |W|/θ_c                                             (O8)
+            flux: pass.rate * self.speed.abs() / self.touch_angle,
+            ends: [pass.exit, pass.entry()],
+            balls,
+        }
+    }
+}
