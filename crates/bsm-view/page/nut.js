@@ -10,7 +10,7 @@ const span = (values) => { const v = values.filter(Number.isFinite); return [Mat
 export function showNut(host, answer) {
   if (answer instanceof Error || answer.status !== "converged") { host.replaceChildren(none(answer.message ?? "")); return; }
   const { balls, curve } = answer;
-  host.replaceChildren(html("div", { class: "pair" }, sharing(balls, answer), developed(balls), deflection(curve, answer), warm(answer.warm_branch, answer),
+  host.replaceChildren(html("div", { class: "pair" }, sharing(balls, answer), developed(balls), deflection(curve, answer), train(balls, answer), warm(answer.warm_branch, answer),
     html("div", {}, answer.notes.map((note) => html("p", { class: "small faint" }, note)), answer.warnings.map((warning) => html("p", { class: "warn" }, warning)))),
     html("details", {}, html("summary", {}, "Numbers of the nut"), html("div", { class: "tables" }, groups(answer.shown))));
 }
@@ -43,6 +43,22 @@ function developed(balls) {
   const paint = (v) => (v > 0 ? rampCss(high > low * 1.0001 ? (v - low) / (high - low) : 0.6) : "none");
   const dots = turn.map((v, i) => svg("circle", { cx: x(v), cy: y(balls.z_mm[i]), r: 5, fill: paint(load[i]), stroke: "var(--ink)", "stroke-width": 0.8 }, svg("title", {}, `ball ${i + 1}: ${number(load[i])} N`)));
   return figure("Developed: each ball by its load", picture(width, height, `Balls of the nut unrolled, coloured by load from ${number(low)} to ${number(high)} newtons`, axes(x, y, box, "around the axis, degrees", "place on the axis, mm", 64), ...dots), rampBar(low, high, "load, N"));
+}
+
+/** Ball advance along the helix; where a gap is given, the forces between the balls as bars below it. */
+function train(balls, answer) {
+  const advance = balls.advance_mm ?? [];
+  // Balls that are alike differ by rounding.
+  if (!(answer.advance_spread > 1e-8)) return null;
+  const [width, height, box] = sizes(), pushes = (balls.front_push_N ?? []).map((v) => v ?? 0), most = Math.max(...pushes, 0);
+  const turns = balls.theta_deg.map((v) => v / 360), [low, high] = span(advance.map((v) => v ?? NaN)), bars = most > 0 ? 70 : 0;
+  const x = scale(span(turns), [box[0], box[2]]), y = scale([Math.min(low, 0), high > low ? high : low + 1], [box[3] - bars, box[1]]), y2 = scale([0, most || 1], [box[3], box[3] - bars + 14]);
+  const dots = turns.map((v, i) => (advance[i] == null ? null : svg("circle", { cx: x(v), cy: y(advance[i]), r: 2.6, fill: "var(--c1)" }, svg("title", {}, `ball ${i + 1}: ${number(advance[i])} mm`))));
+  const forces = turns.map((v, i) => (pushes[i] > 0 ? svg("path", { d: `M${x(v)} ${y2(0)}V${y2(pushes[i])}`, stroke: "var(--c2)", "stroke-width": 3 }, svg("title", {}, `ball ${i + 1} is pushed back with ${number(pushes[i])} N`)) : null));
+  const gap = `${number(answer.needed_gap_mm)} mm of gaps in a circuit are needed so that no balls touch.`;
+  return figure("Ball advance along the helix", picture(width, height, `Ball advance from ${number(low)} to ${number(high)} millimetres${most > 0 ? `, forces between the balls up to ${number(most)} newtons` : ""}`,
+    axes(x, y, [box[0], box[1], box[2], box[3] - bars], most > 0 ? "" : "turns along the helix", "advance, mm", 64), ...dots.filter(Boolean), ...forces.filter(Boolean), ...(most > 0 ? [text((box[0] + box[2]) / 2, height - 8, "turns along the helix", { class: "small", "text-anchor": "middle" })] : [])),
+    legend([["ball advance", "var(--c1)", "circle"], ...(most > 0 ? [[`force of the ball in front, up to ${number(most)} N`, "var(--c2)"]] : [])]), html("p", { class: "small" }, gap));
 }
 
 function deflection(curve, answer) {

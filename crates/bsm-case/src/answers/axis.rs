@@ -684,6 +684,7 @@ impl<'a> Worked<'a> {
             notes.push(preload_note(cold, warm));
         }
         notes.extend(self.warm.iter().flat_map(Warm::notes));
+        notes.extend(self.nut.as_ref().and_then(NutReport::touch_note));
         notes.extend(self.idle());
         let mut note = |words: &str| notes.push(words.to_owned());
         if let Some(grade) = self.scene.nut.accuracy_grade {

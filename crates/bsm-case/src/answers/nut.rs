@@ -532,7 +532,7 @@ impl NutReport {
             notes.push(preload_note(*cold, *warm));
         }
         notes.extend(self.thrown(CENTRIFUGAL[0]..CENTRIFUGAL[1]));
-        notes.extend(self.state.touch_note(&self.problem));
+        notes.extend(self.touch_note());
         let rubbed = self.state.rubbed(&self.problem);
         match rubbed.map(|rubbed| &rubbed.friction) {
             None => notes.push(

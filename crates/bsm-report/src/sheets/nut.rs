@@ -12,6 +12,12 @@ const CLASSES: [(f64, f64, &str); 4] = [
     (0.0, 0.25, "below 1/4"),
 ];
 
+/// Spread of the speeds of balls that are alike: the rounding of their loads.
+const SAME_SPEED: f64 = 1e-8;
+
+/// Caption of what belongs to flanks.
+const TOUCHED: &str = "Each mark is a ball; balls that a flank does not touch have no mark.";
+
 /// Loads and contact angles along the helix, the developed nut, displacement and preload over load.
 pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
     let balls = report.balls();
@@ -19,16 +25,16 @@ pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
     let mut figures = vec![
         along(
             &balls,
-            ("nut-loads", "Loads of the balls along the helix"),
+            ["nut-loads", "Loads of the balls along the helix", TOUCHED],
             Axis::linear("normal load at the nut, N"),
-            [("nut_plus_N", "flank +"), ("nut_minus_N", "flank -")],
+            &[("nut_plus_N", "flank +"), ("nut_minus_N", "flank -")],
         ),
         developed(&balls),
         along(
             &balls,
-            ("nut-contact-angles", "Contact angles along the helix"),
+            ["nut-contact-angles", "Contact angles along the helix", TOUCHED],
             Axis::linear("contact angle at the nut, deg"),
-            [("nut_plus_deg", "flank +"), ("nut_minus_deg", "flank -")],
+            &[("nut_plus_deg", "flank +"), ("nut_minus_deg", "flank -")],
         ),
         over_load(
             &curve,
@@ -48,30 +54,65 @@ pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
             limit,
         ));
     }
+    if report.number("advance_spread").is_some_and(|spread| spread > SAME_SPEED) {
+        figures.extend(train(&balls));
+    }
     figures
 }
 
-/// A quantity of the balls, those of each flank with their own marks.
-fn along(
-    balls: &Columns,
-    (key, title): (&str, &str),
-    y: Axis,
-    flanks: [(&str, &str); 2],
-) -> Figure {
+/// Ball advance, and where a gap is given the speeds and pushes of the balls.
+fn train(balls: &Columns) -> Vec<Figure> {
+    let figures = [
+        along(
+            balls,
+            [
+                "nut-ball-advance",
+                "Ball advance along the helix",
+                "What a free ball gains on a cage that turns evenly.",
+            ],
+            Axis::linear("advance, mm"),
+            &[("advance_mm", "ball advance")],
+        ),
+        along(
+            balls,
+            [
+                "nut-ball-speeds",
+                "Speeds of the balls along the helix",
+                "Free, and with the pushes of other balls.",
+            ],
+            Axis::linear("precession relative to the nut over the relative speed"),
+            &[("free_rate", "free"), ("rate", "in the train")],
+        ),
+        along(
+            balls,
+            [
+                "nut-ball-pushes",
+                "Forces between the balls along the helix",
+                "Balls that nothing pushes have no mark.",
+            ],
+            Axis::linear("force, N"),
+            &[("front_push_N", "of the ball in front"), ("back_push_N", "of the ball behind")],
+        ),
+    ];
+    figures.into_iter().filter(|figure| !figure.curves.is_empty()).collect()
+}
+
+/// A quantity of the balls along the helix, each column with its own marks.
+fn along(balls: &Columns, words: [&str; 3], y: Axis, columns: &[(&str, &str)]) -> Figure {
     let strokes = [Stroke::Circles, Stroke::Triangles];
-    let curve = |(i, (name, label)): (usize, (&str, &str))| {
+    let curve = |(i, (name, label)): (usize, &(&str, &str))| {
         let point = |row: &Vec<f64>| {
             let value = balls.cell(row, name);
             (value != 0.0).then(|| (balls.cell(row, "theta_deg") / 360.0, value))
         };
         let points: Vec<_> =
             balls.rows.iter().filter_map(point).filter(|(_, y)| y.is_finite()).collect();
-        (!points.is_empty()).then(|| Curve::new(label, i, strokes[i], points))
+        (!points.is_empty()).then(|| Curve::new(*label, i, strokes[i], points))
     };
     Figure::new(
-        [key, title, "Each mark is a ball; balls that a flank does not touch have no mark."],
+        words,
         [Axis::linear("turns along the helix"), y],
-        flanks.into_iter().enumerate().filter_map(curve).collect(),
+        columns.iter().enumerate().filter_map(curve).collect(),
     )
 }
 

@@ -3,7 +3,7 @@
 use bsm_dyn::{Model, ModelWorkspace, Problem};
 use bsm_nut::{Advance, FreeMotion, LARGEST_PUSH, Rolling, Train};
 
-use super::{NutProblem, Rubbed, State};
+use super::{NutProblem, NutReport, Rubbed, State};
 use crate::case::nut::Made;
 use crate::vocabulary::units::MM;
 use crate::{ModelChoice, exact};
@@ -65,9 +65,16 @@ impl NutProblem {
     }
 }
 
+impl NutReport {
+    /// Whether the balls touch, in one line; `None` where no gap is given.
+    pub(crate) fn touch_note(&self) -> Option<String> {
+        self.state.touch_note(&self.problem)
+    }
+}
+
 impl State {
     /// Whether the balls touch, in one line; `None` where no gap is given.
-    pub(super) fn touch_note(&self, problem: &NutProblem) -> Option<String> {
+    fn touch_note(&self, problem: &NutProblem) -> Option<String> {
         let inputs = problem.gaps.train.as_ref()?;
         let train = match self.pushed(problem)? {
             Ok(train) => train,
