@@ -178,10 +178,12 @@ fn answers_are_those_of_the_commands() {
         let (status, answer) = served.post(route, &asked());
         assert!(status == 200 && answer.get("error").is_none(), "{route}: {answer}");
     }
-    // What the page asks with every change has all of a point in one answer.
+    // What the page asks with every change has all of a point in one answer, but for the parts of the torque.
     let (_, point) = served.post("point", &asked());
+    let mut request = asked();
+    request["parts"] = json!(false);
     for route in ["solve", "slip", "ellipses"] {
-        assert_eq!(point[route], served.post(route, &asked()).1, "{route}");
+        assert_eq!(point[route], served.post(route, &request).1, "{route}");
     }
     let oil = json!({ "scene": scene_of("feed_drive_oil.json").to_json(), "band": true });
     let (_, answer) = served.post("solve", &oil);
