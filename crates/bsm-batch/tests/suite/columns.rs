@@ -54,7 +54,8 @@ fn same(a: f64, b: Option<f64>) -> bool {
 #[test]
 fn columns_are_the_numbers_of_the_analyses() {
     let grid = grid(&["screw_speed_rpm=-3000,50,2500", "axial_load_N=2000,16000"]);
-    let base = dong("");
+    let mut base = dong("");
+    base.ball_gap_mm = Some(0.5);
     let mut work = ModelWorkspace::default();
     for settings in [
         Model::RacewayControl.into(),

@@ -53,7 +53,7 @@ quantities! { pub(crate) QUANTITIES, read(&Rated<'_>) of Ratings;
         rating_life_h ["h" "L_10h"] Whole(|r| Some(r.life.as_ref()?.time / 3600.0)) needs [axial_load_N, screw_speed_rpm], "rating life";
     }
     "thread" {
-        ball_gap_mm ["mm"] Whole(|r| r.nut.ball_gap() / MM), "total ball clearance per turn";
+        clearance_per_turn_mm ["mm"] Whole(|r| r.nut.ball_gap() / MM), "total ball clearance per turn";
         nut_groove_radius_mm ["mm" "r_n"] Whole(|r| r.thread.nut.radius / MM),
             "groove radius, nut";
         screw_groove_radius_mm ["mm" "r_s"] Whole(|r| r.thread.screw.radius / MM),

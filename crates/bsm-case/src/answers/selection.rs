@@ -55,7 +55,7 @@ quantities! {
         rolling_efficiency = RATINGS Whole(|c| c.efficiency);
     }
     "in files" {
-        ball_gap_mm = RATINGS Whole(|c| c.nut.ball_gap() / MM);
+        clearance_per_turn_mm = RATINGS Whole(|c| c.nut.ball_gap() / MM);
         axial_play_um = INPUTS Whole(|c| c.thread.play / UM);
         nut_groove_radius_mm = RATINGS Whole(|c| c.thread.nut.radius / MM);
         screw_groove_radius_mm = RATINGS Whole(|c| c.thread.screw.radius / MM);

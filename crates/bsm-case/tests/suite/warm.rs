@@ -132,7 +132,7 @@ fn all_answers_are_in_one_warm_state() {
     // Friction of balls that differ by their load alone is interpolated to 1e-9 in the one and in the other.
     same("heat", sheet.number("mean_heat_W"), sheet.number("steady_heat_W"), 1e-7);
     let parts = torque_parts(&scene, &settings()).expect("a torque").expect("its parts");
-    let whole = "whole_screw_torque_Nm";
+    let whole = "screw_torque_Nm";
     same(whole, parts.number(whole), sheet.phases[0].number(whole), 1e-9);
     // The same nut at the temperatures as inputs.
     let warm = scene.in_warm_state(&settings()).expect("a state");
