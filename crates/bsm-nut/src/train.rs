@@ -140,9 +140,9 @@ pub struct CircuitTrain {
 pub struct Train {
     /// Its circuits.
     pub circuits: Vec<CircuitTrain>,
-    /// Torque of the races if no balls touch \[N·m\].
+    /// Torque of the raceways if no balls touch \[N·m\].
     pub free_torque: f64,
-    /// Of the races.
+    /// Of the raceways.
     pub race_torque: f64,
     /// Of the balls on each other, with what moves idle ones.
     pub contact_torque: f64,

@@ -46,7 +46,7 @@ fn state(warm: &Warm) -> Option<&WarmState> {
     warm.state.as_ref()
 }
 
-/// Numbers of a state that the band is told for.
+/// Numbers of a state that have an uncertainty band.
 const OF_BAND: [&str; 10] = [
     "nut_temperature_C",
     "screw_temperature_C",

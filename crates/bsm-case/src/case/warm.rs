@@ -53,7 +53,7 @@ pub(crate) struct WarmState {
 impl Warm {
     /// That of a scene which asks for it.
     ///
-    /// * `of_band`: numbers of a state that the band is told for.
+    /// * `of_band`: numbers of a state that have an uncertainty band.
     pub(crate) fn of(
         scene: &Scene,
         settings: &Settings,

@@ -57,8 +57,9 @@ fn a_pushed_ball_moves_as_the_reference_says() {
     for (rpm, pushes, rate, [torque, power, rotation]) in REFERENCES {
         let ball = train_ball(ball(rpm), work);
         let moved = ball.pushed(ball.free(), pushes, work).expect("a motion");
-        // The quadrature is good to 1e-8, the rest is printed with six and seven digits.
-        assert_near("rate", moved.rate, rate, 1e-8);
+        // Rates differ between quadratures by some 1e-8, the reference allows 1e-7; the rest is printed with six and seven
+        // digits.
+        assert_near("rate", moved.rate, rate, 1e-7);
         assert_near("torque", moved.screw_torque, torque, 1e-6);
         assert_near("power", moved.race_power, power, 1e-6);
         assert_near("rotation", moved.rotation, rotation, 1e-6);

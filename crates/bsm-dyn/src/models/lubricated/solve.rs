@@ -15,7 +15,7 @@ use crate::models::ball::{
     Solved, Steady, SteadyRoot, Transmission, Unsolved, to_both, unit_powers,
 };
 use crate::models::raceway_control::RacewayControl;
-use crate::models::traction::Traction;
+use crate::models::traction::{Traction, TrainBall};
 use crate::models::workspace::ModelWorkspace;
 
 /// What friction is in the raceway-control model.
@@ -153,6 +153,17 @@ impl Lubricated {
             }
         };
         Solution::new(self.name(), solved)
+    }
+
+    /// The ball without pushes, ready for those of its neighbours; `None` without a steady motion, and where the model is not
+    /// traction or the temperature is not known.
+    ///
+    /// * `contact_friction`: coefficient between balls.
+    pub fn in_train(&self, contact_friction: f64, work: &mut ModelWorkspace) -> Option<TrainBall> {
+        let LubricatedModel::Traction(case) = &self.model else { return None };
+        let Temperature::Known(kelvin) = self.lubricant.temperature else { return None };
+        let ehl = EhlPoint::new(&case.at, &self.lubricant, kelvin).ok()?;
+        case.lubricated_in_train(ehl, contact_friction, work)
     }
 
     /// The answer at the lowest temperature that the losses keep (Y28).

@@ -8,10 +8,9 @@ use bsm_newton::{Continuation, Equations, EvalError, Scales, follow, solve};
 use super::columns::Watched;
 use super::lubricated::{ENOUGH, ScaledRoot};
 use super::{Lubrication, SlipBall, SlipRoot, Start, Traction};
-use crate::contact::{Temperature, Wrench};
+use crate::contact::Wrench;
 use crate::models::ball::unknown::PRECESSION;
 use crate::models::ball::{BALL, BallLoads, EhlPoint, ElasticBall, ElasticPoint, ROWS, Workspace};
-use crate::models::lubricated::{Lubricated, LubricatedModel};
 use crate::models::raceway_control::RollingBall;
 use crate::models::workspace::ModelWorkspace;
 
@@ -137,7 +136,7 @@ pub struct TrainBall {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrainMotion {
     unknowns: [f64; BALL],
-    /// `$(P - \\Omega_n)/W$`, positive.
+    /// `$(P - \Omega_n)/W$`, positive.
     pub rate: f64,
     /// Torque on the screw of its contact \[N·m\].
     pub screw_torque: f64,
@@ -149,7 +148,7 @@ pub struct TrainMotion {
     pub loads: [f64; 2],
     /// Normal forces of the neighbours in front and behind \[N\].
     pub pushes: [f64; 2],
-    /// Axial force of the neighbours on the ball `$F_b \\cdot k$` \[N\].
+    /// Axial force of the neighbours on the ball `$F_b \cdot k$` \[N\].
     pub axial_push: f64,
 }
 
@@ -166,16 +165,18 @@ impl Traction {
     }
 }
 
-impl Lubricated {
-    /// The same with a lubricant; `None` also where the model is not traction or the temperature is not known.
-    pub fn in_train(&self, contact_friction: f64, work: &mut ModelWorkspace) -> Option<TrainBall> {
-        let LubricatedModel::Traction(case) = &self.model else { return None };
-        let Temperature::Known(kelvin) = self.lubricant.temperature else { return None };
-        let ehl = EhlPoint::new(&case.at, &self.lubricant, kelvin).ok()?;
+impl Traction {
+    /// The same with a lubricant.
+    pub(crate) fn lubricated_in_train(
+        &self,
+        ehl: EhlPoint,
+        contact_friction: f64,
+        work: &mut ModelWorkspace,
+    ) -> Option<TrainBall> {
         let ModelWorkspace { traction, lubricated, .. } = work;
         let ScaledRoot { pair, refined, .. } =
-            case.lubricated_root(&ehl, traction, lubricated).ok()?;
-        TrainBall::of(case, (pair, Some(ehl)), &refined.root, contact_friction, work)
+            self.lubricated_root(&ehl, traction, lubricated).ok()?;
+        TrainBall::of(self, (pair, Some(ehl)), &refined.root, contact_friction, work)
     }
 }
 
