@@ -3,8 +3,8 @@
 //! Theory: `docs/theory/16-nut.md`, equations (U21), (U29), (U30) and (U32).
 
 use bsm_dyn::{
-    Ball, BallMotion, Coulomb, ElasticPoint, Hertz, Load, OperatingPoint, PrescribedBall,
-    PrescribedContact, Quadrature, Solution, Traction, pressed_radius,
+    Ball, BallMotion, Coulomb, ElasticPoint, Hertz, Load, OperatingPoint, OutsidePower,
+    PrescribedBall, PrescribedContact, Quadrature, Solution, Traction, pressed_radius,
 };
 use bsm_kin::{BallFrame, Drive, Motion, Site};
 
@@ -26,8 +26,8 @@ pub struct NutFriction {
     pub torque_on_both_flanks: f64,
     /// Sum over the balls \[N·m\]; `None` unless every ball has one.
     pub torque: Option<f64>,
-    /// Torque of the ball returns \[N·m\]; `None` unless every ball has a motion.
-    pub returns: Option<f64>,
+    /// The sum of balls that no neighbour pushes, with its parts; `None` unless every ball has a motion.
+    pub parts: Option<FrictionSum>,
     /// Torque on the screw that carries the axial force `$h F_a$` and drives against the friction of balls,
     /// returns and seals \[N·m\].
     pub drive_torque: Option<f64>,
@@ -63,6 +63,10 @@ pub struct FrictionSum {
     pub contacts: [f64; 2],
     /// Torque of the ball returns \[N·m\].
     pub returns: f64,
+    /// Part of the torque by a given force between the balls \[N·m\].
+    pub ball_contact: f64,
+    /// Part of the torque by drag in the lubricant \[N·m\].
+    pub drag: f64,
 }
 
 impl FrictionSum {
@@ -71,6 +75,8 @@ impl FrictionSum {
         self.torque += part * other.torque;
         self.contacts = [0, 1].map(|side| self.contacts[side] + part * other.contacts[side]);
         self.returns += part * other.returns;
+        self.ball_contact += part * other.ball_contact;
+        self.drag += part * other.drag;
     }
 }
 
@@ -185,7 +191,7 @@ impl BallNut {
             let hertz = hertz.as_ref().ok()?;
             self.friction_of(found, number, friction, drive, hertz, &mut solve)
         };
-        let mut returns = 0.0;
+        let mut sum = FrictionSum::default();
         let mut last: Option<(usize, Rubbed)> = None;
         let mut motions = Vec::with_capacity(found.balls.len());
         let mut of_ball = |number: usize| -> Option<f64> {
@@ -200,13 +206,12 @@ impl BallNut {
             };
             last = Some((as_of, ball));
             motions.push(ball.motion);
-            returns += ball.friction.returns;
+            sum.add(&ball.friction, 1.0);
             Some(ball.friction.torque)
         };
         let balls: Vec<_> = (0..found.balls.len()).map_while(&mut of_ball).collect();
         let all = balls.len() == found.balls.len();
         let torque = all.then(|| balls.iter().sum::<f64>());
-        let returns = all.then_some(returns);
         let on_both = |ball: &BallInGrooves| ball.flanks_pressed() == [true, true];
         let on_both_flanks = found.balls.iter().filter(|ball| on_both(ball)).count();
         let solved = found.balls.iter().zip(&balls).filter(|(ball, _)| on_both(ball));
@@ -217,7 +222,7 @@ impl BallNut {
             on_both_flanks,
             torque_on_both_flanks,
             torque,
-            returns,
+            parts: all.then_some(sum),
             drive_torque: None,
             efficiency: None,
             heat: None,
@@ -237,7 +242,8 @@ impl BallNut {
         balls: Option<f64>,
     ) {
         let speed = drive.relative_speed();
-        let all = balls.zip(friction.returns).map(|(balls, returns)| balls + returns + seal_torque);
+        let all =
+            balls.zip(friction.parts).map(|(balls, parts)| balls + parts.returns + seal_torque);
         let axial: f64 = found.bodies.iter().sum();
         let ideal = self.helix.lead() / std::f64::consts::TAU * axial;
         friction.torque = balls;
@@ -270,7 +276,8 @@ impl BallNut {
             let ball = self.ball_on_both_flanks(found, number, friction?, drive, hertz);
             let BallMotion { to_nut, torque, .. } =
                 ball.solve(&Quadrature::of(FOUR_CONTACTS)).ok()?;
-            let friction = FrictionSum { torque, contacts: [0.5 * torque; 2], returns: 0.0 };
+            let friction =
+                FrictionSum { torque, contacts: [0.5 * torque; 2], ..FrictionSum::default() };
             let motion = Some(self.free_motion(&to_nut, drive.relative_speed()));
             return Some(Rubbed { friction, motion });
         }
@@ -290,8 +297,12 @@ impl BallNut {
         let solution = solve(alone);
         let solved = solution.solved()?;
         let torque = solved.transmission.screw_torque?;
-        let lost = solved.film.map_or(0.0, |film| film.outside.ball_return);
-        let returns = lost / speed;
+        let of_film = |power: fn(&OutsidePower) -> f64| {
+            solved.film.map_or(0.0, |film| power(&film.outside) / speed)
+        };
+        let returns = of_film(|outside| outside.ball_return);
+        let ball_contact = of_film(|outside| outside.ball_contact);
+        let drag = of_film(|outside| outside.drag);
         let per_radian = self.helix.lead() / std::f64::consts::TAU;
         // T_f = |T − h F|                                                 (U21)
         let torque = (torque - per_radian * alone.point.load.axial).abs() - returns;
@@ -299,7 +310,8 @@ impl BallNut {
         let contacts = contacts.unwrap_or([0.5 * torque; 2]);
         let to_nut = |motion: Motion<f64>| motion.relative_to(nut_speed, &self.frenet());
         let motion = solved.ball.motion.map(|motion| self.free_motion(&to_nut(motion), signed));
-        Some(Rubbed { friction: FrictionSum { torque, contacts, returns }, motion })
+        let friction = FrictionSum { torque, contacts, returns, ball_contact, drag };
+        Some(Rubbed { friction, motion })
     }
 
     /// Of a motion relative to the nut in the Frenet-Serret triad.

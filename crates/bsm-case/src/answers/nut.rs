@@ -67,7 +67,9 @@ impl State {
             let Made { nut, found, .. } = &self.made;
             let mut rubbed = problem.friction_of(nut, found)?;
             if let (Some(pushed), Some((_, drive))) = (self.pushed(problem), &problem.friction) {
-                let balls = pushed.as_ref().ok().map(Train::torque);
+                let drag = rubbed.friction.parts.map(|parts| parts.drag);
+                let balls = pushed.as_ref().ok().map(Train::torque).zip(drag);
+                let balls = balls.map(|(balls, drag)| balls + drag);
                 nut.with_torque(&mut rubbed.friction, found, drive, problem.seal_torque, balls);
             }
             Some(rubbed)
@@ -133,6 +135,30 @@ impl Loaded<'_> {
     fn train(&self) -> Option<&Train> {
         self.state.pushed(self.problem)?.as_ref().ok()
     }
+
+    /// A part of the friction of balls in a lubricant.
+    fn of_lubricant(&self, part: impl Fn(&FrictionSum) -> f64) -> Option<f64> {
+        match self.problem.friction.as_ref()? {
+            (Rubbing::Lubricant(_), _) => self.friction()?.parts.as_ref().map(part),
+            (Rubbing::Coefficient(_), _) => None,
+        }
+    }
+
+    fn contact_torque(&self) -> Option<f64> {
+        let friction = self.friction()?;
+        let balls = friction.torque?;
+        match self.train() {
+            Some(train) => Some(train.race_torque),
+            None => friction.parts.map(|parts| balls - parts.ball_contact - parts.drag),
+        }
+    }
+
+    fn ball_contact_torque(&self) -> Option<f64> {
+        match self.train() {
+            Some(train) => Some(train.contact_torque),
+            None => self.of_lubricant(|parts| parts.ball_contact),
+        }
+    }
 }
 
 quantities! { pub(crate) QUANTITIES, read(&Loaded<'_>) of Nut;
@@ -189,12 +215,14 @@ quantities! { pub(crate) QUANTITIES, read(&Loaded<'_>) of Nut;
     }
     "friction" {
         friction_torque_Nm ["N m"] Whole(|n| n.friction()?.torque) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "friction torque of the balls";
+        contact_torque_Nm ["N m"] Whole(|n| n.contact_torque()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "part of it: contacts with nut and screw";
+        ball_contact_torque_Nm ["N m"] Whole(|n| n.ball_contact_torque()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "part of it: ball-to-ball contact, by ball_gap_mm or ball_contact_force_N";
+        return_push_torque_Nm ["N m"] Whole(|n| Some(n.train()?.return_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "part of it: balls pushed through the returns";
+        catching_torque_Nm ["N m"] Whole(|n| Some(n.train()?.catching_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "part of it: balls that run up to a slower one";
+        drag_torque_Nm ["N m"] Whole(|n| n.of_lubricant(|parts| parts.drag)) needs [screw_speed_rpm, lubricant_temperature_C], "part of it: drag of the balls in the lubricant";
         friction_torque_error_Nm ["N m"] Whole(|n| torque_error(n.problem, n.state)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
             "error bound of the friction torque, for balls on both flanks";
-        return_torque_Nm ["N m"] Whole(|n| match n.problem.friction.as_ref()? {
-        (Rubbing::Lubricant(_), _) => n.friction()?.returns,
-        (Rubbing::Coefficient(_), _) => None,
-    }) needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, by return_circuits and return_loss_coefficient";
+        return_torque_Nm ["N m"] Whole(|n| n.of_lubricant(|parts| parts.returns)) needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, by return_circuits and return_loss_coefficient";
         nut_seal_torque_Nm ["N m"] Whole(|n| lasting(n.problem.seal_torque)), "torque of the seals, seal_torque_Nm";
         drive_torque_Nm ["N m"] Whole(|n| n.friction()?.drive_torque) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "torque on the screw: axial load, balls, returns and seals";
         nut_efficiency [""] Whole(|n| n.friction()?.efficiency) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "efficiency, with returns and seals";
@@ -218,10 +246,6 @@ quantities! { pub(crate) QUANTITIES, read(&Loaded<'_>) of Nut;
         max_push_N ["N"] Whole(|n| Some(n.train()?.largest_push)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "largest force between balls";
         idle_balls [""] Whole(|n| Some(count(n.train()?.number_of(Rolling::Idle)))) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "balls that are moved without a load";
         blocked_balls [""] Whole(|n| Some(count(n.train()?.number_of(Rolling::Blocked)))) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "balls whose neighbours stop their rotation";
-        contact_torque_Nm ["N m"] Whole(|n| Some(n.train()?.race_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "part of the friction torque of the balls: contacts with nut and screw";
-        ball_contact_torque_Nm ["N m"] Whole(|n| Some(n.train()?.contact_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "part of the friction torque of the balls: ball-to-ball contact";
-        return_push_torque_Nm ["N m"] Whole(|n| Some(n.train()?.return_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "part of the friction torque of the balls: push through the returns";
-        catching_torque_Nm ["N m"] Whole(|n| Some(n.train()?.catching_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "part of the friction torque of the balls: balls that run up to a slower one";
     }
 }
 

@@ -83,6 +83,35 @@ fn the_parts_of_the_torque_are_the_whole() {
     assert!((drive - ideal - whole - 0.2).abs() < 1e-9 * drive, "{drive}");
 }
 
+/// To rounding: with oil, drag and a given force between the balls, with and without a gap.
+#[test]
+fn losses_of_an_oiled_nut_are_parts_of_the_whole() {
+    let scene = &cases()[5]["scene"];
+    let drag =
+        json!({"drag_coefficient": 1.0, "return_circuits": 2, "return_loss_coefficient": 2.0});
+    for change in [
+        json!({}),
+        json!({"ball_gap_mm": null, "return_push_N": null, "ball_contact_force_N": 0.5}),
+    ] {
+        let mut change = change;
+        change.as_object_mut().expect("entries").extend(drag.as_object().expect("entries").clone());
+        let report = nut(scene, &change, &Settings::default()).expect("a nut");
+        let parts = [
+            "contact_torque_Nm",
+            "ball_contact_torque_Nm",
+            "return_push_torque_Nm",
+            "catching_torque_Nm",
+            "drag_torque_Nm",
+        ];
+        let sum: f64 = parts.iter().filter_map(|part| report.number(part)).sum();
+        let whole = number(&report, "friction_torque_Nm");
+        assert!((sum - whole).abs() <= 1e-12 * whole, "{sum} {whole}");
+        for part in ["ball_contact_torque_Nm", "drag_torque_Nm", "return_torque_Nm"] {
+            assert!(number(&report, part) > 0.0, "{part}");
+        }
+    }
+}
+
 /// Where nothing touches, the torque is that of balls that are solved alone, to the root of each, 1e-10.
 #[test]
 fn with_room_enough_the_nut_is_the_same() {

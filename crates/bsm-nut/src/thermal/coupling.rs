@@ -165,7 +165,7 @@ impl WarmNut<'_> {
                 continue;
             }
             let friction = (self.friction)(&nut, &found, &drive, oil).ok_or(None)?;
-            let FrictionSum { torque, contacts: [at_nut, at_screw], returns } = friction;
+            let FrictionSum { torque, contacts: [at_nut, at_screw], returns, .. } = friction;
             // T_x = K_x F_w h                                             (I15)
             let drag = self.drag * preload;
             let beyond = torque - at_nut - at_screw + returns + drag;

@@ -430,7 +430,7 @@ fn a_sweep_both_ways_finds_the_states_of_cold_starts() {
 fn without_coupling_temperatures_are_linear_in_the_heat() {
     let constant = |torque: f64| {
         move |_: &BallNut, _: &Equilibrium, _: &Drive<f64>, _: f64| {
-            Some(FrictionSum { torque, contacts: [0.5 * torque; 2], returns: 0.0 })
+            Some(FrictionSum { torque, contacts: [0.5 * torque; 2], ..FrictionSum::default() })
         }
     };
     let base = axis(&case("WS-P2")["scene"]);
@@ -522,7 +522,11 @@ fn random_axes_have_a_state_or_a_reason() {
             let loads: f64 = found.balls.iter().map(bsm_nut::BallInGrooves::max_load).sum();
             let thin = (-thinning * (oil - 293.15)).exp();
             let torque = coefficient * thin * loads * nut.helix.radius;
-            Some(FrictionSum { torque, contacts: [0.4 * torque, 0.5 * torque], returns: 0.0 })
+            Some(FrictionSum {
+                torque,
+                contacts: [0.4 * torque, 0.5 * torque],
+                ..FrictionSum::default()
+            })
         };
         let mut nut =
             WarmNut { friction: &friction, ..pairs[rng.random_range(0..pairs.len())].clone() };
