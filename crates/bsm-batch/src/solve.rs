@@ -292,7 +292,10 @@ impl Run<'_> {
     ) -> (Option<Verdict>, Option<String>) {
         let Task { base, settings, .. } = self.solver.task;
         let invalid = |error: &CaseError| {
-            let status = Status::InvalidInput;
+            let status = match error {
+                CaseError::NoWarmState(_) => Status::NoSolution,
+                _ => Status::InvalidInput,
+            };
             let verdict = Verdict { model: settings.model, status, has_others: false };
             (Some(verdict), Some(error.to_string()))
         };

@@ -24,7 +24,7 @@ pub(crate) enum Failure {
     /// Ran, but a point has no solution or a check failed; the message is printed already.
     #[error("unsolved")]
     Unsolved,
-    /// Existing output differs from what is expected.
+    /// Existing output differs from what is expected, or an axis has no warm steady state.
     #[error("{0}")]
     Check(String),
     /// A table of points that cannot be read on.
@@ -40,6 +40,9 @@ impl Failure {
     pub(crate) fn scene(path: &Path, error: &CaseError) -> Self {
         if error.is_io() {
             return Self::Files(error.to_string());
+        }
+        if let CaseError::NoWarmState(_) = error {
+            return Self::Check(error.to_string());
         }
         Self::in_scene(path, &of_input(error))
     }

@@ -8,7 +8,7 @@ use bsm_case::{
     Moving, Numbers, NutProblem, Of, Quantity, Record, Row, Scene, Settings, WarmBranch,
     torque_parts,
 };
-use bsm_dyn::{ModelWorkspace, Problem, Status};
+use bsm_dyn::{Model, ModelWorkspace, Problem, RacewayFriction, Status};
 use bsm_report::{PROGRAM, number};
 use serde_json::{Map, Value, json};
 use thiserror::Error;
@@ -235,7 +235,10 @@ pub(crate) fn nut(Asked { scene, settings, .. }: &Asked) -> Result<Value, Refusa
         Some(json!([title, about, unit, number(row.values[0]?)]))
     };
     answer["shown"] = told.numbers().flat_map(Numbers::rows).filter_map(row).collect();
-    answer["warm_branch"] = WarmBranch::of(scene, settings)?.map_or(Value::Null, |b| b.to_json());
+    // A picture: the fastest friction of all balls.
+    let quick = Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() };
+    let quick = Settings { control: settings.control, ..quick };
+    answer["warm_branch"] = WarmBranch::of(scene, &quick)?.map_or(Value::Null, |b| b.to_json());
     Ok(answer)
 }
 

@@ -203,11 +203,18 @@ fn columns_of_the_warm_state_follow_the_conductances() {
     let settings = Settings { control: Some(Control::Nut), ..Model::RacewayControl.into() };
     let grid = grid(&["nut_conductance_W_K=5,8,12,20"]);
     let names = ["warm_preload_N", "nut_temperature_C", "lubricant_temperature_C"];
-    let task = Task::over_grid(base, settings, outputs(&names), None, &grid).expect("a task");
+    let task =
+        Task::over_grid(base.clone(), settings, outputs(&names), None, &grid).expect("a task");
     let answers = solve(&task, &grid);
     for (row, expected) in [2872.0, 3850.0, 5034.0, 7443.0].into_iter().enumerate() {
         let [preload, nut, oil] = [0, 1, 2].map(|column: usize| answers.columns[column][row]);
         assert!((preload - expected).abs() < 0.6, "{preload}, not {expected}");
         assert!(nut > 20.0 && oil > nut, "{nut} {oil}");
     }
+    // Above its fold, at 874 rpm, it has none.
+    let one = self::grid(&["nut_conductance_W_K=40"]);
+    let task = Task::over_grid(base, settings, outputs(&names[..1]), None, &one).expect("a task");
+    let answers = solve(&task, &one);
+    assert_eq!(answers.verdicts[0].status, Status::NoSolution);
+    assert!(answers.columns[0][0].is_nan());
 }

@@ -221,7 +221,7 @@ fn an_x_pair_has_a_fold_and_an_o_pair_none() {
         assert!(beyond.iter().all(|point| point.preload_N > fold.preload_N));
         if !dry {
             // WS-P3, to the 1e-5 of the reference; a thousandth of a newton is no load.
-            assert!((fold.speed_rpm / 1166.546_7 - 1.0).abs() < 1e-5, "{}", fold.speed_rpm);
+            assert!((fold.speed_rpm / 1_166.546_7 - 1.0).abs() < 1e-5, "{}", fold.speed_rpm);
         }
     }
 }

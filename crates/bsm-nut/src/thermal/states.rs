@@ -35,7 +35,7 @@ const SIZES: (f64, f64) = (20.0, 1.0);
 
 /// Longest step of a walk in these sizes, and of one whose points are wanted.
 const STRIDE: f64 = 0.5;
-const CLOSE: f64 = 0.2;
+const CLOSE: f64 = 0.25;
 
 /// Part of the speed of a fold down to which the states beyond it are followed.
 const BACK: f64 = 0.8;
