@@ -21,11 +21,16 @@ impl Equilibrium {
         self.balls.iter().map(BallInGrooves::max_load).fold(0.0, f64::max)
     }
 
-    /// Largest load of a contact over the mean of all balls, each with its largest (U25).
+    /// Mean of all balls, each with its largest load of a contact \[N\].
+    pub fn mean_load(&self) -> f64 {
+        let sum = self.balls.iter().map(BallInGrooves::max_load).sum::<f64>();
+        sum / count(self.balls.len())
+    }
+
+    /// Largest load of a contact over the mean load (U25).
     pub fn concentration(&self) -> f64 {
-        let mean = self.balls.iter().map(BallInGrooves::max_load).sum::<f64>();
         // max Q / mean Q                                                  (U25)
-        self.max_load() / (mean / count(self.balls.len()))
+        self.max_load() / self.mean_load()
     }
 
     /// Balls that carry nothing.

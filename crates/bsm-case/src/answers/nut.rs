@@ -663,7 +663,7 @@ impl NutReport {
         // On the middle of both races the balls go half as fast as screw and nut together.
         let precession = 0.5 * (drive.screw_speed + drive.nut_speed);
         let force = nut.ball.mass * nut.helix.radius * precession * precession;
-        let mean = found.max_load() / found.concentration();
+        let mean = found.mean_load();
         (nut.precession == 0.0 && part.contains(&(force / mean))).then(|| {
             format!(
                 "the centrifugal force of a ball is near {:.0} % of its mean load, and neglected: set \

@@ -70,7 +70,7 @@ fn mm(scene: &Value, key: &str) -> f64 {
 /// What is given of the conductances.
 fn surfaces(scene: &Value, nut: &BallNut, length: f64) -> Surfaces {
     let unloaded = nut.solve(&Support::guided(0.0)).expect("preloaded");
-    let mean = unloaded.max_load() / unloaded.concentration();
+    let mean = unloaded.mean_load();
     let coolant = number(scene, "coolant_flow_l_min").map_or(0.0, |flow| {
         coolant_conductance(Coolant::Water, flow / 6e4, mm(scene, "screw_bore_mm"), length)
     });

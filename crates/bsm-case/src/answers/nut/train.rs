@@ -90,8 +90,7 @@ impl State {
     pub(super) fn train_warnings(&self, problem: &NutProblem) -> Vec<String> {
         let Some(Ok(train)) = self.pushed(problem) else { return Vec::new() };
         let found = &self.made.found;
-        let mean = found.max_load() / found.concentration();
-        let part = train.largest_push / mean;
+        let part = train.largest_push / found.mean_load();
         let mut warnings = Vec::new();
         if part > LARGEST_PUSH {
             warnings.push(format!(

@@ -156,7 +156,7 @@ impl<'a> WarmAxis<'a> {
         let over_set = |celsius: f64| celsius + ZERO_CELSIUS - cold.set;
         let air = scene.ambient_temperature_C.map_or(0.0, over_set);
         let unloaded = cold.nut.solve(&cold.problem.support).map_err(CaseError::Nut)?;
-        let mean = unloaded.max_load() / unloaded.concentration();
+        let mean = unloaded.mean_load();
         let bore = scene.screw_bore_mm.unwrap_or(0.0) * MM;
         let section = section_of_screw(scene, shaft.diameter);
         let flow = scene.coolant_flow_l_min.map(|flow| {
