@@ -35,7 +35,8 @@ fn outputs(names: &[&str]) -> Vec<&'static Output> {
 fn all() -> Vec<&'static Output> {
     let kinds = AnalysisKind::ALL.into_iter().filter(|kind| *kind != AnalysisKind::Warm);
     let columns = kinds.flat_map(AnalysisKind::columns);
-    columns.filter(|column| column.name != "return_torque_Nm").collect()
+    let oiled = ["return_torque_Nm", "drag_torque_Nm"];
+    columns.filter(|column| !oiled.contains(&column.name)).collect()
 }
 
 fn solve(task: &Task, grid: &Grid) -> Answers {
