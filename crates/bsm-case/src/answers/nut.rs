@@ -65,7 +65,7 @@ impl State {
     fn rubbed(&self, problem: &NutProblem) -> Option<&Rubbed> {
         let work_out = || {
             let Made { nut, found, .. } = &self.made;
-            let mut rubbed = problem.friction_of(nut, found)?;
+            let mut rubbed = problem.with_free_balls().friction_of(nut, found)?;
             if let (Some(pushed), Some((_, drive))) = (self.pushed(problem), &problem.friction) {
                 let drag = rubbed.friction.parts.map(|parts| parts.drag);
                 let balls = pushed.as_ref().ok().map(Train::torque).zip(drag);
@@ -215,11 +215,11 @@ quantities! { pub(crate) QUANTITIES, read(&Loaded<'_>) of Nut;
     }
     "friction" {
         friction_torque_Nm ["N m"] Whole(|n| n.friction()?.torque) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "friction torque of the balls";
-        contact_torque_Nm ["N m"] Whole(|n| n.contact_torque()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "part of it: contacts with nut and screw";
-        ball_contact_torque_Nm ["N m"] Whole(|n| n.ball_contact_torque()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "part of it: ball-to-ball contact, by ball_gap_mm or ball_contact_force_N";
-        return_push_torque_Nm ["N m"] Whole(|n| Some(n.train()?.return_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "part of it: balls pushed through the returns";
-        catching_torque_Nm ["N m"] Whole(|n| Some(n.train()?.catching_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "part of it: balls that run up to a slower one";
-        drag_torque_Nm ["N m"] Whole(|n| n.of_lubricant(|parts| parts.drag)) needs [screw_speed_rpm, lubricant_temperature_C], "part of it: drag of the balls in the lubricant";
+        contact_torque_Nm ["N m"] Whole(|n| n.contact_torque()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "  contacts with nut and screw";
+        ball_contact_torque_Nm ["N m"] Whole(|n| n.ball_contact_torque()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "  ball-to-ball contact, by ball_gap_mm or ball_contact_force_N";
+        return_push_torque_Nm ["N m"] Whole(|n| Some(n.train()?.return_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "  balls pushed through the returns";
+        catching_torque_Nm ["N m"] Whole(|n| Some(n.train()?.catching_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "  balls that run up to a slower one";
+        drag_torque_Nm ["N m"] Whole(|n| n.of_lubricant(|parts| parts.drag)) needs [screw_speed_rpm, lubricant_temperature_C], "  drag of the balls in the lubricant";
         friction_torque_error_Nm ["N m"] Whole(|n| torque_error(n.problem, n.state)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
             "error bound of the friction torque, for balls on both flanks";
         return_torque_Nm ["N m"] Whole(|n| n.of_lubricant(|parts| parts.returns)) needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, by return_circuits and return_loss_coefficient";
@@ -607,6 +607,10 @@ impl NutReport {
                         );
                         "only by return_circuits, ball_contact_force_N and seal_torque_Nm: returns, ball-to-ball \
                          contact and wipers"
+                    }
+                    _ if self.problem.gaps.train.is_some() => {
+                        "ball-to-ball contact by ball_gap_mm; not: lubricant and impacts in the returns; wipers only by \
+                         seal_torque_Nm"
                     }
                     _ => "not: returns, ball-to-ball contact and lubricant; wipers only by seal_torque_Nm",
                 };

@@ -1,5 +1,7 @@
 //! The train of balls of a nut: its advance, and its pushes where a gap is given.
 
+use std::borrow::Cow;
+
 use bsm_dyn::{Model, ModelWorkspace, Problem};
 use bsm_nut::{Advance, FreeMotion, LARGEST_PUSH, Rolling, Train};
 
@@ -30,6 +32,12 @@ impl NutProblem {
             return of(&traction.friction_of(nut, found)?.friction.motions);
         }
         of(&rubbed.friction.motions)
+    }
+
+    /// The same with friction by the model that its balls push from.
+    pub(super) fn with_free_balls(&self) -> Cow<'_, Self> {
+        let is_pushed = self.gaps.train.is_some() && self.settings.model == ModelChoice::Auto;
+        if is_pushed { Cow::Owned(self.by_traction()) } else { Cow::Borrowed(self) }
     }
 
     /// The same with friction by model traction.
