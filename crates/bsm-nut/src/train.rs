@@ -255,6 +255,7 @@ impl BallNut {
         let circuits = self.circuits.iter().enumerate().map(|(circuit, of)| {
             let order = Self::in_travel(found, circuit, speed);
             let (number, sum, low, _) = summed(&order);
+            // X_0 = d θ_c Σ (p_j/p_min − 1)                                (O15)
             let needed_gap =
                 if number > 0.0 { arc * touch_angle * (sum / low - number) } else { 0.0 };
             let (mean, apart) = (sum / number, arc * of.arc / count(of.balls));
@@ -624,17 +625,13 @@ impl Flow<'_> {
                         * push_of(state.pushes)
                         * motion.rotation;
                 }
-                (Some(ball), None) => {
-                    let [nut, screw] = ball.free().loads;
-                    // f Q_A v + f Q_B (d|W| − v)                          (O7)
-                    lost[0] +=
-                        ball.friction() * (nut * speed + screw * (self.speed_of(1.0) - speed));
-                }
+                (Some(ball), None) => lost[0] += self.blocked(ball, state.rate),
                 (None, None) => lost[1] += self.inputs.idle_drag * speed,
             }
         }
         for pair in pass.states.windows(2) {
             let [behind, ahead] = [pair[0].rate, pair[1].rate].map(|rate| self.speed_of(rate));
+            // Σ f_b r_b (N_f + N_b)|w| + Σ F_i v, N_x v_Z − N_e v_1, Σ N (v_behind − v_ahead)   (O16)
             lost[3] += pair[0].pushes[0] * (behind - ahead);
         }
         let [first, last] = [pass.states.first(), pass.states.last()]
@@ -670,11 +667,12 @@ impl Flow<'_> {
             .iter()
             .zip(&pass.states)
             .map(|(ball, state)| BallOfTrain {
+                // d (θ_c p_j/p_c − θ_c)                                   (O9)
+                gap: self.pitch() * (state.rate / pass.rate - 1.0),
                 rolling: state.rolling,
                 free_rate: ball.map(|ball| ball.free().rate),
                 rate: state.rate,
                 pushes: state.pushes,
-                gap: self.pitch() * (state.rate / pass.rate - 1.0),
             })
             .collect();
         if is_reversed {
