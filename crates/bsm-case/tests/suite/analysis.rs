@@ -481,6 +481,7 @@ fn a_column_has_one_meaning() {
         "lubricant_temperature_C",
         "unsupported_length_mm",
         "shaft_diameter_mm",
+        "axis_heat_transfer_W_K",
     ];
     assert_eq!(inputs, same);
     assert_eq!(
