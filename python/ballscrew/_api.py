@@ -1471,7 +1471,7 @@ def catalog(
     makers : mapping, frame or path, optional
         Nuts of a manufacturer in place of the lists: the columns `nut`, `lead_mm`, `ball_diameter_mm`, `circuits` or
         `loaded_turns`, `core_diameter_mm` or `pitch_circle_diameter_mm`, `dynamic_load_rating_N`,
-        `static_load_rating_N` and `rigidity_N_um`, in any unit. A path is that of a CSV table. Uses the
+        `static_load_rating_N` and `stiffness_N_um`, in any unit. A path is that of a CSV table. Uses the
         manufacturer's ratings and adds the calculated ones as `our_...`; with `requirement` each nut is sized as by
         `size`, and `passes` is true if it passes all rules: those nuts come first, the lightest screw before the others.
     columns_from : mapping, optional

@@ -253,15 +253,15 @@ def test_nuts_of_a_maker(tmp_path: Path) -> None:
         assert nuts.to_dict() == {name: [row[name] for row in rows] for name in rows[0]}
     assert nuts.scene(0).to_dict() == bs.Scene(picked(tmp_path, "--from", path, *words)).to_dict()
     # With a manufacturer's column names, an unused column, and a gap.
-    own = pd.read_csv(path).rename(columns={"nut": "Type", "rigidity_N_um": "K"}).assign(note="of a page")
+    own = pd.read_csv(path).rename(columns={"nut": "Type", "stiffness_N_um": "K"}).assign(note="of a page")
     own["K"] = own["K"].where(own["Type"] != "R63-20K5-FSC")
-    names = {"Type": "nut", "K": "rigidity_N_um", "note": None}
+    names = {"Type": "nut", "K": "stiffness_N_um", "note": None}
     plain_columns = {name: own[name].to_numpy() for name in own}
     for table in (own, pl.DataFrame(plain_columns), plain_columns):
         again = bs.catalog(makers=table, columns_from=names, requirement=wish)
         assert again["nut"].tolist() == nuts["nut"].tolist()
         gap = again["nut"].tolist().index("R63-20K5-FSC")
-        assert np.flatnonzero(np.isnan(again["rigidity_N_um"])).tolist() == [gap]
+        assert np.flatnonzero(np.isnan(again["stiffness_N_um"])).tolist() == [gap]
     assert again.to_arrow().to_pandas()["passes"].tolist() == again["passes"].tolist()
     assert pickle.loads(pickle.dumps(again)).to_dict() == again.to_dict()
     with pytest.raises(bs.InputError, match="column `Type` holds") as refused:

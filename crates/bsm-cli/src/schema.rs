@@ -90,7 +90,7 @@ const OBJECTS: &[(&str, &str)] = &[
     (
         "maker",
         "nut string, dynamic_load_rating_N number?, our_dynamic_load_rating_N number?, static_load_rating_N number?, \
-         our_static_load_rating_N number?, rigidity_N_um number?, our_rigidity_N_um number?, mass_kg number?, @sheet?, \
+         our_static_load_rating_N number?, stiffness_N_um number?, our_stiffness_N_um number?, mass_kg number?, @sheet?, \
          passes? boolean",
     ),
     (

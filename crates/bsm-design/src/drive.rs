@@ -63,6 +63,46 @@ pub fn drag_torque(preload: f64, lead: f64, lead_angle: f64) -> f64 {
     0.05 * preload * lead / (TAU * lead_angle.tan().sqrt())
 }
 
+/// Torque of a brake over that of the load without friction, usual value.
+pub const BRAKE_SAFETY: f64 = 1.5;
+
+/// Drag of preload, seals and bearings at rest over that of motion, at most; usual value.
+const AT_REST: f64 = 2.0;
+
+/// What a load does to a screw whose motor has no power.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BackDriving {
+    /// It turns the screw.
+    Turns,
+    /// Friction may hold it or not.
+    Undecided,
+    /// Friction holds it.
+    Holds,
+}
+
+impl BackDriving {
+    /// Least and largest torque with which a load drives the screw \[N·m\], and what follows (Z18).
+    ///
+    /// ```math
+    /// T_{b,lo} = T_{lo} - 2\,T_d, \qquad T_{b,hi} = T_{hi} - T_d
+    /// ```
+    ///
+    /// * `of_load`: torque of the load less the friction of the contacts \[N·m\], at the largest and at the least friction.
+    /// * `drag`: of preload, seals and support bearings in motion \[N·m\]; twice that at rest.
+    ///
+    /// Source: the torque of HIWIN BS-08-2, F 3.16, less the drag.
+    pub fn of(of_load: [f64; 2], drag: f64) -> ([f64; 2], Self) {
+        // T_b = T_lo − 2 T_d,  T_hi − T_d                                 (Z18)
+        let torques = [of_load[0] - AT_REST * drag, of_load[1] - drag];
+        let what = match torques {
+            [low, _] if low > 0.0 => Self::Turns,
+            [_, high] if high <= 0.0 => Self::Holds,
+            _ => Self::Undecided,
+        };
+        (torques, what)
+    }
+}
+
 /// Moment of inertia of a screw about its axis \[kg·m²\] (Z9): that of a solid steel rod of its length and mass.
 ///
 /// Assumes: the groove takes nothing from the outside alone; with it the moment is up to 3 % larger. Source: HIWIN
@@ -138,6 +178,25 @@ mod tests {
     use approx::assert_relative_eq;
 
     use super::*;
+
+    /// An upright axis of 250 kg on a screw of lead 10 mm, drag 0.25 N m, efficiency of 0.75 to 0.85 driven back, by hand: the
+    /// load alone makes 3.90194 N m. A worm of efficiency zero holds, and drag makes the rest undecided.
+    #[test]
+    fn a_load_turns_a_screw_or_not() {
+        let ideal = 250.0 * GRAVITY * 0.01 / TAU;
+        assert_relative_eq!(ideal, 3.901_94, max_relative = 2e-6);
+        let of = |efficiencies: [f64; 2], drag| {
+            BackDriving::of(efficiencies.map(|eta| eta * ideal), drag)
+        };
+        let ([low, high], what) = of([0.75, 0.85], 0.25);
+        // Four digits each.
+        assert_relative_eq!(low, 2.426_46, max_relative = 2e-6);
+        assert_relative_eq!(high, 3.066_65, max_relative = 2e-6);
+        assert_eq!(what, BackDriving::Turns);
+        assert_relative_eq!(BRAKE_SAFETY * ideal, 5.852_91, max_relative = 2e-6);
+        assert_eq!(of([-0.1, 0.0], 0.0).1, BackDriving::Holds);
+        assert_eq!(of([0.2, 0.5], 1.0).1, BackDriving::Undecided);
+    }
 
     /// Level, the load turns with the feed and carries no weight; upright it is the weight either way,
     /// and the guides carry nothing. Nook's selection example: 5000 lb on guides of 0.0013 take 6.5 lb.

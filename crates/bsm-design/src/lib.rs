@@ -44,7 +44,9 @@ mod thread;
 pub use axis::{Axis, Motion, Mount, Phase};
 pub use body::NutBody;
 pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, Size, front, loaded_balls};
-pub use drive::{Drive, MachineTable, drag_torque, root_mean_square, screw_inertia};
+pub use drive::{
+    BRAKE_SAFETY, BackDriving, Drive, MachineTable, drag_torque, root_mean_square, screw_inertia,
+};
 pub use grade::Grade;
 pub use least_squares::{LeastSquares, least_squares};
 pub use life::{Duty, Life, OPENS_AT, life, pair_loads, reliability_factor};
@@ -56,8 +58,8 @@ pub use requirement::{
 };
 pub use rigidity::{Elasticity, in_series};
 pub use shaft::{
-    BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, PERMITTED_STRESS, Shaft, Support, lost_motion,
-    steady_rise,
+    BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, PERMITTED_STRESS, Shaft, Support, heat_transfer,
+    lost_motion, steady_rise,
 };
 pub use thread::{Profile, Thread};
 

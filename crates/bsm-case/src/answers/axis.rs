@@ -6,8 +6,8 @@ mod rules;
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, DutySpeed, Motion, Nut, Phase, Shaft, drag_torque, in_series, life, lost_motion,
-    root_mean_square, steady_rise,
+    Axis, BRAKE_SAFETY, BackDriving, DutySpeed, Motion, Nut, Phase, Shaft, drag_torque,
+    heat_transfer, in_series, life, lost_motion, root_mean_square, steady_rise,
 };
 use bsm_dyn::ModelWorkspace;
 use serde_json::{Value, json};
@@ -49,8 +49,9 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
         yield_load_N ["N"] Whole(|w| w.shaft().and(w.axis().yield_load())), "permissible axial load, core stress 147 N/mm2";
         largest_speed_number_mm_min ["mm/min" "d_pw n"] Whole(|w| w.axis().speed_number() / (MM * RPM)), "largest speed number";
         screw_mass_kg ["kg"] Whole(|w| w.shaft().and(w.machine.screw).map(|(mass, _)| mass)), "mass of the screw between its bearings";
-        steady_temperature_rise_K ["K"] Whole(|w| w.steady_rise()) needs [axis_heat_transfer_W_K],
-            "steady-state temperature rise";
+        axis_heat_transfer_W_K = INPUTS Whole(|w| w.heat_transfer());
+        steady_temperature_rise_K ["K"] Whole(|w| w.steady_rise()) needs [friction_coefficient | lubricant_temperature_C],
+            "steady-state temperature rise, by axis_heat_transfer_W_K";
         screw_growth_um ["um"] Whole(|w| w.growth()),
             "thermal expansion between the bearings, in the warm state, by screw_temperature_rise_K or by the steady-state rise";
         travel_variation_300_um ["um" "v_300p"] Whole(|w| Some(w.scene.nut.accuracy_grade?.grade.variation / UM)),
@@ -400,6 +401,11 @@ impl AxisReport {
         Self::with(scene, settings, Detail { fold: true, band: true })
     }
 
+    /// Its numbers and rules, without the notes that take more solutions.
+    pub(crate) fn judged(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
+        Self::with(scene, settings, Detail { fold: true, band: false })
+    }
+
     fn with(asked: &Scene, settings: &Settings, detail: Detail) -> Result<Self, CaseError> {
         let warm = Warm::with_band(asked, settings, detail)?;
         if let Some(warm) = warm.as_ref().filter(|warm| warm.state.is_none()) {
@@ -423,7 +429,11 @@ impl AxisReport {
         let phases: Vec<_> = worked.torques.iter().map(|torques| worked.phase(torques)).collect();
         let screw = read_screw(&Screw { scene, machine, of_nut: &of_nut, preload }, |_| true);
         let fails = !rules.iter().all(Criterion::passes);
-        let notes = worked.notes().into_iter().chain(worked.how_sure(settings)).collect();
+        let mut notes = worked.notes();
+        if detail.band {
+            notes.extend(worked.how_sure(settings));
+            notes.extend(worked.at_power_loss(settings));
+        }
         let not_modelled = NOT_MODELLED.map(str::to_owned).to_vec();
         let answer = Answer { rules, notes, warnings, fails, ..Answer::default() }
             .with("passes", Content::Json((!fails).into()))
@@ -605,9 +615,20 @@ impl<'a> Worked<'a> {
         axis.static_safety().min(of_balls)
     }
 
+    /// To the surroundings \[W/K\]: given, or that to still air, unless the warm state has its own conductances.
+    fn heat_transfer(&self) -> Option<f64> {
+        let to_air = || {
+            let length = self.shaft().filter(|_| self.warm.is_none())?.length;
+            let Machine { thread, body, axis, .. } = &self.machine;
+            let speeds = axis.phases.iter().map(|phase| (phase.speed, phase.time));
+            Some(heat_transfer((thread.screw.land, length), (body.outer, body.length), speeds))
+        };
+        self.scene.axis_heat_transfer_W_K.or_else(to_air)
+    }
+
     fn steady_rise(&self) -> Option<f64> {
         self.shaft()?;
-        Some(steady_rise(self.mean_heat()?, self.scene.axis_heat_transfer_W_K?))
+        Some(steady_rise(self.mean_heat()?, self.heat_transfer()?))
     }
 
     /// Growth of the screw \[um\].
@@ -686,6 +707,18 @@ impl<'a> Worked<'a> {
         notes.extend(self.warm.iter().flat_map(Warm::notes));
         notes.extend(self.nut.as_ref().and_then(NutReport::touch_note));
         notes.extend(self.idle());
+        notes.extend(self.scene.assumed_roughness());
+        notes.extend(self.to_measure());
+        if let Some(rise) =
+            self.steady_rise().filter(|_| self.scene.axis_heat_transfer_W_K.is_none())
+        {
+            notes.push(format!(
+                "steady-state temperature rise estimated within a factor of 2: {rise:.0} K ({:.0} to {:.0} K), by the \
+                 heat transfer to still air; axis_heat_transfer_W_K replaces it",
+                0.5 * rise,
+                2.0 * rise
+            ));
+        }
         let mut note = |words: &str| notes.push(words.to_owned());
         if let Some(grade) = self.scene.nut.accuracy_grade {
             note(&grade.describe());
@@ -731,6 +764,78 @@ impl<'a> Worked<'a> {
             phase.speed / RPM,
             low * friction,
             high * friction
+        ))
+    }
+
+    /// The torque by which the preload is checked, with its tolerance.
+    fn to_measure(&self) -> Option<String> {
+        let (nut, preload) = (&self.axis().nut, self.preload.as_ref()?);
+        let torque = drag_torque(preload.cold, nut.lead, nut.lead_angle());
+        let grade = self.scene.nut.accuracy_grade.map(|word| word.grade);
+        let percent = grade.zip(self.shaft()).and_then(|(grade, shaft)| {
+            let diameter = self.machine.thread.screw.land;
+            Some((grade.torque_variation(torque, shaft.length, diameter)?, grade.name))
+        });
+        let tolerance = percent.map_or_else(
+            || "no tolerance is specified for this torque, length and accuracy_grade".to_owned(),
+            |(percent, grade)| {
+                let part = 0.01 * percent;
+                let [low, high] = [1.0 - part, 1.0 + part].map(|factor| factor * torque);
+                format!("{low:.3} to {high:.3}, +-{percent:.0} % by {grade}")
+            },
+        );
+        let seal = self.scene.seal_torque_Nm.filter(|seal| *seal > 0.0);
+        let with_seals = seal
+            .map_or_else(String::new, |seal| format!("; with the seals {:.3} N m", torque + seal));
+        Some(format!(
+            "friction torque of the preload to measure: {torque:.3} N m ({tolerance}) at 100 rpm, oil of ISO VG 68, \
+             without wipers{with_seals}"
+        ))
+    }
+
+    /// Whether its weight turns the screw of an inclined axis when the motor has no power (Z18).
+    fn at_power_loss(&self, settings: &Settings) -> Option<String> {
+        /// Friction that is not measured, over that of the scene.
+        const FRICTION: [f64; 2] = [2.0, 0.5];
+        let (axis, advance) = (self.axis(), self.machine.advance());
+        let weight = self.machine.carriage.load(0.0, 0.0, 0.0).abs();
+        let ideal = advance * weight;
+        let speed = -axis.fastest().max(RPM);
+        let phase = Phase { time: 1.0, load: weight, speed, acceleration: 0.0 };
+        let work = &mut ModelWorkspace::default();
+        let mut friction =
+            |scene: &Scene| contacts(scene, settings, advance, &phase, work).ok()?.friction;
+        if weight == 0.0 {
+            return None;
+        }
+        let of_contacts = match self.scene.friction_coefficient {
+            Some(coefficient) => FRICTION.map(|factor| {
+                let friction_coefficient = Some(factor * coefficient);
+                friction(&Scene { friction_coefficient, ..self.scene.clone() })
+            }),
+            None => {
+                let nominal = friction(self.scene)?;
+                let [low, high] = contacts::band(self.scene, settings, &phase, work)?;
+                [high, low].map(|factor| Some(factor * nominal))
+            }
+        };
+        let [most, least] = of_contacts;
+        let value = |key| self.scene.value_or_default(key).unwrap_or(0.0);
+        let drag = self.preload.as_ref().map_or(0.0, Preload::beyond)
+            + value(InputKey::seal_torque_Nm)
+            + value(InputKey::support_bearing_torque_Nm);
+        let ([low, high], what) = BackDriving::of([ideal - most?, ideal - least?], drag);
+        let words = match what {
+            BackDriving::Turns => "the weight turns the screw; a brake is needed",
+            BackDriving::Undecided => "the weight may turn the screw; take a brake",
+            BackDriving::Holds => {
+                "friction holds the weight; vibration can loosen it, which is no safety function"
+            }
+        };
+        let brake = BRAKE_SAFETY * ideal / self.machine.drive.gear_ratio;
+        Some(format!(
+            "without power of the motor {words}: {low:.3} to {high:.3} N m drive the screw; brake of at least {brake:.3} N m \
+             at the motor, {BRAKE_SAFETY} times the weight without friction"
         ))
     }
 

@@ -47,6 +47,8 @@ pub struct DesignReport {
     pub found: bool,
     /// Active limits, or limits that cannot be met and by how much.
     pub reasons: Vec<String>,
+    /// Assumptions.
+    pub notes: Vec<String>,
     /// Warnings.
     pub warnings: Vec<String>,
     /// The screw at its operating point.
@@ -99,7 +101,7 @@ impl DesignReport {
             }
         };
         let scene = scene(wish, &design.nut, design.phase.load);
-        let sheet = AxisReport::of(&scene, &wish.model.into()).ok();
+        let sheet = AxisReport::judged(&scene, &wish.model.into()).ok();
         let efficiency = sheet.as_ref().and_then(|sheet| sheet.number(EFFICIENCY));
         let of_sheet = |_: &Nut, _: &Phase| efficiency;
         // That of a preloaded nut is by all its balls.
@@ -153,7 +155,8 @@ impl DesignReport {
             let model = wish.model.name();
             reasons.push(format!("model {model} has no solution for any screw within the limits"));
         }
-        Self { rows, found, reasons, warnings, scene }
+        let notes = wish.notes.clone();
+        Self { rows, found, reasons, notes, warnings, scene }
     }
 
     /// The answer: whether there is a screw, the steps of it and what limits it.
@@ -182,7 +185,8 @@ impl DesignReport {
         };
         let steps = Table { columns, rows: self.rows.iter().map(row).collect(), keyed: false };
         let label = if self.found { "active limit" } else { "limit that cannot be met" };
-        Answer { warnings: self.warnings.clone(), fails: !self.found, ..Answer::default() }
+        let (notes, warnings) = (self.notes.clone(), self.warnings.clone());
+        Answer { notes, warnings, fails: !self.found, ..Answer::default() }
             .with("found", Content::Json(self.found.into()))
             .with("steps", Content::Table(steps))
             .with("reasons", Content::Texts(label, self.reasons.clone()))
@@ -226,7 +230,7 @@ impl RequirementFile {
     /// The numbers of [`sheet_columns`] for a nut in the axis of the requirement, NaN where there is none; `None` if a
     /// rule of its sheet does not hold.
     pub fn sheet_of(&self, nut: &Nut) -> Option<Vec<f64>> {
-        let report = AxisReport::of(&self.scene_of(nut), &Settings::default()).ok()?;
+        let report = AxisReport::judged(&self.scene_of(nut), &Settings::default()).ok()?;
         let number = |column: &Output| report.number(column.name).unwrap_or(f64::NAN);
         report.passes().then(|| sheet_columns().map(number).collect())
     }
@@ -241,7 +245,7 @@ fn accepted(wish: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static str>> 
     if !by_all_balls {
         scene.friction_coefficient = None;
     }
-    let sheet = AxisReport::of(&scene, &wish.model.into()).map_err(|_| Vec::new())?;
+    let sheet = AxisReport::judged(&scene, &wish.model.into()).map_err(|_| Vec::new())?;
     let mut broken: Vec<_> =
         sheet.answer.rules.iter().filter(|rule| !rule.passes()).map(|rule| rule.name).collect();
     if by_all_balls {

@@ -24,7 +24,7 @@ const WORDS: [&str; 6] = [
     "core_diameter_mm",
     "dynamic_load_rating_N",
     "static_load_rating_N",
-    "rigidity_N_um",
+    "stiffness_N_um",
 ];
 
 /// A nut of a maker's table.
@@ -85,7 +85,7 @@ const RIGIDITY_AT: f64 = 0.3;
 const RATED: [[&str; 3]; 3] = [
     ["dynamic_load_rating_N", "our_dynamic_load_rating_N", "dynamic_load_rating_N"],
     ["static_load_rating_N", "our_static_load_rating_N", "static_load_rating_N"],
-    ["rigidity_N_um", "our_rigidity_N_um", "single_nut_secant_stiffness_N_um"],
+    ["stiffness_N_um", "our_stiffness_N_um", "single_nut_secant_stiffness_N_um"],
 ];
 
 /// A nut of a maker beside ours.
@@ -243,7 +243,7 @@ impl Given {
         match word {
             "circuits" => self.circuits = Some(value),
             "core_diameter_mm" => self.core = Some(value),
-            "rigidity_N_um" => self.rigidity = Some(value),
+            "stiffness_N_um" => self.rigidity = Some(value),
             "dynamic_load_rating_N" => self.scene.rated_dynamic_load_N = Some(value),
             "static_load_rating_N" => self.scene.rated_static_load_N = Some(value),
             _ => self.scene[InputKey::named(word)?] = Some(value),

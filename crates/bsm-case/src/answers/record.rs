@@ -355,7 +355,12 @@ impl Record {
         map.insert("settings".to_owned(), settings.to_json());
         map.insert("regime".to_owned(), json!(self.regime()));
         let mut answer = Answer {
-            notes: self.notes().into_iter().chain(scene.given().unused_by_models()).collect(),
+            notes: self
+                .notes()
+                .into_iter()
+                .chain(scene.assumed_roughness())
+                .chain(scene.given().unused_by_models())
+                .collect(),
             warnings: scene.warnings().into_iter().chain(self.warnings(scene)).collect(),
             fails: self.status() != Status::Converged,
             ..Answer::default()

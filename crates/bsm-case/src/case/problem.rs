@@ -176,17 +176,14 @@ impl Needs {
     }
 
     /// Required inputs of a lubricant.
-    pub(crate) const LUBRICANT: Self = {
-        use InputKey as K;
-        let all = InputSet::of(&[K::ball_roughness_um, K::nut_roughness_um, K::screw_roughness_um]);
-        Self { all, quantities: &[VISCOSITY, TEMPERATURE] }
-    };
+    pub(crate) const LUBRICANT: Self =
+        Self { all: InputSet::of(&[]), quantities: &[VISCOSITY, TEMPERATURE] };
 
     /// Required inputs of a lubricated model.
     const LUBRICATED: Self = {
         let Self { all, .. } = Self::of(Model::Traction);
         let all = all.without(InputSet::of(&[InputKey::friction_coefficient]));
-        Self { all: all.and(Self::LUBRICANT.all), quantities: &[LEAD, VISCOSITY, TEMPERATURE] }
+        Self { all, quantities: &[LEAD, VISCOSITY, TEMPERATURE] }
     };
 
     /// Required inputs of a model with a friction coefficient.

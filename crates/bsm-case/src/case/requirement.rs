@@ -33,13 +33,16 @@ keys! {
     largest_ball_radius_over_groove_radius [""] Between(0.0, 1.0), Some(0.97), "largest ball radius over groove radius (Lin's step 6)";
 }
 
+/// Friction coefficient of a requirement without one, and the usual range; a grease or an oil gives some 0.03 to 0.12.
+const USUAL_FRICTION: (f64, [f64; 2]) = (0.06, [0.03, 0.12]);
+
 /// Contact angles that are easy to make \[deg\].
 pub(crate) const USUAL_CONTACT_ANGLES_DEG: (f64, f64) = (30.0, 75.0);
 
 /// Keys with texts, and their possible texts; the first is the default.
 pub const REQUIREMENT_WORDS: [(&str, &[&str], &str); 3] = [
     ("motion", &["rotary-to-linear", "linear-to-rotary"], "which side drives"),
-    ("objective", &["efficiency", "capacity", "mass"], "what the search optimises"),
+    ("objective", &["mass", "efficiency", "capacity"], "what the search optimises"),
     (
         "model",
         &["traction", "elastic", "raceway-control", "rigid", "quasi-static", "closed-form"],
@@ -74,6 +77,8 @@ pub struct RequirementFile {
     /// The model that tells the efficiency.
     pub(crate) model: Model,
     pub(crate) requirement: Requirement,
+    /// What was assumed.
+    pub(crate) notes: Vec<String>,
 }
 
 impl RequirementFile {
@@ -244,14 +249,18 @@ impl Given {
             scene.unsupported_length_mm.get_or_insert(length / MM);
         }
         let moves = scene.screw_speed_rpm.is_some() || scene.feed_m_min.is_some();
-        let (true, Some(friction)) =
-            (moves || scene.nut.cycle.is_some(), scene.friction_coefficient)
-        else {
-            let friction = scene.friction_coefficient.is_none().then_some("friction_coefficient");
-            let speed = (!moves).then_some("screw_speed_rpm (or feed_m_min)");
-            let missing = speed.into_iter().chain(friction).map(str::to_owned).collect();
+        if !moves && scene.nut.cycle.is_none() {
+            let missing = vec!["screw_speed_rpm (or feed_m_min)".to_owned()];
             return Err(CaseError::Missing { missing, by: "for a design".to_owned() });
-        };
+        }
+        let mut notes = Vec::new();
+        let friction = *scene.friction_coefficient.get_or_insert_with(|| {
+            let (usual, [low, high]) = USUAL_FRICTION;
+            notes.push(format!(
+                "friction_coefficient {usual} is assumed; usual values are {low} to {high}"
+            ));
+            usual
+        });
         let conformity = match (scene.nut_conformity, scene.screw_conformity) {
             (Some(nut), Some(screw)) if (nut - screw).abs() > 1e-12 => {
                 return Err(CaseError::TwoConformities { nut, screw });
@@ -309,8 +318,8 @@ impl Given {
             ranges,
             objective: match self.word("objective") {
                 "capacity" => Objective::Capacity,
-                "mass" => Objective::Mass,
-                _ => Objective::Efficiency,
+                "efficiency" => Objective::Efficiency,
+                _ => Objective::Mass,
             },
             fixed: Fixed {
                 pitch_diameter: scene.pitch_circle_diameter_mm.map(|mm| mm * MM),
@@ -322,6 +331,6 @@ impl Given {
             stock: standard.balls,
         };
         let model = Model::from_name(self.word("model")).unwrap_or(Model::Traction);
-        Ok(RequirementFile { scene, model, requirement })
+        Ok(RequirementFile { scene, model, requirement, notes })
     }
 }

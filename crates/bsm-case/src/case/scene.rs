@@ -161,6 +161,23 @@ impl Scene {
         })
     }
 
+    /// Roughnesses of a lubricated scene that are not given.
+    pub(crate) fn assumed_roughness(&self) -> Option<String> {
+        const SURFACES: [InputKey; 3] =
+            [InputKey::ball_roughness_um, InputKey::nut_roughness_um, InputKey::screw_roughness_um];
+        let assumed = |key: &InputKey| {
+            let value = self.value_or_default(*key).filter(|_| self[*key].is_none())?;
+            Some(format!("{} {value}", key.name()))
+        };
+        let assumed: Vec<_> = SURFACES.iter().filter_map(assumed).collect();
+        (self.given().is_lubricated() && !assumed.is_empty()).then(|| {
+            format!(
+                "assumed, known to some 40 %: {}; of ground grooves, rolled ones have 0.4",
+                assumed.join(", ")
+            )
+        })
+    }
+
     /// Warnings about the inputs.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();

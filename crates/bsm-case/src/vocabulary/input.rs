@@ -401,12 +401,12 @@ inputs! {
             "heat that leaves the nut for each kelvin above ambient_temperature_C, in place of lubricant_temperature_C";
         ambient_temperature_C ["C"] Within(-40.0, 150.0), None,
             "temperature of the surroundings; preload_temperature_C for the warm state unless given";
-        ball_roughness_um ["um"] Above(0.0), None,
+        ball_roughness_um ["um"] Above(0.0), Some(0.02),
             "root mean square roughness of the balls, 1.25 times the arithmetic one: 0.01 to 0.03";
-        nut_roughness_um ["um"] Above(0.0), None,
+        nut_roughness_um ["um"] Above(0.0), Some(0.2),
             "root mean square roughness of the nut's groove: ground 0.1 to 0.3, run in half of it";
-        screw_roughness_um ["um"] Above(0.0), None,
-            "root mean square roughness of the screw's groove: ground 0.1 to 0.3, run in half of it, rolled 0.3 to 0.6";
+        screw_roughness_um ["um"] Above(0.0), Some(0.2),
+            "root mean square roughness of the screw's groove: ground 0.1 to 0.3, run in half of it, rolled 0.3 to 0.6, usually 0.4";
         film_factor [""] Above(0.0), Some(1.0),
             "film thickness over that of plenty of lubricant; 0.7 (0.4 to 1) for grease";
         rolling_factor [""] AtLeast(0.0), Some(0.85),
@@ -472,7 +472,7 @@ inputs! {
         reliability_percent ["%"] Within(90.0, 99.0), Some(90.0),
             "share of the nuts that reach the life";
         axis_heat_transfer_W_K ["W/K"] Above(0.0), None,
-            "heat that screw and nut give to their surroundings for a kelvin, for the steady temperature of the axis";
+            "heat that screw and nut give to their surroundings for a kelvin, for the steady temperature of the axis; that to still air unless given";
         required_life_h ["h" "L_h"] Above(0.0), None,
             "life that is required";
         required_static_safety ["" "f_s"] Above(0.0), Some(1.5),

@@ -88,14 +88,20 @@ impl InputSet {
     }
 
     /// The inputs that a value for any of these replaces: themselves, and the other forms of the same
-    /// quantity, as a lead replaces a lead angle.
+    /// quantity, as a lead replaces a lead angle, and a viscosity a friction coefficient.
     #[must_use]
     pub fn replaced(self) -> Self {
+        let coefficient = Self::of(&[InputKey::friction_coefficient]);
+        let friction = match (self.meets(coefficient), self.meets(VISCOSITY.keys())) {
+            (true, false) => OF_A_LUBRICANT,
+            (false, true) => coefficient,
+            _ => Self::default(),
+        };
         QUANTITIES
             .iter()
             .map(Quantity::keys)
             .filter(|keys| keys.meets(self))
-            .fold(self, Self::bitor)
+            .fold(self | friction, Self::bitor)
     }
 
     /// These, and those that follow from them: see [`following`].

@@ -490,6 +490,7 @@ fn a_column_has_one_meaning() {
         "end_conductance_W_K",
         "coolant_conductance_W_K",
         "screw_tension_N",
+        "axis_heat_transfer_W_K",
     ];
     assert_eq!(inputs, same);
     assert_eq!(

@@ -77,7 +77,23 @@ fn requirements_are_checked() {
     says(&["pressure_limit_MPa=much"], "must be a number");
     let bare = read(b"{\"axial_load_N\": 1, \"lead_mm\": 5, \"stroke_mm\": 9}", &[]);
     let error = bare.expect_err("incomplete").to_string();
-    assert!(error.contains("(or feed_m_min) and friction_coefficient are required"), "{error}");
+    assert!(error.contains("(or feed_m_min) is required"), "{error}");
+}
+
+/// A first requirement: the lightest screw, with a friction that is said to be assumed.
+#[test]
+fn a_requirement_of_load_motion_and_stroke_suffices() {
+    let bare = br#"{"axial_load_N": 10000, "feed_m_min": 30, "required_life_h": 20000, "stroke_mm": 1200}"#;
+    let standard = Catalogue::standard().expect("compiled in");
+    let report = |settings: &[&str]| {
+        let wish = read(bare, settings).expect("complete");
+        DesignReport::standard(&wish, &standard).expect("standard sizes")
+    };
+    let (usual, same) = (report(&[]), report(&["friction_coefficient=0.06", "objective=mass"]));
+    assert!(usual.found, "{usual:?}");
+    assert_eq!((&usual.rows, &usual.scene), (&same.rows, &same.scene));
+    assert!(usual.notes[0].contains("friction_coefficient 0.06 is assumed"), "{:?}", usual.notes);
+    assert_eq!(same.notes, Vec::<String>::new());
 }
 
 /// An absurd load is no error, but nothing carries it.

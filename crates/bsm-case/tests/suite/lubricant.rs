@@ -86,7 +86,8 @@ fn friction_is_said_once() {
         Ok(_) => String::new(),
     };
     let auto = Settings::default();
-    let both = oiled(&["friction_coefficient=0.06"]);
+    let mut both = oiled(&[]);
+    both.friction_coefficient = Some(0.06);
     assert!(told(&both, &auto).contains("friction_coefficient and iso_vg are given"));
     let mut dry = Scene::from_json(DRY).expect("an example");
     dry.apply(&["film_factor=0.7"]).expect("an input");
@@ -100,12 +101,9 @@ fn friction_is_said_once() {
         );
     }
     let mut bare = oiled(&[]);
-    (bare.ball_roughness_um, bare.lubricant_temperature_C) = (None, None);
+    bare.lubricant_temperature_C = None;
     let text = told(&bare, &auto);
-    assert!(
-        text.contains("ball_roughness_um") && text.contains("lubricant_temperature_C (or"),
-        "{text}"
-    );
+    assert!(text.contains("lubricant_temperature_C (or"), "{text}");
     let text = told(&oiled(&["viscosity_100C_mm2_s=8"]), &auto);
     assert!(text.contains("viscosity_100C_mm2_s`: needs viscosity_40C_mm2_s"), "{text}");
     assert!(told(&oiled(&["iso_vg=69"]), &auto).contains("one of 10, 15, 22"));
@@ -199,12 +197,31 @@ fn each_ball_of_a_nut_has_its_own_film() {
         [&OIL[..1], &OIL[2..], &["heat_transfer_W_K=5", "ambient_temperature_C=20"]].concat();
     let refused = nut(&warming).expect_err("no temperature").to_string();
     assert!(refused.contains("lubricant_temperature_C"), "{refused}");
-    let refused = nut(&OIL[..4]).expect_err("no roughness").to_string();
-    assert!(refused.contains("screw_roughness_um"), "{refused}");
     let pressed = ["preload_N=3000", "preload_by=oversize", "axial_load_N=3000"];
     let tight = report(&[&OIL[..], &pressed].concat());
     assert!(tight.number("friction_torque_Nm").is_none());
     assert!(tight.notes().iter().any(|note| note.contains("both flanks")), "{:?}", tight.notes());
+}
+
+/// Oil needs viscosity and temperature alone: surfaces are those of ground grooves, and a setting of the lubricant replaces
+/// the friction coefficient of the scene, a friction coefficient its lubricant.
+#[test]
+fn oil_needs_no_laboratory() {
+    let drive = include_bytes!("../../../../examples/feed_drive.json");
+    let dry = Scene::from_json(drive).expect("an example");
+    let with = |scene: &Scene, settings: &[&str]| {
+        let mut scene = scene.clone();
+        scene.apply(settings).expect("settings");
+        scene
+    };
+    let oil = with(&dry, &["iso_vg=68", "lubricant_temperature_C=40"]);
+    assert_eq!((oil.friction_coefficient, oil.iso_vg), (None, Some(68.0)));
+    let surfaces = ["ball_roughness_um=0.02", "nut_roughness_um=0.2", "screw_roughness_um=0.2"];
+    let torque = |scene| solved(scene, Model::RacewayControl).number("ball_torque_Nm");
+    assert_eq!(torque(&oil), torque(&with(&oil, &surfaces)));
+    assert_eq!(with(&oil, &["friction_coefficient=0.06"]), dry);
+    let both = with(&dry, &["iso_vg=68", "lubricant_temperature_C=40", "friction_coefficient=0.1"]);
+    assert!(both.problem(&Model::Traction.into()).is_err());
 }
 
 /// Points of known friction, in units of one's own: the inputs that made them come back, with nothing left over.

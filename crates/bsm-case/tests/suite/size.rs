@@ -135,6 +135,60 @@ fn the_screw_torque_is_the_sum_of_its_parts() {
     }
 }
 
+/// What is asked next has one line: the torque to measure of a THK BNFN4010-5 (A-689: 0.865 N m, 0.606 to 1.125, +-30 %), the
+/// temperature, and whether the axis falls.
+#[test]
+fn a_sheet_says_what_to_measure_how_warm_and_whether_it_falls() {
+    const NUT: [&str; 9] = [
+        "pitch_circle_diameter_mm=41.75",
+        "lead_mm=10",
+        "ball_diameter_mm=6.35",
+        "screw_outer_diameter_mm=40",
+        "nut_outer_diameter_mm=82",
+        "nut_length_mm=193",
+        "preload_N=3000",
+        "accuracy_grade=C3",
+        "seal_torque_Nm=0.3",
+    ];
+    let with = |more: &[&str]| axis(&[&NUT[..], more].concat());
+    let note = |report: &AxisReport, words: &str| {
+        report.answer.notes.iter().find(|note| note.contains(words)).cloned()
+    };
+    let level = with(&["unsupported_length_mm=1300"]);
+    // Six digits of 0.05/sqrt(tan) of 10/(pi 41.75), times 3000 N and 10 mm over a turn.
+    near(number(&level, "rule_torque_Nm"), 0.864_599, 1e-6, "torque");
+    let measure = note(&level, "to measure").expect("a preload");
+    for part in ["0.865 N m (0.605 to 1.124, +-30 % by C3)", "with the seals 1.165 N m"] {
+        assert!(measure.contains(part), "{measure}");
+    }
+    assert_eq!(note(&level, "without power"), None);
+    let coarse = note(&with(&["accuracy_grade=C7"]), "to measure").expect("a preload");
+    assert!(coarse.contains("no tolerance is specified"), "{coarse}");
+
+    // The heat transfer of the same axis over 1450 mm, by hand to five digits; the rise is the heat over it.
+    let cycle = r#"cycle=[{"force_N":7000,"feed_m_min":1,"share":0.2},{"force_N":3000,"feed_m_min":3,"share":0.4},
+        {"force_N":500,"feed_m_min":20,"share":0.2},{"force_N":-500,"feed_m_min":-20,"share":0.2}]"#;
+    let turning = with(&["unsupported_length_mm=1450", cycle]);
+    near(number(&turning, "axis_heat_transfer_W_K"), 6.5173, 1e-5, "heat transfer");
+    let rise = number(&turning, "mean_heat_W") / number(&turning, "axis_heat_transfer_W_K");
+    near(number(&turning, "steady_temperature_rise_K"), rise, 1e-12, "rise");
+    assert!(note(&turning, "within a factor of 2").is_some());
+    let given = with(&["axis_heat_transfer_W_K=10"]);
+    near(number(&given, "axis_heat_transfer_W_K"), 10.0, 1e-15, "as given");
+    assert_eq!(note(&given, "within a factor of 2"), None);
+
+    // 500 kg upright: m g P_h/(2 pi) = 7.80388 N m, 1.5 times that for the brake.
+    let upright = with(&["inclination_deg=90"]);
+    let falls = note(&upright, "without power").expect("a weight");
+    assert!(falls.contains("a brake is needed") && falls.contains("11.706 N m"), "{falls}");
+    // Bearings of 5 N m hold it only if they rub twice as much at rest; of 20 N m they do.
+    for (bearing, words) in [(5, "may turn the screw"), (20, "friction holds the weight")] {
+        let bearing = format!("support_bearing_torque_Nm={bearing}");
+        let said = note(&with(&["inclination_deg=90", &bearing]), "without power");
+        assert!(said.as_ref().is_some_and(|note| note.contains(words)), "{said:?}");
+    }
+}
+
 /// Upright, the weight is lifted and lowered: going down the load drives, and the motor brakes with less than
 /// it lifts with; what holds it is between.
 #[test]
