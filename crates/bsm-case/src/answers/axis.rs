@@ -821,7 +821,7 @@ impl<'a> Worked<'a> {
         };
         let [most, least] = of_contacts;
         let value = |key| self.scene.value_or_default(key).unwrap_or(0.0);
-        let drag = self.preload.as_ref().map_or(0.0, Preload::beyond)
+        let drag = self.preload.as_ref().map_or(0.0, |preload| preload.beyond)
             + value(InputKey::seal_torque_Nm)
             + value(InputKey::support_bearing_torque_Nm);
         let ([low, high], what) = BackDriving::of([ideal - most?, ideal - least?], drag);
