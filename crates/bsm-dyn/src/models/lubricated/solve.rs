@@ -163,7 +163,7 @@ impl Lubricated {
         let LubricatedModel::Traction(case) = &self.model else { return None };
         let Temperature::Known(kelvin) = self.lubricant.temperature else { return None };
         let ehl = EhlPoint::new(&case.at, &self.lubricant, kelvin).ok()?;
-        case.lubricated_in_train(ehl, contact_friction, work)
+        case.lubricated_in_train(&ehl, contact_friction, work)
     }
 
     /// The answer at the lowest temperature that the losses keep (Y28).

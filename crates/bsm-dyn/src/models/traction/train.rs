@@ -169,14 +169,14 @@ impl Traction {
     /// The same with a lubricant.
     pub(crate) fn lubricated_in_train(
         &self,
-        ehl: EhlPoint,
+        ehl: &EhlPoint,
         contact_friction: f64,
         work: &mut ModelWorkspace,
     ) -> Option<TrainBall> {
         let ModelWorkspace { traction, lubricated, .. } = work;
         let ScaledRoot { pair, refined, .. } =
-            self.lubricated_root(&ehl, traction, lubricated).ok()?;
-        TrainBall::of(self, (pair, Some(ehl)), &refined.root, contact_friction, work)
+            self.lubricated_root(ehl, traction, lubricated).ok()?;
+        TrainBall::of(self, (pair, Some(*ehl)), &refined.root, contact_friction, work)
     }
 }
 
