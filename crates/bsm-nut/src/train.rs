@@ -275,15 +275,9 @@ impl BallNut {
         });
         let circuits = circuits.collect();
         let rotations: f64 = motions.iter().flatten().map(|motion| motion.rotation).sum();
-        let push = LARGEST_PUSH * self.mean_load(found);
+        let push = LARGEST_PUSH * found.mean_load();
         let contact_torque = 2.0 * self.ball.radius * rotations * push / speed.abs();
         Some(Advance { spread, circuits, contact_torque })
-    }
-
-    /// Mean of the largest loads of the balls \[N\].
-    fn mean_load(&self, found: &Equilibrium) -> f64 {
-        let sum: f64 = found.balls.iter().map(crate::BallInGrooves::max_load).sum();
-        sum / count(found.balls.len())
     }
 
     /// The balls with the pushes of those that touch (O8) to (O16).
@@ -650,14 +644,14 @@ impl Flow<'_> {
     /// Power that screw and load put in \[W\].
     fn put_in(&self, pass: &Pass) -> f64 {
         let per_radian = self.nut.helix.lead() / TAU;
-        let of = |(ball, state): (&Option<&TrainBall>, &State)| {
+        let of = |(ball, state): (Option<&TrainBall>, &State)| {
             let Some(ball) = ball else { return 0.0 };
             let Some(motion) = state.motion else { return self.blocked(ball, state.rate) };
             let axial = ball.axial_load() + motion.axial_push;
             // T W − h (F_j + F_b·k) W                                     (O4)
             (motion.screw_torque - per_radian * axial) * ball.relative_speed()
         };
-        self.balls.iter().zip(&pass.states).map(of).sum()
+        self.balls.iter().copied().zip(&pass.states).map(of).sum()
     }
 
     /// In the order of the circuit.
