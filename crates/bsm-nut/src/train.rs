@@ -177,6 +177,12 @@ pub enum TrainError {
     /// Balls on both flanks are not pressed as this chapter takes them.
     #[error("a ball is pressed by both flanks; pushes are calculated for balls on one flank")]
     BothFlanks,
+    /// The balls of a circuit fill it.
+    #[error("circuit {circuit} has no free length between its balls")]
+    NoRoom {
+        /// Its number.
+        circuit: usize,
+    },
     /// The return takes more than the balls have.
     #[error("the return needs a push of {needed:.3} N, the balls can give {available:.3} N")]
     Return {
@@ -410,6 +416,8 @@ const PASSES: usize = 40;
 const STEP: f64 = 1e-4;
 const GROWTH: f64 = 3.0;
 const STEPS: usize = 12;
+/// Free length over the length of a ball below which the rounding of rates is larger.
+const FULL: f64 = 1e-12;
 /// Rate of the train, relative.
 const RATE: f64 = 1e-11;
 
@@ -547,6 +555,9 @@ impl Flow<'_> {
         let failed = |what| TrainError::NotConverged { circuit: self.circuit, what };
         if rates.is_empty() {
             return Err(failed("no ball of it carries a load"));
+        }
+        if !(self.room >= FULL * self.pitch()) {
+            return Err(TrainError::NoRoom { circuit: self.circuit });
         }
         let needed = self.inputs.exit.push(0.0, centrifugal);
         // A ball gives no more than the friction of both contacts that slide.

@@ -175,3 +175,75 @@ fn reference_cases() {
         }
     }
 }
+
+fn case(name: &str) -> Case {
+    let file: Value = serde_json::from_str(CASES).expect("JSON");
+    let cases = file["cases"].as_array().expect("cases");
+    let one = cases.iter().find(|one| one["case"] == name).expect("a case of this name");
+    Case::of(&one["scene"])
+}
+
+/// 38 balls of one speed, with a load of 65 N each, that a return pushes on.
+fn equal_balls(return_push: f64) -> Case {
+    let mut case = case("T01");
+    case.nut.circuits[0].arc = 4.0 * PI;
+    case.nut.circuits[0].balls = 38;
+    case.support = Support::guided(38.0 * 65.0);
+    case.inputs.exit.push = ExitPush::AtExit(return_push);
+    case
+}
+
+/// A nut that its load drives, 38 balls under a moment, without a push of the return.
+fn driven_back() -> Case {
+    let mut case = case("T05");
+    case.inputs.contact_friction = 0.1;
+    case.inputs.spacer = 0.0;
+    case.inputs.exit = Exit { push: ExitPush::AtExit(0.0), bend: 0.0, friction: 0.0 };
+    case
+}
+
+fn solved(case: &Case) -> Train {
+    case.train().unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn with_room_enough_friction_is_that_of_the_balls_alone() {
+    let mut case = driven_back();
+    let (advance, friction) = case.advance();
+    let needed = advance.circuits[0].needed_gap;
+    case.inputs.gaps = vec![1.001 * needed];
+    let train = solved(&case);
+    assert_eq!((train.touching, train.largest_push), (0, 0.0));
+    // The same balls by the same equations, whose roots leave 1e-10.
+    assert!((train.torque() / friction - 1.0).abs() < 1e-9, "{} {friction}", train.torque());
+    let gaps: f64 = train.circuits[0].balls.iter().map(|ball| ball.gap).sum();
+    assert!((gaps / needed - 1.001).abs() < 1e-9, "{gaps:e} of {needed:e}");
+    case.inputs.gaps = vec![0.99 * needed];
+    assert!(solved(&case).touching > 0);
+}
+
+#[test]
+fn without_friction_of_the_balls_on_each_other_races_and_return_are_all() {
+    let mut case = driven_back();
+    case.inputs.contact_friction = 0.0;
+    case.inputs.gaps = vec![0.2e-3];
+    case.inputs.exit.push = ExitPush::AtExit(0.5);
+    let train = solved(&case);
+    assert!(train.touching > 5 && train.return_torque > 0.0, "{train:?}");
+    assert_eq!(train.contact_torque, 0.0);
+    assert!(train.power_balance.abs() < 1e-9, "{}", train.power_balance);
+}
+
+#[test]
+fn no_room_and_a_return_that_takes_too_much_are_errors() {
+    let mut case = driven_back();
+    case.inputs.gaps = vec![1e-16];
+    assert_eq!(case.train(), Err(TrainError::NoRoom { circuit: 0 }));
+    let mut case = equal_balls(0.0);
+    case.inputs.gaps = vec![0.2e-3];
+    // Both contacts of a ball carry some 50 N, and slide at 0.06 of it each: 6 N a ball.
+    case.inputs.exit.push = ExitPush::AtExit(1e3);
+    let refused = case.train();
+    let Err(TrainError::Return { needed, available }) = refused else { panic!("{refused:?}") };
+    assert!(needed > available && available > 38.0 * 6.0, "{needed} {available}");
+}
