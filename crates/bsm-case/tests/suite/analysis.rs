@@ -482,6 +482,7 @@ fn a_column_has_one_meaning() {
         "lubricant_temperature_C",
         "unsupported_length_mm",
         "shaft_diameter_mm",
+        "axis_heat_transfer_W_K",
         "nut_conductance_W_K",
         "screw_film_W_m2K",
         "gap_conductance_W_K",
@@ -490,7 +491,6 @@ fn a_column_has_one_meaning() {
         "end_conductance_W_K",
         "coolant_conductance_W_K",
         "screw_tension_N",
-        "axis_heat_transfer_W_K",
     ];
     assert_eq!(inputs, same);
     assert_eq!(
