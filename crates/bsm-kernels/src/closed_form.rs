@@ -39,7 +39,7 @@ impl Kernel for ClosedForm {
 #[inline(always)]
 pub(super) fn backwards<S: Simd>(given: &LaneInputs<'_, S>) -> Mask<S> {
     let zero = Lane::splat(given.simd, 0.0);
-    given.speeds().map_or(zero.lt(zero), |(screw, nut)| screw.lt(nut))
+    given.drive().map_or(zero.lt(zero), |drive| drive.relative_speed().lt(zero))
 }
 
 /// Contact angles that are given.
@@ -83,8 +83,8 @@ pub(super) fn transmit<S: Simd>(
     let ideal = ideal_torque(load, pitch * (0.5 * MM), tan_a);
     let torque = turns.select(back.select(ideal * eta, ideal / eta), none);
     out.set(OutputKey::ball_torque_Nm, torque);
-    if let Some((screw, nut)) = given.speeds() {
-        powers(out, (torque, ideal), screw - nut);
+    if let Some(drive) = given.drive() {
+        powers(out, (torque, ideal), drive.relative_speed());
     }
 }
 

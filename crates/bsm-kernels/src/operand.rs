@@ -2,9 +2,10 @@
 
 use std::borrow::Cow;
 
-use bsm_case::units::{DEG, RPM};
+use bsm_case::units::{DEG, drive_of_rpm};
 use bsm_case::{INPUTS, InputKey, Inputs, Relation, Rule, covered};
 use bsm_dyn::{Lubricant, Model, Sines};
+use bsm_kin::Drive;
 use bsm_simd::{NullaryFnOnce, Simd};
 
 /// Vectors that are worked on together: measured, the fastest number for the rigid model.
@@ -111,11 +112,11 @@ impl<S: Simd> LaneInputs<'_, S> {
         Sines { sin_a, cos_a, sin_b, cos_b }
     }
 
-    /// Speeds of screw and nut \[rad/s\], if they are given.
+    /// Speeds of screw and nut, if that of the screw is given.
     #[inline(always)]
-    pub(crate) fn speeds(&self) -> Option<(Lane<S>, Lane<S>)> {
-        let nut = self.get(InputKey::nut_speed_rpm);
-        Some((self.try_get(InputKey::screw_speed_rpm)? * RPM, nut * RPM))
+    pub(crate) fn drive(&self) -> Option<Drive<Lane<S>>> {
+        let screw = self.try_get(InputKey::screw_speed_rpm)?;
+        Some(drive_of_rpm(screw, self.get(InputKey::nut_speed_rpm)))
     }
 
     /// Where the values of all columns keep their rules, alone and against each other, and the model

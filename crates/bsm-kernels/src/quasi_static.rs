@@ -23,7 +23,9 @@ impl Kernel for QuasiStatic {
             friction: sign * given.get(InputKey::friction_coefficient),
             rolling_ratio: sign * given.get(InputKey::rolling_friction_mm) / (ball * 0.5),
             size_ratio: ball / given.get(InputKey::pitch_circle_diameter_mm),
-            nut_turns: given.speeds().map_or(zero.lt(zero), |(screw, _)| screw.abs().le(zero)),
+            nut_turns: given
+                .drive()
+                .map_or(zero.lt(zero), |drive| drive.screw_speed.abs().le(zero)),
         };
         let (eta, ratio) = (contacts.efficiency(back), contacts.load_ratio());
 

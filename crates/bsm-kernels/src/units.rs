@@ -3,6 +3,7 @@
 use bsm_case::InputKey;
 use bsm_case::units::{GPA, MM};
 use bsm_dyn::{Ball, Material, contact_modulus};
+use bsm_kin::Drive;
 use bsm_simd::Simd;
 
 use crate::operand::{Lane, LaneInputs};
@@ -31,8 +32,8 @@ impl<S: Simd> Units<S> {
         let axial = given.get(InputKey::axial_load_N);
         let load = axial / given.get(InputKey::loaded_balls);
         let zero = ball.constant(0.0);
-        let (screw_speed, nut_speed) = given.speeds().unwrap_or((zero, zero));
-        let speed = screw_speed - nut_speed;
+        let drive = given.drive().unwrap_or(Drive { screw_speed: zero, nut_speed: zero });
+        let speed = drive.relative_speed();
         let density = given.get(InputKey::density_kg_m3);
         Self {
             ball,
@@ -40,7 +41,7 @@ impl<S: Simd> Units<S> {
             axial,
             load,
             speed,
-            nut_speed,
+            nut_speed: drive.nut_speed,
             mass: Ball::of_density(ball, density).scaled_mass(speed, load),
         }
     }

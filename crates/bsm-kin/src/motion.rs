@@ -20,11 +20,12 @@ pub struct Drive<D> {
     pub nut_speed: D,
 }
 
-impl<D: Scalar> Drive<D> {
+impl<D: Field> Drive<D> {
     /// Relative speed `$W = \Omega_s - \Omega_n$` \[rad/s\].
     ///
     /// Positive: the drive works against the axial load (rotary to linear). Negative: the load
     /// drives (linear to rotary).
+    #[inline(always)]
     pub fn relative_speed(&self) -> D {
         self.screw_speed - self.nut_speed
     }

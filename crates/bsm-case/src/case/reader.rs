@@ -9,7 +9,7 @@ use bsm_dyn::{
 use bsm_kin::{Drive, Helix, Scalar};
 
 use crate::vocabulary::input_set::lead_angle;
-use crate::vocabulary::units::{DEG, GPA, MM, MM2, RPM, UM};
+use crate::vocabulary::units::{DEG, GPA, MM, MM2, UM, drive_of_rpm};
 use crate::{InputKey, InputSet, ModelChoice, Scene, Settings};
 
 /// The inputs by their keys, given or default, in any scalar: numbers to solve with, jets to take
@@ -94,7 +94,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
     pub(crate) fn drive(&self) -> Option<Drive<D>> {
         let screw = self.given(InputKey::screw_speed_rpm)?;
         let nut = self.value(InputKey::nut_speed_rpm);
-        Some(Drive { screw_speed: screw * RPM, nut_speed: nut * RPM })
+        Some(drive_of_rpm(screw, nut))
     }
 
     /// Rotary to linear unless the speeds say otherwise.

@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use bsm_kin::{Drive, Field};
+
 /// Metres per millimetre.
 pub const MM: f64 = 1e-3;
 /// Metres per micrometre.
@@ -18,6 +20,16 @@ pub const RPM: f64 = PI / 30.0;
 pub const GPA: f64 = 1e9;
 /// Pascals per megapascal.
 pub const MPA: f64 = 1e6;
+
+/// Speeds of screw and nut in revolutions per minute, of one point or of several side by side.
+#[expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+#[inline(always)]
+pub fn drive_of_rpm<F: Field>(screw: F, nut: F) -> Drive<F> {
+    Drive { screw_speed: screw * RPM, nut_speed: nut * RPM }
+}
 
 /// A name of the vocabulary as a label, its unit behind a comma: `axial_load_N` is "axial load, N".
 pub fn words(name: &str, unit: &str) -> String {

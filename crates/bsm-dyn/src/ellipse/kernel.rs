@@ -568,27 +568,10 @@ impl<S: Simd> Chord<S> {
         let (t_n, c_n) = (t_v * x + t_s * y, t_b * x + c_s * y);
         let n_n = x * t_n + y * (t_s * x + s_s * y);
         let (t_vh, t_bh, c_bh) = (t_v * h, t_b * h, c_b * h);
+        let (t_vhh, t_bhh, c_bhh, t_nh, c_nh) = (t_vh * h, t_bh * h, c_bh * h, t_n * h, c_n * h);
         [
-            f_t,
-            f_c,
-            m_t,
-            m_n,
-            m_c,
-            power,
-            t_v,
-            t_vh,
-            t_vh * h,
-            t_b,
-            t_bh,
-            t_bh * h,
-            c_b,
-            c_bh,
-            c_bh * h,
-            t_n,
-            t_n * h,
-            c_n,
-            c_n * h,
-            n_n,
+            f_t, f_c, m_t, m_n, m_c, power, t_v, t_vh, t_vhh, t_b, t_bh, t_bhh, c_b, c_bh, c_bhh,
+            t_n, t_nh, c_n, c_nh, n_n,
         ]
     }
 }
@@ -611,30 +594,11 @@ impl<F: Compare> Resultants<F> {
     /// Of the sums of all terms at a point.
     #[inline(always)]
     pub(super) fn of(all: [F; ALL], point: &Patch<F>) -> Self {
-        let [
-            f_t,
-            f_c,
-            m_t,
-            m_n,
-            m_c,
-            power,
-            // T_v, T_b and C_b, and the same times h and h².
-            t_v,
-            t_vh,
-            t_vhh,
-            t_b,
-            t_bh,
-            t_bhh,
-            c_b,
-            c_bh,
-            c_bhh,
-            // T, the same times h, C and the moment by the spin.
-            t_n,
-            t_nh,
-            c_n,
-            c_nh,
-            n_n,
-        ] = all;
+        let [f_t, f_c, m_t, m_n, m_c, power, all @ ..] = all;
+        // T_v, T_b and C_b, and the same times h and h².
+        let [t_v, t_vh, t_vhh, t_b, t_bh, t_bhh, c_b, c_bh, c_bhh, all @ ..] = all;
+        // T, the same times h, C and the moment by the spin.
+        let [t_n, t_nh, c_n, c_nh, n_n] = all;
         let ([_, w_t, w_n, w_c], r) = (point.motion, point.ball_radius);
         // With the growth of the ellipse x and Y grow alike, and h by dh = 2 (h − r_b).
         let (by_t, by_c) = (w_t * 2.0, w_c * 2.0);

@@ -14,7 +14,7 @@ mod sweep;
 mod trig_quadratic;
 
 use bsm_kin::{Motion, Over, Scalar};
-use bsm_newton::{Equations, EvalError};
+use bsm_newton::EvalError;
 use nalgebra::Vector3;
 
 pub use self::ball::{Plane, RigidBall, RigidMotion};
@@ -26,8 +26,8 @@ pub use self::root::RigidWorkspace;
 pub use self::sweep::Sweeps;
 use crate::contact::{Angles, POWER_BALANCE_TOL};
 use crate::models::ball::{
-    BALL, BallState, BallUnits, ContactState, Direction, Model, OperatingPoint, Reason, Slip,
-    Solution, SolveInfo, Solved, Transmission, Unsolved, friction_angle,
+    BALL, BallState, BallUnits, ContactState, Direction, Model, OperatingPoint, ROWS, Reason, Slip,
+    Solution, SolveInfo, Solved, Transmission, Unsolved, equations, friction_angle,
 };
 
 /// Inputs of the rigid model: the contact angle is that of all three contacts.
@@ -90,25 +90,13 @@ impl RigidSystem {
     pub fn evaluate<D: Over<f64>>(&self, y: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
         self.equations.residual(y)
     }
-}
 
-impl Equations<BALL> for RigidSystem {
-    fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {
-        Equations::residual(&self.equations, x)
-    }
-
-    fn linearize(
-        &self,
-        x: &[f64; BALL],
-        rows: &mut [[f64; BALL]; BALL],
-    ) -> Result<[f64; BALL], EvalError> {
-        self.equations.linearize(x, rows)
-    }
-
-    fn equation(&self, i: usize) -> String {
-        self.equations.equation(i)
+    fn residual_at<D: Over<f64>>(&self, x: &[D; BALL]) -> Result<[D; BALL], EvalError> {
+        self.equations.residual_at(x)
     }
 }
+
+equations!(RigidSystem, BALL, RigidSystem::residual_at, ROWS);
 
 impl<D: Scalar> Rigid<D> {
     /// The point in the model's own units, or why there is none.

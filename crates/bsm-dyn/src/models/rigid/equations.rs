@@ -3,7 +3,7 @@
 //! Theory: `docs/theory/04-rigid.md`, equations (R2) to (R11).
 
 use bsm_kin::{Over, Scalar};
-use bsm_newton::{Equations, EvalError};
+use bsm_newton::EvalError;
 use nalgebra::SVector;
 
 use super::ball::{RigidBall, RigidMotion};
@@ -13,7 +13,7 @@ use crate::cost;
 use crate::models::ball::unknown::{
     MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN,
 };
-use crate::models::ball::{BALL, MOMENT_NORMAL, ROWS, equations, linear, weight};
+use crate::models::ball::{BALL, MOMENT_NORMAL, ROWS, equations, weight};
 
 /// Ratio of inertia to friction below which rounding of loads of the size of the axial load decides about
 /// the slip at A in (R8).
@@ -69,6 +69,11 @@ impl<P: Scalar> RigidEquations<P> {
 }
 
 impl RigidEquations<f64> {
+    /// What the equations leave over, by the numbers of the unknowns.
+    pub(super) fn residual_at<D: Over<f64>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
+        Ok(self.residual(&Unknowns::from(*y))?.into())
+    }
+
     /// The equations of a point, counted as the motion asks for, and the unknowns of that motion.
     pub(super) fn at(ball: &RigidBall<f64>, motion: &RigidMotion<f64>) -> (Self, Unknowns<f64>) {
         let from_ground = motion.rate.abs() < motion.precession.abs();
@@ -122,25 +127,7 @@ impl RigidBall<f64> {
     }
 }
 
-impl Equations<BALL> for RigidEquations<f64> {
-    fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {
-        Ok(Self::residual(self, &Unknowns::from(*x))?.into())
-    }
-
-    fn linearize(
-        &self,
-        x: &[f64; BALL],
-        rows: &mut [[f64; BALL]; BALL],
-    ) -> Result<[f64; BALL], EvalError> {
-        let values;
-        (values, *rows) = linear(x, |x| Ok(Self::residual(self, &Unknowns::from(*x))?.into()))?;
-        Ok(values)
-    }
-
-    fn equation(&self, i: usize) -> String {
-        ROWS[i].to_owned()
-    }
-}
+equations!(RigidEquations<f64>, BALL, RigidEquations::residual_at, ROWS);
 
 /// The existence limit as a system: slip at A zero, lead angle unknown in its place [`SLIP`]
 /// (R11).

@@ -89,8 +89,7 @@ impl<F: Copy> TractionRoot<F> {
     /// Of its numbers.
     #[inline(always)]
     pub fn of(numbers: [F; TRACTION_FOUND]) -> Self {
-        let [y_0, y_1, y_2, y_3, y_4, y_5, y_6, torque, power, error, steps, residual] = numbers;
-        let unknowns = [y_0, y_1, y_2, y_3, y_4, y_5, y_6];
+        let [unknowns @ .., torque, power, error, steps, residual] = numbers;
         Self { unknowns, torque, power, error, steps, residual }
     }
 }
@@ -131,35 +130,9 @@ impl<F: Compare> TractionStart<F> {
     /// Of its numbers.
     #[inline(always)]
     pub fn of(numbers: [F; TRACTION_START]) -> Self {
-        let [
-            sin,
-            cos,
-            radius,
-            arc,
-            reach,
-            l_a,
-            l_b,
-            d_a,
-            d_b,
-            a,
-            b,
-            c,
-            d,
-            r_a,
-            r_b,
-            friction,
-            mass,
-            nut_speed,
-            offset,
-            creep,
-            y_0,
-            y_1,
-            y_2,
-            y_3,
-            y_4,
-            y_5,
-            y_6,
-        ] = numbers;
+        let [sin, cos, radius, arc, reach, l_a, l_b, d_a, d_b, numbers @ ..] = numbers;
+        let [a, b, c, d, r_a, r_b, friction, mass, nut_speed, numbers @ ..] = numbers;
+        let [offset, creep, unknowns @ ..] = numbers;
         let point = TractionPoint {
             lead: (sin, cos),
             radius,
@@ -176,7 +149,7 @@ impl<F: Compare> TractionStart<F> {
             creep,
             at_nut: false,
         };
-        Self { point, unknowns: [y_0, y_1, y_2, y_3, y_4, y_5, y_6] }
+        Self { point, unknowns }
     }
 
     /// Sines and cosines of the contact angles, and the motion over the contacts: speed of the centre along t,
