@@ -7,7 +7,7 @@ from statistics import median
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from conftest import MEASURED, ROOT, bsm, example, settled, solved
+from conftest import MEASURED, bsm, example, settled, solved
 
 FEED = example("feed_drive")
 
@@ -208,16 +208,6 @@ def test_the_cross_moves_by_pointer_and_keys(serve, sheet):
     page.locator("#map .cross").focus()
     sheet.again(lambda: page.keyboard.press("ArrowRight"))
     assert scene_of(page)["screw_speed_rpm"] > moved["screw_speed_rpm"]
-
-
-def test_a_warm_axis_shows_its_temperatures_and_its_fold(serve, sheet):
-    axis = ROOT / "validation" / "published" / "nut" / "feed_axis.json"
-    how = ["--model", "raceway-control", "--set", "preload_arrangement=X", "--set", "nut_conductance_W_K=20"]
-    served, sheet = serve(axis, *how), sheet()
-    words = sheet.open(served.address).inner_text("#nut")
-    nut = json.loads(bsm("nut", axis, *how, "--json"))["warm"]["nut_temperature_C"]
-    assert f"Nut {nut:.5g} °C" in words and "the preload runs away" in words
-    assert sheet.errors == []
 
 
 def test_a_saved_scene_solves_to_the_same_numbers(serve, sheet, tmp_path):
