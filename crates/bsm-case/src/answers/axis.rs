@@ -808,18 +808,16 @@ impl<'a> Worked<'a> {
         if weight == 0.0 {
             return None;
         }
-        let of_contacts = match self.scene.friction_coefficient {
-            Some(coefficient) => FRICTION.map(|factor| {
+        let [most, least] = if let Some(coefficient) = self.scene.friction_coefficient {
+            FRICTION.map(|factor| {
                 let friction_coefficient = Some(factor * coefficient);
                 friction(&Scene { friction_coefficient, ..self.scene.clone() })
-            }),
-            None => {
-                let nominal = friction(self.scene)?;
-                let [low, high] = contacts::band(self.scene, settings, &phase, work)?;
-                [high, low].map(|factor| Some(factor * nominal))
-            }
+            })
+        } else {
+            let nominal = friction(self.scene)?;
+            let [low, high] = contacts::band(self.scene, settings, &phase, work)?;
+            [high, low].map(|factor| Some(factor * nominal))
         };
-        let [most, least] = of_contacts;
         let value = |key| self.scene.value_or_default(key).unwrap_or(0.0);
         let drag = self.preload.as_ref().map_or(0.0, |preload| preload.beyond)
             + value(InputKey::seal_torque_Nm)
