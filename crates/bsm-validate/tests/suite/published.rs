@@ -33,9 +33,8 @@ fn page_shows_every_check_and_figure() {
             let there = curve.points.iter().filter(|(_, y)| y.is_finite()).count();
             // Self-locking by the load is there at small lead angles only; the largest balls of Sobolewski
             // (2002) fit on three of his leads.
-            // Eq 13 is one point of the curve of Eq 11, a fold one of a branch.
+            // Eq 13 is one point of the curve of Eq 11.
             let least = match (figure.key.as_str(), curve.label.as_deref()) {
-                ("feed-axis", Some("fold: no state above")) => 1,
                 ("lin-efficiency-slip-angle", Some("slip angle of Eq 13")) => 1,
                 // Those of two X pairs.
                 ("feed-axis", Some("fold: no state above")) => 2,
