@@ -412,10 +412,14 @@ impl Pass {
 const AROUND: f64 = 1e-9;
 /// Passes around a circuit: the first free ball forgets what was before, so that two are enough where there is one.
 const PASSES: usize = 40;
-/// First step from the rate of the linear law, over the rate; what it grows by; and the number of steps.
+/// First step from the rate of the linear law where that does not say how far, over the rate, and what it grows by.
 const STEP: f64 = 1e-4;
 const GROWTH: f64 = 3.0;
-const STEPS: usize = 12;
+/// Rates of the train that are tried, and which of them halve the interval that is left.
+const STEPS: usize = 100;
+const BISECT: usize = 8;
+/// Free length that may be left over, relative.
+const LENGTH: f64 = 1e-10;
 /// Free length over the length of a ball below which the rounding of rates is larger.
 const FULL: f64 = 1e-12;
 /// Rate of the train, relative.
@@ -462,9 +466,10 @@ impl Flow<'_> {
                     push += self.inputs.idle_drag;
                     return rate;
                 };
-                let free = ball.free().rate - ball.compliance() * push;
+                let [by_front, by_back] = ball.compliances();
+                let free = ball.free().rate + by_front * push;
                 // N_b = max(0, N_f − (p_free − p_c)/c)                    (O11)
-                push = ((rate - free) / ball.compliance()).max(0.0);
+                push = ((rate - free) / by_back).max(0.0);
                 free.max(rate)
             });
             surplus = self.surplus(rate, rates);
@@ -480,17 +485,20 @@ impl Flow<'_> {
     fn pass(&self, rate: f64, last: &mut Pass, work: &mut ModelWorkspace) -> Option<()> {
         let centrifugal = self.centrifugal();
         last.rate = rate;
+        let mut entry = last.entry();
         for _ in 0..PASSES {
-            let entry = last.entry();
             last.exit = self.inputs.exit.push(entry, centrifugal);
             let mut front = last.exit;
             for (ball, state) in self.balls.iter().zip(&mut last.states).rev() {
                 *state = self.state(*ball, state, rate, front, work)?;
                 front = state.pushes[1];
             }
-            // Where all balls touch, the push of each pass is added to the one before: there is no free length.
+            // Where all balls touch, each pass adds the push of the return: there is no free length. Without a push
+            // at the entry to begin with, that is so for this rate; with one it may be what another rate left.
             let all_touch = last.states.iter().all(|state| state.rate <= rate);
-            if all_touch || (last.entry() - entry).abs() <= AROUND * entry {
+            let before = entry;
+            entry = if all_touch { 0.0 } else { last.entry() };
+            if (entry - before).abs() <= AROUND * before {
                 return Some(());
             }
         }
@@ -579,40 +587,71 @@ impl Flow<'_> {
             }
             return Ok(pass);
         }
-        let linear = |rate| self.linear(rate, centrifugal);
         let begin = [0.5 * apart, 2.0 * apart];
-        let guess = Bracket { x_tol: 1e-9, ..Bracket::new(begin, begin.map(linear)) }.root(linear);
-        let guess = guess.root().map_or(apart, |root| root.x);
-        let mut surplus = |rate: f64| -> f64 {
-            match self.pass(rate, &mut pass, work) {
+        // The rate at which the linear law leaves so much more than the free length.
+        let linear_rate = |more: f64| {
+            let missing = |rate| self.linear(rate, centrifugal) - more;
+            let bracket = Bracket { x_tol: 0.1 * RATE, ..Bracket::new(begin, begin.map(missing)) };
+            bracket.root(missing).root().map(|root| root.x)
+        };
+        let lost = || failed("a ball in the train has no steady motion");
+        let mut rate = linear_rate(0.0).unwrap_or(apart);
+        // The surplus falls with the rate of the train: rates at which it is positive and negative.
+        let mut ends = [None; 2];
+        let mut last: Option<[f64; 2]> = None;
+        let mut step = STEP;
+        for number in 0..STEPS {
+            let surplus = match self.pass(rate, &mut pass, work) {
                 Some(()) => self.surplus(rate, pass.states.iter().map(|state| state.rate)),
                 // Pushes rise with the rate of the train, up to what no ball can take.
                 None => {
                     pass.states.clone_from(&free);
                     f64::NEG_INFINITY
                 }
+            };
+            if surplus.abs() <= LENGTH * self.room / self.pitch() {
+                return self.checked(pass, work);
             }
-        };
-        let lost = || failed("a ball in the train has no steady motion");
-        let mut here = (guess, surplus(guess));
-        let mut step = STEP;
-        let mut bracket = None;
-        for _ in 0..STEPS {
-            // The surplus falls with the rate of the train.
-            let there = here.0 * (1.0 + step * here.1.signum());
-            let next = (there, surplus(there));
-            if next.1.signum() * here.1.signum() <= 0.0 {
-                bracket = Some(Bracket::new([here.0, next.0], [here.1, next.1]));
-                break;
+            ends[usize::from(surplus < 0.0)] = Some(rate);
+            if let [Some(low), Some(high)] = ends
+                && (high - low).abs() <= RATE * low
+            {
+                self.pass(low, &mut pass, work).ok_or_else(lost)?;
+                return self.checked(pass, work);
             }
-            here = next;
-            step *= GROWTH;
+            // The linear law, moved and stretched so that it has the last two surpluses.
+            let linear = self.linear(rate, centrifugal);
+            let stretch = last.map_or(1.0, |[before, then]| (surplus - before) / (linear - then));
+            let stretch = if stretch.is_finite() { stretch.clamp(0.1, 10.0) } else { 1.0 };
+            last = surplus.is_finite().then_some([surplus, linear]);
+            let next = last.and_then(|_| linear_rate(linear - surplus / stretch));
+            rate = match ends {
+                [Some(low), Some(high)] => next
+                    .filter(|next| low < *next && *next < high && number % BISECT != BISECT - 1)
+                    .unwrap_or(0.5 * (low + high)),
+                _ => {
+                    let far = rate * (1.0 + step * surplus.signum());
+                    step *= GROWTH;
+                    next.filter(|next| (next - rate) * surplus > 0.0).unwrap_or(far)
+                }
+            };
         }
-        let bracket =
-            bracket.ok_or_else(|| failed("no rate of the train leaves this free length"))?;
-        let found = Bracket { x_tol: RATE, f_tol: 1e-13, ..bracket }.root(&mut surplus);
-        let rate = found.root().ok_or_else(lost)?.x;
-        self.pass(rate, &mut pass, work).ok_or_else(lost)?;
+        Err(failed("no rate of the train leaves this free length"))
+    }
+
+    /// The circuit, where the rate of each ball in the train rises with the push behind it: if not, there is another.
+    fn checked(&self, pass: Pass, work: &mut ModelWorkspace) -> Result<Pass, TrainError> {
+        for (ball, state) in self.balls.iter().zip(&pass.states) {
+            let (Some(ball), Some(motion)) = (ball, &state.motion) else { continue };
+            let mut rises =
+                || ball.compliances_at(motion, work).is_some_and(|[_, back]| back > 0.0);
+            if motion.pushes[1] > 0.0 && !rises() {
+                return Err(TrainError::NotConverged {
+                    circuit: self.circuit,
+                    what: "a ball in the train does not move faster if it is pushed more",
+                });
+            }
+        }
         Ok(pass)
     }
 

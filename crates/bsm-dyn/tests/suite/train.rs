@@ -118,7 +118,15 @@ fn the_compliance_is_the_slope_of_the_rate() {
     let there = ball.pushed(ball.free(), [0.0, step], work).expect("a motion");
     let slope = (there.rate - ball.free().rate) / step;
     // The law bends by 20 % over a tenth of f Q = 0.4 N, so by 1e-4 over the step; the roots leave 1e-9.
-    assert_near("compliance", ball.compliance(), slope, 1e-3);
+    let [front, back] = ball.compliances();
+    assert_near("compliance", back, slope, 1e-3);
+    let there = ball.pushed(ball.free(), [step, 0.0], work).expect("a motion");
+    assert_near("of the front", front, (there.rate - ball.free().rate) / step, 1e-3);
+    // Under pushes as well.
+    let here = ball.pushed(ball.free(), [1.0, 2.0], work).expect("a motion");
+    let there = ball.pushed(&here, [1.0, 2.0 + step], work).expect("a motion");
+    let [_, back] = ball.compliances_at(&here, work).expect("slopes");
+    assert_near("compliance", back, (there.rate - here.rate) / step, 1e-3);
 }
 
 #[test]
@@ -130,4 +138,38 @@ fn a_held_ball_and_a_pushed_one_are_the_same_motion() {
     // Both roots leave 1e-10 of the balance.
     assert_near("push behind", held.pushes[1], 0.5, 1e-6);
     assert_near("torque", held.screw_torque, pushed.screw_torque, 1e-9);
+}
+
+/// Change of the rate by a push on this ball without friction of the neighbours, in per cent for a push of `f Q`.
+fn softness(load: f64, rpm: f64, part: f64) -> (f64, f64) {
+    let work = &mut ModelWorkspace::default();
+    let mut at = ball(rpm);
+    at.point.load.axial = load;
+    let traction = Traction { at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
+    let ball = traction.in_train(0.0, work).expect("a ball that moves");
+    let free = ball.free();
+    let most = 0.06 * 0.5 * free.loads.iter().sum::<f64>();
+    let moved = ball.pushed(free, [0.0, part * most], work).expect("a motion");
+    (100.0 * (moved.rate / free.rate - 1.0) / part, moved.race_power / free.race_power - 1.0)
+}
+
+/// The table of 17.1 of the reference: load, drive, slopes at these parts of `f Q`, growth of the power at the last but one.
+#[test]
+fn a_ball_is_as_soft_as_the_reference_says() {
+    let parts = [0.001, 0.01, 0.1, 0.3, 1.0, 1.5];
+    for (load, rpm, slopes, growth) in [
+        (10.0, 100.0, [51.0, 85.0, 13.0, 5.2, 3.4, 5.3], 0.57),
+        (50.0, 100.0, [14.5, 17.6, 7.8, 3.7, 2.3, 2.8], 0.26),
+        (500.0, 100.0, [2.15, 2.15, 2.15, 2.12, 2.23, 2.7], 0.20),
+        (50.0, -100.0, [2.34, 2.35, 2.22, 1.85, 1.71, 2.8], 0.33),
+    ] {
+        for (part, slope) in parts.into_iter().zip(slopes) {
+            let (got, lost) = softness(load, rpm, part);
+            // Two digits are printed.
+            assert_near(&format!("{load} N, {rpm} rpm, {part} f Q"), got, slope, 0.03);
+            if part == 1.0 {
+                assert!((lost - growth).abs() < 0.006, "{load} N, {rpm} rpm: {lost}");
+            }
+        }
+    }
 }

@@ -17,7 +17,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// A nut of 1 to 400 balls, its features on or off by chance.
-fn nut(rng: &mut impl Rng) -> BallNut {
+pub(crate) fn nut(rng: &mut impl Rng) -> BallNut {
     let ball = rng.log_uniform(1e-3, 12e-3);
     let pitch = ball * rng.random_range(4.0..16.0);
     let lead = ball * rng.random_range(1.1..4.0);
@@ -86,7 +86,7 @@ fn nut(rng: &mut impl Rng) -> BallNut {
 }
 
 /// A load up to about half of the dynamic rating, a side load and a moment, free, guided or sprung.
-fn support(rng: &mut impl Rng, nut: &BallNut) -> Support {
+pub(crate) fn support(rng: &mut impl Rng, nut: &BallNut) -> Support {
     // 0.5 C_a of a nut of Z balls is near 250 N/mm² of each ball.
     let most = 250e6
         * 4.0

@@ -7,18 +7,22 @@ use bsm_dyn::{
 };
 use bsm_kin::Drive;
 use bsm_nut::{
-    Advance, BallNut, Equilibrium, Exit, ExitPush, Freedom, Rolling, Support, Train, TrainError,
-    TrainInputs,
+    Advance, BallNut, Circuit, Equilibrium, Exit, ExitPush, Flanks, FreeMotion, Freedom, LeadError,
+    Rolling, Support, Train, TrainError, TrainInputs,
 };
+use bsm_sample::Sample;
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
 
+use crate::campaign;
 use crate::public::{number, nut};
 use crate::warm::oil_68;
 
 const CASES: &str = include_str!("../../../../validation/published/nut/ball_train.json");
 
 /// A nut with the inputs of its train.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 struct Case {
     nut: BallNut,
     support: Support,
@@ -93,8 +97,8 @@ impl Case {
         self.nut.train(&self.found(), self.friction, &self.drive, &self.inputs, ball)
     }
 
-    /// The advance, and the friction torque of the balls as they are solved alone.
-    fn advance(&self) -> (Advance, f64) {
+    /// The advance, and of the balls as they are solved alone the friction torque and the motion of the first.
+    fn advance(&self) -> (Advance, f64, Option<FreeMotion>) {
         let (found, mut work) = (self.found(), ModelWorkspace::default());
         let solve = |at| match self.model(at) {
             Ok(dry) => bsm_dyn::Problem::Traction(dry).solve(&mut work),
@@ -103,7 +107,8 @@ impl Case {
         let friction = self.nut.friction(&found, self.friction, &self.drive, 0.0, solve);
         let spacer = self.inputs.spacer;
         let advance = self.nut.advance(&found, &friction.motions, &self.drive, spacer);
-        (advance.expect("balls that move"), friction.torque.expect("a torque"))
+        let torque = friction.torque.expect("a torque");
+        (advance.expect("balls that move"), torque, friction.motions[0])
     }
 }
 
@@ -122,7 +127,7 @@ fn reference_cases() {
         let near = |what: &str, got: f64, want: f64, allowed: f64| {
             assert!((got - want).abs() <= allowed, "{name} {what}: {got} in place of {want}");
         };
-        let (advance, _) = case.advance();
+        let (advance, ..) = case.advance();
         near("spread", advance.spread, number(expected, "advance_spread").expect("spread"), rates);
         let train = case.train().unwrap_or_else(|error| panic!("{name}: {error}"));
         let friction = number(expected, "friction_torque_Nm").expect("torque");
@@ -206,10 +211,40 @@ fn solved(case: &Case) -> Train {
     case.train().unwrap_or_else(|error| panic!("{error}"))
 }
 
+/// The push behind each ball, in the order of the circuit.
+fn pushes(train: &Train) -> Vec<f64> {
+    train.circuits.iter().flat_map(|circuit| &circuit.balls).map(|ball| ball.pushes[1]).collect()
+}
+
+#[test]
+fn equal_balls_pass_a_push_of_the_return_on_with_a_linear_fall() {
+    let push = 0.02;
+    let mut case = equal_balls(push);
+    case.inputs.contact_friction = 1e-5;
+    case.inputs.gaps = vec![1e-10];
+    let train = solved(&case);
+    let behind = pushes(&train);
+    assert!((train.circuits[0].ends[0] - push).abs() < 1e-12, "{:?}", train.circuits[0].ends);
+    let fall = (push - behind[1]) / 37.0;
+    for (number, got) in (0_u8..).zip(&behind).skip(1) {
+        let want = push - fall * f64::from(38 - number);
+        // Friction of the balls on each other adds 1.6 f_b of the push at each: 6e-4 of it over all.
+        assert!((got - want).abs() < 1e-3 * push, "{number}: {got} in place of {want}");
+    }
+    // The first ball alone is not pushed, or less than by one fall.
+    assert!(behind[0] <= fall && behind[1] <= 2.0 * fall, "{behind:?}");
+    // f_b Z N_x r_b |w|: the sum of N_f + N_b is Z N_x, but for the first of 38 balls.
+    let motion = case.advance().2.expect("a motion");
+    let speed = case.drive.relative_speed();
+    let power = 1e-5 * 38.0 * push * case.nut.ball.radius * motion.rotation;
+    let ratio = train.contact_torque * speed / power;
+    assert!((ratio - 1.0).abs() < 1.0 / 38.0, "{ratio}");
+}
+
 #[test]
 fn with_room_enough_friction_is_that_of_the_balls_alone() {
     let mut case = driven_back();
-    let (advance, friction) = case.advance();
+    let (advance, friction, _) = case.advance();
     let needed = advance.circuits[0].needed_gap;
     case.inputs.gaps = vec![1.001 * needed];
     let train = solved(&case);
@@ -220,6 +255,35 @@ fn with_room_enough_friction_is_that_of_the_balls_alone() {
     assert!((gaps / needed - 1.001).abs() < 1e-9, "{gaps:e} of {needed:e}");
     case.inputs.gaps = vec![0.99 * needed];
     assert!(solved(&case).touching > 0);
+}
+
+#[test]
+fn pushes_fall_with_room_and_rise_with_the_push_of_the_return() {
+    // Roots leave 1e-10 of the load, 2e-11 of the rate are 1e-9 of f Q.
+    let not_above = |low: &[f64], high: &[f64]| {
+        for (number, (low, high)) in low.iter().zip(high).enumerate() {
+            assert!(*low <= high + 1e-6, "ball {number}: {low} above {high}");
+        }
+    };
+    for mut case in [driven_back(), equal_balls(0.5)] {
+        let mut tighter = None;
+        for gap in [0.05e-3, 0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3] {
+            case.inputs.gaps = vec![gap];
+            let behind = pushes(&solved(&case));
+            if let Some(tighter) = tighter.replace(behind.clone()) {
+                not_above(&behind, &tighter);
+            }
+        }
+        case.inputs.gaps = vec![0.2e-3];
+        let mut weaker = None;
+        for push in [0.0, 0.2, 0.4, 0.8, 1.6] {
+            case.inputs.exit.push = ExitPush::AtExit(push);
+            let behind = pushes(&solved(&case));
+            if let Some(weaker) = weaker.replace(behind.clone()) {
+                not_above(&weaker, &behind);
+            }
+        }
+    }
 }
 
 #[test]
@@ -234,6 +298,96 @@ fn without_friction_of_the_balls_on_each_other_races_and_return_are_all() {
     assert!(train.power_balance.abs() < 1e-9, "{}", train.power_balance);
 }
 
+/// The same nut turned by 180 deg about x.
+fn turned(case: &Case) -> Case {
+    let mut turned = case.clone();
+    let sign = [-1.0, 1.0, -1.0, 1.0, -1.0];
+    for (freedom, sign) in turned.support.0.iter_mut().zip(sign) {
+        match freedom {
+            Freedom::Loaded(load) | Freedom::Sprung { load, .. } => *load *= sign,
+            Freedom::Held(at) => *at *= sign,
+        }
+    }
+    for circuit in &mut turned.nut.circuits {
+        circuit.start = -(circuit.start + circuit.arc);
+        circuit.offset = -circuit.offset;
+        circuit.flanks = match circuit.flanks {
+            Flanks::Plus => Flanks::Minus,
+            Flanks::Minus => Flanks::Plus,
+            Flanks::Both => Flanks::Both,
+        };
+    }
+    turned.drive.screw_speed = -turned.drive.screw_speed;
+    turned.drive.nut_speed = -turned.drive.nut_speed;
+    turned
+}
+
+fn same(one: &Train, other: &Train, [length, force]: [f64; 2], reversed: bool) {
+    let torque = length * force;
+    for (name, [one, other]) in [
+        ("races", [one.race_torque, other.race_torque]),
+        ("balls", [one.contact_torque, other.contact_torque]),
+        ("return", [one.return_torque, other.return_torque]),
+    ] {
+        // Roots leave 1e-10 of the loads; what is lost is some hundredth of what they transmit.
+        assert!((one * torque - other).abs() <= 1e-7 * other.abs(), "{name}: {one} {other}");
+    }
+    for (one, other) in one.circuits.iter().zip(&other.circuits) {
+        assert!((one.rate / other.rate - 1.0).abs() < 1e-9, "{} {}", one.rate, other.rate);
+    }
+    let [one_largest, mut behind] = [one.largest_push, 0.0].map(|push| push);
+    let (one, mut other) = (pushes(one), pushes(other));
+    if reversed {
+        other.reverse();
+    }
+    for (one, other) in one.iter().zip(&other) {
+        behind = f64::max(behind, *one);
+        // 1e-10 of a load of a hundred newtons, and a rate of 1e-11 over 2 % of a newton.
+        assert!((one * force - other).abs() < 1e-6 * one_largest * force, "{one} {other}");
+    }
+    assert!(behind > 0.0);
+}
+
+#[test]
+fn a_nut_turned_about_a_radius_has_the_same_pushes() {
+    for mut case in [driven_back(), equal_balls(0.5)] {
+        case.inputs.gaps = vec![0.2e-3];
+        same(&solved(&case), &solved(&turned(&case)), [1.0; 2], true);
+    }
+}
+
+#[test]
+fn a_turning_nut_has_the_pushes_of_a_turning_screw_without_inertia() {
+    let mut case = driven_back();
+    case.nut.ball.mass *= 1e-7;
+    case.inputs.gaps = vec![0.2e-3];
+    let mut driven = case.clone();
+    driven.drive = Drive { screw_speed: 0.0, nut_speed: -case.drive.screw_speed };
+    same(&solved(&case), &solved(&driven), [1.0; 2], false);
+}
+
+#[test]
+fn pushes_scale_with_the_square_of_the_length() {
+    let mut case = driven_back();
+    case.nut.ball.mass *= 1e-7;
+    case.inputs.gaps = vec![0.2e-3];
+    case.inputs.exit.push = ExitPush::AtExit(0.3);
+    let length: f64 = 3.0;
+    let force = length * length;
+    let mut scaled = case.clone();
+    scaled.nut.helix.radius *= length;
+    scaled.nut.ball.radius *= length;
+    let units = [force, force, force, force * length, force * length];
+    for (freedom, unit) in scaled.support.0.iter_mut().zip(units) {
+        if let Freedom::Loaded(load) = freedom {
+            *load *= unit;
+        }
+    }
+    scaled.inputs.gaps = vec![0.2e-3 * length];
+    scaled.inputs.exit.push = ExitPush::AtExit(0.3 * force);
+    same(&solved(&case), &solved(&scaled), [length, force], false);
+}
+
 #[test]
 fn no_room_and_a_return_that_takes_too_much_are_errors() {
     let mut case = driven_back();
@@ -246,4 +400,297 @@ fn no_room_and_a_return_that_takes_too_much_are_errors() {
     let refused = case.train();
     let Err(TrainError::Return { needed, available }) = refused else { panic!("{refused:?}") };
     assert!(needed > available && available > 38.0 * 6.0, "{needed} {available}");
+}
+
+#[test]
+fn balls_that_do_not_turn_pass_the_push_on() {
+    // A tilted nut: beside the idle balls some carry so little that their neighbours stop them.
+    let mut case = case("T04");
+    case.inputs.contact_friction = 0.3;
+    case.inputs.idle_drag = 0.05;
+    case.inputs.exit.push = ExitPush::AtExit(0.5);
+    let train = solved(&case);
+    let [blocked, idle] = [Rolling::Blocked, Rolling::Idle].map(|rolling| train.number_of(rolling));
+    assert!(blocked > 0 && idle > 0, "{blocked} {idle}");
+    let balls = &train.circuits[0].balls;
+    for ball in balls.iter().filter(|ball| ball.rolling != Rolling::Rolls) {
+        assert!((ball.pushes[1] - ball.pushes[0] - 0.05).abs() < 1e-15, "{ball:?}");
+    }
+    assert!(train.power_balance.abs() < 1e-9, "{}", train.power_balance);
+}
+
+fn count(number: usize) -> f64 {
+    f64::from(u32::try_from(number).expect("small"))
+}
+
+/// Rounds until the state repeats, and to the end.
+const ROUNDS: [f64; 2] = [20.0, 30.0];
+
+/// A closed track of as many places as balls, of rates without pushes and compliances.
+struct Track<'a> {
+    rates: &'a [f64],
+    compliances: &'a [f64],
+    /// Places and all gaps, over the length of a ball.
+    length: f64,
+}
+
+impl Track<'_> {
+    /// Rate without pushes and compliance at a position, between the two places beside it.
+    fn at(&self, position: f64) -> [f64; 2] {
+        let all = count(self.rates.len());
+        let place = (position / self.length * all - 0.5).rem_euclid(all);
+        let part = place.fract();
+        let (mut low, mut high) = (0, self.rates.len());
+        while high - low > 1 {
+            let middle = usize::midpoint(low, high);
+            if count(middle) <= place { low = middle } else { high = middle }
+        }
+        let next = (low + 1) % self.rates.len();
+        [self.rates, self.compliances].map(|of| of[low] * (1.0 - part) + of[next] * part)
+    }
+
+    /// Speeds of balls that touch, from the last to the first: those that are least in friction power among all that
+    /// do not fall from a ball to the one in front. Also the largest push.
+    fn speeds(balls: &[[f64; 2]]) -> (Vec<f64>, f64) {
+        // Blocks of balls of one speed: sum of rate over compliance, of one over it, number.
+        let mut blocks: Vec<(f64, f64, usize)> = Vec::new();
+        for [rate, compliance] in balls {
+            let mut block = (rate / compliance, 1.0 / compliance, 1);
+            while let Some(behind) = blocks.last().filter(|b| b.0 / b.1 > block.0 / block.1) {
+                block = (block.0 + behind.0, block.1 + behind.1, block.2 + behind.2);
+                blocks.pop();
+            }
+            blocks.push(block);
+        }
+        let of = |(sum, weight, number): &(f64, f64, usize)| vec![sum / weight; *number];
+        let speeds: Vec<_> = blocks.iter().flat_map(of).collect();
+        let (mut push, mut largest) = (0.0, 0.0);
+        for (speed, [rate, compliance]) in speeds.iter().zip(balls).rev() {
+            push += (speed - rate) / compliance;
+            largest = f64::max(largest, push);
+        }
+        (speeds, largest)
+    }
+
+    /// Flux and largest push of the steady state, by steps of a twentieth of a ball.
+    fn simulated(&self) -> [f64; 2] {
+        let number = self.rates.len();
+        let mean = self.rates.iter().sum::<f64>() / count(number);
+        let mut positions: Vec<_> =
+            (0..number).map(|ball| count(ball) * self.length / count(number)).collect();
+        let round = self.length / mean;
+        let (mut time, mut way, mut largest) = (0.0, 0.0, 0.0_f64);
+        while time < ROUNDS[1] * round {
+            let balls: Vec<_> = positions.iter().map(|at| self.at(*at)).collect();
+            let gap = |ball: usize| {
+                let wrap = if ball + 1 == number { self.length } else { 0.0 };
+                positions[(ball + 1) % number] + wrap - positions[ball] - 1.0
+            };
+            let gaps: Vec<_> = (0..number).map(gap).collect();
+            let open = gaps.iter().position(|gap| *gap > 1e-12).expect("a gap");
+            // Balls that touch, from behind an open gap on.
+            let mut speeds = vec![0.0; number];
+            let mut chain = Vec::new();
+            let mut push = 0.0_f64;
+            for ball in (open + 1..=open + number).map(|ball| ball % number) {
+                chain.push(ball);
+                if gaps[ball] > 1e-12 {
+                    let of: Vec<_> = chain.iter().map(|ball| balls[*ball]).collect();
+                    let (found, most) = Self::speeds(&of);
+                    push = push.max(most);
+                    for (ball, speed) in chain.drain(..).zip(found) {
+                        speeds[ball] = speed;
+                    }
+                }
+            }
+            let closed = |ball: usize| {
+                let closing = speeds[ball] - speeds[(ball + 1) % number];
+                if gaps[ball] > 1e-12 && closing > 0.0 { gaps[ball] / closing } else { f64::MAX }
+            };
+            let step = (0..number).map(closed).fold(0.05 / mean, f64::min);
+            for (at, speed) in positions.iter_mut().zip(&speeds) {
+                *at += speed * step;
+            }
+            time += step;
+            if time > ROUNDS[0] * round {
+                way += step * speeds.iter().sum::<f64>();
+                largest = largest.max(push);
+            } else {
+                way = 0.0;
+            }
+        }
+        [way / self.length / (time - ROUNDS[0] * round), largest]
+    }
+}
+
+#[test]
+fn a_simulation_in_time_has_the_same_flux() {
+    // 500 N a ball, whose law is linear to 1 % up to 0.3 f Q; the lead error gives two waves of the load.
+    let mut case = equal_balls(0.0);
+    case.inputs.contact_friction = 0.0;
+    case.support = Support::guided(38.0 * 500.0);
+    let wave = LeadError::Wave { amplitude: 3e-6, order: 1.0, phase: 0.3 };
+    case.nut.errors.lead.push(wave);
+    let room = 0.3 * case.advance().0.circuits[0].needed_gap;
+    case.inputs.gaps = vec![room];
+    let train = solved(&case);
+    let rate = train.circuits[0].rate;
+    let (found, mut work) = (case.found(), ModelWorkspace::default());
+    let balls: Vec<_> = (0..found.balls.len())
+        .map(|number| {
+            let alone = case.nut.ball_alone(&found, number, 0.06, &case.drive);
+            case.in_train(alone.expect("a ball"), &mut work).expect("a motion")
+        })
+        .collect();
+    let rates: Vec<_> = balls.iter().map(|ball| ball.free().rate).collect();
+    let compliances: Vec<_> = balls.iter().map(|ball| ball.compliances()[1]).collect();
+    let pitch = case.nut.helix.arc_length_per_radian() * case.nut.touch_angle(0.0);
+    let length = 38.0 + room / pitch;
+    let [flux, push] = Track { rates: &rates, compliances: &compliances, length }.simulated();
+    let alone = rates.iter().sum::<f64>() / length;
+    let got =
+        format!("{rate} {flux} {alone}, {} {push} N, {} touch", train.largest_push, train.touching);
+    println!("{got}");
+    assert!(train.touching > 10, "{got}");
+    assert!((rate / flux - 1.0).abs() < 1e-4, "{got}");
+    // Without pushes the flux differs more.
+    assert!((alone / flux - 1.0).abs() > 3e-4, "{got}");
+    // The simulation passes between the places of the nut, and its largest push is that of all instants.
+    assert!((train.largest_push / push - 1.0).abs() < 0.05, "{got}");
+}
+
+/// A nut of at most 60 balls of one size, with rooms from 0 to 1 % of a ball each and a return that may push.
+fn random(rng: &mut impl Rng) -> (Case, Equilibrium) {
+    loop {
+        let mut nut = campaign::nut(rng);
+        nut.errors.balls.clear();
+        if nut.balls() > 60 {
+            continue;
+        }
+        let support = campaign::support(rng, &nut);
+        let Ok(found) = nut.solve(&support) else { continue };
+        let load = found.max_load();
+        let way = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+        let speed = way * rng.log_uniform(0.1, 100.0);
+        let drive = match rng.random_range(0..3) {
+            0 => Drive { screw_speed: 0.0, nut_speed: speed },
+            _ => Drive { screw_speed: speed, nut_speed: 0.0 },
+        };
+        let gap = |circuit: &Circuit| {
+            count(circuit.balls) * 2.0 * nut.ball.radius * 0.01 * rng.random_range(0.0..1.0)
+        };
+        let gaps = nut.circuits.iter().map(gap).collect();
+        let push = if rng.random_bool(0.5) { load * rng.log_uniform(1e-5, 0.05) } else { 0.0 };
+        let push =
+            if rng.random_bool(0.5) { ExitPush::AtExit(push) } else { ExitPush::AtEntry(push) };
+        let inputs = TrainInputs {
+            gaps,
+            spacer: if rng.random_bool(0.3) { 0.1 * nut.ball.radius } else { 0.0 },
+            contact_friction: if rng.random_bool(0.2) { 0.0 } else { rng.log_uniform(0.01, 0.3) },
+            exit: Exit { push, bend: rng.random_range(0.0..PI), friction: 0.1 },
+            idle_drag: if rng.random_bool(0.2) { 1e-4 * load } else { 0.0 },
+        };
+        let friction = Some(rng.log_uniform(0.01, 0.15));
+        return (Case { nut, support, friction, oil: None, drive, inputs }, found);
+    }
+}
+
+/// What is wrong with a train by its rates and pushes alone.
+fn wrong(case: &Case, train: &Train) -> Option<String> {
+    let pitch = case.nut.helix.arc_length_per_radian() * case.nut.touch_angle(case.inputs.spacer);
+    for (circuit, room) in train.circuits.iter().zip(&case.inputs.gaps) {
+        let gaps: f64 = circuit.balls.iter().map(|ball| ball.gap).sum();
+        // 1e-10 of the room, or 1e-11 of the rate for each ball.
+        let allowed = 1e-9 * room + 1e-9 * pitch;
+        if (gaps - room).abs() > allowed {
+            return Some(format!("gaps of {gaps:e} m in a room of {room:e} m"));
+        }
+        for ball in &circuit.balls {
+            let [front, back] = ball.pushes;
+            if !(front >= 0.0 && back >= 0.0 && ball.gap >= -1e-9 * pitch) {
+                return Some(format!("{ball:?}"));
+            }
+            if back > 0.0 && ball.gap > 1e-9 * pitch {
+                return Some(format!("a ball that is pushed is faster than the train: {ball:?}"));
+            }
+        }
+    }
+    let balance = train.power_balance.abs();
+    (balance > 1e-8).then(|| format!("power is out of balance by {balance:e}"))
+}
+
+/// Trains of random nuts: an answer that is right by itself, or a reason.
+#[test]
+#[expect(clippy::print_stderr, reason = "the counts are what a campaign is run for")]
+fn random_trains_have_an_answer_or_a_reason() {
+    let mut rng = ChaCha8Rng::seed_from_u64(43);
+    let points = bsm_sample::campaign(2_000);
+    let (mut solved, mut touching, mut refused, mut lost) = (0, 0, [0; 2], Vec::new());
+    for point in 0..points {
+        let (case, found) = random(&mut rng);
+        let ball = |at, work: &mut ModelWorkspace| case.in_train(at, work);
+        match case.nut.train(&found, case.friction, &case.drive, &case.inputs, ball) {
+            Ok(train) => {
+                solved += 1;
+                touching += usize::from(train.touching > 0);
+                if let Some(wrong) = wrong(&case, &train) {
+                    panic!("{point}: {wrong} {case:?}");
+                }
+            }
+            Err(TrainError::BothFlanks) => refused[0] += 1,
+            Err(TrainError::Return { .. }) => refused[1] += 1,
+            Err(other) => lost.push(format!("{point}: {other}")),
+        }
+    }
+    eprintln!(
+        "{solved} solved, {touching} of them touch, {refused:?} refused, {} not found {:?}",
+        lost.len(),
+        &lost[..lost.len().min(10)]
+    );
+    assert!(solved > points / 2 && touching > points / 10, "{solved} {touching}");
+    assert!(lost.len() <= points / 50, "{lost:?}");
+}
+
+#[test]
+#[ignore = "times"]
+fn times() {
+    let case = case("T02");
+    let found = case.found();
+    let mut of = [const { Vec::new() }; 3];
+    for _ in 0..30 {
+        for (kind, of) in of.iter_mut().enumerate() {
+            let begin = std::time::Instant::now();
+            let mut work = ModelWorkspace::default();
+            if kind < 2 {
+                let solve = |at| {
+                    bsm_dyn::Problem::Traction(case.model(at).unwrap_or_else(|_| panic!()))
+                        .solve(&mut work)
+                };
+                let friction = case.nut.friction(&found, case.friction, &case.drive, 0.0, solve);
+                if kind == 1 {
+                    std::hint::black_box(case.nut.advance(
+                        &found,
+                        &friction.motions,
+                        &case.drive,
+                        0.0,
+                    ));
+                }
+            } else {
+                let ball = |at, work: &mut ModelWorkspace| case.in_train(at, work);
+                std::hint::black_box(case.nut.train(
+                    &found,
+                    case.friction,
+                    &case.drive,
+                    &case.inputs,
+                    ball,
+                ))
+                .unwrap();
+            }
+            of.push(begin.elapsed().as_secs_f64());
+        }
+    }
+    for mut of in of {
+        of.sort_by(f64::total_cmp);
+        println!("{} {}", of[0], of[15]);
+    }
 }

@@ -89,7 +89,7 @@ impl Equations<BALL> for HeldBall<'_> {
     ) -> Result<[f64; BALL], EvalError> {
         let (ball, y) = self.moving(x);
         let found = ball.evaluated::<true>(&y)?;
-        let by_push = ball.by_back_push(&y, self.push.friction)?;
+        let by_push = ball.by_push(&y, [0.0, 1.0], self.push.friction)?;
         for ((to, from), by_push) in rows.iter_mut().zip(&found.rows).zip(by_push) {
             to.copy_from_slice(&from[..BALL]);
             to[PRECESSION] = by_push;
@@ -103,11 +103,16 @@ impl Equations<BALL> for HeldBall<'_> {
 }
 
 impl SlipBall<'_> {
-    /// Derivatives of the equations by the force of the neighbour behind, in which they are linear.
-    fn by_back_push(&self, y: &[f64; BALL], friction: f64) -> Result<[f64; BALL], EvalError> {
+    /// Derivative of the equations in a direction of the forces of both neighbours, in which they are linear.
+    fn by_push(
+        &self,
+        y: &[f64; BALL],
+        [front, back]: [f64; 2],
+        friction: f64,
+    ) -> Result<[f64; BALL], EvalError> {
         let loaded = self.loaded(y)?;
         let mut by_push = [0.0; BALL];
-        Push { front: 0.0, back: 1.0, friction }.add_to(
+        Push { front, back, friction }.add_to(
             &mut by_push,
             self.pair,
             (&loaded, &self.motion_to_nut(y, &loaded)),
@@ -129,7 +134,7 @@ pub struct TrainBall {
     /// Coefficient between balls.
     contact_friction: f64,
     free: TrainMotion,
-    compliance: f64,
+    compliances: [f64; 2],
 }
 
 /// The steady motion of a ball of a train, with the forces of its neighbours.
@@ -208,17 +213,10 @@ impl TrainBall {
             units: [point.load.axial, point.ball.radius, point.drive.relative_speed()],
             contact_friction,
             free,
-            compliance: 0.0,
+            compliances: [0.0; 2],
         };
         ball.free = ball.pushed(&free, [0.0; 2], work)?;
-        // c = −[J⁻¹ dr/dG]_p                                              (O5)
-        let by_push = ball.with(work, |ball, newton| {
-            let y = &free.unknowns;
-            let weights = ball.weights(y);
-            newton.linearize(&Watched::new(ball), y, &weights).ok()?;
-            newton.correction(&ball.by_back_push(y, contact_friction).ok()?).ok()
-        })?;
-        ball.compliance = by_push[PRECESSION] / point.load.axial;
+        ball.compliances = ball.compliances_at(&ball.free, work)?;
         Some(ball)
     }
 
@@ -242,9 +240,38 @@ impl TrainBall {
         self.pair.friction
     }
 
-    /// Growth of the rate by the force of the neighbour behind, without pushes (O5) \[1/N\].
-    pub fn compliance(&self) -> f64 {
-        self.compliance
+    /// Growth of the rate by the forces of the neighbours in front and behind, without pushes (O5) \[1/N\].
+    pub fn compliances(&self) -> [f64; 2] {
+        self.compliances
+    }
+
+    /// The same at a motion of this ball.
+    pub fn compliances_at(
+        &self,
+        motion: &TrainMotion,
+        work: &mut ModelWorkspace,
+    ) -> Option<[f64; 2]> {
+        let [load, ..] = self.units;
+        let y = &motion.unknowns;
+        let push = self.push(motion.pushes);
+        self.with(work, |ball, newton| {
+            let ball = SlipBall { push: Some(push), ..*ball };
+            newton.linearize(&Watched::new(&ball), y, &ball.weights(y)).ok()?;
+            let mut by = |sides| {
+                let by_push = ball.by_push(y, sides, push.friction).ok()?;
+                // c = −[J⁻¹ dr/dG]_p                                      (O5)
+                let change = newton.correction(&by_push).ok()?;
+                Some(change[PRECESSION] / load)
+            };
+            Some([by([1.0, 0.0])?, by([0.0, 1.0])?])
+        })
+    }
+
+    /// These forces of the neighbours in front and behind \[N\].
+    fn push(&self, pushes: [f64; 2]) -> Push {
+        let [load, ..] = self.units;
+        let [front, back] = pushes.map(|push| push / load);
+        Push { front, back, friction: self.contact_friction }
     }
 
     /// The equations, and what they are solved with.
@@ -283,9 +310,7 @@ impl TrainBall {
         self.with(work, |ball, newton| {
             let stride = Continuation { first: 1.0, shortest: 0.02 };
             follow(&mut y, (0.0, 1.0), stride, |part, y| {
-                let [front, back] =
-                    [0, 1].map(|i| (begin[i] + (pushes[i] - begin[i]) * part) / self.units[0]);
-                let push = Push { front, back, friction: self.contact_friction };
+                let push = self.push([0, 1].map(|i| begin[i] + (pushes[i] - begin[i]) * part));
                 SlipBall { push: Some(push), ..*ball }.run(y, newton).converged()
             })
             .ok()?;
@@ -313,8 +338,7 @@ impl TrainBall {
             let offset = self.pair.nut_speed - ball.offset();
             follow(&mut x, (0.0, 1.0), stride, |part, x| {
                 let rate = from.rate + (rate - from.rate) * part;
-                let front = (begin + (front - begin) * part) / load;
-                let push = Push { front, back: f64::NAN, friction: self.contact_friction };
+                let push = self.push([begin + (front - begin) * part, f64::NAN]);
                 let held = HeldBall { ball, push, precession: rate + offset };
                 let (_, y) = held.moving(x);
                 let scales = Scales { x: &[1.0; BALL], f: &ball.weights(&y) };
@@ -335,8 +359,7 @@ impl TrainBall {
         pushes: [f64; 2],
     ) -> Option<TrainMotion> {
         let [load, radius, speed] = self.units;
-        let [front, back] = pushes.map(|push| push / load);
-        let push = Push { front, back, friction: self.contact_friction };
+        let push = self.push(pushes);
         let loaded = ball.loaded(&unknowns).ok()?;
         let to_nut = ball.motion_to_nut(&unknowns, &loaded);
         let axial_push = push.wrench(&self.pair, &loaded.frame, &to_nut).force.dot(&loaded.frame.k);
