@@ -191,6 +191,18 @@ pub enum TrainError {
         /// What all balls before it can give before they slide \[N\].
         available: f64,
     },
+    /// Nothing says how fast the balls of a circuit without a load go.
+    #[error("circuit {circuit} carries no load: the speed of its balls is not known")]
+    Unloaded {
+        /// Its number.
+        circuit: usize,
+    },
+    /// A ball has no steady motion by itself.
+    #[error("a ball of circuit {circuit} has no steady motion by itself")]
+    NoMotion {
+        /// Its number.
+        circuit: usize,
+    },
     /// A ball or a flux that no solve finds.
     #[error("the pushes of circuit {circuit} are not found: {what}")]
     NotConverged {
@@ -318,8 +330,7 @@ impl BallNut {
                 let ball = self
                     .ball_alone(found, number, friction.unwrap_or(f64::NAN), drive)
                     .and_then(|alone| in_train(alone, &mut work));
-                let what = "a ball has no steady motion";
-                Some(ball.ok_or(TrainError::NotConverged { circuit, what })?)
+                Some(ball.ok_or(TrainError::NoMotion { circuit })?)
             };
             balls.push(ball);
         }
@@ -412,16 +423,14 @@ impl Pass {
 const AROUND: f64 = 1e-9;
 /// Passes around a circuit: the first free ball forgets what was before, so that two are enough where there is one.
 const PASSES: usize = 40;
-/// First step from the rate of the linear law where that does not say how far, over the rate, and what it grows by.
+/// First step from the rate of the linear law, over the rate; what it grows by; and the number of steps.
 const STEP: f64 = 1e-4;
 const GROWTH: f64 = 3.0;
-/// Rates of the train that are tried, and which of them halve the interval that is left.
-const STEPS: usize = 100;
-const BISECT: usize = 8;
-/// Free length that may be left over, relative.
-const LENGTH: f64 = 1e-10;
+const STEPS: usize = 12;
 /// Free length over the length of a ball below which the rounding of rates is larger.
 const FULL: f64 = 1e-12;
+/// Free length that may be left over, relative.
+const LENGTH: f64 = 1e-6;
 /// Rate of the train, relative.
 const RATE: f64 = 1e-11;
 
@@ -562,9 +571,9 @@ impl Flow<'_> {
         let mut pass = Pass { rate: 0.0, states: free.clone(), exit: 0.0 };
         let failed = |what| TrainError::NotConverged { circuit: self.circuit, what };
         if rates.is_empty() {
-            return Err(failed("no ball of it carries a load"));
+            return Err(TrainError::Unloaded { circuit: self.circuit });
         }
-        if !(self.room >= FULL * self.pitch()) {
+        if self.room < FULL * self.pitch() {
             return Err(TrainError::NoRoom { circuit: self.circuit });
         }
         let needed = self.inputs.exit.push(0.0, centrifugal);
@@ -587,70 +596,41 @@ impl Flow<'_> {
             }
             return Ok(pass);
         }
+        let linear = |rate| self.linear(rate, centrifugal);
         let begin = [0.5 * apart, 2.0 * apart];
-        // The rate at which the linear law leaves so much more than the free length.
-        let linear_rate = |more: f64| {
-            let missing = |rate| self.linear(rate, centrifugal) - more;
-            let bracket = Bracket { x_tol: 0.1 * RATE, ..Bracket::new(begin, begin.map(missing)) };
-            bracket.root(missing).root().map(|root| root.x)
+        let guess = Bracket { x_tol: 1e-9, ..Bracket::new(begin, begin.map(linear)) }.root(linear);
+        let guess = guess.root().map_or(apart, |root| root.x);
+        let mut surplus = |rate: f64| -> f64 {
+            if self.pass(rate, &mut pass, work).is_some() {
+                return self.surplus(rate, pass.states.iter().map(|state| state.rate));
+            }
+            // Pushes rise with the rate of the train, up to what no ball can take.
+            pass.states.clone_from(&free);
+            f64::NEG_INFINITY
         };
         let lost = || failed("a ball in the train has no steady motion");
-        let mut rate = linear_rate(0.0).unwrap_or(apart);
-        // The surplus falls with the rate of the train: rates at which it is positive and negative.
-        let mut ends = [None; 2];
-        let mut last: Option<[f64; 2]> = None;
+        let mut here = (guess, surplus(guess));
         let mut step = STEP;
-        for number in 0..STEPS {
-            let surplus = match self.pass(rate, &mut pass, work) {
-                Some(()) => self.surplus(rate, pass.states.iter().map(|state| state.rate)),
-                // Pushes rise with the rate of the train, up to what no ball can take.
-                None => {
-                    pass.states.clone_from(&free);
-                    f64::NEG_INFINITY
-                }
-            };
-            if surplus.abs() <= LENGTH * self.room / self.pitch() {
-                return self.checked(pass, work);
+        let mut bracket = None;
+        for _ in 0..STEPS {
+            // The surplus falls with the rate of the train.
+            let there = here.0 * (1.0 + step * here.1.signum());
+            let next = (there, surplus(there));
+            if next.1.signum() * here.1.signum() <= 0.0 {
+                bracket = Some(Bracket::new([here.0, next.0], [here.1, next.1]));
+                break;
             }
-            ends[usize::from(surplus < 0.0)] = Some(rate);
-            if let [Some(low), Some(high)] = ends
-                && (high - low).abs() <= RATE * low
-            {
-                self.pass(low, &mut pass, work).ok_or_else(lost)?;
-                return self.checked(pass, work);
-            }
-            // The linear law, moved and stretched so that it has the last two surpluses.
-            let linear = self.linear(rate, centrifugal);
-            let stretch = last.map_or(1.0, |[before, then]| (surplus - before) / (linear - then));
-            let stretch = if stretch.is_finite() { stretch.clamp(0.1, 10.0) } else { 1.0 };
-            last = surplus.is_finite().then_some([surplus, linear]);
-            let next = last.and_then(|_| linear_rate(linear - surplus / stretch));
-            rate = match ends {
-                [Some(low), Some(high)] => next
-                    .filter(|next| low < *next && *next < high && number % BISECT != BISECT - 1)
-                    .unwrap_or(0.5 * (low + high)),
-                _ => {
-                    let far = rate * (1.0 + step * surplus.signum());
-                    step *= GROWTH;
-                    next.filter(|next| (next - rate) * surplus > 0.0).unwrap_or(far)
-                }
-            };
+            here = next;
+            step *= GROWTH;
         }
-        Err(failed("no rate of the train leaves this free length"))
-    }
-
-    /// The circuit, where the rate of each ball in the train rises with the push behind it: if not, there is another.
-    fn checked(&self, pass: Pass, work: &mut ModelWorkspace) -> Result<Pass, TrainError> {
-        for (ball, state) in self.balls.iter().zip(&pass.states) {
-            let (Some(ball), Some(motion)) = (ball, &state.motion) else { continue };
-            let mut rises =
-                || ball.compliances_at(motion, work).is_some_and(|[_, back]| back > 0.0);
-            if motion.pushes[1] > 0.0 && !rises() {
-                return Err(TrainError::NotConverged {
-                    circuit: self.circuit,
-                    what: "a ball in the train does not move faster if it is pushed more",
-                });
-            }
+        let bracket =
+            bracket.ok_or_else(|| failed("no rate of the train leaves this free length"))?;
+        let found = Bracket { x_tol: RATE, f_tol: 1e-13, ..bracket }.root(&mut surplus);
+        let rate = found.root().ok_or_else(lost)?.x;
+        self.pass(rate, &mut pass, work).ok_or_else(lost)?;
+        let left = self.surplus(rate, pass.states.iter().map(|state| state.rate));
+        if left.abs() > LENGTH * self.room / self.pitch() + RATE * count(self.balls.len()) {
+            return Err(failed("no rate of the train leaves this free length"));
         }
         Ok(pass)
     }
@@ -661,16 +641,15 @@ impl Flow<'_> {
         let push_of = |pushes: [f64; 2]| pushes[0] + pushes[1];
         for (ball, state) in self.balls.iter().zip(&pass.states) {
             let speed = self.speed_of(state.rate);
-            match (ball, state.motion) {
-                (_, Some(motion)) => {
-                    lost[0] += motion.race_power;
-                    lost[1] += self.inputs.contact_friction
-                        * self.nut.ball.radius
-                        * push_of(state.pushes)
-                        * motion.rotation;
-                }
-                (Some(ball), None) => lost[0] += self.blocked(ball, state.rate),
-                (None, None) => lost[1] += self.inputs.idle_drag * speed,
+            if let (Some(ball), Some(motion)) = (ball, state.motion) {
+                lost[0] += motion.race_power;
+                lost[1] += self.inputs.contact_friction
+                    * ball.radius()
+                    * push_of(state.pushes)
+                    * motion.rotation;
+            } else {
+                lost[0] += ball.map_or(0.0, |ball| self.blocked(ball, state.rate));
+                lost[1] += self.inputs.idle_drag * speed;
             }
         }
         for pair in pass.states.windows(2) {

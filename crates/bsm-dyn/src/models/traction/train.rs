@@ -2,13 +2,15 @@
 //!
 //! Theory: `docs/theory/20-ball-train.md`, equations (O1) to (O5).
 
+use std::f64::consts::TAU;
+
 use bsm_kin::{BallFrame, Motion, Over, Scalar};
 use bsm_newton::{Continuation, Equations, EvalError, Scales, follow, solve};
 
 use super::columns::Watched;
 use super::lubricated::{ENOUGH, ScaledRoot};
 use super::{Lubrication, SlipBall, SlipRoot, Start, Traction};
-use crate::contact::Wrench;
+use crate::contact::{POWER_BALANCE_TOL, Wrench};
 use crate::models::ball::unknown::PRECESSION;
 use crate::models::ball::{BALL, BallLoads, EhlPoint, ElasticBall, ElasticPoint, ROWS, Workspace};
 use crate::models::raceway_control::RollingBall;
@@ -230,6 +232,11 @@ impl TrainBall {
         self.units[0]
     }
 
+    /// Radius of the ball \[m\].
+    pub fn radius(&self) -> f64 {
+        self.units[1]
+    }
+
     /// Relative speed `$W$` \[rad/s\].
     pub fn relative_speed(&self) -> f64 {
         self.units[2]
@@ -364,7 +371,7 @@ impl TrainBall {
         let to_nut = ball.motion_to_nut(&unknowns, &loaded);
         let axial_push = push.wrench(&self.pair, &loaded.frame, &to_nut).force.dot(&loaded.frame.k);
         let found = ball.evaluated::<false>(&unknowns).ok()?;
-        Some(TrainMotion {
+        let motion = TrainMotion {
             unknowns,
             rate: to_nut.precession,
             screw_torque: found.transmitted.torque * radius * load,
@@ -373,6 +380,23 @@ impl TrainBall {
             loads: loaded.loads.map(|part| part * load),
             pushes,
             axial_push: axial_push * load,
-        })
+        };
+        self.is_balanced(&motion).then_some(motion)
+    }
+
+    /// Whether the powers of a motion balance: far beyond what a ball can take Newton's method may end where they do not.
+    fn is_balanced(&self, motion: &TrainMotion) -> bool {
+        let [load, radius, speed] = self.units;
+        let [front, back] = motion.pushes;
+        let per_radian = self.pair.helix.lead() * radius / TAU;
+        let put_in = motion.screw_torque * speed;
+        let done = per_radian * (load + motion.axial_push) * speed;
+        let travel = self.pair.arc * radius * motion.rate * speed.abs();
+        // T W = h (F_j + F_b·k) W + P_races + f_b r_b (N_f + N_b)|w| − (N_b − N_f) v  (O4)
+        let rubbed = self.contact_friction * radius * (front + back) * motion.rotation;
+        let pushed = (back - front) * travel;
+        let terms = [put_in, -done, -motion.race_power, -rubbed, pushed];
+        let size: f64 = terms.iter().map(|term| term.abs()).sum();
+        terms.iter().sum::<f64>().abs() <= POWER_BALANCE_TOL * size
     }
 }
