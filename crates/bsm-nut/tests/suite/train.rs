@@ -49,8 +49,8 @@ impl Case {
         let held = [0.0, value("radial_x_um") * 1e-6, 0.0, 0.0, value("tilt_y_urad") * 1e-6];
         let mut support = Support(loaded);
         if !free {
-            for i in 1..5 {
-                support.0[i] = Freedom::Held(held[i]);
+            for (freedom, held) in support.0.iter_mut().zip(held).skip(1) {
+                *freedom = Freedom::Held(held);
             }
         }
         let oil = number(scene, "lubricant_temperature_C").map(|celsius| celsius + ZERO_CELSIUS);
@@ -78,17 +78,18 @@ impl Case {
         self.nut.solve(&self.support).expect("a nut in balance")
     }
 
-    fn model(&self, at: ElasticPoint) -> Result<Traction, Lubricated> {
+    fn model(&self, at: ElasticPoint) -> Problem {
         let traction = Traction { at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
-        let Some(kelvin) = self.oil else { return Ok(traction) };
+        let Some(kelvin) = self.oil else { return Problem::Traction(traction) };
         let lubricant = oil_68(kelvin).expect("an oil");
-        Err(Lubricated { lubricant, model: LubricatedModel::Traction(traction) })
+        Problem::Lubricated(Lubricated { lubricant, model: LubricatedModel::Traction(traction) })
     }
 
     fn in_train(&self, at: ElasticPoint, work: &mut ModelWorkspace) -> Option<TrainBall> {
         match self.model(at) {
-            Ok(dry) => dry.in_train(self.inputs.contact_friction, work),
-            Err(oiled) => oiled.in_train(self.inputs.contact_friction, work),
+            Problem::Traction(dry) => dry.in_train(self.inputs.contact_friction, work),
+            Problem::Lubricated(oiled) => oiled.in_train(self.inputs.contact_friction, work),
+            _ => None,
         }
     }
 
@@ -100,10 +101,7 @@ impl Case {
     /// The advance, and of the balls as they are solved alone the friction torque and the motion of the first.
     fn advance(&self) -> (Advance, f64, Option<FreeMotion>) {
         let (found, mut work) = (self.found(), ModelWorkspace::default());
-        let solve = |at| match self.model(at) {
-            Ok(dry) => bsm_dyn::Problem::Traction(dry).solve(&mut work),
-            Err(oiled) => oiled.solve(&mut work),
-        };
+        let solve = |at| self.model(at).solve(&mut work);
         let friction = self.nut.friction(&found, self.friction, &self.drive, 0.0, solve);
         let spacer = self.inputs.spacer;
         let advance = self.nut.advance(&found, &friction.motions, &self.drive, spacer);
@@ -296,7 +294,7 @@ fn without_friction_of_the_balls_on_each_other_races_and_return_are_all() {
     case.inputs.exit.push = ExitPush::AtExit(0.5);
     let train = solved(&case);
     assert!(train.touching > 5 && train.return_torque > 0.0, "{train:?}");
-    assert_eq!(train.contact_torque, 0.0);
+    assert!(train.contact_torque.abs() <= 0.0, "{}", train.contact_torque);
     assert!(train.power_balance.abs() < 1e-9, "{}", train.power_balance);
 }
 
@@ -487,7 +485,6 @@ fn wrong(case: &Case, train: &Train) -> Option<String> {
 
 /// Trains of random nuts: an answer that is right by itself, or a reason.
 #[test]
-#[expect(clippy::print_stderr, reason = "the counts are what a campaign is run for")]
 fn random_trains_have_an_answer_or_a_reason() {
     let mut rng = ChaCha8Rng::seed_from_u64(43);
     let points = bsm_sample::campaign(2_000);
