@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 
 use bsm_dyn::{
-    ElasticPoint, Lubricated, LubricatedModel, ModelWorkspace, Traction, TrainBall, ZERO_CELSIUS,
+    ElasticPoint, Lubricated, LubricatedModel, ModelWorkspace, Problem, Traction, TrainBall,
+    ZERO_CELSIUS,
 };
 use bsm_kin::Drive;
 use bsm_nut::{
