@@ -368,7 +368,7 @@ impl BallNut {
             train.free_torque +=
                 flow.rolling().map(|ball| ball.free().race_power).sum::<f64>() / speed.abs();
             lost += races + contacts + returns + catching;
-            put_in += flow.put_in(&pass);
+            put_in += flow.power_in(&pass);
             let [exit, _] = circuit.ends;
             let pushes = circuit.balls.iter().flat_map(|ball| ball.pushes).chain([exit]);
             train.largest_push = pushes.fold(train.largest_push, f64::max);
@@ -671,14 +671,11 @@ impl Flow<'_> {
     }
 
     /// Power that screw and load put in \[W\].
-    fn put_in(&self, pass: &Pass) -> f64 {
-        let per_radian = self.nut.helix.lead() / TAU;
-        let of = |(ball, state): (Option<&TrainBall>, &State)| {
-            let Some(ball) = ball else { return 0.0 };
-            let Some(motion) = state.motion else { return self.blocked(ball, state.rate) };
-            let axial = ball.axial_load() + motion.axial_push;
-            // T W − h (F_j + F_b·k) W                                     (O4)
-            (motion.screw_torque - per_radian * axial) * ball.relative_speed()
+    fn power_in(&self, pass: &Pass) -> f64 {
+        let of = |(ball, state): (Option<&TrainBall>, &State)| match (ball, &state.motion) {
+            (Some(ball), Some(motion)) => ball.power_in(motion),
+            (Some(ball), None) => self.blocked(ball, state.rate),
+            (None, _) => 0.0,
         };
         self.balls.iter().copied().zip(&pass.states).map(of).sum()
     }

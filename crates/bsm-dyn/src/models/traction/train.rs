@@ -227,19 +227,9 @@ impl TrainBall {
         &self.free
     }
 
-    /// Axial load \[N\].
-    pub fn axial_load(&self) -> f64 {
-        self.units[0]
-    }
-
     /// Radius of the ball \[m\].
     pub fn radius(&self) -> f64 {
         self.units[1]
-    }
-
-    /// Relative speed `$W$` \[rad/s\].
-    pub fn relative_speed(&self) -> f64 {
-        self.units[2]
     }
 
     /// Coefficient of friction at the races; of a lubricant the largest that it takes.
@@ -384,19 +374,22 @@ impl TrainBall {
         self.is_balanced(&motion).then_some(motion)
     }
 
+    /// Power that screw and load put into a motion of it \[W\].
+    pub fn power_in(&self, motion: &TrainMotion) -> f64 {
+        let [load, radius, speed] = self.units;
+        let per_radian = self.pair.helix.lead() * radius / TAU;
+        (motion.screw_torque - per_radian * (load + motion.axial_push)) * speed
+    }
+
     /// Whether the powers of a motion balance: far beyond what a ball can take Newton's method may end where they do not.
     fn is_balanced(&self, motion: &TrainMotion) -> bool {
-        let [load, radius, speed] = self.units;
+        let [_, radius, speed] = self.units;
         let [front, back] = motion.pushes;
-        let per_radian = self.pair.helix.lead() * radius / TAU;
-        let put_in = motion.screw_torque * speed;
-        let done = per_radian * (load + motion.axial_push) * speed;
         let travel = self.pair.arc * radius * motion.rate * speed.abs();
-        // T W = h (F_j + F_b·k) W + P_races + f_b r_b (N_f + N_b)|w| − (N_b − N_f) v  (O4)
         let rubbed = self.contact_friction * radius * (front + back) * motion.rotation;
-        let pushed = (back - front) * travel;
-        let terms = [put_in, -done, -motion.race_power, -rubbed, pushed];
-        let size: f64 = terms.iter().map(|term| term.abs()).sum();
-        terms.iter().sum::<f64>().abs() <= POWER_BALANCE_TOL * size
+        // (T − h (F_j + F_b·k)) W = P_races + f_b r_b (N_f + N_b)|w| − (N_b − N_f) v  (O4)
+        let left = self.power_in(motion) - motion.race_power - rubbed + (back - front) * travel;
+        let size = (motion.screw_torque * speed).abs() + motion.race_power + rubbed;
+        left.abs() <= POWER_BALANCE_TOL * size
     }
 }
