@@ -346,6 +346,7 @@ impl BallNut {
             largest_push: 0.0,
         };
         let speed = drive.relative_speed();
+        let touch_angle = self.touch_angle(inputs.spacer);
         let (mut put_in, mut lost) = (0.0, 0.0);
         for circuit in 0..self.circuits.len() {
             let order = Self::in_travel(found, circuit, speed);
@@ -355,7 +356,7 @@ impl BallNut {
                 speed,
                 circuit,
                 room: inputs.gaps[circuit],
-                touch_angle: self.touch_angle(inputs.spacer),
+                touch_angle,
                 balls: order.iter().map(|number| balls[*number].as_ref()).collect(),
             };
             let pass = flow.steady(&mut work)?;
@@ -541,9 +542,7 @@ impl Flow<'_> {
             return Some(rolls(*free));
         }
         // 2 f_b N_f > f (Q_A + Q_B)                                       (O6)
-        if 2.0 * self.inputs.contact_friction * front
-            > ball.friction() * free.loads.iter().sum::<f64>()
-        {
+        if 2.0 * self.inputs.contact_friction * front > ball.sliding_push() {
             return Some(passes_on(Rolling::Blocked));
         }
         let from = last.motion.as_ref().unwrap_or(free);
@@ -578,10 +577,7 @@ impl Flow<'_> {
         }
         let needed = self.inputs.exit.push(0.0, centrifugal);
         // A ball gives no more than the friction of both contacts that slide.
-        let available: f64 = self
-            .rolling()
-            .map(|ball| ball.friction() * ball.free().loads.iter().sum::<f64>())
-            .sum();
+        let available: f64 = self.rolling().map(TrainBall::sliding_push).sum();
         if needed > available {
             return Err(TrainError::Return { needed, available });
         }
@@ -638,15 +634,11 @@ impl Flow<'_> {
     /// Powers lost at the races, by balls on each other and idle ones, in the return, and by catching up \[W\].
     fn losses(&self, pass: &Pass) -> [f64; 4] {
         let mut lost = [0.0; 4];
-        let push_of = |pushes: [f64; 2]| pushes[0] + pushes[1];
         for (ball, state) in self.balls.iter().zip(&pass.states) {
             let speed = self.speed_of(state.rate);
             if let (Some(ball), Some(motion)) = (ball, state.motion) {
                 lost[0] += motion.race_power;
-                lost[1] += self.inputs.contact_friction
-                    * ball.radius()
-                    * push_of(state.pushes)
-                    * motion.rotation;
+                lost[1] += ball.contact_power(&motion);
             } else {
                 lost[0] += ball.map_or(0.0, |ball| self.blocked(ball, state.rate));
                 lost[1] += self.inputs.idle_drag * speed;

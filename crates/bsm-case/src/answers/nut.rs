@@ -641,7 +641,7 @@ impl NutReport {
             ));
         }
         warnings.extend(self.thrown(CENTRIFUGAL[1]..f64::INFINITY));
-        warnings.extend(self.state.train_warnings(&self.problem));
+        warnings.extend(self.train_warnings());
         if let Some(Set { cold, warm, .. }) = &self.state.made.preload
             && *cold > 0.0
             && *warm <= 0.0

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use bsm_dyn::{Model, ModelWorkspace, Problem};
 use bsm_nut::{Advance, FreeMotion, LARGEST_PUSH, Rolling, Train};
 
-use super::{NutProblem, NutReport, Rubbed, State};
+use super::{NutProblem, NutReport, Rubbed};
 use crate::case::nut::Made;
 use crate::vocabulary::units::MM;
 use crate::{ModelChoice, exact};
@@ -76,29 +76,22 @@ impl NutProblem {
 impl NutReport {
     /// Whether the balls touch, in one line; `None` where no gap is given.
     pub(crate) fn touch_note(&self) -> Option<String> {
-        self.state.touch_note(&self.problem)
-    }
-}
-
-impl State {
-    /// Whether the balls touch, in one line; `None` where no gap is given.
-    fn touch_note(&self, problem: &NutProblem) -> Option<String> {
+        let (state, problem) = (&self.state, &self.problem);
         let inputs = problem.gaps.train.as_ref()?;
-        let train = match self.pushed(problem)? {
+        let train = match state.pushed(problem)? {
             Ok(train) => train,
             Err(why) => return Some(format!("no friction torque with pushes of the balls: {why}")),
         };
-        let needed = self.advance(problem)?.largest_gap() / MM;
+        let needed = state.advance(problem)?.largest_gap() / MM;
         let gap = inputs.gaps.first()? / MM;
         let touch = if train.touching > 0 { "touch" } else { "do not touch" };
         Some(format!("the balls {touch}: {needed:.3} mm needed, {} mm there", exact(gap)))
     }
 
     /// What is beyond the range of the ball train.
-    pub(super) fn train_warnings(&self, problem: &NutProblem) -> Vec<String> {
-        let Some(Ok(train)) = self.pushed(problem) else { return Vec::new() };
-        let found = &self.made.found;
-        let part = train.largest_push / found.mean_load();
+    pub(super) fn train_warnings(&self) -> Vec<String> {
+        let Some(Ok(train)) = self.state.pushed(&self.problem) else { return Vec::new() };
+        let part = train.largest_push / self.found().mean_load();
         let mut warnings = Vec::new();
         if part > LARGEST_PUSH {
             warnings.push(format!(

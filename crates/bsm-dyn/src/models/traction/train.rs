@@ -170,9 +170,7 @@ impl Traction {
         let root = self.found(&start, None, &mut work.traction).ok()?.root;
         TrainBall::of(self, (pair, None), &root, contact_friction, work)
     }
-}
 
-impl Traction {
     /// The same with a lubricant.
     pub(crate) fn lubricated_in_train(
         &self,
@@ -227,14 +225,14 @@ impl TrainBall {
         &self.free
     }
 
-    /// Radius of the ball \[m\].
-    pub fn radius(&self) -> f64 {
-        self.units[1]
-    }
-
     /// Coefficient of friction at the races; of a lubricant the largest that it takes.
     pub fn friction(&self) -> f64 {
         self.pair.friction
+    }
+
+    /// What it can give in a push before it slides on both races, without pushes \[N\].
+    pub fn sliding_push(&self) -> f64 {
+        self.friction() * self.free.loads.iter().sum::<f64>()
     }
 
     /// Growth of the rate by the forces of the neighbours in front and behind, without pushes (O5) \[1/N\].
@@ -381,12 +379,19 @@ impl TrainBall {
         (motion.screw_torque - per_radian * (load + motion.axial_push)) * speed
     }
 
+    /// Power that friction of the neighbours takes \[W\].
+    pub fn contact_power(&self, motion: &TrainMotion) -> f64 {
+        let [_, radius, _] = self.units;
+        let [front, back] = motion.pushes;
+        self.contact_friction * radius * (front + back) * motion.rotation
+    }
+
     /// Whether the powers of a motion balance: far beyond what a ball can take Newton's method may end where they do not.
     fn is_balanced(&self, motion: &TrainMotion) -> bool {
         let [_, radius, speed] = self.units;
         let [front, back] = motion.pushes;
         let travel = self.pair.arc * radius * motion.rate * speed.abs();
-        let rubbed = self.contact_friction * radius * (front + back) * motion.rotation;
+        let rubbed = self.contact_power(motion);
         // (T − h (F_j + F_b·k)) W = P_races + f_b r_b (N_f + N_b)|w| − (N_b − N_f) v  (O4)
         let left = self.power_in(motion) - motion.race_power - rubbed + (back - front) * travel;
         let size = (motion.screw_torque * speed).abs() + motion.race_power + rubbed;
