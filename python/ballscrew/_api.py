@@ -89,7 +89,7 @@ REQUIREMENTS: Mapping[str, Quantity] = _first_of_each(
     Quantity(name, unit, about, default=default, rule=rule)
     for name, unit, about, default, rule in _core.requirements()
 )
-"""Keys of a requirement of `design` besides inputs of a scene."""
+"""Keys of a requirement of `select` besides inputs of a scene."""
 
 _NUMBERS = frozenset(INPUTS)
 _OF_A_SOLUTION = [quantity for quantity in OUTPUTS.values() if quantity.analysis is None]
@@ -611,7 +611,7 @@ class Nuts(Table):
         self._nuts = nuts
 
     def scene(self, row: int = 0) -> Scene:
-        """The nut of a row for `capacity`, `nut` and `size`, with a requirement at its operating point."""
+        """The nut of a row for `ratings`, `nut` and `axis`, with a requirement at its operating point."""
         if not -self._length <= row < self._length:
             raise IndexError(f"row {row} of {self._length}")
         if self._nuts is None:
@@ -759,8 +759,8 @@ def _list(word: str, names: Sequence[str]) -> list[str]:
     return list(names)
 
 
-def _outputs(names: Sequence[str] | None) -> list[str] | None:
-    return None if names is None else _list("outputs", names)
+def _columns(names: Sequence[str] | None) -> list[str] | None:
+    return None if names is None else _list("columns", names)
 
 
 def _scene(scene: Scene | Mapping[str, Any] | None, inputs: Inputs) -> Scene:
@@ -913,7 +913,7 @@ def solve_many(
     /,
     base: Scene | Mapping[str, Any] | None = None,
     *,
-    outputs: Sequence[Output] | None = None,
+    columns: Sequence[Output] | None = None,
     keep: Sequence[str] = (),
     missing: Literal["invalid", "base"] = "invalid",
     progress: bool | Progress | None = None,
@@ -931,7 +931,7 @@ def solve_many(
         anything that gives an Arrow stream (polars, pyarrow, pandas 3, duckdb, a `Table`).
     base : Scene or mapping, optional
         The inputs that are no columns.
-    outputs : sequence of str, optional
+    columns : sequence of str, optional
         Names of `OUTPUTS`; all of a solution unless given.
     keep : sequence of str
         Further columns to carry through, of any type but lists and structures; that of a frame is kept.
@@ -963,7 +963,7 @@ def solve_many(
     --------
     >>> import ballscrew as bs
     >>> points = {"friction_coefficient": [0.01, 0.02], "contact_angle_deg": 45, "lead_angle_deg": 8}
-    >>> bs.solve_many(points, model="closed-form", outputs=["efficiency"])["efficiency"].round(3)
+    >>> bs.solve_many(points, model="closed-form", columns=["efficiency"])["efficiency"].round(3)
     array([0.98 , 0.961])
     """
     import numpy as np
@@ -1013,7 +1013,7 @@ def solve_many(
             message = f"column `{column_name}` has {rows_of_it} rows, another one {length}"
             raise InputError(message, key=column_name)
     rows = _core.solve_many(
-        scene, numbers, kept, length, _how(solver), _outputs(outputs), threads, _shown(progress), text
+        scene, numbers, kept, length, _how(solver), _columns(columns), threads, _shown(progress), text
     )
     taken = set(rows.inputs())
     inputs: dict[str, Any] = {name: values for name, values, _ in numbers if name in taken}
@@ -1072,7 +1072,7 @@ def sweep(
     /,
     *,
     vary: Mapping[str, Linspace | Iterable[float]],
-    outputs: Sequence[Output] | None = None,
+    columns: Sequence[Output] | None = None,
     progress: bool | Progress | None = None,
     threads: int | None = None,
     text: bool = False,
@@ -1086,7 +1086,7 @@ def sweep(
         The fixed inputs.
     vary : mapping
         Values of each varied input: `linspace(start, stop, count)` or any numbers; the last runs fastest.
-    outputs, progress, threads, text, **solver
+    columns, progress, threads, text, **solver
         As in `solve_many`.
 
     Returns
@@ -1102,7 +1102,7 @@ def sweep(
     --------
     >>> import ballscrew as bs
     >>> screw = bs.Scene(lead_angle_deg=5, contact_angle_deg=45)
-    >>> grid = bs.sweep(screw, vary={"friction_coefficient": bs.linspace(0.02, 0.1, 5)}, outputs=["efficiency"])
+    >>> grid = bs.sweep(screw, vary={"friction_coefficient": bs.linspace(0.02, 0.1, 5)}, columns=["efficiency"])
     >>> grid.shape, grid.grid("efficiency").round(2)
     ((5,), array([0.96, 0.92, 0.89, 0.85, 0.82]))
     """
@@ -1110,7 +1110,7 @@ def sweep(
 
     scene = _scene(base, {})
     how = _how(solver)
-    rows, found = _core.sweep(scene, _axes(vary), how, _outputs(outputs), threads, _shown(progress), text)
+    rows, found = _core.sweep(scene, _axes(vary), how, _columns(columns), threads, _shown(progress), text)
     table = _answered(rows, {})
     varied = {name: np.array(axis) for name, axis in found}
     units = {**table.units, **{name: INPUTS[name].unit for name in varied}}
@@ -1184,7 +1184,7 @@ def gradient(
         slopes = np.frombuffer(found[1], np.float64).reshape(length, len(wrt))
     elif method == "difference":
         def at(changed: Mapping[str, Floats]) -> Floats:
-            answers = solve_many({**columns, **changed}, scene, outputs=[output], threads=threads, **solver)
+            answers = solve_many({**columns, **changed}, scene, columns=[output], threads=threads, **solver)
             return answers[output]
 
         values = at({})
@@ -1272,7 +1272,7 @@ def jam(
     return _report(_core.jam(*_asked(scene, question)))
 
 
-def capacity(
+def ratings(
     nut: Scene | Mapping[str, Any] | None = None,
     /,
     **inputs: Unpack[Inputs],
@@ -1301,10 +1301,10 @@ def capacity(
     --------
     >>> import ballscrew as bs
     >>> nut = bs.Scene.read("examples/nut.json")
-    >>> bs.capacity(nut, axial_load_N=8000, screw_speed_rpm=500)["dynamic_load_rating_N"] > 50_000
+    >>> bs.ratings(nut, axial_load_N=8000, screw_speed_rpm=500)["dynamic_load_rating_N"] > 50_000
     True
     """
-    return _report(_core.capacity(_scene(nut, inputs)))
+    return _report(_core.ratings(_scene(nut, inputs)))
 
 
 @overload
@@ -1407,11 +1407,11 @@ def optimum(
     return _report(_core.optimum(_scene(scene, inputs), model))
 
 
-def size(
+def axis(
     scene: Scene | Mapping[str, Any] | None = None,
     /,
     *,
-    out: str | os.PathLike[str] | None = None,
+    figures: str | os.PathLike[str] | None = None,
     **question: Unpack[Question],
 ) -> Report:
     """The axis around a screw, as `bsm axis`: rules with limit and margin, torque, power, heat and life.
@@ -1420,7 +1420,7 @@ def size(
     ----------
     scene, **question
         As in `solve`; the axis is given by `stroke_mm`, `moved_mass_kg`, `support`, `cycle` and others of `INPUTS`.
-    out : path, optional
+    figures : path, optional
         Folder for report.html, a sheet of two pages, results.json and figures; made if it does not exist.
 
     Returns
@@ -1436,19 +1436,19 @@ def size(
     Examples
     --------
     >>> import ballscrew as bs
-    >>> bs.size(bs.Scene.read("examples/axis.json")).found
+    >>> bs.axis(bs.Scene.read("examples/axis.json")).found
     True
     """
-    answer, files = _core.size(*_asked(scene, question), out is not None)
-    _write_report(out, files)
+    answer, files = _core.axis(*_asked(scene, question), figures is not None)
+    _write_report(figures, files)
     return _report(answer)
 
 
-def catalog(
+def select_nuts(
     lists: Mapping[str, Any] | None = None,
     /,
     *,
-    require: Sequence[str] = (),
+    where: Sequence[str] = (),
     requirement: Mapping[str, Any] | str | os.PathLike[str] | None = None,
     makers: Any = None,
     columns_from: Mapping[str, str | None] | None = None,
@@ -1463,17 +1463,17 @@ def catalog(
     ----------
     lists : mapping, optional
         The sizes; those of the program unless given.
-    require : sequence of str
+    where : sequence of str
         Conditions such as `"dynamic_load_rating_N>=40000"`.
     requirement : mapping or path, optional
-        Only nuts that meet all limits of this requirement of `design`. Numbers of `size` are columns then, to filter
+        Only nuts that meet all limits of this requirement of `select`. Numbers of `axis` are columns then, to filter
         and sort by: life, critical speed, buckling, static safety, rigidity, torque, efficiency, heat, mass, inertia.
     makers : mapping, frame or path, optional
         Nuts of a manufacturer in place of the lists: the columns `nut`, `lead_mm`, `ball_diameter_mm`, `circuits` or
         `loaded_turns`, `core_diameter_mm` or `pitch_circle_diameter_mm`, `dynamic_load_rating_N`,
         `static_load_rating_N` and `stiffness_N_um`, in any unit. A path is that of a CSV table. Uses the
         manufacturer's ratings and adds the calculated ones as `our_...`; with `requirement` each nut is sized as by
-        `size`, and `passes` is true if it passes all rules: those nuts come first, the lightest screw before the others.
+        `axis`, and `passes` is true if it passes all rules: those nuts come first, the lightest screw before the others.
     columns_from : mapping, optional
         Names of the columns of `makers`: from its names to ours, or to None for a column that is not read.
     pareto : bool
@@ -1488,7 +1488,7 @@ def catalog(
     Returns
     -------
     Nuts
-        One row a nut; `scene(row)` is a nut for `capacity`, `nut` and `size`.
+        One row a nut; `scene(row)` is a nut for `ratings`, `nut` and `axis`.
 
     Raises
     ------
@@ -1498,7 +1498,7 @@ def catalog(
     Examples
     --------
     >>> import ballscrew as bs
-    >>> nuts = bs.catalog(require=["dynamic_load_rating_N>=40000", "lead_mm=10"], sort="mass_kg", first=3)
+    >>> nuts = bs.select_nuts(where=["dynamic_load_rating_N>=40000", "lead_mm=10"], sort="mass_kg", first=3)
     >>> nuts.scene(0).lead_mm
     10.0
     """
@@ -1506,7 +1506,7 @@ def catalog(
 
     wish = None if requirement is None else json.dumps(_wish(requirement))
     if makers is not None:
-        if lists is not None or require or pareto or sort is not None or descending or first is not None:
+        if lists is not None or where or pareto or sort is not None or descending or first is not None:
             raise InputError("all nuts of a manufacturer are listed: makers goes with requirement and columns_from alone",
                              key="makers")
         names = dict(columns_from or {})
@@ -1526,7 +1526,7 @@ def catalog(
         if columns_from is not None:
             raise InputError("columns_from is for the table of a manufacturer", key="columns_from")
         text = None if lists is None else json.dumps(dict(lists))
-        found, kept = _core.catalog(text, wish, _list("require", require), pareto, sort, descending, first)
+        found, kept = _core.select_nuts(text, wish, _list("where", where), pareto, sort, descending, first)
         columns = {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
     units = {name: unit for name, unit, _ in found}
     return Nuts(columns, units, len(next(iter(columns.values()))), kept)
@@ -1537,7 +1537,7 @@ def fit(
     measured: Mapping[str, float] | str,
     /,
     *,
-    data: Any = None,
+    points: Any = None,
     input: str | Sequence[str] | Mapping[str, tuple[float, float] | None] = "friction_coefficient",
     range: tuple[float, float] | None = None,
     **solver: Unpack[Solver],
@@ -1549,11 +1549,11 @@ def fit(
     scene : Scene or mapping
         The other inputs.
     measured : mapping or str
-        One output and its value, such as `{"screw_torque_Nm": 26.0}`; with `data` the name of the output alone.
-    data : mapping, frame or path, optional
+        One output and its value, such as `{"screw_torque_Nm": 26.0}`; with `points` the name of the output alone.
+    points : mapping, frame or path, optional
         Measured points: a column of the output, and columns of inputs, in any units; `scene` has the rest. The fit
         minimises the sum of squared differences. A path is that of a CSV table.
-    input : str, or with `data` also a sequence of them, or a mapping of them to ranges
+    input : str, or with `points` also a sequence of them, or a mapping of them to ranges
         Inputs to fit, or a mapping of them to their ranges.
     range : (float, float), optional
         Range of one input.
@@ -1563,7 +1563,7 @@ def fit(
     Returns
     -------
     Report
-        `found` of one measured value is a list of all values of the input. With `data` it is a mapping of the inputs
+        `found` of one measured value is a list of all values of the input. With `points` it is a mapping of the inputs
         to value and standard deviation; `points` has measured and fitted values, `condition` the condition number: above some
         thousand the points do not determine the inputs. `found` of the report is false where no value reproduces
         the measurement.
@@ -1578,14 +1578,14 @@ def fit(
     >>> import ballscrew as bs
     >>> screw = bs.Scene(lead_angle_deg=5, contact_angle_deg=45)
     >>> points = {"contact_angle_deg": [40, 45, 50], "efficiency": [0.86, 0.87, 0.88]}
-    >>> report = bs.fit(screw, "efficiency", data=points, model="closed-form")
+    >>> report = bs.fit(screw, "efficiency", points=points, model="closed-form")
     >>> round(report["found"]["friction_coefficient"]["value"], 4)
     0.0688
     """
     how = _how(solver)
-    if data is not None:
+    if points is not None:
         if not isinstance(measured, str):
-            raise InputError("with data, measured is the name of the output that is a column of it")
+            raise InputError("with points, measured is the name of the output that is a column of it")
         ranges = input if isinstance(input, Mapping) else dict.fromkeys([input] if isinstance(input, str) else input)
         if range is not None:
             if len(ranges) != 1:
@@ -1593,11 +1593,11 @@ def fit(
             ranges = dict.fromkeys(ranges, range)
         sought = [name if limits is None else f"{name}={float(limits[0])!r}:{float(limits[1])!r}"
                   for name, limits in ranges.items()]
-        return _report(_core.fit_table(_scene(scene, {}), how, sought, measured, _csv(data)))
+        return _report(_core.fit_table(_scene(scene, {}), how, sought, measured, _csv(points)))
     if isinstance(measured, str) or len(measured) != 1:
         raise InputError("measured takes one output and its value, such as {'screw_torque_Nm': 26.0}")
     if not isinstance(input, str):
-        raise InputError("one measured value gives one input; several need data")
+        raise InputError("one measured value gives one input; several need points")
     [(name, value)] = measured.items()
     return _report(_core.fit(_scene(scene, {}), how, input, f"{name}={float(value)!r}", range))
 
@@ -1640,7 +1640,7 @@ def _csv(data: Any, names: Mapping[str, str | None] = MappingProxyType({}), gaps
     return text.getvalue().encode()
 
 
-def design(
+def select(
     requirement: Mapping[str, Any] | str | os.PathLike[str] | None = None, /, *, free: bool = False, **changes: Any
 ) -> Report:
     """The best screw for a requirement, as `bsm select`.
@@ -1667,12 +1667,12 @@ def design(
     Examples
     --------
     >>> import ballscrew as bs
-    >>> report = bs.design(axial_load_N=4000, screw_speed_rpm=1500, stroke_mm=600, lead_mm=10,
+    >>> report = bs.select(axial_load_N=4000, screw_speed_rpm=1500, stroke_mm=600, lead_mm=10,
     ...                    friction_coefficient=0.05, required_life_h=5000)
     >>> report.found, report["scene"]["lead_mm"]
     (True, 10.0)
     """
-    return _report(_core.design(json.dumps({**_wish(requirement or {}), **changes}), free))
+    return _report(_core.select(json.dumps({**_wish(requirement or {}), **changes}), free))
 
 
 def _wish(requirement: Mapping[str, Any] | str | os.PathLike[str]) -> dict[str, Any]:
@@ -1683,13 +1683,13 @@ def _wish(requirement: Mapping[str, Any] | str | os.PathLike[str]) -> dict[str, 
 
 
 def validate(
-    out: str | os.PathLike[str] | None = None, *, data: str | os.PathLike[str] | None = None
+    figures: str | os.PathLike[str] | None = None, *, data: str | os.PathLike[str] | None = None
 ) -> Table:
     """The published checks, as `bsm validate`, one row a check.
 
     Parameters
     ----------
-    out : path, optional
+    figures : path, optional
         Folder for report.html, results.json and figures; made if it does not exist.
     data : path, optional
         Folder with published data, laid out as `validation/published`, in place of the built-in data.
@@ -1705,8 +1705,8 @@ def validate(
     InputError
         For published data that cannot be read.
     """
-    text, files = _core.validate(out is not None, Path(data) if data is not None else None)
-    _write_report(out, files)
+    text, files = _core.validate(figures is not None, Path(data) if data is not None else None)
+    _write_report(figures, files)
     checks: list[dict[str, Any]] = json.loads(text)
     names = ["key", "source", "claim", "claimed", "measured", "unit", "criterion", "note", "verdict"]
     return _listed(names, [[check[name] for name in names] for check in checks])
