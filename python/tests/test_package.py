@@ -168,7 +168,7 @@ def test_a_report_is_shown_with_what_it_holds() -> None:
 
 def test_what_new_users_write_is_answered_in_words(screw: bs.Scene) -> None:
     points: Any = {"screw_speed_rpm": [100.0, 200.0]}
-    with pytest.raises(bs.InputError, match=r"outputs takes a list of names, such as \['efficiency'\]"):
+    with pytest.raises(bs.InputError, match=r"columns takes a list of names, such as \['efficiency'\]"):
         bs.solve_many(points, screw, columns="efficiency")  # type: ignore[arg-type]
     with pytest.raises(bs.InputError, match="wrt takes a list"):
         bs.gradient(points, "efficiency", "lead_mm", screw)

@@ -23,7 +23,7 @@ ROWS = 120
 
 
 def made(folder: Path, **how: object) -> bs.Plan:
-    given = {"vary": VARY, "model": "elastic", "outputs": ["efficiency", "ball_torque_Nm"], "rows_per_part": 13, **how}
+    given = {"vary": VARY, "model": "elastic", "columns": ["efficiency", "ball_torque_Nm"], "rows_per_part": 13, **how}
     return bs.plan(folder, bs.Scene.read(EXAMPLES / "feed_drive.json"), **given)  # type: ignore[arg-type]
 
 
