@@ -26,10 +26,12 @@ from ballscrew._api import (
     Table,
     axis,
     compare,
+    draw,
     fit,
     gradient,
     jam,
     linspace,
+    normal,
     nut,
     optimum,
     ratings,
@@ -40,6 +42,7 @@ from ballscrew._api import (
     solve,
     solve_many,
     sweep,
+    uniform,
     validate,
 )
 from ballscrew._core import __version__
@@ -51,7 +54,7 @@ from ballscrew._errors import (
     PartError,
     SolveError,
 )
-from ballscrew._parts import Plan, normal, plan, run_part, solve_part, uniform
+from ballscrew._parts import Plan, plan, run_part, solve_part
 
 __all__ = [
     "INPUTS",
@@ -76,6 +79,7 @@ __all__ = [
     "__version__",
     "axis",
     "compare",
+    "draw",
     "fit",
     "gradient",
     "jam",

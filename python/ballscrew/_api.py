@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 import json
 import math
 import os
@@ -45,9 +46,9 @@ class Quantity(NamedTuple):
     rule : str or None
         Rule for the value of an input.
     words : tuple of str
-        Possible values of a text output.
+        Possible values of a text.
     kind : str
-        Type in JSON: number, integer, boolean or string.
+        Type in JSON: number, integer, boolean, string or array.
     analysis : str or None
         Analysis of an output: slip, jam, optimum, ratings, nut, axis.
     """
@@ -69,11 +70,12 @@ def _first_of_each(quantities: Iterable[Quantity]) -> Mapping[str, Quantity]:
     return MappingProxyType(found)
 
 
-INPUTS: Mapping[str, Quantity] = _first_of_each(
-    Quantity(name, unit, about, default=default, rule=rule)
-    for name, unit, about, default, rule in _core.inputs()
-)
-"""All inputs by name."""
+INPUTS: Mapping[str, Quantity] = _first_of_each(itertools.chain(
+    (Quantity(name, unit, about, default=default, rule=rule)
+     for name, unit, about, default, rule in _core.inputs()),
+    (Quantity(name, "", about, words=tuple(words), kind=kind) for name, about, kind, words in _core.scene_words()),
+))
+"""All inputs by name: numbers, then texts, lists and flags."""
 
 # An analysis may repeat a number of the solution: that of the solution is meant.
 OUTPUTS: Mapping[str, Quantity] = _first_of_each(
@@ -91,7 +93,7 @@ REQUIREMENTS: Mapping[str, Quantity] = _first_of_each(
 )
 """Keys of a requirement of `select` besides inputs of a scene."""
 
-_NUMBERS = frozenset(INPUTS)
+_NUMBERS = frozenset(name for name, *_ in _core.inputs())
 _OF_A_SOLUTION = [quantity for quantity in OUTPUTS.values() if quantity.analysis is None]
 
 
@@ -162,6 +164,10 @@ class Scene(SceneFields):
         given: dict[str, Any] = json.loads(_core.Scene.of_json(text).to_json())
         return cls(given)
 
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write a scene file of the program."""
+        Path(path).write_text(self.to_json() + "\n", encoding="utf-8")
+
     def replace(self, **inputs: Unpack[Inputs]) -> Self:
         """The scene with other inputs; a lead replaces a lead angle."""
         return type(self)(self, **inputs)
@@ -225,6 +231,14 @@ class Solution(SolutionFields):
         """True if there is a result."""
         return self.status == "converged"
 
+    @property
+    def screw_torque_Nm(self) -> float:
+        """Torque of the whole screw [N m]: that of the balls, preload, seals and support bearings; NaN without a result.
+
+        `to_dict()["torque_parts"]` has its parts.
+        """
+        return self.screw_torque()
+
     def to_dict(self) -> dict[str, Any]:
         """The names and values of `bsm solve --show band --json`; None where the model has none."""
         result: dict[str, Any] = json.loads(self.to_json())
@@ -279,7 +293,7 @@ class Words:
 
     @property
     def codes(self) -> NDArray[np.int8]:
-        """The place in `categories` for each row."""
+        """The place in `categories` for each row; -1 where there is no text."""
         return self._get()[0]
 
     @property
@@ -290,8 +304,9 @@ class Words:
     def __len__(self) -> int:
         return len(self.codes)
 
-    def __getitem__(self, row: int) -> str:
-        return self.categories[int(self.codes[row])]
+    def __getitem__(self, row: int) -> str | None:
+        code = int(self.codes[row])
+        return None if code < 0 else self.categories[code]
 
     def __eq__(self, word: object) -> Any:
         if isinstance(word, str):
@@ -319,7 +334,7 @@ def _words(codes: NDArray[np.int8], categories: Sequence[str]) -> Words:
 class Table:
     """Columns of equal length, immutable.
 
-    `table["efficiency"]` is a read-only NumPy array. Frames: `to_pandas`, `to_polars`, `to_arrow`, and
+    `table["efficiency"]` is a read-only NumPy array; a text is an array of texts, yes and no are 1 and 0. Frames: `to_pandas`, `to_polars`, `to_arrow`, and
     anything that reads an Arrow stream.
     """
 
@@ -438,9 +453,6 @@ class Table:
                 columns.append((name, unit, "texts", column.tolist(), []))
             elif column.dtype == bool:
                 columns.append((name, unit, "flags", column.astype(np.float64), []))
-            elif quantity is not None and quantity.words:
-                codes = np.where(np.isnan(column), -1, column).astype(np.int8)
-                columns.append((name, unit, "words", codes, list(quantity.words)))
             elif quantity is not None and quantity.kind == "boolean":
                 columns.append((name, unit, "flags", column, []))
             else:
@@ -641,6 +653,9 @@ class Report(Mapping[str, Any]):
         self.warnings = list(warnings)
 
     def __getitem__(self, name: str) -> Any:
+        if name not in self._entries:
+            inside = next((key for key, value in self._entries.items() if isinstance(value, Mapping) and name in value), None)
+            raise KeyError(f"{name}: it is in [{inside!r}]" if inside else f"{name}{_near(name, self._entries)}")
         return self._entries[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -720,14 +735,84 @@ class Linspace(NamedTuple):
 
 
 def linspace(start: float, stop: float, count: int) -> Linspace:
-    """Equally spaced values for `sweep`, both ends included, evaluated lazily."""
+    """Equally spaced values for `sweep`, both ends included."""
     return Linspace(float(start), float(stop), int(count))
+
+
+class Uniform(NamedTuple):
+    """Random numbers from `low` to `high`."""
+
+    low: float
+    high: float
+
+
+class Normal(NamedTuple):
+    """Random numbers of the normal law."""
+
+    mean: float
+    deviation: float
+
+
+def uniform(low: float, high: float) -> Uniform:
+    """Random values of an input from `low` to `high`, for `draw` and `plan`."""
+    return Uniform(low, high)
+
+
+def normal(mean: float, deviation: float) -> Normal:
+    """Random values of an input by mean and standard deviation, for `draw` and `plan`."""
+    return Normal(mean, deviation)
+
+
+def _laws(draw: Mapping[str, Uniform | Normal]) -> list[str]:
+    """Distributions as `--draw` has them."""
+    words = {Uniform: "uniform", Normal: "normal"}
+    for name, law in draw.items():
+        if type(law) not in words:
+            raise InputError(f"`{name}` is {law!r}; give uniform(low, high) or normal(mean, deviation)", key=name)
+    return [f"{name}={words[type(law)]}:{float(law[0])!r}:{float(law[1])!r}" for name, law in draw.items()]
+
+
+def draw(laws: Mapping[str, Uniform | Normal], /, samples: int, seed: int = 0) -> dict[str, Floats]:
+    """Random points for `solve_many`: the values of `bsm sweep --draw`, the same on every machine.
+
+    Parameters
+    ----------
+    laws : mapping
+        Distribution of each drawn input: `uniform(low, high)` or `normal(mean, deviation)`.
+    samples : int
+        Number of points.
+    seed : int
+        Seed.
+
+    Returns
+    -------
+    dict
+        An array for each input.
+
+    Raises
+    ------
+    InputError
+        For an unknown input, and a distribution that is none.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> points = bs.draw({"friction_coefficient": bs.uniform(0.02, 0.1)}, samples=1000, seed=1)
+    >>> table = bs.solve_many(points, bs.Scene(lead_angle_deg=5, contact_angle_deg=45), model="closed-form")
+    >>> len(table), bool(table["efficiency"].min() > 0.8)
+    (1000, True)
+    """
+    import numpy as np
+
+    return {name: np.frombuffer(values, np.float64) for name, values in _core.draws(seed, samples, _laws(laws))}
 
 
 def _axes(vary: Mapping[str, Linspace | Iterable[float]]) -> list[str]:
     """The axes of a grid as `--vary` has them."""
     axes = []
     for name, values in vary.items():
+        if isinstance(values, (Uniform, Normal)):
+            raise InputError(f"`{name}` is random: solve_many(draw(...)) solves random points", key=name)
         if not isinstance(values, Iterable) or isinstance(values, str):
             raise InputError(f"`{name}` is {values!r}; give the values that it takes, such as [{values!r}]", key=name)
         if isinstance(values, Linspace):
@@ -743,13 +828,22 @@ def _taken(keywords: dict[str, Any]) -> _core.How:
     return cast("_core.How", tuple([take(name, default) for name, default in _SOLVER.items()]))
 
 
+def _checked(how: _core.How) -> _core.How:
+    """Solver settings of the right types."""
+    for (name, default), value in zip(_SOLVER.items(), how, strict=True):
+        number = isinstance(default, float)
+        if isinstance(value, bool) or not isinstance(value, (int, float) if number else (str, type(default))):
+            raise InputError(f"{name} is {value!r}, but must be a {'number' if number else 'text'}", key=name)
+    return how
+
+
 def _how(solver: Solver) -> _core.How:
     """Solver settings; any other keyword is an error."""
     keywords: dict[str, Any] = {**solver}
     how = _taken(keywords)
     for name in keywords:
         raise TypeError(f"there is no keyword `{name}`{_near(name, _SOLVER)}")
-    return how
+    return _checked(how)
 
 
 def _list(word: str, names: Sequence[str]) -> list[str]:
@@ -772,7 +866,10 @@ def _scene(scene: Scene | Mapping[str, Any] | None, inputs: Inputs) -> Scene:
 def _asked(scene: Scene | Mapping[str, Any] | None, question: Question) -> tuple[Scene, _core.How]:
     """The scene with replaced inputs, and the solver settings."""
     given: dict[str, Any] = {**question}
-    how = _taken(given)
+    how = _checked(_taken(given))
+    for name in given:
+        if name not in INPUTS and (near := _near(name, _SOLVER)):
+            raise InputError(f"unknown key `{name}`{near}", key=name)
     return _scene(scene, cast("Inputs", given)), how
 
 
@@ -1078,7 +1175,7 @@ def sweep(
     text: bool = False,
     **solver: Unpack[Solver],
 ) -> Grid:
-    """Solve a full grid over one or more inputs, with one model for all of its points.
+    """Solve a full grid over one or more inputs; `auto` chooses a model for each point.
 
     Parameters
     ----------
@@ -1176,8 +1273,8 @@ def gradient(
     scene = _scene(base, {})
     if method == "exact":
         if output not in ("efficiency", "ball_torque_Nm"):
-            raise InputError("exact derivatives are of efficiency and ball_torque_Nm; take method='difference'",
-                             key=output)
+            hint = "; take method='difference'" if output in OUTPUTS else _near(output, OUTPUTS)
+            raise InputError(f"exact derivatives are of efficiency and ball_torque_Nm{hint}", key=output)
         whole = [(name, np.ascontiguousarray(column)) for name, column in columns.items()]
         found = _core.gradient(scene, whole, length, wrt, output != "efficiency", _how(solver), threads)
         values = np.frombuffer(found[0], np.float64)
@@ -1599,7 +1696,8 @@ def fit(
     if not isinstance(input, str):
         raise InputError("one measured value gives one input; several need points")
     [(name, value)] = measured.items()
-    return _report(_core.fit(_scene(scene, {}), how, input, f"{name}={float(value)!r}", range))
+    value = _number(name, value)
+    return _report(_core.fit(_scene(scene, {}), how, input, f"{name}={value!r}", range))
 
 
 def _csv(data: Any, names: Mapping[str, str | None] = MappingProxyType({}), gaps: bool = False) -> bytes:
@@ -1751,10 +1849,18 @@ def _answered(rows: _core.Rows, inputs: Mapping[str, Any]) -> Table:
     columns["model"] = Words(rows.models)
     columns["status"] = Words(rows.statuses)
     for name, buffer in rows.outputs():
-        columns[name] = np.frombuffer(buffer, np.float64)
+        numbers = np.frombuffer(buffer, np.float64)
+        columns[name] = _texts(numbers, OUTPUTS[name].words) if OUTPUTS[name].words else numbers
     units = {name: (INPUTS.get(name) or OUTPUTS[name]).unit
              for name in columns if name in INPUTS or name in OUTPUTS}
     return Table(columns, units, len(rows), rows)
+
+
+def _texts(places: Floats, words: Sequence[str]) -> Words:
+    """An output that is a text, of the places of its texts; NaN where there is none."""
+    import numpy as np
+
+    return Words(lambda: (np.where(np.isnan(places), -1, places).astype(np.int8), list(words)))
 
 
 def _number(name: str, value: Any) -> float:
@@ -1790,6 +1896,10 @@ def _column(name: str, values: Any) -> Floats:
     """A column of doubles, contiguous and read-only; doubles that lie so already are not copied."""
     import numpy as np
 
+    if isinstance(values, (Uniform, Normal)):
+        raise InputError(f"`{name}` is random: draw the points by draw({{{name!r}: {values!r}, ...}}, samples)", key=name)
+    if isinstance(values, Linspace):
+        values = np.linspace(*values)
     if hasattr(values, "magnitude") and hasattr(values, "to"):
         values = _converted(name, values)
     if isinstance(values, np.ma.MaskedArray):

@@ -8,7 +8,21 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypedDict, Unpack
 
 from ballscrew import _core
-from ballscrew._api import Linspace, Progress, Scene, Solver, _axes, _columns, _how, _list, _scene, _shown
+from ballscrew._api import (
+    Linspace,
+    Normal,
+    Progress,
+    Scene,
+    Solver,
+    Uniform,
+    _axes,
+    _columns,
+    _how,
+    _laws,
+    _list,
+    _scene,
+    _shown,
+)
 from ballscrew._errors import InputError, PartError
 from ballscrew._vocabulary import Output
 
@@ -18,36 +32,10 @@ __all__ = [
     "SolvedPart",
     "Summary",
     "Verification",
-    "normal",
     "plan",
     "run_part",
     "solve_part",
-    "uniform",
 ]
-
-
-class Uniform(NamedTuple):
-    """Random numbers from `low` to `high`."""
-
-    low: float
-    high: float
-
-
-class Normal(NamedTuple):
-    """Random numbers of the normal law."""
-
-    mean: float
-    deviation: float
-
-
-def uniform(low: float, high: float) -> Uniform:
-    """Random values of an input from `low` to `high`, for `plan(draw=...)`."""
-    return Uniform(low, high)
-
-
-def normal(mean: float, deviation: float) -> Normal:
-    """Random values of an input by mean and standard deviation, for `plan(draw=...)`."""
-    return Normal(mean, deviation)
 
 
 class SolvedPart(TypedDict):
@@ -275,11 +263,7 @@ def plan(
         raise InputError("draw gives the distributions, samples the number of rows: give both")
     random = None
     if draw is not None and samples is not None:
-        of = []
-        for name, law in draw.items():
-            word = "normal" if isinstance(law, Normal) else "uniform"
-            of.append(f"{name}={word}:{float(law[0])!r}:{float(law[1])!r}")
-        random = (seed, samples, of)
+        random = (seed, samples, _laws(draw))
     table = Path(points) if points is not None else None
     core = _core.Plan.new(
         _scene(base, {}),

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 import polars as pl
 import pytest
-from conftest import EXAMPLES
+from conftest import EXAMPLES, program
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -64,6 +64,28 @@ def test_a_scene_survives_its_round_trips(screw: bs.Scene) -> None:
 def test_a_lead_replaces_a_lead_angle(screw: bs.Scene) -> None:
     other = screw.replace(lead_angle_deg=5.0)
     assert other.lead_mm is None and other.lead_angle_deg == 5.0
+
+
+def test_the_screw_torque_is_that_of_the_program(screw: bs.Scene) -> None:
+    loaded = screw.replace(seal_torque_Nm=0.2)
+    solution = bs.solve(loaded)
+    assert solution.screw_torque_Nm == solution.to_dict()["torque_parts"]["screw_torque_Nm"]
+    assert solution.screw_torque_Nm > solution.ball_torque_Nm
+    table = bs.solve_many({"axial_load_N": [loaded.axial_load_N]}, loaded, columns=["screw_torque_Nm"])
+    # A row and a scene agree to 1e-10.
+    assert table["screw_torque_Nm"][0] == pytest.approx(solution.screw_torque_Nm, rel=1e-10)
+
+
+def test_random_points_are_those_of_the_program(screw: bs.Scene, tmp_path: Path) -> None:
+    points = bs.draw({"axial_load_N": bs.uniform(1e3, 2e4), "friction_coefficient": bs.normal(0.06, 0.01)}, 50, seed=7)
+    table = bs.solve_many(points, screw, columns=["efficiency"])
+    screw.write(tmp_path / "screw.json")
+    assert bs.Scene.read(tmp_path / "screw.json") == screw
+    options = ["--draw", "axial_load_N=uniform:1000:20000", "--draw", "friction_coefficient=normal:0.06:0.01", "--samples", "50",
+               "--seed", "7", "--columns", "efficiency", "--quiet", "--keep-going"]
+    subprocess.run([program(), "sweep", tmp_path / "screw.json", *options, "-o", tmp_path / "of.csv"], check=True)
+    table.write(tmp_path / "ours.csv")
+    assert (tmp_path / "ours.csv").read_bytes() == (tmp_path / "of.csv").read_bytes()
 
 
 def test_properties_have_every_input(screw: bs.Scene) -> None:
@@ -182,6 +204,20 @@ def test_what_new_users_write_is_answered_in_words(screw: bs.Scene) -> None:
         with pytest.raises(bs.InputError, match="column `name` holds") as refused:
             bs.solve_many(frame, screw)
         assert "keep=" in refused.value.__notes__[0]
+    for wrong, word in ((bs.uniform(1.0, 2.0), "is random: draw"), (["a"], "is not a number")):
+        with pytest.raises(bs.InputError, match=word):
+            bs.solve_many({"axial_load_N": wrong}, screw)
+    with pytest.raises(bs.InputError, match="is random"):
+        bs.sweep(screw, vary={"axial_load_N": bs.normal(1.0, 2.0)})
+    assert bs.solve_many({"axial_load_N": bs.linspace(1e3, 2e3, 3)}, screw)["axial_load_N"].tolist() == [1e3, 1.5e3, 2e3]
+    with pytest.raises(bs.InputError, match="model is 3, but must be a text"):
+        bs.solve(screw, model=3)  # type: ignore[arg-type]
+    with pytest.raises(bs.InputError, match="unknown key `modle`, did you mean `model`"):
+        bs.solve(screw, modle="rigid")  # type: ignore[call-arg]
+    with pytest.raises(bs.InputError, match="did you mean `efficiency`"):
+        bs.gradient(points, "efficency", ["lead_mm"], screw)  # type: ignore[arg-type]
+    with pytest.raises(KeyError, match=r"it is in \['results'\]"):
+        bs.axis(bs.Scene.read(EXAMPLES / "axis.json"))["critical_speed_rpm"]
     with pytest.raises(KeyError) as caught:
         bs.solve_many(points, screw)["regime"]
     assert len(str(caught.value)) < 300
@@ -224,7 +260,9 @@ def test_frames_come_out_alike(screw: bs.Scene) -> None:
     assert polars.columns == arrow.column_names == list(pandas.columns) == table.column_names
     for found in (polars["efficiency"].to_numpy(), arrow["efficiency"].to_numpy(), pandas["efficiency"].to_numpy()):
         assert np.array_equal(found, table["efficiency"], equal_nan=True)
-    assert set(polars["controlling_race"].drop_nulls()) <= {"nut", "screw"}
+    races = [None if race is None else str(race) for race in polars["controlling_race"]]
+    assert races == table["controlling_race"].tolist() == table.to_dict()["controlling_race"] and {*races} <= {"nut", "screw", None}
+    assert [race if isinstance(race, str) else None for race in pandas["controlling_race"]] == races
     assert polars["self_locking"].sum() == 0
     assert arrow.schema.field("axial_load_N").metadata == {b"unit": b"N"}
     assert list(pandas["model"].cat.categories) == list(bs.MODELS)
