@@ -78,7 +78,7 @@ def test_the_screw_torque_is_that_of_the_program(screw: bs.Scene) -> None:
 
 def test_random_points_are_those_of_the_program(screw: bs.Scene, tmp_path: Path) -> None:
     points = bs.draw({"axial_load_N": bs.uniform(1e3, 2e4), "friction_coefficient": bs.normal(0.06, 0.01)}, 50, seed=7)
-    table = bs.solve_many(points, screw, columns=["efficiency"])
+    table = bs.solve_many(points, screw, columns=["efficiency"], text=True)
     screw.write(tmp_path / "screw.json")
     assert bs.Scene.read(tmp_path / "screw.json") == screw
     options = ["--draw", "axial_load_N=uniform:1000:20000", "--draw", "friction_coefficient=normal:0.06:0.01", "--samples", "50",
