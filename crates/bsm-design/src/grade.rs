@@ -6,7 +6,7 @@
 use std::sync::LazyLock;
 
 /// A row for each grade: standard; `$v_{300p}$` and `$v_{2\pi p}$` \[um\]; under the largest useful travel \[mm\] that they
-/// are for `$e_p$/$v_{up}$` \[um\].
+/// are for `$e_p$`/`$v_{up}$` \[um\].
 ///
 /// Source: ISO 3408-3 as HIWIN BS-08-2 has it in tables 3.3 and 3.4, `$v_{2\pi p}$` usual values; JIS B 1192 as THK has it,
 /// A-678, tables 1 and 2, where grades from C7 on are a deviation to either side.
