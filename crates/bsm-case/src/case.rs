@@ -3,9 +3,11 @@
 pub(crate) mod axis;
 pub(crate) mod catalogue;
 pub(crate) mod grid;
+pub(crate) mod maker_sizes;
 pub(crate) mod nut;
 pub(crate) mod problem;
 pub(crate) mod rated_nut;
+pub(crate) mod rated_screw;
 pub(crate) mod reader;
 pub(crate) mod requirement;
 pub(crate) mod scene;

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::thread::Profile;
-use crate::{Nut, Thread};
+use crate::{Nut, Screw, Thread};
 
 /// Density of the steel of nuts and screws \[kg/m³\].
 pub(crate) const STEEL: f64 = 7850.0;
@@ -32,6 +32,16 @@ impl NutBody {
         }
     }
 
+    /// The usual body of a nut of which only the ratings are known (D10), with three loaded turns unless they are known.
+    ///
+    /// * `nominal`, `lead` \[m\].
+    ///
+    /// Source: (D10); the outer diameters of DIN 69051-5, 1.4 to 1.8 nominal diameters.
+    pub fn of_ratings(nominal: f64, lead: f64, turns: Option<f64>) -> Self {
+        // L_n = P_h (i + 3)                                               (D10)
+        Self { outer: 1.6 * nominal, length: lead * (turns.unwrap_or(3.0) + IDLE_TURNS) }
+    }
+
     /// Mass \[kg\] without balls, returns and flange (D11).
     pub fn mass(&self, nut: &Nut, thread: &Thread) -> f64 {
         let tube = self.outer.powi(2) - thread.nut.land.powi(2);
@@ -40,9 +50,17 @@ impl NutBody {
 }
 
 impl Nut {
-    /// Mass \[kg\] of a screw of some length \[m\] (D11).
-    pub fn mass_of_screw(&self, thread: &Thread, length: f64) -> f64 {
-        threaded(self, &thread.screw, thread.screw.land.powi(2), length)
+    /// The screw of a thread.
+    pub fn screw(&self, thread: &Thread) -> Screw {
+        let profile = &thread.screw;
+        Screw {
+            lead: self.lead,
+            pitch_diameter: self.pitch_diameter,
+            core: profile.core,
+            outer: profile.land,
+            mass_per_length: threaded(self, profile, profile.land.powi(2), 1.0),
+            youngs_modulus: self.material.0.youngs_modulus,
+        }
     }
 }
 

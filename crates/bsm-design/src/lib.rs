@@ -36,6 +36,7 @@ mod nut;
 mod procedure;
 mod requirement;
 mod rigidity;
+mod screw;
 pub mod search;
 mod shaft;
 mod standard;
@@ -57,6 +58,7 @@ pub use requirement::{
     Quantity, Ranges, Requirement, Travel,
 };
 pub use rigidity::{Elasticity, in_series};
+pub use screw::{Efficiency, RigidityAt, Screw};
 pub use shaft::{
     BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, PERMITTED_STRESS, Shaft, Support, heat_transfer,
     lost_motion, steady_rise,

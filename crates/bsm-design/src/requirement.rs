@@ -322,12 +322,13 @@ impl Design {
             Travel::Stroke(stroke) => (stroke + body.length, stroke),
         };
         let phases = requirement.demand.phases(&requirement.carriage, &nut);
+        let screw = nut.screw(&thread);
         let axis = Axis {
-            nut,
-            shaft: requirement.mount.shaft(&nut, &thread, &body, Some(stroke)),
+            screw,
+            shaft: requirement.mount.shaft(&screw, body.length, Some(stroke)),
             phases,
             dynamic_rating: nut.dynamic_rating().rating,
-            static_rating: nut.static_rating(),
+            static_rating: nut.static_rating().rating,
             preload: requirement.preload,
             compression: 0.0,
             reliability: requirement.reliability,
@@ -413,7 +414,7 @@ impl Design {
         add(
             11,
             Quantity::Mass,
-            body.mass(&nut, &thread) + nut.mass_of_screw(&thread, length),
+            body.mass(&nut, &thread) + screw.mass_per_length * length,
             None,
             None,
         );

@@ -6,8 +6,8 @@ mod rules;
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, BRAKE_SAFETY, BackDriving, DutySpeed, Motion, Nut, Phase, Shaft, drag_torque,
-    heat_transfer, in_series, life, lost_motion, root_mean_square, steady_rise,
+    Axis, BRAKE_SAFETY, BackDriving, DutySpeed, Efficiency, Grade, Motion, Nut, Phase, RigidityAt,
+    Shaft, drag_torque, heat_transfer, in_series, life, lost_motion, root_mean_square, steady_rise,
 };
 use bsm_dyn::ModelWorkspace;
 use serde_json::{Value, json};
@@ -16,8 +16,9 @@ use self::contacts::{Contacts, contacts, nut_at};
 use super::nut::QUANTITIES as NUT;
 use super::ratings::QUANTITIES as RATINGS;
 use crate::answers::nut::preload_note;
-use crate::case::axis::{Machine, carriage};
+use crate::case::axis::{Machine, carriage, useful_travel};
 use crate::case::rated_nut;
+use crate::case::rated_screw::LEFT_OUT;
 use crate::case::warm::{ColdNut, Detail, Warm, WarmState};
 use crate::vocabulary::answer::numbers_json;
 use crate::vocabulary::quantity::quantities;
@@ -50,12 +51,20 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
         largest_speed_number_mm_min ["mm/min" "d_pw n"] Whole(|w| w.axis().speed_number() / (MM * RPM)), "largest speed number";
         screw_mass_kg ["kg"] Whole(|w| w.shaft().and(w.machine.screw).map(|(mass, _)| mass)), "mass of the screw between its bearings";
         axis_heat_transfer_W_K = INPUTS Whole(|w| w.heat_transfer());
-        steady_temperature_rise_K ["K"] Whole(|w| w.steady_rise()) needs [friction_coefficient | lubricant_temperature_C],
+        steady_temperature_rise_K ["K"] Whole(|w| w.steady_rise()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "steady-state temperature rise, by axis_heat_transfer_W_K";
         screw_growth_um ["um"] Whole(|w| w.growth()),
             "thermal expansion between the bearings, in the warm state, by screw_temperature_rise_K or by the steady-state rise";
-        travel_variation_300_um ["um" "v_300p"] Whole(|w| Some(w.scene.nut.accuracy_grade?.grade.variation / UM)),
+        travel_deviation_um ["um" "e_p"] Whole(|w| Some(w.grade()?.deviation(w.travel()?)? / UM)),
+            "permitted deviation of the travel over the useful travel, of accuracy_grade";
+        travel_variation_um ["um" "v_up"] Whole(|w| Some(w.grade()?.variation_of_travel(w.travel()?)? / UM)),
+            "permitted variation of travel within the useful travel, of accuracy_grade";
+        travel_variation_300_um ["um" "v_300p"] Whole(|w| Some(w.grade()?.variation / UM)),
             "permitted variation of travel within any 300 mm, of accuracy_grade";
+        travel_variation_2pi_um ["um" "v_2pip"] Whole(|w| Some(w.grade()?.of_a_turn? / UM)),
+            "permitted variation of travel within any turn, of accuracy_grade";
+        travel_error_worst_um ["um"] Whole(|w| Some(w.grade()?.worst_error(w.travel()?)? / UM)),
+            "largest error of the travel, of accuracy_grade";
     }
     "nut and life" {
         static_safety_factor ["" "f_s"] Whole(|w| w.static_safety()), "static safety factor, the smaller of rating and most loaded ball";
@@ -66,7 +75,7 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
     }
     "stiffness" {
         screw_stiffness_N_um ["N/um" "R_s"] Whole(|w| Some(w.shaft()?.least_stiffness() * UM)), "minimum axial stiffness of the screw";
-        nut_stiffness_at_largest_load_N_um ["N/um"] Whole(|w| w.of_nut("nut_stiffness_N_um")),
+        nut_stiffness_at_largest_load_N_um ["N/um"] Whole(|w| w.nut_stiffness()),
             "tangent stiffness of the nut at the largest load, all balls";
         axis_stiffness_N_um ["N/um"] Whole(|w| Some(w.stiffness()? * UM)), "stiffness of screw, nut, bearings and housings in series";
         lost_motion_um ["um"] Whole(|w| {
@@ -75,17 +84,17 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
         }), "elastic lost motion on reversal";
     }
     "drive" {
-        peak_motor_torque_Nm ["N m"] Whole(|w| w.peak(Worked::motor_torque)) needs [friction_coefficient | lubricant_temperature_C], "peak motor torque";
-        rms_motor_torque_Nm ["N m"] Whole(|w| w.rms_torque()) needs [friction_coefficient | lubricant_temperature_C], "RMS motor torque";
-        peak_motor_power_W ["W"] Whole(|w| w.peak(Worked::motor_power)) needs [friction_coefficient | lubricant_temperature_C], "peak motor power";
-        mean_heat_W ["W"] Whole(|w| w.mean_heat()) needs [friction_coefficient | lubricant_temperature_C], "mean heat of nut, seals and support bearings";
+        peak_motor_torque_Nm ["N m"] Whole(|w| w.peak(Worked::motor_torque)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "peak motor torque";
+        rms_motor_torque_Nm ["N m"] Whole(|w| w.rms_torque()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "RMS motor torque";
+        peak_motor_power_W ["W"] Whole(|w| w.peak(Worked::motor_power)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "peak motor power";
+        mean_heat_W ["W"] Whole(|w| w.mean_heat()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "mean heat of nut, seals and support bearings";
         rule_torque_Nm ["N m" "T_p0"] Whole(|w| Some(w.preload.as_ref()?.by_rule)), "friction torque of the preload by manufacturers' rule";
-        screw_torque_Nm ["N m" "T"] Whole(|w| w.heaviest()?.at_screw()) needs [friction_coefficient | lubricant_temperature_C],
+        screw_torque_Nm ["N m" "T"] Whole(|w| w.heaviest()?.at_screw()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "screw torque; at the largest load that moves, with preload, seals and support bearings";
-        screw_efficiency ["" "eta"] Whole(|w| w.heaviest()?.efficiency()) needs [friction_coefficient | lubricant_temperature_C],
+        screw_efficiency ["" "eta"] Whole(|w| w.heaviest()?.efficiency()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "efficiency of the screw; at the largest load that moves, with preload, seals and support bearings";
-        preload_torque_Nm = NUT Whole(|w| w.preload.as_ref()?.of_contacts) needs [friction_coefficient | lubricant_temperature_C];
-        holding_torque_Nm ["N m"] Whole(|w| w.holding) needs [friction_coefficient | lubricant_temperature_C],
+        preload_torque_Nm = NUT Whole(|w| w.preload.as_ref()?.of_contacts) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency];
+        holding_torque_Nm ["N m"] Whole(|w| w.holding) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "holding torque at the screw, contacts alone";
         inertia_of_screw_kg_m2 ["kg m2" "J_s"] Whole(|w| w.machine.screw.map(|(_, inertia)| inertia)), "moment of inertia of the screw";
         inertia_of_mass_kg_m2 ["kg m2"] Whole(|w| w.machine.drive.mass_inertia()), "reflected inertia of the moved mass, at the screw";
@@ -124,21 +133,21 @@ quantities! { pub(crate) PHASE, read_phase(&InPhase<'_>);
 
 quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
     "screw and nut" {
-        pitch_circle_diameter_mm = INPUTS Whole(|s| s.nut().pitch_diameter / MM);
-        lead_mm = INPUTS Whole(|s| s.nut().lead / MM);
-        lead_angle_deg = INPUTS Whole(|s| s.nut().lead_angle() / DEG);
-        ball_diameter_mm = INPUTS Whole(|s| s.nut().ball_diameter / MM);
-        contact_angle_deg = INPUTS Whole(|s| s.nut().contact_angle / DEG);
-        nut_conformity = INPUTS Whole(|s| s.nut().conformity.0);
-        screw_conformity = INPUTS Whole(|s| s.nut().conformity.1);
-        loaded_balls_per_turn = INPUTS Whole(|s| s.nut().balls_per_turn);
-        loaded_turns = INPUTS Whole(|s| s.nut().turns);
+        pitch_circle_diameter_mm = INPUTS Whole(|s| s.machine.axis.screw.pitch_diameter / MM);
+        lead_mm = INPUTS Whole(|s| s.machine.axis.screw.lead / MM);
+        lead_angle_deg = INPUTS Whole(|s| s.machine.axis.screw.lead_angle() / DEG);
+        ball_diameter_mm = INPUTS Whole(|s| Some(s.nut()?.ball_diameter / MM));
+        contact_angle_deg = INPUTS Whole(|s| Some(s.nut()?.contact_angle / DEG));
+        nut_conformity = INPUTS Whole(|s| Some(s.nut()?.conformity.0));
+        screw_conformity = INPUTS Whole(|s| Some(s.nut()?.conformity.1));
+        loaded_balls_per_turn = INPUTS Whole(|s| Some(s.nut()?.balls_per_turn));
+        loaded_turns = INPUTS Whole(|s| Some(s.nut()?.turns));
         nut_outer_diameter_mm = INPUTS Whole(|s| s.machine.body.outer / MM);
         nut_length_mm = INPUTS Whole(|s| s.machine.body.length / MM);
-        screw_outer_diameter_mm = INPUTS Whole(|s| s.machine.thread.screw.land / MM);
-        screw_core_diameter_mm = RATINGS Whole(|s| s.machine.thread.screw.core / MM);
+        screw_outer_diameter_mm = INPUTS Whole(|s| s.machine.axis.screw.outer / MM);
+        screw_core_diameter_mm = RATINGS Whole(|s| s.machine.axis.screw.core / MM);
         dynamic_load_rating_N = RATINGS Whole(|s| s.machine.axis.dynamic_rating);
-        static_load_rating_N = RATINGS Whole(|s| s.machine.axis.static_rating.rating);
+        static_load_rating_N = RATINGS Whole(|s| s.machine.axis.static_rating);
         edge_load_N = RATINGS Whole(|s| s.of_nut.number("edge_load_N"));
         mass_kg = RATINGS Whole(|s| s.of_nut.number("mass_kg"));
         preload_set_N = NUT Whole(|s| Some(s.preload?.cold));
@@ -162,8 +171,8 @@ pub(crate) struct Screw<'a> {
 }
 
 impl Screw<'_> {
-    fn nut(&self) -> &Nut {
-        &self.machine.axis.nut
+    fn nut(&self) -> Option<&Nut> {
+        self.machine.groove.as_ref().map(|(nut, _)| nut)
     }
 }
 
@@ -322,9 +331,24 @@ impl Preload {
         scene: &Scene,
         settings: &Settings,
         machine: &Machine,
-        nut: &NutReport,
+        nut: Option<&NutReport>,
         speed: f64,
     ) -> Result<Option<Self>, CaseError> {
+        let screw = &machine.axis.screw;
+        let by_rule = |preload| drag_torque(preload, screw.lead, screw.lead_angle());
+        if let Some(preload) = scene.preload_N.filter(|_| machine.groove.is_none()) {
+            let by_rule = by_rule(preload);
+            let given = scene.extra_drag_factor.map(|factor| factor * machine.advance() * preload);
+            let beyond = given.unwrap_or(by_rule);
+            return Ok(Some(Self {
+                cold: preload,
+                warm: preload,
+                by_rule,
+                of_contacts: None,
+                beyond,
+            }));
+        }
+        let Some(nut) = nut else { return Ok(None) };
         let forces = nut.number("preload_set_N").zip(nut.number("warm_preload_N"));
         let Some((cold, warm)) = forces.filter(|_| scene.is_preloaded()) else { return Ok(None) };
         let of_contacts = if speed > 0.0 && scene.given().has_friction() {
@@ -333,10 +357,8 @@ impl Preload {
         } else {
             None
         };
-        let rated = &machine.axis.nut;
-        let by_rule = drag_torque(warm, rated.lead, rated.lead_angle());
         let beyond = ColdNut::of(scene, settings, machine)?.drag(scene, machine)? * warm;
-        Ok(Some(Self { cold, warm, by_rule, of_contacts, beyond }))
+        Ok(Some(Self { cold, warm, by_rule: by_rule(warm), of_contacts, beyond }))
     }
 }
 
@@ -360,7 +382,7 @@ pub fn torque_parts(scene: &Scene, settings: &Settings) -> Result<Option<ScrewTo
     let drag = if preloaded {
         let machine = Machine::of(scene)?;
         let nut = nut_at(scene, settings, phase.load, phase.speed)?;
-        let preload = Preload::of(scene, settings, &machine, &nut, phase.speed.abs())?;
+        let preload = Preload::of(scene, settings, &machine, Some(&nut), phase.speed.abs())?;
         preload.map_or(0.0, |preload| preload.beyond)
     } else {
         0.0
@@ -413,8 +435,14 @@ impl AxisReport {
         }
         let scene = &warm.as_ref().map_or_else(|| asked.clone(), |warm| warm.scene(asked));
         let worked = Worked::of(scene, settings, warm)?;
-        let of_nut = ratings(&at_largest(scene, &worked.machine.axis))?;
+        let of_nut = match &worked.machine.groove {
+            Some(_) => ratings(&at_largest(scene, &worked.machine.axis))?,
+            None => Answer::default(),
+        };
         let mut warnings = of_nut.warnings.clone();
+        if let Some((nut, _)) = &worked.machine.groove {
+            warnings.extend(rated_nut::compared(scene, nut)?);
+        }
         warnings.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
         if let Some(why @ CaseError::Nut(_)) = &worked.no_nut {
             warnings.push(format!("{}; the rules of the preload are not judged", no_balls(why)));
@@ -576,7 +604,8 @@ impl<'a> Worked<'a> {
         let mut work = ModelWorkspace::default();
         let heaviest = axis.heaviest().filter(|phase| phase.load != 0.0).copied();
         let fastest = axis.fastest();
-        let found = heaviest.map(|phase| {
+        let with_balls = heaviest.filter(|_| machine.groove.is_some());
+        let found = with_balls.map(|phase| {
             let speed = if phase.speed == 0.0 { fastest } else { phase.speed };
             nut_at(scene, settings, phase.load, speed)
         });
@@ -585,10 +614,7 @@ impl<'a> Worked<'a> {
             Some(Err(why)) => (None, Some(why)),
             None => (None, None),
         };
-        let preload = match &nut {
-            Some(nut) => Preload::of(scene, settings, &machine, nut, fastest)?,
-            None => None,
-        };
+        let preload = Preload::of(scene, settings, &machine, nut.as_ref(), fastest)?;
         let drag = preload.as_ref().map_or(0.0, |preload| preload.beyond);
         let torque =
             |phase: &Phase| Torques::of(scene, settings, (advance, drag), phase, &mut work);
@@ -600,7 +626,8 @@ impl<'a> Worked<'a> {
         let holding = back
             .transpose()?
             .and_then(|found| Some((advance * axis.largest_load() - found.friction?).max(0.0)));
-        let life_by_balls = life_by_balls(scene, settings, axis);
+        let life_by_balls =
+            machine.groove.as_ref().and_then(|_| life_by_balls(scene, settings, axis));
         machine.axis.preload = preload.as_ref().map(|preload| preload.warm);
         Ok(Self { scene, machine, nut, no_nut, preload, torques, holding, life_by_balls, warm })
     }
@@ -625,19 +652,29 @@ impl<'a> Worked<'a> {
     /// By the rating of the maker too, which is of the same ball.
     fn static_safety(&self) -> f64 {
         let axis = self.axis();
-        let stated = axis.static_rating.rating / axis.nut.static_rating().rating;
-        let of_balls =
-            self.of_nut("static_safety_by_balls").map_or(f64::INFINITY, |safety| safety * stated);
-        axis.static_safety().min(of_balls)
+        let of_balls = self.machine.groove.as_ref().and_then(|(nut, _)| {
+            let stated = axis.static_rating / nut.static_rating().rating;
+            Some(self.of_nut("static_safety_by_balls")? * stated)
+        });
+        axis.static_safety().min(of_balls.unwrap_or(f64::INFINITY))
+    }
+
+    fn grade(&self) -> Option<&'static Grade> {
+        Some(self.scene.nut.accuracy_grade?.grade)
+    }
+
+    /// Useful travel \[m\].
+    fn travel(&self) -> Option<f64> {
+        useful_travel(self.scene)
     }
 
     /// To the surroundings \[W/K\]: given, or that to still air, unless the warm state has its own conductances.
     fn heat_transfer(&self) -> Option<f64> {
         let to_air = || {
             let length = self.shaft().filter(|_| self.warm.is_none())?.length;
-            let Machine { thread, body, axis, .. } = &self.machine;
+            let Machine { body, axis, .. } = &self.machine;
             let speeds = axis.phases.iter().map(|phase| (phase.speed, phase.time));
-            Some(heat_transfer((thread.screw.land, length), (body.outer, body.length), speeds))
+            Some(heat_transfer((axis.screw.outer, length), (body.outer, body.length), speeds))
         };
         self.scene.axis_heat_transfer_W_K.or_else(to_air)
     }
@@ -657,13 +694,27 @@ impl<'a> Worked<'a> {
         Some(self.shaft()?.growth(expansion * UM, given.or_else(|| self.steady_rise())?) / UM)
     }
 
+    /// Stiffness of the nut under the largest load \[N/um\]: of all its balls, or by that of its catalogue.
+    fn nut_stiffness(&self) -> Option<f64> {
+        let axis = self.axis();
+        let by_catalogue = || {
+            let stated = self.scene.rated_rigidity_N_um?;
+            let at = RigidityAt::from(self.scene.nut.rated_rigidity_at?);
+            at.rigidity(stated, axis.largest_load(), axis.preload, axis.dynamic_rating)
+        };
+        if self.machine.groove.is_some() {
+            self.of_nut("nut_stiffness_N_um")
+        } else {
+            by_catalogue()
+        }
+    }
+
     /// Rigidity of screw, nut, bearings and housings in series \[N/m\].
     fn stiffness(&self) -> Option<f64> {
         let Scene { support_bearing_stiffness_N_um, housing_stiffness_N_um, .. } = self.scene;
         let others =
             [*support_bearing_stiffness_N_um, *housing_stiffness_N_um].into_iter().flatten();
-        let (screw, nut) =
-            (self.shaft()?.least_stiffness(), self.of_nut("nut_stiffness_N_um")? / UM);
+        let (screw, nut) = (self.shaft()?.least_stiffness(), self.nut_stiffness()? / UM);
         Some(others.map(|stiffness| stiffness / UM).fold(in_series(screw, nut), in_series))
     }
 
@@ -723,6 +774,8 @@ impl<'a> Worked<'a> {
         notes.extend(self.warm.iter().flat_map(Warm::notes));
         notes.extend(self.nut.as_ref().and_then(NutReport::touch_note));
         notes.extend(self.idle());
+        notes.extend(self.machine.assumed.iter().cloned());
+        notes.extend(self.by_catalogue());
         notes.extend(self.scene.assumed_roughness());
         notes.extend(self.to_measure());
         if let Some(rise) =
@@ -736,8 +789,19 @@ impl<'a> Worked<'a> {
             ));
         }
         let mut note = |words: &str| notes.push(words.to_owned());
-        if let Some(grade) = self.scene.nut.accuracy_grade {
-            note(&grade.describe());
+        if let Some(word) = self.scene.nut.accuracy_grade {
+            note(&word.describe());
+            let Grade { name, .. } = word.grade;
+            match self.travel() {
+                None => {
+                    note("without stroke_mm or useful_travel_mm there is no error of the travel")
+                }
+                Some(travel) if word.grade.worst_error(travel).is_none() => {
+                    let what = if word.grade.deviation(travel).is_some() { "v_up" } else { "e_p" };
+                    note(&format!("{name} has no {what} over {:.0} mm", travel / MM));
+                }
+                Some(_) => {}
+            }
         }
         if self.machine.axis.shaft.is_none() {
             note(
@@ -752,6 +816,31 @@ impl<'a> Worked<'a> {
             note("unsupported_length_mm is stroke, length of the nut and two leads");
         }
         notes
+    }
+
+    /// What the sheet of a screw without groove omits, and the band of its torque.
+    fn by_catalogue(&self) -> Vec<String> {
+        /// Usual efficiencies.
+        const USUAL: [f64; 2] = [0.85, 0.95];
+        if self.machine.groove.is_some() {
+            return Vec::new();
+        }
+        let at = self.heaviest().and_then(|heaviest| {
+            let torque = heaviest.at_screw()?;
+            let drives = heaviest.phase.load * heaviest.phase.speed < 0.0;
+            let friction = contacts::by_catalogue(self.scene).friction(heaviest.ideal, drives);
+            let [high, low] = USUAL.map(|forward| {
+                let usual = Efficiency { forward, back: forward - 0.1 };
+                let change = usual.friction(heaviest.ideal, drives) - friction;
+                torque + change * heaviest.phase.speed.signum()
+            });
+            Some(format!(
+                "torque by catalogue efficiency, {:.3} N m at the largest load that moves; usual efficiencies give {low:.3} to \
+                 {high:.3} N m",
+                torque
+            ))
+        });
+        at.into_iter().chain([LEFT_OUT.to_owned()]).collect()
     }
 
     /// Inputs of the warm state that nothing asks for.
@@ -785,11 +874,11 @@ impl<'a> Worked<'a> {
 
     /// The torque by which the preload is checked, with its tolerance.
     fn to_measure(&self) -> Option<String> {
-        let (nut, preload) = (&self.axis().nut, self.preload.as_ref()?);
-        let torque = drag_torque(preload.cold, nut.lead, nut.lead_angle());
+        let (screw, preload) = (&self.axis().screw, self.preload.as_ref()?);
+        let torque = drag_torque(preload.cold, screw.lead, screw.lead_angle());
         let grade = self.scene.nut.accuracy_grade.map(|word| word.grade);
         let percent = grade.zip(self.shaft()).and_then(|(grade, shaft)| {
-            let diameter = self.machine.thread.screw.land;
+            let diameter = screw.outer;
             Some((grade.torque_variation(torque, shaft.length, diameter)?, grade.name))
         });
         let tolerance = percent.map_or_else(

@@ -3,11 +3,12 @@
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, Drive, DutySpeed, MachineTable, Motion, Mount, NutBody, StaticRating, Support, Thread,
+    Axis, Drive, DutySpeed, MachineTable, Motion, Mount, Nut, NutBody, Support, Thread,
     reliability_factor, screw_inertia,
 };
 
 use crate::case::rated_nut;
+use crate::case::rated_screw::RatedScrew;
 use crate::vocabulary::units::{DEG, MM, RPM};
 use crate::vocabulary::words::SupportWord;
 use crate::{CaseError, InputKey, PhaseWords, Scene};
@@ -16,12 +17,15 @@ use crate::{CaseError, InputKey, PhaseWords, Scene};
 #[derive(Debug, Clone)]
 pub(crate) struct Machine {
     pub(crate) axis: Axis,
-    pub(crate) thread: Thread,
+    /// The nut and its thread; `None` of a screw of which only the ratings are known.
+    pub(crate) groove: Option<(Nut, Thread)>,
     pub(crate) body: NutBody,
     pub(crate) carriage: MachineTable,
     pub(crate) drive: Drive,
     /// Mass \[kg\] and moment of inertia \[kg·m²\] of the screw; `None` without a length.
     pub(crate) screw: Option<(f64, f64)>,
+    /// What was estimated, in words.
+    pub(crate) assumed: Vec<String>,
 }
 
 impl Machine {
@@ -29,42 +33,51 @@ impl Machine {
     pub(crate) fn of(scene: &Scene) -> Result<Self, CaseError> {
         scene.check()?;
         let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
-        let nut = rated_nut::nut(scene)?;
-        let thread = rated_nut::thread(scene, &nut)?;
-        let body = rated_nut::body(scene, &nut, &thread)?;
-        let shaft = mount(scene).shaft(&nut, &thread, &body, scene.stroke_mm.map(|mm| mm * MM));
+        let (groove, RatedScrew { screw: size, body, assumed }) = if scene.has_ratings_only() {
+            (None, RatedScrew::of(scene)?)
+        } else {
+            let nut = rated_nut::nut(scene)?;
+            let thread = rated_nut::thread(scene, &nut)?;
+            let body = rated_nut::body(scene, &nut, &thread)?;
+            rated_nut::compared(scene, &nut)?;
+            let screw = nut.screw(&thread);
+            (Some((nut, thread)), RatedScrew { screw, body, assumed: Vec::new() })
+        };
+        let calculated = groove.as_ref().map(|(nut, _)| nut);
+        let dynamic = || calculated.map(|nut| nut.dynamic_rating().rating);
+        let rated = || calculated.map(|nut| nut.static_rating().rating);
+        let stroke = scene.stroke_mm.map(|mm| mm * MM);
+        let shaft = mount(scene).shaft(&size, body.length, stroke);
         let carriage = carriage(scene);
         let screw = shaft.as_ref().map(|shaft| {
-            let mass = nut.mass_of_screw(&thread, shaft.length);
+            let mass = size.mass_per_length * shaft.length;
             (mass, screw_inertia(shaft.length, mass))
         });
         let of_screw = screw.map_or(0.0, |(_, inertia)| inertia);
         let drive = Drive {
-            lead: nut.lead,
+            lead: size.lead,
             screw_inertia: of_screw + value(InputKey::coupling_inertia_kg_m2),
             mass: carriage.mass,
             gear_ratio: value(InputKey::gear_ratio),
             motor_inertia: value(InputKey::motor_inertia_kg_m2),
         };
-        let static_rating = nut.static_rating();
-        let rating = scene.rated_static_load_N.unwrap_or(static_rating.rating);
-        let phase = |motion: &Motion| motion.phase(&carriage, nut.lead);
+        let phase = |motion: &Motion| motion.phase(&carriage, size.lead);
         let axis = Axis {
-            nut,
+            screw: size,
             shaft,
             phases: motions(scene)?.iter().map(phase).collect(),
-            dynamic_rating: scene.rated_dynamic_load_N.unwrap_or(nut.dynamic_rating().rating),
-            static_rating: StaticRating { rating, ..static_rating },
+            dynamic_rating: scene.rated_dynamic_load_N.or_else(dynamic).unwrap_or(f64::NAN),
+            static_rating: scene.rated_static_load_N.or_else(rated).unwrap_or(f64::NAN),
             preload: None,
             compression: -scene.screw_tension_N.unwrap_or(0.0).min(0.0),
             reliability: reliability(scene),
         };
-        Ok(Self { axis, thread, body, carriage, drive, screw })
+        Ok(Self { axis, groove, body, carriage, drive, screw, assumed })
     }
 
     /// Advance for a radian of the screw \[m\].
     pub(crate) fn advance(&self) -> f64 {
-        self.axis.nut.lead / TAU
+        self.axis.screw.lead / TAU
     }
 }
 
@@ -76,6 +89,11 @@ pub(crate) fn carriage(scene: &Scene) -> MachineTable {
         inclination: value(InputKey::inclination_deg) * DEG,
         friction: value(InputKey::guide_friction),
     }
+}
+
+/// Over which its accuracy grade limits the error of the travel \[m\].
+pub(crate) fn useful_travel(scene: &Scene) -> Option<f64> {
+    scene.useful_travel_mm.or(scene.stroke_mm).map(|mm| mm * MM)
 }
 
 /// Ends and length of its screw.

@@ -6,6 +6,7 @@ mod catalogue;
 mod design;
 mod hard_points;
 mod lubricant;
+mod rated;
 mod scene;
 mod sensitivities;
 mod size;
