@@ -51,7 +51,7 @@ pub use drive::{
 pub use grade::Grade;
 pub use least_squares::{LeastSquares, least_squares};
 pub use life::{Duty, Life, OPENS_AT, life, pair_loads, reliability_factor};
-pub use nut::{DynamicRating, Nut, StaticRating};
+pub use nut::{DynamicRating, Nut, StaticRating, turn_length};
 pub use procedure::{ActiveLimit, Outcome, Why};
 pub use requirement::{
     AcceptedBy, Check, Design, DutySpeed, EfficiencyOf, Fixed, LoadCase, Objective, Pitch,
