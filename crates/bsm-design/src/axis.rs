@@ -57,6 +57,10 @@ pub struct Mount {
     pub length: Option<f64>,
     /// Shaft diameter for bending and buckling \[m\]; the core of the thread unless given.
     pub diameter: Option<f64>,
+    /// Bore \[m\], and density of what fills it \[kg/m³\].
+    pub bore: (f64, f64),
+    /// Ends and length \[m\] of the section that may buckle, if they differ from those of [`Support::of_buckling`].
+    pub buckling: (Option<Support>, Option<f64>),
 }
 
 impl Mount {
@@ -71,9 +75,15 @@ impl Mount {
         stroke: Option<f64>,
     ) -> Option<Shaft> {
         let usual = stroke.map(|stroke| stroke + body.length + OVERRUN_LEADS * nut.lead);
+        let length = self.length.or(usual)?;
+        let (ends, section) = self.buckling;
+        let buckling = (ends.unwrap_or(self.support.of_buckling()), section.unwrap_or(length));
         Some(Shaft {
             support: self.support,
-            length: self.length.or(usual)?,
+            length,
+            bore: self.bore.0,
+            coolant: self.bore.1,
+            buckling,
             diameter: self.diameter.unwrap_or(thread.screw.core),
             youngs_modulus: nut.material.0.youngs_modulus,
         })
