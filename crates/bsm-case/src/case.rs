@@ -7,6 +7,7 @@ pub(crate) mod maker_sizes;
 pub(crate) mod nut;
 pub(crate) mod problem;
 pub(crate) mod rated_nut;
+pub(crate) mod rated_screw;
 pub(crate) mod reader;
 pub(crate) mod requirement;
 pub(crate) mod scene;

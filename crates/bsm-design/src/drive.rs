@@ -109,21 +109,13 @@ impl BackDriving {
 /// Moment of inertia about its axis of a screw of which no more than length and mass are known \[kg·m²\] (Z9): that of a
 /// solid steel rod.
 ///
-/// Assumes: the groove takes nothing from the outside alone; with it ([`Nut::screw_mass_and_inertia`]) the moment is up to 5 %
+/// Assumes: the groove takes nothing from the outside alone; with it ([`Nut::screw`]) the moment is up to 5 %
 /// larger. Source: HIWIN BS-08-2, F 3.20, for the rod.
 ///
-/// [`Nut::screw_mass_and_inertia`]: crate::Nut::screw_mass_and_inertia
+/// [`Nut::screw`]: crate::Nut::screw
 pub fn rod_inertia(length: f64, mass: f64) -> f64 {
     // J_s = m_s²/(2π ρ l)                                                 (Z9)
     mass.powi(2) / (TAU * STEEL * length)
-}
-
-/// Diameter of a solid rod of the mass of a screw \[m\], if no more than core and nominal diameter are known (Z9).
-///
-/// Source: the median of 175 rows of THK, B-584 to B-735, with core and mass; within 20 % in mass.
-pub fn rod_diameter(core: f64, nominal: f64) -> f64 {
-    // d_m = d₃ + 0.46 (d₀ − d₃)                                           (Z9)
-    core + 0.46 * (nominal - core)
 }
 
 /// Inertias between motor and carriage.
@@ -312,13 +304,10 @@ mod tests {
         assert!((drag_torque(2e3, 10e-3, angle) - 0.5642).abs() < 5e-5);
     }
 
-    /// By hand: the metre of 13.012 kg is a rod of 46 mm with 3.433e-3 kg m². A screw of 28.6 mm core and 32 mm nominal
-    /// diameter is one of 30.164 mm, with 6.38007e-4 kg m² over a metre.
+    /// By hand: the metre of 13.012 kg is a rod of 46 mm with 3.433e-3 kg m²; one of 30.164 mm has 6.38007e-4 kg m².
     #[test]
     fn a_screw_of_known_mass_is_a_rod() {
-        let diameter = rod_diameter(28.6e-3, 32e-3);
-        assert_relative_eq!(diameter, 30.164e-3, max_relative = 1e-12);
-        let mass = STEEL * 0.25 * PI * diameter.powi(2);
+        let mass = STEEL * 0.25 * PI * 30.164e-3_f64.powi(2);
         assert_relative_eq!(rod_inertia(1.0, mass), 6.380_07e-4, max_relative = 1e-6);
         let inertia = rod_inertia(1.0, 13.012);
         assert_relative_eq!(inertia, 3.432_7e-3, max_relative = 2e-5);
@@ -378,7 +367,7 @@ mod tests {
                 gear_inertia: 0.0,
             };
             // Five digits.
-            assert_relative_eq!(drive.inertia(), inertia, max_relative = 2e-5);
+            assert_relative_eq!(drive.load_inertia(), inertia, max_relative = 2e-5);
             let steady = force * lead / TAU / 0.9;
             assert_relative_eq!(steady, torques[0], max_relative = 2e-5);
             let turning = speed / ramp * TAU / lead;

@@ -1,31 +1,34 @@
-//! Accuracy grades of screws: which standard a name is of, how much the travel may vary within 300 mm, and how much the
+//! Accuracy grades of screws: which standard a name is of, how much the travel may deviate and vary, and how much the
 //! friction torque of a preload.
+//!
+//! Theory: `docs/theory/18-axis.md`, equations (Z34) and (Z35).
 
-/// A standard of grades.
-const ISO: &str = "ISO 3408-3";
-const JIS: &str = "JIS B 1192";
+use std::sync::LazyLock;
 
-/// Grades \[m\]: of positioning (P) and transport (T) screws by ISO 3408-3, `$v_{300p}$`, as HIWIN BS-08-2 has them in
-/// table 3.3; of JIS B 1192 (C) as THK has them, A-678, where those from C7 on are a deviation to either side.
-const GRADES: [Grade; 17] = [
-    Grade { name: "P0", standard: ISO, variation: 3.5e-6 },
-    Grade { name: "P1", standard: ISO, variation: 6e-6 },
-    Grade { name: "P3", standard: ISO, variation: 12e-6 },
-    Grade { name: "P5", standard: ISO, variation: 23e-6 },
-    Grade { name: "P7", standard: ISO, variation: 52e-6 },
-    Grade { name: "P10", standard: ISO, variation: 210e-6 },
-    Grade { name: "T5", standard: ISO, variation: 23e-6 },
-    Grade { name: "T7", standard: ISO, variation: 52e-6 },
-    Grade { name: "T10", standard: ISO, variation: 210e-6 },
-    Grade { name: "C0", standard: JIS, variation: 3.5e-6 },
-    Grade { name: "C1", standard: JIS, variation: 5e-6 },
-    Grade { name: "C2", standard: JIS, variation: 7e-6 },
-    Grade { name: "C3", standard: JIS, variation: 8e-6 },
-    Grade { name: "C5", standard: JIS, variation: 18e-6 },
-    Grade { name: "C7", standard: JIS, variation: 50e-6 },
-    Grade { name: "C8", standard: JIS, variation: 100e-6 },
-    Grade { name: "C10", standard: JIS, variation: 210e-6 },
-];
+/// A row for each grade: standard; `$v_{300p}$` and `$v_{2\pi p}$` \[um\]; under the largest useful travel \[mm\] that they
+/// are for `$e_p$`/`$v_{up}$` \[um\].
+///
+/// Source: ISO 3408-3 as HIWIN BS-08-2 has it in tables 3.3 and 3.4, `$v_{2\pi p}$` usual values; JIS B 1192 as THK has it,
+/// A-678, tables 1 and 2, where grades from C7 on are a deviation to either side.
+const TABLE: &str = include_str!("grades.csv");
+
+static GRADES: LazyLock<Vec<Grade>> = LazyLock::new(|| {
+    let number = |text: &str| text.parse::<f64>().ok();
+    let um = |text: &str| Some(1e-6 * number(text)?);
+    let mut rows = TABLE.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let heads = rows.next().unwrap_or_default();
+    let lengths: Vec<_> = heads.into_iter().filter_map(number).map(|mm| 1e-3 * mm).collect();
+    let grade = |row: Vec<&'static str>| {
+        let [name, standard, variation, of_a_turn, cells @ ..] = &row[..] else { return None };
+        let row = |(length, cell): (&f64, &&str)| {
+            let (deviation, variation) = cell.split_once('/')?;
+            Some((*length, um(deviation)?, um(variation)))
+        };
+        let travels = lengths.iter().zip(cells).filter_map(row).collect();
+        Some(Grade { name, standard, variation: um(variation)?, of_a_turn: um(of_a_turn), travels })
+    };
+    rows.filter_map(grade).collect()
+});
 
 /// Permitted variations of the friction torque of a preload \[%\] from the torque before \[N·m\] up to that of the next
 /// row, for the slenderness and length of [`Grade::torque_variation`]: HIWIN BS-08-2, table 3.16, of P0, P1, P3, P5 and P7,
@@ -69,20 +72,65 @@ const TORQUE_VARIATIONS: [Variations; 6] = [
 const LARGEST_TORQUE: f64 = 10.0;
 
 /// An accuracy grade.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Grade {
     /// Its name, such as P3 or C3.
     pub name: &'static str,
     /// The standard that it is of.
     pub standard: &'static str,
-    /// Permitted variation of travel within any 300 mm \[m\].
+    /// Permitted variation of travel within any 300 mm `$v_{300p}$` \[m\].
     pub variation: f64,
+    /// Permitted variation of travel within any turn `$v_{2\pi p}$` \[m\]; a grade of transport screws has none.
+    pub of_a_turn: Option<f64>,
+    /// Largest useful travel, `$e_p$` and `$v_{up}$` \[m\] of each row; none where the deviation grows with the travel.
+    travels: Vec<(f64, f64, Option<f64>)>,
 }
 
 impl Grade {
     /// All of them.
     pub fn all() -> impl Iterator<Item = &'static Self> + Clone {
         GRADES.iter()
+    }
+
+    /// Permitted deviation of the travel `$e_p$` over a useful travel \[m\] (Z34); `None` beyond the table.
+    pub fn deviation(&self, travel: f64) -> Option<f64> {
+        /// Length of the stated variation \[m\].
+        const STATED: f64 = 0.3;
+        if self.travels.is_empty() {
+            // e_p = (l_u/300 mm) v_300p                                   (Z34)
+            return Some(travel / STATED * self.variation);
+        }
+        self.row(travel).map(|(_, deviation, _)| *deviation)
+    }
+
+    /// Permitted variation within the useful travel `$v_{up}$` \[m\]; `None` beyond the table, and of a grade whose deviation
+    /// grows with the travel.
+    pub fn variation_of_travel(&self, travel: f64) -> Option<f64> {
+        self.row(travel).and_then(|(.., variation)| *variation)
+    }
+
+    /// The row of a travel \[m\]: the shortest that is not shorter.
+    fn row(&self, travel: f64) -> Option<&(f64, f64, Option<f64>)> {
+        self.travels.iter().find(|(longest, ..)| travel <= longest * (1.0 + 1e-12))
+    }
+
+    /// Largest error of the travel \[m\] (Z35); `None` beyond the table.
+    pub fn worst_error(&self, travel: f64) -> Option<f64> {
+        let deviation = self.deviation(travel)?;
+        if self.travels.is_empty() {
+            // It has all variations within.
+            return Some(deviation);
+        }
+        // e = e_p + v_up/2                                                (Z35)
+        Some(deviation + 0.5 * self.variation_of_travel(travel)?)
+    }
+
+    /// The coarsest grade of the same standard whose largest error of the travel is at most `error` \[m\].
+    pub fn that_keeps(&self, error: f64, travel: f64) -> Option<&'static Self> {
+        let same = Self::all().filter(|grade| grade.standard == self.standard);
+        let kept = same.filter_map(|grade| Some((grade, grade.worst_error(travel)?)));
+        let kept = kept.filter(|(_, worst)| *worst <= error);
+        kept.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(grade, _)| grade)
     }
 
     /// Permitted variation of the friction torque of a preload to either side \[%\], where its standard has one.
@@ -113,9 +161,12 @@ impl Grade {
         (percent > 0).then(|| f64::from(percent))
     }
 
-    /// The grade of that name, in capitals or not.
+    /// The grade of that name, in capitals or not; `IT3` and `G3` are P3.
     pub fn named(name: &str) -> Option<&'static Self> {
-        GRADES.iter().find(|grade| grade.name.eq_ignore_ascii_case(name))
+        let name = name.to_ascii_uppercase();
+        let number = name.strip_prefix("IT").or(name.strip_prefix('G'));
+        let name = number.map_or(name.clone(), |number| format!("P{number}"));
+        GRADES.iter().find(|grade| grade.name == name)
     }
 }
 
@@ -134,6 +185,64 @@ mod tests {
             assert_eq!(um(name), Some(expected), "{name}");
         }
         assert_eq!(um("C4"), None);
+    }
+
+    /// Entries and edges of the tables, in um: a length belongs to the row that it ends, and nothing is interpolated.
+    #[test]
+    fn travels_are_those_of_the_tables() {
+        let um = |metres: Option<f64>| metres.map(|x| (1e7 * x).round() / 10.0);
+        let of = |name: &str, mm: f64| {
+            let grade = Grade::named(name).expect("a grade");
+            [um(grade.deviation(1e-3 * mm)), um(grade.variation_of_travel(1e-3 * mm))]
+        };
+        for (name, mm, deviation, variation) in [
+            ("P3", 315.0, Some(12.0), Some(12.0)),
+            ("P3", 316.0, Some(13.0), Some(12.0)),
+            ("P3", 50.0, Some(12.0), Some(12.0)),
+            ("it3", 1000.0, Some(21.0), Some(17.0)),
+            ("G5", 1000.0, Some(40.0), Some(34.0)),
+            ("P0", 1600.0, Some(11.0), Some(7.0)),
+            ("P0", 1601.0, Some(13.0), None),
+            ("P0", 3151.0, None, None),
+            ("P3", 5001.0, Some(92.0), None),
+            ("P5", 6300.0, Some(170.0), Some(119.0)),
+            ("P5", 6301.0, None, None),
+            ("C3", 100.0, Some(8.0), Some(8.0)),
+            ("C3", 101.0, Some(10.0), Some(8.0)),
+            ("C3", 1000.0, Some(21.0), Some(15.0)),
+            ("C5", 1000.0, Some(40.0), Some(27.0)),
+            ("C5", 10_000.0, Some(260.0), Some(140.0)),
+            ("C0", 1601.0, None, None),
+            ("P7", 700.0, Some(121.3), None),
+            ("C7", 700.0, Some(116.7), None),
+            ("C7", 1000.0, Some(166.7), None),
+            ("T10", 300.0, Some(210.0), None),
+        ] {
+            assert_eq!(of(name, mm), [deviation, variation], "{name} {mm}");
+        }
+        let turn = |name: &str| um(Grade::named(name).expect("a grade").of_a_turn);
+        assert_eq!(["C3", "P3", "P5", "C7"].map(turn), [Some(6.0), Some(6.0), Some(8.0), None]);
+        assert_eq!(Grade::all().count(), 17);
+        // Finer grades and shorter travels never permit more.
+        for standard in [["P0", "P1", "P3", "P5"], ["C0", "C1", "C3", "C5"]] {
+            let mut finer = Some(0.0);
+            for name in standard {
+                let errors = [0.1, 0.5, 1.0, 1.5].map(|m| Grade::named(name)?.worst_error(m));
+                assert!(errors.is_sorted() && finer < errors[0], "{name} {errors:?}");
+                finer = errors[0];
+            }
+        }
+    }
+
+    /// THK A-723: 0.167 mm over 1000 mm by C7; 21 + 15/2 um by C3, which C5 does not keep.
+    #[test]
+    fn the_grade_that_would_do() {
+        let of = |name: &str| Grade::named(name).expect("a grade");
+        let worst = |name: &str| of(name).worst_error(1.0).map(|x| (1e7 * x).round() / 10.0);
+        assert_eq!(["C7", "C3"].map(worst), [Some(166.7), Some(28.5)]);
+        let kept = |um: f64| of("C7").that_keeps(1e-6 * um, 1.0).map(|grade| grade.name);
+        assert_eq!([28.5, 28.4, 1.0].map(kept), [Some("C3"), Some("C2"), None]);
+        assert_eq!(of("T7").that_keeps(60e-6, 1.0).map(|grade| grade.name), Some("P5"));
     }
 
     /// The worked example of THK, A-689, 30 % of 0.865 N m at a slenderness of 32.5, and the edges of the tables.

@@ -38,6 +38,7 @@ mod preload;
 mod procedure;
 mod requirement;
 mod rigidity;
+mod screw;
 pub mod search;
 mod shaft;
 mod standard;
@@ -48,7 +49,7 @@ pub use body::NutBody;
 pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, Offered, Size, front, loaded_balls};
 pub use drive::{
     BRAKE_SAFETY, BackDriving, Drive, Falling, MachineTable, drag_torque, least_acceleration_time,
-    rod_diameter, rod_inertia, root_mean_square,
+    rod_inertia, root_mean_square,
 };
 pub use grade::Grade;
 pub use least_squares::{LeastSquares, least_squares};
@@ -62,6 +63,7 @@ pub use requirement::{
     Quantity, Ranges, Requirement, Travel,
 };
 pub use rigidity::{Elasticity, in_series};
+pub use screw::{Efficiency, RigidityAt, Screw};
 pub use shaft::{
     BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, PERMITTED_STRESS, Shaft, Support, heat_transfer,
     lost_motion, steady_rise,

@@ -56,16 +56,6 @@ pub struct StaticRating {
     pub rating: f64,
 }
 
-impl StaticRating {
-    /// Static safety under an axial load \[N\] (Z16).
-    ///
-    /// Source: ISO 3408-5; THK asks for 2 without and 5 with impact, the sign of the load is of no matter.
-    pub fn safety(&self, load: f64) -> f64 {
-        // f_s = C_0a/F                                                    (Z16)
-        self.rating / load.abs()
-    }
-}
-
 impl Nut {
     /// Conformity that reproduces the load ratings of HIWIN (BS-08-2), where a table does not state it.
     pub const USUAL_CONFORMITY: f64 = 0.5203;
@@ -143,15 +133,6 @@ impl Nut {
             * self.lead_angle().cos()
             * (self.ball_diameter * PER_MM).powi(2);
         StaticRating { curvatures, factor, rating }
-    }
-
-    /// Speed number \[m·rad/s\] (Z15): what the ball return sees of a speed \[rad/s\]; makers limit it by the kind
-    /// of return, from 50 000 to 220 000 mm/min.
-    ///
-    /// Source: ISO 3408-1; makers' catalogues, such as HIWIN BS-08-2, F 3.29, with the nominal diameter.
-    pub fn speed_number(&self, speed: f64) -> f64 {
-        // D_N = D_pw Ω                                                    (Z15)
-        self.pitch_diameter * speed
     }
 
     /// Efficiency of a screw whose balls roll against a resistance of lever arm `$f_r$` \[m\] (D9).

@@ -357,12 +357,13 @@ impl Design {
             Travel::Stroke(stroke) => (stroke + body.length, stroke),
         };
         let phases = requirement.demand.phases(&requirement.carriage, &nut);
+        let screw = nut.screw(&thread);
         let mut axis = Axis {
-            nut,
-            shaft: requirement.mount.shaft(&nut, &thread, &body, Some(stroke)),
+            screw,
+            shaft: requirement.mount.shaft(&screw, body.length, Some(stroke)),
             phases,
             dynamic_rating: nut.dynamic_rating().rating,
-            static_rating: nut.static_rating(),
+            static_rating: nut.static_rating().rating,
             preload: None,
             compression: 0.0,
             reliability: requirement.reliability,
@@ -452,15 +453,15 @@ impl Design {
         for (quantity, value, least, most) in requirement.rules(&axis) {
             add(11, quantity, value, least, most);
         }
-        let inertia = axis.shaft.as_ref().map_or(f64::NAN, |shaft| {
-            nut.screw_mass_and_inertia(&thread, shaft.bore, shaft.length).1
-        });
+        let inertia = axis
+            .shaft
+            .as_ref()
+            .map_or(f64::NAN, |shaft| screw.mass_and_inertia(shaft.bore, shaft.length).1);
         add(11, Quantity::Inertia, inertia, None, None);
         add(
             11,
             Quantity::Mass,
-            body.mass(&nut, &thread)
-                + nut.screw_mass_and_inertia(&thread, requirement.mount.bore.0, length).0,
+            body.mass(&nut, &thread) + screw.mass_and_inertia(requirement.mount.bore.0, length).0,
             None,
             None,
         );

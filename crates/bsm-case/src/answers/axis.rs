@@ -6,9 +6,9 @@ mod rules;
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, BackDriving, DutySpeed, Falling, Life, Motion, Nut, Phase, PreloadMethod, Shaft,
-    drag_torque, heat_transfer, in_series, least_acceleration_time, life, lost_motion,
-    root_mean_square, steady_rise,
+    Axis, BackDriving, DutySpeed, Efficiency, Falling, Grade, Life, Motion, Nut, Phase,
+    PreloadMethod, RigidityAt, Shaft, drag_torque, heat_transfer, in_series,
+    least_acceleration_time, life, lost_motion, root_mean_square, steady_rise,
 };
 use bsm_dyn::ModelWorkspace;
 use serde_json::{Value, json};
@@ -17,9 +17,10 @@ use self::contacts::{Contacts, contacts, nut_at};
 use super::nut::QUANTITIES as NUT;
 use super::ratings::QUANTITIES as RATINGS;
 use crate::answers::nut::preload_note;
-use crate::case::axis::{Held, Machine, carriage, preload_method};
+use crate::case::axis::{Held, Machine, carriage, preload_method, useful_travel};
 use crate::case::nut::bad;
 use crate::case::rated_nut;
+use crate::case::rated_screw::LEFT_OUT;
 use crate::case::warm::{ColdNut, Detail, Warm, WarmState};
 use crate::vocabulary::answer::numbers_json;
 use crate::vocabulary::number::short;
@@ -68,12 +69,20 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
         }), "largest load and pretension, which the support bearings carry";
         screw_mass_kg ["kg"] Whole(|w| w.shaft().and(w.machine.screw).map(|(mass, _)| mass)), "mass of the screw between its bearings";
         axis_heat_transfer_W_K = INPUTS Whole(|w| w.heat_transfer());
-        steady_temperature_rise_K ["K"] Whole(|w| w.steady_rise()) needs [friction_coefficient | lubricant_temperature_C],
+        steady_temperature_rise_K ["K"] Whole(|w| w.steady_rise()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "steady-state temperature rise, by axis_heat_transfer_W_K";
         screw_growth_um ["um"] Whole(|w| w.growth()),
             "thermal expansion between the bearings, in the warm state, by screw_temperature_rise_K or by the steady-state rise";
-        travel_variation_300_um ["um" "v_300p"] Whole(|w| Some(w.scene.nut.accuracy_grade?.grade.variation / UM)),
+        travel_deviation_um ["um" "e_p"] Whole(|w| Some(w.grade()?.deviation(w.travel()?)? / UM)),
+            "permitted deviation of the travel over the useful travel, of accuracy_grade";
+        travel_variation_um ["um" "v_up"] Whole(|w| Some(w.grade()?.variation_of_travel(w.travel()?)? / UM)),
+            "permitted variation of travel within the useful travel, of accuracy_grade";
+        travel_variation_300_um ["um" "v_300p"] Whole(|w| Some(w.grade()?.variation / UM)),
             "permitted variation of travel within any 300 mm, of accuracy_grade";
+        travel_variation_2pi_um ["um" "v_2pip"] Whole(|w| Some(w.grade()?.of_a_turn? / UM)),
+            "permitted variation of travel within any turn, of accuracy_grade";
+        travel_error_worst_um ["um"] Whole(|w| Some(w.grade()?.worst_error(w.travel()?)? / UM)),
+            "largest error of the travel, of accuracy_grade";
     }
     "nut and life" {
         static_safety_factor ["" "f_s"] Whole(|w| w.static_safety()), "static safety factor, the smaller of rating and most loaded ball";
@@ -84,7 +93,7 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
     }
     "stiffness" {
         screw_stiffness_N_um ["N/um" "R_s"] Whole(|w| Some(w.shaft()?.least_stiffness() * UM)), "minimum axial stiffness of the screw";
-        nut_stiffness_at_largest_load_N_um ["N/um"] Whole(|w| w.of_nut("nut_stiffness_N_um")),
+        nut_stiffness_at_largest_load_N_um ["N/um"] Whole(|w| w.nut_stiffness()),
             "tangent stiffness of the nut at the largest load, all balls";
         axis_stiffness_N_um ["N/um"] Whole(|w| Some(w.stiffness()? * UM)), "stiffness of screw, nut, bearings and housings in series";
         lost_motion_um ["um"] Whole(|w| {
@@ -94,21 +103,21 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
     }
     "drive" {
         motor_speed_rpm ["rpm"] Whole(|w| w.axis().fastest() * w.machine.drive.gear_ratio / RPM), "largest speed of the motor";
-        peak_motor_torque_Nm ["N m"] Whole(|w| w.peak(Worked::motor_torque)) needs [friction_coefficient | lubricant_temperature_C], "peak motor torque";
-        rms_motor_torque_Nm ["N m"] Whole(|w| w.rms_torque()) needs [friction_coefficient | lubricant_temperature_C], "RMS motor torque";
-        peak_motor_power_W ["W"] Whole(|w| w.peak(Worked::motor_power)) needs [friction_coefficient | lubricant_temperature_C], "peak motor power";
-        mean_heat_W ["W"] Whole(|w| w.mean_heat()) needs [friction_coefficient | lubricant_temperature_C], "mean heat of nut, seals and support bearings";
+        peak_motor_torque_Nm ["N m"] Whole(|w| w.peak(Worked::motor_torque)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "peak motor torque";
+        rms_motor_torque_Nm ["N m"] Whole(|w| w.rms_torque()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "RMS motor torque";
+        peak_motor_power_W ["W"] Whole(|w| w.peak(Worked::motor_power)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "peak motor power";
+        mean_heat_W ["W"] Whole(|w| w.mean_heat()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "mean heat of nut, seals and support bearings";
         preload_torque_measured_Nm ["N m" "T_p0"] Whole(|w| Some(w.preload.as_ref()?.by_rule)),
             "friction torque of the preload to be measured; by manufacturers' rule, at 100 rpm, without wipers, oil of ISO VG 68";
         preload_torque_percent ["%"] Whole(|w| w.torque_percent()), "permitted variation of the friction torque of the preload, to either side; by accuracy_grade";
         preload_torque_measured_low_Nm ["N m"] Whole(|w| w.torque_by(-1.0)), "least permitted friction torque of the preload";
         preload_torque_measured_high_Nm ["N m"] Whole(|w| w.torque_by(1.0)), "largest permitted friction torque of the preload";
-        screw_torque_Nm ["N m" "T"] Whole(|w| w.heaviest()?.at_screw()) needs [friction_coefficient | lubricant_temperature_C],
+        screw_torque_Nm ["N m" "T"] Whole(|w| w.heaviest()?.at_screw()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "screw torque; at the largest load that moves, with preload, seals and support bearings";
-        screw_efficiency ["" "eta"] Whole(|w| w.heaviest()?.efficiency()) needs [friction_coefficient | lubricant_temperature_C],
+        screw_efficiency ["" "eta"] Whole(|w| w.heaviest()?.efficiency()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "efficiency of the screw; at the largest load that moves, with preload, seals and support bearings";
-        preload_torque_Nm = NUT Whole(|w| w.preload.as_ref()?.of_contacts) needs [friction_coefficient | lubricant_temperature_C];
-        holding_torque_Nm ["N m"] Whole(|w| w.holding) needs [friction_coefficient | lubricant_temperature_C],
+        preload_torque_Nm = NUT Whole(|w| w.preload.as_ref()?.of_contacts) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency];
+        holding_torque_Nm ["N m"] Whole(|w| w.holding) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "least holding torque at the screw, contacts alone; not for choosing a brake";
         holding_torque_frictionless_Nm ["N m"] Whole(|w| Some(w.falling()?.torque / w.machine.drive.gear_ratio)),
             "holding torque of the weight at the motor, without friction";
@@ -126,7 +135,7 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
             let motor = Some(w.machine.drive.motor_inertia).filter(|inertia| *inertia > 0.0);
             Some(w.inertia_at_motor()? / motor?)
         }), "load-to-motor inertia ratio";
-        least_acceleration_time_s ["s"] Whole(|w| w.least_ramp()) needs [friction_coefficient | lubricant_temperature_C],
+        least_acceleration_time_s ["s"] Whole(|w| w.least_ramp()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "least time to the largest speed, by motor_peak_torque_Nm";
         shortest_ramp_s ["s"] Whole(|w| w.shortest_ramp()), "time to the largest speed at the largest acceleration of the cycle";
     }
@@ -159,21 +168,21 @@ quantities! { pub(crate) PHASE, read_phase(&InPhase<'_>);
 
 quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
     "screw and nut" {
-        pitch_circle_diameter_mm = INPUTS Whole(|s| s.nut().pitch_diameter / MM);
-        lead_mm = INPUTS Whole(|s| s.nut().lead / MM);
-        lead_angle_deg = INPUTS Whole(|s| s.nut().lead_angle() / DEG);
-        ball_diameter_mm = INPUTS Whole(|s| s.nut().ball_diameter / MM);
-        contact_angle_deg = INPUTS Whole(|s| s.nut().contact_angle / DEG);
-        nut_conformity = INPUTS Whole(|s| s.nut().conformity.0);
-        screw_conformity = INPUTS Whole(|s| s.nut().conformity.1);
-        loaded_balls_per_turn = INPUTS Whole(|s| s.nut().balls_per_turn);
-        loaded_turns = INPUTS Whole(|s| s.nut().turns);
+        pitch_circle_diameter_mm = INPUTS Whole(|s| s.machine.axis.screw.pitch_diameter / MM);
+        lead_mm = INPUTS Whole(|s| s.machine.axis.screw.lead / MM);
+        lead_angle_deg = INPUTS Whole(|s| s.machine.axis.screw.lead_angle() / DEG);
+        ball_diameter_mm = INPUTS Whole(|s| Some(s.nut()?.ball_diameter / MM));
+        contact_angle_deg = INPUTS Whole(|s| Some(s.nut()?.contact_angle / DEG));
+        nut_conformity = INPUTS Whole(|s| Some(s.nut()?.conformity.0));
+        screw_conformity = INPUTS Whole(|s| Some(s.nut()?.conformity.1));
+        loaded_balls_per_turn = INPUTS Whole(|s| Some(s.nut()?.balls_per_turn));
+        loaded_turns = INPUTS Whole(|s| Some(s.nut()?.turns));
         nut_outer_diameter_mm = INPUTS Whole(|s| s.machine.body.outer / MM);
         nut_length_mm = INPUTS Whole(|s| s.machine.body.length / MM);
-        screw_outer_diameter_mm = INPUTS Whole(|s| s.machine.thread.screw.land / MM);
-        screw_core_diameter_mm = RATINGS Whole(|s| s.machine.thread.screw.core / MM);
+        screw_outer_diameter_mm = INPUTS Whole(|s| s.machine.axis.screw.outer / MM);
+        screw_core_diameter_mm = RATINGS Whole(|s| s.machine.axis.screw.core / MM);
         dynamic_load_rating_N = RATINGS Whole(|s| s.machine.axis.dynamic_rating);
-        static_load_rating_N = RATINGS Whole(|s| s.machine.axis.static_rating.rating);
+        static_load_rating_N = RATINGS Whole(|s| s.machine.axis.static_rating);
         edge_load_N = RATINGS Whole(|s| s.of_nut.number("edge_load_N"));
         mass_kg = RATINGS Whole(|s| s.of_nut.number("mass_kg"));
         preload_set_N = NUT Whole(|s| Some(s.preload?.cold));
@@ -197,8 +206,8 @@ pub(crate) struct Screw<'a> {
 }
 
 impl Screw<'_> {
-    fn nut(&self) -> &Nut {
-        &self.machine.axis.nut
+    fn nut(&self) -> Option<&Nut> {
+        self.machine.groove.as_ref().map(|(nut, _)| nut)
     }
 }
 
@@ -281,6 +290,9 @@ const SHORT: (f64, f64) = (3.0, 3.0);
 
 /// Speed number from which the grease is to be asked for \[mm/min\], usual value.
 const FAST: f64 = 100e3;
+
+/// Usual efficiencies of a screw that the load drives, by catalogues.
+const USUAL_BACK: [f64; 2] = [0.75, 0.85];
 
 /// Effects that the torque of an axis neglects.
 const NOT_MODELLED: [&str; 6] = [
@@ -368,9 +380,24 @@ impl Preload {
         scene: &Scene,
         settings: &Settings,
         machine: &Machine,
-        nut: &NutReport,
+        nut: Option<&NutReport>,
         speed: f64,
     ) -> Result<Option<Self>, CaseError> {
+        let screw = &machine.axis.screw;
+        let by_rule = |preload| drag_torque(preload, screw.lead, screw.lead_angle());
+        if let Some(preload) = scene.preload_N.filter(|_| machine.groove.is_none()) {
+            let by_rule = by_rule(preload);
+            let given = scene.extra_drag_factor.map(|factor| factor * machine.advance() * preload);
+            let beyond = given.unwrap_or(by_rule);
+            return Ok(Some(Self {
+                cold: preload,
+                warm: preload,
+                by_rule,
+                of_contacts: None,
+                beyond,
+            }));
+        }
+        let Some(nut) = nut else { return Ok(None) };
         let forces = nut.number("preload_set_N").zip(nut.number("warm_preload_N"));
         let Some((cold, warm)) = forces.filter(|_| scene.is_preloaded()) else { return Ok(None) };
         let of_contacts = if speed > 0.0 && scene.given().has_friction() {
@@ -379,10 +406,8 @@ impl Preload {
         } else {
             None
         };
-        let rated = &machine.axis.nut;
-        let by_rule = drag_torque(cold, rated.lead, rated.lead_angle());
         let beyond = ColdNut::of(scene, settings, machine)?.drag(scene, machine)? * warm;
-        Ok(Some(Self { cold, warm, by_rule, of_contacts, beyond }))
+        Ok(Some(Self { cold, warm, by_rule: by_rule(cold), of_contacts, beyond }))
     }
 }
 
@@ -406,7 +431,7 @@ pub fn torque_parts(scene: &Scene, settings: &Settings) -> Result<Option<ScrewTo
     let drag = if preloaded {
         let machine = Machine::of(scene)?;
         let nut = nut_at(scene, settings, phase.load, phase.speed)?;
-        let preload = Preload::of(scene, settings, &machine, &nut, phase.speed.abs())?;
+        let preload = Preload::of(scene, settings, &machine, Some(&nut), phase.speed.abs())?;
         preload.map_or(0.0, |preload| preload.beyond)
     } else {
         0.0
@@ -462,8 +487,14 @@ impl AxisReport {
         let scene = &warm.as_ref().map_or_else(|| asked.clone(), |warm| warm.scene(asked));
         let mut worked = Worked::of(scene, settings, warm)?;
         worked.power_loss = detail.band.then(|| worked.at_power_loss(settings)).flatten();
-        let of_nut = ratings(&at_largest(scene, &worked.machine.axis))?;
+        let of_nut = match &worked.machine.groove {
+            Some(_) => ratings(&at_largest(scene, &worked.machine.axis))?,
+            None => Answer::default(),
+        };
         let mut warnings = of_nut.warnings.clone();
+        if let Some((nut, _)) = &worked.machine.groove {
+            warnings.extend(rated_nut::compared(scene, nut)?);
+        }
         warnings.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
         if let Some(why @ CaseError::Nut(_)) = &worked.no_nut {
             warnings.push(format!("{}; the rules of the preload are not judged", no_balls(why)));
@@ -623,7 +654,8 @@ impl<'a> Worked<'a> {
         let mut work = ModelWorkspace::default();
         let heaviest = axis.heaviest().filter(|phase| phase.load != 0.0).copied();
         let fastest = axis.fastest();
-        let found = heaviest.map(|phase| {
+        let with_balls = heaviest.filter(|_| machine.groove.is_some());
+        let found = with_balls.map(|phase| {
             let speed = if phase.speed == 0.0 { fastest } else { phase.speed };
             nut_at(scene, settings, phase.load, speed)
         });
@@ -632,10 +664,7 @@ impl<'a> Worked<'a> {
             Some(Err(why)) => (None, Some(why)),
             None => (None, None),
         };
-        let preload = match &nut {
-            Some(nut) => Preload::of(scene, settings, &machine, nut, fastest)?,
-            None => None,
-        };
+        let preload = Preload::of(scene, settings, &machine, nut.as_ref(), fastest)?;
         let drag = preload.as_ref().map_or(0.0, |preload| preload.beyond);
         let torque =
             |phase: &Phase| Torques::of(scene, settings, (advance, drag), phase, &mut work);
@@ -647,7 +676,8 @@ impl<'a> Worked<'a> {
         let holding = back
             .transpose()?
             .and_then(|found| Some((advance * axis.largest_load() - found.friction?).max(0.0)));
-        let life_by_balls = life_by_balls(scene, settings, axis);
+        let life_by_balls =
+            machine.groove.as_ref().and_then(|_| life_by_balls(scene, settings, axis));
         machine.axis.preload = preload.as_ref().map(|preload| preload.warm);
         let mut worked = Self {
             scene,
@@ -679,7 +709,7 @@ impl<'a> Worked<'a> {
 
     /// Life of the cycle; `None` too of a stroke of less than half a turn, which wears a groove by false brinelling.
     fn life(&self) -> Option<Life> {
-        let turns = self.scene.stroke_mm.map(|mm| mm * MM / self.axis().nut.lead);
+        let turns = self.scene.stroke_mm.map(|mm| mm * MM / self.axis().screw.lead);
         self.axis().life().filter(|_| turns.is_none_or(|turns| turns >= LEAST_TURNS))
     }
 
@@ -713,19 +743,29 @@ impl<'a> Worked<'a> {
     /// By the rating of the maker too, which is of the same ball.
     fn static_safety(&self) -> f64 {
         let axis = self.axis();
-        let stated = axis.static_rating.rating / axis.nut.static_rating().rating;
-        let of_balls =
-            self.of_nut("static_safety_by_balls").map_or(f64::INFINITY, |safety| safety * stated);
-        axis.static_safety().min(of_balls)
+        let of_balls = self.machine.groove.as_ref().and_then(|(nut, _)| {
+            let stated = axis.static_rating / nut.static_rating().rating;
+            Some(self.of_nut("static_safety_by_balls")? * stated)
+        });
+        axis.static_safety().min(of_balls.unwrap_or(f64::INFINITY))
+    }
+
+    fn grade(&self) -> Option<&'static Grade> {
+        Some(self.scene.nut.accuracy_grade?.grade)
+    }
+
+    /// Useful travel \[m\].
+    fn travel(&self) -> Option<f64> {
+        useful_travel(self.scene)
     }
 
     /// To the surroundings \[W/K\]: given, or that to still air, unless the warm state has its own conductances.
     fn heat_transfer(&self) -> Option<f64> {
         let to_air = || {
             let length = self.shaft().filter(|_| self.warm.is_none())?.length;
-            let Machine { thread, body, axis, .. } = &self.machine;
+            let Machine { body, axis, .. } = &self.machine;
             let speeds = axis.phases.iter().map(|phase| (phase.speed, phase.time));
-            Some(heat_transfer((thread.screw.land, length), (body.outer, body.length), speeds))
+            Some(heat_transfer((axis.screw.outer, length), (body.outer, body.length), speeds))
         };
         self.scene.axis_heat_transfer_W_K.or_else(to_air)
     }
@@ -744,13 +784,27 @@ impl<'a> Worked<'a> {
         Some(left * self.shaft()?.growth(self.expansion()?, self.rise()?) / UM)
     }
 
+    /// Stiffness of the nut under the largest load \[N/um\]: of all its balls, or by that of its catalogue.
+    fn nut_stiffness(&self) -> Option<f64> {
+        let axis = self.axis();
+        let by_catalogue = || {
+            let stated = self.scene.rated_rigidity_N_um?;
+            let at = RigidityAt::from(self.scene.nut.rated_rigidity_at?);
+            at.rigidity(stated, axis.largest_load(), axis.preload, axis.dynamic_rating)
+        };
+        if self.machine.groove.is_some() {
+            self.of_nut("nut_stiffness_N_um")
+        } else {
+            by_catalogue()
+        }
+    }
+
     /// Rigidity of screw, nut, bearings and housings in series \[N/m\].
     fn stiffness(&self) -> Option<f64> {
         let Scene { support_bearing_stiffness_N_um, housing_stiffness_N_um, .. } = self.scene;
         let others =
             [*support_bearing_stiffness_N_um, *housing_stiffness_N_um].into_iter().flatten();
-        let (screw, nut) =
-            (self.shaft()?.least_stiffness(), self.of_nut("nut_stiffness_N_um")? / UM);
+        let (screw, nut) = (self.shaft()?.least_stiffness(), self.nut_stiffness()? / UM);
         Some(others.map(|stiffness| stiffness / UM).fold(in_series(screw, nut), in_series))
     }
 
@@ -855,6 +909,8 @@ impl<'a> Worked<'a> {
         }
         notes.extend(self.warm.iter().flat_map(Warm::notes));
         notes.extend(self.nut.as_ref().and_then(NutReport::touch_note));
+        notes.extend(self.machine.assumed.iter().cloned());
+        notes.extend(self.by_catalogue());
         notes.extend(self.scene.assumed_roughness());
         notes.extend(self.to_measure());
         if let Some(rise) =
@@ -868,8 +924,19 @@ impl<'a> Worked<'a> {
             ));
         }
         let mut note = |words: &str| notes.push(words.to_owned());
-        if let Some(grade) = self.scene.nut.accuracy_grade {
-            note(&grade.describe());
+        if let Some(word) = self.scene.nut.accuracy_grade {
+            note(&word.describe());
+            let Grade { name, .. } = word.grade;
+            match self.travel() {
+                None => {
+                    note("without stroke_mm or useful_travel_mm there is no error of the travel")
+                }
+                Some(travel) if word.grade.worst_error(travel).is_none() => {
+                    let what = if word.grade.deviation(travel).is_some() { "v_up" } else { "e_p" };
+                    note(&format!("{name} has no {what} over {:.0} mm", travel / MM));
+                }
+                Some(_) => {}
+            }
         }
         let speed_number = self.axis().speed_number() / (MM * RPM);
         if speed_number > FAST {
@@ -904,7 +971,7 @@ impl<'a> Worked<'a> {
     /// What a stroke of a few nut lengths does to the life.
     fn short_stroke(&self) -> Option<String> {
         let stroke = self.scene.stroke_mm? * MM;
-        let nut = &self.axis().nut;
+        let (nut, _) = self.machine.groove.as_ref()?;
         let (lengths, factor) = SHORT;
         if stroke < LEAST_TURNS * nut.lead {
             return Some(
@@ -930,6 +997,31 @@ impl<'a> Worked<'a> {
         })
     }
 
+    /// What the sheet of a screw without groove omits, and the band of its torque.
+    fn by_catalogue(&self) -> Vec<String> {
+        /// Usual efficiencies.
+        const USUAL: [f64; 2] = [0.85, 0.95];
+        if self.machine.groove.is_some() {
+            return Vec::new();
+        }
+        let at = self.heaviest().and_then(|heaviest| {
+            let torque = heaviest.at_screw()?;
+            let drives = heaviest.phase.load * heaviest.phase.speed < 0.0;
+            let friction = contacts::by_catalogue(self.scene).friction(heaviest.ideal, drives);
+            let [high, low] = USUAL.map(|forward| {
+                let usual = Efficiency { forward, back: forward - 0.1 };
+                let change = usual.friction(heaviest.ideal, drives) - friction;
+                torque + change * heaviest.phase.speed.signum()
+            });
+            Some(format!(
+                "torque by catalogue efficiency, {:.3} N m at the largest load that moves; usual efficiencies give {low:.3} to \
+                 {high:.3} N m",
+                torque
+            ))
+        });
+        at.into_iter().chain([LEFT_OUT.to_owned()]).collect()
+    }
+
     /// Uncertainty of the torque where friction comes from a lubricant.
     fn how_sure(&self, settings: &Settings) -> Option<String> {
         let heaviest = self.heaviest()?;
@@ -949,17 +1041,15 @@ impl<'a> Worked<'a> {
 
     /// What to order: size, nut, preload, grade, length, torque of the preload, travel, ends.
     fn order(&self) -> String {
-        let nut = &self.axis().nut;
+        let screw = &self.axis().screw;
         let mm = |metres: f64| short(metres / MM);
-        let circuits = self.scene.value_or_default(InputKey::circuits_count).unwrap_or(1.0);
-        let of_each = short(nut.turns / circuits);
-        let turns = if circuits > 1.0 { format!("{circuits} x {of_each}") } else { of_each };
-        let land = (self.machine.thread.screw.land / MM).round();
-        let mut parts = vec![
-            format!("{land} x {}", mm(nut.lead)),
-            format!("{turns} turns"),
-            format!("ball {}", mm(nut.ball_diameter)),
-        ];
+        let mut parts = vec![format!("{:.0} x {}", screw.outer / MM, mm(screw.lead))];
+        if let Some((nut, _)) = &self.machine.groove {
+            let circuits = self.scene.value_or_default(InputKey::circuits_count).unwrap_or(1.0);
+            let of_each = short(nut.turns / circuits);
+            let turns = if circuits > 1.0 { format!("{circuits} x {of_each}") } else { of_each };
+            parts.extend([format!("{turns} turns"), format!("ball {}", mm(nut.ball_diameter))]);
+        }
         let method = match preload_method(self.scene) {
             PreloadMethod::DoubleNut => "double nut",
             PreloadMethod::Offset => "nut with a shifted lead",
@@ -991,7 +1081,7 @@ impl<'a> Worked<'a> {
     /// Permitted variation of the torque by which the preload is checked \[%\].
     fn torque_percent(&self) -> Option<f64> {
         let grade = self.scene.nut.accuracy_grade?.grade;
-        let (torque, diameter) = (self.preload.as_ref()?.by_rule, self.machine.thread.screw.land);
+        let (torque, diameter) = (self.preload.as_ref()?.by_rule, self.axis().screw.outer);
         grade.torque_variation(torque, self.shaft()?.length, diameter)
     }
 
@@ -1033,7 +1123,9 @@ impl<'a> Worked<'a> {
         let mut friction =
             |scene: &Scene| contacts(scene, settings, advance, &phase, work).ok()?.friction;
         let nominal = friction(self.scene)?;
-        let [most, least] = if let Some(coefficient) = self.scene.friction_coefficient {
+        let [most, least] = if self.machine.groove.is_none() {
+            USUAL_BACK.map(|back| Some(Efficiency { forward: 1.0, back }.friction(ideal, true)))
+        } else if let Some(coefficient) = self.scene.friction_coefficient {
             FRICTION.map(|factor| {
                 let friction_coefficient = Some(factor * coefficient);
                 friction(&Scene { friction_coefficient, ..self.scene.clone() })

@@ -122,7 +122,7 @@ impl MakerRow {
     fn of(nut: &MakerNut, wish: Option<&RequirementFile>) -> Result<Self, CaseError> {
         let mut at = nut.scene.clone();
         at.axial_load_N = at.rated_dynamic_load_N.map(|rating| RIGIDITY_AT * rating);
-        let ours = ratings(&at)?;
+        let ours = if at.has_ratings_only() { Answer::default() } else { ratings(&at)? };
         let mut numbers = Vec::new();
         let [dynamic, rated] = [nut.scene.rated_dynamic_load_N, nut.scene.rated_static_load_N];
         for ([name, our, same], unit, makers) in
@@ -254,6 +254,12 @@ impl Given {
     /// The nut, with what tables leave out by the rule that reproduces those of HIWIN.
     fn nut(self) -> Result<MakerNut, CaseError> {
         let mut scene = self.scene;
+        // Without a ball there is no groove to complete.
+        if scene.ball_diameter_mm.is_none() && scene.has_ratings_only() {
+            scene.shaft_diameter_mm = scene.shaft_diameter_mm.or(self.core);
+            scene.check()?;
+            return Ok(MakerNut { name: self.name, scene, rigidity: self.rigidity });
+        }
         let conformity = Nut::USUAL_CONFORMITY;
         scene.nut_conformity.get_or_insert(conformity);
         let conformity = *scene.screw_conformity.get_or_insert(conformity);

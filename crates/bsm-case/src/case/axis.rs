@@ -3,12 +3,13 @@
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, Drive, DutySpeed, MachineTable, Make, Motion, Mount, NutBody, Preload, PreloadClass,
-    PreloadMethod, Shaft, StaticRating, Support, Thread, reliability_factor,
+    Axis, Drive, DutySpeed, MachineTable, Make, Motion, Mount, Nut, NutBody, Preload, PreloadClass,
+    PreloadMethod, Shaft, Support, Thread, reliability_factor,
 };
 
 use crate::case::nut::bad;
 use crate::case::rated_nut;
+use crate::case::rated_screw::RatedScrew;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::vocabulary::words::SupportWord;
 use crate::{CaseError, InputKey, PhaseWords, Scene};
@@ -20,7 +21,8 @@ const LARGEST_BORE: f64 = 0.8;
 #[derive(Debug, Clone)]
 pub(crate) struct Machine {
     pub(crate) axis: Axis,
-    pub(crate) thread: Thread,
+    /// The nut and its thread; `None` of a screw of which only the ratings are known.
+    pub(crate) groove: Option<(Nut, Thread)>,
     pub(crate) body: NutBody,
     pub(crate) carriage: MachineTable,
     pub(crate) drive: Drive,
@@ -28,6 +30,8 @@ pub(crate) struct Machine {
     pub(crate) screw: Option<(f64, f64)>,
     /// What two fixed bearings do; `None` of other supports.
     pub(crate) held: Option<Held>,
+    /// What was estimated, in words.
+    pub(crate) assumed: Vec<String>,
 }
 
 /// A screw between two fixed bearings.
@@ -83,33 +87,42 @@ impl Machine {
     pub(crate) fn of(scene: &Scene) -> Result<Self, CaseError> {
         scene.check()?;
         let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
-        let nut = rated_nut::nut(scene)?;
-        let thread = rated_nut::thread(scene, &nut)?;
-        let body = rated_nut::body(scene, &nut, &thread)?;
-        let shaft = mount(scene).shaft(&nut, &thread, &body, scene.stroke_mm.map(|mm| mm * MM));
-        let core = shaft.map_or(thread.screw.core, |shaft| shaft.diameter);
-        let most = (LARGEST_BORE * core).min(core - nut.ball_diameter);
+        let (groove, RatedScrew { screw: size, body, assumed }) = if scene.has_ratings_only() {
+            (None, RatedScrew::of(scene)?)
+        } else {
+            let nut = rated_nut::nut(scene)?;
+            let thread = rated_nut::thread(scene, &nut)?;
+            let body = rated_nut::body(scene, &nut, &thread)?;
+            rated_nut::compared(scene, &nut)?;
+            let screw = nut.screw(&thread);
+            (Some((nut, thread)), RatedScrew { screw, body, assumed: Vec::new() })
+        };
+        let calculated = groove.as_ref().map(|(nut, _)| nut);
+        let dynamic = || calculated.map(|nut| nut.dynamic_rating().rating);
+        let rated = || calculated.map(|nut| nut.static_rating().rating);
+        let stroke = scene.stroke_mm.map(|mm| mm * MM);
+        let shaft = mount(scene).shaft(&size, body.length, stroke);
+        let core = shaft.map_or(size.core, |shaft| shaft.diameter);
+        let ball = calculated.map_or(0.0, |nut| nut.ball_diameter);
+        let most = (LARGEST_BORE * core).min(core - ball);
         if let Some(bore) = scene.screw_bore_mm.filter(|bore| bore * MM > most) {
             let rule = format!(
                 "<= {:.3} mm: {LARGEST_BORE} of the core, and a wall of half a ball",
                 most / MM
             );
-            return Err(CaseError::OutOfRange {
-                key: "screw_bore_mm".to_owned(),
-                value: bore,
-                rule,
-            });
+            let key = "screw_bore_mm".to_owned();
+            return Err(CaseError::OutOfRange { key, value: bore, rule });
         }
         let held = shaft.as_ref().map_or(Ok(None), |shaft| Held::of(scene, shaft))?;
         let carriage = carriage(scene);
         let screw = shaft.as_ref().map(|shaft| {
-            let (mass, own) = nut.screw_mass_and_inertia(&thread, shaft.bore, shaft.length);
+            let (mass, own) = size.mass_and_inertia(shaft.bore, shaft.length);
             let stated = scene.screw_inertia_kg_m2_m.map(|inertia| inertia * shaft.length);
             (mass, stated.unwrap_or(own))
         });
         let of_screw = screw.map_or(0.0, |(_, inertia)| inertia);
         let drive = Drive {
-            lead: nut.lead,
+            lead: size.lead,
             screw_inertia: of_screw + value(InputKey::coupling_inertia_kg_m2),
             mass: carriage.mass,
             gear_ratio: value(InputKey::gear_ratio),
@@ -117,25 +130,23 @@ impl Machine {
             motor_inertia: value(InputKey::motor_inertia_kg_m2),
             gear_inertia: value(InputKey::gear_inertia_kg_m2),
         };
-        let static_rating = nut.static_rating();
-        let rating = scene.rated_static_load_N.unwrap_or(static_rating.rating);
-        let phase = |motion: &Motion| motion.phase(&carriage, nut.lead);
+        let phase = |motion: &Motion| motion.phase(&carriage, size.lead);
         let axis = Axis {
-            nut,
+            screw: size,
             shaft,
             phases: motions(scene)?.iter().map(phase).collect(),
-            dynamic_rating: scene.rated_dynamic_load_N.unwrap_or(nut.dynamic_rating().rating),
-            static_rating: StaticRating { rating, ..static_rating },
+            dynamic_rating: scene.rated_dynamic_load_N.or_else(dynamic).unwrap_or(f64::NAN),
+            static_rating: scene.rated_static_load_N.or_else(rated).unwrap_or(f64::NAN),
             preload: None,
             compression: -scene.screw_tension_N.unwrap_or(0.0).min(0.0),
             reliability: reliability(scene),
         };
-        Ok(Self { axis, thread, body, carriage, drive, screw, held })
+        Ok(Self { axis, groove, body, carriage, drive, screw, held, assumed })
     }
 
     /// Advance for a radian of the screw \[m\].
     pub(crate) fn advance(&self) -> f64 {
-        self.axis.nut.lead / TAU
+        self.axis.screw.lead / TAU
     }
 }
 
@@ -148,6 +159,11 @@ pub(crate) fn carriage(scene: &Scene) -> MachineTable {
         friction: value(InputKey::guide_friction),
         resistance: value(InputKey::guide_force_N),
     }
+}
+
+/// Over which its accuracy grade limits the error of the travel \[m\].
+pub(crate) fn useful_travel(scene: &Scene) -> Option<f64> {
+    scene.useful_travel_mm.or(scene.stroke_mm).map(|mm| mm * MM)
 }
 
 /// Ends and length of its screw.

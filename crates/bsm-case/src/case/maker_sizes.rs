@@ -55,4 +55,10 @@ impl MakerSize {
     pub(crate) fn list() -> &'static [Self] {
         &SIZES
     }
+
+    /// Sizes of a nominal diameter and a lead \[mm\].
+    pub(crate) fn all(nominal: f64, lead: f64) -> impl Iterator<Item = &'static Self> + Clone {
+        let same = |a: f64, b: f64| (a - b).abs() < 1e-9;
+        SIZES.iter().filter(move |size| same(size.nominal, nominal) && same(size.lead, lead))
+    }
 }

@@ -285,7 +285,7 @@ impl ModelChoice {
         if !needs.are_met(given) {
             return Err(CaseError::Missing {
                 missing: needs.missing(given),
-                by: format!("by model {}", model.name()),
+                by: given.purpose(&format!("by model {}", model.name())),
             });
         }
         covers(model).map(|()| Self::Fixed(model))

@@ -22,16 +22,24 @@ pub(crate) const NEEDS: Needs = Needs {
     quantities: &[LEAD, CONTACT_ANGLE],
 };
 
+/// The inputs that a scene has, and those that its circuits give.
+pub(crate) fn given(scene: &Scene) -> InputSet {
+    let (balls_per_turn, turns) = balls_and_turns(scene);
+    let told = [(InputKey::loaded_balls_per_turn, balls_per_turn), (InputKey::loaded_turns, turns)];
+    let told = told.iter().filter(|(_, value)| value.is_some()).map(|(key, _)| *key);
+    scene.given() | told.collect()
+}
+
 /// The nut of a scene.
 pub(crate) fn nut(scene: &Scene) -> Result<Nut, CaseError> {
     scene.given().check_forms()?;
     let (balls_per_turn, turns) = balls_and_turns(scene);
-    let told = [(InputKey::loaded_balls_per_turn, balls_per_turn), (InputKey::loaded_turns, turns)];
-    let told: InputSet =
-        told.iter().filter(|(_, value)| value.is_some()).map(|(key, _)| *key).collect();
-    let missing = NEEDS.missing(scene.given() | told);
+    let missing = NEEDS.missing(given(scene));
     if !missing.is_empty() {
-        return Err(CaseError::Missing { missing, by: "for the ratings of a nut".to_owned() });
+        return Err(CaseError::Missing {
+            missing,
+            by: scene.given().purpose("for the ratings of a nut"),
+        });
     }
     let value = |key: InputKey| scene[key].expect("required inputs were checked");
     let pitch_mm = value(InputKey::pitch_circle_diameter_mm);
@@ -107,4 +115,43 @@ pub(crate) fn body(scene: &Scene, nut: &Nut, thread: &Thread) -> Result<NutBody,
         return Err(CaseError::OutOfRange { key: "loaded_balls_per_turn".to_owned(), value, rule });
     }
     Ok(body)
+}
+
+/// Ratings of a maker beside those of the groove, where they differ.
+///
+/// # Errors
+///
+/// [`CaseError::RatingsDiffer`] beyond a factor of 2, unless `keep_ratings` is true.
+pub(crate) fn compared(scene: &Scene, nut: &Nut) -> Result<Option<String>, CaseError> {
+    /// Calculated over stated ratings that need no word: the formulas of makers differ so much.
+    const USUAL: [(f64, f64); 2] = [(0.85, 1.18), (0.80, 1.25)];
+    /// Those of another nut.
+    const OTHER: (f64, f64) = (0.5, 2.0);
+    let within = |(low, high): (f64, f64), ratio: f64| (low..=high).contains(&ratio);
+    let (dynamic, rated) = (nut.dynamic_rating().rating, nut.static_rating().rating);
+    let ratings = [
+        (InputKey::rated_dynamic_load_N, dynamic, USUAL[0]),
+        (InputKey::rated_static_load_N, rated, USUAL[1]),
+    ];
+    let mut differ = Vec::new();
+    for (key, calculated, usual) in ratings {
+        let Some(stated) = scene[key] else { continue };
+        let ratio = calculated / stated;
+        if !within(OTHER, ratio) && scene.nut.keep_ratings != Some(true) {
+            return Err(CaseError::RatingsDiffer { key: key.name(), stated, calculated });
+        }
+        if !within(usual, ratio) {
+            let name = key.name();
+            differ.push(format!(
+                "{name} {stated:.0} N comes out {ratio:.2} times, {calculated:.0} N"
+            ));
+        }
+    }
+    Ok((!differ.is_empty()).then(|| {
+        format!(
+            "the geometry is not that of the rated nut: {}; life and static safety are by the ratings, pressures and loads of \
+             balls by the geometry",
+            differ.join(", ")
+        )
+    }))
 }

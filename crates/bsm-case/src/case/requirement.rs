@@ -56,8 +56,19 @@ pub const REQUIREMENT_WORDS: [(&str, &[&str], &str); 3] = [
     ),
 ];
 
-/// Inputs of the axis that a search does not ask for: it calculates the ratings.
-const NOT_OF_AXES: [InputKey; 2] = [InputKey::rated_dynamic_load_N, InputKey::rated_static_load_N];
+/// Inputs of the axis that a search does not ask for: it calculates what a catalogue states.
+const NOT_OF_AXES: [InputKey; 7] = {
+    use InputKey as K;
+    [
+        K::nominal_diameter_mm,
+        K::rated_dynamic_load_N,
+        K::rated_static_load_N,
+        K::screw_mass_kg_m,
+        K::catalogue_efficiency,
+        K::catalogue_back_efficiency,
+        K::rated_rigidity_N_um,
+    ]
+};
 
 /// Inputs of screw and nut that a requirement may fix, and what its sheet reads besides.
 const OF_NUTS: [InputKey; 18] = {

@@ -136,6 +136,19 @@ pub enum CaseError {
         /// The model.
         model: &'static str,
     },
+    /// Ratings of another nut than that of the groove.
+    #[error(
+        "`{key}` = {stated} N, but the groove has {calculated:.0} N: the geometry is that of another nut; correct it, leave it \
+         out, or set keep_ratings=true"
+    )]
+    RatingsDiffer {
+        /// The rating.
+        key: &'static str,
+        /// As the manufacturer states it \[N\].
+        stated: f64,
+        /// By the geometry \[N\].
+        calculated: f64,
+    },
     /// One of two keys is needed.
     #[error("give one of {} and {}; {found} given", keys[0], keys[1])]
     OneOfTwo {

@@ -441,6 +441,16 @@ inputs! {
             "height of the step over which a ball enters the ball return, for jamming";
     }
     "axis" {
+        nominal_diameter_mm ["mm" "d_0"] Above(0.0), None,
+            "nominal diameter of the screw; with lead_mm, rated_dynamic_load_N and rated_static_load_N enough for the axis of a screw whose groove is not known";
+        screw_mass_kg_m ["kg/m"] Above(0.0), None,
+            "mass of a metre of the screw, where its groove is not known; estimated unless given";
+        catalogue_efficiency [""] Within(0.01, 1.0), Some(0.9),
+            "efficiency of the screw by its catalogue, where its groove is not known; usually 0.85 to 0.95";
+        catalogue_back_efficiency [""] Within(0.01, 1.0), Some(0.8),
+            "efficiency of the screw driven back by its catalogue, where its groove is not known; usually 0.75 to 0.85";
+        rated_rigidity_N_um ["N/um" "K"] Above(0.0), None,
+            "rigidity of the nut as the manufacturer states it, where its groove is not known; needs rated_rigidity_at";
         rated_dynamic_load_N ["N" "C_a"] Above(0.0), None,
             "dynamic load rating as the manufacturer states it, in place of the calculated one";
         rated_static_load_N ["N" "C_0a"] Above(0.0), None,
@@ -511,6 +521,10 @@ inputs! {
             "share of the nuts that reach the life";
         axis_heat_transfer_W_K ["W/K"] Above(0.0), None,
             "heat that screw and nut give to their surroundings for a kelvin, for the steady temperature of the axis; that to still air unless given";
+        useful_travel_mm ["mm" "l_u"] Above(0.0), None,
+            "useful travel, over which accuracy_grade limits the error of the travel; stroke_mm unless given";
+        required_travel_error_um ["um"] Above(0.0), None,
+            "largest error of the travel that is permitted";
         required_life_h ["h" "L_h"] Above(0.0), None,
             "life that is required";
         required_static_safety ["" "f_s"] Above(0.0), Some(1.5),

@@ -1,6 +1,6 @@
 //! What a scene says of a nut, its axis and its lubricant besides numbers: lists, objects, texts and flags.
 
-use bsm_design::{Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod};
+use bsm_design::{Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod, RigidityAt};
 use bsm_dyn::BaseOil;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -107,6 +107,10 @@ words! {
         "how the screw and its ball return are made, for the largest speed number; ground unless given";
     accuracy_grade: GradeWord ["string"],
         "accuracy grade of the screw, for bsm axis: P0 to P10 and T5 to T10 of ISO 3408-3, C0 to C10 of JIS B 1192 (THK, NSK, MISUMI); a number alone is a P grade";
+    keep_ratings: bool ["boolean"],
+        "true: rated_dynamic_load_N and rated_static_load_N stand although the groove has other ratings by more than a factor of 2";
+    rated_rigidity_at: RigidityWord ["0.3 Ca|0.28 Ca|preload 0.1 Ca"],
+        "where rated_rigidity_N_um is meant: at an axial load of 0.3 C_a (THK) or 0.28 C_a (HIWIN), or of a nut preloaded by 0.1 C_a";
     cycle: Vec<PhaseWords> ["[phase]"],
         "phases of the cycle of the axis, for bsm axis: time_s or share, force_N, feed_m_min or screw_speed_rpm, acceleration_m_s2; in place of axial_load_N and screw_speed_rpm";
     warm_state: bool ["boolean"],
@@ -341,6 +345,30 @@ impl From<MakeWord> for Make {
     }
 }
 
+/// Where the rigidity of a catalogue is meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RigidityWord {
+    /// At 0.3 of the dynamic load rating.
+    #[serde(rename = "0.3 Ca")]
+    Thk,
+    /// At 0.28 of it.
+    #[serde(rename = "0.28 Ca")]
+    Hiwin,
+    /// Of a nut preloaded by 0.1 of it.
+    #[serde(rename = "preload 0.1 Ca")]
+    Preloaded,
+}
+
+impl From<RigidityWord> for RigidityAt {
+    fn from(word: RigidityWord) -> Self {
+        match word {
+            RigidityWord::Thk => Self::Load(0.3),
+            RigidityWord::Hiwin => Self::Load(0.28),
+            RigidityWord::Preloaded => Self::Preload(0.1),
+        }
+    }
+}
+
 /// Numbers of the P grades.
 const NUMBERS: [u8; 6] = [0, 1, 3, 5, 7, 10];
 
@@ -382,16 +410,16 @@ impl From<GradeWord> for Value {
 impl GradeWord {
     /// Which grade it is, and what it is not.
     pub(crate) fn describe(self) -> String {
-        let of = |grade: &Grade| {
-            let Grade { name, standard, variation } = grade;
-            format!(
-                "{name} of {standard}, {} um within any 300 mm",
-                (1e7 * variation).round() / 10.0
-            )
+        let Grade { name, standard, variation, .. } = self.grade;
+        let um = |variation: f64| (1e7 * variation).round() / 10.0;
+        let within = format!("{} um within any 300 mm", um(*variation));
+        let Some(number) = self.number else {
+            return format!("accuracy_grade is {name} of {standard}, {within}");
         };
-        let also = self.number.and_then(|number| Grade::named(&format!("C{number}")));
-        let also = also.map_or_else(String::new, |other| format!("; not {}", of(other)));
-        format!("accuracy_grade is {}{also}", of(self.grade))
+        let other = Grade::named(&format!("C{number}")).map_or_else(String::new, |other| {
+            format!("; {} of {} has {} um", other.name, other.standard, um(other.variation))
+        });
+        format!("accuracy_grade: {number} taken as {name} of {standard}, {within}{other}")
     }
 }
 
@@ -463,6 +491,8 @@ mod tests {
             "buckling_support": "fixed-fixed",
             "screw_make": "ground",
             "accuracy_grade": "C3",
+            "keep_ratings": true,
+            "rated_rigidity_at": "0.28 Ca",
             "cycle": [{ "time_s": 1.0, "force_N": 1.0, "feed_m_min": 1.0, "acceleration_m_s2": 1.0 }],
             "warm_state": true,
             "coolant": "oil",

@@ -7,6 +7,7 @@ mod design;
 mod drive;
 mod hard_points;
 mod lubricant;
+mod rated;
 mod scene;
 mod sensitivities;
 mod shaft;

@@ -81,13 +81,15 @@ fn sensitivities_are_a_table_and_a_key() {
 }
 
 #[test]
-fn every_example_solves() {
+fn every_example_runs() {
     let dir = folder();
     let mut solved = 0;
     for entry in fs::read_dir(example("")).expect("examples") {
         let path = entry.expect("entry").path();
         if path.extension().is_some_and(|e| e == "json") {
-            let output = bsm(dir.path(), &["solve", &path.display().to_string()], "");
+            // Of a screw of which only the ratings are known there is no ball.
+            let command = if path.ends_with("rated.json") { "axis" } else { "solve" };
+            let output = bsm(dir.path(), &[command, &path.display().to_string()], "");
             assert_eq!(output.status.code(), Some(0), "{}: {}", path.display(), stderr(&output));
             solved += 1;
         }

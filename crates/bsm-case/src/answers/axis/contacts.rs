@@ -1,10 +1,10 @@
 //! What the balls of an axis take: friction of each phase, and the nut under its largest load.
 
-use bsm_design::Phase;
+use bsm_design::{Efficiency, Phase};
 use bsm_dyn::{ModelWorkspace, Problem, Status};
 
 use crate::vocabulary::units::RPM;
-use crate::{CaseError, NutProblem, NutReport, Record, Scene, Settings};
+use crate::{CaseError, InputKey, NutProblem, NutReport, Record, Scene, Settings};
 
 /// Friction of the contacts in a phase.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,7 +58,16 @@ pub(super) fn band(
     }
 }
 
-/// Friction of the contacts under a load at a speed: by all balls of a preloaded nut, else by one ball under
+/// Efficiencies of the catalogue of a screw whose groove is not known.
+pub(super) fn by_catalogue(scene: &Scene) -> Efficiency {
+    let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
+    Efficiency {
+        forward: value(InputKey::catalogue_efficiency),
+        back: value(InputKey::catalogue_back_efficiency),
+    }
+}
+
+/// Friction of the contacts under a load at a speed: by the catalogue's efficiency where the groove is not known, by all balls of a preloaded nut, else by one ball under
 /// its equal share.
 ///
 /// * `advance`: for a radian of the screw \[m\].
@@ -69,6 +78,15 @@ pub(super) fn contacts(
     Phase { load, speed, .. }: &Phase,
     work: &mut ModelWorkspace,
 ) -> Result<Contacts, CaseError> {
+    if scene.has_ratings_only() {
+        let drives = load * speed < 0.0;
+        let moves = f64::from(u8::from(*speed != 0.0));
+        let friction = moves * by_catalogue(scene).friction(advance * load, drives);
+        return Ok(Contacts {
+            friction: Some(friction),
+            words: "by catalogue efficiency".to_owned(),
+        });
+    }
     if !scene.given().has_friction() {
         let words = "no torque: neither friction_coefficient nor a lubricant is given".to_owned();
         return Ok(Contacts { friction: None, words });

@@ -5,8 +5,8 @@ mod drive;
 use bsm_design::{Axis, OPENS_AT, least_preload};
 
 use super::Preload;
-use crate::case::axis::{preload_method, speed_number_limit};
-use crate::vocabulary::units::MM;
+use crate::case::axis::{preload_method, speed_number_limit, useful_travel};
+use crate::vocabulary::units::{MM, UM};
 use crate::{Answer, Criterion, InputKey, Numbers, Scene};
 
 /// Least multiple of its speeds at which an axis runs away.
@@ -51,6 +51,7 @@ pub(super) fn rules(
     let mut rules = Rules::default();
     screw_rules(&mut rules, scene, axis, numbers);
     rules.0.extend(steady_state(fold));
+    travel_rule(&mut rules, scene, numbers);
     nut_rules(&mut rules, scene, axis, numbers);
     drive::drive_rules(&mut rules, scene, numbers);
     preload_rules(&mut rules, (scene, axis), numbers, of_nut, preload);
@@ -77,8 +78,7 @@ fn screw_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers)
             )
         },
     );
-    let land = scene.screw_outer_diameter_mm.map_or(axis.nut.usual_lands().1, |mm| mm * MM);
-    let limit = speed_number_limit(scene, axis.nut.lead, land);
+    let limit = speed_number_limit(scene, axis.screw.lead, axis.screw.outer);
     rules.add(
         "speed number",
         ("largest_speed_number_mm_min", "mm/min"),
@@ -88,7 +88,7 @@ fn screw_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers)
         &|margin| {
             format!(
                 "lead_mm {:.1} at the same feed, or another ball return (speed_number_limit_mm_min)",
-                axis.nut.lead / MM / margin
+                axis.screw.lead / MM / margin
             )
         },
     );
@@ -154,11 +154,38 @@ pub(super) fn steady_state(fold: Option<f64>) -> Vec<Criterion> {
     rules.0
 }
 
+/// Of the accuracy grade.
+fn travel_rule(rules: &mut Rules, scene: &Scene, numbers: &Numbers) {
+    let Some(required) = scene.required_travel_error_um else { return };
+    // What cannot be judged is not kept.
+    let worst = numbers.number("travel_error_worst_um").unwrap_or(f64::NAN);
+    rules.add(
+        "travel error",
+        ("travel_error_worst_um", "um"),
+        Some(worst),
+        (false, Some(required)),
+        "ISO 3408-3, JIS B 1192: deviation and half of the variation over the useful travel (Z35)",
+        &|_| {
+            let word = scene.nut.accuracy_grade;
+            let grade = word
+                .zip(useful_travel(scene))
+                .and_then(|(word, travel)| word.grade.that_keeps(required * UM, travel));
+            grade.map_or_else(
+                || {
+                    "accuracy_grade and useful_travel_mm that its standard has a value for"
+                        .to_owned()
+                },
+                |grade| format!("accuracy_grade {}", grade.name),
+            )
+        },
+    );
+}
+
 /// Of the load ratings.
 fn nut_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers) {
     let number = |name: &str| numbers.number(name);
     let input = |key| scene.value_or_default(key);
-    let rating = axis.static_rating.rating;
+    let rating = axis.static_rating;
     rules.add(
         "static safety",
         ("static_safety_factor", ""),

@@ -90,7 +90,7 @@ impl Rubbing {
         let missing = Needs::LUBRICANT.missing(given);
         let read = || scene.reader().lubricant();
         let Some(mut lubricant) = missing.is_empty().then(read).flatten() else {
-            return Err(CaseError::Missing { missing, by: "for a nut".to_owned() });
+            return Err(CaseError::Missing { missing, by: scene.given().purpose("for a nut") });
         };
         if let Temperature::Balance { .. } = lubricant.temperature {
             let what = "the temperature of the lubricant follows from the heat of one ball in bsm solve, not from \
@@ -145,7 +145,7 @@ impl NutProblem {
         }
         let missing = scene.missing_for_a_nut(scene.given());
         if !missing.is_empty() {
-            return Err(CaseError::Missing { missing, by: "for a nut".to_owned() });
+            return Err(CaseError::Missing { missing, by: scene.given().purpose("for a nut") });
         }
         let loaded = usually_preloaded(scene)?;
         let scene = loaded.as_ref().unwrap_or(scene);

@@ -70,8 +70,8 @@ impl ColdNut {
             .problem
             .friction_sum(&self.nut, &found, &slow, self.set)
             .map_or(0.0, |friction| friction.torque);
-        let nut = &machine.axis.nut;
-        let rule = drag_torque(preload.cold, nut.lead, nut.lead_angle());
+        let screw = &machine.axis.screw;
+        let rule = drag_torque(preload.cold, screw.lead, screw.lead_angle());
         Ok(drag_beyond_contacts(rule, contacts, preload.cold))
     }
 }
@@ -198,7 +198,7 @@ impl<'a> WarmAxis<'a> {
             },
             off: None,
             screw: ScrewBar {
-                diameter: machine.axis.nut.pitch_diameter,
+                diameter: machine.axis.screw.pitch_diameter,
                 length: shaft.length,
                 travel,
                 section: shaft.section(),

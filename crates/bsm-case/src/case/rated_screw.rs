@@ -1,0 +1,129 @@
+//! A screw of which only nominal diameter, lead and load ratings are known: its other sizes by makers' lists and rules.
+
+use bsm_design::{NutBody, Screw, rod_inertia};
+
+use crate::case::maker_sizes::MakerSize;
+use crate::case::rated_nut;
+use crate::vocabulary::number::trimmed;
+use crate::vocabulary::units::MM;
+use crate::{CaseError, InputKey, InputSet, Scene};
+
+/// Inputs that suffice.
+const RATINGS: InputSet = InputSet::of(&[
+    InputKey::nominal_diameter_mm,
+    InputKey::lead_mm,
+    InputKey::rated_dynamic_load_N,
+    InputKey::rated_static_load_N,
+]);
+
+/// What the sheet of such a screw omits.
+pub(crate) const LEFT_OUT: &str = "left out, as it needs the groove: pressure; load of each ball and life by all balls; edge \
+    load of the contact ellipse; stiffness of the nut, unless rated_rigidity_N_um is given; friction by a model and lubricant film; ball \
+    return, jamming";
+
+impl InputSet {
+    /// Purpose of missing inputs; it says where the inputs that are given suffice.
+    pub(crate) fn purpose(self, purpose: &str) -> String {
+        let known = if self.has_ratings_only() {
+            "; this nut has ratings only, which suffice for bsm axis"
+        } else {
+            ""
+        };
+        format!("{purpose}{known}")
+    }
+
+    /// True if these are of a screw of which only the ratings are known.
+    pub(crate) fn has_ratings_only(self) -> bool {
+        self.contains_all(RATINGS) && !rated_nut::NEEDS.are_met(self)
+    }
+}
+
+impl Scene {
+    /// True if only the ratings of its screw are known: its groove is not given in full.
+    pub(crate) fn has_ratings_only(&self) -> bool {
+        rated_nut::given(self).has_ratings_only()
+    }
+}
+
+/// Sizes of a screw and its nut.
+pub(crate) struct RatedScrew {
+    pub(crate) screw: Screw,
+    pub(crate) body: NutBody,
+    /// What was estimated, in words.
+    pub(crate) assumed: Vec<String>,
+}
+
+impl RatedScrew {
+    /// That of a scene which has the ratings alone.
+    pub(crate) fn of(scene: &Scene) -> Result<Self, CaseError> {
+        scene.check()?;
+        if scene.rated_rigidity_N_um.is_some() && scene.nut.rated_rigidity_at.is_none() {
+            let what = "needs rated_rigidity_at: 0.3 Ca, 0.28 Ca or preload 0.1 Ca, where a catalogue means it".to_owned();
+            return Err(CaseError::BadEntry { key: "rated_rigidity_N_um".to_owned(), what });
+        }
+        let value = |key: InputKey| scene[key].expect("ratings suffice");
+        let (nominal_mm, lead_mm) =
+            (value(InputKey::nominal_diameter_mm), value(InputKey::lead_mm));
+        let (nominal, lead) = (nominal_mm * MM, lead_mm * MM);
+        let offered = || MakerSize::all(nominal_mm, lead_mm);
+        let mut assumed = Vec::new();
+        let mut or = |key: InputKey, estimate: f64, unit: f64, by: &str| {
+            scene[key].map_or_else(
+                || {
+                    let name = key.name();
+                    assumed
+                        .push(format!("{name} {} is estimated, by {by}", trimmed(estimate / unit)));
+                    estimate
+                },
+                |given| given * unit,
+            )
+        };
+        let listed = offered().find_map(|size| size.pitch_circle);
+        let by = if listed.is_some() { "makers' lists" } else { "the nominal diameter" };
+        let pitch = listed.map_or(nominal, |mm| mm * MM);
+        let pitch = or(InputKey::pitch_circle_diameter_mm, pitch, MM, by);
+        let least = offered().filter_map(|size| size.core).min_by(f64::total_cmp);
+        let by_rule = || Screw::usual_core(nominal, lead, scene.ball_diameter_mm.map(|mm| mm * MM));
+        let by = if least.is_some() { "the smallest core in makers' lists" } else { "rule (Z30)" };
+        let core = least.map_or_else(by_rule, |mm| mm * MM);
+        let core = or(InputKey::shaft_diameter_mm, core, MM, by);
+        let mass = Screw::usual_mass_per_length(nominal, core);
+        let mass =
+            or(InputKey::screw_mass_kg_m, mass, 1.0, "core and nominal diameter, +-20 % (Z31)");
+        let usual = NutBody::of_ratings(nominal, lead, scene.loaded_turns);
+        let length = or(InputKey::nut_length_mm, usual.length, MM, "its turns (D10)");
+        let outer = or(InputKey::nut_outer_diameter_mm, usual.outer, MM, "the nominal diameter");
+        for (key, size) in
+            [(InputKey::shaft_diameter_mm, core), (InputKey::pitch_circle_diameter_mm, pitch)]
+        {
+            // Twice the nominal diameter is another screw.
+            if size >= 2.0 * nominal || size <= 0.5 * nominal {
+                let rule = format!("between half and twice nominal_diameter_mm = {nominal_mm}");
+                return Err(CaseError::OutOfRange {
+                    key: key.name().to_owned(),
+                    value: size / MM,
+                    rule,
+                });
+            }
+        }
+        let missing = rated_nut::NEEDS.missing(rated_nut::given(scene));
+        let groove =
+            [InputKey::contact_angle_deg, InputKey::nut_conformity, InputKey::screw_conformity];
+        if scene.given().meets(InputSet::of(&groove)) {
+            assumed.push(format!(
+                "the groove is not given in full and left out: {} not given",
+                missing.join(", ")
+            ));
+        }
+        let screw = Screw {
+            lead,
+            pitch_diameter: pitch,
+            core,
+            outer: scene.screw_outer_diameter_mm.map_or(nominal, |mm| mm * MM),
+            mass_per_length: mass,
+            inertia_per_length: rod_inertia(1.0, mass),
+            youngs_modulus: scene.reader().materials().0.youngs_modulus,
+        };
+        Ok(Self { screw, body: NutBody { outer, length }, assumed })
+    }
+}

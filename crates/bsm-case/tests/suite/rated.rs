@@ -1,0 +1,213 @@
+//! Screws of which only the ratings are known, and accuracy grades.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+use approx::assert_relative_eq;
+use bsm_case::{
+    AxisReport, CaseError, Catalogue, MakerNut, MakerRow, NutProblem, RequirementFile, Scene,
+    Settings,
+};
+
+/// Four numbers of a catalogue, and what the axis does.
+const FOUR: &str = r#"{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 52000, "rated_static_load_N": 88000,
+    "axial_load_N": 5000, "feed_m_min": 10, "stroke_mm": 1000}"#;
+
+fn sheet(scene: &str, settings: &[&str]) -> Result<AxisReport, CaseError> {
+    let mut scene = Scene::from_json(scene.as_bytes())?;
+    scene.apply(settings)?;
+    AxisReport::of(&scene, &Settings::default())
+}
+
+fn number(report: &AxisReport, name: &str) -> f64 {
+    report.number(name).unwrap_or_else(|| panic!("no {name}"))
+}
+
+fn has_note(report: &AxisReport, words: &str) -> bool {
+    report.answer.notes.iter().any(|note| note.contains(words))
+}
+
+/// Found by the audit: "40 x 20, 52 kN, 88 kN" had no way in. The sheet has every number that needs no groove, and names what
+/// it omits once.
+#[test]
+fn four_numbers_of_a_catalogue_suffice() {
+    let report = sheet(FOUR, &[]).expect("a sheet");
+    // (C_a/F)³ million revolutions: rounding.
+    let life = (52.0_f64 / 5.0).powi(3) * 1e6;
+    assert_relative_eq!(number(&report, "cycle_life_revolutions"), life, max_relative = 1e-12);
+    assert_relative_eq!(number(&report, "static_safety_factor"), 17.6, max_relative = 1e-12);
+    for name in [
+        "critical_speed_ratio",
+        "buckling_safety",
+        "yield_load_N",
+        "screw_mass_kg",
+        "rms_motor_torque_Nm",
+    ] {
+        number(&report, name);
+    }
+    // F h/0.9, without preload and seals.
+    let torque = 5000.0 * 0.02 / TAU / 0.9;
+    assert_relative_eq!(number(&report, "screw_torque_Nm"), torque, max_relative = 1e-12);
+    assert_eq!(report.phases[0].contacts, "by catalogue efficiency");
+    for absent in ["cycle_life_by_balls_h", "nut_stiffness_at_largest_load_N_um", "limit_load_N"] {
+        assert_eq!(report.number(absent), None, "{absent}");
+    }
+    let left_out = report.answer.notes.iter().filter(|note| note.contains("left out")).count();
+    assert_eq!(left_out, 1, "{:?}", report.answer.notes);
+    // THK and HIWIN print cores of 40 x 20 screws.
+    for estimated in
+        ["shaft_diameter_mm", "pitch_circle_diameter_mm", "screw_mass_kg_m", "nut_length_mm"]
+    {
+        assert!(
+            has_note(&report, &format!("{estimated} ")),
+            "{estimated}: {:?}",
+            report.answer.notes
+        );
+    }
+    assert!(has_note(&report, "smallest core in makers' lists"));
+    // Without a list the core is by rule: 0.84 of 41 mm.
+    let unlisted = sheet(FOUR, &["nominal_diameter_mm=41"]).expect("a sheet");
+    assert_relative_eq!(number(&unlisted, "shaft_diameter_mm"), 34.44, max_relative = 1e-12);
+    // Driven back, by 0.8; given efficiencies win.
+    let back = sheet(FOUR, &["feed_m_min=-10", "catalogue_back_efficiency=0.7"]).expect("a sheet");
+    let torque = 0.7 * 5000.0 * 0.02 / TAU;
+    assert_relative_eq!(number(&back, "screw_torque_Nm"), torque, max_relative = 1e-12);
+    // A rigidity counts where it is said what it is of: 0.8 K (F/0.3 C_a)^(1/3).
+    let stiff =
+        sheet(FOUR, &["rated_rigidity_N_um=600", "rated_rigidity_at=0.3 Ca"]).expect("a sheet");
+    let expected = 480.0 * (5000.0_f64 / 15_600.0).cbrt();
+    let name = "nut_stiffness_at_largest_load_N_um";
+    assert_relative_eq!(number(&stiff, name), expected, max_relative = 1e-12);
+    let why = sheet(FOUR, &["rated_rigidity_N_um=600"]).expect_err("where").to_string();
+    assert!(why.contains("rated_rigidity_at"), "{why}");
+}
+
+/// What needs the groove says so in words.
+#[test]
+fn a_screw_without_groove_is_refused_in_words() {
+    let scene = Scene::from_json(FOUR.as_bytes()).expect("a scene");
+    let settings = Settings::default();
+    let refused = [
+        scene.problem(&settings).map(|_| ()).expect_err("solve"),
+        NutProblem::of(&scene, &settings).map(|_| ()).expect_err("nut"),
+        bsm_case::ratings(&scene).map(|_| ()).expect_err("ratings"),
+    ];
+    for why in refused.map(|why| why.to_string()) {
+        assert!(why.contains("ratings only") && why.contains("contact_angle_deg"), "{why}");
+    }
+    let partly = sheet(FOUR, &["contact_angle_deg=45"]).expect("a sheet");
+    assert!(has_note(&partly, "not given in full"), "{:?}", partly.answer.notes);
+    let other = sheet(FOUR, &["shaft_diameter_mm=90"]).expect_err("another screw").to_string();
+    assert!(other.contains("nominal_diameter_mm"), "{other}");
+}
+
+/// The feed axis of the specification, example E: preload, torques and heat by catalogue efficiency.
+#[test]
+fn a_feed_axis_by_its_catalogue() {
+    let report = sheet(FEED_AXIS, &[]).expect("a sheet");
+    let near = |name: &str, expected: f64| {
+        // Half a unit of the last of five digits.
+        assert_relative_eq!(number(&report, name), expected, max_relative = 5e-5);
+    };
+    near("rule_torque_Nm", 0.720_499);
+    near("critical_speed_rpm", 4476.7);
+    near("critical_speed_ratio", 0.446_75);
+    near("buckling_load_N", 265_885.0);
+    near("buckling_safety", 265_885.0 / 7000.0);
+    near("screw_stiffness_N_um", 528.16);
+    near("equivalent_speed_rpm", 940.0);
+    near("axis_heat_transfer_W_K", 6.5173);
+    near("mean_heat_W", 117.12);
+    near("steady_temperature_rise_K", 117.12 / 6.5173);
+    let of_phases = |name: &str| {
+        let numbers = report.phases.iter().map(|phase| phase.number(name).expect("a number"));
+        numbers.map(f64::abs).collect::<Vec<_>>()
+    };
+    for (name, expected) in [
+        ("screw_torque_Nm", [13.399, 6.3257, 1.9047, 1.9047]),
+        ("heat_W", [23.650, 48.727, 232.25, 232.25]),
+    ] {
+        for (ours, expected) in of_phases(name).into_iter().zip(expected) {
+            // Five digits, half a unit of the last.
+            assert_relative_eq!(ours, expected, max_relative = 5e-5);
+        }
+    }
+}
+
+/// THK BNFN4010-5 as a screw of which only the ratings are known.
+const FEED_AXIS: &str = r#"{"nominal_diameter_mm": 40, "lead_mm": 10, "pitch_circle_diameter_mm": 41.75, "shaft_diameter_mm": 34.4,
+    "rated_dynamic_load_N": 52700, "rated_static_load_N": 141100, "screw_mass_kg_m": 8.22, "nut_length_mm": 193,
+    "nut_outer_diameter_mm": 82, "support": "fixed-fixed", "unsupported_length_mm": 1450, "useful_travel_mm": 1000,
+    "accuracy_grade": "C3", "seal_torque_Nm": 0.3, "preload_N": 2500, "youngs_modulus_GPa": 206, "cycle": [
+    {"force_N": 7000, "screw_speed_rpm": 100, "time_s": 0.2}, {"force_N": 3000, "screw_speed_rpm": 300, "time_s": 0.4},
+    {"force_N": 500, "screw_speed_rpm": 2000, "time_s": 0.2}, {"force_N": -500, "screw_speed_rpm": -2000, "time_s": 0.2}]}"#;
+
+/// A groove that is given too must be that of the rated nut: 1.7 times its rating is said, 2.1 times is refused unless it is meant.
+#[test]
+fn ratings_and_groove_are_compared() {
+    let groove = include_str!("../../../../examples/axis.json");
+    let own = sheet(groove, &["preload_N=1"]).expect("a sheet");
+    let of_nut = bsm_case::ratings(&Scene::from_json(groove.as_bytes()).expect("an example"));
+    let rating = of_nut.expect("a nut").number("static_load_rating_N").expect("a rating");
+    let stated = |times: f64, more: &[&str]| {
+        let setting = format!("rated_static_load_N={}", rating / times);
+        sheet(groove, &[&["preload_N=1", &*setting], more].concat())
+    };
+    let warned =
+        |report: &AxisReport| report.answer.warnings.iter().any(|w| w.contains("rated nut"));
+    assert!(!warned(&own) && !warned(&stated(1.2, &[]).expect("usual")));
+    let other = stated(1.7, &[]).expect("a sheet");
+    assert!(other.answer.warnings.iter().any(|w| w.contains("comes out 1.70 times")));
+    let why = stated(2.1, &[]).expect_err("another nut").to_string();
+    assert!(why.contains("keep_ratings"), "{why}");
+    assert!(warned(&stated(2.1, &["keep_ratings=true"]).expect("as meant")));
+}
+
+/// A row of a maker's table that has the ratings alone is judged by the same sheet.
+#[test]
+fn a_makers_table_may_have_ratings_alone() {
+    let table = b"nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N,core_diameter_mm
+small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
+    let nuts = MakerNut::from_csv(table, &BTreeMap::new(), b',', '.').expect("ratings suffice");
+    let catalogue = Catalogue::standard().expect("compiled in");
+    let wish =
+        br#"{"axial_load_N": 5000, "feed_m_min": 10, "stroke_mm": 1000, "required_life_h": 20000}"#;
+    let wish = RequirementFile::from_json(wish, &[], catalogue.lists).expect("a requirement");
+    let rows = MakerRow::all(&nuts, Some(&wish)).expect("sheets");
+    // 5 kN at 500 rpm: 37 497 h and more.
+    assert!(rows.iter().all(|row| row.passes == Some(true)), "{rows:?}");
+    assert_eq!(rows.iter().map(|row| &*row.name).collect::<Vec<_>>(), ["small", "large"]);
+    let small = AxisReport::of(&rows[0].scene, &Settings::default()).expect("a sheet");
+    for name in ["cycle_life_h", "screw_mass_kg", "buckling_safety"] {
+        assert_eq!(rows[0].value(name), small.number(name), "{name}");
+    }
+    assert_relative_eq!(number(&small, "shaft_diameter_mm"), 34.0, max_relative = 1e-12);
+}
+
+/// A grade limits the error of the travel: 21 + 15/2 um of C3 over 1 m are not 25; the sheet names the grade that would do. Where
+/// the standard has no value, nothing is kept.
+#[test]
+fn an_error_of_the_travel_is_a_rule() {
+    let of = |settings: &[&str]| sheet(FEED_AXIS, settings).expect("a sheet");
+    let rule = |report: &AxisReport| {
+        let found = report.answer.rules.iter().find(|rule| rule.title == "travel error").cloned();
+        found.map(|rule| (rule.passes(), rule.remedy.unwrap_or_default()))
+    };
+    let c3 = of(&[]);
+    for (name, um) in [
+        ("travel_deviation_um", 21.0),
+        ("travel_variation_um", 15.0),
+        ("travel_variation_300_um", 8.0),
+        ("travel_variation_2pi_um", 6.0),
+        ("travel_error_worst_um", 28.5),
+    ] {
+        assert_relative_eq!(number(&c3, name), um, max_relative = 1e-12);
+    }
+    assert_eq!(rule(&c3), None);
+    assert_eq!(rule(&of(&["required_travel_error_um=28.5"])), Some((true, String::new())));
+    let failed = rule(&of(&["required_travel_error_um=25"]));
+    assert_eq!(failed, Some((false, "accuracy_grade C2".to_owned())));
+    let long = of(&["required_travel_error_um=500", "accuracy_grade=P3", "useful_travel_mm=5001"]);
+    assert_eq!(rule(&long).map(|(passes, _)| passes), Some(false));
+    assert!(has_note(&long, "P3 has no v_up over 5001 mm"), "{:?}", long.answer.notes);
+}

@@ -1,0 +1,175 @@
+//! A screw by its sizes, and the rules for what a catalogue of load ratings does not print.
+//!
+//! Theory: `docs/theory/18-axis.md`, equations (Z30) to (Z33).
+
+use std::f64::consts::PI;
+
+use crate::body::STEEL;
+
+/// Sizes of a screw that its axis depends on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Screw {
+    /// Lead \[m\].
+    pub lead: f64,
+    /// Diameter of the circle of ball centres \[m\].
+    pub pitch_diameter: f64,
+    /// Core diameter of the thread \[m\].
+    pub core: f64,
+    /// Outer diameter \[m\].
+    pub outer: f64,
+    /// Mass of a metre \[kg/m\], without a bore.
+    pub mass_per_length: f64,
+    /// Moment of inertia of a metre about its axis \[kg·m\], without a bore.
+    pub inertia_per_length: f64,
+    /// Young's modulus \[Pa\].
+    pub youngs_modulus: f64,
+}
+
+impl Screw {
+    /// Lead angle on the pitch circle \[rad\].
+    pub fn lead_angle(&self) -> f64 {
+        (self.lead / (PI * self.pitch_diameter)).atan()
+    }
+
+    /// Mass \[kg\] and moment of inertia about the axis \[kg·m²\] of a length with a bore \[m\].
+    pub fn mass_and_inertia(&self, bore: f64, length: f64) -> (f64, f64) {
+        let missing = 0.25 * PI * STEEL * bore.powi(2);
+        (
+            (self.mass_per_length - missing) * length,
+            (self.inertia_per_length - missing * bore.powi(2) / 8.0) * length,
+        )
+    }
+
+    /// Core diameter \[m\] of a screw whose catalogue does not print it (Z30).
+    ///
+    /// * `nominal`, `lead` \[m\]. * `ball`: diameter of the balls \[m\], if it is known.
+    ///
+    /// Source: HIWIN BS-08-2, tables 6.4 to 6.9, 0.79 to 0.84 ball diameters; without a ball usual values.
+    pub fn usual_core(nominal: f64, lead: f64, ball: Option<f64>) -> f64 {
+        // d₃ = d₀ − 0.84 D_w,  max(d₀ − P_h/2, 0.84 d₀)                   (Z30)
+        ball.map_or((nominal - 0.5 * lead).max(0.84 * nominal), |ball| nominal - 0.84 * ball)
+    }
+
+    /// Mass of a metre \[kg/m\] of a screw whose catalogue does not print it (Z31), to some 20 %.
+    ///
+    /// * `nominal`, `core`: diameters \[m\].
+    ///
+    /// Source: median of 175 screws of THK's general catalogue with core and mass.
+    pub fn usual_mass_per_length(nominal: f64, core: f64) -> f64 {
+        // m′ = ρ π/4 d_m²,  d_m = d₃ + 0.46 (d₀ − d₃)                     (Z31)
+        0.25 * STEEL * PI * (core + 0.46 * (nominal - core)).powi(2)
+    }
+}
+
+/// Efficiencies that catalogues state for a screw of any size.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Efficiency {
+    /// Driven by torque.
+    pub forward: f64,
+    /// Driven back by the load.
+    pub back: f64,
+}
+
+impl Efficiency {
+    /// Torque of the friction of contacts \[N·m\] (Z32), positive.
+    ///
+    /// ```math
+    /// T_f = |F|\,h\,(1/\eta - 1) \quad\text{or}\quad |F|\,h\,(1 - \eta')
+    /// ```
+    ///
+    /// * `ideal`: torque of the load without friction \[N·m\]. * `drives`: whether the load drives the screw.
+    ///
+    /// Source: HIWIN BS-08-2, F 3.15 and F 3.16.
+    pub fn friction(&self, ideal: f64, drives: bool) -> f64 {
+        // T_f = |F| h (1/η − 1),  |F| h (1 − η′)                          (Z32)
+        ideal.abs() * if drives { 1.0 - self.back } else { self.forward.recip() - 1.0 }
+    }
+}
+
+/// Where the rigidity that a catalogue states is meant, over the dynamic load rating.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RigidityAt {
+    /// Of a nut without preload, at this load.
+    Load(f64),
+    /// Of a preloaded nut, at this preload.
+    Preload(f64),
+}
+
+impl RigidityAt {
+    /// Rigidity of a nut, in the unit of the stated one (Z33); `None` if the nut has no preload and the stated one is
+    /// of a preloaded nut, or the other way round.
+    ///
+    /// ```math
+    /// R_{nu} = 0.8\,K\Big(\frac{F}{\epsilon\,C_a}\Big)^{1/3}
+    /// ```
+    ///
+    /// * `stated`: `$K$`. * `load`: of the nut without preload \[N\]. * `rating`: dynamic load rating \[N\].
+    ///
+    /// Source: THK general catalogue, equations 35 and 36; HIWIN BS-08-2, F 3.34 and F 3.35.
+    pub fn rigidity(
+        self,
+        stated: f64,
+        load: f64,
+        preload: Option<f64>,
+        rating: f64,
+    ) -> Option<f64> {
+        let (force, at) = match (self, preload) {
+            (Self::Load(at), None) => (load, at),
+            (Self::Preload(at), Some(preload)) => (preload, at),
+            _ => return None,
+        };
+        // R_nu = 0.8 K [F/(ε C_a)]^⅓                                      (Z33)
+        Some(0.8 * stated * (force / (at * rating)).cbrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+
+    use super::*;
+
+    /// By hand: 40 x 10 with balls of 6.35 mm, and without; the lead of 20 mm would leave 30 mm of 40.
+    #[test]
+    fn cores_that_are_not_printed() {
+        let core = |lead: f64, ball| Screw::usual_core(0.04, lead, ball) * 1e3;
+        for (lead, ball, expected) in
+            [(0.01, Some(6.35e-3), 34.666), (0.01, None, 35.0), (0.02, None, 33.6)]
+        {
+            assert_relative_eq!(core(lead, ball), expected, max_relative = 1e-12);
+        }
+    }
+
+    /// A thread of no depth is a rod; the upright axis of the specification has a mean diameter of 30.164 mm.
+    #[test]
+    fn a_thread_of_no_depth_is_a_rod() {
+        let rod = |diameter: f64| 0.25 * STEEL * PI * diameter.powi(2);
+        let of = Screw::usual_mass_per_length;
+        assert_relative_eq!(of(0.04, 0.04), rod(0.04), max_relative = 1e-14);
+        assert_relative_eq!(of(0.032, 0.0286), rod(0.030_164), max_relative = 1e-14);
+    }
+
+    /// Without losses there is no friction; by hand, 9 N m at 0.9 need 10 N m, and 10 N m driven back give 8 N m.
+    #[test]
+    fn efficiencies_are_friction() {
+        let of = |forward, back| Efficiency { forward, back };
+        assert_relative_eq!(of(0.9, 0.8).friction(-9.0, false), 1.0, max_relative = 1e-14);
+        assert_relative_eq!(of(0.9, 0.8).friction(10.0, true), 2.0, max_relative = 1e-14);
+        for drives in [false, true] {
+            assert!(of(1.0, 1.0).friction(9.0, drives).abs() < 1e-300);
+        }
+    }
+
+    /// At the load or preload that it is stated for, 0.8 of the stated rigidity; eight times the load doubles it.
+    #[test]
+    fn rigidity_follows_the_cube_root() {
+        let (light, heavy) = (RigidityAt::Load(0.3), RigidityAt::Preload(0.1));
+        let of = |load| light.rigidity(500.0, load, None, 50e3).expect("no preload");
+        assert_relative_eq!(of(15e3), 400.0, max_relative = 1e-14);
+        assert_relative_eq!(of(8.0 * 15e3), 800.0, max_relative = 1e-14);
+        let of = heavy.rigidity(500.0, 1.0, Some(5e3), 50e3).expect("a preload");
+        assert_relative_eq!(of, 400.0, max_relative = 1e-14);
+        assert_eq!(light.rigidity(500.0, 1.0, Some(5e3), 50e3), None);
+        assert_eq!(heavy.rigidity(500.0, 1.0, None, 50e3), None);
+    }
+}
