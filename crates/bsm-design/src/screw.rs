@@ -17,8 +17,10 @@ pub struct Screw {
     pub core: f64,
     /// Outer diameter \[m\].
     pub outer: f64,
-    /// Mass of a metre \[kg/m\].
+    /// Mass of a metre \[kg/m\], without a bore.
     pub mass_per_length: f64,
+    /// Moment of inertia of a metre about its axis \[kg·m\], without a bore.
+    pub inertia_per_length: f64,
     /// Young's modulus \[Pa\].
     pub youngs_modulus: f64,
 }
@@ -27,6 +29,15 @@ impl Screw {
     /// Lead angle on the pitch circle \[rad\].
     pub fn lead_angle(&self) -> f64 {
         (self.lead / (PI * self.pitch_diameter)).atan()
+    }
+
+    /// Mass \[kg\] and moment of inertia about the axis \[kg·m²\] of a length with a bore \[m\].
+    pub fn mass_and_inertia(&self, bore: f64, length: f64) -> (f64, f64) {
+        let missing = 0.25 * PI * STEEL * bore.powi(2);
+        (
+            (self.mass_per_length - missing) * length,
+            (self.inertia_per_length - missing * bore.powi(2) / 8.0) * length,
+        )
     }
 
     /// Core diameter \[m\] of a screw whose catalogue does not print it (Z30).

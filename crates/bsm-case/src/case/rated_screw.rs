@@ -1,6 +1,6 @@
 //! A screw of which only nominal diameter, lead and load ratings are known: its other sizes by makers' lists and rules.
 
-use bsm_design::{NutBody, Screw};
+use bsm_design::{NutBody, Screw, rod_inertia};
 
 use crate::case::maker_sizes::MakerSize;
 use crate::case::rated_nut;
@@ -121,6 +121,7 @@ impl RatedScrew {
             core,
             outer: scene.screw_outer_diameter_mm.map_or(nominal, |mm| mm * MM),
             mass_per_length: mass,
+            inertia_per_length: rod_inertia(1.0, mass),
             youngs_modulus: scene.reader().materials().0.youngs_modulus,
         };
         Ok(Self { screw, body: NutBody { outer, length }, assumed })
