@@ -60,7 +60,7 @@ macro_rules! words {
 const OBJECTS: [(&str, &str); 3] = [
     (
         "circuit",
-        "start_deg number, arc_deg positive, balls count, start? count, body? count, flank? +|-|both?, offset_um? number",
+        "start_deg number, arc_deg positive, balls count, start? count, body? count, flank? +|-|both?, offset_um? number, ball_gap_mm? positive?",
     ),
     (
         "lead error",
@@ -199,6 +199,9 @@ pub struct CircuitWords {
     /// Axial offset of its groove in the nut.
     #[serde(default)]
     pub offset_um: f64,
+    /// All gaps between its balls together; those of the nut unless given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ball_gap_mm: Option<f64>,
 }
 
 /// Flanks of a circuit.
@@ -473,7 +476,7 @@ mod tests {
     fn words_have_the_keys_of_their_schema() {
         let all = json!({
             "circuits": [{ "start_deg": 0.0, "arc_deg": 1.0, "balls": 1, "start": 0, "body": 0,
-                           "flank": "both", "offset_um": 0.0 }],
+                           "flank": "both", "offset_um": 0.0, "ball_gap_mm": 1.0 }],
             "ring_expansion": true,
             "nut_guidance": "free",
             "nut_anchor": "low",
