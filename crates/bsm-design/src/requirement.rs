@@ -346,6 +346,7 @@ impl Design {
     ///
     /// Source: Lin, Velinsky and Ravani (1994), the procedure for both directions, with the load rating
     /// and the life of ISO 3408-5 besides.
+    #[expect(clippy::too_many_lines, reason = "a step of the procedure after the other")]
     pub fn of(requirement: &Requirement, nut: Nut, efficiency: Option<EfficiencyOf<'_>>) -> Self {
         let Requirement { direction, friction, ranges, .. } = *requirement;
         let (lead, beta) = (nut.lead_angle(), nut.contact_angle);

@@ -65,6 +65,7 @@ impl Support {
     /// Ends of the section between its bearing and a nut that a guided table clamps.
     ///
     /// Source: THK, A-726 and A-739: "the section between nut and bearing is fixed-fixed".
+    #[must_use]
     pub fn of_buckling(self) -> Self {
         match self {
             Self::SupportedSupported => self,

@@ -945,7 +945,7 @@ impl<'a> Worked<'a> {
             let Grade { name, .. } = word.grade;
             match self.travel() {
                 None => {
-                    note("without stroke_mm or useful_travel_mm there is no error of the travel")
+                    note("without stroke_mm or useful_travel_mm there is no error of the travel");
                 }
                 Some(travel) if word.grade.worst_error(travel).is_none() => {
                     let what = if word.grade.deviation(travel).is_some() { "v_up" } else { "e_p" };
@@ -1030,9 +1030,8 @@ impl<'a> Worked<'a> {
                 torque + change * heaviest.phase.speed.signum()
             });
             Some(format!(
-                "torque by catalogue efficiency, {:.3} N m at the largest load that moves; usual efficiencies give {low:.3} to \
-                 {high:.3} N m",
-                torque
+                "torque by catalogue efficiency, {torque:.3} N m at the largest load that moves; usual efficiencies give {low:.3} to \
+                 {high:.3} N m"
             ))
         });
         at.into_iter().chain([LEFT_OUT.to_owned()]).collect()
@@ -1073,7 +1072,7 @@ impl<'a> Worked<'a> {
         };
         match &self.preload {
             Some(preload) => {
-                parts.extend([method.to_owned(), format!("preload {:.0} N", preload.cold)])
+                parts.extend([method.to_owned(), format!("preload {:.0} N", preload.cold)]);
             }
             None => parts.push("single nut".to_owned()),
         }

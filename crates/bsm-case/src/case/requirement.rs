@@ -296,6 +296,7 @@ impl Given {
         })
     }
 
+    #[expect(clippy::too_many_lines, reason = "a key after the other")]
     fn wish(self, standard: Lists) -> Result<RequirementFile, CaseError> {
         let mut scene = self.scene.clone();
         scene.check()?;
