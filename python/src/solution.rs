@@ -207,8 +207,9 @@ pub(crate) fn gradient(
             let given = first.given();
             let other =
                 InputSet::of(&[*key]).replaced().iter().find(|other| given.contains(*other));
-            let instead = other.map_or_else(String::new, |other| format!(": {other} is given"));
-            return Err(errors::words(&format!("`{key}` has no value here{instead}")));
+            let instead =
+                other.map_or_else(String::new, |other| format!(": {} is given", other.name()));
+            return Err(errors::words(&format!("`{}` has no value here{instead}", key.name())));
         }
         if let Some(target) = SET_BY_OTHERS.into_iter().find(|target| sets(*target, *key, &first)) {
             let [key, target] = [*key, target].map(InputKey::name);

@@ -553,7 +553,7 @@ impl Track<'_> {
 
     /// Push that a ball at a place takes from behind at a rate.
     fn push(&self, place: f64, rate: f64) -> f64 {
-        let (law, numbers) = (self.law(place), Vec::from_iter(1..self.pushes.len() - 1));
+        let (law, numbers) = (self.law(place), (1..self.pushes.len() - 1).collect::<Vec<_>>());
         let k = numbers.partition_point(|k| law(*k) <= rate);
         let step = self.pushes[k + 1] - self.pushes[k];
         self.pushes[k] + step * (rate - law(k)) / (law(k + 1) - law(k))
