@@ -140,13 +140,10 @@ fn a_preload_is_chosen() {
         (&["preload_class=P9"], "not one of auto"),
     ] {
         let mut both = scene(&[]);
-        let refused = match both.apply(settings) {
-            Err(error) => error.to_string(),
-            Ok(()) => {
-                let report = AxisReport::of(&both, &Settings::default());
-                report.expect_err("refused").to_string()
-            }
-        };
+        let refused = both
+            .apply(settings)
+            .and_then(|()| AxisReport::of(&both, &Settings::default()).map(|_| ()));
+        let refused = refused.expect_err("refused").to_string();
         assert!(refused.contains(words), "{refused}");
     }
     let one_ball = medium.problem(&Settings::default()).expect_err("of one ball").to_string();
