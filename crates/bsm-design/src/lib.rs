@@ -46,7 +46,7 @@ mod thread;
 
 pub use axis::{Axis, Motion, Mount, Phase};
 pub use body::NutBody;
-pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, Size, front, loaded_balls};
+pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, Offered, Size, front, loaded_balls};
 pub use drive::{
     BRAKE_SAFETY, BackDriving, Drive, Falling, MachineTable, drag_torque, least_acceleration_time,
     rod_inertia, root_mean_square,
@@ -55,7 +55,7 @@ pub use grade::Grade;
 pub use least_squares::{LeastSquares, least_squares};
 pub use life::{Duty, Life, OPENS_AT, life, pair_loads, reliability_factor};
 pub use make::Make;
-pub use nut::{DynamicRating, Nut, StaticRating};
+pub use nut::{DynamicRating, Nut, StaticRating, turn_length};
 pub use preload::{PRELOAD_CLASSES, Preload, PreloadClass, PreloadMethod, least_preload};
 pub use procedure::{ActiveLimit, Holds, Outcome, Why};
 pub use requirement::{
