@@ -373,7 +373,7 @@ mod tests {
                 gear_inertia: 0.0,
             };
             // Five digits.
-            assert_relative_eq!(drive.inertia(), inertia, max_relative = 2e-5);
+            assert_relative_eq!(drive.load_inertia(), inertia, max_relative = 2e-5);
             let steady = force * lead / TAU / 0.9;
             assert_relative_eq!(steady, torques[0], max_relative = 2e-5);
             let turning = speed / ramp * TAU / lead;

@@ -6,9 +6,9 @@ mod rules;
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, BackDriving, DutySpeed, Falling, Grade, Life, Motion, Nut, Phase, RigidityAt, Shaft,
-    drag_torque, heat_transfer, in_series, least_acceleration_time, life, lost_motion,
-    root_mean_square, steady_rise,
+    Axis, BackDriving, DutySpeed, Falling, Grade, Life, Motion, Nut, Phase, PreloadMethod,
+    RigidityAt, Shaft, drag_torque, heat_transfer, in_series, least_acceleration_time, life,
+    lost_motion, root_mean_square, steady_rise,
 };
 use bsm_dyn::ModelWorkspace;
 use serde_json::{Value, json};
@@ -17,12 +17,13 @@ use self::contacts::{Contacts, contacts, nut_at};
 use super::nut::QUANTITIES as NUT;
 use super::ratings::QUANTITIES as RATINGS;
 use crate::answers::nut::preload_note;
-use crate::case::axis::{Held, Machine, carriage, useful_travel};
+use crate::case::axis::{Held, Machine, carriage, preload_method, useful_travel};
 use crate::case::nut::bad;
 use crate::case::rated_nut;
 use crate::case::rated_screw::LEFT_OUT;
 use crate::case::warm::{ColdNut, Detail, Warm, WarmState};
 use crate::vocabulary::answer::numbers_json;
+use crate::vocabulary::number::short;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{
@@ -256,6 +257,8 @@ pub struct AxisReport {
     pub settings: Settings,
     /// Each phase of the cycle.
     pub phases: Vec<ScrewTorque>,
+    /// What to order, in a line.
+    pub order: String,
     /// The answer.
     pub answer: Answer,
 }
@@ -521,7 +524,9 @@ impl AxisReport {
         let answer = answer
             .with("screw", Content::numbers(screw, "screw"))
             .with("not_modelled", Content::Texts("not modelled", not_modelled));
-        Ok(Self { scene: asked.clone(), settings: *settings, phases, answer })
+        let order = worked.order();
+        let answer = answer.with_shown(Content::Words("order:", Some(order.clone())));
+        Ok(Self { scene: asked.clone(), settings: *settings, phases, order, answer })
     }
 
     /// The sheet of an axis that has no warm steady state.
@@ -537,7 +542,8 @@ impl AxisReport {
             .add_to(answer)
             .with("screw", Content::numbers(Numbers::none(SCREW), "screw"))
             .with("not_modelled", Content::Texts("not modelled", Vec::new()));
-        Self { scene: scene.clone(), settings: *settings, phases: Vec::new(), answer }
+        let (phases, order) = (Vec::new(), String::new());
+        Self { scene: scene.clone(), settings: *settings, phases, order, answer }
     }
 
     /// True if every rule holds.
@@ -1040,6 +1046,45 @@ impl<'a> Worked<'a> {
             low * friction,
             high * friction
         ))
+    }
+
+    /// What to order: size, nut, preload, grade, length, torque of the preload, travel, ends.
+    fn order(&self) -> String {
+        let screw = &self.axis().screw;
+        let mm = |metres: f64| short(metres / MM);
+        let mut parts = vec![format!("{:.0} x {}", screw.outer / MM, mm(screw.lead))];
+        if let Some((nut, _)) = &self.machine.groove {
+            let circuits = self.scene.value_or_default(InputKey::circuits_count).unwrap_or(1.0);
+            let of_each = short(nut.turns / circuits);
+            let turns = if circuits > 1.0 { format!("{circuits} x {of_each}") } else { of_each };
+            parts.extend([format!("{turns} turns"), format!("ball {}", mm(nut.ball_diameter))]);
+        }
+        let method = match preload_method(self.scene) {
+            PreloadMethod::DoubleNut => "double nut",
+            PreloadMethod::Offset => "nut with a shifted lead",
+            PreloadMethod::Oversize => "oversize balls",
+        };
+        match &self.preload {
+            Some(preload) => {
+                parts.extend([method.to_owned(), format!("preload {:.0} N", preload.cold)]);
+            }
+            None => parts.push("single nut".to_owned()),
+        }
+        parts.extend(self.scene.nut.accuracy_grade.map(|word| word.grade.name.to_owned()));
+        parts.extend(self.shaft().map(|shaft| format!("thread {:.0}", shaft.length / MM)));
+        if let Some(preload) = &self.preload {
+            let percent = self.torque_percent();
+            let percent = percent.map_or_else(String::new, |percent| format!(" +-{percent:.0} %"));
+            parts.push(format!("T_p0 {:.2} N m{percent}", preload.by_rule));
+        }
+        if let (Some(held), Some(expansion), Some(stroke)) =
+            (self.pretension(), self.expansion(), self.scene.stroke_mm)
+        {
+            let target = -expansion * stroke * held.stretched;
+            parts.push(format!("T = {target:.3}/{stroke:.0}"));
+        }
+        parts.extend(self.shaft().map(|shaft| shaft.support.name().to_owned()));
+        parts.join(", ")
     }
 
     /// Permitted variation of the torque by which the preload is checked \[%\].
