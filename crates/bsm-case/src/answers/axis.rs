@@ -6,9 +6,9 @@ mod rules;
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, BackDriving, DutySpeed, Efficiency, Falling, Grade, Life, Motion, Nut, Phase,
-    PreloadMethod, RigidityAt, Shaft, drag_torque, heat_transfer, in_series,
-    least_acceleration_time, life, lost_motion, root_mean_square, steady_rise,
+    Axis, BackDriving, DutySpeed, Falling, Grade, Life, Motion, Nut, Phase, PreloadMethod,
+    RigidityAt, Shaft, drag_torque, heat_transfer, in_series, least_acceleration_time, life,
+    lost_motion, root_mean_square, steady_rise,
 };
 use bsm_dyn::ModelWorkspace;
 use serde_json::{Value, json};
@@ -290,9 +290,6 @@ const SHORT: (f64, f64) = (3.0, 3.0);
 
 /// Speed number from which the grease is to be asked for \[mm/min\], usual value.
 const FAST: f64 = 100e3;
-
-/// Usual efficiencies of a screw that the load drives, by catalogues.
-const USUAL_BACK: [f64; 2] = [0.75, 0.85];
 
 /// Effects that the torque of an axis neglects.
 const NOT_MODELLED: [&str; 6] = [
@@ -583,6 +580,7 @@ pub(crate) fn numbers(
     settings: &Settings,
     wanted: impl Fn(&Quantity) -> bool,
 ) -> Result<Numbers, CaseError> {
+    let scene = &scene.with_preload()?;
     let wanted = || QUANTITIES.iter().filter(|quantity| wanted(quantity));
     // At one operating point the torque takes no axis.
     if scene.nut.cycle.is_none()
@@ -591,7 +589,7 @@ pub(crate) fn numbers(
     {
         return Ok(torque.numbers);
     }
-    let scene = scene.with_preload()?.in_warm_state(settings)?;
+    let scene = scene.in_warm_state(settings)?;
     let band = wanted().any(|quantity| quantity.name.starts_with("back_driving"));
     let report = AxisReport::with(&scene, settings, Detail { fold: true, band })?;
     Ok(report.answer.into_numbers())
@@ -987,9 +985,8 @@ impl<'a> Worked<'a> {
     /// What a stroke of a few nut lengths does to the life.
     fn short_stroke(&self) -> Option<String> {
         let stroke = self.scene.stroke_mm? * MM;
-        let (nut, _) = self.machine.groove.as_ref()?;
         let (lengths, factor) = SHORT;
-        if stroke < LEAST_TURNS * nut.lead {
+        if stroke < LEAST_TURNS * self.axis().screw.lead {
             return Some(
                 "a stroke of less than half a turn has no life by fatigue: false brinelling"
                     .to_owned(),
@@ -997,8 +994,10 @@ impl<'a> Worked<'a> {
         }
         let circuits = self.scene.value_or_default(InputKey::circuits_count)?;
         // The balls of a circuit advance by (1 − γ)/2 of the nut.
-        let round = 2.0 * nut.turns / circuits * nut.lead / (1.0 - nut.dynamic_rating().gamma);
-        if stroke < round {
+        let round = self.machine.groove.as_ref().map(|(nut, _)| {
+            2.0 * nut.turns / circuits * nut.lead / (1.0 - nut.dynamic_rating().gamma)
+        });
+        if let Some(round) = round.filter(|round| stroke < *round) {
             return Some(format!(
                 "a stroke of less than {:.0} mm does not circulate the balls, the same ones carry: make a stroke of two nut \
                  lengths every few thousand strokes (usual advice)",
@@ -1015,8 +1014,6 @@ impl<'a> Worked<'a> {
 
     /// What the sheet of a screw without groove omits, and the band of its torque.
     fn by_catalogue(&self) -> Vec<String> {
-        /// Usual efficiencies.
-        const USUAL: [f64; 2] = [0.85, 0.95];
         if self.machine.groove.is_some() {
             return Vec::new();
         }
@@ -1024,11 +1021,8 @@ impl<'a> Worked<'a> {
             let torque = heaviest.at_screw()?;
             let drives = heaviest.phase.load * heaviest.phase.speed < 0.0;
             let friction = contacts::by_catalogue(self.scene).friction(heaviest.ideal, drives);
-            let [high, low] = USUAL.map(|forward| {
-                let usual = Efficiency { forward, back: forward - 0.1 };
-                let change = usual.friction(heaviest.ideal, drives) - friction;
-                torque + change * heaviest.phase.speed.signum()
-            });
+            let [high, low] = contacts::usual_frictions(heaviest.ideal, drives)
+                .map(|usual| torque + (usual - friction) * heaviest.phase.speed.signum());
             Some(format!(
                 "torque by catalogue efficiency, {torque:.3} N m at the largest load that moves; usual efficiencies give {low:.3} to \
                  {high:.3} N m"
@@ -1139,7 +1133,8 @@ impl<'a> Worked<'a> {
             |scene: &Scene| contacts(scene, settings, advance, &phase, work).ok()?.friction;
         let nominal = friction(self.scene)?;
         let [most, least] = if self.machine.groove.is_none() {
-            USUAL_BACK.map(|back| Some(Efficiency { forward: 1.0, back }.friction(ideal, true)))
+            let [most, least] = contacts::usual_frictions(ideal, true);
+            [Some(most.max(nominal)), Some(least.min(nominal))]
         } else if let Some(coefficient) = self.scene.friction_coefficient {
             FRICTION.map(|factor| {
                 let friction_coefficient = Some(factor * coefficient);

@@ -109,7 +109,7 @@ fn a_feed_axis_by_its_catalogue() {
         // Half a unit of the last of five digits.
         assert_relative_eq!(number(&report, name), expected, max_relative = 5e-5);
     };
-    near("rule_torque_Nm", 0.720_499);
+    near("preload_torque_measured_Nm", 0.720_499);
     near("critical_speed_rpm", 4476.7);
     near("critical_speed_ratio", 0.446_75);
     near("buckling_load_N", 265_885.0);
