@@ -1336,6 +1336,56 @@ def slip(
     return _report(_core.slip(*_asked(scene, question)))
 
 
+def ellipses(
+    scene: Scene | Mapping[str, Any] | None = None,
+    /,
+    *,
+    points: int = 20,
+    **question: Unpack[Question],
+) -> Report:
+    """Pressure, slip and friction over the contact ellipses, as `bsm solve --show ellipses`.
+
+    Parameters
+    ----------
+    scene, **question
+        As in `solve`; the model must give a motion of the balls and have elastic contacts.
+    points : int
+        Points of the grid on each semi-axis, 1 to 500.
+
+    Returns
+    -------
+    Report
+        `contacts` of nut and screw, each a dict: `places` on the semi-axes from -1 to 1, and over them the arrays
+        `pressure_MPa`, `slip_across_m_s`, `slip_along_m_s`, `friction_across` and `friction_along` (over the pressure),
+        rows along the groove, columns across it, NaN outside the ellipse; with semi-axes, load, friction force, spin and
+        spin poles. `found` as in `slip`.
+
+    Raises
+    ------
+    InputError
+        For inputs that are missing or break a rule.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> nut, screw = bs.ellipses(bs.Scene.read("examples/feed_drive_oil.json"))["contacts"]
+    >>> nut["pressure_MPa"].shape, bool(nut["pressure_MPa"][20, 20] == nut["max_pressure_MPa"])
+    ((41, 41), True)
+    """
+    import numpy as np
+
+    if not 1 <= points <= 500:
+        raise InputError(f"points = {points} must be from 1 to 500", key="points")
+    report = _report(_core.ellipses(*_asked(scene, question), points))
+    for contact in report["contacts"] if report.found else []:
+        side = len(contact["places"])
+        for name, value in contact.items():
+            if isinstance(value, list) and len(value) == side * side:
+                contact[name] = np.array(value, dtype=float).reshape(side, side)
+        contact["places"] = np.array(contact["places"])
+    return report
+
+
 def jam(
     scene: Scene | Mapping[str, Any] | None = None,
     /,

@@ -8,12 +8,16 @@ from ballscrew._api import INPUTS, OUTPUTS, Grid, Table
 from ballscrew._errors import InputError
 
 if TYPE_CHECKING:
+    from os import PathLike
+
     from matplotlib.axes import Axes
 
-__all__ = ["curves", "map", "pareto"]
+__all__ = ["curves", "map", "pareto", "save"]
 
 
-def curves(table: Table, x: str, y: str, *, by: str | None = None, ax: Axes | None = None) -> Axes:
+def curves(
+    table: Table, x: str, y: str, *, by: str | None = None, error: str | None = None, ax: Axes | None = None
+) -> Axes:
     """Draw one output against an input, a line for each value of another; failed rows are gaps.
 
     Parameters
@@ -24,6 +28,8 @@ def curves(table: Table, x: str, y: str, *, by: str | None = None, ax: Axes | No
         Names of columns.
     by : str, optional
         The column that has one value on each line; of a grid over two inputs, unless given, the other one.
+    error : str, optional
+        The column of the error of `y`, such as "efficiency_error_bound": a band to both sides.
     ax : matplotlib axes, optional
         Where to draw.
     """
@@ -34,12 +40,16 @@ def curves(table: Table, x: str, y: str, *, by: str | None = None, ax: Axes | No
     if by is None and len(others) > 1:
         raise InputError(f"by is required: the grid varies {', '.join(others)} besides {x}")
     by = by or next(iter(others), None)
-    if by is None:
-        axes.plot(table[x], table[y])
-    else:
-        for value in np.unique(table[by]):
-            of_line = table[by] == value
-            axes.plot(table[x][of_line], table[y][of_line], label=f"{value:g} {_unit(by)}".rstrip())
+    lines = [(slice(None), None)]
+    if by is not None:
+        lines = [(table[by] == value, f"{value:g} {_unit(by)}".rstrip()) for value in np.unique(table[by])]
+    for of_line, label in lines:
+        xs, ys = table[x][of_line], table[y][of_line]
+        (line,) = axes.plot(xs, ys, label=label)
+        if error is not None:
+            wide = table[error][of_line]
+            axes.fill_between(xs, ys - wide, ys + wide, color=line.get_color(), alpha=0.2, linewidth=0)
+    if by is not None:
         axes.legend(title=_words(by))
     axes.set_xlabel(_label(x))
     axes.set_ylabel(_label(y))
@@ -94,6 +104,31 @@ def pareto(
     axes.set_xlabel(_label(x))
     axes.set_ylabel(_label(y))
     return axes
+
+
+def save(axes: Axes, path: str | PathLike[str], *, size_mm: tuple[float, float] | None = None, title: str | None = None) -> None:
+    """Write the figure of axes; a PDF has its fonts embedded as TrueType, which journals ask for.
+
+    Parameters
+    ----------
+    axes : matplotlib axes
+        What the functions of this module return.
+    path : path
+        The file; its ending is its form.
+    size_mm : tuple of float, optional
+        Width and height of the figure.
+    title : str, optional
+        Title above the axes.
+    """
+    import matplotlib as mpl
+
+    figure = axes.figure
+    if size_mm is not None:
+        figure.set_size_inches(*(length / 25.4 for length in size_mm))
+    if title is not None:
+        axes.set_title(title)
+    with mpl.rc_context({"pdf.fonttype": 42, "ps.fonttype": 42}):
+        figure.savefig(path, bbox_inches=None if size_mm else "tight")
 
 
 def _axes(ax: Axes | None) -> Axes:

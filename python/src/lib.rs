@@ -127,6 +127,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(table::read_arrow, module)?,
         wrap_pyfunction!(table::to_arrow, module)?,
         wrap_pyfunction!(reports::slip, module)?,
+        wrap_pyfunction!(reports::ellipses, module)?,
         wrap_pyfunction!(reports::jam, module)?,
         wrap_pyfunction!(reports::ratings, module)?,
         wrap_pyfunction!(reports::nut, module)?,

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use bsm_batch::{NumberColumn, TableError, TableSink};
 use bsm_case::{
-    Answer, AxisReport, CATALOGUE, Calibration, CaseError, Catalogue, Content, DesignReport, Fit,
-    MakerNut, MakerRow, Moving, NutProblem, NutReport, Record, RequirementFile, Samples, Settings,
-    Wanted, candidate_scene, column_names, sheet_columns,
+    Answer, AxisReport, CATALOGUE, Calibration, CaseError, Catalogue, Content, DesignReport,
+    EllipseFields, Fit, MakerNut, MakerRow, Moving, NutProblem, NutReport, Record, RequirementFile,
+    Samples, Settings, Wanted, candidate_scene, column_names, sheet_columns,
 };
 use bsm_dyn::{Model, ModelWorkspace, Solution};
 use bsm_report::sheets::{size_figures, size_page, size_results};
@@ -51,6 +51,21 @@ pub(crate) fn slip(py: Python<'_>, scene: &Bound<'_, Scene>, how: How) -> PyResu
 #[pyfunction]
 pub(crate) fn jam(py: Python<'_>, scene: &Bound<'_, Scene>, how: How) -> PyResult<Report> {
     of_motion(py, scene, how, |scene, _, solution| bsm_case::jam(scene, solution))
+}
+
+/// Fields over the contact ellipses of a solved motion.
+///
+/// * `points`: on each semi-axis.
+#[pyfunction]
+pub(crate) fn ellipses(
+    py: Python<'_>,
+    scene: &Bound<'_, Scene>,
+    how: How,
+    points: u32,
+) -> PyResult<Report> {
+    of_motion(py, scene, how, |scene, settings, solution| {
+        Ok(EllipseFields::of(scene, settings, solution, points)?.answer())
+    })
 }
 
 /// What is reported of a solved motion.

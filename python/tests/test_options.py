@@ -20,7 +20,7 @@ KEYWORDS: dict[str, Any] = {"inputs": Inputs, "changes": Inputs, "solver": Solve
 
 # The functions of each command.
 FUNCTIONS: dict[str, list[Callable[..., Any]]] = {
-    "solve": [bs.solve, bs.sensitivities, bs.compare, bs.slip, bs.jam, bs.optimum, bs.ratings],
+    "solve": [bs.solve, bs.sensitivities, bs.compare, bs.slip, bs.ellipses, bs.jam, bs.optimum, bs.ratings],
     "nut": [bs.nut],
     "axis": [bs.axis],
     "select": [bs.select, bs.select_nuts],

@@ -92,6 +92,19 @@ def test_reports(function: str, name: str) -> None:
     assert plain(report) == expected
 
 
+@pytest.mark.parametrize("name", ["feed_drive", "feed_drive_oil"])
+def test_ellipses(name: str) -> None:
+    path = EXAMPLES / f"{name}.json"
+    contacts = bs.ellipses(bs.Scene.read(path), points=7)["contacts"]
+    expected = told("solve", path, "--show", "ellipses", "--points", "7")["contacts"]
+    for contact, fields in zip(contacts, expected, strict=True):
+        assert list(contact) == list(fields)
+        for field, values in fields.items():
+            # Outside the ellipse there is no number.
+            wanted = np.array([np.nan if value is None else value for value in values]) if isinstance(values, list) else values
+            assert np.array_equal(np.ravel(contact[field]), np.ravel(wanted), equal_nan=True) if isinstance(values, list) else contact[field] == values
+
+
 def test_fit() -> None:
     path = EXAMPLES / "feed_drive.json"
     screw = bs.Scene.read(path)

@@ -72,7 +72,7 @@ pub use vocabulary::input::{INPUTS, InputKey, Rule, Scene};
 pub use vocabulary::input_set::{InputSet, following};
 pub(crate) use vocabulary::names::nearest;
 pub use vocabulary::names::{entries, nearest_input};
-pub use vocabulary::number::{exact, number, short, write_exact};
+pub use vocabulary::number::{digits, exact, number, short, trimmed, write_exact};
 pub use vocabulary::output::{OUTPUTS, Output, OutputKey};
 pub use vocabulary::phase::PhaseWords;
 pub use vocabulary::quantity::{AnalysisKind, Numbers, Of, Quantity, Row, Values};

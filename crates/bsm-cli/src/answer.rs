@@ -33,6 +33,8 @@ pub(crate) struct Drawn {
     pub(crate) figures: Vec<Figure>,
     /// A page that holds them.
     pub(crate) page: Option<String>,
+    /// A drawing as DXF.
+    pub(crate) drawing: Option<String>,
 }
 
 /// Rows of a table.
@@ -107,7 +109,8 @@ impl Reply {
             }
         }
         let json = self.json();
-        let is_picture = |path: &&Path| ending_of("-o", path, &["html", "svg", "png"]).is_ok();
+        let is_picture =
+            |path: &&Path| ending_of("-o", path, &["html", "svg", "png", "dxf"]).is_ok();
         let pictures: Vec<&Path> =
             to.output.iter().map(PathBuf::as_path).filter(is_picture).collect();
         let drawn =
@@ -122,6 +125,7 @@ impl Reply {
                     }
                 }
                 Some("html") => files::write(path, drawn.page.as_deref().unwrap_or_default())?,
+                Some("dxf") => files::write(path, drawn.drawing.as_deref().unwrap_or_default())?,
                 Some(form @ ("svg" | "png")) => {
                     let Some(figure) = drawn.figures.first() else { continue };
                     let bytes =

@@ -304,6 +304,7 @@ pub(crate) enum Show {
     Band,
     Sensitivities,
     Slip,
+    Ellipses,
     Jam,
     Optimum,
     Ratings,
@@ -315,9 +316,13 @@ pub(crate) struct SolveArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
     /// motion (the default); band: 90 % range of friction from oil, and sensitivities: derivatives by each input, come with
-    /// the motion; slip; jam; optimum of the contact angle; ratings of the nut; steps to them.
+    /// the motion; slip; ellipses: pressure, slip and friction at each point, with -o as a table; jam; optimum of the
+    /// contact angle; ratings of the nut; steps to them.
     #[arg(long, value_name = "WHAT,..", value_delimiter = ',', value_enum)]
     pub(crate) show: Vec<Show>,
+    /// Points of --show ellipses on each semi-axis; 20 unless given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=500))]
+    pub(crate) points: Option<u32>,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
     #[command(flatten)]
@@ -328,6 +333,9 @@ pub(crate) struct SolveArgs {
 pub(crate) struct ViewArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
+    /// Further scenes, side by side with the first.
+    #[arg(value_name = "SCENE.json")]
+    pub(crate) beside: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
     /// Port of the server on 127.0.0.1; a free one unless given.
@@ -336,8 +344,8 @@ pub(crate) struct ViewArgs {
     /// Start the browser.
     #[arg(long)]
     pub(crate) open: bool,
-    /// PAGE.html: write the page as one file, which needs no server and no network. SCENE.json: where the button "save"
-    /// of the server's page writes the scene; without it the page writes nothing.
+    /// PAGE.html: write the page as one file, which needs no server and no network. SCENE.json: where the button "Save
+    /// scene" of the server's page writes the scene; without it the browser saves it.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 }
@@ -659,6 +667,7 @@ pub(crate) enum SchemaName {
     Solve,
     Models,
     Slip,
+    Ellipses,
     Jam,
     Optimum,
     Ratings,

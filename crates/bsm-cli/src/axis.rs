@@ -1,18 +1,18 @@
 //! `bsm axis`: the axis around a screw.
 
-use bsm_case::{AxisReport, Content, PhaseWords};
-use bsm_report::PROGRAM;
+use bsm_case::{AxisReport, Content, GrooveSection, PhaseWords};
 use bsm_report::sheets::{size_figures, size_page};
+use bsm_report::{PROGRAM, groove_dxf};
 
 use crate::answer::{Drawn, Reply};
 use crate::args::AxisArgs;
 use crate::failure::Failure;
-use crate::files::{MOST_OF_A_TABLE, read};
+use crate::files::{MOST_OF_A_TABLE, ending_of, read};
 
 pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     let in_file = args.scene.failure();
     let mut scene = args.scene.read()?;
-    args.out.check(&["json", "html"], &[Some(args.scene.path())])?;
+    args.out.check(&["json", "html", "dxf"], &[Some(args.scene.path())])?;
     if let Some(table) = &args.cycle {
         let signs = args.dialect.read(&["delimiter", "decimal"])?;
         let bytes = read(table, MOST_OF_A_TABLE)?;
@@ -23,6 +23,14 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     let settings = args.model.settings().map_err(in_file)?;
     let report = AxisReport::of(&scene, &settings).map_err(in_file)?;
     let answer = report.answer.clone().with("program", Content::Json(PROGRAM.into()));
-    let draw = || Ok(Drawn { figures: size_figures(&report), page: Some(size_page(&report)?) });
+    // A drawing needs the grooves.
+    let drawing = GrooveSection::of(&report.scene).map(|section| groove_dxf(&section));
+    if args.out.output.iter().any(|path| ending_of("-o", path, &["dxf"]).is_ok()) {
+        drawing.as_ref().map_err(|error| Failure::scene(args.scene.path(), error))?;
+    }
+    let draw = || {
+        let (figures, page) = (size_figures(&report), Some(size_page(&report)?));
+        Ok(Drawn { figures, page, drawing: drawing.ok() })
+    };
     Reply::about(&report.scene, answer).give(&args.out, draw)
 }

@@ -27,7 +27,7 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
         }
         None => (to_point(args, &scene, &settings)?, Vec::new()),
     };
-    Reply::of(answer).give(&args.out, || Ok(Drawn { figures, page: None }))
+    Reply::of(answer).give(&args.out, || Ok(Drawn { figures, ..Drawn::default() }))
 }
 
 /// All values of an input that give one measured output.

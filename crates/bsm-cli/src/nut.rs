@@ -34,7 +34,7 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
                         NutTable::Balls => report.balls(),
                         NutTable::Curve => report.curve(),
                     };
-                    write(path, &table, &scene)?;
+                    write_columns(path, &table, &scene)?;
                 }
                 if args.out.figures.is_some() {
                     figures = nut_figures(&report);
@@ -44,10 +44,10 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
         }
     };
     answer.warnings.splice(0..0, scene.warnings());
-    Reply::about(&scene, answer).give(&args.out, || Ok(Drawn { figures, page: None }))
+    Reply::about(&scene, answer).give(&args.out, || Ok(Drawn { figures, ..Drawn::default() }))
 }
 
-fn write(path: &Path, table: &Columns, scene: &Scene) -> Result<(), Failure> {
+pub(crate) fn write_columns(path: &Path, table: &Columns, scene: &Scene) -> Result<(), Failure> {
     let named: Vec<_> =
         table.heads.iter().map(|(name, unit)| NumberColumn { name, unit }).collect();
     let values = |column: usize| table.rows.iter().map(|row| row[column]).collect();

@@ -65,7 +65,7 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
     let picked = list.nuts(&list.chosen[..1]);
     let scene = picked.first().map(|nut| candidate_scene(nut, wish.as_ref()));
     Reply { scene: Some(scene.into()), ..Reply::of(list.answer(first(SHOWN))) }
-        .give(&args.out, || Ok(Drawn { figures, page: None }))
+        .give(&args.out, || Ok(Drawn { figures, ..Drawn::default() }))
 }
 
 fn head(column: &ListColumn) -> NumberColumn {

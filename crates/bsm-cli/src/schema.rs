@@ -12,11 +12,12 @@ use crate::failure::Failure;
 use crate::files::{pretty_json, print};
 
 /// Answers by the name of their schema: the command, and what its JSON is, one of the [`OBJECTS`] or lists of them.
-const ANSWERS: [(&str, &str, &[&str]); 13] = [
+const ANSWERS: [(&str, &str, &[&str]); 14] = [
     ("solve", "solve", &["solve"]),
     ("models", "solve --model all", &["models"]),
     // Without a solution there is nothing to analyse: it says why.
     ("slip", "solve --show slip", &["slip", "solve"]),
+    ("ellipses", "solve --show ellipses", &["ellipses", "solve"]),
     ("jam", "solve --show jam", &["jam", "solve"]),
     ("optimum", "solve --show optimum", &["optimum"]),
     ("ratings", "solve --show ratings", &["ratings"]),
@@ -52,6 +53,14 @@ const OBJECTS: &[(&str, &str)] = &[
     ("model", "@output, time_us number"),
     ("slip", "model string, @slip, verdicts *verdict, lacks texts, notes texts, warnings texts"),
     ("jam", "model string, @jam, verdicts *verdict, lacks texts, notes texts, warnings texts"),
+    ("ellipses", "model string, contacts [ellipse], notes texts, warnings texts"),
+    (
+        "ellipse",
+        "contact string, contact_angle_deg number, normal_load_N number, semi_axes_mm numbers, max_pressure_MPa number, \
+         friction_force_N numbers, friction_over_load number, spin_rad_s number, creep_speed_m_s number, saturated boolean, \
+         rolling_lines numbers, spin_poles [numbers], places numbers, pressure_MPa [number?], slip_across_m_s [number?], \
+         slip_along_m_s [number?], friction_across [number?], friction_along [number?], sticking_share number",
+    ),
     ("verdict", "answer boolean, words string"),
     ("optimum", "@optimum, model? string, by_model? best, notes texts, warnings texts"),
     ("best", "@best"),
@@ -77,7 +86,7 @@ const OBJECTS: &[(&str, &str)] = &[
     ("results", "@axis"),
     (
         "rule",
-        "rule string, name string, value number?, must_be string, limit number?, margin number?, passes boolean, source string, \
+        "rule string, name string, unit string, value number?, must_be string, limit number?, margin number?, passes boolean, source string, \
          remedy string?",
     ),
     ("phase", "@phase, @torques, contacts string"),

@@ -1,8 +1,8 @@
 //! `bsm solve`: one operating point, and what follows from it.
 
 use bsm_case::{
-    Answer, Beside, CaseError, Comparison, ModelChoice, Moving, Record, Scene, Sensitivities,
-    Settings, jam, slip, torque_parts,
+    Answer, Beside, CaseError, Comparison, EllipseFields, ModelChoice, Moving, Record, Scene,
+    Sensitivities, Settings, jam, slip, torque_parts,
 };
 use bsm_dyn::{ModelWorkspace, Problem, Solution, Status};
 use bsm_report::sheets::Study;
@@ -11,25 +11,29 @@ use bsm_report::{Figure, PROGRAM, ReportError};
 use crate::answer::{Drawn, Reply, named};
 use crate::args::{ALL, Show, SolveArgs};
 use crate::failure::Failure;
+use crate::nut::write_columns;
 
 /// A part of the answer, in the order of the parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Part {
     Motion,
     Slip,
+    Ellipses,
     Jam,
     Optimum,
     Ratings,
 }
 
 impl Part {
-    const ALL: [Self; 5] = [Self::Motion, Self::Slip, Self::Jam, Self::Optimum, Self::Ratings];
+    const ALL: [Self; 6] =
+        [Self::Motion, Self::Slip, Self::Ellipses, Self::Jam, Self::Optimum, Self::Ratings];
 
     /// The part that a word of `--show` belongs to.
     fn of(word: Show) -> Self {
         match word {
             Show::Motion | Show::Band | Show::Sensitivities => Self::Motion,
             Show::Slip => Self::Slip,
+            Show::Ellipses => Self::Ellipses,
             Show::Jam => Self::Jam,
             Show::Optimum => Self::Optimum,
             Show::Ratings | Show::Steps => Self::Ratings,
@@ -41,6 +45,7 @@ impl Part {
         match self {
             Self::Motion => "motion",
             Self::Slip => "slip",
+            Self::Ellipses => "ellipses",
             Self::Jam => "jam",
             Self::Optimum => "optimum",
             Self::Ratings => "ratings",
@@ -56,8 +61,15 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     };
     let shown: Vec<_> = Part::ALL.into_iter().filter(is_shown).collect();
     let has_rows = shown == [Part::Ratings];
-    let endings: &[&'static str] = if has_rows { &["json", "csv", "xlsx"] } else { &["json"] };
+    let endings: &[&'static str] = match shown[..] {
+        [Part::Ratings] => &["json", "csv", "xlsx"],
+        [Part::Ellipses] => &["json", "csv", "jsonl", "parquet", "xlsx"],
+        _ => &["json"],
+    };
     args.out.check(endings, &[Some(args.scene.path())])?;
+    if args.points.is_some() && !shown.contains(&Part::Ellipses) {
+        return Err(Failure::Input("--points is of --show ellipses".to_owned()));
+    }
     let draws = |part: &Part| matches!(part, Part::Slip | Part::Jam | Part::Optimum);
     if args.out.figures.is_some() && !shown.iter().any(draws) {
         let text = "--figures draws what --show slip, jam and optimum show";
@@ -79,6 +91,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         let answer = match part {
             Part::Motion => motion(args, &scene, &settings)?,
             Part::Slip => analysis(args, &scene, &settings, drawn, slip, Study::slip)?,
+            Part::Ellipses => ellipses(args, &scene, &settings)?,
             Part::Jam => {
                 let jam = |scene: &_, _: &_, solution: &_| jam(scene, solution);
                 analysis(args, &scene, &settings, drawn, jam, Study::jam)?
@@ -96,7 +109,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     };
     let reply =
         Reply { parts, rows, about: scene.to_json(), ..Reply::about(&scene, Answer::default()) };
-    reply.give(&args.out, || Ok(Drawn { figures, page: None }))
+    reply.give(&args.out, || Ok(Drawn { figures, ..Drawn::default() }))
 }
 
 /// The motion, with what is shown besides.
@@ -169,6 +182,22 @@ fn analysis(
         figures.extend(study(scene, &settings, &solution)?.figures);
     }
     Ok(answer)
+}
+
+/// Fields over the contact ellipses, which tables have point by point.
+fn ellipses(args: &SolveArgs, scene: &Scene, settings: &Settings) -> Result<Answer, Failure> {
+    let in_file = args.scene.failure();
+    let Moving { settings, solution } =
+        Moving::of(scene, settings, &mut ModelWorkspace::default()).map_err(in_file)?;
+    if solution.reason().is_some() {
+        return point(args, scene, &settings, solution, &Beside::default());
+    }
+    let points = args.points.unwrap_or(EllipseFields::POINTS);
+    let fields = EllipseFields::of(scene, &settings, &solution, points).map_err(in_file)?;
+    for path in args.out.tables() {
+        write_columns(path, &fields.columns(), scene)?;
+    }
+    Ok(fields.answer())
 }
 
 /// The best contact angle and self-locking limits.

@@ -39,7 +39,10 @@ pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
         .with("program", Content::Json(PROGRAM.into()))
         .with("tradeoff", Content::Json(json!(measured)))
         .with_shown(Content::Words("", Some(describe(&measured))));
-    let draw = || Ok(Drawn { figures: measured.figures(), page: Some(tradeoff_page(&measured)?) });
+    let draw = || {
+        let (figures, page) = (measured.figures(), Some(tradeoff_page(&measured)?));
+        Ok(Drawn { figures, page, ..Drawn::default() })
+    };
     Reply::of(answer).give(&args.out, draw)
 }
 

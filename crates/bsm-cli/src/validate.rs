@@ -28,7 +28,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
     Reply::of(answer).give(&args.out, || {
         let figures = bsm_validate::figures(&published)?;
         let page = Some(bsm_validate::validation_page(&report, &figures)?);
-        Ok(Drawn { figures, page })
+        Ok(Drawn { figures, page, ..Drawn::default() })
     })
 }
 

@@ -7,7 +7,7 @@ use bsm_view::{Save, Server, saved};
 
 use crate::args::ViewArgs;
 use crate::failure::{Failure, note_unused, warn};
-use crate::files::{ending_of, keep, print, write};
+use crate::files::{ending_of, keep, print, read_scene, write};
 
 pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let scene = args.scene.read()?;
@@ -22,14 +22,20 @@ pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure>
     // Unsolvable input is an error here, not in the browser.
     scene.problem(&settings).map_err(in_file)?;
     note_unused(scene.given());
+    let mut beside = Vec::new();
+    for path in &args.beside {
+        let other = read_scene(Some(path), &[])?;
+        other.problem(&settings).map_err(|error| Failure::scene(path, &error))?;
+        beside.push(other);
+    }
     if let Some(path) = args.output.as_deref().filter(|_| is_page) {
         keep(args.scene.path(), Some(path))?;
-        let page = saved(&scene, &settings, workers)
+        let page = saved(&scene, &beside, &settings, workers)
             .map_err(|refusal| Failure::in_scene(args.scene.path(), &refusal.to_string()))?;
         return write(path, &page);
     }
     let save = args.output.clone().map(saver);
-    let server = Server::start(args.port, &scene, &settings, save)
+    let server = Server::start(args.port, &scene, &beside, &settings, save)
         .map_err(|error| Failure::Files(error.to_string()))?;
     let address = server.address();
     print(&address)?;

@@ -1,5 +1,6 @@
 //! Figures, pages and numbers for people to read, and the sheets of answers that are made of them.
 
+mod dxf;
 mod error;
 mod figure;
 mod map;
@@ -7,6 +8,7 @@ mod page;
 pub mod sheets;
 
 pub use bsm_case::{number, short};
+pub use dxf::groove_dxf;
 pub use error::ReportError;
 pub use figure::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 pub use map::{MOST_CELLS, Map};

@@ -54,6 +54,7 @@ impl Page<'_> {
         environment.set_undefined_behavior(UndefinedBehavior::Strict);
         environment.add_filter("number", number);
         environment.add_filter("short", short);
+        environment.add_filter("symbol", |text: &str| Value::from_safe_string(symbol(text)));
         for (name, source) in PARTS {
             environment.add_template(name, source)?;
         }
@@ -61,6 +62,25 @@ impl Page<'_> {
         environment.add_template("content.html", self.template)?;
         Ok(environment.get_template("content.html")?.render(context)?)
     }
+}
+
+/// A symbol of the field as HTML: what follows a low line stands lower, and Greek letters have names.
+fn symbol(text: &str) -> String {
+    const GREEK: [(&str, &str); 7] = [
+        ("alpha", "α"),
+        ("eta", "η"),
+        ("kappa", "κ"),
+        ("mu", "μ"),
+        ("nu", "ν"),
+        ("phi", "φ"),
+        ("lambda", "λ"),
+    ];
+    let one = |word: &str| {
+        let (head, low) = word.split_once('_').unwrap_or((word, ""));
+        let head = GREEK.iter().find(|(name, _)| *name == head).map_or(head, |(_, letter)| letter);
+        if low.is_empty() { head.to_owned() } else { format!("{head}<sub>{low}</sub>") }
+    };
+    text.split(' ').map(one).collect::<Vec<_>>().join("&#8202;")
 }
 
 /// The files of a report, by their paths in its folder: page, numbers, and each figure as SVG and as a table.

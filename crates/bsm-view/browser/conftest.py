@@ -18,7 +18,7 @@ BSM = str(ROOT / os.environ.get("BSM", "target/debug/bsm"))
 FLAGS = ["--no-sandbox", "--enable-unsafe-swiftshader"]
 
 # A page on a busy machine with a debug build [ms].
-PATIENCE = 30_000
+PATIENCE = 120_000
 
 
 # Times that a test measures, printed at the end.

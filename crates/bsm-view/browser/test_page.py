@@ -1,13 +1,16 @@
 """The page in a browser: its numbers are those of the command line, and it can be used."""
 
+import csv
+import io
 import json
 import re
 from decimal import ROUND_HALF_EVEN, Decimal
 from statistics import median
+from xml.etree import ElementTree
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from conftest import MEASURED, bsm, example, settled, solved
+from conftest import MEASURED, ROOT, bsm, example, settled, solved
 
 FEED = example("feed_drive")
 
@@ -28,8 +31,7 @@ def table_of(scene, *arguments) -> dict[str, str]:
 
 
 def slide(sheet, name: str, place: int) -> None:
-    slider = sheet.page.locator(f"[data-name={name}] input[type=range]")
-    sheet.again(lambda: slider.evaluate("(e, v) => { e.value = v; e.dispatchEvent(new Event('input', { bubbles: true })); }", place))
+    sheet.again(lambda: slide_to(sheet.page, name, place))
 
 
 def fill(sheet, name: str, words: str) -> None:
@@ -221,9 +223,206 @@ def test_a_saved_scene_solves_to_the_same_numbers(serve, sheet, tmp_path):
     assert table_of(saved)["efficiency of the balls"] == key(page, "efficiency")
 
 
-def test_without_save_there_is_no_button(serve, sheet):
-    page = sheet().open(serve(FEED).address)
-    assert page.locator("#save").is_hidden()
+def test_without_a_file_to_write_the_browser_saves_the_scene(serve, sheet):
+    served, sheet = serve(FEED), sheet()
+    page = sheet.open(served.address)
+    sheet.again(lambda: fill(sheet, "axial_load_N", "5000"))
+    with page.expect_download() as download:
+        page.click("#save")
+    saved = json.loads(download.value.path().read_text())
+    assert saved == scene_of(page) and saved["axial_load_N"] == 5000
+
+
+def saved(sheet, panel: str) -> dict[str, bytes]:
+    """The files that a panel offers, by their names."""
+    page = sheet.page
+    fold = page.locator("section.panel", has=page.locator(f"#h-{panel}")).locator("details.keep")
+    if not fold.evaluate("(fold) => fold.open"):
+        fold.locator("summary").click()
+    files = {}
+    for button in fold.locator("button").all():
+        with page.expect_download() as download:
+            button.click()
+        files[download.value.suggested_filename] = download.value.path().read_bytes()
+    return files
+
+
+def test_pictures_and_tables_are_saved(serve, sheet):
+    sheet = sheet()
+    page = sheet.open(serve(example("nut_double")).address)
+    for panel in ["key", "space", "section", "ellipses", "losses", "map", "models", "nut", "numbers"]:
+        for name, data in saved(sheet, panel).items():
+            if name.endswith(".svg"):
+                # Alone, without the style sheet of the page: no variable, and the size of its view.
+                drawing = ElementTree.fromstring(data)
+                assert drawing.tag.endswith("svg") and float(drawing.get("width")) > 100, name
+            elif name.endswith(".png"):
+                assert data.startswith(b"\x89PNG") and len(data) > 2000, name
+            else:
+                rows = list(csv.reader(io.StringIO(data.decode())))
+                assert len(rows) > 1 and len({len(row) for row in rows if len(row) > 1}) >= 1, name
+    # The points of the map to all digits.
+    rows = list(csv.DictReader(io.StringIO(saved(sheet, "map")["map-points.csv"].decode())))
+    point = rows[len(rows) // 3]
+    x, y = list(point)[:2]
+    expected = solved(example("nut_double"), "--set", f"{x}={point[x]}", "--set", f"{y}={point[y]}")
+    # Kernels agree with the models to 1e-10.
+    assert float(point["efficiency"]) == pytest.approx(expected["efficiency"], rel=1e-9)
+    assert sheet.errors == []
+
+
+def test_the_address_keeps_what_is_set(serve, sheet):
+    served, first, other = serve(FEED), sheet(), sheet()
+    page = first.open(served.address)
+    assert page.evaluate("location.hash") == ""
+    first.again(lambda: fill(first, "axial_load_N", "5000"))
+    first.again(lambda: page.select_option("#model", "traction"))
+    first.again(lambda: page.select_option("#map select[aria-label='Output of the map']", "dissipated_power_W"))
+    first.again(lambda: page.click("text=Keep this scene"))
+    first.again(lambda: fill(first, "lead_mm", "10"))
+    page.wait_for_function("decodeURIComponent(location.hash).includes('\"lead_mm\":10')")
+    for tab, act in [(first, page.reload), (other, lambda: other.page.goto(page.url))]:
+        tab.again(act)
+        shown = scene_of(tab.page)
+        assert shown["axial_load_N"] == 5000 and shown["lead_mm"] == 10
+        assert tab.page.input_value("#model") == "traction"
+        assert tab.page.input_value("#map select[aria-label='Output of the map']") == "dissipated_power_W"
+        assert tab.page.locator("table.beside thead th").count() == 2
+        expected = table_of(FEED, "--model", "traction", "--set", "axial_load_N=5000", "--set", "lead_mm=10")
+        assert key(tab.page, "ball_torque_Nm") == expected["torque of the balls"]
+    # What is as it was has the plain address again.
+    first.again(lambda: page.click("#reset"))
+    first.again(lambda: page.locator("table.beside thead button[aria-label^='Leave out']").click())
+    first.again(lambda: page.select_option("#map select[aria-label='Output of the map']", "efficiency"))
+    first.again(lambda: page.select_option("#model", "auto"))
+    page.wait_for_function("location.hash === ''")
+
+
+def test_an_address_that_means_nothing_is_told(serve, sheet):
+    sheet = sheet()
+    sheet.page.goto(serve(FEED).address + "#%7Bnonsense")
+    settled(sheet.page)
+    assert key(sheet.page, "efficiency") == table_of(FEED)["efficiency of the balls"]
+
+
+def columns_of(page) -> dict[str, list[str]]:
+    """Rows of the scenes side by side, by their labels."""
+    rows = page.locator("table.beside tbody tr").all()
+    return {row.locator("th").inner_text(): [cell.inner_text() for cell in row.locator("td").all()[1:]] for row in rows}
+
+
+def test_scenes_stand_side_by_side(serve, sheet, tmp_path):
+    other = tmp_path / "other.json"
+    other.write_text(json.dumps(json.loads(FEED.read_text()) | {"lead_mm": 10, "axial_load_N": 4000}))
+    served, sheet = serve(FEED, other), sheet()
+    page = sheet.open(served.address)
+    label = "torque of the balls"
+    page.wait_for_function("document.querySelectorAll('table.beside tbody tr').length > 10")
+    assert columns_of(page)[label] == [table_of(FEED)[label], table_of(other)[label]]
+    sheet.again(lambda: fill(sheet, "axial_load_N", "6000"))
+    sheet.again(lambda: page.click("text=Keep this scene"))
+    sheet.again(lambda: page.select_option("#model", "elastic"))
+    expected = [table_of(FEED, "--model", "elastic", "--set", "axial_load_N=6000")[label], table_of(other, "--model", "elastic")[label]]
+    found = columns_of(page)
+    assert found[label] == [expected[0], expected[1], expected[0]]
+    assert found["axial load"] == ["6000", "4000", "6000"] and found["lead"] == ["20", "10", "20"]
+    sheet.again(lambda: page.locator("table.beside thead button", has_text="Show").first.click())
+    assert scene_of(page)["lead_mm"] == 10
+    # The same in a file.
+    out = tmp_path / "page.html"
+    bsm("view", FEED, other, "-o", out)
+    page = sheet.open(out.as_uri())
+    assert columns_of(page)[label] == [table_of(FEED)[label], table_of(other)[label]]
+
+
+def test_the_axis_shows_rules_and_sheet(serve, sheet, tmp_path):
+    axis = example("axis")
+    served, sheet = serve(axis), sheet()
+    page = sheet.open(served.address)
+    report = json.loads(bsm("axis", axis, "--json"))
+    names = page.locator("#axis table").first.locator("tbody tr th").all_inner_texts()
+    assert [name.split("\n")[0] for name in names] == [rule["rule"] for rule in report["rules"]]
+    assert ("All" if report["passes"] else "fail") in page.inner_text("#axis .bar")
+    numbers = page.locator("#axis details")
+    numbers.evaluate("(fold) => { fold.open = true; }")
+    assert five_digits(report["results"]["cycle_life_h"]) in numbers.inner_text()
+    # The sheet is that of the command.
+    with page.expect_download() as download:
+        page.click("text=Save the sheet")
+    bsm("axis", axis, "-o", tmp_path / "sheet.html")
+    assert download.value.path().read_text() == (tmp_path / "sheet.html").read_text()
+    with page.context.expect_page() as opened:
+        page.click("text=Open the sheet")
+    opened.value.wait_for_load_state()
+    assert opened.value.locator("h1").count() == 1 and opened.value.locator("figure svg").count() > 0
+    # It turns: the speed follows from the feed.
+    assert re.search(r"Motion slowed [\d.]+ times", page.inner_text("#space"))
+    assert sheet.errors == []
+
+
+def test_a_screw_alone_has_no_axis(serve, sheet):
+    page = sheet().open(serve(example("lin1994")).address)
+    assert page.locator("#axis").is_hidden()
+
+
+@pytest.mark.parametrize(("name", "turned"), [("feed_drive", "screw_speed_rpm"), ("axis", "feed_m_min")])
+def test_the_motion_has_one_speed(serve, sheet, name, turned):
+    served, sheet = serve(example(name)), sheet()
+    page = sheet.open(served.address)
+    scene = scene_of(page)
+    assert turned in scene
+    lead = scene["lead_mm"]
+    speed = scene[turned] if turned == "screw_speed_rpm" else 1e3 * scene[turned] / lead
+    # A tenth of a turn a second is shown.
+    slow = float(re.search(r"Motion slowed ([\d.]+) times", page.inner_text("#space"))[1])
+    assert slow == pytest.approx(abs(speed) / 60 / 0.1, rel=1e-3)
+
+
+@pytest.mark.parametrize("width", [1300, 400])
+@pytest.mark.parametrize("name", ["feed_drive_oil", "nut_double", "axis"])
+def test_no_capture_throws(serve, sheet, name, width):
+    """A full-page capture resizes the window: an ellipse had a negative radius at width 0."""
+    served, sheet = serve(example(name)), sheet(width)
+    page = sheet.open(served.address)
+    for _ in range(3):
+        page.screenshot(full_page=True)
+    # Canvases without a size, as in a panel that is hidden, and back.
+    for style in ["width:0", "display:none", ""]:
+        page.evaluate("(style) => { for (const panel of document.querySelectorAll('.panel')) panel.style.cssText = style; dispatchEvent(new Event('resize')); }", style)
+        page.set_viewport_size({"width": width + (1 if style else 0), "height": 900})
+        sheet.again(lambda: slide_to(page, "axial_load_N", 520 if style else 480))
+        page.screenshot(full_page=True)
+    page.pdf() if width == 1300 else None
+    refused = "the server responded with a status of 400"
+    assert [error for error in sheet.errors if refused not in error] == []
+
+
+def slide_to(page, name: str, place: int) -> None:
+    page.locator(f"[data-name={name}] input[type=range]").evaluate("(e, v) => { e.value = v; e.dispatchEvent(new Event('input', { bubbles: true })); }", place)
+
+
+WARM = ROOT / "validation/published/nut/feed_axis.json"
+
+
+def test_the_warm_nut_shows_temperatures_and_fold(serve, sheet, tmp_path):
+    # An X pair with a cooled nut runs away with the speed.
+    warm = tmp_path / "warm.json"
+    warm.write_text(json.dumps(json.loads(WARM.read_text()) | {"preload_arrangement": "X", "nut_conductance_W_K": 20, "screw_speed_rpm": 700}))
+    model = ("--model", "raceway-control")
+    served, sheet = serve(warm, *model), sheet()
+    sheet.page.goto(served.address)
+    # The warm state takes as long as it takes: the figure is waited for, not timed.
+    figure = sheet.page.locator("#nut figure", has_text="Warm preload over the speed")
+    figure.wait_for(timeout=120_000)
+    report = json.loads(bsm("axis", warm, *model, "--json"))["warm"]
+    words = figure.inner_text()
+    for name in ["nut_temperature_C", "screw_temperature_C", "balls_temperature_C"]:
+        assert f"{five_digits(report[name])} °C" in words
+    fold = 700 * report["fold_speed_factor"]
+    shown = float(re.search(r"Above ([\d.]+) rpm", words)[1])
+    # The curve is by friction per contact, and has its fold between two of its points.
+    assert shown == pytest.approx(fold, rel=0.1)
+    assert "runs away" in words and figure.locator("svg circle").count() == 1
 
 
 def test_a_file_can_be_loaded(serve, sheet):

@@ -1,7 +1,7 @@
 // The page: one scene, asked again with every change, shown in every panel.
 
 import { html, narrow, parsed } from "bsm/draw";
-import { ask, Gone, start } from "bsm/source";
+import { ask, Gone, holds, start } from "bsm/source";
 import { Inputs } from "bsm/inputs";
 import { showKey, showNumbers } from "bsm/results";
 import { Space } from "bsm/space";
@@ -10,13 +10,17 @@ import { Ellipses } from "bsm/ellipses";
 import { showLosses } from "bsm/losses";
 import { ModelMap } from "bsm/map";
 import { showModels } from "bsm/models";
-import { showNut } from "bsm/nut";
+import { showNut, showWarm } from "bsm/nut";
+import { showAxis } from "bsm/axis";
+import { Beside } from "bsm/beside";
+import { download, offer } from "bsm/save";
 
 const at = (id) => document.getElementById(id);
-const panels = ["key", "space", "section", "ellipses", "losses", "map", "models", "nut", "numbers"];
+const panels = ["key", "space", "section", "ellipses", "losses", "map", "models", "nut", "axis", "beside", "numbers"];
 const space = new Space(at("space")), ellipses = new Ellipses(at("ellipses"));
 const inputs = new Inputs(at("inputs"), () => changed());
-const map = new ModelMap(at("map"), { moved: (values) => inputs.put(values), ask: (route, body, signal) => ask(route, body, turn, signal), again: () => { turn += 1; clearTimeout(slow); void rest(); } });
+const map = new ModelMap(at("map"), { moved: (values) => inputs.put(values), ask: (route, body, signal) => ask(route, body, turn, signal), again: () => { turn += 1; clearTimeout(slow); remember(); void rest(); } });
+const beside = new Beside(at("beside"), { edit: (scene) => load(scene), changed: () => { turn += 1; clearTimeout(slow); remember(); void rest(); } });
 let settings = { ...start.settings };
 
 /** What is asked: scene and settings. */
@@ -30,6 +34,7 @@ function changed() {
   turn += 1; late.abort(); clearTimeout(slow);
   at("json").value = JSON.stringify(inputs.scene, null, 2);
   title();
+  remember();
   space.hold(true);
   if (!running) void follow();
 }
@@ -82,6 +87,7 @@ function tell({ scene }, point) {
   showNumbers(at("numbers"), solved);
   showSection(at("section"), scene, solved);
   showLosses(at("losses"), solved, slip);
+  beside.show(scene, solved);
   map.point(scene);
 }
 
@@ -105,7 +111,14 @@ async function rest() {
       shown.nut = answer instanceof Error ? null : answer;
       showNut(at("nut"), answer); stale(["nut"], false);
       space.show(body.scene, shown.solved, shown.nut);
+      if (answer.warm) void then("warm", {}, (branch) => showWarm(at("nut"), branch, answer));
     }),
+    then("axis", {}, (answer) => {
+      // What has no input of an axis is a screw alone.
+      at("axis").parentElement.hidden = answer instanceof Error && !start.schema.inputs.some(({ group, name }) => group === "axis" && name in body.scene);
+      showAxis(at("axis"), answer, () => sheet(body)); stale(["axis"], false);
+    }),
+    beside.solve((scene) => attempt("point", { scene, settings: body.settings }, signal).then((answer) => answer.solve ?? answer)),
     banded ? then("solve", { parts: false, band: true }, (answer) => { if (!(answer instanceof Error)) { showKey(at("key"), answer); showLosses(at("losses"), answer, null); } }) : null,
   ]);
   // The map takes all cores.
@@ -115,33 +128,72 @@ async function rest() {
   document.documentElement.dataset.settled = String(Number(document.documentElement.dataset.settled ?? 0) + 1);
 }
 
+/** The sheet of the axis as a page. */
+async function sheet(body) {
+  const answer = await attempt("axis", { ...body, sheet: true });
+  if (answer instanceof Error) complain(answer);
+  return answer.sheet;
+}
+
+// --- the address: what is set, so that a reload or a link shows it again
+const state = () => ({ scene: inputs.scene, settings, map: map.choice(), beside: beside.kept.map(({ scene }) => scene) });
+let usual, remembering;
+
+function remember() {
+  clearTimeout(remembering);
+  remembering = setTimeout(() => {
+    const words = JSON.stringify(state());
+    history.replaceState(null, "", words === usual ? location.pathname + location.search : `#${encodeURIComponent(words)}`);
+  }, 150);
+}
+
+/** Shows what an address says. */
+function recall() {
+  if (location.hash.length < 2) return false;
+  try {
+    const { scene, settings: set, map: choice, beside: scenes } = JSON.parse(decodeURIComponent(location.hash.slice(1)));
+    if (!holds(scene)) throw new Error("this file has no numbers of that scene: bsm view shows it live");
+    Object.assign(settings, set);
+    head();
+    beside.take(scenes.map((scene) => ({ scene })));
+    load(scene, choice);
+    return true;
+  } catch (error) { complain(new Error(`the address after #: ${error.message}`)); return false; }
+}
+
 // --- the head
 function title() {
   const words = inputs.scene.description ?? "A ball screw";
   at("title").textContent = words; document.title = `${words} – bsm`;
 }
 
-at("model").append(...start.schema.models.map((name) => html("option", { value: name, selected: name === settings.name }, name)));
-at("tolerance").value = settings.tolerance;
-const setModel = () => { settings.name = at("model").value; at("tolerance-label").hidden = settings.name !== "auto"; changed(); };
+function head() {
+  at("model").value = settings.name; at("tolerance").value = settings.tolerance;
+  at("tolerance-label").hidden = settings.name !== "auto";
+}
+
+at("model").append(...start.schema.models.map((name) => html("option", { value: name }, name)));
+head();
+const set = () => { head(); beside.forget(); changed(); };
+const setModel = () => { settings.name = at("model").value; set(); };
 at("model").addEventListener("change", setModel);
-at("tolerance").addEventListener("change", () => { const value = parsed(at("tolerance").value); settings.tolerance = Number.isNaN(value) ? start.settings.tolerance : value; at("tolerance").value = settings.tolerance; changed(); });
-at("tolerance-label").hidden = settings.name !== "auto";
+at("tolerance").addEventListener("change", () => { const value = parsed(at("tolerance").value); settings.tolerance = Number.isNaN(value) ? start.settings.tolerance : value; set(); });
 
 const say = (button, words) => { const former = button.textContent; button.textContent = words; setTimeout(() => { button.textContent = former; }, 1200); };
 at("copy").addEventListener("click", async () => {
   try { await navigator.clipboard.writeText(at("json").value); say(at("copy"), "Copied"); } catch { at("json").closest("details").open = true; at("json").select(); say(at("copy"), "Select and copy"); }
 });
 at("reset").addEventListener("click", () => load(start.scene));
-at("save").hidden = !start.save;
+// To the file that the program was given, or where the browser saves.
 at("save").addEventListener("click", async () => {
+  if (!start.save) { download("scene.json", new Blob([`${at("json").value}\n`], { type: "application/json" })); return; }
   const answer = await attempt("save", request());
   if (answer instanceof Error) complain(answer); else say(at("save"), "Saved");
 });
 
-function load(scene) {
+function load(scene, choice) {
   inputs.show(scene);
-  map.choices(scene);
+  map.choices(scene, choice);
   changed();
 }
 
@@ -172,4 +224,9 @@ addEventListener("resize", () => {
   if (narrow() !== phone) { phone = narrow(); if (shown.solved) changed(); }
 });
 
-load(start.scene);
+for (const panel of document.querySelectorAll(".panel")) offer(panel);
+addEventListener("hashchange", () => recall());
+beside.take(start.beside);
+inputs.show(start.scene); map.choices(start.scene);
+usual = JSON.stringify(state());
+if (!recall()) load(start.scene);

@@ -159,8 +159,11 @@ export function table(caption, head, rows, attributes = {}) {
     html("tbody", {}, rows.map((row) => row instanceof Node ? row : html("tr", {}, row.map(cell))))));
 }
 
+/** A unit as people write it. */
+export const unitOf = (unit) => unit.replace(/\bum\b/, "µm");
+
 /** A row of a table: what it is, its unit, its numbers as text. */
-export const row = (label, unit, ...values) => html("tr", {}, html("th", { scope: "row" }, label), html("td", { class: "faint" }, unit), values.map((value) => html("td", { class: "number" }, value ?? "")));
+export const row = (label, unit, ...values) => html("tr", {}, html("th", { scope: "row" }, label), html("td", { class: "faint" }, unitOf(unit)), values.map((value) => html("td", { class: "number" }, value ?? "")));
 
 export function legend(entries) {
   return html("ul", { class: "legend" }, entries.map(([words, paint, kind]) =>

@@ -11,6 +11,12 @@ const FIELDS = {
 /** Slip speeds at all points; 0 outside the ellipse. */
 const speeds = (c) => c.slip_along_m_s.map((_, i) => FIELDS.slip[2](c, i) ?? 0);
 
+/** Fields by columns, over the place across and along the groove on the semi-axes. */
+function columns({ places, pressure_MPa, slip_across_m_s, slip_along_m_s, friction_across, friction_along }) {
+  const inside = pressure_MPa.flatMap((p, k) => (p === null ? [] : [k])), n = places.length, of = (list) => inside.map((k) => list[k]);
+  return { across: inside.map((k) => places[k % n]), along: inside.map((k) => places[Math.floor(k / n)]), pressure_MPa: of(pressure_MPa), slip_across_m_s: of(slip_across_m_s), slip_along_m_s: of(slip_along_m_s), friction_across: of(friction_across), friction_along: of(friction_along) };
+}
+
 export class Ellipses {
   constructor(host) {
     this.field = "pressure"; this.on = { arrows: true, lines: true };
@@ -18,6 +24,7 @@ export class Ellipses {
       Object.entries(FIELDS).map(([name, [words]]) => html("option", { value: name }, words)));
     const toggle = (name, words) => html("label", {}, html("input", { type: "checkbox", checked: true, onchange: (event) => { this.on[name] = event.target.checked; this.draw(); } }), words);
     this.stage = html("div");
+    host.columns = () => Object.fromEntries((this.answer?.contacts ?? []).map((contact) => [contact.contact, columns(contact)]));
     host.append(html("div", { class: "bar" }, html("label", {}, "Colour ", pick), toggle("arrows", "slip of the ball"), toggle("lines", "pure rolling and poles")), this.stage);
   }
 

@@ -16,23 +16,27 @@ export class ModelMap {
     this.x = pick("Input along the map"); this.y = pick("Input up the map");
     this.output = html("select", { "aria-label": "Output of the map", onchange: () => (start.live ? this.again() : this.draw()) });
     this.fields = html("div", { class: "bar small" });
+    host.columns = () => (this.answer ? { points: this.columns() } : {});
     this.stage = html("div", { class: "map" }); this.under = html("div"); this.readout = html("p", { class: "readout small", "aria-live": "off" }, "Point at the map for numbers; drag the cross, or move it with the arrow keys.");
     host.append(html("div", { class: "bar" }, this.output, html("label", {}, "over ", this.x), html("label", {}, "and ", this.y)),
       html("div", { class: "split" }, this.stage, html("div", {}, this.readout, this.under, this.fields)));
   }
 
-  /** What can be varied in a scene. */
-  choices(scene) {
+  /** What is chosen: inputs, output, and ranges that are not the usual ones. */
+  choice() { return { x: this.x.value, y: this.y.value, output: this.output.value, ranges: this.ranges }; }
+
+  /** What can be varied in a scene, and what of it is chosen. */
+  choices(scene, chosen = {}) {
     const { inputs, outputs } = start.schema, axes = start.answers?.axes?.map(([name]) => name);
     const can = inputs.filter(({ name }) => (axes ? axes.includes(name) : typeof scene[name] === "number" && scene[name] !== 0));
-    const fill = (select, list, wanted) => { const former = list.some(({ name }) => name === select.value) ? select.value : wanted; select.replaceChildren(...list.map(({ name, label }) => html("option", { value: name, selected: name === former }, label))); };
+    const fill = (select, list, wanted, asked) => { const known = (value) => list.some(({ name }) => name === value), former = [asked, select.value].find(known) ?? wanted; select.replaceChildren(...list.map(({ name, label }) => html("option", { value: name, selected: name === former }, label))); };
     const has = (name) => can.some((input) => input.name === name);
-    fill(this.x, can, ["screw_speed_rpm", "lead_angle_deg", "lead_mm"].find(has) ?? can[0]?.name);
-    fill(this.y, can, ["axial_load_N", "contact_angle_deg"].find(has) ?? can[1]?.name);
+    fill(this.x, can, ["screw_speed_rpm", "lead_angle_deg", "lead_mm"].find(has) ?? can[0]?.name, chosen.x);
+    fill(this.y, can, ["axial_load_N", "contact_angle_deg"].find(has) ?? can[1]?.name, chosen.y);
     if (this.x.value === this.y.value) this.y.selectedIndex = (this.x.selectedIndex + 1) % can.length;
-    fill(this.output, start.map ? outputs.filter(({ name }) => name in start.map.columns) : outputs, "efficiency");
+    fill(this.output, start.map ? outputs.filter(({ name }) => name in start.map.columns) : outputs, "efficiency", chosen.output);
     this.x.disabled = this.y.disabled = !start.live;
-    this.ranges = {};
+    this.ranges = { ...chosen.ranges };
     this.drawFields(scene);
   }
 
@@ -53,7 +57,7 @@ export class ModelMap {
       const name = select.value, value = scene[name];
       if (value == null) return null;
       const range = this.range(name, value), label = start.schema.inputs.find((input) => input.name === name).label;
-      const box = (end) => html("input", { type: "text", inputmode: "decimal", autocomplete: "off", value: range[end], style: "width:5.5rem", "aria-label": `${end === "low" ? "Lowest" : "Highest"} ${label}`, disabled: !start.live, onchange: (event) => { const value = parsed(event.target.value); if (Number.isNaN(value)) event.target.value = range[end]; else { range[end] = value; this.again(); } } });
+      const box = (end) => html("input", { type: "text", inputmode: "decimal", autocomplete: "off", value: range[end], style: "width:7rem", "aria-label": `${end === "low" ? "Lowest" : "Highest"} ${label}`, disabled: !start.live, onchange: (event) => { const value = parsed(event.target.value); if (Number.isNaN(value)) event.target.value = range[end]; else { range[end] = value; this.again(); } } });
       return html("span", {}, `${label} `, box("low"), " to ", box("high"), html("label", {}, html("input", { type: "checkbox", checked: range.log, disabled: !start.live, "aria-label": `${label} logarithmic`, onchange: (event) => { range.log = event.target.checked; this.again(); } }), "log"));
     };
     this.fields.replaceChildren(...[this.x, this.y].map(row).filter(Boolean));
@@ -98,6 +102,12 @@ export class ModelMap {
   point(scene) {
     this.scene = scene;
     if (this.cross) this.place();
+  }
+
+  /** Points by columns. */
+  columns() {
+    const { axes: [x, y], columns, model, models, status, statuses } = this.answer, n = y.values.length;
+    return { [x.name]: model.map((_, k) => x.values[Math.floor(k / n)]), [y.name]: model.map((_, k) => y.values[k % n]), ...columns, model: model.map((place) => models[place]), status: status.map((place) => statuses[place]) };
   }
 
   draw() {

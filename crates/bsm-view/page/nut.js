@@ -10,12 +10,14 @@ const span = (values) => { const v = values.filter(Number.isFinite); return [Mat
 export function showNut(host, answer) {
   if (answer instanceof Error || answer.status !== "converged") { host.replaceChildren(none(answer.message ?? "")); return; }
   const { balls, curve } = answer;
-  host.replaceChildren(html("div", { class: "pair" }, sharing(balls, answer), developed(balls), deflection(curve, answer), train(balls, answer), warm(answer.warm_branch, answer),
+  host.columns = () => ({ balls, curve });
+  host.replaceChildren(html("div", { class: "pair" }, sharing(balls, answer), developed(balls), deflection(curve, answer), train(balls, answer), html("div", { class: "warm" }),
     html("div", {}, answer.notes.map((note) => html("p", { class: "small faint" }, note)), answer.warnings.map((warning) => html("p", { class: "warn" }, warning)))),
     html("details", {}, html("summary", {}, "Numbers of the nut"), html("div", { class: "tables" }, groups(answer.shown))));
 }
 
-function groups(rows) {
+/** Tables of numbers under their titles. */
+export function groups(rows) {
   const titles = [...new Set(rows.map(([title]) => title))];
   return titles.map((title) => table(title, null, rows.filter(([t]) => t === title).map(([, ...entry]) => row(...entry))));
 }
@@ -80,9 +82,14 @@ function deflection(curve, answer) {
     html("p", { class: "small" }, `Stiffness at this load ${number(answer.nut_stiffness_N_um)} N/µm${answer.preload_left_N == null ? "" : `; preload ${number(answer.preload_set_N)} N cold, ${number(answer.warm_preload_N)} N warm, of which ${number(answer.preload_left_N)} N are left`}${limit == null ? "" : `; from ${number(limit)} N on nothing is left of the preload`}.`));
 }
 
-/** Preload over the speed in the warm steady state: solid up to the fold, dashed beyond it. */
+/** Preload over the speed in the warm steady state, among the pictures of a nut: solid up to the fold, dashed beyond it. */
+export function showWarm(host, branch, answer) {
+  const place = host.querySelector(".warm");
+  if (!place || !answer?.warm) return;
+  if (branch instanceof Error) place.replaceChildren(none(branch.message)); else if (branch) place.replaceChildren(warm(branch, answer));
+}
+
 function warm(branch, answer) {
-  if (!branch) return null;
   const [width, height, box] = sizes();
   const { screw_speed_rpm: speed, warm_preload_N: preload, stable, asked_rpm: asked } = branch, turn = stable.indexOf(false);
   const x = scale([0, Math.max(...speed, asked) * 1.05], [box[0], box[2]]), y = scale([0, Math.max(...preload, 1) * 1.06], [box[3], box[1]]);

@@ -37,6 +37,13 @@ export function stopOf(scene) {
   });
 }
 
+/** Whether there are numbers of a scene: a file has those of its own, and at the stops of its sliders. */
+export function holds(scene) {
+  const free = start.live ? Object.keys(scene) : start.answers.axes?.map(([name]) => name) ?? [];
+  const fixed = (of) => JSON.stringify(Object.entries(of).filter(([name]) => !free.includes(name)).sort());
+  return start.live || fixed(scene) === fixed(start.scene);
+}
+
 /** Looks into the file. */
 function kept(route, body) {
   const axes = start.answers.axes;

@@ -5,7 +5,7 @@ import { OrbitControls } from "three";
 import { html, svg, picture, number, brief, none, ramp, rampBar, colour, path } from "bsm/draw";
 
 const DEG = Math.PI / 180, TURN = 2 * Math.PI;
-/** Turns of the screw in a second, as shown. */
+/** Turns in a second as shown, of screw or nut, whichever is faster. */
 const SHOWN = 0.1;
 /** A frame of a graphics card, and what lies between frames that the processor draws [ms]. */
 const QUICK = 20, PAUSE = 120;
@@ -180,8 +180,8 @@ export class Space {
     this.stage.hidden = false; this.found = found; this.solved = solved;
     const loads = found.balls.map(({ load }) => load), low = Math.min(...loads), high = Math.max(...loads);
     this.part = (load) => (high > low * (1 + 1e-9) + 1e-12 ? (load - low) / (high - low) : 0.6);
-    const W = ((scene.screw_speed_rpm ?? 0) * TURN) / 60, slow = W ? Math.abs(W) / (TURN * SHOWN) : 0;
-    this.rate = { screw: W ? Math.sign(W) * TURN * SHOWN : TURN * SHOWN, nut: slow ? ((scene.nut_speed_rpm ?? 0) * TURN) / 60 / slow : 0,
+    const [turned, held] = solved.speeds_rpm ?? [0, 0], fastest = Math.max(Math.abs(turned), Math.abs(held)), slow = fastest / 60 / SHOWN;
+    this.rate = { screw: slow ? (turned * TURN) / 60 / slow : TURN * SHOWN, nut: slow ? (held * TURN) / 60 / slow : 0,
       ball: slow && solved.ball_precession_rad_s != null ? solved.ball_precession_rad_s / slow : null,
       omega: solved.ball_omega_t_rad_s == null || !slow ? null : ["t", "n", "b"].map((axis) => solved[`ball_omega_${axis}_rad_s`] / slow) };
     const words = this.describe(found, solved, low, high, slow, Boolean(nut?.balls));

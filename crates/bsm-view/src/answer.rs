@@ -4,11 +4,12 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use bsm_batch::{Answers, Buffers, GridSource, Source, Task, Workers};
 use bsm_case::{
-    Axis, Beside, CaseError, Columns, Comparison, EllipseFields, Grid, GrooveSection, ModelChoice,
-    Moving, Numbers, NutProblem, Of, Quantity, Record, Row, Scene, Settings, WarmBranch,
-    torque_parts,
+    Answer, Axis, AxisReport, Beside, CaseError, Columns, Comparison, EllipseFields, Grid,
+    GrooveSection, ModelChoice, Moving, Numbers, NutProblem, Of, Quantity, Record, Row, Scene,
+    Settings, WarmBranch, torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace, Problem, RacewayFriction, Status};
+use bsm_report::sheets::{size_page, size_results};
 use bsm_report::{PROGRAM, number};
 use serde_json::{Map, Value, json};
 use thiserror::Error;
@@ -17,9 +18,6 @@ use crate::form::schema;
 
 /// Most points of a map.
 pub(crate) const MOST_POINTS: usize = 40_000;
-
-/// Points of the fields on a semi-axis of an ellipse.
-pub(crate) const FIELD_POINTS: u32 = 20;
 
 /// Why a request has no answer.
 #[derive(Debug, Error)]
@@ -110,12 +108,14 @@ pub(crate) fn answer(
     let asked = || Asked::read(body);
     match route {
         "schema" => Ok(schema()),
-        "point" => Ok(Value::Object(point(&asked()?, FIELD_POINTS)?)),
+        "point" => Ok(Value::Object(point(&asked()?, EllipseFields::POINTS)?)),
         "solve" => solve(&asked()?),
         "compare" => compare(&asked()?),
         "slip" => slip(&asked()?),
         "nut" => nut(&asked()?),
-        "ellipses" => ellipses(&asked()?, FIELD_POINTS),
+        "warm" => warm(&asked()?),
+        "axis" => axis(&asked()?),
+        "ellipses" => ellipses(&asked()?, EllipseFields::POINTS),
         "sweep" => sweep(&asked()?, workers, stop),
         _ => Err(Refusal::Route(route.to_owned())),
     }
@@ -143,7 +143,10 @@ fn solve(asked: &Asked) -> Result<Value, Refusal> {
 }
 
 /// * `parts`: with the parts of the torque, which take the balance of a preloaded nut.
-fn solved(Asked { scene, settings, rest }: &Asked, parts: bool) -> Result<Value, Refusal> {
+pub(crate) fn solved(
+    Asked { scene, settings, rest }: &Asked,
+    parts: bool,
+) -> Result<Value, Refusal> {
     let problem = scene.problem(settings)?;
     let mut work = ModelWorkspace::default();
     let solution = problem.solve(&mut work);
@@ -192,6 +195,8 @@ fn solved(Asked { scene, settings, rest }: &Asked, parts: bool) -> Result<Value,
     report.insert("section_doubts".to_owned(), json!(doubts.unwrap_or_default()));
     let lead_angle = scene.lead_angle().map(f64::to_degrees);
     report.insert("lead_angle_deg".to_owned(), json!(lead_angle));
+    let speeds = scene.speeds_rpm().map(|(screw, nut)| [screw, nut]);
+    report.insert("speeds_rpm".to_owned(), json!(speeds));
     Ok(Value::Object(report))
 }
 
@@ -215,9 +220,7 @@ fn slip(asked: &Asked) -> Result<Value, Refusal> {
 /// Fields over the ellipses.
 fn ellipses(asked: &Asked, points: u32) -> Result<Value, Refusal> {
     let Moving { settings, solution } = moving(asked)?;
-    let model = solution.model.name();
-    let fields = EllipseFields::of(&asked.scene, &settings, &solution, points)?;
-    Ok(json!({ "model": model, "contacts": fields.into_json() }))
+    Ok(EllipseFields::of(&asked.scene, &settings, &solution, points)?.into_json())
 }
 
 /// `bsm nut --json`, with its table of balls and its curve.
@@ -230,16 +233,36 @@ pub(crate) fn nut(Asked { scene, settings, .. }: &Asked) -> Result<Value, Refusa
     let mut answer = told.to_json();
     answer["balls"] = columns(&report.balls());
     answer["curve"] = columns(&report.curve());
+    answer["shown"] = shown(&told);
+    Ok(answer)
+}
+
+/// Warm steady states over the speed: a picture, with the fastest friction of all balls.
+pub(crate) fn warm(Asked { scene, settings, .. }: &Asked) -> Result<Value, Refusal> {
+    let quick = Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() };
+    let quick = Settings { control: settings.control, ..quick };
+    Ok(WarmBranch::of(scene, &quick)?.map_or(Value::Null, |branch| branch.to_json()))
+}
+
+/// `bsm axis --json`, with its numbers as text, and if it is asked for its sheet.
+pub(crate) fn axis(Asked { scene, settings, rest }: &Asked) -> Result<Value, Refusal> {
+    let report = AxisReport::of(scene, settings)?;
+    let mut answer = size_results(&report);
+    answer["shown"] = shown(&report.answer);
+    if rest.get("sheet") == Some(&Value::Bool(true)) {
+        let sheet = size_page(&report).map_err(|error| Refusal::Input(error.to_string()))?;
+        answer["sheet"] = json!(sheet);
+    }
+    Ok(answer)
+}
+
+/// Numbers of an answer: title, label, unit and text of each.
+fn shown(answer: &Answer) -> Value {
     let row = |row: &Row| {
         let Quantity { title, about, unit, .. } = row.quantity;
         Some(json!([title, about, unit, number(row.values[0]?)]))
     };
-    answer["shown"] = told.numbers().flat_map(Numbers::rows).filter_map(row).collect();
-    // A picture: the fastest friction of all balls.
-    let quick = Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() };
-    let quick = Settings { control: settings.control, ..quick };
-    answer["warm_branch"] = WarmBranch::of(scene, &quick)?.map_or(Value::Null, |b| b.to_json());
-    Ok(answer)
+    answer.numbers().flat_map(Numbers::rows).filter_map(row).collect()
 }
 
 /// A table by columns; null where there is no number.

@@ -8,7 +8,7 @@ const HTML: &str = include_str!("../page/index.html");
 const CSS: &str = include_str!("../page/page.css");
 
 /// The modules by the names under which they import each other.
-const MODULES: [(&str, &str); 13] = [
+const MODULES: [(&str, &str); 16] = [
     ("three", include_str!("../page/vendor/three.js")),
     ("bsm/app", include_str!("../page/app.js")),
     ("bsm/source", include_str!("../page/source.js")),
@@ -22,6 +22,9 @@ const MODULES: [(&str, &str); 13] = [
     ("bsm/map", include_str!("../page/map.js")),
     ("bsm/models", include_str!("../page/models.js")),
     ("bsm/nut", include_str!("../page/nut.js")),
+    ("bsm/axis", include_str!("../page/axis.js")),
+    ("bsm/beside", include_str!("../page/beside.js")),
+    ("bsm/save", include_str!("../page/save.js")),
 ];
 
 /// What does not stand for itself in a `data:` address within a JSON text within HTML.

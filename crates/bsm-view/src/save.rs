@@ -3,11 +3,11 @@
 use std::sync::atomic::AtomicBool;
 
 use bsm_batch::Workers;
-use bsm_case::{Scene, Settings};
+use bsm_case::{EllipseFields, Scene, Settings};
 use serde_json::{Map, Value, json};
 
 use crate::Refusal;
-use crate::answer::{Asked, FIELD_POINTS, answer, compare, nut, point, told};
+use crate::answer::{Asked, answer, axis, compare, nut, point, solved, told, warm};
 use crate::form::schema;
 use crate::page;
 
@@ -36,19 +36,29 @@ const COLUMNS: [&str; 8] = [
 ///
 /// Its sliders and its map are over speed and load, a decade to each side.
 ///
+/// * `beside`: other scenes, of which it has the numbers.
+///
 /// # Errors
 ///
 /// [`Refusal::Input`] if the scene cannot be solved at all.
-pub fn saved(scene: &Scene, settings: &Settings, workers: &Workers<'_>) -> Result<String, Refusal> {
+pub fn saved(
+    scene: &Scene,
+    beside: &[Scene],
+    settings: &Settings,
+    workers: &Workers<'_>,
+) -> Result<String, Refusal> {
     let asked = |scene: Scene| json!({ "scene": scene.to_json(), "settings": settings.to_json() });
     let read = |value: &Value| Asked::read(value.to_string().as_bytes());
     let mut request = asked(scene.clone());
     request["band"] = json!(true);
+    request["sheet"] = json!(true);
     let here = read(&request)?;
     let mut answers = Map::from_iter([
-        ("point".to_owned(), Value::Object(point(&here, FIELD_POINTS)?)),
+        ("point".to_owned(), Value::Object(point(&here, EllipseFields::POINTS)?)),
         ("compare".to_owned(), told(compare(&here))),
         ("nut".to_owned(), told(nut(&here))),
+        ("warm".to_owned(), told(warm(&here))),
+        ("axis".to_owned(), told(axis(&here))),
     ]);
     let axes: Vec<_> = ["screw_speed_rpm", "axial_load_N"]
         .into_iter()
@@ -75,8 +85,14 @@ pub fn saved(scene: &Scene, settings: &Settings, workers: &Workers<'_>) -> Resul
         map = found.map_or(Value::Null, brief);
         answers.insert("axes".to_owned(), json!([[x, values[0]], [y, values[1]]]));
     }
+    let other = |scene: &Scene| {
+        let solved = solved(&read(&asked(scene.clone()))?, false)?;
+        Ok(json!({ "scene": scene.to_json(), "solved": solved }))
+    };
+    let beside = beside.iter().map(other).collect::<Result<Vec<_>, Refusal>>()?;
     Ok(page::html(&json!({
         "live": false,
+        "beside": beside,
         "scene": scene.to_json(),
         "settings": settings.to_json(),
         "save": false,

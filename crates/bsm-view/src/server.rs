@@ -20,8 +20,8 @@ use crate::http::{Connection, Head, Refused};
 use crate::page;
 use crate::running::{Running, Turn};
 
-/// Time that an answer may take.
-const PATIENCE: Duration = Duration::from_secs(2);
+/// Time that an answer may take; of warm states over the speed, for which nothing else waits, the second.
+const PATIENCE: [Duration; 2] = [Duration::from_secs(2), Duration::from_secs(60)];
 
 /// Answers that are being worked out, also those that were given up; a page waits for half as many. Beyond, nothing
 /// new is begun.
@@ -68,6 +68,7 @@ struct Shared {
     token: String,
     hosts: [String; 2],
     scene: Value,
+    beside: Value,
     settings: Value,
     save: Option<Save>,
     workers: Workers<'static>,
@@ -80,7 +81,7 @@ static NEVER: AtomicBool = AtomicBool::new(false);
 impl Server {
     /// Listens on 127.0.0.1.
     ///
-    /// * `port`: 0 for a free one. * `settings`: how it is solved at first, as [`bsm_case::Settings::to_json`]. * `save`:
+    /// * `port`: 0 for a free one. * `beside`: other scenes, which the page compares with its own. * `settings`: how it is solved at first, as [`bsm_case::Settings::to_json`]. * `save`:
     ///   where the button "save" writes; without it there is none.
     ///
     /// # Errors
@@ -89,6 +90,7 @@ impl Server {
     pub fn start(
         port: u16,
         scene: &Scene,
+        beside: &[Scene],
         settings: &bsm_case::Settings,
         save: Option<Save>,
     ) -> Result<Self, ViewError> {
@@ -104,6 +106,7 @@ impl Server {
             token: format!("{:032x}", u128::from_ne_bytes(random)),
             hosts: ["127.0.0.1", "localhost"].map(|name| format!("{name}:{port}")),
             scene: scene.to_json(),
+            beside: beside.iter().map(|scene| json!({ "scene": scene.to_json() })).collect(),
             settings: settings.to_json(),
             save,
             workers: Workers::start(None, &NEVER)?,
@@ -215,6 +218,7 @@ impl Shared {
             "live": true,
             "token": self.token,
             "scene": self.scene,
+            "beside": self.beside,
             "settings": self.settings,
             "save": self.save.is_some(),
             "program": bsm_report::PROGRAM,
@@ -247,6 +251,7 @@ impl Shared {
     ) -> Result<Value, Refusal> {
         let (begun, answers) = self.running.begin(turn)?;
         let stop = begun.stop();
+        let patience = PATIENCE[usize::from(route == "warm")];
         let (shared, route) = (Arc::clone(self), route.to_owned());
         let work = move || {
             let found = answer(&route, &body, &shared.workers, &begun.stop());
@@ -254,11 +259,11 @@ impl Shared {
         };
         let started = thread::Builder::new().stack_size(STACK).spawn(work);
         started.map_err(Refusal::Thread)?;
-        match answers.recv_timeout(PATIENCE) {
+        match answers.recv_timeout(patience) {
             Ok(found) => found,
             Err(RecvTimeoutError::Timeout) => {
                 stop.store(true, Ordering::Relaxed);
-                Err(Refusal::Slow(PATIENCE.as_secs()))
+                Err(Refusal::Slow(patience.as_secs()))
             }
             Err(RecvTimeoutError::Disconnected) => Err(Refusal::Input(
                 "the solver ended unexpectedly; please report this scene".to_owned(),

@@ -23,7 +23,7 @@ struct Served {
 
 impl Served {
     fn start(save: Option<Save>) -> Self {
-        let server = Server::start(0, &scene(), &Settings::default(), save).expect("a server");
+        let server = Server::start(0, &scene(), &[], &Settings::default(), save).expect("a server");
         let server = Arc::new(server);
         let address = server.address();
         let (host, token) = address.split_once("/?token=").expect("a token");
@@ -192,6 +192,14 @@ fn answers_are_those_of_the_commands() {
     assert_eq!(fields["contacts"].as_array().map(Vec::len), Some(2), "{fields}");
     let (_, nut) = served.post("nut", &json!({ "scene": scene_of("nut_double.json").to_json() }));
     assert!(nut["balls"]["nut_plus_N"].as_array().is_some_and(|balls| balls.len() > 10), "{nut}");
+    let sized = |sheet: bool| {
+        let request = json!({ "scene": scene_of("axis.json").to_json(), "sheet": sheet });
+        served.post("axis", &request).1
+    };
+    let axis = sized(true);
+    assert!(axis["rules"].as_array().is_some_and(|rules| rules.len() > 8), "{axis}");
+    assert!(axis["sheet"].as_str().is_some_and(|page| page.starts_with("<!doctype html>")));
+    assert!(sized(false).get("sheet").is_none());
 }
 
 /// The friction that the picture of an oiled contact shows is the friction that the model lost its power by: force
@@ -354,7 +362,7 @@ fn the_page_holds_all_that_it_needs() {
         assert!(!page.contains(mark), "{mark}");
     }
     let workers = bsm_batch::Workers::start(None, Box::leak(Box::default())).expect("threads");
-    let page = bsm_view::saved(&scene, &Settings::default(), &workers).expect("a page");
+    let page = bsm_view::saved(&scene, &[], &Settings::default(), &workers).expect("a page");
     assert!(page.contains("connect-src 'none'"));
     assert!(!page.contains("<script>alert"), "a text of the scene is part of the page");
     assert!(page.contains("\\u003c/script>"));

@@ -124,7 +124,7 @@ impl Output {
     /// # Errors
     ///
     /// [`CaseError::EmptyColumn`] with the inputs that lack, [`CaseError::NoMotion`],
-    /// [`CaseError::DryAnalysis`].
+    /// [`CaseError::OiledJam`].
     pub fn check(
         &self,
         base: &Scene,
@@ -132,8 +132,8 @@ impl Output {
         model: ModelChoice,
     ) -> Result<(), CaseError> {
         let Some(kind) = self.analysis() else { return Ok(()) };
-        if kind.needs_motion() && given.is_lubricated() {
-            return Err(CaseError::DryAnalysis);
+        if kind == AnalysisKind::Jam && given.is_lubricated() {
+            return Err(CaseError::OiledJam { found: String::new() });
         }
         let mut missing = kind.missing(base, given);
         if let (true, ModelChoice::Fixed(model @ (Model::ClosedForm | Model::QuasiStatic))) =
@@ -278,18 +278,6 @@ pub(crate) struct MovingBall {
 }
 
 impl MovingBall {
-    /// Motion and contacts of a solution.
-    ///
-    /// # Errors
-    ///
-    /// [`CaseError::NoMotion`] if the model has none, [`CaseError::NotRated`] if there is no solution.
-    pub(crate) fn of(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
-        if scene.given().is_lubricated() {
-            return Err(CaseError::DryAnalysis);
-        }
-        Self::read(scene, solution)
-    }
-
     /// The ball that rolls at the contact angles in motion that the scene gives, if it does, with the
     /// contact ellipses of the solution; and whether it is that one.
     ///
@@ -320,8 +308,12 @@ impl MovingBall {
         Ok((self, true))
     }
 
-    /// The same, of a ball whose friction may come from a lubricant.
-    pub(crate) fn read(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
+    /// Motion and contacts of a solution.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::NoMotion`] if the model has none, [`CaseError::NotRated`] if there is no solution.
+    pub(crate) fn of(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
         let state = match &solution.answer {
             Ok(solved) => &solved.ball,
             Err(none) => return Err(CaseError::NotRated(message(none.reason()))),

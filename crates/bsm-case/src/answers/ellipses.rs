@@ -1,45 +1,48 @@
 //! Pressure, slip and friction over the contact ellipses of a solved ball.
 
-use bsm_dyn::{
-    ContactFilm, Coulomb, EllipseSlip, FrictionLaw, MixedFriction, Model, Quadrature, Sliding,
-    Solution,
-};
+use bsm_dyn::{EllipseSlip, Model, Quadrature, Sliding, Solution};
 use bsm_kin::{BallFrame, Site};
 use serde_json::{Value, json};
 
 use crate::answers::analysis::{MovingBall, MovingContact};
-use crate::answers::slip::integration;
+use crate::answers::nut::Columns;
+use crate::answers::slip::{Law, integration};
 use crate::vocabulary::units::{DEG, MM, MPA};
-use crate::{CaseError, Scales, Scene, Settings};
+use crate::{Answer, CaseError, Column, Content, Scales, Scene, Settings, Table};
 
-/// The two ellipses of a ball as JSON: grids of slip and friction, what stands still, and what follows from them.
+/// The two ellipses of a ball: grids of pressure, slip and friction, what stands still, and what follows from them.
 #[derive(Debug, Clone, PartialEq)]
-pub struct EllipseFields(Vec<Value>);
-
-/// Friction at a point: of one coefficient, or of a lubricant.
-#[derive(Debug, Clone, Copy)]
-enum Law {
-    Dry(Coulomb<f64>),
-    Oiled(MixedFriction),
+pub struct EllipseFields {
+    model: Model,
+    /// JSON objects of nut and screw: coordinates over the semi-axes, the first across the groove; friction over the normal
+    /// pressure; fields by rows along the groove, null outside the ellipse.
+    contacts: Vec<Value>,
 }
 
-impl FrictionLaw<f64> for Law {
-    fn coefficient(&self, pressure: f64, speed: f64) -> f64 {
-        match self {
-            Self::Dry(law) => law.coefficient(pressure, speed),
-            Self::Oiled(law) => law.coefficient(pressure, speed),
-        }
-    }
+/// Fields of a contact at a point.
+const FIELDS: [&str; 5] =
+    ["pressure_MPa", "slip_across_m_s", "slip_along_m_s", "friction_across", "friction_along"];
 
-    fn bend(&self) -> Option<bsm_dyn::Transition> {
-        match self {
-            Self::Dry(law) => FrictionLaw::<f64>::bend(law),
-            Self::Oiled(law) => law.bend(),
-        }
-    }
-}
+/// The columns of a table of the fields: place over the semi-axes, then those of nut and screw.
+const HEADS: [(&str, &str); 12] = [
+    ("across", ""),
+    ("along", ""),
+    ("nut_pressure_MPa", "MPa"),
+    ("nut_slip_across_m_s", "m/s"),
+    ("nut_slip_along_m_s", "m/s"),
+    ("nut_friction_across", ""),
+    ("nut_friction_along", ""),
+    ("screw_pressure_MPa", "MPa"),
+    ("screw_slip_across_m_s", "m/s"),
+    ("screw_slip_along_m_s", "m/s"),
+    ("screw_friction_across", ""),
+    ("screw_friction_along", ""),
+];
 
 impl EllipseFields {
+    /// Points on each semi-axis, unless others are asked for.
+    pub const POINTS: u32 = 20;
+
     /// Of a solution with a motion of the ball.
     ///
     /// * `settings`: those that it was found with. * `points`: of the grid on each semi-axis.
@@ -53,23 +56,18 @@ impl EllipseFields {
         solution: &Solution,
         points: u32,
     ) -> Result<Self, CaseError> {
-        let moving = MovingBall::read(scene, solution)?;
-        let film = solution.solved().and_then(|solved| solved.film);
+        let moving = MovingBall::of(scene, solution)?;
         let case = scene.reader().operating_point();
-        let law = |film: Option<ContactFilm>| match film {
-            Some(film) => Law::Oiled(film.law),
-            None => Law::Dry(case.friction),
-        };
         let (accuracy, creep) = integration(settings, solution);
         let creep = creep * case.ball.radius * case.drive.relative_speed().abs();
         let quadrature = Quadrature::of(accuracy);
-        let laws = [law(film.map(|film| film.nut)), law(film.map(|film| film.screw))];
         // Next to the rotation of the ball a spin may be rounding.
         let scales = Scales::of([("rad/s", moving.ball.motion.omega.norm())].into_iter());
-        let mut fields = Vec::new();
-        for (contact, law) in moving.contacts.iter().flatten().zip(laws) {
+        let mut contacts = Vec::new();
+        for contact in moving.contacts.iter().flatten().take(2) {
             let Some(semi_axes) = contact.semi_axes else { continue };
             let MovingContact { touch, load, .. } = contact;
+            let law = Law::of(touch.site, case.friction, solution);
             let pressed_radius = scene.pressed_radius(touch.site);
             // Models of saturated friction have one direction for all points.
             let sliding = match solution.model {
@@ -85,7 +83,7 @@ impl EllipseFields {
             let pressed = solution.contact(touch.site).and_then(|contact| contact.pressed);
             let max_pressure = pressed.map_or(f64::NAN, |pressed| pressed.max_pressure / MPA);
             let grid = Grid::of(&slip, (&law, max_pressure), points);
-            fields.push(json!({
+            contacts.push(json!({
                 "contact": if touch.site == Site::Screw { "screw" } else { "nut" },
                 "contact_angle_deg": touch.angle / DEG,
                 "normal_load_N": load,
@@ -107,31 +105,57 @@ impl EllipseFields {
                 "sticking_share": grid.sticking,
             }));
         }
-        Ok(Self(fields))
+        Ok(Self { model: solution.model, contacts })
     }
 
-    /// JSON list, nut and screw: coordinates over the semi-axes, the first across the groove; friction over the
-    /// normal pressure; fields by rows along the groove, null outside the ellipse.
+    /// The fields with their model.
     pub fn into_json(self) -> Value {
-        Value::Array(self.0)
+        json!({ "model": self.model.name(), "contacts": self.contacts })
     }
-}
 
-/// Six digits, for fields, which are drawn and not read: a third of the text.
-fn few_digits(value: f64) -> f64 {
-    let scale = 10.0_f64.powi(5 - exponent(value));
-    let rounded = (value * scale).round() / scale;
-    if rounded.is_finite() { rounded } else { value }
-}
+    /// The fields for programs, and a table of what follows from them for people.
+    pub fn answer(&self) -> Answer {
+        let model = self.model.name();
+        let number = |name: &'static str, head: &'static str| (name, Column::headed(name, head));
+        let shown = [
+            number("contact", "contact"),
+            number("normal_load_N", "load, N"),
+            number("max_pressure_MPa", "pressure, MPa"),
+            number("friction_over_load", "friction over load"),
+            number("spin_rad_s", "spin, rad/s"),
+            number("sticking_share", "share that sticks"),
+        ];
+        let row = |contact: &Value| shown.map(|(name, _)| contact[name].clone()).to_vec();
+        let rows = self.contacts.iter().map(row).collect();
+        let columns = shown.map(|(_, column)| column).to_vec();
+        let mut answer = Answer::default()
+            .with("model", Content::Words("model ", Some(model.to_owned())))
+            .with("contacts", Content::Json(json!(self.contacts)))
+            .with_shown(Content::Table(Table { columns, rows, keyed: false }));
+        if self.contacts.is_empty() {
+            answer.notes.push(format!("model {model} has contact points, no ellipses"));
+        }
+        answer
+    }
 
-/// Decimal exponent of a number.
-fn exponent(value: f64) -> i32 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "a few hundred at most; of zero it does not matter"
-    )]
-    let exponent = value.abs().max(1e-200).log10().floor() as i32;
-    exponent
+    /// The fields as a table, a row for each point of the grid within the ellipses.
+    pub fn columns(&self) -> Columns {
+        let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
+        let list = |contact: &Value, name: &str| -> Vec<f64> {
+            contact[name].as_array().into_iter().flatten().map(number).collect()
+        };
+        let places = self.contacts.first().map_or_else(Vec::new, |first| list(first, "places"));
+        let points = places.iter().flat_map(|y| places.iter().map(move |x| vec![*x, *y]));
+        let mut rows: Vec<_> = points.collect();
+        for contact in &self.contacts {
+            for name in FIELDS {
+                let values = list(contact, name);
+                rows.iter_mut().zip(values).for_each(|(row, value)| row.push(value));
+            }
+        }
+        rows.retain(|row| row.get(2).is_some_and(|pressure| pressure.is_finite()));
+        Columns { heads: HEADS.to_vec(), rows }
+    }
 }
 
 /// Values at the points of a grid over an ellipse.
@@ -156,10 +180,10 @@ impl Grid {
             let [along, across] = slip.at(xi, upsilon);
             // p = p_max √(1 − ξ² − υ²), Hertz
             let pressure = max_pressure * (1.0 - xi * xi - upsilon * upsilon).max(0.0).sqrt();
-            pressures.push(within.then(|| few_digits(pressure)));
+            pressures.push(within.then(|| pressure));
             let [pull_along, pull_across] = slip.friction(xi, upsilon, law);
             for (list, value) in lists.iter_mut().zip([across, along, pull_across, pull_along]) {
-                list.push(within.then(|| few_digits(value)));
+                list.push(within.then(|| value));
             }
             if within {
                 inside += 1.0;

@@ -10,6 +10,7 @@ use bsm_dyn::{
 
 use crate::answers::analysis::{MovingBall, lacks_ellipses, of_a_motion};
 use crate::answers::record::message;
+use crate::vocabulary::number::number;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
 use crate::{AnalysisKind, Answer, CaseError, InputKey, Scene};
@@ -183,8 +184,25 @@ pub fn jam(scene: &Scene, solution: &Solution) -> Result<Answer, CaseError> {
     Ok(of_a_motion(AnalysisKind::Jam, scene, solution, numbers, verdicts, lacks))
 }
 
+/// Why a lubricated ball is refused: the coefficients that its contacts have.
+fn oiled(scene: &Scene, solution: &Solution) -> CaseError {
+    let rest = scene.value_or_default(InputKey::boundary_friction_coefficient);
+    let film = solution.solved().and_then(|solved| solved.film);
+    let found = film.zip(rest).map_or_else(String::new, |(film, rest)| {
+        let [nut, screw] = [film.nut.friction, film.screw.friction].map(number);
+        format!(
+            ": here {nut} at the nut and {screw} at the screw in motion, {} where the surfaces touch at rest",
+            number(rest)
+        )
+    });
+    CaseError::OiledJam { found }
+}
+
 impl Jam {
     fn of(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
+        if scene.given().is_lubricated() {
+            return Err(oiled(scene, solution));
+        }
         let solved = MovingBall::of(scene, solution)?;
         if scene.running_angles().is_some() {
             return Err(CaseError::BadEntry {

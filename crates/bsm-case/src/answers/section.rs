@@ -22,6 +22,8 @@ pub struct GrooveSection {
     pub flanks: [[f64; 2]; 2],
     /// Radii of their arcs.
     pub radii: [f64; 2],
+    /// Centres of their arcs beyond the centre of the ball: along the axis, and away from the groove.
+    pub centres: [(f64, f64); 2],
 }
 
 impl GrooveSection {
@@ -58,6 +60,7 @@ impl GrooveSection {
             nut: line(of_nut, 1.0),
             flanks: [of_nut, of_screw].map(|profile| profile.ends().map(|angle| angle / DEG)),
             radii: [of_nut, of_screw].map(|profile| profile.radius / MM),
+            centres: [of_nut, of_screw].map(|profile| (profile.offset / MM, profile.height / MM)),
         })
     }
 

@@ -129,6 +129,7 @@ impl Criterion {
         json!({
             "rule": self.title,
             "name": self.name,
+            "unit": self.unit,
             "value": self.value,
             "must_be": if self.at_least { ">=" } else { "<=" },
             "limit": self.limit,

@@ -105,12 +105,15 @@ pub enum CaseError {
         /// The model.
         model: &'static str,
     },
-    /// An analysis of a dry motion.
+    /// Jamming with a lubricant.
     #[error(
-        "the analyses slip and jam have no lubricant: give friction_coefficient in place of the lubricant, \
-         such as the equivalent_friction_coefficient of a solution"
+        "jam compares one friction coefficient with the critical ones, and a lubricant has several{found}; give one as \
+         friction_coefficient in place of the lubricant"
     )]
-    DryAnalysis,
+    OiledJam {
+        /// The coefficients, if they are known.
+        found: String,
+    },
     /// An oil that is thicker when it is hotter.
     #[error(
         "viscosity_100C_mm2_s = {hot} must be below viscosity_40C_mm2_s = {warm}: viscosity decreases with temperature"

@@ -31,20 +31,26 @@ pub fn write_exact(to: &mut Vec<u8>, value: f64) -> io::Result<()> {
 
 /// Five significant digits, in fixed notation where that reads well.
 pub fn number(value: f64) -> String {
+    digits(value, 5)
+}
+
+/// Significant digits, and all before the point, in fixed notation where that reads well.
+pub fn digits(value: f64, count: u8) -> String {
     let magnitude = value.abs();
+    let after = i32::from(count) - 1;
     if value == 0.0 {
         return "0".to_owned();
     }
     if !(1e-4..1e6).contains(&magnitude) {
-        return format!("{value:.4e}");
+        return format!("{value:.*e}", usize::from(count - 1));
     }
     #[expect(clippy::cast_possible_truncation, reason = "the exponent is between -4 and 6")]
-    let decimals = (4 - magnitude.log10().floor() as i32).max(0);
+    let decimals = (after - magnitude.log10().floor() as i32).max(0);
     format!("{value:.*}", usize::try_from(decimals).unwrap_or(0))
 }
 
 /// Five significant digits at most: as [`number`] has them, without zeros at the end.
-pub(crate) fn trimmed(value: f64) -> String {
+pub fn trimmed(value: f64) -> String {
     let text = number(value);
     if text.contains('e') || !text.contains('.') {
         return text;

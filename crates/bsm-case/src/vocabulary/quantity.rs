@@ -85,6 +85,11 @@ impl Quantity {
         }
     }
 
+    /// Whether it follows from friction, given as a coefficient or by a lubricant.
+    pub fn follows_from_friction(&self) -> bool {
+        self.needs.iter().any(|set| set.contains(InputKey::friction_coefficient))
+    }
+
     /// Missing inputs besides those of its answer, as text.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let names = |set: &InputSet| {

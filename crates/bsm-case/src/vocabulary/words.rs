@@ -73,6 +73,13 @@ const OBJECTS: [(&str, &str); 3] = [
 ];
 
 words! {
+    project: String ["string"], "head of the sheet of bsm axis: project";
+    drawing: String ["string"], "head of the sheet: number of the drawing";
+    revision: String ["string"], "head of the sheet: revision";
+    author: String ["string"], "head of the sheet: author";
+    date: String ["string"], "head of the sheet: date, as it is given";
+    customer: String ["string"], "head of the sheet: customer";
+    remark: String ["string"], "head of the sheet: remark";
     circuits: Vec<CircuitWords> ["[circuit]"],
         "loaded balls of a nut, circuit by circuit; in place of circuits_count, loaded_turns and loaded_balls_per_turn";
     ring_expansion: bool ["boolean"],
@@ -475,6 +482,8 @@ mod tests {
     #[test]
     fn words_have_the_keys_of_their_schema() {
         let all = json!({
+            "project": "a", "drawing": "b", "revision": "c", "author": "d", "date": "e",
+            "customer": "f", "remark": "g",
             "circuits": [{ "start_deg": 0.0, "arc_deg": 1.0, "balls": 1, "start": 0, "body": 0,
                            "flank": "both", "offset_um": 0.0, "ball_gap_mm": 1.0 }],
             "ring_expansion": true,

@@ -1,8 +1,8 @@
 //! Analyses of a motion: published trends are in `bsm validate`, here what must hold for all.
 
 use bsm_case::{
-    AnalysisKind, Answer, CaseError, Catalogue, INPUTS, ModelChoice, Moving, OUTPUTS, Of, Output,
-    Record, Scene, Settings, candidate_json,
+    AnalysisKind, Answer, CaseError, Catalogue, EllipseFields, INPUTS, ModelChoice, Moving,
+    OUTPUTS, Of, Output, Record, Scene, Settings, candidate_json,
 };
 use bsm_dyn::{Model, ModelWorkspace, Solution};
 
@@ -366,20 +366,94 @@ fn the_model_of_an_analysis_does_not_depend_on_the_efficiency() {
     assert_eq!(moving.solution.model, Model::Rigid);
 }
 
-/// An error of models was used with a phrase for a name: "model of slip and jam takes no lubricant".
+const OIL: &[u8] = include_bytes!("../../../../examples/feed_drive_oil.json");
+
+/// A lubricant has no one coefficient to compare with the critical ones: the refusal tells those that it has.
 #[test]
-fn analyses_of_a_lubricated_ball_are_refused() {
-    let oil = scene(include_bytes!("../../../../examples/feed_drive_oil.json"), &[]);
-    let settings = Model::Traction.into();
-    let solution = solved(&oil, &settings);
-    for refused in [bsm_case::slip(&oil, &settings, &solution), bsm_case::jam(&oil, &solution)] {
-        let error = refused.expect_err("a lubricant");
-        assert!(matches!(error, CaseError::DryAnalysis), "{error}");
-        assert!(!error.to_string().contains("model"), "{error}");
+fn jamming_of_a_lubricated_ball_is_refused_with_numbers() {
+    let oil = scene(OIL, &[]);
+    let solution = solved(&oil, &Model::Traction.into());
+    let film = solution.solved().and_then(|solved| solved.film).expect("a lubricant");
+    let error = bsm_case::jam(&oil, &solution).expect_err("a lubricant").to_string();
+    for coefficient in [film.nut.friction, film.screw.friction, 0.12] {
+        assert!(error.contains(&bsm_case::number(coefficient)), "{coefficient}: {error}");
     }
     let column = Output::named("returner_margin").expect("a column");
     let refused = column.check(&oil, oil.stated(), ModelChoice::Auto);
-    assert!(matches!(refused, Err(CaseError::DryAnalysis)), "{refused:?}");
+    assert!(matches!(refused, Err(CaseError::OiledJam { .. })), "{refused:?}");
+    let column = Output::named("nut_spin_power_W").expect("a column");
+    column.check(&oil, oil.stated(), ModelChoice::Auto).expect("slip has a lubricant");
+}
+
+/// Slip was refused with a lubricant. The powers of the parts of the slip are the model's sliding power.
+#[test]
+fn slip_of_a_lubricated_ball_adds_up_to_the_sliding_power() {
+    for speed in [30.0, 500.0, 3000.0] {
+        let oil = scene(OIL, &[("screw_speed_rpm", speed)]);
+        for model in [Model::RacewayControl, Model::Traction] {
+            let settings = model.into();
+            let solution = solved(&oil, &settings);
+            let film = solution.solved().and_then(|solved| solved.film).expect("a lubricant");
+            let report = bsm_case::slip(&oil, &settings, &solution).expect("a motion");
+            let total = number(&report, "total_friction_power_W");
+            // Both integrate the friction of the films with points of their own; the bound beyond which slip warns.
+            let difference = (total - film.sliding_power).abs();
+            assert!(difference <= 1e-3 * film.sliding_power, "{speed} {model:?}: {difference}");
+            assert!(!report.warnings.iter().any(|w| w.contains("add up")), "{:?}", report.warnings);
+            assert!(
+                number(&report, "dissipated_power_W") > total,
+                "rolling and drag are beside it"
+            );
+        }
+    }
+}
+
+/// Pressure and friction over the ellipses sum to load and friction force.
+#[test]
+fn fields_over_the_ellipses_sum_to_the_forces() {
+    /// Cells on a semi-axis.
+    const POINTS: u32 = 250;
+    let dry = include_bytes!("../../../../examples/feed_drive.json");
+    for (json, model) in
+        [(&dry[..], Model::Traction), (OIL, Model::Traction), (OIL, Model::RacewayControl)]
+    {
+        let (scene, settings) = (scene(json, &[]), model.into());
+        let fields = EllipseFields::of(&scene, &settings, &solved(&scene, &settings), POINTS);
+        let fields = fields.expect("elastic contacts");
+        let answer = fields.answer().to_json();
+        let table = fields.columns();
+        for site in ["nut", "screw"] {
+            let contact = answer["contacts"].as_array().expect("contacts");
+            let contact = contact.iter().find(|c| c["contact"] == site).expect("a contact");
+            let value = |at: &serde_json::Value| at.as_f64().expect("a number");
+            let load = value(&contact["normal_load_N"]);
+            let [a, b] = [0, 1].map(|i| value(&contact["semi_axes_mm"][i]));
+            let cell = a * b / f64::from(POINTS * POINTS);
+            let sum = |name: &str| -> f64 {
+                let read = |row: &Vec<f64>| {
+                    let pressure = table.cell(row, &format!("{site}_pressure_MPa"));
+                    pressure
+                        * if name.is_empty() {
+                            1.0
+                        } else {
+                            table.cell(row, &format!("{site}_{name}"))
+                        }
+                };
+                cell * table.rows.iter().map(read).sum::<f64>()
+            };
+            // A sum over the points of a grid misses some (1/250)^1.5 = 2.5e-4 where the pressure ends like a root.
+            let tolerance = 2.5e-4 * load;
+            assert!((sum("") - load).abs() < tolerance, "{site}: {} for {load}", sum(""));
+            for (i, name) in ["friction_across", "friction_along"].into_iter().enumerate() {
+                let force = value(&contact["friction_force_N"][i]);
+                assert!(
+                    (sum(name) - force).abs() < tolerance,
+                    "{site} {name}: {} for {force}",
+                    sum(name)
+                );
+            }
+        }
+    }
 }
 
 /// The case of Xu and Tang, 50 deg at the nut and 40 at the screw, could not be entered.

@@ -94,6 +94,7 @@ fn results_are_what_their_schemas_say() {
         &["select", "--from", &makers],
         &["solve", &drive, "--show", "slip"],
         &["solve", &lin, "--show", "slip", "--set", "lead_angle_deg=5"],
+        &["solve", &drive, "--show", "ellipses", "--points", "3"],
         &["solve", &jamming, "--show", "jam"],
         &["validate"],
         &["parts", "check", "map"],

@@ -138,7 +138,7 @@ fn one_screw_has_one_efficiency() {
     let nut = json(&run(&["nut", "screw.json", "--json"]));
     close("nut", number(&nut, "nut_efficiency"), 1e-9);
     let page = fs::read_to_string(dir.path().join("sheet/report.html")).expect("a page");
-    let printed = format!("{efficiency:.5}");
+    let printed = format!("{efficiency:.3}");
     assert!(page.contains(&printed), "the report has no {printed}");
     let like = |name: &str| {
         let screw: Value =

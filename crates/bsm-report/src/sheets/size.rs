@@ -3,8 +3,10 @@
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
+use bsm_case::units::words;
 use bsm_case::{
     Answer, AxisReport, Content, Criterion, GrooveSection, Numbers, Quantity, Row, ScrewTorque,
+    digits, exact, trimmed,
 };
 use serde_json::{Value, json};
 
@@ -17,6 +19,22 @@ const POINTS: u32 = 60;
 /// Numbers that stand at the top of the page.
 const HEADLINES: [&str; 4] =
     ["cycle_life_h", "peak_motor_torque_Nm", "mean_heat_W", "axis_stiffness_N_um"];
+
+/// Texts of a scene at the head of its sheet.
+const HEAD: [&str; 7] = ["project", "drawing", "revision", "author", "date", "customer", "remark"];
+
+/// What the letters of the equations in sources stand for.
+const EQUATIONS: [(char, &str); 5] = [
+    ('D', "load ratings and life, ISO 3408-5"),
+    ('G', "thread and groove"),
+    ('I', "warm steady state"),
+    ('U', "loads of all balls of the nut"),
+    ('Z', "the axis: manufacturers' catalogues, Euler, ISO 3408"),
+];
+
+/// Significant digits of numbers that follow from friction, which is known to a factor; of the formulas of catalogues; of
+/// geometry and grades.
+const DIGITS: [u8; 3] = [2, 3, 4];
 
 /// Numbers of the table of phases.
 const COLUMNS: [&str; 8] = [
@@ -71,6 +89,9 @@ fn sheet(report: &AxisReport) -> Value {
     let drag = report.number("preload_torque_Nm").zip(report.number("preload_torque_measured_Nm"));
     json!({
         "description": report.scene.description,
+        "head": head_of(report),
+        "equations": equations(rules),
+        "names": names(report),
         "failed": limited.iter().filter(|rule| !rule.passes()).count(),
         "limited": limited.len(),
         "headlines": headlines.collect::<Vec<_>>(),
@@ -87,12 +108,54 @@ fn sheet(report: &AxisReport) -> Value {
     })
 }
 
+/// The texts at the head, with their labels.
+fn head_of(report: &AxisReport) -> Vec<(&'static str, Value)> {
+    let scene = report.scene.to_json();
+    let text = |name: &&'static str| Some((*name, scene.get(*name)?.clone()));
+    HEAD.iter().filter_map(text).collect()
+}
+
+/// What the letters of the equations in the sources of rules stand for.
+fn equations(rules: &[Criterion]) -> String {
+    let cited = |letter: char| {
+        let is_tag = |part: &str| {
+            part.starts_with(letter) && part[1..].starts_with(|c: char| c.is_ascii_digit())
+        };
+        rules.iter().any(|rule| rule.source.split('(').skip(1).any(is_tag))
+    };
+    let cited = EQUATIONS.iter().filter(|(letter, _)| cited(*letter));
+    cited.map(|(letter, words)| format!("({letter}) {words}")).collect::<Vec<_>>().join("; ")
+}
+
+/// Labels of rules and numbers with their names in files.
+fn names(report: &AxisReport) -> Vec<(&'static str, &'static str)> {
+    let rules = report.answer.rules.iter().map(|rule| (rule.title, rule.name));
+    let rows = report.answer.numbers().flat_map(Numbers::rows);
+    rules.chain(rows.map(|row| (row.quantity.about.trim(), row.quantity.name))).collect()
+}
+
 fn rule_row(rule: &Criterion) -> Value {
     let mut row = rule.to_json();
     row["title"] = json!(rule.title);
-    row["unit"] = json!(rule.unit);
     row["must_be"] = json!(if rule.at_least { "≥" } else { "≤" });
+    row["value"] = json!(digits(rule.value, DIGITS[1]));
+    row["limit"] = json!(rule.limit.map(trimmed));
     row
+}
+
+/// Digits that the uncertainty of a number deserves: what is given stands as it was typed.
+fn deserved(quantity: &Quantity, value: f64) -> String {
+    let is_given = bsm_case::INPUTS.iter().any(|input| input.name == quantity.name);
+    let [friction, formula, geometry] = DIGITS;
+    match quantity.title {
+        _ if is_given => trimmed(value),
+        // An efficiency is known better than its loss.
+        _ if quantity.follows_from_friction() && !quantity.unit.is_empty() => {
+            digits(value, friction)
+        }
+        "screw and nut" => digits(value, geometry),
+        _ => digits(value, formula),
+    }
 }
 
 /// Numbers, parts of the torque, and the shares of the heat of all parts but the first, which is the load \[%\].
@@ -101,16 +164,18 @@ fn phase_row(phase: &ScrewTorque) -> Value {
     let heat = || parts.iter().skip(1).map(|part| part.unwrap_or(0.0).abs());
     let all: f64 = heat().sum();
     let share = |part: f64| if all > 0.0 { (1e3 * part / all).round() / 10.0 } else { 0.0 };
+    let shown = |value: Option<f64>| value.map(|value| digits(value, DIGITS[1]));
     json!({
-        "values": COLUMNS.map(|name| phase.number(name)),
-        "parts": parts,
+        "values": COLUMNS.map(|name| shown(phase.number(name))),
+        "parts": parts.map(shown),
         "shares": heat().map(share).collect::<Vec<_>>(),
     })
 }
 
 fn number_row(Row { quantity, values }: &Row) -> Value {
-    let Quantity { name, about, unit, .. } = quantity;
-    json!({ "name": name, "about": about, "unit": unit, "value": values[0], "text": null })
+    let Quantity { about, unit, symbol, .. } = quantity;
+    let text = values[0].map(|value| deserved(quantity, value));
+    json!({ "symbol": symbol, "about": about, "unit": unit, "text": text })
 }
 
 /// What was given, then the numbers of the answer under their titles.
@@ -123,12 +188,14 @@ fn groups(report: &AxisReport) -> Vec<Value> {
     let inputs = report.scene.to_json();
     let input = |(name, value): (&String, &Value)| {
         let known = bsm_case::INPUTS.iter().find(|input| input.name == name);
-        let (number, text) = (value.as_f64(), value.as_str().filter(|_| known.is_none()));
-        let shown = name != "description" && !is_used(name) && (number.is_some() || text.is_some());
-        let unit = known.map_or("", |input| input.unit);
-        shown.then(
-            || json!({ "name": name, "about": name, "unit": unit, "value": number, "text": text }),
-        )
+        let text = value.as_str().filter(|_| known.is_none()).map(str::to_owned);
+        let text = value.as_f64().map(exact).or(text)?;
+        let is_head = name == "description" || HEAD.contains(&name.as_str());
+        let (unit, symbol) = known.map_or(("", ""), |input| (input.unit, input.symbol));
+        let about = words(name, unit);
+        let about = about.split(',').next();
+        (!is_head && !is_used(name))
+            .then(|| json!({ "symbol": symbol, "about": about, "unit": unit, "text": text }))
     };
     let given = inputs.as_object().into_iter().flatten().filter_map(input).collect::<Vec<_>>();
     let rows: Vec<_> = report.answer.numbers().flat_map(Numbers::rows).collect();
@@ -158,9 +225,13 @@ fn section(report: &AxisReport) -> Option<Figure> {
         let turned = TAU * f64::from(i) / f64::from(CHORDS);
         (radius * turned.cos(), radius * turned.sin())
     };
+    // Ball and grooves nearly coincide: the ball is hatched by every fourth chord across it.
+    let hatch = (0..CHORDS / 4)
+        .flat_map(|i| [around(CHORDS / 8 + 2 * i), around(CHORDS / 8 + CHORDS - 2 * i)]);
+    let ball = (0..=CHORDS).map(around).chain(hatch);
     let (x, y) = (radius * angle.sin(), radius * angle.cos());
     let curves = vec![
-        Curve::new("ball", 6, Stroke::Solid, (0..=CHORDS).map(around).collect()),
+        Curve::new("ball", 6, Stroke::Solid, ball.collect()),
         Curve::new("nut", 0, Stroke::Solid, grooves.nut),
         Curve::new("screw", 1, Stroke::Solid, grooves.screw),
         Curve::new("contacts", 3, Stroke::Dashed, vec![(-x, y), (x, -y)]),
