@@ -180,10 +180,10 @@ impl Grid {
             let [along, across] = slip.at(xi, upsilon);
             // p = p_max √(1 − ξ² − υ²), Hertz
             let pressure = max_pressure * (1.0 - xi * xi - upsilon * upsilon).max(0.0).sqrt();
-            pressures.push(within.then(|| pressure));
+            pressures.push(within.then_some(pressure));
             let [pull_along, pull_across] = slip.friction(xi, upsilon, law);
             for (list, value) in lists.iter_mut().zip([across, along, pull_across, pull_along]) {
-                list.push(within.then(|| value));
+                list.push(within.then_some(value));
             }
             if within {
                 inside += 1.0;
