@@ -159,6 +159,22 @@ def test_the_warm_state_of_an_axis() -> None:
     assert "warm" not in bs.axis(cold, model="raceway-control", control="nut")
 
 
+def test_a_nut_whose_balls_touch() -> None:
+    path = EXAMPLES / "nut_train.json"
+    scene = bs.Scene.read(path)
+    expected = told("nut", path, "--model", "traction")
+    expected.pop("program", None)
+    assert plain(bs.nut(scene, model="traction")) == expected
+    outputs = ["needed_gap_mm", "max_push_N", "friction_torque_Nm"]
+    grid = bs.sweep(scene, vary={"ball_gap_mm": [0.1, 0.3, 1.0]}, outputs=outputs, model="traction")
+    # With more room than the balls need none touch.
+    assert all(0.3 < gap < 1.0 for gap in grid["needed_gap_mm"])
+    tight, near, wide = grid["max_push_N"]
+    assert tight > near > wide == 0
+    tight, near, wide = grid["friction_torque_Nm"]
+    assert tight > near > wide > 0
+
+
 def test_fit_to_measured_points() -> None:
     path, table = EXAMPLES / "feed_drive_oil.json", EXAMPLES / "measured_torque.csv"
     oiled = bs.Scene.read(path)

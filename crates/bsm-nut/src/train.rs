@@ -306,7 +306,7 @@ impl BallNut {
     /// The balls with the pushes of those that touch (O8) to (O16).
     ///
     /// * `motions`: of [`NutFriction`](crate::NutFriction), without pushes. * `friction`: coefficient, none of another law.
-    ///   * `in_train`: the ball of a point with its state without pushes.
+    /// * `in_train`: the ball of a point with its state without pushes.
     ///
     /// # Errors
     ///

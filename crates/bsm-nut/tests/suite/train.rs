@@ -526,8 +526,8 @@ fn random_trains_have_an_answer_or_a_reason() {
     assert!(lost.len() <= points / 50, "{lost:?}");
 }
 
-/// Balls in time on a closed track: places along it, and what holds the balls to their places, without friction of the balls
-/// on each other. No two come nearer than a touch angle.
+/// Balls in time on a closed track, without friction of the balls on each other: each has the law of its place, and no two come
+/// nearer than a touch angle.
 struct Track<'a> {
     /// Angles of the track and of two balls that touch \[rad\].
     length: f64,
@@ -553,7 +553,8 @@ impl Track<'_> {
 
     /// Push that a ball at a place takes from behind at a rate.
     fn push(&self, place: f64, rate: f64) -> f64 {
-        let (law, numbers) = (self.law(place), (1..self.pushes.len() - 1).collect::<Vec<_>>());
+        let law = self.law(place);
+        let numbers: Vec<_> = (1..self.pushes.len() - 1).collect();
         let k = numbers.partition_point(|k| law(*k) <= rate);
         let step = self.pushes[k + 1] - self.pushes[k];
         self.pushes[k] + step * (rate - law(k)) / (law(k + 1) - law(k))
