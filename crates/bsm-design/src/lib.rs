@@ -32,6 +32,7 @@ mod drive;
 mod grade;
 mod least_squares;
 mod life;
+mod modified;
 mod nut;
 mod procedure;
 mod requirement;
@@ -50,7 +51,10 @@ pub use drive::{
 };
 pub use grade::Grade;
 pub use least_squares::{LeastSquares, least_squares};
-pub use life::{Duty, Life, OPENS_AT, life, pair_loads, reliability_factor};
+pub use life::{Duty, Life, OPENS_AT, life, modified_life, pair_loads, reliability_factor};
+pub use modified::{
+    Contamination, Hardness, RatingFactors, life_factor, usual_fatigue_limit, viscosity_ratio,
+};
 pub use nut::{DynamicRating, Nut, StaticRating};
 pub use procedure::{ActiveLimit, Outcome, Why};
 pub use requirement::{

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use bsm_dyn::{Direction, Hertz, Material, Optimum};
 
-use crate::{Axis, Life, MachineTable, Motion, Mount, Nut, NutBody, PRELOAD, Phase};
+use crate::{Axis, Life, MachineTable, Motion, Mount, Nut, NutBody, PRELOAD, Phase, RatingFactors};
 
 /// The cycle of the machine, or a torque.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,7 +26,7 @@ impl LoadCase {
                 let (radius, speed) = (0.5 * nut.pitch_diameter, pace.speed(nut.lead));
                 // F = M / (r_m tanα)                                      (L1)
                 let load = torque / (radius * nut.lead_angle().tan());
-                vec![Phase { time: 1.0, load, speed, acceleration: 0.0 }]
+                vec![Phase { time: 1.0, load, speed, acceleration: 0.0, load_factor: 1.0 }]
             }
         }
     }
@@ -129,6 +129,8 @@ pub struct Requirement {
     pub preload: Option<f64>,
     /// Life over that of 90 % of all nuts (Z14).
     pub reliability: f64,
+    /// Of the load ratings (Z36).
+    pub factors: RatingFactors,
     /// Which side drives.
     pub direction: Direction,
     /// Leads or lead angles to choose from; one at least.
@@ -266,11 +268,13 @@ type Limited = (Quantity, f64, Option<f64>, Option<f64>);
 
 impl Requirement {
     /// The rules of an axis that do not need the loads of all its balls.
-    fn rules(&self, axis: &Axis) -> Vec<Limited> {
+    ///
+    /// * `calculated`: dynamic load rating without factors \[N\].
+    fn rules(&self, axis: &Axis, calculated: f64) -> Vec<Limited> {
         let (rating, life) = (axis.dynamic_rating, axis.life());
         let of_life = |number: &dyn Fn(&Life) -> f64| life.as_ref().map_or(f64::NAN, number);
         let mut rules = vec![
-            (Quantity::DynamicRating, rating, None, None),
+            (Quantity::DynamicRating, calculated, None, None),
             // C_a ≥ F_m                                                   (L10)
             (Quantity::EquivalentLoad, of_life(&|life| life.mean_load), None, Some(rating)),
             (Quantity::Life, of_life(&|life| life.time), self.life, None),
@@ -322,18 +326,18 @@ impl Design {
             Travel::Stroke(stroke) => (stroke + body.length, stroke),
         };
         let phases = requirement.demand.phases(&requirement.carriage, &nut);
-        let screw = nut.screw(&thread);
+        let (screw, dynamic) = (nut.screw(&thread), nut.dynamic_rating().rating);
         let axis = Axis {
             screw,
             shaft: requirement.mount.shaft(&screw, body.length, Some(stroke)),
             phases,
-            dynamic_rating: nut.dynamic_rating().rating,
-            static_rating: nut.static_rating().rating,
+            dynamic_rating: requirement.factors.dynamic_rating * dynamic,
+            static_rating: requirement.factors.static_rating * nut.static_rating().rating,
             preload: requirement.preload,
             compression: 0.0,
             reliability: requirement.reliability,
         };
-        let still = Phase { time: 1.0, load: 0.0, speed: 0.0, acceleration: 0.0 };
+        let still = Phase { time: 1.0, load: 0.0, speed: 0.0, acceleration: 0.0, load_factor: 1.0 };
         let phase = axis.heaviest_moving().copied().unwrap_or(still);
         let (largest, speed) = (axis.largest_load(), phase.speed.abs());
         let balls = nut.balls_per_turn * nut.turns;
@@ -408,7 +412,7 @@ impl Design {
         };
         add(10, Quantity::InputPower, input, None, requirement.largest_power);
         add(10, Quantity::OutputPower, output, None, None);
-        for (quantity, value, least, most) in requirement.rules(&axis) {
+        for (quantity, value, least, most) in requirement.rules(&axis, dynamic) {
             add(11, quantity, value, least, most);
         }
         add(

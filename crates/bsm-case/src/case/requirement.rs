@@ -7,7 +7,7 @@ use bsm_dyn::{Direction, Model, Optimum};
 use serde_json::{Map, Value};
 
 use crate::Rule::{Above, AtLeast, Between};
-use crate::case::axis::{carriage, motions, mount, reliability};
+use crate::case::axis::{carriage, motions, mount, rating_factors, reliability};
 use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM, convert};
@@ -55,7 +55,7 @@ macro_rules! inputs_of_scenes {
 }
 
 /// Inputs of a scene that a requirement may have: what decides, and what bsm axis reads besides, so that one file serves all.
-const FROM_SCENES: [InputKey; 43] = inputs_of_scenes! {
+const FROM_SCENES: [InputKey; 47] = inputs_of_scenes! {
     axial_load_N lead_mm lead_angle_deg screw_speed_rpm friction_coefficient speed_number_limit_mm_min
     ball_diameter_mm pitch_circle_diameter_mm contact_angle_deg nut_conformity screw_conformity loaded_turns
     rolling_friction_mm density_kg_m3 youngs_modulus_GPa poisson_ratio ball_youngs_modulus_GPa
@@ -63,11 +63,13 @@ const FROM_SCENES: [InputKey; 43] = inputs_of_scenes! {
     inclination_deg guide_friction motor_inertia_kg_m2 coupling_inertia_kg_m2 gear_ratio
     support_bearing_torque_Nm seal_torque_Nm support_bearing_stiffness_N_um housing_stiffness_N_um
     axis_heat_transfer_W_K reliability_percent required_life_h required_static_safety
-    required_critical_speed_ratio required_buckling_safety useful_travel_mm required_travel_error_um screw_temperature_rise_K thermal_expansion_um_m_K
+    required_critical_speed_ratio required_buckling_safety useful_travel_mm required_travel_error_um
+    load_factor hardness_HRC hardness_HV10 accuracy_factor screw_temperature_rise_K thermal_expansion_um_m_K
 };
 
 /// Words of a scene that a requirement may have.
-const WORDS_FROM_SCENES: [&str; 4] = ["support", "cycle", "accuracy_grade", "preload_arrangement"];
+const WORDS_FROM_SCENES: [&str; 5] =
+    ["support", "cycle", "accuracy_grade", "steel", "preload_arrangement"];
 
 /// A requirement as it is written.
 #[derive(Debug, Clone, PartialEq)]
@@ -298,6 +300,7 @@ impl Given {
             carriage: carriage(&scene),
             preload: scene.preload_N,
             reliability: reliability(&scene),
+            factors: rating_factors(&scene),
             direction,
             pitches,
             reach,
