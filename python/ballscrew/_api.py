@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 import json
 import math
 import os
@@ -45,9 +46,9 @@ class Quantity(NamedTuple):
     rule : str or None
         Rule for the value of an input.
     words : tuple of str
-        Possible values of a text output.
+        Possible values of a text.
     kind : str
-        Type in JSON: number, integer, boolean or string.
+        Type in JSON: number, integer, boolean, string or array.
     analysis : str or None
         Analysis of an output: slip, jam, optimum, ratings, nut, axis.
     """
@@ -69,11 +70,12 @@ def _first_of_each(quantities: Iterable[Quantity]) -> Mapping[str, Quantity]:
     return MappingProxyType(found)
 
 
-INPUTS: Mapping[str, Quantity] = _first_of_each(
-    Quantity(name, unit, about, default=default, rule=rule)
-    for name, unit, about, default, rule in _core.inputs()
-)
-"""All inputs by name."""
+INPUTS: Mapping[str, Quantity] = _first_of_each(itertools.chain(
+    (Quantity(name, unit, about, default=default, rule=rule)
+     for name, unit, about, default, rule in _core.inputs()),
+    (Quantity(name, "", about, words=tuple(words), kind=kind) for name, about, kind, words in _core.scene_words()),
+))
+"""All inputs by name: numbers, then texts, lists and flags."""
 
 # An analysis may repeat a number of the solution: that of the solution is meant.
 OUTPUTS: Mapping[str, Quantity] = _first_of_each(
@@ -89,9 +91,9 @@ REQUIREMENTS: Mapping[str, Quantity] = _first_of_each(
     Quantity(name, unit, about, default=default, rule=rule)
     for name, unit, about, default, rule in _core.requirements()
 )
-"""Keys of a requirement of `design` besides inputs of a scene."""
+"""Keys of a requirement of `select` besides inputs of a scene."""
 
-_NUMBERS = frozenset(INPUTS)
+_NUMBERS = frozenset(name for name, *_ in _core.inputs())
 _OF_A_SOLUTION = [quantity for quantity in OUTPUTS.values() if quantity.analysis is None]
 
 
@@ -162,6 +164,10 @@ class Scene(SceneFields):
         given: dict[str, Any] = json.loads(_core.Scene.of_json(text).to_json())
         return cls(given)
 
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write a scene file of the program."""
+        Path(path).write_text(self.to_json() + "\n", encoding="utf-8")
+
     def replace(self, **inputs: Unpack[Inputs]) -> Self:
         """The scene with other inputs; a lead replaces a lead angle."""
         return type(self)(self, **inputs)
@@ -225,6 +231,14 @@ class Solution(SolutionFields):
         """True if there is a result."""
         return self.status == "converged"
 
+    @property
+    def screw_torque_Nm(self) -> float:
+        """Torque of the whole screw [N m]: that of the balls, preload, seals and support bearings; NaN without a result.
+
+        `to_dict()["torque_parts"]` has its parts.
+        """
+        return self.screw_torque()
+
     def to_dict(self) -> dict[str, Any]:
         """The names and values of `bsm solve --show band --json`; None where the model has none."""
         result: dict[str, Any] = json.loads(self.to_json())
@@ -279,7 +293,7 @@ class Words:
 
     @property
     def codes(self) -> NDArray[np.int8]:
-        """The place in `categories` for each row."""
+        """The place in `categories` for each row; -1 where there is no text."""
         return self._get()[0]
 
     @property
@@ -290,8 +304,9 @@ class Words:
     def __len__(self) -> int:
         return len(self.codes)
 
-    def __getitem__(self, row: int) -> str:
-        return self.categories[int(self.codes[row])]
+    def __getitem__(self, row: int) -> str | None:
+        code = int(self.codes[row])
+        return None if code < 0 else self.categories[code]
 
     def __eq__(self, word: object) -> Any:
         if isinstance(word, str):
@@ -319,7 +334,7 @@ def _words(codes: NDArray[np.int8], categories: Sequence[str]) -> Words:
 class Table:
     """Columns of equal length, immutable.
 
-    `table["efficiency"]` is a read-only NumPy array. Frames: `to_pandas`, `to_polars`, `to_arrow`, and
+    `table["efficiency"]` is a read-only NumPy array; a text is an array of texts, yes and no are 1 and 0. Frames: `to_pandas`, `to_polars`, `to_arrow`, and
     anything that reads an Arrow stream.
     """
 
@@ -438,9 +453,6 @@ class Table:
                 columns.append((name, unit, "texts", column.tolist(), []))
             elif column.dtype == bool:
                 columns.append((name, unit, "flags", column.astype(np.float64), []))
-            elif quantity is not None and quantity.words:
-                codes = np.where(np.isnan(column), -1, column).astype(np.int8)
-                columns.append((name, unit, "words", codes, list(quantity.words)))
             elif quantity is not None and quantity.kind == "boolean":
                 columns.append((name, unit, "flags", column, []))
             else:
@@ -611,7 +623,7 @@ class Nuts(Table):
         self._nuts = nuts
 
     def scene(self, row: int = 0) -> Scene:
-        """The nut of a row for `capacity`, `nut` and `size`, with a requirement at its operating point."""
+        """The nut of a row for `ratings`, `nut` and `axis`, with a requirement at its operating point."""
         if not -self._length <= row < self._length:
             raise IndexError(f"row {row} of {self._length}")
         if self._nuts is None:
@@ -641,6 +653,9 @@ class Report(Mapping[str, Any]):
         self.warnings = list(warnings)
 
     def __getitem__(self, name: str) -> Any:
+        if name not in self._entries:
+            inside = next((key for key, value in self._entries.items() if isinstance(value, Mapping) and name in value), None)
+            raise KeyError(f"{name}: it is in [{inside!r}]" if inside else f"{name}{_near(name, self._entries)}")
         return self._entries[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -720,14 +735,84 @@ class Linspace(NamedTuple):
 
 
 def linspace(start: float, stop: float, count: int) -> Linspace:
-    """Equally spaced values for `sweep`, both ends included, evaluated lazily."""
+    """Equally spaced values for `sweep`, both ends included."""
     return Linspace(float(start), float(stop), int(count))
+
+
+class Uniform(NamedTuple):
+    """Random numbers from `low` to `high`."""
+
+    low: float
+    high: float
+
+
+class Normal(NamedTuple):
+    """Random numbers of the normal law."""
+
+    mean: float
+    deviation: float
+
+
+def uniform(low: float, high: float) -> Uniform:
+    """Random values of an input from `low` to `high`, for `draw` and `plan`."""
+    return Uniform(low, high)
+
+
+def normal(mean: float, deviation: float) -> Normal:
+    """Random values of an input by mean and standard deviation, for `draw` and `plan`."""
+    return Normal(mean, deviation)
+
+
+def _laws(draw: Mapping[str, Uniform | Normal]) -> list[str]:
+    """Distributions as `--draw` has them."""
+    words = {Uniform: "uniform", Normal: "normal"}
+    for name, law in draw.items():
+        if type(law) not in words:
+            raise InputError(f"`{name}` is {law!r}; give uniform(low, high) or normal(mean, deviation)", key=name)
+    return [f"{name}={words[type(law)]}:{float(law[0])!r}:{float(law[1])!r}" for name, law in draw.items()]
+
+
+def draw(laws: Mapping[str, Uniform | Normal], /, samples: int, seed: int = 0) -> dict[str, Floats]:
+    """Random points for `solve_many`: the values of `bsm sweep --draw`, the same on every machine.
+
+    Parameters
+    ----------
+    laws : mapping
+        Distribution of each drawn input: `uniform(low, high)` or `normal(mean, deviation)`.
+    samples : int
+        Number of points.
+    seed : int
+        Seed.
+
+    Returns
+    -------
+    dict
+        An array for each input.
+
+    Raises
+    ------
+    InputError
+        For an unknown input, and a distribution that is none.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> points = bs.draw({"friction_coefficient": bs.uniform(0.02, 0.1)}, samples=1000, seed=1)
+    >>> table = bs.solve_many(points, bs.Scene(lead_angle_deg=5, contact_angle_deg=45), model="closed-form")
+    >>> len(table), bool(table["efficiency"].min() > 0.8)
+    (1000, True)
+    """
+    import numpy as np
+
+    return {name: np.frombuffer(values, np.float64) for name, values in _core.draws(seed, samples, _laws(laws))}
 
 
 def _axes(vary: Mapping[str, Linspace | Iterable[float]]) -> list[str]:
     """The axes of a grid as `--vary` has them."""
     axes = []
     for name, values in vary.items():
+        if isinstance(values, (Uniform, Normal)):
+            raise InputError(f"`{name}` is random: solve_many(draw(...)) solves random points", key=name)
         if not isinstance(values, Iterable) or isinstance(values, str):
             raise InputError(f"`{name}` is {values!r}; give the values that it takes, such as [{values!r}]", key=name)
         if isinstance(values, Linspace):
@@ -743,13 +828,22 @@ def _taken(keywords: dict[str, Any]) -> _core.How:
     return cast("_core.How", tuple([take(name, default) for name, default in _SOLVER.items()]))
 
 
+def _checked(how: _core.How) -> _core.How:
+    """Solver settings of the right types."""
+    for (name, default), value in zip(_SOLVER.items(), how, strict=True):
+        number = isinstance(default, float)
+        if isinstance(value, bool) or not isinstance(value, (int, float) if number else (str, type(default))):
+            raise InputError(f"{name} is {value!r}, but must be a {'number' if number else 'text'}", key=name)
+    return how
+
+
 def _how(solver: Solver) -> _core.How:
     """Solver settings; any other keyword is an error."""
     keywords: dict[str, Any] = {**solver}
     how = _taken(keywords)
     for name in keywords:
         raise TypeError(f"there is no keyword `{name}`{_near(name, _SOLVER)}")
-    return how
+    return _checked(how)
 
 
 def _list(word: str, names: Sequence[str]) -> list[str]:
@@ -759,8 +853,8 @@ def _list(word: str, names: Sequence[str]) -> list[str]:
     return list(names)
 
 
-def _outputs(names: Sequence[str] | None) -> list[str] | None:
-    return None if names is None else _list("outputs", names)
+def _columns(names: Sequence[str] | None) -> list[str] | None:
+    return None if names is None else _list("columns", names)
 
 
 def _scene(scene: Scene | Mapping[str, Any] | None, inputs: Inputs) -> Scene:
@@ -772,7 +866,10 @@ def _scene(scene: Scene | Mapping[str, Any] | None, inputs: Inputs) -> Scene:
 def _asked(scene: Scene | Mapping[str, Any] | None, question: Question) -> tuple[Scene, _core.How]:
     """The scene with replaced inputs, and the solver settings."""
     given: dict[str, Any] = {**question}
-    how = _taken(given)
+    how = _checked(_taken(given))
+    for name in given:
+        if name not in INPUTS and (near := _near(name, _SOLVER)):
+            raise InputError(f"unknown key `{name}`{near}", key=name)
     return _scene(scene, cast("Inputs", given)), how
 
 
@@ -913,7 +1010,7 @@ def solve_many(
     /,
     base: Scene | Mapping[str, Any] | None = None,
     *,
-    outputs: Sequence[Output] | None = None,
+    columns: Sequence[Output] | None = None,
     keep: Sequence[str] = (),
     missing: Literal["invalid", "base"] = "invalid",
     progress: bool | Progress | None = None,
@@ -931,7 +1028,7 @@ def solve_many(
         anything that gives an Arrow stream (polars, pyarrow, pandas 3, duckdb, a `Table`).
     base : Scene or mapping, optional
         The inputs that are no columns.
-    outputs : sequence of str, optional
+    columns : sequence of str, optional
         Names of `OUTPUTS`; all of a solution unless given.
     keep : sequence of str
         Further columns to carry through, of any type but lists and structures; that of a frame is kept.
@@ -963,7 +1060,7 @@ def solve_many(
     --------
     >>> import ballscrew as bs
     >>> points = {"friction_coefficient": [0.01, 0.02], "contact_angle_deg": 45, "lead_angle_deg": 8}
-    >>> bs.solve_many(points, model="closed-form", outputs=["efficiency"])["efficiency"].round(3)
+    >>> bs.solve_many(points, model="closed-form", columns=["efficiency"])["efficiency"].round(3)
     array([0.98 , 0.961])
     """
     import numpy as np
@@ -1013,7 +1110,7 @@ def solve_many(
             message = f"column `{column_name}` has {rows_of_it} rows, another one {length}"
             raise InputError(message, key=column_name)
     rows = _core.solve_many(
-        scene, numbers, kept, length, _how(solver), _outputs(outputs), threads, _shown(progress), text
+        scene, numbers, kept, length, _how(solver), _columns(columns), threads, _shown(progress), text
     )
     taken = set(rows.inputs())
     inputs: dict[str, Any] = {name: values for name, values, _ in numbers if name in taken}
@@ -1072,13 +1169,13 @@ def sweep(
     /,
     *,
     vary: Mapping[str, Linspace | Iterable[float]],
-    outputs: Sequence[Output] | None = None,
+    columns: Sequence[Output] | None = None,
     progress: bool | Progress | None = None,
     threads: int | None = None,
     text: bool = False,
     **solver: Unpack[Solver],
 ) -> Grid:
-    """Solve a full grid over one or more inputs, with one model for all of its points.
+    """Solve a full grid over one or more inputs; `auto` chooses a model for each point.
 
     Parameters
     ----------
@@ -1086,7 +1183,7 @@ def sweep(
         The fixed inputs.
     vary : mapping
         Values of each varied input: `linspace(start, stop, count)` or any numbers; the last runs fastest.
-    outputs, progress, threads, text, **solver
+    columns, progress, threads, text, **solver
         As in `solve_many`.
 
     Returns
@@ -1102,7 +1199,7 @@ def sweep(
     --------
     >>> import ballscrew as bs
     >>> screw = bs.Scene(lead_angle_deg=5, contact_angle_deg=45)
-    >>> grid = bs.sweep(screw, vary={"friction_coefficient": bs.linspace(0.02, 0.1, 5)}, outputs=["efficiency"])
+    >>> grid = bs.sweep(screw, vary={"friction_coefficient": bs.linspace(0.02, 0.1, 5)}, columns=["efficiency"])
     >>> grid.shape, grid.grid("efficiency").round(2)
     ((5,), array([0.96, 0.92, 0.89, 0.85, 0.82]))
     """
@@ -1110,7 +1207,7 @@ def sweep(
 
     scene = _scene(base, {})
     how = _how(solver)
-    rows, found = _core.sweep(scene, _axes(vary), how, _outputs(outputs), threads, _shown(progress), text)
+    rows, found = _core.sweep(scene, _axes(vary), how, _columns(columns), threads, _shown(progress), text)
     table = _answered(rows, {})
     varied = {name: np.array(axis) for name, axis in found}
     units = {**table.units, **{name: INPUTS[name].unit for name in varied}}
@@ -1176,15 +1273,15 @@ def gradient(
     scene = _scene(base, {})
     if method == "exact":
         if output not in ("efficiency", "ball_torque_Nm"):
-            raise InputError("exact derivatives are of efficiency and ball_torque_Nm; take method='difference'",
-                             key=output)
+            hint = "; take method='difference'" if output in OUTPUTS else _near(output, OUTPUTS)
+            raise InputError(f"exact derivatives are of efficiency and ball_torque_Nm{hint}", key=output)
         whole = [(name, np.ascontiguousarray(column)) for name, column in columns.items()]
         found = _core.gradient(scene, whole, length, wrt, output != "efficiency", _how(solver), threads)
         values = np.frombuffer(found[0], np.float64)
         slopes = np.frombuffer(found[1], np.float64).reshape(length, len(wrt))
     elif method == "difference":
         def at(changed: Mapping[str, Floats]) -> Floats:
-            answers = solve_many({**columns, **changed}, scene, outputs=[output], threads=threads, **solver)
+            answers = solve_many({**columns, **changed}, scene, columns=[output], threads=threads, **solver)
             return answers[output]
 
         values = at({})
@@ -1272,7 +1369,7 @@ def jam(
     return _report(_core.jam(*_asked(scene, question)))
 
 
-def capacity(
+def ratings(
     nut: Scene | Mapping[str, Any] | None = None,
     /,
     **inputs: Unpack[Inputs],
@@ -1301,10 +1398,10 @@ def capacity(
     --------
     >>> import ballscrew as bs
     >>> nut = bs.Scene.read("examples/nut.json")
-    >>> bs.capacity(nut, axial_load_N=8000, screw_speed_rpm=500)["dynamic_load_rating_N"] > 50_000
+    >>> bs.ratings(nut, axial_load_N=8000, screw_speed_rpm=500)["dynamic_load_rating_N"] > 50_000
     True
     """
-    return _report(_core.capacity(_scene(nut, inputs)))
+    return _report(_core.ratings(_scene(nut, inputs)))
 
 
 @overload
@@ -1407,11 +1504,11 @@ def optimum(
     return _report(_core.optimum(_scene(scene, inputs), model))
 
 
-def size(
+def axis(
     scene: Scene | Mapping[str, Any] | None = None,
     /,
     *,
-    out: str | os.PathLike[str] | None = None,
+    figures: str | os.PathLike[str] | None = None,
     **question: Unpack[Question],
 ) -> Report:
     """The axis around a screw, as `bsm axis`: rules with limit and margin, torque, power, heat and life.
@@ -1420,7 +1517,7 @@ def size(
     ----------
     scene, **question
         As in `solve`; the axis is given by `stroke_mm`, `moved_mass_kg`, `support`, `cycle` and others of `INPUTS`.
-    out : path, optional
+    figures : path, optional
         Folder for report.html, a sheet of two pages, results.json and figures; made if it does not exist.
 
     Returns
@@ -1436,19 +1533,19 @@ def size(
     Examples
     --------
     >>> import ballscrew as bs
-    >>> bs.size(bs.Scene.read("examples/axis.json")).found
+    >>> bs.axis(bs.Scene.read("examples/axis.json")).found
     True
     """
-    answer, files = _core.size(*_asked(scene, question), out is not None)
-    _write_report(out, files)
+    answer, files = _core.axis(*_asked(scene, question), figures is not None)
+    _write_report(figures, files)
     return _report(answer)
 
 
-def catalog(
+def select_nuts(
     lists: Mapping[str, Any] | None = None,
     /,
     *,
-    require: Sequence[str] = (),
+    where: Sequence[str] = (),
     requirement: Mapping[str, Any] | str | os.PathLike[str] | None = None,
     makers: Any = None,
     columns_from: Mapping[str, str | None] | None = None,
@@ -1463,17 +1560,17 @@ def catalog(
     ----------
     lists : mapping, optional
         The sizes; those of the program unless given.
-    require : sequence of str
+    where : sequence of str
         Conditions such as `"dynamic_load_rating_N>=40000"`.
     requirement : mapping or path, optional
-        Only nuts that meet all limits of this requirement of `design`. Numbers of `size` are columns then, to filter
+        Only nuts that meet all limits of this requirement of `select`. Numbers of `axis` are columns then, to filter
         and sort by: life, critical speed, buckling, static safety, rigidity, torque, efficiency, heat, mass, inertia.
     makers : mapping, frame or path, optional
         Nuts of a manufacturer in place of the lists: the columns `nut`, `lead_mm`, `ball_diameter_mm`, `circuits` or
         `loaded_turns`, `core_diameter_mm` or `pitch_circle_diameter_mm`, `dynamic_load_rating_N`,
         `static_load_rating_N` and `stiffness_N_um`, in any unit. A path is that of a CSV table. Uses the
         manufacturer's ratings and adds the calculated ones as `our_...`; with `requirement` each nut is sized as by
-        `size`, and `passes` is true if it passes all rules: those nuts come first, the lightest screw before the others.
+        `axis`, and `passes` is true if it passes all rules: those nuts come first, the lightest screw before the others.
     columns_from : mapping, optional
         Names of the columns of `makers`: from its names to ours, or to None for a column that is not read.
     pareto : bool
@@ -1488,7 +1585,7 @@ def catalog(
     Returns
     -------
     Nuts
-        One row a nut; `scene(row)` is a nut for `capacity`, `nut` and `size`.
+        One row a nut; `scene(row)` is a nut for `ratings`, `nut` and `axis`.
 
     Raises
     ------
@@ -1498,7 +1595,7 @@ def catalog(
     Examples
     --------
     >>> import ballscrew as bs
-    >>> nuts = bs.catalog(require=["dynamic_load_rating_N>=40000", "lead_mm=10"], sort="mass_kg", first=3)
+    >>> nuts = bs.select_nuts(where=["dynamic_load_rating_N>=40000", "lead_mm=10"], sort="mass_kg", first=3)
     >>> nuts.scene(0).lead_mm
     10.0
     """
@@ -1506,7 +1603,7 @@ def catalog(
 
     wish = None if requirement is None else json.dumps(_wish(requirement))
     if makers is not None:
-        if lists is not None or require or pareto or sort is not None or descending or first is not None:
+        if lists is not None or where or pareto or sort is not None or descending or first is not None:
             raise InputError("all nuts of a manufacturer are listed: makers goes with requirement and columns_from alone",
                              key="makers")
         names = dict(columns_from or {})
@@ -1526,7 +1623,7 @@ def catalog(
         if columns_from is not None:
             raise InputError("columns_from is for the table of a manufacturer", key="columns_from")
         text = None if lists is None else json.dumps(dict(lists))
-        found, kept = _core.catalog(text, wish, _list("require", require), pareto, sort, descending, first)
+        found, kept = _core.select_nuts(text, wish, _list("where", where), pareto, sort, descending, first)
         columns = {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
     units = {name: unit for name, unit, _ in found}
     return Nuts(columns, units, len(next(iter(columns.values()))), kept)
@@ -1537,7 +1634,7 @@ def fit(
     measured: Mapping[str, float] | str,
     /,
     *,
-    data: Any = None,
+    points: Any = None,
     input: str | Sequence[str] | Mapping[str, tuple[float, float] | None] = "friction_coefficient",
     range: tuple[float, float] | None = None,
     **solver: Unpack[Solver],
@@ -1549,11 +1646,11 @@ def fit(
     scene : Scene or mapping
         The other inputs.
     measured : mapping or str
-        One output and its value, such as `{"screw_torque_Nm": 26.0}`; with `data` the name of the output alone.
-    data : mapping, frame or path, optional
+        One output and its value, such as `{"screw_torque_Nm": 26.0}`; with `points` the name of the output alone.
+    points : mapping, frame or path, optional
         Measured points: a column of the output, and columns of inputs, in any units; `scene` has the rest. The fit
         minimises the sum of squared differences. A path is that of a CSV table.
-    input : str, or with `data` also a sequence of them, or a mapping of them to ranges
+    input : str, or with `points` also a sequence of them, or a mapping of them to ranges
         Inputs to fit, or a mapping of them to their ranges.
     range : (float, float), optional
         Range of one input.
@@ -1563,7 +1660,7 @@ def fit(
     Returns
     -------
     Report
-        `found` of one measured value is a list of all values of the input. With `data` it is a mapping of the inputs
+        `found` of one measured value is a list of all values of the input. With `points` it is a mapping of the inputs
         to value and standard deviation; `points` has measured and fitted values, `condition` the condition number: above some
         thousand the points do not determine the inputs. `found` of the report is false where no value reproduces
         the measurement.
@@ -1578,14 +1675,14 @@ def fit(
     >>> import ballscrew as bs
     >>> screw = bs.Scene(lead_angle_deg=5, contact_angle_deg=45)
     >>> points = {"contact_angle_deg": [40, 45, 50], "efficiency": [0.86, 0.87, 0.88]}
-    >>> report = bs.fit(screw, "efficiency", data=points, model="closed-form")
+    >>> report = bs.fit(screw, "efficiency", points=points, model="closed-form")
     >>> round(report["found"]["friction_coefficient"]["value"], 4)
     0.0688
     """
     how = _how(solver)
-    if data is not None:
+    if points is not None:
         if not isinstance(measured, str):
-            raise InputError("with data, measured is the name of the output that is a column of it")
+            raise InputError("with points, measured is the name of the output that is a column of it")
         ranges = input if isinstance(input, Mapping) else dict.fromkeys([input] if isinstance(input, str) else input)
         if range is not None:
             if len(ranges) != 1:
@@ -1593,13 +1690,14 @@ def fit(
             ranges = dict.fromkeys(ranges, range)
         sought = [name if limits is None else f"{name}={float(limits[0])!r}:{float(limits[1])!r}"
                   for name, limits in ranges.items()]
-        return _report(_core.fit_table(_scene(scene, {}), how, sought, measured, _csv(data)))
+        return _report(_core.fit_table(_scene(scene, {}), how, sought, measured, _csv(points)))
     if isinstance(measured, str) or len(measured) != 1:
         raise InputError("measured takes one output and its value, such as {'screw_torque_Nm': 26.0}")
     if not isinstance(input, str):
-        raise InputError("one measured value gives one input; several need data")
+        raise InputError("one measured value gives one input; several need points")
     [(name, value)] = measured.items()
-    return _report(_core.fit(_scene(scene, {}), how, input, f"{name}={float(value)!r}", range))
+    value = _number(name, value)
+    return _report(_core.fit(_scene(scene, {}), how, input, f"{name}={value!r}", range))
 
 
 def _csv(data: Any, names: Mapping[str, str | None] = MappingProxyType({}), gaps: bool = False) -> bytes:
@@ -1640,7 +1738,7 @@ def _csv(data: Any, names: Mapping[str, str | None] = MappingProxyType({}), gaps
     return text.getvalue().encode()
 
 
-def design(
+def select(
     requirement: Mapping[str, Any] | str | os.PathLike[str] | None = None, /, *, free: bool = False, **changes: Any
 ) -> Report:
     """The best screw for a requirement, as `bsm select`.
@@ -1667,12 +1765,12 @@ def design(
     Examples
     --------
     >>> import ballscrew as bs
-    >>> report = bs.design(axial_load_N=4000, screw_speed_rpm=1500, stroke_mm=600, lead_mm=10,
+    >>> report = bs.select(axial_load_N=4000, screw_speed_rpm=1500, stroke_mm=600, lead_mm=10,
     ...                    friction_coefficient=0.05, required_life_h=5000)
     >>> report.found, report["scene"]["lead_mm"]
     (True, 10.0)
     """
-    return _report(_core.design(json.dumps({**_wish(requirement or {}), **changes}), free))
+    return _report(_core.select(json.dumps({**_wish(requirement or {}), **changes}), free))
 
 
 def _wish(requirement: Mapping[str, Any] | str | os.PathLike[str]) -> dict[str, Any]:
@@ -1683,13 +1781,13 @@ def _wish(requirement: Mapping[str, Any] | str | os.PathLike[str]) -> dict[str, 
 
 
 def validate(
-    out: str | os.PathLike[str] | None = None, *, data: str | os.PathLike[str] | None = None
+    figures: str | os.PathLike[str] | None = None, *, data: str | os.PathLike[str] | None = None
 ) -> Table:
     """The published checks, as `bsm validate`, one row a check.
 
     Parameters
     ----------
-    out : path, optional
+    figures : path, optional
         Folder for report.html, results.json and figures; made if it does not exist.
     data : path, optional
         Folder with published data, laid out as `validation/published`, in place of the built-in data.
@@ -1705,8 +1803,8 @@ def validate(
     InputError
         For published data that cannot be read.
     """
-    text, files = _core.validate(out is not None, Path(data) if data is not None else None)
-    _write_report(out, files)
+    text, files = _core.validate(figures is not None, Path(data) if data is not None else None)
+    _write_report(figures, files)
     checks: list[dict[str, Any]] = json.loads(text)
     names = ["key", "source", "claim", "claimed", "measured", "unit", "criterion", "note", "verdict"]
     return _listed(names, [[check[name] for name in names] for check in checks])
@@ -1751,10 +1849,18 @@ def _answered(rows: _core.Rows, inputs: Mapping[str, Any]) -> Table:
     columns["model"] = Words(rows.models)
     columns["status"] = Words(rows.statuses)
     for name, buffer in rows.outputs():
-        columns[name] = np.frombuffer(buffer, np.float64)
+        numbers = np.frombuffer(buffer, np.float64)
+        columns[name] = _texts(numbers, OUTPUTS[name].words) if OUTPUTS[name].words else numbers
     units = {name: (INPUTS.get(name) or OUTPUTS[name]).unit
              for name in columns if name in INPUTS or name in OUTPUTS}
     return Table(columns, units, len(rows), rows)
+
+
+def _texts(places: Floats, words: Sequence[str]) -> Words:
+    """An output that is a text, of the places of its texts; NaN where there is none."""
+    import numpy as np
+
+    return Words(lambda: (np.where(np.isnan(places), -1, places).astype(np.int8), list(words)))
 
 
 def _number(name: str, value: Any) -> float:
@@ -1790,6 +1896,10 @@ def _column(name: str, values: Any) -> Floats:
     """A column of doubles, contiguous and read-only; doubles that lie so already are not copied."""
     import numpy as np
 
+    if isinstance(values, (Uniform, Normal)):
+        raise InputError(f"`{name}` is random: draw the points by draw({{{name!r}: {values!r}, ...}}, samples)", key=name)
+    if isinstance(values, Linspace):
+        values = np.linspace(*values)
     if hasattr(values, "magnitude") and hasattr(values, "to"):
         values = _converted(name, values)
     if isinstance(values, np.ma.MaskedArray):

@@ -8,7 +8,21 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypedDict, Unpack
 
 from ballscrew import _core
-from ballscrew._api import Linspace, Progress, Scene, Solver, _axes, _how, _list, _outputs, _scene, _shown
+from ballscrew._api import (
+    Linspace,
+    Normal,
+    Progress,
+    Scene,
+    Solver,
+    Uniform,
+    _axes,
+    _columns,
+    _how,
+    _laws,
+    _list,
+    _scene,
+    _shown,
+)
 from ballscrew._errors import InputError, PartError
 from ballscrew._vocabulary import Output
 
@@ -18,36 +32,10 @@ __all__ = [
     "SolvedPart",
     "Summary",
     "Verification",
-    "normal",
     "plan",
     "run_part",
     "solve_part",
-    "uniform",
 ]
-
-
-class Uniform(NamedTuple):
-    """Random numbers from `low` to `high`."""
-
-    low: float
-    high: float
-
-
-class Normal(NamedTuple):
-    """Random numbers of the normal law."""
-
-    mean: float
-    deviation: float
-
-
-def uniform(low: float, high: float) -> Uniform:
-    """Random values of an input from `low` to `high`, for `plan(draw=...)`."""
-    return Uniform(low, high)
-
-
-def normal(mean: float, deviation: float) -> Normal:
-    """Random values of an input by mean and standard deviation, for `plan(draw=...)`."""
-    return Normal(mean, deviation)
 
 
 class SolvedPart(TypedDict):
@@ -228,11 +216,11 @@ def plan(
     *,
     vary: Mapping[str, Linspace | Iterable[float]] | None = None,
     draw: Mapping[str, Uniform | Normal] | None = None,
-    draws: int | None = None,
+    samples: int | None = None,
     seed: int = 0,
     points: str | os.PathLike[str] | None = None,
     keep: Sequence[str] = (),
-    outputs: Sequence[Output] | None = None,
+    columns: Sequence[Output] | None = None,
     rows_per_part: int | None = None,
     **solver: Unpack[Solver],
 ) -> Plan:
@@ -246,10 +234,10 @@ def plan(
         The inputs that are not varied.
     vary, draw, points
         Source of the rows, one of: a grid as in `sweep`; random values, `uniform(low, high)` or
-        `normal(mean, deviation)` by name, with their number `draws` and a `seed`; a table in a file, best Parquet.
+        `normal(mean, deviation)` by name, with their number `samples` and a `seed`; a table in a file, best Parquet.
     keep : sequence of str
         Further columns of the table to carry through.
-    outputs, **solver
+    columns, **solver
         As in `solve_many`.
     rows_per_part : int, optional
         Rows of a part; chosen from rows and model unless given.
@@ -265,21 +253,17 @@ def plan(
     >>> screw = bs.Scene(lead_angle_deg=5, contact_angle_deg=45)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     plan = bs.plan(folder, screw, vary={"friction_coefficient": bs.linspace(0.02, 0.1, 1000)},
-    ...                    model="closed-form", outputs=["efficiency"])
+    ...                    model="closed-form", columns=["efficiency"])
     ...     plan.run(), plan.verify().complete
     (Summary(parts=1, skipped=0, rows=1000, failed=0), True)
     """
     if sum(given is not None for given in (vary, draw, points)) != 1:
         raise InputError("points of a plan come from one of vary, draw and points")
-    if (draw is None) != (draws is None):
-        raise InputError("draw gives the distributions, draws the number of rows: give both")
+    if (draw is None) != (samples is None):
+        raise InputError("draw gives the distributions, samples the number of rows: give both")
     random = None
-    if draw is not None and draws is not None:
-        of = []
-        for name, law in draw.items():
-            word = "normal" if isinstance(law, Normal) else "uniform"
-            of.append(f"{name}={word}:{float(law[0])!r}:{float(law[1])!r}")
-        random = (seed, draws, of)
+    if draw is not None and samples is not None:
+        random = (seed, samples, _laws(draw))
     table = Path(points) if points is not None else None
     core = _core.Plan.new(
         _scene(base, {}),
@@ -287,7 +271,7 @@ def plan(
         random,
         (table, _list("keep", keep)) if table is not None else None,
         _how(solver),
-        _outputs(outputs),
+        _columns(columns),
         rows_per_part,
     )
     core.begin(Path(folder))
@@ -355,7 +339,7 @@ def solve_part(
     >>> import ballscrew as bs, polars as pl, tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     plan = bs.plan(folder, bs.Scene(lead_angle_deg=5, contact_angle_deg=45), model="closed-form",
-    ...                    vary={"friction_coefficient": bs.linspace(0.02, 0.1, 1000)}, outputs=["efficiency"])
+    ...                    vary={"friction_coefficient": bs.linspace(0.02, 0.1, 1000)}, columns=["efficiency"])
     >>> pl.DataFrame(bs.solve_part(plan.text, 0))["efficiency"].max() > 0.9
     True
     """

@@ -3,6 +3,7 @@
 `_vocabulary.pyi`, which is written as the package is built, says the same to type checkers and editors.
 """
 
+import json
 from typing import Any, Literal, TypedDict
 
 from ballscrew import _core
@@ -17,7 +18,7 @@ Inputs = TypedDict(
     {
         "description": str,
         **{name: float | None for name, *_ in _core.inputs()},
-        **dict.fromkeys(_core.scene_words(), Any),
+        **{name: Any for name, *_ in _core.scene_words()},
     },
     total=False,
 )
@@ -41,6 +42,10 @@ class SceneFields(_core.Scene):
 for _place, (_name, _unit, _about, _default, _) in enumerate(_core.inputs()):
     _unless = f"; {_default:g} unless given" if _default is not None else ""
     setattr(SceneFields, _name, _property(_core.Scene.number, _place, float | None, _about, _unit, _unless))
+
+
+for _name, _about, *_ in _core.scene_words():
+    setattr(SceneFields, _name, _property(lambda scene, name: json.loads(scene.to_json()).get(name), _name, Any, _about, ""))
 
 
 class SolutionFields(_core.Solution):

@@ -77,7 +77,7 @@ def pareto(
     Parameters
     ----------
     nuts : Table
-        What `catalog` returned.
+        What `select_nuts` returned.
     x, y : str
         Names of columns: less of `x` and more of `y` is better.
     ax : matplotlib axes, optional

@@ -88,7 +88,7 @@ def batch(given: dict[str, np.ndarray], model: Model, outputs: Sequence[Output] 
 
 def many(frame: object, model: Model, outputs: Sequence[Output] | None) -> Callable[[], float]:
     """The same rows through the package."""
-    return timed(lambda: bs.solve_many(frame, SCREW, model=model, outputs=outputs, threads=1))
+    return timed(lambda: bs.solve_many(frame, SCREW, model=model, columns=outputs, threads=1))
 
 
 def of_batch() -> list[Row]:
@@ -116,7 +116,7 @@ def of_batch() -> list[Row]:
 def fixed() -> list[Row]:
     """Row 4: what each run costs, whatever is solved."""
     given = points(ROWS)
-    table = bs.solve_many(given, SCREW, model="closed-form", outputs=ONE, threads=1)
+    table = bs.solve_many(given, SCREW, model="closed-form", columns=ONE, threads=1)
     assert table._rows is not None
     answers = alternating(timed(lambda: table._rows and (table._rows.statuses(), table._rows.models())))[0]
     # Of the package's own: the batch makes its columns too.
@@ -202,7 +202,7 @@ def elsewhere() -> list[Row]:
         "g = b['points'](1_000_000)\n"
         "at = lambda: int(open('/proc/self/statm').read().split()[1]) * resource.getpagesize() / 2**20\n"
         "b['bs'].solve_many({n: v[:10] for n, v in g.items()}, b['SCREW'], model='rigid')\n"
-        "a = at(); t = b['bs'].solve_many(g, b['SCREW'], model='rigid', outputs=%s, threads=1); print(at() - a)"
+        "a = at(); t = b['bs'].solve_many(g, b['SCREW'], model='rigid', columns=%s, threads=1); print(at() - a)"
     )
     one, every = told(peak % "['efficiency']"), told(peak % "None")
     columns = len(bs.solve_many(points(2), SCREW, model="rigid").column_names) - 5

@@ -26,7 +26,7 @@ grid = bs.sweep(
     screw,
     vary={"screw_speed_rpm": bs.linspace(100, 6000, 60), "axial_load_N": bs.linspace(20, 2000, 40)},
     model="raceway-control",
-    outputs=["efficiency", "ball_torque_Nm", "axial_displacement_um", "onset_number"],
+    columns=["efficiency", "ball_torque_Nm", "axial_displacement_um", "onset_number"],
 )
 print(grid, grid.grid("efficiency").shape)
 
@@ -41,7 +41,7 @@ bs.plot.curves(
     bs.sweep(
         screw,
         vary={"screw_speed_rpm": bs.linspace(100, 6000, 60), "axial_load_N": [2e3, 8e3, 2e4]},
-        outputs=["ball_torque_Nm"],
+        columns=["ball_torque_Nm"],
     ),
     "screw_speed_rpm",
     "ball_torque_Nm",

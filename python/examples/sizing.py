@@ -20,17 +20,17 @@ requirement = {
 }
 
 # %% The best screw of standard sizes, with its active limits.
-design = bs.design(requirement)
+design = bs.select(requirement)
 assert design.found, design["reasons"]
 screw = bs.Scene(design["scene"])
 print(screw)
 
 # %% Every nut of the catalogue that meets all limits, the lightest first.
-nuts = bs.catalog(requirement=requirement, sort="mass_kg", first=5)
+nuts = bs.select_nuts(requirement=requirement, sort="mass_kg", first=5)
 print(nuts.to_pandas()[["screw_root_diameter_mm", "ball_diameter_mm", "dynamic_load_rating_N", "mass_kg"]])
 
 # %% The axis around the screw: each rule with its limit and margin.
-axis = bs.size(screw)
+axis = bs.axis(screw)
 for rule in axis["rules"]:
     print(rule["name"], rule["value"], rule["limit"], rule["passes"])
 

@@ -16,11 +16,15 @@ mod scene;
 mod solution;
 mod table;
 
+use bsm_batch::Draws;
 use bsm_case::{
     INPUTS, ModelChoice, NutWords, Output, Quantity, REQUIREMENT_INPUTS, REQUIREMENT_WORDS,
+    input_schema,
 };
 use bsm_dyn::{Control, RacewayFriction};
 use pyo3::prelude::*;
+use pyo3_arrow::buffer::PyArrowBuffer;
+use serde_json::Value;
 
 /// Name, unit, meaning, default and rule of every input.
 #[pyfunction]
@@ -73,10 +77,28 @@ fn requirements() -> Vec<(&'static str, &'static str, String, Option<f64>, Strin
     words.chain(REQUIREMENT_INPUTS.iter().map(number)).collect()
 }
 
-/// The keys of a scene that are no numbers.
+/// The inputs that are no numbers: name, meaning, type in JSON and possible texts.
 #[pyfunction]
-fn scene_words() -> &'static [&'static str] {
-    NutWords::KEYS
+fn scene_words() -> Vec<(&'static str, String, String, Vec<String>)> {
+    let schema = input_schema();
+    let texts = |of: &Value| -> Vec<String> {
+        let values = of.as_array().into_iter().flatten().chain(of.as_str().map(|_| of));
+        values.filter_map(Value::as_str).map(str::to_owned).collect()
+    };
+    let row = |name: &&'static str| {
+        let property = &schema["properties"][*name];
+        let kind = texts(&property["type"]).into_iter().find(|kind| kind != "null");
+        let about = property["description"].as_str().unwrap_or_default().to_owned();
+        (*name, about, kind.unwrap_or_else(|| "string".to_owned()), texts(&property["enum"]))
+    };
+    NutWords::KEYS.iter().map(row).collect()
+}
+
+/// Values of random points for each drawn input, those of `bsm sweep --draw`.
+#[pyfunction]
+fn draws(seed: u64, count: u64, of: Vec<String>) -> PyResult<Vec<(&'static str, PyArrowBuffer)>> {
+    let draws = Draws::parse(seed, count, &of).map_err(|e| errors::input(&e))?;
+    Ok(draws.columns().map(|(key, values)| (key.name(), table::shared(values))).collect())
 }
 
 #[pymodule]
@@ -96,6 +118,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(races, module)?,
         wrap_pyfunction!(frictions, module)?,
         wrap_pyfunction!(scene_words, module)?,
+        wrap_pyfunction!(draws, module)?,
         wrap_pyfunction!(requirements, module)?,
         wrap_pyfunction!(solution::sensitivities, module)?,
         wrap_pyfunction!(solution::gradient, module)?,
@@ -105,16 +128,16 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(table::to_arrow, module)?,
         wrap_pyfunction!(reports::slip, module)?,
         wrap_pyfunction!(reports::jam, module)?,
-        wrap_pyfunction!(reports::capacity, module)?,
+        wrap_pyfunction!(reports::ratings, module)?,
         wrap_pyfunction!(reports::nut, module)?,
         wrap_pyfunction!(reports::nut_columns, module)?,
         wrap_pyfunction!(reports::nut_samples, module)?,
         wrap_pyfunction!(reports::fit, module)?,
         wrap_pyfunction!(reports::fit_table, module)?,
-        wrap_pyfunction!(reports::design, module)?,
+        wrap_pyfunction!(reports::select, module)?,
         wrap_pyfunction!(reports::optimum, module)?,
-        wrap_pyfunction!(reports::size, module)?,
-        wrap_pyfunction!(reports::catalog, module)?,
+        wrap_pyfunction!(reports::axis, module)?,
+        wrap_pyfunction!(reports::select_nuts, module)?,
         wrap_pyfunction!(reports::makers, module)?,
         wrap_pyfunction!(reports::validate, module)?,
         wrap_pyfunction!(reports::write_numbers, module)?,

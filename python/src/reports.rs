@@ -6,7 +6,7 @@ use bsm_batch::{NumberColumn, TableError, TableSink};
 use bsm_case::{
     Answer, AxisReport, CATALOGUE, Calibration, CaseError, Catalogue, Content, DesignReport, Fit,
     MakerNut, MakerRow, Moving, NutProblem, NutReport, Record, RequirementFile, Samples, Settings,
-    Wanted, candidate_scene, column_names, ratings, sheet_columns,
+    Wanted, candidate_scene, column_names, sheet_columns,
 };
 use bsm_dyn::{Model, ModelWorkspace, Solution};
 use bsm_report::sheets::{size_figures, size_page, size_results};
@@ -76,9 +76,9 @@ fn of_motion(
 
 /// Ratings of a nut.
 #[pyfunction]
-pub(crate) fn capacity(py: Python<'_>, scene: &Bound<'_, Scene>) -> PyResult<Report> {
+pub(crate) fn ratings(py: Python<'_>, scene: &Bound<'_, Scene>) -> PyResult<Report> {
     let scene = &scene.get().0;
-    on_threads(py, || Ok(told(&ratings(scene)?)))
+    on_threads(py, || Ok(told(&bsm_case::ratings(scene)?)))
 }
 
 /// Rows of a table.
@@ -175,7 +175,7 @@ pub(crate) fn fit_table(
 ///
 /// * `free`: of any size, not of the standard ones.
 #[pyfunction]
-pub(crate) fn design(py: Python<'_>, requirement: &str, free: bool) -> PyResult<Report> {
+pub(crate) fn select(py: Python<'_>, requirement: &str, free: bool) -> PyResult<Report> {
     on_threads(py, || {
         let catalogue = Catalogue::standard()?;
         let lists = catalogue.lists.clone();
@@ -204,7 +204,7 @@ type Files = Vec<(String, String)>;
 ///
 /// * `sheet`: also make the files of its sheet.
 #[pyfunction]
-pub(crate) fn size(
+pub(crate) fn axis(
     py: Python<'_>,
     scene: &Bound<'_, Scene>,
     how: How,
@@ -338,11 +338,11 @@ pub(crate) fn makers(
 /// * `lists`: JSON of the sizes, the standard ones unless given. * `requirement`: JSON of what all must keep.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
-pub(crate) fn catalog(
+pub(crate) fn select_nuts(
     py: Python<'_>,
     lists: Option<&str>,
     requirement: Option<&str>,
-    require: Vec<String>,
+    conditions: Vec<String>,
     pareto: bool,
     sort: Option<&str>,
     descending: bool,
@@ -354,7 +354,7 @@ pub(crate) fn catalog(
             None => Catalogue::standard()?,
         };
         let wish = wished(requirement, &catalogue)?;
-        let mut wanted = Wanted::new(&require, wish.is_some(), pareto)?;
+        let mut wanted = Wanted::new(&conditions, wish.is_some(), pareto)?;
         if let Some(sort) = sort {
             wanted = wanted.sorted_by(sort, descending, wish.is_some())?;
         }

@@ -110,6 +110,12 @@ impl Solution {
         OUTPUTS.get(place)?.word(self.number(place))
     }
 
+    /// Torque of the whole screw \[N·m\]; NaN without a result.
+    fn screw_torque(&self, py: Python<'_>) -> f64 {
+        let parts = py.detach(|| torque_parts(&self.scene.get().0, &self.settings));
+        parts.ok().flatten().and_then(|parts| parts.torque()).unwrap_or(f64::NAN)
+    }
+
     /// As the program prints it with `--show band --json`.
     fn to_json(&self, py: Python<'_>) -> String {
         let scene = &self.scene.get().0;

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 import polars as pl
 import pytest
-from conftest import EXAMPLES
+from conftest import EXAMPLES, program
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -64,6 +64,28 @@ def test_a_scene_survives_its_round_trips(screw: bs.Scene) -> None:
 def test_a_lead_replaces_a_lead_angle(screw: bs.Scene) -> None:
     other = screw.replace(lead_angle_deg=5.0)
     assert other.lead_mm is None and other.lead_angle_deg == 5.0
+
+
+def test_the_screw_torque_is_that_of_the_program(screw: bs.Scene) -> None:
+    loaded = screw.replace(seal_torque_Nm=0.2)
+    solution = bs.solve(loaded)
+    assert solution.screw_torque_Nm == solution.to_dict()["torque_parts"]["screw_torque_Nm"]
+    assert solution.screw_torque_Nm > solution.ball_torque_Nm
+    table = bs.solve_many({"axial_load_N": [loaded.axial_load_N]}, loaded, columns=["screw_torque_Nm"])
+    # A row and a scene agree to 1e-10.
+    assert table["screw_torque_Nm"][0] == pytest.approx(solution.screw_torque_Nm, rel=1e-10)
+
+
+def test_random_points_are_those_of_the_program(screw: bs.Scene, tmp_path: Path) -> None:
+    points = bs.draw({"axial_load_N": bs.uniform(1e3, 2e4), "friction_coefficient": bs.normal(0.06, 0.01)}, 50, seed=7)
+    table = bs.solve_many(points, screw, columns=["efficiency"], text=True)
+    screw.write(tmp_path / "screw.json")
+    assert bs.Scene.read(tmp_path / "screw.json") == screw
+    options = ["--draw", "axial_load_N=uniform:1000:20000", "--draw", "friction_coefficient=normal:0.06:0.01", "--samples", "50",
+               "--seed", "7", "--columns", "efficiency", "--quiet", "--keep-going"]
+    subprocess.run([program(), "sweep", tmp_path / "screw.json", *options, "-o", tmp_path / "of.csv"], check=True)
+    table.write(tmp_path / "ours.csv")
+    assert (tmp_path / "ours.csv").read_bytes() == (tmp_path / "of.csv").read_bytes()
 
 
 def test_properties_have_every_input(screw: bs.Scene) -> None:
@@ -159,17 +181,17 @@ def test_representations_are_short_and_escaped(screw: bs.Scene) -> None:
 
 
 def test_a_report_is_shown_with_what_it_holds() -> None:
-    """A notebook showed of `size` that it passes, and nothing else."""
-    shown = bs.size(bs.Scene.read(EXAMPLES / "axis.json"))._repr_html_()
+    """A notebook showed of `axis` that it passes, and nothing else."""
+    shown = bs.axis(bs.Scene.read(EXAMPLES / "axis.json"))._repr_html_()
     assert "buckling_safety" in shown and "screw_mass_kg" in shown and len(shown) < 20_000
-    shown = bs.design(EXAMPLES / "requirements" / "axis.json")._repr_html_()
+    shown = bs.select(EXAMPLES / "requirements" / "axis.json")._repr_html_()
     assert "<th>step</th>" in shown and "ball_diameter_mm" in shown and len(shown) < 20_000
 
 
 def test_what_new_users_write_is_answered_in_words(screw: bs.Scene) -> None:
     points: Any = {"screw_speed_rpm": [100.0, 200.0]}
-    with pytest.raises(bs.InputError, match=r"outputs takes a list of names, such as \['efficiency'\]"):
-        bs.solve_many(points, screw, outputs="efficiency")  # type: ignore[arg-type]
+    with pytest.raises(bs.InputError, match=r"columns takes a list of names, such as \['efficiency'\]"):
+        bs.solve_many(points, screw, columns="efficiency")  # type: ignore[arg-type]
     with pytest.raises(bs.InputError, match="wrt takes a list"):
         bs.gradient(points, "efficiency", "lead_mm", screw)
     with pytest.raises(bs.InputError, match=r"`lead_mm` is 10; give the values that it takes, such as \[10\]"):
@@ -182,10 +204,24 @@ def test_what_new_users_write_is_answered_in_words(screw: bs.Scene) -> None:
         with pytest.raises(bs.InputError, match="column `name` holds") as refused:
             bs.solve_many(frame, screw)
         assert "keep=" in refused.value.__notes__[0]
+    for wrong, word in ((bs.uniform(1.0, 2.0), "is random: draw"), (["a"], "is not a number")):
+        with pytest.raises(bs.InputError, match=word):
+            bs.solve_many({"axial_load_N": wrong}, screw)
+    with pytest.raises(bs.InputError, match="is random"):
+        bs.sweep(screw, vary={"axial_load_N": bs.normal(1.0, 2.0)})
+    assert bs.solve_many({"axial_load_N": bs.linspace(1e3, 2e3, 3)}, screw)["axial_load_N"].tolist() == [1e3, 1.5e3, 2e3]
+    with pytest.raises(bs.InputError, match="model is 3, but must be a text"):
+        bs.solve(screw, model=3)  # type: ignore[arg-type]
+    with pytest.raises(bs.InputError, match="unknown key `modle`, did you mean `model`"):
+        bs.solve(screw, modle="rigid")  # type: ignore[call-arg]
+    with pytest.raises(bs.InputError, match="did you mean `efficiency`"):
+        bs.gradient(points, "efficency", ["lead_mm"], screw)  # type: ignore[arg-type]
+    with pytest.raises(KeyError, match=r"it is in \['results'\]"):
+        bs.axis(bs.Scene.read(EXAMPLES / "axis.json"))["critical_speed_rpm"]
     with pytest.raises(KeyError) as caught:
         bs.solve_many(points, screw)["regime"]
     assert len(str(caught.value)) < 300
-    assert bs.design(axial_load_N=4000, screw_speed_rpm=1500, stroke_mm=600, friction_coefficient=0.05).found
+    assert bs.select(axial_load_N=4000, screw_speed_rpm=1500, stroke_mm=600, friction_coefficient=0.05).found
 
 
 # Many points
@@ -207,24 +243,26 @@ def test_many_points_are_as_single_ones(screw: bs.Scene, model: str) -> None:
 def test_every_kind_of_frame_gives_the_same(screw: bs.Scene) -> None:
     pl, pa, pd = (pytest.importorskip(name) for name in ("polars", "pyarrow", "pandas"))
     points = random_points(1000, 5)
-    expected = bs.solve_many(points, screw, outputs=["efficiency"])
+    expected = bs.solve_many(points, screw, columns=["efficiency"])
     batches = pa.Table.from_batches(pa.table(points).to_batches(max_chunksize=77))
     backwards = dict(reversed(points.items()))
     for frame in (pl.DataFrame(points), pa.table(points), pd.DataFrame(points), batches, backwards):
         for threads in (1, 2):
-            table = bs.solve_many(frame, screw, outputs=["efficiency"], threads=threads)
+            table = bs.solve_many(frame, screw, columns=["efficiency"], threads=threads)
             assert table["efficiency"].tobytes() == expected["efficiency"].tobytes()
 
 
 def test_frames_come_out_alike(screw: bs.Scene) -> None:
     pytest.importorskip("polars"), pytest.importorskip("pyarrow"), pytest.importorskip("pandas")
     outputs = ["efficiency", "controlling_race", "self_locking"]
-    table = bs.solve_many(random_points(300, 9), screw, model="raceway-control", outputs=outputs)  # type: ignore[arg-type]
+    table = bs.solve_many(random_points(300, 9), screw, model="raceway-control", columns=outputs)  # type: ignore[arg-type]
     polars, arrow, pandas = table.to_polars(), table.to_arrow(), table.to_pandas()
     assert polars.columns == arrow.column_names == list(pandas.columns) == table.column_names
     for found in (polars["efficiency"].to_numpy(), arrow["efficiency"].to_numpy(), pandas["efficiency"].to_numpy()):
         assert np.array_equal(found, table["efficiency"], equal_nan=True)
-    assert set(polars["controlling_race"].drop_nulls()) <= {"nut", "screw"}
+    races = [None if race is None else str(race) for race in polars["controlling_race"]]
+    assert races == table["controlling_race"].tolist() == table.to_dict()["controlling_race"] and {*races} <= {"nut", "screw", None}
+    assert [race if isinstance(race, str) else None for race in pandas["controlling_race"]] == races
     assert polars["self_locking"].sum() == 0
     assert arrow.schema.field("axial_load_N").metadata == {b"unit": b"N"}
     assert list(pandas["model"].cat.categories) == list(bs.MODELS)
@@ -270,8 +308,8 @@ def test_kept_columns_keep_their_types(tmp_path: Path, screw: bs.Scene) -> None:
         "word": ["a", None, ""],
     }
     frame = pl.DataFrame({**kept, "axial_load_N": [2000.0, 3000.0, 4000.0]})
-    table = bs.solve_many(frame, screw, keep=list(kept), outputs=["efficiency"])
-    for again in (table, pickle.loads(pickle.dumps(table)), bs.solve_many(table, screw, keep=list(kept), outputs=["efficiency"])):
+    table = bs.solve_many(frame, screw, keep=list(kept), columns=["efficiency"])
+    for again in (table, pickle.loads(pickle.dumps(table)), bs.solve_many(table, screw, keep=list(kept), columns=["efficiency"])):
         assert again.to_polars().select(list(kept)).equals(frame.select(list(kept)))
         assert again.to_polars().schema["small"] == pl.UInt8 and again.to_polars().schema["share"] == pl.Float32
     assert table["id"].tolist() == [1 << 60, None, 3] and table["small"].dtype == np.int64
@@ -281,11 +319,11 @@ def test_kept_columns_keep_their_types(tmp_path: Path, screw: bs.Scene) -> None:
     table.write(tmp_path / "t.parquet")
     assert pl.read_parquet(tmp_path / "t.parquet").select(list(kept)).equals(frame.select(list(kept)))
     arrow = pa.table({"id": pa.array([7, 8], pa.int32()), "tag": pa.array(["x", "y"]).dictionary_encode(), "axial_load_N": [2e3, 3e3]})
-    out = bs.solve_many(arrow, screw, keep=["id", "tag"], outputs=["efficiency"]).to_arrow()
+    out = bs.solve_many(arrow, screw, keep=["id", "tag"], columns=["efficiency"]).to_arrow()
     assert out.schema.field("id").type == pa.int32() and out.column("tag").to_pylist() == ["x", "y"]
     # Arrays of NumPy have types too.
     points = {"axial_load_N": [2e3, 3e3], "n": np.array([5, 6], np.int16), "t": np.array(["2026-01-01", "NaT"], "datetime64[D]")}
-    out = bs.solve_many(points, screw, keep=["n", "t"], outputs=["efficiency"]).to_polars()
+    out = bs.solve_many(points, screw, keep=["n", "t"], columns=["efficiency"]).to_polars()
     assert out.schema["n"] == pl.Int64 and out["t"].null_count() == 1 and out["n"].to_list() == [5, 6]
     with pytest.raises(bs.InputError, match="lists, maps or structures"):
         bs.solve_many(pl.DataFrame({"l": [[1], [2]], "axial_load_N": [2e3, 3e3]}), screw, keep=["l"])
@@ -323,14 +361,14 @@ def test_all_forms_of_arrays(screw: bs.Scene) -> None:
 def test_tables_can_be_pickled(screw: bs.Scene) -> None:
     points = random_points(300, 11)
     points["axial_load_N"][7] = -1.0
-    grid = bs.sweep(screw, vary={"screw_speed_rpm": [500.0, 1500.0]}, outputs=["efficiency"])
-    for table in (bs.solve_many(points, screw, outputs=["efficiency"]), grid, bs.compare(screw)):
+    grid = bs.sweep(screw, vary={"screw_speed_rpm": [500.0, 1500.0]}, columns=["efficiency"])
+    for table in (bs.solve_many(points, screw, columns=["efficiency"]), grid, bs.compare(screw)):
         other = pickle.loads(pickle.dumps(table))
         assert type(other) is type(table) and other.column_names == table.column_names
         # NaN is not equal to itself, but its text is.
         assert repr(other.to_dict()) == repr(table.to_dict()) and other.units == table.units
         assert other.message(0) == table.message(0)
-    table = pickle.loads(pickle.dumps(bs.solve_many(points, screw, outputs=["efficiency"])))
+    table = pickle.loads(pickle.dumps(bs.solve_many(points, screw, columns=["efficiency"])))
     assert "axial_load_N" in table.message(7) and table.status[7] == "invalid_input"
     assert other["efficiency"].flags.writeable is False
 
@@ -374,7 +412,7 @@ def test_none_leaves_an_input_out(screw: bs.Scene) -> None:
 def test_misspelt_outputs_name_the_nearest(screw: bs.Scene) -> None:
     with pytest.raises(AttributeError, match="did you mean `efficiency`"):
         _ = bs.solve(screw).effciency  # type: ignore[attr-defined]
-    table = bs.sweep(screw, vary={"screw_speed_rpm": [500.0, 1500.0]}, outputs=["efficiency"])
+    table = bs.sweep(screw, vary={"screw_speed_rpm": [500.0, 1500.0]}, columns=["efficiency"])
     with pytest.raises(KeyError, match="did you mean `efficiency`"):
         table["efficency"]
     with pytest.raises(TypeError, match="to_pandas"):
@@ -388,7 +426,7 @@ def test_tables_of_no_row_and_of_one(screw: bs.Scene, rows: int) -> None:
 
 
 def test_views_outlive_their_table_and_cannot_be_written(screw: bs.Scene) -> None:
-    table = bs.solve_many(random_points(5000, 2), screw, model="rigid", outputs=["efficiency"])
+    table = bs.solve_many(random_points(5000, 2), screw, model="rigid", columns=["efficiency"])
     view = table["efficiency"]
     kept = view.copy()
     del table
@@ -406,7 +444,7 @@ def test_doubles_are_read_in_place(screw: bs.Scene) -> None:
 
 def test_unknown_outputs_name_the_nearest(screw: bs.Scene) -> None:
     with pytest.raises(bs.InputError) as caught:
-        bs.solve_many({"axial_load_N": [1.0]}, screw, outputs=["efficency"])  # type: ignore[list-item]
+        bs.solve_many({"axial_load_N": [1.0]}, screw, columns=["efficency"])  # type: ignore[list-item]
     assert caught.value.nearest == "efficiency"
 
 
@@ -432,7 +470,7 @@ def test_efficiency_is_output_over_input_power(load: float, speed: float, fricti
 def test_a_grid_is_labelled(screw: bs.Scene) -> None:
     xr = pytest.importorskip("xarray")
     vary = {"screw_speed_rpm": bs.linspace(100, 3000, 5), "axial_load_N": [2e3, 8e3, 1.6e4]}
-    grid = bs.sweep(screw, vary=vary, outputs=["efficiency"])
+    grid = bs.sweep(screw, vary=vary, columns=["efficiency"])
     assert grid.shape == (5, 3) == grid.grid("efficiency").shape
     data = grid.to_xarray()
     assert isinstance(data, xr.Dataset) and data["efficiency"].dims == ("screw_speed_rpm", "axial_load_N")
@@ -449,8 +487,8 @@ def test_a_grid_is_labelled(screw: bs.Scene) -> None:
 
 def test_a_name_may_have_another_unit(screw: bs.Scene) -> None:
     assert bs.Scene(screw, axial_load_kN=7.5).axial_load_N == 7500.0  # type: ignore[call-arg]
-    ours = bs.solve_many({"axial_load_kN": [2.0, 8.0]}, screw, outputs=["efficiency"])
-    same = bs.solve_many({"axial_load_N": [2000.0, 8000.0]}, screw, outputs=["efficiency"])
+    ours = bs.solve_many({"axial_load_kN": [2.0, 8.0]}, screw, columns=["efficiency"])
+    same = bs.solve_many({"axial_load_N": [2000.0, 8000.0]}, screw, columns=["efficiency"])
     assert ours["efficiency"].tobytes() == same["efficiency"].tobytes()
     assert ours.column_names[0] == "axial_load_kN" and ours["axial_load_kN"].tolist() == [2.0, 8.0]
 
@@ -461,7 +499,7 @@ def test_quantities_of_pint_are_converted(screw: bs.Scene) -> None:
     found = screw.replace(axial_load_N=8 * unit.kN, screw_speed_rpm=25 * unit.Hz * 2 * math.pi * unit.rad)
     assert found.axial_load_N == 8000.0 and found.screw_speed_rpm == pytest.approx(1500.0, rel=1e-12)
     loads = np.array([2.0, 8.0]) * unit.kN
-    table = bs.solve_many({"axial_load_N": loads}, screw, outputs=["efficiency"])
+    table = bs.solve_many({"axial_load_N": loads}, screw, columns=["efficiency"])
     assert table["axial_load_N"].tolist() == [2000.0, 8000.0]
     with pytest.raises(bs.InputError, match="axial_load_N"):
         screw.replace(axial_load_N=8 * unit.kg)
@@ -517,7 +555,7 @@ def test_sensitivities_are_sorted(screw: bs.Scene) -> None:
 def test_curves_of_a_grid_are_a_line_for_each_value(screw: bs.Scene) -> None:
     """Audit, users 25: without `by` one zigzag line ran through both axes."""
     loads, speeds = [2000.0, 4000.0, 8000.0], [500.0, 1500.0]
-    grid = bs.sweep(screw, vary={"axial_load_N": loads, "screw_speed_rpm": speeds}, outputs=["efficiency"])
+    grid = bs.sweep(screw, vary={"axial_load_N": loads, "screw_speed_rpm": speeds}, columns=["efficiency"])
     lines = bs.plot.curves(grid, "axial_load_N", "efficiency").get_lines()
     assert [np.asarray(line.get_xdata()).tolist() for line in lines] == [loads, loads]
 
@@ -535,7 +573,7 @@ def test_ctrl_c_ends_a_run_at_once(model: str) -> None:
         "print('begun', flush=True)\n"
         "try:\n"
         "    while True:\n"
-        f"        bs.solve_many({{'axial_load_N': loads}}, s, model={model!r}, outputs=['efficiency'])\n"
+        f"        bs.solve_many({{'axial_load_N': loads}}, s, model={model!r}, columns=['efficiency'])\n"
         "except KeyboardInterrupt:\n"
         "    print(time.time(), flush=True)\n"
         "    raise\n"
@@ -559,23 +597,23 @@ def test_an_error_of_progress_ends_the_run(screw: bs.Scene) -> None:
         raise Enough
 
     with pytest.raises(Enough):
-        bs.solve_many(random_points(300_000, 4), screw, model="traction", outputs=["efficiency"], progress=stop)
+        bs.solve_many(random_points(300_000, 4), screw, model="traction", columns=["efficiency"], progress=stop)
 
 
 def test_progress_ends_with_all_rows(screw: bs.Scene) -> None:
     seen: list[tuple[int, int]] = []
-    bs.solve_many(random_points(100_000, 4), screw, model="raceway-control", outputs=["efficiency"],
+    bs.solve_many(random_points(100_000, 4), screw, model="raceway-control", columns=["efficiency"],
                   progress=lambda done, total: seen.append((done, total)))
     assert seen[-1] == (100_000, 100_000)
 
 
 def test_threads_of_python_may_solve_together(screw: bs.Scene) -> None:
     points = random_points(3000, 6)
-    expected = bs.solve_many(points, screw, outputs=["efficiency"])["efficiency"].tobytes()
+    expected = bs.solve_many(points, screw, columns=["efficiency"])["efficiency"].tobytes()
     found: list[bytes] = []
 
     def work() -> None:
-        found.append(bs.solve_many(points, screw, outputs=["efficiency"])["efficiency"].tobytes())
+        found.append(bs.solve_many(points, screw, columns=["efficiency"])["efficiency"].tobytes())
 
     threads = [threading.Thread(target=work) for _ in range(4)]
     for thread in threads:
@@ -590,7 +628,7 @@ def test_a_forked_process_solves() -> None:
     code = (
         "import os, ballscrew as bs, numpy as np\n"
         f"s = bs.Scene.read({str(FEED_DRIVE)!r})\n"
-        "run = lambda: bs.solve_many({'axial_load_N': np.linspace(1e3, 1e4, 5000)}, s, outputs=['efficiency'])\n"
+        "run = lambda: bs.solve_many({'axial_load_N': np.linspace(1e3, 1e4, 5000)}, s, columns=['efficiency'])\n"
         "run()\n"
         "child = os.fork()\n"
         "if child == 0:\n"
@@ -611,7 +649,7 @@ def test_calls_do_not_leak(screw: bs.Scene) -> None:
 
     def calls(count: int) -> None:
         for _ in range(count):
-            bs.solve_many(points, screw, model="closed-form", outputs=outputs)
+            bs.solve_many(points, screw, model="closed-form", columns=outputs)
             bs.solve(screw, model="closed-form", lead_mm=10.0).to_dict()
             with contextlib.suppress(bs.InputError):
                 bs.Scene(lead_mn=3)  # type: ignore[call-arg]

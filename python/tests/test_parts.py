@@ -23,7 +23,7 @@ ROWS = 120
 
 
 def made(folder: Path, **how: object) -> bs.Plan:
-    given = {"vary": VARY, "model": "elastic", "outputs": ["efficiency", "ball_torque_Nm"], "rows_per_part": 13, **how}
+    given = {"vary": VARY, "model": "elastic", "columns": ["efficiency", "ball_torque_Nm"], "rows_per_part": 13, **how}
     return bs.plan(folder, bs.Scene.read(EXAMPLES / "feed_drive.json"), **given)  # type: ignore[arg-type]
 
 
@@ -143,7 +143,7 @@ def test_random_points_and_tables(tmp_path: Path) -> None:
     import pyarrow.parquet as pq
 
     draw = {"axial_load_N": bs.uniform(500, 9000), "friction_coefficient": bs.normal(0.06, 0.005)}
-    given = {"vary": None, "draw": draw, "draws": 100, "seed": 3, "model": "rigid"}
+    given = {"vary": None, "draw": draw, "samples": 100, "seed": 3, "model": "rigid"}
     plan = made(tmp_path / "drawn", **given)
     plan.run()
     rows = pq.read_table(tmp_path / "drawn" / "data").to_pylist()

@@ -70,10 +70,10 @@ def test_sensitivities() -> None:
 REPORTS: dict[str, list[str]] = {
     "slip": ["solve", "--show", "slip"],
     "jam": ["solve", "--show", "jam"],
-    "capacity": ["solve", "--show", "ratings"],
+    "ratings": ["solve", "--show", "ratings"],
     "optimum": ["solve", "--show", "optimum"],
     "nut": ["nut"],
-    "size": ["axis"],
+    "axis": ["axis"],
 }
 
 
@@ -125,25 +125,25 @@ def test_torque_by_its_parts() -> None:
     path = EXAMPLES / "axis.json"
     answer = bs.solve(bs.Scene.read(path)).to_dict()
     assert answer == told("solve", path)
-    phase = bs.size(bs.Scene.read(path))["phases"][0]
+    phase = bs.axis(bs.Scene.read(path))["phases"][0]
     assert answer["torque_parts"].items() <= phase.items()
 
 
 def test_the_warm_state_of_an_axis() -> None:
     path = EXAMPLES.parent / "validation" / "published" / "nut" / "feed_axis.json"
     axis = bs.Scene.read(path)
-    sheet = bs.size(axis, model="raceway-control", control="nut")["warm"]
+    sheet = bs.axis(axis, model="raceway-control", control="nut")["warm"]
     nut = bs.nut(axis, model="raceway-control", control="nut")
     # The nut is solved once more, in the same state.
     assert nut["warm_preload_N"] == pytest.approx(sheet["warm_preload_N"], rel=1e-9)
     vary = {"nut_conductance_W_K": [3.0, 20.0]}
-    grid = bs.sweep(axis, vary=vary, outputs=["nut_temperature_C"], model="raceway-control", control="nut")
+    grid = bs.sweep(axis, vary=vary, columns=["nut_temperature_C"], model="raceway-control", control="nut")
     warm, cooled = grid["nut_temperature_C"]
     # It computes 3.3 W/K, and is set at 20 C.
     assert warm > sheet["nut_temperature_C"] > cooled > 20
     # Nothing is asked for, nothing is warm.
     cold = bs.Scene(axis, warm_state=False, lubricant_temperature_C=40)
-    assert "warm" not in bs.size(cold, model="raceway-control", control="nut")
+    assert "warm" not in bs.axis(cold, model="raceway-control", control="nut")
 
 
 def test_fit_to_measured_points() -> None:
@@ -158,17 +158,17 @@ def test_fit_to_measured_points() -> None:
         rows = np.array([[float(cell) for cell in line.split(",")] for line in file])
     columns = dict(zip(names, rows.T, strict=True))
     for data in (table, columns, pa.table(columns)):
-        assert plain(bs.fit(oiled, "screw_torque_Nm", data=data, input=sought)) == expected
-    one = bs.fit(oiled, "screw_torque_Nm", data=columns, input="seal_torque_Nm", range=(0.0, 1.0))
+        assert plain(bs.fit(oiled, "screw_torque_Nm", points=data, input=sought)) == expected
+    one = bs.fit(oiled, "screw_torque_Nm", points=columns, input="seal_torque_Nm", range=(0.0, 1.0))
     assert list(one["found"]) == ["seal_torque_Nm"]
     with pytest.raises(bs.InputError) as caught:
-        bs.fit(oiled, "screw_torque_Nm", data={**columns, "axial_load_N": -columns["axial_load_N"]}, input=sought)
+        bs.fit(oiled, "screw_torque_Nm", points={**columns, "axial_load_N": -columns["axial_load_N"]}, input=sought)
     assert (caught.value.key, caught.value.row) == ("axial_load_N", 0)
 
 
 def test_reports_in_folders(tmp_path: Path) -> None:
     path = EXAMPLES / "axis.json"
-    bs.size(bs.Scene.read(path), out=tmp_path / "ours" / "axis")
+    bs.axis(bs.Scene.read(path), figures=tmp_path / "ours" / "axis")
     bs.validate(tmp_path / "ours" / "validate")
     for words in (["axis", str(path)], ["validate"]):
         run = subprocess.run([program(), *words, "--figures", tmp_path / "theirs" / words[0]], capture_output=True)
@@ -181,7 +181,7 @@ def test_reports_in_folders(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("path", sorted((EXAMPLES / "requirements").glob("*.json")), ids=lambda path: path.stem)
 def test_design(path: Path) -> None:
-    report = bs.design(path)
+    report = bs.select(path)
     assert plain(report) == told("select", path)
     if report.found:
         assert bs.Scene(report["scene"]).ball_diameter_mm == report["scene"]["ball_diameter_mm"]
@@ -200,7 +200,7 @@ def same_table(ours: Path, theirs: Path) -> None:
 
 def test_catalog(tmp_path: Path) -> None:
     wanted = ["dynamic_load_rating_N>=40000", "lead_mm=10"]
-    table = bs.catalog(require=wanted, pareto=True, sort="mass_kg")
+    table = bs.select_nuts(where=wanted, pareto=True, sort="mass_kg")
     options = [word for condition in wanted for word in ("--where", condition)]
     for ending in ("csv", "jsonl", "parquet"):
         ours, theirs = tmp_path / f"ours.{ending}", tmp_path / f"theirs.{ending}"
@@ -214,7 +214,7 @@ def test_catalog(tmp_path: Path) -> None:
 
 def test_catalog_of_a_requirement(tmp_path: Path) -> None:
     wish = EXAMPLES / "requirements" / "axis.json"
-    table = bs.catalog(requirement=wish, require=["critical_speed_ratio<=0.5", "lead_mm>=20"], sort="mean_heat_W")
+    table = bs.select_nuts(requirement=wish, where=["critical_speed_ratio<=0.5", "lead_mm>=20"], sort="mean_heat_W")
     assert 0 < len(table) and (table["critical_speed_ratio"] <= 0.5).all()
     ours, theirs = tmp_path / "ours.csv", tmp_path / "theirs.csv"
     table.write(ours)
@@ -236,11 +236,11 @@ def test_a_nut_of_the_catalogue_is_a_scene(tmp_path: Path) -> None:
     wish = EXAMPLES / "requirements" / "axis.json"
     lead = ["--where", "lead_mm=20", "--sort", "mass_kg"]
     for requirement, words in ((None, lead), (wish, [*lead, wish])):
-        nuts = bs.catalog(require=["lead_mm=20"], requirement=requirement, sort="mass_kg", first=2)
+        nuts = bs.select_nuts(where=["lead_mm=20"], requirement=requirement, sort="mass_kg", first=2)
         assert nuts.scene().to_dict() == bs.Scene(picked(tmp_path, *words)).to_dict()
         with pytest.raises(IndexError):
             nuts.scene(2)
-    assert bs.size(nuts.scene(-1))["results"]["critical_speed_ratio"] == nuts["critical_speed_ratio"][-1]
+    assert bs.axis(nuts.scene(-1))["results"]["critical_speed_ratio"] == nuts["critical_speed_ratio"][-1]
 
 
 def test_nuts_of_a_maker(tmp_path: Path) -> None:
@@ -248,7 +248,7 @@ def test_nuts_of_a_maker(tmp_path: Path) -> None:
     words: list[str | Path] = []
     for requirement in (None, wish):
         words = [requirement] if requirement else []
-        nuts = bs.catalog(makers=path, requirement=requirement)
+        nuts = bs.select_nuts(makers=path, requirement=requirement)
         rows = told("select", "--from", path, *words)
         assert nuts.to_dict() == {name: [row[name] for row in rows] for name in rows[0]}
     assert nuts.scene(0).to_dict() == bs.Scene(picked(tmp_path, "--from", path, *words)).to_dict()
@@ -258,19 +258,19 @@ def test_nuts_of_a_maker(tmp_path: Path) -> None:
     names = {"Type": "nut", "K": "stiffness_N_um", "note": None}
     plain_columns = {name: own[name].to_numpy() for name in own}
     for table in (own, pl.DataFrame(plain_columns), plain_columns):
-        again = bs.catalog(makers=table, columns_from=names, requirement=wish)
+        again = bs.select_nuts(makers=table, columns_from=names, requirement=wish)
         assert again["nut"].tolist() == nuts["nut"].tolist()
         gap = again["nut"].tolist().index("R63-20K5-FSC")
         assert np.flatnonzero(np.isnan(again["stiffness_N_um"])).tolist() == [gap]
     assert again.to_arrow().to_pandas()["passes"].tolist() == again["passes"].tolist()
     assert pickle.loads(pickle.dumps(again)).to_dict() == again.to_dict()
     with pytest.raises(bs.InputError, match="column `Type` holds") as refused:
-        bs.catalog(makers=own)
+        bs.select_nuts(makers=own)
     assert "columns_from" in refused.value.__notes__[0]
     with pytest.raises(bs.InputError, match="unknown column `K`"):
-        bs.catalog(makers=own.drop(columns=["Type", "note"]))
+        bs.select_nuts(makers=own.drop(columns=["Type", "note"]))
     with pytest.raises(bs.InputError, match="makers goes with"):
-        bs.catalog(makers=path, pareto=True)
+        bs.select_nuts(makers=path, pareto=True)
 
 
 def test_the_steps_of_a_rating(tmp_path: Path) -> None:
@@ -279,7 +279,7 @@ def test_the_steps_of_a_rating(tmp_path: Path) -> None:
     run = subprocess.run([program(), "solve", path, *preload, "--show", "steps", "-o", tmp_path / "rows.csv"], capture_output=True)
     assert run.returncode == 0, run.stderr
     rows = pd.read_csv(tmp_path / "rows.csv")
-    steps = bs.capacity(nut)["steps"]
+    steps = bs.ratings(nut)["steps"]
     assert len(steps) > 3
     assert list(steps.values()) == rows.iloc[-len(steps):, -1].tolist()
 
@@ -298,7 +298,7 @@ def test_a_sweep_has_the_bytes_of_the_program(tmp_path: Path) -> None:
     grid = bs.sweep(
         bs.Scene.read(path),
         vary={"screw_speed_rpm": bs.linspace(100, 6000, 300), "axial_load_kN": [2, 4, 8]},
-        outputs=["efficiency", "controlling_race"],
+        columns=["efficiency", "controlling_race"],
         text=True,
     )
     options = ["--vary", "screw_speed_rpm=100:6000:300", "--vary", "axial_load_kN=2,4,8"]
@@ -324,7 +324,7 @@ def test_a_table_of_points_has_the_bytes_of_the_program(tmp_path: Path, model: s
     points["axial_load_kN"][[1, 100, rows - 1]] = -1.0
     names = [f"point {row}" for row in range(rows)]
     outputs = ["efficiency", "ball_torque_Nm", "controlling_race"]
-    table = bs.solve_many({**points, "name": names}, bs.Scene.read(path), model=model, outputs=outputs, keep=["name"], text=True)  # type: ignore[arg-type]
+    table = bs.solve_many({**points, "name": names}, bs.Scene.read(path), model=model, columns=outputs, keep=["name"], text=True)  # type: ignore[arg-type]
     assert table.ok.sum() == rows - 3
     given = zip(*points.values(), names, strict=True)
     lines = [",".join([*points, "name"]), *(f"{float(a)!r},{float(b)!r},{name}" for a, b, name in given)]

@@ -134,6 +134,15 @@ impl Draws {
         Grid::new(self.of.iter().map(axis).collect::<Result<_, _>>()?)
     }
 
+    /// Each drawn input with its values at all points.
+    pub fn columns(&self) -> impl Iterator<Item = (InputKey, Vec<f64>)> {
+        self.of.iter().enumerate().map(|(place, draw)| {
+            let mut values = Vec::new();
+            self.fill(place, 0..self.count, &mut values);
+            (draw.key, values)
+        })
+    }
+
     /// Appends the values of an input in some rows.
     fn fill(&self, place: usize, rows: Range<u64>, to: &mut Vec<f64>) {
         /// Words of 32 bits of a number between 0 and 1.

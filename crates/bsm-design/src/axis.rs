@@ -70,6 +70,10 @@ pub struct Mount {
     pub length: Option<f64>,
     /// Shaft diameter for bending and buckling \[m\]; the core of the thread unless given.
     pub diameter: Option<f64>,
+    /// Bore \[m\], and density of what fills it \[kg/m³\].
+    pub bore: (f64, f64),
+    /// Ends and length \[m\] of the section that may buckle, if they differ from those of [`Support::of_buckling`].
+    pub buckling: (Option<Support>, Option<f64>),
 }
 
 impl Mount {
@@ -78,9 +82,15 @@ impl Mount {
     /// * `nut_length`, `stroke` \[m\].
     pub fn shaft(&self, screw: &Screw, nut_length: f64, stroke: Option<f64>) -> Option<Shaft> {
         let usual = stroke.map(|stroke| stroke + nut_length + OVERRUN_LEADS * screw.lead);
+        let length = self.length.or(usual)?;
+        let (ends, section) = self.buckling;
+        let buckling = (ends.unwrap_or(self.support.of_buckling()), section.unwrap_or(length));
         Some(Shaft {
             support: self.support,
-            length: self.length.or(usual)?,
+            length,
+            bore: self.bore.0,
+            coolant: self.bore.1,
+            buckling,
             diameter: self.diameter.unwrap_or(screw.core),
             youngs_modulus: screw.youngs_modulus,
         })

@@ -1,6 +1,6 @@
 //! The body of a nut: its size and mass.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use crate::thread::Profile;
 use crate::{Nut, Screw, Thread};
@@ -50,7 +50,10 @@ impl NutBody {
     /// Mass \[kg\] without balls, returns and flange (D11).
     pub fn mass(&self, nut: &Nut, thread: &Thread) -> f64 {
         let tube = self.outer.powi(2) - thread.nut.land.powi(2);
-        threaded(nut, &thread.nut, tube, self.length)
+        // m = ρ [π/4 (D₁² − D_b²) − A_g L/P_h] L_n                        (D11)
+        STEEL
+            * (0.25 * PI * tube - thread.nut.section() * nut.turn_length() / nut.lead)
+            * self.length
     }
 }
 
@@ -63,15 +66,85 @@ impl Nut {
             pitch_diameter: self.pitch_diameter,
             core: profile.core,
             outer: profile.land,
-            mass_per_length: threaded(self, profile, profile.land.powi(2), 1.0),
             youngs_modulus: self.material.0.youngs_modulus,
         }
     }
+
+    /// Mass \[kg\] of a screw, and its moment of inertia about its axis \[kg·m²\] (AA9).
+    ///
+    /// ```math
+    /// J_s = \frac{\pi\rho (d_s^4 - d_b^4)}{32}l - \frac{2\pi\rho\,l}{P_h}\int_{r_r}^{d_s/2} r^3 w\,dr, \qquad w = \frac{2}{\cos\alpha}\big[\sqrt{R^2 - y^2} - k\big]
+    /// ```
+    ///
+    /// the mass likewise with `$r$` for `$r^3$`. * `bore`, `length` \[m\].
+    pub fn screw_mass_and_inertia(&self, thread: &Thread, bore: f64, length: f64) -> (f64, f64) {
+        let Profile { radius, offset, height, land, .. } = thread.screw;
+        let [meet, edge] = thread.screw.ends();
+        let edge = edge.min(FRAC_PI_2);
+        let middle = 0.5 * self.pitch_diameter + height;
+        let width = 2.0 / self.lead_angle().cos();
+        // ∫ r^p w dr over the angle of the flank, r = D_pw/2 + h − R cosθ, w = (2/cosα) (R sinθ − k)
+        let removed = |power: i32| {
+            let at = |i: u32| {
+                let angle = meet + (edge - meet) * f64::from(i) / f64::from(STEPS);
+                let (sin, cos) = angle.sin_cos();
+                let weight = if i == 0 || i == STEPS { 1 } else { 2 + 2 * (i % 2) };
+                let r = middle - radius * cos;
+                f64::from(weight) * r.powi(power) * width * (radius * sin - offset) * radius * sin
+            };
+            (0..=STEPS).map(at).sum::<f64>() * (edge - meet) / (3.0 * f64::from(STEPS))
+        };
+        let turns = TAU * STEEL * length / self.lead;
+        // m_s = π/4 ρ l (d_s² − d_b²) − 2πρ l/P_h ∫ r w dr                (AA9)
+        let mass = 0.25 * PI * STEEL * length * (land.powi(2) - bore.powi(2)) - turns * removed(1);
+        // J_s = π/32 ρ l (d_s⁴ − d_b⁴) − 2πρ l/P_h ∫ r³ w dr              (AA9)
+        let inertia =
+            PI / 32.0 * STEEL * length * (land.powi(4) - bore.powi(4)) - turns * removed(3);
+        (mass, inertia)
+    }
 }
 
-/// Mass \[kg\] of a tube or rod with a groove along its whole length; `square`: difference of the squares of
-/// its diameters \[m²\].
-fn threaded(nut: &Nut, profile: &Profile, square: f64, length: f64) -> f64 {
-    // m = ρ [π/4 (D₁² − D_b²) − A_g L/P_h] L_n                            (D11)
-    STEEL * (0.25 * PI * square - profile.section() * nut.turn_length() / nut.lead) * length
+/// Even number of chords of a flank by Simpson's rule: an error of 1e-8.
+const STEPS: u32 = 32;
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+    use bsm_dyn::Material;
+
+    use super::*;
+
+    /// The moment of inertia was that of the pitch circle, half as much again. A metre each, by another quadrature to six
+    /// digits; a bore takes away its rod.
+    #[test]
+    fn mass_and_inertia_of_a_screw_are_those_under_its_groove() {
+        let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
+        for (pitch, ball, lead, land, mass, inertia) in [
+            (50.53e-3, 10e-3, 20e-3, 49.03e-3, 13.012, 3.512_53e-3),
+            (41.75e-3, 6.35e-3, 10e-3, 40e-3, 8.882_66, 1.615_95e-3),
+        ] {
+            let nut = Nut {
+                ball_diameter: ball,
+                pitch_diameter: pitch,
+                lead,
+                contact_angle: PI / 4.0,
+                conformity: (0.52, 0.52),
+                material: (steel, steel),
+                balls_per_turn: 10.0,
+                turns: 3.0,
+            };
+            let thread = nut.thread(0.0, (pitch + 2e-3, land));
+            let (m, j) = nut.screw_mass_and_inertia(&thread, 0.0, 1.0);
+            assert_relative_eq!(m, mass, max_relative = 1e-6);
+            assert_relative_eq!(j, inertia, max_relative = 3e-6);
+            let (hollow, turned) = nut.screw_mass_and_inertia(&thread, 10e-3, 1.0);
+            let rod = STEEL * 0.25 * PI * 1e-4;
+            assert_relative_eq!(m - hollow, rod, max_relative = 1e-12);
+            assert_relative_eq!(j - turned, rod * 1e-4 / 8.0, max_relative = 1e-9);
+            // A groove without depth leaves the rod.
+            let rod = nut.thread(0.0, (pitch + 2e-3, thread.screw.root));
+            let (m, j) = nut.screw_mass_and_inertia(&rod, 0.0, 1.0);
+            assert_relative_eq!(j, m * thread.screw.root.powi(2) / 8.0, max_relative = 1e-12);
+        }
+    }
 }

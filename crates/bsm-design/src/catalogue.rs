@@ -17,6 +17,9 @@ pub(crate) const STEP: f64 = 1e-5;
 /// Largest gap in a turn full of balls, over their diameter, unless one is chosen (Sobolewski 2002).
 pub const BALL_GAP: f64 = 0.10;
 
+/// Leads up to which the groove fills most of the lead \[m\].
+const SHORT_LEAD: f64 = 10e-3;
+
 /// The sizes to combine; lengths in m, angles in rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lists {
@@ -39,6 +42,10 @@ pub struct Lists {
 pub struct Limits {
     /// Largest ball diameter over lead.
     pub ball_over_lead: f64,
+    /// Least ball diameter over lead, of leads up to 10 mm.
+    pub least_ball_over_lead: f64,
+    /// Least and largest ball diameter over nominal diameter.
+    pub ball_over_diameter: (f64, f64),
     /// Largest ball diameter over root diameter of the screw; it is not reached.
     pub ball_over_root: f64,
     /// Largest gap in a turn full of balls, all gaps together, over the ball diameter; below 1.
@@ -140,7 +147,12 @@ impl Limits {
         let within = |(low, high): (f64, f64), value: f64| (low..=high).contains(&value);
         // Lists in millimetres do not meet the bounds to the last bit.
         let slack = 1.0 + 1e-12;
+        let (thin, thick) = self.ball_over_diameter;
         size.ball <= self.ball_over_lead * size.lead * slack
+            && (size.lead > SHORT_LEAD * slack
+                || size.ball * slack >= self.least_ball_over_lead * size.lead)
+            && size.ball * slack >= thin * size.diameter
+            && size.ball <= thick * size.diameter * slack
             && within(self.turns, size.turns)
             && within(self.conformity, size.conformity)
     }
@@ -290,6 +302,8 @@ mod tests {
 
     const LIMITS: Limits = Limits {
         ball_over_lead: 0.6,
+        least_ball_over_lead: 0.0,
+        ball_over_diameter: (0.0, 1.0),
         ball_over_root: 0.5,
         ball_gap: BALL_GAP,
         axial_play: 0.0,

@@ -18,13 +18,15 @@ pub struct MachineTable {
     pub inclination: f64,
     /// Friction coefficient of the guides.
     pub friction: f64,
+    /// Force of the guides that no load changes \[N\]: seals, scrapers, preload.
+    pub resistance: f64,
 }
 
 impl MachineTable {
     /// Axial load of the screw \[N\], positive against a positive feed (Z7).
     ///
     /// ```math
-    /// F = F_p + m g\sin\varphi + \mu\,m g\cos\varphi\,\mathrm{sgn}\,v + m a
+    /// F = F_p + m g\sin\varphi + (\mu\,m g\cos\varphi + F_g)\,\mathrm{sgn}\,v + m a
     /// ```
     ///
     /// * `process`: force on the carriage \[N\], positive against a positive feed. * `feed`: velocity
@@ -34,17 +36,18 @@ impl MachineTable {
     pub fn load(&self, process: f64, feed: f64, acceleration: f64) -> f64 {
         let weight = self.mass * GRAVITY;
         let way = if feed == 0.0 { 0.0 } else { feed.signum() };
-        // F = F_p + m g sinφ + μ m g cosφ sgn v + m a                     (Z7)
+        // F = F_p + m g sinφ + (μ m g cosφ + F_g) sgn v + m a             (Z7)
         process
             + weight * self.inclination.sin()
             + way * self.guide_friction()
             + self.mass * acceleration
     }
 
-    /// Friction of the guides \[N\].
+    /// Friction of the guides \[N\], and their force that no load changes.
     pub fn guide_friction(&self) -> f64 {
         // The cosine, which is zero upright.
-        self.friction * self.mass * GRAVITY * (FRAC_PI_2 - self.inclination).sin().max(0.0)
+        let cosine = (FRAC_PI_2 - self.inclination).sin().max(0.0);
+        self.friction * self.mass * GRAVITY * cosine + self.resistance
     }
 }
 
@@ -103,13 +106,16 @@ impl BackDriving {
     }
 }
 
-/// Moment of inertia of a screw about its axis \[kg·m²\] (Z9): that of a solid steel rod of its length and mass.
+/// Moment of inertia about its axis of a screw of which no more than length, mass and bore are known \[kg·m²\] (Z9): that of a
+/// steel rod with this bore.
 ///
-/// Assumes: the groove takes nothing from the outside alone; with it the moment is up to 3 % larger. Source: HIWIN
-/// BS-08-2, F 3.20, for the rod.
-pub fn screw_inertia(length: f64, mass: f64) -> f64 {
-    // J_s = m_s²/(2π ρ l)                                                 (Z9)
-    mass.powi(2) / (TAU * STEEL * length)
+/// Assumes: the groove takes nothing from the outside alone; with it ([`Nut::screw_mass_and_inertia`]) the moment is up to 5 %
+/// larger. Source: HIWIN BS-08-2, F 3.20, for the rod.
+///
+/// [`Nut::screw_mass_and_inertia`]: crate::Nut::screw_mass_and_inertia
+pub fn rod_inertia(length: f64, mass: f64, bore: f64) -> f64 {
+    // J_s = m_s²/(2π ρ l) + m_s d_b²/4                                    (Z9)
+    mass.powi(2) / (TAU * STEEL * length) + 0.25 * mass * bore.powi(2)
 }
 
 /// Inertias between motor and carriage.
@@ -123,8 +129,12 @@ pub struct Drive {
     pub mass: f64,
     /// Turns of the motor for one of the screw, positive.
     pub gear_ratio: f64,
+    /// Efficiency of the gear.
+    pub gear_efficiency: f64,
     /// Moment of inertia of the motor \[kg·m²\].
     pub motor_inertia: f64,
+    /// That of the gear, at the motor \[kg·m²\].
+    pub gear_inertia: f64,
 }
 
 impl Drive {
@@ -143,18 +153,85 @@ impl Drive {
     /// Torque of the motor \[N·m\] (Z12).
     ///
     /// ```math
-    /// T = \frac{T_s + J_s\dot\Omega}{i_g} + J_{mot}\,i_g\dot\Omega
+    /// T = \frac{T_s + J_s\dot\Omega}{i_g\,\eta_g^{\pm1}} + (J_{mot} + J_g)\,i_g\dot\Omega
     /// ```
     ///
-    /// * `at_screw`: torque that the screw takes at its speed \[N·m\], with the force that accelerates the moved
-    ///   mass in its load. * `acceleration`: of the carriage \[m/s²\].
+    /// with the minus where the screw drives the motor. * `at_screw`: torque that the screw takes at its speed \[N·m\], with
+    /// the force that accelerates the moved mass in its load. * `speed`: of the screw; its sign tells. * `acceleration`: of the
+    /// carriage \[m/s²\].
     ///
-    /// Assumes: a gear without losses. Source: HIWIN BS-08-2, F 3.17 to F 3.22.
-    pub fn motor_torque(&self, at_screw: f64, acceleration: f64) -> f64 {
+    /// Source: HIWIN BS-08-2, F 3.17 to F 3.22.
+    pub fn motor_torque(&self, at_screw: f64, speed: f64, acceleration: f64) -> f64 {
         let turning = acceleration * TAU / self.lead;
-        // T = (T_s + J_s Ω̇)/i_g + J_mot i_g Ω̇                             (Z12)
-        (at_screw + self.screw_inertia * turning) / self.gear_ratio
-            + self.motor_inertia * self.gear_ratio * turning
+        let of_screw = at_screw + self.screw_inertia * turning;
+        let loss = if of_screw * speed < 0.0 {
+            self.gear_efficiency
+        } else {
+            self.gear_efficiency.recip()
+        };
+        // T = (T_s + J_s Ω̇)/(i_g η_g^±1) + (J_mot + J_g) i_g Ω̇            (Z12)
+        of_screw / self.gear_ratio * loss
+            + (self.motor_inertia + self.gear_inertia) * self.gear_ratio * turning
+    }
+
+    /// All moments of inertia at the motor \[kg·m²\].
+    pub fn inertia(&self) -> f64 {
+        self.load_inertia() + self.motor_inertia + self.gear_inertia
+    }
+
+    /// What falls when the motor has no power.
+    ///
+    /// * `weight`: force that turns the screw \[N\].
+    pub fn falling(&self, weight: f64) -> Falling {
+        let advance = self.lead / TAU;
+        let inertia = self.inertia() * self.gear_ratio.powi(2);
+        Falling { torque: weight * advance, advance, inertia }
+    }
+}
+
+/// Least time in which a motor reaches a speed \[s\] (AA11); `None` if it cannot.
+///
+/// * `inertia`: of all at the motor \[kg·m²\]. * `speed`: of the motor \[rad/s\]. * `peak`, `load`: largest torque of the motor,
+///   and that of the load \[N·m\].
+///
+/// Source: THK, A-720; HIWIN BS-08-2, F 3.24, has the rated torque and a factor of 1.5.
+pub fn least_acceleration_time(inertia: f64, speed: f64, peak: f64, load: f64) -> Option<f64> {
+    // t_a = J Ω_max/(T_peak − T_load)                                     (AA11)
+    (peak > load).then(|| inertia * speed / (peak - load))
+}
+
+/// A weight that turns a screw without friction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Falling {
+    /// Torque of the weight on the screw \[N·m\].
+    pub torque: f64,
+    /// Way for a radian of the screw \[m\].
+    advance: f64,
+    /// Moment of inertia of all at the screw \[kg·m²\].
+    inertia: f64,
+}
+
+impl Falling {
+    /// Acceleration \[m/s²\] under a torque that drives the screw \[N·m\] (AA12).
+    pub fn acceleration(&self, driving: f64) -> f64 {
+        // a = T h/J                                                       (AA12)
+        driving * self.advance / self.inertia
+    }
+
+    /// Way until a brake has stopped it \[m\] (AA13); `None` if the brake does not hold.
+    ///
+    /// ```math
+    /// s = \frac{v + v_1}{2}t_B + \frac{v_1^2}{2a_B}, \qquad v_1 = v + \frac{F h^2}{J}t_B, \quad a_B = \frac{T_B - F h}{J}h
+    /// ```
+    ///
+    /// * `brake`: its torque at the screw \[N·m\]. * `delay`: until it acts \[s\]. * `feed`: downwards at power loss \[m/s\].
+    pub fn stopping_distance(&self, brake: f64, delay: f64, feed: f64) -> Option<f64> {
+        // v₁ = v + F h² t_B/J                                             (AA13)
+        let reached = feed + self.acceleration(self.torque) * delay;
+        // a_B = (T_B − F h) h/J                                           (AA13)
+        let braking = self.acceleration(brake - self.torque);
+        // s = (v + v₁) t_B/2 + v₁²/(2 a_B)                                (AA13)
+        (braking > 0.0).then(|| 0.5 * (feed + reached) * delay + 0.5 * reached.powi(2) / braking)
     }
 }
 
@@ -178,6 +255,7 @@ mod tests {
     use approx::assert_relative_eq;
 
     use super::*;
+    use crate::Screw;
 
     /// An upright axis of 250 kg on a screw of lead 10 mm, drag 0.25 N m, efficiency of 0.75 to 0.85 driven back, by hand: the
     /// load alone makes 3.90194 N m. A worm of efficiency zero holds, and drag makes the rest undecided.
@@ -202,7 +280,10 @@ mod tests {
     /// and the guides carry nothing. Nook's selection example: 5000 lb on guides of 0.0013 take 6.5 lb.
     #[test]
     fn loads_of_a_carriage() {
-        let level = MachineTable { mass: 500.0, inclination: 0.0, friction: 0.01 };
+        let level = MachineTable { mass: 500.0, inclination: 0.0, friction: 0.01, resistance: 0.0 };
+        // Scrapers rub upright, too.
+        let scraped = MachineTable { resistance: 15.0, inclination: FRAC_PI_2, ..level };
+        assert_relative_eq!(scraped.load(0.0, -0.1, 0.0), 4903.325 - 15.0, max_relative = 1e-12);
         assert_relative_eq!(level.load(1e3, 0.1, 0.0), 1_049.033_25, max_relative = 1e-12);
         assert_relative_eq!(level.load(1e3, -0.1, 0.0), 950.966_75, max_relative = 1e-12);
         assert_relative_eq!(level.load(1e3, 0.0, 2.0), 2e3, max_relative = 1e-12);
@@ -212,7 +293,7 @@ mod tests {
         }
         assert!(upright.guide_friction() <= 0.0, "guides of an upright axis carry nothing");
         let pounds = 0.453_592_37;
-        let nook = MachineTable { mass: 5000.0 * pounds, inclination: 0.0, friction: 0.0013 };
+        let nook = MachineTable { mass: 5000.0 * pounds, friction: 0.0013, ..level };
         let in_pounds = nook.load(0.0, 1.0, 0.0) / (pounds * GRAVITY);
         assert_relative_eq!(in_pounds, 6.5, max_relative = 1e-12);
     }
@@ -224,12 +305,17 @@ mod tests {
         assert!((drag_torque(2e3, 10e-3, angle) - 0.5642).abs() < 5e-5);
     }
 
-    /// The moment of inertia was that of the pitch circle, half as much again. By hand: the metre of 50.53 mm pitch circle
-    /// with grooves of 10 mm balls weighs 13.012 kg; a rod of that mass has 46 mm and 3.433e-3 kg m². Under the
-    /// groove the exact integral has 3.5125e-3.
+    /// By hand: the metre of 13.012 kg is a rod of 46 mm with 3.433e-3 kg m². A screw of 28.6 mm core and 32 mm nominal
+    /// diameter is one of 30.164 mm, with 6.38007e-4 kg m² over a metre. A bore takes away its rod.
     #[test]
-    fn the_inertia_of_a_screw_is_that_of_its_mass() {
-        let inertia = screw_inertia(1.0, 13.012);
+    fn a_screw_of_known_mass_is_a_rod() {
+        let mass = |bore| Screw::usual_mass_per_length(32e-3, 28.6e-3, bore);
+        let solid = rod_inertia(1.0, mass(0.0), 0.0);
+        assert_relative_eq!(solid, 6.380_07e-4, max_relative = 1e-6);
+        let away = STEEL * PI / 32.0 * 15e-3_f64.powi(4);
+        let hollow = rod_inertia(1.0, mass(15e-3), 15e-3);
+        assert_relative_eq!(hollow, solid - away, max_relative = 1e-13);
+        let inertia = rod_inertia(1.0, 13.012, 0.0);
         assert_relative_eq!(inertia, 3.432_7e-3, max_relative = 2e-5);
         let diameter = (4.0 * 13.012 / (PI * STEEL)).sqrt();
         assert_relative_eq!(inertia, 13.012 * diameter.powi(2) / 8.0, max_relative = 1e-14);
@@ -239,14 +325,16 @@ mod tests {
     /// gains 628.3 rad/s²; with a gear of 2 the motor takes half of the torque and twice its own.
     #[test]
     fn inertia_and_torque_of_the_motor() {
-        let screw = screw_inertia(1.0, STEEL * PI * 0.02_f64.powi(2));
+        let screw = rod_inertia(1.0, STEEL * PI * 0.02_f64.powi(2), 0.0);
         assert!((screw - 1.9729e-3).abs() < 5e-8, "{screw}");
         let drive = Drive {
             lead: 20e-3,
             screw_inertia: screw,
             mass: 500.0,
             gear_ratio: 2.0,
+            gear_efficiency: 1.0,
             motor_inertia: 1e-3,
+            gear_inertia: 0.0,
         };
         assert!((drive.mass_inertia() - 5.0661e-3).abs() < 5e-8);
         assert_relative_eq!(
@@ -254,10 +342,73 @@ mod tests {
             screw + drive.mass_inertia(),
             max_relative = 1e-14
         );
-        assert_relative_eq!(drive.motor_torque(10.0, 0.0), 5.0, max_relative = 1e-14);
+        assert_relative_eq!(drive.motor_torque(10.0, 1.0, 0.0), 5.0, max_relative = 1e-14);
         let turning = 2.0 * TAU / 20e-3;
         let torque = 0.5 * (10.0 + screw * turning) + 2.0e-3 * turning;
-        assert_relative_eq!(drive.motor_torque(10.0, 2.0), torque, max_relative = 1e-14);
+        assert_relative_eq!(drive.motor_torque(10.0, 1.0, 2.0), torque, max_relative = 1e-14);
+        // A gear of 0.9 takes its part from who drives: 5/0.9 forwards, 5 times 0.9 backwards.
+        let lossy = Drive { gear_efficiency: 0.9, gear_inertia: 1e-4, ..drive };
+        assert_relative_eq!(lossy.motor_torque(10.0, 1.0, 0.0), 5.0 / 0.9, max_relative = 1e-14);
+        assert_relative_eq!(lossy.motor_torque(10.0, -1.0, 0.0), 4.5, max_relative = 1e-14);
+        assert_relative_eq!(lossy.inertia() - drive.inertia(), 1e-4, max_relative = 1e-12);
+    }
+
+    /// THK, A-722 to A-746, by its rule, which has all of the force over an efficiency of 0.9 and the inertia beside it: level, 80 kg,
+    /// 1 m/s in 0.15 s, 17.354 N, lead 40 mm (printed 3.39e-3 kg m², 0.12 and 4.73 N m); upright, 50 kg, 0.3 m/s in 0.2 s,
+    /// 510.33 N, lead 10 mm (printed 1.58e-4 kg m², 0.90 and 1.10 N m). Its rods have the nominal diameter.
+    #[test]
+    fn motor_torques_of_thk() {
+        for (rod, length, mass, lead, motor, speed, ramp, force, inertia, torques) in [
+            (20e-3, 1.2, 80.0, 40e-3, 1e-3, 1.0, 0.15, 17.354, 3.390_2e-3, [0.122_75, 4.720_2]),
+            (15e-3, 0.8, 50.0, 10e-3, 5e-5, 0.3, 0.2, 510.33, 1.578_6e-4, [0.902_47, 1.098_4]),
+        ] {
+            let weight = STEEL * PI * 0.25 * rod * rod * length;
+            let drive = Drive {
+                lead,
+                screw_inertia: rod_inertia(length, weight, 0.0),
+                mass,
+                gear_ratio: 1.0,
+                gear_efficiency: 1.0,
+                motor_inertia: motor,
+                gear_inertia: 0.0,
+            };
+            // Five digits.
+            assert_relative_eq!(drive.inertia(), inertia, max_relative = 2e-5);
+            let steady = force * lead / TAU / 0.9;
+            assert_relative_eq!(steady, torques[0], max_relative = 2e-5);
+            let turning = speed / ramp * TAU / lead;
+            let accelerating = steady + drive.inertia() * turning;
+            assert_relative_eq!(accelerating, torques[1], max_relative = 3e-5);
+            // A motor with this peak takes the time of the ramp.
+            let time =
+                least_acceleration_time(drive.inertia(), speed * TAU / lead, accelerating, steady);
+            assert_relative_eq!(time.expect("it can"), ramp, max_relative = 1e-12);
+        }
+        assert_eq!(least_acceleration_time(1.0, 1.0, 1.0, 2.0), None);
+    }
+
+    /// 250 kg on a screw of lead 10 mm with 2.07126e-3 kg m², by hand: a brake of 9 N m after 0.05 s from 0.25 m/s stops within
+    /// 36.66 mm; without one, at an efficiency of 0.8 and a drag of 0.25 N m, it falls with 2.20649 m/s².
+    #[test]
+    fn a_falling_weight_is_braked() {
+        let drive = Drive {
+            lead: 10e-3,
+            screw_inertia: 6.380_07e-4,
+            mass: 250.0,
+            gear_ratio: 1.0,
+            gear_efficiency: 1.0,
+            motor_inertia: 8e-4,
+            gear_inertia: 0.0,
+        };
+        assert_relative_eq!(drive.inertia(), 2.071_26e-3, max_relative = 3e-6);
+        let falling = drive.falling(250.0 * GRAVITY);
+        let distance = falling.stopping_distance(9.0, 0.05, 0.25).expect("it holds");
+        // Four digits.
+        assert_relative_eq!(distance, 36.66e-3, max_relative = 2e-4);
+        assert_eq!(falling.stopping_distance(3.9, 0.05, 0.25), None);
+        let fall = falling.acceleration(0.8 * falling.torque - 0.25);
+        assert_relative_eq!(fall, 2.206_49, max_relative = 5e-6);
+        assert_relative_eq!((2.0 * fall * 0.5).sqrt(), 1.485_43, max_relative = 5e-6);
     }
 
     /// By hand: 3, 4 and 0 N m for a second, two and one: √(41/4).

@@ -32,8 +32,10 @@ mod drive;
 mod grade;
 mod least_squares;
 mod life;
+mod make;
 mod modified;
 mod nut;
+mod preload;
 mod procedure;
 mod requirement;
 mod rigidity;
@@ -47,16 +49,19 @@ pub use axis::{Axis, Motion, Mount, Phase};
 pub use body::NutBody;
 pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, Size, front, loaded_balls};
 pub use drive::{
-    BRAKE_SAFETY, BackDriving, Drive, MachineTable, drag_torque, root_mean_square, screw_inertia,
+    BRAKE_SAFETY, BackDriving, Drive, Falling, MachineTable, drag_torque, least_acceleration_time,
+    rod_inertia, root_mean_square,
 };
 pub use grade::Grade;
 pub use least_squares::{LeastSquares, least_squares};
 pub use life::{Duty, Life, OPENS_AT, life, modified_life, pair_loads, reliability_factor};
+pub use make::Make;
 pub use modified::{
     Contamination, Hardness, RatingFactors, life_factor, usual_fatigue_limit, viscosity_ratio,
 };
 pub use nut::{DynamicRating, Nut, StaticRating};
-pub use procedure::{ActiveLimit, Outcome, Why};
+pub use preload::{PRELOAD_CLASSES, Preload, PreloadClass, PreloadMethod, least_preload};
+pub use procedure::{ActiveLimit, Holds, Outcome, Why};
 pub use requirement::{
     AcceptedBy, Check, Design, DutySpeed, EfficiencyOf, Fixed, LoadCase, Objective, Pitch,
     Quantity, Ranges, Requirement, Travel,
@@ -70,7 +75,7 @@ pub use shaft::{
 pub use thread::{Profile, Thread};
 
 /// Preload of a pair of nuts over the dynamic rating, unless one is chosen, and the largest one
-/// (D22) (Sobolewski 2002, eq. 6).
+/// before a warning (D22) (Sobolewski 2002, eq. 6).
 pub const PRELOAD: f64 = 0.15;
 
 /// Largest load of a preloaded pair over its preload (D23) (Sobolewski 2002, eq. 8).

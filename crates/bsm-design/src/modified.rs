@@ -113,7 +113,7 @@ const LARGEST: f64 = 50.0;
 ///
 /// Assumes: the form of thrust ball bearings, whose balls all carry (3, where radial bearings have 1). Source: ISO 281, 31 to 33.
 pub fn life_factor(viscosity_ratio: f64, clean_limit: f64) -> Option<f64> {
-    let kappa = viscosity_ratio.min(4.0);
+    let kappa = if viscosity_ratio > 4.0 { 4.0 } else { viscosity_ratio };
     let (a, b) = match kappa {
         0.1..0.4 => (2.2649, 0.054_381),
         0.4..1.0 => (1.9987, 0.190_87),

@@ -8,9 +8,7 @@ use crate::catalogue::{IDLE_BALLS, STEP};
 use crate::nut::turn_length;
 use crate::requirement::ROUNDING;
 use crate::search::{SLACK, Value, minimise};
-use crate::{
-    AcceptedBy, Check, Design, EfficiencyOf, Nut, Objective, Pitch, Quantity, Requirement,
-};
+use crate::{AcceptedBy, Check, Design, EfficiencyOf, Nut, Pitch, Quantity, Requirement};
 
 /// Fewest loaded turns that are tried, and most if nothing else helps.
 const TURNS: (u32, u32) = (2, 12);
@@ -46,6 +44,15 @@ const RESERVE: f64 = SLACK - ROUNDING;
 /// How near to a limit counts as held back by it.
 const NEAR: f64 = 2e-3;
 
+/// A limit that holds a choice back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Holds {
+    /// Its number.
+    pub quantity: Quantity,
+    /// The best number of the objective without it, of standard sizes.
+    pub without: Option<f64>,
+}
+
 /// Result of the search.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
@@ -55,7 +62,7 @@ pub enum Outcome {
         design: Design,
         /// The limits that hold it back: of any size, those that it meets with nothing to spare; of standard
         /// sizes, those without which a better one could be chosen.
-        active: Vec<Quantity>,
+        active: Vec<Holds>,
         /// The rules of all balls that better screws break.
         refused: Vec<&'static str>,
     },
@@ -103,7 +110,7 @@ impl Requirement {
     /// If there is no lead to choose from.
     pub fn choose(&self, efficiency: EfficiencyOf<'_>, accepted: AcceptedBy<'_>) -> Outcome {
         let limited = self.least_efficiency.is_some() || self.largest_power.is_some();
-        let needed = self.objective == Objective::Efficiency || limited;
+        let needed = self.objective.asks_efficiency() || limited;
         let complete = |nut: Nut| Design::of(self, nut, Some(efficiency));
         let turns = self.turns();
         let search = |pitch: &Pitch| Search {
@@ -181,9 +188,10 @@ pub(crate) fn first_accepted<'a>(
 }
 
 /// The limits that a design meets with nothing to spare.
-fn active_constraints(design: &Design) -> Vec<Quantity> {
+fn active_constraints(design: &Design) -> Vec<Holds> {
     let near = |check: &&Check| check.excess().is_some_and(|excess| excess > -NEAR);
-    design.checks.iter().filter(near).map(|check| check.quantity).collect()
+    let holds = |check: &Check| Holds { quantity: check.quantity, without: None };
+    design.checks.iter().filter(near).map(holds).collect()
 }
 
 /// The item of the least value.

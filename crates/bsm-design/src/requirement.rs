@@ -4,7 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use bsm_dyn::{Direction, Hertz, Material, Optimum};
 
-use crate::{Axis, Life, MachineTable, Motion, Mount, Nut, NutBody, PRELOAD, Phase, RatingFactors};
+use crate::{
+    Axis, Life, MachineTable, Make, Motion, Mount, Nut, NutBody, Phase, Preload, PreloadMethod,
+    RatingFactors, Thread,
+};
 
 /// The cycle of the machine, or a torque.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,6 +91,28 @@ pub enum Objective {
     Capacity,
     /// Mass of nut and screw, as small as possible.
     Mass,
+    /// Moment of inertia of the screw, as small as possible.
+    Inertia,
+    /// Input power, as small as possible.
+    Power,
+}
+
+impl Objective {
+    /// The number that it is about.
+    pub fn quantity(self) -> Quantity {
+        match self {
+            Self::Efficiency => Quantity::Efficiency,
+            Self::Capacity => Quantity::DynamicRating,
+            Self::Mass => Quantity::Mass,
+            Self::Inertia => Quantity::Inertia,
+            Self::Power => Quantity::InputPower,
+        }
+    }
+
+    /// True if it takes the efficiency by a model.
+    pub(crate) fn asks_efficiency(self) -> bool {
+        matches!(self, Self::Efficiency | Self::Power)
+    }
 }
 
 /// Fixed values; the others are free.
@@ -125,8 +150,10 @@ pub struct Requirement {
     pub demand: LoadCase,
     /// Moved mass, which adds to the forces.
     pub carriage: MachineTable,
-    /// Preload of a pair of nuts \[N\].
-    pub preload: Option<f64>,
+    /// Preload of a nut.
+    pub preload: Option<Preload>,
+    /// How it is preloaded.
+    pub method: PreloadMethod,
     /// Life over that of 90 % of all nuts (Z14).
     pub reliability: f64,
     /// Of the load ratings (Z36).
@@ -153,8 +180,12 @@ pub struct Requirement {
     pub material: (Material, Material),
     /// Largest Hertz pressure \[Pa\].
     pub pressure: f64,
-    /// Largest pitch circle diameter times speed \[m·rad/s\].
-    pub speed_number: f64,
+    /// Largest speed number \[m·rad/s\]; that of the make unless given.
+    pub speed_number: Option<f64>,
+    /// How the screw is made.
+    pub make: Make,
+    /// Turns of the motor for one of the screw, and its largest speed \[rad/s\].
+    pub motor: (f64, Option<f64>),
     /// Largest ball diameter over lead.
     pub ball_over_lead: f64,
     /// Largest pitch circle diameter \[m\].
@@ -197,6 +228,7 @@ pub enum Quantity {
     StrokeTurns,
     Advance,
     SpeedNumber,
+    MotorSpeed,
     NutPressure,
     ScrewPressure,
     EllipseEnd,
@@ -210,6 +242,7 @@ pub enum Quantity {
     Preload,
     CriticalSpeedRatio,
     BucklingSafety,
+    Inertia,
     Mass,
 }
 
@@ -223,6 +256,7 @@ impl Quantity {
                 | Self::BallOverRadius
                 | Self::BallOverLead
                 | Self::SpeedNumber
+                | Self::MotorSpeed
         )
     }
 }
@@ -281,7 +315,9 @@ impl Requirement {
             (Quantity::StaticSafety, axis.static_safety(), Some(self.static_safety), None),
         ];
         let preload = axis.preload;
-        rules.extend(preload.map(|x| (Quantity::Preload, x, None, Some(PRELOAD * rating))));
+        let most = self.method.share() * rating;
+        // F_pr ≤ φ C_a                                                    (AA6)
+        rules.extend(preload.map(|x| (Quantity::Preload, x, None, Some(most))));
         let ratio = axis.critical_speed_ratio();
         rules
             .extend(ratio.map(|x| (Quantity::CriticalSpeedRatio, x, None, Some(self.speed_ratio))));
@@ -310,6 +346,28 @@ pub type EfficiencyOf<'a> = &'a (dyn Fn(&Nut, &Phase) -> Option<f64> + Sync);
 /// Holds a nut against the rules that need the loads of all its balls: the names of those that it breaks.
 pub type AcceptedBy<'a> = &'a (dyn Fn(&Nut) -> Result<(), Vec<&'static str>> + Sync);
 
+impl Requirement {
+    /// The axis of a nut.
+    ///
+    /// * `stroke` \[m\].
+    fn axis(&self, nut: &Nut, thread: &Thread, body: &NutBody, stroke: f64) -> Axis {
+        let screw = nut.screw(thread);
+        let mut axis = Axis {
+            screw,
+            shaft: self.mount.shaft(&screw, body.length, Some(stroke)),
+            phases: self.demand.phases(&self.carriage, nut),
+            dynamic_rating: self.factors.dynamic_rating * nut.dynamic_rating().rating,
+            static_rating: self.factors.static_rating * nut.static_rating().rating,
+            preload: None,
+            compression: 0.0,
+            reliability: self.reliability,
+        };
+        let force = |preload: Preload| preload.force(axis.largest_load(), axis.dynamic_rating);
+        axis.preload = self.preload.map(force);
+        axis
+    }
+}
+
 impl Design {
     /// The steps of a nut (L1) to (L10); without efficiency if it is not asked.
     ///
@@ -325,18 +383,8 @@ impl Design {
             Travel::Screw(length) => (length, length - body.length),
             Travel::Stroke(stroke) => (stroke + body.length, stroke),
         };
-        let phases = requirement.demand.phases(&requirement.carriage, &nut);
-        let (screw, dynamic) = (nut.screw(&thread), nut.dynamic_rating().rating);
-        let axis = Axis {
-            screw,
-            shaft: requirement.mount.shaft(&screw, body.length, Some(stroke)),
-            phases,
-            dynamic_rating: requirement.factors.dynamic_rating * dynamic,
-            static_rating: requirement.factors.static_rating * nut.static_rating().rating,
-            preload: requirement.preload,
-            compression: 0.0,
-            reliability: requirement.reliability,
-        };
+        let axis = requirement.axis(&nut, &thread, &body, stroke);
+        let dynamic = nut.dynamic_rating().rating;
         let still = Phase { time: 1.0, load: 0.0, speed: 0.0, acceleration: 0.0, load_factor: 1.0 };
         let phase = axis.heaviest_moving().copied().unwrap_or(still);
         let (largest, speed) = (axis.largest_load(), phase.speed.abs());
@@ -393,7 +441,12 @@ impl Design {
         let advance = per_radian * speed;
         add(8, Quantity::Advance, advance, None, None);
         let number = axis.speed_number();
-        add(8, Quantity::SpeedNumber, number, None, Some(requirement.speed_number));
+        let most = requirement
+            .speed_number
+            .unwrap_or_else(|| requirement.make.speed_number(nut.lead, thread.screw.land));
+        add(8, Quantity::SpeedNumber, number, None, Some(most));
+        let (ratio, fastest) = requirement.motor;
+        add(8, Quantity::MotorSpeed, ratio * axis.fastest(), None, fastest);
         for (quantity, pressure) in
             [Quantity::NutPressure, Quantity::ScrewPressure].into_iter().zip(pressures)
         {
@@ -415,19 +468,22 @@ impl Design {
         for (quantity, value, least, most) in requirement.rules(&axis, dynamic) {
             add(11, quantity, value, least, most);
         }
-        add(
-            11,
-            Quantity::Mass,
-            body.mass(&nut, &thread) + screw.mass_per_length * length,
-            None,
-            None,
-        );
+        // Of a metre.
+        let (mass, inertia) = nut.screw_mass_and_inertia(&thread, requirement.mount.bore.0, 1.0);
+        let inertia = axis.shaft.as_ref().map_or(f64::NAN, |shaft| inertia * shaft.length);
+        add(11, Quantity::Inertia, inertia, None, None);
+        add(11, Quantity::Mass, body.mass(&nut, &thread) + mass * length, None, None);
         Self { nut, phase, checks }
     }
 
     /// True if all checks pass.
     pub fn is_feasible(&self) -> bool {
         self.checks.iter().all(Check::passes)
+    }
+
+    /// Preload of the nut \[N\], if it has one.
+    pub fn preload(&self) -> Option<f64> {
+        Some(self.value(Quantity::Preload)).filter(|force| !force.is_nan())
     }
 
     /// A number of the design.
@@ -443,7 +499,9 @@ impl Design {
             Objective::Capacity => {
                 (self.value(Quantity::LargestLoad) / self.value(Quantity::DynamicRating)).ln()
             }
-            Objective::Mass => self.value(Quantity::Mass).ln(),
+            Objective::Mass | Objective::Inertia | Objective::Power => {
+                self.value(objective.quantity()).ln()
+            }
         }
     }
 }

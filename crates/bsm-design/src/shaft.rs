@@ -1,6 +1,6 @@
-//! The screw as a shaft between its bearings: critical speed, buckling, yield, stiffness, growth.
+//! The screw as a shaft between its bearings: critical speed, buckling, yield, stiffness, growth, pretension.
 //!
-//! Theory: `docs/theory/18-axis.md`, equations (Z1) to (Z6).
+//! Theory: `docs/theory/18-axis.md`, equations (Z1) to (Z6) and (AA5).
 
 use std::f64::consts::PI;
 
@@ -62,6 +62,17 @@ impl Support {
         }
     }
 
+    /// Ends of the section between its bearing and a nut that a guided table clamps.
+    ///
+    /// Source: THK, A-726 and A-739: "the section between nut and bearing is fixed-fixed".
+    #[must_use]
+    pub fn of_buckling(self) -> Self {
+        match self {
+            Self::SupportedSupported => self,
+            Self::FixedFree | Self::FixedSupported | Self::FixedFixed => Self::FixedFixed,
+        }
+    }
+
     /// Buckling load over that of a bar whose ends may tilt `$\kappa$` (Z2): Euler's cases.
     pub fn buckling_factor(self) -> f64 {
         match self {
@@ -83,6 +94,12 @@ pub struct Shaft {
     pub length: f64,
     /// Shaft diameter `$d_3$` for bending and buckling \[m\], positive: the core of the thread.
     pub diameter: f64,
+    /// Bore `$d_b$` of a hollow screw \[m\], 0 of a solid one.
+    pub bore: f64,
+    /// Density of what fills the bore \[kg/m³\].
+    pub coolant: f64,
+    /// Ends and length of the section that may buckle \[m\].
+    pub buckling: (Support, f64),
     /// Young's modulus \[Pa\].
     pub youngs_modulus: f64,
 }
@@ -91,38 +108,38 @@ impl Shaft {
     /// Speed at which it whirls \[rad/s\] (Z1).
     ///
     /// ```math
-    /// \omega_c = \frac{\lambda^2}{l^2}\sqrt{\frac{EI}{\rho A}} = \frac{\lambda^2 d_3}{4 l^2}\sqrt{\frac E\rho}
+    /// \omega_c = \frac{\lambda^2}{l^2}\sqrt{\frac{EI}{m'}}, \qquad I = \frac\pi{64}(d_3^4 - d_b^4), \quad m' = \rho A + \rho_c\frac\pi4d_b^2
     /// ```
     ///
     /// Assumes: a slender bar without axial load; the nut, which supports it too, is left out.
     /// Source: Euler and Bernoulli; makers' catalogues, such as THK 513-1E, A15-32, eq. 7.
     pub fn critical_speed(&self) -> f64 {
         let root = self.support.frequency_root();
-        // ω_c = λ² d₃/(4 l²) √(E/ρ)                                       (Z1)
-        root.powi(2) * self.diameter / (4.0 * self.length.powi(2))
-            * (self.youngs_modulus / STEEL).sqrt()
+        let mass = STEEL * self.section() + self.coolant * 0.25 * PI * self.bore.powi(2);
+        // ω_c = λ²/l² √(E I/m')                                           (Z1)
+        (root / self.length).powi(2) * (self.youngs_modulus * self.second_moment() / mass).sqrt()
     }
 
     /// Load under which it buckles \[N\] (Z2).
     ///
     /// ```math
-    /// F_k = \frac{\kappa\pi^2 EI}{l^2}, \qquad I = \frac{\pi d_3^4}{64}
+    /// F_k = \frac{\kappa\pi^2 EI}{l_k^2}
     /// ```
     ///
     /// Assumes: a slender bar; of a short one [`yield_load`](Self::yield_load) is less. Source: Euler;
     /// makers' catalogues, such as HIWIN BS-08-2, F 3.25, which takes 2 for 2.046.
     pub fn buckling_load(&self) -> f64 {
-        let inertia = PI * self.diameter.powi(4) / 64.0;
-        // F_k = κ π² E I/l²                                               (Z2)
-        self.support.buckling_factor() * PI.powi(2) * self.youngs_modulus * inertia
-            / self.length.powi(2)
+        let (support, length) = self.buckling;
+        // F_k = κ π² E I/l_k²                                             (Z2)
+        support.buckling_factor() * PI.powi(2) * self.youngs_modulus * self.second_moment()
+            / length.powi(2)
     }
 
     /// Load that strains its core up to a stress \[N\] (Z3).
     ///
     /// Source: THK 513-1E, A15-30, eq. 6.
     pub fn yield_load(&self, stress: f64) -> f64 {
-        // F_σ = σ π d₃²/4                                                 (Z3)
+        // F_σ = σ A                                                       (Z3)
         stress * self.section()
     }
 
@@ -164,8 +181,50 @@ impl Shaft {
     }
 
     /// Section of its core \[m²\].
-    fn section(&self) -> f64 {
-        0.25 * PI * self.diameter.powi(2)
+    pub fn section(&self) -> f64 {
+        0.25 * PI * (self.diameter.powi(2) - self.bore.powi(2))
+    }
+
+    /// Second moment of area of its core \[m⁴\].
+    fn second_moment(&self) -> f64 {
+        PI / 64.0 * (self.diameter.powi(4) - self.bore.powi(4))
+    }
+
+    /// Tension between two fixed bearings over the growth that they hinder \[N/m\] (AA5).
+    ///
+    /// * `bearing`: stiffness of each of them \[N/m\], infinite if rigid.
+    pub fn held(&self, bearing: f64) -> f64 {
+        // C = l/EA + 2/K_b                                                (AA5)
+        (self.length / (self.youngs_modulus * self.section()) + 2.0 / bearing).recip()
+    }
+
+    /// Its tension between two fixed bearings \[N\], negative if it is pressed (AA5).
+    ///
+    /// ```math
+    /// F_v(\Delta T) = \frac{\alpha_T\,l\,(\Delta T_v - \Delta T)}{C}
+    /// ```
+    ///
+    /// * `growth`: of the free screw for a kelvin \[m/K\]. * `bearing`: see [`held`](Self::held). * `stretched`: by how many
+    ///   kelvin. * `rise`: how much warmer it is than the bed \[K\].
+    ///
+    /// Source: GY Ballscrew, "The influence of ball screw pretension"; THK, A-715.
+    pub fn tension(&self, growth: f64, bearing: f64, stretched: f64, rise: f64) -> f64 {
+        // F_v = α_T l (ΔT_v − ΔT)/C                                       (AA5)
+        growth * (stretched - rise) * self.held(bearing)
+    }
+
+    /// Kelvins by which a tension \[N\] stretches it, the inverse of [`tension`](Self::tension).
+    pub fn stretched_by(&self, growth: f64, bearing: f64, tension: f64) -> f64 {
+        // ΔT_v = F_v C/(α_T l)                                            (AA5)
+        tension / (growth * self.held(bearing))
+    }
+
+    /// What of its growth two fixed bearings leave, by giving way.
+    ///
+    /// * `bearing`: see [`held`](Self::held).
+    pub fn growth_left(&self, bearing: f64) -> f64 {
+        // 1 − (l/EA)/C                                                    (AA5)
+        1.0 - self.held(bearing) * self.length / (self.youngs_modulus * self.section())
     }
 }
 
@@ -225,7 +284,15 @@ mod tests {
     const RPM: f64 = PI / 30.0;
 
     fn shaft(support: Support, length: f64, diameter: f64) -> Shaft {
-        Shaft { support, length, diameter, youngs_modulus: 206e9 }
+        Shaft {
+            support,
+            length,
+            diameter,
+            bore: 0.0,
+            coolant: 0.0,
+            buckling: (support, length),
+            youngs_modulus: 206e9,
+        }
     }
 
     /// The roots solve their equations, in the form that is of order one there.
@@ -321,6 +388,76 @@ mod tests {
         assert!((screw.least_stiffness() * 1e-6 - 187.03).abs() < 0.005);
         // A kelvin and a metre are 11.5 µm.
         assert_relative_eq!(screw.growth(11.5e-6, 1.0), 11.5e-6, max_relative = 1e-14);
+    }
+
+    /// The same with a bore of 17 mm, which also carries water or nothing; a bore that vanishes leaves the solid screw.
+    #[test]
+    fn a_hollow_screw_by_hand() {
+        let solid = shaft(Support::FixedSupported, 1.0, 34e-3);
+        let hollow = Shaft { bore: 17e-3, ..solid };
+        // Five digits each.
+        assert_relative_eq!(hollow.critical_speed() / RPM, 7167.7, max_relative = 1e-5);
+        assert_relative_eq!(hollow.buckling_load(), 255_790.0, max_relative = 2e-5);
+        assert_relative_eq!(solid.buckling_load(), 272_840.0, max_relative = 2e-5);
+        assert_relative_eq!(hollow.section(), 680.94e-6, max_relative = 1e-5);
+        let wet = Shaft { coolant: 1000.0, ..hollow };
+        // 0.22698 kg of water on 5.34538 kg of steel.
+        let slower = (5.345_38_f64 / (5.345_38 + 0.226_98)).sqrt();
+        assert_relative_eq!(
+            wet.critical_speed() / hollow.critical_speed(),
+            slower,
+            max_relative = 1e-5
+        );
+        let nearly = Shaft { bore: 1e-9, ..solid };
+        assert_relative_eq!(nearly.critical_speed(), solid.critical_speed(), max_relative = 1e-12);
+    }
+
+    /// THK, A-726: a core of 17.5 mm over 1100 mm, clamped by bearing and nut, may carry 15 500 N; A-739: 12.5 mm over
+    /// 700 mm, 9960 N.
+    #[test]
+    fn the_section_between_bearing_and_nut_buckles() {
+        for (length, diameter, printed, ours) in
+            [(1.1, 17.5e-3, 15_500.0, 15_471.5), (0.7, 12.5e-3, 9960.0, 9945.1)]
+        {
+            let screw = shaft(Support::FixedSupported.of_buckling(), length, diameter);
+            let permitted = screw.buckling_load() / BUCKLING_SAFETY;
+            assert_relative_eq!(permitted, ours, max_relative = 1e-5);
+            // Their factor 20 is 20.33 rounded, E I of THK.
+            assert_relative_eq!(permitted, printed, max_relative = 2e-3);
+        }
+        let tilts = Support::SupportedSupported;
+        assert_eq!(tilts.of_buckling(), tilts);
+    }
+
+    /// A core of 34.4 mm over 1450 mm, stretched by 3 K, by hand: 6605.3 N and 50.025 um between rigid bearings, 4885.2 N
+    /// and 36.998 um between two of 750 N/um; 8 K warmer than the bed -11 008.8 N are left. Without a pretension the growth
+    /// presses, and rigid bearings leave none of it.
+    #[test]
+    fn a_stretched_screw_by_hand() {
+        let screw = shaft(Support::FixedFixed, 1.45, 34.4e-3);
+        let growth = 11.5e-6 * screw.length;
+        let stretch = |tension: f64| tension * screw.length / (206e9 * screw.section());
+        for (bearing, tension, micrometres) in
+            [(f64::INFINITY, 6605.3, 50.025), (750e6, 4885.2, 36.998)]
+        {
+            let found = screw.tension(growth, bearing, 3.0, 0.0);
+            assert_relative_eq!(found, tension, max_relative = 1e-5);
+            assert_relative_eq!(1e6 * stretch(found), micrometres, max_relative = 2e-5);
+            assert_relative_eq!(
+                screw.stretched_by(growth, bearing, found),
+                3.0,
+                max_relative = 1e-14
+            );
+        }
+        let rigid = f64::INFINITY;
+        let warm = screw.tension(growth, rigid, 3.0, 8.0);
+        assert_relative_eq!(warm, -11_008.8, max_relative = 1e-5);
+        // The thermal force of a screw that is not stretched: 34 mm, 10 K, 21.5 kN.
+        let plain = shaft(Support::FixedFixed, 1.45, 34e-3).tension(growth, rigid, 0.0, 10.0);
+        assert_relative_eq!(plain, -21.5e3, max_relative = 2e-3);
+        assert!(screw.growth_left(rigid).abs() < 1e-14);
+        // l/EA is 75.7 % of C.
+        assert_relative_eq!(screw.growth_left(750e6), 1.0 - 4885.2 / 6605.3, max_relative = 1e-4);
     }
 
     /// Held at both ends it is four times as stiff in the middle, and stiffer everywhere else; near an

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::procedure::first_accepted;
 use crate::{
-    AcceptedBy, ActiveLimit, Check, Design, EfficiencyOf, Limits, Lists, Objective, Outcome, Pitch,
+    AcceptedBy, ActiveLimit, Check, Design, EfficiencyOf, Holds, Limits, Lists, Outcome, Pitch,
     Quantity, Requirement, Why,
 };
 
@@ -37,7 +37,7 @@ impl Requirement {
         let told = |check: &Check| !check.value.is_nan();
         let keeps = |design: &Design| design.checks.iter().filter(|c| told(c)).all(Check::passes);
         let limited = self.least_efficiency.is_some() || self.largest_power.is_some();
-        let asked = limited || self.objective == Objective::Efficiency;
+        let asked = limited || self.objective.asks_efficiency();
         let (mut kept, mut failed): (Vec<_>, Vec<_>) = designs.into_iter().partition(keeps);
         if asked {
             let (whole, part) = kept.par_iter().map(complete).partition(Design::is_feasible);
@@ -65,14 +65,19 @@ impl Requirement {
         failed: &[Design],
         chosen: &Design,
         complete: impl Fn(&Design) -> Design + Sync,
-    ) -> Vec<Quantity> {
-        let best = chosen.objective(self.objective);
-        let better = |design: &Design| match self.objective {
-            Objective::Efficiency => complete(design).objective(self.objective) < best,
-            Objective::Capacity | Objective::Mass => design.objective(self.objective) < best,
+    ) -> Vec<Holds> {
+        let Self { objective, .. } = *self;
+        let best = chosen.objective(objective);
+        // The number of the objective of a better design.
+        let better = |design: &Design| {
+            let number = |design: &Design| {
+                let value = (design.objective(objective), design.value(objective.quantity()));
+                (value.0 < best).then_some(value)
+            };
+            if objective.asks_efficiency() { number(&complete(design)) } else { number(design) }
         };
         // An efficiency takes a solution of its model.
-        let most = if self.objective == Objective::Efficiency { ASKED } else { usize::MAX };
+        let most = if objective.asks_efficiency() { ASKED } else { usize::MAX };
         let mut nearest: Vec<_> = failed.iter().map(|design| (excess(design), design)).collect();
         nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut alone: Vec<(Quantity, Vec<&Design>)> = Vec::new();
@@ -85,18 +90,23 @@ impl Requirement {
                 }
             }
         }
-        let holds = |designs: &Vec<&Design>| designs.par_iter().any(|design| better(design));
+        let without = |designs: &Vec<&Design>| {
+            let better = designs.par_iter().filter_map(|design| better(design));
+            better.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, value)| value)
+        };
         let found: Vec<_> = alone
             .iter()
-            .filter(|(_, designs)| holds(designs))
-            .map(|(quantity, _)| *quantity)
+            .filter_map(|(quantity, designs)| {
+                Some(Holds { quantity: *quantity, without: Some(without(designs)?) })
+            })
             .collect();
         if !found.is_empty() {
             return found;
         }
-        let next = nearest.iter().take(most).find(|(_, design)| better(design));
+        let next = nearest.iter().take(most).find(|(_, design)| better(design).is_some());
         next.map_or_else(Vec::new, |(_, design)| {
-            failing(design).iter().map(|c| c.quantity).collect()
+            let failing = failing(design).into_iter();
+            failing.map(|check| Holds { quantity: check.quantity, without: None }).collect()
         })
     }
 

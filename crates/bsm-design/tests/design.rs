@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 
 use bsm_design::{
-    ActiveLimit, BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, Design, DutySpeed, Fixed, LoadCase,
-    MachineTable, Motion, Mount, Nut, Objective, Outcome, Phase, Pitch, Quantity, Ranges,
-    RatingFactors, Requirement, Support, Travel, Why,
+    ActiveLimit, BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, Design, DutySpeed, Fixed, Holds, LoadCase,
+    MachineTable, Make, Motion, Mount, Nut, Objective, Outcome, Phase, Pitch, PreloadMethod,
+    Quantity, Ranges, RatingFactors, Requirement, Support, Travel, Why,
 };
 use bsm_dyn::{Angles, Direction, Material};
 
@@ -34,14 +34,20 @@ fn accepted(_nut: &Nut) -> Result<(), Vec<&'static str>> {
 fn feed_drive() -> Requirement {
     Requirement {
         demand: load(8e3, 1500.0),
-        carriage: MachineTable { mass: 0.0, inclination: 0.0, friction: 0.0 },
+        carriage: MachineTable { mass: 0.0, inclination: 0.0, friction: 0.0, resistance: 0.0 },
         preload: None,
         reliability: 1.0,
         factors: RatingFactors { dynamic_rating: 1.0, static_rating: 1.0 },
         direction: Direction::RotaryToLinear,
         pitches: vec![Pitch::Lead(10e-3)],
         reach: Travel::Stroke(0.7),
-        mount: Mount { support: Support::FixedSupported, length: None, diameter: None },
+        mount: Mount {
+            support: Support::FixedSupported,
+            length: None,
+            diameter: None,
+            bore: (0.0, 0.0),
+            buckling: (None, None),
+        },
         speed_ratio: CRITICAL_SPEED_RATIO,
         buckling_safety: BUCKLING_SAFETY,
         static_safety: 1.5,
@@ -49,7 +55,10 @@ fn feed_drive() -> Requirement {
         friction: 0.05,
         material: (STEEL, STEEL),
         pressure: 4.2e9,
-        speed_number: 70.0 * PI / 30.0,
+        speed_number: Some(70.0 * PI / 30.0),
+        make: Make::Ground,
+        motor: (1.0, None),
+        method: PreloadMethod::DoubleNut,
         ball_over_lead: 0.7,
         largest_diameter: 0.125,
         largest_turns: 6.0,
@@ -74,7 +83,7 @@ fn efficiency(nut: &Nut, _phase: &Phase) -> Option<f64> {
     Some(angles.efficiency(Direction::RotaryToLinear, 0.05))
 }
 
-fn found(requirement: &Requirement) -> (Design, Vec<Quantity>) {
+fn found(requirement: &Requirement) -> (Design, Vec<Holds>) {
     match requirement.choose(&efficiency, &accepted) {
         Outcome::Found { design, active, .. } => (design, active),
         Outcome::Infeasible { blocking, .. } => panic!("{blocking:?}"),

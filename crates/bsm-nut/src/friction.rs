@@ -3,7 +3,7 @@
 //! Theory: `docs/theory/16-nut.md`, equations (U21), (U29), (U30) and (U32).
 
 use bsm_dyn::{
-    Ball, BallMotion, Coulomb, ElasticPoint, Hertz, Load, OperatingPoint, OutsidePower,
+    Ball, BallMotion, BallState, Coulomb, ElasticPoint, Hertz, Load, OperatingPoint, OutsidePower,
     PrescribedBall, PrescribedContact, Quadrature, Solution, Traction, pressed_radius,
 };
 use bsm_kin::{BallFrame, Drive, Motion, Site};
@@ -44,6 +44,8 @@ pub struct FreeMotion {
     pub rate: f64,
     /// Rotation against the neighbours in the train (O1) \[rad/s\].
     pub rotation: f64,
+    /// The ball itself, on one flank.
+    pub ball: Option<BallState>,
 }
 
 /// A ball with friction.
@@ -278,7 +280,7 @@ impl BallNut {
                 ball.solve(&Quadrature::of(FOUR_CONTACTS)).ok()?;
             let friction =
                 FrictionSum { torque, contacts: [0.5 * torque; 2], ..FrictionSum::default() };
-            let motion = Some(self.free_motion(&to_nut, drive.relative_speed()));
+            let motion = Some(self.free_motion(&to_nut, drive.relative_speed(), None));
             return Some(Rubbed { friction, motion });
         }
         let alone = self.ball_alone(found, number, friction.unwrap_or(f64::NAN), drive)?;
@@ -309,15 +311,21 @@ impl BallNut {
         let contacts = solved.contact_power.map(|of| of.map(|power| power / speed));
         let contacts = contacts.unwrap_or([0.5 * torque; 2]);
         let to_nut = |motion: Motion<f64>| motion.relative_to(nut_speed, &self.frenet());
-        let motion = solved.ball.motion.map(|motion| self.free_motion(&to_nut(motion), signed));
+        let of_ball = |motion| self.free_motion(&to_nut(motion), signed, Some(&solved.ball));
+        let motion = solved.ball.motion.map(of_ball);
         let friction = FrictionSum { torque, contacts, returns, ball_contact, drag };
         Some(Rubbed { friction, motion })
     }
 
     /// Of a motion relative to the nut in the Frenet-Serret triad.
-    fn free_motion(&self, to_nut: &Motion<f64>, speed: f64) -> FreeMotion {
+    fn free_motion(
+        &self,
+        to_nut: &Motion<f64>,
+        speed: f64,
+        ball: Option<&BallState>,
+    ) -> FreeMotion {
         let rotation = to_nut.across_groove(&self.frenet().k).norm();
-        FreeMotion { rate: to_nut.precession / speed, rotation }
+        FreeMotion { rate: to_nut.precession / speed, rotation, ball: ball.copied() }
     }
 
     /// The triad of the helix.

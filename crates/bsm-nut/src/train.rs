@@ -4,9 +4,9 @@
 
 use std::f64::consts::TAU;
 
-use bsm_dyn::{ElasticPoint, ModelWorkspace, TrainBall, TrainMotion};
+use bsm_dyn::{BallState, ElasticPoint, ModelWorkspace, TrainBall, TrainMotion};
 use bsm_kin::Drive;
-use bsm_newton::Bracket;
+use bsm_newton::{Bracket, FunctionValue};
 
 use crate::geometry::count;
 use crate::{BallNut, Equilibrium, FreeMotion};
@@ -22,6 +22,8 @@ pub const LARGEST_PUSH: f64 = 0.03;
 pub struct Advance {
     /// Largest less smallest rate of the free balls over their mean.
     pub spread: f64,
+    /// Helix angle of two balls that touch \[rad\].
+    pub touch_angle: f64,
     /// Of each circuit.
     pub circuits: Vec<CircuitAdvance>,
     /// Largest torque of the balls on each other while pushes are below [`LARGEST_PUSH`] \[N·m\], over the
@@ -39,8 +41,6 @@ impl Advance {
 /// The same of a circuit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CircuitAdvance {
-    /// Helix angle of two balls that touch \[rad\].
-    pub touch_angle: f64,
     /// All gaps of the loaded part together from which no balls touch \[m\].
     pub needed_gap: f64,
     /// What each ball, in the order of the circuit, has gained on a cage that turns evenly \[m\]; none of idle balls.
@@ -83,11 +83,16 @@ pub enum ExitPush {
 }
 
 impl Exit {
+    /// What a push grows by in the bends.
+    fn growth(&self) -> f64 {
+        (self.friction * self.bend).exp()
+    }
+
     /// Push at the exit \[N\].
     ///
     /// * `entry`: push of the first ball on those of the return \[N\]. * `centrifugal`: `$m v^2/2r_b$` \[N\].
     fn push(&self, entry: f64, centrifugal: f64) -> f64 {
-        let grown = (self.friction * self.bend).exp();
+        let grown = self.growth();
         // N_x = (F_e + N_e + m v²/(2 r_b)) e^(μ_r φ_r) − m v²/(2 r_b)     (O12)
         match self.push {
             ExitPush::AtExit(push) => push + entry * grown,
@@ -289,18 +294,19 @@ impl BallNut {
             if speed < 0.0 {
                 advance.reverse();
             }
-            CircuitAdvance { touch_angle, needed_gap, advance }
+            CircuitAdvance { needed_gap, advance }
         });
         let circuits = circuits.collect();
         let rotations: f64 = motions.iter().flatten().map(|motion| motion.rotation).sum();
         let push = LARGEST_PUSH * found.mean_load();
         let contact_torque = 2.0 * self.ball.radius * rotations * push / speed.abs();
-        Some(Advance { spread, circuits, contact_torque })
+        Some(Advance { spread, touch_angle, circuits, contact_torque })
     }
 
     /// The balls with the pushes of those that touch (O8) to (O16).
     ///
-    /// * `friction`: coefficient, none of another law. * `in_train`: the ball of a point, ready to be pushed.
+    /// * `motions`: of [`NutFriction`](crate::NutFriction), without pushes. * `friction`: coefficient, none of another law.
+    ///   * `in_train`: the ball of a point with its state without pushes.
     ///
     /// # Errors
     ///
@@ -308,10 +314,11 @@ impl BallNut {
     pub fn train(
         &self,
         found: &Equilibrium,
+        motions: &[Option<FreeMotion>],
         friction: Option<f64>,
         drive: &Drive<f64>,
         inputs: &TrainInputs,
-        in_train: impl Fn(ElasticPoint, &mut ModelWorkspace) -> Option<TrainBall>,
+        in_train: impl Fn(ElasticPoint, &BallState, &mut ModelWorkspace) -> Option<TrainBall>,
     ) -> Result<Train, TrainError> {
         let mut work = ModelWorkspace::default();
         let mut balls: Vec<Option<TrainBall>> = Vec::with_capacity(found.balls.len());
@@ -327,9 +334,9 @@ impl BallNut {
             {
                 balls[number - 1].clone()
             } else {
-                let ball = self
-                    .ball_alone(found, number, friction.unwrap_or(f64::NAN), drive)
-                    .and_then(|alone| in_train(alone, &mut work));
+                let free = motions.get(number).and_then(|motion| motion.as_ref()?.ball.as_ref());
+                let alone = self.ball_alone(found, number, friction.unwrap_or(f64::NAN), drive);
+                let ball = alone.zip(free).and_then(|(at, free)| in_train(at, free, &mut work));
                 Some(ball.ok_or(TrainError::NoMotion { circuit })?)
             };
             balls.push(ball);
@@ -350,15 +357,9 @@ impl BallNut {
         let (mut put_in, mut lost) = (0.0, 0.0);
         for circuit in 0..self.circuits.len() {
             let order = Self::in_travel(found, circuit, speed);
-            let flow = Flow {
-                nut: self,
-                inputs,
-                speed,
-                circuit,
-                room: inputs.gaps[circuit],
-                touch_angle,
-                balls: order.iter().map(|number| balls[*number].as_ref()).collect(),
-            };
+            let balls = order.iter().map(|number| balls[*number].as_ref()).collect();
+            let of = (self, inputs, speed, touch_angle);
+            let flow = Flow::of(of, (circuit, inputs.gaps[circuit]), balls);
             let pass = flow.steady(&mut work)?;
             let circuit = flow.train(&pass, speed < 0.0);
             let [races, contacts, returns, catching] = flow.losses(&pass);
@@ -392,6 +393,8 @@ struct Flow<'a> {
     touch_angle: f64,
     /// In the direction of travel; none of idle ones.
     balls: Vec<Option<&'a TrainBall>>,
+    /// `$m v^2/2r_b$` of the free balls \[N\].
+    centrifugal: f64,
 }
 
 /// A ball at a rate of the train.
@@ -402,6 +405,10 @@ struct State {
     pushes: [f64; 2],
     /// None of idle and blocked balls.
     motion: Option<TrainMotion>,
+    /// Growth of the rate and of the push behind by the rate of the train.
+    by_train: [f64; 2],
+    /// The rate of the train and the push in front that it was found for.
+    of: [f64; 2],
 }
 
 /// A circuit at a rate of the train.
@@ -424,7 +431,8 @@ impl Pass {
 const AROUND: f64 = 1e-9;
 /// Passes around a circuit: the first free ball forgets what was before, so that two are enough where there is one.
 const PASSES: usize = 40;
-/// First step from the rate of the linear law, over the rate; what it grows by; and the number of steps.
+/// Where Newton's method does not lead to the rate of a train: first step over the rate, what it grows by, and the number of
+/// steps.
 const STEP: f64 = 1e-4;
 const GROWTH: f64 = 3.0;
 const STEPS: usize = 12;
@@ -434,6 +442,23 @@ const FULL: f64 = 1e-12;
 const LENGTH: f64 = 1e-6;
 /// Rate of the train, relative.
 const RATE: f64 = 1e-11;
+
+impl<'a> Flow<'a> {
+    /// Of a nut with its inputs, relative speed and touch angle; of a circuit and its free length.
+    fn of(
+        (nut, inputs, speed, touch_angle): (&'a BallNut, &'a TrainInputs, f64, f64),
+        (circuit, room): (usize, f64),
+        balls: Vec<Option<&'a TrainBall>>,
+    ) -> Self {
+        let mut flow =
+            Self { nut, inputs, speed, circuit, room, touch_angle, balls, centrifugal: 0.0 };
+        let (number, sum) =
+            flow.rolling().fold((0.0, 0.0), |(n, sum), ball| (n + 1.0, sum + ball.free().rate));
+        let speed = flow.speed_of(if number > 0.0 { sum / number } else { 0.0 });
+        flow.centrifugal = nut.ball.mass * speed * speed / (2.0 * nut.ball.radius);
+        flow
+    }
+}
 
 impl Flow<'_> {
     fn rolling(&self) -> impl Iterator<Item = &TrainBall> {
@@ -450,14 +475,6 @@ impl Flow<'_> {
         self.nut.helix.arc_length_per_radian() * self.speed.abs() * rate
     }
 
-    /// `$m v^2/2r_b$` of the free balls \[N\].
-    fn centrifugal(&self) -> f64 {
-        let (number, sum) =
-            self.rolling().fold((0.0, 0.0), |(n, sum), ball| (n + 1.0, sum + ball.free().rate));
-        let speed = self.speed_of(if number > 0.0 { sum / number } else { 0.0 });
-        self.nut.ball.mass * speed * speed / (2.0 * self.nut.ball.radius)
-    }
-
     /// Free length that the balls leave at rates over that of the train (O10) \[m\], less what is there.
     fn surplus(&self, rate: f64, rates: impl Iterator<Item = f64>) -> f64 {
         // Σ (p_j/p_c − 1) = X/(d θ_c)                                     (O10)
@@ -465,18 +482,18 @@ impl Flow<'_> {
         left - self.room / self.pitch()
     }
 
-    /// What the law that is linear in the pushes leaves of the free length: pushes at the exit and its surplus.
-    fn linear(&self, rate: f64, centrifugal: f64) -> f64 {
+    /// What the law that is linear in the pushes leaves of the free length.
+    fn linear(&self, rate: f64) -> f64 {
         let mut entry = 0.0;
         let mut surplus = 0.0;
         for _ in 0..PASSES {
-            let mut push = self.inputs.exit.push(entry, centrifugal);
+            let mut push = self.inputs.exit.push(entry, self.centrifugal);
             let rates = self.balls.iter().rev().map(|ball| {
                 let Some(ball) = ball else {
                     push += self.inputs.idle_drag;
                     return rate;
                 };
-                let [by_front, by_back] = ball.compliances();
+                let [by_front, by_back] = ball.free().compliances();
                 let free = ball.free().rate + by_front * push;
                 // N_b = max(0, N_f − (p_free − p_c)/c)                    (O11)
                 push = ((rate - free) / by_back).max(0.0);
@@ -491,80 +508,118 @@ impl Flow<'_> {
         surplus
     }
 
-    /// The circuit at a rate of the train, from the exit backwards (O11), until the push at the entry stands still.
-    fn pass(&self, rate: f64, last: &mut Pass, work: &mut ModelWorkspace) -> Option<()> {
-        let centrifugal = self.centrifugal();
+    /// The circuit at a rate of the train, from the exit backwards (O11), until the push at the entry stands still; and what
+    /// its balls leave of the free length (O10).
+    fn pass(
+        &self,
+        rate: f64,
+        last: &mut Pass,
+        work: &mut ModelWorkspace,
+    ) -> Result<FunctionValue, &'static str> {
         last.rate = rate;
-        let mut entry = last.entry();
+        let (mut entry, growth) = (last.entry(), self.inputs.exit.growth());
+        let mut entry_by_train = 0.0;
         for _ in 0..PASSES {
-            last.exit = self.inputs.exit.push(entry, centrifugal);
-            let mut front = last.exit;
+            last.exit = self.inputs.exit.push(entry, self.centrifugal);
+            let mut front = [last.exit, growth * entry_by_train];
             for (ball, state) in self.balls.iter().zip(&mut last.states).rev() {
                 *state = self.state(*ball, state, rate, front, work)?;
-                front = state.pushes[1];
+                front = [state.pushes[1], state.by_train[1]];
             }
             // Where all balls touch, each pass adds the push of the return: there is no free length. Without a push
             // at the entry to begin with, that is so for this rate; with one it may be what another rate left.
             let all_touch = last.states.iter().all(|state| state.rate <= rate);
             let before = entry;
-            entry = if all_touch { 0.0 } else { last.entry() };
+            [entry, entry_by_train] = if all_touch { [0.0; 2] } else { front };
             if (entry - before).abs() <= AROUND * before {
-                return Some(());
+                let value = self.surplus(rate, last.states.iter().map(|state| state.rate));
+                let slopes = last.states.iter().map(|state| state.by_train[0] - state.rate / rate);
+                return Ok(FunctionValue { value, slope: Some(slopes.sum::<f64>() / rate) });
             }
         }
-        None
+        Err("the push at the entry does not settle")
     }
 
-    /// A ball with the push of the one in front.
+    /// A ball with the push of the one in front, and the growth of that by the rate of the train.
     fn state(
         &self,
         ball: Option<&TrainBall>,
         last: &State,
         rate: f64,
-        front: f64,
+        [front, by_train]: [f64; 2],
         work: &mut ModelWorkspace,
-    ) -> Option<State> {
+    ) -> Result<State, &'static str> {
+        let of = [rate, front];
         let passes_on = |rolling| State {
             rolling,
             rate,
             pushes: [front, front + self.inputs.idle_drag],
             motion: None,
+            by_train: [1.0, by_train],
+            of,
         };
-        let Some(ball) = ball else { return Some(passes_on(Rolling::Idle)) };
+        let Some(ball) = ball else { return Ok(passes_on(Rolling::Idle)) };
         let free = ball.free();
-        let rolls = |motion: TrainMotion| State {
+        let rolls = |motion: TrainMotion, by_train| State {
             rolling: Rolling::Rolls,
             rate: motion.rate,
             pushes: motion.pushes,
             motion: Some(motion),
+            by_train,
+            of,
         };
         if front <= 0.0 && free.rate >= rate {
-            return Some(rolls(*free));
+            return Ok(rolls(*free, [0.0; 2]));
         }
         // 2 f_b N_f > f (Q_A + Q_B)                                       (O6)
         if 2.0 * self.inputs.contact_friction * front > ball.sliding_push() {
-            return Some(passes_on(Rolling::Blocked));
+            return Ok(passes_on(Rolling::Blocked));
+        }
+        let caught = |motion: TrainMotion| {
+            let [by_front, _] = motion.compliances();
+            rolls(motion, [by_front * by_train, 0.0])
+        };
+        let held = |motion: TrainMotion| {
+            let [by_front, by_back] = motion.compliances();
+            // dN_b/dp_c = (1 − c_f dN_f/dp_c)/c_b
+            let back = (1.0 - by_front * by_train) / by_back;
+            (by_back > 0.0)
+                .then(|| rolls(motion, [1.0, back]))
+                .ok_or("the speed of a ball in the train does not rise with the push behind it")
+        };
+        let is_known = last.of.map(f64::to_bits) == of.map(f64::to_bits);
+        if let Some(motion) = last.motion.filter(|_| is_known) {
+            return if motion.pushes[1] > 0.0 { held(motion) } else { Ok(caught(motion)) };
         }
         let from = last.motion.as_ref().unwrap_or(free);
-        let held =
-            ball.held(from, rate, front, work).or_else(|| ball.held(free, rate, front, work))?;
-        if held.pushes[1] >= 0.0 {
-            return Some(rolls(held));
+        let catch = |work: &mut ModelWorkspace| {
+            let alone = [front, 0.0];
+            ball.pushed(from, alone, work).or_else(|| ball.pushed(free, alone, work))
+        };
+        if from.back_push(rate, front) <= 0.0
+            && let Some(motion) = catch(work).filter(|motion| motion.rate >= rate)
+        {
+            return Ok(caught(motion));
         }
-        let caught =
-            ball.pushed(from, [front, 0.0], work).or_else(|| ball.pushed(free, [front, 0.0], work));
-        caught.map(rolls)
+        let none = "a ball in the train has no steady motion";
+        let found = ball.held(from, rate, front, work);
+        let found = found.or_else(|| ball.held(free, rate, front, work)).ok_or(none)?;
+        if found.pushes[1] >= 0.0 {
+            return held(found);
+        }
+        catch(work).map(caught).ok_or(none)
     }
 
     /// The circuit at the rate of the train for which the free length is there.
     fn steady(&self, work: &mut ModelWorkspace) -> Result<Pass, TrainError> {
         let rates: Vec<_> = self.rolling().map(|ball| ball.free().rate).collect();
-        let centrifugal = self.centrifugal();
         let states = self.balls.iter().map(|ball| State {
             rolling: if ball.is_some() { Rolling::Rolls } else { Rolling::Idle },
             rate: ball.map_or(0.0, |ball| ball.free().rate),
             pushes: [0.0; 2],
             motion: ball.map(|ball| *ball.free()),
+            by_train: [0.0; 2],
+            of: [f64::NAN; 2],
         });
         let free: Vec<_> = states.collect();
         let mut pass = Pass { rate: 0.0, states: free.clone(), exit: 0.0 };
@@ -575,7 +630,7 @@ impl Flow<'_> {
         if self.room < FULL * self.pitch() {
             return Err(TrainError::NoRoom { circuit: self.circuit });
         }
-        let needed = self.inputs.exit.push(0.0, centrifugal);
+        let needed = self.inputs.exit.push(0.0, self.centrifugal);
         // A ball gives no more than the friction of both contacts that slide.
         let available: f64 = self.rolling().map(TrainBall::sliding_push).sum();
         if needed > available {
@@ -592,43 +647,65 @@ impl Flow<'_> {
             }
             return Ok(pass);
         }
-        let linear = |rate| self.linear(rate, centrifugal);
+        let linear = |rate| self.linear(rate);
         let begin = [0.5 * apart, 2.0 * apart];
         let guess = Bracket { x_tol: 1e-9, ..Bracket::new(begin, begin.map(linear)) }.root(linear);
         let guess = guess.root().map_or(apart, |root| root.x);
-        let mut surplus = |rate: f64| -> f64 {
-            if self.pass(rate, &mut pass, work).is_some() {
-                return self.surplus(rate, pass.states.iter().map(|state| state.rate));
-            }
-            // Pushes rise with the rate of the train, up to what no ball can take.
-            pass.states.clone_from(&free);
-            f64::NEG_INFINITY
+        let mut why = "no rate of the train leaves this free length";
+        let mut surplus = |rate: f64| {
+            self.pass(rate, &mut pass, work).unwrap_or_else(|what| {
+                // Pushes rise with the rate of the train, up to what no ball can take.
+                pass.states.clone_from(&free);
+                why = what;
+                f64::NEG_INFINITY.into()
+            })
         };
-        let lost = || failed("a ball in the train has no steady motion");
+        let newton = |value: &FunctionValue| {
+            let slope = value.slope.filter(|slope| *slope < 0.0);
+            slope.map_or(f64::INFINITY, |slope| -value.value / slope)
+        };
         let mut here = (guess, surplus(guess));
+        let (mut step, mut shrinks) = (newton(&here.1), true);
+        while shrinks && step.is_finite() && step.abs() > RATE * here.0 {
+            here = (here.0 + step, surplus(here.0 + step));
+            let next = newton(&here.1);
+            (step, shrinks) = (next, next.abs() <= 0.5 * step.abs());
+        }
+        if step.abs() > RATE * here.0 {
+            let found = Self::bracketed(here, &mut surplus);
+            here = found.map_or(here, |rate| (rate, surplus(rate)));
+        }
+        let allowed = LENGTH * self.room / self.pitch() + RATE * count(self.balls.len());
+        if here.1.value.abs() > allowed {
+            return Err(failed(why));
+        }
+        // The surplus falls with the rate, or there is another rate that leaves the free length.
+        if !here.1.slope.is_some_and(|slope| slope < 0.0) {
+            return Err(failed("more than one rate of the train leaves this free length"));
+        }
+        Ok(pass)
+    }
+
+    /// Where the surplus changes its sign, on the way down from a rate and its surplus.
+    fn bracketed(
+        mut here: (f64, FunctionValue),
+        surplus: &mut impl FnMut(f64) -> FunctionValue,
+    ) -> Option<f64> {
         let mut step = STEP;
-        let mut bracket = None;
         for _ in 0..STEPS {
             // The surplus falls with the rate of the train.
-            let there = here.0 * (1.0 + step * here.1.signum());
+            let there = here.0 * (1.0 + step * here.1.value.signum());
             let next = (there, surplus(there));
-            if next.1.signum() * here.1.signum() <= 0.0 {
-                bracket = Some(Bracket::new([here.0, next.0], [here.1, next.1]));
-                break;
+            let values = [here.1.value, next.1.value];
+            if values[0].signum() * values[1].signum() <= 0.0 {
+                let bracket = Bracket::new([here.0, next.0], values);
+                let root = Bracket { x_tol: RATE, f_tol: 1e-13, ..bracket }.root(surplus).root()?;
+                return Some(root.x);
             }
             here = next;
             step *= GROWTH;
         }
-        let bracket =
-            bracket.ok_or_else(|| failed("no rate of the train leaves this free length"))?;
-        let found = Bracket { x_tol: RATE, f_tol: 1e-13, ..bracket }.root(&mut surplus);
-        let rate = found.root().ok_or_else(lost)?.x;
-        self.pass(rate, &mut pass, work).ok_or_else(lost)?;
-        let left = self.surplus(rate, pass.states.iter().map(|state| state.rate));
-        if left.abs() > LENGTH * self.room / self.pitch() + RATE * count(self.balls.len()) {
-            return Err(failed("no rate of the train leaves this free length"));
-        }
-        Ok(pass)
+        None
     }
 
     /// Powers lost at the races, by balls on each other and idle ones, in the return, and by catching up \[W\].

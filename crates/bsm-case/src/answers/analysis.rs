@@ -96,7 +96,7 @@ impl AnalysisKind {
                 let found = NutProblem::of(scene, settings)?.solve();
                 found.map_err(CaseError::Nut).map(|report| report.numbers(wanted))
             }
-            (Self::Axis, _) => axis::numbers(scene, settings),
+            (Self::Axis, _) => axis::numbers(scene, settings, wanted),
             (Self::Warm, _) => warm::numbers(scene, settings, wanted),
             (Self::Optimum, _) => optimum::numbers(scene),
             (Self::Ratings, _) => ratings::numbers(scene),

@@ -7,8 +7,9 @@ mod rules;
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, BRAKE_SAFETY, BackDriving, DutySpeed, Efficiency, Grade, Motion, Nut, Phase, RigidityAt,
-    Shaft, drag_torque, heat_transfer, in_series, life, lost_motion, root_mean_square, steady_rise,
+    Axis, BackDriving, DutySpeed, Falling, Grade, Life, Motion, Nut, Phase, RigidityAt, Shaft,
+    drag_torque, heat_transfer, in_series, least_acceleration_time, life, lost_motion,
+    root_mean_square, steady_rise,
 };
 use bsm_dyn::ModelWorkspace;
 use serde_json::{Value, json};
@@ -18,7 +19,8 @@ use self::lubrication::Lubrication;
 use super::nut::QUANTITIES as NUT;
 use super::ratings::QUANTITIES as RATINGS;
 use crate::answers::nut::preload_note;
-use crate::case::axis::{Machine, carriage, useful_travel};
+use crate::case::axis::{Held, Machine, carriage, useful_travel};
+use crate::case::nut::bad;
 use crate::case::rated_nut;
 use crate::case::rated_screw::LEFT_OUT;
 use crate::case::warm::{ColdNut, Detail, Warm, WarmState};
@@ -38,9 +40,9 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
         largest_load_N ["N"] Whole(|w| w.axis().largest_load()), "largest axial load of the screw";
         largest_speed_rpm ["rpm"] Whole(|w| w.axis().fastest() / RPM), "largest speed of the screw";
         largest_feed_m_min ["m/min"] Whole(|w| w.axis().fastest() * w.machine.advance() * 60.0), "largest feed";
-        equivalent_load_N ["N" "F_m"] Whole(|w| Some(w.axis().life()?.mean_load)),
+        equivalent_load_N ["N" "F_m"] Whole(|w| Some(w.life()?.mean_load)),
             "equivalent constant load, with the same life; of a pair, that of the more heavily loaded nut";
-        equivalent_speed_rpm ["rpm" "n_m"] Whole(|w| Some(w.axis().life()?.mean_speed / RPM)), "equivalent speed";
+        equivalent_speed_rpm ["rpm" "n_m"] Whole(|w| Some(w.life()?.mean_speed / RPM)), "equivalent speed";
     }
     "screw and bearings" {
         unsupported_length_mm = INPUTS Whole(|w| Some(w.shaft()?.length / MM));
@@ -51,6 +53,21 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
         buckling_safety [""] Whole(|w| w.shaft().and(w.axis().buckling_safety())), "buckling load over the largest load";
         yield_load_N ["N"] Whole(|w| w.shaft().and(w.axis().yield_load())), "permissible axial load, core stress 147 N/mm2";
         largest_speed_number_mm_min ["mm/min" "d_pw n"] Whole(|w| w.axis().speed_number() / (MM * RPM)), "largest speed number";
+        pretension_N = INPUTS Whole(|w| Some(w.pretension()?.tension(0.0)));
+        pretension_K = INPUTS Whole(|w| Some(w.pretension()?.stretched));
+        stretch_um ["um"] Whole(|w| {
+            let shaft = w.shaft()?;
+            let stiffness = shaft.youngs_modulus * shaft.section() / shaft.length;
+            Some(w.pretension()?.tension(0.0) / stiffness / UM)
+        }), "elongation of the screw by its pretension";
+        travel_compensation_um ["um" "c"] Whole(|w| {
+            let kelvin = w.pretension()?.stretched;
+            Some(-w.expansion()? * w.scene.stroke_mm? * MM * kelvin / UM)
+        }), "target of the travel over the stroke for a screw that is stretched; below 0 it is made shorter";
+        screw_tension_N = INPUTS Whole(|w| w.tension());
+        support_bearing_load_N ["N"] Whole(|w| {
+            Some(w.axis().largest_load() + w.pretension().map_or(0.0, |held| held.tension(0.0)))
+        }), "largest load and pretension, which the support bearings carry";
         screw_mass_kg ["kg"] Whole(|w| w.shaft().and(w.machine.screw).map(|(mass, _)| mass)), "mass of the screw between its bearings";
         axis_heat_transfer_W_K = INPUTS Whole(|w| w.heat_transfer());
         steady_temperature_rise_K ["K"] Whole(|w| w.steady_rise()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
@@ -70,8 +87,8 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
     }
     "nut and life" {
         static_safety_factor ["" "f_s"] Whole(|w| w.static_safety()), "static safety factor, the smaller of rating and most loaded ball";
-        cycle_life_revolutions ["" "L"] Whole(|w| Some(w.axis().life()?.revolutions)), "life of the cycle by ISO 3408-5";
-        cycle_life_h ["h" "L_h"] Whole(|w| Some(w.axis().life()?.time / 3600.0)), "life of the cycle by ISO 3408-5";
+        cycle_life_revolutions ["" "L"] Whole(|w| Some(w.life()?.revolutions)), "life of the cycle by ISO 3408-5";
+        cycle_life_h ["h" "L_h"] Whole(|w| Some(w.life()?.time / 3600.0)), "life of the cycle by ISO 3408-5";
         modified_dynamic_rating_N ["N" "C_am"] Whole(|w| w.axis().dynamic_rating), "modified dynamic load rating; by accuracy, hardness and steel";
         modified_static_rating_N ["N" "C_0am"] Whole(|w| w.axis().static_rating), "modified static load rating; by accuracy and hardness";
         fatigue_load_limit_N ["N" "C_u"] Whole(|w| w.lubrication.as_ref().map(|found| found.fatigue_limit)) needs [lubricant_temperature_C, contamination_factor],
@@ -96,18 +113,32 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
         }), "elastic lost motion on reversal";
     }
     "drive" {
+        motor_speed_rpm ["rpm"] Whole(|w| w.axis().fastest() * w.machine.drive.gear_ratio / RPM), "largest speed of the motor";
         peak_motor_torque_Nm ["N m"] Whole(|w| w.peak(Worked::motor_torque)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "peak motor torque";
         rms_motor_torque_Nm ["N m"] Whole(|w| w.rms_torque()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "RMS motor torque";
         peak_motor_power_W ["W"] Whole(|w| w.peak(Worked::motor_power)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "peak motor power";
         mean_heat_W ["W"] Whole(|w| w.mean_heat()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "mean heat of nut, seals and support bearings";
-        rule_torque_Nm ["N m" "T_p0"] Whole(|w| Some(w.preload.as_ref()?.by_rule)), "friction torque of the preload by manufacturers' rule";
+        preload_torque_measured_Nm ["N m" "T_p0"] Whole(|w| Some(w.preload.as_ref()?.by_rule)),
+            "friction torque of the preload to be measured; by manufacturers' rule, at 100 rpm, without wipers, oil of ISO VG 68";
+        preload_torque_percent ["%"] Whole(|w| w.torque_percent()), "permitted variation of the friction torque of the preload, to either side; by accuracy_grade";
+        preload_torque_measured_low_Nm ["N m"] Whole(|w| w.torque_by(-1.0)), "least permitted friction torque of the preload";
+        preload_torque_measured_high_Nm ["N m"] Whole(|w| w.torque_by(1.0)), "largest permitted friction torque of the preload";
         screw_torque_Nm ["N m" "T"] Whole(|w| w.heaviest()?.at_screw()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "screw torque; at the largest load that moves, with preload, seals and support bearings";
         screw_efficiency ["" "eta"] Whole(|w| w.heaviest()?.efficiency()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "efficiency of the screw; at the largest load that moves, with preload, seals and support bearings";
         preload_torque_Nm = NUT Whole(|w| w.preload.as_ref()?.of_contacts) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency];
         holding_torque_Nm ["N m"] Whole(|w| w.holding) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
-            "holding torque at the screw, contacts alone";
+            "least holding torque at the screw, contacts alone; not for choosing a brake";
+        holding_torque_frictionless_Nm ["N m"] Whole(|w| Some(w.falling()?.torque / w.machine.drive.gear_ratio)),
+            "holding torque of the weight at the motor, without friction";
+        required_brake_torque_Nm ["N m"] Whole(|w| w.required_brake()), "required torque of the brake, at the motor";
+        back_driving_torque_Nm ["N m"] Whole(|w| Some(w.power_loss.as_ref()?.nominal)), "torque with which the weight drives the screw, without power of the motor";
+        back_driving_torque_low_Nm ["N m"] Whole(|w| Some(w.power_loss.as_ref()?.torques[0])), "least torque with which the weight drives the screw; the largest friction, twice the drag";
+        back_driving_torque_high_Nm ["N m"] Whole(|w| Some(w.power_loss.as_ref()?.torques[1])), "largest torque with which the weight drives the screw; the least friction";
+        stopping_distance_mm ["mm"] Whole(|w| Some(w.stopping_distance()? / MM)), "stopping distance after power loss downwards at the largest feed, by the brake alone";
+        fall_acceleration_m_s2 ["m/s2"] Whole(|w| w.fall().map(|(acceleration, _)| acceleration)), "acceleration of the fall without power and brake";
+        fall_speed_rpm ["rpm"] Whole(|w| w.fall().map(|(_, speed)| speed)), "speed of the screw after a fall over the stroke, without power and brake";
         inertia_of_screw_kg_m2 ["kg m2" "J_s"] Whole(|w| w.machine.screw.map(|(_, inertia)| inertia)), "moment of inertia of the screw";
         inertia_of_mass_kg_m2 ["kg m2"] Whole(|w| w.machine.drive.mass_inertia()), "reflected inertia of the moved mass, at the screw";
         inertia_at_motor_kg_m2 ["kg m2"] Whole(|w| w.inertia_at_motor()), "load inertia at the motor";
@@ -115,6 +146,9 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
             let motor = Some(w.machine.drive.motor_inertia).filter(|inertia| *inertia > 0.0);
             Some(w.inertia_at_motor()? / motor?)
         }), "load-to-motor inertia ratio";
+        least_acceleration_time_s ["s"] Whole(|w| w.least_ramp()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
+            "least time to the largest speed, by motor_peak_torque_Nm";
+        shortest_ramp_s ["s"] Whole(|w| w.shortest_ramp()), "time to the largest speed at the largest acceleration of the cycle";
     }
 }
 
@@ -263,6 +297,15 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
     })
 }
 
+/// Turns of a stroke below which its life is no fatigue.
+const LEAST_TURNS: f64 = 0.5;
+
+/// Lengths of a nut below which a stroke is short (HIWIN BS-08-2, F 3.10), and the load factor there, the least.
+const SHORT: (f64, f64) = (3.0, 3.0);
+
+/// Speed number from which the grease is to be asked for \[mm/min\], usual value.
+const FAST: f64 = 100e3;
+
 /// Effects that the torque of an axis neglects.
 const NOT_MODELLED: [&str; 6] = [
     "lubricant, unless its inputs are given: contacts are dry then, with one friction coefficient; the friction torque of the preload is that of manufacturers' rule, accurate to some 50 %",
@@ -335,7 +378,7 @@ pub(crate) struct Preload {
     cold: f64,
     /// With the rises of temperature \[N\].
     warm: f64,
-    /// By manufacturers' rule.
+    /// As it is measured, by manufacturers' rule.
     by_rule: f64,
     /// Of its contacts alone; `None` without friction.
     of_contacts: Option<f64>,
@@ -376,7 +419,7 @@ impl Preload {
             None
         };
         let beyond = ColdNut::of(scene, settings, machine)?.drag(scene, machine)? * warm;
-        Ok(Some(Self { cold, warm, by_rule: by_rule(warm), of_contacts, beyond }))
+        Ok(Some(Self { cold, warm, by_rule: by_rule(cold), of_contacts, beyond }))
     }
 }
 
@@ -447,12 +490,15 @@ impl AxisReport {
     }
 
     fn with(asked: &Scene, settings: &Settings, detail: Detail) -> Result<Self, CaseError> {
+        refuse_idle(asked)?;
+        let asked = &asked.with_preload()?;
         let warm = Warm::with_band(asked, settings, detail)?;
         if let Some(warm) = warm.as_ref().filter(|warm| warm.state.is_none()) {
             return Ok(Self::of_none(asked, settings, warm));
         }
         let scene = &warm.as_ref().map_or_else(|| asked.clone(), |warm| warm.scene(asked));
-        let worked = Worked::of(scene, settings, warm)?;
+        let mut worked = Worked::of(scene, settings, warm)?;
+        worked.power_loss = detail.band.then(|| worked.at_power_loss(settings)).flatten();
         let of_nut = match &worked.machine.groove {
             Some(_) => ratings(&at_largest(scene, &worked.machine.axis))?,
             None => Answer::default(),
@@ -478,7 +524,7 @@ impl AxisReport {
         let mut notes = worked.notes();
         if detail.band {
             notes.extend(worked.how_sure(settings));
-            notes.extend(worked.at_power_loss(settings));
+            notes.extend(worked.falls());
         }
         let not_modelled = NOT_MODELLED.map(str::to_owned).to_vec();
         let answer = Answer { rules, notes, warnings, fails, ..Answer::default() }
@@ -539,9 +585,26 @@ impl AxisReport {
 /// # Errors
 ///
 /// Those of [`AxisReport::of`], and [`CaseError::NoWarmState`] if it runs away.
-pub(crate) fn numbers(scene: &Scene, settings: &Settings) -> Result<Numbers, CaseError> {
+///
+/// * `wanted`: the quantities that are read.
+pub(crate) fn numbers(
+    scene: &Scene,
+    settings: &Settings,
+    wanted: impl Fn(&Quantity) -> bool,
+) -> Result<Numbers, CaseError> {
+    let scene = &scene.with_preload()?;
+    // At one operating point the torque takes no axis.
+    if scene.nut.cycle.is_none()
+        && QUANTITIES
+            .iter()
+            .filter(|quantity| wanted(quantity))
+            .all(|q| q.name == "screw_torque_Nm")
+        && let Some(torque) = torque_parts(scene, settings)?
+    {
+        return Ok(torque.numbers);
+    }
     let scene = scene.in_warm_state(settings)?;
-    AxisReport::of(&scene, settings).map(|report| report.answer.into_numbers())
+    AxisReport::judged(&scene, settings).map(|report| report.answer.into_numbers())
 }
 
 /// A row a phase, of which people see these numbers.
@@ -595,10 +658,21 @@ pub(crate) struct Worked<'a> {
     holding: Option<f64>,
     /// Life by the loads of all balls \[s\].
     life_by_balls: Option<f64>,
+    /// What the weight does without power of the motor.
+    power_loss: Option<PowerLoss>,
     /// Its warm steady state, if that is asked for.
     warm: Option<Warm>,
     /// For the modified life, if lubricant and contamination are given.
     lubrication: Option<Lubrication>,
+}
+
+/// What the weight of an inclined axis does to the screw without power of the motor.
+struct PowerLoss {
+    /// Torque that drives the screw at the friction of the scene \[N·m\].
+    nominal: f64,
+    /// Least and largest torque that drives it \[N·m\].
+    torques: [f64; 2],
+    what: BackDriving,
 }
 
 impl<'a> Worked<'a> {
@@ -634,7 +708,7 @@ impl<'a> Worked<'a> {
             machine.groove.as_ref().and_then(|_| life_by_balls(scene, settings, axis));
         machine.axis.preload = preload.as_ref().map(|preload| preload.warm);
         let lubrication = Lubrication::of(scene, &machine)?;
-        Ok(Self {
+        let mut worked = Self {
             scene,
             machine,
             nut,
@@ -643,9 +717,12 @@ impl<'a> Worked<'a> {
             torques,
             holding,
             life_by_balls,
+            power_loss: None,
             warm,
             lubrication,
-        })
+        };
+        worked.machine.axis.compression = -worked.tension().unwrap_or(0.0).min(0.0);
+        Ok(worked)
     }
 
     fn axis(&self) -> &Axis {
@@ -658,6 +735,34 @@ impl<'a> Worked<'a> {
 
     fn shaft(&self) -> Option<&Shaft> {
         self.machine.axis.shaft.as_ref()
+    }
+
+    /// Life of the cycle; `None` too of a stroke of less than half a turn, which wears a groove by false brinelling.
+    fn life(&self) -> Option<Life> {
+        let turns = self.scene.stroke_mm.map(|mm| mm * MM / self.axis().screw.lead);
+        self.axis().life().filter(|_| turns.is_none_or(|turns| turns >= LEAST_TURNS))
+    }
+
+    /// The screw between two fixed bearings, if it is stretched.
+    fn pretension(&self) -> Option<Held> {
+        self.machine.held.filter(|held| held.stretched > 0.0)
+    }
+
+    /// Of the screw by a kelvin over its length.
+    fn expansion(&self) -> Option<f64> {
+        Some(self.scene.value_or_default(InputKey::thermal_expansion_um_m_K)? * UM)
+    }
+
+    /// How much warmer the screw is than the bed \[K\]: as given, or in the steady state.
+    fn rise(&self) -> Option<f64> {
+        let given = self.scene.screw_temperature_rise_K.filter(|rise| *rise != 0.0);
+        given.or_else(|| self.steady_rise())
+    }
+
+    /// Tension of the screw \[N\]: as given or found by the warm state, or what its rise leaves of its pretension.
+    fn tension(&self) -> Option<f64> {
+        let by_rise = || Some(self.machine.held?.tension(self.rise()?));
+        self.scene.screw_tension_N.or_else(by_rise)
     }
 
     /// A number of the nut under the largest load.
@@ -677,6 +782,7 @@ impl<'a> Worked<'a> {
 
     /// Modified life \[h\] at the usual, the least or the largest contamination factor.
     fn modified_life(&self, place: usize) -> Option<f64> {
+        self.life()?;
         let Lubrication { viscosity, fatigue_limit, contamination } = self.lubrication.as_ref()?;
         let life = self.axis().modified_life(*viscosity, contamination[place] * fatigue_limit);
         life.map(|time| time / 3600.0)
@@ -712,9 +818,8 @@ impl<'a> Worked<'a> {
         if let Some(state) = self.warm_state() {
             return Some(state.growth / UM);
         }
-        let given = self.scene.screw_temperature_rise_K.filter(|rise| *rise != 0.0);
-        let expansion = self.scene.value_or_default(InputKey::thermal_expansion_um_m_K)?;
-        Some(self.shaft()?.growth(expansion * UM, given.or_else(|| self.steady_rise())?) / UM)
+        let left = self.machine.held.map_or(1.0, |held| held.growth_left());
+        Some(left * self.shaft()?.growth(self.expansion()?, self.rise()?) / UM)
     }
 
     /// Stiffness of the nut under the largest load \[N/um\]: of all its balls, or by that of its catalogue.
@@ -758,6 +863,51 @@ impl<'a> Worked<'a> {
         self.machine.screw.map(|_| self.machine.drive.load_inertia())
     }
 
+    /// Its weight, if it turns the screw.
+    fn falling(&self) -> Option<Falling> {
+        let weight = self.machine.carriage.load(0.0, 0.0, 0.0).abs();
+        (weight > 0.0).then(|| self.machine.drive.falling(weight))
+    }
+
+    /// Torque of a brake at the motor: no friction is counted on.
+    fn required_brake(&self) -> Option<f64> {
+        let safety = self.scene.value_or_default(InputKey::brake_safety)?;
+        Some(safety * self.falling()?.torque / self.machine.drive.gear_ratio)
+    }
+
+    fn stopping_distance(&self) -> Option<f64> {
+        let brake = self.scene.brake_torque_Nm? * self.machine.drive.gear_ratio;
+        let delay = self.scene.value_or_default(InputKey::brake_delay_s)?;
+        let feed = self.axis().fastest() * self.machine.advance();
+        self.falling()?.stopping_distance(brake, delay, feed)
+    }
+
+    /// Acceleration of a fall \[m/s²\], and speed of the screw after the stroke \[rpm\]; `None` if friction holds.
+    fn fall(&self) -> Option<(f64, f64)> {
+        let driving = self.power_loss.as_ref()?.nominal;
+        let acceleration = self.falling()?.acceleration(driving);
+        let feed = (2.0 * acceleration * self.scene.stroke_mm? * MM).sqrt();
+        (driving > 0.0).then(|| (acceleration, feed / self.machine.advance() / RPM))
+    }
+
+    /// Time to the largest speed by the peak torque of the motor \[s\].
+    fn least_ramp(&self) -> Option<f64> {
+        let Machine { drive, axis, .. } = &self.machine;
+        let steady = self.torques.iter().filter(|torques| torques.phase.acceleration == 0.0);
+        let loads = steady.map(|torques| Some(self.motor_torque(torques)?.abs()));
+        let load = loads.collect::<Option<Vec<_>>>()?.into_iter().fold(0.0, f64::max);
+        let speed = axis.fastest() * drive.gear_ratio;
+        self.machine.screw?;
+        least_acceleration_time(drive.inertia(), speed, self.scene.motor_peak_torque_Nm?, load)
+    }
+
+    /// Time to the largest speed at the largest acceleration of the cycle \[s\].
+    fn shortest_ramp(&self) -> Option<f64> {
+        let sizes = self.axis().phases.iter().map(|phase| phase.acceleration.abs());
+        let most = sizes.fold(0.0, f64::max);
+        (most > 0.0).then(|| self.axis().fastest() * self.machine.advance() / most)
+    }
+
     /// Time of the cycle \[s\].
     fn time(&self) -> f64 {
         self.torques.iter().map(|torques| torques.phase.time).sum()
@@ -777,7 +927,8 @@ impl<'a> Worked<'a> {
     }
 
     fn motor_torque(&self, torques: &Torques) -> Option<f64> {
-        Some(self.machine.drive.motor_torque(torques.at_screw()?, torques.phase.acceleration))
+        let Phase { speed, acceleration, .. } = torques.phase;
+        Some(self.machine.drive.motor_torque(torques.at_screw()?, speed, acceleration))
     }
 
     fn motor_power(&self, torques: &Torques) -> Option<f64> {
@@ -796,7 +947,6 @@ impl<'a> Worked<'a> {
         }
         notes.extend(self.warm.iter().flat_map(Warm::notes));
         notes.extend(self.nut.as_ref().and_then(NutReport::touch_note));
-        notes.extend(self.idle());
         notes.extend(self.machine.assumed.iter().cloned());
         notes.extend(self.by_catalogue());
         notes.extend(self.about_life());
@@ -828,6 +978,15 @@ impl<'a> Worked<'a> {
                 Some(_) => {}
             }
         }
+        let speed_number = self.axis().speed_number() / (MM * RPM);
+        if speed_number > FAST {
+            note(
+                "above a speed number of some 100 000 mm/min oil or a high-speed grease is usual: ask for the grease",
+            );
+        }
+        if let Some(short) = self.short_stroke() {
+            note(&short);
+        }
         if self.machine.axis.shaft.is_none() {
             note(
                 "without stroke_mm or unsupported_length_mm there is no critical speed, buckling load and inertia of the screw",
@@ -836,6 +995,12 @@ impl<'a> Worked<'a> {
         }
         if self.scene.nut.support.is_none() {
             note("support is not given: fixed-supported is taken");
+        }
+        if let (None, Some(shaft)) = (self.scene.nut.buckling_support, self.shaft()) {
+            note(&format!(
+                "buckling between fixed bearing and nut: {} (default); buckling_support replaces it",
+                shaft.buckling.0.name()
+            ));
         }
         if self.scene.unsupported_length_mm.is_none() {
             note("unsupported_length_mm is stroke, length of the nut and two leads");
@@ -859,6 +1024,7 @@ impl<'a> Worked<'a> {
         let unity = axis.phases.iter().all(|phase| phase.load_factor <= 1.0);
         let lives = axis.advised_load_factors().map(|factor| {
             let phases = axis.phases.iter().map(|phase| Phase { load_factor: factor, ..*phase });
+            self.life()?;
             Some(Axis { phases: phases.collect(), ..axis.clone() }.life()?.time / 3600.0)
         });
         if let ([Some(long), Some(short)], true) = (lives, unity) {
@@ -888,8 +1054,6 @@ impl<'a> Worked<'a> {
 
     /// What the sheet of a screw without groove omits, and the band of its torque.
     fn by_catalogue(&self) -> Vec<String> {
-        /// Usual efficiencies.
-        const USUAL: [f64; 2] = [0.85, 0.95];
         if self.machine.groove.is_some() {
             return Vec::new();
         }
@@ -897,11 +1061,8 @@ impl<'a> Worked<'a> {
             let torque = heaviest.at_screw()?;
             let drives = heaviest.phase.load * heaviest.phase.speed < 0.0;
             let friction = contacts::by_catalogue(self.scene).friction(heaviest.ideal, drives);
-            let [high, low] = USUAL.map(|forward| {
-                let usual = Efficiency { forward, back: forward - 0.1 };
-                let change = usual.friction(heaviest.ideal, drives) - friction;
-                torque + change * heaviest.phase.speed.signum()
-            });
+            let [high, low] = contacts::usual_frictions(heaviest.ideal, drives)
+                .map(|usual| torque + (usual - friction) * heaviest.phase.speed.signum());
             Some(format!(
                 "torque by catalogue efficiency, {torque:.3} N m at the largest load that moves; usual efficiencies give {low:.3} to \
                  {high:.3} N m"
@@ -910,16 +1071,34 @@ impl<'a> Worked<'a> {
         at.into_iter().chain([LEFT_OUT.to_owned()]).collect()
     }
 
-    /// Inputs of the warm state that nothing asks for.
-    fn idle(&self) -> Option<String> {
-        // These act without it too.
-        let act =
-            [InputKey::preload_temperature_C, InputKey::screw_tension_N, InputKey::screw_bore_mm];
-        let given = self.scene.given().iter();
-        let idle = given.filter(|key| key.input().title == "warm state" && !act.contains(key));
-        let names: Vec<_> = idle.map(InputKey::name).collect();
-        let none = self.warm.is_some() || names.is_empty();
-        (!none).then(|| format!("without warm_state nothing follows from {}", names.join(", ")))
+    /// What a stroke of a few nut lengths does to the life.
+    fn short_stroke(&self) -> Option<String> {
+        let stroke = self.scene.stroke_mm? * MM;
+        let (lengths, factor) = SHORT;
+        if stroke < LEAST_TURNS * self.axis().screw.lead {
+            return Some(
+                "a stroke of less than half a turn has no life by fatigue: false brinelling"
+                    .to_owned(),
+            );
+        }
+        let circuits = self.scene.value_or_default(InputKey::circuits_count)?;
+        // The balls of a circuit advance by (1 − γ)/2 of the nut.
+        let round = self.machine.groove.as_ref().map(|(nut, _)| {
+            2.0 * nut.turns / circuits * nut.lead / (1.0 - nut.dynamic_rating().gamma)
+        });
+        if let Some(round) = round.filter(|round| stroke < *round) {
+            return Some(format!(
+                "a stroke of less than {:.0} mm does not circulate the balls, the same ones carry: make a stroke of two nut \
+                 lengths every few thousand strokes (usual advice)",
+                round / MM
+            ));
+        }
+        let life = self.life()?.time / 3600.0 / factor.powi(3);
+        (stroke < lengths * self.machine.body.length).then(|| {
+            format!(
+                "a stroke of less than three nut lengths: HIWIN's load factor is 3 to 5, and the life at {factor} is {life:.0} h"
+            )
+        })
     }
 
     /// Uncertainty of the torque where friction comes from a lubricant.
@@ -939,23 +1118,29 @@ impl<'a> Worked<'a> {
         ))
     }
 
+    /// Permitted variation of the torque by which the preload is checked \[%\].
+    fn torque_percent(&self) -> Option<f64> {
+        let grade = self.scene.nut.accuracy_grade?.grade;
+        let (torque, diameter) = (self.preload.as_ref()?.by_rule, self.axis().screw.outer);
+        grade.torque_variation(torque, self.shaft()?.length, diameter)
+    }
+
+    /// That torque at an end of its variation.
+    fn torque_by(&self, side: f64) -> Option<f64> {
+        Some(self.preload.as_ref()?.by_rule * (1.0 + side * 0.01 * self.torque_percent()?))
+    }
+
     /// The torque by which the preload is checked, with its tolerance.
     fn to_measure(&self) -> Option<String> {
-        let (screw, preload) = (&self.axis().screw, self.preload.as_ref()?);
-        let torque = drag_torque(preload.cold, screw.lead, screw.lead_angle());
-        let grade = self.scene.nut.accuracy_grade.map(|word| word.grade);
-        let percent = grade.zip(self.shaft()).and_then(|(grade, shaft)| {
-            let diameter = screw.outer;
-            Some((grade.torque_variation(torque, shaft.length, diameter)?, grade.name))
-        });
-        let tolerance = percent.map_or_else(
-            || "no tolerance is specified for this torque, length and accuracy_grade".to_owned(),
-            |(percent, grade)| {
-                let part = 0.01 * percent;
-                let [low, high] = [1.0 - part, 1.0 + part].map(|factor| factor * torque);
+        let torque = self.preload.as_ref()?.by_rule;
+        let ends = [-1.0, 1.0].map(|side| self.torque_by(side));
+        let grade = self.scene.nut.accuracy_grade.map(|word| word.grade.name);
+        let tolerance = match (ends, self.torque_percent(), grade) {
+            ([Some(low), Some(high)], Some(percent), Some(grade)) => {
                 format!("{low:.3} to {high:.3}, +-{percent:.0} % by {grade}")
-            },
-        );
+            }
+            _ => "no tolerance is specified for this torque, length and accuracy_grade".to_owned(),
+        };
         let seal = self.scene.seal_torque_Nm.filter(|seal| *seal > 0.0);
         let with_seals = seal
             .map_or_else(String::new, |seal| format!("; with the seals {:.3} N m", torque + seal));
@@ -966,27 +1151,27 @@ impl<'a> Worked<'a> {
     }
 
     /// Whether its weight turns the screw of an inclined axis when the motor has no power (Z18).
-    fn at_power_loss(&self, settings: &Settings) -> Option<String> {
+    fn at_power_loss(&self, settings: &Settings) -> Option<PowerLoss> {
         /// Friction that is not measured, over that of the scene.
         const FRICTION: [f64; 2] = [2.0, 0.5];
         let (axis, advance) = (self.axis(), self.machine.advance());
         let weight = self.machine.carriage.load(0.0, 0.0, 0.0).abs();
-        let ideal = advance * weight;
+        let ideal = self.falling()?.torque;
         let speed = -axis.fastest().max(RPM);
         let phase = Phase { time: 1.0, load: weight, speed, acceleration: 0.0, load_factor: 1.0 };
         let work = &mut ModelWorkspace::default();
         let mut friction =
             |scene: &Scene| contacts(scene, settings, advance, &phase, work).ok()?.friction;
-        if weight == 0.0 {
-            return None;
-        }
-        let [most, least] = if let Some(coefficient) = self.scene.friction_coefficient {
+        let nominal = friction(self.scene)?;
+        let [most, least] = if self.machine.groove.is_none() {
+            let [most, least] = contacts::usual_frictions(ideal, true);
+            [Some(most.max(nominal)), Some(least.min(nominal))]
+        } else if let Some(coefficient) = self.scene.friction_coefficient {
             FRICTION.map(|factor| {
                 let friction_coefficient = Some(factor * coefficient);
                 friction(&Scene { friction_coefficient, ..self.scene.clone() })
             })
         } else {
-            let nominal = friction(self.scene)?;
             let [low, high] = contacts::band(self.scene, settings, &phase, work)?;
             [high, low].map(|factor| Some(factor * nominal))
         };
@@ -994,7 +1179,13 @@ impl<'a> Worked<'a> {
         let drag = self.preload.as_ref().map_or(0.0, |preload| preload.beyond)
             + value(InputKey::seal_torque_Nm)
             + value(InputKey::support_bearing_torque_Nm);
-        let ([low, high], what) = BackDriving::of([ideal - most?, ideal - least?], drag);
+        let (torques, what) = BackDriving::of([ideal - most?, ideal - least?], drag);
+        Some(PowerLoss { nominal: ideal - nominal - drag, torques, what })
+    }
+
+    /// The same in words, with the brake.
+    fn falls(&self) -> Option<String> {
+        let PowerLoss { torques: [low, high], what, .. } = self.power_loss.as_ref()?;
         let words = match what {
             BackDriving::Turns => "the weight turns the screw; a brake is needed",
             BackDriving::Undecided => "the weight may turn the screw; take a brake",
@@ -1002,10 +1193,16 @@ impl<'a> Worked<'a> {
                 "friction holds the weight; vibration can loosen it, which is no safety function"
             }
         };
-        let brake = BRAKE_SAFETY * ideal / self.machine.drive.gear_ratio;
+        let brake = self.required_brake()?;
+        let safety = self.scene.value_or_default(InputKey::brake_safety)?;
+        let holds = match (self.scene.brake_torque_Nm, self.stopping_distance()) {
+            (Some(_), Some(way)) => format!("; that given stops it within {:.1} mm", way / MM),
+            (Some(_), None) => "; that given does not hold".to_owned(),
+            (None, _) => String::new(),
+        };
         Some(format!(
             "without power of the motor {words}: {low:.3} to {high:.3} N m drive the screw; brake of at least {brake:.3} N m \
-             at the motor, {BRAKE_SAFETY} times the weight without friction"
+             at the motor, {safety} times the weight without friction{holds}"
         ))
     }
 
@@ -1013,6 +1210,18 @@ impl<'a> Worked<'a> {
         let motion = read_phase(&InPhase { worked: self, torques }, |_| true);
         let numbers = motion.and(read_torques(torques, |_| true));
         ScrewTorque { numbers, contacts: torques.contacts.words.clone() }
+    }
+}
+
+/// Refuses an input of the warm state in a scene that neither asks for it nor leaves it out.
+fn refuse_idle(scene: &Scene) -> Result<(), CaseError> {
+    // These act without it too.
+    let act = [InputKey::preload_temperature_C, InputKey::screw_tension_N];
+    let is_idle = |key: &InputKey| key.input().title == "warm state" && !act.contains(key);
+    let idle = scene.given().iter().find(is_idle).filter(|_| scene.nut.warm_state.is_none());
+    match idle {
+        Some(key) => Err(bad(key.name(), "has no effect without warm_state: true, or false")),
+        None => Ok(()),
     }
 }
 

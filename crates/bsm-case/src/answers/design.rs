@@ -3,7 +3,8 @@
 use std::cell::RefCell;
 
 use bsm_design::{
-    ActiveLimit, Check, Design, LoadCase, Nut, Outcome, Phase, Pitch, Quantity, Requirement, Why,
+    ActiveLimit, Check, Design, Holds, LoadCase, Nut, Outcome, Phase, Pitch, Quantity, Requirement,
+    Support, Why,
 };
 use bsm_dyn::{Direction, ModelWorkspace};
 use serde_json::json;
@@ -16,8 +17,8 @@ use crate::vocabulary::number::trimmed;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM};
 use crate::{
-    Answer, AxisReport, Catalogue, Column, Content, Criterion, INPUTS, Output, REQUIREMENT_INPUTS,
-    RequirementFile, Scene, Settings, Table, sheet_columns,
+    Answer, AxisReport, CaseError, Catalogue, Column, Content, Criterion, INPUTS, InputKey,
+    NutWords, Output, REQUIREMENT_INPUTS, RequirementFile, Scene, Table, sheet_columns,
 };
 
 /// A number of the procedure: step, label, value and requirement as text, and whether it
@@ -85,23 +86,24 @@ impl DesignReport {
     fn from_outcome(wish: &RequirementFile, outcome: Outcome) -> Self {
         let (design, reasons, found): (_, Vec<String>, _) = match outcome {
             Outcome::Found { design, active, refused } => {
-                let mut names: Vec<_> = active.into_iter().map(|q| step(q).name).collect();
-                names.extend(refused);
-                let mut seen = Vec::new();
-                names.retain(|name| {
-                    !seen.contains(name) && {
-                        seen.push(*name);
-                        true
+                let mut names: Vec<_> =
+                    active.iter().map(|holds| step(holds.quantity).name).collect();
+                let mut words: Vec<_> =
+                    active.iter().map(|holds| held_back(wish, &design, holds)).collect();
+                for name in refused {
+                    if !names.contains(&name) {
+                        names.push(name);
+                        words.push(name.to_owned());
                     }
-                });
-                (design, names.into_iter().map(str::to_owned).collect(), true)
+                }
+                (design, words, true)
             }
             Outcome::Infeasible { design, blocking } => {
                 (design, blocking.iter().map(blocks).collect(), false)
             }
         };
-        let scene = scene(wish, &design.nut, design.phase.load);
-        let sheet = AxisReport::judged(&scene, &wish.model.into()).ok();
+        let scene = scene(wish, &design);
+        let sheet = wish.judge(&scene).ok();
         let efficiency = sheet.as_ref().and_then(|sheet| sheet.number(EFFICIENCY));
         let of_sheet = |_: &Nut, _: &Phase| efficiency;
         // That of a preloaded nut is by all its balls.
@@ -114,7 +116,7 @@ impl DesignReport {
             Some(best).filter(|b| !b.is_nan()),
         ));
         if design.value(Quantity::Efficiency).is_nan() {
-            let model = wish.model.name();
+            let model = wish.settings.model.name();
             warnings.push(format!("model {model} has no solution for this screw: see bsm solve"));
         }
         if let LoadCase::Torque(torque, _) = wish.requirement.demand {
@@ -152,7 +154,7 @@ impl DesignReport {
             reasons.extend(rules.iter().filter(|rule| !rule.passes()).map(breaks));
         }
         if !found && reasons.is_empty() {
-            let model = wish.model.name();
+            let model = wish.settings.model.name();
             reasons.push(format!("model {model} has no solution for any screw within the limits"));
         }
         let notes = wish.notes.clone();
@@ -221,31 +223,49 @@ impl RequirementFile {
             && (!limited || Design::of(&self.requirement, *nut, Some(&efficiency)).is_feasible())
     }
 
+    /// The sheet by which every nut is judged, chosen, listed or of a maker: that of [`AxisReport`].
+    pub(crate) fn judge(&self, scene: &Scene) -> Result<AxisReport, CaseError> {
+        AxisReport::judged(scene, &self.settings)
+    }
+
     /// A nut at the operating point of the requirement.
     pub fn scene_of(&self, nut: &Nut) -> Scene {
-        let design = Design::of(&self.requirement, *nut, None);
-        scene(self, nut, design.phase.load)
+        scene(self, &Design::of(&self.requirement, *nut, None))
     }
 
     /// The numbers of [`sheet_columns`] for a nut in the axis of the requirement, NaN where there is none; `None` if a
     /// rule of its sheet does not hold.
     pub fn sheet_of(&self, nut: &Nut) -> Option<Vec<f64>> {
-        let report = AxisReport::judged(&self.scene_of(nut), &Settings::default()).ok()?;
+        let report = self.judge(&self.scene_of(nut)).ok()?;
         let number = |column: &Output| report.number(column.name).unwrap_or(f64::NAN);
         report.passes().then(|| sheet_columns().map(number).collect())
     }
 }
 
-/// Holds a nut against the rules of its sheet, none of which needs friction, and with a preload against its efficiency,
-/// which the search does not know by all balls.
+impl RequirementFile {
+    /// True if a rule of the sheet asks for its friction: torques of a motor, and the heat that presses a screw between two
+    /// fixed bearings.
+    fn asks_friction(&self) -> bool {
+        let motor = [
+            InputKey::motor_rated_torque_Nm,
+            InputKey::motor_peak_torque_Nm,
+            InputKey::motor_rated_power_W,
+        ];
+        self.requirement.mount.support == Support::FixedFixed
+            || motor.into_iter().any(|key| self.scene[key].is_some())
+    }
+}
+
+/// Holds a nut against the rules of its sheet, with friction only if one asks for it, and with a preload against its
+/// efficiency, which the search does not know by all balls.
 fn accepted(wish: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static str>> {
     let Requirement { least_efficiency, largest_power, preload, .. } = &wish.requirement;
     let mut scene = wish.scene_of(nut);
     let by_all_balls = preload.is_some() && (least_efficiency.is_some() || largest_power.is_some());
-    if !by_all_balls {
-        scene.friction_coefficient = None;
+    if !by_all_balls && !wish.asks_friction() {
+        scene = scene.without_friction();
     }
-    let sheet = AxisReport::judged(&scene, &wish.model.into()).map_err(|_| Vec::new())?;
+    let sheet = wish.judge(&scene).map_err(|_| Vec::new())?;
     let mut broken: Vec<_> =
         sheet.answer.rules.iter().filter(|rule| !rule.passes()).map(|rule| rule.name).collect();
     if by_all_balls {
@@ -259,14 +279,13 @@ fn accepted(wish: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static str>> 
 
 /// Efficiency of the whole screw of a nut in a phase by the model of a requirement, if it has one.
 fn efficiency(wish: &RequirementFile, nut: &Nut, phase: &Phase) -> Option<f64> {
-    let scene = scene(wish, nut, phase.load);
-    WORK.with_borrow_mut(|work| quick_efficiency(&scene, &wish.model.into(), nut, phase, work))
+    let scene = wish.scene_of(nut);
+    WORK.with_borrow_mut(|work| quick_efficiency(&scene, &wish.settings, nut, phase, work))
 }
 
-/// The screw of a nut in the axis of a requirement.
-///
-/// * `load`: of the screw \[N\], where the requirement has a torque.
-fn scene(wish: &RequirementFile, nut: &Nut, load: f64) -> Scene {
+/// The screw of a design in the axis of a requirement: with the load of a torque, and the preload of a class.
+fn scene(wish: &RequirementFile, design: &Design) -> Scene {
+    let Design { nut, phase, .. } = design;
     let by_torque = matches!(wish.requirement.demand, LoadCase::Torque(..));
     // In decimals, as the search leaves them.
     let round = |x: f64| (x * 1e9).round() * 1e-9;
@@ -282,7 +301,9 @@ fn scene(wish: &RequirementFile, nut: &Nut, load: f64) -> Scene {
         loaded_balls_per_turn: Some(nut.balls_per_turn),
         loaded_turns: Some(nut.turns),
         loaded_balls: Some((nut.balls_per_turn * nut.turns).max(1.0)),
-        axial_load_N: if by_torque { Some(load) } else { wish.scene.axial_load_N },
+        axial_load_N: if by_torque { Some(phase.load) } else { wish.scene.axial_load_N },
+        preload_N: design.preload(),
+        nut: NutWords { preload_class: None, ..wish.scene.nut.clone() },
         ..wish.scene.clone()
     }
 }
@@ -307,6 +328,7 @@ quantities! { pub(crate) STEPS, in_units(&f64);
         turns_for_stroke [""] Whole(|x| *x), "turns of the screw for the stroke";
         advance_mm_s ["mm/s"] Whole(|x| x / MM), "speed of the nut along the screw";
         largest_speed_number_mm_min = AXIS Whole(|x| x / (MM * RPM));
+        motor_speed_rpm = AXIS Whole(|x| x / RPM);
         nut_nominal_pressure_MPa ["MPa"] Whole(|x| x / MPA), "largest pressure at the nut if all balls share the load equally";
         screw_nominal_pressure_MPa ["MPa"] Whole(|x| x / MPA), "largest pressure at the screw if all balls share the load equally";
         contact_ellipse_end_deg ["deg"] Whole(|x| x / DEG), "angle to which the contact ellipse reaches along the groove";
@@ -320,6 +342,7 @@ quantities! { pub(crate) STEPS, in_units(&f64);
         preload_N = INPUTS Whole(|x| *x);
         critical_speed_ratio = AXIS Whole(|x| *x);
         buckling_safety = AXIS Whole(|x| *x);
+        inertia_of_screw_kg_m2 = AXIS Whole(|x| *x);
         mass_of_nut_and_screw_kg ["kg"] Whole(|x| *x), "mass of nut and screw";
     }
 }
@@ -381,6 +404,19 @@ fn required(check: &Check) -> Option<String> {
     }
 }
 
+/// A limit that holds the choice back, with what would be chosen without it.
+fn held_back(wish: &RequirementFile, design: &Design, holds: &Holds) -> String {
+    let name = step(holds.quantity).name;
+    let quantity = wish.requirement.objective.quantity();
+    let check = |quantity| design.checks.iter().find(|check| check.quantity == quantity);
+    let (Some(without), Some(chosen)) = (holds.without, check(quantity)) else {
+        return name.to_owned();
+    };
+    let limit = check(holds.quantity).and_then(required).unwrap_or_default();
+    let [without, with] = [without, chosen.value].map(|value| trimmed(in_unit(chosen, value)));
+    format!("{name} {limit}: without it {} {without}, with it {with}", step(quantity).name)
+}
+
 /// A limit that blocks, by how much, and why.
 fn blocks(ActiveLimit { check, why }: &ActiveLimit) -> String {
     let crate::Quantity { name, unit, .. } = *step(check.quantity);
@@ -419,6 +455,7 @@ mod tests {
             (Quantity::LeadAngle, "lead_angle_deg"),
             (Quantity::Conformity, "nut_conformity"),
             (Quantity::SpeedNumber, "largest_speed_number_mm_min"),
+            (Quantity::MotorSpeed, "motor_speed_rpm"),
             (Quantity::EllipseEnd, "contact_ellipse_end_deg"),
             (Quantity::Life, "cycle_life_h"),
             (Quantity::Mass, "mass_of_nut_and_screw_kg"),

@@ -10,8 +10,8 @@ use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::number::short;
 use crate::vocabulary::units::{MM, convert};
 use crate::{
-    Answer, AxisReport, CaseError, Column, Content, INPUTS, InputKey, Output, RequirementFile,
-    Scene, Settings, Table, entries, nearest, ratings, sheet_columns,
+    Answer, CaseError, Column, Content, INPUTS, InputKey, Output, RequirementFile, Scene, Table,
+    entries, nearest, ratings, sheet_columns,
 };
 
 /// Contact angle of makers, unless the table has it \[deg\].
@@ -135,7 +135,7 @@ impl MakerRow {
         let (mut scene, mut passes) = (nut.scene.clone(), None);
         if let Some(wish) = wish {
             scene = nut.within(wish);
-            let sheet = AxisReport::of(&scene, &Settings::default())?;
+            let sheet = wish.judge(&scene)?;
             passes = Some(sheet.passes());
             let of_sheet = |c: &Output| (c.name, c.unit, sheet.number(c.name));
             numbers.extend(sheet_columns().map(of_sheet));

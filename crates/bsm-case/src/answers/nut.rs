@@ -48,25 +48,19 @@ pub(crate) struct State {
     friction: OnceCell<Option<Rubbed>>,
     drag: OnceCell<Option<f64>>,
     advance: OnceCell<Option<Advance>>,
-    pushed: OnceCell<Option<Pushed>>,
 }
 
 impl State {
     fn new(made: Made) -> Self {
-        Self {
-            made,
-            friction: OnceCell::new(),
-            drag: OnceCell::new(),
-            advance: OnceCell::new(),
-            pushed: OnceCell::new(),
-        }
+        Self { made, friction: OnceCell::new(), drag: OnceCell::new(), advance: OnceCell::new() }
     }
 
     fn rubbed(&self, problem: &NutProblem) -> Option<&Rubbed> {
         let work_out = || {
             let Made { nut, found, .. } = &self.made;
             let mut rubbed = problem.with_free_balls().friction_of(nut, found)?;
-            if let (Some(pushed), Some((_, drive))) = (self.pushed(problem), &problem.friction) {
+            rubbed.pushed = problem.pushed_of(&self.made, &rubbed.friction.motions);
+            if let (Some(pushed), Some((_, drive))) = (&rubbed.pushed, &problem.friction) {
                 let drag = rubbed.friction.parts.map(|parts| parts.drag);
                 let balls = pushed.as_ref().ok().map(Train::torque).zip(drag);
                 let balls = balls.map(|(balls, drag)| balls + drag);
@@ -85,7 +79,7 @@ impl State {
 
     /// The pushes of the balls; none where no gap is given.
     fn pushed(&self, problem: &NutProblem) -> Option<&Pushed> {
-        self.pushed.get_or_init(|| problem.pushed_of(&self.made)).as_ref()
+        self.rubbed(problem)?.pushed.as_ref()
     }
 
     fn friction(&self, problem: &NutProblem) -> Option<&NutFriction> {
@@ -111,6 +105,8 @@ struct Rubbed {
     models: Vec<&'static str>,
     /// Why the model has no answer for a ball.
     why: Option<String>,
+    /// The pushes of the balls; none where no gap is given.
+    pushed: Option<Pushed>,
 }
 
 /// A nut under load, whose numbers are read.
@@ -441,7 +437,7 @@ impl NutProblem {
         });
         models.sort_unstable();
         models.dedup();
-        Some(Rubbed { friction, models, why })
+        Some(Rubbed { friction, models, why, pushed: None })
     }
 
     /// Friction of all balls of a nut like this, warm or strained, with the oil at a temperature \[K\].

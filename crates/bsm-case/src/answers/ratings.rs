@@ -10,10 +10,11 @@ use bsm_design::{
 use doubts::{doubts, doubts_of_pair, off_the_flank};
 
 use crate::answers::record::message;
+use crate::case::axis::speed_number_limit;
 use crate::case::rated_nut::{body, nut, thread};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
-use crate::{Answer, CaseError, Catalogue, Content, INPUTS, InputKey, Numbers, Scene, exact};
+use crate::{Answer, CaseError, Catalogue, Content, INPUTS, Numbers, Scene, exact};
 
 /// Title of what lies between the inputs and the ratings.
 pub(crate) const STEPS: &str = "steps";
@@ -47,7 +48,7 @@ quantities! { pub(crate) QUANTITIES, read(&Rated<'_>) of Ratings;
             "stiffness of a preloaded pair, contacts and bodies";
         rolling_efficiency [""] Whole(|r| r.nut.rolling_efficiency(r.lever())), "catalogue efficiency, rolling resistance without slip";
         mass_kg ["kg"] Whole(|r| r.body.mass(&r.nut, &r.thread)), "mass of the nut";
-        permissible_speed_rpm ["rpm"] Whole(|r| speed_limit(r.scene) / r.pitch_mm()), "permissible speed, by the speed number limit";
+        permissible_speed_rpm ["rpm"] Whole(|r| speed_number_limit(r.scene, r.nut.lead, r.thread.screw.land) / r.pitch_mm()), "permissible speed, by the speed number limit";
         speed_number_mm_min ["mm/min" "n d_pw"] Whole(|r| Some(rpm(r.scene)? * r.pitch_mm())) needs [screw_speed_rpm], "speed number";
         rating_life_revolutions ["" "L_10"] Whole(|r| Some(r.life.as_ref()?.revolutions)) needs [axial_load_N, screw_speed_rpm], "rating life";
         rating_life_h ["h" "L_10h"] Whole(|r| Some(r.life.as_ref()?.time / 3600.0)) needs [axial_load_N, screw_speed_rpm], "rating life";
@@ -228,10 +229,11 @@ impl<'a> Rated<'a> {
                 dynamic.rating
             ));
         }
-        let (limit, pitch_mm) = (speed_limit(scene), nut.pitch_diameter / MM);
+        let limit = speed_number_limit(scene, nut.lead, thread.screw.land);
+        let pitch_mm = nut.pitch_diameter / MM;
         if let Some(rpm) = rpm(scene).filter(|rpm| *rpm * pitch_mm > limit) {
             warnings.push(format!(
-                "speed number {:.0} mm/min at {rpm} rpm: above speed_number_limit_mm_min = {limit} \
+                "speed number {:.0} mm/min at {rpm} rpm: above the limit of {limit:.0} \
                  the return of the balls is at risk",
                 rpm * pitch_mm
             ));
@@ -243,11 +245,6 @@ impl<'a> Rated<'a> {
 /// Relative speed of screw and nut \[rpm\], if it is given.
 fn rpm(scene: &Scene) -> Option<f64> {
     scene.speeds_rpm().map(|(screw, nut)| (screw - nut).abs())
-}
-
-/// Largest speed number \[mm/min\].
-fn speed_limit(scene: &Scene) -> f64 {
-    scene.value_or_default(InputKey::speed_number_limit_mm_min).unwrap_or(f64::NAN)
 }
 
 /// The numbers alone.

@@ -3,15 +3,19 @@
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, Drive, DutySpeed, Hardness, MachineTable, Motion, Mount, Nut, NutBody, RatingFactors,
-    Support, Thread, reliability_factor, screw_inertia,
+    Axis, Drive, DutySpeed, Hardness, MachineTable, Make, Motion, Mount, Nut, NutBody, Preload,
+    PreloadClass, PreloadMethod, RatingFactors, Shaft, Support, Thread, reliability_factor,
 };
 
+use crate::case::nut::bad;
 use crate::case::rated_nut;
 use crate::case::rated_screw::RatedScrew;
-use crate::vocabulary::units::{DEG, MM, RPM};
+use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::vocabulary::words::{SteelWord, SupportWord};
 use crate::{CaseError, InputKey, PhaseWords, Scene};
+
+/// Largest bore of a screw over its core.
+const LARGEST_BORE: f64 = 0.8;
 
 /// The axis of a scene, with what turns and moves in it.
 #[derive(Debug, Clone)]
@@ -28,6 +32,56 @@ pub(crate) struct Machine {
     pub(crate) screw: Option<(f64, f64)>,
     /// What was estimated, in words.
     pub(crate) assumed: Vec<String>,
+    /// What two fixed bearings do; `None` of other supports.
+    pub(crate) held: Option<Held>,
+}
+
+/// A screw between two fixed bearings.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Held {
+    shaft: Shaft,
+    /// Stiffness of each bearing \[N/m\].
+    bearing: f64,
+    /// Growth of the free screw for a kelvin \[m/K\].
+    growth: f64,
+    /// Kelvins by which it is stretched.
+    pub(crate) stretched: f64,
+}
+
+impl Held {
+    /// That of a scene.
+    fn of(scene: &Scene, shaft: &Shaft) -> Result<Option<Self>, CaseError> {
+        let pretension = [InputKey::pretension_N, InputKey::pretension_K];
+        if shaft.support != Support::FixedFixed {
+            let given = pretension.into_iter().find(|key| scene[*key].is_some());
+            return given.map_or(Ok(None), |key| Err(bad(key.name(), "needs support fixed-fixed")));
+        }
+        if pretension.iter().all(|key| scene[*key].is_some()) {
+            let keys = pretension.map(InputKey::name);
+            return Err(CaseError::OneOfTwo { keys, found: "both are" });
+        }
+        let bearing = scene.support_bearing_stiffness_N_um.map_or(f64::INFINITY, |k| k / UM);
+        let expansion = scene.value_or_default(InputKey::thermal_expansion_um_m_K);
+        let growth = expansion.unwrap_or(f64::NAN) * UM * shaft.length;
+        let by_force = |force| shaft.stretched_by(growth, bearing, force);
+        let stretched = scene.pretension_N.map(by_force).or(scene.pretension_K).unwrap_or(0.0);
+        Ok(Some(Self { shaft: *shaft, bearing, growth, stretched }))
+    }
+
+    /// Tension if it is warmer than the bed \[N\].
+    pub(crate) fn tension(&self, rise: f64) -> f64 {
+        self.shaft.tension(self.growth, self.bearing, self.stretched, rise)
+    }
+
+    /// Tension over the growth that the bearings hinder \[N/m\].
+    pub(crate) fn stiffness(&self) -> f64 {
+        self.shaft.held(self.bearing)
+    }
+
+    /// What of the growth the bearings leave.
+    pub(crate) fn growth_left(&self) -> f64 {
+        self.shaft.growth_left(self.bearing)
+    }
 }
 
 impl Machine {
@@ -35,16 +89,22 @@ impl Machine {
     pub(crate) fn of(scene: &Scene) -> Result<Self, CaseError> {
         scene.check()?;
         let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
-        let (groove, RatedScrew { screw: size, body, assumed }) = if scene.has_ratings_only() {
+        let (groove, rated) = if scene.has_ratings_only() {
             (None, RatedScrew::of(scene)?)
         } else {
             let nut = rated_nut::nut(scene)?;
             let thread = rated_nut::thread(scene, &nut)?;
             let body = rated_nut::body(scene, &nut, &thread)?;
             rated_nut::compared(scene, &nut)?;
-            let screw = nut.screw(&thread);
-            (Some((nut, thread)), RatedScrew { screw, body, assumed: Vec::new() })
+            let rated = RatedScrew {
+                screw: nut.screw(&thread),
+                body,
+                per_length: nut.screw_mass_and_inertia(&thread, mount(scene).bore.0, 1.0),
+                assumed: Vec::new(),
+            };
+            (Some((nut, thread)), rated)
         };
+        let RatedScrew { screw: size, body, per_length, assumed } = rated;
         let calculated = groove.as_ref().map(|(nut, _)| nut);
         let dynamic = || calculated.map(|nut| nut.dynamic_rating().rating);
         let rated = || calculated.map(|nut| nut.static_rating().rating);
@@ -55,10 +115,27 @@ impl Machine {
         let factors = rating_factors(scene);
         let stroke = scene.stroke_mm.map(|mm| mm * MM);
         let shaft = mount(scene).shaft(&size, body.length, stroke);
+        let core = shaft.map_or(size.core, |shaft| shaft.diameter);
+        let ball = calculated.map(|nut| nut.ball_diameter);
+        let ball = ball.or(scene.ball_diameter_mm.map(|mm| mm * MM)).unwrap_or(0.0);
+        let most = (LARGEST_BORE * core).min(core - ball);
+        if let Some(bore) = scene.screw_bore_mm.filter(|bore| bore * MM > most) {
+            let rule = format!(
+                "<= {:.3} mm: {LARGEST_BORE} of the core, and a wall of half a ball",
+                most / MM
+            );
+            return Err(CaseError::OutOfRange {
+                key: "screw_bore_mm".to_owned(),
+                value: bore,
+                rule,
+            });
+        }
+        let held = shaft.as_ref().map_or(Ok(None), |shaft| Held::of(scene, shaft))?;
         let carriage = carriage(scene);
         let screw = shaft.as_ref().map(|shaft| {
-            let mass = size.mass_per_length * shaft.length;
-            (mass, screw_inertia(shaft.length, mass))
+            let (mass, own) = per_length;
+            let inertia = scene.screw_inertia_kg_m2_m.unwrap_or(own);
+            (mass * shaft.length, inertia * shaft.length)
         });
         let of_screw = screw.map_or(0.0, |(_, inertia)| inertia);
         let drive = Drive {
@@ -66,7 +143,9 @@ impl Machine {
             screw_inertia: of_screw + value(InputKey::coupling_inertia_kg_m2),
             mass: carriage.mass,
             gear_ratio: value(InputKey::gear_ratio),
+            gear_efficiency: value(InputKey::gear_efficiency),
             motor_inertia: value(InputKey::motor_inertia_kg_m2),
+            gear_inertia: value(InputKey::gear_inertia_kg_m2),
         };
         let phase = |motion: &Motion| motion.phase(&carriage, size.lead);
         let axis = Axis {
@@ -79,7 +158,7 @@ impl Machine {
             compression: -scene.screw_tension_N.unwrap_or(0.0).min(0.0),
             reliability: reliability(scene),
         };
-        Ok(Self { axis, ratings, groove, body, carriage, drive, screw, assumed })
+        Ok(Self { axis, ratings, groove, body, carriage, drive, screw, assumed, held })
     }
 
     /// Advance for a radian of the screw \[m\].
@@ -95,6 +174,7 @@ pub(crate) fn carriage(scene: &Scene) -> MachineTable {
         mass: value(InputKey::moved_mass_kg),
         inclination: value(InputKey::inclination_deg) * DEG,
         friction: value(InputKey::guide_friction),
+        resistance: value(InputKey::guide_force_N),
     }
 }
 
@@ -109,6 +189,14 @@ pub(crate) fn mount(scene: &Scene) -> Mount {
         support: scene.nut.support.map_or(Support::FixedSupported, Support::from),
         length: scene.unsupported_length_mm.map(|mm| mm * MM),
         diameter: scene.shaft_diameter_mm.map(|mm| mm * MM),
+        bore: (
+            scene.screw_bore_mm.unwrap_or(0.0) * MM,
+            scene.value_or_default(InputKey::coolant_density_kg_m3).unwrap_or(0.0),
+        ),
+        buckling: (
+            scene.nut.buckling_support.map(Support::from),
+            scene.buckling_length_mm.map(|mm| mm * MM),
+        ),
     }
 }
 
@@ -121,6 +209,64 @@ pub(crate) fn rating_factors(scene: &Scene) -> RatingFactors {
     let hardness = hardness.or(scene.hardness_HV10.map(Hardness::Vickers));
     let steel = scene.nut.steel.map_or(1.0, SteelWord::factor);
     RatingFactors::of(hardness, scene.accuracy_factor.unwrap_or(by_grade), steel)
+}
+
+/// Largest speed number that its ball return permits \[mm/min\].
+///
+/// * `lead`, `land`: of the screw and its outer diameter \[m\].
+pub(crate) fn speed_number_limit(scene: &Scene, lead: f64, land: f64) -> f64 {
+    let by_make = || make(scene).speed_number(lead, land) / (MM * RPM);
+    scene.speed_number_limit_mm_min.unwrap_or_else(by_make)
+}
+
+/// Largest speed of its motor \[rpm\].
+pub(crate) fn motor_speed(scene: &Scene) -> Option<f64> {
+    scene.motor_max_speed_rpm.or(scene.motor_rated_speed_rpm)
+}
+
+/// How its nut is preloaded.
+pub(crate) fn preload_method(scene: &Scene) -> PreloadMethod {
+    scene.nut.preload_by.map_or(PreloadMethod::DoubleNut, PreloadMethod::from)
+}
+
+/// The preload that a scene asks for, and the play \[m\] of a class without preload.
+pub(crate) fn preload(scene: &Scene) -> Result<(Option<Preload>, Option<f64>), CaseError> {
+    let force = scene.preload_N.map(Preload::Force);
+    let Some(word) = scene.nut.preload_class else { return Ok((force, None)) };
+    let others = [InputKey::preload_N, InputKey::preload_offset_um, InputKey::ball_oversize_um];
+    if let Some(other) = others.into_iter().find(|key| scene[*key].is_some()) {
+        return Err(CaseError::OneOfTwo {
+            keys: ["preload_class", other.name()],
+            found: "both are",
+        });
+    }
+    Ok(match word.class() {
+        PreloadClass::Preload(preload) => (Some(preload), None),
+        PreloadClass::Play(play) => (None, play),
+    })
+}
+
+impl Scene {
+    /// With the preload of its class as a force, and its play.
+    pub(crate) fn with_preload(&self) -> Result<Self, CaseError> {
+        let mut scene = self.clone();
+        if scene.nut.preload_class.take().is_none() {
+            return Ok(scene);
+        }
+        let (preload, play) = preload(self)?;
+        scene.axial_play_um = scene.axial_play_um.or(play.map(|play| play / UM));
+        if let Some(preload) = preload {
+            // Only that which is by the load needs one.
+            let axis = Machine::of(&scene)?.axis;
+            scene.preload_N = Some(preload.force(axis.largest_load(), axis.dynamic_rating));
+        }
+        Ok(scene)
+    }
+}
+
+/// How its screw is made.
+pub(crate) fn make(scene: &Scene) -> Make {
+    scene.nut.screw_make.map_or(Make::Ground, Make::from)
 }
 
 /// Life at the reliability of a scene over that at 90 %.

@@ -40,6 +40,8 @@ keys! {
     nut_conformity ["" "f_rn"] Above(0.5), None, "groove radii over ball diameter of the nut; the screw has the same";
     contact_angle_deg ["deg" "alpha"] Between(0.0, 90.0), None, "contact angles";
     largest_ball_over_lead [""] Above(0.0), None, "largest ball diameter over lead";
+    smallest_ball_over_lead [""] AtLeast(0.0), None, "smallest ball diameter over lead, of leads up to 10 mm";
+    ball_over_diameter_range [""] AtLeast(0.0), None, "least and largest ball diameter over nominal diameter";
     largest_ball_over_screw_root [""] Above(0.0), None, "largest ball diameter over root diameter of the screw";
     largest_ball_gap_over_ball [""] Between(0.0, 1.0), None, "largest gap between the balls of a turn over ball diameter";
     axial_play_um ["um"] AtLeast(0.0), None, "axial play of a nut without preload";
@@ -171,6 +173,8 @@ impl Given {
         };
         let limits = Limits {
             ball_over_lead: self.number("largest_ball_over_lead", 1.0),
+            least_ball_over_lead: self.number("smallest_ball_over_lead", 1.0),
+            ball_over_diameter: self.range("ball_over_diameter_range"),
             ball_over_root: self.number("largest_ball_over_screw_root", 1.0),
             ball_gap: self.number("largest_ball_gap_over_ball", 1.0),
             axial_play: self.number("axial_play_um", UM),

@@ -3,6 +3,7 @@
 use bsm_dyn::{Control, Model, Problem, RacewayFriction, Traction};
 use serde_json::{Value, json};
 
+use crate::case::nut::bad;
 use crate::vocabulary::input_set::{Form, LEAD, Quantity, TEMPERATURE, VISCOSITY};
 use crate::vocabulary::rules::{covered, not_covered};
 use crate::{CaseError, InputKey, InputSet, Rule, Scene};
@@ -383,6 +384,9 @@ impl Scene {
     ///
     /// [`CaseError`] if a value or a dial breaks a rule, an input of the model is missing, or there is no warm state.
     pub fn problem(&self, settings: &Settings) -> Result<Problem, CaseError> {
+        if self.nut.preload_class.is_some() {
+            return Err(bad("preload_class", "is not used by one ball: bsm axis, bsm nut"));
+        }
         if self.asks_warm() {
             return self.in_warm_state(settings)?.problem(settings);
         }

@@ -3,15 +3,18 @@
 use bsm_design::{
     DutySpeed, Fixed, Lists, LoadCase, Objective, Pitch, Ranges, Requirement, Travel,
 };
-use bsm_dyn::{Direction, Model, Optimum};
+use bsm_dyn::{Direction, Optimum};
 use serde_json::{Map, Value};
 
 use crate::Rule::{Above, AtLeast, Between};
-use crate::case::axis::{carriage, motions, mount, rating_factors, reliability};
+use crate::case::axis::{
+    carriage, make, motions, motor_speed, mount, preload, preload_method, rating_factors,
+    reliability,
+};
 use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::quantity::keys;
-use crate::vocabulary::units::{DEG, MM, MPA, RPM, convert};
-use crate::{CaseError, InputKey, Known, Scene, entries, nearest};
+use crate::vocabulary::units::{DEG, MM, MPA, RPM, UM, convert};
+use crate::{CaseError, InputKey, Known, Scene, Settings, entries, nearest};
 
 keys! {
     /// Numbers that only requirements have.
@@ -23,7 +26,7 @@ keys! {
     pressure_limit_MPa ["MPa"] Above(0.0), Some(4200.0), "largest Hertz pressure allowed (ISO 76)";
     largest_pitch_circle_diameter_mm ["mm"] Above(0.0), Some(125.0), "largest pitch circle diameter allowed";
     largest_loaded_turns [""] AtLeast(2.0), Some(6.0), "largest number of loaded turns allowed, 12 at most";
-    largest_ball_over_lead [""] Above(0.0), Some(0.7), "largest ball diameter over lead; the rest of the lead is the land between the grooves";
+    largest_ball_over_lead [""] Above(0.0), Some(0.8), "largest ball diameter over lead; the rest of the lead is the land between the grooves";
     smallest_contact_angle_deg ["deg"] Between(0.0, 90.0), Some(USUAL_CONTACT_ANGLES_DEG.0), "smallest contact angle allowed";
     largest_contact_angle_deg ["deg"] Between(0.0, 90.0), Some(USUAL_CONTACT_ANGLES_DEG.1), "largest contact angle allowed";
     largest_length_over_pitch_radius [""] Above(0.0), None, "largest length of the screw over its pitch circle radius, 60 in Lin's step 4";
@@ -42,42 +45,96 @@ pub(crate) const USUAL_CONTACT_ANGLES_DEG: (f64, f64) = (30.0, 75.0);
 /// Keys with texts, and their possible texts; the first is the default.
 pub const REQUIREMENT_WORDS: [(&str, &[&str], &str); 3] = [
     ("motion", &["rotary-to-linear", "linear-to-rotary"], "which side drives"),
-    ("objective", &["mass", "efficiency", "capacity"], "what the search optimises"),
+    (
+        "objective",
+        &["mass", "efficiency", "capacity", "inertia", "power"],
+        "what the search optimises",
+    ),
     (
         "model",
-        &["traction", "elastic", "raceway-control", "rigid", "quasi-static", "closed-form"],
+        &["auto", "traction", "elastic", "raceway-control", "rigid", "quasi-static", "closed-form"],
         "model for the efficiency",
     ),
 ];
 
-macro_rules! inputs_of_scenes {
-    ($($key:ident)*) => { [$(InputKey::$key),*] };
-}
-
-/// Inputs of a scene that a requirement may have: what decides, and what bsm axis reads besides, so that one file serves all.
-const FROM_SCENES: [InputKey; 47] = inputs_of_scenes! {
-    axial_load_N lead_mm lead_angle_deg screw_speed_rpm friction_coefficient speed_number_limit_mm_min
-    ball_diameter_mm pitch_circle_diameter_mm contact_angle_deg nut_conformity screw_conformity loaded_turns
-    rolling_friction_mm density_kg_m3 youngs_modulus_GPa poisson_ratio ball_youngs_modulus_GPa
-    ball_poisson_ratio feed_m_min stroke_mm preload_N unsupported_length_mm shaft_diameter_mm moved_mass_kg
-    inclination_deg guide_friction motor_inertia_kg_m2 coupling_inertia_kg_m2 gear_ratio
-    support_bearing_torque_Nm seal_torque_Nm support_bearing_stiffness_N_um housing_stiffness_N_um
-    axis_heat_transfer_W_K reliability_percent required_life_h required_static_safety
-    required_critical_speed_ratio required_buckling_safety useful_travel_mm required_travel_error_um
-    load_factor hardness_HRC hardness_HV10 accuracy_factor screw_temperature_rise_K thermal_expansion_um_m_K
+/// Inputs of the axis that a search does not ask for: it calculates the ratings, and knows the groove.
+const NOT_OF_AXES: [InputKey; 7] = {
+    use InputKey as K;
+    [
+        K::rated_dynamic_load_N,
+        K::rated_static_load_N,
+        K::nominal_diameter_mm,
+        K::screw_mass_kg_m,
+        K::catalogue_efficiency,
+        K::catalogue_back_efficiency,
+        K::rated_rigidity_N_um,
+    ]
 };
 
+/// Inputs of screw and nut that a requirement may fix, and what its sheet reads besides.
+const OF_NUTS: [InputKey; 18] = {
+    use InputKey as K;
+    [
+        K::lead_mm,
+        K::lead_angle_deg,
+        K::ball_diameter_mm,
+        K::pitch_circle_diameter_mm,
+        K::contact_angle_deg,
+        K::nut_conformity,
+        K::screw_conformity,
+        K::loaded_turns,
+        K::density_kg_m3,
+        K::youngs_modulus_GPa,
+        K::poisson_ratio,
+        K::ball_youngs_modulus_GPa,
+        K::ball_poisson_ratio,
+        K::preload_N,
+        K::nut_temperature_rise_K,
+        K::screw_temperature_rise_K,
+        K::ball_temperature_rise_K,
+        K::thermal_expansion_um_m_K,
+    ]
+};
+
+/// Inputs of a scene that a requirement may have: what decides, and what bsm axis reads besides, so that one file serves all.
+fn from_scenes() -> impl Iterator<Item = InputKey> + Clone {
+    let of_axis = |key: &InputKey| {
+        let title = key.input().title;
+        let motion = title == "operating point" && !OF_ONE_BALL.contains(key);
+        (title == "axis" && !NOT_OF_AXES.contains(key)) || title == "lubricant" || motion
+    };
+    InputKey::ALL.into_iter().filter(move |key| of_axis(key) || OF_NUTS.contains(key))
+}
+
+/// The operating point of one ball: a design has its balls from its turns, and its nut at rest.
+const OF_ONE_BALL: [InputKey; 2] = [InputKey::loaded_balls, InputKey::nut_speed_rpm];
+
+/// Other names of keys.
+const ALIASES: [(&str, &str); 2] =
+    [("life_h", "required_life_h"), ("largest_speed_rpm", "motor_max_speed_rpm")];
+
 /// Words of a scene that a requirement may have.
-const WORDS_FROM_SCENES: [&str; 5] =
-    ["support", "cycle", "accuracy_grade", "steel", "preload_arrangement"];
+const WORDS_FROM_SCENES: [&str; 11] = [
+    "support",
+    "buckling_support",
+    "screw_make",
+    "cycle",
+    "accuracy_grade",
+    "steel",
+    "contamination",
+    "preload_arrangement",
+    "preload_by",
+    "preload_class",
+    "base_oil",
+];
 
 /// A requirement as it is written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RequirementFile {
     /// Inputs that it shares with scenes: load, speed, friction, materials, and whatever is fixed.
     pub(crate) scene: Scene,
-    /// The model that tells the efficiency.
-    pub(crate) model: Model,
+    /// How friction is calculated.
+    pub(crate) settings: Settings,
     pub(crate) requirement: Requirement,
     /// What was assumed.
     pub(crate) notes: Vec<String>,
@@ -94,8 +151,17 @@ impl RequirementFile {
     /// contradicts itself.
     pub fn from_json(json: &[u8], settings: &[String], standard: Lists) -> Result<Self, CaseError> {
         let mut given = Given::default();
-        for (key, value) in entries(json)? {
-            given.assign(&key, &value)?;
+        let entries = entries(json)?;
+        let value =
+            |name: &str| entries.iter().find(|(key, _)| key == name).map(|(_, value)| value);
+        for keys in ALIASES {
+            let (also, own) = (value(keys.0), value(keys.1));
+            if also.is_some() && own.is_some() && also != own {
+                return Err(CaseError::OneOfTwo { keys: keys.into(), found: "both are" });
+            }
+        }
+        for (key, value) in &entries {
+            given.assign(key, value)?;
         }
         for setting in settings {
             let bad = || CaseError::BadSetting { text: setting.clone(), form: "name=value" };
@@ -121,6 +187,8 @@ struct Given {
 
 impl Given {
     fn assign(&mut self, key: &str, value: &Value) -> Result<(), CaseError> {
+        let own = ALIASES.iter().find(|(also, _)| *also == key);
+        let key = own.map_or(key, |(_, own)| own);
         if let Some((_, words, _)) = REQUIREMENT_WORDS.iter().find(|(name, ..)| *name == key) {
             let known = value.as_str().is_some_and(|word| words.contains(&word));
             if !known {
@@ -137,14 +205,13 @@ impl Given {
             self.numbers.insert(key.to_owned(), value.clone());
             return Ok(());
         }
-        let names = || FROM_SCENES.iter().map(|key| key.name());
+        let names = || from_scenes().map(InputKey::name);
         let known = key == "description"
             || WORDS_FROM_SCENES.contains(&key)
             || names().any(|name| name == key)
             || convert(key, &names()).is_some();
         if !known {
-            let names = FROM_SCENES.iter().map(|k| k.name());
-            let names = names.chain(REQUIREMENT_INPUTS.iter().map(|input| input.name));
+            let names = names().chain(REQUIREMENT_INPUTS.iter().map(|input| input.name));
             let names = names.chain(REQUIREMENT_WORDS.iter().map(|(name, ..)| *name));
             let names = names.chain(WORDS_FROM_SCENES);
             return Err(CaseError::unknown(Known::Requirement, key, nearest(key, names)));
@@ -161,6 +228,16 @@ impl Given {
         let first = REQUIREMENT_WORDS.iter().find(|(name, ..)| *name == key);
         let first = first.map_or("", |(_, words, _)| words[0]);
         self.words.get(key).and_then(Value::as_str).unwrap_or(first)
+    }
+
+    fn objective(&self) -> Objective {
+        match self.word("objective") {
+            "capacity" => Objective::Capacity,
+            "efficiency" => Objective::Efficiency,
+            "inertia" => Objective::Inertia,
+            "power" => Objective::Power,
+            _ => Objective::Mass,
+        }
     }
 
     /// One of two forms of a demand.
@@ -256,13 +333,15 @@ impl Given {
             return Err(CaseError::Missing { missing, by: "for a design".to_owned() });
         }
         let mut notes = Vec::new();
-        let friction = *scene.friction_coefficient.get_or_insert_with(|| {
-            let (usual, [low, high]) = USUAL_FRICTION;
+        let (usual, [low, high]) = USUAL_FRICTION;
+        if !scene.given().has_friction() {
+            scene.friction_coefficient = Some(usual);
             notes.push(format!(
                 "friction_coefficient {usual} is assumed; usual values are {low} to {high}"
             ));
-            usual
-        });
+        }
+        // The best angles of a lubricated screw are those of the usual friction.
+        let friction = scene.friction_coefficient.unwrap_or(usual);
         let conformity = match (scene.nut_conformity, scene.screw_conformity) {
             (Some(nut), Some(screw)) if (nut - screw).abs() > 1e-12 => {
                 return Err(CaseError::TwoConformities { nut, screw });
@@ -278,6 +357,8 @@ impl Given {
         scene.screw_speed_rpm = scene.screw_speed_rpm.map(towards);
         scene.feed_m_min = scene.feed_m_min.map(towards);
         let demand = self.demand(&scene)?;
+        let (preload, play) = preload(&scene)?;
+        scene.axial_play_um = scene.axial_play_um.or(play.map(|play| play / UM));
         let ranges = self.ranges()?;
         let pitches = match (scene.lead_mm, scene.lead_angle_deg) {
             (Some(lead), _) => vec![Pitch::Lead(lead * MM)],
@@ -298,7 +379,8 @@ impl Given {
         let requirement = Requirement {
             demand,
             carriage: carriage(&scene),
-            preload: scene.preload_N,
+            preload,
+            method: preload_method(&scene),
             reliability: reliability(&scene),
             factors: rating_factors(&scene),
             direction,
@@ -312,18 +394,16 @@ impl Given {
             friction,
             material: scene.reader().materials(),
             pressure: limit("pressure_limit_MPa") * MPA,
-            speed_number: least(InputKey::speed_number_limit_mm_min) * MM * RPM,
+            speed_number: scene.speed_number_limit_mm_min.map(|limit| limit * MM * RPM),
+            make: make(&scene),
+            motor: (least(InputKey::gear_ratio), motor_speed(&scene).map(|rpm| rpm * RPM)),
             ball_over_lead: limit("largest_ball_over_lead"),
             largest_diameter: limit("largest_pitch_circle_diameter_mm") * MM,
             largest_turns: limit("largest_loaded_turns"),
             least_efficiency: self.number("least_efficiency"),
             largest_power: self.number("largest_input_power_W"),
             ranges,
-            objective: match self.word("objective") {
-                "capacity" => Objective::Capacity,
-                "efficiency" => Objective::Efficiency,
-                _ => Objective::Mass,
-            },
+            objective: self.objective(),
             fixed: Fixed {
                 pitch_diameter: scene.pitch_circle_diameter_mm.map(|mm| mm * MM),
                 ball: scene.ball_diameter_mm.map(|mm| mm * MM),
@@ -333,7 +413,7 @@ impl Given {
             },
             stock: standard.balls,
         };
-        let model = Model::from_name(self.word("model")).unwrap_or(Model::Traction);
-        Ok(RequirementFile { scene, model, requirement, notes })
+        let settings = Settings::named(self.word("model"), None, None)?;
+        Ok(RequirementFile { scene, settings, requirement, notes })
     }
 }

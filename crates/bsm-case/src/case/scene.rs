@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::case::nut::OF_A_NUT;
-use crate::vocabulary::input_set::lead_mm;
+use crate::vocabulary::input_set::{OF_A_LUBRICANT, lead_mm};
 use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::rules::Relation;
 use crate::{CaseError, InputKey, InputSet, NutWords, Scene, entries};
@@ -64,6 +64,7 @@ impl Scene {
                 other => Err(wrong_type(key, other, "text")),
             };
         }
+        let key = key_of(&key, value.as_str()).to_owned();
         if NutWords::have(&key) {
             return self.nut.set(key, value.clone());
         }
@@ -102,6 +103,7 @@ impl Scene {
             let bad = || CaseError::BadSetting { text: text.to_owned(), form: "name=value" };
             let (name, value) = text.split_once('=').ok_or_else(bad)?;
             let (name, value) = (name.trim(), value.trim());
+            let name = key_of(name, Some(value.trim_matches('"')));
             if NutWords::have(name) {
                 // A word need not stand in quotes.
                 let word = serde_json::from_str(value).unwrap_or_else(|_| json!(value));
@@ -199,6 +201,12 @@ impl Scene {
     }
 }
 
+/// The key that a value belongs to: a preload is a force, or the word for the least one.
+fn key_of<'a>(key: &'a str, word: Option<&str>) -> &'a str {
+    let is_least = word == Some("auto") && key == InputKey::preload_N.name();
+    if is_least { "preload_class" } else { key }
+}
+
 /// The inputs of one place, a scene or settings, with the names that they have there.
 #[derive(Default)]
 struct Named(Vec<(InputKey, String)>);
@@ -274,6 +282,15 @@ impl Scene {
             cold[key] = None;
         }
         cold
+    }
+
+    /// Without what its friction follows from.
+    pub(crate) fn without_friction(mut self) -> Self {
+        self.friction_coefficient = None;
+        for key in OF_A_LUBRICANT.iter() {
+            self[key] = None;
+        }
+        self
     }
 
     /// True if it has a preloaded nut.

@@ -369,8 +369,8 @@ inputs! {
             "diameter of the land of the screw; for the ends of its flanks, pitch circle - 1.5 mm unless given, for balls below 3 mm - half a ball";
     }
     "axis" {
-        speed_number_limit_mm_min ["mm/min"] Above(0.0), Some(70000.0),
-            "largest speed number, pitch circle diameter times speed, that the ball return permits";
+        speed_number_limit_mm_min ["mm/min"] Above(0.0), None,
+            "largest speed number, pitch circle diameter times speed, that the ball return permits; that of screw_make unless given";
     }
     "nut" {
         race_yield_strength_MPa ["MPa"] Above(0.0), None,
@@ -461,18 +461,56 @@ inputs! {
             "unsupported length of the screw, between its bearings; stroke_mm + length of the nut + two leads unless given";
         shaft_diameter_mm ["mm"] Above(0.0), None,
             "shaft diameter for bending and buckling; the calculated core diameter of its thread unless given";
+        screw_bore_mm ["mm" "d_b"] Above(0.0), None,
+            "bore of a hollow screw";
+        coolant_density_kg_m3 ["kg/m3"] AtLeast(0.0), Some(0.0),
+            "density of what fills the bore of a hollow screw, for its critical speed";
+        buckling_length_mm ["mm"] Above(0.0), None,
+            "length of the screw that may buckle, between fixed bearing and nut; the unsupported length unless given";
+        screw_inertia_kg_m2_m ["kg m2/m"] Above(0.0), None,
+            "moment of inertia of a metre of the screw as the manufacturer states it; that of its section unless given";
+        support_bearing_axial_load_N ["N"] Above(0.0), None,
+            "largest axial load of the support bearings, for load and pretension together";
+        pretension_N ["N" "F_v"] AtLeast(0.0), None,
+            "tension of a screw between two fixed bearings when it is as warm as the bed";
+        pretension_K ["K"] AtLeast(0.0), None,
+            "rise of temperature that the screw is stretched by between two fixed bearings, usually 2 to 5; in place of pretension_N";
         moved_mass_kg ["kg"] AtLeast(0.0), Some(0.0),
             "mass that the axis moves; its weight, friction and inertia are added to the axial load";
         inclination_deg ["deg"] Within(-90.0, 90.0), Some(0.0),
             "inclination of the axis: 0 level, 90 upwards along the feed";
         guide_friction [""] AtLeast(0.0), Some(0.0),
             "friction coefficient of the guides under the moved mass";
+        guide_force_N ["N"] AtLeast(0.0), Some(0.0),
+            "force of the guides that does not follow the load, against the feed: seals, scrapers";
+        motor_rated_speed_rpm ["rpm"] Above(0.0), None,
+            "rated speed of the motor";
+        motor_max_speed_rpm ["rpm"] Above(0.0), None,
+            "largest speed of the motor; motor_rated_speed_rpm unless given";
+        motor_rated_torque_Nm ["N m"] Above(0.0), None,
+            "rated torque of the motor, for the mean over the cycle";
+        motor_peak_torque_Nm ["N m"] Above(0.0), None,
+            "peak torque of the motor";
+        motor_rated_power_W ["W"] Above(0.0), None,
+            "rated power of the motor";
+        largest_inertia_ratio [""] Above(0.0), Some(10.0),
+            "largest load-to-motor inertia ratio that is permitted; 3 to 10";
+        brake_torque_Nm ["N m"] Above(0.0), None,
+            "torque of the brake, at the motor";
+        brake_delay_s ["s"] AtLeast(0.0), Some(0.05),
+            "time until the brake acts";
+        brake_safety [""] AtLeast(1.0), Some(1.5),
+            "torque of the brake over that of the weight without friction that is required";
         motor_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
             "moment of inertia of the motor";
         coupling_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
             "moment of inertia of what turns with the screw, such as its coupling";
         gear_ratio [""] Above(0.0), Some(1.0),
             "turns of the motor for one of the screw";
+        gear_efficiency [""] Within(0.01, 1.0), Some(1.0),
+            "efficiency of the gear between motor and screw";
+        gear_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
+            "moment of inertia of the gear, at the motor";
         support_bearing_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
             "friction torque of the support bearings";
         support_bearing_stiffness_N_um ["N/um"] Above(0.0), None,
@@ -531,16 +569,10 @@ inputs! {
             "conductance of each bearing of the screw to the structure; 2 to 20, computed to a factor of 3 unless given";
         nut_coolant_conductance_W_K ["W/K"] AtLeast(0.0), Some(0.0),
             "conductance of the nut to a coolant; 20 to 60 of a cooled nut";
-        screw_bore_mm ["mm"] Above(0.0), None,
-            "bore of a hollow screw";
         coolant_flow_l_min ["l/min"] Above(0.0), None,
             "flow of coolant through the bore of the screw";
         coolant_conductance_W_K ["W/K"] Above(0.0), None,
             "conductance of the screw to the coolant; in place of coolant_flow_l_min";
-        pretension_N ["N"] AtLeast(0.0), None,
-            "tension of a screw between two fixed bearings at preload_temperature_C";
-        pretension_K ["K"] AtLeast(0.0), None,
-            "rise of temperature that the screw is stretched by between two fixed bearings, 2 to 5; in place of pretension_N";
         screw_tension_N ["N"] Any, Some(0.0),
             "tension of the screw, below 0 a compression; found by warm_state";
         motor_heat_W ["W"] AtLeast(0.0), Some(0.0),

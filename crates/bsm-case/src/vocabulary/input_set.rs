@@ -370,7 +370,7 @@ pub(crate) fn loaded_turns(given: impl Fn(InputKey) -> Option<f64>) -> Option<f6
 
 /// Inputs that say of a scene that its friction comes from a lubricant. Density and drag coefficient are
 /// not among them: jamming takes them whatever friction is.
-const OF_A_LUBRICANT: InputSet = {
+pub(crate) const OF_A_LUBRICANT: InputSet = {
     use InputKey as K;
     InputSet::of(&[
         K::iso_vg,
@@ -484,6 +484,12 @@ impl Scene {
         let given = settings.given();
         for key in given.replaced().iter() {
             self[key] = settings[key];
+        }
+        // A preload replaces the class of another one, and the other way round.
+        match (settings.preload_N, settings.nut.preload_class) {
+            (Some(_), None) => self.nut.preload_class = None,
+            (None, Some(_)) => self.preload_N = None,
+            _ => {}
         }
         self.nut.override_with(&settings.nut);
     }

@@ -39,7 +39,7 @@ pub fn words(name: &str, unit: &str) -> String {
         .replace([' ', '^', '.'], "")
         .replace('/', "_");
     let ends = |unit: &str| if unit.is_empty() { None } else { stem(name, unit) };
-    let stem = ends(&written).or_else(|| ends(&unit.replace(' ', "_")));
+    let stem = ends(&written).or_else(|| ends(&unit.replace([' ', '/'], "_")));
     let words = stem.unwrap_or(name).replace('_', " ");
     if unit.is_empty() { words } else { format!("{words}, {unit}") }
 }
@@ -67,6 +67,7 @@ enum Dimension {
     Mass,
     Density,
     Inertia,
+    LinearInertia,
     Stiffness,
     Time,
     Rise,
@@ -140,6 +141,7 @@ const UNITS: &[(&str, Dimension, f64)] = {
         ("g_cm3", D::Density, 1e3),
         ("lb_in3", D::Density, POUND / (INCH * INCH * INCH)),
         ("kg_m2", D::Inertia, 1.0),
+        ("kg_m2_m", D::LinearInertia, 1.0),
         ("kg_cm2", D::Inertia, 1e-4),
         ("kg_mm2", D::Inertia, 1e-6),
         ("g_cm2", D::Inertia, 1e-7),

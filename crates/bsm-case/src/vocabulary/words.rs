@@ -1,6 +1,8 @@
 //! What a scene says of a nut, its axis and its lubricant besides numbers: lists, objects, texts and flags.
 
-use bsm_design::{Contamination, Grade, RigidityAt};
+use bsm_design::{
+    Contamination, Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod, RigidityAt,
+};
 use bsm_dyn::BaseOil;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -42,6 +44,8 @@ macro_rules! words {
                     property["description"] = json!($about);
                     all.insert(stringify!($name).to_owned(), property);
                 })*
+                let names = PRELOAD_CLASSES.iter().map(|(name, _)| json!(name));
+                all["preload_class"]["enum"] = names.chain([Value::Null]).collect();
                 // The names of accuracy grades, and numbers of some.
                 let names = Grade::all().map(|grade| json!(grade.name));
                 let numbers = NUMBERS.map(|number| json!(number));
@@ -83,8 +87,10 @@ words! {
         "end of the loaded length where the force leaves the screw; without it the screw is rigid";
     screw_torsion: bool ["boolean"],
         "true: the torque of the balls leaves the screw at its anchor too, and twists it";
-    preload_by: PreloadWay ["pair|oversize"],
-        "how a nut is preloaded: pair, two nuts against each other; oversize, balls too large for both flanks. Unless given, a pair if the nut has two bodies or short words";
+    preload_by: PreloadWay ["pair|offset|oversize"],
+        "how a nut is preloaded: pair, two nuts against each other; offset, a shifted lead within one nut, which acts as a pair; oversize, balls too large for both flanks. Unless given, a pair if the nut has two bodies or short words";
+    preload_class: ClassWord ["string"],
+        "class of preload, for bsm axis and bsm select, in place of preload_N: auto, the least that the largest load does not open; Z, G0 to G3, GT, P0 to P4, Z0 to Z3 of makers";
     preload_arrangement: Arrangement ["O|X"],
         "arrangement of a preloaded pair: O, the nuts are pushed apart; X, they are pulled together. O unless preload_offset_um or the flanks of circuits say otherwise";
     ball_deviation_um: Vec<f64> ["[number]"],
@@ -97,6 +103,10 @@ words! {
         "angular velocity of the balls about the axis [rad/s], for their centrifugal force in a nut; 0 unless given";
     support: SupportWord ["fixed-free|supported-supported|fixed-supported|fixed-fixed"],
         "how the ends of the screw are held, for bsm axis: the fixed end takes the axial load";
+    buckling_support: SupportWord ["fixed-free|supported-supported|fixed-supported|fixed-fixed"],
+        "how the section of the screw between fixed bearing and nut is held against buckling; fixed-fixed by a guided table, unless support is supported-supported";
+    screw_make: MakeWord ["rolled|ground|caged|high-speed"],
+        "how the screw and its ball return are made, for the largest speed number; ground unless given";
     accuracy_grade: GradeWord ["string"],
         "accuracy grade of the screw, for bsm axis: P0 to P10 and T5 to T10 of ISO 3408-3, C0 to C10 of JIS B 1192 (THK, NSK, MISUMI); a number alone is a P grade";
     steel: SteelWord ["air-melted|vacuum-degassed|electro-slag|vacuum-remelted"],
@@ -246,8 +256,50 @@ pub enum Arrangement {
 pub enum PreloadWay {
     /// Two bodies are pressed against each other.
     Pair,
+    /// The lead is shifted within one nut.
+    Offset,
     /// The balls are too large.
     Oversize,
+}
+
+impl From<PreloadWay> for PreloadMethod {
+    fn from(way: PreloadWay) -> Self {
+        match way {
+            PreloadWay::Pair => Self::DoubleNut,
+            PreloadWay::Offset => Self::Offset,
+            PreloadWay::Oversize => Self::Oversize,
+        }
+    }
+}
+
+/// A class of preload by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct ClassWord(&'static (&'static str, PreloadClass));
+
+impl ClassWord {
+    /// What it means.
+    pub(crate) fn class(self) -> PreloadClass {
+        self.0.1
+    }
+}
+
+impl TryFrom<String> for ClassWord {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        let known = PRELOAD_CLASSES.iter().find(|(name, _)| name.eq_ignore_ascii_case(&text));
+        known.map(Self).ok_or_else(|| {
+            let names: Vec<_> = PRELOAD_CLASSES.iter().map(|(name, _)| *name).collect();
+            format!("\"{text}\" is not one of {}", names.join(", "))
+        })
+    }
+}
+
+impl From<ClassWord> for String {
+    fn from(word: ClassWord) -> Self {
+        word.0.0.to_owned()
+    }
 }
 
 /// What flows through a hollow screw.
@@ -347,6 +399,31 @@ impl From<RigidityWord> for RigidityAt {
             RigidityWord::Thk => Self::Load(0.3),
             RigidityWord::Hiwin => Self::Load(0.28),
             RigidityWord::Preloaded => Self::Preload(0.1),
+        }
+    }
+}
+
+/// How a screw is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MakeWord {
+    /// Rolled.
+    Rolled,
+    /// Ground.
+    Ground,
+    /// Balls in a cage.
+    Caged,
+    /// With a return for high speeds.
+    HighSpeed,
+}
+
+impl From<MakeWord> for Make {
+    fn from(word: MakeWord) -> Self {
+        match word {
+            MakeWord::Rolled => Self::Rolled,
+            MakeWord::Ground => Self::Ground,
+            MakeWord::Caged => Self::Caged,
+            MakeWord::HighSpeed => Self::HighSpeed,
         }
     }
 }
@@ -462,6 +539,7 @@ mod tests {
             "screw_anchor": "high",
             "screw_torsion": true,
             "preload_by": "oversize",
+            "preload_class": "auto",
             "preload_arrangement": "O",
             "ball_deviation_um": [1.0],
             "lead_error": [{ "amplitude_um": 1.0, "order": 1.0, "phase_deg": 1.0,
@@ -469,6 +547,8 @@ mod tests {
             "base_oil": "pao",
             "ball_precession_rad_s": 1.0,
             "support": "fixed-supported",
+            "buckling_support": "fixed-fixed",
+            "screw_make": "ground",
             "accuracy_grade": "C3",
             "steel": "electro-slag",
             "contamination": "very-severe",

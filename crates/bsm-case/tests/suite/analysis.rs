@@ -286,6 +286,8 @@ fn healthy_screws_raise_no_alarm() {
             ("screw_conformity", number("screw_conformity")),
             ("loaded_balls_per_turn", balls),
             ("loaded_balls", balls * turns),
+            // A step as that of the feed drive, over its ball.
+            ("step_height_mm", 0.3 / 6.35 * number("ball_diameter_mm")),
             // A fifth of the rating and half of the permissible speed.
             ("axial_load_N", 0.2 * number("dynamic_load_rating_N")),
             ("screw_speed_rpm", 35_000.0 / number("pitch_circle_diameter_mm")),
@@ -455,8 +457,8 @@ fn self_locking_has_one_criterion() {
 const SHARED: [&str; 3] = ["nut_spin_rad_s", "screw_spin_rad_s", "dissipated_power_W"];
 
 /// Numbers of a nut that the sheet of its axis or the warm state has too.
-const OF_A_NUT: [&str; 4] =
-    ["limit_load_N", "preload_set_N", "preload_torque_Nm", "warm_preload_N"];
+const OF_A_NUT: [&str; 5] =
+    ["limit_load_N", "preload_set_N", "preload_torque_Nm", "screw_tension_N", "warm_preload_N"];
 
 /// A column has one meaning: no other analysis has its name, nor has an input; what an analysis shares
 /// with a solution, and an axis with its nut, is the same number, unit and label.
@@ -482,6 +484,8 @@ fn a_column_has_one_meaning() {
         "lubricant_temperature_C",
         "unsupported_length_mm",
         "shaft_diameter_mm",
+        "pretension_N",
+        "pretension_K",
         "axis_heat_transfer_W_K",
         "nut_conductance_W_K",
         "screw_film_W_m2K",

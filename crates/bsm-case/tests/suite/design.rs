@@ -40,7 +40,7 @@ fn the_scene_of_a_design_keeps_the_requirement() {
     assert!(report.rows.iter().all(|row| row.passes));
     let scene = Scene::from_json(report.scene.to_json().to_string().as_bytes()).expect("a scene");
     assert_eq!(scene, report.scene);
-    let problem = scene.problem(&Settings::from(Model::Traction)).expect("complete");
+    let problem = scene.problem(&Settings::default()).expect("complete");
     let solution = problem.solve(&mut ModelWorkspace::default());
     assert_eq!(solution.status(), Status::Converged);
     let step = |name: &str| report.rows.iter().find(|r| r.name == name).and_then(|r| r.value);

@@ -109,11 +109,13 @@ fn a_feed_axis_by_its_catalogue() {
         // Half a unit of the last of five digits.
         assert_relative_eq!(number(&report, name), expected, max_relative = 5e-5);
     };
-    near("rule_torque_Nm", 0.720_499);
+    near("preload_torque_measured_Nm", 0.720_499);
+    near("preload_torque_measured_low_Nm", 0.504_349);
+    near("preload_torque_measured_high_Nm", 0.936_649);
+    near("preload_torque_percent", 30.0);
     near("critical_speed_rpm", 4476.7);
     near("critical_speed_ratio", 0.446_75);
     near("buckling_load_N", 265_885.0);
-    near("buckling_safety", 265_885.0 / 7000.0);
     near("screw_stiffness_N_um", 528.16);
     near("equivalent_speed_rpm", 940.0);
     near("axis_heat_transfer_W_K", 6.5173);

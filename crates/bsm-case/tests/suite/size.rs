@@ -5,20 +5,20 @@ use std::f64::consts::{PI, TAU};
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    AxisReport, Catalogue, Content, DesignReport, MakerNut, Record, RequirementFile, Scene,
-    ScrewTorque, Settings, column_names, torque_parts,
+    AxisReport, Catalogue, Content, DesignReport, MakerNut, NutProblem, Record, RequirementFile,
+    Scene, ScrewTorque, Settings, column_names, torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace};
 
-const AXIS: &[u8] = include_bytes!("../../../../examples/axis.json");
+pub(crate) const AXIS: &[u8] = include_bytes!("../../../../examples/axis.json");
 
-fn axis(settings: &[&str]) -> AxisReport {
+pub(crate) fn axis(settings: &[&str]) -> AxisReport {
     let mut scene = Scene::from_json(AXIS).expect("an example");
     scene.apply(settings).expect("settings");
     AxisReport::of(&scene, &Settings::default()).expect("an axis")
 }
 
-fn number(report: &AxisReport, name: &str) -> f64 {
+pub(crate) fn number(report: &AxisReport, name: &str) -> f64 {
     report.number(name).unwrap_or_else(|| panic!("no {name}"))
 }
 
@@ -32,7 +32,7 @@ fn of_phase(report: &AxisReport, phase: usize, name: &str) -> f64 {
     report.phases[phase].number(name).unwrap_or_else(|| panic!("no {name}"))
 }
 
-fn near(ours: f64, theirs: f64, tolerance: f64, what: &str) {
+pub(crate) fn near(ours: f64, theirs: f64, tolerance: f64, what: &str) {
     assert!((ours / theirs - 1.0).abs() < tolerance, "{what}: {ours} {theirs}");
 }
 
@@ -46,7 +46,11 @@ fn the_rules_again_in_workshop_units() {
         ("fixed-supported", 3.926_602_312_047_919, 2.045_748_515_938_295_8),
         ("fixed-fixed", 4.730_040_744_862_704, 4.0),
     ] {
-        let report = axis(&[&format!("support={support}"), "screw_temperature_rise_K=5"]);
+        let report = axis(&[
+            &format!("support={support}"),
+            &format!("buckling_support={support}"),
+            "screw_temperature_rise_K=5",
+        ]);
         let (d, l) = (
             size(&report, "screw_core_diameter_mm"),
             1200.0 + size(&report, "nut_length_mm") + 2.0 * size(&report, "lead_mm"),
@@ -70,7 +74,11 @@ fn the_rules_again_in_workshop_units() {
         near(number(&report, "axis_stiffness_N_um"), series, TIGHT, "axis");
         // 1 % of 500 kg, both ways.
         near(number(&report, "lost_motion_um"), 2.0 * 49.033_25 / series, TIGHT, "lost motion");
-        near(number(&report, "screw_growth_um"), 11.5e-6 * l * 5.0 * 1e3, TIGHT, "growth");
+        // Two fixed bearings of 1 kN/um hinder a part of the growth.
+        let own = e * a / l / 1e3;
+        let left = if support == "fixed-fixed" { 1.0 - 1.0 / (1.0 + own * 2e-3) } else { 1.0 };
+        let growth = left * 11.5e-6 * l * 5.0 * 1e3;
+        near(number(&report, "screw_growth_um"), growth, TIGHT, "growth");
     }
     let report = axis(&[]);
     let (d_pw, lead) = (size(&report, "pitch_circle_diameter_mm"), size(&report, "lead_mm"));
@@ -87,7 +95,7 @@ fn the_rules_again_in_workshop_units() {
     near(number(&report, "cycle_life_h"), life / (1500.0 * 60.0), TIGHT, "hours");
     let tan = lead / (PI * d_pw);
     let drag = 0.05 / tan.sqrt() * f_w * lead * 1e-3 / TAU;
-    near(number(&report, "rule_torque_Nm"), drag, TIGHT, "drag");
+    near(number(&report, "preload_torque_measured_Nm"), drag, TIGHT, "drag");
     // Parts of the torque add up, and the power is heat and what moves the load.
     let part = |name: &str| of_phase(&report, 0, name);
     let ideal = load * lead * 1e-3 / TAU;
@@ -156,7 +164,7 @@ fn a_sheet_says_what_to_measure_how_warm_and_whether_it_falls() {
     };
     let level = with(&["unsupported_length_mm=1300"]);
     // Six digits of 0.05/sqrt(tan) of 10/(pi 41.75), times 3000 N and 10 mm over a turn.
-    near(number(&level, "rule_torque_Nm"), 0.864_599, 1e-6, "torque");
+    near(number(&level, "preload_torque_measured_Nm"), 0.864_599, 1e-6, "torque");
     let measure = note(&level, "to measure").expect("a preload");
     for part in ["0.865 N m (0.605 to 1.124, +-30 % by C3)", "with the seals 1.165 N m"] {
         assert!(measure.contains(part), "{measure}");
@@ -380,17 +388,97 @@ fn design_and_catalogue_judge_by_the_rules_of_the_sheet() {
     assert!(best(&upright) > 1.1 * best(&level), "the weight has no part in the choice");
 }
 
-/// Requirements at random: the winner keeps its sheet. A sheet of any size too.
-#[test]
-fn the_winner_of_any_requirement_keeps_its_sheet() {
-    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-    let mut draw = |low: f64, high: f64| {
+/// Numbers at random between a low and a high one, evenly over their logarithm.
+fn draws(mut state: u64) -> impl FnMut(f64, f64) -> f64 {
+    move |low, high| {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         #[expect(clippy::cast_precision_loss, reason = "a draw")]
         let part = (state >> 11) as f64 / (1_u64 << 53) as f64;
         low * (high / low).powf(part)
-    };
-    let mut found = 0;
+    }
+}
+
+/// The efficiency of one axis was 0.99181 by `select` and 0.99217 by `axis`, which had another model. Ten axes at random,
+/// plain and preloaded, dry and with oil: `select`, `axis`, `nut` and `solve` have one number under one name.
+#[test]
+fn select_axis_nut_and_solve_agree() {
+    let (mut draw, mut axes) = (draws(44), 0);
+    let catalogue = Catalogue::standard().expect("compiled in");
+    for round in 0.. {
+        if axes == 10 {
+            break;
+        }
+        assert!(round < 30, "too few requirements that a screw meets: {axes}");
+        let (load, feed) = (draw(500.0, 2e4), draw(2.0, 40.0));
+        let mut settings = vec![
+            format!("axial_load_N={load}"),
+            format!("feed_m_min={feed}"),
+            format!("stroke_mm={}", draw(200.0, 1500.0)),
+            format!("life_h={}", draw(1e3, 2e4)),
+            format!("seal_torque_Nm={}", draw(0.01, 0.3)),
+        ];
+        if round % 2 == 1 {
+            settings.push(format!("preload_N={}", load / 2.0));
+        }
+        if round % 3 == 2 {
+            settings.extend(["iso_vg=68", "lubricant_temperature_C=40"].map(str::to_owned));
+        } else {
+            settings.push(format!("friction_coefficient={}", draw(0.01, 0.1)));
+        }
+        let wish = RequirementFile::from_json(b"{}", &settings, catalogue.lists.clone());
+        let report = DesignReport::standard(&wish.expect("a requirement"), &catalogue);
+        let report = report.filter(|report| report.found);
+        let Some(DesignReport { scene, rows, .. }) = report else { continue };
+        axes += 1;
+        let settings = Settings::default();
+        let sheet = AxisReport::of(&scene, &settings).expect("an axis");
+        let nut = NutProblem::of(&scene, &settings).expect("a nut").solve().expect("a solution");
+        let ball =
+            scene.problem(&settings).expect("complete").solve(&mut ModelWorkspace::default());
+        let ball = Record::new(ball);
+        let parts = torque_parts(&scene, &settings).expect("a screw").expect("friction");
+        let mut shared = 0;
+        let mut same = |name: &str, values: &[Option<f64>]| {
+            let mut values = values.iter().flatten();
+            let Some(first) = values.next() else { return };
+            for value in values {
+                // Rounding of the units, and of a search that ends at 1e-9.
+                let apart = (value - first).abs();
+                assert!(apart <= 1e-8 * first.abs(), "{scene:?}: {name} {first} {value}");
+                shared += 1;
+            }
+        };
+        let of_axis = |name: &str| sheet.number(name).or_else(|| sheet.phases[0].number(name));
+        for row in &rows {
+            same(row.name, &[row.value, of_axis(row.name), nut.number(row.name)]);
+        }
+        for name in NAMES {
+            same(name, &[of_axis(name), nut.number(name), parts.number(name), ball.number(name)]);
+        }
+        assert!(shared >= 16, "{scene:?}: {shared}");
+    }
+}
+
+/// What `axis`, `nut` and `solve` may both have.
+const NAMES: [&str; 12] = [
+    "screw_torque_Nm",
+    "screw_efficiency",
+    "ideal_torque_Nm",
+    "contact_friction_torque_Nm",
+    "preload_drag_beyond_contacts_Nm",
+    "preload_torque_Nm",
+    "preload_set_N",
+    "warm_preload_N",
+    "limit_load_N",
+    "friction_heat_W",
+    "efficiency",
+    "ball_torque_Nm",
+];
+
+/// Requirements at random: the winner keeps its sheet. A sheet of any size too.
+#[test]
+fn the_winner_of_any_requirement_keeps_its_sheet() {
+    let (mut draw, mut found) = (draws(0x9e37_79b9_7f4a_7c15), 0);
     for round in 0..10 {
         let mut settings = vec![
             format!("axial_load_N={}", draw(300.0, 2e4)),
@@ -443,7 +531,13 @@ fn slenderness_is_a_limit_only_where_it_is_asked_for() {
     let (slim, held) = light(&["largest_length_over_pitch_radius=60"]);
     // 1.98 and 9.66 kg in the audit.
     assert!(free < 2.5 && slim > 3.0 * free, "{free} {slim}");
-    assert!(held.iter().any(|name| name == "pitch_radius_over_length"), "{held:?}");
+    // Said with what it costs.
+    let slender = held.iter().find(|text| text.starts_with("pitch_radius_over_length >= "));
+
+    assert!(
+        slender.is_some_and(|text| text.contains("without it mass_of_nut_and_screw_kg")),
+        "{held:?}"
+    );
 }
 
 /// Found by the audit: a requirement lost its life on its sheet, which then had no limit of the life.
@@ -464,6 +558,15 @@ fn a_life_that_is_required_stays_on_the_sheet() {
     let sheet = AxisReport::of(&report.scene, &Settings::default()).expect("an axis");
     let rule = sheet.answer.rules.iter().find(|rule| rule.name == "cycle_life_h").expect("a rule");
     assert!(rule.limit == Some(10_000.0) && rule.passes(), "{rule:?}");
+    // The short name is the same key, and both do not differ.
+    let short = wish(&with(r#""life_h": 10000"#)).expect("a requirement");
+    assert_eq!(short, wished);
+    let both = wish(&with(r#""life_h": 10000, "required_life_h": 9000"#));
+    let both = both.expect_err("two lives").to_string();
+    assert!(
+        both.contains("life_h and required_life_h") || both.contains("required_life_h"),
+        "{both}"
+    );
     let torque = wish(
         r#"{"screw_torque_Nm": 20, "moved_mass_kg": 50, "stroke_mm": 700, "feed_m_min": 15, "friction_coefficient": 0.05}"#,
     );

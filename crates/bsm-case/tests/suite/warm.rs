@@ -85,7 +85,7 @@ fn what_contradicts_itself_is_refused() {
     refused("WS-P4", &set("pretension_N", json!(1e3)), "pretension_N");
     refused("WS-P2", &set("pretension_N", json!(1e3)), "fixed-fixed");
     refused("WS-P2", &set("coolant_flow_l_min", json!(4.0)), "needs screw_bore_mm");
-    refused("WS-P5", &set("screw_bore_mm", json!(34.4)), "less than the core");
+    refused("WS-P5", &set("screw_bore_mm", json!(34.4)), "0.8 of the core");
     refused("WS-P5", &set("coolant_conductance_W_K", json!(70.0)), "coolant_conductance_W_K");
     refused(
         "WS-P2",

@@ -177,7 +177,7 @@ fn one_screw_has_one_efficiency() {
     assert!((rub / number(&nut, "friction_torque_Nm") - 1.0).abs() < 1e-9, "{parts} {nut}");
     // By manufacturers' rule: 0.05/sqrt(tan a) F l/(2 pi), less what the contacts of the preload take at 100 rpm, where
     // makers measure. Balls that differ by their load alone have friction by interpolation, to 1e-9.
-    let whole = number(&sheet["results"], "rule_torque_Nm");
+    let whole = number(&sheet["results"], "preload_torque_measured_Nm");
     let slow = [&["nut", "screw.json", "--json"], &sets[..], &["--set", "screw_speed_rpm=100"]];
     let slow = json(&run(&slow.concat()));
     let drag = part("preload_drag_beyond_contacts_Nm");

@@ -68,7 +68,7 @@ fn sheet(report: &AxisReport) -> Value {
     };
     let results = report.answer.numbers().flat_map(Numbers::rows);
     let headlines = results.filter(|row| HEADLINES.contains(&row.quantity.name)).map(number_row);
-    let drag = report.number("preload_torque_Nm").zip(report.number("rule_torque_Nm"));
+    let drag = report.number("preload_torque_Nm").zip(report.number("preload_torque_measured_Nm"));
     json!({
         "description": report.scene.description,
         "failed": limited.iter().filter(|rule| !rule.passes()).count(),

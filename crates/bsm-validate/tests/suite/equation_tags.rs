@@ -90,9 +90,9 @@ fn formulas(code: &str) -> BTreeSet<String> {
     comments.collect()
 }
 
-/// One capital and at least one digit.
+/// One capital, or twice A, and at least one digit.
 fn tag(s: &str) -> Option<String> {
-    let digits = s.strip_prefix(|c: char| c.is_ascii_uppercase())?;
+    let digits = s.strip_prefix("AA").or(s.strip_prefix(|c: char| c.is_ascii_uppercase()))?;
     (!digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit())).then(|| s.to_owned())
 }
 

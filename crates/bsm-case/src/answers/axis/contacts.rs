@@ -67,6 +67,15 @@ pub(super) fn by_catalogue(scene: &Scene) -> Efficiency {
     }
 }
 
+/// Largest and least friction of contacts by the usual efficiencies of catalogues \[N·m\].
+///
+/// * `ideal`: torque of the load without friction \[N·m\]. * `drives`: whether the load drives the screw.
+pub(super) fn usual_frictions(ideal: f64, drives: bool) -> [f64; 2] {
+    /// Driven by torque; driven back they are less by 0.1.
+    const USUAL: [f64; 2] = [0.85, 0.95];
+    USUAL.map(|forward| Efficiency { forward, back: forward - 0.1 }.friction(ideal, drives))
+}
+
 /// Friction of the contacts under a load at a speed: by the catalogue's efficiency where the groove is not known, by all balls of a preloaded nut, else by one ball under
 /// its equal share.
 ///

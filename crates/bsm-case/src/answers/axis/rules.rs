@@ -1,10 +1,12 @@
 //! The rules of an axis: value, limit, source, and remedies.
 
-use bsm_design::{Axis, OPENS_AT, PRELOAD};
+mod drive;
+
+use bsm_design::{Axis, OPENS_AT, least_preload};
 
 use super::Preload;
-use crate::case::axis::useful_travel;
-use crate::vocabulary::units::UM;
+use crate::case::axis::{preload_method, speed_number_limit, useful_travel};
+use crate::vocabulary::units::{MM, UM};
 use crate::{Answer, Criterion, InputKey, Numbers, Scene};
 
 /// Least multiple of its speeds at which an axis runs away.
@@ -51,7 +53,8 @@ pub(super) fn rules(
     rules.0.extend(steady_state(fold));
     travel_rule(&mut rules, scene, numbers);
     nut_rules(&mut rules, scene, axis, numbers);
-    preload_rules(&mut rules, axis, numbers, of_nut, preload);
+    drive::drive_rules(&mut rules, scene, numbers);
+    preload_rules(&mut rules, (scene, axis), numbers, of_nut, preload);
     rules.0
 }
 
@@ -75,17 +78,17 @@ fn screw_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers)
             )
         },
     );
-    let limit = input(InputKey::speed_number_limit_mm_min);
+    let limit = speed_number_limit(scene, axis.screw.lead, axis.screw.outer);
     rules.add(
         "speed number",
         ("largest_speed_number_mm_min", "mm/min"),
         number("largest_speed_number_mm_min"),
-        (false, limit),
-        "limit of the ball return: 70 000 unless given, end caps some 120 000, internal high-speed returns 160 000 (Z15)",
+        (false, Some(limit)),
+        "limit of the ball return by screw_make, THK A-697, unless given (Z15)",
         &|margin| {
             format!(
                 "lead_mm {:.1} at the same feed, or another ball return (speed_number_limit_mm_min)",
-                axis.screw.lead / crate::vocabulary::units::MM / margin
+                axis.screw.lead / MM / margin
             )
         },
     );
@@ -110,6 +113,28 @@ fn screw_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers)
         (false, number("yield_load_N")),
         "THK and others: 147 N/mm2 (Z3)",
         &|margin| format!("a core of {:.1} mm", diameter * margin.powf(-0.5)),
+    );
+    let pretension = number("pretension_N");
+    let hindered = pretension.zip(number("screw_tension_N")).map(|(cold, warm)| cold - warm);
+    rules.add(
+        "pretension left",
+        ("pretension_N", "N"),
+        pretension,
+        (true, hindered.filter(|force| *force > 0.0)),
+        "force of the growth that the bearings hinder; GY Ballscrew, THK A-715 (AA5)",
+        &|margin| {
+            let slack = number("pretension_K").unwrap_or(f64::NAN);
+            let needed = (slack / margin).ceil();
+            format!("the screw is slack from {slack:.1} K on: pretension_K {needed:.0}")
+        },
+    );
+    rules.add(
+        "support bearings",
+        ("support_bearing_load_N", "N"),
+        scene.support_bearing_axial_load_N.and(number("support_bearing_load_N")),
+        (false, scene.support_bearing_axial_load_N),
+        "maker of the bearings",
+        &|_| "larger bearings, or less pretension".to_owned(),
     );
 }
 
@@ -173,7 +198,7 @@ fn nut_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers) {
     rules.add(
         "life",
         ("cycle_life_h", "h"),
-        number("cycle_life_h"),
+        number("cycle_life_h").or(scene.required_life_h.and(Some(f64::NAN))),
         (true, scene.required_life_h),
         "ISO 3408-5 (D12) to (D15), reliability (Z14)",
         &|margin| format!("a dynamic load rating of {:.0} N", dynamic / margin.cbrt()),
@@ -209,7 +234,7 @@ fn nut_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers) {
 /// Of the contacts, and of the preload if there is one.
 fn preload_rules(
     rules: &mut Rules,
-    axis: &Axis,
+    (scene, axis): (&Scene, &Axis),
     numbers: &Numbers,
     of_nut: &Answer,
     preload: Option<&Preload>,
@@ -225,14 +250,22 @@ fn preload_rules(
         "end of the flank (G8)",
         &|_| "a larger land: nut_bore_mm smaller, screw_outer_diameter_mm larger".to_owned(),
     );
+    let share = preload_method(scene).share();
     if let Some(&Preload { cold, warm, .. }) = preload {
         rules.add(
             "preload",
             ("warm_preload_N", "N"),
             Some(warm),
-            (false, Some(PRELOAD * dynamic)),
-            "Sobolewski, 0.15 of the dynamic load rating (D22)",
-            &|_| format!("preload_N {:.0} or less", PRELOAD * dynamic * cold / warm),
+            (false, Some(share * dynamic)),
+            "THK A-687, HIWIN 3.6: 0.1 of the dynamic load rating in a double nut, else 0.05 (AA6)",
+            &|_| {
+                format!(
+                    "a dynamic load rating of {:.0} N, or preload_N {:.0} and one nut that opens above {:.0} N",
+                    least_preload(largest) / share,
+                    share * dynamic * cold / warm,
+                    OPENS_AT * share * dynamic
+                )
+            },
         );
         let opens = number("limit_load_N").unwrap_or(OPENS_AT * warm);
         rules.add(

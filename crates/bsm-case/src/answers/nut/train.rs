@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use bsm_dyn::{Model, ModelWorkspace, Problem};
+use bsm_dyn::{BallState, Model, ModelWorkspace, Problem};
 use bsm_nut::{Advance, FreeMotion, LARGEST_PUSH, Rolling, Train};
 
 use super::{NutProblem, NutReport, Rubbed};
@@ -48,7 +48,9 @@ impl NutProblem {
     }
 
     /// The pushes of the balls where a gap is given.
-    pub(super) fn pushed_of(&self, made: &Made) -> Option<Pushed> {
+    ///
+    /// * `motions`: without pushes.
+    pub(super) fn pushed_of(&self, made: &Made, motions: &[Option<FreeMotion>]) -> Option<Pushed> {
         let (inputs, (rubbing, drive)) = (self.gaps.train.as_ref()?, self.friction.as_ref()?);
         let Made { nut, found, .. } = made;
         if !pushes(self.settings.model) {
@@ -63,12 +65,15 @@ impl NutProblem {
             ));
         }
         let (traction, balls) = (self.by_traction(), super::loaded_balls(found));
-        let in_train = |at, work: &mut ModelWorkspace| match traction.of_ball(rubbing, balls, at) {
-            Problem::Traction(ball) => ball.in_train(inputs.contact_friction, work),
-            Problem::Lubricated(ball) => ball.in_train(inputs.contact_friction, work),
+        let friction = inputs.contact_friction;
+        let in_train = |at, free: &BallState, work: &mut ModelWorkspace| match traction
+            .of_ball(rubbing, balls, at)
+        {
+            Problem::Traction(ball) => ball.in_train(free, friction, work),
+            Problem::Lubricated(ball) => ball.in_train(free, friction, work),
             _ => None,
         };
-        let train = nut.train(found, rubbing.coefficient(), drive, inputs, in_train);
+        let train = nut.train(found, motions, rubbing.coefficient(), drive, inputs, in_train);
         Some(train.map_err(|why| why.to_string()))
     }
 }

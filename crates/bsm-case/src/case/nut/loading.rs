@@ -34,7 +34,7 @@ pub(super) enum Amount {
 impl From<PreloadWay> for Preload {
     fn from(way: PreloadWay) -> Self {
         match way {
-            PreloadWay::Pair => Self::Offset,
+            PreloadWay::Pair | PreloadWay::Offset => Self::Offset,
             PreloadWay::Oversize => Self::Oversize,
         }
     }

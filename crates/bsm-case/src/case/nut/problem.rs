@@ -137,6 +137,7 @@ impl NutProblem {
     /// [`CaseError`] if an entry breaks a rule, two entries give one quantity, or one is missing.
     pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
         settings.check()?;
+        let scene = &scene.with_preload()?;
         scene.check_for_a_nut()?;
         if let Some(warm) = Warm::state_of(scene, settings)? {
             let nut = Self::of(&warm.scene(scene), settings)?;
@@ -356,7 +357,7 @@ fn strain(scene: &Scene, design: &Nut, thread: &Thread) -> Option<(f64, f64)> {
 }
 
 /// Cross section of a screw of a diameter, less its bore \[m²\].
-pub(crate) fn section_of_screw(scene: &Scene, diameter: f64) -> f64 {
+fn section_of_screw(scene: &Scene, diameter: f64) -> f64 {
     let bore = scene.screw_bore_mm.unwrap_or(0.0) * MM;
     0.25 * PI * (diameter.powi(2) - bore.powi(2))
 }

@@ -10,7 +10,7 @@ use bsm_nut::thermal::{
 use bsm_nut::{BallNut, Equilibrium, FrictionSum, Support};
 
 use crate::case::axis::Machine;
-use crate::case::nut::{Set, bad, section_of_screw};
+use crate::case::nut::{Set, bad};
 use crate::vocabulary::units::{MM, RPM, UM};
 use crate::vocabulary::words::CoolantWord;
 use crate::{CaseError, InputKey, NutProblem, Scene, Settings};
@@ -110,15 +110,8 @@ impl<'a> WarmAxis<'a> {
             let what = "is not more than stroke and nut: the nut would run into the bearings";
             return Err(bad("unsupported_length_mm", what));
         }
-        if scene.screw_bore_mm.is_some_and(|bore| bore * MM >= shaft.diameter) {
-            return Err(bad("screw_bore_mm", "must be less than the core of the screw"));
-        }
         if scene.coolant_flow_l_min.is_some() && scene.screw_bore_mm.is_none() {
             return Err(bad("coolant_flow_l_min", "needs screw_bore_mm"));
-        }
-        let pretension = scene.pretension_N.or(scene.pretension_K);
-        if pretension.is_some() && shaft.support != Mounting::FixedFixed {
-            return Err(bad("warm_state", "a pretension needs support fixed-fixed"));
         }
         if !scene.given().has_friction() {
             let missing = vec!["friction_coefficient or a lubricant".to_owned()];
@@ -157,26 +150,18 @@ impl<'a> WarmAxis<'a> {
         let air = scene.ambient_temperature_C.map_or(0.0, over_set);
         let unloaded = cold.nut.solve(&cold.problem.support).map_err(CaseError::Nut)?;
         let mean = unloaded.mean_load();
-        let bore = scene.screw_bore_mm.unwrap_or(0.0) * MM;
-        let section = section_of_screw(scene, shaft.diameter);
         let flow = scene.coolant_flow_l_min.map(|flow| {
             let coolant = match scene.nut.coolant {
                 Some(CoolantWord::Oil) => Coolant::Oil,
                 _ => Coolant::Water,
             };
-            coolant_conductance(coolant, flow / 6e4, bore, shaft.length)
+            coolant_conductance(coolant, flow / 6e4, shaft.bore, shaft.length)
         });
-        let hold = (shaft.support == Mounting::FixedFixed).then(|| {
-            let bearing = scene.support_bearing_stiffness_N_um.map_or(0.0, |k| 2.0 * UM / k);
-            let own = shaft.length / (shaft.youngs_modulus * section);
-            let stiffness = (own + bearing).recip();
-            let by_rise = scene.pretension_K.unwrap_or(0.0) * expansion * shaft.length * stiffness;
-            AxialHold {
-                stiffness,
-                pretension: scene.pretension_N.unwrap_or(by_rise),
-                youngs_modulus: shaft.youngs_modulus,
-                poisson_ratio: value(InputKey::poisson_ratio),
-            }
+        let hold = machine.held.map(|held| AxialHold {
+            stiffness: held.stiffness(),
+            pretension: held.tension(0.0),
+            youngs_modulus: shaft.youngs_modulus,
+            poisson_ratio: value(InputKey::poisson_ratio),
         });
         let free = shaft.support == Mounting::FixedFree;
         let phase = |phase: &bsm_design::Phase| WarmPhase {
@@ -216,7 +201,7 @@ impl<'a> WarmAxis<'a> {
                 diameter: machine.axis.screw.pitch_diameter,
                 length: shaft.length,
                 travel,
-                section,
+                section: shaft.section(),
                 conductivity: value(InputKey::steel_conductivity_W_m_K),
                 expansion,
                 bearings: [true, !free],

@@ -11,8 +11,8 @@ use crate::contact::{
 };
 use crate::ellipse::{Integrate, Nodes, Quadrature};
 use crate::models::ball::{
-    BallLoads, EhlLoss, EhlPoint, ElasticBall, ElasticPoint, ErrorBound, Model, Reason, Solution,
-    Solved, Steady, SteadyRoot, Transmission, Unsolved, to_both, unit_powers,
+    BallLoads, BallState, EhlLoss, EhlPoint, ElasticBall, ElasticPoint, ErrorBound, Model, Reason,
+    Solution, Solved, Steady, SteadyRoot, Transmission, Unsolved, to_both, unit_powers,
 };
 use crate::models::raceway_control::RacewayControl;
 use crate::models::traction::{Traction, TrainBall};
@@ -155,15 +155,19 @@ impl Lubricated {
         Solution::new(self.name(), solved)
     }
 
-    /// The ball without pushes, ready for those of its neighbours; `None` without a steady motion, and where the model is not
-    /// traction or the temperature is not known.
+    /// The ball of a train; `None` if its state is not steady, the model is not traction or the temperature is not known.
     ///
-    /// * `contact_friction`: coefficient between balls.
-    pub fn in_train(&self, contact_friction: f64, work: &mut ModelWorkspace) -> Option<TrainBall> {
+    /// * `free`: the ball without pushes. * `contact_friction`: coefficient between balls.
+    pub fn in_train(
+        &self,
+        free: &BallState,
+        contact_friction: f64,
+        work: &mut ModelWorkspace,
+    ) -> Option<TrainBall> {
         let LubricatedModel::Traction(case) = &self.model else { return None };
         let Temperature::Known(kelvin) = self.lubricant.temperature else { return None };
         let ehl = EhlPoint::new(&case.at, &self.lubricant, kelvin).ok()?;
-        case.lubricated_in_train(&ehl, contact_friction, work)
+        TrainBall::of(case, Some(&ehl), free, contact_friction, work)
     }
 
     /// The answer at the lowest temperature that the losses keep (Y28).

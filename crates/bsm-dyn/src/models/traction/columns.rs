@@ -135,18 +135,16 @@ impl SlipBall<'_> {
         if !is_done {
             *found = self.in_jets(y)?;
         } else if let Some(push) = &self.push {
-            let (values, slopes) = linear::<BALL, BALL>(y, |y| {
-                let loaded = self.loaded(y)?;
-                let mut left = [Jet::from(0.0); BALL];
-                push.add_to(&mut left, self.pair, (&loaded, &self.motion_to_nut(y, &loaded)));
-                Ok(left)
-            })?;
-            for (i, (value, slope)) in values.iter().zip(&slopes).enumerate() {
-                found.left[i] += value;
-                for (to, slope) in found.rows[i].iter_mut().zip(slope) {
-                    *to += slope;
+            let values = if SLOPED {
+                let (values, slopes) = linear::<BALL, BALL>(y, |y| self.pushed_by(push, y))?;
+                for (row, slope) in found.rows.iter_mut().zip(&slopes) {
+                    row.iter_mut().zip(slope).for_each(|(to, slope)| *to += slope);
                 }
-            }
+                values
+            } else {
+                self.pushed_by(push, y)?
+            };
+            found.left.iter_mut().zip(&values).for_each(|(left, value)| *left += value);
         }
         Ok(())
     }

@@ -79,10 +79,10 @@ impl SlipBall<'_> {
 }
 
 /// A root, the point with its friction scale, and the gripping ball that the search began with.
-pub(super) struct ScaledRoot {
-    pub(super) pair: ElasticBall,
+struct ScaledRoot {
+    pair: ElasticBall,
     grip: RollingBall,
-    pub(super) refined: Refined,
+    refined: Refined,
     plans: [OnceCell<FrozenRule>; 2],
     steps: usize,
     /// What the quadrature may leave in the efficiency of the contacts (T25).
@@ -91,7 +91,7 @@ pub(super) struct ScaledRoot {
 
 impl Traction {
     /// The root near that of a constant coefficient, with the quadrature of the accuracy.
-    pub(super) fn lubricated_root(
+    fn lubricated_root(
         &self,
         ehl: &EhlPoint,
         work: &mut TractionWorkspace,

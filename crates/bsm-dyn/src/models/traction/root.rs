@@ -40,7 +40,7 @@ const SMALL_INERTIA: f64 = 1e-3;
 
 /// Centrifugal force over the load from which the contact angle at the nut has less than ten digits as
 /// a difference of two others.
-const LARGE_INERTIA: f64 = 1e6;
+pub(super) const LARGE_INERTIA: f64 = 1e6;
 
 /// A root of the equations of a point.
 #[derive(Debug, Clone, Copy)]

@@ -2,18 +2,23 @@
 //!
 //! Theory: `docs/theory/20-ball-train.md`, equations (O1) to (O5).
 
+use std::array::from_fn;
+use std::cell::Cell;
 use std::f64::consts::TAU;
 
 use bsm_kin::{BallFrame, Motion, Over, Scalar};
 use bsm_newton::{Continuation, Equations, EvalError, Scales, follow, solve};
 
-use super::columns::Watched;
-use super::lubricated::{ENOUGH, ScaledRoot};
-use super::{Lubrication, SlipBall, SlipRoot, Start, Traction};
+use super::columns::{PowerFlow, Watched};
+use super::lubricated::ENOUGH;
+use super::root::LARGE_INERTIA;
+use super::{Lubrication, SlipBall, Traction};
 use crate::contact::{POWER_BALANCE_TOL, Wrench};
+use crate::ellipse::Integrate;
 use crate::models::ball::unknown::PRECESSION;
-use crate::models::ball::{BALL, BallLoads, EhlPoint, ElasticBall, ElasticPoint, ROWS, Workspace};
-use crate::models::raceway_control::RollingBall;
+use crate::models::ball::{
+    BALL, BallLoads, BallState, EhlPoint, ElasticBall, ElasticPoint, ROWS, Workspace,
+};
 use crate::models::workspace::ModelWorkspace;
 
 /// Normal forces of both neighbours over the axial load of the ball.
@@ -60,12 +65,25 @@ impl Push {
     }
 }
 
+/// Of the pushes where one step does not do.
+const STRIDE: Continuation = Continuation { first: 1.0, shortest: 0.02 };
+
 /// A ball that is held at the speed of the train: the force of the neighbour behind takes the place of the precession.
 struct HeldBall<'a> {
     ball: &'a SlipBall<'a>,
     push: Push,
     /// Precession as the unknowns of the ball have it.
     precession: f64,
+    seen: &'a Cell<Seen>,
+}
+
+/// What is kept of the states at which the equations of a held ball were evaluated.
+#[derive(Debug, Clone, Copy, Default)]
+struct Seen {
+    /// Derivatives of the equations by the precession, where the Jacobian was last asked for.
+    by_precession: [f64; BALL],
+    /// The last state, and what the screw transmits there.
+    last: Option<([f64; BALL], PowerFlow)>,
 }
 
 impl HeldBall<'_> {
@@ -81,7 +99,9 @@ impl HeldBall<'_> {
 impl Equations<BALL> for HeldBall<'_> {
     fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {
         let (ball, y) = self.moving(x);
-        Ok(ball.evaluated::<false>(&y)?.left)
+        let found = ball.evaluated::<false>(&y)?;
+        self.seen.set(Seen { last: Some((*x, found.transmitted)), ..self.seen.get() });
+        Ok(found.left)
     }
 
     fn linearize(
@@ -96,6 +116,8 @@ impl Equations<BALL> for HeldBall<'_> {
             to.copy_from_slice(&from[..BALL]);
             to[PRECESSION] = by_push;
         }
+        let by_precession = from_fn(|i| found.rows[i][PRECESSION]);
+        self.seen.set(Seen { by_precession, last: Some((*x, found.transmitted)) });
         Ok(found.left)
     }
 
@@ -112,14 +134,19 @@ impl SlipBall<'_> {
         [front, back]: [f64; 2],
         friction: f64,
     ) -> Result<[f64; BALL], EvalError> {
+        self.pushed_by(&Push { front, back, friction }, y)
+    }
+
+    /// What a push adds to the equations at a state.
+    pub(super) fn pushed_by<D: Integrate<f64>>(
+        &self,
+        push: &Push,
+        y: &[D; BALL],
+    ) -> Result<[D; BALL], EvalError> {
         let loaded = self.loaded(y)?;
-        let mut by_push = [0.0; BALL];
-        Push { front, back, friction }.add_to(
-            &mut by_push,
-            self.pair,
-            (&loaded, &self.motion_to_nut(y, &loaded)),
-        );
-        Ok(by_push)
+        let mut left = [D::from(0.0); BALL];
+        push.add_to(&mut left, self.pair, (&loaded, &self.motion_to_nut(y, &loaded)));
+        Ok(left)
     }
 }
 
@@ -136,13 +163,14 @@ pub struct TrainBall {
     /// Coefficient between balls.
     contact_friction: f64,
     free: TrainMotion,
-    compliances: [f64; 2],
 }
 
 /// The steady motion of a ball of a train, with the forces of its neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrainMotion {
     unknowns: [f64; BALL],
+    /// Their derivatives by the forces of the neighbours in front and behind \[1/N\].
+    by_pushes: [[f64; BALL]; 2],
     /// `$(P - \Omega_n)/W$`, positive.
     pub rate: f64,
     /// Torque on the screw of its contact \[N·m\].
@@ -159,64 +187,91 @@ pub struct TrainMotion {
     pub axial_push: f64,
 }
 
-impl Traction {
-    /// The ball without pushes, ready for them; `None` without a steady motion.
-    ///
-    /// * `contact_friction`: coefficient between balls.
-    pub fn in_train(&self, contact_friction: f64, work: &mut ModelWorkspace) -> Option<TrainBall> {
-        let pair = self.at.scaled().ok()?;
-        let grip = RollingBall::of(&pair, None, &mut work.traction.statics);
-        let start = Start::new(&pair, grip.ok().as_ref()).ok()?;
-        let root = self.found(&start, None, &mut work.traction).ok()?.root;
-        TrainBall::of(self, (pair, None), &root, contact_friction, work)
+impl TrainMotion {
+    /// Growth of the rate by the forces of the neighbours in front and behind (O5) \[1/N\].
+    pub fn compliances(&self) -> [f64; 2] {
+        self.by_pushes.map(|by| by[PRECESSION])
     }
 
-    /// The same with a lubricant.
-    pub(crate) fn lubricated_in_train(
+    /// The unknowns under other forces of the neighbours \[N\], as far as they are linear in them.
+    fn at_pushes(&self, pushes: [f64; 2]) -> [f64; BALL] {
+        let mut y = self.unknowns;
+        for (by, (push, before)) in self.by_pushes.iter().zip(pushes.iter().zip(self.pushes)) {
+            for (y, by) in y.iter_mut().zip(by) {
+                *y += by * (push - before);
+            }
+        }
+        y
+    }
+
+    /// The push of the neighbour behind at another rate and another push in front, as far as it is linear in them \[N\].
+    pub fn back_push(&self, rate: f64, front: f64) -> f64 {
+        let ([by_front, by_back], [before, back]) = (self.compliances(), self.pushes);
+        back + (rate - self.rate - by_front * (front - before)) / by_back
+    }
+}
+
+impl Traction {
+    /// The ball of a train; `None` if its state is not steady.
+    ///
+    /// * `free`: the ball without pushes. * `contact_friction`: coefficient between balls.
+    pub fn in_train(
         &self,
-        ehl: &EhlPoint,
+        free: &BallState,
         contact_friction: f64,
         work: &mut ModelWorkspace,
     ) -> Option<TrainBall> {
-        let ModelWorkspace { traction, lubricated, .. } = work;
-        let ScaledRoot { pair, refined, .. } =
-            self.lubricated_root(ehl, traction, lubricated).ok()?;
-        TrainBall::of(self, (pair, Some(*ehl)), &refined.root, contact_friction, work)
+        TrainBall::of(self, None, free, contact_friction, work)
     }
 }
 
 impl TrainBall {
-    fn of(
+    /// * `ehl`: of a lubricated ball. * `free`: the ball without pushes.
+    pub(crate) fn of(
         case: &Traction,
-        (pair, ehl): (ElasticBall, Option<EhlPoint>),
-        root: &SlipRoot,
+        ehl: Option<&EhlPoint>,
+        free: &BallState,
         contact_friction: f64,
         work: &mut ModelWorkspace,
     ) -> Option<Self> {
         let ElasticPoint { point, .. } = case.at;
-        let free = TrainMotion {
-            unknowns: root.unknowns,
-            rate: 0.0,
-            screw_torque: 0.0,
-            race_power: 0.0,
-            rotation: 0.0,
-            loads: [0.0; 2],
-            pushes: [0.0; 2],
-            axial_push: 0.0,
-        };
+        let units @ [load, _, speed] =
+            [point.load.axial, point.ball.radius, point.drive.relative_speed()];
+        let pair = case.at.scaled().ok()?;
+        let creep = case.creep * pair.slip_scale();
+        let [nut, screw] = [&free.nut, &free.screw];
+        let loads = [nut.load? / load, screw.load? / load];
+        let loaded = pair.loaded(loads, 0.5 * (screw.angle - nut.angle)).ok()?;
+        let Motion { precession, omega } = free.motion?;
+        let turning = Motion { precession, omega: loaded.frame.from_frenet(&omega) };
+        let turning = turning.relative_to(point.drive.nut_speed, &loaded.frame);
+        let to_nut =
+            Motion { precession: turning.precession / speed, omega: turning.omega / speed };
+        let scale = ehl.map(|ehl| ehl.friction_scale(&pair, &loaded, &to_nut, creep));
+        let pair = scale.map_or(pair, |scale| pair.with_friction(scale));
+        let rate = to_nut.precession + pair.nut_speed;
         let mut ball = Self {
             pair,
-            ehl,
+            ehl: ehl.copied(),
             accuracy: case.accuracy,
-            creep: case.creep * pair.slip_scale(),
-            at_nut: root.at_nut,
-            units: [point.load.axial, point.ball.radius, point.drive.relative_speed()],
+            creep,
+            at_nut: pair.inertia_ratio() * rate * rate > LARGE_INERTIA,
+            units,
             contact_friction,
-            free,
-            compliances: [0.0; 2],
+            free: TrainMotion {
+                unknowns: [0.0; BALL],
+                by_pushes: [[0.0; BALL]; 2],
+                rate: to_nut.precession,
+                screw_torque: 0.0,
+                race_power: 0.0,
+                rotation: 0.0,
+                loads: [0.0; 2],
+                pushes: [0.0; 2],
+                axial_push: 0.0,
+            },
         };
-        ball.free = ball.pushed(&free, [0.0; 2], work)?;
-        ball.compliances = ball.compliances_at(&ball.free, work)?;
+        ball.free.unknowns = ball.with(work, |ball, _| ball.unknowns(&loaded, &to_nut));
+        ball.free = ball.pushed(&ball.free, [0.0; 2], work)?;
         Some(ball)
     }
 
@@ -233,33 +288,6 @@ impl TrainBall {
     /// What it can give in a push before it slides on both races, without pushes \[N\].
     pub fn sliding_push(&self) -> f64 {
         self.friction() * self.free.loads.iter().sum::<f64>()
-    }
-
-    /// Growth of the rate by the forces of the neighbours in front and behind, without pushes (O5) \[1/N\].
-    pub fn compliances(&self) -> [f64; 2] {
-        self.compliances
-    }
-
-    /// The same at a motion of this ball.
-    pub fn compliances_at(
-        &self,
-        motion: &TrainMotion,
-        work: &mut ModelWorkspace,
-    ) -> Option<[f64; 2]> {
-        let [load, ..] = self.units;
-        let y = &motion.unknowns;
-        let push = self.push(motion.pushes);
-        self.with(work, |ball, newton| {
-            let ball = SlipBall { push: Some(push), ..*ball };
-            newton.linearize(&Watched::new(&ball), y, &ball.weights(y)).ok()?;
-            let mut by = |sides| {
-                let by_push = ball.by_push(y, sides, push.friction).ok()?;
-                // c = −[J⁻¹ dr/dG]_p                                      (O5)
-                let change = newton.correction(&by_push).ok()?;
-                Some(change[PRECESSION] / load)
-            };
-            Some([by([1.0, 0.0])?, by([0.0, 1.0])?])
-        })
     }
 
     /// These forces of the neighbours in front and behind \[N\].
@@ -300,16 +328,28 @@ impl TrainBall {
         pushes: [f64; 2],
         work: &mut ModelWorkspace,
     ) -> Option<TrainMotion> {
-        let mut y = from.unknowns;
         let begin = from.pushes;
         self.with(work, |ball, newton| {
-            let stride = Continuation { first: 1.0, shortest: 0.02 };
-            follow(&mut y, (0.0, 1.0), stride, |part, y| {
-                let push = self.push([0, 1].map(|i| begin[i] + (pushes[i] - begin[i]) * part));
-                SlipBall { push: Some(push), ..*ball }.run(y, newton).converged()
-            })
-            .ok()?;
-            self.motion(ball, y, pushes)
+            let under = |part: f64| {
+                let push = [0, 1].map(|i| begin[i] + (pushes[i] - begin[i]) * part);
+                SlipBall { push: Some(self.push(push)), ..*ball }
+            };
+            let (mut y, pushed) = (from.at_pushes(pushes), under(1.0));
+            let watched = Watched::new(&pushed);
+            if !watched.run(&mut y, newton).converged() {
+                y = from.unknowns;
+                let run = |part, y: &mut _| under(part).run(y, newton).converged();
+                follow(&mut y, (0.0, 1.0), STRIDE, run).ok()?;
+            }
+            let [load, ..] = self.units;
+            let mut by = |sides| {
+                let by_push = pushed.by_push(&y, sides, self.contact_friction).ok()?;
+                // c = −[J⁻¹ dr/dG]_p                                      (O5)
+                Some(newton.correction(&by_push).ok()?.map(|by| by / load))
+            };
+            let by_pushes = [by([1.0, 0.0])?, by([0.0, 1.0])?];
+            let (transmitted, _) = watched.transmitted(&y).ok()?;
+            self.motion(ball, (y, by_pushes), pushes, &transmitted)
         })
     }
 
@@ -325,45 +365,76 @@ impl TrainBall {
         work: &mut ModelWorkspace,
     ) -> Option<TrainMotion> {
         let [load, ..] = self.units;
-        let [begin, back] = from.pushes;
-        let mut x = from.unknowns;
-        x[PRECESSION] = back / load;
+        let [begin, before] = from.pushes;
+        let back = from.back_push(rate, front);
         self.with(work, |ball, newton| {
-            let stride = Continuation { first: 1.0, shortest: 0.02 };
             let offset = self.pair.nut_speed - ball.offset();
-            follow(&mut x, (0.0, 1.0), stride, |part, x| {
+            let seen = Cell::default();
+            let at = |part: f64| {
                 let rate = from.rate + (rate - from.rate) * part;
                 let push = self.push([begin + (front - begin) * part, f64::NAN]);
-                let held = HeldBall { ball, push, precession: rate + offset };
-                let (_, y) = held.moving(x);
-                let scales = Scales { x: &[1.0; BALL], f: &ball.weights(&y) };
+                HeldBall { ball, push, precession: rate + offset, seen: &seen }
+            };
+            let mut run = |part, x: &mut _| {
+                let held = at(part);
+                let scales = Scales { x: &[1.0; BALL], f: &ball.weights(&held.moving(x).1) };
                 solve(&held, x, &scales, &ball.options(), newton).converged()
-            })
-            .ok()?;
-            let back = x[PRECESSION] * load;
-            x[PRECESSION] = rate + offset;
-            self.motion(ball, x, [front, back])
+            };
+            let unknowns = |y: [f64; BALL], back: f64| {
+                from_fn(|i| if i == PRECESSION { back / load } else { y[i] })
+            };
+            let mut x = unknowns(from.at_pushes([front, back]), back);
+            if !run(1.0, &mut x) {
+                x = unknowns(from.unknowns, before);
+                follow(&mut x, (0.0, 1.0), STRIDE, run).ok()?;
+            }
+            let held = at(1.0);
+            let ((moving, y), Seen { by_precession, last }) = (held.moving(&x), seen.get());
+            let by_front = moving.by_push(&y, [1.0, 0.0], self.contact_friction).ok()?;
+            // Of all unknowns but the rate, and of the push behind, by the rate and by the push in front.
+            let by_rate = newton.correction(&by_precession).ok()?;
+            let by_front = newton.correction(&by_front).ok()?;
+            // dp/dN_b = 1/(dN_b/dp),  dp/dN_f = −(dN_b/dN_f)/(dN_b/dp)
+            let by_back = by_rate[PRECESSION].recip();
+            let rate_by = [-by_front[PRECESSION] * by_back, by_back];
+            let by_pushes = [0, 1].map(|side| {
+                let by = |i| match i {
+                    PRECESSION => rate_by[side],
+                    _ if side == 0 => by_front[i] + by_rate[i] * rate_by[0],
+                    _ => by_rate[i] * rate_by[1],
+                };
+                from_fn(|i| by(i) / load)
+            });
+            let is_last = |last: [f64; BALL]| last.map(f64::to_bits) == x.map(f64::to_bits);
+            let transmitted = match last {
+                Some((last, transmitted)) if is_last(last) => transmitted,
+                _ => moving.evaluated::<false>(&y).ok()?.transmitted,
+            };
+            self.motion(ball, (y, by_pushes), [front, x[PRECESSION] * load], &transmitted)
         })
     }
 
     /// In SI units, of the unknowns under these pushes.
+    ///
+    /// * `by_pushes`: their derivatives. * `transmitted`: by the screw.
     fn motion(
         &self,
         ball: &SlipBall<'_>,
-        unknowns: [f64; BALL],
+        (unknowns, by_pushes): ([f64; BALL], [[f64; BALL]; 2]),
         pushes: [f64; 2],
+        transmitted: &PowerFlow,
     ) -> Option<TrainMotion> {
         let [load, radius, speed] = self.units;
         let push = self.push(pushes);
         let loaded = ball.loaded(&unknowns).ok()?;
         let to_nut = ball.motion_to_nut(&unknowns, &loaded);
         let axial_push = push.wrench(&self.pair, &loaded.frame, &to_nut).force.dot(&loaded.frame.k);
-        let found = ball.evaluated::<false>(&unknowns).ok()?;
         let motion = TrainMotion {
             unknowns,
+            by_pushes,
             rate: to_nut.precession,
-            screw_torque: found.transmitted.torque * radius * load,
-            race_power: found.transmitted.power * radius * load * speed,
+            screw_torque: transmitted.torque * radius * load,
+            race_power: transmitted.power * radius * load * speed,
             rotation: to_nut.across_groove(&loaded.frame.k).norm() * speed.abs(),
             loads: loaded.loads.map(|part| part * load),
             pushes,

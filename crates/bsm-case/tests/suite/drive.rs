@@ -1,0 +1,164 @@
+//! Motor, brake and preload of an axis on its sheet.
+
+use bsm_case::{AxisReport, Catalogue, DesignReport, NutProblem, RequirementFile, Scene, Settings};
+
+use crate::size::{AXIS, axis, near, number};
+
+fn rule<'a>(report: &'a AxisReport, title: &str) -> &'a bsm_case::Criterion {
+    let found = report.answer.rules.iter().find(|rule| rule.title == title);
+    found.unwrap_or_else(|| panic!("no {title}"))
+}
+
+/// THK, A-722 to A-746: level, 80 kg, 1 m/s in 0.15 s, guides of 0.003 and a resistance of 15 N (printed 550, 17, -516,
+/// -550, -17, 516 N); upright, 50 kg, 0.3 m/s in 0.2 s and 20 N (585, 510, 435, 395, 470, 545 N). Five digits, in which
+/// half of a phase at the mean speed has the sign of its motion.
+#[test]
+fn loads_of_two_transfers() {
+    let cycle = |feed: f64, acceleration: f64| {
+        let phase = |feed: f64, a: f64| {
+            format!(r#"{{"time_s":1,"feed_m_min":{feed},"acceleration_m_s2":{a}}}"#)
+        };
+        let way = |sign: f64| {
+            [acceleration, 0.0, -acceleration].map(|a| phase(sign * feed, sign * a)).join(",")
+        };
+        format!("cycle=[{},{}]", way(1.0), way(-1.0))
+    };
+    for (settings, cycle, loads) in [
+        (
+            ["moved_mass_kg=80", "guide_friction=0.003", "guide_force_N=15", "inclination_deg=0"],
+            cycle(60.0, 1.0 / 0.15),
+            [550.69, 17.354, -515.98, -550.69, -17.354, 515.98],
+        ),
+        (
+            ["moved_mass_kg=50", "guide_friction=0.003", "guide_force_N=20", "inclination_deg=90"],
+            cycle(18.0, 0.3 / 0.2),
+            [585.33, 510.33, 435.33, 395.33, 470.33, 545.33],
+        ),
+    ] {
+        let report = axis(&[&settings[..], &[&cycle, "preload_N=500"]].concat());
+        for (phase, load) in report.phases.iter().zip(loads) {
+            near(phase.number("screw_load_N").expect("a load"), load, 3e-5, "load");
+        }
+    }
+}
+
+/// Limits of the motor are rules, with what would help; without limits there is none.
+#[test]
+fn the_motor_has_rules() {
+    let titles = |more: &[&str]| -> Vec<_> {
+        let report = axis(more);
+        report.answer.rules.iter().map(|rule| (rule.title, rule.passes())).collect()
+    };
+    assert!(!titles(&[]).iter().any(|(title, _)| title.contains("of the motor")));
+    let cycle = r#"cycle=[{"time_s":0.5,"feed_m_min":30,"acceleration_m_s2":2},{"time_s":1,"feed_m_min":30},{"time_s":2}]"#;
+    let report = axis(&[
+        cycle,
+        "motor_max_speed_rpm=1000",
+        "motor_peak_torque_Nm=12",
+        "motor_rated_torque_Nm=1",
+        "motor_rated_power_W=9000",
+        "largest_inertia_ratio=1",
+    ]);
+    // 30 m/min on 20 mm.
+    near(number(&report, "motor_speed_rpm"), 1500.0, 1e-9, "speed");
+    let speed = rule(&report, "motor speed");
+    assert!(speed.remedy.as_ref().is_some_and(|help| help.contains("lead_mm 30.0")), "{speed:?}");
+    assert!(!rule(&report, "rated torque of the motor").passes());
+    assert!(rule(&report, "power of the motor").passes());
+    assert!(!rule(&report, "inertia ratio").passes());
+    // v/a = 0.25 s; J (2 pi 25 rad/s)/(T_peak - T_load).
+    near(number(&report, "shortest_ramp_s"), 0.25, 1e-12, "ramp");
+    let inertia = number(&report, "inertia_at_motor_kg_m2") + 0.01;
+    let steady = report.phases[1].number("motor_torque_Nm").expect("a torque");
+    let least = inertia * 50.0 * std::f64::consts::PI / (12.0 - steady);
+    near(number(&report, "least_acceleration_time_s"), least, 1e-12, "time");
+    // A gear: the motor is faster, and its losses cost torque.
+    let (plain, geared) = (axis(&[]), axis(&["gear_ratio=2", "gear_efficiency=0.8"]));
+    near(number(&geared, "motor_speed_rpm"), 3000.0, 1e-9, "gear");
+    let half = number(&plain, "peak_motor_torque_Nm") / 2.0 / 0.8;
+    near(number(&geared, "peak_motor_torque_Nm"), half, 1e-9, "gear");
+}
+
+/// 250 kg upright: the brake is judged without friction, and the way until it stops and the speed of a fall are said.
+#[test]
+fn the_brake_has_a_rule() {
+    let with = |more: &[&str]| {
+        let upright = ["inclination_deg=90", "moved_mass_kg=250", "guide_friction=0"];
+        axis(&[&upright, more].concat())
+    };
+    let report = with(&["brake_torque_Nm=20"]);
+    let ideal = 250.0 * 9.806_65 * 20e-3 / std::f64::consts::TAU;
+    near(number(&report, "holding_torque_frictionless_Nm"), ideal, 1e-12, "weight");
+    near(number(&report, "required_brake_torque_Nm"), 1.5 * ideal, 1e-12, "brake");
+    assert!(rule(&report, "brake").passes() && number(&report, "stopping_distance_mm") > 0.0);
+    let [low, nominal, high] =
+        ["_low", "", "_high"].map(|end| number(&report, &format!("back_driving_torque{end}_Nm")));
+    assert!(low < nominal && nominal < high && high < ideal, "{low} {nominal} {high} {ideal}");
+    let fall = number(&report, "fall_acceleration_m_s2");
+    let feed = (2.0_f64 * fall * 1.2).sqrt();
+    near(number(&report, "fall_speed_rpm"), feed * 60.0 / 20e-3, 1e-12, "fall");
+    let weak = with(&["brake_torque_Nm=7"]);
+    assert!(!rule(&weak, "brake").passes() && weak.number("stopping_distance_mm").is_none());
+    assert!(weak.answer.notes.iter().any(|note| note.contains("does not hold")));
+    // Level, nothing falls.
+    assert!(axis(&["brake_torque_Nm=1"]).answer.rules.iter().all(|rule| rule.title != "brake"));
+}
+
+/// A preload by its class or by the load: 10 049 N need 3552.9 N, 3600 N in steps; in the sheet, of all balls and in a choice.
+#[test]
+fn a_preload_is_chosen() {
+    let scene = |more: &[&str]| {
+        let mut scene = Scene::from_json(AXIS).expect("an example");
+        scene.preload_N = None;
+        scene.apply(more).expect("settings");
+        scene
+    };
+    let sheet = |more: &[&str]| AxisReport::of(&scene(more), &Settings::default());
+    for words in [r#"preload_N="auto""#, "preload_class=auto"] {
+        let report = sheet(&[words]).expect("an axis");
+        near(number(&report, "preload_set_N"), 3600.0, 1e-12, words);
+        // The least preload holds by what all balls say, to a few per cent.
+        assert!(rule(&report, "remaining preload").margin().expect("a limit") > 0.95);
+    }
+    let medium = scene(&["preload_class=P3"]);
+    let report = AxisReport::of(&medium, &Settings::default()).expect("an axis");
+    let rating = number(&report, "dynamic_load_rating_N");
+    near(number(&report, "preload_set_N"), 0.05 * rating, 1e-12, "medium");
+    let nut = NutProblem::of(&medium, &Settings::default()).expect("a nut").solve();
+    let nut = nut.expect("a solution");
+    near(nut.number("preload_set_N").expect("a preload"), 0.05 * rating, 1e-12, "nut");
+    // Offset and oversize carry half as much as a double nut.
+    assert!(rule(&report, "preload").passes());
+    let limit = rule(&report, "preload").limit.expect("a limit");
+    near(limit, 0.1 * rating, 1e-12, "double nut");
+    let offset = sheet(&["preload_class=P4", "preload_by=offset"]).expect("an axis");
+    let broken = rule(&offset, "preload");
+    let help = broken.remedy.as_deref().expect("it fails");
+    assert!(help.contains("one nut that opens above"), "{help}");
+    for (settings, words) in [
+        (&["preload_class=P3", "preload_N=1000"][..], "preload_class"),
+        (&["preload_class=P9"], "not one of auto"),
+    ] {
+        let mut both = scene(&[]);
+        let refused = if let Err(error) = both.apply(settings) {
+            error.to_string()
+        } else {
+            let report = AxisReport::of(&both, &Settings::default());
+            report.expect_err("refused").to_string()
+        };
+        assert!(refused.contains(words), "{refused}");
+    }
+    let one_ball = medium.problem(&Settings::default()).expect_err("of one ball").to_string();
+    assert!(one_ball.contains("bsm axis"), "{one_ball}");
+    // Chosen for each candidate, and written as a force.
+    let catalogue = Catalogue::standard().expect("compiled in");
+    let json = br#"{"axial_load_N": 5000, "feed_m_min": 15, "stroke_mm": 500, "life_h": 10000, "preload_N": "auto",
+        "friction_coefficient": 0.05, "largest_speed_rpm": 1000}"#;
+    let wish = RequirementFile::from_json(json, &[], catalogue.lists.clone()).expect("keys");
+    let report = DesignReport::standard(&wish, &catalogue).expect("sizes");
+    assert!(report.found, "{:?}", report.reasons);
+    // 5000/2.828 = 1767.8 N.
+    assert_eq!(report.scene.preload_N, Some(1800.0));
+    let speed = report.rows.iter().find(|row| row.name == "motor_speed_rpm").expect("a row");
+    assert!(speed.value.is_some_and(|rpm| rpm <= 1000.0) && speed.requirement.is_some());
+}

@@ -1,0 +1,156 @@
+//! The screw as a shaft on its sheet: pretension, buckling of its section, hollow screws, short strokes, speed number.
+
+use bsm_case::{AxisReport, Scene};
+
+use crate::size::{axis, near, number};
+
+/// The screw of a machining centre, calculated independently: THK BNFN4010-5 between two fixed bearings.
+const CENTRE: [&str; 8] = [
+    "pitch_circle_diameter_mm=41.75",
+    "lead_mm=10",
+    "ball_diameter_mm=6.35",
+    "screw_outer_diameter_mm=40",
+    "youngs_modulus_GPa=206",
+    "shaft_diameter_mm=34.4",
+    "unsupported_length_mm=1450",
+    "stroke_mm=1000",
+];
+
+/// Stiffness of bearings that are rigid to ten digits.
+const RIGID: &str = "support_bearing_stiffness_N_um=1e12";
+
+fn centre(more: &[&str]) -> AxisReport {
+    axis(&[&CENTRE[..], &["support=fixed-fixed", "feed_m_min=20"], more].concat())
+}
+
+fn rule<'a>(report: &'a AxisReport, title: &str) -> &'a bsm_case::Criterion {
+    let found = report.answer.rules.iter().find(|rule| rule.title == title);
+    found.unwrap_or_else(|| panic!("no {title}"))
+}
+
+fn says(report: &AxisReport, words: &str) -> bool {
+    report.answer.notes.iter().any(|note| note.contains(words))
+}
+
+/// Five digits each; the bearings of 750 N/um give way.
+#[test]
+fn a_pretension_is_a_force_and_its_rule() {
+    let report = centre(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=2"]);
+    for (name, value) in [
+        ("critical_speed_rpm", 4476.7),
+        ("critical_speed_ratio", 0.446_75),
+        ("buckling_load_N", 265_885.0),
+        ("screw_stiffness_N_um", 528.16),
+        ("pretension_N", 6605.3),
+        ("stretch_um", 50.025),
+        ("travel_compensation_um", -34.5),
+        ("screw_tension_N", 6605.3 / 3.0),
+    ] {
+        near(number(&report, name), value, 2e-5, name);
+    }
+    assert!(rule(&report, "pretension left").passes());
+    let soft = centre(&["pretension_K=3", "support_bearing_stiffness_N_um=750"]);
+    near(number(&soft, "pretension_N"), 4885.2, 1e-5, "soft bearings");
+    near(number(&soft, "stretch_um"), 36.998, 2e-5, "soft bearings");
+    // 8 K warmer than the bed it is slack, and what presses adds to the load in buckling.
+    let warm = centre(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=8"]);
+    near(number(&warm, "screw_tension_N"), -11_008.8, 1e-5, "warm");
+    let slack = rule(&warm, "pretension left");
+    let help = slack.remedy.as_deref().expect("it fails");
+    assert!(help.contains("slack from 3.0 K on: pretension_K 8"), "{help}");
+    let pressed = number(&warm, "largest_load_N") + 11_008.8;
+    let safety = number(&warm, "buckling_load_N") / pressed;
+    near(number(&warm, "buckling_safety"), safety, 1e-5, "buckling");
+    // The same by its force.
+    let by_force = centre(&[RIGID, "pretension_N=6605.3", "screw_temperature_rise_K=2"]);
+    near(number(&by_force, "pretension_K"), 3.0, 1e-5, "kelvin");
+    let bearings = centre(&["pretension_K=3", "support_bearing_axial_load_N=10000"]);
+    assert!(!rule(&bearings, "support bearings").passes());
+    for (more, words) in [
+        (&["pretension_K=3", "support=fixed-supported"][..], "fixed-fixed"),
+        (&["pretension_K=3", "pretension_N=1"], "both are"),
+        (&["screw_bore_mm=28"], "0.8 of the core"),
+        (&["end_conductance_W_K=3"], "no effect without warm_state"),
+    ] {
+        let mut scene = Scene::from_json(super::size::AXIS).expect("an example");
+        scene.apply(&[&CENTRE[..], &["support=fixed-fixed"], more].concat()).expect("settings");
+        let refused = AxisReport::of(&scene, &bsm_case::Settings::default());
+        let refused = refused.expect_err("refused").to_string();
+        assert!(refused.contains(words), "{refused}");
+    }
+}
+
+/// THK, A-726: the section between bearing and nut is fixed-fixed, and 1.96 times as strong as with one end that tilts; a
+/// screw that tilts at both ends is judged as it is.
+#[test]
+fn the_section_between_bearing_and_nut_is_judged() {
+    let load = |more: &[&str]| number(&axis(more), "buckling_load_N");
+    let tilting = load(&["buckling_support=fixed-supported"]);
+    // 4 over the first root of tan x = x.
+    near(load(&[]) / tilting, 4.0 / 2.045_748_515_938_296, 1e-12, "fixed-fixed");
+    near(
+        load(&["support=supported-supported"]) / tilting,
+        1.0 / 2.045_748_515_938_296,
+        1e-12,
+        "tilts",
+    );
+    near(
+        load(&["buckling_length_mm=710"]) / load(&["buckling_length_mm=1420"]),
+        4.0,
+        1e-12,
+        "length",
+    );
+    assert!(says(&axis(&[]), "fixed-fixed (default)"));
+    assert!(!says(&axis(&["buckling_support=fixed-fixed"]), "(default)"));
+}
+
+/// A bore of half of the core: section, inertia and mass of the rod that is missing.
+#[test]
+fn a_hollow_screw_is_hollow_everywhere() {
+    let (solid, hollow) = (axis(&[]), axis(&["screw_bore_mm=20"]));
+    let change = |name: &str| number(&solid, name) - number(&hollow, name);
+    let (rod, length) =
+        (std::f64::consts::PI / 4.0 * 400.0, number(&solid, "unsupported_length_mm"));
+    let mass = 7850e-9 * rod * length;
+    near(change("screw_mass_kg"), mass, 1e-9, "mass");
+    near(change("inertia_of_screw_kg_m2"), mass * 400e-6 / 8.0, 1e-9, "inertia");
+    near(change("yield_load_N"), 147.0 * rod, 1e-9, "section");
+    assert!(change("critical_speed_rpm") < 0.0 && change("buckling_load_N") > 0.0);
+    let stated = axis(&["screw_inertia_kg_m2_m=0.01"]);
+    near(number(&stated, "inertia_of_screw_kg_m2"), 0.01e-3 * length, 1e-12, "as stated");
+}
+
+/// Below three nut lengths, below a round of the balls, and below half a turn.
+#[test]
+fn short_strokes_are_said() {
+    let with = |stroke: &str| axis(&[stroke, "unsupported_length_mm=1420"]);
+    assert!(!says(&with("stroke_mm=600"), "stroke of less"));
+    assert!(says(&with("stroke_mm=500"), "three nut lengths"));
+    assert!(says(&with("stroke_mm=200"), "does not circulate"));
+    let still = with("stroke_mm=9");
+    assert!(says(&still, "false brinelling") && still.number("cycle_life_h").is_none());
+    // A life that is required and cannot be judged is not kept.
+    assert!(!rule(&still, "life").passes());
+}
+
+/// The limit of the ball return by its make: the lead of 20 mm is less than half of 62 mm.
+#[test]
+fn the_make_sets_the_speed_number() {
+    let limit = |make: &str| {
+        let given: Vec<_> = [make].into_iter().filter(|make| !make.is_empty()).collect();
+        let mut scene = Scene::from_json(super::size::AXIS).expect("an example");
+        scene.speed_number_limit_mm_min = None;
+        scene.apply(&given).expect("settings");
+        let report = AxisReport::of(&scene, &bsm_case::Settings::default()).expect("an axis");
+        rule(&report, "speed number").limit.expect("a limit")
+    };
+    for (make, least) in [
+        ("", 70e3),
+        ("screw_make=rolled", 50e3),
+        ("screw_make=ground", 70e3),
+        ("screw_make=caged", 130e3),
+        ("screw_make=high-speed", 160e3),
+    ] {
+        near(limit(make), least, 1e-12, make);
+    }
+}
