@@ -5,7 +5,8 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::Ordering;
 
 use bsm_case::{
-    Beside, CaseError, InputKey, OUTPUTS, Record, Sensitivities, Settings, following, torque_parts,
+    Beside, CaseError, InputKey, InputSet, OUTPUTS, Record, Sensitivities, Settings, following,
+    torque_parts,
 };
 use bsm_dyn::{Band, ModelWorkspace, Problem};
 use bsm_report::PROGRAM;
@@ -202,6 +203,14 @@ pub(crate) fn gradient(
     };
     let first = if len > 0 { scene(0) } else { base.clone() };
     for key in &keys {
+        if first.value_or_default(*key).is_none() {
+            let given = first.given();
+            let other =
+                InputSet::of(&[*key]).replaced().iter().find(|other| given.contains(*other));
+            let instead =
+                other.map_or_else(String::new, |other| format!(": {} is given", other.name()));
+            return Err(errors::words(&format!("`{}` has no value here{instead}", key.name())));
+        }
         if let Some(target) = SET_BY_OTHERS.into_iter().find(|target| sets(*target, *key, &first)) {
             let [key, target] = [*key, target].map(InputKey::name);
             return Err(errors::words(&format!(

@@ -214,6 +214,8 @@ def test_what_new_users_write_is_answered_in_words(screw: bs.Scene) -> None:
         bs.solve(screw, model=3)  # type: ignore[arg-type]
     with pytest.raises(bs.InputError, match="unknown key `modle`, did you mean `model`"):
         bs.solve(screw, modle="rigid")  # type: ignore[call-arg]
+    with pytest.raises(bs.InputError, match="`lead_angle_deg` has no value here: lead_mm is given"):
+        bs.gradient(points, "efficiency", ["lead_angle_deg"], screw)
     with pytest.raises(bs.InputError, match="did you mean `efficiency`"):
         bs.gradient(points, "efficency", ["lead_mm"], screw)  # type: ignore[arg-type]
     with pytest.raises(KeyError, match=r"it is in \['results'\]"):

@@ -414,7 +414,7 @@ pub(crate) struct SelectArgs {
     /// Print the keys of a requirement, the standard lists to copy and edit, or the columns of the list of nuts.
     #[arg(long, value_name = "WHAT", value_enum)]
     pub(crate) show: Option<SelectShow>,
-    /// standard, lists in LISTS.json, or a manufacturer's nuts in TABLE.csv: nut, lead_mm, ball_diameter_mm, circuits or
+    /// standard, makers (sizes of THK and HIWIN), lists in LISTS.json, or a manufacturer's nuts in TABLE.csv: nut, lead_mm, ball_diameter_mm, circuits or
     /// loaded_turns, core_diameter_mm or pitch_circle_diameter_mm, ratings.
     #[arg(long, value_name = "LISTS", help_heading = "List of nuts")]
     pub(crate) from: Option<PathBuf>,

@@ -12,7 +12,7 @@ use crate::answer::{Drawn, Reply};
 use crate::args::SelectArgs;
 use crate::failure::{Failure, warn};
 use crate::files;
-use crate::select::{STANDARD, check, requirement};
+use crate::select::{MAKERS, STANDARD, check, own_sizes, requirement};
 use crate::stream::{TABLES, form_of, write_numbers};
 use crate::table;
 
@@ -33,7 +33,12 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
             .sorted_by(name, sort.starts_with('-'), has_sheets)
             .map_err(|e| Failure::input("--sort", &e))?;
     }
-    let catalogue = read(lists(args))?;
+    let catalogue = match lists(args) {
+        Some(path) => {
+            Catalogue::from_json(&files::read_json(path)?).map_err(|e| Failure::scene(path, &e))?
+        }
+        None => own_sizes(args)?,
+    };
     let wish = requirement(args, &catalogue)?;
     let list = wanted.choose(catalogue, wish.as_ref());
     if !list.why.is_empty() {
@@ -67,16 +72,9 @@ fn head(column: &ListColumn) -> NumberColumn {
     NumberColumn { name: column.output.name, unit: column.output.unit }
 }
 
-/// File of the lists; none if they are the standard ones.
+/// File of the lists; none of those that the program has.
 fn lists(args: &SelectArgs) -> Option<&Path> {
-    args.from.as_deref().filter(|path| *path != Path::new(STANDARD))
-}
-
-fn read(lists: Option<&Path>) -> Result<Catalogue, Failure> {
-    let Some(path) = lists else {
-        return Catalogue::standard().map_err(|e| Failure::Input(e.to_string()));
-    };
-    Catalogue::from_json(&files::read_json(path)?).map_err(|e| Failure::scene(path, &e))
+    args.from.as_deref().filter(|path| ![STANDARD, MAKERS].map(Path::new).contains(path))
 }
 
 /// The request.

@@ -15,6 +15,14 @@ use crate::{nuts, table};
 
 /// The lists that the program has.
 pub(crate) const STANDARD: &str = "standard";
+pub(crate) const MAKERS: &str = "makers";
+
+/// The sizes of the program that `--from` asks for.
+pub(crate) fn own_sizes(args: &SelectArgs) -> Result<Catalogue, Failure> {
+    let makers = args.from.as_deref() == Some(Path::new(MAKERS));
+    let sizes = if makers { Catalogue::makers() } else { Catalogue::standard() };
+    sizes.map_err(|e| Failure::Input(e.to_string()))
+}
 
 pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
     match args.show {

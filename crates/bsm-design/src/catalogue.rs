@@ -35,6 +35,27 @@ pub struct Lists {
     pub conformities: Vec<f64>,
     /// Contact angles.
     pub contact_angles: Vec<f64>,
+    /// Sizes that makers offer, in place of diameters, leads, balls and turns; none if every combination is made.
+    pub offered: Vec<Offered>,
+}
+
+/// A size that makers offer; lengths in m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Offered {
+    /// Nominal diameter of the screw.
+    pub diameter: f64,
+    /// Lead.
+    pub lead: f64,
+    /// Ball diameter.
+    pub ball: f64,
+    /// Loaded turns.
+    pub turns: f64,
+    /// Pitch circle diameter, if it is printed.
+    pub pitch_diameter: Option<f64>,
+    /// Core diameter, if it is printed.
+    pub core: Option<f64>,
+    /// True if the ball diameter is printed, and does not follow from pitch circle and core.
+    pub ball_is_printed: bool,
 }
 
 /// Limits of a size, and values that all sizes share.
@@ -74,6 +95,7 @@ pub struct Size {
     pub turns: f64,
     pub conformity: f64,
     pub contact_angle: f64,
+    pub offered: Option<Offered>,
 }
 
 /// A nut of the catalogue with its numbers.
@@ -126,6 +148,12 @@ pub fn loaded_balls(diameter: f64, lead: f64, ball: f64, gap: f64) -> (f64, f64)
     }
 }
 
+/// Loaded balls of a turn on a pitch circle diameter that is given (D18); lengths in m.
+fn balls_on(pitch_diameter: f64, lead: f64, ball: f64) -> f64 {
+    let [pitch_diameter, lead, ball] = [pitch_diameter, lead, ball].map(|x| x / STEP);
+    balls_of_turn(pitch_diameter, lead, ball).floor() - IDLE_BALLS
+}
+
 /// Length of a turn, rounded to a step, over the ball diameter; all in steps.
 fn balls_of_turn(pitch_diameter: f64, lead: f64, ball: f64) -> f64 {
     // Whole numbers of balls must not be missed by rounding.
@@ -163,8 +191,16 @@ impl Limits {
         if !self.allow(size) {
             return None;
         }
-        let (pitch_diameter, balls_per_turn) =
-            loaded_balls(size.diameter, size.lead, size.ball, self.ball_gap);
+        let printed = size.offered.and_then(|offered| {
+            let by_core = |core| {
+                Nut::pitch_diameter_over(core, size.ball, size.conformity, size.contact_angle)
+            };
+            offered.pitch_diameter.or(offered.core.map(by_core))
+        });
+        let (pitch_diameter, balls_per_turn) = match printed {
+            Some(diameter) => (diameter, balls_on(diameter, size.lead, size.ball)),
+            None => loaded_balls(size.diameter, size.lead, size.ball, self.ball_gap),
+        };
         if balls_per_turn < 1.0 {
             return None;
         }
@@ -225,7 +261,7 @@ impl Candidate {
 impl Lists {
     /// Number of combinations, within the limits or not.
     pub fn len(&self) -> usize {
-        self.lists().map(Vec::len).into_iter().fold(1, usize::saturating_mul)
+        self.lengths().into_iter().fold(1, usize::saturating_mul)
     }
 
     /// True if a list is empty.
@@ -233,20 +269,35 @@ impl Lists {
         self.len() == 0
     }
 
-    fn lists(&self) -> [&Vec<f64>; 6] {
-        let Self { diameters, leads, balls, turns, conformities, contact_angles } = self;
-        [diameters, leads, balls, turns, conformities, contact_angles]
+    /// Lengths of the lists; offered sizes are one.
+    fn lengths(&self) -> [usize; 6] {
+        let Self { diameters, leads, balls, turns, conformities, contact_angles, offered } = self;
+        let sizes = match offered.len() {
+            0 => [diameters, leads, balls, turns].map(Vec::len),
+            many => [many, 1, 1, 1],
+        };
+        let [diameters, leads, balls, turns] = sizes;
+        [diameters, leads, balls, turns, conformities.len(), contact_angles.len()]
     }
 
     /// Combination number `i`; the last list runs fastest.
     fn size(&self, mut i: usize) -> Size {
-        let mut values = [0.0; 6];
-        for (value, list) in values.iter_mut().zip(self.lists()).rev() {
-            *value = list[i % list.len()];
-            i /= list.len();
+        let mut places = [0; 6];
+        for (place, length) in places.iter_mut().zip(self.lengths()).rev() {
+            *place = i % length;
+            i /= length;
         }
-        let [diameter, lead, ball, turns, conformity, contact_angle] = values;
-        Size { diameter, lead, ball, turns, conformity, contact_angle }
+        let [diameter, lead, ball, turns, conformity, contact_angle] = places;
+        let offered = self.offered.get(diameter).copied();
+        let (diameter, lead, ball, turns) = match offered {
+            Some(Offered { diameter, lead, ball, turns, .. }) => (diameter, lead, ball, turns),
+            None => {
+                (self.diameters[diameter], self.leads[lead], self.balls[ball], self.turns[turns])
+            }
+        };
+        let (conformity, contact_angle) =
+            (self.conformities[conformity], self.contact_angles[contact_angle]);
+        Size { diameter, lead, ball, turns, conformity, contact_angle, offered }
     }
 
     /// Places of the combinations within the limits, in the order of the lists.
@@ -338,6 +389,7 @@ mod tests {
             turns: vec![2.0, 3.0, 5.0, 9.0],
             conformities: vec![0.5, 0.52, 0.55],
             contact_angles: vec![0.7, 0.8],
+            offered: Vec::new(),
         };
         let all = lists.map(&LIMITS, &lists.places(&LIMITS), |_, nut| Some(*nut));
         assert!(all.iter().all(|c| c.size.turns < 6.5 && c.size.conformity > 0.505));

@@ -106,16 +106,16 @@ impl BackDriving {
     }
 }
 
-/// Moment of inertia about its axis of a screw of which no more than length, mass and bore are known \[kg·m²\] (Z9): that of a
-/// steel rod with this bore.
+/// Moment of inertia about its axis of a screw of which no more than length and mass are known \[kg·m²\] (Z9): that of a
+/// solid steel rod.
 ///
-/// Assumes: the groove takes nothing from the outside alone; with it ([`Nut::screw_mass_and_inertia`]) the moment is up to 5 %
+/// Assumes: the groove takes nothing from the outside alone; with it ([`Nut::screw`]) the moment is up to 5 %
 /// larger. Source: HIWIN BS-08-2, F 3.20, for the rod.
 ///
-/// [`Nut::screw_mass_and_inertia`]: crate::Nut::screw_mass_and_inertia
-pub fn rod_inertia(length: f64, mass: f64, bore: f64) -> f64 {
-    // J_s = m_s²/(2π ρ l) + m_s d_b²/4                                    (Z9)
-    mass.powi(2) / (TAU * STEEL * length) + 0.25 * mass * bore.powi(2)
+/// [`Nut::screw`]: crate::Nut::screw
+pub fn rod_inertia(length: f64, mass: f64) -> f64 {
+    // J_s = m_s²/(2π ρ l)                                                 (Z9)
+    mass.powi(2) / (TAU * STEEL * length)
 }
 
 /// Inertias between motor and carriage.
@@ -255,7 +255,6 @@ mod tests {
     use approx::assert_relative_eq;
 
     use super::*;
-    use crate::Screw;
 
     /// An upright axis of 250 kg on a screw of lead 10 mm, drag 0.25 N m, efficiency of 0.75 to 0.85 driven back, by hand: the
     /// load alone makes 3.90194 N m. A worm of efficiency zero holds, and drag makes the rest undecided.
@@ -305,17 +304,12 @@ mod tests {
         assert!((drag_torque(2e3, 10e-3, angle) - 0.5642).abs() < 5e-5);
     }
 
-    /// By hand: the metre of 13.012 kg is a rod of 46 mm with 3.433e-3 kg m². A screw of 28.6 mm core and 32 mm nominal
-    /// diameter is one of 30.164 mm, with 6.38007e-4 kg m² over a metre. A bore takes away its rod.
+    /// By hand: the metre of 13.012 kg is a rod of 46 mm with 3.433e-3 kg m²; one of 30.164 mm has 6.38007e-4 kg m².
     #[test]
     fn a_screw_of_known_mass_is_a_rod() {
-        let mass = |bore| Screw::usual_mass_per_length(32e-3, 28.6e-3, bore);
-        let solid = rod_inertia(1.0, mass(0.0), 0.0);
-        assert_relative_eq!(solid, 6.380_07e-4, max_relative = 1e-6);
-        let away = STEEL * PI / 32.0 * 15e-3_f64.powi(4);
-        let hollow = rod_inertia(1.0, mass(15e-3), 15e-3);
-        assert_relative_eq!(hollow, solid - away, max_relative = 1e-13);
-        let inertia = rod_inertia(1.0, 13.012, 0.0);
+        let mass = STEEL * 0.25 * PI * 30.164e-3_f64.powi(2);
+        assert_relative_eq!(rod_inertia(1.0, mass), 6.380_07e-4, max_relative = 1e-6);
+        let inertia = rod_inertia(1.0, 13.012);
         assert_relative_eq!(inertia, 3.432_7e-3, max_relative = 2e-5);
         let diameter = (4.0 * 13.012 / (PI * STEEL)).sqrt();
         assert_relative_eq!(inertia, 13.012 * diameter.powi(2) / 8.0, max_relative = 1e-14);
@@ -325,7 +319,7 @@ mod tests {
     /// gains 628.3 rad/s²; with a gear of 2 the motor takes half of the torque and twice its own.
     #[test]
     fn inertia_and_torque_of_the_motor() {
-        let screw = rod_inertia(1.0, STEEL * PI * 0.02_f64.powi(2), 0.0);
+        let screw = rod_inertia(1.0, STEEL * PI * 0.02_f64.powi(2));
         assert!((screw - 1.9729e-3).abs() < 5e-8, "{screw}");
         let drive = Drive {
             lead: 20e-3,
@@ -365,7 +359,7 @@ mod tests {
             let weight = STEEL * PI * 0.25 * rod * rod * length;
             let drive = Drive {
                 lead,
-                screw_inertia: rod_inertia(length, weight, 0.0),
+                screw_inertia: rod_inertia(length, weight),
                 mass,
                 gear_ratio: 1.0,
                 gear_efficiency: 1.0,
@@ -373,7 +367,7 @@ mod tests {
                 gear_inertia: 0.0,
             };
             // Five digits.
-            assert_relative_eq!(drive.inertia(), inertia, max_relative = 2e-5);
+            assert_relative_eq!(drive.load_inertia(), inertia, max_relative = 2e-5);
             let steady = force * lead / TAU / 0.9;
             assert_relative_eq!(steady, torques[0], max_relative = 2e-5);
             let turning = speed / ramp * TAU / lead;

@@ -47,7 +47,7 @@ mod thread;
 
 pub use axis::{Axis, Motion, Mount, Phase};
 pub use body::NutBody;
-pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, Size, front, loaded_balls};
+pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, Offered, Size, front, loaded_balls};
 pub use drive::{
     BRAKE_SAFETY, BackDriving, Drive, Falling, MachineTable, drag_torque, least_acceleration_time,
     rod_inertia, root_mean_square,
@@ -59,7 +59,7 @@ pub use make::Make;
 pub use modified::{
     Contamination, Hardness, RatingFactors, life_factor, usual_fatigue_limit, viscosity_ratio,
 };
-pub use nut::{DynamicRating, Nut, StaticRating};
+pub use nut::{DynamicRating, Nut, StaticRating, turn_length};
 pub use preload::{PRELOAD_CLASSES, Preload, PreloadClass, PreloadMethod, least_preload};
 pub use procedure::{ActiveLimit, Holds, Outcome, Why};
 pub use requirement::{

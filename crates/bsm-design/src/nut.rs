@@ -156,7 +156,7 @@ impl Nut {
 }
 
 /// Length of a turn of the ball centres (D16), in the unit of its arguments.
-pub(crate) fn turn_length(pitch_diameter: f64, lead: f64) -> f64 {
+pub fn turn_length(pitch_diameter: f64, lead: f64) -> f64 {
     // L = √((π D_pw)² + P_h²)                                             (D16)
     (PI * pitch_diameter).hypot(lead)
 }

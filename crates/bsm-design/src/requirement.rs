@@ -6,7 +6,7 @@ use bsm_dyn::{Direction, Hertz, Material, Optimum};
 
 use crate::{
     Axis, Life, MachineTable, Make, Motion, Mount, Nut, NutBody, Phase, Preload, PreloadMethod,
-    RatingFactors, Thread,
+    RatingFactors,
 };
 
 /// The cycle of the machine, or a torque.
@@ -346,33 +346,12 @@ pub type EfficiencyOf<'a> = &'a (dyn Fn(&Nut, &Phase) -> Option<f64> + Sync);
 /// Holds a nut against the rules that need the loads of all its balls: the names of those that it breaks.
 pub type AcceptedBy<'a> = &'a (dyn Fn(&Nut) -> Result<(), Vec<&'static str>> + Sync);
 
-impl Requirement {
-    /// The axis of a nut.
-    ///
-    /// * `stroke` \[m\].
-    fn axis(&self, nut: &Nut, thread: &Thread, body: &NutBody, stroke: f64) -> Axis {
-        let screw = nut.screw(thread);
-        let mut axis = Axis {
-            screw,
-            shaft: self.mount.shaft(&screw, body.length, Some(stroke)),
-            phases: self.demand.phases(&self.carriage, nut),
-            dynamic_rating: self.factors.dynamic_rating * nut.dynamic_rating().rating,
-            static_rating: self.factors.static_rating * nut.static_rating().rating,
-            preload: None,
-            compression: 0.0,
-            reliability: self.reliability,
-        };
-        let force = |preload: Preload| preload.force(axis.largest_load(), axis.dynamic_rating);
-        axis.preload = self.preload.map(force);
-        axis
-    }
-}
-
 impl Design {
     /// The steps of a nut (L1) to (L10); without efficiency if it is not asked.
     ///
     /// Source: Lin, Velinsky and Ravani (1994), the procedure for both directions, with the load rating
     /// and the life of ISO 3408-5 besides.
+    #[expect(clippy::too_many_lines, reason = "a step of the procedure after the other")]
     pub fn of(requirement: &Requirement, nut: Nut, efficiency: Option<EfficiencyOf<'_>>) -> Self {
         let Requirement { direction, friction, ranges, .. } = *requirement;
         let (lead, beta) = (nut.lead_angle(), nut.contact_angle);
@@ -383,8 +362,20 @@ impl Design {
             Travel::Screw(length) => (length, length - body.length),
             Travel::Stroke(stroke) => (stroke + body.length, stroke),
         };
-        let axis = requirement.axis(&nut, &thread, &body, stroke);
-        let dynamic = nut.dynamic_rating().rating;
+        let phases = requirement.demand.phases(&requirement.carriage, &nut);
+        let (screw, dynamic) = (nut.screw(&thread), nut.dynamic_rating().rating);
+        let mut axis = Axis {
+            screw,
+            shaft: requirement.mount.shaft(&screw, body.length, Some(stroke)),
+            phases,
+            dynamic_rating: requirement.factors.dynamic_rating * dynamic,
+            static_rating: requirement.factors.static_rating * nut.static_rating().rating,
+            preload: None,
+            compression: 0.0,
+            reliability: requirement.reliability,
+        };
+        let force = |preload: Preload| preload.force(axis.largest_load(), axis.dynamic_rating);
+        axis.preload = requirement.preload.map(force);
         let still = Phase { time: 1.0, load: 0.0, speed: 0.0, acceleration: 0.0, load_factor: 1.0 };
         let phase = axis.heaviest_moving().copied().unwrap_or(still);
         let (largest, speed) = (axis.largest_load(), phase.speed.abs());
@@ -468,11 +459,18 @@ impl Design {
         for (quantity, value, least, most) in requirement.rules(&axis, dynamic) {
             add(11, quantity, value, least, most);
         }
-        // Of a metre.
-        let (mass, inertia) = nut.screw_mass_and_inertia(&thread, requirement.mount.bore.0, 1.0);
-        let inertia = axis.shaft.as_ref().map_or(f64::NAN, |shaft| inertia * shaft.length);
+        let inertia = axis
+            .shaft
+            .as_ref()
+            .map_or(f64::NAN, |shaft| screw.mass_and_inertia(shaft.bore, shaft.length).1);
         add(11, Quantity::Inertia, inertia, None, None);
-        add(11, Quantity::Mass, body.mass(&nut, &thread) + mass * length, None, None);
+        add(
+            11,
+            Quantity::Mass,
+            body.mass(&nut, &thread) + screw.mass_and_inertia(requirement.mount.bore.0, length).0,
+            None,
+            None,
+        );
         Self { nut, phase, checks }
     }
 

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use crate::procedure::first_accepted;
 use crate::{
-    AcceptedBy, ActiveLimit, Check, Design, EfficiencyOf, Holds, Limits, Lists, Outcome, Pitch,
-    Quantity, Requirement, Why,
+    AcceptedBy, ActiveLimit, Check, Design, EfficiencyOf, Fixed, Holds, Limits, Lists, Offered,
+    Outcome, Pitch, Quantity, Requirement, Why,
 };
 
 /// Designs whose efficiency is asked to tell whether a limit holds the choice back.
@@ -23,7 +23,11 @@ impl Requirement {
         efficiency: EfficiencyOf<'_>,
         accepted: AcceptedBy<'_>,
     ) -> Option<Outcome> {
+        let offered = !lists.offered.is_empty();
         let lists = self.lists(lists);
+        if offered && lists.offered.is_empty() {
+            return None;
+        }
         let limits = Limits { material: self.material, ..*limits };
         let places = lists.places(&limits);
         let designs = lists.map(&limits, &places, |_, candidate| {
@@ -118,9 +122,18 @@ impl Requirement {
             Pitch::Lead(lead) => Some(*lead),
             Pitch::Angle(_) => None,
         });
+        let leads: Vec<_> = leads.collect();
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-9;
+        let fits = |size: &&Offered| {
+            let Fixed { ball, turns, .. } = self.fixed;
+            leads.iter().any(|lead| near(*lead, size.lead))
+                && ball.is_none_or(|ball| near(ball, size.ball))
+                && turns.is_none_or(|turns| near(turns, size.turns))
+        };
         Lists {
+            offered: lists.offered.iter().filter(fits).copied().collect(),
             diameters: lists.diameters.clone(),
-            leads: leads.collect(),
+            leads,
             balls: one(self.fixed.ball, &lists.balls),
             turns: one(self.fixed.turns, &lists.turns),
             conformities: one(self.fixed.conformity, &lists.conformities),

@@ -260,9 +260,6 @@ impl BallNut {
     }
 }
 
-/// What interpolation between loads may err by, relative: a tenth of the heat that a warm state leaves over.
-const BETWEEN_LOADS: f64 = 1e-9;
-
 impl BallNut {
     /// Friction of a loaded ball, by itself or with both flanks pressed (U21).
     fn friction_of(
@@ -336,12 +333,13 @@ impl BallNut {
     /// Sum of the friction of all balls (U21), for a search that asks for it often: balls that differ by their load
     /// alone have it from a few loads between them; `None` unless every ball has one.
     ///
-    /// Arguments as those of [`friction`](Self::friction).
+    /// * `between_loads`: what this may err by, relative. Other arguments as those of [`friction`](Self::friction).
     pub fn friction_sum(
         &self,
         found: &Equilibrium,
         friction: Option<f64>,
         drive: &Drive<f64>,
+        between_loads: f64,
         mut solve: impl FnMut(ElasticPoint) -> Solution,
     ) -> Option<FrictionSum> {
         let hertz = self.hertz().ok()?;
@@ -372,7 +370,7 @@ impl BallNut {
             let (roots, narrow) = (low.sqrt() + high.sqrt(), high.sqrt() - low.sqrt());
             // Chebyshev points: the error falls by the ratio of the ellipse through no load with each.
             let most = count(group.len());
-            let points = (BETWEEN_LOADS.ln() / (narrow / roots).ln()).ceil().clamp(1.0, most);
+            let points = (between_loads.ln() / (narrow / roots).ln()).ceil().clamp(1.0, most);
             if points >= most {
                 for number in group {
                     let ball =

@@ -7,9 +7,9 @@ mod rules;
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, BackDriving, DutySpeed, Falling, Grade, Life, Motion, Nut, Phase, RigidityAt, Shaft,
-    drag_torque, heat_transfer, in_series, least_acceleration_time, life, lost_motion,
-    root_mean_square, steady_rise,
+    Axis, BackDriving, DutySpeed, Falling, Grade, Life, Motion, Nut, Phase, PreloadMethod,
+    RigidityAt, Shaft, drag_torque, heat_transfer, in_series, least_acceleration_time, life,
+    lost_motion, root_mean_square, steady_rise,
 };
 use bsm_dyn::ModelWorkspace;
 use serde_json::{Value, json};
@@ -19,12 +19,13 @@ use self::lubrication::Lubrication;
 use super::nut::QUANTITIES as NUT;
 use super::ratings::QUANTITIES as RATINGS;
 use crate::answers::nut::preload_note;
-use crate::case::axis::{Held, Machine, carriage, useful_travel};
+use crate::case::axis::{Held, Machine, carriage, preload_method, useful_travel};
 use crate::case::nut::bad;
 use crate::case::rated_nut;
 use crate::case::rated_screw::LEFT_OUT;
 use crate::case::warm::{ColdNut, Detail, Warm, WarmState};
 use crate::vocabulary::answer::numbers_json;
+use crate::vocabulary::number::short;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{
@@ -274,6 +275,8 @@ pub struct AxisReport {
     pub settings: Settings,
     /// Each phase of the cycle.
     pub phases: Vec<ScrewTorque>,
+    /// What to order, in a line.
+    pub order: String,
     /// The answer.
     pub answer: Answer,
 }
@@ -539,7 +542,9 @@ impl AxisReport {
         let answer = answer
             .with("screw", Content::numbers(screw, "screw"))
             .with("not_modelled", Content::Texts("not modelled", not_modelled));
-        Ok(Self { scene: asked.clone(), settings: *settings, phases, answer })
+        let order = worked.order();
+        let answer = answer.with_shown(Content::Words("order:", Some(order.clone())));
+        Ok(Self { scene: asked.clone(), settings: *settings, phases, order, answer })
     }
 
     /// The sheet of an axis that has no warm steady state.
@@ -555,7 +560,8 @@ impl AxisReport {
             .add_to(answer)
             .with("screw", Content::numbers(Numbers::none(SCREW), "screw"))
             .with("not_modelled", Content::Texts("not modelled", Vec::new()));
-        Self { scene: scene.clone(), settings: *settings, phases: Vec::new(), answer }
+        let (phases, order) = (Vec::new(), String::new());
+        Self { scene: scene.clone(), settings: *settings, phases, order, answer }
     }
 
     /// True if every rule holds.
@@ -593,18 +599,18 @@ pub(crate) fn numbers(
     wanted: impl Fn(&Quantity) -> bool,
 ) -> Result<Numbers, CaseError> {
     let scene = &scene.with_preload()?;
+    let wanted = || QUANTITIES.iter().filter(|quantity| wanted(quantity));
     // At one operating point the torque takes no axis.
     if scene.nut.cycle.is_none()
-        && QUANTITIES
-            .iter()
-            .filter(|quantity| wanted(quantity))
-            .all(|q| q.name == "screw_torque_Nm")
+        && wanted().all(|quantity| quantity.name == "screw_torque_Nm")
         && let Some(torque) = torque_parts(scene, settings)?
     {
         return Ok(torque.numbers);
     }
     let scene = scene.in_warm_state(settings)?;
-    AxisReport::judged(&scene, settings).map(|report| report.answer.into_numbers())
+    let band = wanted().any(|quantity| quantity.name.starts_with("back_driving"));
+    let report = AxisReport::with(&scene, settings, Detail { fold: true, band })?;
+    Ok(report.answer.into_numbers())
 }
 
 /// A row a phase, of which people see these numbers.
@@ -1052,25 +1058,6 @@ impl<'a> Worked<'a> {
         notes
     }
 
-    /// What the sheet of a screw without groove omits, and the band of its torque.
-    fn by_catalogue(&self) -> Vec<String> {
-        if self.machine.groove.is_some() {
-            return Vec::new();
-        }
-        let at = self.heaviest().and_then(|heaviest| {
-            let torque = heaviest.at_screw()?;
-            let drives = heaviest.phase.load * heaviest.phase.speed < 0.0;
-            let friction = contacts::by_catalogue(self.scene).friction(heaviest.ideal, drives);
-            let [high, low] = contacts::usual_frictions(heaviest.ideal, drives)
-                .map(|usual| torque + (usual - friction) * heaviest.phase.speed.signum());
-            Some(format!(
-                "torque by catalogue efficiency, {torque:.3} N m at the largest load that moves; usual efficiencies give {low:.3} to \
-                 {high:.3} N m"
-            ))
-        });
-        at.into_iter().chain([LEFT_OUT.to_owned()]).collect()
-    }
-
     /// What a stroke of a few nut lengths does to the life.
     fn short_stroke(&self) -> Option<String> {
         let stroke = self.scene.stroke_mm? * MM;
@@ -1101,6 +1088,25 @@ impl<'a> Worked<'a> {
         })
     }
 
+    /// What the sheet of a screw without groove omits, and the band of its torque.
+    fn by_catalogue(&self) -> Vec<String> {
+        if self.machine.groove.is_some() {
+            return Vec::new();
+        }
+        let at = self.heaviest().and_then(|heaviest| {
+            let torque = heaviest.at_screw()?;
+            let drives = heaviest.phase.load * heaviest.phase.speed < 0.0;
+            let friction = contacts::by_catalogue(self.scene).friction(heaviest.ideal, drives);
+            let [high, low] = contacts::usual_frictions(heaviest.ideal, drives)
+                .map(|usual| torque + (usual - friction) * heaviest.phase.speed.signum());
+            Some(format!(
+                "torque by catalogue efficiency, {torque:.3} N m at the largest load that moves; usual efficiencies give {low:.3} to \
+                 {high:.3} N m"
+            ))
+        });
+        at.into_iter().chain([LEFT_OUT.to_owned()]).collect()
+    }
+
     /// Uncertainty of the torque where friction comes from a lubricant.
     fn how_sure(&self, settings: &Settings) -> Option<String> {
         let heaviest = self.heaviest()?;
@@ -1116,6 +1122,45 @@ impl<'a> Worked<'a> {
             low * friction,
             high * friction
         ))
+    }
+
+    /// What to order: size, nut, preload, grade, length, torque of the preload, travel, ends.
+    fn order(&self) -> String {
+        let screw = &self.axis().screw;
+        let mm = |metres: f64| short(metres / MM);
+        let mut parts = vec![format!("{:.0} x {}", screw.outer / MM, mm(screw.lead))];
+        if let Some((nut, _)) = &self.machine.groove {
+            let circuits = self.scene.value_or_default(InputKey::circuits_count).unwrap_or(1.0);
+            let of_each = short(nut.turns / circuits);
+            let turns = if circuits > 1.0 { format!("{circuits} x {of_each}") } else { of_each };
+            parts.extend([format!("{turns} turns"), format!("ball {}", mm(nut.ball_diameter))]);
+        }
+        let method = match preload_method(self.scene) {
+            PreloadMethod::DoubleNut => "double nut",
+            PreloadMethod::Offset => "nut with a shifted lead",
+            PreloadMethod::Oversize => "oversize balls",
+        };
+        match &self.preload {
+            Some(preload) => {
+                parts.extend([method.to_owned(), format!("preload {:.0} N", preload.cold)]);
+            }
+            None => parts.push("single nut".to_owned()),
+        }
+        parts.extend(self.scene.nut.accuracy_grade.map(|word| word.grade.name.to_owned()));
+        parts.extend(self.shaft().map(|shaft| format!("thread {:.0}", shaft.length / MM)));
+        if let Some(preload) = &self.preload {
+            let percent = self.torque_percent();
+            let percent = percent.map_or_else(String::new, |percent| format!(" +-{percent:.0} %"));
+            parts.push(format!("T_p0 {:.2} N m{percent}", preload.by_rule));
+        }
+        if let (Some(held), Some(expansion), Some(stroke)) =
+            (self.pretension(), self.expansion(), self.scene.stroke_mm)
+        {
+            let target = -expansion * stroke * held.stretched;
+            parts.push(format!("T = {target:.3}/{stroke:.0}"));
+        }
+        parts.extend(self.shaft().map(|shaft| shaft.support.name().to_owned()));
+        parts.join(", ")
     }
 
     /// Permitted variation of the torque by which the preload is checked \[%\].

@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 
 use bsm_design::{
-    ActiveLimit, Check, Design, Holds, LoadCase, Nut, Outcome, Phase, Pitch, Quantity, Requirement,
-    Support, Why,
+    ActiveLimit, Check, Design, Holds, LoadCase, Nut, Offered, Outcome, Phase, Pitch, Quantity,
+    Requirement, Support, Why,
 };
 use bsm_dyn::{Direction, ModelWorkspace};
 use serde_json::json;
@@ -52,6 +52,8 @@ pub struct DesignReport {
     pub notes: Vec<String>,
     /// Warnings.
     pub warnings: Vec<String>,
+    /// What to order.
+    pub order: Option<String>,
     /// The screw at its operating point.
     pub scene: Scene,
 }
@@ -80,7 +82,19 @@ impl DesignReport {
         let efficiency = |nut: &Nut, phase: &Phase| efficiency(wish, nut, phase);
         let accepted = |nut: &Nut| accepted(wish, nut);
         let outcome = wish.requirement.choose_standard(lists, limits, &efficiency, &accepted)?;
-        Some(Self::from_outcome(wish, outcome))
+        let mut report = Self::from_outcome(wish, outcome);
+        let chosen = |size: &&Offered| {
+            let same =
+                |mm: Option<f64>, own: f64| mm.is_some_and(|mm| (mm * MM - own).abs() < 1e-9);
+            let Scene { lead_mm, ball_diameter_mm, .. } = report.scene;
+            same(lead_mm, size.lead) && same(ball_diameter_mm, size.ball)
+        };
+        let printed: Vec<_> =
+            lists.offered.iter().filter(chosen).map(|size| size.ball_is_printed).collect();
+        if !printed.is_empty() && !printed.contains(&true) {
+            report.notes.push("ball diameter estimated: ask the maker".to_owned());
+        }
+        Some(report)
     }
 
     fn from_outcome(wish: &RequirementFile, outcome: Outcome) -> Self {
@@ -108,6 +122,7 @@ impl DesignReport {
         let of_sheet = |_: &Nut, _: &Phase| efficiency;
         // That of a preloaded nut is by all its balls.
         let design = Design::of(&wish.requirement, design.nut, Some(&of_sheet));
+        let order = sheet.as_ref().map(|sheet| sheet.order.clone());
         let rules = sheet.map_or_else(Vec::new, |sheet| sheet.answer.rules);
         let mut warnings = scene.warnings();
         let best = design.value(Quantity::BestContactAngle) / DEG;
@@ -158,7 +173,8 @@ impl DesignReport {
             reasons.push(format!("model {model} has no solution for any screw within the limits"));
         }
         let notes = wish.notes.clone();
-        Self { rows, found, reasons, notes, warnings, scene }
+        let order = order.filter(|_| found);
+        Self { rows, found, reasons, notes, warnings, order, scene }
     }
 
     /// The answer: whether there is a screw, the steps of it and what limits it.
@@ -192,6 +208,7 @@ impl DesignReport {
             .with("found", Content::Json(self.found.into()))
             .with("steps", Content::Table(steps))
             .with("reasons", Content::Texts(label, self.reasons.clone()))
+            .with_shown(Content::Words("order:", self.order.clone()))
             .with("scene", Content::Json(self.scene.to_json()))
     }
 }

@@ -441,12 +441,15 @@ impl NutProblem {
     }
 
     /// Friction of all balls of a nut like this, warm or strained, with the oil at a temperature \[K\].
+    ///
+    /// * `between_loads`: what it may err by.
     pub(crate) fn friction_sum(
         &self,
         nut: &BallNut,
         found: &Equilibrium,
         drive: &Drive<f64>,
         oil: f64,
+        between_loads: f64,
     ) -> Option<FrictionSum> {
         let mut rubbing = self.friction.as_ref()?.0;
         if let Rubbing::Lubricant(lubricant) = &mut rubbing {
@@ -454,7 +457,7 @@ impl NutProblem {
         }
         let mut work = ModelWorkspace::default();
         let balls = loaded_balls(found);
-        nut.friction_sum(found, rubbing.coefficient(), drive, |screw| {
+        nut.friction_sum(found, rubbing.coefficient(), drive, between_loads, |screw| {
             self.of_ball(&rubbing, balls, screw).solve(&mut work)
         })
     }

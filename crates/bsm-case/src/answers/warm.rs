@@ -249,7 +249,7 @@ pub(crate) fn missing(base: &Scene, given: InputSet) -> Vec<String> {
 
 /// The numbers of the warm state alone; none unless the scene asks for it.
 ///
-/// * `wanted`: the fold is looked for only if it is.
+/// * `wanted`: the fold is looked for only if it is; without it, that the axis runs away is an error.
 pub(crate) fn numbers(
     scene: &Scene,
     settings: &Settings,
@@ -257,6 +257,10 @@ pub(crate) fn numbers(
 ) -> Result<Numbers, CaseError> {
     let fold =
         QUANTITIES.iter().any(|quantity| quantity.name.starts_with("fold_") && wanted(quantity));
-    let warm = Warm::with_band(scene, settings, Detail { fold, band: false })?;
+    let warm = if fold {
+        Warm::with_band(scene, settings, Detail { fold, band: false })
+    } else {
+        Warm::state_of(scene, settings)
+    }?;
     Ok(warm.map_or_else(|| Numbers::none(QUANTITIES), |warm| read(&warm, wanted).where_finite()))
 }

@@ -30,10 +30,10 @@ pub(crate) struct Machine {
     pub(crate) drive: Drive,
     /// Mass \[kg\] and moment of inertia \[kg·m²\] of the screw; `None` without a length.
     pub(crate) screw: Option<(f64, f64)>,
-    /// What was estimated, in words.
-    pub(crate) assumed: Vec<String>,
     /// What two fixed bearings do; `None` of other supports.
     pub(crate) held: Option<Held>,
+    /// What was estimated, in words.
+    pub(crate) assumed: Vec<String>,
 }
 
 /// A screw between two fixed bearings.
@@ -89,22 +89,16 @@ impl Machine {
     pub(crate) fn of(scene: &Scene) -> Result<Self, CaseError> {
         scene.check()?;
         let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
-        let (groove, rated) = if scene.has_ratings_only() {
+        let (groove, RatedScrew { screw: size, body, assumed }) = if scene.has_ratings_only() {
             (None, RatedScrew::of(scene)?)
         } else {
             let nut = rated_nut::nut(scene)?;
             let thread = rated_nut::thread(scene, &nut)?;
             let body = rated_nut::body(scene, &nut, &thread)?;
             rated_nut::compared(scene, &nut)?;
-            let rated = RatedScrew {
-                screw: nut.screw(&thread),
-                body,
-                per_length: nut.screw_mass_and_inertia(&thread, mount(scene).bore.0, 1.0),
-                assumed: Vec::new(),
-            };
-            (Some((nut, thread)), rated)
+            let screw = nut.screw(&thread);
+            (Some((nut, thread)), RatedScrew { screw, body, assumed: Vec::new() })
         };
-        let RatedScrew { screw: size, body, per_length, assumed } = rated;
         let calculated = groove.as_ref().map(|(nut, _)| nut);
         let dynamic = || calculated.map(|nut| nut.dynamic_rating().rating);
         let rated = || calculated.map(|nut| nut.static_rating().rating);
@@ -116,26 +110,22 @@ impl Machine {
         let stroke = scene.stroke_mm.map(|mm| mm * MM);
         let shaft = mount(scene).shaft(&size, body.length, stroke);
         let core = shaft.map_or(size.core, |shaft| shaft.diameter);
-        let ball = calculated.map(|nut| nut.ball_diameter);
-        let ball = ball.or(scene.ball_diameter_mm.map(|mm| mm * MM)).unwrap_or(0.0);
+        let ball = calculated.map_or(0.0, |nut| nut.ball_diameter);
         let most = (LARGEST_BORE * core).min(core - ball);
         if let Some(bore) = scene.screw_bore_mm.filter(|bore| bore * MM > most) {
             let rule = format!(
                 "<= {:.3} mm: {LARGEST_BORE} of the core, and a wall of half a ball",
                 most / MM
             );
-            return Err(CaseError::OutOfRange {
-                key: "screw_bore_mm".to_owned(),
-                value: bore,
-                rule,
-            });
+            let key = "screw_bore_mm".to_owned();
+            return Err(CaseError::OutOfRange { key, value: bore, rule });
         }
         let held = shaft.as_ref().map_or(Ok(None), |shaft| Held::of(scene, shaft))?;
         let carriage = carriage(scene);
         let screw = shaft.as_ref().map(|shaft| {
-            let (mass, own) = per_length;
-            let inertia = scene.screw_inertia_kg_m2_m.unwrap_or(own);
-            (mass * shaft.length, inertia * shaft.length)
+            let (mass, own) = size.mass_and_inertia(shaft.bore, shaft.length);
+            let stated = scene.screw_inertia_kg_m2_m.map(|inertia| inertia * shaft.length);
+            (mass, stated.unwrap_or(own))
         });
         let of_screw = screw.map_or(0.0, |(_, inertia)| inertia);
         let drive = Drive {

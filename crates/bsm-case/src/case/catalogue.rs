@@ -1,10 +1,11 @@
 //! The catalogue of nuts in the vocabulary: its lists, and what may be asked of a number.
 
-use bsm_design::{Candidate, Limits, Lists, front};
+use bsm_design::{Candidate, Limits, Lists, Offered, front};
 use bsm_dyn::Material;
 use serde_json::{Map, Value};
 
 use crate::Rule::{Above, AtLeast, Between, Within};
+use crate::case::maker_sizes::MakerSize;
 use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{DEG, GPA, MM, UM};
 use crate::{CaseError, Known, entries, nearest};
@@ -14,6 +15,9 @@ pub const STANDARD_CATALOGUE: &str = include_str!("catalogue.json");
 
 /// Combinations that a list may make.
 const MOST: usize = 20_000_000;
+
+/// Conformity of nuts whose makers state none.
+const OF_MAKERS: f64 = 0.52;
 
 /// Nuts that are compared at a time.
 const PART: usize = 1 << 16;
@@ -61,6 +65,50 @@ impl Catalogue {
     /// None; the lists are compiled in.
     pub fn standard() -> Result<Self, CaseError> {
         Self::from_json(b"{}")
+    }
+
+    /// Sizes that makers offer, of THK and HIWIN, with the limits and the contact angle of the standard lists.
+    ///
+    /// # Errors
+    ///
+    /// None; the sizes are compiled in.
+    pub fn makers() -> Result<Self, CaseError> {
+        Ok(Self::standard()?.of_sizes(MakerSize::list()))
+    }
+
+    /// Sizes of a table of their own: nominal_diameter_mm, lead_mm, ball_diameter_mm, turns (2.5/3.5), and
+    /// pitch_circle_diameter_mm or core_diameter_mm if they are printed.
+    fn of_sizes(mut self, sizes: &[MakerSize]) -> Self {
+        let offered = |size: &MakerSize| {
+            let MakerSize { nominal, lead, ball, pitch_circle, core, .. } = *size;
+            let [pitch_diameter, core] = [pitch_circle, core].map(|mm| mm.map(|mm| mm * MM));
+            let offered = move |turns: &f64| {
+                Some(Offered {
+                    diameter: nominal * MM,
+                    lead: lead * MM,
+                    ball: ball? * MM,
+                    turns: *turns,
+                    pitch_diameter,
+                    core,
+                    ball_is_printed: size.ball_is_printed,
+                })
+            };
+            size.turns.iter().filter_map(offered).collect::<Vec<_>>()
+        };
+        self.lists.offered = sizes.iter().flat_map(offered).collect();
+        let all = |number: fn(&Offered) -> f64| {
+            let mut all: Vec<_> = self.lists.offered.iter().map(number).collect();
+            all.sort_by(f64::total_cmp);
+            all.dedup();
+            all
+        };
+        self.lists.diameters = all(|size| size.diameter);
+        self.lists.leads = all(|size| size.lead);
+        self.lists.balls = all(|size| size.ball);
+        self.lists.turns = all(|size| size.turns);
+        self.lists.conformities = vec![OF_MAKERS];
+        self.limits.turns = (1.0, f64::INFINITY);
+        self
     }
 
     /// Reads lists and limits; what is not given is standard.
@@ -163,6 +211,7 @@ impl Given {
             turns: self.all("loaded_turns", 1.0),
             conformities: self.all("nut_conformity", 1.0),
             contact_angles: self.all("contact_angle_deg", DEG),
+            offered: Vec::new(),
         };
         if lists.len() > MOST {
             return Err(CaseError::GridTooLarge { limit: MOST });

@@ -109,11 +109,6 @@ pub(crate) fn body(scene: &Scene, nut: &Nut, thread: &Thread) -> Result<NutBody,
             (body.outer / MM, format!("> {:.3} mm, where the groove is", widest / MM));
         return Err(CaseError::OutOfRange { key: "nut_outer_diameter_mm".to_owned(), value, rule });
     }
-    let turn = nut.turn_length() / nut.ball_diameter;
-    if nut.balls_per_turn > turn * (1.0 + 1e-9) {
-        let (value, rule) = (nut.balls_per_turn, format!("<= {turn:.3}, which fill a turn"));
-        return Err(CaseError::OutOfRange { key: "loaded_balls_per_turn".to_owned(), value, rule });
-    }
     Ok(body)
 }
 

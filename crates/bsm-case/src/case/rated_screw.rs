@@ -2,7 +2,6 @@
 
 use bsm_design::{NutBody, Screw, rod_inertia};
 
-use crate::case::axis::mount;
 use crate::case::maker_sizes::MakerSize;
 use crate::case::rated_nut;
 use crate::vocabulary::number::trimmed;
@@ -50,8 +49,6 @@ impl Scene {
 pub(crate) struct RatedScrew {
     pub(crate) screw: Screw,
     pub(crate) body: NutBody,
-    /// Mass \[kg/m\] and moment of inertia \[kg·m²/m\] of a metre of the screw.
-    pub(crate) per_length: (f64, f64),
     /// What was estimated, in words.
     pub(crate) assumed: Vec<String>,
 }
@@ -90,8 +87,7 @@ impl RatedScrew {
         let by = if least.is_some() { "the smallest core in makers' lists" } else { "rule (Z30)" };
         let core = least.map_or_else(by_rule, |mm| mm * MM);
         let core = or(InputKey::shaft_diameter_mm, core, MM, by);
-        let bore = mount(scene).bore.0;
-        let mass = Screw::usual_mass_per_length(nominal, core, bore);
+        let mass = Screw::usual_mass_per_length(nominal, core);
         let mass =
             or(InputKey::screw_mass_kg_m, mass, 1.0, "core and nominal diameter, +-20 % (Z31)");
         let usual = NutBody::of_ratings(nominal, lead, scene.loaded_turns);
@@ -124,9 +120,10 @@ impl RatedScrew {
             pitch_diameter: pitch,
             core,
             outer: scene.screw_outer_diameter_mm.map_or(nominal, |mm| mm * MM),
+            mass_per_length: mass,
+            inertia_per_length: rod_inertia(1.0, mass),
             youngs_modulus: scene.reader().materials().0.youngs_modulus,
         };
-        let per_length = (mass, rod_inertia(1.0, mass, bore));
-        Ok(Self { screw, body: NutBody { outer, length }, per_length, assumed })
+        Ok(Self { screw, body: NutBody { outer, length }, assumed })
     }
 }

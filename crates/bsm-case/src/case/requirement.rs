@@ -57,13 +57,13 @@ pub const REQUIREMENT_WORDS: [(&str, &[&str], &str); 3] = [
     ),
 ];
 
-/// Inputs of the axis that a search does not ask for: it calculates the ratings, and knows the groove.
+/// Inputs of the axis that a search does not ask for: it calculates what a catalogue states.
 const NOT_OF_AXES: [InputKey; 7] = {
     use InputKey as K;
     [
+        K::nominal_diameter_mm,
         K::rated_dynamic_load_N,
         K::rated_static_load_N,
-        K::nominal_diameter_mm,
         K::screw_mass_kg_m,
         K::catalogue_efficiency,
         K::catalogue_back_efficiency,
@@ -230,16 +230,6 @@ impl Given {
         self.words.get(key).and_then(Value::as_str).unwrap_or(first)
     }
 
-    fn objective(&self) -> Objective {
-        match self.word("objective") {
-            "capacity" => Objective::Capacity,
-            "efficiency" => Objective::Efficiency,
-            "inertia" => Objective::Inertia,
-            "power" => Objective::Power,
-            _ => Objective::Mass,
-        }
-    }
-
     /// One of two forms of a demand.
     fn one_of<T>(&self, forms: [Form<T>; 2]) -> Result<T, CaseError> {
         let in_scene = |key| InputKey::named(key).ok().and_then(|key| self.scene[key]);
@@ -309,6 +299,7 @@ impl Given {
         })
     }
 
+    #[expect(clippy::too_many_lines, reason = "a key after the other")]
     fn wish(self, standard: Lists) -> Result<RequirementFile, CaseError> {
         let mut scene = self.scene.clone();
         scene.check()?;
@@ -403,7 +394,13 @@ impl Given {
             least_efficiency: self.number("least_efficiency"),
             largest_power: self.number("largest_input_power_W"),
             ranges,
-            objective: self.objective(),
+            objective: match self.word("objective") {
+                "capacity" => Objective::Capacity,
+                "efficiency" => Objective::Efficiency,
+                "inertia" => Objective::Inertia,
+                "power" => Objective::Power,
+                _ => Objective::Mass,
+            },
             fixed: Fixed {
                 pitch_diameter: scene.pitch_circle_diameter_mm.map(|mm| mm * MM),
                 ball: scene.ball_diameter_mm.map(|mm| mm * MM),

@@ -294,7 +294,7 @@ inputs! {
         radial_gap_um ["um"] Any, Some(0.0),
             "radial gap between grooves and balls of a nut at rest";
         ball_gap_mm ["mm"] Above(0.0), None,
-            "gaps between the balls of the loaded part of a circuit, all together, along the helix; with it the forces of balls that touch are calculated";
+            "gaps between the balls of the loaded part of a circuit, all together, along the helix; with it the forces of balls that touch are calculated. A circuit of circuits may have its own";
         spacer_thickness_mm ["mm"] AtLeast(0.0), Some(0.0),
             "distance of two load balls that touch the same spacer; of spacer balls their diameter, with ball_contact_friction 0";
         return_push_N ["N"] AtLeast(0.0), None,

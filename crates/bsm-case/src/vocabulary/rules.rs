@@ -2,11 +2,12 @@
 //!
 //! What one value must satisfy is its [`Rule`](crate::Rule).
 
+use bsm_design::turn_length;
 use bsm_dyn::Model;
 use bsm_kin::Field;
 use bsm_simd::Compare;
 
-use super::input_set::lead_angle;
+use super::input_set::{lead_angle, lead_mm};
 use crate::vocabulary::units::{DEG, RPM};
 use crate::{CaseError, InputKey, InputSet, Scene};
 
@@ -35,6 +36,8 @@ impl Inputs for Scene {
 pub enum Relation {
     /// The balls fit on the pitch circle.
     BallsFit,
+    /// The balls of a turn fit in it.
+    TurnHolds,
     /// Lead and lead angle mean the same helix.
     LeadsAgree,
     /// Screw and nut do not turn together.
@@ -43,32 +46,54 @@ pub enum Relation {
     OilThins,
 }
 
+/// Rounding of balls that fill a turn.
+const ROUNDED: f64 = 1e-9;
+
 /// Permitted relative difference of lead and lead angle.
 const LEADS_AGREE: f64 = 1e-9;
 
 impl Relation {
     /// All of them.
-    pub const ALL: [Self; 4] =
-        [Self::BallsFit, Self::LeadsAgree, Self::SpeedsDiffer, Self::OilThins];
+    pub const ALL: [Self; 5] =
+        [Self::BallsFit, Self::TurnHolds, Self::LeadsAgree, Self::SpeedsDiffer, Self::OilThins];
 
     /// The inputs that it is about.
     pub fn inputs(self) -> InputSet {
         use InputKey as K;
         InputSet::of(match self {
             Self::BallsFit => &[K::ball_diameter_mm, K::pitch_circle_diameter_mm],
+            Self::TurnHolds => &[
+                K::ball_diameter_mm,
+                K::pitch_circle_diameter_mm,
+                K::loaded_balls_per_turn,
+                K::lead_mm,
+                K::lead_angle_deg,
+            ],
             Self::LeadsAgree => &[K::lead_angle_deg, K::lead_mm, K::pitch_circle_diameter_mm],
             Self::SpeedsDiffer => &[K::screw_speed_rpm, K::nut_speed_rpm],
             Self::OilThins => &[K::viscosity_40C_mm2_s, K::viscosity_100C_mm2_s],
         })
     }
 
-    /// Where it holds, if all its inputs are there.
+    /// Where it holds, if its inputs are there.
     #[inline(always)]
     pub fn holds<I: Inputs>(self, inputs: &I) -> Option<Mask<I>> {
         Some(match self {
             Self::BallsFit => {
                 let ball = inputs.value(InputKey::ball_diameter_mm)?;
                 ball.lt(inputs.value(InputKey::pitch_circle_diameter_mm)? * 0.5)
+            }
+            Self::TurnHolds => {
+                let balls = inputs.value(InputKey::loaded_balls_per_turn)?;
+                let length = balls * inputs.value(InputKey::ball_diameter_mm)?;
+                let pitch = inputs.value(InputKey::pitch_circle_diameter_mm)?;
+                let by_angle = || {
+                    let angle = inputs.value(InputKey::lead_angle_deg)?;
+                    Some(angle.zip(pitch, |angle, pitch| lead_mm(angle * DEG, pitch)))
+                };
+                let lead = inputs.value(InputKey::lead_mm).or_else(by_angle)?;
+                let turn = lead.zip(pitch, |lead, pitch| turn_length(pitch, lead));
+                length.le(turn * (1.0 + ROUNDED))
             }
             Self::LeadsAgree => {
                 let angle = inputs.value(InputKey::lead_angle_deg)?;
@@ -97,6 +122,15 @@ impl Relation {
                 ball_diameter_mm: value(InputKey::ball_diameter_mm),
                 pitch_radius_mm: 0.5 * pitch,
             },
+            Self::TurnHolds => {
+                let lead = scene.lead().unwrap_or(f64::NAN);
+                let most = turn_length(pitch, lead) / value(InputKey::ball_diameter_mm);
+                CaseError::OutOfRange {
+                    key: InputKey::loaded_balls_per_turn.name().to_owned(),
+                    value: value(InputKey::loaded_balls_per_turn),
+                    rule: format!("<= {most:.3}, which fill a turn"),
+                }
+            }
             Self::LeadsAgree => {
                 let lead_mm = value(InputKey::lead_mm);
                 CaseError::LeadConflict {

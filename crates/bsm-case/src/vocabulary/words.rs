@@ -62,7 +62,7 @@ macro_rules! words {
 const OBJECTS: [(&str, &str); 3] = [
     (
         "circuit",
-        "start_deg number, arc_deg positive, balls count, start? count, body? count, flank? +|-|both?, offset_um? number",
+        "start_deg number, arc_deg positive, balls count, start? count, body? count, flank? +|-|both?, offset_um? number, ball_gap_mm? positive?",
     ),
     (
         "lead error",
@@ -205,6 +205,9 @@ pub struct CircuitWords {
     /// Axial offset of its groove in the nut.
     #[serde(default)]
     pub offset_um: f64,
+    /// All gaps between its balls together; those of the nut unless given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ball_gap_mm: Option<f64>,
 }
 
 /// Flanks of a circuit.
@@ -379,30 +382,6 @@ impl From<ContaminationWord> for Contamination {
     }
 }
 
-/// Where the rigidity of a catalogue is meant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum RigidityWord {
-    /// At 0.3 of the dynamic load rating.
-    #[serde(rename = "0.3 Ca")]
-    Thk,
-    /// At 0.28 of it.
-    #[serde(rename = "0.28 Ca")]
-    Hiwin,
-    /// Of a nut preloaded by 0.1 of it.
-    #[serde(rename = "preload 0.1 Ca")]
-    Preloaded,
-}
-
-impl From<RigidityWord> for RigidityAt {
-    fn from(word: RigidityWord) -> Self {
-        match word {
-            RigidityWord::Thk => Self::Load(0.3),
-            RigidityWord::Hiwin => Self::Load(0.28),
-            RigidityWord::Preloaded => Self::Preload(0.1),
-        }
-    }
-}
-
 /// How a screw is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -424,6 +403,30 @@ impl From<MakeWord> for Make {
             MakeWord::Ground => Self::Ground,
             MakeWord::Caged => Self::Caged,
             MakeWord::HighSpeed => Self::HighSpeed,
+        }
+    }
+}
+
+/// Where the rigidity of a catalogue is meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RigidityWord {
+    /// At 0.3 of the dynamic load rating.
+    #[serde(rename = "0.3 Ca")]
+    Thk,
+    /// At 0.28 of it.
+    #[serde(rename = "0.28 Ca")]
+    Hiwin,
+    /// Of a nut preloaded by 0.1 of it.
+    #[serde(rename = "preload 0.1 Ca")]
+    Preloaded,
+}
+
+impl From<RigidityWord> for RigidityAt {
+    fn from(word: RigidityWord) -> Self {
+        match word {
+            RigidityWord::Thk => Self::Load(0.3),
+            RigidityWord::Hiwin => Self::Load(0.28),
+            RigidityWord::Preloaded => Self::Preload(0.1),
         }
     }
 }
@@ -532,7 +535,7 @@ mod tests {
     fn words_have_the_keys_of_their_schema() {
         let all = json!({
             "circuits": [{ "start_deg": 0.0, "arc_deg": 1.0, "balls": 1, "start": 0, "body": 0,
-                           "flank": "both", "offset_um": 0.0 }],
+                           "flank": "both", "offset_um": 0.0, "ball_gap_mm": 1.0 }],
             "ring_expansion": true,
             "nut_guidance": "free",
             "nut_anchor": "low",

@@ -185,3 +185,27 @@ fn preload_costs_life() {
     nut.preload_N = Some(100.0);
     assert!((numbers(&nut)("rating_life_h") / single - 1.0).abs() < 1e-12);
 }
+
+/// Balls of 0.8 mm on a screw of 40 mm were standard sizes, and the commonest sizes of all makers were none, as their balls have
+/// more than half of the lead.
+#[test]
+fn sizes_are_those_that_makers_have() {
+    let makers = Catalogue::makers().expect("compiled in");
+    // 208 rows of THK and HIWIN, each with its numbers of turns.
+    assert_eq!(makers.lists.offered.len(), 463);
+    for catalogue in [makers, Catalogue::standard().expect("compiled in")] {
+        let all = all(&catalogue);
+        let outside = all.iter().filter(|nut| {
+            let share = nut.size.ball / nut.size.diameter;
+            !(0.06 - 1e-9..=0.27 + 1e-9).contains(&share)
+        });
+        assert_eq!(outside.count(), 0);
+        for (diameter, lead) in [(16.0, 5.0), (25.0, 5.0), (32.0, 10.0), (40.0, 10.0)] {
+            let is_it = |nut: &&Candidate| {
+                let near = |a: f64, b: f64| (1e3 * a - b).abs() < 1e-9;
+                near(nut.size.diameter, diameter) && near(nut.size.lead, lead)
+            };
+            assert!(all.iter().any(|nut| is_it(&nut)), "{diameter} x {lead}");
+        }
+    }
+}

@@ -162,3 +162,75 @@ fn a_preload_is_chosen() {
     let speed = report.rows.iter().find(|row| row.name == "motor_speed_rpm").expect("a row");
     assert!(speed.value.is_some_and(|rpm| rpm <= 1000.0) && speed.requirement.is_some());
 }
+
+/// The sheet of a scene and no example below it.
+fn sheet(json: &str) -> AxisReport {
+    let scene = Scene::from_json(json.as_bytes()).expect("a scene");
+    AxisReport::of(&scene, &Settings::default()).expect("an axis")
+}
+
+/// Feed axis of a machining centre on a THK BNFN4010-5 of which only the ratings are known, calculated independently: preload and
+/// its torque, torques, heat, temperature and what it leaves of a pretension of 3 K. Five digits.
+#[test]
+fn a_machining_centre_by_its_catalogue() {
+    let report = sheet(
+        r#"{"nominal_diameter_mm": 40, "lead_mm": 10, "pitch_circle_diameter_mm": 41.75, "shaft_diameter_mm": 34.4,
+        "rated_dynamic_load_N": 52700, "rated_static_load_N": 141100, "screw_mass_kg_m": 8.22, "nut_length_mm": 193,
+        "nut_outer_diameter_mm": 82, "youngs_modulus_GPa": 206, "support": "fixed-fixed", "unsupported_length_mm": 1450,
+        "stroke_mm": 1000, "accuracy_grade": "C3", "seal_torque_Nm": 0.3, "pretension_K": 3, "preload_N": "auto",
+        "support_bearing_stiffness_N_um": 1e12, "cycle": [
+        {"share": 0.2, "force_N": 7000, "screw_speed_rpm": 100}, {"share": 0.4, "force_N": 3000, "screw_speed_rpm": 300},
+        {"share": 0.2, "force_N": 500, "screw_speed_rpm": 2000}, {"share": 0.2, "force_N": -500, "screw_speed_rpm": -2000}]}"#,
+    );
+    for (name, value) in [
+        ("preload_torque_measured_Nm", 0.720_499),
+        ("preload_torque_measured_low_Nm", 0.504_349),
+        ("preload_torque_measured_high_Nm", 0.936_649),
+        ("equivalent_speed_rpm", 940.0),
+        ("critical_speed_rpm", 4476.7),
+        ("buckling_load_N", 265_885.0),
+        ("pretension_N", 6605.3),
+        ("stretch_um", 50.025),
+        ("travel_compensation_um", -34.5),
+        ("screw_stiffness_N_um", 528.16),
+        ("mean_heat_W", 117.12),
+        ("axis_heat_transfer_W_K", 6.5173),
+        ("steady_temperature_rise_K", 17.97),
+        ("inertia_of_screw_kg_m2", 1.986_38e-3),
+    ] {
+        near(number(&report, name), value, 5e-5, name);
+    }
+    for (phase, torque) in report.phases.iter().zip([13.399, 6.3257, 1.9047, 1.9047]) {
+        let found = phase.number("screw_torque_Nm").expect("a torque").abs();
+        near(found, torque, 5e-5, "torque");
+    }
+    let slack = rule(&report, "pretension left");
+    assert!(slack.remedy.as_ref().is_some_and(|help| help.contains("slack from 3.0 K on")));
+    assert!(report.order.contains("preload 2500 N, C3"), "{}", report.order);
+    assert!(report.order.contains("T_p0 0.72 N m +-30 %, T = -0.035/1000"), "{}", report.order);
+}
+
+/// An upright axis on a rolled screw of which only the ratings are known, calculated independently to five digits.
+#[test]
+fn an_upright_axis_by_its_catalogue() {
+    let report = sheet(
+        r#"{"nominal_diameter_mm": 32, "lead_mm": 10, "pitch_circle_diameter_mm": 33, "shaft_diameter_mm": 28.6,
+        "rated_dynamic_load_N": 31500, "rated_static_load_N": 80100, "unsupported_length_mm": 1000, "stroke_mm": 500,
+        "moved_mass_kg": 250, "inclination_deg": 90, "seal_torque_Nm": 0.25, "motor_inertia_kg_m2": 8e-4,
+        "axial_load_N": 1e-9, "feed_m_min": 15, "brake_torque_Nm": 9}"#,
+    );
+    for (name, value) in [
+        ("holding_torque_frictionless_Nm", 3.901_94),
+        ("required_brake_torque_Nm", 5.852_91),
+        ("back_driving_torque_low_Nm", 2.426_46),
+        ("back_driving_torque_Nm", 3.121_55 - 0.25),
+        ("back_driving_torque_high_Nm", 3.066_65),
+        ("inertia_of_screw_kg_m2", 6.380_07e-4),
+        ("fall_acceleration_m_s2", 2.206_49),
+        ("fall_speed_rpm", 8913.0),
+        ("stopping_distance_mm", 36.66),
+    ] {
+        near(number(&report, name), value, 2e-4, name);
+    }
+    assert!(report.answer.notes.iter().any(|note| note.contains("a brake is needed")));
+}

@@ -32,7 +32,7 @@ fn scene(id: &str, change: impl Fn(&mut Value)) -> (Scene, Value) {
 /// To the tolerances of the cases, of rises over the ambient temperature, preload, heat and growth; of the gain 1e-4.
 #[test]
 fn reference_cases_from_scenes() {
-    for id in ["WS-P1", "WS-P2", "WS-P4", "WS-P5"] {
+    for id in ["WS-P1", "WS-P2", "WS-P3", "WS-P4", "WS-P5", "WS-P6"] {
         let (scene, case) = scene(id, |scene| scene["fold_search_factor"] = json!(1.01));
         let report =
             AxisReport::of(&scene, &settings()).unwrap_or_else(|why| panic!("{id}: {why}"));
@@ -56,6 +56,20 @@ fn reference_cases_from_scenes() {
                 if name == "loop_gain" { 1e-4 } else { tolerance * (expected - from).abs() };
             assert!((found - expected).abs() <= allowed, "{id} {name}: {found}, not {expected}");
         }
+    }
+}
+
+/// To the 1e-5 of the reference.
+#[test]
+fn folds_of_reference_cases_from_scenes() {
+    for id in ["WS-P3", "WS-P6"] {
+        let (scene, case) = scene(id, |scene| scene["fold_search_factor"] = json!(2.5));
+        let numbers = AnalysisKind::Warm
+            .numbers(&scene, &settings(), None, |output| output.name == "fold_speed_factor")
+            .expect("a state");
+        let found = numbers.number("fold_speed_factor").expect("a fold");
+        let expected = case["expect"]["fold_speed_factor"].as_f64().expect("a fold");
+        assert!((found / expected - 1.0).abs() < 1e-5, "{id}: {found}, not {expected}");
     }
 }
 

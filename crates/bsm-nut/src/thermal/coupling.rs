@@ -7,9 +7,13 @@ use bsm_kin::Drive;
 use super::{Guess, NODES, Network, ScrewBar, Sinks, Surfaces};
 use crate::{BallNut, Equilibrium, FrictionSum, NutError, Preload, Support};
 
-/// Friction of all balls of a nut under its load at some speeds, with the oil at a temperature \[K\].
+/// Friction of all balls of a nut under its load at some speeds, with the oil at a temperature \[K\]; and what it may err by
+/// between the loads of balls, relative.
 pub type FrictionOf<'a> =
-    dyn Fn(&BallNut, &Equilibrium, &Drive<f64>, f64) -> Option<FrictionSum> + 'a;
+    dyn Fn(&BallNut, &Equilibrium, &Drive<f64>, f64, f64) -> Option<FrictionSum> + 'a;
+
+/// What friction may err by between the loads of balls: a tenth of the heat that a state leaves over.
+pub const BETWEEN_LOADS: f64 = 1e-9;
 
 /// A part of a cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -130,6 +134,17 @@ impl WarmNut<'_> {
         factor: f64,
         all: bool,
     ) -> Result<Heated, Option<NutError>> {
+        self.heated_to(rises, factor, all, BETWEEN_LOADS)
+    }
+
+    /// The same to an accuracy of the friction between loads.
+    pub(super) fn heated_to(
+        &self,
+        rises: &[f64; NODES],
+        factor: f64,
+        all: bool,
+        between_loads: f64,
+    ) -> Result<Heated, Option<NutError>> {
         let tension = self.screw.hold.map_or(0.0, |_| self.network(factor).tension(rises));
         let (nut, oil) = (self.warmed(rises, tension), self.oil(rises));
         let unloaded = self.preload.map(|_| nut.solve(&Support::guided(0.0))).transpose()?;
@@ -164,7 +179,7 @@ impl WarmNut<'_> {
                 phases.push(Some(InPhase { found, friction: None, drag: 0.0 }));
                 continue;
             }
-            let friction = (self.friction)(&nut, &found, &drive, oil).ok_or(None)?;
+            let friction = (self.friction)(&nut, &found, &drive, oil, between_loads).ok_or(None)?;
             let FrictionSum { torque, contacts: [at_nut, at_screw], returns, .. } = friction;
             // T_x = K_x F_w h                                             (I15)
             let drag = self.drag * preload;

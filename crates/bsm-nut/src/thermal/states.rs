@@ -13,6 +13,7 @@ use bsm_newton::{
 
 use nalgebra::{Matrix3, Schur};
 
+use super::coupling::BETWEEN_LOADS;
 use super::{Heated, NODES, WarmNut};
 use crate::NutError;
 
@@ -23,6 +24,9 @@ const HOTTEST: f64 = ZERO_CELSIUS + 180.0;
 /// error of the slope, its square, and the rounding of the loads, 1e-12 over it, are both below 1e-8.
 const DIFFERENCE: f64 = 2e-3;
 const SPEED_DIFFERENCE: f64 = 1e-4;
+
+/// What friction may err by between the loads of balls where Newton's method takes its slopes.
+const OF_STEPS: f64 = 1e-3;
 
 /// Longest Newton step \[K\].
 const LONGEST_STEP: f64 = 8.0;
@@ -146,6 +150,8 @@ struct Balance<'a> {
     last: RefCell<Option<([f64; NODES + 1], Slopes)>>,
     /// False where the nut has lost the preload that it has been given.
     has_preload: Cell<bool>,
+    /// The last rises and speed factor of the balance, and what the nut does there.
+    known: RefCell<Option<([f64; NODES], f64, Heated)>>,
 }
 
 /// Slopes of the heat of nut, screw and balls by the temperatures of all nodes.
@@ -156,23 +162,46 @@ struct AtSpeed<'a>(&'a Balance<'a>, f64);
 
 impl<'a> Balance<'a> {
     fn of(nut: &'a WarmNut<'a>) -> Self {
-        Self { nut, weight: 1.0, last: RefCell::new(None), has_preload: Cell::new(true) }
+        let (last, has_preload, known) = (RefCell::new(None), Cell::new(true), RefCell::new(None));
+        Self { nut, weight: 1.0, last, has_preload, known }
     }
 
-    fn heat(&self, rises: &[f64; NODES], factor: f64) -> Result<[f64; NODES], EvalError> {
-        let heated = self.nut.heated(rises, factor, false).map_err(|_| EvalError {
+    /// What the nut does at some rises.
+    ///
+    /// * `between_loads`: what friction may err by.
+    fn heated(
+        &self,
+        rises: &[f64; NODES],
+        factor: f64,
+        between_loads: f64,
+    ) -> Result<Heated, EvalError> {
+        let heated = self.nut.heated_to(rises, factor, false, between_loads);
+        let heated = heated.map_err(|_| EvalError {
             quantity: "rise of the balls [K]",
             value: rises[2],
             requirement: "such that the nut carries its load and every ball has friction",
         })?;
         self.has_preload.set(self.nut.preload.is_none() || heated.preload > 0.0);
-        Ok(heated.heat)
+        Ok(heated)
+    }
+
+    /// The same where it is known.
+    fn known(&self, rises: &[f64; NODES], factor: f64) -> Option<Heated> {
+        let known = self.known.borrow();
+        let (at, of, heated) = known.as_ref()?;
+        let is_same = at.map(f64::to_bits) == rises.map(f64::to_bits);
+        (is_same && of.to_bits() == factor.to_bits()).then(|| heated.clone())
     }
 
     /// `$M T - r - P(T)$` (I8).
     fn left(&self, rises: &[f64; NODES], factor: f64) -> Result<[f64; NODES], EvalError> {
         let (matrix, received) = self.nut.network(factor).balance();
-        let heat = self.heat(rises, factor)?;
+        let heated = match self.known(rises, factor) {
+            Some(known) => known,
+            None => self.heated(rises, factor, BETWEEN_LOADS)?,
+        };
+        let heat = heated.heat;
+        *self.known.borrow_mut() = Some((*rises, factor, heated));
         Ok(from_fn(|i| {
             let leaves: f64 = matrix[i].iter().zip(rises).map(|(m, t)| m * t).sum();
             leaves - received[i] - heat[i]
@@ -181,6 +210,25 @@ impl<'a> Balance<'a> {
 
     /// `$P'$` by central differences.
     fn slopes(&self, rises: &[f64; NODES], factor: f64) -> Result<Slopes, EvalError> {
+        self.slopes_over(rises, factor, [DIFFERENCE, -DIFFERENCE], BETWEEN_LOADS)
+    }
+
+    /// The same over two differences of a temperature.
+    ///
+    /// * `between_loads`: what friction may err by.
+    fn slopes_over(
+        &self,
+        rises: &[f64; NODES],
+        factor: f64,
+        differences: [f64; 2],
+        between_loads: f64,
+    ) -> Result<Slopes, EvalError> {
+        let heat = |rises: &[f64; NODES]| {
+            self.heated(rises, factor, between_loads).map(|heated| heated.heat)
+        };
+        let [up, down] = differences;
+        // On one side the heat at the temperatures themselves is that of all.
+        let here = if down == 0.0 { Some(heat(rises)?) } else { None };
         let mut slopes = [[0.0; NODES]; RUBBED];
         // The ends act on the nut by the tension alone.
         let felt = if self.nut.screw.hold.is_some() { NODES } else { RUBBED };
@@ -188,11 +236,11 @@ impl<'a> Balance<'a> {
             let at = |by: f64| {
                 let mut moved = *rises;
                 moved[k] += by;
-                self.heat(&moved, factor)
+                heat(&moved)
             };
-            let (up, down) = (at(DIFFERENCE)?, at(-DIFFERENCE)?);
+            let ends = [at(up)?, here.map_or_else(|| at(down), Ok)?];
             for (i, row) in slopes.iter_mut().enumerate() {
-                row[k] = (up[i] - down[i]) / (2.0 * DIFFERENCE);
+                row[k] = (ends[0][i] - ends[1][i]) / (up - down);
             }
         }
         Ok(slopes)
@@ -242,7 +290,12 @@ impl<'a> Balance<'a> {
     fn told(&self, rises: [f64; NODES], factor: f64) -> Result<Steady, NoSteadyState> {
         let slopes = self.slopes(&rises, factor).map_err(|_| NoSteadyState::NotFound)?;
         let gain = largest_real_part(&self.loop_matrix(&slopes, factor));
-        Ok(Steady { rises, heated: self.nut.heated(&rises, factor, true)?, gain })
+        let known = self.known(&rises, factor);
+        let heated = match known.filter(|known| known.phases.iter().all(Option::is_some)) {
+            Some(known) => known,
+            None => self.nut.heated(&rises, factor, true)?,
+        };
+        Ok(Steady { rises, heated, gain })
     }
 
     fn is_too_hot(&self, rises: &[f64]) -> bool {
@@ -296,8 +349,11 @@ impl Equations<NODES> for AtSpeed<'_> {
         rises: &[f64; NODES],
         rows: &mut [[f64; NODES]; NODES],
     ) -> Result<[f64; NODES], EvalError> {
-        *rows = self.0.rows(&self.0.slopes(rises, self.1)?, self.1);
-        self.residual(rises)
+        let left = self.residual(rises)?;
+        // On one side, and between few loads: Newton's method does with slopes to a thousandth.
+        let slopes = self.0.slopes_over(rises, self.1, [DIFFERENCE, 0.0], OF_STEPS)?;
+        *rows = self.0.rows(&slopes, self.1);
+        Ok(left)
     }
 
     fn retract(&self, x: &[f64; NODES], dx: &[f64; NODES], lambda: f64) -> [f64; NODES] {
@@ -451,7 +507,9 @@ impl WarmNut<'_> {
         linear.factorize().map_err(|_| NoSteadyState::NotFound)?;
         rest[RUBBED] += self.motor;
         linear.solve(&mut rest);
-        let heat: f64 = self.heated(&rest, 1.0, false)?.heat.iter().sum();
+        let heated = self.heated(&rest, 1.0, false)?;
+        let heat: f64 = heated.heat.iter().sum();
+        balance.known = RefCell::new(Some((rest, 1.0, heated)));
         if heat > 0.0 {
             balance.weight = heat.recip();
         }

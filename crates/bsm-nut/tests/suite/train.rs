@@ -7,6 +7,7 @@ use bsm_dyn::{
     ZERO_CELSIUS,
 };
 use bsm_kin::Drive;
+use bsm_newton::Bracket;
 use bsm_nut::{
     Advance, BallNut, Circuit, Equilibrium, Exit, ExitPush, Flanks, FreeMotion, Freedom,
     NutFriction, Rolling, Support, Train, TrainError, TrainInputs,
@@ -523,4 +524,147 @@ fn random_trains_have_an_answer_or_a_reason() {
     );
     assert!(solved > points / 2 && touching > points / 10, "{solved} {touching}");
     assert!(lost.len() <= points / 50, "{lost:?}");
+}
+
+/// Balls in time on a closed track: places along it, and what holds the balls to their places, without friction of the balls
+/// on each other. No two come nearer than a touch angle.
+struct Track<'a> {
+    /// Angles of the track and of two balls that touch \[rad\].
+    length: f64,
+    touch: f64,
+    /// Rates of a ball in the middle of equal parts of the track, in the direction of travel, at pushes from behind with 0 in
+    /// their middle.
+    rates: &'a [Vec<f64>],
+    pushes: &'a [f64],
+    places: Vec<f64>,
+}
+
+impl Track<'_> {
+    /// Rates of a ball at a place at the pushes, on lines between the parts.
+    fn law(&self, place: f64) -> impl Fn(usize) -> f64 {
+        let parts = self.rates.len();
+        let along = place.rem_euclid(self.length) / self.length * count(parts) - 0.5;
+        let part = (1..parts - 1).take_while(|part| count(*part) <= along).count();
+        move |push| {
+            let [here, next] = [part, part + 1].map(|part| self.rates[part][push]);
+            here + (along - count(part)) * (next - here)
+        }
+    }
+
+    /// Push that a ball at a place takes from behind at a rate.
+    fn push(&self, place: f64, rate: f64) -> f64 {
+        let (law, numbers) = (self.law(place), (1..self.pushes.len() - 1).collect::<Vec<_>>());
+        let k = numbers.partition_point(|k| law(*k) <= rate);
+        let step = self.pushes[k + 1] - self.pushes[k];
+        self.pushes[k] + step * (rate - law(k)) / (law(k + 1) - law(k))
+    }
+
+    /// Room from a ball to the next.
+    fn gap(&self, ball: usize) -> f64 {
+        let ahead = (ball + 1) % self.places.len();
+        let turn = if ahead == 0 { self.length } else { 0.0 };
+        self.places[ahead] + turn - self.places[ball] - self.touch
+    }
+
+    /// Rates of least friction among those at which no touching balls come nearer: balls that push each other go at one, at
+    /// which their pushes cancel.
+    fn rates(&self) -> Vec<f64> {
+        let balls = self.places.len();
+        let touches: Vec<_> = (0..balls).map(|ball| self.gap(ball) <= 1e-12).collect();
+        let first = touches.iter().position(|touches| !touches).expect("room") + 1;
+        // Rate and balls of each pool.
+        let mut pools = Vec::<(f64, usize)>::new();
+        let mut begins = 0;
+        for number in first..first + balls {
+            let mut pool = (self.law(self.places[number % balls])(self.pushes.len() / 2), 1);
+            // A faster pool behind that touches pushes this one.
+            while pools.len() > begins && pools[pools.len() - 1].0 > pool.0 {
+                let behind = pools.pop().expect("a pool");
+                let all = behind.1 + pool.1;
+                let missing = |rate: f64| -> f64 {
+                    let places = (0..all).map(|back| self.places[(number - back) % balls]);
+                    places.map(|place| self.push(place, rate)).sum()
+                };
+                let ends = [pool.0, behind.0];
+                let bracket = Bracket { x_tol: 1e-9, ..Bracket::new(ends, ends.map(missing)) };
+                pool = (bracket.root(missing).root().expect("a rate").x, all);
+            }
+            pools.push(pool);
+            if !touches[number % balls] {
+                begins = pools.len();
+            }
+        }
+        let mut rates: Vec<_> =
+            pools.iter().flat_map(|(rate, balls)| std::iter::repeat_n(*rate, *balls)).collect();
+        rates.rotate_right(first % balls);
+        rates
+    }
+
+    /// Moves the balls on until two touch, at most by a part of a touch angle; returns the time.
+    fn step(&mut self, part: f64) -> f64 {
+        let (rates, balls) = (self.rates(), self.places.len());
+        let mut time = part * self.touch / rates[0];
+        for ball in 0..balls {
+            let closing = rates[ball] - rates[(ball + 1) % balls];
+            if closing > 0.0 && self.gap(ball) > 1e-12 {
+                time = time.min(self.gap(ball) / closing);
+            }
+        }
+        for (place, rate) in self.places.iter_mut().zip(rates) {
+            *place += rate * time;
+        }
+        time
+    }
+}
+
+/// The flux of a queue is that of balls which are followed in time, each with the law of its place.
+#[test]
+fn a_simulation_in_time_has_the_flux_of_the_queue() {
+    let mut case = case("T02");
+    case.nut.circuits[0].arc *= 38.0 / 98.0;
+    case.nut.circuits[0].balls = 38;
+    case.support.0[0] = Freedom::Loaded(6340.0 * 38.0 / 98.0);
+    case.support.0[4] = Freedom::Loaded(6.0);
+    case.inputs.contact_friction = 0.0;
+    case.inputs.gaps = vec![0.1e-3];
+    let (train, found) = (solved(&case), case.found());
+    let (motions, mut work) = (case.alone(&found).motions, ModelWorkspace::default());
+    // The law of a ball bends over some tenths of a newton.
+    let pushes: Vec<_> = (0..41).map(|k| 0.05 * (f64::from(k) - 20.0)).collect();
+    let law = |number: usize| -> Vec<f64> {
+        let at = case.nut.ball_alone(&found, number, 0.06, &case.drive).expect("one flank");
+        let Problem::Traction(ball) = case.model(at) else { panic!("dry") };
+        let free = motions[number].and_then(|motion| motion.ball).expect("a state");
+        let ball = ball.in_train(&free, 0.0, &mut work).expect("a ball");
+        let rate = |push: &f64| {
+            let pushed = ball.pushed(ball.free(), [0.0, *push], &mut work);
+            pushed.expect("a motion").rate
+        };
+        pushes.iter().map(rate).collect()
+    };
+    let rates: Vec<_> = (0..motions.len()).map(law).collect();
+    let balls = rates.len();
+    let touch = case.nut.touch_angle(0.0);
+    let room = case.inputs.gaps[0] / case.nut.helix.arc_length_per_radian();
+    let length = count(balls) * touch + room;
+    let places = (0..balls).map(|ball| count(ball) * length / count(balls)).collect();
+    let mut track = Track { length, touch, rates: &rates, pushes: &pushes, places };
+    // Mean rate of a ball over whole rounds.
+    let mut round = |rounds: f64| {
+        let (begin, mut time) = (track.places[0], 0.0);
+        while track.places[0] < begin + rounds * length {
+            time += track.step(0.1);
+        }
+        (track.places[0] - begin) / time
+    };
+    round(2.0);
+    let mean = round(1.0);
+    // A round passes all balls.
+    let (rate, ours) = (mean * touch * count(balls) / length, train.circuits[0].rate);
+    let free: f64 = motions.iter().flatten().map(|motion| motion.rate).sum();
+    let apart = free / (count(balls) + room / touch);
+    // The parts of the track stand still in ours, balls move in between: 1.6e-5.
+    assert!((rate / ours - 1.0).abs() < 1e-4, "{rate} in time, {ours}");
+    // Balls that do not see each other have another flux.
+    assert!((apart / ours - 1.0).abs() > 5e-4, "{apart} {ours}");
 }

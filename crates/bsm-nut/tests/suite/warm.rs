@@ -10,8 +10,8 @@ use bsm_dyn::{
 };
 use bsm_kin::Drive;
 use bsm_nut::thermal::{
-    AxialHold, Coolant, NODES, NoSteadyState, ScrewBar, Sinks, Steady, Surfaces, WarmNut,
-    WarmPhase, coolant_conductance, drag_beyond_contacts,
+    AxialHold, BETWEEN_LOADS, Coolant, NODES, NoSteadyState, ScrewBar, Sinks, Steady, Surfaces,
+    WarmNut, WarmPhase, coolant_conductance, drag_beyond_contacts,
 };
 use bsm_nut::{BallNut, Equilibrium, FrictionSum, Preload, Support, TurnRatings};
 use bsm_sample::{Sample as _, campaign};
@@ -52,7 +52,13 @@ pub(crate) fn oil_68(kelvin: f64) -> Option<Lubricant> {
 }
 
 /// Balls with oil of grade 68 by raceway control, the nut in control, as in the reference cases.
-fn oiled(nut: &BallNut, found: &Equilibrium, drive: &Drive<f64>, oil: f64) -> Option<FrictionSum> {
+fn oiled(
+    nut: &BallNut,
+    found: &Equilibrium,
+    drive: &Drive<f64>,
+    oil: f64,
+    between_loads: f64,
+) -> Option<FrictionSum> {
     thread_local!(static WORK: RefCell<ModelWorkspace> = RefCell::default());
     let lubricant = oil_68(oil)?;
     let solve = |at: ElasticPoint| {
@@ -60,7 +66,7 @@ fn oiled(nut: &BallNut, found: &Equilibrium, drive: &Drive<f64>, oil: f64) -> Op
         let model = LubricatedModel::RacewayControl(rolling, RacewayFriction::Local);
         WORK.with_borrow_mut(|work| Lubricated { lubricant, model }.solve(work))
     };
-    nut.friction_sum(found, None, drive, solve)
+    nut.friction_sum(found, None, drive, between_loads, solve)
 }
 
 fn mm(scene: &Value, key: &str) -> f64 {
@@ -145,7 +151,7 @@ fn axis(scene: &Value) -> WarmNut<'static> {
     };
     let found = nut.solve(&guided).expect("preloaded");
     let slow = Drive { screw_speed: 100.0 * RPM, nut_speed: 0.0 };
-    let contacts = oiled(&nut, &found, &slow, set).expect("friction").torque;
+    let contacts = oiled(&nut, &found, &slow, set, BETWEEN_LOADS).expect("friction").torque;
     let rule = drag_torque(preload, mm(scene, "lead_mm"), nut.helix.lead_angle);
     WarmNut {
         drag: drag_beyond_contacts(rule, contacts, preload),
@@ -425,11 +431,55 @@ fn a_sweep_both_ways_finds_the_states_of_cold_starts() {
     }
 }
 
+/// Over the fold of WS-P3 and back: above it there is no state, and the way down finds the states of the way up, also from
+/// the hotter, unstable ones. Hysteresis is in the start: between the two states of a speed more heat leaves than is made,
+/// beyond the hotter one less, so that an axis that is warmer than that runs away where a cold one is steady.
+#[test]
+fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
+    let nut = axis(&case("WS-P3")["scene"]);
+    let (factors, mut hotter) = ([0.9, 1.0, 1.1, 1.16], Vec::new());
+    let mut cold = Vec::new();
+    for factor in factors {
+        let nut = at_speed(&nut, factor);
+        let state = nut.steady().expect("cold");
+        let fold = nut.fold(&state, 1.5).expect("traced").expect("a fold");
+        hotter.push(fold.beyond.expect("a second state").rises);
+        cold.push(state.rises);
+    }
+    let above = at_speed(&nut, 1.2);
+    let Err(NoSteadyState::RunsAway(fold)) = above.steady_from(cold.last()) else {
+        panic!("a state above the fold");
+    };
+    let mut last = fold.rises;
+    for (number, factor) in factors.into_iter().enumerate().rev() {
+        let nut = at_speed(&nut, factor);
+        for from in [last, hotter[number]] {
+            let state = nut.steady_from(Some(&from)).expect("below the fold");
+            for (found, expected) in state.rises.iter().zip(&cold[number]) {
+                // Residual heat over one minus the gain.
+                near(&format!("{factor}"), *found, *expected, 1e-8 * expected.abs());
+            }
+            last = state.rises;
+        }
+        let leaves_more = |part: f64| {
+            let ends = cold[number].iter().zip(&hotter[number]);
+            let rises: Vec<_> = ends.map(|(cold, hot)| cold + part * (hot - cold)).collect();
+            let rises: [f64; NODES] = rises.try_into().expect("nodes");
+            let (matrix, received) = nut.network(1.0).balance();
+            let leaves = matrix.iter().flatten().zip(rises.iter().cycle());
+            let leaves: f64 = leaves.map(|(m, rise)| m * rise).sum();
+            let made = nut.heated(&rises, 1.0, false).expect("a nut").heat;
+            leaves - received.iter().chain(&made).sum::<f64>()
+        };
+        assert!(leaves_more(0.5) > 0.0 && leaves_more(1.2) < 0.0, "{factor}");
+    }
+}
+
 /// Without expansion and with friction that nothing changes, temperatures are linear in the heat and the gain is 0.
 #[test]
 fn without_coupling_temperatures_are_linear_in_the_heat() {
     let constant = |torque: f64| {
-        move |_: &BallNut, _: &Equilibrium, _: &Drive<f64>, _: f64| {
+        move |_: &BallNut, _: &Equilibrium, _: &Drive<f64>, _: f64, _: f64| {
             Some(FrictionSum { torque, contacts: [0.5 * torque; 2], ..FrictionSum::default() })
         }
     };
@@ -466,7 +516,8 @@ fn friction_between_loads() {
     let solve = |at: ElasticPoint| {
         RacewayControl { at, control: Some(Control::Nut) }.solve(&mut RacewayWorkspace::default())
     };
-    let sum = warm.friction_sum(&found, Some(0.06), &drive, solve).expect("friction");
+    let sum =
+        warm.friction_sum(&found, Some(0.06), &drive, BETWEEN_LOADS, solve).expect("friction");
     let all = warm.friction(&found, Some(0.06), &drive, 0.0, solve).torque.expect("friction");
     near("torque", sum.torque, all, 1e-7 * all);
     near("contacts", sum.contacts.iter().sum(), all, 1e-7 * all);
@@ -518,7 +569,7 @@ fn random_axes_have_a_state_or_a_reason() {
     }
     for point in 0..whole {
         let (coefficient, thinning) = (rng.log_uniform(1e-3, 4e-2), rng.random_range(0.0..0.01));
-        let friction = |nut: &BallNut, found: &Equilibrium, _: &Drive<f64>, oil: f64| {
+        let friction = |nut: &BallNut, found: &Equilibrium, _: &Drive<f64>, oil: f64, _: f64| {
             let loads: f64 = found.balls.iter().map(bsm_nut::BallInGrooves::max_load).sum();
             let thin = (-thinning * (oil - 293.15)).exp();
             let torque = coefficient * thin * loads * nut.helix.radius;

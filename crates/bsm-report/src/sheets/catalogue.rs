@@ -97,6 +97,7 @@ fn drawings() -> [Drawing; 12] {
         turns: 3.0,
         conformity,
         contact_angle: 45.0 * DEG,
+        offered: None,
     };
     let over_lead = |key, of, quantity, diameter, ball| Drawing {
         key,

@@ -13,6 +13,18 @@ use crate::{ModelChoice, exact};
 /// The pushes of the balls, or why there are none.
 pub(super) type Pushed = Result<Train, String>;
 
+/// A push above [`LARGEST_PUSH`].
+///
+/// * `of`: the load that it is a part of.
+fn too_large(push: f64, part: f64, of: &str) -> String {
+    format!(
+        "a push of {push:.3} N between balls is {:.1} % of their {of} load: above {:.0} % loads and contact angles are \
+         no longer those without pushes",
+        100.0 * part,
+        100.0 * LARGEST_PUSH
+    )
+}
+
 /// Whether a model has the free speeds that balls push from.
 fn pushes(model: ModelChoice) -> bool {
     matches!(model, ModelChoice::Auto | ModelChoice::Fixed(Model::Traction))
@@ -74,7 +86,12 @@ impl NutProblem {
             _ => None,
         };
         let train = nut.train(found, motions, rubbing.coefficient(), drive, inputs, in_train);
-        Some(train.map_err(|why| why.to_string()))
+        let train = train.map_err(|why| why.to_string());
+        Some(train.and_then(|train| {
+            let part = train.largest_push / found.max_load();
+            let push = train.largest_push;
+            if part <= LARGEST_PUSH { Ok(train) } else { Err(too_large(push, part, "largest")) }
+        }))
     }
 }
 
@@ -87,10 +104,14 @@ impl NutReport {
             Ok(train) => train,
             Err(why) => return Some(format!("no friction torque with pushes of the balls: {why}")),
         };
-        let needed = state.advance(problem)?.largest_gap() / MM;
-        let gap = inputs.gaps.first()? / MM;
         let touch = if train.touching > 0 { "touch" } else { "do not touch" };
-        Some(format!("the balls {touch}: {needed:.3} mm needed, {} mm there", exact(gap)))
+        let needed = state.advance(problem)?.circuits.iter().map(|circuit| circuit.needed_gap);
+        // Of the circuit that has least of what it needs.
+        let part = |gaps: &(f64, f64)| gaps.0 / gaps.1;
+        let gaps = needed.zip(inputs.gaps.iter().copied());
+        let (needed, gap) = gaps.max_by(|a, b| part(a).total_cmp(&part(b)))?;
+        let (needed, gap) = (needed / MM, exact(gap / MM));
+        Some(format!("the balls {touch}: {needed:.3} mm needed, {gap} mm there"))
     }
 
     /// What is beyond the range of the ball train.
@@ -99,13 +120,8 @@ impl NutReport {
         let part = train.largest_push / self.found().mean_load();
         let mut warnings = Vec::new();
         if part > LARGEST_PUSH {
-            warnings.push(format!(
-                "a push of {:.3} N between balls is {:.1} % of their mean load: above {:.0} % loads and contact angles \
-                 are no longer those without pushes, and the torque is an estimate",
-                train.largest_push,
-                100.0 * part,
-                100.0 * LARGEST_PUSH
-            ));
+            let beyond = too_large(train.largest_push, part, "mean");
+            warnings.push(format!("{beyond}, and the torque is an estimate"));
         }
         match train.number_of(Rolling::Blocked) {
             0 => {}

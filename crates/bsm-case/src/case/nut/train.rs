@@ -2,9 +2,9 @@
 
 use bsm_nut::{Exit, ExitPush, TrainInputs};
 
-use super::problem::{Rubbing, bad, twice};
+use super::problem::{Rubbing, bad, checked, twice};
 use crate::vocabulary::units::{DEG, MM};
-use crate::{CaseError, InputKey, Scene};
+use crate::{CaseError, InputKey, Rule, Scene};
 
 /// What a scene says of the gaps between the balls of a nut.
 #[derive(Debug, Clone)]
@@ -24,6 +24,9 @@ impl BallGaps {
         circuits: usize,
     ) -> Result<Self, CaseError> {
         use InputKey as K;
+        let listed = scene.nut.circuits.as_deref().unwrap_or_default();
+        let own = |circuit: usize| listed.get(circuit).and_then(|words| words.ball_gap_mm);
+        let own_path = |circuit: usize| format!("circuits[{circuit}].ball_gap_mm");
         let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
         let spacer = value(K::spacer_thickness_mm) * MM;
         let friction = match friction {
@@ -34,8 +37,17 @@ impl BallGaps {
             None => None,
         };
         let Some(gap) = scene.ball_gap_mm else {
-            return Ok(Self { spacer, friction, train: None });
+            let Some(circuit) = (0..circuits).find(|circuit| own(*circuit).is_some()) else {
+                return Ok(Self { spacer, friction, train: None });
+            };
+            let what = "needs ball_gap_mm of the nut too, for the other circuits";
+            return Err(bad(own_path(circuit), what));
         };
+        let gap_of = |circuit: usize| {
+            let gap = own(circuit).unwrap_or(gap);
+            checked(Rule::Above(0.0), &own_path(circuit), gap).map(|gap| gap * MM)
+        };
+        let gaps = (0..circuits).map(gap_of).collect::<Result<_, _>>()?;
         let of_bends =
             [K::return_entry_force_N, K::return_bend_deg, K::return_friction_coefficient];
         let bends = of_bends.into_iter().find(|key| scene[*key].is_some());
@@ -49,7 +61,7 @@ impl BallGaps {
             return Err(bad("ball_contact_force_N", what));
         }
         let train = friction.map(|contact_friction| TrainInputs {
-            gaps: vec![gap * MM; circuits],
+            gaps,
             spacer,
             contact_friction,
             exit: Exit {

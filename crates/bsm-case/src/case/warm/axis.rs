@@ -4,8 +4,8 @@ use bsm_design::{Shaft, Support as Mounting, drag_torque};
 use bsm_dyn::ZERO_CELSIUS;
 use bsm_kin::Drive;
 use bsm_nut::thermal::{
-    AxialHold, Coolant, ScrewBar, Sinks, Surfaces, WarmNut, WarmPhase, coolant_conductance,
-    drag_beyond_contacts,
+    AxialHold, BETWEEN_LOADS, Coolant, ScrewBar, Sinks, Surfaces, WarmNut, WarmPhase,
+    coolant_conductance, drag_beyond_contacts,
 };
 use bsm_nut::{BallNut, Equilibrium, FrictionSum, Support};
 
@@ -52,8 +52,10 @@ impl ColdNut {
     /// Friction of all balls.
     pub(crate) fn friction(
         &self,
-    ) -> impl Fn(&BallNut, &Equilibrium, &Drive<f64>, f64) -> Option<FrictionSum> {
-        |nut, found, drive, oil| self.problem.friction_sum(nut, found, drive, oil)
+    ) -> impl Fn(&BallNut, &Equilibrium, &Drive<f64>, f64, f64) -> Option<FrictionSum> {
+        |nut, found, drive, oil, between_loads| {
+            self.problem.friction_sum(nut, found, drive, oil, between_loads)
+        }
     }
 
     /// Drag beyond the contacts over the warm preload, `$K_x h$` \[m\]; 0 without a preload.
@@ -68,7 +70,7 @@ impl ColdNut {
         let slow = Drive { screw_speed: SLOW, nut_speed: 0.0 };
         let contacts = self
             .problem
-            .friction_sum(&self.nut, &found, &slow, self.set)
+            .friction_sum(&self.nut, &found, &slow, self.set, BETWEEN_LOADS)
             .map_or(0.0, |friction| friction.torque);
         let screw = &machine.axis.screw;
         let rule = drag_torque(preload.cold, screw.lead, screw.lead_angle());
@@ -124,7 +126,7 @@ impl<'a> WarmAxis<'a> {
     /// Friction of all balls.
     pub(crate) fn friction(
         &self,
-    ) -> impl Fn(&BallNut, &Equilibrium, &Drive<f64>, f64) -> Option<FrictionSum> {
+    ) -> impl Fn(&BallNut, &Equilibrium, &Drive<f64>, f64, f64) -> Option<FrictionSum> {
         self.cold.friction()
     }
 
