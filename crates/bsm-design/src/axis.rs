@@ -3,8 +3,11 @@
 //!
 //! Theory: `docs/theory/18-axis.md`.
 
+use std::f64::consts::TAU;
+
 use crate::{
-    Duty, DutySpeed, Life, MachineTable, PERMITTED_STRESS, Screw, Shaft, Support, life, pair_loads,
+    Duty, DutySpeed, Life, MachineTable, PERMITTED_STRESS, Screw, Shaft, Support, life,
+    life_factor, modified_life, pair_loads, viscosity_ratio,
 };
 
 /// Leads that the screw is longer than stroke and nut, unless its length is given.
@@ -21,6 +24,8 @@ pub struct Motion {
     pub pace: DutySpeed,
     /// Acceleration along a positive feed \[m/s²\].
     pub acceleration: f64,
+    /// Factor of the load in the life.
+    pub load_factor: f64,
 }
 
 /// The same at the screw.
@@ -34,16 +39,25 @@ pub struct Phase {
     pub speed: f64,
     /// Acceleration along a positive feed \[m/s²\].
     pub acceleration: f64,
+    /// Factor of the load in the life `$f_w$`, for shocks and vibration; nothing else has it.
+    pub load_factor: f64,
 }
+
+/// Load factors of catalogues: up to a speed \[m/s\], and from it to it.
+///
+/// Source: THK general catalogue, table 19.
+const LOAD_FACTORS: [(f64, [f64; 2]); 4] =
+    [(0.25, [1.0, 1.2]), (1.0, [1.2, 1.5]), (2.0, [1.5, 2.0]), (f64::INFINITY, [2.0, 3.5])];
 
 impl Motion {
     /// Load and speed of the screw, with weight, guides and inertia of the moved mass.
     ///
     /// * `lead` \[m\].
     pub fn phase(&self, carriage: &MachineTable, lead: f64) -> Phase {
-        let Self { time, force, pace, acceleration } = *self;
+        let Self { time, force, pace, acceleration, load_factor } = *self;
         let speed = pace.speed(lead);
-        Phase { time, load: carriage.load(force, speed, acceleration), speed, acceleration }
+        let load = carriage.load(force, speed, acceleration);
+        Phase { time, load, speed, acceleration, load_factor }
     }
 }
 
@@ -92,9 +106,9 @@ pub struct Axis {
     pub shaft: Option<Shaft>,
     /// The cycle.
     pub phases: Vec<Phase>,
-    /// Dynamic load rating \[N\], calculated or of the maker.
+    /// Modified dynamic load rating `$C_{am}$` \[N\], of the calculated one or that of the maker (Z36).
     pub dynamic_rating: f64,
-    /// Static load rating \[N\], calculated or of the maker.
+    /// Modified static load rating `$C_{0am}$` \[N\] (Z36).
     pub static_rating: f64,
     /// Preload of a pair \[N\].
     pub preload: Option<f64>,
@@ -134,15 +148,46 @@ impl Axis {
 
     /// Life of the cycle at the reliability of the axis; `None` if nothing turns.
     pub fn life(&self) -> Option<Life> {
-        let duty = |phase: &Phase| Duty { load: phase.load, speed: phase.speed, time: phase.time };
-        let duty: Vec<_> = self.phases.iter().map(duty).collect();
-        let life = life(self.dynamic_rating, self.preload, &duty)?;
+        let life = life(self.dynamic_rating, self.preload, &self.duty())?;
         let (revolutions, time) = (life.revolutions, life.time);
         Some(Life {
             revolutions: self.reliability * revolutions,
             time: self.reliability * time,
             ..life
         })
+    }
+
+    /// Life \[s\] at the reliability of the axis where lubricant and its cleanliness are known (Z40); `None` if nothing turns, or the
+    /// viscosity ratio of a phase is below 0.1.
+    ///
+    /// * `viscosity`: kinematic, of the warm lubricant \[m²/s\]. * `clean_limit`: contamination factor times fatigue load limit \[N\].
+    pub fn modified_life(&self, viscosity: f64, clean_limit: f64) -> Option<f64> {
+        let factor =
+            |speed, load| life_factor(self.viscosity_ratio(viscosity, speed), clean_limit / load);
+        let revolutions = modified_life(self.dynamic_rating, self.preload, &self.duty(), factor)?;
+        Some(self.reliability * revolutions * TAU / self.life()?.mean_speed)
+    }
+
+    /// Viscosity ratio at a speed of the screw \[rad/s\] (Z38).
+    pub fn viscosity_ratio(&self, viscosity: f64, speed: f64) -> f64 {
+        viscosity_ratio(viscosity, speed, self.screw.pitch_diameter)
+    }
+
+    /// Load factors that catalogues advise for its fastest phase: from, to.
+    pub fn advised_load_factors(&self) -> [f64; 2] {
+        let feed = self.screw.lead / TAU * self.fastest();
+        let found = LOAD_FACTORS.iter().find(|(fastest, _)| feed <= *fastest);
+        found.map_or([1.0; 2], |(_, factors)| *factors)
+    }
+
+    /// Its phases with their load factors.
+    fn duty(&self) -> Vec<Duty> {
+        let duty = |phase: &Phase| Duty {
+            load: phase.load_factor * phase.load,
+            speed: phase.speed,
+            time: phase.time,
+        };
+        self.phases.iter().map(duty).collect()
     }
 
     /// Largest speed number \[m·rad/s\] (Z15): what the ball return sees of the speed; makers limit it by the kind

@@ -26,9 +26,9 @@ impl NutBody {
     /// Source: Sobolewski (2002).
     pub fn usual(nut: &Nut) -> Self {
         Self {
-            // D₁ = D_pw + 4 D_w,  L_n = P_h (i + 3)                       (D10)
+            // D₁ = D_pw + 4 D_w                                           (D10)
             outer: nut.pitch_diameter + 4.0 * nut.ball_diameter,
-            length: nut.lead * (nut.turns + IDLE_TURNS),
+            length: Self::usual_length(nut.lead, nut.turns),
         }
     }
 
@@ -38,8 +38,13 @@ impl NutBody {
     ///
     /// Source: (D10); the outer diameters of DIN 69051-5, 1.4 to 1.8 nominal diameters.
     pub fn of_ratings(nominal: f64, lead: f64, turns: Option<f64>) -> Self {
+        Self { outer: 1.6 * nominal, length: Self::usual_length(lead, turns.unwrap_or(3.0)) }
+    }
+
+    /// Usual length of a nut \[m\] (D10).
+    fn usual_length(lead: f64, turns: f64) -> f64 {
         // L_n = P_h (i + 3)                                               (D10)
-        Self { outer: 1.6 * nominal, length: lead * (turns.unwrap_or(3.0) + IDLE_TURNS) }
+        lead * (turns + IDLE_TURNS)
     }
 
     /// Mass \[kg\] without balls, returns and flange (D11).

@@ -33,6 +33,7 @@ mod grade;
 mod least_squares;
 mod life;
 mod make;
+mod modified;
 mod nut;
 mod preload;
 mod procedure;
@@ -53,8 +54,11 @@ pub use drive::{
 };
 pub use grade::Grade;
 pub use least_squares::{LeastSquares, least_squares};
-pub use life::{Duty, Life, OPENS_AT, life, pair_loads, reliability_factor};
+pub use life::{Duty, Life, OPENS_AT, life, modified_life, pair_loads, reliability_factor};
 pub use make::Make;
+pub use modified::{
+    Contamination, Hardness, RatingFactors, life_factor, usual_fatigue_limit, viscosity_ratio,
+};
 pub use nut::{DynamicRating, Nut, StaticRating, turn_length};
 pub use preload::{PRELOAD_CLASSES, Preload, PreloadClass, PreloadMethod, least_preload};
 pub use procedure::{ActiveLimit, Holds, Outcome, Why};

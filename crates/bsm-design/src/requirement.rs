@@ -6,6 +6,7 @@ use bsm_dyn::{Direction, Hertz, Material, Optimum};
 
 use crate::{
     Axis, Life, MachineTable, Make, Motion, Mount, Nut, NutBody, Phase, Preload, PreloadMethod,
+    RatingFactors,
 };
 
 /// The cycle of the machine, or a torque.
@@ -28,7 +29,7 @@ impl LoadCase {
                 let (radius, speed) = (0.5 * nut.pitch_diameter, pace.speed(nut.lead));
                 // F = M / (r_m tanα)                                      (L1)
                 let load = torque / (radius * nut.lead_angle().tan());
-                vec![Phase { time: 1.0, load, speed, acceleration: 0.0 }]
+                vec![Phase { time: 1.0, load, speed, acceleration: 0.0, load_factor: 1.0 }]
             }
         }
     }
@@ -155,6 +156,8 @@ pub struct Requirement {
     pub method: PreloadMethod,
     /// Life over that of 90 % of all nuts (Z14).
     pub reliability: f64,
+    /// Of the load ratings (Z36).
+    pub factors: RatingFactors,
     /// Which side drives.
     pub direction: Direction,
     /// Leads or lead angles to choose from; one at least.
@@ -299,11 +302,13 @@ type Limited = (Quantity, f64, Option<f64>, Option<f64>);
 
 impl Requirement {
     /// The rules of an axis that do not need the loads of all its balls.
-    fn rules(&self, axis: &Axis) -> Vec<Limited> {
+    ///
+    /// * `calculated`: dynamic load rating without factors \[N\].
+    fn rules(&self, axis: &Axis, calculated: f64) -> Vec<Limited> {
         let (rating, life) = (axis.dynamic_rating, axis.life());
         let of_life = |number: &dyn Fn(&Life) -> f64| life.as_ref().map_or(f64::NAN, number);
         let mut rules = vec![
-            (Quantity::DynamicRating, rating, None, None),
+            (Quantity::DynamicRating, calculated, None, None),
             // C_a ≥ F_m                                                   (L10)
             (Quantity::EquivalentLoad, of_life(&|life| life.mean_load), None, Some(rating)),
             (Quantity::Life, of_life(&|life| life.time), self.life, None),
@@ -358,20 +363,20 @@ impl Design {
             Travel::Stroke(stroke) => (stroke + body.length, stroke),
         };
         let phases = requirement.demand.phases(&requirement.carriage, &nut);
-        let screw = nut.screw(&thread);
+        let (screw, dynamic) = (nut.screw(&thread), nut.dynamic_rating().rating);
         let mut axis = Axis {
             screw,
             shaft: requirement.mount.shaft(&screw, body.length, Some(stroke)),
             phases,
-            dynamic_rating: nut.dynamic_rating().rating,
-            static_rating: nut.static_rating().rating,
+            dynamic_rating: requirement.factors.dynamic_rating * dynamic,
+            static_rating: requirement.factors.static_rating * nut.static_rating().rating,
             preload: None,
             compression: 0.0,
             reliability: requirement.reliability,
         };
         let force = |preload: Preload| preload.force(axis.largest_load(), axis.dynamic_rating);
         axis.preload = requirement.preload.map(force);
-        let still = Phase { time: 1.0, load: 0.0, speed: 0.0, acceleration: 0.0 };
+        let still = Phase { time: 1.0, load: 0.0, speed: 0.0, acceleration: 0.0, load_factor: 1.0 };
         let phase = axis.heaviest_moving().copied().unwrap_or(still);
         let (largest, speed) = (axis.largest_load(), phase.speed.abs());
         let balls = nut.balls_per_turn * nut.turns;
@@ -451,7 +456,7 @@ impl Design {
         };
         add(10, Quantity::InputPower, input, None, requirement.largest_power);
         add(10, Quantity::OutputPower, output, None, None);
-        for (quantity, value, least, most) in requirement.rules(&axis) {
+        for (quantity, value, least, most) in requirement.rules(&axis, dynamic) {
             add(11, quantity, value, least, most);
         }
         let inertia = axis

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use bsm_design::{
     ActiveLimit, BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, Design, DutySpeed, Fixed, Holds, LoadCase,
     MachineTable, Make, Motion, Mount, Nut, Objective, Outcome, Phase, Pitch, PreloadMethod,
-    Quantity, Ranges, Requirement, Support, Travel, Why,
+    Quantity, Ranges, RatingFactors, Requirement, Support, Travel, Why,
 };
 use bsm_dyn::{Angles, Direction, Material};
 
@@ -16,7 +16,13 @@ const STOCK: [f64; 6] = [3.175e-3, 3.969e-3, 4.763e-3, 5.556e-3, 6.35e-3, 7.144e
 
 fn load(newtons: f64, rpm: f64) -> LoadCase {
     let pace = DutySpeed::Turns(rpm * PI / 30.0);
-    LoadCase::Cycle(vec![Motion { time: 1.0, force: newtons, pace, acceleration: 0.0 }])
+    LoadCase::Cycle(vec![Motion {
+        time: 1.0,
+        force: newtons,
+        pace,
+        acceleration: 0.0,
+        load_factor: 1.0,
+    }])
 }
 
 /// The loads of all balls have no part in these searches.
@@ -31,6 +37,7 @@ fn feed_drive() -> Requirement {
         carriage: MachineTable { mass: 0.0, inclination: 0.0, friction: 0.0, resistance: 0.0 },
         preload: None,
         reliability: 1.0,
+        factors: RatingFactors { dynamic_rating: 1.0, static_rating: 1.0 },
         direction: Direction::RotaryToLinear,
         pitches: vec![Pitch::Lead(10e-3)],
         reach: Travel::Stroke(0.7),

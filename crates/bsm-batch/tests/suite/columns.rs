@@ -30,12 +30,19 @@ fn outputs(names: &[&str]) -> Vec<&'static Output> {
     Answers::select(Some(&names)).expect("outputs")
 }
 
-/// All numbers of all analyses of a dry screw but those of its warm state; the loss of the ball returns is one of a
-/// lubricant.
+/// All numbers of all analyses of a dry screw but those of its warm state; the loss of the ball returns and the modified life
+/// are of a lubricant.
 fn all() -> Vec<&'static Output> {
     let kinds = AnalysisKind::ALL.into_iter().filter(|kind| *kind != AnalysisKind::Warm);
     let columns = kinds.flat_map(AnalysisKind::columns);
-    let oiled = ["return_torque_Nm", "drag_torque_Nm"];
+    let oiled = [
+        "return_torque_Nm",
+        "drag_torque_Nm",
+        "fatigue_load_limit_N",
+        "modified_life_h",
+        "modified_life_low_h",
+        "modified_life_high_h",
+    ];
     columns.filter(|column| !oiled.contains(&column.name)).collect()
 }
 

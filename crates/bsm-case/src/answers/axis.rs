@@ -1,6 +1,7 @@
 //! The axis around a screw: loads of its cycle, torque, and every rule with its value, limit and source.
 
 mod contacts;
+mod lubrication;
 mod rules;
 
 use std::f64::consts::TAU;
@@ -14,6 +15,7 @@ use bsm_dyn::ModelWorkspace;
 use serde_json::{Value, json};
 
 use self::contacts::{Contacts, contacts, nut_at};
+use self::lubrication::Lubrication;
 use super::nut::QUANTITIES as NUT;
 use super::ratings::QUANTITIES as RATINGS;
 use crate::answers::nut::preload_note;
@@ -88,6 +90,16 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
         static_safety_factor ["" "f_s"] Whole(|w| w.static_safety()), "static safety factor, the smaller of rating and most loaded ball";
         cycle_life_revolutions ["" "L"] Whole(|w| Some(w.life()?.revolutions)), "life of the cycle by ISO 3408-5";
         cycle_life_h ["h" "L_h"] Whole(|w| Some(w.life()?.time / 3600.0)), "life of the cycle by ISO 3408-5";
+        modified_dynamic_rating_N ["N" "C_am"] Whole(|w| w.axis().dynamic_rating), "modified dynamic load rating; by accuracy, hardness and steel";
+        modified_static_rating_N ["N" "C_0am"] Whole(|w| w.axis().static_rating), "modified static load rating; by accuracy and hardness";
+        fatigue_load_limit_N ["N" "C_u"] Whole(|w| w.lubrication.as_ref().map(|found| found.fatigue_limit)) needs [lubricant_temperature_C, contamination_factor],
+            "fatigue load limit, largest pressure 1500 MPa";
+        modified_life_h ["h" "L_nm"] Whole(|w| w.modified_life(0)) needs [lubricant_temperature_C, contamination_factor],
+            "modified life of the cycle by ISO 281, with lubricant and contamination";
+        modified_life_low_h ["h"] Whole(|w| w.modified_life(1)) needs [lubricant_temperature_C, contamination_factor],
+            "modified life at the least contamination factor";
+        modified_life_high_h ["h"] Whole(|w| w.modified_life(2)) needs [lubricant_temperature_C, contamination_factor],
+            "modified life at the largest contamination factor";
         cycle_life_by_balls_h ["h"] Whole(|w| Some(w.axis().reliability * w.life_by_balls? / 3600.0)), "life of the cycle by the loads of all balls";
         limit_load_N = NUT Whole(|w| w.of_nut("limit_load_N"));
     }
@@ -163,6 +175,12 @@ quantities! { pub(crate) PHASE, read_phase(&InPhase<'_>);
         motor_torque_Nm ["N m"] Whole(|p| p.worked.motor_torque(p.torques)), "motor torque";
         motor_power_W ["W"] Whole(|p| p.worked.motor_power(p.torques)), "motor power";
         heat_W ["W"] Whole(|p| p.torques.heat()), "heat";
+        load_factor = INPUTS Whole(|p| p.torques.phase.load_factor);
+        viscosity_ratio ["" "kappa"] Whole(|p| {
+            let viscosity = p.worked.lubrication.as_ref()?.viscosity;
+            let speed = Some(p.torques.phase.speed).filter(|speed| *speed != 0.0)?;
+            Some(p.worked.axis().viscosity_ratio(viscosity, speed))
+        }), "viscosity ratio of the lubricant";
     }
 }
 
@@ -181,8 +199,8 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
         nut_length_mm = INPUTS Whole(|s| s.machine.body.length / MM);
         screw_outer_diameter_mm = INPUTS Whole(|s| s.machine.axis.screw.outer / MM);
         screw_core_diameter_mm = RATINGS Whole(|s| s.machine.axis.screw.core / MM);
-        dynamic_load_rating_N = RATINGS Whole(|s| s.machine.axis.dynamic_rating);
-        static_load_rating_N = RATINGS Whole(|s| s.machine.axis.static_rating);
+        dynamic_load_rating_N = RATINGS Whole(|s| s.machine.ratings[0]);
+        static_load_rating_N = RATINGS Whole(|s| s.machine.ratings[1]);
         edge_load_N = RATINGS Whole(|s| s.of_nut.number("edge_load_N"));
         mass_kg = RATINGS Whole(|s| s.of_nut.number("mass_kg"));
         preload_set_N = NUT Whole(|s| Some(s.preload?.cold));
@@ -423,7 +441,7 @@ pub fn torque_parts(scene: &Scene, settings: &Settings) -> Result<Option<ScrewTo
         return Ok(None);
     };
     let pace = DutySpeed::Turns((screw - turned) * RPM);
-    let motion = Motion { time: 1.0, force, pace, acceleration: 0.0 };
+    let motion = Motion { time: 1.0, force, pace, acceleration: 0.0, load_factor: 1.0 };
     let phase = motion.phase(&carriage(scene), lead * MM);
     let drag = if preloaded {
         let machine = Machine::of(scene)?;
@@ -564,7 +582,7 @@ impl AxisReport {
     /// Points of the speed-force diagram: for a speed \[rpm\] the load that gives the required life \[N\].
     pub fn load_of_life(&self, rpm: f64) -> Option<f64> {
         let hours = self.scene.required_life_h?;
-        Some(self.number("dynamic_load_rating_N")? * (1e6 / (60.0 * rpm * hours)).cbrt())
+        Some(self.number("modified_dynamic_rating_N")? * (1e6 / (60.0 * rpm * hours)).cbrt())
     }
 }
 
@@ -650,6 +668,8 @@ pub(crate) struct Worked<'a> {
     power_loss: Option<PowerLoss>,
     /// Its warm steady state, if that is asked for.
     warm: Option<Warm>,
+    /// For the modified life, if lubricant and contamination are given.
+    lubrication: Option<Lubrication>,
 }
 
 /// What the weight of an inclined axis does to the screw without power of the motor.
@@ -693,6 +713,7 @@ impl<'a> Worked<'a> {
         let life_by_balls =
             machine.groove.as_ref().and_then(|_| life_by_balls(scene, settings, axis));
         machine.axis.preload = preload.as_ref().map(|preload| preload.warm);
+        let lubrication = Lubrication::of(scene, &machine)?;
         let mut worked = Self {
             scene,
             machine,
@@ -704,6 +725,7 @@ impl<'a> Worked<'a> {
             life_by_balls,
             power_loss: None,
             warm,
+            lubrication,
         };
         worked.machine.axis.compression = -worked.tension().unwrap_or(0.0).min(0.0);
         Ok(worked)
@@ -764,6 +786,14 @@ impl<'a> Worked<'a> {
         axis.static_safety().min(of_balls.unwrap_or(f64::INFINITY))
     }
 
+    /// Modified life \[h\] at the usual, the least or the largest contamination factor.
+    fn modified_life(&self, place: usize) -> Option<f64> {
+        self.life()?;
+        let Lubrication { viscosity, fatigue_limit, contamination } = self.lubrication.as_ref()?;
+        let life = self.axis().modified_life(*viscosity, contamination[place] * fatigue_limit);
+        life.map(|time| time / 3600.0)
+    }
+
     fn grade(&self) -> Option<&'static Grade> {
         Some(self.scene.nut.accuracy_grade?.grade)
     }
@@ -804,7 +834,7 @@ impl<'a> Worked<'a> {
         let by_catalogue = || {
             let stated = self.scene.rated_rigidity_N_um?;
             let at = RigidityAt::from(self.scene.nut.rated_rigidity_at?);
-            at.rigidity(stated, axis.largest_load(), axis.preload, axis.dynamic_rating)
+            at.rigidity(stated, axis.largest_load(), axis.preload, self.machine.ratings[0])
         };
         if self.machine.groove.is_some() {
             self.of_nut("nut_stiffness_N_um")
@@ -925,7 +955,9 @@ impl<'a> Worked<'a> {
         notes.extend(self.nut.as_ref().and_then(NutReport::touch_note));
         notes.extend(self.machine.assumed.iter().cloned());
         notes.extend(self.by_catalogue());
-        notes.extend(self.scene.assumed_roughness());
+        notes.extend(self.about_life());
+        let films = self.machine.groove.is_some();
+        notes.extend(self.scene.assumed_roughness().filter(|_| films));
         notes.extend(self.to_measure());
         if let Some(rise) =
             self.steady_rise().filter(|_| self.scene.axis_heat_transfer_W_K.is_none())
@@ -979,6 +1011,50 @@ impl<'a> Worked<'a> {
         if self.scene.unsupported_length_mm.is_none() {
             note("unsupported_length_mm is stroke, length of the nut and two leads");
         }
+        notes
+    }
+
+    /// What factors of ratings and life were taken, and which are usual.
+    fn about_life(&self) -> Vec<String> {
+        let (axis, scene) = (self.axis(), self.scene);
+        let mut notes = Vec::new();
+        if let Some(grade) = self.grade()
+            && scene.rated_dynamic_load_N.is_some()
+            && scene.accuracy_factor.is_none()
+        {
+            notes.push(format!(
+                "rated_dynamic_load_N is taken as it is printed for grade {}",
+                grade.name
+            ));
+        }
+        let unity = axis.phases.iter().all(|phase| phase.load_factor <= 1.0);
+        let lives = axis.advised_load_factors().map(|factor| {
+            let phases = axis.phases.iter().map(|phase| Phase { load_factor: factor, ..*phase });
+            self.life()?;
+            Some(Axis { phases: phases.collect(), ..axis.clone() }.life()?.time / 3600.0)
+        });
+        if let ([Some(long), Some(short)], true) = (lives, unity) {
+            let [low, high] = axis.advised_load_factors();
+            notes.push(format!(
+                "load factor 1; catalogues advise {low} to {high} at this speed: life {long:.0} to {short:.0} h"
+            ));
+        }
+        let contaminated =
+            scene.contamination_factor.is_some() || scene.nut.contamination.is_some();
+        let lubricated = scene.given().is_lubricated();
+        notes.extend(match (&self.lubrication, self.modified_life(0)) {
+            (Some(_), None) => {
+                Some("no modified life: a viscosity ratio is below 0.1, outside ISO 281".to_owned())
+            }
+            (None, _) if contaminated => Some(
+                "no modified life: contamination without viscosity and lubricant_temperature_C"
+                    .to_owned(),
+            ),
+            (None, _) if lubricated => {
+                Some("no modified life: contamination is not given".to_owned())
+            }
+            _ => None,
+        });
         notes
     }
 
@@ -1127,7 +1203,7 @@ impl<'a> Worked<'a> {
         let weight = self.machine.carriage.load(0.0, 0.0, 0.0).abs();
         let ideal = self.falling()?.torque;
         let speed = -axis.fastest().max(RPM);
-        let phase = Phase { time: 1.0, load: weight, speed, acceleration: 0.0 };
+        let phase = Phase { time: 1.0, load: weight, speed, acceleration: 0.0, load_factor: 1.0 };
         let work = &mut ModelWorkspace::default();
         let mut friction =
             |scene: &Scene| contacts(scene, settings, advance, &phase, work).ok()?.friction;
@@ -1213,12 +1289,13 @@ fn life_by_balls(scene: &Scene, settings: &Settings, axis: &Axis) -> Option<f64>
         time += phase.time;
         let moves = phase.speed != 0.0 && (phase.load != 0.0 || scene.is_preloaded());
         if moves {
-            let nut = nut_at(scene, settings, phase.load, phase.speed).ok()?;
+            let load = phase.load_factor * phase.load;
+            let nut = nut_at(scene, settings, load, phase.speed).ok()?;
             let ours = nut.number("life_by_balls_revolutions")?;
             let rated = nut.number("iso_life_revolutions")?;
             // The ratio is of the model, the rating may be of the maker.
             let preload = nut.number("warm_preload_N").filter(|_| scene.is_preloaded());
-            let duty = bsm_design::Duty { load: phase.load, speed: 1.0, time: 1.0 };
+            let duty = bsm_design::Duty { load, speed: 1.0, time: 1.0 };
             let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;
             let turns = phase.speed.abs() * phase.time / TAU;
             taken += turns / (stated * ours / rated);

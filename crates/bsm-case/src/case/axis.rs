@@ -3,15 +3,15 @@
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, Drive, DutySpeed, MachineTable, Make, Motion, Mount, Nut, NutBody, Preload, PreloadClass,
-    PreloadMethod, Shaft, Support, Thread, reliability_factor,
+    Axis, Drive, DutySpeed, Hardness, MachineTable, Make, Motion, Mount, Nut, NutBody, Preload,
+    PreloadClass, PreloadMethod, RatingFactors, Shaft, Support, Thread, reliability_factor,
 };
 
 use crate::case::nut::bad;
 use crate::case::rated_nut;
 use crate::case::rated_screw::RatedScrew;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
-use crate::vocabulary::words::SupportWord;
+use crate::vocabulary::words::{SteelWord, SupportWord};
 use crate::{CaseError, InputKey, PhaseWords, Scene};
 
 /// Largest bore of a screw over its core.
@@ -21,6 +21,8 @@ const LARGEST_BORE: f64 = 0.8;
 #[derive(Debug, Clone)]
 pub(crate) struct Machine {
     pub(crate) axis: Axis,
+    /// Dynamic and static load rating \[N\], calculated or of the maker, without factors.
+    pub(crate) ratings: [f64; 2],
     /// The nut and its thread; `None` of a screw of which only the ratings are known.
     pub(crate) groove: Option<(Nut, Thread)>,
     pub(crate) body: NutBody,
@@ -100,6 +102,11 @@ impl Machine {
         let calculated = groove.as_ref().map(|(nut, _)| nut);
         let dynamic = || calculated.map(|nut| nut.dynamic_rating().rating);
         let rated = || calculated.map(|nut| nut.static_rating().rating);
+        let ratings = [
+            scene.rated_dynamic_load_N.or_else(dynamic).unwrap_or(f64::NAN),
+            scene.rated_static_load_N.or_else(rated).unwrap_or(f64::NAN),
+        ];
+        let factors = rating_factors(scene);
         let stroke = scene.stroke_mm.map(|mm| mm * MM);
         let shaft = mount(scene).shaft(&size, body.length, stroke);
         let core = shaft.map_or(size.core, |shaft| shaft.diameter);
@@ -135,13 +142,13 @@ impl Machine {
             screw: size,
             shaft,
             phases: motions(scene)?.iter().map(phase).collect(),
-            dynamic_rating: scene.rated_dynamic_load_N.or_else(dynamic).unwrap_or(f64::NAN),
-            static_rating: scene.rated_static_load_N.or_else(rated).unwrap_or(f64::NAN),
+            dynamic_rating: factors.dynamic_rating * ratings[0],
+            static_rating: factors.static_rating * ratings[1],
             preload: None,
             compression: -scene.screw_tension_N.unwrap_or(0.0).min(0.0),
             reliability: reliability(scene),
         };
-        Ok(Self { axis, groove, body, carriage, drive, screw, held, assumed })
+        Ok(Self { axis, ratings, groove, body, carriage, drive, screw, assumed, held })
     }
 
     /// Advance for a radian of the screw \[m\].
@@ -181,6 +188,17 @@ pub(crate) fn mount(scene: &Scene) -> Mount {
             scene.buckling_length_mm.map(|mm| mm * MM),
         ),
     }
+}
+
+/// Factors of its load ratings: of makers' ones that of accuracy only where it is given, as they are printed for their own grade.
+pub(crate) fn rating_factors(scene: &Scene) -> RatingFactors {
+    let own = scene.rated_dynamic_load_N.or(scene.rated_static_load_N).is_none();
+    let grade = scene.nut.accuracy_grade.filter(|_| own);
+    let by_grade = grade.map_or(1.0, |word| word.grade.rating_factor());
+    let hardness = scene.hardness_HRC.map(Hardness::Rockwell);
+    let hardness = hardness.or(scene.hardness_HV10.map(Hardness::Vickers));
+    let steel = scene.nut.steel.map_or(1.0, SteelWord::factor);
+    RatingFactors::of(hardness, scene.accuracy_factor.unwrap_or(by_grade), steel)
 }
 
 /// Largest speed number that its ball return permits \[mm/min\].
@@ -248,11 +266,13 @@ pub(crate) fn reliability(scene: &Scene) -> f64 {
 
 /// The stretches of the cycle, or the one of the operating point.
 pub(crate) fn motions(scene: &Scene) -> Result<Vec<Motion>, CaseError> {
+    let load_factor = scene.value_or_default(InputKey::load_factor).unwrap_or(f64::NAN);
     let motion = |words: &PhaseWords| Motion {
         time: words.time(),
         force: words.force_N,
         pace: words.pace(),
         acceleration: words.acceleration_m_s2,
+        load_factor: words.load_factor.unwrap_or(load_factor),
     };
     if let Some(cycle) = &scene.nut.cycle {
         let timed = cycle.iter().filter(|phase| phase.time_s.is_some()).count();
@@ -278,7 +298,7 @@ pub(crate) fn motions(scene: &Scene) -> Result<Vec<Motion>, CaseError> {
             by: "for the axis".to_owned(),
         });
     };
-    Ok(vec![Motion { time: 1.0, force, pace, acceleration: 0.0 }])
+    Ok(vec![Motion { time: 1.0, force, pace, acceleration: 0.0, load_factor }])
 }
 
 impl From<SupportWord> for Support {

@@ -8,7 +8,8 @@ use serde_json::{Map, Value};
 
 use crate::Rule::{Above, AtLeast, Between};
 use crate::case::axis::{
-    carriage, make, motions, motor_speed, mount, preload, preload_method, reliability,
+    carriage, make, motions, motor_speed, mount, preload, preload_method, rating_factors,
+    reliability,
 };
 use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::quantity::keys;
@@ -113,12 +114,14 @@ const ALIASES: [(&str, &str); 2] =
     [("life_h", "required_life_h"), ("largest_speed_rpm", "motor_max_speed_rpm")];
 
 /// Words of a scene that a requirement may have.
-const WORDS_FROM_SCENES: [&str; 9] = [
+const WORDS_FROM_SCENES: [&str; 11] = [
     "support",
     "buckling_support",
     "screw_make",
     "cycle",
     "accuracy_grade",
+    "steel",
+    "contamination",
     "preload_arrangement",
     "preload_by",
     "preload_class",
@@ -370,6 +373,7 @@ impl Given {
             preload,
             method: preload_method(&scene),
             reliability: reliability(&scene),
+            factors: rating_factors(&scene),
             direction,
             pitches,
             reach,

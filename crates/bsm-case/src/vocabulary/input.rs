@@ -517,6 +517,16 @@ inputs! {
             "axial rigidity of the support bearings; rigid unless given";
         housing_stiffness_N_um ["N/um"] Above(0.0), None,
             "axial rigidity of the housings of bearings and nut; rigid unless given";
+        load_factor ["" "f_w"] Within(1.0, 5.0), Some(1.0),
+            "factor of the load in life and equivalent load; 1 to 1.2 without shocks up to 0.25 m/s, 1.2 to 1.5 up to 1 m/s, 1.5 to 2 up to 2 m/s";
+        hardness_HRC ["HRC"] Within(40.0, 66.0), None,
+            "Rockwell hardness of the raceways; lowers the load ratings below 60";
+        hardness_HV10 ["HV"] Within(392.0, 865.0), None,
+            "Vickers hardness of the raceways, in place of hardness_HRC; lowers the load ratings below 654";
+        accuracy_factor ["" "f_ac"] Within(0.1, 1.0), None,
+            "factor of accuracy of the load ratings; of calculated ones that of accuracy_grade, else 1 unless given";
+        contamination_factor ["" "e_C"] Within(0.0, 1.0), None,
+            "contamination factor of the lubricant, for the modified life, in place of contamination";
         reliability_percent ["%"] Within(90.0, 99.0), Some(90.0),
             "share of the nuts that reach the life";
         axis_heat_transfer_W_K ["W/K"] Above(0.0), None,

@@ -281,9 +281,27 @@ const PRETENSION: Quantity = Quantity {
     ],
 };
 
+/// Hardness of the raceways.
+const HARDNESS: Quantity = Quantity {
+    words: "hardness_HRC (or hardness_HV10)",
+    forms: &[
+        Form { key: InputKey::hardness_HRC, with: InputSet::of(&[]), to: "" },
+        Form { key: InputKey::hardness_HV10, with: InputSet::of(&[]), to: "" },
+    ],
+};
+
 /// All quantities that have several forms.
-const QUANTITIES: &[Quantity] =
-    &[LEAD, CONTACT_ANGLE, SPEED, VISCOSITY, TEMPERATURE, NUT_IN_AIR, COOLED_SCREW, PRETENSION];
+const QUANTITIES: &[Quantity] = &[
+    LEAD,
+    CONTACT_ANGLE,
+    SPEED,
+    VISCOSITY,
+    TEMPERATURE,
+    NUT_IN_AIR,
+    COOLED_SCREW,
+    PRETENSION,
+    HARDNESS,
+];
 
 /// Inputs that follow from others where they are not given, and from which.
 const FOLLOW: &[(InputKey, &[InputSet])] = {

@@ -4,7 +4,7 @@ use bsm_design::DutySpeed;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use crate::Rule::{Above, Any};
+use crate::Rule::{Above, Any, Within};
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{RPM, convert};
@@ -19,6 +19,7 @@ keys! {
     feed_m_min ["m/min" "v"] Any, None, "velocity of the nut along the screw; 0 unless screw_speed_rpm is given";
     screw_speed_rpm ["rpm" "n"] Any, None, "speed of the screw, in place of feed_m_min";
     acceleration_m_s2 ["m/s2" "a"] Any, Some(0.0), "acceleration along a positive feed";
+    load_factor ["" "f_w"] Within(1.0, 5.0), None, "factor of the load in life and equivalent load; that of the scene unless given";
 }
 
 /// A phase of a cycle.
@@ -42,6 +43,9 @@ pub struct PhaseWords {
     pub screw_speed_rpm: Option<f64>,
     /// Acceleration along a positive feed.
     pub acceleration_m_s2: f64,
+    /// Factor of the load in the life; that of the scene unless given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub load_factor: Option<f64>,
 }
 
 impl TryFrom<Map<String, Value>> for PhaseWords {
@@ -80,6 +84,7 @@ impl PhaseWords {
                 "force_N" => phase.force_N = value,
                 "feed_m_min" => phase.feed_m_min = Some(value),
                 "screw_speed_rpm" => phase.screw_speed_rpm = Some(value),
+                "load_factor" => phase.load_factor = Some(value),
                 _ => phase.acceleration_m_s2 = value,
             }
         }

@@ -1,6 +1,8 @@
 //! What a scene says of a nut, its axis and its lubricant besides numbers: lists, objects, texts and flags.
 
-use bsm_design::{Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod, RigidityAt};
+use bsm_design::{
+    Contamination, Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod, RigidityAt,
+};
 use bsm_dyn::BaseOil;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -68,7 +70,7 @@ const OBJECTS: [(&str, &str); 3] = [
     ),
     (
         "phase",
-        "time_s? number, share? number, force_N? number, feed_m_min? number, screw_speed_rpm? number, acceleration_m_s2? number",
+        "time_s? number, share? number, force_N? number, feed_m_min? number, screw_speed_rpm? number, acceleration_m_s2? number, load_factor? number",
     ),
 ];
 
@@ -114,6 +116,10 @@ words! {
         "how the screw and its ball return are made, for the largest speed number; ground unless given";
     accuracy_grade: GradeWord ["string"],
         "accuracy grade of the screw, for bsm axis: P0 to P10 and T5 to T10 of ISO 3408-3, C0 to C10 of JIS B 1192 (THK, NSK, MISUMI); a number alone is a P grade";
+    steel: SteelWord ["air-melted|vacuum-degassed|electro-slag|vacuum-remelted"],
+        "how the steel of the raceways is melted, for the dynamic load rating; air-melted unless given";
+    contamination: ContaminationWord ["extreme-cleanliness|high|normal|slight|typical|severe|very-severe"],
+        "cleanliness of the lubricant by ISO 281, for the modified life: high, greased for life and sealed; normal, wipers and bellows; typical, no wipers; severe, open in chips";
     keep_ratings: bool ["boolean"],
         "true: rated_dynamic_load_N and rated_static_load_N stand although the groove has other ratings by more than a factor of 2";
     rated_rigidity_at: RigidityWord ["0.3 Ca|0.28 Ca|preload 0.1 Ca"],
@@ -330,6 +336,59 @@ pub enum SupportWord {
     FixedFixed,
 }
 
+/// How a steel is melted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SteelWord {
+    /// In air.
+    AirMelted,
+    /// Degassed in vacuum.
+    VacuumDegassed,
+    /// Remelted under slag.
+    ElectroSlag,
+    /// Remelted in vacuum.
+    VacuumRemelted,
+}
+
+impl SteelWord {
+    /// Factor of the dynamic load rating `$f_m$`, usual values of ISO 3408-5.
+    pub(crate) fn factor(self) -> f64 {
+        match self {
+            Self::AirMelted => 1.0,
+            Self::VacuumDegassed => 1.25,
+            Self::ElectroSlag => 1.44,
+            Self::VacuumRemelted => 1.71,
+        }
+    }
+}
+
+/// Cleanliness of a lubricant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ContaminationWord {
+    ExtremeCleanliness,
+    High,
+    Normal,
+    Slight,
+    Typical,
+    Severe,
+    VerySevere,
+}
+
+impl From<ContaminationWord> for Contamination {
+    fn from(word: ContaminationWord) -> Self {
+        match word {
+            ContaminationWord::ExtremeCleanliness => Self::ExtremeCleanliness,
+            ContaminationWord::High => Self::High,
+            ContaminationWord::Normal => Self::Normal,
+            ContaminationWord::Slight => Self::Slight,
+            ContaminationWord::Typical => Self::Typical,
+            ContaminationWord::Severe => Self::Severe,
+            ContaminationWord::VerySevere => Self::VerySevere,
+        }
+    }
+}
+
 /// How a screw is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -503,9 +562,12 @@ mod tests {
             "buckling_support": "fixed-fixed",
             "screw_make": "ground",
             "accuracy_grade": "C3",
+            "steel": "electro-slag",
+            "contamination": "very-severe",
             "keep_ratings": true,
             "rated_rigidity_at": "0.28 Ca",
-            "cycle": [{ "time_s": 1.0, "force_N": 1.0, "feed_m_min": 1.0, "acceleration_m_s2": 1.0 }],
+            "cycle": [{ "time_s": 1.0, "force_N": 1.0, "feed_m_min": 1.0, "acceleration_m_s2": 1.0,
+                        "load_factor": 1.5 }],
             "warm_state": true,
             "coolant": "oil",
             "drag_rule": false,

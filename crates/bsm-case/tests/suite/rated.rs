@@ -110,6 +110,9 @@ fn a_feed_axis_by_its_catalogue() {
         assert_relative_eq!(number(&report, name), expected, max_relative = 5e-5);
     };
     near("preload_torque_measured_Nm", 0.720_499);
+    near("preload_torque_measured_low_Nm", 0.504_349);
+    near("preload_torque_measured_high_Nm", 0.936_649);
+    near("preload_torque_percent", 30.0);
     near("critical_speed_rpm", 4476.7);
     near("critical_speed_ratio", 0.446_75);
     near("buckling_load_N", 265_885.0);
@@ -213,4 +216,155 @@ fn an_error_of_the_travel_is_a_rule() {
     let long = of(&["required_travel_error_um=500", "accuracy_grade=P3", "useful_travel_mm=5001"]);
     assert_eq!(rule(&long).map(|(passes, _)| passes), Some(false));
     assert!(has_note(&long, "P3 has no v_up over 5001 mm"), "{:?}", long.answer.notes);
+}
+
+/// The oil of example E, and its load factors.
+const OILED: [&str; 4] = [
+    "viscosity_40C_mm2_s=35.36",
+    "viscosity_100C_mm2_s=6",
+    "lubricant_temperature_C=40",
+    r#"cycle=[{"force_N": 7000, "screw_speed_rpm": 100, "time_s": 0.2, "load_factor": 1.3},
+        {"force_N": 3000, "screw_speed_rpm": 300, "time_s": 0.4, "load_factor": 1.2},
+        {"force_N": 500, "screw_speed_rpm": 2000, "time_s": 0.2, "load_factor": 1.2},
+        {"force_N": -500, "screw_speed_rpm": -2000, "time_s": 0.2, "load_factor": 1.2}]"#,
+];
+
+/// Example E of the specification, calculated independently: life with load factors, and the life modified by lubricant and
+/// contamination, of which a required life must be below the smaller.
+#[test]
+fn a_life_is_modified_by_load_factors_and_lubricant() {
+    let of =
+        |settings: &[&str]| sheet(FEED_AXIS, &[&OILED[..], settings].concat()).expect("a sheet");
+    let near = |report: &AxisReport, name: &str, expected: f64| {
+        // Half a unit of the last of five digits.
+        assert_relative_eq!(number(report, name), expected, max_relative = 2.5e-5);
+    };
+    let typical = of(&["contamination=typical"]);
+    near(&typical, "equivalent_load_N", 3503.98);
+    near(&typical, "cycle_life_revolutions", 2.692_44e9);
+    near(&typical, "cycle_life_h", 47_738.0);
+    near(&typical, "fatigue_load_limit_N", 6413.6);
+    near(&typical, "modified_life_h", 23_463.0);
+    near(&typical, "modified_life_low_h", 18_939.0);
+    near(&typical, "modified_life_high_h", 26_773.0);
+    let ratios = typical.phases.iter().map(|phase| phase.number("viscosity_ratio").expect("oil"));
+    for (ours, expected) in ratios.zip([0.232_075, 0.577_615, 2.270_61, 2.270_61]) {
+        assert_relative_eq!(ours, expected, max_relative = 1e-5);
+    }
+    let factor = of(&["contamination_factor=0.2", "reliability_percent=95"]);
+    near(&factor, "modified_life_h", 14_547.0);
+    assert_eq!(factor.number("modified_life_low_h"), factor.number("modified_life_h"));
+    near(&sheet(FEED_AXIS, &[]).expect("a sheet"), "cycle_life_h", 60_740.0);
+    // The load factor changes neither static safety nor buckling nor torque.
+    for name in ["static_safety_factor", "buckling_safety", "peak_motor_torque_Nm"] {
+        let plain = sheet(FEED_AXIS, &[]).expect("a sheet");
+        assert_eq!(typical.number(name), plain.number(name), "{name}");
+    }
+    let passes = |hours: &str| {
+        let report = of(&["contamination=typical", hours]);
+        let rules = report.answer.rules.iter().filter(|rule| rule.title.contains("life"));
+        rules.map(|rule| (rule.title, rule.passes())).collect::<Vec<_>>()
+    };
+    assert_eq!(passes("required_life_h=20000"), [("life", true), ("modified life", true)]);
+    assert_eq!(passes("required_life_h=30000"), [("life", true), ("modified life", false)]);
+    // Each alone leaves the life as it is, and says so; thin oil has no factor, which keeps no requirement.
+    assert!(has_note(&of(&[]), "contamination is not given"));
+    let dry = sheet(FEED_AXIS, &["contamination=high"]).expect("a sheet");
+    assert!(
+        has_note(&dry, "contamination without viscosity")
+            && dry.number("modified_life_h").is_none()
+    );
+    let thin = of(&[
+        "viscosity_40C_mm2_s=5",
+        "viscosity_100C_mm2_s=2",
+        "contamination=high",
+        "required_life_h=1",
+    ]);
+    assert!(
+        has_note(&thin, "below 0.1") && thin.number("modified_life_h").is_none() && !thin.passes()
+    );
+    let both =
+        sheet(FEED_AXIS, &["contamination=high", "contamination_factor=1"]).expect_err("both");
+    assert!(both.to_string().contains("contamination_factor"), "{both}");
+}
+
+/// By hand: ratings of a maker are printed for their grade; an own rating of grade 10 has 0.7, 0.343 of the life; 50 HRC has
+/// (50/60)² and (50/60)³; catalogues advise load factors of 1 to 1.2 at 10 m/min.
+#[test]
+fn ratings_and_loads_have_factors() {
+    let of = |settings: &[&str]| sheet(FOUR, settings).expect("a sheet");
+    let plain = of(&[]);
+    let rated = of(&["accuracy_grade=T10"]);
+    assert_eq!(rated.number("cycle_life_h"), plain.number("cycle_life_h"));
+    assert!(has_note(&rated, "as it is printed for grade T10"));
+    let soft = of(&["hardness_HRC=50", "accuracy_factor=0.9", "steel=electro-slag"]);
+    let near = |name: &str, expected: f64| {
+        assert_relative_eq!(number(&soft, name), expected, max_relative = 1e-12);
+    };
+    near("modified_dynamic_rating_N", 52_000.0 * 0.9);
+    near("modified_static_rating_N", 88_000.0 * 0.9 * (5.0_f64 / 6.0).powi(3));
+    near("cycle_life_h", 0.729 * number(&plain, "cycle_life_h"));
+    let both =
+        sheet(FOUR, &["hardness_HRC=50", "hardness_HV10=500"]).expect_err("both").to_string();
+    assert!(both.contains("hardness_HV10"), "{both}");
+    // (52/5)³ million revolutions at 500 rpm, and 1.2³ less.
+    assert!(
+        has_note(&plain, "advise 1 to 1.2 at this speed: life 37495 to 21699 h"),
+        "{:?}",
+        plain.answer.notes
+    );
+    let shocks = of(&["load_factor=2"]);
+    assert_relative_eq!(
+        number(&shocks, "cycle_life_h"),
+        number(&plain, "cycle_life_h") / 8.0,
+        max_relative = 1e-12
+    );
+    assert!(!has_note(&shocks, "catalogues advise"));
+    let groove = include_str!("../../../../examples/axis.json");
+    let own = |grade: &str| sheet(groove, &["preload_N=1", grade]).expect("a sheet");
+    let (fine, coarse) = (own("accuracy_grade=T5"), own("accuracy_grade=T10"));
+    let ratio =
+        number(&coarse, "modified_dynamic_rating_N") / number(&fine, "modified_dynamic_rating_N");
+    assert_relative_eq!(ratio, 0.7, max_relative = 1e-12);
+}
+
+/// THK A-722 to A-735: loads of both directions, each flank 4.0868e9 revolutions, both together 2.1901e9; hours of one flank 170 285.
+#[test]
+fn a_transfer_axis_of_a_catalogue() {
+    let ramp = |force: f64, feed: f64, acceleration: f64| {
+        format!(
+            r#"{{"time_s": 0.15, "force_N": {force}, "feed_m_min": {feed}, "acceleration_m_s2": {acceleration}}}"#
+        )
+    };
+    let steady = |force: f64, feed: f64| {
+        format!(r#"{{"time_s": 0.85, "force_N": {force}, "feed_m_min": {feed}}}"#)
+    };
+    let a = 1.0 / 0.15;
+    let phases = [
+        ramp(15.0, 30.0, a),
+        steady(15.0, 60.0),
+        ramp(15.0, 30.0, -a),
+        ramp(-15.0, -30.0, -a),
+        steady(-15.0, -60.0),
+        ramp(-15.0, -30.0, a),
+        r#"{"time_s": 5.2}"#.to_owned(),
+    ];
+    let scene = format!(
+        r#"{{"nominal_diameter_mm": 20, "lead_mm": 40, "rated_dynamic_load_N": 5400, "rated_static_load_N": 13600, "moved_mass_kg": 80,
+            "guide_friction": 0.003, "load_factor": 1.5, "cycle": [{}]}}"#,
+        phases.join(", ")
+    );
+    let report = sheet(&scene, &[]).expect("a sheet");
+    let loads = report.phases.iter().map(|phase| phase.number("screw_load_N").expect("a load"));
+    for (ours, expected) in loads.zip([550.69, 17.354, -515.98, -550.69, -17.354, 515.98]) {
+        // Half a unit of the last of five digits.
+        assert_relative_eq!(ours, expected, max_relative = 5e-5);
+    }
+    let one_way = 1e6 * (5400.0 / number(&report, "equivalent_load_N")).powi(3);
+    assert_relative_eq!(number(&report, "equivalent_load_N"), 337.75, max_relative = 2e-5);
+    assert_relative_eq!(one_way, 4.0868e9, max_relative = 2e-5);
+    assert_relative_eq!(number(&report, "cycle_life_revolutions"), 2.1901e9, max_relative = 3e-5);
+    let hours =
+        number(&report, "cycle_life_h") * one_way / number(&report, "cycle_life_revolutions");
+    assert_relative_eq!(hours, 170_285.0, max_relative = 1e-5);
 }

@@ -191,7 +191,7 @@ fn nut_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers) {
         ("static_safety_factor", ""),
         number("static_safety_factor"),
         (true, input(InputKey::required_static_safety)),
-        "ISO 3408-5 (Z16); by the most loaded ball too, bsm nut",
+        "ISO 3408-5 (Z16); by the most loaded ball too, bsm nut. THK asks for 1 to 1.5, with impact for 2 to 7",
         &|margin| format!("a static load rating of {:.0} N", rating / margin),
     );
     let dynamic = axis.dynamic_rating;
@@ -202,6 +202,16 @@ fn nut_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers) {
         (true, scene.required_life_h),
         "ISO 3408-5 (D12) to (D15), reliability (Z14)",
         &|margin| format!("a dynamic load rating of {:.0} N", dynamic / margin.cbrt()),
+    );
+    let lubricated = number("fatigue_load_limit_N").is_some();
+    rules.add(
+        "modified life",
+        ("modified_life_h", "h"),
+        // What cannot be judged is not kept.
+        lubricated.then(|| number("modified_life_h").unwrap_or(f64::NAN)),
+        (true, scene.required_life_h),
+        "ISO 281 with viscosity ratio and contamination (Z37) to (Z40)",
+        &|_| "more viscosity, a cleaner lubricant or a larger dynamic load rating".to_owned(),
     );
     rules.add(
         "life by all balls",

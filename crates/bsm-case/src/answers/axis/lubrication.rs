@@ -1,0 +1,45 @@
+//! What the modified life of an axis follows from.
+
+use bsm_design::{Contamination, usual_fatigue_limit};
+use bsm_dyn::Temperature;
+
+use crate::case::axis::Machine;
+use crate::{CaseError, Scene};
+
+/// Lubricant and cleanliness of a nut.
+pub(super) struct Lubrication {
+    /// Kinematic viscosity of the warm lubricant \[m²/s\].
+    pub(super) viscosity: f64,
+    /// Fatigue load limit \[N\].
+    pub(super) fatigue_limit: f64,
+    /// Contamination factor: usual, least, largest.
+    pub(super) contamination: [f64; 3],
+}
+
+impl Lubrication {
+    /// That of a scene; `None` unless contamination, viscosity and temperature of the lubricant are given.
+    pub(super) fn of(scene: &Scene, machine: &Machine) -> Result<Option<Self>, CaseError> {
+        let screw = &machine.axis.screw;
+        let by_word = |word| Contamination::from(word).factor(screw.pitch_diameter);
+        let contamination = match (scene.nut.contamination, scene.contamination_factor) {
+            (Some(_), Some(_)) => {
+                return Err(CaseError::given_twice(["contamination", "contamination_factor"]));
+            }
+            (word, factor) => factor.map(|factor| [factor; 3]).or(word.map(by_word)),
+        };
+        let lubricant = scene.reader().lubricant();
+        let viscosity = lubricant.and_then(|lubricant| match lubricant.temperature {
+            Temperature::Known(kelvin) => Some(lubricant.oil.at(kelvin).kinematic_viscosity),
+            Temperature::Balance { .. } => None,
+        });
+        let of_groove = machine.groove.as_ref().map(|(nut, _)| nut.fatigue_limit());
+        let fatigue_limit = of_groove
+            .unwrap_or_else(|| Some(usual_fatigue_limit(machine.ratings[1], screw.pitch_diameter)));
+        let found = contamination.zip(viscosity).zip(fatigue_limit);
+        Ok(found.map(|((contamination, viscosity), fatigue_limit)| Self {
+            viscosity,
+            fatigue_limit,
+            contamination,
+        }))
+    }
+}
