@@ -26,7 +26,7 @@ enum Origin {
 /// How a kernel answers the rows of a table that have a value in every column, made once for all of them.
 #[derive(Debug)]
 pub(crate) struct ColumnPlan<'a> {
-    pub(crate) model: Model,
+    pub(crate) model: ModelChoice,
     base: &'a Scene,
     columns: &'a Columns,
     /// Inputs that such a row has.
@@ -47,10 +47,11 @@ impl<'a> ColumnPlan<'a> {
         let given = in_row(cells);
         given.check_forms().ok()?;
         // Rows that a model does not cover are left to it too.
-        let choice = settings.model.resolve(given, |_| Ok(())).ok()?;
-        let ModelChoice::Fixed(model) = choice else { return None };
+        let model = settings.model.resolve(given, |_| Ok(())).ok()?;
         let lubricant = if given.is_lubricated() {
-            if model != Model::RacewayControl || settings.friction != RacewayFriction::PerContact {
+            if model != Model::RacewayControl.into()
+                || settings.friction != RacewayFriction::PerContact
+            {
                 return None;
             }
             Some(base.lubricant_but_for_temperature(cells)?)

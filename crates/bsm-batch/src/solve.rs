@@ -1,11 +1,14 @@
 //! Answers of a task for a chunk of rows.
 
 use std::cell::{Cell, RefCell};
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use bsm_case::{AnalysisKind, CaseError, Moving, Output, Quantity, Record};
+use bsm_case::{
+    AnalysisKind, CaseError, ModelChoice, Moving, Output, Quantity, Record, reason_of_choice,
+};
 use bsm_dyn::{Model, ModelWorkspace, Status};
-use bsm_kernels::{InputColumns, Rows, Selection};
+use bsm_kernels::{InputColumns, RowChoice, Rows, Selection};
 use bsm_simd::Arch;
 use rayon::prelude::*;
 
@@ -172,7 +175,7 @@ impl<'a> Solver<'a> {
         // Who has no places for what fills gaps does not ask for it.
         let outputs = &self.outputs[..room.columns.len()];
         let stride = match &self.plan {
-            Some(plan) if plan.model == Model::Traction => TRACTION_STRIDE,
+            Some(plan) if asks_traction(plan.model) => TRACTION_STRIDE,
             Some(_) => KERNEL_STRIDE,
             None => MODEL_STRIDE,
         };
@@ -198,12 +201,17 @@ impl<'a> Solver<'a> {
     }
 }
 
+/// True if the kernel of traction is asked.
+fn asks_traction(model: ModelChoice) -> bool {
+    matches!(model, ModelChoice::Auto | ModelChoice::Fixed(Model::Traction))
+}
+
 /// A chunk that is being solved.
 struct Run<'a> {
     solver: &'a Solver<'a>,
     chunk: &'a Chunk,
     /// The inputs of a kernel, and its model.
-    kernel: Option<(InputColumns<'a>, Model)>,
+    kernel: Option<(InputColumns<'a>, ModelChoice)>,
     outputs: &'a [&'static Output],
     wanted: Selection,
     arch: Arch,
@@ -253,15 +261,17 @@ impl Run<'_> {
     ) -> Vec<(usize, String)> {
         let solver = self.solver;
         let settings = &solver.task.settings;
-        let model = self.kernel.as_ref().map_or(settings.model, |(_, model)| (*model).into());
+        let model = self.kernel.as_ref().map_or(settings.model, |(_, model)| *model);
         verdicts.fill(Verdict { model, status: Status::Converged, has_others: false });
-        let mut done = vec![false; verdicts.len()];
+        let (mut done, mut messages) = (vec![false; verdicts.len()], BTreeMap::new());
         if let Some((operands, model)) = &self.kernel {
             let (wanted, columns) = (&self.wanted, &mut *outputs);
             let rows = Rows { operands, wanted, first, columns, done: &mut done };
-            rows.solve(self.arch, *model, settings);
+            for RowChoice { row, choice, bound } in rows.solve(self.arch, *model, settings) {
+                verdicts[row].model = choice.basis.model().into();
+                messages.insert(row, reason_of_choice(&choice, bound));
+            }
         }
-        let mut messages = Vec::new();
         let is_left = |done: &bool| !(*done && solver.analyses.is_empty());
         for (i, done) in done.iter().enumerate().filter(|(_, done)| is_left(done)) {
             if self.stop.load(Ordering::Relaxed) {
@@ -274,20 +284,22 @@ impl Run<'_> {
                 }
             }
             let put = |place: usize, value| outputs[place][i] = value;
-            let (verdict, message) = self.row(first + i, *done, put);
+            let words = messages.remove(&i).into_iter().collect();
+            let (verdict, message) = self.row(first + i, *done, words, put);
             verdicts[i] = verdict.unwrap_or(verdicts[i]);
-            messages.extend(message.map(|message| (first + i, message)));
+            messages.extend(message.map(|message| (i, message)));
         }
-        messages
+        messages.into_iter().map(|(row, message)| (first + row, message)).collect()
     }
 
     /// Answers a row: its verdict unless a kernel has answered all but its analyses, and its message.
     ///
-    /// * `put`: takes the value of an output, by place.
+    /// * `words`: of the kernel. * `put`: takes the value of an output, by place.
     fn row(
         &self,
         row: usize,
         by_kernel: bool,
+        mut words: Vec<String>,
         mut put: impl FnMut(usize, f64),
     ) -> (Option<Verdict>, Option<String>) {
         let Task { base, settings, .. } = self.solver.task;
@@ -303,7 +315,7 @@ impl Run<'_> {
             Ok(scene) => scene,
             Err(error) => return invalid(&error),
         };
-        let (mut verdict, mut words, mut motion) = (None, Vec::new(), None);
+        let (mut verdict, mut motion) = (None, None);
         if self.solver.solves && (self.solver.moves || !by_kernel) {
             let record = match scene.problem(settings) {
                 Ok(problem) => Record::new(WORK.with_borrow_mut(|work| problem.solve(work))),

@@ -49,7 +49,7 @@ pub use answers::makers::{MakerNut, MakerRow, column_names};
 pub use answers::nut::{Columns, NutReport};
 pub use answers::optimum::optimum;
 pub use answers::ratings::ratings;
-pub use answers::record::{Beside, Record};
+pub use answers::record::{Beside, Record, reason_of_choice};
 pub use answers::rows::Scales;
 pub use answers::samples::Samples;
 pub use answers::schema::{input_schema, output_schema};

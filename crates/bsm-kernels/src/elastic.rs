@@ -1,5 +1,5 @@
-//! Saturated friction on elastic contacts by lanes: the straight beginning of the curve of all states of
-//! force.
+//! Saturated friction on elastic contacts by lanes: the beginning of the curve of all states of force, up to where the
+//! inertia falls.
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::balance::ideal_torque;
@@ -31,7 +31,7 @@ impl Kernel for Elastic {
         let friction = given.get(InputKey::friction_coefficient);
         let back = units.speed.lt(friction.constant(0.0));
         let signed = back.select(-friction, friction);
-        let skid = given.simd.vectorize(GrossSlip { pair: &pair, friction: signed });
+        let skid = given.simd.vectorize(GrossSlip { pair: &pair, friction: signed, any: false });
         if !skid.found.any() {
             return skid.found;
         }
@@ -46,11 +46,13 @@ impl Kernel for Elastic {
     }
 }
 
-/// The first roots, if they are where the curve is straight, of a friction with the sign of the speed: a call of its
+/// The first roots, if the inertia only rises up to them, of a friction with the sign of the speed: a call of its
 /// own, as the code is long.
 pub(super) struct GrossSlip<'a, S: Simd> {
     pub(super) pair: &'a Balls<S>,
     pub(super) friction: Lane<S>,
+    /// One that serves as a start is enough.
+    pub(super) any: bool,
 }
 
 impl<S: Simd> NullaryFnOnce for GrossSlip<'_, S> {
@@ -58,26 +60,32 @@ impl<S: Simd> NullaryFnOnce for GrossSlip<'_, S> {
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        let Self { pair, friction } = self;
-        let [nut, screw] = &pair.pressed;
-        let ball = SlidingBall {
-            friction,
-            sin: pair.sin_a,
-            cos: pair.cos_a,
-            cot: pair.cos_a / pair.sin_a,
-            arc: pair.arc,
-            inertia_ratio: pair.inertia_ratio,
-            nut_speed: pair.nut_speed,
-            offsets: [nut.offset, screw.offset],
-            approaches: [nut.hertz.compliance, screw.hertz.compliance],
-            reach: pair.reach(),
-        };
+        let Self { pair, friction, any } = self;
+        let ball = sliding_ball(pair, friction);
         let expected = pair.regular
             & takes(friction.abs(), pair.inertia_ratio)
             & pair.nut_speed.abs().lt(pair.constant(MOST_NUT_SPEED));
-        let root = ball.first_root(pair.cos_b / pair.sin_b, expected);
+        let root = ball.first_root(pair.cos_b / pair.sin_b, expected, any);
         let sure = root.state.along.lt(pair.constant(MOST_LOAD));
         SlidingRoot { steady: root.steady & sure, found: root.found & sure, ..root }
+    }
+}
+
+/// The balls with a friction that has the sign of the speed.
+#[inline(always)]
+pub(super) fn sliding_ball<S: Simd>(pair: &Balls<S>, friction: Lane<S>) -> SlidingBall<Lane<S>> {
+    let [nut, screw] = &pair.pressed;
+    SlidingBall {
+        friction,
+        sin: pair.sin_a,
+        cos: pair.cos_a,
+        cot: pair.cos_a / pair.sin_a,
+        arc: pair.arc,
+        inertia_ratio: pair.inertia_ratio,
+        nut_speed: pair.nut_speed,
+        offsets: [nut.offset, screw.offset],
+        approaches: [nut.hertz.compliance, screw.hertz.compliance],
+        reach: pair.reach(),
     }
 }
 

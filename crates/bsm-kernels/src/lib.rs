@@ -8,6 +8,7 @@
     reason = "code takes the instruction set of its caller only inline"
 )]
 
+mod auto;
 mod closed_form;
 mod elastic;
 mod operand;
@@ -18,8 +19,8 @@ mod rigid;
 mod traction;
 mod units;
 
-use bsm_case::{OUTPUTS, Output, OutputKey, Settings};
-use bsm_dyn::Model;
+use bsm_case::{ModelChoice, OUTPUTS, Output, OutputKey, Settings};
+use bsm_dyn::{Choice, Model};
 use bsm_simd::{Arch, Simd, WithSimd};
 
 use self::closed_form::ClosedForm;
@@ -41,7 +42,7 @@ trait Kernel {
 }
 
 /// The outputs that are wanted, and their places.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Selection([Option<usize>; OUTPUTS.len()]);
 
 impl Selection {
@@ -54,6 +55,21 @@ impl Selection {
             }
         }
         Self(places)
+    }
+
+    /// With more outputs, those that are new behind `len` columns.
+    fn with(&self, keys: &[OutputKey], len: usize) -> Self {
+        let mut this = self.clone();
+        let new = keys.iter().filter(|key| self.place(**key).is_none());
+        for (place, key) in (len..).zip(new) {
+            this.0[*key as usize] = Some(place);
+        }
+        this
+    }
+
+    /// The place of an output.
+    fn place(&self, key: OutputKey) -> Option<usize> {
+        self.0[key as usize]
     }
 }
 
@@ -69,13 +85,13 @@ impl Sink<'_, '_> {
     /// True if any of these outputs is wanted: what takes time is computed only then.
     #[inline(always)]
     fn wants(&self, keys: &[OutputKey]) -> bool {
-        keys.iter().any(|key| self.wanted.0[*key as usize].is_some())
+        keys.iter().any(|key| self.wanted.place(*key).is_some())
     }
 
     /// Stores the values of an output, in the unit of the vocabulary.
     #[inline(always)]
     fn set<S: Simd>(&mut self, key: OutputKey, values: Lane<S>) {
-        if let Some(place) = self.wanted.0[key as usize] {
+        if let Some(place) = self.wanted.place(key) {
             values.store(&mut self.columns[place][self.row..]);
         }
     }
@@ -108,20 +124,41 @@ pub struct Rows<'a, 'b> {
     pub done: &'a mut [bool],
 }
 
+/// Why a model answers a row of the choice by error bounds.
+#[derive(Debug, Clone, Copy)]
+pub struct RowChoice {
+    /// Its place among the rows.
+    pub row: usize,
+    /// The reason.
+    pub choice: Choice,
+    /// Bound of the error of the efficiency.
+    pub bound: f64,
+}
+
 impl Rows<'_, '_> {
-    /// Answers the ordinary rows of a model.
-    pub fn solve(self, arch: Arch, model: Model, settings: &Settings) {
+    /// Answers the ordinary rows of a model, and says which one was chosen where it is to be chosen.
+    pub fn solve(self, arch: Arch, model: ModelChoice, settings: &Settings) -> Vec<RowChoice> {
         match model {
-            Model::ClosedForm => arch.dispatch(Run { kernel: ClosedForm, rows: self }),
-            Model::QuasiStatic => arch.dispatch(Run { kernel: QuasiStatic, rows: self }),
-            Model::Rigid => arch.dispatch(Run { kernel: Rigid, rows: self }),
-            Model::RacewayControl => {
+            ModelChoice::Auto => return auto::solve(arch, self, settings.tolerance),
+            ModelChoice::Fixed(Model::ClosedForm) => {
+                arch.dispatch(Run { kernel: ClosedForm, rows: self });
+            }
+            ModelChoice::Fixed(Model::QuasiStatic) => {
+                arch.dispatch(Run { kernel: QuasiStatic, rows: self });
+            }
+            ModelChoice::Fixed(Model::Rigid) => arch.dispatch(Run { kernel: Rigid, rows: self }),
+            ModelChoice::Fixed(Model::RacewayControl) => {
                 let kernel = Raceway { control: settings.control };
                 arch.dispatch(Run { kernel, rows: self });
             }
-            Model::Elastic => arch.dispatch(Run { kernel: Elastic, rows: self }),
-            Model::Traction => traction::solve(arch, self, settings),
+            ModelChoice::Fixed(Model::Elastic) => {
+                arch.dispatch(Run { kernel: Elastic, rows: self });
+            }
+            ModelChoice::Fixed(Model::Traction) => {
+                traction::solve(arch, self, settings.accuracy, settings.creep);
+            }
         }
+        Vec::new()
     }
 }
 

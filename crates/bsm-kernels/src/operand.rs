@@ -44,6 +44,22 @@ impl<'a> InputColumns<'a> {
         let columns = (0..inputs.len()).filter(is_column).collect();
         Self { inputs, columns, lubricant }
     }
+
+    /// The inputs of some points, one after the other.
+    pub(crate) fn select(&self, points: &[usize]) -> Self {
+        let input = |input: &InputColumn<'_>| match input {
+            InputColumn::Absent => InputColumn::Absent,
+            InputColumn::Constant(value) => InputColumn::Constant(*value),
+            InputColumn::Column(rule, values) => {
+                InputColumn::Column(*rule, points.iter().map(|point| values[*point]).collect())
+            }
+        };
+        Self {
+            inputs: self.inputs.each_ref().map(input),
+            columns: self.columns.clone(),
+            lubricant: self.lubricant,
+        }
+    }
 }
 
 /// The least and the largest size of a plain value.

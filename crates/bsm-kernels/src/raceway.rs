@@ -11,7 +11,7 @@ use bsm_dyn::{
     skid_number,
 };
 use bsm_kin::{relative_rotation, spin_at_nut};
-use bsm_simd::Simd;
+use bsm_simd::{NullaryFnOnce, Simd};
 
 pub(super) use self::balance::{Balanced, Roll};
 use self::friction::Ellipse;
@@ -33,27 +33,61 @@ impl Kernel for Raceway {
     #[inline(always)]
     fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S> {
         let (units, pair) = given.simd.vectorize(InUnits(given));
-        let grip = given.simd.vectorize(Balanced { pair: &pair, control: self.control });
+        let control = self.control;
+        let ball =
+            given.simd.vectorize(RacewayRow { given, units: &units, pair: &pair, control, out });
+        ball.found & ball.unique
+    }
+}
+
+/// The answers of a lane of points: a call of its own, as the choice by error bounds begins with them.
+pub(super) struct RacewayRow<'a, 'b, 'c, 'd, S: Simd> {
+    pub(super) given: &'a LaneInputs<'b, S>,
+    pub(super) units: &'a Units<S>,
+    pub(super) pair: &'a Balls<S>,
+    pub(super) control: Option<Control>,
+    pub(super) out: &'a mut Sink<'c, 'd>,
+}
+
+/// What the choice by error bounds asks of rolling balls.
+pub(super) struct RacewayNumbers<S: Simd> {
+    pub(super) efficiency: Lane<S>,
+    /// Onset number and cross slip.
+    pub(super) skid: [Lane<S>; 2],
+    /// Where it is the first one, and where there is no other.
+    pub(super) found: Mask<S>,
+    pub(super) unique: Mask<S>,
+}
+
+impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
+    type Output = RacewayNumbers<S>;
+
+    #[inline(always)]
+    fn call(self) -> RacewayNumbers<S> {
+        let Self { given, units, pair, control, out } = self;
+        let grip = given.simd.vectorize(Balanced { pair, control });
+        let (zero, unique) = (grip.residual.constant(0.0), grip.unique);
         if !grip.found.any() {
-            return grip.found;
+            return RacewayNumbers { efficiency: zero, skid: [zero; 2], found: grip.found, unique };
         }
-        let motion = Motion::of(&pair, &grip);
-        given.simd.vectorize(ContactRow { out, units: &units, pair: &pair, sides: &grip.sides });
-        motion.outputs(out, &units, &pair);
-        let (resolved, friction) = transmit(out, given, (&units, &pair), (&grip, &motion));
-        regime(out, friction, (&units, &pair), (&grip, &motion));
+        let motion = Motion::of(pair, &grip);
+        let sides = &grip.sides;
+        given.simd.vectorize(ContactRow { out: &mut *out, units, pair, sides });
+        motion.outputs(out, units, pair);
+        let (resolved, efficiency, friction) =
+            transmit(out, given, (units, pair), (&grip, &motion));
+        let skid = regime(out, friction, (units, pair), (&grip, &motion));
         out.set(OutputKey::iterations, grip.steps);
         out.set(OutputKey::residual_norm, grip.residual);
-        let (zero, by_nut) = (grip.residual.constant(0.0), grip.by_nut);
-        out.set(OutputKey::controlling_race, by_nut.select(zero, zero + 1.0));
+        out.set(OutputKey::controlling_race, grip.by_nut.select(zero, zero + 1.0));
         // With a lubricant the model looks for no other solutions.
         if given.operands.lubricant.is_none() {
-            if self.control.is_none() {
+            if control.is_none() {
                 out.set(OutputKey::control_consistent, zero + 1.0);
             }
             out.set_unique(zero);
         }
-        grip.found & resolved
+        RacewayNumbers { efficiency, skid, found: grip.found & resolved, unique }
     }
 }
 
@@ -124,14 +158,14 @@ fn ellipse<S: Simd>(i: usize, pair: &Balls<S>, grip: &Roll<S>, motion: &Motion<S
 }
 
 /// Torque, efficiency and powers by the friction of both ellipses; where it is resolved, which must not
-/// depend on the outputs that are wanted; and the friction coefficient.
+/// depend on the outputs that are wanted; the efficiency and the friction coefficient.
 #[inline(always)]
 fn transmit<S: Simd>(
     out: &mut Sink<'_, '_>,
     given: &LaneInputs<'_, S>,
     (units, pair): (&Units<S>, &Balls<S>),
     (grip, motion): (&Roll<S>, &Motion<S>),
-) -> (Mask<S>, Lane<S>) {
+) -> (Mask<S>, Lane<S>, Lane<S>) {
     let (nut, screw) = (ellipse(0, pair, grip, motion), ellipse(1, pair, grip, motion));
     let ((nut_power, at_nut), (screw_power, at_screw)) = (nut.power(), screw.power());
     let zero = nut_power.constant(0.0);
@@ -154,17 +188,17 @@ fn transmit<S: Simd>(
         lubricated.outputs(out, (units, pair), (back, eta));
     }
     let finite = torque.abs().lt(zero.constant(f64::INFINITY));
-    (at_nut & at_screw & finite, friction)
+    (at_nut & at_screw & finite, eta, friction)
 }
 
-/// Stores skid number and onset number where they have a meaning, and returns the latter.
+/// Stores skid number and onset number where they have a meaning, and returns the latter with the cross slip.
 #[inline(always)]
 pub(super) fn regime<S: Simd>(
     out: &mut Sink<'_, '_>,
     friction: Lane<S>,
     (units, pair): (&Units<S>, &Balls<S>),
     (grip, motion): (&Roll<S>, &Motion<S>),
-) -> Lane<S> {
+) -> [Lane<S>; 2] {
     let [a, b] = &grip.sides;
     let rate = motion.p + pair.nut_speed;
     let ball = Ball { radius: pair.constant(1.0), mass: units.mass };
@@ -173,10 +207,11 @@ pub(super) fn regime<S: Simd>(
     let [slip_a, slip_b] = &motion.spin;
     let slip_a = slip_a.abs() * a.semi_axes(&pair.pressed[0]).0;
     let slip_b = slip_b.abs() * b.semi_axes(&pair.pressed[1]).0;
-    let onset = onset_number(skid, cross_slip(pair.sin_a, [slip_a, slip_b]));
+    let cross = cross_slip(pair.sin_a, [slip_a, slip_b]);
+    let onset = onset_number(skid, cross);
     for (key, x) in [(OutputKey::skid_number, skid), (OutputKey::onset_number, onset)] {
         let finite = x.lt(x.constant(f64::INFINITY));
         out.set(key, finite.select(x, x.constant(f64::NAN)));
     }
-    onset
+    [onset, cross]
 }

@@ -4,12 +4,12 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use bsm_case::{InputKey, OutputKey, Settings};
+use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::balance::ideal_torque;
 use bsm_dyn::{
     FAST_NUT, MOST_LOSS_ERROR, Model, POWER_BALANCE_TOL, SKIDS, TRACTION_FOUND, TRACTION_START,
-    TractionMany, TractionPoint, TractionRoot, TractionStart, loss_error, quadrature_error,
-    slip_scale, takes,
+    Traction, TractionMany, TractionPoint, TractionRoot, TractionStart, loss_error,
+    quadrature_error, slip_scale, takes,
 };
 use bsm_kin::relative_rotation;
 use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
@@ -24,36 +24,41 @@ use crate::units::Units;
 use crate::{Rows, Sink};
 
 /// Most points in a lane.
-const MANY: usize = 4 * BLOCK;
+pub(super) const MANY: usize = 4 * BLOCK;
+
+/// Accuracies that are remembered: those of the choice by error bounds, and one of one's own.
+const REMEMBERED: usize = Traction::ACCURACIES.len() + 1;
 
 thread_local! {
-    /// Those of the last accuracy: chunks are many, and may be of one row.
-    static LAST: RefCell<Option<(f64, Rc<TractionMany>)>> = const { RefCell::new(None) };
+    /// Those of the last accuracies: chunks are many, and may be of one row.
+    static LAST: RefCell<Vec<(f64, Rc<TractionMany>)>> = const { RefCell::new(Vec::new()) };
 }
 
 /// Quadratures of an accuracy, if the kernel has room for them.
 fn quadratures(accuracy: f64) -> Option<Rc<TractionMany>> {
-    LAST.with_borrow_mut(|last| match last {
-        Some((known, many)) if known.total_cmp(&accuracy).is_eq() => Some(Rc::clone(many)),
-        _ => {
-            let many = Rc::new(TractionMany::of(accuracy)?);
-            *last = Some((accuracy, Rc::clone(&many)));
-            Some(many)
+    LAST.with_borrow_mut(|last| {
+        if let Some((_, many)) = last.iter().find(|known| known.0.total_cmp(&accuracy).is_eq()) {
+            return Some(Rc::clone(many));
         }
+        let many = Rc::new(TractionMany::of(accuracy)?);
+        last.truncate(REMEMBERED - 1);
+        last.insert(0, (accuracy, Rc::clone(&many)));
+        Some(many)
     })
 }
 
 /// Answers the rows that its start leads to the root of.
-pub(super) fn solve(arch: Arch, rows: Rows<'_, '_>, settings: &Settings) {
-    if let Some(many) = quadratures(settings.accuracy) {
-        arch.dispatch(Solve { arch, rows, settings, many: &many });
+pub(super) fn solve(arch: Arch, rows: Rows<'_, '_>, accuracy: f64, creep: f64) {
+    if let Some(many) = quadratures(accuracy) {
+        arch.dispatch(Solve { arch, rows, accuracy, creep, many: &many });
     }
 }
 
 struct Solve<'a, 'b> {
     arch: Arch,
     rows: Rows<'a, 'b>,
-    settings: &'a Settings,
+    accuracy: f64,
+    creep: f64,
     many: &'a TractionMany,
 }
 
@@ -62,7 +67,7 @@ impl WithSimd for Solve<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { arch, rows, settings: &Settings { creep, accuracy, .. }, many } = self;
+        let Self { arch, rows, accuracy, creep, many } = self;
         let Rows { operands, wanted, first, columns, done } = rows;
         let (mut lanes, mut points, mut starts) = (Vec::new(), Vec::new(), Vec::new());
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
@@ -174,7 +179,7 @@ fn start<S: Simd>(
     let grip = given.simd.vectorize(Balanced { pair, control: None });
     let mut found = grip.found & takes(friction, pair.inertia_ratio);
     let motion = Motion::of(pair, &grip);
-    let onset = regime(out, friction, (units, pair), (&grip, &motion));
+    let [onset, _] = regime(out, friction, (units, pair), (&grip, &motion));
     let [a, b] = &grip.sides;
     let mut loads = [a.load, b.load];
     // sin 2ν = sin(β_B − β_A)
@@ -185,7 +190,7 @@ fn start<S: Simd>(
     let mut omega = [pair.sin_a * 0.5, motion.omega[0], motion.omega[1]];
     let skids = onset.gt(one * SKIDS) & onset.lt(one.constant(f64::INFINITY));
     if (found & skids).any() {
-        let skid = given.simd.vectorize(GrossSlip { pair, friction: point.friction });
+        let skid = given.simd.vectorize(GrossSlip { pair, friction: point.friction, any: true });
         found = found & (skid.steady | !skids);
         let [q_a, q_b] = skid.state.loads;
         loads = [skids.select(q_a, loads[0]), skids.select(q_b, loads[1])];

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use arrow_array::Float64Array;
 use bsm_batch::{Answers, Buffers, Cell, Chunk, Columns, Task};
-use bsm_case::{Output, Record, Scene, Settings};
+use bsm_case::{ModelChoice, Output, Record, Scene, Settings};
 use bsm_dyn::{Control, Model, ModelWorkspace, RacewayFriction, Status};
 use bsm_sample::{Sample, campaign};
 use rand::{RngExt, SeedableRng};
@@ -107,6 +107,9 @@ fn compare_on(settings: &Settings, base: &Scene, names: &[&str], table: &(Chunk,
         let expected = record(&scene, settings);
         let what = || format!("row {row}");
         let converged = assert_alike(&what, (&answers, row), &outputs, (&expected, &scene));
+        assert_eq!(answers.verdicts[row].model, expected.model(), "{}", what());
+        let words = expected.message().map(str::to_owned).or_else(|| expected.choice());
+        assert_eq!(answers.message(row), words.as_deref(), "{}", what());
         solved += usize::from(converged);
     }
     assert!(solved > count / 4, "{solved}");
@@ -174,9 +177,27 @@ fn traction_of_another_accuracy() {
     compare(&Settings { accuracy: 1e-6, ..Model::Traction.into() }, 100);
 }
 
+/// The model that is chosen, its bound and the reason are those of one point.
+#[test]
+fn auto() {
+    for tolerance in [1e-1, 1e-2, 1e-6] {
+        compare(&Settings { tolerance, ..auto_settings() }, campaign(1000));
+    }
+}
+
+fn auto_settings() -> Settings {
+    Settings { model: ModelChoice::Auto, ..Model::Traction.into() }
+}
+
+/// All models and the choice of one.
+fn all_settings() -> impl Iterator<Item = Settings> {
+    Model::ALL.into_iter().map(Settings::from).chain([auto_settings()])
+}
+
 /// Points that are enough of a model: one of `traction` takes as long as a hundred others in a build for tests.
-fn enough(model: Model, count: usize) -> (Chunk, Columns) {
-    points(if model == Model::Traction { count / 16 } else { count })
+fn enough(settings: &Settings, count: usize) -> (Chunk, Columns) {
+    let is_slow = matches!(settings.model, ModelChoice::Auto | ModelChoice::Fixed(Model::Traction));
+    points(if is_slow { count / 16 } else { count })
 }
 
 /// Rows `first` to `last` of a chunk.
@@ -197,10 +218,10 @@ fn bits(answers: &Answers) -> Vec<(String, Vec<u64>)> {
 /// The same bits on every instruction set, in chunks of any size, on any number of threads.
 #[test]
 fn results_depend_on_the_point_only() {
-    for model in Model::ALL {
+    for settings in all_settings() {
         // More than two threads' worth.
-        let (chunk, columns) = enough(model, campaign(10_000));
-        let task = Task::new(Scene::default(), model.into(), all());
+        let (model, (chunk, columns)) = (settings.model, enough(&settings, campaign(10_000)));
+        let task = Task::new(Scene::default(), settings, all());
         let expected = bits(&task.solve(&chunk, &columns));
         for arch in bsm_simd::instruction_sets() {
             let found = task.solve_on(arch, &chunk, &columns);
@@ -264,10 +285,10 @@ fn sweeps_finish_nearly_all_points() {
 /// Outputs that are given no place come back as values, and only where there are some.
 #[test]
 fn outputs_without_a_place_come_back() {
-    for model in Model::ALL {
+    for settings in all_settings() {
         // More than a stride.
-        let (chunk, columns) = enough(model, campaign(20_000));
-        let task = Task::new(Scene::default(), model.into(), all());
+        let (model, (chunk, columns)) = (settings.model, enough(&settings, campaign(20_000)));
+        let task = Task::new(Scene::default(), settings, all());
         let expected = task.solve(&chunk, &columns);
         let mut verdicts = expected.verdicts.clone();
         let room =
@@ -292,9 +313,9 @@ fn outputs_without_a_place_come_back() {
 #[test]
 fn columns_do_not_depend_on_the_selection() {
     let (base, everything) = (Scene::default(), all());
-    for model in Model::ALL {
-        let (chunk, columns) = enough(model, campaign(500));
-        let task = |outputs| Task::new(base.clone(), model.into(), outputs);
+    for settings in all_settings() {
+        let (model, (chunk, columns)) = (settings.model, enough(&settings, campaign(500)));
+        let task = |outputs| Task::new(base.clone(), settings, outputs);
         let expected = task(everything.clone()).solve(&chunk, &columns);
         for (output, column) in everything.iter().zip(&expected.columns) {
             let found = task(vec![output]).solve(&chunk, &columns);

@@ -17,6 +17,22 @@ use crate::{
 /// load rating of ISO 76 is made from it.
 pub(crate) const MARKS_ABOVE: f64 = 4.2e9;
 
+/// Why a model was chosen, if it was chosen by the bound of its error.
+pub fn reason_of_choice(choice: &Choice, bound: f64) -> String {
+    let why = match choice.basis {
+        Basis::Grips { onset_number } if bound > choice.tolerance => format!(
+            "no more accurate model has a result here; raceway control, with a skid onset number of {onset_number:.2e}"
+        ),
+        Basis::Grips { onset_number } => format!("rolling, skid onset number {onset_number:.2e}"),
+        Basis::Skids { onset_number } => format!("gross skid, skid onset number {onset_number:.1}"),
+        Basis::Integrated { accuracy } => {
+            format!("no faster model is that accurate here; friction integrated to {accuracy:.0e}")
+        }
+        other => format!("{other:?}"),
+    };
+    format!("efficiency error at most {bound:.1e}: {why}")
+}
+
 /// One answer: model, status, numbers, and messages where needed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
@@ -117,24 +133,8 @@ impl Record {
 
     /// Why this model was chosen, if it was chosen by the bound of its error.
     pub fn choice(&self) -> Option<String> {
-        let choice = self.chosen()?;
         let bound = self.solved()?.error?.efficiency;
-        let why = match choice.basis {
-            Basis::Grips { onset_number } if bound > choice.tolerance => format!(
-                "no more accurate model has a result here; raceway control, with a skid onset number of {onset_number:.2e}"
-            ),
-            Basis::Grips { onset_number } => {
-                format!("rolling, skid onset number {onset_number:.2e}")
-            }
-            Basis::Skids { onset_number } => {
-                format!("gross skid, skid onset number {onset_number:.1}")
-            }
-            Basis::Integrated { accuracy } => format!(
-                "no faster model is that accurate here; friction integrated to {accuracy:.0e}"
-            ),
-            other => format!("{other:?}"),
-        };
-        Some(format!("efficiency error at most {bound:.1e}: {why}"))
+        Some(reason_of_choice(&self.chosen()?, bound))
     }
 
     /// The outputs that have a value whose error has no bound, though that of the efficiency has one: those of the

@@ -3,14 +3,19 @@
 //! Theory: `docs/theory/10-choice.md`, equations (A2) to (A6). The constants are measured against
 //! the traction model, see the tests of `bsm-validate`.
 
-use bsm_kin::Jet;
+#![expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
 
-use crate::contact::Angles;
+use bsm_kin::Jet;
+use bsm_simd::Compare;
+
 use crate::models::ball::{
-    Basis, Choice, Direction, ElasticBall, ElasticPoint, ErrorBound, Model, Performance, Reason,
+    Basis, Choice, Direction, ElasticBall, ElasticPoint, ErrorBound, Model, Performance,
     SlipRegime, Solution, Solved, Unsolved,
 };
-use crate::models::elastic::Elastic;
+use crate::models::elastic::{Elastic, SlidingBall};
 use crate::models::raceway_control::RacewayControl;
 use crate::models::traction::{SlipRoot, Start, Traction};
 use crate::models::workspace::ModelWorkspace;
@@ -39,27 +44,32 @@ impl Auto {
         };
         let grip = work.raceway.grip(&pair, None).ok();
         let gripping =
-            grip.and_then(|grip| work.raceway.solved_and_others(&self.at, &pair, &grip, None).ok());
-        let regime = gripping.and_then(|o| Some((o, Regime::of(&pair, &o)?)));
-        if let Some((solved, regime)) = &regime {
-            if regime.motion == SlipRegime::Grips && regime.grip_bound <= self.tolerance {
-                return (self.gripping(solved, regime), None);
-            }
-            if regime.motion == SlipRegime::Skids
-                && regime.skid_bound(regime.range) <= self.tolerance
-                && let Ok(skid) = self
-                    .at
-                    .point
-                    .require_friction()
-                    .and_then(|()| Elastic { at: self.at }.solved(&pair, &mut work.elastic))
-            {
-                let eta = |solved: &Solved| solved.transmission.efficiency;
-                let bound = regime.skid_bound((eta(solved) - eta(&skid)).abs());
-                if bound <= self.tolerance {
-                    let basis = Basis::Skids { onset_number: regime.onset };
-                    let skid = Solved { skid: solved.skid, ..skid };
-                    return (self.chosen(Model::Elastic, &skid, bound, basis), None);
+            grip.and_then(|grip| Some((grip, work.raceway.solved(&self.at, &pair, &grip).ok()?)));
+        let known = gripping
+            .and_then(|(grip, solved)| Some((grip, solved, ModelErrors::of_ball(&pair, &solved)?)));
+        if let Some((grip, solved, errors)) = &known {
+            match errors.basis(self.tolerance) {
+                Some(basis @ Basis::Grips { .. }) => {
+                    let solved = work.raceway.with_others(&self.at, &pair, grip, None, *solved);
+                    let bound = errors.rolling;
+                    return (self.chosen(&solved, bound, basis), None);
                 }
+                Some(basis) => {
+                    if let Ok(skid) = self
+                        .at
+                        .point
+                        .require_friction()
+                        .and_then(|()| Elastic { at: self.at }.solved(&pair, &mut work.elastic))
+                    {
+                        let eta = |solved: &Solved| solved.transmission.efficiency;
+                        let bound = errors.skid_bound((eta(solved) - eta(&skid)).abs());
+                        if bound <= self.tolerance {
+                            let skid = Solved { skid: solved.skid, ..skid };
+                            return (self.chosen(&skid, bound, basis), None);
+                        }
+                    }
+                }
+                None => {}
             }
         }
         let traction =
@@ -71,14 +81,17 @@ impl Auto {
         match integrated {
             Ok((found, accuracy, error)) => {
                 let basis = Basis::Integrated { accuracy };
-                let solved = found.solved(&pair);
-                (self.chosen(Model::Traction, &solved, error, basis), Some(found.root))
+                (self.chosen(&found.solved(&pair), error, basis), Some(found.root))
             }
             Err(none) => {
-                let solution = match regime {
+                let solution = match known {
                     // A rough answer with its bound is better than none, where the model holds.
-                    Some((solved, regime)) if regime.motion == SlipRegime::Grips => {
-                        self.gripping(&solved, &regime)
+                    Some((grip, solved, errors))
+                        if SlipRegime::of(errors.onset_number) == SlipRegime::Grips =>
+                    {
+                        let solved = work.raceway.with_others(&self.at, &pair, &grip, None, solved);
+                        let basis = Basis::Grips { onset_number: errors.onset_number };
+                        self.chosen(&solved, errors.rolling, basis)
                     }
                     _ => Solution::new(Model::Traction, Err(none)),
                 };
@@ -87,19 +100,13 @@ impl Auto {
         }
     }
 
-    /// The gripping ball with the bound of its error.
-    fn gripping(&self, solved: &Solved, regime: &Regime) -> Solution {
-        let basis = Basis::Grips { onset_number: regime.onset };
-        self.chosen(Model::RacewayControl, solved, regime.grip_bound, basis)
-    }
-
     /// A solution with the bound of its error.
-    fn chosen(&self, model: Model, solved: &Solved, error_bound: f64, basis: Basis) -> Solution {
+    fn chosen(&self, solved: &Solved, error_bound: f64, basis: Basis) -> Solution {
         let choice = Some(Choice { basis, tolerance: self.tolerance });
         let direction =
             Direction::of(self.at.point.drive.relative_speed()).expect("the point was solved");
         let error = Some(ErrorBound::of(direction, solved.transmission.efficiency, error_bound));
-        Solution { model, answer: Ok(Solved { error, ..*solved }), choice }
+        Solution { model: basis.model(), answer: Ok(Solved { error, ..*solved }), choice }
     }
 }
 
@@ -129,50 +136,75 @@ impl<const M: usize> Auto<Jet<M>> {
 /// Below this cross slip (W10) spin is nearly all of the loss, and the onset number tells nothing.
 const LEAST_CROSS_SLIP: f64 = 0.3;
 
-/// Where a point lies between gripping and skidding.
-struct Regime {
-    onset: f64,
-    motion: SlipRegime,
-    cross_slip: f64,
-    /// Efficiency of the gripping ball less that of the skidding one.
-    range: f64,
-    /// Bound of the error of the gripping ball.
-    grip_bound: f64,
+/// Bounds of the errors of raceway control and of gross slip, for one point and for several side by side.
+#[derive(Debug, Clone, Copy)]
+pub struct ModelErrors<F = f64> {
+    /// `$S$` (W11).
+    pub onset_number: F,
+    /// Of raceway control (A4).
+    pub rolling: F,
+    /// Of gross slip, over the difference of the efficiencies of both (A5); infinite where it tells nothing.
+    pub skidding: F,
+    /// That difference, with the efficiency of a skidding ball without inertia.
+    pub range: F,
 }
 
-impl Regime {
+impl<F: Compare> ModelErrors<F> {
     /// From the numbers of a gripping ball.
-    fn of(pair: &ElasticBall, grip: &Solved) -> Option<Self> {
-        let (eta, skid) = (grip.transmission.efficiency, grip.skid?);
-        let (onset, cross) = (skid.onset_number()?, skid.cross_slip?);
-        let (f, direction) = (pair.friction, pair.direction);
-        let angles = |contact| Angles { lead: pair.helix.lead_angle, contact };
-        // Saturated friction at the angle that the load leaves; where it holds any load nothing
-        // comes out.
-        let loaded = pair.static_load(|beta| pair.signed_friction() * angles(beta).slip_factor());
-        let sliding = match loaded {
-            Ok((_, beta)) => angles(beta).efficiency(direction, f),
-            Err(none) if matches!(none.reason(), Reason::SelfLocking { .. }) => 0.0,
-            Err(_) => return None,
-        };
-        let range = (eta - sliding).abs();
+    ///
+    /// * `back`: where the load drives. * `onset_number`, `cross_slip`: infinite or not a number where they have no meaning; so
+    ///   are the bounds there.
+    #[inline(always)]
+    pub fn of(
+        ball: &SlidingBall<F>,
+        back: F::Mask,
+        efficiency: F,
+        [onset_number, cross_slip]: [F; 2],
+    ) -> Self {
+        let one = efficiency.constant(1.0);
+        let friction = ball.friction.abs();
+        let range = (efficiency - ball.static_efficiency(back)).abs();
         // A = 0.02 + 1.7 f + 0.35/(1 + (χ/0.6)²)                          (A2)
-        let rolling = 0.02 + 1.7 * f + 0.35 / (1.0 + (cross / 0.6).powi(2));
+        let spinning = ((cross_slip * 0.6_f64.recip()).square() + 1.0).recip() * 0.35;
+        let rolling = friction * 1.7 + 0.02 + spinning;
         // σ = min(1, (S/0.27)⁶)                                           (A3)
-        let skidding = (onset / 0.27).powi(6).min(1.0);
+        let square = (onset_number * 0.27_f64.recip()).square();
+        let sixth = square * square * square;
+        let skidding = F::select(sixth.lt(one), sixth, one);
         // |δη| ≤ A (1 − η) + 1.05 σ (1 + μ)(η − η_s)                      (A4)
-        let inertia = 1.0 + pair.inertia_ratio();
-        let grip_bound = rolling * (1.0 - eta).abs() + 1.05 * skidding * inertia * range;
-        let motion = SlipRegime::of(onset);
-        Some(Self { onset, motion, cross_slip: cross, range, grip_bound })
+        let inertia = ball.inertia_ratio + 1.0;
+        let rolling = rolling * (one - efficiency).abs() + skidding * inertia * range * 1.05;
+        // |δη| ≤ (0.02 + 0.8/S^{5/2}) (η − η_s)                           (A5)
+        let skidding = (onset_number.square() * onset_number.sqrt()).recip() * 0.8 + 0.02;
+        let tells = one.constant(LEAST_CROSS_SLIP).le(cross_slip);
+        let skidding = F::select(tells, skidding, one.constant(f64::INFINITY));
+        Self { onset_number, rolling, skidding, range }
+    }
+}
+
+impl ModelErrors {
+    /// Of a ball that grips, where its numbers have a meaning.
+    fn of_ball(ball: &ElasticBall, grip: &Solved) -> Option<Self> {
+        let (skid, back) = (grip.skid?, ball.direction.is_back());
+        let numbers = [skid.onset_number()?, skid.cross_slip?];
+        Some(Self::of(&ball.into(), back, grip.transmission.efficiency, numbers))
     }
 
-    /// Bound of the error of saturated friction (A5).
-    fn skid_bound(&self, range: f64) -> f64 {
-        if self.cross_slip < LEAST_CROSS_SLIP {
-            return f64::INFINITY;
+    /// Bound of the error of gross slip, from how far the efficiency of raceway control is away.
+    pub fn skid_bound(&self, range: f64) -> f64 {
+        self.skidding * range
+    }
+
+    /// Raceway control or gross slip, if its bound is at most the tolerance; that of gross slip is to be taken
+    /// again from its own efficiency.
+    pub fn basis(&self, tolerance: f64) -> Option<Basis> {
+        let Self { onset_number, rolling, range, .. } = *self;
+        match SlipRegime::of(onset_number) {
+            SlipRegime::Grips if rolling <= tolerance => Some(Basis::Grips { onset_number }),
+            SlipRegime::Skids if self.skid_bound(range) <= tolerance => {
+                Some(Basis::Skids { onset_number })
+            }
+            _ => None,
         }
-        // |δη| ≤ (0.02 + 0.8/S^{5/2}) (η − η_s)                           (A5)
-        (0.02 + 0.8 * self.onset.powf(-2.5)) * range
     }
 }

@@ -304,7 +304,8 @@ impl RacewayControl {
     pub fn solve(&self, memory: &mut RacewayWorkspace) -> Solution {
         let solved = self.at.scaled().and_then(|pair| {
             let grip = memory.grip(&pair, self.control)?;
-            memory.solved_and_others(&self.at, &pair, &grip, self.control)
+            let solved = memory.solved(&self.at, &pair, &grip)?;
+            Ok(memory.with_others(&self.at, &pair, &grip, self.control, solved))
         });
         Solution::new(Model::RacewayControl, solved)
     }
@@ -356,20 +357,20 @@ impl RacewayWorkspace {
         Ok(Solved { skid, info, control, contact_power, ..Solved::new(&ball, transmission) })
     }
 
-    /// Its answer, and what is known of other solutions.
-    pub(crate) fn solved_and_others(
+    /// Its answer with what is known of other solutions.
+    pub(crate) fn with_others(
         &mut self,
         screw: &ElasticPoint,
         pair: &ElasticBall,
         grip: &RollingBall,
         control: Option<Control>,
-    ) -> Result<Solved, Unsolved> {
-        let solved = self.solved(screw, pair, grip)?;
+        solved: Solved,
+    ) -> Solved {
         let consistent = control.is_none().then(|| grip.is_consistent(pair));
         let others = grip.others(pair, control, &mut self.newton);
         let others = others.iter().filter_map(|grip| self.solved(screw, pair, grip).ok());
         let control = Some(RaceControl { race: grip.control, consistent });
-        Ok(Solved { control, ..solved.among(others) })
+        Solved { control, ..solved.among(others) }
     }
 }
 

@@ -41,15 +41,14 @@ use crate::models::raceway_control::{RollingBall, STATIC};
 /// Places of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
 const OMEGA: [usize; 3] = [4, 5, 6];
 
-/// Accuracies of the quadrature: of the first try, of the search for what it does not find, whose sums
-/// change smoothly enough to be followed, and of the choice by error bounds after the first try.
+/// Accuracies of the quadrature: of the first try, and of the search for what it does not find, whose sums
+/// change smoothly enough to be followed.
 const COARSE: f64 = 1e-4;
 const SEARCH: f64 = 1e-6;
 /// Residual from which the first try is left to the quadrature that is asked for.
 const NEAR: f64 = 1e-4;
 /// Residual below which steps keep the Jacobian; that whose square is enough, if it is larger.
 const KEEP: f64 = 1e-3;
-const FINER: [f64; 2] = [1e-6, Traction::ACCURACY];
 
 /// Nut speed over the relative speed from which the unknown of the precession leaves it out.
 pub const FAST_NUT: f64 = 2.0;
@@ -71,8 +70,16 @@ pub struct Traction<D = f64> {
 impl Traction {
     /// Accuracy that leaves an error below 1e-7 in the efficiency.
     pub const ACCURACY: f64 = 1e-8;
+    /// Accuracies of the choice by error bounds, one after the other.
+    pub const ACCURACIES: [f64; 3] = [COARSE, 1e-6, Self::ACCURACY];
     /// Creep speed that moves the efficiency of most screws by less than 1e-6.
     pub const CREEP: f64 = 1e-4;
+}
+
+/// Bound of the error of the efficiency, with that of the creep speed, from that of the quadrature (A6).
+pub fn integrated_error(by_quadrature: f64) -> f64 {
+    // |δη| ≤ |δη|_rule + 5·10⁻⁷                                           (A6)
+    by_quadrature + 5e-7
 }
 
 /// Memory of the solves.
@@ -382,11 +389,11 @@ impl Traction {
         tolerance: f64,
         work: &mut TractionWorkspace,
     ) -> Result<(SlipResult, f64, f64), Unsolved> {
-        // |δη| ≤ |δη|_rule + 5·10⁻⁷                                       (A6)
-        let bound = |found: &SlipResult| found.error + 5e-7;
-        let mut case = Self { accuracy: COARSE, ..*self };
+        let bound = |found: &SlipResult| integrated_error(found.error);
+        let [first, finer @ ..] = Self::ACCURACIES;
+        let mut case = Self { accuracy: first, ..*self };
         let mut found = case.found(start, None, work);
-        for accuracy in FINER {
+        for accuracy in finer {
             let from = match &found {
                 Ok(found) if bound(found) <= tolerance => break,
                 Ok(found) => found.root,

@@ -6,10 +6,6 @@ use bsm_simd::{NullaryFnOnce, Simd};
 use crate::operand::{Lane, Mask};
 use crate::pair::{Balls, LaneContact};
 
-/// Largest centrifugal force over the axial load. Beyond it the contact angles are far apart, and
-/// the model itself may fail.
-const CENTRIFUGAL: f64 = 0.5;
-
 /// Spin moments nearer to each other than this do not decide which race controls, nor cotangents
 /// nearer to zero which flank carries.
 const TIE: f64 = 1e-9;
@@ -23,8 +19,9 @@ pub(crate) struct Roll<S: Simd> {
     pub(crate) twist: Lane<S>,
     pub(crate) steps: Lane<S>,
     pub(crate) residual: Lane<S>,
-    /// Where it is the answer.
+    /// Where it is the first one, and where there is no other.
     pub(crate) found: Mask<S>,
+    pub(crate) unique: Mask<S>,
 }
 
 /// The gripping balls of a lane, with the race that controls or by the decision: a call of its own, as two kernels
@@ -49,9 +46,9 @@ impl<S: Simd> NullaryFnOnce for Balanced<'_, S> {
         let inertia = pair.inertia_ratio * (pair.nut_speed.abs() + 1.0);
         // Beyond, the precession, which the angles change by tenths, may turn the slope of the radial balance.
         let unique = inertia.lt(zero.constant(RacewayControl::UNIQUE_BELOW));
-        let mut at = balance.start(pair.cos_b / pair.sin_b, pair.regular & unique);
+        let mut at = balance.start(pair.cos_b / pair.sin_b, pair.regular);
         balance.settle(&mut at);
-        let mut found = pair.regular & unique & at.settled;
+        let mut found = pair.regular & at.settled & (unique | balance.is_first(at.unknowns));
         if control.is_none() {
             let sides = balance.loaded(at.unknowns);
             let excess = pair.nut_excess(&sides);
@@ -59,18 +56,16 @@ impl<S: Simd> NullaryFnOnce for Balanced<'_, S> {
             found = found & excess.abs().gt(apart(pair, &sides) * RacewayControl::CLEAR + TIE);
             at.settled = at.settled & balance.by_nut | !found;
             balance.settle(&mut at);
-            found = found & at.settled;
+            found = found & at.settled & (unique | balance.is_first(at.unknowns));
         }
         let sides = balance.loaded(at.unknowns);
         let [a, b] = &sides;
         let residual = balance.scaled_residual(at.unknowns);
         let on_flanks = a.cot.min(b.cot).gt(zero.constant(TIE));
-        let rate = balance.precession(&sides) + pair.nut_speed;
-        let moderate = (pair.inertia_ratio * rate * rate).lt(zero.constant(CENTRIFUGAL));
         let closed = residual.lt(zero.constant(StaticBalance::<Lane<S>>::CLOSED));
-        let found = found & on_flanks & moderate & closed;
+        let found = found & on_flanks & closed;
         let twist = b.sin * a.cos - b.cos * a.sin;
-        Roll { by_nut: balance.by_nut, sides, twist, steps: at.steps, residual, found }
+        Roll { by_nut: balance.by_nut, sides, twist, steps: at.steps, residual, found, unique }
     }
 }
 

@@ -96,3 +96,14 @@ pub enum Basis {
         accuracy: f64,
     },
 }
+
+impl Basis {
+    /// The model that has it.
+    pub fn model(&self) -> Model {
+        match self {
+            Self::Grips { .. } => Model::RacewayControl,
+            Self::Skids { .. } => Model::Elastic,
+            Self::Integrated { .. } => Model::Traction,
+        }
+    }
+}

@@ -149,7 +149,7 @@ pub struct ErrorBound {
 impl ErrorBound {
     /// Of an efficiency and the bound of its error; the load on the screw or on the nut is given,
     /// whichever is not driven.
-    pub(crate) fn of(direction: Direction, efficiency: f64, bound: f64) -> Self {
+    pub fn of(direction: Direction, efficiency: f64, bound: f64) -> Self {
         let loss = loss_error(direction == Direction::LinearToRotary, efficiency, bound);
         Self { efficiency: bound, loss: Some(loss).filter(|loss| *loss <= MOST_LOSS_ERROR) }
     }

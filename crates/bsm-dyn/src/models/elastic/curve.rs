@@ -103,9 +103,9 @@ impl SlidingCurve<'_> {
         self.forces.inertia_ratio().ln() - level.log_inertia()
     }
 
-    /// The root that Newton finds from where the curve begins: the first one, if it is where the curve is straight, or any.
+    /// The root that Newton finds from where the curve begins: the first one, if the inertia only rises up to there, or any.
     fn direct(&mut self, level: &CurveState<f64>, any: bool) -> Option<CurveRoot> {
-        let root = self.forces.ball.straight(level);
+        let root = self.forces.ball.first(level, any);
         self.count(root.steps - level.steps);
         let node = SlidingPoint { state: root.state, motion: root.motion };
         (if any { root.steady } else { root.found }).then_some((node, root.rate.signum()))

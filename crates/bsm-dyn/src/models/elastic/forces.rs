@@ -61,21 +61,7 @@ impl Homotopy<HELD, CURVE> for Forces<'_> {
 
 impl<'a> Forces<'a> {
     pub(super) fn new(pair: &'a ElasticBall) -> Self {
-        let (sin, cos) = pair.helix.lead_angle.sin_cos();
-        let jones = &pair.jones;
-        let ball = SlidingBall {
-            friction: pair.signed_friction(),
-            sin,
-            cos,
-            cot: cos / sin,
-            arc: pair.arc,
-            inertia_ratio: pair.inertia_ratio(),
-            nut_speed: pair.nut_speed,
-            offsets: [jones.nut_offset, jones.screw_offset],
-            approaches: pair.approaches([1.0; 2]),
-            reach: (jones.nut_offset + jones.screw_offset) * jones.contact_angle.cos(),
-        };
-        Self { pair, ball }
+        Self { pair, ball: pair.into() }
     }
 
     /// `$F\tan\alpha$`.

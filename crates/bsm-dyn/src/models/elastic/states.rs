@@ -11,7 +11,9 @@
 use bsm_kin::{Field, FieldOver};
 use bsm_simd::Compare;
 
+use crate::contact::Sines;
 use crate::cost;
+use crate::models::ball::ElasticBall;
 
 /// A ball that slides at both contacts, in units of ball radius, axial load per ball and relative speed;
 /// pairs are of nut and screw.
@@ -67,6 +69,65 @@ pub struct SlidingMotion<D> {
     pub inertia: D,
     /// `$\pi/d + \Omega_n/W$`.
     pub drive: D,
+}
+
+impl From<&ElasticBall> for SlidingBall<f64> {
+    fn from(pair: &ElasticBall) -> Self {
+        let ((sin, cos), jones) = (pair.lead, &pair.jones);
+        Self {
+            friction: pair.signed_friction(),
+            sin,
+            cos,
+            cot: cos / sin,
+            arc: pair.arc,
+            inertia_ratio: pair.inertia_ratio(),
+            nut_speed: pair.nut_speed,
+            offsets: [jones.nut_offset, jones.screw_offset],
+            approaches: pair.approaches([1.0; 2]),
+            reach: pair.reach,
+        }
+    }
+}
+
+impl<F: Compare> SlidingBall<F> {
+    /// Efficiency without inertia, at the contact angle that the load leaves; 0 where friction holds any load.
+    ///
+    /// A few passes of a contraction, to two digits. Where friction holds the load at an angle, the load pushes the ball to
+    /// a steeper one.
+    ///
+    /// * `back`: where the load drives.
+    #[inline(always)]
+    pub(crate) fn static_efficiency(&self, back: F::Mask) -> F {
+        let (zero, one) = (self.reach.constant(0.0), self.reach.constant(1.0));
+        let friction = self.friction.abs();
+        let (unloaded, softness) =
+            (self.offsets[0] + self.offsets[1], self.approaches[0] + self.approaches[1]);
+        let mut sines = self.at_angle(self.reach / unloaded);
+        let mut carried = zero.lt(zero);
+        for _ in 0..4 {
+            // q = 1/[cosα (sinβ − f D)], Eq (C4)                          (P4)
+            let mut load = sines.load_ratio(back, friction);
+            for _ in 0..20 {
+                carried = load.gt(zero) & load.lt(one.constant(f64::INFINITY));
+                if !F::any(!carried) {
+                    break;
+                }
+                sines = self.at_angle(F::select(carried, sines.cos_b, sines.cos_b * 0.8));
+                load = sines.load_ratio(back, friction);
+            }
+            // (l_A + l_B) cosβ = A₂, Eq (J7)
+            let pressed = F::select(carried, load, one).cbrt().square() * softness + unloaded;
+            sines = self.at_angle(self.reach / pressed);
+        }
+        F::select(carried, sines.efficiency(back, friction), zero)
+    }
+
+    /// With both contacts at a contact angle of this cosine.
+    #[inline(always)]
+    fn at_angle(&self, cos_b: F) -> Sines<F> {
+        let sin_b = ((-cos_b + 1.0) * (cos_b + 1.0)).sqrt();
+        Sines { sin_a: self.sin, cos_a: self.cos, sin_b, cos_b }
+    }
 }
 
 impl<P: Field> SlidingBall<P> {

@@ -16,13 +16,20 @@ use super::states::{SlidingBall, SlidingMotion, SlidingState};
 use crate::contact::friction_torque;
 use crate::models::ball::friction_power;
 
-/// Newton steps to a state, of one point and of several; more means that the guess was not near it.
-const MOST_STEPS: [usize; 2] = [12, 6];
+/// Newton steps to a state; more means that the guess was not near it.
+const MOST_STEPS: usize = 8;
 
 /// Newton steps to the angle without inertia of several points, and their last one, from which the state
 /// without inertia is three digits away.
 const MOST_TO_ANGLE: usize = 8;
 const NEAR: f64 = 1e-4;
+
+/// Of a walk upwards in `$\ln q$`: where it begins below the root of a straight curve, its steps, their number, and the least
+/// rise of `$\ln\mu$` over that of `$\ln q$`: half of what a straight curve has at least.
+const BELOW: f64 = 4.0;
+const UPWARDS: f64 = 1.0;
+const MOST_UPWARDS: usize = 12;
+const LEAST_RISE: f64 = 0.25;
 
 /// A step in the scale of a state that leaves an error of about its square: rounding.
 const SETTLED: f64 = 1e-8;
@@ -127,6 +134,14 @@ impl<F: Compare> CurveState<F> {
             & (self.state.across[0] - level.state.across[0]).abs().le(scale[0] * large)
             & (self.place[1] - level.place[1]).abs().le(scale[1] * large)
             & (self.place[2] - level.place[2]).abs().le(scale[2] * large)
+    }
+
+    /// Where it is at most a step from a place.
+    #[inline(always)]
+    fn is_within(&self, place: &Coordinates<F>, &[_, by_screw, by_c]: &[F; 3]) -> F::Mask {
+        (self.place[0] - place[0]).abs().le(by_c.constant(UPWARDS))
+            & (self.place[1] - place[1]).abs().le(by_screw)
+            & (self.place[2] - place[2]).abs().le(by_c)
     }
 
     /// Where the ball slides against friction on its flanks.
@@ -244,26 +259,50 @@ where
         self.settle::<false>(guess, &self.scale([x, x], c), expected)
     }
 
-    /// The first steady motion, if it is where the curve is straight: up to there the inertia (S27) has
-    /// only risen, so that no other root is before it.
+    /// The first steady motion, if the inertia (S27) only rises up to there, so that no other root is before it: where
+    /// the curve is straight, or by a walk along it.
+    ///
+    /// * `any`: one that serves as a start is enough.
     #[inline(always)]
-    pub(super) fn straight(&self, level: &CurveState<F>) -> SlidingRoot<F> {
-        let (one, scale) = (self.friction.constant(1.0), level.scale(self));
+    pub(super) fn first(&self, level: &CurveState<F>, any: bool) -> SlidingRoot<F> {
+        let (zero, one, scale) =
+            (self.friction.constant(0.0), self.friction.constant(1.0), level.scale(self));
         // M ~ q, up to where the curve bends. Where nut and screw turn together, the inertia of the begin
         // underflows, its logarithm does not.
         let root = self.inertia_ratio.ln() - level.log_inertia() + Elastic::NO_INERTIA;
-        let least = one * Elastic::NO_INERTIA;
-        let inside = level.found & root.lt(one * 0.0) & root.gt(least);
-        let node = self.settle::<true>([root, level.place[1], level.place[2]], &scale, inside);
-
-        let back = (level.motion.drive * level.motion.inertia).lt(one * 0.0);
-        let [forwards, backwards] = self.excess(&node.state, &node.motion);
-        let left = (F::select(back, backwards, forwards) / node.motion.drive).abs();
-        // What the logarithm of q has no finer digits than; where rounding decides, a search does its best.
-        let digit = node.place[0].abs().larger(one) * (4.0 * f64::EPSILON);
-        let steady = node.found & node.is_admissible();
-        let found = steady & node.is_straight_from(level, &scale, Elastic::RISES) & left.le(digit);
+        let inside = level.found & root.lt(zero) & root.gt(one * Elastic::NO_INERTIA);
+        let (mut guess, mut expected) = ([root, level.place[1], level.place[2]], inside);
+        let (mut steady, mut found, mut steps) = (zero.lt(zero), zero.lt(zero), level.steps);
+        let mut walked = false;
+        let (node, left) = loop {
+            let node = self.settle::<true>(guess, &scale, expected);
+            let back = (node.motion.drive * node.motion.inertia).lt(zero);
+            let [forwards, backwards] = self.excess(&node.state, &node.motion);
+            let left = (F::select(back, backwards, forwards) / node.motion.drive).abs();
+            // What the logarithm of q has no finer digits than; where rounding decides, a search does its best.
+            let digit = node.place[0].abs().larger(one) * (4.0 * f64::EPSILON);
+            let admissible = node.found & node.is_admissible();
+            let near = if walked {
+                node.is_within(&guess, &scale)
+            } else {
+                node.is_straight_from(level, &scale, Elastic::RISES)
+            };
+            steady = steady & !expected | admissible;
+            found = found & !expected | admissible & near & left.le(digit);
+            steps = steps + node.steps;
+            let rest = inside & !(if any { steady } else { found });
+            if walked || !F::any(rest) {
+                break (node, left);
+            }
+            walked = true;
+            let (above, arrived, walk) = self.upwards(level, root - BELOW, &scale, rest);
+            for k in 0..3 {
+                guess[k] = F::select(arrived, above[k], node.place[k]);
+            }
+            (expected, steps) = (arrived, steps + walk);
+        };
         let size = (node.state.centrifugal / self.inertia_ratio).sqrt();
+        let back = (node.motion.drive * node.motion.inertia).lt(zero);
         let (sin, cos) = node.state.turn;
         let half = ((cos + 1.0) * 0.5).sqrt();
         SlidingRoot {
@@ -272,11 +311,57 @@ where
             motion: node.motion,
             rate: F::select(back, -size, size),
             tilt: (sin * 0.5 / half, half),
-            steps: level.steps + node.steps,
+            steps,
             residual: node.left.larger(left),
             steady,
             found,
         }
+    }
+
+    /// A guess of the first steady motion by steps upwards in `$\ln q$` from a state where the curve is straight, where
+    /// every step is short in the scale of the states and the inertia rises; and the Newton steps.
+    #[inline(always)]
+    fn upwards(
+        &self,
+        level: &CurveState<F>,
+        begin: F,
+        scale: &[F; 3],
+        expected: F::Mask,
+    ) -> (Coordinates<F>, F::Mask, F) {
+        let (one, goal) = (begin.constant(1.0), self.inertia_ratio.ln());
+        let mut place = [begin, level.place[1], level.place[2]];
+        let (mut guess, mut log, mut steps) = (place, begin, begin.constant(0.0));
+        let (mut active, mut arrived) = (expected, begin.lt(begin));
+        for step in 0..=MOST_UPWARDS {
+            let to = if step == 0 { place[0] } else { place[0] + UPWARDS };
+            let next = self.settle::<false>([to, place[1], place[2]], scale, active);
+            let inertia = next.log_inertia();
+            let below = inertia.lt(goal);
+            steps = steps + next.steps;
+            active = active & next.found;
+            if step == 0 {
+                active = active & below & next.is_straight_from(level, scale, Elastic::RISES);
+            } else {
+                let rise = inertia - log;
+                active =
+                    active & next.is_within(&place, &next.scale(self)) & rise.gt(one * LEAST_RISE);
+                let (here, part) = (active & !below, (goal - log) / rise);
+                for k in 0..3 {
+                    let between = place[k] + (next.place[k] - place[k]) * part;
+                    guess[k] = F::select(here, between, guess[k]);
+                }
+                arrived = arrived | here;
+                active = active & below;
+            }
+            if !F::any(active) {
+                break;
+            }
+            log = F::select(active, inertia, log);
+            for k in 0..3 {
+                place[k] = F::select(active, next.place[k], place[k]);
+            }
+        }
+        (guess, arrived, steps)
     }
 
     /// The states next to a guess: steady motions, or with the same `$q$`.
@@ -290,7 +375,7 @@ where
         let (mut place, one) = (guess, guess[0].constant(1.0));
         let (zero, infinity) = (one.constant(0.0), one.constant(f64::INFINITY));
         let (mut steps, mut settled, mut last) = (zero, !expected, [zero; 3]);
-        for _ in 0..MOST_STEPS[usize::from(F::WIDE)] {
+        for _ in 0..MOST_STEPS {
             let q = place[0].exp();
             let jets = [
                 Slopes::<F, 3>::along(q, 0, q),
@@ -350,14 +435,14 @@ where
         CurveState { place, state, motion, left, steps, found }
     }
 
-    /// The first steady motions of several points, where they are next to equal contact angles.
+    /// The first steady motions of several points, where the inertia only rises up to them.
     ///
-    /// * `unloaded`: cotangent of the unloaded contact angle.
+    /// * `unloaded`: cotangent of the unloaded contact angle. * `any`: one that serves as a start is enough.
     #[inline(always)]
-    pub fn first_root(&self, unloaded: F, expected: F::Mask) -> SlidingRoot<F> {
+    pub fn first_root(&self, unloaded: F, expected: F::Mask, any: bool) -> SlidingRoot<F> {
         let (begin, steps, found) = self.unloaded_level(unloaded, expected & self.carries());
         let level = self.state_without_inertia(begin, found);
-        let root = self.straight(&level);
+        let root = self.first(&level, any);
         SlidingRoot { steps: root.steps + steps, ..root }
     }
 }

@@ -125,7 +125,10 @@ impl Balance<'_> {
         let residual = self.statics.scaled_residual(at.unknowns);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few")]
         let mut steps = at.steps as usize;
-        if at.settled && residual < StaticBalance::<f64>::CLOSED && self.is_first(&at.unknowns) {
+        if at.settled
+            && residual < StaticBalance::<f64>::CLOSED
+            && self.statics.is_first(at.unknowns)
+        {
             return Ok(RollRoot { unknowns: at.unknowns, steps, residual });
         }
         let bracketed = self.bracketed()?;
@@ -214,28 +217,6 @@ impl Balance<'_> {
             ..Options::default()
         };
         solve(self, x, &scales, &options, newton)
-    }
-
-    /// True if (W15) shows that no other root on the flanks has a smaller difference of the angles.
-    fn is_first(&self, &[c, screw]: &[f64; STATIC]) -> bool {
-        if !(c >= 0.0 && screw > 0.0) {
-            return false;
-        }
-        let [a, b] = self.statics.loaded([c, screw]);
-        let rate = self.statics.rate(&[a, b]);
-        let p = rate - self.pair.nut_speed;
-        let (outwards, part) = match self.control {
-            Control::Nut => (rate, p),
-            Control::Screw => (-rate, 1.0 - p),
-        };
-        if outwards <= 0.0 {
-            return true;
-        }
-        let half = (1.0 + a.cos * b.cos + a.sin * b.sin).recip();
-        let twist = b.sin * a.cos - b.cos * a.sin;
-        // |∂p/∂cotβ| ≤ sin²β_B [π tan(D/2) + (r_b/d) cosα sinβ_B/(1 + cosD)]  (W15)
-        let slope = b.sin * b.sin * (part * twist + self.statics.lever * b.sin) * half;
-        2.0 * self.statics.inertia * outwards * slope < 1.0
     }
 
     /// Cotangent of the unloaded contact angle.

@@ -217,6 +217,23 @@ impl<F: Compare> StaticBalance<F> {
         self.rate(&self.loaded([c, self.closed(c, unloaded)]))
     }
 
+    /// Where (W15) shows that no other root on the flanks has a smaller difference of the angles.
+    #[inline(always)]
+    pub fn is_first(&self, [c, screw]: [F; STATIC]) -> F::Mask {
+        let (zero, one) = (c.constant(0.0), c.constant(1.0));
+        let contacts = self.loaded([c, screw]);
+        let p = self.precession(&contacts);
+        let ([a, b], rate) = (&contacts, p + self.nut_speed);
+        let outwards = F::select(self.by_nut, rate, -rate);
+        let part = F::select(self.by_nut, p, one - p);
+        let half = (a.cos * b.cos + a.sin * b.sin + 1.0).recip();
+        let twist = b.sin * a.cos - b.cos * a.sin;
+        // |∂p/∂cotβ| ≤ sin²β_B [π tan(D/2) + (r_b/d) cosα sinβ_B/(1 + cosD)]  (W15)
+        let slope = b.sin.square() * (part * twist + self.lever * b.sin) * half;
+        let falls = outwards.le(zero);
+        zero.le(c) & screw.gt(zero) & (falls | (self.inertia * outwards * slope * 2.0).lt(one))
+    }
+
     /// Scaled residual of a state.
     #[inline(always)]
     pub fn scaled_residual(&self, [c, screw]: [F; STATIC]) -> F {

@@ -18,7 +18,7 @@ use bsm_simd::{Arch, BLOCK, Compare, Lane, Mask, NullaryFnOnce, Simd, WithSimd};
 use super::columns::{
     Angle, ContactTraction, Contacts, Evaluated, TractionPoint, contacts, evaluate, lever, sizes,
 };
-use super::root::{FASTEST, LEFT, LEVEL};
+use super::root::{FASTEST, LEFT, LEVELS};
 use super::slips::slid;
 use super::{COARSE, OMEGA};
 use crate::ellipse::{Dry, ManyNodes, ManyQuadrature, Quadrature};
@@ -216,26 +216,36 @@ impl WithSimd for Solve<'_> {
         let mut roots = vec![None; starts.len()];
         let Some(coarse) = &*NEARBY else { return roots };
         let mut walks = vec![[0.0; NUMBERS]; starts.len()];
-        for (walk, start) in walks.iter_mut().zip(starts) {
-            walk[..TRACTION_START].copy_from_slice(&start.numbers());
-            walk[TRACTION_START + BALL + 1] = f64::INFINITY;
-            walk[NUMBERS - 1] = start.point.creep.max(LEVEL);
-        }
         let mut points: Vec<usize> = (0..starts.len()).collect();
-        let (mut next, mut near) = (Vec::new(), Vec::new());
+        let (mut next, mut near, mut arrived) = (Vec::new(), Vec::new(), vec![false; starts.len()]);
         let work = &mut Work::new(simd);
-        while !points.is_empty() {
-            for some in points.chunks(Lane::<S>::LEN) {
-                approach(simd, coarse, work, &mut walks, some, (&mut next, &mut near));
+        for levels in LEVELS {
+            for point in &points {
+                let (walk, start) = (&mut walks[*point], &starts[*point]);
+                let steps = walk[NUMBERS - 3];
+                *walk = [0.0; NUMBERS];
+                walk[..TRACTION_START].copy_from_slice(&start.numbers());
+                walk[TRACTION_START + BALL + 1] = f64::INFINITY;
+                walk[NUMBERS - 3] = steps;
+                walk[NUMBERS - 1] = start.point.creep.max(levels[0]);
             }
-            points.clear();
-            points.append(&mut next);
-        }
-        // Neighbours share the largest of their numbers of nodes.
-        near.sort_unstable();
-        let near: Vec<_> = near.into_iter().map(|(_, point)| point).collect();
-        for some in near.chunks(Lane::<S>::LEN) {
-            refine(simd, rules, work, &walks, some, &mut roots);
+            while !points.is_empty() {
+                for some in points.chunks(Lane::<S>::LEN) {
+                    let waiting = (&mut next, &mut near);
+                    approach(simd, (coarse, levels), work, &mut walks, some, waiting);
+                }
+                points.clear();
+                points.append(&mut next);
+            }
+            // Neighbours share the largest of their numbers of nodes.
+            near.sort_unstable();
+            let some: Vec<_> = near.drain(..).map(|(_, point)| point).collect();
+            for some in some.chunks(Lane::<S>::LEN) {
+                refine(simd, rules, work, &walks, some, &mut roots);
+            }
+            // What is not refined needs split panels, and no other start.
+            some.into_iter().for_each(|point| arrived[point] = true);
+            points.extend((0..starts.len()).filter(|point| !arrived[*point]));
         }
         roots
     }
@@ -449,7 +459,7 @@ impl<S: Simd> Factors<S> {
 #[inline(always)]
 fn approach<S: Simd>(
     simd: S,
-    rule: &ManyQuadrature,
+    (rule, levels): (&ManyQuadrature, &[f64]),
     work: &mut Work<S>,
     walks: &mut [[f64; NUMBERS]],
     some: &[usize],
@@ -493,7 +503,12 @@ fn approach<S: Simd>(
     walk.part = accepted.select(size.constant(1.0), walk.part * 0.5);
     // The next creep speed begins anew.
     walk.before = left.select(infinity, accepted.select(size, walk.before));
-    walk.creep = left.select(walk.at.point.creep, walk.creep);
+    let mut lower = walk.at.point.creep;
+    for level in levels {
+        let level = lower.constant(*level);
+        lower = level.lt(walk.creep).select(lower.larger(level), lower);
+    }
+    walk.creep = left.select(lower, walk.creep);
     walk.tries = left.select(zero, walk.tries + 1.0);
     (walk.weights, walk.steps) = (weights, walk.steps + 1.0);
     let alive = accepted | !first;

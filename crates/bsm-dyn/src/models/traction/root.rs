@@ -26,8 +26,8 @@ const FULL_STEPS: (usize, u32) = (12, 2);
 
 /// Creep speeds over `$r_b|W|$` that are solved for before the asked one, in the order of the tries: against them friction
 /// is nearly linear in the slips of most starts.
-const LEVELS: [&[f64]; 2] = [&[LEVEL], &[0.3, 0.01]];
-pub(super) const LEVEL: f64 = 0.1;
+pub(super) const LEVELS: [&[f64]; 2] = [&[LEVEL], &[0.3, 0.01]];
+const LEVEL: f64 = 0.1;
 
 /// Residual from which a level is left.
 pub(super) const LEFT: f64 = 0.1;

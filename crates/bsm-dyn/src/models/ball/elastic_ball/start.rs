@@ -2,48 +2,13 @@
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equation (P4).
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 use bsm_newton::Bracket;
 
 use super::ElasticBall;
-use crate::outcome::{Reason, Unsolved, domain_error};
 
 impl ElasticBall {
-    /// Load and mean contact angle of the saturated balance without inertia, for a friction term
-    /// `$f D$` of the contact angle (P4).
-    ///
-    /// A few passes of a contraction: a start, not a solution. Where friction holds the load at an
-    /// angle, the load pushes the ball to a steeper one.
-    pub(crate) fn static_load(
-        &self,
-        friction_term: impl Fn(f64) -> f64,
-    ) -> Result<(f64, f64), Unsolved> {
-        let mut angle = self.jones.contact_angle;
-        let mut load = f64::NAN;
-        for _ in 0..4 {
-            // q = 1/[cosα (sinβ − f D)], Eq (C4)                          (P4)
-            let at = |angle: f64| {
-                (self.helix.lead_angle.cos() * (angle.sin() - friction_term(angle))).recip()
-            };
-            load = at(angle);
-            for _ in 0..20 {
-                if load > 0.0 && load.is_finite() {
-                    break;
-                }
-                angle += 0.2 * (FRAC_PI_2 - angle);
-                load = at(angle);
-            }
-            let deformed = self.jones.deformed(self.approaches([load; 2]), 0.0);
-            angle = deformed.map_err(domain_error)?.mean_angle;
-        }
-        if load > 0.0 {
-            return Ok((load, angle));
-        }
-        let (sin_contact_angle, friction_term) = (angle.sin(), friction_term(angle));
-        Err(Unsolved::not_converged(Reason::SelfLocking { sin_contact_angle, friction_term }))
-    }
-
     /// Loads and tilt of the frictionless balance with the centrifugal force of a precession rate
     /// over `$W$`; to two digits, a start.
     ///

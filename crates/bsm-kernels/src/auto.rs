@@ -1,0 +1,209 @@
+//! The choice by error bounds by lanes, Eqs (A2) to (A6): rows that one model does not answer go side by side through
+//! the next.
+
+use bsm_case::{InputKey, OutputKey};
+use bsm_dyn::{Basis, Choice, Direction, ErrorBound, ModelErrors, Traction, integrated_error};
+use bsm_simd::{Arch, Simd, WithSimd};
+
+use crate::elastic::{Elastic, sliding_ball};
+use crate::operand::{Lane, LaneInputs, Valid};
+use crate::pair::InUnits;
+use crate::raceway::{Raceway, RacewayRow};
+use crate::traction::MANY;
+use crate::{Kernel, RowChoice, Rows, Run, Selection, Sink, traction};
+
+/// What the choice asks of the answers of a kernel.
+const ASKED: [OutputKey; 2] = [OutputKey::efficiency, OutputKey::efficiency_error_bound];
+
+/// Those of raceway control that stay beside the answer of gross slip.
+const OF_ROLLING: [OutputKey; 2] = [OutputKey::skid_number, OutputKey::onset_number];
+
+/// Answers the rows that raceway control, gross slip or traction by lanes answer to the tolerance, and says why
+/// they were chosen.
+pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<RowChoice> {
+    let rolling = arch.dispatch(RollingRows(&mut rows));
+    let asked = rows.wanted.with(&ASKED, rows.columns.len());
+    let mut auto = Auto { rows, asked, tolerance, chosen: Vec::new() };
+    let (mut skidding, mut between) = (Vec::new(), Vec::new());
+    for ball in rolling {
+        match ball.errors.basis(tolerance) {
+            Some(basis @ Basis::Grips { .. }) => {
+                // Only the model looks for others.
+                if ball.is_unique {
+                    auto.choose(&ball, ball.efficiency, ball.errors.rolling, basis);
+                }
+            }
+            Some(basis) => skidding.push((ball, basis)),
+            None => between.push(ball),
+        }
+    }
+    let group = auto.ask(skidding.iter().map(|(ball, _)| ball), |rows| {
+        arch.dispatch(Run { kernel: Elastic, rows });
+    });
+    for (i, (ball, basis)) in skidding.into_iter().enumerate().filter(|(i, _)| group.done[*i]) {
+        let [efficiency, _] = group.asked(i);
+        let bound = ball.errors.skid_bound((ball.efficiency - efficiency).abs());
+        if bound <= tolerance {
+            auto.take(&ball, (&group, i), &OF_ROLLING);
+            auto.choose(&ball, efficiency, bound, basis);
+        } else {
+            between.push(ball);
+        }
+    }
+    for accuracy in Traction::ACCURACIES {
+        let group = auto.ask(between.iter(), |rows| {
+            traction::solve(arch, rows, accuracy, Traction::CREEP);
+        });
+        let mut coarse = Vec::new();
+        for (i, ball) in between.into_iter().enumerate().filter(|(i, _)| group.done[*i]) {
+            let [efficiency, error] = group.asked(i);
+            let bound = integrated_error(error);
+            if bound <= tolerance {
+                auto.take(&ball, (&group, i), &[]);
+                auto.choose(&ball, efficiency, bound, Basis::Integrated { accuracy });
+            } else {
+                coarse.push(ball);
+            }
+        }
+        between = coarse;
+    }
+    auto.chosen
+}
+
+/// Rows with the choice of their models.
+struct Auto<'a, 'b> {
+    rows: Rows<'a, 'b>,
+    /// The outputs that are wanted, and those that the choice asks for.
+    asked: Selection,
+    tolerance: f64,
+    chosen: Vec<RowChoice>,
+}
+
+/// The answers of a kernel to rows side by side.
+struct Group {
+    columns: Vec<Vec<f64>>,
+    asked: [usize; ASKED.len()],
+    done: Vec<bool>,
+}
+
+impl Group {
+    /// What the choice asks of an answer.
+    fn asked(&self, row: usize) -> [f64; ASKED.len()] {
+        self.asked.map(|place| self.columns[place][row])
+    }
+}
+
+impl Auto<'_, '_> {
+    /// The answers of a kernel to some of the rows.
+    fn ask<'c>(
+        &self,
+        balls: impl Iterator<Item = &'c RollingRow>,
+        kernel: impl FnOnce(Rows<'_, '_>),
+    ) -> Group {
+        let points: Vec<_> = balls.map(|ball| self.rows.first + ball.row).collect();
+        let mut columns = vec![vec![f64::NAN; points.len()]; self.rows.columns.len() + ASKED.len()];
+        let mut done = vec![false; points.len()];
+        if !points.is_empty() {
+            let mut places: Vec<_> = columns.iter_mut().map(|column| &mut column[..]).collect();
+            let (operands, wanted) = (&self.rows.operands.select(&points), &self.asked);
+            kernel(Rows { operands, wanted, first: 0, columns: &mut places, done: &mut done });
+        }
+        let asked = ASKED.map(|key| self.asked.place(key).expect("it was asked for"));
+        Group { columns, asked, done }
+    }
+
+    /// Takes an answer of a kernel, but for some outputs.
+    fn take(&mut self, ball: &RollingRow, (group, i): (&Group, usize), but: &[OutputKey]) {
+        let kept = but.iter().filter_map(|key| self.rows.wanted.place(*key));
+        let kept: Vec<_> = kept.collect();
+        for (place, column) in self.rows.columns.iter_mut().enumerate() {
+            if !kept.contains(&place) {
+                column[ball.row] = group.columns[place][i];
+            }
+        }
+    }
+
+    /// Completes an answer by the bound of its error.
+    fn choose(&mut self, ball: &RollingRow, efficiency: f64, bound: f64, basis: Basis) {
+        let Some(direction) = Direction::of(ball.speed) else { return };
+        let error = ErrorBound::of(direction, efficiency, bound);
+        for (key, value) in [
+            (OutputKey::efficiency_error_bound, error.efficiency),
+            (OutputKey::loss_error_bound, error.loss.unwrap_or(f64::NAN)),
+        ] {
+            if let Some(place) = self.rows.wanted.place(key) {
+                self.rows.columns[place][ball.row] = value;
+            }
+        }
+        self.rows.done[ball.row] = true;
+        let choice = Choice { basis, tolerance: self.tolerance };
+        self.chosen.push(RowChoice { row: ball.row, choice, bound });
+    }
+}
+
+/// A row whose ball rolls by raceway control.
+struct RollingRow {
+    row: usize,
+    /// `$W$`.
+    speed: f64,
+    efficiency: f64,
+    errors: ModelErrors,
+    /// No other ball rolls.
+    is_unique: bool,
+}
+
+/// Answers rows by raceway control, and returns those that have such an answer with bounds of errors.
+struct RollingRows<'a, 'b, 'c>(&'c mut Rows<'a, 'b>);
+
+impl WithSimd for RollingRows<'_, '_, '_> {
+    type Output = Vec<RollingRow>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Rows { operands, wanted, first, columns, done } = self.0;
+        let mut rolling = Vec::with_capacity(done.len());
+        for row in (0..done.len()).step_by(Lane::<S>::LEN) {
+            let given = LaneInputs { simd, operands, row: *first + row };
+            let (units, pair) = simd.vectorize(InUnits(&given));
+            let mut out = Sink { wanted, columns: &mut *columns, row };
+            let ball = simd.vectorize(RacewayRow {
+                given: &given,
+                units: &units,
+                pair: &pair,
+                control: None,
+                out: &mut out,
+            });
+            let friction = given.get(InputKey::friction_coefficient);
+            let back = units.speed.lt(friction.constant(0.0));
+            let sliding = sliding_ball(&pair, back.select(-friction, friction));
+            let errors = ModelErrors::of(&sliding, back, ball.efficiency, ball.skid);
+            let known = errors.onset_number.lt(friction.constant(f64::INFINITY));
+            let valid = simd.vectorize(Valid { given: &given, model: Raceway::MODEL });
+            let [mut found, mut unique] = [[false; MANY]; 2];
+            (ball.found & known & valid).store(&mut found);
+            ball.unique.store(&mut unique);
+            let lanes = [
+                units.speed,
+                ball.efficiency,
+                errors.onset_number,
+                errors.rolling,
+                errors.skidding,
+                errors.range,
+            ];
+            let mut blocks = [[0.0; MANY]; 6];
+            for (block, lane) in blocks.iter_mut().zip(lanes) {
+                lane.store(block);
+            }
+            for i in 0..Lane::<S>::LEN.min(done.len() - row) {
+                if found[i] {
+                    let [speed, efficiency, onset_number, rolls, skidding, range] =
+                        blocks.each_ref().map(|block| block[i]);
+                    let errors = ModelErrors { onset_number, rolling: rolls, skidding, range };
+                    let (row, is_unique) = (row + i, unique[i]);
+                    rolling.push(RollingRow { row, speed, efficiency, errors, is_unique });
+                }
+            }
+        }
+        rolling
+    }
+}
