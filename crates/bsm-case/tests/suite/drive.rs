@@ -42,7 +42,7 @@ fn loads_of_two_transfers() {
     }
 }
 
-/// Limits of the motor are rules, with what would help; without limits there is none.
+/// Limits of the motor are rules, with remedies; without limits there is none.
 #[test]
 fn the_motor_has_rules() {
     let titles = |more: &[&str]| -> Vec<_> {

@@ -31,7 +31,7 @@ pub(super) fn drive_rules(rules: &mut Rules, scene: &Scene, numbers: &Numbers) {
         ("rms_motor_torque_Nm", "N m"),
         of("rms_motor_torque_Nm", scene.motor_rated_torque_Nm),
         (false, scene.motor_rated_torque_Nm),
-        "THK, eq. 48: root of the mean square over the cycle (Z13)",
+        "THK, eq. 48: RMS over the cycle (Z13)",
         &|_| "a larger motor, a smaller lead, or longer rests".to_owned(),
     );
     rules.add(
