@@ -25,7 +25,7 @@ use crate::case::rated_nut;
 use crate::case::rated_screw::LEFT_OUT;
 use crate::case::warm::{ColdNut, Detail, Warm, WarmState};
 use crate::vocabulary::answer::numbers_json;
-use crate::vocabulary::number::short;
+use crate::vocabulary::number::trimmed;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{
@@ -1127,11 +1127,15 @@ impl<'a> Worked<'a> {
     /// What to order: size, nut, preload, grade, length, torque of the preload, travel, ends.
     fn order(&self) -> String {
         let screw = &self.axis().screw;
-        let mm = |metres: f64| short(metres / MM);
-        let mut parts = vec![format!("{:.0} x {}", screw.outer / MM, mm(screw.lead))];
+        let mm = |metres: f64| trimmed(metres / MM);
+        // The land is no nominal diameter.
+        let nominal = self.scene.nominal_diameter_mm.or(self.scene.screw_outer_diameter_mm);
+        let pitch = || format!("pitch circle {}", mm(screw.pitch_diameter));
+        let size = nominal.map_or_else(pitch, trimmed);
+        let mut parts = vec![format!("{size} x {}", mm(screw.lead))];
         if let Some((nut, _)) = &self.machine.groove {
             let circuits = self.scene.value_or_default(InputKey::circuits_count).unwrap_or(1.0);
-            let of_each = short(nut.turns / circuits);
+            let of_each = trimmed(nut.turns / circuits);
             let turns = if circuits > 1.0 { format!("{circuits} x {of_each}") } else { of_each };
             parts.extend([format!("{turns} turns"), format!("ball {}", mm(nut.ball_diameter))]);
         }

@@ -286,8 +286,8 @@ fn healthy_screws_raise_no_alarm() {
             ("screw_conformity", number("screw_conformity")),
             ("loaded_balls_per_turn", balls),
             ("loaded_balls", balls * turns),
-            // A step as that of the feed drive, over its ball.
-            ("step_height_mm", 0.3 / 6.35 * number("ball_diameter_mm")),
+            // A step as that of the feed drive, of smaller balls the same part of the ball.
+            ("step_height_mm", (number("ball_diameter_mm") * 0.3 / 6.35).min(0.3)),
             // A fifth of the rating and half of the permissible speed.
             ("axial_load_N", 0.2 * number("dynamic_load_rating_N")),
             ("screw_speed_rpm", 35_000.0 / number("pitch_circle_diameter_mm")),
