@@ -148,7 +148,7 @@ impl Machine {
             compression: -scene.screw_tension_N.unwrap_or(0.0).min(0.0),
             reliability: reliability(scene),
         };
-        Ok(Self { axis, ratings, groove, body, carriage, drive, screw, assumed, held })
+        Ok(Self { axis, ratings, groove, body, carriage, drive, screw, held, assumed })
     }
 
     /// Advance for a radian of the screw \[m\].
