@@ -128,9 +128,11 @@ fn the_catalogue_tells_what_is_wrong() {
     assert!(stdout(&output).contains("of which the nearest has"), "{}", stdout(&output));
     // Found by a reader: a list without a nut printed nothing on standard output, and no limit.
     let requirement = example("requirements/feed_drive.json");
-    let output = bsm(dir.path(), &["select", &requirement, "--from", "standard"], "");
+    let long = ["--set", "required_life_h=100000"];
+    let args = [&["select", &requirement, "--from", "standard"], &long[..]].concat();
+    let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(3));
-    let limit = "no nut: cycle_life_h must be >= 10000 h";
+    let limit = "no nut: cycle_life_h must be >= 100000 h";
     assert!(stdout(&output).contains(limit), "{}", stdout(&output));
     for (args, words) in [
         (["select", "--where", "mass>=1"], "did you mean `mass_kg`?"),

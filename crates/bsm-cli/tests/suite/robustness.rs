@@ -521,7 +521,7 @@ fn a_large_catalogue_takes_little_memory() {
         format!("[{}]", values.join(","))
     };
     let lists = format!(
-        "{{\"nominal_diameter_mm\": {}, \"lead_mm\": {}, \"ball_diameter_mm\": [4, 5],
+        "{{\"nominal_diameter_mm\": {}, \"lead_mm\": {}, \"ball_diameter_mm\": [5, 6],
           \"loaded_turns\": {}, \"nut_conformity\": {}}}",
         list(40.0, 1.0, 30),
         list(12.0, 1.0, 25),

@@ -65,18 +65,19 @@ fn from_a_requirement_to_a_sheet_in_three_commands() {
         close("largest_load_N", load, 1e-9);
         let length = 1200.0 + number(screw, "nut_length_mm") + 2.0 * lead;
         close("unsupported_length_mm", length, 1e-9);
-        // The factors of catalogues: three digits of 15.1, and 2.046 for 2 with 206 for 207 GPa.
+        // The factors of catalogues: three digits of 15.1; buckling of a section that bearing and nut clamp, 1.5 % off its E I.
         let core = number(screw, "screw_core_diameter_mm");
         let permitted = 15.1e7 * core / length.powi(2);
         close("critical_speed_rpm", permitted / 0.8, 6e-3);
-        close("buckling_load_N", 4.072e5 * 0.5 * core.powi(4) / length.powi(2), 0.02);
+        close("buckling_load_N", 4.072e5 * core.powi(4) / length.powi(2), 0.02);
         let hours = 1e6 / (60.0 * rpm) * (number(screw, "dynamic_load_rating_N") / load).powi(3);
         close("cycle_life_h", hours, 1e-9);
         close("equivalent_load_N", load, 1e-9);
-        // A rod of its length and mass.
+        // The groove takes from the outside of the screw: a rod of its length and mass has up to 5 % less.
         let mass = number(results, "screw_mass_kg");
         let square = 4.0 * mass / (std::f64::consts::PI * 7850.0 * length * 1e-3);
-        close("inertia_of_screw_kg_m2", mass * square / 8.0, 1e-9);
+        let over_rod = number(results, "inertia_of_screw_kg_m2") / (mass * square / 8.0);
+        assert!((1.0..1.05).contains(&over_rod), "{way}: {over_rod}");
         assert!(square.sqrt() * 1e3 < number(screw, "screw_outer_diameter_mm"), "{way}");
         // An efficiency of 0.95 to 1 and 0.8 N m of bearings and seals.
         let ideal = load * lead * 1e-3 / std::f64::consts::TAU;
