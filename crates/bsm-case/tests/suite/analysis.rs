@@ -381,8 +381,10 @@ fn jamming_of_a_lubricated_ball_is_refused_with_numbers() {
     let column = Output::named("returner_margin").expect("a column");
     let refused = column.check(&oil, oil.stated(), ModelChoice::Auto);
     assert!(matches!(refused, Err(CaseError::OiledJam { .. })), "{refused:?}");
+    // Columns of slip are of a coefficient.
     let column = Output::named("nut_spin_power_W").expect("a column");
-    column.check(&oil, oil.stated(), ModelChoice::Auto).expect("slip has a lubricant");
+    let refused = column.check(&oil, oil.stated(), ModelChoice::Auto);
+    assert!(matches!(refused, Err(CaseError::EmptyColumn { .. })), "{refused:?}");
 }
 
 /// Slip was refused with a lubricant. The powers of the parts of the slip are the model's sliding power.
@@ -412,7 +414,7 @@ fn slip_of_a_lubricated_ball_adds_up_to_the_sliding_power() {
 #[test]
 fn fields_over_the_ellipses_sum_to_the_forces() {
     /// Cells on a semi-axis.
-    const POINTS: u32 = 250;
+    const POINTS: u32 = 100;
     let dry = include_bytes!("../../../../examples/feed_drive.json");
     for (json, model) in
         [(&dry[..], Model::Traction), (OIL, Model::Traction), (OIL, Model::RacewayControl)]
@@ -441,8 +443,9 @@ fn fields_over_the_ellipses_sum_to_the_forces() {
                 };
                 cell * table.rows.iter().map(read).sum::<f64>()
             };
-            // A sum over the points of a grid misses some (1/250)^1.5 = 2.5e-4 where the pressure ends like a root.
-            let tolerance = 2.5e-4 * load;
+            // Where the pressure ends like a root a cell of the grid is wrong by some (1/100)^1.5 = 1e-3; over the 600 cells
+            // of the rim that averages out, to 4e-5 if they were random.
+            let tolerance = 1e-4 * load;
             assert!((sum("") - load).abs() < tolerance, "{site}: {} for {load}", sum(""));
             for (i, name) in ["friction_across", "friction_along"].into_iter().enumerate() {
                 let force = value(&contact["friction_force_N"][i]);

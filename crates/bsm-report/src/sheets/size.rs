@@ -138,7 +138,7 @@ fn rule_row(rule: &Criterion) -> Value {
     let mut row = rule.to_json();
     row["title"] = json!(rule.title);
     row["must_be"] = json!(if rule.at_least { "≥" } else { "≤" });
-    row["value"] = json!(digits(rule.value, DIGITS[1]));
+    row["value"] = json!(rule.value.is_finite().then(|| digits(rule.value, DIGITS[1])));
     row["limit"] = json!(rule.limit.map(trimmed));
     row
 }
