@@ -308,16 +308,21 @@ impl BallNut {
         let contacts = solved.contact_power.map(|of| of.map(|power| power / speed));
         let contacts = contacts.unwrap_or([0.5 * torque; 2]);
         let to_nut = |motion: Motion<f64>| motion.relative_to(nut_speed, &self.frenet());
-        let of_ball = |motion| self.free_motion(&to_nut(motion), signed, Some(solved.ball));
+        let of_ball = |motion| self.free_motion(&to_nut(motion), signed, Some(&solved.ball));
         let motion = solved.ball.motion.map(of_ball);
         let friction = FrictionSum { torque, contacts, returns, ball_contact, drag };
         Some(Rubbed { friction, motion })
     }
 
     /// Of a motion relative to the nut in the Frenet-Serret triad.
-    fn free_motion(&self, to_nut: &Motion<f64>, speed: f64, ball: Option<BallState>) -> FreeMotion {
+    fn free_motion(
+        &self,
+        to_nut: &Motion<f64>,
+        speed: f64,
+        ball: Option<&BallState>,
+    ) -> FreeMotion {
         let rotation = to_nut.across_groove(&self.frenet().k).norm();
-        FreeMotion { rate: to_nut.precession / speed, rotation, ball }
+        FreeMotion { rate: to_nut.precession / speed, rotation, ball: ball.copied() }
     }
 
     /// The triad of the helix.
