@@ -23,10 +23,10 @@ impl BallGaps {
         friction: Option<Rubbing>,
         circuits: usize,
     ) -> Result<Self, CaseError> {
+        use InputKey as K;
         let listed = scene.nut.circuits.as_deref().unwrap_or_default();
         let own = |circuit: usize| listed.get(circuit).and_then(|words| words.ball_gap_mm);
         let own_path = |circuit: usize| format!("circuits[{circuit}].ball_gap_mm");
-        use InputKey as K;
         let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
         let spacer = value(K::spacer_thickness_mm) * MM;
         let friction = match friction {
