@@ -145,7 +145,15 @@ impl<'a> Solver<'a> {
         let outputs = task.outputs.iter().chain(&task.filled).copied().chain(task.watched);
         let outputs: Vec<_> = outputs.collect();
         let asked = |kind: &AnalysisKind| outputs.iter().any(|o| o.analysis() == Some(*kind));
-        let analyses: Vec<_> = AnalysisKind::ALL.into_iter().filter(asked).collect();
+        let mut analyses: Vec<_> = AnalysisKind::ALL.into_iter().filter(asked).collect();
+        if analyses.contains(&AnalysisKind::Warm) && task.base.asks_warm() {
+            // It has the warm numbers of the nut too: one search for the state will do.
+            let has = |o: &Output| AnalysisKind::Warm.columns().any(|column| column.name == o.name);
+            let of_nut = |o: &&&Output| o.analysis() == Some(AnalysisKind::Nut);
+            if outputs.iter().filter(of_nut).all(|o| has(o)) {
+                analyses.retain(|kind| *kind != AnalysisKind::Nut);
+            }
+        }
         let (solves, moves) = (task.solves(), analyses.iter().any(|kind| kind.needs_motion()));
         let plan = || ColumnPlan::new(&task.base, &task.settings, columns);
         let plan = if solves { plan() } else { None };

@@ -5,6 +5,7 @@ use bsm_case::{AnalysisKind, Axis, Grid, Moving, Output, Scene, Settings};
 use bsm_dyn::{Control, Model, ModelWorkspace, Status};
 
 const DONG: &[u8] = include_bytes!("../../../../examples/dong2020.json");
+const FEED_AXIS: &[u8] = include_bytes!("../../../../validation/published/nut/feed_axis.json");
 
 /// The example as a nut of three turns, without an input.
 fn dong(without: &str) -> Scene {
@@ -118,6 +119,27 @@ fn columns_of_a_motion_have_one_model() {
         // The load doubles in the first step, and the margin, which grows a little faster, more than doubles.
         assert!(steps.iter().all(|step| *step < 1.0), "{column:?}");
     }
+}
+
+/// Beside columns of the warm state the warm numbers of a nut are its own, to what the search leaves over; and a row above the
+/// fold has no solution, whichever is asked for.
+#[test]
+fn a_warm_row_is_in_one_state() {
+    let grid = grid(&["screw_speed_rpm=500,1500"]);
+    let mut base = Scene::from_json(FEED_AXIS).expect("a scene");
+    base.apply(&["preload_arrangement=X", "nut_conductance_W_K=20"]).expect("settings");
+    let settings = Settings { control: Some(Control::Nut), ..Model::RacewayControl.into() };
+    let columns = |names: &[&str]| {
+        let task = Task::over_grid(base.clone(), settings, outputs(names), None, &grid);
+        let answers = solve(&task.expect("a task"), &grid);
+        assert_eq!(answers.verdicts[0].status, Status::Converged, "{names:?}");
+        assert_eq!(answers.verdicts[1].status, Status::NoSolution, "{names:?}");
+        answers.columns
+    };
+    let [nut, warm] = ["warm_preload_N", "nut_temperature_C"].map(|name| columns(&[name]));
+    let both = columns(&["warm_preload_N", "nut_temperature_C"]);
+    assert!((both[0][0] / nut[0][0] - 1.0).abs() < 1e-9, "{} {}", both[0][0], nut[0][0]);
+    assert!(same(both[1][0], Some(warm[0][0])) && both[0][1].is_nan(), "{both:?}");
 }
 
 /// A column of a nut without balls was solved and refused row by row.
