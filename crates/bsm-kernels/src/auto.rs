@@ -165,7 +165,7 @@ impl WithSimd for RollingRows<'_, '_, '_> {
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
             let given = LaneInputs { simd, operands, row: *first + row };
             let (units, pair) = simd.vectorize(InUnits(&given));
-            let mut out = Sink { wanted, columns: &mut *columns, row };
+            let mut out = Sink { wanted, columns, row };
             let ball = simd.vectorize(RacewayRow {
                 given: &given,
                 units: &units,

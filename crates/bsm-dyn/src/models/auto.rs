@@ -50,7 +50,7 @@ impl Auto {
         if let Some((grip, solved, errors)) = &known {
             match errors.basis(self.tolerance) {
                 Some(basis @ Basis::Grips { .. }) => {
-                    let solved = work.raceway.with_others(&self.at, &pair, grip, None, *solved);
+                    let solved = work.raceway.with_others(&self.at, &pair, grip, None, solved);
                     let bound = errors.rolling;
                     return (self.chosen(&solved, bound, basis), None);
                 }
@@ -89,7 +89,8 @@ impl Auto {
                     Some((grip, solved, errors))
                         if SlipRegime::of(errors.onset_number) == SlipRegime::Grips =>
                     {
-                        let solved = work.raceway.with_others(&self.at, &pair, &grip, None, solved);
+                        let solved =
+                            work.raceway.with_others(&self.at, &pair, &grip, None, &solved);
                         let basis = Basis::Grips { onset_number: errors.onset_number };
                         self.chosen(&solved, errors.rolling, basis)
                     }

@@ -305,7 +305,7 @@ impl RacewayControl {
         let solved = self.at.scaled().and_then(|pair| {
             let grip = memory.grip(&pair, self.control)?;
             let solved = memory.solved(&self.at, &pair, &grip)?;
-            Ok(memory.with_others(&self.at, &pair, &grip, self.control, solved))
+            Ok(memory.with_others(&self.at, &pair, &grip, self.control, &solved))
         });
         Solution::new(Model::RacewayControl, solved)
     }
@@ -364,7 +364,7 @@ impl RacewayWorkspace {
         pair: &ElasticBall,
         grip: &RollingBall,
         control: Option<Control>,
-        solved: Solved,
+        solved: &Solved,
     ) -> Solved {
         let consistent = control.is_none().then(|| grip.is_consistent(pair));
         let others = grip.others(pair, control, &mut self.newton);

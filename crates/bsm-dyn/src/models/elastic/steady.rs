@@ -357,8 +357,8 @@ where
                 break;
             }
             log = F::select(active, inertia, log);
-            for k in 0..3 {
-                place[k] = F::select(active, next.place[k], place[k]);
+            for (own, next) in place.iter_mut().zip(next.place) {
+                *own = F::select(active, next, *own);
             }
         }
         (guess, arrived, steps)

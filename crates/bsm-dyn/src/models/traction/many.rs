@@ -244,7 +244,9 @@ impl WithSimd for Solve<'_> {
                 refine(simd, rules, work, &walks, some, &mut roots);
             }
             // What is not refined needs split panels, and no other start.
-            some.into_iter().for_each(|point| arrived[point] = true);
+            for point in some {
+                arrived[point] = true;
+            }
             points.extend((0..starts.len()).filter(|point| !arrived[*point]));
         }
         roots
