@@ -393,7 +393,7 @@ class Table:
             raise KeyError(f"no column `{name}`{_near(name, self)}; the columns are {_few(self._columns)}") from None
         if isinstance(column, Words):
             return column.to_numpy()
-        if isinstance(column, _core.Kept):
+        if isinstance(column, _core.KeptColumn):
             return _kept_values(column)
         array: NDArray[Any] = column
         return array
@@ -447,7 +447,7 @@ class Table:
             quantity = OUTPUTS.get(name)
             if isinstance(column, Words):
                 columns.append((name, unit, "words", column.codes, list(column.categories)))
-            elif isinstance(column, _core.Kept):
+            elif isinstance(column, _core.KeptColumn):
                 columns.append((name, unit, "kept", column, []))
             elif column.dtype == object:
                 columns.append((name, unit, "texts", column.tolist(), []))
@@ -489,7 +489,7 @@ class Table:
         """Write the table as the program does: .csv, .jsonl or .parquet."""
         if self._rows is not None:
             self._rows.write(Path(path))
-        elif any(isinstance(column, (Words, _core.Kept)) or column.dtype in (object, bool)
+        elif any(isinstance(column, (Words, _core.KeptColumn)) or column.dtype in (object, bool)
                  for column in self._columns.values()):
             raise TypeError("this table has words in it, or was pickled: write it with to_pandas() or to_polars()")
         else:
@@ -518,7 +518,7 @@ def _thawed(kind: type[Table], state: Mapping[str, Any]) -> Table:
     table = object.__new__(kind)
     vars(table).update(state)
     for column in table._columns.values():
-        if not isinstance(column, (Words, _core.Kept)):
+        if not isinstance(column, (Words, _core.KeptColumn)):
             column.flags.writeable = False
     return table
 
@@ -1070,10 +1070,10 @@ def solve_many(
     scene, keep = _scene(base, {}), _list("keep", keep)
     if isinstance(points, Table):
         # Answers of an earlier run are passed over.
-        points = {n: column if isinstance(column, _core.Kept) else points[n]
+        points = {n: column if isinstance(column, _core.KeptColumn) else points[n]
                   for n, column in points._columns.items() if n in INPUTS or n in keep}
     numbers: list[tuple[str, Floats, list[int]]] = []
-    kept: list[tuple[str, _core.Kept]] = []
+    kept: list[tuple[str, _core.KeptColumn]] = []
     fixed: dict[str, Any] = {}
     try:
         if isinstance(points, Mapping):
@@ -1117,22 +1117,22 @@ def solve_many(
     return _answered(rows, {**inputs, **dict(kept)})
 
 
-def _kept(values: Any) -> _core.Kept:
+def _kept(values: Any) -> _core.KeptColumn:
     """A column that is carried through: numbers and times by their type, all else as text."""
     import numpy as np
 
-    if isinstance(values, _core.Kept):
+    if isinstance(values, _core.KeptColumn):
         return values
     array = np.asarray(values)
     kinds = {"i": "int64", "u": "uint64", "f": "float64", "b": "bool", "M": "datetime64[us]"}
     kind = kinds.get(array.dtype.kind)
     if kind is None or array.ndim != 1:
-        return _core.Kept.of_texts([None if value is None else str(value) for value in values])
+        return _core.KeptColumn.of_texts([None if value is None else str(value) for value in values])
     array = np.ascontiguousarray(array.astype(kind))
-    return _core.Kept.of_numbers(array.view({"bool": np.uint8, "datetime64[us]": np.int64}.get(kind, kind)), kind)
+    return _core.KeptColumn.of_numbers(array.view({"bool": np.uint8, "datetime64[us]": np.int64}.get(kind, kind)), kind)
 
 
-def _kept_values(column: _core.Kept) -> NDArray[Any]:
+def _kept_values(column: _core.KeptColumn) -> NDArray[Any]:
     """A column that is carried through, for NumPy."""
     import numpy as np
 
@@ -1868,7 +1868,7 @@ def _write_report(folder: str | os.PathLike[str] | None, files: Iterable[tuple[s
         path.write_text(text, encoding="utf-8", newline="")
 
 
-def _report(answer: _core.Told) -> Report:
+def _report(answer: _core.Answer) -> Report:
     entries, found, warnings = answer
     return Report(json.loads(entries), found, warnings)
 

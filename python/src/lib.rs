@@ -108,7 +108,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<solution::Solution>()?;
     module.add_class::<points::Rows>()?;
     module.add_class::<table::Arrow>()?;
-    module.add_class::<table::Kept>()?;
+    module.add_class::<table::KeptColumn>()?;
     module.add_class::<parts::PyPlan>()?;
     module.add_class::<reports::Nuts>()?;
     for function in [

@@ -55,7 +55,7 @@ fn part_of((number, first_row, rows, failed, several, data_bytes, data_sha256): 
 }
 
 /// Parts, missing ranges, what is damaged and why, foreign files.
-type Surveyed = (Vec<RowReport>, Vec<(u64, u64)>, Vec<(PathBuf, String)>, Vec<PathBuf>);
+type Survey = (Vec<RowReport>, Vec<(u64, u64)>, Vec<(PathBuf, String)>, Vec<PathBuf>);
 
 /// Where random points come from: seed, number, and what is drawn.
 type Random = (u64, u64, Vec<String>);
@@ -222,7 +222,7 @@ impl PyPlan {
     }
 
     /// What is in a folder: parts, missing ranges, what is damaged and why, foreign files.
-    fn survey(&self, py: Python<'_>, folder: PathBuf, deep: bool) -> PyResult<Surveyed> {
+    fn survey(&self, py: Python<'_>, folder: PathBuf, deep: bool) -> PyResult<Survey> {
         let survey = watched(py, false, 0, Some(NonZeroUsize::MIN), None, |stop, _| {
             let workers = Workers::start(None, stop).map_err(DatasetError::Thread)?;
             Dataset::resume(&folder, self.0.clone(), make)?.survey(deep, &workers)

@@ -25,7 +25,7 @@ use tempfile::NamedTempFile;
 
 use crate::errors;
 use crate::scene::{How, Scene};
-use crate::table::{Kept, Numbers};
+use crate::table::{KeptColumn, Numbers};
 
 /// How often the thread that called looks at signals and shows progress.
 const LOOK: Duration = Duration::from_millis(50);
@@ -196,7 +196,7 @@ pub(crate) fn selected(names: Option<Vec<String>>) -> PyResult<Vec<&'static Outp
 /// The table of columns: name, values, rows without one; and of columns that are carried through.
 pub(crate) fn table_of(
     columns: Vec<(String, Numbers, Vec<usize>)>,
-    kept: Vec<(String, Py<Kept>)>,
+    kept: Vec<(String, Py<KeptColumn>)>,
     len: usize,
 ) -> PyResult<Memory> {
     let (keep, kept): (Vec<_>, Vec<_>) =
@@ -233,7 +233,7 @@ pub(crate) fn solve_many(
     py: Python<'_>,
     base: &Bound<'_, Scene>,
     columns: Vec<(String, Numbers, Vec<usize>)>,
-    kept: Vec<(String, Py<Kept>)>,
+    kept: Vec<(String, Py<KeptColumn>)>,
     len: usize,
     how: How,
     outputs: Option<Vec<String>>,
@@ -276,10 +276,10 @@ pub(crate) fn sweep(
 }
 
 /// Threads, one set for each number of them, of a process.
-type Held = (u32, Option<NonZeroUsize>, Arc<Workers<'static>>);
+type ThreadSet = (u32, Option<NonZeroUsize>, Arc<Workers<'static>>);
 
 /// The threads of this process: a fork has none of those that its parent started.
-static HELD: Mutex<Vec<Held>> = Mutex::new(Vec::new());
+static HELD: Mutex<Vec<ThreadSet>> = Mutex::new(Vec::new());
 
 /// What the held threads look at, which no one sets: a run has its own.
 static NEVER: AtomicBool = AtomicBool::new(false);
@@ -310,12 +310,12 @@ fn drive(
     len: usize,
     (threads, progress, text): (Option<NonZeroUsize>, Option<Py<PyAny>>, bool),
 ) -> PyResult<Rows> {
-    let mut gathered = Gathered::of(len, task.outputs.len(), text);
+    let mut gathered = RowAnswers::of(len, task.outputs.len(), text);
     watched(py, task.is_quick(len), len, threads, progress, |stop, done| {
         gathered.fill(task, origin.source().as_mut(), stop, done)
     })?
     .map_err(|e| errors::table(&e))?;
-    let Gathered { verdicts, messages, columns, .. } = gathered;
+    let RowAnswers { verdicts, messages, columns, .. } = gathered;
     let nothing = OnceCell::new();
     let column = |column: Option<Vec<f64>>| match column {
         Some(values) => ScalarBuffer::from(values),
@@ -326,7 +326,7 @@ fn drive(
 }
 
 /// The answers of all rows.
-struct Gathered {
+struct RowAnswers {
     verdicts: Vec<Verdict>,
     messages: Vec<(usize, String)>,
     /// The outputs; none as long as no row has a value.
@@ -336,7 +336,7 @@ struct Gathered {
     text: bool,
 }
 
-impl Gathered {
+impl RowAnswers {
     fn of(len: usize, outputs: usize, text: bool) -> Self {
         // What is asked for by name has its place, and so has a table of one chunk. Of all outputs most are of other
         // models: only their values come back.

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use bsm_batch::{NumberColumn, TableError, TableSink};
 use bsm_case::{
     Answer, AxisReport, CATALOGUE, Calibration, CaseError, Catalogue, Content, DesignReport,
-    EllipseFields, Fit, MakerNut, MakerRow, Moving, NutProblem, NutReport, Record, RequirementFile,
-    Samples, Settings, Wanted, candidate_scene, column_names, sheet_columns,
+    EllipseFields, Fit, MakerNut, MakerRow, MotionAnswer, NutFilter, NutProblem, NutReport, Record,
+    RequirementFile, Samples, Settings, candidate_scene, column_names, sheet_columns,
 };
 use bsm_dyn::{Model, ModelWorkspace, Solution};
 use bsm_report::sheets::{size_figures, size_page, size_results};
 use bsm_report::{ReportError, report_files};
-use bsm_validate::{Published, ValidateError, validation_page};
+use bsm_validate::{PublishedData, ValidateError, validation_page};
 use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
 use serde_json::{Value, json};
@@ -79,7 +79,7 @@ fn of_motion(
     let settings = how.settings()?;
     on_threads(py, || {
         let work = &mut ModelWorkspace::default();
-        let Moving { settings, solution } = Moving::of(scene, &settings, work)?;
+        let MotionAnswer { settings, solution } = MotionAnswer::of(scene, &settings, work)?;
         if solution.reason().is_some() {
             let record = Record::new(solution).to_json();
             return Ok((Value::Object(record).to_string(), false, Vec::new()));
@@ -121,11 +121,11 @@ pub(crate) fn nut(
 }
 
 /// Name and unit of columns.
-type Named = Vec<(&'static str, &'static str)>;
+type NamesAndUnits = Vec<(&'static str, &'static str)>;
 
 /// Columns of the balls and of the curve of a nut.
 #[pyfunction]
-pub(crate) fn nut_columns() -> (Named, Named) {
+pub(crate) fn nut_columns() -> (NamesAndUnits, NamesAndUnits) {
     (NutReport::ball_columns(), NutReport::curve_columns())
 }
 
@@ -245,7 +245,7 @@ pub(crate) fn validate(
     data: Option<PathBuf>,
 ) -> PyResult<(String, Files)> {
     let run = || -> Result<(String, Files), ValidateError> {
-        let published = data.as_deref().map(Published::read).transpose()?.unwrap_or_default();
+        let published = data.as_deref().map(PublishedData::read).transpose()?.unwrap_or_default();
         let report = bsm_validate::run(&published)?;
         let files = if page {
             let figures = bsm_validate::figures(&published)?;
@@ -369,7 +369,7 @@ pub(crate) fn select_nuts(
             None => Catalogue::standard()?,
         };
         let wish = wished(requirement, &catalogue)?;
-        let mut wanted = Wanted::new(&conditions, wish.is_some(), pareto)?;
+        let mut wanted = NutFilter::new(&conditions, wish.is_some(), pareto)?;
         if let Some(sort) = sort {
             wanted = wanted.sorted_by(sort, descending, wish.is_some())?;
         }

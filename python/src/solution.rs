@@ -5,7 +5,7 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::Ordering;
 
 use bsm_case::{
-    Beside, CaseError, InputKey, InputSet, OUTPUTS, Record, Sensitivities, Settings, following,
+    CaseError, InputKey, InputSet, OUTPUTS, Record, Sensitivities, Settings, Supplement, following,
     torque_parts,
 };
 use bsm_dyn::{Band, ModelWorkspace, Problem};
@@ -123,7 +123,7 @@ impl Solution {
         let (band, parts) = py.detach(|| (self.band(), torque_parts(scene, &self.settings)));
         // Why there are none, the report of the whole nut says.
         let parts = parts.ok().flatten();
-        let beside = Beside { band, parts, sensitivities: None };
+        let beside = Supplement { band, parts, sensitivities: None };
         format!("{:#}", self.record.answer(PROGRAM, scene, &self.settings, &beside).to_json())
     }
 }

@@ -81,7 +81,7 @@ fn stream(
 
 /// A column of any type that is carried through.
 #[pyclass(frozen, module = "ballscrew._core")]
-pub(crate) struct Kept(pub(crate) ArrayRef);
+pub(crate) struct KeptColumn(pub(crate) ArrayRef);
 
 /// Values for NumPy: of a type, or one by one.
 #[derive(IntoPyObject)]
@@ -92,7 +92,7 @@ pub(crate) enum Values {
 }
 
 #[pymethods]
-impl Kept {
+impl KeptColumn {
     #[staticmethod]
     fn of_texts(texts: Vec<Option<String>>) -> Self {
         Self(Arc::new(StringArray::from(texts)))
@@ -198,7 +198,7 @@ impl Kept {
 pub(crate) enum Read {
     /// Values, NaN in the gaps, and which rows have none.
     Numbers(PyArrowBuffer, Vec<usize>),
-    Kept(Kept),
+    Kept(KeptColumn),
 }
 
 /// The columns of anything that gives an Arrow stream: numbers as doubles.
@@ -222,7 +222,7 @@ pub(crate) fn read_arrow(
             } else {
                 concat(&parts).map_err(refused)
             };
-            return Ok((name, Read::Kept(Kept(whole?))));
+            return Ok((name, Read::Kept(KeptColumn(whole?))));
         }
         if let [batch] = &batches[..]
             && let Some(whole) = batch.column(place).as_primitive_opt::<Float64Type>()
@@ -268,7 +268,7 @@ pub(crate) fn to_arrow<'py>(
                 Arc::new(array.map_err(refused)?)
             }
             "texts" => Arc::new(StringArray::from(values.extract::<Vec<Option<String>>>()?)),
-            "kept" => values.cast::<Kept>()?.get().0.clone(),
+            "kept" => values.cast::<KeptColumn>()?.get().0.clone(),
             kind => {
                 let numbers: ScalarBuffer<f64> = buffer(&values)?.into();
                 let given: NullBuffer = numbers.iter().map(|number| !number.is_nan()).collect();

@@ -28,7 +28,7 @@ use snap::raw::Encoder;
 pub(crate) const PACKED: Compression = Compression::SNAPPY;
 
 /// A column chunk, with its entry in the footer.
-pub(crate) type Encoded = (Bytes, ColumnCloseResult);
+pub(crate) type EncodedColumn = (Bytes, ColumnCloseResult);
 
 /// Appends a number by seven bits: it begins a run, or as many groups of eight values, in the hybrid of both.
 fn varint(mut number: usize, to: &mut Vec<u8>) {
@@ -305,7 +305,7 @@ impl Words {
     }
 
     /// The column chunk.
-    pub(crate) fn finish(self) -> Result<Encoded> {
+    pub(crate) fn finish(self) -> Result<EncodedColumn> {
         let Self { column, known, keys } = self;
         let end = |word: Option<&String>| word.map(|word| ByteArray::from(word.as_str()));
         let (least, most) = (end(known.iter().min()), end(known.iter().max()));
@@ -446,7 +446,7 @@ impl Numbers {
     }
 
     /// The column chunk.
-    pub(crate) fn finish(mut self) -> Result<Encoded> {
+    pub(crate) fn finish(mut self) -> Result<EncodedColumn> {
         let values: Vec<_> = self.keys.values.iter().map(|bits| f64::from_bits(*bits)).collect();
         self.update_bounds(&values);
         // There may be none, or only NaN; the sign of zero is not stored.
@@ -500,7 +500,7 @@ fn chunk(
     column: &ColumnDescPtr,
     pages: Vec<CompressedPage>,
     statistics: Statistics,
-) -> Result<Encoded> {
+) -> Result<EncodedColumn> {
     let mut bytes = Vec::new();
     let (mut unpacked, mut rows, mut dictionary) = (0, 0, None);
     let (mut kinds, mut encodings) = (vec![Encoding::RLE], Vec::new());
@@ -561,7 +561,7 @@ mod tests {
     use super::*;
 
     /// A file with one column, which readers find as it says it is.
-    fn file(column: &str, encode: impl FnOnce(&ColumnDescPtr) -> Result<Encoded>) -> Bytes {
+    fn file(column: &str, encode: impl FnOnce(&ColumnDescPtr) -> Result<EncodedColumn>) -> Bytes {
         let schema = parse_message_type(&format!("message m {{ {column}; }}")).expect("a schema");
         let mut file = SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::default());
         let file_writer = file.as_mut().expect("memory");

@@ -48,12 +48,18 @@ impl<R: ChunkReader> Length for Pages<R> {
 }
 
 impl<R: ChunkReader> ChunkReader for Pages<R> {
-    type T = Headed<R::T>;
+    type T = PageReader<R::T>;
 
     fn get_read(&self, start: u64) -> Result<Self::T> {
         let Self { most, .. } = *self;
         let head = Cursor::default();
-        Ok(Headed { head, rest: self.file.get_read(start)?, unread: true, most, file: self.len() })
+        Ok(PageReader {
+            head,
+            rest: self.file.get_read(start)?,
+            unread: true,
+            most,
+            file: self.len(),
+        })
     }
 
     fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes> {
@@ -62,7 +68,7 @@ impl<R: ChunkReader> ChunkReader for Pages<R> {
 }
 
 /// A page from its header on, which is checked when it is read: not each that is asked for is.
-pub(crate) struct Headed<R> {
+pub(crate) struct PageReader<R> {
     head: Cursor<Vec<u8>>,
     rest: R,
     unread: bool,
@@ -70,7 +76,7 @@ pub(crate) struct Headed<R> {
     file: u64,
 }
 
-impl<R: Read> Read for Headed<R> {
+impl<R: Read> Read for PageReader<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         if self.unread {
             self.rest.by_ref().take(HEAD).read_to_end(self.head.get_mut())?;

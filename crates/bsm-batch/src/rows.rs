@@ -354,13 +354,13 @@ pub(crate) fn numbers(values: Vec<f64>) -> Float64Array {
 
 /// A table that is read by rows.
 pub struct Cells<'a> {
-    columns: Vec<Typed<'a>>,
+    columns: Vec<ArrowColumn<'a>>,
     texts: &'a BTreeMap<(usize, usize), String>,
     kept: usize,
 }
 
 /// A column of it.
-enum Typed<'a> {
+enum ArrowColumn<'a> {
     Numbers(&'a Float64Array),
     Counts(&'a UInt64Array),
     Flags(&'a BooleanArray),
@@ -378,11 +378,11 @@ impl<'a> Cells<'a> {
         let kept = chunk.kept.len();
         let column = |(place, column): (usize, &'a ArrayRef)| {
             Ok(match column.data_type() {
-                DataType::Utf8 => Typed::Texts(column.as_string()),
-                _ if place < kept => Typed::Values(arrow_column::values(column)?),
-                DataType::Boolean => Typed::Flags(column.as_boolean()),
-                DataType::UInt64 => Typed::Counts(column.as_primitive::<UInt64Type>()),
-                _ => Typed::Numbers(column.as_primitive()),
+                DataType::Utf8 => ArrowColumn::Texts(column.as_string()),
+                _ if place < kept => ArrowColumn::Values(arrow_column::values(column)?),
+                DataType::Boolean => ArrowColumn::Flags(column.as_boolean()),
+                DataType::UInt64 => ArrowColumn::Counts(column.as_primitive::<UInt64Type>()),
+                _ => ArrowColumn::Numbers(column.as_primitive()),
             })
         };
         let columns = table.columns().iter().enumerate().map(column);
@@ -392,14 +392,18 @@ impl<'a> Cells<'a> {
     /// The cells of a row.
     pub fn row(&self, row: usize) -> impl Iterator<Item = Cell<'_>> {
         self.columns.iter().enumerate().map(move |(place, column)| match column {
-            Typed::Numbers(column) => match self.texts.get(&(row, place.wrapping_sub(self.kept))) {
-                Some(text) => Cell::Text(text),
-                None => number(column, row),
-            },
-            Typed::Counts(column) if column.is_valid(row) => Cell::Digits(column.value(row).into()),
-            Typed::Flags(column) if column.is_valid(row) => Cell::Flag(column.value(row)),
-            Typed::Texts(column) if column.is_valid(row) => Cell::Text(column.value(row)),
-            Typed::Values(values) => Cell::from(&values[row]),
+            ArrowColumn::Numbers(column) => {
+                match self.texts.get(&(row, place.wrapping_sub(self.kept))) {
+                    Some(text) => Cell::Text(text),
+                    None => number(column, row),
+                }
+            }
+            ArrowColumn::Counts(column) if column.is_valid(row) => {
+                Cell::Digits(column.value(row).into())
+            }
+            ArrowColumn::Flags(column) if column.is_valid(row) => Cell::Flag(column.value(row)),
+            ArrowColumn::Texts(column) if column.is_valid(row) => Cell::Text(column.value(row)),
+            ArrowColumn::Values(values) => Cell::from(&values[row]),
             _ => Cell::Missing,
         })
     }

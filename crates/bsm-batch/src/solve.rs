@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use bsm_case::{
-    AnalysisKind, CaseError, ModelChoice, Moving, Output, Quantity, Record, reason_of_choice,
+    AnalysisKind, CaseError, ModelChoice, MotionAnswer, Output, Quantity, Record, reason_of_choice,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use bsm_kernels::{InputColumns, RowChoice, Rows, Selection};
@@ -342,7 +342,7 @@ impl Run<'_> {
             }
             let solution =
                 record.into_solution().filter(|s| self.solver.moves && s.solved().is_some());
-            motion = solution.map(|solution| Moving { settings: *settings, solution });
+            motion = solution.map(|solution| MotionAnswer { settings: *settings, solution });
         }
         for kind in
             self.solver.analyses.iter().filter(|kind| motion.is_some() || !kind.needs_motion())

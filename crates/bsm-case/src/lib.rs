@@ -37,25 +37,25 @@ mod answers;
 mod case;
 mod vocabulary;
 
-pub use answers::analysis::{Moving, table};
+pub use answers::analysis::{MotionAnswer, table};
 pub use answers::axis::{AxisReport, ScrewTorque, sheet_columns, torque_parts};
 pub use answers::calibration::{Calibration, CalibrationReport};
-pub use answers::comparison::{Compared, Comparison};
+pub use answers::comparison::{Comparison, ModelAnswer};
 pub use answers::design::{DesignReport, DesignRow};
 pub use answers::ellipses::EllipseFields;
-pub use answers::fit::{Fit, FitReport, Fitted};
+pub use answers::fit::{Fit, FitReport, FitValue};
 pub use answers::jam::jam;
 pub use answers::makers::{MakerNut, MakerRow, column_names};
 pub use answers::nut::{Columns, NutReport};
 pub use answers::optimum::optimum;
 pub use answers::ratings::ratings;
-pub use answers::record::{Beside, Record, reason_of_choice};
+pub use answers::record::{Record, Supplement, reason_of_choice};
 pub use answers::rows::Scales;
 pub use answers::samples::Samples;
 pub use answers::schema::{input_schema, output_schema};
 pub use answers::section::GrooveSection;
 pub use answers::selection::{
-    CATALOGUE, Condition, ListColumn, NutList, Wanted, candidate_json, candidate_scene,
+    CATALOGUE, Condition, ListColumn, NutFilter, NutList, candidate_json, candidate_scene,
 };
 pub use answers::sensitivity::{Sensitivities, Sensitivity};
 pub use answers::slip::slip;

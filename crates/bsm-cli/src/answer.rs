@@ -29,7 +29,7 @@ pub(crate) struct Reply {
 
 /// Pictures of an answer.
 #[derive(Debug, Default)]
-pub(crate) struct Drawn {
+pub(crate) struct Pictures {
     pub(crate) figures: Vec<Figure>,
     /// A page that holds them.
     pub(crate) page: Option<String>,
@@ -99,7 +99,7 @@ impl Reply {
     pub(crate) fn give(
         self,
         to: &OutArgs,
-        draw: impl FnOnce() -> Result<Drawn, Failure>,
+        draw: impl FnOnce() -> Result<Pictures, Failure>,
     ) -> Result<(), Failure> {
         let mut told = Vec::new();
         for warning in self.parts.iter().flat_map(|(_, part)| &part.warnings) {
@@ -113,8 +113,11 @@ impl Reply {
             |path: &&Path| ending_of("-o", path, &["html", "svg", "png", "dxf"]).is_ok();
         let pictures: Vec<&Path> =
             to.output.iter().map(PathBuf::as_path).filter(is_picture).collect();
-        let drawn =
-            if to.figures.is_some() || !pictures.is_empty() { draw()? } else { Drawn::default() };
+        let drawn = if to.figures.is_some() || !pictures.is_empty() {
+            draw()?
+        } else {
+            Pictures::default()
+        };
         for path in &to.output {
             match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref()
             {

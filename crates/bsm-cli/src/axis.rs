@@ -4,7 +4,7 @@ use bsm_case::{AxisReport, Content, GrooveSection, PhaseWords};
 use bsm_report::sheets::{size_figures, size_page};
 use bsm_report::{PROGRAM, groove_dxf};
 
-use crate::answer::{Drawn, Reply};
+use crate::answer::{Pictures, Reply};
 use crate::args::AxisArgs;
 use crate::failure::Failure;
 use crate::files::{MOST_OF_A_TABLE, ending_of, read};
@@ -30,7 +30,7 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     }
     let draw = || {
         let (figures, page) = (size_figures(&report), Some(size_page(&report)?));
-        Ok(Drawn { figures, page, drawing: drawing.ok() })
+        Ok(Pictures { figures, page, drawing: drawing.ok() })
     };
     Reply::about(&report.scene, answer).give(&args.out, draw)
 }

@@ -11,7 +11,7 @@ use bsm_report::{Figure, report_files};
 use serde_json::Value;
 use tempfile::NamedTempFile;
 
-use crate::answer::Drawn;
+use crate::answer::Pictures;
 use crate::failure::{Failure, warn};
 use crate::unfinished;
 
@@ -310,7 +310,7 @@ pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
 
 /// Writes pictures into a folder, which it makes: each figure as SVG and as a table; beside a page, which has the
 /// numbers with it, in a folder of their own.
-pub(crate) fn write_drawn(folder: &Path, drawn: &Drawn, results: &Value) -> Result<(), Failure> {
+pub(crate) fn write_drawn(folder: &Path, drawn: &Pictures, results: &Value) -> Result<(), Failure> {
     let files = if let Some(page) = &drawn.page {
         make_folder(&folder.join("figures"))?;
         report_files(page.clone(), results, &drawn.figures)?

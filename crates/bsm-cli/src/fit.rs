@@ -5,7 +5,7 @@ use std::path::Path;
 use bsm_case::{Answer, Calibration, CalibrationReport, CaseError, Fit, Scene, Settings};
 use bsm_report::{Axis, Curve, Figure, Stroke, number};
 
-use crate::answer::{Drawn, Reply};
+use crate::answer::{Pictures, Reply};
 use crate::args::FitArgs;
 use crate::failure::{Failure, note_unused, of_input};
 use crate::files::{self, MOST_OF_A_TABLE};
@@ -27,7 +27,7 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
         }
         None => (to_point(args, &scene, &settings)?, Vec::new()),
     };
-    Reply::of(answer).give(&args.out, || Ok(Drawn { figures, ..Drawn::default() }))
+    Reply::of(answer).give(&args.out, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
 /// All values of an input that give one measured output.

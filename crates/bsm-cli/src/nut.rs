@@ -6,7 +6,7 @@ use bsm_batch::NumberColumn;
 use bsm_case::{Columns, NutProblem, Samples, Scene};
 use bsm_report::sheets::nut_figures;
 
-use crate::answer::{Drawn, Reply};
+use crate::answer::{Pictures, Reply};
 use crate::args::{NutArgs, NutTable};
 use crate::failure::Failure;
 use crate::stream::{form_of, write_numbers};
@@ -44,7 +44,7 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
         }
     };
     answer.warnings.splice(0..0, scene.warnings());
-    Reply::about(&scene, answer).give(&args.out, || Ok(Drawn { figures, ..Drawn::default() }))
+    Reply::about(&scene, answer).give(&args.out, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
 pub(crate) fn write_columns(path: &Path, table: &Columns, scene: &Scene) -> Result<(), Failure> {

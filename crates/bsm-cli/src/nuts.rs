@@ -4,11 +4,11 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use bsm_batch::NumberColumn;
-use bsm_case::{Catalogue, ListColumn, NutList, Wanted, candidate_scene};
+use bsm_case::{Catalogue, ListColumn, NutFilter, NutList, candidate_scene};
 use bsm_report::sheets::catalogue_figures;
 use serde_json::{Value, json};
 
-use crate::answer::{Drawn, Reply};
+use crate::answer::{Pictures, Reply};
 use crate::args::SelectArgs;
 use crate::failure::{Failure, warn};
 use crate::files;
@@ -25,7 +25,7 @@ const PART: usize = 1 << 14;
 pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
     check(args, &[&TABLES[..], &["json"]].concat())?;
     let has_sheets = args.requirement.is_some();
-    let mut wanted = Wanted::new(&args.conditions, has_sheets, args.pareto)
+    let mut wanted = NutFilter::new(&args.conditions, has_sheets, args.pareto)
         .map_err(|e| Failure::input("--where", &e))?;
     if let Some(sort) = &args.sort {
         let name = sort.trim_start_matches('-');
@@ -43,7 +43,7 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
     let list = wanted.choose(catalogue, wish.as_ref());
     if !list.why.is_empty() {
         let none = Reply { scene: Some(Value::Null), ..Reply::of(list.answer(0)) };
-        return none.give(&args.out, || Ok(Drawn::default()));
+        return none.give(&args.out, || Ok(Pictures::default()));
     }
     let figures = match args.out.figures {
         Some(_) => catalogue_figures(&list.catalogue, &list.within),
@@ -65,7 +65,7 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
     let picked = list.nuts(&list.chosen[..1]);
     let scene = picked.first().map(|nut| candidate_scene(nut, wish.as_ref()));
     Reply { scene: Some(scene.into()), ..Reply::of(list.answer(first(SHOWN))) }
-        .give(&args.out, || Ok(Drawn { figures, ..Drawn::default() }))
+        .give(&args.out, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
 fn head(column: &ListColumn) -> NumberColumn {

@@ -7,7 +7,7 @@ use bsm_case::{
     REQUIREMENT_WORDS, RequirementFile, STANDARD_CATALOGUE,
 };
 
-use crate::answer::{Drawn, Reply, named};
+use crate::answer::{Pictures, Reply, named};
 use crate::args::{SelectArgs, SelectShow};
 use crate::failure::{Failure, warn};
 use crate::files::{MOST_OF_A_TABLE, ending_of, print, read, read_json};
@@ -88,7 +88,7 @@ fn steps(args: &SelectArgs, path: &Path) -> Result<(), Failure> {
         scene: Some(report.found.then_some(scene).into()),
         ..Reply::of(answer)
     };
-    reply.give(&args.out, || Ok(Drawn::default()))
+    reply.give(&args.out, || Ok(Pictures::default()))
 }
 
 /// Keys of a requirement.
@@ -135,5 +135,5 @@ fn makers(args: &SelectArgs, path: &Path) -> Result<(), Failure> {
     let answer = MakerRow::answer(&rows);
     let first = rows.first().filter(|_| !answer.fails);
     let scene = Some(first.map(|row| row.scene.to_json()).into());
-    Reply { scene, ..Reply::of(answer) }.give(&args.out, || Ok(Drawn::default()))
+    Reply { scene, ..Reply::of(answer) }.give(&args.out, || Ok(Pictures::default()))
 }

@@ -1,14 +1,14 @@
 //! `bsm solve`: one operating point, and what follows from it.
 
 use bsm_case::{
-    Answer, Beside, CaseError, Comparison, EllipseFields, ModelChoice, Moving, Record, Scene,
-    Sensitivities, Settings, jam, slip, torque_parts,
+    Answer, CaseError, Comparison, EllipseFields, ModelChoice, MotionAnswer, Record, Scene,
+    Sensitivities, Settings, Supplement, jam, slip, torque_parts,
 };
 use bsm_dyn::{ModelWorkspace, Problem, Solution, Status};
 use bsm_report::sheets::Study;
 use bsm_report::{Figure, PROGRAM, ReportError};
 
-use crate::answer::{Drawn, Reply, named};
+use crate::answer::{Pictures, Reply, named};
 use crate::args::{ALL, Show, SolveArgs};
 use crate::failure::Failure;
 use crate::nut::write_columns;
@@ -81,7 +81,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
             return Err(Failure::Input(text.to_owned()));
         }
         let answer = Comparison::of(&scene).map_err(args.scene.failure())?.answer();
-        return Reply::about(&scene, answer).give(&args.out, || Ok(Drawn::default()));
+        return Reply::about(&scene, answer).give(&args.out, || Ok(Pictures::default()));
     }
     let settings = args.model.settings().map_err(args.scene.failure())?;
     let mut figures = Vec::new();
@@ -109,7 +109,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     };
     let reply =
         Reply { parts, rows, about: scene.to_json(), ..Reply::about(&scene, Answer::default()) };
-    reply.give(&args.out, || Ok(Drawn { figures, ..Drawn::default() }))
+    reply.give(&args.out, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
 /// The motion, with what is shown besides.
@@ -140,7 +140,7 @@ fn motion(args: &SolveArgs, scene: &Scene, settings: &Settings) -> Result<Answer
     }
     let lacks = args.show.contains(&Show::Sensitivities) && sensitivities.is_none();
     let mut answer =
-        point(args, scene, settings, solution, &Beside { band, parts, sensitivities })?;
+        point(args, scene, settings, solution, &Supplement { band, parts, sensitivities })?;
     answer.notes.splice(0..0, notes);
     answer.fails |= lacks;
     Ok(answer)
@@ -152,7 +152,7 @@ fn point(
     scene: &Scene,
     settings: &Settings,
     solution: Solution,
-    beside: &Beside,
+    beside: &Supplement,
 ) -> Result<Answer, Failure> {
     let record = Record::new(solution);
     if record.status() == Status::InvalidInput {
@@ -172,10 +172,10 @@ fn analysis(
     study: impl Fn(&Scene, &Settings, &Solution) -> Result<Study, ReportError>,
 ) -> Result<Answer, Failure> {
     let in_file = args.scene.failure();
-    let Moving { settings, solution } =
-        Moving::of(scene, settings, &mut ModelWorkspace::default()).map_err(in_file)?;
+    let MotionAnswer { settings, solution } =
+        MotionAnswer::of(scene, settings, &mut ModelWorkspace::default()).map_err(in_file)?;
     if solution.reason().is_some() {
-        return point(args, scene, &settings, solution, &Beside::default());
+        return point(args, scene, &settings, solution, &Supplement::default());
     }
     let answer = report(scene, &settings, &solution).map_err(in_file)?;
     if let Some(figures) = figures {
@@ -187,10 +187,10 @@ fn analysis(
 /// Fields over the contact ellipses, which tables have point by point.
 fn ellipses(args: &SolveArgs, scene: &Scene, settings: &Settings) -> Result<Answer, Failure> {
     let in_file = args.scene.failure();
-    let Moving { settings, solution } =
-        Moving::of(scene, settings, &mut ModelWorkspace::default()).map_err(in_file)?;
+    let MotionAnswer { settings, solution } =
+        MotionAnswer::of(scene, settings, &mut ModelWorkspace::default()).map_err(in_file)?;
     if solution.reason().is_some() {
-        return point(args, scene, &settings, solution, &Beside::default());
+        return point(args, scene, &settings, solution, &Supplement::default());
     }
     let points = args.points.unwrap_or(EllipseFields::POINTS);
     let fields = EllipseFields::of(scene, &settings, &solution, points).map_err(in_file)?;

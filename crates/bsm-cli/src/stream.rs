@@ -43,9 +43,9 @@ pub(crate) struct Job<'a> {
 }
 
 /// Rows that are seen only.
-struct Seen;
+struct Discard;
 
-impl Sink for Seen {
+impl Sink for Discard {
     fn write(&mut self, _: Chunk, _: Answers) -> Result<(), TableError> {
         Ok(())
     }
@@ -93,7 +93,7 @@ impl Job<'_> {
             let count = if let Some(path) = self.table {
                 self.write_file(path, source, points, workers, &mut seen)
             } else {
-                let run = self.task.run(source, Seen, u64::MAX, workers, &mut seen);
+                let run = self.task.run(source, Discard, u64::MAX, workers, &mut seen);
                 run.map(|(_, count)| count).map_err(|error| stopped(Path::new("-"), error))
             };
             bar.finish_and_clear();

@@ -5,11 +5,11 @@ use std::path::Path;
 use bsm_batch::TableFormat;
 use bsm_case::{Answer, Content};
 use bsm_report::{PROGRAM, short};
-use bsm_validate::tradeoff::{self, Advice, Count, Group, Measured, OneCore, Points, Tradeoff};
+use bsm_validate::tradeoff::{self, Advice, Count, DialResult, Group, OneCore, Points, Tradeoff};
 use bsm_validate::tradeoff_page;
 use serde_json::json;
 
-use crate::answer::{Drawn, Reply};
+use crate::answer::{Pictures, Reply};
 use crate::args::TradeoffArgs;
 use crate::failure::Failure;
 use crate::files::make_folder;
@@ -41,7 +41,7 @@ pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
         .with_shown(Content::Words("", Some(describe(&measured))));
     let draw = || {
         let (figures, page) = (measured.figures(), Some(tradeoff_page(&measured)?));
-        Ok(Drawn { figures, page, ..Drawn::default() })
+        Ok(Pictures { figures, page, ..Pictures::default() })
     };
     Reply::of(answer).give(&args.out, draw)
 }
@@ -85,7 +85,7 @@ fn describe(measured: &Tradeoff) -> String {
         "evaluations: mean",
         "max",
     ];
-    let times = |dial: &Measured| -> Vec<_> {
+    let times = |dial: &DialResult| -> Vec<_> {
         dial.times.one_core.iter().map(|times| times_row(dial, times)).collect()
     };
     let times: Vec<_> = measured.dials.iter().flat_map(times).collect();
@@ -117,7 +117,7 @@ fn describe(measured: &Tradeoff) -> String {
     )
 }
 
-fn row(dial: &Measured) -> Vec<String> {
+fn row(dial: &DialResult) -> Vec<String> {
     let cell = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), short);
     let (all, times) = (&dial.errors[0], &dial.times);
     let mut row = vec![
@@ -142,7 +142,7 @@ fn micro(ns: f64) -> String {
 }
 
 /// Where the time goes: one by one, in tables, and in steps and evaluations.
-fn times_row(dial: &Measured, times: &OneCore) -> Vec<String> {
+fn times_row(dial: &DialResult, times: &OneCore) -> Vec<String> {
     let OneCore { group, single, batch, row, steps, evaluations } = times;
     let cell = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), short);
     let mut cells = vec![dial.dial.name(), group.name().to_owned()];

@@ -2,9 +2,9 @@
 
 use bsm_case::Content;
 use bsm_report::number;
-use bsm_validate::{Published, Report, Verdict};
+use bsm_validate::{PublishedData, Report, Verdict};
 
-use crate::answer::{Drawn, Reply};
+use crate::answer::{Pictures, Reply};
 use crate::args::ValidateArgs;
 use crate::failure::Failure;
 use crate::table;
@@ -12,8 +12,8 @@ use crate::table;
 pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
     args.out.check(&["json", "html"], &[])?;
     let published = match &args.from {
-        Some(folder) => Published::read(folder)?,
-        None => Published::default(),
+        Some(folder) => PublishedData::read(folder)?,
+        None => PublishedData::default(),
     };
     let mut report = bsm_validate::run(&published)?;
     if let Some(key) = &args.only {
@@ -28,7 +28,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
     Reply::of(answer).give(&args.out, || {
         let figures = bsm_validate::figures(&published)?;
         let page = Some(bsm_validate::validation_page(&report, &figures)?);
-        Ok(Drawn { figures, page, ..Drawn::default() })
+        Ok(Pictures { figures, page, ..Pictures::default() })
     })
 }
 

@@ -63,7 +63,7 @@ pub use nut::{DynamicRating, Nut, StaticRating, turn_length};
 pub use preload::{PRELOAD_CLASSES, Preload, PreloadClass, PreloadMethod, least_preload};
 pub use procedure::{ActiveLimit, Holds, Outcome, Why};
 pub use requirement::{
-    AcceptedBy, Check, Design, DutySpeed, EfficiencyOf, Fixed, LoadCase, Objective, Pitch,
+    AcceptedBy, Check, Design, DutySpeed, EfficiencyOf, FixedValues, LoadCase, Objective, Pitch,
     Quantity, Ranges, Requirement, Travel,
 };
 pub use rigidity::{Elasticity, in_series};

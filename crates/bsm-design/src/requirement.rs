@@ -117,7 +117,7 @@ impl Objective {
 
 /// Fixed values; the others are free.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Fixed {
+pub struct FixedValues {
     /// Diameter of the circle of ball centres \[m\].
     pub pitch_diameter: Option<f64>,
     /// Ball diameter \[m\].
@@ -201,7 +201,7 @@ pub struct Requirement {
     /// Objective.
     pub objective: Objective,
     /// Fixed values.
-    pub fixed: Fixed,
+    pub fixed: FixedValues,
     /// Diameters of balls in stock \[m\].
     pub stock: Vec<f64>,
 }
@@ -298,13 +298,13 @@ impl Check {
 }
 
 /// A number with the least and the largest value that it may have.
-type Limited = (Quantity, f64, Option<f64>, Option<f64>);
+type Bounds = (Quantity, f64, Option<f64>, Option<f64>);
 
 impl Requirement {
     /// The rules of an axis that do not need the loads of all its balls.
     ///
     /// * `calculated`: dynamic load rating without factors \[N\].
-    fn rules(&self, axis: &Axis, calculated: f64) -> Vec<Limited> {
+    fn rules(&self, axis: &Axis, calculated: f64) -> Vec<Bounds> {
         let (rating, life) = (axis.dynamic_rating, axis.life());
         let of_life = |number: &dyn Fn(&Life) -> f64| life.as_ref().map_or(f64::NAN, number);
         let mut rules = vec![

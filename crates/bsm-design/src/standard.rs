@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use crate::procedure::first_accepted;
 use crate::{
-    AcceptedBy, ActiveLimit, Check, Design, EfficiencyOf, Fixed, Holds, Limits, Lists, Offered,
-    Outcome, Pitch, Quantity, Requirement, Why,
+    AcceptedBy, ActiveLimit, Check, Design, EfficiencyOf, FixedValues, Holds, Limits, Lists,
+    Offered, Outcome, Pitch, Quantity, Requirement, Why,
 };
 
 /// Designs whose efficiency is asked to tell whether a limit holds the choice back.
@@ -125,7 +125,7 @@ impl Requirement {
         let leads: Vec<_> = leads.collect();
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9;
         let fits = |size: &&Offered| {
-            let Fixed { ball, turns, .. } = self.fixed;
+            let FixedValues { ball, turns, .. } = self.fixed;
             leads.iter().any(|lead| near(*lead, size.lead))
                 && ball.is_none_or(|ball| near(ball, size.ball))
                 && turns.is_none_or(|turns| near(turns, size.turns))

@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 
 use bsm_design::{
-    ActiveLimit, BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, Design, DutySpeed, Fixed, Holds, LoadCase,
-    MachineTable, Make, Motion, Mount, Nut, Objective, Outcome, Phase, Pitch, PreloadMethod,
-    Quantity, Ranges, RatingFactors, Requirement, Support, Travel, Why,
+    ActiveLimit, BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, Design, DutySpeed, FixedValues, Holds,
+    LoadCase, MachineTable, Make, Motion, Mount, Nut, Objective, Outcome, Phase, Pitch,
+    PreloadMethod, Quantity, Ranges, RatingFactors, Requirement, Support, Travel, Why,
 };
 use bsm_dyn::{Angles, Direction, Material};
 
@@ -71,7 +71,7 @@ fn feed_drive() -> Requirement {
             ball_over_groove: (0.95, 0.97),
         },
         objective: Objective::Mass,
-        fixed: Fixed::default(),
+        fixed: FixedValues::default(),
         stock: STOCK.to_vec(),
     }
 }
@@ -198,7 +198,7 @@ fn what_blocks_is_named_with_its_best_value() {
 /// Found by the audit: without a life, a screw of 6095 N was chosen for 8 kN, which it bears for 7.4 h.
 #[test]
 fn a_load_beyond_the_rating_is_refused() {
-    let fixed = Fixed {
+    let fixed = FixedValues {
         pitch_diameter: Some(16e-3),
         ball: Some(3.175e-3),
         contact_angle: Some(PI / 4.0),
@@ -218,21 +218,22 @@ fn a_load_beyond_the_rating_is_refused() {
 /// A contact ellipse that reaches over the land is refused: balls of 3.175 mm have their edge at 63 deg.
 #[test]
 fn a_ball_beyond_its_land_is_refused() {
-    let fixed = Fixed { ball: Some(3.175e-3), contact_angle: Some(1.1), ..Fixed::default() };
+    let fixed =
+        FixedValues { ball: Some(3.175e-3), contact_angle: Some(1.1), ..FixedValues::default() };
     let requirement = Requirement { fixed, life: None, reach: Travel::Screw(0.2), ..feed_drive() };
     let requirement = Requirement { demand: load(500.0, 1500.0), ..requirement };
     let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accepted) else {
         panic!("beyond the land")
     };
     assert!(blocking.iter().any(|b| b.check.quantity == Quantity::EllipseEnd), "{blocking:?}");
-    let fixed = Fixed { contact_angle: Some(PI / 4.0), ..requirement.fixed };
+    let fixed = FixedValues { contact_angle: Some(PI / 4.0), ..requirement.fixed };
     found(&Requirement { fixed, ..requirement });
 }
 
 /// What is fixed stays, and a fixed value outside its limit is what blocks.
 #[test]
 fn fixed_numbers_stay() {
-    let fixed = Fixed {
+    let fixed = FixedValues {
         pitch_diameter: Some(40e-3),
         ball: Some(6.35e-3),
         contact_angle: Some(PI / 4.0),
@@ -251,7 +252,7 @@ fn fixed_numbers_stay() {
     ];
     assert!(kept.iter().all(|ratio| (ratio - 1.0).abs() < 1e-12), "{nut:?}");
 
-    let fixed = Fixed { contact_angle: Some(0.2), ..Fixed::default() };
+    let fixed = FixedValues { contact_angle: Some(0.2), ..FixedValues::default() };
     let requirement = Requirement { fixed, life: None, ..feed_drive() };
     let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accepted) else {
         panic!("11 degrees are not easy to make")

@@ -13,7 +13,7 @@ use bsm_dyn::{
 use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
-pub(super) use self::balance::{Balanced, Roll};
+pub(super) use self::balance::{BalanceCall, Roll};
 use self::friction::Ellipse;
 use self::oil::OilLane;
 use crate::closed_form::transmit_torque;
@@ -65,7 +65,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
     #[inline(always)]
     fn call(self) -> RacewayNumbers<S> {
         let Self { given, units, pair, control, out } = self;
-        let grip = given.simd.vectorize(Balanced { pair, control });
+        let grip = given.simd.vectorize(BalanceCall { pair, control });
         let (zero, unique) = (grip.residual.constant(0.0), grip.unique);
         if !grip.found.any() {
             return RacewayNumbers { efficiency: zero, skid: [zero; 2], found: grip.found, unique };

@@ -18,7 +18,7 @@ use crate::closed_form::{power_balance, transmit_torque};
 use crate::elastic::GrossSlip;
 use crate::operand::{Lane, LaneInputs, Mask, Valid};
 use crate::pair::{Balls, ContactRow, InUnits};
-use crate::raceway::{Balanced, Motion, regime};
+use crate::raceway::{BalanceCall, Motion, regime};
 use crate::rigid::slip_angle;
 use crate::units::Units;
 use crate::{Rows, Sink};
@@ -176,7 +176,7 @@ fn start<S: Simd>(
 ) -> (TractionStart<Lane<S>>, Mask<S>) {
     let one = pair.constant(1.0);
     let friction = point.friction.abs();
-    let grip = given.simd.vectorize(Balanced { pair, control: None });
+    let grip = given.simd.vectorize(BalanceCall { pair, control: None });
     let mut found = grip.found & takes(friction, pair.inertia_ratio);
     let motion = Motion::of(pair, &grip);
     let [onset, _] = regime(out, friction, (units, pair), (&grip, &motion));

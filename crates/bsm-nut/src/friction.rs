@@ -50,7 +50,7 @@ pub struct FreeMotion {
 
 /// A ball with friction.
 #[derive(Debug, Clone, Copy)]
-struct Rubbed {
+struct FreeBall {
     friction: FrictionSum,
     /// None where the model fixes none.
     motion: Option<FreeMotion>,
@@ -194,7 +194,7 @@ impl BallNut {
             self.friction_of(found, number, friction, drive, hertz, &mut solve)
         };
         let mut sum = FrictionSum::default();
-        let mut last: Option<(usize, Rubbed)> = None;
+        let mut last: Option<(usize, FreeBall)> = None;
         let mut motions = Vec::with_capacity(found.balls.len());
         let mut of_ball = |number: usize| -> Option<f64> {
             if found.balls[number].max_load() <= 0.0 {
@@ -270,7 +270,7 @@ impl BallNut {
         drive: &Drive<f64>,
         hertz: &[Hertz; 2],
         solve: &mut impl FnMut(ElasticPoint) -> Solution,
-    ) -> Option<Rubbed> {
+    ) -> Option<FreeBall> {
         if found.balls[number].flanks_pressed() == [true, true] {
             let ball = self.ball_on_both_flanks(found, number, friction?, drive, hertz);
             let BallMotion { to_nut, torque, .. } =
@@ -278,7 +278,7 @@ impl BallNut {
             let friction =
                 FrictionSum { torque, contacts: [0.5 * torque; 2], ..FrictionSum::default() };
             let motion = Some(self.free_motion(&to_nut, drive.relative_speed(), None));
-            return Some(Rubbed { friction, motion });
+            return Some(FreeBall { friction, motion });
         }
         let alone = self.ball_alone(found, number, friction.unwrap_or(f64::NAN), drive)?;
         self.friction_alone(alone, solve)
@@ -289,7 +289,7 @@ impl BallNut {
         &self,
         alone: ElasticPoint,
         solve: &mut impl FnMut(ElasticPoint) -> Solution,
-    ) -> Option<Rubbed> {
+    ) -> Option<FreeBall> {
         let Drive { nut_speed, .. } = alone.point.drive;
         let signed = alone.point.drive.relative_speed();
         let speed = signed.abs();
@@ -311,7 +311,7 @@ impl BallNut {
         let of_ball = |motion| self.free_motion(&to_nut(motion), signed, Some(&solved.ball));
         let motion = solved.ball.motion.map(of_ball);
         let friction = FrictionSum { torque, contacts, returns, ball_contact, drag };
-        Some(Rubbed { friction, motion })
+        Some(FreeBall { friction, motion })
     }
 
     /// Of a motion relative to the nut in the Frenet-Serret triad.

@@ -14,7 +14,8 @@ mod states;
 pub use band::{Band, Guess};
 pub use conductances::{Conductances, Coolant, Surfaces, coolant_conductance};
 pub use coupling::{
-    BETWEEN_LOADS, FrictionOf, Heated, InPhase, WarmNut, WarmPhase, drag_beyond_contacts,
+    BETWEEN_LOADS, FrictionOf, NutAtTemperature, PhaseState, WarmNut, WarmPhase,
+    drag_beyond_contacts,
 };
 pub use network::{AxialHold, Network, ScrewBar, Sinks};
 pub use states::{Fold, NoSteadyState, OnBranch, Steady};

@@ -4,12 +4,12 @@ use bsm_case::{Answer, Scene, jam};
 use bsm_dyn::{Model, ModelWorkspace};
 use bsm_report::sheets::Study;
 
-use crate::{Check, Published, ValidateError, trends};
+use crate::{Check, PublishedData, ValidateError, trends};
 
 const SOURCE: &str = "Dong et al. 2020";
 
 /// All checks of this source.
-pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
+pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let scene = published.dong_case.scene()?;
     let studies = [
         ("raceway-control-", "", study(published, Model::RacewayControl)?),
@@ -27,7 +27,7 @@ pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError>
 }
 
 /// Their sweeps with a model.
-pub(crate) fn study(published: &Published, model: Model) -> Result<Study, ValidateError> {
+pub(crate) fn study(published: &PublishedData, model: Model) -> Result<Study, ValidateError> {
     let scene = published.dong_case.scene()?;
     let settings = model.into();
     let solution = scene.problem(&settings)?.solve(&mut ModelWorkspace::default());

@@ -5,7 +5,7 @@ use bsm_dyn::{Model, ModelWorkspace, Problem, Solution, Traction};
 use bsm_kin::{Motion, Site};
 use serde::Deserialize;
 
-use crate::{Check, Published, ValidateError};
+use crate::{Check, PublishedData, ValidateError};
 
 const SOURCE: &str = "independent solution of the elastic models, Lin's screw, conformity 0.53";
 
@@ -13,7 +13,7 @@ const SOURCE: &str = "independent solution of the elastic models, Lin's screw, c
 const FINE: f64 = 1e-10;
 
 /// All checks of this source.
-pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
+pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let lin = lin(published)?;
     let work = &mut ModelWorkspace::default();
     let mut checks = Vec::new();
@@ -24,7 +24,7 @@ pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError>
 }
 
 /// Lin's case with conformities of 0.53.
-pub(crate) fn lin(published: &Published) -> Result<Scene, ValidateError> {
+pub(crate) fn lin(published: &PublishedData) -> Result<Scene, ValidateError> {
     Ok(Scene {
         nut_conformity: Some(0.53),
         screw_conformity: Some(0.53),

@@ -6,14 +6,14 @@ use bsm_dyn::{Control, Model, RacewayFriction, Solution};
 use bsm_report::sheets::{around_scenes, catalogue_figures, points, warm_preload};
 use bsm_report::{Axis, Curve, Figure, Stroke};
 
-use crate::{Published, ValidateError, dong2020, elastic, lin1994, xu2015};
+use crate::{PublishedData, ValidateError, dong2020, elastic, lin1994, xu2015};
 
 /// All figures.
 ///
 /// # Errors
 ///
 /// [`ValidateError`] if the data cannot be used.
-pub fn figures(published: &Published) -> Result<Vec<Figure>, ValidateError> {
+pub fn figures(published: &PublishedData) -> Result<Vec<Figure>, ValidateError> {
     let case = published.lin_case.scene()?;
     let mut figures = around_scenes(&case, &lin1994::slender(&case))?;
     figures.push(transition(&elastic::lin(published)?)?);

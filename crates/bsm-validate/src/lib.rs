@@ -23,7 +23,7 @@ mod xu2015;
 
 pub use figures::figures;
 pub use pages::{tradeoff_page, validation_page};
-pub use published::Published;
+pub use published::PublishedData;
 pub use report::{Check, Report, Verdict};
 
 /// Data, a table of points or the machine does not allow what is to be done.
@@ -113,7 +113,7 @@ pub enum ValidateError {
 /// # Errors
 ///
 /// [`ValidateError`] if the data cannot be used; a check that fails is a result.
-pub fn run(published: &Published) -> Result<Report, ValidateError> {
+pub fn run(published: &PublishedData) -> Result<Report, ValidateError> {
     let mut checks = reference::checks(published)?;
     checks.extend(lin1994::checks(published)?);
     checks.extend(elastic::checks(published)?);

@@ -8,13 +8,13 @@ use bsm_case::Scene;
 use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum, Problem, RigidWorkspace, Status};
 use serde::Deserialize;
 
-use crate::{Check, Published, ValidateError};
+use crate::{Check, PublishedData, ValidateError};
 use bsm_design::search::{minimum_of, root_of};
 
 const SOURCE: &str = "Lin, Velinsky and Ravani 1994";
 
 /// All checks of this source.
-pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
+pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let claims = Claims::read(published)?;
     let lin = published.lin_case.scene()?;
     let mut checks = Vec::new();
@@ -38,7 +38,7 @@ pub(crate) fn slender(lin: &Scene) -> Scene {
 struct Claims(BTreeMap<String, (f64, String)>);
 
 impl Claims {
-    fn read(published: &Published) -> Result<Self, ValidateError> {
+    fn read(published: &PublishedData) -> Result<Self, ValidateError> {
         #[derive(Deserialize)]
         struct Row {
             key: String,

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use serde_json::{Map, Value};
 
 use crate::published::File;
-use crate::{Check, Published, ValidateError};
+use crate::{Check, PublishedData, ValidateError};
 
 const SOLUTION: &str = "independent solution of the lubricated models";
 const BEARING: &str = "SKF model of bearing friction, size 7208, 40 deg";
@@ -19,7 +19,7 @@ const ROLLING: &str =
 const TRENDS: &str = "published trends of lubricated ball screws";
 
 /// All checks of this kind.
-pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
+pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let cases: Cases = published.lubrication.json()?;
     let work = &mut ModelWorkspace::default();
     let mut checks = Vec::new();
@@ -37,7 +37,7 @@ pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError>
 }
 
 /// The scene of a published case.
-pub(crate) fn case(published: &Published, id: &str) -> Result<Scene, ValidateError> {
+pub(crate) fn case(published: &PublishedData, id: &str) -> Result<Scene, ValidateError> {
     let file = &published.lubrication;
     let cases: Cases = file.json()?;
     let case = cases.cases.iter().find(|case| case.id == id);

@@ -9,7 +9,7 @@ use bsm_kin::Helix;
 use bsm_nut::{BallNut, Bar, Circuit, Errors, Flanks, Freedom, NutError, Preload, Ring, Support};
 use serde::Deserialize;
 
-use crate::{Check, Published, ValidateError};
+use crate::{Check, PublishedData, ValidateError};
 
 const BEARING: &str = "a commercial program for ISO/TS 16281";
 const CATALOGUE: &str = "HIWIN catalogue BS-08-2";
@@ -23,13 +23,13 @@ const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
 const CONFORMITY: f64 = 0.5203;
 
 /// All checks of a nut.
-pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
+pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let mut checks = Vec::new();
     for row in published.nut_bearings.rows::<Bearing>()? {
         checks.extend(row.checks());
     }
     checks.extend(limit_loads());
-    let rows = published.nut_rigidity.rows::<Listed>()?;
+    let rows = published.nut_rigidity.rows::<CatalogueRow>()?;
     checks.extend(rigidities(&rows));
     checks.extend(stiff_bars());
     Ok(checks)
@@ -187,7 +187,7 @@ fn limit_loads() -> Vec<Check> {
 /// A nut of the catalogue and the pair of the same balls.
 #[derive(Deserialize)]
 #[expect(non_snake_case, reason = "columns of the table")]
-struct Listed {
+struct CatalogueRow {
     nut: String,
     lead_mm: f64,
     ball_diameter_mm: f64,
@@ -207,7 +207,7 @@ struct Ratios {
     pair: [f64; 3],
 }
 
-impl Listed {
+impl CatalogueRow {
     /// Contacts, rings and bars as the catalogue's data let them be.
     fn ratios(&self) -> Result<Ratios, NutError> {
         let ball = self.ball_diameter_mm;
@@ -272,14 +272,14 @@ fn spread(values: &[f64]) -> [f64; 2] {
 }
 
 /// What the catalogue calls rigidity, of single nuts and of pairs.
-fn rigidities(rows: &[Listed]) -> Vec<Check> {
+fn rigidities(rows: &[CatalogueRow]) -> Vec<Check> {
     let ratios: Vec<_> = rows
         .iter()
         .map(|row| row.ratios().unwrap_or(Ratios { single: [f64::NAN; 3], pair: [f64::NAN; 3] }))
         .collect();
     let of = |read: &dyn Fn(&Ratios) -> f64| {
         let values: Vec<f64> = ratios.iter().map(read).collect();
-        let line = |(row, ratio): (&Listed, &f64)| format!("{} {ratio:.3}", row.nut);
+        let line = |(row, ratio): (&CatalogueRow, &f64)| format!("{} {ratio:.3}", row.nut);
         let details: Vec<_> = rows.iter().zip(&values).map(line).collect();
         (spread(&values), details.join("; "))
     };

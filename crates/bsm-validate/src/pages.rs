@@ -8,7 +8,7 @@ use crate::{Check, Report, ValidateError, Verdict};
 
 /// What the page of the checks shows.
 #[derive(Serialize)]
-struct Shown<'a> {
+struct PageContent<'a> {
     passed: usize,
     failed: usize,
     findings: usize,
@@ -27,7 +27,7 @@ pub fn validation_page(report: &Report, figures: &[Figure]) -> Result<String, Va
         template: include_str!("../templates/validation.html"),
         figures,
     };
-    Ok(page.html(&Shown {
+    Ok(page.html(&PageContent {
         passed: report.count(Verdict::Pass),
         failed: report.count(Verdict::Fail),
         findings: report.count(Verdict::Finding),

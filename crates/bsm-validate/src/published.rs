@@ -58,11 +58,11 @@ macro_rules! tables {
     ($($(#[$doc:meta])* $name:ident: $file:literal;)*) => {
         /// Scenes and tables that the checks read.
         #[derive(Debug, Clone)]
-        pub struct Published {
+        pub struct PublishedData {
             $($(#[$doc])* pub(crate) $name: File,)*
         }
 
-        impl Default for Published {
+        impl Default for PublishedData {
             /// The data that is compiled in.
             fn default() -> Self {
                 Self {
@@ -76,7 +76,7 @@ macro_rules! tables {
             }
         }
 
-        impl Published {
+        impl PublishedData {
             /// The data of a folder that is laid out as `validation/published`.
             ///
             /// # Errors

@@ -7,7 +7,7 @@ use bsm_design::{BALL_GAP, Nut, NutBody, PRELOAD, ROLLING_LEVER, Thread, loaded_
 use bsm_dyn::Material;
 use serde::Deserialize;
 
-use crate::{Check, Published, ValidateError};
+use crate::{Check, PublishedData, ValidateError};
 
 const TABLES: &str = "Sobolewski (2002), by ISO/DP 9783 and 9784";
 const PAPER: &str = "Sobolewski (2002)";
@@ -16,7 +16,7 @@ const PAPER: &str = "Sobolewski (2002)";
 const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
 
 /// All checks of these sources.
-pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
+pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let mut checks = Vec::new();
     let rows = published.rating_tables.rows::<Row>()?;
     checks.extend(QUANTITIES.iter().map(|quantity| quantity.check(&rows)));

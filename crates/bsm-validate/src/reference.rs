@@ -4,7 +4,7 @@ use bsm_case::Scene;
 use bsm_dyn::{Problem, RigidWorkspace};
 use serde::Deserialize;
 
-use crate::{Check, Published, ValidateError};
+use crate::{Check, PublishedData, ValidateError};
 
 #[derive(Debug, Deserialize)]
 #[expect(non_snake_case, reason = "columns of the table")]
@@ -26,7 +26,7 @@ struct Row {
 }
 
 /// One check per row: the largest deviation over its columns.
-pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
+pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let mut work = RigidWorkspace::default();
     let case = published.lin_case.scene()?;
     let rows: Vec<Row> = published.lin_reference.rows()?;

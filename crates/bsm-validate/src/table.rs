@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
 use bsm_case::{
-    AnalysisKind, Axis, CaseError, InputKey, ModelChoice, Moving, Record, Scene, Settings,
+    AnalysisKind, Axis, CaseError, InputKey, ModelChoice, MotionAnswer, Record, Scene, Settings,
 };
 use bsm_dyn::{Control, Model, ModelWorkspace, Status};
 use minijinja::value::Value;
@@ -15,7 +15,7 @@ use minijinja::{Environment, UndefinedBehavior, context};
 use serde::Deserialize;
 
 use crate::lubrication::case;
-use crate::{Check, Published, ValidateError};
+use crate::{Check, PublishedData, ValidateError};
 
 /// What is taken of the values at several points.
 #[derive(Debug, Clone, Copy, Deserialize)]
@@ -68,7 +68,7 @@ struct Row {
 type Known = BTreeMap<String, Value>;
 
 /// One check for each row.
-pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
+pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let environment = environment();
     let rows = published.checks.rows::<Row>()?;
     rows.iter().map(|row| row.check(published, &environment)).collect()
@@ -95,7 +95,7 @@ fn environment() -> Environment<'static> {
 impl Row {
     fn check(
         &self,
-        published: &Published,
+        published: &PublishedData,
         environment: &Environment,
     ) -> Result<Check, ValidateError> {
         let wrong = |error| ValidateError::Expression { key: self.key.clone(), error };
@@ -144,7 +144,7 @@ impl Row {
 }
 
 /// A published scene by its name.
-fn scene(published: &Published, name: &str) -> Result<Scene, ValidateError> {
+fn scene(published: &PublishedData, name: &str) -> Result<Scene, ValidateError> {
     match name {
         "" => Ok(Scene::default()),
         "lin1994" => published.lin_case.scene(),
@@ -217,7 +217,7 @@ fn solve(
     };
     let moves = |name: &&str| analysis(name).is_none_or(AnalysisKind::needs_motion);
     let moving = if columns.keys().any(moves) {
-        Some(Moving::of(scene, &settings, &mut ModelWorkspace::default())?)
+        Some(MotionAnswer::of(scene, &settings, &mut ModelWorkspace::default())?)
     } else {
         None
     };
@@ -251,7 +251,7 @@ mod tests {
             let text = format!("{header}\nk,s,c,lin1994,{cells}\n");
             let row = csv::Reader::from_reader(text.as_bytes()).into_deserialize().next();
             let row: Row = row.expect("a row").expect("as the table is");
-            row.check(&Published::default(), &environment())
+            row.check(&PublishedData::default(), &environment())
         };
         let loads = |fold: &str, rule: &str| {
             let note =
@@ -283,7 +283,7 @@ mod tests {
     /// By a second implementation, from the sources' own numbers and tables of beams.
     #[test]
     fn examples_by_hand() {
-        let all = checks(&Published::default()).expect("compiled-in data");
+        let all = checks(&PublishedData::default()).expect("compiled-in data");
         let found = |key: &str| {
             all.iter().find(|check| check.key == key).map_or(f64::NAN, |check| check.measured)
         };

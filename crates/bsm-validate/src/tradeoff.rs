@@ -93,7 +93,7 @@ pub fn reference() -> String {
 
 /// A dial, its errors and its times.
 #[derive(Debug, Clone, Serialize)]
-pub struct Measured {
+pub struct DialResult {
     /// Measurements.
     #[serde(flatten)]
     pub dial: Dial,
@@ -103,7 +103,7 @@ pub struct Measured {
     pub times: Times,
 }
 
-impl Measured {
+impl DialResult {
     /// Errors over the points of a group, if it has any.
     pub fn errors_of(&self, group: Group) -> Option<&Errors> {
         self.errors.iter().find(|errors| errors.group == group)
@@ -133,7 +133,7 @@ pub struct Tradeoff {
     /// Threads of the columns "all cores".
     pub threads: usize,
     /// Every dial, cheapest models first.
-    pub dials: Vec<Measured>,
+    pub dials: Vec<DialResult>,
     /// Recommended setting for a tolerance.
     pub advice: Vec<Advice>,
 }
@@ -187,7 +187,7 @@ pub fn run(
         .into_iter()
         .zip(errors)
         .zip(times)
-        .map(|((dial, errors), times)| Measured { dial, errors, times })
+        .map(|((dial, errors), times)| DialResult { dial, errors, times })
         .collect();
     Ok(Tradeoff {
         reference: self::reference(),

@@ -5,7 +5,7 @@ use bsm_dyn::{ContactSite, Control, Model, ModelWorkspace, SteadyBall};
 use bsm_kin::{BallFrame, Site};
 use bsm_report::sheets::Study;
 
-use crate::{Check, Published, ValidateError, trends};
+use crate::{Check, PublishedData, ValidateError, trends};
 
 const SOURCE: &str = "Xu and Tang 2015";
 
@@ -13,7 +13,7 @@ const SOURCE: &str = "Xu and Tang 2015";
 const ANGLES: [f64; 2] = [50.0, 40.0];
 
 /// All checks of this source.
-pub(crate) fn checks(published: &Published) -> Result<Vec<Check>, ValidateError> {
+pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let scene = published.xu_case.scene()?;
     let rolling = |control| study(published, Model::RacewayControl, control);
     let studies = [
@@ -44,7 +44,7 @@ fn running(scene: Scene) -> Scene {
 
 /// Their sweeps with a model.
 pub(crate) fn study(
-    published: &Published,
+    published: &PublishedData,
     model: Model,
     control: Control,
 ) -> Result<Study, ValidateError> {

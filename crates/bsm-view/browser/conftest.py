@@ -45,7 +45,7 @@ def solved(*arguments: str | Path) -> dict[str, object]:
     return json.loads(bsm("solve", *arguments, "--json"))
 
 
-class Served:
+class Server:
     """The program as a server."""
 
     def __init__(self, scene: Path, *arguments: str | Path) -> None:
@@ -69,11 +69,11 @@ def browser() -> Iterator[Browser]:
 
 
 @pytest.fixture
-def serve() -> Iterator[Callable[..., Served]]:
-    running: list[Served] = []
+def serve() -> Iterator[Callable[..., Server]]:
+    running: list[Server] = []
 
-    def start(scene: Path, *arguments: str | Path) -> Served:
-        running.append(Served(scene, *arguments))
+    def start(scene: Path, *arguments: str | Path) -> Server:
+        running.append(Server(scene, *arguments))
         return running[-1]
 
     yield start

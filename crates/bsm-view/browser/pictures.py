@@ -4,7 +4,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from conftest import FLAGS, Served, Sheet, example
+from conftest import FLAGS, Server, Sheet, example
 from playwright.sync_api import sync_playwright
 
 # Name, scene, width and height of the window, colours, what is shown; the whole window unless a panel is named.
@@ -21,7 +21,7 @@ def main(folder: Path) -> None:
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
         for name, scene, width, height, scheme, panel in PICTURES:
-            served = Served(example(scene))
+            served = Server(example(scene))
             size = {"width": width, "height": height}
             context = browser.new_context(viewport=size, color_scheme=scheme, reduced_motion="reduce")
             page = Sheet(context.new_page()).open(served.address)

@@ -102,7 +102,7 @@ def test_new_numbers_come_soon(serve, sheet, name, model):
         sheet.again(lambda: page.select_option("#model", model))
     numbers, pictures, server = map(median, page.evaluate(STEPS, ["axial_load_N", 15, 20]))
     MEASURED.append(f"{name}, {model}: numbers {numbers:.0f} ms after the slider, of which the server {server:.1f} ms; pictures {pictures:.0f} ms")
-    # Asked are 50 ms; a machine that is shared takes twice as long. It was 350 ms while frames of the scene in space, and maps that were
+    # Request are 50 ms; a machine that is shared takes twice as long. It was 350 ms while frames of the scene in space, and maps that were
     # superseded, came first.
     assert numbers < 100, numbers
 

@@ -4,9 +4,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use bsm_batch::{Answers, Buffers, GridSource, Source, Task, Workers};
 use bsm_case::{
-    Answer, Axis, AxisReport, Beside, CaseError, Columns, Comparison, EllipseFields, Grid,
-    GrooveSection, ModelChoice, Moving, Numbers, NutProblem, Of, Quantity, Record, Row, Scene,
-    Settings, WarmBranch, torque_parts,
+    Answer, Axis, AxisReport, CaseError, Columns, Comparison, EllipseFields, Grid, GrooveSection,
+    ModelChoice, MotionAnswer, Numbers, NutProblem, Of, Quantity, Record, Row, Scene, Settings,
+    Supplement, WarmBranch, torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace, Problem, RacewayFriction, Status};
 use bsm_report::sheets::{size_page, size_results};
@@ -53,13 +53,13 @@ impl From<CaseError> for Refusal {
 }
 
 /// A scene and how to solve it, with the rest of the request.
-pub(crate) struct Asked {
+pub(crate) struct Request {
     pub(crate) scene: Scene,
     pub(crate) settings: Settings,
     rest: Map<String, Value>,
 }
 
-impl Asked {
+impl Request {
     /// Reads the body of a request.
     pub(crate) fn read(body: &[u8]) -> Result<Self, Refusal> {
         let mut rest: Map<_, _> = bsm_case::entries(body)?.into_iter().collect();
@@ -105,7 +105,7 @@ pub(crate) fn answer(
     workers: &Workers<'_>,
     stop: &AtomicBool,
 ) -> Result<Value, Refusal> {
-    let asked = || Asked::read(body);
+    let asked = || Request::read(body);
     match route {
         "schema" => Ok(schema()),
         "point" => Ok(Value::Object(point(&asked()?, EllipseFields::POINTS)?)),
@@ -124,7 +124,7 @@ pub(crate) fn answer(
 /// What is shown of one point: `solve` without the parts of the torque, `slip` and `ellipses`.
 ///
 /// * `points`: of the fields on a semi-axis.
-pub(crate) fn point(asked: &Asked, points: u32) -> Result<Map<String, Value>, Refusal> {
+pub(crate) fn point(asked: &Request, points: u32) -> Result<Map<String, Value>, Refusal> {
     Ok(Map::from_iter([
         ("solve".to_owned(), solved(asked, false)?),
         ("slip".to_owned(), told(slip(asked))),
@@ -138,13 +138,13 @@ pub(crate) fn told(answer: Result<Value, Refusal>) -> Value {
 }
 
 /// `bsm solve --json`, with the rows of its table and the section of the grooves.
-fn solve(asked: &Asked) -> Result<Value, Refusal> {
+fn solve(asked: &Request) -> Result<Value, Refusal> {
     solved(asked, asked.rest.get("parts") != Some(&Value::Bool(false)))
 }
 
 /// * `parts`: with the parts of the torque, which take the balance of a preloaded nut.
 pub(crate) fn solved(
-    Asked { scene, settings, rest }: &Asked,
+    Request { scene, settings, rest }: &Request,
     parts: bool,
 ) -> Result<Value, Refusal> {
     let problem = scene.problem(settings)?;
@@ -164,7 +164,7 @@ pub(crate) fn solved(
     // Why there are none, the nut's panel says.
     let parts = if parts { torque_parts(scene, settings).ok().flatten() } else { None };
     let numbers = record.rows(scene);
-    let beside = Beside { band, parts, sensitivities: None };
+    let beside = Supplement { band, parts, sensitivities: None };
     let Value::Object(mut report) = record.answer(PROGRAM, scene, settings, &beside).to_json()
     else {
         return Err(Refusal::Input("no result".to_owned()));
@@ -201,30 +201,30 @@ pub(crate) fn solved(
 }
 
 /// `bsm solve --model all --json`, with the omitted models and the reasons.
-pub(crate) fn compare(Asked { scene, .. }: &Asked) -> Result<Value, Refusal> {
+pub(crate) fn compare(Request { scene, .. }: &Request) -> Result<Value, Refusal> {
     Ok(Comparison::of(scene)?.answer().to_json())
 }
 
 /// The solution whose motion is analysed: the one that the page shows, so that its losses add up.
-fn moving(Asked { scene, settings, .. }: &Asked) -> Result<Moving, Refusal> {
+fn moving(Request { scene, settings, .. }: &Request) -> Result<MotionAnswer, Refusal> {
     let solution = scene.problem(settings)?.solve(&mut ModelWorkspace::default());
-    Ok(Moving { settings: *settings, solution })
+    Ok(MotionAnswer { settings: *settings, solution })
 }
 
 /// `bsm solve --show slip --json`.
-fn slip(asked: &Asked) -> Result<Value, Refusal> {
-    let Moving { settings, solution } = moving(asked)?;
+fn slip(asked: &Request) -> Result<Value, Refusal> {
+    let MotionAnswer { settings, solution } = moving(asked)?;
     Ok(bsm_case::slip(&asked.scene, &settings, &solution)?.to_json())
 }
 
 /// Fields over the ellipses.
-fn ellipses(asked: &Asked, points: u32) -> Result<Value, Refusal> {
-    let Moving { settings, solution } = moving(asked)?;
+fn ellipses(asked: &Request, points: u32) -> Result<Value, Refusal> {
+    let MotionAnswer { settings, solution } = moving(asked)?;
     Ok(EllipseFields::of(&asked.scene, &settings, &solution, points)?.into_json())
 }
 
 /// `bsm nut --json`, with its table of balls and its curve.
-pub(crate) fn nut(Asked { scene, settings, .. }: &Asked) -> Result<Value, Refusal> {
+pub(crate) fn nut(Request { scene, settings, .. }: &Request) -> Result<Value, Refusal> {
     let report = match NutProblem::of(scene, settings)?.solve() {
         Ok(report) => report,
         Err(none) => return Ok(NutProblem::unsolved(&none).to_json()),
@@ -238,14 +238,14 @@ pub(crate) fn nut(Asked { scene, settings, .. }: &Asked) -> Result<Value, Refusa
 }
 
 /// Warm steady states over the speed: a picture, with the fastest friction of all balls.
-pub(crate) fn warm(Asked { scene, settings, .. }: &Asked) -> Result<Value, Refusal> {
+pub(crate) fn warm(Request { scene, settings, .. }: &Request) -> Result<Value, Refusal> {
     let quick = Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() };
     let quick = Settings { control: settings.control, ..quick };
     Ok(WarmBranch::of(scene, &quick)?.map_or(Value::Null, |branch| branch.to_json()))
 }
 
 /// `bsm axis --json`, with its numbers as text, and if it is asked for its sheet.
-pub(crate) fn axis(Asked { scene, settings, rest }: &Asked) -> Result<Value, Refusal> {
+pub(crate) fn axis(Request { scene, settings, rest }: &Request) -> Result<Value, Refusal> {
     let report = AxisReport::of(scene, settings)?;
     let mut answer = size_results(&report);
     answer["shown"] = shown(&report.answer);
@@ -275,7 +275,7 @@ fn columns(table: &Columns) -> Value {
 
 /// `bsm sweep` over `vary` with `columns`, by columns: models and statuses as places in their lists of names.
 fn sweep(
-    Asked { scene, settings, rest }: &Asked,
+    Request { scene, settings, rest }: &Request,
     workers: &Workers<'_>,
     stop: &AtomicBool,
 ) -> Result<Value, Refusal> {

@@ -18,7 +18,7 @@ const TO_TAKE: Duration = Duration::from_secs(30);
 const TO_CLOSE: Duration = Duration::from_secs(1);
 
 /// Status and text of a refusal.
-pub(crate) type Refused = (u16, String);
+pub(crate) type HttpRefusal = (u16, String);
 
 /// A connection, whose reads and writes end at a time.
 pub(crate) struct Connection<'a> {
@@ -47,7 +47,7 @@ impl<'a> Connection<'a> {
     }
 
     /// Reads the head of the request.
-    pub(crate) fn head(&mut self) -> Result<Head, Refused> {
+    pub(crate) fn head(&mut self) -> Result<Head, HttpRefusal> {
         let mut bytes = Vec::new();
         loop {
             let mut lines = [httparse::EMPTY_HEADER; MOST_LINES];
@@ -74,7 +74,7 @@ impl<'a> Connection<'a> {
     }
 
     /// Reads the body of the request.
-    pub(crate) fn body(&mut self, head: &Head) -> Result<Vec<u8>, Refused> {
+    pub(crate) fn body(&mut self, head: &Head) -> Result<Vec<u8>, HttpRefusal> {
         if head.line("Transfer-Encoding").is_some() {
             return Err((411, "a request needs Content-Length".to_owned()));
         }
@@ -157,7 +157,7 @@ impl Head {
     }
 }
 
-fn unread(error: &io::Error) -> Refused {
+fn unread(error: &io::Error) -> HttpRefusal {
     match error.kind() {
         ErrorKind::TimedOut | ErrorKind::WouldBlock => {
             (408, format!("the request did not arrive within {} s", TO_SEND.as_secs()))

@@ -9,7 +9,7 @@ use serde_json::Value;
 use crate::Refusal;
 
 /// An answer, or the reason for none.
-type Found = Result<Value, Refusal>;
+type AnswerResult = Result<Value, Refusal>;
 
 /// What a page calls a request: its own name, and a number that grows with every change on it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -35,7 +35,7 @@ impl Turn {
 struct Entry {
     turn: Option<Turn>,
     stop: Arc<AtomicBool>,
-    give: Sender<Found>,
+    give: Sender<AnswerResult>,
 }
 
 type Entries = Arc<Mutex<Vec<Entry>>>;
@@ -47,7 +47,7 @@ pub(crate) struct Running {
 }
 
 /// An answer that is being worked out; dropped, it has ended.
-pub(crate) struct Begun {
+pub(crate) struct RunningAnswer {
     entries: Entries,
     stop: Arc<AtomicBool>,
 }
@@ -66,7 +66,10 @@ impl Running {
     /// Begins an answer; answers to earlier turns of the same page are stopped, and their requests answered at once.
     ///
     /// Returns it with the place where the answer comes.
-    pub(crate) fn begin(&self, turn: Option<Turn>) -> Result<(Begun, Receiver<Found>), Refusal> {
+    pub(crate) fn begin(
+        &self,
+        turn: Option<Turn>,
+    ) -> Result<(RunningAnswer, Receiver<AnswerResult>), Refusal> {
         let mut entries = lock(&self.entries);
         if let Some(turn) = &turn {
             let others = || entries.iter().filter_map(|entry| Some((entry, entry.turn.as_ref()?)));
@@ -85,18 +88,18 @@ impl Running {
         let (give, answers) = channel();
         let stop = Arc::new(AtomicBool::new(false));
         entries.push(Entry { turn, stop: Arc::clone(&stop), give });
-        Ok((Begun { entries: Arc::clone(&self.entries), stop }, answers))
+        Ok((RunningAnswer { entries: Arc::clone(&self.entries), stop }, answers))
     }
 }
 
-impl Begun {
+impl RunningAnswer {
     /// True once the answer is of no use.
     pub(crate) fn stop(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.stop)
     }
 
     /// Hands over the answer.
-    pub(crate) fn end(self, found: Found) {
+    pub(crate) fn end(self, found: AnswerResult) {
         if let Some(entry) = self.taken() {
             // Who has given up does not listen.
             let _ = entry.give.send(found);
@@ -110,7 +113,7 @@ impl Begun {
     }
 }
 
-impl Drop for Begun {
+impl Drop for RunningAnswer {
     fn drop(&mut self) {
         self.taken();
     }

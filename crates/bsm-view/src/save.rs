@@ -7,7 +7,7 @@ use bsm_case::{EllipseFields, Scene, Settings};
 use serde_json::{Map, Value, json};
 
 use crate::Refusal;
-use crate::answer::{Asked, answer, axis, compare, nut, point, solved, told, warm};
+use crate::answer::{Request, answer, axis, compare, nut, point, solved, told, warm};
 use crate::form::schema;
 use crate::page;
 
@@ -48,7 +48,7 @@ pub fn saved(
     workers: &Workers<'_>,
 ) -> Result<String, Refusal> {
     let asked = |scene: Scene| json!({ "scene": scene.to_json(), "settings": settings.to_json() });
-    let read = |value: &Value| Asked::read(value.to_string().as_bytes());
+    let read = |value: &Value| Request::read(value.to_string().as_bytes());
     let mut request = asked(scene.clone());
     request["band"] = json!(true);
     request["sheet"] = json!(true);

@@ -14,9 +14,9 @@ use serde_json::{Value, json};
 use thiserror::Error;
 
 use crate::Refusal;
-use crate::answer::{Asked, answer};
+use crate::answer::{Request, answer};
 use crate::form::schema;
-use crate::http::{Connection, Head, Refused};
+use crate::http::{Connection, Head, HttpRefusal};
 use crate::page;
 use crate::running::{Running, Turn};
 
@@ -60,11 +60,11 @@ pub struct Server {
     listener: TcpListener,
     address: SocketAddr,
     ended: AtomicBool,
-    shared: Arc<Shared>,
+    shared: Arc<ServerState>,
 }
 
 /// What all requests share.
-struct Shared {
+struct ServerState {
     token: String,
     hosts: [String; 2],
     scene: Value,
@@ -102,7 +102,7 @@ impl Server {
         let port = address.port();
         let mut random = [0_u8; 16];
         getrandom::fill(&mut random).map_err(|error| ViewError::Random(error.to_string()))?;
-        let shared = Shared {
+        let shared = ServerState {
             token: format!("{:032x}", u128::from_ne_bytes(random)),
             hosts: ["127.0.0.1", "localhost"].map(|name| format!("{name}:{port}")),
             scene: scene.to_json(),
@@ -167,7 +167,7 @@ fn respond(connection: Connection<'_>, (status, kind, body): &Reply, began: Inst
     connection.answer(*status, &lines, body);
 }
 
-impl Shared {
+impl ServerState {
     /// Answers the request of a connection.
     fn serve(self: &Arc<Self>, stream: &TcpStream) {
         let mut connection = Connection::new(stream);
@@ -183,7 +183,7 @@ impl Shared {
         self: &Arc<Self>,
         head: &Head,
         connection: &mut Connection<'_>,
-    ) -> Result<Reply, Refused> {
+    ) -> Result<Reply, HttpRefusal> {
         let refuse = |status: u16, text: &str| Err((status, text.to_owned()));
         let (path, query) = head.target.split_once('?').unwrap_or((&head.target, ""));
         let is_ours = |host: &str| self.hosts.iter().any(|known| known == host);
@@ -277,7 +277,7 @@ impl Shared {
             let text = "bsm view was started without -o SCENE.json: it writes nothing";
             return Err(Refusal::Input(text.to_owned()));
         };
-        let Asked { scene, settings, .. } = Asked::read(body)?;
+        let Request { scene, settings, .. } = Request::read(body)?;
         // What is saved can be opened again.
         scene.problem(&settings)?;
         let text = serde_json::to_string_pretty(&scene.to_json()).unwrap_or_default() + "\n";

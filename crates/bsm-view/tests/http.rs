@@ -14,14 +14,14 @@ use bsm_view::{Save, Server};
 use serde_json::{Value, json};
 
 /// A server, ended with the test.
-struct Served {
+struct TestServer {
     server: Arc<Server>,
     thread: Option<thread::JoinHandle<()>>,
     port: u16,
     token: String,
 }
 
-impl Served {
+impl TestServer {
     fn start(save: Option<Save>) -> Self {
         let server = Server::start(0, &scene(), &[], &Settings::default(), save).expect("a server");
         let server = Arc::new(server);
@@ -58,7 +58,7 @@ impl Served {
     }
 }
 
-impl Drop for Served {
+impl Drop for TestServer {
     fn drop(&mut self) {
         self.server.stop();
         self.thread.take().map(thread::JoinHandle::join);
@@ -80,8 +80,8 @@ fn asked() -> Value {
 
 #[test]
 fn wrong_tokens_hosts_and_origins_are_refused() {
-    let served = Served::start(None);
-    let Served { port, token, .. } = &served;
+    let served = TestServer::start(None);
+    let TestServer { port, token, .. } = &served;
     let host = format!("Host: 127.0.0.1:{port}");
     let body = asked().to_string();
     for (head, expected) in [
@@ -120,7 +120,7 @@ fn wrong_tokens_hosts_and_origins_are_refused() {
 
 #[test]
 fn bodies_are_refused_in_the_words_of_the_command_line() {
-    let served = Served::start(None);
+    let served = TestServer::start(None);
     let mut bad = asked();
     bad["scene"]["ball_diameter_mm"] = json!(-3.5);
     let mut unknown = asked();
@@ -155,7 +155,7 @@ fn bodies_are_refused_in_the_words_of_the_command_line() {
 
 #[test]
 fn answers_are_those_of_the_commands() {
-    let served = Served::start(None);
+    let served = TestServer::start(None);
     let (status, solved) = served.post("solve", &asked());
     assert_eq!(status, 200, "{solved}");
     let work = &mut bsm_dyn::ModelWorkspace::default();
@@ -206,7 +206,7 @@ fn answers_are_those_of_the_commands() {
 /// and sliding power of one point agree.
 #[test]
 fn the_field_of_an_oiled_contact_is_that_of_its_model() {
-    let served = Served::start(None);
+    let served = TestServer::start(None);
     let oil = json!({ "scene": scene_of("feed_drive_oil.json").to_json() });
     let ((_, solved), (_, fields)) = (served.post("solve", &oil), served.post("ellipses", &oil));
     let number = |value: &Value| value.as_f64().expect("a number");
@@ -247,7 +247,7 @@ fn long_map() -> Value {
 
 #[test]
 fn a_map_that_takes_too_long_ends_with_a_message() {
-    let served = Served::start(None);
+    let served = TestServer::start(None);
     let (status, answer) = served.post("sweep", &long_map());
     let text = answer["error"].as_str().expect("words");
     assert!(status == 503 && text.contains("stopped after 2 s"), "{status} {text}");
@@ -259,7 +259,7 @@ fn a_map_that_takes_too_long_ends_with_a_message() {
 /// Found on the page: a map ran on for 2 s after its slider had moved, and the new numbers waited.
 #[test]
 fn a_newer_turn_of_a_page_ends_the_older_one() {
-    let served = Served::start(None);
+    let served = TestServer::start(None);
     let turn = |route: &str, turn: &str| {
         format!("{}\r\nX-Bsm-Turn: {turn}", served.head(&format!("POST /{route}")))
     };
@@ -288,7 +288,7 @@ fn only_a_server_that_was_told_to_saves() {
         text.clone_into(&mut kept);
         Ok(())
     });
-    let served = Served::start(Some(save));
+    let served = TestServer::start(Some(save));
     let (status, answer) = served.post("save", &asked());
     assert_eq!((status, &answer["saved"]), (200, &json!(true)));
     let text = kept.lock().expect("a text").clone();
@@ -302,7 +302,7 @@ fn only_a_server_that_was_told_to_saves() {
 /// Found in an audit: a request with this length ended the program, without a token; a head of 100 MB was read to its end.
 #[test]
 fn a_request_that_announces_too_much_is_refused() {
-    let served = Served::start(None);
+    let served = TestServer::start(None);
     let open = format!("Host: 127.0.0.1:{}\r\n", served.port);
     let known = format!("{open}X-Bsm-Token: {}\r\n", served.token);
     let much = "Content-Length: 1000000000000000\r\n";
@@ -327,7 +327,7 @@ fn a_request_that_announces_too_much_is_refused() {
 /// Found in an audit: eight clients that sent no body, or read no answer, stopped all other answers.
 #[test]
 fn clients_that_are_slow_hold_up_no_other() {
-    let served = Served::start(None);
+    let served = TestServer::start(None);
     let connect = |request: &str| {
         let mut stream = TcpStream::connect(("127.0.0.1", served.port)).expect("a connection");
         stream.write_all(request.as_bytes()).expect("a request");
@@ -354,7 +354,7 @@ fn clients_that_are_slow_hold_up_no_other() {
 fn the_page_holds_all_that_it_needs() {
     let mut scene = scene();
     scene.description = Some("</script><script>alert(1)</script>".to_owned());
-    let served = Served::start(None);
+    let served = TestServer::start(None);
     let (status, page) = served.send(&served.head("GET /"), "");
     assert_eq!(status, 200);
     assert!(page.contains("connect-src 'self'"));

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::part::PartRange;
-use super::points::{Points, WrittenPoints};
+use super::points::{Points, PointsEntry};
 use super::{DatasetError, digest};
 use crate::{Answers, Columns, Heading, Task, Workers};
 
@@ -26,19 +26,19 @@ pub const MOST_PARTS: u64 = 100_000;
 /// Planned content of a folder.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    written: Written,
+    written: PlanFile,
     text: String,
 }
 
 /// A plan as it stands in its file: the order of the keys is that of the fields.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Written {
+struct PlanFile {
     format: u32,
     program: Program,
-    points: WrittenPoints,
+    points: PointsEntry,
     base: Value,
-    model: WrittenModel,
+    model: ModelEntry,
     columns: Vec<String>,
     rows: u64,
     rows_per_part: NonZeroU64,
@@ -47,7 +47,7 @@ struct Written {
     sha256: String,
 }
 
-impl Written {
+impl PlanFile {
     /// The text of the file.
     fn text(&self) -> serde_json::Result<String> {
         Ok(serde_json::to_string(self)? + "\n")
@@ -87,7 +87,7 @@ impl Program {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct WrittenModel {
+struct ModelEntry {
     name: String,
     tolerance: f64,
     accuracy: f64,
@@ -96,7 +96,7 @@ struct WrittenModel {
     friction: String,
 }
 
-impl WrittenModel {
+impl ModelEntry {
     fn of(settings: &Settings) -> Self {
         let Settings { model, tolerance, accuracy, creep, control, friction } = *settings;
         let control = control.map(|race| race.name().to_owned());
@@ -134,12 +134,12 @@ impl Plan {
             return Err(DatasetError::TooManyParts { rows, rows_per_part, least });
         }
         let base = Scene { description: None, ..task.base.clone() };
-        let written = Written {
+        let written = PlanFile {
             format: FORMAT,
             program: Program::this(),
             points,
             base: base.to_json(),
-            model: WrittenModel::of(&task.settings),
+            model: ModelEntry::of(&task.settings),
             columns: task.outputs.iter().map(|output| output.name.to_owned()).collect(),
             rows,
             rows_per_part,
@@ -157,7 +157,7 @@ impl Plan {
     ///
     /// Reason of the refusal: it is no plan, of another program, or has been changed.
     pub fn from_text(text: &str) -> Result<Self, String> {
-        let written: Written = serde_json::from_str(text).map_err(|e| e.to_string())?;
+        let written: PlanFile = serde_json::from_str(text).map_err(|e| e.to_string())?;
         let (found, this) = (&written.program, Program::this());
         if (written.format, found) != (FORMAT, &this) {
             return Err(format!(

@@ -57,7 +57,7 @@ impl Points {
     pub(super) fn written(
         &self,
         workers: &Workers<'_>,
-    ) -> Result<(WrittenPoints, u64), DatasetError> {
+    ) -> Result<(PointsEntry, u64), DatasetError> {
         let (path, keep, dialect) = match self {
             Self::Grid(grid) => return Ok((written_grid(grid), grid.len() as u64)),
             Self::Draws(draws) => return Ok((written_draws(draws), draws.count())),
@@ -76,8 +76,8 @@ impl Points {
             }
         }
         let (keep, dialect) = (keep.clone(), dialect.clone());
-        let table = WrittenTable { name, bytes, sha256, rows, keep, dialect };
-        Ok((WrittenPoints::Table(table), rows))
+        let table = TableEntry { name, bytes, sha256, rows, keep, dialect };
+        Ok((PointsEntry::Table(table), rows))
     }
 
     /// What the metadata of a table say of them; a pipe has no name and is not hashed.
@@ -101,13 +101,13 @@ impl Points {
     }
 }
 
-fn written_grid(grid: &Grid) -> WrittenPoints {
-    WrittenPoints::Grid(grid.axes().iter().map(ToString::to_string).collect())
+fn written_grid(grid: &Grid) -> PointsEntry {
+    PointsEntry::Grid(grid.axes().iter().map(ToString::to_string).collect())
 }
 
-fn written_draws(draws: &Draws) -> WrittenPoints {
+fn written_draws(draws: &Draws) -> PointsEntry {
     let of = draws.of().iter().map(ToString::to_string).collect();
-    WrittenPoints::Random(WrittenDraws { seed: draws.seed(), count: draws.count(), of })
+    PointsEntry::Random(DrawsEntry { seed: draws.seed(), count: draws.count(), of })
 }
 
 /// SHA-256 of a file, and its length.
@@ -138,21 +138,21 @@ fn hashed(path: &Path, workers: &Workers<'_>) -> Result<(String, String, u64), D
 /// Points as they stand in a plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(super) enum WrittenPoints {
+pub(super) enum PointsEntry {
     Grid(Vec<String>),
-    Random(WrittenDraws),
-    Table(WrittenTable),
+    Random(DrawsEntry),
+    Table(TableEntry),
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct WrittenDraws {
+pub(super) struct DrawsEntry {
     seed: u64,
     count: u64,
     of: Vec<String>,
 }
 
-impl WrittenPoints {
+impl PointsEntry {
     /// What each input takes in a row of a part \[B\], nominally.
     pub(super) fn inputs(&self) -> Vec<f64> {
         /// A number; a table has some columns.
@@ -184,7 +184,7 @@ impl WrittenPoints {
         let named = |error: CaseError| DatasetError::NotPoints(error.to_string());
         match self {
             Self::Grid(axes) => Ok(Points::Grid(Grid::parse(axes).map_err(named)?)),
-            Self::Random(WrittenDraws { seed, count, of }) => {
+            Self::Random(DrawsEntry { seed, count, of }) => {
                 Ok(Points::Draws(Draws::parse(*seed, *count, of).map_err(named)?))
             }
             Self::Table(written) => {
@@ -203,7 +203,7 @@ impl WrittenPoints {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct WrittenTable {
+pub(super) struct TableEntry {
     name: String,
     bytes: u64,
     sha256: String,

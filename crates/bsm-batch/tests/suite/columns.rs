@@ -1,7 +1,7 @@
 //! Numbers of the analyses as columns of tables.
 
 use bsm_batch::{Answers, Chunk, Columns, GridSource, Source, Task};
-use bsm_case::{AnalysisKind, Axis, Grid, Moving, Output, Scene, Settings};
+use bsm_case::{AnalysisKind, Axis, Grid, MotionAnswer, Output, Scene, Settings};
 use bsm_dyn::{Control, Model, ModelWorkspace, Status};
 
 const DONG: &[u8] = include_bytes!("../../../../examples/dong2020.json");
@@ -77,7 +77,7 @@ fn columns_are_the_numbers_of_the_analyses() {
         let mut numbers_seen = 0;
         for row in 0..grid.len() {
             let scene = grid.scene(&base, &grid.point(row));
-            let moving = Moving::of(&scene, &settings, &mut work).expect("complete");
+            let moving = MotionAnswer::of(&scene, &settings, &mut work).expect("complete");
             assert_eq!(answers.verdicts[row].status, moving.solution.status());
             let solved = moving.solution.solved().is_some();
             let of = |kind: AnalysisKind| {

@@ -45,7 +45,7 @@ impl Table {
     }
 
     /// Holds every row against a solve; counts those that converged.
-    fn assert_solved(&self, base: &Scene, settings: &Settings, seen: &mut Seen) {
+    fn assert_solved(&self, base: &Scene, settings: &Settings, seen: &mut Tally) {
         let outputs = Answers::select(None).expect("all outputs");
         let answers = self.solve(base, settings);
         for row in 0..self.rows.len() {
@@ -87,7 +87,7 @@ impl Table {
 
 /// What a campaign has met.
 #[derive(Default)]
-struct Seen {
+struct Tally {
     work: ModelWorkspace,
     converged: Vec<(ModelChoice, usize)>,
     unsolved: usize,
@@ -95,7 +95,7 @@ struct Seen {
     invalid: [(&'static str, usize); 6],
 }
 
-impl Seen {
+impl Tally {
     fn count(&mut self, record: &Record) {
         match record.status() {
             Status::Converged => {
@@ -132,7 +132,7 @@ fn both_lead_columns_with_gaps_mean_the_given_one() {
     for base in [drive(), angle] {
         for choice in choices() {
             let settings = Settings { model: choice, ..Settings::default() };
-            table.assert_solved(&base, &settings, &mut Seen::default());
+            table.assert_solved(&base, &settings, &mut Tally::default());
         }
     }
     let answers = table.solve(&drive(), &Model::RacewayControl.into());
@@ -156,7 +156,7 @@ fn a_row_with_lead_and_lead_angle_that_disagree_is_refused() {
         assert_eq!(disagree, Status::InvalidInput, "{model:?}");
         let message = answers.message(1).unwrap_or_default();
         assert!(message.contains("lead_mm = 20 disagree"), "{model:?}: {message}");
-        table.assert_solved(&drive(), &model.into(), &mut Seen::default());
+        table.assert_solved(&drive(), &model.into(), &mut Tally::default());
     }
 }
 
@@ -176,7 +176,7 @@ fn dials_out_of_range_are_refused_in_every_model() {
         ] {
             let error = drive().problem(&settings).expect_err(part).to_string();
             assert!(error.contains(part), "{error}");
-            table.assert_solved(&drive(), &settings, &mut Seen::default());
+            table.assert_solved(&drive(), &settings, &mut Tally::default());
         }
     }
 }
@@ -263,7 +263,7 @@ fn choice(rng: &mut impl Rng) -> ModelChoice {
 fn ten_thousand_tables_mean_what_solves_mean() {
     let mut rng = ChaCha8Rng::seed_from_u64(1994);
     let parts = ["disagree", "required by", "for model", "are equal", "smaller than", "`wide`"];
-    let mut seen = Seen { invalid: parts.map(|part| (part, 0)), ..Seen::default() };
+    let mut seen = Tally { invalid: parts.map(|part| (part, 0)), ..Tally::default() };
     for _ in 0..10_000 {
         let rng = &mut rng;
         let settings = Settings { model: choice(rng), ..Settings::default() };

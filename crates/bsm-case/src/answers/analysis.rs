@@ -88,7 +88,7 @@ impl AnalysisKind {
         self,
         scene: &Scene,
         settings: &Settings,
-        motion: Option<&Moving>,
+        motion: Option<&MotionAnswer>,
         wanted: impl Fn(&Quantity) -> bool,
     ) -> Result<Numbers, CaseError> {
         match (self, motion) {
@@ -100,7 +100,7 @@ impl AnalysisKind {
             (Self::Warm, _) => warm::numbers(scene, settings, wanted),
             (Self::Optimum, _) => optimum::numbers(scene),
             (Self::Ratings, _) => ratings::numbers(scene),
-            (Self::Slip, Some(Moving { settings, solution, .. })) => {
+            (Self::Slip, Some(MotionAnswer { settings, solution, .. })) => {
                 slip::slip(scene, settings, solution).map(Answer::into_numbers)
             }
             (Self::Jam, Some(moving)) => {
@@ -250,7 +250,7 @@ fn without(kind: AnalysisKind, given: InputSet) -> Vec<String> {
 
 /// A solution for an analysis of the motion of the ball.
 #[derive(Debug, Clone)]
-pub struct Moving {
+pub struct MotionAnswer {
     /// Model and settings of the result.
     pub settings: Settings,
     /// The solution.
@@ -343,7 +343,7 @@ impl MovingBall {
     }
 }
 
-impl Moving {
+impl MotionAnswer {
     /// The solution of the model that the settings come to, see `ModelChoice::of_motion`.
     ///
     /// # Errors

@@ -36,7 +36,7 @@ use crate::{
 /// Inputs of an axis: its nut, and a load and a speed or a cycle.
 pub(crate) const NEEDS: crate::case::problem::Needs = rated_nut::NEEDS;
 
-quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
+quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
     "the cycle" {
         largest_load_N ["N"] Whole(|w| w.axis().largest_load()), "largest axial load of the screw";
         largest_speed_rpm ["rpm"] Whole(|w| w.axis().fastest() / RPM), "largest speed of the screw";
@@ -115,9 +115,9 @@ quantities! { pub(crate) QUANTITIES, read(&Worked<'_>) of Axis;
     }
     "drive" {
         motor_speed_rpm ["rpm"] Whole(|w| w.axis().fastest() * w.machine.drive.gear_ratio / RPM), "largest speed of the motor";
-        peak_motor_torque_Nm ["N m"] Whole(|w| w.peak(Worked::motor_torque)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "peak motor torque";
+        peak_motor_torque_Nm ["N m"] Whole(|w| w.peak(AxisState::motor_torque)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "peak motor torque";
         rms_motor_torque_Nm ["N m"] Whole(|w| w.rms_torque()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "RMS motor torque";
-        peak_motor_power_W ["W"] Whole(|w| w.peak(Worked::motor_power)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "peak motor power";
+        peak_motor_power_W ["W"] Whole(|w| w.peak(AxisState::motor_power)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "peak motor power";
         mean_heat_W ["W"] Whole(|w| w.mean_heat()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "mean heat of nut, seals and support bearings";
         preload_torque_measured_Nm ["N m" "T_p0"] Whole(|w| Some(w.preload.as_ref()?.by_rule)),
             "friction torque of the preload to be measured; by manufacturers' rule, at 100 rpm, without wipers, oil of ISO VG 68";
@@ -166,7 +166,7 @@ quantities! { pub(crate) TORQUES, read_torques(&Torques);
     }
 }
 
-quantities! { pub(crate) PHASE, read_phase(&InPhase<'_>);
+quantities! { pub(crate) PHASE, read_phase(&PhaseResult<'_>);
     "motion" {
         time_share [""] Whole(|p| p.torques.phase.time / p.worked.time()), "share of time";
         screw_speed_rpm ["rpm" "n"] Whole(|p| p.torques.phase.speed / RPM), "speed of the screw";
@@ -210,8 +210,8 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
 }
 
 /// A phase of a cycle.
-pub(crate) struct InPhase<'a> {
-    worked: &'a Worked<'a>,
+pub(crate) struct PhaseResult<'a> {
+    worked: &'a AxisState<'a>,
     torques: &'a Torques,
 }
 
@@ -500,7 +500,7 @@ impl AxisReport {
             return Ok(Self::of_none(asked, settings, warm));
         }
         let scene = &warm.as_ref().map_or_else(|| asked.clone(), |warm| warm.scene(asked));
-        let mut worked = Worked::of(scene, settings, warm)?;
+        let mut worked = AxisState::of(scene, settings, warm)?;
         worked.power_loss = detail.band.then(|| worked.at_power_loss(settings)).flatten();
         let of_nut = match &worked.machine.groove {
             Some(_) => ratings(&at_largest(scene, &worked.machine.axis))?,
@@ -653,7 +653,7 @@ fn no_balls(why: &CaseError) -> String {
 }
 
 /// Intermediate results of an axis.
-pub(crate) struct Worked<'a> {
+pub(crate) struct AxisState<'a> {
     scene: &'a Scene,
     machine: Machine,
     /// The nut under the largest load, with all its balls; or the reason for no solution.
@@ -681,7 +681,7 @@ struct PowerLoss {
     what: BackDriving,
 }
 
-impl<'a> Worked<'a> {
+impl<'a> AxisState<'a> {
     fn of(scene: &'a Scene, settings: &Settings, warm: Option<Warm>) -> Result<Self, CaseError> {
         let mut machine = Machine::of(scene)?;
         let (axis, advance) = (&machine.axis, machine.advance());
@@ -1256,7 +1256,7 @@ impl<'a> Worked<'a> {
     }
 
     fn phase(&self, torques: &Torques) -> ScrewTorque {
-        let motion = read_phase(&InPhase { worked: self, torques }, |_| true);
+        let motion = read_phase(&PhaseResult { worked: self, torques }, |_| true);
         let numbers = motion.and(read_torques(torques, |_| true));
         ScrewTorque { numbers, contacts: torques.contacts.words.clone() }
     }

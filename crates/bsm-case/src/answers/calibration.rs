@@ -14,7 +14,7 @@ use crate::{
 
 /// A measured point.
 #[derive(Debug, Clone)]
-struct Measured {
+struct MeasuredPoint {
     /// Its inputs.
     scene: Scene,
     /// Measured values, in the unit of the vocabulary.
@@ -26,7 +26,7 @@ struct Measured {
 pub struct Calibration {
     inputs: Vec<(InputKey, (f64, f64))>,
     output: &'static Output,
-    points: Vec<Measured>,
+    points: Vec<MeasuredPoint>,
 }
 
 /// The inputs that come closest to all points.
@@ -203,27 +203,31 @@ pub(crate) fn sought(base: &Scene, text: &str) -> Result<(InputKey, (f64, f64)),
 }
 
 /// Content of a column: an input or the measured output, times a factor.
-enum Sought {
+enum ColumnContent {
     Input(InputKey, f64),
     Measured(f64),
 }
 
-fn points(base: &Scene, output: &'static Output, table: &[u8]) -> Result<Vec<Measured>, CaseError> {
+fn points(
+    base: &Scene,
+    output: &'static Output,
+    table: &[u8],
+) -> Result<Vec<MeasuredPoint>, CaseError> {
     let cells = Cells::read(table, b',', '.')?;
     let outputs = std::iter::once(output.name);
     let columns = cells.columns(|name| {
         if name == output.name {
-            return Ok(Sought::Measured(1.0));
+            return Ok(ColumnContent::Measured(1.0));
         }
         match InputKey::in_unit(name) {
-            Ok((key, factor)) => Ok(Sought::Input(key, factor)),
+            Ok((key, factor)) => Ok(ColumnContent::Input(key, factor)),
             Err(unknown) => match convert(name, &outputs) {
-                Some((_, factor)) => Ok(Sought::Measured(factor)),
+                Some((_, factor)) => Ok(ColumnContent::Measured(factor)),
                 None => Err(unknown),
             },
         }
     })?;
-    if columns.iter().filter(|column| matches!(column, Sought::Measured(_))).count() != 1 {
+    if columns.iter().filter(|column| matches!(column, ColumnContent::Measured(_))).count() != 1 {
         return Err(CaseError::BadEntry {
             key: output.name.to_owned(),
             what: "must be one column of the table of measurements".to_owned(),
@@ -234,13 +238,13 @@ fn points(base: &Scene, output: &'static Output, table: &[u8]) -> Result<Vec<Mea
         for (column, text) in row {
             let number = cells.number(text)?;
             match column {
-                Sought::Input(key, factor) => scene.set(key.name(), number * factor)?,
-                Sought::Measured(factor) => value = Some(number * factor),
+                ColumnContent::Input(key, factor) => scene.set(key.name(), number * factor)?,
+                ColumnContent::Measured(factor) => value = Some(number * factor),
             }
         }
         scene.check()?;
         let what = || format!("has no {}", output.name);
         let value = value.ok_or_else(|| CaseError::Table { what: what() })?;
-        Ok(Measured { scene, value })
+        Ok(MeasuredPoint { scene, value })
     })
 }

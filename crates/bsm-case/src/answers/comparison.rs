@@ -12,7 +12,7 @@ const REPEATS: usize = 20;
 
 /// The answer of one model.
 #[derive(Debug)]
-pub struct Compared {
+pub struct ModelAnswer {
     /// The answer.
     pub record: Record,
     /// Time of one solve \[µs\].
@@ -23,7 +23,7 @@ pub struct Compared {
 #[derive(Debug)]
 pub struct Comparison {
     /// By the number of inputs.
-    pub answers: Vec<Compared>,
+    pub answers: Vec<ModelAnswer>,
     /// Why each of the others does not answer.
     pub left_out: Vec<String>,
     /// Inputs that are not in the balance of one ball.
@@ -44,7 +44,7 @@ impl Comparison {
         let (mut answers, mut left_out) = (Vec::new(), Vec::new());
         for model in Model::ALL {
             match scene.choose(ModelChoice::Fixed(model)) {
-                Ok(_) => answers.push(Compared::of(scene, model, &mut work)?),
+                Ok(_) => answers.push(ModelAnswer::of(scene, model, &mut work)?),
                 Err(error) => left_out.push(error.to_string()),
             }
         }
@@ -53,7 +53,7 @@ impl Comparison {
             scene.choose(ModelChoice::Fixed(Model::ClosedForm))?;
         }
         // What saturated friction leaves out shows in the table already.
-        let rolls = |a: &&Compared| {
+        let rolls = |a: &&ModelAnswer| {
             [Model::RacewayControl, Model::Traction].map(Into::into).contains(&a.record.model())
         };
         let of_answers = answers.iter().filter(rolls).flat_map(|a| {
@@ -90,13 +90,13 @@ impl Comparison {
         let columns = std::iter::once(Column::named("model")).chain(shown);
         let columns =
             columns.chain([Column::headed("", "time us"), Column::named("status")]).collect();
-        let row = |Compared { record, time }: &Compared| {
+        let row = |ModelAnswer { record, time }: &ModelAnswer| {
             let numbers = SHOWN.map(|(name, _)| json!(record.number(name)));
             let ends = [json!(format!("{time:.2}")), json!(record.status_name())];
             std::iter::once(json!(record.model().name())).chain(numbers).chain(ends).collect()
         };
         let table = Table { columns, rows: self.answers.iter().map(row).collect(), keyed: false };
-        let model = |Compared { record, time }: &Compared| {
+        let model = |ModelAnswer { record, time }: &ModelAnswer| {
             let mut map = record.to_json();
             map.insert("time_us".to_owned(), json!(time));
             Value::Object(map)
@@ -110,7 +110,7 @@ impl Comparison {
         .with("regime", Content::Words("regime ", self.regime().map(str::to_owned)))
         .with("models", Content::Json(self.answers.iter().map(model).collect()))
         .with_shown(Content::Table(table));
-        for Compared { record, .. } in &self.answers {
+        for ModelAnswer { record, .. } in &self.answers {
             let why = record.message().map(str::to_owned);
             answer = answer.with_shown(Content::Words(record.model().name(), why));
         }
@@ -118,7 +118,7 @@ impl Comparison {
     }
 }
 
-impl Compared {
+impl ModelAnswer {
     fn of(scene: &Scene, model: Model, work: &mut ModelWorkspace) -> Result<Self, CaseError> {
         let problem = scene.problem(&model.into())?;
         let mut solution = problem.solve(work);

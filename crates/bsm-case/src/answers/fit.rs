@@ -69,7 +69,7 @@ pub struct Fit {
 
 /// A value of the input at which the model gives what was measured.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fitted {
+pub struct FitValue {
     /// The value of the input.
     pub value: f64,
     /// Relative change of the input for a relative change of what was measured.
@@ -82,7 +82,7 @@ pub struct Fitted {
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitReport {
     /// The values, the smallest first.
-    pub found: Vec<Fitted>,
+    pub found: Vec<FitValue>,
     /// Smallest and largest output over the range, where the model has solutions.
     pub reachable: Option<(f64, f64)>,
     /// Share of the range in which the model has solutions.
@@ -185,7 +185,7 @@ impl Fit {
             let response = self.measured / (root.at * root.slope);
             let problem = self.at(&scene, root.at)?.problem(settings)?;
             let record = Record::new(problem.solve(&mut work.borrow_mut()));
-            Ok(Fitted { value: root.at, response, record })
+            Ok(FitValue { value: root.at, response, record })
         };
         Ok(FitReport {
             found: run.roots.into_iter().map(fitted).collect::<Result<_, CaseError>>()?,
@@ -230,7 +230,7 @@ impl Fit {
 
     /// The answer: the values, each with the result there, and what can be reached.
     pub fn answer(&self, scene: &Scene, report: &FitReport) -> Answer {
-        let fitted = |f: &Fitted| {
+        let fitted = |f: &FitValue| {
             json!({
                 self.input.name(): f.value,
                 "relative_response": f.response,

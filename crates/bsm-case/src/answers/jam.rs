@@ -118,7 +118,7 @@ fn if_any(critical: f64) -> Option<f64> {
 /// Intermediate results of jamming.
 struct Jam {
     ball: SteadyBall<f64>,
-    settled: Option<Settled>,
+    settled: Option<PermanentContacts>,
     /// Largest pressures over those of first yield.
     yield_ratios: Option<[f64; 2]>,
     /// Drag of the lubricant \[N\].
@@ -129,7 +129,7 @@ struct Jam {
 }
 
 /// Contacts with permanent approach, and their largest pressures \[Pa\].
-struct Settled {
+struct PermanentContacts {
     set: PermanentSet,
     pressures: [f64; 2],
 }
@@ -226,8 +226,8 @@ impl Jam {
                 ball.motion.precession,
             ),
         };
-        let settled = nut.semi_axes.map(|_| Settled::of(scene, &wedge)).transpose()?;
-        if let Some(Settled { set, .. }) = &settled {
+        let settled = nut.semi_axes.map(|_| PermanentContacts::of(scene, &wedge)).transpose()?;
+        if let Some(PermanentContacts { set, .. }) = &settled {
             (wedge.loads, wedge.angles) = (set.loads, set.angles);
         }
         let strengths = scene.race_yield_strength_MPa.zip(scene.ball_yield_strength_MPa);
@@ -306,7 +306,7 @@ impl Jam {
     }
 }
 
-impl Settled {
+impl PermanentContacts {
     fn of(scene: &Scene, wedge: &Wedge<f64>) -> Result<Self, CaseError> {
         let screw = scene.reader().elastic_point();
         let failed = |reason: &Reason| CaseError::NotRated(message(reason));

@@ -56,7 +56,7 @@ impl MakerNut {
         let columns =
             cells.columns(|name| column(name, names).map_err(|what| CaseError::Table { what }))?;
         cells.each(&columns, |place, row| {
-            let mut given = Given { name: format!("row {place}"), ..Given::default() };
+            let mut given = TableRow { name: format!("row {place}"), ..TableRow::default() };
             for (column, text) in row {
                 match column {
                     None => {}
@@ -230,7 +230,7 @@ pub fn column_names(json: &[u8]) -> Result<BTreeMap<String, Option<String>>, Cas
 
 /// Content of a row.
 #[derive(Default)]
-struct Given {
+struct TableRow {
     name: String,
     scene: Scene,
     circuits: Option<f64>,
@@ -238,7 +238,7 @@ struct Given {
     rigidity: Option<f64>,
 }
 
-impl Given {
+impl TableRow {
     fn set(&mut self, word: &str, value: f64) -> Result<(), CaseError> {
         match word {
             "circuits" => self.circuits = Some(value),

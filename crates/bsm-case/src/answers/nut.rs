@@ -13,7 +13,7 @@ use bsm_nut::{
 use serde_json::{Map, Value, json};
 
 use crate::answers::record::{MARKS_ABOVE, message};
-use crate::case::nut::{Made, Rubbing, Set};
+use crate::case::nut::{FrictionSource, NutAtRest, NutPreload};
 use crate::case::reader::{in_grooves, lubricated};
 use crate::case::warm::Warm;
 use crate::vocabulary::number::count;
@@ -23,7 +23,7 @@ use crate::{Answer, Content, Numbers, NutProblem, Quantity, exact};
 
 mod train;
 
-use train::Pushed;
+use train::TrainResult;
 
 /// Allowance of catalogues on the calculated rigidity, for what is made (HIWIN BS-08-2).
 const USUAL: f64 = 0.8;
@@ -44,20 +44,20 @@ const POINTS: u32 = 60;
 /// A nut under load, with what is worked out where it is asked for.
 #[derive(Debug)]
 pub(crate) struct State {
-    pub(crate) made: Made,
-    friction: OnceCell<Option<Rubbed>>,
+    pub(crate) made: NutAtRest,
+    friction: OnceCell<Option<BallFriction>>,
     drag: OnceCell<Option<f64>>,
     advance: OnceCell<Option<Advance>>,
 }
 
 impl State {
-    fn new(made: Made) -> Self {
+    fn new(made: NutAtRest) -> Self {
         Self { made, friction: OnceCell::new(), drag: OnceCell::new(), advance: OnceCell::new() }
     }
 
-    fn rubbed(&self, problem: &NutProblem) -> Option<&Rubbed> {
+    fn rubbed(&self, problem: &NutProblem) -> Option<&BallFriction> {
         let work_out = || {
-            let Made { nut, found, .. } = &self.made;
+            let NutAtRest { nut, found, .. } = &self.made;
             let mut rubbed = problem.with_free_balls().friction_of(nut, found)?;
             rubbed.pushed = problem.pushed_of(&self.made, &rubbed.friction.motions);
             if let (Some(pushed), Some((_, drive))) = (&rubbed.pushed, &problem.friction) {
@@ -78,7 +78,7 @@ impl State {
     }
 
     /// The pushes of the balls; none where no gap is given.
-    fn pushed(&self, problem: &NutProblem) -> Option<&Pushed> {
+    fn pushed(&self, problem: &NutProblem) -> Option<&TrainResult> {
         self.rubbed(problem)?.pushed.as_ref()
     }
 
@@ -99,23 +99,23 @@ impl State {
 
 /// Friction of all balls.
 #[derive(Debug)]
-struct Rubbed {
+struct BallFriction {
     friction: NutFriction,
     /// The models that answered for the balls on one flank.
     models: Vec<&'static str>,
     /// Why the model has no answer for a ball.
     why: Option<String>,
     /// The pushes of the balls; none where no gap is given.
-    pushed: Option<Pushed>,
+    pushed: Option<TrainResult>,
 }
 
 /// A nut under load, whose numbers are read.
-pub(crate) struct Loaded<'a> {
+pub(crate) struct NutUnderLoad<'a> {
     problem: &'a NutProblem,
     state: &'a State,
 }
 
-impl Loaded<'_> {
+impl NutUnderLoad<'_> {
     fn friction(&self) -> Option<&NutFriction> {
         self.state.friction(self.problem)
     }
@@ -135,8 +135,8 @@ impl Loaded<'_> {
     /// A part of the friction of balls in a lubricant.
     fn of_lubricant(&self, part: impl Fn(&FrictionSum) -> f64) -> Option<f64> {
         match self.problem.friction.as_ref()? {
-            (Rubbing::Lubricant(_), _) => self.friction()?.parts.as_ref().map(part),
-            (Rubbing::Coefficient(_), _) => None,
+            (FrictionSource::Lubricant(_), _) => self.friction()?.parts.as_ref().map(part),
+            (FrictionSource::Coefficient(_), _) => None,
         }
     }
 
@@ -157,7 +157,7 @@ impl Loaded<'_> {
     }
 }
 
-quantities! { pub(crate) QUANTITIES, read(&Loaded<'_>) of Nut;
+quantities! { pub(crate) QUANTITIES, read(&NutUnderLoad<'_>) of Nut;
     "displacement" {
         nut_displacement_um ["um"] Whole(|n| Some(n.state.made.found.displacement[0] / UM)), "axial displacement of the nut";
         nut_side_displacement_um ["um"] Whole(|n| {
@@ -193,7 +193,7 @@ quantities! { pub(crate) QUANTITIES, read(&Loaded<'_>) of Nut;
         preload_approach_um ["um"] Whole(|n| Some(n.state.made.preload.as_ref()?.approach / UM)), "preload deflection of each nut, delta_p";
         preload_setting_um ["um"] Whole(|n| Some(n.state.made.preload.as_ref()?.setting / UM)), "offset of the pair (below 0 in O arrangement) or ball oversize that sets the preload";
         preload_left_N ["N"] Whole(|n| {
-        let Set { by, .. } = n.state.made.preload.as_ref()?;
+        let NutPreload { by, .. } = n.state.made.preload.as_ref()?;
         Some(n.state.made.found.preload(&n.state.made.nut, *by))
     }), "remaining preload at this load";
         limit_load_N ["N" "F_lim"] Whole(|n| limit_load(n.problem, &n.state.made)), "limit load, at which the preload is lost: one side is fully unloaded";
@@ -328,13 +328,13 @@ fn pressure([at_nut, at_screw]: &[Hertz; 2], ball: &BallInGrooves) -> f64 {
     at_nut.max_pressure(a.max(b)).max(at_screw.max_pressure(c.max(d)))
 }
 
-fn max_pressure(made: &Made) -> Option<f64> {
+fn max_pressure(made: &NutAtRest) -> Option<f64> {
     let hertz = made.nut.hertz().ok()?;
     Some(made.found.balls.iter().map(|ball| pressure(&hertz, ball)).fold(0.0, f64::max))
 }
 
 /// The ball of a nut that shares its load equally: none for a preloaded one, whose bodies carry parts of it.
-fn equal(problem: &NutProblem, made: &Made) -> Option<Equal> {
+fn equal(problem: &NutProblem, made: &NutAtRest) -> Option<Equal> {
     let single = made.preload.is_none() && problem.axial() != 0.0;
     single.then(|| made.nut.equal(problem.axial()).ok())?
 }
@@ -347,14 +347,16 @@ fn rule_torque(state: &State) -> Option<f64> {
 
 /// Largest error of the friction torque by balls on both flanks \[N·m\].
 fn torque_error(problem: &NutProblem, state: &State) -> Option<f64> {
-    let (Rubbing::Coefficient(coefficient), _) = problem.friction.as_ref()? else { return None };
+    let (FrictionSource::Coefficient(coefficient), _) = problem.friction.as_ref()? else {
+        return None;
+    };
     let friction = state.friction(problem)?;
     friction.torque?;
     Some(FOUR_CONTACTS * coefficient * friction.torque_on_both_flanks)
 }
 
 /// The bound holds for a guided nut whose circuits all have the flank of the load, and no ball presses the other.
-fn load_bound(problem: &NutProblem, made: &Made) -> Option<f64> {
+fn load_bound(problem: &NutProblem, made: &NutAtRest) -> Option<f64> {
     let axial = problem.axial();
     let guided = problem.support == Support::guided(axial);
     let nut = &made.nut;
@@ -370,7 +372,7 @@ fn load_bound(problem: &NutProblem, made: &Made) -> Option<f64> {
 }
 
 /// Axial load over the displacement that it makes \[N/m\].
-fn secant(problem: &NutProblem, made: &Made) -> Option<f64> {
+fn secant(problem: &NutProblem, made: &NutAtRest) -> Option<f64> {
     let axial = problem.axial();
     // Preload, misalignment or side loads press balls already; else it is at first touch.
     let without = made.nut.solve(&problem.support.with_axial(0.0)).ok();
@@ -380,8 +382,8 @@ fn secant(problem: &NutProblem, made: &Made) -> Option<f64> {
 }
 
 /// Stiffness of a preloaded nut as manufacturers state it, a multiple of the preload over its displacement \[N/um\].
-fn stated(made: &Made, times: f64) -> Option<f64> {
-    let Set { cold, approach, .. } = made.preload.as_ref()?;
+fn stated(made: &NutAtRest, times: f64) -> Option<f64> {
+    let NutPreload { cold, approach, .. } = made.preload.as_ref()?;
     Some(times * cold / approach * UM)
 }
 
@@ -400,7 +402,7 @@ fn iso_rigidity(problem: &NutProblem, state: &State) -> Option<f64> {
     })
 }
 
-fn limit_load(problem: &NutProblem, made: &Made) -> Option<f64> {
+fn limit_load(problem: &NutProblem, made: &NutAtRest) -> Option<f64> {
     let way = if problem.axial() < 0.0 { -1.0 } else { 1.0 };
     made.nut.limit_load(made.preload.as_ref()?.by, &problem.support, way).ok()
 }
@@ -422,7 +424,7 @@ impl NutProblem {
     }
 
     /// Friction of the balls of a nut; none without speeds, and a friction coefficient or a lubricant.
-    fn friction_of(&self, nut: &BallNut, found: &Equilibrium) -> Option<Rubbed> {
+    fn friction_of(&self, nut: &BallNut, found: &Equilibrium) -> Option<BallFriction> {
         let (rubbing, drive) = self.friction.as_ref()?;
         let mut work = ModelWorkspace::default();
         let (mut models, mut why) = (Vec::new(), None);
@@ -437,7 +439,7 @@ impl NutProblem {
         });
         models.sort_unstable();
         models.dedup();
-        Some(Rubbed { friction, models, why, pushed: None })
+        Some(BallFriction { friction, models, why, pushed: None })
     }
 
     /// Friction of all balls of a nut like this, warm or strained, with the oil at a temperature \[K\].
@@ -452,7 +454,7 @@ impl NutProblem {
         between_loads: f64,
     ) -> Option<FrictionSum> {
         let mut rubbing = self.friction.as_ref()?.0;
-        if let Rubbing::Lubricant(lubricant) = &mut rubbing {
+        if let FrictionSource::Lubricant(lubricant) = &mut rubbing {
             lubricant.temperature = Temperature::Known(oil);
         }
         let mut work = ModelWorkspace::default();
@@ -463,11 +465,11 @@ impl NutProblem {
     }
 
     /// The problem of one ball, which has its part of the returns.
-    fn of_ball(&self, rubbing: &Rubbing, balls: f64, screw: ElasticPoint) -> Problem {
+    fn of_ball(&self, rubbing: &FrictionSource, balls: f64, screw: ElasticPoint) -> Problem {
         let settings = &self.settings;
         match rubbing {
-            Rubbing::Coefficient(_) => in_grooves(screw, settings.model, settings),
-            Rubbing::Lubricant(lubricant) => {
+            FrictionSource::Coefficient(_) => in_grooves(screw, settings.model, settings),
+            FrictionSource::Lubricant(lubricant) => {
                 let mut lubricant = *lubricant;
                 lubricant.losses.return_circuits /= balls;
                 lubricated(screw, lubricant, settings.model, settings)
@@ -494,8 +496,8 @@ impl NutProblem {
     }
 
     /// Some numbers of a nut that is made, by name.
-    pub(crate) fn some(&self, made: Made, names: &[&str]) -> Vec<Option<f64>> {
-        let loaded = Loaded { problem: self, state: &State::new(made) };
+    pub(crate) fn some(&self, made: NutAtRest, names: &[&str]) -> Vec<Option<f64>> {
+        let loaded = NutUnderLoad { problem: self, state: &State::new(made) };
         let found = read(&loaded, |quantity| names.contains(&quantity.name)).where_finite();
         names.iter().map(|name| found.number(name)).collect()
     }
@@ -532,7 +534,7 @@ impl NutReport {
 
     /// The requested numbers that the nut has.
     pub fn numbers(&self, wanted: impl Fn(&Quantity) -> bool) -> Numbers {
-        read(&Loaded { problem: &self.problem, state: &self.state }, wanted).where_finite()
+        read(&NutUnderLoad { problem: &self.problem, state: &self.state }, wanted).where_finite()
     }
 
     /// A number by name.
@@ -543,13 +545,13 @@ impl NutReport {
     /// Notes: meaning of the numbers, neglected effects.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = self.problem.notes.clone();
-        let Made { nut, .. } = &self.state.made;
+        let NutAtRest { nut, .. } = &self.state.made;
         if nut.shares_equally(&self.problem.support) {
             notes.push(
                 "every ball carries its equal share, as in the models of one ball".to_owned(),
             );
         }
-        if let Some(Set { cold, warm, .. }) = &self.state.made.preload
+        if let Some(NutPreload { cold, warm, .. }) = &self.state.made.preload
             && (cold - warm).abs() > 0.0
         {
             notes.push(preload_note(*cold, *warm));
@@ -565,7 +567,7 @@ impl NutReport {
             ),
             Some(friction)
                 if friction.on_both_flanks > 0
-                    && matches!(self.problem.friction, Some((Rubbing::Lubricant(_), _))) =>
+                    && matches!(self.problem.friction, Some((FrictionSource::Lubricant(_), _))) =>
             {
                 notes.push(format!(
                     "no torque: {} of {} balls press both flanks, where friction from a lubricant is not known; \
@@ -598,7 +600,7 @@ impl NutReport {
                     ));
                 }
                 let not_in_it = match self.problem.friction {
-                    Some((Rubbing::Lubricant(_), _)) => {
+                    Some((FrictionSource::Lubricant(_), _)) => {
                         notes.push(
                             "friction from the lubricant is uncertain by about 25 % while the balls roll, by more where \
                              rolling resistance dominates; bsm solve has the interval of one ball, bsm axis that of the axis"
@@ -641,7 +643,7 @@ impl NutReport {
         }
         warnings.extend(self.thrown(CENTRIFUGAL[1]..f64::INFINITY));
         warnings.extend(self.train_warnings());
-        if let Some(Set { cold, warm, .. }) = &self.state.made.preload
+        if let Some(NutPreload { cold, warm, .. }) = &self.state.made.preload
             && *cold > 0.0
             && *warm <= 0.0
         {
@@ -661,7 +663,7 @@ impl NutReport {
 
     /// Note on the neglected centrifugal force, if it is a noticeable part of the mean load of a ball.
     fn thrown(&self, part: std::ops::Range<f64>) -> Option<String> {
-        let (Made { nut, found, .. }, (_, drive)) =
+        let (NutAtRest { nut, found, .. }, (_, drive)) =
             (&self.state.made, self.problem.friction.as_ref()?);
         // On the middle of both races the balls go half as fast as screw and nut together.
         let precession = 0.5 * (drive.screw_speed + drive.nut_speed);
@@ -697,9 +699,9 @@ impl NutReport {
 
     /// A row a ball; NaN where there is no number.
     pub fn balls(&self) -> Columns {
-        let Made { nut, found, .. } = &self.state.made;
+        let NutAtRest { nut, found, .. } = &self.state.made;
         let (friction, hertz) = (self.state.friction(&self.problem), nut.hertz().ok());
-        let loaded = Loaded { problem: &self.problem, state: &self.state };
+        let loaded = NutUnderLoad { problem: &self.problem, state: &self.state };
         let advances: Vec<_> = loaded
             .advance()
             .into_iter()
@@ -752,9 +754,11 @@ impl NutReport {
     fn on_curve(&self, load: f64) -> Vec<f64> {
         let mut problem = self.problem.clone();
         problem.support = problem.support.with_axial(load);
-        let Made { nut, preload, .. } = &self.state.made;
+        let NutAtRest { nut, preload, .. } = &self.state.made;
         let numbers = match nut.solve(&problem.support) {
-            Ok(found) => problem.some(Made { nut: nut.clone(), preload: *preload, found }, &CURVE),
+            Ok(found) => {
+                problem.some(NutAtRest { nut: nut.clone(), preload: *preload, found }, &CURVE)
+            }
             Err(_) => vec![None; CURVE.len()],
         };
         std::iter::once(Some(load)).chain(numbers).map(|x| x.unwrap_or(f64::NAN)).collect()

@@ -19,7 +19,7 @@ use crate::{Answer, CaseError, Catalogue, Content, INPUTS, Numbers, Scene, exact
 /// Title of what lies between the inputs and the ratings.
 pub(crate) const STEPS: &str = "steps";
 
-quantities! { pub(crate) QUANTITIES, read(&Rated<'_>) of Ratings;
+quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
     "ratings" {
         dynamic_load_rating_N ["N" "C_a"] Whole(|r| r.dynamic.rating), "dynamic axial load rating";
         static_load_rating_N ["N" "C_0a"] Whole(|r| r.static_rating.rating), "static axial load rating";
@@ -98,7 +98,7 @@ quantities! { pub(crate) QUANTITIES, read(&Rated<'_>) of Ratings;
     }
 }
 
-quantities! { pub(crate) AS_USED, as_used(&Rated<'_>);
+quantities! { pub(crate) AS_USED, as_used(&NutRatings<'_>);
     "inputs as used" {
         lead_angle_deg = INPUTS Whole(|r| r.nut.lead_angle() / DEG);
         contact_angle_deg = INPUTS Whole(|r| r.nut.contact_angle / DEG);
@@ -113,7 +113,7 @@ quantities! { pub(crate) AS_USED, as_used(&Rated<'_>);
 }
 
 /// A nut that is rated: ratings, stiffness, thread, mass, life and efficiency.
-pub(crate) struct Rated<'a> {
+pub(crate) struct NutRatings<'a> {
     scene: &'a Scene,
     nut: Nut,
     thread: Thread,
@@ -129,7 +129,7 @@ pub(crate) struct Rated<'a> {
     life: Option<Life>,
 }
 
-impl<'a> Rated<'a> {
+impl<'a> NutRatings<'a> {
     /// The nut of a scene: a pair of nuts under `preload_N`, or one nut under `axial_load_N`; a pair
     /// under 0.15 of the dynamic rating unless one of them is given.
     fn of(scene: &'a Scene) -> Result<Self, CaseError> {
@@ -249,7 +249,7 @@ fn rpm(scene: &Scene) -> Option<f64> {
 
 /// The numbers alone.
 pub(crate) fn numbers(scene: &Scene) -> Result<Numbers, CaseError> {
-    Rated::of(scene)?.numbers()
+    NutRatings::of(scene)?.numbers()
 }
 
 /// Ratings of the nut of a scene: a pair of nuts under `preload_N`, or one nut under
@@ -261,7 +261,7 @@ pub(crate) fn numbers(scene: &Scene) -> Result<Numbers, CaseError> {
 ///
 /// [`CaseError`] if an input is missing or breaks its rule, or the grooves leave no ellipse.
 pub fn ratings(scene: &Scene) -> Result<Answer, CaseError> {
-    let rated = Rated::of(scene)?;
+    let rated = NutRatings::of(scene)?;
     let [steps, numbers] = [true, false].map(|wanted| {
         rated.numbers().map(|all| all.part(|quantity| (quantity.title == STEPS) == wanted))
     });

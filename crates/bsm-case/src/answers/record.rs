@@ -346,9 +346,9 @@ impl Record {
         program: &str,
         scene: &Scene,
         settings: &Settings,
-        beside: &Beside,
+        beside: &Supplement,
     ) -> Answer {
-        let Beside { band, parts, sensitivities } = beside;
+        let Supplement { band, parts, sensitivities } = beside;
         let mut map = self.to_json();
         map.insert("program".to_owned(), json!(program));
         map.insert("inputs".to_owned(), scene.to_json());
@@ -407,7 +407,7 @@ fn json_of(output: &Output, value: f64) -> Value {
 
 /// Results beside the record of a point.
 #[derive(Debug, Clone, Default)]
-pub struct Beside {
+pub struct Supplement {
     /// Uncertainty of lubricated friction.
     pub band: Option<Band>,
     /// The screw torque by its parts ([`torque_parts`](crate::torque_parts)).

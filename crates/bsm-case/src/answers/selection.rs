@@ -163,14 +163,14 @@ pub fn candidate_scene(candidate: &Candidate, wish: Option<&RequirementFile>) ->
 
 /// Filter and order of nuts besides a requirement.
 #[derive(Debug, Clone, Default)]
-pub struct Wanted {
+pub struct NutFilter {
     of_nut: Vec<Condition>,
     of_sheet: Vec<Condition>,
     order: Option<(ListColumn, bool)>,
     pareto: bool,
 }
 
-impl Wanted {
+impl NutFilter {
     /// Conditions such as `lead_mm=20`; with a requirement also on its sheet.
     ///
     /// * `pareto`: only those that no other one beats in dynamic rating, rigidity and mass.

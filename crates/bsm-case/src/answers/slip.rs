@@ -13,7 +13,7 @@ use crate::vocabulary::quantity::{Values, quantities};
 use crate::vocabulary::units::{DEG, MM};
 use crate::{AnalysisKind, Answer, CaseError, Scene, Settings};
 
-quantities! { pub(crate) QUANTITIES, read(&Slipping) of Slip;
+quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
     "rotation of the ball relative to the nut" {
         gyroscopic_angle_deg ["deg"] Whole(|s| s.ball.gyroscopic_angles()[0] / DEG),
             "gyroscopic angle: axis of rotation out of the plane of t and b";
@@ -84,7 +84,7 @@ pub fn slip(scene: &Scene, settings: &Settings, solution: &Solution) -> Result<A
     let (solved, given) =
         MovingBall::of(scene, solution)?.at_given_angles(scene, settings, solution.model)?;
     let loss = if given { None } else { Some(Loss::of(scene, settings, solution, &solved)?) };
-    let slipping = Slipping { solved, loss };
+    let slipping = SlipMotion { solved, loss };
     let mut lacks = Vec::new();
     if solved.contacts[0].is_some_and(|c| c.semi_axes.is_none()) {
         lacks.push(lacks_ellipses("spin slip at the ends of the contact ellipses", solution.model));
@@ -110,13 +110,13 @@ pub fn slip(scene: &Scene, settings: &Settings, solution: &Solution) -> Result<A
 }
 
 /// A ball whose slip is reported.
-struct Slipping {
+struct SlipMotion {
     solved: MovingBall,
     /// None at given contact angles.
     loss: Option<Loss>,
 }
 
-impl Deref for Slipping {
+impl Deref for SlipMotion {
     type Target = MovingBall;
 
     fn deref(&self) -> &MovingBall {
@@ -124,7 +124,7 @@ impl Deref for Slipping {
     }
 }
 
-impl Slipping {
+impl SlipMotion {
     /// As printed a contact takes the angle of the other loaded one; the unloaded flank has no formula.
     fn printed(&self, form: impl Fn(Site, f64) -> f64) -> [Option<f64>; 2] {
         let [nut, screw, _] = self.contacts.map(|c| c.map(|c| c.touch.angle));

@@ -2,7 +2,7 @@
 
 use bsm_dyn::ZERO_CELSIUS;
 use bsm_nut::FrictionSum;
-use bsm_nut::thermal::{InPhase, OnBranch, Steady, WarmNut};
+use bsm_nut::thermal::{OnBranch, PhaseState, Steady, WarmNut};
 use serde_json::{Value, json};
 
 use super::nut::QUANTITIES as NUT;
@@ -102,7 +102,8 @@ impl Warm {
         let state = state(self)?;
         let band = state.band.as_ref()?;
         let moving = state.steady.heated.phases.iter().enumerate();
-        let moves = |phase: &Option<InPhase>| phase.as_ref().is_some_and(|p| p.friction.is_some());
+        let moves =
+            |phase: &Option<PhaseState>| phase.as_ref().is_some_and(|p| p.friction.is_some());
         let moving = moving.filter(|(_, phase)| moves(phase)).map(|(place, _)| place + 1);
         let of_phase = moving.flat_map(|number| OF_PHASE.map(|name| format!("{name} {number}")));
         let names = OF_BAND.map(str::to_owned).into_iter().chain(of_phase);

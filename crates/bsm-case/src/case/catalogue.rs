@@ -117,7 +117,8 @@ impl Catalogue {
     ///
     /// [`CaseError`] for syntax, unknown keys, values out of range, or too many combinations.
     pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
-        let mut given = Given(serde_json::from_str(STANDARD_CATALOGUE).map_err(CaseError::Syntax)?);
+        let mut given =
+            ListEntries(serde_json::from_str(STANDARD_CATALOGUE).map_err(CaseError::Syntax)?);
         for (key, value) in entries(json)? {
             given.set(&key, value)?;
         }
@@ -154,9 +155,9 @@ impl Catalogue {
 }
 
 /// Lists, ranges and numbers, all of which are there.
-struct Given(Map<String, Value>);
+struct ListEntries(Map<String, Value>);
 
-impl Given {
+impl ListEntries {
     fn set(&mut self, key: &str, value: Value) -> Result<(), CaseError> {
         let names = || LISTS.iter().map(|list| list.name);
         let Some((list, standard)) = names().position(|name| name == key).zip(self.0.get_mut(key))

@@ -9,4 +9,4 @@ mod train;
 
 pub(crate) use circuits::balls_and_turns;
 pub use problem::NutProblem;
-pub(crate) use problem::{Made, OF_A_NUT, Rubbing, Set, bad};
+pub(crate) use problem::{FrictionSource, NutAtRest, NutPreload, OF_A_NUT, bad};

@@ -1,7 +1,7 @@
 //! What a screw must do, in the vocabulary and a few more keys.
 
 use bsm_design::{
-    DutySpeed, Fixed, Lists, LoadCase, Objective, Pitch, Ranges, Requirement, Travel,
+    DutySpeed, FixedValues, Lists, LoadCase, Objective, Pitch, Ranges, Requirement, Travel,
 };
 use bsm_dyn::{Direction, Optimum};
 use serde_json::{Map, Value};
@@ -150,7 +150,7 @@ impl RequirementFile {
     /// [`CaseError`] for syntax, unknown keys, values out of range, and what is missing or
     /// contradicts itself.
     pub fn from_json(json: &[u8], settings: &[String], standard: Lists) -> Result<Self, CaseError> {
-        let mut given = Given::default();
+        let mut given = RequirementKeys::default();
         let entries = entries(json)?;
         let value =
             |name: &str| entries.iter().find(|(key, _)| key == name).map(|(_, value)| value);
@@ -179,13 +179,13 @@ type Form<T> = (&'static str, fn(f64) -> T);
 
 /// Keys and values, checked one by one.
 #[derive(Default)]
-struct Given {
+struct RequirementKeys {
     scene: Scene,
     numbers: Map<String, Value>,
     words: Map<String, Value>,
 }
 
-impl Given {
+impl RequirementKeys {
     fn assign(&mut self, key: &str, value: &Value) -> Result<(), CaseError> {
         let own = ALIASES.iter().find(|(also, _)| *also == key);
         let key = own.map_or(key, |(_, own)| own);
@@ -401,7 +401,7 @@ impl Given {
                 "power" => Objective::Power,
                 _ => Objective::Mass,
             },
-            fixed: Fixed {
+            fixed: FixedValues {
                 pitch_diameter: scene.pitch_circle_diameter_mm.map(|mm| mm * MM),
                 ball: scene.ball_diameter_mm.map(|mm| mm * MM),
                 contact_angle: scene.contact_angle_deg.map(|deg| deg * DEG),

@@ -35,7 +35,7 @@ impl Scene {
     ///
     /// [`CaseError`] for syntax, unknown or repeated keys, and wrong types.
     pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
-        let (mut scene, mut named) = (Self::default(), Named::default());
+        let (mut scene, mut named) = (Self::default(), InputNames::default());
         for (key, value) in entries(json)? {
             if let (Some((input, _)), false) = (InputKey::known_in_unit(&key), value.is_null()) {
                 named.once(input, &key)?;
@@ -97,7 +97,7 @@ impl Scene {
     ///
     /// [`CaseError`] if one has another form, another name or no number, or an input is set twice.
     pub fn apply<S: AsRef<str>>(&mut self, settings: &[S]) -> Result<(), CaseError> {
-        let (mut given, mut named) = (Self::default(), Named::default());
+        let (mut given, mut named) = (Self::default(), InputNames::default());
         for setting in settings {
             let text = setting.as_ref();
             let bad = || CaseError::BadSetting { text: text.to_owned(), form: "name=value" };
@@ -209,9 +209,9 @@ fn key_of<'a>(key: &'a str, word: Option<&str>) -> &'a str {
 
 /// The inputs of one place, a scene or settings, with the names that they have there.
 #[derive(Default)]
-struct Named(Vec<(InputKey, String)>);
+struct InputNames(Vec<(InputKey, String)>);
 
-impl Named {
+impl InputNames {
     /// Takes in an input, which must not be there under any name.
     fn once(&mut self, key: InputKey, name: &str) -> Result<(), CaseError> {
         if let Some((_, former)) = self.0.iter().find(|(known, _)| *known == key) {

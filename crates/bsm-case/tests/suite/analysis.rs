@@ -1,7 +1,7 @@
 //! Analyses of a motion: published trends are in `bsm validate`, here what must hold for all.
 
 use bsm_case::{
-    AnalysisKind, Answer, CaseError, Catalogue, EllipseFields, INPUTS, ModelChoice, Moving,
+    AnalysisKind, Answer, CaseError, Catalogue, EllipseFields, INPUTS, ModelChoice, MotionAnswer,
     OUTPUTS, Of, Output, Record, Scene, Settings, candidate_json,
 };
 use bsm_dyn::{Model, ModelWorkspace, Solution};
@@ -255,7 +255,7 @@ const RETURN: [(&str, f64); 3] =
 fn no_alarm(scene: &Scene) {
     let settings = Settings::default();
     let mut work = ModelWorkspace::default();
-    let moving = Moving::of(scene, &settings, &mut work).expect("complete");
+    let moving = MotionAnswer::of(scene, &settings, &mut work).expect("complete");
     let report = bsm_case::jam(scene, &moving.solution).expect("a motion");
     let verdicts = &report.to_json()["verdicts"];
     let holds = |verdict: &serde_json::Value| verdict["answer"] == true;
@@ -343,7 +343,7 @@ fn models_without_a_motion_are_refused() {
         assert!(error.to_string().contains("models rigid, raceway-control"), "{error}");
     }
     let mut work = ModelWorkspace::default();
-    let fixed = Moving::of(&scene, &settings, &mut work).expect("complete");
+    let fixed = MotionAnswer::of(&scene, &settings, &mut work).expect("complete");
     assert_eq!(fixed.solution, solution);
 }
 
@@ -355,14 +355,14 @@ fn the_model_of_an_analysis_does_not_depend_on_the_efficiency() {
     for (load, tolerance) in [(6e3, 1e-2), (8e3, 1e-2), (8e3, 0.9)] {
         let scene = scene(DONG, &[("axial_load_N", load), ("friction_coefficient", 0.06)]);
         let auto = Settings { tolerance, ..Settings::default() };
-        let moving = Moving::of(&scene, &auto, &mut work).expect("complete");
+        let moving = MotionAnswer::of(&scene, &auto, &mut work).expect("complete");
         assert_eq!(moving.solution.model, Model::Traction);
         assert_eq!(moving.settings.model, ModelChoice::Fixed(Model::Traction));
     }
     // Without conformities the only model with a motion.
     let mut bare = scene(XU, &[("lead_mm", 40.0)]);
     (bare.nut_conformity, bare.screw_conformity) = (None, None);
-    let moving = Moving::of(&bare, &Settings::default(), &mut work).expect("complete");
+    let moving = MotionAnswer::of(&bare, &Settings::default(), &mut work).expect("complete");
     assert_eq!(moving.solution.model, Model::Rigid);
 }
 
@@ -492,7 +492,7 @@ fn running_contact_angles_of_nut_and_screw_can_be_given() {
     let half = scene(XU, &angles[..1]);
     let refused = half.problem(&nut_control);
     assert!(matches!(refused, Err(CaseError::BadEntry { .. })), "{refused:?}");
-    let auto = Moving::of(&given, &Settings::default(), &mut ModelWorkspace::default());
+    let auto = MotionAnswer::of(&given, &Settings::default(), &mut ModelWorkspace::default());
     assert_eq!(auto.expect("complete").solution.model, Model::RacewayControl);
 }
 

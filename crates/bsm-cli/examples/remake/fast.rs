@@ -10,10 +10,10 @@ use bsm_validate::tradeoff::{self, Dial, Distribution, Errors, Group, Points};
 use serde_json::{Value, json};
 
 /// A block and its text.
-type Made = Result<String, Box<dyn Error>>;
+type Blocks = Result<String, Box<dyn Error>>;
 
 /// What makes the text of a block.
-type Make = fn(&Program) -> Made;
+type Make = fn(&Program) -> Blocks;
 
 /// The program `bsm` in a folder that has the examples and the published data in it.
 pub(crate) struct Program {
@@ -76,7 +76,7 @@ fn number(value: &Value, name: &str) -> Result<f64, String> {
     value[name].as_f64().ok_or_else(|| format!("no number `{name}`"))
 }
 
-fn checks(program: &Program) -> Made {
+fn checks(program: &Program) -> Blocks {
     let results = program.json("validate --json")?;
     let checks = results["checks"].as_array().ok_or("no checks")?;
     let count = |verdict: &str| checks.iter().filter(|check| check["verdict"] == verdict).count();
@@ -87,7 +87,7 @@ fn checks(program: &Program) -> Made {
     ))
 }
 
-fn accuracies(program: &Program) -> Made {
+fn accuracies(program: &Program) -> Blocks {
     let solved = |accuracy: &str| {
         let solve = "solve examples/feed_drive.json --model traction --json --solver";
         program.json(&format!("{solve} accuracy={accuracy}"))
@@ -106,7 +106,7 @@ fn accuracies(program: &Program) -> Made {
     Ok(table("| A | efficiency | off from 1e-12 by | bound that is stated |", &rows))
 }
 
-fn slip_powers(program: &Program) -> Made {
+fn slip_powers(program: &Program) -> Blocks {
     let row = |model: &str| {
         let slip = format!("solve examples/xu2015.json --show slip --json --model {model}");
         let report = program.json(&slip)?;
@@ -125,7 +125,7 @@ fn slip_powers(program: &Program) -> Made {
     Ok(table("| model | slip at the centre | spin | curvature | all |", &rows))
 }
 
-fn catalogue(program: &Program) -> Made {
+fn catalogue(program: &Program) -> Blocks {
     let words = ["select", "--first", "1"].map(str::to_owned);
     let (_, note) = program.prints(&words)?;
     let count = note.split_whitespace().find_map(|word| word.parse::<u64>().ok());
@@ -134,7 +134,7 @@ fn catalogue(program: &Program) -> Made {
 
 /// What equal sharing leaves out of a nut, one thing after the other: each is compared with the same balls on
 /// stiff guides in rigid bodies without errors.
-fn nut_sharing(program: &Program) -> Made {
+fn nut_sharing(program: &Program) -> Blocks {
     let read = |scene: &str| std::fs::read(program.folder.join("examples").join(scene));
     let mut base: Value = serde_json::from_slice(&read("nut_guided.json")?)?;
     for (key, value) in [("axial_load_N", json!(6340)), ("seed", json!(1))] {
@@ -216,7 +216,7 @@ fn nut_sharing(program: &Program) -> Made {
 }
 
 /// Errors of every model and setting over the committed points.
-fn accuracy(_: &Program) -> Made {
+fn accuracy(_: &Program) -> Blocks {
     let rows: Vec<_> = tradeoff::accuracy(&Points::committed()?)?.iter().map(errors_row).collect();
     let header = "| model and setting | solved | rolling | partial skid | gross skid | loads, rolling | angles, rolling |";
     Ok(table(header, &rows))

@@ -21,7 +21,7 @@ use slow::{CAMPAIGNS, Site, Text};
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 /// Blocks with their new text.
-type Made = Vec<(&'static str, Text)>;
+type Blocks = Vec<(&'static str, Text)>;
 
 /// Something that can be asked for by name.
 struct Source {
@@ -38,7 +38,7 @@ enum How {
     /// Output of a long test below its command.
     Tests,
     Fast(fn(&Program) -> Result<String>),
-    Slow(fn(&Site) -> Result<Made>),
+    Slow(fn(&Site) -> Result<Blocks>),
     Campaign(&'static str),
 }
 

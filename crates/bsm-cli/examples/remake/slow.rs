@@ -212,14 +212,14 @@ pub(crate) fn seeded(site: &Site) -> Result<Vec<(&'static str, Text)>> {
 }
 
 /// What a run of the program took.
-struct Took {
+struct RunTime {
     time: Duration,
     /// Largest memory \[bytes\], where the system tells.
     memory: Option<f64>,
 }
 
 impl Site {
-    fn took(&self, folder: &Path, words: &str) -> Result<Took> {
+    fn took(&self, folder: &Path, words: &str) -> Result<RunTime> {
         eprintln!("  bsm {words}");
         let begin = Instant::now();
         let mut child = Command::new(&self.bsm)
@@ -234,7 +234,7 @@ impl Site {
                 if !status.success() {
                     return Err(format!("bsm {words}: {status}").into());
                 }
-                return Ok(Took { time: begin.elapsed(), memory });
+                return Ok(RunTime { time: begin.elapsed(), memory });
             }
             let status = fs::read_to_string(format!("/proc/{}/status", child.id()));
             let peak = |text: String| {
@@ -263,7 +263,7 @@ fn parquet_bytes(folder: &Path) -> Result<f64> {
     Ok(bytes)
 }
 
-fn seconds(took: &Took) -> String {
+fn seconds(took: &RunTime) -> String {
     format!("{} s", short(took.time.as_secs_f64()))
 }
 
@@ -302,7 +302,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     )?;
     let (points, rows) = (f64::from(axis.pow(2)), f64::from(cube.pow(3)));
     let bytes = parquet_bytes(&folder.join(format!("rigid-{axis}")))? / points;
-    let memory = |took: &Took| {
+    let memory = |took: &RunTime| {
         took.memory.map_or_else(String::new, |bytes| format!(", {} of memory", megabytes(bytes)))
     };
     let fewer = small.memory.map_or_else(String::new, |bytes| {

@@ -236,14 +236,14 @@ fn a_hundred_kills() {
 type Harm<'a> = Box<dyn Fn() + 'a>;
 
 /// What `--resume` says to a damaged folder.
-enum Said {
+enum Reaction {
     /// Exit code and message; the damaged file is kept.
     Refused(i32, &'static str),
     /// Solved or written again, with what an undisturbed run says.
     Healed,
 }
 
-use Said::{Healed, Refused};
+use Reaction::{Healed, Refused};
 
 /// Found by the audit: `--resume` asked whether a path exists.
 #[test]
@@ -287,7 +287,7 @@ fn resume_looks_at_finished_parts() {
     };
     let end = bytes.len();
     let broken = "its footer proves nothing; move it away, and what is missing is solved again with --resume";
-    let damages: Vec<(&str, Harm<'_>, Said)> = vec![
+    let damages: Vec<(&str, Harm<'_>, Reaction)> = vec![
         ("cut to 100 bytes", put(bytes[..100].to_vec()), Refused(3, broken)),
         ("cut by a byte", put(bytes[..end - 1].to_vec()), Refused(3, broken)),
         ("emptied", put(Vec::new()), Refused(3, "part-000003.parquet is empty; move it away")),

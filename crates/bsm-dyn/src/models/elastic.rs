@@ -72,9 +72,9 @@ struct GrossSlipState<D> {
 
 /// Saturated friction on a pair of contacts; unknowns `$Q_A/F_a,\; \nu,\; Q_B/F_a,\; p,\; \lambda,\;
 /// \theta,\; s$` (S1).
-struct Saturated<'a, P = f64>(&'a ElasticBall<P>);
+struct GrossSlipEquations<'a, P = f64>(&'a ElasticBall<P>);
 
-impl<P: Scalar> Saturated<'_, P> {
+impl<P: Scalar> GrossSlipEquations<'_, P> {
     fn state<D: Over<P>>(&self, y: &[D; BALL]) -> Result<GrossSlipState<D>, EvalError> {
         cost::evaluated();
         let pair = self.0;
@@ -124,7 +124,7 @@ impl<P: Scalar> Saturated<'_, P> {
     }
 }
 
-equations!(Saturated<'_>, BALL, Saturated::residual, ROWS);
+equations!(GrossSlipEquations<'_>, BALL, GrossSlipEquations::residual, ROWS);
 
 /// A root of the elastic equations.
 #[derive(Debug)]
@@ -148,14 +148,14 @@ impl GrossSlip {
     /// A root on the curve of all states of force that serves as a start, mostly the first one.
     pub(crate) fn start(pair: &ElasticBall) -> Result<Self, Unsolved> {
         let (y, steps) = root(pair, true)?;
-        let state = Saturated(pair).state(&y).map_err(domain_error)?;
+        let state = GrossSlipEquations(pair).state(&y).map_err(domain_error)?;
         Ok(Self { state, steps, residual: f64::NAN })
     }
 
     /// The first root on the curve of all states of force.
     pub(crate) fn of(pair: &ElasticBall, newton: &mut Workspace) -> Result<Self, Unsolved> {
         let (y, steps, residual) = find(pair, newton)?;
-        let state = Saturated(pair).state(&y).map_err(domain_error)?;
+        let state = GrossSlipEquations(pair).state(&y).map_err(domain_error)?;
         Ok(Self { state, steps, residual })
     }
 }
@@ -199,7 +199,7 @@ fn run(pair: &ElasticBall, y: &mut [f64; BALL], newton: &mut Workspace) -> Repor
     let weights = weights(pair, y);
     let scales = Scales { x: &[1.0; BALL], f: &weights };
     let options = Options { max_steps: MOST_STEPS, ..Options::default() };
-    solve(&Saturated(pair), y, &scales, &options, newton)
+    solve(&GrossSlipEquations(pair), y, &scales, &options, newton)
 }
 
 impl Elastic {

@@ -20,9 +20,9 @@ use bsm_newton::{EvalError, JacobianUpdate, Options, Report, Scales, solve};
 use bsm_simd::Block;
 
 pub use self::columns::TractionPoint;
-use self::columns::{Evaluated, PowerFlow, Watched, lever, sizes};
+use self::columns::{EquationValues, LastEvaluation, PowerFlow, lever, sizes};
 pub use self::many::{TRACTION_FOUND, TRACTION_START, TractionMany, TractionRoot, TractionStart};
-use self::root::Refined;
+use self::root::RootWithPower;
 pub use self::root::SKIDS;
 pub(crate) use self::root::SlipRoot;
 use self::train::Push;
@@ -264,7 +264,7 @@ impl SlipBall<'_> {
     fn error(
         &self,
         accuracy: f64,
-        found: Option<&Evaluated>,
+        found: Option<&EquationValues>,
         slope: &Block,
         efficiency: f64,
         newton: &mut Workspace,
@@ -328,7 +328,7 @@ impl SlipBall<'_> {
 
     /// One damped Newton solve from `y`.
     fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
-        Watched::new(self).run(y, newton)
+        LastEvaluation::new(self).run(y, newton)
     }
 }
 
@@ -355,7 +355,7 @@ impl<P> SlipBall<'_, P> {
     }
 }
 
-impl Watched<'_> {
+impl LastEvaluation<'_> {
     fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
         let weights = self.ball.weights(y);
         let scales = Scales { x: &[1.0; BALL], f: &weights };
@@ -457,7 +457,7 @@ impl Traction {
                 ball.refined(&near, &plans, newton, &mut steps).ok_or_else(lost)?
             }
         };
-        let Refined { root, transmitted, torque_slope, loaded } = refined;
+        let RootWithPower { root, transmitted, torque_slope, loaded } = refined;
         let PowerFlow { torque, power, .. } = transmitted;
         let ball = ball.of(&root);
         let to_nut = ball.motion_to_nut(&root.unknowns, &loaded);

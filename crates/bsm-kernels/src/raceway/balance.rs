@@ -26,12 +26,12 @@ pub(crate) struct Roll<S: Simd> {
 
 /// The gripping balls of a lane, with the race that controls or by the decision: a call of its own, as two kernels
 /// share it.
-pub(crate) struct Balanced<'a, S: Simd> {
+pub(crate) struct BalanceCall<'a, S: Simd> {
     pub(crate) pair: &'a Balls<S>,
     pub(crate) control: Option<Control>,
 }
 
-impl<S: Simd> NullaryFnOnce for Balanced<'_, S> {
+impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
     type Output = Roll<S>;
 
     #[inline(always)]

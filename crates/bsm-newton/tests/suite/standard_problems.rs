@@ -12,9 +12,9 @@ use bsm_newton::{
 type Values<const N: usize> = Result<([f64; N], [[f64; N]; N]), EvalError>;
 
 /// A system given by a function that returns both.
-struct Given<F>(F);
+struct Problem<F>(F);
 
-impl<const N: usize, F> Equations<N> for Given<F>
+impl<const N: usize, F> Equations<N> for Problem<F>
 where
     F: Fn(&[f64; N]) -> Values<N>,
 {
@@ -39,7 +39,7 @@ where
 {
     let ones = [1.0; N];
     let scales = Scales { x: &ones, f: &ones };
-    solve(&Given(function), x, &scales, &Options::default(), &mut Workspace::default())
+    solve(&Problem(function), x, &scales, &Options::default(), &mut Workspace::default())
 }
 
 #[expect(clippy::unnecessary_wraps, reason = "the shape that a model has")]
@@ -98,7 +98,7 @@ fn powell_badly_scaled_finds_the_published_root() {
         let options = Options { max_steps: 300, residual_goal, ..Options::default() };
         let mut x = [0.0, 1.0];
         let scales = Scales { x: &ones, f: &ones };
-        let system = Given(powell_badly_scaled);
+        let system = Problem(powell_badly_scaled);
         let report = solve(&system, &mut x, &scales, &options, &mut Workspace::default());
         assert_eq!(report.status, Status::Converged, "{report}");
         // Four printed digits.
@@ -199,7 +199,7 @@ fn the_step_limit_is_told() {
     let options = Options { max_steps: 3, ..Options::default() };
     let scales = Scales { x: &ones, f: &ones };
     let mut x = [3.0, -1.0, 0.0, 1.0];
-    let system = Given(powell_singular);
+    let system = Problem(powell_singular);
     let report = solve(&system, &mut x, &scales, &options, &mut Workspace::default());
     assert_eq!(report.status, Status::MaxSteps);
     let text = NotConverged(Box::new(report)).to_string();
@@ -223,7 +223,7 @@ fn a_bad_scale_is_told() {
         let scales = Scales { x: &[1.0; 2], f: &[1.0, bad] };
         let mut x = [0.0; 2];
         let work = &mut Workspace::default();
-        let report = solve(&Given(rosenbrock), &mut x, &scales, &Options::default(), work);
+        let report = solve(&Problem(rosenbrock), &mut x, &scales, &Options::default(), work);
         assert_eq!(report.status, Status::BadScale, "{bad}");
         assert_eq!((report.worst_equation, report.n_residual), (1, 0));
     }
@@ -235,7 +235,7 @@ fn a_root_moves_with_its_parameters() {
     let (r, p) = (1.7_f64, 0.6_f64);
     let root = (1.0 + p * p).sqrt();
     let x = [r / root, p * r / root];
-    let system = Given(move |x: &[f64; 2]| {
+    let system = Problem(move |x: &[f64; 2]| {
         let f = [x[0] * x[0] + x[1] * x[1] - r * r, x[1] - p * x[0]];
         Ok((f, [[2.0 * x[0], 2.0 * x[1]], [-p, 1.0]]))
     });
@@ -258,7 +258,7 @@ fn a_root_moves_with_its_parameters() {
 fn a_path_has_a_direction_and_a_sense() {
     let rows = [[2.0, 0.0, 0.0], [0.0, 3.0, 0.0]];
     for (order, sense) in [([0, 1], 1.0), ([1, 0], -1.0)] {
-        let system = Given(|_: &[f64; 3]| {
+        let system = Problem(|_: &[f64; 3]| {
             Ok(([0.0; 3], [rows[order[0]], rows[order[1]], [0.0, 0.0, -0.5]]))
         });
         let work = &mut Workspace::default();
@@ -267,7 +267,7 @@ fn a_path_has_a_direction_and_a_sense() {
         assert!((direction[2] - 2.0 * sense).abs() < 1e-15, "{direction:?}");
         assert!(direction[0].abs() + direction[1].abs() == 0.0, "{direction:?}");
     }
-    let touching = Given(|_: &[f64; 2]| Ok(([0.0; 2], [[1.0, 0.0], [1.0, 0.0]])));
+    let touching = Problem(|_: &[f64; 2]| Ok(([0.0; 2], [[1.0, 0.0], [1.0, 0.0]])));
     let work = &mut Workspace::default();
     let none = path_direction(&touching, &[0.0; 2], &[1.0; 2], work);
     assert_eq!(none, Err(Status::SingularJacobian));
@@ -277,10 +277,10 @@ fn a_path_has_a_direction_and_a_sense() {
 fn a_root_that_does_not_move_smoothly_is_told() {
     let work = &mut Workspace::default();
     let singular =
-        implicit_slopes(&Given(powell_singular), &[0.0; 4], &[1.0; 4], &mut [[1.0; 4]], work);
+        implicit_slopes(&Problem(powell_singular), &[0.0; 4], &[1.0; 4], &mut [[1.0; 4]], work);
     assert_eq!(singular, Status::SingularJacobian);
     let work = &mut Workspace::<Dense<1>>::default();
-    let refused = implicit_slopes(&Given(logarithm), &[-1.0], &[1.0], &mut [[1.0]], work);
+    let refused = implicit_slopes(&Problem(logarithm), &[-1.0], &[1.0], &mut [[1.0]], work);
     assert_eq!(refused, Status::OutsideDomain);
 }
 
@@ -290,7 +290,7 @@ fn the_iteration_allocates_nothing() {
     let ones = [1.0; 4];
     let scales = Scales { x: &ones, f: &ones };
     let mut work = Workspace::default();
-    let system = Given(powell_singular);
+    let system = Problem(powell_singular);
     for max_steps in [1, 40] {
         let options = Options { max_steps, residual_tol: 1e-10, ..Options::default() };
         let mut x = [3.0, -1.0, 0.0, 1.0];

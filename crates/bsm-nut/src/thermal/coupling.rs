@@ -61,7 +61,7 @@ pub struct WarmNut<'a> {
 
 /// The nut in a part of its cycle.
 #[derive(Debug, Clone)]
-pub struct InPhase {
+pub struct PhaseState {
     /// Its loads.
     pub found: Equilibrium,
     /// Friction of its balls; `None` at rest.
@@ -72,7 +72,7 @@ pub struct InPhase {
 
 /// What a nut does at some temperatures.
 #[derive(Debug, Clone)]
-pub struct Heated {
+pub struct NutAtTemperature {
     /// Heat of each node \[W\], mean over the cycle.
     pub heat: [f64; NODES],
     /// Preload without load \[N\]; 0 without one.
@@ -80,7 +80,7 @@ pub struct Heated {
     /// The nut without load.
     pub unloaded: Option<Equilibrium>,
     /// The parts of the cycle; those at rest only where they are asked for.
-    pub phases: Vec<Option<InPhase>>,
+    pub phases: Vec<Option<PhaseState>>,
 }
 
 /// Drag beyond the contacts over the preload, `$K_x h$` \[m\] (I15).
@@ -133,7 +133,7 @@ impl WarmNut<'_> {
         rises: &[f64; NODES],
         factor: f64,
         all: bool,
-    ) -> Result<Heated, Option<NutError>> {
+    ) -> Result<NutAtTemperature, Option<NutError>> {
         self.heated_to(rises, factor, all, BETWEEN_LOADS)
     }
 
@@ -144,7 +144,7 @@ impl WarmNut<'_> {
         factor: f64,
         all: bool,
         between_loads: f64,
-    ) -> Result<Heated, Option<NutError>> {
+    ) -> Result<NutAtTemperature, Option<NutError>> {
         let tension = self.screw.hold.map_or(0.0, |_| self.network(factor).tension(rises));
         let (nut, oil) = (self.warmed(rises, tension), self.oil(rises));
         let unloaded = self.preload.map(|_| nut.solve(&Support::guided(0.0))).transpose()?;
@@ -157,7 +157,7 @@ impl WarmNut<'_> {
             _ => 1.0,
         };
         let mut heat = [0.0, 0.0, 0.0, self.motor, 0.0];
-        let mut phases: Vec<Option<InPhase>> = Vec::with_capacity(self.phases.len());
+        let mut phases: Vec<Option<PhaseState>> = Vec::with_capacity(self.phases.len());
         for (number, phase) in self.phases.iter().enumerate() {
             let Drive { screw_speed, nut_speed } = phase.drive;
             let drive = Drive { screw_speed: factor * screw_speed, nut_speed: factor * nut_speed };
@@ -176,7 +176,7 @@ impl WarmNut<'_> {
                 _ => nut.solve(&support)?,
             };
             if speed == 0.0 {
-                phases.push(Some(InPhase { found, friction: None, drag: 0.0 }));
+                phases.push(Some(PhaseState { found, friction: None, drag: 0.0 }));
                 continue;
             }
             let friction = (self.friction)(&nut, &found, &drive, oil, between_loads).ok_or(None)?;
@@ -193,8 +193,8 @@ impl WarmNut<'_> {
             for (heat, end) in heat[3..].iter_mut().zip(ends) {
                 *heat += power * self.bearings * end / (ends[0] + ends[1]).max(1.0);
             }
-            phases.push(Some(InPhase { found, friction: Some(friction), drag }));
+            phases.push(Some(PhaseState { found, friction: Some(friction), drag }));
         }
-        Ok(Heated { heat, preload, unloaded, phases })
+        Ok(NutAtTemperature { heat, preload, unloaded, phases })
     }
 }

@@ -14,7 +14,7 @@ use bsm_newton::{
 use nalgebra::{Matrix3, Schur};
 
 use super::coupling::BETWEEN_LOADS;
-use super::{Heated, NODES, WarmNut};
+use super::{NODES, NutAtTemperature, WarmNut};
 use crate::NutError;
 
 /// Temperature above which no state counts \[K\].
@@ -63,7 +63,7 @@ pub struct Steady {
     /// Rise of each node over the temperature of setting \[K\].
     pub rises: [f64; NODES],
     /// What the nut does there.
-    pub heated: Heated,
+    pub heated: NutAtTemperature,
     /// Loop gain: 0 without coupling, 1 where the state is lost (I18).
     pub gain: f64,
 }
@@ -151,14 +151,14 @@ struct Balance<'a> {
     /// False where the nut has lost the preload that it has been given.
     has_preload: Cell<bool>,
     /// The last rises and speed factor of the balance, and what the nut does there.
-    known: RefCell<Option<([f64; NODES], f64, Heated)>>,
+    known: RefCell<Option<([f64; NODES], f64, NutAtTemperature)>>,
 }
 
 /// Slopes of the heat of nut, screw and balls by the temperatures of all nodes.
 type Slopes = [[f64; NODES]; RUBBED];
 
 /// The same at one speed factor.
-struct AtSpeed<'a>(&'a Balance<'a>, f64);
+struct BalanceAtSpeed<'a>(&'a Balance<'a>, f64);
 
 impl<'a> Balance<'a> {
     fn of(nut: &'a WarmNut<'a>) -> Self {
@@ -174,7 +174,7 @@ impl<'a> Balance<'a> {
         rises: &[f64; NODES],
         factor: f64,
         between_loads: f64,
-    ) -> Result<Heated, EvalError> {
+    ) -> Result<NutAtTemperature, EvalError> {
         let heated = self.nut.heated_to(rises, factor, false, between_loads);
         let heated = heated.map_err(|_| EvalError {
             quantity: "rise of the balls [K]",
@@ -186,7 +186,7 @@ impl<'a> Balance<'a> {
     }
 
     /// The same where it is known.
-    fn known(&self, rises: &[f64; NODES], factor: f64) -> Option<Heated> {
+    fn known(&self, rises: &[f64; NODES], factor: f64) -> Option<NutAtTemperature> {
         let known = self.known.borrow();
         let (at, of, heated) = known.as_ref()?;
         let is_same = at.map(f64::to_bits) == rises.map(f64::to_bits);
@@ -281,8 +281,13 @@ impl<'a> Balance<'a> {
             jacobian: JacobianUpdate::EveryTrial { chord_below: f64::INFINITY },
             ..Options::default()
         };
-        let report =
-            solve(&AtSpeed(self, factor), &mut rises, &scales, &options, &mut Workspace::default());
+        let report = solve(
+            &BalanceAtSpeed(self, factor),
+            &mut rises,
+            &scales,
+            &options,
+            &mut Workspace::default(),
+        );
         report.converged().then_some(rises)
     }
 
@@ -339,7 +344,7 @@ impl<'a> Balance<'a> {
     }
 }
 
-impl Equations<NODES> for AtSpeed<'_> {
+impl Equations<NODES> for BalanceAtSpeed<'_> {
     fn residual(&self, rises: &[f64; NODES]) -> Result<[f64; NODES], EvalError> {
         self.0.left(rises, self.1)
     }

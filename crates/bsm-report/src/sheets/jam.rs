@@ -28,12 +28,12 @@ struct Drawing {
     y: String,
     log: bool,
     /// Sets of curves, one sweep after another in each set.
-    curves: Vec<Vec<Drawn>>,
+    curves: Vec<Vec<PlotLine>>,
 }
 
 /// Name of the course, label, colour, stroke, and number of the analyses. The curves of several sweeps have a colour
 /// for each sweep, and its label in front.
-type Drawn = (String, String, usize, Stroke, String);
+type PlotLine = (String, String, usize, Stroke, String);
 
 /// All figures.
 fn drawings() -> Vec<Drawing> {

@@ -1,6 +1,6 @@
 //! Sweeps of the analyses of a motion: figures, and the curves that published trends are held against.
 
-use bsm_case::{AnalysisKind, Moving, Numbers, Scene, Settings};
+use bsm_case::{AnalysisKind, MotionAnswer, Numbers, Scene, Settings};
 use bsm_dyn::ModelWorkspace;
 
 use crate::{Curve, Figure, ReportError, Stroke};
@@ -52,7 +52,7 @@ pub(super) fn analysed(
     work: &mut ModelWorkspace,
 ) -> Result<Rows, ReportError> {
     let mut row = |(x, scene): (f64, Scene)| {
-        let moving = Moving::of(&scene, settings, work)?;
+        let moving = MotionAnswer::of(&scene, settings, work)?;
         // A point without a solution, or without a contact state, is a gap.
         let kinds = [AnalysisKind::Jam, AnalysisKind::Slip];
         let numbers = kinds.map(|kind| kind.numbers(&scene, settings, Some(&moving), |_| true));

@@ -46,7 +46,7 @@ const STRIDE: usize = 256;
 const SENSITIVE: usize = 8;
 
 /// What the command line asks for.
-struct Asked {
+struct Arguments {
     points: usize,
     seed: u64,
     model: Option<ModelChoice>,
@@ -55,7 +55,7 @@ struct Asked {
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
-    let Asked { points, seed, model, edges } = asked(std::env::args().skip(1))?;
+    let Arguments { points, seed, model, edges } = asked(std::env::args().skip(1))?;
     fs::create_dir_all(FOLDER)?;
     // Panics are counted, their messages are in the scene.
     std::panic::set_hook(Box::new(|_| {}));
@@ -80,8 +80,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     Ok(if sound { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-fn asked(mut words: impl Iterator<Item = String>) -> Result<Asked, Box<dyn Error>> {
-    let mut asked = Asked { points: 10_000, seed: 8, model: None, edges: false };
+fn asked(mut words: impl Iterator<Item = String>) -> Result<Arguments, Box<dyn Error>> {
+    let mut asked = Arguments { points: 10_000, seed: 8, model: None, edges: false };
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or_else(|| format!("{word} needs a value"));
         match word.as_str() {

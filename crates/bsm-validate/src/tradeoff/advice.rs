@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Errors, Group, Measured, OneCore, TOLERANCES};
+use super::{DialResult, Errors, Group, OneCore, TOLERANCES};
 
 /// A dial counts as within a tolerance if it solves this share of the points, and as large a share
 /// of those errs less.
@@ -33,7 +33,7 @@ pub struct Pick {
 }
 
 /// For every tolerance: over all points, and by motion of the balls.
-pub(super) fn of(dials: &[Measured], groups: &[Group]) -> Vec<Advice> {
+pub(super) fn of(dials: &[DialResult], groups: &[Group]) -> Vec<Advice> {
     let mut advice = Vec::new();
     for tolerance in TOLERANCES {
         for group in groups {
@@ -48,7 +48,7 @@ pub(super) fn of(dials: &[Measured], groups: &[Group]) -> Vec<Advice> {
 /// Of the dials within a tolerance that take hardly longer than the cheapest, the most exact: times
 /// move from run to run.
 fn pick(
-    dials: &[Measured],
+    dials: &[DialResult],
     group: Group,
     tolerance: f64,
     time: fn(&OneCore) -> f64,
@@ -60,7 +60,7 @@ fn pick(
         .filter_map(|dial| Some((dial, time(dial.times.of(group)?))))
         .collect();
     let least = timed.iter().map(|(_, ns)| *ns).min_by(f64::total_cmp)?;
-    let error = |dial: &Measured| {
+    let error = |dial: &DialResult| {
         let errors = dial.errors_of(group).and_then(|errors| errors.efficiency);
         errors.map_or(f64::INFINITY, |e| e.q99)
     };
@@ -72,7 +72,7 @@ fn pick(
 }
 
 /// True if a dial is within a tolerance in a group; for all points, in every group.
-fn is_within(dial: &Measured, group: Group, tolerance: f64) -> bool {
+fn is_within(dial: &DialResult, group: Group, tolerance: f64) -> bool {
     let counts = |errors: &&Errors| group == Group::All || errors.group == group;
     dial.errors.iter().filter(counts).all(|errors| within(errors, tolerance))
 }

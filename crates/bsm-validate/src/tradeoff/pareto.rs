@@ -2,10 +2,10 @@
 
 use bsm_report::{Axis, Curve, Figure, Stroke};
 
-use super::{Group, Measured, OneCore};
+use super::{DialResult, Group, OneCore};
 
 /// One by one and in batches over all points, then one by one for each regime.
-pub(super) fn figures(dials: &[Measured]) -> Vec<Figure> {
+pub(super) fn figures(dials: &[DialResult]) -> Vec<Figure> {
     let mut figures = vec![
         figure(dials, Group::All, "single", "one point after the other", |times| times.single.mean),
         figure(dials, Group::All, "batch", "batches on one core", |times| times.batch),
@@ -20,7 +20,7 @@ pub(super) fn figures(dials: &[Measured]) -> Vec<Figure> {
 }
 
 fn figure(
-    dials: &[Measured],
+    dials: &[DialResult],
     group: Group,
     key: &str,
     words: &str,

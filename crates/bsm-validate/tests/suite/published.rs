@@ -1,10 +1,10 @@
 //! Every published check passes.
 
-use bsm_validate::{Published, Verdict, figures, run, validation_page};
+use bsm_validate::{PublishedData, Verdict, figures, run, validation_page};
 
 #[test]
 fn published_results_hold() {
-    let report = run(&Published::default()).expect("compiled-in data");
+    let report = run(&PublishedData::default()).expect("compiled-in data");
     for c in &report.checks {
         println!("{c:?}");
     }
@@ -17,7 +17,7 @@ fn published_results_hold() {
 
 #[test]
 fn page_shows_every_check_and_figure() {
-    let published = Published::default();
+    let published = PublishedData::default();
     let report = run(&published).expect("compiled-in data");
     let figures = figures(&published).expect("compiled-in data");
     let page = validation_page(&report, &figures).expect("a page");

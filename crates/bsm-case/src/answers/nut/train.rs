@@ -5,13 +5,13 @@ use std::borrow::Cow;
 use bsm_dyn::{BallState, Model, ModelWorkspace, Problem};
 use bsm_nut::{Advance, FreeMotion, LARGEST_PUSH, Rolling, Train};
 
-use super::{NutProblem, NutReport, Rubbed};
-use crate::case::nut::Made;
+use super::{BallFriction, NutProblem, NutReport};
+use crate::case::nut::NutAtRest;
 use crate::vocabulary::units::MM;
 use crate::{ModelChoice, exact};
 
 /// The pushes of the balls, or why there are none.
-pub(super) type Pushed = Result<Train, String>;
+pub(super) type TrainResult = Result<Train, String>;
 
 /// A push above [`LARGEST_PUSH`].
 ///
@@ -32,8 +32,8 @@ fn pushes(model: ModelChoice) -> bool {
 
 impl NutProblem {
     /// Advance of the balls, of whose free motions those by model traction are taken unless another is asked for.
-    pub(super) fn advance_of(&self, made: &Made, rubbed: &Rubbed) -> Option<Advance> {
-        let Made { nut, found, .. } = made;
+    pub(super) fn advance_of(&self, made: &NutAtRest, rubbed: &BallFriction) -> Option<Advance> {
+        let NutAtRest { nut, found, .. } = made;
         let (_, drive) = self.friction.as_ref()?;
         let of =
             |motions: &[Option<FreeMotion>]| nut.advance(found, motions, drive, self.gaps.spacer);
@@ -62,9 +62,13 @@ impl NutProblem {
     /// The pushes of the balls where a gap is given.
     ///
     /// * `motions`: without pushes.
-    pub(super) fn pushed_of(&self, made: &Made, motions: &[Option<FreeMotion>]) -> Option<Pushed> {
+    pub(super) fn pushed_of(
+        &self,
+        made: &NutAtRest,
+        motions: &[Option<FreeMotion>],
+    ) -> Option<TrainResult> {
         let (inputs, (rubbing, drive)) = (self.gaps.train.as_ref()?, self.friction.as_ref()?);
-        let Made { nut, found, .. } = made;
+        let NutAtRest { nut, found, .. } = made;
         if !pushes(self.settings.model) {
             let model = self.settings.model.name();
             return Some(Err(format!("pushes of the balls need model traction, not {model}")));

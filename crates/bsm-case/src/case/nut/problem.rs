@@ -51,7 +51,7 @@ pub struct NutProblem {
     pub(crate) static_rating: StaticRating,
     pub(crate) ratings: TurnRatings,
     /// Friction, and speeds of screw and nut.
-    pub(crate) friction: Option<(Rubbing, Drive<f64>)>,
+    pub(crate) friction: Option<(FrictionSource, Drive<f64>)>,
     /// Gaps between the balls.
     pub(crate) gaps: BallGaps,
     /// Torque of the seals \[N·m\].
@@ -64,14 +64,14 @@ pub struct NutProblem {
 
 /// Source of the friction of the balls.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Rubbing {
+pub(crate) enum FrictionSource {
     /// One coefficient.
     Coefficient(f64),
     /// The film of each ball, and what the ball returns lose, without the seals.
     Lubricant(Lubricant),
 }
 
-impl Rubbing {
+impl FrictionSource {
     /// The friction coefficient, if it is one.
     pub(crate) fn coefficient(&self) -> Option<f64> {
         match self {
@@ -106,16 +106,16 @@ impl Rubbing {
 
 /// A nut that is made and carries its load.
 #[derive(Debug, Clone)]
-pub(crate) struct Made {
+pub(crate) struct NutAtRest {
     /// With its preload, all its errors and its rises of temperature.
     pub(crate) nut: BallNut,
-    pub(crate) preload: Option<Set>,
+    pub(crate) preload: Option<NutPreload>,
     pub(crate) found: Equilibrium,
 }
 
 /// The preload of a nut.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Set {
+pub(crate) struct NutPreload {
     pub(crate) by: Preload,
     /// Where nothing is loaded from outside, the nut is guided, and nothing is warmer than where it fits \[N\].
     pub(crate) cold: f64,
@@ -180,7 +180,7 @@ impl NutProblem {
             reason = "a whole number"
         )]
         let seed = value(InputKey::seed) as u64;
-        let (friction, circuits) = (Rubbing::of(scene)?, nut.circuits.len());
+        let (friction, circuits) = (FrictionSource::of(scene)?, nut.circuits.len());
         Ok(Self {
             support: support(scene)?,
             notes: notes(scene, &nut, preload, loaded.is_some()),
@@ -213,7 +213,7 @@ impl NutProblem {
     /// # Errors
     ///
     /// [`NutError`]: nothing carries the load, or no displacement gives the preload.
-    pub(crate) fn made(&self) -> Result<Made, NutError> {
+    pub(crate) fn made(&self) -> Result<NutAtRest, NutError> {
         if self.scatter > 0.0 { self.drawn(self.seed, 0, &[]).carried() } else { self.carried() }
     }
 
@@ -232,7 +232,7 @@ impl NutProblem {
     }
 
     /// The nut as it is, preloaded and loaded.
-    pub(crate) fn carried(&self) -> Result<Made, NutError> {
+    pub(crate) fn carried(&self) -> Result<NutAtRest, NutError> {
         let guided = Support::guided(0.0);
         let cold = match self.preload {
             None => self.nut.clone(),
@@ -265,7 +265,7 @@ impl NutProblem {
             let warm =
                 if self.rises.is_some() || self.strain.is_some() { force(&nut)? } else { before };
             let (setting, approach) = (cold.preload_setting(by), cold.preload_approach(by));
-            (before > 0.0 || warm > 0.0).then_some(Set {
+            (before > 0.0 || warm > 0.0).then_some(NutPreload {
                 by,
                 cold: before,
                 warm,
@@ -273,7 +273,7 @@ impl NutProblem {
                 approach,
             })
         });
-        Ok(Made { nut, preload, found })
+        Ok(NutAtRest { nut, preload, found })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use bsm_nut::{Exit, ExitPush, TrainInputs};
 
-use super::problem::{Rubbing, bad, checked, twice};
+use super::problem::{FrictionSource, bad, checked, twice};
 use crate::vocabulary::units::{DEG, MM};
 use crate::{CaseError, InputKey, Rule, Scene};
 
@@ -20,7 +20,7 @@ pub(crate) struct BallGaps {
 impl BallGaps {
     pub(super) fn of(
         scene: &Scene,
-        friction: Option<Rubbing>,
+        friction: Option<FrictionSource>,
         circuits: usize,
     ) -> Result<Self, CaseError> {
         use InputKey as K;
@@ -30,10 +30,12 @@ impl BallGaps {
         let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
         let spacer = value(K::spacer_thickness_mm) * MM;
         let friction = match friction {
-            Some(Rubbing::Coefficient(coefficient)) => {
+            Some(FrictionSource::Coefficient(coefficient)) => {
                 Some(scene.ball_contact_friction.unwrap_or(coefficient))
             }
-            Some(Rubbing::Lubricant(lubricant)) => Some(lubricant.losses.ball_contact_friction),
+            Some(FrictionSource::Lubricant(lubricant)) => {
+                Some(lubricant.losses.ball_contact_friction)
+            }
             None => None,
         };
         let Some(gap) = scene.ball_gap_mm else {

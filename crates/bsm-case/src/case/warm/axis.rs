@@ -10,7 +10,7 @@ use bsm_nut::thermal::{
 use bsm_nut::{BallNut, Equilibrium, FrictionSum, Support};
 
 use crate::case::axis::Machine;
-use crate::case::nut::{Set, bad};
+use crate::case::nut::{NutPreload, bad};
 use crate::vocabulary::units::{MM, RPM, UM};
 use crate::vocabulary::words::CoolantWord;
 use crate::{CaseError, InputKey, NutProblem, Scene, Settings};
@@ -22,7 +22,7 @@ const SLOW: f64 = 100.0 * RPM;
 pub(crate) struct ColdNut {
     problem: NutProblem,
     nut: BallNut,
-    preload: Option<Set>,
+    preload: Option<NutPreload>,
     /// Temperature of setting \[K\].
     set: f64,
 }

@@ -4,7 +4,7 @@
 
 use bsm_kin::Jet;
 
-use super::{Elastic, ElasticWorkspace, Saturated, find, inertia_factor, weights};
+use super::{Elastic, ElasticWorkspace, GrossSlipEquations, find, inertia_factor, weights};
 use crate::models::ball::{Performance, Unsolved, domain_error, inertia_limit, moving_root};
 
 impl<const M: usize> Elastic<Jet<M>> {
@@ -20,9 +20,9 @@ impl<const M: usize> Elastic<Jet<M>> {
             let (inputs, point) = (inputs.with_inertia(factor), point.with_inertia(factor));
             let (root, ..) = find(&point, newton)?;
             let weights = weights(&point, &root);
-            let residual = |y: &_| Saturated(&inputs).residual(y);
-            let y = moving_root(&Saturated(&point), &root, &weights, residual, newton)?;
-            let state = Saturated(&inputs).state(&y).map_err(domain_error)?;
+            let residual = |y: &_| GrossSlipEquations(&inputs).residual(y);
+            let y = moving_root(&GrossSlipEquations(&point), &root, &weights, residual, newton)?;
+            let state = GrossSlipEquations(&inputs).state(&y).map_err(domain_error)?;
             Ok(self.at.transmitted(&inputs, &state.loaded.frame, &state.wrench[1]))
         })
     }

@@ -52,13 +52,13 @@ fn search(
         let mut y = start(pair, rng)?;
         let scales = Scales { x: &[1.0; BALL], f: &weights(pair, &y) };
         let options = Options { residual_tol: 1e-11, max_steps: 60, ..Options::default() };
-        let report = solve(&Saturated(pair), &mut y, &scales, &options, newton);
-        let state = Saturated(pair).state(&y).ok()?;
+        let report = solve(&GrossSlipEquations(pair), &mut y, &scales, &options, newton);
+        let state = GrossSlipEquations(pair).state(&y).ok()?;
         let flanks = state.loaded.angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle));
         // In the weights of the start anything is a root where P → 0 or P → ∞. A residual counts
         // against the forces at the end, in the moments against friction, and about the mean normal
         // against inertia.
-        let left = Saturated(pair).residual(&y).ok()?;
+        let left = GrossSlipEquations(pair).residual(&y).ok()?;
         let load = y[NUT_LOAD].max(y[SCREW_LOAD]);
         let force = load.max(pair.inertia_ratio() * (y[PRECESSION] + pair.nut_speed).powi(2));
         let is_root = [0, 1, 2, 6].into_iter().all(|i| left[i].abs() < 1e-9 * force)
@@ -146,7 +146,7 @@ fn a_slow_ball_moves_to_first_order() {
         let Ok(pair) = extreme(&mut rng).scaled() else { continue };
         let pair = pair.with_inertia(1e-12 / pair.inertia_ratio());
         let Ok((y, ..)) = find(&pair, &mut newton) else { continue };
-        let loaded = Saturated(&pair).state(&y).expect("a root").loaded;
+        let loaded = GrossSlipEquations(&pair).state(&y).expect("a root").loaded;
         let (alpha, beta) = (pair.helix.lead_angle, loaded.angles[0] + y[TILT]);
         let ((sin_a, cos_a), (sin_b, cos_b)) = (alpha.sin_cos(), beta.sin_cos());
         let angles = Angles { lead: alpha, contact: beta };
@@ -197,7 +197,7 @@ fn no_root_is_at_infinity() {
     for _ in 0..300 {
         let Ok(pair) = extreme(&mut rng).scaled() else { continue };
         let Ok((y, ..)) = find(&pair, &mut newton) else { continue };
-        let state = Saturated(&pair).state(&y).expect("a root");
+        let state = GrossSlipEquations(&pair).state(&y).expect("a root");
         let rate = y[PRECESSION] + pair.nut_speed;
         // The centrifugal force is what the contacts hold, relative to their difference.
         let held = state.wrench[0].force + state.wrench[1].force;

@@ -10,7 +10,7 @@ use crate::ellipse::{Nodes, Quadrature};
 use crate::models::ball::{BallLoads, ElasticBall, Performance, Unsolved, Workspace, moving_root};
 
 /// A point, and contacts and motion of its ball.
-type Moving<D> = (ElasticBall<D>, BallLoads<D>, Motion<D>);
+type BallInMotion<D> = (ElasticBall<D>, BallLoads<D>, Motion<D>);
 
 impl<const M: usize> RacewayControl<Jet<M>> {
     /// Efficiency and torque with their derivatives, for the race that controls.
@@ -34,7 +34,7 @@ impl<const M: usize> RacewayControl<Jet<M>> {
     }
 
     /// The point, and contacts and motion of the ball, with their derivatives.
-    fn moving(&self, newton: &mut Workspace<STATIC>) -> Result<Moving<Jet<M>>, Unsolved> {
+    fn moving(&self, newton: &mut Workspace<STATIC>) -> Result<BallInMotion<Jet<M>>, Unsolved> {
         let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
         let RollingBall { control, unknowns, .. } = RollingBall::of(&point, self.control, newton)?;
         let system = Balance::new(&point, control);
@@ -50,7 +50,7 @@ impl<const M: usize> RacewayControl<Jet<M>> {
     pub(crate) fn rolling_ball(
         &self,
         work: &mut RacewayWorkspace,
-    ) -> Result<Moving<Jet<M>>, Unsolved> {
+    ) -> Result<BallInMotion<Jet<M>>, Unsolved> {
         self.moving(&mut work.newton)
     }
 }

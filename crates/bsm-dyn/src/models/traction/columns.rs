@@ -27,7 +27,7 @@ use crate::models::ball::{BALL, EhlPoint, ROWS, ScaledFilm, linear};
 
 /// What belongs to a state, all scaled.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Evaluated<F = f64> {
+pub(super) struct EquationValues<F = f64> {
     /// What the seven equations leave over.
     pub(super) left: [F; BALL],
     pub(super) transmitted: PowerFlow<F>,
@@ -107,8 +107,8 @@ impl SlipBall<'_> {
     pub(super) fn evaluated<const SLOPED: bool>(
         &self,
         y: &[f64; BALL],
-    ) -> Result<Evaluated, EvalError> {
-        let mut found = Evaluated::zero(0.0);
+    ) -> Result<EquationValues, EvalError> {
+        let mut found = EquationValues::zero(0.0);
         self.evaluate::<SLOPED>(y, &mut found)?;
         Ok(found)
     }
@@ -117,7 +117,7 @@ impl SlipBall<'_> {
     fn evaluate<const SLOPED: bool>(
         &self,
         y: &[f64; BALL],
-        found: &mut Evaluated,
+        found: &mut EquationValues,
     ) -> Result<(), EvalError> {
         cost::evaluated();
         (found.left, found.transmitted) = ([0.0; BALL], PowerFlow::zero(0.0));
@@ -150,7 +150,7 @@ impl SlipBall<'_> {
     }
 
     /// The same from the formulas in any scalar.
-    pub(super) fn in_jets(&self, y: &[f64; BALL]) -> Result<Evaluated, EvalError> {
+    pub(super) fn in_jets(&self, y: &[f64; BALL]) -> Result<EquationValues, EvalError> {
         let (mut power, mut sliding) = (f64::NAN, [f64::NAN; 2]);
         let (values, slopes) = linear::<{ BALL + 1 }, BALL>(y, |y| {
             let state = self.state(y)?;
@@ -161,7 +161,7 @@ impl SlipBall<'_> {
             Ok(from_fn(|i| left.get(i).copied().unwrap_or(torque)))
         })?;
         let block = |row: &[f64; BALL]| from_fn(|k| row.get(k).copied().unwrap_or(0.0));
-        Ok(Evaluated {
+        Ok(EquationValues {
             left: from_fn(|i| values[i]),
             transmitted: PowerFlow { torque: values[BALL], power, sliding },
             rows: from_fn(|i| block(&slopes[i])),
@@ -170,7 +170,7 @@ impl SlipBall<'_> {
     }
 }
 
-impl<F: Copy> Evaluated<F> {
+impl<F: Copy> EquationValues<F> {
     #[inline(always)]
     pub(super) fn zero(zero: F) -> Self {
         Self {
@@ -183,9 +183,9 @@ impl<F: Copy> Evaluated<F> {
 }
 
 /// The equations of a ball, and where they were last evaluated.
-pub(super) struct Watched<'a> {
+pub(super) struct LastEvaluation<'a> {
     pub(super) ball: &'a SlipBall<'a>,
-    last: RefCell<(Option<[f64; BALL]>, Evaluated)>,
+    last: RefCell<(Option<[f64; BALL]>, EquationValues)>,
 }
 
 /// Torque on the screw, the power that friction takes, and that of sliding at nut and screw; scaled.
@@ -203,16 +203,16 @@ impl<F: Copy> PowerFlow<F> {
     }
 }
 
-impl<'a> Watched<'a> {
+impl<'a> LastEvaluation<'a> {
     pub(super) fn new(ball: &'a SlipBall<'a>) -> Self {
-        Self { ball, last: RefCell::new((None, Evaluated::zero(0.0))) }
+        Self { ball, last: RefCell::new((None, EquationValues::zero(0.0))) }
     }
 
     /// What belongs to a state.
     fn evaluated<const SLOPED: bool>(
         &self,
         y: &[f64; BALL],
-    ) -> Result<RefMut<'_, Evaluated>, EvalError> {
+    ) -> Result<RefMut<'_, EquationValues>, EvalError> {
         let mut last = self.last.borrow_mut();
         last.0 = None;
         self.ball.evaluate::<SLOPED>(y, &mut last.1)?;
@@ -232,7 +232,7 @@ impl<'a> Watched<'a> {
     }
 }
 
-impl Equations<BALL> for Watched<'_> {
+impl Equations<BALL> for LastEvaluation<'_> {
     fn retract(&self, x: &[f64; BALL], dx: &[f64; BALL], lambda: f64) -> [f64; BALL] {
         self.ball.slid(x, &dx.map(|dx| lambda * dx))
     }
@@ -263,7 +263,7 @@ struct Evaluate<'a, R, const SLOPED: bool>(
     &'a SlipBall<'a>,
     &'a [f64; BALL],
     &'a R,
-    &'a mut Evaluated,
+    &'a mut EquationValues,
 );
 
 impl<R: TractionLaw, const SLOPED: bool> WithSimd for Evaluate<'_, R, SLOPED> {
@@ -398,7 +398,7 @@ impl TractionLaw for EhlPoint {
 
 /// A number and its derivatives by the unknowns.
 #[derive(Clone, Copy)]
-struct Sloped<F> {
+struct Gradient<F> {
     re: F,
     by: Slopes<F>,
 }
@@ -651,7 +651,7 @@ pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
     y: &[F; BALL],
     Contacts { points, turn, tilts, angles, by_t, by_b }: &Contacts<F>,
     rubbed: &[ContactTraction<F>; 2],
-    Evaluated { left, transmitted, rows, slope }: &mut Evaluated<F>,
+    EquationValues { left, transmitted, rows, slope }: &mut EquationValues<F>,
 ) {
     let (sin_lead, cos_lead) = pair.lead;
     let (loads, one) = ([y[NUT_LOAD], y[SCREW_LOAD]], sin_lead.constant(1.0));
@@ -667,7 +667,7 @@ pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
         let sliding = pull * unit_power;
         transmitted.sliding[i] = sliding;
         transmitted.power = transmitted.power + (sliding + rolling);
-        let mut parts = [Sloped { re: one.constant(0.0), by: [one.constant(0.0); BLOCK] }; 5];
+        let mut parts = [Gradient { re: one.constant(0.0), by: [one.constant(0.0); BLOCK] }; 5];
         let [_, _, w_n, w_c] = points[i].motion;
         let (mut by_n, mut by_c) =
             (along(OMEGA[1], side * angle.cos), along(OMEGA[1], -side * angle.sin));
@@ -701,7 +701,7 @@ pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
         }
         // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                               (T2)
         let [f_t, f_c, m_t, m_n, m_c] = &parts;
-        let normal = Sloped { re: load, by: by_load };
+        let normal = Gradient { re: load, by: by_load };
         let (force, moment) = ([f_t, &normal, f_c], [m_t, m_n, m_c]);
         add_vector::<F, SLOPED, 0, STATICS>((side, tilt), force, (left, rows));
         add_vector::<F, SLOPED, 3, ALL>((side, tilt), moment, (left, rows));
@@ -743,7 +743,7 @@ pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
 #[inline(always)]
 fn add_vector<F: Compare, const SLOPED: bool, const ROW: usize, const NORMAL: u8>(
     (side, tilt): (F, &Angle<F>),
-    [along_t, along_n, across]: [&Sloped<F>; 3],
+    [along_t, along_n, across]: [&Gradient<F>; 3],
     (left, rows): (&mut [F; BALL], &mut [Slopes<F>; BALL]),
 ) {
     let (second, third) = turned(side, (tilt.sin, tilt.cos), (along_n.re, across.re));

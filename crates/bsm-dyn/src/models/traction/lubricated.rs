@@ -7,8 +7,8 @@ use std::cell::OnceCell;
 use bsm_kin::{Helix, Jet};
 use bsm_newton::{Continuation, follow};
 
-use super::columns::Watched;
-use super::root::{Refined, SlipRoot};
+use super::columns::LastEvaluation;
+use super::root::{RootWithPower, SlipRoot};
 use super::{
     COARSE, FrozenRule, Lubrication, NEAR, SEARCH, SlipBall, SlipState, Start, Traction,
     TractionWorkspace,
@@ -82,7 +82,7 @@ impl SlipBall<'_> {
 struct ScaledRoot {
     pair: ElasticBall,
     grip: RollingBall,
-    refined: Refined,
+    refined: RootWithPower,
     plans: [OnceCell<FrozenRule>; 2],
     steps: usize,
     /// What the quadrature may leave in the efficiency of the contacts (T25).
@@ -127,7 +127,7 @@ impl Traction {
             .refined(&root, &plans, newton, &mut steps)
             .or_else(|| fine.complete(1.0).refined(&root, &plans, newton, &mut steps))
             .ok_or(Unsolved::LOST)?;
-        let Refined { root, transmitted, torque_slope, .. } = &refined;
+        let RootWithPower { root, transmitted, torque_slope, .. } = &refined;
         let checked = SlipBall { quadrature: check, ..fine.of(root) };
         let other = checked.evaluated::<false>(&root.unknowns).ok();
         let Helix { radius, lead_angle } = pair.helix;
@@ -147,7 +147,7 @@ impl Traction {
     ) -> Result<SteadyRoot, Unsolved> {
         let ScaledRoot { pair, grip, refined, steps, error, .. } =
             self.lubricated_root(ehl, work, oil)?;
-        let Refined { root, transmitted, loaded, .. } = refined;
+        let RootWithPower { root, transmitted, loaded, .. } = refined;
         let creep = self.creep * pair.slip_scale();
         let [_, dry] = oil.both(self.accuracy);
         let ball = SlipBall::of_pair(&pair, dry, creep).of(&root);
@@ -182,7 +182,7 @@ impl<const M: usize> Traction<Jet<M>> {
         ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
     ) -> Result<(ElasticBall<Jet<M>>, Steady<Jet<M>>), Unsolved> {
         let inputs = self.at.scaled()?;
-        let ScaledRoot { pair, refined: Refined { root, .. }, plans, .. } =
+        let ScaledRoot { pair, refined: RootWithPower { root, .. }, plans, .. } =
             self.values().lubricated_root(values, traction, lubricated)?;
         let creep = self.creep * pair.slip_scale();
         let (newton, quadrature) = (&mut traction.newton, lubricated.both(self.accuracy)[0]);
@@ -193,7 +193,7 @@ impl<const M: usize> Traction<Jet<M>> {
         let system = ball.lubricated(values).complete(1.0);
         let weights = ball.weights(&root.unknowns);
         let y = moving_root(
-            &Watched::new(&system),
+            &LastEvaluation::new(&system),
             &root.unknowns,
             &weights,
             |y| moving.residual(y),

@@ -16,7 +16,8 @@ use std::sync::LazyLock;
 use bsm_simd::{Arch, BLOCK, Compare, Lane, Mask, NullaryFnOnce, Simd, WithSimd};
 
 use super::columns::{
-    Angle, ContactTraction, Contacts, Evaluated, TractionPoint, contacts, evaluate, lever, sizes,
+    Angle, ContactTraction, Contacts, EquationValues, TractionPoint, contacts, evaluate, lever,
+    sizes,
 };
 use super::root::{FASTEST, LEFT, LEVELS};
 use super::slips::slid;
@@ -307,7 +308,7 @@ fn scatter<S: Simd>(walk: &Iterate<Lane<S>>, walks: &mut [[f64; NUMBERS]], some:
 
 /// Memory of the evaluations.
 struct Work<S: Simd> {
-    found: Evaluated<Lane<S>>,
+    found: EquationValues<Lane<S>>,
     nodes: [ManyNodes<S>; 2],
     rubbed: [ContactTraction<Lane<S>>; 2],
 }
@@ -316,7 +317,7 @@ impl<S: Simd> Work<S> {
     fn new(simd: S) -> Self {
         let zero = Lane::splat(simd, 0.0);
         Self {
-            found: Evaluated::zero(zero),
+            found: EquationValues::zero(zero),
             nodes: [ManyNodes::new(simd), ManyNodes::new(simd)],
             rubbed: [ContactTraction::none(zero); 2],
         }
@@ -403,7 +404,7 @@ struct Factors<S: Simd> {
 impl<S: Simd> Factors<S> {
     /// The rotation is eliminated along t, N and `$e_x$`, so that the derivatives of the moments are about symmetric.
     #[inline(always)]
-    fn of(found: &Evaluated<Lane<S>>, here: &Here<S>, lead: (Lane<S>, Lane<S>)) -> Self {
+    fn of(found: &EquationValues<Lane<S>>, here: &Here<S>, lead: (Lane<S>, Lane<S>)) -> Self {
         let ((sin_a, cos_a), Angle { sin, cos, .. }) = (lead, here.turn);
         let mut rows = [[sin; BALL]; BALL];
         for k in 0..BALL {

@@ -75,12 +75,12 @@ impl Along {
 }
 
 /// The equations of a ball in which something is varied.
-struct Varied<'a> {
+struct PathEquations<'a> {
     ball: &'a SlipBall<'a>,
     along: Along,
 }
 
-impl Varied<'_> {
+impl PathEquations<'_> {
     fn left<D: Integrate<f64>>(&self, z: &[D; PATH]) -> Result<[D; BALL], EvalError> {
         let (Self { ball, along }, y) = (self, from_fn(|i| z[i]));
         let du = z[BALL] - z[BALL].re();
@@ -90,7 +90,7 @@ impl Varied<'_> {
     }
 }
 
-impl Homotopy<BALL, PATH> for Varied<'_> {
+impl Homotopy<BALL, PATH> for PathEquations<'_> {
     fn residual(&self, z: &[f64; PATH]) -> Result<[f64; BALL], EvalError> {
         self.left(z)
     }
@@ -161,7 +161,7 @@ impl SlipBall<'_> {
             let resting = SlipBall { pair: &still, ..*self };
             let goal = self.pair.friction.ln();
             let seen = trace(
-                &Varied { ball: &resting, along: Along::Friction },
+                &PathEquations { ball: &resting, along: Along::Friction },
                 &seed(&y, slippery.friction.ln()),
                 |z, way| [(z[BALL] - goal, way[BALL])],
                 |Trace { crossings, last, .. }| {
@@ -215,7 +215,7 @@ impl SlipBall<'_> {
         let held = |z: &[f64; PATH]| unit * z[BALL].sinh();
         let (mut found, mut beyond, mut known, mut more) = (None, None, 0, 0);
         let seen = trace(
-            &Varied { ball: self, along: Along::Rate { unit } },
+            &PathEquations { ball: self, along: Along::Rate { unit } },
             &seed(y, 0.0),
             |z, way| {
                 let slope = way[PRECESSION] - unit * z[BALL].cosh() * way[BALL];

@@ -4,7 +4,7 @@
 
 use std::cell::OnceCell;
 
-use super::columns::{PowerFlow, Watched};
+use super::columns::{LastEvaluation, PowerFlow};
 use super::multistart::{MANY, STARTS};
 use super::path::{PathResult, STRIDE, are_on_flanks};
 use super::{FrozenRule, OMEGA, SlipBall, SlipState};
@@ -52,7 +52,7 @@ pub(crate) struct SlipRoot {
 }
 
 /// A root with what belongs to it.
-pub(super) struct Refined {
+pub(super) struct RootWithPower {
     pub(super) root: SlipRoot,
     pub(super) transmitted: PowerFlow,
     /// Derivatives of the torque by the unknowns, near the root.
@@ -72,10 +72,10 @@ impl SlipBall<'_> {
         plans: &[OnceCell<FrozenRule>; 2],
         newton: &mut Workspace,
         steps: &mut usize,
-    ) -> Option<Refined> {
+    ) -> Option<RootWithPower> {
         let mut unknowns = near.unknowns;
         let ball = SlipBall { plans: Some(plans), ..self.of(near) };
-        let watched = Watched::new(&ball);
+        let watched = LastEvaluation::new(&ball);
         let report = watched.run(&mut unknowns, newton);
         *steps += report.steps.len();
         let root = SlipRoot { unknowns, residual: report.residual, ..*near };
@@ -84,7 +84,7 @@ impl SlipBall<'_> {
         }
         let loaded = self.admitted(&root)?;
         let (transmitted, torque_slope) = watched.transmitted(&unknowns).ok()?;
-        Some(Refined { root, transmitted, torque_slope, loaded })
+        Some(RootWithPower { root, transmitted, torque_slope, loaded })
     }
 
     /// The root from the gripping ball or from the skidding one; if none of them leads to it, from
@@ -169,7 +169,7 @@ impl SlipBall<'_> {
     /// Where a Newton step at the creep speed [`LEVEL`] leads to.
     fn predicted(&self, y: &[f64; BALL], newton: &mut Workspace) -> Option<[f64; BALL]> {
         let level = Self { creep: LEVEL.max(self.creep), ..*self };
-        let residual = newton.linearize(&Watched::new(&level), y, &level.weights(y)).ok()?;
+        let residual = newton.linearize(&LastEvaluation::new(&level), y, &level.weights(y)).ok()?;
         Some(level.slid(y, &newton.correction(&residual).ok()?))
     }
 

@@ -4,7 +4,7 @@
 
 use bsm_kin::Jet;
 
-use super::columns::Watched;
+use super::columns::LastEvaluation;
 use super::{NotFound, SlipBall, SlipRoot, Start, Traction, TractionWorkspace};
 use crate::models::ball::{Performance, Unsolved, domain_error, moving_root};
 use crate::models::raceway_control::RollingBall;
@@ -40,7 +40,7 @@ impl<const M: usize> Traction<Jet<M>> {
         let equations = system.over(&inputs, None);
         let residual = |y: &_| equations.residual(y);
         let y = moving_root(
-            &Watched::new(&system),
+            &LastEvaluation::new(&system),
             unknowns,
             &system.weights(unknowns),
             residual,

@@ -72,7 +72,7 @@ fn search(ball: &SlipBall<'_>, starts: usize, rng: &mut impl Rng) -> Option<Slip
 
 /// Counts of points and, among them, those where the search found a root.
 #[derive(Debug, Default)]
-struct Confirmed {
+struct SearchCounts {
     denied: [usize; 2],
     undecided: [usize; 2],
     /// The first hundred roots.
@@ -81,10 +81,10 @@ struct Confirmed {
     hard: [usize; 2],
 }
 
-fn confirmed(seed: u64, points: usize, starts: usize) -> Confirmed {
+fn confirmed(seed: u64, points: usize, starts: usize) -> SearchCounts {
     let mut work = TractionWorkspace::default();
     let mut rng = ChaCha8Rng::seed_from_u64(seed + 1);
-    let mut counts = Confirmed::default();
+    let mut counts = SearchCounts::default();
     for number in 0..points as u64 {
         let screw = point(seed, number);
         let Ok(pair) = screw.scaled() else { continue };
@@ -120,7 +120,7 @@ fn confirmed(seed: u64, points: usize, starts: usize) -> Confirmed {
 #[test]
 fn many_starts_find_no_root_where_one_is_denied() {
     let points = campaign(250);
-    let Confirmed { denied, found, .. } = confirmed(12, points, 40);
+    let SearchCounts { denied, found, .. } = confirmed(12, points, 40);
     assert_eq!(denied[1], 0, "{denied:?}");
     assert!(denied[0] * 25 > 3 * points && found[1] * 2 > found[0], "{denied:?} {found:?}");
 }
@@ -129,7 +129,7 @@ fn many_starts_find_no_root_where_one_is_denied() {
 #[test]
 #[ignore = "minutes"]
 fn many_starts_find_no_root_where_one_is_denied_at_length() {
-    let Confirmed { denied, .. } = confirmed(2031, 3000, 300);
+    let SearchCounts { denied, .. } = confirmed(2031, 3000, 300);
     assert!(denied[1] == 0 && denied[0] > 500, "{denied:?}");
 }
 

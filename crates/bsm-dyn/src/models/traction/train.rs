@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use bsm_kin::{BallFrame, Motion, Over, Scalar};
 use bsm_newton::{Continuation, Equations, EvalError, Scales, follow, solve};
 
-use super::columns::{PowerFlow, Watched};
+use super::columns::{LastEvaluation, PowerFlow};
 use super::lubricated::ENOUGH;
 use super::root::LARGE_INERTIA;
 use super::{Lubrication, SlipBall, Traction};
@@ -335,7 +335,7 @@ impl TrainBall {
                 SlipBall { push: Some(self.push(push)), ..*ball }
             };
             let (mut y, pushed) = (from.at_pushes(pushes), under(1.0));
-            let watched = Watched::new(&pushed);
+            let watched = LastEvaluation::new(&pushed);
             if !watched.run(&mut y, newton).converged() {
                 y = from.unknowns;
                 let run = |part, y: &mut _| under(part).run(y, newton).converged();

@@ -113,16 +113,16 @@ fn a_model_that_does_not_hold_is_never_taken() {
 
 /// How a choice did.
 #[derive(Debug, Default)]
-struct Tried {
+struct ChoiceCounts {
     points: usize,
     broken: usize,
     loose: usize,
     traction: usize,
 }
 
-fn bounds(screws: impl Iterator<Item = ElasticPoint>, tolerance: f64) -> Tried {
+fn bounds(screws: impl Iterator<Item = ElasticPoint>, tolerance: f64) -> ChoiceCounts {
     let (mut work, mut fine) = (ModelWorkspace::default(), TractionWorkspace::default());
-    let mut tried = Tried::default();
+    let mut tried = ChoiceCounts::default();
     for screw in screws.take(bsm_sample::campaign(2000)) {
         let exact = Traction { at: screw, accuracy: 1e-10, creep: 1e-5 }.solve(&mut fine);
         let Some(exact) = exact.efficiency() else { continue };
