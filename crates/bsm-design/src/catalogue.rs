@@ -36,12 +36,12 @@ pub struct Lists {
     /// Contact angles.
     pub contact_angles: Vec<f64>,
     /// Sizes that makers offer, in place of diameters, leads, balls and turns; none if every combination is made.
-    pub offered: Vec<Offered>,
+    pub offered: Vec<OfferedSize>,
 }
 
 /// A size that makers offer; lengths in m.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Offered {
+pub struct OfferedSize {
     /// Nominal diameter of the screw.
     pub diameter: f64,
     /// Lead.
@@ -95,7 +95,7 @@ pub struct Size {
     pub turns: f64,
     pub conformity: f64,
     pub contact_angle: f64,
-    pub offered: Option<Offered>,
+    pub offered: Option<OfferedSize>,
 }
 
 /// A nut of the catalogue with its numbers.
@@ -290,7 +290,7 @@ impl Lists {
         let [diameter, lead, ball, turns, conformity, contact_angle] = places;
         let offered = self.offered.get(diameter).copied();
         let (diameter, lead, ball, turns) = match offered {
-            Some(Offered { diameter, lead, ball, turns, .. }) => (diameter, lead, ball, turns),
+            Some(OfferedSize { diameter, lead, ball, turns, .. }) => (diameter, lead, ball, turns),
             None => {
                 (self.diameters[diameter], self.leads[lead], self.balls[ball], self.turns[turns])
             }

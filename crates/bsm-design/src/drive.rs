@@ -182,10 +182,10 @@ impl Drive {
     /// What falls when the motor has no power.
     ///
     /// * `weight`: force that turns the screw \[N\].
-    pub fn falling(&self, weight: f64) -> Falling {
+    pub fn falling(&self, weight: f64) -> Fall {
         let advance = self.lead / TAU;
         let inertia = self.inertia() * self.gear_ratio.powi(2);
-        Falling { torque: weight * advance, advance, inertia }
+        Fall { torque: weight * advance, advance, inertia }
     }
 }
 
@@ -202,7 +202,7 @@ pub fn least_acceleration_time(inertia: f64, speed: f64, peak: f64, load: f64) -
 
 /// A weight that turns a screw without friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Falling {
+pub struct Fall {
     /// Torque of the weight on the screw \[N·m\].
     pub torque: f64,
     /// Way for a radian of the screw \[m\].
@@ -211,7 +211,7 @@ pub struct Falling {
     inertia: f64,
 }
 
-impl Falling {
+impl Fall {
     /// Acceleration \[m/s²\] under a torque that drives the screw \[N·m\] (AA12).
     pub fn acceleration(&self, driving: f64) -> f64 {
         // a = T h/J                                                       (AA12)

@@ -47,9 +47,9 @@ mod thread;
 
 pub use axis::{Axis, Motion, Mount, Phase};
 pub use body::NutBody;
-pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, Offered, Size, front, loaded_balls};
+pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, OfferedSize, Size, front, loaded_balls};
 pub use drive::{
-    BRAKE_SAFETY, BackDriving, Drive, Falling, MachineTable, drag_torque, least_acceleration_time,
+    BRAKE_SAFETY, BackDriving, Drive, Fall, MachineTable, drag_torque, least_acceleration_time,
     rod_inertia, root_mean_square,
 };
 pub use grade::Grade;

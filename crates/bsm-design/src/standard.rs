@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::procedure::first_accepted;
 use crate::{
     AcceptedBy, ActiveLimit, Check, Design, EfficiencyOf, FixedValues, Holds, Limits, Lists,
-    Offered, Outcome, Pitch, Quantity, Requirement, Why,
+    OfferedSize, Outcome, Pitch, Quantity, Requirement, Why,
 };
 
 /// Designs whose efficiency is asked to tell whether a limit holds the choice back.
@@ -124,7 +124,7 @@ impl Requirement {
         });
         let leads: Vec<_> = leads.collect();
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9;
-        let fits = |size: &&Offered| {
+        let fits = |size: &&OfferedSize| {
             let FixedValues { ball, turns, .. } = self.fixed;
             leads.iter().any(|lead| near(*lead, size.lead))
                 && ball.is_none_or(|ball| near(ball, size.ball))

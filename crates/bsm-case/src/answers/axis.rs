@@ -7,9 +7,9 @@ mod rules;
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, BackDriving, DutySpeed, Falling, Grade, Life, Motion, Nut, Phase, PreloadMethod,
-    RigidityAt, Shaft, drag_torque, heat_transfer, in_series, least_acceleration_time, life,
-    lost_motion, root_mean_square, steady_rise,
+    Axis, BackDriving, DutySpeed, Fall, Grade, Life, Motion, Nut, Phase, PreloadMethod, RigidityAt,
+    Shaft, drag_torque, heat_transfer, in_series, least_acceleration_time, life, lost_motion,
+    root_mean_square, steady_rise,
 };
 use bsm_dyn::ModelWorkspace;
 use serde_json::{Value, json};
@@ -19,7 +19,7 @@ use self::lubrication::Lubrication;
 use super::nut::QUANTITIES as NUT;
 use super::ratings::QUANTITIES as RATINGS;
 use crate::answers::nut::preload_note;
-use crate::case::axis::{Held, Machine, carriage, preload_method, useful_travel};
+use crate::case::axis::{FixedEnds, Machine, carriage, preload_method, useful_travel};
 use crate::case::nut::bad;
 use crate::case::rated_nut;
 use crate::case::rated_screw::LEFT_OUT;
@@ -750,7 +750,7 @@ impl<'a> AxisState<'a> {
     }
 
     /// The screw between two fixed bearings, if it is stretched.
-    fn pretension(&self) -> Option<Held> {
+    fn pretension(&self) -> Option<FixedEnds> {
         self.machine.held.filter(|held| held.stretched > 0.0)
     }
 
@@ -870,7 +870,7 @@ impl<'a> AxisState<'a> {
     }
 
     /// Its weight, if it turns the screw.
-    fn falling(&self) -> Option<Falling> {
+    fn falling(&self) -> Option<Fall> {
         let weight = self.machine.carriage.load(0.0, 0.0, 0.0).abs();
         (weight > 0.0).then(|| self.machine.drive.falling(weight))
     }

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use bsm_design::{
-    ActiveLimit, Check, Design, Holds, LoadCase, Nut, Offered, Outcome, Phase, Pitch, Quantity,
+    ActiveLimit, Check, Design, Holds, LoadCase, Nut, OfferedSize, Outcome, Phase, Pitch, Quantity,
     Requirement, Support, Why,
 };
 use bsm_dyn::{Direction, ModelWorkspace};
@@ -83,7 +83,7 @@ impl DesignReport {
         let accepted = |nut: &Nut| accepted(wish, nut);
         let outcome = wish.requirement.choose_standard(lists, limits, &efficiency, &accepted)?;
         let mut report = Self::from_outcome(wish, outcome);
-        let chosen = |size: &&Offered| {
+        let chosen = |size: &&OfferedSize| {
             let same =
                 |mm: Option<f64>, own: f64| mm.is_some_and(|mm| (mm * MM - own).abs() < 1e-9);
             let Scene { lead_mm, ball_diameter_mm, .. } = report.scene;

@@ -31,14 +31,14 @@ pub(crate) struct Machine {
     /// Mass \[kg\] and moment of inertia \[kg·m²\] of the screw; `None` without a length.
     pub(crate) screw: Option<(f64, f64)>,
     /// What two fixed bearings do; `None` of other supports.
-    pub(crate) held: Option<Held>,
+    pub(crate) held: Option<FixedEnds>,
     /// What was estimated, in words.
     pub(crate) assumed: Vec<String>,
 }
 
 /// A screw between two fixed bearings.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Held {
+pub(crate) struct FixedEnds {
     shaft: Shaft,
     /// Stiffness of each bearing \[N/m\].
     bearing: f64,
@@ -48,7 +48,7 @@ pub(crate) struct Held {
     pub(crate) stretched: f64,
 }
 
-impl Held {
+impl FixedEnds {
     /// That of a scene.
     fn of(scene: &Scene, shaft: &Shaft) -> Result<Option<Self>, CaseError> {
         let pretension = [InputKey::pretension_N, InputKey::pretension_K];
@@ -120,7 +120,7 @@ impl Machine {
             let key = "screw_bore_mm".to_owned();
             return Err(CaseError::OutOfRange { key, value: bore, rule });
         }
-        let held = shaft.as_ref().map_or(Ok(None), |shaft| Held::of(scene, shaft))?;
+        let held = shaft.as_ref().map_or(Ok(None), |shaft| FixedEnds::of(scene, shaft))?;
         let carriage = carriage(scene);
         let screw = shaft.as_ref().map(|shaft| {
             let (mass, own) = size.mass_and_inertia(shaft.bore, shaft.length);

@@ -1,6 +1,6 @@
 //! The catalogue of nuts in the vocabulary: its lists, and what may be asked of a number.
 
-use bsm_design::{Candidate, Limits, Lists, Offered, front};
+use bsm_design::{Candidate, Limits, Lists, OfferedSize, front};
 use bsm_dyn::Material;
 use serde_json::{Map, Value};
 
@@ -83,7 +83,7 @@ impl Catalogue {
             let MakerSize { nominal, lead, ball, pitch_circle, core, .. } = *size;
             let [pitch_diameter, core] = [pitch_circle, core].map(|mm| mm.map(|mm| mm * MM));
             let offered = move |turns: &f64| {
-                Some(Offered {
+                Some(OfferedSize {
                     diameter: nominal * MM,
                     lead: lead * MM,
                     ball: ball? * MM,
@@ -96,7 +96,7 @@ impl Catalogue {
             size.turns.iter().filter_map(offered).collect::<Vec<_>>()
         };
         self.lists.offered = sizes.iter().flat_map(offered).collect();
-        let all = |number: fn(&Offered) -> f64| {
+        let all = |number: fn(&OfferedSize) -> f64| {
             let mut all: Vec<_> = self.lists.offered.iter().map(number).collect();
             all.sort_by(f64::total_cmp);
             all.dedup();

@@ -521,7 +521,7 @@ inputs! {
             "factor of the load in life and equivalent load; 1 to 1.2 without shocks up to 0.25 m/s, 1.2 to 1.5 up to 1 m/s, 1.5 to 2 up to 2 m/s";
         hardness_HRC ["HRC"] Within(40.0, 66.0), None,
             "Rockwell hardness of the raceways; lowers the load ratings below 60";
-        hardness_HV10 ["HV"] Within(392.0, 865.0), None,
+        hardness_HV10 ["HV10"] Within(392.0, 865.0), None,
             "Vickers hardness of the raceways, in place of hardness_HRC; lowers the load ratings below 654";
         accuracy_factor ["" "f_ac"] Within(0.1, 1.0), None,
             "factor of accuracy of the load ratings; of calculated ones that of accuracy_grade, else 1 unless given";

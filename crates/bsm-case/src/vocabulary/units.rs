@@ -284,7 +284,7 @@ mod tests {
         // Degrees Celsius have no factor to other units.
         let own = [
             "N/um^1.5", "um/(m K)", "N m/mrad", "%", "", "C", "mm2/s", "1/GPa", "W/K", "W/(m2 K)",
-            "W/(m K)", "W", "m2", "l/min",
+            "W/(m K)", "W", "m2", "l/min", "HRC", "HV10",
         ];
         for input in INPUTS.iter().filter(|input| !own.contains(&input.unit)) {
             let has = |(unit, ..): &(&str, Dimension, f64)| {
