@@ -274,12 +274,13 @@ fn a_life_is_modified_by_load_factors_and_lubricant() {
         has_note(&dry, "contamination without viscosity")
             && dry.number("modified_life_h").is_none()
     );
-    let thin = of(&[
+    let thin = [
         "viscosity_40C_mm2_s=5",
         "viscosity_100C_mm2_s=2",
         "contamination=high",
         "required_life_h=1",
-    ]);
+    ];
+    let thin = sheet(FEED_AXIS, &[&thin, &OILED[2..]].concat()).expect("a sheet");
     assert!(
         has_note(&thin, "below 0.1") && thin.number("modified_life_h").is_none() && !thin.passes()
     );
