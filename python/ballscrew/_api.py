@@ -1939,6 +1939,8 @@ def _pint_unit(unit: str) -> str:
     """A unit of the vocabulary as pint has it: mm2/s is mm^2/s, N m is N*m, C is no coulomb."""
     if unit == "C":
         return "degC"
+    if unit in ("HRC", "HV10"):
+        return "dimensionless"
     return re.sub(r"([a-z])(\d)", r"\1^\2", unit).replace(" ", "*") or "dimensionless"
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ballscrew._api import INPUTS, OUTPUTS, Grid, Table
 from ballscrew._errors import InputError
@@ -40,7 +40,7 @@ def curves(
     if by is None and len(others) > 1:
         raise InputError(f"by is required: the grid varies {', '.join(others)} besides {x}")
     by = by or next(iter(others), None)
-    lines = [(slice(None), None)]
+    lines: list[tuple[Any, str | None]] = [(slice(None), None)]
     if by is not None:
         lines = [(table[by] == value, f"{value:g} {_unit(by)}".rstrip()) for value in np.unique(table[by])]
     for of_line, label in lines:
@@ -122,7 +122,7 @@ def save(axes: Axes, path: str | PathLike[str], *, size_mm: tuple[float, float] 
     """
     import matplotlib as mpl
 
-    figure = axes.figure
+    figure: Any = axes.figure
     if size_mm is not None:
         figure.set_size_inches(*(length / 25.4 for length in size_mm))
     if title is not None:

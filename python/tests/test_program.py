@@ -165,8 +165,8 @@ def test_a_nut_whose_balls_touch() -> None:
     expected = told("nut", path, "--model", "traction")
     expected.pop("program", None)
     assert plain(bs.nut(scene, model="traction")) == expected
-    outputs = ["needed_gap_mm", "max_push_N", "friction_torque_Nm"]
-    grid = bs.sweep(scene, vary={"ball_gap_mm": [0.1, 0.3, 1.0]}, outputs=outputs, model="traction")
+    grid = bs.sweep(scene, vary={"ball_gap_mm": [0.1, 0.3, 1.0]}, model="traction",
+                    columns=["needed_gap_mm", "max_push_N", "friction_torque_Nm"])
     # With more room than the balls need none touch.
     assert all(0.3 < gap < 1.0 for gap in grid["needed_gap_mm"])
     tight, near, wide = grid["max_push_N"]
