@@ -73,12 +73,8 @@ impl Catalogue {
     ///
     /// None; the sizes are compiled in.
     pub fn makers() -> Result<Self, CaseError> {
-        Ok(Self::standard()?.of_sizes(MakerSize::list()))
-    }
-
-    /// Sizes of a table of their own: nominal_diameter_mm, lead_mm, ball_diameter_mm, turns (2.5/3.5), and
-    /// pitch_circle_diameter_mm or core_diameter_mm if they are printed.
-    fn of_sizes(mut self, sizes: &[MakerSize]) -> Self {
+        let mut all_sizes = Self::standard()?;
+        let Self { lists, limits, .. } = &mut all_sizes;
         let offered = |size: &MakerSize| {
             let MakerSize { nominal, lead, ball, pitch_circle, core, .. } = *size;
             let [pitch_diameter, core] = [pitch_circle, core].map(|mm| mm.map(|mm| mm * MM));
@@ -95,20 +91,20 @@ impl Catalogue {
             };
             size.turns.iter().filter_map(offered).collect::<Vec<_>>()
         };
-        self.lists.offered = sizes.iter().flat_map(offered).collect();
+        lists.offered = MakerSize::list().iter().flat_map(offered).collect();
         let all = |number: fn(&OfferedSize) -> f64| {
-            let mut all: Vec<_> = self.lists.offered.iter().map(number).collect();
+            let mut all: Vec<_> = lists.offered.iter().map(number).collect();
             all.sort_by(f64::total_cmp);
             all.dedup();
             all
         };
-        self.lists.diameters = all(|size| size.diameter);
-        self.lists.leads = all(|size| size.lead);
-        self.lists.balls = all(|size| size.ball);
-        self.lists.turns = all(|size| size.turns);
-        self.lists.conformities = vec![OF_MAKERS];
-        self.limits.turns = (1.0, f64::INFINITY);
-        self
+        lists.diameters = all(|size| size.diameter);
+        lists.leads = all(|size| size.lead);
+        lists.balls = all(|size| size.ball);
+        lists.turns = all(|size| size.turns);
+        lists.conformities = vec![OF_MAKERS];
+        limits.turns = (1.0, f64::INFINITY);
+        Ok(all_sizes)
     }
 
     /// Reads lists and limits; what is not given is standard.

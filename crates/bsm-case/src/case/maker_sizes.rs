@@ -21,14 +21,12 @@ pub(crate) struct MakerSize {
     pub(crate) turns: Vec<f64>,
 }
 
-static SIZES: LazyLock<Vec<MakerSize>> = LazyLock::new(|| {
-    MakerSize::read(TABLE.as_bytes(), b',', '.').expect("the table is compiled in")
-});
+static SIZES: LazyLock<Vec<MakerSize>> =
+    LazyLock::new(|| MakerSize::read().expect("the table is compiled in"));
 
 impl MakerSize {
-    /// Reads a table of them; what else it has is not read.
-    pub(crate) fn read(table: &[u8], separator: u8, decimal: char) -> Result<Vec<Self>, CaseError> {
-        let cells = Cells::read(table, separator, decimal)?;
+    fn read() -> Result<Vec<Self>, CaseError> {
+        let cells = Cells::read(TABLE.as_bytes(), b',', '.')?;
         let columns = cells.columns(|name| Ok(name.to_owned()))?;
         cells.each(&columns, |_, row| {
             let mut size = Self::default();
