@@ -1,10 +1,11 @@
 //! Numbers of the analyses as columns of tables.
 
 use bsm_batch::{Answers, Chunk, Columns, GridSource, Source, Task};
-use bsm_case::{AnalysisKind, Axis, Grid, MotionAnswer, Output, Scene, Settings};
+use bsm_case::{AnalysisKind, Axis, AxisReport, Grid, MotionAnswer, Output, Scene, Settings};
 use bsm_dyn::{Control, Model, ModelWorkspace, Status};
 
 const DONG: &[u8] = include_bytes!("../../../../examples/dong2020.json");
+const AXIS: &[u8] = include_bytes!("../../../../examples/axis.json");
 const FEED_AXIS: &[u8] = include_bytes!("../../../../validation/published/nut/feed_axis.json");
 
 /// The example as a nut of three turns, without an input.
@@ -121,6 +122,25 @@ fn columns_of_a_motion_have_one_model() {
     }
 }
 
+/// Found in review: rows of an upright axis had no fall, as only the sheet looked for what its weight does.
+#[test]
+fn an_upright_axis_falls_in_a_row_as_on_its_sheet() {
+    let mut base = Scene::from_json(AXIS).expect("a scene");
+    base.apply(&["inclination_deg=90", "moved_mass_kg=250"]).expect("settings");
+    let grid = grid(&["axial_load_N=100,5000"]);
+    for name in ["back_driving_torque_Nm", "fall_acceleration_m_s2", "fall_speed_rpm"] {
+        let settings = Settings::default();
+        let task = Task::over_grid(base.clone(), settings, outputs(&[name]), None, &grid);
+        let answers = solve(&task.expect("a task"), &grid);
+        for (row, load) in [100.0, 5000.0].into_iter().enumerate() {
+            let scene = Scene { axial_load_N: Some(load), ..base.clone() };
+            let number = AxisReport::of(&scene, &settings).expect("a sheet").number(name);
+            let number = number.expect("it falls");
+            assert!(same(answers.columns[0][row], Some(number)), "{name} at {load} N: {number}");
+        }
+    }
+}
+
 /// Beside columns of the warm state the warm numbers of a nut are its own, to what the search leaves over; and a row above the
 /// fold has no solution, whichever is asked for.
 #[test]
@@ -138,6 +158,14 @@ fn a_warm_row_is_in_one_state() {
     };
     let [nut, warm] = ["warm_preload_N", "nut_temperature_C"].map(|name| columns(&[name]));
     let both = columns(&["warm_preload_N", "nut_temperature_C"]);
+    // Found in review: the warm scene of a row was refused for the conductance that its axis does not use any more, and its
+    // axis was not the warm one.
+    let first = Scene { screw_speed_rpm: Some(500.0), ..base.clone() };
+    let sheet = AxisReport::of(&first, &settings).expect("a sheet");
+    for name in ["screw_growth_um", "axis_heat_transfer_W_K", "screw_torque_Nm", "buckling_safety"]
+    {
+        assert!(same(columns(&[name, "largest_load_N"])[0][0], sheet.number(name)), "{name}");
+    }
     assert!((both[0][0] / nut[0][0] - 1.0).abs() < 1e-9, "{} {}", both[0][0], nut[0][0]);
     assert!(same(both[1][0], Some(warm[0][0])) && both[0][1].is_nan(), "{both:?}");
 }

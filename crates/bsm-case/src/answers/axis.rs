@@ -4,6 +4,7 @@ mod contacts;
 mod lubrication;
 mod rules;
 
+use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
 use bsm_design::{
@@ -57,14 +58,9 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         pretension_N = INPUTS Whole(|w| Some(w.pretension()?.tension(0.0)));
         pretension_K = INPUTS Whole(|w| Some(w.pretension()?.stretched));
         stretch_um ["um"] Whole(|w| {
-            let shaft = w.shaft()?;
-            let stiffness = shaft.youngs_modulus * shaft.section() / shaft.length;
-            Some(w.pretension()?.tension(0.0) / stiffness / UM)
+            Some(w.pretension()?.tension(0.0) / w.shaft()?.held(f64::INFINITY) / UM)
         }), "elongation of the screw by its pretension";
-        travel_compensation_um ["um" "c"] Whole(|w| {
-            let kelvin = w.pretension()?.stretched;
-            Some(-w.expansion()? * w.scene.stroke_mm? * MM * kelvin / UM)
-        }), "target of the travel over the stroke for a screw that is stretched; below 0 it is made shorter";
+        travel_compensation_um ["um" "c"] Whole(|w| Some(w.travel_compensation()? * MM / UM)), "target of the travel over the stroke for a screw that is stretched; below 0 it is made shorter";
         screw_tension_N = INPUTS Whole(|w| w.tension());
         support_bearing_load_N ["N"] Whole(|w| {
             Some(w.axis().largest_load() + w.pretension().map_or(0.0, |held| held.tension(0.0)))
@@ -134,9 +130,9 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         holding_torque_frictionless_Nm ["N m"] Whole(|w| Some(w.falling()?.torque / w.machine.drive.gear_ratio)),
             "holding torque of the weight at the motor, without friction";
         required_brake_torque_Nm ["N m"] Whole(|w| w.required_brake()), "required torque of the brake, at the motor";
-        back_driving_torque_Nm ["N m"] Whole(|w| Some(w.power_loss.as_ref()?.nominal)), "torque with which the weight drives the screw, without power of the motor";
-        back_driving_torque_low_Nm ["N m"] Whole(|w| Some(w.power_loss.as_ref()?.torques[0])), "least torque with which the weight drives the screw; the largest friction, twice the drag";
-        back_driving_torque_high_Nm ["N m"] Whole(|w| Some(w.power_loss.as_ref()?.torques[1])), "largest torque with which the weight drives the screw; the least friction";
+        back_driving_torque_Nm ["N m"] Whole(|w| Some(w.power_loss()?.nominal)), "torque with which the weight drives the screw, without power of the motor";
+        back_driving_torque_low_Nm ["N m"] Whole(|w| Some(w.power_loss()?.torques[0])), "least torque with which the weight drives the screw; the largest friction, twice the drag";
+        back_driving_torque_high_Nm ["N m"] Whole(|w| Some(w.power_loss()?.torques[1])), "largest torque with which the weight drives the screw; the least friction";
         stopping_distance_mm ["mm"] Whole(|w| Some(w.stopping_distance()? / MM)), "stopping distance after power loss downwards at the largest feed, by the brake alone";
         fall_acceleration_m_s2 ["m/s2"] Whole(|w| w.fall().map(|(acceleration, _)| acceleration)), "acceleration of the fall without power and brake";
         fall_speed_rpm ["rpm"] Whole(|w| w.fall().map(|(_, speed)| speed)), "speed of the screw after a fall over the stroke, without power and brake";
@@ -500,16 +496,17 @@ impl AxisReport {
             return Ok(Self::of_none(asked, settings, warm));
         }
         let scene = &warm.as_ref().map_or_else(|| asked.clone(), |warm| warm.scene(asked));
-        let mut worked = AxisState::of(scene, settings, warm)?;
-        worked.power_loss = detail.band.then(|| worked.at_power_loss(settings)).flatten();
+        let worked = AxisState::of(scene, settings, warm)?;
+        if !detail.band {
+            // It takes more solutions.
+            worked.power_loss.get_or_init(|| None);
+        }
         let of_nut = match &worked.machine.groove {
             Some(_) => ratings(&at_largest(scene, &worked.machine.axis))?,
             None => Answer::default(),
         };
         let mut warnings = of_nut.warnings.clone();
-        if let Some((nut, _)) = &worked.machine.groove {
-            warnings.extend(rated_nut::compared(scene, nut)?);
-        }
+        warnings.extend(worked.machine.warning.clone());
         warnings.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
         if let Some(why @ CaseError::Nut(_)) = &worked.no_nut {
             warnings.push(format!("{}; the rules of the preload are not judged", no_balls(why)));
@@ -526,7 +523,7 @@ impl AxisReport {
         let fails = !rules.iter().all(Criterion::passes);
         let mut notes = worked.notes();
         if detail.band {
-            notes.extend(worked.how_sure(settings));
+            notes.extend(worked.how_sure());
             notes.extend(worked.falls());
         }
         let not_modelled = NOT_MODELLED.map(str::to_owned).to_vec();
@@ -598,19 +595,19 @@ pub(crate) fn numbers(
     settings: &Settings,
     wanted: impl Fn(&Quantity) -> bool,
 ) -> Result<Numbers, CaseError> {
+    refuse_idle(scene)?;
     let scene = &scene.with_preload()?;
-    let wanted = || QUANTITIES.iter().filter(|quantity| wanted(quantity));
+    let mut asked = QUANTITIES.iter().filter(|quantity| wanted(quantity));
     // At one operating point the torque takes no axis.
     if scene.nut.cycle.is_none()
-        && wanted().all(|quantity| quantity.name == "screw_torque_Nm")
+        && asked.all(|quantity| quantity.name == "screw_torque_Nm")
         && let Some(torque) = torque_parts(scene, settings)?
     {
         return Ok(torque.numbers);
     }
-    let scene = scene.in_warm_state(settings)?;
-    let band = wanted().any(|quantity| quantity.name.starts_with("back_driving"));
-    let report = AxisReport::with(&scene, settings, Detail { fold: true, band })?;
-    Ok(report.answer.into_numbers())
+    let warm = Warm::state_of(scene, settings)?;
+    let scene = &warm.as_ref().map_or_else(|| scene.clone(), |warm| warm.scene(scene));
+    Ok(read(&AxisState::of(scene, settings, warm)?, wanted).where_finite())
 }
 
 /// A row a phase, of which people see these numbers.
@@ -655,6 +652,7 @@ fn no_balls(why: &CaseError) -> String {
 /// Intermediate results of an axis.
 pub(crate) struct AxisState<'a> {
     scene: &'a Scene,
+    settings: &'a Settings,
     machine: Machine,
     /// The nut under the largest load, with all its balls; or the reason for no solution.
     nut: Option<NutReport>,
@@ -664,8 +662,8 @@ pub(crate) struct AxisState<'a> {
     holding: Option<f64>,
     /// Life by the loads of all balls \[s\].
     life_by_balls: Option<f64>,
-    /// What the weight does without power of the motor.
-    power_loss: Option<PowerLoss>,
+    /// What the weight does without power of the motor, found when it is asked for.
+    power_loss: OnceCell<Option<PowerLoss>>,
     /// Its warm steady state, if that is asked for.
     warm: Option<Warm>,
     /// For the modified life, if lubricant and contamination are given.
@@ -682,7 +680,7 @@ struct PowerLoss {
 }
 
 impl<'a> AxisState<'a> {
-    fn of(scene: &'a Scene, settings: &Settings, warm: Option<Warm>) -> Result<Self, CaseError> {
+    fn of(scene: &'a Scene, settings: &'a Settings, warm: Option<Warm>) -> Result<Self, CaseError> {
         let mut machine = Machine::of(scene)?;
         let (axis, advance) = (&machine.axis, machine.advance());
         let mut work = ModelWorkspace::default();
@@ -716,6 +714,7 @@ impl<'a> AxisState<'a> {
         let lubrication = Lubrication::of(scene, &machine)?;
         let mut worked = Self {
             scene,
+            settings,
             machine,
             nut,
             no_nut,
@@ -723,7 +722,7 @@ impl<'a> AxisState<'a> {
             torques,
             holding,
             life_by_balls,
-            power_loss: None,
+            power_loss: OnceCell::new(),
             warm,
             lubrication,
         };
@@ -749,6 +748,10 @@ impl<'a> AxisState<'a> {
         self.axis().life().filter(|_| turns.is_none_or(|turns| turns >= LEAST_TURNS))
     }
 
+    fn power_loss(&self) -> Option<&PowerLoss> {
+        self.power_loss.get_or_init(|| self.at_power_loss()).as_ref()
+    }
+
     /// The screw between two fixed bearings, if it is stretched.
     fn pretension(&self) -> Option<FixedEnds> {
         self.machine.held.filter(|held| held.stretched > 0.0)
@@ -757,6 +760,12 @@ impl<'a> AxisState<'a> {
     /// Of the screw by a kelvin over its length.
     fn expansion(&self) -> Option<f64> {
         Some(self.scene.value_or_default(InputKey::thermal_expansion_um_m_K)? * UM)
+    }
+
+    /// Target of the travel over the stroke for a stretched screw \[mm\].
+    fn travel_compensation(&self) -> Option<f64> {
+        let kelvin = self.pretension()?.stretched;
+        Some(-self.expansion()? * self.scene.stroke_mm? * kelvin)
     }
 
     /// How much warmer the screw is than the bed \[K\]: as given, or in the steady state.
@@ -869,9 +878,14 @@ impl<'a> AxisState<'a> {
         self.machine.screw.map(|_| self.machine.drive.load_inertia())
     }
 
+    /// Load of its weight alone \[N\].
+    fn weight(&self) -> f64 {
+        self.machine.carriage.load(0.0, 0.0, 0.0).abs()
+    }
+
     /// Its weight, if it turns the screw.
     fn falling(&self) -> Option<Fall> {
-        let weight = self.machine.carriage.load(0.0, 0.0, 0.0).abs();
+        let weight = self.weight();
         (weight > 0.0).then(|| self.machine.drive.falling(weight))
     }
 
@@ -890,7 +904,7 @@ impl<'a> AxisState<'a> {
 
     /// Acceleration of a fall \[m/s²\], and speed of the screw after the stroke \[rpm\]; `None` if friction holds.
     fn fall(&self) -> Option<(f64, f64)> {
-        let driving = self.power_loss.as_ref()?.nominal;
+        let driving = self.power_loss()?.nominal;
         let acceleration = self.falling()?.acceleration(driving);
         let feed = (2.0 * acceleration * self.scene.stroke_mm? * MM).sqrt();
         (driving > 0.0).then(|| (acceleration, feed / self.machine.advance() / RPM))
@@ -1108,11 +1122,11 @@ impl<'a> AxisState<'a> {
     }
 
     /// Uncertainty of the torque where friction comes from a lubricant.
-    fn how_sure(&self, settings: &Settings) -> Option<String> {
+    fn how_sure(&self) -> Option<String> {
         let heaviest = self.heaviest()?;
         let phase = &heaviest.phase;
         let work = &mut ModelWorkspace::default();
-        let [low, high] = contacts::band(self.scene, settings, phase, work)?;
+        let [low, high] = contacts::band(self.scene, self.settings, phase, work)?;
         let friction = heaviest.contacts.friction?;
         Some(format!(
             "friction from the lubricant: at {:.0} N and {:.0} rpm the 90 % interval over uncertain inputs lies \
@@ -1150,17 +1164,14 @@ impl<'a> AxisState<'a> {
             }
             None => parts.push("single nut".to_owned()),
         }
-        parts.extend(self.scene.nut.accuracy_grade.map(|word| word.grade.name.to_owned()));
+        parts.extend(self.grade().map(|grade| grade.name.to_owned()));
         parts.extend(self.shaft().map(|shaft| format!("thread {:.0}", shaft.length / MM)));
         if let Some(preload) = &self.preload {
             let percent = self.torque_percent();
             let percent = percent.map_or_else(String::new, |percent| format!(" +-{percent:.0} %"));
             parts.push(format!("T_p0 {:.2} N m{percent}", preload.by_rule));
         }
-        if let (Some(held), Some(expansion), Some(stroke)) =
-            (self.pretension(), self.expansion(), self.scene.stroke_mm)
-        {
-            let target = -expansion * stroke * held.stretched;
+        if let (Some(target), Some(stroke)) = (self.travel_compensation(), self.scene.stroke_mm) {
             parts.push(format!("T = {target:.3}/{stroke:.0}"));
         }
         parts.extend(self.shaft().map(|shaft| shaft.support.name().to_owned()));
@@ -1169,9 +1180,8 @@ impl<'a> AxisState<'a> {
 
     /// Permitted variation of the torque by which the preload is checked \[%\].
     fn torque_percent(&self) -> Option<f64> {
-        let grade = self.scene.nut.accuracy_grade?.grade;
         let (torque, diameter) = (self.preload.as_ref()?.by_rule, self.axis().screw.outer);
-        grade.torque_variation(torque, self.shaft()?.length, diameter)
+        self.grade()?.torque_variation(torque, self.shaft()?.length, diameter)
     }
 
     /// That torque at an end of its variation.
@@ -1183,10 +1193,9 @@ impl<'a> AxisState<'a> {
     fn to_measure(&self) -> Option<String> {
         let torque = self.preload.as_ref()?.by_rule;
         let ends = [-1.0, 1.0].map(|side| self.torque_by(side));
-        let grade = self.scene.nut.accuracy_grade.map(|word| word.grade.name);
-        let tolerance = match (ends, self.torque_percent(), grade) {
+        let tolerance = match (ends, self.torque_percent(), self.grade()) {
             ([Some(low), Some(high)], Some(percent), Some(grade)) => {
-                format!("{low:.3} to {high:.3}, +-{percent:.0} % by {grade}")
+                format!("{low:.3} to {high:.3}, +-{percent:.0} % by {}", grade.name)
             }
             _ => "no tolerance is specified for this torque, length and accuracy_grade".to_owned(),
         };
@@ -1200,14 +1209,14 @@ impl<'a> AxisState<'a> {
     }
 
     /// Whether its weight turns the screw of an inclined axis when the motor has no power (Z18).
-    fn at_power_loss(&self, settings: &Settings) -> Option<PowerLoss> {
+    fn at_power_loss(&self) -> Option<PowerLoss> {
         /// Friction that is not measured, over that of the scene.
         const FRICTION: [f64; 2] = [2.0, 0.5];
-        let (axis, advance) = (self.axis(), self.machine.advance());
-        let weight = self.machine.carriage.load(0.0, 0.0, 0.0).abs();
+        let (axis, settings, advance) = (self.axis(), self.settings, self.machine.advance());
         let ideal = self.falling()?.torque;
         let speed = -axis.fastest().max(RPM);
-        let phase = Phase { time: 1.0, load: weight, speed, acceleration: 0.0, load_factor: 1.0 };
+        let phase =
+            Phase { time: 1.0, load: self.weight(), speed, acceleration: 0.0, load_factor: 1.0 };
         let work = &mut ModelWorkspace::default();
         let mut friction =
             |scene: &Scene| contacts(scene, settings, advance, &phase, work).ok()?.friction;
@@ -1234,7 +1243,7 @@ impl<'a> AxisState<'a> {
 
     /// The same in words, with the brake.
     fn falls(&self) -> Option<String> {
-        let PowerLoss { torques: [low, high], what, .. } = self.power_loss.as_ref()?;
+        let PowerLoss { torques: [low, high], what, .. } = self.power_loss()?;
         let words = match what {
             BackDriving::Turns => "the weight turns the screw; a brake is needed",
             BackDriving::Undecided => "the weight may turn the screw; take a brake",

@@ -34,6 +34,8 @@ pub(crate) struct Machine {
     pub(crate) held: Option<FixedEnds>,
     /// What was estimated, in words.
     pub(crate) assumed: Vec<String>,
+    /// Where the ratings of a maker are not those of the groove.
+    pub(crate) warning: Option<String>,
 }
 
 /// A screw between two fixed bearings.
@@ -89,13 +91,14 @@ impl Machine {
     pub(crate) fn of(scene: &Scene) -> Result<Self, CaseError> {
         scene.check()?;
         let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
+        let mut warning = None;
         let (groove, RatedScrew { screw: size, body, assumed }) = if scene.has_ratings_only() {
             (None, RatedScrew::of(scene)?)
         } else {
             let nut = rated_nut::nut(scene)?;
             let thread = rated_nut::thread(scene, &nut)?;
             let body = rated_nut::body(scene, &nut, &thread)?;
-            rated_nut::compared(scene, &nut)?;
+            warning = rated_nut::compared(scene, &nut)?;
             let screw = nut.screw(&thread);
             (Some((nut, thread)), RatedScrew { screw, body, assumed: Vec::new() })
         };
@@ -148,7 +151,7 @@ impl Machine {
             compression: -scene.screw_tension_N.unwrap_or(0.0).min(0.0),
             reliability: reliability(scene),
         };
-        Ok(Self { axis, ratings, groove, body, carriage, drive, screw, held, assumed })
+        Ok(Self { axis, ratings, groove, body, carriage, drive, screw, held, assumed, warning })
     }
 
     /// Advance for a radian of the screw \[m\].
