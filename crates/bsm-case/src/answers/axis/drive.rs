@@ -1,0 +1,159 @@
+//! What the motor of an axis does, and its weight without power of the motor.
+
+use bsm_design::{BackDriving, Fall, Phase, least_acceleration_time, root_mean_square};
+use bsm_dyn::ModelWorkspace;
+
+use super::contacts::{self, contacts};
+use super::state::AxisState;
+use super::torques::Torques;
+use crate::case::axis::Machine;
+use crate::vocabulary::units::{MM, RPM};
+use crate::{InputKey, Scene};
+
+/// What the weight of an inclined axis does to the screw without power of the motor.
+pub(super) struct PowerLoss {
+    /// Torque that drives the screw at the friction of the scene \[N·m\].
+    pub(super) nominal: f64,
+    /// Least and largest torque that drives it \[N·m\].
+    pub(super) torques: [f64; 2],
+    pub(super) what: BackDriving,
+}
+
+impl AxisState<'_> {
+    /// The largest size of a number of all phases.
+    pub(super) fn peak(&self, number: impl Fn(&Self, &Torques) -> Option<f64>) -> Option<f64> {
+        let all: Option<Vec<f64>> =
+            self.torques.iter().map(|torques| number(self, torques)).collect();
+        Some(all?.into_iter().map(f64::abs).fold(0.0, f64::max))
+    }
+
+    pub(super) fn rms_torque(&self) -> Option<f64> {
+        let timed = |torques| Some((self.motor_torque(torques)?, torques.phase.time));
+        let all: Option<Vec<_>> = self.torques.iter().map(timed).collect();
+        root_mean_square(all?.into_iter())
+    }
+
+    pub(super) fn inertia_at_motor(&self) -> Option<f64> {
+        self.machine.screw.map(|_| self.machine.drive.load_inertia())
+    }
+
+    /// Load of its weight alone \[N\].
+    pub(super) fn weight(&self) -> f64 {
+        self.machine.carriage.load(0.0, 0.0, 0.0).abs()
+    }
+
+    /// Its weight, if it turns the screw.
+    pub(super) fn falling(&self) -> Option<Fall> {
+        let weight = self.weight();
+        (weight > 0.0).then(|| self.machine.drive.falling(weight))
+    }
+
+    /// Torque of a brake at the motor: no friction is counted on.
+    pub(super) fn required_brake(&self) -> Option<f64> {
+        let safety = self.scene.value_or_default(InputKey::brake_safety)?;
+        Some(safety * self.falling()?.torque / self.machine.drive.gear_ratio)
+    }
+
+    pub(super) fn stopping_distance(&self) -> Option<f64> {
+        let brake = self.scene.brake_torque_Nm? * self.machine.drive.gear_ratio;
+        let delay = self.scene.value_or_default(InputKey::brake_delay_s)?;
+        let feed = self.axis().fastest() * self.machine.advance();
+        self.falling()?.stopping_distance(brake, delay, feed)
+    }
+
+    pub(super) fn power_loss(&self) -> Option<&PowerLoss> {
+        self.power_loss.get_or_init(|| self.at_power_loss()).as_ref()
+    }
+
+    /// Acceleration of a fall \[m/s²\], and speed of the screw after the stroke \[rpm\]; `None` if friction holds.
+    pub(super) fn fall(&self) -> Option<(f64, f64)> {
+        let driving = self.power_loss()?.nominal;
+        let acceleration = self.falling()?.acceleration(driving);
+        let feed = (2.0 * acceleration * self.scene.stroke_mm? * MM).sqrt();
+        (driving > 0.0).then(|| (acceleration, feed / self.machine.advance() / RPM))
+    }
+
+    /// Time to the largest speed by the peak torque of the motor \[s\].
+    pub(super) fn least_ramp(&self) -> Option<f64> {
+        let Machine { drive, axis, .. } = &self.machine;
+        let steady = self.torques.iter().filter(|torques| torques.phase.acceleration == 0.0);
+        let loads = steady.map(|torques| Some(self.motor_torque(torques)?.abs()));
+        let load = loads.collect::<Option<Vec<_>>>()?.into_iter().fold(0.0, f64::max);
+        let speed = axis.fastest() * drive.gear_ratio;
+        self.machine.screw?;
+        least_acceleration_time(drive.inertia(), speed, self.scene.motor_peak_torque_Nm?, load)
+    }
+
+    /// Time to the largest speed at the largest acceleration of the cycle \[s\].
+    pub(super) fn shortest_ramp(&self) -> Option<f64> {
+        let sizes = self.axis().phases.iter().map(|phase| phase.acceleration.abs());
+        let most = sizes.fold(0.0, f64::max);
+        (most > 0.0).then(|| self.axis().fastest() * self.machine.advance() / most)
+    }
+
+    pub(super) fn motor_torque(&self, torques: &Torques) -> Option<f64> {
+        let Phase { speed, acceleration, .. } = torques.phase;
+        Some(self.machine.drive.motor_torque(torques.at_screw()?, speed, acceleration))
+    }
+
+    pub(super) fn motor_power(&self, torques: &Torques) -> Option<f64> {
+        let speed = torques.phase.speed * self.machine.drive.gear_ratio;
+        Some(self.motor_torque(torques)? * speed)
+    }
+
+    /// Whether its weight turns the screw of an inclined axis when the motor has no power (Z18).
+    pub(super) fn at_power_loss(&self) -> Option<PowerLoss> {
+        /// Friction that is not measured, over that of the scene.
+        const FRICTION: [f64; 2] = [2.0, 0.5];
+        let (axis, settings, advance) = (self.axis(), self.settings, self.machine.advance());
+        let ideal = self.falling()?.torque;
+        let speed = -axis.fastest().max(RPM);
+        let phase =
+            Phase { time: 1.0, load: self.weight(), speed, acceleration: 0.0, load_factor: 1.0 };
+        let work = &mut ModelWorkspace::default();
+        let mut friction =
+            |scene: &Scene| contacts(scene, settings, advance, &phase, work).ok()?.friction;
+        let nominal = friction(self.scene)?;
+        let [most, least] = if self.machine.groove.is_none() {
+            let [most, least] = contacts::usual_frictions(ideal, true);
+            [Some(most.max(nominal)), Some(least.min(nominal))]
+        } else if let Some(coefficient) = self.scene.friction_coefficient {
+            FRICTION.map(|factor| {
+                let friction_coefficient = Some(factor * coefficient);
+                friction(&Scene { friction_coefficient, ..self.scene.clone() })
+            })
+        } else {
+            let [low, high] = contacts::band(self.scene, settings, &phase, work)?;
+            [high, low].map(|factor| Some(factor * nominal))
+        };
+        let value = |key| self.scene.value_or_default(key).unwrap_or(0.0);
+        let drag = self.preload.as_ref().map_or(0.0, |preload| preload.beyond)
+            + value(InputKey::seal_torque_Nm)
+            + value(InputKey::support_bearing_torque_Nm);
+        let (torques, what) = BackDriving::of([ideal - most?, ideal - least?], drag);
+        Some(PowerLoss { nominal: ideal - nominal - drag, torques, what })
+    }
+
+    /// The same in words, with the brake.
+    pub(super) fn falls(&self) -> Option<String> {
+        let PowerLoss { torques: [low, high], what, .. } = self.power_loss()?;
+        let words = match what {
+            BackDriving::Turns => "the weight turns the screw; a brake is needed",
+            BackDriving::Undecided => "the weight may turn the screw; take a brake",
+            BackDriving::Holds => {
+                "friction holds the weight; vibration can loosen it, which is no safety function"
+            }
+        };
+        let brake = self.required_brake()?;
+        let safety = self.scene.value_or_default(InputKey::brake_safety)?;
+        let holds = match (self.scene.brake_torque_Nm, self.stopping_distance()) {
+            (Some(_), Some(way)) => format!("; that given stops it within {:.1} mm", way / MM),
+            (Some(_), None) => "; that given does not hold".to_owned(),
+            (None, _) => String::new(),
+        };
+        Some(format!(
+            "without power of the motor {words}: {low:.3} to {high:.3} N m drive the screw; brake of at least {brake:.3} N m \
+             at the motor, {safety} times the weight without friction{holds}"
+        ))
+    }
+}

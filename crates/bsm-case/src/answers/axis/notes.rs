@@ -1,0 +1,222 @@
+//! What the sheet of an axis says besides its numbers: what was assumed, what is usual, how sure it is.
+
+use bsm_design::{Axis, Grade, Phase};
+use bsm_dyn::ModelWorkspace;
+
+use super::state::{AxisState, LEAST_TURNS};
+use super::torques::Preload;
+use super::{contacts, no_balls};
+use crate::answers::nut::preload_note;
+use crate::case::rated_screw::LEFT_OUT;
+use crate::case::warm::Warm;
+use crate::vocabulary::units::{MM, RPM};
+use crate::{CaseError, InputKey, NutReport};
+
+/// Lengths of a nut below which a stroke is short (HIWIN BS-08-2, F 3.10), and the load factor there, the least.
+const SHORT: (f64, f64) = (3.0, 3.0);
+
+/// Speed number from which the grease is to be asked for \[mm/min\], usual value.
+const FAST: f64 = 100e3;
+
+impl AxisState<'_> {
+    /// Defaults that were used.
+    pub(super) fn notes(&self) -> Vec<String> {
+        let no_input = self.no_nut.as_ref().filter(|why| !matches!(why, CaseError::Nut(_)));
+        let mut notes: Vec<_> = no_input.map(no_balls).into_iter().collect();
+        if let Some(Preload { cold, warm, .. }) = self.preload
+            && (cold - warm).abs() > 0.0
+        {
+            notes.push(preload_note(cold, warm));
+        }
+        notes.extend(self.warm.iter().flat_map(Warm::notes));
+        notes.extend(self.nut.as_ref().and_then(NutReport::touch_note));
+        notes.extend(self.machine.assumed.iter().cloned());
+        notes.extend(self.by_catalogue());
+        notes.extend(self.about_life());
+        let films = self.machine.groove.is_some();
+        notes.extend(self.scene.assumed_roughness().filter(|_| films));
+        notes.extend(self.to_measure());
+        if let Some(rise) =
+            self.steady_rise().filter(|_| self.scene.axis_heat_transfer_W_K.is_none())
+        {
+            notes.push(format!(
+                "steady-state temperature rise estimated within a factor of 2: {rise:.0} K ({:.0} to {:.0} K), by the \
+                 heat transfer to still air; axis_heat_transfer_W_K replaces it",
+                0.5 * rise,
+                2.0 * rise
+            ));
+        }
+        let mut note = |words: &str| notes.push(words.to_owned());
+        if let Some(word) = self.scene.nut.accuracy_grade {
+            note(&word.describe());
+            let Grade { name, .. } = word.grade;
+            match self.travel() {
+                None => {
+                    note("without stroke_mm or useful_travel_mm there is no error of the travel");
+                }
+                Some(travel) if word.grade.worst_error(travel).is_none() => {
+                    let what = if word.grade.deviation(travel).is_some() { "v_up" } else { "e_p" };
+                    note(&format!("{name} has no {what} over {:.0} mm", travel / MM));
+                }
+                Some(_) => {}
+            }
+        }
+        let speed_number = self.axis().speed_number() / (MM * RPM);
+        if speed_number > FAST {
+            note(
+                "above a speed number of some 100 000 mm/min oil or a high-speed grease is usual: ask for the grease",
+            );
+        }
+        if let Some(short) = self.short_stroke() {
+            note(&short);
+        }
+        if self.machine.axis.shaft.is_none() {
+            note(
+                "without stroke_mm or unsupported_length_mm there is no critical speed, buckling load and inertia of the screw",
+            );
+            return notes;
+        }
+        if self.scene.nut.support.is_none() {
+            note("support is not given: fixed-supported is taken");
+        }
+        if let (None, Some(shaft)) = (self.scene.nut.buckling_support, self.shaft()) {
+            note(&format!(
+                "buckling between fixed bearing and nut: {} (default); buckling_support replaces it",
+                shaft.buckling.0.name()
+            ));
+        }
+        if self.scene.unsupported_length_mm.is_none() {
+            note("unsupported_length_mm is stroke, length of the nut and two leads");
+        }
+        notes
+    }
+
+    /// What factors of ratings and life were taken, and which are usual.
+    pub(super) fn about_life(&self) -> Vec<String> {
+        let (axis, scene) = (self.axis(), self.scene);
+        let mut notes = Vec::new();
+        if let Some(grade) = self.grade()
+            && scene.rated_dynamic_load_N.is_some()
+            && scene.accuracy_factor.is_none()
+        {
+            notes.push(format!(
+                "rated_dynamic_load_N is taken as it is printed for grade {}",
+                grade.name
+            ));
+        }
+        let unity = axis.phases.iter().all(|phase| phase.load_factor <= 1.0);
+        let lives = axis.advised_load_factors().map(|factor| {
+            let phases = axis.phases.iter().map(|phase| Phase { load_factor: factor, ..*phase });
+            self.life()?;
+            Some(Axis { phases: phases.collect(), ..axis.clone() }.life()?.time / 3600.0)
+        });
+        if let ([Some(long), Some(short)], true) = (lives, unity) {
+            let [low, high] = axis.advised_load_factors();
+            notes.push(format!(
+                "load factor 1; catalogues advise {low} to {high} at this speed: life {long:.0} to {short:.0} h"
+            ));
+        }
+        let contaminated =
+            scene.contamination_factor.is_some() || scene.nut.contamination.is_some();
+        let lubricated = scene.given().is_lubricated();
+        notes.extend(match (&self.lubrication, self.modified_life(0)) {
+            (Some(_), None) => {
+                Some("no modified life: a viscosity ratio is below 0.1, outside ISO 281".to_owned())
+            }
+            (None, _) if contaminated => Some(
+                "no modified life: contamination without viscosity and lubricant_temperature_C"
+                    .to_owned(),
+            ),
+            (None, _) if lubricated => {
+                Some("no modified life: contamination is not given".to_owned())
+            }
+            _ => None,
+        });
+        notes
+    }
+
+    /// What a stroke of a few nut lengths does to the life.
+    pub(super) fn short_stroke(&self) -> Option<String> {
+        let stroke = self.scene.stroke_mm? * MM;
+        let (lengths, factor) = SHORT;
+        if stroke < LEAST_TURNS * self.axis().screw.lead {
+            return Some(
+                "a stroke of less than half a turn has no life by fatigue: false brinelling"
+                    .to_owned(),
+            );
+        }
+        let circuits = self.scene.value_or_default(InputKey::circuits_count)?;
+        // The balls of a circuit advance by (1 − γ)/2 of the nut.
+        let round = self.machine.groove.as_ref().map(|(nut, _)| {
+            2.0 * nut.turns / circuits * nut.lead / (1.0 - nut.dynamic_rating().gamma)
+        });
+        if let Some(round) = round.filter(|round| stroke < *round) {
+            return Some(format!(
+                "a stroke of less than {:.0} mm does not circulate the balls, the same ones carry: make a stroke of two nut \
+                 lengths every few thousand strokes (usual advice)",
+                round / MM
+            ));
+        }
+        let life = self.life()?.time / 3600.0 / factor.powi(3);
+        (stroke < lengths * self.machine.body.length).then(|| {
+            format!(
+                "a stroke of less than three nut lengths: HIWIN's load factor is 3 to 5, and the life at {factor} is {life:.0} h"
+            )
+        })
+    }
+
+    /// What the sheet of a screw without groove omits, and the band of its torque.
+    pub(super) fn by_catalogue(&self) -> Vec<String> {
+        if self.machine.groove.is_some() {
+            return Vec::new();
+        }
+        let at = self.heaviest().and_then(|heaviest| {
+            let torque = heaviest.at_screw()?;
+            let drives = heaviest.phase.load * heaviest.phase.speed < 0.0;
+            let friction = contacts::by_catalogue(self.scene).friction(heaviest.ideal, drives);
+            let [high, low] = contacts::usual_frictions(heaviest.ideal, drives)
+                .map(|usual| torque + (usual - friction) * heaviest.phase.speed.signum());
+            Some(format!(
+                "torque by catalogue efficiency, {torque:.3} N m at the largest load that moves; usual efficiencies give {low:.3} to \
+                 {high:.3} N m"
+            ))
+        });
+        at.into_iter().chain([LEFT_OUT.to_owned()]).collect()
+    }
+
+    /// Uncertainty of the torque where friction comes from a lubricant.
+    pub(super) fn how_sure(&self) -> Option<String> {
+        let heaviest = self.heaviest()?;
+        let phase = &heaviest.phase;
+        let work = &mut ModelWorkspace::default();
+        let [low, high] = contacts::band(self.scene, self.settings, phase, work)?;
+        let friction = heaviest.contacts.friction?;
+        Some(format!(
+            "friction from the lubricant: at {:.0} N and {:.0} rpm the 90 % interval over uncertain inputs lies \
+             between {:.3} and {:.3} N m, of {friction:.3} N m of the contacts",
+            phase.load,
+            phase.speed / RPM,
+            low * friction,
+            high * friction
+        ))
+    }
+
+    /// The torque by which the preload is checked, with its tolerance.
+    pub(super) fn to_measure(&self) -> Option<String> {
+        let torque = self.preload.as_ref()?.by_rule;
+        let ends = [-1.0, 1.0].map(|side| self.torque_by(side));
+        let tolerance = match (ends, self.torque_percent(), self.grade()) {
+            ([Some(low), Some(high)], Some(percent), Some(grade)) => {
+                format!("{low:.3} to {high:.3}, +-{percent:.0} % by {}", grade.name)
+            }
+            _ => "no tolerance is specified for this torque, length and accuracy_grade".to_owned(),
+        };
+        let seal = self.scene.seal_torque_Nm.filter(|seal| *seal > 0.0);
+        let with_seals = seal
+            .map_or_else(String::new, |seal| format!("; with the seals {:.3} N m", torque + seal));
+        Some(format!(
+            "friction torque of the preload to measure: {torque:.3} N m ({tolerance}) at 100 rpm, oil of ISO VG 68, \
+             without wipers{with_seals}"
+        ))
+    }
+}

@@ -1,0 +1,259 @@
+//! The numbers of an axis: screw, bearings, life, stiffness, heat.
+
+use std::cell::OnceCell;
+use std::f64::consts::TAU;
+
+use bsm_design::{
+    Axis, Grade, Life, Phase, RigidityAt, Shaft, heat_transfer, in_series, life, steady_rise,
+};
+use bsm_dyn::ModelWorkspace;
+
+use super::contacts::{contacts, nut_at};
+use super::drive::PowerLoss;
+use super::lubrication::Lubrication;
+use super::torques::{Preload, Torques};
+use crate::case::axis::{FixedEnds, Machine, useful_travel};
+use crate::case::warm::{Warm, WarmState};
+use crate::vocabulary::units::{MM, RPM, UM};
+use crate::{CaseError, InputKey, NutReport, Scene, Settings};
+
+/// Turns of a stroke below which its life is no fatigue.
+pub(super) const LEAST_TURNS: f64 = 0.5;
+
+/// Intermediate results of an axis.
+pub(crate) struct AxisState<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) settings: &'a Settings,
+    pub(super) machine: Machine,
+    /// The nut under the largest load, with all its balls; or the reason for no solution.
+    pub(super) nut: Option<NutReport>,
+    pub(super) no_nut: Option<CaseError>,
+    pub(super) preload: Option<Preload>,
+    pub(super) torques: Vec<Torques>,
+    pub(super) holding: Option<f64>,
+    /// Life by the loads of all balls \[s\].
+    pub(super) life_by_balls: Option<f64>,
+    /// What the weight does without power of the motor, found when it is asked for.
+    pub(super) power_loss: OnceCell<Option<PowerLoss>>,
+    /// Its warm steady state, if that is asked for.
+    pub(super) warm: Option<Warm>,
+    /// For the modified life, if lubricant and contamination are given.
+    pub(super) lubrication: Option<Lubrication>,
+}
+
+impl<'a> AxisState<'a> {
+    pub(super) fn of(
+        scene: &'a Scene,
+        settings: &'a Settings,
+        warm: Option<Warm>,
+    ) -> Result<Self, CaseError> {
+        let mut machine = Machine::of(scene)?;
+        let (axis, advance) = (&machine.axis, machine.advance());
+        let mut work = ModelWorkspace::default();
+        let heaviest = axis.heaviest().filter(|phase| phase.load != 0.0).copied();
+        let fastest = axis.fastest();
+        let with_balls = heaviest.filter(|_| machine.groove.is_some());
+        let found = with_balls.map(|phase| {
+            let speed = if phase.speed == 0.0 { fastest } else { phase.speed };
+            nut_at(scene, settings, phase.load, speed)
+        });
+        let (nut, no_nut) = match found {
+            Some(Ok(nut)) => (Some(nut), None),
+            Some(Err(why)) => (None, Some(why)),
+            None => (None, None),
+        };
+        let preload = Preload::of(scene, settings, &machine, nut.as_ref(), fastest)?;
+        let drag = preload.as_ref().map_or(0.0, |preload| preload.beyond);
+        let torque =
+            |phase: &Phase| Torques::of(scene, settings, (advance, drag), phase, &mut work);
+        let torques = axis.phases.iter().map(torque).collect::<Result<_, _>>()?;
+        // The load drives: its sign against the speed.
+        let back =
+            heaviest.map(|phase| Phase { speed: -phase.load.signum() * fastest.max(RPM), ..phase });
+        let back = back.map(|back| contacts(scene, settings, advance, &back, &mut work));
+        let holding = back
+            .transpose()?
+            .and_then(|found| Some((advance * axis.largest_load() - found.friction?).max(0.0)));
+        let life_by_balls =
+            machine.groove.as_ref().and_then(|_| life_by_balls(scene, settings, axis));
+        machine.axis.preload = preload.as_ref().map(|preload| preload.warm);
+        let lubrication = Lubrication::of(scene, &machine)?;
+        let mut worked = Self {
+            scene,
+            settings,
+            machine,
+            nut,
+            no_nut,
+            preload,
+            torques,
+            holding,
+            life_by_balls,
+            power_loss: OnceCell::new(),
+            warm,
+            lubrication,
+        };
+        worked.machine.axis.compression = -worked.tension().unwrap_or(0.0).min(0.0);
+        Ok(worked)
+    }
+
+    pub(super) fn axis(&self) -> &Axis {
+        &self.machine.axis
+    }
+
+    pub(super) fn warm_state(&self) -> Option<&WarmState> {
+        self.warm.as_ref()?.state.as_ref()
+    }
+
+    pub(super) fn shaft(&self) -> Option<&Shaft> {
+        self.machine.axis.shaft.as_ref()
+    }
+
+    /// Life of the cycle; `None` too of a stroke of less than half a turn, which wears a groove by false brinelling.
+    pub(super) fn life(&self) -> Option<Life> {
+        let turns = self.scene.stroke_mm.map(|mm| mm * MM / self.axis().screw.lead);
+        self.axis().life().filter(|_| turns.is_none_or(|turns| turns >= LEAST_TURNS))
+    }
+
+    /// The screw between two fixed bearings, if it is stretched.
+    pub(super) fn pretension(&self) -> Option<FixedEnds> {
+        self.machine.held.filter(|held| held.stretched > 0.0)
+    }
+
+    /// Of the screw by a kelvin over its length.
+    pub(super) fn expansion(&self) -> Option<f64> {
+        Some(self.scene.value_or_default(InputKey::thermal_expansion_um_m_K)? * UM)
+    }
+
+    /// How much warmer the screw is than the bed \[K\]: as given, or in the steady state.
+    pub(super) fn rise(&self) -> Option<f64> {
+        let given = self.scene.screw_temperature_rise_K.filter(|rise| *rise != 0.0);
+        given.or_else(|| self.steady_rise())
+    }
+
+    /// Tension of the screw \[N\]: as given or found by the warm state, or what its rise leaves of its pretension.
+    pub(super) fn tension(&self) -> Option<f64> {
+        let by_rise = || Some(self.machine.held?.tension(self.rise()?));
+        self.scene.screw_tension_N.or_else(by_rise)
+    }
+
+    /// A number of the nut under the largest load.
+    pub(super) fn of_nut(&self, name: &str) -> Option<f64> {
+        self.nut.as_ref()?.number(name)
+    }
+
+    /// By the rating of the maker too, which is of the same ball.
+    pub(super) fn static_safety(&self) -> f64 {
+        let axis = self.axis();
+        let of_balls = self.machine.groove.as_ref().and_then(|(nut, _)| {
+            let stated = axis.static_rating / nut.static_rating().rating;
+            Some(self.of_nut("static_safety_by_balls")? * stated)
+        });
+        axis.static_safety().min(of_balls.unwrap_or(f64::INFINITY))
+    }
+
+    /// Modified life \[h\] at the usual, the least or the largest contamination factor.
+    pub(super) fn modified_life(&self, place: usize) -> Option<f64> {
+        self.life()?;
+        let Lubrication { viscosity, fatigue_limit, contamination } = self.lubrication.as_ref()?;
+        let life = self.axis().modified_life(*viscosity, contamination[place] * fatigue_limit);
+        life.map(|time| time / 3600.0)
+    }
+
+    pub(super) fn grade(&self) -> Option<&'static Grade> {
+        Some(self.scene.nut.accuracy_grade?.grade)
+    }
+
+    /// Useful travel \[m\].
+    pub(super) fn travel(&self) -> Option<f64> {
+        useful_travel(self.scene)
+    }
+
+    /// To the surroundings \[W/K\]: given, or that to still air, unless the warm state has its own conductances.
+    pub(super) fn heat_transfer(&self) -> Option<f64> {
+        let to_air = || {
+            let length = self.shaft().filter(|_| self.warm.is_none())?.length;
+            let Machine { body, axis, .. } = &self.machine;
+            let speeds = axis.phases.iter().map(|phase| (phase.speed, phase.time));
+            Some(heat_transfer((axis.screw.outer, length), (body.outer, body.length), speeds))
+        };
+        self.scene.axis_heat_transfer_W_K.or_else(to_air)
+    }
+
+    pub(super) fn steady_rise(&self) -> Option<f64> {
+        self.shaft()?;
+        Some(steady_rise(self.mean_heat()?, self.heat_transfer()?))
+    }
+
+    /// Growth of the screw \[um\].
+    pub(super) fn growth(&self) -> Option<f64> {
+        if let Some(state) = self.warm_state() {
+            return Some(state.growth / UM);
+        }
+        let left = self.machine.held.map_or(1.0, |held| held.growth_left());
+        Some(left * self.shaft()?.growth(self.expansion()?, self.rise()?) / UM)
+    }
+
+    /// Stiffness of the nut under the largest load \[N/um\]: of all its balls, or by that of its catalogue.
+    pub(super) fn nut_stiffness(&self) -> Option<f64> {
+        let axis = self.axis();
+        let by_catalogue = || {
+            let stated = self.scene.rated_rigidity_N_um?;
+            let at = RigidityAt::from(self.scene.nut.rated_rigidity_at?);
+            at.rigidity(stated, axis.largest_load(), axis.preload, self.machine.ratings[0])
+        };
+        if self.machine.groove.is_some() {
+            self.of_nut("nut_stiffness_N_um")
+        } else {
+            by_catalogue()
+        }
+    }
+
+    /// Rigidity of screw, nut, bearings and housings in series \[N/m\].
+    pub(super) fn stiffness(&self) -> Option<f64> {
+        let Scene { support_bearing_stiffness_N_um, housing_stiffness_N_um, .. } = self.scene;
+        let others =
+            [*support_bearing_stiffness_N_um, *housing_stiffness_N_um].into_iter().flatten();
+        let (screw, nut) = (self.shaft()?.least_stiffness(), self.nut_stiffness()? / UM);
+        Some(others.map(|stiffness| stiffness / UM).fold(in_series(screw, nut), in_series))
+    }
+
+    /// Time of the cycle \[s\].
+    pub(super) fn time(&self) -> f64 {
+        self.torques.iter().map(|torques| torques.phase.time).sum()
+    }
+
+    /// The phase of the largest load that moves.
+    pub(super) fn heaviest(&self) -> Option<&Torques> {
+        let load = |torques: &&Torques| torques.phase.load.abs();
+        let moving = self.torques.iter().filter(|torques| torques.phase.speed != 0.0);
+        moving.max_by(|a, b| load(a).total_cmp(&load(b)))
+    }
+
+    /// Heat over the cycle \[W\].
+    pub(super) fn mean_heat(&self) -> Option<f64> {
+        let heats = self.torques.iter().map(|torques| Some(torques.heat()? * torques.phase.time));
+        heats.sum::<Option<f64>>().map(|heat| heat / self.time())
+    }
+}
+
+/// Life of the cycle by the loads of all balls \[s\]: each phase takes its share of the life that it has alone.
+fn life_by_balls(scene: &Scene, settings: &Settings, axis: &Axis) -> Option<f64> {
+    let (mut taken, mut time) = (0.0, 0.0);
+    for phase in &axis.phases {
+        time += phase.time;
+        let moves = phase.speed != 0.0 && (phase.load != 0.0 || scene.is_preloaded());
+        if moves {
+            let load = phase.load_factor * phase.load;
+            let nut = nut_at(scene, settings, load, phase.speed).ok()?;
+            let ours = nut.number("life_by_balls_revolutions")?;
+            let rated = nut.number("iso_life_revolutions")?;
+            // The ratio is of the model, the rating may be of the maker.
+            let preload = nut.number("warm_preload_N").filter(|_| scene.is_preloaded());
+            let duty = bsm_design::Duty { load, speed: 1.0, time: 1.0 };
+            let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;
+            let turns = phase.speed.abs() * phase.time / TAU;
+            taken += turns / (stated * ours / rated);
+        }
+    }
+    (taken > 0.0).then(|| time / taken)
+}

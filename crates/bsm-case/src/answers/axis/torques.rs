@@ -1,0 +1,227 @@
+//! The screw torque by its parts.
+
+use std::f64::consts::TAU;
+
+use bsm_design::{DutySpeed, Motion, Nut, Phase, drag_torque};
+use bsm_dyn::ModelWorkspace;
+use serde_json::{Value, json};
+
+use super::contacts::{Contacts, contacts, nut_at};
+use super::{NEEDS, QUANTITIES};
+use crate::case::axis::{Machine, carriage};
+use crate::case::warm::ColdNut;
+use crate::vocabulary::answer::numbers_json;
+use crate::vocabulary::quantity::quantities;
+use crate::vocabulary::units::{MM, RPM};
+use crate::{CaseError, InputKey, Numbers, NutReport, Scene, Settings};
+
+quantities! { pub(crate) TORQUES, read_torques(&Torques);
+    "torque" {
+        screw_load_N ["N" "F_a"] Whole(|t| t.phase.load), "axial load, with the moved mass";
+        screw_torque_Nm = QUANTITIES Whole(Torques::at_screw);
+        ideal_torque_Nm ["N m"] Whole(|t| t.ideal), "  of the load, without friction";
+        contact_friction_torque_Nm ["N m"] Whole(|t| t.contacts.friction), "  contacts of the balls";
+        preload_drag_beyond_contacts_Nm ["N m"] Whole(|t| t.drag), "  returns and lubricant of the preload, by manufacturers' rule";
+        seal_torque_Nm ["N m"] Whole(|t| t.seal), "  seals";
+        support_bearing_torque_Nm ["N m"] Whole(|t| t.bearing), "  support bearings";
+        screw_efficiency = QUANTITIES Whole(Torques::efficiency);
+    }
+}
+
+/// The screw torque by its parts, in a phase with what follows.
+#[derive(Debug, Clone)]
+pub struct ScrewTorque {
+    /// The numbers.
+    pub numbers: Numbers,
+    /// The model of the contacts, or the reason without one.
+    pub contacts: String,
+}
+
+impl ScrewTorque {
+    /// Parts of the torque, in the order of a sum: the load, then what turns into heat.
+    pub const PARTS: [&str; 5] = [
+        "ideal_torque_Nm",
+        "contact_friction_torque_Nm",
+        "preload_drag_beyond_contacts_Nm",
+        "seal_torque_Nm",
+        "support_bearing_torque_Nm",
+    ];
+
+    /// A number by name.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.numbers.number(name)
+    }
+
+    /// The screw torque \[N m\], if the contacts have a solution.
+    pub fn torque(&self) -> Option<f64> {
+        self.number("screw_torque_Nm")
+    }
+
+    /// JSON object.
+    pub fn to_json(&self) -> Value {
+        let mut map = numbers_json(&self.numbers);
+        map.insert("contacts".to_owned(), json!(self.contacts));
+        Value::Object(map)
+    }
+}
+
+/// The torque of a phase.
+pub(crate) struct Torques {
+    pub(super) phase: Phase,
+    pub(super) ideal: f64,
+    pub(super) contacts: Contacts,
+    /// Of returns and lubricant, beyond the contacts of the preload, with its sign.
+    drag: f64,
+    seal: f64,
+    bearing: f64,
+}
+
+impl Torques {
+    /// * `advance`: for a radian of the screw \[m\]. * `drag`: of the preload beyond its contacts \[N·m\].
+    pub(super) fn of(
+        scene: &Scene,
+        settings: &Settings,
+        (advance, drag): (f64, f64),
+        phase: &Phase,
+        work: &mut ModelWorkspace,
+    ) -> Result<Self, CaseError> {
+        let moves = f64::from(u8::from(phase.speed != 0.0));
+        let value = |key| moves * scene.value_or_default(key).unwrap_or(0.0);
+        Ok(Self {
+            phase: *phase,
+            ideal: advance * phase.load,
+            contacts: contacts(scene, settings, advance, phase, work)?,
+            drag: moves * drag,
+            seal: value(InputKey::seal_torque_Nm),
+            bearing: value(InputKey::support_bearing_torque_Nm),
+        })
+    }
+
+    /// Its numbers.
+    pub(super) fn numbers(&self) -> Numbers {
+        read_torques(self, |_| true)
+    }
+
+    /// Torque against the motion, positive \[N·m\].
+    pub(super) fn friction(&self) -> Option<f64> {
+        Some(self.contacts.friction? + self.drag + self.seal + self.bearing)
+    }
+
+    /// Torque that the screw takes \[N·m\].
+    pub(super) fn at_screw(&self) -> Option<f64> {
+        let way = if self.phase.speed == 0.0 { 0.0 } else { self.phase.speed.signum() };
+        Some(self.ideal + way * self.friction()?)
+    }
+
+    pub(super) fn heat(&self) -> Option<f64> {
+        Some(self.friction()? * self.phase.speed.abs())
+    }
+
+    /// Power out over power in, of the screw with all its parts; `None` if nothing is done.
+    pub(super) fn efficiency(&self) -> Option<f64> {
+        let output = self.ideal * self.phase.speed;
+        let input = self.at_screw()? * self.phase.speed;
+        let efficiency = if output > 0.0 { output / input } else { input / output };
+        (output != 0.0).then_some(efficiency)
+    }
+}
+
+/// The preload of a nut, and its drag on the screw \[N·m\].
+pub(crate) struct Preload {
+    /// As it is set, at no rise of temperature \[N\].
+    pub(super) cold: f64,
+    /// With the rises of temperature \[N\].
+    pub(super) warm: f64,
+    /// As it is measured, by manufacturers' rule.
+    pub(super) by_rule: f64,
+    /// Of its contacts alone; `None` without friction.
+    pub(super) of_contacts: Option<f64>,
+    /// Of returns and lubricant, beyond the contacts.
+    pub(super) beyond: f64,
+}
+
+impl Preload {
+    /// That of a nut, if it is preloaded, at a speed \[rad/s\].
+    pub(super) fn of(
+        scene: &Scene,
+        settings: &Settings,
+        machine: &Machine,
+        nut: Option<&NutReport>,
+        speed: f64,
+    ) -> Result<Option<Self>, CaseError> {
+        let screw = &machine.axis.screw;
+        let by_rule = |preload| drag_torque(preload, screw.lead, screw.lead_angle());
+        if let Some(preload) = scene.preload_N.filter(|_| machine.groove.is_none()) {
+            let by_rule = by_rule(preload);
+            let given = scene.extra_drag_factor.map(|factor| factor * machine.advance() * preload);
+            let beyond = given.unwrap_or(by_rule);
+            return Ok(Some(Self {
+                cold: preload,
+                warm: preload,
+                by_rule,
+                of_contacts: None,
+                beyond,
+            }));
+        }
+        let Some(nut) = nut else { return Ok(None) };
+        let forces = nut.number("preload_set_N").zip(nut.number("warm_preload_N"));
+        let Some((cold, warm)) = forces.filter(|_| scene.is_preloaded()) else { return Ok(None) };
+        let of_contacts = if speed > 0.0 && scene.given().has_friction() {
+            let unloaded = nut_at(scene, settings, 0.0, speed)?;
+            unloaded.number("friction_heat_W").map(|heat| heat / speed)
+        } else {
+            None
+        };
+        let beyond = ColdNut::of(scene, settings, machine)?.drag(scene, machine)? * warm;
+        Ok(Some(Self { cold, warm, by_rule: by_rule(cold), of_contacts, beyond }))
+    }
+}
+
+/// The screw torque at the operating point of its scene by its parts: the load with weight and guides of what it moves, contacts
+/// of the balls, preload, seals, support bearings. `None` without load, speed or friction.
+///
+/// # Errors
+///
+/// [`CaseError`] if the nut or its point has no solution.
+pub fn torque_parts(scene: &Scene, settings: &Settings) -> Result<Option<ScrewTorque>, CaseError> {
+    let scene = &scene.in_warm_state(settings)?;
+    let preloaded = scene.is_preloaded() && NEEDS.are_met(scene.given());
+    let point = scene.speeds_rpm().zip(scene.axial_load_N).zip(scene.lead());
+    let Some((((screw, turned), force), lead)) = point.filter(|_| scene.given().has_friction())
+    else {
+        return Ok(None);
+    };
+    let pace = DutySpeed::Turns((screw - turned) * RPM);
+    let motion = Motion { time: 1.0, force, pace, acceleration: 0.0, load_factor: 1.0 };
+    let phase = motion.phase(&carriage(scene), lead * MM);
+    let drag = if preloaded {
+        let machine = Machine::of(scene)?;
+        let nut = nut_at(scene, settings, phase.load, phase.speed)?;
+        let preload = Preload::of(scene, settings, &machine, Some(&nut), phase.speed.abs())?;
+        preload.map_or(0.0, |preload| preload.beyond)
+    } else {
+        0.0
+    };
+    let (advance, work) = (lead * MM / TAU, &mut ModelWorkspace::default());
+    let torques = Torques::of(scene, settings, (advance, drag), &phase, work)?;
+    let numbers = torques.numbers();
+    Ok(Some(ScrewTorque { numbers, contacts: torques.contacts.words }))
+}
+
+/// Efficiency of the screw in a phase for a search over screws, which has no time for all balls of a preloaded
+/// nut: one ball under its equal share, and the friction torque of the preload by manufacturers' rule.
+///
+/// * `nut`: that of the scene.
+pub(crate) fn quick_efficiency(
+    scene: &Scene,
+    settings: &Settings,
+    nut: &Nut,
+    phase: &Phase,
+    work: &mut ModelWorkspace,
+) -> Option<f64> {
+    let preload = scene.preload_N.unwrap_or(0.0);
+    let single = Scene { preload_N: None, ..scene.clone() };
+    let drag = drag_torque(preload, nut.lead, nut.lead_angle());
+    let torques = Torques::of(&single, settings, (nut.lead / TAU, drag), phase, work).ok()?;
+    torques.efficiency()
+}
