@@ -102,7 +102,7 @@ impl PrescribedBall {
             });
         let y = match of_near {
             Some(y) => y,
-            None => balance.from_large_creep(&mut work)?,
+            None => balance.by_way_of_large_creep(&mut work)?,
         };
         let (to_nut, _, power) = balance.friction(&y);
         // T_f |W| = Σ P                                                   (U30)
@@ -112,7 +112,7 @@ impl PrescribedBall {
 
 impl Balance<'_> {
     /// The balance by way of larger creep speeds.
-    fn from_large_creep(
+    fn by_way_of_large_creep(
         &self,
         work: &mut Workspace<Dense<UNKNOWNS>>,
     ) -> Result<[f64; UNKNOWNS], Unsolved> {
