@@ -560,6 +560,10 @@ impl NutReport {
         notes.extend(self.touch_note());
         let rubbed = self.state.rubbed(&self.problem);
         match rubbed.map(|rubbed| &rubbed.friction) {
+            None if self.problem.warm.is_some() => notes.push(
+                "torque, efficiency and heat need screw_speed_rpm; at the speeds of the cycle bsm axis has them"
+                    .to_owned(),
+            ),
             None => notes.push(
                 "torque, efficiency and heat need screw_speed_rpm, and friction_coefficient or a lubricant with \
                  lubricant_temperature_C"

@@ -132,9 +132,7 @@ impl Warm {
         let Some(state) = state(self) else { return Vec::new() };
         let mut notes = Vec::new();
         if let Some(oil) = state.oil {
-            notes.push(format!(
-                "the lubricant has {oil:.1} C in the warm steady state, in place of lubricant_temperature_C"
-            ));
+            notes.push(format!("the lubricant has {oil:.1} C in the warm steady state"));
         }
         let Some(band) = &state.band else { return notes };
         if self.fold.is_none() {
