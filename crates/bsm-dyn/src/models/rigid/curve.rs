@@ -72,8 +72,6 @@ struct BranchSet<F: Field> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CurveSample {
     pub(super) turn: f64,
-    /// `$B_0$`; near its zero the slip at A' turns fast.
-    pub(super) drive: f64,
     pub(super) sheets: [Option<CurvePoint>; 4],
 }
 
@@ -183,11 +181,9 @@ impl WithSimd for CurveSamples<'_> {
         }
         for first in (0..turns.len()).step_by(Lane::<S>::LEN) {
             let sin = Lane::<S>::load(simd, &sines[first..]);
-            let (drive, sheets) = curve.states([sin, Lane::load(simd, &cosines[first..])]);
+            let sheets = curve.states([sin, Lane::load(simd, &cosines[first..])]);
             for i in first..turns.len().min(first + Lane::<S>::LEN) {
-                let drive = drive.as_slice()[i - first];
-                let sample =
-                    samples[i].insert(CurveSample { turn: turns[i], drive, sheets: [None; 4] });
+                let sample = samples[i].insert(CurveSample { turn: turns[i], sheets: [None; 4] });
                 for k in 0..4 {
                     // Most directions are none.
                     if sheets[k][0].as_slice()[i - first].is_nan() {
@@ -219,6 +215,11 @@ impl Curve {
             axis: [ball.k_e, sin_a],
             thrust: ball.k_n,
         }
+    }
+
+    /// `$f/\max(1, \mu)$`, which turns of the slip at B near the ends of the curve go with.
+    pub(super) fn friction_over_inertia(&self) -> f64 {
+        self.signed.abs() / self.inertia.max(1.0)
     }
 
     /// The turns that admissible states can have, below zero and above it; none where no state is admissible.
@@ -324,10 +325,10 @@ impl Curve {
         }
     }
 
-    /// `$B_0$` and the states with a turn of the slip at B, at most four, with loads and speeds of any sign: of
+    /// The states with a turn of the slip at B, at most four, with loads and speeds of any sign: of
     /// each the numbers of [`CurvePoint`].
     #[inline(always)]
-    fn states<F: Compare>(&self, turn: [F; 2]) -> (F, [[F; NUMBERS]; 4]) {
+    fn states<F: Compare>(&self, turn: [F; 2]) -> [[F; NUMBERS]; 4] {
         cost::evaluated();
         let fan = self.fan(turn);
         let one = turn[0].constant(1.0);
@@ -342,7 +343,7 @@ impl Curve {
         for i in 0..4 {
             sheets[i] = self.point(&fan, zeros[i]);
         }
-        (fan.drive, sheets)
+        sheets
     }
 
     /// The numbers of the state of one direction of friction.

@@ -371,8 +371,10 @@ pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>, work: &mut RigidWorkspa
     }
     // An angle that has one, next to one that has none.
     let ends = [(high - STEP).max(0.5 * high), high];
-    let bracket = Bracket { x_tol: 1e-6, ..Bracket::new(ends, [-1.0, 1.0]) };
-    let found = bracket.root(|lead| if at(lead).exists() { 1.0 } else { -1.0 }).root();
+    let signs = [f64::NEG_INFINITY, f64::INFINITY];
+    let bracket = Bracket { x_tol: 1e-6, ..Bracket::new(ends, signs) };
+    let slip = |first: FirstOrder| if first.pushes() { first.slip } else { signs[0] };
+    let found = bracket.root(|lead| slip(at(lead))).root();
     let high = found.map_or(high, |root| root.ends[1]);
 
     // At inertia below the resolution, the smallest resolved inertia moves the angle by as much.

@@ -2,6 +2,8 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, section on fast balls.
 
+use std::iter;
+
 use bsm_newton::Bracket;
 use bsm_simd::BLOCK;
 
@@ -14,17 +16,17 @@ const LATEST: f64 = 1e-7;
 const EARLIEST: f64 = 1e-16;
 
 /// Growth of its steps, and the longest one \[rad\].
-const GROWTH: f64 = 1.5;
+const GROWTH: f64 = 3.0;
 pub(super) const LONGEST: f64 = 0.04;
 
-/// Steps to an end of a window, where slips turn fast and loads grow, each half of the one before, and the
-/// shortest step there \[rad\].
-const APPROACHES: i32 = 30;
-const APPROACH: f64 = 0.5;
-const NEAREST: f64 = 1e-10;
+/// Steps to an end of a window, where slips turn fast and loads grow, are this part of the one before, as many
+/// at most; they end at this part of [friction over inertia](Curve::friction_over_inertia).
+const APPROACH: f64 = 0.35;
+const APPROACHES: usize = 20;
+const NEAREST: f64 = 1e-4;
 
-/// Turns of a walk are at most so many: hundreds of growing steps, of long ones and of approaches.
-const MOST_TURNS: usize = 400;
+/// Turns of a walk are at most so many: growing steps, long ones and two approaches.
+const MOST_TURNS: usize = 200;
 
 /// A direction moves less than this in a step, as the square of its distance on the unit circle:
 /// it distinguishes the sheets.
@@ -36,13 +38,10 @@ const CLOSE: f64 = 0.2;
 /// Where a demand breaks, inertia that is this far off at both ends of a step has no root in it.
 const FAR: f64 = 0.99;
 
-/// Most halvings of a step where a sheet that may have a root ends or moves far; where the slip at A'
-/// turns fast, within the friction coefficient of a turn; where a demand breaks; and where two roots
-/// may be close.
+/// Most halvings of a step where a sheet that may have a root ends or moves far; and where a demand breaks or two
+/// roots may be close: those that take as long as one.
 const LOST: u32 = 45;
-const FAST: u32 = 30;
-const BREAKS: u32 = 8;
-const PAIR: u32 = 4;
+const PAIR: u32 = 3;
 
 /// Halves no step any more after so many samples, ten times what was ever needed.
 const MOST_SAMPLES: usize = 10_000;
@@ -60,27 +59,28 @@ pub(super) struct Search<'a, F> {
 }
 
 /// Turns of a walk through a window above zero: steps that grow up to the longest, and ever shorter ones
-/// towards its ends.
-fn turns(first: f64, [low, high]: [f64; 2]) -> Vec<f64> {
-    let mut turns = Vec::with_capacity(MOST_TURNS);
+/// towards its ends, down to `nearest`.
+fn turns(first: f64, [low, high]: [f64; 2], nearest: f64) -> Vec<f64> {
     let step = LONGEST.min(0.5 * (high - low));
     if step <= 0.0 {
         // Half of the smallest number is none: nothing is between the ends.
         return vec![high];
     }
+    let shorter = |step: &f64| (*step > nearest).then_some(step * APPROACH);
+    let approach: Vec<_> = iter::successors(Some(step), shorter).take(APPROACHES + 1).collect();
+    let longer = |turn: f64| (turn * GROWTH).min(turn + LONGEST);
+    let mut turns = Vec::with_capacity(MOST_TURNS);
     let mut turn = if low > 0.0 {
-        turns.extend((0..APPROACHES).rev().map(|i| low + step * APPROACH.powi(i)));
-        low + step
+        turns.extend(approach.iter().rev().map(|step| low + step));
+        longer(low + step)
     } else {
-        let first = first.min(step);
-        turns.push(first);
-        first
+        first.min(step)
     };
     while turn < high - step {
-        turn = (turn * GROWTH).min(turn + LONGEST).min(high - step);
         turns.push(turn);
+        turn = longer(turn);
     }
-    turns.extend((1..=APPROACHES).map(|i| high - step * APPROACH.powi(i)));
+    turns.extend(approach.iter().map(|step| high - step));
     turns.push(high);
     turns
 }
@@ -133,8 +133,9 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
     pub(super) fn run(&mut self, inertia: f64) -> bool {
         let first = (BEGIN * inertia).clamp(EARLIEST, LATEST);
         let [below, above] = self.curve.windows();
-        let above = above.map(|window| turns(first, window));
-        let below = below.map(|[low, high]| turns(first, [-high, -low]));
+        let nearest = NEAREST * self.curve.friction_over_inertia();
+        let above = above.map(|window| turns(first, window, nearest));
+        let below = below.map(|[low, high]| turns(first, [-high, -low], nearest));
         let below = below.map(|turns| turns.into_iter().map(|turn| -turn).collect());
         [above, below].into_iter().flatten().any(|turns: Vec<f64>| {
             let mut before: Option<CurveSample> = None;
@@ -212,11 +213,7 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
         };
         let most = if torn || any(|one, other| one.apart(other) > NEAR) {
             LOST
-        } else if (a.drive > 0.0) != (b.drive > 0.0) && (a.turn - b.turn).abs() > NEAREST {
-            FAST
-        } else if any(breaks) {
-            BREAKS
-        } else if any(is_close) {
+        } else if any(breaks) || any(is_close) {
             PAIR
         } else {
             0
