@@ -4,7 +4,7 @@ use std::path::Path;
 
 use bsm_batch::dataset::Points;
 use bsm_batch::{Draws, TableFormat, Task, Workers};
-use bsm_case::{CaseError, Grid, Output as OutputColumn, Scene, Settings};
+use bsm_case::{AnalysisKind, CaseError, Grid, InputSet, Output as OutputColumn, Scene, Settings};
 use bsm_report::ReportError;
 
 use crate::args::SweepArgs;
@@ -52,7 +52,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
         _ => chosen,
     };
     let task = Task::over_grid(base, settings, chosen, watched, &grid).map_err(in_file)?;
-    note_unused(task.base.given() | grid.varied());
+    note_unread(&task, grid.varied());
     if let Some(path) = files.lookup {
         return Lookup::of(path).write(path, &task, &grid, workers);
     }
@@ -113,13 +113,23 @@ fn of_table(
         let path = path.display();
         Failure::Input(format!("{path}: {error}; add columns, a scene or --set"))
     })?;
-    note_unused(task.base.given() | source.columns().set());
+    note_unread(&task, source.columns().set());
     let points = Points::Table { path: path.to_owned(), keep: args.keep.clone(), dialect };
     let job = files.job(task, args, signs);
     job.run(source.as_mut(), &points, workers, |_, _, _| {}).map_err(|e| match e {
         Failure::Table(error) => Failure::table(path, &error),
         other => other,
     })
+}
+
+/// Notes inputs that no model of the ball uses, unless a column is of the nut or the axis, which use them.
+fn note_unread(task: &Task, columns: InputSet) {
+    use AnalysisKind::{Axis, Nut, Ratings, Warm};
+    let is_beyond_the_ball =
+        |output: &&OutputColumn| matches!(output.analysis(), Some(Nut | Ratings | Axis | Warm));
+    if !task.outputs.iter().chain(&task.watched).any(is_beyond_the_ball) {
+        note_unused(task.base.given() | columns);
+    }
 }
 
 /// Endings of the files of a sweep.

@@ -188,10 +188,11 @@ impl BallNut {
         seal_torque: f64,
         mut solve: impl FnMut(ElasticPoint) -> Solution,
     ) -> NutFriction {
-        let hertz = self.hertz();
+        let hertz = self.hertz().ok();
+        let mut before = None;
         let mut of_one = |number: usize| {
-            let hertz = hertz.as_ref().ok()?;
-            self.friction_of(found, number, friction, drive, hertz, &mut solve)
+            let at = (found, number, friction, drive);
+            self.friction_of(at, hertz.as_ref()?, &mut before, &mut solve)
         };
         let mut sum = FrictionSum::default();
         let mut last: Option<(usize, FreeBall)> = None;
@@ -262,19 +263,19 @@ impl BallNut {
 
 impl BallNut {
     /// Friction of a loaded ball, by itself or with both flanks pressed (U21).
+    ///
+    /// * `before`: the motion of the last ball that both flanks pressed.
     fn friction_of(
         &self,
-        found: &Equilibrium,
-        number: usize,
-        friction: Option<f64>,
-        drive: &Drive<f64>,
+        (found, number, friction, drive): (&Equilibrium, usize, Option<f64>, &Drive<f64>),
         hertz: &[Hertz; 2],
+        before: &mut Option<BallMotion>,
         solve: &mut impl FnMut(ElasticPoint) -> Solution,
     ) -> Option<FreeBall> {
         if found.balls[number].flanks_pressed() == [true, true] {
             let ball = self.ball_on_both_flanks(found, number, friction?, drive, hertz);
-            let BallMotion { to_nut, torque, .. } =
-                ball.solve(&Quadrature::of(FOUR_CONTACTS)).ok()?;
+            let motion = ball.solve(before.as_ref(), &Quadrature::of(FOUR_CONTACTS)).ok()?;
+            let BallMotion { to_nut, torque, .. } = *before.insert(motion);
             let friction =
                 FrictionSum { torque, contacts: [0.5 * torque; 2], ..FrictionSum::default() };
             let motion = Some(self.free_motion(&to_nut, drive.relative_speed(), None));
@@ -361,7 +362,7 @@ impl BallNut {
                 }
             }
         }
-        let mut sum = FrictionSum::default();
+        let (mut sum, mut before) = (FrictionSum::default(), None);
         for group in &groups {
             let loads = group.iter().map(|number| found.balls[*number].force[0].abs());
             let (low, high) = loads.clone().fold((f64::MAX, 0.0), |(low, high), load| {
@@ -373,8 +374,8 @@ impl BallNut {
             let points = (between_loads.ln() / (narrow / roots).ln()).ceil().clamp(1.0, most);
             if points >= most {
                 for number in group {
-                    let ball =
-                        self.friction_of(found, *number, friction, drive, &hertz, &mut solve)?;
+                    let at = (found, *number, friction, drive);
+                    let ball = self.friction_of(at, &hertz, &mut before, &mut solve)?;
                     sum.add(&ball.friction, 1.0);
                 }
                 continue;

@@ -631,8 +631,11 @@ impl Flow<'_> {
             return Err(TrainError::NoRoom { circuit: self.circuit });
         }
         let needed = self.inputs.exit.push(0.0, self.centrifugal);
-        // A ball gives no more than the friction of both contacts that slide.
-        let available: f64 = self.rolling().map(TrainBall::sliding_push).sum();
+        // A ball gives no more than the friction of both contacts that slide, and nothing where the ball in front stops
+        // its rotation (O6).
+        let given = self.rolling().map(TrainBall::sliding_push);
+        let (sum, most) = given.fold((0.0, 0.0), |(sum, most), of| (sum + of, f64::max(most, of)));
+        let available = f64::min(sum, most / (2.0 * self.inputs.contact_friction));
         if needed > available {
             return Err(TrainError::Return { needed, available });
         }

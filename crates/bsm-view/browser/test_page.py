@@ -525,3 +525,17 @@ def test_numbers_are_written_as_the_program_writes_them(serve, sheet):
     values += [1.0625 * 2.0**k for k in range(-12, 20)]
     found = page.evaluate("async (values) => { const { number } = await import('bsm/draw'); return values.map(number); }", values)
     assert found == [five_digits(value) for value in values]
+
+
+@pytest.mark.parametrize("name", ["axis", "rated"])
+def test_a_sheet_prints_on_two_pages(sheet, tmp_path, name):
+    written = tmp_path / "sheet.html"
+    bsm("axis", example(name), "-o", written)
+    page = sheet().page
+    page.goto(written.as_uri())
+    printed = page.pdf(format="A4")
+    assert len(re.findall(rb"/Type\s*/Page\b", printed)) == 2
+    # Nothing is wider than A4 between its margins, 188 mm at 96 dots an inch.
+    page.set_viewport_size({"width": 711, "height": 1040})
+    page.emulate_media(media="print")
+    assert page.evaluate("document.documentElement.scrollWidth") <= 711

@@ -50,8 +50,8 @@ function developed(balls) {
 /** Ball advance along the helix; where a gap is given, the forces between the balls as bars below it. */
 function train(balls, answer) {
   const advance = balls.advance_mm ?? [];
-  // Balls that are alike differ by rounding.
-  if (!(answer.advance_spread > 1e-8)) return null;
+  // The advance of balls that are alike is rounding, far below a nanometre.
+  if (!(answer.needed_gap_mm > 1e-6)) return null;
   const [width, height, box] = sizes(), pushes = (balls.front_push_N ?? []).map((v) => v ?? 0), most = Math.max(...pushes, 0);
   const turns = balls.theta_deg.map((v) => v / 360), [low, high] = span(advance.map((v) => v ?? NaN)), bars = most > 0 ? 70 : 0;
   const x = scale(span(turns), [box[0], box[2]]), y = scale([Math.min(low, 0), high > low ? high : low + 1], [box[3] - bars, box[1]]), y2 = scale([0, most || 1], [box[3], box[3] - bars + 14]);
@@ -64,6 +64,7 @@ function train(balls, answer) {
 }
 
 function deflection(curve, answer) {
+  const [cold, warm] = [number(answer.preload_set_N), number(answer.warm_preload_N)];
   const [width, height, box] = sizes();
   const loads = curve.axial_load_N, shift = curve.nut_displacement_um;
   const x = scale([Math.min(0, ...loads), Math.max(0, ...loads)], [box[0], box[2] - 52]), [low, high] = span(shift.map((v) => v ?? NaN));
@@ -79,7 +80,7 @@ function deflection(curve, answer) {
     preload ? line(curve.preload_left_N, preload, "--c2", "2 3") : null, mark, ...ends,
     limit && limit <= x.domain[1] ? svg("g", {}, svg("path", { d: `M${x(limit)} ${box[1]}V${box[3]}`, stroke: "var(--faint)", "stroke-dasharray": "3 3" }), text(x(limit) - 4, box[1] + 12, "limit load", { "text-anchor": "end", class: "small faint" })) : null),
     legend([["displacement, left scale", "var(--c1)", "solid"], ["tangent stiffness, N/µm, right scale", "var(--c3)", "dash"], ...(preload ? [[`remaining preload, up to ${number(preload.domain[1] / 1.05)} N`, "var(--c2)", "dots"]] : [])]),
-    html("p", { class: "small" }, `Stiffness at this load ${number(answer.nut_stiffness_N_um)} N/µm${answer.preload_left_N == null ? "" : `; preload ${number(answer.preload_set_N)} N cold, ${number(answer.warm_preload_N)} N warm, of which ${number(answer.preload_left_N)} N are left`}${limit == null ? "" : `; from ${number(limit)} N on nothing is left of the preload`}.`));
+    html("p", { class: "small" }, `Stiffness at this load ${number(answer.nut_stiffness_N_um)} N/µm${answer.preload_left_N == null ? "" : `; preload ${cold === warm ? cold : `${cold} N cold, ${warm}`} N, of which ${number(answer.preload_left_N)} N are left`}${limit == null ? "" : `; from ${number(limit)} N on nothing is left of the preload`}.`));
 }
 
 /** Preload over the speed in the warm steady state, among the pictures of a nut: solid up to the fold, dashed beyond it. */

@@ -385,7 +385,7 @@ pub(crate) fn numbers(
     {
         return Ok(torque.numbers);
     }
-    let warm = Warm::state_of(scene, settings)?;
+    let warm = Warm::state_of(scene, settings, false)?;
     let scene = &warm.as_ref().map_or_else(|| scene.clone(), |warm| warm.scene(scene));
     Ok(read(&AxisState::of(scene, settings, warm)?, wanted).where_finite())
 }

@@ -599,6 +599,7 @@ impl NutReport {
                         friction.torque.unwrap_or(f64::NAN)
                     ));
                 }
+                let touching = self.problem.gaps.train.is_some();
                 let not_in_it = match self.problem.friction {
                     Some((FrictionSource::Lubricant(_), _)) => {
                         notes.push(
@@ -606,10 +607,14 @@ impl NutReport {
                              rolling resistance dominates; bsm solve has the interval of one ball, bsm axis that of the axis"
                                 .to_owned(),
                         );
-                        "only by return_circuits, ball_contact_force_N and seal_torque_Nm: returns, ball-to-ball \
-                         contact and wipers"
+                        if touching {
+                            "ball-to-ball contact by ball_gap_mm; only by return_circuits and seal_torque_Nm: returns and wipers"
+                        } else {
+                            "only by return_circuits, ball_contact_force_N and seal_torque_Nm: returns, ball-to-ball \
+                             contact and wipers"
+                        }
                     }
-                    _ if self.problem.gaps.train.is_some() => {
+                    _ if touching => {
                         "ball-to-ball contact by ball_gap_mm; not: lubricant and impacts in the returns; wipers only by \
                          seal_torque_Nm"
                     }
@@ -651,7 +656,8 @@ impl NutReport {
                 "the preload is lost with these rises of temperature: the nut has play".to_owned(),
             );
         }
-        let lost = self.number("preload_left_N").is_some_and(|left| left <= 0.0);
+        let set = self.state.made.preload.as_ref().is_some_and(|preload| preload.cold > 0.0);
+        let lost = set && self.number("preload_left_N").is_some_and(|left| left <= 0.0);
         if let (true, Some(limit)) = (lost, self.number("limit_load_N")) {
             warnings.push(format!(
                 "the preload is lost: the load of {} N is beyond the limit load of {limit:.0} N",
@@ -797,6 +803,10 @@ impl NutReport {
             .with("", Content::numbers(self.numbers(|_| true), "nut"))
             .with("", Content::Json(Value::Object(more)))
             .with("model", Content::Words("model ", self.model()));
+        let answer = match self.circuits() {
+            Some(circuits) => answer.with("circuits", Content::Table(circuits)),
+            None => answer,
+        };
         match warm {
             Some(warm) => warm.add_to(answer),
             None => answer,

@@ -29,7 +29,7 @@ quantities! { pub(crate) QUANTITIES, read(&Warm) of Warm;
         screw_tension_N = INPUTS Whole(|w| state(w)?.tension);
         loop_gain [""] Whole(|w| Some(state(w)?.steady.gain)), "loop gain of heat and preload, 1 at the fold";
         fold_speed_factor [""] Whole(|w| Some(w.fold.as_ref()?.factor)), "speed of the fold over the speeds given; there is no steady state above";
-        fold_preload_N ["N"] Whole(|w| Some(w.fold.as_ref()?.preload)), "warm preload at the fold";
+        fold_preload_N ["N"] Whole(|w| w.fold.as_ref()?.preload), "warm preload at the fold";
     }
     "conductances" {
         nut_conductance_W_K = INPUTS Whole(|w| Some(state(w)?.conductances.nut));
@@ -138,7 +138,10 @@ impl Warm {
         }
         let Some(band) = &state.band else { return notes };
         if self.fold.is_none() {
-            notes.push(format!("no fold of the warm state up to {} times the speeds", self.search));
+            notes.push(match &self.end {
+                Some(why) => format!("no fold of the warm state: {why}"),
+                None => format!("no fold of the warm state up to {} times the speeds", self.search),
+            });
         }
         for (guess, factor, why) in &band.none {
             let (times, way) =
@@ -152,12 +155,7 @@ impl Warm {
     pub(crate) fn warning(&self) -> Option<String> {
         let Some(state) = state(self) else {
             let fold = self.fold.as_ref()?;
-            let [nut, screw, balls, ..] = fold.rises.map(|rise| self.set + rise - ZERO_CELSIUS);
-            return Some(format!(
-                "no warm steady state: runs away above {:.2} of these speeds; there nut {nut:.0}, screw {screw:.0}, \
-                 balls {balls:.0} C, preload {:.0} N",
-                fold.factor, fold.preload
-            ));
+            return Some(format!("no warm steady state: {fold}"));
         };
         if state.preload.is_some_and(|[_, warm]| warm <= 0.0) {
             return Some("the preload is lost in the warm state: the nut has play".to_owned());
@@ -256,12 +254,14 @@ pub(crate) fn numbers(
     settings: &Settings,
     wanted: impl Fn(&Quantity) -> bool,
 ) -> Result<Numbers, CaseError> {
-    let fold =
-        QUANTITIES.iter().any(|quantity| quantity.name.starts_with("fold_") && wanted(quantity));
-    let warm = if fold {
+    let any = |of_fold: bool| {
+        QUANTITIES.iter().any(|of| of.name.starts_with("fold_") == of_fold && wanted(of))
+    };
+    let fold = any(true);
+    let warm = if fold && !any(false) {
         Warm::with_band(scene, settings, Detail { fold, band: false })
     } else {
-        Warm::state_of(scene, settings)
+        Warm::state_of(scene, settings, fold)
     }?;
     Ok(warm.map_or_else(|| Numbers::none(QUANTITIES), |warm| read(&warm, wanted).where_finite()))
 }

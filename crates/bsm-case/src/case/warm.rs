@@ -18,8 +18,8 @@ pub(crate) struct Warm {
     /// The state; `None`: the axis runs away.
     pub(crate) state: Option<WarmState>,
     pub(crate) fold: Option<Fold>,
-    /// Temperature of setting \[K\].
-    pub(crate) set: f64,
+    /// Why the states end without a fold.
+    pub(crate) end: Option<NoSteadyState>,
     /// Multiple of the speeds up to which the fold is looked for.
     pub(crate) search: f64,
 }
@@ -67,16 +67,16 @@ impl Warm {
         let axis = WarmAxis::of(scene, settings, &machine)?;
         let friction = axis.friction();
         let nut = axis.nut(&friction)?;
-        let (set, search) = (nut.set, axis.search());
+        let search = axis.search();
         let steady = match nut.steady() {
             Ok(steady) => steady,
             Err(NoSteadyState::RunsAway(fold)) => {
-                return Ok(Some(Self { state: None, fold: Some(*fold), set, search }));
+                return Ok(Some(Self { state: None, fold: Some(*fold), end: None, search }));
             }
             Err(why) => return Err(CaseError::NoWarmState(Box::new(why))),
         };
         let fold = if detail.fold { nut.fold(&steady, search) } else { Ok(None) };
-        let fold = fold.map_err(|why| CaseError::NoWarmState(Box::new(why)))?;
+        let (fold, end) = fold.map_or_else(|why| (None, Some(why)), |fold| (fold, None));
         let (network, lubricated) = (nut.network(1.0), scene.given().is_lubricated());
         let state = WarmState {
             celsius: nut.temperatures(&steady).map(|kelvin| kelvin - ZERO_CELSIUS),
@@ -88,7 +88,7 @@ impl Warm {
             band: detail.band.then(|| nut.band(&steady, of_band)),
             steady,
         };
-        Ok(Some(Self { state: Some(state), fold, set, search }))
+        Ok(Some(Self { state: Some(state), fold, end, search }))
     }
 
     /// Temperature of setting \[K\], and the states from rest up to the multiple of the speeds to which a fold is looked for.
@@ -104,13 +104,19 @@ impl Warm {
         Ok((nut.set, states.map_err(|why| CaseError::NoWarmState(Box::new(why)))?))
     }
 
-    /// The state of a scene which asks for it, without fold and band.
+    /// The state of a scene which asks for it, without its band.
+    ///
+    /// * `fold`: with the fold above it.
     ///
     /// # Errors
     ///
     /// [`CaseError::NoWarmState`] if it runs away too.
-    pub(crate) fn state_of(scene: &Scene, settings: &Settings) -> Result<Option<Self>, CaseError> {
-        let warm = Self::of(scene, settings, Detail { fold: false, band: false }, |_, _| vec![])?;
+    pub(crate) fn state_of(
+        scene: &Scene,
+        settings: &Settings,
+        fold: bool,
+    ) -> Result<Option<Self>, CaseError> {
+        let warm = Self::of(scene, settings, Detail { fold, band: false }, |_, _| vec![])?;
         match warm {
             Some(Self { state: None, fold: Some(fold), .. }) => {
                 Err(CaseError::NoWarmState(Box::new(NoSteadyState::RunsAway(Box::new(fold)))))
@@ -143,7 +149,7 @@ impl Scene {
     ///
     /// [`CaseError`] if there is no state, or what it follows from is missing or contradicts itself.
     pub fn in_warm_state(&self, settings: &Settings) -> Result<Self, CaseError> {
-        let warm = Warm::state_of(self, settings)?;
+        let warm = Warm::state_of(self, settings, false)?;
         Ok(warm.map_or_else(|| self.clone(), |warm| warm.scene(self)))
     }
 }

@@ -1,7 +1,7 @@
 //! The ball train of a nut, from its scene: the reference cases of `validation/published/nut`, and what a scene may not
 //! say.
 
-use bsm_case::{CaseError, NutProblem, NutReport, Scene, Settings};
+use bsm_case::{AnalysisKind, CaseError, NutProblem, NutReport, Scene, Settings};
 use bsm_dyn::Model;
 use serde_json::{Value, json};
 
@@ -198,4 +198,46 @@ fn each_circuit_may_have_its_own_gaps() {
         let why = touching([gap, Value::Null], of_nut).expect_err("refused").to_string();
         assert!(why.contains("circuits[0].ball_gap_mm"), "{why}");
     }
+}
+
+/// Circuits have what their balls need and their flux: the balls that pass in a second are the rate of the train over the
+/// angle of two that touch (O8), of T02 by the reference to 1e-7.
+#[test]
+fn circuits_have_their_flux() {
+    let case = cases().into_iter().find(|case| case["case"] == "T02").expect("T02");
+    let report = nut(&case["scene"], &json!({}), &Settings::default()).expect("a nut");
+    let circuit = &report.answer().to_json()["circuits"][0];
+    let expected = &case["expected"]["circuits"][0];
+    for (ours, theirs, allowed) in [
+        ("needed_gap_mm", "needed_gap_mm", 6e-5),
+        ("train_rate", "train_rate", 1e-7),
+        ("flux_1_s", "flux_1_s", 1e-5),
+    ] {
+        let [found, want] = [&circuit[ours], &expected[theirs]].map(|of| of.as_f64().expect(ours));
+        assert!((found - want).abs() <= allowed, "{ours}: {found}, not {want}");
+    }
+}
+
+/// Balls that do not fit are counted; a column of a torque that pushes do not leave says why, others are there.
+#[test]
+fn too_many_balls_and_too_large_pushes_are_said() {
+    let case = cases().into_iter().find(|case| case["case"] == "T02").expect("T02");
+    let mut scene = case["scene"].clone();
+    scene["circuits"][0]["balls"] = json!(120);
+    let report = nut(&scene, &json!({}), &Settings::default()).expect("a nut");
+    let warnings = report.warnings().join("; ");
+    // A turn is 129.86 along and 10 mm ahead, 1731.6 degrees are 626.5 mm, and 98.6 balls of 6.35 mm.
+    assert!(
+        warnings.contains("circuit 0 has 120 balls: its 626 mm hold 98 of 6.35 mm"),
+        "{warnings}"
+    );
+    let mut scene = case["scene"].clone();
+    scene["ball_gap_mm"] = json!(1e-6);
+    let scene = Scene::from_json(scene.to_string().as_bytes()).expect("a scene");
+    let numbers = |name: &str| {
+        AnalysisKind::Nut.numbers(&scene, &Settings::default(), None, |of| of.name == name)
+    };
+    assert!(numbers("needed_gap_mm").expect("a gap").number("needed_gap_mm").is_some());
+    let why = numbers("friction_torque_Nm").expect_err("no torque").to_string();
+    assert!(why.starts_with("no friction torque with pushes of the balls: a push of"), "{why}");
 }

@@ -157,6 +157,48 @@ fn all_answers_are_in_one_warm_state() {
     }
 }
 
+/// A sheet is there although the states end above its speeds without a fold; where they end below them, it says why.
+#[test]
+fn what_ends_the_states_is_said() {
+    let (cooled, _) = scene("WS-P5", |_| {});
+    let sheet = AxisReport::of(&cooled, &settings()).expect("an axis");
+    let ends = "no fold of the warm state: the warm states end at 1.75 of these speeds";
+    assert!(sheet.answer.notes.iter().any(|note| note.contains(ends)), "{:?}", sheet.answer.notes);
+    for (setting, why) in [
+        ("screw_speed_rpm=200000", "a temperature passes 180 C at 0.03 of these speeds"),
+        ("preload_N=1", "the warm states end at 0.87 of these speeds"),
+    ] {
+        let error = AxisReport::of(&feed_axis(&[setting]), &settings()).expect_err(setting);
+        assert!(error.to_string().contains(why), "{setting}: {error}");
+    }
+}
+
+/// A preload has its drag and its rules in a cycle without loads too.
+#[test]
+fn a_preload_without_load_has_its_drag() {
+    let (scene, _) = scene("WS-P3", |scene| scene["fold_search_factor"] = json!(1.01));
+    let sheet = AxisReport::of(&scene, &settings()).expect("an axis");
+    let [mean, steady] =
+        ["mean_heat_W", "steady_heat_W"].map(|name| sheet.number(name).expect(name));
+    // Friction of balls that differ by their load alone is interpolated to 1e-9 in the one and in the other.
+    assert!((mean / steady - 1.0).abs() < 1e-7, "{mean} {steady}");
+    assert!(sheet.answer.to_json()["rules"].to_string().contains("warm_preload_N"));
+}
+
+/// Above the fold only the numbers of the fold are there; others say why they are not.
+#[test]
+fn above_the_fold_a_column_says_why() {
+    let (scene, _) = scene("WS-P3", |scene| scene["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
+    let numbers = |names: &[&str]| {
+        AnalysisKind::Warm.numbers(&scene, &settings(), None, |of| names.contains(&of.name))
+    };
+    let fold = numbers(&["fold_speed_factor"]).expect("a fold").number("fold_speed_factor");
+    // WS-P3 has its fold at 1166.5467 rpm, to the 1e-5 of the reference.
+    assert!((fold.expect("a factor") * 1500.0 / 1_166.546_7 - 1.0).abs() < 1e-5);
+    let why = numbers(&["fold_speed_factor", "warm_preload_N"]).expect_err("no state").to_string();
+    assert!(why.contains("runs away above 0.78 of these speeds; there nut"), "{why}");
+}
+
 /// The band of WS-P2 by the reference, to the 1e-3 that it states; what is given is not estimated, and narrows it.
 #[test]
 fn what_is_given_narrows_the_band() {

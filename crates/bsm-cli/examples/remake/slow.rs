@@ -344,6 +344,60 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     )])
 }
 
+/// Nuts, touching balls and warm axes: a row of a sweep on one core, and a map on all.
+pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
+    const TRAIN: &str = "examples/nut_train.json --model traction --set moment_y_Nm=30";
+    const AXIS: &str = "validation/published/nut/feed_axis.json";
+    const MODEL: &str = "--model raceway-control";
+    let folder = tempfile::tempdir_in(site.folder()?)?;
+    for name in ["examples", "validation"] {
+        std::os::unix::fs::symlink(site.root.join(name), folder.path().join(name))?;
+    }
+    let took = |words: &str| site.took(folder.path(), &format!("sweep {words} -o rows.csv"));
+    let row = |what: &str, words: &str, column: &str| -> Result<String> {
+        let run = |rows: usize| {
+            took(&format!(
+                "{words} --vary screw_speed_rpm=90:110:{rows} --columns {column} --threads 1"
+            ))
+        };
+        let rows = site.points(400);
+        // The program itself starts in some milliseconds, which two rows have too.
+        let time = run(rows + 2)?.time.saturating_sub(run(2)?.time);
+        #[expect(clippy::cast_precision_loss, reason = "hundreds")]
+        let each = 1e3 * time.as_secs_f64() / rows as f64;
+        Ok(format!("| {what} | {} ms |", short(each)))
+    };
+    let mut dry: Value = serde_json::from_str(&fs::read_to_string(site.root.join(AXIS))?)?;
+    let inputs = dry.as_object_mut().ok_or("the scene is no object")?;
+    inputs.retain(|name, _| name != "iso_vg" && !name.ends_with("_roughness_um"));
+    inputs.insert("friction_coefficient".to_owned(), 0.05.into());
+    fs::write(folder.path().join("dry.json"), dry.to_string())?;
+    let mut rows = vec![
+        row(
+            "friction of 98 balls",
+            &format!("{TRAIN} --set ball_gap_mm=100"),
+            "friction_torque_Nm",
+        )?,
+        row("the same, balls touch", TRAIN, "friction_torque_Nm")?,
+        row(
+            "warm state of a pair of 114 balls, oiled",
+            &format!("{AXIS} {MODEL}"),
+            "warm_preload_N",
+        )?,
+        row("the same, dry", &format!("dry.json {MODEL}"), "warm_preload_N")?,
+    ];
+    let side = if site.quick { 4 } else { 200 };
+    let map = took(&format!(
+        "{AXIS} {MODEL} --vary screw_speed_rpm=50:1500:{side} --vary preload_N=500:3500:{side} --columns warm_preload_N"
+    ))?;
+    rows.push(format!("| map of 200 x 200 warm states, oiled, all cores | {} |", seconds(&map)));
+    let text = table("| row of a sweep on one core | time |", &rows);
+    Ok(vec![
+        ("nuts", Text::Whole(text)),
+        ("nuts/machine", Text::Whole(format!("({})", site.machine()?))),
+    ])
+}
+
 /// The peers of `rigid`.
 pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let file = site.folder()?.join("peers.json");

@@ -786,7 +786,7 @@ fn the_guide_has_the_table_of_the_plans() {
     let dir = folder();
     let drive = drive();
     let mut table = String::new();
-    for model in ["closed-form", "rigid", "elastic", "traction"] {
+    for model in ["closed-form", "traction"] {
         let what = format!("`{model}`");
         // Times a thousand.
         for (rows, all) in [("1000000", "1e9"), ("100000000", "1e11"), ("1000000000", "1e12")] {

@@ -89,7 +89,7 @@ fn from_a_requirement_to_a_sheet_in_three_commands() {
         for rule in sheet["rules"].as_array().expect("rules") {
             assert!(page.contains(rule["name"].as_str().expect("a name")), "{rule}");
         }
-        assert!(page.contains("Not modelled") && page.matches("<svg").count() == 2);
+        assert!(page.contains("<li>not modelled: ") && page.matches("<svg").count() == 2);
         let written = fs::read_to_string(dir.path().join("sheet/results.json")).expect("numbers");
         assert_eq!(json(&written), sheet);
     }

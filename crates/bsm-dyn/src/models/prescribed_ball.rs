@@ -2,13 +2,13 @@
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U29) and (U30).
 
-use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Over, Scalar, Site};
+use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Scalar, Site};
 use bsm_newton::{
     Continuation, Dense, EvalError, Options, Report, Scales, Workspace, follow, solve,
 };
 
 use crate::contact::{Ball, Coulomb, Wrench, newton_euler};
-use crate::ellipse::{Ellipse, Quadrature};
+use crate::ellipse::{Ellipse, Integrate, Local, Quadrature};
 use crate::models::ball::{Reason, Unsolved, equations};
 
 /// A contact whose load is given.
@@ -75,10 +75,16 @@ impl PrescribedBall {
     /// The motion in which friction and inertia are in balance along the helix and about the centre
     /// (U29): without inertia the one of least friction power, and the only one.
     ///
+    /// * `near`: the motion of a ball like it, to begin with.
+    ///
     /// # Errors
     ///
     /// [`Unsolved`] if screw and nut do not move against each other, or no balance is found.
-    pub fn solve(&self, quadrature: &Quadrature) -> Result<BallMotion, Unsolved> {
+    pub fn solve(
+        &self,
+        near: Option<&BallMotion>,
+        quadrature: &Quadrature,
+    ) -> Result<BallMotion, Unsolved> {
         let speed = self.drive.relative_speed();
         let loads = self.contacts.iter().map(|contact| contact.load).sum::<f64>();
         if speed == 0.0 {
@@ -87,27 +93,17 @@ impl PrescribedBall {
         if loads <= 0.0 || self.friction.0 <= 0.0 {
             return Err(Unsolved::invalid(Reason::Frictionless));
         }
-        // Half the speed of the screw, and rolling about b: where the races of nut and screw move on
-        // opposite sides of the ball.
-        let arc = self.helix.arc_length_per_radian();
-        let sign = speed.signum();
-        let mut y = [0.5 * sign, 0.0, 0.0, 0.0];
-        y[2] = -0.5 * sign * arc / self.ball.radius;
-        let mut work = Workspace::<Dense<UNKNOWNS>>::default();
-        // Against a creep speed far above all slip, friction is linear and the start does not matter.
-        let begin = (10.0 * arc / self.ball.radius).max(self.creep);
         let balance = Balance { held: self, loads, creep: self.creep, quadrature };
-        let stride = Continuation { first: 1.2, shortest: 0.05 };
-        let mut failure = Reason::SearchLost;
-        follow(&mut y, (begin.ln(), self.creep.ln()), stride, |log, y| {
-            let report = Balance { creep: log.exp(), ..balance }.run(y, &mut work);
-            let converged = report.converged();
-            if !converged {
-                failure = Reason::from(report);
-            }
-            converged
-        })
-        .map_err(|_| Unsolved::not_converged(failure))?;
+        let mut work = Workspace::<Dense<UNKNOWNS>>::default();
+        let of_near =
+            near.and_then(|BallMotion { to_nut: Motion { precession, omega }, .. }| {
+                let mut y = [*precession, omega.x, omega.y, omega.z].map(|of| of / speed.abs());
+                balance.run(&mut y, &mut work).converged().then_some(y)
+            });
+        let y = match of_near {
+            Some(y) => y,
+            None => balance.by_way_of_large_creep(&mut work)?,
+        };
         let (to_nut, _, power) = balance.friction(&y);
         // T_f |W| = Σ P                                                   (U30)
         Ok(BallMotion { to_nut, power, torque: power / speed.abs() })
@@ -115,6 +111,32 @@ impl PrescribedBall {
 }
 
 impl Balance<'_> {
+    /// The balance by way of larger creep speeds.
+    fn by_way_of_large_creep(
+        &self,
+        work: &mut Workspace<Dense<UNKNOWNS>>,
+    ) -> Result<[f64; UNKNOWNS], Unsolved> {
+        // Half the speed of the screw, and rolling about b: where the races of nut and screw move on
+        // opposite sides of the ball.
+        let around = self.held.helix.arc_length_per_radian() / self.held.ball.radius;
+        let sign = self.held.drive.relative_speed().signum();
+        let mut y = [0.5 * sign, 0.0, -0.5 * sign * around, 0.0];
+        // Against a creep speed far above all slip, friction is linear and the start does not matter.
+        let begin = (10.0 * around).max(self.creep);
+        let stride = Continuation { first: 1.2, shortest: 0.05 };
+        let mut failure = Reason::SearchLost;
+        follow(&mut y, (begin.ln(), self.creep.ln()), stride, |log, y| {
+            let report = Balance { creep: log.exp(), ..*self }.run(y, work);
+            let converged = report.converged();
+            if !converged {
+                failure = Reason::from(report);
+            }
+            converged
+        })
+        .map_err(|_| Unsolved::not_converged(failure))?;
+        Ok(y)
+    }
+
     fn run(&self, y: &mut [f64; UNKNOWNS], work: &mut Workspace<Dense<UNKNOWNS>>) -> Report {
         let around = self.held.helix.arc_length_per_radian() / self.held.ball.radius;
         let x = [1.0, around.recip(), around.recip(), around.recip()];
@@ -124,16 +146,16 @@ impl Balance<'_> {
     }
 
     /// Motion relative to the nut, wrench of all contacts on the ball, and the power of friction.
-    fn friction<D: Over<f64>>(&self, y: &[D; UNKNOWNS]) -> (Motion<D>, Wrench<D>, D) {
+    fn friction<D: Integrate<f64>>(&self, y: &[D; UNKNOWNS]) -> (Motion<D>, Wrench<D>, f64) {
         let held = self.held;
         let speed = held.drive.relative_speed().abs();
         let omega = nalgebra::Vector3::new(y[1], y[2], y[3]) * D::from(speed);
         let to_nut = Motion { precession: y[0] * speed, omega };
         let frame = self.frame_of::<D>();
         let to_screw = to_nut.relative_to(D::from(held.drive.relative_speed()), &frame);
-        let law = Coulomb(D::from(held.friction.0));
         let creep = self.creep * held.ball.radius * speed;
-        let (mut wrench, mut power) = (Wrench::zero(), D::from(0.0));
+        let arc = D::from(held.helix.arc_length_per_radian());
+        let (mut wrench, mut power) = (Wrench::zero(), 0.0);
         for contact in &held.contacts {
             let motion = if contact.site == Site::Screw { &to_screw } else { &to_nut };
             let ellipse = Ellipse {
@@ -143,10 +165,11 @@ impl Balance<'_> {
                 pressed_radius: contact.pressed_radius,
                 ball_radius: held.ball.radius,
             };
-            let arc = D::from(held.helix.arc_length_per_radian());
-            let (friction, lost) = ellipse.friction(motion, arc, &law, creep, self.quadrature);
-            wrench = wrench + friction;
-            power += lost;
+            let local = Local::of(motion, &ellipse.contact, arc);
+            let (unit, lost) = D::integrate(&ellipse, &local, creep, self.quadrature.into());
+            let sliding = held.friction.0 * contact.load;
+            wrench = wrench + unit.wrench(&ellipse.contact) * D::from(sliding);
+            power += lost * sliding;
         }
         (to_nut, wrench, power)
     }
@@ -156,7 +179,7 @@ impl Balance<'_> {
     }
 
     #[expect(clippy::unnecessary_wraps, reason = "the form that `equations!` takes")]
-    fn residual<D: Over<f64>>(&self, y: &[D; UNKNOWNS]) -> Result<[D; UNKNOWNS], EvalError> {
+    fn residual<D: Integrate<f64>>(&self, y: &[D; UNKNOWNS]) -> Result<[D; UNKNOWNS], EvalError> {
         let held = self.held;
         let (to_nut, wrench, _) = self.friction(y);
         let frame = self.frame_of::<D>();
@@ -239,7 +262,7 @@ mod tests {
             &screw,
             &[(Site::Nut, nut.angle, load(nut)), (Site::Screw, on_screw.angle, load(on_screw))],
         );
-        let found = ball.solve(&Quadrature::of(1e-8)).expect("a motion");
+        let found = ball.solve(None, &Quadrature::of(1e-8)).expect("a motion");
         let power = solved.transmission.power.expect("a speed").dissipated;
         // Both rules are exact to 1e-8 of the friction; traction solves to 1e-10.
         assert_relative_eq!(found.power, power, max_relative = 1e-6);
@@ -260,14 +283,14 @@ mod tests {
             (Site::Screw, angle, 80.0),
             (Site::Screw, -angle, 80.0),
         ];
-        let there = held(&screw, &contacts).solve(&Quadrature::of(1e-6)).expect("a motion");
+        let there = held(&screw, &contacts).solve(None, &Quadrature::of(1e-6)).expect("a motion");
         screw.point.drive.screw_speed *= -1.0;
-        let back = held(&screw, &contacts).solve(&Quadrature::of(1e-6)).expect("a motion");
+        let back = held(&screw, &contacts).solve(None, &Quadrature::of(1e-6)).expect("a motion");
         // The balance ends at 1e-10 of the friction, the loss is flat about it.
         assert_relative_eq!(there.torque, back.torque, max_relative = 1e-8);
         // A ball on four contacts cannot roll on all: it loses several times what it does on two.
         let two = held(&screw, &[contacts[0], contacts[2]]);
-        let two = two.solve(&Quadrature::of(1e-6)).expect("a motion");
+        let two = two.solve(None, &Quadrature::of(1e-6)).expect("a motion");
         assert!(there.torque > 2.5 * two.torque, "{} {}", there.torque, two.torque);
     }
 
@@ -285,7 +308,7 @@ mod tests {
         ];
         let ball = held(&screw, &contacts);
         let quadrature = Quadrature::of(1e-6);
-        let found = ball.solve(&quadrature).expect("a motion");
+        let found = ball.solve(None, &quadrature).expect("a motion");
         let balance =
             Balance { held: &ball, loads: 300.0, creep: ball.creep, quadrature: &quadrature };
         let w = 52.36;
@@ -301,14 +324,35 @@ mod tests {
         }
     }
 
+    /// The motion of another ball is a start and no more: the balance ends at 1e-10 of the friction from either.
+    #[test]
+    fn a_start_does_not_change_the_motion() {
+        let screw = screw();
+        let contacts = |more: f64| {
+            [
+                (Site::Nut, 0.78, 90.0 + more),
+                (Site::Nut, -0.79, 60.0),
+                (Site::Screw, 0.78, 90.0 + more),
+                (Site::Screw, -0.79, 60.0),
+            ]
+        };
+        let quadrature = Quadrature::of(1e-6);
+        let [other, ball] = [0.0, 30.0].map(|more| held(&screw, &contacts(more)));
+        let other = other.solve(None, &quadrature).expect("a motion");
+        let alone = ball.solve(None, &quadrature).expect("a motion");
+        let begun = ball.solve(Some(&other), &quadrature).expect("a motion");
+        assert_relative_eq!(alone.torque, begun.torque, max_relative = 1e-9);
+        assert!((other.torque / alone.torque - 1.0).abs() > 0.01, "{other:?} {alone:?}");
+    }
+
     #[test]
     fn a_ball_at_rest_or_without_friction_is_refused() {
         let mut screw = screw();
         let contacts = [(Site::Nut, 0.8, 80.0), (Site::Screw, 0.8, 80.0)];
         screw.point.friction = Coulomb(0.0);
-        assert!(held(&screw, &contacts).solve(&Quadrature::of(1e-4)).is_err());
+        assert!(held(&screw, &contacts).solve(None, &Quadrature::of(1e-4)).is_err());
         screw.point.friction = Coulomb(0.1);
         screw.point.drive.screw_speed = 0.0;
-        assert!(held(&screw, &contacts).solve(&Quadrature::of(1e-4)).is_err());
+        assert!(held(&screw, &contacts).solve(None, &Quadrature::of(1e-4)).is_err());
     }
 }

@@ -4,11 +4,12 @@
 
 use std::array::from_fn;
 use std::cell::{Cell, RefCell};
+use std::fmt;
 
 use bsm_dyn::ZERO_CELSIUS;
 use bsm_newton::{
-    Dense, Equations, EvalError, Exit, Homotopy, JacobianUpdate, LinearSolver, Options, Scales,
-    Seed, StepControl, Trace, Workspace, solve, trace,
+    Dense, Equations, EvalError, Homotopy, JacobianUpdate, LinearSolver, Options, Scales, Seed,
+    StepControl, Trace, Workspace, solve, trace,
 };
 
 use nalgebra::{Matrix3, Schur};
@@ -31,8 +32,8 @@ const OF_STEPS: f64 = 1e-3;
 /// Longest Newton step \[K\].
 const LONGEST_STEP: f64 = 8.0;
 
-/// Speed factor at which the walk from rest begins.
-const SLOW: f64 = 0.05;
+/// Speed factors at which the walk from rest begins: the first that has a state.
+const SLOW: [f64; 4] = [0.05, 5e-3, 5e-4, 5e-5];
 
 /// Size of a temperature on the walk \[K\], and of the speed factor.
 const SIZES: (f64, f64) = (20.0, 1.0);
@@ -85,12 +86,26 @@ impl Steady {
 pub struct Fold {
     /// Factor on all speeds.
     pub factor: f64,
-    /// Rises of the nodes there \[K\].
+    /// Rises of the nodes there over the temperature of setting \[K\].
     pub rises: [f64; NODES],
-    /// Preload without load there \[N\].
-    pub preload: f64,
+    /// Temperature of setting \[K\].
+    pub set: f64,
+    /// Preload without load there \[N\]; `None` of a nut without one.
+    pub preload: Option<f64>,
     /// The unstable state beyond it at the speeds themselves, if the fold is above them.
     pub beyond: Option<Steady>,
+}
+
+impl fmt::Display for Fold {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { factor, rises, set, preload, .. } = self;
+        let [nut, screw, balls, ..] = rises.map(|rise| set + rise - ZERO_CELSIUS);
+        write!(
+            to,
+            "runs away above {factor:.2} of these speeds; there nut {nut:.0}, screw {screw:.0}, balls {balls:.0} C"
+        )?;
+        preload.map_or(Ok(()), |preload| write!(to, ", preload {preload:.0} N"))
+    }
 }
 
 /// A state on the branch that goes out from rest.
@@ -110,7 +125,7 @@ pub struct OnBranch {
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum NoSteadyState {
     /// Heat grows faster than what leaves.
-    #[error("runs away above {:.2} of these speeds", .0.factor)]
+    #[error("{0}")]
     RunsAway(Box<Fold>),
     /// A temperature above which nothing counts is reached before the speeds are.
     #[error("a temperature passes 180 C at {factor:.2} of these speeds")]
@@ -130,6 +145,14 @@ pub enum NoSteadyState {
     /// The nut does not carry its load.
     #[error(transparent)]
     Nut(#[from] NutError),
+    /// The states end at a jump: of friction where balls begin to slide, or of loads.
+    #[error(
+        "the warm states end at {factor:.2} of these speeds, where friction or loads of the balls jump"
+    )]
+    Jump {
+        /// Factor on all speeds.
+        factor: f64,
+    },
     /// The search ended without an answer.
     #[error("the warm state is not found")]
     NotFound,
@@ -307,6 +330,38 @@ impl<'a> Balance<'a> {
         rises.iter().any(|rise| self.nut.set + rise > HOTTEST)
     }
 
+    /// Whether the last state of a walk counts.
+    fn counts(&self, walk: &Trace<{ NODES + 1 }>) -> bool {
+        !self.is_too_hot(&walk.last[..NODES]) && self.has_preload.get()
+    }
+
+    /// Why a walk ends where it meets no fold.
+    fn ending(&self, walk: &Trace<{ NODES + 1 }>) -> NoSteadyState {
+        let factor = walk.last[NODES];
+        if self.is_too_hot(&walk.last[..NODES]) {
+            NoSteadyState::TooHot { factor }
+        } else if self.has_preload.get() {
+            NoSteadyState::Jump { factor }
+        } else {
+            NoSteadyState::PreloadLost { factor }
+        }
+    }
+
+    /// A state and its speed factor at which a walk begins, slow enough for the state to be near that of rest.
+    fn slow(&self, rest: [f64; NODES]) -> Result<([f64; NODES], f64), NoSteadyState> {
+        let state = |factor: f64| {
+            let rises = self.settle(rest, factor).filter(|rises| !self.is_too_hot(rises))?;
+            Some((rises, factor))
+        };
+        SLOW.into_iter().find_map(state).ok_or_else(|| {
+            if self.has_preload.get() {
+                NoSteadyState::NotFound
+            } else {
+                NoSteadyState::PreloadLost { factor: 0.0 }
+            }
+        })
+    }
+
     /// Follows the branch from a state on, in steps of a part of [`SIZES`] at most, until `goes_on` says no: crossings of the speeds themselves are event 0, folds
     /// event 1.
     fn walk(
@@ -423,27 +478,20 @@ impl WarmNut<'_> {
                 return Ok(state);
             }
         }
-        let slow = balance.settle(rest, SLOW).ok_or(NoSteadyState::NotFound)?;
-        let mut hot = None;
-        let walked = balance.walk((slow, SLOW), STRIDE, |trace| {
-            hot = balance.is_too_hot(&trace.last[..NODES]).then_some(trace.last[NODES]);
-            hot.is_none() && trace.crossings.is_empty() && balance.has_preload.get()
-        });
-        match (walked.crossings.first(), hot) {
-            (Some(crossing), _) if crossing.event == 0 => {
+        let slow = balance.slow(rest)?;
+        let walked =
+            balance.walk(slow, STRIDE, |trace| balance.counts(trace) && trace.crossings.is_empty());
+        match walked.crossings.first() {
+            Some(crossing) if crossing.event == 0 => {
                 let near = from_fn(|i| crossing.z[i]);
                 let rises = balance.settle(near, 1.0).ok_or(NoSteadyState::NotFound)?;
                 balance.told(rises, 1.0)
             }
-            (Some(crossing), _) => {
+            Some(crossing) => {
                 let fold = balance.folded(&crossing.z, None)?;
                 Err(NoSteadyState::RunsAway(Box::new(fold)))
             }
-            (None, Some(factor)) => Err(NoSteadyState::TooHot { factor }),
-            (None, None) if !balance.has_preload.get() => {
-                Err(NoSteadyState::PreloadLost { factor: walked.last[NODES] })
-            }
-            (None, None) => Err(NoSteadyState::NotFound),
+            None => Err(balance.ending(&walked)),
         }
     }
 
@@ -451,19 +499,18 @@ impl WarmNut<'_> {
     ///
     /// # Errors
     ///
-    /// [`NoSteadyState`] if the branch is lost on the way.
+    /// [`NoSteadyState`]: why and where the branch ends before, without a fold.
     pub fn fold(&self, state: &Steady, most: f64) -> Result<Option<Fold>, NoSteadyState> {
         let (balance, _) = self.at_rest()?;
         let walked = balance.walk((state.rises, 1.0), STRIDE, |trace| {
-            let hot = balance.is_too_hot(&trace.last[..NODES]);
             let turned = trace.crossings.iter().any(|crossing| crossing.event == 1);
             let back = turned && trace.last[NODES] < 1.0;
-            !hot && !back && balance.has_preload.get() && (turned || trace.last[NODES] <= most)
+            balance.counts(trace) && !back && (turned || trace.last[NODES] <= most)
         });
         let fold = walked.crossings.iter().find(|crossing| crossing.event == 1);
         let Some(fold) = fold.filter(|fold| fold.z[NODES] <= most) else {
-            let lost = matches!(walked.end, Exit::Lost(_) | Exit::NoCurve(_));
-            return if lost { Err(NoSteadyState::NotFound) } else { Ok(None) };
+            let is_open = walked.last[NODES] >= most;
+            return if is_open { Ok(None) } else { Err(balance.ending(&walked)) };
         };
         let back = walked.crossings.iter().find(|at| at.event == 0 && at.arc > fold.arc);
         let beyond = back.and_then(|at| {
@@ -481,16 +528,16 @@ impl WarmNut<'_> {
     /// [`NoSteadyState`] if there is not even a slow state.
     pub fn branch(&self, most: f64) -> Result<Vec<OnBranch>, NoSteadyState> {
         let (balance, rest) = self.at_rest()?;
-        let slow = balance.settle(rest, SLOW).ok_or(NoSteadyState::NotFound)?;
-        let (mut points, mut turned) = (vec![(rest, 0.0, true), (slow, SLOW, true)], None);
-        balance.walk((slow, SLOW), CLOSE, |trace| {
+        let slow = balance.slow(rest)?;
+        let (mut points, mut turned) = (vec![(rest, 0.0, true), (slow.0, slow.1, true)], None);
+        balance.walk(slow, CLOSE, |trace| {
             let fold = trace.crossings.iter().find(|crossing| crossing.event == 1);
             if let Some(fold) = fold.filter(|_| turned.is_none()) {
                 points.push((from_fn(|i| fold.z[i]), fold.z[NODES], true));
                 turned = Some(fold.z[NODES]);
             }
             let (rises, factor) = (from_fn(|i| trace.last[i]), trace.last[NODES]);
-            let counts = !balance.is_too_hot(&rises) && balance.has_preload.get();
+            let counts = balance.counts(trace);
             if counts {
                 points.push((rises, factor, turned.is_none()));
             }
@@ -526,7 +573,8 @@ impl Balance<'_> {
     fn folded(&self, z: &[f64; NODES + 1], beyond: Option<Steady>) -> Result<Fold, NoSteadyState> {
         let (rises, factor) = (from_fn(|i| z[i]), z[NODES]);
         let preload = self.nut.heated(&rises, factor, false)?.preload;
-        Ok(Fold { factor, rises, preload, beyond })
+        let (set, preload) = (self.nut.set, self.nut.preload.map(|_| preload));
+        Ok(Fold { factor, rises, set, preload, beyond })
     }
 }
 

@@ -12,8 +12,8 @@ const CLASSES: [(f64, f64, &str); 4] = [
     (0.0, 0.25, "below 1/4"),
 ];
 
-/// Spread of the speeds of balls that are alike: the rounding of their loads.
-const SAME_SPEED: f64 = 1e-8;
+/// Room that balls need which are alike, a nanometre: what they advance is rounding, far below it \[mm\].
+const NO_GAP: f64 = 1e-6;
 
 /// Caption of what belongs to flanks.
 const TOUCHED: &str = "Each mark is a ball; balls that a flank does not touch have no mark.";
@@ -54,7 +54,7 @@ pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
             limit,
         ));
     }
-    if report.number("advance_spread").is_some_and(|spread| spread > SAME_SPEED) {
+    if report.number("needed_gap_mm").is_some_and(|gap| gap > NO_GAP) {
         figures.extend(train(&balls));
     }
     figures

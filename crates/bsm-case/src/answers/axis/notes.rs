@@ -1,4 +1,4 @@
-//! What the sheet of an axis says besides its numbers: what was assumed, what is usual, how sure it is.
+//! What the sheet of an axis says besides its numbers: what was assumed, what is usual, what is uncertain.
 
 use bsm_design::{Axis, Choice, Grade, Phase};
 use bsm_dyn::ModelWorkspace;

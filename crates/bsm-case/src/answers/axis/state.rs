@@ -52,8 +52,9 @@ impl<'a> AxisState<'a> {
         let mut work = ModelWorkspace::default();
         let heaviest = axis.heaviest().filter(|phase| phase.load != 0.0).copied();
         let fastest = axis.fastest();
-        let with_balls = heaviest.filter(|_| machine.groove.is_some());
-        let found = with_balls.map(|phase| {
+        // A preload takes its balls without any load too.
+        let pressed = axis.heaviest().filter(|phase| phase.load != 0.0 || scene.is_preloaded());
+        let found = pressed.filter(|_| machine.groove.is_some()).map(|phase| {
             let speed = if phase.speed == 0.0 { fastest } else { phase.speed };
             nut_at(scene, settings, phase.load, speed)
         });

@@ -3,12 +3,33 @@
 use std::borrow::Cow;
 
 use bsm_dyn::{BallState, Model, ModelWorkspace, Problem};
-use bsm_nut::{Advance, FreeMotion, LARGEST_PUSH, Rolling, Train};
+use bsm_nut::{Advance, CircuitAdvance, CircuitTrain, FreeMotion, LARGEST_PUSH, Rolling, Train};
+use serde_json::json;
 
-use super::{BallFriction, NutProblem, NutReport};
+use super::{BallFriction, NutProblem, NutReport, QUANTITIES};
 use crate::case::nut::NutAtRest;
+use crate::vocabulary::number::count;
+use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::MM;
-use crate::{ModelChoice, exact};
+use crate::{CaseError, Column, ModelChoice, Numbers, Quantity, Table, exact};
+
+quantities! { CIRCUITS, read_circuit(&OneCircuit<'_>);
+    "circuits" {
+        circuit [""] Whole(|c| Some(c.number)), "number of the circuit";
+        needed_gap_mm ["mm"] Whole(|c| Some(c.needed / MM)), "gaps between its balls, all together, from which no balls touch";
+        train_rate [""] Whole(|c| Some(c.train.rate)), "precession of the balls that touch, relative to the nut, over the relative speed";
+        flux_1_s ["1/s"] Whole(|c| Some(c.train.flux)), "balls that pass in a second";
+        exit_push_N ["N"] Whole(|c| Some(c.train.ends[0])), "force of the return on the last ball in the loaded part";
+        entry_push_N ["N"] Whole(|c| Some(c.train.ends[1])), "force of the first ball on those of the return";
+    }
+}
+
+/// A circuit whose balls flow.
+struct OneCircuit<'a> {
+    number: f64,
+    needed: f64,
+    train: &'a CircuitTrain,
+}
 
 /// The pushes of the balls, or why there are none.
 pub(super) type TrainResult = Result<Train, String>;
@@ -100,13 +121,33 @@ impl NutProblem {
 }
 
 impl NutReport {
+    /// The requested numbers.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::NoPushes`] if some are missing because the balls push on each other without an answer.
+    pub(crate) fn numbers_or_reason(
+        &self,
+        wanted: impl Fn(&Quantity) -> bool,
+    ) -> Result<Numbers, CaseError> {
+        let numbers = self.numbers(&wanted);
+        let lacks = |of: &Quantity| {
+            wanted(of) && of.follows_from_friction() && numbers.number(of.name).is_none()
+        };
+        let pushes = self.problem.gaps.train.as_ref().filter(|_| QUANTITIES.iter().any(lacks));
+        match pushes.and_then(|_| self.state.pushed(&self.problem)) {
+            Some(Err(why)) => Err(CaseError::NoPushes(why.clone())),
+            _ => Ok(numbers),
+        }
+    }
+
     /// Whether the balls touch, in one line; `None` where no gap is given.
     pub(crate) fn touch_note(&self) -> Option<String> {
         let (state, problem) = (&self.state, &self.problem);
         let inputs = problem.gaps.train.as_ref()?;
         let train = match state.pushed(problem)? {
             Ok(train) => train,
-            Err(why) => return Some(format!("no friction torque with pushes of the balls: {why}")),
+            Err(why) => return Some(CaseError::NoPushes(why.clone()).to_string()),
         };
         let touch = if train.touching > 0 { "touch" } else { "do not touch" };
         let needed = state.advance(problem)?.circuits.iter().map(|circuit| circuit.needed_gap);
@@ -118,11 +159,40 @@ impl NutReport {
         Some(format!("the balls {touch}: {needed:.3} mm needed, {gap} mm there"))
     }
 
-    /// What is beyond the range of the ball train.
+    /// The circuits where a gap is given, a row each.
+    pub(super) fn circuits(&self) -> Option<Table> {
+        let Ok(train) = self.state.pushed(&self.problem)? else { return None };
+        let advance = self.state.advance(&self.problem)?;
+        let row = |(number, (train, advance)): (usize, (&CircuitTrain, &CircuitAdvance))| {
+            let of = OneCircuit { number: count(number), needed: advance.needed_gap, train };
+            read_circuit(&of, |_| true).columns().map(|(_, value)| json!(value)).collect()
+        };
+        Some(Table {
+            columns: CIRCUITS.iter().map(|of| Column::headed(of.name, of.name)).collect(),
+            rows: train.circuits.iter().zip(&advance.circuits).enumerate().map(row).collect(),
+            keyed: false,
+        })
+    }
+
+    /// Circuits whose balls would lie on each other, and what is beyond the range of the ball train.
     pub(super) fn train_warnings(&self) -> Vec<String> {
-        let Some(Ok(train)) = self.state.pushed(&self.problem) else { return Vec::new() };
+        let nut = &self.state.made.nut;
+        let (touch, arc) =
+            (nut.touch_angle(self.problem.gaps.spacer), nut.helix.arc_length_per_radian());
+        let crowded = nut.circuits.iter().enumerate().filter_map(|(number, circuit)| {
+            let room = (circuit.arc / touch).floor();
+            (count(circuit.balls) > room).then(|| {
+                format!(
+                    "circuit {number} has {} balls: its {:.0} mm hold {room} of {} mm",
+                    circuit.balls,
+                    circuit.arc * arc / MM,
+                    exact(2.0 * nut.ball.radius / MM)
+                )
+            })
+        });
+        let mut warnings: Vec<_> = crowded.collect();
+        let Some(Ok(train)) = self.state.pushed(&self.problem) else { return warnings };
         let part = train.largest_push / self.found().mean_load();
-        let mut warnings = Vec::new();
         if part > LARGEST_PUSH {
             let beyond = too_large(train.largest_push, part, "mean");
             warnings.push(format!("{beyond}, and the torque is an estimate"));

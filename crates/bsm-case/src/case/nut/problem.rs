@@ -139,7 +139,7 @@ impl NutProblem {
         settings.check()?;
         let scene = &scene.with_preload()?;
         scene.check_for_a_nut()?;
-        if let Some(warm) = Warm::state_of(scene, settings)? {
+        if let Some(warm) = Warm::state_of(scene, settings, false)? {
             let nut = Self::of(&warm.scene(scene), settings)?;
             return Ok(Self { warm: Some(Arc::new(warm)), ..nut });
         }
