@@ -1592,7 +1592,7 @@ def axis(
 
 
 def select_nuts(
-    lists: Mapping[str, Any] | None = None,
+    lists: Mapping[str, Any] | str | None = None,
     /,
     *,
     where: Sequence[str] = (),
@@ -1604,12 +1604,12 @@ def select_nuts(
     descending: bool = False,
     first: int | None = None,
 ) -> Nuts:
-    """Every nut of standard sizes, or those of a manufacturer, as `bsm select --from`.
+    """Every nut of the sizes of makers, of standard ones or of a table, as `bsm select --from`.
 
     Parameters
     ----------
-    lists : mapping, optional
-        The sizes; those of the program unless given.
+    lists : mapping or "makers" or "standard", optional
+        The sizes; those of makers unless given.
     where : sequence of str
         Conditions such as `"dynamic_load_rating_N>=40000"`.
     requirement : mapping or path, optional
@@ -1672,7 +1672,7 @@ def select_nuts(
     else:
         if columns_from is not None:
             raise InputError("columns_from is for the table of a manufacturer", key="columns_from")
-        text = None if lists is None else json.dumps(dict(lists))
+        text = lists if lists is None or isinstance(lists, str) else json.dumps(dict(lists))
         found, kept = _core.select_nuts(text, wish, _list("where", where), pareto, sort, descending, first)
         columns = {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
     units = {name: unit for name, unit, _ in found}
@@ -1789,7 +1789,12 @@ def _csv(data: Any, names: Mapping[str, str | None] = MappingProxyType({}), gaps
 
 
 def select(
-    requirement: Mapping[str, Any] | str | os.PathLike[str] | None = None, /, *, free: bool = False, **changes: Any
+    requirement: Mapping[str, Any] | str | os.PathLike[str] | None = None,
+    /,
+    *,
+    free: bool = False,
+    lists: Mapping[str, Any] | str | None = None,
+    **changes: Any,
 ) -> Report:
     """The best screw for a requirement, as `bsm select`.
 
@@ -1799,6 +1804,8 @@ def select(
         Inputs of a scene and keys of `REQUIREMENTS`, or a file of them.
     free : bool
         Treat sizes and contact angle as continuous.
+    lists : mapping or "makers" or "standard", optional
+        The sizes to choose from; those of makers unless given.
     **changes
         Keys of the requirement, in place of those of `requirement`.
 
@@ -1820,7 +1827,8 @@ def select(
     >>> report.found, report["scene"]["lead_mm"]
     (True, 10.0)
     """
-    return _report(_core.select(json.dumps({**_wish(requirement or {}), **changes}), free))
+    text = lists if lists is None or isinstance(lists, str) else json.dumps(dict(lists))
+    return _report(_core.select(json.dumps({**_wish(requirement or {}), **changes}), free, text))
 
 
 def _wish(requirement: Mapping[str, Any] | str | os.PathLike[str]) -> dict[str, Any]:

@@ -188,11 +188,17 @@ pub(crate) fn fit_table(
 
 /// A screw for a requirement.
 ///
-/// * `free`: of any size, not of the standard ones.
+/// * `free`: of any size. * `lists`: see [`sizes`].
 #[pyfunction]
-pub(crate) fn select(py: Python<'_>, requirement: &str, free: bool) -> PyResult<Report> {
+pub(crate) fn select(
+    py: Python<'_>,
+    requirement: &str,
+    free: bool,
+    lists: Option<&str>,
+) -> PyResult<Report> {
     on_threads(py, || {
-        let catalogue = Catalogue::standard()?;
+        // A search of all sizes takes standard balls.
+        let catalogue = sizes(lists.or(free.then_some("standard")))?;
         let lists = catalogue.lists.clone();
         let wish = RequirementFile::from_json(requirement.as_bytes(), &[], lists)?;
         let standard = if free { None } else { DesignReport::standard(&wish, &catalogue) };
@@ -313,6 +319,15 @@ impl Nuts {
     }
 }
 
+/// The sizes to choose from: those of makers, the standard ones, or JSON of lists.
+fn sizes(lists: Option<&str>) -> Result<Catalogue, CaseError> {
+    match lists {
+        None | Some("makers") => Catalogue::makers(),
+        Some("standard") => Catalogue::standard(),
+        Some(json) => Catalogue::from_json(json.as_bytes()),
+    }
+}
+
 /// A requirement from JSON.
 fn wished(json: Option<&str>, catalogue: &Catalogue) -> Result<Option<RequirementFile>, CaseError> {
     let read =
@@ -332,7 +347,7 @@ pub(crate) fn makers(
 ) -> PyResult<(Table, Vec<String>, Vec<bool>, Nuts)> {
     let rows = on_threads(py, || {
         let nuts = MakerNut::from_csv(table, &column_names(names.as_bytes())?, b',', '.')?;
-        let wish = wished(requirement, &Catalogue::standard()?)?;
+        let wish = wished(requirement, &sizes(None)?)?;
         Ok(MakerRow::all(&nuts, wish.as_ref()))
     })?;
     let rows = rows.map_err(|(name, error)| errors::words(&format!("{name}: {error}")))?;
@@ -350,7 +365,7 @@ pub(crate) fn makers(
 
 /// Nuts of standard sizes: name, unit and values of each column.
 ///
-/// * `lists`: JSON of the sizes, the standard ones unless given. * `requirement`: JSON of what all must keep.
+/// * `lists`: see [`sizes`]. * `requirement`: JSON of what all must keep.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
 pub(crate) fn select_nuts(
@@ -364,10 +379,7 @@ pub(crate) fn select_nuts(
     first: Option<usize>,
 ) -> PyResult<(Table, Nuts)> {
     let (columns, nuts) = on_threads(py, || {
-        let catalogue = match lists {
-            Some(lists) => Catalogue::from_json(lists.as_bytes())?,
-            None => Catalogue::standard()?,
-        };
+        let catalogue = sizes(lists)?;
         let wish = wished(requirement, &catalogue)?;
         let mut wanted = NutFilter::new(&conditions, wish.is_some(), pareto)?;
         if let Some(sort) = sort {

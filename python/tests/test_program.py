@@ -212,6 +212,8 @@ def test_reports_in_folders(tmp_path: Path) -> None:
 def test_design(path: Path) -> None:
     report = bs.select(path)
     assert plain(report) == told("select", path)
+    standard = bs.select(path, lists="standard")
+    assert plain(standard) == told("select", path, "--from", "standard")
     if report.found:
         assert bs.Scene(report["scene"]).ball_diameter_mm == report["scene"]["ball_diameter_mm"]
 

@@ -399,6 +399,7 @@ pub(crate) struct AxisArgs {
 pub(crate) enum SelectShow {
     Keys,
     Lists,
+    Sizes,
     Columns,
 }
 
@@ -416,15 +417,16 @@ pub(crate) struct SelectArgs {
         requires = "requirement"
     )]
     pub(crate) settings: Vec<String>,
-    /// Treat sizes and contact angle as continuous, with balls of standard diameters; else standard sizes of ISO 3408-2 at 45 degrees.
+    /// Treat sizes and contact angle as continuous, with balls of standard diameters and the shape limits of Lin.
     #[arg(long, requires = "requirement", conflicts_with_all = ["from", "conditions", "pareto", "sort", "first", "figures"])]
     pub(crate) free: bool,
-    /// Print the keys of a requirement, the standard lists to copy and edit, or the columns of the list of nuts.
+    /// Print the keys of a requirement, the standard lists or makers' sizes to copy and edit, or the columns of the list of nuts.
     #[arg(long, value_name = "WHAT", value_enum)]
     pub(crate) show: Option<SelectShow>,
-    /// standard, makers (sizes of THK and HIWIN), lists in LISTS.json, or a manufacturer's nuts in TABLE.csv: nut, lead_mm, ball_diameter_mm, circuits or
-    /// loaded_turns, core_diameter_mm or pitch_circle_diameter_mm, ratings.
-    #[arg(long, value_name = "LISTS", help_heading = "List of nuts")]
+    /// Sizes to choose from: makers (THK and HIWIN, unless given), standard (every combination of ISO 3408-2 at 45 degrees), lists in
+    /// LISTS.json, sizes in TABLE.csv with the columns of --show sizes; or a manufacturer's nuts in TABLE.csv: nut, lead_mm, ball_diameter_mm,
+    /// circuits or loaded_turns, core_diameter_mm or pitch_circle_diameter_mm, ratings.
+    #[arg(long, value_name = "SIZES")]
     pub(crate) from: Option<PathBuf>,
     /// Keep nuts with NAME>=VALUE, NAME<=VALUE or NAME=VALUE; may be repeated.
     #[arg(long = "where", value_name = "CONDITION", help_heading = "List of nuts")]
@@ -448,7 +450,6 @@ impl SelectArgs {
     /// True if nuts are listed, and none is chosen by steps.
     pub(crate) fn is_list(&self) -> bool {
         self.requirement.is_none()
-            || self.from.is_some()
             || !self.conditions.is_empty()
             || self.pareto
             || self.sort.is_some()

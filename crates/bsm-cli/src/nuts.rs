@@ -12,7 +12,7 @@ use crate::answer::{Pictures, Reply};
 use crate::args::SelectArgs;
 use crate::failure::{Failure, warn};
 use crate::files;
-use crate::select::{MAKERS, STANDARD, check, own_sizes, requirement};
+use crate::select::{check, requirement};
 use crate::stream::{TABLES, form_of, write_numbers};
 use crate::table;
 
@@ -22,7 +22,7 @@ const SHOWN: usize = 20;
 /// Rows that are in memory at a time.
 const PART: usize = 1 << 14;
 
-pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &SelectArgs, catalogue: Catalogue) -> Result<(), Failure> {
     check(args, &[&TABLES[..], &["json"]].concat())?;
     let has_sheets = args.requirement.is_some();
     let mut wanted = NutFilter::new(&args.conditions, has_sheets, args.pareto)
@@ -33,12 +33,6 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
             .sorted_by(name, sort.starts_with('-'), has_sheets)
             .map_err(|e| Failure::input("--sort", &e))?;
     }
-    let catalogue = match lists(args) {
-        Some(path) => {
-            Catalogue::from_json(&files::read_json(path)?).map_err(|e| Failure::scene(path, &e))?
-        }
-        None => own_sizes(args)?,
-    };
     let wish = requirement(args, &catalogue)?;
     let list = wanted.choose(catalogue, wish.as_ref());
     if !list.why.is_empty() {
@@ -72,11 +66,6 @@ fn head(column: &ListColumn) -> NumberColumn {
     NumberColumn { name: column.output.name, unit: column.output.unit }
 }
 
-/// File of the lists; none of those that the program has.
-fn lists(args: &SelectArgs) -> Option<&Path> {
-    args.from.as_deref().filter(|path| ![STANDARD, MAKERS].map(Path::new).contains(path))
-}
-
 /// The request.
 fn asked(args: &SelectArgs) -> Result<Value, Failure> {
     let json = |path: Option<&Path>| -> Result<Value, Failure> {
@@ -84,8 +73,11 @@ fn asked(args: &SelectArgs) -> Result<Value, Failure> {
         serde_json::from_slice(&files::read_json(path)?)
             .map_err(|e| Failure::in_scene(path, &e.to_string()))
     };
+    let lists =
+        args.from.as_deref().filter(|path| files::ending_of("--from", path, &["json"]).is_ok());
     Ok(json!({
-        "lists": json(lists(args))?,
+        "from": args.from,
+        "lists": json(lists)?,
         "requirement": json(args.requirement.as_deref())?,
         "conditions": args.conditions,
         "pareto": args.pareto,

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use bsm_case::{
-    Catalogue, Content, DesignReport, DesignRow, MakerNut, MakerRow, REQUIREMENT_INPUTS,
-    REQUIREMENT_WORDS, RequirementFile, STANDARD_CATALOGUE,
+    CaseError, Catalogue, Content, DesignReport, DesignRow, MAKER_SIZES, MakerNut, MakerRow,
+    REQUIREMENT_INPUTS, REQUIREMENT_WORDS, RequirementFile, STANDARD_CATALOGUE,
 };
 
 use crate::answer::{Pictures, Reply, named};
@@ -17,28 +17,64 @@ use crate::{nuts, table};
 pub(crate) const STANDARD: &str = "standard";
 pub(crate) const MAKERS: &str = "makers";
 
-/// The sizes of the program that `--from` asks for.
-pub(crate) fn own_sizes(args: &SelectArgs) -> Result<Catalogue, Failure> {
-    let makers = args.from.as_deref() == Some(Path::new(MAKERS));
-    let sizes = if makers { Catalogue::makers() } else { Catalogue::standard() };
-    sizes.map_err(|e| Failure::Input(e.to_string()))
+/// Where other sizes come from.
+const OTHERS: &str = "--from standard has every combination of the standard lists";
+
+/// What `--from` names: sizes, those of makers unless it is given, or nuts of a manufacturer.
+enum Source {
+    Sizes(Catalogue),
+    Nuts(Vec<MakerNut>),
+}
+
+impl Source {
+    fn read(args: &SelectArgs) -> Result<Self, Failure> {
+        let own = |sizes: Result<_, CaseError>| {
+            sizes.map(Self::Sizes).map_err(|e| Failure::Input(e.to_string()))
+        };
+        // A search of all sizes takes standard balls.
+        let usual = Path::new(if args.free { STANDARD } else { MAKERS });
+        let from = args.from.as_deref().unwrap_or(usual);
+        let is_table = ending_of("--from", from, &["csv"]).is_ok();
+        if !is_table && !args.dialect.is_ours() {
+            return Err(Failure::Input(
+                "--dialect is for the table of --from TABLE.csv".to_owned(),
+            ));
+        }
+        if from == Path::new(MAKERS) {
+            return own(Catalogue::makers());
+        }
+        if from == Path::new(STANDARD) {
+            return own(Catalogue::standard());
+        }
+        let failure = |e: CaseError| Failure::scene(from, &e);
+        if !is_table {
+            return Catalogue::from_json(&read_json(from)?).map(Self::Sizes).map_err(failure);
+        }
+        let table = read(from, MOST_OF_A_TABLE)?;
+        let signs = args.dialect.read(&["delimiter", "decimal", "names"])?;
+        let (names, decimal) = (&signs.names, signs.decimal);
+        let delimiter = u8::try_from(signs.delimiter).unwrap_or(b',');
+        match Catalogue::from_csv(&table, names, delimiter, decimal).map_err(failure)? {
+            Some(sizes) => Ok(Self::Sizes(sizes)),
+            None => MakerNut::from_csv(&table, names, delimiter, decimal)
+                .map(Self::Nuts)
+                .map_err(failure),
+        }
+    }
 }
 
 pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
     match args.show {
         Some(SelectShow::Keys) => return print(&keys()),
         Some(SelectShow::Lists) => return print(STANDARD_CATALOGUE),
+        Some(SelectShow::Sizes) => return print(MAKER_SIZES.trim_end()),
         Some(SelectShow::Columns) => return print(&nuts::columns()),
         None => {}
     }
-    let table = args.from.as_deref().filter(|path| ending_of("--from", path, &["csv"]).is_ok());
-    if table.is_none() && !args.dialect.is_ours() {
-        return Err(Failure::Input("--dialect is for the table of --from TABLE.csv".to_owned()));
-    }
-    match (table, &args.requirement) {
-        (Some(table), _) => makers(args, table),
-        (None, Some(requirement)) if !args.is_list() => steps(args, requirement),
-        _ => nuts::run(args),
+    match (Source::read(args)?, &args.requirement) {
+        (Source::Nuts(nuts), _) => makers(args, &nuts),
+        (Source::Sizes(sizes), Some(_)) if !args.is_list() => steps(args, &sizes),
+        (Source::Sizes(sizes), _) => nuts::run(args, sizes),
     }
 }
 
@@ -59,18 +95,19 @@ pub(crate) fn requirement(
 }
 
 /// The best screw, and the steps that lead to it.
-fn steps(args: &SelectArgs, path: &Path) -> Result<(), Failure> {
+fn steps(args: &SelectArgs, sizes: &Catalogue) -> Result<(), Failure> {
     check(args, &["json", "csv", "xlsx"])?;
-    let catalogue = Catalogue::standard().map_err(|e| Failure::scene(path, &e))?;
-    let Some(wish) = requirement(args, &catalogue)? else { return Ok(()) };
-    let standard = if args.free { None } else { DesignReport::standard(&wish, &catalogue) };
-    if standard.is_none() && !args.free {
+    let Some(wish) = requirement(args, sizes)? else { return Ok(()) };
+    let of_sizes = if args.free { None } else { DesignReport::standard(&wish, sizes) };
+    if of_sizes.is_none() && !args.free {
         warn(
             "note",
-            "the requirement fixes a non-standard size: all sizes are searched, as with --free",
+            &format!(
+                "none of these sizes has what the requirement fixes: all are searched, as with --free; {OTHERS}"
+            ),
         );
     }
-    let report = standard.unwrap_or_else(|| DesignReport::of(&wish));
+    let report = of_sizes.unwrap_or_else(|| DesignReport::of(&wish));
     let scene = report.scene.to_json();
     let row = |row: &DesignRow| Some((row.name, row.unit, row.value?));
     let mut answer = report.answer();
@@ -112,7 +149,7 @@ fn keys() -> String {
 }
 
 /// Nuts of a manufacturer beside ours, and in the axis of a requirement.
-fn makers(args: &SelectArgs, path: &Path) -> Result<(), Failure> {
+fn makers(args: &SelectArgs, nuts: &[MakerNut]) -> Result<(), Failure> {
     if !args.conditions.is_empty()
         || args.pareto
         || args.sort.is_some()
@@ -123,14 +160,10 @@ fn makers(args: &SelectArgs, path: &Path) -> Result<(), Failure> {
         return Err(Failure::Input(text.to_owned()));
     }
     check(args, &["json"])?;
-    let bytes = read(path, MOST_OF_A_TABLE)?;
-    let signs = args.dialect.read(&["delimiter", "decimal", "names"])?;
-    let delimiter = u8::try_from(signs.delimiter).unwrap_or(b',');
-    let nuts = MakerNut::from_csv(&bytes, &signs.names, delimiter, signs.decimal)
-        .map_err(|e| Failure::scene(path, &e))?;
-    let catalogue = Catalogue::standard().map_err(|e| Failure::scene(path, &e))?;
-    let wish = requirement(args, &catalogue)?;
-    let rows = MakerRow::all(&nuts, wish.as_ref())
+    let sizes = Catalogue::makers().map_err(|e| Failure::Input(e.to_string()))?;
+    let wish = requirement(args, &sizes)?;
+    let path = args.from.as_deref().unwrap_or(Path::new(""));
+    let rows = MakerRow::all(nuts, wish.as_ref())
         .map_err(|(name, e)| Failure::in_scene(path, &format!("{name}: {e}")))?;
     let answer = MakerRow::answer(&rows);
     let first = rows.first().filter(|_| !answer.fails);

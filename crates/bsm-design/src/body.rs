@@ -61,11 +61,11 @@ impl Nut {
     /// Mass \[kg\] of a metre of a screw, and its moment of inertia about its axis \[kg·m²\] (AA9).
     ///
     /// ```math
-    /// J_s = \frac{\pi\rho d_s^4}{32}l - \frac{2\pi\rho\,l}{P_h}\int_{r_r}^{d_s/2} r^3 w\,dr, \qquad w = \frac{2}{\cos\alpha}\big[\sqrt{R^2 - y^2} - k\big]
+    /// J_s = \frac{\pi\rho d_s^4}{32}l - \frac{2\pi\rho\,z\,l}{P_h}\int_{r_r}^{d_s/2} r^3 w\,dr, \qquad w = \frac{2}{\cos\alpha}\big[\sqrt{R^2 - y^2} - k\big]
     /// ```
     ///
-    /// the mass likewise with `$r$` for `$r^3$`.
-    fn screw_mass_and_inertia(&self, thread: &Thread) -> (f64, f64) {
+    /// the mass likewise with `$r$` for `$r^3$`. * `starts`: threads beside each other `$z$`.
+    fn screw_mass_and_inertia(&self, thread: &Thread, starts: f64) -> (f64, f64) {
         let Profile { radius, offset, height, land, .. } = thread.screw;
         let [meet, edge] = thread.screw.ends();
         let edge = edge.min(FRAC_PI_2);
@@ -82,17 +82,19 @@ impl Nut {
             };
             (0..=STEPS).map(at).sum::<f64>() * (edge - meet) / (3.0 * f64::from(STEPS))
         };
-        let turns = TAU * STEEL / self.lead;
-        // m_s = π/4 ρ l d_s² − 2πρ l/P_h ∫ r w dr                         (AA9)
+        let turns = starts * TAU * STEEL / self.lead;
+        // m_s = π/4 ρ l d_s² − 2πρ z l/P_h ∫ r w dr                       (AA9)
         let mass = 0.25 * PI * STEEL * land.powi(2) - turns * removed(1);
-        // J_s = π/32 ρ l d_s⁴ − 2πρ l/P_h ∫ r³ w dr                       (AA9)
+        // J_s = π/32 ρ l d_s⁴ − 2πρ z l/P_h ∫ r³ w dr                     (AA9)
         let inertia = PI / 32.0 * STEEL * land.powi(4) - turns * removed(3);
         (mass, inertia)
     }
 
     /// The screw of a thread.
-    pub fn screw(&self, thread: &Thread) -> Screw {
-        let (mass_per_length, inertia_per_length) = self.screw_mass_and_inertia(thread);
+    ///
+    /// * `starts`: threads beside each other.
+    pub fn screw(&self, thread: &Thread, starts: f64) -> Screw {
+        let (mass_per_length, inertia_per_length) = self.screw_mass_and_inertia(thread, starts);
         Screw {
             lead: self.lead,
             pitch_diameter: self.pitch_diameter,
@@ -135,7 +137,7 @@ mod tests {
                 turns: 3.0,
             };
             let thread = nut.thread(0.0, (pitch + 2e-3, land));
-            let screw = nut.screw(&thread);
+            let screw = nut.screw(&thread, 1.0);
             let (m, j) = screw.mass_and_inertia(0.0, 1.0);
             assert_relative_eq!(m, mass, max_relative = 1e-6);
             assert_relative_eq!(j, inertia, max_relative = 3e-6);
@@ -143,9 +145,13 @@ mod tests {
             let rod = STEEL * 0.25 * PI * 1e-4;
             assert_relative_eq!(m - hollow, rod, max_relative = 1e-12);
             assert_relative_eq!(j - turned, rod * 1e-4 / 8.0, max_relative = 1e-9);
+            // Each thread takes as much.
+            let (two, _) = nut.screw(&thread, 2.0).mass_and_inertia(0.0, 1.0);
+            let whole = STEEL * 0.25 * PI * land * land;
+            assert_relative_eq!(whole - two, 2.0 * (whole - m), max_relative = 1e-12);
             // A groove without depth leaves the rod.
             let rod = nut.thread(0.0, (pitch + 2e-3, thread.screw.root));
-            let (m, j) = nut.screw(&rod).mass_and_inertia(0.0, 1.0);
+            let (m, j) = nut.screw(&rod, 1.0).mass_and_inertia(0.0, 1.0);
             assert_relative_eq!(j, m * thread.screw.root.powi(2) / 8.0, max_relative = 1e-12);
         }
     }

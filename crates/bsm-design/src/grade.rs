@@ -30,46 +30,14 @@ static GRADES: LazyLock<Vec<Grade>> = LazyLock::new(|| {
     rows.filter_map(grade).collect()
 });
 
-/// Permitted variations of the friction torque of a preload \[%\] from the torque before \[N·m\] up to that of the next
-/// row, for the slenderness and length of [`Grade::torque_variation`]: HIWIN BS-08-2, table 3.16, of P0, P1, P3, P5 and P7,
-/// and THK A-688, table 13, of C0, C1, C2 with C3, and C5; 0 where there is none.
-type Variations = (f64, [[u8; 5]; 3], [[u8; 4]; 3]);
+/// Permitted variations of the friction torque of a preload \[%\], from one torque \[N·m\] up to another, of threads up to a length and a
+/// slenderness; rows without them are of longer ones.
+///
+/// Source: HIWIN BS-08-2, table 3.16, of P0 to P7; THK A-688, table 13, of C0 to C5.
+const TORQUE_VARIATIONS: &str = include_str!("torque_variations.csv");
 
-const TORQUE_VARIATIONS: [Variations; 6] = [
-    (
-        0.2,
-        [[30, 35, 40, 50, 0], [40, 40, 50, 60, 0], [0; 5]],
-        [[35, 40, 45, 55], [45, 45, 55, 65], [0; 4]],
-    ),
-    (
-        0.4,
-        [[25, 30, 35, 40, 0], [35, 35, 40, 45, 0], [0; 5]],
-        [[25, 30, 35, 45], [38, 38, 45, 50], [0; 4]],
-    ),
-    (
-        0.6,
-        [[20, 25, 30, 35, 40], [30, 30, 35, 40, 45], [0, 0, 40, 45, 50]],
-        [[20, 25, 30, 35], [30, 30, 35, 40], [0, 0, 40, 45]],
-    ),
-    (
-        1.0,
-        [[15, 20, 25, 30, 35], [25, 25, 30, 35, 40], [0, 0, 35, 40, 45]],
-        [[15, 20, 25, 30], [25, 25, 30, 35], [0, 0, 35, 40]],
-    ),
-    (
-        2.5,
-        [[10, 15, 20, 25, 30], [20, 20, 25, 30, 35], [0, 0, 30, 35, 40]],
-        [[10, 15, 20, 25], [20, 20, 25, 30], [0, 0, 30, 35]],
-    ),
-    (
-        6.3,
-        [[0, 0, 15, 20, 30], [0, 0, 20, 25, 35], [0, 0, 25, 30, 35]],
-        [[0, 0, 15, 20], [0, 0, 20, 25], [0, 0, 25, 30]],
-    ),
-];
-
-/// Largest torque of the last row \[N·m\].
-const LARGEST_TORQUE: f64 = 10.0;
+/// Thread of the rows without a length \[m\].
+const LONG: f64 = 4.0;
 
 /// An accuracy grade.
 #[derive(Debug, Clone, PartialEq)]
@@ -137,28 +105,16 @@ impl Grade {
     ///
     /// * `torque` \[N·m\]. * `length`: of the thread \[m\]. * `diameter`: nominal \[m\].
     pub fn torque_variation(&self, torque: f64, length: f64, diameter: f64) -> Option<f64> {
-        let slenderness = length / diameter;
-        let column = match (length <= 4.0, slenderness) {
-            (true, ..=40.0) => 0,
-            (true, ..=60.0) => 1,
-            (false, _) => 2,
-            _ => return None,
-        };
-        let row = TORQUE_VARIATIONS.iter().rev().find(|(from, ..)| torque > *from);
-        let (_, iso, jis) = row.filter(|_| torque <= LARGEST_TORQUE)?;
-        let percent = match self.name {
-            "P0" => iso[column][0],
-            "P1" => iso[column][1],
-            "P3" => iso[column][2],
-            "P5" => iso[column][3],
-            "P7" => iso[column][4],
-            "C0" => jis[column][0],
-            "C1" => jis[column][1],
-            "C2" | "C3" => jis[column][2],
-            "C5" => jis[column][3],
-            _ => 0,
-        };
-        (percent > 0).then(|| f64::from(percent))
+        let mut rows = TORQUE_VARIATIONS.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let place = rows.next()?.iter().position(|head| *head == self.name)?;
+        let row = rows.find(|row| {
+            let limits = [0, 1, 3].map(|column: usize| row[column].parse().ok());
+            let [Some(from), Some(to), slimmest] = limits else { return false };
+            let within = slimmest
+                .map_or(length > LONG, |most: f64| length <= LONG && length / diameter <= most);
+            within && (from..=to).contains(&torque) && torque > from
+        })?;
+        row[place].parse().ok()
     }
 
     /// The grade of that name, in capitals or not; `IT3` and `G3` are P3.
@@ -245,26 +201,49 @@ mod tests {
         assert_eq!(of("T7").that_keeps(60e-6, 1.0).map(|grade| grade.name), Some("P5"));
     }
 
-    /// The worked example of THK, A-689, 30 % of 0.865 N m at a slenderness of 32.5, and the edges of the tables.
+    /// Every entry as HIWIN (table 3.16: P0, P1, P3, P5, P7) and THK (table 13: C0, C1, C2 = C3, C5) print it, at the end of its row
+    /// and just beyond its beginning: threads up to 40 and 60 diameters, and of more than 4 m.
     #[test]
     fn variations_of_the_preload_torque_are_those_of_the_tables() {
+        const PRINTED: &str = "\
+            0.2 0.4|30 35 40 50 -|40 40 50 60 -|- - - - -|35 40 45 55|45 45 55 65|- - - -
+            0.4 0.6|25 30 35 40 -|35 35 40 45 -|- - - - -|25 30 35 45|38 38 45 50|- - - -
+            0.6 1.0|20 25 30 35 40|30 30 35 40 45|- - 40 45 50|20 25 30 35|30 30 35 40|- - 40 45
+            1.0 2.5|15 20 25 30 35|25 25 30 35 40|- - 35 40 45|15 20 25 30|25 25 30 35|- - 35 40
+            2.5 6.3|10 15 20 25 30|20 20 25 30 35|- - 30 35 40|10 15 20 25|20 20 25 30|- - 30 35
+            6.3 10|- - 15 20 30|- - 20 25 35|- - 25 30 35|- - 15 20|- - 20 25|- - 25 30";
+        let iso = ["P0", "P1", "P3", "P5", "P7"];
+        let jis = ["C0", "C1", "C2", "C5"];
         let percent = |name: &str, torque: f64, length: f64, diameter: f64| {
             Grade::named(name).expect("a grade").torque_variation(torque, length, diameter)
         };
-        assert_eq!(percent("C3", 0.865, 1.3, 0.04), Some(30.0));
-        // A torque belongs to the row that it ends.
-        assert_eq!(percent("P5", 0.6, 1.3, 0.04), Some(40.0));
-        assert_eq!(percent("P5", 0.6001, 1.3, 0.04), Some(35.0));
-        assert_eq!(percent("P7", 0.6, 1.3, 0.04), None);
-        // Slender to 40 and to 60 diameters, and more than 4 m.
-        assert_eq!(percent("C0", 0.5, 1.6, 0.04), Some(25.0));
-        assert_eq!(percent("C0", 0.5, 2.0, 0.04), Some(38.0));
-        assert_eq!(percent("C0", 0.5, 3.0, 0.04), None);
-        assert_eq!(percent("P3", 8.0, 5.0, 0.1), Some(25.0));
-        // Outside the tables, and grades without one.
-        for torque in [0.2, 10.001] {
-            assert_eq!(percent("P3", torque, 1.3, 0.04), None);
+        let threads = [(1.6, 0.04), (2.4, 0.04), (4.001, 0.1)];
+        let mut entries = 0;
+        for line in PRINTED.lines() {
+            let mut cells = line.trim().split('|');
+            let range = cells.next().expect("a range").split_once(' ').expect("two torques");
+            let (from, to): (f64, f64) =
+                (range.0.parse().expect("a torque"), range.1.parse().expect("a torque"));
+            let columns = threads.iter().map(|thread| (&iso[..], thread));
+            let columns = columns.chain(threads.iter().map(|thread| (&jis[..], thread)));
+            for ((grades, (length, diameter)), cell) in columns.zip(cells) {
+                for (name, text) in grades.iter().zip(cell.split(' ')) {
+                    for torque in [from * 1.0001, to] {
+                        let ours = percent(name, torque, *length, *diameter);
+                        assert_eq!(ours, text.parse().ok(), "{name} {torque} N m, {length} m");
+                        entries += 1;
+                    }
+                }
+            }
         }
-        assert_eq!(percent("C7", 1.0, 1.3, 0.04), None);
+        // Six rows of nine grades and three threads, twice.
+        assert_eq!(entries, 6 * 9 * 3 * 2);
+        assert_eq!(percent("C3", 0.865, 1.3, 0.04), percent("C2", 0.865, 1.3, 0.04));
+        // Outside the tables: torques, a short slender thread, a grade.
+        for (name, torque, length) in
+            [("P3", 0.2, 1.3), ("P3", 10.001, 1.3), ("C0", 0.5, 2.401), ("C7", 1.0, 1.3)]
+        {
+            assert_eq!(percent(name, torque, length, 0.04), None);
+        }
     }
 }

@@ -2,6 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use crate::{Choice, Grade};
+
+/// Longest screws that makers offer \[mm\] by grade and nominal diameter \[mm\].
+///
+/// Source: HIWIN BS-08-2, table 6.2, ground; THK, table 15, rolled.
+const LONGEST: &str = include_str!("longest_screws.csv");
+
 /// Nominal diameters are whole millimetres \[m\].
 const STEP: f64 = 1e-3;
 
@@ -16,6 +23,15 @@ pub enum Make {
     Caged,
     /// With a return for high speeds.
     HighSpeed,
+}
+
+impl Choice for Make {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("rolled", Self::Rolled),
+        ("ground", Self::Ground),
+        ("caged", Self::Caged),
+        ("high-speed", Self::HighSpeed),
+    ];
 }
 
 impl Make {
@@ -35,6 +51,27 @@ impl Make {
         };
         // mm/min
         workshop * 1e-3 * TAU / 60.0
+    }
+
+    /// Longest screw that makers offer \[m\], of the listed diameter nearest to its own; of a ground one in its grade or a finer one, or
+    /// in any.
+    ///
+    /// * `land`: outer diameter \[m\].
+    pub fn longest(self, grade: Option<&Grade>, land: f64) -> Option<f64> {
+        let number = |text: &str| text.parse::<f64>().ok();
+        let fineness = |name: &str| number(name.trim_start_matches(char::is_alphabetic));
+        let own = grade.and_then(|grade| fineness(grade.name)).unwrap_or(f64::INFINITY);
+        let mut rows = LONGEST.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let heads = rows.next()?;
+        let far = |head: &str| number(head).map(|mm| (mm * 1e-3 / land).ln().abs());
+        let places = (1..heads.len()).filter_map(|place| Some((far(heads[place])?, place)));
+        let (_, place) = places.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let fits = |row: &Vec<&str>| match (self, number(row[0])) {
+            (Self::Rolled, fineness) => fineness.is_none(),
+            (_, fineness) => fineness.is_some_and(|fineness| fineness <= own),
+        };
+        // Coarser grades are longer.
+        Some(1e-3 * number(rows.rfind(fits)?[place])?)
     }
 }
 
@@ -57,6 +94,25 @@ mod tests {
         ] {
             // Rounding of the units.
             assert_relative_eq!(workshop(make, lead, land), limit, max_relative = 1e-14);
+        }
+    }
+
+    /// Rows of HIWIN and THK: P3 of 32 mm, C2 as 1, T7 and no grade as 5, rolled ones in any grade; a land of 49.03 mm is 50 mm.
+    #[test]
+    fn screws_have_a_longest_one() {
+        for (make, grade, land, longest) in [
+            (Make::Ground, Some("P3"), 32e-3, Some(2.5)),
+            (Make::Ground, Some("C2"), 32e-3, Some(1.8)),
+            (Make::Ground, Some("T7"), 49.03e-3, Some(5.0)),
+            (Make::HighSpeed, None, 6e-3, Some(0.17)),
+            (Make::Rolled, Some("P3"), 20e-3, Some(2.0)),
+            (Make::Rolled, None, 63e-3, None),
+        ] {
+            let found = make.longest(grade.and_then(Grade::named), land);
+            assert_eq!(
+                found.map(|length| (length * 1e3).round()),
+                longest.map(|length: f64| (length * 1e3).round())
+            );
         }
     }
 }

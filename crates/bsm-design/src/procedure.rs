@@ -158,7 +158,7 @@ impl Requirement {
             Some(turns) => vec![turns],
             None => (TURNS.0..=TURNS.1)
                 .map(f64::from)
-                .filter(|turns| *turns <= self.largest_turns.max(f64::from(TURNS.0)))
+                .filter(|turns| *turns <= self.searched_turns().max(f64::from(TURNS.0)))
                 .collect(),
         }
     }
@@ -242,9 +242,11 @@ impl Search<'_> {
             let largest = largest_diameter.max(2.0 * SMALLEST);
             next((SMALLEST.ln(), largest.ln())).exp()
         });
-        let ball = fixed.ball.unwrap_or_else(|| next(ranges.ball_over_radius) * pitch_diameter);
+        let ball =
+            fixed.ball.unwrap_or_else(|| next(ranges.searched_ball_over_radius()) * pitch_diameter);
         let contact_angle = fixed.contact_angle.unwrap_or_else(|| next(ranges.contact_angle));
-        let conformity = fixed.conformity.unwrap_or_else(|| 0.5 / next(ranges.ball_over_groove));
+        let conformity =
+            fixed.conformity.unwrap_or_else(|| 0.5 / next(ranges.searched_ball_over_groove()));
         Numbers { pitch_diameter, ball, contact_angle, conformity }
     }
 
@@ -330,7 +332,7 @@ impl Search<'_> {
     fn exact(&self, turns: &[f64]) -> Vec<Design> {
         let fixed = &self.requirement.fixed;
         let balls = fixed.ball.map_or_else(|| self.requirement.stock.clone(), |ball| vec![ball]);
-        let (slimmest, thickest) = self.requirement.ranges.ball_over_radius;
+        let (slimmest, thickest) = self.requirement.ranges.searched_ball_over_radius();
         let mut nuts = Vec::new();
         for turns in turns {
             for ball in &balls {
@@ -422,7 +424,7 @@ impl Search<'_> {
         let ranges = &self.requirement.ranges;
         let start = [
             (angle, share(ranges.contact_angle, nut.contact_angle)),
-            (conformity, share(ranges.ball_over_groove, 0.5 / nut.conformity.0)),
+            (conformity, share(ranges.searched_ball_over_groove(), 0.5 / nut.conformity.0)),
         ];
         let start: Vec<_> = start.iter().filter(|(free, _)| *free).map(|(_, x)| *x).collect();
         let value = |x: &[f64]| self.value_of(&self.design(self.shaped(nut, x)));

@@ -137,10 +137,33 @@ pub struct Ranges {
     pub contact_angle: (f64, f64),
     /// Least pitch radius over length of the screw, if it is limited.
     pub slimmest: Option<f64>,
-    /// Ball radius over pitch radius.
-    pub ball_over_radius: (f64, f64),
-    /// Ball radius over groove radius.
-    pub ball_over_groove: (f64, f64),
+    /// Ball radius over pitch radius, as far as it is limited.
+    pub ball_over_radius: (Option<f64>, Option<f64>),
+    /// Ball radius over groove radius, as far as it is limited.
+    pub ball_over_groove: (Option<f64>, Option<f64>),
+}
+
+impl Ranges {
+    /// Ball radius over pitch radius of Lin's step 5.
+    pub const LIN_BALL_OVER_RADIUS: (f64, f64) = (0.07, 0.2);
+
+    /// Ball radius over groove radius of Lin's step 6.
+    pub const LIN_BALL_OVER_GROOVE: (f64, f64) = (0.95, 0.97);
+
+    /// Ball radius over pitch radius that a search of all sizes takes.
+    pub(crate) fn searched_ball_over_radius(&self) -> (f64, f64) {
+        searched(self.ball_over_radius, Self::LIN_BALL_OVER_RADIUS)
+    }
+
+    /// Ball radius over groove radius that a search of all sizes takes.
+    pub(crate) fn searched_ball_over_groove(&self) -> (f64, f64) {
+        searched(self.ball_over_groove, Self::LIN_BALL_OVER_GROOVE)
+    }
+}
+
+/// Limits, with those of Lin where there are none.
+fn searched((low, high): (Option<f64>, Option<f64>), lin: (f64, f64)) -> (f64, f64) {
+    (low.unwrap_or(lin.0), high.unwrap_or(lin.1))
 }
 
 /// Requirement of a screw.
@@ -190,8 +213,8 @@ pub struct Requirement {
     pub ball_over_lead: f64,
     /// Largest pitch circle diameter \[m\].
     pub largest_diameter: f64,
-    /// Most loaded turns, unless they are fixed.
-    pub largest_turns: f64,
+    /// Most loaded turns, if they are limited.
+    pub largest_turns: Option<f64>,
     /// Least efficiency.
     pub least_efficiency: Option<f64>,
     /// Largest input power \[W\]: that of the motor where the screw is driven.
@@ -301,6 +324,23 @@ impl Check {
 type Bounds = (Quantity, f64, Option<f64>, Option<f64>);
 
 impl Requirement {
+    /// Most loaded turns that a search of all sizes takes.
+    pub(crate) fn searched_turns(&self) -> f64 {
+        self.largest_turns.unwrap_or(6.0)
+    }
+
+    /// With the limits of shapes and turns that a search of all sizes takes, where there are none; sizes of lists need none.
+    #[must_use]
+    pub fn of_any_size(&self) -> Self {
+        let both = |(low, high)| (Some(low), Some(high));
+        let ranges = Ranges {
+            ball_over_radius: both(self.ranges.searched_ball_over_radius()),
+            ball_over_groove: both(self.ranges.searched_ball_over_groove()),
+            ..self.ranges
+        };
+        Self { ranges, largest_turns: Some(self.searched_turns()), ..self.clone() }
+    }
+
     /// The rules of an axis that do not need the loads of all its balls.
     ///
     /// * `calculated`: dynamic load rating without factors \[N\].
@@ -363,7 +403,7 @@ impl Design {
             Travel::Stroke(stroke) => (stroke + body.length, stroke),
         };
         let phases = requirement.demand.phases(&requirement.carriage, &nut);
-        let (screw, dynamic) = (nut.screw(&thread), nut.dynamic_rating().rating);
+        let (screw, dynamic) = (nut.screw(&thread, 1.0), nut.dynamic_rating().rating);
         let mut axis = Axis {
             screw,
             shaft: requirement.mount.shaft(&screw, body.length, Some(stroke)),
@@ -411,15 +451,15 @@ impl Design {
         );
         // 0.07 ≤ r_b/r_m ≤ 0.2                                            (L4)
         let (low, high) = ranges.ball_over_radius;
-        add(5, Quantity::BallOverRadius, ball / radius, Some(low), Some(high));
+        add(5, Quantity::BallOverRadius, ball / radius, low, high);
         let over_lead = Some(requirement.ball_over_lead);
         add(5, Quantity::BallOverLead, nut.ball_diameter / nut.lead, None, over_lead);
         // 0.95 ≤ r_b/r_2 ≤ 0.97,  r_2 = 2 f r_b                           (L5)
         let (low, high) = ranges.ball_over_groove;
         let in_groove = 0.5 / nut.conformity.0;
-        add(6, Quantity::BallOverGroove, in_groove, Some(low), Some(high));
+        add(6, Quantity::BallOverGroove, in_groove, low, high);
         add(6, Quantity::Conformity, nut.conformity.0, None, None);
-        let most = Some(requirement.largest_turns).filter(|_| requirement.fixed.turns.is_none());
+        let most = requirement.largest_turns.filter(|_| requirement.fixed.turns.is_none());
         add(7, Quantity::Turns, nut.turns, None, most);
         add(7, Quantity::LargestLoad, largest, None, axis.yield_load());
         add(7, Quantity::NormalLoad, normal, None, None);

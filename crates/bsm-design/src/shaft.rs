@@ -4,6 +4,7 @@
 
 use std::f64::consts::PI;
 
+use crate::Choice;
 use crate::body::STEEL;
 
 /// Stress up to which the screw is loaded along its axis \[Pa\] (Z3): THK, PMI and others state
@@ -29,25 +30,19 @@ pub enum Support {
     FixedFixed,
 }
 
+impl Choice for Support {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("fixed-free", Self::FixedFree),
+        ("supported-supported", Self::SupportedSupported),
+        ("fixed-supported", Self::FixedSupported),
+        ("fixed-fixed", Self::FixedFixed),
+    ];
+}
+
 impl Support {
     /// All of them, from the least to the most stiff.
     pub const ALL: [Self; 4] =
         [Self::FixedFree, Self::SupportedSupported, Self::FixedSupported, Self::FixedFixed];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::FixedFree => "fixed-free",
-            Self::SupportedSupported => "supported-supported",
-            Self::FixedSupported => "fixed-supported",
-            Self::FixedFixed => "fixed-fixed",
-        }
-    }
-
-    /// The support of that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|support| support.name() == name)
-    }
 
     /// First root `$\lambda$` of the frequency equation of a bar (Z1).
     ///

@@ -12,6 +12,7 @@ mod torques;
 use bsm_design::{Axis, Nut, lost_motion};
 use serde_json::json;
 
+pub use self::order::Order;
 use self::state::AxisState;
 pub(crate) use self::torques::TORQUES;
 pub(crate) use self::torques::quick_efficiency;
@@ -19,7 +20,7 @@ use self::torques::{Preload, Torques};
 pub use self::torques::{ScrewTorque, torque_parts};
 use super::nut::QUANTITIES as NUT;
 use super::ratings::QUANTITIES as RATINGS;
-use crate::case::axis::Machine;
+use crate::case::axis::{Machine, useful_travel};
 use crate::case::nut::bad;
 use crate::case::rated_nut;
 use crate::case::warm::{Detail, Warm};
@@ -217,21 +218,22 @@ pub struct AxisReport {
     pub settings: Settings,
     /// Each phase of the cycle.
     pub phases: Vec<ScrewTorque>,
-    /// What to order, in a line.
-    pub order: String,
+    /// What to order.
+    pub order: Order,
     /// The answer.
     pub answer: Answer,
 }
 
 /// The numbers of a sheet that tell nuts apart, in tables of them.
 pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
-    const NAMES: [&str; 10] = [
+    const NAMES: [&str; 11] = [
         "cycle_life_h",
         "critical_speed_ratio",
         "buckling_safety",
         "static_safety_factor",
         "axis_stiffness_N_um",
         "peak_motor_torque_Nm",
+        "back_driving_torque_Nm",
         "screw_efficiency",
         "mean_heat_W",
         "screw_mass_kg",
@@ -270,7 +272,7 @@ impl AxisReport {
     }
 
     fn with(asked: &Scene, settings: &Settings, detail: Detail) -> Result<Self, CaseError> {
-        refuse_idle(asked)?;
+        check_inputs(asked)?;
         let asked = &asked.with_preload()?;
         let warm = Warm::with_band(asked, settings, detail)?;
         if let Some(warm) = warm.as_ref().filter(|warm| warm.state.is_none()) {
@@ -278,16 +280,13 @@ impl AxisReport {
         }
         let scene = &warm.as_ref().map_or_else(|| asked.clone(), |warm| warm.scene(asked));
         let worked = AxisState::of(scene, settings, warm)?;
-        if !detail.band {
-            // It takes more solutions.
-            worked.power_loss.get_or_init(|| None);
-        }
         let of_nut = match &worked.machine.groove {
             Some(_) => ratings(&at_largest(scene, &worked.machine.axis))?,
             None => Answer::default(),
         };
         let mut warnings = of_nut.warnings.clone();
         warnings.extend(worked.machine.warning.clone());
+        warnings.extend(worked.warnings());
         warnings.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
         if let Some(why @ CaseError::Nut(_)) = &worked.no_nut {
             warnings.push(format!("{}; the rules of the preload are not judged", no_balls(why)));
@@ -321,7 +320,7 @@ impl AxisReport {
             .with("screw", Content::numbers(screw, "screw"))
             .with("not_modelled", Content::Texts("not modelled", not_modelled));
         let order = worked.order();
-        let answer = answer.with_shown(Content::Words("order:", Some(order.clone())));
+        let answer = answer.with_shown(Content::Words("order:", Some(order.to_string())));
         Ok(Self { scene: asked.clone(), settings: *settings, phases, order, answer })
     }
 
@@ -338,7 +337,7 @@ impl AxisReport {
             .add_to(answer)
             .with("screw", Content::numbers(Numbers::none(SCREW), "screw"))
             .with("not_modelled", Content::Texts("not modelled", Vec::new()));
-        let (phases, order) = (Vec::new(), String::new());
+        let (phases, order) = (Vec::new(), Order::default());
         Self { scene: scene.clone(), settings: *settings, phases, order, answer }
     }
 
@@ -376,7 +375,7 @@ pub(crate) fn numbers(
     settings: &Settings,
     wanted: impl Fn(&Quantity) -> bool,
 ) -> Result<Numbers, CaseError> {
-    refuse_idle(scene)?;
+    check_inputs(scene)?;
     let scene = &scene.with_preload()?;
     let mut asked = QUANTITIES.iter().filter(|quantity| wanted(quantity));
     // At one operating point the torque takes no axis.
@@ -438,8 +437,12 @@ impl AxisState<'_> {
     }
 }
 
-/// Refuses an input of the warm state in a scene that neither asks for it nor leaves it out.
-fn refuse_idle(scene: &Scene) -> Result<(), CaseError> {
+/// Refuses an input of the warm state in a scene that neither asks for it nor leaves it out, and an accuracy grade without a travel.
+fn check_inputs(scene: &Scene) -> Result<(), CaseError> {
+    if scene.nut.accuracy_grade.is_some() && useful_travel(scene).is_none() {
+        let missing = vec!["stroke_mm (or useful_travel_mm)".to_owned()];
+        return Err(CaseError::Missing { missing, by: "for accuracy_grade".to_owned() });
+    }
     // These act without it too.
     let act = [InputKey::preload_temperature_C, InputKey::screw_tension_N];
     let is_idle = |key: &InputKey| key.input().title == "warm state" && !act.contains(key);

@@ -70,6 +70,7 @@ impl DesignReport {
     /// Searches for the best screw of any size, with balls of standard diameters: Lin's procedure. A
     /// requirement that cannot be met is a result.
     pub fn of(wish: &RequirementFile) -> Self {
+        let wish = &RequirementFile { requirement: wish.requirement.of_any_size(), ..wish.clone() };
         let efficiency = |nut: &Nut, phase: &Phase| efficiency(wish, nut, phase);
         let outcome = wish.requirement.choose(&efficiency, &|nut| accepted(wish, nut));
         Self::from_outcome(wish, outcome)
@@ -89,10 +90,17 @@ impl DesignReport {
             let Scene { lead_mm, ball_diameter_mm, .. } = report.scene;
             same(lead_mm, size.lead) && same(ball_diameter_mm, size.ball)
         };
-        let printed: Vec<_> =
-            lists.offered.iter().filter(chosen).map(|size| size.ball_is_printed).collect();
-        if !printed.is_empty() && !printed.contains(&true) {
+        let offered: Vec<_> = lists.offered.iter().filter(chosen).collect();
+        if !offered.is_empty() && !offered.iter().any(|size| size.ball_is_printed) {
             report.notes.push("ball diameter estimated: ask the maker".to_owned());
+        }
+        // Sizes of one lead and ball differ by some 10 mm.
+        let pitch = report.scene.pitch_circle_diameter_mm.unwrap_or(f64::NAN) * MM;
+        let far = |size: &OfferedSize| (size.diameter - pitch).abs();
+        if let Some(size) = offered.into_iter().min_by(|a, b| far(a).total_cmp(&far(b))) {
+            report.scene.nominal_diameter_mm = Some((size.diameter / MM * 1e6).round() * 1e-6);
+            let order = |sheet: AxisReport| sheet.order.to_string();
+            report.order = report.order.and_then(|_| wish.judge(&report.scene).ok()).map(order);
         }
         Some(report)
     }
@@ -122,7 +130,7 @@ impl DesignReport {
         let of_sheet = |_: &Nut, _: &Phase| efficiency;
         // That of a preloaded nut is by all its balls.
         let design = Design::of(&wish.requirement, design.nut, Some(&of_sheet));
-        let order = sheet.as_ref().map(|sheet| sheet.order.clone());
+        let order = sheet.as_ref().map(|sheet| sheet.order.to_string());
         let rules = sheet.map_or_else(Vec::new, |sheet| sheet.answer.rules);
         let mut warnings = scene.warnings();
         let best = design.value(Quantity::BestContactAngle) / DEG;
@@ -396,13 +404,15 @@ fn of_rule(rule: &Criterion) -> DesignRow {
 
 /// A rule of the sheet that the best screw by all other limits breaks.
 fn breaks(rule: &Criterion) -> String {
-    let DesignRow { name, unit, requirement, .. } = of_rule(rule);
-    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-    let help = rule.remedy.as_ref().map_or_else(String::new, |remedy| format!("; {remedy}"));
+    let Criterion { title, name, unit, value, limit, at_least, .. } = rule;
+    let number = |value: f64| format!("{} {unit}", trimmed(value)).trim_end().to_owned();
+    let than = if *at_least { "at least" } else { "at most" };
+    let limit = limit.map_or_else(String::new, number);
+    let help =
+        rule.remedy.as_ref().map_or_else(String::new, |help| format!("; it would take {help}"));
     format!(
-        "{name} must be {}{unit}: the best screw by the other limits has {}{unit}{help}",
-        requirement.unwrap_or_default(),
-        trimmed(rule.value)
+        "{title}: {name} must be {than} {limit}, and the best screw by the other limits has {}{help}",
+        number(*value)
     )
 }
 

@@ -1,21 +1,16 @@
 //! Nuts of a manufacturer's table, a row each, with the names of the vocabulary or of the manufacturer.
 
-use std::collections::BTreeMap;
-
 use bsm_design::Nut;
-use serde_json::{Value, json};
+use serde_json::json;
 
+use crate::case::maker_sizes::{ColumnNames, maker_column};
 use crate::vocabulary::cells::Cells;
-use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::number::short;
-use crate::vocabulary::units::{MM, convert};
+use crate::vocabulary::units::MM;
 use crate::{
-    Answer, CaseError, Column, Content, INPUTS, InputKey, Output, RequirementFile, Scene, Table,
-    entries, nearest, ratings, sheet_columns,
+    Answer, CaseError, Column, Content, InputKey, Output, RequirementFile, Scene, Table, ratings,
+    sheet_columns,
 };
-
-/// Contact angle of makers, unless the table has it \[deg\].
-const CONTACT_ANGLE_DEG: f64 = 45.0;
 
 /// Columns besides the inputs of a scene.
 const WORDS: [&str; 6] = [
@@ -26,6 +21,9 @@ const WORDS: [&str; 6] = [
     "static_load_rating_N",
     "stiffness_N_um",
 ];
+
+/// Contact angle of makers, unless the table has it \[deg\].
+const CONTACT_ANGLE_DEG: f64 = 45.0;
 
 /// A nut of a maker's table.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,20 +39,19 @@ pub struct MakerNut {
 impl MakerNut {
     /// Reads a table.
     ///
-    /// * `names`: the maker's names of columns, see [`column_names`]. * `separator`: between cells. * `decimal`: the decimal sign.
+    /// * `names`: the maker's names of columns, see [`column_names`](crate::column_names). * `separator`: between cells. * `decimal`: the decimal sign.
     ///
     /// # Errors
     ///
     /// [`CaseError`] with the row or the column.
     pub fn from_csv(
         table: &[u8],
-        names: &BTreeMap<String, Option<String>>,
+        names: &ColumnNames,
         separator: u8,
         decimal: char,
     ) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, separator, decimal)?;
-        let columns =
-            cells.columns(|name| column(name, names).map_err(|what| CaseError::Table { what }))?;
+        let columns = cells.columns(|name| maker_column(name, names, &WORDS))?;
         cells.each(&columns, |place, row| {
             let mut given = TableRow { name: format!("row {place}"), ..TableRow::default() };
             for (column, text) in row {
@@ -188,44 +185,6 @@ impl MakerRow {
         answer.notes.extend(sized.then(|| format!("{passing} of {} nuts pass", rows.len())));
         answer
     }
-}
-
-/// A column: our name of it, and the factor to our unit; `None` if it is not read.
-fn column(
-    name: &str,
-    names: &BTreeMap<String, Option<String>>,
-) -> Result<Option<(&'static str, f64)>, String> {
-    let own = match names.get(name) {
-        Some(None) => return Ok(None),
-        Some(Some(own)) => own,
-        None => name,
-    };
-    let known = || WORDS.into_iter().chain(INPUTS.iter().map(|input| input.name));
-    if let Some(word) = known().find(|word| *word == own) {
-        return Ok(Some((word, 1.0)));
-    }
-    convert(own, &known()).map(Some).ok_or_else(|| {
-        let near = nearest(own, known()).map_or(String::new(), |near| format!(", did you mean `{near}`?"));
-        format!(
-            "unknown column `{own}`{near}; columns-from gives the names of a manufacturer's columns, null for a column that is \
-             not read"
-        )
-    })
-}
-
-/// Reads the names of the columns of a foreign table: a JSON object from them to ours, or to null for a column
-/// that is not read.
-///
-/// # Errors
-///
-/// [`CaseError`] for syntax, repeated names, and what is neither a name nor null.
-pub fn column_names(json: &[u8]) -> Result<BTreeMap<String, Option<String>>, CaseError> {
-    let name = |(key, value): (String, Value)| match value {
-        Value::Null => Ok((key, None)),
-        Value::String(name) => Ok((key, Some(name))),
-        other => Err(wrong_type(key, &other, "a name, or null")),
-    };
-    entries(json)?.into_iter().map(name).collect()
 }
 
 /// Content of a row.

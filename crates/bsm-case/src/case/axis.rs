@@ -11,7 +11,7 @@ use crate::case::nut::bad;
 use crate::case::rated_nut;
 use crate::case::rated_screw::RatedScrew;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
-use crate::vocabulary::words::{SteelWord, SupportWord};
+use crate::vocabulary::words::{Named, SteelWord};
 use crate::{CaseError, InputKey, PhaseWords, Scene};
 
 /// Largest bore of a screw over its core.
@@ -99,7 +99,7 @@ impl Machine {
             let thread = rated_nut::thread(scene, &nut)?;
             let body = rated_nut::body(scene, &nut, &thread)?;
             warning = rated_nut::compared(scene, &nut)?;
-            let screw = nut.screw(&thread);
+            let screw = nut.screw(&thread, value(InputKey::starts));
             (Some((nut, thread)), RatedScrew { screw, body, assumed: Vec::new() })
         };
         let calculated = groove.as_ref().map(|(nut, _)| nut);
@@ -179,7 +179,7 @@ pub(crate) fn useful_travel(scene: &Scene) -> Option<f64> {
 /// Ends and length of its screw.
 pub(crate) fn mount(scene: &Scene) -> Mount {
     Mount {
-        support: scene.nut.support.map_or(Support::FixedSupported, Support::from),
+        support: scene.nut.support.map_or(Support::FixedSupported, |Named(support)| support),
         length: scene.unsupported_length_mm.map(|mm| mm * MM),
         diameter: scene.shaft_diameter_mm.map(|mm| mm * MM),
         bore: (
@@ -187,7 +187,7 @@ pub(crate) fn mount(scene: &Scene) -> Mount {
             scene.value_or_default(InputKey::coolant_density_kg_m3).unwrap_or(0.0),
         ),
         buckling: (
-            scene.nut.buckling_support.map(Support::from),
+            scene.nut.buckling_support.map(|Named(support)| support),
             scene.buckling_length_mm.map(|mm| mm * MM),
         ),
     }
@@ -259,7 +259,7 @@ impl Scene {
 
 /// How its screw is made.
 pub(crate) fn make(scene: &Scene) -> Make {
-    scene.nut.screw_make.map_or(Make::Ground, Make::from)
+    scene.nut.screw_make.map_or(Make::Ground, |Named(make)| make)
 }
 
 /// Life at the reliability of a scene over that at 90 %.
@@ -302,15 +302,4 @@ pub(crate) fn motions(scene: &Scene) -> Result<Vec<Motion>, CaseError> {
         });
     };
     Ok(vec![Motion { time: 1.0, force, pace, acceleration: 0.0, load_factor }])
-}
-
-impl From<SupportWord> for Support {
-    fn from(word: SupportWord) -> Self {
-        match word {
-            SupportWord::FixedFree => Self::FixedFree,
-            SupportWord::SupportedSupported => Self::SupportedSupported,
-            SupportWord::FixedSupported => Self::FixedSupported,
-            SupportWord::FixedFixed => Self::FixedFixed,
-        }
-    }
 }

@@ -5,7 +5,8 @@ use bsm_dyn::Material;
 use serde_json::{Map, Value};
 
 use crate::Rule::{Above, AtLeast, Between, Within};
-use crate::case::maker_sizes::MakerSize;
+use crate::case::maker_sizes::{ColumnNames, MakerSize};
+use crate::vocabulary::cells::Cells;
 use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{DEG, GPA, MM, UM};
 use crate::{CaseError, Known, entries, nearest};
@@ -73,25 +74,51 @@ impl Catalogue {
     ///
     /// None; the sizes are compiled in.
     pub fn makers() -> Result<Self, CaseError> {
+        Self::of_sizes(MakerSize::list())
+    }
+
+    /// The sizes of a table with the columns of [`MAKER_SIZES`](crate::MAKER_SIZES); none of a table without `turns`, which is one of
+    /// nuts.
+    ///
+    /// * `names`: of its columns, see [`column_names`](crate::column_names). * `separator`: between cells. * `decimal`: the decimal
+    ///   sign.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] with the row or the column.
+    pub fn from_csv(
+        table: &[u8],
+        names: &ColumnNames,
+        separator: u8,
+        decimal: char,
+    ) -> Result<Option<Self>, CaseError> {
+        let own = |head: &str| {
+            names.get(head).map_or(head == "turns", |own| own.as_deref() == Some("turns"))
+        };
+        if !Cells::read(table, separator, decimal)?.heads().iter().any(|head| own(head)) {
+            return Ok(None);
+        }
+        Self::of_sizes(&MakerSize::read(table, names, separator, decimal)?).map(Some)
+    }
+
+    fn of_sizes(sizes: &[MakerSize]) -> Result<Self, CaseError> {
         let mut all_sizes = Self::standard()?;
         let Self { lists, limits, .. } = &mut all_sizes;
         let offered = |size: &MakerSize| {
-            let MakerSize { nominal, lead, ball, pitch_circle, core, .. } = *size;
-            let [pitch_diameter, core] = [pitch_circle, core].map(|mm| mm.map(|mm| mm * MM));
-            let offered = move |turns: &f64| {
-                Some(OfferedSize {
-                    diameter: nominal * MM,
-                    lead: lead * MM,
-                    ball: ball? * MM,
-                    turns: *turns,
-                    pitch_diameter,
-                    core,
-                    ball_is_printed: size.ball_is_printed,
-                })
+            let [pitch_diameter, core] =
+                [size.pitch_circle, size.core].map(|mm| mm.map(|mm| mm * MM));
+            let offered = OfferedSize {
+                diameter: size.nominal * MM,
+                lead: size.lead * MM,
+                ball: size.ball * MM,
+                turns: f64::NAN,
+                pitch_diameter,
+                core,
+                ball_is_printed: size.ball_is_printed,
             };
-            size.turns.iter().filter_map(offered).collect::<Vec<_>>()
+            size.turns.clone().into_iter().map(move |turns| OfferedSize { turns, ..offered })
         };
-        lists.offered = MakerSize::list().iter().flat_map(offered).collect();
+        lists.offered = sizes.iter().flat_map(offered).collect();
         let all = |number: fn(&OfferedSize) -> f64| {
             let mut all: Vec<_> = lists.offered.iter().map(number).collect();
             all.sort_by(f64::total_cmp);

@@ -1,19 +1,30 @@
-//! Sizes that makers offer.
+//! Sizes that makers offer, and the names of columns of their tables.
 
+use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use crate::CaseError;
-use crate::vocabulary::cells::Cells;
+use serde_json::Value;
 
-/// The table: THK general catalogue, B-584 to B-735; HIWIN BS-08-2, 6.4 to 6.9.
-const TABLE: &str = include_str!("maker_sizes.csv");
+use crate::vocabulary::cells::Cells;
+use crate::vocabulary::names::wrong_type;
+use crate::vocabulary::units::convert;
+use crate::{CaseError, INPUTS, LISTS, entries, nearest};
+
+/// Sizes of THK (general catalogue, B-584 to B-735) and HIWIN (BS-08-2, 6.4 to 6.9), to copy and edit.
+pub const MAKER_SIZES: &str = include_str!("maker_sizes.csv");
+
+/// Columns of a table of sizes besides the inputs of a scene.
+const WORDS: [&str; 5] = ["core_diameter_mm", "ball", "turns", "make", "source"];
+
+/// Names of the columns of a foreign table: ours, or none of a column that is not read.
+pub(crate) type ColumnNames = BTreeMap<String, Option<String>>;
 
 /// A size of a maker; lengths in mm.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct MakerSize {
     pub(crate) nominal: f64,
     pub(crate) lead: f64,
-    pub(crate) ball: Option<f64>,
+    pub(crate) ball: f64,
     /// False if the ball diameter follows from pitch circle and core.
     pub(crate) ball_is_printed: bool,
     pub(crate) pitch_circle: Option<f64>,
@@ -21,31 +32,58 @@ pub(crate) struct MakerSize {
     pub(crate) turns: Vec<f64>,
 }
 
-static SIZES: LazyLock<Vec<MakerSize>> =
-    LazyLock::new(|| MakerSize::read().expect("the table is compiled in"));
+static SIZES: LazyLock<Vec<MakerSize>> = LazyLock::new(|| {
+    MakerSize::read(MAKER_SIZES.as_bytes(), &ColumnNames::new(), b',', '.')
+        .expect("the table is compiled in")
+});
 
 impl MakerSize {
-    fn read() -> Result<Vec<Self>, CaseError> {
-        let cells = Cells::read(TABLE.as_bytes(), b',', '.')?;
-        let columns = cells.columns(|name| Ok(name.to_owned()))?;
+    /// Reads a table, with `turns` such as 2.5/3.5.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] with the row or the column.
+    pub(crate) fn read(
+        table: &[u8],
+        names: &ColumnNames,
+        separator: u8,
+        decimal: char,
+    ) -> Result<Vec<Self>, CaseError> {
+        let cells = Cells::read(table, separator, decimal)?;
+        let columns = cells.columns(|name| maker_column(name, names, &WORDS))?;
         cells.each(&columns, |_, row| {
-            let mut size = Self::default();
+            // A user knows his balls.
+            let mut size = Self { ball_is_printed: true, ..Self::default() };
             for (column, text) in row {
-                match column.as_str() {
-                    "nominal_diameter_mm" => size.nominal = cells.number(text)?,
-                    "lead_mm" => size.lead = cells.number(text)?,
-                    "ball_diameter_mm" => size.ball = Some(cells.number(text)?),
-                    "ball" => size.ball_is_printed = text == "printed",
-                    "pitch_circle_diameter_mm" => size.pitch_circle = Some(cells.number(text)?),
-                    "core_diameter_mm" => size.core = Some(cells.number(text)?),
+                let Some((word, factor)) = column else { continue };
+                let number = |text| {
+                    let number = factor * cells.number(text)?;
+                    let list = LISTS.iter().find(|list| list.name == *word);
+                    list.map_or(Ok(()), |list| list.rule.check(word, number)).map(|()| number)
+                };
+                match *word {
+                    "nominal_diameter_mm" => size.nominal = number(text)?,
+                    "lead_mm" => size.lead = number(text)?,
+                    "ball_diameter_mm" => size.ball = number(text)?,
+                    "ball" => size.ball_is_printed = text != "estimated",
+                    "pitch_circle_diameter_mm" => size.pitch_circle = Some(number(text)?),
+                    "core_diameter_mm" => size.core = Some(number(text)?),
                     "turns" => {
-                        let turns = text.split('/').map(|text| cells.number(text));
-                        size.turns = turns.collect::<Result<_, _>>()?;
+                        size.turns = text.split('/').map(number).collect::<Result<_, _>>()?;
                     }
                     _ => {}
                 }
             }
-            Ok(size)
+            let needed = [
+                ("nominal_diameter_mm", size.nominal > 0.0),
+                ("lead_mm", size.lead > 0.0),
+                ("ball_diameter_mm", size.ball > 0.0),
+                ("turns", !size.turns.is_empty() && size.turns.iter().all(|turns| *turns > 0.0)),
+            ];
+            match needed.into_iter().find(|(_, given)| !given) {
+                Some((name, _)) => Err(CaseError::Table { what: format!("{name} is missing") }),
+                None => Ok(size),
+            }
         })
     }
 
@@ -59,4 +97,46 @@ impl MakerSize {
         let same = |a: f64, b: f64| (a - b).abs() < 1e-9;
         SIZES.iter().filter(move |size| same(size.nominal, nominal) && same(size.lead, lead))
     }
+}
+
+/// A column: our name of it, and the factor to our unit; `None` if it is not read.
+///
+/// * `words`: names of columns besides the inputs of a scene.
+pub(crate) fn maker_column(
+    name: &str,
+    names: &ColumnNames,
+    words: &[&'static str],
+) -> Result<Option<(&'static str, f64)>, CaseError> {
+    let own = match names.get(name) {
+        Some(None) => return Ok(None),
+        Some(Some(own)) => own,
+        None => name,
+    };
+    let known = || words.iter().copied().chain(INPUTS.iter().map(|input| input.name));
+    if let Some(word) = known().find(|word| *word == own) {
+        return Ok(Some((word, 1.0)));
+    }
+    convert(own, &known()).map(Some).ok_or_else(|| {
+        let near = nearest(own, known()).map_or(String::new(), |near| format!(", did you mean `{near}`?"));
+        let what = format!(
+            "unknown column `{own}`{near}; columns-from gives the names of a manufacturer's columns, null for a column that is \
+             not read"
+        );
+        CaseError::Table { what }
+    })
+}
+
+/// Reads the names of the columns of a foreign table: a JSON object from them to ours, or to null for a column
+/// that is not read.
+///
+/// # Errors
+///
+/// [`CaseError`] for syntax, repeated names, and what is neither a name nor null.
+pub fn column_names(json: &[u8]) -> Result<ColumnNames, CaseError> {
+    let name = |(key, value): (String, Value)| match value {
+        Value::Null => Ok((key, None)),
+        Value::String(name) => Ok((key, Some(name))),
+        other => Err(wrong_type(key, &other, "a name, or null")),
+    };
+    entries(json)?.into_iter().map(name).collect()
 }

@@ -25,15 +25,15 @@ keys! {
     largest_input_power_W ["W"] Above(0.0), None, "largest input power allowed: that of the motor, or of the load where it drives";
     pressure_limit_MPa ["MPa"] Above(0.0), Some(4200.0), "largest Hertz pressure allowed (ISO 76)";
     largest_pitch_circle_diameter_mm ["mm"] Above(0.0), Some(125.0), "largest pitch circle diameter allowed";
-    largest_loaded_turns [""] AtLeast(2.0), Some(6.0), "largest number of loaded turns allowed, 12 at most";
+    largest_loaded_turns [""] AtLeast(2.0), None, "largest number of loaded turns allowed; 6 with --free, 12 at most";
     largest_ball_over_lead [""] Above(0.0), Some(0.8), "largest ball diameter over lead; the rest of the lead is the land between the grooves";
     smallest_contact_angle_deg ["deg"] Between(0.0, 90.0), Some(USUAL_CONTACT_ANGLES_DEG.0), "smallest contact angle allowed";
     largest_contact_angle_deg ["deg"] Between(0.0, 90.0), Some(USUAL_CONTACT_ANGLES_DEG.1), "largest contact angle allowed";
     largest_length_over_pitch_radius [""] Above(0.0), None, "largest length of the screw over its pitch circle radius, 60 in Lin's step 4";
-    smallest_ball_radius_over_pitch_radius [""] Between(0.0, 1.0), Some(0.07), "smallest ball radius over pitch circle radius (Lin's step 5)";
-    largest_ball_radius_over_pitch_radius [""] Between(0.0, 1.0), Some(0.2), "largest ball radius over pitch circle radius (Lin's step 5)";
-    smallest_ball_radius_over_groove_radius [""] Between(0.0, 1.0), Some(0.95), "smallest ball radius over groove radius (Lin's step 6); 0.5 / conformity";
-    largest_ball_radius_over_groove_radius [""] Between(0.0, 1.0), Some(0.97), "largest ball radius over groove radius (Lin's step 6)";
+    smallest_ball_radius_over_pitch_radius [""] Between(0.0, 1.0), None, "smallest ball radius over pitch circle radius (Lin's step 5); 0.07 with --free";
+    largest_ball_radius_over_pitch_radius [""] Between(0.0, 1.0), None, "largest ball radius over pitch circle radius (Lin's step 5); 0.2 with --free";
+    smallest_ball_radius_over_groove_radius [""] Between(0.0, 1.0), None, "smallest ball radius over groove radius (Lin's step 6); 0.5 / conformity; 0.95 with --free";
+    largest_ball_radius_over_groove_radius [""] Between(0.0, 1.0), None, "largest ball radius over groove radius (Lin's step 6); 0.97 with --free";
 }
 
 /// Friction coefficient of a requirement without one, and the usual range; a grease or an oil gives some 0.03 to 0.12.
@@ -272,30 +272,36 @@ impl RequirementKeys {
     }
 
     /// Least and largest of a number; the keys of both are of the requirement.
-    fn range(&self, low: &'static str, high: &'static str) -> Result<(f64, f64), CaseError> {
-        let [least, most] = [low, high].map(|key| self.number(key).unwrap_or(f64::NAN));
+    ///
+    /// * `usual`: where there is no limit.
+    fn range(
+        &self,
+        (low, high): (&'static str, &'static str),
+        usual: (f64, f64),
+    ) -> Result<(Option<f64>, Option<f64>), CaseError> {
+        let limits = (self.number(low), self.number(high));
+        let (least, most) = (limits.0.unwrap_or(usual.0), limits.1.unwrap_or(usual.1));
         // The search moves within the range: a value is fixed by its own key.
         if least < most {
-            return Ok((least, most));
+            return Ok(limits);
         }
         let rule = format!("> {low} = {least}");
         Err(CaseError::OutOfRange { key: high.to_owned(), value: most, rule })
     }
 
     fn ranges(&self) -> Result<Ranges, CaseError> {
-        let (low, high) = self.range("smallest_contact_angle_deg", "largest_contact_angle_deg")?;
-        let slenderness = self.number("largest_length_over_pitch_radius");
+        let usual = USUAL_CONTACT_ANGLES_DEG;
+        let angles = ("smallest_contact_angle_deg", "largest_contact_angle_deg");
+        let (low, high) = self.range(angles, usual)?;
+        let radii =
+            ("smallest_ball_radius_over_pitch_radius", "largest_ball_radius_over_pitch_radius");
+        let grooves =
+            ("smallest_ball_radius_over_groove_radius", "largest_ball_radius_over_groove_radius");
         Ok(Ranges {
-            contact_angle: (low * DEG, high * DEG),
-            slimmest: slenderness.map(f64::recip),
-            ball_over_radius: self.range(
-                "smallest_ball_radius_over_pitch_radius",
-                "largest_ball_radius_over_pitch_radius",
-            )?,
-            ball_over_groove: self.range(
-                "smallest_ball_radius_over_groove_radius",
-                "largest_ball_radius_over_groove_radius",
-            )?,
+            contact_angle: (low.unwrap_or(usual.0) * DEG, high.unwrap_or(usual.1) * DEG),
+            slimmest: self.number("largest_length_over_pitch_radius").map(f64::recip),
+            ball_over_radius: self.range(radii, Ranges::LIN_BALL_OVER_RADIUS)?,
+            ball_over_groove: self.range(grooves, Ranges::LIN_BALL_OVER_GROOVE)?,
         })
     }
 
@@ -390,7 +396,7 @@ impl RequirementKeys {
             motor: (least(InputKey::gear_ratio), motor_speed(&scene).map(|rpm| rpm * RPM)),
             ball_over_lead: limit("largest_ball_over_lead"),
             largest_diameter: limit("largest_pitch_circle_diameter_mm") * MM,
-            largest_turns: limit("largest_loaded_turns"),
+            largest_turns: self.number("largest_loaded_turns"),
             least_efficiency: self.number("least_efficiency"),
             largest_power: self.number("largest_input_power_W"),
             ranges,

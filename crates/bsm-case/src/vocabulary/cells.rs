@@ -38,6 +38,11 @@ impl Cells {
         Ok(Self { heads, rows, decimal })
     }
 
+    /// Names of its columns.
+    pub(crate) fn heads(&self) -> &[String] {
+        &self.heads
+    }
+
     /// Type of each column, by its name.
     pub(crate) fn columns<C>(
         &self,

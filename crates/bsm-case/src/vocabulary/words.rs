@@ -1,7 +1,8 @@
 //! What a scene says of a nut, its axis and its lubricant besides numbers: lists, objects, texts and flags.
 
 use bsm_design::{
-    Contamination, Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod, RigidityAt,
+    Choice, Contamination, Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod, RigidityAt,
+    Support,
 };
 use bsm_dyn::BaseOil;
 use serde::{Deserialize, Serialize};
@@ -108,17 +109,17 @@ words! {
         "base oil of the lubricant, for what is not given of it; mineral unless given";
     ball_precession_rad_s: f64 ["number"],
         "angular velocity of the balls about the axis [rad/s], for their centrifugal force in a nut; 0 unless given";
-    support: SupportWord ["fixed-free|supported-supported|fixed-supported|fixed-fixed"],
+    support: Named<Support> ["fixed-free|supported-supported|fixed-supported|fixed-fixed"],
         "how the ends of the screw are held, for bsm axis: the fixed end takes the axial load";
-    buckling_support: SupportWord ["fixed-free|supported-supported|fixed-supported|fixed-fixed"],
+    buckling_support: Named<Support> ["fixed-free|supported-supported|fixed-supported|fixed-fixed"],
         "how the section of the screw between fixed bearing and nut is held against buckling; fixed-fixed by a guided table, unless support is supported-supported";
-    screw_make: MakeWord ["rolled|ground|caged|high-speed"],
+    screw_make: Named<Make> ["rolled|ground|caged|high-speed"],
         "how the screw and its ball return are made, for the largest speed number; ground unless given";
     accuracy_grade: GradeWord ["string"],
         "accuracy grade of the screw, for bsm axis: P0 to P10 and T5 to T10 of ISO 3408-3, C0 to C10 of JIS B 1192 (THK, NSK, MISUMI); a number alone is a P grade";
     steel: SteelWord ["air-melted|vacuum-degassed|electro-slag|vacuum-remelted"],
         "how the steel of the raceways is melted, for the dynamic load rating; air-melted unless given";
-    contamination: ContaminationWord ["extreme-cleanliness|high|normal|slight|typical|severe|very-severe"],
+    contamination: Named<Contamination> ["extreme-cleanliness|high|normal|slight|typical|severe|very-severe"],
         "cleanliness of the lubricant by ISO 281, for the modified life: high, greased for life and sealed; normal, wipers and bellows; typical, no wipers; severe, open in chips";
     keep_ratings: bool ["boolean"],
         "true: rated_dynamic_load_N and rated_static_load_N stand although the groove has other ratings by more than a factor of 2";
@@ -322,18 +323,26 @@ pub enum CoolantWord {
     Oil,
 }
 
-/// How the ends of a screw are held.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SupportWord {
-    /// One end is free.
-    FixedFree,
-    /// Both ends may tilt.
-    SupportedSupported,
-    /// One end may tilt.
-    FixedSupported,
-    /// No end may tilt.
-    FixedFixed,
+/// One of a few, which a scene has by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Named<T>(pub T);
+
+impl<T: Choice> Serialize for Named<T> {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.name())
+    }
+}
+
+impl<'de, T: Choice> Deserialize<'de> for Named<T> {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let word = String::deserialize(deserializer)?;
+        let found = T::NAMES.iter().find(|(name, _)| *name == word);
+        found.map(|(_, own)| Self(*own)).ok_or_else(|| {
+            let names: Vec<_> = T::NAMES.iter().map(|(name, _)| format!("`{name}`")).collect();
+            let names = names.join(", ");
+            serde::de::Error::custom(format!("unknown variant `{word}`, expected one of {names}"))
+        })
+    }
 }
 
 /// How a steel is melted.
@@ -358,58 +367,6 @@ impl SteelWord {
             Self::VacuumDegassed => 1.25,
             Self::ElectroSlag => 1.44,
             Self::VacuumRemelted => 1.71,
-        }
-    }
-}
-
-/// Cleanliness of a lubricant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ContaminationWord {
-    ExtremeCleanliness,
-    High,
-    Normal,
-    Slight,
-    Typical,
-    Severe,
-    VerySevere,
-}
-
-impl From<ContaminationWord> for Contamination {
-    fn from(word: ContaminationWord) -> Self {
-        match word {
-            ContaminationWord::ExtremeCleanliness => Self::ExtremeCleanliness,
-            ContaminationWord::High => Self::High,
-            ContaminationWord::Normal => Self::Normal,
-            ContaminationWord::Slight => Self::Slight,
-            ContaminationWord::Typical => Self::Typical,
-            ContaminationWord::Severe => Self::Severe,
-            ContaminationWord::VerySevere => Self::VerySevere,
-        }
-    }
-}
-
-/// How a screw is made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum MakeWord {
-    /// Rolled.
-    Rolled,
-    /// Ground.
-    Ground,
-    /// Balls in a cage.
-    Caged,
-    /// With a return for high speeds.
-    HighSpeed,
-}
-
-impl From<MakeWord> for Make {
-    fn from(word: MakeWord) -> Self {
-        match word {
-            MakeWord::Rolled => Self::Rolled,
-            MakeWord::Ground => Self::Ground,
-            MakeWord::Caged => Self::Caged,
-            MakeWord::HighSpeed => Self::HighSpeed,
         }
     }
 }

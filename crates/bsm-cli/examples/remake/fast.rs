@@ -126,7 +126,7 @@ fn slip_powers(program: &Program) -> Blocks {
 }
 
 fn catalogue(program: &Program) -> Blocks {
-    let words = ["select", "--first", "1"].map(str::to_owned);
+    let words = ["select", "--from", "standard", "--first", "1"].map(str::to_owned);
     let (_, note) = program.prints(&words)?;
     let count = note.split_whitespace().find_map(|word| word.parse::<u64>().ok());
     Ok(count.ok_or_else(|| format!("no number of nuts in: {note}"))?.to_string())

@@ -78,7 +78,8 @@ fn the_catalogue_is_filtered_sorted_and_written() {
     let dir = folder();
     let wanted = ["--where", "dynamic_load_rating_N>=50000", "--where", "lead_mm=10"];
     let lightest = ["--sort", "mass_kg", "--first", "5"];
-    let args = [&["select"], &wanted[..], &lightest[..], &["--json"]].concat();
+    let args =
+        [&["select", "--from", "standard"], &wanted[..], &lightest[..], &["--json"]].concat();
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stderr(&output).contains("nuts within the limits"), "{}", stderr(&output));
@@ -92,7 +93,8 @@ fn the_catalogue_is_filtered_sorted_and_written() {
     // The same rows in every form of table, and a nut to go on with.
     let mut tables = Vec::new();
     for table in ["a.csv", "a.jsonl", "a.parquet"] {
-        let args = [&["select"], &wanted[..], &lightest[..], &["-o", table]].concat();
+        let args = [&["select", "--from", "standard"], &wanted[..], &lightest[..], &["-o", table]]
+            .concat();
         assert_eq!(bsm(dir.path(), &args, "").status.code(), Some(0), "{table}");
         tables.push(fs::read(dir.path().join(table)).expect("written"));
     }
@@ -102,7 +104,8 @@ fn the_catalogue_is_filtered_sorted_and_written() {
     let csv = String::from_utf8(tables[0].clone()).expect("UTF-8");
     assert_eq!(csv.lines().count(), 6);
     assert!(tables[2].starts_with(b"PAR1"));
-    let args = [&["select"], &wanted[..], &["--pareto", "-o", "nut.json"]].concat();
+    let args =
+        [&["select", "--from", "standard"], &wanted[..], &["--pareto", "-o", "nut.json"]].concat();
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stderr(&output).contains("beaten by no other"), "{}", stderr(&output));
@@ -111,7 +114,9 @@ fn the_catalogue_is_filtered_sorted_and_written() {
     // Found by the audit: a picked nut weighed less in its ratings, which took another diameter for the screw.
     let picked = bsm(dir.path(), &["solve", "nut.json", "--show", "ratings", "--json"], "");
     let picked = json(&stdout(&picked));
-    let args = [&["select"], &wanted[..], &["--pareto", "--first", "1", "--json"]].concat();
+    let args =
+        [&["select", "--from", "standard"], &wanted[..], &["--pareto", "--first", "1", "--json"]]
+            .concat();
     let first = json(&stdout(&bsm(dir.path(), &args, "")));
     for name in ["mass_kg", "edge_load_N", "preloaded_stiffness_N_um", "screw_root_diameter_mm"] {
         let ratio = number(&picked, name) / number(&first[0], name);
@@ -129,7 +134,8 @@ fn the_catalogue_tells_what_is_wrong() {
     // Found by a reader: a list without a nut printed nothing on standard output, and no limit.
     let requirement = example("requirements/feed_drive.json");
     let long = ["--set", "required_life_h=100000"];
-    let args = [&["select", &requirement, "--from", "standard"], &long[..]].concat();
+    let args =
+        [&["select", &requirement, "--from", "standard", "--first", "1"], &long[..]].concat();
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(3));
     let limit = "no nut: cycle_life_h must be >= 100000 h";
@@ -193,7 +199,17 @@ fn figures_follow_the_lists() {
     let output = bsm(dir.path(), &args, "");
     assert!(stderr(&output).contains("no two of the nuts differ"), "{}", stderr(&output));
     // What is asked for is what is drawn.
-    let args = ["select", "--where", "lead_mm=20", "--first", "1", "--figures", "leads"];
+    let args = [
+        "select",
+        "--from",
+        "standard",
+        "--where",
+        "lead_mm=20",
+        "--first",
+        "1",
+        "--figures",
+        "leads",
+    ];
     assert_eq!(bsm(dir.path(), &args, "").status.code(), Some(0));
     assert!(!dir.path().join("leads/catalogue-7a.csv").exists());
     assert!(dir.path().join("leads/catalogue-4.csv").exists());
@@ -337,4 +353,43 @@ fn the_optimum_is_found_from_either_angle() {
     let angles = ["--set", "lead_angle_deg=10", "--set", "friction_coefficient=0.075"];
     assert_eq!(figures(&[&["solve", "--show", "optimum"][..], &angles].concat()), 2);
     assert_eq!(figures(&["solve", &example("lin1994.json"), "--show", "optimum"]), 7);
+}
+
+/// Makers' sizes are the default; a user's table of sizes, here their own written with decimal commas, is chosen from as they are, and
+/// any other size is asked for.
+#[test]
+fn sizes_come_from_makers_or_a_table() {
+    let dir = folder();
+    let requirement = example("requirements/axis.json");
+    let scene = |more: &[&str]| {
+        let args = [&["select", &requirement, "--json"], more].concat();
+        let output = bsm(dir.path(), &args, "");
+        assert_eq!(output.status.code(), Some(0), "{more:?}: {}", stderr(&output));
+        json(&stdout(&output))["scene"].clone()
+    };
+    let own = scene(&[]);
+    assert_eq!(scene(&["--from", "makers"]), own);
+    let sizes = stdout(&bsm(dir.path(), &["select", "--show", "sizes"], ""));
+    fs::write(dir.path().join("sizes.csv"), &sizes).expect("written");
+    assert_eq!(scene(&["--from", "sizes.csv"]), own);
+    let head = "d0;P;ball;turns\n";
+    fs::write(dir.path().join("mine.csv"), format!("{head}50;20;10;5,5/6\n")).expect("written");
+    fs::write(
+        dir.path().join("names.json"),
+        r#"{"d0": "nominal_diameter_mm", "P": "lead_mm", "ball": "ball_diameter_mm"}"#,
+    )
+    .expect("written");
+    let dialect = "delimiter=semicolon,decimal=comma,names=names.json";
+    let mine = scene(&["--from", "mine.csv", "--dialect", dialect]);
+    for (name, value) in [("lead_mm", 20.0), ("ball_diameter_mm", 10.0)] {
+        assert_eq!(mine[name].as_f64(), Some(value), "{mine}");
+    }
+    assert!([5.5, 6.0].map(Some).contains(&mine["loaded_turns"].as_f64()), "{mine}");
+    let standard = scene(&["--from", "standard"]);
+    assert_ne!(standard, own);
+    fs::write(dir.path().join("mine.csv"), format!("{head}50;20;;3\n")).expect("written");
+    let args = ["select", "--from", "mine.csv", "--dialect", dialect];
+    let output = bsm(dir.path(), &args, "");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("ball_diameter_mm is missing"), "{}", stderr(&output));
 }

@@ -45,7 +45,7 @@ fn from_a_requirement_to_a_sheet_in_three_commands() {
             stdout(&output)
         };
         // The force of the process; weight and guides come from the mass.
-        run(&["select", &requirement, "--set", set, "-o", "screw.json"]);
+        run(&["select", &requirement, "--from", "standard", "--set", set, "-o", "screw.json"]);
         run(&["nut", "screw.json"]);
         let sheet = json(&run(&["axis", "screw.json", "--figures", "sheet", "--json"]));
         let (screw, results) = (&sheet["screw"], &sheet["results"]);
@@ -116,7 +116,8 @@ fn one_screw_has_one_efficiency() {
             .any(|part| name.starts_with(part))
     });
     fs::write(dir.path().join("wish.json"), Value::Object(wish).to_string()).expect("written");
-    let design = json(&run(&["select", "wish.json", "-o", "screw.json", "--json"]));
+    let design =
+        json(&run(&["select", "wish.json", "--from", "standard", "-o", "screw.json", "--json"]));
     let step = |name: &str| {
         let steps = design["steps"].as_array().expect("steps");
         let step = steps.iter().find(|step| step["name"] == name);
@@ -155,7 +156,7 @@ fn one_screw_has_one_efficiency() {
     ]
     .map(like);
     let asked = same.iter().flat_map(|condition| ["--where", condition]);
-    let args = ["select", "wish.json", "--json"];
+    let args = ["select", "wish.json", "--from", "standard", "--json"];
     let args: Vec<_> = args.into_iter().chain(asked).collect();
     let rows = json(&run(&args));
     assert_eq!(rows.as_array().map(Vec::len), Some(1), "{rows}");
@@ -257,7 +258,8 @@ fn one_name_has_one_number_in_every_command() {
     };
     let requirement = example("requirements/axis.json");
     for slope in ["inclination_deg=0", "inclination_deg=90"] {
-        let design = ["select", &requirement, "--set", slope, "--json", "-o", "screw.json"];
+        let from = ["--from", "standard", "--json", "-o", "screw.json"];
+        let design = [&["select", &*requirement, "--set", slope], &from[..]].concat();
         let design = run(&design);
         let screw = json(&fs::read_to_string(dir.path().join("screw.json")).expect("a screw"));
         let wish: Value = json(&fs::read_to_string(&requirement).expect("a requirement"));
@@ -273,10 +275,12 @@ fn one_name_has_one_number_in_every_command() {
         ];
         let like = like.map(|name| format!("{name}={}", number(&screw, name)));
         let asked = like.iter().flat_map(|condition| ["--where", condition]);
-        let args = ["select", "wish.json", "--json"];
+        let args = ["select", "wish.json", "--from", "standard", "--json"];
         let listed = run(&args.into_iter().chain(asked).collect::<Vec<_>>());
         assert_eq!(listed.as_array().map(Vec::len), Some(1), "{slope}: {listed}");
-        let of = |command: &str| run(&[command, "screw.json", "--json"]);
+        // The model of the requirement.
+        let model = ["--model", "raceway-control"];
+        let of = |command: &str| run(&[&[command, "screw.json", "--json"], &model[..]].concat());
         let answers = [
             ("select", design),
             ("select --where", listed[0].clone()),

@@ -202,7 +202,12 @@ fn groups(report: &AxisReport) -> Vec<Value> {
     let titled = rows.chunk_by(|a, b| a.quantity.title == b.quantity.title);
     let titled = titled
         .map(|rows| (rows[0].quantity.title, rows.iter().map(|row| number_row(row)).collect()));
-    let all = std::iter::once(("requirement and axis, as given", given)).chain(titled);
+    let ordered = report.order.rows();
+    let ordered = ordered
+        .map(|(what, text)| json!({ "symbol": "", "about": what, "unit": "", "text": text }))
+        .collect();
+    let first = [("requirement and axis, as given", given), ("order", ordered)];
+    let all = first.into_iter().chain(titled);
     all.map(|(title, rows)| json!({ "title": title, "rows": rows })).collect()
 }
 

@@ -4,6 +4,7 @@ use bsm_design::{Contamination, usual_fatigue_limit};
 use bsm_dyn::Temperature;
 
 use crate::case::axis::Machine;
+use crate::vocabulary::words::Named;
 use crate::{CaseError, Scene};
 
 /// Lubricant and cleanliness of a nut.
@@ -20,7 +21,7 @@ impl Lubrication {
     /// That of a scene; `None` unless contamination, viscosity and temperature of the lubricant are given.
     pub(super) fn of(scene: &Scene, machine: &Machine) -> Result<Option<Self>, CaseError> {
         let screw = &machine.axis.screw;
-        let by_word = |word| Contamination::from(word).factor(screw.pitch_diameter);
+        let by_word = |Named(word): Named<Contamination>| word.factor(screw.pitch_diameter);
         let contamination = match (scene.nut.contamination, scene.contamination_factor) {
             (Some(_), Some(_)) => {
                 return Err(CaseError::given_twice(["contamination", "contamination_factor"]));

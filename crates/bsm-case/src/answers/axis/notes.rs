@@ -1,12 +1,13 @@
 //! What the sheet of an axis says besides its numbers: what was assumed, what is usual, what is uncertain.
 
-use bsm_design::{Axis, Grade, Phase};
+use bsm_design::{Axis, Choice, Grade, Phase};
 use bsm_dyn::ModelWorkspace;
 
 use super::state::{AxisState, LEAST_TURNS};
 use super::torques::Preload;
 use super::{contacts, no_balls};
 use crate::answers::nut::preload_note;
+use crate::case::axis::make;
 use crate::case::rated_screw::LEFT_OUT;
 use crate::case::warm::Warm;
 use crate::vocabulary::units::{MM, RPM};
@@ -17,6 +18,9 @@ const SHORT: (f64, f64) = (3.0, 3.0);
 
 /// Speed number from which the grease is to be asked for \[mm/min\], usual value.
 const FAST: f64 = 100e3;
+
+/// Steady-state temperature rise above which an axis is to be cooled \[K\], usual value.
+const HOT: f64 = 40.0;
 
 impl AxisState<'_> {
     /// Defaults that were used.
@@ -51,14 +55,11 @@ impl AxisState<'_> {
             note(&word.describe());
             let Grade { name, .. } = word.grade;
             match self.travel() {
-                None => {
-                    note("without stroke_mm or useful_travel_mm there is no error of the travel");
-                }
                 Some(travel) if word.grade.worst_error(travel).is_none() => {
                     let what = if word.grade.deviation(travel).is_some() { "v_up" } else { "e_p" };
                     note(&format!("{name} has no {what} over {:.0} mm", travel / MM));
                 }
-                Some(_) => {}
+                _ => {}
             }
         }
         let speed_number = self.axis().speed_number() / (MM * RPM);
@@ -89,6 +90,27 @@ impl AxisState<'_> {
             note("unsupported_length_mm is stroke, length of the nut and two leads");
         }
         notes
+    }
+
+    /// What is unusual: a warm axis, and a screw longer than makers offer.
+    pub(super) fn warnings(&self) -> Vec<String> {
+        let hot = self.steady_rise().filter(|rise| *rise > HOT).map(|rise| {
+            format!(
+                "a steady-state temperature rise of {rise:.0} K is above {HOT:.0} K, for the sake of grease and preload: cool the nut \
+                 or the screw"
+            )
+        });
+        let longest = make(self.scene).longest(self.grade(), self.axis().screw.outer);
+        let thread = self.shaft().map(|shaft| shaft.length);
+        let long = thread.zip(longest).filter(|(thread, longest)| thread > longest);
+        let long = long.map(|(thread, longest)| {
+            format!(
+                "a screw of {:.0} mm is beyond the makers' lists: at most {:.0} mm of this diameter, make and grade",
+                thread / MM,
+                longest / MM
+            )
+        });
+        hot.into_iter().chain(long).collect()
     }
 
     /// What factors of ratings and life were taken, and which are usual.

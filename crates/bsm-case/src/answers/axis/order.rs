@@ -1,6 +1,6 @@
 //! What to order.
 
-use bsm_design::PreloadMethod;
+use bsm_design::{Choice, PreloadMethod};
 
 use super::state::AxisState;
 use crate::InputKey;
@@ -8,45 +8,73 @@ use crate::case::axis::preload_method;
 use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::MM;
 
+/// What to order: the quantity, and its text in a line.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Order(Vec<(&'static str, String)>);
+
+impl Order {
+    /// Its rows, with how many and, unless they are given, what is to be added.
+    pub fn rows(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        const OTHERS: [(&str, &str); 3] = [
+            ("ends of the shaft", "by drawing"),
+            ("wipers, lubrication port", "to be chosen"),
+            ("number of screws with nuts", "1"),
+        ];
+        let own = self.0.iter().map(|(what, text)| (*what, text.as_str()));
+        own.chain(OTHERS)
+    }
+
+    fn add(&mut self, what: &'static str, text: impl Into<Option<String>>) {
+        self.0.extend(text.into().map(|text| (what, text)));
+    }
+}
+
+impl std::fmt::Display for Order {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let texts: Vec<_> = self.0.iter().map(|(_, text)| text.as_str()).collect();
+        f.write_str(&texts.join(", "))
+    }
+}
+
 impl AxisState<'_> {
-    /// What to order: size, nut, preload, grade, length, torque of the preload, travel, ends.
-    pub(super) fn order(&self) -> String {
+    /// What to order: size, nut, preload, grade, length, torque of the preload, travel, bearings.
+    pub(super) fn order(&self) -> Order {
         let screw = &self.axis().screw;
         let mm = |metres: f64| trimmed(metres / MM);
         // The land is no nominal diameter.
         let nominal = self.scene.nominal_diameter_mm.or(self.scene.screw_outer_diameter_mm);
         let pitch = || format!("pitch circle {}", mm(screw.pitch_diameter));
         let size = nominal.map_or_else(pitch, trimmed);
-        let mut parts = vec![format!("{size} x {}", mm(screw.lead))];
+        let mut order = Order::default();
+        order.add("size", format!("{size} x {}", mm(screw.lead)));
         if let Some((nut, _)) = &self.machine.groove {
             let circuits = self.scene.value_or_default(InputKey::circuits_count).unwrap_or(1.0);
             let of_each = trimmed(nut.turns / circuits);
             let turns = if circuits > 1.0 { format!("{circuits} x {of_each}") } else { of_each };
-            parts.extend([format!("{turns} turns"), format!("ball {}", mm(nut.ball_diameter))]);
+            order.add("loaded turns", format!("{turns} turns"));
+            order.add("balls", format!("ball {}", mm(nut.ball_diameter)));
         }
         let method = match preload_method(self.scene) {
+            _ if self.preload.is_none() => "single nut",
             PreloadMethod::DoubleNut => "double nut",
             PreloadMethod::Offset => "nut with a shifted lead",
             PreloadMethod::Oversize => "oversize balls",
         };
-        match &self.preload {
-            Some(preload) => {
-                parts.extend([method.to_owned(), format!("preload {:.0} N", preload.cold)]);
-            }
-            None => parts.push("single nut".to_owned()),
-        }
-        parts.extend(self.grade().map(|grade| grade.name.to_owned()));
-        parts.extend(self.shaft().map(|shaft| format!("thread {:.0}", shaft.length / MM)));
-        if let Some(preload) = &self.preload {
-            let percent = self.torque_percent();
-            let percent = percent.map_or_else(String::new, |percent| format!(" +-{percent:.0} %"));
-            parts.push(format!("T_p0 {:.2} N m{percent}", preload.by_rule));
-        }
-        if let (Some(target), Some(stroke)) = (self.travel_compensation(), self.scene.stroke_mm) {
-            parts.push(format!("T = {target:.3}/{stroke:.0}"));
-        }
-        parts.extend(self.shaft().map(|shaft| shaft.support.name().to_owned()));
-        parts.join(", ")
+        order.add("nut", method.to_owned());
+        let preload = self.preload.as_ref();
+        order.add("preload", preload.map(|preload| format!("preload {:.0} N", preload.cold)));
+        order.add("accuracy grade", self.grade().map(|grade| grade.name.to_owned()));
+        let shaft = self.shaft();
+        order.add("thread", shaft.map(|shaft| format!("thread {:.0}", shaft.length / MM)));
+        let percent = self.torque_percent();
+        let percent = percent.map_or_else(String::new, |percent| format!(" +-{percent:.0} %"));
+        let torque = preload.map(|preload| format!("T_p0 {:.2} N m{percent}", preload.by_rule));
+        order.add("friction torque of the preload", torque);
+        let travel = self.travel_compensation().zip(self.scene.stroke_mm);
+        let travel = travel.map(|(target, stroke)| format!("T = {target:.3}/{stroke:.0}"));
+        order.add("travel compensation, mm", travel);
+        order.add("bearings", shaft.map(|shaft| shaft.support.name().to_owned()));
+        order
     }
 
     /// Permitted variation of the torque by which the preload is checked \[%\].
