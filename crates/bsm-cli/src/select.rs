@@ -21,6 +21,7 @@ pub(crate) const MAKERS: &str = "makers";
 const OTHERS: &str = "--from standard has every combination of the standard lists";
 
 /// What `--from` names: sizes, those of makers unless it is given, or nuts of a manufacturer.
+#[expect(clippy::large_enum_variant, reason = "one is made in a run")]
 enum Source {
     Sizes(Catalogue),
     Nuts(Vec<MakerNut>),
