@@ -313,7 +313,7 @@ impl Run<'_> {
         let Task { base, settings, .. } = self.solver.task;
         let invalid = |error: &CaseError| {
             let status = match error {
-                CaseError::NoWarmState(_) | CaseError::NoPushes(_) => Status::NoSolution,
+                CaseError::NoWarmState(_) => Status::NoSolution,
                 _ => Status::InvalidInput,
             };
             let verdict = Verdict { model: settings.model, status, has_others: false };

@@ -94,7 +94,7 @@ impl AnalysisKind {
         match (self, motion) {
             (Self::Nut, _) => {
                 let found = NutProblem::of(scene, settings)?.solve();
-                found.map_err(CaseError::Nut)?.numbers_or_reason(wanted)
+                found.map_err(CaseError::Nut).map(|report| report.numbers(wanted))
             }
             (Self::Axis, _) => axis::numbers(scene, settings, wanted),
             (Self::Warm, _) => warm::numbers(scene, settings, wanted),

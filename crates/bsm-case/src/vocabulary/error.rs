@@ -127,9 +127,6 @@ pub enum CaseError {
     /// An axis has no warm steady state.
     #[error("no warm steady state: {0}")]
     NoWarmState(Box<bsm_nut::thermal::NoSteadyState>),
-    /// Balls of a nut that push on each other, without an answer.
-    #[error("no friction torque with pushes of the balls: {0}")]
-    NoPushes(String),
     /// A nut that does not carry its load, or whose preload cannot be set.
     #[error("{0}")]
     Nut(NutError),

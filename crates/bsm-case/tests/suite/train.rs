@@ -1,7 +1,7 @@
 //! The ball train of a nut, from its scene: the reference cases of `validation/published/nut`, and what a scene may not
 //! say.
 
-use bsm_case::{AnalysisKind, CaseError, NutProblem, NutReport, Scene, Settings};
+use bsm_case::{CaseError, NutProblem, NutReport, Scene, Settings};
 use bsm_dyn::Model;
 use serde_json::{Value, json};
 
@@ -218,9 +218,9 @@ fn circuits_have_their_flux() {
     }
 }
 
-/// Balls that do not fit are counted; a column of a torque that pushes do not leave says why, others are there.
+/// Balls that do not fit are counted.
 #[test]
-fn too_many_balls_and_too_large_pushes_are_said() {
+fn too_many_balls_are_said() {
     let case = cases().into_iter().find(|case| case["case"] == "T02").expect("T02");
     let mut scene = case["scene"].clone();
     scene["circuits"][0]["balls"] = json!(120);
@@ -231,13 +231,4 @@ fn too_many_balls_and_too_large_pushes_are_said() {
         warnings.contains("circuit 0 has 120 balls: its 626 mm hold 98 of 6.35 mm"),
         "{warnings}"
     );
-    let mut scene = case["scene"].clone();
-    scene["ball_gap_mm"] = json!(1e-6);
-    let scene = Scene::from_json(scene.to_string().as_bytes()).expect("a scene");
-    let numbers = |name: &str| {
-        AnalysisKind::Nut.numbers(&scene, &Settings::default(), None, |of| of.name == name)
-    };
-    assert!(numbers("needed_gap_mm").expect("a gap").number("needed_gap_mm").is_some());
-    let why = numbers("friction_torque_Nm").expect_err("no torque").to_string();
-    assert!(why.starts_with("no friction torque with pushes of the balls: a push of"), "{why}");
 }

@@ -6,12 +6,12 @@ use bsm_dyn::{BallState, Model, ModelWorkspace, Problem};
 use bsm_nut::{Advance, CircuitAdvance, CircuitTrain, FreeMotion, LARGEST_PUSH, Rolling, Train};
 use serde_json::json;
 
-use super::{BallFriction, NutProblem, NutReport, QUANTITIES};
+use super::{BallFriction, NutProblem, NutReport};
 use crate::case::nut::NutAtRest;
 use crate::vocabulary::number::count;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::MM;
-use crate::{CaseError, Column, ModelChoice, Numbers, Quantity, Table, exact};
+use crate::{Column, ModelChoice, Table, exact};
 
 quantities! { CIRCUITS, read_circuit(&OneCircuit<'_>);
     "circuits" {
@@ -121,33 +121,13 @@ impl NutProblem {
 }
 
 impl NutReport {
-    /// The requested numbers.
-    ///
-    /// # Errors
-    ///
-    /// [`CaseError::NoPushes`] if some are missing because the balls push on each other without an answer.
-    pub(crate) fn numbers_or_reason(
-        &self,
-        wanted: impl Fn(&Quantity) -> bool,
-    ) -> Result<Numbers, CaseError> {
-        let numbers = self.numbers(&wanted);
-        let lacks = |of: &Quantity| {
-            wanted(of) && of.follows_from_friction() && numbers.number(of.name).is_none()
-        };
-        let pushes = self.problem.gaps.train.as_ref().filter(|_| QUANTITIES.iter().any(lacks));
-        match pushes.and_then(|_| self.state.pushed(&self.problem)) {
-            Some(Err(why)) => Err(CaseError::NoPushes(why.clone())),
-            _ => Ok(numbers),
-        }
-    }
-
     /// Whether the balls touch, in one line; `None` where no gap is given.
     pub(crate) fn touch_note(&self) -> Option<String> {
         let (state, problem) = (&self.state, &self.problem);
         let inputs = problem.gaps.train.as_ref()?;
         let train = match state.pushed(problem)? {
             Ok(train) => train,
-            Err(why) => return Some(CaseError::NoPushes(why.clone()).to_string()),
+            Err(why) => return Some(format!("no friction torque with pushes of the balls: {why}")),
         };
         let touch = if train.touching > 0 { "touch" } else { "do not touch" };
         let needed = state.advance(problem)?.circuits.iter().map(|circuit| circuit.needed_gap);
