@@ -10,11 +10,11 @@
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
-use bsm_simd::{Arch, BLOCK, Block, Compare, Lane, NullaryFnOnce, Simd, WithSimd};
+use bsm_simd::{Arch, BLOCK, Block, Compare, Lane, Mask, NullaryFnOnce, Simd, WithSimd};
 
 use super::Quadrature;
 use super::oil::{HalfChord, HalfNode, PolarRule};
-use super::panels::{Chords, EllipseSlip, FAR, Nodes, Visitor, each_chord, half_length};
+use super::panels::{Chords, EllipseSlip, FAR, Nodes, Visitor, clamp, each_chord, half_length};
 use crate::contact::Transition;
 
 /// What the sums depend on: a contact with numbers in its own axes.
@@ -65,64 +65,69 @@ impl<F: Compare> Patch<F> {
     }
 }
 
-/// The nodes of a line whose spin pole is inside the ellipse.
-pub(super) struct NearPole {
+/// The nodes of a few lines whose spin poles are inside the ellipse.
+pub(super) struct NearPole<S: Simd> {
     /// The angle of the pole, and its width.
-    at: f64,
-    width: f64,
-    /// Beginnings and lengths of both sides in the variable of the sinh transformation.
-    sides: [(f64, f64); 2],
+    at: Lane<S>,
+    width: Lane<S>,
+    sides: [NearSide<S>; 2],
 }
 
-impl NearPole {
-    pub(super) fn of(slip: &EllipseSlip<f64>, xi: f64) -> Self {
-        let sinh = slip.analyticity(xi).sqrt();
-        let (b_0, b_1) = slip.across(xi);
-        // s = cos φ, about φ₀ with cos φ₀ = −Re z/cosh η and the width η: η ≈ sinh η  (T20)
-        let cos = -(b_0 / b_1) / sinh.mul_add(sinh, 1.0).sqrt();
-        let at = if cos.is_nan() { FRAC_PI_2 } else { cos.clamp(-1.0, 1.0).acos() };
-        let width = sinh.clamp(1e-100, FAR);
-        let below = (-at / width).asinh();
-        Self { at, width, sides: [(below, -below), (0.0, ((PI - at) / width).asinh())] }
-    }
+/// A side of a pole: its length in the variable of the sinh transformation, the exponentials of its ends, and their
+/// reciprocals.
+type NearSide<S> = (Lane<S>, [Lane<S>; 2], [Lane<S>; 2]);
 
-    /// How many nodes.
-    pub(super) fn len(rule: &Quadrature) -> usize {
-        2 * rule.near.len()
-    }
-
-    /// Places and weights from node `first` on, without weight beyond the last.
+impl<S: Simd> NearPole<S> {
     #[inline(always)]
-    pub(super) fn nodes<S: Simd>(
-        &self,
-        simd: S,
-        rule: &Quadrature,
-        first: usize,
-    ) -> (Block, Block) {
-        let (mut places, mut weights) = ([0.0; BLOCK], [0.0; BLOCK]);
-        for i in 0..BLOCK {
-            let node = first + i;
-            let (side, node) =
-                if node < rule.near.len() { (0, node) } else { (1, node - rule.near.len()) };
-            if node < rule.near.len() {
-                let ((from, length), (place, part)) = (self.sides[side], rule.near.at(node));
-                (places[i], weights[i]) = (from + length * place, length * part);
-            }
-        }
-        for i in (0..BLOCK).step_by(S::F64_LANES) {
-            let grow = Lane::<S>::load(simd, &places[i..]).exp();
-            let fall = grow.recip();
-            let half = grow.constant(0.5 * self.width);
-            let phi =
-                (half * (grow - fall) + self.at).max(half.constant(0.0)).min(half.constant(PI));
-            let left = phi.gt(phi.constant(FRAC_PI_2));
-            let (sin, cos) = left.select(-phi + PI, phi).sin_cos_first_quadrant();
-            let weight = Lane::load(simd, &weights[i..]) * half * (grow + fall);
-            left.select(-cos, cos).store(&mut places[i..]);
-            (weight * (sin * sin) * (2.0 * FRAC_1_PI)).store(&mut weights[i..]);
-        }
-        (places, weights)
+    pub(super) fn of(slip: &EllipseSlip<Lane<S>>, xi: Lane<S>) -> Self {
+        let sinh = slip.analyticity(xi).sqrt();
+        let ((b_0, b_1), one) = (slip.across(xi), xi.constant(1.0));
+        // s = cos φ, about φ₀ with cos φ₀ = −Re z/cosh η and the width η: η ≈ sinh η  (T20)
+        let cos = -(b_0 / b_1) / sinh.mul_add(sinh, one).sqrt();
+        let (at, width) = (cos.each(angle), clamp(sinh, 1e-100, FAR));
+        let (below, above) = ((at / width).arsinh(), ((-at + PI) / width).arsinh());
+        let [low, high] = [below.exp(), above.exp()];
+        let [low, high] = [[low.recip(), low], [high, high.recip()]];
+        let sides =
+            [(below, [low[0], one], [low[1], one]), (above, [one, high[0]], [one, high[1]])];
+        Self { at, width, sides }
     }
+
+    /// How many pairs of nodes.
+    pub(super) fn pairs(rule: &Quadrature) -> usize {
+        2 * rule.near.len().div_ceil(2)
+    }
+
+    /// Places and weights of two nodes as far from both ends of a side, from one exponential; the one in the middle has
+    /// no other.
+    #[inline(always)]
+    pub(super) fn pair(&self, rule: &Quadrature, pair: usize) -> [(Lane<S>, Lane<S>); 2] {
+        let ((length, grow, fall), node) = (self.sides[pair % 2], pair / 2);
+        let (place, part) = rule.near.at(node);
+        let up = (length * place).exp();
+        let down = up.recip();
+        let other = if 2 * node + 1 == rule.near.len() { 0.0 } else { part };
+        [
+            self.node((grow[0] * up, fall[0] * down), length * part),
+            self.node((grow[1] * down, fall[1] * up), length * other),
+        ]
+    }
+
+    /// From the exponentials of the variable and of its opposite.
+    #[inline(always)]
+    fn node(&self, (grow, fall): (Lane<S>, Lane<S>), weight: Lane<S>) -> (Lane<S>, Lane<S>) {
+        let half = self.width * 0.5;
+        let phi = (half * (grow - fall) + self.at).max(half.constant(0.0)).min(half.constant(PI));
+        let left = phi.gt(phi.constant(FRAC_PI_2));
+        let (sin, cos) = left.select(-phi + PI, phi).sin_cos_first_quadrant();
+        let weight = weight * half * (grow + fall) * (sin * sin) * (2.0 * FRAC_1_PI);
+        (left.select(-cos, cos), weight)
+    }
+}
+
+/// The angle of a cosine, and that of none in the middle.
+fn angle(cos: f64) -> f64 {
+    if cos.is_nan() { FRAC_PI_2 } else { cos.clamp(-1.0, 1.0).acos() }
 }
 
 /// Sums along lines across the ellipse: J and K of (T21) and, of a lubricant, those by the slip across and J by
@@ -136,24 +141,15 @@ impl<S: Simd, const N: usize> Moments<S, N> {
         Self([[Lane::splat(simd, 0.0); 3]; N])
     }
 
+    /// Those of other lines where the mask says so.
     #[inline(always)]
-    fn load(simd: S, from: &[[Block; 3]; N], at: usize) -> Self {
-        let mut inner = Self::zero(simd);
+    fn or(mut self, mask: Mask<S>, other: Self) -> Self {
         for k in 0..N {
             for i in 0..3 {
-                inner.0[k][i] = Lane::load(simd, &from[k][i][at..]);
+                self.0[k][i] = mask.select(other.0[k][i], self.0[k][i]);
             }
         }
-        inner
-    }
-
-    #[inline(always)]
-    fn store(self, to: &mut [[Block; 3]; N], at: usize) {
-        for k in 0..N {
-            for i in 0..3 {
-                self.0[k][i].store(&mut to[k][i][at..]);
-            }
-        }
+        self
     }
 }
 
@@ -310,45 +306,34 @@ pub(crate) struct Accumulator<'a, L, const N: usize, const SLOPED: bool> {
     by_film: [[Block; SUMS]; 2],
 }
 
-/// The sums of a line whose spin pole is inside: rare, so that its code is out of the way.
-struct NearChord<'a, S, L, const N: usize, const SLOPED: bool> {
+/// The sums of a few lines whose spin poles are inside: rare, so that their code is out of the way.
+struct NearChords<'a, S: Simd, L, const N: usize, const SLOPED: bool> {
     simd: S,
     rule: &'a Quadrature,
-    slip: &'a EllipseSlip<f64>,
+    slip: &'a EllipseSlip<Lane<S>>,
     law: &'a L,
-    xi: f64,
+    line: &'a Chord<S>,
 }
 
 impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
-    for NearChord<'_, S, L, N, SLOPED>
+    for NearChords<'_, S, L, N, SLOPED>
 {
-    type Output = [[f64; 3]; N];
+    type Output = Moments<S, N>;
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        let Self { simd, rule, slip, law, xi } = self;
-        let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across(xi));
-        let (b_0, b_1) = (Lane::splat(simd, b_0), Lane::splat(simd, b_1));
-        let square = Lane::splat(simd, v_t * v_t + slip.creep * slip.creep);
-        let (near, half_length) = (NearPole::of(slip, xi), half_length(xi));
-        let mut sums = [[[0.0; BLOCK]; 3]; N];
-        for first in (0..NearPole::len(rule)).step_by(BLOCK) {
-            let (places, weights) = near.nodes(simd, rule, first);
-            for at in (0..BLOCK).step_by(S::F64_LANES) {
-                let mut inner = Moments::load(simd, &sums, at);
-                let s = Lane::load(simd, &places[at..]);
-                let weight = Lane::load(simd, &weights[at..]);
+        let Self { simd, rule, slip, law, line } = self;
+        let (near, square, (b_0, b_1)) =
+            (NearPole::of(slip, line.xi), line.square(slip), line.across);
+        let mut sums = Moments::zero(simd);
+        for pair in 0..NearPole::<S>::pairs(rule) {
+            for (s, weight) in near.pair(rule, pair) {
                 let inside = (-(s * s) + 1.0).max(s.constant(0.0)).sqrt();
-                let (pressed, v_c) = (law.pressed(inside * half_length), b_1.mul_add(s, b_0));
-                law.add::<S, SLOPED>(&mut inner, pressed, square, v_c, (s, weight));
-                inner.store(&mut sums, at);
+                let (pressed, v_c) = (law.pressed(inside * line.half_length), b_1.mul_add(s, b_0));
+                law.add::<S, SLOPED>(&mut sums, pressed, square, v_c, (s, weight));
             }
         }
-        let mut folded = [[0.0; 3]; N];
-        for k in 0..N {
-            reduce(simd, &sums[k], &mut folded[k]);
-        }
-        folded
+        sums
     }
 }
 
@@ -378,23 +363,11 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> Visitor<S>
             let weight = Lane::load(simd, &lines.weight[at..]);
             let line = Chord::new(&slip, xi, weight, Lane::load(simd, &lines.half_length[at..]));
             let mut inner = law.along::<S, SLOPED>(simd, (nodes, lines.inner), &slip, &line);
-            if lines.any_inside {
-                let mut sums = [[[0.0; BLOCK]; 3]; N];
-                inner.store(&mut sums, at);
-                for i in at..(at + S::F64_LANES) {
-                    if lines.inside[i] {
-                        let (slip, xi) = (&self.slips[ellipse], lines.xi[i]);
-                        let rule = nodes.rule;
-                        let line = NearChord::<_, _, N, SLOPED> { simd, rule, slip, law, xi };
-                        let near = simd.vectorize(line);
-                        for (sum, near) in
-                            sums.as_flattened_mut().iter_mut().zip(near.as_flattened())
-                        {
-                            sum[i] = *near;
-                        }
-                    }
-                }
-                inner = Moments::load(simd, &sums, at);
+            if let Some(inside) = &lines.inside {
+                let (rule, slip, line) = (nodes.rule, &slip, &line);
+                let near = NearChords::<_, _, N, SLOPED> { simd, rule, slip, law, line };
+                let is_near = Lane::load(simd, &inside[at..]).gt(xi.constant(0.0));
+                inner = inner.or(is_near, simd.vectorize(near));
             }
             self.add_line(simd, ellipse, at, &slip, (&line, inner));
         }
@@ -670,11 +643,12 @@ impl<S: Simd> Visitor<S> for Collect<'_> {
         for (i, (xi, weight)) in lines.xi.into_iter().zip(lines.weight).enumerate() {
             let half_length = half_length(xi);
             let mut add = |s: f64, part: f64| self.nodes.push((xi, half_length * s, weight * part));
-            if lines.inside[i] {
-                let near = NearPole::of(&self.slip, xi);
-                for first in (0..NearPole::len(self.rule)).step_by(BLOCK) {
-                    let (places, parts) = near.nodes(simd, self.rule, first);
-                    places.into_iter().zip(parts).for_each(|(s, part)| add(s, part));
+            if lines.inside.is_some_and(|inside| inside[i] > 0.0) {
+                let near = NearPole::of(&self.slip.splat(simd), Lane::<S>::splat(simd, xi));
+                for (s, part) in
+                    (0..NearPole::<S>::pairs(self.rule)).flat_map(|pair| near.pair(self.rule, pair))
+                {
+                    add(s.as_slice()[0], part.as_slice()[0]);
                 }
             } else if let Some(bend) = self.bend {
                 let slip = self.slip.splat(simd);

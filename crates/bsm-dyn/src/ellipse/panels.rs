@@ -281,16 +281,19 @@ impl Quadrature {
             half /= 2;
         }
         if self.least() <= least[0] {
-            return (self.count(least[0]), [false; BLOCK]);
+            return (self.count(least[0]), None);
         }
-        let mut inside = [false; BLOCK];
+        let mut inside = [0.0; BLOCK];
         let mut least = f64::INFINITY;
         for (inside, square) in inside.iter_mut().zip(squares) {
             // One that is no number makes sums that are none.
-            *inside = *square < self.least();
-            least = least.min(if *inside { f64::INFINITY } else { *square });
+            if *square < self.least() {
+                *inside = 1.0;
+            } else {
+                least = least.min(*square);
+            }
         }
-        ((least < f64::INFINITY).then(|| self.count(least)).flatten(), inside)
+        ((least < f64::INFINITY).then(|| self.count(least)).flatten(), Some(inside))
     }
 }
 
@@ -462,8 +465,8 @@ pub(crate) struct FrozenRule {
 }
 
 /// How many nodes each of a few neighbouring lines has, for places and weights, none where the spin poles of
-/// all are inside; and of each whether it is.
-type FrozenChords = (Option<usize>, [bool; BLOCK]);
+/// all are inside; and 1 for each whose pole is.
+type FrozenChords = (Option<usize>, Option<Block>);
 
 /// The nodes of a quadrature over an ellipse: by the slip, or as in a plan, which the first walk fills.
 #[derive(Debug, Clone, Copy)]
@@ -513,9 +516,8 @@ pub(super) struct Chords {
     pub(super) half_length: Block,
     /// How many inner nodes, for places and weights; none where all poles are inside.
     pub(super) inner: Option<usize>,
-    /// Of each line, whether the spin pole is inside the ellipse.
-    pub(super) inside: [bool; BLOCK],
-    pub(super) any_inside: bool,
+    /// 1 for each line whose spin pole is inside the ellipse, else 0; none if there is no such line.
+    pub(super) inside: Option<Block>,
 }
 
 /// A part of the long axis with its nodes.
@@ -541,8 +543,7 @@ impl Chords {
         weight: [0.0; BLOCK],
         half_length: [0.0; BLOCK],
         inner: None,
-        inside: [false; BLOCK],
-        any_inside: false,
+        inside: None,
     };
 
     /// The lines of a few nodes.
@@ -577,7 +578,6 @@ impl Chords {
             Some(frozen) => *frozen,
             None => rule.along(&square),
         };
-        self.any_inside = self.inside != [false; BLOCK];
     }
 }
 
