@@ -18,6 +18,7 @@ fn dong(without: &str) -> Scene {
     // For that of its axis.
     json["axis_heat_transfer_W_K"] = 50.into();
     json["accuracy_grade"] = 5.into();
+    json["stroke_mm"] = 500.into();
     json.as_object_mut().expect("an object").remove(without);
     Scene::from_json(json.to_string().as_bytes()).expect("a scene")
 }
