@@ -119,7 +119,7 @@ pub(crate) fn maker_column(
     convert(own, &known()).map(Some).ok_or_else(|| {
         let near = nearest(own, known()).map_or(String::new(), |near| format!(", did you mean `{near}`?"));
         let what = format!(
-            "unknown column `{own}`{near}; columns-from gives the names of a manufacturer's columns, null for a column that is \
+            "unknown column `{own}`{near}; --dialect names=map.json gives ours for the names of a manufacturer, null for a column that is \
              not read"
         );
         CaseError::Table { what }
