@@ -386,11 +386,11 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         )?,
         row("the same, dry", &format!("dry.json {MODEL}"), "warm_preload_N")?,
     ];
-    let side = if site.quick { 4 } else { 200 };
+    let side = if site.quick { 4 } else { 100 };
     let map = took(&format!(
         "{AXIS} {MODEL} --vary screw_speed_rpm=50:1500:{side} --vary preload_N=500:3500:{side} --columns warm_preload_N"
     ))?;
-    rows.push(format!("| map of 200 x 200 warm states, oiled, all cores | {} |", seconds(&map)));
+    rows.push(format!("| map of 100 x 100 warm states, oiled, all cores | {} |", seconds(&map)));
     let text = table("| row of a sweep on one core | time |", &rows);
     Ok(vec![
         ("nuts", Text::Whole(text)),
