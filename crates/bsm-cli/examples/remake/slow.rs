@@ -388,7 +388,7 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     ];
     let side = if site.quick { 4 } else { 100 };
     let map = took(&format!(
-        "{AXIS} {MODEL} --vary screw_speed_rpm=50:1500:{side} --vary preload_N=500:3500:{side} --columns warm_preload_N"
+        "{AXIS} {MODEL} --vary screw_speed_rpm=50:1000:{side} --vary preload_N=500:3000:{side} --columns warm_preload_N"
     ))?;
     rows.push(format!("| map of 100 x 100 warm states, oiled, all cores | {} |", seconds(&map)));
     let text = table("| row of a sweep on one core | time |", &rows);
