@@ -344,7 +344,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     )])
 }
 
-/// Nuts, touching balls and warm axes: a row of a sweep on one core, and a map on all.
+/// Nuts, touching balls and warm axes: a row of a sweep on one core.
 pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     const TRAIN: &str = "examples/nut_train.json --model traction --set moment_y_Nm=30";
     const AXIS: &str = "validation/published/nut/feed_axis.json";
@@ -372,7 +372,7 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     inputs.retain(|name, _| name != "iso_vg" && !name.ends_with("_roughness_um"));
     inputs.insert("friction_coefficient".to_owned(), 0.05.into());
     fs::write(folder.path().join("dry.json"), dry.to_string())?;
-    let mut rows = vec![
+    let rows = vec![
         row(
             "friction of 98 balls",
             &format!("{TRAIN} --set ball_gap_mm=100"),
@@ -386,11 +386,6 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         )?,
         row("the same, dry", &format!("dry.json {MODEL}"), "warm_preload_N")?,
     ];
-    let side = if site.quick { 4 } else { 100 };
-    let map = took(&format!(
-        "{AXIS} {MODEL} --vary screw_speed_rpm=50:1000:{side} --vary preload_N=500:3000:{side} --columns warm_preload_N"
-    ))?;
-    rows.push(format!("| map of 100 x 100 warm states, oiled, all cores | {} |", seconds(&map)));
     let text = table("| row of a sweep on one core | time |", &rows);
     Ok(vec![
         ("nuts", Text::Whole(text)),
