@@ -1672,8 +1672,7 @@ def select_nuts(
     else:
         if columns_from is not None:
             raise InputError("columns_from is for the table of a manufacturer", key="columns_from")
-        text = lists if lists is None or isinstance(lists, str) else json.dumps(dict(lists))
-        found, kept = _core.select_nuts(text, wish, _list("where", where), pareto, sort, descending, first)
+        found, kept = _core.select_nuts(_sizes(lists), wish, _list("where", where), pareto, sort, descending, first)
         columns = {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
     units = {name: unit for name, unit, _ in found}
     return Nuts(columns, units, len(next(iter(columns.values()))), kept)
@@ -1827,8 +1826,12 @@ def select(
     >>> report.found, report["scene"]["lead_mm"]
     (True, 10.0)
     """
-    text = lists if lists is None or isinstance(lists, str) else json.dumps(dict(lists))
-    return _report(_core.select(json.dumps({**_wish(requirement or {}), **changes}), free, text))
+    return _report(_core.select(json.dumps({**_wish(requirement or {}), **changes}), free, _sizes(lists)))
+
+
+def _sizes(lists: Mapping[str, Any] | str | None) -> str | None:
+    """Sizes to choose from as the core takes them."""
+    return lists if lists is None or isinstance(lists, str) else json.dumps(dict(lists))
 
 
 def _wish(requirement: Mapping[str, Any] | str | os.PathLike[str]) -> dict[str, Any]:

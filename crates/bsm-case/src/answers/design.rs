@@ -73,7 +73,7 @@ impl DesignReport {
         let wish = &RequirementFile { requirement: wish.requirement.of_any_size(), ..wish.clone() };
         let efficiency = |nut: &Nut, phase: &Phase| efficiency(wish, nut, phase);
         let outcome = wish.requirement.choose(&efficiency, &|nut| accepted(wish, nut));
-        Self::from_outcome(wish, outcome)
+        Self::from_outcome(wish, outcome, &[])
     }
 
     /// Searches for the best screw among standard sizes; `None` if the lists have none for the requirement,
@@ -83,29 +83,11 @@ impl DesignReport {
         let efficiency = |nut: &Nut, phase: &Phase| efficiency(wish, nut, phase);
         let accepted = |nut: &Nut| accepted(wish, nut);
         let outcome = wish.requirement.choose_standard(lists, limits, &efficiency, &accepted)?;
-        let mut report = Self::from_outcome(wish, outcome);
-        let chosen = |size: &&OfferedSize| {
-            let same =
-                |mm: Option<f64>, own: f64| mm.is_some_and(|mm| (mm * MM - own).abs() < 1e-9);
-            let Scene { lead_mm, ball_diameter_mm, .. } = report.scene;
-            same(lead_mm, size.lead) && same(ball_diameter_mm, size.ball)
-        };
-        let offered: Vec<_> = lists.offered.iter().filter(chosen).collect();
-        if !offered.is_empty() && !offered.iter().any(|size| size.ball_is_printed) {
-            report.notes.push("ball diameter estimated: ask the maker".to_owned());
-        }
-        // Sizes of one lead and ball differ by some 10 mm.
-        let pitch = report.scene.pitch_circle_diameter_mm.unwrap_or(f64::NAN) * MM;
-        let far = |size: &OfferedSize| (size.diameter - pitch).abs();
-        if let Some(size) = offered.into_iter().min_by(|a, b| far(a).total_cmp(&far(b))) {
-            report.scene.nominal_diameter_mm = Some((size.diameter / MM * 1e6).round() * 1e-6);
-            let order = |sheet: AxisReport| sheet.order.to_string();
-            report.order = report.order.and_then(|_| wish.judge(&report.scene).ok()).map(order);
-        }
-        Some(report)
+        Some(Self::from_outcome(wish, outcome, &lists.offered))
     }
 
-    fn from_outcome(wish: &RequirementFile, outcome: Outcome) -> Self {
+    /// * `offered`: sizes of makers, one of which was chosen; none of a search over other sizes.
+    fn from_outcome(wish: &RequirementFile, outcome: Outcome, offered: &[OfferedSize]) -> Self {
         let (design, reasons, found): (_, Vec<String>, _) = match outcome {
             Outcome::Found { design, active, refused } => {
                 let mut names: Vec<_> =
@@ -124,7 +106,11 @@ impl DesignReport {
                 (design, blocking.iter().map(blocks).collect(), false)
             }
         };
-        let scene = scene(wish, &design);
+        let mut scene = scene(wish, &design);
+        let size = offered_size(&scene, offered);
+        if let Some((diameter, _)) = size {
+            scene.nominal_diameter_mm = Some(diameter);
+        }
         let sheet = wish.judge(&scene).ok();
         let efficiency = sheet.as_ref().and_then(|sheet| sheet.number(EFFICIENCY));
         let of_sheet = |_: &Nut, _: &Phase| efficiency;
@@ -180,7 +166,10 @@ impl DesignReport {
             let model = wish.settings.model.name();
             reasons.push(format!("model {model} has no solution for any screw within the limits"));
         }
-        let notes = wish.notes.clone();
+        let mut notes = wish.notes.clone();
+        if size.is_some_and(|(_, ball_is_printed)| !ball_is_printed) {
+            notes.push("ball diameter estimated: ask the maker".to_owned());
+        }
         let order = order.filter(|_| found);
         Self { rows, found, reasons, notes, warnings, order, scene }
     }
@@ -400,6 +389,20 @@ fn of_rule(rule: &Criterion) -> DesignRow {
         requirement: rule.limit.map(|limit| format!("{sign} {}", trimmed(limit))),
         passes: rule.passes(),
     }
+}
+
+/// Nominal diameter of a chosen screw \[mm\] by the sizes of makers, and whether one of them prints its ball diameter.
+fn offered_size(scene: &Scene, offered: &[OfferedSize]) -> Option<(f64, bool)> {
+    let same = |mm: Option<f64>, own: f64| mm.is_some_and(|mm| (mm * MM - own).abs() < 1e-9);
+    let alike = |size: &&OfferedSize| {
+        same(scene.lead_mm, size.lead) && same(scene.ball_diameter_mm, size.ball)
+    };
+    let printed = offered.iter().filter(alike).any(|size| size.ball_is_printed);
+    // Sizes of one lead and ball differ by some 10 mm.
+    let pitch = scene.pitch_circle_diameter_mm.unwrap_or(f64::NAN) * MM;
+    let far = |size: &&OfferedSize| (size.diameter - pitch).abs();
+    let size = offered.iter().filter(alike).min_by(|a, b| far(a).total_cmp(&far(b)))?;
+    Some(((size.diameter / MM * 1e6).round() * 1e-6, printed))
 }
 
 /// A rule of the sheet that the best screw by all other limits breaks.

@@ -603,26 +603,29 @@ impl NutReport {
                         friction.torque.unwrap_or(f64::NAN)
                     ));
                 }
-                let touching = self.problem.gaps.train.is_some();
-                let not_in_it = match self.problem.friction {
-                    Some((FrictionSource::Lubricant(_), _)) => {
-                        notes.push(
-                            "friction from the lubricant is uncertain by about 25 % while the balls roll, by more where \
-                             rolling resistance dominates; bsm solve has the interval of one ball, bsm axis that of the axis"
-                                .to_owned(),
-                        );
-                        if touching {
-                            "ball-to-ball contact by ball_gap_mm; only by return_circuits and seal_torque_Nm: returns and wipers"
-                        } else {
-                            "only by return_circuits, ball_contact_force_N and seal_torque_Nm: returns, ball-to-ball \
-                             contact and wipers"
-                        }
+                let is_oiled = matches!(self.problem.friction, Some((FrictionSource::Lubricant(_), _)));
+                if is_oiled {
+                    notes.push(
+                        "friction from the lubricant is uncertain by about 25 % while the balls roll, by more where \
+                         rolling resistance dominates; bsm solve has the interval of one ball, bsm axis that of the axis"
+                            .to_owned(),
+                    );
+                }
+                let not_in_it = match (is_oiled, self.problem.gaps.train.is_some()) {
+                    (true, true) => {
+                        "ball-to-ball contact by ball_gap_mm; only by return_circuits and seal_torque_Nm: returns and wipers"
                     }
-                    _ if touching => {
+                    (true, false) => {
+                        "only by return_circuits, ball_contact_force_N and seal_torque_Nm: returns, ball-to-ball \
+                         contact and wipers"
+                    }
+                    (false, true) => {
                         "ball-to-ball contact by ball_gap_mm; not: lubricant and impacts in the returns; wipers only by \
                          seal_torque_Nm"
                     }
-                    _ => "not: returns, ball-to-ball contact and lubricant; wipers only by seal_torque_Nm",
+                    (false, false) => {
+                        "not: returns, ball-to-ball contact and lubricant; wipers only by seal_torque_Nm"
+                    }
                 };
                 if let Some(eta) = friction.efficiency.filter(|eta| *eta <= 0.0) {
                     notes.push(format!(

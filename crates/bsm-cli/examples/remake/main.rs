@@ -67,7 +67,7 @@ fn sources() -> Vec<Source> {
             How::Slow(slow::seeded),
         ),
         source("many", "bsm sweep", "2 min, 2 GB of disk", How::Slow(slow::many)),
-        source("nuts", "bsm sweep", "5 min", How::Slow(slow::nuts)),
+        source("nuts", "bsm sweep", "10 s", How::Slow(slow::nuts)),
         source("build", "cargo build --release", "5 min", How::Slow(slow::build)),
         source("peers", "benches/peers/run.sh", "5 min, Python", How::Slow(slow::peers)),
         source(

@@ -353,12 +353,12 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     for name in ["examples", "validation"] {
         std::os::unix::fs::symlink(site.root.join(name), folder.path().join(name))?;
     }
-    let took = |words: &str| site.took(folder.path(), &format!("sweep {words} -o rows.csv"));
     let row = |what: &str, words: &str, column: &str| -> Result<String> {
         let run = |rows: usize| {
-            took(&format!(
-                "{words} --vary screw_speed_rpm=90:110:{rows} --columns {column} --threads 1"
-            ))
+            let words = format!(
+                "sweep {words} --vary screw_speed_rpm=90:110:{rows} --columns {column} --threads 1 -o rows.csv"
+            );
+            site.took(folder.path(), &words)
         };
         let rows = site.points(400);
         // The program itself starts in some milliseconds, which two rows have too.
