@@ -380,27 +380,6 @@ impl Dataset {
         }
     }
 
-    /// Solves one part.
-    ///
-    /// * `source`: rows from the first of the part on. * `replace`: whether what stands under its name is
-    ///   replaced; else it must be the part itself.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`]; nothing stays then.
-    pub fn run_part(
-        &self,
-        number: u64,
-        task: &Task,
-        source: &mut dyn Source,
-        replace: bool,
-        workers: &Workers<'_>,
-        tell: &mut dyn FnMut(Event<'_>),
-    ) -> Result<Part, DatasetError> {
-        let (file, part) = self.write_part(number, task, source, workers, tell)?;
-        self.keep(file, part, replace, workers)
-    }
-
     /// Solves one part into a file without its name.
     fn write_part(
         &self,

@@ -113,10 +113,8 @@ fn bytes_depend_on_the_plan_only() {
     let workers = workers(2);
     let parts = Dataset::create(other.path(), plan(&task, &points, 50), make).expect("a folder");
     for (number, rows) in [(2, 20), (0, 50)] {
-        let mut source = points.open().expect("a grid");
-        source.skip(number * 50).expect("a grid");
-        let part = parts.run_part(number, &task, source.as_mut(), false, &workers, &mut |_| {});
-        let part = part.expect("solved");
+        let solved = parts.run_parts(&task, &points, [number], false, &workers, &mut |_| {});
+        let part = &solved.expect("solved")[&number];
         assert_eq!((part.number, part.first_row, part.rows), (number, number * 50, rows));
     }
     // Opened with nothing but the folder.
@@ -213,12 +211,12 @@ fn a_damaged_part_stops_the_run_and_stays() {
     let error = parts.run(&task, &points, found, &workers, &mut |_| {}).expect_err("damaged");
     assert!(matches!(&error, DatasetError::Damaged(files) if files.len() == 1), "{error}");
     assert_eq!(fs::read(parts.part_file(1)).expect("left"), b"mine");
-    // Neither is it written over by who solves that part.
-    let mut source = points.open().expect("a grid");
-    source.skip(50).expect("a grid");
-    let error = parts.run_part(1, &task, source.as_mut(), false, &workers, &mut |_| {});
-    assert!(error.expect_err("there is something").to_string().contains("part-000001.parquet"));
-    assert_eq!(fs::read(parts.part_file(1)).expect("left"), b"mine");
+    // Neither is one written over that appears while its part is solved.
+    fs::remove_file(parts.part_file(2)).expect("there");
+    let mut appear = |_: Event<'_>| fs::write(parts.part_file(2), b"mine").expect("writable");
+    let error = parts.run_parts(&task, &points, [2], false, &workers, &mut appear);
+    assert!(error.expect_err("there is something").to_string().contains("part-000002.parquet"));
+    assert_eq!(fs::read(parts.part_file(2)).expect("left"), b"mine");
     assert_eq!(fs::read_dir(folder.path().join("tmp")).expect("folder").count(), 0);
 }
 
@@ -528,10 +526,8 @@ fn a_part_of_a_million_million_points_takes_a_moment() {
     assert_eq!((plan.rows(), plan.parts()), (999_989_186_560, 59_605));
     assert!(plan.text().len() < 1000, "{}", plan.text());
     let parts = Dataset::create(folder.path(), plan, make).expect("a folder");
-    let mut source = points.open().expect("a grid");
-    source.skip(59_604 << 24).expect("a grid");
-    let part = parts.run_part(59_604, &task, source.as_mut(), false, &workers, &mut |_| {});
-    let part = part.expect("solved");
+    let solved = parts.run_parts(&task, &points, [59_604], false, &workers, &mut |_| {});
+    let part = solved.expect("solved").remove(&59_604).expect("a part");
     assert_eq!((part.first_row, part.rows), (59_604 << 24, 4096));
     let found = Dataset::open(folder.path(), make).expect("a folder").survey(true, &workers);
     assert_eq!(found.expect("readable").parts.into_values().collect::<Vec<_>>(), [part]);
