@@ -8,8 +8,8 @@ use std::fmt;
 
 use bsm_dyn::ZERO_CELSIUS;
 use bsm_newton::{
-    Dense, Equations, EvalError, Homotopy, JacobianUpdate, LinearSolver, Options, Scales, Seed,
-    StepControl, Trace, Workspace, solve, trace,
+    Dense, Equations, EvalError, Homotopy, JacobianUpdate, Options, Scales, Seed, StepControl,
+    Trace, Workspace, solve, trace,
 };
 
 use nalgebra::{Matrix3, Schur};
@@ -73,11 +73,6 @@ impl Steady {
     /// Heat of all nodes \[W\].
     pub fn heat(&self) -> f64 {
         self.heated.heat.iter().sum()
-    }
-
-    /// Heat of nut, screw and balls, without the bearings and the motor \[W\].
-    pub fn nut_heat(&self) -> f64 {
-        self.heated.heat[..RUBBED].iter().sum()
     }
 }
 
