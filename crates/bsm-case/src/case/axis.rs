@@ -89,7 +89,7 @@ impl FixedEnds {
 impl Machine {
     /// The axis of a scene, without the preload, which its nut tells.
     pub(crate) fn of(scene: &Scene) -> Result<Self, CaseError> {
-        scene.check()?;
+        scene.check_but(scene.speeds_at_rest())?;
         let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
         let mut warning = None;
         let (groove, RatedScrew { screw: size, body, assumed }) = if scene.has_ratings_only() {

@@ -301,3 +301,32 @@ fn phases_have_a_feed_or_a_speed() {
     let why = Scene::from_json(both.to_string().as_bytes()).expect_err("both").to_string();
     assert!(why.contains("one of feed_m_min and screw_speed_rpm"), "{why}");
 }
+
+/// At rest nothing heats: all nodes have the temperature of their surroundings, the preload is the cold one, the gain is 0, and
+/// the balls of the nut carry their load without a friction torque.
+#[test]
+fn at_rest_all_is_as_warm_as_its_surroundings() {
+    let scene = feed_axis(&["screw_speed_rpm=0", "ambient_temperature_C=35"]);
+    let sheet = AxisReport::of(&scene, &settings()).expect("an axis");
+    let nut =
+        NutProblem::of(&scene, &settings()).expect("a nut").solve().expect("a state").answer();
+    for (name, expected) in [
+        ("nut_temperature_C", 35.0),
+        ("screw_temperature_C", 35.0),
+        ("balls_temperature_C", 35.0),
+        ("end_1_temperature_C", 35.0),
+        ("end_2_temperature_C", 35.0),
+        ("preload_set_N", 2500.0),
+        ("warm_preload_N", 2500.0),
+        ("steady_heat_W", 0.0),
+        ("loop_gain", 0.0),
+    ] {
+        for answer in [&sheet.answer, &nut] {
+            let found = answer.number(name).unwrap_or_else(|| panic!("no {name}"));
+            // Nothing grows against anything else; rounding of the network and of the preload.
+            assert!((found - expected).abs() <= 1e-9 * expected.max(1.0), "{name}: {found}");
+        }
+    }
+    assert_eq!(nut.number("friction_torque_Nm"), None);
+    assert!(nut.number("max_contact_load_N").is_some_and(|load| load > 0.0));
+}
