@@ -23,7 +23,7 @@ use super::ratings::QUANTITIES as RATINGS;
 use crate::case::axis::{Machine, useful_travel};
 use crate::case::nut::bad;
 use crate::case::rated_nut;
-use crate::case::warm::{Detail, Warm};
+use crate::case::warm::{Detail, NutInPhase, Warm};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{
@@ -156,6 +156,9 @@ quantities! { pub(crate) PHASE, read_phase(&PhaseResult<'_>);
         motor_power_W ["W"] Whole(|p| p.worked.motor_power(p.torques)), "motor power";
         heat_W ["W"] Whole(|p| p.torques.heat()), "heat";
         load_factor = INPUTS Whole(|p| p.torques.phase.load_factor);
+        max_contact_load_N = NUT Whole(|p| Some(p.nut?.max_load));
+        nut_stiffness_N_um = NUT Whole(|p| Some(p.nut?.stiffness * UM));
+        preload_left_N = NUT Whole(|p| p.nut?.preload_left);
         viscosity_ratio ["" "kappa"] Whole(|p| {
             let viscosity = p.worked.lubrication.as_ref()?.viscosity;
             let speed = Some(p.torques.phase.speed).filter(|speed| *speed != 0.0)?;
@@ -193,6 +196,8 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
 pub(crate) struct PhaseResult<'a> {
     worked: &'a AxisState<'a>,
     torques: &'a Torques,
+    /// In the warm state.
+    nut: Option<NutInPhase>,
 }
 
 /// The screw and its nut, as used.
@@ -298,7 +303,7 @@ impl AxisReport {
         let fold = worked.warm.as_ref().and_then(|warm| warm.fold.as_ref()).map(|fold| fold.factor);
         let numbers = read(&worked, |_| true).where_finite();
         let rules = rules::rules(scene, &machine.axis, (&numbers, fold), &of_nut, preload);
-        let phases: Vec<_> = worked.torques.iter().map(|torques| worked.phase(torques)).collect();
+        let phases: Vec<_> = (0..worked.torques.len()).map(|place| worked.phase(place)).collect();
         let screw = read_screw(&Screw { scene, machine, of_nut: &of_nut, preload }, |_| true);
         let fails = !rules.iter().all(Criterion::passes);
         let mut notes = worked.notes();
@@ -430,8 +435,10 @@ fn no_balls(why: &CaseError) -> String {
 }
 
 impl AxisState<'_> {
-    fn phase(&self, torques: &Torques) -> ScrewTorque {
-        let motion = read_phase(&PhaseResult { worked: self, torques }, |_| true);
+    fn phase(&self, place: usize) -> ScrewTorque {
+        let torques = &self.torques[place];
+        let nut = self.warm_state().and_then(|warm| warm.phases[place]);
+        let motion = read_phase(&PhaseResult { worked: self, torques, nut }, |_| true);
         let numbers = motion.and(torques.numbers());
         ScrewTorque { numbers, contacts: torques.contacts.words.clone() }
     }

@@ -561,11 +561,11 @@ impl NutReport {
         let rubbed = self.state.rubbed(&self.problem);
         match rubbed.map(|rubbed| &rubbed.friction) {
             None if self.problem.warm.is_some() => notes.push(
-                "torque, efficiency and heat need screw_speed_rpm; at the speeds of the cycle bsm axis has them"
+                "torque, efficiency and heat need screw_speed_rpm other than 0; at the speeds of the cycle bsm axis has them"
                     .to_owned(),
             ),
             None => notes.push(
-                "torque, efficiency and heat need screw_speed_rpm, and friction_coefficient or a lubricant with \
+                "torque, efficiency and heat need screw_speed_rpm other than 0, and friction_coefficient or a lubricant with \
                  lubricant_temperature_C"
                     .to_owned(),
             ),

@@ -23,13 +23,26 @@ quantities! { pub(crate) QUANTITIES, read(&Warm) of Warm;
         balls_temperature_C ["C"] Whole(|w| Some(state(w)?.celsius[2])), "steady temperature of balls and oil";
         end_1_temperature_C ["C"] Whole(|w| Some(state(w)?.celsius[3])), "steady temperature of the end of the screw at the motor";
         end_2_temperature_C ["C"] Whole(|w| Some(state(w)?.celsius[4])), "steady temperature of the other end of the screw";
-        preload_set_N = NUT Whole(|w| Some(state(w)?.preload?[0]));
-        warm_preload_N = NUT Whole(|w| Some(state(w)?.preload?[1]));
+        preload_set_N = NUT Whole(|w| Some(state(w)?.preload?.cold));
+        warm_preload_N = NUT Whole(|w| Some(state(w)?.preload?.warm));
+        preload_setting_um = NUT Whole(|w| Some(state(w)?.preload?.setting / UM));
         steady_heat_W ["W"] Whole(|w| Some(state(w)?.steady.heat())), "heat of contacts, drag, seals, support bearings and motor in the steady state";
+        nut_heat_W ["W"] Whole(|w| Some(state(w)?.steady.nut_heat())), "heat of contacts, drag and seals in the steady state, without support bearings and motor";
+        cold_cycle_life_revolutions [""] Whole(|w| state(w)?.cold_life), "life of the cycle by ISO 3408-5 with the cold preload, revolutions";
+        cold_stiffness_N_um ["N/um"] Whole(|w| Some(state(w)?.stiffness?[0] * UM)), "tangent stiffness of the preloaded nut without load, cold";
+        no_load_stiffness_N_um ["N/um"] Whole(|w| Some(state(w)?.stiffness?[1] * UM)), "tangent stiffness of the preloaded nut without load, warm";
         screw_tension_N = INPUTS Whole(|w| state(w)?.tension);
         loop_gain [""] Whole(|w| Some(state(w)?.steady.gain)), "loop gain of heat and preload, 1 at the fold";
         fold_speed_factor [""] Whole(|w| Some(w.fold.as_ref()?.factor)), "speed of the fold over the speeds given; there is no steady state above";
+        fold_searched_to [""] Whole(|w| w.search.filter(|_| w.fold.is_none() && w.end.is_none())), "multiple of the speeds given up to which there is no fold";
+        fold_nut_temperature_C ["C"] Whole(|w| at_fold(w, 0)), "temperature of the nut at the fold";
+        fold_screw_temperature_C ["C"] Whole(|w| at_fold(w, 1)), "temperature of the screw at the fold";
+        fold_balls_temperature_C ["C"] Whole(|w| at_fold(w, 2)), "temperature of the balls at the fold";
         fold_preload_N ["N"] Whole(|w| w.fold.as_ref()?.preload), "warm preload at the fold";
+        unstable_nut_temperature_C ["C"] Whole(|w| unstable(w, 0)), "temperature of the nut in the unstable state at the speeds given";
+        unstable_screw_temperature_C ["C"] Whole(|w| unstable(w, 1)), "temperature of the screw in the unstable state at the speeds given";
+        unstable_balls_temperature_C ["C"] Whole(|w| unstable(w, 2)), "temperature of the balls in the unstable state at the speeds given";
+        unstable_preload_N ["N"] Whole(|w| Some(w.fold.as_ref()?.beyond.as_ref()?.heated.preload)), "warm preload in the unstable state at the speeds given, above which the axis runs away";
     }
     "conductances" {
         nut_conductance_W_K = INPUTS Whole(|w| Some(state(w)?.conductances.nut));
@@ -44,6 +57,39 @@ quantities! { pub(crate) QUANTITIES, read(&Warm) of Warm;
 
 fn state(warm: &Warm) -> Option<&WarmState> {
     warm.state.as_ref()
+}
+
+impl WarmState {
+    /// The conductances that are not given.
+    fn computed(&self) -> Option<String> {
+        let is_computed = |key: &InputKey| {
+            let cooled =
+                *key != InputKey::coolant_conductance_W_K || self.conductances.coolant > 0.0;
+            cooled && !self.given.contains(*key)
+        };
+        let all = QUANTITIES.iter().filter(|of| of.title == "conductances");
+        let all = all.filter_map(|of| InputKey::named(of.name).ok());
+        let names: Vec<_> = all.filter(is_computed).map(InputKey::name).collect();
+        (!names.is_empty())
+            .then(|| format!("conductances from speeds and sizes, not given: {}", names.join(", ")))
+    }
+}
+
+/// Temperature of a node at the fold \[°C\].
+fn at_fold(warm: &Warm, node: usize) -> Option<f64> {
+    let fold = warm.fold.as_ref()?;
+    Some(fold.set + fold.rises[node] - ZERO_CELSIUS)
+}
+
+/// Temperature of a node in the unstable state beyond the fold \[°C\].
+fn unstable(warm: &Warm, node: usize) -> Option<f64> {
+    let fold = warm.fold.as_ref()?;
+    Some(fold.set + fold.beyond.as_ref()?.rises[node] - ZERO_CELSIUS)
+}
+
+/// Whether a number takes the walk to the fold.
+fn is_of_fold(name: &str) -> bool {
+    name.starts_with("fold_") || name.starts_with("unstable_")
 }
 
 /// Numbers of a state that have an uncertainty band.
@@ -135,10 +181,11 @@ impl Warm {
             notes.push(format!("the lubricant has {oil:.1} C in the warm steady state"));
         }
         let Some(band) = &state.band else { return notes };
-        if self.fold.is_none() {
+        notes.extend(state.computed());
+        if let (None, Some(search)) = (&self.fold, self.search) {
             notes.push(match &self.end {
                 Some(why) => format!("no fold of the warm state: {why}"),
-                None => format!("no fold of the warm state up to {} times the speeds", self.search),
+                None => format!("no fold of the warm state up to {search} times the speeds"),
             });
         }
         for (guess, factor, why) in &band.none {
@@ -155,7 +202,7 @@ impl Warm {
             let fold = self.fold.as_ref()?;
             return Some(format!("no warm steady state: {fold}"));
         };
-        if state.preload.is_some_and(|[_, warm]| warm <= 0.0) {
+        if state.preload.is_some_and(|preload| preload.warm <= 0.0) {
             return Some("the preload is lost in the warm state: the nut has play".to_owned());
         }
         state.tension.filter(|tension| *tension < 0.0).map(|tension| {
@@ -252,9 +299,8 @@ pub(crate) fn numbers(
     settings: &Settings,
     wanted: impl Fn(&Quantity) -> bool,
 ) -> Result<Numbers, CaseError> {
-    let any = |of_fold: bool| {
-        QUANTITIES.iter().any(|of| of.name.starts_with("fold_") == of_fold && wanted(of))
-    };
+    let any =
+        |of_fold: bool| QUANTITIES.iter().any(|of| is_of_fold(of.name) == of_fold && wanted(of));
     let fold = any(true);
     let warm = if fold && !any(false) {
         Warm::with_band(scene, settings, Detail { fold, band: false })

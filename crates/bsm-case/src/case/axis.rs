@@ -3,8 +3,9 @@
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, Drive, DutySpeed, Hardness, MachineTable, Make, Motion, Mount, Nut, NutBody, Preload,
-    PreloadClass, PreloadMethod, RatingFactors, Shaft, Support, Thread, reliability_factor,
+    Axis, Drive, DutySpeed, Hardness, Life, MachineTable, Make, Motion, Mount, Nut, NutBody,
+    Preload, PreloadClass, PreloadMethod, RatingFactors, Shaft, Support, Thread,
+    reliability_factor,
 };
 
 use crate::case::nut::bad;
@@ -13,6 +14,9 @@ use crate::case::rated_screw::RatedScrew;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::vocabulary::words::{Named, SteelWord};
 use crate::{CaseError, InputKey, PhaseWords, Scene};
+
+/// Turns of a stroke below which its life is no fatigue.
+pub(crate) const LEAST_TURNS: f64 = 0.5;
 
 /// Largest bore of a screw over its core.
 const LARGEST_BORE: f64 = 0.8;
@@ -89,7 +93,7 @@ impl FixedEnds {
 impl Machine {
     /// The axis of a scene, without the preload, which its nut tells.
     pub(crate) fn of(scene: &Scene) -> Result<Self, CaseError> {
-        scene.check()?;
+        scene.check_but(scene.speeds_at_rest())?;
         let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
         let mut warning = None;
         let (groove, RatedScrew { screw: size, body, assumed }) = if scene.has_ratings_only() {
@@ -152,6 +156,12 @@ impl Machine {
             reliability: reliability(scene),
         };
         Ok(Self { axis, ratings, groove, body, carriage, drive, screw, held, assumed, warning })
+    }
+
+    /// Life of the cycle; `None` too of a stroke of less than half a turn, which wears a groove by false brinelling.
+    pub(crate) fn life(&self, scene: &Scene) -> Option<Life> {
+        let turns = scene.stroke_mm.map(|mm| mm * MM / self.axis.screw.lead);
+        self.axis.life().filter(|_| turns.is_none_or(|turns| turns >= LEAST_TURNS))
     }
 
     /// Advance for a radian of the screw \[m\].

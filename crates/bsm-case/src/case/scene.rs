@@ -269,6 +269,12 @@ impl Scene {
         })
     }
 
+    /// The speeds of a screw that stands still: balls of a nut carry its load all the same.
+    pub(crate) fn speeds_at_rest(&self) -> InputSet {
+        let is_at_rest = self.speeds_rpm().is_some_and(|(screw, nut)| screw - nut == 0.0);
+        if is_at_rest { InputSet::of(&[InputKey::screw_speed_rpm]) } else { InputSet::default() }
+    }
+
     /// True if it asks for its warm steady state.
     pub fn asks_warm(&self) -> bool {
         self.nut.warm_state == Some(true)

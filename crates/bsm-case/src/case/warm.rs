@@ -3,11 +3,15 @@
 mod axis;
 
 use bsm_dyn::ZERO_CELSIUS;
-use bsm_nut::thermal::{Band, Conductances, Fold, NODES, NoSteadyState, OnBranch, Steady, WarmNut};
+use bsm_nut::thermal::{
+    Band, Conductances, Fold, NODES, NoSteadyState, OnBranch, PhaseState, Steady, WarmNut,
+};
+use bsm_nut::{Equilibrium, Support};
 
 use crate::case::axis::Machine;
+use crate::case::nut::NutPreload;
 use crate::case::scene::RISES;
-use crate::{CaseError, InputKey, Scene, Settings};
+use crate::{CaseError, InputKey, InputSet, Scene, Settings};
 
 pub(crate) use axis::ColdNut;
 use axis::WarmAxis;
@@ -20,8 +24,8 @@ pub(crate) struct Warm {
     pub(crate) fold: Option<Fold>,
     /// Why the states end without a fold.
     pub(crate) end: Option<NoSteadyState>,
-    /// Multiple of the speeds up to which the fold is looked for.
-    pub(crate) search: f64,
+    /// Multiple of the speeds up to which the fold was looked for; `None` if it was not.
+    pub(crate) search: Option<f64>,
 }
 
 /// What is looked for besides the state itself, which takes many states.
@@ -39,15 +43,33 @@ pub(crate) struct WarmState {
     pub(crate) celsius: [f64; NODES],
     /// Free growth of the screw \[m\].
     pub(crate) growth: f64,
-    /// Preload without load, cold and warm \[N\]; `None` without one.
-    pub(crate) preload: Option<[f64; 2]>,
+    /// Preload without load; `None` without one.
+    pub(crate) preload: Option<NutPreload>,
+    /// Stiffness of the preloaded nut without load, cold and warm \[N/m\]; `None` without a preload.
+    pub(crate) stiffness: Option<[f64; 2]>,
+    /// Life of the cycle with the cold preload \[revolutions\].
+    pub(crate) cold_life: Option<f64>,
+    /// The nut in each phase of the cycle.
+    pub(crate) phases: Vec<Option<NutInPhase>>,
     /// Tension of a screw between two fixed bearings \[N\].
     pub(crate) tension: Option<f64>,
     /// Those given, and those that follow from the scene.
     pub(crate) conductances: Conductances,
+    pub(crate) given: InputSet,
     /// Temperature of the lubricant \[°C\]; `None` of a dry nut.
     pub(crate) oil: Option<f64>,
     pub(crate) band: Option<Band>,
+}
+
+/// A warm nut in a phase of the cycle.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct NutInPhase {
+    /// Largest load of a contact \[N\].
+    pub(crate) max_load: f64,
+    /// \[N/m\]
+    pub(crate) stiffness: f64,
+    /// Preload that the load leaves \[N\]; `None` without one.
+    pub(crate) preload_left: Option<f64>,
 }
 
 impl Warm {
@@ -67,7 +89,7 @@ impl Warm {
         let axis = WarmAxis::of(scene, settings, &machine)?;
         let friction = axis.friction();
         let nut = axis.nut(&friction)?;
-        let search = axis.search();
+        let search = detail.fold.then(|| axis.search());
         let steady = match nut.steady() {
             Ok(steady) => steady,
             Err(NoSteadyState::RunsAway(fold)) => {
@@ -75,15 +97,32 @@ impl Warm {
             }
             Err(why) => return Err(CaseError::NoWarmState(Box::new(why))),
         };
-        let fold = if detail.fold { nut.fold(&steady, search) } else { Ok(None) };
+        let fold = search.map_or(Ok(None), |search| nut.fold(&steady, search));
         let (fold, end) = fold.map_or_else(|why| (None, Some(why)), |fold| (fold, None));
+        let preload = axis.preload();
+        let mut cold = machine.clone();
+        cold.axis.preload = preload.map(|preload| preload.cold);
+        let guided = Support::guided(0.0);
+        let unloaded = |warm: &Equilibrium| {
+            let cold = nut.nut.solve(&guided).map_err(CaseError::Nut)?;
+            Ok::<_, CaseError>([&cold, warm].map(|found| found.axial_stiffness(&guided)))
+        };
+        let in_phase = |PhaseState { found, .. }: &PhaseState| NutInPhase {
+            max_load: found.max_load(),
+            stiffness: found.axial_stiffness(&nut.support),
+            preload_left: nut.preload.map(|by| found.preload(&nut.nut, by)),
+        };
         let (network, lubricated) = (nut.network(1.0), scene.given().is_lubricated());
         let state = WarmState {
             celsius: nut.temperatures(&steady).map(|kelvin| kelvin - ZERO_CELSIUS),
             growth: network.growth(&steady.rises),
-            preload: axis.cold_preload().map(|cold| [cold, steady.heated.preload]),
+            stiffness: steady.heated.unloaded.as_ref().map(unloaded).transpose()?,
+            cold_life: cold.life(scene).map(|life| life.revolutions),
+            phases: steady.heated.phases.iter().map(|phase| phase.as_ref().map(in_phase)).collect(),
+            preload: preload.map(|cold| NutPreload { warm: steady.heated.preload, ..cold }),
             tension: nut.screw.hold.map(|_| network.tension(&steady.rises)),
             conductances: network.conductances,
+            given: scene.given(),
             oil: lubricated.then(|| nut.oil(&steady.rises) - ZERO_CELSIUS),
             band: detail.band.then(|| nut.band(&steady, of_band)),
             steady,

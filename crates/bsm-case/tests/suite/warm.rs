@@ -2,7 +2,8 @@
 //! scene may not say.
 
 use bsm_case::{
-    AnalysisKind, AxisReport, InputKey, NutProblem, Scene, Settings, WarmBranch, torque_parts,
+    AnalysisKind, AxisReport, InputKey, NutProblem, Output, Scene, Settings, WarmBranch,
+    torque_parts,
 };
 use bsm_dyn::{Control, Model};
 use serde_json::{Value, json};
@@ -46,6 +47,10 @@ fn reference_cases_from_scenes() {
             ("end_2_temperature_C", "end_2_temperature_C", ambient),
             ("warm_preload_N", "warm_preload_N", 0.0),
             ("steady_heat_W", "heat_W", 0.0),
+            ("nut_heat_W", "nut_heat_W", 0.0),
+            ("preload_setting_um", "preload_offset_um", 0.0),
+            ("cold_stiffness_N_um", "cold_stiffness_N_um", 0.0),
+            ("no_load_stiffness_N_um", "no_load_stiffness_N_um", 0.0),
             ("screw_growth_um", "screw_growth_um", 0.0),
             ("screw_tension_N", "screw_tension_N", 0.0),
             ("loop_gain", "loop_gain", 0.0),
@@ -55,6 +60,21 @@ fn reference_cases_from_scenes() {
             let allowed =
                 if name == "loop_gain" { 1e-4 } else { tolerance * (expected - from).abs() };
             assert!((found - expected).abs() <= allowed, "{id} {name}: {found}, not {expected}");
+        }
+        for (phase, expected) in
+            report.phases.iter().zip(case["expect"]["phases"].as_array().expect("phases"))
+        {
+            let bodies = expected["body_axial_N"].as_array().expect("bodies");
+            let least = bodies.iter().filter_map(Value::as_f64).fold(f64::INFINITY, f64::min);
+            for (name, expected) in [
+                ("max_contact_load_N", expected["max_contact_load_N"].as_f64()),
+                ("nut_stiffness_N_um", expected["nut_stiffness_N_um"].as_f64()),
+                ("preload_left_N", Some(least)),
+            ] {
+                let (found, expected) = (phase.number(name).expect(name), expected.expect(name));
+                let near = (found / expected - 1.0).abs() <= tolerance;
+                assert!(near, "{id} {name}: {found}, not {expected}");
+            }
         }
     }
 }
@@ -70,6 +90,71 @@ fn folds_of_reference_cases_from_scenes() {
         let found = numbers.number("fold_speed_factor").expect("a fold");
         let expected = case["expect"]["fold_speed_factor"].as_f64().expect("a fold");
         assert!((found / expected - 1.0).abs() < 1e-5, "{id}: {found}, not {expected}");
+    }
+}
+
+/// The fold of WS-P3 to the 0.05 K that the reference searches it to, which are 40 N there, and the unstable state to its tolerance.
+#[test]
+fn the_fold_and_the_state_beyond_it_are_numbers() {
+    let (axis, case) = scene("WS-P3", |_| {});
+    let sheet = AxisReport::of(&axis, &settings()).expect("an axis");
+    let fold = &case["expect"]["fold_temperatures_C"];
+    let second = &case["expect"]["states"][1];
+    let tolerance = case["rel_tol"].as_f64().expect("tolerance");
+    for (node, part) in ["nut", "screw", "balls"].into_iter().enumerate() {
+        for (name, expected, allowed) in [
+            (format!("fold_{part}_temperature_C"), &fold[node], 0.05),
+            (
+                format!("unstable_{part}_temperature_C"),
+                &second["temperatures_C"][node],
+                tolerance * 100.0,
+            ),
+        ] {
+            let found = sheet.number(&name).unwrap_or_else(|| panic!("no {name}"));
+            let expected = expected.as_f64().expect("a temperature");
+            assert!((found - expected).abs() <= allowed, "{name}: {found}, not {expected}");
+        }
+    }
+    let preloads = [("fold_preload_N", 11860.0, 40.0), ("unstable_preload_N", 21129.435, 0.13)];
+    for (name, expected, allowed) in preloads {
+        let found = sheet.number(name).expect(name);
+        assert!((found - expected).abs() <= allowed, "{name}: {found}, not {expected}");
+    }
+    assert_eq!(sheet.number("fold_searched_to"), None);
+    // Where the search ends without a fold, it says how far it went; where none was made, nothing.
+    let (mild, _) = scene("WS-P2", |scene| scene["fold_search_factor"] = json!(1.01));
+    let sheet = AxisReport::of(&mild, &settings()).expect("an axis");
+    assert_eq!(sheet.number("fold_searched_to"), Some(1.01));
+    let nut = NutProblem::of(&mild, &settings()).expect("a nut").solve().expect("a state");
+    assert_eq!(nut.answer().number("fold_searched_to"), None);
+}
+
+/// The life that the same cycle has where no warm state is asked for.
+#[test]
+fn the_cold_life_is_that_without_a_warm_state() {
+    let lives = |warm: bool, name: &str| {
+        let (scene, _) = scene("WS-P6", |scene| {
+            scene["warm_state"] = json!(warm);
+            scene["fold_search_factor"] = json!(1.01);
+            if !warm {
+                scene["lubricant_temperature_C"] = json!(40.0);
+            }
+        });
+        AxisReport::of(&scene, &settings()).expect("an axis").number(name).expect(name)
+    };
+    let cold = lives(true, "cold_cycle_life_revolutions");
+    // The preload is found to 1e-10 in both.
+    assert!((cold / lives(false, "cycle_life_revolutions") - 1.0).abs() < 1e-9);
+    assert!(lives(true, "cycle_life_revolutions") < cold, "a preload that rises takes life");
+}
+
+/// Circuits say how many balls and turns a nut has.
+#[test]
+fn columns_of_a_nut_of_circuits_are_not_empty() {
+    let (scene, _) = scene("WS-P3", |_| {});
+    for name in ["fold_speed_factor", "cycle_life_h", "dynamic_load_rating_N"] {
+        let column = Output::named(name).expect(name);
+        column.check(&scene, scene.given(), Model::RacewayControl.into()).expect(name);
     }
 }
 
@@ -300,4 +385,33 @@ fn phases_have_a_feed_or_a_speed() {
     let both = json!({ "cycle": [{ "share": 1.0, "screw_speed_rpm": 1.0, "feed_m_min": 1.0 }] });
     let why = Scene::from_json(both.to_string().as_bytes()).expect_err("both").to_string();
     assert!(why.contains("one of feed_m_min and screw_speed_rpm"), "{why}");
+}
+
+/// At rest nothing heats: all nodes have the temperature of their surroundings, the preload is the cold one, the gain is 0, and
+/// the balls of the nut carry their load without a friction torque.
+#[test]
+fn at_rest_all_is_as_warm_as_its_surroundings() {
+    let scene = feed_axis(&["screw_speed_rpm=0", "ambient_temperature_C=35"]);
+    let sheet = AxisReport::of(&scene, &settings()).expect("an axis");
+    let nut =
+        NutProblem::of(&scene, &settings()).expect("a nut").solve().expect("a state").answer();
+    for (name, expected) in [
+        ("nut_temperature_C", 35.0),
+        ("screw_temperature_C", 35.0),
+        ("balls_temperature_C", 35.0),
+        ("end_1_temperature_C", 35.0),
+        ("end_2_temperature_C", 35.0),
+        ("preload_set_N", 2500.0),
+        ("warm_preload_N", 2500.0),
+        ("steady_heat_W", 0.0),
+        ("loop_gain", 0.0),
+    ] {
+        for answer in [&sheet.answer, &nut] {
+            let found = answer.number(name).unwrap_or_else(|| panic!("no {name}"));
+            // Nothing grows against anything else; rounding of the network and of the preload.
+            assert!((found - expected).abs() <= 1e-9 * expected.max(1.0), "{name}: {found}");
+        }
+    }
+    assert_eq!(nut.number("friction_torque_Nm"), None);
+    assert!(nut.number("max_contact_load_N").is_some_and(|load| load > 0.0));
 }

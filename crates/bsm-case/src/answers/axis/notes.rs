@@ -3,11 +3,11 @@
 use bsm_design::{Axis, Choice, Grade, Phase};
 use bsm_dyn::ModelWorkspace;
 
-use super::state::{AxisState, LEAST_TURNS};
+use super::state::AxisState;
 use super::torques::Preload;
 use super::{contacts, no_balls};
 use crate::answers::nut::preload_note;
-use crate::case::axis::make;
+use crate::case::axis::{LEAST_TURNS, make};
 use crate::case::rated_screw::LEFT_OUT;
 use crate::case::warm::Warm;
 use crate::vocabulary::units::{MM, RPM};

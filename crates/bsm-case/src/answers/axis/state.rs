@@ -14,11 +14,8 @@ use super::lubrication::Lubrication;
 use super::torques::{Preload, Torques};
 use crate::case::axis::{FixedEnds, Machine, useful_travel};
 use crate::case::warm::{Warm, WarmState};
-use crate::vocabulary::units::{MM, RPM, UM};
+use crate::vocabulary::units::{RPM, UM};
 use crate::{CaseError, InputKey, NutReport, Scene, Settings};
-
-/// Turns of a stroke below which its life is no fatigue.
-pub(super) const LEAST_TURNS: f64 = 0.5;
 
 /// Intermediate results of an axis.
 pub(crate) struct AxisState<'a> {
@@ -109,10 +106,9 @@ impl<'a> AxisState<'a> {
         self.machine.axis.shaft.as_ref()
     }
 
-    /// Life of the cycle; `None` too of a stroke of less than half a turn, which wears a groove by false brinelling.
+    /// Life of the cycle.
     pub(super) fn life(&self) -> Option<Life> {
-        let turns = self.scene.stroke_mm.map(|mm| mm * MM / self.axis().screw.lead);
-        self.axis().life().filter(|_| turns.is_none_or(|turns| turns >= LEAST_TURNS))
+        self.machine.life(self.scene)
     }
 
     /// The screw between two fixed bearings, if it is stretched.

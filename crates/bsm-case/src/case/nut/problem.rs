@@ -164,7 +164,7 @@ impl NutProblem {
             nut: scene.nut_rating_N.unwrap_or(rating.screw / rating.ratio * turns),
         };
         let nut = bodies(scene, nut, &body)?;
-        let drive = scene.reader().drive();
+        let drive = scene.reader().drive().filter(|drive| drive.relative_speed() != 0.0);
         if let ModelChoice::Fixed(model) = settings.model {
             scene.covered_by(model)?;
             if !has_grooves(model) {
@@ -284,7 +284,8 @@ impl Scene {
             let value = self[key]?;
             (rule.holds(value) && !key.input().rule.holds(value)).then_some(key)
         };
-        self.check_but(WIDER.iter().filter_map(wider).collect())
+        let wider: InputSet = WIDER.iter().filter_map(wider).collect();
+        self.check_but(wider.and(self.speeds_at_rest()))
     }
 }
 

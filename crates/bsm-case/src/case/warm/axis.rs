@@ -135,9 +135,9 @@ impl<'a> WarmAxis<'a> {
         self.scene.value_or_default(InputKey::fold_search_factor).unwrap_or(f64::NAN)
     }
 
-    /// The cold preload \[N\].
-    pub(crate) fn cold_preload(&self) -> Option<f64> {
-        self.cold.preload.map(|preload| preload.cold)
+    /// The preload of the cold nut.
+    pub(crate) fn preload(&self) -> Option<NutPreload> {
+        self.cold.preload
     }
 
     /// The nut with its friction.
