@@ -74,6 +74,11 @@ impl Steady {
     pub fn heat(&self) -> f64 {
         self.heated.heat.iter().sum()
     }
+
+    /// Heat of nut, screw and balls, without the bearings and the motor \[W\].
+    pub fn nut_heat(&self) -> f64 {
+        self.heated.heat[..RUBBED].iter().sum()
+    }
 }
 
 /// Where the branch of states turns back: the largest speed that has one (I20).
