@@ -12,7 +12,7 @@ use bsm_kin::Jet;
 use bsm_simd::Compare;
 
 use crate::models::ball::{
-    Basis, Choice, Direction, ElasticBall, ElasticPoint, ErrorBound, Model, Performance,
+    Basis, Choice, Direction, ElasticContacts, ElasticPoint, ErrorBound, Model, Performance,
     SlipRegime, Solution, Solved, Unsolved,
 };
 use crate::models::elastic::{Elastic, SlidingBall};
@@ -185,7 +185,7 @@ impl<F: Compare> ModelErrors<F> {
 
 impl ModelErrors {
     /// Of a ball that grips, where its numbers have a meaning.
-    fn of_ball(ball: &ElasticBall, grip: &Solved) -> Option<Self> {
+    fn of_ball(ball: &ElasticContacts, grip: &Solved) -> Option<Self> {
         let (skid, back) = (grip.skid?, ball.direction.is_back());
         let numbers = [skid.onset_number()?, skid.cross_slip?];
         Some(Self::of(&ball.into(), back, grip.transmission.efficiency, numbers))

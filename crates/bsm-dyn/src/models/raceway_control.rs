@@ -20,7 +20,7 @@ use self::balance::{Balance, RollRoot};
 pub use self::statics::{StaticBalance, StaticState};
 use crate::ellipse::{Nodes, Quadrature};
 use crate::models::ball::{
-    BallLoads, Control, ElasticBall, ElasticPoint, Model, RaceControl, SkidNumbers, Solution,
+    BallLoads, Control, ElasticContacts, ElasticPoint, Model, RaceControl, SkidNumbers, Solution,
     SolveInfo, Solved, Transmission, Unsolved, Workspace, domain_error, excess_of_nut, to_both,
 };
 
@@ -152,7 +152,7 @@ impl RollingBall {
     /// Which race controls is decided by (W7) at the first root of the ball that the nut controls.
     /// Where that has none, the screw controls if it does so by (W7) at its own first root.
     pub(crate) fn of(
-        pair: &ElasticBall,
+        pair: &ElasticContacts,
         control: Option<Control>,
         newton: &mut Workspace<STATIC>,
     ) -> Result<Self, Unsolved> {
@@ -176,7 +176,7 @@ impl RollingBall {
 
     /// The first root with this race in control.
     fn controlled(
-        pair: &ElasticBall,
+        pair: &ElasticContacts,
         control: Control,
         near: Option<[f64; STATIC]>,
         newton: &mut Workspace<STATIC>,
@@ -193,7 +193,7 @@ impl RollingBall {
     }
 
     /// True if (W7), asked here, names the race that controls.
-    fn is_consistent(&self, pair: &ElasticBall) -> bool {
+    fn is_consistent(&self, pair: &ElasticContacts) -> bool {
         control_of(pair, &self.loaded) == self.control
     }
 
@@ -201,7 +201,7 @@ impl RollingBall {
     /// of the screw where (W7) names the nut at the nut's ball and the screw at the screw's.
     fn others(
         &self,
-        pair: &ElasticBall,
+        pair: &ElasticContacts,
         control: Option<Control>,
         newton: &mut Workspace<STATIC>,
     ) -> Vec<Self> {
@@ -222,7 +222,7 @@ impl RollingBall {
     ///
     /// That ball has contact angles that differ by other centrifugal forces, by `$\Delta c$` in their
     /// cotangents, which changes the ratio of the moments by `$\Delta c$` or less, to first order.
-    fn is_clear(&self, pair: &ElasticBall) -> bool {
+    fn is_clear(&self, pair: &ElasticContacts) -> bool {
         let balances = Control::ALL.map(|race| Balance::new(pair, race));
         if !balances.iter().all(Balance::is_unique) {
             return false;
@@ -236,7 +236,7 @@ impl RollingBall {
 
     /// The same to two digits, also where centrifugal forces are so large that raceway control
     /// has no solution.
-    pub(crate) fn guess(pair: &ElasticBall) -> Result<Self, Unsolved> {
+    pub(crate) fn guess(pair: &ElasticContacts) -> Result<Self, Unsolved> {
         let balance = Balance::new(pair, Control::Nut);
         let angle = pair.jones.contact_angle.sin_cos();
         let (p, _) = rolling(true, pair.lead, pair.arc, [angle; 2]);
@@ -248,18 +248,18 @@ impl RollingBall {
     }
 
     /// What it says besides its loads and its motion.
-    pub(crate) fn told(&self, pair: &ElasticBall) -> (SkidNumbers, SolveInfo, RaceControl) {
+    pub(crate) fn told(&self, pair: &ElasticContacts) -> (SkidNumbers, SolveInfo, RaceControl) {
         let info = SolveInfo { steps: self.steps, residual: self.residual };
         (self.skid(pair), info, RaceControl { race: self.control, consistent: None })
     }
 
     /// Gyroscopic over friction moment (W9), and slip of the lead over that of spin (W10).
-    pub(crate) fn skid(&self, pair: &ElasticBall) -> SkidNumbers {
+    pub(crate) fn skid(&self, pair: &ElasticContacts) -> SkidNumbers {
         SkidNumbers::new(self.skid_number(pair), self.cross_slip(pair))
     }
 
     /// Gyroscopic over friction moment (W9).
-    pub(crate) fn skid_number(&self, pair: &ElasticBall) -> f64 {
+    pub(crate) fn skid_number(&self, pair: &ElasticContacts) -> f64 {
         let motion = pair.absolute(&self.to_nut, &self.loaded.frame);
         let omega = self.loaded.frame.to_frenet(&motion.omega);
         let gyroscopic = pair.ball.inertia() * (motion.precession * omega.y).abs();
@@ -268,7 +268,7 @@ impl RollingBall {
 
     /// Slip that the lead forces across the grooves over the slip of the spin at the end of the
     /// ellipse (W10).
-    fn cross_slip(&self, pair: &ElasticBall) -> f64 {
+    fn cross_slip(&self, pair: &ElasticContacts) -> f64 {
         let motions = to_both(&self.to_nut, &self.loaded.frame);
         let spins = [0, 1].map(|i| {
             let (a, _) = pair.ellipse(i, &self.loaded).semi_axes;
@@ -331,7 +331,7 @@ impl RacewayWorkspace {
     /// The gripping ball.
     pub(crate) fn grip(
         &mut self,
-        pair: &ElasticBall,
+        pair: &ElasticContacts,
         control: Option<Control>,
     ) -> Result<RollingBall, Unsolved> {
         RollingBall::of(pair, control, &mut self.newton)
@@ -341,7 +341,7 @@ impl RacewayWorkspace {
     pub(crate) fn solved(
         &self,
         screw: &ElasticPoint,
-        pair: &ElasticBall,
+        pair: &ElasticContacts,
         grip: &RollingBall,
     ) -> Result<Solved, Unsolved> {
         let (loaded, nodes) = (&grip.loaded, [Nodes::from(&self.quadrature); 2]);
@@ -361,7 +361,7 @@ impl RacewayWorkspace {
     pub(crate) fn with_others(
         &mut self,
         screw: &ElasticPoint,
-        pair: &ElasticBall,
+        pair: &ElasticContacts,
         grip: &RollingBall,
         control: Option<Control>,
         solved: &Solved,
@@ -378,12 +378,12 @@ impl RacewayWorkspace {
 /// difference of the angles (W7).
 ///
 /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, outer raceway control.
-fn control_of(pair: &ElasticBall, loaded: &BallLoads<f64>) -> Control {
+fn control_of(pair: &ElasticContacts, loaded: &BallLoads<f64>) -> Control {
     if nut_excess(pair, loaded) > 0.0 { Control::Nut } else { Control::Screw }
 }
 
 /// By how much the spin friction moment of the nut exceeds that of the screw, relative.
-fn nut_excess(pair: &ElasticBall, loaded: &BallLoads<f64>) -> f64 {
+fn nut_excess(pair: &ElasticContacts, loaded: &BallLoads<f64>) -> f64 {
     let moment = |i: usize| {
         let (load, (a, _)) = (loaded.loads[i], pair.semi_axes[i]);
         load * Field::cbrt(load) * a * pair.hertz[i].second_integral

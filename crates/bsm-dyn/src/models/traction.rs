@@ -32,8 +32,8 @@ use crate::cost;
 use crate::ellipse::{FrozenRule, Integrate, Local, Nodes, Quadrature, Rules};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::models::ball::{
-    BALL, BallLoads, BallState, EhlLoss, EhlPoint, ElasticBall, ElasticPoint, ErrorBound, Model,
-    SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission, Unsolved, Workspace,
+    BALL, BallLoads, BallState, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint, ErrorBound,
+    Model, SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission, Unsolved, Workspace,
     quadrature_error, to_both, weight,
 };
 use crate::models::raceway_control::{RollingBall, STATIC};
@@ -93,7 +93,7 @@ pub struct TractionWorkspace {
 /// The equations of a point.
 #[derive(Clone, Copy)]
 struct SlipBall<'a, P = f64> {
-    pair: &'a ElasticBall<P>,
+    pair: &'a ElasticContacts<P>,
     quadrature: &'a Quadrature,
     /// Numbers of nodes near a root; by the slip elsewhere.
     plans: Option<&'a [OnceCell<FrozenRule>; 2]>,
@@ -238,7 +238,7 @@ impl<P: Scalar> SlipBall<'_, P> {
 
 impl<'a> SlipBall<'a> {
     /// In the unknowns (T1).
-    fn of_pair(pair: &'a ElasticBall, quadrature: &'a Quadrature, creep: f64) -> Self {
+    fn of_pair(pair: &'a ElasticContacts, quadrature: &'a Quadrature, creep: f64) -> Self {
         let (plans, lubrication, push, at_nut, limits) = (None, None, None, false, LIMITS);
         Self { pair, quadrature, plans, creep, enough: 1e-12, at_nut, lubrication, push, limits }
     }
@@ -248,7 +248,7 @@ impl<'a> SlipBall<'a> {
     /// The same equations of a point with derivatives.
     fn over<P>(
         &self,
-        pair: &'a ElasticBall<P>,
+        pair: &'a ElasticContacts<P>,
         lubrication: Option<Lubrication<'a, P>>,
     ) -> SlipBall<'a, P> {
         let Self { quadrature, plans, creep, enough, at_nut, push, limits, .. } = *self;
@@ -473,13 +473,16 @@ impl Traction {
 
 /// A point and the gripping ball that it starts from: what does not depend on the quadrature.
 pub(crate) struct Start<'a> {
-    pair: &'a ElasticBall,
+    pair: &'a ElasticContacts,
     grip: RollingBall,
 }
 
 impl<'a> Start<'a> {
     /// From a gripping ball, or from a guess where there is none.
-    pub(crate) fn new(pair: &'a ElasticBall, grip: Option<&RollingBall>) -> Result<Self, Unsolved> {
+    pub(crate) fn new(
+        pair: &'a ElasticContacts,
+        grip: Option<&RollingBall>,
+    ) -> Result<Self, Unsolved> {
         // Centrifugal forces may be beyond a guess; the ball without them is one too.
         let guess =
             || RollingBall::guess(pair).or_else(|_| RollingBall::guess(&pair.with_inertia(0.0)));
@@ -519,7 +522,7 @@ impl From<Unsolved> for NotFound {
 }
 
 impl SlipResult {
-    pub(crate) fn solved(&self, pair: &ElasticBall) -> Solved {
+    pub(crate) fn solved(&self, pair: &ElasticContacts) -> Solved {
         let Self { ball, transmission, skid, info, error, .. } = *self;
         let error = Some(ErrorBound::of(pair.direction, transmission.efficiency, error));
         Solved { skid: Some(skid), info: Some(info), error, ..Solved::new(&ball, transmission) }

@@ -15,8 +15,8 @@ use super::{
 };
 use crate::contact::ideal_torque;
 use crate::models::ball::{
-    EhlPoint, ElasticBall, LubricatedWorkspace, SolveInfo, Steady, SteadyRoot, Unsolved, Workspace,
-    domain_error, moving_root, to_both, unit_powers,
+    EhlPoint, ElasticContacts, LubricatedWorkspace, SolveInfo, Steady, SteadyRoot, Unsolved,
+    Workspace, domain_error, moving_root, to_both, unit_powers,
 };
 use crate::models::raceway_control::RollingBall;
 use crate::models::workspace::ModelWorkspace;
@@ -80,7 +80,7 @@ impl SlipBall<'_> {
 
 /// A root, the point with its friction scale, and the gripping ball that the search began with.
 struct ScaledRoot {
-    pair: ElasticBall,
+    pair: ElasticContacts,
     grip: RollingBall,
     refined: RootWithPower,
     plans: [OnceCell<FrozenRule>; 2],
@@ -180,7 +180,7 @@ impl<const M: usize> Traction<Jet<M>> {
         ehl: &EhlPoint<Jet<M>>,
         values: &EhlPoint,
         ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
-    ) -> Result<(ElasticBall<Jet<M>>, Steady<Jet<M>>), Unsolved> {
+    ) -> Result<(ElasticContacts<Jet<M>>, Steady<Jet<M>>), Unsolved> {
         let inputs = self.at.scaled()?;
         let ScaledRoot { pair, refined: RootWithPower { root, .. }, plans, .. } =
             self.values().lubricated_root(values, traction, lubricated)?;
