@@ -113,7 +113,7 @@ pub fn rolling_torque<F: Field>(ideal: F, friction_power: F, ball_radius: F, axi
     ideal + friction_power * ball_radius * axial_load
 }
 
-/// Gyroscopic over friction moment of the gripping ball (W9).
+/// Gyroscopic over friction moment of the rolling ball (W9).
 ///
 /// * `gyroscopic`: `$I |P \omega_n|$`. * `loads`: at nut and screw.
 #[inline(always)]
@@ -132,7 +132,7 @@ pub fn cross_slip<F: Compare>(sin_lead: F, spins: [F; 2]) -> F {
     sin_lead * 0.5 / spins[0].larger(spins[1])
 }
 
-/// The state of a ball that grips.
+/// The state of a ball that rolls.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RollingBall {
     /// The race that was taken to control.
@@ -303,9 +303,9 @@ impl RacewayControl {
     /// power of the slip that it leaves.
     pub fn solve(&self, memory: &mut RacewayWorkspace) -> Solution {
         let solved = self.at.scaled().and_then(|pair| {
-            let grip = memory.grip(&pair, self.control)?;
-            let solved = memory.solved(&self.at, &pair, &grip)?;
-            Ok(memory.with_others(&self.at, &pair, &grip, self.control, &solved))
+            let rolling_ball = memory.rolling_ball(&pair, self.control)?;
+            let solved = memory.solved(&self.at, &pair, &rolling_ball)?;
+            Ok(memory.with_others(&self.at, &pair, &rolling_ball, self.control, &solved))
         });
         Solution::new(Model::RacewayControl, solved)
     }
@@ -328,8 +328,8 @@ impl<D: Scalar> ElasticPoint<D> {
 }
 
 impl RacewayWorkspace {
-    /// The gripping ball.
-    pub(crate) fn grip(
+    /// The rolling ball.
+    pub(crate) fn rolling_ball(
         &mut self,
         pair: &ElasticContacts,
         control: Option<Control>,
@@ -342,16 +342,16 @@ impl RacewayWorkspace {
         &self,
         screw: &ElasticPoint,
         pair: &ElasticContacts,
-        grip: &RollingBall,
+        rolling_ball: &RollingBall,
     ) -> Result<Solved, Unsolved> {
-        let (loaded, nodes) = (&grip.loaded, [Nodes::from(&self.quadrature); 2]);
+        let (loaded, nodes) = (&rolling_ball.loaded, [Nodes::from(&self.quadrature); 2]);
         let [at_nut, at_screw] =
-            pair.friction_powers(loaded, &grip.to_nut, RacewayControl::CREEP, nodes);
-        let ball = screw.ball_state(pair, loaded, &grip.to_nut)?;
+            pair.friction_powers(loaded, &rolling_ball.to_nut, RacewayControl::CREEP, nodes);
+        let ball = screw.ball_state(pair, loaded, &rolling_ball.to_nut)?;
         let (ideal, torque) = screw.rolling_torques(at_nut + at_screw);
         let speed = screw.point.drive.relative_speed();
         let transmission = Transmission::of(pair.direction, ideal, torque, speed);
-        let (skid, info, control) = grip.told(pair);
+        let (skid, info, control) = rolling_ball.told(pair);
         let (skid, info, control) = (Some(skid), Some(info), Some(control));
         let contact_power = Some(screw.in_watts([at_nut, at_screw]));
         Ok(Solved { skid, info, control, contact_power, ..Solved::new(&ball, transmission) })
@@ -362,14 +362,15 @@ impl RacewayWorkspace {
         &mut self,
         screw: &ElasticPoint,
         pair: &ElasticContacts,
-        grip: &RollingBall,
+        rolling_ball: &RollingBall,
         control: Option<Control>,
         solved: &Solved,
     ) -> Solved {
-        let consistent = control.is_none().then(|| grip.is_consistent(pair));
-        let others = grip.others(pair, control, &mut self.newton);
-        let others = others.iter().filter_map(|grip| self.solved(screw, pair, grip).ok());
-        let control = Some(RaceControl { race: grip.control, consistent });
+        let consistent = control.is_none().then(|| rolling_ball.is_consistent(pair));
+        let others = rolling_ball.others(pair, control, &mut self.newton);
+        let others =
+            others.iter().filter_map(|rolling_ball| self.solved(screw, pair, rolling_ball).ok());
+        let control = Some(RaceControl { race: rolling_ball.control, consistent });
         Solved { control, ..solved.among(others) }
     }
 }

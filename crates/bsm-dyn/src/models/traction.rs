@@ -370,8 +370,8 @@ impl Traction {
     pub fn solve(&self, work: &mut TractionWorkspace) -> Solution {
         let found = self.at.point.require_friction().and_then(|()| {
             let pair = self.at.scaled()?;
-            let grip = RollingBall::of(&pair, None, &mut work.statics);
-            let start = Start::new(&pair, grip.ok().as_ref())?;
+            let rolling_ball = RollingBall::of(&pair, None, &mut work.statics);
+            let start = Start::new(&pair, rolling_ball.ok().as_ref())?;
             Ok(self.found(&start, None, work).map_err(NotFound::why)?.solved(&pair))
         });
         Solution::new(Model::Traction, found)
@@ -421,7 +421,7 @@ impl Traction {
     /// The root and its answer, from the root of another accuracy if there is one.
     fn found(
         &self,
-        Start { pair, grip }: &Start<'_>,
+        Start { pair, rolling_ball }: &Start<'_>,
         from: Option<&SlipRoot>,
         work: &mut TractionWorkspace,
     ) -> Result<SlipResult, NotFound> {
@@ -437,18 +437,18 @@ impl Traction {
         let near = if let Some(root) = from {
             Some(*root)
         } else {
-            steps += grip.steps;
-            coarse.search(grip, false, newton, &mut steps).ok()
+            steps += rolling_ball.steps;
+            coarse.search(rolling_ball, false, newton, &mut steps).ok()
         };
         let refined = near.and_then(|near| ball.refined(&near, &plans, newton, &mut steps));
         let refined = match (refined, from) {
             (Some(refined), _) => refined,
             (None, Some(_)) => return Err(Unsolved::LOST.into()),
             (None, None) => {
-                let mut near = search.search(grip, true, newton, &mut steps);
+                let mut near = search.search(rolling_ball, true, newton, &mut steps);
                 if near.as_ref().is_err_and(|none| none.status() == Status::NotConverged) {
                     // The steps of its sums may be what a path was lost over.
-                    near = smooth.search(grip, true, newton, &mut steps);
+                    near = smooth.search(rolling_ball, true, newton, &mut steps);
                 }
                 let near = near?;
                 let lost = || NotFound { near: Some(Box::new(near)), why: Unsolved::LOST };
@@ -467,26 +467,36 @@ impl Traction {
         let (other, efficiency) = (other.as_ref(), transmission.efficiency);
         let error = checked.error(self.accuracy, other, &torque_slope, efficiency, newton);
         let info = SolveInfo { steps, residual: root.residual };
-        Ok(SlipResult { ball: steady, transmission, skid: grip.skid(pair), info, root, error })
+        Ok(SlipResult {
+            ball: steady,
+            transmission,
+            skid: rolling_ball.skid(pair),
+            info,
+            root,
+            error,
+        })
     }
 }
 
-/// A point and the gripping ball that it starts from: what does not depend on the quadrature.
+/// A point and the rolling ball that it starts from: what does not depend on the quadrature.
 pub(crate) struct Start<'a> {
     pair: &'a ElasticContacts,
-    grip: RollingBall,
+    rolling_ball: RollingBall,
 }
 
 impl<'a> Start<'a> {
-    /// From a gripping ball, or from a guess where there is none.
+    /// From a rolling ball, or from a guess where there is none.
     pub(crate) fn new(
         pair: &'a ElasticContacts,
-        grip: Option<&RollingBall>,
+        rolling_ball: Option<&RollingBall>,
     ) -> Result<Self, Unsolved> {
         // Centrifugal forces may be beyond a guess; the ball without them is one too.
         let guess =
             || RollingBall::guess(pair).or_else(|_| RollingBall::guess(&pair.with_inertia(0.0)));
-        Ok(Self { pair, grip: grip.map_or_else(guess, |grip| Ok(*grip))? })
+        Ok(Self {
+            pair,
+            rolling_ball: rolling_ball.map_or_else(guess, |rolling_ball| Ok(*rolling_ball))?,
+        })
     }
 }
 

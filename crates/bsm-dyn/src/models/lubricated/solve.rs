@@ -226,15 +226,15 @@ impl Lubricated {
             LubricatedModel::RacewayControl(case, friction) => {
                 let ModelWorkspace { raceway, lubricated, .. } = work;
                 let pair = screw.scaled()?;
-                let grip = raceway.grip(&pair, case.control)?;
-                let (loaded, to_nut) = (grip.loaded, grip.to_nut);
+                let rolling_ball = raceway.rolling_ball(&pair, case.control)?;
+                let (loaded, to_nut) = (rolling_ball.loaded, rolling_ball.to_nut);
                 let creep = RacewayControl::CREEP;
                 let pair = pair.with_friction(ehl.friction_scale(&pair, &loaded, &to_nut, creep));
                 let rules = lubricated.both(friction.accuracy());
                 let (unit, losses) = friction.losses(&ehl, &pair, (&loaded, &to_nut), rules);
                 let (_, torque) = screw.rolling_torques(lost(&losses));
                 let steady = Steady { loaded, to_nut, losses, torque };
-                let (skid, info, control) = grip.told(&pair);
+                let (skid, info, control) = rolling_ball.told(&pair);
                 SteadyRoot { pair, steady, unit, skid, info, control: Some(control), error: None }
             }
             LubricatedModel::Traction(case) => {

@@ -1,4 +1,4 @@
-//! Static balance of the gripping ball in two unknowns, and its first root.
+//! Static balance of the rolling ball in two unknowns, and its first root.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W2), (W12) to (W15).
 
