@@ -27,7 +27,7 @@ pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<R
     let (mut skidding, mut between) = (Vec::new(), Vec::new());
     for ball in rolling {
         match ball.errors.basis(tolerance) {
-            Some(basis @ Basis::Grips { .. }) => {
+            Some(basis @ Basis::Rolling { .. }) => {
                 // Only the model looks for others.
                 if ball.is_unique {
                     auto.choose(&ball, ball.efficiency, ball.errors.rolling, basis);

@@ -66,20 +66,20 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
     #[inline(always)]
     fn call(self) -> RacewayNumbers<S> {
         let Self { given, units, pair, control, out } = self;
-        let grip = given.simd.vectorize(BalanceCall { pair, control });
-        let (zero, unique) = (grip.residual.constant(0.0), grip.unique);
-        if !grip.found.any() {
-            return RacewayNumbers { efficiency: zero, skid: [zero; 2], found: grip.found, unique };
+        let roll = given.simd.vectorize(BalanceCall { pair, control });
+        let (zero, unique) = (roll.residual.constant(0.0), roll.unique);
+        if !roll.found.any() {
+            return RacewayNumbers { efficiency: zero, skid: [zero; 2], found: roll.found, unique };
         }
-        let motion = Motion::of(pair, &grip);
-        let sides = &grip.sides;
+        let motion = Motion::of(pair, &roll);
+        let sides = &roll.sides;
         given.simd.vectorize(ContactRow { out: &mut *out, units, pair, sides });
         motion.outputs(out, units, pair);
         let (resolved, efficiency, friction) =
-            transmit(out, given, (units, pair), (&grip, &motion));
-        let skid = regime(out, friction, (units, pair), (&grip, &motion));
-        out.set_all(OutputKey::iterations, [grip.steps, grip.residual]);
-        out.set(OutputKey::controlling_race, grip.by_nut.select(zero, zero + 1.0));
+            transmit(out, given, (units, pair), (&roll, &motion));
+        let skid = regime(out, friction, (units, pair), (&roll, &motion));
+        out.set_all(OutputKey::iterations, [roll.steps, roll.residual]);
+        out.set(OutputKey::controlling_race, roll.by_nut.select(zero, zero + 1.0));
         // With a lubricant the model looks for no other solutions.
         if given.operands.lubricant.is_none() {
             if control.is_none() {
@@ -87,7 +87,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
             }
             out.set_unique(zero);
         }
-        RacewayNumbers { efficiency, skid, found: grip.found & resolved, unique }
+        RacewayNumbers { efficiency, skid, found: roll.found & resolved, unique }
     }
 }
 
@@ -104,8 +104,8 @@ pub(super) struct Motion<S: Simd> {
 
 impl<S: Simd> Motion<S> {
     #[inline(always)]
-    pub(super) fn of(pair: &Balls<S>, grip: &Roll<S>) -> Self {
-        let ([a, b], by_nut, one) = (&grip.sides, grip.by_nut, pair.constant(1.0));
+    pub(super) fn of(pair: &Balls<S>, roll: &Roll<S>) -> Self {
+        let ([a, b], by_nut, one) = (&roll.sides, roll.by_nut, pair.constant(1.0));
         let lead = (pair.sin_a, pair.cos_a);
         let (p, to_nut) = rolling(by_nut, lead, pair.arc, [(a.sin, a.cos), (b.sin, b.cos)]);
         let (zero, to_screw) = (pair.constant(0.0), relative_rotation(to_nut, one, lead));
@@ -138,8 +138,8 @@ impl<S: Simd> Motion<S> {
 
 /// The ellipse at nut (0) or screw (1) and the motion over it.
 #[inline(always)]
-fn ellipse<S: Simd>(i: usize, pair: &Balls<S>, grip: &Roll<S>, motion: &Motion<S>) -> Ellipse<S> {
-    let (side, pressed) = (&grip.sides[i], &pair.pressed[i]);
+fn ellipse<S: Simd>(i: usize, pair: &Balls<S>, roll: &Roll<S>, motion: &Motion<S>) -> Ellipse<S> {
+    let (side, pressed) = (&roll.sides[i], &pair.pressed[i]);
     let speed = motion.speed[i];
     Ellipse {
         load: side.load,
@@ -158,14 +158,14 @@ fn transmit<S: Simd>(
     out: &mut Sink<'_, '_>,
     given: &LaneInputs<'_, S>,
     (units, pair): (&Units<S>, &Balls<S>),
-    (grip, motion): (&Roll<S>, &Motion<S>),
+    (roll, motion): (&Roll<S>, &Motion<S>),
 ) -> (Mask<S>, Lane<S>, Lane<S>) {
-    let (nut, screw) = (ellipse(0, pair, grip, motion), ellipse(1, pair, grip, motion));
+    let (nut, screw) = (ellipse(0, pair, roll, motion), ellipse(1, pair, roll, motion));
     let ((nut_power, at_nut), (screw_power, at_screw)) = (nut.power(), screw.power());
     let zero = nut_power.constant(0.0);
     let back = units.speed.lt(zero);
     let lubricated =
-        OilLane::of(given, (units, pair), (grip, motion), [(nut, nut_power), (screw, screw_power)]);
+        OilLane::of(given, (units, pair), (roll, motion), [(nut, nut_power), (screw, screw_power)]);
     let (loss, friction) = if let Some(lubricated) = &lubricated {
         (lubricated.loss(), lubricated.friction_scale())
     } else {
@@ -191,9 +191,9 @@ pub(super) fn regime<S: Simd>(
     out: &mut Sink<'_, '_>,
     friction: Lane<S>,
     (units, pair): (&Units<S>, &Balls<S>),
-    (grip, motion): (&Roll<S>, &Motion<S>),
+    (roll, motion): (&Roll<S>, &Motion<S>),
 ) -> [Lane<S>; 2] {
-    let [a, b] = &grip.sides;
+    let [a, b] = &roll.sides;
     let rate = motion.p + pair.nut_speed;
     let ball = Ball { radius: pair.constant(1.0), mass: units.mass };
     let gyroscopic = ball.inertia() * (rate * motion.omega[0]).abs();

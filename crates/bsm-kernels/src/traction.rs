@@ -1,4 +1,4 @@
-//! Friction over both contact ellipses by lanes, from the gripping or from the skidding ball, Eqs (T1) to (T5),
+//! Friction over both contact ellipses by lanes, from the rolling or from the skidding ball, Eqs (T1) to (T5),
 //! (T25).
 
 use std::cell::RefCell;
@@ -176,15 +176,15 @@ fn start<S: Simd>(
 ) -> (TractionStart<Lane<S>>, Mask<S>) {
     let one = pair.constant(1.0);
     let friction = point.friction.abs();
-    let grip = given.simd.vectorize(BalanceCall { pair, control: None });
-    let mut found = grip.found & takes(friction, pair.inertia_ratio);
-    let motion = Motion::of(pair, &grip);
-    let [onset, _] = regime(out, friction, (units, pair), (&grip, &motion));
-    let [a, b] = &grip.sides;
+    let roll = given.simd.vectorize(BalanceCall { pair, control: None });
+    let mut found = roll.found & takes(friction, pair.inertia_ratio);
+    let motion = Motion::of(pair, &roll);
+    let [onset, _] = regime(out, friction, (units, pair), (&roll, &motion));
+    let [a, b] = &roll.sides;
     let mut loads = [a.load, b.load];
     // sin 2ν = sin(β_B − β_A)
     let between = a.cos * b.cos + a.sin * b.sin;
-    let mut tilt = grip.twist.zip(between, f64::atan2) * 0.5;
+    let mut tilt = roll.twist.zip(between, f64::atan2) * 0.5;
     let mut p = motion.p;
     // Along t, n and b.
     let mut omega = [pair.sin_a * 0.5, motion.omega[0], motion.omega[1]];

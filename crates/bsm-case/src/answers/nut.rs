@@ -55,35 +55,41 @@ impl State {
         Self { made, friction: OnceCell::new(), drag: OnceCell::new(), advance: OnceCell::new() }
     }
 
-    fn rubbed(&self, problem: &NutProblem) -> Option<&BallFriction> {
+    fn ball_friction(&self, problem: &NutProblem) -> Option<&BallFriction> {
         let work_out = || {
             let NutAtRest { nut, found, .. } = &self.made;
-            let mut rubbed = problem.with_free_balls().friction_of(nut, found)?;
-            rubbed.pushed = problem.pushed_of(&self.made, &rubbed.friction.motions);
-            if let (Some(pushed), Some((_, drive))) = (&rubbed.pushed, &problem.friction) {
-                let drag = rubbed.friction.parts.map(|parts| parts.drag);
+            let mut ball_friction = problem.with_free_balls().friction_of(nut, found)?;
+            ball_friction.pushed = problem.pushed_of(&self.made, &ball_friction.friction.motions);
+            if let (Some(pushed), Some((_, drive))) = (&ball_friction.pushed, &problem.friction) {
+                let drag = ball_friction.friction.parts.map(|parts| parts.drag);
                 let balls = pushed.as_ref().ok().map(Train::torque).zip(drag);
                 let balls = balls.map(|(balls, drag)| balls + drag);
-                nut.with_torque(&mut rubbed.friction, found, drive, problem.seal_torque, balls);
+                nut.with_torque(
+                    &mut ball_friction.friction,
+                    found,
+                    drive,
+                    problem.seal_torque,
+                    balls,
+                );
             }
-            Some(rubbed)
+            Some(ball_friction)
         };
         self.friction.get_or_init(work_out).as_ref()
     }
 
     /// How the balls advance on each other; none without their free motions.
     fn advance(&self, problem: &NutProblem) -> Option<&Advance> {
-        let work_out = || problem.advance_of(&self.made, self.rubbed(problem)?);
+        let work_out = || problem.advance_of(&self.made, self.ball_friction(problem)?);
         self.advance.get_or_init(work_out).as_ref()
     }
 
     /// The pushes of the balls; none where no gap is given.
     fn pushed(&self, problem: &NutProblem) -> Option<&TrainResult> {
-        self.rubbed(problem)?.pushed.as_ref()
+        self.ball_friction(problem)?.pushed.as_ref()
     }
 
     fn friction(&self, problem: &NutProblem) -> Option<&NutFriction> {
-        self.rubbed(problem).map(|rubbed| &rubbed.friction)
+        self.ball_friction(problem).map(|ball_friction| &ball_friction.friction)
     }
 
     /// Friction torque of the preload where nothing is loaded from outside \[N·m\].
@@ -558,8 +564,8 @@ impl NutReport {
         }
         notes.extend(self.thrown(CENTRIFUGAL[0]..CENTRIFUGAL[1]));
         notes.extend(self.touch_note());
-        let rubbed = self.state.rubbed(&self.problem);
-        match rubbed.map(|rubbed| &rubbed.friction) {
+        let ball_friction = self.state.ball_friction(&self.problem);
+        match ball_friction.map(|ball_friction| &ball_friction.friction) {
             None if self.problem.warm.is_some() => notes.push(
                 "torque, efficiency and heat need screw_speed_rpm other than 0; at the speeds of the cycle bsm axis has them"
                     .to_owned(),
@@ -582,7 +588,7 @@ impl NutReport {
             }
             Some(_) if matches!(self.state.pushed(&self.problem), Some(Err(_))) => {}
             Some(friction) if friction.torque.is_none() => {
-                let why = rubbed.and_then(|rubbed| rubbed.why.as_deref());
+                let why = ball_friction.and_then(|ball_friction| ball_friction.why.as_deref());
                 notes.push(format!(
                     "no torque: ball {} has none by model {}: {}",
                     friction.balls.len(),
@@ -693,7 +699,7 @@ impl NutReport {
 
     /// The models that answered for the friction of the balls; `None` if none was asked.
     pub fn model(&self) -> Option<String> {
-        let models = &self.state.rubbed(&self.problem)?.models;
+        let models = &self.state.ball_friction(&self.problem)?.models;
         (!models.is_empty()).then(|| models.join(" and "))
     }
 

@@ -1,7 +1,7 @@
 //! The answer in the vocabulary.
 
 use bsm_dyn::{
-    Alternatives, Band, Basis, Choice, ContactState, ErrorBound, FilmState, GRIPS_BELOW, Model,
+    Alternatives, Band, Basis, Choice, ContactState, ErrorBound, FilmState, Model, ROLLING_BELOW,
     RaceControl, Reason, Regime, Slip, SlipRegime, Solution, Solved, Status, ZERO_CELSIUS,
 };
 use bsm_kin::Site;
@@ -20,11 +20,13 @@ pub(crate) const MARKS_ABOVE: f64 = 4.2e9;
 /// Why a model was chosen, if it was chosen by the bound of its error.
 pub fn reason_of_choice(choice: &Choice, bound: f64) -> String {
     let why = match choice.basis {
-        Basis::Grips { onset_number } if bound > choice.tolerance => format!(
+        Basis::Rolling { onset_number } if bound > choice.tolerance => format!(
             "no more accurate model has a result here; raceway control, with a skid onset number of {onset_number:.2e}"
         ),
-        Basis::Grips { onset_number } => format!("rolling, skid onset number {onset_number:.2e}"),
-        Basis::Skids { onset_number } => format!("gross skid, skid onset number {onset_number:.1}"),
+        Basis::Rolling { onset_number } => format!("rolling, skid onset number {onset_number:.2e}"),
+        Basis::GrossSkid { onset_number } => {
+            format!("gross skid, skid onset number {onset_number:.1}")
+        }
         Basis::Integrated { accuracy } => {
             format!("no faster model is that accurate here; friction integrated to {accuracy:.0e}")
         }
@@ -124,9 +126,9 @@ impl Record {
             (Model::Rigid | Model::Elastic, _) => {
                 "gross skid: friction saturated at every contact, by assumption"
             }
-            (_, Some(SlipRegime::Grips)) => "rolling",
+            (_, Some(SlipRegime::Rolling)) => "rolling",
             (Model::RacewayControl, _) => "skidding: raceway control does not hold",
-            (_, Some(SlipRegime::SkidsPartly)) => "partial skid, between rolling and gross skid",
+            (_, Some(SlipRegime::PartialSkid)) => "partial skid, between rolling and gross skid",
             _ => "gross skid, friction nearly saturated",
         })
     }
@@ -167,10 +169,10 @@ impl Record {
         }
         let onset = self.solved().and_then(|solved| solved.skid?.onset_number());
         if let (Model::RacewayControl, Some(onset)) =
-            (solution.model, onset.filter(|s| *s >= GRIPS_BELOW))
+            (solution.model, onset.filter(|s| *s >= ROLLING_BELOW))
         {
             warnings.push(format!(
-                "skid onset number {onset:.2}: above {GRIPS_BELOW} the balls begin to skid, which \
+                "skid onset number {onset:.2}: above {ROLLING_BELOW} the balls begin to skid, which \
                  raceway control does not cover; use model traction"
             ));
         }

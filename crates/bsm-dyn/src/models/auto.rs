@@ -12,7 +12,7 @@ use bsm_kin::Jet;
 use bsm_simd::Compare;
 
 use crate::models::ball::{
-    Basis, Choice, Direction, ElasticBall, ElasticPoint, ErrorBound, Model, Performance,
+    Basis, Choice, Direction, ElasticContacts, ElasticPoint, ErrorBound, Model, Performance,
     SlipRegime, Solution, Solved, Unsolved,
 };
 use crate::models::elastic::{Elastic, SlidingBall};
@@ -42,15 +42,18 @@ impl Auto {
             Ok(pair) => pair,
             Err(invalid) => return (Solution::new(Model::RacewayControl, Err(invalid)), None),
         };
-        let grip = work.raceway.grip(&pair, None).ok();
-        let gripping =
-            grip.and_then(|grip| Some((grip, work.raceway.solved(&self.at, &pair, &grip).ok()?)));
-        let known = gripping
-            .and_then(|(grip, solved)| Some((grip, solved, ModelErrors::of_ball(&pair, &solved)?)));
-        if let Some((grip, solved, errors)) = &known {
+        let rolling_ball = work.raceway.rolling_ball(&pair, None).ok();
+        let rolling = rolling_ball.and_then(|rolling_ball| {
+            Some((rolling_ball, work.raceway.solved(&self.at, &pair, &rolling_ball).ok()?))
+        });
+        let known = rolling.and_then(|(rolling_ball, solved)| {
+            Some((rolling_ball, solved, ModelErrors::of_ball(&pair, &solved)?))
+        });
+        if let Some((rolling_ball, solved, errors)) = &known {
             match errors.basis(self.tolerance) {
-                Some(basis @ Basis::Grips { .. }) => {
-                    let solved = work.raceway.with_others(&self.at, &pair, grip, None, solved);
+                Some(basis @ Basis::Rolling { .. }) => {
+                    let solved =
+                        work.raceway.with_others(&self.at, &pair, rolling_ball, None, solved);
                     let bound = errors.rolling;
                     return (self.chosen(&solved, bound, basis), None);
                 }
@@ -75,7 +78,7 @@ impl Auto {
         let traction =
             Traction { at: self.at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         let integrated = self.at.point.require_friction().and_then(|()| {
-            let start = Start::new(&pair, grip.as_ref())?;
+            let start = Start::new(&pair, rolling_ball.as_ref())?;
             traction.solve_to(&start, self.tolerance, &mut work.traction)
         });
         match integrated {
@@ -86,12 +89,12 @@ impl Auto {
             Err(none) => {
                 let solution = match known {
                     // A rough answer with its bound is better than none, where the model holds.
-                    Some((grip, solved, errors))
-                        if SlipRegime::of(errors.onset_number) == SlipRegime::Grips =>
+                    Some((rolling_ball, solved, errors))
+                        if SlipRegime::of(errors.onset_number) == SlipRegime::Rolling =>
                     {
                         let solved =
-                            work.raceway.with_others(&self.at, &pair, &grip, None, &solved);
-                        let basis = Basis::Grips { onset_number: errors.onset_number };
+                            work.raceway.with_others(&self.at, &pair, &rolling_ball, None, &solved);
+                        let basis = Basis::Rolling { onset_number: errors.onset_number };
                         self.chosen(&solved, errors.rolling, basis)
                     }
                     _ => Solution::new(Model::Traction, Err(none)),
@@ -124,7 +127,7 @@ impl<const M: usize> Auto<Jet<M>> {
             Ok(_) => solution.choice.map(|choice| choice.basis),
         };
         match (basis, root) {
-            (Some(Basis::Skids { .. }), _) => Elastic { at }.sensitivities(&mut work.elastic),
+            (Some(Basis::GrossSkid { .. }), _) => Elastic { at }.sensitivities(&mut work.elastic),
             (Some(Basis::Integrated { accuracy }), Some(root)) => {
                 let case = Traction { at, accuracy, creep: Traction::CREEP };
                 case.sensitivities_at(&root, &mut work.traction)
@@ -151,7 +154,7 @@ pub struct ModelErrors<F = f64> {
 }
 
 impl<F: Compare> ModelErrors<F> {
-    /// From the numbers of a gripping ball.
+    /// From the numbers of a rolling ball.
     ///
     /// * `back`: where the load drives. * `onset_number`, `cross_slip`: infinite or not a number where they have no meaning; so
     ///   are the bounds there.
@@ -184,11 +187,11 @@ impl<F: Compare> ModelErrors<F> {
 }
 
 impl ModelErrors {
-    /// Of a ball that grips, where its numbers have a meaning.
-    fn of_ball(ball: &ElasticBall, grip: &Solved) -> Option<Self> {
-        let (skid, back) = (grip.skid?, ball.direction.is_back());
+    /// Of a ball that rolls, where its numbers have a meaning.
+    fn of_ball(ball: &ElasticContacts, rolling_ball: &Solved) -> Option<Self> {
+        let (skid, back) = (rolling_ball.skid?, ball.direction.is_back());
         let numbers = [skid.onset_number()?, skid.cross_slip?];
-        Some(Self::of(&ball.into(), back, grip.transmission.efficiency, numbers))
+        Some(Self::of(&ball.into(), back, rolling_ball.transmission.efficiency, numbers))
     }
 
     /// Bound of the error of gross slip, from how far the efficiency of raceway control is away.
@@ -201,9 +204,9 @@ impl ModelErrors {
     pub fn basis(&self, tolerance: f64) -> Option<Basis> {
         let Self { onset_number, rolling, range, .. } = *self;
         match SlipRegime::of(onset_number) {
-            SlipRegime::Grips if rolling <= tolerance => Some(Basis::Grips { onset_number }),
-            SlipRegime::Skids if self.skid_bound(range) <= tolerance => {
-                Some(Basis::Skids { onset_number })
+            SlipRegime::Rolling if rolling <= tolerance => Some(Basis::Rolling { onset_number }),
+            SlipRegime::GrossSkid if self.skid_bound(range) <= tolerance => {
+                Some(Basis::GrossSkid { onset_number })
             }
             _ => None,
         }

@@ -23,7 +23,7 @@ use crate::models::ball::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
 };
 use crate::models::ball::{
-    BALL, BallLoads, ElasticBall, ElasticPoint, MOMENT_NORMAL, Model, ROWS, Reason, Solution,
+    BALL, BallLoads, ElasticContacts, ElasticPoint, MOMENT_NORMAL, Model, ROWS, Reason, Solution,
     SolveInfo, Solved, Unsolved, Workspace, domain_error, equations, friction_power, weight,
 };
 
@@ -72,7 +72,7 @@ struct GrossSlipState<D> {
 
 /// Saturated friction on a pair of contacts; unknowns `$Q_A/F_a,\; \nu,\; Q_B/F_a,\; p,\; \lambda,\;
 /// \theta,\; s$` (S1).
-struct GrossSlipEquations<'a, P = f64>(&'a ElasticBall<P>);
+struct GrossSlipEquations<'a, P = f64>(&'a ElasticContacts<P>);
 
 impl<P: Scalar> GrossSlipEquations<'_, P> {
     fn state<D: Over<P>>(&self, y: &[D; BALL]) -> Result<GrossSlipState<D>, EvalError> {
@@ -104,7 +104,7 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
         // The part along the normal is zero but for rounding.
         let slip_screw = screw.across * at_screw.dot(&screw.across) + tangent * at_screw.x;
         let slip = [along * y[SLIP], slip_screw];
-        let friction = D::from(pair.signed_friction());
+        let friction = D::from(pair.directed_friction());
         let friction = [
             against(&along, y[NUT_LOAD] * friction),
             friction_force(&Coulomb(friction), y[SCREW_LOAD], &slip[1])?,
@@ -146,14 +146,14 @@ impl GrossSlip {
     }
 
     /// A root on the curve of all states of force that serves as a start, mostly the first one.
-    pub(crate) fn start(pair: &ElasticBall) -> Result<Self, Unsolved> {
+    pub(crate) fn start(pair: &ElasticContacts) -> Result<Self, Unsolved> {
         let (y, steps) = root(pair, true)?;
         let state = GrossSlipEquations(pair).state(&y).map_err(domain_error)?;
         Ok(Self { state, steps, residual: f64::NAN })
     }
 
     /// The first root on the curve of all states of force.
-    pub(crate) fn of(pair: &ElasticBall, newton: &mut Workspace) -> Result<Self, Unsolved> {
+    pub(crate) fn of(pair: &ElasticContacts, newton: &mut Workspace) -> Result<Self, Unsolved> {
         let (y, steps, residual) = find(pair, newton)?;
         let state = GrossSlipEquations(pair).state(&y).map_err(domain_error)?;
         Ok(Self { state, steps, residual })
@@ -164,7 +164,7 @@ impl GrossSlip {
 type ElasticRoot = ([f64; BALL], usize, f64);
 
 /// The first root on the curve of all states of force, as (S1) has it.
-fn find(pair: &ElasticBall, newton: &mut Workspace) -> Result<ElasticRoot, Unsolved> {
+fn find(pair: &ElasticContacts, newton: &mut Workspace) -> Result<ElasticRoot, Unsolved> {
     let (mut y, steps) = root(pair, false)?;
     let report = run(pair, &mut y, newton);
     if report.converged() {
@@ -174,14 +174,14 @@ fn find(pair: &ElasticBall, newton: &mut Workspace) -> Result<ElasticRoot, Unsol
 }
 
 /// How many times as much inertia it takes for a ball to be no longer slow.
-fn inertia_factor(pair: &ElasticBall, root: &[f64; BALL]) -> f64 {
+fn inertia_factor(pair: &ElasticContacts, root: &[f64; BALL]) -> f64 {
     let rate = root[PRECESSION] + pair.nut_speed;
     SMALL_INERTIA / (pair.inertia_ratio() * rate * rate / pair.friction)
 }
 
 /// Weights of the equations near `y`: one over the largest term of each. None of them vanishes where
 /// the ball stops circling, P → 0.
-fn weights(pair: &ElasticBall, y: &[f64; BALL]) -> [f64; BALL] {
+fn weights(pair: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
     let rate = (y[PRECESSION] + pair.nut_speed).abs();
     let centrifugal = pair.inertia_ratio() * rate * rate;
     let force = centrifugal.max(y[NUT_LOAD]).max(y[SCREW_LOAD]).max(1.0);
@@ -195,7 +195,7 @@ fn weights(pair: &ElasticBall, y: &[f64; BALL]) -> [f64; BALL] {
 }
 
 /// One damped Newton solve from `y`.
-fn run(pair: &ElasticBall, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
+fn run(pair: &ElasticContacts, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
     let weights = weights(pair, y);
     let scales = Scales { x: &[1.0; BALL], f: &weights };
     let options = Options { max_steps: MOST_STEPS, ..Options::default() };
@@ -217,13 +217,13 @@ impl Elastic {
     /// The answer of the root.
     pub(crate) fn solved(
         &self,
-        pair: &ElasticBall,
+        pair: &ElasticContacts,
         work: &mut ElasticWorkspace,
     ) -> Result<Solved, Unsolved> {
         let GrossSlip { state, steps, residual } = GrossSlip::of(pair, &mut work.0)?;
         let ball = self.at.ball_state(pair, &state.loaded, &state.to_nut)?;
         let slips = state.slip.map(|slip| slip.norm());
-        let friction_power = friction_power(pair.signed_friction(), state.loaded.loads, slips);
+        let friction_power = friction_power(pair.directed_friction(), state.loaded.loads, slips);
         let frame = &state.loaded.frame;
         let transmission = self.at.transmission(pair, frame, &state.wrench[1], friction_power)?;
         let info = Some(SolveInfo { steps, residual });

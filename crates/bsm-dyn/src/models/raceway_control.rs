@@ -20,7 +20,7 @@ use self::balance::{Balance, RollRoot};
 pub use self::statics::{StaticBalance, StaticState};
 use crate::ellipse::{Nodes, Quadrature};
 use crate::models::ball::{
-    BallLoads, Control, ElasticBall, ElasticPoint, Model, RaceControl, SkidNumbers, Solution,
+    BallLoads, Control, ElasticContacts, ElasticPoint, Model, RaceControl, SkidNumbers, Solution,
     SolveInfo, Solved, Transmission, Unsolved, Workspace, domain_error, excess_of_nut, to_both,
 };
 
@@ -113,7 +113,7 @@ pub fn rolling_torque<F: Field>(ideal: F, friction_power: F, ball_radius: F, axi
     ideal + friction_power * ball_radius * axial_load
 }
 
-/// Gyroscopic over friction moment of the gripping ball (W9).
+/// Gyroscopic over friction moment of the rolling ball (W9).
 ///
 /// * `gyroscopic`: `$I |P \omega_n|$`. * `loads`: at nut and screw.
 #[inline(always)]
@@ -132,7 +132,7 @@ pub fn cross_slip<F: Compare>(sin_lead: F, spins: [F; 2]) -> F {
     sin_lead * 0.5 / spins[0].larger(spins[1])
 }
 
-/// The state of a ball that grips.
+/// The state of a ball that rolls.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RollingBall {
     /// The race that was taken to control.
@@ -152,7 +152,7 @@ impl RollingBall {
     /// Which race controls is decided by (W7) at the first root of the ball that the nut controls.
     /// Where that has none, the screw controls if it does so by (W7) at its own first root.
     pub(crate) fn of(
-        pair: &ElasticBall,
+        pair: &ElasticContacts,
         control: Option<Control>,
         newton: &mut Workspace<STATIC>,
     ) -> Result<Self, Unsolved> {
@@ -176,7 +176,7 @@ impl RollingBall {
 
     /// The first root with this race in control.
     fn controlled(
-        pair: &ElasticBall,
+        pair: &ElasticContacts,
         control: Control,
         near: Option<[f64; STATIC]>,
         newton: &mut Workspace<STATIC>,
@@ -193,7 +193,7 @@ impl RollingBall {
     }
 
     /// True if (W7), asked here, names the race that controls.
-    fn is_consistent(&self, pair: &ElasticBall) -> bool {
+    fn is_consistent(&self, pair: &ElasticContacts) -> bool {
         control_of(pair, &self.loaded) == self.control
     }
 
@@ -201,7 +201,7 @@ impl RollingBall {
     /// of the screw where (W7) names the nut at the nut's ball and the screw at the screw's.
     fn others(
         &self,
-        pair: &ElasticBall,
+        pair: &ElasticContacts,
         control: Option<Control>,
         newton: &mut Workspace<STATIC>,
     ) -> Vec<Self> {
@@ -222,7 +222,7 @@ impl RollingBall {
     ///
     /// That ball has contact angles that differ by other centrifugal forces, by `$\Delta c$` in their
     /// cotangents, which changes the ratio of the moments by `$\Delta c$` or less, to first order.
-    fn is_clear(&self, pair: &ElasticBall) -> bool {
+    fn is_clear(&self, pair: &ElasticContacts) -> bool {
         let balances = Control::ALL.map(|race| Balance::new(pair, race));
         if !balances.iter().all(Balance::is_unique) {
             return false;
@@ -236,7 +236,7 @@ impl RollingBall {
 
     /// The same to two digits, also where centrifugal forces are so large that raceway control
     /// has no solution.
-    pub(crate) fn guess(pair: &ElasticBall) -> Result<Self, Unsolved> {
+    pub(crate) fn guess(pair: &ElasticContacts) -> Result<Self, Unsolved> {
         let balance = Balance::new(pair, Control::Nut);
         let angle = pair.jones.contact_angle.sin_cos();
         let (p, _) = rolling(true, pair.lead, pair.arc, [angle; 2]);
@@ -248,18 +248,18 @@ impl RollingBall {
     }
 
     /// What it says besides its loads and its motion.
-    pub(crate) fn told(&self, pair: &ElasticBall) -> (SkidNumbers, SolveInfo, RaceControl) {
+    pub(crate) fn told(&self, pair: &ElasticContacts) -> (SkidNumbers, SolveInfo, RaceControl) {
         let info = SolveInfo { steps: self.steps, residual: self.residual };
         (self.skid(pair), info, RaceControl { race: self.control, consistent: None })
     }
 
     /// Gyroscopic over friction moment (W9), and slip of the lead over that of spin (W10).
-    pub(crate) fn skid(&self, pair: &ElasticBall) -> SkidNumbers {
+    pub(crate) fn skid(&self, pair: &ElasticContacts) -> SkidNumbers {
         SkidNumbers::new(self.skid_number(pair), self.cross_slip(pair))
     }
 
     /// Gyroscopic over friction moment (W9).
-    pub(crate) fn skid_number(&self, pair: &ElasticBall) -> f64 {
+    pub(crate) fn skid_number(&self, pair: &ElasticContacts) -> f64 {
         let motion = pair.absolute(&self.to_nut, &self.loaded.frame);
         let omega = self.loaded.frame.to_frenet(&motion.omega);
         let gyroscopic = pair.ball.inertia() * (motion.precession * omega.y).abs();
@@ -268,7 +268,7 @@ impl RollingBall {
 
     /// Slip that the lead forces across the grooves over the slip of the spin at the end of the
     /// ellipse (W10).
-    fn cross_slip(&self, pair: &ElasticBall) -> f64 {
+    fn cross_slip(&self, pair: &ElasticContacts) -> f64 {
         let motions = to_both(&self.to_nut, &self.loaded.frame);
         let spins = [0, 1].map(|i| {
             let (a, _) = pair.ellipse(i, &self.loaded).semi_axes;
@@ -303,9 +303,9 @@ impl RacewayControl {
     /// power of the slip that it leaves.
     pub fn solve(&self, memory: &mut RacewayWorkspace) -> Solution {
         let solved = self.at.scaled().and_then(|pair| {
-            let grip = memory.grip(&pair, self.control)?;
-            let solved = memory.solved(&self.at, &pair, &grip)?;
-            Ok(memory.with_others(&self.at, &pair, &grip, self.control, &solved))
+            let rolling_ball = memory.rolling_ball(&pair, self.control)?;
+            let solved = memory.solved(&self.at, &pair, &rolling_ball)?;
+            Ok(memory.with_others(&self.at, &pair, &rolling_ball, self.control, &solved))
         });
         Solution::new(Model::RacewayControl, solved)
     }
@@ -328,10 +328,10 @@ impl<D: Scalar> ElasticPoint<D> {
 }
 
 impl RacewayWorkspace {
-    /// The gripping ball.
-    pub(crate) fn grip(
+    /// The rolling ball.
+    pub(crate) fn rolling_ball(
         &mut self,
-        pair: &ElasticBall,
+        pair: &ElasticContacts,
         control: Option<Control>,
     ) -> Result<RollingBall, Unsolved> {
         RollingBall::of(pair, control, &mut self.newton)
@@ -341,17 +341,17 @@ impl RacewayWorkspace {
     pub(crate) fn solved(
         &self,
         screw: &ElasticPoint,
-        pair: &ElasticBall,
-        grip: &RollingBall,
+        pair: &ElasticContacts,
+        rolling_ball: &RollingBall,
     ) -> Result<Solved, Unsolved> {
-        let (loaded, nodes) = (&grip.loaded, [Nodes::from(&self.quadrature); 2]);
+        let (loaded, nodes) = (&rolling_ball.loaded, [Nodes::from(&self.quadrature); 2]);
         let [at_nut, at_screw] =
-            pair.friction_powers(loaded, &grip.to_nut, RacewayControl::CREEP, nodes);
-        let ball = screw.ball_state(pair, loaded, &grip.to_nut)?;
+            pair.friction_powers(loaded, &rolling_ball.to_nut, RacewayControl::CREEP, nodes);
+        let ball = screw.ball_state(pair, loaded, &rolling_ball.to_nut)?;
         let (ideal, torque) = screw.rolling_torques(at_nut + at_screw);
         let speed = screw.point.drive.relative_speed();
         let transmission = Transmission::of(pair.direction, ideal, torque, speed);
-        let (skid, info, control) = grip.told(pair);
+        let (skid, info, control) = rolling_ball.told(pair);
         let (skid, info, control) = (Some(skid), Some(info), Some(control));
         let contact_power = Some(screw.in_watts([at_nut, at_screw]));
         Ok(Solved { skid, info, control, contact_power, ..Solved::new(&ball, transmission) })
@@ -361,15 +361,16 @@ impl RacewayWorkspace {
     pub(crate) fn with_others(
         &mut self,
         screw: &ElasticPoint,
-        pair: &ElasticBall,
-        grip: &RollingBall,
+        pair: &ElasticContacts,
+        rolling_ball: &RollingBall,
         control: Option<Control>,
         solved: &Solved,
     ) -> Solved {
-        let consistent = control.is_none().then(|| grip.is_consistent(pair));
-        let others = grip.others(pair, control, &mut self.newton);
-        let others = others.iter().filter_map(|grip| self.solved(screw, pair, grip).ok());
-        let control = Some(RaceControl { race: grip.control, consistent });
+        let consistent = control.is_none().then(|| rolling_ball.is_consistent(pair));
+        let others = rolling_ball.others(pair, control, &mut self.newton);
+        let others =
+            others.iter().filter_map(|rolling_ball| self.solved(screw, pair, rolling_ball).ok());
+        let control = Some(RaceControl { race: rolling_ball.control, consistent });
         Solved { control, ..solved.among(others) }
     }
 }
@@ -378,12 +379,12 @@ impl RacewayWorkspace {
 /// difference of the angles (W7).
 ///
 /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, outer raceway control.
-fn control_of(pair: &ElasticBall, loaded: &BallLoads<f64>) -> Control {
+fn control_of(pair: &ElasticContacts, loaded: &BallLoads<f64>) -> Control {
     if nut_excess(pair, loaded) > 0.0 { Control::Nut } else { Control::Screw }
 }
 
 /// By how much the spin friction moment of the nut exceeds that of the screw, relative.
-fn nut_excess(pair: &ElasticBall, loaded: &BallLoads<f64>) -> f64 {
+fn nut_excess(pair: &ElasticContacts, loaded: &BallLoads<f64>) -> f64 {
     let moment = |i: usize| {
         let (load, (a, _)) = (loaded.loads[i], pair.semi_axes[i]);
         load * Field::cbrt(load) * a * pair.hertz[i].second_integral

@@ -32,8 +32,8 @@ use crate::cost;
 use crate::ellipse::{FrozenRule, Integrate, Local, Nodes, Quadrature, Rules};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::models::ball::{
-    BALL, BallLoads, BallState, EhlLoss, EhlPoint, ElasticBall, ElasticPoint, ErrorBound, Model,
-    SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission, Unsolved, Workspace,
+    BALL, BallLoads, BallState, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint, ErrorBound,
+    Model, SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission, Unsolved, Workspace,
     quadrature_error, to_both, weight,
 };
 use crate::models::raceway_control::{RollingBall, STATIC};
@@ -93,7 +93,7 @@ pub struct TractionWorkspace {
 /// The equations of a point.
 #[derive(Clone, Copy)]
 struct SlipBall<'a, P = f64> {
-    pair: &'a ElasticBall<P>,
+    pair: &'a ElasticContacts<P>,
     quadrature: &'a Quadrature,
     /// Numbers of nodes near a root; by the slip elsewhere.
     plans: Option<&'a [OnceCell<FrozenRule>; 2]>,
@@ -238,7 +238,7 @@ impl<P: Scalar> SlipBall<'_, P> {
 
 impl<'a> SlipBall<'a> {
     /// In the unknowns (T1).
-    fn of_pair(pair: &'a ElasticBall, quadrature: &'a Quadrature, creep: f64) -> Self {
+    fn of_pair(pair: &'a ElasticContacts, quadrature: &'a Quadrature, creep: f64) -> Self {
         let (plans, lubrication, push, at_nut, limits) = (None, None, None, false, LIMITS);
         Self { pair, quadrature, plans, creep, enough: 1e-12, at_nut, lubrication, push, limits }
     }
@@ -248,7 +248,7 @@ impl<'a> SlipBall<'a> {
     /// The same equations of a point with derivatives.
     fn over<P>(
         &self,
-        pair: &'a ElasticBall<P>,
+        pair: &'a ElasticContacts<P>,
         lubrication: Option<Lubrication<'a, P>>,
     ) -> SlipBall<'a, P> {
         let Self { quadrature, plans, creep, enough, at_nut, push, limits, .. } = *self;
@@ -370,8 +370,8 @@ impl Traction {
     pub fn solve(&self, work: &mut TractionWorkspace) -> Solution {
         let found = self.at.point.require_friction().and_then(|()| {
             let pair = self.at.scaled()?;
-            let grip = RollingBall::of(&pair, None, &mut work.statics);
-            let start = Start::new(&pair, grip.ok().as_ref())?;
+            let rolling_ball = RollingBall::of(&pair, None, &mut work.statics);
+            let start = Start::new(&pair, rolling_ball.ok().as_ref())?;
             Ok(self.found(&start, None, work).map_err(NotFound::why)?.solved(&pair))
         });
         Solution::new(Model::Traction, found)
@@ -421,7 +421,7 @@ impl Traction {
     /// The root and its answer, from the root of another accuracy if there is one.
     fn found(
         &self,
-        Start { pair, grip }: &Start<'_>,
+        Start { pair, rolling_ball }: &Start<'_>,
         from: Option<&SlipRoot>,
         work: &mut TractionWorkspace,
     ) -> Result<SlipResult, NotFound> {
@@ -437,18 +437,18 @@ impl Traction {
         let near = if let Some(root) = from {
             Some(*root)
         } else {
-            steps += grip.steps;
-            coarse.search(grip, false, newton, &mut steps).ok()
+            steps += rolling_ball.steps;
+            coarse.search(rolling_ball, false, newton, &mut steps).ok()
         };
         let refined = near.and_then(|near| ball.refined(&near, &plans, newton, &mut steps));
         let refined = match (refined, from) {
             (Some(refined), _) => refined,
             (None, Some(_)) => return Err(Unsolved::LOST.into()),
             (None, None) => {
-                let mut near = search.search(grip, true, newton, &mut steps);
+                let mut near = search.search(rolling_ball, true, newton, &mut steps);
                 if near.as_ref().is_err_and(|none| none.status() == Status::NotConverged) {
                     // The steps of its sums may be what a path was lost over.
-                    near = smooth.search(grip, true, newton, &mut steps);
+                    near = smooth.search(rolling_ball, true, newton, &mut steps);
                 }
                 let near = near?;
                 let lost = || NotFound { near: Some(Box::new(near)), why: Unsolved::LOST };
@@ -467,23 +467,36 @@ impl Traction {
         let (other, efficiency) = (other.as_ref(), transmission.efficiency);
         let error = checked.error(self.accuracy, other, &torque_slope, efficiency, newton);
         let info = SolveInfo { steps, residual: root.residual };
-        Ok(SlipResult { ball: steady, transmission, skid: grip.skid(pair), info, root, error })
+        Ok(SlipResult {
+            ball: steady,
+            transmission,
+            skid: rolling_ball.skid(pair),
+            info,
+            root,
+            error,
+        })
     }
 }
 
-/// A point and the gripping ball that it starts from: what does not depend on the quadrature.
+/// A point and the rolling ball that it starts from: what does not depend on the quadrature.
 pub(crate) struct Start<'a> {
-    pair: &'a ElasticBall,
-    grip: RollingBall,
+    pair: &'a ElasticContacts,
+    rolling_ball: RollingBall,
 }
 
 impl<'a> Start<'a> {
-    /// From a gripping ball, or from a guess where there is none.
-    pub(crate) fn new(pair: &'a ElasticBall, grip: Option<&RollingBall>) -> Result<Self, Unsolved> {
+    /// From a rolling ball, or from a guess where there is none.
+    pub(crate) fn new(
+        pair: &'a ElasticContacts,
+        rolling_ball: Option<&RollingBall>,
+    ) -> Result<Self, Unsolved> {
         // Centrifugal forces may be beyond a guess; the ball without them is one too.
         let guess =
             || RollingBall::guess(pair).or_else(|_| RollingBall::guess(&pair.with_inertia(0.0)));
-        Ok(Self { pair, grip: grip.map_or_else(guess, |grip| Ok(*grip))? })
+        Ok(Self {
+            pair,
+            rolling_ball: rolling_ball.map_or_else(guess, |rolling_ball| Ok(*rolling_ball))?,
+        })
     }
 }
 
@@ -519,7 +532,7 @@ impl From<Unsolved> for NotFound {
 }
 
 impl SlipResult {
-    pub(crate) fn solved(&self, pair: &ElasticBall) -> Solved {
+    pub(crate) fn solved(&self, pair: &ElasticContacts) -> Solved {
         let Self { ball, transmission, skid, info, error, .. } = *self;
         let error = Some(ErrorBound::of(pair.direction, transmission.efficiency, error));
         Solved { skid: Some(skid), info: Some(info), error, ..Solved::new(&ball, transmission) }

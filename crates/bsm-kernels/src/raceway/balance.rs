@@ -10,7 +10,7 @@ use crate::pair::{Balls, LaneContact};
 /// nearer to zero which flank carries.
 const TIE: f64 = 1e-9;
 
-/// A lane of gripping balls.
+/// A lane of rolling balls.
 pub(crate) struct Roll<S: Simd> {
     /// Where the nut controls.
     pub(crate) by_nut: Mask<S>,
@@ -24,7 +24,7 @@ pub(crate) struct Roll<S: Simd> {
     pub(crate) unique: Mask<S>,
 }
 
-/// The gripping balls of a lane, with the race that controls or by the decision: a call of its own, as two kernels
+/// The rolling balls of a lane, with the race that controls or by the decision: a call of its own, as two kernels
 /// share it.
 pub(crate) struct BalanceCall<'a, S: Simd> {
     pub(crate) pair: &'a Balls<S>,

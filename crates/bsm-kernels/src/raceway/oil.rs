@@ -84,7 +84,7 @@ impl<S: Simd> OilLane<S> {
     pub(super) fn of(
         given: &LaneInputs<'_, S>,
         (units, pair): (&Units<S>, &Balls<S>),
-        (grip, motion): (&Roll<S>, &Motion<S>),
+        (roll, motion): (&Roll<S>, &Motion<S>),
         ellipses: [(Ellipse<S>, Lane<S>); 2],
     ) -> Option<Self> {
         let one = given.operands.lubricant.as_ref()?;
@@ -102,7 +102,7 @@ impl<S: Simd> OilLane<S> {
         let modulus = modulus(given, units) * units.load / (ball * ball);
         let scale = EhlUnits { load: units.load, speed: ball * speed, length: ball };
         let ehl = EhlPoint::of(&lubricant, kelvin, (&curvatures, &hertz), modulus, scale);
-        let [nut, screw] = &grip.sides;
+        let [nut, screw] = &roll.sides;
         // k·(t × N)
         let [k_nut, k_screw] = [nut.cos * pair.cos_a, -(screw.cos * pair.cos_a)];
         let losses = [

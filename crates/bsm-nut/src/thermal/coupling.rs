@@ -185,11 +185,11 @@ impl WarmNut<'_> {
             let drag = self.drag * preload;
             let beyond = torque - at_nut - at_screw + returns + drag;
             let power = phase.time / time * speed;
-            let rubbed = heat_factor * power;
+            let heat_per_torque = heat_factor * power;
             // P_n = Σ q P_A/2,  P_s = Σ q (P_B/2 + T_seal |W|),  P_b = Σ q ((P_A + P_B)/2 + T_x |W| + …)  (I14)
-            heat[0] += rubbed * 0.5 * at_nut;
-            heat[1] += rubbed * 0.5 * at_screw + power * self.seal;
-            heat[2] += rubbed * (0.5 * (at_nut + at_screw) + beyond);
+            heat[0] += heat_per_torque * 0.5 * at_nut;
+            heat[1] += heat_per_torque * 0.5 * at_screw + power * self.seal;
+            heat[2] += heat_per_torque * (0.5 * (at_nut + at_screw) + beyond);
             for (heat, end) in heat[3..].iter_mut().zip(ends) {
                 *heat += power * self.bearings * end / (ends[0] + ends[1]).max(1.0);
             }

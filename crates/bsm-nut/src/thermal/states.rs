@@ -53,7 +53,7 @@ const MOST_STEPS: usize = 60;
 const MOST_SWEEPS: usize = 200;
 
 /// Nodes that have friction.
-const RUBBED: usize = 3;
+const FRICTION_NODES: usize = 3;
 
 /// Part of a step to which a fold is placed: its speed is flat in it, so that this leaves 1e-6 of that.
 const PLACE: f64 = 1e-3;
@@ -178,7 +178,7 @@ struct Balance<'a> {
 }
 
 /// Slopes of the heat of nut, screw and balls by the temperatures of all nodes.
-type Slopes = [[f64; NODES]; RUBBED];
+type Slopes = [[f64; NODES]; FRICTION_NODES];
 
 /// The same at one speed factor.
 struct BalanceAtSpeed<'a>(&'a Balance<'a>, f64);
@@ -252,9 +252,9 @@ impl<'a> Balance<'a> {
         let [up, down] = differences;
         // On one side the heat at the temperatures themselves is that of all.
         let here = if down == 0.0 { Some(heat(rises)?) } else { None };
-        let mut slopes = [[0.0; NODES]; RUBBED];
+        let mut slopes = [[0.0; NODES]; FRICTION_NODES];
         // The ends act on the nut by the tension alone.
-        let felt = if self.nut.screw.hold.is_some() { NODES } else { RUBBED };
+        let felt = if self.nut.screw.hold.is_some() { NODES } else { FRICTION_NODES };
         for k in 0..felt {
             let at = |by: f64| {
                 let mut moved = *rises;
@@ -276,14 +276,14 @@ impl<'a> Balance<'a> {
     }
 
     /// `$P' M^{-1}$` at nut, screw and balls, which has all eigenvalues of `$M^{-1} P'$` that are not zero.
-    fn loop_matrix(&self, slopes: &Slopes, factor: f64) -> [[f64; RUBBED]; RUBBED] {
+    fn loop_matrix(&self, slopes: &Slopes, factor: f64) -> [[f64; FRICTION_NODES]; FRICTION_NODES] {
         let mut linear = Dense::<NODES>::default();
         *linear.rows_mut() = self.nut.network(factor).balance().0;
         if linear.factorize().is_err() {
-            return [[f64::NAN; RUBBED]; RUBBED];
+            return [[f64::NAN; FRICTION_NODES]; FRICTION_NODES];
         }
-        let mut gains = [[0.0; RUBBED]; RUBBED];
-        for k in 0..RUBBED {
+        let mut gains = [[0.0; FRICTION_NODES]; FRICTION_NODES];
+        for k in 0..FRICTION_NODES {
             let mut column = [0.0; NODES];
             column[k] = 1.0;
             linear.solve(&mut column);
@@ -557,7 +557,7 @@ impl WarmNut<'_> {
         let (matrix, mut rest) = self.network(1.0).balance();
         *linear.rows_mut() = matrix;
         linear.factorize().map_err(|_| NoSteadyState::NotFound)?;
-        rest[RUBBED] += self.motor;
+        rest[FRICTION_NODES] += self.motor;
         linear.solve(&mut rest);
         let heated = self.heated(&rest, 1.0, false)?;
         let heat: f64 = heated.heat.iter().sum();
@@ -579,7 +579,7 @@ impl Balance<'_> {
 }
 
 /// Largest real part of the eigenvalues of a matrix (I18); NaN if they are not found.
-fn largest_real_part(a: &[[f64; RUBBED]; RUBBED]) -> f64 {
+fn largest_real_part(a: &[[f64; FRICTION_NODES]; FRICTION_NODES]) -> f64 {
     let matrix = Matrix3::from_fn(|i, k| a[i][k]);
     let schur = Schur::try_new(matrix, f64::EPSILON, MOST_SWEEPS);
     schur.map_or(f64::NAN, |schur| {

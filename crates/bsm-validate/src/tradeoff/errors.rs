@@ -21,9 +21,9 @@ impl Group {
     /// All points, then by motion.
     pub const ALL: [Self; 4] = [
         Self::All,
-        Self::Of(SlipRegime::Grips),
-        Self::Of(SlipRegime::SkidsPartly),
-        Self::Of(SlipRegime::Skids),
+        Self::Of(SlipRegime::Rolling),
+        Self::Of(SlipRegime::PartialSkid),
+        Self::Of(SlipRegime::GrossSkid),
     ];
 
     /// In a word or two.

@@ -53,18 +53,22 @@ fn pushes(model: ModelChoice) -> bool {
 
 impl NutProblem {
     /// Advance of the balls, of whose free motions those by model traction are taken unless another is asked for.
-    pub(super) fn advance_of(&self, made: &NutAtRest, rubbed: &BallFriction) -> Option<Advance> {
+    pub(super) fn advance_of(
+        &self,
+        made: &NutAtRest,
+        ball_friction: &BallFriction,
+    ) -> Option<Advance> {
         let NutAtRest { nut, found, .. } = made;
         let (_, drive) = self.friction.as_ref()?;
         let of =
             |motions: &[Option<FreeMotion>]| nut.advance(found, motions, drive, self.gaps.spacer);
-        let rolls_alone = rubbed.models.iter().any(|model| *model != Model::Traction.name());
+        let rolls_alone = ball_friction.models.iter().any(|model| *model != Model::Traction.name());
         if self.settings.model == ModelChoice::Auto && rolls_alone {
             // Free speeds of two models differ by more than those of neighbours.
             let traction = self.by_traction();
             return of(&traction.friction_of(nut, found)?.friction.motions);
         }
-        of(&rubbed.friction.motions)
+        of(&ball_friction.friction.motions)
     }
 
     /// The same with friction by the model that its balls push from.

@@ -72,7 +72,7 @@ impl<D: Scalar> ElasticPoint<D> {
     }
 
     /// The point in units of ball radius, axial load per ball and relative speed (P1).
-    pub(crate) fn scaled(&self) -> Result<ElasticBall<D>, Unsolved> {
+    pub(crate) fn scaled(&self) -> Result<ElasticContacts<D>, Unsolved> {
         // Lengths in r_b, forces in F_a, speeds in W, Eq (R1)             (P1)
         let BallUnits { helix, ball, nut_speed, direction } = self.point.in_own_units()?;
         let hertz = self.hertz().map_err(Unsolved::invalid)?;
@@ -80,7 +80,7 @@ impl<D: Scalar> ElasticPoint<D> {
         let one = D::from(1.0);
         let [nut_offset, screw_offset] = self.grooves().map(|groove| groove.offset(one));
         let reach = (nut_offset + screw_offset) * self.point.contact_angle.cos();
-        Ok(ElasticBall {
+        Ok(ElasticContacts {
             helix,
             lead: helix.lead_angle.sin_cos(),
             reach,
@@ -106,7 +106,7 @@ impl<D: Scalar> ElasticPoint<D> {
 
 /// One operating point in scaled units.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct ElasticBall<P = f64> {
+pub(crate) struct ElasticContacts<P = f64> {
     /// Helix with radius `$r_m/r_b$`.
     pub(crate) helix: Helix<P>,
     /// Sine and cosine of its lead angle.
@@ -157,14 +157,14 @@ pub(crate) struct BallLoads<D> {
     pub(crate) displacement: D,
 }
 
-impl<P: Scalar> ElasticBall<P> {
+impl<P: Scalar> ElasticContacts<P> {
     /// What is against a slip, or the power it takes, of the same for a slip over `$W$`.
     pub(crate) fn signed<D: Over<P>>(&self, size: D) -> D {
         size * self.direction.sign()
     }
 
     /// Friction coefficient against a slip over `$W$`.
-    pub(crate) fn signed_friction(&self) -> P {
+    pub(crate) fn directed_friction(&self) -> P {
         self.friction * self.direction.sign()
     }
 
@@ -284,7 +284,7 @@ impl<P: Scalar> ElasticBall<P> {
             let local = Local::of(&motions[i], &loaded.contacts[i], D::from(self.arc));
             let power = D::power(&self.ellipse(i, loaded), &local, creep, nodes[i]);
             // P_f = Σ f Q ∫ dP                                            (P7)
-            loaded.loads[i] * self.signed_friction() * power
+            loaded.loads[i] * self.directed_friction() * power
         })
     }
 
@@ -322,7 +322,7 @@ impl<D: Scalar> ElasticPoint<D> {
     /// Torque on the screw from its scaled wrench on the ball.
     pub(crate) fn screw_torque(
         &self,
-        pair: &ElasticBall<D>,
+        pair: &ElasticContacts<D>,
         frame: &BallFrame<D>,
         screw: &Wrench<D>,
     ) -> D {
@@ -332,7 +332,7 @@ impl<D: Scalar> ElasticPoint<D> {
     /// Efficiency and torque of a scaled wrench of the screw on the ball.
     pub(crate) fn transmitted(
         &self,
-        pair: &ElasticBall<D>,
+        pair: &ElasticContacts<D>,
         frame: &BallFrame<D>,
         screw: &Wrench<D>,
     ) -> Performance<D> {
@@ -349,7 +349,7 @@ impl ElasticPoint {
     /// touches with its other flank, and no groove reaches beyond the axial direction.
     pub(crate) fn ball_state(
         &self,
-        pair: &ElasticBall,
+        pair: &ElasticContacts,
         loaded: &BallLoads<f64>,
         to_nut: &Motion<f64>,
     ) -> Result<BallState, Unsolved> {
@@ -385,7 +385,7 @@ impl ElasticPoint {
     /// friction power; both scaled, the power over `$W$`.
     pub(crate) fn transmission(
         &self,
-        pair: &ElasticBall,
+        pair: &ElasticContacts,
         frame: &BallFrame<f64>,
         screw: &Wrench<f64>,
         friction_power: f64,
@@ -396,7 +396,7 @@ impl ElasticPoint {
     /// The same of the scaled torque on the screw.
     pub(crate) fn transmission_at(
         &self,
-        pair: &ElasticBall,
+        pair: &ElasticContacts,
         torque: f64,
         friction_power: f64,
     ) -> Result<Transmission, Unsolved> {

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 use bsm_kin::{BallFrame, Contact, Field, FieldOver, Motion, Over, Scalar};
 use nalgebra::Vector3;
 
-use super::elastic_ball::{BallLoads, ElasticBall, ElasticPoint, to_both};
+use super::elastic_ball::{BallLoads, ElasticContacts, ElasticPoint, to_both};
 use super::state::{RaceControl, SkidNumbers, SolveInfo};
 use crate::contact::{
     Curvatures, Hertz, Lubricant, MixedFriction, OilState, Roughness, Wrench, contact_modulus,
@@ -303,7 +303,7 @@ impl<P: Scalar> EhlPoint<P> {
     pub(crate) fn loss<D: Integrate<P>>(
         &self,
         i: usize,
-        (pair, loaded): (&ElasticBall<P>, &BallLoads<D>),
+        (pair, loaded): (&ElasticContacts<P>, &BallLoads<D>),
         motion: &Motion<D>,
         creep: f64,
         nodes: Nodes<'_>,
@@ -324,7 +324,7 @@ impl<P: Scalar> EhlPoint<P> {
     pub(crate) fn mean_loss<D: Over<P>>(
         &self,
         i: usize,
-        of: (&ElasticBall<P>, &BallLoads<D>),
+        of: (&ElasticContacts<P>, &BallLoads<D>),
         motion: &Motion<D>,
         creep: f64,
         unit: D,
@@ -340,7 +340,7 @@ impl<P: Scalar> EhlPoint<P> {
     pub(crate) fn loss_of<D: Over<P>>(
         &self,
         i: usize,
-        (pair, loaded): (&ElasticBall<P>, &BallLoads<D>),
+        (pair, loaded): (&ElasticContacts<P>, &BallLoads<D>),
         motion: &Motion<D>,
         creep: f64,
         sliding: D,
@@ -468,7 +468,7 @@ pub(crate) struct Steady<D = f64> {
 
 /// How it was found.
 pub(crate) struct SteadyRoot {
-    pub(crate) pair: ElasticBall,
+    pub(crate) pair: ElasticContacts,
     pub(crate) steady: Steady,
     /// Sliding powers of a friction coefficient of one.
     pub(crate) unit: [f64; 2],
@@ -483,7 +483,7 @@ impl EhlPoint {
     /// The larger friction coefficient of nut and screw if the oil bore all that it can.
     pub(crate) fn friction_scale(
         &self,
-        pair: &ElasticBall,
+        pair: &ElasticContacts,
         loaded: &BallLoads<f64>,
         to_nut: &Motion<f64>,
         creep: f64,
@@ -499,7 +499,7 @@ impl EhlPoint {
 
 /// Sliding powers over `$W$` of a friction coefficient of one at nut and screw.
 pub(crate) fn unit_powers<P: Scalar, D: Integrate<P>>(
-    pair: &ElasticBall<P>,
+    pair: &ElasticContacts<P>,
     loaded: &BallLoads<D>,
     to_nut: &Motion<D>,
     creep: f64,

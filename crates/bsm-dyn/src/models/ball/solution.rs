@@ -80,13 +80,13 @@ pub struct Choice {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Basis {
-    /// The ball grips.
-    Grips {
+    /// The ball rolls.
+    Rolling {
         /// Onset number (W11).
         onset_number: f64,
     },
     /// The ball skids.
-    Skids {
+    GrossSkid {
         /// Onset number (W11).
         onset_number: f64,
     },
@@ -101,8 +101,8 @@ impl Basis {
     /// The model that has it.
     pub fn model(&self) -> Model {
         match self {
-            Self::Grips { .. } => Model::RacewayControl,
-            Self::Skids { .. } => Model::Elastic,
+            Self::Rolling { .. } => Model::RacewayControl,
+            Self::GrossSkid { .. } => Model::Elastic,
             Self::Integrated { .. } => Model::Traction,
         }
     }

@@ -75,10 +75,10 @@ pub struct Transmission {
     pub power_balance: Option<f64>,
 }
 
-/// Where a ball is between gripping and skidding.
+/// Where a ball is between rolling and skidding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkidNumbers {
-    /// Gyroscopic over friction moment of the gripping motion (W9); none without friction.
+    /// Gyroscopic over friction moment of the rolling motion (W9); none without friction.
     pub skid_number: Option<f64>,
     /// The slip across the grooves that the lead forces, over the slip of spin (W10); none without
     /// spin.
@@ -92,7 +92,7 @@ impl SkidNumbers {
     }
 
     /// Skid number of a ball whose friction is already spent on the slip of the lead (W11): below
-    /// 0.1 the ball grips, above 2 friction is nearly saturated.
+    /// 0.1 the ball rolls, above 2 friction is nearly saturated.
     pub fn onset_number(&self) -> Option<f64> {
         Some(onset_number(self.skid_number?, self.cross_slip?))
     }
@@ -119,7 +119,7 @@ pub struct Solved {
     pub ball: BallState,
     /// Torque and powers.
     pub transmission: Transmission,
-    /// Between gripping and skidding, of models that tell.
+    /// Between rolling and skidding, of models that tell.
     pub skid: Option<SkidNumbers>,
     /// How it was found, unless in closed form.
     pub info: Option<SolveInfo>,
@@ -333,8 +333,8 @@ impl Transmission {
     }
 }
 
-/// Below this onset number a ball grips, whatever its cross slip.
-pub const GRIPS_BELOW: f64 = 0.1;
+/// Below this onset number a ball rolls, whatever its cross slip.
+pub const ROLLING_BELOW: f64 = 0.1;
 
 /// Onset number above which friction is nearly saturated.
 const SKIDS_ABOVE: f64 = 2.0;
@@ -343,34 +343,34 @@ const SKIDS_ABOVE: f64 = 2.0;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum SlipRegime {
     /// It rolls on both races.
-    Grips,
+    Rolling,
     /// Between rolling and sliding.
-    SkidsPartly,
+    PartialSkid,
     /// Friction is nearly saturated at both contacts.
-    Skids,
+    GrossSkid,
 }
 
 impl SlipRegime {
     /// From rolling to gross skid.
-    pub const ALL: [Self; 3] = [Self::Grips, Self::SkidsPartly, Self::Skids];
+    pub const ALL: [Self; 3] = [Self::Rolling, Self::PartialSkid, Self::GrossSkid];
 
     /// The motion at an onset number.
     pub fn of(onset_number: f64) -> Self {
-        if onset_number < GRIPS_BELOW {
-            Self::Grips
+        if onset_number < ROLLING_BELOW {
+            Self::Rolling
         } else if onset_number < SKIDS_ABOVE {
-            Self::SkidsPartly
+            Self::PartialSkid
         } else {
-            Self::Skids
+            Self::GrossSkid
         }
     }
 
     /// Name of the regime.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Grips => "rolling",
-            Self::SkidsPartly => "partial skid",
-            Self::Skids => "gross skid",
+            Self::Rolling => "rolling",
+            Self::PartialSkid => "partial skid",
+            Self::GrossSkid => "gross skid",
         }
     }
 }

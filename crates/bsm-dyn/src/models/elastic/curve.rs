@@ -10,7 +10,7 @@ use bsm_newton::{EventRoot, Exit, Seed, StepControl, Trace, trace};
 use super::forces::{CURVE, Forces};
 use super::states::{SlidingMotion, SlidingState};
 use super::steady::{CurveState, log_inertia};
-use crate::models::ball::{BALL, ElasticBall, Evidence, Reason, Unsolved};
+use crate::models::ball::{BALL, ElasticContacts, Evidence, Reason, Unsolved};
 use crate::models::elastic::Elastic;
 
 /// Steps along the curve, in units of its sizes; thirty are usual. Newton's method refines the root.
@@ -48,7 +48,7 @@ impl SlidingPoint {
 type CurveRoot = (SlidingPoint, f64);
 
 /// Unknowns of the first root on the curve, or of any that serves as a start, and Newton steps.
-pub(super) fn root(pair: &ElasticBall, any: bool) -> Result<([f64; BALL], usize), Unsolved> {
+pub(super) fn root(pair: &ElasticContacts, any: bool) -> Result<([f64; BALL], usize), Unsolved> {
     let mut curve = SlidingCurve { forces: Forces::new(pair), steps: 0 };
     let level = curve.begin()?;
     let (root, sign) = match curve.direct(&level, any) {

@@ -10,7 +10,7 @@ use super::steady::rounding_floor;
 use crate::models::ball::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
 };
-use crate::models::ball::{BALL, ElasticBall, linear};
+use crate::models::ball::{BALL, ElasticContacts, linear};
 
 /// What may be left of (S20) before the Newton steps to the begin of the curve.
 const LEVEL: f64 = 1e-9;
@@ -25,7 +25,7 @@ pub(super) const CURVE: usize = HELD + 1;
 
 /// A point in scaled units, in the terms of the curve.
 pub(super) struct Forces<'a> {
-    pair: &'a ElasticBall,
+    pair: &'a ElasticContacts,
     pub(super) ball: SlidingBall<f64>,
 }
 
@@ -60,7 +60,7 @@ impl Homotopy<HELD, CURVE> for Forces<'_> {
 }
 
 impl<'a> Forces<'a> {
-    pub(super) fn new(pair: &'a ElasticBall) -> Self {
+    pub(super) fn new(pair: &'a ElasticContacts) -> Self {
         Self { pair, ball: pair.into() }
     }
 

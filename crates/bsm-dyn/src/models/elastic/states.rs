@@ -13,7 +13,7 @@ use bsm_simd::Compare;
 
 use crate::contact::Sines;
 use crate::cost;
-use crate::models::ball::ElasticBall;
+use crate::models::ball::ElasticContacts;
 
 /// A ball that slides at both contacts, in units of ball radius, axial load per ball and relative speed;
 /// pairs are of nut and screw.
@@ -71,11 +71,11 @@ pub struct SlidingMotion<D> {
     pub drive: D,
 }
 
-impl From<&ElasticBall> for SlidingBall<f64> {
-    fn from(pair: &ElasticBall) -> Self {
+impl From<&ElasticContacts> for SlidingBall<f64> {
+    fn from(pair: &ElasticContacts) -> Self {
         let ((sin, cos), jones) = (pair.lead, &pair.jones);
         Self {
-            friction: pair.signed_friction(),
+            friction: pair.directed_friction(),
             sin,
             cos,
             cot: cos / sin,

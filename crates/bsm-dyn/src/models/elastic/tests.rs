@@ -12,9 +12,9 @@ use crate::extreme::extreme;
 use crate::{Angles, Status};
 
 /// Random loads, angles and directions that carry the axial load at the nut, in the unknowns (S1).
-fn start(pair: &ElasticBall, rng: &mut impl Rng) -> Option<[f64; BALL]> {
+fn start(pair: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> {
     let (sin, cos) = pair.helix.lead_angle.sin_cos();
-    let friction = pair.signed_friction();
+    let friction = pair.directed_friction();
     let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
     let (mu, spread) = (pair.inertia_ratio(), log(1e-9, 1.0));
     let (circling, slip, scatter) = (log(1e-9, 1e3), log(1e-4, 30.0), log(1e-4, 1.0));
@@ -43,7 +43,7 @@ fn start(pair: &ElasticBall, rng: &mut impl Rng) -> Option<[f64; BALL]> {
 
 /// An admissible root of the seven equations from random starts, if one is found.
 fn search(
-    pair: &ElasticBall,
+    pair: &ElasticContacts,
     starts: usize,
     rng: &mut impl Rng,
     newton: &mut Workspace,
@@ -150,7 +150,7 @@ fn a_slow_ball_moves_to_first_order() {
         let (alpha, beta) = (pair.helix.lead_angle, loaded.angles[0] + y[TILT]);
         let ((sin_a, cos_a), (sin_b, cos_b)) = (alpha.sin_cos(), beta.sin_cos());
         let angles = Angles { lead: alpha, contact: beta };
-        let (signed, load) = (pair.signed_friction(), y[NUT_LOAD]);
+        let (signed, load) = (pair.directed_friction(), y[NUT_LOAD]);
         // tanψ = tanα/cosβ                                                (R12)
         let d = angles.slip_factor();
         let (sin_psi, cos_psi) = (sin_a / cos_a / d, cos_b / d);

@@ -11,8 +11,8 @@ use crate::contact::{
 };
 use crate::ellipse::{Integrate, Nodes, Quadrature};
 use crate::models::ball::{
-    BallLoads, BallState, EhlLoss, EhlPoint, ElasticBall, ElasticPoint, ErrorBound, Model, Reason,
-    Solution, Solved, Steady, SteadyRoot, Transmission, Unsolved, to_both, unit_powers,
+    BallLoads, BallState, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint, ErrorBound, Model,
+    Reason, Solution, Solved, Steady, SteadyRoot, Transmission, Unsolved, to_both, unit_powers,
 };
 use crate::models::raceway_control::RacewayControl;
 use crate::models::traction::{Traction, TrainBall};
@@ -83,7 +83,7 @@ impl RacewayFriction {
     pub(super) fn losses<P: Scalar, D: Integrate<P>>(
         self,
         ehl: &EhlPoint<P>,
-        pair: &ElasticBall<P>,
+        pair: &ElasticContacts<P>,
         (loaded, to_nut): (&BallLoads<D>, &Motion<D>),
         rules: [&Quadrature; 2],
     ) -> ([D; 2], [EhlLoss<D>; 2]) {
@@ -111,7 +111,7 @@ impl<D: Scalar> Lubricated<D> {
     }
 
     /// Powers lost outside the contacts \[W\].
-    pub(super) fn outside(&self, pair: &ElasticBall<D>, steady: &Steady<D>) -> OutsidePower<D> {
+    pub(super) fn outside(&self, pair: &ElasticContacts<D>, steady: &Steady<D>) -> OutsidePower<D> {
         let screw = self.screw();
         let speed = screw.point.drive.relative_speed();
         let motion = pair.absolute(&steady.to_nut, &steady.loaded.frame);
@@ -226,15 +226,15 @@ impl Lubricated {
             LubricatedModel::RacewayControl(case, friction) => {
                 let ModelWorkspace { raceway, lubricated, .. } = work;
                 let pair = screw.scaled()?;
-                let grip = raceway.grip(&pair, case.control)?;
-                let (loaded, to_nut) = (grip.loaded, grip.to_nut);
+                let rolling_ball = raceway.rolling_ball(&pair, case.control)?;
+                let (loaded, to_nut) = (rolling_ball.loaded, rolling_ball.to_nut);
                 let creep = RacewayControl::CREEP;
                 let pair = pair.with_friction(ehl.friction_scale(&pair, &loaded, &to_nut, creep));
                 let rules = lubricated.both(friction.accuracy());
                 let (unit, losses) = friction.losses(&ehl, &pair, (&loaded, &to_nut), rules);
                 let (_, torque) = screw.rolling_torques(lost(&losses));
                 let steady = Steady { loaded, to_nut, losses, torque };
-                let (skid, info, control) = grip.told(&pair);
+                let (skid, info, control) = rolling_ball.told(&pair);
                 SteadyRoot { pair, steady, unit, skid, info, control: Some(control), error: None }
             }
             LubricatedModel::Traction(case) => {

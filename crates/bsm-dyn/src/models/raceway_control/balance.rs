@@ -1,4 +1,4 @@
-//! Static balance of the gripping ball in two unknowns, and its first root.
+//! Static balance of the rolling ball in two unknowns, and its first root.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W2), (W12) to (W15).
 
@@ -10,7 +10,7 @@ use super::statics::{Rates, StaticBalance, StaticState};
 use super::{RacewayControl, rolling};
 use crate::contact::axial_displacement;
 use crate::models::ball::{
-    BallLoads, Control, ElasticBall, Evidence, Reason, Unsolved, Workspace, equations,
+    BallLoads, Control, ElasticContacts, Evidence, Reason, Unsolved, Workspace, equations,
 };
 
 /// Unknowns: the difference of the cotangents of the contact angles, and that at the screw (W12).
@@ -32,13 +32,13 @@ const SAME: f64 = 1e-6;
 
 /// Static balance of the ball in the normal plane.
 pub(super) struct Balance<'a, P: Scalar = f64> {
-    pub(super) pair: &'a ElasticBall<P>,
+    pub(super) pair: &'a ElasticContacts<P>,
     pub(super) control: Control,
     statics: StaticBalance<P>,
 }
 
 impl<'a, P: Scalar> Balance<'a, P> {
-    pub(super) fn new(pair: &'a ElasticBall<P>, control: Control) -> Self {
+    pub(super) fn new(pair: &'a ElasticContacts<P>, control: Control) -> Self {
         let cos = pair.lead.1;
         let statics = StaticBalance {
             by_nut: control == Control::Nut,

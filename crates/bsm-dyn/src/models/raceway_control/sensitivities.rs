@@ -7,10 +7,12 @@ use bsm_kin::{Jet, Motion};
 use super::{Balance, RacewayControl, RacewayWorkspace, RollingBall, STATIC};
 use crate::contact::efficiency;
 use crate::ellipse::{Nodes, Quadrature};
-use crate::models::ball::{BallLoads, ElasticBall, Performance, Unsolved, Workspace, moving_root};
+use crate::models::ball::{
+    BallLoads, ElasticContacts, Performance, Unsolved, Workspace, moving_root,
+};
 
 /// A point, and contacts and motion of its ball.
-type BallInMotion<D> = (ElasticBall<D>, BallLoads<D>, Motion<D>);
+type BallInMotion<D> = (ElasticContacts<D>, BallLoads<D>, Motion<D>);
 
 impl<const M: usize> RacewayControl<Jet<M>> {
     /// Efficiency and torque with their derivatives, for the race that controls.

@@ -343,7 +343,7 @@ impl TractionLaw for Dry {
         let sums = sums::<S, _, 2, SLOPED>(simd, &contacts.points, &[Dry; 2], &nodes, [false; 2]);
         for (rubbed, sums) in rubbed.iter_mut().zip(sums) {
             rubbed.sums = sums;
-            rubbed.coefficient = ball.pair.signed_friction();
+            rubbed.coefficient = ball.pair.directed_friction();
         }
     }
 }
@@ -480,7 +480,7 @@ impl SlipBall<'_> {
             approach: pair.approach,
             semi_axes: pair.semi_axes,
             pressed_radius: pair.pressed_radius,
-            friction: pair.signed_friction(),
+            friction: pair.directed_friction(),
             mass: pair.ball.mass,
             nut_speed: pair.nut_speed,
             offset: self.offset(),

@@ -15,8 +15,8 @@ use super::{
 };
 use crate::contact::ideal_torque;
 use crate::models::ball::{
-    EhlPoint, ElasticBall, LubricatedWorkspace, SolveInfo, Steady, SteadyRoot, Unsolved, Workspace,
-    domain_error, moving_root, to_both, unit_powers,
+    EhlPoint, ElasticContacts, LubricatedWorkspace, SolveInfo, Steady, SteadyRoot, Unsolved,
+    Workspace, domain_error, moving_root, to_both, unit_powers,
 };
 use crate::models::raceway_control::RollingBall;
 use crate::models::workspace::ModelWorkspace;
@@ -43,7 +43,7 @@ impl SlipBall<'_> {
     fn search_near(
         &self,
         near: Option<&SlipRoot>,
-        grip: &RollingBall,
+        rolling_ball: &RollingBall,
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> Result<SlipRoot, Unsolved> {
@@ -69,19 +69,19 @@ impl SlipBall<'_> {
                 return Ok(root);
             }
         }
-        let gripping = self.unknowns(&grip.loaded, &grip.to_nut);
+        let rolling = self.unknowns(&rolling_ball.loaded, &rolling_ball.to_nut);
         let stride = Continuation { first: 1.0, shortest: 0.05 };
         [*self, self.complete(1.0)]
             .iter()
-            .find_map(|ball| ball.lowered(gripping, 0.0, stride, newton, steps))
+            .find_map(|ball| ball.lowered(rolling, 0.0, stride, newton, steps))
             .ok_or(failure)
     }
 }
 
-/// A root, the point with its friction scale, and the gripping ball that the search began with.
+/// A root, the point with its friction scale, and the rolling ball that the search began with.
 struct ScaledRoot {
-    pair: ElasticBall,
-    grip: RollingBall,
+    pair: ElasticContacts,
+    rolling_ball: RollingBall,
     refined: RootWithPower,
     plans: [OnceCell<FrozenRule>; 2],
     steps: usize,
@@ -98,10 +98,10 @@ impl Traction {
         oil: &mut LubricatedWorkspace,
     ) -> Result<ScaledRoot, Unsolved> {
         let pair = self.at.scaled()?;
-        let grip = RollingBall::of(&pair, None, &mut work.statics);
-        let Start { grip, .. } = Start::new(&pair, grip.ok().as_ref())?;
+        let rolling_ball = RollingBall::of(&pair, None, &mut work.statics);
+        let Start { rolling_ball, .. } = Start::new(&pair, rolling_ball.ok().as_ref())?;
         let creep = self.creep * pair.slip_scale();
-        let scale = ehl.friction_scale(&pair, &grip.loaded, &grip.to_nut, creep);
+        let scale = ehl.friction_scale(&pair, &rolling_ball.loaded, &rolling_ball.to_nut, creep);
         let pair = pair.with_friction(scale);
         let TractionWorkspace { newton, rules, .. } = work;
         let [coarse, search] =
@@ -112,14 +112,14 @@ impl Traction {
         let [.., [_, check]] = rules;
         let (coarse, rough) =
             (SlipBall { enough: NEAR, ..coarse }, SlipBall { enough: NEAR, ..rough });
-        let mut steps = grip.steps;
-        let near = coarse.search(&grip, false, newton, &mut steps).ok();
-        let found = rough.search_near(near.as_ref(), &grip, newton, &mut steps);
+        let mut steps = rolling_ball.steps;
+        let near = coarse.search(&rolling_ball, false, newton, &mut steps).ok();
+        let found = rough.search_near(near.as_ref(), &rolling_ball, newton, &mut steps);
         let root = if let Ok(root) = found {
             root
         } else {
-            let near = search.search(&grip, true, newton, &mut steps).ok();
-            smooth.search_near(near.as_ref(), &grip, newton, &mut steps)?
+            let near = search.search(&rolling_ball, true, newton, &mut steps).ok();
+            smooth.search_near(near.as_ref(), &rolling_ball, newton, &mut steps)?
         };
         let plans = Default::default();
         let fine = SlipBall { enough: ENOUGH, ..fine };
@@ -135,7 +135,7 @@ impl Traction {
         let torque = transmitted.torque;
         let efficiency = crate::contact::efficiency(pair.direction.is_back(), ideal, torque);
         let error = checked.error(self.accuracy, other.as_ref(), torque_slope, efficiency, newton);
-        Ok(ScaledRoot { pair, grip, refined, plans, steps, error })
+        Ok(ScaledRoot { pair, rolling_ball, refined, plans, steps, error })
     }
 
     /// The steady ball with a lubricant.
@@ -145,7 +145,7 @@ impl Traction {
         work: &mut TractionWorkspace,
         oil: &mut LubricatedWorkspace,
     ) -> Result<SteadyRoot, Unsolved> {
-        let ScaledRoot { pair, grip, refined, steps, error, .. } =
+        let ScaledRoot { pair, rolling_ball, refined, steps, error, .. } =
             self.lubricated_root(ehl, work, oil)?;
         let RootWithPower { root, transmitted, loaded, .. } = refined;
         let creep = self.creep * pair.slip_scale();
@@ -160,7 +160,7 @@ impl Traction {
         let torque = transmitted.torque * (self.at.point.ball.radius * self.at.point.load.axial);
         let info = SolveInfo { steps, residual: root.residual };
         let steady = Steady { loaded, to_nut, losses, torque };
-        let (skid, error) = (grip.skid(&pair), Some(error));
+        let (skid, error) = (rolling_ball.skid(&pair), Some(error));
         Ok(SteadyRoot { pair, steady, unit, skid, info, control: None, error })
     }
 }
@@ -180,7 +180,7 @@ impl<const M: usize> Traction<Jet<M>> {
         ehl: &EhlPoint<Jet<M>>,
         values: &EhlPoint,
         ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
-    ) -> Result<(ElasticBall<Jet<M>>, Steady<Jet<M>>), Unsolved> {
+    ) -> Result<(ElasticContacts<Jet<M>>, Steady<Jet<M>>), Unsolved> {
         let inputs = self.at.scaled()?;
         let ScaledRoot { pair, refined: RootWithPower { root, .. }, plans, .. } =
             self.values().lubricated_root(values, traction, lubricated)?;

@@ -87,7 +87,7 @@ impl SlipBall<'_> {
         Some(RootWithPower { root, transmitted, torque_slope, loaded })
     }
 
-    /// The root from the gripping ball or from the skidding one; if none of them leads to it, from
+    /// The root from the rolling ball or from the skidding one; if none of them leads to it, from
     /// friction that is nearly proportional to the slip, and, if it is to be searched `all_over`, along
     /// the path of growing inertia, and from scattered starts.
     ///
@@ -95,21 +95,21 @@ impl SlipBall<'_> {
     /// answer is that there is none.
     pub(super) fn search(
         &self,
-        grip: &RollingBall,
+        rolling_ball: &RollingBall,
         all_over: bool,
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> Result<SlipRoot, Unsolved> {
-        let gripping = self.unknowns(&grip.loaded, &grip.to_nut);
+        let rolling = self.unknowns(&rolling_ball.loaded, &rolling_ball.to_nut);
         let mut failure = None;
-        let skids = grip.skid(self.pair).onset_number().is_some_and(|onset| onset > SKIDS);
+        let skids = rolling_ball.skid(self.pair).onset_number().is_some_and(|onset| onset > SKIDS);
         for skids in [skids, !skids] {
             let y = if skids {
                 let Ok(skid) = GrossSlip::start(self.pair) else { continue };
                 *steps += skid.steps();
                 self.unknowns(skid.state().0, skid.state().1)
             } else {
-                gripping
+                rolling
             };
             if let Some(y) = self.predicted(&y, newton) {
                 *steps += 1;
@@ -126,11 +126,11 @@ impl SlipBall<'_> {
             }
         }
         let stride = Continuation { first: 1.0, shortest: 0.05 };
-        if let Some(root) = self.lowered(gripping, 0.0, stride, newton, steps) {
+        if let Some(root) = self.lowered(rolling, 0.0, stride, newton, steps) {
             return Ok(root);
         }
         if !all_over {
-            let reason = failure.expect("the gripping start was tried");
+            let reason = failure.expect("the rolling start was tried");
             return Err(Unsolved::not_converged(reason));
         }
         let mut shown = self.followed(newton, steps);

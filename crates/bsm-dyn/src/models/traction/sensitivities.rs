@@ -18,8 +18,8 @@ impl<const M: usize> Traction<Jet<M>> {
         let at = self.at.values();
         at.point.require_friction()?;
         let pair = at.scaled()?;
-        let grip = RollingBall::of(&pair, None, &mut work.statics);
-        let start = Start::new(&pair, grip.ok().as_ref())?;
+        let rolling_ball = RollingBall::of(&pair, None, &mut work.statics);
+        let start = Start::new(&pair, rolling_ball.ok().as_ref())?;
         let case = Traction { at, accuracy: self.accuracy, creep: self.creep };
         let root = case.found(&start, None, work).map_err(NotFound::why)?.root;
         self.sensitivities_at(&root, work)

@@ -125,9 +125,9 @@ mod tests {
         let (mut rng, quadrature) = (ChaCha8Rng::seed_from_u64(31), Quadrature::of(1e-4));
         for _ in 0..200 {
             let Ok(pair) = practical(&mut rng).scaled() else { continue };
-            let Ok(grip) = RollingBall::guess(&pair) else { continue };
+            let Ok(rolling_ball) = RollingBall::guess(&pair) else { continue };
             let ball = SlipBall::of_pair(&pair, &quadrature, 1e-4);
-            let y = ball.unknowns(&grip.loaded, &grip.to_nut);
+            let y = ball.unknowns(&rolling_ball.loaded, &rolling_ball.to_nut);
             check(&ball, &y, &mut rng);
         }
     }

@@ -147,8 +147,8 @@ fn both_sets_of_unknowns_have_the_same_roots() {
         if solution.status() != Status::Converged || !(1e-6..1e2).contains(&inertia) {
             continue;
         }
-        let grip = RollingBall::of(&pair, None, &mut work.statics);
-        let start = Start::new(&pair, grip.ok().as_ref()).unwrap();
+        let rolling_ball = RollingBall::of(&pair, None, &mut work.statics);
+        let start = Start::new(&pair, rolling_ball.ok().as_ref()).unwrap();
         let case = Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         let SlipResult { root, ball: found, .. } = case.found(&start, None, &mut work).unwrap();
         let creep = Traction::CREEP * pair.slip_scale();

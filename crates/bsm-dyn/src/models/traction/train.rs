@@ -17,7 +17,7 @@ use crate::contact::{POWER_BALANCE_TOL, Wrench};
 use crate::ellipse::Integrate;
 use crate::models::ball::unknown::PRECESSION;
 use crate::models::ball::{
-    BALL, BallLoads, BallState, EhlPoint, ElasticBall, ElasticPoint, ROWS, Workspace,
+    BALL, BallLoads, BallState, EhlPoint, ElasticContacts, ElasticPoint, ROWS, Workspace,
 };
 use crate::models::workspace::ModelWorkspace;
 
@@ -36,7 +36,7 @@ impl Push {
     /// Force and moment on the ball.
     fn wrench<P: Scalar, D: Over<P>>(
         &self,
-        pair: &ElasticBall<P>,
+        pair: &ElasticContacts<P>,
         frame: &BallFrame<D>,
         to_nut: &Motion<D>,
     ) -> Wrench<D> {
@@ -55,7 +55,7 @@ impl Push {
     pub(super) fn add_to<P: Scalar, D: Over<P>>(
         &self,
         left: &mut [D; BALL],
-        pair: &ElasticBall<P>,
+        pair: &ElasticContacts<P>,
         (loaded, to_nut): (&BallLoads<D>, &Motion<D>),
     ) {
         let Wrench { force, moment } = self.wrench(pair, &loaded.frame, to_nut);
@@ -153,7 +153,7 @@ impl SlipBall<'_> {
 /// A ball of a train by [`Traction`], of which the motion without pushes is known.
 #[derive(Debug, Clone)]
 pub struct TrainBall {
-    pair: ElasticBall,
+    pair: ElasticContacts,
     ehl: Option<EhlPoint>,
     accuracy: f64,
     creep: f64,

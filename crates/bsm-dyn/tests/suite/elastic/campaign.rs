@@ -2,7 +2,7 @@
 //! the automatic choice keeps its bounds.
 
 use bsm_dyn::{
-    Auto, Elastic, ElasticPoint, ElasticWorkspace, GRIPS_BELOW, Model, ModelWorkspace, Reason,
+    Auto, Elastic, ElasticPoint, ElasticWorkspace, Model, ModelWorkspace, ROLLING_BELOW, Reason,
     Solution, Status, Traction, TractionWorkspace,
 };
 
@@ -100,7 +100,7 @@ fn a_model_that_does_not_hold_is_never_taken() {
             let Some(solved) = chosen.solved() else { continue };
             let onset = solved.skid.and_then(|skid| skid.onset_number());
             let (place, holds) = match chosen.model {
-                Model::RacewayControl => (0, onset.is_some_and(|onset| onset < GRIPS_BELOW)),
+                Model::RacewayControl => (0, onset.is_some_and(|onset| onset < ROLLING_BELOW)),
                 Model::Elastic => (1, onset.is_some_and(|onset| onset >= 2.0)),
                 model => (2, model == Model::Traction),
             };

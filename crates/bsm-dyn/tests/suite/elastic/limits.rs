@@ -40,7 +40,7 @@ fn elastic_is_the_closed_form_at_the_loaded_angle() {
     }
 }
 
-/// Where the ball grips, and friction is too small to turn the contact angles, traction is
+/// Where the ball rolls, and friction is too small to turn the contact angles, traction is
 /// raceway control. The difference falls with friction: its share of the loss is of order f.
 #[test]
 fn traction_meets_raceway_control() {
@@ -85,10 +85,13 @@ fn the_onset_number_tells_rolling_from_sliding() {
     let (mut rolling, mut sliding) = (RacewayWorkspace::default(), ElasticWorkspace::default());
     let mut points = Vec::new();
     for screw in real_screws(33).take(4000) {
-        let grip = RacewayControl { at: screw, control: None }.solve(&mut rolling);
+        let rolling_ball = RacewayControl { at: screw, control: None }.solve(&mut rolling);
         let skid = Elastic { at: screw }.solve(&mut sliding);
-        let (Some(g), Some(s)) = (grip.efficiency(), skid.efficiency()) else { continue };
-        let numbers = grip.solved().and_then(|grip| grip.skid).expect("raceway control");
+        let (Some(g), Some(s)) = (rolling_ball.efficiency(), skid.efficiency()) else { continue };
+        let numbers = rolling_ball
+            .solved()
+            .and_then(|rolling_ball| rolling_ball.skid)
+            .expect("raceway control");
         // Where spin is nearly all of the loss, raceway control is no measure.
         if numbers.cross_slip.is_some_and(|chi| chi > 0.7) {
             let share = (g - traction(screw, 1e-6, 1e-4).transmission.efficiency) / (g - s);

@@ -6,9 +6,9 @@ use std::f64::consts::PI;
 
 use bsm_newton::Bracket;
 
-use super::ElasticBall;
+use super::ElasticContacts;
 
-impl ElasticBall {
+impl ElasticContacts {
     /// Loads and tilt of the frictionless balance with the centrifugal force of a precession rate
     /// over `$W$`; to two digits, a start.
     ///

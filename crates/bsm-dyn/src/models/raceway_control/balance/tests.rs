@@ -46,7 +46,7 @@ fn screws() -> impl Strategy<Value = ElasticPoint> {
 
 /// Residual of the radial balance at a contact angle of the screw, written in angles; `None`
 /// where no angle of the nut closes the triangle, or where the nut's would be the larger one.
-fn left(pair: &ElasticBall, control: Control, screw: f64) -> Option<f64> {
+fn left(pair: &ElasticContacts, control: Control, screw: f64) -> Option<f64> {
     let jones = &pair.jones;
     let lead = pair.helix.lead_angle;
     let load = |angle: f64| (lead.cos() * angle.sin()).recip();
