@@ -11,7 +11,7 @@ use crate::case::nut::bad;
 use crate::case::rated_nut;
 use crate::case::rated_screw::RatedScrew;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
-use crate::vocabulary::words::{Named, SteelWord};
+use crate::vocabulary::words::{Named, SteelFactor};
 use crate::{CaseError, InputKey, PhaseWords, Scene};
 
 /// Largest bore of a screw over its core.
@@ -200,7 +200,7 @@ pub(crate) fn rating_factors(scene: &Scene) -> RatingFactors {
     let by_grade = grade.map_or(1.0, |word| word.grade.rating_factor());
     let hardness = scene.hardness_HRC.map(Hardness::Rockwell);
     let hardness = hardness.or(scene.hardness_HV10.map(Hardness::Vickers));
-    let steel = scene.nut.steel.map_or(1.0, SteelWord::factor);
+    let steel = scene.nut.steel.map_or(1.0, |Named(SteelFactor(factor))| factor);
     RatingFactors::of(hardness, scene.accuracy_factor.unwrap_or(by_grade), steel)
 }
 
@@ -219,7 +219,7 @@ pub(crate) fn motor_speed(scene: &Scene) -> Option<f64> {
 
 /// How its nut is preloaded.
 pub(crate) fn preload_method(scene: &Scene) -> PreloadMethod {
-    scene.nut.preload_by.map_or(PreloadMethod::DoubleNut, PreloadMethod::from)
+    scene.nut.preload_by.map_or(PreloadMethod::DoubleNut, |Named(method)| method)
 }
 
 /// The preload that a scene asks for, and the play \[m\] of a class without preload.

@@ -1,6 +1,6 @@
 //! What the sheet of an axis says besides its numbers: what was assumed, what is usual, what is uncertain.
 
-use bsm_design::{Axis, Choice, Grade, Phase};
+use bsm_design::{Axis, Grade, Phase};
 use bsm_dyn::ModelWorkspace;
 
 use super::state::{AxisState, LEAST_TURNS};
@@ -11,6 +11,7 @@ use crate::case::axis::make;
 use crate::case::rated_screw::LEFT_OUT;
 use crate::case::warm::Warm;
 use crate::vocabulary::units::{MM, RPM};
+use crate::vocabulary::words::Choice;
 use crate::{CaseError, InputKey, NutReport};
 
 /// Lengths of a nut below which a stroke is short (HIWIN BS-08-2, F 3.10), and the load factor there, the least.

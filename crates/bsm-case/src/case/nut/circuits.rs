@@ -10,7 +10,7 @@ use super::problem::{bad, checked, twice, whole};
 use crate::vocabulary::input_set::loaded_turns;
 use crate::vocabulary::number::count;
 use crate::vocabulary::units::{DEG, MM, UM};
-use crate::vocabulary::words::{Arrangement, CircuitWords, Flank, LeadErrorWords, NutWords};
+use crate::vocabulary::words::{Arrangement, CircuitWords, LeadErrorWords, Named, NutWords};
 use crate::{CaseError, InputKey, Rule, Scene};
 
 /// The entries that circuits are made from where they are not listed.
@@ -45,16 +45,6 @@ pub(super) fn of_circuits(design: Nut, circuits: &[Circuit]) -> Nut {
     let turns = first().map(|circuit| circuit.arc).sum::<f64>() / TAU;
     let balls = first().map(|circuit| circuit.balls).sum::<usize>();
     Nut { balls_per_turn: count(balls) / turns, turns, ..design }
-}
-
-impl From<Flank> for Flanks {
-    fn from(flank: Flank) -> Self {
-        match flank {
-            Flank::Plus => Self::Plus,
-            Flank::Minus => Self::Minus,
-            Flank::Both => Self::Both,
-        }
-    }
 }
 
 /// The flank that a body of a pair presses.
@@ -104,7 +94,7 @@ pub(super) fn listed_circuits(
             thread: words.start,
             body: words.body,
             flanks: match words.flank {
-                Some(flank) => flank.into(),
+                Some(Named(flanks)) => flanks,
                 None if bodies == 1 => Flanks::Both,
                 None => flank_of(words.body, arrangement.unwrap_or(Arrangement::X)),
             },
