@@ -60,7 +60,7 @@ pub use answers::selection::{
 pub use answers::sensitivity::{Sensitivities, Sensitivity};
 pub use answers::slip::slip;
 pub use answers::warm::{WarmBranch, WarmPoint};
-pub use case::catalogue::{Asked, Catalogue, LISTS, STANDARD_CATALOGUE};
+pub use case::catalogue::{Catalogue, LISTS, STANDARD_CATALOGUE};
 pub use case::grid::{Axis, Grid};
 pub use case::maker_sizes::{MAKER_SIZES, column_names};
 pub use case::nut::NutProblem;
@@ -68,6 +68,7 @@ pub use case::problem::{ModelChoice, Settings};
 pub use case::requirement::{REQUIREMENT_INPUTS, REQUIREMENT_WORDS, RequirementFile};
 pub use vocabulary::answer::{Answer, Column, Content, Criterion, Section, Table, schema_of};
 pub use vocabulary::cells::decimal_number;
+pub use vocabulary::dialect::TableFormat;
 pub use vocabulary::error::{CaseError, Known, brief, printable};
 pub use vocabulary::input::{INPUTS, InputKey, Rule, Scene};
 pub use vocabulary::input_set::{InputSet, following};

@@ -2,6 +2,7 @@
 
 pub(crate) mod answer;
 pub(crate) mod cells;
+pub(crate) mod dialect;
 pub(crate) mod error;
 pub(crate) mod input;
 pub(crate) mod input_set;

@@ -52,14 +52,10 @@ impl Source {
             return Catalogue::from_json(&read_json(from)?).map(Self::Sizes).map_err(failure);
         }
         let table = read(from, MOST_OF_A_TABLE)?;
-        let signs = args.dialect.read(&["delimiter", "decimal", "names"])?;
-        let (names, decimal) = (&signs.names, signs.decimal);
-        let delimiter = u8::try_from(signs.delimiter).unwrap_or(b',');
-        match Catalogue::from_csv(&table, names, delimiter, decimal).map_err(failure)? {
+        let format = args.dialect.read(&["delimiter", "decimal", "names"])?;
+        match Catalogue::from_csv(&table, &format).map_err(failure)? {
             Some(sizes) => Ok(Self::Sizes(sizes)),
-            None => MakerNut::from_csv(&table, names, delimiter, decimal)
-                .map(Self::Nuts)
-                .map_err(failure),
+            None => MakerNut::from_csv(&table, &format).map(Self::Nuts).map_err(failure),
         }
     }
 }

@@ -3,13 +3,13 @@
 use bsm_design::Nut;
 use serde_json::json;
 
-use crate::case::maker_sizes::{ColumnNames, maker_column};
+use crate::case::maker_sizes::maker_column;
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::number::short;
 use crate::vocabulary::units::MM;
 use crate::{
-    Answer, CaseError, Column, Content, InputKey, Output, RequirementFile, Scene, Table, ratings,
-    sheet_columns,
+    Answer, CaseError, Column, Content, InputKey, Output, RequirementFile, Scene, Table,
+    TableFormat, ratings, sheet_columns,
 };
 
 /// Columns besides the inputs of a scene.
@@ -39,19 +39,12 @@ pub struct MakerNut {
 impl MakerNut {
     /// Reads a table.
     ///
-    /// * `names`: the maker's names of columns, see [`column_names`](crate::column_names). * `separator`: between cells. * `decimal`: the decimal sign.
-    ///
     /// # Errors
     ///
     /// [`CaseError`] with the row or the column.
-    pub fn from_csv(
-        table: &[u8],
-        names: &ColumnNames,
-        separator: u8,
-        decimal: char,
-    ) -> Result<Vec<Self>, CaseError> {
-        let cells = Cells::read(table, separator, decimal)?;
-        let columns = cells.columns(|name| maker_column(name, names, &WORDS))?;
+    pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
+        let cells = Cells::read(table, format)?;
+        let columns = cells.columns(|name| maker_column(name, format, &WORDS))?;
         cells.each(&columns, |place, row| {
             let mut given = TableRow { name: format!("row {place}"), ..TableRow::default() };
             for (column, text) in row {

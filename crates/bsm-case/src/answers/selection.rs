@@ -1,6 +1,7 @@
 //! Nuts of lists: what is asked of them, and those that meet it.
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 use bsm_design::Candidate;
 use serde_json::{Map, Value, json};
@@ -12,7 +13,7 @@ use crate::vocabulary::number::number;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, GPA, MM, UM};
 use crate::{
-    Answer, Asked, CaseError, Catalogue, Column, Content, DesignReport, INPUTS, Known, Output,
+    Answer, CaseError, Catalogue, Column, Content, DesignReport, INPUTS, Known, Output,
     RequirementFile, Table, nearest, sheet_columns,
 };
 
@@ -112,34 +113,53 @@ impl ListColumn {
     }
 }
 
-/// A condition on a column.
+/// A condition on a column: the range of its values.
 #[derive(Debug, Clone)]
 pub struct Condition {
     text: String,
     column: ListColumn,
-    asked: Asked,
+    range: RangeInclusive<f64>,
 }
 
 impl Condition {
-    /// Parses a condition, see [`Asked::parse`].
+    /// Parses `name>=value`, `name<=value` or `name=value`.
     ///
     /// # Errors
     ///
     /// [`CaseError`] for another form, an unknown column or no number.
     pub fn parse(text: &str, has_sheets: bool) -> Result<Self, CaseError> {
-        let asked = Asked::parse(text)?;
-        Ok(Self {
-            text: text.to_owned(),
-            column: ListColumn::named(&asked.name, has_sheets)?,
-            asked,
-        })
+        let form = "name>=value, name<=value or name=value";
+        let bad = || CaseError::BadSetting { text: text.to_owned(), form };
+        let at = text.find(['<', '>', '=']).ok_or_else(bad)?;
+        let sign =
+            if text[at..].starts_with('=') { "=" } else { text.get(at..at + 2).ok_or_else(bad)? };
+        let value: f64 = text[at + sign.len()..].trim().parse().map_err(|_| bad())?;
+        // Tables are in decimals, which sizes in metres do not meet to the last bit.
+        let near = 1e-9 * value.abs();
+        let range = match sign {
+            ">=" => value - near..=f64::INFINITY,
+            "<=" => f64::NEG_INFINITY..=value + near,
+            "=" => value - near..=value + near,
+            _ => return Err(bad()),
+        };
+        if value.is_nan() {
+            return Err(bad());
+        }
+        let column = ListColumn::named(text[..at].trim(), has_sheets)?;
+        Ok(Self { text: text.to_owned(), column, range })
     }
 
     /// True if a nut meets it.
     ///
     /// * `sheet`: its numbers in the axis of a requirement.
     pub fn is_met(&self, nut: &Candidate, sheet: &[f64]) -> bool {
-        self.asked.is_met(self.column.read(nut, sheet))
+        self.range.contains(&self.column.read(nut, sheet))
+    }
+
+    /// The value that comes nearest to it, if there are any.
+    fn nearest_of(&self, values: &[f64]) -> Option<f64> {
+        let miss = |value: f64| (self.range.start() - value).max(value - self.range.end());
+        values.iter().copied().min_by(|a, b| miss(*a).total_cmp(&miss(*b)))
     }
 }
 
@@ -247,8 +267,7 @@ impl NutFilter {
                         .iter()
                         .map(|(_, nut, sheet)| condition.column.read(nut, sheet))
                         .collect();
-                    let value =
-                        condition.asked.nearest_of(&values).map_or_else(String::new, number);
+                    let value = condition.nearest_of(&values).map_or_else(String::new, number);
                     format!("{}: the nearest of {} nuts has {value}", condition.text, values.len())
                 };
                 list.why = self.of_sheet.iter().map(near).collect();
@@ -278,7 +297,7 @@ impl NutFilter {
             let read = |nut: &Candidate| condition.column.read(nut, &[]);
             let rest = catalogue.map(all, |_, nut| others(nut).then(|| read(nut)));
             let text = &condition.text;
-            match condition.asked.nearest_of(&rest) {
+            match condition.nearest_of(&rest) {
                 Some(value) => {
                     let (nuts, value) = (rest.len(), number(value));
                     format!("without {text}: {nuts} nuts, of which the nearest has {value}")

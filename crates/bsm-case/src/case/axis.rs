@@ -272,9 +272,9 @@ pub(crate) fn motions(scene: &Scene) -> Result<Vec<Motion>, CaseError> {
     let load_factor = scene.value_or_default(InputKey::load_factor).unwrap_or(f64::NAN);
     let motion = |words: &PhaseWords| Motion {
         time: words.time(),
-        force: words.force_N,
+        force: words.force_N.unwrap_or(0.0),
         pace: words.pace(),
-        acceleration: words.acceleration_m_s2,
+        acceleration: words.acceleration_m_s2.unwrap_or(0.0),
         load_factor: words.load_factor.unwrap_or(load_factor),
     };
     if let Some(cycle) = &scene.nut.cycle {

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::answer::{or_null, schema_of};
-use super::phase::PhaseWords;
+use super::phase::{PHASE_INPUTS, PhaseWords};
 use crate::{CaseError, nearest};
 
 macro_rules! words {
@@ -335,10 +335,11 @@ entry! {
     LeadErrorWords = object(
         "amplitude_um? number?, order? number?, phase_deg? number?, slope_um_per_mm? number?, z0_mm? number?",
     );
-    PhaseWords = object(
-        "time_s? number, share? number, force_N? number, feed_m_min? number, screw_speed_rpm? number, \
-         acceleration_m_s2? number, load_factor? number",
-    );
+    PhaseWords = {
+        let each = PHASE_INPUTS.iter().map(|input| (input.name.to_owned(), f64::schema()));
+        let properties: Map<_, _> = each.collect();
+        json!({ "type": "object", "properties": properties, "required": [], "additionalProperties": false })
+    };
 }
 
 impl<T: Choice> Entry for Named<T> {
