@@ -169,9 +169,9 @@ pub fn candidate_json(candidate: &Candidate) -> Map<String, Value> {
 }
 
 /// A nut as the scene of every other command: with a requirement at its operating point.
-pub fn candidate_scene(candidate: &Candidate, wish: Option<&RequirementFile>) -> Value {
-    if let Some(wish) = wish {
-        return wish.scene_of(&candidate.nut).to_json();
+pub fn candidate_scene(candidate: &Candidate, requirement: Option<&RequirementFile>) -> Value {
+    if let Some(requirement) = requirement {
+        return requirement.scene_of(&candidate.nut).to_json();
     }
     let mut nut = candidate_json(candidate);
     nut.retain(|name, _| INPUTS.iter().any(|input| input.name == name));
@@ -223,17 +223,19 @@ impl NutFilter {
     }
 
     /// The nuts of a catalogue that meet this and a requirement.
-    pub fn choose(&self, catalogue: Catalogue, wish: Option<&RequirementFile>) -> NutList {
-        let catalogue = match wish {
-            Some(wish) => wish.of_its_steel(catalogue),
+    pub fn choose(&self, catalogue: Catalogue, requirement: Option<&RequirementFile>) -> NutList {
+        let catalogue = match requirement {
+            Some(requirement) => requirement.of_its_steel(catalogue),
             None => catalogue,
         };
         let all = catalogue.places();
-        let keeps = |nut: &Candidate| wish.is_none_or(|wish| wish.is_kept_by(&nut.nut));
+        let keeps = |nut: &Candidate| {
+            requirement.is_none_or(|requirement| requirement.is_kept_by(&nut.nut))
+        };
         let meets = |nut: &Candidate| self.of_nut.iter().all(|c| c.is_met(nut, &[])) && keeps(nut);
         let within = catalogue.map(&all, |place, nut| meets(nut).then_some(place));
         let mut list = NutList {
-            has_sheets: wish.is_some(),
+            has_sheets: requirement.is_some(),
             all: all.len(),
             chosen: within.clone(),
             within,
@@ -242,15 +244,16 @@ impl NutFilter {
             catalogue,
         };
         if list.within.is_empty() {
-            list.why = match wish {
+            list.why = match requirement {
                 _ if all.is_empty() => vec![NO_COMBINATION.to_owned()],
-                Some(wish) if self.of_nut.is_empty() => blocks(wish, &list.catalogue),
+                Some(requirement) if self.of_nut.is_empty() => blocks(requirement, &list.catalogue),
                 _ => self.nearest(&list.catalogue, &all),
             };
             return list;
         }
-        if let Some(wish) = wish {
-            let sheet = |place, nut: &Candidate| Some((place, *nut, wish.sheet_of(&nut.nut)?));
+        if let Some(requirement) = requirement {
+            let sheet =
+                |place, nut: &Candidate| Some((place, *nut, requirement.sheet_of(&nut.nut)?));
             let sheets = list.catalogue.map(&list.within, sheet);
             let asked =
                 |nut: &Candidate, sheet: &[f64]| self.of_sheet.iter().all(|c| c.is_met(nut, sheet));
@@ -260,7 +263,7 @@ impl NutFilter {
                 .map(|(place, ..)| *place)
                 .collect();
             if list.within.is_empty() && sheets.is_empty() {
-                list.why = blocks(wish, &list.catalogue);
+                list.why = blocks(requirement, &list.catalogue);
             } else if list.within.is_empty() {
                 let near = |condition: &Condition| {
                     let values: Vec<_> = sheets
@@ -312,8 +315,8 @@ impl NutFilter {
 }
 
 /// The limits of a requirement that no nut of the lists keeps.
-fn blocks(wish: &RequirementFile, catalogue: &Catalogue) -> Vec<String> {
-    match DesignReport::standard(wish, catalogue) {
+fn blocks(requirement: &RequirementFile, catalogue: &Catalogue) -> Vec<String> {
+    match DesignReport::standard(requirement, catalogue) {
         Some(report) => report.reasons,
         None => vec![NO_SIZE.to_owned()],
     }

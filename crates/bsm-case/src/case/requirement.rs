@@ -135,7 +135,7 @@ pub struct RequirementFile {
     pub(crate) scene: Scene,
     /// How friction is calculated.
     pub(crate) settings: Settings,
-    pub(crate) requirement: Requirement,
+    pub(crate) problem: Requirement,
     /// What was assumed.
     pub(crate) notes: Vec<String>,
 }
@@ -170,7 +170,7 @@ impl RequirementFile {
             let value = serde_json::from_str(text).unwrap_or_else(|_| Value::from(text));
             given.assign(key, &value)?;
         }
-        given.wish(standard)
+        given.requirement(standard)
     }
 }
 
@@ -306,7 +306,7 @@ impl RequirementKeys {
     }
 
     #[expect(clippy::too_many_lines, reason = "a key after the other")]
-    fn wish(self, standard: Lists) -> Result<RequirementFile, CaseError> {
+    fn requirement(self, standard: Lists) -> Result<RequirementFile, CaseError> {
         let mut scene = self.scene.clone();
         scene.check()?;
         let reach = self.one_of([
@@ -373,7 +373,7 @@ impl RequirementKeys {
         };
         let limit = |key| self.number(key).unwrap_or(f64::NAN);
         let least = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
-        let requirement = Requirement {
+        let problem = Requirement {
             demand,
             carriage: carriage(&scene),
             preload,
@@ -417,6 +417,6 @@ impl RequirementKeys {
             stock: standard.balls,
         };
         let settings = Settings::named(self.word("model"), None, None)?;
-        Ok(RequirementFile { scene, settings, requirement, notes })
+        Ok(RequirementFile { scene, settings, problem, notes })
     }
 }
