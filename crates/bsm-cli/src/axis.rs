@@ -1,6 +1,6 @@
 //! `bsm axis`: the axis around a screw.
 
-use bsm_case::{AxisReport, Content, GrooveSection, PhaseWords};
+use bsm_case::{AxisReport, Content, GrooveSection, PhaseEntry};
 use bsm_report::sheets::{size_figures, size_page};
 use bsm_report::{PROGRAM, groove_dxf};
 
@@ -16,7 +16,7 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     if let Some(table) = &args.cycle {
         let format = args.dialect.read(&["delimiter", "decimal"])?;
         let bytes = read(table, MOST_OF_A_TABLE)?;
-        let cycle = PhaseWords::from_csv(&bytes, &format);
+        let cycle = PhaseEntry::from_csv(&bytes, &format);
         scene.nut.cycle = Some(cycle.map_err(|e| Failure::scene(table, &e))?);
     }
     let settings = args.model.settings().map_err(in_file)?;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use bsm_case::{
     CaseError, Catalogue, Content, DesignReport, DesignRow, MAKER_SIZES, MakerNut, MakerRow,
-    REQUIREMENT_INPUTS, REQUIREMENT_WORDS, RequirementFile, STANDARD_CATALOGUE,
+    REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile, STANDARD_CATALOGUE,
 };
 
 use crate::answer::{Pictures, Reply, named};
@@ -127,7 +127,7 @@ fn steps(args: &SelectArgs, sizes: &Catalogue) -> Result<(), Failure> {
 
 /// Keys of a requirement.
 fn keys() -> String {
-    let words = REQUIREMENT_WORDS.iter().map(|(name, words, about)| {
+    let words = REQUIREMENT_CHOICES.iter().map(|(name, words, about)| {
         vec![(*name).to_owned(), String::new(), format!("{about}: {}", words.join(", "))]
     });
     let numbers = REQUIREMENT_INPUTS.iter().map(|input| {

@@ -17,8 +17,8 @@ use crate::vocabulary::number::trimmed;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM};
 use crate::{
-    Answer, AxisReport, CaseError, Catalogue, Column, Content, Criterion, INPUTS, InputKey,
-    NutWords, Output, REQUIREMENT_INPUTS, RequirementFile, Scene, Table, sheet_columns,
+    Answer, AxisReport, CaseError, Catalogue, Column, Content, Criterion, INPUTS, InputKey, Output,
+    REQUIREMENT_INPUTS, RequirementFile, Scene, SceneEntries, Table, sheet_columns,
 };
 
 /// A number of the procedure: step, label, value and requirement as text, and whether it
@@ -322,7 +322,7 @@ fn scene(requirement: &RequirementFile, design: &Design) -> Scene {
         loaded_balls: Some((nut.balls_per_turn * nut.turns).max(1.0)),
         axial_load_N: if by_torque { Some(phase.load) } else { requirement.scene.axial_load_N },
         preload_N: design.preload(),
-        nut: NutWords { preload_class: None, ..requirement.scene.nut.clone() },
+        nut: SceneEntries { preload_class: None, ..requirement.scene.nut.clone() },
         ..requirement.scene.clone()
     }
 }

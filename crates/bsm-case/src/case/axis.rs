@@ -10,9 +10,9 @@ use bsm_design::{
 use crate::case::nut::bad;
 use crate::case::rated_nut;
 use crate::case::rated_screw::RatedScrew;
+use crate::vocabulary::entries::{Named, SteelFactor};
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
-use crate::vocabulary::words::{Named, SteelFactor};
-use crate::{CaseError, InputKey, PhaseWords, Scene};
+use crate::{CaseError, InputKey, PhaseEntry, Scene};
 
 /// Largest bore of a screw over its core.
 const LARGEST_BORE: f64 = 0.8;
@@ -270,7 +270,7 @@ pub(crate) fn reliability(scene: &Scene) -> f64 {
 /// The stretches of the cycle, or the one of the operating point.
 pub(crate) fn motions(scene: &Scene) -> Result<Vec<Motion>, CaseError> {
     let load_factor = scene.value_or_default(InputKey::load_factor).unwrap_or(f64::NAN);
-    let motion = |words: &PhaseWords| Motion {
+    let motion = |words: &PhaseEntry| Motion {
         time: words.time(),
         force: words.force_N.unwrap_or(0.0),
         pace: words.pace(),

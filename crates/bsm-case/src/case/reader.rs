@@ -8,9 +8,9 @@ use bsm_dyn::{
 };
 use bsm_kin::{Drive, Helix, Scalar};
 
+use crate::vocabulary::entries::Named;
 use crate::vocabulary::input_set::lead_angle;
 use crate::vocabulary::units::{DEG, GPA, MM, MM2, UM, drive_of_rpm};
-use crate::vocabulary::words::Named;
 use crate::{InputKey, InputSet, ModelChoice, Scene, Settings};
 
 /// The inputs by their keys, given or default, in any scalar: numbers to solve with, jets to take

@@ -22,7 +22,7 @@ macro_rules! phase {
         #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
         #[serde(try_from = "Map<String, Value>")]
         #[expect(non_snake_case, reason = "names carry their unit as it is written")]
-        pub struct PhaseWords {
+        pub struct PhaseEntry {
             $(
                 #[doc = $about]
                 #[serde(skip_serializing_if = "Option::is_none")]
@@ -30,13 +30,13 @@ macro_rules! phase {
             )*
         }
 
-        impl Default for PhaseWords {
+        impl Default for PhaseEntry {
             fn default() -> Self {
                 Self { $($name: $default),* }
             }
         }
 
-        impl PhaseWords {
+        impl PhaseEntry {
             fn set(&mut self, key: &str, value: f64) {
                 match key {
                     $(stringify!($name) => self.$name = Some(value),)*
@@ -57,7 +57,7 @@ phase! {
     load_factor ["" "f_w"] Within(1.0, 5.0), None, "factor of the load in life and equivalent load; that of the scene unless given";
 }
 
-impl TryFrom<Map<String, Value>> for PhaseWords {
+impl TryFrom<Map<String, Value>> for PhaseEntry {
     type Error = String;
 
     fn try_from(map: Map<String, Value>) -> Result<Self, String> {
@@ -70,7 +70,7 @@ impl TryFrom<Map<String, Value>> for PhaseWords {
     }
 }
 
-impl PhaseWords {
+impl PhaseEntry {
     /// From names in any unit, and values.
     fn of<'a>(entries: impl Iterator<Item = (&'a str, f64)>) -> Result<Self, String> {
         let mut phase = Self::default();

@@ -10,8 +10,8 @@ use crate::answers::nut::preload_note;
 use crate::case::axis::make;
 use crate::case::rated_screw::LEFT_OUT;
 use crate::case::warm::Warm;
+use crate::vocabulary::entries::Choice;
 use crate::vocabulary::units::{MM, RPM};
-use crate::vocabulary::words::Choice;
 use crate::{CaseError, InputKey, NutReport};
 
 /// Lengths of a nut below which a stroke is short (HIWIN BS-08-2, F 3.10), and the load factor there, the least.

@@ -5,9 +5,9 @@ use bsm_design::PreloadMethod;
 use super::state::AxisState;
 use crate::InputKey;
 use crate::case::axis::preload_method;
+use crate::vocabulary::entries::Choice;
 use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::MM;
-use crate::vocabulary::words::Choice;
 
 /// What to order: the quantity, and its text in a line.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -12,8 +12,8 @@ use super::lubrication::Lubrication;
 use super::torques::{Preload, Torques};
 use crate::case::axis::{FixedEnds, Machine, useful_travel};
 use crate::case::warm::{Warm, WarmState};
+use crate::vocabulary::entries::Named;
 use crate::vocabulary::units::{MM, RPM, UM};
-use crate::vocabulary::words::Named;
 use crate::{CaseError, InputKey, NutReport, Scene, Settings};
 
 /// Turns of a stroke below which its life is no fatigue.

@@ -4,8 +4,8 @@ use bsm_design::NutBody;
 use bsm_nut::{BallNut, Bar, Ring};
 
 use super::problem::{bad, twice};
+use crate::vocabulary::entries::{End, Named};
 use crate::vocabulary::units::MM;
-use crate::vocabulary::words::{End, Named};
 use crate::{CaseError, InputKey, Scene};
 
 /// The nut with bars and ring.

@@ -6,8 +6,8 @@ use bsm_design::PreloadMethod;
 use bsm_nut::{BallNut, Flanks, Freedom, Preload, Support};
 
 use super::problem::{bad, twice};
+use crate::vocabulary::entries::{Arrangement, Guidance, Named};
 use crate::vocabulary::units::UM;
-use crate::vocabulary::words::{Arrangement, Guidance, Named};
 use crate::{CaseError, InputKey, Scene};
 
 /// Freedoms across the axis: load, displacement and spring, and what their units are in SI.

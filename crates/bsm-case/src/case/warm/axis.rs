@@ -11,8 +11,8 @@ use bsm_nut::{BallNut, Equilibrium, FrictionSum, Support};
 
 use crate::case::axis::Machine;
 use crate::case::nut::{NutPreload, bad};
+use crate::vocabulary::entries::Named;
 use crate::vocabulary::units::{MM, RPM, UM};
-use crate::vocabulary::words::Named;
 use crate::{CaseError, InputKey, NutProblem, Scene, Settings};
 
 /// Speed at which makers measure the drag of a preload \[rad/s\].

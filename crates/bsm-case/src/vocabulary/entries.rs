@@ -10,15 +10,15 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::answer::{or_null, schema_of};
-use super::phase::{PHASE_INPUTS, PhaseWords};
+use super::phase::{PHASE_INPUTS, PhaseEntry};
 use crate::{CaseError, nearest};
 
-macro_rules! words {
+macro_rules! entries {
     ($($name:ident: $kind:ty, $about:literal;)*) => {
         /// Entries of a scene besides numbers.
         #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
         #[serde(deny_unknown_fields)]
-        pub struct NutWords {
+        pub struct SceneEntries {
             $(
                 #[doc = $about]
                 #[serde(skip_serializing_if = "Option::is_none")]
@@ -26,7 +26,7 @@ macro_rules! words {
             )*
         }
 
-        impl NutWords {
+        impl SceneEntries {
             /// Their keys, in the order of the documentation.
             pub const KEYS: &[&str] = &[$(stringify!($name)),*];
 
@@ -51,7 +51,7 @@ macro_rules! words {
     };
 }
 
-words! {
+entries! {
     project: String, "head of the sheet of bsm axis: project";
     drawing: String, "head of the sheet: number of the drawing";
     revision: String, "head of the sheet: revision";
@@ -59,7 +59,7 @@ words! {
     date: String, "head of the sheet: date, as it is given";
     customer: String, "head of the sheet: customer";
     remark: String, "head of the sheet: remark";
-    circuits: Vec<CircuitWords>,
+    circuits: Vec<CircuitEntry>,
         "loaded balls of a nut, circuit by circuit; in place of circuits_count, loaded_turns and loaded_balls_per_turn";
     ring_expansion: bool,
         "true: the nut widens around its balls, a tube from the grooves to nut_outer_diameter_mm";
@@ -73,13 +73,13 @@ words! {
         "true: the torque of the balls leaves the screw at its anchor too, and twists it";
     preload_by: Named<PreloadMethod>,
         "how a nut is preloaded: pair, two nuts against each other; offset, a shifted lead within one nut, which acts as a pair; oversize, balls too large for both flanks. Unless given, a pair if the nut has two bodies or short words";
-    preload_class: ClassWord,
+    preload_class: ClassName,
         "class of preload, for bsm axis and bsm select, in place of preload_N: auto, the least that the largest load does not open; Z, G0 to G3, GT, P0 to P4, Z0 to Z3 of makers";
     preload_arrangement: Named<Arrangement>,
         "arrangement of a preloaded pair: O, the nuts are pushed apart; X, they are pulled together. O unless preload_offset_um or the flanks of circuits say otherwise";
     ball_deviation_um: Vec<f64>,
         "deviation of the diameter of each ball from the nominal one in um, in the order of the circuits";
-    lead_error: Vec<LeadErrorWords>,
+    lead_error: Vec<LeadErrorEntry>,
         "axial errors of the nut's groove against the screw's, which add up: waves (amplitude_um, order per turn, phase_deg) and slopes (slope_um_per_mm, z0_mm)";
     base_oil: Named<BaseOil>,
         "base oil of the lubricant, for what is not given of it; mineral unless given";
@@ -91,7 +91,7 @@ words! {
         "how the section of the screw between fixed bearing and nut is held against buckling; fixed-fixed by a guided table, unless support is supported-supported";
     screw_make: Named<Make>,
         "how the screw and its ball return are made, for the largest speed number; ground unless given";
-    accuracy_grade: GradeWord,
+    accuracy_grade: GradeName,
         "accuracy grade of the screw, for bsm axis: P0 to P10 and T5 to T10 of ISO 3408-3, C0 to C10 of JIS B 1192 (THK, NSK, MISUMI); a number alone is a P grade";
     steel: Named<SteelFactor>,
         "how the steel of the raceways is melted, for the dynamic load rating; air-melted unless given";
@@ -101,7 +101,7 @@ words! {
         "true: rated_dynamic_load_N and rated_static_load_N stand although the groove has other ratings by more than a factor of 2";
     rated_rigidity_at: Named<RigidityAt>,
         "where rated_rigidity_N_um is meant: at an axial load of 0.3 C_a (THK) or 0.28 C_a (HIWIN), or of a nut preloaded by 0.1 C_a";
-    cycle: Vec<PhaseWords>,
+    cycle: Vec<PhaseEntry>,
         "phases of the cycle of the axis, for bsm axis: time_s or share, force_N, feed_m_min or screw_speed_rpm, acceleration_m_s2; in place of axial_load_N and screw_speed_rpm";
     warm_state: bool,
         "true: find the temperatures that friction brings the axis to, and the preload that they leave";
@@ -111,7 +111,7 @@ words! {
         "false: no drag of the preload beyond the contacts; manufacturers' rule unless given";
 }
 
-impl NutWords {
+impl SceneEntries {
     /// True for one of the keys.
     pub(crate) fn have(key: &str) -> bool {
         Self::KEYS.contains(&key)
@@ -144,7 +144,7 @@ impl NutWords {
 /// A circuit of a nut.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct CircuitWords {
+pub struct CircuitEntry {
     /// Helix angle at which the loaded arc begins.
     pub start_deg: f64,
     /// Length of the loaded arc.
@@ -198,16 +198,16 @@ pub enum Arrangement {
 /// A class of preload by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
-pub struct ClassWord(&'static (&'static str, PreloadClass));
+pub struct ClassName(&'static (&'static str, PreloadClass));
 
-impl ClassWord {
+impl ClassName {
     /// What it means.
     pub(crate) fn class(self) -> PreloadClass {
         self.0.1
     }
 }
 
-impl TryFrom<String> for ClassWord {
+impl TryFrom<String> for ClassName {
     type Error = String;
 
     fn try_from(text: String) -> Result<Self, String> {
@@ -219,8 +219,8 @@ impl TryFrom<String> for ClassWord {
     }
 }
 
-impl From<ClassWord> for String {
-    fn from(word: ClassWord) -> Self {
+impl From<ClassName> for String {
+    fn from(word: ClassName) -> Self {
         word.0.0.to_owned()
     }
 }
@@ -299,7 +299,7 @@ trait Entry {
     fn schema() -> Value;
 }
 
-macro_rules! entry {
+macro_rules! schemas {
     ($($kind:ty = $schema:expr;)*) => {
         $(impl Entry for $kind {
             fn schema() -> Value {
@@ -314,28 +314,28 @@ fn object(members: &'static str) -> Value {
     schema_of("", &|_| members, &|_| Vec::new())
 }
 
-entry! {
+schemas! {
     String = json!({ "type": "string" });
     bool = json!({ "type": "boolean" });
     f64 = json!({ "type": "number" });
-    ClassWord = json!({
+    ClassName = json!({
         "type": "string",
         "enum": PRELOAD_CLASSES.iter().map(|(name, _)| *name).collect::<Vec<_>>(),
     });
     // The names of accuracy grades, and numbers of some.
-    GradeWord = {
+    GradeName = {
         let names = Grade::all().map(|grade| json!(grade.name));
         let all: Vec<_> = names.chain(NUMBERS.map(|number| json!(number))).collect();
         json!({ "type": ["string", "integer"], "enum": all })
     };
-    CircuitWords = object(
+    CircuitEntry = object(
         "start_deg number, arc_deg positive, balls count, start? count, body? count, flank? +|-|both?, offset_um? number, \
          ball_gap_mm? positive?",
     );
-    LeadErrorWords = object(
+    LeadErrorEntry = object(
         "amplitude_um? number?, order? number?, phase_deg? number?, slope_um_per_mm? number?, z0_mm? number?",
     );
-    PhaseWords = {
+    PhaseEntry = {
         let each = PHASE_INPUTS.iter().map(|input| (input.name.to_owned(), f64::schema()));
         let properties: Map<_, _> = each.collect();
         json!({ "type": "object", "properties": properties, "required": [], "additionalProperties": false })
@@ -366,14 +366,14 @@ const NUMBERS: [u8; 6] = [0, 1, 3, 5, 7, 10];
 /// An accuracy grade: its name, or the number alone of a P grade.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Value", into = "Value")]
-pub struct GradeWord {
+pub struct GradeName {
     /// The grade.
     pub grade: &'static Grade,
     /// The number, if it stood alone.
     number: Option<u8>,
 }
 
-impl TryFrom<Value> for GradeWord {
+impl TryFrom<Value> for GradeName {
     type Error = String;
 
     fn try_from(value: Value) -> Result<Self, String> {
@@ -392,13 +392,13 @@ impl TryFrom<Value> for GradeWord {
     }
 }
 
-impl From<GradeWord> for Value {
-    fn from(word: GradeWord) -> Self {
+impl From<GradeName> for Value {
+    fn from(word: GradeName) -> Self {
         word.number.map_or_else(|| json!(word.grade.name), |number| json!(number))
     }
 }
 
-impl GradeWord {
+impl GradeName {
     /// Which grade it is, and what it is not.
     pub(crate) fn describe(self) -> String {
         let Grade { name, standard, variation, .. } = self.grade;
@@ -417,7 +417,7 @@ impl GradeWord {
 /// An axial error of the nut's groove against the screw's: a wave or a slope.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct LeadErrorWords {
+pub struct LeadErrorEntry {
     /// Amplitude of a wave.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitude_um: Option<f64>,
@@ -494,13 +494,13 @@ mod tests {
             "coolant": "oil",
             "drag_rule": false,
         });
-        let mut words = NutWords::default();
+        let mut words = SceneEntries::default();
         for (key, value) in all.as_object().expect("an object") {
             words.set(key.clone(), value.clone()).expect(key);
         }
         assert_eq!(Value::Object(words.to_map()), all);
-        assert_eq!(words.to_map().keys().collect::<Vec<_>>(), NutWords::KEYS);
-        let schema = NutWords::schema();
+        assert_eq!(words.to_map().keys().collect::<Vec<_>>(), SceneEntries::KEYS);
+        let schema = SceneEntries::schema();
         same_keys(&all, &json!({ "properties": schema }));
     }
 }
