@@ -18,7 +18,7 @@ mod table;
 
 use bsm_batch::Draws;
 use bsm_case::{
-    INPUTS, ModelChoice, NutWords, Output, Quantity, REQUIREMENT_INPUTS, REQUIREMENT_WORDS,
+    INPUTS, ModelChoice, Output, Quantity, REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, SceneEntries,
     input_schema,
 };
 use bsm_dyn::{Control, RacewayFriction};
@@ -70,7 +70,7 @@ fn frictions() -> [&'static str; 2] {
 /// Name, unit, meaning, default and rule of the keys of a requirement besides inputs of a scene.
 #[pyfunction]
 fn requirements() -> Vec<(&'static str, &'static str, String, Option<f64>, String)> {
-    let words = REQUIREMENT_WORDS.iter().map(|(name, words, about)| {
+    let words = REQUIREMENT_CHOICES.iter().map(|(name, words, about)| {
         (*name, "", (*about).to_owned(), None, format!("one of {}", words.join(", ")))
     });
     let number = |i: &Quantity| (i.name, i.unit, i.about.to_owned(), i.default, i.rule.describe());
@@ -91,7 +91,7 @@ fn scene_words() -> Vec<(&'static str, String, String, Vec<String>)> {
         let about = property["description"].as_str().unwrap_or_default().to_owned();
         (*name, about, kind.unwrap_or_else(|| "string".to_owned()), texts(&property["enum"]))
     };
-    NutWords::KEYS.iter().map(row).collect()
+    SceneEntries::KEYS.iter().map(row).collect()
 }
 
 /// Values of random points for each drawn input, those of `bsm sweep --draw`.

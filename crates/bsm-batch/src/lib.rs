@@ -42,7 +42,6 @@ pub mod arrow_column;
 mod column_chunk;
 mod columns;
 pub mod dataset;
-mod dialect;
 mod draws;
 mod error;
 mod lines;
@@ -57,8 +56,8 @@ mod table;
 mod task;
 mod text;
 
+pub use bsm_case::TableFormat;
 pub use columns::{Columns, Heading};
-pub use dialect::TableFormat;
 pub use draws::{Draw, DrawSource, Draws};
 pub use error::TableError;
 pub use parquet_table::{ParquetSource, caught, hush_caught_panics};

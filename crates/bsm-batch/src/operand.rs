@@ -71,8 +71,9 @@ impl<'a> ColumnPlan<'a> {
             let completed = given.completed().contains(key);
             let of_base = base.value_or_default(key);
             plan.origins[place] = if let Some(column) = plan.column(key) {
-                let without = in_row(cells - InputSet::of(&[key])) | InputSet::WITH_DEFAULT;
-                let leaves = without == given | InputSet::WITH_DEFAULT;
+                let without =
+                    in_row(cells.without(InputSet::of(&[key]))).and(InputSet::WITH_DEFAULT);
+                let leaves = without == given.and(InputSet::WITH_DEFAULT);
                 Origin::Column(column, of_base.filter(|_| leaves))
             } else if completed && !given.contains(key) && plan.follows(key, |_| 0.0).is_some() {
                 Origin::Others

@@ -95,7 +95,7 @@ impl Task {
         outputs: Vec<&'static Output>,
         columns: &Columns,
     ) -> Result<Self, CaseError> {
-        let given = base.stated() | columns.set();
+        let given = base.stated().and(columns.set());
         let (outputs, filled) = besides(outputs, columns.set());
         let task = Self { filled, ..Self::new(base, settings, outputs) }.of_motion(given);
         let model = task.settings.model;

@@ -2,6 +2,8 @@
 
 pub(crate) mod answer;
 pub(crate) mod cells;
+pub(crate) mod dialect;
+pub(crate) mod entries;
 pub(crate) mod error;
 pub(crate) mod input;
 pub(crate) mod input_set;
@@ -12,4 +14,3 @@ pub(crate) mod phase;
 pub(crate) mod quantity;
 pub(crate) mod rules;
 pub mod units;
-pub(crate) mod words;

@@ -105,8 +105,8 @@ pub(crate) enum Command {
     /// --json; without a name, the names.
     Schema {
         /// Which one.
-        #[arg(value_enum)]
-        name: Option<SchemaName>,
+        #[arg(value_parser = PossibleValuesParser::new(schema::names()))]
+        name: Option<String>,
     },
 }
 
@@ -658,25 +658,4 @@ pub(crate) struct TradeoffArgs {
     pub(crate) quiet: bool,
     #[command(flatten)]
     pub(crate) out: OutArgs,
-}
-
-/// Names with a schema.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum SchemaName {
-    Input,
-    Output,
-    Solve,
-    Models,
-    Slip,
-    Ellipses,
-    Jam,
-    Optimum,
-    Ratings,
-    Nut,
-    Axis,
-    Select,
-    Fit,
-    Parts,
-    Validate,
-    Tradeoff,
 }

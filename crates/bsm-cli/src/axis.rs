@@ -1,6 +1,6 @@
 //! `bsm axis`: the axis around a screw.
 
-use bsm_case::{AxisReport, Content, GrooveSection, PhaseWords};
+use bsm_case::{AxisReport, Content, GrooveSection, PhaseEntry};
 use bsm_report::sheets::{size_figures, size_page};
 use bsm_report::{PROGRAM, groove_dxf};
 
@@ -14,10 +14,9 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     let mut scene = args.scene.read()?;
     args.out.check(&["json", "html", "dxf"], &[Some(args.scene.path())])?;
     if let Some(table) = &args.cycle {
-        let signs = args.dialect.read(&["delimiter", "decimal"])?;
+        let format = args.dialect.read(&["delimiter", "decimal"])?;
         let bytes = read(table, MOST_OF_A_TABLE)?;
-        let separator = u8::try_from(signs.delimiter).unwrap_or(b',');
-        let cycle = PhaseWords::from_csv(&bytes, separator, signs.decimal);
+        let cycle = PhaseEntry::from_csv(&bytes, &format);
         scene.nut.cycle = Some(cycle.map_err(|e| Failure::scene(table, &e))?);
     }
     let settings = args.model.settings().map_err(in_file)?;

@@ -72,7 +72,7 @@ fn main() -> ExitCode {
         Command::View(args) => on_threads(asked, |workers| view::run(&args, workers)),
         Command::Validate(args) => on_threads(asked, |_| validate::run(&args)),
         Command::Tradeoff(args) => on_threads(asked, |_| tradeoff::run(&args)),
-        Command::Schema { name } => schema::run(name),
+        Command::Schema { name } => schema::run(name.as_deref()),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

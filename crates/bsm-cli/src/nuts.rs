@@ -33,8 +33,8 @@ pub(crate) fn run(args: &SelectArgs, catalogue: Catalogue) -> Result<(), Failure
             .sorted_by(name, sort.starts_with('-'), has_sheets)
             .map_err(|e| Failure::input("--sort", &e))?;
     }
-    let wish = requirement(args, &catalogue)?;
-    let list = wanted.choose(catalogue, wish.as_ref());
+    let requirement = requirement(args, &catalogue)?;
+    let list = wanted.choose(catalogue, requirement.as_ref());
     if !list.why.is_empty() {
         let none = Reply { scene: Some(Value::Null), ..Reply::of(list.answer(0)) };
         return none.give(&args.out, || Ok(Pictures::default()));
@@ -57,7 +57,7 @@ pub(crate) fn run(args: &SelectArgs, catalogue: Catalogue) -> Result<(), Failure
         write_numbers(path, form_of(path)?, &head, parts, &asked(args)?)?;
     }
     let picked = list.nuts(&list.chosen[..1]);
-    let scene = picked.first().map(|nut| candidate_scene(nut, wish.as_ref()));
+    let scene = picked.first().map(|nut| candidate_scene(nut, requirement.as_ref()));
     Reply { scene: Some(scene.into()), ..Reply::of(list.answer(first(SHOWN))) }
         .give(&args.out, || Ok(Pictures { figures, ..Pictures::default() }))
 }

@@ -4,10 +4,8 @@ use bsm_case::{
     AnalysisKind, CATALOGUE, INPUTS, OUTPUTS, Of, input_schema, output_schema, schema_of,
     sheet_columns,
 };
-use clap::ValueEnum;
 use serde_json::{Map, Value, json};
 
-use crate::args::SchemaName;
 use crate::failure::Failure;
 use crate::files::{pretty_json, print};
 
@@ -150,17 +148,17 @@ const OBJECTS: &[(&str, &str)] = &[
     ("pick", "dial string, ns number, fails_where texts"),
 ];
 
-pub(crate) fn run(name: Option<SchemaName>) -> Result<(), Failure> {
-    let word =
-        |name: &SchemaName| name.to_possible_value().map(|value| value.get_name().to_owned());
-    let Some(name) = name else {
-        let names: Vec<_> = SchemaName::value_variants().iter().filter_map(word).collect();
-        return print(&names.join("\n"));
-    };
+/// Names with a schema.
+pub(crate) fn names() -> impl Iterator<Item = &'static str> {
+    ["input", "output"].into_iter().chain(ANSWERS.into_iter().map(|(name, ..)| name))
+}
+
+pub(crate) fn run(name: Option<&str>) -> Result<(), Failure> {
+    let Some(name) = name else { return print(&names().collect::<Vec<_>>().join("\n")) };
     print(&pretty_json(&match name {
-        SchemaName::Input => input_schema(),
-        SchemaName::Output => output_schema(),
-        other => answer(&word(&other).unwrap_or_default()),
+        "input" => input_schema(),
+        "output" => output_schema(),
+        other => answer(other),
     }))
 }
 

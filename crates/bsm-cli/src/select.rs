@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use bsm_case::{
     CaseError, Catalogue, Content, DesignReport, DesignRow, MAKER_SIZES, MakerNut, MakerRow,
-    REQUIREMENT_INPUTS, REQUIREMENT_WORDS, RequirementFile, STANDARD_CATALOGUE,
+    REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile, STANDARD_CATALOGUE,
 };
 
 use crate::answer::{Pictures, Reply, named};
@@ -52,14 +52,10 @@ impl Source {
             return Catalogue::from_json(&read_json(from)?).map(Self::Sizes).map_err(failure);
         }
         let table = read(from, MOST_OF_A_TABLE)?;
-        let signs = args.dialect.read(&["delimiter", "decimal", "names"])?;
-        let (names, decimal) = (&signs.names, signs.decimal);
-        let delimiter = u8::try_from(signs.delimiter).unwrap_or(b',');
-        match Catalogue::from_csv(&table, names, delimiter, decimal).map_err(failure)? {
+        let format = args.dialect.read(&["delimiter", "decimal", "names"])?;
+        match Catalogue::from_csv(&table, &format).map_err(failure)? {
             Some(sizes) => Ok(Self::Sizes(sizes)),
-            None => MakerNut::from_csv(&table, names, delimiter, decimal)
-                .map(Self::Nuts)
-                .map_err(failure),
+            None => MakerNut::from_csv(&table, &format).map(Self::Nuts).map_err(failure),
         }
     }
 }
@@ -90,16 +86,16 @@ pub(crate) fn requirement(
     catalogue: &Catalogue,
 ) -> Result<Option<RequirementFile>, Failure> {
     let Some(path) = &args.requirement else { return Ok(None) };
-    let wish =
+    let requirement =
         RequirementFile::from_json(&read_json(path)?, &args.settings, catalogue.lists.clone());
-    wish.map(Some).map_err(|e| Failure::scene(path, &e))
+    requirement.map(Some).map_err(|e| Failure::scene(path, &e))
 }
 
 /// The best screw, and the steps that lead to it.
 fn steps(args: &SelectArgs, sizes: &Catalogue) -> Result<(), Failure> {
     check(args, &["json", "csv", "xlsx"])?;
-    let Some(wish) = requirement(args, sizes)? else { return Ok(()) };
-    let of_sizes = if args.free { None } else { DesignReport::standard(&wish, sizes) };
+    let Some(requirement) = requirement(args, sizes)? else { return Ok(()) };
+    let of_sizes = if args.free { None } else { DesignReport::standard(&requirement, sizes) };
     if of_sizes.is_none() && !args.free {
         warn(
             "note",
@@ -108,7 +104,7 @@ fn steps(args: &SelectArgs, sizes: &Catalogue) -> Result<(), Failure> {
             ),
         );
     }
-    let report = of_sizes.unwrap_or_else(|| DesignReport::of(&wish));
+    let report = of_sizes.unwrap_or_else(|| DesignReport::of(&requirement));
     let scene = report.scene.to_json();
     let row = |row: &DesignRow| Some((row.name, row.unit, row.value?));
     let mut answer = report.answer();
@@ -131,7 +127,7 @@ fn steps(args: &SelectArgs, sizes: &Catalogue) -> Result<(), Failure> {
 
 /// Keys of a requirement.
 fn keys() -> String {
-    let words = REQUIREMENT_WORDS.iter().map(|(name, words, about)| {
+    let words = REQUIREMENT_CHOICES.iter().map(|(name, words, about)| {
         vec![(*name).to_owned(), String::new(), format!("{about}: {}", words.join(", "))]
     });
     let numbers = REQUIREMENT_INPUTS.iter().map(|input| {
@@ -162,9 +158,9 @@ fn makers(args: &SelectArgs, nuts: &[MakerNut]) -> Result<(), Failure> {
     }
     check(args, &["json"])?;
     let sizes = Catalogue::makers().map_err(|e| Failure::Input(e.to_string()))?;
-    let wish = requirement(args, &sizes)?;
+    let requirement = requirement(args, &sizes)?;
     let path = args.from.as_deref().unwrap_or(Path::new(""));
-    let rows = MakerRow::all(nuts, wish.as_ref())
+    let rows = MakerRow::all(nuts, requirement.as_ref())
         .map_err(|(name, e)| Failure::in_scene(path, &format!("{name}: {e}")))?;
     let answer = MakerRow::answer(&rows);
     let first = rows.first().filter(|_| !answer.fails);

@@ -13,64 +13,44 @@ use crate::args::{ALL, Show, SolveArgs};
 use crate::failure::Failure;
 use crate::nut::write_columns;
 
-/// A part of the answer, in the order of the parts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Part {
-    Motion,
-    Slip,
-    Ellipses,
-    Jam,
-    Optimum,
-    Ratings,
-}
+/// Parts of the answer, with their members of the JSON object of several parts.
+const PARTS: [(Show, &str); 6] = [
+    (Show::Motion, "motion"),
+    (Show::Slip, "slip"),
+    (Show::Ellipses, "ellipses"),
+    (Show::Jam, "jam"),
+    (Show::Optimum, "optimum"),
+    (Show::Ratings, "ratings"),
+];
 
-impl Part {
-    const ALL: [Self; 6] =
-        [Self::Motion, Self::Slip, Self::Ellipses, Self::Jam, Self::Optimum, Self::Ratings];
-
-    /// The part that a word of `--show` belongs to.
-    fn of(word: Show) -> Self {
-        match word {
-            Show::Motion | Show::Band | Show::Sensitivities => Self::Motion,
-            Show::Slip => Self::Slip,
-            Show::Ellipses => Self::Ellipses,
-            Show::Jam => Self::Jam,
-            Show::Optimum => Self::Optimum,
-            Show::Ratings | Show::Steps => Self::Ratings,
-        }
-    }
-
-    /// Its member of the JSON object of several parts.
-    fn name(self) -> &'static str {
-        match self {
-            Self::Motion => "motion",
-            Self::Slip => "slip",
-            Self::Ellipses => "ellipses",
-            Self::Jam => "jam",
-            Self::Optimum => "optimum",
-            Self::Ratings => "ratings",
-        }
+/// The part that a word of `--show` belongs to.
+fn part_of(word: Show) -> Show {
+    match word {
+        Show::Band | Show::Sensitivities => Show::Motion,
+        Show::Steps => Show::Ratings,
+        part => part,
     }
 }
 
 pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     let scene = args.scene.read()?;
-    let is_shown = |part: &Part| match args.show[..] {
-        [] => *part == Part::Motion,
-        _ => args.show.iter().any(|word| Part::of(*word) == *part),
+    let is_shown = |(part, _): &(Show, &str)| match args.show[..] {
+        [] => *part == Show::Motion,
+        _ => args.show.iter().any(|word| part_of(*word) == *part),
     };
-    let shown: Vec<_> = Part::ALL.into_iter().filter(is_shown).collect();
-    let has_rows = shown == [Part::Ratings];
+    let named_parts: Vec<_> = PARTS.into_iter().filter(is_shown).collect();
+    let shown: Vec<_> = named_parts.iter().map(|(part, _)| *part).collect();
+    let has_rows = shown == [Show::Ratings];
     let endings: &[&'static str] = match shown[..] {
-        [Part::Ratings] => &["json", "csv", "xlsx"],
-        [Part::Ellipses] => &["json", "csv", "jsonl", "parquet", "xlsx"],
+        [Show::Ratings] => &["json", "csv", "xlsx"],
+        [Show::Ellipses] => &["json", "csv", "jsonl", "parquet", "xlsx"],
         _ => &["json"],
     };
     args.out.check(endings, &[Some(args.scene.path())])?;
-    if args.points.is_some() && !shown.contains(&Part::Ellipses) {
+    if args.points.is_some() && !shown.contains(&Show::Ellipses) {
         return Err(Failure::Input("--points is of --show ellipses".to_owned()));
     }
-    let draws = |part: &Part| matches!(part, Part::Slip | Part::Jam | Part::Optimum);
+    let draws = |part: &Part| matches!(part, Show::Slip | Show::Jam | Show::Optimum);
     if args.out.figures.is_some() && !shown.iter().any(draws) {
         let text = "--figures draws what --show slip, jam and optimum show";
         return Err(Failure::Input(text.to_owned()));
@@ -86,20 +66,20 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     let settings = args.model.settings().map_err(args.scene.failure())?;
     let mut figures = Vec::new();
     let mut parts = Vec::new();
-    for part in shown {
+    for (part, name) in named_parts {
         let drawn = args.out.figures.is_some().then_some(&mut figures);
         let answer = match part {
-            Part::Motion => motion(args, &scene, &settings)?,
-            Part::Slip => analysis(args, &scene, &settings, drawn, slip, Study::slip)?,
-            Part::Ellipses => ellipses(args, &scene, &settings)?,
-            Part::Jam => {
+            Show::Motion | Show::Band | Show::Sensitivities => motion(args, &scene, &settings)?,
+            Show::Slip => analysis(args, &scene, &settings, drawn, slip, Study::slip)?,
+            Show::Ellipses => ellipses(args, &scene, &settings)?,
+            Show::Jam => {
                 let jam = |scene: &_, _: &_, solution: &_| jam(scene, solution);
                 analysis(args, &scene, &settings, drawn, jam, Study::jam)?
             }
-            Part::Optimum => optimum(args, &scene, &settings, drawn)?,
-            Part::Ratings => ratings(args, &scene)?,
+            Show::Optimum => optimum(args, &scene, &settings, drawn)?,
+            Show::Ratings | Show::Steps => ratings(args, &scene)?,
         };
-        parts.push((part.name(), answer));
+        parts.push((name, answer));
     }
     let rows = match (&parts[..], has_rows) {
         ([(_, ratings)], true) => {

@@ -74,17 +74,6 @@ pub use shaft::{
 };
 pub use thread::{Profile, Thread};
 
-/// One of a few, each with its name.
-pub trait Choice: Copy + PartialEq + 'static {
-    /// All of them.
-    const NAMES: &'static [(&'static str, Self)];
-
-    /// Its name.
-    fn name(self) -> &'static str {
-        Self::NAMES.iter().find(|(_, own)| *own == self).map_or("", |(name, _)| name)
-    }
-}
-
 /// Preload of a pair of nuts over the dynamic rating, unless one is chosen, and the largest one
 /// before a warning (D22) (Sobolewski 2002, eq. 6).
 pub const PRELOAD: f64 = 0.15;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::{Choice, Grade};
+use crate::Grade;
 
 /// Longest screws that makers offer \[mm\] by grade and nominal diameter \[mm\].
 ///
@@ -23,15 +23,6 @@ pub enum Make {
     Caged,
     /// With a return for high speeds.
     HighSpeed,
-}
-
-impl Choice for Make {
-    const NAMES: &'static [(&'static str, Self)] = &[
-        ("rolled", Self::Rolled),
-        ("ground", Self::Ground),
-        ("caged", Self::Caged),
-        ("high-speed", Self::HighSpeed),
-    ];
 }
 
 impl Make {

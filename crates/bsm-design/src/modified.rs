@@ -4,7 +4,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::{Choice, Grade, Nut};
+use crate::{Grade, Nut};
 
 /// What the load ratings of a nut are multiplied with (Z36).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -137,18 +137,6 @@ pub enum Contamination {
     Typical,
     Severe,
     VerySevere,
-}
-
-impl Choice for Contamination {
-    const NAMES: &'static [(&'static str, Self)] = &[
-        ("extreme-cleanliness", Self::ExtremeCleanliness),
-        ("high", Self::High),
-        ("normal", Self::Normal),
-        ("slight", Self::Slight),
-        ("typical", Self::Typical),
-        ("severe", Self::Severe),
-        ("very-severe", Self::VerySevere),
-    ];
 }
 
 impl Contamination {

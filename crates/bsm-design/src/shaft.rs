@@ -4,7 +4,6 @@
 
 use std::f64::consts::PI;
 
-use crate::Choice;
 use crate::screw::STEEL;
 
 /// Stress up to which the screw is loaded along its axis \[Pa\] (Z3): THK, PMI and others state
@@ -28,15 +27,6 @@ pub enum Support {
     FixedSupported,
     /// No end may tilt, and both take axial load.
     FixedFixed,
-}
-
-impl Choice for Support {
-    const NAMES: &'static [(&'static str, Self)] = &[
-        ("fixed-free", Self::FixedFree),
-        ("supported-supported", Self::SupportedSupported),
-        ("fixed-supported", Self::FixedSupported),
-        ("fixed-fixed", Self::FixedFixed),
-    ];
 }
 
 impl Support {
@@ -276,7 +266,8 @@ mod tests {
 
     /// All supports, from the least to the most stiff.
     fn all() -> [Support; 4] {
-        std::array::from_fn(|place| Support::NAMES[place].1)
+        use Support::{FixedFixed, FixedFree, FixedSupported, SupportedSupported};
+        [FixedFree, SupportedSupported, FixedSupported, FixedFixed]
     }
 
     fn shaft(support: Support, length: f64, diameter: f64) -> Shaft {

@@ -22,30 +22,25 @@ impl AnalysisKind {
     pub const ALL: [Self; 7] =
         [Self::Slip, Self::Jam, Self::Optimum, Self::Ratings, Self::Nut, Self::Axis, Self::Warm];
 
+    /// Names and quantities, in the order of [`ALL`](Self::ALL).
+    const ROWS: [(&str, &[Quantity]); 7] = [
+        ("slip", slip::QUANTITIES),
+        ("jam", jam::QUANTITIES),
+        ("optimum", optimum::QUANTITIES),
+        ("ratings", ratings::QUANTITIES),
+        ("nut", nut::QUANTITIES),
+        ("axis", axis::QUANTITIES),
+        ("warm", warm::QUANTITIES),
+    ];
+
     /// The command of that analysis.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Slip => "slip",
-            Self::Jam => "jam",
-            Self::Optimum => "optimum",
-            Self::Ratings => "ratings",
-            Self::Nut => "nut",
-            Self::Axis => "axis",
-            Self::Warm => "warm",
-        }
+        Self::ROWS[self as usize].0
     }
 
     /// Its quantities, in the order in which they are printed.
     pub fn quantities(self) -> &'static [Quantity] {
-        match self {
-            Self::Slip => slip::QUANTITIES,
-            Self::Jam => jam::QUANTITIES,
-            Self::Optimum => optimum::QUANTITIES,
-            Self::Ratings => ratings::QUANTITIES,
-            Self::Nut => nut::QUANTITIES,
-            Self::Axis => axis::QUANTITIES,
-            Self::Warm => warm::QUANTITIES,
-        }
+        Self::ROWS[self as usize].1
     }
 
     /// Its numbers as outputs.
@@ -55,10 +50,7 @@ impl AnalysisKind {
 
     /// True if it is of a ball in motion, false if it is of the inputs alone.
     pub fn needs_motion(self) -> bool {
-        match self {
-            Self::Slip | Self::Jam => true,
-            Self::Optimum | Self::Ratings | Self::Nut | Self::Axis | Self::Warm => false,
-        }
+        matches!(self, Self::Slip | Self::Jam)
     }
 
     /// Missing inputs, as text; single quantities may need more.
@@ -211,20 +203,17 @@ pub(crate) fn lacks_ellipses(what: &str, model: Model) -> String {
 pub fn table(name: &str) -> impl Iterator<Item = &'static Quantity> + use<> {
     let steps = ratings::STEPS;
     let (all, steps_alone): (&[Quantity], _) = match name {
-        "slip" => (slip::QUANTITIES, None),
-        "jam" => (jam::QUANTITIES, None),
-        "optimum" => (optimum::QUANTITIES, None),
         "best" => (optimum::BY_MODEL, None),
         "ratings" => (ratings::QUANTITIES, Some(false)),
         "steps" => (ratings::QUANTITIES, Some(true)),
         "as used" => (ratings::AS_USED, None),
-        "nut" => (nut::QUANTITIES, None),
-        "axis" => (axis::QUANTITIES, None),
-        "warm" => (warm::QUANTITIES, None),
         "screw" => (axis::SCREW, None),
         "phase" => (axis::PHASE, None),
         "torques" => (axis::TORQUES, None),
-        _ => (&[], None),
+        _ => {
+            let kind = AnalysisKind::ALL.into_iter().find(|kind| kind.name() == name);
+            (kind.map_or(&[], AnalysisKind::quantities), None)
+        }
     };
     all.iter()
         .filter(move |quantity| steps_alone.is_none_or(|alone| alone == (quantity.title == steps)))

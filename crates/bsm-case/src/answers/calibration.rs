@@ -10,6 +10,7 @@ use crate::vocabulary::number::number;
 use crate::vocabulary::units::convert;
 use crate::{
     Answer, CaseError, Column, Content, InputKey, ModelChoice, Output, Scene, Settings, Table,
+    TableFormat,
 };
 
 /// A measured point.
@@ -213,7 +214,7 @@ fn points(
     output: &'static Output,
     table: &[u8],
 ) -> Result<Vec<MeasuredPoint>, CaseError> {
-    let cells = Cells::read(table, b',', '.')?;
+    let cells = Cells::read(table, &TableFormat::default())?;
     let outputs = std::iter::once(output.name);
     let columns = cells.columns(|name| {
         if name == output.name {

@@ -17,8 +17,8 @@ use crate::vocabulary::number::trimmed;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM};
 use crate::{
-    Answer, AxisReport, CaseError, Catalogue, Column, Content, Criterion, INPUTS, InputKey,
-    NutWords, Output, REQUIREMENT_INPUTS, RequirementFile, Scene, Table, sheet_columns,
+    Answer, AxisReport, CaseError, Catalogue, Column, Content, Criterion, INPUTS, InputKey, Output,
+    REQUIREMENT_INPUTS, RequirementFile, Scene, SceneEntries, Table, sheet_columns,
 };
 
 /// A number of the procedure: step, label, value and requirement as text, and whether it
@@ -69,31 +69,36 @@ thread_local! {
 impl DesignReport {
     /// Searches for the best screw of any size, with balls of standard diameters: Lin's procedure. A
     /// requirement that cannot be met is a result.
-    pub fn of(wish: &RequirementFile) -> Self {
-        let wish = &RequirementFile { requirement: wish.requirement.of_any_size(), ..wish.clone() };
-        let efficiency = |nut: &Nut, phase: &Phase| efficiency(wish, nut, phase);
-        let outcome = wish.requirement.choose(&efficiency, &|nut| accepted(wish, nut));
-        Self::from_outcome(wish, outcome, &[])
+    pub fn of(requirement: &RequirementFile) -> Self {
+        let requirement =
+            &RequirementFile { problem: requirement.problem.of_any_size(), ..requirement.clone() };
+        let efficiency = |nut: &Nut, phase: &Phase| efficiency(requirement, nut, phase);
+        let outcome = requirement.problem.choose(&efficiency, &|nut| accepted(requirement, nut));
+        Self::from_outcome(requirement, outcome, &[])
     }
 
     /// Searches for the best screw among standard sizes; `None` if the lists have none for the requirement,
     /// such as for a lead angle.
-    pub fn standard(wish: &RequirementFile, catalogue: &Catalogue) -> Option<Self> {
+    pub fn standard(requirement: &RequirementFile, catalogue: &Catalogue) -> Option<Self> {
         let Catalogue { lists, limits } = catalogue;
-        let efficiency = |nut: &Nut, phase: &Phase| efficiency(wish, nut, phase);
-        let accepted = |nut: &Nut| accepted(wish, nut);
-        let outcome = wish.requirement.choose_standard(lists, limits, &efficiency, &accepted)?;
-        Some(Self::from_outcome(wish, outcome, &lists.offered))
+        let efficiency = |nut: &Nut, phase: &Phase| efficiency(requirement, nut, phase);
+        let accepted = |nut: &Nut| accepted(requirement, nut);
+        let outcome = requirement.problem.choose_standard(lists, limits, &efficiency, &accepted)?;
+        Some(Self::from_outcome(requirement, outcome, &lists.offered))
     }
 
     /// * `offered`: sizes of makers, one of which was chosen; none of a search over other sizes.
-    fn from_outcome(wish: &RequirementFile, outcome: Outcome, offered: &[OfferedSize]) -> Self {
+    fn from_outcome(
+        requirement: &RequirementFile,
+        outcome: Outcome,
+        offered: &[OfferedSize],
+    ) -> Self {
         let (design, reasons, found): (_, Vec<String>, _) = match outcome {
             Outcome::Found { design, active, refused } => {
                 let mut names: Vec<_> =
                     active.iter().map(|holds| step(holds.quantity).name).collect();
                 let mut words: Vec<_> =
-                    active.iter().map(|holds| held_back(wish, &design, holds)).collect();
+                    active.iter().map(|holds| held_back(requirement, &design, holds)).collect();
                 for name in refused {
                     if !names.contains(&name) {
                         names.push(name);
@@ -106,16 +111,16 @@ impl DesignReport {
                 (design, blocking.iter().map(blocks).collect(), false)
             }
         };
-        let mut scene = scene(wish, &design);
+        let mut scene = scene(requirement, &design);
         let size = offered_size(&scene, offered);
         if let Some((diameter, _)) = size {
             scene.nominal_diameter_mm = Some(diameter);
         }
-        let sheet = wish.judge(&scene).ok();
+        let sheet = requirement.judge(&scene).ok();
         let efficiency = sheet.as_ref().and_then(|sheet| sheet.number(EFFICIENCY));
         let of_sheet = |_: &Nut, _: &Phase| efficiency;
         // That of a preloaded nut is by all its balls.
-        let design = Design::of(&wish.requirement, design.nut, Some(&of_sheet));
+        let design = Design::of(&requirement.problem, design.nut, Some(&of_sheet));
         let order = sheet.as_ref().map(|sheet| sheet.order.to_string());
         let rules = sheet.map_or_else(Vec::new, |sheet| sheet.answer.rules);
         let mut warnings = scene.warnings();
@@ -125,12 +130,12 @@ impl DesignReport {
             Some(best).filter(|b| !b.is_nan()),
         ));
         if design.value(Quantity::Efficiency).is_nan() {
-            let model = wish.settings.model.name();
+            let model = requirement.settings.model.name();
             warnings.push(format!("model {model} has no solution for this screw: see bsm solve"));
         }
-        if let LoadCase::Torque(torque, _) = wish.requirement.demand {
+        if let LoadCase::Torque(torque, _) = requirement.problem.demand {
             let eta = design.value(Quantity::Efficiency);
-            let driving = wish.requirement.direction == Direction::RotaryToLinear;
+            let driving = requirement.problem.direction == Direction::RotaryToLinear;
             let needed = if driving { torque / eta } else { torque * eta };
             if needed.is_finite() {
                 warnings.push(format!(
@@ -163,10 +168,10 @@ impl DesignReport {
             reasons.extend(rules.iter().filter(|rule| !rule.passes()).map(breaks));
         }
         if !found && reasons.is_empty() {
-            let model = wish.settings.model.name();
+            let model = requirement.settings.model.name();
             reasons.push(format!("model {model} has no solution for any screw within the limits"));
         }
-        let mut notes = wish.notes.clone();
+        let mut notes = requirement.notes.clone();
         if size.is_some_and(|(_, ball_is_printed)| !ball_is_printed) {
             notes.push("ball diameter estimated: ask the maker".to_owned());
         }
@@ -214,7 +219,7 @@ impl RequirementFile {
     /// A catalogue of nuts of the steel of the requirement.
     #[must_use]
     pub fn of_its_steel(&self, mut catalogue: Catalogue) -> Catalogue {
-        catalogue.limits.material = self.requirement.material;
+        catalogue.limits.material = self.problem.material;
         catalogue
     }
 
@@ -229,12 +234,12 @@ impl RequirementFile {
             let mut checks = design.checks.iter().filter(|check| !check.value.is_nan());
             checks.all(Check::passes)
         };
-        let Requirement { pitches, least_efficiency, largest_power, .. } = &self.requirement;
+        let Requirement { pitches, least_efficiency, largest_power, .. } = &self.problem;
         let limited = least_efficiency.is_some() || largest_power.is_some();
         let efficiency = |nut: &Nut, phase: &Phase| efficiency(self, nut, phase);
         pitches.iter().any(of_pitch)
-            && keeps(&Design::of(&self.requirement, *nut, None))
-            && (!limited || Design::of(&self.requirement, *nut, Some(&efficiency)).is_feasible())
+            && keeps(&Design::of(&self.problem, *nut, None))
+            && (!limited || Design::of(&self.problem, *nut, Some(&efficiency)).is_feasible())
     }
 
     /// The sheet by which every nut is judged, chosen, listed or of a maker: that of [`AxisReport`].
@@ -244,7 +249,7 @@ impl RequirementFile {
 
     /// A nut at the operating point of the requirement.
     pub fn scene_of(&self, nut: &Nut) -> Scene {
-        scene(self, &Design::of(&self.requirement, *nut, None))
+        scene(self, &Design::of(&self.problem, *nut, None))
     }
 
     /// The numbers of [`sheet_columns`] for a nut in the axis of the requirement, NaN where there is none; `None` if a
@@ -265,26 +270,26 @@ impl RequirementFile {
             InputKey::motor_peak_torque_Nm,
             InputKey::motor_rated_power_W,
         ];
-        self.requirement.mount.support == Support::FixedFixed
+        self.problem.mount.support == Support::FixedFixed
             || motor.into_iter().any(|key| self.scene[key].is_some())
     }
 }
 
 /// Holds a nut against the rules of its sheet, with friction only if one asks for it, and with a preload against its
 /// efficiency, which the search does not know by all balls.
-fn accepted(wish: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static str>> {
-    let Requirement { least_efficiency, largest_power, preload, .. } = &wish.requirement;
-    let mut scene = wish.scene_of(nut);
+fn accepted(requirement: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static str>> {
+    let Requirement { least_efficiency, largest_power, preload, .. } = &requirement.problem;
+    let mut scene = requirement.scene_of(nut);
     let by_all_balls = preload.is_some() && (least_efficiency.is_some() || largest_power.is_some());
-    if !by_all_balls && !wish.asks_friction() {
+    if !by_all_balls && !requirement.asks_friction() {
         scene = scene.without_friction();
     }
-    let sheet = wish.judge(&scene).map_err(|_| Vec::new())?;
+    let sheet = requirement.judge(&scene).map_err(|_| Vec::new())?;
     let mut broken: Vec<_> =
         sheet.answer.rules.iter().filter(|rule| !rule.passes()).map(|rule| rule.name).collect();
     if by_all_balls {
         let efficiency = |_: &Nut, _: &Phase| sheet.number(EFFICIENCY);
-        let design = Design::of(&wish.requirement, *nut, Some(&efficiency));
+        let design = Design::of(&requirement.problem, *nut, Some(&efficiency));
         let failing = design.checks.iter().filter(|check| !check.passes());
         broken.extend(failing.map(|check| step(check.quantity).name));
     }
@@ -292,15 +297,15 @@ fn accepted(wish: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static str>> 
 }
 
 /// Efficiency of the whole screw of a nut in a phase by the model of a requirement, if it has one.
-fn efficiency(wish: &RequirementFile, nut: &Nut, phase: &Phase) -> Option<f64> {
-    let scene = wish.scene_of(nut);
-    WORK.with_borrow_mut(|work| quick_efficiency(&scene, &wish.settings, nut, phase, work))
+fn efficiency(requirement: &RequirementFile, nut: &Nut, phase: &Phase) -> Option<f64> {
+    let scene = requirement.scene_of(nut);
+    WORK.with_borrow_mut(|work| quick_efficiency(&scene, &requirement.settings, nut, phase, work))
 }
 
 /// The screw of a design in the axis of a requirement: with the load of a torque, and the preload of a class.
-fn scene(wish: &RequirementFile, design: &Design) -> Scene {
+fn scene(requirement: &RequirementFile, design: &Design) -> Scene {
     let Design { nut, phase, .. } = design;
-    let by_torque = matches!(wish.requirement.demand, LoadCase::Torque(..));
+    let by_torque = matches!(requirement.problem.demand, LoadCase::Torque(..));
     // In decimals, as the search leaves them.
     let round = |x: f64| (x * 1e9).round() * 1e-9;
     let conformity = Some(round(nut.conformity.0));
@@ -315,10 +320,10 @@ fn scene(wish: &RequirementFile, design: &Design) -> Scene {
         loaded_balls_per_turn: Some(nut.balls_per_turn),
         loaded_turns: Some(nut.turns),
         loaded_balls: Some((nut.balls_per_turn * nut.turns).max(1.0)),
-        axial_load_N: if by_torque { Some(phase.load) } else { wish.scene.axial_load_N },
+        axial_load_N: if by_torque { Some(phase.load) } else { requirement.scene.axial_load_N },
         preload_N: design.preload(),
-        nut: NutWords { preload_class: None, ..wish.scene.nut.clone() },
-        ..wish.scene.clone()
+        nut: SceneEntries { preload_class: None, ..requirement.scene.nut.clone() },
+        ..requirement.scene.clone()
     }
 }
 
@@ -435,9 +440,9 @@ fn required(check: &Check) -> Option<String> {
 }
 
 /// A limit that holds the choice back, with what would be chosen without it.
-fn held_back(wish: &RequirementFile, design: &Design, holds: &Holds) -> String {
+fn held_back(requirement: &RequirementFile, design: &Design, holds: &Holds) -> String {
     let name = step(holds.quantity).name;
-    let quantity = wish.requirement.objective.quantity();
+    let quantity = requirement.problem.objective.quantity();
     let check = |quantity| design.checks.iter().find(|check| check.quantity == quantity);
     let (Some(without), Some(chosen)) = (holds.without, check(quantity)) else {
         return name.to_owned();

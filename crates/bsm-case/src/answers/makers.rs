@@ -3,13 +3,13 @@
 use bsm_design::Nut;
 use serde_json::json;
 
-use crate::case::maker_sizes::{ColumnNames, maker_column};
+use crate::case::maker_sizes::maker_column;
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::number::short;
 use crate::vocabulary::units::MM;
 use crate::{
-    Answer, CaseError, Column, Content, InputKey, Output, RequirementFile, Scene, Table, ratings,
-    sheet_columns,
+    Answer, CaseError, Column, Content, InputKey, Output, RequirementFile, Scene, Table,
+    TableFormat, ratings, sheet_columns,
 };
 
 /// Columns besides the inputs of a scene.
@@ -39,19 +39,12 @@ pub struct MakerNut {
 impl MakerNut {
     /// Reads a table.
     ///
-    /// * `names`: the maker's names of columns, see [`column_names`](crate::column_names). * `separator`: between cells. * `decimal`: the decimal sign.
-    ///
     /// # Errors
     ///
     /// [`CaseError`] with the row or the column.
-    pub fn from_csv(
-        table: &[u8],
-        names: &ColumnNames,
-        separator: u8,
-        decimal: char,
-    ) -> Result<Vec<Self>, CaseError> {
-        let cells = Cells::read(table, separator, decimal)?;
-        let columns = cells.columns(|name| maker_column(name, names, &WORDS))?;
+    pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
+        let cells = Cells::read(table, format)?;
+        let columns = cells.columns(|name| maker_column(name, format, &WORDS))?;
         cells.each(&columns, |place, row| {
             let mut given = TableRow { name: format!("row {place}"), ..TableRow::default() };
             for (column, text) in row {
@@ -66,8 +59,8 @@ impl MakerNut {
     }
 
     /// The nut in the axis of a requirement.
-    pub fn within(&self, wish: &RequirementFile) -> Scene {
-        let mut scene = wish.scene.clone();
+    pub fn within(&self, requirement: &RequirementFile) -> Scene {
+        let mut scene = requirement.scene.clone();
         scene.lead_angle_deg = None;
         scene.override_with(&self.scene);
         scene.description = Some(self.name.clone());
@@ -107,16 +100,17 @@ impl MakerRow {
     /// The name of a nut, and [`CaseError`] if an input of it is missing or breaks its rule.
     pub fn all(
         nuts: &[MakerNut],
-        wish: Option<&RequirementFile>,
+        requirement: Option<&RequirementFile>,
     ) -> Result<Vec<Self>, (String, CaseError)> {
-        let row = |nut: &MakerNut| Self::of(nut, wish).map_err(|error| (nut.name.clone(), error));
+        let row =
+            |nut: &MakerNut| Self::of(nut, requirement).map_err(|error| (nut.name.clone(), error));
         let mut rows = nuts.iter().map(row).collect::<Result<Vec<_>, _>>()?;
         let mass = |row: &Self| row.value("screw_mass_kg").unwrap_or(f64::INFINITY);
         rows.sort_by(|a, b| b.passes.cmp(&a.passes).then(mass(a).total_cmp(&mass(b))));
         Ok(rows)
     }
 
-    fn of(nut: &MakerNut, wish: Option<&RequirementFile>) -> Result<Self, CaseError> {
+    fn of(nut: &MakerNut, requirement: Option<&RequirementFile>) -> Result<Self, CaseError> {
         let mut at = nut.scene.clone();
         at.axial_load_N = at.rated_dynamic_load_N.map(|rating| RIGIDITY_AT * rating);
         let ours = if at.has_ratings_only() { Answer::default() } else { ratings(&at)? };
@@ -130,9 +124,9 @@ impl MakerRow {
         }
         numbers.push(("mass_kg", "kg", ours.number("mass_kg")));
         let (mut scene, mut passes) = (nut.scene.clone(), None);
-        if let Some(wish) = wish {
-            scene = nut.within(wish);
-            let sheet = wish.judge(&scene)?;
+        if let Some(requirement) = requirement {
+            scene = nut.within(requirement);
+            let sheet = requirement.judge(&scene)?;
             passes = Some(sheet.passes());
             let of_sheet = |c: &Output| (c.name, c.unit, sheet.number(c.name));
             numbers.extend(sheet_columns().map(of_sheet));

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::{AnalysisKind, INPUTS, NutWords, OUTPUTS, Output, Rule};
+use crate::{AnalysisKind, INPUTS, OUTPUTS, Output, Rule, SceneEntries};
 
 const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
 
@@ -43,7 +43,7 @@ pub fn input_schema() -> Value {
         }
         properties.insert(input.name.to_owned(), Value::Object(property));
     }
-    properties.extend(NutWords::schema());
+    properties.extend(SceneEntries::schema());
     json!({
         "$schema": DIALECT,
         "title": "bsm scene",

@@ -1,6 +1,7 @@
 //! Nuts of lists: what is asked of them, and those that meet it.
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 use bsm_design::Candidate;
 use serde_json::{Map, Value, json};
@@ -12,7 +13,7 @@ use crate::vocabulary::number::number;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, GPA, MM, UM};
 use crate::{
-    Answer, Asked, CaseError, Catalogue, Column, Content, DesignReport, INPUTS, Known, Output,
+    Answer, CaseError, Catalogue, Column, Content, DesignReport, INPUTS, Known, Output,
     RequirementFile, Table, nearest, sheet_columns,
 };
 
@@ -112,34 +113,53 @@ impl ListColumn {
     }
 }
 
-/// A condition on a column.
+/// A condition on a column: the range of its values.
 #[derive(Debug, Clone)]
 pub struct Condition {
     text: String,
     column: ListColumn,
-    asked: Asked,
+    range: RangeInclusive<f64>,
 }
 
 impl Condition {
-    /// Parses a condition, see [`Asked::parse`].
+    /// Parses `name>=value`, `name<=value` or `name=value`.
     ///
     /// # Errors
     ///
     /// [`CaseError`] for another form, an unknown column or no number.
     pub fn parse(text: &str, has_sheets: bool) -> Result<Self, CaseError> {
-        let asked = Asked::parse(text)?;
-        Ok(Self {
-            text: text.to_owned(),
-            column: ListColumn::named(&asked.name, has_sheets)?,
-            asked,
-        })
+        let form = "name>=value, name<=value or name=value";
+        let bad = || CaseError::BadSetting { text: text.to_owned(), form };
+        let at = text.find(['<', '>', '=']).ok_or_else(bad)?;
+        let sign =
+            if text[at..].starts_with('=') { "=" } else { text.get(at..at + 2).ok_or_else(bad)? };
+        let value: f64 = text[at + sign.len()..].trim().parse().map_err(|_| bad())?;
+        // Tables are in decimals, which sizes in metres do not meet to the last bit.
+        let near = 1e-9 * value.abs();
+        let range = match sign {
+            ">=" => value - near..=f64::INFINITY,
+            "<=" => f64::NEG_INFINITY..=value + near,
+            "=" => value - near..=value + near,
+            _ => return Err(bad()),
+        };
+        if value.is_nan() {
+            return Err(bad());
+        }
+        let column = ListColumn::named(text[..at].trim(), has_sheets)?;
+        Ok(Self { text: text.to_owned(), column, range })
     }
 
     /// True if a nut meets it.
     ///
     /// * `sheet`: its numbers in the axis of a requirement.
     pub fn is_met(&self, nut: &Candidate, sheet: &[f64]) -> bool {
-        self.asked.is_met(self.column.read(nut, sheet))
+        self.range.contains(&self.column.read(nut, sheet))
+    }
+
+    /// The value that comes nearest to it, if there are any.
+    fn nearest_of(&self, values: &[f64]) -> Option<f64> {
+        let miss = |value: f64| (self.range.start() - value).max(value - self.range.end());
+        values.iter().copied().min_by(|a, b| miss(*a).total_cmp(&miss(*b)))
     }
 }
 
@@ -149,9 +169,9 @@ pub fn candidate_json(candidate: &Candidate) -> Map<String, Value> {
 }
 
 /// A nut as the scene of every other command: with a requirement at its operating point.
-pub fn candidate_scene(candidate: &Candidate, wish: Option<&RequirementFile>) -> Value {
-    if let Some(wish) = wish {
-        return wish.scene_of(&candidate.nut).to_json();
+pub fn candidate_scene(candidate: &Candidate, requirement: Option<&RequirementFile>) -> Value {
+    if let Some(requirement) = requirement {
+        return requirement.scene_of(&candidate.nut).to_json();
     }
     let mut nut = candidate_json(candidate);
     nut.retain(|name, _| INPUTS.iter().any(|input| input.name == name));
@@ -203,17 +223,19 @@ impl NutFilter {
     }
 
     /// The nuts of a catalogue that meet this and a requirement.
-    pub fn choose(&self, catalogue: Catalogue, wish: Option<&RequirementFile>) -> NutList {
-        let catalogue = match wish {
-            Some(wish) => wish.of_its_steel(catalogue),
+    pub fn choose(&self, catalogue: Catalogue, requirement: Option<&RequirementFile>) -> NutList {
+        let catalogue = match requirement {
+            Some(requirement) => requirement.of_its_steel(catalogue),
             None => catalogue,
         };
         let all = catalogue.places();
-        let keeps = |nut: &Candidate| wish.is_none_or(|wish| wish.is_kept_by(&nut.nut));
+        let keeps = |nut: &Candidate| {
+            requirement.is_none_or(|requirement| requirement.is_kept_by(&nut.nut))
+        };
         let meets = |nut: &Candidate| self.of_nut.iter().all(|c| c.is_met(nut, &[])) && keeps(nut);
         let within = catalogue.map(&all, |place, nut| meets(nut).then_some(place));
         let mut list = NutList {
-            has_sheets: wish.is_some(),
+            has_sheets: requirement.is_some(),
             all: all.len(),
             chosen: within.clone(),
             within,
@@ -222,15 +244,16 @@ impl NutFilter {
             catalogue,
         };
         if list.within.is_empty() {
-            list.why = match wish {
+            list.why = match requirement {
                 _ if all.is_empty() => vec![NO_COMBINATION.to_owned()],
-                Some(wish) if self.of_nut.is_empty() => blocks(wish, &list.catalogue),
+                Some(requirement) if self.of_nut.is_empty() => blocks(requirement, &list.catalogue),
                 _ => self.nearest(&list.catalogue, &all),
             };
             return list;
         }
-        if let Some(wish) = wish {
-            let sheet = |place, nut: &Candidate| Some((place, *nut, wish.sheet_of(&nut.nut)?));
+        if let Some(requirement) = requirement {
+            let sheet =
+                |place, nut: &Candidate| Some((place, *nut, requirement.sheet_of(&nut.nut)?));
             let sheets = list.catalogue.map(&list.within, sheet);
             let asked =
                 |nut: &Candidate, sheet: &[f64]| self.of_sheet.iter().all(|c| c.is_met(nut, sheet));
@@ -240,15 +263,14 @@ impl NutFilter {
                 .map(|(place, ..)| *place)
                 .collect();
             if list.within.is_empty() && sheets.is_empty() {
-                list.why = blocks(wish, &list.catalogue);
+                list.why = blocks(requirement, &list.catalogue);
             } else if list.within.is_empty() {
                 let near = |condition: &Condition| {
                     let values: Vec<_> = sheets
                         .iter()
                         .map(|(_, nut, sheet)| condition.column.read(nut, sheet))
                         .collect();
-                    let value =
-                        condition.asked.nearest_of(&values).map_or_else(String::new, number);
+                    let value = condition.nearest_of(&values).map_or_else(String::new, number);
                     format!("{}: the nearest of {} nuts has {value}", condition.text, values.len())
                 };
                 list.why = self.of_sheet.iter().map(near).collect();
@@ -278,7 +300,7 @@ impl NutFilter {
             let read = |nut: &Candidate| condition.column.read(nut, &[]);
             let rest = catalogue.map(all, |_, nut| others(nut).then(|| read(nut)));
             let text = &condition.text;
-            match condition.asked.nearest_of(&rest) {
+            match condition.nearest_of(&rest) {
                 Some(value) => {
                     let (nuts, value) = (rest.len(), number(value));
                     format!("without {text}: {nuts} nuts, of which the nearest has {value}")
@@ -293,8 +315,8 @@ impl NutFilter {
 }
 
 /// The limits of a requirement that no nut of the lists keeps.
-fn blocks(wish: &RequirementFile, catalogue: &Catalogue) -> Vec<String> {
-    match DesignReport::standard(wish, catalogue) {
+fn blocks(requirement: &RequirementFile, catalogue: &Catalogue) -> Vec<String> {
+    match DesignReport::standard(requirement, catalogue) {
         Some(report) => report.reasons,
         None => vec![NO_SIZE.to_owned()],
     }

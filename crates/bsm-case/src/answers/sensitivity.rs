@@ -65,7 +65,7 @@ impl Sensitivities {
         let part = |variables: &[(InputKey, f64)]| {
             let jet = |key: InputKey| {
                 let value = scene.value_or_default(key)?;
-                used.set(used.get() | InputSet::of(&[key]));
+                used.set(used.get().and(InputSet::of(&[key])));
                 let place = variables.iter().position(|(variable, _)| *variable == key);
                 Some(place.map_or(value.into(), |place| Jets::variable(value, place)))
             };

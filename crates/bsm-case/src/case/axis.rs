@@ -11,9 +11,9 @@ use bsm_design::{
 use crate::case::nut::bad;
 use crate::case::rated_nut;
 use crate::case::rated_screw::RatedScrew;
+use crate::vocabulary::entries::{Named, SteelFactor};
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
-use crate::vocabulary::words::{Named, SteelWord};
-use crate::{CaseError, InputKey, PhaseWords, Scene};
+use crate::{CaseError, InputKey, PhaseEntry, Scene};
 
 /// Turns of a stroke below which its life is no fatigue.
 pub(crate) const LEAST_TURNS: f64 = 0.5;
@@ -210,7 +210,7 @@ pub(crate) fn rating_factors(scene: &Scene) -> RatingFactors {
     let by_grade = grade.map_or(1.0, |word| word.grade.rating_factor());
     let hardness = scene.hardness_HRC.map(Hardness::Rockwell);
     let hardness = hardness.or(scene.hardness_HV10.map(Hardness::Vickers));
-    let steel = scene.nut.steel.map_or(1.0, SteelWord::factor);
+    let steel = scene.nut.steel.map_or(1.0, |Named(SteelFactor(factor))| factor);
     RatingFactors::of(hardness, scene.accuracy_factor.unwrap_or(by_grade), steel)
 }
 
@@ -229,7 +229,7 @@ pub(crate) fn motor_speed(scene: &Scene) -> Option<f64> {
 
 /// How its nut is preloaded.
 pub(crate) fn preload_method(scene: &Scene) -> PreloadMethod {
-    scene.nut.preload_by.map_or(PreloadMethod::DoubleNut, PreloadMethod::from)
+    scene.nut.preload_by.map_or(PreloadMethod::DoubleNut, |Named(method)| method)
 }
 
 /// The preload that a scene asks for, and the play \[m\] of a class without preload.
@@ -280,11 +280,11 @@ pub(crate) fn reliability(scene: &Scene) -> f64 {
 /// The stretches of the cycle, or the one of the operating point.
 pub(crate) fn motions(scene: &Scene) -> Result<Vec<Motion>, CaseError> {
     let load_factor = scene.value_or_default(InputKey::load_factor).unwrap_or(f64::NAN);
-    let motion = |words: &PhaseWords| Motion {
+    let motion = |words: &PhaseEntry| Motion {
         time: words.time(),
-        force: words.force_N,
+        force: words.force_N.unwrap_or(0.0),
         pace: words.pace(),
-        acceleration: words.acceleration_m_s2,
+        acceleration: words.acceleration_m_s2.unwrap_or(0.0),
         load_factor: words.load_factor.unwrap_or(load_factor),
     };
     if let Some(cycle) = &scene.nut.cycle {

@@ -1,15 +1,15 @@
-//! The catalogue of nuts in the vocabulary: its lists, and what may be asked of a number.
+//! The catalogue of nuts in the vocabulary: its lists and limits.
 
 use bsm_design::{Candidate, Limits, Lists, OfferedSize, front};
 use bsm_dyn::Material;
 use serde_json::{Map, Value};
 
 use crate::Rule::{Above, AtLeast, Between, Within};
-use crate::case::maker_sizes::{ColumnNames, MakerSize};
+use crate::case::maker_sizes::MakerSize;
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{DEG, GPA, MM, UM};
-use crate::{CaseError, Known, entries, nearest};
+use crate::{CaseError, Known, TableFormat, entries, nearest};
 
 /// The standard lists and limits, to copy and edit.
 pub const STANDARD_CATALOGUE: &str = include_str!("catalogue.json");
@@ -80,25 +80,15 @@ impl Catalogue {
     /// The sizes of a table with the columns of [`MAKER_SIZES`](crate::MAKER_SIZES); none of a table without `turns`, which is one of
     /// nuts.
     ///
-    /// * `names`: of its columns, see [`column_names`](crate::column_names). * `separator`: between cells. * `decimal`: the decimal
-    ///   sign.
-    ///
     /// # Errors
     ///
     /// [`CaseError`] with the row or the column.
-    pub fn from_csv(
-        table: &[u8],
-        names: &ColumnNames,
-        separator: u8,
-        decimal: char,
-    ) -> Result<Option<Self>, CaseError> {
-        let own = |head: &str| {
-            names.get(head).map_or(head == "turns", |own| own.as_deref() == Some("turns"))
-        };
-        if !Cells::read(table, separator, decimal)?.heads().iter().any(|head| own(head)) {
+    pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Option<Self>, CaseError> {
+        let has_turns = |head: &String| format.name(head) == Some("turns");
+        if !Cells::read(table, format)?.heads().iter().any(has_turns) {
             return Ok(None);
         }
-        Self::of_sizes(&MakerSize::read(table, names, separator, decimal)?).map(Some)
+        Self::of_sizes(&MakerSize::read(table, format)?).map(Some)
     }
 
     fn of_sizes(sizes: &[MakerSize]) -> Result<Self, CaseError> {
@@ -258,53 +248,5 @@ impl ListEntries {
             rolling_lever: self.number("rolling_friction_mm", MM),
         };
         Ok(Catalogue { lists, limits })
-    }
-}
-
-/// A condition: name of a number, and its range.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Asked {
-    /// Its name.
-    pub name: String,
-    least: f64,
-    most: f64,
-}
-
-impl Asked {
-    /// Parses `name>=value`, `name<=value` or `name=value`.
-    ///
-    /// # Errors
-    ///
-    /// [`CaseError`] for another form or no number.
-    pub fn parse(text: &str) -> Result<Self, CaseError> {
-        let form = "name>=value, name<=value or name=value";
-        let bad = || CaseError::BadSetting { text: text.to_owned(), form };
-        let at = text.find(['<', '>', '=']).ok_or_else(bad)?;
-        let sign =
-            if text[at..].starts_with('=') { "=" } else { text.get(at..at + 2).ok_or_else(bad)? };
-        let value: f64 = text[at + sign.len()..].trim().parse().map_err(|_| bad())?;
-        // Tables are in decimals, which sizes in metres do not meet to the last bit.
-        let near = 1e-9 * value.abs();
-        let (least, most) = match sign {
-            ">=" => (value - near, f64::INFINITY),
-            "<=" => (f64::NEG_INFINITY, value + near),
-            "=" => (value - near, value + near),
-            _ => return Err(bad()),
-        };
-        if value.is_nan() {
-            return Err(bad());
-        }
-        Ok(Self { name: text[..at].trim().to_owned(), least, most })
-    }
-
-    /// True if a value is within the range.
-    pub fn is_met(&self, value: f64) -> bool {
-        (self.least..=self.most).contains(&value)
-    }
-
-    /// The value that comes nearest to it, if there are any.
-    pub fn nearest_of(&self, values: &[f64]) -> Option<f64> {
-        let miss = |value: f64| (self.least - value).max(value - self.most);
-        values.iter().copied().min_by(|a, b| miss(*a).total_cmp(&miss(*b)))
     }
 }

@@ -8,16 +8,13 @@ use serde_json::Value;
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::units::convert;
-use crate::{CaseError, INPUTS, LISTS, entries, nearest};
+use crate::{CaseError, INPUTS, LISTS, TableFormat, entries, nearest};
 
 /// Sizes of THK (general catalogue, B-584 to B-735) and HIWIN (BS-08-2, 6.4 to 6.9), to copy and edit.
 pub const MAKER_SIZES: &str = include_str!("maker_sizes.csv");
 
 /// Columns of a table of sizes besides the inputs of a scene.
 const WORDS: [&str; 5] = ["core_diameter_mm", "ball", "turns", "make", "source"];
-
-/// Names of the columns of a foreign table: ours, or none of a column that is not read.
-pub(crate) type ColumnNames = BTreeMap<String, Option<String>>;
 
 /// A size of a maker; lengths in mm.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -33,7 +30,7 @@ pub(crate) struct MakerSize {
 }
 
 static SIZES: LazyLock<Vec<MakerSize>> = LazyLock::new(|| {
-    MakerSize::read(MAKER_SIZES.as_bytes(), &ColumnNames::new(), b',', '.')
+    MakerSize::read(MAKER_SIZES.as_bytes(), &TableFormat::default())
         .expect("the table is compiled in")
 });
 
@@ -43,14 +40,9 @@ impl MakerSize {
     /// # Errors
     ///
     /// [`CaseError`] with the row or the column.
-    pub(crate) fn read(
-        table: &[u8],
-        names: &ColumnNames,
-        separator: u8,
-        decimal: char,
-    ) -> Result<Vec<Self>, CaseError> {
-        let cells = Cells::read(table, separator, decimal)?;
-        let columns = cells.columns(|name| maker_column(name, names, &WORDS))?;
+    pub(crate) fn read(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
+        let cells = Cells::read(table, format)?;
+        let columns = cells.columns(|name| maker_column(name, format, &WORDS))?;
         cells.each(&columns, |_, row| {
             // A user knows his balls.
             let mut size = Self { ball_is_printed: true, ..Self::default() };
@@ -104,14 +96,10 @@ impl MakerSize {
 /// * `words`: names of columns besides the inputs of a scene.
 pub(crate) fn maker_column(
     name: &str,
-    names: &ColumnNames,
+    format: &TableFormat,
     words: &[&'static str],
 ) -> Result<Option<(&'static str, f64)>, CaseError> {
-    let own = match names.get(name) {
-        Some(None) => return Ok(None),
-        Some(Some(own)) => own,
-        None => name,
-    };
+    let Some(own) = format.name(name) else { return Ok(None) };
     let known = || words.iter().copied().chain(INPUTS.iter().map(|input| input.name));
     if let Some(word) = known().find(|word| *word == own) {
         return Ok(Some((word, 1.0)));
@@ -132,7 +120,7 @@ pub(crate) fn maker_column(
 /// # Errors
 ///
 /// [`CaseError`] for syntax, repeated names, and what is neither a name nor null.
-pub fn column_names(json: &[u8]) -> Result<ColumnNames, CaseError> {
+pub fn column_names(json: &[u8]) -> Result<BTreeMap<String, Option<String>>, CaseError> {
     let name = |(key, value): (String, Value)| match value {
         Value::Null => Ok((key, None)),
         Value::String(name) => Ok((key, Some(name))),

@@ -232,7 +232,7 @@ impl Needs {
         for Quantity { words, forms } in self.quantities {
             let begun = forms.iter().filter(|form| given.contains(form.key));
             // Inputs of every form are checked below.
-            let lacks = |form: &Form| form.with - given - self.all;
+            let lacks = |form: &Form| form.with.without(given).without(self.all);
             match begun.min_by_key(|form| lacks(form).iter().count()) {
                 None => missing.push((*words).to_owned()),
                 Some(form) => {
@@ -242,7 +242,7 @@ impl Needs {
                 }
             }
         }
-        missing.extend((self.all - given).iter().map(|key| key.name().to_owned()));
+        missing.extend(self.all.without(given).iter().map(|key| key.name().to_owned()));
         missing
     }
 }

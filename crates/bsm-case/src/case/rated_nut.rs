@@ -27,7 +27,7 @@ pub(crate) fn given(scene: &Scene) -> InputSet {
     let (balls_per_turn, turns) = balls_and_turns(scene);
     let told = [(InputKey::loaded_balls_per_turn, balls_per_turn), (InputKey::loaded_turns, turns)];
     let told = told.iter().filter(|(_, value)| value.is_some()).map(|(key, _)| *key);
-    scene.given() | told.collect()
+    scene.given().and(told.collect())
 }
 
 /// The nut of a scene.

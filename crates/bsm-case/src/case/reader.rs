@@ -8,6 +8,7 @@ use bsm_dyn::{
 };
 use bsm_kin::{Drive, Helix, Scalar};
 
+use crate::vocabulary::entries::Named;
 use crate::vocabulary::input_set::lead_angle;
 use crate::vocabulary::units::{DEG, GPA, MM, MM2, UM, drive_of_rpm};
 use crate::{InputKey, InputSet, ModelChoice, Scene, Settings};
@@ -19,7 +20,7 @@ pub(crate) struct Reader<F>(pub(crate) F, pub(crate) BaseOil);
 impl Scene {
     /// Base oil of its lubricant.
     pub(crate) fn base_oil(&self) -> BaseOil {
-        self.nut.base_oil.unwrap_or_default().into()
+        self.nut.base_oil.map_or(BaseOil::Mineral, |Named(oil)| oil)
     }
 
     /// The lubricant of all points of a table with these columns, if at most its temperature is among them and

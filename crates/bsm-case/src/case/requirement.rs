@@ -43,7 +43,7 @@ const USUAL_FRICTION: (f64, [f64; 2]) = (0.06, [0.03, 0.12]);
 pub(crate) const USUAL_CONTACT_ANGLES_DEG: (f64, f64) = (30.0, 75.0);
 
 /// Keys with texts, and their possible texts; the first is the default.
-pub const REQUIREMENT_WORDS: [(&str, &[&str], &str); 3] = [
+pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 3] = [
     ("motion", &["rotary-to-linear", "linear-to-rotary"], "which side drives"),
     (
         "objective",
@@ -114,7 +114,7 @@ const ALIASES: [(&str, &str); 2] =
     [("life_h", "required_life_h"), ("largest_speed_rpm", "motor_max_speed_rpm")];
 
 /// Words of a scene that a requirement may have.
-const WORDS_FROM_SCENES: [&str; 11] = [
+const ENTRIES_FROM_SCENES: [&str; 11] = [
     "support",
     "buckling_support",
     "screw_make",
@@ -135,7 +135,7 @@ pub struct RequirementFile {
     pub(crate) scene: Scene,
     /// How friction is calculated.
     pub(crate) settings: Settings,
-    pub(crate) requirement: Requirement,
+    pub(crate) problem: Requirement,
     /// What was assumed.
     pub(crate) notes: Vec<String>,
 }
@@ -170,7 +170,7 @@ impl RequirementFile {
             let value = serde_json::from_str(text).unwrap_or_else(|_| Value::from(text));
             given.assign(key, &value)?;
         }
-        given.wish(standard)
+        given.requirement(standard)
     }
 }
 
@@ -189,7 +189,7 @@ impl RequirementKeys {
     fn assign(&mut self, key: &str, value: &Value) -> Result<(), CaseError> {
         let own = ALIASES.iter().find(|(also, _)| *also == key);
         let key = own.map_or(key, |(_, own)| own);
-        if let Some((_, words, _)) = REQUIREMENT_WORDS.iter().find(|(name, ..)| *name == key) {
+        if let Some((_, words, _)) = REQUIREMENT_CHOICES.iter().find(|(name, ..)| *name == key) {
             let known = value.as_str().is_some_and(|word| words.contains(&word));
             if !known {
                 let expected = format!("one of {}", words.join(", "));
@@ -207,13 +207,13 @@ impl RequirementKeys {
         }
         let names = || from_scenes().map(InputKey::name);
         let known = key == "description"
-            || WORDS_FROM_SCENES.contains(&key)
+            || ENTRIES_FROM_SCENES.contains(&key)
             || names().any(|name| name == key)
             || convert(key, &names()).is_some();
         if !known {
             let names = names().chain(REQUIREMENT_INPUTS.iter().map(|input| input.name));
-            let names = names.chain(REQUIREMENT_WORDS.iter().map(|(name, ..)| *name));
-            let names = names.chain(WORDS_FROM_SCENES);
+            let names = names.chain(REQUIREMENT_CHOICES.iter().map(|(name, ..)| *name));
+            let names = names.chain(ENTRIES_FROM_SCENES);
             return Err(CaseError::unknown(Known::Requirement, key, nearest(key, names)));
         }
         self.scene.assign_json(key.to_owned(), value)
@@ -225,7 +225,7 @@ impl RequirementKeys {
     }
 
     fn word(&self, key: &str) -> &str {
-        let first = REQUIREMENT_WORDS.iter().find(|(name, ..)| *name == key);
+        let first = REQUIREMENT_CHOICES.iter().find(|(name, ..)| *name == key);
         let first = first.map_or("", |(_, words, _)| words[0]);
         self.words.get(key).and_then(Value::as_str).unwrap_or(first)
     }
@@ -306,7 +306,7 @@ impl RequirementKeys {
     }
 
     #[expect(clippy::too_many_lines, reason = "a key after the other")]
-    fn wish(self, standard: Lists) -> Result<RequirementFile, CaseError> {
+    fn requirement(self, standard: Lists) -> Result<RequirementFile, CaseError> {
         let mut scene = self.scene.clone();
         scene.check()?;
         let reach = self.one_of([
@@ -373,7 +373,7 @@ impl RequirementKeys {
         };
         let limit = |key| self.number(key).unwrap_or(f64::NAN);
         let least = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
-        let requirement = Requirement {
+        let problem = Requirement {
             demand,
             carriage: carriage(&scene),
             preload,
@@ -417,6 +417,6 @@ impl RequirementKeys {
             stock: standard.balls,
         };
         let settings = Settings::named(self.word("model"), None, None)?;
-        Ok(RequirementFile { scene, settings, requirement, notes })
+        Ok(RequirementFile { scene, settings, problem, notes })
     }
 }

@@ -9,7 +9,7 @@ use crate::case::nut::OF_A_NUT;
 use crate::vocabulary::input_set::{OF_A_LUBRICANT, lead_mm};
 use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::rules::Relation;
-use crate::{CaseError, InputKey, InputSet, NutWords, Scene, entries};
+use crate::{CaseError, InputKey, InputSet, Scene, SceneEntries, entries};
 
 /// Key of the free text.
 const DESCRIPTION: &str = "description";
@@ -65,7 +65,7 @@ impl Scene {
             };
         }
         let key = key_of(&key, value.as_str()).to_owned();
-        if NutWords::have(&key) {
+        if SceneEntries::have(&key) {
             return self.nut.set(key, value.clone());
         }
         // The name first: what is unknown has no type.
@@ -104,7 +104,7 @@ impl Scene {
             let (name, value) = text.split_once('=').ok_or_else(bad)?;
             let (name, value) = (name.trim(), value.trim());
             let name = key_of(name, Some(value.trim_matches('"')));
-            if NutWords::have(name) {
+            if SceneEntries::have(name) {
                 // A word need not stand in quotes.
                 let word = serde_json::from_str(value).unwrap_or_else(|_| json!(value));
                 given.nut.set(name.to_owned(), word)?;
@@ -130,11 +130,11 @@ impl Scene {
 
     /// Checks everything that does not depend on some inputs.
     pub(crate) fn check_but(&self, open: InputSet) -> Result<(), CaseError> {
-        for key in (self.given() - open).iter() {
+        for key in self.given().without(open).iter() {
             let value = self[key].unwrap_or(f64::NAN);
             key.input().rule.check(key.name(), value)?;
         }
-        (self.given() - open).check_forms()?;
+        self.given().without(open).check_forms()?;
         let relations = Relation::ALL.into_iter().filter(|relation| !relation.inputs().meets(open));
         for relation in relations {
             if relation.holds(self) == Some(false) {

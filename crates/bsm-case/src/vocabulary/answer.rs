@@ -270,6 +270,19 @@ impl Answer {
     }
 }
 
+/// The schema of the same, or null.
+pub(crate) fn or_null(mut schema: Value) -> Value {
+    if let Some(values) = schema.get_mut("enum").and_then(Value::as_array_mut) {
+        values.push(Value::Null);
+    }
+    match schema.get_mut("type") {
+        Some(Value::Array(types)) => types.push(json!("null")),
+        Some(one) => *one = json!([one, "null"]),
+        None => {}
+    }
+    schema
+}
+
 /// Type of a member of an object: `number`, `positive`, `integer`, `count`, `string`, `boolean`, `texts`, `numbers`, `list`, texts `a|b`,
 /// or an object; `[kind]` a list of it, `*kind` an object of it by names that are not known beforehand, `kind?` the same or null.
 ///
@@ -282,12 +295,7 @@ pub fn schema_of(
 ) -> Value {
     let kind = |word: &str| schema_of(word, members, numbers);
     if let Some(known) = word.strip_suffix('?') {
-        let mut schema = kind(known);
-        match schema.get_mut("enum").and_then(Value::as_array_mut) {
-            Some(words) => words.push(Value::Null),
-            None => schema["type"] = json!([schema["type"], "null"]),
-        }
-        return schema;
+        return or_null(kind(known));
     }
     if let Some(known) = word.strip_prefix('*') {
         return json!({ "type": "object", "additionalProperties": kind(known) });

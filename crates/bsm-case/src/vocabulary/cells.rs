@@ -1,6 +1,6 @@
 //! Tables that people give: names of columns, and rows of cells under them.
 
-use crate::CaseError;
+use crate::{CaseError, TableFormat};
 
 /// A table as it is written.
 pub(crate) struct Cells {
@@ -12,15 +12,15 @@ pub(crate) struct Cells {
 impl Cells {
     /// Reads a table of at least one row.
     ///
-    /// * `separator`: between cells. * `decimal`: the decimal sign.
-    ///
     /// # Errors
     ///
     /// [`CaseError::Table`] with the row.
-    pub(crate) fn read(table: &[u8], separator: u8, decimal: char) -> Result<Self, CaseError> {
+    pub(crate) fn read(table: &[u8], format: &TableFormat) -> Result<Self, CaseError> {
         let wrong = |error: &csv::Error| CaseError::Table { what: error.to_string() };
-        let mut reader =
-            csv::ReaderBuilder::new().trim(csv::Trim::All).delimiter(separator).from_reader(table);
+        let mut reader = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .delimiter(u8::try_from(format.delimiter).unwrap_or(b','))
+            .from_reader(table);
         let texts =
             |record: &csv::StringRecord| record.iter().map(str::to_owned).collect::<Vec<_>>();
         let heads = texts(reader.headers().map_err(|e| wrong(&e))?);
@@ -35,7 +35,7 @@ impl Cells {
             let what = format!("has no rows; the columns are {}", heads.join(", "));
             return Err(CaseError::Table { what });
         }
-        Ok(Self { heads, rows, decimal })
+        Ok(Self { heads, rows, decimal: format.decimal })
     }
 
     /// Names of its columns.

@@ -5,9 +5,9 @@ use std::ops::{Index, IndexMut};
 use bsm_dyn::VISCOSITY_GRADES;
 use bsm_simd::Compare;
 
+use super::entries::SceneEntries;
 use super::names::unknown_key;
 use super::units::convert;
-use super::words::NutWords;
 use crate::{CaseError, Quantity};
 
 /// Up to here every whole number is a double.
@@ -107,7 +107,7 @@ macro_rules! inputs {
             /// Free text.
             pub description: Option<String>,
             /// Entries besides numbers.
-            pub nut: NutWords,
+            pub nut: SceneEntries,
             $($(#[doc = $about] pub $name: Option<f64>,)*)*
         }
 

@@ -1,7 +1,6 @@
 //! Sets of inputs, and what a set that is given does to another one.
 
 use std::f64::consts::PI;
-use std::ops::{BitOr, Sub};
 
 use bsm_kin::Scalar;
 
@@ -101,14 +100,14 @@ impl InputSet {
             .iter()
             .map(Quantity::keys)
             .filter(|keys| keys.meets(self))
-            .fold(self | friction, Self::bitor)
+            .fold(self.and(friction), Self::and)
     }
 
     /// These, and those that follow from them: see [`following`].
     #[must_use]
     pub fn completed(self) -> Self {
-        let from = FOLLOW.iter().filter(|(_, ways)| ways.iter().any(|way| self.contains_all(*way)));
-        from.fold(self, |set, (key, _)| set | Self::of(&[*key]))
+        let known = |key| self.contains(key).then_some(1.0);
+        self.and(FOLLOW.into_iter().filter(|key| following(*key, known).is_some()).collect())
     }
 
     /// Two of these inputs that are forms of one quantity, for each quantity that is given so.
@@ -137,29 +136,13 @@ impl InputSet {
     /// Given inputs after `settings` have been applied to a scene that has these inputs.
     #[must_use]
     pub fn overridden_by(self, settings: Self) -> Self {
-        (self - settings.replaced()) | settings
-    }
-}
-
-impl BitOr for InputSet {
-    type Output = Self;
-
-    fn bitor(self, other: Self) -> Self {
-        self.and(other)
-    }
-}
-
-impl Sub for InputSet {
-    type Output = Self;
-
-    fn sub(self, other: Self) -> Self {
-        self.without(other)
+        self.without(settings.replaced()).and(settings)
     }
 }
 
 impl FromIterator<InputKey> for InputSet {
     fn from_iter<I: IntoIterator<Item = InputKey>>(keys: I) -> Self {
-        keys.into_iter().fold(Self::default(), |set, key| set | Self::of(&[key]))
+        keys.into_iter().fold(Self::default(), |set, key| set.and(Self::of(&[key])))
     }
 }
 
@@ -303,26 +286,8 @@ const QUANTITIES: &[Quantity] = &[
     HARDNESS,
 ];
 
-/// Inputs that follow from others where they are not given, and from which.
-const FOLLOW: &[(InputKey, &[InputSet])] = {
-    use InputKey as K;
-    &[
-        (
-            K::loaded_balls,
-            &[
-                InputSet::of(&[K::loaded_balls_per_turn, K::loaded_turns]),
-                InputSet::of(&[K::loaded_balls_per_turn, K::circuits_count, K::gap_deg]),
-            ],
-        ),
-        (
-            K::screw_speed_rpm,
-            &[
-                InputSet::of(&[K::feed_m_min, K::lead_mm]),
-                InputSet::of(&[K::feed_m_min, K::lead_angle_deg, K::pitch_circle_diameter_mm]),
-            ],
-        ),
-    ]
-};
+/// Inputs that follow from others where they are not given, see [`following`].
+const FOLLOW: [InputKey; 2] = [InputKey::loaded_balls, InputKey::screw_speed_rpm];
 
 /// The value of an input that follows from others: the balls of a nut from those of a turn, the speed from
 /// the feed.
@@ -462,7 +427,7 @@ impl Scene {
         let listed = self.nut.circuits.as_ref().map(|_| InputKey::loaded_balls);
         let warm = self.asks_warm() && given.is_lubricated();
         let found = warm.then_some(InputKey::lubricant_temperature_C);
-        given | listed.into_iter().chain(found).collect()
+        given.and(listed.into_iter().chain(found).collect())
     }
 
     /// The value of an input that is not given, from others or from the circuits of a nut.

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::error::{Known, brief};
 use super::units::{is_unit, long_name};
-use crate::{CaseError, INPUTS, NutWords};
+use crate::{CaseError, INPUTS, SceneEntries};
 
 /// The entries of a JSON object, in order, none twice.
 ///
@@ -52,7 +52,7 @@ pub fn nearest_input(key: &str) -> Option<&'static str> {
     if let Some(name) = INPUTS.iter().map(|input| input.name).find(meant) {
         return Some(name);
     }
-    nearest(key, INPUTS.iter().map(|input| input.name).chain(NutWords::KEYS.iter().copied()))
+    nearest(key, INPUTS.iter().map(|input| input.name).chain(SceneEntries::KEYS.iter().copied()))
 }
 
 /// The name that is nearest to `key`, if any is near.

@@ -8,11 +8,46 @@ use crate::Rule::{Above, Any, Within};
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{RPM, convert};
-use crate::{CaseError, nearest};
+use crate::{CaseError, TableFormat, nearest};
 
-keys! {
-    /// Keys of a phase.
-    pub(crate) PHASE_INPUTS;
+macro_rules! phase {
+    ($($name:ident [$unit:literal $($symbol:literal)?] $rule:expr, $default:expr, $about:literal;)*) => {
+        keys! {
+            /// Keys of a phase.
+            pub(crate) PHASE_INPUTS;
+            $($name [$unit $($symbol)?] $rule, $default, $about;)*
+        }
+
+        /// A phase of a cycle.
+        #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+        #[serde(try_from = "Map<String, Value>")]
+        #[expect(non_snake_case, reason = "names carry their unit as it is written")]
+        pub struct PhaseEntry {
+            $(
+                #[doc = $about]
+                #[serde(skip_serializing_if = "Option::is_none")]
+                pub $name: Option<f64>,
+            )*
+        }
+
+        impl Default for PhaseEntry {
+            fn default() -> Self {
+                Self { $($name: $default),* }
+            }
+        }
+
+        impl PhaseEntry {
+            fn set(&mut self, key: &str, value: f64) {
+                match key {
+                    $(stringify!($name) => self.$name = Some(value),)*
+                    _ => {}
+                }
+            }
+        }
+    };
+}
+
+phase! {
     time_s ["s" "t"] Above(0.0), None, "how long it lasts; or share";
     share [""] Above(0.0), None, "share of the time of the cycle; or time_s";
     force_N ["N" "F"] Any, Some(0.0), "process force; positive against a positive feed";
@@ -22,33 +57,7 @@ keys! {
     load_factor ["" "f_w"] Within(1.0, 5.0), None, "factor of the load in life and equivalent load; that of the scene unless given";
 }
 
-/// A phase of a cycle.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Map<String, Value>")]
-#[expect(non_snake_case, reason = "names carry their unit as it is written")]
-pub struct PhaseWords {
-    /// How long it lasts; or `share`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub time_s: Option<f64>,
-    /// Its share of the time of the cycle; or `time_s`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub share: Option<f64>,
-    /// Process force, positive against a positive feed.
-    pub force_N: f64,
-    /// Velocity of the nut; or `screw_speed_rpm`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub feed_m_min: Option<f64>,
-    /// Speed of the screw; or `feed_m_min`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub screw_speed_rpm: Option<f64>,
-    /// Acceleration along a positive feed.
-    pub acceleration_m_s2: f64,
-    /// Factor of the load in the life; that of the scene unless given.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub load_factor: Option<f64>,
-}
-
-impl TryFrom<Map<String, Value>> for PhaseWords {
+impl TryFrom<Map<String, Value>> for PhaseEntry {
     type Error = String;
 
     fn try_from(map: Map<String, Value>) -> Result<Self, String> {
@@ -61,7 +70,7 @@ impl TryFrom<Map<String, Value>> for PhaseWords {
     }
 }
 
-impl PhaseWords {
+impl PhaseEntry {
     /// From names in any unit, and values.
     fn of<'a>(entries: impl Iterator<Item = (&'a str, f64)>) -> Result<Self, String> {
         let mut phase = Self::default();
@@ -78,15 +87,7 @@ impl PhaseWords {
             let input = PHASE_INPUTS.iter().find(|input| input.name == word);
             let rule = input.map_or(Any, |input| input.rule);
             rule.check(name, value).map_err(|error| error.to_string())?;
-            match word {
-                "time_s" => phase.time_s = Some(value),
-                "share" => phase.share = Some(value),
-                "force_N" => phase.force_N = value,
-                "feed_m_min" => phase.feed_m_min = Some(value),
-                "screw_speed_rpm" => phase.screw_speed_rpm = Some(value),
-                "load_factor" => phase.load_factor = Some(value),
-                _ => phase.acceleration_m_s2 = value,
-            }
+            phase.set(word, value);
         }
         if phase.time_s.is_some() == phase.share.is_some() {
             return Err("a phase has one of time_s and share".to_owned());
@@ -112,13 +113,11 @@ impl PhaseWords {
 
     /// Reads a cycle from a table, a row a phase: columns are the keys of a phase, in any unit.
     ///
-    /// * `separator`: between cells. * `decimal`: the decimal sign.
-    ///
     /// # Errors
     ///
     /// [`CaseError::Table`] with the row.
-    pub fn from_csv(table: &[u8], separator: u8, decimal: char) -> Result<Vec<Self>, CaseError> {
-        let cells = Cells::read(table, separator, decimal)?;
+    pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
+        let cells = Cells::read(table, format)?;
         let heads = cells.columns(|head| Ok(head.to_owned()))?;
         cells.each(&heads, |_, row| {
             let entry = |(head, text): (&String, &str)| Ok((head.clone(), cells.number(text)?));

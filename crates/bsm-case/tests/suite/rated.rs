@@ -1,12 +1,11 @@
 //! Screws of which only the ratings are known, and accuracy grades.
 
-use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use approx::assert_relative_eq;
 use bsm_case::{
     AxisReport, CaseError, Catalogue, MakerNut, MakerRow, NutProblem, RequirementFile, Scene,
-    Settings,
+    Settings, TableFormat,
 };
 
 /// Four numbers of a catalogue, and what the axis does.
@@ -269,7 +268,7 @@ fn ratings_and_groove_are_compared() {
 fn a_makers_table_may_have_ratings_alone() {
     let table = b"nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N,core_diameter_mm
 small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
-    let nuts = MakerNut::from_csv(table, &BTreeMap::new(), b',', '.').expect("ratings suffice");
+    let nuts = MakerNut::from_csv(table, &TableFormat::default()).expect("ratings suffice");
     let catalogue = Catalogue::standard().expect("compiled in");
     let wish =
         br#"{"axial_load_N": 5000, "feed_m_min": 10, "stroke_mm": 1000, "required_life_h": 20000}"#;

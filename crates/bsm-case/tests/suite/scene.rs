@@ -369,7 +369,7 @@ fn schemas_follow_the_tables() {
     );
     assert_eq!(
         input["properties"].as_object().map(serde_json::Map::len),
-        Some(bsm_case::INPUTS.len() + bsm_case::NutWords::KEYS.len() + 1)
+        Some(bsm_case::INPUTS.len() + bsm_case::SceneEntries::KEYS.len() + 1)
     );
     let solved = scene(LIN).problem(&Settings::default()).expect("complete");
     let record = Record::new(solved.solve(&mut ModelWorkspace::default())).to_json();

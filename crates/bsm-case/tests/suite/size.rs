@@ -1,12 +1,11 @@
 //! The axis: its numbers against a second implementation, and its messages.
 
-use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
 use approx::assert_relative_eq;
 use bsm_case::{
     AxisReport, Catalogue, Content, DesignReport, MakerNut, NutProblem, Record, RequirementFile,
-    Scene, ScrewTorque, Settings, column_names, torque_parts,
+    Scene, ScrewTorque, Settings, TableFormat, column_names, torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace};
 use bsm_sample::{Sample, campaign};
@@ -621,8 +620,7 @@ fn a_long_screw_is_blocked_by_its_critical_speed() {
 #[test]
 fn a_makers_table_is_read() {
     let table = include_str!("../../../../examples/maker_table.csv");
-    let ours =
-        MakerNut::from_csv(table.as_bytes(), &BTreeMap::new(), b',', '.').expect("an example");
+    let ours = MakerNut::from_csv(table.as_bytes(), &TableFormat::default()).expect("an example");
     assert_eq!(ours.len(), 10);
     let theirs = table
         .replace(',', ";")
@@ -643,13 +641,16 @@ fn a_makers_table_is_read() {
         })
         .collect();
     let names = column_names(br#"{"Cdyn": "dynamic_load_rating_N", "bore": null}"#).expect("names");
-    let same = MakerNut::from_csv(theirs.join("\n").as_bytes(), &names, b';', ',');
+    let theirs = theirs.join("\n");
+    let format = TableFormat { delimiter: ';', decimal: ',', ..TableFormat::default() };
+    let named = TableFormat { names, ..format.clone() };
+    let same = MakerNut::from_csv(theirs.as_bytes(), &named);
     assert_eq!(same.expect("the same"), ours);
-    let unknown = MakerNut::from_csv(theirs.join("\n").as_bytes(), &BTreeMap::new(), b';', ',');
+    let unknown = MakerNut::from_csv(theirs.as_bytes(), &format);
     let told = unknown.expect_err("Cdyn").to_string();
     assert!(told.contains("unknown column") && told.contains("--dialect names="), "{told}");
     // A decimal point where a comma is meant is refused, not read as another number.
-    let mixed = MakerNut::from_csv(b"nut;lead_mm\na;1.500", &BTreeMap::new(), b';', ',');
+    let mixed = MakerNut::from_csv(b"nut;lead_mm\na;1.500", &format);
     assert!(mixed.expect_err("mixed").to_string().contains("`1.500` is no number"));
     for nut in &ours {
         let stated = nut.scene.rated_dynamic_load_N.expect("a rating");

@@ -4,7 +4,7 @@ use bsm_design::{Contamination, usual_fatigue_limit};
 use bsm_dyn::Temperature;
 
 use crate::case::axis::Machine;
-use crate::vocabulary::words::Named;
+use crate::vocabulary::entries::Named;
 use crate::{CaseError, Scene};
 
 /// Lubricant and cleanliness of a nut.

@@ -1,6 +1,6 @@
 //! What the sheet of an axis says besides its numbers: what was assumed, what is usual, what is uncertain.
 
-use bsm_design::{Axis, Choice, Grade, Phase};
+use bsm_design::{Axis, Grade, Phase};
 use bsm_dyn::ModelWorkspace;
 
 use super::state::AxisState;
@@ -10,6 +10,7 @@ use crate::answers::nut::preload_note;
 use crate::case::axis::{LEAST_TURNS, make};
 use crate::case::rated_screw::LEFT_OUT;
 use crate::case::warm::Warm;
+use crate::vocabulary::entries::Choice;
 use crate::vocabulary::units::{MM, RPM};
 use crate::{CaseError, InputKey, NutReport};
 

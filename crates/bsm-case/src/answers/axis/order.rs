@@ -1,10 +1,11 @@
 //! What to order.
 
-use bsm_design::{Choice, PreloadMethod};
+use bsm_design::PreloadMethod;
 
 use super::state::AxisState;
 use crate::InputKey;
 use crate::case::axis::preload_method;
+use crate::vocabulary::entries::Choice;
 use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::MM;
 

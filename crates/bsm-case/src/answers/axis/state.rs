@@ -3,9 +3,7 @@
 use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
-use bsm_design::{
-    Axis, Grade, Life, Phase, RigidityAt, Shaft, heat_transfer, in_series, life, steady_rise,
-};
+use bsm_design::{Axis, Grade, Life, Phase, Shaft, heat_transfer, in_series, life, steady_rise};
 use bsm_dyn::ModelWorkspace;
 
 use super::contacts::{contacts, nut_at};
@@ -14,6 +12,7 @@ use super::lubrication::Lubrication;
 use super::torques::{Preload, Torques};
 use crate::case::axis::{FixedEnds, Machine, useful_travel};
 use crate::case::warm::{Warm, WarmState};
+use crate::vocabulary::entries::Named;
 use crate::vocabulary::units::{RPM, UM};
 use crate::{CaseError, InputKey, NutReport, Scene, Settings};
 
@@ -195,7 +194,7 @@ impl<'a> AxisState<'a> {
         let axis = self.axis();
         let by_catalogue = || {
             let stated = self.scene.rated_rigidity_N_um?;
-            let at = RigidityAt::from(self.scene.nut.rated_rigidity_at?);
+            let Named(at) = self.scene.nut.rated_rigidity_at?;
             at.rigidity(stated, axis.largest_load(), axis.preload, self.machine.ratings[0])
         };
         if self.machine.groove.is_some() {

@@ -4,8 +4,8 @@ use bsm_design::NutBody;
 use bsm_nut::{BallNut, Bar, Ring};
 
 use super::problem::{bad, twice};
+use crate::vocabulary::entries::{End, Named};
 use crate::vocabulary::units::MM;
-use crate::vocabulary::words::End;
 use crate::{CaseError, InputKey, Scene};
 
 /// The nut with bars and ring.
@@ -52,14 +52,14 @@ fn ends(nut: &BallNut) -> [f64; 2] {
 /// * `made`: stiffness from the diameters \[N\].
 fn bar(
     scene: &Scene,
-    ([stiffness, place], word, end): ([InputKey; 2], &'static str, Option<End>),
+    ([stiffness, place], word, end): ([InputKey; 2], &'static str, Option<Named<End>>),
     made: f64,
     ends: [f64; 2],
 ) -> Result<Option<Bar>, CaseError> {
     let at = |end: End| if end == End::Low { ends[0] } else { ends[1] };
     let anchor = match (end, scene[place]) {
         (Some(_), Some(_)) => return Err(twice(word, place.name())),
-        (Some(end), None) => at(end),
+        (Some(Named(end)), None) => at(end),
         (None, Some(z)) => z * MM,
         (None, None) if scene[stiffness].is_some() => {
             let what =

@@ -7,10 +7,10 @@ use bsm_nut::{Circuit, Flanks, LeadError, Preload};
 
 use super::loading::{arrangement, is_preloaded};
 use super::problem::{bad, checked, twice, whole};
+use crate::vocabulary::entries::{Arrangement, CircuitEntry, LeadErrorEntry, Named, SceneEntries};
 use crate::vocabulary::input_set::loaded_turns;
 use crate::vocabulary::number::count;
 use crate::vocabulary::units::{DEG, MM, UM};
-use crate::vocabulary::words::{Arrangement, CircuitWords, Flank, LeadErrorWords, NutWords};
 use crate::{CaseError, InputKey, Rule, Scene};
 
 /// The entries that circuits are made from where they are not listed.
@@ -47,16 +47,6 @@ pub(super) fn of_circuits(design: Nut, circuits: &[Circuit]) -> Nut {
     Nut { balls_per_turn: count(balls) / turns, turns, ..design }
 }
 
-impl From<Flank> for Flanks {
-    fn from(flank: Flank) -> Self {
-        match flank {
-            Flank::Plus => Self::Plus,
-            Flank::Minus => Self::Minus,
-            Flank::Both => Self::Both,
-        }
-    }
-}
-
 /// The flank that a body of a pair presses.
 fn flank_of(body: usize, arrangement: Arrangement) -> Flanks {
     let first = body.is_multiple_of(2);
@@ -64,7 +54,7 @@ fn flank_of(body: usize, arrangement: Arrangement) -> Flanks {
 }
 
 pub(super) fn listed_circuits(
-    listed: &[CircuitWords],
+    listed: &[CircuitEntry],
     starts: f64,
     arrangement: Option<Arrangement>,
 ) -> Result<Vec<Circuit>, CaseError> {
@@ -104,7 +94,7 @@ pub(super) fn listed_circuits(
             thread: words.start,
             body: words.body,
             flanks: match words.flank {
-                Some(flank) => flank.into(),
+                Some(Named(flanks)) => flanks,
                 None if bodies == 1 => Flanks::Both,
                 None => flank_of(words.body, arrangement.unwrap_or(Arrangement::X)),
             },
@@ -183,7 +173,10 @@ pub(super) fn short_circuits(scene: &Scene, way: Preload) -> Result<Vec<Circuit>
 }
 
 /// Excess of the radius of each ball \[m\].
-pub(super) fn deviations(words: &NutWords, deviation: Option<f64>) -> Result<Vec<f64>, CaseError> {
+pub(super) fn deviations(
+    words: &SceneEntries,
+    deviation: Option<f64>,
+) -> Result<Vec<f64>, CaseError> {
     let Some(listed) = &words.ball_deviation_um else { return Ok(Vec::new()) };
     if deviation.is_some() {
         return Err(twice("ball_deviation_um", "ball_deviation_sd_um"));
@@ -195,9 +188,9 @@ pub(super) fn deviations(words: &NutWords, deviation: Option<f64>) -> Result<Vec
     listed.iter().enumerate().map(one).collect()
 }
 
-pub(super) fn lead_error((i, words): (usize, &LeadErrorWords)) -> Result<LeadError, CaseError> {
+pub(super) fn lead_error((i, words): (usize, &LeadErrorEntry)) -> Result<LeadError, CaseError> {
     let path = format!("lead_error[{i}]");
-    let LeadErrorWords { amplitude_um, order, phase_deg, slope_um_per_mm, z0_mm } = *words;
+    let LeadErrorEntry { amplitude_um, order, phase_deg, slope_um_per_mm, z0_mm } = *words;
     match (amplitude_um, order, slope_um_per_mm) {
         (Some(amplitude), Some(order), None) if z0_mm.is_none() => Ok(LeadError::Wave {
             amplitude: amplitude * UM,

@@ -2,11 +2,12 @@
 
 use std::array::from_fn;
 
+use bsm_design::PreloadMethod;
 use bsm_nut::{BallNut, Flanks, Freedom, Preload, Support};
 
 use super::problem::{bad, twice};
+use crate::vocabulary::entries::{Arrangement, Guidance, Named};
 use crate::vocabulary::units::UM;
-use crate::vocabulary::words::{Arrangement, Guidance, PreloadWay};
 use crate::{CaseError, InputKey, Scene};
 
 /// Freedoms across the axis: load, displacement and spring, and what their units are in SI.
@@ -31,12 +32,11 @@ pub(super) enum Amount {
     Displacement(f64),
 }
 
-impl From<PreloadWay> for Preload {
-    fn from(way: PreloadWay) -> Self {
-        match way {
-            PreloadWay::Pair | PreloadWay::Offset => Self::Offset,
-            PreloadWay::Oversize => Self::Oversize,
-        }
+/// How the bodies of a nut are preloaded that is preloaded in that way.
+pub(super) fn preload_of_bodies(Named(method): Named<PreloadMethod>) -> Preload {
+    match method {
+        PreloadMethod::DoubleNut | PreloadMethod::Offset => Preload::Offset,
+        PreloadMethod::Oversize => Preload::Oversize,
     }
 }
 
@@ -49,7 +49,7 @@ pub(super) fn is_preloaded(scene: &Scene) -> bool {
 pub(super) fn arrangement(scene: &Scene) -> Result<Option<Arrangement>, CaseError> {
     let offset = scene.preload_offset_um.filter(|offset| *offset != 0.0);
     let by_offset = offset.map(|o| if o > 0.0 { Arrangement::X } else { Arrangement::O });
-    match (scene.nut.preload_arrangement, by_offset) {
+    match (scene.nut.preload_arrangement.map(|Named(own)| own), by_offset) {
         (Some(word), Some(sign)) if word != sign => Err(bad(
             "preload_arrangement",
             "contradicts preload_offset_um, which is above 0 for X and below 0 for O",
@@ -121,7 +121,7 @@ pub(super) fn preload(
 
 /// Loads and what holds the nut.
 pub(super) fn support(scene: &Scene) -> Result<Support, CaseError> {
-    let free = scene.nut.nut_guidance == Some(Guidance::Free);
+    let free = scene.nut.nut_guidance == Some(Named(Guidance::Free));
     let mut support = Support::guided(scene.axial_load_N.unwrap_or(0.0));
     for (freedom, (keys, units)) in support.0[1..].iter_mut().zip(ACROSS) {
         let given: [Option<f64>; 3] = from_fn(|i| Some(scene[keys[i]]? * units[i]));

@@ -13,7 +13,7 @@ use super::circuits::{
     SHORT, deviations, lead_error, listed_circuits, of_circuits, short_circuits,
 };
 use super::draw::draw;
-use super::loading::{Amount, arrangement, preload, support};
+use super::loading::{Amount, arrangement, preload, preload_of_bodies, support};
 use super::train::BallGaps;
 use crate::case::problem::{Needs, has_lubricant};
 use crate::case::rated_nut;
@@ -300,10 +300,10 @@ fn ball_nut(scene: &Scene) -> Result<(BallNut, Preload), CaseError> {
         }
         let several = listed.iter().any(|circuit| circuit.body > 0);
         let usual = if several { Preload::Offset } else { Preload::Oversize };
-        let way = words.preload_by.map_or(usual, Preload::from);
+        let way = words.preload_by.map_or(usual, preload_of_bodies);
         (listed_circuits(listed, value(InputKey::starts), arrangement(scene)?)?, way)
     } else {
-        let way = words.preload_by.map_or(Preload::Offset, Preload::from);
+        let way = words.preload_by.map_or(Preload::Offset, preload_of_bodies);
         (short_circuits(scene, way)?, way)
     };
     let lead_errors = words.lead_error.as_deref().unwrap_or_default();

@@ -11,8 +11,8 @@ use bsm_nut::{BallNut, Equilibrium, FrictionSum, Support};
 
 use crate::case::axis::Machine;
 use crate::case::nut::{NutPreload, bad};
+use crate::vocabulary::entries::Named;
 use crate::vocabulary::units::{MM, RPM, UM};
-use crate::vocabulary::words::CoolantWord;
 use crate::{CaseError, InputKey, NutProblem, Scene, Settings};
 
 /// Speed at which makers measure the drag of a preload \[rad/s\].
@@ -153,10 +153,7 @@ impl<'a> WarmAxis<'a> {
         let unloaded = cold.nut.solve(&cold.problem.support).map_err(CaseError::Nut)?;
         let mean = unloaded.mean_load();
         let flow = scene.coolant_flow_l_min.map(|flow| {
-            let coolant = match scene.nut.coolant {
-                Some(CoolantWord::Oil) => Coolant::Oil,
-                _ => Coolant::Water,
-            };
+            let coolant = scene.nut.coolant.map_or(Coolant::Water, |Named(coolant)| coolant);
             coolant_conductance(coolant, flow / 6e4, shaft.bore, shaft.length)
         });
         let hold = machine.held.map(|held| AxialHold {

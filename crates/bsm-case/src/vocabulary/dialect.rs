@@ -24,12 +24,12 @@ impl Default for TableFormat {
 
 impl TableFormat {
     /// True if the table is written as ours are.
-    pub(crate) fn is_ours(&self) -> bool {
+    pub fn is_ours(&self) -> bool {
         *self == Self::default()
     }
 
     /// The name of a column in the vocabulary; `None` if it is not read.
-    pub(crate) fn name<'a>(&'a self, own: &'a str) -> Option<&'a str> {
+    pub fn name<'a>(&'a self, own: &'a str) -> Option<&'a str> {
         match self.names.get(own) {
             Some(name) => name.as_deref(),
             None => Some(own),

@@ -1,23 +1,24 @@
 //! What a scene says of a nut, its axis and its lubricant besides numbers: lists, objects, texts and flags.
 
 use bsm_design::{
-    Choice, Contamination, Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod, RigidityAt,
-    Support,
+    Contamination, Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod, RigidityAt, Support,
 };
 use bsm_dyn::BaseOil;
+use bsm_nut::Flanks;
+use bsm_nut::thermal::Coolant;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use super::answer::schema_of;
-use super::phase::PhaseWords;
+use super::answer::{or_null, schema_of};
+use super::phase::{PHASE_INPUTS, PhaseEntry};
 use crate::{CaseError, nearest};
 
-macro_rules! words {
-    ($($name:ident: $kind:ty [$schema:literal], $about:literal;)*) => {
+macro_rules! entries {
+    ($($name:ident: $kind:ty, $about:literal;)*) => {
         /// Entries of a scene besides numbers.
         #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
         #[serde(deny_unknown_fields)]
-        pub struct NutWords {
+        pub struct SceneEntries {
             $(
                 #[doc = $about]
                 #[serde(skip_serializing_if = "Option::is_none")]
@@ -25,7 +26,7 @@ macro_rules! words {
             )*
         }
 
-        impl NutWords {
+        impl SceneEntries {
             /// Their keys, in the order of the documentation.
             pub const KEYS: &[&str] = &[$(stringify!($name)),*];
 
@@ -40,102 +41,77 @@ macro_rules! words {
             pub(crate) fn schema() -> Map<String, Value> {
                 let mut all = Map::new();
                 $({
-                    let members = |name: &str| OBJECTS.iter().find(|(own, _)| *own == name).map_or("", |(_, members)| members);
-                    let mut property = schema_of(concat!($schema, "?"), &members, &|_| Vec::new());
+                    let mut property = <Option<$kind>>::schema();
                     property["description"] = json!($about);
                     all.insert(stringify!($name).to_owned(), property);
                 })*
-                let names = PRELOAD_CLASSES.iter().map(|(name, _)| json!(name));
-                all["preload_class"]["enum"] = names.chain([Value::Null]).collect();
-                // The names of accuracy grades, and numbers of some.
-                let names = Grade::all().map(|grade| json!(grade.name));
-                let numbers = NUMBERS.map(|number| json!(number));
-                let grade = &mut all["accuracy_grade"];
-                grade["enum"] = names.chain(numbers).chain([Value::Null]).collect();
-                grade["type"] = json!(["string", "integer", "null"]);
                 all
             }
         }
     };
 }
 
-/// Objects among them, as [`schema_of`] has them.
-const OBJECTS: [(&str, &str); 3] = [
-    (
-        "circuit",
-        "start_deg number, arc_deg positive, balls count, start? count, body? count, flank? +|-|both?, offset_um? number, ball_gap_mm? positive?",
-    ),
-    (
-        "lead error",
-        "amplitude_um? number?, order? number?, phase_deg? number?, slope_um_per_mm? number?, z0_mm? number?",
-    ),
-    (
-        "phase",
-        "time_s? number, share? number, force_N? number, feed_m_min? number, screw_speed_rpm? number, acceleration_m_s2? number, load_factor? number",
-    ),
-];
-
-words! {
-    project: String ["string"], "head of the sheet of bsm axis: project";
-    drawing: String ["string"], "head of the sheet: number of the drawing";
-    revision: String ["string"], "head of the sheet: revision";
-    author: String ["string"], "head of the sheet: author";
-    date: String ["string"], "head of the sheet: date, as it is given";
-    customer: String ["string"], "head of the sheet: customer";
-    remark: String ["string"], "head of the sheet: remark";
-    circuits: Vec<CircuitWords> ["[circuit]"],
+entries! {
+    project: String, "head of the sheet of bsm axis: project";
+    drawing: String, "head of the sheet: number of the drawing";
+    revision: String, "head of the sheet: revision";
+    author: String, "head of the sheet: author";
+    date: String, "head of the sheet: date, as it is given";
+    customer: String, "head of the sheet: customer";
+    remark: String, "head of the sheet: remark";
+    circuits: Vec<CircuitEntry>,
         "loaded balls of a nut, circuit by circuit; in place of circuits_count, loaded_turns and loaded_balls_per_turn";
-    ring_expansion: bool ["boolean"],
+    ring_expansion: bool,
         "true: the nut widens around its balls, a tube from the grooves to nut_outer_diameter_mm";
-    nut_guidance: Guidance ["guided|free"],
+    nut_guidance: Named<Guidance>,
         "what holds a nut across its axis: guided, tilt and side motion are held; free, they are loaded";
-    nut_anchor: End ["low|high"],
+    nut_anchor: Named<End>,
         "end of the loaded length where the force leaves the nut; without it the nut is rigid";
-    screw_anchor: End ["low|high"],
+    screw_anchor: Named<End>,
         "end of the loaded length where the force leaves the screw; without it the screw is rigid";
-    screw_torsion: bool ["boolean"],
+    screw_torsion: bool,
         "true: the torque of the balls leaves the screw at its anchor too, and twists it";
-    preload_by: PreloadWay ["pair|offset|oversize"],
+    preload_by: Named<PreloadMethod>,
         "how a nut is preloaded: pair, two nuts against each other; offset, a shifted lead within one nut, which acts as a pair; oversize, balls too large for both flanks. Unless given, a pair if the nut has two bodies or short words";
-    preload_class: ClassWord ["string"],
+    preload_class: ClassName,
         "class of preload, for bsm axis and bsm select, in place of preload_N: auto, the least that the largest load does not open; Z, G0 to G3, GT, P0 to P4, Z0 to Z3 of makers";
-    preload_arrangement: Arrangement ["O|X"],
+    preload_arrangement: Named<Arrangement>,
         "arrangement of a preloaded pair: O, the nuts are pushed apart; X, they are pulled together. O unless preload_offset_um or the flanks of circuits say otherwise";
-    ball_deviation_um: Vec<f64> ["[number]"],
+    ball_deviation_um: Vec<f64>,
         "deviation of the diameter of each ball from the nominal one in um, in the order of the circuits";
-    lead_error: Vec<LeadErrorWords> ["[lead error]"],
+    lead_error: Vec<LeadErrorEntry>,
         "axial errors of the nut's groove against the screw's, which add up: waves (amplitude_um, order per turn, phase_deg) and slopes (slope_um_per_mm, z0_mm)";
-    base_oil: OilWord ["mineral|pao|ester|pag"],
+    base_oil: Named<BaseOil>,
         "base oil of the lubricant, for what is not given of it; mineral unless given";
-    ball_precession_rad_s: f64 ["number"],
+    ball_precession_rad_s: f64,
         "angular velocity of the balls about the axis [rad/s], for their centrifugal force in a nut; 0 unless given";
-    support: Named<Support> ["fixed-free|supported-supported|fixed-supported|fixed-fixed"],
+    support: Named<Support>,
         "how the ends of the screw are held, for bsm axis: the fixed end takes the axial load";
-    buckling_support: Named<Support> ["fixed-free|supported-supported|fixed-supported|fixed-fixed"],
+    buckling_support: Named<Support>,
         "how the section of the screw between fixed bearing and nut is held against buckling; fixed-fixed by a guided table, unless support is supported-supported";
-    screw_make: Named<Make> ["rolled|ground|caged|high-speed"],
+    screw_make: Named<Make>,
         "how the screw and its ball return are made, for the largest speed number; ground unless given";
-    accuracy_grade: GradeWord ["string"],
+    accuracy_grade: GradeName,
         "accuracy grade of the screw, for bsm axis: P0 to P10 and T5 to T10 of ISO 3408-3, C0 to C10 of JIS B 1192 (THK, NSK, MISUMI); a number alone is a P grade";
-    steel: SteelWord ["air-melted|vacuum-degassed|electro-slag|vacuum-remelted"],
+    steel: Named<SteelFactor>,
         "how the steel of the raceways is melted, for the dynamic load rating; air-melted unless given";
-    contamination: Named<Contamination> ["extreme-cleanliness|high|normal|slight|typical|severe|very-severe"],
+    contamination: Named<Contamination>,
         "cleanliness of the lubricant by ISO 281, for the modified life: high, greased for life and sealed; normal, wipers and bellows; typical, no wipers; severe, open in chips";
-    keep_ratings: bool ["boolean"],
+    keep_ratings: bool,
         "true: rated_dynamic_load_N and rated_static_load_N stand although the groove has other ratings by more than a factor of 2";
-    rated_rigidity_at: RigidityWord ["0.3 Ca|0.28 Ca|preload 0.1 Ca"],
+    rated_rigidity_at: Named<RigidityAt>,
         "where rated_rigidity_N_um is meant: at an axial load of 0.3 C_a (THK) or 0.28 C_a (HIWIN), or of a nut preloaded by 0.1 C_a";
-    cycle: Vec<PhaseWords> ["[phase]"],
+    cycle: Vec<PhaseEntry>,
         "phases of the cycle of the axis, for bsm axis: time_s or share, force_N, feed_m_min or screw_speed_rpm, acceleration_m_s2; in place of axial_load_N and screw_speed_rpm";
-    warm_state: bool ["boolean"],
+    warm_state: bool,
         "true: find the temperatures that friction brings the axis to, and the preload that they leave";
-    coolant: CoolantWord ["water|oil"],
+    coolant: Named<Coolant>,
         "what flows through a hollow screw; water unless given";
-    drag_rule: bool ["boolean"],
+    drag_rule: bool,
         "false: no drag of the preload beyond the contacts; manufacturers' rule unless given";
 }
 
-impl NutWords {
+impl SceneEntries {
     /// True for one of the keys.
     pub(crate) fn have(key: &str) -> bool {
         Self::KEYS.contains(&key)
@@ -165,36 +141,10 @@ impl NutWords {
     }
 }
 
-/// A base oil.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum OilWord {
-    /// Mineral oil.
-    #[default]
-    Mineral,
-    /// Polyalphaolefin.
-    Pao,
-    /// Ester.
-    Ester,
-    /// Polyglycol.
-    Pag,
-}
-
-impl From<OilWord> for BaseOil {
-    fn from(word: OilWord) -> Self {
-        match word {
-            OilWord::Mineral => Self::Mineral,
-            OilWord::Pao => Self::Pao,
-            OilWord::Ester => Self::Ester,
-            OilWord::Pag => Self::Pag,
-        }
-    }
-}
-
 /// A circuit of a nut.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct CircuitWords {
+pub struct CircuitEntry {
     /// Helix angle at which the loaded arc begins.
     pub start_deg: f64,
     /// Length of the loaded arc.
@@ -209,7 +159,7 @@ pub struct CircuitWords {
     pub body: usize,
     /// Flanks that exist; both for a single body, one for each body of several.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub flank: Option<Flank>,
+    pub flank: Option<Named<Flanks>>,
     /// Axial offset of its groove in the nut.
     #[serde(default)]
     pub offset_um: f64,
@@ -218,23 +168,8 @@ pub struct CircuitWords {
     pub ball_gap_mm: Option<f64>,
 }
 
-/// Flanks of a circuit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Flank {
-    /// Flanks that push the nut along +z.
-    #[serde(rename = "+")]
-    Plus,
-    /// Flanks that push it along -z.
-    #[serde(rename = "-")]
-    Minus,
-    /// Both.
-    #[serde(rename = "both")]
-    Both,
-}
-
 /// An end of the loaded length.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
     /// Where z is least.
     Low,
@@ -243,8 +178,7 @@ pub enum End {
 }
 
 /// Guidance of a nut across its axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Guidance {
     /// Tilt and side motion are held.
     Guided,
@@ -253,7 +187,7 @@ pub enum Guidance {
 }
 
 /// Arrangement of a preloaded pair of nuts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Arrangement {
     /// The nuts are pushed apart: a spacer that is too thick, a shifted lead.
     O,
@@ -261,41 +195,19 @@ pub enum Arrangement {
     X,
 }
 
-/// How a nut is preloaded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum PreloadWay {
-    /// Two bodies are pressed against each other.
-    Pair,
-    /// The lead is shifted within one nut.
-    Offset,
-    /// The balls are too large.
-    Oversize,
-}
-
-impl From<PreloadWay> for PreloadMethod {
-    fn from(way: PreloadWay) -> Self {
-        match way {
-            PreloadWay::Pair => Self::DoubleNut,
-            PreloadWay::Offset => Self::Offset,
-            PreloadWay::Oversize => Self::Oversize,
-        }
-    }
-}
-
 /// A class of preload by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
-pub struct ClassWord(&'static (&'static str, PreloadClass));
+pub struct ClassName(&'static (&'static str, PreloadClass));
 
-impl ClassWord {
+impl ClassName {
     /// What it means.
     pub(crate) fn class(self) -> PreloadClass {
         self.0.1
     }
 }
 
-impl TryFrom<String> for ClassWord {
+impl TryFrom<String> for ClassName {
     type Error = String;
 
     fn try_from(text: String) -> Result<Self, String> {
@@ -307,20 +219,54 @@ impl TryFrom<String> for ClassWord {
     }
 }
 
-impl From<ClassWord> for String {
-    fn from(word: ClassWord) -> Self {
+impl From<ClassName> for String {
+    fn from(word: ClassName) -> Self {
         word.0.0.to_owned()
     }
 }
 
-/// What flows through a hollow screw.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum CoolantWord {
-    /// Water.
-    Water,
-    /// Oil.
-    Oil,
+/// Factor of the dynamic load rating by how the steel is melted `$f_m$`, usual values of ISO 3408-5.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SteelFactor(pub f64);
+
+/// One of a few, each with its name.
+pub trait Choice: Copy + PartialEq + 'static {
+    /// All of them.
+    const NAMES: &'static [(&'static str, Self)];
+
+    /// Its name.
+    fn name(self) -> &'static str {
+        Self::NAMES.iter().find(|(_, own)| *own == self).map_or("", |(name, _)| name)
+    }
+}
+
+macro_rules! choices {
+    ($($kind:ident: $($name:literal = $value:expr),+;)*) => {
+        $(impl Choice for $kind {
+            const NAMES: &'static [(&'static str, Self)] = &[$(($name, $value)),+];
+        })*
+    };
+}
+
+choices! {
+    Arrangement: "O" = Self::O, "X" = Self::X;
+    BaseOil: "mineral" = Self::Mineral, "pao" = Self::Pao, "ester" = Self::Ester, "pag" = Self::Pag;
+    Contamination: "extreme-cleanliness" = Self::ExtremeCleanliness, "high" = Self::High,
+        "normal" = Self::Normal, "slight" = Self::Slight, "typical" = Self::Typical,
+        "severe" = Self::Severe, "very-severe" = Self::VerySevere;
+    Coolant: "water" = Self::Water, "oil" = Self::Oil;
+    End: "low" = Self::Low, "high" = Self::High;
+    Flanks: "+" = Self::Plus, "-" = Self::Minus, "both" = Self::Both;
+    Guidance: "guided" = Self::Guided, "free" = Self::Free;
+    Make: "rolled" = Self::Rolled, "ground" = Self::Ground, "caged" = Self::Caged,
+        "high-speed" = Self::HighSpeed;
+    PreloadMethod: "pair" = Self::DoubleNut, "offset" = Self::Offset, "oversize" = Self::Oversize;
+    RigidityAt: "0.3 Ca" = Self::Load(0.3), "0.28 Ca" = Self::Load(0.28),
+        "preload 0.1 Ca" = Self::Preload(0.1);
+    SteelFactor: "air-melted" = Self(1.0), "vacuum-degassed" = Self(1.25),
+        "electro-slag" = Self(1.44), "vacuum-remelted" = Self(1.71);
+    Support: "fixed-free" = Self::FixedFree, "supported-supported" = Self::SupportedSupported,
+        "fixed-supported" = Self::FixedSupported, "fixed-fixed" = Self::FixedFixed;
 }
 
 /// One of a few, which a scene has by its name.
@@ -339,59 +285,78 @@ impl<'de, T: Choice> Deserialize<'de> for Named<T> {
         let found = T::NAMES.iter().find(|(name, _)| *name == word);
         found.map(|(_, own)| Self(*own)).ok_or_else(|| {
             let names: Vec<_> = T::NAMES.iter().map(|(name, _)| format!("`{name}`")).collect();
-            let names = names.join(", ");
-            serde::de::Error::custom(format!("unknown variant `{word}`, expected one of {names}"))
+            let expected = match &names[..] {
+                [one, other] => format!("{one} or {other}"),
+                several => format!("one of {}", several.join(", ")),
+            };
+            serde::de::Error::custom(format!("unknown variant `{word}`, expected {expected}"))
         })
     }
 }
 
-/// How a steel is melted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SteelWord {
-    /// In air.
-    AirMelted,
-    /// Degassed in vacuum.
-    VacuumDegassed,
-    /// Remelted under slag.
-    ElectroSlag,
-    /// Remelted in vacuum.
-    VacuumRemelted,
+/// An entry whose JSON Schema follows from its type.
+trait Entry {
+    fn schema() -> Value;
 }
 
-impl SteelWord {
-    /// Factor of the dynamic load rating `$f_m$`, usual values of ISO 3408-5.
-    pub(crate) fn factor(self) -> f64 {
-        match self {
-            Self::AirMelted => 1.0,
-            Self::VacuumDegassed => 1.25,
-            Self::ElectroSlag => 1.44,
-            Self::VacuumRemelted => 1.71,
-        }
+macro_rules! schemas {
+    ($($kind:ty = $schema:expr;)*) => {
+        $(impl Entry for $kind {
+            fn schema() -> Value {
+                $schema
+            }
+        })*
+    };
+}
+
+/// Schema of an object of these members, see [`schema_of`].
+fn object(members: &'static str) -> Value {
+    schema_of("", &|_| members, &|_| Vec::new())
+}
+
+schemas! {
+    String = json!({ "type": "string" });
+    bool = json!({ "type": "boolean" });
+    f64 = json!({ "type": "number" });
+    ClassName = json!({
+        "type": "string",
+        "enum": PRELOAD_CLASSES.iter().map(|(name, _)| *name).collect::<Vec<_>>(),
+    });
+    // The names of accuracy grades, and numbers of some.
+    GradeName = {
+        let names = Grade::all().map(|grade| json!(grade.name));
+        let all: Vec<_> = names.chain(NUMBERS.map(|number| json!(number))).collect();
+        json!({ "type": ["string", "integer"], "enum": all })
+    };
+    CircuitEntry = object(
+        "start_deg number, arc_deg positive, balls count, start? count, body? count, flank? +|-|both?, offset_um? number, \
+         ball_gap_mm? positive?",
+    );
+    LeadErrorEntry = object(
+        "amplitude_um? number?, order? number?, phase_deg? number?, slope_um_per_mm? number?, z0_mm? number?",
+    );
+    PhaseEntry = {
+        let each = PHASE_INPUTS.iter().map(|input| (input.name.to_owned(), f64::schema()));
+        let properties: Map<_, _> = each.collect();
+        json!({ "type": "object", "properties": properties, "required": [], "additionalProperties": false })
+    };
+}
+
+impl<T: Choice> Entry for Named<T> {
+    fn schema() -> Value {
+        json!({ "enum": T::NAMES.iter().map(|(name, _)| *name).collect::<Vec<_>>() })
     }
 }
 
-/// Where the rigidity of a catalogue is meant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum RigidityWord {
-    /// At 0.3 of the dynamic load rating.
-    #[serde(rename = "0.3 Ca")]
-    Thk,
-    /// At 0.28 of it.
-    #[serde(rename = "0.28 Ca")]
-    Hiwin,
-    /// Of a nut preloaded by 0.1 of it.
-    #[serde(rename = "preload 0.1 Ca")]
-    Preloaded,
+impl<T: Entry> Entry for Vec<T> {
+    fn schema() -> Value {
+        json!({ "type": "array", "items": T::schema() })
+    }
 }
 
-impl From<RigidityWord> for RigidityAt {
-    fn from(word: RigidityWord) -> Self {
-        match word {
-            RigidityWord::Thk => Self::Load(0.3),
-            RigidityWord::Hiwin => Self::Load(0.28),
-            RigidityWord::Preloaded => Self::Preload(0.1),
-        }
+impl<T: Entry> Entry for Option<T> {
+    fn schema() -> Value {
+        or_null(T::schema())
     }
 }
 
@@ -401,14 +366,14 @@ const NUMBERS: [u8; 6] = [0, 1, 3, 5, 7, 10];
 /// An accuracy grade: its name, or the number alone of a P grade.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Value", into = "Value")]
-pub struct GradeWord {
+pub struct GradeName {
     /// The grade.
     pub grade: &'static Grade,
     /// The number, if it stood alone.
     number: Option<u8>,
 }
 
-impl TryFrom<Value> for GradeWord {
+impl TryFrom<Value> for GradeName {
     type Error = String;
 
     fn try_from(value: Value) -> Result<Self, String> {
@@ -427,13 +392,13 @@ impl TryFrom<Value> for GradeWord {
     }
 }
 
-impl From<GradeWord> for Value {
-    fn from(word: GradeWord) -> Self {
+impl From<GradeName> for Value {
+    fn from(word: GradeName) -> Self {
         word.number.map_or_else(|| json!(word.grade.name), |number| json!(number))
     }
 }
 
-impl GradeWord {
+impl GradeName {
     /// Which grade it is, and what it is not.
     pub(crate) fn describe(self) -> String {
         let Grade { name, standard, variation, .. } = self.grade;
@@ -452,7 +417,7 @@ impl GradeWord {
 /// An axial error of the nut's groove against the screw's: a wave or a slope.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct LeadErrorWords {
+pub struct LeadErrorEntry {
     /// Amplitude of a wave.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitude_um: Option<f64>,
@@ -529,13 +494,13 @@ mod tests {
             "coolant": "oil",
             "drag_rule": false,
         });
-        let mut words = NutWords::default();
+        let mut words = SceneEntries::default();
         for (key, value) in all.as_object().expect("an object") {
             words.set(key.clone(), value.clone()).expect(key);
         }
         assert_eq!(Value::Object(words.to_map()), all);
-        assert_eq!(words.to_map().keys().collect::<Vec<_>>(), NutWords::KEYS);
-        let schema = NutWords::schema();
+        assert_eq!(words.to_map().keys().collect::<Vec<_>>(), SceneEntries::KEYS);
+        let schema = SceneEntries::schema();
         same_keys(&all, &json!({ "properties": schema }));
     }
 }
