@@ -8,7 +8,7 @@ use bsm_benches::{lin_problem, seeded};
 use bsm_case::Settings;
 use bsm_dyn::internals::RigidSystem;
 use bsm_dyn::{Model, ModelWorkspace, Problem, Rigid};
-use bsm_newton::{Dense, Equations, Options, Scales, Workspace, solve};
+use bsm_newton::{Equations, Options, Scales, Workspace, solve};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 fn lin_rigid() -> Rigid {
@@ -49,7 +49,7 @@ fn one_point(c: &mut Criterion) {
     let mut neighbour = case;
     neighbour.point.load.axial *= 0.99;
     let memory = &mut Workspace::default();
-    let run = |case: &Rigid, from: Option<[f64; 7]>, memory: &mut Workspace<Dense<7>>| {
+    let run = |case: &Rigid, from: Option<[f64; 7]>, memory: &mut Workspace<7>| {
         let system = RigidSystem::of(case).expect("friction and speed");
         let mut y = from.unwrap_or(system.start);
         let scales = Scales { x: &[1.0; 7], f: &system.weights };

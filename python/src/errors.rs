@@ -41,10 +41,7 @@ pub(crate) fn table(error: &TableError) -> PyErr {
             (of(name, nearest.as_deref()), hint)
         }
         TableError::UnknownOutput { name, nearest } => (of(name, *nearest), OUTPUTS.to_owned()),
-        TableError::NameOfAnAnswer { name }
-        | TableError::NothingToKeep { name }
-        | TableError::RepeatedColumn { names: [_, name] }
-        | TableError::NotNumbers { name, .. } => (of(name, None), String::new()),
+        TableError::Column { name, .. } => (of(name, None), String::new()),
         _ => (About::default(), String::new()),
     };
     invalid(&error.to_string(), about, &hint)

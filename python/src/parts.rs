@@ -31,9 +31,9 @@ fn failed(error: DatasetError) -> PyErr {
     match &error {
         DatasetError::Io { .. } | DatasetError::Thread(_) => PyOSError::new_err(error.to_string()),
         DatasetError::Read(error) | DatasetError::Write { error, .. } => errors::table(error),
-        DatasetError::Damaged(_)
-        | DatasetError::PartsOfAnotherPlan { .. }
-        | DatasetError::PointsChanged { .. } => errors::named("PartError", &error.to_string()),
+        DatasetError::Damaged(_) | DatasetError::NotOfThePlan(_) => {
+            errors::named("PartError", &error.to_string())
+        }
         other => errors::words(&other.to_string()),
     }
 }

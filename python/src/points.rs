@@ -215,7 +215,7 @@ pub(crate) fn table_of(
     let inputs = named.input_places().iter().enumerate().map(input).collect();
     let names = named.input_places().iter().map(|place| columns[*place].0.clone()).collect();
     if let Some(place) = kept.iter().position(|column| column.data_type().is_nested()) {
-        return Err(errors::table(&TableError::NotText { name: keep[place].clone() }));
+        return Err(errors::table(&TableError::not_text(&keep[place])));
     }
     let named =
         named.with_kept_types(kept.iter().map(|column| column.data_type().clone()).collect());

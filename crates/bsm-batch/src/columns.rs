@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use arrow_array::Float64Array;
 use arrow_schema::{DataType, Field, Schema, SchemaRef};
-use bsm_case::{InputKey, InputSet, Output, nearest_input};
+use bsm_case::{InputKey, InputSet, Output, brief, nearest_input};
 
 use crate::{TableError, TableFormat};
 
@@ -77,9 +77,15 @@ impl Columns {
         keep: &[String],
         dialect: &TableFormat,
     ) -> Result<Self, TableError> {
+        let missing = |name: &str, to: &str| {
+            let message = format!("the table has no column `{}` to {to}", brief(name));
+            TableError::Column { name: name.to_owned(), message }
+        };
         let mut renamed: Vec<_> = dialect.names.keys().collect();
         if let Some(name) = keep.iter().find(|name| is_answer(name)) {
-            return Err(TableError::NameOfAnAnswer { name: name.clone() });
+            let what = "cannot be kept: the results have a column of that name; rename yours";
+            let message = format!("column `{}` {what}", brief(name));
+            return Err(TableError::Column { name: name.clone(), message });
         }
         let mut columns = Self::default();
         let mut answered = false;
@@ -91,9 +97,7 @@ impl Columns {
                 columns.unread.push(own.to_owned());
                 continue;
             };
-            let repeated = |former: &str| {
-                Err(TableError::RepeatedColumn { names: [former, own].map(str::to_owned) })
-            };
+            let repeated = |former: &str| Err(TableError::repeated(former, own));
             answered |= ANSWERS.contains(&name);
             if columns.kept.iter().any(|k| k == name) {
                 return repeated(own);
@@ -118,8 +122,8 @@ impl Columns {
             }
         }
         match (keep.iter().find(|name| !columns.kept.contains(name)), renamed.first()) {
-            (Some(name), _) => Err(TableError::NothingToKeep { name: name.clone() }),
-            (None, Some(name)) => Err(TableError::NothingToRename { name: (*name).clone() }),
+            (Some(name), _) => Err(missing(name, "keep")),
+            (None, Some(name)) => Err(missing(name, "rename")),
             (None, None) => Ok(columns),
         }
     }

@@ -159,7 +159,7 @@ pub fn solve_part(
     number: u64,
     workers: &Workers<'_>,
 ) -> Result<(SchemaRef, Vec<RecordBatch>), DatasetError> {
-    let task = plan.task().map_err(DatasetError::NotPoints)?;
+    let task = plan.task().map_err(points::refused)?;
     let place = plan.place(number)?;
     let mut source = points.open().map_err(DatasetError::Read)?;
     source.skip(place.first_row).map_err(DatasetError::Read)?;
@@ -255,7 +255,10 @@ impl Dataset {
             DatasetError::NotAPlan { path: self.folder.plan(), why }
         };
         let differences = self.plan.differences(&text).ok_or_else(not_a_plan)?;
-        Err(DatasetError::AnotherPlan { folder: self.folder.path.clone(), differences })
+        Err(DatasetError::Refused(format!(
+            "{} holds the parts of another task, which differs in: {differences}",
+            self.folder.path.display()
+        )))
     }
 
     /// Makes the folder and writes the plan.
@@ -380,27 +383,6 @@ impl Dataset {
         }
     }
 
-    /// Solves one part.
-    ///
-    /// * `source`: rows from the first of the part on. * `replace`: whether what stands under its name is
-    ///   replaced; else it must be the part itself.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`]; nothing stays then.
-    pub fn run_part(
-        &self,
-        number: u64,
-        task: &Task,
-        source: &mut dyn Source,
-        replace: bool,
-        workers: &Workers<'_>,
-        tell: &mut dyn FnMut(Event<'_>),
-    ) -> Result<Part, DatasetError> {
-        let (file, part) = self.write_part(number, task, source, workers, tell)?;
-        self.keep(file, part, replace, workers)
-    }
-
     /// Solves one part into a file without its name.
     fn write_part(
         &self,
@@ -463,8 +445,12 @@ impl Dataset {
         tell: &mut dyn FnMut(Event<'_>),
     ) -> Result<BTreeMap<u64, Part>, DatasetError> {
         if repair && let Some(other) = self.survey(false, workers)?.other_plan() {
-            let (folder, other) = (self.folder.path.clone(), other.to_owned());
-            return Err(DatasetError::PartsOfAnotherPlan { folder, other });
+            return Err(DatasetError::NotOfThePlan(format!(
+                "{} has parts of another plan, {}, beside its plan.json; put the plan.json of these parts back, or \
+                 take another folder",
+                self.folder.path.display(),
+                &other[..other.len().min(12)]
+            )));
         }
         self.folder.make_folders()?;
         let mut source = points.open().map_err(DatasetError::Read)?;

@@ -54,6 +54,7 @@ mod rows;
 mod solve;
 mod source;
 mod table;
+mod task;
 mod text;
 
 pub use columns::{Columns, Heading};
@@ -61,11 +62,12 @@ pub use dialect::TableFormat;
 pub use draws::{Draw, DrawSource, Draws};
 pub use error::TableError;
 pub use parquet_table::{ParquetSource, caught, hush_caught_panics};
-pub use pipeline::{Count, ROWS, RunError, Task, Workers};
+pub use pipeline::{Count, ROWS, RunError, Workers};
 pub use rows::{Answers, Cell, Cells, Chunk, Verdict};
 pub use solve::{Buffers, RowReport};
 pub use source::{GridSource, Source};
 pub use table::{ABOUT, Format, NumberColumn, TableSink};
+pub use task::Task;
 pub use text::{CsvSource, JsonSource};
 
 /// Where answered rows go.

@@ -42,8 +42,11 @@ impl<R: Read> Lines<R> {
         while self.read()? {
             self.number += 1;
             let line = self.number;
+            let malformed = |what: &str| TableError::Malformed(format!("line {line} {what}"));
             if self.line.len() > LONGEST {
-                return Err(TableError::LongLine { line, most: LONGEST });
+                let most = LONGEST >> 20;
+                let what = format!("is longer than {most} MiB; is an end of line missing?");
+                return Err(malformed(&what));
             }
             // Some programs begin a file with a byte order mark.
             if line == 1 && self.line.starts_with(b"\xef\xbb\xbf") {
@@ -52,12 +55,15 @@ impl<R: Read> Lines<R> {
             if is_blank(&self.line) {
                 blank = blank.or(Some(line));
             } else if let Some(line) = blank {
-                return Err(TableError::BlankLine { line });
+                return Err(TableError::Malformed(format!(
+                    "line {line} is blank; a row is one line, so write an empty cell as \"\" or remove the line"
+                )));
             } else if memchr::memchr(0, &self.line).is_some() {
-                return Err(TableError::Nul { line });
+                return Err(malformed("has a NUL byte; save the table as UTF-8 text"));
             } else {
-                let text = str::from_utf8(&self.line).map_err(|_| TableError::NotUtf8 { line })?;
-                return Ok(Some(text));
+                let text = str::from_utf8(&self.line);
+                let not_text = |_| malformed("is not UTF-8 text; save the table as UTF-8");
+                return text.map(Some).map_err(not_text);
             }
         }
         Ok(None)

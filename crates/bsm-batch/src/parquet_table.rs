@@ -109,15 +109,14 @@ impl ParquetSource {
         for (key, place) in columns.inputs.iter().zip(&columns.input_places) {
             let found = fields[*place].data_type();
             if !(found.is_numeric() || *found == DataType::Null) {
-                let (name, found) = (key.name().to_owned(), found.to_string());
-                return Err(TableError::NotNumbers { name, found });
+                let name = key.name();
+                let message = format!("column `{name}` holds {found}, but must hold numbers");
+                return Err(TableError::Column { name: name.to_owned(), message });
             }
         }
         for (place, (name, at)) in columns.kept.iter().zip(&columns.kept_places).enumerate() {
             columns.kept_types[place] = match fields[*at].data_type() {
-                found if found.is_nested() => {
-                    return Err(TableError::NotText { name: name.clone() });
-                }
+                found if found.is_nested() => return Err(TableError::not_text(name)),
                 DataType::LargeUtf8 => DataType::Utf8,
                 found => found.clone(),
             };
@@ -149,7 +148,7 @@ impl ParquetSource {
                     _ => continue,
                 };
                 if mask.leaf_included(leaf) {
-                    return Err(TableError::Unread(format!("{unread} compression")));
+                    return Err(TableError::unread(&format!("{unread} compression")));
                 }
             }
         }
@@ -183,7 +182,10 @@ impl ParquetSource {
         let batch = decoded(|| Ok(self.reader.next().transpose()?))?;
         self.read += batch.as_ref().map_or(0, |batch| batch.num_rows() as u64);
         if batch.is_none() && self.read != self.len {
-            return Err(TableError::LostRows { announced: self.len, found: self.read });
+            return Err(TableError::Malformed(format!(
+                "the table announces {} rows, but holds {}; it is damaged",
+                self.len, self.read
+            )));
         }
         Ok(batch)
     }

@@ -264,7 +264,7 @@ impl Answers {
     ///
     /// # Errors
     ///
-    /// [`TableError::UnknownOutput`], [`TableError::RepeatedColumn`].
+    /// [`TableError`] of a name that is no output, or stands twice.
     pub fn select(names: Option<&[String]>) -> Result<Vec<&'static Output>, TableError> {
         let Some(names) = names else { return Ok(OUTPUTS.iter().collect()) };
         let mut selected: Vec<&'static Output> = Vec::with_capacity(names.len());
@@ -275,7 +275,7 @@ impl Answers {
                 nearest: Output::nearest(name),
             })?;
             if selected.iter().any(|other| other.name == output.name) {
-                return Err(TableError::RepeatedColumn { names: [name.clone(), name.clone()] });
+                return Err(TableError::repeated(name, name));
             }
             selected.push(output);
         }

@@ -62,7 +62,7 @@ impl<R: Read> CsvSource<R> {
     pub fn with(reader: R, keep: &[String], dialect: &TableFormat) -> Result<Self, TableError> {
         let TableFormat { delimiter, decimal, .. } = *dialect;
         let mut lines = Lines::new(reader);
-        let header = lines.next()?.ok_or(TableError::NoHeader)?;
+        let header = lines.next()?.ok_or_else(TableError::no_header)?;
         let mut names = Vec::new();
         let sorted = split(header, delimiter, 1, |_, name| names.push(name)).and_then(|width| {
             Ok((Columns::sort_as(names.iter().map(AsRef::as_ref), keep, dialect)?, width))
@@ -104,7 +104,12 @@ fn split<'a>(
                 // Quotes in pairs belong to the cell; the first one alone ends it.
                 let mut end = 0;
                 loop {
-                    end += quoted[end..].find('"').ok_or(TableError::OpenQuote { line })?;
+                    end += quoted[end..].find('"').ok_or_else(|| {
+                        TableError::Malformed(format!(
+                            "line {line}: a quoted cell does not end on its line; close the quote, or take the line \
+                             break out of the cell"
+                        ))
+                    })?;
                     if !quoted[end + 1..].starts_with('"') {
                         break;
                     }
@@ -120,7 +125,10 @@ fn split<'a>(
         let is_bare = matches!(cell, Cow::Borrowed(_));
         let next = after.strip_prefix(delimiter);
         if quotes && (is_bare && cell.contains('"') || next.is_none() && !after.is_empty()) {
-            return Err(TableError::StrayQuote { line });
+            return Err(TableError::Malformed(format!(
+                "line {line}: a quote inside a cell; put the whole cell in quotes and double those in it, or take the \
+                 quotes out"
+            )));
         }
         each(cells, cell);
         cells += 1;
@@ -156,7 +164,10 @@ impl<R: Read + Send> Source for CsvSource<R> {
                 Some(Take::Nothing) | None => {}
             })?;
             if found != takes.len() {
-                return Err(TableError::Ragged { line, found, columns: takes.len() });
+                return Err(TableError::Malformed(format!(
+                    "line {line} has {found} cells, but the table has {} columns",
+                    takes.len()
+                )));
             }
             chunk.end_row();
         }
@@ -194,7 +205,7 @@ impl<R: Read> JsonSource<R> {
     /// As [`new`](Self::new).
     pub fn with(reader: R, keep: &[String], dialect: &TableFormat) -> Result<Self, TableError> {
         let mut lines = Lines::new(reader);
-        let (first, _) = object(&mut lines)?.ok_or(TableError::NoHeader)?;
+        let (first, _) = object(&mut lines)?.ok_or_else(TableError::no_header)?;
         let columns = Columns::sort_as(first.iter().map(|(key, _)| key.as_str()), keep, dialect)?;
         Ok(Self { lines, first: Some(first), columns, row: 0 })
     }
@@ -206,7 +217,7 @@ fn object<R: Read>(lines: &mut Lines<R>) -> Result<Option<(Object, usize)>, Tabl
     let (read, length) = (entries(text.as_bytes()), text.len());
     match read {
         Ok(object) => Ok(Some((object, length))),
-        Err(e) => Err(TableError::Json { line: lines.number(), reason: e.to_string() }),
+        Err(e) => Err(TableError::Malformed(format!("line {}: {e}", lines.number()))),
     }
 }
 
@@ -247,8 +258,9 @@ impl<R: Read + Send> Source for JsonSource<R> {
                 columns.unread.contains(name) || is_answer(name) && InputKey::in_unit(name).is_err()
             };
             if let Some(name) = object.keys().find(|name| !passed_over(name)) {
-                let reason = format!("`{}` is not in the first line", brief(name));
-                return Err(TableError::Json { line: lines.number(), reason });
+                let (line, name) = (lines.number(), brief(name));
+                let message = format!("line {line}: `{name}` is not in the first line");
+                return Err(TableError::Malformed(message));
             }
             chunk.end_row();
             text += length;

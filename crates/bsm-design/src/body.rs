@@ -2,11 +2,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use crate::screw::STEEL;
 use crate::thread::Profile;
 use crate::{Nut, Screw, Thread};
-
-/// Density of the steel of nuts and screws \[kg/m³\].
-pub(crate) const STEEL: f64 = 7850.0;
 
 /// Turns of a nut that carry no balls: returns and ends (Sobolewski 2002).
 const IDLE_TURNS: f64 = 3.0;

@@ -4,7 +4,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use crate::body::STEEL;
+use crate::screw::STEEL;
 
 /// Acceleration of free fall \[m/s²\], standard.
 pub(crate) const GRAVITY: f64 = 9.806_65;

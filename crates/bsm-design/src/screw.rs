@@ -4,7 +4,8 @@
 
 use std::f64::consts::PI;
 
-use crate::body::STEEL;
+/// Density of the steel of nuts and screws \[kg/m³\].
+pub(crate) const STEEL: f64 = 7850.0;
 
 /// Sizes of a screw that its axis depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]

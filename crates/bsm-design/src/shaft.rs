@@ -5,7 +5,7 @@
 use std::f64::consts::PI;
 
 use crate::Choice;
-use crate::body::STEEL;
+use crate::screw::STEEL;
 
 /// Stress up to which the screw is loaded along its axis \[Pa\] (Z3): THK, PMI and others state
 /// 147 N/mm².

@@ -25,8 +25,8 @@ impl Kernel for ClosedForm {
         contact_angles(given, out);
         if out.wants(&[OutputKey::nut_slip_angle_deg, OutputKey::screw_slip_angle_deg]) {
             let [nut, screw] = sines.slip_angles(back);
-            out.set(OutputKey::nut_slip_angle_deg, nut.each(direction_deg));
-            out.set(OutputKey::screw_slip_angle_deg, screw.each(direction_deg));
+            let angles = [nut.each(direction_deg), screw.each(direction_deg)];
+            out.set_all(OutputKey::nut_slip_angle_deg, angles);
         }
         out.set_flag(OutputKey::self_locking, sines.self_locking(back, f));
         transmit(given, out, &NoInertia { back, tan_a: sines.tan_a(), eta, ratio });
@@ -46,8 +46,7 @@ pub(super) fn backwards<S: Simd>(given: &LaneInputs<'_, S>) -> Mask<S> {
 #[inline(always)]
 pub(super) fn contact_angles<S: Simd>(given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) {
     let angle = given.get(InputKey::contact_angle_deg);
-    out.set(OutputKey::nut_contact_angle_deg, angle);
-    out.set(OutputKey::screw_contact_angle_deg, angle);
+    out.set_all(OutputKey::nut_contact_angle_deg, [angle; 2]);
 }
 
 /// What a model without inertia knows.
@@ -78,8 +77,7 @@ pub(super) fn transmit<S: Simd>(
     let turns = (back | eta.gt(zero)) & ratio.gt(zero) & ratio.lt(zero.constant(f64::INFINITY));
     let none = zero.constant(f64::NAN);
     let normal = turns.select(ratio * load / balls, none);
-    out.set(OutputKey::nut_normal_load_N, normal);
-    out.set(OutputKey::screw_normal_load_N, normal);
+    out.set_all(OutputKey::nut_normal_load_N, [normal; 2]);
     let ideal = ideal_torque(load, pitch * (0.5 * MM), tan_a);
     let torque = turns.select(back.select(ideal * eta, ideal / eta), none);
     out.set(OutputKey::ball_torque_Nm, torque);
@@ -99,9 +97,8 @@ pub(super) fn transmit_torque<S: Simd>(
     speed: Lane<S>,
 ) -> Lane<S> {
     let eta = efficiency(back, ideal, torque);
-    out.set(OutputKey::efficiency, eta);
+    out.set_all(OutputKey::efficiency, [eta, torque * unit]);
     out.set_flag(OutputKey::self_locking, eta.le(eta.constant(0.0)));
-    out.set(OutputKey::ball_torque_Nm, torque * unit);
     powers(out, (torque * unit, ideal * unit), speed);
     eta
 }
@@ -129,7 +126,5 @@ fn powers<S: Simd>(out: &mut Sink<'_, '_>, (torque, ideal): (Lane<S>, Lane<S>), 
     // Not a number where there is no torque.
     let Power { input, output, dissipated } =
         Power::transmitted(torque, ideal + torque * 0.0, speed);
-    out.set(OutputKey::input_power_W, input);
-    out.set(OutputKey::output_power_W, output);
-    out.set(OutputKey::dissipated_power_W, dissipated);
+    out.set_all(OutputKey::input_power_W, [input, output, dissipated]);
 }

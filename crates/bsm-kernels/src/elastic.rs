@@ -10,7 +10,7 @@ use bsm_simd::{NullaryFnOnce, Simd};
 use crate::closed_form::{power_balance, transmit_torque};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::pair::{Balls, ContactRow, InUnits};
-use crate::rigid::slip_angle;
+use crate::rigid::{ball_motion, slip_angle};
 use crate::units::Units;
 use crate::{Kernel, Sink};
 
@@ -40,8 +40,7 @@ impl Kernel for Elastic {
         let sides = [pair.loaded(0, q_a, (sin_a, cos_a)), pair.loaded(1, q_b, (sin_b, cos_b))];
         given.simd.vectorize(ContactRow { out, units: &units, pair: &pair, sides: &sides });
         let imbalance = outputs(&skid, out, &units, &pair);
-        out.set(OutputKey::iterations, skid.steps);
-        out.set(OutputKey::residual_norm, skid.residual);
+        out.set_all(OutputKey::iterations, [skid.steps, skid.residual]);
         skid.found & imbalance.abs().le(imbalance.constant(POWER_BALANCE_TOL))
     }
 }
@@ -99,18 +98,13 @@ fn outputs<S: Simd>(
 ) -> Lane<S> {
     let (w, lead) = (units.speed, (pair.sin_a, pair.cos_a));
     let to_nut = skid.rotation().in_frenet();
-    let [t, n, b] = relative_rotation(to_nut, -pair.nut_speed, lead);
-    out.set(OutputKey::ball_omega_t_rad_s, t * w);
-    out.set(OutputKey::ball_omega_n_rad_s, n * w);
-    out.set(OutputKey::ball_omega_b_rad_s, b * w);
+    ball_motion(out, w, skid.rate, relative_rotation(to_nut, -pair.nut_speed, lead));
     let ([sin_a, sin_b], [cos_a, cos_b]) = (skid.state.sin, skid.state.cos);
-    out.set(OutputKey::nut_spin_rad_s, spin_at_nut(to_nut, (sin_a, cos_a)) * w);
     let to_screw = relative_rotation(to_nut, pair.constant(1.0), lead);
-    out.set(OutputKey::screw_spin_rad_s, -(spin_at_nut(to_screw, (sin_b, cos_b)) * w));
+    let spins = [spin_at_nut(to_nut, (sin_a, cos_a)), -spin_at_nut(to_screw, (sin_b, cos_b))];
+    out.set_all(OutputKey::nut_spin_rad_s, [spins[0] * w, spins[1] * w]);
     let ([v_a, v_b], speed) = (skid.motion.slip, w.abs() * units.ball);
-    out.set(OutputKey::nut_slip_velocity_m_s, v_a * speed);
-    out.set(OutputKey::screw_slip_velocity_m_s, v_b * speed);
-    out.set(OutputKey::ball_precession_rad_s, skid.rate * w);
+    out.set_all(OutputKey::nut_slip_velocity_m_s, [v_a * speed, v_b * speed]);
     let [at_nut, at_screw] = skid.friction();
     slip_angle(out, OutputKey::nut_slip_angle_deg, at_nut);
     slip_angle(out, OutputKey::screw_slip_angle_deg, at_screw);

@@ -96,6 +96,16 @@ impl Sink<'_, '_> {
         }
     }
 
+    /// Stores the values of an output and of those that follow it in the vocabulary.
+    #[inline(always)]
+    fn set_all<S: Simd, const N: usize>(&mut self, first: OutputKey, values: [Lane<S>; N]) {
+        for (place, values) in self.wanted.0[first as usize..].iter().zip(values) {
+            if let Some(place) = *place {
+                values.store(&mut self.columns[place][self.row..]);
+            }
+        }
+    }
+
     /// No other solution than this one.
     #[inline(always)]
     fn set_unique<S: Simd>(&mut self, like: Lane<S>) {

@@ -50,40 +50,25 @@ impl<S: Simd> NullaryFnOnce for ContactRow<'_, '_, '_, S> {
 
     #[inline(always)]
     fn call(self) {
-        const KEYS: [[OutputKey; 6]; 2] = [
-            [
-                OutputKey::nut_normal_load_N,
-                OutputKey::nut_contact_angle_deg,
-                OutputKey::nut_ellipse_a_mm,
-                OutputKey::nut_ellipse_b_mm,
-                OutputKey::nut_max_pressure_MPa,
-                OutputKey::nut_approach_um,
-            ],
-            [
-                OutputKey::screw_normal_load_N,
-                OutputKey::screw_contact_angle_deg,
-                OutputKey::screw_ellipse_a_mm,
-                OutputKey::screw_ellipse_b_mm,
-                OutputKey::screw_max_pressure_MPa,
-                OutputKey::screw_approach_um,
-            ],
-        ];
         let Self { out, units, pair, sides } = self;
         let ball = units.ball;
-        for (i, [load, angle, long, short, pressure, approach]) in KEYS.into_iter().enumerate() {
-            let (side, pressed) = (&sides[i], &pair.pressed[i]);
-            let q = side.load * units.load;
-            out.set(load, q);
-            if out.wants(&[angle]) {
-                out.set(angle, side.sin.zip(side.cos, f64::atan2) / DEG);
-            }
-            let (a, b) = side.semi_axes(pressed);
-            let (a, b) = (a * ball, b * ball);
-            out.set(long, a / MM);
-            out.set(short, b / MM);
-            out.set(pressure, max_pressure(q, (a, b)) / MPA);
-            out.set(approach, side.approach * ball / UM);
+        let [nut, screw] = sides;
+        let [q_a, q_b] = [nut.load * units.load, screw.load * units.load];
+        out.set_all(OutputKey::nut_normal_load_N, [q_a, q_b]);
+        if out.wants(&[OutputKey::nut_contact_angle_deg, OutputKey::screw_contact_angle_deg]) {
+            let angles = [nut.sin.zip(nut.cos, f64::atan2), screw.sin.zip(screw.cos, f64::atan2)];
+            out.set_all(OutputKey::nut_contact_angle_deg, [angles[0] / DEG, angles[1] / DEG]);
         }
+        let (a, b) = nut.semi_axes(&pair.pressed[0]);
+        let at_nut = (a * ball, b * ball);
+        let (a, b) = screw.semi_axes(&pair.pressed[1]);
+        let at_screw = (a * ball, b * ball);
+        let pressures = [max_pressure(q_a, at_nut) / MPA, max_pressure(q_b, at_screw) / MPA];
+        out.set_all(OutputKey::nut_max_pressure_MPa, pressures);
+        out.set_all(OutputKey::nut_ellipse_a_mm, [at_nut.0 / MM, at_screw.0 / MM]);
+        out.set_all(OutputKey::nut_ellipse_b_mm, [at_nut.1 / MM, at_screw.1 / MM]);
+        let approaches = [nut.approach * ball / UM, screw.approach * ball / UM];
+        out.set_all(OutputKey::nut_approach_um, approaches);
         out.set(OutputKey::axial_displacement_um, pair.displacement(sides) * ball / UM);
     }
 }

@@ -19,6 +19,7 @@ use self::oil::OilLane;
 use crate::closed_form::transmit_torque;
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::pair::{Balls, ContactRow, InUnits};
+use crate::rigid::ball_motion;
 use crate::units::Units;
 use crate::{Kernel, Sink};
 
@@ -77,8 +78,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
         let (resolved, efficiency, friction) =
             transmit(out, given, (units, pair), (&grip, &motion));
         let skid = regime(out, friction, (units, pair), (&grip, &motion));
-        out.set(OutputKey::iterations, grip.steps);
-        out.set(OutputKey::residual_norm, grip.residual);
+        out.set_all(OutputKey::iterations, [grip.steps, grip.residual]);
         out.set(OutputKey::controlling_race, grip.by_nut.select(zero, zero + 1.0));
         // With a lubricant the model looks for no other solutions.
         if given.operands.lubricant.is_none() {
@@ -123,22 +123,16 @@ impl<S: Simd> Motion<S> {
     fn outputs(&self, out: &mut Sink<'_, '_>, units: &Units<S>, pair: &Balls<S>) {
         let w = units.speed;
         let to_nut = [pair.sin_a * 0.5, self.omega[0], self.omega[1]];
-        let [t, n, b] = relative_rotation(to_nut, -pair.nut_speed, (pair.sin_a, pair.cos_a));
-        out.set(OutputKey::ball_precession_rad_s, (self.p + pair.nut_speed) * w);
-        out.set(OutputKey::ball_omega_t_rad_s, t * w);
-        out.set(OutputKey::ball_omega_n_rad_s, n * w);
-        out.set(OutputKey::ball_omega_b_rad_s, b * w);
-        out.set(OutputKey::nut_spin_rad_s, self.spin[0] * w);
-        out.set(OutputKey::screw_spin_rad_s, self.spin[1] * w);
+        let omega = relative_rotation(to_nut, -pair.nut_speed, (pair.sin_a, pair.cos_a));
+        ball_motion(out, w, self.p + pair.nut_speed, omega);
+        out.set_all(OutputKey::nut_spin_rad_s, [self.spin[0] * w, self.spin[1] * w]);
         // Both centres roll; the slip of the lead is shared, against friction along e_x.
         let slip = pair.sin_a * 0.5 * w.abs() * units.ball;
-        out.set(OutputKey::nut_slip_velocity_m_s, slip);
-        out.set(OutputKey::screw_slip_velocity_m_s, slip);
+        out.set_all(OutputKey::nut_slip_velocity_m_s, [slip; 2]);
         // Friction is along e_x, or against it where the load drives.
         let zero = w.constant(0.0);
         let angle = w.lt(zero).select(zero.constant(180.0), zero);
-        out.set(OutputKey::nut_slip_angle_deg, angle);
-        out.set(OutputKey::screw_slip_angle_deg, angle);
+        out.set_all(OutputKey::nut_slip_angle_deg, [angle; 2]);
     }
 }
 
@@ -209,9 +203,8 @@ pub(super) fn regime<S: Simd>(
     let slip_b = slip_b.abs() * b.semi_axes(&pair.pressed[1]).0;
     let cross = cross_slip(pair.sin_a, [slip_a, slip_b]);
     let onset = onset_number(skid, cross);
-    for (key, x) in [(OutputKey::skid_number, skid), (OutputKey::onset_number, onset)] {
-        let finite = x.lt(x.constant(f64::INFINITY));
-        out.set(key, finite.select(x, x.constant(f64::NAN)));
-    }
+    let (none, beyond) = (skid.constant(f64::NAN), skid.constant(f64::INFINITY));
+    let stated = [skid.lt(beyond).select(skid, none), onset.lt(beyond).select(onset, none)];
+    out.set_all(OutputKey::skid_number, stated);
     [onset, cross]
 }

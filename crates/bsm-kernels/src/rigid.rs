@@ -32,8 +32,7 @@ impl Kernel for Rigid {
         }
         let imbalance = outputs(out, &si, &ball, &swept.motion);
         contact_angles(given, out);
-        out.set(OutputKey::iterations, swept.count);
-        out.set(OutputKey::residual_norm, swept.residual);
+        out.set_all(OutputKey::iterations, [swept.count, swept.residual]);
         // Unknown where no search is made.
         let others = first.is_unique().select(zero, zero.constant(f64::NAN));
         out.set(OutputKey::other_solutions, others);
@@ -50,9 +49,7 @@ fn outputs<S: Simd>(
     motion: &RigidMotion<Lane<S>>,
 ) -> Lane<S> {
     let [q_a, q_m, q_b] = motion.loads;
-    out.set(OutputKey::nut_normal_load_N, q_a * si.load);
-    out.set(OutputKey::minor_normal_load_N, q_m * si.load);
-    out.set(OutputKey::screw_normal_load_N, q_b * si.load);
+    out.set_all(OutputKey::nut_normal_load_N, [q_a * si.load, q_b * si.load, q_m * si.load]);
 
     let (torque, ideal) = (ball.torque(motion), ball.ideal_torque());
     let (zero, one) = (torque.constant(0.0), torque.constant(1.0));
@@ -62,23 +59,28 @@ fn outputs<S: Simd>(
 
     let [v_a, v_m, v_b] = motion.speeds;
     let slip = si.speed.abs() * si.ball;
-    out.set(OutputKey::nut_slip_velocity_m_s, v_a * slip);
-    out.set(OutputKey::minor_slip_velocity_m_s, v_m * slip);
-    out.set(OutputKey::screw_slip_velocity_m_s, v_b * slip);
+    out.set_all(OutputKey::nut_slip_velocity_m_s, [v_a * slip, v_b * slip, v_m * slip]);
     let [nut_spin, _, screw_spin] = ball.spins(motion);
-    out.set(OutputKey::nut_spin_rad_s, nut_spin * si.speed);
-    out.set(OutputKey::screw_spin_rad_s, screw_spin * si.speed);
-    out.set(OutputKey::ball_precession_rad_s, motion.rate * si.speed);
-    let [t, n, b] = ball.angular_velocity(motion);
-    out.set(OutputKey::ball_omega_t_rad_s, t * si.speed);
-    out.set(OutputKey::ball_omega_n_rad_s, n * si.speed);
-    out.set(OutputKey::ball_omega_b_rad_s, b * si.speed);
+    out.set_all(OutputKey::nut_spin_rad_s, [nut_spin * si.speed, screw_spin * si.speed]);
+    ball_motion(out, si.speed, motion.rate, ball.angular_velocity(motion));
 
     let (against, [a, minor, b]) = (back.select(one, -one), motion.directions);
     slip_angle(out, OutputKey::nut_slip_angle_deg, [against * a[0], against * a[1]]);
     slip_angle(out, OutputKey::minor_slip_angle_deg, [against * minor[0], against * minor[1]]);
     slip_angle(out, OutputKey::screw_slip_angle_deg, [against * b[0], against * b[1]]);
     imbalance
+}
+
+/// Stores precession and angular velocity of the ball, both over the relative speed.
+#[inline(always)]
+pub(super) fn ball_motion<S: Simd>(
+    out: &mut Sink<'_, '_>,
+    speed: Lane<S>,
+    precession: Lane<S>,
+    [t, n, b]: [Lane<S>; 3],
+) {
+    let motion = [precession * speed, t * speed, n * speed, b * speed];
+    out.set_all(OutputKey::ball_precession_rad_s, motion);
 }
 
 /// Stores the direction of friction, by its parts across the groove and along the helix.

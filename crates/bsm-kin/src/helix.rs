@@ -71,13 +71,6 @@ impl<D: Scalar> Helix<D> {
         self.lead_angle.cos().square() / self.radius
     }
 
-    /// Torsion `$\sin\alpha\cos\alpha/r_m$` \[1/m\], positive for a right-hand screw (K6).
-    pub fn torsion(&self) -> D {
-        // τ = sinα cosα / r_m                                             (K6)
-        let (sin_a, cos_a) = self.lead_angle.sin_cos();
-        sin_a * cos_a / self.radius
-    }
-
     /// Lead `$2\pi r_m\tan\alpha$`, axial advance per turn \[m\].
     pub fn lead(&self) -> D {
         self.radius * self.lead_angle.tan() * TAU
@@ -96,7 +89,9 @@ mod tests {
     /// Frenet-Serret formulas, with exact derivatives from dual numbers.
     #[test]
     fn frame_satisfies_frenet_serret() {
-        let (kappa, tau) = (SCREW.curvature(), SCREW.torsion());
+        let (sin_a, cos_a) = SCREW.lead_angle.sin_cos();
+        // τ = sinα cosα / r_m                                             (K6)
+        let (kappa, tau) = (SCREW.curvature(), sin_a * cos_a / SCREW.radius);
         let dual = Helix {
             radius: Dual64::from(SCREW.radius),
             lead_angle: Dual64::from(SCREW.lead_angle),
@@ -123,7 +118,6 @@ mod tests {
     fn zero_lead_is_a_circle() {
         let circle = Helix { lead_angle: 0.0, ..SCREW };
         assert_relative_eq!(circle.curvature(), 1.0 / circle.radius);
-        assert_relative_eq!(circle.torsion(), 0.0);
         assert_relative_eq!(circle.lead(), 0.0);
         assert_relative_eq!(circle.frame(1.3).b_W, Vector3::z(), epsilon = 1e-15);
     }

@@ -1,20 +1,6 @@
-//! Kinds of failure, one type each: misuse, model domain, singular matrix, no solution.
+//! Kinds of failure, one type each: model domain, singular matrix.
 
 use thiserror::Error;
-
-use crate::Report;
-
-/// A vector does not have the size of the system. A bug in the caller; no iteration was done.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[error("`{name}` has length {found}, the system has {expected} unknowns")]
-pub struct DimensionError {
-    /// Name of the argument.
-    pub name: &'static str,
-    /// Length that it should have.
-    pub expected: usize,
-    /// Length that it has.
-    pub found: usize,
-}
 
 /// The model cannot be evaluated at this `x`; a shorter step may do.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -35,8 +21,3 @@ pub struct Singular {
     /// Number of the pivot in the order of elimination.
     pub pivot: usize,
 }
-
-/// The solve ended without a solution; the report says how.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[error("{0}")]
-pub struct NotConverged(pub Box<Report>);

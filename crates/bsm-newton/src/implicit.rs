@@ -1,6 +1,6 @@
 //! How a root moves with what its equations depend on.
 
-use crate::{Dense, Equations, Status, Workspace};
+use crate::{Equations, Status, Workspace};
 
 /// Overwrites derivatives of the equations with those of the root `x`, by the implicit function
 /// theorem (N7).
@@ -19,7 +19,7 @@ pub fn implicit_slopes<const N: usize, E: Equations<N> + ?Sized>(
     x: &[f64; N],
     f_scale: &[f64; N],
     columns: &mut [[f64; N]],
-    work: &mut Workspace<Dense<N>>,
+    work: &mut Workspace<N>,
 ) -> Status {
     if work.linearize(equations, x, f_scale).is_err() {
         return Status::OutsideDomain;

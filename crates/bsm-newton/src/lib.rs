@@ -1,8 +1,7 @@
 //! Algorithms for nonlinear equations that know nothing of what the equations mean.
 //!
-//! * [`solve`]: damped Newton iteration, for a few [`Equations`] or for a [`System`] whose Jacobian
-//!   has a structure of its own.
-//! * [`LinearSolver`]: the matrices, dense or of many small blocks with a border.
+//! * [`solve`]: damped Newton iteration, for a few [`Equations`].
+//! * [`Dense`], [`Bordered`]: the matrices, dense or of many small blocks with a border.
 //! * [`Bracket`]: the root of one variable between two places of different sign.
 //! * [`implicit_slopes`], [`follow`], [`trace`]: how a root moves with its parameters, a little, far, and through folds.
 //!
@@ -14,6 +13,7 @@
 
 mod bracket;
 mod continuation;
+mod equations;
 mod error;
 mod implicit;
 mod linear;
@@ -21,17 +21,16 @@ mod options;
 mod path;
 mod report;
 mod solve;
-mod system;
 
 pub use bracket::{Bracket, FunctionValue, Root, RootResult};
 pub use continuation::{Continuation, follow};
-pub use error::{DimensionError, EvalError, NotConverged, Singular};
+pub use equations::Equations;
+pub use error::{EvalError, Singular};
 pub use implicit::implicit_slopes;
-pub use linear::{Block, Bordered, Dense, DynamicDense, LinearSolver};
+pub use linear::{Block, Bordered, Dense, DynamicDense};
 pub use options::{JacobianUpdate, Options, Scales};
 pub use path::{
     EventRoot, Exit, Homotopy, Resolution, Seed, StepControl, Trace, path_direction, trace,
 };
 pub use report::{Report, Status, Step};
-pub use solve::{Workspace, solve, solve_system};
-pub use system::{Equations, System, VectorOf};
+pub use solve::{Workspace, solve};

@@ -8,10 +8,6 @@ pub struct Options {
     /// Once below `residual_tol`, go on with full steps down to this residual as long as each
     /// step at least halves it (N2). Default `1e-10`, which means stop at once.
     pub residual_goal: f64,
-    /// Stalled when `$\lVert D_x\,\delta x \rVert_\infty <$` this (N3). Default `1e-15`.
-    pub step_tol: f64,
-    /// Sufficient-decrease constant `$\gamma$` of (N5). Default `1e-4`.
-    pub armijo: f64,
     /// Halvings of the step before giving up (N6). Default `20`.
     pub max_halvings: u32,
     /// Newton steps before giving up. Default `50`.
@@ -38,8 +34,6 @@ impl Default for Options {
         Self {
             residual_tol: 1e-10,
             residual_goal: 1e-10,
-            step_tol: 1e-15,
-            armijo: 1e-4,
             max_halvings: 20,
             max_steps: 50,
             jacobian: JacobianUpdate::EveryStep,

@@ -2,10 +2,7 @@
 
 use std::array::from_fn;
 
-use crate::{
-    Bracket, Dense, Equations, EvalError, LinearSolver, Options, RootResult, Scales, Status,
-    Workspace, solve,
-};
+use crate::{Bracket, Equations, EvalError, Options, RootResult, Scales, Status, Workspace, solve};
 
 /// Direction of the curve of the first `N − 1` equations at `z`, where the last equation is a plane
 /// across it (N8).
@@ -27,7 +24,7 @@ pub fn path_direction<const N: usize, E: Equations<N> + ?Sized>(
     equations: &E,
     z: &[f64; N],
     f_scale: &[f64; N],
-    work: &mut Workspace<Dense<N>>,
+    work: &mut Workspace<N>,
 ) -> Result<[f64; N], Status> {
     work.linearize(equations, z, f_scale).map_err(|_| Status::OutsideDomain)?;
     work.factorize().map_err(|_| Status::SingularJacobian)?;
@@ -245,7 +242,7 @@ struct Tracer<'a, const N: usize, const M: usize, F, E, D> {
     events: E,
     on: D,
     stride: &'a StepControl,
-    work: Workspace<Dense<M>>,
+    work: Workspace<M>,
     domain_error: Option<EvalError>,
     trace: Trace<M>,
 }

@@ -1,8 +1,6 @@
 //! What a solve did.
 
-use std::fmt;
-
-use crate::{EvalError, NotConverged};
+use crate::EvalError;
 
 /// Why the iteration ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,7 +12,7 @@ pub enum Status {
     MaxSteps,
     /// No step length gave a sufficient decrease (N5).
     LineSearchFailed,
-    /// The step fell below `step_tol` with the residual still above its tolerance (N3).
+    /// The step fell below 1e-15 of the sizes of the unknowns with the residual still above its tolerance (N3).
     Stalled,
     /// The Jacobian is singular to working precision, or not finite.
     SingularJacobian,
@@ -54,8 +52,6 @@ pub struct Step {
 }
 
 /// What a solve did: the outcome, the cost and the path.
-///
-/// Prints as one line per step and one line for the outcome.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "a report may say that the solve did not converge"]
 pub struct Report {
@@ -82,40 +78,5 @@ impl Report {
     /// True if the scaled residual met its tolerance.
     pub fn converged(&self) -> bool {
         self.status == Status::Converged
-    }
-
-    /// Turns every outcome but [`Status::Converged`] into an error.
-    ///
-    /// # Errors
-    ///
-    /// [`NotConverged`], which holds the report.
-    pub fn require_converged(self) -> Result<Self, NotConverged> {
-        if self.converged() { Ok(self) } else { Err(NotConverged(Box::new(self))) }
-    }
-}
-
-impl fmt::Display for Report {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (k, s) in self.steps.iter().enumerate() {
-            writeln!(
-                f,
-                "{k:>3}  residual {:9.3e}  step {:9.3e}  lambda {:7.5}",
-                s.residual, s.step, s.lambda
-            )?;
-        }
-        write!(
-            f,
-            "{} after {} steps, scaled residual {:.3e}",
-            self.status.describe(),
-            self.steps.len(),
-            self.residual,
-        )?;
-        if !self.converged() {
-            write!(f, ", largest in {}", self.worst_equation_name)?;
-        }
-        match &self.domain_error {
-            Some(domain_error) => write!(f, "; last refusal: {domain_error}"),
-            None => Ok(()),
-        }
     }
 }

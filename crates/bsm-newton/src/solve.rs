@@ -1,31 +1,37 @@
 //! The iteration.
 
-use crate::system::{Square, VectorOf};
+use std::array::from_fn;
+
 use crate::{
-    Dense, DimensionError, Equations, EvalError, JacobianUpdate, LinearSolver, Options, Report,
-    Scales, Singular, Status, Step, System,
+    Dense, Equations, EvalError, JacobianUpdate, Options, Report, Scales, Singular, Status, Step,
 };
 
-/// Memory of a solve, reused by the next one; nothing is allocated per step.
+/// Sufficient-decrease constant `$\gamma$` of (N5).
+const ARMIJO: f64 = 1e-4;
+
+/// Scaled size of a Newton step below which the iteration has stalled (N3).
+const STEP_TOL: f64 = 1e-15;
+
+/// Memory of a solve of `N` unknowns, reused by the next one; nothing is allocated per step.
 #[derive(Debug, Clone)]
-pub struct Workspace<L: LinearSolver> {
-    r: L::Vector,
-    dx: L::Vector,
-    x_trial: L::Vector,
+pub struct Workspace<const N: usize> {
+    r: [f64; N],
+    dx: [f64; N],
+    x_trial: [f64; N],
     /// Weights of the equations of the last solve.
-    d_f: L::Vector,
-    pub(crate) linear: L,
+    d_f: [f64; N],
+    pub(crate) linear: Dense<N>,
     matrix: Matrix,
 }
 
-impl<L: LinearSolver> Workspace<L> {
-    /// Memory for systems whose Jacobian has the structure of `linear`.
-    pub fn new(linear: L) -> Self {
-        let zeros = || linear.zeros();
-        let (r, dx, x_trial, d_f) = (zeros(), zeros(), zeros(), zeros());
-        Self { r, dx, x_trial, d_f, linear, matrix: Matrix::Stale }
+impl<const N: usize> Default for Workspace<N> {
+    fn default() -> Self {
+        let [r, dx, x_trial, d_f] = [[0.0; N]; 4];
+        Self { r, dx, x_trial, d_f, linear: Dense::default(), matrix: Matrix::Stale }
     }
+}
 
+impl<const N: usize> Workspace<N> {
     /// Factors of the Jacobian with the weights of the solve.
     pub(crate) fn factorize(&mut self) -> Result<(), Singular> {
         self.linear.scale_rows(&self.d_f);
@@ -40,22 +46,17 @@ impl<L: LinearSolver> Workspace<L> {
     /// # Errors
     ///
     /// [`Singular`] if that could not be factorized.
-    pub fn correction(&mut self, residual: &L::Vector) -> Result<L::Vector, Singular> {
+    pub fn correction(&mut self, residual: &[f64; N]) -> Result<[f64; N], Singular> {
         match self.matrix {
             Matrix::Stale => return Err(Singular { pivot: 0 }),
             Matrix::Jacobian => self.factorize()?,
             Matrix::Factors => {}
         }
-        let mut step = residual.clone();
-        for (step, d) in step.as_mut().iter_mut().zip(self.d_f.as_ref()) {
-            *step *= -d;
-        }
+        let mut step = from_fn(|i| residual[i] * -self.d_f[i]);
         self.linear.solve(&mut step);
         Ok(step)
     }
-}
 
-impl<const N: usize> Workspace<Dense<N>> {
     /// Takes the Jacobian at `x`, and returns the residual there.
     ///
     /// * `f_scale`: what counts as one unit of each equation, as in [`Scales::f`].
@@ -85,12 +86,6 @@ enum Matrix {
     Factors,
 }
 
-impl<const N: usize> Default for Workspace<Dense<N>> {
-    fn default() -> Self {
-        Self::new(Dense::default())
-    }
-}
-
 /// Solves a few equations `$F(x) = 0$` by Newton steps `$\delta x$` damped by `$\lambda$`.
 ///
 /// ```math
@@ -110,41 +105,7 @@ pub fn solve<const N: usize, E: Equations<N> + ?Sized>(
     x: &mut [f64; N],
     scales: &Scales<'_, [f64; N]>,
     options: &Options,
-    work: &mut Workspace<Dense<N>>,
-) -> Report {
-    run(&Square::<N, E>(equations), x, scales, options, work)
-}
-
-/// [`solve`] for a system whose Jacobian has a structure of its own.
-///
-/// # Errors
-///
-/// [`DimensionError`] if a vector does not have the size of the matrix in `work`.
-pub fn solve_system<S: System + ?Sized>(
-    system: &S,
-    x: &mut VectorOf<S>,
-    scales: &Scales<'_, VectorOf<S>>,
-    options: &Options,
-    work: &mut Workspace<S::Jacobian>,
-) -> Result<Report, DimensionError> {
-    let expected = work.r.as_ref().len();
-    let lengths = [
-        ("x", x.as_ref().len()),
-        ("scales.x", scales.x.as_ref().len()),
-        ("scales.f", scales.f.as_ref().len()),
-    ];
-    match lengths.into_iter().find(|(_, found)| *found != expected) {
-        Some((name, found)) => Err(DimensionError { name, expected, found }),
-        None => Ok(run(system, x, scales, options, work)),
-    }
-}
-
-fn run<S: System + ?Sized>(
-    system: &S,
-    x: &mut VectorOf<S>,
-    scales: &Scales<'_, VectorOf<S>>,
-    options: &Options,
-    work: &mut Workspace<S::Jacobian>,
+    work: &mut Workspace<N>,
 ) -> Report {
     let mut report = Report {
         status: Status::BadScale,
@@ -156,36 +117,35 @@ fn run<S: System + ?Sized>(
         domain_error: None,
         steps: Vec::with_capacity(options.max_steps),
     };
-    let diagonals = [scales.x, scales.f].map(AsRef::as_ref);
-    let bad = |d: &[f64]| d.iter().position(|d| !(*d > 0.0 && d.is_finite()));
-    match diagonals.into_iter().find_map(bad) {
+    let bad = |d: &[f64; N]| d.iter().position(|d| !(*d > 0.0 && d.is_finite()));
+    match [scales.x, scales.f].into_iter().find_map(bad) {
         Some(index) => report.worst_equation = index,
-        None => report.status = iterate(system, x, scales, options, work, &mut report),
+        None => report.status = iterate(equations, x, scales, options, work, &mut report),
     }
     if !report.converged() {
-        report.worst_equation_name = system.equation(report.worst_equation);
+        report.worst_equation_name = equations.equation(report.worst_equation);
     }
     report
 }
 
-fn iterate<S: System + ?Sized>(
-    system: &S,
-    x: &mut VectorOf<S>,
-    scales: &Scales<'_, VectorOf<S>>,
+fn iterate<const N: usize, E: Equations<N> + ?Sized>(
+    equations: &E,
+    x: &mut [f64; N],
+    scales: &Scales<'_, [f64; N]>,
     options: &Options,
-    work: &mut Workspace<S::Jacobian>,
+    work: &mut Workspace<N>,
     report: &mut Report,
 ) -> Status {
     let joint = options.jacobian != JacobianUpdate::EveryStep;
     work.matrix = Matrix::Stale;
-    work.d_f.as_mut().copy_from_slice(scales.f.as_ref());
+    work.d_f = *scales.f;
     let into = (&mut work.r, &mut work.linear, &mut work.matrix);
-    if let Err(domain_error) = evaluate(system, x, joint, into, report) {
+    if let Err(domain_error) = evaluate(equations, x, joint, into, report) {
         report.domain_error = Some(domain_error);
         return Status::OutsideDomain;
     }
     loop {
-        (report.residual, report.worst_equation) = scaled_norm(work.r.as_ref(), scales.f.as_ref());
+        (report.residual, report.worst_equation) = scaled_norm(&work.r, scales.f);
         let convergence = Convergence::of(report, options);
         if let Convergence::Ended(status) = convergence {
             return status;
@@ -197,7 +157,7 @@ fn iterate<S: System + ?Sized>(
         if !is_chord {
             if work.matrix != Matrix::Jacobian {
                 let into = (&mut work.r, &mut work.linear, &mut work.matrix);
-                if let Err(domain_error) = evaluate(system, x, true, into, report) {
+                if let Err(domain_error) = evaluate(equations, x, true, into, report) {
                     report.domain_error = Some(domain_error);
                     return ended(Status::OutsideDomain);
                 }
@@ -207,23 +167,19 @@ fn iterate<S: System + ?Sized>(
             }
         }
         // D_F J(x_k) δx_k = −D_F F(x_k)
-        for ((dx, r), d) in work.dx.as_mut().iter_mut().zip(work.r.as_ref()).zip(scales.f.as_ref())
-        {
-            *dx = -r * d;
-        }
+        work.dx = from_fn(|i| -work.r[i] * scales.f[i]);
         work.linear.solve(&mut work.dx);
-        if !work.dx.as_ref().iter().all(|dx| dx.is_finite()) {
+        if !work.dx.iter().all(|dx| dx.is_finite()) {
             return ended(Status::SingularJacobian);
         }
         // ‖D_x δx_k‖∞ < step_tol                                          (N3)
-        let sizes = work.dx.as_ref().iter().zip(scales.x.as_ref());
+        let sizes = work.dx.iter().zip(scales.x);
         let step = sizes.fold(0.0, |m: f64, (v, d)| m.max((v * d).abs()));
-        if step < options.step_tol {
+        if step < STEP_TOL {
             return ended(Status::Stalled);
         }
 
         let search = LineSearch {
-            armijo: options.armijo,
             // A point that already is a solution is only refined by full steps.
             max_halvings: if is_solved { 0 } else { options.max_halvings },
             joint: match options.jacobian {
@@ -231,7 +187,7 @@ fn iterate<S: System + ?Sized>(
                 JacobianUpdate::EveryTrial { chord_below } => report.residual > chord_below,
             },
         };
-        let Some(lambda) = search.step(system, x, work, report) else {
+        let Some(lambda) = search.step(equations, x, work, report) else {
             if is_chord && !is_solved {
                 // Its own Jacobian may do.
                 work.matrix = Matrix::Stale;
@@ -239,7 +195,7 @@ fn iterate<S: System + ?Sized>(
             }
             return ended(Status::LineSearchFailed);
         };
-        x.as_mut().copy_from_slice(work.x_trial.as_ref());
+        *x = work.x_trial;
         report.steps.push(Step { residual: report.residual, step, lambda });
     }
 }
@@ -283,26 +239,26 @@ impl Report {
 }
 
 /// Evaluates the residual, with the Jacobian if `joint`.
-fn evaluate<S: System + ?Sized>(
-    system: &S,
-    x: &VectorOf<S>,
+fn evaluate<const N: usize, E: Equations<N> + ?Sized>(
+    equations: &E,
+    x: &[f64; N],
     joint: bool,
-    (r, jacobian, matrix): (&mut VectorOf<S>, &mut S::Jacobian, &mut Matrix),
+    (r, jacobian, matrix): (&mut [f64; N], &mut Dense<N>, &mut Matrix),
     report: &mut Report,
 ) -> Result<(), EvalError> {
     if joint {
         report.n_jacobian += 1;
         *matrix = Matrix::Jacobian;
-        system.linearize(x, r, jacobian)
+        *r = equations.linearize(x, jacobian.rows_mut())?;
     } else {
         report.n_residual += 1;
-        system.residual(x, r)
+        *r = equations.residual(x)?;
     }
+    Ok(())
 }
 
 /// Backtracking along a step.
 struct LineSearch {
-    armijo: f64,
     max_halvings: u32,
     /// Trials have a Jacobian.
     joint: bool,
@@ -312,11 +268,11 @@ impl LineSearch {
     /// Largest `$\lambda = 2^{-m}$` with a sufficient decrease; leaves the point in `x_trial`.
     ///
     /// A trial that the model refuses counts as no decrease: the step is halved.
-    fn step<S: System + ?Sized>(
+    fn step<const N: usize, E: Equations<N> + ?Sized>(
         &self,
-        system: &S,
-        x: &VectorOf<S>,
-        work: &mut Workspace<S::Jacobian>,
+        equations: &E,
+        x: &[f64; N],
+        work: &mut Workspace<N>,
         report: &mut Report,
     ) -> Option<f64> {
         // φ(λ) = ½ ‖D_F F(x + λ δx)‖₂²,  φ'(0) = −2 φ(0) along a Newton step   (N4)
@@ -324,13 +280,13 @@ impl LineSearch {
         let mut lambda = 1.0;
         for _ in 0..=self.max_halvings {
             // R(λ δx_k), R(0) = x_k, R'(0) = δx_k                          (N15)
-            system.retract(x, &work.dx, lambda, &mut work.x_trial);
+            work.x_trial = equations.retract(x, &work.dx, lambda);
             let into = (&mut work.r, &mut work.linear, &mut work.matrix);
-            match evaluate(system, &work.x_trial, self.joint, into, report) {
+            match evaluate(equations, &work.x_trial, self.joint, into, report) {
                 // φ(λ) ≤ (1 − 2 γ λ) φ(0)                                 (N5)
                 Ok(()) => {
-                    let phi = 0.5 * scaled_norm(work.r.as_ref(), work.d_f.as_ref()).0.powi(2);
-                    if phi <= (1.0 - 2.0 * self.armijo * lambda) * phi_0 {
+                    let phi = 0.5 * scaled_norm(&work.r, &work.d_f).0.powi(2);
+                    if phi <= (1.0 - 2.0 * ARMIJO * lambda) * phi_0 {
                         return Some(lambda);
                     }
                 }

@@ -4,7 +4,7 @@
 
 use std::array::from_fn;
 
-use bsm_newton::{Bordered, DynamicDense, LinearSolver};
+use bsm_newton::{Bordered, DynamicDense};
 
 use crate::ball::{BallInGrooves, FourContacts};
 use crate::equilibrium::{FREEDOMS, Freedom, NutError, Support};

@@ -6,7 +6,23 @@ use std::array::from_fn;
 
 use bsm_dyn::{GrooveForces, StaticBall};
 
-use crate::Flanks;
+/// Flanks of a circuit that balls can press.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Flanks {
+    /// Those that push the nut along +z against the screw.
+    Plus,
+    /// Those that push it along −z.
+    Minus,
+    /// Both flanks of the gothic arches.
+    Both,
+}
+
+impl Flanks {
+    /// Whether the diagonals + and − exist.
+    pub(crate) fn diagonals(self) -> [bool; 2] {
+        [self != Self::Minus, self != Self::Plus]
+    }
+}
 
 /// What a ball and its grooves are: the same for all balls of a nut.
 #[derive(Debug, Clone, Copy, PartialEq)]

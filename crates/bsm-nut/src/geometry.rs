@@ -9,26 +9,8 @@ use bsm_dyn::{
 };
 use bsm_kin::{Drive, Helix};
 
-use crate::ball::FourContacts;
+use crate::ball::{Flanks, FourContacts};
 use crate::bodies::{Bar, Ring};
-
-/// Flanks of a circuit that balls can press.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Flanks {
-    /// Those that push the nut along +z against the screw.
-    Plus,
-    /// Those that push it along −z.
-    Minus,
-    /// Both flanks of the gothic arches.
-    Both,
-}
-
-impl Flanks {
-    /// Whether the diagonals + and − exist.
-    pub(crate) fn diagonals(self) -> [bool; 2] {
-        [self != Self::Minus, self != Self::Plus]
-    }
-}
 
 /// Loaded balls between two ends of the ball return.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -22,11 +22,11 @@ mod stiffness;
 pub mod thermal;
 mod train;
 
-pub use ball::{BallInGrooves, FourContacts};
+pub use ball::{BallInGrooves, Flanks, FourContacts};
 pub use bodies::{Bar, Ring};
 pub use equilibrium::{Equilibrium, Freedom, NutError, Support};
 pub use friction::{FreeMotion, FrictionSum, NutFriction};
-pub use geometry::{BallNut, BallPosition, Circuit, Errors, Flanks, LeadError};
+pub use geometry::{BallNut, BallPosition, Circuit, Errors, LeadError};
 pub use life::TurnRatings;
 pub use preload::Preload;
 pub use sharing::Equal;

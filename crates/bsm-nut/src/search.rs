@@ -5,8 +5,6 @@
 use std::array::from_fn;
 use std::f64::consts::FRAC_PI_2;
 
-use bsm_newton::LinearSolver;
-
 use crate::assembly::{Assembly, EnergyState, StiffnessScope};
 use crate::equilibrium::{Equilibrium, FREEDOMS, NutError};
 use crate::{BallInGrooves, BallNut};

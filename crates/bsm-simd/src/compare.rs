@@ -3,6 +3,7 @@
 use bsm_kin::Field;
 use pulp::Simd;
 
+use crate::lane::own_methods;
 use crate::{Lane, Mask};
 
 /// A number or a [`Lane`] of them, and yes or no for each.
@@ -93,9 +94,13 @@ impl Compare for f64 {
 impl<S: Simd, const N: usize> Compare for Lane<S, N> {
     const WIDE: bool = true;
 
-    #[inline(always)]
-    fn abs(self) -> Self {
-        self.abs()
+    own_methods! {
+        abs() -> Self;
+        mul_add(b: Self, c: Self) -> Self;
+        neg_mul_add(b: Self, c: Self) -> Self;
+        zip(other: Self, f: impl Fn(f64, f64) -> f64) -> Self;
+        lt(other: Self) -> Mask<S, N>;
+        le(other: Self) -> Mask<S, N>;
     }
 
     #[inline(always)]
@@ -105,32 +110,7 @@ impl<S: Simd, const N: usize> Compare for Lane<S, N> {
     }
 
     #[inline(always)]
-    fn mul_add(self, b: Self, c: Self) -> Self {
-        self.mul_add(b, c)
-    }
-
-    #[inline(always)]
-    fn neg_mul_add(self, b: Self, c: Self) -> Self {
-        self.neg_mul_add(b, c)
-    }
-
-    #[inline(always)]
     fn any(mask: Mask<S, N>) -> bool {
         mask.any()
-    }
-
-    #[inline(always)]
-    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        self.zip(other, f)
-    }
-
-    #[inline(always)]
-    fn lt(self, other: Self) -> Mask<S, N> {
-        self.lt(other)
-    }
-
-    #[inline(always)]
-    fn le(self, other: Self) -> Mask<S, N> {
-        self.le(other)
     }
 }

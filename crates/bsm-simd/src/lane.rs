@@ -272,12 +272,26 @@ impl<S: Simd, const N: usize> Mask<S, N> {
     }
 }
 
+/// The methods of a trait by those of the same name that a lane has itself.
+macro_rules! own_methods {
+    ($($name:ident($($x:ident: $kind:ty),*) -> $out:ty;)*) => {$(
+        #[inline(always)]
+        fn $name(self, $($x: $kind),*) -> $out {
+            self.$name($($x),*)
+        }
+    )*};
+}
+pub(crate) use own_methods;
+
 impl<S: Simd, const N: usize> Field for Lane<S, N> {
     type Mask = Mask<S, N>;
 
-    #[inline(always)]
-    fn constant(self, x: f64) -> Self {
-        self.constant(x)
+    own_methods! {
+        constant(x: f64) -> Self;
+        sqrt() -> Self;
+        recip() -> Self;
+        exp() -> Self;
+        ln() -> Self;
     }
 
     #[inline(always)]
@@ -286,28 +300,8 @@ impl<S: Simd, const N: usize> Field for Lane<S, N> {
     }
 
     #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
-
-    #[inline(always)]
     fn cbrt(self) -> Self {
         self.cbrt_positive()
-    }
-
-    #[inline(always)]
-    fn recip(self) -> Self {
-        self.recip()
-    }
-
-    #[inline(always)]
-    fn exp(self) -> Self {
-        self.exp()
-    }
-
-    #[inline(always)]
-    fn ln(self) -> Self {
-        self.ln()
     }
 
     #[inline(always)]

@@ -15,7 +15,7 @@ const DATA: &str = "data";
 const UNFINISHED: &str = "tmp";
 const LIST: &str = "parts.parquet";
 /// What older versions wrote in place of a plan.
-pub(super) const OLD_PLAN: &str = "parts.json";
+const OLD_PLAN: &str = "parts.json";
 
 /// Letters at the end of the name of an unfinished file, and of the id of the plan in it.
 const RANDOM: usize = 8;
@@ -87,7 +87,11 @@ impl Folder {
         fs::create_dir_all(&self.path)
             .map_err(|e| DatasetError::io("make folder", &self.path, e))?;
         if self.path.join(OLD_PLAN).exists() {
-            return Err(DatasetError::Older(self.path.clone()));
+            return Err(DatasetError::Refused(format!(
+                "{} holds the parts of an older version of bsm ({OLD_PLAN}), which this one cannot continue; take \
+                 another folder",
+                self.path.display()
+            )));
         }
         // A run that was killed in its first moments leaves empty folders and unfinished files.
         for entry in entries(&self.path)? {
@@ -102,7 +106,9 @@ impl Folder {
                 _ => false,
             };
             if !own {
-                return Err(DatasetError::SomethingElse(self.path.clone()));
+                let path = self.path.display();
+                let what = format!("{path} is a folder with something else in it");
+                return Err(DatasetError::Refused(what));
             }
         }
         self.make_folders()

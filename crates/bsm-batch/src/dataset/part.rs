@@ -56,7 +56,9 @@ impl PartRange<'_> {
         if found == rows {
             return Ok(());
         }
-        Err(DatasetError::PointsChanged { number, rows, found })
+        Err(DatasetError::NotOfThePlan(format!(
+            "the points have changed while they were solved: part {number} has {found} of {rows} rows"
+        )))
     }
 }
 

@@ -131,7 +131,10 @@ impl Plan {
         let rows_per_part = rows_per_part.unwrap_or_else(rule);
         if rows.div_ceil(rows_per_part.get()) > MOST_PARTS {
             let least = rows.div_ceil(MOST_PARTS);
-            return Err(DatasetError::TooManyParts { rows, rows_per_part, least });
+            return Err(DatasetError::Refused(format!(
+                "{rows} rows in parts of {rows_per_part} are more than {MOST_PARTS} parts; take at least {least} rows \
+                 for a part"
+            )));
         }
         let base = Scene { description: None, ..task.base.clone() };
         let written = PlanFile {
@@ -263,8 +266,11 @@ impl Plan {
     /// The place of a part that the plan has.
     pub(super) fn place(&self, number: u64) -> Result<PartRange<'_>, DatasetError> {
         let parts = self.parts();
-        let place = (number < parts).then(|| self.place_of(number));
-        place.ok_or(DatasetError::NoSuchPart { number, parts })
+        (number < parts).then(|| self.place_of(number)).ok_or_else(|| {
+            let last = parts - 1;
+            let what = format!("the plan has parts 0 to {last}, and none of the number {number}");
+            DatasetError::Refused(what)
+        })
     }
 
     pub(super) fn place_of(&self, number: u64) -> PartRange<'_> {

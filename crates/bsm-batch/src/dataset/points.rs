@@ -1,10 +1,11 @@
 //! Points that come from a grid or a table, and can come from it again.
 
+use std::fmt::Display;
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use bsm_case::{Axis, CaseError, Grid};
+use bsm_case::{Axis, Grid};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -101,6 +102,11 @@ impl Points {
     }
 }
 
+/// Points of a plan that name nothing.
+pub(super) fn refused(why: impl Display) -> DatasetError {
+    DatasetError::Refused(format!("the points of the plan: {why}"))
+}
+
 fn written_grid(grid: &Grid) -> PointsEntry {
     PointsEntry::Grid(grid.axes().iter().map(ToString::to_string).collect())
 }
@@ -125,8 +131,11 @@ fn hashed(path: &Path, workers: &Workers<'_>) -> Result<(String, String, u64), D
     let unreadable = |error: io::Error| DatasetError::io("read", path, error);
     let found = path.metadata().map_err(unreadable)?;
     if !found.is_file() {
-        let found = kind(&found);
-        return Err(DatasetError::NotReadTwice { path: path.to_owned(), found });
+        return Err(DatasetError::Refused(format!(
+            "{} is {}: a folder of parts needs points that can be read twice, from a file",
+            path.display(),
+            kind(&found)
+        )));
     }
     let mut file = File::open(path).map_err(unreadable)?;
     let hash = digest::of_reader(&mut file, || workers.stopped()).map_err(unreadable)?;
@@ -181,11 +190,10 @@ impl PointsEntry {
         table: impl FnOnce(&str) -> PathBuf,
         workers: &Workers<'_>,
     ) -> Result<Points, DatasetError> {
-        let named = |error: CaseError| DatasetError::NotPoints(error.to_string());
         match self {
-            Self::Grid(axes) => Ok(Points::Grid(Grid::parse(axes).map_err(named)?)),
+            Self::Grid(axes) => Ok(Points::Grid(Grid::parse(axes).map_err(refused)?)),
             Self::Random(DrawsEntry { seed, count, of }) => {
-                Ok(Points::Draws(Draws::parse(*seed, *count, of).map_err(named)?))
+                Ok(Points::Draws(Draws::parse(*seed, *count, of).map_err(refused)?))
             }
             Self::Table(written) => {
                 let path = table(&written.name);
@@ -193,7 +201,11 @@ impl PointsEntry {
                 let len = path.metadata().map_err(|e| DatasetError::io("read", &path, e))?.len();
                 // A table of another length is not read to its end to be refused.
                 if len != written.bytes || hashed(&path, workers)?.1 != written.sha256 {
-                    return Err(DatasetError::OtherTable { path, name: written.name.clone() });
+                    return Err(DatasetError::Refused(format!(
+                        "{} is not the table of points that the plan was made for ({}): its contents differ",
+                        path.display(),
+                        written.name
+                    )));
                 }
                 Ok(Points::Table { path, keep, dialect })
             }

@@ -235,8 +235,9 @@ fn blank_lines_at_the_end_and_all_ends_of_line_are_usual() {
         }
     }
     for nothing in ["", "\n", "\r\n\r\n", "\u{feff}"] {
-        assert!(matches!(csv(nothing.as_bytes(), &[]), Err(TableError::NoHeader)), "{nothing:?}");
-        assert!(matches!(json(nothing.as_bytes(), &[]), Err(TableError::NoHeader)), "{nothing:?}");
+        for error in [csv(nothing.as_bytes(), &[]).err(), json(nothing.as_bytes(), &[]).err()] {
+            assert!(error.is_some_and(|e| e.to_string().contains("is empty")), "{nothing:?}");
+        }
     }
 }
 

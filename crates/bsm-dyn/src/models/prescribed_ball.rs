@@ -3,9 +3,7 @@
 //! Theory: `docs/theory/16-nut.md`, equations (U29) and (U30).
 
 use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Scalar, Site};
-use bsm_newton::{
-    Continuation, Dense, EvalError, Options, Report, Scales, Workspace, follow, solve,
-};
+use bsm_newton::{Continuation, EvalError, Options, Report, Scales, Workspace, follow, solve};
 
 use crate::contact::{Ball, Coulomb, Wrench, newton_euler};
 use crate::ellipse::{Ellipse, Integrate, Local, Quadrature};
@@ -94,7 +92,7 @@ impl PrescribedBall {
             return Err(Unsolved::invalid(Reason::Frictionless));
         }
         let balance = Balance { held: self, loads, creep: self.creep, quadrature };
-        let mut work = Workspace::<Dense<UNKNOWNS>>::default();
+        let mut work = Workspace::<UNKNOWNS>::default();
         let of_near =
             near.and_then(|BallMotion { to_nut: Motion { precession, omega }, .. }| {
                 let mut y = [*precession, omega.x, omega.y, omega.z].map(|of| of / speed.abs());
@@ -114,7 +112,7 @@ impl Balance<'_> {
     /// The balance by way of larger creep speeds.
     fn by_way_of_large_creep(
         &self,
-        work: &mut Workspace<Dense<UNKNOWNS>>,
+        work: &mut Workspace<UNKNOWNS>,
     ) -> Result<[f64; UNKNOWNS], Unsolved> {
         // Half the speed of the screw, and rolling about b: where the races of nut and screw move on
         // opposite sides of the ball.
@@ -137,7 +135,7 @@ impl Balance<'_> {
         Ok(y)
     }
 
-    fn run(&self, y: &mut [f64; UNKNOWNS], work: &mut Workspace<Dense<UNKNOWNS>>) -> Report {
+    fn run(&self, y: &mut [f64; UNKNOWNS], work: &mut Workspace<UNKNOWNS>) -> Report {
         let around = self.held.helix.arc_length_per_radian() / self.held.ball.radius;
         let x = [1.0, around.recip(), around.recip(), around.recip()];
         let f = [1.0; UNKNOWNS];

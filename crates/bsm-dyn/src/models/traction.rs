@@ -350,7 +350,6 @@ impl<P> SlipBall<'_, P> {
             max_steps,
             max_halvings,
             jacobian: JacobianUpdate::EveryTrial { chord_below },
-            ..Options::default()
         }
     }
 }

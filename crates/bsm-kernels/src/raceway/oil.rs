@@ -152,50 +152,30 @@ impl<S: Simd> OilLane<S> {
         (units, pair): (&Units<S>, &Balls<S>),
         (back, efficiency): (Mask<S>, Lane<S>),
     ) {
-        const KEYS: [[OutputKey; 6]; 2] = [
-            [
-                OutputKey::nut_film_um,
-                OutputKey::nut_film_ratio,
-                OutputKey::nut_asperity_share,
-                OutputKey::nut_friction_coefficient,
-                OutputKey::nut_rolling_moment_Nmm,
-                OutputKey::nut_entrainment_m_s,
-            ],
-            [
-                OutputKey::screw_film_um,
-                OutputKey::screw_film_ratio,
-                OutputKey::screw_asperity_share,
-                OutputKey::screw_friction_coefficient,
-                OutputKey::screw_rolling_moment_Nmm,
-                OutputKey::screw_entrainment_m_s,
-            ],
-        ];
         let oil = &self.ehl.oil;
-        out.set(OutputKey::lubricant_temperature_C, oil.temperature - ZERO_CELSIUS);
-        out.set(OutputKey::viscosity_mPas, oil.viscosity / MILLI);
-        out.set(OutputKey::pressure_viscosity_1_GPa, oil.pressure_viscosity * GPA);
+        let celsius = oil.temperature - ZERO_CELSIUS;
+        let state = [celsius, oil.viscosity / MILLI, oil.pressure_viscosity * GPA];
+        out.set_all(OutputKey::lubricant_temperature_C, state);
         let speed = units.ball * units.speed.abs();
-        for (loss, [film, ratio, share, friction, moment, entrainment]) in
-            self.losses.iter().zip(KEYS)
-        {
-            out.set(film, loss.film.thickness / UM);
-            out.set(ratio, loss.film.ratio);
-            out.set(share, loss.film.law.share);
-            out.set(friction, loss.friction);
-            out.set(moment, loss.film.couple * units.load * units.ball / MM);
-            out.set(entrainment, loss.film.entrainment * speed);
-        }
         let [nut, screw] = &self.losses;
+        let (at_nut, at_screw) = (&nut.film, &screw.film);
+        out.set_all(OutputKey::nut_film_um, [at_nut.thickness / UM, at_screw.thickness / UM]);
+        out.set_all(OutputKey::nut_film_ratio, [at_nut.ratio, at_screw.ratio]);
+        out.set_all(OutputKey::nut_asperity_share, [at_nut.law.share, at_screw.law.share]);
+        out.set_all(OutputKey::nut_friction_coefficient, [nut.friction, screw.friction]);
+        let couples = [at_nut.couple * units.load, at_screw.couple * units.load];
+        let moments = [couples[0] * units.ball / MM, couples[1] * units.ball / MM];
+        out.set_all(OutputKey::nut_rolling_moment_Nmm, moments);
+        let entrainments = [at_nut.entrainment * speed, at_screw.entrainment * speed];
+        out.set_all(OutputKey::nut_entrainment_m_s, entrainments);
         let (sliding, rolling) = (self.sliding(), nut.rolling + screw.rolling);
         // Scaled powers in watts, of all balls.
         let unit = speed * units.axial;
-        out.set(OutputKey::sliding_power_W, (sliding[0] + sliding[1]) * unit);
-        out.set(OutputKey::rolling_power_W, rolling * unit);
         let OutsidePower { seal, ball_contact, ball_return, drag } = self.outside;
+        let sliding_power = (sliding[0] + sliding[1]) * unit;
+        let powers = [sliding_power, rolling * unit, ball_contact, ball_return, drag];
+        out.set_all(OutputKey::sliding_power_W, powers);
         out.set(OutputKey::seal_power_W, seal);
-        out.set(OutputKey::ball_contact_power_W, ball_contact);
-        out.set(OutputKey::return_power_W, ball_return);
-        out.set(OutputKey::drag_power_W, drag);
         if out.wants(&[OutputKey::film_heating_K]) {
             let of_a_ball = speed * units.load;
             let conductivity = self.lubricant.oil.base.conductivity();
@@ -210,10 +190,9 @@ impl<S: Simd> OilLane<S> {
             out.set(OutputKey::film_heating_K, heating);
         }
         // f_eq = (P_s + P_r)/Σ P_s(1)                                     (Y30)
-        out.set(OutputKey::equivalent_friction_coefficient, self.loss() / (nut.unit + screw.unit));
-        let tan = pair.sin_a / pair.cos_a;
-        let catalogue = catalogue_friction(back, tan, efficiency);
-        out.set(OutputKey::catalogue_friction_coefficient, catalogue);
+        let equivalent = self.loss() / (nut.unit + screw.unit);
+        let catalogue = catalogue_friction(back, pair.sin_a / pair.cos_a, efficiency);
+        out.set_all(OutputKey::equivalent_friction_coefficient, [equivalent, catalogue]);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::array::from_fn;
 
-use super::{Dense, DynamicDense, LinearSolver};
+use super::{Dense, DynamicDense};
 use crate::Singular;
 
 /// A matrix of `count` blocks of `K` unknowns, each coupled to its neighbours, and a border of a few
@@ -156,55 +156,13 @@ impl<const K: usize> Bordered<K> {
     pub fn condensed(&self) -> &[f64] {
         &self.corner
     }
-}
 
-impl<const K: usize> LinearSolver for Bordered<K> {
-    type Vector = Vec<f64>;
-
-    fn zeros(&self) -> Vec<f64> {
-        vec![0.0; K * self.diagonal.len() + self.border]
-    }
-
-    fn scale_rows(&mut self, scale: &Vec<f64>) {
-        let (chain, border) = scale.as_chunks::<K>();
-        let (chain, rest) = chain.split_at(self.diagonal.len().min(chain.len()));
-        let border_scale = rest.iter().flatten().chain(border);
-        for (block, d) in self.diagonal.iter_mut().zip(chain) {
-            block.scale_rows(d);
-        }
-        for (columns, d) in self.above.iter_mut().zip(chain) {
-            for column in columns {
-                times(column, d);
-            }
-        }
-        for (rows, d) in self.below.iter_mut().zip(chain.iter().skip(1)) {
-            for (row, d) in rows.iter_mut().zip(d) {
-                for entry in row {
-                    *entry *= d;
-                }
-            }
-        }
-        if self.border == 0 {
-            return;
-        }
-        for (columns, d) in self.right.chunks_exact_mut(self.border).zip(chain) {
-            for column in columns {
-                times(column, d);
-            }
-        }
-        for (r, d) in border_scale.enumerate() {
-            for row in self.bottom.iter_mut().skip(r).step_by(self.border) {
-                for entry in row {
-                    *entry *= d;
-                }
-            }
-            for entry in &mut self.corner[r * self.border..][..self.border] {
-                *entry *= d;
-            }
-        }
-    }
-
-    fn factorize(&mut self) -> Result<(), Singular> {
+    /// Factorizes the matrix.
+    ///
+    /// # Errors
+    ///
+    /// [`Singular`] if a pivot is zero or not finite.
+    pub fn factorize(&mut self) -> Result<(), Singular> {
         let (count, border) = (self.diagonal.len(), self.border);
         for i in 0..count {
             let (done, here) = self.right.split_at_mut(i * border);
@@ -225,7 +183,7 @@ impl<const K: usize> LinearSolver for Bordered<K> {
             block.factorize().map_err(|Singular { pivot }| Singular { pivot: i * K + pivot })?;
             let above = self.above.get_mut(i);
             for column in above.into_iter().flatten().chain(here) {
-                block.substitute(column);
+                block.solve(column);
             }
         }
         for i in (0..count.saturating_sub(1)).rev() {
@@ -249,7 +207,8 @@ impl<const K: usize> LinearSolver for Bordered<K> {
         self.schur.factorize().map_err(shift)
     }
 
-    fn solve(&mut self, rhs: &mut Vec<f64>) {
+    /// Overwrites a right-hand side with its solution.
+    pub fn solve(&mut self, rhs: &mut [f64]) {
         let (count, border) = (self.diagonal.len(), self.border);
         let (chain, rest) = rhs.split_at_mut(count * K);
         let (chain, _) = chain.as_chunks_mut::<K>();
@@ -259,7 +218,7 @@ impl<const K: usize> LinearSolver for Bordered<K> {
             if let Some(before) = before.last() {
                 here[0] = less(&here[0], &self.below[i - 1], before);
             }
-            self.diagonal[i].substitute(&mut here[0]);
+            self.diagonal[i].solve(&mut here[0]);
         }
         for i in (0..count.saturating_sub(1)).rev() {
             // x_i = y_i − D_i⁻¹ U_i x_{i+1}                               (N10)
@@ -274,7 +233,7 @@ impl<const K: usize> LinearSolver for Bordered<K> {
                 *left -= dot(row, x);
             }
         }
-        self.schur.substitute(rest);
+        self.schur.solve(rest);
         for (x, columns) in chain.iter_mut().zip(self.right.chunks_exact(border)) {
             for (column, z) in columns.iter().zip(&*rest) {
                 for (x, entry) in x.iter_mut().zip(column) {
@@ -282,13 +241,6 @@ impl<const K: usize> LinearSolver for Bordered<K> {
                 }
             }
         }
-    }
-}
-
-/// Multiplies a column by the scales of its rows.
-fn times<const K: usize>(column: &mut [f64; K], d: &[f64; K]) {
-    for (entry, d) in column.iter_mut().zip(d) {
-        *entry *= d;
     }
 }
 

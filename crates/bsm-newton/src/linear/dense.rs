@@ -1,6 +1,5 @@
 //! Dense matrices of a few unknowns, of constant size.
 
-use super::LinearSolver;
 use crate::Singular;
 
 /// A dense `N`×`N` matrix and its LU factors with partial pivoting.
@@ -21,7 +20,7 @@ impl<const N: usize> Default for Dense<N> {
 }
 
 impl<const N: usize> Dense<N> {
-    /// The rows, to fill before [`factorize`](LinearSolver::factorize).
+    /// The rows, to fill before [`factorize`](Self::factorize).
     pub fn rows_mut(&mut self) -> &mut [[f64; N]; N] {
         &mut self.rows
     }
@@ -34,30 +33,8 @@ impl<const N: usize> Dense<N> {
         })
     }
 
-    /// Overwrites a right-hand side with its solution.
-    pub(crate) fn substitute(&self, rhs: &mut [f64; N]) {
-        for (k, other) in self.exchanged.iter().enumerate() {
-            rhs.swap(k, *other);
-        }
-        for k in 1..N {
-            let known: f64 = (0..k).map(|j| self.rows[k][j] * rhs[j]).sum();
-            rhs[k] -= known;
-        }
-        for k in (0..N).rev() {
-            let known: f64 = (k + 1..N).map(|j| self.rows[k][j] * rhs[j]).sum();
-            rhs[k] = (rhs[k] - known) / self.rows[k][k];
-        }
-    }
-}
-
-impl<const N: usize> LinearSolver for Dense<N> {
-    type Vector = [f64; N];
-
-    fn zeros(&self) -> [f64; N] {
-        [0.0; N]
-    }
-
-    fn scale_rows(&mut self, scale: &[f64; N]) {
+    /// Multiplies row `i` by `scale[i]`.
+    pub fn scale_rows(&mut self, scale: &[f64; N]) {
         for (row, d) in self.rows.iter_mut().zip(scale) {
             for entry in row {
                 *entry *= d;
@@ -65,7 +42,12 @@ impl<const N: usize> LinearSolver for Dense<N> {
         }
     }
 
-    fn factorize(&mut self) -> Result<(), Singular> {
+    /// Factorizes the matrix.
+    ///
+    /// # Errors
+    ///
+    /// [`Singular`] if a pivot is zero or not finite.
+    pub fn factorize(&mut self) -> Result<(), Singular> {
         for k in 0..N {
             let (mut pivot, mut largest) = (k, self.rows[k][k].abs());
             for i in k + 1..N {
@@ -94,7 +76,19 @@ impl<const N: usize> LinearSolver for Dense<N> {
         Ok(())
     }
 
-    fn solve(&mut self, rhs: &mut [f64; N]) {
-        self.substitute(rhs);
+    /// Overwrites a right-hand side with its solution, which means nothing before [`factorize`](Self::factorize) has
+    /// succeeded.
+    pub fn solve(&self, rhs: &mut [f64; N]) {
+        for (k, other) in self.exchanged.iter().enumerate() {
+            rhs.swap(k, *other);
+        }
+        for k in 1..N {
+            let known: f64 = (0..k).map(|j| self.rows[k][j] * rhs[j]).sum();
+            rhs[k] -= known;
+        }
+        for k in (0..N).rev() {
+            let known: f64 = (k + 1..N).map(|j| self.rows[k][j] * rhs[j]).sum();
+            rhs[k] = (rhs[k] - known) / self.rows[k][k];
+        }
     }
 }

@@ -5,7 +5,6 @@ use faer::linalg::lu::partial_pivoting::{factor, solve};
 use faer::perm::PermRef;
 use faer::{ColMut, Mat, Par, Spec};
 
-use super::LinearSolver;
 use crate::Singular;
 
 /// A dense matrix whose size is known at run time, and its LU factors with partial pivoting.
@@ -29,41 +28,17 @@ impl DynamicDense {
         }
     }
 
-    /// Sets an entry, before [`factorize`](LinearSolver::factorize).
+    /// Sets an entry, before [`factorize`](Self::factorize).
     pub fn set(&mut self, row: usize, column: usize, value: f64) {
         self.factors[(row, column)] = value;
     }
 
-    /// Overwrites a right-hand side with its solution.
-    pub(crate) fn substitute(&mut self, rhs: &mut [f64]) {
-        let perm = PermRef::new_checked(&self.perm, &self.perm_inv, self.perm.len());
-        solve::solve_in_place(
-            self.factors.as_ref(),
-            self.factors.as_ref(),
-            perm,
-            ColMut::from_slice_mut(rhs).as_mat_mut(),
-            Par::Seq,
-            MemStack::new(&mut self.scratch),
-        );
-    }
-}
-
-impl LinearSolver for DynamicDense {
-    type Vector = Vec<f64>;
-
-    fn zeros(&self) -> Vec<f64> {
-        vec![0.0; self.factors.nrows()]
-    }
-
-    fn scale_rows(&mut self, scale: &Vec<f64>) {
-        for column in self.factors.col_iter_mut() {
-            for (entry, d) in column.iter_mut().zip(scale) {
-                *entry *= d;
-            }
-        }
-    }
-
-    fn factorize(&mut self) -> Result<(), Singular> {
+    /// Factorizes the matrix.
+    ///
+    /// # Errors
+    ///
+    /// [`Singular`] if a pivot is zero or not finite.
+    pub fn factorize(&mut self) -> Result<(), Singular> {
         factor::lu_in_place(
             self.factors.as_mut(),
             &mut self.perm,
@@ -82,7 +57,16 @@ impl LinearSolver for DynamicDense {
         }
     }
 
-    fn solve(&mut self, rhs: &mut Vec<f64>) {
-        self.substitute(rhs);
+    /// Overwrites a right-hand side with its solution.
+    pub fn solve(&mut self, rhs: &mut [f64]) {
+        let perm = PermRef::new_checked(&self.perm, &self.perm_inv, self.perm.len());
+        solve::solve_in_place(
+            self.factors.as_ref(),
+            self.factors.as_ref(),
+            perm,
+            ColMut::from_slice_mut(rhs).as_mat_mut(),
+            Par::Seq,
+            MemStack::new(&mut self.scratch),
+        );
     }
 }

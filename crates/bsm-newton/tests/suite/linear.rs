@@ -1,9 +1,6 @@
 //! Matrices of blocks with a border against dense solves, and Newton's iteration on them.
 
-use bsm_newton::{
-    Bordered, Dense, DynamicDense, EvalError, LinearSolver, Options, Scales, Singular, Status,
-    System, Workspace, solve_system,
-};
+use bsm_newton::{Bordered, Dense, DynamicDense, Singular};
 
 /// Uniform numbers in -1..1 of a fixed seed.
 struct Draw(u64);
@@ -36,47 +33,33 @@ fn entries<const K: usize>(count: usize, border: usize, seed: u64) -> Vec<(usize
     all
 }
 
-/// Solutions of the blocks and of the dense matrix, in rows and columns that are multiplied by sizes.
-fn both<const K: usize>(
-    (count, border): (usize, usize),
-    entries: &[(usize, usize, f64)],
-    size: impl Fn(usize) -> f64,
-) -> [Vec<f64>; 2] {
+/// The blocks agree with the dense matrix of the same entries.
+fn agrees<const K: usize>(count: usize, border: usize, seed: u64) {
     let n = K * count + border;
     let (mut blocks, mut dense) = (Bordered::<K>::new(count, border), DynamicDense::new(n));
-    for (i, j, value) in entries {
-        blocks.add(*i, *j, value * size(*i) * size(*j));
-        dense.set(*i, *j, value * size(*i) * size(*j));
+    for (i, j, value) in entries::<K>(count, border, seed) {
+        blocks.add(i, j, value);
+        dense.set(i, j, value);
     }
     let mut draw = Draw(7);
-    let rhs: Vec<f64> = (0..n).map(|i| draw.next() * size(i)).collect();
-    let scale: Vec<f64> = (0..n).map(|i| 1.0 / size(i)).collect();
-    let [mut x, mut y] = [0, 1].map(|_| rhs.iter().zip(&scale).map(|(r, d)| r * d).collect());
-    blocks.scale_rows(&scale);
-    dense.scale_rows(&scale);
+    let mut x: Vec<f64> = (0..n).map(|_| draw.next()).collect();
+    let mut y = x.clone();
     assert_eq!((blocks.factorize(), dense.factorize()), (Ok(()), Ok(())));
     blocks.solve(&mut x);
     dense.solve(&mut y);
-    [x, y]
+    for (i, (x, y)) in x.iter().zip(&y).enumerate() {
+        // Rounding of matrices of condition below 100.
+        assert!((x - y).abs() <= 1e-14, "{i}: {x} {y}");
+    }
 }
 
 #[test]
 fn blocks_with_a_border_agree_with_a_dense_solve() {
-    let check = |[x, y]: [Vec<f64>; 2], size: &dyn Fn(usize) -> f64| {
-        for (i, (x, y)) in x.iter().zip(&y).enumerate() {
-            // Rounding of matrices of condition below 100.
-            assert!((x - y).abs() * size(i) <= 1e-14, "{i}: {x} {y}");
-        }
-    };
-    let sizes: [&dyn Fn(usize) -> f64; 2] =
-        [&|_| 1.0, &|i| 10.0_f64.powi([0, 9, -11, 4, -6][i % 5])];
-    for size in sizes {
-        check(both::<2>((100, 10), &entries::<2>(100, 10, 1), size), size);
-        check(both::<2>((100, 0), &entries::<2>(100, 0, 2), size), size);
-        check(both::<5>((7, 5), &entries::<5>(7, 5, 3), size), size);
-        check(both::<3>((1, 4), &entries::<3>(1, 4, 4), size), size);
-        check(both::<2>((0, 6), &entries::<2>(0, 6, 5), size), size);
-    }
+    agrees::<2>(100, 10, 1);
+    agrees::<2>(100, 0, 2);
+    agrees::<5>(7, 5, 3);
+    agrees::<3>(1, 4, 4);
+    agrees::<2>(0, 6, 5);
 }
 
 /// Tridiagonal (-1, 2, -1) of n unknowns: x_i = i (n + 1 − i)/2 for loads of one. As a ring of n + 1
@@ -195,109 +178,49 @@ fn small_matrices_are_solved_with_pivoting() {
     }
 }
 
-/// Points between two bodies, held by springs that only push, Q = k δ^{3/2}; the lower body is the
-/// ground, the upper one carries a load. Bars along a chain of stiffness `bar` hold neighbours
-/// together: the structure of many balls between two nuts, with a closed form for equal springs.
-struct Stack {
-    bar: f64,
-    load: f64,
-    stiffness: Vec<f64>,
-}
-
-impl Stack {
-    fn push(k: f64, approach: f64) -> (f64, f64) {
-        let part = approach.max(0.0);
-        (k * part * part.sqrt(), 1.5 * k * part.sqrt())
-    }
-}
-
-impl System for Stack {
-    type Jacobian = Bordered<1>;
-
-    fn residual(&self, x: &Vec<f64>, r: &mut Vec<f64>) -> Result<(), EvalError> {
-        let n = self.stiffness.len();
-        r.fill(0.0);
-        r[n] = -self.load;
-        for (i, k) in self.stiffness.iter().enumerate() {
-            let (below, above) = (Self::push(*k, x[i]).0, Self::push(*k, x[n] - x[i]).0);
-            r[i] += below - above;
-            r[n] += above;
-            if i + 1 < n {
-                let bar = self.bar * (x[i + 1] - x[i]);
-                r[i] -= bar;
-                r[i + 1] += bar;
+/// Points between two bodies, held by springs Q = k δ^{3/2}; the lower body is the ground, the upper one carries a
+/// load, and bars hold neighbours together: the structure of many balls between two nuts. Springs of equal
+/// stiffness k are in series whatever the bars, u = 2 (F/(n k))^{2/3}, and Newton finds that in five steps.
+#[test]
+fn newton_runs_on_blocks_with_a_border() {
+    const N: usize = 200;
+    let (bar, load, k) = (5.0, 50.0, 1.3);
+    let mut x: Vec<f64> = (0..=N).map(|i| if i == N { 0.5 } else { 0.2 }).collect();
+    let mut matrix = Bordered::<1>::new(N, 1);
+    let mut left = vec![0.0; N + 1];
+    for _ in 0..5 {
+        matrix.clear();
+        left.fill(0.0);
+        left[N] = load;
+        for i in 0..N {
+            for (approach, sign) in [(x[i], 1.0), (x[N] - x[i], -1.0)] {
+                let (force, slope) = (k * approach.powf(1.5), 1.5 * k * approach.sqrt());
+                left[i] -= sign * force;
+                matrix.add(i, i, slope);
+                if sign < 0.0 {
+                    left[N] -= force;
+                    matrix.add(i, N, -slope);
+                    matrix.add(N, i, -slope);
+                    matrix.add(N, N, slope);
+                }
             }
-        }
-        Ok(())
-    }
-
-    fn linearize(
-        &self,
-        x: &Vec<f64>,
-        r: &mut Vec<f64>,
-        jacobian: &mut Bordered<1>,
-    ) -> Result<(), EvalError> {
-        self.residual(x, r)?;
-        jacobian.clear();
-        let n = self.stiffness.len();
-        for (i, k) in self.stiffness.iter().enumerate() {
-            let (below, above) = (Self::push(*k, x[i]).1, Self::push(*k, x[n] - x[i]).1);
-            jacobian.add(i, i, below + above);
-            jacobian.add(i, n, -above);
-            jacobian.add(n, i, -above);
-            jacobian.add(n, n, above);
-            if i + 1 < n {
+            if i + 1 < N {
+                let force = bar * (x[i + 1] - x[i]);
+                left[i] += force;
+                left[i + 1] -= force;
                 for (row, column, sign) in
                     [(i, i, 1.0), (i + 1, i + 1, 1.0), (i, i + 1, -1.0), (i + 1, i, -1.0)]
                 {
-                    jacobian.add(row, column, sign * self.bar);
+                    matrix.add(row, column, sign * bar);
                 }
             }
         }
-        Ok(())
+        assert_eq!(matrix.factorize(), Ok(()));
+        matrix.solve(&mut left);
+        x.iter_mut().zip(&left).for_each(|(x, step)| *x += step);
     }
-}
-
-/// Equal springs in series: u = 2 (F/(n k))^{2/3}, whatever the bars. Then springs of all sizes, where
-/// each pair still is in series without bars: F = Σ k (u/2)^{3/2}. The steps are pinned, and the list
-/// of them is the only allocation.
-#[test]
-fn newton_runs_on_blocks_with_a_border() {
-    for (bar, scatter, steps) in [(5.0, 0.0, 5), (0.0, 0.9, 5)] {
-        const N: usize = 200;
-        let mut draw = Draw(3);
-        let stiffness: Vec<f64> = (0..N).map(|_| 1.0 + scatter * draw.next()).collect();
-        let sum: f64 = stiffness.iter().sum();
-        let system = Stack { bar, load: 50.0, stiffness };
-        let mut x: Vec<f64> = (0..=N).map(|i| if i == N { 0.5 } else { 0.2 }).collect();
-        let ones = vec![1.0; N + 1];
-        let scales = Scales { x: &ones, f: &ones };
-        let options = Options { residual_tol: 1e-12, ..Options::default() };
-        let mut work = Workspace::new(Bordered::new(N, 1));
-        let mut report = None;
-        let counted = allocation_counter::measure(|| {
-            report = solve_system(&system, &mut x, &scales, &options, &mut work).ok();
-        });
-        let report = report.expect("sizes match");
-        assert_eq!(report.status, Status::Converged, "{report}");
-        let expected = 2.0 * (system.load / sum).powf(2.0 / 3.0);
-        // Residual of 1e-12 over a stiffness of 100.
-        assert!((x[N] - expected).abs() <= 1e-13, "{} {expected}", x[N]);
-        assert_eq!(report.steps.len(), steps, "{report}");
-        assert_eq!(counted.count_total, 1);
-    }
-}
-
-/// Expected failures: no spring is pressed, so nothing carries the load; and a vector of another size.
-#[test]
-fn a_structure_without_hold_is_singular() {
-    let system = Stack { bar: 1.0, load: -1.0, stiffness: vec![1.0; 5] };
-    let (mut x, ones) = (vec![-1.0; 6], vec![1.0; 6]);
-    let scales = Scales { x: &ones, f: &ones };
-    let mut work = Workspace::new(Bordered::new(5, 1));
-    let options = Options::default();
-    let report = solve_system(&system, &mut x, &scales, &options, &mut work).expect("sizes match");
-    assert_eq!(report.status, Status::SingularJacobian, "{report}");
-    let short = solve_system(&system, &mut vec![0.0; 3], &scales, &options, &mut work);
-    assert_eq!(short.map_err(|e| (e.name, e.expected, e.found)), Err(("x", 6, 3)));
+    let sum = f64::from(u32::try_from(N).expect("small")) * k;
+    let expected = 2.0 * (load / sum).powf(2.0 / 3.0);
+    // Rounding of 200 forces of 0.25 over a stiffness of 100.
+    assert!((x[N] - expected).abs() <= 1e-13, "{} {expected}", x[N]);
 }

@@ -4,8 +4,8 @@
 //! ACM Trans. Math. Softw. 7 (1981), by their numbers there.
 
 use bsm_newton::{
-    Dense, Equations, EvalError, NotConverged, Options, Report, Scales, Status, Workspace,
-    implicit_slopes, path_direction, solve,
+    Equations, EvalError, Options, Report, Scales, Status, Workspace, implicit_slopes,
+    path_direction, solve,
 };
 
 /// Values, and rows of the Jacobian.
@@ -83,7 +83,7 @@ fn logarithm(x: &[f64; 1]) -> Values<1> {
 fn rosenbrock_takes_the_known_path() {
     let mut x = [-1.2, 1.0];
     let report = run(rosenbrock, &mut x);
-    assert_eq!(report.status, Status::Converged, "{report}");
+    assert_eq!(report.status, Status::Converged, "{report:?}");
     assert!((x[0] - 1.0).abs() < 1e-14 && (x[1] - 1.0).abs() < 1e-14, "{x:?}");
     assert_eq!((report.steps.len(), report.n_jacobian, report.n_residual), (10, 10, 33));
 }
@@ -100,15 +100,15 @@ fn powell_badly_scaled_finds_the_published_root() {
         let scales = Scales { x: &ones, f: &ones };
         let system = Problem(powell_badly_scaled);
         let report = solve(&system, &mut x, &scales, &options, &mut Workspace::default());
-        assert_eq!(report.status, Status::Converged, "{report}");
+        assert_eq!(report.status, Status::Converged, "{report:?}");
         // Four printed digits.
         assert!((x[0] - 1.098e-5).abs() < 5e-9 && (x[1] - 9.106).abs() < 5e-4, "{x:?}");
         path.push(report);
     }
-    assert_eq!(path[0].n_jacobian, 53, "{}", path[0]);
+    assert_eq!(path[0].n_jacobian, 53, "{:?}", path[0]);
     // Rounding of 1e4 x y against 1, reached with at most two more steps.
-    assert!(path[1].residual <= 1e-15, "{}", path[1]);
-    assert!(path[1].steps.len() <= path[0].steps.len() + 2, "{}", path[1]);
+    assert!(path[1].residual <= 1e-15, "{:?}", path[1]);
+    assert!(path[1].steps.len() <= path[0].steps.len() + 2, "{:?}", path[1]);
 }
 
 /// No. 13: a singular Jacobian at the root leaves linear convergence, a factor of four a step.
@@ -116,13 +116,13 @@ fn powell_badly_scaled_finds_the_published_root() {
 fn powell_singular_converges_linearly() {
     let mut x = [3.0, -1.0, 0.0, 1.0];
     let report = run(powell_singular, &mut x);
-    assert_eq!(report.status, Status::Converged, "{report}");
+    assert_eq!(report.status, Status::Converged, "{report:?}");
     for pair in report.steps.windows(2).skip(1) {
         let ratio = pair[1].residual / pair[0].residual;
         // Exactly 1/4 in exact arithmetic.
-        assert!((ratio - 0.25).abs() < 1e-3, "{report}");
+        assert!((ratio - 0.25).abs() < 1e-3, "{report:?}");
     }
-    assert_eq!(report.n_jacobian, 19, "{report}");
+    assert_eq!(report.n_jacobian, 19, "{report:?}");
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn convergence_is_quadratic_at_the_root() {
     let report = run(logarithm, &mut [1.1]);
     assert_eq!(report.status, Status::Converged);
     let r: Vec<f64> = report.steps.iter().map(|s| s.residual).collect();
-    assert!(r.len() >= 3, "{report}");
+    assert!(r.len() >= 3, "{report:?}");
     for pair in r.windows(2) {
         assert!(pair[1] <= pair[0].powi(2), "{r:?}");
     }
@@ -151,7 +151,7 @@ fn a_step_out_of_the_domain_is_halved() {
 #[test]
 fn no_root_ends_in_the_line_search_or_a_singular_jacobian() {
     let report = run(|x: &[f64; 1]| Ok(([x[0] * x[0] + 1.0], [[2.0 * x[0]]])), &mut [0.7]);
-    assert_eq!(report.status, Status::LineSearchFailed, "{report}");
+    assert_eq!(report.status, Status::LineSearchFailed, "{report:?}");
     assert!(report.residual >= 1.0);
 }
 
@@ -185,11 +185,11 @@ fn a_refused_start_is_told() {
     assert_eq!(report.domain_error.map(|e| e.value.to_bits()), Some((-1.0_f64).to_bits()));
 }
 
-/// Expected failure: steps that shrink below `step_tol` above a root of a discontinuous function.
+/// Expected failure: steps that shrink below the tolerance of (N3) above a root of a discontinuous function.
 #[test]
 fn tiny_steps_stall() {
     let report = run(|x: &[f64; 1]| Ok(([1.0 + 0.0 * x[0]], [[1e20]])), &mut [1.0]);
-    assert_eq!(report.status, Status::Stalled, "{report}");
+    assert_eq!(report.status, Status::Stalled, "{report:?}");
 }
 
 /// Expected failure: the step limit.
@@ -202,18 +202,8 @@ fn the_step_limit_is_told() {
     let system = Problem(powell_singular);
     let report = solve(&system, &mut x, &scales, &options, &mut Workspace::default());
     assert_eq!(report.status, Status::MaxSteps);
-    let text = NotConverged(Box::new(report)).to_string();
-    assert!(text.contains("the step limit was reached after 3 steps"), "{text}");
-    assert!(text.contains("largest in row"), "{text}");
-}
-
-#[test]
-fn require_converged_keeps_the_report() {
-    let report = run(rosenbrock, &mut [-1.2, 1.0]);
-    assert_eq!(report.clone().require_converged(), Ok(report));
-    let failed = run(logarithm, &mut [-1.0]);
-    let error = failed.clone().require_converged().expect_err("refused");
-    assert_eq!(*error.0, failed);
+    assert_eq!(report.steps.len(), 3);
+    assert!(report.worst_equation_name.starts_with("row "), "{report:?}");
 }
 
 /// Expected failure: a scale that is no size.
@@ -279,7 +269,7 @@ fn a_root_that_does_not_move_smoothly_is_told() {
     let singular =
         implicit_slopes(&Problem(powell_singular), &[0.0; 4], &[1.0; 4], &mut [[1.0; 4]], work);
     assert_eq!(singular, Status::SingularJacobian);
-    let work = &mut Workspace::<Dense<1>>::default();
+    let work = &mut Workspace::<1>::default();
     let refused = implicit_slopes(&Problem(logarithm), &[-1.0], &[1.0], &mut [[1.0]], work);
     assert_eq!(refused, Status::OutsideDomain);
 }

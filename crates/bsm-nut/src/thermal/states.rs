@@ -8,8 +8,8 @@ use std::fmt;
 
 use bsm_dyn::ZERO_CELSIUS;
 use bsm_newton::{
-    Dense, Equations, EvalError, Homotopy, JacobianUpdate, LinearSolver, Options, Scales, Seed,
-    StepControl, Trace, Workspace, solve, trace,
+    Dense, Equations, EvalError, Homotopy, JacobianUpdate, Options, Scales, Seed, StepControl,
+    Trace, Workspace, solve, trace,
 };
 
 use nalgebra::{Matrix3, Schur};

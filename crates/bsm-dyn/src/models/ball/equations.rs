@@ -1,12 +1,12 @@
 //! From formulas in any scalar to the equations that [`bsm_newton`] solves.
 
 use bsm_kin::Jet;
-use bsm_newton::{Dense, EvalError};
+use bsm_newton::EvalError;
 
 use super::ball_unknowns::BALL;
 
 /// Memory of a solve of `N` unknowns.
-pub(crate) type Workspace<const N: usize = BALL> = bsm_newton::Workspace<Dense<N>>;
+pub(crate) type Workspace<const N: usize = BALL> = bsm_newton::Workspace<N>;
 
 /// Values and exact Jacobian of `N` functions of `M` unknowns, by evaluating them once in jets.
 pub(crate) fn linear<const N: usize, const M: usize>(

@@ -221,13 +221,13 @@ mod tests {
         let scales = Scales { x: &[1.0; BALL], f: &weights };
         let options = Options { residual_goal: 1e-14, ..Options::default() };
         let report = solve(&case, &mut y.data.0[0], &scales, &options, &mut Workspace::default());
-        assert!(report.converged(), "{report}");
+        assert!(report.converged(), "{report:?}");
         let small: Vec<f64> =
             report.steps.iter().map(|s| s.residual).filter(|r| (1e-6..1e-1).contains(r)).collect();
-        assert!(small.len() >= 2, "{report}");
+        assert!(small.len() >= 2, "{report:?}");
         for pair in small.windows(2) {
             // The constant of the quadratic tail, about 10 here.
-            assert!(pair[1] <= 100.0 * pair[0].powi(2), "{report}");
+            assert!(pair[1] <= 100.0 * pair[0].powi(2), "{report:?}");
         }
     }
 
