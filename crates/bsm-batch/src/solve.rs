@@ -357,6 +357,7 @@ impl Run<'_> {
                     let values =
                         places.filter_map(|(place, output)| Some((place, numbers.value(output)?)));
                     values.for_each(|(place, value)| put(place, value));
+                    words.extend(numbers.why().map(|why| format!("{}: {why}", kind.name())));
                 }
                 Err(error) if !self.solver.solves => return invalid(&error),
                 Err(error) => words.push(format!("{}: {error}", kind.name())),

@@ -233,6 +233,13 @@ impl BallNut {
         Bracket::new(ends, ends.map(missing)).root(missing).root().map_or(straight, |root| root.x)
     }
 
+    /// Balls that the loaded arc of a circuit holds.
+    ///
+    /// * `spacer`: thickness of the spacers \[m\].
+    pub fn room(&self, circuit: usize, spacer: f64) -> f64 {
+        (self.circuits[circuit].arc / self.touch_angle(spacer)).floor()
+    }
+
     /// Whether nothing presses a ball.
     fn is_idle(found: &Equilibrium, number: usize) -> bool {
         found.balls[number].max_load() < IDLE * found.max_load()

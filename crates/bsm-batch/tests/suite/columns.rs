@@ -8,6 +8,8 @@ const DONG: &[u8] = include_bytes!("../../../../examples/dong2020.json");
 const AXIS: &[u8] = include_bytes!("../../../../examples/axis.json");
 const FEED_AXIS: &[u8] = include_bytes!("../../../../validation/published/nut/feed_axis.json");
 
+const BALL_TRAIN: &str = include_str!("../../../../validation/published/nut/ball_train.json");
+
 /// The example as a nut of three turns, without an input.
 fn dong(without: &str) -> Scene {
     let mut scene = Scene::from_json(DONG).expect("an example");
@@ -276,4 +278,23 @@ fn columns_of_the_warm_state_follow_the_conductances() {
     let answers = solve(&task, &one);
     assert_eq!(answers.verdicts[0].status, Status::NoSolution);
     assert!(answers.columns[0][0].is_nan());
+}
+
+/// Where pushes of the balls are beyond what is calculated, a row has the numbers that hold, and the reason for the others.
+#[test]
+fn a_row_says_why_it_has_no_torque_with_pushes() {
+    let file: serde_json::Value = serde_json::from_str(BALL_TRAIN).expect("JSON");
+    let scene = file["cases"][1]["scene"].to_string();
+    let base = Scene::from_json(scene.as_bytes()).expect("a scene");
+    // 6 N push on balls whose loads reach some 190 N.
+    let grid = grid(&["return_push_N=0:6:2"]);
+    let outputs = outputs(&["friction_torque_Nm", "needed_gap_mm", "max_contact_load_N"]);
+    let task = Task::over_grid(base, Settings::default(), outputs, None, &grid).expect("a task");
+    let answers = solve(&task, &grid);
+    let row = |row: usize| answers.columns.iter().map(move |column| column[row].is_finite());
+    assert!(row(0).all(|is_there| is_there));
+    assert_eq!(row(1).collect::<Vec<_>>(), [false, true, true]);
+    let [(1, message)] = &answers.messages[..] else { panic!("{:?}", answers.messages) };
+    assert!(message.starts_with("nut: no friction torque with pushes of the balls: a push of"));
+    assert!(answers.verdicts.iter().all(|verdict| verdict.status == Status::Converged));
 }

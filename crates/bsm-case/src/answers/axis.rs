@@ -259,6 +259,12 @@ const NOT_MODELLED: [&str; 6] = [
     "brackets of motor and bearings beyond housing_stiffness_N_um",
 ];
 
+/// The same of returns and ball-to-ball contact where the gaps of the balls are given, of a preloaded nut and another.
+const PUSHES: [&str; 2] = [
+    "ball returns beyond return_push_N and its causes: only in manufacturers' rule for the preload; ball-to-ball contact is in the torque by ball_gap_mm",
+    "ball returns, and ball-to-ball contact of a nut without preload: bsm nut has its torque by ball_gap_mm",
+];
+
 impl AxisReport {
     /// The axis of a scene.
     ///
@@ -311,7 +317,12 @@ impl AxisReport {
             notes.extend(worked.how_sure());
             notes.extend(worked.falls());
         }
-        let not_modelled = NOT_MODELLED.map(str::to_owned).to_vec();
+        let mut not_modelled = NOT_MODELLED;
+        if scene.ball_gap_mm.is_some() {
+            // All balls of a preloaded nut are solved for its torque.
+            not_modelled[1] = if scene.is_preloaded() { PUSHES[0] } else { PUSHES[1] };
+        }
+        let not_modelled = not_modelled.map(str::to_owned).to_vec();
         let answer = Answer { rules, notes, warnings, fails, ..Answer::default() }
             .with("passes", Content::Json((!fails).into()))
             .with("inputs", Content::Json(asked.to_json()))

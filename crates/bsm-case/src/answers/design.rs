@@ -262,8 +262,8 @@ impl RequirementFile {
 }
 
 impl RequirementFile {
-    /// True if a rule of the sheet asks for its friction: torques of a motor, and the heat that presses a screw between two
-    /// fixed bearings.
+    /// True if a rule of the sheet asks for its friction: torques of a motor, the warm state, and the heat that presses a screw
+    /// between two fixed bearings.
     fn asks_friction(&self) -> bool {
         let motor = [
             InputKey::motor_rated_torque_Nm,
@@ -271,6 +271,7 @@ impl RequirementFile {
             InputKey::motor_rated_power_W,
         ];
         self.problem.mount.support == Support::FixedFixed
+            || self.scene.asks_warm()
             || motor.into_iter().any(|key| self.scene[key].is_some())
     }
 }

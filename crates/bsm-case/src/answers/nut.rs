@@ -23,7 +23,7 @@ use crate::{Answer, Content, Numbers, NutProblem, Quantity, exact};
 
 mod train;
 
-use train::TrainResult;
+use train::{TrainResult, not_pushed};
 
 /// Allowance of catalogues on the calculated rigidity, for what is made (HIWIN BS-08-2).
 const USUAL: f64 = 0.8;
@@ -540,7 +540,12 @@ impl NutReport {
 
     /// The requested numbers that the nut has.
     pub fn numbers(&self, wanted: impl Fn(&Quantity) -> bool) -> Numbers {
-        read(&NutUnderLoad { problem: &self.problem, state: &self.state }, wanted).where_finite()
+        let loaded = NutUnderLoad { problem: &self.problem, state: &self.state };
+        let numbers = read(&loaded, wanted).where_finite();
+        // The friction has been worked out where a number of it is wanted.
+        let rubbed = self.state.friction.get().and_then(Option::as_ref);
+        let why = rubbed.and_then(|rubbed| rubbed.pushed.as_ref()?.as_ref().err());
+        numbers.because(why.map(|why| not_pushed(why)))
     }
 
     /// A number by name.

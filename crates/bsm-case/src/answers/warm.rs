@@ -180,6 +180,9 @@ impl Warm {
         if let Some(oil) = state.oil {
             notes.push(format!("the lubricant has {oil:.1} C in the warm steady state"));
         }
+        if state.given.contains(InputKey::ball_gap_mm) {
+            notes.push("the warm state has no heat of balls that touch".to_owned());
+        }
         let Some(band) = &state.band else { return notes };
         notes.extend(state.computed());
         if let (None, Some(search)) = (&self.fold, self.search) {

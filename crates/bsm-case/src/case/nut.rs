@@ -10,3 +10,4 @@ mod train;
 pub(crate) use circuits::balls_and_turns;
 pub use problem::NutProblem;
 pub(crate) use problem::{FrictionSource, NutAtRest, NutPreload, OF_A_NUT, bad};
+pub(crate) use train::room;

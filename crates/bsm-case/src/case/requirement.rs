@@ -101,7 +101,8 @@ fn from_scenes() -> impl Iterator<Item = InputKey> + Clone {
     let of_axis = |key: &InputKey| {
         let title = key.input().title;
         let motion = title == "operating point" && !OF_ONE_BALL.contains(key);
-        (title == "axis" && !NOT_OF_AXES.contains(key)) || title == "lubricant" || motion
+        let of_sheet = ["lubricant", "warm state"].contains(&title);
+        (title == "axis" && !NOT_OF_AXES.contains(key)) || of_sheet || motion
     };
     InputKey::ALL.into_iter().filter(move |key| of_axis(key) || OF_NUTS.contains(key))
 }
@@ -114,7 +115,7 @@ const ALIASES: [(&str, &str); 2] =
     [("life_h", "required_life_h"), ("largest_speed_rpm", "motor_max_speed_rpm")];
 
 /// Words of a scene that a requirement may have.
-const ENTRIES_FROM_SCENES: [&str; 11] = [
+const ENTRIES_FROM_SCENES: [&str; 14] = [
     "support",
     "buckling_support",
     "screw_make",
@@ -126,6 +127,9 @@ const ENTRIES_FROM_SCENES: [&str; 11] = [
     "preload_by",
     "preload_class",
     "base_oil",
+    "warm_state",
+    "drag_rule",
+    "coolant",
 ];
 
 /// A requirement as it is written.

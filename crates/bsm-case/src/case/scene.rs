@@ -222,24 +222,28 @@ impl InputNames {
     }
 }
 
-/// Inputs that no model of the ball uses although they change what a screw does, and the command that does.
+/// Inputs that no model of the ball uses although they change what a screw does, and where they act, which has a command of this
+/// name.
 const NOT_IN_BALANCE: [(InputSet, &str); 2] = {
     use InputKey as K;
     let of_an_axis =
         InputSet::of(&[K::moved_mass_kg, K::seal_torque_Nm, K::support_bearing_torque_Nm]);
-    [(OF_A_NUT, "bsm nut"), (of_an_axis, "bsm axis")]
+    [(OF_A_NUT, "nut"), (of_an_axis, "axis")]
 };
 
 impl InputSet {
     /// Warnings about given inputs that no model of the ball uses.
     pub fn unused_by_models(self) -> impl Iterator<Item = String> {
-        NOT_IN_BALANCE.into_iter().filter_map(move |(unused, command)| {
+        NOT_IN_BALANCE.into_iter().filter_map(move |(unused, part)| {
             let names: Vec<_> =
                 unused.iter().filter(|key| self.contains(*key)).map(InputKey::name).collect();
-            let verb = if names.len() == 1 { "is" } else { "are" };
+            let acts = if names.len() == 1 { "acts" } else { "act" };
             let names = names.join(", ");
-            (!names.is_empty())
-                .then(|| format!("{names} {verb} not in the balance of one ball: see {command}"))
+            (!names.is_empty()).then(|| {
+                format!(
+                    "{names} {acts} in the {part}, not on the one ball of this answer: bsm {part}"
+                )
+            })
         })
     }
 }

@@ -495,6 +495,8 @@ inputs! {
             "rated power of the motor";
         largest_inertia_ratio [""] Above(0.0), Some(10.0),
             "largest load-to-motor inertia ratio that is permitted; 3 to 10";
+        hold_force_N ["N"] AtLeast(0.0), Some(0.0),
+            "constant process force that turns the screw without power of the motor, besides the weight";
         brake_torque_Nm ["N m"] Above(0.0), None,
             "torque of the brake, at the motor";
         brake_delay_s ["s"] AtLeast(0.0), Some(0.05),

@@ -312,7 +312,11 @@ pub struct Row {
 
 /// The numbers of an answer.
 #[derive(Debug, Clone)]
-pub struct Numbers(Vec<Row>);
+pub struct Numbers {
+    rows: Vec<Row>,
+    /// Why some are not there although they are wanted.
+    why: Option<String>,
+}
 
 impl Numbers {
     /// Those of a table that are wanted.
@@ -327,7 +331,7 @@ impl Numbers {
             let values = if wanted(quantity) { read(place) } else { [None; 3] };
             Row { quantity, values }
         };
-        Self(table.iter().enumerate().map(value).collect())
+        Self { rows: table.iter().enumerate().map(value).collect(), why: None }
     }
 
     /// No number of a table.
@@ -338,30 +342,30 @@ impl Numbers {
     /// These, then others.
     #[must_use]
     pub(crate) fn and(mut self, other: Self) -> Self {
-        self.0.extend(other.0);
+        self.rows.extend(other.rows);
         self
     }
 
     /// Those of some quantities.
     #[must_use]
     pub(crate) fn part(mut self, wanted: impl Fn(&Quantity) -> bool) -> Self {
-        self.0.retain(|row| wanted(row.quantity));
+        self.rows.retain(|row| wanted(row.quantity));
         self
     }
 
     /// All quantities of the table, with their values.
     pub fn all(&self) -> &[Row] {
-        &self.0
+        &self.rows
     }
 
     /// The quantities that have a value.
     pub fn rows(&self) -> impl Iterator<Item = &Row> {
-        self.0.iter().filter(|row| row.values.iter().any(Option::is_some))
+        self.rows.iter().filter(|row| row.values.iter().any(Option::is_some))
     }
 
     /// The columns with their values.
     pub fn columns(&self) -> impl Iterator<Item = (&'static Output, Option<f64>)> {
-        self.0.iter().flat_map(|row| row.quantity.columns.iter().zip(row.values))
+        self.rows.iter().flat_map(|row| row.quantity.columns.iter().zip(row.values))
     }
 
     /// The values with their names.
@@ -379,10 +383,21 @@ impl Numbers {
         self.number(output.name).filter(|_| matches!(output.origin, Origin::Table { .. }))
     }
 
+    /// Why some that are wanted are not there.
+    pub fn why(&self) -> Option<&str> {
+        self.why.as_deref()
+    }
+
+    /// These with the reason why some are not there.
+    #[must_use]
+    pub(crate) fn because(self, why: Option<String>) -> Self {
+        Self { why, ..self }
+    }
+
     /// These without what is no finite number.
     #[must_use]
     pub(crate) fn where_finite(mut self) -> Self {
-        for value in self.0.iter_mut().flat_map(|row| &mut row.values) {
+        for value in self.rows.iter_mut().flat_map(|row| &mut row.values) {
             *value = value.filter(|value| value.is_finite());
         }
         self

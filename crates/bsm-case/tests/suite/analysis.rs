@@ -534,8 +534,14 @@ fn self_locking_has_one_criterion() {
 const SHARED: [&str; 3] = ["nut_spin_rad_s", "screw_spin_rad_s", "dissipated_power_W"];
 
 /// Numbers of a nut that the sheet of its axis or the warm state has too.
-const OF_A_NUT: [&str; 5] =
-    ["limit_load_N", "preload_set_N", "preload_torque_Nm", "screw_tension_N", "warm_preload_N"];
+const OF_A_NUT: [&str; 6] = [
+    "limit_load_N",
+    "preload_set_N",
+    "preload_setting_um",
+    "preload_torque_Nm",
+    "screw_tension_N",
+    "warm_preload_N",
+];
 
 /// A column has one meaning: no other analysis has its name, nor has an input; what an analysis shares
 /// with a solution, and an axis with its nut, is the same number, unit and label.

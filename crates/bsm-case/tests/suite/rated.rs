@@ -464,3 +464,24 @@ fn a_transfer_axis_of_a_catalogue() {
         number(&report, "cycle_life_h") * one_way / number(&report, "cycle_life_revolutions");
     assert_relative_eq!(hours, 170_285.0, max_relative = 1e-5);
 }
+
+/// A constant process force of the size of the weight does to a level axis what the weight does to an upright one (AA8).
+#[test]
+fn a_process_force_turns_the_screw_as_a_weight_does() {
+    let fed = ["axial_load_N=1e-9", "feed_m_min=15"];
+    let sheet = |more: &[&str]| sheet(UPRIGHT, &[&fed, more].concat()).expect("a sheet");
+    let upright = sheet(&["moved_mass_kg=250"]);
+    // 250 kg times 9.80665 m/s2.
+    let level = sheet(&["moved_mass_kg=0", "inclination_deg=0", "hold_force_N=2451.6625"]);
+    for name in [
+        "holding_torque_frictionless_Nm",
+        "required_brake_torque_Nm",
+        "back_driving_torque_Nm",
+        "back_driving_torque_low_Nm",
+        "back_driving_torque_high_Nm",
+    ] {
+        let [a, b] = [&upright, &level].map(|sheet| sheet.number(name).expect(name));
+        // Rounding.
+        assert!((a - b).abs() <= 1e-12 * a.abs(), "{name}: {a} {b}");
+    }
+}

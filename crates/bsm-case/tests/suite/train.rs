@@ -1,7 +1,7 @@
 //! The ball train of a nut, from its scene: the reference cases of `validation/published/nut`, and what a scene may not
 //! say.
 
-use bsm_case::{CaseError, NutProblem, NutReport, Scene, Settings};
+use bsm_case::{AxisReport, CaseError, NutProblem, NutReport, Scene, Settings};
 use bsm_dyn::Model;
 use serde_json::{Value, json};
 
@@ -135,7 +135,10 @@ fn what_a_train_does_not_take() {
             .map(|why| why.to_string())
             .expect("an error")
     };
-    assert!(refused(json!({"ball_gap_mm": 0.0})).contains("ball_gap_mm"));
+    // Its 1731.6 degrees are 626.5 mm, 98.6 balls.
+    let none = refused(json!({"ball_gap_mm": 0.0}));
+    let room = "`ball_gap_mm` = 0 must be finite and > 0: the 626 mm of circuit 0 hold 98 balls of 6.35 mm";
+    assert_eq!(none, room);
     let both = refused(json!({"return_push_N": 1.0, "return_bend_deg": 180.0}));
     assert!(both.contains("return_push_N") && both.contains("return_bend_deg"), "{both}");
     let force = json!({
@@ -228,7 +231,34 @@ fn too_many_balls_are_said() {
     let warnings = report.warnings().join("; ");
     // A turn is 129.86 along and 10 mm ahead, 1731.6 degrees are 626.5 mm, and 98.6 balls of 6.35 mm.
     assert!(
-        warnings.contains("circuit 0 has 120 balls: its 626 mm hold 98 of 6.35 mm"),
+        warnings
+            .contains("120 balls are too many: the 626 mm of circuit 0 hold 98 balls of 6.35 mm"),
         "{warnings}"
     );
+}
+
+/// What the sheet of an axis says of its balls is that of its torque.
+#[test]
+fn an_axis_says_whether_touching_balls_are_in_its_torque() {
+    let says = |change: Value| {
+        let mut scene = json!({
+            "ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.336, "lead_mm": 12, "contact_angle_deg": 45,
+            "nut_conformity": 0.53, "screw_conformity": 0.53, "loaded_balls_per_turn": 19, "loaded_turns": 3,
+            "friction_coefficient": 0.06, "axial_load_N": 2000, "screw_speed_rpm": 100,
+        });
+        let entries = scene.as_object_mut().expect("a scene");
+        entries.extend(change.as_object().expect("entries").clone());
+        let scene = Scene::from_json(scene.to_string().as_bytes()).expect("a scene");
+        let sheet = AxisReport::of(&scene, &Settings::default()).expect("an axis");
+        let torque = sheet.number("screw_torque_Nm").expect("a torque");
+        (sheet.answer.to_json()["not_modelled"].to_string(), torque)
+    };
+    let (none, free) = says(json!({"preload_N": 2500}));
+    assert!(none.contains("ball returns and ball-to-ball contact: only in"), "{none}");
+    let (given, pushed) =
+        says(json!({"preload_N": 2500, "ball_gap_mm": 1.0, "return_push_N": 0.5}));
+    assert!(given.contains("ball-to-ball contact is in the torque"), "{given}");
+    assert!(pushed > free, "{pushed} {free}");
+    let (single, _) = says(json!({"ball_gap_mm": 1.0}));
+    assert!(single.contains("of a nut without preload: bsm nut"), "{single}");
 }

@@ -2,8 +2,8 @@
 //! scene may not say.
 
 use bsm_case::{
-    AnalysisKind, AxisReport, InputKey, NutProblem, Output, Scene, Settings, WarmBranch,
-    torque_parts,
+    AnalysisKind, AxisReport, Catalogue, DesignReport, InputKey, NutProblem, Output,
+    RequirementFile, Scene, Settings, WarmBranch, torque_parts,
 };
 use bsm_dyn::{Control, Model};
 use serde_json::{Value, json};
@@ -414,4 +414,28 @@ fn at_rest_all_is_as_warm_as_its_surroundings() {
     }
     assert_eq!(nut.number("friction_torque_Nm"), None);
     assert!(nut.number("max_contact_load_N").is_some_and(|load| load > 0.0));
+}
+
+/// The warm state is a limit of the choice: the lightest screw without it breaks a rule when it is warm, that with it keeps them all.
+#[test]
+fn a_screw_is_chosen_for_its_warm_state() {
+    let catalogue = Catalogue::standard().expect("compiled in");
+    let json = br#"{"axial_load_N": 3000, "screw_speed_rpm": 500, "lead_mm": 10, "stroke_mm": 700, "life_h": 10000,
+        "preload_N": 2500, "preload_arrangement": "O", "friction_coefficient": 0.05, "model": "raceway-control"}"#;
+    let chosen = |settings: &[&str]| {
+        let settings: Vec<_> = settings.iter().map(|&text| text.to_owned()).collect();
+        let wish = RequirementFile::from_json(json, &settings, catalogue.lists.clone());
+        let wish = wish.expect("a requirement");
+        let report = DesignReport::standard(&wish, &catalogue).expect("sizes");
+        assert!(report.found, "{:?}", report.reasons);
+        report.scene
+    };
+    let settings = Settings::from(Model::RacewayControl);
+    let mut cold = chosen(&[]);
+    let warm = chosen(&["warm_state=true", "fold_search_factor=1.3"]);
+    assert!(warm.asks_warm());
+    assert!(AxisReport::of(&warm, &settings).expect("an axis").passes());
+    cold.apply(&["warm_state=true", "fold_search_factor=1.3"]).expect("settings");
+    let kept = AxisReport::of(&cold, &settings).is_ok_and(|sheet| sheet.passes());
+    assert!(!kept, "the limit chooses another screw");
 }

@@ -314,7 +314,10 @@ fn a_preloaded_pair_tells_rigidity_limit_and_drag() {
     assert!(beyond["preload_left_N"].as_f64().expect("N").abs() < 1e-9, "{beyond}");
     let solved = bsm(dir.path(), &["solve", &scene], "");
     let words = stdout(&solved);
-    assert!(words.contains("preload_N is not in the balance of one ball: see bsm nut"), "{words}");
+    assert!(
+        words.contains("preload_N acts in the nut, not on the one ball of this answer: bsm nut"),
+        "{words}"
+    );
 }
 
 #[test]

@@ -10,7 +10,7 @@ use crate::case::axis::Machine;
 use crate::vocabulary::units::{MM, RPM};
 use crate::{InputKey, Scene};
 
-/// What the weight of an inclined axis does to the screw without power of the motor.
+/// What the weight of an inclined axis, and a constant process force, do to the screw without power of the motor.
 pub(super) struct PowerLoss {
     /// Torque that drives the screw at the friction of the scene \[N·m\].
     pub(super) nominal: f64,
@@ -37,15 +37,16 @@ impl AxisState<'_> {
         self.machine.screw.map(|_| self.machine.drive.load_inertia())
     }
 
-    /// Load of its weight alone \[N\].
-    pub(super) fn weight(&self) -> f64 {
-        self.machine.carriage.load(0.0, 0.0, 0.0).abs()
+    /// Load of its weight, and of a constant process force \[N\].
+    fn held(&self) -> f64 {
+        let process = self.scene.value_or_default(InputKey::hold_force_N).unwrap_or(0.0);
+        self.machine.carriage.load(0.0, 0.0, 0.0).abs() + process
     }
 
-    /// Its weight, if it turns the screw.
+    /// That load, if it turns the screw.
     pub(super) fn falling(&self) -> Option<Fall> {
-        let weight = self.weight();
-        (weight > 0.0).then(|| self.machine.drive.falling(weight))
+        let held = self.held();
+        (held > 0.0).then(|| self.machine.drive.falling(held))
     }
 
     /// Torque of a brake at the motor: no friction is counted on.
@@ -109,7 +110,7 @@ impl AxisState<'_> {
         let ideal = self.falling()?.torque;
         let speed = -axis.fastest().max(RPM);
         let phase =
-            Phase { time: 1.0, load: self.weight(), speed, acceleration: 0.0, load_factor: 1.0 };
+            Phase { time: 1.0, load: self.held(), speed, acceleration: 0.0, load_factor: 1.0 };
         let work = &mut ModelWorkspace::default();
         let mut friction =
             |scene: &Scene| contacts(scene, settings, advance, &phase, work).ok()?.friction;
@@ -137,12 +138,14 @@ impl AxisState<'_> {
     /// The same in words, with the brake.
     pub(super) fn falls(&self) -> Option<String> {
         let PowerLoss { torques: [low, high], what, .. } = self.power_loss()?;
+        let is_weight = self.scene.hold_force_N.is_none_or(|force| force == 0.0);
+        let load = if is_weight { "the weight" } else { "the load" };
         let words = match what {
-            BackDriving::Turns => "the weight turns the screw; a brake is needed",
-            BackDriving::Undecided => "the weight may turn the screw; take a brake",
-            BackDriving::Holds => {
-                "friction holds the weight; vibration can loosen it, which is no safety function"
-            }
+            BackDriving::Turns => format!("{load} turns the screw; a brake is needed"),
+            BackDriving::Undecided => format!("{load} may turn the screw; take a brake"),
+            BackDriving::Holds => format!(
+                "friction holds {load}; vibration can loosen it, which is no safety function"
+            ),
         };
         let brake = self.required_brake()?;
         let safety = self.scene.value_or_default(InputKey::brake_safety)?;
@@ -153,7 +156,7 @@ impl AxisState<'_> {
         };
         Some(format!(
             "without power of the motor {words}: {low:.3} to {high:.3} N m drive the screw; brake of at least {brake:.3} N m \
-             at the motor, {safety} times the weight without friction{holds}"
+             at the motor, {safety} times {load} without friction{holds}"
         ))
     }
 }

@@ -7,7 +7,7 @@ use bsm_nut::{Advance, CircuitAdvance, CircuitTrain, FreeMotion, LARGEST_PUSH, R
 use serde_json::json;
 
 use super::{BallFriction, NutProblem, NutReport};
-use crate::case::nut::NutAtRest;
+use crate::case::nut::{NutAtRest, room};
 use crate::vocabulary::number::count;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::MM;
@@ -44,6 +44,11 @@ fn too_large(push: f64, part: f64, of: &str) -> String {
         100.0 * part,
         100.0 * LARGEST_PUSH
     )
+}
+
+/// Why there is no friction torque.
+pub(super) fn not_pushed(why: &str) -> String {
+    format!("no friction torque with pushes of the balls: {why}")
 }
 
 /// Whether a model has the free speeds that balls push from.
@@ -131,7 +136,7 @@ impl NutReport {
         let inputs = problem.gaps.train.as_ref()?;
         let train = match state.pushed(problem)? {
             Ok(train) => train,
-            Err(why) => return Some(format!("no friction torque with pushes of the balls: {why}")),
+            Err(why) => return Some(not_pushed(why)),
         };
         let touch = if train.touching > 0 { "touch" } else { "do not touch" };
         let needed = state.advance(problem)?.circuits.iter().map(|circuit| circuit.needed_gap);
@@ -161,17 +166,10 @@ impl NutReport {
     /// Circuits whose balls would lie on each other, and what is beyond the range of the ball train.
     pub(super) fn train_warnings(&self) -> Vec<String> {
         let nut = &self.state.made.nut;
-        let (touch, arc) =
-            (nut.touch_angle(self.problem.gaps.spacer), nut.helix.arc_length_per_radian());
+        let spacer = self.problem.gaps.spacer;
         let crowded = nut.circuits.iter().enumerate().filter_map(|(number, circuit)| {
-            let room = (circuit.arc / touch).floor();
-            (count(circuit.balls) > room).then(|| {
-                format!(
-                    "circuit {number} has {} balls: its {:.0} mm hold {room} of {} mm",
-                    circuit.balls,
-                    circuit.arc * arc / MM,
-                    exact(2.0 * nut.ball.radius / MM)
-                )
+            (count(circuit.balls) > nut.room(number, spacer)).then(|| {
+                format!("{} balls are too many: {}", circuit.balls, room(nut, number, spacer))
             })
         });
         let mut warnings: Vec<_> = crowded.collect();

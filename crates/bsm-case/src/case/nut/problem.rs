@@ -25,10 +25,12 @@ use crate::{CaseError, InputKey, InputSet, ModelChoice, Rule, Scene, Settings};
 
 /// Inputs of which a nut takes more than the models of one ball: it may be pulled or not loaded, and
 /// a lead or a contact angle of zero makes it a ball bearing.
-const WIDER: [(InputKey, Rule); 3] = [
+const WIDER: [(InputKey, Rule); 4] = [
     (InputKey::axial_load_N, Rule::Any),
     (InputKey::lead_mm, Rule::AtLeast(0.0)),
     (InputKey::contact_angle_deg, Rule::Within(0.0, 0.0)),
+    // Refused with the room that the nut has.
+    (InputKey::ball_gap_mm, Rule::Any),
 ];
 
 /// A nut under load as a scene describes it.
@@ -180,7 +182,8 @@ impl NutProblem {
             reason = "a whole number"
         )]
         let seed = value(InputKey::seed) as u64;
-        let (friction, circuits) = (FrictionSource::of(scene)?, nut.circuits.len());
+        let friction = FrictionSource::of(scene)?;
+        let gaps = BallGaps::of(scene, friction, &nut)?;
         Ok(Self {
             support: support(scene)?,
             notes: notes(scene, &nut, preload, loaded.is_some()),
@@ -195,7 +198,7 @@ impl NutProblem {
             rating,
             static_rating,
             ratings,
-            gaps: BallGaps::of(scene, friction, circuits)?,
+            gaps,
             friction: friction.zip(drive),
             seal_torque: value(InputKey::seal_torque_Nm),
             settings: *settings,

@@ -1,10 +1,10 @@
 //! The train of balls of a nut, from the inputs of a scene.
 
-use bsm_nut::{Exit, ExitPush, TrainInputs};
+use bsm_nut::{BallNut, Exit, ExitPush, TrainInputs};
 
-use super::problem::{FrictionSource, bad, checked, twice};
+use super::problem::{FrictionSource, bad, twice};
 use crate::vocabulary::units::{DEG, MM};
-use crate::{CaseError, InputKey, Rule, Scene};
+use crate::{CaseError, InputKey, Rule, Scene, exact};
 
 /// What a scene says of the gaps between the balls of a nut.
 #[derive(Debug, Clone)]
@@ -17,16 +17,30 @@ pub(crate) struct BallGaps {
     pub(crate) train: Option<TrainInputs>,
 }
 
+/// How many balls a circuit holds.
+///
+/// * `spacer`: thickness of the spacers \[m\].
+pub(crate) fn room(nut: &BallNut, circuit: usize, spacer: f64) -> String {
+    let arc = nut.circuits[circuit].arc;
+    format!(
+        "the {:.0} mm of circuit {circuit} hold {} balls of {} mm",
+        arc * nut.helix.arc_length_per_radian() / MM,
+        nut.room(circuit, spacer),
+        exact(2.0 * nut.ball.radius / MM)
+    )
+}
+
 impl BallGaps {
     pub(super) fn of(
         scene: &Scene,
         friction: Option<FrictionSource>,
-        circuits: usize,
+        nut: &BallNut,
     ) -> Result<Self, CaseError> {
         use InputKey as K;
         let listed = scene.nut.circuits.as_deref().unwrap_or_default();
         let own = |circuit: usize| listed.get(circuit).and_then(|words| words.ball_gap_mm);
         let own_path = |circuit: usize| format!("circuits[{circuit}].ball_gap_mm");
+        let circuits = nut.circuits.len();
         let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
         let spacer = value(K::spacer_thickness_mm) * MM;
         let friction = match friction {
@@ -47,7 +61,13 @@ impl BallGaps {
         };
         let gap_of = |circuit: usize| {
             let gap = own(circuit).unwrap_or(gap);
-            checked(Rule::Above(0.0), &own_path(circuit), gap).map(|gap| gap * MM)
+            let rule = Rule::Above(0.0);
+            if rule.holds(gap) {
+                return Ok(gap * MM);
+            }
+            let key = own(circuit).map_or_else(|| "ball_gap_mm".to_owned(), |_| own_path(circuit));
+            let (room, rule) = (room(nut, circuit, spacer), rule.describe());
+            Err(CaseError::OutOfRange { key, value: gap, rule: format!("{rule}: {room}") })
         };
         let gaps = (0..circuits).map(gap_of).collect::<Result<_, _>>()?;
         let of_bends =
