@@ -77,7 +77,7 @@ impl Steady {
 
     /// Heat of nut, screw and balls, without the bearings and the motor \[W\].
     pub fn nut_heat(&self) -> f64 {
-        self.heated.heat[..RUBBED].iter().sum()
+        self.heated.heat[..FRICTION_NODES].iter().sum()
     }
 }
 
