@@ -57,7 +57,7 @@ impl AnalysisKind {
     ///
     /// * `base`: the scene that the points vary.
     pub(crate) fn missing(self, base: &Scene, given: InputSet) -> Vec<String> {
-        let given = given | rated_nut::given(base);
+        let given = given.and(rated_nut::given(base));
         match self {
             Self::Slip | Self::Jam => Needs::of(Model::Rigid).missing(given),
             Self::Optimum => optimum::NEEDS.missing(given),
