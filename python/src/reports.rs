@@ -6,7 +6,7 @@ use bsm_batch::{NumberColumn, TableError, TableSink};
 use bsm_case::{
     Answer, AxisReport, CATALOGUE, Calibration, CaseError, Catalogue, Content, DesignReport,
     EllipseFields, Fit, MakerNut, MakerRow, MotionAnswer, NutFilter, NutProblem, NutReport, Record,
-    RequirementFile, Samples, Settings, candidate_scene, column_names, sheet_columns,
+    RequirementFile, Samples, Settings, TableFormat, candidate_scene, column_names, sheet_columns,
 };
 use bsm_dyn::{Model, ModelWorkspace, Solution};
 use bsm_report::sheets::{size_figures, size_page, size_results};
@@ -346,7 +346,8 @@ pub(crate) fn makers(
     requirement: Option<&str>,
 ) -> PyResult<(Table, Vec<String>, Vec<bool>, Nuts)> {
     let rows = on_threads(py, || {
-        let nuts = MakerNut::from_csv(table, &column_names(names.as_bytes())?, b',', '.')?;
+        let names = column_names(names.as_bytes())?;
+        let nuts = MakerNut::from_csv(table, &TableFormat { names, ..TableFormat::default() })?;
         let wish = wished(requirement, &sizes(None)?)?;
         Ok(MakerRow::all(&nuts, wish.as_ref()))
     })?;
