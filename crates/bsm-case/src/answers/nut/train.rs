@@ -167,12 +167,13 @@ impl NutReport {
     pub(super) fn train_warnings(&self) -> Vec<String> {
         let nut = &self.state.made.nut;
         let spacer = self.problem.gaps.spacer;
-        let crowded = nut.circuits.iter().enumerate().filter_map(|(number, circuit)| {
-            (count(circuit.balls) > nut.room(number, spacer)).then(|| {
-                format!("{} balls are too many: {}", circuit.balls, room(nut, number, spacer))
+        let circuits = nut.circuits.iter().enumerate();
+        let crowded = circuits.filter(|(i, circuit)| count(circuit.balls) > nut.room(*i, spacer));
+        let mut warnings: Vec<_> = crowded
+            .map(|(i, circuit)| {
+                format!("{} balls are too many: {}", circuit.balls, room(nut, i, spacer))
             })
-        });
-        let mut warnings: Vec<_> = crowded.collect();
+            .collect();
         let Some(Ok(train)) = self.state.pushed(&self.problem) else { return warnings };
         let part = train.largest_push / self.found().mean_load();
         if part > LARGEST_PUSH {
