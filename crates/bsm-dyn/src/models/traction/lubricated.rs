@@ -8,7 +8,7 @@ use bsm_kin::{Helix, Jet};
 use bsm_newton::{Continuation, follow};
 
 use super::columns::LastEvaluation;
-use super::root::{RootWithPower, SlipRoot};
+use super::root::{BRIEF, FULL_STEPS, RootWithPower, SlipRoot};
 use super::{
     COARSE, FrozenRule, Lubrication, NEAR, SEARCH, SlipBall, SlipState, Start, Traction,
     TractionWorkspace,
@@ -51,7 +51,9 @@ impl SlipBall<'_> {
         if let Some(near) = near {
             let here = self.of(near);
             for ball in [here, here.complete(1.0)] {
-                match ball.solved(near.unknowns, newton, steps) {
+                // Where full steps do not converge, halvings cost more than the path of the oil's part.
+                let direct = Self { limits: FULL_STEPS, ..ball };
+                match direct.solved(near.unknowns, newton, steps) {
                     Ok(root) => return Ok(root),
                     Err(reason) => failure = Unsolved::not_converged(reason),
                 }
@@ -59,7 +61,7 @@ impl SlipBall<'_> {
             let mut y = near.unknowns;
             let stride = Continuation { first: 0.25, shortest: 0.01 };
             let arrived = follow(&mut y, (0.0, 1.0), stride, |part, y| {
-                let report = here.complete(part).run(y, newton);
+                let report = Self { limits: BRIEF, ..here.complete(part) }.run(y, newton);
                 *steps += report.steps.len();
                 report.converged()
             });

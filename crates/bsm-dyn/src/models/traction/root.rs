@@ -21,8 +21,8 @@ pub const SKIDS: f64 = 0.5;
 
 /// Newton steps and halvings of a step of a solve after which others may do better; of most points the solve after a
 /// step at [`LEVEL`] takes full steps.
-const BRIEF: (usize, u32) = (12, 6);
-const FULL_STEPS: (usize, u32) = (12, 2);
+pub(super) const BRIEF: (usize, u32) = (12, 6);
+pub(super) const FULL_STEPS: (usize, u32) = (12, 2);
 
 /// Creep speeds over `$r_b|W|$` that are solved for before the asked one, in the order of the tries: against them friction
 /// is nearly linear in the slips of most starts.
