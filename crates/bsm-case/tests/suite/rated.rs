@@ -465,7 +465,7 @@ fn a_transfer_axis_of_a_catalogue() {
     assert_relative_eq!(hours, 170_285.0, max_relative = 1e-5);
 }
 
-/// A constant process force of the size of the weight does to a level axis what the weight does to an upright one (AA8).
+/// A constant process force of the size of the weight does to a level axis what the weight does to an upright one.
 #[test]
 fn a_process_force_turns_the_screw_as_a_weight_does() {
     let fed = ["axial_load_N=1e-9", "feed_m_min=15"];
