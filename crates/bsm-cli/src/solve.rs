@@ -50,7 +50,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     if args.points.is_some() && !shown.contains(&Show::Ellipses) {
         return Err(Failure::Input("--points is of --show ellipses".to_owned()));
     }
-    let draws = |part: &Part| matches!(part, Show::Slip | Show::Jam | Show::Optimum);
+    let draws = |part: &Show| matches!(part, Show::Slip | Show::Jam | Show::Optimum);
     if args.out.figures.is_some() && !shown.iter().any(draws) {
         let text = "--figures draws what --show slip, jam and optimum show";
         return Err(Failure::Input(text.to_owned()));
