@@ -10,8 +10,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 
 use crate::failure::Failure;
-use crate::files;
-use crate::schema;
+use crate::{files, schema};
 
 /// Meaning of the exit codes, at the end of every help text.
 const EXIT_CODES: &str = "Exit codes: 0 all solved, all checks passed; 1 files, disk, threads or memory; 2 bad \
