@@ -134,9 +134,24 @@ impl AxisState<'_> {
         Some(PowerLoss { nominal: ideal - nominal - drag, torques, what })
     }
 
-    /// The same in words, with the brake.
+    /// The same in words, with the brake; of an axis without weight whether its load drives the screw.
     pub(super) fn falls(&self) -> Option<String> {
-        let PowerLoss { torques: [low, high], what, .. } = self.power_loss()?;
+        let Some(PowerLoss { torques: [low, high], what, .. }) = self.power_loss() else {
+            let (load, holding) = (self.axis().largest_load(), self.holding?);
+            return (load > 0.0).then(|| {
+                if holding > 0.0 {
+                    format!(
+                        "the largest axial load, {load:.0} N, drives the screw back: {holding:.3} N m at the screw hold it, with \
+                         friction of the contacts alone"
+                    )
+                } else {
+                    format!(
+                        "the largest axial load, {load:.0} N, does not drive the screw back: friction of the contacts holds it; \
+                         vibration can loosen it"
+                    )
+                }
+            });
+        };
         let words = match what {
             BackDriving::Turns => "the weight turns the screw; a brake is needed",
             BackDriving::Undecided => "the weight may turn the screw; take a brake",
