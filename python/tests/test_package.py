@@ -112,7 +112,7 @@ def test_a_broken_rule_names_key_value_and_rule() -> None:
     with pytest.raises(bs.InputError) as caught:
         bs.Scene(ball_diameter_mm=-1)
     error = caught.value
-    assert (error.key, error.value, error.rule) == ("ball_diameter_mm", -1.0, "finite and > 0")
+    assert (error.key, error.value, error.rule) == ("ball_diameter_mm", -1.0, "a finite number > 0")
     assert isinstance(error, ValueError)
 
 

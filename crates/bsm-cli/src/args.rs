@@ -115,7 +115,7 @@ pub(crate) enum PartsCommand {
     /// Solve parts: any number of processes on any machine, in any order, more than once.
     /// Finished parts remain. Example, of 100 tasks of a scheduler: bsm parts run map/ --only $TASK/100
     Run(RunArgs),
-    /// Check that every part is there and unchanged. Exit code 3 if one is missing or damaged. When all
+    /// Check that every part is there and ends as it was written; --deep reads all of it. Exit code 3 if one is missing or damaged. When all
     /// are there it writes parts.parquet and removes unfinished files.
     Check(CheckArgs),
 }
@@ -189,7 +189,7 @@ fn setting(text: &str) -> Result<(String, String), String> {
     let (key, value) = pair(text, &["tolerance", "accuracy", "creep", "control", "friction"])?;
     let number = |rule: Rule| match value.parse() {
         Ok(number) if rule.holds::<f64>(number) => Ok(()),
-        _ => Err(format!("must be a number, {}", rule.describe())),
+        _ => Err(format!("must be {}", rule.describe())),
     };
     match key.as_str() {
         "tolerance" => number(Settings::TOLERANCE),
@@ -286,7 +286,7 @@ pub(crate) fn threads(text: &str) -> Result<NonZeroUsize, String> {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct OutArgs {
-    /// .html: the page; .json: what --json prints. May be repeated.
+    /// .html: the page; .json: what --json prints; of axis also .dxf: the grooves. May be repeated.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     /// Folder for the page report.html, results.json and figures/ (SVG and CSV).

@@ -26,31 +26,31 @@ impl NutBody {
         Self {
             // D₁ = D_pw + 4 D_w                                           (D10)
             outer: nut.pitch_diameter + 4.0 * nut.ball_diameter,
-            length: Self::usual_length(nut.lead, nut.turns),
+            length: Self::usual_length(nut.pitch(), nut.turns),
         }
     }
 
     /// The usual body of a nut of which only the ratings are known (D10), with three loaded turns unless they are known.
     ///
-    /// * `nominal`, `lead` \[m\].
+    /// * `nominal`, `pitch` of neighbouring grooves \[m\].
     ///
     /// Source: (D10); the outer diameters of DIN 69051-5, 1.4 to 1.8 nominal diameters.
-    pub fn of_ratings(nominal: f64, lead: f64, turns: Option<f64>) -> Self {
-        Self { outer: 1.6 * nominal, length: Self::usual_length(lead, turns.unwrap_or(3.0)) }
+    pub fn of_ratings(nominal: f64, pitch: f64, turns: Option<f64>) -> Self {
+        Self { outer: 1.6 * nominal, length: Self::usual_length(pitch, turns.unwrap_or(3.0)) }
     }
 
     /// Usual length of a nut \[m\] (D10).
-    fn usual_length(lead: f64, turns: f64) -> f64 {
-        // L_n = P_h (i + 3)                                               (D10)
-        lead * (turns + IDLE_TURNS)
+    fn usual_length(pitch: f64, turns: f64) -> f64 {
+        // L_n = P (i + 3)                                                 (D10)
+        pitch * (turns + IDLE_TURNS)
     }
 
     /// Mass \[kg\] without balls, returns and flange (D11).
     pub fn mass(&self, nut: &Nut, thread: &Thread) -> f64 {
         let tube = self.outer.powi(2) - thread.nut.land.powi(2);
-        // m = ρ [π/4 (D₁² − D_b²) − A_g L/P_h] L_n                        (D11)
+        // m = ρ [π/4 (D₁² − D_b²) − A_g L/P] L_n                          (D11)
         STEEL
-            * (0.25 * PI * tube - thread.nut.section() * nut.turn_length() / nut.lead)
+            * (0.25 * PI * tube - thread.nut.section() * nut.turn_length() / nut.pitch())
             * self.length
     }
 }
@@ -62,8 +62,8 @@ impl Nut {
     /// J_s = \frac{\pi\rho d_s^4}{32}l - \frac{2\pi\rho\,z\,l}{P_h}\int_{r_r}^{d_s/2} r^3 w\,dr, \qquad w = \frac{2}{\cos\alpha}\big[\sqrt{R^2 - y^2} - k\big]
     /// ```
     ///
-    /// the mass likewise with `$r$` for `$r^3$`. * `starts`: threads beside each other `$z$`.
-    fn screw_mass_and_inertia(&self, thread: &Thread, starts: f64) -> (f64, f64) {
+    /// the mass likewise with `$r$` for `$r^3$`.
+    fn screw_mass_and_inertia(&self, thread: &Thread) -> (f64, f64) {
         let Profile { radius, offset, height, land, .. } = thread.screw;
         let [meet, edge] = thread.screw.ends();
         let edge = edge.min(FRAC_PI_2);
@@ -80,7 +80,7 @@ impl Nut {
             };
             (0..=STEPS).map(at).sum::<f64>() * (edge - meet) / (3.0 * f64::from(STEPS))
         };
-        let turns = starts * TAU * STEEL / self.lead;
+        let turns = TAU * STEEL / self.pitch();
         // m_s = π/4 ρ l d_s² − 2πρ z l/P_h ∫ r w dr                       (AA9)
         let mass = 0.25 * PI * STEEL * land.powi(2) - turns * removed(1);
         // J_s = π/32 ρ l d_s⁴ − 2πρ z l/P_h ∫ r³ w dr                     (AA9)
@@ -89,10 +89,8 @@ impl Nut {
     }
 
     /// The screw of a thread.
-    ///
-    /// * `starts`: threads beside each other.
-    pub fn screw(&self, thread: &Thread, starts: f64) -> Screw {
-        let (mass_per_length, inertia_per_length) = self.screw_mass_and_inertia(thread, starts);
+    pub fn screw(&self, thread: &Thread) -> Screw {
+        let (mass_per_length, inertia_per_length) = self.screw_mass_and_inertia(thread);
         Screw {
             lead: self.lead,
             pitch_diameter: self.pitch_diameter,
@@ -115,6 +113,25 @@ mod tests {
 
     use super::*;
 
+    /// End-cap nuts of a maker (TBI, SFY) with two circuits, each on a thread of its own, printed lengths in mm: what (D10) gives
+    /// holds their turns, and is at most 1.45 times as long, as end caps are short. Counted as those of one thread, turns made it up
+    /// to 2.8 times as long.
+    #[test]
+    fn turns_of_several_threads_lie_side_by_side() {
+        for (lead, of_a_circuit, printed) in [
+            (16e-3, 1.8, 45e-3),
+            (16e-3, 2.8, 61e-3),
+            (25e-3, 1.8, 64e-3),
+            (32e-3, 2.8, 110e-3),
+            (50e-3, 1.8, 117e-3),
+            (50e-3, 2.8, 167e-3),
+        ] {
+            let usual = NutBody::of_ratings(lead, lead / 2.0, Some(2.0 * of_a_circuit)).length;
+            assert!(lead * of_a_circuit < printed && printed < usual, "{lead} {usual}");
+            assert!(usual < 1.45 * printed, "{lead} {usual}");
+        }
+    }
+
     /// The moment of inertia was that of the pitch circle, half as much again. A metre each, by another quadrature to six
     /// digits; a bore takes away its rod.
     #[test]
@@ -133,9 +150,10 @@ mod tests {
                 material: (steel, steel),
                 balls_per_turn: 10.0,
                 turns: 3.0,
+                starts: 1.0,
             };
             let thread = nut.thread(0.0, (pitch + 2e-3, land));
-            let screw = nut.screw(&thread, 1.0);
+            let screw = nut.screw(&thread);
             let (m, j) = screw.mass_and_inertia(0.0, 1.0);
             assert_relative_eq!(m, mass, max_relative = 1e-6);
             assert_relative_eq!(j, inertia, max_relative = 3e-6);
@@ -144,12 +162,12 @@ mod tests {
             assert_relative_eq!(m - hollow, rod, max_relative = 1e-12);
             assert_relative_eq!(j - turned, rod * 1e-4 / 8.0, max_relative = 1e-9);
             // Each thread takes as much.
-            let (two, _) = nut.screw(&thread, 2.0).mass_and_inertia(0.0, 1.0);
+            let (two, _) = Nut { starts: 2.0, ..nut }.screw(&thread).mass_and_inertia(0.0, 1.0);
             let whole = STEEL * 0.25 * PI * land * land;
             assert_relative_eq!(whole - two, 2.0 * (whole - m), max_relative = 1e-12);
             // A groove without depth leaves the rod.
             let rod = nut.thread(0.0, (pitch + 2e-3, thread.screw.root));
-            let (m, j) = nut.screw(&rod, 1.0).mass_and_inertia(0.0, 1.0);
+            let (m, j) = nut.screw(&rod).mass_and_inertia(0.0, 1.0);
             assert_relative_eq!(j, m * thread.screw.root.powi(2) / 8.0, max_relative = 1e-12);
         }
     }

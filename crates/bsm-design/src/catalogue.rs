@@ -50,6 +50,8 @@ pub struct OfferedSize {
     pub ball: f64,
     /// Loaded turns.
     pub turns: f64,
+    /// Threads beside each other over which the turns are spread.
+    pub starts: f64,
     /// Pitch circle diameter, if it is printed.
     pub pitch_diameter: Option<f64>,
     /// Core diameter, if it is printed.
@@ -96,6 +98,13 @@ pub struct Size {
     pub conformity: f64,
     pub contact_angle: f64,
     pub offered: Option<OfferedSize>,
+}
+
+impl Size {
+    /// Threads beside each other.
+    fn starts(&self) -> f64 {
+        self.offered.map_or(1.0, |offered| offered.starts)
+    }
 }
 
 /// A nut of the catalogue with its numbers.
@@ -176,7 +185,7 @@ impl Limits {
         // Lists in millimetres do not meet the bounds to the last bit.
         let slack = 1.0 + 1e-12;
         let (thin, thick) = self.ball_over_diameter;
-        size.ball <= self.ball_over_lead * size.lead * slack
+        size.ball <= self.ball_over_lead * size.lead / size.starts() * slack
             && (size.lead > SHORT_LEAD * slack
                 || size.ball * slack >= self.least_ball_over_lead * size.lead)
             && size.ball * slack >= thin * size.diameter
@@ -213,6 +222,7 @@ impl Limits {
             material: self.material,
             balls_per_turn,
             turns: size.turns,
+            starts: size.starts(),
         };
         let thread = nut.thread(self.axial_play, nut.usual_lands());
         // A play that single arcs do not have cannot be made.

@@ -19,6 +19,7 @@
 //!     contact_angle: PI / 4.0,
 //!     conformity: (0.55, 0.55),
 //!     material: (steel, steel),
+//!     starts: 1.0,
 //!     balls_per_turn: 16.0,
 //!     turns: 6.0,
 //! };

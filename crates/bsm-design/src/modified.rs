@@ -242,6 +242,7 @@ mod tests {
             contact_angle: FRAC_PI_4,
             conformity: (0.53, 0.52),
             material: (steel, steel),
+            starts: 1.0,
             balls_per_turn: 18.0,
             turns: 5.0,
         };

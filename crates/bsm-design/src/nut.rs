@@ -26,6 +26,8 @@ pub struct Nut {
     pub balls_per_turn: f64,
     /// Loaded turns, which may be a fraction; positive.
     pub turns: f64,
+    /// Threads beside each other `$z$`, over which the turns are spread evenly.
+    pub starts: f64,
 }
 
 /// Dynamic load rating and what it is made of, for a check by hand.
@@ -73,6 +75,11 @@ impl Nut {
     /// Lead angle \[rad\].
     pub fn lead_angle(&self) -> f64 {
         (self.lead / (PI * self.pitch_diameter)).atan()
+    }
+
+    /// Distance of neighbouring grooves along the axis `$P = P_h/z$` \[m\].
+    pub fn pitch(&self) -> f64 {
+        self.lead / self.starts
     }
 
     /// Length of a turn of the ball centres \[m\] (D16).

@@ -270,6 +270,7 @@ impl Search<'_> {
             contact_angle: numbers.contact_angle,
             conformity: (numbers.conformity, numbers.conformity),
             material: self.requirement.material,
+            starts: 1.0,
             balls_per_turn,
             turns,
         }

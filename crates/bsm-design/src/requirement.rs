@@ -403,7 +403,7 @@ impl Design {
             Travel::Stroke(stroke) => (stroke + body.length, stroke),
         };
         let phases = requirement.demand.phases(&requirement.carriage, &nut);
-        let (screw, dynamic) = (nut.screw(&thread, 1.0), nut.dynamic_rating().rating);
+        let (screw, dynamic) = (nut.screw(&thread), nut.dynamic_rating().rating);
         let mut axis = Axis {
             screw,
             shaft: requirement.mount.shaft(&screw, body.length, Some(stroke)),

@@ -115,10 +115,10 @@ impl NutBody {
     pub fn rigidity(&self, nut: &Nut) -> f64 {
         let inner = nut.pitch_diameter + nut.ball_diameter * nut.contact_angle.cos();
         let (outer, inner) = (self.outer * self.outer, inner * inner);
-        // j = 2π i P_h E tan²β / [(D₁² + D_t²)/(D₁² − D_t²) + 1]          (D8)
+        // j = 2π i P E tan²β / [(D₁² + D_t²)/(D₁² − D_t²) + 1]            (D8)
         2.0 * PI
             * nut.turns
-            * nut.lead
+            * nut.pitch()
             * nut.material.0.youngs_modulus
             * nut.contact_angle.tan().powi(2)
             / ((outer + inner) / (outer - inner) + 1.0)
@@ -142,6 +142,7 @@ mod tests {
             contact_angle: PI / 4.0,
             conformity: (0.55, 0.55),
             material: (STEEL, STEEL),
+            starts: 1.0,
             balls_per_turn: 16.0,
             turns: 6.0,
         };

@@ -199,6 +199,7 @@ mod tests {
             contact_angle: 0.9 * FRAC_PI_4,
             conformity: (0.55, 0.53),
             material: (STEEL, STEEL),
+            starts: 1.0,
             balls_per_turn: 28.0,
             turns: 6.0,
         }

@@ -98,6 +98,7 @@ fn nut(pitch: f64, ball: f64, balls: f64, turns: f64, beta: f64, conformity: f64
         contact_angle: beta,
         conformity: (conformity, conformity),
         material: (STEEL, STEEL),
+        starts: 1.0,
         balls_per_turn: balls,
         turns,
     }

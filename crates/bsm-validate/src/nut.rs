@@ -221,6 +221,7 @@ impl CatalogueRow {
             contact_angle: FRAC_PI_4,
             conformity: (CONFORMITY, CONFORMITY),
             material: (STEEL, STEEL),
+            starts: 1.0,
             balls_per_turn: 1.0,
             turns: 1.0,
         };

@@ -67,6 +67,7 @@ impl Row {
             contact_angle: FRAC_PI_4,
             conformity: (self.conformity, self.conformity),
             material: (STEEL, STEEL),
+            starts: 1.0,
             balls_per_turn,
             turns: self.turns,
         }

@@ -150,7 +150,7 @@ def test_a_bad_value_names_its_field(serve, sheet):
     fill(sheet, "ball_diameter_mm", "-3.5")
     words = page.locator("[data-name=ball_diameter_mm] .wrong")
     words.wait_for(state="visible")
-    assert words.inner_text() == "`ball_diameter_mm` = -3.5 must be finite and > 0"
+    assert words.inner_text() == "`ball_diameter_mm` = -3.5 must be a finite number > 0"
     assert page.get_attribute("#in-ball_diameter_mm", "aria-invalid") == "true"
     assert page.locator(".field.bad").count() == 1
     assert page.locator("#alert").is_visible()

@@ -19,7 +19,9 @@ const at = (id) => document.getElementById(id);
 const panels = ["key", "space", "section", "ellipses", "losses", "map", "models", "nut", "axis", "beside", "numbers"];
 const space = new Space(at("space")), ellipses = new Ellipses(at("ellipses"));
 const inputs = new Inputs(at("inputs"), () => changed());
-const map = new ModelMap(at("map"), { moved: (values) => inputs.put(values), ask: (route, body, signal) => ask(route, body, turn, signal), again: () => { turn += 1; clearTimeout(slow); remember(); void rest(); } });
+const map = new ModelMap(at("map"), { moved: (values) => inputs.put(values),
+  ask: (route, body, signal) => ask(route, body, turn, signal),
+  again: () => { turn += 1; clearTimeout(slow); remember(); void rest(); } });
 const beside = new Beside(at("beside"), { edit: (scene) => load(scene), changed: () => { turn += 1; clearTimeout(slow); remember(); void rest(); } });
 let settings = { ...start.settings };
 
@@ -119,7 +121,9 @@ async function rest() {
       showAxis(at("axis"), answer, () => sheet(body)); stale(["axis"], false);
     }),
     beside.solve((scene) => attempt("point", { scene, settings: body.settings }, signal).then((answer) => answer.solve ?? answer)),
-    banded ? then("solve", { parts: false, band: true }, (answer) => { if (!(answer instanceof Error)) { showKey(at("key"), answer); showLosses(at("losses"), answer, null); } }) : null,
+    banded ? then("solve", { parts: false, band: true },
+      (answer) => { if (!(answer instanceof Error)) { showKey(at("key"), answer);
+        showLosses(at("losses"), answer, null); } }) : null,
   ]);
   // The map takes all cores.
   if (!signal.aborted) await map.show(body, signal);
@@ -177,11 +181,15 @@ head();
 const set = () => { head(); beside.forget(); changed(); };
 const setModel = () => { settings.name = at("model").value; set(); };
 at("model").addEventListener("change", setModel);
-at("tolerance").addEventListener("change", () => { const value = parsed(at("tolerance").value); settings.tolerance = Number.isNaN(value) ? start.settings.tolerance : value; set(); });
+at("tolerance").addEventListener("change",
+  () => { const value = parsed(at("tolerance").value);
+    settings.tolerance = Number.isNaN(value) ? start.settings.tolerance : value; set(); });
 
 const say = (button, words) => { const former = button.textContent; button.textContent = words; setTimeout(() => { button.textContent = former; }, 1200); };
 at("copy").addEventListener("click", async () => {
-  try { await navigator.clipboard.writeText(at("json").value); say(at("copy"), "Copied"); } catch { at("json").closest("details").open = true; at("json").select(); say(at("copy"), "Select and copy"); }
+  try { await navigator.clipboard.writeText(at("json").value);
+    say(at("copy"), "Copied"); } catch { at("json").closest("details").open = true; at("json").select();
+    say(at("copy"), "Select and copy"); }
 });
 at("reset").addEventListener("click", () => load(start.scene));
 // To the file that the program was given, or where the browser saves.
@@ -205,7 +213,8 @@ function read(words, from) {
   } catch (error) { complain(new Error(`${from}: ${error.message}`)); }
 }
 at("apply").addEventListener("click", () => read(at("json").value, "scene"));
-at("file").addEventListener("change", async (event) => { const [file] = event.target.files; if (file) read(await file.text(), file.name); event.target.value = ""; });
+at("file").addEventListener("change", async (event) => { const [file] = event.target.files;
+  if (file) read(await file.text(), file.name); event.target.value = ""; });
 for (const [kind, on] of [["dragover", true], ["dragleave", false], ["drop", false]])
   document.addEventListener(kind, async (event) => {
     event.preventDefault();
@@ -215,7 +224,8 @@ for (const [kind, on] of [["dragover", true], ["dragleave", false], ["drop", fal
 if (!start.live) for (const id of ["model", "tolerance", "file", "apply"]) at(id).disabled = true;
 if (!start.live) { document.querySelector("label[for=file]").hidden = true; at("json").readOnly = true; }
 if (innerWidth < 960) at("inputs-fold").open = false;
-at("about").textContent = `${start.program}. ${start.live ? "Live from the solver on this machine; nothing leaves it." : "One file: numbers of the solver at the stops of the sliders, nothing between them."}`;
+at("about").textContent =
+  `${start.program}. ${start.live ? "Live from the solver on this machine; nothing leaves it." : "One file: numbers of the solver at the stops of the sliders, nothing between them."}`;
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { if (shown.solved) changed(); });
 let width = innerWidth, phone = narrow();
 addEventListener("resize", () => {

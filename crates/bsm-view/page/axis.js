@@ -8,13 +8,26 @@ import { download } from "bsm/save";
 export function showAxis(host, answer, sheet) {
   if (answer instanceof Error) { host.replaceChildren(none(answer.message)); return; }
   const rules = answer.rules.filter(({ limit }) => limit != null), failed = rules.filter(({ passes }) => !passes).length;
-  const open = html("button", { type: "button", onclick: () => sheet().then((page) => { if (page) globalThis.open(URL.createObjectURL(new Blob([page], { type: "text/html" })), "_blank"); }) }, "Open the sheet");
-  const keep = html("button", { type: "button", onclick: () => sheet().then((page) => { if (page) download("sheet.html", new Blob([page], { type: "text/html" })); }) }, "Save the sheet");
-  const line = ({ rule, unit, value, must_be: must, limit, margin, passes, source, remedy }) => html("tr", { class: limit != null && !passes ? "failed" : null },
-    html("th", { scope: "row" }, rule, remedy ? html("div", { class: "small faint" }, `Remedies: ${remedy}.`) : null), html("td", { class: "number" }, `${number(value)} ${unitOf(unit)}`.trim()), html("td", { class: "number" }, limit == null ? "" : `${must === ">=" ? "≥" : "≤"} ${number(limit)}`),
-    html("td", { class: "number" }, margin == null ? "" : `${number(margin)} times`), html("td", {}, limit == null ? "nothing required" : passes ? html("span", { class: "pass" }, "✓") : html("span", { class: "fail" }, "✗ FAIL")), html("td", { class: "small source" }, source));
+  const open = html("button", { type: "button",
+    onclick: () => sheet().then((page) => {
+      if (page) globalThis.open(URL.createObjectURL(new Blob([page], { type: "text/html" })), "_blank"); }) },
+    "Open the sheet");
+  const keep = html("button", { type: "button",
+    onclick: () => sheet().then((page) => { if (page) download("sheet.html",
+      new Blob([page], { type: "text/html" })); }) }, "Save the sheet");
+  const line = ({ rule, unit, value, must_be: must, limit, margin, passes, source, remedy }) => html("tr",
+    { class: limit != null && !passes ? "failed" : null },
+    html("th", { scope: "row" }, rule, remedy ? html("div", { class: "small faint" }, `Remedies: ${remedy}.`) : null),
+      html("td", { class: "number" }, `${number(value)} ${unitOf(unit)}`.trim()),
+      html("td", { class: "number" }, limit == null ? "" : `${must === ">=" ? "≥" : "≤"} ${number(limit)}`),
+    html("td", { class: "number" }, margin == null ? "" : `${Number(margin.toPrecision(2))} times`),
+      html("td", {}, limit == null ? "nothing required" : passes ?
+      html("span", { class: "pass" }, "✓") : html("span", { class: "fail" }, "✗ FAIL")),
+      html("td", { class: "small source" }, source));
   host.replaceChildren(
-    html("div", { class: "bar" }, failed ? html("strong", { class: "fail" }, `✗ ${failed} of ${rules.length} rules fail.`) : html("strong", { class: "pass" }, `✓ All ${rules.length} rules hold.`), open, keep),
+    html("div", { class: "bar" }, failed ? html("strong", { class: "fail" },
+      `✗ ${failed} of ${rules.length} rules fail.`)
+      : html("strong", { class: "pass" }, `✓ All ${rules.length} rules hold.`), open, keep),
     table("Rules of the axis", ["rule", "value", "must be", "margin", "holds", "source"], answer.rules.map(line)),
     ...answer.warnings.map((warning) => html("p", { class: "warn" }, warning)),
     html("details", {}, html("summary", {}, "Numbers of the axis"), html("div", { class: "tables" }, groups(answer.shown))));

@@ -11,7 +11,8 @@ export class Beside {
     Object.assign(this, { host, edit, changed, kept: [] });
     const keep = html("button", { type: "button", onclick: () => { this.add(this.scene, this.solved); changed(); } }, "Keep this scene");
     this.stage = html("div");
-    host.append(html("div", { class: "bar" }, keep, html("span", { class: "small faint" }, "Then change the inputs: what is kept stays as a column.")), this.stage);
+    host.append(html("div", { class: "bar" }, keep,
+      html("span", { class: "small faint" }, "Then change the inputs: what is kept stays as a column.")), this.stage);
   }
 
   /** Keeps a scene; what it has solved to is asked for where it is not known. */
@@ -42,16 +43,24 @@ export class Beside {
     if (!this.kept.length) { this.stage.replaceChildren(); return; }
     const columns = [{ scene: this.scene, solved: this.solved }, ...this.kept];
     const written = (value) => (value === undefined ? "–" : typeof value === "object" ? JSON.stringify(value) : String(value));
-    const names = [...new Set(columns.flatMap(({ scene }) => Object.keys(scene)))].filter((name) => name !== "description" && new Set(columns.map(({ scene }) => written(scene[name]))).size > 1);
-    const line = (label, unit, values, kind = "number") => html("tr", {}, html("th", { scope: "row" }, label), html("td", { class: "faint" }, unitOf(unit)), values.map((value) => html("td", { class: kind }, value)));
+    const names = [...new Set(columns.flatMap(({ scene }) => Object.keys(scene)))].filter((name) =>
+      name !== "description" && new Set(columns.map(({ scene }) => written(scene[name]))).size > 1);
+    const line = (label, unit, values, kind = "number") => html("tr", {}, html("th", { scope: "row" }, label),
+      html("td", { class: "faint" }, unitOf(unit)), values.map((value) => html("td", { class: kind }, value)));
     const numbers = columns.map(({ solved }) => new Map((solved?.shown?.overall ?? []).map(([label, unit, value]) => [label, [unit, value]])));
     const labels = [...new Set(numbers.flatMap((map) => [...map.keys()]))];
     const units = new Map(numbers.flatMap((map) => [...map].map(([label, [unit]]) => [label, unit])));
-    const head = ({ scene }, i) => html("th", { scope: "col", class: "number" }, html("div", {}, i ? `kept ${i}` : "this scene"), html("div", { class: "small faint" }, scene.description ?? ""),
+    const head = ({ scene }, i) => html("th", { scope: "col", class: "number" },
+      html("div", {}, i ? `kept ${i}` : "this scene"), html("div", { class: "small faint" }, scene.description ?? ""),
       i ? html("div", {}, start.live ? html("button", { type: "button", onclick: () => this.edit(this.kept[i - 1].scene) }, "Show") : null,
-        html("button", { type: "button", "aria-label": `Leave out the kept scene ${i}`, onclick: () => { this.kept.splice(i - 1, 1); this.draw(); this.changed(); } }, "×")) : null);
-    const status = ({ solved }) => (solved ? solved.error ?? (solved.status === "converged" ? solved.regime ?? "" : `${solved.status.replace("_", " ")}: ${solved.message}`) : "…");
-    this.stage.replaceChildren(html("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Scenes side by side" }, html("table", { class: "beside" }, html("caption", {}, "Scenes side by side"),
+        html("button", { type: "button", "aria-label": `Leave out the kept scene ${i}`,
+          onclick: () => { this.kept.splice(i - 1, 1); this.draw(); this.changed(); } }, "×")) : null);
+    const status = ({ solved }) => (solved ? solved.error ??
+      (solved.status === "converged" ? solved.regime ?? "" : `${solved.status.replace("_", " ")}: ${solved.message}`)
+      : "…");
+    this.stage.replaceChildren(html("div", { class: "scroll", tabindex: "0", role: "region",
+      "aria-label": "Scenes side by side" }, html("table", { class: "beside" },
+      html("caption", {}, "Scenes side by side"),
       html("thead", {}, html("tr", {}, html("td"), html("td"), columns.map(head))),
       html("tbody", {}, names.map((name) => line(...(LABEL.get(name) ?? [name.replaceAll("_", " "), ""]), columns.map(({ scene }) => written(scene[name])))),
         line("model", "", columns.map(({ solved }) => solved?.model ?? "–")), line("regime", "", columns.map(status), "small"),

@@ -74,7 +74,8 @@ export function colour(name) {
 }
 
 // Viridis in eleven steps: even in lightness, and safe for colour blindness.
-const RAMP = [[68, 1, 84], [72, 36, 117], [65, 68, 135], [53, 95, 141], [42, 120, 142], [33, 145, 140], [34, 168, 132], [68, 191, 112], [122, 209, 81], [189, 223, 38], [253, 231, 37]];
+const RAMP = [[68, 1, 84], [72, 36, 117], [65, 68, 135], [53, 95, 141], [42, 120, 142], [33, 145, 140], [34, 168, 132],
+  [68, 191, 112], [122, 209, 81], [189, 223, 38], [253, 231, 37]];
 
 /** Red, green and blue of a part from 0 to 1. */
 export function ramp(part) {
@@ -89,7 +90,8 @@ export const rampCss = (part) => `rgb(${ramp(part).join(" ")})`;
 export function rampBar(low, high, words) {
   const stops = RAMP.map((_, i) => rampCss(i / (RAMP.length - 1))).join(",");
   return html("div", {},
-    html("div", { class: "ramp", style: `background:linear-gradient(90deg,${stops})`, role: "img", "aria-label": `colours from ${number(low)} to ${number(high)} ${words}` }),
+    html("div", { class: "ramp", style: `background:linear-gradient(90deg,${stops})`, role: "img",
+      "aria-label": `colours from ${number(low)} to ${number(high)} ${words}` }),
     html("div", { class: "ends" }, html("span", {}, number(low)), html("span", {}, words), html("span", {}, number(high))));
 }
 
@@ -153,9 +155,12 @@ export function path(points) {
 
 /** A table with a caption. */
 export function table(caption, head, rows, attributes = {}) {
-  const cell = (words, i) => i === 0 ? html("th", { scope: "row" }, words) : html("td", { class: typeof words === "string" && /^[-–\d]/.test(words) ? "number" : null }, words);
+  const cell = (words, i) => i === 0 ? html("th", { scope: "row" }, words) : html("td",
+    { class: typeof words === "string" && /^[-–\d]/.test(words) ? "number" : null }, words);
   return html("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": caption }, html("table", attributes, html("caption", {}, caption),
-    head ? html("thead", {}, html("tr", {}, head.map((words, i) => (words ? html("th", { scope: "col", class: i ? "number" : null }, words) : html("td"))))) : null,
+    head ? html("thead", {}, html("tr", {},
+      head.map((words, i) => (words ? html("th", { scope: "col", class: i ? "number" : null }, words) : html("td")))))
+      : null,
     html("tbody", {}, rows.map((row) => row instanceof Node ? row : html("tr", {}, row.map(cell))))));
 }
 
@@ -163,11 +168,13 @@ export function table(caption, head, rows, attributes = {}) {
 export const unitOf = (unit) => unit.replace(/\bum\b/, "µm");
 
 /** A row of a table: what it is, its unit, its numbers as text. */
-export const row = (label, unit, ...values) => html("tr", {}, html("th", { scope: "row" }, label), html("td", { class: "faint" }, unitOf(unit)), values.map((value) => html("td", { class: "number" }, value ?? "")));
+export const row = (label, unit, ...values) => html("tr", {}, html("th", { scope: "row" }, label),
+  html("td", { class: "faint" }, unitOf(unit)), values.map((value) => html("td", { class: "number" }, value ?? "")));
 
 export function legend(entries) {
   return html("ul", { class: "legend" }, entries.map(([words, paint, kind]) =>
-    html("li", {}, html("i", kind === "circle" ? { class: "circle", style: `background:${paint}` } : kind ? { class: `line ${kind}`, style: `border-color:${paint}` } : { style: `background:${paint}` }), words)));
+    html("li", {}, html("i", kind === "circle" ? { class: "circle", style: `background:${paint}` } : kind ?
+      { class: `line ${kind}`, style: `border-color:${paint}` } : { style: `background:${paint}` }), words)));
 }
 
 /** Why a picture has nothing to show. */

@@ -14,7 +14,9 @@ const speeds = (c) => c.slip_along_m_s.map((_, i) => FIELDS.slip[2](c, i) ?? 0);
 /** Fields by columns, over the place across and along the groove on the semi-axes. */
 function columns({ places, pressure_MPa, slip_across_m_s, slip_along_m_s, friction_across, friction_along }) {
   const inside = pressure_MPa.flatMap((p, k) => (p === null ? [] : [k])), n = places.length, of = (list) => inside.map((k) => list[k]);
-  return { across: inside.map((k) => places[k % n]), along: inside.map((k) => places[Math.floor(k / n)]), pressure_MPa: of(pressure_MPa), slip_across_m_s: of(slip_across_m_s), slip_along_m_s: of(slip_along_m_s), friction_across: of(friction_across), friction_along: of(friction_along) };
+  return { across: inside.map((k) => places[k % n]), along: inside.map((k) => places[Math.floor(k / n)]),
+    pressure_MPa: of(pressure_MPa), slip_across_m_s: of(slip_across_m_s), slip_along_m_s: of(slip_along_m_s),
+    friction_across: of(friction_across), friction_along: of(friction_along) };
 }
 
 export class Ellipses {
@@ -22,10 +24,13 @@ export class Ellipses {
     this.field = "pressure"; this.on = { arrows: true, lines: true };
     const pick = html("select", { "aria-label": "Colour of the ellipses", onchange: () => { this.field = pick.value; this.draw(); } },
       Object.entries(FIELDS).map(([name, [words]]) => html("option", { value: name }, words)));
-    const toggle = (name, words) => html("label", {}, html("input", { type: "checkbox", checked: true, onchange: (event) => { this.on[name] = event.target.checked; this.draw(); } }), words);
+    const toggle = (name, words) => html("label", {},
+      html("input", { type: "checkbox", checked: true,
+        onchange: (event) => { this.on[name] = event.target.checked; this.draw(); } }), words);
     this.stage = html("div");
     host.columns = () => Object.fromEntries((this.answer?.contacts ?? []).map((contact) => [contact.contact, columns(contact)]));
-    host.append(html("div", { class: "bar" }, html("label", {}, "Colour ", pick), toggle("arrows", "slip of the ball"), toggle("lines", "pure rolling and poles")), this.stage);
+    host.append(html("div", { class: "bar" }, html("label", {}, "Colour ", pick), toggle("arrows", "slip of the ball"),
+      toggle("lines", "pure rolling and poles")), this.stage);
   }
 
   show(answer) { this.answer = answer; this.draw(); }
@@ -34,7 +39,9 @@ export class Ellipses {
     const { answer } = this;
     if (!answer) return;
     if (answer.error) { this.stage.replaceChildren(none(answer.error)); return; }
-    if (!answer.contacts.length) { this.stage.replaceChildren(none(`Model ${answer.model} has points for contacts, no ellipses: conformities and an elastic model give them.`)); return; }
+    if (!answer.contacts.length) {
+      this.stage.replaceChildren(none(`Model ${answer.model} has points for contacts, no ellipses: conformities and an elastic model give them.`));
+      return; }
     const [words, unit, read] = FIELDS[this.field];
     const all = answer.contacts.map((contact) => contact.pressure_MPa.map((_, i) => read(contact, i)));
     const values = all.flat().filter((v) => v !== null), high = Math.max(...values), low = this.field === "pressure" ? 0 : Math.min(...values);
@@ -42,12 +49,17 @@ export class Ellipses {
     const widest = Math.max(...answer.contacts.map((c) => c.semi_axes_mm[0]));
     const figures = answer.contacts.map((contact, i) => {
       const canvas = html("canvas", { role: "img", "aria-label": this.alternative(contact) });
-      const figure = html("figure", {}, html("figcaption", {}, html("strong", {}, contact.contact), html("span", { class: "faint" }, `  ${number(2 * contact.semi_axes_mm[0])} × ${number(2 * contact.semi_axes_mm[1])} mm, ${number(contact.max_pressure_MPa)} MPa, ${number(contact.normal_load_N)} N`)), canvas);
+      const figure = html("figure", {}, html("figcaption", {}, html("strong", {}, contact.contact),
+        html("span", { class: "faint" },
+          `  ${number(2 * contact.semi_axes_mm[0])} × ${number(2 * contact.semi_axes_mm[1])} mm, ${number(contact.max_pressure_MPa)} MPa, ${number(contact.normal_load_N)} N`)),
+        canvas);
       return { figure, paint: () => this.paint(canvas, contact, all[i], [low, high], fastest, widest) };
     });
     const sticks = answer.contacts.some((c) => c.sticking_share > 0);
     this.stage.replaceChildren(html("div", { class: "pair" }, figures.map(({ figure }) => figure)), rampBar(low, high, `${words}${unit ? `, ${unit}` : ""}`),
-      legend([["slip of the ball against the groove", "var(--ink)", "solid"], ["pure rolling: no slip along the groove", "var(--ink)", "dash"], ["spin pole: no slip at all", "var(--hot)"], ...(sticks ? [["sticks: slower than the creep speed", "#ffffff"]] : [])]),
+      legend([["slip of the ball against the groove", "var(--ink)", "solid"],
+        ["pure rolling: no slip along the groove", "var(--ink)", "dash"], ["spin pole: no slip at all", "var(--hot)"],
+        ...(sticks ? [["sticks: slower than the creep speed", "#ffffff"]] : [])]),
       table("Friction of the two contacts", ["", ...answer.contacts.map((c) => c.contact)], [
         ["friction force, N", ...answer.contacts.map((c) => number(Math.hypot(...c.friction_force_N)))],
         ["friction over load", ...answer.contacts.map((c) => number(c.friction_over_load))],
@@ -55,7 +67,8 @@ export class Ellipses {
         ["largest slip, m/s", ...answer.contacts.map((c) => number(Math.max(...speeds(c))))],
         ["part that sticks", ...answer.contacts.map((c) => `${number(100 * c.sticking_share)} %`)],
       ]),
-      html("p", { class: "small faint" }, `Model ${answer.model}. ${answer.contacts[0].saturated ? "Friction is saturated along one direction in this model; its slip over the ellipse is shown. " : ""}The long axis lies across the groove; along it the ball rolls, upwards here, drawn stretched. The longest arrow is ${number(fastest)} m/s; the heavy arrow is the friction force on the ball.`));
+      html("p", { class: "small faint" },
+        `Model ${answer.model}. ${answer.contacts[0].saturated ? "Friction is saturated along one direction in this model; its slip over the ellipse is shown. " : ""}The long axis lies across the groove; along it the ball rolls, upwards here, drawn stretched. The longest arrow is ${number(fastest)} m/s; the heavy arrow is the friction force on the ball.`));
     for (const { paint } of figures) paint();
   }
 
@@ -89,21 +102,28 @@ export class Ellipses {
     g.drawImage(small, cx - rx * (1 + step), cy - ry * (1 + step), 2 * rx * (1 + step), 2 * ry * (1 + step));
     g.restore();
     const at = (x, y) => [cx + rx * x, cy - ry * y];
-    const stroke = (draw, paint, wide, dash = []) => { for (const [c, w] of [["rgb(255 255 255 / .75)", wide + 2.4], [paint, wide]]) { g.beginPath(); g.setLineDash(dash); g.lineWidth = w; g.strokeStyle = c; draw(); g.stroke(); } g.setLineDash([]); };
-    if (this.on.lines) for (const xi of contact.rolling_lines) { const y = Math.sqrt(1 - xi * xi); stroke(() => { g.moveTo(...at(xi, -y)); g.lineTo(...at(xi, y)); }, "#111", 1.6, [5, 4]); }
-    const arrow = ([x1, y1], [dx, dy], head = 4) => { const a = Math.atan2(dy, dx); g.moveTo(x1, y1); g.lineTo(x1 + dx, y1 + dy); for (const t of [2.6, -2.6]) { g.moveTo(x1 + dx, y1 + dy); g.lineTo(x1 + dx + head * Math.cos(a + t), y1 + dy + head * Math.sin(a + t)); } };
+    const stroke = (draw, paint, wide, dash = []) =>
+      { for (const [c, w] of [["rgb(255 255 255 / .75)", wide + 2.4], [paint, wide]]) { g.beginPath();
+      g.setLineDash(dash); g.lineWidth = w; g.strokeStyle = c; draw(); g.stroke(); } g.setLineDash([]); };
+    if (this.on.lines) for (const xi of contact.rolling_lines) { const y = Math.sqrt(1 - xi * xi);
+      stroke(() => { g.moveTo(...at(xi, -y)); g.lineTo(...at(xi, y)); }, "#111", 1.6, [5, 4]); }
+    const arrow = ([x1, y1], [dx, dy], head = 4) => { const a = Math.atan2(dy, dx); g.moveTo(x1, y1);
+      g.lineTo(x1 + dx, y1 + dy); for (const t of [2.6, -2.6]) { g.moveTo(x1 + dx, y1 + dy);
+        g.lineTo(x1 + dx + head * Math.cos(a + t), y1 + dy + head * Math.sin(a + t)); } };
     const skip = Math.max(1, Math.round(n / 13));
     if (this.on.arrows) for (let j = skip >> 1; j < n; j += skip) for (let i = skip >> 1; i < n; i += skip) {
       const k = j * n + i, along = contact.slip_along_m_s[k], across = contact.slip_across_m_s[k];
       if (along === null) continue;
       const speed = Math.hypot(along, across), [x, y] = at(contact.places[i], contact.places[j]);
-      if (speed < contact.creep_speed_m_s) { g.beginPath(); g.fillStyle = "#fff"; g.strokeStyle = "#111"; g.lineWidth = 1; g.arc(x, y, 2.6, 0, 7); g.fill(); g.stroke(); continue; }
+      if (speed < contact.creep_speed_m_s) { g.beginPath(); g.fillStyle = "#fff"; g.strokeStyle = "#111";
+        g.lineWidth = 1; g.arc(x, y, 2.6, 0, 7); g.fill(); g.stroke(); continue; }
       const length = 4 + 17 * Math.sqrt(speed / fastest), d = [(across / speed) * length, (-along / speed) * length];
       stroke(() => arrow([x - d[0] / 2, y - d[1] / 2], d), "#111", 1.2);
     }
     const [f, t] = contact.friction_force_N, size = Math.hypot(f, t);
     if (this.on.arrows && size > 0) stroke(() => arrow([cx, cy], [(f / size) * 0.3 * height, (-t / size) * 0.3 * height], 9), "#111", 3.2);
-    if (this.on.lines) for (const [xi, upsilon] of contact.spin_poles) { const [x, y] = at(xi, upsilon); g.beginPath(); g.fillStyle = hot; g.strokeStyle = "#fff"; g.lineWidth = 1.8; g.arc(x, y, 5.5, 0, 7); g.fill(); g.stroke(); }
+    if (this.on.lines) for (const [xi, upsilon] of contact.spin_poles) { const [x, y] = at(xi, upsilon); g.beginPath();
+      g.fillStyle = hot; g.strokeStyle = "#fff"; g.lineWidth = 1.8; g.arc(x, y, 5.5, 0, 7); g.fill(); g.stroke(); }
     g.beginPath(); g.strokeStyle = ink; g.lineWidth = 1.2; g.ellipse(cx, cy, rx, ry, 0, 0, 2 * Math.PI); g.stroke();
   }
 }

@@ -55,9 +55,12 @@ export class Inputs {
       const more = start.live ? words(group).filter((name) => !(name in this.scene) && schema.input.properties[name]) : [];
       if (!given.length && !texts.length && !open.length) return null;
       const add = html("select", { class: "add", "aria-label": `Add an input of the group ${group}`, onchange: (event) => this.add(event.target.value) },
-        html("option", { value: "" }, "add an input …"), open.map((input) => html("option", { value: input.name }, `${input.label}${input.unit ? `, ${input.unit}` : ""}`)),
+        html("option", { value: "" }, "add an input …"),
+          open.map((input) => html("option", { value: input.name },
+          `${input.label}${input.unit ? `, ${input.unit}` : ""}`)),
         more.map((name) => html("option", { value: name }, name.replaceAll("_", " "))));
-      return html("fieldset", {}, html("legend", {}, group), given.map((input) => this.field(input)), texts.map((name) => this.choice(name)), open.length + more.length ? add : null);
+      return html("fieldset", {}, html("legend", {}, group), given.map((input) => this.field(input)),
+        texts.map((name) => this.choice(name)), open.length + more.length ? add : null);
     });
     this.form.replaceChildren(...sets.filter(Boolean));
   }
@@ -69,12 +72,15 @@ export class Inputs {
     const stop = start.answers?.axes?.find(([axis]) => axis === name);
     const locked = !start.live && !stop;
     const factor = () => (this.units.get(name) ?? [input.unit, 1])[1];
-    const box = html("input", { id, type: "text", inputmode: "decimal", autocomplete: "off", "aria-describedby": `${id}-about ${id}-wrong`, readonly: !start.live, oninput: () => {
+    const box = html("input", { id, type: "text", inputmode: "decimal", autocomplete: "off",
+      "aria-describedby": `${id}-about ${id}-wrong`, readonly: !start.live, oninput: () => {
       // What is no number is sent as it stands: the answer names the field.
       const text = box.value.trim(), value = parsed(text);
       this.set(name, text === "" ? null : Number.isNaN(value) ? text : tidy12(value * factor()), box);
     } });
-    const slider = locked ? null : html("input", { type: "range", min: 0, max: stop ? stop[1].length - 1 : STEPS, step: 1, "aria-label": `${input.label}, slider`, oninput: () => {
+    const slider = locked ? null : html("input",
+      { type: "range", min: 0, max: stop ? stop[1].length - 1 : STEPS, step: 1, "aria-label": `${input.label}, slider`,
+        oninput: () => {
       const value = stop ? stop[1][slider.valueAsNumber] : this.at(range, slider.valueAsNumber / STEPS);
       this.set(name, value, slider);
     } });
@@ -83,13 +89,18 @@ export class Inputs {
       ? html("select", { "aria-label": `Unit of ${input.label}`, onchange: () => {
           const pick = unit.selectedIndex === 0 ? [input.unit, 1] : input.units[unit.selectedIndex - 1];
           this.units.set(name, pick); this.refresh(name);
-        } }, html("option", {}, input.unit), input.units.map(([other]) => html("option", { selected: this.units.get(name)?.[0] === other }, other.replaceAll("_", "/"))))
+        } }, html("option", {}, input.unit),
+          input.units.map(([other]) => html("option", { selected: this.units.get(name)?.[0] === other },
+          other.replaceAll("_", "/"))))
       : html("span", { class: "unit" }, input.unit);
-    const drop = start.live ? html("button", { type: "button", "aria-label": `Leave out ${input.label}`, title: "leave out", onclick: () => this.drop(name) }, "×") : html("span");
+    const drop = start.live ? html("button",
+      { type: "button", "aria-label": `Leave out ${input.label}`, title: "leave out", onclick: () => this.drop(name) },
+      "×") : html("span");
     const ends = html("div", { class: "range" });
     const wrong = html("p", { class: "wrong", id: `${id}-wrong`, hidden: true });
     const about = `${input.about}; ${input.rule}${input.default == null ? "" : `; ${brief(input.default)} unless given`}`;
-    const element = html("div", { class: "field", "data-name": name }, html("div", { class: "row" }, html("label", { for: id, title: about }, input.label), box, unit, drop),
+    const element = html("div", { class: "field", "data-name": name },
+      html("div", { class: "row" }, html("label", { for: id, title: about }, input.label), box, unit, drop),
       slider, slider ? ends : null, wrong, html("span", { id: `${id}-about`, hidden: true }, about));
     this.fields.set(name, { element, box, slider, ends, wrong, range, factor, stop });
     this.refresh(name);
@@ -98,7 +109,9 @@ export class Inputs {
 
   choice(name) {
     const words = choices(name), { description } = schema.input.properties[name];
-    const pick = html("select", { id: `in-${name}`, title: description, disabled: !start.live, onchange: () => { this.scene[name] = words.find((word) => String(word) === pick.value); this.changed(this.scene); } },
+    const pick = html("select", { id: `in-${name}`, title: description, disabled: !start.live,
+      onchange: () => { this.scene[name] = words.find((word) => String(word) === pick.value);
+        this.changed(this.scene); } },
       words.filter((word) => word !== null).map((word) => html("option", { value: word, selected: this.scene[name] === word }, String(word))));
     return html("div", { class: "field", "data-name": name }, html("label", { for: `in-${name}` }, `${name.replaceAll("_", " ")} `), pick);
   }
@@ -118,10 +131,13 @@ export class Inputs {
     if (box !== from) box.value = typeof value === "number" ? tidy12(value / factor()) : value ?? "";
     if (!slider) return;
     const part = range.log ? Math.log(value / range.low) / Math.log(range.high / range.low) : (value - range.low) / (range.high - range.low);
-    const place = stop ? stop[1].reduce((best, v, i) => (Math.abs(v - value) < Math.abs(stop[1][best] - value) ? i : best), 0) : Math.round(STEPS * Math.min(Math.max(part, 0), 1));
+    const place = stop ? stop[1].reduce((best, v, i) => (Math.abs(v - value) < Math.abs(stop[1][best] - value) ?
+      i : best), 0) : Math.round(STEPS * Math.min(Math.max(part, 0), 1));
     if (slider !== from) slider.value = place;
     const shown = stop ? { low: stop[1][0], high: stop[1].at(-1), log: true } : range;
-    ends.replaceChildren(html("span", {}, brief(shown.low / factor())), html("span", {}, stop ? `${stop[1].length} stops` : shown.log ? "logarithmic" : ""), html("span", {}, brief(shown.high / factor())));
+    ends.replaceChildren(html("span", {}, brief(shown.low / factor())),
+      html("span", {}, stop ? `${stop[1].length} stops` : shown.log ? "logarithmic" : ""),
+      html("span", {}, brief(shown.high / factor())));
     slider.setAttribute("aria-valuetext", `${brief(value / factor())} ${(this.units.get(name) ?? [INPUT.get(name).unit])[0]}`);
   }
 
@@ -142,7 +158,9 @@ export class Inputs {
   add(name) {
     if (!name) return;
     const input = INPUT.get(name), property = schema.input.properties[name];
-    this.scene[name] = input ? (input.default ?? property.minimum ?? (property.exclusiveMinimum != null ? (property.exclusiveMinimum || 0.1) * 1.04 : 1)) : choices(name).find((word) => word !== null);
+    this.scene[name] = input ? (input.default ?? property.minimum ??
+      (property.exclusiveMinimum != null ? (property.exclusiveMinimum || 0.1) * 1.04 : 1))
+      : choices(name).find((word) => word !== null);
     this.build();
     this.form.querySelector(`[id="in-${name}"]`)?.focus();
     this.changed(this.scene);

@@ -17,7 +17,9 @@ export class ModelMap {
     this.output = html("select", { "aria-label": "Output of the map", onchange: () => (start.live ? this.again() : this.draw()) });
     this.fields = html("div", { class: "bar small" });
     host.columns = () => (this.answer ? { points: this.columns() } : {});
-    this.stage = html("div", { class: "map" }); this.under = html("div"); this.readout = html("p", { class: "readout small", "aria-live": "off" }, "Point at the map for numbers; drag the cross, or move it with the arrow keys.");
+    this.stage = html("div", { class: "map" }); this.under = html("div");
+    this.readout = html("p", { class: "readout small", "aria-live": "off" },
+      "Point at the map for numbers; drag the cross, or move it with the arrow keys.");
     host.append(html("div", { class: "bar" }, this.output, html("label", {}, "over ", this.x), html("label", {}, "and ", this.y)),
       html("div", { class: "split" }, this.stage, html("div", {}, this.readout, this.under, this.fields)));
   }
@@ -29,7 +31,10 @@ export class ModelMap {
   choices(scene, chosen = {}) {
     const { inputs, outputs } = start.schema, axes = start.answers?.axes?.map(([name]) => name);
     const can = inputs.filter(({ name }) => (axes ? axes.includes(name) : typeof scene[name] === "number" && scene[name] !== 0));
-    const fill = (select, list, wanted, asked) => { const known = (value) => list.some(({ name }) => name === value), former = [asked, select.value].find(known) ?? wanted; select.replaceChildren(...list.map(({ name, label }) => html("option", { value: name, selected: name === former }, label))); };
+    const fill = (select, list, wanted, asked) => { const known = (value) => list.some(({ name }) => name === value),
+      former = [asked, select.value].find(known) ?? wanted;
+      select.replaceChildren(...list.map(({ name, label }) => html("option", { value: name, selected: name === former },
+        label))); };
     const has = (name) => can.some((input) => input.name === name);
     fill(this.x, can, ["screw_speed_rpm", "lead_angle_deg", "lead_mm"].find(has) ?? can[0]?.name, chosen.x);
     fill(this.y, can, ["axial_load_N", "contact_angle_deg"].find(has) ?? can[1]?.name, chosen.y);
@@ -57,8 +62,14 @@ export class ModelMap {
       const name = select.value, value = scene[name];
       if (value == null) return null;
       const range = this.range(name, value), label = start.schema.inputs.find((input) => input.name === name).label;
-      const box = (end) => html("input", { type: "text", inputmode: "decimal", autocomplete: "off", value: range[end], style: "width:7rem", "aria-label": `${end === "low" ? "Lowest" : "Highest"} ${label}`, disabled: !start.live, onchange: (event) => { const value = parsed(event.target.value); if (Number.isNaN(value)) event.target.value = range[end]; else { range[end] = value; this.again(); } } });
-      return html("span", {}, `${label} `, box("low"), " to ", box("high"), html("label", {}, html("input", { type: "checkbox", checked: range.log, disabled: !start.live, "aria-label": `${label} logarithmic`, onchange: (event) => { range.log = event.target.checked; this.again(); } }), "log"));
+      const box = (end) => html("input", { type: "text", inputmode: "decimal", autocomplete: "off", value: range[end],
+        style: "width:7rem", "aria-label": `${end === "low" ? "Lowest" : "Highest"} ${label}`, disabled: !start.live,
+        onchange: (event) => { const value = parsed(event.target.value);
+          if (Number.isNaN(value)) event.target.value = range[end]; else { range[end] = value; this.again(); } } });
+      return html("span", {}, `${label} `, box("low"), " to ", box("high"),
+        html("label", {}, html("input", { type: "checkbox", checked: range.log, disabled: !start.live,
+          "aria-label": `${label} logarithmic`, onchange: (event) => { range.log = event.target.checked;
+            this.again(); } }), "log"));
     };
     this.fields.replaceChildren(...[this.x, this.y].map(row).filter(Boolean));
   }
@@ -73,7 +84,8 @@ export class ModelMap {
   async show(body, signal) {
     const { scene } = body, names = [this.x.value, this.y.value];
     if (names[0] === names[1] || names.some((name) => scene[name] == null)) { this.refuse("A map needs two different inputs of the scene."); return; }
-    const vary = (count) => names.map((name) => { const { low, high, log } = this.range(name, scene[name]); return `${name}=${low}:${high}:${count}${log && low > 0 ? ":log" : ""}`; });
+    const vary = (count) => names.map((name) => { const { low, high, log } = this.range(name, scene[name]);
+      return `${name}=${low}:${high}:${count}${log && low > 0 ? ":log" : ""}`; });
     // A point within the map has the same map.
     const key = JSON.stringify([{ ...scene, [names[0]]: null, [names[1]]: null }, body.settings, vary(0), this.output.value]);
     if (key === this.key) return;
@@ -107,7 +119,8 @@ export class ModelMap {
   /** Points by columns. */
   columns() {
     const { axes: [x, y], columns, model, models, status, statuses } = this.answer, n = y.values.length;
-    return { [x.name]: model.map((_, k) => x.values[Math.floor(k / n)]), [y.name]: model.map((_, k) => y.values[k % n]), ...columns, model: model.map((place) => models[place]), status: status.map((place) => statuses[place]) };
+    return { [x.name]: model.map((_, k) => x.values[Math.floor(k / n)]), [y.name]: model.map((_, k) => y.values[k % n]),
+      ...columns, model: model.map((place) => models[place]), status: status.map((place) => statuses[place]) };
   }
 
   draw() {
@@ -123,9 +136,12 @@ export class ModelMap {
     Object.assign(this, { scales: [x, y], box, values, outputWords: output.label });
     const canvas = html("canvas"), label = (axis) => start.schema.inputs.find(({ name }) => name === axis.name);
     const words = (axis) => { const { label: l, unit } = label(axis); return unit ? `${l}, ${unit}` : l; };
-    if (!found.length) { this.cross = null; this.stage.replaceChildren(none(`No point of this map has ${output.label}.`)); this.under.replaceChildren(); return; }
+    if (!found.length) { this.cross = null;
+      this.stage.replaceChildren(none(`No point of this map has ${output.label}.`)); this.under.replaceChildren();
+      return; }
     let low = Math.min(...found), high = Math.max(...found);
-    const overlay = svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "group", "aria-label": `Map of ${output.label} over ${words(ax)} and ${words(ay)}, from ${number(low)} to ${number(high)}` });
+    const overlay = svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "group",
+      "aria-label": `Map of ${output.label} over ${words(ax)} and ${words(ay)}, from ${number(low)} to ${number(high)}` });
     this.stage.replaceChildren(canvas, overlay);
     const g = sharp(canvas, width, height);
     // A value for each point, drawn from half way to its neighbours.
@@ -145,7 +161,9 @@ export class ModelMap {
     overlay.addEventListener("pointerup", () => { this.dragging = false; });
     this.place();
     const models = [...new Set(answer.model.filter((_, i) => values[i] !== null))].map((place) => answer.models[place]), empty = values.length - found.length;
-    this.under.replaceChildren(rampBar(low, high, output.label), html("p", { class: "small faint" }, `${values.length} points, ${models.length > 1 ? `red lines between models ${models.join(", ")}` : `model ${models[0]}`}${empty ? `; grey: ${empty} points without a solution` : ""}.`));
+    this.under.replaceChildren(rampBar(low, high, output.label),
+      html("p", { class: "small faint" },
+        `${values.length} points, ${models.length > 1 ? `red lines between models ${models.join(", ")}` : `model ${models[0]}`}${empty ? `; grey: ${empty} points without a solution` : ""}.`));
   }
 
   /** Lines of equal value, by marching squares. */
@@ -159,14 +177,19 @@ export class ModelMap {
         const cuts = [];
         for (let e = 0; e < 4; e += 1) {
           const a = v[e] - level, b = v[(e + 1) % 4] - level;
-          if (a < 0 !== b < 0) { const t = a / (a - b), [p, q] = [at(...corners[e]), at(...corners[(e + 1) % 4])]; cuts.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]); }
+          if (a < 0 !== b < 0) { const t = a / (a - b), [p, q] = [at(...corners[e]), at(...corners[(e + 1) % 4])];
+            cuts.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]); }
         }
         for (let c = 0; c + 1 < cuts.length; c += 2) d += path([cuts[c], cuts[c + 1]]);
-        const middle = cuts[0] && cuts[0][0] > box[0] + 0.62 * (box[2] - box[0]) && cuts[0][0] < box[2] - 20 && cuts[0][1] > box[1] + 12 && cuts[0][1] < box[3] - 6;
+        const middle = cuts[0] && cuts[0][0] > box[0] + 0.62 * (box[2] - box[0]) && cuts[0][0] < box[2] - 20 &&
+          cuts[0][1] > box[1] + 12 && cuts[0][1] < box[3] - 6;
         if (middle && !label) label = cuts[0];
       }
-      if (d) group.append(svg("path", { d, fill: "none", stroke: "#fff", "stroke-width": 2.4, opacity: 0.5 }), svg("path", { d, fill: "none", stroke: "#111", "stroke-width": 0.9 }));
-      if (label) group.append(text(label[0], label[1] + 3, brief(level), { "text-anchor": "middle", class: "small", style: "fill:#111;paint-order:stroke;stroke:#fff;stroke-width:3px" }));
+      if (d) group.append(svg("path", { d, fill: "none", stroke: "#fff", "stroke-width": 2.4, opacity: 0.5 }),
+        svg("path", { d, fill: "none", stroke: "#111", "stroke-width": 0.9 }));
+      if (label) group.append(text(label[0], label[1] + 3, brief(level),
+        { "text-anchor": "middle", class: "small",
+          style: "fill:#111;paint-order:stroke;stroke:#fff;stroke-width:3px" }));
     }
     return group;
   }
@@ -180,18 +203,23 @@ export class ModelMap {
       if (i + 1 < nx && model[(i + 1) * ny + j] !== here) d += path([[x + dx / 2, Math.max(y - dy / 2, box[1])], [x + dx / 2, Math.min(y + dy / 2, box[3])]]);
       if (j + 1 < ny && model[i * ny + j + 1] !== here) d += path([[Math.max(x - dx / 2, box[0]), y - dy / 2], [Math.min(x + dx / 2, box[2]), y - dy / 2]]);
     }
-    return svg("g", {}, svg("path", { d, stroke: "#fff", "stroke-width": 3.4, fill: "none" }), svg("path", { d, stroke: "#c2185b", "stroke-width": 1.8, fill: "none" }));
+    return svg("g", {}, svg("path", { d, stroke: "#fff", "stroke-width": 3.4, fill: "none" }),
+      svg("path", { d, stroke: "#c2185b", "stroke-width": 1.8, fill: "none" }));
   }
 
   crossAt() {
-    const cross = svg("g", { class: "cross", tabindex: "0", role: "slider", "aria-label": "Operating point: left and right along the map, up and down across it", "aria-valuemin": "0", "aria-valuemax": "100", onkeydown: (event) => {
+    const cross = svg("g", { class: "cross", tabindex: "0", role: "slider",
+      "aria-label": "Operating point: left and right along the map, up and down across it", "aria-valuemin": "0",
+      "aria-valuemax": "100", onkeydown: (event) => {
       const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
       if (!step) return;
       event.preventDefault();
       const size = event.shiftKey ? 30 : 6, p = this.spot();
       this.move(p[0] + step[0] * size, p[1] + step[1] * size);
     } });
-    for (const [stroke, wide] of [["#fff", 5], ["#111", 2]]) cross.append(svg("path", { d: "M-13 0H-5M5 0H13M0 -13V-5M0 5V13", stroke, "stroke-width": wide }), svg("circle", { r: 6.5, fill: "none", stroke, "stroke-width": wide }));
+    for (const [stroke, wide] of [["#fff", 5], ["#111", 2]]) cross.append(svg("path",
+      { d: "M-13 0H-5M5 0H13M0 -13V-5M0 5V13", stroke, "stroke-width": wide }),
+      svg("circle", { r: 6.5, fill: "none", stroke, "stroke-width": wide }));
     cross.append(svg("circle", { r: 16, fill: "transparent" }));
     return cross;
   }
@@ -213,7 +241,8 @@ export class ModelMap {
       const v = scales[i].value(at[i]);
       const p = start.schema.input.properties[name];
       const stops = start.answers?.axes?.[i][1];
-      const value = stops ? stops.reduce((best, stop) => (Math.abs(Math.log(stop / v)) < Math.abs(Math.log(best / v)) ? stop : best)) : p.type?.includes("integer") ? Math.round(v) : Number(v.toPrecision(4));
+      const value = stops ? stops.reduce((best, stop) => (Math.abs(Math.log(stop / v)) < Math.abs(Math.log(best / v)) ?
+        stop : best)) : p.type?.includes("integer") ? Math.round(v) : Number(v.toPrecision(4));
       return [name, value];
     });
     this.moved(Object.fromEntries(values));
@@ -229,12 +258,17 @@ export class ModelMap {
   hover(event) {
     if (this.dragging) { this.drag(event); return; }
     const [px, py] = this.local(event), { answer, scales, values } = this;
-    const [i, j] = [px, py].map((p, k) => { const v = scales[k].value(p), far = (w) => Math.abs(scales[k](w) - scales[k](v)), list = answer.axes[k].values; return list.reduce((best, w, place) => (far(w) < far(list[best]) ? place : best), 0); });
+    const [i, j] = [px, py].map((p, k) => { const v = scales[k].value(p),
+      far = (w) => Math.abs(scales[k](w) - scales[k](v)), list = answer.axes[k].values;
+      return list.reduce((best, w, place) => (far(w) < far(list[best]) ? place : best), 0); });
     const [ax, ay] = answer.axes, at = i * ay.values.length + j;
     this.readout.dataset.x = ax.values[i]; this.readout.dataset.y = ay.values[j];
     this.readout.dataset.value = values[at] === null ? "" : number(values[at]);
-    const words = (axis, v) => { const { label, unit } = start.schema.inputs.find(({ name }) => name === axis.name); return `${label} ${number(v)} ${unit}`.trim(); };
-    this.readout.replaceChildren(html("strong", {}, `${this.outputWords}: ${values[at] === null ? answer.statuses[answer.status[at]].replace("_", " ") : number(values[at])}`), html("br"), `${words(ax, ax.values[i])}, ${words(ay, ay.values[j])}; model ${answer.models[answer.model[at]]}`);
+    const words = (axis, v) => { const { label, unit } = start.schema.inputs.find(({ name }) => name === axis.name);
+      return `${label} ${number(v)} ${unit}`.trim(); };
+    this.readout.replaceChildren(html("strong", {},
+      `${this.outputWords}: ${values[at] === null ? answer.statuses[answer.status[at]].replace("_", " ") : number(values[at])}`),
+      html("br"), `${words(ax, ax.values[i])}, ${words(ay, ay.values[j])}; model ${answer.models[answer.model[at]]}`);
   }
 }
 

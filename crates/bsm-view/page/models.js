@@ -2,12 +2,16 @@
 
 import { html, number, table, none } from "bsm/draw";
 
-const COLUMNS = [["efficiency", "efficiency"], ["ball_torque_Nm", "torque, N m"], ["dissipated_power_W", "heat, W"], ["nut_normal_load_N", "load nut, N"], ["nut_contact_angle_deg", "angle nut, °"], ["screw_contact_angle_deg", "angle screw, °"], ["time_us", "time, µs"]];
+const COLUMNS = [["efficiency", "efficiency"], ["ball_torque_Nm", "torque, N m"], ["dissipated_power_W", "heat, W"],
+  ["nut_normal_load_N", "load nut, N"], ["nut_contact_angle_deg", "angle nut, °"],
+  ["screw_contact_angle_deg", "angle screw, °"], ["time_us", "time, µs"]];
 
 export function showModels(host, answer, solved) {
   if (answer instanceof Error) { host.replaceChildren(none(answer.message)); return; }
   const rows = answer.models.map((model) => html("tr", { class: model.model === solved?.model ? "here" : null }, html("th", { scope: "row" }, model.model),
-    model.status === "converged" ? COLUMNS.map(([name]) => html("td", { class: "number" }, name === "time_us" ? model[name].toFixed(2) : model[name] == null ? "–" : number(model[name])))
+    model.status === "converged" ?
+      COLUMNS.map(([name]) => html("td", { class: "number" }, name === "time_us" ?
+      model[name].toFixed(2) : model[name] == null ? "–" : number(model[name])))
       : html("td", { colspan: COLUMNS.length, class: "small" }, html("strong", {}, model.status.replace("_", " ")), `: ${model.message}`)));
   // Models that are left out for the same reason share a line.
   const why = new Map();

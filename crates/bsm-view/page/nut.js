@@ -11,8 +11,10 @@ export function showNut(host, answer) {
   if (answer instanceof Error || answer.status !== "converged") { host.replaceChildren(none(answer.message ?? "")); return; }
   const { balls, curve } = answer;
   host.columns = () => ({ balls, curve });
-  host.replaceChildren(html("div", { class: "pair" }, sharing(balls, answer), developed(balls), deflection(curve, answer), train(balls, answer), html("div", { class: "warm" }),
-    html("div", {}, answer.notes.map((note) => html("p", { class: "small faint" }, note)), answer.warnings.map((warning) => html("p", { class: "warn" }, warning)))),
+  host.replaceChildren(html("div", { class: "pair" }, sharing(balls, answer), developed(balls),
+    deflection(curve, answer), train(balls, answer), html("div", { class: "warm" }),
+    html("div", {}, answer.notes.map((note) => html("p", { class: "small faint" }, note)),
+      answer.warnings.map((warning) => html("p", { class: "warn" }, warning)))),
     html("details", {}, html("summary", {}, "Numbers of the nut"), html("div", { class: "tables" }, groups(answer.shown))));
 }
 
@@ -23,18 +25,24 @@ export function groups(rows) {
 }
 
 const figure = (words, ...children) => html("figure", {}, html("figcaption", {}, html("strong", {}, words)), ...children);
-const mark = (kind, x, y, paint) => (kind === "circle" ? svg("circle", { cx: x, cy: y, r: 3.2, fill: paint }) : svg("path", { d: `M${x - 3} ${y - 3}h6v6h-6Z`, fill: paint }));
+const mark = (kind, x, y, paint) => (kind === "circle" ?
+  svg("circle", { cx: x, cy: y, r: 3.2, fill: paint }) : svg("path", { d: `M${x - 3} ${y - 3}h6v6h-6Z`, fill: paint }));
 
 function sharing(balls, answer) {
   const [width, height, box] = sizes();
   const sides = SIDES.filter(([name]) => balls[name].some((v) => v > 0)), high = Math.max(...sides.flatMap(([name]) => balls[name]), 1e-9);
   const [first, last] = span(balls.z_mm);
   const x = scale(first === last ? [first - 1, last + 1] : [first, last], [box[0], box[2]]), y = scale([0, high * 1.06], [box[3], box[1]]);
-  const dots = sides.flatMap(([name, , paint, kind]) => balls[name].map((v, i) => (v > 0 ? svg("g", {}, svg("title", {}, `ball ${i + 1}: ${number(v)} N at ${number(balls.z_mm[i])} mm`), mark(kind, x(balls.z_mm[i]), y(v), `var(${paint})`)) : null)));
+  const dots = sides.flatMap(([name, , paint, kind]) =>
+    balls[name].map((v, i) => (v > 0 ? svg("g", {},
+      svg("title", {}, `ball ${i + 1}: ${number(v)} N at ${number(balls.z_mm[i])} mm`),
+      mark(kind, x(balls.z_mm[i]), y(v), `var(${paint})`)) : null)));
   const words = `Load of each ball along the axis: largest ${number(answer.max_contact_load_N)} newtons, ${number(answer.max_over_mean)} times the mean, ${answer.unloaded_balls} balls carry nothing`;
-  return figure("Load of each ball along the axis", picture(width, height, words, axes(x, y, box, "place on the axis, mm", "load, N", 64), ...dots.filter(Boolean)),
+  return figure("Load of each ball along the axis",
+    picture(width, height, words, axes(x, y, box, "place on the axis, mm", "load, N", 64), ...dots.filter(Boolean)),
     legend(sides.map(([, words, paint, kind]) => [words, `var(${paint})`, kind === "circle" ? kind : undefined])),
-    html("p", { class: "small" }, `Largest ${number(answer.max_contact_load_N)} N, ${number(answer.max_over_mean)} of the mean; ${answer.unloaded_balls} of ${balls.z_mm.length} balls carry nothing.`));
+    html("p", { class: "small" },
+      `Largest ${number(answer.max_contact_load_N)} N, ${number(answer.max_over_mean)} of the mean; ${answer.unloaded_balls} of ${balls.z_mm.length} balls carry nothing.`));
 }
 
 function developed(balls) {
@@ -43,8 +51,13 @@ function developed(balls) {
   const turn = balls.theta_deg.map((v) => ((v % 360) + 360) % 360), [first, last] = span(balls.z_mm), room = 0.06 * (last - first) + 0.5;
   const x = scale([0, 360], [box[0], box[2]]), y = scale([first - room, last + room], [box[3], box[1]]);
   const paint = (v) => (v > 0 ? rampCss(high > low * 1.0001 ? (v - low) / (high - low) : 0.6) : "none");
-  const dots = turn.map((v, i) => svg("circle", { cx: x(v), cy: y(balls.z_mm[i]), r: 5, fill: paint(load[i]), stroke: "var(--ink)", "stroke-width": 0.8 }, svg("title", {}, `ball ${i + 1}: ${number(load[i])} N`)));
-  return figure("Developed: each ball by its load", picture(width, height, `Balls of the nut unrolled, coloured by load from ${number(low)} to ${number(high)} newtons`, axes(x, y, box, "around the axis, degrees", "place on the axis, mm", 64), ...dots), rampBar(low, high, "load, N"));
+  const dots = turn.map((v, i) => svg("circle",
+    { cx: x(v), cy: y(balls.z_mm[i]), r: 5, fill: paint(load[i]), stroke: "var(--ink)", "stroke-width": 0.8 },
+    svg("title", {}, `ball ${i + 1}: ${number(load[i])} N`)));
+  return figure("Developed: each ball by its load",
+    picture(width, height, `Balls of the nut unrolled, coloured by load from ${number(low)} to ${number(high)} newtons`,
+      axes(x, y, box, "around the axis, degrees", "place on the axis, mm", 64), ...dots),
+    rampBar(low, high, "load, N"));
 }
 
 /** Ball advance along the helix; where a gap is given, the forces between the balls as bars below it. */
@@ -54,13 +67,25 @@ function train(balls, answer) {
   if (!(answer.needed_gap_mm > 1e-6)) return null;
   const [width, height, box] = sizes(), pushes = (balls.front_push_N ?? []).map((v) => v ?? 0), most = Math.max(...pushes, 0);
   const turns = balls.theta_deg.map((v) => v / 360), [low, high] = span(advance.map((v) => v ?? NaN)), bars = most > 0 ? 70 : 0;
-  const x = scale(span(turns), [box[0], box[2]]), y = scale([Math.min(low, 0), high > low ? high : low + 1], [box[3] - bars, box[1]]), y2 = scale([0, most || 1], [box[3], box[3] - bars + 14]);
-  const dots = turns.map((v, i) => (advance[i] == null ? null : svg("circle", { cx: x(v), cy: y(advance[i]), r: 2.6, fill: "var(--c1)" }, svg("title", {}, `ball ${i + 1}: ${number(advance[i])} mm`))));
-  const forces = turns.map((v, i) => (pushes[i] > 0 ? svg("path", { d: `M${x(v)} ${y2(0)}V${y2(pushes[i])}`, stroke: "var(--c2)", "stroke-width": 3 }, svg("title", {}, `ball ${i + 1} is pushed back with ${number(pushes[i])} N`)) : null));
+  const x = scale(span(turns), [box[0], box[2]]),
+    y = scale([Math.min(low, 0), high > low ? high : low + 1], [box[3] - bars, box[1]]),
+    y2 = scale([0, most || 1], [box[3], box[3] - bars + 14]);
+  const dots = turns.map((v, i) => (advance[i] == null ?
+    null : svg("circle", { cx: x(v), cy: y(advance[i]), r: 2.6, fill: "var(--c1)" },
+      svg("title", {}, `ball ${i + 1}: ${number(advance[i])} mm`))));
+  const forces = turns.map((v, i) => (pushes[i] > 0 ?
+    svg("path", { d: `M${x(v)} ${y2(0)}V${y2(pushes[i])}`, stroke: "var(--c2)", "stroke-width": 3 },
+      svg("title", {}, `ball ${i + 1} is pushed back with ${number(pushes[i])} N`)) : null));
   const gap = `${number(answer.needed_gap_mm)} mm of gaps in a circuit are needed so that no balls touch.`;
-  return figure("Ball advance along the helix", picture(width, height, `Ball advance from ${number(low)} to ${number(high)} millimetres${most > 0 ? `, forces between the balls up to ${number(most)} newtons` : ""}`,
-    axes(x, y, [box[0], box[1], box[2], box[3] - bars], most > 0 ? "" : "turns along the helix", "advance, mm", 64), ...dots.filter(Boolean), ...forces.filter(Boolean), ...(most > 0 ? [text((box[0] + box[2]) / 2, height - 8, "turns along the helix", { class: "small", "text-anchor": "middle" })] : [])),
-    legend([["ball advance", "var(--c1)", "circle"], ...(most > 0 ? [[`force of the ball in front, up to ${number(most)} N`, "var(--c2)"]] : [])]), html("p", { class: "small" }, gap));
+  return figure("Ball advance along the helix",
+    picture(width, height, `Ball advance from ${number(low)} to ${number(high)} millimetres${most > 0 ? `, forces between the balls up to ${number(most)} newtons` : ""}`,
+    axes(x, y, [box[0], box[1], box[2], box[3] - bars], most > 0 ? "" : "turns along the helix", "advance, mm", 64),
+      ...dots.filter(Boolean), ...forces.filter(Boolean),
+      ...(most > 0 ? [text((box[0] + box[2]) / 2, height - 8, "turns along the helix",
+      { class: "small", "text-anchor": "middle" })] : [])),
+    legend([["ball advance", "var(--c1)", "circle"],
+      ...(most > 0 ? [[`force of the ball in front, up to ${number(most)} N`, "var(--c2)"]] : [])]),
+      html("p", { class: "small" }, gap));
 }
 
 function deflection(curve, answer) {
@@ -69,18 +94,31 @@ function deflection(curve, answer) {
   const loads = curve.axial_load_N, shift = curve.nut_displacement_um;
   const x = scale([Math.min(0, ...loads), Math.max(0, ...loads)], [box[0], box[2] - 52]), [low, high] = span(shift.map((v) => v ?? NaN));
   const y = scale([Math.min(0, low), high > low ? high : low + 1], [box[3], box[1]]);
-  const line = (values, to, paint, dash) => svg("path", { d: path(loads.map((v, i) => [x(v), values[i] == null ? NaN : to(values[i])])), fill: "none", stroke: `var(${paint})`, "stroke-width": 2.2, "stroke-dasharray": dash });
+  const line = (values, to, paint, dash) => svg("path",
+    { d: path(loads.map((v, i) => [x(v), values[i] == null ? NaN : to(values[i])])), fill: "none",
+      stroke: `var(${paint})`, "stroke-width": 2.2, "stroke-dasharray": dash });
   const k = span(curve.nut_stiffness_N_um.map((v) => v ?? NaN)), y2 = scale([0, k[1] * 1.05], [box[3], box[1]]), right = box[2] - 52;
   const preload = curve.preload_left_N.some((v) => v > 0) ? scale([0, Math.max(...curve.preload_left_N.map((v) => v ?? 0)) * 1.05], [box[3], box[1]]) : null;
-  const here = answer.reaction_SI?.[0], mark = Number.isFinite(here) && here >= x.domain[0] && here <= x.domain[1] && answer.nut_displacement_um != null ? svg("circle", { cx: x(here), cy: y(answer.nut_displacement_um), r: 5, fill: "none", stroke: "var(--ink)", "stroke-width": 2 }, svg("title", {}, "this load")) : null;
+  const here = answer.reaction_SI?.[0], mark = Number.isFinite(here) && here >= x.domain[0] && here <= x.domain[1] &&
+    answer.nut_displacement_um != null ? svg("circle",
+    { cx: x(here), cy: y(answer.nut_displacement_um), r: 5, fill: "none", stroke: "var(--ink)", "stroke-width": 2 },
+    svg("title", {}, "this load")) : null;
   const limit = answer.limit_load_N;
-  const ends = [0, 0.5, 1].map((part) => text(right + 6, y2(part * y2.domain[1]) + 4, number(part * y2.domain[1]).replace(/\.?0+$/, "") || "0", { class: "small", style: "fill:var(--c3)" }));
-  return figure("Displacement and stiffness over the load", picture(width, height, `Displacement up to ${number(high)} micrometres and tangent stiffness up to ${number(k[1])} newtons per micrometre over the axial load`,
-    axes(x, y, [box[0], box[1], right, box[3]], "axial load, N", "displacement, µm", 64), line(shift, y, "--c1"), line(curve.nut_stiffness_N_um, y2, "--c3", "7 4"),
+  const ends = [0, 0.5, 1].map((part) => text(right + 6, y2(part * y2.domain[1]) + 4,
+    number(part * y2.domain[1]).replace(/\.?0+$/, "") || "0", { class: "small", style: "fill:var(--c3)" }));
+  return figure("Displacement and stiffness over the load",
+    picture(width, height, `Displacement up to ${number(high)} micrometres and tangent stiffness up to ${number(k[1])} newtons per micrometre over the axial load`,
+    axes(x, y, [box[0], box[1], right, box[3]], "axial load, N", "displacement, µm", 64), line(shift, y, "--c1"),
+      line(curve.nut_stiffness_N_um, y2, "--c3", "7 4"),
     preload ? line(curve.preload_left_N, preload, "--c2", "2 3") : null, mark, ...ends,
-    limit && limit <= x.domain[1] ? svg("g", {}, svg("path", { d: `M${x(limit)} ${box[1]}V${box[3]}`, stroke: "var(--faint)", "stroke-dasharray": "3 3" }), text(x(limit) - 4, box[1] + 12, "limit load", { "text-anchor": "end", class: "small faint" })) : null),
-    legend([["displacement, left scale", "var(--c1)", "solid"], ["tangent stiffness, N/µm, right scale", "var(--c3)", "dash"], ...(preload ? [[`remaining preload, up to ${number(preload.domain[1] / 1.05)} N`, "var(--c2)", "dots"]] : [])]),
-    html("p", { class: "small" }, `Stiffness at this load ${number(answer.nut_stiffness_N_um)} N/µm${answer.preload_left_N == null ? "" : `; preload ${cold === warm ? cold : `${cold} N cold, ${warm}`} N, of which ${number(answer.preload_left_N)} N are left`}${limit == null ? "" : `; from ${number(limit)} N on nothing is left of the preload`}.`));
+    limit && limit <= x.domain[1] ? svg("g", {},
+      svg("path", { d: `M${x(limit)} ${box[1]}V${box[3]}`, stroke: "var(--faint)", "stroke-dasharray": "3 3" }),
+      text(x(limit) - 4, box[1] + 12, "limit load", { "text-anchor": "end", class: "small faint" })) : null),
+    legend([["displacement, left scale", "var(--c1)", "solid"],
+      ["tangent stiffness, N/µm, right scale", "var(--c3)", "dash"],
+      ...(preload ? [[`remaining preload, up to ${number(preload.domain[1] / 1.05)} N`, "var(--c2)", "dots"]] : [])]),
+    html("p", { class: "small" },
+      `Stiffness at this load ${number(answer.nut_stiffness_N_um)} N/µm${answer.preload_left_N == null ? "" : `; preload ${cold === warm ? cold : `${cold} N cold, ${warm}`} N, of which ${number(answer.preload_left_N)} N are left`}${limit == null ? "" : `; from ${number(limit)} N on nothing is left of the preload`}.`));
 }
 
 /** Preload over the speed in the warm steady state, among the pictures of a nut: solid up to the fold, dashed beyond it. */
@@ -94,12 +132,16 @@ function warm(branch, answer) {
   const [width, height, box] = sizes();
   const { screw_speed_rpm: speed, warm_preload_N: preload, stable, asked_rpm: asked } = branch, turn = stable.indexOf(false);
   const x = scale([0, Math.max(...speed, asked) * 1.05], [box[0], box[2]]), y = scale([0, Math.max(...preload, 1) * 1.06], [box[3], box[1]]);
-  const line = (part, dash) => svg("path", { d: path(part.map((i) => [x(speed[i]), y(preload[i])])), fill: "none", stroke: "var(--c1)", "stroke-width": 2.2, "stroke-dasharray": dash });
+  const line = (part, dash) => svg("path", { d: path(part.map((i) => [x(speed[i]), y(preload[i])])), fill: "none",
+    stroke: "var(--c1)", "stroke-width": 2.2, "stroke-dasharray": dash });
   const all = speed.map((_, i) => i), until = turn < 0 ? all : all.slice(0, turn), fold = until.at(-1);
   const { nut_temperature_C: nut, screw_temperature_C: screw, balls_temperature_C: balls } = answer.warm;
-  return figure("Warm preload over the speed", picture(width, height, `Warm preload over the speed of the screw${turn < 0 ? ", without a fold" : `, with a fold at ${number(speed[fold])} rpm`}`,
+  return figure("Warm preload over the speed",
+    picture(width, height, `Warm preload over the speed of the screw${turn < 0 ? ", without a fold" : `, with a fold at ${number(speed[fold])} rpm`}`,
     axes(x, y, box, "speed of the screw, rpm", "warm preload, N", 64), line(until), turn < 0 ? null : line(all.slice(turn - 1), "7 4"),
-    turn < 0 ? null : svg("circle", { cx: x(speed[fold]), cy: y(preload[fold]), r: 5, fill: "none", stroke: "var(--ink)", "stroke-width": 2 }, svg("title", {}, "fold: no steady state above this speed")),
+    turn < 0 ? null : svg("circle", { cx: x(speed[fold]), cy: y(preload[fold]), r: 5, fill: "none",
+      stroke: "var(--ink)", "stroke-width": 2 }, svg("title", {}, "fold: no steady state above this speed")),
     svg("path", { d: `M${x(asked)} ${box[1]}V${box[3]}`, stroke: "var(--faint)", "stroke-dasharray": "3 3" })),
-    html("p", { class: "small" }, `Nut ${number(nut)} °C, screw ${number(screw)} °C, balls ${number(balls)} °C at ${number(asked)} rpm. ${turn < 0 ? "No fold in this range." : `Above ${number(speed[fold])} rpm (circle) there is no steady state: the preload runs away. Dashed: states that a disturbance leaves.`} The curve is by raceway control with friction per contact.`));
+    html("p", { class: "small" },
+      `Nut ${number(nut)} °C, screw ${number(screw)} °C, balls ${number(balls)} °C at ${number(asked)} rpm. ${turn < 0 ? "No fold in this range." : `Above ${number(speed[fold])} rpm (circle) there is no steady state: the preload runs away. Dashed: states that a disturbance leaves.`} The curve is by raceway control with friction per contact.`));
 }

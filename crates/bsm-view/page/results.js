@@ -13,18 +13,24 @@ const KEYS = [
 
 export function showKey(host, result) {
   if (result.status !== "converged") {
-    host.replaceChildren(html("p", { class: "none bad" }, `${result.status.replace("_", " ")} by model ${result.model}: ${result.message}`), ...warnings(result));
+    host.replaceChildren(html("p", { class: "none bad" },
+      `${result.status.replace("_", " ")} by model ${result.model}: ${result.message}`), ...warnings(result));
     return;
   }
   const keys = KEYS.filter(([name]) => result[name] != null).map(([name, words, unit]) =>
-    html("div", {}, html("dt", {}, result.without_error_bound?.includes(name) ? `${words} *` : words), html("dd", { "data-output": name }, number(result[name]), html("small", {}, unit ? ` ${unit}` : ""))));
+    html("div", {}, html("dt", {}, result.without_error_bound?.includes(name) ? `${words} *` : words),
+      html("dd", { "data-output": name }, number(result[name]), html("small", {}, unit ? ` ${unit}` : ""))));
   const band = result.band;
   host.replaceChildren(
     html("dl", { class: "keys" }, keys),
     html("p", { class: "small" }, html("strong", {}, `Model ${result.model}. `), result.choice ? `Chosen: ${result.choice}. ` : "",
-      result.loss_error_bound != null && !result.lubrication ? `The heat is known to ${brief(Number((100 * result.loss_error_bound).toPrecision(2)))} %. ` : "", result.lubrication ? `Lubrication: ${result.lubrication}. ` : "",
+      result.loss_error_bound != null && !result.lubrication ?
+        `The heat is known to ${brief(Number((100 * result.loss_error_bound).toPrecision(2)))} %. ` : "",
+        result.lubrication ? `Lubrication: ${result.lubrication}. ` : "",
       result.controlling_race ? `The ${result.controlling_race} controls.` : ""),
-    ...(band ? [html("p", { class: "small" }, `90 % interval over uncertain inputs of the oil: ${number(band.ball_torque_Nm[0])} and ${number(band.ball_torque_Nm[1])} N m.`)] : []),
+    ...(band ? [html("p", { class: "small" },
+      `90 % interval over uncertain inputs of the oil: ${number(band.ball_torque_Nm[0])} and ${number(band.ball_torque_Nm[1])} N m.`)]
+      : []),
     ...warnings(result));
 }
 
@@ -39,5 +45,7 @@ export function showNumbers(host, result) {
     table("Ball and screw", null, overall.map(([label, ...entry]) => row(marked(label), ...entry))),
     contacts.length ? table("Contacts", ["", "", "nut", "screw", ...(minor ? ["unloaded flank"] : [])], contacts.map(([label, unit, values]) =>
       row(marked(label), unit, ...values.slice(0, minor ? 3 : 2)))) : null),
-    ...(unbounded.length ? [html("p", { class: "small faint" }, `* Not covered by the error bound: value of model ${result.model}; take model traction where it matters.`)] : []));
+    ...(unbounded.length ? [html("p", { class: "small faint" },
+      `* Not covered by the error bound: value of model ${result.model}; take model traction where it matters.`)]
+      : []));
 }

@@ -9,7 +9,8 @@ export function download(name, blob) {
   setTimeout(() => URL.revokeObjectURL(address), 10_000);
 }
 
-const STYLES = ["fill", "fill-opacity", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "opacity", "font-family", "font-size", "font-weight", "text-anchor", "paint-order"];
+const STYLES = ["fill", "fill-opacity", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "opacity",
+  "font-family", "font-size", "font-weight", "text-anchor", "paint-order"];
 
 /** A picture that needs no style sheet; the map has its colours on a canvas below its lines. */
 function alone(drawing, below) {
@@ -54,14 +55,19 @@ function files(panel) {
   const name = (element, usual) => named(`${title} ${element.closest("figure")?.querySelector("figcaption strong")?.textContent ?? usual}`);
   for (const drawing of panel.querySelectorAll("svg[viewBox]")) {
     const below = drawing.previousElementSibling?.matches("canvas") ? drawing.previousElementSibling : null;
-    list.push([`${name(drawing, "")}.svg`, () => new Blob([alone(drawing, below)[0]], { type: "image/svg+xml" })], [`${name(drawing, "")}.png`, () => raster(alone(drawing, below))]);
+    list.push([`${name(drawing, "")}.svg`, () => new Blob([alone(drawing, below)[0]], { type: "image/svg+xml" })],
+      [`${name(drawing, "")}.png`, () => raster(alone(drawing, below))]);
   }
-  for (const canvas of panel.querySelectorAll("canvas")) if (canvas.width && canvas.height && !canvas.nextElementSibling?.matches("svg")) list.push([`${name(canvas, "")}.png`, () => png(canvas)]);
-  for (const table of panel.querySelectorAll("table")) list.push([`${named(`${title} ${table.caption?.textContent ?? ""}`)}.csv`, () => new Blob([csv(cells(table))], { type: "text/csv" })]);
+  for (const canvas of panel.querySelectorAll("canvas")) if (canvas.width && canvas.height &&
+    !canvas.nextElementSibling?.matches("svg")) list.push([`${name(canvas, "")}.png`, () => png(canvas)]);
+  for (const table of panel.querySelectorAll("table")) list.push([`${named(`${title} ${table.caption?.textContent ?? ""}`)}.csv`,
+    () => new Blob([csv(cells(table))], { type: "text/csv" })]);
   // Behind the pictures: tables by columns.
   for (const [words, columns] of Object.entries(panel.querySelector("h2 ~ div[id]").columns?.() ?? {})) {
     const heads = Object.keys(columns);
-    list.push([`${named(`${title} ${words}`)}.csv`, () => new Blob([csv([heads, ...columns[heads[0]].map((_, i) => heads.map((head) => columns[head][i]))])], { type: "text/csv" })]);
+    list.push([`${named(`${title} ${words}`)}.csv`,
+      () => new Blob([csv([heads, ...columns[heads[0]].map((_, i) => heads.map((head) => columns[head][i]))])],
+        { type: "text/csv" })]);
   }
   return list;
 }
@@ -73,7 +79,9 @@ export function offer(panel) {
   fold.addEventListener("toggle", () => {
     if (!fold.open) return;
     const found = files(panel);
-    list.replaceChildren(...(found.length ? found.map(([name, make]) => html("button", { type: "button", onclick: async () => download(name, await make()) }, name)) : [html("span", { class: "small faint" }, "Nothing to save yet.")]));
+    list.replaceChildren(...(found.length ?
+      found.map(([name, make]) => html("button", { type: "button", onclick: async () => download(name, await make()) },
+        name)) : [html("span", { class: "small faint" }, "Nothing to save yet.")]));
   });
   title.after(fold);
 }

@@ -40,9 +40,11 @@ export function showSection(host, scene, result) {
       const half = Math.asin(Math.min(a / r, 1)) / DEG, arc = [];
       for (let i = 0; i <= 24; i += 1) arc.push(end(angle - half + (2 * half * i) / 24, [x, y], r));
       marks.push(svg("path", { d: path(arc), stroke: colour, "stroke-width": 6, fill: "none", "stroke-linecap": "butt" }));
-      marks.push(svg("path", { d: path([end(angle - half, [x, y], r), at([0, 0]), end(angle + half, [x, y], r)]), stroke: colour, "stroke-width": 1, fill: "none", opacity: 0.55 }));
+      marks.push(svg("path", { d: path([end(angle - half, [x, y], r), at([0, 0]), end(angle + half, [x, y], r)]),
+        stroke: colour, "stroke-width": 1, fill: "none", opacity: 0.55 }));
     }
-    const tip = end(angle, [x, y], r), length = (narrow() ? 0.6 : 1) * (18 + 62 * (load / most)), far = [tip[0] + (tip[0] - width / 2) / (k * r) * length, tip[1] + (tip[1] - height / 2) / (k * r) * length];
+    const tip = end(angle, [x, y], r), length = (narrow() ? 0.6 : 1) * (18 + 62 * (load / most)),
+      far = [tip[0] + (tip[0] - width / 2) / (k * r) * length, tip[1] + (tip[1] - height / 2) / (k * r) * length];
     marks.push(arrow(far, tip, colour), svg("circle", { cx: tip[0], cy: tip[1], r: 3, fill: colour }));
     said.push([name, angle, load, a, colour, far]);
   }
@@ -51,13 +53,17 @@ export function showSection(host, scene, result) {
     const halo = { "text-anchor": anchor, style: `fill:${colour};font-weight:600;paint-order:stroke;stroke:var(--metal);stroke-width:4px` };
     return [text(x, y, `${name}: ${number(load)} N`, halo), text(x, y + 17, name === "minor" ? "unloaded flank" : `at ${number(angle)}°`, halo)];
   });
-  const words = said.map(([name, angle, load, a]) => `${name} contact at ${number(angle)} degrees under ${number(load)} newtons${a == null ? "" : `, ellipse ${number(2 * a)} millimetres wide`}`).join("; ");
+  const words = said.map(([name, angle, load, a]) =>
+    `${name} contact at ${number(angle)} degrees under ${number(load)} newtons${a == null ? "" : `, ellipse ${number(2 * a)} millimetres wide`}`).join("; ");
   host.replaceChildren(
     picture(width, height, `Section of ball and grooves. Without load the contact angle is ${number(start)} degrees; ${words}.`,
       clip, ...grooves, svg("circle", { cx: width / 2, cy: height / 2, r: k * r, fill: "var(--steel)", "fill-opacity": 0.55, stroke: "var(--ink)" }),
-      svg("path", { d: path([at([-0.12 * r, 0]), at([0.12 * r, 0])]) + path([at([0, -0.12 * r]), at([0, 0.12 * r])]), stroke: "var(--ink)" }), ...marks, ...labels,
-      ...(section ? [text(width / 2, 16, "nut", { "text-anchor": "middle", class: "faint" }), text(width / 2, height - 8, "screw", { "text-anchor": "middle", class: "faint" })] : [])),
-    legend([["contact angle without load", "var(--faint)", "dash"], ["nut", "var(--c1)"], ["screw", "var(--c2)"], ...(said.some(([name]) => name === "minor") ? [["unloaded flank", "var(--c4)"]] : [])]),
+      svg("path", { d: path([at([-0.12 * r, 0]), at([0.12 * r, 0])]) + path([at([0, -0.12 * r]), at([0, 0.12 * r])]),
+        stroke: "var(--ink)" }), ...marks, ...labels,
+      ...(section ? [text(width / 2, 16, "nut", { "text-anchor": "middle", class: "faint" }),
+        text(width / 2, height - 8, "screw", { "text-anchor": "middle", class: "faint" })] : [])),
+    legend([["contact angle without load", "var(--faint)", "dash"], ["nut", "var(--c1)"], ["screw", "var(--c2)"],
+      ...(said.some(([name]) => name === "minor") ? [["unloaded flank", "var(--c4)"]] : [])]),
     html("p", { class: "small faint" }, section
       ? `To scale; thick arcs: widths of the ellipses, ${["nut", "screw"].map((name) => (result[`${name}_ellipse_a_mm`] == null ? "none by this model" : `${name} ${number(2 * result[`${name}_ellipse_a_mm`])} mm`)).filter((w, i, all) => all.indexOf(w) === i).join(", ")}. Conformity ${number(scene.nut_conformity)} (nut), ${number(scene.screw_conformity)} (screw).`
       : "Without nut_conformity and screw_conformity there is no groove to draw: contacts are points."),

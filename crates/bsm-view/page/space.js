@@ -16,7 +16,8 @@ function sizes(scene, solved, nut) {
   if (!ball || !pitch || angle == null) return null;
   const lead = Math.PI * pitch * Math.tan(angle * DEG), starts = scene.starts ?? 1;
   let balls;
-  if (nut?.balls) balls = nut.balls.theta_deg.map((theta, i) => ({ theta: theta * DEG, z: nut.balls.z_mm[i], load: Math.max(nut.balls.nut_plus_N[i], nut.balls.nut_minus_N[i]) }));
+  if (nut?.balls) balls = nut.balls.theta_deg.map((theta, i) =>
+    ({ theta: theta * DEG, z: nut.balls.z_mm[i], load: Math.max(nut.balls.nut_plus_N[i], nut.balls.nut_minus_N[i]) }));
   else {
     const turn = Math.PI * pitch / Math.cos(angle * DEG), most = Math.max(1, Math.floor(turn / (1.02 * ball)));
     const count = Math.min(Math.round(scene.loaded_balls ?? 0) || most, 600), each = TURN / Math.min(most, scene.loaded_balls_per_turn ?? most);
@@ -31,7 +32,9 @@ function sizes(scene, solved, nut) {
 /** Distance of groove or land from the axis, over the axial distance from the middle of the groove, and where the land begins. */
 function profile({ ball, pitch, section }, member) {
   const points = section?.[member], side = member === "nut" ? 1 : -1;
-  if (!points) { const r = 0.52 * ball; return { edge: 0.5 * ball, at: (s) => pitch / 2 + side * Math.max(Math.abs(s) < r ? Math.sqrt(r * r - s * s) : 0, 0.14 * ball) }; }
+  if (!points) { const r = 0.52 * ball;
+    return { edge: 0.5 * ball, at: (s) => pitch / 2 + side * Math.max(Math.abs(s) < r ? Math.sqrt(r * r - s * s) : 0,
+      0.14 * ball) }; }
   const half = points.filter(([x]) => x >= 0).sort((a, b) => a[0] - b[0]);
   return { edge: half.at(-2)[0], at: (s) => {
     const x = Math.abs(s);
@@ -79,7 +82,8 @@ class Thread {
       count = places.length;
       for (const [z, r] of places) positions.push(r * Math.cos(theta), r * Math.sin(theta), z);
     }
-    for (let i = 0; i < around; i += 1) for (let j = 0; j + 1 < count; j += 1) { const a = i * count + j, b = a + count; index.push(a, b, a + 1, a + 1, b, b + 1); }
+    for (let i = 0; i < around; i += 1) for (let j = 0; j + 1 < count; j += 1) { const a = i * count + j, b = a + count;
+      index.push(a, b, a + 1, a + 1, b, b + 1); }
     return geometryOf(positions, index);
   }
 
@@ -112,7 +116,9 @@ export class Space {
     this.slow = true; this.playing = false;
     this.whole = html("button", { type: "button", "aria-pressed": true, onclick: () => this.look(false) }, "Whole screw");
     this.single = html("button", { type: "button", "aria-pressed": false, onclick: () => this.look(true) }, "One ball");
-    this.play = html("button", { type: "button", "aria-pressed": this.playing, onclick: () => { this.playing = !this.playing; this.play.setAttribute("aria-pressed", this.playing); this.loop(); } }, "Turn");
+    this.play = html("button", { type: "button", "aria-pressed": this.playing,
+      onclick: () => { this.playing = !this.playing; this.play.setAttribute("aria-pressed", this.playing);
+        this.loop(); } }, "Turn");
     this.stage = html("div", { class: "stage" }); this.words = html("div");
     host.append(html("div", { class: "bar" }, this.whole, this.single, this.play), this.stage, this.words);
     try { this.begin(); } catch { this.renderer = null; this.play.hidden = true; this.single.hidden = true; this.whole.hidden = true; }
@@ -176,7 +182,9 @@ export class Space {
     this.last = [scene, solved, nut];
     if (this.held) return;
     const found = solved && sizes(scene, solved, nut);
-    if (!found) { this.stage.hidden = true; this.words.replaceChildren(none("The picture needs ball_diameter_mm, pitch_circle_diameter_mm and the lead.")); return; }
+    if (!found) { this.stage.hidden = true;
+      this.words.replaceChildren(none("The picture needs ball_diameter_mm, pitch_circle_diameter_mm and the lead."));
+      return; }
     this.stage.hidden = false; this.found = found; this.solved = solved;
     const loads = found.balls.map(({ load }) => load), low = Math.min(...loads), high = Math.max(...loads);
     this.part = (load) => (high > low * (1 + 1e-9) + 1e-12 ? (load - low) / (high - low) : 0.6);
@@ -189,7 +197,9 @@ export class Space {
     this.canvas.setAttribute("aria-label", words[0]);
     this.words.replaceChildren(...words.slice(1));
     const shape = this.one ? 0 : { ...found, balls: found.balls.map(({ theta, z }) => [theta, z]) };
-    const key = JSON.stringify([shape, this.one && [solved.nut_contact_angle_deg, solved.screw_contact_angle_deg, this.rate.omega, solved.nut_normal_load_N], matchMedia("(prefers-color-scheme: dark)").matches]);
+    const key = JSON.stringify([shape, this.one &&
+      [solved.nut_contact_angle_deg, solved.screw_contact_angle_deg, this.rate.omega, solved.nut_normal_load_N],
+      matchMedia("(prefers-color-scheme: dark)").matches]);
     if (key !== this.key) { this.key = key; this.build(); }
     if (!this.one) this.paintLoads();
     if (this.running) return;
@@ -199,28 +209,40 @@ export class Space {
   describe(found, solved, low, high, slow, shared) {
     const speed = slow ? `slowed ${brief(slow)} times` : "speed not given";
     const [, , spins] = solved.shown.contacts.find(([words]) => words === "spin about the normal") ?? [];
-    const spin = spins ? ` Spin ${spins[0]} rad/s at the nut, ${spins[1]} at the screw; the ball circles at ${number(solved.ball_precession_rad_s)} rad/s.` : "";
+    const spin = spins ? ` Spin ${spins[0]} rad/s at the nut, ${spins[1]} at the screw; the ball circles at ${number(solved.ball_precession_rad_s)} rad/s.`
+      : "";
     const label = `Screw of ${number(found.pitch)} millimetres pitch circle with ${found.balls.length} balls of ${number(found.ball)} millimetres, lead ${number(found.lead)} millimetres; loads from ${number(low)} to ${number(high)} newtons`;
-    const balls = shared ? rampBar(low, high, "load of a ball, N") : html("p", { class: "small" }, found.balls.length === 1 ? `One ball under ${number(high)} N.` : `${found.balls.length} balls, each under ${number(high)} N: the nut level, with loaded_balls_per_turn and loaded_turns, tells them apart.`);
-    const axes = this.one ? html("p", { class: "small faint" }, "Red: axis of rotation of the ball. Grey: helix t, towards the axis n, binormal b. Blue: contact at the nut. Orange: contact at the screw.") : null;
-    return [label, ...(this.one ? [] : [balls]), html("p", { class: "small faint" }, `Motion ${speed}.${spin} Drag or use the arrow keys to look around.`), ...(axes ? [axes] : [])];
+    const balls = shared ? rampBar(low, high, "load of a ball, N")
+      : html("p", { class: "small" }, found.balls.length === 1 ?
+      `One ball under ${number(high)} N.`
+      : `${found.balls.length} balls, each under ${number(high)} N: the nut level, with loaded_balls_per_turn and loaded_turns, tells them apart.`);
+    const axes = this.one ? html("p", { class: "small faint" },
+      "Red: axis of rotation of the ball. Grey: helix t, towards the axis n, binormal b. Blue: contact at the nut. Orange: contact at the screw.")
+      : null;
+    return [label, ...(this.one ? [] : [balls]),
+      html("p", { class: "small faint" }, `Motion ${speed}.${spin} Drag or use the arrow keys to look around.`),
+      ...(axes ? [axes] : [])];
   }
 
   build() {
-    for (const child of [...this.world.children]) if (child.userData.made) { this.world.remove(child); child.traverse?.((part) => { part.geometry?.dispose(); part.material?.dispose(); }); }
+    for (const child of [...this.world.children]) if (child.userData.made) { this.world.remove(child);
+      child.traverse?.((part) => { part.geometry?.dispose(); part.material?.dispose(); }); }
     const add = (object) => { object.userData.made = true; this.world.add(object); return object; };
     if (this.one) this.buildOne(add); else this.buildWhole(add);
     this.resize();
   }
 
-  metal(name, more = {}) { return new three.MeshStandardMaterial({ color: new three.Color(colour(name)), metalness: 0.35, roughness: 0.42, side: three.DoubleSide, ...more }); }
+  metal(name, more = {}) { return new three.MeshStandardMaterial({ color: new three.Color(colour(name)),
+    metalness: 0.35, roughness: 0.42, side: three.DoubleSide, ...more }); }
 
   buildWhole(add) {
     const f = this.found, steel = this.metal("steel"), reach = f.half + 0.8 * f.lead + 0.6 * f.ball, end = reach + Math.max(1.2 * f.lead, 0.6 * f.pitch);
     const thread = new Thread(f, profile(f, "screw"), [-end, end]);
     this.screw = add(new three.Group());
     this.screw.add(new three.Mesh(thread.surface([0, TURN], 64), steel));
-    for (const z of [-end, end]) { const cap = new three.Mesh(new three.CylinderGeometry(f.pitch / 2 - 0.35 * f.ball, f.pitch / 2 - 0.35 * f.ball, 0.02, 64), steel); cap.rotation.x = Math.PI / 2; cap.position.z = z; this.screw.add(cap); }
+    for (const z of [-end, end]) { const cap =
+      new three.Mesh(new three.CylinderGeometry(f.pitch / 2 - 0.35 * f.ball, f.pitch / 2 - 0.35 * f.ball, 0.02, 64),
+        steel); cap.rotation.x = Math.PI / 2; cap.position.z = z; this.screw.add(cap); }
     // The nut, open on the side of the viewer.
     const open = [0.42 * Math.PI, 1.62 * Math.PI], outer = f.pitch / 2 + 1.55 * f.ball, metal = this.metal("metal", { metalness: 0.15 });
     const inside = new Thread(f, profile(f, "nut"), [-reach, reach]);
@@ -229,7 +251,9 @@ export class Space {
     for (const theta of open) this.shell.add(new three.Mesh(inside.wall(theta, outer), this.metal("metal-edge", { metalness: 0 })));
     for (const z of [-reach, reach]) this.shell.add(new three.Mesh(inside.ring(open, outer, z), metal));
     const balls = f.balls;
-    this.balls = add(new three.InstancedMesh(new three.SphereGeometry(f.ball / 2, ...(balls.length > 100 ? [10, 7] : [16, 11])), new three.MeshStandardMaterial({ metalness: 0.1, roughness: 0.35 }), balls.length));
+    this.balls = add(new three.InstancedMesh(new three.SphereGeometry(f.ball / 2,
+      ...(balls.length > 100 ? [10, 7] : [16, 11])),
+      new three.MeshStandardMaterial({ metalness: 0.1, roughness: 0.35 }), balls.length));
     const gap = balls.length > 1 ? Math.abs(balls[1].theta - balls[0].theta) : TURN / 12;
     this.gap = gap > 0 ? gap : TURN / 12;
     const size = Math.hypot(end, outer), away = size * 2.6;
@@ -260,7 +284,12 @@ export class Space {
     this.globe.add(new three.Mesh(new three.SphereGeometry(r, 48, 32), this.metal("steel", { transparent: true, opacity: 0.88 })));
     // Circles on the ball show that it turns.
     const axis = omega && Math.hypot(...omega) > 0 ? mix(omega).normalize() : frame.b;
-    const circle = (k) => { const points = []; for (let i = 0; i <= 96; i += 1) { const a = (TURN * i) / 96; points.push(1.004 * Math.cos(a) * Math.cos(k), 1.004 * Math.sin(a), 1.004 * Math.cos(a) * Math.sin(k)); } const g = new three.BufferGeometry(); g.setAttribute("position", new three.BufferAttribute(new Float32Array(points), 3)); return new three.Line(g, new three.LineBasicMaterial({ color: new three.Color(colour("ink")) })); };
+    const circle = (k) => { const points = [];
+      for (let i = 0; i <= 96; i += 1) { const a = (TURN * i) / 96;
+        points.push(1.004 * Math.cos(a) * Math.cos(k), 1.004 * Math.sin(a),
+          1.004 * Math.cos(a) * Math.sin(k)); } const g = new three.BufferGeometry();
+      g.setAttribute("position", new three.BufferAttribute(new Float32Array(points), 3));
+      return new three.Line(g, new three.LineBasicMaterial({ color: new three.Color(colour("ink")) })); };
     const lines = new three.Group(); for (let k = 0; k < 4; k += 1) lines.add(circle((k * Math.PI) / 4));
     lines.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), axis); this.globe.add(lines);
     this.axis = axis;
@@ -271,7 +300,8 @@ export class Space {
       if (angle == null) continue;
       const place = mix([0, side * Math.cos(angle * DEG), side * Math.sin(angle * DEG)]);
       rod(place, 1.55, colour(paint), 0.03, false);
-      const mark = add(new three.Mesh(new three.SphereGeometry(0.09, 20, 14), new three.MeshStandardMaterial({ color: new three.Color(colour(paint)) }))); mark.position.copy(place);
+      const mark = add(new three.Mesh(new three.SphereGeometry(0.09, 20, 14),
+        new three.MeshStandardMaterial({ color: new three.Color(colour(paint)) }))); mark.position.copy(place);
     }
     if (this.placed !== "one") { this.camera.position.set(2.6, 1.6, 6); this.controls.target.set(0, 0, 0); this.placed = "one"; }
     this.controls.minDistance = 2; this.controls.maxDistance = 20; this.camera.near = 0.05; this.camera.far = 100;
@@ -309,7 +339,9 @@ export class Space {
       this.screw.rotation.z = rate.screw * time; this.shell.rotation.z = rate.nut * time;
       // Balls run on along the helix of the nut, each to the place of the next.
       const run = (((((rate.ball ?? rate.screw / 2) - rate.nut) * time) % this.gap) + this.gap) % this.gap, place = new three.Matrix4();
-      found.balls.forEach((ball, i) => { const theta = ball.theta + run + rate.nut * time; place.makeTranslation((found.pitch / 2) * Math.cos(theta), (found.pitch / 2) * Math.sin(theta), ball.z + (found.lead * run) / TURN); this.balls.setMatrixAt(i, place); });
+      found.balls.forEach((ball, i) => { const theta = ball.theta + run + rate.nut * time;
+        place.makeTranslation((found.pitch / 2) * Math.cos(theta), (found.pitch / 2) * Math.sin(theta),
+          ball.z + (found.lead * run) / TURN); this.balls.setMatrixAt(i, place); });
       this.balls.instanceMatrix.needsUpdate = true;
     }
     this.renderer.render(this.world, this.camera);
@@ -340,7 +372,13 @@ function drawing(f, part, label) {
   const at = (z, y) => [width / 2 + k * z, height / 2 - k * y], core = f.pitch / 2 - 0.3 * f.ball;
   const rod = svg("g", {}, svg("rect", { x: 4, y: height / 2 - k * core, width: width - 8, height: 2 * k * core, style: "fill:var(--steel)" }));
   const lines = [];
-  for (let turn = -Math.ceil(reach / f.lead); turn <= Math.ceil(reach / f.lead); turn += 1) { const points = []; for (let a = 0; a <= 18; a += 1) { const t = Math.PI * (a / 18) - Math.PI / 2; points.push(at(turn * f.lead + (f.lead * t) / TURN, core * Math.sin(t))); } lines.push(svg("path", { d: path(points), fill: "none", stroke: "var(--metal-edge)", "stroke-width": 2 })); }
-  const balls = f.balls.filter(({ theta }) => Math.cos(theta) >= -0.05).map(({ theta, z, load }) => { const [x, y] = at(z, (f.pitch / 2) * Math.sin(theta)); return svg("circle", { cx: x, cy: y, r: (k * f.ball) / 2, fill: `rgb(${ramp(part(load)).join(" ")})`, stroke: "var(--ink)", "stroke-width": 0.6 }); });
+  for (let turn = -Math.ceil(reach / f.lead); turn <= Math.ceil(reach / f.lead); turn += 1) { const points = [];
+    for (let a = 0; a <= 18; a += 1) { const t = Math.PI * (a / 18) - Math.PI / 2;
+      points.push(at(turn * f.lead + (f.lead * t) / TURN, core * Math.sin(t))); } lines.push(svg("path",
+        { d: path(points), fill: "none", stroke: "var(--metal-edge)", "stroke-width": 2 })); }
+  const balls = f.balls.filter(({ theta }) => Math.cos(theta) >= -0.05).map(({ theta, z, load }) =>
+    { const [x, y] = at(z, (f.pitch / 2) * Math.sin(theta));
+      return svg("circle", { cx: x, cy: y, r: (k * f.ball) / 2, fill: `rgb(${ramp(part(load)).join(" ")})`,
+        stroke: "var(--ink)", "stroke-width": 0.6 }); });
   return picture(width, height, label, rod, ...lines, ...balls);
 }

@@ -135,7 +135,7 @@ fn bodies_are_refused_in_the_words_of_the_command_line() {
         many
     };
     for (route, body, status, words) in [
-        ("solve", &bad, 400, "`ball_diameter_mm` = -3.5 must be finite and > 0"),
+        ("solve", &bad, 400, "`ball_diameter_mm` = -3.5 must be a finite number > 0"),
         ("solve", &unknown, 400, "did you mean `ball_diameter_mm`"),
         ("solve", &model, 400, "elastisch"),
         ("solve", &json!({}), 400, "scene is missing"),

@@ -171,7 +171,7 @@ fn dials_out_of_range_are_refused_in_every_model() {
         let good = Settings { model, ..Settings::default() };
         for (settings, part) in [
             (Settings { accuracy: 0.1, ..good }, "`accuracy` = 0.1 must be from"),
-            (Settings { creep: 0.0, ..good }, "`creep` = 0 must be finite and > 0"),
+            (Settings { creep: 0.0, ..good }, "`creep` = 0 must be a finite number > 0"),
             (Settings { tolerance: f64::NAN, ..good }, "`tolerance` = NaN must be"),
         ] {
             let error = drive().problem(&settings).expect_err(part).to_string();

@@ -250,13 +250,15 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
 }
 
 /// Effects that the torque of an axis neglects.
-const NOT_MODELLED: [&str; 6] = [
-    "lubricant, unless its inputs are given: contacts are dry then, with one friction coefficient; the friction torque of the preload is that of manufacturers' rule, accurate to some 50 %",
+const NOT_MODELLED: [&str; 8] = [
+    "lubricant, as its inputs are not given: contacts are dry, with one friction coefficient",
+    "friction torque of the preload: that of manufacturers' rule, accurate to some 50 %",
     "ball returns and ball-to-ball contact: only in manufacturers' rule for the preload",
     "temperatures of nut, screw and balls, unless warm_state asks for them: their rises are inputs, which the preload follows; axis_heat_transfer_W_K gives the growth of the screw alone",
     "vibration of the axis, its control, and shocks: multiply the loads by the factor of your machine",
     "bending of the screw by its weight, and of the frame; misalignment unless it is given",
-    "brackets of motor and bearings beyond housing_stiffness_N_um",
+    "brackets of motor and bearings beyond housing_stiffness_N_um; twist of the screw, which can exceed its axial displacement at large leads",
+    "wear, and the torque to start from rest",
 ];
 
 /// The same of returns and ball-to-ball contact where the gaps of the balls are given, of a preloaded nut and another.
@@ -322,7 +324,8 @@ impl AxisReport {
             // All balls of a preloaded nut are solved for its torque.
             not_modelled[1] = if scene.is_preloaded() { PUSHES[0] } else { PUSHES[1] };
         }
-        let not_modelled = not_modelled.map(str::to_owned).to_vec();
+        let lubricated = usize::from(scene.given().is_lubricated());
+        let not_modelled = not_modelled[lubricated..].iter().map(|&text| text.to_owned()).collect();
         let answer = Answer { rules, notes, warnings, fails, ..Answer::default() }
             .with("passes", Content::Json((!fails).into()))
             .with("inputs", Content::Json(asked.to_json()))

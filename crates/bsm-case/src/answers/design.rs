@@ -13,7 +13,7 @@ use super::axis::QUANTITIES as AXIS;
 use super::ratings::QUANTITIES as RATINGS;
 use crate::answers::axis::quick_efficiency;
 use crate::answers::optimum::hard_to_make;
-use crate::vocabulary::number::trimmed;
+use crate::vocabulary::number::{decimal, trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM};
 use crate::{
@@ -307,19 +307,21 @@ fn efficiency(requirement: &RequirementFile, nut: &Nut, phase: &Phase) -> Option
 fn scene(requirement: &RequirementFile, design: &Design) -> Scene {
     let Design { nut, phase, .. } = design;
     let by_torque = matches!(requirement.problem.demand, LoadCase::Torque(..));
-    // In decimals, as the search leaves them.
-    let round = |x: f64| (x * 1e9).round() * 1e-9;
-    let conformity = Some(round(nut.conformity.0));
+    let conformity = Some(decimal(nut.conformity.0));
+    // A circuit on each thread.
+    let several = Some(nut.starts).filter(|starts| *starts > 1.0);
     Scene {
-        ball_diameter_mm: Some(round(nut.ball_diameter / MM)),
-        pitch_circle_diameter_mm: Some(round(nut.pitch_diameter / MM)),
-        lead_mm: Some(nut.lead / MM),
+        ball_diameter_mm: Some(decimal(nut.ball_diameter / MM)),
+        pitch_circle_diameter_mm: Some(decimal(nut.pitch_diameter / MM)),
+        lead_mm: Some(decimal(nut.lead / MM)),
         lead_angle_deg: None,
-        contact_angle_deg: Some(round(nut.contact_angle / DEG)),
+        contact_angle_deg: Some(decimal(nut.contact_angle / DEG)),
         nut_conformity: conformity,
         screw_conformity: conformity,
         loaded_balls_per_turn: Some(nut.balls_per_turn),
         loaded_turns: Some(nut.turns),
+        starts: several.or(requirement.scene.starts),
+        circuits_count: several.or(requirement.scene.circuits_count),
         loaded_balls: Some((nut.balls_per_turn * nut.turns).max(1.0)),
         axial_load_N: if by_torque { Some(phase.load) } else { requirement.scene.axial_load_N },
         preload_N: design.preload(),
@@ -408,7 +410,7 @@ fn offered_size(scene: &Scene, offered: &[OfferedSize]) -> Option<(f64, bool)> {
     let pitch = scene.pitch_circle_diameter_mm.unwrap_or(f64::NAN) * MM;
     let far = |size: &&OfferedSize| (size.diameter - pitch).abs();
     let size = offered.iter().filter(alike).min_by(|a, b| far(a).total_cmp(&far(b)))?;
-    Some(((size.diameter / MM * 1e6).round() * 1e-6, printed))
+    Some((decimal(size.diameter / MM), printed))
 }
 
 /// A rule of the sheet that the best screw by all other limits breaks.

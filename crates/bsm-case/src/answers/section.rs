@@ -42,11 +42,11 @@ impl GrooveSection {
         }
         let nut = rated_nut::nut(&one)?;
         let thread = rated_nut::thread(scene, &nut)?;
-        let starts = scene.value_or_default(InputKey::starts).unwrap_or(1.0);
-        let half = 0.5 * nut.lead / starts;
+        // Of a large pitch the lands go on.
+        let half = (0.5 * nut.pitch()).min(nut.ball_diameter);
         let line = |profile: &Profile, up: f64| {
             let mut flank = profile.flank(STEPS);
-            // On to the middle of the land.
+            // On along the land.
             let land = flank.last().map_or(0.0, |(_, depth)| *depth);
             flank.push((half, land));
             let at = |side: f64| move |(x, depth): &(f64, f64)| (side * x / MM, up * depth / MM);

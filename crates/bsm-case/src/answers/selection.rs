@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-use bsm_design::Candidate;
+use bsm_design::{Candidate, Nut};
 use serde_json::{Map, Value, json};
 
 use super::ratings::QUANTITIES as RATINGS;
 use crate::case::catalogue::LISTS;
 use crate::vocabulary::answer::numbers_json;
-use crate::vocabulary::number::number;
+use crate::vocabulary::number::{decimal, number};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, GPA, MM, UM};
 use crate::{
@@ -32,6 +32,7 @@ quantities! {
         contact_angle_deg = INPUTS Whole(|c| c.nut.contact_angle / DEG);
         pitch_circle_diameter_mm = INPUTS Whole(|c| c.nut.pitch_diameter / MM);
         loaded_balls_per_turn = INPUTS Whole(|c| c.nut.balls_per_turn);
+        starts = INPUTS Whole(|c| c.nut.starts);
     }
     "shown" {
         dynamic_load_rating_N = RATINGS Whole(|c| c.dynamic_rating);
@@ -175,7 +176,13 @@ pub fn candidate_scene(candidate: &Candidate, requirement: Option<&RequirementFi
     }
     let mut nut = candidate_json(candidate);
     nut.retain(|name, _| INPUTS.iter().any(|input| input.name == name));
-    let races = candidate.nut.material.0;
+    for number in nut.values_mut() {
+        *number = json!(number.as_f64().map(decimal));
+    }
+    let Nut { starts, material: (races, _), .. } = candidate.nut;
+    if starts > 1.0 {
+        nut.insert("circuits_count".to_owned(), json!(starts));
+    }
     nut.insert("youngs_modulus_GPa".to_owned(), json!(races.youngs_modulus / GPA));
     nut.insert("poisson_ratio".to_owned(), json!(races.poisson_ratio));
     Value::Object(nut)
@@ -222,6 +229,12 @@ impl NutFilter {
         Ok(Self { order: Some((ListColumn::named(name, has_sheets)?, descending)), ..self })
     }
 
+    /// The columns that it names.
+    fn columns(&self) -> impl Iterator<Item = ListColumn> {
+        let conditions = self.of_nut.iter().chain(&self.of_sheet).map(|condition| condition.column);
+        conditions.chain(self.order.map(|(column, _)| column))
+    }
+
     /// The nuts of a catalogue that meet this and a requirement.
     pub fn choose(&self, catalogue: Catalogue, requirement: Option<&RequirementFile>) -> NutList {
         let catalogue = match requirement {
@@ -240,6 +253,7 @@ impl NutFilter {
             chosen: within.clone(),
             within,
             sheets: BTreeMap::new(),
+            named: self.columns().map(|column| column.place).collect(),
             why: Vec::new(),
             catalogue,
         };
@@ -303,7 +317,7 @@ impl NutFilter {
             match condition.nearest_of(&rest) {
                 Some(value) => {
                     let (nuts, value) = (rest.len(), number(value));
-                    format!("without {text}: {nuts} nuts, of which the nearest has {value}")
+                    format!("without {text}: {nuts} nuts, the nearest of which has {value}")
                 }
                 None => format!("without {text}: no nut either"),
             }
@@ -342,6 +356,8 @@ pub struct NutList {
     pub why: Vec<String>,
     has_sheets: bool,
     sheets: BTreeMap<u32, Vec<f64>>,
+    /// Places of the columns that conditions and order name.
+    named: Vec<usize>,
 }
 
 impl NutList {
@@ -373,7 +389,8 @@ impl NutList {
         let values = self.values(places);
         let head = |column: &ListColumn| {
             let Output { name, unit, .. } = *column.output;
-            Column { name, unit, head: column.is_shown().then_some(name) }
+            let shown = column.is_shown() || self.named.contains(&column.place);
+            Column { name, unit, head: shown.then_some(name) }
         };
         let row = |row: usize| values.iter().map(|column| json!(column[row])).collect();
         let table = Table {

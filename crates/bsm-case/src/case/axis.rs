@@ -103,7 +103,7 @@ impl Machine {
             let thread = rated_nut::thread(scene, &nut)?;
             let body = rated_nut::body(scene, &nut, &thread)?;
             warning = rated_nut::compared(scene, &nut)?;
-            let screw = nut.screw(&thread, value(InputKey::starts));
+            let screw = nut.screw(&thread);
             (Some((nut, thread)), RatedScrew { screw, body, assumed: Vec::new() })
         };
         let calculated = groove.as_ref().map(|(nut, _)| nut);

@@ -102,11 +102,13 @@ impl Catalogue {
                 lead: size.lead * MM,
                 ball: size.ball * MM,
                 turns: f64::NAN,
+                starts: f64::NAN,
                 pitch_diameter,
                 core,
                 ball_is_printed: size.ball_is_printed,
             };
-            size.turns.clone().into_iter().map(move |turns| OfferedSize { turns, ..offered })
+            let turns = size.turns.clone().into_iter();
+            turns.map(move |(turns, starts)| OfferedSize { turns, starts, ..offered })
         };
         lists.offered = sizes.iter().flat_map(offered).collect();
         let all = |number: fn(&OfferedSize) -> f64| {
@@ -185,7 +187,7 @@ impl ListEntries {
             _ => return Err(bad("is a list of numbers".to_owned())),
         };
         let numbers: Option<Vec<_>> = numbers.iter().map(Value::as_f64).collect();
-        let numbers = numbers.ok_or_else(|| bad("has something that is no number".to_owned()))?;
+        let numbers = numbers.ok_or_else(|| bad("has an entry that is not a number".to_owned()))?;
         for number in &numbers {
             LISTS[list].rule.check(key, *number)?;
         }

@@ -8,9 +8,13 @@ use serde_json::Value;
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::units::convert;
-use crate::{CaseError, INPUTS, LISTS, TableFormat, entries, nearest};
+use crate::{CaseError, INPUTS, LISTS, Rule, TableFormat, entries, nearest};
 
 /// Sizes of THK (general catalogue, B-584 to B-735) and HIWIN (BS-08-2, 6.4 to 6.9), to copy and edit.
+///
+/// Of end-cap nuts of THK with leads from the diameter on the source has the product of circuits and turns. Three turns and more are
+/// taken as circuits of fewer than three, on 2 or 4 threads: TBI (SFY) prints 1.8x2 and 2.8x2 for such nuts, which are as long as
+/// nuts with one such circuit (SFH).
 pub const MAKER_SIZES: &str = include_str!("maker_sizes.csv");
 
 /// Columns of a table of sizes besides the inputs of a scene.
@@ -26,7 +30,8 @@ pub(crate) struct MakerSize {
     pub(crate) ball_is_printed: bool,
     pub(crate) pitch_circle: Option<f64>,
     pub(crate) core: Option<f64>,
-    pub(crate) turns: Vec<f64>,
+    /// Loaded turns, with the starts over which they are spread.
+    pub(crate) turns: Vec<(f64, f64)>,
 }
 
 static SIZES: LazyLock<Vec<MakerSize>> = LazyLock::new(|| {
@@ -35,7 +40,7 @@ static SIZES: LazyLock<Vec<MakerSize>> = LazyLock::new(|| {
 });
 
 impl MakerSize {
-    /// Reads a table, with `turns` such as 2.5/3.5.
+    /// Reads a table, with `turns` such as 1.8x2/1.8x4: those of a circuit, and circuits side by side on as many starts.
     ///
     /// # Errors
     ///
@@ -48,7 +53,7 @@ impl MakerSize {
             let mut size = Self { ball_is_printed: true, ..Self::default() };
             for (column, text) in row {
                 let Some((word, factor)) = column else { continue };
-                let number = |text| {
+                let number = |text: &str| {
                     let number = factor * cells.number(text)?;
                     let list = LISTS.iter().find(|list| list.name == *word);
                     list.map_or(Ok(()), |list| list.rule.check(word, number)).map(|()| number)
@@ -61,7 +66,13 @@ impl MakerSize {
                     "pitch_circle_diameter_mm" => size.pitch_circle = Some(number(text)?),
                     "core_diameter_mm" => size.core = Some(number(text)?),
                     "turns" => {
-                        size.turns = text.split('/').map(number).collect::<Result<_, _>>()?;
+                        let one = |text: &str| {
+                            let (turns, starts) = text.split_once('x').unwrap_or((text, "1"));
+                            let starts = number(starts)?;
+                            Rule::Whole(1.0).check("turns", starts)?;
+                            Ok((number(turns)? * starts, starts))
+                        };
+                        size.turns = text.split('/').map(one).collect::<Result<_, CaseError>>()?;
                     }
                     _ => {}
                 }
@@ -70,7 +81,10 @@ impl MakerSize {
                 ("nominal_diameter_mm", size.nominal > 0.0),
                 ("lead_mm", size.lead > 0.0),
                 ("ball_diameter_mm", size.ball > 0.0),
-                ("turns", !size.turns.is_empty() && size.turns.iter().all(|turns| *turns > 0.0)),
+                (
+                    "turns",
+                    !size.turns.is_empty() && size.turns.iter().all(|(turns, _)| *turns > 0.0),
+                ),
             ];
             match needed.into_iter().find(|(_, given)| !given) {
                 Some((name, _)) => Err(CaseError::Table { what: format!("{name} is missing") }),

@@ -55,6 +55,7 @@ pub(crate) fn nut(scene: &Scene) -> Result<Nut, CaseError> {
         material: scene.reader().materials(),
         balls_per_turn: balls_per_turn.unwrap_or(f64::NAN),
         turns: turns.unwrap_or(f64::NAN),
+        starts: scene.value_or_default(InputKey::starts).unwrap_or(1.0),
     };
     let Some(bottoms) = scene.groove_bottom_distance_mm else { return Ok(nut) };
     let contact_angle = nut.contact_angle_of(bottoms * MM).ok_or_else(|| {

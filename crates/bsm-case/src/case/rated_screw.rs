@@ -90,7 +90,8 @@ impl RatedScrew {
         let mass = Screw::usual_mass_per_length(nominal, core);
         let mass =
             or(InputKey::screw_mass_kg_m, mass, 1.0, "core and nominal diameter, +-20 % (Z31)");
-        let usual = NutBody::of_ratings(nominal, lead, scene.loaded_turns);
+        let starts = scene.value_or_default(InputKey::starts).unwrap_or(1.0);
+        let usual = NutBody::of_ratings(nominal, lead / starts, scene.loaded_turns);
         let length = or(InputKey::nut_length_mm, usual.length, MM, "its turns (D10)");
         let outer = or(InputKey::nut_outer_diameter_mm, usual.outer, MM, "the nominal diameter");
         for (key, size) in

@@ -67,7 +67,7 @@ impl Cells {
     /// The number of a cell.
     pub(crate) fn number(&self, text: &str) -> Result<f64, CaseError> {
         decimal_number(text, self.decimal)
-            .ok_or_else(|| CaseError::Table { what: format!("`{text}` is no number") })
+            .ok_or_else(|| CaseError::Table { what: format!("`{text}` is not a number") })
     }
 }
 

@@ -132,7 +132,7 @@ pub enum CaseError {
     Nut(NutError),
     /// A model whose ball is not one of a nut.
     #[error(
-        "model {model} has no loaded grooves: models auto, raceway-control, elastic and traction give \
+        "model {model} does not calculate the balls of a nut: models auto, raceway-control, elastic and traction give \
          the friction of the balls of a nut"
     )]
     NoBallOfANut {
@@ -162,7 +162,7 @@ pub enum CaseError {
     },
     /// No lead angle makes a contact angle the best one.
     #[error(
-        "contact_angle_deg = {contact_angle_deg} is best for no lead angle; give a larger one, lead_mm or \
+        "no lead angle has its best efficiency at contact_angle_deg = {contact_angle_deg}; give a larger one, lead_mm or \
          lead_angle_deg"
     )]
     NoBestLead {
@@ -315,7 +315,9 @@ pub enum CaseError {
         model: &'static str,
     },
     /// A result that no double holds.
-    #[error("{output} is beyond double precision; check the magnitudes of the inputs")]
+    #[error(
+        "{output} is outside the range of double precision; check the magnitudes of the inputs"
+    )]
     BeyondDouble {
         /// The output.
         output: &'static str,

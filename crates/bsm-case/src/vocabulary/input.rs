@@ -82,8 +82,8 @@ impl Rule {
     pub fn describe(self) -> String {
         match self {
             Self::Any => "a finite number".to_owned(),
-            Self::Above(low) => format!("finite and > {low}"),
-            Self::AtLeast(low) => format!("finite and >= {low}"),
+            Self::Above(low) => format!("a finite number > {low}"),
+            Self::AtLeast(low) => format!("a finite number >= {low}"),
             Self::Between(low, high) => format!("between {low} and {high} (exclusive)"),
             Self::Within(low, high) => format!("from {low} to {high}"),
             Self::Whole(low) => format!("a whole number, {low} or more"),
@@ -356,7 +356,7 @@ inputs! {
         nut_outer_diameter_mm ["mm" "D_1"] Above(0.0), None,
             "outer diameter of the nut; for its stiffness and mass, pitch circle + 4 ball diameters unless given";
         nut_length_mm ["mm"] Above(0.0), None,
-            "length of the nut; for its mass, loaded_turns + 3 leads unless given";
+            "length of the nut; for its mass, loaded_turns + 3 times lead_mm / starts unless given";
     }
     "screw" {
         groove_bottom_distance_mm ["mm"] Above(0.0), None,

@@ -64,7 +64,12 @@ pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Op
     let ranked = names.enumerate().map(|(place, name)| {
         let distance = strsim::damerau_levenshtein(&key, &name.to_lowercase());
         let (begins, has) = (name.starts_with(part), name.contains(part));
+        // Words left out, as `max` of nut_max_pressure_MPa.
+        let lower = name.to_lowercase();
+        let short =
+            key.contains('_') && key.split('_').all(|word| lower.split('_').any(|w| w == word));
         let distance = match has {
+            _ if short => distance.min(2),
             true if name.split('_').any(|word| word == part) => distance.min(1),
             true => distance.min(3),
             false => distance,

@@ -71,6 +71,11 @@ pub fn short(value: f64) -> String {
     }
 }
 
+/// A size in decimals, without the rounding of a conversion: to 1e-9.
+pub(crate) fn decimal(value: f64) -> f64 {
+    (value * 1e9).round() / 1e9
+}
+
 /// A number of things.
 #[expect(clippy::cast_precision_loss, reason = "numbers of circuits and balls")]
 pub(crate) fn count(n: usize) -> f64 {

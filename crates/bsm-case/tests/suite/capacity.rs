@@ -123,7 +123,7 @@ fn what_the_paper_recommends_is_told() {
             "from 43841 N on one nut is unloaded",
         ),
         (&[("loaded_turns", 9.0)], "loaded_turns = 9: 2 to 6 are usual"),
-        (&[("lead_mm", 12.0)], "the ball diameter is 0.833 of the lead"),
+        (&[("lead_mm", 12.0)], "the ball diameter is 0.833 of the pitch"),
         (
             &[("pitch_circle_diameter_mm", 27.0), ("loaded_balls_per_turn", 6.0)],
             "of the root diameter",

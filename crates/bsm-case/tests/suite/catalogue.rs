@@ -1,6 +1,6 @@
 //! The catalogue in the vocabulary, and the life of a nut.
 
-use bsm_case::{Catalogue, Condition, Scene, ratings};
+use bsm_case::{Catalogue, Condition, Scene, candidate_scene, ratings};
 use bsm_design::Candidate;
 
 /// Small lists; what they do not give is standard.
@@ -138,7 +138,7 @@ fn lists_are_checked() {
         ("{\"lead_mm\": []}", "the list is empty"),
         ("{\"lead_mm\": [-5]}", "`lead_mm` = -5 must be from 0.001 to 10000"),
         ("{\"ball_diameter_mm\": [1e-310]}", "must be from 0.001 to 1000"),
-        ("{\"nut_conformity_range\": [0.4, 0.6]}", "must be finite and > 0.5"),
+        ("{\"nut_conformity_range\": [0.4, 0.6]}", "must be a finite number > 0.5"),
         ("{\"lead_mm\": [5}", "not valid JSON"),
     ] {
         let error = Catalogue::from_json(json.as_bytes()).expect_err(words).to_string();
@@ -208,4 +208,25 @@ fn sizes_are_those_that_makers_have() {
             assert!(all.iter().any(|nut| is_it(&nut)), "{diameter} x {lead}");
         }
     }
+}
+
+/// THK's 50 x 50 mm with 7.2 turns was a nut of 510 mm, as if they were of one thread: they are four circuits of 1.8 turns, one on
+/// each of four threads. The lead has room for them, and the scene of the nut says so.
+#[test]
+fn circuits_of_a_large_lead_have_a_thread_each() {
+    let makers = Catalogue::makers().expect("compiled in");
+    let is_large = |nut: &Candidate| {
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
+        near(nut.nut.lead, 50e-3) && near(nut.nut.turns, 7.2) && near(nut.size.diameter, 50e-3)
+    };
+    let all = all(&makers);
+    let nut = all.iter().find(|nut| is_large(nut)).expect("in the list");
+    assert!((nut.nut.starts - 4.0).abs() < 1e-12);
+    assert!((nut.body.length - 12.5e-3 * 10.2).abs() < 1e-12, "{}", nut.body.length);
+    assert!(all.iter().all(|nut| nut.nut.turns * nut.nut.pitch() < nut.body.length));
+    let scene = candidate_scene(nut, None);
+    let of = |name: &str| scene[name].as_f64().expect("a number");
+    // Digits as in the list, not those of a conversion from metres.
+    let given = ["starts", "circuits_count", "ball_diameter_mm"].map(|name| of(name).to_string());
+    assert_eq!(given, ["4", "4", "7.938"]);
 }

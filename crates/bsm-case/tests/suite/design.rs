@@ -70,7 +70,7 @@ fn requirements_are_checked() {
     says(&["screw_torque_Nm=3"], "give one of axial_load_N and screw_torque_Nm; both are given");
     says(&["screw_length_mm=900"], "give one of screw_length_mm and stroke_mm; both are given");
     says(&["motion=sideways"], "must be one of rotary-to-linear, linear-to-rotary");
-    says(&["axial_load_N=-1"], "`axial_load_N` = -1 must be finite and > 0");
+    says(&["axial_load_N=-1"], "`axial_load_N` = -1 must be a finite number > 0");
     says(&["life=10"], "did you mean `required_life_h`?");
     says(&["nut_conformity=0.52", "screw_conformity=0.53"], "a design has one for both");
     says(&["screw_speed_rpm=0"], "must not be 0");
@@ -232,7 +232,7 @@ fn a_screw_that_the_load_turns_has_the_lead_of_eq_18() {
     assert!((value(&report, "lead_angle_deg") - lead).abs() < 1e-6);
     assert!((value(&report, "optimum_contact_angle_deg") - 75.0).abs() < 1e-6);
     let error = without_lead(&[motion, "contact_angle_deg=40"]).expect_err("no lead is best");
-    assert!(error.to_string().contains("best for no lead angle"), "{error}");
+    assert!(error.to_string().contains("no lead angle has its best efficiency"), "{error}");
 }
 
 /// Power and advance: 8 kN at 250 mm/s are 2 kW at the nut.

@@ -137,10 +137,13 @@ fn errors_say_what_to_do() {
         (r#"{"lead_mm": "3"}"#, &["`lead_mm` is the text \"3\"", "must be a number"]),
         (r#"{"lead_mm": [3]}"#, &["`lead_mm` is a list", "must be a number"]),
         (r#"{"description": 3}"#, &["`description` is a number", "must be text"]),
-        (r#"{"ball_diameter_mm": -3.5}"#, &["`ball_diameter_mm` = -3.5 must be finite and > 0"]),
+        (
+            r#"{"ball_diameter_mm": -3.5}"#,
+            &["`ball_diameter_mm` = -3.5 must be a finite number > 0"],
+        ),
         ("{\"a\\nb\\u001b\": 1}", &[r"unknown key `a\nb\u{1b}`"]),
         (r#"{"contact_angle_deg": 90}"#, &["`contact_angle_deg` = 90 must be between 0 and 90"]),
-        (r#"{"nut_conformity": 0.5}"#, &["`nut_conformity` = 0.5 must be finite and > 0.5"]),
+        (r#"{"nut_conformity": 0.5}"#, &["`nut_conformity` = 0.5 must be a finite number > 0.5"]),
         (r#"{"ball_diameter_mm": 1e999}"#, &["number out of range"]),
         (
             r#"{"ball_diameter_mm": 30, "pitch_circle_diameter_mm": 48.6}"#,

@@ -174,6 +174,15 @@ fn a_sheet_says_what_to_measure_how_warm_and_whether_it_falls() {
     assert_eq!(note(&level, "without power"), None);
     let coarse = note(&with(&["accuracy_grade=C7"]), "to measure").expect("a preload");
     assert!(coarse.contains("no tolerance is specified"), "{coarse}");
+    // Found by a walk: without a grade it read as if the standard had none.
+    let ungraded = note(&axis(&NUT[..7]), "to measure");
+    let ungraded = ungraded.expect("a preload");
+    assert!(ungraded.contains("accuracy_grade gives its tolerance"), "{ungraded}");
+
+    // A level axis: its load drives a screw of this lead back, with the torque of the sheet.
+    let back = note(&level, "drives the screw back").expect("a load");
+    let holding = format!("{:.3} N m", number(&level, "holding_torque_Nm"));
+    assert!(back.contains(&holding), "{back}");
 
     // The heat transfer of the same axis over 1450 mm, by hand to five digits; the rise is the heat over it.
     let cycle = r#"cycle=[{"force_N":7000,"feed_m_min":1,"share":0.2},{"force_N":3000,"feed_m_min":3,"share":0.4},
@@ -651,7 +660,7 @@ fn a_makers_table_is_read() {
     assert!(told.contains("unknown column") && told.contains("--dialect names="), "{told}");
     // A decimal point where a comma is meant is refused, not read as another number.
     let mixed = MakerNut::from_csv(b"nut;lead_mm\na;1.500", &format);
-    assert!(mixed.expect_err("mixed").to_string().contains("`1.500` is no number"));
+    assert!(mixed.expect_err("mixed").to_string().contains("`1.500` is not a number"));
     for nut in &ours {
         let stated = nut.scene.rated_dynamic_load_N.expect("a rating");
         let scene = Scene { axial_load_N: Some(0.3 * stated), ..nut.scene.clone() };

@@ -197,7 +197,7 @@ fn bad_input_is_told() {
         ),
         (
             vec!["solve", &dong, "--show", "jam", "--set", "race_yield_strength_MPa=0"],
-            "must be finite and > 0",
+            "must be a finite number > 0",
         ),
         (
             vec![

@@ -173,7 +173,7 @@ fn bad_input_is_told_in_one_paragraph() {
         (with("8.74", "NaN"), "not valid JSON"),
         (with("\"screw_speed_rpm\": 2000", "\"screw_speed_rpm\": 0"), "must not be 0"),
         (with("8.74", "60"), "must be smaller than the radius of the pitch circle"),
-        (with("8.74", "-8.74"), "`ball_diameter_mm` = -8.74 must be finite and > 0"),
+        (with("8.74", "-8.74"), "`ball_diameter_mm` = -8.74 must be a finite number > 0"),
         (String::new(), "is empty"),
         (with("0.075", "0"), "`friction_coefficient` = 0 must be > 0"),
         (with("2113", "1e-320"), "overflow"),
@@ -227,7 +227,7 @@ fn batch_answers_row_by_row() {
     let (good, bad) = ("converged", "invalid_input");
     assert_eq!(column(4), [good, bad, bad, good, bad, "no_solution"]);
     assert!(rows[1][5].contains("`axial_load_N` is `abc`, but must be a number"), "{text}");
-    assert!(rows[2][5].contains("`axial_load_N` = -3 must be finite and > 0"), "{text}");
+    assert!(rows[2][5].contains("`axial_load_N` = -3 must be a finite number > 0"), "{text}");
     assert!(rows[5][5].contains("critical lead angle"), "{text}");
     // The empty cell takes the load of the base scene.
     assert_eq!(rows[0][6], rows[3][6]);
@@ -405,10 +405,10 @@ fn models_have_dials() {
     let control = |race| eta(&["--model", "raceway-control", "--solver", race]);
     assert!((control("control=nut") - control("control=screw")).abs() > 1e-6);
     for (args, part) in [
-        (["--solver", "tolerance=0"], "must be a number, finite and > 0"),
+        (["--solver", "tolerance=0"], "must be a finite number > 0"),
         // Found in an audit: a loss a fifth too large, stated to 0.3 %.
-        (["--solver", "accuracy=1e-2"], "must be a number, from 0.0000000000001 to 0.0001"),
-        (["--solver", "accuracy=0"], "must be a number, from 0.0000000000001 to 0.0001"),
+        (["--solver", "accuracy=1e-2"], "must be from 0.0000000000001 to 0.0001"),
+        (["--solver", "accuracy=0"], "must be from 0.0000000000001 to 0.0001"),
         (["--solver", "control=ball"], "nut, screw"),
     ] {
         let output = bsm(dir.path(), &[&["solve", &drive], &args[..]].concat(), "");
@@ -540,7 +540,7 @@ fn bad_sweeps_write_nothing() {
                 "--set",
                 "friction_coefficient=-1",
             ],
-            "must be finite and >= 0",
+            "must be a finite number >= 0",
         ),
     ] {
         let output = bsm(dir.path(), &[vec!["sweep", &lin()], args.clone()].concat(), "");

@@ -62,7 +62,7 @@ fn requirements_that_cannot_be_met_are_answered() {
     assert!(text.contains("nut_nominal_pressure_MPa"), "{text}");
     for (setting, words) in [
         ("screw_torque_Nm=12", "give one of axial_load_N and screw_torque_Nm"),
-        ("lead_mm=-2", "`lead_mm` = -2 must be finite and > 0"),
+        ("lead_mm=-2", "`lead_mm` = -2 must be a finite number > 0"),
         ("loaded=3", "unknown key `loaded`"),
     ] {
         let (code, _, text) = set(setting);
@@ -130,7 +130,14 @@ fn the_catalogue_tells_what_is_wrong() {
     let heavy = ["--where", "dynamic_load_rating_N>=5e6"];
     let output = bsm(dir.path(), &[&["select"], &heavy[..]].concat(), "");
     assert_eq!(output.status.code(), Some(3));
-    assert!(stdout(&output).contains("of which the nearest has"), "{}", stdout(&output));
+    assert!(stdout(&output).contains("the nearest of which has"), "{}", stdout(&output));
+    // The columns that order and conditions name are on the screen.
+    let named = ["--sort", "clearance_per_turn_mm", "--where", "nut_length_mm<=50", "--first", "3"];
+    let output = stdout(&bsm(dir.path(), &[&["select"], &named[..]].concat(), ""));
+    for name in ["clearance_per_turn_mm", "nut_length_mm"] {
+        assert!(output.contains(name), "{output}");
+    }
+    assert!(!output.contains("nut_bore_mm"), "{output}");
     // Found by a reader: a list without a nut printed nothing on standard output, and no limit.
     let requirement = example("requirements/feed_drive.json");
     let long = ["--set", "required_life_h=100000"];

@@ -203,7 +203,7 @@ fn words_that_cannot_be_meant_are_refused() {
     for (change, words) in [
         (with("bals", json!(3)), "`circuits[1].bals`: unknown field"),
         (with("balls", json!(0)), "`circuits[1].balls` = 0 must be"),
-        (with("arc_deg", json!(-1)), "`circuits[1].arc_deg` = -1 must be finite and > 0"),
+        (with("arc_deg", json!(-1)), "`circuits[1].arc_deg` = -1 must be a finite number > 0"),
         (with("start", json!(1)), "`circuits[1].start` = 1 must be below the number of starts, 1"),
         (with("body", json!(2)), "no circuit belongs to body 1"),
         (with("flank", json!("up")), "`circuits[1].flank`: unknown variant `up`"),
@@ -237,7 +237,8 @@ fn words_that_cannot_be_meant_are_refused() {
         assert!(said.contains(words), "{change}: {said}");
     }
     assert!(
-        refusal(&json!({}), &["--model", "rigid"]).contains("model rigid has no loaded grooves")
+        refusal(&json!({}), &["--model", "rigid"])
+            .contains("model rigid does not calculate the balls of a nut")
     );
     assert!(refusal(&json!({}), &["--samples", "5"]).contains("ball_deviation_sd_um"));
 }

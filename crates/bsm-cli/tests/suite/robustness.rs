@@ -555,7 +555,7 @@ fn no_sentence_has_a_number_that_is_none() {
     let loads = ["--set=axial_load_N=1e300", "--set=screw_speed_rpm=100", "--show=ratings"];
     let nut = example("nut.json");
     let ratings = [&["solve", &nut], &loads[..]].concat();
-    assert_told(&run(&ratings, dir.path()), 2, "is beyond double precision");
+    assert_told(&run(&ratings, dir.path()), 2, "is outside the range of double precision");
     let dong = example("dong2020.json");
     for setting in [
         "return_stiffness_N_um15=1e308",

@@ -85,7 +85,9 @@ fn sheet(report: &AxisReport) -> Value {
         row.map(|row| json!({ "title": row.quantity.about.trim(), "unit": row.quantity.unit }))
     };
     let results = report.answer.numbers().flat_map(Numbers::rows);
-    let headlines = results.filter(|row| HEADLINES.contains(&row.quantity.name)).map(number_row);
+    let headlines = results.filter(|row| HEADLINES.contains(&row.quantity.name));
+    let inputs = report.scene.to_json();
+    let headlines = headlines.map(|row| number_row(&row, &inputs));
     let drag = report.number("preload_torque_Nm").zip(report.number("preload_torque_measured_Nm"));
     json!({
         "description": report.scene.description,
@@ -144,8 +146,10 @@ fn rule_row(rule: &Criterion) -> Value {
 }
 
 /// Digits that the uncertainty of a number deserves: what is given stands as it was typed.
-fn deserved(quantity: &Quantity, value: f64) -> String {
-    let is_given = bsm_case::INPUTS.iter().any(|input| input.name == quantity.name);
+///
+/// * `inputs`: what is given.
+fn deserved(quantity: &Quantity, value: f64, inputs: &Value) -> String {
+    let is_given = inputs.get(quantity.name).is_some();
     let [friction, formula, geometry] = DIGITS;
     match quantity.title {
         _ if is_given => trimmed(value),
@@ -153,6 +157,8 @@ fn deserved(quantity: &Quantity, value: f64) -> String {
         _ if quantity.follows_from_friction() && !quantity.unit.is_empty() => {
             digits(value, friction)
         }
+        // To a factor too.
+        _ if quantity.name == "axis_heat_transfer_W_K" => digits(value, friction),
         "screw and nut" => digits(value, geometry),
         _ => digits(value, formula),
     }
@@ -172,9 +178,9 @@ fn phase_row(phase: &ScrewTorque) -> Value {
     })
 }
 
-fn number_row(Row { quantity, values }: &Row) -> Value {
+fn number_row(Row { quantity, values }: &Row, inputs: &Value) -> Value {
     let Quantity { about, unit, symbol, .. } = quantity;
-    let text = values[0].map(|value| deserved(quantity, value));
+    let text = values[0].map(|value| deserved(quantity, value, inputs));
     json!({ "symbol": symbol, "about": about, "unit": unit, "text": text })
 }
 
@@ -200,8 +206,9 @@ fn groups(report: &AxisReport) -> Vec<Value> {
     let given = inputs.as_object().into_iter().flatten().filter_map(input).collect::<Vec<_>>();
     let rows: Vec<_> = report.answer.numbers().flat_map(Numbers::rows).collect();
     let titled = rows.chunk_by(|a, b| a.quantity.title == b.quantity.title);
-    let titled = titled
-        .map(|rows| (rows[0].quantity.title, rows.iter().map(|row| number_row(row)).collect()));
+    let titled = titled.map(|rows| {
+        (rows[0].quantity.title, rows.iter().map(|row| number_row(row, &inputs)).collect())
+    });
     let ordered = report.order.rows();
     let ordered = ordered
         .map(|(what, text)| json!({ "symbol": "", "about": what, "unit": "", "text": text }))

@@ -135,9 +135,24 @@ impl AxisState<'_> {
         Some(PowerLoss { nominal: ideal - nominal - drag, torques, what })
     }
 
-    /// The same in words, with the brake.
+    /// The same in words, with the brake; of an axis without weight whether its load drives the screw.
     pub(super) fn falls(&self) -> Option<String> {
-        let PowerLoss { torques: [low, high], what, .. } = self.power_loss()?;
+        let Some(PowerLoss { torques: [low, high], what, .. }) = self.power_loss() else {
+            let (load, holding) = (self.axis().largest_load(), self.holding?);
+            return (load > 0.0).then(|| {
+                if holding > 0.0 {
+                    format!(
+                        "the largest axial load, {load:.0} N, drives the screw back: {holding:.3} N m at the screw hold it, with \
+                         friction of the contacts alone"
+                    )
+                } else {
+                    format!(
+                        "the largest axial load, {load:.0} N, does not drive the screw back: friction of the contacts holds it; \
+                         vibration can loosen it"
+                    )
+                }
+            });
+        };
         let is_weight = self.scene.hold_force_N.is_none_or(|force| force == 0.0);
         let load = if is_weight { "the weight" } else { "the load" };
         let words = match what {

@@ -232,6 +232,7 @@ impl AxisState<'_> {
             ([Some(low), Some(high)], Some(percent), Some(grade)) => {
                 format!("{low:.3} to {high:.3}, +-{percent:.0} % by {}", grade.name)
             }
+            (.., None) => "accuracy_grade gives its tolerance".to_owned(),
             _ => "no tolerance is specified for this torque, length and accuracy_grade".to_owned(),
         };
         let seal = self.scene.seal_torque_Nm.filter(|seal| *seal > 0.0);

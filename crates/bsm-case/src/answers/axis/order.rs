@@ -47,13 +47,13 @@ impl AxisState<'_> {
         let pitch = || format!("pitch circle {}", mm(screw.pitch_diameter));
         let size = nominal.map_or_else(pitch, trimmed);
         let mut order = Order::default();
-        order.add("size", format!("{size} x {}", mm(screw.lead)));
+        order.add("size", format!("{size} x {} mm", mm(screw.lead)));
         if let Some((nut, _)) = &self.machine.groove {
             let circuits = self.scene.value_or_default(InputKey::circuits_count).unwrap_or(1.0);
             let of_each = trimmed(nut.turns / circuits);
             let turns = if circuits > 1.0 { format!("{circuits} x {of_each}") } else { of_each };
             order.add("loaded turns", format!("{turns} turns"));
-            order.add("balls", format!("ball {}", mm(nut.ball_diameter)));
+            order.add("balls", format!("ball {} mm", mm(nut.ball_diameter)));
         }
         let method = match preload_method(self.scene) {
             _ if self.preload.is_none() => "single nut",
@@ -66,7 +66,7 @@ impl AxisState<'_> {
         order.add("preload", preload.map(|preload| format!("preload {:.0} N", preload.cold)));
         order.add("accuracy grade", self.grade().map(|grade| grade.name.to_owned()));
         let shaft = self.shaft();
-        order.add("thread", shaft.map(|shaft| format!("thread {:.0}", shaft.length / MM)));
+        order.add("thread", shaft.map(|shaft| format!("thread {:.0} mm", shaft.length / MM)));
         let percent = self.torque_percent();
         let percent = percent.map_or_else(String::new, |percent| format!(" +-{percent:.0} %"));
         let torque = preload.map(|preload| format!("T_p0 {:.2} N m{percent}", preload.by_rule));

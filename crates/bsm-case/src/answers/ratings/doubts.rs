@@ -8,12 +8,12 @@ use crate::vocabulary::units::{MM, UM};
 /// Warnings about a nut: limits of the catalogue formulas, poor proportions.
 pub(super) fn doubts(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits) -> Vec<String> {
     let mut warnings = Vec::new();
-    if body.length < nut.turns * nut.lead {
+    if body.length < nut.turns * nut.pitch() {
         warnings.push(format!(
-            "a nut of {:.3} mm has no room for {} loaded turns of {:.3} mm",
+            "a nut of {:.3} mm has no room for {} loaded turns at a pitch of {:.3} mm",
             body.length / MM,
             nut.turns,
-            nut.lead / MM
+            nut.pitch() / MM
         ));
     }
     let (few, many) = limits.turns;
@@ -24,10 +24,10 @@ pub(super) fn doubts(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
             nut.turns
         ));
     }
-    let over_lead = nut.ball_diameter / nut.lead;
-    if over_lead > limits.ball_over_lead * (1.0 + 1e-9) {
+    let over_pitch = nut.ball_diameter / nut.pitch();
+    if over_pitch > limits.ball_over_lead * (1.0 + 1e-9) {
         warnings.push(format!(
-            "the ball diameter is {over_lead:.3} of the lead: above {} little land is left between the turns",
+            "the ball diameter is {over_pitch:.3} of the pitch of the grooves: above {} little land is left between the turns",
             limits.ball_over_lead
         ));
     }
