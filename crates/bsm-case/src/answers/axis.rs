@@ -322,7 +322,7 @@ impl AxisReport {
         let mut not_modelled = NOT_MODELLED;
         if scene.ball_gap_mm.is_some() {
             // All balls of a preloaded nut are solved for its torque.
-            not_modelled[1] = if scene.is_preloaded() { PUSHES[0] } else { PUSHES[1] };
+            not_modelled[2] = if scene.is_preloaded() { PUSHES[0] } else { PUSHES[1] };
         }
         let lubricated = usize::from(scene.given().is_lubricated());
         let not_modelled = not_modelled[lubricated..].iter().map(|&text| text.to_owned()).collect();

@@ -14,16 +14,13 @@ use bsm_simd::{BLOCK, Lane, Mask, NullaryFnOnce, Simd};
 
 use super::Quadrature;
 use super::kernel::{ALL, Chord, Dry, Moments, Patch, PointLaw, Resultants, VALUES};
-use super::panels::{MOST_INNER, clamp, half_length, line_at};
+use super::panels::{MOST_INNER, UNRESOLVED, clamp, half_length, line_at};
 
 /// Most nodes of a panel.
 const MOST_NODES: usize = 16;
 
 /// Most groups of lines with the same number of inner nodes.
 const GROUPS: usize = 2 * MOST_NODES / BLOCK;
-
-/// Inner nodes of a line whose spin pole is inside, on the way to a root: few, as others wait for it.
-const UNRESOLVED: usize = 8;
 
 /// A quadrature for several contacts side by side.
 #[derive(Debug, Clone)]

@@ -19,6 +19,9 @@ use super::oil::part_of_a_node;
 /// Inner nodes of a line across the ellipse beyond which the spin pole counts as inside.
 pub(super) const MOST_INNER: usize = 24;
 
+/// Inner nodes of a line whose spin pole is inside, on the way to a root: few, as the root of such sums is only a start.
+pub(super) const UNRESOLVED: usize = 8;
+
 /// Poles farther from the centre than this, in semi-axes, and wider ones, grade nothing.
 pub(super) const FAR: f64 = 8.0;
 
@@ -268,33 +271,6 @@ impl Quadrature {
         }
         counts
     }
-
-    /// The nodes of neighbouring lines with these `$\sinh^2\eta$`.
-    #[inline(always)]
-    fn along(&self, squares: &Block) -> FrozenChords {
-        let mut least = *squares;
-        let mut half = BLOCK / 2;
-        while half > 0 {
-            for i in 0..half {
-                least[i] = if least[i + half] < least[i] { least[i + half] } else { least[i] };
-            }
-            half /= 2;
-        }
-        if self.least() <= least[0] {
-            return (self.count(least[0]), None);
-        }
-        let mut inside = [0.0; BLOCK];
-        let mut least = f64::INFINITY;
-        for (inside, square) in inside.iter_mut().zip(squares) {
-            // One that is no number makes sums that are none.
-            if *square < self.least() {
-                *inside = 1.0;
-            } else {
-                least = least.min(*square);
-            }
-        }
-        ((least < f64::INFINITY).then(|| self.count(least)).flatten(), Some(inside))
-    }
 }
 
 /// Slip of the points of an ellipse, by the place on its long axis over the semi-axis (T12), (T13).
@@ -473,7 +449,7 @@ type FrozenChords = (Option<usize>, Option<Block>);
 pub(crate) struct Nodes<'a> {
     pub(crate) rule: &'a Quadrature,
     pub(crate) plan: Option<&'a OnceCell<FrozenRule>>,
-    /// Sums are wanted to 1e-5 only.
+    /// On the way to a root: sums to 1e-5, and spin poles inside are not resolved; of a constant coefficient.
     pub(crate) rough: bool,
 }
 
@@ -485,6 +461,34 @@ impl<'a> Nodes<'a> {
     /// True if the plan is to be filled.
     fn is_new(&self) -> bool {
         self.plan.is_some_and(|plan| plan.get().is_none())
+    }
+
+    /// The nodes of neighbouring lines with these `$\sinh^2\eta$`.
+    #[inline(always)]
+    fn along(&self, squares: &Block) -> FrozenChords {
+        let rule = self.rule;
+        let mut least = *squares;
+        let mut half = BLOCK / 2;
+        while half > 0 {
+            for i in 0..half {
+                least[i] = if least[i + half] < least[i] { least[i + half] } else { least[i] };
+            }
+            half /= 2;
+        }
+        if self.rough || rule.least() <= least[0] {
+            return (rule.count(least[0]).or(Some(UNRESOLVED)), None);
+        }
+        let mut inside = [0.0; BLOCK];
+        let mut least = f64::INFINITY;
+        for (inside, square) in inside.iter_mut().zip(squares) {
+            // One that is no number makes sums that are none.
+            if *square < rule.least() {
+                *inside = 1.0;
+            } else {
+                least = least.min(*square);
+            }
+        }
+        ((least < f64::INFINITY).then(|| rule.count(least)).flatten(), Some(inside))
     }
 
     /// Fills the plan if it is new.
@@ -553,7 +557,7 @@ impl Chords {
     fn place<S: Simd>(
         &mut self,
         simd: S,
-        (rule, frozen): (&Quadrature, Option<&FrozenChords>),
+        (nodes, frozen): (Nodes<'_>, Option<&FrozenChords>),
         slip: &EllipseSlip<Lane<S>>,
         (places, parts): (&Block, &Block),
         of_panel: &[Block; 4],
@@ -576,7 +580,7 @@ impl Chords {
         }
         (self.inner, self.inside) = match frozen {
             Some(frozen) => *frozen,
-            None => rule.along(&square),
+            None => nodes.along(&square),
         };
     }
 }
@@ -654,7 +658,7 @@ impl<'a> Panels<'a> {
         for (i, (low, high)) in [(-1.0, middle), (middle, 1.0)].into_iter().enumerate() {
             let pole = poles[i];
             let inside = plan.map_or(square[i] < rule.least(), |plan| plan.split[i]);
-            all.split[i] = inside && low < pole.at && pole.at < high;
+            all.split[i] = inside && !nodes.rough && low < pole.at && pole.at < high;
             let (cut, nodes) =
                 if all.split[i] { (pole.at, &rule.part) } else { (high, &rule.panel) };
             for (low, high) in [(low, cut), (cut, high)] {
@@ -709,7 +713,7 @@ impl<'a> Panels<'a> {
         if let Some((places, parts)) = nodes.block(at.node) {
             let of_panel =
                 [[begin; BLOCK], [end - begin; BLOCK], [pole.at; BLOCK], [pole.width; BLOCK]];
-            lines.place(simd, (of.rule, frozen), slip, (places, parts), &of_panel);
+            lines.place(simd, (of, frozen), slip, (places, parts), &of_panel);
             at.node += BLOCK;
             if at.node == nodes.len() {
                 (at.panel, at.node) = (at.panel + 1, 0);
@@ -718,7 +722,7 @@ impl<'a> Panels<'a> {
             let mut block = LineNodes::default();
             (at.panel, at.node) = self.gather(at.panel, at.node, &mut block);
             let LineNodes { places, parts, of_panel } = &block;
-            lines.place(simd, (of.rule, frozen), slip, (places, parts), of_panel);
+            lines.place(simd, (of, frozen), slip, (places, parts), of_panel);
         }
     }
 }

@@ -47,6 +47,8 @@ const COARSE: f64 = 1e-4;
 const SEARCH: f64 = 1e-6;
 /// Residual from which the first try is left to the quadrature that is asked for.
 const NEAR: f64 = 1e-4;
+/// Residual from which a last step, which is not evaluated, leads to the root.
+const ROOT: f64 = 1e-10;
 /// Residual below which steps keep the Jacobian; that whose square is enough, if it is larger.
 const KEEP: f64 = 1e-3;
 
@@ -205,7 +207,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     /// The nodes at nut (0) or screw (1).
     fn nodes(&self, i: usize) -> Nodes<'_> {
         let (rule, plan) = (self.quadrature, self.plans.map(|plans| &plans[i]));
-        Nodes { rule, plan, rough: self.enough >= NEAR }
+        Nodes { rule, plan, rough: self.enough >= NEAR && self.lubrication.is_none() }
     }
 
     /// What the unknown of the precession leaves out of its rate: the nut's speed where that is far
@@ -345,7 +347,7 @@ impl<P> SlipBall<'_, P> {
         let by_jets = self.lubrication.as_ref().is_some_and(|lubrication| lubrication.complete);
         let chord_below = if by_jets { 0.0 } else { self.enough.sqrt().max(KEEP) };
         Options {
-            residual_tol: self.enough.max(1e-10),
+            residual_tol: self.enough.max(ROOT),
             residual_goal: self.goal(),
             max_steps,
             max_halvings,
@@ -430,7 +432,8 @@ impl Traction {
         let creep = self.creep * pair.slip_scale();
         let [coarse, search, smooth, ball] =
             rules.map(|[rule, _]| SlipBall::of_pair(pair, rule, creep));
-        let coarse = SlipBall { enough: NEAR, ..coarse };
+        let (coarse, ball) =
+            (SlipBall { enough: NEAR, ..coarse }, SlipBall { enough: ROOT, ..ball });
         let [.., [_, check]] = rules;
         let plans = Default::default();
         let mut steps = 0;

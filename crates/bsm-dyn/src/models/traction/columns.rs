@@ -11,12 +11,12 @@
 )]
 
 use std::array::from_fn;
-use std::cell::{RefCell, RefMut};
+use std::cell::{Ref, RefCell, RefMut};
 use std::f64::consts::FRAC_PI_2;
 
 use bsm_kin::Jet;
 use bsm_newton::{Equations, EvalError};
-use bsm_simd::{Arch, BLOCK, Block, Compare, Lane, Simd, WithSimd};
+use bsm_simd::{Arch, BLOCK, Compare, Lane, Simd, WithSimd};
 
 use super::{Lubrication, OMEGA, SlipBall};
 use crate::contact::torque;
@@ -220,15 +220,13 @@ impl<'a> LastEvaluation<'a> {
         Ok(RefMut::map(last, |(_, found)| found))
     }
 
-    /// What the screw transmits at a state, which mostly was the last one, and derivatives of the torque by the
-    /// unknowns where the Jacobian was last asked for.
-    pub(super) fn transmitted(&self, y: &[f64; BALL]) -> Result<(PowerFlow, Block), EvalError> {
+    /// What belongs to a state, which mostly was the last one, with the derivatives where they were last asked for.
+    pub(super) fn at(&self, y: &[f64; BALL]) -> Result<Ref<'_, EquationValues>, EvalError> {
         let is_last = |last: [f64; BALL]| last.map(f64::to_bits) == y.map(f64::to_bits);
         if !self.last.borrow().0.is_some_and(is_last) {
             self.evaluated::<false>(y)?;
         }
-        let (_, found) = &*self.last.borrow();
-        Ok((found.transmitted, found.slope))
+        Ok(Ref::map(self.last.borrow(), |(_, found)| found))
     }
 }
 

@@ -21,7 +21,7 @@ use super::columns::{
 };
 use super::root::{FASTEST, LEFT, LEVELS};
 use super::slips::slid;
-use super::{COARSE, OMEGA};
+use super::{COARSE, OMEGA, ROOT};
 use crate::ellipse::{Dry, ManyNodes, ManyQuadrature, Quadrature};
 use crate::models::ball::BALL;
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
@@ -32,10 +32,9 @@ const NEAR: f64 = 1e-4;
 /// Sufficient decrease of (N5).
 const ARMIJO: f64 = 1e-4;
 
-/// Residual from which a last step leads to the root, and the larger one from which it does so if the last
-/// step has lowered it to this part.
+/// Residual from which a last step leads to the root however slow the former ones, and the part to which the last one
+/// has to lower it before [`ROOT`] does.
 const GOAL: f64 = 1e-12;
-const ROOT: f64 = 1e-10;
 const QUICK: f64 = 1e-2;
 
 /// Evaluations at each creep speed with the coarse and with the fine quadrature before a point is left to the model.
@@ -45,6 +44,9 @@ const MOST_FINE: usize = 8;
 /// Which equation each unknown is eliminated with: friction is a convex potential of the motion, so that no
 /// exchange of rows is needed.
 const PIVOT_ROWS: [usize; BALL] = [6, 1, 2, 0, 3, 4, 5];
+
+/// More nodes than any point has: of one whose panels have to be split.
+const SPLIT: usize = usize::MAX;
 
 static NEARBY: LazyLock<Option<ManyQuadrature>> =
     LazyLock::new(|| ManyQuadrature::new(Quadrature::of(COARSE), 3));
@@ -240,8 +242,9 @@ impl WithSimd for Solve<'_> {
             }
             // Neighbours share the largest of their numbers of nodes.
             near.sort_unstable();
+            let resolved = near.partition_point(|(size, _)| *size < SPLIT);
             let some: Vec<_> = near.drain(..).map(|(_, point)| point).collect();
-            for some in some.chunks(Lane::<S>::LEN) {
+            for some in some[..resolved].chunks(Lane::<S>::LEN) {
                 refine(simd, rules, work, &walks, some, &mut roots);
             }
             // What is not refined needs split panels, and no other start.
@@ -517,12 +520,14 @@ fn approach<S: Simd>(
     let alive = accepted | !first;
     let waits = alive & walk.tries.lt(size.constant(MOST_COARSE));
     scatter(&walk, walks, some);
-    let [mut ends, mut goes_on] = [[false; BLOCK]; 2];
+    let [mut ends, mut goes_on, mut resolved] = [[false; BLOCK]; 3];
+    here.resolved.store(&mut resolved);
     (alive & arrived).store(&mut ends);
     (waits & !arrived).store(&mut goes_on);
     for (i, point) in some.iter().enumerate() {
         if ends[i] {
-            near.push((work.nodes[0].size(i) + work.nodes[1].size(i), *point));
+            let size = work.nodes[0].size(i) + work.nodes[1].size(i);
+            near.push((if resolved[i] { size } else { SPLIT }, *point));
         } else if goes_on[i] {
             next.push(*point);
         }

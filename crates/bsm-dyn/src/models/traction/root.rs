@@ -78,12 +78,18 @@ impl SlipBall<'_> {
         let watched = LastEvaluation::new(&ball);
         let report = watched.run(&mut unknowns, newton);
         *steps += report.steps.len();
-        let root = SlipRoot { unknowns, residual: report.residual, ..*near };
         if !report.converged() {
             return None;
         }
+        let found = watched.at(&unknowns).ok()?;
+        let (mut transmitted, torque_slope) = (found.transmitted, found.slope);
+        // The last step is far below what a torque has as digits beyond its first order.
+        for (k, step) in newton.correction(&found.left).ok()?.into_iter().enumerate() {
+            unknowns[k] += step;
+            transmitted.torque += step * torque_slope[k];
+        }
+        let root = SlipRoot { unknowns, residual: report.residual, ..*near };
         let loaded = self.admitted(&root)?;
-        let (transmitted, torque_slope) = watched.transmitted(&unknowns).ok()?;
         Some(RootWithPower { root, transmitted, torque_slope, loaded })
     }
 
@@ -118,7 +124,8 @@ impl SlipBall<'_> {
                     return Ok(root);
                 }
             }
-            for levels in LEVELS {
+            // The step to the first of them has not led to the root.
+            for levels in LEVELS.into_iter().rev() {
                 match self.descended(y, levels, newton, steps) {
                     Ok(root) => return Ok(root),
                     Err(reason) => failure = Some(reason),

@@ -348,7 +348,7 @@ impl TrainBall {
                 Some(newton.correction(&by_push).ok()?.map(|by| by / load))
             };
             let by_pushes = [by([1.0, 0.0])?, by([0.0, 1.0])?];
-            let (transmitted, _) = watched.transmitted(&y).ok()?;
+            let transmitted = watched.at(&y).ok()?.transmitted;
             self.motion(ball, (y, by_pushes), pushes, &transmitted)
         })
     }
