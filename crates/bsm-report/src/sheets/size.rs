@@ -87,7 +87,7 @@ fn sheet(report: &AxisReport) -> Value {
     let results = report.answer.numbers().flat_map(Numbers::rows);
     let headlines = results.filter(|row| HEADLINES.contains(&row.quantity.name));
     let inputs = report.scene.to_json();
-    let headlines = headlines.map(|row| number_row(&row, &inputs));
+    let headlines = headlines.map(|row| number_row(row, &inputs));
     let drag = report.number("preload_torque_Nm").zip(report.number("preload_torque_measured_Nm"));
     json!({
         "description": report.scene.description,
