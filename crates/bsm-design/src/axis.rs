@@ -160,10 +160,14 @@ impl Axis {
     /// Life \[s\] at the reliability of the axis where lubricant and its cleanliness are known (Z40); `None` if nothing turns, or the
     /// viscosity ratio of a phase is below 0.1.
     ///
-    /// * `viscosity`: kinematic, of the warm lubricant \[m²/s\]. * `clean_limit`: contamination factor times fatigue load limit \[N\].
-    pub fn modified_life(&self, viscosity: f64, clean_limit: f64) -> Option<f64> {
-        let factor =
-            |speed, load| life_factor(self.viscosity_ratio(viscosity, speed), clean_limit / load);
+    /// * `viscosity_ratio`: at a speed of the screw \[rad/s\] and a load of a nut \[N\]. * `clean_limit`: contamination factor times
+    ///   fatigue load limit \[N\].
+    pub fn modified_life(
+        &self,
+        viscosity_ratio: impl Fn(f64, f64) -> f64,
+        clean_limit: f64,
+    ) -> Option<f64> {
+        let factor = |speed, load| life_factor(viscosity_ratio(speed, load), clean_limit / load);
         let revolutions = modified_life(self.dynamic_rating, self.preload, &self.duty(), factor)?;
         Some(self.reliability * revolutions * TAU / self.life()?.mean_speed)
     }

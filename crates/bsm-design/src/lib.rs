@@ -59,6 +59,7 @@ pub use life::{Duty, Life, OPENS_AT, life, modified_life, pair_loads, reliabilit
 pub use make::Make;
 pub use modified::{
     Contamination, Hardness, RatingFactors, life_factor, usual_fatigue_limit, viscosity_ratio,
+    viscosity_ratio_by_film,
 };
 pub use nut::{DynamicRating, Nut, StaticRating, turn_length};
 pub use preload::{PRELOAD_CLASSES, Preload, PreloadClass, PreloadMethod, least_preload};

@@ -100,6 +100,16 @@ pub fn viscosity_ratio(viscosity: f64, speed: f64, pitch_diameter: f64) -> f64 {
     1e6 * viscosity / needed
 }
 
+/// Viscosity ratio `$\kappa = \Lambda^{1.3}$` (Z41), where the film is known.
+///
+/// * `film_ratio`: least film over the roughness of both surfaces.
+///
+/// Source: ISO 281.
+pub fn viscosity_ratio_by_film(film_ratio: f64) -> f64 {
+    // κ = Λ^1.3                                                           (Z41)
+    film_ratio.powf(1.3)
+}
+
 /// Largest life factor.
 const LARGEST: f64 = 50.0;
 

@@ -160,10 +160,9 @@ quantities! { pub(crate) PHASE, read_phase(&PhaseResult<'_>);
         nut_stiffness_N_um = NUT Whole(|p| Some(p.nut?.stiffness * UM));
         preload_left_N = NUT Whole(|p| p.nut?.preload_left);
         viscosity_ratio ["" "kappa"] Whole(|p| {
-            let viscosity = p.worked.lubrication.as_ref()?.viscosity;
-            let speed = Some(p.torques.phase.speed).filter(|speed| *speed != 0.0)?;
-            Some(p.worked.axis().viscosity_ratio(viscosity, speed))
-        }), "viscosity ratio of the lubricant";
+            let [by_film, by_viscosity] = p.worked.viscosity_ratios_of(&p.torques.phase);
+            by_film.or(by_viscosity)
+        }), "viscosity ratio of the lubricant: by the film ratio where groove and roughness are known";
     }
 }
 

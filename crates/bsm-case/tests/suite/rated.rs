@@ -4,9 +4,10 @@ use std::f64::consts::TAU;
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    AxisReport, CaseError, Catalogue, MakerNut, MakerRow, NutProblem, RequirementFile, Scene,
-    Settings, TableFormat,
+    AxisReport, CaseError, Catalogue, MakerNut, MakerRow, NutProblem, Record, RequirementFile,
+    Scene, Settings, TableFormat,
 };
+use bsm_dyn::ModelWorkspace;
 
 /// Four numbers of a catalogue, and what the axis does.
 const FOUR: &str = r#"{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 52000, "rated_static_load_N": 88000,
@@ -382,6 +383,51 @@ fn a_life_is_modified_by_load_factors_and_lubricant() {
     let both =
         sheet(FEED_AXIS, &["contamination=high", "contamination_factor=1"]).expect_err("both");
     assert!(both.to_string().contains("contamination_factor"), "{both}");
+}
+
+/// Where groove and roughness are known, the viscosity ratio is the least film ratio of nut and screw to the power 1.3; the least film
+/// by the formulas of Hamrock and Dowson from the numbers of one ball.
+#[test]
+fn a_known_film_makes_the_viscosity_ratio() {
+    let text = include_str!("../../../../validation/published/nut/feed_axis.json");
+    let mut scene = Scene::from_json(text.as_bytes()).expect("a scene");
+    scene.apply(&["warm_state=false", "lubricant_temperature_C=40"]).expect("inputs");
+    scene.preload_N = None;
+    let settings = Settings::default();
+    let problem = scene.problem(&settings).expect("one ball");
+    let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
+    let of = |name: &str| record.number(name).unwrap_or_else(|| panic!("no {name}"));
+    let (ball, pitch, modulus) = (3.175e-3, 20.668e-3, 207e9 / 0.91);
+    let least = ["nut", "screw"].map(|race| {
+        let of = |name: &str| of(&format!("{race}_{name}"));
+        let way = if race == "nut" { 1.0 } else { -1.0 };
+        let cosine = of("contact_angle_deg").to_radians().cos();
+        // 1/R_x = 1/r_b ∓ cosβ/(r_m ± r_b cosβ)
+        let radius = ball * (1.0 + way * ball * cosine / pitch);
+        let rate = record.number("viscosity_mPas").expect("oil") * 1e-3 * of("entrainment_m_s")
+            / (modulus * radius);
+        let stiffening = record.number("pressure_viscosity_1_GPa").expect("oil") * 1e-9 * modulus;
+        let weight = of("normal_load_N") / (modulus * radius * radius);
+        let aspect = of("ellipse_a_mm") / of("ellipse_b_mm");
+        let film = |factor: f64, powers: [f64; 3], end: f64| {
+            factor
+                * rate.powf(powers[0])
+                * stiffening.powf(powers[1])
+                * weight.powf(powers[2])
+                * end
+        };
+        let central = film(2.69, [0.67, 0.53, -0.067], 1.0 - 0.61 * (-0.73 * aspect).exp());
+        let edge = film(3.63, [0.68, 0.49, -0.073], 1.0 - (-0.68 * aspect).exp());
+        of("film_ratio") * edge / central
+    });
+    let expected = least[0].min(least[1]).powf(1.3);
+    scene.apply(&["contamination=normal"]).expect("a word");
+    let report = AxisReport::of(&scene, &settings).expect("a sheet");
+    let ratio = |report: &AxisReport| report.phases[0].number("viscosity_ratio").expect("oil");
+    // The radius along the helix is larger by sin²α, some 1 %, to a power of 0.02 at most.
+    assert_relative_eq!(ratio(&report), expected, max_relative = 3e-4);
+    let film = number(&report, "modified_life_h");
+    assert!(film > 0.0 && film < 50.0 * number(&report, "cycle_life_h"), "{film}");
 }
 
 /// By hand: ratings of a maker are printed for their grade; an own rating of grade 10 has 0.7, 0.343 of the life; 50 HRC has

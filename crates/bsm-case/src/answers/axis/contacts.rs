@@ -1,6 +1,6 @@
 //! What the balls of an axis take: friction of each phase, and the nut under its largest load.
 
-use bsm_design::{Efficiency, Phase};
+use bsm_design::{Efficiency, Phase, viscosity_ratio_by_film};
 use bsm_dyn::{ModelWorkspace, Problem, Status};
 
 use crate::vocabulary::units::RPM;
@@ -56,6 +56,21 @@ pub(super) fn band(
         (Problem::Lubricated(case), Some(solved)) => Some(case.band(solved, work)?.loss),
         _ => None,
     }
+}
+
+/// Viscosity ratio by the least film of nut and screw; `None` unless groove, oil and roughness are known and the ball has a
+/// solution.
+///
+/// * `load`: of a nut \[N\]. * `speed`: of the screw against the nut \[rad/s\].
+pub(super) fn viscosity_ratio(
+    scene: &Scene,
+    settings: &Settings,
+    (load, speed): (f64, f64),
+    work: &mut ModelWorkspace,
+) -> Option<f64> {
+    let problem = at(scene, load.abs(), speed.abs()).problem(settings).ok()?;
+    let film = problem.solve(work).solved()?.film?;
+    Some(viscosity_ratio_by_film(film.nut.least_ratio.min(film.screw.least_ratio)))
 }
 
 /// Efficiencies of the catalogue of a screw whose groove is not known.

@@ -23,6 +23,9 @@ const FAST: f64 = 100e3;
 /// Steady-state temperature rise above which an axis is to be cooled \[K\], usual value.
 const HOT: f64 = 40.0;
 
+/// Ratio of the viscosity ratios by film and by viscosity above which both are stated.
+const DOUBTFUL: f64 = 3.0;
+
 impl AxisState<'_> {
     /// Defaults that were used.
     pub(super) fn notes(&self) -> Vec<String> {
@@ -111,7 +114,18 @@ impl AxisState<'_> {
                 longest / MM
             )
         });
-        hot.into_iter().chain(long).collect()
+        let ratios = self.heaviest().map(|torques| self.viscosity_ratios_of(&torques.phase));
+        let doubtful = ratios.and_then(|[by_film, by_viscosity]| {
+            let (by_film, by_viscosity) = (by_film?, by_viscosity?);
+            let apart = (by_film / by_viscosity).max(by_viscosity / by_film);
+            (apart > DOUBTFUL).then(|| {
+                format!(
+                    "viscosity ratio {by_film:.2} by the film ratio, with which the modified life is calculated; {by_viscosity:.2} by \
+                     the viscosity alone"
+                )
+            })
+        });
+        hot.into_iter().chain(long).chain(doubtful).collect()
     }
 
     /// What factors of ratings and life were taken, and which are usual.

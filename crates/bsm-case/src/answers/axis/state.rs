@@ -3,10 +3,12 @@
 use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
-use bsm_design::{Axis, Grade, Life, Phase, Shaft, heat_transfer, in_series, life, steady_rise};
+use bsm_design::{
+    Axis, Grade, Life, Phase, Shaft, heat_transfer, in_series, life, pair_loads, steady_rise,
+};
 use bsm_dyn::ModelWorkspace;
 
-use super::contacts::{contacts, nut_at};
+use super::contacts::{contacts, nut_at, viscosity_ratio};
 use super::drive::PowerLoss;
 use super::lubrication::Lubrication;
 use super::torques::{Preload, Torques};
@@ -35,6 +37,8 @@ pub(crate) struct AxisState<'a> {
     pub(super) warm: Option<Warm>,
     /// For the modified life, if lubricant and contamination are given.
     pub(super) lubrication: Option<Lubrication>,
+    /// Modified lives, found when they are asked for.
+    modified_lives: OnceCell<[Option<f64>; 3]>,
 }
 
 impl<'a> AxisState<'a> {
@@ -88,6 +92,7 @@ impl<'a> AxisState<'a> {
             power_loss: OnceCell::new(),
             warm,
             lubrication,
+            modified_lives: OnceCell::new(),
         };
         worked.machine.axis.compression = -worked.tension().unwrap_or(0.0).min(0.0);
         Ok(worked)
@@ -149,10 +154,41 @@ impl<'a> AxisState<'a> {
 
     /// Modified life \[h\] at the usual, the least or the largest contamination factor.
     pub(super) fn modified_life(&self, place: usize) -> Option<f64> {
-        self.life()?;
-        let Lubrication { viscosity, fatigue_limit, contamination } = self.lubrication.as_ref()?;
-        let life = self.axis().modified_life(*viscosity, contamination[place] * fatigue_limit);
-        life.map(|time| time / 3600.0)
+        self.modified_lives.get_or_init(|| self.modified_lives())[place]
+    }
+
+    fn modified_lives(&self) -> [Option<f64>; 3] {
+        let (Some(_), Some(lubrication)) = (self.life(), &self.lubrication) else {
+            return [None; 3];
+        };
+        let ratio = |speed, load| {
+            let [by_film, by_viscosity] = self.viscosity_ratios(speed, load);
+            by_film.or(by_viscosity).unwrap_or(f64::NAN)
+        };
+        lubrication.contamination.map(|factor| {
+            let life = self.axis().modified_life(ratio, factor * lubrication.fatigue_limit);
+            life.map(|time| time / 3600.0)
+        })
+    }
+
+    /// Viscosity ratio by the film and by the viscosity, as far as each is known.
+    ///
+    /// * `speed`: of the screw against the nut \[rad/s\]. * `load`: of a nut \[N\].
+    pub(super) fn viscosity_ratios(&self, speed: f64, load: f64) -> [Option<f64>; 2] {
+        let Some(Lubrication { viscosity, .. }) = self.lubrication else { return [None; 2] };
+        let mut work = ModelWorkspace::default();
+        let by_film = viscosity_ratio(self.scene, self.settings, (load, speed), &mut work);
+        [by_film, Some(self.axis().viscosity_ratio(viscosity, speed))]
+    }
+
+    /// The same of a phase that moves, for its more heavily loaded nut.
+    pub(super) fn viscosity_ratios_of(&self, phase: &Phase) -> [Option<f64>; 2] {
+        if phase.speed == 0.0 {
+            return [None; 2];
+        }
+        let (load, preload) = (phase.load_factor * phase.load, self.axis().preload);
+        let load = preload.map_or(load, |preload| pair_loads(preload, load.abs()).0);
+        self.viscosity_ratios(phase.speed, load)
     }
 
     pub(super) fn grade(&self) -> Option<&'static Grade> {

@@ -41,6 +41,8 @@ pub struct ContactFilm {
     pub thickness: f64,
     /// Thickness over the roughness of both surfaces `$\lambda$`.
     pub ratio: f64,
+    /// The same of the least thickness, at the edge of the contact (Y36).
+    pub least_ratio: f64,
     /// Share of the load that asperities carry `$\xi$`.
     pub share: f64,
     /// Mean friction coefficient: sliding power over that of a coefficient of one (Y22).

@@ -184,6 +184,22 @@ impl EhlPoint {
         let root = (2.0 * film.entrainment * self.units.speed * gap.rate).powf(0.75);
         gap.elasticity(root, load * self.units.load * gap.weight)
     }
+
+    /// Least film over the central one at nut (0) or screw (1) (Y36).
+    ///
+    /// * `load`: scaled as the point is.
+    ///
+    /// Source: Hamrock and Dowson (1977).
+    pub(crate) fn least_part(&self, i: usize, load: f64, film: &ScaledFilm<f64>) -> f64 {
+        let gap = &self.gaps[i];
+        let rate = film.entrainment * self.units.speed * gap.rate;
+        let weight = load * self.units.load * gap.weight;
+        let stiffening = self.oil.pressure_viscosity / (gap.weight * gap.radius.powi(2));
+        let edge = 1.0 - (-0.68 / gap.flatness).exp();
+        let middle = 1.0 - 0.61 * (-0.73 / gap.flatness).exp();
+        // h_min/h = (3.63/2.69) U^0.01 G^−0.04 W^−0.006 (1 − e^{−0.68κ})/(1 − 0.61 e^{−0.73κ})  (Y36)
+        3.63 / 2.69 * rate.powf(0.01) * stiffening.powf(-0.04) * weight.powf(-0.006) * edge / middle
+    }
 }
 
 impl<P: Scalar> EhlPoint<P> {

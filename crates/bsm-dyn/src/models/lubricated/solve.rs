@@ -269,6 +269,7 @@ impl Lubricated {
             ContactFilm {
                 thickness: film.thickness,
                 ratio: film.ratio,
+                least_ratio: film.ratio * ehl.least_part(i, loaded.loads[i], film),
                 share: film.law.share,
                 // μ_c = P_s/P_s(1)                                        (Y22)
                 friction: sliding / found.unit[i],
