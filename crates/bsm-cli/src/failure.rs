@@ -107,35 +107,46 @@ pub(crate) fn of_input(error: &CaseError) -> String {
     fn help(error: &CaseError) -> &'static str {
         match error {
             CaseError::Unknown { known, .. } => match known {
-                Known::Input => "; `bsm schema input` lists all keys",
-                Known::List => "; `bsm select --show lists` prints all keys",
-                Known::Column => "; `bsm select --show columns` lists them",
-                Known::Requirement => "; `bsm select --show keys` lists all keys",
-                Known::Output => "; `bsm schema output` lists them",
+                Known::Input => "`bsm schema input` lists all keys",
+                Known::List => "`bsm select --show lists` prints all keys",
+                Known::Column => "`bsm select --show columns` lists them",
+                Known::Requirement => "`bsm select --show keys` lists all keys",
+                Known::Output => "`bsm schema output` lists them",
             },
-            CaseError::NoRange { .. } => "; give one with --input NAME=LOW:HIGH",
+            CaseError::NoRange { .. } => "give one with --input NAME=LOW:HIGH",
             CaseError::InRow { error, .. } => help(error),
             _ => "",
         }
     }
-    format!("{error}{}", help(error))
+    with_help(&error.to_string(), help(error))
+}
+
+/// An error and what helps: a sentence of its own after a question.
+fn with_help(error: &str, help: &str) -> String {
+    match help.chars().next() {
+        None => error.to_owned(),
+        Some(first) if error.ends_with('?') => {
+            format!("{error} {}{}", first.to_uppercase(), &help[first.len_utf8()..])
+        }
+        Some(_) => format!("{error}; {help}"),
+    }
 }
 
 /// What is wrong with a table, and the command or the option that helps.
 pub(crate) fn of_table(error: &TableError) -> String {
     let help = match error {
         TableError::UnknownColumn { name, .. } => format!(
-            "; leave it out, copy it to the output with --keep {}, or give its name in the vocabulary \
+            "leave it out, copy it to the output with --keep {}, or give its name in the vocabulary \
              with --dialect names=MAP.json",
             brief(name)
         ),
-        TableError::UnknownOutput { .. } => "; `bsm schema output` lists them".to_owned(),
+        TableError::UnknownOutput { .. } => "`bsm schema output` lists them".to_owned(),
         TableError::Separator { .. } => {
-            "; --dialect delimiter=..,decimal=.. describes how a table is written".to_owned()
+            "--dialect delimiter=..,decimal=.. describes how a table is written".to_owned()
         }
         _ => String::new(),
     };
-    format!("{error}{help}")
+    with_help(&error.to_string(), &help)
 }
 
 impl From<ReportError> for Failure {

@@ -1,5 +1,6 @@
 //! From points to a table or a folder of tables: the arguments, the progress bar and the messages of the batch pipeline.
 
+use std::collections::HashSet;
 use std::io::{self, IsTerminal, Read};
 use std::path::{Path, PathBuf};
 
@@ -219,8 +220,10 @@ struct Changes<'a> {
     axis: &'a Axis,
     /// Row, value and model of the point before.
     before: Option<(u64, f64, ModelChoice)>,
+    /// The first of them.
     first: Vec<String>,
-    count: u64,
+    /// Place along the axis and models of each.
+    found: HashSet<(u64, [&'static str; 2])>,
 }
 
 impl<'a> Changes<'a> {
@@ -229,7 +232,7 @@ impl<'a> Changes<'a> {
 
     fn along(grid: &'a Grid) -> Self {
         let axis = grid.axes().last().expect("a grid has an axis");
-        Self { axis, before: None, first: Vec::new(), count: 0 }
+        Self { axis, before: None, first: Vec::new(), found: HashSet::new() }
     }
 
     fn add(&mut self, chunk: &Chunk, answers: &Answers) {
@@ -241,9 +244,9 @@ impl<'a> Changes<'a> {
                 && former + 1 == row
                 && model != verdict.model
             {
-                self.count += 1;
-                if self.first.len() < Self::NAMED {
-                    let [model, other] = [model, verdict.model].map(ModelChoice::name);
+                let [model, other] = [model, verdict.model].map(ModelChoice::name);
+                let place = row % self.axis.len() as u64;
+                if self.found.insert((place, [model, other])) && self.first.len() < Self::NAMED {
                     let [from, to] = [from, *value].map(exact);
                     self.first.push(format!("{from} and {to} ({model}, {other})"));
                 }
@@ -254,9 +257,9 @@ impl<'a> Changes<'a> {
     }
 
     fn note(&self) -> Option<String> {
-        let more = self.count.checked_sub(self.first.len() as u64).filter(|more| *more > 0);
+        let more = Some(self.found.len() - self.first.len()).filter(|more| *more > 0);
         let more = more.map_or_else(String::new, |more| format!(", and {more} more"));
-        (self.count > 0).then(|| {
+        (!self.first.is_empty()).then(|| {
             format!(
                 "model auto takes another model between {} {}{more}; the results may have a step there, \
                  within their error bounds",

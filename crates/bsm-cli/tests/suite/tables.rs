@@ -313,4 +313,10 @@ fn a_sweep_says_where_auto_changes_the_model() {
     let change = "between screw_speed_rpm 7000 and 8000 (raceway-control, traction)";
     assert!(note.contains(change), "{note}");
     assert!(!sweep("--model=traction").1.contains("takes another model"));
+    // Found by a walk: the same change in every line of a grid was named four times.
+    let lines = ["--vary=axial_load_N=8000,8001", "--vary=screw_speed_rpm=6000,7000,8000"];
+    let args = [&["sweep", &drive], &lines[..], &["--columns=efficiency", "-o-"]].concat();
+    let (_, note) = run(dir.path(), &args, 0);
+    assert_eq!(note.matches("7000 and 8000").count(), 1, "{note}");
+    assert!(!note.contains("more"), "{note}");
 }
