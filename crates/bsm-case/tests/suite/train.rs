@@ -137,7 +137,7 @@ fn what_a_train_does_not_take() {
     };
     // Its 1731.6 degrees are 626.5 mm, 98.6 balls.
     let none = refused(json!({"ball_gap_mm": 0.0}));
-    let room = "`ball_gap_mm` = 0 must be finite and > 0: the 626 mm of circuit 0 hold 98 balls of 6.35 mm";
+    let room = "`ball_gap_mm` = 0 must be a finite number > 0: the 626 mm of circuit 0 hold 98 balls of 6.35 mm";
     assert_eq!(none, room);
     let both = refused(json!({"return_push_N": 1.0, "return_bend_deg": 180.0}));
     assert!(both.contains("return_push_N") && both.contains("return_bend_deg"), "{both}");
