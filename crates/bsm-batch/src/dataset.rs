@@ -34,12 +34,12 @@ use tempfile::NamedTempFile;
 
 pub use self::error::DatasetError;
 pub use self::folder::MakeTemporary;
-pub use self::part::{Part, PartDefect, list_parts};
+pub use self::part::{Part, PartDefect};
 pub use self::plan::{Estimate, MOST_PARTS, Plan, RESULTS};
 pub use self::points::{Points, sha256};
 
 use self::folder::{Folder, complete};
-use self::part::{HashingWriter, kind, verify, write_footer};
+use self::part::{HashingWriter, kind, list_parts, verify, write_footer};
 use crate::table::MemorySink;
 use crate::{
     Answers, Chunk, Count, Format, RunError, Source, TableError, TableFormat, TableSink, Task,
