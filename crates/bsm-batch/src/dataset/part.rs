@@ -287,7 +287,7 @@ fn read_footer(file: &mut File, len: u64) -> io::Result<Option<Vec<u8>>> {
 /// # Errors
 ///
 /// [`TableError`] if it cannot be made.
-pub fn list_parts(parts: &BTreeMap<u64, Part>) -> Result<Vec<u8>, TableError> {
+pub(super) fn list_parts(parts: &BTreeMap<u64, Part>) -> Result<Vec<u8>, TableError> {
     let numbers = |read: fn(&Part) -> u64| -> ArrayRef {
         Arc::new(parts.values().map(read).collect::<UInt64Array>())
     };
