@@ -430,7 +430,7 @@ class Table:
                 for name in self._columns}
 
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
-        # Another schema is a wish that may be passed over.
+        # A requested schema may be passed over.
         return self._arrow()
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -1651,7 +1651,7 @@ def select_nuts(
     """
     import numpy as np
 
-    wish = None if requirement is None else json.dumps(_wish(requirement))
+    required = None if requirement is None else json.dumps(_requirement(requirement))
     if makers is not None:
         if lists is not None or where or pareto or sort is not None or descending or first is not None:
             raise InputError("all nuts of a manufacturer are listed: makers goes with requirement and columns_from alone",
@@ -1662,17 +1662,17 @@ def select_nuts(
         except InputError as error:
             error.add_note("columns_from gives our names of its columns, None for one that is not read")
             raise
-        found, nuts, keeps, kept = _core.makers(table, json.dumps(names), wish)
+        found, nuts, keeps, kept = _core.makers(table, json.dumps(names), required)
         columns: dict[str, Any] = {"nut": np.array(nuts, dtype=object)}
         columns |= {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
-        if wish is not None:
+        if required is not None:
             columns["passes"] = np.array(keeps, dtype=bool)
         for column in (columns["nut"], columns.get("passes", columns["nut"])):
             column.flags.writeable = False
     else:
         if columns_from is not None:
             raise InputError("columns_from is for the table of a manufacturer", key="columns_from")
-        found, kept = _core.select_nuts(_sizes(lists), wish, _list("where", where), pareto, sort, descending, first)
+        found, kept = _core.select_nuts(_sizes(lists), required, _list("where", where), pareto, sort, descending, first)
         columns = {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
     units = {name: unit for name, unit, _ in found}
     return Nuts(columns, units, len(next(iter(columns.values()))), kept)
@@ -1826,7 +1826,7 @@ def select(
     >>> report.found, report["scene"]["lead_mm"]
     (True, 10.0)
     """
-    return _report(_core.select(json.dumps({**_wish(requirement or {}), **changes}), free, _sizes(lists)))
+    return _report(_core.select(json.dumps({**_requirement(requirement or {}), **changes}), free, _sizes(lists)))
 
 
 def _sizes(lists: Mapping[str, Any] | str | None) -> str | None:
@@ -1834,11 +1834,11 @@ def _sizes(lists: Mapping[str, Any] | str | None) -> str | None:
     return lists if lists is None or isinstance(lists, str) else json.dumps(dict(lists))
 
 
-def _wish(requirement: Mapping[str, Any] | str | os.PathLike[str]) -> dict[str, Any]:
+def _requirement(requirement: Mapping[str, Any] | str | os.PathLike[str]) -> dict[str, Any]:
     if isinstance(requirement, Mapping):
         return dict(requirement)
-    wish: dict[str, Any] = json.loads(Path(requirement).read_text(encoding="utf-8-sig"))
-    return wish
+    required: dict[str, Any] = json.loads(Path(requirement).read_text(encoding="utf-8-sig"))
+    return required
 
 
 def validate(

@@ -200,9 +200,9 @@ pub(crate) fn select(
         // A search of all sizes takes standard balls.
         let catalogue = sizes(lists.or(free.then_some("standard")))?;
         let lists = catalogue.lists.clone();
-        let wish = RequirementFile::from_json(requirement.as_bytes(), &[], lists)?;
-        let standard = if free { None } else { DesignReport::standard(&wish, &catalogue) };
-        let report = standard.unwrap_or_else(|| DesignReport::of(&wish));
+        let requirement = RequirementFile::from_json(requirement.as_bytes(), &[], lists)?;
+        let standard = if free { None } else { DesignReport::standard(&requirement, &catalogue) };
+        let report = standard.unwrap_or_else(|| DesignReport::of(&requirement));
         Ok(told(&report.answer()))
     })
 }
@@ -329,7 +329,10 @@ fn sizes(lists: Option<&str>) -> Result<Catalogue, CaseError> {
 }
 
 /// A requirement from JSON.
-fn wished(json: Option<&str>, catalogue: &Catalogue) -> Result<Option<RequirementFile>, CaseError> {
+fn requirement_of(
+    json: Option<&str>,
+    catalogue: &Catalogue,
+) -> Result<Option<RequirementFile>, CaseError> {
     let read =
         |json: &str| RequirementFile::from_json(json.as_bytes(), &[], catalogue.lists.clone());
     json.map(read).transpose()
@@ -348,8 +351,8 @@ pub(crate) fn makers(
     let rows = on_threads(py, || {
         let names = column_names(names.as_bytes())?;
         let nuts = MakerNut::from_csv(table, &TableFormat { names, ..TableFormat::default() })?;
-        let wish = wished(requirement, &sizes(None)?)?;
-        Ok(MakerRow::all(&nuts, wish.as_ref()))
+        let requirement = requirement_of(requirement, &sizes(None)?)?;
+        Ok(MakerRow::all(&nuts, requirement.as_ref()))
     })?;
     let rows = rows.map_err(|(name, error)| errors::words(&format!("{name}: {error}")))?;
     let columns = rows.first().into_iter().flat_map(|first| first.numbers.iter().enumerate());
@@ -381,12 +384,12 @@ pub(crate) fn select_nuts(
 ) -> PyResult<(Table, Nuts)> {
     let (columns, nuts) = on_threads(py, || {
         let catalogue = sizes(lists)?;
-        let wish = wished(requirement, &catalogue)?;
-        let mut wanted = NutFilter::new(&conditions, wish.is_some(), pareto)?;
+        let requirement = requirement_of(requirement, &catalogue)?;
+        let mut wanted = NutFilter::new(&conditions, requirement.is_some(), pareto)?;
         if let Some(sort) = sort {
-            wanted = wanted.sorted_by(sort, descending, wish.is_some())?;
+            wanted = wanted.sorted_by(sort, descending, requirement.is_some())?;
         }
-        let list = wanted.choose(catalogue, wish.as_ref());
+        let list = wanted.choose(catalogue, requirement.as_ref());
         let places = &list.chosen[..list.chosen.len().min(first.unwrap_or(usize::MAX))];
         let heads =
             list.columns().into_iter().map(|column| (column.output.name, column.output.unit));
@@ -395,7 +398,7 @@ pub(crate) fn select_nuts(
             .map(|((name, unit), values)| (name, unit, values))
             .collect();
         let nuts = list.nuts(places);
-        let scene = move |row: usize| Some(candidate_scene(nuts.get(row)?, wish.as_ref()));
+        let scene = move |row: usize| Some(candidate_scene(nuts.get(row)?, requirement.as_ref()));
         Ok((columns, Nuts(Box::new(scene))))
     })?;
     let column =

@@ -61,7 +61,7 @@ impl Arrow {
         py: Python<'py>,
         requested_schema: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
-        // Another schema is a wish that may be passed over.
+        // A requested schema may be passed over.
         let _ = requested_schema;
         stream(py, self.schema.clone(), self.batches.clone())
     }

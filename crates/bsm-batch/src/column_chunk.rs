@@ -631,12 +631,12 @@ mod tests {
             assert!(found == wanted, "{most} words, gaps {gaps}, varies {whole:?}");
 
             let numbers = || expected.iter().flatten().filter(|x| !x.is_nan());
-            let Statistics::Double(told) = statistics(&bytes) else { panic!("no numbers") };
+            let Statistics::Double(stats) = statistics(&bytes) else { panic!("no numbers") };
             let least = numbers().copied().reduce(f64::min);
             let greatest = numbers().copied().reduce(f64::max);
-            assert_eq!((told.min_opt().copied(), told.max_opt().copied()), (least, greatest));
+            assert_eq!((stats.min_opt().copied(), stats.max_opt().copied()), (least, greatest));
             let nulls = expected.iter().filter(|x| x.is_none()).count();
-            assert_eq!(told.null_count_opt(), Some(nulls as u64));
+            assert_eq!(stats.null_count_opt(), Some(nulls as u64));
         }
     }
 
@@ -652,8 +652,8 @@ mod tests {
             });
             let found: Vec<_> = read(&bytes)[0].as_primitive::<Int64Type>().iter().collect();
             assert_eq!(found, [Some(3), Some(3), Some(5), Some(5), None, Some(9)]);
-            let Statistics::Int64(told) = statistics(&bytes) else { panic!("no counts") };
-            assert_eq!((told.min_opt(), told.max_opt()), (Some(&3), Some(&9)));
+            let Statistics::Int64(stats) = statistics(&bytes) else { panic!("no counts") };
+            assert_eq!((stats.min_opt(), stats.max_opt()), (Some(&3), Some(&9)));
         }
     }
 
@@ -675,9 +675,10 @@ mod tests {
             found.extend(array.as_string::<i32>().iter().map(|name| name.map(str::to_owned)));
         }
         assert!(found.iter().map(Option::as_deref).eq(all()));
-        let Statistics::ByteArray(told) = statistics(&bytes) else { panic!("no words") };
-        let ends = [told.min_opt(), told.max_opt()].map(|end| end.expect("words").data().to_vec());
+        let Statistics::ByteArray(stats) = statistics(&bytes) else { panic!("no words") };
+        let ends =
+            [stats.min_opt(), stats.max_opt()].map(|end| end.expect("words").data().to_vec());
         assert_eq!(ends, [b"elastic".to_vec(), b"rigid".to_vec()]);
-        assert_eq!(told.null_count_opt(), Some(3));
+        assert_eq!(stats.null_count_opt(), Some(3));
     }
 }

@@ -195,17 +195,17 @@ impl<'a> Solver<'a> {
                 return RowReport::default();
             }
             let rows = part.verdicts.len();
-            let told = run.solve(part);
+            let report = run.solve(part);
             count.fetch_add(rows as u64, Ordering::Relaxed);
-            told
+            report
         };
         let parts = room.parts(stride);
-        let told: Vec<_> = if self.task.is_quick(chunk.len) {
+        let reports: Vec<_> = if self.task.is_quick(chunk.len) {
             parts.into_iter().map(solve).collect()
         } else {
             parts.into_par_iter().map(solve).collect()
         };
-        told.into_iter().fold(RowReport::default(), RowReport::and)
+        reports.into_iter().fold(RowReport::default(), RowReport::and)
     }
 }
 

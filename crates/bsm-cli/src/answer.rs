@@ -101,11 +101,11 @@ impl Reply {
         to: &OutArgs,
         draw: impl FnOnce() -> Result<Pictures, Failure>,
     ) -> Result<(), Failure> {
-        let mut told = Vec::new();
+        let mut printed = Vec::new();
         for warning in self.parts.iter().flat_map(|(_, part)| &part.warnings) {
-            if !told.contains(&warning) {
+            if !printed.contains(&warning) {
                 warn("warning", warning);
-                told.push(warning);
+                printed.push(warning);
             }
         }
         let json = self.json();

@@ -175,10 +175,10 @@ impl From<ValidateError> for Failure {
 }
 
 /// Prints what the command line asks for, help or version, or what is wrong with it.
-pub(crate) fn usage(told: &clap::Error) -> ExitCode {
-    match told.print() {
-        Err(error) if !told.use_stderr() => Output::failure(Path::new("-"), &error).report(),
-        _ => ExitCode::from(u8::try_from(told.exit_code()).unwrap_or(2)),
+pub(crate) fn usage(usage_error: &clap::Error) -> ExitCode {
+    match usage_error.print() {
+        Err(error) if !usage_error.use_stderr() => Output::failure(Path::new("-"), &error).report(),
+        _ => ExitCode::from(u8::try_from(usage_error.exit_code()).unwrap_or(2)),
     }
 }
 

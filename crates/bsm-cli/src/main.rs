@@ -42,8 +42,8 @@ fn main() -> ExitCode {
     if let Err(error) = unfinished::prepare() {
         return Failure::Files(format!("cannot handle signals: {error}")).report();
     }
-    let told = args::command().try_get_matches();
-    let command = match told.and_then(|told| Cli::from_arg_matches(&told)) {
+    let matches = args::command().try_get_matches();
+    let command = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli.command,
         Err(usage) => return failure::usage(&usage),
     };

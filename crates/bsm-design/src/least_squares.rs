@@ -88,14 +88,14 @@ pub fn least_squares<E>(
             }
         }
         if settled {
-            return Ok(Some(told(&slopes, &number(&u), left, bounds)));
+            return Ok(Some(outcome(&slopes, &number(&u), left, bounds)));
         }
     }
     Ok(None)
 }
 
 /// The numbers, with how far the residuals determine them.
-fn told(
+fn outcome(
     slopes: &DMatrix<f64>,
     at: &[f64],
     residuals: Vec<f64>,

@@ -38,8 +38,8 @@ impl Requirement {
             fits.then(|| Design::of(self, candidate.nut, None))
         });
         let complete = |design: &Design| Design::of(self, design.nut, Some(efficiency));
-        let told = |check: &Check| !check.value.is_nan();
-        let keeps = |design: &Design| design.checks.iter().filter(|c| told(c)).all(Check::passes);
+        let known = |check: &Check| !check.value.is_nan();
+        let keeps = |design: &Design| design.checks.iter().filter(|c| known(c)).all(Check::passes);
         let limited = self.least_efficiency.is_some() || self.largest_power.is_some();
         let asked = limited || self.objective.asks_efficiency();
         let (mut kept, mut failed): (Vec<_>, Vec<_>) = designs.into_iter().partition(keeps);
@@ -150,8 +150,8 @@ fn excess(design: &Design) -> f64 {
 
 /// The limits that a design breaks.
 fn failing(design: &Design) -> Vec<Check> {
-    let told = design.checks.iter().filter(|check| !check.value.is_nan());
-    told.filter(|check| !check.passes()).copied().collect()
+    let known = design.checks.iter().filter(|check| !check.value.is_nan());
+    known.filter(|check| !check.passes()).copied().collect()
 }
 
 /// Why no standard size meets all limits: the one that fails least, and each limit that alone is in the way, with

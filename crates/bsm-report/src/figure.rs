@@ -179,14 +179,14 @@ impl Figure {
     /// SVG for a page that shows the title itself and may hold several figures. It tells the numbers of the point
     /// under the pointer, without a script.
     pub fn inline_svg(&self) -> String {
-        let told = self.curves.iter().map(|curve| self.told(curve)).collect();
-        let svg = svg_of(&self.scene(told, Layout::with_height));
+        let plots = self.curves.iter().map(|curve| self.plot_of(curve)).collect();
+        let svg = svg_of(&self.scene(plots, Layout::with_height));
         // Names within an SVG are names of the whole page.
         svg.replace("kuva-clip-", &format!("{}-clip-", self.key))
     }
 
     /// Points of a curve that tell their numbers: not seen until they are pointed at.
-    fn told(&self, curve: &Curve) -> Plot {
+    fn plot_of(&self, curve: &Curve) -> Plot {
         let real: Vec<_> =
             curve.points.iter().enumerate().filter(|(_, (_, y))| y.is_finite()).collect();
         // The last is one of them.

@@ -127,13 +127,13 @@ pub(crate) fn answer(
 pub(crate) fn point(asked: &Request, points: u32) -> Result<Map<String, Value>, Refusal> {
     Ok(Map::from_iter([
         ("solve".to_owned(), solved(asked, false)?),
-        ("slip".to_owned(), told(slip(asked))),
-        ("ellipses".to_owned(), told(ellipses(asked, points))),
+        ("slip".to_owned(), or_message(slip(asked))),
+        ("ellipses".to_owned(), or_message(ellipses(asked, points))),
     ]))
 }
 
 /// An answer, or the reason for none.
-pub(crate) fn told(answer: Result<Value, Refusal>) -> Value {
+pub(crate) fn or_message(answer: Result<Value, Refusal>) -> Value {
     answer.unwrap_or_else(|refusal| json!({ "error": refusal.to_string() }))
 }
 
@@ -229,11 +229,11 @@ pub(crate) fn nut(Request { scene, settings, .. }: &Request) -> Result<Value, Re
         Ok(report) => report,
         Err(none) => return Ok(NutProblem::unsolved(&none).to_json()),
     };
-    let told = report.answer();
-    let mut answer = told.to_json();
+    let sections = report.answer();
+    let mut answer = sections.to_json();
     answer["balls"] = columns(&report.balls());
     answer["curve"] = columns(&report.curve());
-    answer["shown"] = shown(&told);
+    answer["shown"] = shown(&sections);
     Ok(answer)
 }
 

@@ -7,7 +7,7 @@ use bsm_case::{EllipseFields, Scene, Settings};
 use serde_json::{Map, Value, json};
 
 use crate::Refusal;
-use crate::answer::{Request, answer, axis, compare, nut, point, solved, told, warm};
+use crate::answer::{Request, answer, axis, compare, nut, or_message, point, solved, warm};
 use crate::form::schema;
 use crate::page;
 
@@ -55,10 +55,10 @@ pub fn saved(
     let here = read(&request)?;
     let mut answers = Map::from_iter([
         ("point".to_owned(), Value::Object(point(&here, EllipseFields::POINTS)?)),
-        ("compare".to_owned(), told(compare(&here))),
-        ("nut".to_owned(), told(nut(&here))),
-        ("warm".to_owned(), told(warm(&here))),
-        ("axis".to_owned(), told(axis(&here))),
+        ("compare".to_owned(), or_message(compare(&here))),
+        ("nut".to_owned(), or_message(nut(&here))),
+        ("warm".to_owned(), or_message(warm(&here))),
+        ("axis".to_owned(), or_message(axis(&here))),
     ]);
     let axes: Vec<_> = ["screw_speed_rpm", "axial_load_N"]
         .into_iter()
@@ -73,7 +73,7 @@ pub fn saved(
             other.set(x, a)?;
             other.set(y, b)?;
             let there = read(&asked(other))?;
-            let found = told(point(&there, COARSE).map(Value::Object));
+            let found = or_message(point(&there, COARSE).map(Value::Object));
             stops.push(json!({ "point": stop(found) }));
         }
         let axis = |name: &str, [low, high]: [f64; 2]| format!("{name}={low}:{high}:{CELLS}:log");

@@ -25,9 +25,10 @@ pub(crate) const NEEDS: Needs = Needs {
 /// The inputs that a scene has, and those that its circuits give.
 pub(crate) fn given(scene: &Scene) -> InputSet {
     let (balls_per_turn, turns) = balls_and_turns(scene);
-    let told = [(InputKey::loaded_balls_per_turn, balls_per_turn), (InputKey::loaded_turns, turns)];
-    let told = told.iter().filter(|(_, value)| value.is_some()).map(|(key, _)| *key);
-    scene.given().and(told.collect())
+    let stated =
+        [(InputKey::loaded_balls_per_turn, balls_per_turn), (InputKey::loaded_turns, turns)];
+    let stated = stated.iter().filter(|(_, value)| value.is_some()).map(|(key, _)| *key);
+    scene.given().and(stated.collect())
 }
 
 /// The nut of a scene.

@@ -7,7 +7,7 @@ use bsm_dyn::{Model, ModelWorkspace, Status};
 
 const REQUIREMENT: &[u8] = include_bytes!("../../../../examples/requirements/feed_drive.json");
 
-fn wish(settings: &[&str]) -> Result<RequirementFile, CaseError> {
+fn requirement(settings: &[&str]) -> Result<RequirementFile, CaseError> {
     read(REQUIREMENT, settings)
 }
 
@@ -28,14 +28,14 @@ fn value(report: &DesignReport, name: &str) -> f64 {
 }
 
 fn says(settings: &[&str], words: &str) {
-    let error = wish(settings).expect_err(words).to_string();
+    let error = requirement(settings).expect_err(words).to_string();
     assert!(error.contains(words), "{error}");
 }
 
 /// The scene of a design does what was required, by the models and by the ratings of its nut.
 #[test]
 fn the_scene_of_a_design_keeps_the_requirement() {
-    let report = DesignReport::of(&wish(&[]).expect("an example"));
+    let report = DesignReport::of(&requirement(&[]).expect("an example"));
     assert!(report.found, "{:?}", report.reasons);
     assert!(report.rows.iter().all(|row| row.passes));
     let scene = Scene::from_json(report.scene.to_json().to_string().as_bytes()).expect("a scene");
@@ -60,8 +60,9 @@ fn the_scene_of_a_design_keeps_the_requirement() {
 /// The other motion turns the screw backwards under the load.
 #[test]
 fn back_driving_has_a_negative_speed() {
-    let wish = wish(&["motion=linear-to-rotary", "model=closed-form"]).expect("a requirement");
-    let report = DesignReport::of(&wish);
+    let requirement =
+        requirement(&["motion=linear-to-rotary", "model=closed-form"]).expect("a requirement");
+    let report = DesignReport::of(&requirement);
     assert!(report.found && report.scene.screw_speed_rpm == Some(-1500.0), "{report:?}");
 }
 
@@ -86,8 +87,8 @@ fn a_requirement_of_load_motion_and_stroke_suffices() {
     let bare = br#"{"axial_load_N": 10000, "feed_m_min": 30, "required_life_h": 20000, "stroke_mm": 1200}"#;
     let standard = Catalogue::standard().expect("compiled in");
     let report = |settings: &[&str]| {
-        let wish = read(bare, settings).expect("complete");
-        DesignReport::standard(&wish, &standard).expect("standard sizes")
+        let requirement = read(bare, settings).expect("complete");
+        DesignReport::standard(&requirement, &standard).expect("standard sizes")
     };
     let (usual, same) = (report(&[]), report(&["friction_coefficient=0.06", "objective=mass"]));
     assert!(usual.found, "{usual:?}");
@@ -99,7 +100,7 @@ fn a_requirement_of_load_motion_and_stroke_suffices() {
 /// An absurd load is no error, but nothing carries it.
 #[test]
 fn absurd_loads_are_infeasible() {
-    let report = DesignReport::of(&wish(&["axial_load_N=1e30"]).expect("a number"));
+    let report = DesignReport::of(&requirement(&["axial_load_N=1e30"]).expect("a number"));
     assert!(!report.found);
     assert!(report.reasons.iter().any(|r| r.contains("nut_nominal_pressure_MPa")), "{report:?}");
     assert!(report.reasons.iter().any(|r| r.contains("cycle_life_h")), "{report:?}");
@@ -108,8 +109,9 @@ fn absurd_loads_are_infeasible() {
 /// Lead and lead angle together are a pitch circle.
 #[test]
 fn lead_and_angle_fix_the_circle() {
-    let report =
-        DesignReport::of(&wish(&["lead_angle_deg=4", "required_life_h=100"]).expect("consistent"));
+    let report = DesignReport::of(
+        &requirement(&["lead_angle_deg=4", "required_life_h=100"]).expect("consistent"),
+    );
     let scene = report.scene;
     let expected = 10.0 / (std::f64::consts::PI * 4.0_f64.to_radians().tan());
     // Rounded to a micrometre.
@@ -183,11 +185,12 @@ fn a_fit_tells_what_can_be_reached() {
 #[test]
 fn ranges_of_the_procedure_could_not_be_relaxed() {
     let tables = ["nut_conformity=0.53", "required_life_h=3000"];
-    let narrow = DesignReport::of(&wish(&tables).expect("a requirement"));
+    let narrow = DesignReport::of(&requirement(&tables).expect("a requirement"));
     let blocks = |r: &String| r.contains("ball_radius_over_groove_radius");
     assert!(!narrow.found && narrow.reasons.iter().any(blocks), "{:?}", narrow.reasons);
     let wider = "smallest_ball_radius_over_groove_radius=0.94";
-    let wide = DesignReport::of(&wish(&[tables[0], tables[1], wider]).expect("a requirement"));
+    let wide =
+        DesignReport::of(&requirement(&[tables[0], tables[1], wider]).expect("a requirement"));
     assert!(wide.found, "{:?}", wide.reasons);
     // 0.5 / 0.53, by hand.
     assert!((value(&wide, "ball_radius_over_groove_radius") - 0.943_396).abs() < 1e-6);
@@ -195,7 +198,7 @@ fn ranges_of_the_procedure_could_not_be_relaxed() {
     says(&["largest_contact_angle_deg=30"], "`largest_contact_angle_deg` = 30 must be >");
     says(&["largest_ball_radius_over_pitch_radius=2"], "must be between 0 and 1");
     let flat = ["largest_contact_angle_deg=40", "smallest_contact_angle_deg=20"];
-    let flat = DesignReport::of(&wish(&flat).expect("a requirement"));
+    let flat = DesignReport::of(&requirement(&flat).expect("a requirement"));
     assert!(flat.found && value(&flat, "contact_angle_deg") <= 40.0 + 1e-3, "{:?}", flat.rows);
 }
 
@@ -207,11 +210,12 @@ fn the_lead_is_chosen() {
     assert!(free.found, "{:?}", free.reasons);
     let lead = value(&free, "lead_mm");
     let mass = |report: &DesignReport| value(report, "mass_of_nut_and_screw_kg");
-    let given = DesignReport::of(&wish(&[&format!("lead_mm={lead}")]).expect("a requirement"));
+    let given =
+        DesignReport::of(&requirement(&[&format!("lead_mm={lead}")]).expect("a requirement"));
     // The same search.
     assert!((mass(&free) / mass(&given) - 1.0).abs() < 1e-9);
     for other in ["lead_mm=8", "lead_mm=12", "lead_mm=16"] {
-        let other = DesignReport::of(&wish(&[other]).expect("a requirement"));
+        let other = DesignReport::of(&requirement(&[other]).expect("a requirement"));
         // Whole balls may be kinder to another lead than fractions of balls, by a little.
         assert!(!other.found || mass(&free) <= 1.01 * mass(&other), "lead {lead} mm");
     }
@@ -238,13 +242,13 @@ fn a_screw_that_the_load_turns_has_the_lead_of_eq_18() {
 /// Power and advance: 8 kN at 250 mm/s are 2 kW at the nut.
 #[test]
 fn the_motor_limits_the_power() {
-    let report = DesignReport::of(&wish(&[]).expect("an example"));
+    let report = DesignReport::of(&requirement(&[]).expect("an example"));
     assert!((value(&report, "screw_output_power_W") - 2000.0).abs() < 1e-6);
     let input = value(&report, "screw_input_power_W");
     assert!((input - 2000.0 / value(&report, "screw_efficiency")).abs() < 1e-6);
     assert!((value(&report, "turns_for_stroke") - 70.0).abs() < 1e-9);
     let weak = ["largest_input_power_W=1990", "model=closed-form"];
-    let weak = DesignReport::of(&wish(&weak).expect("a requirement"));
+    let weak = DesignReport::of(&requirement(&weak).expect("a requirement"));
     assert!(
         !weak.found
             && weak.reasons.iter().any(|r| r.starts_with("screw_input_power_W must be <= 1990"))

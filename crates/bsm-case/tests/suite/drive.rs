@@ -152,8 +152,8 @@ fn a_preload_is_chosen() {
     let catalogue = Catalogue::standard().expect("compiled in");
     let json = br#"{"axial_load_N": 5000, "feed_m_min": 15, "stroke_mm": 500, "life_h": 10000, "preload_N": "auto",
         "friction_coefficient": 0.05, "largest_speed_rpm": 1000}"#;
-    let wish = RequirementFile::from_json(json, &[], catalogue.lists.clone()).expect("keys");
-    let report = DesignReport::standard(&wish, &catalogue).expect("sizes");
+    let requirement = RequirementFile::from_json(json, &[], catalogue.lists.clone()).expect("keys");
+    let report = DesignReport::standard(&requirement, &catalogue).expect("sizes");
     assert!(report.found, "{:?}", report.reasons);
     // 5000/2.828 = 1767.8 N.
     assert_eq!(report.scene.preload_N, Some(1800.0));

@@ -271,10 +271,11 @@ fn a_makers_table_may_have_ratings_alone() {
 small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     let nuts = MakerNut::from_csv(table, &TableFormat::default()).expect("ratings suffice");
     let catalogue = Catalogue::standard().expect("compiled in");
-    let wish =
+    let requirement =
         br#"{"axial_load_N": 5000, "feed_m_min": 10, "stroke_mm": 1000, "required_life_h": 20000}"#;
-    let wish = RequirementFile::from_json(wish, &[], catalogue.lists).expect("a requirement");
-    let rows = MakerRow::all(&nuts, Some(&wish)).expect("sheets");
+    let requirement =
+        RequirementFile::from_json(requirement, &[], catalogue.lists).expect("a requirement");
+    let rows = MakerRow::all(&nuts, Some(&requirement)).expect("sheets");
     // 5 kN at 500 rpm: 37 497 h and more.
     assert!(rows.iter().all(|row| row.passes == Some(true)), "{rows:?}");
     assert_eq!(rows.iter().map(|row| &*row.name).collect::<Vec<_>>(), ["small", "large"]);

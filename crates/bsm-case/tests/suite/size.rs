@@ -315,20 +315,20 @@ fn what_lacks_is_told() {
     says(&format!("{{{nut}, \"support\": \"loose\"}}"), "support");
 }
 
-fn wish(settings: &[&str]) -> (RequirementFile, Catalogue) {
+fn requirement(settings: &[&str]) -> (RequirementFile, Catalogue) {
     let catalogue = Catalogue::standard().expect("compiled in");
     let json = include_bytes!("../../../../examples/requirements/axis.json");
     let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
-    let wish = RequirementFile::from_json(json, &settings, catalogue.lists.clone());
-    (wish.expect("an example"), catalogue)
+    let requirement = RequirementFile::from_json(json, &settings, catalogue.lists.clone());
+    (requirement.expect("an example"), catalogue)
 }
 
 /// Found by the audit: `design` proposed a pitch circle of 45.4 mm at 67 deg, which no manufacturer sells, and knew no critical
 /// speed. A standard screw at 45 deg that its own sheet agrees with.
 #[test]
 fn a_design_is_of_standard_size() {
-    let (wish, catalogue) = wish(&[]);
-    let report = DesignReport::standard(&wish, &catalogue).expect("standard sizes");
+    let (requirement, catalogue) = requirement(&[]);
+    let report = DesignReport::standard(&requirement, &catalogue).expect("standard sizes");
     assert!(report.found, "{:?}", report.reasons);
     let scene = &report.scene;
     let listed = |list: &[f64], mm: Option<f64>| {
@@ -373,23 +373,24 @@ fn design_and_catalogue_judge_by_the_rules_of_the_sheet() {
         &["preload_N=5000", "moved_mass_kg=2000", "guide_friction=0.1", "least_efficiency=0.8"],
         &[cycle, "inclination_deg=-30"],
     ] {
-        let (wish, catalogue) = wish(settings);
-        let report = DesignReport::standard(&wish, &catalogue).expect("standard sizes");
+        let (requirement, catalogue) = requirement(settings);
+        let report = DesignReport::standard(&requirement, &catalogue).expect("standard sizes");
         assert!(report.found, "{settings:?}: {:?}", report.reasons);
         agrees_with_its_sheet(&report, Model::RacewayControl, settings[0]);
         // No nut of the list fails on its sheet, and the chosen one is in it.
         let listed = catalogue.map(&catalogue.places(), |place, nut| {
-            (place % 7 == 0 && wish.is_kept_by(&nut.nut)).then_some(nut.nut)
+            (place % 7 == 0 && requirement.is_kept_by(&nut.nut)).then_some(nut.nut)
         });
-        for nut in listed.iter().take(20).filter(|nut| wish.sheet_of(nut).is_some()) {
-            let sheet = AxisReport::of(&wish.scene_of(nut), &Settings::default()).expect("an axis");
+        for nut in listed.iter().take(20).filter(|nut| requirement.sheet_of(nut).is_some()) {
+            let sheet =
+                AxisReport::of(&requirement.scene_of(nut), &Settings::default()).expect("an axis");
             assert!(sheet.passes(), "{settings:?}");
         }
     }
-    let (level, catalogue) = wish(&[]);
-    let (upright, _) = wish(&["inclination_deg=90"]);
-    let best = |wish: &RequirementFile| {
-        let report = DesignReport::standard(wish, &catalogue).expect("standard sizes");
+    let (level, catalogue) = requirement(&[]);
+    let (upright, _) = requirement(&["inclination_deg=90"]);
+    let best = |requirement: &RequirementFile| {
+        let report = DesignReport::standard(requirement, &catalogue).expect("standard sizes");
         number(
             &AxisReport::of(&report.scene, &Settings::default()).expect("an axis"),
             "screw_mass_kg",
@@ -428,8 +429,8 @@ fn select_axis_nut_and_solve_agree() {
         } else {
             settings.push(format!("friction_coefficient={}", draw(0.01, 0.1)));
         }
-        let wish = RequirementFile::from_json(b"{}", &settings, catalogue.lists.clone());
-        let report = DesignReport::standard(&wish.expect("a requirement"), &catalogue);
+        let requirement = RequirementFile::from_json(b"{}", &settings, catalogue.lists.clone());
+        let report = DesignReport::standard(&requirement.expect("a requirement"), &catalogue);
         let report = report.filter(|report| report.found);
         let Some(DesignReport { scene, rows, .. }) = report else { continue };
         axes += 1;
@@ -504,8 +505,8 @@ fn the_winner_of_any_requirement_keeps_its_sheet() {
         settings.extend((round % 5 == 4).then(|| "preload_class=auto".to_owned()));
         settings.push("model=closed-form".to_owned());
         let texts: Vec<_> = settings.iter().map(String::as_str).collect();
-        let wish = wish(&texts).0;
-        let report = DesignReport::standard(&wish, &sizes).expect("sizes of makers");
+        let requirement = requirement(&texts).0;
+        let report = DesignReport::standard(&requirement, &sizes).expect("sizes of makers");
         if report.found {
             found += 1;
             agrees_with_its_sheet(&report, Model::ClosedForm, &settings.join(" "));
@@ -514,8 +515,8 @@ fn the_winner_of_any_requirement_keeps_its_sheet() {
         }
     }
     assert!(found >= rounds / 4, "{found} of {rounds}");
-    let (wish, _) = wish(&["inclination_deg=90", "lead_mm=20"]);
-    let report = DesignReport::of(&wish);
+    let (requirement, _) = requirement(&["inclination_deg=90", "lead_mm=20"]);
+    let report = DesignReport::of(&requirement);
     assert!(report.found, "{:?}", report.reasons);
     agrees_with_its_sheet(&report, Model::RacewayControl, "any size");
 }
@@ -529,8 +530,8 @@ fn slenderness_is_a_limit_only_where_it_is_asked_for() {
         let json = br#"{"axial_load_N": 1500, "feed_m_min": 15, "stroke_mm": 1000, "required_life_h": 20000,
             "support": "fixed-fixed", "objective": "mass", "friction_coefficient": 0.06, "model": "raceway-control"}"#;
         let settings: Vec<_> = more.iter().map(ToString::to_string).collect();
-        let wish = RequirementFile::from_json(json, &settings, catalogue.lists.clone());
-        let report = DesignReport::standard(&wish.expect("a requirement"), &catalogue);
+        let requirement = RequirementFile::from_json(json, &settings, catalogue.lists.clone());
+        let report = DesignReport::standard(&requirement.expect("a requirement"), &catalogue);
         let report = report.expect("standard sizes");
         assert!(report.found, "{:?}", report.reasons);
         let mass = report.rows.iter().find(|row| row.name == "mass_of_nut_and_screw_kg");
@@ -553,7 +554,7 @@ fn slenderness_is_a_limit_only_where_it_is_asked_for() {
 #[test]
 fn a_life_that_is_required_stays_on_the_sheet() {
     let catalogue = Catalogue::standard().expect("compiled in");
-    let wish =
+    let requirement =
         |json: &str| RequirementFile::from_json(json.as_bytes(), &[], catalogue.lists.clone());
     let with = |life: &str| {
         format!(
@@ -561,22 +562,22 @@ fn a_life_that_is_required_stays_on_the_sheet() {
             "objective": "mass", "model": "closed-form", {life}}}"#
         )
     };
-    let wished = wish(&with(r#""required_life_h": 10000"#)).expect("a requirement");
-    let report = DesignReport::standard(&wished, &catalogue).expect("standard sizes");
+    let stated = requirement(&with(r#""required_life_h": 10000"#)).expect("a requirement");
+    let report = DesignReport::standard(&stated, &catalogue).expect("standard sizes");
     assert_eq!(report.scene.required_life_h, Some(10_000.0));
     let sheet = AxisReport::of(&report.scene, &Settings::default()).expect("an axis");
     let rule = sheet.answer.rules.iter().find(|rule| rule.name == "cycle_life_h").expect("a rule");
     assert!(rule.limit == Some(10_000.0) && rule.passes(), "{rule:?}");
     // The short name is the same key, and both do not differ.
-    let short = wish(&with(r#""life_h": 10000"#)).expect("a requirement");
-    assert_eq!(short, wished);
-    let both = wish(&with(r#""life_h": 10000, "required_life_h": 9000"#));
+    let short = requirement(&with(r#""life_h": 10000"#)).expect("a requirement");
+    assert_eq!(short, stated);
+    let both = requirement(&with(r#""life_h": 10000, "required_life_h": 9000"#));
     let both = both.expect_err("two lives").to_string();
     assert!(
         both.contains("life_h and required_life_h") || both.contains("required_life_h"),
         "{both}"
     );
-    let torque = wish(
+    let torque = requirement(
         r#"{"screw_torque_Nm": 20, "moved_mass_kg": 50, "stroke_mm": 700, "feed_m_min": 15, "friction_coefficient": 0.05}"#,
     );
     let torque = torque.expect_err("a mass beside the torque of all").to_string();
@@ -618,8 +619,8 @@ fn an_upright_axis_has_no_lost_motion() {
 /// A screw that whirls at every standard size says so.
 #[test]
 fn a_long_screw_is_blocked_by_its_critical_speed() {
-    let (wish, catalogue) = wish(&["stroke_mm=7000"]);
-    let report = DesignReport::standard(&wish, &catalogue).expect("standard sizes");
+    let (requirement, catalogue) = requirement(&["stroke_mm=7000"]);
+    let report = DesignReport::standard(&requirement, &catalogue).expect("standard sizes");
     assert!(!report.found);
     let reasons = report.reasons.join("\n");
     assert!(reasons.contains("critical_speed_ratio must be <= 0.8"), "{reasons}");

@@ -424,9 +424,9 @@ fn a_screw_is_chosen_for_its_warm_state() {
         "preload_N": 2500, "preload_arrangement": "O", "friction_coefficient": 0.05, "model": "raceway-control"}"#;
     let chosen = |settings: &[&str]| {
         let settings: Vec<_> = settings.iter().map(|&text| text.to_owned()).collect();
-        let wish = RequirementFile::from_json(json, &settings, catalogue.lists.clone());
-        let wish = wish.expect("a requirement");
-        let report = DesignReport::standard(&wish, &catalogue).expect("sizes");
+        let requirement = RequirementFile::from_json(json, &settings, catalogue.lists.clone());
+        let requirement = requirement.expect("a requirement");
+        let report = DesignReport::standard(&requirement, &catalogue).expect("sizes");
         assert!(report.found, "{:?}", report.reasons);
         report.scene
     };

@@ -204,17 +204,17 @@ fn inputs_are_not_lost() {
     let dir = folder();
     let copy = |from: &str, to: &str| fs::copy(example(from), dir.path().join(to)).expect("copy");
     copy("feed_drive.json", "scene.csv");
-    copy("requirements/feed_drive.json", "wish.json");
-    symlink("wish.json", dir.path().join("same.json")).expect("link");
+    copy("requirements/feed_drive.json", "requirement.json");
+    symlink("requirement.json", dir.path().join("same.json")).expect("link");
     fs::write(dir.path().join("lists.json"), "{\"nominal_diameter_mm\": [20]}").expect("lists");
     fs::write(dir.path().join("points.csv"), "axial_load_N\n5\n").expect("points");
     for args in [
         &["sweep", "scene.csv", "--vary=axial_load_N=1:9:3", "-o", "scene.csv"][..],
         &["sweep", "scene.csv", "--vary=axial_load_N=1:9:3", "-o", "./scene.csv"],
         &["sweep", "scene.csv", "--points", "points.csv", "-o", "scene.csv"],
-        &["select", "wish.json", "-o", "same.json"],
+        &["select", "requirement.json", "-o", "same.json"],
         &["select", "--from", "lists.json", "-o", "nuts.csv", "-o", "lists.json"],
-        &["select", "wish.json", "--from", "lists.json", "-o", "wish.json"],
+        &["select", "requirement.json", "--from", "lists.json", "-o", "requirement.json"],
     ] {
         assert_told(
             &run(args, dir.path()),

@@ -45,7 +45,7 @@ fn results_are_what_their_schemas_say() {
     .expect("lists");
     let measured = "axial_load_kN,screw_torque_Nm\n4,12.9\n8,25.9\n12,38.7\n";
     fs::write(dir.path().join("measured.csv"), measured).expect("measurements");
-    let [drive, oil, lin, nut, axis, jamming, makers, wish, double] = [
+    let [drive, oil, lin, nut, axis, jamming, makers, requirement, double] = [
         "feed_drive.json",
         "feed_drive_oil.json",
         "lin1994.json",
@@ -87,10 +87,10 @@ fn results_are_what_their_schemas_say() {
         &["fit", &drive, "--measured", "screw_torque_Nm=26"],
         &["fit", &drive, "--measured", "screw_torque_Nm=1"],
         &["fit", &drive, "--measured", "screw_torque_Nm", "--points", "measured.csv"],
-        &["select", &wish],
-        &["select", &wish, "--set", "required_life_h=1e9"],
+        &["select", &requirement],
+        &["select", &requirement, "--set", "required_life_h=1e9"],
         &["select", "--from", "lists.json", "--first", "3"],
-        &["select", "--from", "lists.json", "--first", "3", &wish],
+        &["select", "--from", "lists.json", "--first", "3", &requirement],
         &["select", "--from", &makers],
         &["solve", &drive, "--show", "slip"],
         &["solve", &lin, "--show", "slip", "--set", "lead_angle_deg=5"],

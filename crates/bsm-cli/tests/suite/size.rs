@@ -108,16 +108,24 @@ fn one_screw_has_one_efficiency() {
         stdout(&output)
     };
     // Nothing but the balls: no mass on guides, no seals, no bearings.
-    let wish: Value = json(&fs::read_to_string(&requirement).expect("a requirement"));
-    let mut wish = wish.as_object().expect("an object").clone();
-    wish.retain(|name, _| {
+    let requirement: Value = json(&fs::read_to_string(&requirement).expect("a requirement"));
+    let mut requirement = requirement.as_object().expect("an object").clone();
+    requirement.retain(|name, _| {
         !["moved_mass", "guide", "support_bearing", "seal"]
             .iter()
             .any(|part| name.starts_with(part))
     });
-    fs::write(dir.path().join("wish.json"), Value::Object(wish).to_string()).expect("written");
-    let design =
-        json(&run(&["select", "wish.json", "--from", "standard", "-o", "screw.json", "--json"]));
+    fs::write(dir.path().join("requirement.json"), Value::Object(requirement).to_string())
+        .expect("written");
+    let design = json(&run(&[
+        "select",
+        "requirement.json",
+        "--from",
+        "standard",
+        "-o",
+        "screw.json",
+        "--json",
+    ]));
     let step = |name: &str| {
         let steps = design["steps"].as_array().expect("steps");
         let step = steps.iter().find(|step| step["name"] == name);
@@ -156,7 +164,7 @@ fn one_screw_has_one_efficiency() {
     ]
     .map(like);
     let asked = same.iter().flat_map(|condition| ["--where", condition]);
-    let args = ["select", "wish.json", "--from", "standard", "--json"];
+    let args = ["select", "requirement.json", "--from", "standard", "--json"];
     let args: Vec<_> = args.into_iter().chain(asked).collect();
     let rows = json(&run(&args));
     assert_eq!(rows.as_array().map(Vec::len), Some(1), "{rows}");
@@ -262,10 +270,11 @@ fn one_name_has_one_number_in_every_command() {
         let design = [&["select", &*requirement, "--set", slope], &from[..]].concat();
         let design = run(&design);
         let screw = json(&fs::read_to_string(dir.path().join("screw.json")).expect("a screw"));
-        let wish: Value = json(&fs::read_to_string(&requirement).expect("a requirement"));
-        let mut wish = wish.as_object().expect("an object").clone();
-        wish.insert("inclination_deg".to_owned(), screw["inclination_deg"].clone());
-        fs::write(dir.path().join("wish.json"), Value::Object(wish).to_string()).expect("written");
+        let requirement: Value = json(&fs::read_to_string(&requirement).expect("a requirement"));
+        let mut requirement = requirement.as_object().expect("an object").clone();
+        requirement.insert("inclination_deg".to_owned(), screw["inclination_deg"].clone());
+        fs::write(dir.path().join("requirement.json"), Value::Object(requirement).to_string())
+            .expect("written");
         let like = [
             "lead_mm",
             "ball_diameter_mm",
@@ -275,7 +284,7 @@ fn one_name_has_one_number_in_every_command() {
         ];
         let like = like.map(|name| format!("{name}={}", number(&screw, name)));
         let asked = like.iter().flat_map(|condition| ["--where", condition]);
-        let args = ["select", "wish.json", "--from", "standard", "--json"];
+        let args = ["select", "requirement.json", "--from", "standard", "--json"];
         let listed = run(&args.into_iter().chain(asked).collect::<Vec<_>>());
         assert_eq!(listed.as_array().map(Vec::len), Some(1), "{slope}: {listed}");
         // The model of the requirement.

@@ -237,8 +237,8 @@ fn workbooks_have_units_and_the_same_numbers() {
     assert!(
         sheet(&at("ratings.xlsx"), "xl/worksheets/sheet1.xml").contains("dynamic_load_rating_N")
     );
-    let wish = example("requirements/axis.json");
-    run(dir.path(), &["select", &wish, "-o", "steps.csv"], 0);
+    let requirement = example("requirements/axis.json");
+    run(dir.path(), &["select", &requirement, "-o", "steps.csv"], 0);
     assert!(fs::read_to_string(at("steps.csv")).expect("steps").contains("cycle_life_h,h,"));
     fs::write(at("lists.json"), "{\"nominal_diameter_mm\": [40], \"lead_mm\": [10]}")
         .expect("lists");

@@ -248,7 +248,10 @@ impl RollingBall {
     }
 
     /// What it says besides its loads and its motion.
-    pub(crate) fn told(&self, pair: &ElasticContacts) -> (SkidNumbers, SolveInfo, RaceControl) {
+    pub(crate) fn solve_info(
+        &self,
+        pair: &ElasticContacts,
+    ) -> (SkidNumbers, SolveInfo, RaceControl) {
         let info = SolveInfo { steps: self.steps, residual: self.residual };
         (self.skid(pair), info, RaceControl { race: self.control, consistent: None })
     }
@@ -351,7 +354,7 @@ impl RacewayWorkspace {
         let (ideal, torque) = screw.rolling_torques(at_nut + at_screw);
         let speed = screw.point.drive.relative_speed();
         let transmission = Transmission::of(pair.direction, ideal, torque, speed);
-        let (skid, info, control) = rolling_ball.told(pair);
+        let (skid, info, control) = rolling_ball.solve_info(pair);
         let (skid, info, control) = (Some(skid), Some(info), Some(control));
         let contact_power = Some(screw.in_watts([at_nut, at_screw]));
         Ok(Solved { skid, info, control, contact_power, ..Solved::new(&ball, transmission) })

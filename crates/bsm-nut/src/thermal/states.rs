@@ -315,7 +315,7 @@ impl<'a> Balance<'a> {
     }
 
     /// The state at some rises that are settled.
-    fn told(&self, rises: [f64; NODES], factor: f64) -> Result<Steady, NoSteadyState> {
+    fn state_at(&self, rises: [f64; NODES], factor: f64) -> Result<Steady, NoSteadyState> {
         let slopes = self.slopes(&rises, factor).map_err(|_| NoSteadyState::NotFound)?;
         let gain = largest_real_part(&self.loop_matrix(&slopes, factor));
         let known = self.known(&rises, factor);
@@ -473,7 +473,7 @@ impl WarmNut<'_> {
             .settle(near.copied().unwrap_or(rest), 1.0)
             .filter(|rises| !balance.is_too_hot(rises));
         if let Some(rises) = found {
-            let state = balance.told(rises, 1.0)?;
+            let state = balance.state_at(rises, 1.0)?;
             if state.gain < 1.0 {
                 return Ok(state);
             }
@@ -485,7 +485,7 @@ impl WarmNut<'_> {
             Some(crossing) if crossing.event == 0 => {
                 let near = from_fn(|i| crossing.z[i]);
                 let rises = balance.settle(near, 1.0).ok_or(NoSteadyState::NotFound)?;
-                balance.told(rises, 1.0)
+                balance.state_at(rises, 1.0)
             }
             Some(crossing) => {
                 let fold = balance.folded(&crossing.z, None)?;
@@ -515,7 +515,7 @@ impl WarmNut<'_> {
         let back = walked.crossings.iter().find(|at| at.event == 0 && at.arc > fold.arc);
         let beyond = back.and_then(|at| {
             let rises = balance.settle(from_fn(|i| at.z[i]), 1.0)?;
-            balance.told(rises, 1.0).ok()
+            balance.state_at(rises, 1.0).ok()
         });
         balance.folded(&fold.z, beyond).map(Some)
     }

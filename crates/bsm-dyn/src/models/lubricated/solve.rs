@@ -234,18 +234,18 @@ impl Lubricated {
                 let (unit, losses) = friction.losses(&ehl, &pair, (&loaded, &to_nut), rules);
                 let (_, torque) = screw.rolling_torques(lost(&losses));
                 let steady = Steady { loaded, to_nut, losses, torque };
-                let (skid, info, control) = rolling_ball.told(&pair);
+                let (skid, info, control) = rolling_ball.solve_info(&pair);
                 SteadyRoot { pair, steady, unit, skid, info, control: Some(control), error: None }
             }
             LubricatedModel::Traction(case) => {
                 case.lubricated(&ehl, &mut work.traction, &mut work.lubricated)?
             }
         };
-        self.told(&ehl, &found)
+        self.results(&ehl, &found)
     }
 
     /// All that a found ball tells.
-    fn told(&self, ehl: &EhlPoint, found: &SteadyRoot) -> Result<Solved, Unsolved> {
+    fn results(&self, ehl: &EhlPoint, found: &SteadyRoot) -> Result<Solved, Unsolved> {
         let (screw, SteadyRoot { pair, steady, .. }) = (self.screw(), found);
         let Steady { loaded, to_nut, losses, torque } = steady;
         let speed = screw.point.drive.relative_speed();
