@@ -332,7 +332,7 @@ impl Record {
         let unbounded = self.unbounded();
         let doubt = (!unbounded.is_empty()).then(|| {
             format!(
-                "* not covered by the error bound: value of model {}; take --model traction where it matters",
+                "* not covered by the error bound: value of model {}; take model traction where it matters",
                 self.model().name()
             )
         });

@@ -403,10 +403,7 @@ impl NutList {
             .with("", Content::Table(table));
         let more = self.chosen.len() - places.len();
         if more > 0 {
-            let text = format!(
-                "{more} more; --first N shows others, -o TABLE writes all with all columns"
-            );
-            answer.notes.push(text);
+            answer.notes.push(format!("{more} more: a table has all of them, with all columns"));
         }
         answer
     }

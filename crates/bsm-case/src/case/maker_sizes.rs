@@ -121,8 +121,8 @@ pub(crate) fn maker_column(
     convert(own, &known()).map(Some).ok_or_else(|| {
         let near = nearest(own, known()).map_or(String::new(), |near| format!(", did you mean `{near}`?"));
         let what = format!(
-            "unknown column `{own}`{near}; --dialect names=map.json gives ours for the names of a manufacturer, null for a column that is \
-             not read"
+            "unknown column `{own}`{near}; `names` of the dialect gives ours for the names of a manufacturer, null for a column that \
+             is not read"
         );
         CaseError::Table { what }
     })

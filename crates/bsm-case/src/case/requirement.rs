@@ -25,15 +25,15 @@ keys! {
     largest_input_power_W ["W"] Above(0.0), None, "largest input power allowed: that of the motor, or of the load where it drives";
     pressure_limit_MPa ["MPa"] Above(0.0), Some(4200.0), "largest Hertz pressure allowed (ISO 76)";
     largest_pitch_circle_diameter_mm ["mm"] Above(0.0), Some(125.0), "largest pitch circle diameter allowed";
-    largest_loaded_turns [""] AtLeast(2.0), None, "largest number of loaded turns allowed; 6 with --free, 12 at most";
+    largest_loaded_turns [""] AtLeast(2.0), None, "largest number of loaded turns allowed; 6 in a free search, 12 at most";
     largest_ball_over_lead [""] Above(0.0), Some(0.8), "largest ball diameter over lead; the rest of the lead is the land between the grooves";
     smallest_contact_angle_deg ["deg"] Between(0.0, 90.0), Some(USUAL_CONTACT_ANGLES_DEG.0), "smallest contact angle allowed";
     largest_contact_angle_deg ["deg"] Between(0.0, 90.0), Some(USUAL_CONTACT_ANGLES_DEG.1), "largest contact angle allowed";
     largest_length_over_pitch_radius [""] Above(0.0), None, "largest length of the screw over its pitch circle radius, 60 in Lin's step 4";
-    smallest_ball_radius_over_pitch_radius [""] Between(0.0, 1.0), None, "smallest ball radius over pitch circle radius (Lin's step 5); 0.07 with --free";
-    largest_ball_radius_over_pitch_radius [""] Between(0.0, 1.0), None, "largest ball radius over pitch circle radius (Lin's step 5); 0.2 with --free";
-    smallest_ball_radius_over_groove_radius [""] Between(0.0, 1.0), None, "smallest ball radius over groove radius (Lin's step 6); 0.5 / conformity; 0.95 with --free";
-    largest_ball_radius_over_groove_radius [""] Between(0.0, 1.0), None, "largest ball radius over groove radius (Lin's step 6); 0.97 with --free";
+    smallest_ball_radius_over_pitch_radius [""] Between(0.0, 1.0), None, "smallest ball radius over pitch circle radius (Lin's step 5); 0.07 in a free search";
+    largest_ball_radius_over_pitch_radius [""] Between(0.0, 1.0), None, "largest ball radius over pitch circle radius (Lin's step 5); 0.2 in a free search";
+    smallest_ball_radius_over_groove_radius [""] Between(0.0, 1.0), None, "smallest ball radius over groove radius (Lin's step 6); 0.5 / conformity; 0.95 in a free search";
+    largest_ball_radius_over_groove_radius [""] Between(0.0, 1.0), None, "largest ball radius over groove radius (Lin's step 6); 0.97 in a free search";
 }
 
 /// Friction coefficient of a requirement without one, and the usual range; a grease or an oil gives some 0.03 to 0.12.

@@ -658,7 +658,7 @@ fn a_makers_table_is_read() {
     assert_eq!(same.expect("the same"), ours);
     let unknown = MakerNut::from_csv(theirs.as_bytes(), &format);
     let told = unknown.expect_err("Cdyn").to_string();
-    assert!(told.contains("unknown column") && told.contains("--dialect names="), "{told}");
+    assert!(told.contains("unknown column") && told.contains("`names` of the dialect"), "{told}");
     // A decimal point where a comma is meant is refused, not read as another number.
     let mixed = MakerNut::from_csv(b"nut;lead_mm\na;1.500", &format);
     assert!(mixed.expect_err("mixed").to_string().contains("`1.500` is not a number"));
