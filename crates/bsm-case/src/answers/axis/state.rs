@@ -1,6 +1,6 @@
 //! The numbers of an axis: screw, bearings, life, stiffness, heat.
 
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
 use std::f64::consts::TAU;
 
 use bsm_design::{
@@ -37,8 +37,8 @@ pub(crate) struct AxisState<'a> {
     pub(super) warm: Option<Warm>,
     /// For the modified life, if lubricant and contamination are given.
     pub(super) lubrication: Option<Lubrication>,
-    /// Modified lives, found when they are asked for.
-    modified_lives: OnceCell<[Option<f64>; 3]>,
+    /// Viscosity ratios by the film that were asked for, by the bits of speed and load.
+    by_film: RefCell<Vec<([u64; 2], Option<f64>)>>,
 }
 
 impl<'a> AxisState<'a> {
@@ -92,7 +92,7 @@ impl<'a> AxisState<'a> {
             power_loss: OnceCell::new(),
             warm,
             lubrication,
-            modified_lives: OnceCell::new(),
+            by_film: RefCell::default(),
         };
         worked.machine.axis.compression = -worked.tension().unwrap_or(0.0).min(0.0);
         Ok(worked)
@@ -154,30 +154,29 @@ impl<'a> AxisState<'a> {
 
     /// Modified life \[h\] at the usual, the least or the largest contamination factor.
     pub(super) fn modified_life(&self, place: usize) -> Option<f64> {
-        self.modified_lives.get_or_init(|| self.modified_lives())[place]
-    }
-
-    fn modified_lives(&self) -> [Option<f64>; 3] {
-        let (Some(_), Some(lubrication)) = (self.life(), &self.lubrication) else {
-            return [None; 3];
-        };
+        self.life()?;
+        let Lubrication { fatigue_limit, contamination, .. } = self.lubrication.as_ref()?;
         let ratio = |speed, load| {
             let [by_film, by_viscosity] = self.viscosity_ratios(speed, load);
             by_film.or(by_viscosity).unwrap_or(f64::NAN)
         };
-        lubrication.contamination.map(|factor| {
-            let life = self.axis().modified_life(ratio, factor * lubrication.fatigue_limit);
-            life.map(|time| time / 3600.0)
-        })
+        let life = self.axis().modified_life(ratio, contamination[place] * fatigue_limit);
+        life.map(|time| time / 3600.0)
     }
 
     /// Viscosity ratio by the film and by the viscosity, as far as each is known.
     ///
     /// * `speed`: of the screw against the nut \[rad/s\]. * `load`: of a nut \[N\].
-    pub(super) fn viscosity_ratios(&self, speed: f64, load: f64) -> [Option<f64>; 2] {
+    fn viscosity_ratios(&self, speed: f64, load: f64) -> [Option<f64>; 2] {
         let Some(Lubrication { viscosity, .. }) = self.lubrication else { return [None; 2] };
-        let mut work = ModelWorkspace::default();
-        let by_film = viscosity_ratio(self.scene, self.settings, (load, speed), &mut work);
+        let at = [speed, load].map(|x| x.abs().to_bits());
+        let known = self.by_film.borrow().iter().find(|(other, _)| *other == at).copied();
+        let (_, by_film) = known.unwrap_or_else(|| {
+            let mut work = ModelWorkspace::default();
+            let found = viscosity_ratio(self.scene, self.settings, (load, speed), &mut work);
+            self.by_film.borrow_mut().push((at, found));
+            (at, found)
+        });
         [by_film, Some(self.axis().viscosity_ratio(viscosity, speed))]
     }
 
