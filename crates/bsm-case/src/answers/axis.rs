@@ -248,11 +248,8 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
     })
 }
 
-/// Effects that the torque of an axis neglects.
-const NOT_MODELLED: [&str; 8] = [
-    "lubricant, as its inputs are not given: contacts are dry, with one friction coefficient",
-    "friction torque of the preload: that of manufacturers' rule, accurate to some 50 %",
-    "ball returns and ball-to-ball contact: only in manufacturers' rule for the preload",
+/// Effects that the torque of an axis neglects, whatever is given.
+const NOT_MODELLED: [&str; 5] = [
     "temperatures of nut, screw and balls, unless warm_state asks for them: their rises are inputs, which the preload follows; axis_heat_transfer_W_K gives the growth of the screw alone",
     "vibration of the axis, its control, and shocks: multiply the loads by the factor of your machine",
     "bending of the screw by its weight, and of the frame; misalignment unless it is given",
@@ -260,11 +257,28 @@ const NOT_MODELLED: [&str; 8] = [
     "wear, and the torque to start from rest",
 ];
 
-/// The same of returns and ball-to-ball contact where the gaps of the balls are given, of a preloaded nut and another.
-const PUSHES: [&str; 2] = [
-    "ball returns beyond return_push_N and its causes: only in manufacturers' rule for the preload; ball-to-ball contact is in the torque by ball_gap_mm",
-    "ball returns, and ball-to-ball contact of a nut without preload: bsm nut has its torque by ball_gap_mm",
-];
+/// Effects that the torque of an axis neglects.
+fn not_modelled(scene: &Scene) -> Vec<String> {
+    let lubricant = (!scene.given().is_lubricated()).then_some(
+        "lubricant, as its inputs are not given: contacts are dry, with one friction coefficient",
+    );
+    let preload =
+        "friction torque of the preload: that of manufacturers' rule, accurate to some 50 %";
+    let pushes = match (scene.ball_gap_mm, scene.is_preloaded()) {
+        (None, _) => {
+            "ball returns and ball-to-ball contact: only in manufacturers' rule for the preload"
+        }
+        // All balls of a preloaded nut are solved for its torque.
+        (Some(_), true) => {
+            "ball returns beyond return_push_N and its causes: only in manufacturers' rule for the preload; ball-to-ball contact is in the torque by ball_gap_mm"
+        }
+        (Some(_), false) => {
+            "ball returns, and ball-to-ball contact of a nut without preload: bsm nut has its torque by ball_gap_mm"
+        }
+    };
+    let of_inputs = lubricant.into_iter().chain([preload, pushes]);
+    of_inputs.chain(NOT_MODELLED).map(str::to_owned).collect()
+}
 
 impl AxisReport {
     /// The axis of a scene.
@@ -318,13 +332,6 @@ impl AxisReport {
             notes.extend(worked.how_sure());
             notes.extend(worked.falls());
         }
-        let mut not_modelled = NOT_MODELLED;
-        if scene.ball_gap_mm.is_some() {
-            // All balls of a preloaded nut are solved for its torque.
-            not_modelled[2] = if scene.is_preloaded() { PUSHES[0] } else { PUSHES[1] };
-        }
-        let lubricated = usize::from(scene.given().is_lubricated());
-        let not_modelled = not_modelled[lubricated..].iter().map(|&text| text.to_owned()).collect();
         let answer = Answer { rules, notes, warnings, fails, ..Answer::default() }
             .with("passes", Content::Json((!fails).into()))
             .with("inputs", Content::Json(asked.to_json()))
@@ -336,7 +343,7 @@ impl AxisReport {
         };
         let answer = answer
             .with("screw", Content::numbers(screw, "screw"))
-            .with("not_modelled", Content::Texts("not modelled", not_modelled));
+            .with("not_modelled", Content::Texts("not modelled", not_modelled(scene)));
         let order = worked.order();
         let answer = answer.with_shown(Content::Words("order:", Some(order.to_string())));
         Ok(Self { scene: asked.clone(), settings: *settings, phases, order, answer })
