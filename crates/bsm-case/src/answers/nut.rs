@@ -543,8 +543,8 @@ impl NutReport {
         let loaded = NutUnderLoad { problem: &self.problem, state: &self.state };
         let numbers = read(&loaded, wanted).where_finite();
         // The friction has been worked out where a number of it is wanted.
-        let rubbed = self.state.friction.get().and_then(Option::as_ref);
-        let why = rubbed.and_then(|rubbed| rubbed.pushed.as_ref()?.as_ref().err());
+        let friction = self.state.friction.get().and_then(Option::as_ref);
+        let why = friction.and_then(|of_balls| of_balls.pushed.as_ref()?.as_ref().err());
         numbers.because(why.map(|why| not_pushed(why)))
     }
 

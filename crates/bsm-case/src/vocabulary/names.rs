@@ -62,10 +62,10 @@ pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Op
     let key = key.to_lowercase();
     let part = if key.len() < 3 { "no part of a name" } else { key.as_str() };
     let ranked = names.enumerate().map(|(place, name)| {
-        let distance = strsim::damerau_levenshtein(&key, &name.to_lowercase());
+        let lower = name.to_lowercase();
+        let distance = strsim::damerau_levenshtein(&key, &lower);
         let (begins, has) = (name.starts_with(part), name.contains(part));
         // Words left out, as `max` of nut_max_pressure_MPa.
-        let lower = name.to_lowercase();
         let short =
             key.contains('_') && key.split('_').all(|word| lower.split('_').any(|w| w == word));
         let distance = match has {

@@ -24,8 +24,8 @@ pub const SKIDS: f64 = 0.5;
 pub(super) const BRIEF: (usize, u32) = (12, 6);
 pub(super) const FULL_STEPS: (usize, u32) = (12, 2);
 
-/// Creep speeds over `$r_b|W|$` that are solved for before the asked one, in the order of the tries: against them friction
-/// is nearly linear in the slips of most starts.
+/// Creep speeds over `$r_b|W|$` that are solved for before the asked one, in the order of the tries of a table; single solves have
+/// tried the first, and take it last: against them friction is nearly linear in the slips of most starts.
 pub(super) const LEVELS: [&[f64]; 2] = [&[LEVEL], &[0.3, 0.01]];
 const LEVEL: f64 = 0.1;
 
