@@ -8,6 +8,7 @@ use super::record::message;
 use super::{axis, jam, nut, optimum, ratings, slip, warm};
 use crate::case::problem::Needs;
 use crate::case::rated_nut;
+use crate::vocabulary::error::list;
 use crate::vocabulary::units::DEG;
 use crate::{
     AnalysisKind, Answer, CaseError, Column, Content, InputKey, InputSet, ModelChoice, Numbers,
@@ -116,8 +117,7 @@ impl Output {
     ///
     /// # Errors
     ///
-    /// [`CaseError::EmptyColumn`] with the inputs that lack, [`CaseError::NoMotion`],
-    /// [`CaseError::OiledJam`].
+    /// [`CaseError::NoMotion`], or [`CaseError::Invalid`] with the inputs that lack.
     pub fn check(
         &self,
         base: &Scene,
@@ -126,7 +126,7 @@ impl Output {
     ) -> Result<(), CaseError> {
         let Some(kind) = self.analysis() else { return Ok(()) };
         if kind == AnalysisKind::Jam && given.is_lubricated() {
-            return Err(CaseError::OiledJam { found: String::new() });
+            return Err(CaseError::oiled_jam(""));
         }
         let mut missing = kind.missing(base, given);
         if let (true, ModelChoice::Fixed(model @ (Model::ClosedForm | Model::QuasiStatic))) =
@@ -140,7 +140,8 @@ impl Output {
         if missing.is_empty() {
             return Ok(());
         }
-        Err(CaseError::EmptyColumn { column: self.name, missing })
+        let (name, required) = (self.name, list(&missing));
+        Err(CaseError::Invalid(format!("column {name} would be empty: {required} required for it")))
     }
 
     /// The output of that name, of a solution or else of an analysis.
@@ -302,11 +303,11 @@ impl MovingBall {
     ///
     /// # Errors
     ///
-    /// [`CaseError::NoMotion`] if the model has none, [`CaseError::NotRated`] if there is no solution.
+    /// [`CaseError::NoMotion`] if the model has none, [`CaseError::Invalid`] if there is no solution.
     pub(crate) fn of(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
         let state = match &solution.answer {
             Ok(solved) => &solved.ball,
-            Err(none) => return Err(CaseError::NotRated(message(none.reason()))),
+            Err(none) => return Err(CaseError::Invalid(message(none.reason()))),
         };
         let motion = state.motion.ok_or_else(|| CaseError::NoMotion {
             model: solution.model.name(),

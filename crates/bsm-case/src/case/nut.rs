@@ -9,5 +9,5 @@ mod train;
 
 pub(crate) use circuits::balls_and_turns;
 pub use problem::NutProblem;
-pub(crate) use problem::{FrictionSource, NutAtRest, NutPreload, OF_A_NUT, bad};
+pub(crate) use problem::{FrictionSource, NutAtRest, NutPreload, OF_A_NUT};
 pub(crate) use train::room;

@@ -94,7 +94,6 @@ fn friction_is_said_once() {
     assert!(told(&dry, &auto).contains("friction_coefficient and film_factor are given"));
     for model in [Model::ClosedForm, Model::QuasiStatic, Model::Rigid, Model::Elastic] {
         let error = oiled(&[]).problem(&model.into()).expect_err("no lubricant");
-        assert!(matches!(error, CaseError::NoLubricant { .. }));
         let text = error.to_string();
         assert!(
             text.contains("raceway-control and traction") && text.contains("equivalent_friction")
