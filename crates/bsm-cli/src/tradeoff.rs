@@ -107,8 +107,11 @@ fn describe(measured: &Tradeoff) -> String {
     )
 }
 
+/// Its heading and its text.
+type Column = (&'static str, fn(&DialResult, &Errors) -> String);
+
 /// Heads of the columns over all points, and their cells.
-const COLUMNS: [(&str, fn(&DialResult, &Errors) -> String); 9] = [
+const COLUMNS: [Column; 9] = [
     ("model and setting", |dial, _| dial.dial.name()),
     ("all cores us", |dial, _| micro(dial.times.all_cores)),
     ("solved %", |_, all| format!("{:.1}", 100.0 * all.solved)),
