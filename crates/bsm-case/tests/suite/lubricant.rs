@@ -2,7 +2,7 @@
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    Calibration, CaseError, NutProblem, NutReport, Record, Scene, Sensitivities, Settings,
+    Calibration, NutProblem, NutReport, Record, Scene, Sensitivities, Settings,
     torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
