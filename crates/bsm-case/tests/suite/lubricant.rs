@@ -2,8 +2,7 @@
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    Calibration, NutProblem, NutReport, Record, Scene, Sensitivities, Settings,
-    torque_parts,
+    Calibration, NutProblem, NutReport, Record, Scene, Sensitivities, Settings, torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::Value;
