@@ -4,7 +4,7 @@ use bsm_dyn::{EllipseSlip, Model, Quadrature, Sliding, Solution};
 use bsm_kin::{BallFrame, Site};
 use serde_json::{Value, json};
 
-use crate::answers::analysis::{MovingBall, MovingContact};
+use crate::answers::moving::{MovingBall, MovingContact};
 use crate::answers::nut::Columns;
 use crate::answers::slip::{Law, integration};
 use crate::vocabulary::units::{DEG, MM, MPA};

@@ -8,13 +8,13 @@ use bsm_dyn::{
     step_thrust, track_friction, viscous_drag,
 };
 
-use crate::answers::analysis::{MovingBall, lacks_ellipses, of_a_motion};
+use crate::answers::moving::{MovingBall, lacks_ellipses, of_a_motion};
 use crate::answers::record::message;
 use crate::vocabulary::error::bad;
 use crate::vocabulary::number::number;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
-use crate::{AnalysisKind, Answer, CaseError, InputKey, Scene};
+use crate::{Answer, CaseError, InputKey, Scene};
 
 quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
     "contact state, elastic and permanent" {
@@ -182,7 +182,7 @@ pub fn jam(scene: &Scene, solution: &Solution) -> Result<Answer, CaseError> {
         ("jams", jam.return_words(scene)),
     ];
     let verdicts = words.into_iter().filter_map(|(name, words)| Some((name, words?))).collect();
-    Ok(of_a_motion(AnalysisKind::Jam, scene, solution, numbers, verdicts, lacks))
+    Ok(of_a_motion(QUANTITIES, scene, solution, numbers, verdicts, lacks))
 }
 
 /// Why a lubricated ball is refused: the coefficients that its contacts have.

@@ -6,10 +6,10 @@ use bsm_dyn::{
 };
 use bsm_kin::Site;
 
-use crate::answers::analysis::{MovingBall, MovingContact, lacks_ellipses, of_a_motion};
+use crate::answers::moving::{MovingBall, MovingContact, lacks_ellipses, of_a_motion};
 use crate::vocabulary::quantity::{Values, quantities};
 use crate::vocabulary::units::{DEG, MM};
-use crate::{AnalysisKind, Answer, CaseError, Scene, Settings};
+use crate::{Answer, CaseError, Scene, Settings};
 
 quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
     "rotation of the ball relative to the nut" {
@@ -94,7 +94,7 @@ pub fn slip(scene: &Scene, settings: &Settings, solution: &Solution) -> Result<A
         );
     }
     let numbers = read(&slipping, |_| true).finite()?;
-    let mut answer = of_a_motion(AnalysisKind::Slip, scene, solution, numbers, Vec::new(), lacks);
+    let mut answer = of_a_motion(QUANTITIES, scene, solution, numbers, Vec::new(), lacks);
     let agree = if scene.given().is_lubricated() { POWERS_AGREE_IN_FILMS } else { POWERS_AGREE };
     if let Some(loss) = slipping.loss.filter(|loss| loss.difference().abs() > agree) {
         answer.warnings.push(format!(

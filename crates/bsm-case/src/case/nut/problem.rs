@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating, Thread};
-use bsm_dyn::{Ball, Lubricant, Temperature};
+use bsm_dyn::Ball;
 use bsm_kin::{Drive, Helix};
 use bsm_nut::{BallNut, Equilibrium, Errors, NutError, Preload, Support, TurnRatings};
 
@@ -13,9 +13,10 @@ use super::circuits::{
     SHORT, deviations, lead_error, listed_circuits, of_circuits, short_circuits,
 };
 use super::draw::draw;
+use super::friction::FrictionSource;
 use super::loading::{Amount, arrangement, preload, preload_of_bodies, support};
 use super::train::BallGaps;
-use crate::case::problem::{Needs, has_lubricant};
+use crate::case::problem::has_lubricant;
 use crate::case::rated_nut;
 use crate::case::reader::has_grooves;
 use crate::case::scene::RISES;
@@ -65,48 +66,6 @@ pub struct NutProblem {
     /// The warm steady state that it is in, if it was asked for.
     pub(crate) warm: Option<Arc<Warm>>,
     pub(crate) notes: Vec<String>,
-}
-
-/// Source of the friction of the balls.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum FrictionSource {
-    /// One coefficient.
-    Coefficient(f64),
-    /// The film of each ball, and what the ball returns lose, without the seals.
-    Lubricant(Lubricant),
-}
-
-impl FrictionSource {
-    /// The friction coefficient, if it is one.
-    pub(crate) fn coefficient(&self) -> Option<f64> {
-        match self {
-            Self::Coefficient(coefficient) => Some(*coefficient),
-            Self::Lubricant(_) => None,
-        }
-    }
-
-    /// As given by a scene.
-    fn of(scene: &Scene) -> Result<Option<Self>, CaseError> {
-        let given = scene.given();
-        given.check_friction()?;
-        if !given.is_lubricated() {
-            return Ok(scene.friction_coefficient.map(Self::Coefficient));
-        }
-        let missing = Needs::LUBRICANT.missing(given);
-        let read = || scene.reader().lubricant();
-        let Some(mut lubricant) = missing.is_empty().then(read).flatten() else {
-            return Err(CaseError::missing(missing, scene.given().purpose("for a nut")));
-        };
-        if let Temperature::Balance { .. } = lubricant.temperature {
-            let what = "the temperature of the lubricant follows from the heat of one ball in bsm solve, not from \
-                        that of a nut; give lubricant_temperature_C"
-                .to_owned();
-            return Err(bad("heat_transfer_W_K", what));
-        }
-        // The seals have a line of their own.
-        lubricant.losses.seal_torque = 0.0;
-        Ok(Some(Self::Lubricant(lubricant)))
-    }
 }
 
 /// A nut that is made and carries its load.

@@ -2,7 +2,7 @@
 
 use bsm_nut::{BallNut, Exit, ExitPush, TrainInputs};
 
-use super::problem::FrictionSource;
+use super::friction::FrictionSource;
 use crate::vocabulary::error::bad;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{CaseError, InputKey, Rule, Scene, exact};
