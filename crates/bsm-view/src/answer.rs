@@ -250,7 +250,7 @@ pub(crate) fn axis(Request { scene, settings, rest }: &Request) -> Result<Value,
     let mut answer = size_results(&report);
     answer["shown"] = shown(&report.answer);
     if rest.get("sheet") == Some(&Value::Bool(true)) {
-        let sheet = size_page(&report).map_err(|error| Refusal::Input(error.to_string()))?;
+        let sheet = size_page(&report, None).map_err(|error| Refusal::Input(error.to_string()))?;
         answer["sheet"] = json!(sheet);
     }
     Ok(answer)

@@ -9,7 +9,7 @@ mod rules;
 mod state;
 mod torques;
 
-use bsm_design::{Axis, Nut, lost_motion};
+use bsm_design::{Axis, Nut, lost_motion, warming_time};
 use serde_json::json;
 
 pub use self::order::Order;
@@ -59,6 +59,10 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         }), "elongation of the screw by its pretension";
         travel_compensation_um ["um" "c"] Whole(|w| Some(w.travel_compensation()? * MM / UM)), "target of the travel over the stroke for a screw that is stretched; below 0 it is made shorter";
         screw_tension_N = INPUTS Whole(|w| w.tension());
+        stretched_critical_speed_rpm ["rpm"] Whole(|w| {
+            let tension = w.pretension()?.tension(0.0);
+            Some(w.shaft()?.stretched_critical_speed(tension) / RPM)
+        }), "critical speed with the tension of the cold screw, for information";
         support_bearing_load_N ["N"] Whole(|w| {
             Some(w.axis().largest_load() + w.pretension().map_or(0.0, |held| held.tension(0.0)))
         }), "largest load and pretension, which the support bearings carry";
@@ -66,6 +70,8 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         axis_heat_transfer_W_K = INPUTS Whole(|w| w.heat_transfer());
         steady_temperature_rise_K ["K"] Whole(|w| w.steady_rise()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "steady-state temperature rise, by axis_heat_transfer_W_K";
+        steady_temperature_time_s ["s" "tau"] Whole(|w| Some(warming_time(w.machine.screw?.0, w.heat_transfer()?))),
+            "time constant of the steady-state temperature rise, of the mass of the screw";
         screw_growth_um ["um"] Whole(|w| w.growth()),
             "thermal expansion between the bearings, in the warm state, by screw_temperature_rise_K or by the steady-state rise";
         travel_deviation_um ["um" "e_p"] Whole(|w| Some(w.grade()?.deviation(w.travel()?)? / UM)),
@@ -140,8 +146,10 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
             let motor = Some(w.machine.drive.motor_inertia).filter(|inertia| *inertia > 0.0);
             Some(w.inertia_at_motor()? / motor?)
         }), "load-to-motor inertia ratio";
-        least_acceleration_time_s ["s"] Whole(|w| w.least_ramp()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
+        least_acceleration_time_s ["s"] Whole(|w| w.least_ramp(w.scene.motor_peak_torque_Nm?)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "least time to the largest speed, by motor_peak_torque_Nm";
+        least_rated_acceleration_time_s ["s"] Whole(|w| Some(1.5 * w.least_ramp(w.scene.motor_rated_torque_Nm?)?)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
+            "1.5 times the least time to the largest speed by motor_rated_torque_Nm (HIWIN)";
         shortest_ramp_s ["s"] Whole(|w| w.shortest_ramp()), "time to the largest speed at the largest acceleration of the cycle";
     }
 }

@@ -91,7 +91,7 @@ const ALIASES: [(&str, &str); 2] =
     [("life_h", "required_life_h"), ("largest_speed_rpm", "motor_max_speed_rpm")];
 
 /// Words of a scene that a requirement may have.
-const ENTRIES_FROM_SCENES: [&str; 14] = [
+const ENTRIES_FROM_SCENES: [&str; 15] = [
     "support",
     "buckling_support",
     "screw_make",
@@ -99,6 +99,7 @@ const ENTRIES_FROM_SCENES: [&str; 14] = [
     "accuracy_grade",
     "steel",
     "contamination",
+    "kappa_by",
     "preload_arrangement",
     "preload_by",
     "preload_class",
