@@ -217,8 +217,8 @@ fn requirement(input: &[u8]) {
     let standard = Catalogue::standard().expect("lists that are compiled in").lists;
     // The cheapest model: the others have a target of their own.
     let settings = ["model=closed-form".to_owned()];
-    if let Ok(wish) = RequirementFile::from_json(input, &settings, standard) {
-        let _ = DesignReport::of(&wish).answer().to_json().to_string();
+    if let Ok(requirement) = RequirementFile::from_json(input, &settings, standard) {
+        let _ = DesignReport::of(&requirement).answer().to_json().to_string();
     }
 }
 

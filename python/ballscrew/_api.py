@@ -1630,7 +1630,7 @@ def select_nuts(
     descending : bool
         The largest first.
     first : int, optional
-        So many rows.
+        Number of rows.
 
     Returns
     -------

@@ -32,6 +32,27 @@ def curves(
         The column of the error of `y`, such as "efficiency_error_bound": a band to both sides.
     ax : matplotlib axes, optional
         Where to draw.
+
+    Returns
+    -------
+    matplotlib axes
+        Those given, else new ones.
+
+    Raises
+    ------
+    InputError
+        If the grid varies several inputs besides `x` and `by` is not given.
+    KeyError
+        If the table has no column of a name.
+
+    Examples
+    --------
+    >>> import ballscrew as bs
+    >>> screw = bs.Scene.read("examples/feed_drive.json")
+    >>> grid = bs.sweep(screw, vary={"screw_speed_rpm": [500, 1000], "axial_load_N": [2e3, 8e3]}, columns=["efficiency"])
+    >>> axes = bs.plot.curves(grid, "screw_speed_rpm", "efficiency", by="axial_load_N")
+    >>> len(axes.lines)
+    2
     """
     import numpy as np
 
@@ -67,6 +88,16 @@ def map(grid: Grid, output: str, *, ax: Axes | None = None) -> Axes:
         Name of the output.
     ax : matplotlib axes, optional
         Where to draw.
+
+    Returns
+    -------
+    matplotlib axes
+        Those given, else new ones.
+
+    Raises
+    ------
+    ValueError
+        If the grid has not two axes.
     """
     if len(grid.axes) != 2:
         raise ValueError(f"a map has two axes, this grid {len(grid.axes)}")
@@ -92,6 +123,11 @@ def pareto(
         Names of columns: less of `x` and more of `y` is better.
     ax : matplotlib axes, optional
         Where to draw.
+
+    Returns
+    -------
+    matplotlib axes
+        Those given, else new ones.
     """
     import numpy as np
 
@@ -119,6 +155,11 @@ def save(axes: Axes, path: str | PathLike[str], *, size_mm: tuple[float, float] 
         Width and height of the figure.
     title : str, optional
         Title above the axes.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
     """
     import matplotlib as mpl
 

@@ -244,13 +244,13 @@ def test_catalog(tmp_path: Path) -> None:
 
 
 def test_catalog_of_a_requirement(tmp_path: Path) -> None:
-    wish = EXAMPLES / "requirements" / "axis.json"
-    table = bs.select_nuts(requirement=wish, where=["critical_speed_ratio<=0.5", "lead_mm>=20"], sort="mean_heat_W")
+    of_axis = EXAMPLES / "requirements" / "axis.json"
+    table = bs.select_nuts(requirement=of_axis, where=["critical_speed_ratio<=0.5", "lead_mm>=20"], sort="mean_heat_W")
     assert 0 < len(table) and (table["critical_speed_ratio"] <= 0.5).all()
     ours, theirs = tmp_path / "ours.csv", tmp_path / "theirs.csv"
     table.write(ours)
     options = ["--where", "critical_speed_ratio<=0.5", "--where", "lead_mm>=20", "--sort", "mean_heat_W"]
-    command: list[str | Path] = [program(), "select", wish, *options, "-o", theirs]
+    command: list[str | Path] = [program(), "select", of_axis, *options, "-o", theirs]
     subprocess.run(command, check=True, capture_output=True)
     same_table(ours, theirs)
 
@@ -264,9 +264,9 @@ def picked(tmp_path: Path, *words: str | Path) -> dict[str, Any]:
 
 
 def test_a_nut_of_the_catalogue_is_a_scene(tmp_path: Path) -> None:
-    wish = EXAMPLES / "requirements" / "axis.json"
+    of_axis = EXAMPLES / "requirements" / "axis.json"
     lead = ["--where", "lead_mm=20", "--sort", "mass_kg"]
-    for requirement, words in ((None, lead), (wish, [*lead, wish])):
+    for requirement, words in ((None, lead), (of_axis, [*lead, of_axis])):
         nuts = bs.select_nuts(where=["lead_mm=20"], requirement=requirement, sort="mass_kg", first=2)
         assert nuts.scene().to_dict() == bs.Scene(picked(tmp_path, *words)).to_dict()
         with pytest.raises(IndexError):
@@ -275,9 +275,9 @@ def test_a_nut_of_the_catalogue_is_a_scene(tmp_path: Path) -> None:
 
 
 def test_nuts_of_a_maker(tmp_path: Path) -> None:
-    path, wish = EXAMPLES / "maker_table.csv", EXAMPLES / "requirements" / "axis.json"
+    path, of_axis = EXAMPLES / "maker_table.csv", EXAMPLES / "requirements" / "axis.json"
     words: list[str | Path] = []
-    for requirement in (None, wish):
+    for requirement in (None, of_axis):
         words = [requirement] if requirement else []
         nuts = bs.select_nuts(makers=path, requirement=requirement)
         rows = told("select", "--from", path, *words)
@@ -289,7 +289,7 @@ def test_nuts_of_a_maker(tmp_path: Path) -> None:
     names = {"Type": "nut", "K": "stiffness_N_um", "note": None}
     plain_columns = {name: own[name].to_numpy() for name in own}
     for table in (own, pl.DataFrame(plain_columns), plain_columns):
-        again = bs.select_nuts(makers=table, columns_from=names, requirement=wish)
+        again = bs.select_nuts(makers=table, columns_from=names, requirement=of_axis)
         assert again["nut"].tolist() == nuts["nut"].tolist()
         gap = again["nut"].tolist().index("R63-20K5-FSC")
         assert np.flatnonzero(np.isnan(again["stiffness_N_um"])).tolist() == [gap]

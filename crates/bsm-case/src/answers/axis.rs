@@ -21,9 +21,9 @@ pub use self::torques::{ScrewTorque, torque_parts};
 use super::nut::QUANTITIES as NUT;
 use super::ratings::QUANTITIES as RATINGS;
 use crate::case::axis::{Machine, useful_travel};
-use crate::case::nut::bad;
 use crate::case::rated_nut;
 use crate::case::warm::{Detail, NutInPhase, Warm};
+use crate::vocabulary::error::bad;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{
@@ -297,14 +297,14 @@ impl AxisReport {
         Self::with(scene, settings, Detail { fold: true, band: false })
     }
 
-    fn with(asked: &Scene, settings: &Settings, detail: Detail) -> Result<Self, CaseError> {
-        check_inputs(asked)?;
-        let asked = &asked.with_preload()?;
-        let warm = Warm::with_band(asked, settings, detail)?;
+    fn with(given: &Scene, settings: &Settings, detail: Detail) -> Result<Self, CaseError> {
+        check_inputs(given)?;
+        let given = &given.with_preload()?;
+        let warm = Warm::with_band(given, settings, detail)?;
         if let Some(warm) = warm.as_ref().filter(|warm| warm.state.is_none()) {
-            return Ok(Self::of_none(asked, settings, warm));
+            return Ok(Self::of_none(given, settings, warm));
         }
-        let scene = &warm.as_ref().map_or_else(|| asked.clone(), |warm| warm.scene(asked));
+        let scene = &warm.as_ref().map_or_else(|| given.clone(), |warm| warm.scene(given));
         let worked = AxisState::of(scene, settings, warm)?;
         let of_nut = match &worked.machine.groove {
             Some(_) => ratings(&at_largest(scene, &worked.machine.axis))?,
@@ -334,7 +334,7 @@ impl AxisReport {
         }
         let answer = Answer { rules, notes, warnings, fails, ..Answer::default() }
             .with("passes", Content::Json((!fails).into()))
-            .with("inputs", Content::Json(asked.to_json()))
+            .with("inputs", Content::Json(given.to_json()))
             .with("phases", Content::Table(of_phases(&phases)))
             .with("results", Content::numbers(numbers, "axis"));
         let answer = match &worked.warm {
@@ -346,7 +346,7 @@ impl AxisReport {
             .with("not_modelled", Content::Texts("not modelled", not_modelled(scene)));
         let order = worked.order();
         let answer = answer.with_shown(Content::Words("order:", Some(order.to_string())));
-        Ok(Self { scene: asked.clone(), settings: *settings, phases, order, answer })
+        Ok(Self { scene: given.clone(), settings: *settings, phases, order, answer })
     }
 
     /// The sheet of an axis that has no warm steady state.
@@ -402,10 +402,10 @@ pub(crate) fn numbers(
 ) -> Result<Numbers, CaseError> {
     check_inputs(scene)?;
     let scene = &scene.with_preload()?;
-    let mut asked = QUANTITIES.iter().filter(|quantity| wanted(quantity));
+    let mut chosen = QUANTITIES.iter().filter(|quantity| wanted(quantity));
     // At one operating point the torque takes no axis.
     if scene.nut.cycle.is_none()
-        && asked.all(|quantity| quantity.name == "screw_torque_Nm")
+        && chosen.all(|quantity| quantity.name == "screw_torque_Nm")
         && let Some(torque) = torque_parts(scene, settings)?
     {
         return Ok(torque.numbers);
@@ -460,7 +460,7 @@ impl AxisState<'_> {
         let nut = self.warm_state().and_then(|warm| warm.phases[place]);
         let motion = read_phase(&PhaseResult { worked: self, torques, nut }, |_| true);
         let numbers = motion.and(torques.numbers());
-        ScrewTorque { numbers, contacts: torques.contacts.words.clone() }
+        ScrewTorque { numbers, contacts: torques.contacts.text.clone() }
     }
 }
 
@@ -468,7 +468,7 @@ impl AxisState<'_> {
 fn check_inputs(scene: &Scene) -> Result<(), CaseError> {
     if scene.nut.accuracy_grade.is_some() && useful_travel(scene).is_none() {
         let missing = vec!["stroke_mm (or useful_travel_mm)".to_owned()];
-        return Err(CaseError::Missing { missing, by: "for accuracy_grade".to_owned() });
+        return Err(CaseError::missing(missing, "for accuracy_grade"));
     }
     // These act without it too.
     let act = [InputKey::preload_temperature_C, InputKey::screw_tension_N];

@@ -11,6 +11,7 @@ use serde_json::{Map, Value, json};
 
 use super::answer::{or_null, schema_of};
 use super::phase::{PHASE_INPUTS, PhaseEntry};
+use crate::vocabulary::error::bad;
 use crate::{CaseError, nearest};
 
 macro_rules! entries {
@@ -132,10 +133,8 @@ impl SceneEntries {
     /// [`CaseError::BadEntry`] with the path of what is wrong.
     pub(crate) fn set(&mut self, key: String, value: Value) -> Result<(), CaseError> {
         let one = Value::Object(Map::from_iter([(key, value)]));
-        let one: Self = serde_path_to_error::deserialize(one).map_err(|e| CaseError::BadEntry {
-            key: e.path().to_string(),
-            what: e.inner().to_string(),
-        })?;
+        let one: Self = serde_path_to_error::deserialize(one)
+            .map_err(|e| bad(e.path().to_string(), e.inner().to_string()))?;
         self.override_with(&one);
         Ok(())
     }

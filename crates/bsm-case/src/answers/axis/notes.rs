@@ -54,7 +54,7 @@ impl AxisState<'_> {
                 2.0 * rise
             ));
         }
-        let mut note = |words: &str| notes.push(words.to_owned());
+        let mut note = |text: &str| notes.push(text.to_owned());
         if let Some(word) = self.scene.nut.accuracy_grade {
             note(&word.describe());
             let Grade { name, .. } = word.grade;
