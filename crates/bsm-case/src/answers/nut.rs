@@ -244,6 +244,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutUnderLoad<'_>) of Nut;
             "gaps between the balls of the loaded part of a circuit, all together, from which no balls touch";
         ball_contact_band_Nm ["N m"] Whole(|n| Some(n.advance()?.contact_torque * n.problem.gaps.friction?)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
             "largest torque of ball-to-ball contact while pushes are below 3 % of the ball load; 0 with the needed gaps";
+        contact_torque_free_Nm ["N m"] Whole(|n| Some(n.train()?.free_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "friction torque of the contacts with nut and screw, without pushes";
         touching_contacts [""] Whole(|n| Some(count(n.train()?.touching))) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "contacts between balls that carry a push";
         max_push_N ["N"] Whole(|n| Some(n.train()?.largest_push)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "largest force between balls";
         idle_balls [""] Whole(|n| Some(count(n.train()?.number_of(Rolling::Idle)))) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "balls that are moved without a load";
