@@ -58,13 +58,14 @@ pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 3] = [
 ];
 
 /// Inputs of the axis that a search does not ask for: it calculates what a catalogue states.
-const NOT_OF_AXES: [InputKey; 7] = {
+const NOT_OF_AXES: [InputKey; 8] = {
     use InputKey as K;
     [
         K::nominal_diameter_mm,
         K::rated_dynamic_load_N,
         K::rated_static_load_N,
         K::screw_mass_kg_m,
+        K::nut_mass_kg,
         K::catalogue_efficiency,
         K::catalogue_back_efficiency,
         K::rated_rigidity_N_um,
