@@ -234,7 +234,7 @@ pub(crate) fn axis(
     let (scene, settings) = (&scene.get().0, how.settings()?);
     let report = on_threads(py, || AxisReport::of(scene, &settings))?;
     let made = || -> Result<Files, ReportError> {
-        let (page, results) = (size_page(&report)?, size_results(&report));
+        let (page, results) = (size_page(&report, None)?, size_results(&report));
         report_files(page, &results, &size_figures(&report))
     };
     let files = if sheet { made().map_err(|e| errors::words(&e.to_string()))? } else { Vec::new() };

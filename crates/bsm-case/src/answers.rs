@@ -9,6 +9,7 @@ pub(crate) mod ellipses;
 pub(crate) mod fit;
 pub(crate) mod jam;
 pub(crate) mod makers;
+pub(crate) mod moving;
 pub(crate) mod nut;
 pub(crate) mod optimum;
 pub(crate) mod ratings;

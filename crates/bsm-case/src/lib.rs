@@ -37,7 +37,7 @@ mod answers;
 mod case;
 mod vocabulary;
 
-pub use answers::analysis::{MotionAnswer, table};
+pub use answers::analysis::table;
 pub use answers::axis::{AxisReport, Order, ScrewTorque, sheet_columns, torque_parts};
 pub use answers::calibration::{Calibration, CalibrationReport};
 pub use answers::comparison::{Comparison, ModelAnswer};
@@ -46,6 +46,7 @@ pub use answers::ellipses::EllipseFields;
 pub use answers::fit::{Fit, FitReport, FitValue};
 pub use answers::jam::jam;
 pub use answers::makers::{MakerNut, MakerRow};
+pub use answers::moving::MotionAnswer;
 pub use answers::nut::{Columns, NutReport};
 pub use answers::optimum::optimum;
 pub use answers::ratings::ratings;

@@ -9,7 +9,7 @@ use serde_json::{Map, Value};
 use crate::args::OutArgs;
 use crate::failure::{Failure, warn};
 use crate::files::{self, ending_of, is_stdout, keep, pretty_json, print, write_bytes};
-use crate::stream::{TABLES, write_rows};
+use crate::stream::{NumberRow, TABLES, write_rows};
 use crate::table;
 
 /// Answer of a command.
@@ -22,7 +22,7 @@ pub(crate) struct Reply {
     /// Content of a JSON file, if not the answer: a scene; null if there is none.
     pub(crate) scene: Option<Value>,
     /// Names, units and values of a table, if the answer is one.
-    pub(crate) rows: Vec<(String, String, f64)>,
+    pub(crate) rows: Vec<NumberRow>,
     /// The scene that tables are made from.
     pub(crate) about: Value,
 }
@@ -35,13 +35,6 @@ pub(crate) struct Pictures {
     pub(crate) page: Option<String>,
     /// A drawing as DXF.
     pub(crate) drawing: Option<String>,
-}
-
-/// Rows of a table.
-pub(crate) fn named<'a>(
-    rows: impl Iterator<Item = (&'a str, &'a str, f64)>,
-) -> Vec<(String, String, f64)> {
-    rows.map(|(name, unit, value)| (name.to_owned(), unit.to_owned(), value)).collect()
 }
 
 impl OutArgs {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use bsm_batch::TableFormat;
+use bsm_batch::dataset::sha256;
 use bsm_case::{CaseError, ModelChoice, Rule, Scene, Settings};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
@@ -140,6 +141,13 @@ impl SceneArgs {
     /// Reads the scene, and applies the changes.
     pub(crate) fn read(&self) -> Result<Scene, Failure> {
         files::read_scene(self.scene.as_deref(), &self.settings)
+    }
+
+    /// Name and SHA-256 of its file; `None` of what was typed or piped.
+    pub(crate) fn hash(&self) -> Option<String> {
+        let path = self.scene.as_deref().filter(|path| path.is_file())?;
+        let name = path.file_name()?.to_string_lossy();
+        Some(format!("{name}, SHA-256 {}", sha256(path).ok()?.0))
     }
 
     /// A complaint about the scene.
@@ -286,7 +294,7 @@ pub(crate) fn threads(text: &str) -> Result<NonZeroUsize, String> {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct OutArgs {
-    /// .html: the page; .json: what --json prints; of axis also .dxf: the grooves. May be repeated.
+    /// .html: the page; .json: what --json prints; of axis also .csv: the rules, .dxf: the grooves. May be repeated.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     /// Folder for the page report.html, results.json and figures/ (SVG and CSV).

@@ -1,18 +1,18 @@
 //! `bsm axis`: the axis around a screw.
 
 use bsm_case::{AxisReport, Content, GrooveSection, PhaseEntry};
-use bsm_report::sheets::{size_figures, size_page};
+use bsm_report::sheets::{size_figures, size_page, size_table};
 use bsm_report::{PROGRAM, groove_dxf};
 
 use crate::answer::{Pictures, Reply};
 use crate::args::AxisArgs;
 use crate::failure::Failure;
-use crate::files::{MOST_OF_A_TABLE, ending_of, read};
+use crate::files::{self, MOST_OF_A_TABLE, ending_of, read};
 
 pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     let in_file = args.scene.failure();
     let mut scene = args.scene.read()?;
-    args.out.check(&["json", "html", "dxf"], &[Some(args.scene.path())])?;
+    args.out.check(&["json", "html", "dxf", "csv"], &[Some(args.scene.path())])?;
     if let Some(table) = &args.cycle {
         let format = args.dialect.read(&["delimiter", "decimal"])?;
         let bytes = read(table, MOST_OF_A_TABLE)?;
@@ -27,8 +27,12 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     if args.out.output.iter().any(|path| ending_of("-o", path, &["dxf"]).is_ok()) {
         drawing.as_ref().map_err(|error| Failure::scene(args.scene.path(), error))?;
     }
+    for path in args.out.tables() {
+        files::write(path, &size_table(&report)?)?;
+    }
+    let input = args.scene.hash();
     let draw = || {
-        let (figures, page) = (size_figures(&report), Some(size_page(&report)?));
+        let (figures, page) = (size_figures(&report), Some(size_page(&report, input.as_deref())?));
         Ok(Pictures { figures, page, drawing: drawing.ok() })
     };
     Reply::about(&report.scene, answer).give(&args.out, draw)

@@ -48,30 +48,30 @@ fn main() -> ExitCode {
         Err(usage) => return failure::usage(&usage),
     };
     // Rayon starts the number in RAYON_NUM_THREADS; 0 or text means all cores there.
-    let asked =
+    let threads =
         env::var("RAYON_NUM_THREADS").ok().filter(|n| n.parse::<usize>().is_ok_and(|n| n > 0));
-    let asked = match asked.as_deref().map(args::threads).transpose() {
-        Ok(asked) => asked,
+    let threads = match threads.as_deref().map(args::threads).transpose() {
+        Ok(threads) => threads,
         Err(what) => return Failure::Input(format!("RAYON_NUM_THREADS {what}")).report(),
     };
     let result = match command {
         Command::Solve(args) => solve::run(&args),
-        Command::Nut(args) => on_threads(asked, |_| nut::run(&args)),
-        Command::Axis(args) => on_threads(asked, |_| axis::run(&args)),
-        Command::Select(args) => on_threads(asked, |_| select::run(&args)),
+        Command::Nut(args) => on_threads(threads, |_| nut::run(&args)),
+        Command::Axis(args) => on_threads(threads, |_| axis::run(&args)),
+        Command::Select(args) => on_threads(threads, |_| select::run(&args)),
         Command::Sweep(args) => {
-            on_threads(args.work.threads.or(asked), |workers| sweep::run(&args, workers))
+            on_threads(args.work.threads.or(threads), |workers| sweep::run(&args, workers))
         }
         Command::Parts(PartsCommand::Run(args)) => {
-            on_threads(args.work.threads.or(asked), |workers| parts::run(&args, workers))
+            on_threads(args.work.threads.or(threads), |workers| parts::run(&args, workers))
         }
         Command::Parts(PartsCommand::Check(args)) => {
-            on_threads(asked, |workers| parts::check(&args, workers))
+            on_threads(threads, |workers| parts::check(&args, workers))
         }
         Command::Fit(args) => fit::run(&args),
-        Command::View(args) => on_threads(asked, |workers| view::run(&args, workers)),
-        Command::Validate(args) => on_threads(asked, |_| validate::run(&args)),
-        Command::Tradeoff(args) => on_threads(asked, |_| tradeoff::run(&args)),
+        Command::View(args) => on_threads(threads, |workers| view::run(&args, workers)),
+        Command::Validate(args) => on_threads(threads, |_| validate::run(&args)),
+        Command::Tradeoff(args) => on_threads(threads, |_| tradeoff::run(&args)),
         Command::Schema { name } => schema::run(name.as_deref()),
     };
     match result {

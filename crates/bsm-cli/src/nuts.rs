@@ -54,7 +54,7 @@ pub(crate) fn run(args: &SelectArgs, catalogue: Catalogue) -> Result<(), Failure
     for path in args.out.tables() {
         let head: Vec<_> = list.columns().iter().map(head).collect();
         let parts = places.chunks(PART).map(|part| list.values(part));
-        write_numbers(path, form_of(path)?, &head, parts, &asked(args)?)?;
+        write_numbers(path, form_of(path)?, &head, parts, &request(args)?)?;
     }
     let picked = list.nuts(&list.chosen[..1]);
     let scene = picked.first().map(|nut| candidate_scene(nut, requirement.as_ref()));
@@ -67,7 +67,7 @@ fn head(column: &ListColumn) -> NumberColumn {
 }
 
 /// The request.
-fn asked(args: &SelectArgs) -> Result<Value, Failure> {
+fn request(args: &SelectArgs) -> Result<Value, Failure> {
     let json = |path: Option<&Path>| -> Result<Value, Failure> {
         let Some(path) = path else { return Ok(Value::Null) };
         serde_json::from_slice(&files::read_json(path)?)

@@ -7,7 +7,7 @@ use bsm_case::{
     REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile, STANDARD_CATALOGUE,
 };
 
-use crate::answer::{Pictures, Reply, named};
+use crate::answer::{Pictures, Reply};
 use crate::args::{SelectArgs, SelectShow};
 use crate::failure::{Failure, warn};
 use crate::files::{MOST_OF_A_TABLE, ending_of, print, read, read_json};
@@ -117,7 +117,7 @@ fn steps(args: &SelectArgs, sizes: &Catalogue) -> Result<(), Failure> {
         answer = answer.with_shown(Content::Words("next:", Some(next)));
     }
     let reply = Reply {
-        rows: named(report.rows.iter().filter_map(row)),
+        rows: report.rows.iter().filter_map(row).collect(),
         about: scene.clone(),
         scene: Some(report.found.then_some(scene).into()),
         ..Reply::of(answer)

@@ -8,7 +8,7 @@ use bsm_dyn::{ModelWorkspace, Problem, Solution, Status};
 use bsm_report::sheets::Study;
 use bsm_report::{Figure, PROGRAM, ReportError};
 
-use crate::answer::{Pictures, Reply, named};
+use crate::answer::{Pictures, Reply};
 use crate::args::{ALL, Show, SolveArgs};
 use crate::failure::Failure;
 use crate::nut::write_columns;
@@ -81,12 +81,8 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         };
         parts.push((name, answer));
     }
-    let rows = match (&parts[..], has_rows) {
-        ([(_, ratings)], true) => {
-            named(ratings.entries().map(|(column, value)| (column.name, column.unit, value)))
-        }
-        _ => Vec::new(),
-    };
+    let of_ratings = parts.iter().filter(|_| has_rows).flat_map(|(_, ratings)| ratings.entries());
+    let rows = of_ratings.map(|(column, value)| (column.name, column.unit, value)).collect();
     let reply =
         Reply { parts, rows, about: scene.to_json(), ..Reply::about(&scene, Answer::default()) };
     reply.give(&args.out, || Ok(Pictures { figures, ..Pictures::default() }))
@@ -151,33 +147,41 @@ fn analysis(
     report: impl Fn(&Scene, &Settings, &Solution) -> Result<Answer, CaseError>,
     study: impl Fn(&Scene, &Settings, &Solution) -> Result<Study, ReportError>,
 ) -> Result<Answer, Failure> {
-    let in_file = args.scene.failure();
-    let MotionAnswer { settings, solution } =
-        MotionAnswer::of(scene, settings, &mut ModelWorkspace::default()).map_err(in_file)?;
+    of_motion(args, scene, settings, |settings, solution| {
+        let answer = report(scene, settings, solution).map_err(args.scene.failure())?;
+        if let Some(figures) = figures {
+            figures.extend(study(scene, settings, solution)?.figures);
+        }
+        Ok(answer)
+    })
+}
+
+/// What follows from the motion of the ball, or the reason why there is none.
+fn of_motion(
+    args: &SolveArgs,
+    scene: &Scene,
+    settings: &Settings,
+    answer: impl FnOnce(&Settings, &Solution) -> Result<Answer, Failure>,
+) -> Result<Answer, Failure> {
+    let moving = MotionAnswer::of(scene, settings, &mut ModelWorkspace::default());
+    let MotionAnswer { settings, solution } = moving.map_err(args.scene.failure())?;
     if solution.reason().is_some() {
         return point(args, scene, &settings, solution, &Supplement::default());
     }
-    let answer = report(scene, &settings, &solution).map_err(in_file)?;
-    if let Some(figures) = figures {
-        figures.extend(study(scene, &settings, &solution)?.figures);
-    }
-    Ok(answer)
+    answer(&settings, &solution)
 }
 
 /// Fields over the contact ellipses, which tables have point by point.
 fn ellipses(args: &SolveArgs, scene: &Scene, settings: &Settings) -> Result<Answer, Failure> {
-    let in_file = args.scene.failure();
-    let MotionAnswer { settings, solution } =
-        MotionAnswer::of(scene, settings, &mut ModelWorkspace::default()).map_err(in_file)?;
-    if solution.reason().is_some() {
-        return point(args, scene, &settings, solution, &Supplement::default());
-    }
-    let points = args.points.unwrap_or(EllipseFields::POINTS);
-    let fields = EllipseFields::of(scene, &settings, &solution, points).map_err(in_file)?;
-    for path in args.out.tables() {
-        write_columns(path, &fields.columns(), scene)?;
-    }
-    Ok(fields.answer())
+    of_motion(args, scene, settings, |settings, solution| {
+        let points = args.points.unwrap_or(EllipseFields::POINTS);
+        let fields = EllipseFields::of(scene, settings, solution, points);
+        let fields = fields.map_err(args.scene.failure())?;
+        for path in args.out.tables() {
+            write_columns(path, &fields.columns(), scene)?;
+        }
+        Ok(fields.answer())
+    })
 }
 
 /// The best contact angle and self-locking limits.

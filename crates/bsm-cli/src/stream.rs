@@ -361,32 +361,28 @@ pub(crate) fn write_numbers(
     parts: impl Iterator<Item = Vec<Vec<f64>>>,
     about: &Value,
 ) -> Result<(), Failure> {
-    let out = Output::create(path)?;
-    let about = made_from(about);
-    let failed = |error| unwritable(path, &error);
     match form {
         Form::Table(format) => {
+            let out = Output::create(path)?;
             let written = || {
                 let mut table = TableSink::of_numbers(format, out, columns)?;
                 for part in parts {
                     table.write_numbers(part)?;
                 }
-                table.finish(Some(&about.to_string()))
+                table.finish(Some(&made_from(about).to_string()))
             };
-            written().map_err(failed)?.complete()
+            written().map_err(|error| unwritable(path, &error))?.complete()
         }
         #[cfg(feature = "xlsx")]
         Form::Workbook => {
-            let written = || {
-                let mut book = Workbook::new(columns.iter().map(|c| (c.name, c.unit)))?;
+            write_book(path, columns.iter().map(|c| (c.name, c.unit)), about, |book| {
                 for part in parts {
                     for row in 0..part.first().map_or(0, Vec::len) {
                         book.row(part.iter().map(|values| Cell::Number(values[row])))?;
                     }
                 }
-                book.finish(&about)
-            };
-            files::write_bytes(out, path, &written().map_err(failed)?)
+                Ok(())
+            })
         }
     }
 }
@@ -396,36 +392,45 @@ fn made_from(about: &Value) -> Value {
     json!({ "program": PROGRAM, "made_from": about })
 }
 
+/// Name, unit and value.
+pub(crate) type NumberRow = (&'static str, &'static str, f64);
+
 /// A table of names, units and values, a row each.
-pub(crate) fn write_rows(
-    path: &Path,
-    rows: &[(String, String, f64)],
-    about: &Value,
-) -> Result<(), Failure> {
+pub(crate) fn write_rows(path: &Path, rows: &[NumberRow], about: &Value) -> Result<(), Failure> {
     match form_of(path)? {
         #[cfg(feature = "xlsx")]
         Form::Workbook => {
-            let out = Output::create(path)?;
-            let written = || {
-                let names = ["name", "unit", "value"].map(|name| (name, ""));
-                let mut book = Workbook::new(names.into_iter())?;
-                for (name, unit, value) in rows {
-                    let cells = [Cell::Text(name), Cell::Text(unit), Cell::Number(*value)];
-                    book.row(cells.into_iter())?;
-                }
-                book.finish(&made_from(about))
-            };
-            let bytes = written().map_err(|error| unwritable(path, &error))?;
-            files::write_bytes(out, path, &bytes)
+            let heads = ["name", "unit", "value"].map(|name| (name, ""));
+            write_book(path, heads.into_iter(), about, |book| {
+                rows.iter().try_for_each(|(name, unit, value)| {
+                    book.row([Cell::Text(name), Cell::Text(unit), Cell::Number(*value)].into_iter())
+                })
+            })
         }
         Form::Table(_) => {
-            let line = |(name, unit, value): &(String, String, f64)| {
-                format!("{name},{unit},{}\n", exact(*value))
-            };
+            let line =
+                |(name, unit, value): &NumberRow| format!("{name},{unit},{}\n", exact(*value));
             let lines: String = rows.iter().map(line).collect();
             files::write(path, &format!("name,unit,value\n{lines}"))
         }
     }
+}
+
+/// A workbook with rows, and a sheet of what it is made from.
+#[cfg(feature = "xlsx")]
+fn write_book<'a>(
+    path: &Path,
+    heads: impl Iterator<Item = (&'a str, &'a str)>,
+    about: &Value,
+    rows: impl FnOnce(&mut Workbook) -> Result<(), TableError>,
+) -> Result<(), Failure> {
+    let out = Output::create(path)?;
+    let written = || {
+        let mut book = Workbook::new(heads)?;
+        rows(&mut book)?;
+        book.finish(&made_from(about))
+    };
+    files::write_bytes(out, path, &written().map_err(|error| unwritable(path, &error))?)
 }
 
 /// Format of a table.

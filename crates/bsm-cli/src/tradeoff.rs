@@ -5,7 +5,9 @@ use std::path::Path;
 use bsm_batch::TableFormat;
 use bsm_case::{Answer, Content};
 use bsm_report::{PROGRAM, short};
-use bsm_validate::tradeoff::{self, Advice, Count, DialResult, Group, OneCore, Points, Tradeoff};
+use bsm_validate::tradeoff::{
+    self, Advice, Count, DialResult, Errors, Group, OneCore, Points, Tradeoff,
+};
 use bsm_validate::tradeoff_page;
 use serde_json::json;
 
@@ -52,20 +54,8 @@ fn read(path: &Path) -> Result<Points, Failure> {
 }
 
 fn describe(measured: &Tradeoff) -> String {
-    let header = [
-        "model and setting",
-        "all cores us",
-        "solved %",
-        "eta median",
-        "99 %",
-        "max",
-        "torque 99 %",
-        "loads 99 %",
-        "angles deg",
-        "99 % rolling",
-        "partial skid",
-        "gross skid",
-    ];
+    let regimes = ["99 % rolling", "partial skid", "gross skid"];
+    let header: Vec<_> = COLUMNS.iter().map(|(head, _)| *head).chain(regimes).collect();
     let rows: Vec<_> = measured.dials.iter().map(row).collect();
     let times_header = [
         "model and setting",
@@ -117,24 +107,31 @@ fn describe(measured: &Tradeoff) -> String {
     )
 }
 
+/// Its heading and its text.
+type Column = (&'static str, fn(&DialResult, &Errors) -> String);
+
+/// Heads of the columns over all points, and their cells.
+const COLUMNS: [Column; 9] = [
+    ("model and setting", |dial, _| dial.dial.name()),
+    ("all cores us", |dial, _| micro(dial.times.all_cores)),
+    ("solved %", |_, all| format!("{:.1}", 100.0 * all.solved)),
+    ("eta median", |_, all| cell(all.efficiency.map(|e| e.median))),
+    ("99 %", |_, all| cell(all.efficiency.map(|e| e.q99))),
+    ("max", |_, all| cell(all.efficiency.map(|e| e.max))),
+    ("torque 99 %", |_, all| cell(all.torque.map(|e| e.q99))),
+    ("loads 99 %", |_, all| cell(all.loads.map(|e| e.q99))),
+    ("angles deg", |_, all| cell(all.angles_deg.map(|e| e.q99))),
+];
+
 fn row(dial: &DialResult) -> Vec<String> {
-    let cell = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), short);
-    let (all, times) = (&dial.errors[0], &dial.times);
-    let mut row = vec![
-        dial.dial.name(),
-        micro(times.all_cores),
-        format!("{:.1}", 100.0 * all.solved),
-        cell(all.efficiency.map(|e| e.median)),
-        cell(all.efficiency.map(|e| e.q99)),
-        cell(all.efficiency.map(|e| e.max)),
-        cell(all.torque.map(|e| e.q99)),
-        cell(all.loads.map(|e| e.q99)),
-        cell(all.angles_deg.map(|e| e.q99)),
-    ];
-    row.extend(Group::ALL.into_iter().filter(|group| *group != Group::All).map(|group| {
-        cell(dial.errors_of(group).and_then(|errors| errors.efficiency).map(|e| e.q99))
-    }));
-    row
+    let of_group = |group| dial.errors_of(group).and_then(|errors| errors.efficiency);
+    let regimes = Group::ALL.into_iter().filter(|group| *group != Group::All);
+    let regimes = regimes.map(|group| cell(of_group(group).map(|e| e.q99)));
+    COLUMNS.iter().map(|(_, of)| of(dial, &dial.errors[0])).chain(regimes).collect()
+}
+
+fn cell(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".to_owned(), short)
 }
 
 fn micro(ns: f64) -> String {
@@ -144,7 +141,6 @@ fn micro(ns: f64) -> String {
 /// Where the time goes: one by one, in tables, and in steps and evaluations.
 fn times_row(dial: &DialResult, times: &OneCore) -> Vec<String> {
     let OneCore { group, single, batch, row, steps, evaluations } = times;
-    let cell = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), short);
     let mut cells = vec![dial.dial.name(), group.name().to_owned()];
     cells.extend([single.mean, single.median, single.q90, single.q99, single.max].map(micro));
     cells.extend([*batch, row.median, row.q90, row.q99, row.max].map(micro));

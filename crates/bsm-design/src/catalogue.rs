@@ -40,7 +40,7 @@ pub struct Lists {
 }
 
 /// A size that makers offer; lengths in m.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct OfferedSize {
     /// Nominal diameter of the screw.
     pub diameter: f64,

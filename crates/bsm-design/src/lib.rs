@@ -72,7 +72,7 @@ pub use rigidity::{Elasticity, in_series};
 pub use screw::{Efficiency, RigidityAt, Screw};
 pub use shaft::{
     BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, PERMITTED_STRESS, Shaft, Support, heat_transfer,
-    lost_motion, steady_rise,
+    lost_motion, steady_rise, warming_time,
 };
 pub use thread::{Profile, Thread};
 

@@ -6,6 +6,9 @@ use std::f64::consts::PI;
 
 use crate::screw::STEEL;
 
+/// Heat capacity of steel \[J/(kg K)\].
+const HEAT_CAPACITY: f64 = 460.0;
+
 /// Stress up to which the screw is loaded along its axis \[Pa\] (Z3): THK, PMI and others state
 /// 147 N/mm².
 pub const PERMITTED_STRESS: f64 = 147e6;
@@ -99,6 +102,11 @@ impl Shaft {
         let mass = STEEL * self.section() + self.coolant * 0.25 * PI * self.bore.powi(2);
         // ω_c = λ²/l² √(E I/m')                                           (Z1)
         (root / self.length).powi(2) * (self.youngs_modulus * self.second_moment() / mass).sqrt()
+    }
+
+    /// The same under a tension \[N\], `$\omega_c\sqrt{1 + F/F_k}$`, which is exact for supported ends.
+    pub fn stretched_critical_speed(&self, tension: f64) -> f64 {
+        self.critical_speed() * (1.0 + tension / self.buckling_load()).sqrt()
     }
 
     /// Load under which it buckles \[N\] (Z2).
@@ -215,6 +223,13 @@ impl Shaft {
 pub fn steady_rise(heat: f64, transfer: f64) -> f64 {
     // ΔT = Q̇/H                                                           (Z17)
     heat / transfer
+}
+
+/// Time constant of that rise \[s\], `$mc/H$` with the 460 J/(kg K) of steel.
+///
+/// * `mass`: \[kg\]. * `transfer`: \[W/K\], positive.
+pub fn warming_time(mass: f64, transfer: f64) -> f64 {
+    mass * HEAT_CAPACITY / transfer
 }
 
 /// Heat transfer of a screw and its nut to still air \[W/K\] (Z19), with a factor of 2 to either side.

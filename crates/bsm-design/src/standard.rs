@@ -41,9 +41,9 @@ impl Requirement {
         let known = |check: &Check| !check.value.is_nan();
         let keeps = |design: &Design| design.checks.iter().filter(|c| known(c)).all(Check::passes);
         let limited = self.least_efficiency.is_some() || self.largest_power.is_some();
-        let asked = limited || self.objective.asks_efficiency();
+        let needs_efficiency = limited || self.objective.asks_efficiency();
         let (mut kept, mut failed): (Vec<_>, Vec<_>) = designs.into_iter().partition(keeps);
-        if asked {
+        if needs_efficiency {
             let (whole, part) = kept.par_iter().map(complete).partition(Design::is_feasible);
             kept = whole;
             failed.extend::<Vec<_>>(part);

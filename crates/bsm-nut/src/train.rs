@@ -196,6 +196,14 @@ pub enum TrainError {
         /// What all balls before it can give before they slide \[N\].
         available: f64,
     },
+    /// Balls push with more than [`LARGEST_PUSH`] of the largest load before the gaps are those that are given.
+    #[error("the balls push with more than {push:.3} N, {:.1} % of their largest load", 100.0 * part)]
+    LargePush {
+        /// Push at a rate of the train that is too small \[N\].
+        push: f64,
+        /// The same over the largest load.
+        part: f64,
+    },
     /// Nothing says how fast the balls of a circuit without a load go.
     #[error("circuit {circuit} carries no load: the speed of its balls is not known")]
     Unloaded {
@@ -287,7 +295,7 @@ impl BallNut {
             let (number, sum, low, _) = summed(&order);
             // X_0 = d θ_c Σ (p_j/p_min − 1)                                (O15)
             let needed_gap =
-                if number > 0.0 { arc * touch_angle * (sum / low - number) } else { 0.0 };
+                if number > 0.0 { arc * touch_angle * (sum / low - number).max(0.0) } else { 0.0 };
             let (mean, apart) = (sum / number, arc * of.arc / count(of.balls));
             let mut gained = 0.0;
             let mut advance: Vec<_> = order
@@ -367,7 +375,7 @@ impl BallNut {
             let balls = order.iter().map(|number| balls[*number].as_ref()).collect();
             let of = (self, inputs, speed, touch_angle);
             let flow = Flow::of(of, (circuit, inputs.gaps[circuit]), balls);
-            let pass = flow.steady(&mut work)?;
+            let pass = flow.steady(found.max_load(), &mut work)?;
             let circuit = flow.train(&pass, speed < 0.0);
             let [races, contacts, returns, catching] = flow.losses(&pass);
             train.race_torque += races / speed.abs();
@@ -618,7 +626,9 @@ impl Flow<'_> {
     }
 
     /// The circuit at the rate of the train for which the free length is there.
-    fn steady(&self, work: &mut ModelWorkspace) -> Result<Pass, TrainError> {
+    ///
+    /// * `largest_load`: of the nut \[N\].
+    fn steady(&self, largest_load: f64, work: &mut ModelWorkspace) -> Result<Pass, TrainError> {
         let rates: Vec<_> = self.rolling().map(|ball| ball.free().rate).collect();
         let states = self.balls.iter().map(|ball| State {
             rolling: if ball.is_some() { Rolling::Rolls } else { Rolling::Idle },
@@ -630,7 +640,6 @@ impl Flow<'_> {
         });
         let free: Vec<_> = states.collect();
         let mut pass = Pass { rate: 0.0, states: free.clone(), exit: 0.0 };
-        let failed = |what| TrainError::NotConverged { circuit: self.circuit, what };
         if rates.is_empty() {
             return Err(TrainError::Unloaded { circuit: self.circuit });
         }
@@ -662,13 +671,24 @@ impl Flow<'_> {
         let guess = Bracket { x_tol: 1e-9, ..Bracket::new(begin, begin.map(linear)) }.root(linear);
         let guess = guess.root().map_or(apart, |root| root.x);
         let mut why = "no rate of the train leaves this free length";
-        let mut surplus = |rate: f64| {
-            self.pass(rate, &mut pass, work).unwrap_or_else(|what| {
-                // Pushes rise with the rate of the train, up to what no ball can take.
+        let mut least_push = needed;
+        let mut surplus = |rate: f64| match self.pass(rate, &mut pass, work) {
+            Ok(value) => {
+                // Pushes rise with the rate of the train: where it leaves too much, they are larger.
+                if value.value > 0.0 {
+                    least_push = pass
+                        .states
+                        .iter()
+                        .fold(least_push, |most, state| most.max(state.pushes[1]));
+                }
+                value
+            }
+            // Up to what no ball can take.
+            Err(what) => {
                 pass.states.clone_from(&free);
                 why = what;
                 f64::NEG_INFINITY.into()
-            })
+            }
         };
         let newton = |value: &FunctionValue| {
             let slope = value.slope.filter(|slope| *slope < 0.0);
@@ -685,9 +705,15 @@ impl Flow<'_> {
             let found = Self::bracketed(here, &mut surplus);
             here = found.map_or(here, |rate| (rate, surplus(rate)));
         }
+        let failed = |what| TrainError::NotConverged { circuit: self.circuit, what };
         let allowed = LENGTH * self.room / self.pitch() + RATE * count(self.balls.len());
         if here.1.value.abs() > allowed {
-            return Err(failed(why));
+            let (push, part) = (least_push, least_push / largest_load);
+            return Err(if part > LARGEST_PUSH {
+                TrainError::LargePush { push, part }
+            } else {
+                failed(why)
+            });
         }
         // The surplus falls with the rate, or there is another rate that leaves the free length.
         if !here.1.slope.is_some_and(|slope| slope < 0.0) {

@@ -48,12 +48,12 @@ impl Dxf {
         self.number(51, ends[1]);
     }
 
-    fn text(&mut self, (x, y): (f64, f64), height: f64, words: &str) {
+    fn text(&mut self, (x, y): (f64, f64), height: f64, text: &str) {
         self.entity("TEXT", "DIM");
         self.number(10, x);
         self.number(20, y);
         self.number(40, height);
-        self.pair(1, words);
+        self.pair(1, text);
     }
 }
 
@@ -106,13 +106,13 @@ pub fn groove_dxf(section: &GrooveSection) -> String {
     let (x, y) = (reach * angle.sin(), reach * angle.cos());
     dxf.line("CENTRE", [(-x, y), (x, -y)]);
     let height = 0.12 * ball;
-    let words = [
+    let lines = [
         format!("D_w {:.4} mm", 2.0 * ball),
         format!("R_n {:.4} mm, R_s {:.4} mm", section.radii[0], section.radii[1]),
         format!("contact angle {:.3} deg", angle.to_degrees()),
     ];
-    for (line, words) in (0_u8..).zip(&words) {
-        dxf.text((1.8 * ball, -1.6 * f64::from(line) * height), height, words);
+    for (line, text) in (0_u8..).zip(&lines) {
+        dxf.text((1.8 * ball, -1.6 * f64::from(line) * height), height, text);
     }
     dxf.pair(0, "ENDSEC");
     dxf.pair(0, "EOF");

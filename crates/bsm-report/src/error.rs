@@ -4,8 +4,8 @@
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
-    /// The table of a figure cannot be written.
-    #[error("table of a figure: {0}")]
+    /// A table cannot be written.
+    #[error("table: {0}")]
     Table(#[from] csv::Error),
     /// A picture cannot be made.
     #[error("picture: {0}")]

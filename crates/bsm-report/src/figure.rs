@@ -323,9 +323,14 @@ impl Figure {
                 table.write_record([label, mark, &cell(*x), &y])?;
             }
         }
-        let bytes = table.into_inner().map_err(|e| csv::Error::from(e.into_error()))?;
-        Ok(String::from_utf8_lossy(&bytes).into_owned())
+        text_of_table(table)
     }
+}
+
+/// What a table is as text.
+pub(crate) fn text_of_table(table: csv::Writer<Vec<u8>>) -> Result<String, ReportError> {
+    let bytes = table.into_inner().map_err(|e| csv::Error::from(e.into_error()))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 /// SVG of a scene.

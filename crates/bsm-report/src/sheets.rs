@@ -12,6 +12,6 @@ mod warm;
 pub use catalogue::catalogue_figures;
 pub use lin::{Read, around_scenes, efficiency_as_printed, lin_figures, points};
 pub use nut::nut_figures;
-pub use size::{size_figures, size_page, size_results};
+pub use size::{size_figures, size_page, size_results, size_table};
 pub use study::{Course, Study};
 pub use warm::{warm_figures, warm_preload};

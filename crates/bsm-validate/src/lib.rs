@@ -26,46 +26,18 @@ pub use pages::{tradeoff_page, validation_page};
 pub use published::PublishedData;
 pub use report::{Check, Report, Verdict};
 
+use std::fmt::Display;
+
 /// Data, a table of points or the machine does not allow what is to be done.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ValidateError {
-    /// A table of published data cannot be used.
-    #[error("{file}: {error}")]
-    Data {
-        /// Which one.
-        file: &'static str,
-        /// Why.
-        error: csv::Error,
-    },
-    /// A table of published data has no rows.
-    #[error("{file}: the table has no rows, so nothing would be checked")]
-    NoRows {
-        /// Which one.
-        file: &'static str,
-    },
-    /// A scene or lists of published data cannot be used.
-    #[error("{file}: {error}")]
-    Scene {
-        /// Which one.
-        file: &'static str,
-        /// Why.
-        error: bsm_case::CaseError,
-    },
+    /// Published data or a table of points cannot be used.
+    #[error("{0}")]
+    Invalid(String),
     /// A point of a check cannot be asked.
     #[error("point of a check: {0}")]
     Point(#[from] bsm_case::CaseError),
-    /// An expression of `checks.csv` is wrong.
-    #[error("checks.csv, {key}: {error}")]
-    Expression {
-        /// Of which check.
-        key: String,
-        /// Why.
-        error: minijinja::Error,
-    },
-    /// A claim is missing in a table.
-    #[error("lin1994/claims.csv: no claim `{0}`")]
-    NoClaim(&'static str),
     /// A file of published data cannot be read.
     #[error("{}: {error}", path.display())]
     File {
@@ -80,23 +52,6 @@ pub enum ValidateError {
     /// A table of points cannot be used.
     #[error(transparent)]
     Table(#[from] bsm_batch::TableError),
-    /// A row of a table of points cannot be used.
-    #[error("row {row}: {error}")]
-    Row {
-        /// Number of the row, from 1.
-        row: u64,
-        /// What is wrong.
-        error: bsm_case::CaseError,
-    },
-    /// A table of points has no rows.
-    #[error("the table has no rows; give at least one operating point")]
-    NoPoints,
-    /// A table of points is longer than a measurement needs.
-    #[error("more than {most} rows; take a sample of them")]
-    TooManyPoints {
-        /// How many are taken.
-        most: usize,
-    },
     /// Nothing to measure against.
     #[error("model traction has no solution at any of the points, so there is no reference")]
     NoReference,
@@ -106,6 +61,13 @@ pub enum ValidateError {
     /// A one-dimensional search failed.
     #[error("search: {0}")]
     Search(#[from] bsm_design::search::SearchError),
+}
+
+impl ValidateError {
+    /// What a file, a check or a row is refused for.
+    fn of(place: impl Display, why: impl Display) -> Self {
+        Self::Invalid(format!("{place}: {why}"))
+    }
 }
 
 /// Runs every check.

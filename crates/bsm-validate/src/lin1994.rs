@@ -51,7 +51,8 @@ impl Claims {
     }
 
     fn get(&self, key: &'static str) -> Result<&(f64, String), ValidateError> {
-        self.0.get(key).ok_or(ValidateError::NoClaim(key))
+        let none = || ValidateError::of("lin1994/claims.csv", format!("no claim `{key}`"));
+        self.0.get(key).ok_or_else(none)
     }
 }
 

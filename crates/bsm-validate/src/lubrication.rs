@@ -41,7 +41,7 @@ pub(crate) fn case(published: &PublishedData, id: &str) -> Result<Scene, Validat
     let file = &published.lubrication;
     let cases: Cases = file.json()?;
     let case = cases.cases.iter().find(|case| case.id == id);
-    case.ok_or(ValidateError::NoRows { file: file.name() })?.scene(file)
+    case.ok_or_else(|| ValidateError::of(file.name(), format!("no case `{id}`")))?.scene(file)
 }
 
 #[derive(Deserialize)]
@@ -62,7 +62,7 @@ struct Case {
 impl Case {
     fn scene(&self, file: &File) -> Result<Scene, ValidateError> {
         Scene::from_json(self.scene.to_string().as_bytes())
-            .map_err(|error| ValidateError::Scene { file: file.name(), error })
+            .map_err(|error| ValidateError::of(file.name(), error))
     }
 }
 

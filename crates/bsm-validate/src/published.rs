@@ -21,9 +21,10 @@ impl File {
     pub(crate) fn rows<T: for<'de> Deserialize<'de>>(&self) -> Result<Vec<T>, ValidateError> {
         let reader = csv::Reader::from_reader(self.text.as_bytes());
         let rows: Result<Vec<T>, _> = reader.into_deserialize().collect();
-        let rows = rows.map_err(|error| ValidateError::Data { file: self.name, error })?;
+        let rows = rows.map_err(|error| ValidateError::of(self.name, error))?;
         if rows.is_empty() {
-            return Err(ValidateError::NoRows { file: self.name });
+            let why = "the table has no rows, so nothing would be checked";
+            return Err(ValidateError::of(self.name, why));
         }
         Ok(rows)
     }
@@ -31,15 +32,13 @@ impl File {
     /// The lists of a file.
     pub(crate) fn catalogue(&self) -> Result<Catalogue, ValidateError> {
         Catalogue::from_json(self.text.as_bytes())
-            .map_err(|error| ValidateError::Scene { file: self.name, error })
+            .map_err(|error| ValidateError::of(self.name, error))
     }
 
     /// What a JSON file holds.
     pub(crate) fn json<T: for<'de> Deserialize<'de>>(&self) -> Result<T, ValidateError> {
-        serde_json::from_str(&self.text).map_err(|error| ValidateError::Scene {
-            file: self.name,
-            error: CaseError::Syntax(error),
-        })
+        serde_json::from_str(&self.text)
+            .map_err(|error| ValidateError::of(self.name, CaseError::Syntax(error)))
     }
 
     /// Its name.
@@ -49,8 +48,7 @@ impl File {
 
     /// The scene of a file.
     pub(crate) fn scene(&self) -> Result<Scene, ValidateError> {
-        Scene::from_json(self.text.as_bytes())
-            .map_err(|error| ValidateError::Scene { file: self.name, error })
+        Scene::from_json(self.text.as_bytes()).map_err(|error| ValidateError::of(self.name, error))
     }
 }
 

@@ -93,98 +93,44 @@ struct Column {
     reason: &'static str,
 }
 
-const QUANTITIES: [Column; 10] = [
-    Column {
-        key: "diameter",
-        what: "diameter of ball centres that the balls fill",
-        unit: "mm",
-        printed: |row| row.calculated_diameter_mm,
-        ours: |nut| nut.pitch_diameter / MM,
-        tolerance: (1e-3, 0.0),
-        reason: "steps of 0.01 mm",
-    },
-    Column {
-        key: "groove-radius",
-        what: "groove radius",
-        unit: "mm",
-        printed: |row| row.groove_radius_mm,
-        ours: |nut| thread(nut).nut.radius / MM,
-        tolerance: (5e-3, 0.0),
-        reason: "two printed decimals",
-    },
-    Column {
-        key: "groove-offset",
-        what: "offset of the arc centres, eq. 1",
-        unit: "mm",
-        printed: |row| row.groove_offset_mm,
-        ours: |nut| thread(nut).nut.offset / MM,
-        tolerance: (5e-3, 0.0),
-        reason: "two printed decimals",
-    },
-    Column {
-        key: "dynamic",
-        what: "dynamic load rating",
-        unit: "N",
-        printed: |row| row.dynamic_load_rating_N,
-        ours: |nut| nut.dynamic_rating().rating,
-        tolerance: (1.0, 0.0),
-        reason: "the last printed digit, of a diameter with four",
-    },
-    Column {
-        key: "rigidity-characteristic",
-        what: "rigidity characteristic of a turn",
-        unit: "N/um^1.5",
-        printed: |row| row.stiffness_characteristic_N_um15,
-        ours: |nut| nut.elasticity(&NutBody::usual(nut)).map_or(f64::NAN, |e| e.turn * 1e-9),
-        tolerance: (0.0, 0.02),
-        reason: "2 %: exact Hertz contacts in place of fits that are not printed; the five rows of conformity 0.52 are all 1.5 to 1.8 % low",
-    },
-    Column {
-        key: "rigidity",
-        what: "rigidity of the preloaded pair",
-        unit: "N/um",
-        printed: |row| row.preloaded_stiffness_N_um,
-        ours: pair_rigidity,
-        tolerance: (0.0, 0.012),
-        reason: "1.2 %: two thirds of what the characteristic is off",
-    },
-    Column {
-        key: "outer-diameter",
-        what: "outer diameter",
-        unit: "mm",
-        printed: |row| row.outer_diameter_mm,
-        ours: |nut| NutBody::usual(nut).outer / MM,
-        tolerance: (1e-3, 0.0),
-        reason: "steps of 0.01 mm",
-    },
-    Column {
-        key: "length",
-        what: "length of the nut",
-        unit: "mm",
-        printed: |row| row.nut_length_mm,
-        ours: |nut| NutBody::usual(nut).length / MM,
-        tolerance: (1e-3, 0.0),
-        reason: "a whole number of leads",
-    },
-    Column {
-        key: "mass",
-        what: "mass of the nut",
-        unit: "kg",
-        printed: |row| row.mass_kg,
-        ours: |nut| NutBody::usual(nut).mass(nut, &thread(nut)),
-        tolerance: (0.0, 0.052),
-        reason: "the source does not give its rule; of 360 rules none is within 3.8 % of all rows",
-    },
-    Column {
-        key: "efficiency",
-        what: "efficiency",
-        unit: "",
-        printed: |row| row.efficiency,
-        ours: |nut| nut.rolling_efficiency(ROLLING_LEVER),
-        tolerance: (5e-3, 0.0),
-        reason: "two printed digits; formula and lever arm are ours, the arm is fitted to these rows",
-    },
-];
+/// `key printed ["unit"] "what": ours; absolute + relative, "reason";`
+macro_rules! columns {
+    ($($key:literal $printed:ident [$unit:literal] $what:literal: $ours:expr; $absolute:literal + $relative:literal, $reason:literal;)*) => {
+        &[$(Column {
+            key: $key,
+            what: $what,
+            unit: $unit,
+            printed: |row| row.$printed,
+            ours: $ours,
+            tolerance: ($absolute, $relative),
+            reason: $reason,
+        }),*]
+    };
+}
+
+const QUANTITIES: &[Column] = columns! {
+    "diameter" calculated_diameter_mm ["mm"] "diameter of ball centres that the balls fill": |nut| nut.pitch_diameter / MM;
+        1e-3 + 0.0, "steps of 0.01 mm";
+    "groove-radius" groove_radius_mm ["mm"] "groove radius": |nut| thread(nut).nut.radius / MM;
+        5e-3 + 0.0, "two printed decimals";
+    "groove-offset" groove_offset_mm ["mm"] "offset of the arc centres, eq. 1": |nut| thread(nut).nut.offset / MM;
+        5e-3 + 0.0, "two printed decimals";
+    "dynamic" dynamic_load_rating_N ["N"] "dynamic load rating": |nut| nut.dynamic_rating().rating;
+        1.0 + 0.0, "the last printed digit, of a diameter with four";
+    "rigidity-characteristic" stiffness_characteristic_N_um15 ["N/um^1.5"] "rigidity characteristic of a turn":
+        |nut| nut.elasticity(&NutBody::usual(nut)).map_or(f64::NAN, |e| e.turn * 1e-9);
+        0.0 + 0.02, "2 %: exact Hertz contacts in place of fits that are not printed; the five rows of conformity 0.52 are all 1.5 to 1.8 % low";
+    "rigidity" preloaded_stiffness_N_um ["N/um"] "rigidity of the preloaded pair": pair_rigidity;
+        0.0 + 0.012, "1.2 %: two thirds of what the characteristic is off";
+    "outer-diameter" outer_diameter_mm ["mm"] "outer diameter": |nut| NutBody::usual(nut).outer / MM;
+        1e-3 + 0.0, "steps of 0.01 mm";
+    "length" nut_length_mm ["mm"] "length of the nut": |nut| NutBody::usual(nut).length / MM;
+        1e-3 + 0.0, "a whole number of leads";
+    "mass" mass_kg ["kg"] "mass of the nut": |nut| NutBody::usual(nut).mass(nut, &thread(nut));
+        0.0 + 0.052, "the source does not give its rule; of 360 rules none is within 3.8 % of all rows";
+    "efficiency" efficiency [""] "efficiency": |nut| nut.rolling_efficiency(ROLLING_LEVER);
+        5e-3 + 0.0, "two printed digits; formula and lever arm are ours, the arm is fitted to these rows";
+};
 
 /// The usual thread of a nut, without play.
 fn thread(nut: &Nut) -> Thread {

@@ -98,7 +98,8 @@ impl Row {
         published: &PublishedData,
         environment: &Environment,
     ) -> Result<Check, ValidateError> {
-        let wrong = |error| ValidateError::Expression { key: self.key.clone(), error };
+        let place = format!("checks.csv, {}", self.key);
+        let wrong = |error: minijinja::Error| ValidateError::of(&place, error);
         let value = environment.compile_expression(&self.value).map_err(wrong)?;
         let note = environment.template_from_str(&self.note).map_err(wrong)?;
         let mut names: BTreeSet<_> = value.undeclared_variables(true).into_iter().collect();
@@ -276,7 +277,8 @@ mod tests {
         assert_eq!(rooted(""), (Verdict::Fail, "2 of 3 points have a value".to_owned()));
         for wrong in ["screw_sped_rpm", "rigid.efficiency +", "'words'"] {
             let error = check(&format!(",{wrong},,,,,,,,"));
-            assert!(matches!(error, Err(ValidateError::Expression { .. })), "{wrong}: {error:?}");
+            let error = error.expect_err("no number").to_string();
+            assert!(error.starts_with("checks.csv, k: "), "{wrong}: {error}");
         }
     }
 

@@ -10,7 +10,7 @@ mod errors;
 mod pareto;
 
 use bsm_batch::{Chunk, Columns, CsvSource, Source};
-use bsm_case::{Scene, Settings};
+use bsm_case::{CaseError, Scene, Settings};
 use bsm_dyn::{Model, ModelWorkspace};
 use bsm_report::Figure;
 use serde::Serialize;
@@ -54,13 +54,18 @@ impl Points {
     /// [`ValidateError`] if a row cannot be read, or has no inputs for model traction.
     pub fn read(source: &mut dyn Source) -> Result<Self, ValidateError> {
         let columns = source.columns().clone();
-        let chunk = source.next(MOST_POINTS + 1)?.ok_or(ValidateError::NoPoints)?;
+        let none = "the table has no rows; give at least one operating point";
+        let chunk = source.next(MOST_POINTS + 1)?;
+        let chunk = chunk.ok_or_else(|| ValidateError::Invalid(none.to_owned()))?;
         if chunk.len > MOST_POINTS {
-            return Err(ValidateError::TooManyPoints { most: MOST_POINTS });
+            return Err(ValidateError::Invalid(format!(
+                "more than {MOST_POINTS} rows; take a sample of them"
+            )));
         }
         let mut scenes = Vec::with_capacity(chunk.len);
         for row in 0..chunk.len {
-            let in_row = |error| ValidateError::Row { row: chunk.first + row as u64, error };
+            let place = format!("row {}", chunk.first + row as u64);
+            let in_row = |error: CaseError| ValidateError::of(&place, error);
             let scene = chunk.scene(&columns, &Scene::default(), row).map_err(in_row)?;
             scene.problem(&Model::Traction.into()).map_err(in_row)?;
             scenes.push(scene);

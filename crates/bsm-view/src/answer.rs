@@ -105,18 +105,18 @@ pub(crate) fn answer(
     workers: &Workers<'_>,
     stop: &AtomicBool,
 ) -> Result<Value, Refusal> {
-    let asked = || Request::read(body);
+    let request = || Request::read(body);
     match route {
         "schema" => Ok(schema()),
-        "point" => Ok(Value::Object(point(&asked()?, EllipseFields::POINTS)?)),
-        "solve" => solve(&asked()?),
-        "compare" => compare(&asked()?),
-        "slip" => slip(&asked()?),
-        "nut" => nut(&asked()?),
-        "warm" => warm(&asked()?),
-        "axis" => axis(&asked()?),
-        "ellipses" => ellipses(&asked()?, EllipseFields::POINTS),
-        "sweep" => sweep(&asked()?, workers, stop),
+        "point" => Ok(Value::Object(point(&request()?, EllipseFields::POINTS)?)),
+        "solve" => solve(&request()?),
+        "compare" => compare(&request()?),
+        "slip" => slip(&request()?),
+        "nut" => nut(&request()?),
+        "warm" => warm(&request()?),
+        "axis" => axis(&request()?),
+        "ellipses" => ellipses(&request()?, EllipseFields::POINTS),
+        "sweep" => sweep(&request()?, workers, stop),
         _ => Err(Refusal::Route(route.to_owned())),
     }
 }
@@ -124,11 +124,11 @@ pub(crate) fn answer(
 /// What is shown of one point: `solve` without the parts of the torque, `slip` and `ellipses`.
 ///
 /// * `points`: of the fields on a semi-axis.
-pub(crate) fn point(asked: &Request, points: u32) -> Result<Map<String, Value>, Refusal> {
+pub(crate) fn point(request: &Request, points: u32) -> Result<Map<String, Value>, Refusal> {
     Ok(Map::from_iter([
-        ("solve".to_owned(), solved(asked, false)?),
-        ("slip".to_owned(), or_message(slip(asked))),
-        ("ellipses".to_owned(), or_message(ellipses(asked, points))),
+        ("solve".to_owned(), solved(request, false)?),
+        ("slip".to_owned(), or_message(slip(request))),
+        ("ellipses".to_owned(), or_message(ellipses(request, points))),
     ]))
 }
 
@@ -138,8 +138,8 @@ pub(crate) fn or_message(answer: Result<Value, Refusal>) -> Value {
 }
 
 /// `bsm solve --json`, with the rows of its table and the section of the grooves.
-fn solve(asked: &Request) -> Result<Value, Refusal> {
-    solved(asked, asked.rest.get("parts") != Some(&Value::Bool(false)))
+fn solve(request: &Request) -> Result<Value, Refusal> {
+    solved(request, request.rest.get("parts") != Some(&Value::Bool(false)))
 }
 
 /// * `parts`: with the parts of the torque, which take the balance of a preloaded nut.
@@ -212,15 +212,15 @@ fn moving(Request { scene, settings, .. }: &Request) -> Result<MotionAnswer, Ref
 }
 
 /// `bsm solve --show slip --json`.
-fn slip(asked: &Request) -> Result<Value, Refusal> {
-    let MotionAnswer { settings, solution } = moving(asked)?;
-    Ok(bsm_case::slip(&asked.scene, &settings, &solution)?.to_json())
+fn slip(request: &Request) -> Result<Value, Refusal> {
+    let MotionAnswer { settings, solution } = moving(request)?;
+    Ok(bsm_case::slip(&request.scene, &settings, &solution)?.to_json())
 }
 
 /// Fields over the ellipses.
-fn ellipses(asked: &Request, points: u32) -> Result<Value, Refusal> {
-    let MotionAnswer { settings, solution } = moving(asked)?;
-    Ok(EllipseFields::of(&asked.scene, &settings, &solution, points)?.into_json())
+fn ellipses(request: &Request, points: u32) -> Result<Value, Refusal> {
+    let MotionAnswer { settings, solution } = moving(request)?;
+    Ok(EllipseFields::of(&request.scene, &settings, &solution, points)?.into_json())
 }
 
 /// `bsm nut --json`, with its table of balls and its curve.
@@ -250,7 +250,7 @@ pub(crate) fn axis(Request { scene, settings, rest }: &Request) -> Result<Value,
     let mut answer = size_results(&report);
     answer["shown"] = shown(&report.answer);
     if rest.get("sheet") == Some(&Value::Bool(true)) {
-        let sheet = size_page(&report).map_err(|error| Refusal::Input(error.to_string()))?;
+        let sheet = size_page(&report, None).map_err(|error| Refusal::Input(error.to_string()))?;
         answer["sheet"] = json!(sheet);
     }
     Ok(answer)

@@ -47,9 +47,9 @@ pub fn saved(
     settings: &Settings,
     workers: &Workers<'_>,
 ) -> Result<String, Refusal> {
-    let asked = |scene: Scene| json!({ "scene": scene.to_json(), "settings": settings.to_json() });
+    let body = |scene: Scene| json!({ "scene": scene.to_json(), "settings": settings.to_json() });
     let read = |value: &Value| Request::read(value.to_string().as_bytes());
-    let mut request = asked(scene.clone());
+    let mut request = body(scene.clone());
     request["band"] = json!(true);
     request["sheet"] = json!(true);
     let here = read(&request)?;
@@ -72,12 +72,12 @@ pub fn saved(
             let mut other = scene.clone();
             other.set(x, a)?;
             other.set(y, b)?;
-            let there = read(&asked(other))?;
+            let there = read(&body(other))?;
             let found = or_message(point(&there, COARSE).map(Value::Object));
             stops.push(json!({ "point": stop(found) }));
         }
         let axis = |name: &str, [low, high]: [f64; 2]| format!("{name}={low}:{high}:{CELLS}:log");
-        let mut request = asked(scene.clone());
+        let mut request = body(scene.clone());
         request["vary"] = json!([axis(x, range_x), axis(y, range_y)]);
         request["columns"] = json!(COLUMNS);
         let found =
@@ -86,7 +86,7 @@ pub fn saved(
         answers.insert("axes".to_owned(), json!([[x, values[0]], [y, values[1]]]));
     }
     let other = |scene: &Scene| {
-        let solved = solved(&read(&asked(scene.clone()))?, false)?;
+        let solved = solved(&read(&body(scene.clone()))?, false)?;
         Ok(json!({ "scene": scene.to_json(), "solved": solved }))
     };
     let beside = beside.iter().map(other).collect::<Result<Vec<_>, Refusal>>()?;

@@ -1,21 +1,16 @@
 //! Analyses of a scene or of a solved motion: their numbers, and what they are made from.
 
-use bsm_dyn::{ContactSite, Control, Model, ModelWorkspace, Solution, SteadyBall};
-use bsm_kin::Site;
-use serde_json::json;
+use bsm_dyn::Model;
 
-use super::record::message;
+use super::moving::MotionAnswer;
 use super::{axis, jam, nut, optimum, ratings, slip, warm};
 use crate::case::problem::Needs;
 use crate::case::rated_nut;
-use crate::vocabulary::units::DEG;
+use crate::vocabulary::error::list;
 use crate::{
-    AnalysisKind, Answer, CaseError, Column, Content, InputKey, InputSet, ModelChoice, Numbers,
-    NutProblem, OUTPUTS, Of, Output, Quantity, Record, Scene, Settings, Table, nearest,
+    AnalysisKind, Answer, CaseError, InputSet, ModelChoice, Numbers, NutProblem, OUTPUTS, Output,
+    Quantity, Scene, Settings, nearest,
 };
-
-/// The contacts of a ball.
-const SITES: [Site; 3] = [Site::Nut, Site::Screw, Site::NutMinor];
 
 impl AnalysisKind {
     /// All of them.
@@ -116,8 +111,7 @@ impl Output {
     ///
     /// # Errors
     ///
-    /// [`CaseError::EmptyColumn`] with the inputs that lack, [`CaseError::NoMotion`],
-    /// [`CaseError::OiledJam`].
+    /// [`CaseError::NoMotion`], or [`CaseError::Invalid`] with the inputs that lack.
     pub fn check(
         &self,
         base: &Scene,
@@ -126,7 +120,7 @@ impl Output {
     ) -> Result<(), CaseError> {
         let Some(kind) = self.analysis() else { return Ok(()) };
         if kind == AnalysisKind::Jam && given.is_lubricated() {
-            return Err(CaseError::OiledJam { found: String::new() });
+            return Err(CaseError::oiled_jam(""));
         }
         let mut missing = kind.missing(base, given);
         if let (true, ModelChoice::Fixed(model @ (Model::ClosedForm | Model::QuasiStatic))) =
@@ -140,7 +134,8 @@ impl Output {
         if missing.is_empty() {
             return Ok(());
         }
-        Err(CaseError::EmptyColumn { column: self.name, missing })
+        let (name, required) = (self.name, list(&missing));
+        Err(CaseError::Invalid(format!("column {name} would be empty: {required} required for it")))
     }
 
     /// The output of that name, of a solution or else of an analysis.
@@ -157,46 +152,6 @@ impl Output {
     pub fn all() -> impl Iterator<Item = &'static Self> {
         OUTPUTS.iter().chain(AnalysisKind::ALL.into_iter().flat_map(AnalysisKind::columns))
     }
-}
-
-/// Result of an analysis of a solved motion.
-///
-/// * `verdicts`: names of its statements, as text. * `lacks`: parts that are left out besides those that lack inputs.
-pub(crate) fn of_a_motion(
-    kind: AnalysisKind,
-    scene: &Scene,
-    solution: &Solution,
-    numbers: Numbers,
-    verdicts: Vec<(&'static str, String)>,
-    lacks: Vec<String>,
-) -> Answer {
-    let verdict = |(name, words): (&'static str, String)| {
-        let holds = numbers.number(name).is_some_and(|number| number > 0.5);
-        vec![json!(name), json!(holds), json!(words)]
-    };
-    let verdicts = Table {
-        columns: vec![
-            Column::headed("", "statement"),
-            Column::headed("answer", ""),
-            Column::headed("words", ""),
-        ],
-        rows: verdicts.into_iter().map(verdict).collect(),
-        keyed: true,
-    };
-    let lacks = without(kind, scene.given()).into_iter().chain(lacks).collect();
-    let record = Record::new(solution.clone());
-    let warnings = scene.warnings().into_iter().chain(record.warnings(scene)).collect();
-    let notes = scene.given().unused_by_models().collect();
-    Answer { notes, warnings, ..Answer::default() }
-        .with("model", Content::Words("model ", Some(solution.model.name().to_owned())))
-        .with("", Content::numbers(numbers, "ball"))
-        .with("verdicts", Content::Table(verdicts))
-        .with("lacks", Content::Texts("left out", lacks))
-}
-
-/// Quantities omitted without contact ellipses.
-pub(crate) fn lacks_ellipses(what: &str, model: Model) -> String {
-    format!("{what}: a model with elastic contacts, which {} is not", model.name())
 }
 
 /// The quantities of a table by its name: that of an analysis, or `steps`, `as used`, `best`, `screw`, `phase` or `torques`.
@@ -217,143 +172,4 @@ pub fn table(name: &str) -> impl Iterator<Item = &'static Quantity> + use<> {
     };
     all.iter()
         .filter(move |quantity| steps_alone.is_none_or(|alone| alone == (quantity.title == steps)))
-}
-
-/// The quantities that lack inputs of their own, together with those that lack the same.
-fn without(kind: AnalysisKind, given: InputSet) -> Vec<String> {
-    let mut lacks: Vec<(String, Vec<&str>)> = Vec::new();
-    for quantity in kind.quantities().iter().filter(|quantity| quantity.of != Of::Statement) {
-        let missing = quantity.missing(given);
-        if missing.is_empty() {
-            continue;
-        }
-        let missing = missing.join(" and ");
-        match lacks.iter_mut().find(|(known, _)| *known == missing) {
-            Some((_, abouts)) => abouts.push(quantity.about),
-            None => lacks.push((missing, vec![quantity.about])),
-        }
-    }
-    let words =
-        |(missing, abouts): (String, Vec<&str>)| format!("{}: {missing}", abouts.join(", "));
-    lacks.into_iter().map(words).collect()
-}
-
-/// A solution for an analysis of the motion of the ball.
-#[derive(Debug, Clone)]
-pub struct MotionAnswer {
-    /// Model and settings of the result.
-    pub settings: Settings,
-    /// The solution.
-    pub solution: Solution,
-}
-
-/// A contact of a ball in motion.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct MovingContact {
-    pub(crate) touch: ContactSite<f64>,
-    /// Normal load \[N\].
-    pub(crate) load: f64,
-    /// Slip angle \[rad\].
-    pub(crate) slip_angle: f64,
-    /// Semi-axes of the contact ellipse \[m\], if the model has them.
-    pub(crate) semi_axes: Option<(f64, f64)>,
-}
-
-/// Solution of a model that the analyses read: a ball of known motion and loads.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct MovingBall {
-    pub(crate) ball: SteadyBall<f64>,
-    /// At [`SITES`].
-    pub(crate) contacts: [Option<MovingContact>; 3],
-}
-
-impl MovingBall {
-    /// The ball that rolls at the contact angles in motion that the scene gives, if it does, with the
-    /// contact ellipses of the solution; and whether it is that one.
-    ///
-    /// # Errors
-    ///
-    /// [`CaseError::NotCovered`] if the model finds the angles itself.
-    pub(crate) fn at_given_angles(
-        mut self,
-        scene: &Scene,
-        settings: &Settings,
-        model: Model,
-    ) -> Result<(Self, bool), CaseError> {
-        let Some(angles) = scene.running_angles() else { return Ok((self, false)) };
-        if model != Model::RacewayControl {
-            return Err(CaseError::NotCovered {
-                key: InputKey::nut_running_contact_angle_deg.name(),
-                value: angles[0] / DEG,
-                rule: "left out",
-                model: model.name(),
-            });
-        }
-        let SteadyBall { helix, radius, drive, .. } = self.ball;
-        let control = settings.control.unwrap_or(Control::Nut);
-        self.ball = SteadyBall::rolling(control, helix, radius, drive, angles);
-        for (contact, angle) in self.contacts.iter_mut().flatten().zip(angles) {
-            contact.touch.angle = angle;
-        }
-        Ok((self, true))
-    }
-
-    /// Motion and contacts of a solution.
-    ///
-    /// # Errors
-    ///
-    /// [`CaseError::NoMotion`] if the model has none, [`CaseError::NotRated`] if there is no solution.
-    pub(crate) fn of(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
-        let state = match &solution.answer {
-            Ok(solved) => &solved.ball,
-            Err(none) => return Err(CaseError::NotRated(message(none.reason()))),
-        };
-        let motion = state.motion.ok_or_else(|| CaseError::NoMotion {
-            model: solution.model.name(),
-            missing: scene.missing(Model::Rigid),
-        })?;
-        let case = scene.reader().operating_point();
-        let ball =
-            SteadyBall { helix: case.helix, radius: case.ball.radius, drive: case.drive, motion };
-        let contacts = SITES.map(|site| {
-            let contact = state.contact(site)?;
-            Some(MovingContact {
-                touch: ContactSite { site, angle: contact.angle },
-                load: contact.load?,
-                slip_angle: contact.slip_angle?,
-                semi_axes: contact.pressed.map(|pressed| pressed.semi_axes),
-            })
-        });
-        Ok(Self { ball, contacts })
-    }
-
-    /// A number of each contact.
-    pub(crate) fn each(&self, number: impl Fn(&MovingContact) -> f64) -> [Option<f64>; 3] {
-        self.contacts.map(|contact| contact.as_ref().map(&number))
-    }
-}
-
-impl MotionAnswer {
-    /// The solution of the model that the settings come to, see `ModelChoice::of_motion`.
-    ///
-    /// # Errors
-    ///
-    /// As [`Scene::problem`].
-    pub fn of(
-        scene: &Scene,
-        settings: &Settings,
-        work: &mut ModelWorkspace,
-    ) -> Result<Self, CaseError> {
-        let settings = Settings { model: settings.model.of_motion(scene.stated()), ..*settings };
-        let solution = scene.problem(&settings)?.solve(work);
-        Ok(Self { settings, solution })
-    }
-}
-
-impl Scene {
-    /// Contact angles of nut and screw in motion, if they are given \[rad\].
-    pub fn running_angles(&self) -> Option<[f64; 2]> {
-        let angles = [self.nut_running_contact_angle_deg?, self.screw_running_contact_angle_deg?];
-        Some(angles.map(|angle| angle * DEG))
-    }
 }

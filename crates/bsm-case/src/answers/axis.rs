@@ -9,7 +9,7 @@ mod rules;
 mod state;
 mod torques;
 
-use bsm_design::{Axis, Nut, lost_motion};
+use bsm_design::{Axis, Nut, lost_motion, warming_time};
 use serde_json::json;
 
 pub use self::order::Order;
@@ -21,9 +21,9 @@ pub use self::torques::{ScrewTorque, torque_parts};
 use super::nut::QUANTITIES as NUT;
 use super::ratings::QUANTITIES as RATINGS;
 use crate::case::axis::{Machine, useful_travel};
-use crate::case::nut::bad;
 use crate::case::rated_nut;
 use crate::case::warm::{Detail, NutInPhase, Warm};
+use crate::vocabulary::error::bad;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{
@@ -59,6 +59,10 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         }), "elongation of the screw by its pretension";
         travel_compensation_um ["um" "c"] Whole(|w| Some(w.travel_compensation()? * MM / UM)), "target of the travel over the stroke for a screw with pretension; below 0 it is made shorter";
         screw_tension_N = INPUTS Whole(|w| w.tension());
+        stretched_critical_speed_rpm ["rpm"] Whole(|w| {
+            let tension = w.pretension()?.tension(0.0);
+            Some(w.shaft()?.stretched_critical_speed(tension) / RPM)
+        }), "critical speed with the tension of the cold screw, for information";
         support_bearing_load_N ["N"] Whole(|w| {
             Some(w.axis().largest_load() + w.pretension().map_or(0.0, |held| held.tension(0.0)))
         }), "largest load and pretension, which the support bearings carry";
@@ -66,6 +70,8 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         axis_heat_transfer_W_K = INPUTS Whole(|w| w.heat_transfer());
         steady_temperature_rise_K ["K"] Whole(|w| w.steady_rise()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "steady-state temperature rise, by axis_heat_transfer_W_K";
+        steady_temperature_time_s ["s" "tau"] Whole(|w| Some(warming_time(w.machine.screw?.0, w.heat_transfer()?))),
+            "time constant of the steady-state temperature rise, of the mass of the screw";
         screw_growth_um ["um"] Whole(|w| w.growth()),
             "thermal expansion between the bearings, in the warm state, by screw_temperature_rise_K or by the steady-state rise";
         travel_deviation_um ["um" "e_p"] Whole(|w| Some(w.grade()?.deviation(w.travel()?)? / UM)),
@@ -140,8 +146,10 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
             let motor = Some(w.machine.drive.motor_inertia).filter(|inertia| *inertia > 0.0);
             Some(w.inertia_at_motor()? / motor?)
         }), "load-to-motor inertia ratio";
-        least_acceleration_time_s ["s"] Whole(|w| w.least_ramp()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
+        least_acceleration_time_s ["s"] Whole(|w| w.least_ramp(w.scene.motor_peak_torque_Nm?)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "least time to the largest speed, by motor_peak_torque_Nm";
+        least_rated_acceleration_time_s ["s"] Whole(|w| Some(1.5 * w.least_ramp(w.scene.motor_rated_torque_Nm?)?)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
+            "1.5 times the least time to the largest speed by motor_rated_torque_Nm (HIWIN)";
         shortest_ramp_s ["s"] Whole(|w| w.shortest_ramp()), "time to the largest speed at the largest acceleration of the cycle";
     }
 }
@@ -297,14 +305,14 @@ impl AxisReport {
         Self::with(scene, settings, Detail { fold: true, band: false })
     }
 
-    fn with(asked: &Scene, settings: &Settings, detail: Detail) -> Result<Self, CaseError> {
-        check_inputs(asked)?;
-        let asked = &asked.with_preload()?;
-        let warm = Warm::with_band(asked, settings, detail)?;
+    fn with(given: &Scene, settings: &Settings, detail: Detail) -> Result<Self, CaseError> {
+        check_inputs(given)?;
+        let given = &given.with_preload()?;
+        let warm = Warm::with_band(given, settings, detail)?;
         if let Some(warm) = warm.as_ref().filter(|warm| warm.state.is_none()) {
-            return Ok(Self::of_none(asked, settings, warm));
+            return Ok(Self::of_none(given, settings, warm));
         }
-        let scene = &warm.as_ref().map_or_else(|| asked.clone(), |warm| warm.scene(asked));
+        let scene = &warm.as_ref().map_or_else(|| given.clone(), |warm| warm.scene(given));
         let worked = AxisState::of(scene, settings, warm)?;
         let of_nut = match &worked.machine.groove {
             Some(_) => ratings(&at_largest(scene, &worked.machine.axis))?,
@@ -334,7 +342,7 @@ impl AxisReport {
         }
         let answer = Answer { rules, notes, warnings, fails, ..Answer::default() }
             .with("passes", Content::Json((!fails).into()))
-            .with("inputs", Content::Json(asked.to_json()))
+            .with("inputs", Content::Json(given.to_json()))
             .with("phases", Content::Table(of_phases(&phases)))
             .with("results", Content::numbers(numbers, "axis"));
         let answer = match &worked.warm {
@@ -346,7 +354,7 @@ impl AxisReport {
             .with("not_modelled", Content::Texts("not modelled", not_modelled(scene)));
         let order = worked.order();
         let answer = answer.with_shown(Content::Words("order:", Some(order.to_string())));
-        Ok(Self { scene: asked.clone(), settings: *settings, phases, order, answer })
+        Ok(Self { scene: given.clone(), settings: *settings, phases, order, answer })
     }
 
     /// The sheet of an axis that has no warm steady state.
@@ -402,10 +410,10 @@ pub(crate) fn numbers(
 ) -> Result<Numbers, CaseError> {
     check_inputs(scene)?;
     let scene = &scene.with_preload()?;
-    let mut asked = QUANTITIES.iter().filter(|quantity| wanted(quantity));
+    let mut chosen = QUANTITIES.iter().filter(|quantity| wanted(quantity));
     // At one operating point the torque takes no axis.
     if scene.nut.cycle.is_none()
-        && asked.all(|quantity| quantity.name == "screw_torque_Nm")
+        && chosen.all(|quantity| quantity.name == "screw_torque_Nm")
         && let Some(torque) = torque_parts(scene, settings)?
     {
         return Ok(torque.numbers);
@@ -460,7 +468,7 @@ impl AxisState<'_> {
         let nut = self.warm_state().and_then(|warm| warm.phases[place]);
         let motion = read_phase(&PhaseResult { worked: self, torques, nut }, |_| true);
         let numbers = motion.and(torques.numbers());
-        ScrewTorque { numbers, contacts: torques.contacts.words.clone() }
+        ScrewTorque { numbers, contacts: torques.contacts.text.clone() }
     }
 }
 
@@ -468,7 +476,7 @@ impl AxisState<'_> {
 fn check_inputs(scene: &Scene) -> Result<(), CaseError> {
     if scene.nut.accuracy_grade.is_some() && useful_travel(scene).is_none() {
         let missing = vec!["stroke_mm (or useful_travel_mm)".to_owned()];
-        return Err(CaseError::Missing { missing, by: "for accuracy_grade".to_owned() });
+        return Err(CaseError::missing(missing, "for accuracy_grade"));
     }
     // These act without it too.
     let act = [InputKey::preload_temperature_C, InputKey::screw_tension_N];

@@ -1,16 +1,16 @@
 //! Several inputs from a table of measured points.
 
 use bsm_design::{LeastSquares, least_squares};
-use bsm_dyn::{Model, ModelWorkspace};
+use bsm_dyn::ModelWorkspace;
 use serde_json::json;
 
-use crate::answers::fit::{measurable, measured, range_of};
+use crate::answers::fit::{exact, measurable, measured, sought};
 use crate::vocabulary::cells::Cells;
+use crate::vocabulary::error::bad;
 use crate::vocabulary::number::number;
 use crate::vocabulary::units::convert;
 use crate::{
-    Answer, CaseError, Column, Content, InputKey, ModelChoice, Output, Scene, Settings, Table,
-    TableFormat,
+    Answer, CaseError, Column, Content, InputKey, Output, Scene, Settings, Table, TableFormat,
 };
 
 /// A measured point.
@@ -121,10 +121,7 @@ impl Calibration {
         for ((key, _), value) in self.inputs.iter().zip(values) {
             scene.set(key.name(), *value)?;
         }
-        let settings = match scene.choose(settings.model)? {
-            ModelChoice::Auto => Settings { model: Model::Traction.into(), ..*settings },
-            ModelChoice::Fixed(model) => Settings { model: model.into(), ..*settings },
-        };
+        let settings = exact(&scene, settings)?;
         measured(self.output, &scene, &settings, work)
     }
 
@@ -185,24 +182,6 @@ impl Calibration {
     }
 }
 
-/// An input and where it is looked for.
-pub(crate) fn sought(base: &Scene, text: &str) -> Result<(InputKey, (f64, f64)), CaseError> {
-    let bad = || CaseError::BadSetting {
-        text: text.to_owned(),
-        form: "input, or input=low:high, such as seal_torque_Nm=0:1",
-    };
-    let (name, range) = match text.split_once('=') {
-        None => (text, None),
-        Some((name, range)) => {
-            let (low, high) = range.split_once(':').ok_or_else(bad)?;
-            let number = |text: &str| text.trim().parse::<f64>().map_err(|_| bad());
-            (name, Some((number(low)?, number(high)?)))
-        }
-    };
-    let key = InputKey::named(name.trim())?;
-    Ok((key, range_of(base, key, range)?))
-}
-
 /// Content of a column: an input or the measured output, times a factor.
 enum ColumnContent {
     Input(InputKey, f64),
@@ -229,10 +208,7 @@ fn points(
         }
     })?;
     if columns.iter().filter(|column| matches!(column, ColumnContent::Measured(_))).count() != 1 {
-        return Err(CaseError::BadEntry {
-            key: output.name.to_owned(),
-            what: "must be one column of the table of measurements".to_owned(),
-        });
+        return Err(bad(output.name, "must be one column of the table of measurements"));
     }
     cells.each(&columns, |_, row| {
         let (mut scene, mut value) = (base.clone(), None);
@@ -244,8 +220,7 @@ fn points(
             }
         }
         scene.check()?;
-        let what = || format!("has no {}", output.name);
-        let value = value.ok_or_else(|| CaseError::Table { what: what() })?;
+        let value = value.ok_or_else(|| CaseError::Invalid(format!("has no {}", output.name)))?;
         Ok(MeasuredPoint { scene, value })
     })
 }

@@ -4,7 +4,7 @@ use bsm_dyn::{EllipseSlip, Model, Quadrature, Sliding, Solution};
 use bsm_kin::{BallFrame, Site};
 use serde_json::{Value, json};
 
-use crate::answers::analysis::{MovingBall, MovingContact};
+use crate::answers::moving::{MovingBall, MovingContact};
 use crate::answers::nut::Columns;
 use crate::answers::slip::{Law, integration};
 use crate::vocabulary::units::{DEG, MM, MPA};
@@ -49,7 +49,7 @@ impl EllipseFields {
     ///
     /// # Errors
     ///
-    /// [`CaseError::NoMotion`] if the model has none, [`CaseError::NotRated`] if there is no solution.
+    /// [`CaseError::NoMotion`] if the model has none, [`CaseError::Invalid`] if there is no solution.
     pub fn of(
         scene: &Scene,
         settings: &Settings,
@@ -76,7 +76,7 @@ impl EllipseFields {
             };
             let ball = &moving.ball;
             let wrench = ball.friction(touch, *load, &law, sliding);
-            let wrench = wrench.map_err(|error| CaseError::NotRated(error.to_string()))?;
+            let wrench = wrench.map_err(|error| CaseError::Invalid(error.to_string()))?;
             let across = BallFrame::tangent().cross(&ball.contact(touch).normal);
             let force = [wrench.force.dot(&across), wrench.force.x];
             let slip = ball.ellipse_slip(touch, semi_axes, pressed_radius, creep);

@@ -6,7 +6,7 @@ use bsm_design::search::{Crossing, crossings};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::json;
 
-use crate::answers::calibration::sought;
+use crate::vocabulary::error::list;
 use crate::{
     Answer, CaseError, Content, InputKey, Known, ModelChoice, Output, Record, Rule, Scene,
     Settings, torque_parts,
@@ -35,10 +35,14 @@ pub(crate) fn measured(
     settings: &Settings,
     work: &mut ModelWorkspace,
 ) -> Result<Option<f64>, CaseError> {
-    let lacks = |model: &'static str| CaseError::NoOutput {
-        output: output.name,
-        model,
-        missing: scene.missing(Model::Traction),
+    let lacks = |model: &str| {
+        let missing = scene.missing(Model::Traction);
+        let required = if missing.is_empty() {
+            String::new()
+        } else {
+            format!("; {} required by model traction", list(&missing))
+        };
+        CaseError::Invalid(format!("model {model} gives no {} here{required}", output.name))
     };
     if output.name == SCREW_TORQUE {
         let parts = torque_parts(scene, settings)?;
@@ -50,6 +54,15 @@ pub(crate) fn measured(
         None => Err(lacks(record.model().name())),
         value => Ok(value),
     }
+}
+
+/// The settings, with the most complete model in place of model auto: an error bound of the efficiency is none of an input.
+pub(crate) fn exact(scene: &Scene, settings: &Settings) -> Result<Settings, CaseError> {
+    let model = match scene.choose(settings.model)? {
+        ModelChoice::Auto => Model::Traction.into(),
+        fixed @ ModelChoice::Fixed(_) => fixed,
+    };
+    Ok(Settings { model, ..*settings })
 }
 
 /// Default range of a friction coefficient.
@@ -91,7 +104,7 @@ pub struct FitReport {
 
 /// Search range of an input: as given; 1e-4 to 0.5 for a friction coefficient, a quarter of the scene's value to
 /// four times it for another.
-pub(crate) fn range_of(
+fn range_of(
     scene: &Scene,
     input: InputKey,
     range: Option<(f64, f64)>,
@@ -119,6 +132,24 @@ pub(crate) fn range_of(
         return Err(CaseError::BadRange { key: input.name(), low: range.0, high: range.1 });
     }
     Ok(range)
+}
+
+/// An input and where it is looked for.
+pub(crate) fn sought(base: &Scene, text: &str) -> Result<(InputKey, (f64, f64)), CaseError> {
+    let bad = || CaseError::BadSetting {
+        text: text.to_owned(),
+        form: "input, or input=low:high, such as seal_torque_Nm=0:1",
+    };
+    let (name, range) = match text.split_once('=') {
+        None => (text, None),
+        Some((name, range)) => {
+            let (low, high) = range.split_once(':').ok_or_else(bad)?;
+            let number = |text: &str| text.trim().parse::<f64>().map_err(|_| bad());
+            (name, Some((number(low)?, number(high)?)))
+        }
+    };
+    let key = InputKey::named(name.trim())?;
+    Ok((key, range_of(base, key, range)?))
 }
 
 impl Fit {
@@ -170,10 +201,7 @@ impl Fit {
     pub fn run(&self, scene: &Scene, settings: &Settings) -> Result<FitReport, CaseError> {
         let mut scene = scene.clone();
         scene.set(self.input.name(), self.range.0)?;
-        let settings = &match scene.choose(settings.model)? {
-            ModelChoice::Auto => Settings { model: Model::Traction.into(), ..*settings },
-            ModelChoice::Fixed(model) => Settings { model: model.into(), ..*settings },
-        };
+        let settings = &exact(&scene, settings)?;
         let work = RefCell::new(ModelWorkspace::default());
         let excess = |value: f64| -> Result<f64, CaseError> {
             let scene = self.at(&scene, value)?;

@@ -8,12 +8,13 @@ use bsm_dyn::{
     step_thrust, track_friction, viscous_drag,
 };
 
-use crate::answers::analysis::{MovingBall, lacks_ellipses, of_a_motion};
+use crate::answers::moving::{MovingBall, lacks_ellipses, of_a_motion};
 use crate::answers::record::message;
+use crate::vocabulary::error::bad;
 use crate::vocabulary::number::number;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
-use crate::{AnalysisKind, Answer, CaseError, InputKey, Scene};
+use crate::{Answer, CaseError, InputKey, Scene};
 
 quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
     "contact state, elastic and permanent" {
@@ -165,8 +166,8 @@ struct Track {
 ///
 /// # Errors
 ///
-/// [`CaseError::NoMotion`] if the model has no motion of the ball, [`CaseError::NotRated`] if
-/// the contacts have no state with permanent approach, [`CaseError::BeyondDouble`] for a number
+/// [`CaseError::NoMotion`] if the model has no motion of the ball, [`CaseError::Invalid`] if
+/// the contacts have no state with permanent approach, and for a number
 /// that no double holds.
 pub fn jam(scene: &Scene, solution: &Solution) -> Result<Answer, CaseError> {
     let jam = Jam::of(scene, solution)?;
@@ -181,7 +182,7 @@ pub fn jam(scene: &Scene, solution: &Solution) -> Result<Answer, CaseError> {
         ("jams", jam.return_words(scene)),
     ];
     let verdicts = words.into_iter().filter_map(|(name, words)| Some((name, words?))).collect();
-    Ok(of_a_motion(AnalysisKind::Jam, scene, solution, numbers, verdicts, lacks))
+    Ok(of_a_motion(QUANTITIES, scene, solution, numbers, verdicts, lacks))
 }
 
 /// Why a lubricated ball is refused: the coefficients that its contacts have.
@@ -195,7 +196,7 @@ fn oiled(scene: &Scene, solution: &Solution) -> CaseError {
             number(rest)
         )
     });
-    CaseError::OiledJam { found }
+    CaseError::oiled_jam(&found)
 }
 
 impl Jam {
@@ -205,11 +206,10 @@ impl Jam {
         }
         let solved = MovingBall::of(scene, solution)?;
         if scene.running_angles().is_some() {
-            return Err(CaseError::BadEntry {
-                key: InputKey::nut_running_contact_angle_deg.name().to_owned(),
-                what: "is an input of slip: jamming needs angles in balance with the load"
-                    .to_owned(),
-            });
+            return Err(bad(
+                InputKey::nut_running_contact_angle_deg.name(),
+                "is an input of slip: jamming needs angles in balance with the load",
+            ));
         }
         let [Some(nut), Some(screw), _] = solved.contacts else {
             unreachable!("every model with a motion has loads and angles of both contacts")
@@ -309,7 +309,7 @@ impl Jam {
 impl PermanentContacts {
     fn of(scene: &Scene, wedge: &Wedge<f64>) -> Result<Self, CaseError> {
         let screw = scene.reader().elastic_point();
-        let failed = |reason: &Reason| CaseError::NotRated(message(reason));
+        let failed = |reason: &Reason| CaseError::Invalid(message(reason));
         let set =
             screw.permanent_set(wedge.loads, wedge.angles).map_err(|none| failed(none.reason()))?;
         let hertz = screw.hertz().map_err(|reason| failed(&reason))?;

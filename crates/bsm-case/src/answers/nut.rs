@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
-use bsm_design::{Duty, in_series, life};
+use bsm_design::{Duty, Grade, drag_torque, in_series, life};
 use bsm_dyn::{ElasticPoint, Hertz, ModelWorkspace, Problem, Temperature};
 use bsm_kin::Drive;
 use bsm_nut::{
@@ -244,6 +244,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutUnderLoad<'_>) of Nut;
             "gaps between the balls of the loaded part of a circuit, all together, from which no balls touch";
         ball_contact_band_Nm ["N m"] Whole(|n| Some(n.advance()?.contact_torque * n.problem.gaps.friction?)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
             "largest torque of ball-to-ball contact while pushes are below 3 % of the ball load; 0 with the needed gaps";
+        contact_torque_free_Nm ["N m"] Whole(|n| Some(n.train()?.free_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "friction torque of the contacts with nut and screw, without pushes";
         touching_contacts [""] Whole(|n| Some(count(n.train()?.touching))) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "contacts between balls that carry a push";
         max_push_N ["N"] Whole(|n| Some(n.train()?.largest_push)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "largest force between balls";
         idle_balls [""] Whole(|n| Some(count(n.train()?.number_of(Rolling::Idle)))) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "balls that are moved without a load";
@@ -318,6 +319,39 @@ fn loaded_balls(found: &Equilibrium) -> f64 {
 pub(crate) fn preload_note(cold: f64, warm: f64) -> String {
     format!(
         "the preload is set cold, at no rise of temperature: {cold:.0} N cold, {warm:.0} N warm"
+    )
+}
+
+/// The torque by which a preload is checked, with its tolerance.
+///
+/// * `torque`: by manufacturers' rule \[N·m\]. * `seal`: torque of the seals \[N·m\]. * `grade`: with length and diameter of the thread
+///   \[m\].
+pub(crate) fn torque_to_measure(
+    torque: f64,
+    seal: f64,
+    (grade, length, diameter): (Option<&Grade>, Option<f64>, f64),
+) -> String {
+    let tolerance = match (grade, length) {
+        (Some(grade), Some(length)) => {
+            let none = || {
+                "no tolerance is specified for this torque, length and accuracy_grade".to_owned()
+            };
+            grade.torque_variation(torque, length, diameter).map_or_else(none, |percent| {
+                let [low, high] = [-0.01, 0.01].map(|part| torque * (1.0 + part * percent));
+                format!("{low:.3} to {high:.3}, +-{percent:.0} % by {}", grade.name)
+            })
+        }
+        (None, Some(_)) => "accuracy_grade gives its tolerance".to_owned(),
+        _ => "accuracy_grade and stroke_mm give its tolerance".to_owned(),
+    };
+    let with_seals = if seal > 0.0 {
+        format!("; with the seals {:.3} N m", torque + seal)
+    } else {
+        String::new()
+    };
+    format!(
+        "friction torque of the preload to measure: {torque:.3} N m ({tolerance}) at 100 rpm, oil of ISO VG 68, \
+         without wipers{with_seals}"
     )
 }
 
@@ -562,11 +596,7 @@ impl NutReport {
                 "every ball carries its equal share, as in the models of one ball".to_owned(),
             );
         }
-        if let Some(NutPreload { cold, warm, .. }) = &self.state.made.preload
-            && (cold - warm).abs() > 0.0
-        {
-            notes.push(preload_note(*cold, *warm));
-        }
+        notes.extend(self.preload_notes());
         notes.extend(self.thrown(CENTRIFUGAL[0]..CENTRIFUGAL[1]));
         notes.extend(self.touch_note());
         let ball_friction = self.state.ball_friction(&self.problem);
@@ -650,6 +680,23 @@ impl NutReport {
                      0.06 gives for a pair"
                 ));
             }
+        }
+        notes
+    }
+
+    /// Of the preload: cold and warm, and the torque by which it is checked.
+    fn preload_notes(&self) -> Vec<String> {
+        let Some(NutPreload { cold, warm, .. }) = self.state.made.preload else {
+            return Vec::new();
+        };
+        let (NutProblem { design, seal_torque, grade, .. }, mut notes) =
+            (&self.problem, Vec::new());
+        if (cold - warm).abs() > 0.0 {
+            notes.push(preload_note(cold, warm));
+        }
+        if cold > 0.0 {
+            let torque = drag_torque(cold, design.lead, design.lead_angle());
+            notes.push(torque_to_measure(torque, *seal_torque, *grade));
         }
         notes
     }

@@ -4,9 +4,10 @@ use std::cell::RefCell;
 
 use crate::case::problem::Needs;
 use crate::case::requirement::USUAL_CONTACT_ANGLES_DEG;
+use crate::vocabulary::input_set::inputs;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::DEG;
-use crate::{Answer, CaseError, Content, InputKey, InputSet, Numbers, Of, Scene, Settings};
+use crate::{Answer, CaseError, Content, Numbers, Of, Scene, Settings};
 use bsm_design::search::minimum_inside;
 use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum};
 
@@ -41,8 +42,7 @@ quantities! { pub(crate) BY_MODEL, by_model(&ByModel);
 }
 
 /// Required inputs, besides a lead angle or a contact angle.
-pub(crate) const NEEDS: Needs =
-    Needs { all: InputSet::of(&[InputKey::friction_coefficient]), quantities: &[] };
+pub(crate) const NEEDS: Needs = Needs { all: inputs! { friction_coefficient }, quantities: &[] };
 
 /// Inputs of both directions.
 struct Known {
@@ -79,7 +79,7 @@ impl Known {
             missing.push(words.to_owned());
         }
         let Some(friction) = scene.friction_coefficient.filter(|_| missing.is_empty()) else {
-            return Err(CaseError::Missing { missing, by: "by model closed-form".to_owned() });
+            return Err(CaseError::missing(missing, "by model closed-form"));
         };
         Ok(Self {
             lead,

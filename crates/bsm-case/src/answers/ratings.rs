@@ -143,7 +143,7 @@ impl<'a> NutRatings<'a> {
             (preload, _) => (preload.unwrap_or(PRELOAD * dynamic.rating), true),
         };
         let elasticity =
-            nut.elasticity(&body).map_err(|reason| CaseError::NotRated(message(&reason)))?;
+            nut.elasticity(&body).map_err(|reason| CaseError::Invalid(message(&reason)))?;
         let edge_load = nut.edge_load(&thread, &elasticity.hertz);
         let duty = scene.axial_load_N.zip(rpm(scene));
         let duty = duty.map(|(load, rpm)| Duty { load, speed: rpm * RPM, time: 1.0 });
@@ -169,7 +169,7 @@ impl<'a> NutRatings<'a> {
         // A load may leave no life that a number could tell.
         let lost = |life: &Life| life.revolutions <= 0.0 || life.time <= 0.0;
         if self.life.as_ref().is_some_and(lost) {
-            return Err(CaseError::BeyondDouble { output: "rating_life_h" });
+            return Err(CaseError::beyond_double("rating_life_h"));
         }
         Ok(numbers)
     }

@@ -50,7 +50,7 @@ impl Record {
         let endless =
             |output: &&Output| output.read(&solution).is_some_and(|value| !value.is_finite());
         if let Some(output) = OUTPUTS.iter().find(endless) {
-            let error = CaseError::BeyondDouble { output: output.name };
+            let error = CaseError::beyond_double(output.name);
             return Self::invalid(ModelChoice::Fixed(solution.model), &error);
         }
         let message = solution.reason().map(message);

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use super::nut::QUANTITIES;
+use crate::vocabulary::error::bad;
 use crate::{Answer, CaseError, Column, Content, NutProblem, Quantity, Table};
 
 /// Quantities of the samples: those of a nut that its errors change.
@@ -47,7 +48,7 @@ impl Samples {
             let rule = format!("from 1 to {MOST}");
             #[expect(clippy::cast_precision_loss, reason = "a number in a message")]
             let value = number as f64;
-            return Err(CaseError::OutOfRange { key: "samples".to_owned(), value, rule });
+            return Err(CaseError::out_of_range("samples", value, rule));
         }
         let wave =
             |(i, error): (usize, &LeadError)| matches!(error, LeadError::Wave { .. }).then_some(i);
@@ -55,7 +56,7 @@ impl Samples {
         if !problem.scatters() && waves.is_empty() {
             let what = "is required by samples, or a wave in lead_error: otherwise all samples are identical";
             let key = "ball_deviation_sd_um".to_owned();
-            return Err(CaseError::BadEntry { key, what: what.to_owned() });
+            return Err(bad(key, what));
         }
         let seed = seed.unwrap_or(problem.seed);
         let solved: Vec<_> = (0..number)

@@ -12,36 +12,31 @@ pub fn input_schema() -> Value {
     let text = json!({ "type": "string", "description": "free text" });
     properties.insert("description".to_owned(), text);
     for input in INPUTS {
-        let mut property = Map::new();
-        let whole = matches!(input.rule, Rule::Whole(_));
-        let kind = if whole { "integer" } else { "number" };
-        property.insert("type".to_owned(), json!([kind, "null"]));
-        property.insert("description".to_owned(), json!(with_unit(input.about, input.unit)));
+        let kind = if matches!(input.rule, Rule::Whole(_)) { "integer" } else { "number" };
+        let about = with_unit(input.about, input.unit);
+        let mut property = json!({ "type": [kind, "null"], "description": about });
+        let mut set = |name: &str, value: Value| property[name] = value;
         match input.rule {
             Rule::Any => {}
             Rule::OneOf(numbers) => {
                 let numbers = numbers.iter().map(|number| json!(number));
-                property.insert("enum".to_owned(), numbers.chain([Value::Null]).collect());
+                set("enum", numbers.chain([Value::Null]).collect());
             }
-            Rule::Above(low) => {
-                property.insert("exclusiveMinimum".to_owned(), json!(low));
-            }
-            Rule::AtLeast(low) | Rule::Whole(low) => {
-                property.insert("minimum".to_owned(), json!(low));
-            }
+            Rule::Above(low) => set("exclusiveMinimum", json!(low)),
+            Rule::AtLeast(low) | Rule::Whole(low) => set("minimum", json!(low)),
             Rule::Within(low, high) => {
-                property.insert("minimum".to_owned(), json!(low));
-                property.insert("maximum".to_owned(), json!(high));
+                set("minimum", json!(low));
+                set("maximum", json!(high));
             }
             Rule::Between(low, high) => {
-                property.insert("exclusiveMinimum".to_owned(), json!(low));
-                property.insert("exclusiveMaximum".to_owned(), json!(high));
+                set("exclusiveMinimum", json!(low));
+                set("exclusiveMaximum", json!(high));
             }
         }
         if let Some(default) = input.default {
-            property.insert("default".to_owned(), json!(default));
+            set("default", json!(default));
         }
-        properties.insert(input.name.to_owned(), Value::Object(property));
+        properties.insert(input.name.to_owned(), property);
     }
     properties.extend(SceneEntries::schema());
     json!({
@@ -56,30 +51,24 @@ pub fn input_schema() -> Value {
 
 /// Schema of a result.
 pub fn output_schema() -> Value {
-    let mut properties = Map::new();
-    let statuses = ["converged", "no_solution", "not_converged", "invalid_input"];
-    for (name, property) in [
-        ("model", json!({ "type": "string", "description": "the model that was solved" })),
-        ("status", json!({ "enum": statuses, "description": "how the solve ended" })),
-        (
-            "message",
-            json!({ "type": ["string", "null"], "description": "why there are no numbers, else null; in a row of a table also why model auto chose its model" }),
-        ),
-        (
-            "choice",
-            json!({ "type": ["string", "null"], "description": "why model auto chose this model, else null" }),
-        ),
-        (
-            "without_error_bound",
-            json!({
-                "type": ["array", "null"],
-                "items": { "type": "string" },
-                "description": "the outputs here whose error has no bound, though that of the efficiency has one; null if there are none",
-            }),
-        ),
-    ] {
-        properties.insert(name.to_owned(), property);
-    }
+    let of_the_solve = json!({
+        "model": { "type": "string", "description": "the model that was solved" },
+        "status": {
+            "enum": ["converged", "no_solution", "not_converged", "invalid_input"],
+            "description": "how the solve ended",
+        },
+        "message": {
+            "type": ["string", "null"],
+            "description": "why there are no numbers, else null; in a row of a table also why model auto chose its model",
+        },
+        "choice": { "type": ["string", "null"], "description": "why model auto chose this model, else null" },
+        "without_error_bound": {
+            "type": ["array", "null"],
+            "items": { "type": "string" },
+            "description": "the outputs here whose error has no bound, though that of the efficiency has one; null if there are none",
+        },
+    });
+    let mut properties = of_the_solve.as_object().cloned().unwrap_or_default();
     properties.extend(OUTPUTS.iter().map(property));
     let columns = |kind: AnalysisKind| {
         let about = format!("numbers of {}, as columns of bsm sweep", kind.name());

@@ -269,11 +269,11 @@ impl NutFilter {
             let sheet =
                 |place, nut: &Candidate| Some((place, *nut, requirement.sheet_of(&nut.nut)?));
             let sheets = list.catalogue.map(&list.within, sheet);
-            let asked =
+            let meets_sheet =
                 |nut: &Candidate, sheet: &[f64]| self.of_sheet.iter().all(|c| c.is_met(nut, sheet));
             list.within = sheets
                 .iter()
-                .filter(|(_, nut, sheet)| asked(nut, sheet))
+                .filter(|(_, nut, sheet)| meets_sheet(nut, sheet))
                 .map(|(place, ..)| *place)
                 .collect();
             if list.within.is_empty() && sheets.is_empty() {

@@ -1,42 +1,40 @@
 //! Slip of a solved ball in the vocabulary.
 
-use std::ops::Deref;
-
 use bsm_dyn::{
     Basis, Coulomb, FrictionLaw, MixedFriction, Model, Quadrature, RacewayControl, Sliding,
     SlipPower, Solution, Traction, pressed_radius, rim_speed,
 };
 use bsm_kin::Site;
 
-use crate::answers::analysis::{MovingBall, MovingContact, lacks_ellipses, of_a_motion};
+use crate::answers::moving::{MovingBall, MovingContact, lacks_ellipses, of_a_motion};
 use crate::vocabulary::quantity::{Values, quantities};
 use crate::vocabulary::units::{DEG, MM};
-use crate::{AnalysisKind, Answer, CaseError, Scene, Settings};
+use crate::{Answer, CaseError, Scene, Settings};
 
 quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
     "rotation of the ball relative to the nut" {
-        gyroscopic_angle_deg ["deg"] Whole(|s| s.ball.gyroscopic_angles()[0] / DEG),
+        gyroscopic_angle_deg ["deg"] Whole(|s| s.solved.ball.gyroscopic_angles()[0] / DEG),
             "gyroscopic angle: axis of rotation out of the plane of t and b";
-        gyroscopic_yaw_angle_deg ["deg"] Whole(|s| s.ball.gyroscopic_angles()[1] / DEG),
+        gyroscopic_yaw_angle_deg ["deg"] Whole(|s| s.solved.ball.gyroscopic_angles()[1] / DEG),
             "gyroscopic angle in that plane, from -b towards t";
     }
     "slip between neighbouring balls" {
-        ball_slip_printed_m_s ["m/s"] Whole(|s| s.ball.ball_slip_published()), "slip speed between neighbouring balls as printed";
-        ball_slip_m_s ["m/s"] Whole(|s| s.ball.ball_slip()), "slip speed of the surfaces of neighbouring balls";
+        ball_slip_printed_m_s ["m/s"] Whole(|s| s.solved.ball.ball_slip_published()), "slip speed between neighbouring balls as printed";
+        ball_slip_m_s ["m/s"] Whole(|s| s.solved.ball.ball_slip()), "slip speed of the surfaces of neighbouring balls";
     }
     "slip at the contacts" {
-        differential_slip_m_s ["m/s"] Contacts(|s| s.each(|c| s.ball.differential_slip(&c.touch))), "differential slip, at the centre";
-        slide_roll_ratio [""] Contacts(|s| s.each(|c| s.ball.slide_roll_ratio(&c.touch))), "differential slip over rolling speed";
-        rolling_speed_m_s ["m/s"] Contacts(|s| s.each(|c| s.ball.rolling_speed(&c.touch))), "rolling speed";
-        spin_slip_printed_m_s ["m/s"] Contacts(|s| s.printed(|_, angle| s.ball.spin_slip_published(angle))), "spin slip as printed";
-        spin_slip_corrected_m_s ["m/s"] Contacts(|s| s.each(|c| s.ball.spin_slip_published(c.touch.angle))), "spin slip as corrected";
-        spin_rad_s ["rad/s"] Contacts(|s| s.each(|c| s.ball.spin(&c.touch))), "spin about the normal";
-        orbit_slip_printed_m_s ["m/s"] Contacts(|s| s.printed(|site, angle| s.ball.orbit_slip_published(site, angle))), "orbit slip as printed";
-        orbit_slip_corrected_m_s ["m/s"] Contacts(|s| s.each(|c| s.ball.orbit_slip_published(c.touch.site, c.touch.angle))), "orbit slip as corrected";
-        orbit_spin_rad_s ["rad/s"] Contacts(|s| s.each(|c| s.ball.orbit_spin(&c.touch))), "part of the spin from the orbit";
-        spin_slip_m_s ["m/s"] Contacts(|s| s.at_rim(|c| s.ball.spin(&c.touch))) needs [nut_conformity, screw_conformity],
+        differential_slip_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.differential_slip(&c.touch))), "differential slip, at the centre";
+        slide_roll_ratio [""] Contacts(|s| s.solved.each(|c| s.solved.ball.slide_roll_ratio(&c.touch))), "differential slip over rolling speed";
+        rolling_speed_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.rolling_speed(&c.touch))), "rolling speed";
+        spin_slip_printed_m_s ["m/s"] Contacts(|s| s.printed(|_, angle| s.solved.ball.spin_slip_published(angle))), "spin slip as printed";
+        spin_slip_corrected_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.spin_slip_published(c.touch.angle))), "spin slip as corrected";
+        spin_rad_s ["rad/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.spin(&c.touch))), "spin about the normal";
+        orbit_slip_printed_m_s ["m/s"] Contacts(|s| s.printed(|site, angle| s.solved.ball.orbit_slip_published(site, angle))), "orbit slip as printed";
+        orbit_slip_corrected_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.orbit_slip_published(c.touch.site, c.touch.angle))), "orbit slip as corrected";
+        orbit_spin_rad_s ["rad/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.orbit_spin(&c.touch))), "part of the spin from the orbit";
+        spin_slip_m_s ["m/s"] Contacts(|s| s.at_rim(|c| s.solved.ball.spin(&c.touch))) needs [nut_conformity, screw_conformity],
             "spin slip at the end of the ellipse";
-        orbit_slip_m_s ["m/s"] Contacts(|s| s.at_rim(|c| s.ball.orbit_spin(&c.touch))) needs [nut_conformity, screw_conformity],
+        orbit_slip_m_s ["m/s"] Contacts(|s| s.at_rim(|c| s.solved.ball.orbit_spin(&c.touch))) needs [nut_conformity, screw_conformity],
             "part of the spin slip at the end of the ellipse from the orbit";
     }
     "friction at the contacts" {
@@ -96,7 +94,7 @@ pub fn slip(scene: &Scene, settings: &Settings, solution: &Solution) -> Result<A
         );
     }
     let numbers = read(&slipping, |_| true).finite()?;
-    let mut answer = of_a_motion(AnalysisKind::Slip, scene, solution, numbers, Vec::new(), lacks);
+    let mut answer = of_a_motion(QUANTITIES, scene, solution, numbers, Vec::new(), lacks);
     let agree = if scene.given().is_lubricated() { POWERS_AGREE_IN_FILMS } else { POWERS_AGREE };
     if let Some(loss) = slipping.loss.filter(|loss| loss.difference().abs() > agree) {
         answer.warnings.push(format!(
@@ -116,24 +114,16 @@ struct SlipMotion {
     loss: Option<Loss>,
 }
 
-impl Deref for SlipMotion {
-    type Target = MovingBall;
-
-    fn deref(&self) -> &MovingBall {
-        &self.solved
-    }
-}
-
 impl SlipMotion {
     /// As printed a contact takes the angle of the other loaded one; the unloaded flank has no formula.
     fn printed(&self, form: impl Fn(Site, f64) -> f64) -> [Option<f64>; 2] {
-        let [nut, screw, _] = self.contacts.map(|c| c.map(|c| c.touch.angle));
+        let [nut, screw, _] = self.solved.contacts.map(|c| c.map(|c| c.touch.angle));
         [(Site::Nut, screw), (Site::Screw, nut)].map(|(site, angle)| Some(form(site, angle?)))
     }
 
     /// Slip at the end of the ellipse by a rate of spin.
     fn at_rim(&self, rate: impl Fn(&MovingContact) -> f64) -> Values {
-        self.contacts.map(|c| {
+        self.solved.contacts.map(|c| {
             let contact = c?;
             Some(rim_speed(rate(&contact), contact.semi_axes?.0))
         })
@@ -246,7 +236,7 @@ impl Loss {
             let ball = &solved.ball;
             let law = Law::of(contact.touch.site, case.friction, solution);
             let wrench = ball.friction(&contact.touch, contact.load, &law, sliding);
-            let wrench = wrench.map_err(|e| CaseError::NotRated(e.to_string()))?;
+            let wrench = wrench.map_err(|e| CaseError::Invalid(e.to_string()))?;
             let SlipPower { centre, spin, curvature } = ball.power(&contact.touch, &wrench);
             let balls = case.load.balls;
             let power = SlipPower {

@@ -289,9 +289,9 @@ impl WarmBranch {
 
 /// Inputs that it needs and that are not given, in words.
 pub(crate) fn missing(base: &Scene, given: InputSet) -> Vec<String> {
-    let asked = (!base.asks_warm()).then(|| "warm_state (true)".to_owned());
+    let state = (!base.asks_warm()).then(|| "warm_state (true)".to_owned());
     let stroke = (!given.contains(InputKey::stroke_mm)).then(|| "stroke_mm".to_owned());
-    rated_nut::NEEDS.missing(given).into_iter().chain(asked).chain(stroke).collect()
+    rated_nut::NEEDS.missing(given).into_iter().chain(state).chain(stroke).collect()
 }
 
 /// The numbers of the warm state alone; none unless the scene asks for it.

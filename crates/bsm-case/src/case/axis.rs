@@ -8,10 +8,10 @@ use bsm_design::{
     reliability_factor,
 };
 
-use crate::case::nut::bad;
 use crate::case::rated_nut;
 use crate::case::rated_screw::RatedScrew;
 use crate::vocabulary::entries::{Named, SteelFactor};
+use crate::vocabulary::error::bad;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{CaseError, InputKey, PhaseEntry, Scene};
 
@@ -63,8 +63,7 @@ impl FixedEnds {
             return given.map_or(Ok(None), |key| Err(bad(key.name(), "needs support fixed-fixed")));
         }
         if pretension.iter().all(|key| scene[*key].is_some()) {
-            let keys = pretension.map(InputKey::name);
-            return Err(CaseError::OneOfTwo { keys, found: "both are" });
+            return Err(CaseError::given_twice(pretension.map(InputKey::name)));
         }
         let bearing = scene.support_bearing_stiffness_N_um.map_or(f64::INFINITY, |k| k / UM);
         let expansion = scene.value_or_default(InputKey::thermal_expansion_um_m_K);
@@ -125,7 +124,7 @@ impl Machine {
                 most / MM
             );
             let key = "screw_bore_mm".to_owned();
-            return Err(CaseError::OutOfRange { key, value: bore, rule });
+            return Err(CaseError::out_of_range(key, bore, rule));
         }
         let held = shaft.as_ref().map_or(Ok(None), |shaft| FixedEnds::of(scene, shaft))?;
         let carriage = carriage(scene);
@@ -238,10 +237,7 @@ pub(crate) fn preload(scene: &Scene) -> Result<(Option<Preload>, Option<f64>), C
     let Some(word) = scene.nut.preload_class else { return Ok((force, None)) };
     let others = [InputKey::preload_N, InputKey::preload_offset_um, InputKey::ball_oversize_um];
     if let Some(other) = others.into_iter().find(|key| scene[*key].is_some()) {
-        return Err(CaseError::OneOfTwo {
-            keys: ["preload_class", other.name()],
-            found: "both are",
-        });
+        return Err(CaseError::given_twice(["preload_class", other.name()]));
     }
     Ok(match word.class() {
         PreloadClass::Preload(preload) => (Some(preload), None),
@@ -280,19 +276,19 @@ pub(crate) fn reliability(scene: &Scene) -> f64 {
 /// The stretches of the cycle, or the one of the operating point.
 pub(crate) fn motions(scene: &Scene) -> Result<Vec<Motion>, CaseError> {
     let load_factor = scene.value_or_default(InputKey::load_factor).unwrap_or(f64::NAN);
-    let motion = |words: &PhaseEntry| Motion {
-        time: words.time(),
-        force: words.force_N.unwrap_or(0.0),
-        pace: words.pace(),
-        acceleration: words.acceleration_m_s2.unwrap_or(0.0),
-        load_factor: words.load_factor.unwrap_or(load_factor),
+    let motion = |entry: &PhaseEntry| Motion {
+        time: entry.time(),
+        force: entry.force_N.unwrap_or(0.0),
+        pace: entry.pace(),
+        acceleration: entry.acceleration_m_s2.unwrap_or(0.0),
+        load_factor: entry.load_factor.unwrap_or(load_factor),
     };
     if let Some(cycle) = &scene.nut.cycle {
         let timed = cycle.iter().filter(|phase| phase.time_s.is_some()).count();
         if cycle.is_empty() || (timed > 0 && timed < cycle.len()) {
             let what =
                 "must be a list of phases that all have time_s, or all have share".to_owned();
-            return Err(CaseError::BadEntry { key: "cycle".to_owned(), what });
+            return Err(bad("cycle", what));
         }
         return Ok(cycle.iter().map(motion).collect());
     }
@@ -300,16 +296,13 @@ pub(crate) fn motions(scene: &Scene) -> Result<Vec<Motion>, CaseError> {
         (Some(feed), _) if scene.nut_speed_rpm.is_none() => Some(DutySpeed::Feed(feed / 60.0)),
         (_, speeds) => speeds.map(|(screw, nut)| DutySpeed::Turns((screw - nut) * RPM)),
     };
-    let missing = |absent: bool, words: &str| absent.then(|| words.to_owned());
+    let missing = |absent: bool, name: &str| absent.then(|| name.to_owned());
     let (Some(pace), Some(force)) = (pace, scene.axial_load_N) else {
         let missing = [
             missing(scene.axial_load_N.is_none(), "axial_load_N (or cycle)"),
             missing(pace.is_none(), "screw_speed_rpm or feed_m_min (or cycle)"),
         ];
-        return Err(CaseError::Missing {
-            missing: missing.into_iter().flatten().collect(),
-            by: "for the axis".to_owned(),
-        });
+        return Err(CaseError::missing(missing.into_iter().flatten().collect(), "for the axis"));
     };
     Ok(vec![Motion { time: 1.0, force, pace, acceleration: 0.0, load_factor }])
 }

@@ -5,8 +5,9 @@ use bsm_dyn::Material;
 use serde_json::{Map, Value};
 
 use crate::Rule::{Above, AtLeast, Between, Within};
-use crate::case::maker_sizes::MakerSize;
+use crate::case::maker_sizes::{offered_sizes, read_sizes};
 use crate::vocabulary::cells::Cells;
+use crate::vocabulary::error;
 use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{DEG, GPA, MM, UM};
 use crate::{CaseError, Known, TableFormat, entries, nearest};
@@ -74,7 +75,7 @@ impl Catalogue {
     ///
     /// None; the sizes are compiled in.
     pub fn makers() -> Result<Self, CaseError> {
-        Self::of_sizes(MakerSize::list())
+        Self::of_sizes(offered_sizes())
     }
 
     /// The sizes of a table with the columns of [`MAKER_SIZES`](crate::MAKER_SIZES); none of a table without `turns`, which is one of
@@ -88,29 +89,13 @@ impl Catalogue {
         if !Cells::read(table, format)?.heads().iter().any(has_turns) {
             return Ok(None);
         }
-        Self::of_sizes(&MakerSize::read(table, format)?).map(Some)
+        Self::of_sizes(&read_sizes(table, format)?).map(Some)
     }
 
-    fn of_sizes(sizes: &[MakerSize]) -> Result<Self, CaseError> {
+    fn of_sizes(sizes: &[OfferedSize]) -> Result<Self, CaseError> {
         let mut all_sizes = Self::standard()?;
         let Self { lists, limits, .. } = &mut all_sizes;
-        let offered = |size: &MakerSize| {
-            let [pitch_diameter, core] =
-                [size.pitch_circle, size.core].map(|mm| mm.map(|mm| mm * MM));
-            let offered = OfferedSize {
-                diameter: size.nominal * MM,
-                lead: size.lead * MM,
-                ball: size.ball * MM,
-                turns: f64::NAN,
-                starts: f64::NAN,
-                pitch_diameter,
-                core,
-                ball_is_printed: size.ball_is_printed,
-            };
-            let turns = size.turns.clone().into_iter();
-            turns.map(move |(turns, starts)| OfferedSize { turns, starts, ..offered })
-        };
-        lists.offered = sizes.iter().flat_map(offered).collect();
+        lists.offered = sizes.to_vec();
         let all = |number: fn(&OfferedSize) -> f64| {
             let mut all: Vec<_> = lists.offered.iter().map(number).collect();
             all.sort_by(f64::total_cmp);
@@ -179,22 +164,22 @@ impl ListEntries {
         else {
             return Err(CaseError::unknown(Known::List, key, nearest(key, names())));
         };
-        let bad = |what: String| CaseError::BadEntry { key: key.to_owned(), what };
+        let bad = |what: &str| error::bad(key, what);
         let (many, is_range) = (standard.is_array(), key.ends_with("_range"));
         let numbers = match &value {
             Value::Array(list) if many => list.as_slice(),
             one if !many => std::slice::from_ref(one),
-            _ => return Err(bad("is a list of numbers".to_owned())),
+            _ => return Err(bad("is a list of numbers")),
         };
         let numbers: Option<Vec<_>> = numbers.iter().map(Value::as_f64).collect();
-        let numbers = numbers.ok_or_else(|| bad("has an entry that is not a number".to_owned()))?;
+        let numbers = numbers.ok_or_else(|| bad("has an entry that is not a number"))?;
         for number in &numbers {
             LISTS[list].rule.check(key, *number)?;
         }
         match numbers[..] {
-            [] => return Err(bad("the list is empty".to_owned())),
+            [] => return Err(bad("the list is empty")),
             [low, high] if is_range && low <= high => {}
-            _ if is_range => return Err(bad("is no range: the least and the largest".to_owned())),
+            _ if is_range => return Err(bad("is no range: the least and the largest")),
             _ => {}
         }
         *standard = value;
@@ -230,7 +215,7 @@ impl ListEntries {
             offered: Vec::new(),
         };
         if lists.len() > MOST {
-            return Err(CaseError::GridTooLarge { limit: MOST });
+            return Err(CaseError::grid_too_large(MOST));
         }
         let steel = Material {
             youngs_modulus: self.number("youngs_modulus_GPa", GPA),

@@ -164,7 +164,7 @@ impl Grid {
         let len = axes
             .iter()
             .try_fold(1_usize, |product, axis| product.checked_mul(axis.len()))
-            .ok_or(CaseError::GridTooLarge { limit: usize::MAX })?;
+            .ok_or_else(|| CaseError::grid_too_large(usize::MAX))?;
         Ok(Self { axes, len })
     }
 

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
+use bsm_design::OfferedSize;
 use serde_json::Value;
 
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::names::wrong_type;
-use crate::vocabulary::units::convert;
+use crate::vocabulary::units::{MM, convert};
 use crate::{CaseError, INPUTS, LISTS, Rule, TableFormat, entries, nearest};
 
 /// Sizes of THK (general catalogue, B-584 to B-735) and HIWIN (BS-08-2, 6.4 to 6.9), to copy and edit.
@@ -20,89 +21,75 @@ pub const MAKER_SIZES: &str = include_str!("maker_sizes.csv");
 /// Columns of a table of sizes besides the inputs of a scene.
 const WORDS: [&str; 5] = ["core_diameter_mm", "ball", "turns", "make", "source"];
 
-/// A size of a maker; lengths in mm.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct MakerSize {
-    pub(crate) nominal: f64,
-    pub(crate) lead: f64,
-    pub(crate) ball: f64,
-    /// False if the ball diameter follows from pitch circle and core.
-    pub(crate) ball_is_printed: bool,
-    pub(crate) pitch_circle: Option<f64>,
-    pub(crate) core: Option<f64>,
-    /// Loaded turns, with the starts over which they are spread.
-    pub(crate) turns: Vec<(f64, f64)>,
-}
-
-static SIZES: LazyLock<Vec<MakerSize>> = LazyLock::new(|| {
-    MakerSize::read(MAKER_SIZES.as_bytes(), &TableFormat::default())
-        .expect("the table is compiled in")
+static SIZES: LazyLock<Vec<OfferedSize>> = LazyLock::new(|| {
+    read_sizes(MAKER_SIZES.as_bytes(), &TableFormat::default()).expect("the table is compiled in")
 });
 
-impl MakerSize {
-    /// Reads a table, with `turns` such as 1.8x2/1.8x4: those of a circuit, and circuits side by side on as many starts.
-    ///
-    /// # Errors
-    ///
-    /// [`CaseError`] with the row or the column.
-    pub(crate) fn read(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
-        let cells = Cells::read(table, format)?;
-        let columns = cells.columns(|name| maker_column(name, format, &WORDS))?;
-        cells.each(&columns, |_, row| {
-            // A user knows his balls.
-            let mut size = Self { ball_is_printed: true, ..Self::default() };
-            for (column, text) in row {
-                let Some((word, factor)) = column else { continue };
-                let number = |text: &str| {
-                    let number = factor * cells.number(text)?;
-                    let list = LISTS.iter().find(|list| list.name == *word);
-                    list.map_or(Ok(()), |list| list.rule.check(word, number)).map(|()| number)
-                };
-                match *word {
-                    "nominal_diameter_mm" => size.nominal = number(text)?,
-                    "lead_mm" => size.lead = number(text)?,
-                    "ball_diameter_mm" => size.ball = number(text)?,
-                    "ball" => size.ball_is_printed = text != "estimated",
-                    "pitch_circle_diameter_mm" => size.pitch_circle = Some(number(text)?),
-                    "core_diameter_mm" => size.core = Some(number(text)?),
-                    "turns" => {
-                        let one = |text: &str| {
-                            let (turns, starts) = text.split_once('x').unwrap_or((text, "1"));
-                            let starts = number(starts)?;
-                            Rule::Whole(1.0).check("turns", starts)?;
-                            Ok((number(turns)? * starts, starts))
-                        };
-                        size.turns = text.split('/').map(one).collect::<Result<_, CaseError>>()?;
-                    }
-                    _ => {}
+/// Reads a table, with `turns` such as 1.8x2/1.8x4: those of a circuit, and circuits side by side on as many starts; a size for each.
+///
+/// # Errors
+///
+/// [`CaseError`] with the row or the column.
+pub(crate) fn read_sizes(
+    table: &[u8],
+    format: &TableFormat,
+) -> Result<Vec<OfferedSize>, CaseError> {
+    let cells = Cells::read(table, format)?;
+    let columns = cells.columns(|name| maker_column(name, format, &WORDS))?;
+    let sizes = cells.each(&columns, |_, row| {
+        // A user knows his balls.
+        let mut size = OfferedSize { ball_is_printed: true, ..OfferedSize::default() };
+        let mut all_turns: Vec<(f64, f64)> = Vec::new();
+        for (column, text) in row {
+            let Some((word, factor)) = column else { continue };
+            let number = |text: &str| {
+                let number = factor * cells.number(text)?;
+                let list = LISTS.iter().find(|list| list.name == *word);
+                list.map_or(Ok(()), |list| list.rule.check(word, number)).map(|()| number)
+            };
+            let metres = |text: &str| Ok::<_, CaseError>(number(text)? * MM);
+            match *word {
+                "nominal_diameter_mm" => size.diameter = metres(text)?,
+                "lead_mm" => size.lead = metres(text)?,
+                "ball_diameter_mm" => size.ball = metres(text)?,
+                // Where it is estimated, it follows from pitch circle and core.
+                "ball" => size.ball_is_printed = text != "estimated",
+                "pitch_circle_diameter_mm" => size.pitch_diameter = Some(metres(text)?),
+                "core_diameter_mm" => size.core = Some(metres(text)?),
+                "turns" => {
+                    let one = |text: &str| {
+                        let (turns, starts) = text.split_once('x').unwrap_or((text, "1"));
+                        let starts = number(starts)?;
+                        Rule::Whole(1.0).check("turns", starts)?;
+                        Ok((number(turns)? * starts, starts))
+                    };
+                    all_turns = text.split('/').map(one).collect::<Result<_, CaseError>>()?;
                 }
+                _ => {}
             }
-            let needed = [
-                ("nominal_diameter_mm", size.nominal > 0.0),
-                ("lead_mm", size.lead > 0.0),
-                ("ball_diameter_mm", size.ball > 0.0),
-                (
-                    "turns",
-                    !size.turns.is_empty() && size.turns.iter().all(|(turns, _)| *turns > 0.0),
-                ),
-            ];
-            match needed.into_iter().find(|(_, given)| !given) {
-                Some((name, _)) => Err(CaseError::Table { what: format!("{name} is missing") }),
-                None => Ok(size),
-            }
-        })
-    }
+        }
+        let has_turns = !all_turns.is_empty() && all_turns.iter().all(|(turns, _)| *turns > 0.0);
+        let needed = [
+            ("nominal_diameter_mm", size.diameter > 0.0),
+            ("lead_mm", size.lead > 0.0),
+            ("ball_diameter_mm", size.ball > 0.0),
+            ("turns", has_turns),
+        ];
+        match needed.into_iter().find(|(_, given)| !given) {
+            Some((name, _)) => Err(CaseError::Invalid(format!("{name} is missing"))),
+            None => Ok(all_turns.into_iter().map(move |(turns, starts)| OfferedSize {
+                turns,
+                starts,
+                ..size
+            })),
+        }
+    })?;
+    Ok(sizes.into_iter().flatten().collect())
+}
 
-    /// All of them.
-    pub(crate) fn list() -> &'static [Self] {
-        &SIZES
-    }
-
-    /// Sizes of a nominal diameter and a lead \[mm\].
-    pub(crate) fn all(nominal: f64, lead: f64) -> impl Iterator<Item = &'static Self> + Clone {
-        let same = |a: f64, b: f64| (a - b).abs() < 1e-9;
-        SIZES.iter().filter(move |size| same(size.nominal, nominal) && same(size.lead, lead))
-    }
+/// All of them.
+pub(crate) fn offered_sizes() -> &'static [OfferedSize] {
+    &SIZES
 }
 
 /// A column: our name of it, and the factor to our unit; `None` if it is not read.
@@ -124,7 +111,7 @@ pub(crate) fn maker_column(
             "unknown column `{own}`{near}; `names` of the dialect gives ours for the names of a manufacturer, null for a column that \
              is not read"
         );
-        CaseError::Table { what }
+        CaseError::Invalid(what)
     })
 }
 

@@ -3,11 +3,13 @@
 mod bodies;
 mod circuits;
 mod draw;
+mod friction;
 mod loading;
 mod problem;
 mod train;
 
 pub(crate) use circuits::balls_and_turns;
+pub(crate) use friction::FrictionSource;
 pub use problem::NutProblem;
-pub(crate) use problem::{FrictionSource, NutAtRest, NutPreload, OF_A_NUT, bad};
+pub(crate) use problem::{NutAtRest, NutPreload, OF_A_NUT};
 pub(crate) use train::room;

@@ -3,8 +3,8 @@
 use bsm_dyn::{Control, Model, Problem, RacewayFriction, Traction};
 use serde_json::{Value, json};
 
-use crate::case::nut::bad;
-use crate::vocabulary::input_set::{Form, LEAD, Quantity, TEMPERATURE, VISCOSITY};
+use crate::vocabulary::error::bad;
+use crate::vocabulary::input_set::{Form, LEAD, Quantity, TEMPERATURE, VISCOSITY, inputs};
 use crate::vocabulary::rules::{covered, not_covered};
 use crate::{CaseError, InputKey, InputSet, Rule, Scene};
 
@@ -178,23 +178,21 @@ impl Needs {
 
     /// Required inputs of a lubricant.
     pub(crate) const LUBRICANT: Self =
-        Self { all: InputSet::of(&[]), quantities: &[VISCOSITY, TEMPERATURE] };
+        Self { all: inputs! {}, quantities: &[VISCOSITY, TEMPERATURE] };
 
     /// Required inputs of a lubricated model.
     const LUBRICATED: Self = {
         let Self { all, .. } = Self::of(Model::Traction);
-        let all = all.without(InputSet::of(&[InputKey::friction_coefficient]));
+        let all = all.without(inputs! { friction_coefficient });
         Self { all, quantities: &[LEAD, VISCOSITY, TEMPERATURE] }
     };
 
     /// Required inputs of a model with a friction coefficient.
     pub(crate) const fn of(model: Model) -> Self {
-        use InputKey as K;
-        const FRICTION: InputSet = InputSet::of(&[K::contact_angle_deg, K::friction_coefficient]);
-        const SIZES: InputSet = InputSet::of(&[K::ball_diameter_mm, K::pitch_circle_diameter_mm]);
-        const MOTION: InputSet =
-            InputSet::of(&[K::screw_speed_rpm, K::axial_load_N, K::loaded_balls]);
-        const GROOVES: InputSet = InputSet::of(&[K::nut_conformity, K::screw_conformity]);
+        const FRICTION: InputSet = inputs! { contact_angle_deg friction_coefficient };
+        const SIZES: InputSet = inputs! { ball_diameter_mm pitch_circle_diameter_mm };
+        const MOTION: InputSet = inputs! { screw_speed_rpm axial_load_N loaded_balls };
+        const GROOVES: InputSet = inputs! { nut_conformity screw_conformity };
         let all = match model {
             Model::ClosedForm => FRICTION,
             Model::QuasiStatic => FRICTION.and(SIZES),
@@ -208,14 +206,10 @@ impl Needs {
 
     /// Required inputs of a nut besides balls and load.
     pub(crate) const NUT: Self = {
-        use InputKey as K;
-        let all = InputSet::of(&[
-            K::ball_diameter_mm,
-            K::pitch_circle_diameter_mm,
-            K::contact_angle_deg,
-            K::nut_conformity,
-            K::screw_conformity,
-        ]);
+        let all = inputs! {
+            ball_diameter_mm pitch_circle_diameter_mm contact_angle_deg nut_conformity
+            screw_conformity
+        };
         Self { all, quantities: &[LEAD] }
     };
 
@@ -247,6 +241,9 @@ impl Needs {
     }
 }
 
+/// Load and preloads.
+const PRESSED: InputSet = inputs! { axial_load_N preload_N preload_offset_um ball_oversize_um };
+
 /// True if friction of a model may come from a lubricant.
 pub(crate) fn has_lubricant(model: Model) -> bool {
     matches!(model, Model::RacewayControl | Model::Traction)
@@ -262,7 +259,7 @@ impl ModelChoice {
     /// # Errors
     ///
     /// [`CaseError::Missing`] if not even the cheapest model has its inputs, what `covers` says of
-    /// a fixed one, and [`CaseError::FrictionTwice`] or [`CaseError::NoLubricant`].
+    /// a fixed one, and [`CaseError::Invalid`] for friction given twice or in a way that the model has not.
     pub fn resolve(
         self,
         given: InputSet,
@@ -274,7 +271,7 @@ impl ModelChoice {
         };
         let model = match self {
             Self::Fixed(model) if given.is_lubricated() && !has_lubricant(model) => {
-                return Err(CaseError::NoLubricant { model: model.name() });
+                return Err(CaseError::no_lubricant(model));
             }
             Self::Fixed(model) => model,
             Self::Auto if given.is_lubricated() => Model::Traction,
@@ -283,10 +280,10 @@ impl ModelChoice {
         };
         let needs = Needs::for_points(model, given);
         if !needs.are_met(given) {
-            return Err(CaseError::Missing {
-                missing: needs.missing(given),
-                by: given.purpose(&format!("by model {}", model.name())),
-            });
+            return Err(CaseError::missing(
+                needs.missing(given),
+                given.purpose(&format!("by model {}", model.name())),
+            ));
         }
         covers(model).map(|()| Self::Fixed(model))
     }
@@ -319,15 +316,14 @@ impl Scene {
         use InputKey as K;
         let mut missing = Needs::NUT.missing(given);
         let listed = self.nut.circuits.is_some();
-        let by_gap = given.contains_all(InputSet::of(&[K::gap_deg, K::circuits_count]));
+        let by_gap = given.contains_all(inputs! { gap_deg circuits_count });
         let ball_words = [
             (given.contains(K::loaded_balls_per_turn), "loaded_balls_per_turn (or circuits)"),
             (given.contains(K::loaded_turns) || by_gap, "loaded_turns (or circuits)"),
         ];
         let absent = ball_words.iter().filter(|(known, _)| !known && !listed);
         missing.extend(absent.map(|(_, words)| (*words).to_owned()));
-        let loads = [K::axial_load_N, K::preload_N, K::preload_offset_um, K::ball_oversize_um];
-        if listed && !given.meets(InputSet::of(&loads)) {
+        if listed && !given.meets(PRESSED) {
             missing.push("axial_load_N (or preload_N)".to_owned());
         }
         missing
@@ -335,13 +331,6 @@ impl Scene {
 
     /// True if a load or a preload is given.
     pub(crate) fn is_loaded(&self) -> bool {
-        use InputKey as K;
-        const PRESSED: InputSet = InputSet::of(&[
-            K::axial_load_N,
-            K::preload_N,
-            K::preload_offset_um,
-            K::ball_oversize_um,
-        ]);
         self.given().meets(PRESSED)
     }
 

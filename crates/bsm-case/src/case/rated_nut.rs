@@ -4,21 +4,16 @@ use bsm_design::{Nut, NutBody, Thread};
 
 use crate::case::nut::balls_and_turns;
 use crate::case::problem::Needs;
-use crate::vocabulary::input_set::lead_mm;
-use crate::vocabulary::input_set::{CONTACT_ANGLE, LEAD};
+use crate::vocabulary::input_set::{CONTACT_ANGLE, LEAD, inputs, lead_mm};
 use crate::vocabulary::units::{DEG, MM, UM};
 use crate::{CaseError, InputKey, InputSet, Scene};
 
 /// Required inputs of the ratings.
 pub(crate) const NEEDS: Needs = Needs {
-    all: InputSet::of(&[
-        InputKey::ball_diameter_mm,
-        InputKey::pitch_circle_diameter_mm,
-        InputKey::nut_conformity,
-        InputKey::screw_conformity,
-        InputKey::loaded_balls_per_turn,
-        InputKey::loaded_turns,
-    ]),
+    all: inputs! {
+        ball_diameter_mm pitch_circle_diameter_mm nut_conformity screw_conformity
+        loaded_balls_per_turn loaded_turns
+    },
     quantities: &[LEAD, CONTACT_ANGLE],
 };
 
@@ -37,10 +32,7 @@ pub(crate) fn nut(scene: &Scene) -> Result<Nut, CaseError> {
     let (balls_per_turn, turns) = balls_and_turns(scene);
     let missing = NEEDS.missing(given(scene));
     if !missing.is_empty() {
-        return Err(CaseError::Missing {
-            missing,
-            by: scene.given().purpose("for the ratings of a nut"),
-        });
+        return Err(CaseError::missing(missing, scene.given().purpose("for the ratings of a nut")));
     }
     let value = |key: InputKey| scene[key].expect("required inputs were checked");
     let pitch_mm = value(InputKey::pitch_circle_diameter_mm);
@@ -61,15 +53,15 @@ pub(crate) fn nut(scene: &Scene) -> Result<Nut, CaseError> {
     let Some(bottoms) = scene.groove_bottom_distance_mm else { return Ok(nut) };
     let contact_angle = nut.contact_angle_of(bottoms * MM).ok_or_else(|| {
         let radii = (nut.conformity.0 + nut.conformity.1) * nut.ball_diameter;
-        CaseError::OutOfRange {
-            key: "groove_bottom_distance_mm".to_owned(),
-            value: bottoms,
-            rule: format!(
+        CaseError::out_of_range(
+            "groove_bottom_distance_mm",
+            bottoms,
+            format!(
                 "between {:.4} mm, the ball, and {:.4} mm, the sum of the groove radii",
                 nut.ball_diameter / MM,
                 radii / MM
             ),
-        }
+        )
     })?;
     Ok(Nut { contact_angle, ..nut })
 }
@@ -79,9 +71,8 @@ pub(crate) fn thread(scene: &Scene, nut: &Nut) -> Result<Thread, CaseError> {
     let (bore, outside) = nut.usual_lands();
     let bore = scene.nut_bore_mm.map_or(bore, |mm| mm * MM);
     let outside = scene.screw_outer_diameter_mm.map_or(outside, |mm| mm * MM);
-    let refuse = |key: &str, value: f64, rule: String| {
-        Err(CaseError::OutOfRange { key: key.to_owned(), value, rule })
-    };
+    let refuse =
+        |key: &str, value: f64, rule: String| Err(CaseError::out_of_range(key, value, rule));
     let play = scene.axial_play_um.unwrap_or(0.0);
     let most = nut.monoarc_play() / UM;
     if play > most {
@@ -109,7 +100,7 @@ pub(crate) fn body(scene: &Scene, nut: &Nut, thread: &Thread) -> Result<NutBody,
     if body.outer <= widest {
         let (value, rule) =
             (body.outer / MM, format!("> {:.3} mm, where the groove is", widest / MM));
-        return Err(CaseError::OutOfRange { key: "nut_outer_diameter_mm".to_owned(), value, rule });
+        return Err(CaseError::out_of_range("nut_outer_diameter_mm", value, rule));
     }
     Ok(body)
 }
@@ -118,7 +109,7 @@ pub(crate) fn body(scene: &Scene, nut: &Nut, thread: &Thread) -> Result<NutBody,
 ///
 /// # Errors
 ///
-/// [`CaseError::RatingsDiffer`] beyond a factor of 2, unless `keep_ratings` is true.
+/// [`CaseError::Invalid`] beyond a factor of 2, unless `keep_ratings` is true.
 pub(crate) fn compared(scene: &Scene, nut: &Nut) -> Result<Option<String>, CaseError> {
     /// Calculated over stated ratings that need no word: the formulas of makers differ so much.
     const USUAL: [(f64, f64); 2] = [(0.85, 1.18), (0.80, 1.25)];
@@ -135,7 +126,11 @@ pub(crate) fn compared(scene: &Scene, nut: &Nut) -> Result<Option<String>, CaseE
         let Some(stated) = scene[key] else { continue };
         let ratio = calculated / stated;
         if !within(OTHER, ratio) && scene.nut.keep_ratings != Some(true) {
-            return Err(CaseError::RatingsDiffer { key: key.name(), stated, calculated });
+            return Err(CaseError::Invalid(format!(
+                "`{}` = {stated} N, but the groove has {calculated:.0} N: the geometry is that of another nut; correct it, leave it \
+                 out, or set keep_ratings=true",
+                key.name()
+            )));
         }
         if !within(usual, ratio) {
             let name = key.name();

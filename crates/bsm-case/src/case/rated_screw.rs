@@ -1,20 +1,19 @@
 //! A screw of which only nominal diameter, lead and load ratings are known: its other sizes by makers' lists and rules.
 
-use bsm_design::{NutBody, Screw, rod_inertia};
+use bsm_design::{NutBody, OfferedSize, Screw, rod_inertia};
 
-use crate::case::maker_sizes::MakerSize;
+use crate::case::maker_sizes::offered_sizes;
 use crate::case::rated_nut;
+use crate::vocabulary::error::bad;
+use crate::vocabulary::input_set::inputs;
 use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::MM;
 use crate::{CaseError, InputKey, InputSet, Scene};
 
 /// Inputs that suffice.
-const RATINGS: InputSet = InputSet::of(&[
-    InputKey::nominal_diameter_mm,
-    InputKey::lead_mm,
-    InputKey::rated_dynamic_load_N,
-    InputKey::rated_static_load_N,
-]);
+const RATINGS: InputSet = inputs! {
+    nominal_diameter_mm lead_mm rated_dynamic_load_N rated_static_load_N
+};
 
 /// What the sheet of such a screw omits.
 pub(crate) const LEFT_OUT: &str = "left out, as it needs the groove: pressure; load of each ball and life by all balls; edge \
@@ -59,13 +58,15 @@ impl RatedScrew {
         scene.check()?;
         if scene.rated_rigidity_N_um.is_some() && scene.nut.rated_rigidity_at.is_none() {
             let what = "needs rated_rigidity_at: 0.3 Ca, 0.28 Ca or preload 0.1 Ca, where a catalogue means it".to_owned();
-            return Err(CaseError::BadEntry { key: "rated_rigidity_N_um".to_owned(), what });
+            return Err(bad("rated_rigidity_N_um", what));
         }
         let value = |key: InputKey| scene[key].expect("ratings suffice");
         let (nominal_mm, lead_mm) =
             (value(InputKey::nominal_diameter_mm), value(InputKey::lead_mm));
         let (nominal, lead) = (nominal_mm * MM, lead_mm * MM);
-        let offered = || MakerSize::all(nominal_mm, lead_mm);
+        let same = |a: f64, b: f64| (a - b).abs() < 1e-9 * MM;
+        let is_ours = |size: &&OfferedSize| same(size.diameter, nominal) && same(size.lead, lead);
+        let offered = || offered_sizes().iter().filter(is_ours);
         let mut assumed = Vec::new();
         let mut or = |key: InputKey, estimate: f64, unit: f64, by: &str| {
             scene[key].map_or_else(
@@ -78,9 +79,9 @@ impl RatedScrew {
                 |given| given * unit,
             )
         };
-        let listed = offered().find_map(|size| size.pitch_circle);
+        let listed = offered().find_map(|size| size.pitch_diameter);
         let by = if listed.is_some() { "manufacturers' lists" } else { "the nominal diameter" };
-        let pitch = listed.map_or(nominal, |mm| mm * MM);
+        let pitch = listed.unwrap_or(nominal);
         let pitch = or(InputKey::pitch_circle_diameter_mm, pitch, MM, by);
         let least = offered().filter_map(|size| size.core).min_by(f64::total_cmp);
         let by_rule = || Screw::usual_core(nominal, lead, scene.ball_diameter_mm.map(|mm| mm * MM));
@@ -89,7 +90,7 @@ impl RatedScrew {
         } else {
             "rule (Z30)"
         };
-        let core = least.map_or_else(by_rule, |mm| mm * MM);
+        let core = least.unwrap_or_else(by_rule);
         let core = or(InputKey::shaft_diameter_mm, core, MM, by);
         let mass = Screw::usual_mass_per_length(nominal, core);
         let mass =
@@ -104,17 +105,12 @@ impl RatedScrew {
             // Twice the nominal diameter is another screw.
             if size >= 2.0 * nominal || size <= 0.5 * nominal {
                 let rule = format!("between half and twice nominal_diameter_mm = {nominal_mm}");
-                return Err(CaseError::OutOfRange {
-                    key: key.name().to_owned(),
-                    value: size / MM,
-                    rule,
-                });
+                return Err(CaseError::out_of_range(key.name(), size / MM, rule));
             }
         }
         let missing = rated_nut::NEEDS.missing(rated_nut::given(scene));
-        let groove =
-            [InputKey::contact_angle_deg, InputKey::nut_conformity, InputKey::screw_conformity];
-        if scene.given().meets(InputSet::of(&groove)) {
+        let groove = inputs! { contact_angle_deg nut_conformity screw_conformity };
+        if scene.given().meets(groove) {
             assumed.push(format!(
                 "the groove is not given in full and left out: {} not given",
                 missing.join(", ")

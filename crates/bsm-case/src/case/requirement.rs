@@ -11,10 +11,11 @@ use crate::case::axis::{
     carriage, make, motions, motor_speed, mount, preload, preload_method, rating_factors,
     reliability,
 };
+use crate::vocabulary::input_set::inputs;
 use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM, UM, convert};
-use crate::{CaseError, InputKey, Known, Scene, Settings, entries, nearest};
+use crate::{CaseError, InputKey, InputSet, Known, Scene, Settings, entries, nearest};
 
 keys! {
     /// Numbers that only requirements have.
@@ -58,65 +59,39 @@ pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 3] = [
 ];
 
 /// Inputs of the axis that a search does not ask for: it calculates what a catalogue states.
-const NOT_OF_AXES: [InputKey; 8] = {
-    use InputKey as K;
-    [
-        K::nominal_diameter_mm,
-        K::rated_dynamic_load_N,
-        K::rated_static_load_N,
-        K::screw_mass_kg_m,
-        K::nut_mass_kg,
-        K::catalogue_efficiency,
-        K::catalogue_back_efficiency,
-        K::rated_rigidity_N_um,
-    ]
+const NOT_OF_AXES: InputSet = inputs! {
+    nominal_diameter_mm rated_dynamic_load_N rated_static_load_N screw_mass_kg_m nut_mass_kg
+    catalogue_efficiency catalogue_back_efficiency rated_rigidity_N_um
 };
 
 /// Inputs of screw and nut that a requirement may fix, and what its sheet reads besides.
-const OF_NUTS: [InputKey; 18] = {
-    use InputKey as K;
-    [
-        K::lead_mm,
-        K::lead_angle_deg,
-        K::ball_diameter_mm,
-        K::pitch_circle_diameter_mm,
-        K::contact_angle_deg,
-        K::nut_conformity,
-        K::screw_conformity,
-        K::loaded_turns,
-        K::density_kg_m3,
-        K::youngs_modulus_GPa,
-        K::poisson_ratio,
-        K::ball_youngs_modulus_GPa,
-        K::ball_poisson_ratio,
-        K::preload_N,
-        K::nut_temperature_rise_K,
-        K::screw_temperature_rise_K,
-        K::ball_temperature_rise_K,
-        K::thermal_expansion_um_m_K,
-    ]
+const OF_NUTS: InputSet = inputs! {
+    lead_mm lead_angle_deg ball_diameter_mm pitch_circle_diameter_mm contact_angle_deg
+    nut_conformity screw_conformity loaded_turns density_kg_m3 youngs_modulus_GPa poisson_ratio
+    ball_youngs_modulus_GPa ball_poisson_ratio preload_N nut_temperature_rise_K
+    screw_temperature_rise_K ball_temperature_rise_K thermal_expansion_um_m_K
 };
 
 /// Inputs of a scene that a requirement may have: what decides, and what bsm axis reads besides, so that one file serves all.
 fn from_scenes() -> impl Iterator<Item = InputKey> + Clone {
     let of_axis = |key: &InputKey| {
         let title = key.input().title;
-        let motion = title == "operating point" && !OF_ONE_BALL.contains(key);
+        let motion = title == "operating point" && !OF_ONE_BALL.contains(*key);
         let of_sheet = ["lubricant", "warm state"].contains(&title);
-        (title == "axis" && !NOT_OF_AXES.contains(key)) || of_sheet || motion
+        (title == "axis" && !NOT_OF_AXES.contains(*key)) || of_sheet || motion
     };
-    InputKey::ALL.into_iter().filter(move |key| of_axis(key) || OF_NUTS.contains(key))
+    InputKey::ALL.into_iter().filter(move |key| of_axis(key) || OF_NUTS.contains(*key))
 }
 
 /// The operating point of one ball: a design has its balls from its turns, and its nut at rest.
-const OF_ONE_BALL: [InputKey; 2] = [InputKey::loaded_balls, InputKey::nut_speed_rpm];
+const OF_ONE_BALL: InputSet = inputs! { loaded_balls nut_speed_rpm };
 
 /// Other names of keys.
 const ALIASES: [(&str, &str); 2] =
     [("life_h", "required_life_h"), ("largest_speed_rpm", "motor_max_speed_rpm")];
 
 /// Words of a scene that a requirement may have.
-const ENTRIES_FROM_SCENES: [&str; 14] = [
+const ENTRIES_FROM_SCENES: [&str; 15] = [
     "support",
     "buckling_support",
     "screw_make",
@@ -124,6 +99,7 @@ const ENTRIES_FROM_SCENES: [&str; 14] = [
     "accuracy_grade",
     "steel",
     "contamination",
+    "kappa_by",
     "preload_arrangement",
     "preload_by",
     "preload_class",
@@ -162,7 +138,7 @@ impl RequirementFile {
         for keys in ALIASES {
             let (also, own) = (value(keys.0), value(keys.1));
             if also.is_some() && own.is_some() && also != own {
-                return Err(CaseError::OneOfTwo { keys: keys.into(), found: "both are" });
+                return Err(CaseError::given_twice(keys.into()));
             }
         }
         for (key, value) in &entries {
@@ -241,10 +217,8 @@ impl RequirementKeys {
         let value = |key| in_scene(key).or_else(|| self.number(key));
         match forms.map(|(key, form)| value(key).map(form)) {
             [Some(one), None] | [None, Some(one)] => Ok(one),
-            found => Err(CaseError::OneOfTwo {
-                keys: forms.map(|(key, _)| key),
-                found: if found[0].is_some() { "both are" } else { "neither is" },
-            }),
+            [None, None] => Err(CaseError::neither(forms.map(|(key, _)| key))),
+            _ => Err(CaseError::given_twice(forms.map(|(key, _)| key))),
         }
     }
 
@@ -253,15 +227,13 @@ impl RequirementKeys {
         let torque = self.number("screw_torque_Nm");
         let not_with = |key: &'static str, given: bool| {
             if given {
-                let keys = [key, "screw_torque_Nm"];
-                return Err(CaseError::OneOfTwo { keys, found: "both are" });
+                return Err(CaseError::given_twice([key, "screw_torque_Nm"]));
             }
             Ok(())
         };
         let Some(torque) = torque else {
             if scene.nut.cycle.is_none() && scene.axial_load_N.is_none() {
-                let keys = ["axial_load_N", "screw_torque_Nm"];
-                return Err(CaseError::OneOfTwo { keys, found: "neither is" });
+                return Err(CaseError::neither(["axial_load_N", "screw_torque_Nm"]));
             }
             return Ok(LoadCase::Cycle(motions(scene)?));
         };
@@ -291,7 +263,7 @@ impl RequirementKeys {
             return Ok(limits);
         }
         let rule = format!("> {low} = {least}");
-        Err(CaseError::OutOfRange { key: high.to_owned(), value: most, rule })
+        Err(CaseError::out_of_range(high, most, rule))
     }
 
     fn ranges(&self) -> Result<Ranges, CaseError> {
@@ -332,7 +304,7 @@ impl RequirementKeys {
         let moves = scene.screw_speed_rpm.is_some() || scene.feed_m_min.is_some();
         if !moves && scene.nut.cycle.is_none() {
             let missing = vec!["screw_speed_rpm (or feed_m_min)".to_owned()];
-            return Err(CaseError::Missing { missing, by: "for a design".to_owned() });
+            return Err(CaseError::missing(missing, "for a design"));
         }
         let mut notes = Vec::new();
         let (usual, [low, high]) = USUAL_FRICTION;
@@ -346,7 +318,10 @@ impl RequirementKeys {
         let friction = scene.friction_coefficient.unwrap_or(usual);
         let conformity = match (scene.nut_conformity, scene.screw_conformity) {
             (Some(nut), Some(screw)) if (nut - screw).abs() > 1e-12 => {
-                return Err(CaseError::TwoConformities { nut, screw });
+                return Err(CaseError::Invalid(format!(
+                    "nut_conformity = {nut} and screw_conformity = {screw} differ; a design has one for both: give \
+                     only one of them"
+                )));
             }
             (nut, screw) => nut.or(screw),
         };
@@ -370,9 +345,12 @@ impl RequirementKeys {
                 let largest = ranges.contact_angle.1 / DEG;
                 let contact = *scene.contact_angle_deg.get_or_insert(largest);
                 let lead = Optimum::lead_angle(direction, contact * DEG, friction);
-                vec![Pitch::Angle(
-                    lead.ok_or(CaseError::NoBestLead { contact_angle_deg: contact })?,
-                )]
+                vec![Pitch::Angle(lead.ok_or_else(|| {
+                    CaseError::Invalid(format!(
+                        "no lead angle has its best efficiency at contact_angle_deg = {contact}; give a larger one, lead_mm or \
+                         lead_angle_deg"
+                    ))
+                })?)]
             }
             (None, None) => standard.leads.into_iter().map(Pitch::Lead).collect(),
         };

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::case::nut::OF_A_NUT;
-use crate::vocabulary::input_set::{OF_A_LUBRICANT, lead_mm};
+use crate::vocabulary::input_set::{OF_A_LUBRICANT, inputs, lead_mm};
 use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::rules::Relation;
 use crate::{CaseError, InputKey, InputSet, Scene, SceneEntries, entries};
@@ -225,9 +225,7 @@ impl InputNames {
 /// Inputs that no model of the ball uses although they change what a screw does, and where they act, which has a command of this
 /// name.
 const NOT_IN_BALANCE: [(InputSet, &str); 2] = {
-    use InputKey as K;
-    let of_an_axis =
-        InputSet::of(&[K::moved_mass_kg, K::seal_torque_Nm, K::support_bearing_torque_Nm]);
+    let of_an_axis = inputs! { moved_mass_kg seal_torque_Nm support_bearing_torque_Nm };
     [(OF_A_NUT, "nut"), (of_an_axis, "axis")]
 };
 
@@ -276,7 +274,11 @@ impl Scene {
     /// The speeds of a screw that stands still: balls of a nut carry its load all the same.
     pub(crate) fn speeds_at_rest(&self) -> InputSet {
         let is_at_rest = self.speeds_rpm().is_some_and(|(screw, nut)| screw - nut == 0.0);
-        if is_at_rest { InputSet::of(&[InputKey::screw_speed_rpm]) } else { InputSet::default() }
+        if is_at_rest {
+            inputs! { screw_speed_rpm }
+        } else {
+            InputSet::default()
+        }
     }
 
     /// True if it asks for its warm steady state.

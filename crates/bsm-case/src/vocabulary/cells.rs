@@ -14,9 +14,9 @@ impl Cells {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Table`] with the row.
+    /// [`CaseError::Invalid`] with the row.
     pub(crate) fn read(table: &[u8], format: &TableFormat) -> Result<Self, CaseError> {
-        let wrong = |error: &csv::Error| CaseError::Table { what: error.to_string() };
+        let wrong = |error: &csv::Error| CaseError::Invalid(error.to_string());
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .delimiter(u8::try_from(format.delimiter).unwrap_or(b','))
@@ -33,7 +33,7 @@ impl Cells {
         let rows = rows?;
         if rows.is_empty() {
             let what = format!("has no rows; the columns are {}", heads.join(", "));
-            return Err(CaseError::Table { what });
+            return Err(CaseError::Invalid(what));
         }
         Ok(Self { heads, rows, decimal: format.decimal })
     }
@@ -67,7 +67,7 @@ impl Cells {
     /// The number of a cell.
     pub(crate) fn number(&self, text: &str) -> Result<f64, CaseError> {
         decimal_number(text, self.decimal)
-            .ok_or_else(|| CaseError::Table { what: format!("`{text}` is not a number") })
+            .ok_or_else(|| CaseError::Invalid(format!("`{text}` is not a number")))
     }
 }
 

@@ -11,6 +11,7 @@ use serde_json::{Map, Value, json};
 
 use super::answer::{or_null, schema_of};
 use super::phase::{PHASE_INPUTS, PhaseEntry};
+use crate::vocabulary::error::bad;
 use crate::{CaseError, nearest};
 
 macro_rules! entries {
@@ -97,6 +98,8 @@ entries! {
         "how the steel of the raceways is melted, for the dynamic load rating; air-melted unless given";
     contamination: Named<Contamination>,
         "cleanliness of the lubricant by ISO 281, for the modified life: high, greased for life and sealed; normal, wipers and bellows; typical, no wipers; severe, open in chips";
+    kappa_by: Named<KappaBy>,
+        "what the viscosity ratio of the modified life follows from: film, where groove and roughness are known, or viscosity; film unless given";
     keep_ratings: bool,
         "true: rated_dynamic_load_N and rated_static_load_N stand although the groove has other ratings by more than a factor of 2";
     rated_rigidity_at: Named<RigidityAt>,
@@ -132,10 +135,8 @@ impl SceneEntries {
     /// [`CaseError::BadEntry`] with the path of what is wrong.
     pub(crate) fn set(&mut self, key: String, value: Value) -> Result<(), CaseError> {
         let one = Value::Object(Map::from_iter([(key, value)]));
-        let one: Self = serde_path_to_error::deserialize(one).map_err(|e| CaseError::BadEntry {
-            key: e.path().to_string(),
-            what: e.inner().to_string(),
-        })?;
+        let one: Self = serde_path_to_error::deserialize(one)
+            .map_err(|e| bad(e.path().to_string(), e.inner().to_string()))?;
         self.override_with(&one);
         Ok(())
     }
@@ -229,6 +230,15 @@ impl From<ClassName> for String {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SteelFactor(pub f64);
 
+/// What the viscosity ratio of the modified life follows from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum KappaBy {
+    /// The film ratio, where it is known.
+    Film,
+    /// The viscosity alone.
+    Viscosity,
+}
+
 /// One of a few, each with its name.
 pub trait Choice: Copy + PartialEq + 'static {
     /// All of them.
@@ -258,6 +268,7 @@ choices! {
     End: "low" = Self::Low, "high" = Self::High;
     Flanks: "+" = Self::Plus, "-" = Self::Minus, "both" = Self::Both;
     Guidance: "guided" = Self::Guided, "free" = Self::Free;
+    KappaBy: "film" = Self::Film, "viscosity" = Self::Viscosity;
     Make: "rolled" = Self::Rolled, "ground" = Self::Ground, "caged" = Self::Caged,
         "high-speed" = Self::HighSpeed;
     PreloadMethod: "pair" = Self::DoubleNut, "offset" = Self::Offset, "oversize" = Self::Oversize;
@@ -491,6 +502,7 @@ mod tests {
             "accuracy_grade": "C3",
             "steel": "electro-slag",
             "contamination": "very-severe",
+            "kappa_by": "viscosity",
             "keep_ratings": true,
             "rated_rigidity_at": "0.28 Ca",
             "cycle": [{ "time_s": 1.0, "force_N": 1.0, "feed_m_min": 1.0, "acceleration_m_s2": 1.0,

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
+use bsm_dyn::Model;
 use bsm_nut::NutError;
 use thiserror::Error;
 
@@ -22,20 +23,9 @@ pub enum CaseError {
         /// Message of the system.
         source: io::Error,
     },
-    /// There is nothing in it.
-    #[error("is empty; a scene is a JSON object of inputs such as {{\"ball_diameter_mm\": 6.35}}")]
-    Empty,
     /// Not JSON.
     #[error("is not valid JSON: {0}")]
     Syntax(#[source] serde_json::Error),
-    /// JSON, but not an object.
-    #[error(
-        "is JSON {found}, but a scene is a JSON object of inputs such as {{\"ball_diameter_mm\": 6.35}}"
-    )]
-    NotAnObject {
-        /// Kind of JSON value found.
-        found: &'static str,
-    },
     /// A name that is not known.
     #[error("{} `{}`{}", known.words(), brief(name), nearest_hint(nearest.as_deref()))]
     Unknown {
@@ -88,111 +78,12 @@ pub enum CaseError {
         /// By what, or what for.
         by: String,
     },
-    /// Friction by a coefficient, and from a lubricant.
-    #[error(
-        "give friction_coefficient or a lubricant, not both: friction_coefficient and {key} are given"
-    )]
-    FrictionTwice {
-        /// The first input of the lubricant.
-        key: &'static str,
-    },
-    /// A model in which friction is a coefficient.
-    #[error(
-        "model {model} takes no lubricant: models raceway-control and traction do; others take the \
-         equivalent_friction_coefficient of their result as friction_coefficient"
-    )]
-    NoLubricant {
-        /// The model.
-        model: &'static str,
-    },
-    /// Jamming with a lubricant.
-    #[error(
-        "jam compares one friction coefficient with the critical ones, and a lubricant has several{found}; give one as \
-         friction_coefficient in place of the lubricant"
-    )]
-    OiledJam {
-        /// The coefficients, if they are known.
-        found: String,
-    },
-    /// An oil that is thicker when it is hotter.
-    #[error(
-        "viscosity_100C_mm2_s = {hot} must be below viscosity_40C_mm2_s = {warm}: viscosity decreases with temperature"
-    )]
-    OilThickens {
-        /// At 40 C.
-        warm: f64,
-        /// At 100 C.
-        hot: f64,
-    },
     /// An axis has no warm steady state.
     #[error("no warm steady state: {0}")]
     NoWarmState(Box<bsm_nut::thermal::NoSteadyState>),
     /// A nut that does not carry its load, or whose preload cannot be set.
     #[error("{0}")]
     Nut(NutError),
-    /// A model whose ball is not one of a nut.
-    #[error(
-        "model {model} does not calculate the balls of a nut: models auto, raceway-control, elastic and traction give \
-         the friction of the balls of a nut"
-    )]
-    NoBallOfANut {
-        /// The model.
-        model: &'static str,
-    },
-    /// Ratings of another nut than that of the groove.
-    #[error(
-        "`{key}` = {stated} N, but the groove has {calculated:.0} N: the geometry is that of another nut; correct it, leave it \
-         out, or set keep_ratings=true"
-    )]
-    RatingsDiffer {
-        /// The rating.
-        key: &'static str,
-        /// As the manufacturer states it \[N\].
-        stated: f64,
-        /// By the geometry \[N\].
-        calculated: f64,
-    },
-    /// One of two keys is needed.
-    #[error("give one of {} and {}; {found} given", keys[0], keys[1])]
-    OneOfTwo {
-        /// The keys.
-        keys: [&'static str; 2],
-        /// Which are given, with the verb.
-        found: &'static str,
-    },
-    /// No lead angle makes a contact angle the best one.
-    #[error(
-        "no lead angle has its best efficiency at contact_angle_deg = {contact_angle_deg}; give a larger one, lead_mm or \
-         lead_angle_deg"
-    )]
-    NoBestLead {
-        /// The contact angle.
-        contact_angle_deg: f64,
-    },
-    /// Conformities that differ.
-    #[error(
-        "nut_conformity = {nut} and screw_conformity = {screw} differ; a design has one for both: give \
-         only one of them"
-    )]
-    TwoConformities {
-        /// At the nut.
-        nut: f64,
-        /// At the screw.
-        screw: f64,
-    },
-    /// An output that a model does not have.
-    #[error(
-        "model {model} gives no {output} here{}",
-        if missing.is_empty() { String::new() } else { format!("; {} required by model traction", list(missing)) }
-    )]
-    NoOutput {
-        /// The output.
-        output: &'static str,
-        /// The model.
-        model: &'static str,
-        /// Missing inputs of the most complete model.
-        missing: Vec<String>,
-    },
     /// Where to look for an input is not known.
     #[error("`{key}` is not in the scene, and no range to search is given")]
     NoRange {
@@ -209,12 +100,6 @@ pub enum CaseError {
         /// Its end.
         high: f64,
     },
-    /// A table that cannot be used.
-    #[error("{what}")]
-    Table {
-        /// Which row, and what is required.
-        what: String,
-    },
     /// A model without a motion of the ball, where one is to be analysed.
     #[error(
         "model {model} has no motion of the ball, which this analysis needs; {}",
@@ -230,6 +115,9 @@ pub enum CaseError {
         /// Missing inputs of the simplest model with a motion.
         missing: Vec<String>,
     },
+    /// What the inputs mean together cannot be, or has no answer.
+    #[error("{0}")]
+    Invalid(String),
     /// A row of a table that cannot be used.
     #[error("row {row}: {error}")]
     InRow {
@@ -237,52 +125,6 @@ pub enum CaseError {
         row: usize,
         /// Why.
         error: Box<Self>,
-    },
-    /// A column that no row could fill.
-    #[error("column {column} would be empty: {} required for it", list(missing))]
-    EmptyColumn {
-        /// The column.
-        column: &'static str,
-        /// Inputs that lack.
-        missing: Vec<String>,
-    },
-    /// The grooves leave no contact that can be rated.
-    #[error("{0}")]
-    NotRated(String),
-    /// Lead and lead angle disagree.
-    #[error(
-        "lead_angle_deg = {lead_angle_deg} and lead_mm = {lead_mm} disagree: on this pitch circle \
-         a lead of {lead_mm} mm is an angle of {implied_deg} deg; give one of the two"
-    )]
-    LeadConflict {
-        /// The angle given.
-        lead_angle_deg: f64,
-        /// The lead given.
-        lead_mm: f64,
-        /// The angle that the lead means.
-        implied_deg: f64,
-    },
-    /// The balls do not fit on the pitch circle.
-    #[error(
-        "ball_diameter_mm = {ball_diameter_mm} must be smaller than the radius of the pitch circle, \
-         pitch_circle_diameter_mm / 2 = {pitch_radius_mm}"
-    )]
-    BallTooLarge {
-        /// The ball.
-        ball_diameter_mm: f64,
-        /// Half the pitch circle diameter.
-        pitch_radius_mm: f64,
-    },
-    /// Screw and nut turn together.
-    #[error(
-        "screw_speed_rpm = {screw_rpm} and nut_speed_rpm = {nut_rpm} are equal: their difference \
-         must not be 0"
-    )]
-    NoRelativeSpeed {
-        /// Screw speed.
-        screw_rpm: f64,
-        /// Nut speed.
-        nut_rpm: f64,
     },
     /// A word that is none of a few.
     #[error("unknown {kind} `{name}`; the {kind}s are {known}")]
@@ -314,20 +156,6 @@ pub enum CaseError {
         /// The model.
         model: &'static str,
     },
-    /// A result that no double holds.
-    #[error(
-        "{output} is outside the range of double precision; check the magnitudes of the inputs"
-    )]
-    BeyondDouble {
-        /// The output.
-        output: &'static str,
-    },
-    /// More points than can be counted.
-    #[error("the grid has more than {limit} points; use fewer values per axis")]
-    GridTooLarge {
-        /// The limit.
-        limit: usize,
-    },
 }
 
 /// Kinds of names.
@@ -356,9 +184,59 @@ impl Known {
 }
 
 impl CaseError {
+    /// A result that no double holds.
+    pub(crate) fn beyond_double(output: &str) -> Self {
+        Self::Invalid(format!(
+            "{output} is outside the range of double precision; check the magnitudes of the inputs"
+        ))
+    }
+
+    /// A model in which friction is a coefficient.
+    pub(crate) fn no_lubricant(model: Model) -> Self {
+        let model = model.name();
+        Self::Invalid(format!(
+            "model {model} takes no lubricant: models raceway-control and traction do; others take the \
+             equivalent_friction_coefficient of their result as friction_coefficient"
+        ))
+    }
+
+    /// A number outside its range.
+    pub(crate) fn out_of_range(
+        key: impl Into<String>,
+        value: f64,
+        rule: impl Into<String>,
+    ) -> Self {
+        Self::OutOfRange { key: key.into(), value, rule: rule.into() }
+    }
+
+    /// Inputs that are not given, and by what or what for they are required.
+    pub(crate) fn missing(missing: Vec<String>, by: impl Into<String>) -> Self {
+        Self::Missing { missing, by: by.into() }
+    }
+
+    /// More points than can be counted.
+    pub(crate) fn grid_too_large(limit: usize) -> Self {
+        Self::Invalid(format!("the grid has more than {limit} points; use fewer values per axis"))
+    }
+
+    /// Jamming with a lubricant.
+    ///
+    /// * `found`: its coefficients, if they are known.
+    pub(crate) fn oiled_jam(found: &str) -> Self {
+        Self::Invalid(format!(
+            "jam compares one friction coefficient with the critical ones, and a lubricant has several{found}; give one as \
+             friction_coefficient in place of the lubricant"
+        ))
+    }
+
     /// A name that is not known, with the nearest that is.
     pub(crate) fn unknown(known: Known, name: &str, nearest: Option<&str>) -> Self {
         Self::Unknown { known, name: name.to_owned(), nearest: nearest.map(str::to_owned) }
+    }
+
+    /// None of two keys, one of which is needed.
+    pub(crate) fn neither([one, other]: [&str; 2]) -> Self {
+        Self::Invalid(format!("give one of {one} and {other}; neither is given"))
     }
 
     /// An input that is given by these names.
@@ -372,9 +250,17 @@ impl CaseError {
         Self::WrongType { key: key.to_owned(), found, expected: "a number".to_owned() }
     }
 
+    /// The error of a row of a table without its place.
+    fn of_row(&self) -> &Self {
+        match self {
+            Self::InRow { error, .. } => error.of_row(),
+            _ => self,
+        }
+    }
+
     /// The input or column that it is about, if it is about one.
     pub fn key(&self) -> Option<&str> {
-        Some(match self {
+        Some(match self.of_row() {
             Self::WrongType { key, .. }
             | Self::OutOfRange { key, .. }
             | Self::BadEntry { key, .. } => key,
@@ -385,35 +271,31 @@ impl CaseError {
             | Self::Unknown { name, .. }
             | Self::UnknownWord { name, .. } => name,
             Self::Missing { missing, .. } => missing.first()?,
-            Self::InRow { error, .. } => return error.key(),
             _ => return None,
         })
     }
 
     /// The value that breaks a rule.
     pub fn value(&self) -> Option<f64> {
-        match self {
+        match self.of_row() {
             Self::OutOfRange { value, .. } | Self::NotCovered { value, .. } => Some(*value),
-            Self::InRow { error, .. } => error.value(),
             _ => None,
         }
     }
 
     /// The rule that a value breaks, after "must be".
     pub fn rule(&self) -> Option<&str> {
-        match self {
+        match self.of_row() {
             Self::OutOfRange { rule, .. } => Some(rule),
             Self::NotCovered { rule, .. } => Some(rule),
-            Self::InRow { error, .. } => error.rule(),
             _ => None,
         }
     }
 
     /// The known name that is nearest to an unknown one.
     pub fn nearest(&self) -> Option<&str> {
-        match self {
+        match self.of_row() {
             Self::Unknown { nearest, .. } => nearest.as_deref(),
-            Self::InRow { error, .. } => error.nearest(),
             _ => None,
         }
     }
@@ -436,6 +318,11 @@ impl CaseError {
     pub fn is_io(&self) -> bool {
         matches!(self, Self::Unreadable { .. })
     }
+}
+
+/// An entry of a file that cannot be used, and why.
+pub(crate) fn bad(key: impl Into<String>, what: impl Into<String>) -> CaseError {
+    CaseError::BadEntry { key: key.into(), what: what.into() }
 }
 
 /// A text of a user as a message shows it: its beginning, nothing that a terminal obeys.
@@ -479,7 +366,7 @@ fn nearest_hint(nearest: Option<&str>) -> String {
 }
 
 /// "a is", "a and b are", "a, b and c are".
-fn list(keys: &[String]) -> String {
+pub(crate) fn list(keys: &[String]) -> String {
     match keys {
         [] => "nothing is".to_owned(),
         [one] => format!("{one} is"),

@@ -75,7 +75,12 @@ impl Rule {
         if self.holds(value) {
             return Ok(());
         }
-        Err(CaseError::OutOfRange { key: key.to_owned(), value, rule: self.describe() })
+        Err(CaseError::out_of_range(key, value, self.describe()))
+    }
+
+    /// A value that it allows.
+    pub(crate) fn checked(self, key: &str, value: f64) -> Result<f64, CaseError> {
+        self.check(key, value).map(|()| value)
     }
 
     /// The rule as text, after "must be".

@@ -6,8 +6,16 @@ use bsm_kin::Scalar;
 
 use super::number::count;
 
+use crate::vocabulary::error::bad;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{CaseError, INPUTS, InputKey, Scene};
+
+/// A set of inputs by their names.
+macro_rules! inputs {
+    ($($key:ident)*) => { $crate::InputSet::of(&[$($crate::InputKey::$key),*]) };
+}
+
+pub(crate) use inputs;
 
 /// Bits of a word of an [`InputSet`].
 const BITS: usize = u128::BITS as usize;
@@ -90,7 +98,7 @@ impl InputSet {
     /// quantity, as a lead replaces a lead angle, and a viscosity a friction coefficient.
     #[must_use]
     pub fn replaced(self) -> Self {
-        let coefficient = Self::of(&[InputKey::friction_coefficient]);
+        let coefficient = inputs! { friction_coefficient };
         let friction = match (self.meets(coefficient), self.meets(VISCOSITY.keys())) {
             (true, false) => OF_A_LUBRICANT,
             (false, true) => coefficient,
@@ -107,7 +115,8 @@ impl InputSet {
     #[must_use]
     pub fn completed(self) -> Self {
         let known = |key| self.contains(key).then_some(1.0);
-        self.and(FOLLOW.into_iter().filter(|key| following(*key, known).is_some()).collect())
+        let follow = [InputKey::loaded_balls, InputKey::screw_speed_rpm].into_iter();
+        self.and(follow.filter(|key| following(*key, known).is_some()).collect())
     }
 
     /// Two of these inputs that are forms of one quantity, for each quantity that is given so.
@@ -172,122 +181,48 @@ impl Quantity {
     }
 }
 
-/// Lead angle, or lead on the pitch circle.
-pub(crate) const LEAD: Quantity = Quantity {
-    words: "lead_angle_deg (or lead_mm)",
-    forms: &[
-        Form { key: InputKey::lead_angle_deg, with: InputSet::of(&[]), to: "" },
-        Form {
-            key: InputKey::lead_mm,
-            with: InputSet::of(&[InputKey::pitch_circle_diameter_mm]),
-            to: "to turn lead_mm into an angle",
-        },
-    ],
-};
+/// Declares the quantities that have several forms, each with its text in a message and its inputs.
+macro_rules! forms {
+    ($($(#[doc = $about:literal])* $visible:vis $quantity:ident, $words:literal:
+        $($key:ident $(with $other:ident $to:literal)?),+;)*) => {
+        $($(#[doc = $about])* $visible const $quantity: Quantity = Quantity {
+            words: $words,
+            forms: &[$(Form {
+                key: InputKey::$key,
+                with: InputSet::of(&[$(InputKey::$other)?]),
+                to: concat!($($to)?),
+            },)+],
+        };)*
 
-/// Contact angle, or the distance of the grooves that means it; only the ratings of a nut read the latter.
-pub(crate) const CONTACT_ANGLE: Quantity = Quantity {
-    words: "contact_angle_deg (or groove_bottom_distance_mm)",
-    forms: &[
-        Form { key: InputKey::contact_angle_deg, with: InputSet::of(&[]), to: "" },
-        Form { key: InputKey::groove_bottom_distance_mm, with: InputSet::of(&[]), to: "" },
-    ],
-};
+        /// All quantities that have several forms.
+        const QUANTITIES: &[Quantity] = &[$($quantity),*];
+    };
+}
 
-/// Speed of the screw, or of the nut along it.
-const SPEED: Quantity = Quantity {
-    words: "screw_speed_rpm (or feed_m_min)",
-    forms: &[
-        Form { key: InputKey::screw_speed_rpm, with: InputSet::of(&[]), to: "" },
-        Form {
-            key: InputKey::feed_m_min,
-            with: InputSet::of(&[InputKey::lead_mm]),
-            to: "to turn feed_m_min into a speed",
-        },
-    ],
-};
-
-/// Viscosity of the lubricant, at two temperatures or by its grade.
-pub(crate) const VISCOSITY: Quantity = Quantity {
-    words: "iso_vg (or viscosity_40C_mm2_s and viscosity_100C_mm2_s)",
-    forms: &[
-        Form {
-            key: InputKey::viscosity_40C_mm2_s,
-            with: InputSet::of(&[InputKey::viscosity_100C_mm2_s]),
-            to: "for the viscosity at other temperatures",
-        },
-        Form { key: InputKey::iso_vg, with: InputSet::of(&[]), to: "" },
-    ],
-};
-
-/// Inputs of the lubricant temperature, or the temperature itself.
-pub(crate) const TEMPERATURE: Quantity = Quantity {
-    words: "lubricant_temperature_C (or heat_transfer_W_K and ambient_temperature_C)",
-    forms: &[
-        Form {
-            key: InputKey::heat_transfer_W_K,
-            with: InputSet::of(&[InputKey::ambient_temperature_C]),
-            to: "for the heat that leaves",
-        },
-        Form { key: InputKey::lubricant_temperature_C, with: InputSet::of(&[]), to: "" },
-    ],
-};
-
-/// What nut and table give to the air.
-const NUT_IN_AIR: Quantity = Quantity {
-    words: "nut_conductance_W_K (or carriage_area_m2)",
-    forms: &[
-        Form { key: InputKey::nut_conductance_W_K, with: InputSet::of(&[]), to: "" },
-        Form { key: InputKey::carriage_area_m2, with: InputSet::of(&[]), to: "" },
-    ],
-};
-
-/// What a hollow screw gives to its coolant.
-const COOLED_SCREW: Quantity = Quantity {
-    words: "coolant_flow_l_min (or coolant_conductance_W_K)",
-    forms: &[
-        Form {
-            key: InputKey::coolant_flow_l_min,
-            with: InputSet::of(&[InputKey::screw_bore_mm]),
-            to: "for the flow through the screw",
-        },
-        Form { key: InputKey::coolant_conductance_W_K, with: InputSet::of(&[]), to: "" },
-    ],
-};
-
-/// Tension of a screw between two fixed bearings as it is set.
-const PRETENSION: Quantity = Quantity {
-    words: "pretension_N (or pretension_K)",
-    forms: &[
-        Form { key: InputKey::pretension_N, with: InputSet::of(&[]), to: "" },
-        Form { key: InputKey::pretension_K, with: InputSet::of(&[]), to: "" },
-    ],
-};
-
-/// Hardness of the raceways.
-const HARDNESS: Quantity = Quantity {
-    words: "hardness_HRC (or hardness_HV10)",
-    forms: &[
-        Form { key: InputKey::hardness_HRC, with: InputSet::of(&[]), to: "" },
-        Form { key: InputKey::hardness_HV10, with: InputSet::of(&[]), to: "" },
-    ],
-};
-
-/// All quantities that have several forms.
-const QUANTITIES: &[Quantity] = &[
-    LEAD,
-    CONTACT_ANGLE,
-    SPEED,
-    VISCOSITY,
-    TEMPERATURE,
-    NUT_IN_AIR,
-    COOLED_SCREW,
-    PRETENSION,
-    HARDNESS,
-];
-
-/// Inputs that follow from others where they are not given, see [`following`].
-const FOLLOW: [InputKey; 2] = [InputKey::loaded_balls, InputKey::screw_speed_rpm];
+forms! {
+    /// Lead angle, or lead on the pitch circle.
+    pub(crate) LEAD, "lead_angle_deg (or lead_mm)":
+        lead_angle_deg, lead_mm with pitch_circle_diameter_mm "to turn lead_mm into an angle";
+    /// Contact angle, or the distance of the grooves that means it; only the ratings of a nut read the latter.
+    pub(crate) CONTACT_ANGLE, "contact_angle_deg (or groove_bottom_distance_mm)": contact_angle_deg, groove_bottom_distance_mm;
+    /// Speed of the screw, or of the nut along it.
+    SPEED, "screw_speed_rpm (or feed_m_min)": screw_speed_rpm, feed_m_min with lead_mm "to turn feed_m_min into a speed";
+    /// Viscosity of the lubricant, at two temperatures or by its grade.
+    pub(crate) VISCOSITY, "iso_vg (or viscosity_40C_mm2_s and viscosity_100C_mm2_s)":
+        viscosity_40C_mm2_s with viscosity_100C_mm2_s "for the viscosity at other temperatures", iso_vg;
+    /// Inputs of the lubricant temperature, or the temperature itself.
+    pub(crate) TEMPERATURE, "lubricant_temperature_C (or heat_transfer_W_K and ambient_temperature_C)":
+        heat_transfer_W_K with ambient_temperature_C "for the heat that leaves", lubricant_temperature_C;
+    /// What nut and table give to the air.
+    NUT_IN_AIR, "nut_conductance_W_K (or carriage_area_m2)": nut_conductance_W_K, carriage_area_m2;
+    /// What a hollow screw gives to its coolant.
+    COOLED_SCREW, "coolant_flow_l_min (or coolant_conductance_W_K)":
+        coolant_flow_l_min with screw_bore_mm "for the flow through the screw", coolant_conductance_W_K;
+    /// Tension of a screw between two fixed bearings as it is set.
+    PRETENSION, "pretension_N (or pretension_K)": pretension_N, pretension_K;
+    /// Hardness of the raceways.
+    HARDNESS, "hardness_HRC (or hardness_HV10)": hardness_HRC, hardness_HV10;
+}
 
 /// The value of an input that follows from others: the balls of a nut from those of a turn, the speed from
 /// the feed.
@@ -335,48 +270,26 @@ pub(crate) fn loaded_turns(given: impl Fn(InputKey) -> Option<f64>) -> Option<f6
 
 /// Inputs that say of a scene that its friction comes from a lubricant. Density and drag coefficient are
 /// not among them: jamming takes them whatever friction is.
-pub(crate) const OF_A_LUBRICANT: InputSet = {
-    use InputKey as K;
-    InputSet::of(&[
-        K::iso_vg,
-        K::viscosity_40C_mm2_s,
-        K::viscosity_100C_mm2_s,
-        K::pressure_viscosity_1_GPa,
-        K::limiting_shear_ratio,
-        K::boundary_friction_coefficient,
-        K::lubricant_temperature_C,
-        K::heat_transfer_W_K,
-        K::ball_roughness_um,
-        K::nut_roughness_um,
-        K::screw_roughness_um,
-        K::film_factor,
-        K::rolling_factor,
-        K::hysteresis_loss,
-        K::ball_contact_force_N,
-        K::return_circuits,
-        K::return_loss_coefficient,
-    ])
+pub(crate) const OF_A_LUBRICANT: InputSet = inputs! {
+    iso_vg viscosity_40C_mm2_s viscosity_100C_mm2_s pressure_viscosity_1_GPa
+    limiting_shear_ratio boundary_friction_coefficient lubricant_temperature_C
+    heat_transfer_W_K ball_roughness_um nut_roughness_um screw_roughness_um film_factor
+    rolling_factor hysteresis_loss ball_contact_force_N return_circuits return_loss_coefficient
 };
 
 impl InputSet {
     /// Inputs of a lubricant that say the same at every point of a table whose lubricant only warms.
     pub(crate) const OF_ONE_LUBRICANT: Self = {
-        use InputKey as K;
         // A ball without a lubricant may have these too.
-        let more = Self::of(&[
-            K::lubricant_density_kg_m3,
-            K::seal_torque_Nm,
-            K::drag_coefficient,
-            K::ambient_temperature_C,
-        ]);
-        OF_A_LUBRICANT.and(more).without(Self::of(&[K::lubricant_temperature_C]))
+        let more = inputs! {
+            lubricant_density_kg_m3 seal_torque_Nm drag_coefficient ambient_temperature_C
+        };
+        OF_A_LUBRICANT.and(more).without(inputs! { lubricant_temperature_C })
     };
 
     /// Contact angles at which a ball runs, in place of those of a model.
-    pub const RUNNING_ANGLES: Self = {
-        use InputKey as K;
-        Self::of(&[K::nut_running_contact_angle_deg, K::screw_running_contact_angle_deg])
-    };
+    pub const RUNNING_ANGLES: Self =
+        inputs! { nut_running_contact_angle_deg screw_running_contact_angle_deg };
 
     /// True if friction comes from a lubricant.
     pub fn is_lubricated(self) -> bool {
@@ -394,7 +307,10 @@ impl InputSet {
         if self.contains(InputKey::friction_coefficient)
             && let Some(key) = self.common(OF_A_LUBRICANT).iter().next()
         {
-            return Err(CaseError::FrictionTwice { key: key.name() });
+            return Err(CaseError::Invalid(format!(
+                "give friction_coefficient or a lubricant, not both: friction_coefficient and {} are given",
+                key.name()
+            )));
         }
         let pairs = [
             [K::viscosity_40C_mm2_s, K::viscosity_100C_mm2_s],
@@ -406,10 +322,7 @@ impl InputSet {
         let half =
             pairs.into_iter().find(|[one, other]| self.contains(*one) && !self.contains(*other));
         match half {
-            Some([one, other]) => Err(CaseError::BadEntry {
-                key: one.name().to_owned(),
-                what: format!("needs {}, too", other.name()),
-            }),
+            Some([one, other]) => Err(bad(one.name(), format!("needs {}, too", other.name()))),
             None => Ok(()),
         }
     }

@@ -10,6 +10,9 @@ use super::error::{Known, brief};
 use super::units::{is_unit, long_name};
 use crate::{CaseError, INPUTS, SceneEntries};
 
+/// What a scene is.
+const OF_INPUTS: &str = "a scene is a JSON object of inputs such as {\"ball_diameter_mm\": 6.35}";
+
 /// The entries of a JSON object, in order, none twice.
 ///
 /// # Errors
@@ -19,13 +22,15 @@ pub fn entries(json: &[u8]) -> Result<Vec<(String, Value)>, CaseError> {
     // Some editors begin a file with a byte order mark.
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     if json.iter().all(u8::is_ascii_whitespace) {
-        return Err(CaseError::Empty);
+        return Err(CaseError::Invalid(format!("is empty; {OF_INPUTS}")));
     }
     let entries = match serde_json::from_slice::<Entries>(json) {
         Ok(entries) => entries.0,
         Err(error) => {
             return Err(match serde_json::from_slice::<Value>(json) {
-                Ok(other) => CaseError::NotAnObject { found: kind(&other) },
+                Ok(other) => {
+                    CaseError::Invalid(format!("is JSON {}, but {OF_INPUTS}", kind(&other)))
+                }
                 Err(_) => CaseError::Syntax(error),
             });
         }

@@ -76,6 +76,16 @@ pub(crate) fn decimal(value: f64) -> f64 {
     (value * 1e9).round() / 1e9
 }
 
+/// A whole number that a file has as a number.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "whole numbers by their rules, or rounded, below the most balls"
+)]
+pub(crate) fn whole(value: f64) -> usize {
+    value.round() as usize
+}
+
 /// A number of things.
 #[expect(clippy::cast_precision_loss, reason = "numbers of circuits and balls")]
 pub(crate) fn count(n: usize) -> f64 {

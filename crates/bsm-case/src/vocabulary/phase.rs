@@ -115,7 +115,7 @@ impl PhaseEntry {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Table`] with the row.
+    /// [`CaseError::Invalid`] with the row.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, format)?;
         let heads = cells.columns(|head| Ok(head.to_owned()))?;
@@ -123,7 +123,7 @@ impl PhaseEntry {
             let entry = |(head, text): (&String, &str)| Ok((head.clone(), cells.number(text)?));
             let row: Vec<_> = row.map(entry).collect::<Result<_, CaseError>>()?;
             Self::of(row.iter().map(|(head, number)| (head.as_str(), *number)))
-                .map_err(|what| CaseError::Table { what })
+                .map_err(CaseError::Invalid)
         })
     }
 }

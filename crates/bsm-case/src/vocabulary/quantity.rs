@@ -67,12 +67,12 @@ impl Quantity {
     pub(crate) const fn said(table: &[Self], name: &str) -> Self {
         let mut place = 0;
         loop {
-            let (known, asked) = (table[place].name.as_bytes(), name.as_bytes());
+            let (known, sought) = (table[place].name.as_bytes(), name.as_bytes());
             let mut same = 0;
-            while same < known.len() && same < asked.len() && known[same] == asked[same] {
+            while same < known.len() && same < sought.len() && known[same] == sought[same] {
                 same += 1;
             }
-            if same == known.len() && same == asked.len() {
+            if same == known.len() && same == sought.len() {
                 let mut said = table[place];
                 let mut end = 0;
                 while end < said.about.len() && said.about.as_bytes()[end] != b';' {
@@ -407,11 +407,11 @@ impl Numbers {
     ///
     /// # Errors
     ///
-    /// [`CaseError::BeyondDouble`] with the first that is not.
+    /// [`CaseError::Invalid`] with the first that is not.
     pub(crate) fn finite(self) -> Result<Self, CaseError> {
         let endless = self.entries().find(|(_, value)| !value.is_finite());
         match endless.map(|(column, _)| column.name) {
-            Some(output) => Err(CaseError::BeyondDouble { output }),
+            Some(output) => Err(CaseError::beyond_double(output)),
             None => Ok(self),
         }
     }

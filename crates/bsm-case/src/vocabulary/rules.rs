@@ -7,7 +7,7 @@ use bsm_dyn::Model;
 use bsm_kin::Field;
 use bsm_simd::Compare;
 
-use super::input_set::{lead_angle, lead_mm};
+use super::input_set::{inputs, lead_angle, lead_mm};
 use crate::vocabulary::units::{DEG, RPM};
 use crate::{CaseError, InputKey, InputSet, Scene};
 
@@ -59,20 +59,15 @@ impl Relation {
 
     /// The inputs that it is about.
     pub fn inputs(self) -> InputSet {
-        use InputKey as K;
-        InputSet::of(match self {
-            Self::BallsFit => &[K::ball_diameter_mm, K::pitch_circle_diameter_mm],
-            Self::TurnHolds => &[
-                K::ball_diameter_mm,
-                K::pitch_circle_diameter_mm,
-                K::loaded_balls_per_turn,
-                K::lead_mm,
-                K::lead_angle_deg,
-            ],
-            Self::LeadsAgree => &[K::lead_angle_deg, K::lead_mm, K::pitch_circle_diameter_mm],
-            Self::SpeedsDiffer => &[K::screw_speed_rpm, K::nut_speed_rpm],
-            Self::OilThins => &[K::viscosity_40C_mm2_s, K::viscosity_100C_mm2_s],
-        })
+        match self {
+            Self::BallsFit => inputs! { ball_diameter_mm pitch_circle_diameter_mm },
+            Self::TurnHolds => inputs! {
+                ball_diameter_mm pitch_circle_diameter_mm loaded_balls_per_turn lead_mm lead_angle_deg
+            },
+            Self::LeadsAgree => inputs! { lead_angle_deg lead_mm pitch_circle_diameter_mm },
+            Self::SpeedsDiffer => inputs! { screw_speed_rpm nut_speed_rpm },
+            Self::OilThins => inputs! { viscosity_40C_mm2_s viscosity_100C_mm2_s },
+        }
     }
 
     /// Where it holds, if its inputs are there.
@@ -118,35 +113,40 @@ impl Relation {
         let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
         let pitch = value(InputKey::pitch_circle_diameter_mm);
         match self {
-            Self::BallsFit => CaseError::BallTooLarge {
-                ball_diameter_mm: value(InputKey::ball_diameter_mm),
-                pitch_radius_mm: 0.5 * pitch,
-            },
+            Self::BallsFit => CaseError::Invalid(format!(
+                "ball_diameter_mm = {} must be smaller than the radius of the pitch circle, \
+                 pitch_circle_diameter_mm / 2 = {}",
+                value(InputKey::ball_diameter_mm),
+                0.5 * pitch
+            )),
             Self::TurnHolds => {
                 let lead = scene.lead().unwrap_or(f64::NAN);
                 let most = turn_length(pitch, lead) / value(InputKey::ball_diameter_mm);
-                CaseError::OutOfRange {
-                    key: InputKey::loaded_balls_per_turn.name().to_owned(),
-                    value: value(InputKey::loaded_balls_per_turn),
-                    rule: format!("<= {most:.3}, which fill a turn"),
-                }
+                CaseError::out_of_range(
+                    InputKey::loaded_balls_per_turn.name(),
+                    value(InputKey::loaded_balls_per_turn),
+                    format!("<= {most:.3}, which fill a turn"),
+                )
             }
             Self::LeadsAgree => {
                 let lead_mm = value(InputKey::lead_mm);
-                CaseError::LeadConflict {
-                    lead_angle_deg: value(InputKey::lead_angle_deg),
-                    lead_mm,
-                    implied_deg: lead_angle(lead_mm, pitch) / DEG,
-                }
+                CaseError::Invalid(format!(
+                    "lead_angle_deg = {} and lead_mm = {lead_mm} disagree: on this pitch circle \
+                     a lead of {lead_mm} mm is an angle of {} deg; give one of the two",
+                    value(InputKey::lead_angle_deg),
+                    lead_angle(lead_mm, pitch) / DEG
+                ))
             }
-            Self::SpeedsDiffer => CaseError::NoRelativeSpeed {
-                screw_rpm: value(InputKey::screw_speed_rpm),
-                nut_rpm: value(InputKey::nut_speed_rpm),
-            },
-            Self::OilThins => CaseError::OilThickens {
-                warm: value(InputKey::viscosity_40C_mm2_s),
-                hot: value(InputKey::viscosity_100C_mm2_s),
-            },
+            Self::SpeedsDiffer => CaseError::Invalid(format!(
+                "screw_speed_rpm = {} and nut_speed_rpm = {} are equal: their difference must not be 0",
+                value(InputKey::screw_speed_rpm),
+                value(InputKey::nut_speed_rpm)
+            )),
+            Self::OilThins => CaseError::Invalid(format!(
+                "viscosity_100C_mm2_s = {} must be below viscosity_40C_mm2_s = {}: viscosity decreases with temperature",
+                value(InputKey::viscosity_100C_mm2_s),
+                value(InputKey::viscosity_40C_mm2_s)
+            )),
         }
     }
 }

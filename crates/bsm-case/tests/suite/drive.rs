@@ -72,6 +72,14 @@ fn the_motor_has_rules() {
     let steady = report.phases[1].number("motor_torque_Nm").expect("a torque");
     let least = inertia * 50.0 * std::f64::consts::PI / (12.0 - steady);
     near(number(&report, "least_acceleration_time_s"), least, 1e-12, "time");
+    // HIWIN: 1.5 times that by the rated torque, which 1 N m is too little for.
+    assert_eq!(report.number("least_rated_acceleration_time_s"), None);
+    let rated = axis(&["motor_rated_torque_Nm=12"]);
+    let inertia = number(&rated, "inertia_at_motor_kg_m2");
+    let steady = rated.phases[1].number("motor_torque_Nm").expect("a torque");
+    let speed = number(&rated, "motor_speed_rpm") * std::f64::consts::PI / 30.0;
+    let least = 1.5 * inertia * speed / (12.0 - steady);
+    near(number(&rated, "least_rated_acceleration_time_s"), least, 1e-12, "rated time");
     // A gear: the motor is faster, and its losses cost torque.
     let (plain, geared) = (axis(&[]), axis(&["gear_ratio=2", "gear_efficiency=0.8"]));
     near(number(&geared, "motor_speed_rpm"), 3000.0, 1e-9, "gear");

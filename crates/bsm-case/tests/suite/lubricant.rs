@@ -2,8 +2,7 @@
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    Calibration, CaseError, NutProblem, NutReport, Record, Scene, Sensitivities, Settings,
-    torque_parts,
+    Calibration, NutProblem, NutReport, Record, Scene, Sensitivities, Settings, torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::Value;
@@ -94,7 +93,6 @@ fn friction_is_said_once() {
     assert!(told(&dry, &auto).contains("friction_coefficient and film_factor are given"));
     for model in [Model::ClosedForm, Model::QuasiStatic, Model::Rigid, Model::Elastic] {
         let error = oiled(&[]).problem(&model.into()).expect_err("no lubricant");
-        assert!(matches!(error, CaseError::NoLubricant { .. }));
         let text = error.to_string();
         assert!(
             text.contains("raceway-control and traction") && text.contains("equivalent_friction")

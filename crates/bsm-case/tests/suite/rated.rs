@@ -436,6 +436,15 @@ fn a_known_film_makes_the_viscosity_ratio() {
     assert_relative_eq!(ratio(&report), expected, max_relative = 3e-4);
     let film = number(&report, "modified_life_h");
     assert!(film > 0.0 && film < 50.0 * number(&report, "cycle_life_h"), "{film}");
+    // By the viscosity alone if that is asked for: ν/ν₁ of (AA4), of which ν is the one of `film_ratio` above.
+    scene.apply(&["kappa_by=viscosity"]).expect("a word");
+    let report = AxisReport::of(&scene, &settings).expect("a sheet");
+    let density = scene.lubricant_density_kg_m3.unwrap_or(870.0);
+    let viscosity = record.number("viscosity_mPas").expect("oil") * 1e3 / density;
+    let rpm = report.phases[0].number("screw_speed_rpm").expect("a speed").abs();
+    let reference = if rpm < 1000.0 { 45e3 * rpm.powf(-0.83) } else { 4500.0 * rpm.powf(-0.5) };
+    let expected = viscosity / (reference * (2e3 * pitch).powf(-0.5));
+    assert_relative_eq!(ratio(&report), expected, max_relative = 1e-12);
 }
 
 /// By hand: ratings of a maker are printed for their grade; an own rating of grade 10 has 0.7, 0.343 of the life; 50 HRC has

@@ -45,6 +45,8 @@ fn a_pretension_is_a_force_and_its_rule() {
         ("stretch_um", 50.025),
         ("travel_compensation_um", -34.5),
         ("screw_tension_N", 6605.3 / 3.0),
+        // 4476.7 √(1 + 6605.3/265885), by hand.
+        ("stretched_critical_speed_rpm", 4531.96),
     ] {
         near(number(&report, name), value, 2e-5, name);
     }

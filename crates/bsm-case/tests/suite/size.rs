@@ -191,6 +191,9 @@ fn a_sheet_says_what_to_measure_how_warm_and_whether_it_falls() {
     near(number(&turning, "axis_heat_transfer_W_K"), 6.5173, 1e-5, "heat transfer");
     let rise = number(&turning, "mean_heat_W") / number(&turning, "axis_heat_transfer_W_K");
     near(number(&turning, "steady_temperature_rise_K"), rise, 1e-12, "rise");
+    let time =
+        460.0 * number(&turning, "screw_mass_kg") / number(&turning, "axis_heat_transfer_W_K");
+    near(number(&turning, "steady_temperature_time_s"), time, 1e-12, "time constant");
     assert!(note(&turning, "within a factor of 2").is_some());
     let given = with(&["axis_heat_transfer_W_K=10"]);
     near(number(&given, "axis_heat_transfer_W_K"), 10.0, 1e-15, "as given");

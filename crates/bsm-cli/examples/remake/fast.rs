@@ -1,6 +1,7 @@
 //! What the program answers in seconds, the same each time: written by `docs/remake fast`, and held
 //! against the documents by `cargo test -p bsm-cli documents::`.
 
+use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -28,6 +29,7 @@ pub(crate) const BLOCKS: &[(&str, Make)] = &[
     ("slip-powers", slip_powers),
     ("catalogue", catalogue),
     ("nut-sharing", nut_sharing),
+    ("ball-train", ball_train),
     ("accuracy", accuracy),
 ];
 
@@ -212,6 +214,64 @@ fn nut_sharing(program: &Program) -> Blocks {
     };
     let rows = cases.iter().map(row).collect::<Result<Vec<_>, _>>()?;
     let header = "| what | largest load over mean | stiffness | life | friction torque |";
+    Ok(table(header, &rows))
+}
+
+/// Room that balls need and what less room costs, with the nut driving and driven.
+fn ball_train(program: &Program) -> Blocks {
+    const PER_CENT: [f64; 4] = [0.5, 0.2, 0.05, 0.01];
+    const COLUMNS: &str = "needed_gap_mm,advance_spread,max_over_mean,idle_balls,contact_torque_free_Nm,friction_torque_Nm,max_push_N";
+    const ONE: (&str, f64) = ("nut_train", 98.0);
+    let five = " --set loaded_balls_per_turn=20.374 --set ball_contact_friction=0.1";
+    let lead = |um: u8| format!(" --set lead_error=[{{\"amplitude_um\":{um},\"order\":1}}]");
+    let tilted = " --set nut_guidance=guided --set tilt_y_urad=200 --set radial_x_um=5";
+    let cases = [
+        ("guided, rigid; a pair at its preload", ONE, " --set nut_guidance=guided".to_owned()),
+        ("guided, elastic, 19 kN", ("nut_guided", 98.0), five.to_owned()),
+        ("free, five circuits", ("nut_free", 19.0), five.to_owned()),
+        ("free, lead error of 1 um", ONE, lead(1)),
+        ("free, 500 N aside", ONE, " --set radial_load_x_N=500".to_owned()),
+        ("free, lead error of 3 um", ONE, lead(3)),
+        ("free, moment of 30 N m", ONE, " --set moment_y_Nm=30".to_owned()),
+        ("guided, tilted by 0.2 mrad", ONE, tilted.to_owned()),
+    ];
+    let mut rows = Vec::new();
+    for (speed, drive, cases) in [(100, "", &cases[..]), (-100, "back-driven: ", &cases[2..7])] {
+        for (name, (scene, balls), change) in cases {
+            let gaps = PER_CENT.map(|part| (0.01 * part * balls * 6.35).to_string()).join(",");
+            let words = format!(
+                "sweep examples/{scene}.json --model traction --set screw_speed_rpm={speed}{change} --vary ball_gap_mm={gaps} --columns {COLUMNS} -o -"
+            );
+            let words: Vec<_> = words.split(' ').map(str::to_owned).collect();
+            let text = program.prints(&words)?.0;
+            let mut lines = csv::Reader::from_reader(text.as_bytes());
+            let rows_of =
+                lines.deserialize().collect::<Result<Vec<BTreeMap<String, String>>, _>>()?;
+            let cell = |row: usize, name: &str| rows_of.get(row)?.get(name)?.parse::<f64>().ok();
+            let first = |name| cell(0, name).ok_or_else(|| format!("no number `{name}`"));
+            let ball = 6.35 * (balls - first("idle_balls")?);
+            let shown = |value: Option<f64>, digits| {
+                value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
+            };
+            let torque = |row| {
+                let whole = cell(row, "friction_torque_Nm")?;
+                Some(whole / cell(row, "contact_torque_free_Nm")?)
+            };
+            let [torques, pushes] = [
+                [0, 1, 2, 3].map(|row| shown(torque(row), 2)),
+                [0, 1, 2, 3].map(|row| shown(cell(row, "max_push_N"), 1)),
+            ];
+            rows.push(format!(
+                "| {drive}{name} | {:.2} | {:.2} | {:.2} | {} | {} |",
+                first("max_over_mean")?,
+                100.0 * first("advance_spread")?,
+                100.0 * first("needed_gap_mm")? / ball,
+                torques.join(", "),
+                pushes.join(", ")
+            ));
+        }
+    }
+    let header = "| nut | load over mean | spread, % | room, % | torque at 0.5, 0.2, 0.05, 0.01 % | push there, N |";
     Ok(table(header, &rows))
 }
 

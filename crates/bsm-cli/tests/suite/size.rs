@@ -92,6 +92,19 @@ fn from_a_requirement_to_a_sheet_in_three_commands() {
         assert!(page.contains("<li>not modelled: ") && page.matches("<svg").count() == 2);
         let written = fs::read_to_string(dir.path().join("sheet/results.json")).expect("numbers");
         assert_eq!(json(&written), sheet);
+        // The file that it is from.
+        let foot = page.split("screw.json, SHA-256 ").nth(1).expect("a foot");
+        assert!(foot[..64].bytes().all(|digit| digit.is_ascii_hexdigit()), "{foot}");
+        // The rules as a table.
+        let table = run(&["axis", "screw.json", "-o", "-"]);
+        let mut rows = csv::Reader::from_reader(table.as_bytes());
+        let rows: Vec<_> = rows.records().map(|row| row.expect("a row")).collect();
+        for (row, rule) in rows.iter().zip(sheet["rules"].as_array().expect("rules")) {
+            assert_eq!(row[0], rule["rule"], "{row:?}");
+            assert_eq!(row[2].parse::<f64>().ok(), rule["value"].as_f64(), "{row:?}");
+            assert_eq!(&row[6] == "fails", rule["passes"] == false, "{row:?}");
+        }
+        assert_eq!(rows.len(), sheet["rules"].as_array().expect("rules").len());
     }
 }
 

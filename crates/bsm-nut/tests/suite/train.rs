@@ -158,9 +158,8 @@ fn reference_cases() {
         ] {
             assert_eq!(expected[key], got, "{name} {key}");
         }
-        // Heat in is heat out (17.4); torques of oiled balls balance to a tenth of what a converged point must.
-        let balanced = if case.oil.is_some() { 1e-8 } else { 1e-9 };
-        near("power balance", train.power_balance, 0.0, balanced);
+        // Roots leave 1e-10 of the forces, with oil too.
+        near("power balance", train.power_balance, 0.0, 1e-9);
         let (circuits, touch_angle) = (&expected["circuits"], advance.touch_angle);
         let circuits = circuits.as_array().expect("circuits");
         for ((found, advance), expected) in
@@ -500,7 +499,7 @@ fn wrong(case: &Case, train: &Train) -> Option<String> {
 fn random_trains_have_an_answer_or_a_reason() {
     let mut rng = ChaCha8Rng::seed_from_u64(43);
     let points = bsm_sample::campaign(2_000);
-    let (mut solved, mut touching, mut refused, mut lost) = (0, 0, [0; 4], Vec::new());
+    let (mut solved, mut touching, mut refused, mut lost) = (0, 0, [0; 5], Vec::new());
     for point in 0..points {
         let (case, found) = random(&mut rng);
         match case.train_of(&found) {
@@ -515,6 +514,8 @@ fn random_trains_have_an_answer_or_a_reason() {
             Err(TrainError::Return { .. }) => refused[1] += 1,
             Err(TrainError::Unloaded { .. }) => refused[2] += 1,
             Err(TrainError::NoMotion { .. }) => refused[3] += 1,
+            // Just below the push that stops a ball (O6) it has no motion.
+            Err(TrainError::LargePush { .. }) => refused[4] += 1,
             Err(other) => lost.push(format!("{point}: {other}")),
         }
     }
@@ -524,7 +525,8 @@ fn random_trains_have_an_answer_or_a_reason() {
         &lost[..lost.len().min(10)]
     );
     assert!(solved > points / 2 && touching > points / 10, "{solved} {touching}");
-    assert!(lost.len() <= points / 50, "{lost:?}");
+    // One of 2,000: where nearly all balls touch, the bends of its return give 1.36 of the push at the entry to the exit.
+    assert!(lost.len() <= points.div_ceil(2_000), "{lost:?}");
 }
 
 /// Balls in time on a closed track, without friction of ball-to-ball contact: each has the law of its place, and no two come

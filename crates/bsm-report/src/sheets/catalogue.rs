@@ -20,40 +20,33 @@ enum Entry {
     ContactAngle,
 }
 
+/// Name, unit as text and in SI, and value of an entry.
+type EntryRow = (&'static str, (&'static str, f64), fn(&Size) -> f64);
+
 use Entry::{Ball, Conformity, ContactAngle, Diameter, Lead, Turns};
 
 impl Entry {
     const ALL: [Self; 6] = [Diameter, Lead, Ball, Turns, Conformity, ContactAngle];
 
+    const TABLE: [EntryRow; 6] = [
+        ("nominal diameter", (" mm", MM), |size| size.diameter),
+        ("lead", (" mm", MM), |size| size.lead),
+        ("ball diameter", (" mm", MM), |size| size.ball),
+        ("loaded turns", ("", 1.0), |size| size.turns),
+        ("conformity", ("", 1.0), |size| size.conformity),
+        ("contact angle", (" deg", DEG), |size| size.contact_angle),
+    ];
+
     fn name(self) -> &'static str {
-        match self {
-            Diameter => "nominal diameter",
-            Lead => "lead",
-            Ball => "ball diameter",
-            Turns => "loaded turns",
-            Conformity => "conformity",
-            ContactAngle => "contact angle",
-        }
+        Self::TABLE[self as usize].0
     }
 
-    /// Unit as text, and in SI.
     fn unit(self) -> (&'static str, f64) {
-        match self {
-            Diameter | Lead | Ball => (" mm", MM),
-            ContactAngle => (" deg", DEG),
-            Turns | Conformity => ("", 1.0),
-        }
+        Self::TABLE[self as usize].1
     }
 
     fn of(self, size: &Size) -> f64 {
-        match self {
-            Diameter => size.diameter,
-            Lead => size.lead,
-            Ball => size.ball,
-            Turns => size.turns,
-            Conformity => size.conformity,
-            ContactAngle => size.contact_angle,
-        }
+        (Self::TABLE[self as usize].2)(size)
     }
 
     /// The value of a size as it is printed, to a thousandth.
@@ -99,31 +92,15 @@ fn drawings() -> [Drawing; 12] {
         contact_angle: 45.0 * DEG,
         offered: None,
     };
-    let over_lead = |key, of, quantity, diameter, ball| Drawing {
-        key,
-        of,
-        quantity,
-        x: Lead,
-        series: Turns,
-        near: size(diameter, ball, 0.53),
-    };
-    let over_diameter = |key, of, quantity| Drawing {
-        key,
-        of,
-        quantity,
-        x: Diameter,
-        series: Turns,
-        near: size(40.0, 3.175, 0.55),
+    let drawing =
+        |key, of, quantity, (x, series), near| Drawing { key, of, quantity, x, series, near };
+    let over_diameter =
+        |key, of, quantity| drawing(key, of, quantity, (Diameter, Turns), size(40.0, 3.175, 0.55));
+    let over_lead = |key, of, quantity, diameter, ball| {
+        drawing(key, of, quantity, (Lead, Turns), size(diameter, ball, 0.53))
     };
     [
-        Drawing {
-            key: "catalogue-3",
-            of: "Fig 3",
-            quantity: rigidity,
-            x: Lead,
-            series: Conformity,
-            near: size(20.0, 3.175, 0.53),
-        },
+        drawing("catalogue-3", "Fig 3", rigidity, (Lead, Conformity), size(20.0, 3.175, 0.53)),
         over_diameter("catalogue-4", "Fig 4", rating),
         over_diameter("catalogue-5", "Fig 5", rigidity),
         over_diameter("catalogue-6", "Fig 6", mass),

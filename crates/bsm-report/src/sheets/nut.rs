@@ -73,16 +73,7 @@ fn train(balls: &Columns) -> Vec<Figure> {
             Axis::linear("advance, mm"),
             &[("advance_mm", "ball advance")],
         ),
-        along(
-            balls,
-            [
-                "nut-ball-speeds",
-                "Speeds of the balls along the helix",
-                "Free, and with the pushes of other balls.",
-            ],
-            Axis::linear("precession relative to the nut over the relative speed"),
-            &[("free_rate", "free"), ("rate", "in the train")],
-        ),
+        speeds(balls),
         along(
             balls,
             [
@@ -95,6 +86,42 @@ fn train(balls: &Columns) -> Vec<Figure> {
         ),
     ];
     figures.into_iter().filter(|figure| !figure.curves.is_empty()).collect()
+}
+
+/// Free and actual speeds of the balls over the mean of the free ones, and a line where balls touch.
+fn speeds(balls: &Columns) -> Figure {
+    let at = |row: &Vec<f64>, name| balls.cell(row, name);
+    let free: Vec<_> =
+        balls.rows.iter().map(|row| at(row, "free_rate")).filter(|rate| rate.is_finite()).collect();
+    #[expect(clippy::cast_precision_loss, reason = "balls of a nut")]
+    let mean = free.iter().sum::<f64>() / free.len() as f64;
+    let curve = |name, (label, color, stroke): (&str, usize, Stroke), shown: fn(f64) -> bool| {
+        let point = |row: &Vec<f64>| {
+            let percent = 100.0 * (at(row, name) / mean - 1.0);
+            let is_shown = shown(at(row, "gap_to_next_mm"));
+            (at(row, "theta_deg") / 360.0, if is_shown { percent } else { f64::NAN })
+        };
+        let points: Vec<_> = balls.rows.iter().map(point).collect();
+        let is_empty = points.iter().all(|(_, y)| !y.is_finite());
+        (!is_empty).then(|| Curve::new(label, color, stroke, points))
+    };
+    let curves = [
+        curve("free_rate", ("free", 0, Stroke::Circles), |_| true),
+        curve("rate", ("with pushes", 1, Stroke::Triangles), |_| true),
+        curve("rate", ("train of touching balls", 1, Stroke::Solid), |gap| gap < NO_GAP),
+    ];
+    Figure::new(
+        [
+            "nut-ball-speeds",
+            "Speeds of the balls along the helix",
+            "Free, and with the pushes of other balls; the line joins balls that touch.",
+        ],
+        [
+            Axis::linear("turns along the helix"),
+            Axis::linear("speed over the mean of the free balls, %"),
+        ],
+        curves.into_iter().flatten().collect(),
+    )
 }
 
 /// A quantity of the balls along the helix, each column with its own marks.

@@ -11,6 +11,7 @@ use bsm_case::{
 use serde_json::{Value, json};
 
 use super::warm::warm_figures;
+use crate::figure::text_of_table;
 use crate::{Axis, Curve, Figure, PROGRAM, Page, ReportError, Stroke, number as text_of};
 
 /// Points of a limit in the diagram of speed and force.
@@ -53,12 +54,48 @@ pub fn size_results(report: &AxisReport) -> Value {
     report.answer.clone().with("program", Content::Json(PROGRAM.into())).to_json()
 }
 
+/// The rules of a sheet as CSV.
+///
+/// # Errors
+///
+/// [`ReportError::Table`] if it is not written.
+pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
+    let rows: Vec<_> = report.answer.numbers().flat_map(Numbers::all).collect();
+    let text = |number: Option<f64>| number.map_or_else(String::new, exact);
+    let mut table = csv::Writer::from_writer(Vec::new());
+    table.write_record([
+        "rule", "symbol", "value", "unit", "limit", "margin", "verdict", "source",
+    ])?;
+    for rule in &report.answer.rules {
+        let row = rows.iter().find(|row| row.quantity.name == rule.name);
+        table.write_record([
+            rule.title,
+            row.map_or("", |row| row.quantity.symbol),
+            &exact(rule.value),
+            rule.unit,
+            &text(rule.limit),
+            &text(rule.margin()),
+            if rule.limit.is_none() {
+                ""
+            } else if rule.passes() {
+                "passes"
+            } else {
+                "fails"
+            },
+            rule.source,
+        ])?;
+    }
+    text_of_table(table)
+}
+
 /// The sheet of an axis as a page that prints on two sides of A4.
+///
+/// * `input`: name and hash of the file that it is from, if it is from one.
 ///
 /// # Errors
 ///
 /// [`ReportError::Page`] if the template is wrong.
-pub fn size_page(report: &AxisReport) -> Result<String, ReportError> {
+pub fn size_page(report: &AxisReport, input: Option<&str>) -> Result<String, ReportError> {
     let figures = size_figures(report);
     let page = Page {
         title: "Ball screw axis: calculation sheet",
@@ -66,7 +103,9 @@ pub fn size_page(report: &AxisReport) -> Result<String, ReportError> {
         template: include_str!("../../templates/size.html"),
         figures: &figures,
     };
-    page.html(&sheet(report))
+    let mut sheet = sheet(report);
+    sheet["input"] = json!(input);
+    page.html(&sheet)
 }
 
 /// What the template shows.

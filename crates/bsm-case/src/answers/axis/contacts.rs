@@ -12,7 +12,7 @@ pub(super) struct Contacts {
     /// Torque on the screw \[N·m\], positive; `None` where the model has none.
     pub(super) friction: Option<f64>,
     /// The model, or why there is no torque.
-    pub(super) words: String,
+    pub(super) text: String,
 }
 
 /// A scene at another load and speed of its axis: with a load of zero only where the nut takes it. Screw and nut turn in
@@ -108,36 +108,36 @@ pub(super) fn contacts(
         let friction = moves * by_catalogue(scene).friction(advance * load, drives);
         return Ok(Contacts {
             friction: Some(friction),
-            words: "by catalogue efficiency".to_owned(),
+            text: "by catalogue efficiency".to_owned(),
         });
     }
     if !scene.given().has_friction() {
-        let words = "no torque: neither friction_coefficient nor a lubricant is given".to_owned();
-        return Ok(Contacts { friction: None, words });
+        let text = "no torque: neither friction_coefficient nor a lubricant is given".to_owned();
+        return Ok(Contacts { friction: None, text });
     }
     if *speed == 0.0 {
-        return Ok(Contacts { friction: Some(0.0), words: "at rest".to_owned() });
+        return Ok(Contacts { friction: Some(0.0), text: "at rest".to_owned() });
     }
     if scene.is_preloaded() {
         let nut = nut_at(scene, settings, *load, *speed)?;
         let friction = nut.number("friction_heat_W").map(|heat| heat / speed.abs());
-        let words = match nut.model() {
+        let text = match nut.model() {
             Some(model) => format!("{model}, all balls"),
             None => "all balls, on both flanks".to_owned(),
         };
-        return Ok(Contacts { friction, words });
+        return Ok(Contacts { friction, text });
     }
     if *load == 0.0 {
-        return Ok(Contacts { friction: Some(0.0), words: "no load".to_owned() });
+        return Ok(Contacts { friction: Some(0.0), text: "no load".to_owned() });
     }
     // The model has the load positive, and the speed negative where the load drives.
     let scene = at(scene, load.abs(), load.signum() * speed);
     let record = Record::new(scene.problem(settings)?.solve(work));
     let torque = record.number("ball_torque_Nm").filter(|_| record.status() == Status::Converged);
     let ideal = advance * load.abs();
-    let words = match (torque, record.message()) {
+    let text = match (torque, record.message()) {
         (None, Some(why)) => format!("no torque: {why}"),
         _ => record.model().name().to_owned(),
     };
-    Ok(Contacts { friction: torque.map(|torque| (torque - ideal).abs()), words })
+    Ok(Contacts { friction: torque.map(|torque| (torque - ideal).abs()), text })
 }

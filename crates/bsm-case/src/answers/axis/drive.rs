@@ -74,15 +74,15 @@ impl AxisState<'_> {
         (driving > 0.0).then(|| (acceleration, feed / self.machine.advance() / RPM))
     }
 
-    /// Time to the largest speed by the peak torque of the motor \[s\].
-    pub(super) fn least_ramp(&self) -> Option<f64> {
+    /// Time to the largest speed by a torque of the motor \[s\].
+    pub(super) fn least_ramp(&self, torque: f64) -> Option<f64> {
         let Machine { drive, axis, .. } = &self.machine;
         let steady = self.torques.iter().filter(|torques| torques.phase.acceleration == 0.0);
         let loads = steady.map(|torques| Some(self.motor_torque(torques)?.abs()));
         let load = loads.collect::<Option<Vec<_>>>()?.into_iter().fold(0.0, f64::max);
         let speed = axis.fastest() * drive.gear_ratio;
         self.machine.screw?;
-        least_acceleration_time(drive.inertia(), speed, self.scene.motor_peak_torque_Nm?, load)
+        least_acceleration_time(drive.inertia(), speed, torque, load)
     }
 
     /// Time to the largest speed at the largest acceleration of the cycle \[s\].

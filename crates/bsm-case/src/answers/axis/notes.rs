@@ -6,7 +6,7 @@ use bsm_dyn::ModelWorkspace;
 use super::state::AxisState;
 use super::torques::Preload;
 use super::{contacts, no_balls};
-use crate::answers::nut::preload_note;
+use crate::answers::nut::{preload_note, torque_to_measure};
 use crate::case::axis::{LEAST_TURNS, make};
 use crate::case::rated_screw::LEFT_OUT;
 use crate::case::warm::Warm;
@@ -54,7 +54,7 @@ impl AxisState<'_> {
                 2.0 * rise
             ));
         }
-        let mut note = |words: &str| notes.push(words.to_owned());
+        let mut note = |text: &str| notes.push(text.to_owned());
         if let Some(word) = self.scene.nut.accuracy_grade {
             note(&word.describe());
             let Grade { name, .. } = word.grade;
@@ -247,20 +247,8 @@ impl AxisState<'_> {
     /// The torque by which the preload is checked, with its tolerance.
     pub(super) fn to_measure(&self) -> Option<String> {
         let torque = self.preload.as_ref()?.by_rule;
-        let ends = [-1.0, 1.0].map(|side| self.torque_by(side));
-        let tolerance = match (ends, self.torque_percent(), self.grade()) {
-            ([Some(low), Some(high)], Some(percent), Some(grade)) => {
-                format!("{low:.3} to {high:.3}, +-{percent:.0} % by {}", grade.name)
-            }
-            (.., None) => "accuracy_grade gives its tolerance".to_owned(),
-            _ => "no tolerance is specified for this torque, length and accuracy_grade".to_owned(),
-        };
-        let seal = self.scene.seal_torque_Nm.filter(|seal| *seal > 0.0);
-        let with_seals = seal
-            .map_or_else(String::new, |seal| format!("; with the seals {:.3} N m", torque + seal));
-        Some(format!(
-            "friction torque of the preload to measure: {torque:.3} N m ({tolerance}) at 100 rpm, oil of ISO VG 68, \
-             without wipers{with_seals}"
-        ))
+        let thread = (self.shaft().map(|shaft| shaft.length), self.axis().screw.outer);
+        let seal = self.scene.seal_torque_Nm.unwrap_or(0.0);
+        Some(torque_to_measure(torque, seal, (self.grade(), thread.0, thread.1)))
     }
 }

@@ -14,7 +14,7 @@ use super::lubrication::Lubrication;
 use super::torques::{Preload, Torques};
 use crate::case::axis::{FixedEnds, Machine, useful_travel};
 use crate::case::warm::{Warm, WarmState};
-use crate::vocabulary::entries::Named;
+use crate::vocabulary::entries::{KappaBy, Named};
 use crate::vocabulary::units::{RPM, UM};
 use crate::{CaseError, InputKey, NutReport, Scene, Settings};
 
@@ -164,11 +164,15 @@ impl<'a> AxisState<'a> {
         life.map(|time| time / 3600.0)
     }
 
-    /// Viscosity ratio by the film and by the viscosity, as far as each is known.
+    /// Viscosity ratio by the film and by the viscosity, as far as each is known and wanted.
     ///
     /// * `speed`: of the screw against the nut \[rad/s\]. * `load`: of a nut \[N\].
     fn viscosity_ratios(&self, speed: f64, load: f64) -> [Option<f64>; 2] {
         let Some(Lubrication { viscosity, .. }) = self.lubrication else { return [None; 2] };
+        let by_viscosity = Some(self.axis().viscosity_ratio(viscosity, speed));
+        if self.scene.nut.kappa_by == Some(Named(KappaBy::Viscosity)) {
+            return [None, by_viscosity];
+        }
         let at = [speed, load].map(|x| x.abs().to_bits());
         let known = self.by_film.borrow().iter().find(|(other, _)| *other == at).copied();
         let (_, by_film) = known.unwrap_or_else(|| {
@@ -177,7 +181,7 @@ impl<'a> AxisState<'a> {
             self.by_film.borrow_mut().push((at, found));
             (at, found)
         });
-        [by_film, Some(self.axis().viscosity_ratio(viscosity, speed))]
+        [by_film, by_viscosity]
     }
 
     /// The same of a phase that moves, for its more heavily loaded nut.

@@ -205,7 +205,7 @@ pub fn torque_parts(scene: &Scene, settings: &Settings) -> Result<Option<ScrewTo
     let (advance, work) = (lead * MM / TAU, &mut ModelWorkspace::default());
     let torques = Torques::of(scene, settings, (advance, drag), &phase, work)?;
     let numbers = torques.numbers();
-    Ok(Some(ScrewTorque { numbers, contacts: torques.contacts.words }))
+    Ok(Some(ScrewTorque { numbers, contacts: torques.contacts.text }))
 }
 
 /// Efficiency of the screw in a phase for a search over screws, which has no time for all balls of a preloaded

@@ -3,7 +3,9 @@
 use std::borrow::Cow;
 
 use bsm_dyn::{BallState, Model, ModelWorkspace, Problem};
-use bsm_nut::{Advance, CircuitAdvance, CircuitTrain, FreeMotion, LARGEST_PUSH, Rolling, Train};
+use bsm_nut::{
+    Advance, CircuitAdvance, CircuitTrain, FreeMotion, LARGEST_PUSH, Rolling, Train, TrainError,
+};
 use serde_json::json;
 
 use super::{BallFriction, NutProblem, NutReport};
@@ -36,10 +38,10 @@ pub(super) type TrainResult = Result<Train, String>;
 
 /// A push above [`LARGEST_PUSH`].
 ///
-/// * `of`: the load that it is a part of.
-fn too_large(push: f64, part: f64, of: &str) -> String {
+/// * `push`: in words. * `of`: the load that it is a part of.
+fn too_large(push: &str, part: f64, of: &str) -> String {
     format!(
-        "a push of {push:.3} N between balls is {:.1} % of their {of} load: above {:.0} % loads and contact angles are \
+        "a push of {push} between balls is {:.1} % of their {of} load: above {:.0} % loads and contact angles are \
          no longer those without pushes",
         100.0 * part,
         100.0 * LARGEST_PUSH
@@ -57,7 +59,7 @@ fn pushes(model: ModelChoice) -> bool {
 }
 
 impl NutProblem {
-    /// Advance of the balls, of whose free motions those by model traction are taken unless another is asked for.
+    /// Advance of the balls, by their free motions of model traction unless raceway control is asked for.
     pub(super) fn advance_of(
         &self,
         made: &NutAtRest,
@@ -68,8 +70,9 @@ impl NutProblem {
         let of =
             |motions: &[Option<FreeMotion>]| nut.advance(found, motions, drive, self.gaps.spacer);
         let rolls_alone = ball_friction.models.iter().any(|model| *model != Model::Traction.name());
-        if self.settings.model == ModelChoice::Auto && rolls_alone {
-            // Free speeds of two models differ by more than those of neighbours.
+        if self.settings.model != ModelChoice::Fixed(Model::RacewayControl) && rolls_alone {
+            // Free speeds of two models differ by more than those of neighbours, and nothing stops the spin of a ball of
+            // model elastic.
             let traction = self.by_traction();
             return of(&traction.friction_of(nut, found)?.friction.motions);
         }
@@ -120,12 +123,16 @@ impl NutProblem {
             _ => None,
         };
         let train = nut.train(found, motions, rubbing.coefficient(), drive, inputs, in_train);
-        let train = train.map_err(|why| why.to_string());
-        Some(train.and_then(|train| {
-            let part = train.largest_push / found.max_load();
-            let push = train.largest_push;
-            if part <= LARGEST_PUSH { Ok(train) } else { Err(too_large(push, part, "largest")) }
-        }))
+        Some(match train {
+            Ok(train) if train.largest_push > LARGEST_PUSH * found.max_load() => {
+                let (push, part) = (train.largest_push, train.largest_push / found.max_load());
+                Err(too_large(&format!("{push:.3} N"), part, "largest"))
+            }
+            Err(TrainError::LargePush { push, part }) => {
+                Err(too_large(&format!("at least {push:.3} N"), part, "largest"))
+            }
+            other => other.map_err(|why| why.to_string()),
+        })
     }
 }
 
@@ -177,7 +184,7 @@ impl NutReport {
         let Some(Ok(train)) = self.state.pushed(&self.problem) else { return warnings };
         let part = train.largest_push / self.found().mean_load();
         if part > LARGEST_PUSH {
-            let beyond = too_large(train.largest_push, part, "mean");
+            let beyond = too_large(&format!("{:.3} N", train.largest_push), part, "mean");
             warnings.push(format!("{beyond}, and the torque is an estimate"));
         }
         match train.number_of(Rolling::Blocked) {

@@ -3,8 +3,8 @@
 use bsm_design::NutBody;
 use bsm_nut::{BallNut, Bar, Ring};
 
-use super::problem::{bad, twice};
 use crate::vocabulary::entries::{End, Named};
+use crate::vocabulary::error::bad;
 use crate::vocabulary::units::MM;
 use crate::{CaseError, InputKey, Scene};
 
@@ -15,25 +15,25 @@ pub(super) fn bodies(
     body: &NutBody,
 ) -> Result<BallNut, CaseError> {
     use InputKey as K;
-    let words = &scene.nut;
+    let entries = &scene.nut;
     let ends = ends(&nut);
     let made = nut.nut_stiffness(body.outer);
     let keys = [K::nut_EA_N, K::nut_anchor_z_mm];
-    nut.nut_bar = bar(scene, (keys, "nut_anchor", words.nut_anchor), made, ends)?;
+    nut.nut_bar = bar(scene, (keys, "nut_anchor", entries.nut_anchor), made, ends)?;
     let keys = [K::screw_EA_N, K::screw_anchor_z_mm];
-    let twists = words.screw_torsion == Some(true);
+    let twists = entries.screw_torsion == Some(true);
     if twists && scene.screw_EA_N.is_some() {
-        return Err(twice("screw_torsion", K::screw_EA_N.name()));
+        return Err(CaseError::given_twice(["screw_torsion", K::screw_EA_N.name()]));
     }
-    if twists && words.screw_anchor.is_none() && scene.screw_anchor_z_mm.is_none() {
+    if twists && entries.screw_anchor.is_none() && scene.screw_anchor_z_mm.is_none() {
         let what =
             "needs the place where force and torque leave: screw_anchor or screw_anchor_z_mm";
         return Err(bad("screw_torsion", what));
     }
     let made = nut.screw_stiffness(twists);
-    nut.screw_bar = bar(scene, (keys, "screw_anchor", words.screw_anchor), made, ends)?;
+    nut.screw_bar = bar(scene, (keys, "screw_anchor", entries.screw_anchor), made, ends)?;
     let youngs_modulus = nut.material.0.youngs_modulus;
-    nut.ring = (words.ring_expansion == Some(true)).then(|| {
+    nut.ring = (entries.ring_expansion == Some(true)).then(|| {
         let [_, inner] = nut.groove_diameters();
         Ring { outer: body.outer, inner, youngs_modulus }
     });
@@ -58,7 +58,7 @@ fn bar(
 ) -> Result<Option<Bar>, CaseError> {
     let at = |end: End| if end == End::Low { ends[0] } else { ends[1] };
     let anchor = match (end, scene[place]) {
-        (Some(_), Some(_)) => return Err(twice(word, place.name())),
+        (Some(_), Some(_)) => return Err(CaseError::given_twice([word, place.name()])),
         (Some(Named(end)), None) => at(end),
         (None, Some(z)) => z * MM,
         (None, None) if scene[stiffness].is_some() => {

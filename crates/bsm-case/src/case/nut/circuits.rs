@@ -6,10 +6,10 @@ use bsm_design::Nut;
 use bsm_nut::{Circuit, Flanks, LeadError, Preload};
 
 use super::loading::{arrangement, is_preloaded};
-use super::problem::{bad, checked, twice, whole};
 use crate::vocabulary::entries::{Arrangement, CircuitEntry, LeadErrorEntry, Named, SceneEntries};
+use crate::vocabulary::error::bad;
 use crate::vocabulary::input_set::loaded_turns;
-use crate::vocabulary::number::count;
+use crate::vocabulary::number::{count, whole};
 use crate::vocabulary::units::{DEG, MM, UM};
 use crate::{CaseError, InputKey, Rule, Scene};
 
@@ -67,38 +67,30 @@ pub(super) fn listed_circuits(
     }
     let mut balls = 0_usize;
     let mut all = Vec::new();
-    for (i, words) in listed.iter().enumerate() {
+    for (i, entry) in listed.iter().enumerate() {
         let path = |key: &str| format!("circuits[{i}].{key}");
-        balls = balls.saturating_add(words.balls);
-        if words.balls == 0 || balls > MOST_BALLS {
+        balls = balls.saturating_add(entry.balls);
+        if entry.balls == 0 || balls > MOST_BALLS {
             let rule = format!("from 1 to {MOST_BALLS} balls in all");
-            return Err(CaseError::OutOfRange {
-                key: path("balls"),
-                value: count(words.balls),
-                rule,
-            });
+            return Err(CaseError::out_of_range(path("balls"), count(entry.balls), rule));
         }
-        if count(words.start) >= starts {
+        if count(entry.start) >= starts {
             let rule = format!("below the number of starts, {starts}");
-            return Err(CaseError::OutOfRange {
-                key: path("start"),
-                value: count(words.start),
-                rule,
-            });
+            return Err(CaseError::out_of_range(path("start"), count(entry.start), rule));
         }
-        let arc = checked(Rule::Above(0.0), &path("arc_deg"), words.arc_deg)?;
+        let arc = Rule::Above(0.0).checked(&path("arc_deg"), entry.arc_deg)?;
         all.push(Circuit {
-            start: checked(ANGLES, &path("start_deg"), words.start_deg)? * DEG,
-            arc: checked(ANGLES, &path("arc_deg"), arc)? * DEG,
-            balls: words.balls,
-            thread: words.start,
-            body: words.body,
-            flanks: match words.flank {
+            start: ANGLES.checked(&path("start_deg"), entry.start_deg)? * DEG,
+            arc: ANGLES.checked(&path("arc_deg"), arc)? * DEG,
+            balls: entry.balls,
+            thread: entry.start,
+            body: entry.body,
+            flanks: match entry.flank {
                 Some(Named(flanks)) => flanks,
                 None if bodies == 1 => Flanks::Both,
-                None => flank_of(words.body, arrangement.unwrap_or(Arrangement::X)),
+                None => flank_of(entry.body, arrangement.unwrap_or(Arrangement::X)),
             },
-            offset: checked(Rule::Any, &path("offset_um"), words.offset_um)? * UM,
+            offset: Rule::Any.checked(&path("offset_um"), entry.offset_um)? * UM,
         });
     }
     apart(&all)?;
@@ -174,23 +166,23 @@ pub(super) fn short_circuits(scene: &Scene, way: Preload) -> Result<Vec<Circuit>
 
 /// Excess of the radius of each ball \[m\].
 pub(super) fn deviations(
-    words: &SceneEntries,
+    entries: &SceneEntries,
     deviation: Option<f64>,
 ) -> Result<Vec<f64>, CaseError> {
-    let Some(listed) = &words.ball_deviation_um else { return Ok(Vec::new()) };
+    let Some(listed) = &entries.ball_deviation_um else { return Ok(Vec::new()) };
     if deviation.is_some() {
-        return Err(twice("ball_deviation_um", "ball_deviation_sd_um"));
+        return Err(CaseError::given_twice(["ball_deviation_um", "ball_deviation_sd_um"]));
     }
     let one = |(i, value): (usize, &f64)| {
-        let value = checked(Rule::Any, &format!("ball_deviation_um[{i}]"), *value)?;
+        let value = Rule::Any.checked(&format!("ball_deviation_um[{i}]"), *value)?;
         Ok(0.5 * UM * value)
     };
     listed.iter().enumerate().map(one).collect()
 }
 
-pub(super) fn lead_error((i, words): (usize, &LeadErrorEntry)) -> Result<LeadError, CaseError> {
+pub(super) fn lead_error((i, entry): (usize, &LeadErrorEntry)) -> Result<LeadError, CaseError> {
     let path = format!("lead_error[{i}]");
-    let LeadErrorEntry { amplitude_um, order, phase_deg, slope_um_per_mm, z0_mm } = *words;
+    let LeadErrorEntry { amplitude_um, order, phase_deg, slope_um_per_mm, z0_mm } = *entry;
     match (amplitude_um, order, slope_um_per_mm) {
         (Some(amplitude), Some(order), None) if z0_mm.is_none() => Ok(LeadError::Wave {
             amplitude: amplitude * UM,

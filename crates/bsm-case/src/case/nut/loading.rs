@@ -5,8 +5,8 @@ use std::array::from_fn;
 use bsm_design::PreloadMethod;
 use bsm_nut::{BallNut, Flanks, Freedom, Preload, Support};
 
-use super::problem::{bad, twice};
 use crate::vocabulary::entries::{Arrangement, Guidance, Named};
+use crate::vocabulary::error::bad;
 use crate::vocabulary::units::UM;
 use crate::{CaseError, InputKey, Scene};
 
@@ -85,7 +85,7 @@ pub(super) fn preload(
     let key = match given[..] {
         [] => return Ok(None),
         [key] => key,
-        [one, other, ..] => return Err(twice(one.name(), other.name())),
+        [one, other, ..] => return Err(CaseError::given_twice([one.name(), other.name()])),
     };
     let value = scene[key].unwrap_or(f64::NAN);
     let by = if key == K::ball_oversize_um { Preload::Oversize } else { way };
@@ -126,8 +126,12 @@ pub(super) fn support(scene: &Scene) -> Result<Support, CaseError> {
     for (freedom, (keys, units)) in support.0[1..].iter_mut().zip(ACROSS) {
         let given: [Option<f64>; 3] = from_fn(|i| Some(scene[keys[i]]? * units[i]));
         *freedom = match given {
-            [_, Some(_), Some(_)] => return Err(twice(keys[1].name(), keys[2].name())),
-            [Some(_), Some(_), _] => return Err(twice(keys[0].name(), keys[1].name())),
+            [_, Some(_), Some(_)] => {
+                return Err(CaseError::given_twice([keys[1].name(), keys[2].name()]));
+            }
+            [Some(_), Some(_), _] => {
+                return Err(CaseError::given_twice([keys[0].name(), keys[1].name()]));
+            }
             [load, None, Some(stiffness)] => {
                 Freedom::Sprung { stiffness, load: load.unwrap_or(0.0) }
             }

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating, Thread};
-use bsm_dyn::{Ball, Lubricant, Temperature};
+use bsm_design::{DynamicRating, Grade, Nut, NutBody, PRELOAD, StaticRating, Thread};
+use bsm_dyn::Ball;
 use bsm_kin::{Drive, Helix};
 use bsm_nut::{BallNut, Equilibrium, Errors, NutError, Preload, Support, TurnRatings};
 
@@ -13,13 +13,18 @@ use super::circuits::{
     SHORT, deviations, lead_error, listed_circuits, of_circuits, short_circuits,
 };
 use super::draw::draw;
+use super::friction::FrictionSource;
 use super::loading::{Amount, arrangement, preload, preload_of_bodies, support};
 use super::train::BallGaps;
-use crate::case::problem::{Needs, has_lubricant};
+use crate::case::axis::mount;
+use crate::case::problem::has_lubricant;
 use crate::case::rated_nut;
 use crate::case::reader::has_grooves;
 use crate::case::scene::RISES;
 use crate::case::warm::Warm;
+use crate::vocabulary::error::bad;
+use crate::vocabulary::input_set::inputs;
+use crate::vocabulary::number::whole;
 use crate::vocabulary::units::{DEG, MM, UM};
 use crate::{CaseError, InputKey, InputSet, ModelChoice, Rule, Scene, Settings};
 
@@ -58,52 +63,12 @@ pub struct NutProblem {
     pub(crate) gaps: BallGaps,
     /// Torque of the seals \[N·m\].
     pub(crate) seal_torque: f64,
+    /// Grade, length of the thread and diameter of the screw \[m\], as far as given, for the tolerance of the preload torque.
+    pub(crate) grade: (Option<&'static Grade>, Option<f64>, f64),
     pub(crate) settings: Settings,
     /// The warm steady state that it is in, if it was asked for.
     pub(crate) warm: Option<Arc<Warm>>,
     pub(crate) notes: Vec<String>,
-}
-
-/// Source of the friction of the balls.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum FrictionSource {
-    /// One coefficient.
-    Coefficient(f64),
-    /// The film of each ball, and what the ball returns lose, without the seals.
-    Lubricant(Lubricant),
-}
-
-impl FrictionSource {
-    /// The friction coefficient, if it is one.
-    pub(crate) fn coefficient(&self) -> Option<f64> {
-        match self {
-            Self::Coefficient(coefficient) => Some(*coefficient),
-            Self::Lubricant(_) => None,
-        }
-    }
-
-    /// As given by a scene.
-    fn of(scene: &Scene) -> Result<Option<Self>, CaseError> {
-        let given = scene.given();
-        given.check_friction()?;
-        if !given.is_lubricated() {
-            return Ok(scene.friction_coefficient.map(Self::Coefficient));
-        }
-        let missing = Needs::LUBRICANT.missing(given);
-        let read = || scene.reader().lubricant();
-        let Some(mut lubricant) = missing.is_empty().then(read).flatten() else {
-            return Err(CaseError::Missing { missing, by: scene.given().purpose("for a nut") });
-        };
-        if let Temperature::Balance { .. } = lubricant.temperature {
-            let what = "the temperature of the lubricant follows from the heat of one ball in bsm solve, not from \
-                        that of a nut; give lubricant_temperature_C"
-                .to_owned();
-            return Err(CaseError::BadEntry { key: "heat_transfer_W_K".to_owned(), what });
-        }
-        // The seals have a line of their own.
-        lubricant.losses.seal_torque = 0.0;
-        Ok(Some(Self::Lubricant(lubricant)))
-    }
 }
 
 /// A nut that is made and carries its load.
@@ -147,7 +112,7 @@ impl NutProblem {
         }
         let missing = scene.missing_for_a_nut(scene.given());
         if !missing.is_empty() {
-            return Err(CaseError::Missing { missing, by: scene.given().purpose("for a nut") });
+            return Err(CaseError::missing(missing, scene.given().purpose("for a nut")));
         }
         let loaded = usually_preloaded(scene)?;
         let scene = loaded.as_ref().unwrap_or(scene);
@@ -170,10 +135,14 @@ impl NutProblem {
         if let ModelChoice::Fixed(model) = settings.model {
             scene.covered_by(model)?;
             if !has_grooves(model) {
-                return Err(CaseError::NoBallOfANut { model: model.name() });
+                return Err(CaseError::Invalid(format!(
+                    "model {} does not calculate the balls of a nut: models auto, raceway-control, elastic and traction give \
+                     the friction of the balls of a nut",
+                    model.name()
+                )));
             }
             if scene.given().is_lubricated() && !has_lubricant(model) {
-                return Err(CaseError::NoLubricant { model: model.name() });
+                return Err(CaseError::no_lubricant(model));
             }
         }
         #[expect(
@@ -184,6 +153,9 @@ impl NutProblem {
         let seed = value(InputKey::seed) as u64;
         let friction = FrictionSource::of(scene)?;
         let gaps = BallGaps::of(scene, friction, &nut)?;
+        let screw = design.screw(&thread);
+        let shaft = mount(scene).shaft(&screw, body.length, scene.stroke_mm.map(|mm| mm * MM));
+        let grade = scene.nut.accuracy_grade.map(|name| name.grade);
         Ok(Self {
             support: support(scene)?,
             notes: notes(scene, &nut, preload, loaded.is_some()),
@@ -201,6 +173,7 @@ impl NutProblem {
             gaps,
             friction: friction.zip(drive),
             seal_torque: value(InputKey::seal_torque_Nm),
+            grade: (grade, shaft.map(|shaft| shaft.length), screw.outer),
             settings: *settings,
             warm: None,
         })
@@ -299,7 +272,7 @@ fn ball_nut(scene: &Scene) -> Result<(BallNut, Preload), CaseError> {
     let radius = 0.5 * MM * value(InputKey::ball_diameter_mm);
     let (circuits, way) = if let Some(listed) = &words.circuits {
         if let Some(key) = SHORT.into_iter().find(|key| scene[*key].is_some()) {
-            return Err(twice("circuits", key.name()));
+            return Err(CaseError::given_twice(["circuits", key.name()]));
         }
         let several = listed.iter().any(|circuit| circuit.body > 0);
         let usual = if several { Preload::Offset } else { Preload::Oversize };
@@ -334,7 +307,7 @@ fn ball_nut(scene: &Scene) -> Result<(BallNut, Preload), CaseError> {
         screw_bar: None,
         ring: None,
         reference: scene.reference_z_mm.map(|z| z * MM),
-        precession: checked(Rule::Any, "ball_precession_rad_s", precession)?,
+        precession: Rule::Any.checked("ball_precession_rad_s", precession)?,
     };
     let given = nut.errors.balls.len();
     if given > 0 && given != nut.balls() {
@@ -375,29 +348,6 @@ fn usually_preloaded(scene: &Scene) -> Result<Option<Scene>, CaseError> {
     let mut scene = scene.clone();
     scene.preload_N = Some(PRELOAD * rated_nut::nut(&scene)?.dynamic_rating().rating);
     Ok(Some(scene))
-}
-
-/// Two inputs that say the same.
-pub(crate) fn twice(one: &'static str, other: &'static str) -> CaseError {
-    CaseError::OneOfTwo { keys: [one, other], found: "both are" }
-}
-
-pub(crate) fn bad(key: impl Into<String>, what: impl Into<String>) -> CaseError {
-    CaseError::BadEntry { key: key.into(), what: what.into() }
-}
-
-/// Checks a number of an object by its path.
-pub(crate) fn checked(rule: Rule, path: &str, value: f64) -> Result<f64, CaseError> {
-    rule.check(path, value).map(|()| value)
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "whole numbers by their rules, or rounded, below the most balls"
-)]
-pub(crate) fn whole(value: f64) -> usize {
-    value.round() as usize
 }
 
 /// Notes on entries that could be read in two ways.
@@ -445,19 +395,7 @@ fn notes(
 }
 
 /// The inputs that only a nut uses, among those that are given, for notes of other commands.
-pub(crate) const OF_A_NUT: InputSet = {
-    use InputKey as K;
-    InputSet::of(&[
-        K::preload_N,
-        K::preload_offset_um,
-        K::ball_oversize_um,
-        K::radial_load_x_N,
-        K::radial_load_y_N,
-        K::moment_x_Nm,
-        K::moment_y_Nm,
-        K::tilt_x_urad,
-        K::tilt_y_urad,
-        K::radial_x_um,
-        K::radial_y_um,
-    ])
+pub(crate) const OF_A_NUT: InputSet = inputs! {
+    preload_N preload_offset_um ball_oversize_um radial_load_x_N radial_load_y_N moment_x_Nm
+    moment_y_Nm tilt_x_urad tilt_y_urad radial_x_um radial_y_um
 };

@@ -2,7 +2,8 @@
 
 use bsm_nut::{BallNut, Exit, ExitPush, TrainInputs};
 
-use super::problem::{FrictionSource, bad, twice};
+use super::friction::FrictionSource;
+use crate::vocabulary::error::bad;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{CaseError, InputKey, Rule, Scene, exact};
 
@@ -67,14 +68,16 @@ impl BallGaps {
             }
             let key = own(circuit).map_or_else(|| "ball_gap_mm".to_owned(), |_| own_path(circuit));
             let (room, rule) = (room(nut, circuit, spacer), rule.describe());
-            Err(CaseError::OutOfRange { key, value: gap, rule: format!("{rule}: {room}") })
+            Err(CaseError::out_of_range(key, gap, format!("{rule}: {room}")))
         };
         let gaps = (0..circuits).map(gap_of).collect::<Result<_, _>>()?;
         let of_bends =
             [K::return_entry_force_N, K::return_bend_deg, K::return_friction_coefficient];
         let bends = of_bends.into_iter().find(|key| scene[*key].is_some());
         let push = match (scene.return_push_N, bends) {
-            (Some(_), Some(bends)) => return Err(twice("return_push_N", bends.name())),
+            (Some(_), Some(bends)) => {
+                return Err(CaseError::given_twice(["return_push_N", bends.name()]));
+            }
             (Some(push), None) => ExitPush::AtExit(push),
             (None, _) => ExitPush::AtEntry(value(K::return_entry_force_N)),
         };

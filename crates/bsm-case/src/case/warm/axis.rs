@@ -10,8 +10,9 @@ use bsm_nut::thermal::{
 use bsm_nut::{BallNut, Equilibrium, FrictionSum, Support};
 
 use crate::case::axis::Machine;
-use crate::case::nut::{NutPreload, bad};
+use crate::case::nut::NutPreload;
 use crate::vocabulary::entries::Named;
+use crate::vocabulary::error::bad;
 use crate::vocabulary::units::{MM, RPM, UM};
 use crate::{CaseError, InputKey, NutProblem, Scene, Settings};
 
@@ -117,7 +118,7 @@ impl<'a> WarmAxis<'a> {
         }
         if !scene.given().has_friction() {
             let missing = vec!["friction_coefficient or a lubricant".to_owned()];
-            return Err(CaseError::Missing { missing, by: "for the warm state".to_owned() });
+            return Err(CaseError::missing(missing, "for the warm state"));
         }
         let cold = ColdNut::of(scene, settings, machine)?;
         Ok(Self { scene, machine, shaft, travel, cold })

@@ -1,0 +1,48 @@
+//! What the friction of the balls of a nut follows from.
+
+use bsm_dyn::{Lubricant, Temperature};
+
+use crate::case::problem::Needs;
+use crate::vocabulary::error::bad;
+use crate::{CaseError, Scene};
+
+/// Source of the friction of the balls.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum FrictionSource {
+    /// One coefficient.
+    Coefficient(f64),
+    /// The film of each ball, and what the ball returns lose, without the seals.
+    Lubricant(Lubricant),
+}
+
+impl FrictionSource {
+    /// The friction coefficient, if it is one.
+    pub(crate) fn coefficient(&self) -> Option<f64> {
+        match self {
+            Self::Coefficient(coefficient) => Some(*coefficient),
+            Self::Lubricant(_) => None,
+        }
+    }
+
+    /// As given by a scene.
+    pub(super) fn of(scene: &Scene) -> Result<Option<Self>, CaseError> {
+        let given = scene.given();
+        given.check_friction()?;
+        if !given.is_lubricated() {
+            return Ok(scene.friction_coefficient.map(Self::Coefficient));
+        }
+        let missing = Needs::LUBRICANT.missing(given);
+        let read = || scene.reader().lubricant();
+        let Some(mut lubricant) = missing.is_empty().then(read).flatten() else {
+            return Err(CaseError::missing(missing, scene.given().purpose("for a nut")));
+        };
+        if let Temperature::Balance { .. } = lubricant.temperature {
+            let what = "the temperature of the lubricant follows from the heat of one ball in bsm solve, not from \
+                        that of a nut; give lubricant_temperature_C";
+            return Err(bad("heat_transfer_W_K", what));
+        }
+        // The seals have a line of their own.
+        lubricant.losses.seal_torque = 0.0;
+        Ok(Some(Self::Lubricant(lubricant)))
+    }
+}
