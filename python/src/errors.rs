@@ -36,11 +36,16 @@ pub(crate) fn table(error: &TableError) -> PyErr {
     let of = |key, nearest| About { key: Some(key), nearest, ..About::default() };
     let (about, hint) = match error {
         TableError::Io(error) => return PyOSError::new_err(error.to_string()),
-        TableError::UnknownColumn { name, nearest } => {
-            let hint = format!("leave it out, or carry it through with keep=[{name:?}]");
-            (of(name, nearest.as_deref()), hint)
+        TableError::UnknownColumns { names } => {
+            let kept: Vec<_> = names.iter().map(|unknown| &unknown.name).collect();
+            (
+                of(&names[0].name, names[0].nearest),
+                format!("leave out, or carry through with keep={kept:?}"),
+            )
         }
-        TableError::UnknownOutput { name, nearest } => (of(name, *nearest), OUTPUTS.to_owned()),
+        TableError::UnknownOutputs { names } => {
+            (of(&names[0].name, names[0].nearest), OUTPUTS.to_owned())
+        }
         TableError::Column { name, .. } => (of(name, None), String::new()),
         _ => (About::default(), String::new()),
     };

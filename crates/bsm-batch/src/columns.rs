@@ -7,6 +7,7 @@ use arrow_array::Float64Array;
 use arrow_schema::{DataType, Field, Schema, SchemaRef};
 use bsm_case::{InputKey, InputSet, Output, brief, nearest_input};
 
+use crate::error::UnknownName;
 use crate::{TableError, TableFormat};
 
 /// Columns of the answers before the outputs.
@@ -57,7 +58,7 @@ impl Columns {
     ///
     /// # Errors
     ///
-    /// [`TableError`] for a name that is neither, that stands twice or is one of the answers, or that
+    /// [`TableError`] for a name that is neither, that appears twice or is one of the answers, or that
     /// is to be kept but is not there.
     pub fn sort<'a>(
         names: impl IntoIterator<Item = &'a str>,
@@ -88,7 +89,7 @@ impl Columns {
             return Err(TableError::Column { name: name.clone(), message });
         }
         let mut columns = Self::default();
-        let mut answered = false;
+        let (mut answered, mut unknown) = (false, Vec::new());
         for (place, own) in names.into_iter().enumerate() {
             let own = own.trim();
             renamed.retain(|name| *name != own);
@@ -109,6 +110,8 @@ impl Columns {
             } else if answered && is_answer(name) {
                 // Some answers have the name of an input; the inputs of an earlier answer stand before it.
                 columns.unread.push(own.to_owned());
+            } else if unknown.iter().any(|other: &UnknownName| other.name == name) {
+                // It is named already.
             } else if let Ok((key, factor)) = InputKey::in_unit(name) {
                 if let Some(former) = columns.inputs.iter().position(|input| *input == key) {
                     return repeated(&columns.units[former].0);
@@ -117,9 +120,14 @@ impl Columns {
                 columns.input_places.push(place);
                 columns.units.push((own.to_owned(), factor));
             } else if !is_answer(name) {
-                let nearest = nearest_input(name).map(str::to_owned);
-                return Err(TableError::UnknownColumn { name: name.to_owned(), nearest });
+                unknown.push(UnknownName { name: name.to_owned(), nearest: nearest_input(name) });
+                if unknown.len() == UnknownName::NAMED {
+                    break;
+                }
             }
+        }
+        if !unknown.is_empty() {
+            return Err(TableError::UnknownColumns { names: unknown });
         }
         match (keep.iter().find(|name| !columns.kept.contains(name)), renamed.first()) {
             (Some(name), _) => Err(missing(name, "keep")),

@@ -1,4 +1,4 @@
-//! Folders of parts: one plan, parts that prove themselves, in any order, more than once, by anybody.
+//! Folders of parts: one plan, self-checking parts, in any order, more than once, by any process.
 //!
 //! ```text
 //! map/

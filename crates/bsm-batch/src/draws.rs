@@ -96,7 +96,7 @@ impl Draws {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input stands twice.
+    /// [`CaseError`] if an input appears twice.
     pub fn new(seed: u64, count: u64, of: Vec<Draw>) -> Result<Self, CaseError> {
         let this = Self { seed, count, of };
         this.corners()?;

@@ -23,21 +23,23 @@ pub enum TableError {
     /// Not Parquet, or cut off.
     #[error("not a Parquet table: {0}")]
     Parquet(String),
-    /// A column that is no input.
-    #[error("column `{}` is not an input{}", brief(name), meant(nearest.as_deref()))]
-    UnknownColumn {
-        /// Its name.
-        name: String,
-        /// The nearest known input.
-        nearest: Option<String>,
+    /// Columns that are no inputs.
+    #[error("{}", match &names[..] {
+        [one] => format!("column `{}` is not an input{}", brief(&one.name), meant(one.nearest)),
+        several => format!("columns {} are not inputs", all_of(several)),
+    })]
+    UnknownColumns {
+        /// At least one, at most [`NAMED`](UnknownName::NAMED).
+        names: Vec<UnknownName>,
     },
-    /// An output that does not exist.
-    #[error("no output is named `{}`{}", brief(name), meant(*nearest))]
-    UnknownOutput {
-        /// The name.
-        name: String,
-        /// The nearest known output.
-        nearest: Option<&'static str>,
+    /// Outputs that do not exist.
+    #[error("{}", match &names[..] {
+        [one] => format!("no output is named `{}`{}", brief(&one.name), meant(one.nearest)),
+        several => format!("no outputs are named {}", all_of(several)),
+    })]
+    UnknownOutputs {
+        /// At least one.
+        names: Vec<UnknownName>,
     },
     /// Another column that is of no use.
     #[error("{message}")]
@@ -50,6 +52,29 @@ pub enum TableError {
     /// Lines or rows that are no table.
     #[error("{0}")]
     Malformed(String),
+}
+
+/// A name that is not known.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct UnknownName {
+    /// It.
+    pub name: String,
+    /// The nearest known one.
+    pub nearest: Option<&'static str>,
+}
+
+impl UnknownName {
+    /// A message names no more.
+    pub const NAMED: usize = 8;
+}
+
+/// Names in a list, each with its nearest one.
+fn all_of(names: &[UnknownName]) -> String {
+    let one = |unknown: &UnknownName| {
+        let near = unknown.nearest.map(|near| format!(" (did you mean `{near}`?)"));
+        format!("`{}`{}", brief(&unknown.name), near.unwrap_or_default())
+    };
+    names.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
 impl TableError {
@@ -76,7 +101,7 @@ impl TableError {
         ))
     }
 
-    /// A column stands twice, or an input in two units.
+    /// A column appears twice, or an input in two units.
     pub(crate) fn repeated(one: &str, other: &str) -> Self {
         let [first, second] = [one, other].map(brief);
         let message = if one == other {

@@ -59,7 +59,7 @@ mod text;
 pub use bsm_case::TableFormat;
 pub use columns::{Columns, Heading};
 pub use draws::{Draw, DrawSource, Draws};
-pub use error::TableError;
+pub use error::{TableError, UnknownName};
 pub use parquet_table::{ParquetSource, caught, hush_caught_panics};
 pub use pipeline::{Count, ROWS, RunError, Workers};
 pub use rows::{Answers, Cell, Cells, Chunk, Verdict};

@@ -17,6 +17,7 @@ use rayon::prelude::*;
 use serde_json::{Number, Value};
 
 use crate::columns::{ANSWERS, Columns};
+use crate::error::UnknownName;
 use crate::{TableError, arrow_column};
 
 /// A cell of a table.
@@ -264,20 +265,24 @@ impl Answers {
     ///
     /// # Errors
     ///
-    /// [`TableError`] of a name that is no output, or stands twice.
+    /// [`TableError`] of a name that is no output, or appears twice.
     pub fn select(names: Option<&[String]>) -> Result<Vec<&'static Output>, TableError> {
         let Some(names) = names else { return Ok(OUTPUTS.iter().collect()) };
         let mut selected: Vec<&'static Output> = Vec::with_capacity(names.len());
+        let mut unknown = Vec::new();
         // The answers are in every table.
         for name in names.iter().filter(|name| !ANSWERS.contains(&name.as_str())) {
-            let output = Output::named(name).ok_or_else(|| TableError::UnknownOutput {
-                name: name.clone(),
-                nearest: Output::nearest(name),
-            })?;
+            let Some(output) = Output::named(name) else {
+                unknown.push(UnknownName { name: name.clone(), nearest: Output::nearest(name) });
+                continue;
+            };
             if selected.iter().any(|other| other.name == output.name) {
                 return Err(TableError::repeated(name, name));
             }
             selected.push(output);
+        }
+        if !unknown.is_empty() {
+            return Err(TableError::UnknownOutputs { names: unknown });
         }
         Ok(selected)
     }

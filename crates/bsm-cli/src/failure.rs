@@ -135,14 +135,24 @@ fn with_help(error: &str, help: &str) -> String {
 /// What is wrong with a table, and the command or the option that helps.
 pub(crate) fn of_table(error: &TableError) -> String {
     let help = match error {
-        TableError::UnknownColumn { name, .. } => format!(
-            "leave it out, copy it to the output with --keep {}, or give its name in the vocabulary \
-             with --dialect names=MAP.json",
-            brief(name)
-        ),
-        TableError::UnknownOutput { .. } => "`bsm schema output` lists them".to_owned(),
-        TableError::Separator { .. } => {
-            "--dialect delimiter=..,decimal=.. describes how a table is written".to_owned()
+        TableError::UnknownColumns { names } => {
+            let it = if names.len() == 1 { "it" } else { "them" };
+            let kept: Vec<_> = names.iter().map(|unknown| brief(&unknown.name)).collect();
+            let kept = kept.join(",");
+            format!(
+                "leave {it} out, copy {it} to the output with --keep {kept}, or translate names with \
+                 --dialect names=MAP.json, a file such as {{\"your name\": \"lead_mm\"}}",
+            )
+        }
+        TableError::UnknownOutputs { .. } => "`bsm schema output` lists them".to_owned(),
+        TableError::Separator { found, .. } => {
+            let name = match found {
+                ';' => "semicolon",
+                '\t' => "tab",
+                '|' => "bar",
+                _ => "comma",
+            };
+            format!("add --dialect delimiter={name}, and decimal=comma if 1,5 is a number")
         }
         _ => String::new(),
     };

@@ -31,7 +31,7 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
     let points = parts.points(args.points.as_deref(), workers);
     let points = points.map_err(|error| failed(folder, error))?;
     let all = parts.plan().parts();
-    // One number in so many, so that expensive corners of a grid are spread over all processes.
+    // One number in this many, so that expensive corners of a grid are spread over all processes.
     let ((from, to), (index, of)) = match args.only {
         None => ((0, all), (0, 1)),
         Some(Only::Share(index, of)) => ((0, all), (index, of.get())),
@@ -84,7 +84,7 @@ pub(crate) fn print_plan(folder: &Path, plan: &Plan) -> Result<(), Failure> {
     );
     warn("note", &how);
     if plan.rows() > MANY_ROWS {
-        let text = "so many rows are cheaper to solve again than to keep and read: the Python package solves \
+        let text = "this many rows are cheaper to solve again than to store and read: the Python package solves \
                     parts of this plan in memory, for statistics (ballscrew.solve_part)";
         warn("note", text);
     }

@@ -87,9 +87,11 @@ fn rule(rule: &Criterion) -> Vec<String> {
         rule.title.to_owned(),
         rule.name.to_owned(),
         rule.unit.to_owned(),
-        number(rule.value),
+        if rule.value.is_nan() { "-".to_owned() } else { number(rule.value) },
         rule.limit.map_or_else(String::new, |limit| format!("{sign} {}", number(limit))),
-        rule.margin().map_or_else(String::new, |margin| format!("{} times", short(margin))),
+        rule.margin()
+            .filter(|margin| !margin.is_nan())
+            .map_or_else(String::new, |margin| format!("{} times", short(margin))),
         verdict(rule.limit.map(|_| rule.passes())),
         rule.source.to_owned(),
     ]

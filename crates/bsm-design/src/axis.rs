@@ -222,7 +222,7 @@ impl Axis {
         Some(self.shaft.as_ref()?.buckling_load() / pressed)
     }
 
-    /// Load that strains the core up to [`PERMITTED_STRESS`] \[N\].
+    /// Axial load at which the core has the stress [`PERMITTED_STRESS`] \[N\].
     pub fn yield_load(&self) -> Option<f64> {
         Some(self.shaft.as_ref()?.yield_load(PERMITTED_STRESS))
     }

@@ -71,7 +71,7 @@ pub struct Limits {
     pub ball_over_diameter: (f64, f64),
     /// Largest ball diameter over root diameter of the screw; it is not reached.
     pub ball_over_root: f64,
-    /// Largest gap in a turn full of balls, all gaps together, over the ball diameter; below 1.
+    /// Largest total ball clearance of a turn full of balls over the ball diameter; below 1.
     pub ball_gap: f64,
     /// Axial play of one nut without preload \[m\].
     pub axial_play: f64,
@@ -254,7 +254,7 @@ impl Limits {
 }
 
 impl Candidate {
-    /// False if a number is beyond double precision.
+    /// False if a number overflows.
     fn is_finite(&self) -> bool {
         let ratings = [self.dynamic_rating, self.static_rating, self.preload, self.edge_load];
         let others = [self.elasticity.turn, self.rigidity, self.mass, self.efficiency];

@@ -124,7 +124,7 @@ impl Shaft {
             / length.powi(2)
     }
 
-    /// Load that strains its core up to a stress \[N\] (Z3).
+    /// Axial load at which its core has a stress \[N\] (Z3).
     ///
     /// Source: THK 513-1E, A15-30, eq. 6.
     pub fn yield_load(&self, stress: f64) -> f64 {
@@ -263,7 +263,7 @@ pub fn heat_transfer(
     turning.max(STILL) * PI * d_0 * l + STILL * PI * d_1 * l_n
 }
 
-/// Way by which an axis lags where its friction turns round \[m\] (Z6): elastic lost motion.
+/// Displacement by which an axis lags where its friction reverses \[m\] (Z6): elastic lost motion.
 ///
 /// * `friction`: force that changes its sign \[N\]. * `stiffness`: of the axis \[N/m\].
 pub fn lost_motion(friction: f64, stiffness: f64) -> f64 {

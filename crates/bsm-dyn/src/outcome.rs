@@ -177,7 +177,7 @@ pub enum Reason {
         /// Largest one.
         most: f64,
     },
-    /// The search along all candidates was lost before its end: no root is found, and none excluded.
+    /// The search along all candidates failed: no root is found, and none excluded.
     SearchLost,
     /// The curvatures of ball and groove give no ellipse across the groove.
     CurvaturesNotHertzian {
@@ -317,7 +317,7 @@ pub enum Unsolved {
 }
 
 impl Unsolved {
-    /// A search that was lost before its end: no root is found, and none is excluded.
+    /// A failed search: no root is found, and none is excluded.
     pub(crate) const LOST: Self = Self::NotConverged { reason: Reason::SearchLost };
 
     pub(crate) fn none(evidence: Evidence, reason: Reason) -> Self {

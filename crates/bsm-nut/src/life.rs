@@ -33,7 +33,7 @@ impl Equilibrium {
         self.max_load() / self.mean_load()
     }
 
-    /// Balls that carry nothing.
+    /// Unloaded balls.
     pub fn unloaded(&self) -> usize {
         self.balls.iter().filter(|ball| ball.max_load() <= 0.0).count()
     }

@@ -92,7 +92,7 @@ impl BallNut {
         found.root().map(|root| sign * root.x).ok_or(no_preload)
     }
 
-    /// The axial load \[N\] of the sign of `way` at which the last ball of a body, or of a flank, lets go
+    /// The axial load \[N\] of the sign of `way` at which the last ball of a body, or of a flank, is unloaded
     /// (U20).
     ///
     /// # Errors

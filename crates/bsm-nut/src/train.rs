@@ -26,7 +26,7 @@ pub struct Advance {
     pub touch_angle: f64,
     /// Of each circuit.
     pub circuits: Vec<CircuitAdvance>,
-    /// Largest torque of the balls on each other while pushes are below [`LARGEST_PUSH`] \[N·m\], over the
+    /// Largest torque of ball-to-ball contact while pushes are below [`LARGEST_PUSH`] \[N·m\], over the
     /// coefficient between balls.
     pub contact_torque: f64,
 }
@@ -149,7 +149,7 @@ pub struct Train {
     pub free_torque: f64,
     /// Of the raceways.
     pub race_torque: f64,
-    /// Of the balls on each other, with what moves idle ones.
+    /// Of ball-to-ball contact, with what moves idle balls.
     pub contact_torque: f64,
     /// Of the returns, as far as balls are pushed through them.
     pub return_torque: f64,
@@ -744,7 +744,7 @@ impl Flow<'_> {
         None
     }
 
-    /// Powers lost at the races, by balls on each other and idle ones, in the return, and by catching up \[W\].
+    /// Powers lost at the raceways, by ball-to-ball contact and idle balls, in the return, and by catching up \[W\].
     fn losses(&self, pass: &Pass) -> [f64; 4] {
         let mut lost = [0.0; 4];
         for (ball, state) in self.balls.iter().zip(&pass.states) {

@@ -9,7 +9,7 @@ use pulp::Simd;
 use crate::Lane;
 use crate::polynomial::polynomial;
 
-/// What π/2 has beyond double precision.
+/// π/2 less its nearest double.
 const FRAC_PI_2_REST: f64 = 6.123_233_995_736_766e-17;
 
 /// `$(\sin x - x)/x^3$` in powers of `$x^2$`, minimax on `[0, π/4]` to 1.2e-20.

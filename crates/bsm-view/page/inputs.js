@@ -74,7 +74,7 @@ export class Inputs {
     const factor = () => (this.units.get(name) ?? [input.unit, 1])[1];
     const box = html("input", { id, type: "text", inputmode: "decimal", autocomplete: "off",
       "aria-describedby": `${id}-about ${id}-wrong`, readonly: !start.live, oninput: () => {
-      // What is no number is sent as it stands: the answer names the field.
+      // What is not a number is sent as it stands: the answer names the field.
       const text = box.value.trim(), value = parsed(text);
       this.set(name, text === "" ? null : Number.isNaN(value) ? text : tidy12(value * factor()), box);
     } });

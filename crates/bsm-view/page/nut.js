@@ -37,12 +37,12 @@ function sharing(balls, answer) {
     balls[name].map((v, i) => (v > 0 ? svg("g", {},
       svg("title", {}, `ball ${i + 1}: ${number(v)} N at ${number(balls.z_mm[i])} mm`),
       mark(kind, x(balls.z_mm[i]), y(v), `var(${paint})`)) : null)));
-  const words = `Load of each ball along the axis: largest ${number(answer.max_contact_load_N)} newtons, ${number(answer.max_over_mean)} times the mean, ${answer.unloaded_balls} balls carry nothing`;
+  const words = `Load of each ball along the axis: largest ${number(answer.max_contact_load_N)} newtons, ${number(answer.max_over_mean)} times the mean, ${answer.unloaded_balls} balls unloaded`;
   return figure("Load of each ball along the axis",
     picture(width, height, words, axes(x, y, box, "place on the axis, mm", "load, N", 64), ...dots.filter(Boolean)),
     legend(sides.map(([, words, paint, kind]) => [words, `var(${paint})`, kind === "circle" ? kind : undefined])),
     html("p", { class: "small" },
-      `Largest ${number(answer.max_contact_load_N)} N, ${number(answer.max_over_mean)} of the mean; ${answer.unloaded_balls} of ${balls.z_mm.length} balls carry nothing.`));
+      `Largest ${number(answer.max_contact_load_N)} N, ${number(answer.max_over_mean)} of the mean; ${answer.unloaded_balls} of ${balls.z_mm.length} balls unloaded.`));
 }
 
 function developed(balls) {

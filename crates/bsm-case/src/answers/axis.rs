@@ -57,7 +57,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         stretch_um ["um"] Whole(|w| {
             Some(w.pretension()?.tension(0.0) / w.shaft()?.held(f64::INFINITY) / UM)
         }), "elongation of the screw by its pretension";
-        travel_compensation_um ["um" "c"] Whole(|w| Some(w.travel_compensation()? * MM / UM)), "target of the travel over the stroke for a screw that is stretched; below 0 it is made shorter";
+        travel_compensation_um ["um" "c"] Whole(|w| Some(w.travel_compensation()? * MM / UM)), "target of the travel over the stroke for a screw with pretension; below 0 it is made shorter";
         screw_tension_N = INPUTS Whole(|w| w.tension());
         stretched_critical_speed_rpm ["rpm"] Whole(|w| {
             let tension = w.pretension()?.tension(0.0);
@@ -192,7 +192,7 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
         dynamic_load_rating_N = RATINGS Whole(|s| s.machine.ratings[0]);
         static_load_rating_N = RATINGS Whole(|s| s.machine.ratings[1]);
         edge_load_N = RATINGS Whole(|s| s.of_nut.number("edge_load_N"));
-        mass_kg = RATINGS Whole(|s| s.of_nut.number("mass_kg"));
+        mass_kg = RATINGS Whole(|s| s.scene.nut_mass_kg.or_else(|| s.of_nut.number("mass_kg")));
         preload_set_N = NUT Whole(|s| Some(s.preload?.cold));
         warm_preload_N = NUT Whole(|s| Some(s.preload?.warm));
         friction_coefficient = INPUTS Whole(|s| s.scene.friction_coefficient);
@@ -259,7 +259,7 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
 /// Effects that the torque of an axis neglects, whatever is given.
 const NOT_MODELLED: [&str; 5] = [
     "temperatures of nut, screw and balls, unless warm_state asks for them: their rises are inputs, which the preload follows; axis_heat_transfer_W_K gives the growth of the screw alone",
-    "vibration of the axis, its control, and shocks: multiply the loads by the factor of your machine",
+    "vibration of the axis, its control, and shocks beyond load_factor",
     "bending of the screw by its weight, and of the frame; misalignment unless it is given",
     "brackets of motor and bearings beyond housing_stiffness_N_um; twist of the screw, which can exceed its axial displacement at large leads",
     "wear, and the torque to start from rest",

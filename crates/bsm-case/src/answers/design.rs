@@ -173,7 +173,7 @@ impl DesignReport {
         }
         let mut notes = requirement.notes.clone();
         if size.is_some_and(|(_, ball_is_printed)| !ball_is_printed) {
-            notes.push("ball diameter estimated: ask the maker".to_owned());
+            notes.push("ball diameter estimated: ask the manufacturer".to_owned());
         }
         let order = order.filter(|_| found);
         Self { rows, found, reasons, notes, warnings, order, scene }
@@ -336,9 +336,9 @@ quantities! { pub(crate) STEPS, in_units(&f64);
         optimum_contact_angle_deg ["deg"] Whole(|x| x / DEG), "contact angle of best efficiency";
         contact_angle_deg = INPUTS Whole(|x| x / DEG);
         screw_length_mm = REQUIREMENT_INPUTS Whole(|x| x / MM);
-        pitch_radius_over_length [""] Whole(|x| *x), "pitch radius over length of the screw";
+        pitch_radius_over_length [""] Whole(|x| *x), "pitch circle radius over length of the screw";
         pitch_circle_diameter_mm = INPUTS Whole(|x| x / MM);
-        ball_radius_over_pitch_radius [""] Whole(|x| *x), "ball radius over pitch radius";
+        ball_radius_over_pitch_radius [""] Whole(|x| *x), "ball radius over pitch circle radius";
         ball_diameter_over_lead [""] Whole(|x| *x), "ball diameter over lead";
         ball_radius_over_groove_radius [""] Whole(|x| *x), "ball radius over groove radius";
         nut_conformity = INPUTS Whole(|x| *x);

@@ -100,7 +100,7 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
 }
 
 /// Below this a critical friction coefficient, and the sine of a slip angle, is rounding: the
-/// balance of a ball that grips has neither.
+/// balance of a rolling ball has neither.
 const ROUNDING: f64 = 1e-9;
 
 /// Stiffness in N/m^1.5 of one in N/µm^1.5.

@@ -93,7 +93,7 @@ pub struct MakerRow {
 
 impl MakerRow {
     /// Nuts beside ours, and in the axis of a requirement: those that pass all its rules first, of them the
-    /// lightest screw.
+    /// lightest screw and nut, as far as the mass of the nut is known.
     ///
     /// # Errors
     ///
@@ -105,7 +105,10 @@ impl MakerRow {
         let row =
             |nut: &MakerNut| Self::of(nut, requirement).map_err(|error| (nut.name.clone(), error));
         let mut rows = nuts.iter().map(row).collect::<Result<Vec<_>, _>>()?;
-        let mass = |row: &Self| row.value("screw_mass_kg").unwrap_or(f64::INFINITY);
+        let mass = |row: &Self| {
+            let screw = row.value("screw_mass_kg").unwrap_or(f64::INFINITY);
+            screw + row.value("mass_kg").unwrap_or(0.0)
+        };
         rows.sort_by(|a, b| b.passes.cmp(&a.passes).then(mass(a).total_cmp(&mass(b))));
         Ok(rows)
     }
@@ -122,7 +125,8 @@ impl MakerRow {
             numbers.push((name, unit, makers));
             numbers.push((our, unit, ours.number(same)));
         }
-        numbers.push(("mass_kg", "kg", ours.number("mass_kg")));
+        let mass = nut.scene.nut_mass_kg.or_else(|| ours.number("mass_kg"));
+        numbers.push(("mass_kg", "kg", mass));
         let (mut scene, mut passes) = (nut.scene.clone(), None);
         if let Some(requirement) = requirement {
             scene = nut.within(requirement);

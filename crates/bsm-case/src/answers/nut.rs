@@ -196,7 +196,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutUnderLoad<'_>) of Nut;
     "preload" {
         preload_set_N ["N"] Whole(|n| Some(n.state.made.preload.as_ref()?.cold)), "cold preload, with no external load and no temperature rise";
         warm_preload_N ["N" "F_pr"] Whole(|n| Some(n.state.made.preload.as_ref()?.warm)), "warm preload, with the temperature rises";
-        preload_approach_um ["um"] Whole(|n| Some(n.state.made.preload.as_ref()?.approach / UM)), "preload deflection of each nut, delta_p";
+        preload_approach_um ["um"] Whole(|n| Some(n.state.made.preload.as_ref()?.approach / UM)), "preload displacement of each nut, delta_p";
         preload_setting_um ["um"] Whole(|n| Some(n.state.made.preload.as_ref()?.setting / UM)), "offset of the pair (below 0 in O arrangement) or ball oversize that sets the preload";
         preload_left_N ["N"] Whole(|n| {
         let NutPreload { by, .. } = n.state.made.preload.as_ref()?;

@@ -161,9 +161,9 @@ impl Record {
                 format!(", slip {:.0} m/s at the unloaded flank", slip.speed)
             });
             warnings.push(format!(
-                "ball spin {:.2e} rad/s{minor}: this model assumes gross skid; a loaded ball that \
-                 grips rolls, with less loss. Model traction covers both; it needs nut_conformity \
-                 and screw_conformity",
+                "ball spin {:.2e} rad/s{minor}: this model assumes gross skid; a ball whose \
+                 friction supports the gyroscopic moment rolls, with less loss. Model traction covers \
+                 both; it needs nut_conformity and screw_conformity",
                 spin.abs()
             ));
         }

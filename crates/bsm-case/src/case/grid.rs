@@ -150,7 +150,7 @@ impl Grid {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input stands twice or the points cannot be counted.
+    /// [`CaseError`] if an input appears twice or the points cannot be counted.
     pub fn new(axes: Vec<Axis>) -> Result<Self, CaseError> {
         for (i, axis) in axes.iter().enumerate() {
             if axes[..i].iter().any(|former| former.key == axis.key) {

@@ -80,12 +80,16 @@ impl RatedScrew {
             )
         };
         let listed = offered().find_map(|size| size.pitch_diameter);
-        let by = if listed.is_some() { "makers' lists" } else { "the nominal diameter" };
+        let by = if listed.is_some() { "manufacturers' lists" } else { "the nominal diameter" };
         let pitch = listed.unwrap_or(nominal);
         let pitch = or(InputKey::pitch_circle_diameter_mm, pitch, MM, by);
         let least = offered().filter_map(|size| size.core).min_by(f64::total_cmp);
         let by_rule = || Screw::usual_core(nominal, lead, scene.ball_diameter_mm.map(|mm| mm * MM));
-        let by = if least.is_some() { "the smallest core in makers' lists" } else { "rule (Z30)" };
+        let by = if least.is_some() {
+            "the smallest core in manufacturers' lists"
+        } else {
+            "rule (Z30)"
+        };
         let core = least.unwrap_or_else(by_rule);
         let core = or(InputKey::shaft_diameter_mm, core, MM, by);
         let mass = Screw::usual_mass_per_length(nominal, core);

@@ -60,7 +60,7 @@ pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 3] = [
 
 /// Inputs of the axis that a search does not ask for: it calculates what a catalogue states.
 const NOT_OF_AXES: InputSet = inputs! {
-    nominal_diameter_mm rated_dynamic_load_N rated_static_load_N screw_mass_kg_m
+    nominal_diameter_mm rated_dynamic_load_N rated_static_load_N screw_mass_kg_m nut_mass_kg
     catalogue_efficiency catalogue_back_efficiency rated_rigidity_N_um
 };
 

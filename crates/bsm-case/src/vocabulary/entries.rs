@@ -416,7 +416,12 @@ impl GradeName {
         let um = |variation: f64| (1e7 * variation).round() / 10.0;
         let within = format!("{} um within any 300 mm", um(*variation));
         let Some(number) = self.number else {
-            return format!("accuracy_grade is {name} of {standard}, {within}");
+            let twice = if name.starts_with('T') {
+                "; transport screws may have twice this deviation of the travel (usual value)"
+            } else {
+                ""
+            };
+            return format!("accuracy_grade is {name} of {standard}, {within}{twice}");
         };
         let other = Grade::named(&format!("C{number}")).map_or_else(String::new, |other| {
             format!("; {} of {} has {} um", other.name, other.standard, um(other.variation))

@@ -295,7 +295,7 @@ inputs! {
         gap_deg ["deg"] AtLeast(0.0), None,
             "arc without loaded balls between two circuits of one thread; up to the next whole turn unless given";
         phase_deg ["deg"] Any, Some(0.0),
-            "helix angle by which each circuit is shifted against the one before, besides arc and gap";
+            "angle along the helix by which each circuit is shifted against the one before, besides arc and gap";
         radial_gap_um ["um"] Any, Some(0.0),
             "radial gap between grooves and balls of a nut at rest";
         ball_gap_mm ["mm"] Above(0.0), None,
@@ -450,6 +450,8 @@ inputs! {
             "nominal diameter of the screw; with lead_mm, rated_dynamic_load_N and rated_static_load_N enough for the axis of a screw whose groove is not known";
         screw_mass_kg_m ["kg/m"] Above(0.0), None,
             "mass of a metre of the screw, where its groove is not known; estimated unless given";
+        nut_mass_kg ["kg"] Above(0.0), None,
+            "mass of the nut as the manufacturer states it; calculated from its groove unless given";
         catalogue_efficiency [""] Within(0.01, 1.0), Some(0.9),
             "efficiency of the screw by its catalogue, where its groove is not known; usually 0.85 to 0.95";
         catalogue_back_efficiency [""] Within(0.01, 1.0), Some(0.8),
@@ -479,7 +481,7 @@ inputs! {
         pretension_N ["N" "F_v"] AtLeast(0.0), None,
             "tension of a screw between two fixed bearings when it is as warm as the bed";
         pretension_K ["K"] AtLeast(0.0), None,
-            "rise of temperature that the screw is stretched by between two fixed bearings, usually 2 to 5; in place of pretension_N";
+            "temperature rise whose growth the pretension compensates, between two fixed bearings, usually 2 to 5; in place of pretension_N";
         moved_mass_kg ["kg"] AtLeast(0.0), Some(0.0),
             "mass that the axis moves; its weight, friction and inertia are added to the axial load";
         inclination_deg ["deg"] Within(-90.0, 90.0), Some(0.0),
@@ -521,9 +523,9 @@ inputs! {
         support_bearing_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
             "friction torque of the support bearings";
         support_bearing_stiffness_N_um ["N/um"] Above(0.0), None,
-            "axial rigidity of the support bearings; rigid unless given";
+            "axial stiffness of the support bearings; rigid unless given";
         housing_stiffness_N_um ["N/um"] Above(0.0), None,
-            "axial rigidity of the housings of bearings and nut; rigid unless given";
+            "axial stiffness of the housings of bearings and nut; rigid unless given";
         load_factor ["" "f_w"] Within(1.0, 5.0), Some(1.0),
             "factor of the load in life and equivalent load; 1 to 1.2 without shocks up to 0.25 m/s, 1.2 to 1.5 up to 1 m/s, 1.5 to 2 up to 2 m/s";
         hardness_HRC ["HRC"] Within(40.0, 66.0), None,

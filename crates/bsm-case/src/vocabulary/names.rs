@@ -1,4 +1,4 @@
-//! Names in what people write: which are known, which is near, what stands twice.
+//! Names in what people write: which are known, which is near, what appears twice.
 
 use std::collections::BTreeSet;
 use std::fmt;

@@ -216,7 +216,7 @@ outputs! {
         "equivalent constant friction coefficient" [""] Number: equivalent_friction_coefficient whole = |s, _| Some(lubricant(s)?.equivalent_friction),
             "constant friction coefficient with the same loss of the contacts at this point";
         "equivalent thread friction coefficient" [""] Number: catalogue_friction_coefficient whole = |s, _| Some(lubricant(s)?.catalogue_friction),
-            "friction coefficient of catalogues, that of a plain thread of the same efficiency";
+            "friction coefficient of a plain thread of the same efficiency, which catalogues state";
         "temperature of the lubricant" ["C"] Number: lubricant_temperature_C whole = |s, _| Some(lubricant(s)?.temperature - ZERO_CELSIUS),
             "temperature of the lubricant, given or that at which all losses leave as heat";
         "viscosity" ["mPa s" "eta_0"] Number: viscosity_mPas whole = |s, _| Some(lubricant(s)?.viscosity / MILLI),
@@ -240,9 +240,9 @@ outputs! {
         "ball rotation along the binormal b" ["rad/s"] Number: ball_omega_b_rad_s whole = |s, _| Some(motion(s)?.omega.z),
             "angular velocity of the ball along the binormal";
         "skid number" [""] Number: skid_number whole = |s, _| s.solved()?.skid?.skid_number,
-            "gyroscopic moment over friction moment of a ball that grips";
+            "gyroscopic moment over friction moment of a rolling ball";
         "skid onset number" [""] Number: onset_number whole = |s, _| s.solved()?.skid?.onset_number(),
-            "skid onset number, the skid number times a factor for the friction that the slip of the lead takes: below 0.1 the ball grips, above 2 it skids";
+            "skid onset number, the skid number times a factor for the friction that the slip of the lead takes: below 0.1 the ball rolls, above 2 it is in gross skid";
     }
     "contact" {
         "normal load per ball" ["N" "Q"] Number: nut_normal_load_N nut screw_normal_load_N screw minor_normal_load_N minor = |s, at| s.contact(at)?.load,

@@ -299,7 +299,7 @@ fn healthy_screws_raise_no_alarm() {
     }
 }
 
-/// A speed that turns round turns the wedge: the ball climbs from one side of the groove to the other.
+/// A speed that reverses turns the wedge: the ball climbs from one side of the groove to the other.
 #[test]
 fn a_reversal_turns_the_wedge() {
     let wedge = |rpm| {

@@ -5,6 +5,7 @@ mod capacity;
 mod catalogue;
 mod design;
 mod drive;
+mod glossary;
 mod hard_points;
 mod lubricant;
 mod rated;

@@ -64,7 +64,7 @@ fn four_numbers_of_a_catalogue_suffice() {
             report.answer.notes
         );
     }
-    assert!(has_note(&report, "smallest core in makers' lists"));
+    assert!(has_note(&report, "smallest core in manufacturers' lists"));
     // Without a list the core is by rule: 0.84 of 41 mm.
     let unlisted = sheet(FOUR, &["nominal_diameter_mm=41"]).expect("a sheet");
     assert_relative_eq!(number(&unlisted, "shaft_diameter_mm"), 34.44, max_relative = 1e-12);
@@ -284,6 +284,13 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
         assert_eq!(rows[0].value(name), small.number(name), "{name}");
     }
     assert_relative_eq!(number(&small, "shaft_diameter_mm"), 34.0, max_relative = 1e-12);
+    // The lightest is that of screw and nut: of some 10 and 30 kg, and of 17 and 2 kg.
+    let mut heavy = nuts;
+    heavy[0].scene.nut_mass_kg = Some(30.0);
+    heavy[1].scene.nut_mass_kg = Some(2.0);
+    let rows = MakerRow::all(&heavy, Some(&requirement)).expect("sheets");
+    let masses: Vec<_> = rows.iter().map(|row| (&*row.name, row.value("mass_kg"))).collect();
+    assert_eq!(masses, [("large", Some(2.0)), ("small", Some(30.0))]);
 }
 
 /// A grade limits the error of the travel: 21 + 15/2 um of C3 over 1 m are not 25; the sheet names the grade that would do. Where
@@ -311,7 +318,7 @@ fn an_error_of_the_travel_is_a_rule() {
     assert_eq!(failed, Some((false, "accuracy_grade C2".to_owned())));
     let long = of(&["required_travel_error_um=500", "accuracy_grade=P3", "useful_travel_mm=5001"]);
     assert_eq!(rule(&long).map(|(passes, _)| passes), Some(false));
-    assert!(has_note(&long, "P3 has no v_up over 5001 mm"), "{:?}", long.answer.notes);
+    assert!(has_note(&long, "P3 has no v_up for a travel of 5001 mm"), "{:?}", long.answer.notes);
 }
 
 /// The oil of example E, and its load factors.

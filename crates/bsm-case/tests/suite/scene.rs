@@ -256,7 +256,7 @@ fn settings_complete_and_correct_a_scene() {
         let error = lin.apply(&[setting]).expect_err(setting).to_string();
         assert!(error.contains(part), "{error}");
     }
-    // A number that is none is caught by the rules.
+    // NaN is caught by the rules.
     lin.apply(&["friction_coefficient=NaN"]).expect("a float");
     assert!(matches!(lin.check(), Err(CaseError::OutOfRange { .. })));
 }

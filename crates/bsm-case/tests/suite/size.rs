@@ -275,7 +275,7 @@ fn the_sheet_of_a_lubricated_axis_says_how_sure_it_is() {
     );
 }
 
-/// A maker's ratings stand in the place of ours, in life and static safety.
+/// A manufacturer's ratings replace the calculated ones, in life and static safety.
 #[test]
 fn the_ratings_of_a_maker_count() {
     let own = axis(&["preload_N=1"]);
@@ -598,7 +598,11 @@ fn an_accuracy_grade_says_what_it_is() {
         ),
         ("accuracy_grade=C3", 8.0, "C3 of JIS B 1192, 8 um"),
         ("accuracy_grade=p5", 23.0, "P5 of ISO 3408-3, 23 um"),
-        ("accuracy_grade=T7", 52.0, "T7 of ISO 3408-3, 52 um"),
+        (
+            "accuracy_grade=T7",
+            52.0,
+            "T7 of ISO 3408-3, 52 um within any 300 mm; transport screws may",
+        ),
     ] {
         let report = axis(&[grade]);
         near(number(&report, "travel_variation_300_um"), um, 1e-12, grade);

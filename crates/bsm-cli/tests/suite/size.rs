@@ -472,6 +472,11 @@ fn short_names_are_suggested() {
         ("eff", "did you mean `efficiency`? `bsm schema output` lists them"),
         // Found by a walk: the name without one of its words got one that has fewer letters more.
         ("nut_pressure_MPa", "did you mean `nut_max_pressure_MPa`?"),
+        // All at once.
+        (
+            "regime,eff,eta",
+            "no outputs are named `regime`, `eff` (did you mean `efficiency`?), `eta`",
+        ),
     ] {
         assert!(columns(typed).contains(meant), "{}", columns(typed));
     }

@@ -74,12 +74,19 @@ fn a_table_of_ones_own_is_read() {
         (
             "Kraft\n1\n",
             &[],
-            "copy it to the output with --keep Kraft, or give its name in the vocabulary with --dialect names=MAP.json",
+            "copy it to the output with --keep Kraft, or translate names with --dialect names=MAP.json",
+        ),
+        // Found by a walk: one unknown name a run.
+        (
+            "Kraft,lead,id\n1,2,3\n",
+            &[],
+            "columns `Kraft`, `lead` (did you mean `lead_mm`?), `id` are not inputs; leave them out, copy them to the \
+             output with --keep Kraft,lead,id",
         ),
         (
             "axial_load_N;lead_mm\n1;2\n",
             &[],
-            "separated by `;`, but cells are expected to be separated by `,`; --dialect delimiter",
+            "separated by `;`, but cells are expected to be separated by `,`; add --dialect delimiter=semicolon",
         ),
         (
             "axial_load_N,lead_mm\n1,2\n",
@@ -92,7 +99,7 @@ fn a_table_of_ones_own_is_read() {
         let (_, told) = run(dir.path(), &args, 2);
         assert!(told.contains(part), "{told}");
     }
-    // A point where a comma is meant is no number: the row says so.
+    // A point where a comma is meant is not a number: the row says so.
     fs::write(at("mixed.csv"), "axial_load_N\n1.500\n").expect("table");
     let mixed = ["sweep", "--points", "mixed.csv", "-o", "x.csv", "--dialect", "decimal=comma"];
     run(dir.path(), &[&mixed[..], &common].concat(), 3);

@@ -481,7 +481,7 @@ impl<'a> Nodes<'a> {
         let mut inside = [0.0; BLOCK];
         let mut least = f64::INFINITY;
         for (inside, square) in inside.iter_mut().zip(squares) {
-            // One that is no number makes sums that are none.
+            // One NaN makes every sum NaN.
             if *square < rule.least() {
                 *inside = 1.0;
             } else {

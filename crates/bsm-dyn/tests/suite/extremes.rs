@@ -119,7 +119,7 @@ fn traction_says_nothing_false() {
 }
 
 /// Found in an audit: elastic gave no answer in 30 s for a contact angle of 1e-307 deg, whose cotangent
-/// is no number. Each input in turn, next to the smallest and the largest number that there is.
+/// is not a number. Each input in turn, next to the smallest and the largest number that there is.
 #[test]
 fn a_contact_angle_of_1e_307_deg_is_answered_in_time() {
     const ABSURD: [f64; 8] = [5e-324, 1e-310, 1e-307, 1e-150, 1e-30, 1e30, 1e150, f64::MAX];

@@ -147,7 +147,7 @@ fn slow_screws_have_one_border_of_existence() {
     }
 }
 
-/// Found in review: numbers beyond double precision were a panic.
+/// Found in review: numbers that overflow were a panic.
 #[test]
 fn numbers_beyond_double_precision_are_refused() {
     for (speed, axial) in [(1e200, 1.0), (1e-200, 1.0), (1.0, 1e-320), (1.0, 1e308)] {
@@ -206,7 +206,7 @@ fn failures_say_why() {
         Some(true)
     );
 
-    // Steep contact and large friction, back-driving: A' would have to pull.
+    // Steep contact and large friction, back-driving: A' would have to act in tension.
     let steep = OperatingPoint {
         contact_angle: 79.0_f64.to_radians(),
         helix: Helix { lead_angle: 40.0_f64.to_radians(), ..lin().helix },

@@ -236,7 +236,7 @@ fn equal_balls_pass_a_push_of_the_return_on_with_a_linear_fall() {
     let fall = (push - behind[1]) / 37.0;
     for (number, got) in (0_u8..).zip(&behind).skip(1) {
         let want = push - fall * f64::from(38 - number);
-        // Friction of the balls on each other adds 1.6 f_b of the push at each: 6e-4 of it over all.
+        // Friction of ball-to-ball contact adds 1.6 f_b of the push at each: 6e-4 of it over all.
         assert!((got - want).abs() < 1e-3 * push, "{number}: {got} in place of {want}");
     }
     // The first ball alone is not pushed, or less than by one fall.
@@ -529,7 +529,7 @@ fn random_trains_have_an_answer_or_a_reason() {
     assert!(lost.len() <= points.div_ceil(2_000), "{lost:?}");
 }
 
-/// Balls in time on a closed track, without friction of the balls on each other: each has the law of its place, and no two come
+/// Balls in time on a closed track, without friction of ball-to-ball contact: each has the law of its place, and no two come
 /// nearer than a touch angle.
 struct Track<'a> {
     /// Angles of the track and of two balls that touch \[rad\].

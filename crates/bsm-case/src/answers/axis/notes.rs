@@ -61,7 +61,7 @@ impl AxisState<'_> {
             match self.travel() {
                 Some(travel) if word.grade.worst_error(travel).is_none() => {
                     let what = if word.grade.deviation(travel).is_some() { "v_up" } else { "e_p" };
-                    note(&format!("{name} has no {what} over {:.0} mm", travel / MM));
+                    note(&format!("{name} has no {what} for a travel of {:.0} mm", travel / MM));
                 }
                 _ => {}
             }
@@ -80,6 +80,12 @@ impl AxisState<'_> {
                 "without stroke_mm or unsupported_length_mm there is no critical speed, buckling load and inertia of the screw",
             );
             return notes;
+        }
+        if self.scene.screw_inertia_kg_m2_m.is_some() {
+            note(
+                "screw_inertia_kg_m2_m is taken as given; manufacturers print that of a rod of the nominal diameter, 1.15 to 1.87 times \
+                 that of their own mass of a metre",
+            );
         }
         if self.scene.nut.support.is_none() {
             note("support is not given: fixed-supported is taken");
@@ -109,7 +115,7 @@ impl AxisState<'_> {
         let long = thread.zip(longest).filter(|(thread, longest)| thread > longest);
         let long = long.map(|(thread, longest)| {
             format!(
-                "a screw of {:.0} mm is beyond the makers' lists: at most {:.0} mm of this diameter, make and grade",
+                "a screw of {:.0} mm is beyond manufacturers' lists: at most {:.0} mm of this diameter, make and grade",
                 thread / MM,
                 longest / MM
             )

@@ -33,7 +33,8 @@ impl Rules {
         let Some(value) = value else { return };
         let mut rule =
             Criterion { title, name, unit, value, limit, at_least, source, remedy: None };
-        rule.remedy = rule.margin().filter(|_| !rule.passes()).map(remedy);
+        // A number that cannot be had has no remedy; a note has the reason.
+        rule.remedy = rule.margin().filter(|m| !m.is_nan() && !rule.passes()).map(remedy);
         self.0.push(rule);
     }
 }
@@ -133,7 +134,7 @@ fn screw_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers)
         ("support_bearing_load_N", "N"),
         scene.support_bearing_axial_load_N.and(number("support_bearing_load_N")),
         (false, scene.support_bearing_axial_load_N),
-        "maker of the bearings",
+        "manufacturer of the bearings",
         &|_| "larger bearings, or less pretension".to_owned(),
     );
 }
@@ -146,7 +147,7 @@ pub(super) fn steady_state(fold: Option<f64>) -> Vec<Criterion> {
         ("fold_speed_factor", ""),
         fold,
         (true, Some(FOLD)),
-        "no steady state above the fold (I20); a quarter is what heat is known to",
+        "no steady state above the fold (I20); the heat is uncertain by a quarter",
         &|_| {
             "a colder screw, a warmer nut, less preload, or O in place of X arrangement".to_owned()
         },

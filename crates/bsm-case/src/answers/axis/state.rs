@@ -282,7 +282,7 @@ fn life_by_balls(scene: &Scene, settings: &Settings, axis: &Axis) -> Option<f64>
             let nut = nut_at(scene, settings, load, phase.speed).ok()?;
             let ours = nut.number("life_by_balls_revolutions")?;
             let rated = nut.number("iso_life_revolutions")?;
-            // The ratio is of the model, the rating may be of the maker.
+            // The ratio is of the model, the rating may be of the manufacturer.
             let preload = nut.number("warm_preload_N").filter(|_| scene.is_preloaded());
             let duty = bsm_design::Duty { load, speed: 1.0, time: 1.0 };
             let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;

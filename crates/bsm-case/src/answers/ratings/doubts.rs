@@ -77,7 +77,7 @@ pub(super) fn doubts_of_pair(
         let alone = elasticity.displacement(load) - elasticity.displacement(preload);
         warnings.push(format!(
             "a load of {} N is more than {LIMIT_LOAD} times the preload: from {:.0} N on one nut is unloaded, \
-             the rigidity of the pair does not hold, and the displacement is that of the other nut alone, \
+             the stiffness of the pair does not hold, and the displacement is that of the other nut alone, \
              {:.3} um",
             exact(load.round()),
             OPENS_AT * preload,

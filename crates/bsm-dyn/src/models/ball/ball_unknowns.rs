@@ -49,7 +49,7 @@ pub(crate) fn rows<D: Scalar>(left: &Wrench<D>, axial_load: D) -> [D; BALL] {
 }
 
 /// Weight of an equation whose terms are of this size: one over it, as far as a double goes. A size
-/// that is no number is left to the solve, which says so.
+/// that is not a number is left to the solve, which says so.
 pub(crate) fn weight(size: f64) -> f64 {
     if size.is_nan() { 1.0 } else { size.clamp(1e-300, 1e300).recip() }
 }

@@ -308,7 +308,7 @@ mod tests {
         assert!(fewer > 1000, "{fewer}");
     }
 
-    /// Found in an audit: the search for the begin did not end for an angle whose cotangent is no number.
+    /// Found in an audit: the search for the begin did not end for an angle whose cotangent is not a number.
     #[test]
     fn the_begin_is_found_in_a_bounded_number_of_steps() {
         let mut rng = ChaCha8Rng::seed_from_u64(14);

@@ -230,7 +230,7 @@ fn screw_and_nut_drive_lose_the_same() {
     assert_relative_eq!(lost(light(-1500.0)), by_screw, max_relative = 0.08);
 }
 
-/// Extremes: 0.1 N a ball to 5 GPa, 1e-3 to 10 000 rpm, 1 mPa s to 100 Pa s: no answer holds a number that is none.
+/// Extremes: 0.1 N a ball to 5 GPa, 1e-3 to 10 000 rpm, 1 mPa s to 100 Pa s: no answer contains NaN.
 #[test]
 fn extremes_have_numbers_or_none() {
     let mut work = ModelWorkspace::default();

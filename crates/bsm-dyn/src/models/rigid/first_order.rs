@@ -31,7 +31,7 @@ pub(super) const SEARCHED_FROM: f64 = 300.0;
 pub struct FirstOrder<F = f64> {
     /// `$Q_A/F_a = Q_B/F_a$`; negative means self-locking.
     pub load: F,
-    /// `$q_{A'} = Q_{A'}/(\varepsilon F_a)$`; negative means that A' would have to pull.
+    /// `$q_{A'} = Q_{A'}/(\varepsilon F_a)$`; negative means that A' would have to act in tension.
     pub minor: F,
     /// `$\varepsilon = m r_m P^2/F_a$`, the centrifugal force over the load.
     pub inertia: F,
