@@ -37,9 +37,11 @@ pub(crate) fn measured(
 ) -> Result<Option<f64>, CaseError> {
     let lacks = |model: &str| {
         let missing = scene.missing(Model::Traction);
-        let required = (!missing.is_empty())
-            .then(|| format!("; {} required by model traction", list(&missing)))
-            .unwrap_or_default();
+        let required = if missing.is_empty() {
+            String::new()
+        } else {
+            format!("; {} required by model traction", list(&missing))
+        };
         CaseError::Invalid(format!("model {model} gives no {} here{required}", output.name))
     };
     if output.name == SCREW_TORQUE {
