@@ -107,8 +107,10 @@ fn describe(measured: &Tradeoff) -> String {
     )
 }
 
-/// Heads of the columns over all points, and their cells.
-const COLUMNS: [(&str, fn(&DialResult, &Errors) -> String); 9] = [
+/// Head of a column over all points, and its cell.
+type CellOfDial = (&'static str, fn(&DialResult, &Errors) -> String);
+
+const COLUMNS: [CellOfDial; 9] = [
     ("model and setting", |dial, _| dial.dial.name()),
     ("all cores us", |dial, _| micro(dial.times.all_cores)),
     ("solved %", |_, all| format!("{:.1}", 100.0 * all.solved)),

@@ -20,13 +20,16 @@ enum Entry {
     ContactAngle,
 }
 
+/// Name, unit as text and in SI, and value of an entry.
+type EntryRow = (&'static str, (&'static str, f64), fn(&Size) -> f64);
+
 use Entry::{Ball, Conformity, ContactAngle, Diameter, Lead, Turns};
 
 impl Entry {
     const ALL: [Self; 6] = [Diameter, Lead, Ball, Turns, Conformity, ContactAngle];
 
-    /// Name, unit as text and in SI, and value of each.
-    const TABLE: [(&str, (&str, f64), fn(&Size) -> f64); 6] = [
+    /// In the order of [`ALL`](Self::ALL).
+    const TABLE: [EntryRow; 6] = [
         ("nominal diameter", (" mm", MM), |size| size.diameter),
         ("lead", (" mm", MM), |size| size.lead),
         ("ball diameter", (" mm", MM), |size| size.ball),
