@@ -436,7 +436,7 @@ fn a_known_film_makes_the_viscosity_ratio() {
     assert_relative_eq!(ratio(&report), expected, max_relative = 3e-4);
     let film = number(&report, "modified_life_h");
     assert!(film > 0.0 && film < 50.0 * number(&report, "cycle_life_h"), "{film}");
-    // By the viscosity alone if that is asked for: ν/ν₁ of (AA4), of ISO VG 68 at 40 degrees.
+    // By the viscosity alone if that is asked for: ν/ν₁ of the theory (Z38), of ISO VG 68 at 40 degrees.
     scene.apply(&["kappa_by=viscosity"]).expect("a word");
     let report = AxisReport::of(&scene, &settings).expect("a sheet");
     let rpm = report.phases[0].number("screw_speed_rpm").expect("a speed").abs();
