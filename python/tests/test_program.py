@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import pickle
 import subprocess
@@ -204,8 +205,14 @@ def test_reports_in_folders(tmp_path: Path) -> None:
         assert run.returncode == 0, run.stderr
     files = sorted(p.relative_to(tmp_path / "ours") for p in (tmp_path / "ours").rglob("*") if p.is_file())
     assert len(files) > 50
+    # The program has a file, whose name and hash stand at the foot of the sheet.
+    foot = f'<p class="small">From axis.json, SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}.</p>'.encode()
     for name in files:
-        assert (tmp_path / "ours" / name).read_bytes() == (tmp_path / "theirs" / name).read_bytes(), name
+        theirs = (tmp_path / "theirs" / name).read_bytes()
+        if name == Path("axis/report.html"):
+            assert foot in theirs
+            theirs = theirs.replace(foot, b"")
+        assert (tmp_path / "ours" / name).read_bytes() == theirs, name
 
 
 @pytest.mark.parametrize("path", sorted((EXAMPLES / "requirements").glob("*.json")), ids=lambda path: path.stem)
