@@ -206,7 +206,7 @@ def test_reports_in_folders(tmp_path: Path) -> None:
     files = sorted(p.relative_to(tmp_path / "ours") for p in (tmp_path / "ours").rglob("*") if p.is_file())
     assert len(files) > 50
     # The program has a file, whose name and hash stand at the foot of the sheet.
-    foot = f'<p class="small">From axis.json, SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}.</p>'.encode()
+    foot = f" From axis.json, SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}.".encode()
     for name in files:
         theirs = (tmp_path / "theirs" / name).read_bytes()
         if name == Path("axis/report.html"):
