@@ -30,10 +30,9 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     for path in args.out.tables() {
         files::write(path, &size_table(&report)?)?;
     }
-    let input = args.scene.hash();
     let draw = || {
-        let (figures, page) = (size_figures(&report), Some(size_page(&report, input.as_deref())?));
-        Ok(Pictures { figures, page, drawing: drawing.ok() })
+        let page = Some(size_page(&report, args.scene.hash().as_deref())?);
+        Ok(Pictures { figures: size_figures(&report), page, drawing: drawing.ok() })
     };
     Reply::about(&report.scene, answer).give(&args.out, draw)
 }

@@ -77,12 +77,19 @@ pub struct Mount {
 }
 
 impl Mount {
+    /// The unsupported length \[m\], given or usual; `None` without a stroke.
+    ///
+    /// * `lead`, `nut_length`, `stroke` \[m\].
+    pub fn length_of(&self, lead: f64, nut_length: f64, stroke: Option<f64>) -> Option<f64> {
+        let usual = stroke.map(|stroke| stroke + nut_length + OVERRUN_LEADS * lead);
+        self.length.or(usual)
+    }
+
     /// A screw between its bearings; `None` without a length.
     ///
     /// * `nut_length`, `stroke` \[m\].
     pub fn shaft(&self, screw: &Screw, nut_length: f64, stroke: Option<f64>) -> Option<Shaft> {
-        let usual = stroke.map(|stroke| stroke + nut_length + OVERRUN_LEADS * screw.lead);
-        let length = self.length.or(usual)?;
+        let length = self.length_of(screw.lead, nut_length, stroke)?;
         let (ends, section) = self.buckling;
         let buckling = (ends.unwrap_or(self.support.of_buckling()), section.unwrap_or(length));
         Some(Shaft {

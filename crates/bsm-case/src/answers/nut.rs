@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
-use bsm_design::{Duty, Grade, drag_torque, in_series, life};
+use bsm_design::{Duty, drag_torque, in_series, life};
 use bsm_dyn::{ElasticPoint, Hertz, ModelWorkspace, Problem, Temperature};
 use bsm_kin::Drive;
 use bsm_nut::{
@@ -13,6 +13,7 @@ use bsm_nut::{
 use serde_json::{Map, Value, json};
 
 use crate::answers::record::{MARKS_ABOVE, message};
+use crate::case::axis::TorqueTolerance;
 use crate::case::nut::{FrictionSource, NutAtRest, NutPreload};
 use crate::case::reader::{in_grooves, lubricated};
 use crate::case::warm::Warm;
@@ -324,25 +325,18 @@ pub(crate) fn preload_note(cold: f64, warm: f64) -> String {
 
 /// The torque by which a preload is checked, with its tolerance.
 ///
-/// * `torque`: by manufacturers' rule \[N·m\]. * `seal`: torque of the seals \[N·m\]. * `grade`: with length and diameter of the thread
-///   \[m\].
-pub(crate) fn torque_to_measure(
-    torque: f64,
-    seal: f64,
-    (grade, length, diameter): (Option<&Grade>, Option<f64>, f64),
-) -> String {
-    let tolerance = match (grade, length) {
-        (Some(grade), Some(length)) => {
-            let none = || {
-                "no tolerance is specified for this torque, length and accuracy_grade".to_owned()
-            };
-            grade.torque_variation(torque, length, diameter).map_or_else(none, |percent| {
-                let [low, high] = [-0.01, 0.01].map(|part| torque * (1.0 + part * percent));
-                format!("{low:.3} to {high:.3}, +-{percent:.0} % by {}", grade.name)
-            })
+/// * `torque`: by manufacturers' rule \[N·m\]. * `seal`: torque of the seals \[N·m\].
+pub(crate) fn torque_to_measure(torque: f64, seal: f64, within: &TorqueTolerance) -> String {
+    let ends = [-1.0, 1.0].map(|side| within.end(torque, side));
+    let tolerance = match (within.grade, ends, within.percent(torque)) {
+        (Some(grade), [Some(low), Some(high)], Some(percent)) => {
+            format!("{low:.3} to {high:.3}, +-{percent:.0} % by {}", grade.name)
         }
-        (None, Some(_)) => "accuracy_grade gives its tolerance".to_owned(),
-        _ => "accuracy_grade and stroke_mm give its tolerance".to_owned(),
+        _ if within.length.is_none() => {
+            "accuracy_grade and stroke_mm give its tolerance".to_owned()
+        }
+        (None, ..) => "accuracy_grade gives its tolerance".to_owned(),
+        _ => "no tolerance is specified for this torque, length and accuracy_grade".to_owned(),
     };
     let with_seals = if seal > 0.0 {
         format!("; with the seals {:.3} N m", torque + seal)
@@ -689,14 +683,14 @@ impl NutReport {
         let Some(NutPreload { cold, warm, .. }) = self.state.made.preload else {
             return Vec::new();
         };
-        let (NutProblem { design, seal_torque, grade, .. }, mut notes) =
+        let (NutProblem { design, seal_torque, tolerance, .. }, mut notes) =
             (&self.problem, Vec::new());
         if (cold - warm).abs() > 0.0 {
             notes.push(preload_note(cold, warm));
         }
         if cold > 0.0 {
             let torque = drag_torque(cold, design.lead, design.lead_angle());
-            notes.push(torque_to_measure(torque, *seal_torque, *grade));
+            notes.push(torque_to_measure(torque, *seal_torque, tolerance));
         }
         notes
     }

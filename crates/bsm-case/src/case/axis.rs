@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, Drive, DutySpeed, Hardness, Life, MachineTable, Make, Motion, Mount, Nut, NutBody,
+    Axis, Drive, DutySpeed, Grade, Hardness, Life, MachineTable, Make, Motion, Mount, Nut, NutBody,
     Preload, PreloadClass, PreloadMethod, RatingFactors, Shaft, Support, Thread,
     reliability_factor,
 };
@@ -177,6 +177,29 @@ pub(crate) fn carriage(scene: &Scene) -> MachineTable {
         inclination: value(InputKey::inclination_deg) * DEG,
         friction: value(InputKey::guide_friction),
         resistance: value(InputKey::guide_force_N),
+    }
+}
+
+/// What limits the friction torque of a preload, as far as it is given.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TorqueTolerance {
+    /// Of the screw.
+    pub(crate) grade: Option<&'static Grade>,
+    /// Length of the thread \[m\].
+    pub(crate) length: Option<f64>,
+    /// Outer diameter of the screw \[m\].
+    pub(crate) diameter: f64,
+}
+
+impl TorqueTolerance {
+    /// Permitted variation of a torque \[N·m\] to either side \[%\].
+    pub(crate) fn percent(&self, torque: f64) -> Option<f64> {
+        self.grade?.torque_variation(torque, self.length?, self.diameter)
+    }
+
+    /// The torque at an end of its variation, -1 or 1 \[N·m\].
+    pub(crate) fn end(&self, torque: f64, side: f64) -> Option<f64> {
+        Some(torque * (1.0 + side * 0.01 * self.percent(torque)?))
     }
 }
 

@@ -103,13 +103,11 @@ pub fn size_page(report: &AxisReport, input: Option<&str>) -> Result<String, Rep
         template: include_str!("../../templates/size.html"),
         figures: &figures,
     };
-    let mut sheet = sheet(report);
-    sheet["input"] = json!(input);
-    page.html(&sheet)
+    page.html(&sheet(report, input))
 }
 
 /// What the template shows.
-fn sheet(report: &AxisReport) -> Value {
+fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
     let Answer { rules, notes, warnings, .. } = &report.answer;
     let limited: Vec<_> = rules.iter().filter(|rule| rule.limit.is_some()).collect();
     let mut contacts: Vec<&str> = report.phases.iter().map(|phase| &*phase.contacts).collect();
@@ -130,6 +128,7 @@ fn sheet(report: &AxisReport) -> Value {
     let drag = report.number("preload_torque_Nm").zip(report.number("preload_torque_measured_Nm"));
     json!({
         "description": report.scene.description,
+        "input": input,
         "head": head_of(report),
         "equations": equations(rules),
         "names": names(report),

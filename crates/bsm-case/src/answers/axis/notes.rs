@@ -247,8 +247,7 @@ impl AxisState<'_> {
     /// The torque by which the preload is checked, with its tolerance.
     pub(super) fn to_measure(&self) -> Option<String> {
         let torque = self.preload.as_ref()?.by_rule;
-        let thread = (self.shaft().map(|shaft| shaft.length), self.axis().screw.outer);
         let seal = self.scene.seal_torque_Nm.unwrap_or(0.0);
-        Some(torque_to_measure(torque, seal, (self.grade(), thread.0, thread.1)))
+        Some(torque_to_measure(torque, seal, &self.torque_tolerance()))
     }
 }

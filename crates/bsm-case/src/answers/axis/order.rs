@@ -4,7 +4,7 @@ use bsm_design::PreloadMethod;
 
 use super::state::AxisState;
 use crate::InputKey;
-use crate::case::axis::preload_method;
+use crate::case::axis::{TorqueTolerance, preload_method};
 use crate::vocabulary::entries::Choice;
 use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::MM;
@@ -80,13 +80,20 @@ impl AxisState<'_> {
 
     /// Permitted variation of the torque by which the preload is checked \[%\].
     pub(super) fn torque_percent(&self) -> Option<f64> {
-        let (torque, diameter) = (self.preload.as_ref()?.by_rule, self.axis().screw.outer);
-        self.grade()?.torque_variation(torque, self.shaft()?.length, diameter)
+        self.torque_tolerance().percent(self.preload.as_ref()?.by_rule)
     }
 
     /// That torque at an end of its variation.
     pub(super) fn torque_by(&self, side: f64) -> Option<f64> {
-        Some(self.preload.as_ref()?.by_rule * (1.0 + side * 0.01 * self.torque_percent()?))
+        self.torque_tolerance().end(self.preload.as_ref()?.by_rule, side)
+    }
+
+    pub(super) fn torque_tolerance(&self) -> TorqueTolerance {
+        TorqueTolerance {
+            grade: self.grade(),
+            length: self.shaft().map(|shaft| shaft.length),
+            diameter: self.axis().screw.outer,
+        }
     }
 
     /// Target of the travel over the stroke for a stretched screw \[mm\].

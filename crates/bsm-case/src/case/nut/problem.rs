@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use bsm_design::{DynamicRating, Grade, Nut, NutBody, PRELOAD, StaticRating, Thread};
+use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating, Thread};
 use bsm_dyn::Ball;
 use bsm_kin::{Drive, Helix};
 use bsm_nut::{BallNut, Equilibrium, Errors, NutError, Preload, Support, TurnRatings};
@@ -16,7 +16,7 @@ use super::draw::draw;
 use super::friction::FrictionSource;
 use super::loading::{Amount, arrangement, preload, preload_of_bodies, support};
 use super::train::BallGaps;
-use crate::case::axis::mount;
+use crate::case::axis::{TorqueTolerance, mount};
 use crate::case::problem::has_lubricant;
 use crate::case::rated_nut;
 use crate::case::reader::has_grooves;
@@ -63,8 +63,8 @@ pub struct NutProblem {
     pub(crate) gaps: BallGaps,
     /// Torque of the seals \[N·m\].
     pub(crate) seal_torque: f64,
-    /// Grade, length of the thread and diameter of the screw \[m\], as far as given, for the tolerance of the preload torque.
-    pub(crate) grade: (Option<&'static Grade>, Option<f64>, f64),
+    /// Of the friction torque of the preload.
+    pub(crate) tolerance: TorqueTolerance,
     pub(crate) settings: Settings,
     /// The warm steady state that it is in, if it was asked for.
     pub(crate) warm: Option<Arc<Warm>>,
@@ -153,9 +153,12 @@ impl NutProblem {
         let seed = value(InputKey::seed) as u64;
         let friction = FrictionSource::of(scene)?;
         let gaps = BallGaps::of(scene, friction, &nut)?;
-        let screw = design.screw(&thread);
-        let shaft = mount(scene).shaft(&screw, body.length, scene.stroke_mm.map(|mm| mm * MM));
-        let grade = scene.nut.accuracy_grade.map(|name| name.grade);
+        let stroke = scene.stroke_mm.map(|mm| mm * MM);
+        let tolerance = TorqueTolerance {
+            grade: scene.nut.accuracy_grade.map(|name| name.grade),
+            length: mount(scene).length_of(design.lead, body.length, stroke),
+            diameter: thread.screw.land,
+        };
         Ok(Self {
             support: support(scene)?,
             notes: notes(scene, &nut, preload, loaded.is_some()),
@@ -173,7 +176,7 @@ impl NutProblem {
             gaps,
             friction: friction.zip(drive),
             seal_torque: value(InputKey::seal_torque_Nm),
-            grade: (grade, shaft.map(|shaft| shaft.length), screw.outer),
+            tolerance,
             settings: *settings,
             warm: None,
         })
