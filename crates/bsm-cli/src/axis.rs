@@ -8,6 +8,7 @@ use crate::answer::{Pictures, Reply};
 use crate::args::AxisArgs;
 use crate::failure::Failure;
 use crate::files::{self, MOST_OF_A_TABLE, ending_of, read};
+use crate::stream::waiting;
 
 pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     let in_file = args.scene.failure();
@@ -20,7 +21,12 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
         scene.nut.cycle = Some(cycle.map_err(|e| Failure::scene(table, &e))?);
     }
     let settings = args.model.settings().map_err(in_file)?;
-    let report = AxisReport::of(&scene, &settings).map_err(in_file)?;
+    let line = scene.asks_warm().then(|| waiting("warm steady state, its band and its fold"));
+    let report = AxisReport::of(&scene, &settings);
+    if let Some(line) = line {
+        line.finish_and_clear();
+    }
+    let report = report.map_err(in_file)?;
     let answer = report.answer.clone().with("program", Content::Json(PROGRAM.into()));
     // A drawing needs the grooves.
     let drawing = GrooveSection::of(&report.scene).map(|section| groove_dxf(&section));

@@ -69,16 +69,18 @@ const OBJECTS: &[(&str, &str)] = &[
         "@nut, status string, message string?, model string?, displacement_um numbers, tilt_urad numbers, reaction_SI numbers, \
          stiffness_SI numbers, body_axial_N numbers, K_series_SI? number, K_nut_SI? number, K_screw_SI? number, iterations integer, \
          nut_plus_N [number?], nut_minus_N [number?], screw_plus_N [number?], screw_minus_N [number?], nut_plus_deg [number?], \
-         nut_minus_deg [number?], screw_plus_deg [number?], screw_minus_deg [number?], warm? warm, notes texts, warnings texts",
+         nut_minus_deg [number?], screw_plus_deg [number?], screw_minus_deg [number?], warm? warm, \
+         conductances? *conductance, notes texts, warnings texts",
     ),
     ("no nut", "status string, message string, notes texts, warnings texts"),
     ("samples", "carried integer, failed integer, quantiles **number, notes texts, warnings texts"),
     (
         "axis",
-        "program string, passes boolean, inputs scene, screw screw, results results, warm? warm, band? *range, rules [rule], \
+        "program string, passes boolean, inputs scene, screw screw, results results, warm? warm, conductances? *conductance, band? *range, rules [rule], \
          phases [phase], not_modelled texts, notes texts, warnings texts",
     ),
     ("warm", "@warm"),
+    ("conductance", "value number, origin given|computed|default"),
     ("range", "low number, value number, high number"),
     ("screw", "@screw"),
     ("results", "@axis"),
@@ -87,7 +89,7 @@ const OBJECTS: &[(&str, &str)] = &[
         "rule string, name string, unit string, value number?, must_be string, limit number?, margin number?, passes boolean, source string, \
          remedy string?",
     ),
-    ("phase", "@phase, @torques, contacts string"),
+    ("phase", "@phase, @torques, contacts string, body_axial_N numbers?"),
     (
         "design",
         "found boolean, reasons texts, steps [step], scene scene, notes texts, warnings texts",

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 use std::io::{self, IsTerminal, Read};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use bsm_batch::dataset::{
     self, Dataset, DatasetError, Event, PartDefect, Plan, Points, RunOptions, sha256,
@@ -474,6 +475,16 @@ pub(crate) fn progress(total: Option<u64>, what: &str, quiet: bool) -> ProgressB
             let _ = text.write_str(&rate(state.per_sec()));
         });
     bar.with_style(style)
+}
+
+/// A line that moves on a terminal while an answer takes seconds, nothing elsewhere.
+pub(crate) fn waiting(what: &'static str) -> ProgressBar {
+    if !io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new_spinner().with_message(what);
+    bar.enable_steady_tick(Duration::from_millis(100));
+    bar
 }
 
 /// Rows a second in whole numbers.

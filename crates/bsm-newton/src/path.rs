@@ -2,7 +2,10 @@
 
 use std::array::from_fn;
 
-use crate::{Bracket, Equations, EvalError, Options, RootResult, Scales, Status, Workspace, solve};
+use crate::{
+    Bracket, Equations, EvalError, JacobianUpdate, Options, RootResult, Scales, Status, Workspace,
+    solve,
+};
 
 /// Direction of the curve of the first `N − 1` equations at `z`, where the last equation is a plane
 /// across it (N8).
@@ -92,12 +95,24 @@ pub struct StepControl {
     pub goal: f64,
     /// How exactly a crossing is wanted, in parts of its step. Default 1e-14.
     pub place: f64,
+    /// When a correction evaluates the Jacobian, as [`Options::jacobian`]. Default [`JacobianUpdate::EveryStep`].
+    pub jacobian: JacobianUpdate,
 }
 
 impl Default for StepControl {
     fn default() -> Self {
-        let (most_points, goal, place) = (1000, Options::default().residual_goal, 1e-14);
-        Self { first: 0.1, longest: 0.5, shortest: 1e-7, pair: 1e-3, most_points, goal, place }
+        let Options { residual_goal: goal, jacobian, .. } = Options::default();
+        let (most_points, place) = (1000, 1e-14);
+        Self {
+            first: 0.1,
+            longest: 0.5,
+            shortest: 1e-7,
+            pair: 1e-3,
+            most_points,
+            goal,
+            place,
+            jacobian,
+        }
     }
 }
 
@@ -283,8 +298,13 @@ where
         let scales = Scales { x: &sizes.map(f64::recip), f: &self.weights(foot) };
         let residual_goal = self.stride.goal;
         let residual_tol = Options::default().residual_tol.max(residual_goal);
-        let options =
-            Options { residual_tol, residual_goal, max_steps: MOST_STEPS, ..Options::default() };
+        let options = Options {
+            residual_tol,
+            residual_goal,
+            max_steps: MOST_STEPS,
+            jacobian: self.stride.jacobian,
+            ..Options::default()
+        };
         let mut z = *foot;
         let report = solve(&plane, &mut z, &scales, &options, &mut self.work);
         self.trace.steps += report.steps.len();

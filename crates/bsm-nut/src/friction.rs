@@ -86,6 +86,11 @@ impl FrictionSum {
 /// friction coefficient is worth.
 const FOUR_CONTACTS: f64 = 1e-6;
 
+/// Part of the largest load up to which the friction of a ball grows in proportion to its load: raceway control gives a ball
+/// that is just touched, and pressed to one groove by inertia alone, the friction of its spin at once, a jump on which no
+/// temperature is steady.
+const ONSET: f64 = 1e-4;
+
 impl BallNut {
     /// The screw whose only ball is one of this nut (U21), with its own groove displacement and
     /// excess; `None` if the ball is loose or loaded on both flanks.
@@ -282,7 +287,12 @@ impl BallNut {
             return Some(FreeBall { friction, motion });
         }
         let alone = self.ball_alone(found, number, friction.unwrap_or(f64::NAN), drive)?;
-        self.friction_alone(alone, solve)
+        let mut ball = self.friction_alone(alone, solve)?;
+        let part = (found.balls[number].max_load() / (ONSET * found.max_load())).min(1.0);
+        let mut friction = FrictionSum::default();
+        friction.add(&ball.friction, part);
+        ball.friction = friction;
+        Some(ball)
     }
 
     /// Friction of a ball by itself (U21).

@@ -22,3 +22,10 @@ pub use states::{Fold, NoSteadyState, OnBranch, Steady};
 
 /// Nodes: nut, screw along the travel, balls, both ends of the screw.
 pub const NODES: usize = 5;
+
+/// Temperatures of the nodes \[°C\].
+///
+/// * `set`: temperature of setting \[K\]. * `rises`: over it.
+pub fn celsius(set: f64, rises: &[f64; NODES]) -> [f64; NODES] {
+    rises.map(|rise| set + rise - bsm_dyn::ZERO_CELSIUS)
+}

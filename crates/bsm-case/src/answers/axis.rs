@@ -20,6 +20,7 @@ use self::torques::{Preload, Torques};
 pub use self::torques::{ScrewTorque, torque_parts};
 use super::nut::QUANTITIES as NUT;
 use super::ratings::QUANTITIES as RATINGS;
+use super::warm::QUANTITIES as WARM;
 use crate::case::axis::{Machine, useful_travel};
 use crate::case::rated_nut;
 use crate::case::warm::{Detail, NutInPhase, Warm};
@@ -204,7 +205,7 @@ pub(crate) struct PhaseResult<'a> {
     worked: &'a AxisState<'a>,
     torques: &'a Torques,
     /// In the warm state.
-    nut: Option<NutInPhase>,
+    nut: Option<&'a NutInPhase>,
 }
 
 /// The screw and its nut, as used.
@@ -238,7 +239,7 @@ pub struct AxisReport {
 
 /// The numbers of a sheet that tell nuts apart, in tables of them.
 pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
-    const NAMES: [&str; 11] = [
+    const NAMES: [&str; 13] = [
         "cycle_life_h",
         "critical_speed_ratio",
         "buckling_safety",
@@ -250,10 +251,11 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
         "mean_heat_W",
         "screw_mass_kg",
         "inertia_of_screw_kg_m2",
+        "warm_preload_N",
+        "fold_speed_factor",
     ];
-    NAMES.into_iter().filter_map(|name| {
-        QUANTITIES.iter().flat_map(|quantity| quantity.columns).find(|column| column.name == name)
-    })
+    let all = || QUANTITIES.iter().chain(WARM).flat_map(|quantity| quantity.columns);
+    NAMES.into_iter().filter_map(move |name| all().find(|column| column.name == name))
 }
 
 /// Effects that the torque of an axis neglects, whatever is given.
@@ -441,16 +443,19 @@ fn of_phases(phases: &[ScrewTorque]) -> Table {
         unit: quantity.unit,
         head: SHOWN.contains(&quantity.name).then_some(quantity.name),
     };
-    let contacts = Column::hidden("contacts");
+    let others = ["contacts", "body_axial_N"].map(Column::hidden);
     let columns = PHASE.iter().chain(TORQUES).map(column);
     let row = |(place, phase): (usize, &ScrewTorque)| {
         let numbers = phase.numbers.columns().map(|(_, value)| json!(value));
-        std::iter::once(json!(place)).chain(numbers).chain([json!(phase.contacts)]).collect()
+        std::iter::once(json!(place))
+            .chain(numbers)
+            .chain([json!(phase.contacts), json!(phase.bodies)])
+            .collect()
     };
     Table {
         columns: std::iter::once(Column::headed("", "phase"))
             .chain(columns)
-            .chain([contacts])
+            .chain(others)
             .collect(),
         rows: (1..).zip(phases).map(row).collect(),
         keyed: false,
@@ -465,10 +470,11 @@ fn no_balls(why: &CaseError) -> String {
 impl AxisState<'_> {
     fn phase(&self, place: usize) -> ScrewTorque {
         let torques = &self.torques[place];
-        let nut = self.warm_state().and_then(|warm| warm.phases[place]);
+        let nut = self.warm_state().and_then(|warm| warm.phases[place].as_ref());
         let motion = read_phase(&PhaseResult { worked: self, torques, nut }, |_| true);
         let numbers = motion.and(torques.numbers());
-        ScrewTorque { numbers, contacts: torques.contacts.text.clone() }
+        let bodies = nut.map(|nut| nut.bodies.clone());
+        ScrewTorque { numbers, contacts: torques.contacts.text.clone(), bodies }
     }
 }
 

@@ -116,7 +116,14 @@ impl DesignReport {
         if let Some((diameter, _)) = size {
             scene.nominal_diameter_mm = Some(diameter);
         }
-        let sheet = requirement.judge(&scene).ok();
+        let (sheet, why) = match requirement.judge(&scene) {
+            Ok(sheet) => (Some(sheet), None),
+            Err(why) => (None, Some(why.to_string())),
+        };
+        // That of an axis which runs away has no phases.
+        let runs_away = sheet.as_ref().filter(|sheet| sheet.phases.is_empty());
+        let why: Vec<_> =
+            runs_away.map_or_else(|| why.into_iter().collect(), |of| of.answer.warnings.clone());
         let efficiency = sheet.as_ref().and_then(|sheet| sheet.number(EFFICIENCY));
         let of_sheet = |_: &Nut, _: &Phase| efficiency;
         // That of a preloaded nut is by all its balls.
@@ -129,7 +136,9 @@ impl DesignReport {
             "the motion of the requirement",
             Some(best).filter(|b| !b.is_nan()),
         ));
-        if design.value(Quantity::Efficiency).is_nan() {
+        if !why.is_empty() {
+            warnings.extend(why);
+        } else if design.value(Quantity::Efficiency).is_nan() {
             let model = requirement.settings.model.name();
             warnings.push(format!("model {model} has no solution for this screw: see bsm solve"));
         }

@@ -13,8 +13,8 @@ use crate::vocabulary::number::{decimal, number};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, GPA, MM, UM};
 use crate::{
-    Answer, CaseError, Catalogue, Column, Content, DesignReport, INPUTS, Known, Output,
-    RequirementFile, Table, nearest, sheet_columns,
+    AnalysisKind, Answer, CaseError, Catalogue, Column, Content, DesignReport, INPUTS, Known,
+    Output, RequirementFile, Table, nearest, sheet_columns,
 };
 
 quantities! {
@@ -103,7 +103,8 @@ impl ListColumn {
 
     /// True if a screen has room for it.
     fn is_shown(&self) -> bool {
-        CATALOGUE.get(self.place).is_none_or(|quantity| quantity.title == "shown")
+        let is_warm = || self.output.analysis() == Some(AnalysisKind::Warm);
+        CATALOGUE.get(self.place).map_or_else(|| !is_warm(), |quantity| quantity.title == "shown")
     }
 
     fn read(&self, nut: &Candidate, sheet: &[f64]) -> f64 {

@@ -1,8 +1,7 @@
 //! What is said of the warm steady state of an axis: numbers, the band of what is estimated, notes and warnings.
 
-use bsm_dyn::ZERO_CELSIUS;
 use bsm_nut::FrictionSum;
-use bsm_nut::thermal::{OnBranch, PhaseState, Steady, WarmNut};
+use bsm_nut::thermal::{OnBranch, PhaseState, Steady, WarmNut, celsius};
 use serde_json::{Value, json};
 
 use super::nut::QUANTITIES as NUT;
@@ -12,7 +11,7 @@ use crate::case::warm::{Detail, Warm, WarmState};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{RPM, UM};
 use crate::{
-    Answer, CaseError, Column, Content, INPUTS, InputKey, InputSet, Numbers, Quantity, Scene,
+    Answer, CaseError, Column, Content, INPUTS, InputKey, InputSet, Numbers, Quantity, Row, Scene,
     Settings, Table,
 };
 
@@ -21,6 +20,7 @@ quantities! { pub(crate) QUANTITIES, read(&Warm) of Warm;
         nut_temperature_C ["C"] Whole(|w| Some(state(w)?.celsius[0])), "steady temperature of nut and table";
         screw_temperature_C ["C"] Whole(|w| Some(state(w)?.celsius[1])), "steady temperature of the screw along its travel";
         balls_temperature_C ["C"] Whole(|w| Some(state(w)?.celsius[2])), "steady temperature of balls and oil";
+        lubricant_temperature_C ["C"] Whole(|w| state(w)?.oil), "temperature of the lubricant, given or that at which all losses leave as heat";
         end_1_temperature_C ["C"] Whole(|w| Some(state(w)?.celsius[3])), "steady temperature of the end of the screw at the motor";
         end_2_temperature_C ["C"] Whole(|w| Some(state(w)?.celsius[4])), "steady temperature of the other end of the screw";
         preload_set_N = NUT Whole(|w| Some(state(w)?.preload?.cold));
@@ -60,31 +60,41 @@ fn state(warm: &Warm) -> Option<&WarmState> {
 }
 
 impl WarmState {
-    /// The conductances that are not given.
-    fn computed(&self) -> Option<String> {
-        let is_computed = |key: &InputKey| {
-            let cooled =
-                *key != InputKey::coolant_conductance_W_K || self.conductances.coolant > 0.0;
-            cooled && !self.given.contains(*key)
+    /// Where each conductance is from: given, computed from speeds and sizes, or zero by default.
+    fn conductances(&self, numbers: &Numbers) -> Table {
+        let of_state = numbers.rows().filter(|row| row.quantity.title == "conductances");
+        let row = |row: &Row| {
+            let (name, [value, ..]) = (row.quantity.name, row.values);
+            let is_given = InputKey::named(name).is_ok_and(|key| self.given.contains(key));
+            let origin = match value {
+                _ if is_given => "given",
+                Some(0.0) => "default",
+                _ => "computed",
+            };
+            vec![json!(name), json!(value), json!(origin)]
         };
-        let all = QUANTITIES.iter().filter(|of| of.title == "conductances");
-        let all = all.filter_map(|of| InputKey::named(of.name).ok());
-        let names: Vec<_> = all.filter(is_computed).map(InputKey::name).collect();
-        (!names.is_empty())
-            .then(|| format!("conductances from speeds and sizes, not given: {}", names.join(", ")))
+        Table {
+            columns: vec![
+                Column::headed("", "conductance"),
+                Column::hidden("value"),
+                Column::named("origin"),
+            ],
+            rows: of_state.map(row).collect(),
+            keyed: true,
+        }
     }
 }
 
 /// Temperature of a node at the fold \[°C\].
 fn at_fold(warm: &Warm, node: usize) -> Option<f64> {
     let fold = warm.fold.as_ref()?;
-    Some(fold.set + fold.rises[node] - ZERO_CELSIUS)
+    Some(celsius(fold.set, &fold.rises)[node])
 }
 
 /// Temperature of a node in the unstable state beyond the fold \[°C\].
 fn unstable(warm: &Warm, node: usize) -> Option<f64> {
     let fold = warm.fold.as_ref()?;
-    Some(fold.set + fold.beyond.as_ref()?.rises[node] - ZERO_CELSIUS)
+    Some(celsius(fold.set, &fold.beyond.as_ref()?.rises)[node])
 }
 
 /// Whether a number takes the walk to the fold.
@@ -111,7 +121,6 @@ const OF_PHASE: [&str; 2] = ["contact_friction_torque_Nm", "preload_drag_beyond_
 
 /// Their values in a state: [`OF_BAND`], then [`OF_PHASE`] of each phase.
 fn of_band(nut: &WarmNut<'_>, steady: &Steady) -> Vec<f64> {
-    let celsius = nut.temperatures(steady).map(|kelvin| kelvin - ZERO_CELSIUS);
     let network = nut.network(1.0);
     let (growth, tension) = (network.growth(&steady.rises), network.tension(&steady.rises));
     let whole = [steady.heated.preload, steady.heat(), growth / UM, tension, steady.gain];
@@ -120,7 +129,7 @@ fn of_band(nut: &WarmNut<'_>, steady: &Steady) -> Vec<f64> {
         let FrictionSum { torque, returns, .. } = phase.friction?;
         Some([torque + returns, phase.drag])
     });
-    celsius.into_iter().chain(whole).chain(torques.flatten()).collect()
+    celsius(nut.set, &steady.rises).into_iter().chain(whole).chain(torques.flatten()).collect()
 }
 
 impl Warm {
@@ -136,7 +145,12 @@ impl Warm {
     /// Adds its numbers and its band to an answer.
     pub(crate) fn add_to(&self, answer: Answer) -> Answer {
         let numbers = read(self, |_| true).where_finite();
+        let conductances = state(self).map(|state| state.conductances(&numbers));
         let answer = answer.with("warm", Content::numbers(numbers, "warm"));
+        let answer = match conductances {
+            Some(table) => answer.with("conductances", Content::Table(table)),
+            None => answer,
+        };
         match self.band() {
             Some(band) => answer.with("band", Content::Table(band)),
             None => answer,
@@ -177,14 +191,14 @@ impl Warm {
     pub(crate) fn notes(&self) -> Vec<String> {
         let Some(state) = state(self) else { return Vec::new() };
         let mut notes = Vec::new();
-        if let Some(oil) = state.oil {
-            notes.push(format!("the lubricant has {oil:.1} C in the warm steady state"));
+        if state.given.contains(InputKey::lubricant_temperature_C) {
+            let what = "lubricant_temperature_C is not used: it follows from the warm steady state";
+            notes.push(what.to_owned());
         }
         if state.given.contains(InputKey::ball_gap_mm) {
             notes.push("the warm state has no heat of balls that touch".to_owned());
         }
         let Some(band) = &state.band else { return notes };
-        notes.extend(state.computed());
         if let (None, Some(search)) = (&self.fold, self.search) {
             notes.push(match &self.end {
                 Some(why) => format!("no fold of the warm state: {why}"),
@@ -219,11 +233,14 @@ impl Warm {
 
 /// The warm steady states of an axis over its speed: from rest on, and beyond the fold back.
 #[derive(Debug, Clone)]
+#[expect(non_snake_case, reason = "names carry their unit as it is written")]
 pub struct WarmBranch {
     /// The states in their order.
     pub points: Vec<WarmPoint>,
     /// Largest speed of the screw that the scene asks for \[rpm\].
     pub speed_rpm: f64,
+    /// Preload as it is set \[N\]; `None` without one.
+    pub preload_set_N: Option<f64>,
 }
 
 /// A state of a [`WarmBranch`].
@@ -246,22 +263,23 @@ impl WarmBranch {
     /// # Errors
     ///
     /// [`CaseError`] if an input is missing or breaks its rule, or there is no state at low speed.
+    #[expect(non_snake_case, reason = "names carry their unit as it is written")]
     pub fn of(scene: &Scene, settings: &Settings) -> Result<Option<Self>, CaseError> {
         if !scene.asks_warm() {
             return Ok(None);
         }
-        let (set, states) = Warm::branch(scene, settings)?;
+        let (set, preload_set_N, states) = Warm::branch(scene, settings)?;
         let speed_rpm = Machine::of(scene)?.axis.fastest() / RPM;
         let point = |state: OnBranch| {
-            let [nut, screw, balls, ..] = state.rises;
+            let [nut, screw, balls, ..] = celsius(set, &state.rises);
             WarmPoint {
                 speed_rpm: state.factor * speed_rpm,
-                temperatures_C: [nut, screw, balls].map(|rise| set + rise - ZERO_CELSIUS),
+                temperatures_C: [nut, screw, balls],
                 preload_N: state.preload,
                 stable: state.stable,
             }
         };
-        Ok(Some(Self { points: states.into_iter().map(point).collect(), speed_rpm }))
+        Ok(Some(Self { points: states.into_iter().map(point).collect(), speed_rpm, preload_set_N }))
     }
 
     /// The state of the largest speed, if there is none above it.

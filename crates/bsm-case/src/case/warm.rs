@@ -4,7 +4,7 @@ mod axis;
 
 use bsm_dyn::ZERO_CELSIUS;
 use bsm_nut::thermal::{
-    Band, Conductances, Fold, NODES, NoSteadyState, OnBranch, PhaseState, Steady, WarmNut,
+    Band, Conductances, Fold, NODES, NoSteadyState, OnBranch, PhaseState, Steady, WarmNut, celsius,
 };
 use bsm_nut::{Equilibrium, Support};
 
@@ -62,8 +62,10 @@ pub(crate) struct WarmState {
 }
 
 /// A warm nut in a phase of the cycle.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) struct NutInPhase {
+    /// Axial force of each body \[N\].
+    pub(crate) bodies: Vec<f64>,
     /// Largest load of a contact \[N\].
     pub(crate) max_load: f64,
     /// \[N/m\]
@@ -103,20 +105,21 @@ impl Warm {
         let mut cold = machine.clone();
         cold.axis.preload = preload.map(|preload| preload.cold);
         let guided = Support::guided(0.0);
-        let unloaded = |warm: &Equilibrium| {
-            let cold = nut.nut.solve(&guided).map_err(CaseError::Nut)?;
-            Ok::<_, CaseError>([&cold, warm].map(|found| found.axial_stiffness(&guided)))
+        let unloaded = axis.unloaded().zip(steady.heated.unloaded.as_ref());
+        let stiffness = |(cold, warm): (&Equilibrium, &Equilibrium)| {
+            [cold, warm].map(|found| found.axial_stiffness(&guided))
         };
         let in_phase = |PhaseState { found, .. }: &PhaseState| NutInPhase {
+            bodies: found.bodies.clone(),
             max_load: found.max_load(),
             stiffness: found.axial_stiffness(&nut.support),
             preload_left: nut.preload.map(|by| found.preload(&nut.nut, by)),
         };
         let (network, lubricated) = (nut.network(1.0), scene.given().is_lubricated());
         let state = WarmState {
-            celsius: nut.temperatures(&steady).map(|kelvin| kelvin - ZERO_CELSIUS),
+            celsius: celsius(nut.set, &steady.rises),
             growth: network.growth(&steady.rises),
-            stiffness: steady.heated.unloaded.as_ref().map(unloaded).transpose()?,
+            stiffness: unloaded.map(stiffness),
             cold_life: cold.life(scene).map(|life| life.revolutions),
             phases: steady.heated.phases.iter().map(|phase| phase.as_ref().map(in_phase)).collect(),
             preload: preload.map(|cold| NutPreload { warm: steady.heated.preload, ..cold }),
@@ -130,17 +133,19 @@ impl Warm {
         Ok(Some(Self { state: Some(state), fold, end, search }))
     }
 
-    /// Temperature of setting \[K\], and the states from rest up to the multiple of the speeds to which a fold is looked for.
+    /// Temperature of setting \[K\], cold preload \[N\], and the states from rest up to the multiple of the speeds to which a
+    /// fold is looked for.
     pub(crate) fn branch(
         scene: &Scene,
         settings: &Settings,
-    ) -> Result<(f64, Vec<OnBranch>), CaseError> {
+    ) -> Result<(f64, Option<f64>, Vec<OnBranch>), CaseError> {
         let machine = Machine::of(scene)?;
         let axis = WarmAxis::of(scene, settings, &machine)?;
         let friction = axis.friction();
         let nut = axis.nut(&friction)?;
         let states = nut.branch(axis.search());
-        Ok((nut.set, states.map_err(|why| CaseError::NoWarmState(Box::new(why)))?))
+        let cold = axis.preload().map(|preload| preload.cold);
+        Ok((nut.set, cold, states.map_err(|why| CaseError::NoWarmState(Box::new(why)))?))
     }
 
     /// The state of a scene which asks for it, without its band.

@@ -536,9 +536,10 @@ fn self_locking_has_one_criterion() {
 /// Outputs of a solution that an analysis has too.
 const SHARED: [&str; 3] = ["nut_spin_rad_s", "screw_spin_rad_s", "dissipated_power_W"];
 
-/// Numbers of a nut that the sheet of its axis or the warm state has too.
-const OF_A_NUT: [&str; 6] = [
+/// Numbers of a nut or its balls that the sheet of its axis or the warm state has too.
+const OF_A_NUT: [&str; 7] = [
     "limit_load_N",
+    "lubricant_temperature_C",
     "preload_set_N",
     "preload_setting_um",
     "preload_torque_Nm",

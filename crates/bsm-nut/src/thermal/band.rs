@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equation (I21).
 
-use super::{Conductances, NODES, NoSteadyState, Steady, Surfaces, WarmNut};
+use super::{Conductances, NoSteadyState, Steady, Surfaces, WarmNut};
 
 /// A quantity that is guessed unless it is given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -126,10 +126,5 @@ impl WarmNut<'_> {
             |(middle, [down, up]): (&f64, &[f64; 2])| [middle - down.sqrt(), middle + up.sqrt()];
         let ends = middle.iter().zip(&squares).map(end).collect();
         Band { values: middle, ends, none }
-    }
-
-    /// Temperatures of the nodes of a state \[K\].
-    pub fn temperatures(&self, state: &Steady) -> [f64; NODES] {
-        state.rises.map(|rise| self.set + rise)
     }
 }

@@ -15,18 +15,18 @@ use bsm_newton::{
 use nalgebra::{Matrix3, Schur};
 
 use super::coupling::BETWEEN_LOADS;
-use super::{NODES, NutAtTemperature, WarmNut};
+use super::{NODES, NutAtTemperature, WarmNut, celsius};
 use crate::NutError;
 
 /// Temperature above which no state counts \[K\].
 const HOTTEST: f64 = ZERO_CELSIUS + 180.0;
 
-/// Half the difference of temperatures \[K\] that a slope is taken over, and of the speed factor, relative to it: the
-/// error of the slope, its square, and the rounding of the loads, 1e-12 over it, are both below 1e-8.
+/// Difference of temperatures \[K\] that a slope is taken over, and of the speed factor, relative to it. Over two of them, up
+/// and down, the error of the slope, their square, and the rounding of the loads, 1e-12 over them, are both below 1e-8.
 const DIFFERENCE: f64 = 2e-3;
 const SPEED_DIFFERENCE: f64 = 1e-4;
 
-/// What friction may err by between the loads of balls where Newton's method takes its slopes.
+/// What friction may err by between the loads of balls where Newton's method and a walk take the slopes of their steps.
 const OF_STEPS: f64 = 1e-3;
 
 /// Longest Newton step \[K\].
@@ -98,8 +98,8 @@ pub struct Fold {
 
 impl fmt::Display for Fold {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { factor, rises, set, preload, .. } = self;
-        let [nut, screw, balls, ..] = rises.map(|rise| set + rise - ZERO_CELSIUS);
+        let Self { factor, preload, .. } = self;
+        let [nut, screw, balls, ..] = celsius(self.set, &self.rises);
         write!(
             to,
             "runs away above {factor:.2} of these speeds; there nut {nut:.0}, screw {screw:.0}, balls {balls:.0} C"
@@ -169,8 +169,6 @@ struct Balance<'a> {
     nut: &'a WarmNut<'a>,
     /// One over the heat at the temperatures of the surroundings.
     weight: f64,
-    /// The last point of a walk and the slopes of its heat.
-    last: RefCell<Option<([f64; NODES + 1], Slopes)>>,
     /// False where the nut has lost the preload that it has been given.
     has_preload: Cell<bool>,
     /// The last rises and speed factor of the balance, and what the nut does there.
@@ -185,8 +183,7 @@ struct BalanceAtSpeed<'a>(&'a Balance<'a>, f64);
 
 impl<'a> Balance<'a> {
     fn of(nut: &'a WarmNut<'a>) -> Self {
-        let (last, has_preload, known) = (RefCell::new(None), Cell::new(true), RefCell::new(None));
-        Self { nut, weight: 1.0, last, has_preload, known }
+        Self { nut, weight: 1.0, has_preload: Cell::new(true), known: RefCell::new(None) }
     }
 
     /// What the nut does at some rises.
@@ -218,40 +215,47 @@ impl<'a> Balance<'a> {
 
     /// `$M T - r - P(T)$` (I8).
     fn left(&self, rises: &[f64; NODES], factor: f64) -> Result<[f64; NODES], EvalError> {
-        let (matrix, received) = self.nut.network(factor).balance();
         let heated = match self.known(rises, factor) {
             Some(known) => known,
             None => self.heated(rises, factor, BETWEEN_LOADS)?,
         };
         let heat = heated.heat;
         *self.known.borrow_mut() = Some((*rises, factor, heated));
-        Ok(from_fn(|i| {
+        Ok(self.left_with(rises, factor, &heat))
+    }
+
+    /// The same with the heat of the nodes.
+    fn left_with(&self, rises: &[f64; NODES], factor: f64, heat: &[f64; NODES]) -> [f64; NODES] {
+        let (matrix, received) = self.nut.network(factor).balance();
+        from_fn(|i| {
             let leaves: f64 = matrix[i].iter().zip(rises).map(|(m, t)| m * t).sum();
             leaves - received[i] - heat[i]
-        }))
+        })
     }
 
-    /// `$P'$` by central differences.
+    /// `$P'$` by central differences, between all loads.
     fn slopes(&self, rises: &[f64; NODES], factor: f64) -> Result<Slopes, EvalError> {
-        self.slopes_over(rises, factor, [DIFFERENCE, -DIFFERENCE], BETWEEN_LOADS)
+        self.slopes_from(rises, factor, None)
     }
 
-    /// The same over two differences of a temperature.
-    ///
-    /// * `between_loads`: what friction may err by.
-    fn slopes_over(
+    /// `$P'$` to a thousandth and the heat that it starts from: what the steps of Newton's method and of a walk need.
+    fn slopes_of_step(
         &self,
         rises: &[f64; NODES],
         factor: f64,
-        differences: [f64; 2],
-        between_loads: f64,
+    ) -> Result<(Slopes, [f64; NODES]), EvalError> {
+        let heat = self.heated(rises, factor, OF_STEPS)?.heat;
+        Ok((self.slopes_from(rises, factor, Some(&heat))?, heat))
+    }
+
+    /// `$P'$` by differences from the heat at the rises, or else by central ones.
+    fn slopes_from(
+        &self,
+        rises: &[f64; NODES],
+        factor: f64,
+        here: Option<&[f64; NODES]>,
     ) -> Result<Slopes, EvalError> {
-        let heat = |rises: &[f64; NODES]| {
-            self.heated(rises, factor, between_loads).map(|heated| heated.heat)
-        };
-        let [up, down] = differences;
-        // On one side the heat at the temperatures themselves is that of all.
-        let here = if down == 0.0 { Some(heat(rises)?) } else { None };
+        let between_loads = if here.is_some() { OF_STEPS } else { BETWEEN_LOADS };
         let mut slopes = [[0.0; NODES]; FRICTION_NODES];
         // The ends act on the nut by the tension alone.
         let felt = if self.nut.screw.hold.is_some() { NODES } else { FRICTION_NODES };
@@ -259,11 +263,15 @@ impl<'a> Balance<'a> {
             let at = |by: f64| {
                 let mut moved = *rises;
                 moved[k] += by;
-                heat(&moved)
+                self.heated(&moved, factor, between_loads).map(|heated| heated.heat)
             };
-            let ends = [at(up)?, here.map_or_else(|| at(down), Ok)?];
+            let up = at(DIFFERENCE)?;
+            let (down, apart) = match here {
+                Some(here) => (*here, DIFFERENCE),
+                None => (at(-DIFFERENCE)?, 2.0 * DIFFERENCE),
+            };
             for (i, row) in slopes.iter_mut().enumerate() {
-                row[k] = (ends[0][i] - ends[1][i]) / (up - down);
+                row[k] = (up[i] - down[i]) / apart;
             }
         }
         Ok(slopes)
@@ -373,29 +381,25 @@ impl<'a> Balance<'a> {
         let mut z = [from.1; NODES + 1];
         z[..NODES].copy_from_slice(&from.0);
         let towards = from_fn(|i| if i == NODES { 1.0 } else { 0.0 });
-        let stride = StepControl { longest, place: PLACE, goal: SETTLED, ..StepControl::default() };
+        let jacobian = JacobianUpdate::EveryTrial { chord_below: f64::INFINITY };
+        let stride = StepControl {
+            longest,
+            // No step is shorter than the differences of its slopes.
+            shortest: DIFFERENCE / SIZES.0,
+            place: PLACE,
+            goal: SETTLED,
+            jacobian,
+            ..StepControl::default()
+        };
         let events = |z: &[f64; NODES + 1], along: &[f64; NODES + 1]| {
             // det(M − P')/det M changes its sign                          (I20)
-            let fold = self.slopes_at(z).map_or(f64::NAN, |slopes| {
+            let fold = self.slopes(&from_fn(|i| z[i]), z[NODES]).map_or(f64::NAN, |slopes| {
                 let gains = self.loop_matrix(&slopes, z[NODES]);
                 (Matrix3::identity() - Matrix3::from_fn(|i, k| gains[i][k])).determinant()
             });
             [(z[NODES] - 1.0, along[NODES]), (fold, 0.0)]
         };
         trace(self, &Seed { z, towards }, events, goes_on, &stride)
-    }
-
-    /// Slopes at a point of a walk, where they are mostly known.
-    fn slopes_at(&self, z: &[f64; NODES + 1]) -> Result<Slopes, EvalError> {
-        let same =
-            |known: &[f64; NODES + 1]| known.iter().zip(z).all(|(a, b)| a.total_cmp(b).is_eq());
-        if let Some((_, slopes)) = self.last.borrow().filter(|(known, _)| same(known)) {
-            return Ok(slopes);
-        }
-        let rises: [f64; NODES] = from_fn(|i| z[i]);
-        let slopes = self.slopes(&rises, z[NODES])?;
-        *self.last.borrow_mut() = Some((*z, slopes));
-        Ok(slopes)
     }
 }
 
@@ -410,8 +414,7 @@ impl Equations<NODES> for BalanceAtSpeed<'_> {
         rows: &mut [[f64; NODES]; NODES],
     ) -> Result<[f64; NODES], EvalError> {
         let left = self.residual(rises)?;
-        // On one side, and between few loads: Newton's method does with slopes to a thousandth.
-        let slopes = self.0.slopes_over(rises, self.1, [DIFFERENCE, 0.0], OF_STEPS)?;
+        let (slopes, _) = self.0.slopes_of_step(rises, self.1)?;
         *rows = self.0.rows(&slopes, self.1);
         Ok(left)
     }
@@ -433,13 +436,15 @@ impl Homotopy<NODES, { NODES + 1 }> for Balance<'_> {
         z: &[f64; NODES + 1],
     ) -> Result<([f64; NODES], [[f64; NODES + 1]; NODES]), EvalError> {
         let (rises, factor): ([f64; NODES], f64) = (from_fn(|i| z[i]), z[NODES]);
-        let rows = self.rows(&self.slopes_at(z)?, factor);
-        let by = SPEED_DIFFERENCE * factor;
-        let (up, down) = (self.left(&rises, factor + by)?, self.left(&rises, factor - by)?);
-        let rows = from_fn(|i| {
-            from_fn(|k| if k < NODES { rows[i][k] } else { (up[i] - down[i]) / (2.0 * by) })
-        });
-        Ok((Homotopy::residual(self, z)?, rows))
+        let left = self.left(&rises, factor)?;
+        let (slopes, heat) = self.slopes_of_step(&rises, factor)?;
+        let rows = self.rows(&slopes, factor);
+        let faster = (1.0 + SPEED_DIFFERENCE) * factor;
+        let heat_faster = self.heated(&rises, faster, OF_STEPS)?.heat;
+        let up = self.left_with(&rises, faster, &heat_faster);
+        let here = self.left_with(&rises, factor, &heat);
+        let by_speed = |i: usize| (up[i] - here[i]) / (faster - factor);
+        Ok((left, from_fn(|i| from_fn(|k| rows[i].get(k).copied().unwrap_or_else(|| by_speed(i))))))
     }
 
     fn weights(&self, _: &[f64; NODES + 1]) -> [f64; NODES] {

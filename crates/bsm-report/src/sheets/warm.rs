@@ -35,6 +35,15 @@ pub fn warm_preload(words: [&str; 3], branches: &[(impl AsRef<str>, &WarmBranch)
     )
 }
 
+/// A dotted line at the speed that is asked for, over the values of the points.
+fn at_speed(branch: &WarmBranch, values: impl Iterator<Item = f64>) -> Curve {
+    let (low, high) = values.fold((f64::INFINITY, 0.0), |(low, high), value| {
+        (f64::min(low, value), f64::max(high, value))
+    });
+    let ends = [low, high].map(|value| (branch.speed_rpm, value));
+    Curve::new("speed asked for", 7, Stroke::Dotted, ends.into())
+}
+
 /// Temperatures and preload of an axis over its speed.
 pub fn warm_figures(branch: &WarmBranch) -> Vec<Figure> {
     let caption = match branch.fold() {
@@ -53,11 +62,19 @@ pub fn warm_figures(branch: &WarmBranch) -> Vec<Figure> {
             curves.push(Curve { label: None, ..beyond });
         }
     }
+    let points = branch.points.iter();
+    curves.push(at_speed(branch, points.clone().flat_map(|point| point.temperatures_C)));
     let temperatures = Figure::new(
         ["warm-temperatures", "Steady temperatures over the speed", &caption],
         [Axis::linear("speed of the screw, rpm"), Axis::linear("temperature, C")],
         curves,
     );
     let words = ["warm-preload", "Warm preload over the speed", &caption];
-    vec![temperatures, warm_preload(words, &[("preload", branch)])]
+    let mut preload = warm_preload(words, &[("preload", branch)]);
+    let fastest = points.clone().map(|point| point.speed_rpm).fold(0.0, f64::max);
+    preload.curves.extend(branch.preload_set_N.map(|cold| {
+        Curve::new("cold preload", 5, Stroke::Dotted, vec![(0.0, cold), (fastest, cold)])
+    }));
+    preload.curves.push(at_speed(branch, points.map(|point| point.preload_N)));
+    vec![temperatures, preload]
 }

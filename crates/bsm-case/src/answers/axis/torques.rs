@@ -35,6 +35,8 @@ pub struct ScrewTorque {
     pub numbers: Numbers,
     /// The model of the contacts, or the reason without one.
     pub contacts: String,
+    /// Axial force of each body of the nut in the warm steady state of an axis \[N\].
+    pub bodies: Option<Vec<f64>>,
 }
 
 impl ScrewTorque {
@@ -172,7 +174,7 @@ impl Preload {
         } else {
             None
         };
-        let beyond = ColdNut::of(scene, settings, machine)?.drag(scene, machine)? * warm;
+        let beyond = ColdNut::of(scene, settings, machine)?.drag(scene, machine) * warm;
         Ok(Some(Self { cold, warm, by_rule: by_rule(cold), of_contacts, beyond }))
     }
 }
@@ -205,7 +207,7 @@ pub fn torque_parts(scene: &Scene, settings: &Settings) -> Result<Option<ScrewTo
     let (advance, work) = (lead * MM / TAU, &mut ModelWorkspace::default());
     let torques = Torques::of(scene, settings, (advance, drag), &phase, work)?;
     let numbers = torques.numbers();
-    Ok(Some(ScrewTorque { numbers, contacts: torques.contacts.text }))
+    Ok(Some(ScrewTorque { numbers, contacts: torques.contacts.text, bodies: None }))
 }
 
 /// Efficiency of the screw in a phase for a search over screws, which has no time for all balls of a preloaded

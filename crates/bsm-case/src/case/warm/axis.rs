@@ -19,11 +19,16 @@ use crate::{CaseError, InputKey, NutProblem, Scene, Settings};
 /// Speed at which makers measure the drag of a preload \[rad/s\].
 const SLOW: f64 = 100.0 * RPM;
 
+/// Temperature of the air unless given \[°C\].
+const AIR: f64 = 20.0;
+
 /// A nut as its preload is set and makers measure it: cold, at [`SLOW`].
 pub(crate) struct ColdNut {
     problem: NutProblem,
     nut: BallNut,
     preload: Option<NutPreload>,
+    /// The preloaded nut without load, held against tilting.
+    unloaded: Option<Equilibrium>,
     /// Temperature of setting \[K\].
     set: f64,
 }
@@ -47,7 +52,9 @@ impl ColdNut {
         let problem = NutProblem::of(&cold, settings)?;
         let made = problem.made().map_err(CaseError::Nut)?;
         let (nut, preload) = (made.nut, made.preload);
-        Ok(Self { problem, nut, preload, set: celsius + ZERO_CELSIUS })
+        let unloaded = preload.map(|_| nut.solve(&Support::guided(0.0)));
+        let unloaded = unloaded.transpose().map_err(CaseError::Nut)?;
+        Ok(Self { problem, nut, preload, unloaded, set: celsius + ZERO_CELSIUS })
     }
 
     /// Friction of all balls.
@@ -60,22 +67,21 @@ impl ColdNut {
     }
 
     /// Drag beyond the contacts over the warm preload, `$K_x h$` \[m\]; 0 without a preload.
-    pub(crate) fn drag(&self, scene: &Scene, machine: &Machine) -> Result<f64, CaseError> {
+    pub(crate) fn drag(&self, scene: &Scene, machine: &Machine) -> f64 {
         if let Some(factor) = scene.extra_drag_factor {
-            return Ok(factor * machine.advance());
+            return factor * machine.advance();
         }
-        let Some(preload) = self.preload.filter(|_| scene.nut.drag_rule != Some(false)) else {
-            return Ok(0.0);
-        };
-        let found = self.nut.solve(&Support::guided(0.0)).map_err(CaseError::Nut)?;
+        let by_rule = scene.nut.drag_rule != Some(false);
+        let preloaded = self.preload.zip(self.unloaded.as_ref()).filter(|_| by_rule);
+        let Some((preload, found)) = preloaded else { return 0.0 };
         let slow = Drive { screw_speed: SLOW, nut_speed: 0.0 };
         let contacts = self
             .problem
-            .friction_sum(&self.nut, &found, &slow, self.set, BETWEEN_LOADS)
+            .friction_sum(&self.nut, found, &slow, self.set, BETWEEN_LOADS)
             .map_or(0.0, |friction| friction.torque);
         let screw = &machine.axis.screw;
         let rule = drag_torque(preload.cold, screw.lead, screw.lead_angle());
-        Ok(drag_beyond_contacts(rule, contacts, preload.cold))
+        drag_beyond_contacts(rule, contacts, preload.cold)
     }
 }
 
@@ -141,6 +147,11 @@ impl<'a> WarmAxis<'a> {
         self.cold.preload
     }
 
+    /// The cold nut without load.
+    pub(crate) fn unloaded(&self) -> Option<&Equilibrium> {
+        self.cold.unloaded.as_ref()
+    }
+
     /// The nut with its friction.
     pub(crate) fn nut<'f>(
         &self,
@@ -150,9 +161,11 @@ impl<'a> WarmAxis<'a> {
         let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
         let expansion = value(InputKey::thermal_expansion_um_m_K) * UM;
         let over_set = |celsius: f64| celsius + ZERO_CELSIUS - cold.set;
-        let air = scene.ambient_temperature_C.map_or(0.0, over_set);
-        let unloaded = cold.nut.solve(&cold.problem.support).map_err(CaseError::Nut)?;
-        let mean = unloaded.mean_load();
+        let air = over_set(scene.ambient_temperature_C.unwrap_or(AIR));
+        let mean = match &cold.unloaded {
+            Some(found) if cold.problem.support == Support::guided(0.0) => found.mean_load(),
+            _ => cold.nut.solve(&cold.problem.support).map_err(CaseError::Nut)?.mean_load(),
+        };
         let flow = scene.coolant_flow_l_min.map(|flow| {
             let coolant = scene.nut.coolant.map_or(Coolant::Water, |Named(coolant)| coolant);
             coolant_conductance(coolant, flow / 6e4, shaft.bore, shaft.length)
@@ -175,7 +188,7 @@ impl<'a> WarmAxis<'a> {
             support: cold.problem.support,
             phases: machine.axis.phases.iter().map(phase).collect(),
             friction,
-            drag: cold.drag(scene, machine)?,
+            drag: cold.drag(scene, machine),
             seal: value(InputKey::seal_torque_Nm),
             bearings: value(InputKey::support_bearing_torque_Nm),
             motor: value(InputKey::motor_heat_W),

@@ -5,7 +5,7 @@
 use std::array::from_fn;
 
 use bsm_kin::Jet;
-use bsm_newton::{EventRoot, Exit, Seed, StepControl, Trace, trace};
+use bsm_newton::{EventRoot, Exit, JacobianUpdate, Seed, StepControl, Trace, trace};
 
 use super::forces::{CURVE, Forces};
 use super::states::{SlidingMotion, SlidingState};
@@ -22,6 +22,7 @@ const STRIDE: StepControl = StepControl {
     most_points: 4000,
     goal: 1e-8,
     place: 0.05,
+    jacobian: JacobianUpdate::EveryStep,
 };
 
 /// The same to rounding, for a root that Newton's method does not refine.

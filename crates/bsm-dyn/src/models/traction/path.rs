@@ -6,7 +6,8 @@ use std::array::from_fn;
 use std::f64::consts::FRAC_PI_2;
 
 use bsm_newton::{
-    Continuation, EvalError, EventRoot, Exit, Homotopy, Seed, StepControl, Trace, follow, trace,
+    Continuation, EvalError, EventRoot, Exit, Homotopy, JacobianUpdate, Seed, StepControl, Trace,
+    follow, trace,
 };
 
 use super::SlipBall;
@@ -32,6 +33,7 @@ pub(super) const STRIDE: StepControl = StepControl {
     most_points: 1000,
     goal: 1e-8,
     place: 1e-4,
+    jacobian: JacobianUpdate::EveryStep,
 };
 
 /// Towards more of what is varied.
