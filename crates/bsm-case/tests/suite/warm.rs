@@ -298,7 +298,7 @@ fn what_ends_the_states_is_said() {
     assert!(why.contains("a temperature passes 180 C at 0.14 of these speeds"), "{why}");
     let fast = AxisReport::of(&feed_axis(&["preload_N=1"]), &settings()).expect("a sheet");
     let why = fast.answer.warnings.concat();
-    assert!(why.contains("runs away above 0.87 of these speeds"), "{why}");
+    assert!(why.contains("X"{why}");
 }
 
 /// Where a faster nut of WS-P5 loses its preload, one ball after the other is touched no more: there are states all along. By
