@@ -49,7 +49,7 @@ fn root_satisfies_the_published_equations() {
             (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
         for (site, told, speed) in [
             (Site::Nut, o.ball.nut, nut),
-            (Site::NutMinor, o.ball.minor.expect("a contact on the unloaded flank"), nut),
+            (Site::NutUnloaded, o.ball.unloaded.expect("a contact on the unloaded flank"), nut),
             (Site::Screw, o.ball.screw, screw),
         ] {
             let contact = Contact::new(site, b, &frame);

@@ -40,8 +40,11 @@ impl Tally {
                 self.worst_residual =
                     self.worst_residual.max(o.info.expect("an iteration").residual);
                 assert!(o.transmission.efficiency < 1.0, "{case:?} {o:?}");
-                assert!(o.ball.minor.is_some_and(|minor| minor.load > Some(0.0)), "{case:?} {o:?}");
-                if start.load > 0.0 && start.minor > 0.0 && start.margin < 0.0 {
+                assert!(
+                    o.ball.unloaded.is_some_and(|unloaded| unloaded.load > Some(0.0)),
+                    "{case:?} {o:?}"
+                );
+                if start.load > 0.0 && start.unloaded > 0.0 && start.margin < 0.0 {
                     self.against += 1;
                     let relative = start.margin / (start.precession * case.helix.lead_angle.tan());
                     let inertia = (start.size / case.friction.0).min(1.0);

@@ -41,7 +41,7 @@ fn start(
     let angles: [f64; 3] = std::array::from_fn(|_| rng.random_range(-PI..PI));
     let friction = ball.signed;
     let frame = BallFrame::turned(point.helix.lead_angle, point.contact_angle);
-    let contacts = [Site::Nut, Site::NutMinor, Site::Screw]
+    let contacts = [Site::Nut, Site::NutUnloaded, Site::Screw]
         .map(|site| Contact::new(site, point.contact_angle, &frame));
     let slips: [_; 3] = std::array::from_fn(|i| {
         contacts[i].across * angles[i].cos() + BallFrame::tangent() * angles[i].sin()
@@ -477,7 +477,7 @@ fn roots_far_from_the_first_order_are_found() {
     );
     assert!(Rigid { point: screw }.first_order().expect("friction").margin < 0.0);
     // Loads of the search, seen from random starts too.
-    assert_relative_eq!(solved(&screw).minor_load, 3.208_358_8, max_relative = 1e-6);
+    assert_relative_eq!(solved(&screw).unloaded_flank_load, 3.208_358_8, max_relative = 1e-6);
     let calm = at(
         [0.878_405_142_2, 0.136_486_880_8],
         [0.000_882_365_986_0, 0.011_052_574_74, 5.406_855_918e-5],
@@ -486,13 +486,13 @@ fn roots_far_from_the_first_order_are_found() {
         122.066_740_4,
     );
     assert!(Rigid { point: calm }.first_order().expect("friction").margin < 0.0);
-    assert_relative_eq!(solved(&calm).minor_load, 0.065_903_58, max_relative = 1e-6);
+    assert_relative_eq!(solved(&calm).unloaded_flank_load, 0.065_903_58, max_relative = 1e-6);
 }
 
 /// Loads of 2e5 times the axial load, a hair from self-locking, and next to no inertia: rounding of
 /// these loads made the load of A' negative at one speed and not at the next.
 #[test]
-fn large_loads_do_not_eat_the_minor_one() {
+fn large_loads_do_not_eat_that_of_the_unloaded_flank() {
     for screw_speed in [-0.1, -0.1047, -0.104_770_5, -0.105, -0.11] {
         let ball = Ball::of_density(0.419_112_6e-3, 17_715.02);
         let screw = at(
@@ -506,7 +506,11 @@ fn large_loads_do_not_eat_the_minor_one() {
         let root = solved(&screw);
         assert!(root.nut_load > 1e5, "{root:?}");
         // Error of the first order: 2e5 times ι/f, 2e-2 here.
-        assert_relative_eq!(root.minor_load, first.minor * first.inertia, max_relative = 0.03);
+        assert_relative_eq!(
+            root.unloaded_flank_load,
+            first.unloaded * first.inertia,
+            max_relative = 0.03
+        );
     }
 }
 
