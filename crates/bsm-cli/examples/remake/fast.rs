@@ -46,7 +46,7 @@ impl Program {
         Command::new(&self.path).args(arguments).current_dir(&self.folder).output()
     }
 
-    /// What a command prints, where it answers or denies: exit codes 0 and 3.
+    /// What a command prints, with or without a solution: exit codes 0 and 3.
     pub(crate) fn prints(&self, arguments: &[String]) -> Result<(String, String), Box<dyn Error>> {
         let output = self.run(arguments)?;
         let text = |bytes| String::from_utf8(bytes);

@@ -162,7 +162,7 @@ fn numbers_beyond_double_precision_are_refused() {
 /// Found in review: self-locking and tension on the unloaded flank were claimed for points of large
 /// inertia, of which the first order knows nothing.
 #[test]
-fn large_inertia_is_not_denied_by_the_first_order() {
+fn the_first_order_does_not_exclude_large_inertia() {
     let rpm = std::f64::consts::PI / 30.0;
     let locking = OperatingPoint {
         helix: Helix { radius: 42.9601e-3, lead_angle: 59.60875_f64.to_radians() },

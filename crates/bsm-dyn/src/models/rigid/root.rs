@@ -16,8 +16,8 @@ use crate::contact::Sines;
 use crate::models::ball::unknown::{SLIP, UNLOADED_FLANK_LOAD};
 use crate::models::ball::{BALL, Evidence, Reason, Unsolved, Workspace};
 
-/// Up to this ratio of inertia to friction what the first order denies by more than its error is not
-/// there; above it, friction of order one leaves roots further from the first order.
+/// Up to this ratio of inertia to friction what the first order excludes by more than its error does not
+/// exist; above it, friction of order one leaves roots further from the first order.
 const SMALL_INERTIA: f64 = 0.01;
 
 /// Relative error of the first-order existence test over the ratio of inertia to friction.
@@ -78,7 +78,7 @@ type Verdict = Option<Result<BallRoot, Unsolved>>;
 /// [crowded](FirstOrder::is_crowded).
 ///
 /// A hair from self-locking the loads are so large that their rounding misleads all searches. Where the
-/// first order has a root by more than its error, none is denied.
+/// first order has a root by more than its error, there is one.
 pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<BallRoot, Unsolved> {
     let first = ball.first_order();
     let inertia = first.size / ball.friction();
@@ -103,7 +103,7 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
 }
 
 impl RootSearch<'_> {
-    /// Denies a root at small inertia if the first order does so by more than its error.
+    /// No solution at small inertia where the first order has none by more than its error.
     ///
     /// The error is [`FIRST_ORDER_ERROR`] times the ratio of inertia to friction. The constant is
     /// measured: no root of `tests/suite/rigid_campaign.rs` goes further against the first order than 0.077 of
