@@ -15,7 +15,7 @@ use crate::points::{INPUTS, Point};
 const OUTPUTS: [&str; 8] = [
     "efficiency",
     "nut_normal_load_N",
-    "minor_normal_load_N",
+    "unloaded_flank_normal_load_N",
     "screw_normal_load_N",
     "ball_precession_rad_s",
     "ball_omega_t_rad_s",
@@ -94,7 +94,7 @@ pub(crate) fn reference(scene: &Scene) -> Option<Answer> {
     Some([
         solved.transmission.efficiency,
         solved.ball.nut.load?,
-        solved.ball.minor?.load?,
+        solved.ball.unloaded?.load?,
         solved.ball.screw.load?,
         root.p,
         root.u,

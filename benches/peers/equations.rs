@@ -111,14 +111,14 @@ impl Case {
         let p = 0.5 - 0.5 * cos_a * lever / radius;
         let rate = p + nut_speed;
         let push = sin_b - friction * d;
-        let minor =
+        let unloaded =
             push / (sin_2b - friction * (cos_2b + rate.signum() * w.signum() * sin_psi) / cos_psi);
-        let margin = p * tan_a - 2.5 * f * sin_2b * minor * rate.abs();
+        let margin = p * tan_a - 2.5 * f * sin_2b * unloaded * rate.abs();
         let q = (cos_a * push).recip();
         let u = -margin * radius / lever;
         let tau = -u * sin_psi / cos_psi - p * arc;
         let s = -2.0 * friction * q / (d * cos_a);
-        let start = [q, minor * mu * rate * rate, q, p, u, tau, s].into();
+        let start = [q, unloaded * mu * rate * rate, q, p, u, tau, s].into();
 
         let mut weights = Vector::repeat(mu.max(1.0).recip());
         weights[4] = (mu * (rate * rate).max(1.0) * rate.abs().min(1.0)).recip();
@@ -168,16 +168,16 @@ impl Case {
     /// Rows of friction forces against the slip, `(along, across)` at A, A', B.
     fn friction_rows(&self, [a, m, b]: [(f64, f64); 3]) -> Vector {
         let Self { sin_2b, cos_2b, k, .. } = *self;
-        let minor_e = cos_2b * m.1;
-        let minor_n = sin_2b * m.1;
+        let unloaded_e = cos_2b * m.1;
+        let unloaded_n = sin_2b * m.1;
         [
             -(a.0 + m.0 + b.0),
-            -minor_n,
-            -(a.1 + b.1 + minor_e),
+            -unloaded_n,
+            -(a.1 + b.1 + unloaded_e),
             a.1 + m.1 - b.1,
             -sin_2b * m.0,
             -(a.0 + cos_2b * m.0 - b.0),
-            -k[0] * (a.0 + m.0) - k[1] * minor_n - k[2] * (a.1 + minor_e),
+            -k[0] * (a.0 + m.0) - k[1] * unloaded_n - k[2] * (a.1 + unloaded_e),
         ]
         .into()
     }

@@ -13,7 +13,7 @@ use crate::equations::Answer;
 const AGREEMENT: f64 = 1e-8;
 
 /// Places in an [`Answer`].
-const MINOR_LOAD: usize = 2;
+const UNLOADED_FLANK_LOAD: usize = 2;
 const U: usize = 5;
 const TAU: usize = 6;
 
@@ -132,11 +132,12 @@ impl Worst {
         for (answer, reference) in answers.iter().zip(reference) {
             let Some(answer) = answer else { continue };
             for (i, (theirs, ours)) in answer.iter().zip(&reference.answer).enumerate() {
-                let size = if i <= MINOR_LOAD + 1 { ours.abs() } else { ours.abs().max(1.0) };
+                let size =
+                    if i <= UNLOADED_FLANK_LOAD + 1 { ours.abs() } else { ours.abs().max(1.0) };
                 let off = (theirs - ours).abs() / size;
                 // Not a number is no agreement.
                 let off = if off.is_nan() { f64::INFINITY } else { off };
-                if [MINOR_LOAD, U, TAU].contains(&i) {
+                if [UNLOADED_FLANK_LOAD, U, TAU].contains(&i) {
                     worst.inertial = worst.inertial.max(off);
                     worst.inertial_scaled = worst.inertial_scaled.max(off * reference.inertia);
                 } else {

@@ -37,10 +37,10 @@ void set_up(const double *point, double *y)
     const double lever = cos_a * c.cos_b + sin_a * tan_a / c.cos_b;
     const double p = 0.5 - 0.5 * cos_a * lever / c.radius, rate = p + c.nut_speed;
     const double push = c.sin_b - c.friction * d, h = copysign(1.0, rate) * sign;
-    const double minor = push / (c.sin_2b - c.friction * (c.cos_2b + h * sin_psi) / cos_psi);
-    const double margin = p * tan_a - 2.5 * f * c.sin_2b * minor * fabs(rate);
+    const double unloaded = push / (c.sin_2b - c.friction * (c.cos_2b + h * sin_psi) / cos_psi);
+    const double margin = p * tan_a - 2.5 * f * c.sin_2b * unloaded * fabs(rate);
     y[0] = y[2] = 1.0 / (cos_a * push);
-    y[1] = minor * c.mu * rate * rate;
+    y[1] = unloaded * c.mu * rate * rate;
     y[3] = p;
     y[4] = -margin * c.radius / lever;
     y[5] = -y[4] * sin_psi / cos_psi - p * c.arc;
@@ -73,16 +73,16 @@ void residual(const double *y, double *r)
     const double rate = p + c.nut_speed, gyro = c.inertia * rate;
     const Force a = friction_force(q_a, c.arc * p + tau, -u), b = at_screw(y);
     const Force m = friction_force(q_m, c.arc * p + tau * c.cos_2b + s * c.sin_2b / gyro, -u);
-    const double minor_n = c.cos_2b * q_m - c.sin_2b * m.x;
-    const double minor_e = -c.sin_2b * q_m - c.cos_2b * m.x;
+    const double unloaded_n = c.cos_2b * q_m - c.sin_2b * m.x;
+    const double unloaded_e = -c.sin_2b * q_m - c.cos_2b * m.x;
     const double centrifugal = c.mu * rate * rate;
     r[0] = -(a.t + m.t + b.t);
-    r[1] = q_a - q_b + minor_n - centrifugal * c.cos_b;
-    r[2] = -(a.x + b.x) + minor_e + centrifugal * c.sin_b;
+    r[1] = q_a - q_b + unloaded_n - centrifugal * c.cos_b;
+    r[2] = -(a.x + b.x) + unloaded_e + centrifugal * c.sin_b;
     r[3] = a.x + m.x - b.x + c.k[2] * s - gyro * c.k[1] * tau;
     r[4] = -c.sin_2b * m.t + gyro * (c.k[0] * tau - c.k[2] * u);
     r[5] = -(a.t + c.cos_2b * m.t - b.t) + gyro * c.k[1] * u - c.k[0] * s;
-    r[6] = -c.k[0] * (a.t + m.t) + c.k[1] * (q_a + minor_n) + c.k[2] * (minor_e - a.x) - 1.0;
+    r[6] = -c.k[0] * (a.t + m.t) + c.k[1] * (q_a + unloaded_n) + c.k[2] * (unloaded_e - a.x) - 1.0;
     for (int i = 0; i < 7; i++)
         r[i] *= c.weights[i];
 }

@@ -55,8 +55,8 @@ def case(point, m):
     rate = p + nut_speed
     push = sin_b - friction * d
     h = m.copysign(1.0, rate) * sign
-    minor = push / (sin_2b - friction * (cos_2b + h * sin_psi) / cos_psi)
-    margin = p * tan_a - 2.5 * f * sin_2b * minor * abs(rate)
+    unloaded = push / (sin_2b - friction * (cos_2b + h * sin_psi) / cos_psi)
+    margin = p * tan_a - 2.5 * f * sin_2b * unloaded * abs(rate)
     q = 1.0 / (cos_a * push)
     u = -margin * radius / lever
     tau = -u * sin_psi / cos_psi - p * arc
@@ -68,7 +68,7 @@ def case(point, m):
     return Case(
         friction, radius, arc, cos_a, sin_b, cos_b, sin_2b, cos_2b,
         (sin_a, cos_a * sin_b, cos_a * cos_b), mu, 0.4 * mu / radius, nut_speed, load,
-        (row, row, row, row, normal, row, row), (q, minor * mu * rate * rate, q, p, u, tau, s),
+        (row, row, row, row, normal, row, row), (q, unloaded * mu * rate * rate, q, p, u, tau, s),
     )  # fmt: skip
 
 
@@ -85,16 +85,16 @@ def residual(c, y, m):
     a_t, a_e = friction_force(c, q_a, c.arc * p + tau, -u, m)
     m_t, m_x = friction_force(c, q_m, c.arc * p + tau * c.cos_2b + s * c.sin_2b / gyro, -u, m)
     b_t, b_e = friction_force(c, q_b, c.arc * (p - 1.0) - tau + k_e, u - k_t, m)
-    minor_n, minor_e = c.cos_2b * q_m - c.sin_2b * m_x, -c.sin_2b * q_m - c.cos_2b * m_x
+    unloaded_n, unloaded_e = c.cos_2b * q_m - c.sin_2b * m_x, -c.sin_2b * q_m - c.cos_2b * m_x
     centrifugal = c.mu * rate * rate
     rows = (
         -(a_t + m_t + b_t),
-        q_a - q_b + minor_n - centrifugal * c.cos_b,
-        -(a_e + b_e) + minor_e + centrifugal * c.sin_b,
+        q_a - q_b + unloaded_n - centrifugal * c.cos_b,
+        -(a_e + b_e) + unloaded_e + centrifugal * c.sin_b,
         a_e + m_x - b_e + k_e * s - gyro * k_n * tau,
         -c.sin_2b * m_t + gyro * (k_t * tau - k_e * u),
         -(a_t + c.cos_2b * m_t - b_t) + gyro * k_n * u - k_t * s,
-        -k_t * (a_t + m_t) + k_n * (q_a + minor_n) + k_e * (minor_e - a_e) - 1.0,
+        -k_t * (a_t + m_t) + k_n * (q_a + unloaded_n) + k_e * (unloaded_e - a_e) - 1.0,
     )
     return tuple(w * r for w, r in zip(c.weights, rows))
 

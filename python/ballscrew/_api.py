@@ -73,7 +73,7 @@ def _first_of_each(quantities: Iterable[Quantity]) -> Mapping[str, Quantity]:
 INPUTS: Mapping[str, Quantity] = _first_of_each(itertools.chain(
     (Quantity(name, unit, about, default=default, rule=rule)
      for name, unit, about, default, rule in _core.inputs()),
-    (Quantity(name, "", about, words=tuple(words), kind=kind) for name, about, kind, words in _core.scene_words()),
+    (Quantity(name, "", about, words=tuple(words), kind=kind) for name, about, kind, words in _core.scene_choices()),
 ))
 """All inputs by name: numbers, then texts, lists and flags."""
 
@@ -1597,34 +1597,34 @@ def select_nuts(
     *,
     where: Sequence[str] = (),
     requirement: Mapping[str, Any] | str | os.PathLike[str] | None = None,
-    makers: Any = None,
+    manufacturers: Any = None,
     columns_from: Mapping[str, str | None] | None = None,
     pareto: bool = False,
     sort: str | None = None,
     descending: bool = False,
     first: int | None = None,
 ) -> Nuts:
-    """Every nut of the sizes of makers, of standard ones or of a table, as `bsm select --from`.
+    """Every nut of the sizes of manufacturers, of standard ones or of a table, as `bsm select --from`.
 
     Parameters
     ----------
-    lists : mapping or "makers" or "standard", optional
-        The sizes; those of makers unless given.
+    lists : mapping or "manufacturers" or "standard", optional
+        The sizes; those of manufacturers unless given.
     where : sequence of str
         Conditions such as `"dynamic_load_rating_N>=40000"`.
     requirement : mapping or path, optional
         Only nuts that meet all limits of this requirement of `select`. Numbers of `axis` are columns then, to filter
-        and sort by: life, critical speed, buckling, static safety, rigidity, torque, efficiency, heat, mass, inertia.
-    makers : mapping, frame or path, optional
+        and sort by: life, critical speed, buckling, static safety, stiffness, torque, efficiency, heat, mass, inertia.
+    manufacturers : mapping, frame or path, optional
         Nuts of a manufacturer in place of the lists: the columns `nut`, `lead_mm`, `ball_diameter_mm`, `circuits` or
         `loaded_turns`, `core_diameter_mm` or `pitch_circle_diameter_mm`, `dynamic_load_rating_N`,
         `static_load_rating_N` and `stiffness_N_um`, in any unit. A path is that of a CSV table. Uses the
         manufacturer's ratings and adds the calculated ones as `our_...`; with `requirement` each nut is sized as by
         `axis`, and `passes` is true if it passes all rules: those nuts come first, the lightest screw before the others.
     columns_from : mapping, optional
-        Names of the columns of `makers`: from its names to ours, or to None for a column that is not read.
+        Names of the columns of `manufacturers`: from its names to ours, or to None for a column that is not read.
     pareto : bool
-        Only nuts that no other beats in dynamic load rating, rigidity and mass together.
+        Only nuts that no other beats in dynamic load rating, stiffness and mass together.
     sort : str, optional
         The column that gives the order.
     descending : bool
@@ -1652,17 +1652,17 @@ def select_nuts(
     import numpy as np
 
     required = None if requirement is None else json.dumps(_requirement(requirement))
-    if makers is not None:
+    if manufacturers is not None:
         if lists is not None or where or pareto or sort is not None or descending or first is not None:
-            raise InputError("all nuts of a manufacturer are listed: makers goes with requirement and columns_from alone",
-                             key="makers")
+            raise InputError("all nuts of a manufacturer are listed: manufacturers goes with requirement and columns_from alone",
+                             key="manufacturers")
         names = dict(columns_from or {})
         try:
-            table = _csv(makers, names, gaps=True)
+            table = _csv(manufacturers, names, gaps=True)
         except InputError as error:
             error.add_note("columns_from gives our names of its columns, None for one that is not read")
             raise
-        found, nuts, keeps, kept = _core.makers(table, json.dumps(names), required)
+        found, nuts, keeps, kept = _core.manufacturers(table, json.dumps(names), required)
         columns: dict[str, Any] = {"nut": np.array(nuts, dtype=object)}
         columns |= {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
         if required is not None:
@@ -1803,8 +1803,8 @@ def select(
         Inputs of a scene and keys of `REQUIREMENTS`, or a file of them.
     free : bool
         Treat sizes and contact angle as continuous.
-    lists : mapping or "makers" or "standard", optional
-        The sizes to choose from; those of makers unless given.
+    lists : mapping or "manufacturers" or "standard", optional
+        The sizes to choose from; those of manufacturers unless given.
     **changes
         Keys of the requirement, in place of those of `requirement`.
 

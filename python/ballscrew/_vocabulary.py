@@ -9,7 +9,7 @@ from typing import Any, Literal, TypedDict
 from ballscrew import _core
 
 Model = Literal[tuple(_core.models())]
-Control = Literal[tuple(_core.races())]
+Control = Literal[tuple(_core.raceways())]
 Friction = Literal[tuple(_core.frictions())]
 Output = Literal[tuple(dict.fromkeys(name for name, *_ in _core.outputs()))]
 
@@ -18,7 +18,7 @@ Inputs = TypedDict(
     {
         "description": str,
         **{name: float | None for name, *_ in _core.inputs()},
-        **{name: Any for name, *_ in _core.scene_words()},
+        **{name: Any for name, *_ in _core.scene_choices()},
     },
     total=False,
 )
@@ -44,7 +44,7 @@ for _place, (_name, _unit, _about, _default, _) in enumerate(_core.inputs()):
     setattr(SceneFields, _name, _property(_core.Scene.number, _place, float | None, _about, _unit, _unless))
 
 
-for _name, _about, *_ in _core.scene_words():
+for _name, _about, *_ in _core.scene_choices():
     setattr(SceneFields, _name, _property(lambda scene, name: json.loads(scene.to_json()).get(name), _name, Any, _about, ""))
 
 

@@ -31,8 +31,8 @@ grid = bs.sweep(
 print(grid, grid.grid("efficiency").shape)
 
 # %% Where the balls roll, the skid onset number is below one.
-grips = grid.grid("onset_number") < 1.0
-print(f"the balls roll at {grips.mean():.0%} of the points")
+rolls = grid.grid("onset_number") < 1.0
+print(f"the balls roll at {rolls.mean():.0%} of the points")
 
 # %% The map; failed points are gaps.
 figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")

@@ -94,6 +94,6 @@ pub(crate) fn named(kind: &str, message: &str) -> PyErr {
 }
 
 /// An `InputError` with a message alone.
-pub(crate) fn words(message: &str) -> PyErr {
+pub(crate) fn from_text(message: &str) -> PyErr {
     invalid(message, About::default(), "")
 }

@@ -57,7 +57,7 @@ fn models() -> Vec<&'static str> {
 
 /// The names of the raceways that may control.
 #[pyfunction]
-fn races() -> [&'static str; 2] {
+fn raceways() -> [&'static str; 2] {
     Control::ALL.map(Control::name)
 }
 
@@ -79,7 +79,7 @@ fn requirements() -> Vec<(&'static str, &'static str, String, Option<f64>, Strin
 
 /// The inputs that are no numbers: name, meaning, type in JSON and possible texts.
 #[pyfunction]
-fn scene_words() -> Vec<(&'static str, String, String, Vec<String>)> {
+fn scene_choices() -> Vec<(&'static str, String, String, Vec<String>)> {
     let schema = input_schema();
     let texts = |of: &Value| -> Vec<String> {
         let values = of.as_array().into_iter().flatten().chain(of.as_str().map(|_| of));
@@ -115,9 +115,9 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(inputs, module)?,
         wrap_pyfunction!(outputs, module)?,
         wrap_pyfunction!(models, module)?,
-        wrap_pyfunction!(races, module)?,
+        wrap_pyfunction!(raceways, module)?,
         wrap_pyfunction!(frictions, module)?,
-        wrap_pyfunction!(scene_words, module)?,
+        wrap_pyfunction!(scene_choices, module)?,
         wrap_pyfunction!(draws, module)?,
         wrap_pyfunction!(requirements, module)?,
         wrap_pyfunction!(solution::sensitivities, module)?,
@@ -139,7 +139,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(reports::optimum, module)?,
         wrap_pyfunction!(reports::axis, module)?,
         wrap_pyfunction!(reports::select_nuts, module)?,
-        wrap_pyfunction!(reports::makers, module)?,
+        wrap_pyfunction!(reports::manufacturers, module)?,
         wrap_pyfunction!(reports::validate, module)?,
         wrap_pyfunction!(reports::write_numbers, module)?,
         wrap_pyfunction!(clock::batch_seconds, module)?,

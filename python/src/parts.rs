@@ -34,12 +34,12 @@ fn failed(error: DatasetError) -> PyErr {
         DatasetError::Damaged(_) | DatasetError::NotOfThePlan(_) => {
             errors::named("PartError", &error.to_string())
         }
-        other => errors::words(&other.to_string()),
+        other => errors::from_text(&other.to_string()),
     }
 }
 
 fn planned(why: String) -> PyErr {
-    errors::words(&format!("the plan: {why}"))
+    errors::from_text(&format!("the plan: {why}"))
 }
 
 /// Number, first row, rows, failed, several, bytes before the footer, their hash.

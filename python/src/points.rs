@@ -148,8 +148,8 @@ impl Rows {
     fn write_to(&self, path: &Path, format: Format) -> Result<(), TableError> {
         let file = beside(path)?;
         let mut source = self.origin.source();
-        let (columns, signs) = (source.columns(), TableFormat::default());
-        let mut sink = TableSink::new(format, file, columns, &self.outputs, &signs)?;
+        let (columns, dialect) = (source.columns(), TableFormat::default());
+        let mut sink = TableSink::new(format, file, columns, &self.outputs, &dialect)?;
         let mut messages = self.messages.iter().peekable();
         while let Some(chunk) = source.next(ROWS)? {
             let first = usize::try_from(chunk.first - 1).unwrap_or(0);
@@ -174,7 +174,7 @@ impl Rows {
 /// The format of a table, by the ending of its path.
 pub(crate) fn format_of(path: &Path) -> PyResult<Format> {
     let words = || format!("{}: must end in .csv, .jsonl or .parquet", path.display());
-    Format::of(path).ok_or_else(|| errors::words(&words()))
+    Format::of(path).ok_or_else(|| errors::from_text(&words()))
 }
 
 /// A temporary file in the folder of a path, which it takes when it is complete.

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use bsm_batch::{NumberColumn, TableError, TableSink};
 use bsm_case::{
     Answer, AxisReport, CATALOGUE, Calibration, CaseError, Catalogue, Content, DesignReport,
-    EllipseFields, Fit, MakerNut, MakerRow, MotionAnswer, NutFilter, NutProblem, NutReport, Record,
-    RequirementFile, Samples, Settings, TableFormat, candidate_scene, column_names, sheet_columns,
+    EllipseFields, Fit, ManufacturerNut, ManufacturerRow, MotionAnswer, NutFilter, NutProblem,
+    NutReport, Record, RequirementFile, Samples, Settings, TableFormat, candidate_scene,
+    column_names, sheet_columns,
 };
 use bsm_dyn::{Model, ModelWorkspace, Solution};
 use bsm_report::sheets::{size_figures, size_page, size_results};
@@ -177,7 +178,7 @@ pub(crate) fn fit_table(
     let (scene, settings) = (&scene.get().0, how.settings()?);
     on_threads(py, || {
         let fit = Calibration::new(scene, &inputs, measured, table)?;
-        let lost = || Content::Words("", Some(Calibration::LOST.to_owned()));
+        let lost = || Content::Text("", Some(Calibration::LOST.to_owned()));
         let answer = match fit.run(scene, &settings)? {
             Some(report) => fit.answer(&report),
             None => Answer { fails: true, ..Answer::default() }.with("message", lost()),
@@ -237,7 +238,8 @@ pub(crate) fn axis(
         let (page, results) = (size_page(&report, None)?, size_results(&report));
         report_files(page, &results, &size_figures(&report))
     };
-    let files = if sheet { made().map_err(|e| errors::words(&e.to_string()))? } else { Vec::new() };
+    let files =
+        if sheet { made().map_err(|e| errors::from_text(&e.to_string()))? } else { Vec::new() };
     Ok((told(&report.answer), files))
 }
 
@@ -263,7 +265,7 @@ pub(crate) fn validate(
         Ok((json!(report.checks).to_string(), files))
     };
     let done = watched(py, false, 0, None, None, |_, _| run())?;
-    done.map_err(|e| errors::words(&e.to_string()))
+    done.map_err(|e| errors::from_text(&e.to_string()))
 }
 
 /// Rows of a table that are in memory at a time as it is written, as in the program.
@@ -285,8 +287,9 @@ pub(crate) fn write_numbers(
     };
     let named = |(name, _): &(String, Numbers)| {
         let found = known().find(|column| column.name == name.as_str());
-        found
-            .ok_or_else(|| errors::words(&format!("column `{name}` is of no table of the program")))
+        found.ok_or_else(|| {
+            errors::from_text(&format!("column `{name}` is of no table of the program"))
+        })
     };
     let names: Vec<_> = columns.iter().map(named).collect::<PyResult<_>>()?;
     let write = || -> Result<(), TableError> {
@@ -315,14 +318,16 @@ impl Nuts {
     /// The nut of a row, as JSON.
     fn scene(&self, row: usize) -> PyResult<String> {
         let scene = (self.0)(row);
-        scene.map(|scene| scene.to_string()).ok_or_else(|| errors::words(&format!("no row {row}")))
+        scene
+            .map(|scene| scene.to_string())
+            .ok_or_else(|| errors::from_text(&format!("no row {row}")))
     }
 }
 
-/// The sizes to choose from: those of makers, the standard ones, or JSON of lists.
+/// The sizes to choose from: those of manufacturers, the standard ones, or JSON of lists.
 fn sizes(lists: Option<&str>) -> Result<Catalogue, CaseError> {
     match lists {
-        None | Some("makers") => Catalogue::makers(),
+        None | Some("manufacturers") => Catalogue::manufacturers(),
         Some("standard") => Catalogue::standard(),
         Some(json) => Catalogue::from_json(json.as_bytes()),
     }
@@ -342,7 +347,7 @@ fn requirement_of(
 ///
 /// * `table`: CSV. * `names`: JSON of the names of its columns. * `requirement`: JSON of what all must keep.
 #[pyfunction]
-pub(crate) fn makers(
+pub(crate) fn manufacturers(
     py: Python<'_>,
     table: &[u8],
     names: &str,
@@ -350,14 +355,15 @@ pub(crate) fn makers(
 ) -> PyResult<(Table, Vec<String>, Vec<bool>, Nuts)> {
     let rows = on_threads(py, || {
         let names = column_names(names.as_bytes())?;
-        let nuts = MakerNut::from_csv(table, &TableFormat { names, ..TableFormat::default() })?;
+        let nuts =
+            ManufacturerNut::from_csv(table, &TableFormat { names, ..TableFormat::default() })?;
         let requirement = requirement_of(requirement, &sizes(None)?)?;
-        Ok(MakerRow::all(&nuts, requirement.as_ref()))
+        Ok(ManufacturerRow::all(&nuts, requirement.as_ref()))
     })?;
-    let rows = rows.map_err(|(name, error)| errors::words(&format!("{name}: {error}")))?;
+    let rows = rows.map_err(|(name, error)| errors::from_text(&format!("{name}: {error}")))?;
     let columns = rows.first().into_iter().flat_map(|first| first.numbers.iter().enumerate());
     let column = |(place, (name, unit, _)): (usize, &(&'static str, &'static str, _))| {
-        let value = |row: &MakerRow| row.numbers[place].2.unwrap_or(f64::NAN);
+        let value = |row: &ManufacturerRow| row.numbers[place].2.unwrap_or(f64::NAN);
         ((*name).to_owned(), *unit, shared(rows.iter().map(value).collect()))
     };
     let columns = columns.map(column).collect();

@@ -82,14 +82,14 @@ impl Scene {
     }
 }
 
-/// Model, tolerance, accuracy, creep, controlling race, and where friction of a lubricant is computed.
+/// Model, tolerance, accuracy, creep, controlling raceway, and where friction of a lubricant is computed.
 #[derive(FromPyObject, IntoPyObject)]
 pub(crate) struct How(String, f64, f64, f64, Option<String>, String);
 
 impl From<Settings> for How {
     fn from(settings: Settings) -> Self {
         let Settings { model, tolerance, accuracy, creep, control, friction } = settings;
-        let control = control.map(|race| race.name().to_owned());
+        let control = control.map(|raceway| raceway.name().to_owned());
         Self(model.name().into(), tolerance, accuracy, creep, control, friction.name().into())
     }
 }

@@ -209,11 +209,11 @@ pub(crate) fn gradient(
                 InputSet::of(&[*key]).replaced().iter().find(|other| given.contains(*other));
             let instead =
                 other.map_or_else(String::new, |other| format!(": {} is given", other.name()));
-            return Err(errors::words(&format!("`{}` has no value here{instead}", key.name())));
+            return Err(errors::from_text(&format!("`{}` has no value here{instead}", key.name())));
         }
         if let Some(target) = SET_BY_OTHERS.into_iter().find(|target| sets(*target, *key, &first)) {
             let [key, target] = [*key, target].map(InputKey::name);
-            return Err(errors::words(&format!(
+            return Err(errors::from_text(&format!(
                 "`{key}` also sets {target} here, which exact derivatives hold constant: give {target} in its \
                  place, or method=\"difference\""
             )));

@@ -175,7 +175,7 @@ impl KeptColumn {
         let mut reader = StreamReader::try_new(bytes, None).map_err(refused)?;
         let batch = reader.next().transpose().map_err(refused)?;
         let column = batch.map(|batch| batch.column(0).clone());
-        column.map(Self).ok_or_else(|| errors::words("there is no column"))
+        column.map(Self).ok_or_else(|| errors::from_text("there is no column"))
     }
 
     fn __reduce__<'py>(
@@ -234,7 +234,10 @@ pub(crate) fn read_arrow(
         let (mut values, mut gaps) = (Vec::new(), Vec::new());
         for part in parts {
             let numbers = arrow_column::numbers(part).map_err(|_| {
-                errors::words(&format!("column `{name}` holds {}, not numbers", part.data_type()))
+                errors::from_text(&format!(
+                    "column `{name}` holds {}, not numbers",
+                    part.data_type()
+                ))
             })?;
             for number in numbers {
                 if number.is_none() {
@@ -299,5 +302,5 @@ fn buffer(array: &Bound<'_, PyAny>) -> PyResult<Buffer> {
 
 /// What Arrow does not take.
 fn refused(error: ArrowError) -> PyErr {
-    errors::words(&error.to_string())
+    errors::from_text(&error.to_string())
 }

@@ -52,7 +52,7 @@ LEFT_OUT = {
     "sweep plan": "a function of its own",
     "sweep resume": "Plan.run() goes on",
     "parts run only": "run(range(index, plan.parts, of))",
-    "select from": "lists= and makers=",
+    "select from": "lists= and manufacturers=",
     "validate from": "data=",
     "validate only": "a row a check",
 }

@@ -256,15 +256,15 @@ def test_every_kind_of_frame_gives_the_same(screw: bs.Scene) -> None:
 
 def test_frames_come_out_alike(screw: bs.Scene) -> None:
     pytest.importorskip("polars"), pytest.importorskip("pyarrow"), pytest.importorskip("pandas")
-    outputs = ["efficiency", "controlling_race", "self_locking"]
+    outputs = ["efficiency", "controlling_raceway", "self_locking"]
     table = bs.solve_many(random_points(300, 9), screw, model="raceway-control", columns=outputs)  # type: ignore[arg-type]
     polars, arrow, pandas = table.to_polars(), table.to_arrow(), table.to_pandas()
     assert polars.columns == arrow.column_names == list(pandas.columns) == table.column_names
     for found in (polars["efficiency"].to_numpy(), arrow["efficiency"].to_numpy(), pandas["efficiency"].to_numpy()):
         assert np.array_equal(found, table["efficiency"], equal_nan=True)
-    races = [None if race is None else str(race) for race in polars["controlling_race"]]
-    assert races == table["controlling_race"].tolist() == table.to_dict()["controlling_race"] and {*races} <= {"nut", "screw", None}
-    assert [race if isinstance(race, str) else None for race in pandas["controlling_race"]] == races
+    raceways = [None if raceway is None else str(raceway) for raceway in polars["controlling_raceway"]]
+    assert raceways == table["controlling_raceway"].tolist() == table.to_dict()["controlling_raceway"] and {*raceways} <= {"nut", "screw", None}
+    assert [raceway if isinstance(raceway, str) else None for raceway in pandas["controlling_raceway"]] == raceways
     assert polars["self_locking"].sum() == 0
     assert arrow.schema.field("axial_load_N").metadata == {b"unit": b"N"}
     assert list(pandas["model"].cat.categories) == list(bs.MODELS)

@@ -281,12 +281,12 @@ def test_a_nut_of_the_catalogue_is_a_scene(tmp_path: Path) -> None:
     assert bs.axis(nuts.scene(-1))["results"]["critical_speed_ratio"] == nuts["critical_speed_ratio"][-1]
 
 
-def test_nuts_of_a_maker(tmp_path: Path) -> None:
-    path, of_axis = EXAMPLES / "maker_table.csv", EXAMPLES / "requirements" / "axis.json"
+def test_nuts_of_a_manufacturer(tmp_path: Path) -> None:
+    path, of_axis = EXAMPLES / "manufacturer_table.csv", EXAMPLES / "requirements" / "axis.json"
     words: list[str | Path] = []
     for requirement in (None, of_axis):
         words = [requirement] if requirement else []
-        nuts = bs.select_nuts(makers=path, requirement=requirement)
+        nuts = bs.select_nuts(manufacturers=path, requirement=requirement)
         rows = told("select", "--from", path, *words)
         assert nuts.to_dict() == {name: [row[name] for row in rows] for name in rows[0]}
     assert nuts.scene(0).to_dict() == bs.Scene(picked(tmp_path, "--from", path, *words)).to_dict()
@@ -296,19 +296,19 @@ def test_nuts_of_a_maker(tmp_path: Path) -> None:
     names = {"Type": "nut", "K": "stiffness_N_um", "note": None}
     plain_columns = {name: own[name].to_numpy() for name in own}
     for table in (own, pl.DataFrame(plain_columns), plain_columns):
-        again = bs.select_nuts(makers=table, columns_from=names, requirement=of_axis)
+        again = bs.select_nuts(manufacturers=table, columns_from=names, requirement=of_axis)
         assert again["nut"].tolist() == nuts["nut"].tolist()
         gap = again["nut"].tolist().index("R63-20K5-FSC")
         assert np.flatnonzero(np.isnan(again["stiffness_N_um"])).tolist() == [gap]
     assert again.to_arrow().to_pandas()["passes"].tolist() == again["passes"].tolist()
     assert pickle.loads(pickle.dumps(again)).to_dict() == again.to_dict()
     with pytest.raises(bs.InputError, match="column `Type` holds") as refused:
-        bs.select_nuts(makers=own)
+        bs.select_nuts(manufacturers=own)
     assert "columns_from" in refused.value.__notes__[0]
     with pytest.raises(bs.InputError, match="unknown column `K`"):
-        bs.select_nuts(makers=own.drop(columns=["Type", "note"]))
-    with pytest.raises(bs.InputError, match="makers goes with"):
-        bs.select_nuts(makers=path, pareto=True)
+        bs.select_nuts(manufacturers=own.drop(columns=["Type", "note"]))
+    with pytest.raises(bs.InputError, match="manufacturers goes with"):
+        bs.select_nuts(manufacturers=path, pareto=True)
 
 
 def test_the_steps_of_a_rating(tmp_path: Path) -> None:
@@ -336,11 +336,11 @@ def test_a_sweep_has_the_bytes_of_the_program(tmp_path: Path) -> None:
     grid = bs.sweep(
         bs.Scene.read(path),
         vary={"screw_speed_rpm": bs.linspace(100, 6000, 300), "axial_load_kN": [2, 4, 8]},
-        columns=["efficiency", "controlling_race"],
+        columns=["efficiency", "controlling_raceway"],
         text=True,
     )
     options = ["--vary", "screw_speed_rpm=100:6000:300", "--vary", "axial_load_kN=2,4,8"]
-    options += ["--columns", "efficiency,controlling_race", "--quiet"]
+    options += ["--columns", "efficiency,controlling_raceway", "--quiet"]
     for ending in ("csv", "jsonl", "parquet"):
         ours, theirs = tmp_path / f"ours.{ending}", tmp_path / f"theirs.{ending}"
         grid.write(ours)
@@ -361,7 +361,7 @@ def test_a_table_of_points_has_the_bytes_of_the_program(tmp_path: Path, model: s
     # Rows that no scene may have stay in their place and say why.
     points["axial_load_kN"][[1, 100, rows - 1]] = -1.0
     names = [f"point {row}" for row in range(rows)]
-    outputs = ["efficiency", "ball_torque_Nm", "controlling_race"]
+    outputs = ["efficiency", "ball_torque_Nm", "controlling_raceway"]
     table = bs.solve_many({**points, "name": names}, bs.Scene.read(path), model=model, columns=outputs, keep=["name"], text=True)  # type: ignore[arg-type]
     assert table.ok.sum() == rows - 3
     given = zip(*points.values(), names, strict=True)

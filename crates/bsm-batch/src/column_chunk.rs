@@ -270,14 +270,14 @@ fn alike(values: &[u64], rows: &[f64]) -> usize {
 
 /// A column chunk of a few texts.
 #[derive(Debug)]
-pub(crate) struct Words {
+pub(crate) struct Texts {
     column: ColumnDescPtr,
     /// The texts, in the order of their keys.
     known: Vec<String>,
     keys: DictEncoder,
 }
 
-impl Words {
+impl Texts {
     /// No rows; `most` is the size of a dictionary.
     pub(crate) fn new(column: ColumnDescPtr, most: u16) -> Self {
         Self { column, known: Vec::new(), keys: DictEncoder::new(most) }
@@ -664,7 +664,7 @@ mod tests {
         let rows = [250_000, 3, 17, 750_000];
         let all = || names.into_iter().zip(rows).flat_map(|(name, rows)| repeat_n(name, rows));
         let bytes = file("optional binary x (UTF8)", |column| {
-            let mut words = Words::new(column.clone(), 4);
+            let mut words = Texts::new(column.clone(), 4);
             words.push(&all().collect());
             let encoded = words.finish()?;
             assert!(encoded.0.len() < 200, "{} bytes", encoded.0.len());

@@ -398,8 +398,8 @@ impl Dataset {
         let file = self.folder.unfinished(&path, self.plan.id())?;
         let out = HashingWriter::new(BufWriter::new(file));
         let mut seen = |chunk: &Chunk, answers: &Answers| tell(Event::Solved(chunk, answers));
-        let (columns, signs) = (source.columns(), TableFormat::default());
-        let sink = TableSink::new(Format::Parquet, out, columns, &task.outputs, &signs);
+        let (columns, dialect) = (source.columns(), TableFormat::default());
+        let sink = TableSink::new(Format::Parquet, out, columns, &task.outputs, &dialect);
         let run = task.run(source, sink.map_err(unwritable)?, place.rows, workers, &mut seen);
         let (sink, count) = run.map_err(|error| not_solved(error, unwritable))?;
         place.check(count)?;

@@ -24,7 +24,7 @@ use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::ColumnDescPtr;
 use rayon::prelude::*;
 
-use crate::column_chunk::{Numbers, PACKED, Words};
+use crate::column_chunk::{Numbers, PACKED, Texts};
 use crate::columns::{ANSWERS, Columns, UNIT};
 use crate::pages::Pages;
 use crate::rows::{Chunk, TEXT};
@@ -267,7 +267,7 @@ const OUTPUT_WORDS: u16 = 1 << 8;
 /// A column of the row group that goes on.
 enum Encoder {
     Numbers(Numbers),
-    Words(Words),
+    Texts(Texts),
     /// By the library.
     Any(Box<ArrowColumnWriter>),
 }
@@ -280,7 +280,7 @@ impl Encoder {
                 Some(counts) => numbers.push(&counts.unary(|count| count as f64))?,
                 None => numbers.push(column.as_primitive())?,
             },
-            Self::Words(words) => words.push(column.as_string()),
+            Self::Texts(words) => words.push(column.as_string()),
             Self::Any(any) => {
                 compute_leaves(field, column)?.iter().try_for_each(|leaf| any.write(leaf))?;
             }
@@ -294,7 +294,7 @@ impl Encoder {
     ) -> Result<(), TableError> {
         let (bytes, close) = match self {
             Self::Numbers(numbers) => numbers.finish()?,
-            Self::Words(words) => words.finish()?,
+            Self::Texts(words) => words.finish()?,
             Self::Any(any) => return Ok(any.close()?.append_to_row_group(to)?),
         };
         Ok(to.append_column(&bytes, close)?)
@@ -339,7 +339,7 @@ impl<W: Write + Send> ParquetSink<W> {
                 DataType::Float64 | DataType::UInt64 if is_known => {
                     Encoder::Numbers(Numbers::new(column.clone(), few))
                 }
-                DataType::Utf8 if is_known => Encoder::Words(Words::new(column.clone(), few)),
+                DataType::Utf8 if is_known => Encoder::Texts(Texts::new(column.clone(), few)),
                 _ => Encoder::Any(Box::new(arrow)),
             }
         };

@@ -299,8 +299,9 @@ impl Answers {
         outputs: &[&'static Output],
     ) -> Result<RecordBatch, TableError> {
         let verdicts = &self.verdicts[..];
-        let models = words(verdicts, |a, b| a.model == b.model, |v| Some(v.model.name()));
-        let statuses = words(verdicts, |a, b| a.status == b.status, |v| Some(v.status.name()));
+        let models = text_column(verdicts, |a, b| a.model == b.model, |v| Some(v.model.name()));
+        let statuses =
+            text_column(verdicts, |a, b| a.status == b.status, |v| Some(v.status.name()));
         let mut messages = StringBuilder::new();
         for (row, message) in &self.messages {
             messages.append_nulls(row - messages.len());
@@ -317,7 +318,7 @@ impl Answers {
 }
 
 /// Words that stand in runs of rows.
-fn words<T>(
+fn text_column<T>(
     rows: &[T],
     same: impl Fn(&T, &T) -> bool,
     word: impl Fn(&T) -> Option<&'static str>,
@@ -344,7 +345,7 @@ fn values(output: &Output, values: Vec<f64>) -> ArrayRef {
     match output.json_type {
         "integer" => Arc::new(values.iter().map(count).collect::<UInt64Array>()),
         "boolean" => Arc::new(values.iter().map(flag).collect::<BooleanArray>()),
-        "string" => words(&values, |a, b| a.to_bits() == b.to_bits(), |x| output.word(*x)),
+        "string" => text_column(&values, |a, b| a.to_bits() == b.to_bits(), |x| output.word(*x)),
         _ => Arc::new(numbers(values)),
     }
 }

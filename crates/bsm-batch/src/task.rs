@@ -9,7 +9,7 @@ use crate::Columns;
 pub struct Task {
     /// The inputs that are no columns.
     pub base: Scene,
-    /// The model and its dials.
+    /// The model and its settings.
     pub settings: Settings,
     /// Outputs to write.
     pub outputs: Vec<&'static Output>,

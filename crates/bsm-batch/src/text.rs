@@ -276,12 +276,12 @@ const SLICES: usize = 32;
 
 /// Separator and decimal sign of a written CSV table; both are ASCII.
 #[derive(Debug, Clone, Copy)]
-struct Signs {
+struct CsvDialect {
     delimiter: u8,
     decimal: u8,
 }
 
-impl Signs {
+impl CsvDialect {
     /// Appends a text as a cell of CSV, which [`split`] reads.
     fn text(self, to: &mut Vec<u8>, text: &str) {
         let odd = |byte| byte == self.delimiter || matches!(byte, b'"' | b'\n' | b'\r');
@@ -343,7 +343,7 @@ struct Last(u64, Range<usize>);
 /// How a row is written.
 struct RowForm {
     /// Signs of CSV; JSON Lines have none.
-    signs: Option<Signs>,
+    dialect: Option<CsvDialect>,
     /// What stands before each cell, and at the end.
     before: Vec<Vec<u8>>,
     end: &'static [u8],
@@ -359,12 +359,12 @@ impl RowForm {
             for ((cell, before), Last(bits, digits)) in columns {
                 to.extend_from_slice(before);
                 let begin = to.len();
-                match (&cell, self.signs) {
+                match (&cell, self.dialect) {
                     (Cell::Number(x), _) if x.to_bits() == *bits && digits.end > 0 => {
                         to.extend_from_within(digits.clone());
                         continue;
                     }
-                    (_, Some(signs)) => signs.cell(&mut to, &cell)?,
+                    (_, Some(dialect)) => dialect.cell(&mut to, &cell)?,
                     (_, None) => json(&mut to, &cell)?,
                 }
                 if let Cell::Number(x) = cell {
@@ -395,16 +395,16 @@ impl<W: Write> TextSink<W> {
         dialect: &TableFormat,
     ) -> Result<Self, TableError> {
         let [delimiter, decimal] = [dialect.delimiter, dialect.decimal].map(|sign| sign as u8);
-        let signs = Signs { delimiter, decimal };
+        let dialect = CsvDialect { delimiter, decimal };
         let (mut head, mut before) = (Vec::new(), Vec::new());
         for field in schema.fields() {
             before.push(if before.is_empty() { Vec::new() } else { vec![delimiter] });
             head.extend(&before[before.len() - 1]);
-            signs.text(&mut head, field.name());
+            dialect.text(&mut head, field.name());
         }
         head.push(b'\n');
         writer.write_all(&head)?;
-        Ok(Self { writer, form: RowForm { signs: Some(signs), before, end: b"\n" } })
+        Ok(Self { writer, form: RowForm { dialect: Some(dialect), before, end: b"\n" } })
     }
 
     /// One JSON object a line.
@@ -414,7 +414,7 @@ impl<W: Write> TextSink<W> {
             format!("{sign}{}:", Value::from(field.name().as_str())).into_bytes()
         };
         let before = schema.fields().iter().enumerate().map(name).collect();
-        Self { writer, form: RowForm { signs: None, before, end: b"}\n" } }
+        Self { writer, form: RowForm { dialect: None, before, end: b"}\n" } }
     }
 
     /// Writes the table of a chunk: texts of its rows are made side by side and written in order.

@@ -8,7 +8,7 @@ pub(crate) mod design;
 pub(crate) mod ellipses;
 pub(crate) mod fit;
 pub(crate) mod jam;
-pub(crate) mod makers;
+pub(crate) mod manufacturers;
 pub(crate) mod moving;
 pub(crate) mod nut;
 pub(crate) mod optimum;

@@ -3,7 +3,7 @@
 pub(crate) mod axis;
 pub(crate) mod catalogue;
 pub(crate) mod grid;
-pub(crate) mod maker_sizes;
+pub(crate) mod manufacturer_sizes;
 pub(crate) mod nut;
 pub(crate) mod problem;
 pub(crate) mod rated_nut;

@@ -9,8 +9,8 @@ use serde_json::{Map, Value};
 use crate::args::OutArgs;
 use crate::failure::{Failure, warn};
 use crate::files::{self, ending_of, is_stdout, keep, pretty_json, print, write_bytes};
-use crate::stream::{NumberRow, TABLES, write_rows};
 use crate::table;
+use crate::table_job::{NumberRow, TABLES, write_rows};
 
 /// Answer of a command.
 #[derive(Debug, Default)]

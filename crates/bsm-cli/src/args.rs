@@ -204,10 +204,10 @@ fn setting(text: &str) -> Result<(String, String), String> {
         "accuracy" => number(Settings::ACCURACY),
         "creep" => number(Settings::CREEP),
         word => {
-            let (race, place) =
+            let (raceway, place) =
                 if word == "control" { (Some(&value), None) } else { (None, Some(&value)) };
             let named =
-                Settings::named("auto", race.map(String::as_str), place.map(String::as_str));
+                Settings::named("auto", raceway.map(String::as_str), place.map(String::as_str));
             named.map(|_| ()).map_err(|error| error.to_string())
         }
     }?;
@@ -428,10 +428,10 @@ pub(crate) struct SelectArgs {
     /// Treat sizes and contact angle as continuous, with balls of standard diameters and the shape limits of Lin.
     #[arg(long, requires = "requirement", conflicts_with_all = ["from", "conditions", "pareto", "sort", "first", "figures"])]
     pub(crate) free: bool,
-    /// Print the keys of a requirement, the standard lists or makers' sizes to copy and edit, or the columns of the list of nuts.
+    /// Print the keys of a requirement, the standard lists or manufacturers' sizes to copy and edit, or the columns of the list of nuts.
     #[arg(long, value_name = "WHAT", value_enum)]
     pub(crate) show: Option<SelectShow>,
-    /// Sizes to choose from: makers (THK and HIWIN, unless given), standard (every combination of ISO 3408-2 at 45 degrees), lists in
+    /// Sizes to choose from: manufacturers (THK and HIWIN, unless given), standard (every combination of ISO 3408-2 at 45 degrees), lists in
     /// LISTS.json, sizes in TABLE.csv with the columns of --show sizes; or a manufacturer's nuts in TABLE.csv: nut, lead_mm, ball_diameter_mm,
     /// circuits or loaded_turns, core_diameter_mm or pitch_circle_diameter_mm, ratings.
     #[arg(long, value_name = "SIZES")]

@@ -7,7 +7,7 @@ use bsm_case::{Axis, Grid, Output, exact};
 
 use crate::failure::{Failure, warn};
 use crate::files;
-use crate::stream::stopped;
+use crate::table_job::stopped;
 
 /// Points of a map: a lookup block holds them in memory, as text does before.
 const MOST_POINTS: usize = 10_000_000;

@@ -9,7 +9,7 @@ use bsm_report::sheets::nut_figures;
 use crate::answer::{Pictures, Reply};
 use crate::args::{NutArgs, NutTable};
 use crate::failure::Failure;
-use crate::stream::{form_of, write_numbers};
+use crate::table_job::{form_of, write_numbers};
 
 pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
     let in_file = args.scene.failure();

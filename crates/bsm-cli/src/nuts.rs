@@ -13,8 +13,8 @@ use crate::args::SelectArgs;
 use crate::failure::{Failure, warn};
 use crate::files;
 use crate::select::{check, requirement};
-use crate::stream::{TABLES, form_of, write_numbers};
 use crate::table;
+use crate::table_job::{TABLES, form_of, write_numbers};
 
 /// Rows that a screen shows.
 const SHOWN: usize = 20;
@@ -93,7 +93,7 @@ fn count(list: &NutList, args: &SelectArgs) -> String {
     };
     let left = if args.pareto {
         format!(
-            ", {} of those are beaten by no other in dynamic load rating, rigidity and mass together",
+            ", {} of those are beaten by no other in dynamic load rating, stiffness and mass together",
             list.chosen.len()
         )
     } else {

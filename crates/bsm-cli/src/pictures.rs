@@ -1,7 +1,7 @@
 //! Pictures of a grid: lines, and maps.
 
 use bsm_batch::{Answers, Chunk};
-use bsm_case::units::words;
+use bsm_case::units::label;
 use bsm_case::{Axis as GridAxis, Grid, Output as OutputColumn, exact};
 use bsm_report::{Axis, Curve, Figure, MOST_CELLS, MOST_CURVES, Map, Stroke};
 
@@ -14,9 +14,9 @@ const MOST_POINTS: usize = 100_000;
 const DECADES: f64 = 100.0;
 
 /// A quantity and its unit.
-fn label(axis: &GridAxis) -> Axis {
+fn axis_of(axis: &GridAxis) -> Axis {
     let input = axis.key.input();
-    let label = words(input.name, input.unit);
+    let label = label(input.name, input.unit);
     if axis.is_log() { Axis::log(&label) } else { Axis::linear(&label) }
 }
 
@@ -59,7 +59,7 @@ impl Curves {
         }
         let name = |axis: &GridAxis, i| {
             let input = axis.key.input();
-            let (words, unit) = (words(input.name, input.unit), input.unit);
+            let (words, unit) = (label(input.name, input.unit), input.unit);
             let words = words.split(',').next().unwrap_or_default();
             format!("{words} {} {unit}", exact(axis.value(i))).trim_end().to_owned()
         };
@@ -73,7 +73,7 @@ impl Curves {
             })
             .collect();
         let (low, high) = (x.value(0), x.value(x.len() - 1));
-        let (mut x, models) = (label(x), vec![None; count]);
+        let (mut x, models) = (axis_of(x), vec![None; count]);
         x.log |= low > 0.0 && high >= DECADES * low;
         Ok(Self { output, x, lines, models, changes: Vec::new() })
     }
@@ -107,7 +107,7 @@ impl Curves {
             let label = format!("model changes: {}", names.join(" / "));
             curves.push(Curve::new(label, curves.len(), Stroke::Circles, points));
         }
-        let y = Axis::linear(&words(output.name, output.unit));
+        let y = Axis::linear(&label(output.name, output.unit));
         Figure { key: String::new(), title, caption: String::new(), x, y, curves }
     }
 }
@@ -144,7 +144,7 @@ impl Cells {
         let count = places[0].len() * places[1].len();
         Ok(Self {
             output,
-            axes: [label(x), label(y)],
+            axes: [axis_of(x), axis_of(y)],
             values,
             rows: y.len(),
             found: vec![f64::NAN; count],
@@ -178,7 +178,7 @@ impl Cells {
             title,
             x: (x, xs),
             y: (y, ys),
-            label: words(output.name, output.unit),
+            label: label(output.name, output.unit),
             values: found,
             regions,
             names: models.into_iter().map(str::to_owned).collect(),

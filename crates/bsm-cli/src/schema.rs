@@ -21,7 +21,7 @@ const ANSWERS: [(&str, &str, &[&str]); 14] = [
     ("ratings", "solve --show ratings", &["ratings"]),
     ("nut", "nut", &["nut", "no nut", "samples"]),
     ("axis", "axis", &["axis"]),
-    ("select", "select", &["design", "[catalogue]", "[maker]"]),
+    ("select", "select", &["design", "[catalogue]", "[manufacturer]"]),
     ("fit", "fit", &["fit", "calibration"]),
     ("parts", "parts check", &["parts"]),
     ("validate", "validate", &["validate"]),
@@ -97,7 +97,7 @@ const OBJECTS: &[(&str, &str)] = &[
     ("step", "step integer, name string, value number?, required string?, passes boolean"),
     ("catalogue", "@catalogue, @sheet?"),
     (
-        "maker",
+        "manufacturer",
         "nut string, dynamic_load_rating_N number?, our_dynamic_load_rating_N number?, static_load_rating_N number?, \
          our_static_load_rating_N number?, stiffness_N_um number?, our_stiffness_N_um number?, mass_kg number?, @sheet?, \
          passes? boolean",
@@ -130,11 +130,11 @@ const OBJECTS: &[(&str, &str)] = &[
     ("tradeoff", "program string, tradeoff measurement, notes texts, warnings texts"),
     (
         "measurement",
-        "reference string, points [count], without_reference [integer], instruction_set string, threads integer, dials [dial], \
+        "reference string, points [count], without_reference [integer], instruction_set string, threads integer, settings [setting], \
          advice [advice]",
     ),
     ("count", "group string, points integer"),
-    ("dial", "model string, options string, errors [errors], times times"),
+    ("setting", "model string, options string, errors [errors], times times"),
     (
         "errors",
         "group string, solved number, efficiency distribution?, torque distribution?, loads distribution?, angles_deg distribution?, \
@@ -147,7 +147,7 @@ const OBJECTS: &[(&str, &str)] = &[
         "group string, single distribution, batch number, row distribution, steps distribution?, evaluations distribution",
     ),
     ("advice", "tolerance number, group string, single pick?, batch pick?"),
-    ("pick", "dial string, ns number, fails_where texts"),
+    ("pick", "setting string, ns number, fails_where texts"),
 ];
 
 /// Names with a schema.

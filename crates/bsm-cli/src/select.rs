@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use bsm_case::{
-    CaseError, Catalogue, Content, DesignReport, DesignRow, MAKER_SIZES, MakerNut, MakerRow,
-    REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile, STANDARD_CATALOGUE,
+    CaseError, Catalogue, Content, DesignReport, DesignRow, MANUFACTURER_SIZES, ManufacturerNut,
+    ManufacturerRow, REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile, STANDARD_CATALOGUE,
 };
 
 use crate::answer::{Pictures, Reply};
@@ -15,16 +15,16 @@ use crate::{nuts, table};
 
 /// The lists that the program has.
 pub(crate) const STANDARD: &str = "standard";
-pub(crate) const MAKERS: &str = "makers";
+pub(crate) const MANUFACTURERS: &str = "manufacturers";
 
 /// Where other sizes come from.
 const OTHERS: &str = "--from standard has every combination of the standard lists";
 
-/// What `--from` names: sizes, those of makers unless it is given, or nuts of a manufacturer.
+/// What `--from` names: sizes, those of manufacturers unless it is given, or nuts of a manufacturer.
 #[expect(clippy::large_enum_variant, reason = "one is made in a run")]
 enum Source {
     Sizes(Catalogue),
-    Nuts(Vec<MakerNut>),
+    Nuts(Vec<ManufacturerNut>),
 }
 
 impl Source {
@@ -33,7 +33,7 @@ impl Source {
             sizes.map(Self::Sizes).map_err(|e| Failure::Input(e.to_string()))
         };
         // A search of all sizes takes standard balls.
-        let usual = Path::new(if args.free { STANDARD } else { MAKERS });
+        let usual = Path::new(if args.free { STANDARD } else { MANUFACTURERS });
         let from = args.from.as_deref().unwrap_or(usual);
         let is_table = ending_of("--from", from, &["csv"]).is_ok();
         if !is_table && !args.dialect.is_ours() {
@@ -41,8 +41,8 @@ impl Source {
                 "--dialect is for the table of --from TABLE.csv".to_owned(),
             ));
         }
-        if from == Path::new(MAKERS) {
-            return own(Catalogue::makers());
+        if from == Path::new(MANUFACTURERS) {
+            return own(Catalogue::manufacturers());
         }
         if from == Path::new(STANDARD) {
             return own(Catalogue::standard());
@@ -55,7 +55,7 @@ impl Source {
         let format = args.dialect.read(&["delimiter", "decimal", "names"])?;
         match Catalogue::from_csv(&table, &format).map_err(failure)? {
             Some(sizes) => Ok(Self::Sizes(sizes)),
-            None => MakerNut::from_csv(&table, &format).map(Self::Nuts).map_err(failure),
+            None => ManufacturerNut::from_csv(&table, &format).map(Self::Nuts).map_err(failure),
         }
     }
 }
@@ -64,12 +64,12 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
     match args.show {
         Some(SelectShow::Keys) => return print(&keys()),
         Some(SelectShow::Lists) => return print(STANDARD_CATALOGUE),
-        Some(SelectShow::Sizes) => return print(MAKER_SIZES.trim_end()),
+        Some(SelectShow::Sizes) => return print(MANUFACTURER_SIZES.trim_end()),
         Some(SelectShow::Columns) => return print(&nuts::columns()),
         None => {}
     }
     match (Source::read(args)?, &args.requirement) {
-        (Source::Nuts(nuts), _) => makers(args, &nuts),
+        (Source::Nuts(nuts), _) => manufacturers(args, &nuts),
         (Source::Sizes(sizes), Some(_)) if !args.is_list() => steps(args, &sizes),
         (Source::Sizes(sizes), _) => nuts::run(args, sizes),
     }
@@ -114,7 +114,7 @@ fn steps(args: &SelectArgs, sizes: &Catalogue) -> Result<(), Failure> {
             Some(path) => format!("bsm axis {}", path.display()),
             None => "-o SCREW.json writes the scene for the other commands".to_owned(),
         };
-        answer = answer.with_shown(Content::Words("next:", Some(next)));
+        answer = answer.with_shown(Content::Text("next:", Some(next)));
     }
     let reply = Reply {
         rows: report.rows.iter().filter_map(row).collect(),
@@ -146,7 +146,7 @@ fn keys() -> String {
 }
 
 /// Nuts of a manufacturer beside ours, and in the axis of a requirement.
-fn makers(args: &SelectArgs, nuts: &[MakerNut]) -> Result<(), Failure> {
+fn manufacturers(args: &SelectArgs, nuts: &[ManufacturerNut]) -> Result<(), Failure> {
     if !args.conditions.is_empty()
         || args.pareto
         || args.sort.is_some()
@@ -157,12 +157,12 @@ fn makers(args: &SelectArgs, nuts: &[MakerNut]) -> Result<(), Failure> {
         return Err(Failure::Input(text.to_owned()));
     }
     check(args, &["json"])?;
-    let sizes = Catalogue::makers().map_err(|e| Failure::Input(e.to_string()))?;
+    let sizes = Catalogue::manufacturers().map_err(|e| Failure::Input(e.to_string()))?;
     let requirement = requirement(args, &sizes)?;
     let path = args.from.as_deref().unwrap_or(Path::new(""));
-    let rows = MakerRow::all(nuts, requirement.as_ref())
+    let rows = ManufacturerRow::all(nuts, requirement.as_ref())
         .map_err(|(name, e)| Failure::in_scene(path, &format!("{name}: {e}")))?;
-    let answer = MakerRow::answer(&rows);
+    let answer = ManufacturerRow::answer(&rows);
     let first = rows.first().filter(|_| !answer.fails);
     let scene = Some(first.map(|row| row.scene.to_json()).into());
     Reply { scene, ..Reply::of(answer) }.give(&args.out, || Ok(Pictures::default()))

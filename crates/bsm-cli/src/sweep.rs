@@ -12,7 +12,7 @@ use crate::failure::{Failure, note_unused};
 use crate::files::{self, Output, ending_of, is_stdout, read_scene, write_bytes};
 use crate::lookup::Lookup;
 use crate::pictures::{Cells, Curves};
-use crate::stream::{Job, is_folder, open, outputs};
+use crate::table_job::{Job, is_folder, open, outputs};
 
 pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let scene = args.scene.as_deref();
@@ -107,7 +107,8 @@ fn of_table(
         return Err(Failure::Input(text));
     }
     let dialect = args.dialect.read(&["delimiter", "decimal", "names", "output"])?;
-    let signs = if args.dialect.is_of_output() { dialect.clone() } else { TableFormat::default() };
+    let output_dialect =
+        if args.dialect.is_of_output() { dialect.clone() } else { TableFormat::default() };
     let mut source = open(path, &args.keep, &dialect)?;
     let task = Task::over_table(base, settings, outputs, source.columns()).map_err(|error| {
         let path = path.display();
@@ -115,7 +116,7 @@ fn of_table(
     })?;
     note_unread(&task, source.columns().set());
     let points = Points::Table { path: path.to_owned(), keep: args.keep.clone(), dialect };
-    let job = files.job(task, args, signs);
+    let job = files.job(task, args, output_dialect);
     job.run(source.as_mut(), &points, workers, |_, _, _| {}).map_err(|e| match e {
         Failure::Table(error) => Failure::table(path, &error),
         other => other,
@@ -214,8 +215,8 @@ impl<'a> Files<'a> {
         Ok(files)
     }
 
-    fn job(&self, task: Task, args: &'a SweepArgs, signs: TableFormat) -> Job<'a> {
-        Job { task, args, table: self.table, about: self.about, signs }
+    fn job(&self, task: Task, args: &'a SweepArgs, dialect: TableFormat) -> Job<'a> {
+        Job { task, args, table: self.table, about: self.about, dialect }
     }
 }
 

@@ -59,13 +59,13 @@ pub(crate) fn answer(answer: &Answer) -> String {
     let mut lines = Vec::new();
     for section in &answer.sections {
         match &section.content {
-            Content::Words(label, Some(words)) => {
+            Content::Text(label, Some(words)) => {
                 lines.push(format!("{label}  {words}").trim().to_owned());
             }
             Content::Texts(label, texts) => {
                 lines.extend(texts.iter().map(|text| format!("{label}: {text}")));
             }
-            Content::Words(_, None) | Content::Json(_) => {}
+            Content::Text(_, None) | Content::Json(_) => {}
             Content::Table(table) => {
                 blocks.extend((!lines.is_empty()).then(|| std::mem::take(&mut lines).join("\n")));
                 blocks.extend((!table.rows.is_empty()).then(|| rows(table)));

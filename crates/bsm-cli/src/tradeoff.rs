@@ -6,7 +6,7 @@ use bsm_batch::TableFormat;
 use bsm_case::{Answer, Content};
 use bsm_report::{PROGRAM, short};
 use bsm_validate::tradeoff::{
-    self, Advice, Count, DialResult, Errors, Group, OneCore, Points, Tradeoff,
+    self, Advice, Count, Errors, Group, OneCore, Points, SettingResult, Tradeoff,
 };
 use bsm_validate::tradeoff_page;
 use serde_json::json;
@@ -15,8 +15,8 @@ use crate::answer::{Pictures, Reply};
 use crate::args::TradeoffArgs;
 use crate::failure::Failure;
 use crate::files::make_folder;
-use crate::stream::{open, progress};
 use crate::table;
+use crate::table_job::{open, progress};
 
 pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
     args.out.check(&["json", "html"], &[args.points.as_deref()])?;
@@ -40,7 +40,7 @@ pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
     let answer = Answer { fails: !warnings.is_empty(), warnings, ..Answer::default() }
         .with("program", Content::Json(PROGRAM.into()))
         .with("tradeoff", Content::Json(json!(measured)))
-        .with_shown(Content::Words("", Some(describe(&measured))));
+        .with_shown(Content::Text("", Some(describe(&measured))));
     let draw = || {
         let (figures, page) = (measured.figures(), Some(tradeoff_page(&measured)?));
         Ok(Pictures { figures, page, ..Pictures::default() })
@@ -56,7 +56,7 @@ fn read(path: &Path) -> Result<Points, Failure> {
 fn describe(measured: &Tradeoff) -> String {
     let regimes = ["99 % rolling", "partial skid", "gross skid"];
     let header: Vec<_> = COLUMNS.iter().map(|(head, _)| *head).chain(regimes).collect();
-    let rows: Vec<_> = measured.dials.iter().map(row).collect();
+    let rows: Vec<_> = measured.settings.iter().map(row).collect();
     let times_header = [
         "model and setting",
         "regime",
@@ -75,10 +75,10 @@ fn describe(measured: &Tradeoff) -> String {
         "evaluations: mean",
         "max",
     ];
-    let times = |dial: &DialResult| -> Vec<_> {
-        dial.times.one_core.iter().map(|times| times_row(dial, times)).collect()
+    let times = |result: &SettingResult| -> Vec<_> {
+        result.times.one_core.iter().map(|times| times_row(result, times)).collect()
     };
-    let times: Vec<_> = measured.dials.iter().flat_map(times).collect();
+    let times: Vec<_> = measured.settings.iter().flat_map(times).collect();
     let count = |count: &Count| format!("{} {}", count.group.name(), count.points);
     let counts: Vec<_> = measured.points.iter().map(count).collect();
     let advice_header = [
@@ -108,12 +108,12 @@ fn describe(measured: &Tradeoff) -> String {
 }
 
 /// Its heading and its text.
-type Column = (&'static str, fn(&DialResult, &Errors) -> String);
+type Column = (&'static str, fn(&SettingResult, &Errors) -> String);
 
 /// Heads of the columns over all points, and their cells.
 const COLUMNS: [Column; 9] = [
-    ("model and setting", |dial, _| dial.dial.name()),
-    ("all cores us", |dial, _| micro(dial.times.all_cores)),
+    ("model and setting", |result, _| result.setting.name()),
+    ("all cores us", |result, _| micro(result.times.all_cores)),
     ("solved %", |_, all| format!("{:.1}", 100.0 * all.solved)),
     ("eta median", |_, all| cell(all.efficiency.map(|e| e.median))),
     ("99 %", |_, all| cell(all.efficiency.map(|e| e.q99))),
@@ -123,11 +123,11 @@ const COLUMNS: [Column; 9] = [
     ("angles deg", |_, all| cell(all.angles_deg.map(|e| e.q99))),
 ];
 
-fn row(dial: &DialResult) -> Vec<String> {
-    let of_group = |group| dial.errors_of(group).and_then(|errors| errors.efficiency);
+fn row(result: &SettingResult) -> Vec<String> {
+    let of_group = |group| result.errors_of(group).and_then(|errors| errors.efficiency);
     let regimes = Group::ALL.into_iter().filter(|group| *group != Group::All);
     let regimes = regimes.map(|group| cell(of_group(group).map(|e| e.q99)));
-    COLUMNS.iter().map(|(_, of)| of(dial, &dial.errors[0])).chain(regimes).collect()
+    COLUMNS.iter().map(|(_, of)| of(result, &result.errors[0])).chain(regimes).collect()
 }
 
 fn cell(value: Option<f64>) -> String {
@@ -139,9 +139,9 @@ fn micro(ns: f64) -> String {
 }
 
 /// Where the time goes: one by one, in tables, and in steps and evaluations.
-fn times_row(dial: &DialResult, times: &OneCore) -> Vec<String> {
+fn times_row(result: &SettingResult, times: &OneCore) -> Vec<String> {
     let OneCore { group, single, batch, row, steps, evaluations } = times;
-    let mut cells = vec![dial.dial.name(), group.name().to_owned()];
+    let mut cells = vec![result.setting.name(), group.name().to_owned()];
     cells.extend([single.mean, single.median, single.q90, single.q99, single.max].map(micro));
     cells.extend([*batch, row.median, row.q90, row.q99, row.max].map(micro));
     cells.extend([steps.map(|steps| steps.mean), steps.map(|steps| steps.max)].map(cell));
@@ -156,7 +156,7 @@ fn advice_row(advice: &Advice) -> Vec<String> {
         row.extend(match pick {
             Some(pick) => {
                 let fails: Vec<_> = pick.fails_where.iter().map(|group| group.name()).collect();
-                [pick.dial.clone(), short(1e-3 * pick.ns), fails.join(", ")]
+                [pick.setting.clone(), short(1e-3 * pick.ns), fails.join(", ")]
             }
             None => ["none".to_owned(), String::new(), String::new()],
         });

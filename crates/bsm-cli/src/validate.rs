@@ -24,7 +24,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
             return Err(Failure::Input(text));
         }
     }
-    let answer = report.answer().with_shown(Content::Words("", Some(describe(&report))));
+    let answer = report.answer().with_shown(Content::Text("", Some(describe(&report))));
     Reply::of(answer).give(&args.out, || {
         let figures = bsm_validate::figures(&published)?;
         let page = Some(bsm_validate::validation_page(&report, &figures)?);

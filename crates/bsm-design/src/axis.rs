@@ -113,7 +113,7 @@ pub struct Axis {
     pub shaft: Option<Shaft>,
     /// The cycle.
     pub phases: Vec<Phase>,
-    /// Modified dynamic load rating `$C_{am}$` \[N\], of the calculated one or that of the maker (Z36).
+    /// Modified dynamic load rating `$C_{am}$` \[N\], of the calculated one or that of the manufacturer (Z36).
     pub dynamic_rating: f64,
     /// Modified static load rating `$C_{0am}$` \[N\] (Z36).
     pub static_rating: f64,
@@ -201,10 +201,10 @@ impl Axis {
         self.phases.iter().map(duty).collect()
     }
 
-    /// Largest speed number \[m·rad/s\] (Z15): what the ball return sees of the speed; makers limit it by the kind
+    /// Largest speed number \[m·rad/s\] (Z15): what the ball return sees of the speed; manufacturers limit it by the kind
     /// of return, from 50 000 to 220 000 mm/min.
     ///
-    /// Source: ISO 3408-1; makers' catalogues, such as HIWIN BS-08-2, F 3.29, with the nominal diameter.
+    /// Source: ISO 3408-1; manufacturers' catalogues, such as HIWIN BS-08-2, F 3.29, with the nominal diameter.
     pub fn speed_number(&self) -> f64 {
         // D_N = D_pw Ω                                                    (Z15)
         self.screw.pitch_diameter * self.fastest()

@@ -113,7 +113,7 @@ mod tests {
 
     use super::*;
 
-    /// End-cap nuts of a maker (TBI, SFY) with two circuits, each on a thread of its own, printed lengths in mm: what (D10) gives
+    /// End-cap nuts of a manufacturer (TBI, SFY) with two circuits, each on a thread of its own, printed lengths in mm: what (D10) gives
     /// holds their turns, and is at most 1.45 times as long, as end caps are short. Counted as those of one thread, turns made it up
     /// to 2.8 times as long.
     #[test]

@@ -35,11 +35,11 @@ pub struct Lists {
     pub conformities: Vec<f64>,
     /// Contact angles.
     pub contact_angles: Vec<f64>,
-    /// Sizes that makers offer, in place of diameters, leads, balls and turns; none if every combination is made.
+    /// Sizes that manufacturers offer, in place of diameters, leads, balls and turns; none if every combination is made.
     pub offered: Vec<OfferedSize>,
 }
 
-/// A size that makers offer; lengths in m.
+/// A size that manufacturers offer; lengths in m.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct OfferedSize {
     /// Nominal diameter of the screw.
@@ -79,9 +79,9 @@ pub struct Limits {
     pub turns: (f64, f64),
     /// Least and largest conformity.
     pub conformity: (f64, f64),
-    /// Elastic constants of races and balls.
+    /// Elastic constants of raceways and balls.
     pub material: (Material, Material),
-    /// Preload of the pair over the dynamic rating, for the rigidity.
+    /// Preload of the pair over the dynamic rating, for the stiffness.
     pub preload: f64,
     /// Lever arm of rolling resistance \[m\], for the efficiency.
     pub rolling_lever: f64,
@@ -126,8 +126,8 @@ pub struct Candidate {
     pub preload: f64,
     /// Elasticity of one nut.
     pub elasticity: Elasticity,
-    /// Rigidity of the preloaded pair, contacts and bodies \[N/m\].
-    pub rigidity: f64,
+    /// Stiffness of the preloaded pair, contacts and bodies \[N/m\].
+    pub stiffness: f64,
     /// Load of one nut under which a contact ellipse reaches the end of its flank \[N\].
     pub edge_load: f64,
     /// Mass of one nut \[kg\].
@@ -244,7 +244,7 @@ impl Limits {
             static_rating: nut.static_rating().rating,
             preload,
             elasticity,
-            rigidity: elasticity.preloaded_pair(preload),
+            stiffness: elasticity.preloaded_pair(preload),
             edge_load: nut.edge_load(&thread, &elasticity.hertz),
             mass: body.mass(&nut, &thread),
             efficiency: nut.rolling_efficiency(self.rolling_lever),
@@ -257,14 +257,14 @@ impl Candidate {
     /// False if a number overflows.
     fn is_finite(&self) -> bool {
         let ratings = [self.dynamic_rating, self.static_rating, self.preload, self.edge_load];
-        let others = [self.elasticity.turn, self.rigidity, self.mass, self.efficiency];
+        let others = [self.elasticity.turn, self.stiffness, self.mass, self.efficiency];
         ratings.iter().chain(&others).all(|number| number.is_finite())
     }
 
-    /// Objectives of a Pareto front, to minimise: dynamic rating and rigidity with the sign
+    /// Objectives of a Pareto front, to minimise: dynamic rating and stiffness with the sign
     /// turned, and mass.
     pub fn costs(&self) -> [f64; 3] {
-        [-self.dynamic_rating, -self.rigidity, self.mass]
+        [-self.dynamic_rating, -self.stiffness, self.mass]
     }
 }
 
@@ -405,8 +405,11 @@ mod tests {
         assert!(all.iter().all(|c| c.size.turns < 6.5 && c.size.conformity > 0.505));
         assert!(all.iter().all(|c| c.size.ball <= 0.6 * c.size.lead * (1.0 + 1e-9)));
         let beats = |a: &Candidate, b: &Candidate| {
-            let pairs =
-                [(a.dynamic_rating, b.dynamic_rating), (a.rigidity, b.rigidity), (b.mass, a.mass)];
+            let pairs = [
+                (a.dynamic_rating, b.dynamic_rating),
+                (a.stiffness, b.stiffness),
+                (b.mass, a.mass),
+            ];
             pairs.iter().all(|(a, b)| a >= b) && pairs.iter().any(|(a, b)| a > b)
         };
         let by_pairs: Vec<_> =

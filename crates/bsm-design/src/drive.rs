@@ -59,7 +59,7 @@ impl MachineTable {
 ///
 /// * `preload` \[N\]; * `lead` \[m\]; * `lead_angle` \[rad\].
 ///
-/// Valid: lubricated nuts with wipers off, at some 100 rpm. Makers allow 20 to 50 % on either side; HIWIN
+/// Valid: lubricated nuts with wipers off, at some 100 rpm. Manufacturers allow 20 to 50 % on either side; HIWIN
 /// states 0.1 to 0.3 for `$K_p$`. Source: JIS B 1192; THK, "Studying the rotational torque".
 pub fn drag_torque(preload: f64, lead: f64, lead_angle: f64) -> f64 {
     // T_p = 0.05 F_w P_h/(2π √tanα)                                       (Z8)

@@ -130,7 +130,7 @@ impl Grade {
 mod tests {
     use super::*;
 
-    /// C3 of the makers was taken for P3 of ISO 3408-3: 8 um are not 12. THK A-678 and HIWIN table 3.3.
+    /// C3 of the manufacturers was taken for P3 of ISO 3408-3: 8 um are not 12. THK A-678 and HIWIN table 3.3.
     #[test]
     fn a_grade_3_is_not_any_grade_3() {
         let um =

@@ -1,4 +1,4 @@
-//! Design of ball screws, SI units: ratings, rigidity, mass and life of a nut, the catalogue of all
+//! Design of ball screws, SI units: ratings, stiffness, mass and life of a nut, the catalogue of all
 //! nuts of standard sizes, the choice of a screw for a requirement, and the rules of the axis around it.
 //!
 //! Theory: `docs/theory/11-ratings.md`, `15-design.md` and `18-axis.md`.
@@ -39,11 +39,11 @@ mod nut;
 mod preload;
 mod procedure;
 mod requirement;
-mod rigidity;
 mod screw;
 pub mod search;
 mod shaft;
 mod standard;
+mod stiffness;
 mod thread;
 
 pub use axis::{Axis, Motion, Mount, Phase};
@@ -68,12 +68,12 @@ pub use requirement::{
     AcceptedBy, Check, Design, DutySpeed, EfficiencyOf, FixedValues, LoadCase, Objective, Pitch,
     Quantity, Ranges, Requirement, Travel,
 };
-pub use rigidity::{Elasticity, in_series};
-pub use screw::{Efficiency, RigidityAt, Screw};
+pub use screw::{Efficiency, Screw, StiffnessAt};
 pub use shaft::{
     BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, PERMITTED_STRESS, Shaft, Support, heat_transfer,
     lost_motion, steady_rise, warming_time,
 };
+pub use stiffness::{Elasticity, in_series};
 pub use thread::{Profile, Thread};
 
 /// Preload of a pair of nuts over the dynamic rating, unless one is chosen, and the largest one

@@ -111,7 +111,7 @@ const RELIABILITY: [(f64, f64); 6] =
 ///
 /// * `percent`: 90 to 99; what is beyond takes the nearer end.
 ///
-/// Source: ISO 3408-5, as makers print it (HIWIN BS-08-2, table 3.17, has 0.63 for 95 %).
+/// Source: ISO 3408-5, as manufacturers print it (HIWIN BS-08-2, table 3.17, has 0.63 for 95 %).
 pub fn reliability_factor(percent: f64) -> f64 {
     let percent = percent.clamp(90.0, 99.0);
     let stated = RELIABILITY.iter().find(|(known, _)| (percent - known).abs() < 1e-9);

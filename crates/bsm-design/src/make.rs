@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::Grade;
 
-/// Longest screws that makers offer \[mm\] by grade and nominal diameter \[mm\].
+/// Longest screws that manufacturers offer \[mm\] by grade and nominal diameter \[mm\].
 ///
 /// Source: HIWIN BS-08-2, table 6.2, ground; THK, table 15, rolled.
 const LONGEST: &str = include_str!("longest_screws.csv");
@@ -26,7 +26,7 @@ pub enum Make {
 }
 
 impl Make {
-    /// Largest speed number \[m·rad/s\], unless the maker states one.
+    /// Largest speed number \[m·rad/s\], unless the manufacturer states one.
     ///
     /// * `lead`, `land`: of the screw and its outer diameter \[m\].
     ///
@@ -44,7 +44,7 @@ impl Make {
         workshop * 1e-3 * TAU / 60.0
     }
 
-    /// Longest screw that makers offer \[m\], of the listed diameter nearest to its own; of a ground one in its grade or a finer one, or
+    /// Longest screw that manufacturers offer \[m\], of the listed diameter nearest to its own; of a ground one in its grade or a finer one, or
     /// in any.
     ///
     /// * `land`: outer diameter \[m\].

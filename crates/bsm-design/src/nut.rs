@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use bsm_dyn::{Curvatures, Groove, Material, Race, rolling_tangent};
+use bsm_dyn::{Curvatures, Groove, Material, Raceway, rolling_tangent};
 
 /// The formulas of the ratings are fits in millimetres.
 const PER_MM: f64 = 1e3;
@@ -20,7 +20,7 @@ pub struct Nut {
     pub contact_angle: f64,
     /// Conformities of nut and screw, groove radius over ball diameter, above 1/2.
     pub conformity: (f64, f64),
-    /// Elastic constants of races and balls.
+    /// Elastic constants of raceways and balls.
     pub material: (Material, Material),
     /// Loaded balls of a turn, which may be a fraction; positive.
     pub balls_per_turn: f64,
@@ -129,7 +129,7 @@ impl Nut {
     ///
     /// Source: ISO/DP 9784 as in Sobolewski (2002).
     pub fn static_rating(&self) -> StaticRating {
-        let curvatures = self.curvatures(Race::Screw, 0.0);
+        let curvatures = self.curvatures(Raceway::Screw, 0.0);
         let Curvatures { along, across } = curvatures;
         // k₀ = 27.74 / (D_w √(ρ_t ρ_x)),  C_0a = k₀ n i sinβ cosα D_w²    (D5)
         let factor = 27.74 / (self.ball_diameter * (along * across).sqrt());
@@ -152,10 +152,10 @@ impl Nut {
         self.lead_angle().tan() / (self.lead_angle() + rho).tan()
     }
 
-    pub(crate) fn curvatures(&self, member: Race, lead_angle: f64) -> Curvatures {
+    pub(crate) fn curvatures(&self, member: Raceway, lead_angle: f64) -> Curvatures {
         let conformity = match member {
-            Race::Nut => self.conformity.0,
-            Race::Screw => self.conformity.1,
+            Raceway::Nut => self.conformity.0,
+            Raceway::Screw => self.conformity.1,
         };
         let (radius, ball) = (0.5 * self.pitch_diameter, 0.5 * self.ball_diameter);
         Groove { member, conformity }.curvatures(radius, ball, lead_angle, self.contact_angle)

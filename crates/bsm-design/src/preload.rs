@@ -1,4 +1,4 @@
-//! How large a preload is: by a force, by the load, or by a class of makers.
+//! How large a preload is: by a force, by the load, or by a class of manufacturers.
 
 use crate::OPENS_AT;
 
@@ -68,7 +68,7 @@ fn rounded_up(force: f64) -> f64 {
     (force / step - 1e-9).ceil() * step
 }
 
-/// What a class of makers means.
+/// What a class of manufacturers means.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PreloadClass {
     /// A preload.
@@ -77,7 +77,7 @@ pub enum PreloadClass {
     Play(Option<f64>),
 }
 
-/// Classes of makers; the shares of the dynamic load rating are usual values, the plays those of THK, table 10.
+/// Classes of manufacturers; the shares of the dynamic load rating are usual values, the plays those of THK, table 10.
 pub const PRELOAD_CLASSES: [(&str, PreloadClass); 16] = {
     use Preload::{Auto, Share};
     use PreloadClass::{Play, Preload as Of};

@@ -199,7 +199,7 @@ pub struct Requirement {
     pub life: Option<f64>,
     /// Coulomb friction coefficient.
     pub friction: f64,
-    /// Elastic constants of races and balls.
+    /// Elastic constants of raceways and balls.
     pub material: (Material, Material),
     /// Largest Hertz pressure \[Pa\].
     pub pressure: f64,

@@ -87,17 +87,17 @@ impl Efficiency {
     }
 }
 
-/// Where the rigidity that a catalogue states is meant, over the dynamic load rating.
+/// Where the stiffness that a catalogue states is meant, over the dynamic load rating.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum RigidityAt {
+pub enum StiffnessAt {
     /// Of a nut without preload, at this load.
     Load(f64),
     /// Of a preloaded nut, at this preload.
     Preload(f64),
 }
 
-impl RigidityAt {
-    /// Rigidity of a nut, in the unit of the stated one (Z33); `None` if the nut has no preload and the stated one is
+impl StiffnessAt {
+    /// Stiffness of a nut, in the unit of the stated one (Z33); `None` if the nut has no preload and the stated one is
     /// of a preloaded nut, or the other way round.
     ///
     /// ```math
@@ -107,7 +107,7 @@ impl RigidityAt {
     /// * `stated`: `$K$`. * `load`: of the nut without preload \[N\]. * `rating`: dynamic load rating \[N\].
     ///
     /// Source: THK general catalogue, equations 35 and 36; HIWIN BS-08-2, F 3.34 and F 3.35.
-    pub fn rigidity(
+    pub fn stiffness(
         self,
         stated: f64,
         load: f64,
@@ -161,16 +161,16 @@ mod tests {
         }
     }
 
-    /// At the load or preload that it is stated for, 0.8 of the stated rigidity; eight times the load doubles it.
+    /// At the load or preload that it is stated for, 0.8 of the stated stiffness; eight times the load doubles it.
     #[test]
-    fn rigidity_follows_the_cube_root() {
-        let (light, heavy) = (RigidityAt::Load(0.3), RigidityAt::Preload(0.1));
-        let of = |load| light.rigidity(500.0, load, None, 50e3).expect("no preload");
+    fn stiffness_follows_the_cube_root() {
+        let (light, heavy) = (StiffnessAt::Load(0.3), StiffnessAt::Preload(0.1));
+        let of = |load| light.stiffness(500.0, load, None, 50e3).expect("no preload");
         assert_relative_eq!(of(15e3), 400.0, max_relative = 1e-14);
         assert_relative_eq!(of(8.0 * 15e3), 800.0, max_relative = 1e-14);
-        let of = heavy.rigidity(500.0, 1.0, Some(5e3), 50e3).expect("a preload");
+        let of = heavy.stiffness(500.0, 1.0, Some(5e3), 50e3).expect("a preload");
         assert_relative_eq!(of, 400.0, max_relative = 1e-14);
-        assert_eq!(light.rigidity(500.0, 1.0, Some(5e3), 50e3), None);
-        assert_eq!(heavy.rigidity(500.0, 1.0, None, 50e3), None);
+        assert_eq!(light.stiffness(500.0, 1.0, Some(5e3), 50e3), None);
+        assert_eq!(heavy.stiffness(500.0, 1.0, None, 50e3), None);
     }
 }

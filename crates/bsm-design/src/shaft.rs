@@ -13,10 +13,10 @@ const HEAT_CAPACITY: f64 = 460.0;
 /// 147 N/mm².
 pub const PERMITTED_STRESS: f64 = 147e6;
 
-/// Largest speed over the critical one, unless one is required: what all makers permit.
+/// Largest speed over the critical one, unless one is required: what all manufacturers permit.
 pub const CRITICAL_SPEED_RATIO: f64 = 0.8;
 
-/// Least buckling load over the load, unless one is required: what all makers permit.
+/// Least buckling load over the load, unless one is required: what all manufacturers permit.
 pub const BUCKLING_SAFETY: f64 = 2.0;
 
 /// How the ends of a screw are held; the fixed end takes the axial load.
@@ -96,7 +96,7 @@ impl Shaft {
     /// ```
     ///
     /// Assumes: a slender bar without axial load; the nut, which supports it too, is left out.
-    /// Source: Euler and Bernoulli; makers' catalogues, such as THK 513-1E, A15-32, eq. 7.
+    /// Source: Euler and Bernoulli; manufacturers' catalogues, such as THK 513-1E, A15-32, eq. 7.
     pub fn critical_speed(&self) -> f64 {
         let root = self.support.frequency_root();
         let mass = STEEL * self.section() + self.coolant * 0.25 * PI * self.bore.powi(2);
@@ -116,7 +116,7 @@ impl Shaft {
     /// ```
     ///
     /// Assumes: a slender bar; of a short one [`yield_load`](Self::yield_load) is less. Source: Euler;
-    /// makers' catalogues, such as HIWIN BS-08-2, F 3.25, which takes 2 for 2.046.
+    /// manufacturers' catalogues, such as HIWIN BS-08-2, F 3.25, which takes 2 for 2.046.
     pub fn buckling_load(&self) -> f64 {
         let (support, length) = self.buckling;
         // F_k = κ π² E I/l_k²                                             (Z2)

@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/11-ratings.md`, equations (G1) to (G9). Section across the groove, without lead.
 
-use bsm_dyn::{Hertz, Race};
+use bsm_dyn::{Hertz, Raceway};
 
 use crate::Nut;
 
@@ -147,10 +147,10 @@ impl Nut {
 
 impl Thread {
     /// The groove of a member.
-    pub fn profile(&self, member: Race) -> &Profile {
+    pub fn profile(&self, member: Raceway) -> &Profile {
         match member {
-            Race::Nut => &self.nut,
-            Race::Screw => &self.screw,
+            Raceway::Nut => &self.nut,
+            Raceway::Screw => &self.screw,
         }
     }
 }

@@ -74,7 +74,7 @@ mod tests {
             (Model::RacewayControl, [36, 42]),
             // Begin of the curve, Newton in three unknowns, and a check by the seven equations [12, 13].
             (Model::Elastic, [18, 20]),
-            // Newton with coarse sums and with fine ones, and the gripping ball that it begins with [34, 39].
+            // Newton with coarse sums and with fine ones, and the rolling ball that it begins with [34, 39].
             (Model::Traction, [51, 60]),
         ] {
             let counted = median_and_most(model);

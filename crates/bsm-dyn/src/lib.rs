@@ -6,7 +6,7 @@
 //!
 //! Theory: `docs/theory`, chapters 02 to 10, 12 to 14 and 17.
 //!
-//! The feed drive of `examples/feed_drive.json`, whose balls grip: 98.6 % efficiency.
+//! The feed drive of `examples/feed_drive.json`, whose balls roll: 98.6 % efficiency.
 //!
 //! ```
 //! use std::f64::consts::PI;

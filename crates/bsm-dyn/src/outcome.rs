@@ -4,7 +4,7 @@ use std::fmt;
 
 use bsm_newton::{EvalError, Report, Status as NewtonStatus};
 
-/// The race at which the ball does not spin.
+/// The raceway at which the ball does not spin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Control {
     /// The nut.
@@ -14,7 +14,7 @@ pub enum Control {
 }
 
 impl Control {
-    /// Both races.
+    /// Both raceways.
     pub const ALL: [Self; 2] = [Self::Nut, Self::Screw];
 
     /// Name in files and on the command line.
@@ -25,9 +25,9 @@ impl Control {
         }
     }
 
-    /// The race of that name.
+    /// The raceway of that name.
     pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|race| race.name() == name)
+        Self::ALL.into_iter().find(|raceway| raceway.name() == name)
     }
 }
 
@@ -154,7 +154,7 @@ pub enum Reason {
     /// The flanks cannot hold the centrifugal force of the rolling ball at any contact angles
     /// between 0 and 90 degrees.
     FlanksCannotHold {
-        /// The race in control.
+        /// The raceway in control.
         control: Control,
         /// Centrifugal force that they hold over the axial load, with the screw's contact angle
         /// at 90 degrees.

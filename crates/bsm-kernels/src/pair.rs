@@ -1,4 +1,4 @@
-//! A ball between elastic races by lanes: its units, and what its contacts put out.
+//! A ball between elastic raceways by lanes: its units, and what its contacts put out.
 
 use bsm_case::units::{DEG, MM, MPA, UM};
 use bsm_case::{InputKey, OutputKey};

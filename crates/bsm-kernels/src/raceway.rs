@@ -24,7 +24,7 @@ use crate::units::Units;
 use crate::{Kernel, Sink};
 
 pub(super) struct Raceway {
-    /// The controlling race; `None` decides by (W7).
+    /// The controlling raceway; `None` decides by (W7).
     pub(super) control: Option<Control>,
 }
 
@@ -79,7 +79,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
             transmit(out, given, (units, pair), (&roll, &motion));
         let skid = regime(out, friction, (units, pair), (&roll, &motion));
         out.set_all(OutputKey::iterations, [roll.steps, roll.residual]);
-        out.set(OutputKey::controlling_race, roll.by_nut.select(zero, zero + 1.0));
+        out.set(OutputKey::controlling_raceway, roll.by_nut.select(zero, zero + 1.0));
         // With a lubricant the model looks for no other solutions.
         if given.operands.lubricant.is_none() {
             if control.is_none() {

@@ -64,9 +64,13 @@ fn outputs<S: Simd>(
     out.set_all(OutputKey::nut_spin_rad_s, [nut_spin * si.speed, screw_spin * si.speed]);
     ball_motion(out, si.speed, motion.rate, ball.angular_velocity(motion));
 
-    let (against, [a, minor, b]) = (back.select(one, -one), motion.directions);
+    let (against, [a, unloaded, b]) = (back.select(one, -one), motion.directions);
     slip_angle(out, OutputKey::nut_slip_angle_deg, [against * a[0], against * a[1]]);
-    slip_angle(out, OutputKey::minor_slip_angle_deg, [against * minor[0], against * minor[1]]);
+    slip_angle(
+        out,
+        OutputKey::unloaded_flank_slip_angle_deg,
+        [against * unloaded[0], against * unloaded[1]],
+    );
     slip_angle(out, OutputKey::screw_slip_angle_deg, [against * b[0], against * b[1]]);
     imbalance
 }

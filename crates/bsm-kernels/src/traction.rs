@@ -7,8 +7,8 @@ use std::rc::Rc;
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::balance::ideal_torque;
 use bsm_dyn::{
-    FAST_NUT, MOST_LOSS_ERROR, Model, POWER_BALANCE_TOL, SKIDS, TRACTION_FOUND, TRACTION_START,
-    Traction, TractionMany, TractionPoint, TractionRoot, TractionStart, loss_error,
+    FAST_NUT, MOST_LOSS_ERROR, Model, POWER_BALANCE_TOL, SKID_ONSET, TRACTION_FOUND,
+    TRACTION_START, Traction, TractionMany, TractionPoint, TractionRoot, TractionStart, loss_error,
     quadrature_error, slip_scale, takes,
 };
 use bsm_kin::relative_rotation;
@@ -188,17 +188,21 @@ fn start<S: Simd>(
     let mut p = motion.p;
     // Along t, n and b.
     let mut omega = [pair.sin_a * 0.5, motion.omega[0], motion.omega[1]];
-    let skids = onset.gt(one * SKIDS) & onset.lt(one.constant(f64::INFINITY));
-    if (found & skids).any() {
+    let skidding = onset.gt(one * SKID_ONSET) & onset.lt(one.constant(f64::INFINITY));
+    if (found & skidding).any() {
         let skid = given.simd.vectorize(GrossSlip { pair, friction: point.friction, any: true });
-        found = found & (skid.steady | !skids);
+        found = found & (skid.steady | !skidding);
         let [q_a, q_b] = skid.state.loads;
-        loads = [skids.select(q_a, loads[0]), skids.select(q_b, loads[1])];
+        loads = [skidding.select(q_a, loads[0]), skidding.select(q_b, loads[1])];
         let (s, c) = skid.tilt;
-        tilt = skids.select(s.zip(c, f64::atan2), tilt);
-        p = skids.select(skid.precession(), p);
+        tilt = skidding.select(s.zip(c, f64::atan2), tilt);
+        p = skidding.select(skid.precession(), p);
         let [t, n, b] = skid.rotation().in_frenet();
-        omega = [skids.select(t, omega[0]), skids.select(n, omega[1]), skids.select(b, omega[2])];
+        omega = [
+            skidding.select(t, omega[0]),
+            skidding.select(n, omega[1]),
+            skidding.select(b, omega[2]),
+        ];
     }
     let [omega_t, omega_n, omega_b] = omega;
     // ω' = ω'_k k + ω'_n n + ω'_c k × n                                   (T4)

@@ -52,10 +52,10 @@ impl<S: Simd> Units<S> {
 pub(super) fn modulus<S: Simd>(given: &LaneInputs<'_, S>, units: &Units<S>) -> Lane<S> {
     let youngs_modulus = given.get(InputKey::youngs_modulus_GPa);
     let poisson_ratio = given.get(InputKey::poisson_ratio);
-    let races = Material { youngs_modulus, poisson_ratio };
+    let raceways = Material { youngs_modulus, poisson_ratio };
     let ball = Material {
         youngs_modulus: given.try_get(InputKey::ball_youngs_modulus_GPa).unwrap_or(youngs_modulus),
         poisson_ratio: given.try_get(InputKey::ball_poisson_ratio).unwrap_or(poisson_ratio),
     };
-    contact_modulus(&races, &ball) * GPA * (units.ball * units.ball) / units.load
+    contact_modulus(&raceways, &ball) * GPA * (units.ball * units.ball) / units.load
 }

@@ -12,7 +12,7 @@ pub enum Site {
     /// A: loaded flank of the nut groove.
     Nut,
     /// A': unloaded flank of the nut's gothic arch.
-    NutMinor,
+    NutUnloaded,
     /// B: loaded flank of the screw groove.
     Screw,
 }
@@ -41,7 +41,7 @@ impl<D: Scalar> Contact<D> {
     ///
     /// in `(t, n, b)`; in a turned triad the angles are taken from its second axis.
     pub fn new(site: Site, contact_angle: D, frame: &BallFrame<D>) -> Self {
-        let angle = if site == Site::NutMinor { -contact_angle } else { contact_angle };
+        let angle = if site == Site::NutUnloaded { -contact_angle } else { contact_angle };
         Self::tilted(site, angle - frame.turn)
     }
 

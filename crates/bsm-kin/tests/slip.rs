@@ -5,7 +5,7 @@ use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Site};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 
-const SITES: [Site; 3] = [Site::Nut, Site::NutMinor, Site::Screw];
+const SITES: [Site; 3] = [Site::Nut, Site::NutUnloaded, Site::Screw];
 
 fn body_speed(site: Site, drive: &Drive<f64>) -> f64 {
     if site == Site::Screw { drive.screw_speed } else { drive.nut_speed }

@@ -5,7 +5,7 @@
 use std::f64::consts::TAU;
 
 use bsm_dyn::{
-    Ball, Coulomb, ElasticPoint, Groove, Hertz, Load, Material, OperatingPoint, Race, Reason,
+    Ball, Coulomb, ElasticPoint, Groove, Hertz, Load, Material, OperatingPoint, Raceway, Reason,
 };
 use bsm_kin::{Drive, Helix};
 
@@ -79,7 +79,7 @@ pub struct BallNut {
     pub contact_angle: f64,
     /// Conformities of nut and screw, groove radius over ball diameter, above 1/2.
     pub conformity: (f64, f64),
-    /// Elastic constants of races and balls.
+    /// Elastic constants of raceways and balls.
     pub material: (Material, Material),
     /// The loaded balls.
     pub circuits: Vec<Circuit>,
@@ -241,7 +241,7 @@ impl BallNut {
     /// Distances from groove-arc centre to ball centre at first touch, of nut and screw \[m\].
     fn offsets(&self) -> [f64; 2] {
         let offset = |member, conformity| Groove { member, conformity }.offset(self.ball.radius);
-        [offset(Race::Nut, self.conformity.0), offset(Race::Screw, self.conformity.1)]
+        [offset(Raceway::Nut, self.conformity.0), offset(Raceway::Screw, self.conformity.1)]
     }
 
     /// Distance of the groove-arc centres of nut and screw at first touch \[m\].

@@ -1,4 +1,4 @@
-//! Stiffness of a nut along its axis, and rigidity of a preloaded nut as makers state it.
+//! Stiffness of a nut along its axis, and of a preloaded nut as manufacturers state it.
 
 use crate::equilibrium::FREEDOMS;
 use crate::{BallNut, Equilibrium, Freedom, Preload, Support};

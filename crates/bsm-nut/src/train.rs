@@ -104,7 +104,7 @@ impl Exit {
 /// What a ball of a train does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rolling {
-    /// It rolls on both races.
+    /// It rolls on both raceways.
     Rolls,
     /// Nothing presses it.
     Idle,
@@ -148,7 +148,7 @@ pub struct Train {
     /// Torque of the raceways if no balls touch \[N·m\].
     pub free_torque: f64,
     /// Of the raceways.
-    pub race_torque: f64,
+    pub raceway_torque: f64,
     /// Of ball-to-ball contact, with what moves idle balls.
     pub contact_torque: f64,
     /// Of the returns, as far as balls are pushed through them.
@@ -166,7 +166,7 @@ pub struct Train {
 impl Train {
     /// The whole friction torque of the balls \[N·m\].
     pub fn torque(&self) -> f64 {
-        self.race_torque + self.contact_torque + self.return_torque + self.catching_torque
+        self.raceway_torque + self.contact_torque + self.return_torque + self.catching_torque
     }
 
     /// Balls that do this.
@@ -359,7 +359,7 @@ impl BallNut {
         let mut train = Train {
             circuits: Vec::with_capacity(self.circuits.len()),
             free_torque: 0.0,
-            race_torque: 0.0,
+            raceway_torque: 0.0,
             contact_torque: 0.0,
             return_torque: 0.0,
             catching_torque: 0.0,
@@ -377,14 +377,14 @@ impl BallNut {
             let flow = Flow::of(of, (circuit, inputs.gaps[circuit]), balls);
             let pass = flow.steady(found.max_load(), &mut work)?;
             let circuit = flow.train(&pass, speed < 0.0);
-            let [races, contacts, returns, catching] = flow.losses(&pass);
-            train.race_torque += races / speed.abs();
+            let [raceways, contacts, returns, catching] = flow.losses(&pass);
+            train.raceway_torque += raceways / speed.abs();
             train.contact_torque += contacts / speed.abs();
             train.return_torque += returns / speed.abs();
             train.catching_torque += catching / speed.abs();
             train.free_torque +=
-                flow.rolling().map(|ball| ball.free().race_power).sum::<f64>() / speed.abs();
-            lost += races + contacts + returns + catching;
+                flow.rolling().map(|ball| ball.free().raceway_power).sum::<f64>() / speed.abs();
+            lost += raceways + contacts + returns + catching;
             put_in += flow.power_in(&pass);
             let [exit, _] = circuit.ends;
             let pushes = circuit.balls.iter().flat_map(|ball| ball.pushes).chain([exit]);
@@ -750,7 +750,7 @@ impl Flow<'_> {
         for (ball, state) in self.balls.iter().zip(&pass.states) {
             let speed = self.speed_of(state.rate);
             if let (Some(ball), Some(motion)) = (ball, state.motion) {
-                lost[0] += motion.race_power;
+                lost[0] += motion.raceway_power;
                 lost[1] += ball.contact_power(&motion);
             } else {
                 lost[0] += ball.map_or(0.0, |ball| self.blocked(ball, state.rate));
@@ -768,7 +768,7 @@ impl Flow<'_> {
         lost
     }
 
-    /// Power that a ball loses that slides on both races without turning \[W\].
+    /// Power that a ball loses that slides on both raceways without turning \[W\].
     fn blocked(&self, ball: &TrainBall, rate: f64) -> f64 {
         let ([nut, screw], speed) = (ball.free().loads, self.speed_of(rate));
         // f Q_A v + f Q_B (d|W| − v)                                      (O7)

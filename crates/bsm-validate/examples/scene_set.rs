@@ -3,7 +3,7 @@
 //!
 //!     cargo run --release -p bsm-validate --features tools --example scene_set > validation/golden/tradeoff/scenes.csv
 //!
-//! A hundred each that grip, skid partly and skid, of screws as in catalogues: pitch circle 8 to
+//! A hundred each in rolling, partial and gross skid, of screws as in catalogues: pitch circle 8 to
 //! 100 mm, 20 to 119 balls of 0.07 to 0.2 of that, turns that do not overlap, lead angle 2 to 30 deg,
 //! contact angle 30 to 60 deg, conformities 0.51 to 0.56, friction 0.01 to 0.15, 10 to 30 000 rpm
 //! both ways, screw or nut drive, 0.01 to 60 N normal load on each square millimetre of the ball's

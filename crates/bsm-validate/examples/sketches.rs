@@ -159,9 +159,10 @@ fn contacts() -> Drawing {
     let frame = BallFrame::turned(0.1, 0.0);
     let site = |site| Contact::new(site, angle, &frame);
     // Grooves of arcs through the contact points, whose centres lie beyond the ball centre.
-    for (sites, name, outside) in
-        [([Site::Nut, Site::NutMinor], "nut", 20.0), ([Site::Screw, Site::Screw], "screw", 460.0)]
-    {
+    for (sites, name, outside) in [
+        ([Site::Nut, Site::NutUnloaded], "nut", 20.0),
+        ([Site::Screw, Site::Screw], "screw", 460.0),
+    ] {
         let mirror = name == "screw";
         let arc = 1.16 * radius;
         let mut edge = Vec::new();
@@ -194,7 +195,7 @@ fn contacts() -> Drawing {
     drawing.circle("ball", centre, radius);
     drawing.line("hidden", &[centre - Point::new(0.0, 165.0), centre + Point::new(0.0, 165.0)]);
     for (groove, name, number) in
-        [(Site::Nut, "A", 1), (Site::NutMinor, "A'", 3), (Site::Screw, "B", 2)]
+        [(Site::Nut, "A", 1), (Site::NutUnloaded, "A'", 3), (Site::Screw, "B", 2)]
     {
         let contact = site(groove);
         let point = contact.point(radius);

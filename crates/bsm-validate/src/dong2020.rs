@@ -56,7 +56,8 @@ fn radical(scene: &Scene) -> Result<Check, ValidateError> {
     let nut = length(scene.nut_conformity, "nut_total_approach_um");
     let screw = length(scene.screw_conformity, "screw_total_approach_um");
     let angle = |name| number(&report, name).to_radians();
-    let (a, b) = (angle("nut_settled_angle_deg"), angle("screw_settled_angle_deg"));
+    let (a, b) =
+        (angle("nut_angle_with_permanent_set_deg"), angle("screw_angle_with_permanent_set_deg"));
     let square =
         (nut * a.sin() + screw * b.sin()).powi(2) + (nut * a.cos() + screw * b.cos()).powi(2);
     // tan²(D/2) = [(l_A + l_B)² − A²] / [A² − (l_A − l_B)²]               (J6)
@@ -82,7 +83,8 @@ fn printed_radical(scene: &Scene) -> Result<Check, ValidateError> {
     let offset = |f: Option<f64>| (f.unwrap_or(f64::NAN) - 0.5) * ball;
     let (l_a, l_b) = (offset(scene.nut_conformity) + nut, offset(scene.screw_conformity) + screw);
     let angle = |name| number(&report, name).to_radians();
-    let (a, b) = (angle("nut_settled_angle_deg"), angle("screw_settled_angle_deg"));
+    let (a, b) =
+        (angle("nut_angle_with_permanent_set_deg"), angle("screw_angle_with_permanent_set_deg"));
     let square = l_a.powi(2) + l_b.powi(2) + 2.0 * l_a * l_b * (a - b).cos();
     // −A₁² − A₂² + (δ_i + δ_o)² + 2 δ_i d_o − 2 δ_i d_b + 2 δ_o d_o + (d_o − d_b)²
     let above = -square

@@ -65,7 +65,7 @@ struct Reference {
     axial_displacement_um: f64,
 }
 
-/// The largest deviation over the columns of a row; for traction with the dials of the table and
+/// The largest deviation over the columns of a row; for traction with the settings of the table and
 /// with the default ones.
 fn reference(
     row: &Reference,
@@ -109,8 +109,8 @@ fn reference(
         .at_most(1.0, "half a unit of the last printed digit");
 
     let o = Problem::Traction(case).solve(work);
-    let (worst, column) = row.deviation(&o, DEFAULT_DIALS);
-    let default = check("default-dials")
+    let (worst, column) = row.deviation(&o, DEFAULT_SETTINGS);
+    let default = check("default-settings")
         .measured(worst, "of the tolerance")
         .note(column)
         .at_most(1.0, "1e-6 in the efficiency, 1e-5 in loads and angles, 1e-4 in the motion");
@@ -121,8 +121,8 @@ fn reference(
 const TRACTION_DIGITS: [f64; 6] = [0.51e-7, 0.51e-4, 0.51e-5, 0.51e-6, 0.51e-5, 0.51e-5];
 const ELASTIC_DIGITS: [f64; 6] = [0.51e-9, 0.51e-5, 0.51e-6, 0.51e-7, 0.51e-5, 0.51e-6];
 
-/// What the default dials leave, absolute and relative.
-const DEFAULT_DIALS: [[f64; 6]; 2] =
+/// What the default settings leave, absolute and relative.
+const DEFAULT_SETTINGS: [[f64; 6]; 2] =
     [[1e-6, 0.51e-4, 0.51e-5, 1e-5, 1e-4, 0.0], [0.0, 1e-5, 1e-5, 0.0, 1e-4, 1e-4]];
 
 impl Reference {

@@ -217,7 +217,7 @@ fn self_locking() -> Vec<Check> {
     checks
 }
 
-/// Existence of the root: the critical lead angle, and the denial below it.
+/// Existence of the root: the critical lead angle, and no solution below it.
 fn existence(lin: &Scene, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
     let work = &mut ModelWorkspace::default();
     let source = format!("{SOURCE}, Eqs 5-9; derivation in docs/theory/04-rigid.md");

@@ -102,7 +102,7 @@ fn solution(case: &Case, file: &File, work: &mut ModelWorkspace) -> Result<Check
         }
         let value = value.as_f64().unwrap_or(f64::NAN);
         let tolerance = if name.contains("spin") { 1e-3 } else { case.rel_tol };
-        // A ball that a race controls does not spin there, but for rounding.
+        // A ball that a raceway controls does not spin there, but for rounding.
         let rounding = if name.contains("spin") { 1e-9 } else { 0.0 };
         let off = (with_seals(&record, parts.as_ref(), name) - value).abs() - rounding;
         let part = if off <= 0.0 { 0.0 } else { off / (tolerance * value.abs()) };
@@ -258,7 +258,7 @@ fn against_palmgren(bearing: &Scene, work: &mut ModelWorkspace) -> Result<Check,
         .equals(1.0, 0.36, "two models of friction agree to a third"))
 }
 
-/// The contact of a ball with the outer race of a bearing, in SI, by what a result says of it.
+/// The contact of a ball with the outer raceway of a bearing, in SI, by what a result says of it.
 struct Outer {
     /// Radius across the track over that along it.
     across: f64,

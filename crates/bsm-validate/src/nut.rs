@@ -1,4 +1,4 @@
-//! All balls of a nut: ball bearings, preload, rigidities of a catalogue, and elastic bodies in the limit.
+//! All balls of a nut: ball bearings, preload, stiffnesses of a catalogue, and elastic bodies in the limit.
 
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
@@ -29,8 +29,8 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
         checks.extend(row.checks());
     }
     checks.extend(limit_loads());
-    let rows = published.nut_rigidity.rows::<CatalogueRow>()?;
-    checks.extend(rigidities(&rows));
+    let rows = published.nut_stiffness.rows::<CatalogueRow>()?;
+    checks.extend(stiffnesses(&rows));
     checks.extend(stiff_bars());
     Ok(checks)
 }
@@ -199,7 +199,7 @@ struct CatalogueRow {
     pair_N_um: f64,
 }
 
-/// Rigidity of the catalogue over that of the model, by what is elastic.
+/// Stiffness of the catalogue over that of the model, by what is elastic.
 struct Ratios {
     /// Contacts alone, and ring, and bars, at 0.3 of the rating.
     single: [f64; 3],
@@ -272,8 +272,8 @@ fn spread(values: &[f64]) -> [f64; 2] {
     [mean, (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt()]
 }
 
-/// What the catalogue calls rigidity, of single nuts and of pairs.
-fn rigidities(rows: &[CatalogueRow]) -> Vec<Check> {
+/// Stiffness that the catalogue states, of single nuts and of pairs.
+fn stiffnesses(rows: &[CatalogueRow]) -> Vec<Check> {
     let ratios: Vec<_> = rows
         .iter()
         .map(|row| row.ratios().unwrap_or(Ratios { single: [f64::NAN; 3], pair: [f64::NAN; 3] }))
@@ -292,37 +292,37 @@ fn rigidities(rows: &[CatalogueRow]) -> Vec<Check> {
         check.details = details;
         check
     };
-    let usual = "the usual allowance on calculated rigidity, and the spread of the nuts";
-    let single = "rigidity of single nuts FSI, load over displacement at 0.3 of the rating";
-    let pair = "rigidity of pairs FDI at a preload of 0.1 of the rating";
+    let usual = "the usual allowance on calculated stiffness, and the spread of the nuts";
+    let single = "stiffness of single nuts FSI, load over displacement at 0.3 of the rating";
+    let pair = "stiffness of pairs FDI at a preload of 0.1 of the rating";
     let definition = rows.iter().map(|row| row.pair_N_um / row.single_N_um).collect::<Vec<_>>();
     vec![
-        check("nut/rigidity-single-contacts", &format!("{single}: contacts alone"), &|r| {
+        check("nut/stiffness-single-contacts", &format!("{single}: contacts alone"), &|r| {
             r.single[0]
         }),
-        check("nut/rigidity-single", &format!("{single}: contacts and ring"), &|r| r.single[1])
+        check("nut/stiffness-single", &format!("{single}: contacts and ring"), &|r| r.single[1])
             .equals(0.8, 0.04, usual),
-        check("nut/rigidity-single-bars", &format!("{single}: contacts, ring and bars"), &|r| {
+        check("nut/stiffness-single-bars", &format!("{single}: contacts, ring and bars"), &|r| {
             r.single[2]
         }),
-        check("nut/rigidity-pair-2", &format!("{pair}, as 2 F_p/delta_p"), &|r| r.pair[0]),
+        check("nut/stiffness-pair-2", &format!("{pair}, as 2 F_p/delta_p"), &|r| r.pair[0]),
         check(
-            "nut/rigidity-pair",
+            "nut/stiffness-pair",
             &format!("{pair}, as 2^1.5 F_p/delta_p, the secant to the limit load"),
             &|r| r.pair[1],
         )
         .equals(0.8, 0.04, usual),
-        check("nut/rigidity-pair-3", &format!("{pair}, as 3 F_p/delta_p"), &|r| r.pair[2]),
+        check("nut/stiffness-pair-3", &format!("{pair}, as 3 F_p/delta_p"), &|r| r.pair[2]),
         Check::new(
-            "nut/rigidity-definition",
+            "nut/stiffness-definition",
             CATALOGUE,
-            "FDI over FSI: two definitions of rigidity, 2^1.5 0.1/(0.3^(1/3) 0.1^(2/3))",
+            "FDI over FSI: two definitions of stiffness, 2^1.5 0.1/(0.3^(1/3) 0.1^(2/3))",
         )
         .measured(spread(&definition)[0], "")
         .equals(
             2.0_f64.powf(1.5) * 0.1 / (0.3_f64.cbrt() * 0.1_f64.powf(2.0 / 3.0)),
             0.03,
-            "Hertz contacts alone, and rigidities of three digits",
+            "Hertz contacts alone, and stiffnesses of three digits",
         ),
     ]
 }
@@ -355,16 +355,16 @@ fn stiff_bars() -> Vec<Check> {
             .measured(off.abs(), "of the excess")
             .note(format!("(mu l)^2 = {small}"))
     };
-    let words = |at: &str| format!("excess of the first ball where stiff bars are held {at}");
+    let text = |at: &str| format!("excess of the first ball where stiff bars are held {at}");
     let (coarse, fine) = (0.3, 0.03);
     let [one, two] = [coarse, fine].map(|small| {
         let m = f64::sqrt(small);
-        check("nut/cosh-same-end", &words("at one end"), small, at(small, ends[0]), same(m))
+        check("nut/cosh-same-end", &text("at one end"), small, at(small, ends[0]), same(m))
     });
     let m = f64::sqrt(fine);
     let across = check(
         "nut/cosh-opposite-ends",
-        &words("at opposite ends"),
+        &text("at opposite ends"),
         fine,
         at(fine, ends[1]),
         opposite(m),

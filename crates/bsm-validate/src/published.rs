@@ -108,8 +108,8 @@ tables! {
     rating_tables: "ratings/sobolewski.csv";
     /// Displacements of a ball bearing.
     nut_bearings: "nut/bearings.csv";
-    /// Rigidity of nuts and pairs of a catalogue.
-    nut_rigidity: "nut/rigidity.csv";
+    /// Stiffness of nuts and pairs of a catalogue.
+    nut_stiffness: "nut/stiffness.csv";
     /// A feed axis in its warm steady state.
     feed_axis: "nut/feed_axis.json";
     /// The case of Xu and Tang (2015).
@@ -120,8 +120,8 @@ tables! {
     dong_case: "dong2020/case.json";
     /// Their trends, and on how many curves they hold.
     dong_trends: "dong2020/trends.csv";
-    /// A screw for the axes of makers' examples.
-    makers_case: "makers/case.json";
+    /// A screw for the axes of manufacturers' examples.
+    manufacturers_case: "manufacturers/case.json";
     /// Independent solutions of lubricated scenes.
     lubrication: "lubrication/public.json";
 }

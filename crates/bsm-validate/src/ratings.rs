@@ -1,4 +1,4 @@
-//! Load ratings and rigidity: design tables.
+//! Load ratings and stiffness: design tables.
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -74,8 +74,8 @@ impl Row {
     }
 }
 
-/// Rigidity of a pair under the preload of the tables \[N/um\].
-fn pair_rigidity(nut: &Nut) -> f64 {
+/// Stiffness of a pair under the preload of the tables \[N/um\].
+fn pair_stiffness(nut: &Nut) -> f64 {
     let preload = PRELOAD * nut.dynamic_rating().rating;
     let elasticity = nut.elasticity(&NutBody::usual(nut));
     elasticity.map_or(f64::NAN, |elasticity| elasticity.preloaded_pair(preload) * UM)
@@ -117,10 +117,10 @@ const QUANTITIES: &[Column] = columns! {
         5e-3 + 0.0, "two printed decimals";
     "dynamic" dynamic_load_rating_N ["N"] "dynamic load rating": |nut| nut.dynamic_rating().rating;
         1.0 + 0.0, "the last printed digit, of a diameter with four";
-    "rigidity-characteristic" stiffness_characteristic_N_um15 ["N/um^1.5"] "rigidity characteristic of a turn":
+    "stiffness-characteristic" stiffness_characteristic_N_um15 ["N/um^1.5"] "stiffness characteristic of a turn":
         |nut| nut.elasticity(&NutBody::usual(nut)).map_or(f64::NAN, |e| e.turn * 1e-9);
         0.0 + 0.02, "2 %: exact Hertz contacts in place of fits that are not printed; the five rows of conformity 0.52 are all 1.5 to 1.8 % low";
-    "rigidity" preloaded_stiffness_N_um ["N/um"] "rigidity of the preloaded pair": pair_rigidity;
+    "stiffness" preloaded_stiffness_N_um ["N/um"] "stiffness of the preloaded pair": pair_stiffness;
         0.0 + 0.012, "1.2 %: two thirds of what the characteristic is off";
     "outer-diameter" outer_diameter_mm ["mm"] "outer diameter": |nut| NutBody::usual(nut).outer / MM;
         1e-3 + 0.0, "steps of 0.01 mm";
@@ -177,7 +177,7 @@ impl Column {
     }
 }
 
-/// What the paper states of contact angle and conformity: load rating and rigidity of every row fall
+/// What the paper states of contact angle and conformity: load rating and stiffness of every row fall
 /// with the distance from 45 deg downwards, and with the conformity from 0.51 upwards.
 fn statements(rows: &[Row]) -> [Check; 2] {
     let angle = |row: &Row, i: i32| Nut {
@@ -189,7 +189,7 @@ fn statements(rows: &[Row]) -> [Check; 2] {
         Nut { conformity: (f, f), ..row.nut() }
     };
     let largest = |nut: &dyn Fn(&Row, i32) -> Nut, steps: i32| {
-        let numbers: [fn(&Nut) -> f64; 2] = [|nut| nut.dynamic_rating().rating, pair_rigidity];
+        let numbers: [fn(&Nut) -> f64; 2] = [|nut| nut.dynamic_rating().rating, pair_stiffness];
         let step = |row: &Row, i: i32| {
             numbers.iter().map(|of| of(&nut(row, i + 1)) / of(&nut(row, i))).fold(0.0, f64::max)
         };
@@ -206,12 +206,12 @@ fn statements(rows: &[Row]) -> [Check; 2] {
     [
         check(
             "ratings/contact-angle",
-            "load rating and rigidity fall with the contact angle, from 45 to 30 deg",
+            "load rating and stiffness fall with the contact angle, from 45 to 30 deg",
             largest(&angle, 15),
         ),
         check(
             "ratings/conformity",
-            "load rating and rigidity fall with the conformity, from 0.51 to 0.57",
+            "load rating and stiffness fall with the conformity, from 0.51 to 0.57",
             largest(&conformity, 6),
         ),
     ]

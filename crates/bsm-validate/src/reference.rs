@@ -17,7 +17,7 @@ struct Row {
     axial_load_N: f64,
     efficiency: f64,
     nut_load: f64,
-    minor_load: f64,
+    unloaded_flank_load: f64,
     screw_load: f64,
     p: f64,
     u: f64,
@@ -73,7 +73,7 @@ fn check(row: &Row, case: &Scene, work: &mut RigidWorkspace) -> Result<Check, Va
     let columns = [
         ("efficiency", (efficiency - row.efficiency).abs() / (1e-9 * row.efficiency)),
         ("Q_A/F_a", deviation(root.nut_load, row.nut_load)),
-        ("Q_A'/F_a", deviation(root.minor_load, row.minor_load)),
+        ("Q_A'/F_a", deviation(root.unloaded_flank_load, row.unloaded_flank_load)),
         ("Q_B/F_a", deviation(root.screw_load, row.screw_load)),
         ("p", deviation(root.p, row.p)),
         ("u", deviation(root.u, row.u)),

@@ -151,7 +151,7 @@ fn scene(published: &PublishedData, name: &str) -> Result<Scene, ValidateError> 
         "lin1994" => published.lin_case.scene(),
         "xu2015" => published.xu_case.scene(),
         "dong2020" => published.dong_case.scene(),
-        "makers" => published.makers_case.scene(),
+        "manufacturers" => published.manufacturers_case.scene(),
         "feed_axis" => published.feed_axis.scene(),
         _ => case(published, name),
     }
@@ -205,7 +205,7 @@ fn solve(
     model: &str,
     columns: &mut BTreeMap<&str, f64>,
 ) -> Result<(), ValidateError> {
-    // Raceway control with the race that is named.
+    // Raceway control with the raceway that is named.
     let control = model.strip_suffix("_control").and_then(Control::from_name);
     let model = match control {
         Some(_) => Model::RacewayControl.into(),
@@ -293,7 +293,7 @@ mod tests {
         let rpm = 0.8 * 60.0 / (2.0 * PI) * 15.418 / 0.85_f64.powi(2)
             * (206e9 * 0.0144_f64.powi(2) / 16.0 / 7850.0).sqrt();
         // Five digits of 15.418.
-        assert!((found("makers/critical-speed-example") / rpm - 1.0).abs() < 1e-4, "{rpm}");
+        assert!((found("manufacturers/critical-speed-example") / rpm - 1.0).abs() < 1e-4, "{rpm}");
         let near = |key: &str, by_hand: f64, reason: &str| {
             let ours = found(key);
             // Five digits of the factors below.
@@ -303,7 +303,7 @@ mod tests {
             );
         };
         // A bar of 1 mm² bears 147 N.
-        near("makers/yield-factor", 147.0 * PI / 4.0, "area of a circle of 1 mm");
+        near("manufacturers/yield-factor", 147.0 * PI / 4.0, "area of a circle of 1 mm");
         // P = κ π² E I/l² over a half, in kgf and mm, E = 21 000 kgf/mm².
         for (support, kappa) in [
             ("fixed-free", 0.25),
@@ -312,22 +312,29 @@ mod tests {
             ("fixed-fixed", 4.0),
         ] {
             let factor = kappa * 9.8696 * 21_000.0 * (PI / 64.0) / 2.0 / 1000.0;
-            near(&format!("makers/buckling-factor-{support}"), factor, "Euler");
+            near(&format!("manufacturers/buckling-factor-{support}"), factor, "Euler");
         }
         // f = λ²/(2π l²) (d/4) √(E/ρ), inches: 101.6 mm are 4 in.
         let sound = (206e9_f64 / 7850.0).sqrt();
         for (support, root) in [("fixed-fixed", 22.373), ("supported-supported", 9.8696)] {
             let hertz = root / (2.0 * PI * 2.54 * 2.54) * (0.0254 / 4.0) * sound;
-            near(&format!("makers/frequency-{support}"), hertz, "beam tables");
+            near(&format!("manufacturers/frequency-{support}"), hertz, "beam tables");
         }
         // 10⁶ (C/F)³ revolutions at 2400 a minute.
         let hours = (17_073.1_f64 / 1200.0).powi(3) * 1e6 / (2400.0 * 60.0);
-        near("makers/rating-example", hours, "cubic life");
-        near("makers/guide-example", 0.02 * 50.0 * 9.806_65, "Coulomb");
-        near("makers/guide-and-seal-example", 28.0 + 0.02 * 100.0 * 9.806_65, "Coulomb and seals");
-        near("makers/opening-load", 8.0_f64.sqrt(), "2 to the power 3/2");
+        near("manufacturers/rating-example", hours, "cubic life");
+        near("manufacturers/guide-example", 0.02 * 50.0 * 9.806_65, "Coulomb");
+        near(
+            "manufacturers/guide-and-seal-example",
+            28.0 + 0.02 * 100.0 * 9.806_65,
+            "Coulomb and seals",
+        );
+        near("manufacturers/opening-load", 8.0_f64.sqrt(), "2 to the power 3/2");
         let buckles = 2.0457 * PI.powi(3) * 206e9 * 0.0125_f64.powi(4) / (64.0 * 0.82 * 0.82) / 2.0;
         // Five digits of 2.0457.
-        assert!((found("makers/buckling-example") / buckles - 1.0).abs() < 1e-4, "{buckles}");
+        assert!(
+            (found("manufacturers/buckling-example") / buckles - 1.0).abs() < 1e-4,
+            "{buckles}"
+        );
     }
 }

@@ -1,13 +1,13 @@
-//! Speed against accuracy: every model and dial over a set of points.
+//! Speed against accuracy: every model and setting over a set of points.
 //!
 //! The reference is traction with an accuracy of 1e-12 and a creep speed of 1e-5. Errors are those of the numbers that users ask for; times are those of this machine,
-//! of each point the median of several rounds in which the dials take turns, so that a disturbance meets all of them.
+//! of each point the median of several rounds in which the settings take turns, so that a disturbance meets all of them.
 
 mod advice;
 mod clock;
-mod dials;
 mod errors;
 mod pareto;
+mod settings;
 
 use bsm_batch::{Chunk, Columns, CsvSource, Source};
 use bsm_case::{CaseError, Scene, Settings};
@@ -17,16 +17,16 @@ use serde::Serialize;
 
 pub use self::advice::Advice;
 pub use self::clock::{OneCore, Times};
-pub use self::dials::Dial;
 pub use self::errors::{Distribution, Errors, Group};
+pub use self::settings::Setting;
 
 use self::errors::Reference;
 use crate::ValidateError;
 
-/// The committed points: a hundred that grip, skid partly and skid each.
+/// The committed points: a hundred each in rolling, partial and gross skid.
 const SCENES: &str = include_str!("../../../validation/golden/tradeoff/scenes.csv");
 
-/// Errors of the efficiency for which a dial is advised.
+/// Errors of the efficiency for which a setting is advised.
 pub const TOLERANCES: [f64; 3] = [1e-2, 1e-3, 1e-4];
 
 /// Operating points.
@@ -96,19 +96,19 @@ pub fn reference() -> String {
     format!("--model {} --solver accuracy={accuracy:e},creep={creep:e}", model.name())
 }
 
-/// A dial, its errors and its times.
+/// A setting, its errors and its times.
 #[derive(Debug, Clone, Serialize)]
-pub struct DialResult {
-    /// Measurements.
+pub struct SettingResult {
+    /// The setting.
     #[serde(flatten)]
-    pub dial: Dial,
+    pub setting: Setting,
     /// Errors over all points, then by motion of the balls, where there are points.
     pub errors: Vec<Errors>,
     /// Times of a point.
     pub times: Times,
 }
 
-impl DialResult {
+impl SettingResult {
     /// Errors over the points of a group, if it has any.
     pub fn errors_of(&self, group: Group) -> Option<&Errors> {
         self.errors.iter().find(|errors| errors.group == group)
@@ -137,8 +137,8 @@ pub struct Tradeoff {
     pub instruction_set: &'static str,
     /// Threads of the columns "all cores".
     pub threads: usize,
-    /// Every dial, cheapest models first.
-    pub dials: Vec<DialResult>,
+    /// Every setting, cheapest models first.
+    pub settings: Vec<SettingResult>,
     /// Recommended setting for a tolerance.
     pub advice: Vec<Advice>,
 }
@@ -147,35 +147,35 @@ impl Tradeoff {
     /// Error of the efficiency against time: one by one and in batches over all points, then by
     /// motion of the balls.
     pub fn figures(&self) -> Vec<Figure> {
-        pareto::figures(&self.dials)
+        pareto::figures(&self.settings)
     }
 }
 
-/// A dial and its errors, over all points and by motion of the balls.
-pub type DialErrors = (Dial, Vec<Errors>);
+/// A setting and its errors, over all points and by motion of the balls.
+pub type SettingErrors = (Setting, Vec<Errors>);
 
-/// Errors of every dial over `points`, all points first, without times.
+/// Errors of every setting over `points`, all points first, without times.
 ///
 /// # Errors
 ///
 /// [`ValidateError`] if no point has a reference.
-pub fn accuracy(points: &Points) -> Result<Vec<DialErrors>, ValidateError> {
+pub fn accuracy(points: &Points) -> Result<Vec<SettingErrors>, ValidateError> {
     Ok(errors(points)?.1)
 }
 
-fn errors(points: &Points) -> Result<(Reference, Vec<DialErrors>), ValidateError> {
+fn errors(points: &Points) -> Result<(Reference, Vec<SettingErrors>), ValidateError> {
     let mut work = ModelWorkspace::default();
     let reference = Reference::of(points.scenes(), &mut work)?;
     let groups = reference.groups();
     let mut measured = Vec::new();
-    for dial in dials::all() {
-        let errors = reference.errors(points.scenes(), &groups, &dial.settings, &mut work)?;
-        measured.push((dial, errors));
+    for setting in settings::all() {
+        let errors = reference.errors(points.scenes(), &groups, &setting.settings, &mut work)?;
+        measured.push((setting, errors));
     }
     Ok((reference, measured))
 }
 
-/// Measures every dial over `points`; `progress` hears how many of how many steps are done.
+/// Measures every setting over `points`; `progress` hears how many of how many steps are done.
 ///
 /// # Errors
 ///
@@ -186,13 +186,13 @@ pub fn run(
 ) -> Result<Tradeoff, ValidateError> {
     let (reference, errors) = errors(points)?;
     let groups = reference.groups();
-    let (dials, errors): (Vec<_>, Vec<_>) = errors.into_iter().unzip();
-    let times = clock::times(points, &groups, &dials, &mut progress)?;
-    let measured: Vec<_> = dials
+    let (settings, errors): (Vec<_>, Vec<_>) = errors.into_iter().unzip();
+    let times = clock::times(points, &groups, &settings, &mut progress)?;
+    let measured: Vec<_> = settings
         .into_iter()
         .zip(errors)
         .zip(times)
-        .map(|((dial, errors), times)| DialResult { dial, errors, times })
+        .map(|((setting, errors), times)| SettingResult { setting, errors, times })
         .collect();
     Ok(Tradeoff {
         reference: self::reference(),
@@ -201,6 +201,6 @@ pub fn run(
         instruction_set: bsm_simd::name(bsm_simd::Arch::new()),
         threads: std::thread::available_parallelism().map_or(1, Into::into),
         advice: advice::of(&measured, &groups.iter().map(|(group, _)| *group).collect::<Vec<_>>()),
-        dials: measured,
+        settings: measured,
     })
 }

@@ -82,7 +82,7 @@ fn case(scene: &Scene) -> Result<Vec<Check>, ValidateError> {
     ];
     let exact = touch.map(|touch| ball.differential_slip(&touch));
     let worst = (0..2).map(|i| (printed[i] / exact[i] - 1.0).abs()).fold(0.0, f64::max);
-    // Eq 3 with the axial displacement alone, which both races share.
+    // Eq 3 with the axial displacement alone, which both raceways share.
     let state = |site| solution.contact(site);
     let (mut radial, mut axial) = (0.0, 0.0);
     for (site, conformity) in

@@ -7,7 +7,7 @@ const OILED = [["sliding_power_W", "sliding at the contacts", "--c1"],
   ["ball_contact_power_W", "ball-to-ball contact", "--c4"], ["return_power_W", "ball returns", "--c2"],
   ["drag_power_W", "drag in the oil", "--c6"]];
 const DRY = [["centre", "sliding of the centre"], ["spin", "spin"], ["curvature", "curvature of the surface"]];
-const CONTACTS = [["nut", "--c1"], ["screw", "--c2"], ["minor", "--c4"]];
+const CONTACTS = [["nut", "--c1"], ["screw", "--c2"], ["unloaded flank", "--c4"]];
 
 export function showLosses(host, result, slip) {
   const total = result.dissipated_power_W;
@@ -18,7 +18,7 @@ export function showLosses(host, result, slip) {
   if (result.sliding_power_W != null) rows = OILED.map(([name, words, paint]) => [words, result[name] ?? 0, paint]).filter(([, value]) => value !== 0);
   else if (slip.error) { host.replaceChildren(html("p", {}, `${number(total)} W in all.`), none(slip.error)); return; }
   else rows = DRY.flatMap(([name, words]) =>
-    CONTACTS.map(([contact, paint]) => [`${words}, ${contact}`, slip[`${contact}_${name}_power_W`], paint])).filter(([,
+    CONTACTS.map(([contact, paint]) => [`${words}, ${contact}`, slip[`${contact.replace(" ", "_")}_${name}_power_W`], paint])).filter(([,
       value]) => value != null && Math.abs(value) > 1e-9 * total);
   // On a phone the labels stand above the bars.
   const phone = narrow(), [left, width, row, top, base] = phone ? [2, 340, 40, 18, 13] : [204, 560, 27, 4, 17],

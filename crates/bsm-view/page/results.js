@@ -27,24 +27,24 @@ export function showKey(host, result) {
       result.loss_error_bound != null && !result.lubrication ?
         `The heat is known to ${brief(Number((100 * result.loss_error_bound).toPrecision(2)))} %. ` : "",
         result.lubrication ? `Lubrication: ${result.lubrication}. ` : "",
-      result.controlling_race ? `The ${result.controlling_race} controls.` : ""),
+      result.controlling_raceway ? `The ${result.controlling_raceway} controls.` : ""),
     ...(band ? [html("p", { class: "small" },
       `90 % interval over uncertain inputs of the oil: ${number(band.ball_torque_Nm[0])} and ${number(band.ball_torque_Nm[1])} N m.`)]
       : []),
     ...warnings(result));
 }
 
-const warnings = ({ warnings, section_doubts }) => [...warnings, ...section_doubts].map((words) => html("p", { class: "warn" }, words));
+const warnings = ({ warnings, section_warnings }) => [...warnings, ...section_warnings].map((words) => html("p", { class: "warn" }, words));
 
 export function showNumbers(host, result) {
   const { overall, contacts, unbounded } = result.shown;
   const marked = (label) => (unbounded.includes(label) ? `${label} *` : label);
   if (!overall.length && !contacts.length) { host.replaceChildren(none(result.message ?? "no numbers")); return; }
-  const minor = contacts.some(([, , values]) => values[2] != null);
+  const unloaded = contacts.some(([, , values]) => values[2] != null);
   host.replaceChildren(html("div", { class: "tables" },
     table("Ball and screw", null, overall.map(([label, ...entry]) => row(marked(label), ...entry))),
-    contacts.length ? table("Contacts", ["", "", "nut", "screw", ...(minor ? ["unloaded flank"] : [])], contacts.map(([label, unit, values]) =>
-      row(marked(label), unit, ...values.slice(0, minor ? 3 : 2)))) : null),
+    contacts.length ? table("Contacts", ["", "", "nut", "screw", ...(unloaded ? ["unloaded flank"] : [])], contacts.map(([label, unit, values]) =>
+      row(marked(label), unit, ...values.slice(0, unloaded ? 3 : 2)))) : null),
     ...(unbounded.length ? [html("p", { class: "small faint" },
       `* Not covered by the error bound: value of model ${result.model}; take model traction where it matters.`)]
       : []));

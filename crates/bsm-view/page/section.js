@@ -26,14 +26,14 @@ export function showSection(host, scene, result) {
     const [a, b] = [end(start, [-1, 1], 1.75 * r), end(start, [1, -1], 1.75 * r)];
     marks.push(svg("path", { d: path([a, b]), stroke: "var(--faint)", "stroke-dasharray": "5 4", fill: "none" }));
   }
-  const loads = ["nut", "screw", "minor"].map((name) => result[`${name}_normal_load_N`] ?? 0), most = Math.max(...loads, 1e-300);
+  const loads = ["nut", "screw", "unloaded_flank"].map((name) => result[`${name}_normal_load_N`] ?? 0), most = Math.max(...loads, 1e-300);
   const said = [];
   const arrow = ([x1, y1], [x2, y2], paint) => {
     const a = Math.atan2(y2 - y1, x2 - x1), tip = (turn) => [x2 - 9 * Math.cos(a + turn), y2 - 9 * Math.sin(a + turn)];
     return svg("path", { d: `${path([[x1, y1], [x2, y2]])}${path([tip(0.4), [x2, y2], tip(-0.4)])}`, stroke: paint, "stroke-width": 2.2, fill: "none" });
   };
-  for (const [name, x, y, paint] of [...places, ["minor", 1, 1, "--c4"]]) {
-    const load = result[`${name}_normal_load_N`], angle = name === "minor" ? result.nut_contact_angle_deg : result[`${name}_contact_angle_deg`];
+  for (const [name, x, y, paint] of [...places, ["unloaded_flank", 1, 1, "--c4"]]) {
+    const load = result[`${name}_normal_load_N`], angle = name === "unloaded_flank" ? result.nut_contact_angle_deg : result[`${name}_contact_angle_deg`];
     if (load == null || angle == null) continue;
     const a = result[`${name}_ellipse_a_mm`], colour = `var(${paint})`;
     if (a != null) {
@@ -46,12 +46,12 @@ export function showSection(host, scene, result) {
     const tip = end(angle, [x, y], r), length = (narrow() ? 0.6 : 1) * (18 + 62 * (load / most)),
       far = [tip[0] + (tip[0] - width / 2) / (k * r) * length, tip[1] + (tip[1] - height / 2) / (k * r) * length];
     marks.push(arrow(far, tip, colour), svg("circle", { cx: tip[0], cy: tip[1], r: 3, fill: colour }));
-    said.push([name, angle, load, a, colour, far]);
+    said.push([name.replace("_", " "), angle, load, a, colour, far]);
   }
   const labels = said.flatMap(([name, angle, load, , colour, far]) => {
     const left = far[0] < width / 2, up = far[1] < height / 2, x = left ? 8 : width - 8, y = up ? 22 : height - 30, anchor = left ? "start" : "end";
     const halo = { "text-anchor": anchor, style: `fill:${colour};font-weight:600;paint-order:stroke;stroke:var(--metal);stroke-width:4px` };
-    return [text(x, y, `${name}: ${number(load)} N`, halo), text(x, y + 17, name === "minor" ? "unloaded flank" : `at ${number(angle)}°`, halo)];
+    return [text(x, y, `${name}: ${number(load)} N`, halo), text(x, y + 17, `at ${number(angle)}°`, halo)];
   });
   const words = said.map(([name, angle, load, a]) =>
     `${name} contact at ${number(angle)} degrees under ${number(load)} newtons${a == null ? "" : `, ellipse ${number(2 * a)} millimetres wide`}`).join("; ");
@@ -63,9 +63,9 @@ export function showSection(host, scene, result) {
       ...(section ? [text(width / 2, 16, "nut", { "text-anchor": "middle", class: "faint" }),
         text(width / 2, height - 8, "screw", { "text-anchor": "middle", class: "faint" })] : [])),
     legend([["contact angle without load", "var(--faint)", "dash"], ["nut", "var(--c1)"], ["screw", "var(--c2)"],
-      ...(said.some(([name]) => name === "minor") ? [["unloaded flank", "var(--c4)"]] : [])]),
+      ...(said.some(([name]) => name === "unloaded flank") ? [["unloaded flank", "var(--c4)"]] : [])]),
     html("p", { class: "small faint" }, section
       ? `To scale; thick arcs: widths of the ellipses, ${["nut", "screw"].map((name) => (result[`${name}_ellipse_a_mm`] == null ? "none by this model" : `${name} ${number(2 * result[`${name}_ellipse_a_mm`])} mm`)).filter((w, i, all) => all.indexOf(w) === i).join(", ")}. Conformity ${number(scene.nut_conformity)} (nut), ${number(scene.screw_conformity)} (screw).`
       : "Without nut_conformity and screw_conformity there is no groove to draw: contacts are points."),
-    ...result.section_doubts.map((doubt) => html("p", { class: "warn" }, doubt)));
+    ...result.section_warnings.map((warning) => html("p", { class: "warn" }, warning)));
 }

@@ -80,16 +80,16 @@ fn settings(given: Option<Value>) -> Result<Settings, Refusal> {
     };
     let text = |name: &str| given.get(name).and_then(Value::as_str);
     let named = Settings::named(text("name").unwrap_or("auto"), text("control"), text("friction"))?;
-    let dial = |name: &str, usual: f64| match given.get(name) {
+    let setting = |name: &str, usual: f64| match given.get(name) {
         None | Some(Value::Null) => Ok(usual),
         Some(value) => {
             value.as_f64().ok_or_else(|| Refusal::Input(format!("{name} must be a number")))
         }
     };
     let settings = Settings {
-        tolerance: dial("tolerance", named.tolerance)?,
-        accuracy: dial("accuracy", named.accuracy)?,
-        creep: dial("creep", named.creep)?,
+        tolerance: setting("tolerance", named.tolerance)?,
+        accuracy: setting("accuracy", named.accuracy)?,
+        creep: setting("creep", named.creep)?,
         ..named
     };
     settings.check()?;
@@ -190,9 +190,9 @@ pub(crate) fn solved(
     );
     report.insert("lubrication".to_owned(), json!(record.lubrication()));
     let section = GrooveSection::of(scene).ok();
-    let doubts = section.as_ref().map(|section| section.doubts(&record));
+    let warnings = section.as_ref().map(|section| section.warnings(&record));
     report.insert("section".to_owned(), section.map_or(Value::Null, |section| section.to_json()));
-    report.insert("section_doubts".to_owned(), json!(doubts.unwrap_or_default()));
+    report.insert("section_warnings".to_owned(), json!(warnings.unwrap_or_default()));
     let lead_angle = scene.lead_angle().map(f64::to_degrees);
     report.insert("lead_angle_deg".to_owned(), json!(lead_angle));
     let speeds = scene.speeds_rpm().map(|(screw, nut)| [screw, nut]);

@@ -1,6 +1,6 @@
 //! What the form of the page is made from: inputs by group, with their units and rules, and the names of all choices.
 
-use bsm_case::units::{other_units, words};
+use bsm_case::units::{label, other_units};
 use bsm_case::{INPUTS, ModelChoice, OUTPUTS, Settings, input_schema, output_schema};
 use bsm_dyn::{Control, RacewayFriction};
 use serde_json::{Value, json};
@@ -16,8 +16,8 @@ pub(crate) fn schema() -> Value {
         }
     }
     let inputs = INPUTS.iter().map(|input| {
-        let label = words(input.name, "");
-        let label = words(input.name, input.unit).split(',').next().map_or(label, str::to_owned);
+        let whole = label(input.name, "");
+        let label = label(input.name, input.unit).split(',').next().map_or(whole, str::to_owned);
         let units: Vec<_> = other_units(input.name)
             .into_iter()
             .map(|(unit, factor)| json!([unit, factor]))
@@ -34,7 +34,7 @@ pub(crate) fn schema() -> Value {
         })
     });
     let outputs = OUTPUTS.iter().filter(|output| output.json_type == "number").map(
-        |output| json!({ "name": output.name, "label": words(output.name, output.unit), "about": output.about }),
+        |output| json!({ "name": output.name, "label": label(output.name, output.unit), "about": output.about }),
     );
     json!({
         "input": input_schema(),

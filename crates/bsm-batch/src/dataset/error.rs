@@ -54,7 +54,7 @@ pub enum DatasetError {
         why: String,
     },
     /// A file in place of a part is not of this plan.
-    #[error("{}", words(.0))]
+    #[error("{}", first_few(.0))]
     Damaged(Vec<(PathBuf, PartDefect)>),
     /// Parts or points that are not those of the plan.
     #[error("{0}")]
@@ -71,7 +71,7 @@ impl DatasetError {
 }
 
 /// The first few of what is wrong.
-fn words(damaged: &[(PathBuf, PartDefect)]) -> String {
+fn first_few(damaged: &[(PathBuf, PartDefect)]) -> String {
     const SHOWN: usize = 3;
     let shown = damaged.iter().take(SHOWN).map(|(path, why)| format!("{} {why}", path.display()));
     let more = damaged.len().checked_sub(SHOWN).filter(|more| *more > 0);

@@ -99,7 +99,7 @@ struct ModelEntry {
 impl ModelEntry {
     fn of(settings: &Settings) -> Self {
         let Settings { model, tolerance, accuracy, creep, control, friction } = *settings;
-        let control = control.map(|race| race.name().to_owned());
+        let control = control.map(|raceway| raceway.name().to_owned());
         let (name, friction) = (model.name().to_owned(), friction.name().to_owned());
         Self { name, tolerance, accuracy, creep, control, friction }
     }

@@ -196,7 +196,7 @@ fn numbers_of_analyses_do_not_change_the_others() {
         let analysed = if model == Model::QuasiStatic {
             vec!["efficiency", "ball_torque_Nm", "rotary_to_linear_optimum_efficiency"]
         } else {
-            vec!["efficiency", "ball_torque_Nm", "returner_margin", "nut_spin_power_W"]
+            vec!["efficiency", "ball_torque_Nm", "ball_return_margin", "nut_spin_power_W"]
         };
         let both = solve(&task(&analysed), &grid);
         assert_eq!(both.verdicts, kernel.verdicts, "{model:?}");
@@ -232,7 +232,7 @@ fn columns_that_no_row_can_fill_are_told() {
         assert!(error.contains(words), "{column}: {error}");
     }
     // One of two will do.
-    let columns = outputs(&["returner_margin"]);
+    let columns = outputs(&["ball_return_margin"]);
     Task::over_grid(dong("apex_half_angle_deg"), Settings::default(), columns, None, &grid)
         .expect("the step is left");
 }

@@ -142,8 +142,8 @@ fn parts_are_the_rows_of_one_file() {
     let mut source = GridSource::new(grid());
     let columns = source.columns().clone();
     let out = fs::File::create(&one).expect("file");
-    let signs = TableFormat::default();
-    let sink = TableSink::new(Format::Csv, out, &columns, &task.outputs, &signs);
+    let dialect = TableFormat::default();
+    let sink = TableSink::new(Format::Csv, out, &columns, &task.outputs, &dialect);
     let sink = sink.expect("a table");
     let run = task.run(&mut source, sink, u64::MAX, &workers(2), &mut |_, _| {});
     run.expect("solved").0.finish(None).expect("written");
@@ -276,8 +276,8 @@ fn rows_of_parquet_are_passed_over() {
     let out = fs::File::create(&path).expect("file");
     let task = Task { outputs: Vec::new(), ..task(Model::ClosedForm) };
     let columns = source.columns().clone();
-    let signs = TableFormat::default();
-    let sink = TableSink::new(Format::Parquet, out, &columns, &task.outputs, &signs);
+    let dialect = TableFormat::default();
+    let sink = TableSink::new(Format::Parquet, out, &columns, &task.outputs, &dialect);
     let sink = sink.expect("a table");
     let run = task.run(&mut source, sink, u64::MAX, &workers(2), &mut |_, _| {});
     run.expect("solved").0.finish(None).expect("written");
@@ -344,7 +344,7 @@ fn a_table_without_rows_is_one_part() {
 fn a_part_in_memory_is_the_part_of_the_folder() {
     let (points, folder) = (Points::Grid(grid()), temporary());
     // A word, a flag, a count and a number.
-    let outputs = ["controlling_race", "control_consistent", "iterations", "efficiency"];
+    let outputs = ["controlling_raceway", "control_consistent", "iterations", "efficiency"];
     let outputs = Answers::select(Some(&outputs.map(str::to_owned))).expect("outputs");
     let task = Task { outputs, ..task(Model::RacewayControl) };
     fill(folder.path(), &task, &points, 2);

@@ -130,7 +130,7 @@ fn rigid() {
     compare(&Model::Rigid.into(), campaign(20_000));
 }
 
-/// By the decision and with either race forced; the kernel answers five of six points, the others
+/// By the decision and with either raceway forced; the kernel answers five of six points, the others
 /// have inertia forces of the size of the load.
 #[test]
 fn raceway_control() {

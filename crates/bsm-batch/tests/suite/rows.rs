@@ -35,7 +35,7 @@ impl Table {
     }
 
     /// The cells of a row as values of `--set`.
-    fn words(&self, row: usize) -> Vec<String> {
+    fn assignments(&self, row: usize) -> Vec<String> {
         let word = |(key, cell): (&InputKey, &Cell)| match cell {
             Cell::Number(value) => Some(format!("{}={value}", key.name())),
             Cell::Text(text) => Some(format!("{}={text}", key.name())),
@@ -49,7 +49,7 @@ impl Table {
         let outputs = Answers::select(None).expect("all outputs");
         let answers = self.solve(base, settings);
         for row in 0..self.rows.len() {
-            let words = self.words(row);
+            let words = self.assignments(row);
             let what = || format!("{} {words:?} on {base:?}", settings.model.name());
             let mut scene = base.clone();
             let asked = scene.apply(&words).and_then(|()| {
@@ -160,9 +160,9 @@ fn a_row_with_lead_and_lead_angle_that_disagree_is_refused() {
     }
 }
 
-/// Dials are the library's to check.
+/// Settings are the library's to check.
 #[test]
-fn dials_out_of_range_are_refused_in_every_model() {
+fn settings_out_of_range_are_refused_in_every_model() {
     let table = Table {
         keys: vec![InputKey::axial_load_N],
         rows: vec![vec![Cell::Number(5000.0)], vec![Cell::Missing]],
@@ -231,7 +231,7 @@ const KEYS: [InputKey; 19] = [
     InputKey::poisson_ratio,
     InputKey::ball_youngs_modulus_GPa,
     InputKey::ball_poisson_ratio,
-    InputKey::race_yield_strength_MPa,
+    InputKey::raceway_yield_strength_MPa,
 ];
 
 fn cell(key: InputKey, rng: &mut impl Rng) -> Cell<'static> {

@@ -301,7 +301,7 @@ fn json_that_is_not_clear_is_refused_with_its_line() {
 fn words_of_outputs_stand_as_they_are() {
     let base =
         Scene::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("a scene");
-    let outputs = ["controlling_race", "control_consistent", "iterations"].map(str::to_owned);
+    let outputs = ["controlling_raceway", "control_consistent", "iterations"].map(str::to_owned);
     let outputs = Answers::select(Some(&outputs)).expect("outputs");
     let task = Task::new(base, Model::RacewayControl.into(), outputs);
     let mut source =

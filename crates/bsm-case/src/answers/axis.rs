@@ -355,7 +355,7 @@ impl AxisReport {
             .with("screw", Content::numbers(screw, "screw"))
             .with("not_modelled", Content::Texts("not modelled", not_modelled(scene)));
         let order = worked.order();
-        let answer = answer.with_shown(Content::Words("order:", Some(order.to_string())));
+        let answer = answer.with_shown(Content::Text("order:", Some(order.to_string())));
         Ok(Self { scene: given.clone(), settings: *settings, phases, order, answer })
     }
 

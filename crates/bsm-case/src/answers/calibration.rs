@@ -167,17 +167,20 @@ impl Calibration {
             rows: (1..).zip(self.fitted(report)).map(point).collect(),
             keyed: false,
         };
-        let doubt = if condition > 1e3 { ": the inputs are poorly determined" } else { "" };
+        let caution = if condition > 1e3 { ": the inputs are poorly determined" } else { "" };
         Answer::default()
             .with("output", Content::Json(self.output.name.into()))
             .with("found", Content::Table(found))
             .with("root_mean_square", Content::Json(json!(report.scatter)))
             .with("condition", Content::Json(json!(condition)))
-            .with_shown(Content::Words(
+            .with_shown(Content::Text(
                 "RMS residual:",
                 Some(format!("{} ({})", number(report.scatter), self.output.name)),
             ))
-            .with_shown(Content::Words("condition:", Some(format!("{}{doubt}", number(condition)))))
+            .with_shown(Content::Text(
+                "condition:",
+                Some(format!("{}{caution}", number(condition))),
+            ))
             .with("points", Content::Table(points))
     }
 }

@@ -107,12 +107,12 @@ impl Comparison {
             fails: !self.is_solved(),
             ..Answer::default()
         }
-        .with("regime", Content::Words("regime ", self.regime().map(str::to_owned)))
+        .with("regime", Content::Text("regime ", self.regime().map(str::to_owned)))
         .with("models", Content::Json(self.answers.iter().map(model).collect()))
         .with_shown(Content::Table(table));
         for ModelAnswer { record, .. } in &self.answers {
             let why = record.message().map(str::to_owned);
-            answer = answer.with_shown(Content::Words(record.model().name(), why));
+            answer = answer.with_shown(Content::Text(record.model().name(), why));
         }
         answer.with("left_out", Content::Texts("not compared", self.left_out.clone()))
     }

@@ -87,7 +87,7 @@ impl DesignReport {
         Some(Self::from_outcome(requirement, outcome, &lists.offered))
     }
 
-    /// * `offered`: sizes of makers, one of which was chosen; none of a search over other sizes.
+    /// * `offered`: sizes of manufacturers, one of which was chosen; none of a search over other sizes.
     fn from_outcome(
         requirement: &RequirementFile,
         outcome: Outcome,
@@ -219,7 +219,7 @@ impl DesignReport {
             .with("found", Content::Json(self.found.into()))
             .with("steps", Content::Table(steps))
             .with("reasons", Content::Texts(label, self.reasons.clone()))
-            .with_shown(Content::Words("order:", self.order.clone()))
+            .with_shown(Content::Text("order:", self.order.clone()))
             .with("scene", Content::Json(self.scene.to_json()))
     }
 }
@@ -251,7 +251,7 @@ impl RequirementFile {
             && (!limited || Design::of(&self.problem, *nut, Some(&efficiency)).is_feasible())
     }
 
-    /// The sheet by which every nut is judged, chosen, listed or of a maker: that of [`AxisReport`].
+    /// The sheet by which every nut is judged, chosen, listed or of a manufacturer: that of [`AxisReport`].
     pub(crate) fn judge(&self, scene: &Scene) -> Result<AxisReport, CaseError> {
         AxisReport::judged(scene, &self.settings)
     }
@@ -408,7 +408,7 @@ fn of_rule(rule: &Criterion) -> DesignRow {
     }
 }
 
-/// Nominal diameter of a chosen screw \[mm\] by the sizes of makers, and whether one of them prints its ball diameter.
+/// Nominal diameter of a chosen screw \[mm\] by the sizes of manufacturers, and whether one of them prints its ball diameter.
 fn offered_size(scene: &Scene, offered: &[OfferedSize]) -> Option<(f64, bool)> {
     let same = |mm: Option<f64>, own: f64| mm.is_some_and(|mm| (mm * MM - own).abs() < 1e-9);
     let alike = |size: &&OfferedSize| {
@@ -442,10 +442,10 @@ fn in_unit(check: &Check, value: f64) -> f64 {
 }
 
 fn required(check: &Check) -> Option<String> {
-    let words = |sign: &str, limit: Option<f64>| {
+    let text = |sign: &str, limit: Option<f64>| {
         limit.map(|limit| format!("{sign} {}", trimmed(in_unit(check, limit))))
     };
-    match (words(">=", check.least), words("<=", check.most)) {
+    match (text(">=", check.least), text("<=", check.most)) {
         (Some(least), Some(most)) => Some(format!("{least} and {most}")),
         (one, other) => one.or(other),
     }

@@ -129,7 +129,7 @@ impl EllipseFields {
         let rows = self.contacts.iter().map(row).collect();
         let columns = shown.map(|(_, column)| column).to_vec();
         let mut answer = Answer::default()
-            .with("model", Content::Words("model ", Some(model.to_owned())))
+            .with("model", Content::Text("model ", Some(model.to_owned())))
             .with("contacts", Content::Json(json!(self.contacts)))
             .with_shown(Content::Table(Table { columns, rows, keyed: false }));
         if self.contacts.is_empty() {

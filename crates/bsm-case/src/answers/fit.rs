@@ -272,7 +272,7 @@ impl Fit {
                 "reachable",
                 Content::Json(json!(report.reachable.map(|(low, high)| [low, high]))),
             )
-            .with("message", Content::Words("", Some(self.describe(report))));
+            .with("message", Content::Text("", Some(self.describe(report))));
         for found in &report.found {
             answer.sections.extend(found.record.shown(scene));
         }

@@ -18,22 +18,22 @@ use crate::{Answer, CaseError, InputKey, Scene};
 
 quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
     "contact state, elastic and permanent" {
-        settled_load_N ["N"] Contacts(|j| Some(j.settled.as_ref()?.set.loads)) needs [nut_conformity, screw_conformity], "normal load per ball";
-        settled_angle_deg ["deg"] Contacts(|j| Some(j.settled.as_ref()?.set.angles.map(|a| a / DEG))) needs [nut_conformity, screw_conformity], "contact angle";
-        elastic_approach_um ["um"] Contacts(|j| Some(j.settled.as_ref()?.set.elastic.map(|d| d / UM))) needs [nut_conformity, screw_conformity], "elastic approach";
-        permanent_approach_um ["um"] Contacts(|j| Some(j.settled.as_ref()?.set.permanent.map(|d| d / UM))) needs [nut_conformity, screw_conformity], "permanent approach";
+        load_with_permanent_set_N ["N"] Contacts(|j| Some(j.permanent.as_ref()?.set.loads)) needs [nut_conformity, screw_conformity], "normal load per ball";
+        angle_with_permanent_set_deg ["deg"] Contacts(|j| Some(j.permanent.as_ref()?.set.angles.map(|a| a / DEG))) needs [nut_conformity, screw_conformity], "contact angle";
+        elastic_approach_um ["um"] Contacts(|j| Some(j.permanent.as_ref()?.set.elastic.map(|d| d / UM))) needs [nut_conformity, screw_conformity], "elastic approach";
+        permanent_approach_um ["um"] Contacts(|j| Some(j.permanent.as_ref()?.set.permanent.map(|d| d / UM))) needs [nut_conformity, screw_conformity], "permanent approach";
         total_approach_um ["um"] Contacts(|j| {
-            let set = &j.settled.as_ref()?.set;
+            let set = &j.permanent.as_ref()?.set;
             Some([0, 1].map(|i| (set.elastic[i] + set.permanent[i]) / UM))
         }) needs [nut_conformity, screw_conformity], "total approach";
-        settled_pressure_MPa ["MPa"] Contacts(|j| Some(j.settled.as_ref()?.pressures.map(|p| p / MPA))) needs [nut_conformity, screw_conformity],
+        elastic_pressure_MPa ["MPa"] Contacts(|j| Some(j.permanent.as_ref()?.pressures.map(|p| p / MPA))) needs [nut_conformity, screw_conformity],
             "largest pressure, elastic";
-        yield_ratio [""] Contacts(|j| j.yield_ratios) needs [nut_conformity, screw_conformity, race_yield_strength_MPa, ball_yield_strength_MPa], "pressure over that of first yield";
-        contacts_yield [""] Statement(|j| Some(j.yield_ratios?.iter().any(|ratio| *ratio > 1.0))) needs [nut_conformity, screw_conformity, race_yield_strength_MPa, ball_yield_strength_MPa],
+        yield_ratio [""] Contacts(|j| j.yield_ratios) needs [nut_conformity, screw_conformity, raceway_yield_strength_MPa, ball_yield_strength_MPa], "pressure over that of first yield";
+        contacts_yield [""] Statement(|j| Some(j.yield_ratios?.iter().any(|ratio| *ratio > 1.0))) needs [nut_conformity, screw_conformity, raceway_yield_strength_MPa, ball_yield_strength_MPa],
             "true if the steel yields below the surface of a contact";
     }
     "inertia and drag forces, per ball" {
-        orbit_rate_rad_s ["rad/s"] Whole(Jam::orbit_rate), "orbital speed of the ball in the nut";
+        orbital_speed_rad_s ["rad/s"] Whole(Jam::orbital_speed), "orbital speed of the ball in the nut";
         ball_omega_rad_s ["rad/s"] Whole(|j| j.ball.motion.omega.norm()), "rotation of the ball";
         centrifugal_force_N ["N"] Whole(|j| j.wedge.centrifugal), "centrifugal force";
         centrifugal_over_load [""] Whole(|j| j.wedge.centrifugal / j.least_load()), "centrifugal force over the normal load";
@@ -71,15 +71,15 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
         }), "true if the screw is self-locking in its direction of drive, contact angles under load";
     }
     "ball return" {
-        approach_speed_m_s ["m/s"] Whole(|j| j.returner.speed), "speed of the ball at the ball return";
-        impact_force_N ["N"] Whole(|j| j.returner.impact), "force of the impact";
-        apex_thrust_N ["N"] Whole(|j| j.returner.apex) needs [apex_half_angle_deg], "thrust at the apex of the return curve";
-        step_force_N ["N"] Whole(|j| Some(j.returner.step?.0)) needs [return_angle_deg], "normal force of the step";
-        step_thrust_N ["N"] Whole(|j| Some(j.returner.step?.1)) needs [return_angle_deg], "thrust at the step into the screw";
-        highest_step_mm ["mm"] Whole(|j| j.returner.highest / MM), "critical height of a step into the return";
-        entry_thrust_ratio [""] Whole(|j| j.returner.entered.filter(|ratio| ratio.is_finite())) needs [step_height_mm, return_angle_deg],
+        approach_speed_m_s ["m/s"] Whole(|j| j.ball_return.speed), "speed of the ball at the ball return";
+        impact_force_N ["N"] Whole(|j| j.ball_return.impact), "force of the impact";
+        apex_thrust_N ["N"] Whole(|j| j.ball_return.apex) needs [apex_half_angle_deg], "thrust at the apex of the return curve";
+        step_force_N ["N"] Whole(|j| Some(j.ball_return.step?.0)) needs [return_angle_deg], "normal force of the step";
+        step_thrust_N ["N"] Whole(|j| Some(j.ball_return.step?.1)) needs [return_angle_deg], "thrust at the step into the screw";
+        highest_step_mm ["mm"] Whole(|j| j.ball_return.highest / MM), "critical height of a step into the return";
+        entry_thrust_ratio [""] Whole(|j| j.ball_return.entered.filter(|ratio| ratio.is_finite())) needs [step_height_mm, return_angle_deg],
             "thrust behind over thrust ahead of a ball at the step into the return";
-        entry_thrust_N ["N"] Whole(|j| j.returner.entry_thrust()) needs [step_height_mm, return_angle_deg, apex_half_angle_deg],
+        entry_thrust_N ["N"] Whole(|j| j.ball_return.entry_thrust()) needs [step_height_mm, return_angle_deg, apex_half_angle_deg],
             "thrust at the step into the return, with a ball at the apex ahead";
         screw_track_friction_N ["N"] Whole(|j| Some(j.track?.screw)) needs [loaded_balls_per_turn],
             "track friction of one turn in steady motion, screw (as published)";
@@ -87,14 +87,14 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
             "track friction of one turn in steady motion, weaker contact";
         stopped_track_friction_N ["N"] Whole(|j| Some(j.track?.stopped)) needs [loaded_balls_per_turn],
             "track friction of one turn, balls stationary, screw";
-        returner_margin [""] Whole(|j| Some(j.track?.stopped / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "ball-return margin, friction of stationary balls over thrust";
+        ball_return_margin [""] Whole(|j| Some(j.track?.stopped / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "ball-return margin, friction of stationary balls over thrust";
         published_margin [""] Whole(|j| Some(j.track?.screw / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
             "friction over thrust: steady motion, screw (as published)";
         weaker_contact_margin [""] Whole(|j| Some(j.track?.weaker / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
             "friction over thrust: steady motion, weaker contact";
         jams [""] Statement(|j| {
             let track = j.track?;
-            if j.returner.is_blocked() { Some(true) } else { Some(j.returner.thrust()? >= track.stopped) }
+            if j.ball_return.is_blocked() { Some(true) } else { Some(j.ball_return.thrust()? >= track.stopped) }
         }) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "true if the thrust is at least the friction of stationary balls";
     }
 }
@@ -119,13 +119,13 @@ fn if_any(critical: f64) -> Option<f64> {
 /// Intermediate results of jamming.
 struct Jam {
     ball: SteadyBall<f64>,
-    settled: Option<PermanentContacts>,
+    permanent: Option<PermanentContacts>,
     /// Largest pressures over those of first yield.
     yield_ratios: Option<[f64; 2]>,
     /// Drag of the lubricant \[N\].
     drag: Option<f64>,
     wedge: Wedge<f64>,
-    returner: Returner,
+    ball_return: BallReturn,
     track: Option<Track>,
 }
 
@@ -136,7 +136,7 @@ struct PermanentContacts {
 }
 
 /// The ball return.
-struct Returner {
+struct BallReturn {
     /// Of the ball at the return \[m/s\].
     speed: f64,
     /// Force of the impact \[N\].
@@ -162,7 +162,7 @@ struct Track {
 }
 
 /// Contact state with permanent approach, centrifugal force and drag, the wedge between the
-/// races, and thrust in the ball return against the friction that pushes the balls through it.
+/// raceways, and thrust in the ball return against the friction that pushes the balls through it.
 ///
 /// # Errors
 ///
@@ -171,15 +171,15 @@ struct Track {
 /// that no double holds.
 pub fn jam(scene: &Scene, solution: &Solution) -> Result<Answer, CaseError> {
     let jam = Jam::of(scene, solution)?;
-    let lacks = match jam.settled {
+    let lacks = match jam.permanent {
         Some(_) => Vec::new(),
         None => vec![lacks_ellipses("contact state and wedge angle", solution.model)],
     };
     let numbers = read(&jam, |_| true).finite()?;
     let words = [
-        ("contacts_yield", jam.yield_words()),
-        ("self_locking_under_load", jam.locking_words()),
-        ("jams", jam.return_words(scene)),
+        ("contacts_yield", jam.yield_text()),
+        ("self_locking_under_load", jam.locking_text()),
+        ("jams", jam.return_text(scene)),
     ];
     let verdicts = words.into_iter().filter_map(|(name, words)| Some((name, words?))).collect();
     Ok(of_a_motion(QUANTITIES, scene, solution, numbers, verdicts, lacks))
@@ -226,13 +226,13 @@ impl Jam {
                 ball.motion.precession,
             ),
         };
-        let settled = nut.semi_axes.map(|_| PermanentContacts::of(scene, &wedge)).transpose()?;
-        if let Some(PermanentContacts { set, .. }) = &settled {
+        let permanent = nut.semi_axes.map(|_| PermanentContacts::of(scene, &wedge)).transpose()?;
+        if let Some(PermanentContacts { set, .. }) = &permanent {
             (wedge.loads, wedge.angles) = (set.loads, set.angles);
         }
-        let strengths = scene.race_yield_strength_MPa.zip(scene.ball_yield_strength_MPa);
-        let yield_ratios = settled.as_ref().zip(strengths).map(|(settled, strengths)| {
-            settled.pressures.map(|p| bsm_dyn::yield_ratio(p / MPA, strengths))
+        let strengths = scene.raceway_yield_strength_MPa.zip(scene.ball_yield_strength_MPa);
+        let yield_ratios = permanent.as_ref().zip(strengths).map(|(permanent, strengths)| {
+            permanent.pressures.map(|p| bsm_dyn::yield_ratio(p / MPA, strengths))
         });
         let drag = scene.lubricant_density_kg_m3.zip(scene.drag_coefficient);
         let drag = drag.map(|(density, coefficient)| {
@@ -241,11 +241,11 @@ impl Jam {
             viscous_drag(coefficient, density, 2.0 * ball.radius, speed)
         });
         let track = scene.loaded_balls_per_turn.map(|balls| Track::of(balls, &wedge));
-        let returner = Returner::of(scene, &ball);
-        Ok(Self { ball, settled, yield_ratios, drag, wedge, returner, track })
+        let ball_return = BallReturn::of(scene, &ball);
+        Ok(Self { ball, permanent, yield_ratios, drag, wedge, ball_return, track })
     }
 
-    fn orbit_rate(&self) -> f64 {
+    fn orbital_speed(&self) -> f64 {
         self.ball.motion.precession - self.ball.drive.nut_speed
     }
 
@@ -267,10 +267,10 @@ impl Jam {
 
     /// The thrust that the balls push against, if there is any.
     fn pushed(&self) -> Option<f64> {
-        self.returner.thrust().filter(|thrust| *thrust > 0.0 && !self.returner.is_blocked())
+        self.ball_return.thrust().filter(|thrust| *thrust > 0.0 && !self.ball_return.is_blocked())
     }
 
-    fn yield_words(&self) -> Option<String> {
+    fn yield_text(&self) -> Option<String> {
         let [nut, screw] = self.yield_ratios?;
         Some(format!(
             "the largest pressure is {nut:.2} (nut) and {screw:.2} (screw) times the pressure at which \
@@ -278,7 +278,7 @@ impl Jam {
         ))
     }
 
-    fn locking_words(&self) -> Option<String> {
+    fn locking_text(&self) -> Option<String> {
         let (_, locking) = self.locking()?;
         Some(format!(
             "the screw is self-locking in this direction from a friction coefficient of {locking:.3} on, at \
@@ -288,16 +288,16 @@ impl Jam {
         ))
     }
 
-    fn return_words(&self, scene: &Scene) -> Option<String> {
+    fn return_text(&self, scene: &Scene) -> Option<String> {
         let Track { screw, stopped, .. } = self.track?;
-        if self.returner.is_blocked() {
+        if self.ball_return.is_blocked() {
             return Some(format!(
                 "no thrust lifts a ball over the step of {} mm into the return; it may be {:.3} mm high",
                 scene.step_height_mm.unwrap_or(f64::NAN),
-                self.returner.highest / MM
+                self.ball_return.highest / MM
             ));
         }
-        let thrust = self.returner.thrust()?;
+        let thrust = self.ball_return.thrust()?;
         Some(format!(
             "balls of one turn that are stopped push with a friction of up to {stopped:.3} N against a \
              thrust of {thrust:.3} N; in the steady motion their friction along the track is \
@@ -329,7 +329,7 @@ impl Track {
     }
 }
 
-impl Returner {
+impl BallReturn {
     fn of(scene: &Scene, ball: &SteadyBall<f64>) -> Self {
         let case = scene.reader().operating_point();
         let speed = scene.return_approach_speed_m_s.unwrap_or_else(|| {
@@ -338,8 +338,8 @@ impl Returner {
         });
         let stiffness = scene.return_stiffness_N_um15.map_or_else(
             || {
-                let (races, balls) = scene.reader().materials();
-                flat_stiffness(contact_modulus(&races, &balls), ball.radius)
+                let (raceways, balls) = scene.reader().materials();
+                flat_stiffness(contact_modulus(&raceways, &balls), ball.radius)
             },
             |k| k * PER_UM15,
         );

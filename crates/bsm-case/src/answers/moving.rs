@@ -12,7 +12,7 @@ use crate::{
 };
 
 /// The contacts of a ball.
-const SITES: [Site; 3] = [Site::Nut, Site::Screw, Site::NutMinor];
+const SITES: [Site; 3] = [Site::Nut, Site::Screw, Site::NutUnloaded];
 
 /// Result of an analysis of a solved motion.
 ///
@@ -43,7 +43,7 @@ pub(crate) fn of_a_motion(
     let warnings = scene.warnings().into_iter().chain(record.warnings(scene)).collect();
     let notes = scene.given().unused_by_models().collect();
     Answer { notes, warnings, ..Answer::default() }
-        .with("model", Content::Words("model ", Some(solution.model.name().to_owned())))
+        .with("model", Content::Text("model ", Some(solution.model.name().to_owned())))
         .with("", Content::numbers(numbers, "ball"))
         .with("verdicts", Content::Table(verdicts))
         .with("lacks", Content::Texts("left out", lacks))

@@ -26,7 +26,7 @@ mod train;
 
 use train::{TrainResult, not_pushed};
 
-/// Allowance of catalogues on the calculated rigidity, for what is made (HIWIN BS-08-2).
+/// Allowance of catalogues on the calculated stiffness, for what is made (HIWIN BS-08-2).
 const USUAL: f64 = 0.8;
 
 /// Least and largest `$K_p$` that catalogues measure (HIWIN BS-08-2, eq. 3.2).
@@ -151,7 +151,7 @@ impl NutUnderLoad<'_> {
         let friction = self.friction()?;
         let balls = friction.torque?;
         match self.train() {
-            Some(train) => Some(train.race_torque),
+            Some(train) => Some(train.raceway_torque),
             None => friction.parts.map(|parts| balls - parts.ball_contact - parts.drag),
         }
     }
@@ -191,8 +191,8 @@ quantities! { pub(crate) QUANTITIES, read(&NutUnderLoad<'_>) of Nut;
         preload_stiffness_2_N_um ["N/um"] Whole(|n| stated(&n.state.made, 2.0)), "preload stiffness 2 F_pr/delta_pr: two nuts in parallel";
         preload_stiffness_2_83_N_um ["N/um"] Whole(|n| stated(&n.state.made, 2.0_f64.powf(1.5))), "preload stiffness 2^1.5 F_pr/delta_pr: secant to the limit load";
         preload_stiffness_3_N_um ["N/um"] Whole(|n| stated(&n.state.made, 3.0)), "preload stiffness 3 F_pr/delta_pr: tangent without load";
-        iso_stiffness_N_um ["N/um" "R_nu"] Whole(|n| Some(iso_rigidity(n.problem, n.state)? * UM)), "stiffness by ISO 3408-4: a pair at its preload, one nut as secant at its load";
-        catalogue_stiffness_N_um ["N/um"] Whole(|n| Some(USUAL * iso_rigidity(n.problem, n.state)? * UM)), "catalogue stiffness, 80 % of ISO 3408-4";
+        iso_stiffness_N_um ["N/um" "R_nu"] Whole(|n| Some(iso_stiffness(n.problem, n.state)? * UM)), "stiffness by ISO 3408-4: a pair at its preload, one nut as secant at its load";
+        catalogue_stiffness_N_um ["N/um"] Whole(|n| Some(USUAL * iso_stiffness(n.problem, n.state)? * UM)), "catalogue stiffness, 80 % of ISO 3408-4";
     }
     "preload" {
         preload_set_N ["N"] Whole(|n| Some(n.state.made.preload.as_ref()?.cold)), "cold preload, with no external load and no temperature rise";
@@ -421,8 +421,8 @@ fn stated(made: &NutAtRest, times: f64) -> Option<f64> {
     Some(times * cold / approach * UM)
 }
 
-/// Rigidity of ISO 3408-4 \[N/m\]: of a pair under its preload, or of one nut under its load.
-fn iso_rigidity(problem: &NutProblem, state: &State) -> Option<f64> {
+/// Stiffness of ISO 3408-4 \[N/m\]: of a pair under its preload, or of one nut under its load.
+fn iso_stiffness(problem: &NutProblem, state: &State) -> Option<f64> {
     let (force, pair) = match &state.made.preload {
         Some(set) => (set.cold, true),
         None => (problem.axial().abs(), false),
@@ -515,8 +515,8 @@ impl NutProblem {
     pub fn unsolved(none: &NutError) -> Answer {
         let status = none.status().name().to_owned();
         Answer { fails: true, ..Answer::default() }
-            .with("status", Content::Words("status ", Some(status)))
-            .with("message", Content::Words("message", Some(none.to_string())))
+            .with("status", Content::Text("status ", Some(status)))
+            .with("message", Content::Text("message", Some(none.to_string())))
     }
 
     /// Loads of all balls and what follows from them.
@@ -730,7 +730,7 @@ impl NutReport {
     fn thrown(&self, part: std::ops::Range<f64>) -> Option<String> {
         let (NutAtRest { nut, found, .. }, (_, drive)) =
             (&self.state.made, self.problem.friction.as_ref()?);
-        // On the middle of both races the balls go half as fast as screw and nut together.
+        // On the middle of both raceways the balls go half as fast as screw and nut together.
         let precession = 0.5 * (drive.screw_speed + drive.nut_speed);
         let force = nut.ball.mass * nut.helix.radius * precession * precession;
         let mean = found.mean_load();
@@ -861,7 +861,7 @@ impl NutReport {
         let answer = answer
             .with("", Content::numbers(self.numbers(|_| true), "nut"))
             .with("", Content::Json(Value::Object(more)))
-            .with("model", Content::Words("model ", self.model()));
+            .with("model", Content::Text("model ", self.model()));
         let answer = match self.circuits() {
             Some(circuits) => answer.with("circuits", Content::Table(circuits)),
             None => answer,

@@ -136,7 +136,7 @@ pub fn optimum(scene: &Scene, model: Option<Model>) -> Result<Answer, CaseError>
             Of::Directions.members()[usize::from(found.direction.is_back())],
         );
         answer = answer
-            .with("model", Content::Words("model ", Some(model.to_owned())))
+            .with("model", Content::Text("model ", Some(model.to_owned())))
             .with("by_model", best);
         if found.best.is_none() {
             answer.warnings.push(format!(

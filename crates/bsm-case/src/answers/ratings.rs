@@ -1,13 +1,13 @@
 //! Ratings of a nut in the vocabulary.
 
-mod doubts;
+mod warnings;
 
 use bsm_design::{
     Duty, DynamicRating, Elasticity, Life, Nut, NutBody, PRELOAD, ROLLING_LEVER, StaticRating,
     Thread, in_series, life, pair_loads,
 };
 
-use doubts::{doubts, doubts_of_pair, off_the_flank};
+use warnings::off_the_flank;
 
 use crate::answers::record::message;
 use crate::case::axis::speed_number_limit;
@@ -214,9 +214,9 @@ impl<'a> NutRatings<'a> {
                     .to_owned(),
             );
         }
-        warnings.extend(doubts(nut, thread, body, &Catalogue::standard()?.limits));
+        warnings.extend(warnings::of_nut(nut, thread, body, &Catalogue::standard()?.limits));
         if self.preloaded {
-            warnings.extend(doubts_of_pair(elasticity, *force, load, dynamic.rating));
+            warnings.extend(warnings::of_pair(elasticity, *force, load, dynamic.rating));
         }
         let load = load.unwrap_or(0.0);
         let busier = if self.preloaded { pair_loads(*force, load).0 } else { load };

@@ -1,8 +1,8 @@
 //! The answer in the vocabulary.
 
 use bsm_dyn::{
-    Alternatives, Band, Basis, Choice, ContactState, ErrorBound, FilmState, Model, ROLLING_BELOW,
-    RaceControl, Reason, Regime, Slip, SlipRegime, Solution, Solved, Status, ZERO_CELSIUS,
+    Alternatives, Band, Basis, Choice, ContactState, ControllingRaceway, ErrorBound, FilmState,
+    Model, ROLLING_BELOW, Reason, Regime, Slip, SlipRegime, Solution, Solved, Status, ZERO_CELSIUS,
 };
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
@@ -157,11 +157,11 @@ impl Record {
         if let (Some(Slip { spin, .. }), Model::Rigid | Model::Elastic, None) =
             (slip(Site::Nut), solution.model, solution.choice)
         {
-            let minor = slip(Site::NutMinor).map_or_else(String::new, |slip| {
+            let unloaded = slip(Site::NutUnloaded).map_or_else(String::new, |slip| {
                 format!(", slip {:.0} m/s at the unloaded flank", slip.speed)
             });
             warnings.push(format!(
-                "ball spin {:.2e} rad/s{minor}: this model assumes gross skid; a ball whose \
+                "ball spin {:.2e} rad/s{unloaded}: this model assumes gross skid; a ball whose \
                  friction supports the gyroscopic moment rolls, with less loss. Model traction covers \
                  both; it needs nut_conformity and screw_conformity",
                 spin.abs()
@@ -256,11 +256,11 @@ impl Record {
             ));
         }
         let control = self.solved().and_then(|solved| solved.control);
-        if let Some(RaceControl { race, consistent: Some(false) }) = control {
-            let race = race.name();
+        if let Some(ControllingRaceway { raceway, consistent: Some(false) }) = control {
+            let raceway = raceway.name();
             warnings.push(format!(
                 "neither raceway has the larger spin friction moment at its own solution, so neither \
-                 controls; this is the solution under {race} control. The setting `control` sets the raceway"
+                 controls; this is the solution under {raceway} control. The setting `control` sets the raceway"
             ));
         }
         warnings
@@ -315,8 +315,8 @@ impl Record {
                 }
             }
         }
-        let race = self.solved().and_then(|solved| solved.control);
-        let race = race.map(|control| control.race.name().to_owned());
+        let raceway = self.solved().and_then(|solved| solved.control);
+        let raceway = raceway.map(|control| control.raceway.name().to_owned());
         let evidence = self.solution.as_ref().and_then(Solution::evidence);
         let evidence = evidence.map(|evidence| evidence.to_string());
         let words = [
@@ -327,18 +327,18 @@ impl Record {
             ("shown by", evidence),
             ("regime", self.regime().map(str::to_owned)),
             ("lubrication", self.lubrication()),
-            ("controlling raceway", race),
+            ("controlling raceway", raceway),
         ];
         let unbounded = self.unbounded();
-        let doubt = (!unbounded.is_empty()).then(|| {
+        let caution = (!unbounded.is_empty()).then(|| {
             format!(
                 "* not covered by the error bound: value of model {}; take model traction where it matters",
                 self.model().name()
             )
         });
         let numbers = Content::Numbers { numbers: self.rows(scene), whole: "balls", unbounded };
-        let words = words.map(|(label, words)| Content::Words(label, words));
-        let all = words.into_iter().chain([numbers, Content::Words("", doubt)]);
+        let words = words.map(|(label, words)| Content::Text(label, words));
+        let all = words.into_iter().chain([numbers, Content::Text("", caution)]);
         all.map(|content| Section { member: None, content }).collect()
     }
 
@@ -370,7 +370,7 @@ impl Record {
         if let Some(parts) = parts.as_ref().filter(|parts| parts.torque().is_some()) {
             answer = answer
                 .with_shown(Content::numbers(parts.numbers.clone(), "screw"))
-                .with_shown(Content::Words("contacts by model", Some(parts.contacts.clone())));
+                .with_shown(Content::Text("contacts by model", Some(parts.contacts.clone())));
         }
         answer.sections.extend(self.shown(scene));
         answer = answer.with("", Content::Json(Value::Object(map)));
@@ -387,7 +387,7 @@ impl Record {
             answer = answer
                 .with("band", Content::Json(json))
                 .with_shown(Content::Table(of_band(band)))
-                .with_shown(Content::Words("not included:", Some(NOT_IN_IT.to_owned())));
+                .with_shown(Content::Text("not included:", Some(NOT_IN_IT.to_owned())));
         }
         if let Some(rows) = sensitivities {
             answer = answer.with("sensitivities", Content::Table(Sensitivity::table(rows)));

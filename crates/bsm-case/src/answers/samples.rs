@@ -105,7 +105,7 @@ impl Samples {
             .with("carried", Content::Json(self.carried.into()))
             .with("failed", Content::Json(self.failed.into()))
             .with("quantiles", Content::Table(table))
-            .with_shown(Content::Words("", Some(count)))
+            .with_shown(Content::Text("", Some(count)))
     }
 }
 

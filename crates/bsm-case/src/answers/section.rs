@@ -65,8 +65,8 @@ impl GrooveSection {
     }
 
     /// Contact ellipses that reach beyond the ends of their flanks, as warnings.
-    pub fn doubts(&self, record: &Record) -> Vec<String> {
-        let doubt = |(place, member): (usize, &str)| {
+    pub fn warnings(&self, record: &Record) -> Vec<String> {
+        let warning = |(place, member): (usize, &str)| {
             let number = |name: &str| record.number(&format!("{member}_{name}"));
             let (angle, half) = (number("contact_angle_deg")?, number("ellipse_a_mm")?);
             let half = half / self.radii[place] / DEG;
@@ -82,7 +82,7 @@ impl GrooveSection {
                 "the contact ellipse reaches from {from:.1} to {to:.1} deg along the groove of the {member}: {what}"
             ))
         };
-        [(0, "nut"), (1, "screw")].into_iter().filter_map(doubt).collect()
+        [(0, "nut"), (1, "screw")].into_iter().filter_map(warning).collect()
     }
 
     /// JSON object of all of it.

@@ -46,7 +46,7 @@ quantities! {
         preloaded_body_stiffness_N_um = RATINGS Whole(|c| 2.0 * c.elasticity.body * UM);
     }
     "shown" {
-        preloaded_stiffness_N_um = RATINGS Whole(|c| c.rigidity * UM);
+        preloaded_stiffness_N_um = RATINGS Whole(|c| c.stiffness * UM);
     }
     "in files" {
         nut_outer_diameter_mm = INPUTS Whole(|c| c.body.outer / MM);
@@ -180,12 +180,12 @@ pub fn candidate_scene(candidate: &Candidate, requirement: Option<&RequirementFi
     for number in nut.values_mut() {
         *number = json!(number.as_f64().map(decimal));
     }
-    let Nut { starts, material: (races, _), .. } = candidate.nut;
+    let Nut { starts, material: (raceways, _), .. } = candidate.nut;
     if starts > 1.0 {
         nut.insert("circuits_count".to_owned(), json!(starts));
     }
-    nut.insert("youngs_modulus_GPa".to_owned(), json!(races.youngs_modulus / GPA));
-    nut.insert("poisson_ratio".to_owned(), json!(races.poisson_ratio));
+    nut.insert("youngs_modulus_GPa".to_owned(), json!(raceways.youngs_modulus / GPA));
+    nut.insert("poisson_ratio".to_owned(), json!(raceways.poisson_ratio));
     Value::Object(nut)
 }
 
@@ -201,7 +201,7 @@ pub struct NutFilter {
 impl NutFilter {
     /// Conditions such as `lead_mm=20`; with a requirement also on its sheet.
     ///
-    /// * `pareto`: only those that no other one beats in dynamic rating, rigidity and mass.
+    /// * `pareto`: only those that no other one beats in dynamic rating, stiffness and mass.
     ///
     /// # Errors
     ///

@@ -139,7 +139,7 @@ impl Scene {
     pub(crate) fn pressed_radius(&self, site: Site) -> f64 {
         let conformity = match site {
             Site::Screw => self.screw_conformity,
-            Site::Nut | Site::NutMinor => self.nut_conformity,
+            Site::Nut | Site::NutUnloaded => self.nut_conformity,
         };
         let radius = 0.5 * MM * self.ball_diameter_mm.unwrap_or(f64::NAN);
         pressed_radius(conformity.unwrap_or(f64::NAN), radius)
@@ -248,7 +248,7 @@ impl Loss {
             let used = wrench.force.norm() / contact.load;
             Ok(ContactFriction { power, used, moment: wrench.moment.x })
         };
-        let [nut, screw, minor] = solved.contacts.each_ref();
+        let [nut, screw, unloaded] = solved.contacts.each_ref();
         let power = |contact: &Option<MovingContact>| contact.as_ref().map(power).transpose();
         let dissipated = solution
             .solved()
@@ -257,7 +257,7 @@ impl Loss {
         let film = solution.solved().and_then(|solved| solved.film);
         let sliding = film.map_or(dissipated, |film| film.sliding_power);
         let gyroscopic_moment = solved.ball.gyroscopic_moment(case.ball.inertia());
-        let contacts = [power(nut)?, power(screw)?, power(minor)?];
+        let contacts = [power(nut)?, power(screw)?, power(unloaded)?];
         Ok(Self { contacts, dissipated, sliding, gyroscopic_moment })
     }
 

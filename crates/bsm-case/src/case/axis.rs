@@ -25,7 +25,7 @@ const LARGEST_BORE: f64 = 0.8;
 #[derive(Debug, Clone)]
 pub(crate) struct Machine {
     pub(crate) axis: Axis,
-    /// Dynamic and static load rating \[N\], calculated or of the maker, without factors.
+    /// Dynamic and static load rating \[N\], calculated or of the manufacturer, without factors.
     pub(crate) ratings: [f64; 2],
     /// The nut and its thread; `None` of a screw of which only the ratings are known.
     pub(crate) groove: Option<(Nut, Thread)>,
@@ -38,7 +38,7 @@ pub(crate) struct Machine {
     pub(crate) held: Option<FixedEnds>,
     /// What was estimated, in words.
     pub(crate) assumed: Vec<String>,
-    /// Where the ratings of a maker are not those of the groove.
+    /// Where the ratings of a manufacturer are not those of the groove.
     pub(crate) warning: Option<String>,
 }
 
@@ -225,7 +225,7 @@ pub(crate) fn mount(scene: &Scene) -> Mount {
     }
 }
 
-/// Factors of its load ratings: of makers' ones that of accuracy only where it is given, as they are printed for their own grade.
+/// Factors of its load ratings: of manufacturers' ones that of accuracy only where it is given, as they are printed for their own grade.
 pub(crate) fn rating_factors(scene: &Scene) -> RatingFactors {
     let own = scene.rated_dynamic_load_N.or(scene.rated_static_load_N).is_none();
     let grade = scene.nut.accuracy_grade.filter(|_| own);

@@ -5,7 +5,7 @@ use bsm_dyn::Material;
 use serde_json::{Map, Value};
 
 use crate::Rule::{Above, AtLeast, Between, Within};
-use crate::case::maker_sizes::{offered_sizes, read_sizes};
+use crate::case::manufacturer_sizes::{offered_sizes, read_sizes};
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::error;
 use crate::vocabulary::quantity::keys;
@@ -18,8 +18,8 @@ pub const STANDARD_CATALOGUE: &str = include_str!("catalogue.json");
 /// Combinations that a list may make.
 const MOST: usize = 20_000_000;
 
-/// Conformity of nuts whose makers state none.
-const OF_MAKERS: f64 = 0.52;
+/// Conformity of nuts whose manufacturers state none.
+const OF_MANUFACTURERS: f64 = 0.52;
 
 /// Nuts that are compared at a time.
 const PART: usize = 1 << 16;
@@ -69,16 +69,16 @@ impl Catalogue {
         Self::from_json(b"{}")
     }
 
-    /// Sizes that makers offer, of THK and HIWIN, with the limits and the contact angle of the standard lists.
+    /// Sizes that manufacturers offer, of THK and HIWIN, with the limits and the contact angle of the standard lists.
     ///
     /// # Errors
     ///
     /// None; the sizes are compiled in.
-    pub fn makers() -> Result<Self, CaseError> {
+    pub fn manufacturers() -> Result<Self, CaseError> {
         Self::of_sizes(offered_sizes())
     }
 
-    /// The sizes of a table with the columns of [`MAKER_SIZES`](crate::MAKER_SIZES); none of a table without `turns`, which is one of
+    /// The sizes of a table with the columns of [`MANUFACTURER_SIZES`](crate::MANUFACTURER_SIZES); none of a table without `turns`, which is one of
     /// nuts.
     ///
     /// # Errors
@@ -106,7 +106,7 @@ impl Catalogue {
         lists.leads = all(|size| size.lead);
         lists.balls = all(|size| size.ball);
         lists.turns = all(|size| size.turns);
-        lists.conformities = vec![OF_MAKERS];
+        lists.conformities = vec![OF_MANUFACTURERS];
         limits.turns = (1.0, f64::INFINITY);
         Ok(all_sizes)
     }
@@ -140,7 +140,7 @@ impl Catalogue {
         self.lists.map(&self.limits, places, each)
     }
 
-    /// Leaves the places of the nuts that no other one beats in dynamic rating, rigidity and mass.
+    /// Leaves the places of the nuts that no other one beats in dynamic rating, stiffness and mass.
     #[must_use]
     pub fn pareto(&self, places: &[u32]) -> Vec<u32> {
         let mut best: Vec<(u32, [f64; 3])> = Vec::new();

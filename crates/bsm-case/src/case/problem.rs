@@ -56,7 +56,7 @@ impl ModelChoice {
     }
 }
 
-/// How to solve: the model and its dials.
+/// How to solve: the model and its settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// The model.
@@ -68,7 +68,7 @@ pub struct Settings {
     pub accuracy: f64,
     /// Creep speed over `$r_b|W|$` in model traction, see [`Self::CREEP`]: it makes friction smooth.
     pub creep: f64,
-    /// The controlling race in model raceway-control; `None` decides by the spin moments.
+    /// The controlling raceway in model raceway-control; `None` decides by the spin moments.
     pub control: Option<Control>,
     /// Where friction of a lubricant is computed in model raceway-control.
     pub friction: RacewayFriction,
@@ -88,7 +88,7 @@ impl Default for Settings {
 }
 
 impl From<Model> for Settings {
-    /// That model with its default dials.
+    /// That model with its default settings.
     fn from(model: Model) -> Self {
         Self { model: model.into(), ..Self::default() }
     }
@@ -103,7 +103,7 @@ impl Settings {
     /// Rule for [`creep`](Self::creep).
     pub const CREEP: Rule = Rule::Above(0.0);
 
-    /// The model, the controlling race and the place of friction of these names, with the other dials at their
+    /// The model, the controlling raceway and the place of friction of these names, with the other settings at their
     /// defaults.
     ///
     /// # Errors
@@ -114,14 +114,14 @@ impl Settings {
         control: Option<&str>,
         friction: Option<&str>,
     ) -> Result<Self, CaseError> {
-        let race = |name: &str| {
+        let raceway = |name: &str| {
             Control::from_name(name).ok_or_else(|| CaseError::UnknownWord {
                 kind: "raceway",
                 name: name.to_owned(),
                 known: Control::ALL.map(Control::name).join(", "),
             })
         };
-        let control = control.map(race).transpose()?;
+        let control = control.map(raceway).transpose()?;
         let place = |name: &str| {
             RacewayFriction::from_name(name).ok_or_else(|| CaseError::UnknownWord {
                 kind: "friction",
@@ -133,7 +133,7 @@ impl Settings {
         Ok(Self { model: ModelChoice::from_name(model)?, control, friction, ..Self::default() })
     }
 
-    /// JSON object of the dials.
+    /// JSON object of the settings.
     pub fn to_json(&self) -> Value {
         let Self { model, tolerance, accuracy, creep, control, friction } = *self;
         json!({
@@ -146,7 +146,7 @@ impl Settings {
         })
     }
 
-    /// Checks the dials.
+    /// Checks the settings.
     ///
     /// # Errors
     ///
@@ -371,7 +371,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if a value or a dial breaks a rule, an input of the model is missing, or there is no warm state.
+    /// [`CaseError`] if a value or a setting breaks a rule, an input of the model is missing, or there is no warm state.
     pub fn problem(&self, settings: &Settings) -> Result<Problem, CaseError> {
         if self.nut.preload_class.is_some() {
             return Err(bad("preload_class", "is not used by one ball: bsm axis, bsm nut"));

@@ -105,13 +105,13 @@ pub(crate) fn body(scene: &Scene, nut: &Nut, thread: &Thread) -> Result<NutBody,
     Ok(body)
 }
 
-/// Ratings of a maker beside those of the groove, where they differ.
+/// Ratings of a manufacturer beside those of the groove, where they differ.
 ///
 /// # Errors
 ///
 /// [`CaseError::Invalid`] beyond a factor of 2, unless `keep_ratings` is true.
 pub(crate) fn compared(scene: &Scene, nut: &Nut) -> Result<Option<String>, CaseError> {
-    /// Calculated over stated ratings that need no word: the formulas of makers differ so much.
+    /// Calculated over stated ratings that need no word: the formulas of manufacturers differ so much.
     const USUAL: [(f64, f64); 2] = [(0.85, 1.18), (0.80, 1.25)];
     /// Those of another nut.
     const OTHER: (f64, f64) = (0.5, 2.0);

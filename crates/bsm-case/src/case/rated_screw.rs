@@ -1,8 +1,8 @@
-//! A screw of which only nominal diameter, lead and load ratings are known: its other sizes by makers' lists and rules.
+//! A screw of which only nominal diameter, lead and load ratings are known: its other sizes by manufacturers' lists and rules.
 
 use bsm_design::{NutBody, OfferedSize, Screw, rod_inertia};
 
-use crate::case::maker_sizes::offered_sizes;
+use crate::case::manufacturer_sizes::offered_sizes;
 use crate::case::rated_nut;
 use crate::vocabulary::error::bad;
 use crate::vocabulary::input_set::inputs;

@@ -136,18 +136,18 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         }
     }
 
-    /// Elastic constants of races and balls.
+    /// Elastic constants of raceways and balls.
     pub(crate) fn materials(&self) -> (Material<D>, Material<D>) {
-        let races = Material {
+        let raceways = Material {
             youngs_modulus: self.value(InputKey::youngs_modulus_GPa) * GPA,
             poisson_ratio: self.value(InputKey::poisson_ratio),
         };
         let (modulus, ratio) = (InputKey::ball_youngs_modulus_GPa, InputKey::ball_poisson_ratio);
         let balls = Material {
-            youngs_modulus: self.given(modulus).map_or(races.youngs_modulus, |e| e * GPA),
-            poisson_ratio: self.given(ratio).unwrap_or(races.poisson_ratio),
+            youngs_modulus: self.given(modulus).map_or(raceways.youngs_modulus, |e| e * GPA),
+            poisson_ratio: self.given(ratio).unwrap_or(raceways.poisson_ratio),
         };
-        (races, balls)
+        (raceways, balls)
     }
 
     pub(crate) fn elastic_point(&self) -> ElasticPoint<D> {

@@ -44,7 +44,7 @@ pub enum Content {
     /// Rows of numbers and texts.
     Table(Table),
     /// A short text behind a label, if any.
-    Words(&'static str, Option<String>),
+    Text(&'static str, Option<String>),
     /// Sentences behind a label.
     Texts(&'static str, Vec<String>),
     /// For programs alone.
@@ -176,7 +176,7 @@ impl Content {
         match self {
             Self::Numbers { numbers, .. } => Value::Object(numbers_json(numbers)),
             Self::Table(table) => table.to_json(),
-            Self::Words(_, words) => json!(words),
+            Self::Text(_, words) => json!(words),
             Self::Texts(_, texts) => json!(texts),
             Self::Json(json) => json.clone(),
         }

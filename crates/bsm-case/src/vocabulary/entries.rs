@@ -1,7 +1,7 @@
 //! What a scene says of a nut, its axis and its lubricant besides numbers: lists, objects, texts and flags.
 
 use bsm_design::{
-    Contamination, Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod, RigidityAt, Support,
+    Contamination, Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod, StiffnessAt, Support,
 };
 use bsm_dyn::BaseOil;
 use bsm_nut::Flanks;
@@ -75,7 +75,7 @@ entries! {
     preload_by: Named<PreloadMethod>,
         "how a nut is preloaded: pair, two nuts against each other; offset, a shifted lead within one nut, which acts as a pair; oversize, balls too large for both flanks. Unless given, a pair if the nut has two bodies or short words";
     preload_class: ClassName,
-        "class of preload, for bsm axis and bsm select, in place of preload_N: auto, the least that the largest load does not open; Z, G0 to G3, GT, P0 to P4, Z0 to Z3 of makers";
+        "class of preload, for bsm axis and bsm select, in place of preload_N: auto, the least that the largest load does not open; Z, G0 to G3, GT, P0 to P4, Z0 to Z3 of manufacturers";
     preload_arrangement: Named<Arrangement>,
         "arrangement of a preloaded pair: O, the nuts are pushed apart; X, they are pulled together. O unless preload_offset_um or the flanks of circuits say otherwise";
     ball_deviation_um: Vec<f64>,
@@ -102,7 +102,7 @@ entries! {
         "what the viscosity ratio of the modified life follows from: film, where groove and roughness are known, or viscosity; film unless given";
     keep_ratings: bool,
         "true: rated_dynamic_load_N and rated_static_load_N stand although the groove has other ratings by more than a factor of 2";
-    rated_rigidity_at: Named<RigidityAt>,
+    rated_rigidity_at: Named<StiffnessAt>,
         "where rated_rigidity_N_um is meant: at an axial load of 0.3 C_a (THK) or 0.28 C_a (HIWIN), or of a nut preloaded by 0.1 C_a";
     cycle: Vec<PhaseEntry>,
         "phases of the cycle of the axis, for bsm axis: time_s or share, force_N, feed_m_min or screw_speed_rpm, acceleration_m_s2; in place of axial_load_N and screw_speed_rpm";
@@ -272,7 +272,7 @@ choices! {
     Make: "rolled" = Self::Rolled, "ground" = Self::Ground, "caged" = Self::Caged,
         "high-speed" = Self::HighSpeed;
     PreloadMethod: "pair" = Self::DoubleNut, "offset" = Self::Offset, "oversize" = Self::Oversize;
-    RigidityAt: "0.3 Ca" = Self::Load(0.3), "0.28 Ca" = Self::Load(0.28),
+    StiffnessAt: "0.3 Ca" = Self::Load(0.3), "0.28 Ca" = Self::Load(0.28),
         "preload 0.1 Ca" = Self::Preload(0.1);
     SteelFactor: "air-melted" = Self(1.0), "vacuum-degassed" = Self(1.25),
         "electro-slag" = Self(1.44), "vacuum-remelted" = Self(1.71);

@@ -27,7 +27,7 @@ pub enum CaseError {
     #[error("is not valid JSON: {0}")]
     Syntax(#[source] serde_json::Error),
     /// A name that is not known.
-    #[error("{} `{}`{}", known.words(), brief(name), nearest_hint(nearest.as_deref()))]
+    #[error("{} `{}`{}", known.text(), brief(name), nearest_hint(nearest.as_deref()))]
     Unknown {
         /// Kind of the name.
         known: Known,
@@ -174,7 +174,7 @@ pub enum Known {
 }
 
 impl Known {
-    fn words(self) -> &'static str {
+    fn text(self) -> &'static str {
         match self {
             Self::Input | Self::List | Self::Requirement => "unknown key",
             Self::Column => "no column is named",

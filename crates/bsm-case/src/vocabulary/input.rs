@@ -378,7 +378,7 @@ inputs! {
             "largest speed number, pitch circle diameter times speed, that the ball return permits; that of screw_make unless given";
     }
     "nut" {
-        race_yield_strength_MPa ["MPa"] Above(0.0), None,
+        raceway_yield_strength_MPa ["MPa"] Above(0.0), None,
             "yield strength of the raceways, for the margin of the contacts against yield";
         ball_yield_strength_MPa ["MPa"] Above(0.0), None,
             "yield strength of the balls, for the margin of the contacts against yield";

@@ -159,17 +159,17 @@ macro_rules! outputs {
     (@of $($at:ident)+) => { Of::Contacts };
     (@said nut) => { ", nut" };
     (@said screw) => { ", screw" };
-    (@said minor) => { ", unloaded flank of the nut" };
+    (@said unloaded) => { ", unloaded flank of the nut" };
     (@said whole) => { "" };
     (@site screw) => { Site::Screw };
-    (@site minor) => { Site::NutMinor };
+    (@site unloaded) => { Site::NutUnloaded };
     (@site $at:ident) => { Site::Nut };
     (@json Number) => { "number" };
     (@json Count) => { "integer" };
     (@json Flag) => { "boolean" };
-    (@json Race) => { "string" };
+    (@json Raceway) => { "string" };
     (@json Evidence) => { "string" };
-    (@words Race) => { &["nut", "screw"] };
+    (@words Raceway) => { &["nut", "screw"] };
     (@words Evidence) => { &Evidence::NAMES };
     (@words $kind:ident) => { &[] };
 }
@@ -245,13 +245,13 @@ outputs! {
             "skid onset number, the skid number times a factor for the friction that the slip of the lead takes: below 0.1 the ball rolls, above 2 it is in gross skid";
     }
     "contact" {
-        "normal load per ball" ["N" "Q"] Number: nut_normal_load_N nut screw_normal_load_N screw minor_normal_load_N minor = |s, at| s.contact(at)?.load,
+        "normal load per ball" ["N" "Q"] Number: nut_normal_load_N nut screw_normal_load_N screw unloaded_flank_normal_load_N unloaded = |s, at| s.contact(at)?.load,
             "normal load of a ball";
         "contact angle" ["deg" "alpha"] Number: nut_contact_angle_deg nut screw_contact_angle_deg screw = |s, at| Some(s.contact(at)?.angle / DEG),
             "contact angle";
-        "slip speed" ["m/s"] Number: nut_slip_velocity_m_s nut screw_slip_velocity_m_s screw minor_slip_velocity_m_s minor = |s, at| Some(s.contact(at)?.slip?.speed),
+        "slip speed" ["m/s"] Number: nut_slip_velocity_m_s nut screw_slip_velocity_m_s screw unloaded_flank_slip_velocity_m_s unloaded = |s, at| Some(s.contact(at)?.slip?.speed),
             "slip speed";
-        "direction of friction" ["deg"] Number: nut_slip_angle_deg nut screw_slip_angle_deg screw minor_slip_angle_deg minor = |s, at| Some(direction_deg(s.contact(at)?.slip_angle?)),
+        "direction of friction" ["deg"] Number: nut_slip_angle_deg nut screw_slip_angle_deg screw unloaded_flank_slip_angle_deg unloaded = |s, at| Some(direction_deg(s.contact(at)?.slip_angle?)),
             "direction of friction on the ball";
         "spin about the normal" ["rad/s"] Number: nut_spin_rad_s nut screw_spin_rad_s screw = |s, at| Some(s.contact(at)?.slip?.spin),
             "spin about the contact normal, relative to nut or screw";
@@ -287,7 +287,7 @@ outputs! {
             "power lost at the seals, which warms the lubricant; a part of screw_torque_Nm, not of dissipated_power_W";
         "self_locking" [""] Flag: self_locking whole = |s, _| s.self_locking(),
             "true if the screw is self-locking in this direction";
-        "controlling_race" [""] Race: controlling_race whole = |s, _| Some(s.solved()?.control?.race),
+        "controlling_raceway" [""] Raceway: controlling_raceway whole = |s, _| Some(s.solved()?.control?.raceway),
             "raceway on which the ball does not spin (raceway control)";
         "control_consistent" [""] Flag: control_consistent whole = |s, _| s.solved()?.control?.consistent,
             "true if the controlling raceway has the larger spin friction moment at this solution; false where neither raceway has it at its own solution";
@@ -306,10 +306,10 @@ mod tests {
 
     /// Columns hold the place of a word.
     #[test]
-    fn races_are_told_by_their_places() {
-        let output = Output::named("controlling_race").expect("an output");
-        for race in Control::ALL {
-            assert_eq!(output.word(race.number()), Some(race.name()));
+    fn raceways_are_told_by_their_places() {
+        let output = Output::named("controlling_raceway").expect("an output");
+        for raceway in Control::ALL {
+            assert_eq!(output.word(raceway.number()), Some(raceway.name()));
         }
     }
 }

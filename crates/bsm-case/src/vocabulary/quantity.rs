@@ -13,7 +13,7 @@ pub enum AnalysisKind {
     Jam,
     /// Optimum contact angles and self-locking limits.
     Optimum,
-    /// Ratings, rigidity and thread of a nut.
+    /// Ratings, stiffness and thread of a nut.
     Ratings,
     /// All balls of a nut, `bsm nut`.
     Nut,
@@ -273,7 +273,7 @@ macro_rules! quantities {
         &[
             $crate::vocabulary::quantity::quantities!(@column "number", "nut_", ", nut", $($of)*),
             $crate::vocabulary::quantity::quantities!(@column "number", "screw_", ", screw", $($of)*),
-            $crate::vocabulary::quantity::quantities!(@column "number", "minor_", ", unloaded flank", $($of)*),
+            $crate::vocabulary::quantity::quantities!(@column "number", "unloaded_flank_", ", unloaded flank", $($of)*),
         ]
     };
     (@Directions $($of:tt)*) => {

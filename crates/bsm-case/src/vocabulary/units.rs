@@ -32,7 +32,7 @@ pub fn drive_of_rpm<F: Field>(screw: F, nut: F) -> Drive<F> {
 }
 
 /// A name of the vocabulary as a label, its unit behind a comma: `axial_load_N` is "axial load, N".
-pub fn words(name: &str, unit: &str) -> String {
+pub fn label(name: &str, unit: &str) -> String {
     let written = unit
         .replace("(m K)", "m_K")
         .replace("(m2 K)", "m2K")
@@ -296,8 +296,8 @@ mod tests {
 
     /// Labels of axes are texts with units, not names of columns.
     #[test]
-    fn names_as_words() {
-        for (name, unit, label) in [
+    fn names_as_labels() {
+        for (name, unit, expected) in [
             ("axial_load_N", "N", "axial load, N"),
             ("efficiency", "", "efficiency"),
             ("nut_slip_velocity_m_s", "m/s", "nut slip velocity, m/s"),
@@ -305,10 +305,10 @@ mod tests {
             ("thermal_expansion_um_m_K", "um/(m K)", "thermal expansion, um/(m K)"),
             ("return_stiffness_N_um15", "N/um^1.5", "return stiffness, N/um^1.5"),
         ] {
-            assert_eq!(words(name, unit), label);
+            assert_eq!(label(name, unit), expected);
         }
         for input in INPUTS {
-            let label = words(input.name, input.unit);
+            let label = label(input.name, input.unit);
             let unit = input.unit.chars().next().filter(|first| first.is_alphanumeric());
             let twice =
                 unit.is_some() && label.replace(' ', "_").starts_with(&format!("{},", input.name));

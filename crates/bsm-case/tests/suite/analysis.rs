@@ -64,7 +64,7 @@ fn slip_is_what_the_model_says() {
 /// The power adds up with the quadrature and the creep speed that the model was given, and with
 /// the accuracy that `auto` has found.
 #[test]
-fn powers_add_up_with_the_dials() {
+fn powers_add_up_with_the_settings() {
     let scene = scene(XU, &[("screw_speed_rpm", 12000.0)]);
     let coarse = Settings { accuracy: 1e-4, creep: 1e-2, ..Model::Traction.into() };
     let fine = Settings { tolerance: 1e-5, ..Settings::default() };
@@ -91,7 +91,7 @@ fn printed_slips_take_the_other_angle() {
             let corrected = number(&report, &format!("{contact}_{form}_slip_corrected_m_s"));
             assert!((printed / corrected - 1.0).abs() < 1e-12, "{contact} {form}");
         }
-        assert!(report.number(&format!("minor_{form}_slip_printed_m_s")).is_none());
+        assert!(report.number(&format!("unloaded_flank_{form}_slip_printed_m_s")).is_none());
     }
     let report = slip(&scene(XU, &[]), Model::Traction);
     let [printed, corrected] = ["printed", "corrected"].map(|form| {
@@ -108,7 +108,7 @@ fn rigid_has_no_ellipses() {
     let mut scene = scene(XU, &[("lead_mm", 40.0)]);
     (scene.nut_conformity, scene.screw_conformity) = (None, None);
     let report = slip(&scene, Model::Rigid);
-    assert!(report.number("minor_differential_slip_m_s").is_some());
+    assert!(report.number("unloaded_flank_differential_slip_m_s").is_some());
     assert!(report.number("nut_spin_slip_m_s").is_none());
     assert!(report.texts("lacks")[0].contains("nut_conformity"), "{:?}", report.texts("lacks"));
     let report = jam(&scene, Model::Rigid);
@@ -125,7 +125,7 @@ fn rigid_has_no_ellipses() {
 #[test]
 fn what_jamming_lacks_is_named() {
     let names = [
-        "race_yield_strength_MPa",
+        "raceway_yield_strength_MPa",
         "drag_coefficient",
         "apex_half_angle_deg",
         "return_angle_deg",
@@ -160,10 +160,10 @@ fn rolling_balls_do_not_jam_at_any_thrust() {
     for model in [Model::Elastic, Model::RacewayControl, Model::Traction] {
         let report = jam(&scene(DONG, &[]), model);
         let (jams, words) = statement(&report, "jams");
-        assert!(!jams && number(&report, "returner_margin") > 1.0, "{words}");
+        assert!(!jams && number(&report, "ball_return_margin") > 1.0, "{words}");
         let report = jam(&scene(DONG, &[("step_normal_force_N", 1e5)]), model);
         let (jams, words) = statement(&report, "jams");
-        assert!(jams && number(&report, "returner_margin") < 1.0, "{words}");
+        assert!(jams && number(&report, "ball_return_margin") < 1.0, "{words}");
     }
     let rolls = jam(&scene(DONG, &[]), Model::RacewayControl);
     assert!(number(&rolls, "published_margin").abs() < f64::EPSILON);
@@ -227,7 +227,7 @@ fn a_scene_built_to_jam_jams() {
     let margin = |changes: &[(&str, f64)]| {
         let report = jam(&scene(JAMMING, changes), Model::RacewayControl);
         let (jams, words) = statement(&report, "jams");
-        let margin = number(&report, "returner_margin");
+        let margin = number(&report, "ball_return_margin");
         assert_eq!(jams, margin <= 1.0, "{words}");
         margin
     };
@@ -261,7 +261,7 @@ fn no_alarm(scene: &Scene) {
     let holds = |verdict: &serde_json::Value| verdict["answer"] == true;
     let alarms = verdicts.as_object().expect("verdicts").values().filter(|verdict| holds(verdict));
     assert_eq!(alarms.count(), 0, "{verdicts}: {scene:?}");
-    assert!(report.number("returner_margin").is_none_or(|margin| margin > 1.0));
+    assert!(report.number("ball_return_margin").is_none_or(|margin| margin > 1.0));
 }
 
 /// `bsm jam` found a self-locking ball in every healthy screw.
@@ -292,7 +292,7 @@ fn healthy_screws_raise_no_alarm() {
             ("axial_load_N", 0.2 * number("dynamic_load_rating_N")),
             ("screw_speed_rpm", 35_000.0 / number("pitch_circle_diameter_mm")),
             // Hardened to 60 HRC.
-            ("race_yield_strength_MPa", 2200.0),
+            ("raceway_yield_strength_MPa", 2200.0),
             ("ball_yield_strength_MPa", 2400.0),
         ];
         no_alarm(&scene(FEED, &[&RETURN[..], &healthy].concat()));
@@ -313,7 +313,7 @@ fn a_reversal_turns_the_wedge() {
 
 /// Thrust of an impact follows what is given of it.
 #[test]
-fn inputs_of_the_returner_are_used() {
+fn inputs_of_the_ball_return_are_used() {
     let thrust = |changes: &[(&str, f64)]| {
         let report = jam(&scene(DONG, changes), Model::RacewayControl);
         number(&report, "step_thrust_N")
@@ -378,7 +378,7 @@ fn jamming_of_a_lubricated_ball_is_refused_with_numbers() {
     for coefficient in [film.nut.friction, film.screw.friction, 0.12] {
         assert!(error.contains(&bsm_case::number(coefficient)), "{coefficient}: {error}");
     }
-    let column = Output::named("returner_margin").expect("a column");
+    let column = Output::named("ball_return_margin").expect("a column");
     let refused = |column: &Output| {
         let checked = column.check(&oil, oil.stated(), ModelChoice::Auto);
         checked.expect_err("a lubricant").to_string()
@@ -521,8 +521,8 @@ fn self_locking_has_one_criterion() {
         let report = jam(&scene(DONG, &steep), model);
         let (locks, words) = statement(&report, "self_locking_under_load");
         let angle = 0.5
-            * (number(&report, "nut_settled_angle_deg")
-                + number(&report, "screw_settled_angle_deg"));
+            * (number(&report, "nut_angle_with_permanent_set_deg")
+                + number(&report, "screw_angle_with_permanent_set_deg"));
         let closed = bsm_dyn::Angles {
             lead: scene(DONG, &steep).lead_angle().expect("a lead"),
             contact: angle.to_radians(),

@@ -18,7 +18,7 @@ fn numbers(scene: &Scene) -> impl Fn(&str) -> f64 + use<> {
     move |name| answer.number(name).unwrap_or(f64::NAN)
 }
 
-/// More turns carry more: C_a as i^0.86, C_0a and rigidity as i (at the load of one turn each).
+/// More turns carry more: C_a as i^0.86, C_0a and stiffness as i (at the load of one turn each).
 #[test]
 fn turns_add_up() {
     let one = numbers(&nut(&[("loaded_turns", 1.0), ("axial_load_N", 1000.0)]));
@@ -31,18 +31,18 @@ fn turns_add_up() {
     assert!((ratio("single_nut_tangent_stiffness_N_um") - 4.0).abs() < 1e-12);
 }
 
-/// Rigidity is the slope of load over displacement.
+/// Stiffness is the slope of load over displacement.
 #[test]
-fn rigidity_is_a_derivative() {
+fn stiffness_is_a_derivative() {
     let displacement = |load| numbers(&nut(&[("axial_load_N", load)]))("contact_displacement_um");
     let (load, step) = (2e4, 1.0);
     let slope = 2.0 * step / (displacement(load + step) - displacement(load - step));
     let numbers = numbers(&nut(&[("axial_load_N", load)]));
-    let rigidity = numbers("tangent_contact_stiffness_N_um");
+    let stiffness = numbers("tangent_contact_stiffness_N_um");
     let secant = load / numbers("contact_displacement_um");
     assert!((secant / numbers("secant_contact_stiffness_N_um") - 1.0).abs() < 1e-12);
     // The difference errs by (step/load)², its rounding by 1e-16 of 2e4.
-    assert!((slope / rigidity - 1.0).abs() < 1e-8, "{slope} {rigidity}");
+    assert!((slope / stiffness - 1.0).abs() < 1e-8, "{slope} {stiffness}");
 }
 
 /// Under a small load contact angles do not change, and the elastic model of the balls gives the same

@@ -186,14 +186,14 @@ fn preload_costs_life() {
     assert!((numbers(&nut)("rating_life_h") / single - 1.0).abs() < 1e-12);
 }
 
-/// Balls of 0.8 mm on a screw of 40 mm were standard sizes, and the commonest sizes of all makers were none, as their balls have
+/// Balls of 0.8 mm on a screw of 40 mm were standard sizes, and the commonest sizes of all manufacturers were none, as their balls have
 /// more than half of the lead.
 #[test]
-fn sizes_are_those_that_makers_have() {
-    let makers = Catalogue::makers().expect("compiled in");
+fn sizes_are_those_that_manufacturers_have() {
+    let manufacturers = Catalogue::manufacturers().expect("compiled in");
     // 208 rows of THK and HIWIN, each with its numbers of turns.
-    assert_eq!(makers.lists.offered.len(), 463);
-    for catalogue in [makers, Catalogue::standard().expect("compiled in")] {
+    assert_eq!(manufacturers.lists.offered.len(), 463);
+    for catalogue in [manufacturers, Catalogue::standard().expect("compiled in")] {
         let all = all(&catalogue);
         let outside = all.iter().filter(|nut| {
             let share = nut.size.ball / nut.size.diameter;
@@ -214,12 +214,12 @@ fn sizes_are_those_that_makers_have() {
 /// each of four threads. The lead has room for them, and the scene of the nut says so.
 #[test]
 fn circuits_of_a_large_lead_have_a_thread_each() {
-    let makers = Catalogue::makers().expect("compiled in");
+    let manufacturers = Catalogue::manufacturers().expect("compiled in");
     let is_large = |nut: &Candidate| {
         let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
         near(nut.nut.lead, 50e-3) && near(nut.nut.turns, 7.2) && near(nut.size.diameter, 50e-3)
     };
-    let all = all(&makers);
+    let all = all(&manufacturers);
     let nut = all.iter().find(|nut| is_large(nut)).expect("in the list");
     assert!((nut.nut.starts - 4.0).abs() < 1e-12);
     assert!((nut.body.length - 12.5e-3 * 10.2).abs() < 1e-12, "{}", nut.body.length);

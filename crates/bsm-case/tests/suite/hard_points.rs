@@ -21,7 +21,7 @@ fn answers(folder: &str) -> Vec<(String, Solution)> {
 }
 
 /// Found by campaigns of the extremes: points without an answer, with a power balance that rounding had
-/// eaten, or denied between speeds at which they were solved.
+/// eaten, or no solution between speeds at which they were solved.
 #[test]
 fn hard_points_are_solved() {
     let answers = answers("solved");
@@ -33,8 +33,8 @@ fn hard_points_are_solved() {
 
 /// Balls that are pressed through their groove, or that friction turns off its flank.
 #[test]
-fn balls_that_leave_their_flanks_are_denied() {
-    let answers = answers("denied");
+fn balls_that_leave_their_flanks_have_no_solution() {
+    let answers = answers("no_solution");
     assert_eq!(answers.len(), 3);
     for (name, solution) in answers {
         assert_eq!(solution.status(), Status::NoSolution, "{name}: {solution:?}");

@@ -62,7 +62,7 @@ fn an_independent_solution_agrees() {
             let (value, ours) = (value.as_f64().expect("a number"), number(name));
             let ours = ours.unwrap_or_else(|| panic!("{name} of {}", case["id"]));
             let tolerance = if name.contains("spin") { 1e-3 } else { told };
-            // A ball that a race controls does not spin there: rounding of the speeds of its surface.
+            // A ball that a raceway controls does not spin there: rounding of the speeds of its surface.
             let rounding = if name.contains("spin") { 1e-9 } else { 0.0 };
             if (ours - value).abs() > tolerance * value.abs() + rounding {
                 far.push(format!(

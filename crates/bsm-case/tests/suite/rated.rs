@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    AxisReport, CaseError, Catalogue, MakerNut, MakerRow, NutProblem, Record, RequirementFile,
-    Scene, Settings, TableFormat,
+    AxisReport, CaseError, Catalogue, ManufacturerNut, ManufacturerRow, NutProblem, Record,
+    RequirementFile, Scene, Settings, TableFormat,
 };
 use bsm_dyn::ModelWorkspace;
 
@@ -72,7 +72,7 @@ fn four_numbers_of_a_catalogue_suffice() {
     let back = sheet(FOUR, &["feed_m_min=-10", "catalogue_back_efficiency=0.7"]).expect("a sheet");
     let torque = 0.7 * 5000.0 * 0.02 / TAU;
     assert_relative_eq!(number(&back, "screw_torque_Nm"), torque, max_relative = 1e-12);
-    // A rigidity counts where it is said what it is of: 0.8 K (F/0.3 C_a)^(1/3).
+    // A stiffness counts where it is said what it is of: 0.8 K (F/0.3 C_a)^(1/3).
     let stiff =
         sheet(FOUR, &["rated_rigidity_N_um=600", "rated_rigidity_at=0.3 Ca"]).expect("a sheet");
     let expected = 480.0 * (5000.0_f64 / 15_600.0).cbrt();
@@ -264,18 +264,18 @@ fn ratings_and_groove_are_compared() {
     assert!(warned(&stated(2.1, &["keep_ratings=true"]).expect("as meant")));
 }
 
-/// A row of a maker's table that has the ratings alone is judged by the same sheet.
+/// A row of a manufacturer's table that has the ratings alone is judged by the same sheet.
 #[test]
-fn a_makers_table_may_have_ratings_alone() {
+fn a_manufacturers_table_may_have_ratings_alone() {
     let table = b"nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N,core_diameter_mm
 small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
-    let nuts = MakerNut::from_csv(table, &TableFormat::default()).expect("ratings suffice");
+    let nuts = ManufacturerNut::from_csv(table, &TableFormat::default()).expect("ratings suffice");
     let catalogue = Catalogue::standard().expect("compiled in");
     let requirement =
         br#"{"axial_load_N": 5000, "feed_m_min": 10, "stroke_mm": 1000, "required_life_h": 20000}"#;
     let requirement =
         RequirementFile::from_json(requirement, &[], catalogue.lists).expect("a requirement");
-    let rows = MakerRow::all(&nuts, Some(&requirement)).expect("sheets");
+    let rows = ManufacturerRow::all(&nuts, Some(&requirement)).expect("sheets");
     // 5 kN at 500 rpm: 37 497 h and more.
     assert!(rows.iter().all(|row| row.passes == Some(true)), "{rows:?}");
     assert_eq!(rows.iter().map(|row| &*row.name).collect::<Vec<_>>(), ["small", "large"]);
@@ -288,7 +288,7 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     let mut heavy = nuts;
     heavy[0].scene.nut_mass_kg = Some(30.0);
     heavy[1].scene.nut_mass_kg = Some(2.0);
-    let rows = MakerRow::all(&heavy, Some(&requirement)).expect("sheets");
+    let rows = ManufacturerRow::all(&heavy, Some(&requirement)).expect("sheets");
     let masses: Vec<_> = rows.iter().map(|row| (&*row.name, row.value("mass_kg"))).collect();
     assert_eq!(masses, [("large", Some(2.0)), ("small", Some(30.0))]);
 }
@@ -406,9 +406,9 @@ fn a_known_film_makes_the_viscosity_ratio() {
     let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
     let of = |name: &str| record.number(name).unwrap_or_else(|| panic!("no {name}"));
     let (ball, pitch, modulus) = (3.175e-3, 20.668e-3, 207e9 / 0.91);
-    let least = ["nut", "screw"].map(|race| {
-        let of = |name: &str| of(&format!("{race}_{name}"));
-        let way = if race == "nut" { 1.0 } else { -1.0 };
+    let least = ["nut", "screw"].map(|raceway| {
+        let of = |name: &str| of(&format!("{raceway}_{name}"));
+        let way = if raceway == "nut" { 1.0 } else { -1.0 };
         let cosine = of("contact_angle_deg").to_radians().cos();
         // 1/R_x = 1/r_b ∓ cosβ/(r_m ± r_b cosβ)
         let radius = ball * (1.0 + way * ball * cosine / pitch);
@@ -445,7 +445,7 @@ fn a_known_film_makes_the_viscosity_ratio() {
     assert_relative_eq!(ratio(&report), expected, max_relative = 1e-12);
 }
 
-/// By hand: ratings of a maker are printed for their grade; an own rating of grade 10 has 0.7, 0.343 of the life; 50 HRC has
+/// By hand: ratings of a manufacturer are printed for their grade; an own rating of grade 10 has 0.7, 0.343 of the life; 50 HRC has
 /// (50/60)² and (50/60)³; catalogues advise load factors of 1 to 1.2 at 10 m/min.
 #[test]
 fn ratings_and_loads_have_factors() {

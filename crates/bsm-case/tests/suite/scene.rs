@@ -68,11 +68,14 @@ fn auto_takes_the_most_complete_model() {
         chosen.push(given.choose(ModelChoice::Auto).ok());
     }
     let rigid = Model::Rigid;
-    let [closed, quasi, skids] =
+    let [closed, quasi, gross_skid] =
         [Model::ClosedForm, Model::QuasiStatic, rigid].map(|m| Some(ModelChoice::Fixed(m)));
     // With both conformities the error of each model has a bound, and auto decides.
     let auto = Some(ModelChoice::Auto);
-    assert_eq!(chosen, [None, None, closed, closed, quasi, quasi, quasi, skids, skids, auto]);
+    assert_eq!(
+        chosen,
+        [None, None, closed, closed, quasi, quasi, quasi, gross_skid, gross_skid, auto]
+    );
 
     let lacking = Scene { loaded_balls: None, ..given };
     let error = lacking.problem(&rigid.into()).expect_err("no balls").to_string();
@@ -84,7 +87,7 @@ fn auto_takes_the_most_complete_model() {
     let named = Settings::named("rigid", Some("screw"), None).expect("names");
     assert_eq!(named, Settings { control: Some(Control::Screw), ..Model::Rigid.into() });
     let unknown = Settings::named("rigid", Some("ball"), None);
-    let unknown = unknown.expect_err("no such race").to_string();
+    let unknown = unknown.expect_err("no such raceway").to_string();
     assert_eq!(unknown, "unknown raceway `ball`; the raceways are nut, screw");
     let unknown =
         Settings::named("rigid", None, Some("dry")).expect_err("no such place").to_string();
@@ -470,7 +473,7 @@ fn numbers_of_contacts_stand_under_their_heads() {
         let tail = row.quantity.name.strip_prefix("nut_").expect("of the nut first");
         let columns = row.quantity.columns.iter();
         for ((head, column), value) in Of::Contacts.members().iter().zip(columns).zip(row.values) {
-            let contact = if *head == "unloaded flank" { "minor" } else { head };
+            let contact = if *head == "unloaded flank" { "unloaded_flank" } else { head };
             assert_eq!(column.name, format!("{contact}_{tail}"));
             assert_eq!(value.is_some(), record.number(column.name).is_some(), "{}", column.name);
         }

@@ -155,7 +155,7 @@ const DIFFERENCE: f64 = 1e-7;
 /// of which the fourth order leaves 1e-5.
 ///
 /// Relative jump of the answer, step of the differences, and what they may err by.
-fn dials(model: ModelChoice) -> (f64, f64, f64) {
+fn tolerances(model: ModelChoice) -> (f64, f64, f64) {
     match model {
         ModelChoice::Fixed(Model::RacewayControl) => (3e-6, 1e-3, 5e-4),
         ModelChoice::Fixed(Model::Traction) => (1e-8, 1e-4, 1e-5),
@@ -172,7 +172,7 @@ fn check(scene: &Scene, settings: &Settings) -> Result<(), TestCaseError> {
     // The values that come with the derivatives are those of the solve, to rounding.
     let torque = |o: Option<f64>| o.expect("a torque");
     let eta = numbers.efficiency;
-    let (rounding, step, apart) = dials(settings.model);
+    let (rounding, step, apart) = tolerances(settings.model);
     assert_relative_eq!(found.0.efficiency, eta, max_relative = rounding, epsilon = 1e-12);
     let own = torque(found.0.screw_torque);
     assert_relative_eq!(own, torque(numbers.screw_torque), max_relative = rounding);
@@ -303,7 +303,7 @@ proptest! {
         check(&scene, &Model::Traction.into())?;
     }
 
-    /// With a given race: at a tie of (W7) differences see both.
+    /// With a given raceway: at a tie of (W7) differences see both.
     #[test]
     fn raceway_control(scene in scenes(), at_nut in any::<bool>()) {
         let control = if at_nut { Control::Nut } else { Control::Screw };
@@ -319,7 +319,7 @@ proptest! {
         }
     }
 
-    /// The choice has the derivatives of the model that it chose, with its dials.
+    /// The choice has the derivatives of the model that it chose, with its settings.
     #[test]
     fn auto_is_the_model_that_it_chose(scene in scenes(), log_tolerance in -6.0..-0.5_f64) {
         let auto = Settings { tolerance: 10.0_f64.powf(log_tolerance), ..Settings::default() };

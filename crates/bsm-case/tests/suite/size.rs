@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    AxisReport, Catalogue, Content, DesignReport, MakerNut, NutProblem, Record, RequirementFile,
-    Scene, ScrewTorque, Settings, TableFormat, column_names, torque_parts,
+    AxisReport, Catalogue, Content, DesignReport, ManufacturerNut, NutProblem, Record,
+    RequirementFile, Scene, ScrewTorque, Settings, TableFormat, column_names, torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace};
 use bsm_sample::{Sample, campaign};
@@ -66,7 +66,7 @@ fn the_rules_again_in_workshop_units() {
         near(number(&report, "buckling_load_N"), buckling, TIGHT, "buckling");
         near(number(&report, "yield_load_N"), 147.0 * a, TIGHT, "stress");
         let ends = if support == "fixed-fixed" { 4.0 } else { 1.0 };
-        near(number(&report, "screw_stiffness_N_um"), ends * e * a / l / 1e3, TIGHT, "rigidity");
+        near(number(&report, "screw_stiffness_N_um"), ends * e * a / l / 1e3, TIGHT, "stiffness");
         let springs = [
             number(&report, "screw_stiffness_N_um"),
             number(&report, "nut_stiffness_at_largest_load_N_um"),
@@ -277,7 +277,7 @@ fn the_sheet_of_a_lubricated_axis_says_how_sure_it_is() {
 
 /// A manufacturer's ratings replace the calculated ones, in life and static safety.
 #[test]
-fn the_ratings_of_a_maker_count() {
+fn the_ratings_of_a_manufacturer_count() {
     let own = axis(&["preload_N=1"]);
     let c = size(&own, "dynamic_load_rating_N");
     let stated =
@@ -414,7 +414,7 @@ fn draws(seed: u64) -> impl FnMut(f64, f64) -> f64 {
 #[test]
 fn select_axis_nut_and_solve_agree() {
     let (mut draw, mut axes) = (draws(44), 0);
-    let (catalogue, rounds) = (Catalogue::makers().expect("compiled in"), campaign(200));
+    let (catalogue, rounds) = (Catalogue::manufacturers().expect("compiled in"), campaign(200));
     for round in 0..rounds {
         let (load, feed) = (draw(500.0, 2e4), draw(2.0, 40.0));
         let mut settings = vec![
@@ -483,11 +483,11 @@ const NAMES: [&str; 12] = [
     "ball_torque_Nm",
 ];
 
-/// Requirements at random, 200 with `CAMPAIGNS=whole`: the winner of makers' sizes keeps its sheet. A screw of any size too.
+/// Requirements at random, 200 with `CAMPAIGNS=whole`: the winner of manufacturers' sizes keeps its sheet. A screw of any size too.
 #[test]
 fn the_winner_of_any_requirement_keeps_its_sheet() {
     let (mut draw, mut found) = (draws(0x9e37_79b9_7f4a_7c15), 0);
-    let (sizes, rounds) = (Catalogue::makers().expect("compiled in"), campaign(200));
+    let (sizes, rounds) = (Catalogue::manufacturers().expect("compiled in"), campaign(200));
     for round in 0..rounds {
         let mut settings = vec![
             format!("axial_load_N={}", draw(300.0, 2e4)),
@@ -509,7 +509,7 @@ fn the_winner_of_any_requirement_keeps_its_sheet() {
         settings.push("model=closed-form".to_owned());
         let texts: Vec<_> = settings.iter().map(String::as_str).collect();
         let requirement = requirement(&texts).0;
-        let report = DesignReport::standard(&requirement, &sizes).expect("sizes of makers");
+        let report = DesignReport::standard(&requirement, &sizes).expect("sizes of manufacturers");
         if report.found {
             found += 1;
             agrees_with_its_sheet(&report, Model::ClosedForm, &settings.join(" "));
@@ -524,7 +524,7 @@ fn the_winner_of_any_requirement_keeps_its_sheet() {
     agrees_with_its_sheet(&report, Model::RacewayControl, "any size");
 }
 
-/// Found by the audit: the slenderness of Lin's step 4, which no maker has, made the lightest screw five times too heavy,
+/// Found by the audit: the slenderness of Lin's step 4, which no manufacturer has, made the lightest screw five times too heavy,
 /// and nothing said so.
 #[test]
 fn slenderness_is_a_limit_only_where_it_is_asked_for() {
@@ -587,7 +587,7 @@ fn a_life_that_is_required_stays_on_the_sheet() {
     assert!(torque.contains("moved_mass_kg"), "{torque}");
 }
 
-/// C3 of makers was taken for P3 of ISO 3408-3, and could not be said at all.
+/// C3 of manufacturers was taken for P3 of ISO 3408-3, and could not be said at all.
 #[test]
 fn an_accuracy_grade_says_what_it_is() {
     for (grade, um, words) in [
@@ -635,9 +635,10 @@ fn a_long_screw_is_blocked_by_its_critical_speed() {
 
 /// The ten nuts of the published catalogue, with its own names, semicolons and decimal commas, and with ours.
 #[test]
-fn a_makers_table_is_read() {
-    let table = include_str!("../../../../examples/maker_table.csv");
-    let ours = MakerNut::from_csv(table.as_bytes(), &TableFormat::default()).expect("an example");
+fn a_manufacturers_table_is_read() {
+    let table = include_str!("../../../../examples/manufacturer_table.csv");
+    let ours =
+        ManufacturerNut::from_csv(table.as_bytes(), &TableFormat::default()).expect("an example");
     assert_eq!(ours.len(), 10);
     let theirs = table
         .replace(',', ";")
@@ -661,13 +662,13 @@ fn a_makers_table_is_read() {
     let theirs = theirs.join("\n");
     let format = TableFormat { delimiter: ';', decimal: ',', ..TableFormat::default() };
     let named = TableFormat { names, ..format.clone() };
-    let same = MakerNut::from_csv(theirs.as_bytes(), &named);
+    let same = ManufacturerNut::from_csv(theirs.as_bytes(), &named);
     assert_eq!(same.expect("the same"), ours);
-    let unknown = MakerNut::from_csv(theirs.as_bytes(), &format);
+    let unknown = ManufacturerNut::from_csv(theirs.as_bytes(), &format);
     let told = unknown.expect_err("Cdyn").to_string();
     assert!(told.contains("unknown column") && told.contains("`names` of the dialect"), "{told}");
     // A decimal point where a comma is meant is refused, not read as another number.
-    let mixed = MakerNut::from_csv(b"nut;lead_mm\na;1.500", &format);
+    let mixed = ManufacturerNut::from_csv(b"nut;lead_mm\na;1.500", &format);
     assert!(mixed.expect_err("mixed").to_string().contains("`1.500` is not a number"));
     for nut in &ours {
         let stated = nut.scene.rated_dynamic_load_N.expect("a rating");

@@ -137,7 +137,7 @@ fn the_band_of_a_model_is_that_of_traction_or_raceway_control() {
     };
     let traction = band(Model::Traction);
     assert!((band(Model::Elastic) / traction - 1.0).abs() < 1e-12);
-    // The spin of one race moves the axis of rotation by some degrees.
+    // The spin of one raceway moves the axis of rotation by some degrees.
     assert!((band(Model::RacewayControl) / traction - 1.0).abs() < 0.02);
 }
 

@@ -23,7 +23,7 @@ fn scene(id: &str, change: impl Fn(&mut Value)) -> (Scene, Value) {
     let entries = scene.as_object_mut().expect("a scene");
     entries.insert("warm_state".to_owned(), json!(true));
     // The name of the specification, and ours.
-    if let Some(stiffness) = entries.remove("support_bearing_rigidity_N_um") {
+    if let Some(stiffness) = entries.remove("support_bearing_stiffness_N_um") {
         entries.insert("support_bearing_stiffness_N_um".to_owned(), stiffness);
     }
     change(&mut scene);

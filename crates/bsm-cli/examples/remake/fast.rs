@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use bsm_report::short;
-use bsm_validate::tradeoff::{self, Dial, Distribution, Errors, Group, Points};
+use bsm_validate::tradeoff::{self, Distribution, Errors, Group, Points, Setting};
 use serde_json::{Value, json};
 
 /// A block and its text.
@@ -46,7 +46,7 @@ impl Program {
         Command::new(&self.path).args(arguments).current_dir(&self.folder).output()
     }
 
-    /// What a command prints, where it answers or denies: exit codes 0 and 3.
+    /// What a command prints, with or without a solution: exit codes 0 and 3.
     pub(crate) fn prints(&self, arguments: &[String]) -> Result<(String, String), Box<dyn Error>> {
         let output = self.run(arguments)?;
         let text = |bytes| String::from_utf8(bytes);
@@ -282,21 +282,21 @@ fn accuracy(_: &Program) -> Blocks {
     Ok(table(header, &rows))
 }
 
-fn errors_row((dial, errors): &(Dial, Vec<Errors>)) -> String {
+fn errors_row((setting, errors): &(Setting, Vec<Errors>)) -> String {
     let of = |group: Group| errors.iter().find(|errors| errors.group == group);
     let cell = |distribution: Option<Distribution>| {
         distribution.map_or_else(String::new, |q| format!("{}, {}", small(q.median), small(q.q99)))
     };
-    let [all, grips, partly, skids] = Group::ALL.map(of);
+    let [all, rolling, partial, gross] = Group::ALL.map(of);
     let solved = all.map_or(0.0, |all| 100.0 * all.solved);
     let cells = [
-        cell(grips.and_then(|e| e.efficiency)),
-        cell(partly.and_then(|e| e.efficiency)),
-        cell(skids.and_then(|e| e.efficiency)),
-        cell(grips.and_then(|e| e.loads)),
-        cell(grips.and_then(|e| e.angles_deg)),
+        cell(rolling.and_then(|e| e.efficiency)),
+        cell(partial.and_then(|e| e.efficiency)),
+        cell(gross.and_then(|e| e.efficiency)),
+        cell(rolling.and_then(|e| e.loads)),
+        cell(rolling.and_then(|e| e.angles_deg)),
     ];
-    format!("| `{}` | {solved:.1} % | {} |", dial.name(), cells.join(" | "))
+    format!("| `{}` | {solved:.1} % | {} |", setting.name(), cells.join(" | "))
 }
 
 /// An error, down to where the residual of the solver ends.

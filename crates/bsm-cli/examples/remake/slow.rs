@@ -123,7 +123,7 @@ pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let results: Value = serde_json::from_str(&site.run(&site.bsm, &words)?.0)?;
     let measured = &results["tradeoff"];
     let advice = list(measured, "advice")?;
-    let times = list(measured, "dials")?.iter().map(times_row).collect::<Result<Vec<_>>>()?;
+    let times = list(measured, "settings")?.iter().map(times_row).collect::<Result<Vec<_>>>()?;
     let header = "| model and setting | rolling | partial skid | gross skid | batch: rolling | partial skid | gross skid |";
     Ok(vec![
         ("tradeoff/summary", Text::Whole(summary(advice)?)),
@@ -136,7 +136,7 @@ fn picked(pick: &Value) -> Result<String> {
     if pick.is_null() {
         return Ok("none".to_owned());
     }
-    Ok(format!("`{}`, {} us", word(pick, "dial")?, micro(number(pick, "ns")?)))
+    Ok(format!("`{}`, {} us", word(pick, "setting")?, micro(number(pick, "ns")?)))
 }
 
 /// A row for each tolerance, a column for each regime but partial skid.
@@ -160,9 +160,9 @@ fn summary(advice: &[Value]) -> Result<String> {
     Ok(table("| error of the efficiency | any regime | rolling | gross skid |", &rows))
 }
 
-fn times_row(dial: &Value) -> Result<String> {
-    let name = format!("{} {}", word(dial, "model")?, word(dial, "options")?);
-    let times = list(&dial["times"], "one_core")?;
+fn times_row(setting: &Value) -> Result<String> {
+    let name = format!("{} {}", word(setting, "model")?, word(setting, "options")?);
+    let times = list(&setting["times"], "one_core")?;
     let cells = |time: fn(&Value) -> Result<f64>| -> Result<Vec<String>> {
         let of = |group: &&str| {
             let there = times.iter().find(|t| t["group"] == **group);
@@ -193,7 +193,7 @@ pub(crate) fn seeded(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let row = |row: &Vec<&str>| {
         let ns = time(row)?;
         let label = match row[0].split_once(", ") {
-            Some((model, dial)) => format!("`{model}`, {dial}"),
+            Some((model, setting)) => format!("`{model}`, {setting}"),
             None => format!("`{}`", row[0]),
         };
         let steps = row.get(2).ok_or("no steps")?;
@@ -510,7 +510,7 @@ impl Campaign {
             // A regime explains itself after a comma or colon.
             let rest =
                 if outcome == 0 { rest.split([',', ':']).next().unwrap_or("") } else { rest };
-            kinds.push((outcome, words(rest), row.get(2).ok_or("no count")?.parse()?));
+            kinds.push((outcome, spaced(rest), row.get(2).ok_or("no count")?.parse()?));
         }
         let slowest = printed.split("slowest ").nth(1).and_then(|rest| rest.split(' ').next());
         let slowest_ms = slowest.ok_or("no slowest point")?.parse()?;
@@ -546,7 +546,7 @@ impl Campaign {
 }
 
 /// `NoSkidAtInertia` as "no skid at inertia".
-fn words(name: &str) -> String {
+fn spaced(name: &str) -> String {
     let mut words = String::new();
     for letter in name.chars() {
         if letter.is_ascii_uppercase() {

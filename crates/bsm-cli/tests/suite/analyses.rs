@@ -88,7 +88,7 @@ fn slip_shows_published_and_exact_forms() {
         .sum();
     assert!((parts / value("dissipated_power_W") - 1.0).abs() < 1e-9, "{result}");
     // Only the rigid model has a contact at the unloaded flank.
-    assert!(result["minor_differential_slip_m_s"].is_null());
+    assert!(result["unloaded_flank_differential_slip_m_s"].is_null());
 }
 
 #[test]
@@ -98,13 +98,13 @@ fn jam_gives_verdicts_with_margins() {
     let thrusts = ["apex_thrust_N", "step_thrust_N", "entry_thrust_N"].map(value);
     let thrust = thrusts.into_iter().fold(0.0, f64::max);
     for (friction, name) in [
-        ("stopped_track_friction_N", "returner_margin"),
+        ("stopped_track_friction_N", "ball_return_margin"),
         ("screw_track_friction_N", "published_margin"),
         ("weaker_track_friction_N", "weaker_contact_margin"),
     ] {
         assert!((value(name) / (value(friction) / thrust) - 1.0).abs() < 1e-12, "{name}");
     }
-    assert_eq!(result["verdicts"]["jams"]["answer"], value("returner_margin") <= 1.0);
+    assert_eq!(result["verdicts"]["jams"]["answer"], value("ball_return_margin") <= 1.0);
     let jamming = json(&["solve", &example("jamming.json"), "--show", "jam"]);
     assert_eq!(jamming["verdicts"]["jams"]["answer"], true);
     let text = bsm(folder().path(), &["solve", &example("jamming.json"), "--show", "jam"], "");
@@ -196,7 +196,7 @@ fn bad_input_is_told() {
             "did you mean `drag_coefficient`?",
         ),
         (
-            vec!["solve", &dong, "--show", "jam", "--set", "race_yield_strength_MPa=0"],
+            vec!["solve", &dong, "--show", "jam", "--set", "raceway_yield_strength_MPa=0"],
             "must be a finite number > 0",
         ),
         (
@@ -242,18 +242,19 @@ fn analyses_are_columns_of_a_sweep() {
         bsm(dir.path(), &args.concat(), "")
     };
     let plot = ["-o", "p.svg", "--model", "elastic"];
-    let output = sweep("returner_margin,efficiency,nut_spin_slip_m_s,jams", &plot);
+    let output = sweep("ball_return_margin,efficiency,nut_spin_slip_m_s,jams", &plot);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let table = fs::read_to_string(dir.path().join("t.csv")).expect("a table");
-    let margin = json(&["solve", &scene, "--show", "jam", "--model", "elastic"])["returner_margin"]
-        .to_string();
+    let margin =
+        json(&["solve", &scene, "--show", "jam", "--model", "elastic"])["ball_return_margin"]
+            .to_string();
     let last = table.lines().last().expect("rows");
     assert!(last.contains(&margin) && last.ends_with(",false"), "{margin}: {table}");
     let plot = fs::read_to_string(dir.path().join("p.svg")).expect("a plot");
-    assert!(plot.contains("returner margin"));
+    assert!(plot.contains("ball return margin"));
 
     for (columns, more, part) in [
-        ("returner_margn", &[][..], "did you mean `returner_margin`?"),
+        ("ball_return_margn", &[][..], "did you mean `ball_return_margin`?"),
         ("ball_slip_m_s", &["--model", "closed-form"], "closed-form has no motion of the ball"),
     ] {
         let output = sweep(columns, more);

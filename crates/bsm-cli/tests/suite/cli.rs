@@ -92,7 +92,7 @@ fn every_example_runs_in_its_command() {
         ("feed_drive_oil.json", "solve @ --show band"),
         ("jamming.json", "solve @ --show jam"),
         ("lin1994.json", "solve @ --model all"),
-        ("maker_table.csv", "select --from @"),
+        ("manufacturer_table.csv", "select --from @"),
         (
             "measured_torque.csv",
             "fit feed_drive_oil.json --points @ --measured screw_torque_Nm --input boundary_friction_coefficient --input \
@@ -380,9 +380,9 @@ fn compare_shows_every_model() {
     assert!(stdout(&output).contains("critical lead angle"), "{}", stdout(&output));
 }
 
-/// Tolerance, accuracy and controlling race reach the models; nonsense is refused by name.
+/// Tolerance, accuracy and controlling raceway reach the models; nonsense is refused by name.
 #[test]
-fn models_have_dials() {
+fn models_have_settings() {
     let dir = folder();
     let drive = example("feed_drive.json").display().to_string();
     let solve = |args: &[&str]| {
@@ -402,7 +402,7 @@ fn models_have_dials() {
         eta(&["--model", "traction", "--solver", "accuracy=1e-10"]),
     );
     assert!((coarse - fine).abs() > 1e-9 && (coarse - fine).abs() < 1e-6, "{coarse} {fine}");
-    let control = |race| eta(&["--model", "raceway-control", "--solver", race]);
+    let control = |raceway| eta(&["--model", "raceway-control", "--solver", raceway]);
     assert!((control("control=nut") - control("control=screw")).abs() > 1e-6);
     for (args, part) in [
         (["--solver", "tolerance=0"], "must be a finite number > 0"),
@@ -520,8 +520,15 @@ fn bad_sweeps_write_nothing() {
             "no output is named `eta`",
         ),
         (
-            vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.svg", "--columns", "controlling_race"],
-            "controlling_race is not a number; put a number first",
+            vec![
+                "--vary",
+                "lead_angle_deg=1:2:3",
+                "-o",
+                "x.svg",
+                "--columns",
+                "controlling_raceway",
+            ],
+            "controlling_raceway is not a number; put a number first",
         ),
         (
             vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.csv", "-o", "y.csv"],
@@ -579,36 +586,40 @@ fn a_sweep_says_which_rows_have_other_solutions() {
     assert!(said.contains("2 other steady motions") && said.contains("0.921331"), "{said}");
 }
 
-/// A step of the efficiency where the control goes to the other race is named by a text in every table.
+/// A step of the efficiency where the control goes to the other raceway is named by a text in every table.
 #[test]
-fn tables_name_the_controlling_race() {
+fn tables_name_the_controlling_raceway() {
     let dir = folder();
     let drive = example("feed_drive.json").display().to_string();
     let vary = "nut_conformity=0.51:0.55:2";
-    for file in ["race.csv", "race.jsonl", "race.parquet"] {
-        let asked = ["--model", "raceway-control", "--columns", "controlling_race"];
+    for file in ["raceway.csv", "raceway.jsonl", "raceway.parquet"] {
+        let asked = ["--model", "raceway-control", "--columns", "controlling_raceway"];
         let sweep = ["sweep", &drive, "--vary", vary, "-o", file];
         let output = bsm(dir.path(), &[&sweep[..], &asked].concat(), "");
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     }
-    for file in ["race.csv", "race.jsonl"] {
+    for file in ["raceway.csv", "raceway.jsonl"] {
         let text = fs::read_to_string(dir.path().join(file)).expect("a table");
-        let races: Vec<_> = text.lines().filter(|row| row.contains("converged")).collect();
+        let raceways: Vec<_> = text.lines().filter(|row| row.contains("converged")).collect();
         // The closer groove has the longer ellipse and the larger moment.
-        assert!(races[0].contains("nut") && races[1].contains("screw"), "{text}");
+        assert!(raceways[0].contains("nut") && raceways[1].contains("screw"), "{text}");
     }
-    let table = File::open(dir.path().join("race.parquet")).expect("a table");
+    let table = File::open(dir.path().join("raceway.parquet")).expect("a table");
     let reader = ParquetRecordBatchReaderBuilder::try_new(table)
         .and_then(ParquetRecordBatchReaderBuilder::build);
-    let races: Vec<_> = reader
+    let raceways: Vec<_> = reader
         .expect("a Parquet table")
         .map(|batch| batch.expect("rows"))
         .flat_map(|batch| {
-            let column = batch.column_by_name("controlling_race").expect("a column");
-            column.as_string::<i32>().iter().map(|race| race.map(str::to_owned)).collect::<Vec<_>>()
+            let column = batch.column_by_name("controlling_raceway").expect("a column");
+            column
+                .as_string::<i32>()
+                .iter()
+                .map(|raceway| raceway.map(str::to_owned))
+                .collect::<Vec<_>>()
         })
         .collect();
-    assert_eq!(races, ["nut", "screw"].map(|race| Some(race.to_owned())));
+    assert_eq!(raceways, ["nut", "screw"].map(|raceway| Some(raceway.to_owned())));
 }
 
 #[test]

@@ -362,10 +362,10 @@ fn the_optimum_is_found_from_either_angle() {
     assert_eq!(figures(&["solve", &example("lin1994.json"), "--show", "optimum"]), 7);
 }
 
-/// Makers' sizes are the default; a user's table of sizes, here their own written with decimal commas, is chosen from as they are, and
+/// Manufacturers' sizes are the default; a user's table of sizes, here their own written with decimal commas, is chosen from as they are, and
 /// any other size is asked for.
 #[test]
-fn sizes_come_from_makers_or_a_table() {
+fn sizes_come_from_manufacturers_or_a_table() {
     let dir = folder();
     let requirement = example("requirements/axis.json");
     let scene = |more: &[&str]| {
@@ -375,7 +375,7 @@ fn sizes_come_from_makers_or_a_table() {
         json(&stdout(&output))["scene"].clone()
     };
     let own = scene(&[]);
-    assert_eq!(scene(&["--from", "makers"]), own);
+    assert_eq!(scene(&["--from", "manufacturers"]), own);
     let sizes = stdout(&bsm(dir.path(), &["select", "--show", "sizes"], ""));
     fs::write(dir.path().join("sizes.csv"), &sizes).expect("written");
     assert_eq!(scene(&["--from", "sizes.csv"]), own);

@@ -143,13 +143,13 @@ fn commands_run_and_print_what_is_documented() {
                 let code = output.status.code().expect("an exit code");
                 let stderr = String::from_utf8_lossy(&output.stderr);
                 printed = Some(String::from_utf8(output.stdout).expect("UTF-8"));
-                // A denial is an answer if the document shows it.
+                // No solution is an answer if the document shows it.
                 let shown = |b: &document::Block| {
                     b.name == "shown"
                         && document.command_before(b.body.start).as_deref() == Some(line)
                 };
-                let denied = code == 3 && blocks.iter().any(shown);
-                assert!(code == 0 || denied, "{name}: {line}: exit code {code}: {stderr}");
+                let no_solution = code == 3 && blocks.iter().any(shown);
+                assert!(code == 0 || no_solution, "{name}: {line}: exit code {code}: {stderr}");
             }
             let next = fences.iter().find(|f| f.end > fence.end);
             let below = next.and_then(|next| {
@@ -428,9 +428,9 @@ fn commands_of_the_papers_run_and_print_our_numbers() {
         for command in &row.commands {
             let output = &answers[command.as_str()];
             let (code, stderr) = (output.status.code(), said(&output.stderr));
-            // A denial is an answer where the row says so.
-            let denied = code == Some(3) && row.text.contains("exit code 3");
-            assert!(code == Some(0) || denied, "{command}: exit code {code:?}: {stderr}");
+            // No solution is an answer where the row says so.
+            let no_solution = code == Some(3) && row.text.contains("exit code 3");
+            assert!(code == Some(0) || no_solution, "{command}: exit code {code:?}: {stderr}");
             printed.push_str(&said(&output.stdout));
             printed.push_str(&stderr);
         }

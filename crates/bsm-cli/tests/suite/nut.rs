@@ -274,10 +274,10 @@ fn settings_take_words() {
     );
 }
 
-/// A preloaded nut: the three rigidities are as their names say, the limit load is where no preload is
+/// A preloaded nut: the three stiffnesses are as their names say, the limit load is where no preload is
 /// left, and the torque comes with its remark.
 #[test]
-fn a_preloaded_pair_tells_rigidity_limit_and_drag() {
+fn a_preloaded_pair_tells_stiffness_limit_and_drag() {
     let dir = folder();
     let scene = example("nut_double.json");
     let output = bsm(dir.path(), &["nut", &scene, "--json"], "");

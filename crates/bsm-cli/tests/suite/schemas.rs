@@ -45,14 +45,14 @@ fn results_are_what_their_schemas_say() {
     .expect("lists");
     let measured = "axial_load_kN,screw_torque_Nm\n4,12.9\n8,25.9\n12,38.7\n";
     fs::write(dir.path().join("measured.csv"), measured).expect("measurements");
-    let [drive, oil, lin, nut, axis, jamming, makers, requirement, double] = [
+    let [drive, oil, lin, nut, axis, jamming, manufacturers, requirement, double] = [
         "feed_drive.json",
         "feed_drive_oil.json",
         "lin1994.json",
         "nut.json",
         "axis.json",
         "jamming.json",
-        "maker_table.csv",
+        "manufacturer_table.csv",
         "requirements/axis.json",
         "nut_double.json",
     ]
@@ -91,7 +91,7 @@ fn results_are_what_their_schemas_say() {
         &["select", &requirement, "--set", "required_life_h=1e9"],
         &["select", "--from", "lists.json", "--first", "3"],
         &["select", "--from", "lists.json", "--first", "3", &requirement],
-        &["select", "--from", &makers],
+        &["select", "--from", &manufacturers],
         &["solve", &drive, "--show", "slip"],
         &["solve", &lin, "--show", "slip", "--set", "lead_angle_deg=5"],
         &["solve", &drive, "--show", "ellipses", "--points", "3"],

@@ -199,7 +199,7 @@ fn one_screw_has_one_efficiency() {
     let rub = part("contact_friction_torque_Nm");
     assert!((rub / number(&nut, "friction_torque_Nm") - 1.0).abs() < 1e-9, "{parts} {nut}");
     // By manufacturers' rule: 0.05/sqrt(tan a) F l/(2 pi), less what the contacts of the preload take at 100 rpm, where
-    // makers measure. Balls that differ by their load alone have friction by interpolation, to 1e-9.
+    // manufacturers measure. Balls that differ by their load alone have friction by interpolation, to 1e-9.
     let whole = number(&sheet["results"], "preload_torque_measured_Nm");
     let slow = [&["nut", "screw.json", "--json"], &sets[..], &["--set", "screw_speed_rpm=100"]];
     let slow = json(&run(&slow.concat()));

@@ -41,20 +41,20 @@ fn a_table_of_ones_own_is_read() {
         .expect("table");
     let base = example("feed_drive.json");
     let common = [&base, "--columns", "efficiency"];
-    let signs = ["--dialect", "delimiter=semicolon,decimal=comma,names=names.json"];
+    let dialect = ["--dialect", "delimiter=semicolon,decimal=comma,names=names.json"];
     run(
         dir.path(),
-        &[&["sweep", "--points", "own.csv", "-o", "a.csv"], &common[..], &signs].concat(),
+        &[&["sweep", "--points", "own.csv", "-o", "a.csv"], &common[..], &dialect].concat(),
         0,
     );
     run(dir.path(), &[&["sweep", "--points", "ours.csv", "-o", "b.csv"], &common[..]].concat(), 0);
     let read = |name: &str| fs::read_to_string(at(name)).expect("a table");
     assert_eq!(read("a.csv"), read("b.csv"));
-    // A column that is kept has its own name; a folder knows the signs, too.
+    // A column that is kept has its own name; a folder knows the dialect, too.
     let keep = ["sweep", "--points", "own.csv", "-o", "map/", "--keep", "note"];
-    run(dir.path(), &[&keep[..], &common, &signs].concat(), 0);
+    run(dir.path(), &[&keep[..], &common, &dialect].concat(), 0);
     assert!(read("map/plan.json").contains("\"delimiter\":\";\""));
-    run(dir.path(), &[&keep[..], &["--resume"], &common, &signs].concat(), 0);
+    run(dir.path(), &[&keep[..], &["--resume"], &common, &dialect].concat(), 0);
 
     // The names of JSON Lines are changed as well.
     fs::write(at("own.jsonl"), "{\"Kraft\": 2.5, \"note\": [1]}\n{\"Kraft\": 8, \"note\": {}}\n")
@@ -65,7 +65,7 @@ fn a_table_of_ones_own_is_read() {
     run(dir.path(), &[&renamed[..], &common].concat(), 0);
     assert!(read("c.csv").contains("2500,"), "{}", read("c.csv"));
 
-    for (table, signs, part) in [
+    for (table, dialect, part) in [
         (
             "Kraft\n1\n",
             &["--dialect", "names=names.json"][..],
@@ -95,7 +95,8 @@ fn a_table_of_ones_own_is_read() {
         ),
     ] {
         fs::write(at("bad.csv"), table).expect("table");
-        let args = [&["sweep", "--points", "bad.csv", "-o", "x.csv"], &common[..], signs].concat();
+        let args =
+            [&["sweep", "--points", "bad.csv", "-o", "x.csv"], &common[..], dialect].concat();
         let (_, told) = run(dir.path(), &args, 2);
         assert!(told.contains(part), "{told}");
     }

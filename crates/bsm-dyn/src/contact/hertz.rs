@@ -41,14 +41,14 @@ impl<D: Field> Material<D> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Groove<D = f64> {
     /// Which side of the ball centres its arc centres lie on.
-    pub member: Race,
+    pub member: Raceway,
     /// Groove radius over ball diameter `$f_g > 1/2$`.
     pub conformity: D,
 }
 
 /// The member that has a groove.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Race {
+pub enum Raceway {
     /// The nut, around the balls.
     Nut,
     /// The screw, inside them.
@@ -104,8 +104,8 @@ impl<D: Field> Groove<D> {
         cos_contact: D,
     ) -> Curvatures<D> {
         let side = match self.member {
-            Race::Nut => 1.0,
-            Race::Screw => -1.0,
+            Raceway::Nut => 1.0,
+            Raceway::Screw => -1.0,
         };
         let advance = pitch_radius * tan_lead;
         // r_c = r_m ∓ l₀ cosβ₀                                            (H3)
@@ -380,7 +380,7 @@ mod tests {
 
     const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
-    fn lin(member: Race) -> Hertz {
+    fn lin(member: Raceway) -> Hertz {
         let groove = Groove { member, conformity: 0.53 };
         let angle = f64::to_radians;
         let curvatures = groove.curvatures(24.3e-3, 4.37e-3, angle(10.0), angle(45.0));
@@ -390,13 +390,13 @@ mod tests {
     /// Lin's screw with conformities of 0.53: independent values, eight to eleven digits.
     #[test]
     fn lin_screw_has_the_reference_constants() {
-        let nut = lin(Race::Nut);
+        let nut = lin(Raceway::Nut);
         assert_relative_eq!(nut.ratio(), 5.972_732_4, max_relative = 1e-8);
         assert_relative_eq!(nut.semi_axis, 1.127_830_59e-4, max_relative = 1e-8);
         // Listed as 1.88829920e-5, which differs from its own a/κ by 2e-8.
         assert_relative_eq!(nut.semi_axes(1.0).1, 1.888_299_23e-5, max_relative = 1e-8);
         assert_relative_eq!(nut.stiffness(), 2.445_283_496_7e10, max_relative = 1e-10);
-        let screw = lin(Race::Screw);
+        let screw = lin(Raceway::Screw);
         assert_relative_eq!(screw.ratio(), 6.961_155_4, max_relative = 1e-8);
         assert_relative_eq!(screw.semi_axis, 1.151_921_66e-4, max_relative = 1e-8);
         assert_relative_eq!(screw.semi_axes(1.0).1, 1.654_785_16e-5, max_relative = 1e-8);
@@ -436,7 +436,7 @@ mod tests {
     fn zero_lead_is_a_bearing() {
         let (r_m, r_b, beta) = (24.3e-3, 4.37e-3, 0.8_f64);
         let gamma = r_b * beta.cos() / r_m;
-        for (member, sign) in [(Race::Nut, 1.0), (Race::Screw, -1.0)] {
+        for (member, sign) in [(Raceway::Nut, 1.0), (Raceway::Screw, -1.0)] {
             let c = Groove { member, conformity: 0.52 }.curvatures(r_m, r_b, 0.0, beta);
             let bearing = 1.0 / r_b - sign * (gamma / r_b) / (1.0 + sign * gamma);
             assert_relative_eq!(c.along, bearing, max_relative = 1e-14);

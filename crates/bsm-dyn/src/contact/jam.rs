@@ -1,4 +1,4 @@
-//! Jamming: the wedge between the races, drag of the lubricant, and thrust in the returner.
+//! Jamming: the wedge between the raceways, drag of the lubricant, and thrust in the ball return.
 //!
 //! Theory: `docs/theory/14-jamming.md`, equations (M5) to (M22). `A` and `B` here are nut and
 //! screw; Dong et al. write `o` and `i`.
@@ -9,7 +9,7 @@ use bsm_kin::{Field, Scalar};
 
 use super::friction::magnitude;
 
-/// A ball that the races push out of the wedge between them, and friction that holds it there.
+/// A ball that the raceways push out of the wedge between them, and friction that holds it there.
 ///
 /// Source: Dong et al. (2020), Eqs 15-17.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,7 +62,7 @@ impl<D: Scalar> Wedge<D> {
     pub fn critical_friction(&self) -> D {
         let push = self.expelling() - self.centrifugal * self.mean_angle().sin();
         // f_lock = |(Q_A + Q_B) sin(D/2) − F_c sinβ| / (Σ Q|cosψ| cos(D/2))  (M9)
-        magnitude(push) / (self.grip() * (self.opening() * 0.5).cos())
+        magnitude(push) / (self.load_across() * (self.opening() * 0.5).cos())
     }
 
     /// The same as printed, at nut and screw (M18).
@@ -82,7 +82,7 @@ impl<D: Scalar> Wedge<D> {
 
     /// The critical friction coefficient without the centrifugal force, as corrected (M10).
     pub fn critical_friction_corrected(&self) -> D {
-        let share = self.grip() / (self.loads[0] + self.loads[1]);
+        let share = self.load_across() / (self.loads[0] + self.loads[1]);
         // f_lock |cosψ| = tan(|D|/2)                                      (M10)
         self.critical_friction_simplified() / share
     }
@@ -94,7 +94,7 @@ impl<D: Scalar> Wedge<D> {
     }
 
     /// `$\sum Q\,|\cos\psi|$` \[N\].
-    fn grip(&self) -> D {
+    fn load_across(&self) -> D {
         let part = |i: usize| magnitude(self.slip_angles[i].cos()) * self.loads[i];
         part(0) + part(1)
     }
@@ -193,7 +193,7 @@ pub fn apex_thrust<D: Scalar>(impact: D, half_angle: D, friction: D) -> D {
     impact * (sin.recip() + friction / cos) * 0.5
 }
 
-/// Thrust on the ball behind one that meets the step from the returner into the screw \[N\] (M15).
+/// Thrust on the ball behind one that meets the step from the ball return into the screw \[N\] (M15).
 ///
 /// * `normal`: force `$F_N$` of the step \[N\]; `friction`: `$f > 0$`; `return_angle`:
 ///   `$\lambda_3$` \[rad\].

@@ -1,4 +1,4 @@
-//! Friction from the lubricant: the oil, the film between ball and race, friction at a point, rolling
+//! Friction from the lubricant: the oil, the film between ball and raceway, friction at a point, rolling
 //! resistance, and what is lost outside the contacts.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y1) to (Y32).

@@ -915,7 +915,7 @@ pub fn power_of_many<S: Simd, const N: usize>(
 /// Most contacts side by side.
 const MANY: usize = 4 * BLOCK;
 
-/// Speed over `$r_b W$` of the ends of the longer ellipse when the ball turns against a race at `$W$`; 1 for
+/// Speed over `$r_b W$` of the ends of the longer ellipse when the ball turns against a raceway at `$W$`; 1 for
 /// ellipses shorter than the ball (T9).
 ///
 /// * `semi_axes`, `pressed_radius`: across the grooves of nut and screw, over the ball radius.

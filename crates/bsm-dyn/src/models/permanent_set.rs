@@ -155,7 +155,7 @@ mod tests {
 
     /// The screw of Dong et al. (2020), 44 balls, 2500 rpm.
     fn screw(axial: f64) -> ElasticPoint {
-        let races = Material { youngs_modulus: 200e9, poisson_ratio: 0.3 };
+        let raceways = Material { youngs_modulus: 200e9, poisson_ratio: 0.3 };
         let balls = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
         ElasticPoint {
             point: OperatingPoint {
@@ -167,7 +167,7 @@ mod tests {
                 load: Load { axial, balls: 44.0 },
             },
             conformity: (0.535, 0.535),
-            material: (races, balls),
+            material: (raceways, balls),
         }
     }
 

@@ -114,7 +114,7 @@ impl Balance<'_> {
         &self,
         work: &mut Workspace<UNKNOWNS>,
     ) -> Result<[f64; UNKNOWNS], Unsolved> {
-        // Half the speed of the screw, and rolling about b: where the races of nut and screw move on
+        // Half the speed of the screw, and rolling about b: where the raceways of nut and screw move on
         // opposite sides of the ball.
         let around = self.held.helix.arc_length_per_radian() / self.held.ball.radius;
         let sign = self.held.drive.relative_speed().signum();
@@ -227,7 +227,7 @@ mod tests {
         let contact = |&(site, angle, load): &(Site, f64, f64)| {
             let (member, conformity) = match site {
                 Site::Screw => (1, screw.conformity.1),
-                Site::Nut | Site::NutMinor => (0, screw.conformity.0),
+                Site::Nut | Site::NutUnloaded => (0, screw.conformity.0),
             };
             PrescribedContact {
                 site,

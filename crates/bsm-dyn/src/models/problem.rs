@@ -59,7 +59,7 @@ impl<const M: usize> Problem<Jet<M>> {
     ///   - \frac{\partial y}{\partial x} J^{-1} \frac{\partial F}{\partial p}
     /// ```
     ///
-    /// Choices are kept: the model of [`Auto`](crate::Auto) and its accuracy, the controlling race, the direction.
+    /// Choices are kept: the model of [`Auto`](crate::Auto) and its accuracy, the controlling raceway, the direction.
     /// Where a choice is about to change the derivatives are one-sided.
     ///
     /// # Errors

@@ -20,8 +20,9 @@ use self::balance::{Balance, RollRoot};
 pub use self::statics::{StaticBalance, StaticState};
 use crate::ellipse::{Nodes, Quadrature};
 use crate::models::ball::{
-    BallLoads, Control, ElasticContacts, ElasticPoint, Model, RaceControl, SkidNumbers, Solution,
-    SolveInfo, Solved, Transmission, Unsolved, Workspace, domain_error, excess_of_nut, to_both,
+    BallLoads, Control, ControllingRaceway, ElasticContacts, ElasticPoint, Model, SkidNumbers,
+    Solution, SolveInfo, Solved, Transmission, Unsolved, Workspace, domain_error, excess_of_nut,
+    to_both,
 };
 
 /// Inputs of the raceway-control model.
@@ -29,7 +30,7 @@ use crate::models::ball::{
 pub struct RacewayControl<D = f64> {
     /// The screw at its operating point.
     pub at: ElasticPoint<D>,
-    /// The controlling race; `None` decides by (W7).
+    /// The controlling raceway; `None` decides by (W7).
     pub control: Option<Control>,
 }
 
@@ -96,7 +97,7 @@ pub(crate) fn rolling_precession<P: Field, F: FieldOver<P> + Field<Mask = P::Mas
     (near - far * lever) / (one + between)
 }
 
-/// Difference of the cotangents of the contact angles between the balls that both races control, to
+/// Difference of the cotangents of the contact angles between the balls that both raceways control, to
 /// first order (W16).
 ///
 /// * `rates`: difference and sum of both `$P/W$`.
@@ -135,7 +136,7 @@ pub fn cross_slip<F: Compare>(sin_lead: F, spins: [F; 2]) -> F {
 /// The state of a ball that rolls.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RollingBall {
-    /// The race that was taken to control.
+    /// The raceway that was taken to control.
     control: Control,
     /// Unknowns of the balance.
     unknowns: [f64; STATIC],
@@ -147,9 +148,9 @@ pub(crate) struct RollingBall {
 }
 
 impl RollingBall {
-    /// Solves the static balance and takes the rolling motion of the controlling race.
+    /// Solves the static balance and takes the rolling motion of the controlling raceway.
     ///
-    /// Which race controls is decided by (W7) at the first root of the ball that the nut controls.
+    /// Which raceway controls is decided by (W7) at the first root of the ball that the nut controls.
     /// Where that has none, the screw controls if it does so by (W7) at its own first root.
     pub(crate) fn of(
         pair: &ElasticContacts,
@@ -174,7 +175,7 @@ impl RollingBall {
         }
     }
 
-    /// The first root with this race in control.
+    /// The first root with this raceway in control.
     fn controlled(
         pair: &ElasticContacts,
         control: Control,
@@ -192,12 +193,12 @@ impl RollingBall {
         Self { control: balance.control, unknowns, loaded, to_nut, steps, residual }
     }
 
-    /// True if (W7), asked here, names the race that controls.
+    /// True if (W7), asked here, names the raceway that controls.
     fn is_consistent(&self, pair: &ElasticContacts) -> bool {
         control_of(pair, &self.loaded) == self.control
     }
 
-    /// Other balls that could be the answer: of the same race farther from equal contact angles, and
+    /// Other balls that could be the answer: of the same raceway farther from equal contact angles, and
     /// of the screw where (W7) names the nut at the nut's ball and the screw at the screw's.
     fn others(
         &self,
@@ -218,12 +219,12 @@ impl RollingBall {
         others
     }
 
-    /// True if (W7) names the same race at the ball that the other race controls.
+    /// True if (W7) names the same raceway at the ball that the other raceway controls.
     ///
     /// That ball has contact angles that differ by other centrifugal forces, by `$\Delta c$` in their
     /// cotangents, which changes the ratio of the moments by `$\Delta c$` or less, to first order.
     fn is_clear(&self, pair: &ElasticContacts) -> bool {
-        let balances = Control::ALL.map(|race| Balance::new(pair, race));
+        let balances = Control::ALL.map(|raceway| Balance::new(pair, raceway));
         if !balances.iter().all(Balance::is_unique) {
             return false;
         }
@@ -251,9 +252,9 @@ impl RollingBall {
     pub(crate) fn solve_info(
         &self,
         pair: &ElasticContacts,
-    ) -> (SkidNumbers, SolveInfo, RaceControl) {
+    ) -> (SkidNumbers, SolveInfo, ControllingRaceway) {
         let info = SolveInfo { steps: self.steps, residual: self.residual };
-        (self.skid(pair), info, RaceControl { race: self.control, consistent: None })
+        (self.skid(pair), info, ControllingRaceway { raceway: self.control, consistent: None })
     }
 
     /// Gyroscopic over friction moment (W9), and slip of the lead over that of spin (W10).
@@ -294,7 +295,7 @@ impl RacewayControl {
     /// `$\sin\alpha/2$`.
     pub const CREEP: f64 = 1e-4;
 
-    /// Excess of one spin moment over [`spread_of_control`] from which the race is the same at the balls of both:
+    /// Excess of one spin moment over [`spread_of_control`] from which the raceway is the same at the balls of both:
     /// for all that is not of first order.
     pub const CLEAR: f64 = 4.0;
 
@@ -373,12 +374,12 @@ impl RacewayWorkspace {
         let others = rolling_ball.others(pair, control, &mut self.newton);
         let others =
             others.iter().filter_map(|rolling_ball| self.solved(screw, pair, rolling_ball).ok());
-        let control = Some(RaceControl { race: rolling_ball.control, consistent });
+        let control = Some(ControllingRaceway { raceway: rolling_ball.control, consistent });
         Solved { control, ..solved.among(others) }
     }
 }
 
-/// The race with the larger spin friction moment, that of the nut weighted with the cosine of the
+/// The raceway with the larger spin friction moment, that of the nut weighted with the cosine of the
 /// difference of the angles (W7).
 ///
 /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, outer raceway control.
@@ -523,7 +524,7 @@ mod tests {
     }
 
     proptest! {
-        /// Forces balance as printed, both centres roll, and one race has no spin.
+        /// Forces balance as printed, both centres roll, and one raceway has no spin.
         #[test]
         fn the_ball_is_in_balance_and_rolls(
             lead in 1.0..40.0_f64, beta in 30.0..60.0_f64, f_n in 0.51..0.56_f64, f_s in 0.51..0.56_f64,
@@ -577,7 +578,7 @@ mod tests {
         assert_relative_eq!(slow.0, slow.1, max_relative = 1e-6);
     }
 
-    /// Where the decision is said to be clear it is the same at both balls; near a tie both races may
+    /// Where the decision is said to be clear it is the same at both balls; near a tie both raceways may
     /// control, or none.
     #[test]
     fn a_clear_decision_is_that_of_both_balls() {
@@ -592,7 +593,7 @@ mod tests {
             }
             let Ok(pair) = screw.scaled() else { continue };
             let [nut, screw] = Control::ALL
-                .map(|race| RollingBall::controlled(&pair, race, None, &mut newton).ok());
+                .map(|raceway| RollingBall::controlled(&pair, raceway, None, &mut newton).ok());
             let (Some(nut), Some(screw)) = (nut, screw) else { continue };
             solved += 1;
             asked += usize::from(!nut.is_clear(&pair));

@@ -43,7 +43,7 @@ pub struct RigidRoot {
     /// `$Q_A/F_a$`.
     pub nut_load: f64,
     /// `$Q_{A'}/F_a$`.
-    pub minor_load: f64,
+    pub unloaded_flank_load: f64,
     /// `$Q_B/F_a$`.
     pub screw_load: f64,
     /// `$p = (P - \Omega_n)/W$`.
@@ -141,9 +141,10 @@ impl Rigid {
     /// Status and reason if there is none.
     pub fn root(&self, work: &mut RigidWorkspace) -> Result<RigidRoot, Unsolved> {
         let BallRoot { motion, steps, residual, .. } = root::find(&self.ball()?, work)?;
-        let ([nut_load, minor_load, screw_load], [u, _, tau]) = (motion.loads, motion.omega);
+        let ([nut_load, unloaded_flank_load, screw_load], [u, _, tau]) =
+            (motion.loads, motion.omega);
         let (p, s) = (motion.precession, motion.spin_moment);
-        Ok(RigidRoot { nut_load, minor_load, screw_load, p, u, tau, s, steps, residual })
+        Ok(RigidRoot { nut_load, unloaded_flank_load, screw_load, p, u, tau, s, steps, residual })
     }
 
     /// Solves for the steady motion of the ball.
@@ -188,7 +189,7 @@ impl Rigid {
             motion: Some(Motion { precession: motion.rate * w, omega }),
             nut: contact(0),
             screw: contact(2),
-            minor: Some(contact(1)),
+            unloaded: Some(contact(1)),
             axial_displacement: None,
         };
 

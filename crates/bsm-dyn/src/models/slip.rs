@@ -80,7 +80,7 @@ fn norm<D: Scalar>(v: &Vector3<D>) -> D {
 }
 
 impl<D: Scalar> SteadyBall<D> {
-    /// A ball that rolls at both contacts and does not spin at the controlling race: raceway
+    /// A ball that rolls at both contacts and does not spin at the controlling raceway: raceway
     /// control at given contact angles at nut and screw \[rad\], without a balance of forces
     /// (W3) to (W6).
     pub fn rolling(
@@ -106,7 +106,7 @@ impl<D: Scalar> SteadyBall<D> {
 
     fn body_speed(&self, site: Site) -> D {
         match site {
-            Site::Nut | Site::NutMinor => self.drive.nut_speed,
+            Site::Nut | Site::NutUnloaded => self.drive.nut_speed,
             Site::Screw => self.drive.screw_speed,
         }
     }

@@ -23,7 +23,7 @@ pub use self::columns::TractionPoint;
 use self::columns::{EquationValues, LastEvaluation, PowerFlow, lever, sizes};
 pub use self::many::{TRACTION_FOUND, TRACTION_START, TractionMany, TractionRoot, TractionStart};
 use self::root::RootWithPower;
-pub use self::root::SKIDS;
+pub use self::root::SKID_ONSET;
 pub(crate) use self::root::SlipRoot;
 use self::train::Push;
 pub use self::train::{TrainBall, TrainMotion};

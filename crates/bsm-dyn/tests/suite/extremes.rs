@@ -76,7 +76,7 @@ fn check(screw: &ElasticPoint, solution: &Solution) -> bool {
     assert!(o.info.map_or(closed, |info| info.residual <= 1e-10), "{screw:?} {words}");
     assert!(o.transmission.power_balance.unwrap_or(0.0).abs() <= 1e-9, "{screw:?} {words}");
     assert!(o.transmission.efficiency <= 1.0, "{screw:?} {words}");
-    let contacts = || [Some(o.ball.nut), Some(o.ball.screw), o.ball.minor].into_iter().flatten();
+    let contacts = || [Some(o.ball.nut), Some(o.ball.screw), o.ball.unloaded].into_iter().flatten();
     assert!(contacts().all(|c| c.load.is_none_or(|q| q > 0.0)), "{screw:?} {words}");
     assert!(contacts().all(|c| (0.0..=0.5 * PI).contains(&c.angle)), "{screw:?} {words}");
     true
@@ -89,7 +89,7 @@ fn unanswered(count: usize, problem: impl Fn(ElasticPoint) -> Problem) -> usize 
     extremes(1994).take(count).map(solve).filter(|answered| !answered).count()
 }
 
-/// Every point has a root or the proof that it has none, whichever race is in control.
+/// Every point has a root or the proof that it has none, whichever raceway is in control.
 #[test]
 fn raceway_control_always_answers() {
     for control in [None, Some(Control::Nut), Some(Control::Screw)] {

@@ -6,7 +6,7 @@
 )]
 
 use bsm_dyn::{
-    Axes, Groove, Hertz, Material, Race, Sines, TwoContacts, contact_modulus, pressed_radius,
+    Axes, Groove, Hertz, Material, Raceway, Sines, TwoContacts, contact_modulus, pressed_radius,
 };
 use bsm_kin::Field;
 use bsm_simd::{BLOCK, Block, Lane, Simd, WithSimd};
@@ -23,7 +23,7 @@ const OUTPUTS: usize = 13;
 fn formulas<D: Field>(
     x: [D; INPUTS],
     sines: Sines<D>,
-    member: Race,
+    member: Raceway,
     flags: [D::Mask; 2],
 ) -> [D; OUTPUTS] {
     let [pitch, _, _, conformity, young, ball_young, poisson, friction, rolling] = x;
@@ -64,7 +64,7 @@ struct Points {
     inputs: [Block; INPUTS],
     /// Sines and cosines of both angles.
     sines: [Block; 4],
-    member: Race,
+    member: Raceway,
     flags: [bool; 2],
 }
 
@@ -99,7 +99,7 @@ fn formulas_over_lanes_are_those_over_numbers() {
         let mut points = Points {
             inputs: [[0.0; BLOCK]; INPUTS],
             sines: [[0.0; BLOCK]; 4],
-            member: if round % 2 == 0 { Race::Nut } else { Race::Screw },
+            member: if round % 2 == 0 { Raceway::Nut } else { Raceway::Screw },
             flags: [round % 4 < 2, round % 8 < 4],
         };
         for i in 0..BLOCK {

@@ -49,7 +49,7 @@ fn root_satisfies_the_published_equations() {
             (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
         for (site, told, speed) in [
             (Site::Nut, o.ball.nut, nut),
-            (Site::NutMinor, o.ball.minor.expect("a contact on the unloaded flank"), nut),
+            (Site::NutUnloaded, o.ball.unloaded.expect("a contact on the unloaded flank"), nut),
             (Site::Screw, o.ball.screw, screw),
         ] {
             let contact = Contact::new(site, b, &frame);
@@ -162,7 +162,7 @@ fn numbers_beyond_double_precision_are_refused() {
 /// Found in review: self-locking and tension on the unloaded flank were claimed for points of large
 /// inertia, of which the first order knows nothing.
 #[test]
-fn large_inertia_is_not_denied_by_the_first_order() {
+fn the_first_order_does_not_exclude_large_inertia() {
     let rpm = std::f64::consts::PI / 30.0;
     let locking = OperatingPoint {
         helix: Helix { radius: 42.9601e-3, lead_angle: 59.60875_f64.to_radians() },

@@ -34,7 +34,7 @@ fn train_ball(at: ElasticPoint, friction: f64, work: &mut ModelWorkspace) -> Tra
     traction.in_train(&free, friction, work).expect("a ball that moves")
 }
 
-/// Screw speed, pushes, rate, torque, power at the races and rotation against the neighbours; a rate is held where the
+/// Screw speed, pushes, rate, torque, power at the raceways and rotation against the neighbours; a rate is held where the
 /// last push is `None`.
 type Reference = (f64, [f64; 2], f64, [f64; 3]);
 
@@ -64,7 +64,7 @@ fn a_pushed_ball_moves_as_the_reference_says() {
         // digits.
         assert_near("rate", moved.rate, rate, 1e-7);
         assert_near("torque", moved.screw_torque, torque, 1e-6);
-        assert_near("power", moved.race_power, power, 1e-6);
+        assert_near("power", moved.raceway_power, power, 1e-6);
         assert_near("rotation", moved.rotation, rotation, 1e-6);
     }
 }
@@ -81,7 +81,7 @@ fn a_held_ball_is_pushed_as_the_reference_says() {
         // Seven and six digits are printed.
         assert_near("push behind", held.pushes[1], back, 1e-6);
         assert_near("torque", held.screw_torque, torque, 1e-6);
-        assert_near("power", held.race_power, power, 1e-6);
+        assert_near("power", held.raceway_power, power, 1e-6);
     }
 }
 
@@ -89,14 +89,14 @@ fn a_held_ball_is_pushed_as_the_reference_says() {
 fn unbalanced(rpm: f64, at: &ElasticPoint, moved: &TrainMotion) -> f64 {
     let speed = rpm * PI / 30.0;
     let (helix, radius) = (at.point.helix, at.point.ball.radius);
-    let TrainMotion { rate, screw_torque, race_power, rotation, pushes, axial_push, .. } = moved;
+    let TrainMotion { rate, screw_torque, raceway_power, rotation, pushes, axial_push, .. } = moved;
     let [front, back] = pushes;
     let per_radian = helix.lead() / (2.0 * PI);
     let put_in = (screw_torque - per_radian * (at.point.load.axial + axial_push)) * speed;
     let travel = helix.arc_length_per_radian() * rate * speed.abs();
-    // T W = h (F_j + F_b·k) W + P_races + f_b r_b (N_f + N_b)|w| − (N_b − N_f) v     (O4)
-    let lost = race_power + BALLS * radius * (front + back) * rotation - (back - front) * travel;
-    (put_in - lost) / race_power
+    // T W = h (F_j + F_b·k) W + P_raceways + f_b r_b (N_f + N_b)|w| − (N_b − N_f) v     (O4)
+    let lost = raceway_power + BALLS * radius * (front + back) * rotation - (back - front) * travel;
+    (put_in - lost) / raceway_power
 }
 
 #[test]
@@ -156,7 +156,7 @@ fn softness(load: f64, rpm: f64, part: f64) -> (f64, f64) {
     let free = ball.free();
     let most = 0.06 * 0.5 * free.loads.iter().sum::<f64>();
     let moved = ball.pushed(free, [0.0, part * most], work).expect("a motion");
-    (100.0 * (moved.rate / free.rate - 1.0) / part, moved.race_power / free.race_power - 1.0)
+    (100.0 * (moved.rate / free.rate - 1.0) / part, moved.raceway_power / free.raceway_power - 1.0)
 }
 
 /// The table of 17.1 of the reference: load, drive, slopes at these parts of `f Q`, growth of the power at the last but one.

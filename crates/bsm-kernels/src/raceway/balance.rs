@@ -1,4 +1,4 @@
-//! Static balance of the rolling ball by lanes, and which race controls.
+//! Static balance of the rolling ball by lanes, and which raceway controls.
 
 use bsm_dyn::{Control, RacewayControl, StaticBalance, rolling, spread_of_control};
 use bsm_simd::{NullaryFnOnce, Simd};
@@ -6,7 +6,7 @@ use bsm_simd::{NullaryFnOnce, Simd};
 use crate::operand::{Lane, Mask};
 use crate::pair::{Balls, LaneContact};
 
-/// Spin moments nearer to each other than this do not decide which race controls, nor cotangents
+/// Spin moments nearer to each other than this do not decide which raceway controls, nor cotangents
 /// nearer to zero which flank carries.
 const TIE: f64 = 1e-9;
 
@@ -24,7 +24,7 @@ pub(crate) struct Roll<S: Simd> {
     pub(crate) unique: Mask<S>,
 }
 
-/// The rolling balls of a lane, with the race that controls or by the decision: a call of its own, as two kernels
+/// The rolling balls of a lane, with the raceway that controls or by the decision: a call of its own, as two kernels
 /// share it.
 pub(crate) struct BalanceCall<'a, S: Simd> {
     pub(crate) pair: &'a Balls<S>,
@@ -69,7 +69,7 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
     }
 }
 
-/// By how much the cotangents differ between the balls of both races, to first order.
+/// By how much the cotangents differ between the balls of both raceways, to first order.
 #[inline(always)]
 fn apart<S: Simd>(pair: &Balls<S>, [a, b]: &[LaneContact<S>; 2]) -> Lane<S> {
     let (zero, lead) = (pair.constant(0.0), (pair.sin_a, pair.cos_a));

@@ -141,7 +141,7 @@ fn reference_cases() {
         let friction = number(expected, "friction_torque_Nm").expect("torque");
         for (key, got) in [
             ("contact_torque_free_Nm", train.free_torque),
-            ("contact_torque_Nm", train.race_torque),
+            ("contact_torque_Nm", train.raceway_torque),
             ("ball_contact_torque_Nm", train.contact_torque),
             ("return_torque_Nm", train.return_torque),
             ("catching_torque_Nm", train.catching_torque),
@@ -297,7 +297,7 @@ fn pushes_fall_with_room_and_rise_with_the_push_of_the_return() {
 }
 
 #[test]
-fn without_friction_of_the_balls_on_each_other_races_and_return_are_all() {
+fn without_friction_of_the_balls_on_each_other_raceways_and_return_are_all() {
     let mut case = driven_back();
     case.inputs.contact_friction = 0.0;
     case.inputs.gaps = vec![0.2e-3];
@@ -335,7 +335,7 @@ fn turned(case: &Case) -> Case {
 fn same(one: &Train, other: &Train, [length, force]: [f64; 2], reversed: bool) {
     let torque = length * force;
     for (name, [one, other]) in [
-        ("races", [one.race_torque, other.race_torque]),
+        ("raceways", [one.raceway_torque, other.raceway_torque]),
         ("balls", [one.contact_torque, other.contact_torque]),
         ("return", [one.return_torque, other.return_torque]),
     ] {

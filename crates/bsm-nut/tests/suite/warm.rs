@@ -24,7 +24,7 @@ use crate::public::{number, nut};
 const CASES: &str = include_str!("../../../../validation/published/nut/warm_state.json");
 const RPM: f64 = PI / 30.0;
 
-/// Mineral oil of grade 68 between ground races.
+/// Mineral oil of grade 68 between ground raceways.
 pub(crate) fn oil_68(kelvin: f64) -> Option<Lubricant> {
     Some(Lubricant {
         oil: Oil {
@@ -124,7 +124,7 @@ fn axis(scene: &Value) -> WarmNut<'static> {
     let section = 0.25 * PI * (mm(scene, "shaft_diameter_mm").powi(2) - bore * bore);
     let expansion = 11.5e-6;
     let hold = number(scene, "pretension_K").map(|kelvin| {
-        let bearing = number(scene, "support_bearing_rigidity_N_um").expect("rigidity") * 1e6;
+        let bearing = number(scene, "support_bearing_stiffness_N_um").expect("stiffness") * 1e6;
         let stiffness = (length / (207e9 * section) + 2.0 / bearing).recip();
         AxialHold {
             stiffness,

@@ -55,7 +55,7 @@ impl Entry {
     }
 
     /// Name and value.
-    fn words(self, size: &Size) -> String {
+    fn text(self, size: &Size) -> String {
         let value = format!("{:.3}", self.printed(size));
         let value = value.trim_end_matches('0').trim_end_matches('.');
         format!("{} {value}{}", self.name(), self.unit().0)
@@ -81,7 +81,7 @@ struct Drawing {
 /// diameter: ours are a lead of 10 mm and the ball of Figs 3, 7 and 9, which all diameters can have.
 fn drawings() -> [Drawing; 12] {
     let rating: Quantity = ("dynamic load rating, kN", |c| 1e-3 * c.dynamic_rating);
-    let rigidity: Quantity = ("rigidity of the preloaded pair, N/um", |c| c.rigidity * UM);
+    let stiffness: Quantity = ("stiffness of the preloaded pair, N/um", |c| c.stiffness * UM);
     let mass: Quantity = ("mass of a nut, kg", |c| c.mass);
     let size = |diameter: f64, ball: f64, conformity: f64| Size {
         diameter: diameter * MM,
@@ -100,9 +100,9 @@ fn drawings() -> [Drawing; 12] {
         drawing(key, of, quantity, (Lead, Turns), size(diameter, ball, 0.53))
     };
     [
-        drawing("catalogue-3", "Fig 3", rigidity, (Lead, Conformity), size(20.0, 3.175, 0.53)),
+        drawing("catalogue-3", "Fig 3", stiffness, (Lead, Conformity), size(20.0, 3.175, 0.53)),
         over_diameter("catalogue-4", "Fig 4", rating),
-        over_diameter("catalogue-5", "Fig 5", rigidity),
+        over_diameter("catalogue-5", "Fig 5", stiffness),
         over_diameter("catalogue-6", "Fig 6", mass),
         over_lead("catalogue-7a", "Fig 7", rating, 50.0, 3.175),
         over_lead("catalogue-7b", "Fig 7", rating, 63.0, 3.175),
@@ -149,7 +149,7 @@ impl Drawing {
             points.dedup();
             // A single nut is no curve.
             if points.len() > 1 {
-                let label = self.series.words(&nuts[0].size);
+                let label = self.series.text(&nuts[0].size);
                 curves.push(Curve::new(label, curves.len(), Stroke::Solid, points));
             }
         }
@@ -161,7 +161,7 @@ impl Drawing {
         for (color, curve) in curves.iter_mut().enumerate() {
             curve.color = color;
         }
-        let fixed: Vec<_> = self.fixed().map(|entry| entry.words(size)).collect();
+        let fixed: Vec<_> = self.fixed().map(|entry| entry.text(size)).collect();
         let rest = if left_out > 0 {
             format!(" The {MOST_CURVES} largest values of {}.", self.series.name())
         } else {
@@ -236,7 +236,7 @@ fn preload_diagram(nut: &Candidate) -> Figure {
     };
     let linear = 1e-3 * elasticity.preloaded(*preload);
     let limit = LIMIT_LOAD * preload / elasticity.preloaded(*preload) / approach;
-    let sizes: Vec<_> = Entry::ALL.iter().map(|entry| entry.words(size)).collect();
+    let sizes: Vec<_> = Entry::ALL.iter().map(|entry| entry.text(size)).collect();
     Figure::new(
         [
             "catalogue-2",

@@ -195,7 +195,7 @@ fn normal_loads(scene: &Scene) -> Result<Figure, ReportError> {
         ("nut, exact", Model::Rigid, Stroke::Circles, |o| o.contact(Site::Nut)?.load),
         ("screw, exact", Model::Rigid, Stroke::Triangles, |o| o.contact(Site::Screw)?.load),
         ("unloaded flank, exact", Model::Rigid, Stroke::Circles, |o| {
-            o.contact(Site::NutMinor)?.load
+            o.contact(Site::NutUnloaded)?.load
         }),
     ];
     let mut curves = Vec::new();

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
-use bsm_case::units::words;
+use bsm_case::units::label;
 use bsm_case::{
     Answer, AxisReport, Content, Criterion, GrooveSection, Numbers, Quantity, Row, ScrewTorque,
     digits, exact, trimmed,
@@ -236,7 +236,7 @@ fn groups(report: &AxisReport) -> Vec<Value> {
         let text = value.as_f64().map(exact).or(text)?;
         let is_head = name == "description" || HEAD.contains(&name.as_str());
         let (unit, symbol) = known.map_or(("", ""), |input| (input.unit, input.symbol));
-        let about = words(name, unit);
+        let about = label(name, unit);
         let about = about.split(',').next();
         (!is_head && !is_used(name))
             .then(|| json!({ "symbol": symbol, "about": about, "unit": unit, "text": text }))

@@ -131,8 +131,9 @@ impl Study {
         let (sweeps, prefix, basis) = if rolls {
             *nut = nut.or(scene.contact_angle_deg);
             *screw = screw.or(scene.contact_angle_deg);
-            let race = settings.control.unwrap_or(Control::Nut).name();
-            let basis = format!("a ball that rolls at given contact angles, the {race} controls");
+            let raceway = settings.control.unwrap_or(Control::Nut).name();
+            let basis =
+                format!("a ball that rolls at given contact angles, the {raceway} controls");
             (&ROLLING[..], String::new(), basis)
         } else {
             (*nut, *screw) = (None, None);

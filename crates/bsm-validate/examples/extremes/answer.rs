@@ -207,7 +207,7 @@ fn wrong(record: &Record, scene: &Scene, answer: &Answer) -> Option<String> {
     if answer.balance > BALANCE {
         return Some("power balance".to_owned());
     }
-    for name in ["nut_normal_load_N", "screw_normal_load_N", "minor_normal_load_N"] {
+    for name in ["nut_normal_load_N", "screw_normal_load_N", "unloaded_flank_normal_load_N"] {
         // No contact pulls.
         if record.number(name).is_some_and(|load| load <= 0.0) {
             return Some(format!("{name} not positive"));

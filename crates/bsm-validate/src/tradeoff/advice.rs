@@ -1,19 +1,19 @@
-//! Which dial for which tolerance.
+//! Which setting for which tolerance.
 
 use serde::Serialize;
 
-use super::{DialResult, Errors, Group, OneCore, TOLERANCES};
+use super::{Errors, Group, OneCore, SettingResult, TOLERANCES};
 
-/// A dial counts as within a tolerance if it solves this share of the points, and as large a share
+/// A setting counts as within a tolerance if it solves this share of the points, and as large a share
 /// of those errs less.
 const SHARE: f64 = 0.99;
 
-/// The cheapest dials within a tolerance.
+/// The cheapest settings within a tolerance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Advice {
     /// Error of the efficiency that 99 % of the points keep.
     pub tolerance: f64,
-    /// The points; a dial for all of them is within the tolerance for each motion.
+    /// The points; a setting for all of them is within the tolerance for each motion.
     pub group: Group,
     /// Cheapest for one point.
     pub single: Option<Pick>,
@@ -21,11 +21,11 @@ pub struct Advice {
     pub batch: Option<Pick>,
 }
 
-/// A dial that was picked.
+/// A setting that was picked.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Pick {
     /// Model and options.
-    pub dial: String,
+    pub setting: String,
     /// Time of a point \[ns\].
     pub ns: f64,
     /// Where it is not within the tolerance.
@@ -33,11 +33,11 @@ pub struct Pick {
 }
 
 /// For every tolerance: over all points, and by motion of the balls.
-pub(super) fn of(dials: &[DialResult], groups: &[Group]) -> Vec<Advice> {
+pub(super) fn of(settings: &[SettingResult], groups: &[Group]) -> Vec<Advice> {
     let mut advice = Vec::new();
     for tolerance in TOLERANCES {
         for group in groups {
-            let pick = |time: fn(&OneCore) -> f64| pick(dials, *group, tolerance, time);
+            let pick = |time: fn(&OneCore) -> f64| pick(settings, *group, tolerance, time);
             let (single, batch) = (pick(|times| times.single.mean), pick(|times| times.batch));
             advice.push(Advice { tolerance, group: *group, single, batch });
         }
@@ -45,36 +45,36 @@ pub(super) fn of(dials: &[DialResult], groups: &[Group]) -> Vec<Advice> {
     advice
 }
 
-/// Of the dials within a tolerance that take hardly longer than the cheapest, the most exact: times
+/// Of the settings within a tolerance that take hardly longer than the cheapest, the most exact: times
 /// move from run to run.
 fn pick(
-    dials: &[DialResult],
+    settings: &[SettingResult],
     group: Group,
     tolerance: f64,
     time: fn(&OneCore) -> f64,
 ) -> Option<Pick> {
     const HARDLY: f64 = 1.2;
-    let timed: Vec<_> = dials
+    let timed: Vec<_> = settings
         .iter()
-        .filter(|dial| is_within(dial, group, tolerance))
-        .filter_map(|dial| Some((dial, time(dial.times.of(group)?))))
+        .filter(|result| is_within(result, group, tolerance))
+        .filter_map(|result| Some((result, time(result.times.of(group)?))))
         .collect();
     let least = timed.iter().map(|(_, ns)| *ns).min_by(f64::total_cmp)?;
-    let error = |dial: &DialResult| {
-        let errors = dial.errors_of(group).and_then(|errors| errors.efficiency);
+    let error = |result: &SettingResult| {
+        let errors = result.errors_of(group).and_then(|errors| errors.efficiency);
         errors.map_or(f64::INFINITY, |e| e.q99)
     };
     let near = timed.into_iter().filter(|(_, ns)| *ns <= HARDLY * least);
-    let (dial, ns) = near.min_by(|a, b| error(a.0).total_cmp(&error(b.0)))?;
+    let (result, ns) = near.min_by(|a, b| error(a.0).total_cmp(&error(b.0)))?;
     let fails = |errors: &&Errors| errors.group != Group::All && !within(errors, tolerance);
-    let fails_where = dial.errors.iter().filter(fails).map(|errors| errors.group).collect();
-    Some(Pick { dial: dial.dial.name(), ns, fails_where })
+    let fails_where = result.errors.iter().filter(fails).map(|errors| errors.group).collect();
+    Some(Pick { setting: result.setting.name(), ns, fails_where })
 }
 
-/// True if a dial is within a tolerance in a group; for all points, in every group.
-fn is_within(dial: &DialResult, group: Group, tolerance: f64) -> bool {
+/// True if a setting is within a tolerance in a group; for all points, in every group.
+fn is_within(result: &SettingResult, group: Group, tolerance: f64) -> bool {
     let counts = |errors: &&Errors| group == Group::All || errors.group == group;
-    dial.errors.iter().filter(counts).all(|errors| within(errors, tolerance))
+    result.errors.iter().filter(counts).all(|errors| within(errors, tolerance))
 }
 
 fn within(errors: &Errors, tolerance: f64) -> bool {

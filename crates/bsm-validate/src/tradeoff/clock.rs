@@ -11,7 +11,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 
 use super::errors::{Distribution, Group};
-use super::{Dial, Points};
+use super::{Points, Setting};
 use crate::ValidateError;
 
 /// Times of a point \[ns\].
@@ -49,7 +49,7 @@ impl Times {
     }
 }
 
-/// Rounds in which the dials take turns; the times of a build with checks are worth one.
+/// Rounds in which the settings take turns; the times of a build with checks are worth one.
 const ROUNDS: usize = if cfg!(debug_assertions) { 1 } else { 5 };
 
 /// A measurement takes at least this long: shorter ones tell of the clock.
@@ -71,7 +71,7 @@ const OUTPUTS: [&str; 6] = [
 /// Rows of the table of one point.
 const ROWS: usize = 64;
 
-/// What is timed of a dial; groups by their place.
+/// What is timed of a setting; groups by their place.
 #[derive(Debug, Clone, Copy)]
 enum Way {
     Single,
@@ -81,17 +81,17 @@ enum Way {
     On(Arch),
 }
 
-/// Times of every dial.
+/// Times of every setting.
 pub(super) fn times(
     points: &Points,
     groups: &[(Group, Vec<usize>)],
-    dials: &[Dial],
+    settings: &[Setting],
     progress: &mut impl FnMut(usize, usize),
 ) -> Result<Vec<Times>, ValidateError> {
     let bench = Bench::new(points, groups)?;
-    let jobs: Vec<_> = dials
+    let jobs: Vec<_> = settings
         .iter()
-        .flat_map(|dial| ways(dial, groups.len()).map(move |way| (dial, way)))
+        .flat_map(|setting| ways(setting, groups.len()).map(move |way| (setting, way)))
         .collect();
     let mut measured = vec![Vec::with_capacity(ROUNDS); jobs.len()];
     let mut work = ModelWorkspace::default();
@@ -102,19 +102,19 @@ pub(super) fn times(
         }
     }
     let medians: Vec<_> = measured.iter().map(|rounds| medians(rounds)).collect();
-    let mut all = Vec::with_capacity(dials.len());
-    for dial in dials {
+    let mut all = Vec::with_capacity(settings.len());
+    for setting in settings {
         let of = |wanted: fn(&Way) -> bool| {
             jobs.iter()
                 .zip(&medians)
-                .filter(move |((other, way), _)| *other == dial && wanted(way))
+                .filter(move |((other, way), _)| *other == setting && wanted(way))
                 .map(|((_, way), times)| (way, times.as_slice()))
         };
         let each = |wanted| of(wanted).next().map_or(&[][..], |(_, times)| times);
         let (single, row) =
             (each(|way| matches!(way, Way::Single)), each(|way| matches!(way, Way::Row)));
         let batches = of(|way| matches!(way, Way::Batch(_)));
-        let work = bench.work(dial, &mut work)?;
+        let work = bench.work(setting, &mut work)?;
         let one_core = groups.iter().zip(batches).map(|((group, places), (_, batch))| {
             let over = |of: &dyn Fn(usize) -> Option<f64>| {
                 Distribution::of(places.iter().filter_map(|place| of(*place)).collect())
@@ -142,8 +142,8 @@ pub(super) fn times(
     Ok(all)
 }
 
-fn ways(dial: &Dial, groups: usize) -> impl Iterator<Item = Way> {
-    let lanes = is_quick(&dial.settings).then(bsm_simd::instruction_sets).unwrap_or_default();
+fn ways(setting: &Setting, groups: usize) -> impl Iterator<Item = Way> {
+    let lanes = is_quick(&setting.settings).then(bsm_simd::instruction_sets).unwrap_or_default();
     let each = [Way::Single, Way::Row].into_iter().chain((0..groups).map(Way::Batch));
     each.chain([Way::AllCores]).chain(lanes.into_iter().map(Way::On))
 }
@@ -198,12 +198,12 @@ impl<'a> Bench<'a> {
     #[expect(clippy::cast_precision_loss, reason = "counts are small")]
     fn work(
         &self,
-        dial: &Dial,
+        setting: &Setting,
         work: &mut ModelWorkspace,
     ) -> Result<Vec<(Option<f64>, f64)>, CaseError> {
         let count = |scene: &Scene| {
             let before = evaluations();
-            let solution = scene.problem(&dial.settings)?.solve(work);
+            let solution = scene.problem(&setting.settings)?.solve(work);
             let steps = solution.solved().and_then(|solved| solved.info);
             let evaluations = evaluations().wrapping_sub(before) as f64;
             Ok((steps.map(|info| info.steps as f64), evaluations))
@@ -214,11 +214,11 @@ impl<'a> Bench<'a> {
     /// Nanoseconds of each point, or of a point of a table.
     fn time(
         &self,
-        dial: &Dial,
+        setting: &Setting,
         way: Way,
         work: &mut ModelWorkspace,
     ) -> Result<Vec<f64>, CaseError> {
-        let settings = &dial.settings;
+        let settings = &setting.settings;
         let task = Task::new(Scene::default(), *settings, self.outputs.clone());
         let solve = |arch, chunk: &Chunk| {
             black_box(task.solve_on(arch, chunk, &self.points.columns));

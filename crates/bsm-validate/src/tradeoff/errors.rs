@@ -81,7 +81,7 @@ impl Distribution {
     }
 }
 
-/// Errors over the points of a group that the dial solved.
+/// Errors over the points of a group that the setting solved.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Errors {
     /// Which points.
@@ -135,7 +135,7 @@ impl Reference {
         groups.filter(|(_, places)| !places.is_empty()).collect()
     }
 
-    /// Errors of a dial in [`groups`](Self::groups).
+    /// Errors of a setting in [`groups`](Self::groups).
     pub(super) fn errors(
         &self,
         scenes: &[Scene],

@@ -1,18 +1,20 @@
-//! Error against time, one mark for each model and dial.
+//! Error against time, one mark for each model and setting.
 
 use bsm_report::{Axis, Curve, Figure, Stroke};
 
-use super::{DialResult, Group, OneCore};
+use super::{Group, OneCore, SettingResult};
 
 /// One by one and in batches over all points, then one by one for each regime.
-pub(super) fn figures(dials: &[DialResult]) -> Vec<Figure> {
+pub(super) fn figures(settings: &[SettingResult]) -> Vec<Figure> {
     let mut figures = vec![
-        figure(dials, Group::All, "single", "one point after the other", |times| times.single.mean),
-        figure(dials, Group::All, "batch", "batches on one core", |times| times.batch),
+        figure(settings, Group::All, "single", "one point after the other", |times| {
+            times.single.mean
+        }),
+        figure(settings, Group::All, "batch", "batches on one core", |times| times.batch),
     ];
     for group in Group::ALL.into_iter().filter(|group| *group != Group::All) {
         let key = group.name().replace(' ', "-");
-        figures.push(figure(dials, group, &key, group.name(), |times| times.single.mean));
+        figures.push(figure(settings, group, &key, group.name(), |times| times.single.mean));
     }
     // Not every table has points of every motion.
     figures.retain(|figure| !figure.curves.is_empty());
@@ -20,24 +22,24 @@ pub(super) fn figures(dials: &[DialResult]) -> Vec<Figure> {
 }
 
 fn figure(
-    dials: &[DialResult],
+    settings: &[SettingResult],
     group: Group,
     key: &str,
     words: &str,
     time: fn(&OneCore) -> f64,
 ) -> Figure {
     let mut curves: Vec<Curve> = Vec::new();
-    for dial in dials {
-        let (Some(times), Some(errors)) = (dial.times.of(group), dial.errors_of(group)) else {
+    for result in settings {
+        let (Some(times), Some(errors)) = (result.times.of(group), result.errors_of(group)) else {
             continue;
         };
         let Some(error) = errors.efficiency else { continue };
         // Creep speeds would lie on the accuracies, and no error has no place on a
         // logarithmic axis.
-        if dial.dial.options.starts_with("creep") || error.q99 == 0.0 {
+        if result.setting.options.starts_with("creep") || error.q99 == 0.0 {
             continue;
         }
-        let name = dial.dial.model.to_owned();
+        let name = result.setting.model.to_owned();
         let label = if errors.solved < 0.99 {
             format!("{name}, {:.0} % solved", 100.0 * errors.solved)
         } else {
@@ -51,7 +53,7 @@ fn figure(
             curves.len() - 1
         });
         curves[place].points.push((1e-3 * time(times), error.q99));
-        let value = dial.dial.options.split_once(' ').map_or("", |(_, value)| value);
+        let value = result.setting.options.split_once(' ').map_or("", |(_, value)| value);
         curves[place].marks.push(value.to_owned());
     }
     Figure {

@@ -66,20 +66,24 @@ fn errors_and_times_are_measured() {
     assert_eq!(measured.without_reference, [11]);
     assert_eq!((measured.points[0].group, measured.points[0].points), (Group::All, 10));
     let of = |name: &str| {
-        measured.dials.iter().find(|d| d.dial.name() == name).unwrap_or_else(|| panic!("{name}"))
+        measured
+            .settings
+            .iter()
+            .find(|r| r.setting.name() == name)
+            .unwrap_or_else(|| panic!("{name}"))
     };
-    for dial in &measured.dials {
-        let name = dial.dial.name();
-        assert!(dial.times.all_cores > 0.0, "{name}");
-        assert_eq!(dial.times.one_core.len(), measured.points.len());
-        for times in &dial.times.one_core {
+    for result in &measured.settings {
+        let name = result.setting.name();
+        assert!(result.times.all_cores > 0.0, "{name}");
+        assert_eq!(result.times.one_core.len(), measured.points.len());
+        for times in &result.times.one_core {
             assert!(times.single.median > 0.0 && times.row.median > 0.0, "{name}");
             assert!(times.batch > 0.0, "{name}");
             // Closed formulas are no equations of a solve; all others are evaluated in each step.
             let steps = times.steps.map_or(0.0, |steps| steps.mean);
             assert!(steps <= times.evaluations.mean, "{name}: {times:?}");
         }
-        for errors in &dial.errors {
+        for errors in &result.errors {
             for distribution in [errors.efficiency, errors.torque, errors.loads, errors.angles_deg]
             {
                 let Some(q) = distribution else { continue };
@@ -98,17 +102,17 @@ fn errors_and_times_are_measured() {
     let single = |name: &str| of(name).times.of(Group::All).expect("timed").single.mean;
     assert!(single("closed-form") < single("traction accuracy=1e-8"));
     assert!(!of("rigid").times.instruction_sets.is_empty());
-    // A loose tolerance is met by something, and cheaper dials do not meet it elsewhere.
+    // A loose tolerance is met by something, and cheaper settings do not meet it elsewhere.
     let advice = measured.advice.iter().find(|a| a.group == Group::All).expect("all points");
     assert!(advice.single.is_some() && advice.batch.is_some(), "{advice:?}");
 }
 
 #[test]
-fn page_shows_every_dial_and_figure() {
+fn page_shows_every_setting_and_figure() {
     let measured = &*MEASURED;
     let page = tradeoff_page(measured).expect("a page");
-    for dial in &measured.dials {
-        assert!(page.contains(&dial.dial.options) && page.contains(dial.dial.model));
+    for result in &measured.settings {
+        assert!(page.contains(&result.setting.options) && page.contains(result.setting.model));
     }
     assert_eq!(page.matches("<svg ").count(), measured.figures().len());
     for outside in ["<script", "<link", "src="] {

@@ -24,7 +24,7 @@ const FAST: f64 = 100e3;
 const HOT: f64 = 40.0;
 
 /// Ratio of the viscosity ratios by film and by viscosity above which both are stated.
-const DOUBTFUL: f64 = 3.0;
+const UNCERTAIN: f64 = 3.0;
 
 impl AxisState<'_> {
     /// Defaults that were used.
@@ -102,7 +102,7 @@ impl AxisState<'_> {
         notes
     }
 
-    /// What is unusual: a warm axis, and a screw longer than makers offer.
+    /// What is unusual: a warm axis, and a screw longer than manufacturers offer.
     pub(super) fn warnings(&self) -> Vec<String> {
         let hot = self.steady_rise().filter(|rise| *rise > HOT).map(|rise| {
             format!(
@@ -121,17 +121,17 @@ impl AxisState<'_> {
             )
         });
         let ratios = self.heaviest().map(|torques| self.viscosity_ratios_of(&torques.phase));
-        let doubtful = ratios.and_then(|[by_film, by_viscosity]| {
+        let uncertain = ratios.and_then(|[by_film, by_viscosity]| {
             let (by_film, by_viscosity) = (by_film?, by_viscosity?);
             let apart = (by_film / by_viscosity).max(by_viscosity / by_film);
-            (apart > DOUBTFUL).then(|| {
+            (apart > UNCERTAIN).then(|| {
                 format!(
                     "viscosity ratio {by_film:.2} by the film ratio, with which the modified life is calculated; {by_viscosity:.2} by \
                      the viscosity alone"
                 )
             })
         });
-        hot.into_iter().chain(long).chain(doubtful).collect()
+        hot.into_iter().chain(long).chain(uncertain).collect()
     }
 
     /// What factors of ratings and life were taken, and which are usual.

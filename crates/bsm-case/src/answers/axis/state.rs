@@ -142,7 +142,7 @@ impl<'a> AxisState<'a> {
         self.nut.as_ref()?.number(name)
     }
 
-    /// By the rating of the maker too, which is of the same ball.
+    /// By the rating of the manufacturer too, which is of the same ball.
     pub(super) fn static_safety(&self) -> f64 {
         let axis = self.axis();
         let of_balls = self.machine.groove.as_ref().and_then(|(nut, _)| {
@@ -234,7 +234,7 @@ impl<'a> AxisState<'a> {
         let by_catalogue = || {
             let stated = self.scene.rated_rigidity_N_um?;
             let Named(at) = self.scene.nut.rated_rigidity_at?;
-            at.rigidity(stated, axis.largest_load(), axis.preload, self.machine.ratings[0])
+            at.stiffness(stated, axis.largest_load(), axis.preload, self.machine.ratings[0])
         };
         if self.machine.groove.is_some() {
             self.of_nut("nut_stiffness_N_um")
@@ -243,7 +243,7 @@ impl<'a> AxisState<'a> {
         }
     }
 
-    /// Rigidity of screw, nut, bearings and housings in series \[N/m\].
+    /// Stiffness of screw, nut, bearings and housings in series \[N/m\].
     pub(super) fn stiffness(&self) -> Option<f64> {
         let Scene { support_bearing_stiffness_N_um, housing_stiffness_N_um, .. } = self.scene;
         let others =

@@ -97,7 +97,7 @@ pub(crate) struct NutPreload {
 impl NutProblem {
     /// The nut of a scene.
     ///
-    /// * `settings`: the model that friction is calculated with, and its dials.
+    /// * `settings`: the model that friction is calculated with, and its settings.
     ///
     /// # Errors
     ///

@@ -16,13 +16,13 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::units::{MM, RPM, UM};
 use crate::{CaseError, InputKey, NutProblem, Scene, Settings};
 
-/// Speed at which makers measure the drag of a preload \[rad/s\].
+/// Speed at which manufacturers measure the drag of a preload \[rad/s\].
 const SLOW: f64 = 100.0 * RPM;
 
 /// Temperature of the air unless given \[°C\].
 const AIR: f64 = 20.0;
 
-/// A nut as its preload is set and makers measure it: cold, at [`SLOW`].
+/// A nut as its preload is set and manufacturers measure it: cold, at [`SLOW`].
 pub(crate) struct ColdNut {
     problem: NutProblem,
     nut: BallNut,

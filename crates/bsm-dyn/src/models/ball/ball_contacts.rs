@@ -1,4 +1,4 @@
-//! A ball between elastic races in units of ball radius, axial load per ball and relative speed, by sines
+//! A ball between elastic raceways in units of ball radius, axial load per ball and relative speed, by sines
 //! and cosines, for one point and for several side by side.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (P1), (P2), (P6).
@@ -11,7 +11,7 @@
 use bsm_kin::{Field, FieldOver};
 use bsm_simd::Compare;
 
-use crate::contact::{Axes, Curvatures, Groove, Hertz, Race, Sines, axial_displacement};
+use crate::contact::{Axes, Curvatures, Groove, Hertz, Raceway, Sines, axial_displacement};
 use crate::ellipse::pressed_radius;
 
 /// Size, inertia, speed and material of a point.
@@ -161,8 +161,8 @@ impl<F: Compare> BallContacts<F> {
         let &Sines { sin_a, cos_a, sin_b, cos_b } = sines;
         // Lengths in r_b, forces in F_a, speeds in W                      (P1)
         let (arc, inertia_ratio) = (size.radius / cos_a, size.mass * size.radius);
-        let nut = Groove { member: Race::Nut, conformity: conformities[0] };
-        let screw = Groove { member: Race::Screw, conformity: conformities[1] };
+        let nut = Groove { member: Raceway::Nut, conformity: conformities[0] };
+        let screw = Groove { member: Raceway::Screw, conformity: conformities[1] };
         let (nut, at_nut) = GrooveContact::of(&nut, sines.tan_a(), cos_b, size);
         let (screw, at_screw) = GrooveContact::of(&screw, sines.tan_a(), cos_b, size);
         let [least, infinity] = [arc.constant(f64::MIN_POSITIVE), arc.constant(f64::INFINITY)];

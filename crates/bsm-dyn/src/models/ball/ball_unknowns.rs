@@ -7,13 +7,13 @@ use crate::contact::Wrench;
 /// Unknowns and equations of one ball.
 pub(crate) const BALL: usize = 7;
 
-/// Places of the unknowns of one ball; [`MINOR_LOAD`](unknown::MINOR_LOAD) in the rigid model is
+/// Places of the unknowns of one ball; [`UNLOADED_FLANK_LOAD`](unknown::UNLOADED_FLANK_LOAD) in the rigid model is
 /// [`TILT`](unknown::TILT) in the elastic ones.
 pub(crate) mod unknown {
     /// Load of A over the axial load per ball.
     pub(crate) const NUT_LOAD: usize = 0;
     /// Load of A' over the axial load per ball.
-    pub(crate) const MINOR_LOAD: usize = 1;
+    pub(crate) const UNLOADED_FLANK_LOAD: usize = 1;
     /// Half the difference of the contact angles at B and A, or the one at A (T10) \[rad\].
     pub(crate) const TILT: usize = 1;
     /// Load of B over the axial load per ball.

@@ -1,4 +1,4 @@
-//! A ball between elastic races: inputs, units, and the state that belongs to loads and tilt.
+//! A ball between elastic raceways: inputs, units, and the state that belongs to loads and tilt.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (P1) to (P8).
 
@@ -14,8 +14,8 @@ use super::operating_point::{BallUnits, OperatingPoint};
 use super::sensitivity::Performance;
 use super::state::{BallState, ContactState, HertzContact, Transmission, in_frenet};
 use crate::contact::{
-    Ball, Curvatures, Groove, Hertz, Jones, Material, Race, Wrench, axial_force, contact_modulus,
-    efficiency, newton_euler, torque,
+    Ball, Curvatures, Groove, Hertz, Jones, Material, Raceway, Wrench, axial_force,
+    contact_modulus, efficiency, newton_euler, torque,
 };
 use crate::ellipse::{Ellipse, Integrate, Local, Nodes, pressed_radius, slip_scale};
 use crate::models::ball::ball_unknowns;
@@ -28,7 +28,7 @@ pub struct ElasticPoint<D = f64> {
     pub point: OperatingPoint<D>,
     /// Conformities of nut and screw, groove radius over ball diameter, above 1/2.
     pub conformity: (D, D),
-    /// Elastic constants of races and ball.
+    /// Elastic constants of raceways and ball.
     pub material: (Material<D>, Material<D>),
 }
 
@@ -66,8 +66,8 @@ impl<D: Scalar> ElasticPoint<D> {
 
     pub(crate) fn grooves(&self) -> [Groove<D>; 2] {
         [
-            Groove { member: Race::Nut, conformity: self.conformity.0 },
-            Groove { member: Race::Screw, conformity: self.conformity.1 },
+            Groove { member: Raceway::Nut, conformity: self.conformity.0 },
+            Groove { member: Raceway::Screw, conformity: self.conformity.1 },
         ]
     }
 
@@ -298,7 +298,7 @@ impl<P: Scalar> ElasticContacts<P> {
     }
 
     /// Speed over `$r_b W$` of the ends of the longer ellipse under the axial load when the ball
-    /// turns against a race at `$W$`; 1 for ellipses shorter than the ball (T9).
+    /// turns against a raceway at `$W$`; 1 for ellipses shorter than the ball (T9).
     pub(crate) fn slip_scale(&self) -> f64 {
         slip_scale([0, 1].map(|i| self.semi_axes[i].0.re()), self.pressed_radius.map(|r| r.re()))
     }
@@ -376,7 +376,7 @@ impl ElasticPoint {
             motion: Some(in_frenet(&pair.absolute(to_nut, &loaded.frame), &loaded.frame, w)),
             nut,
             screw,
-            minor: None,
+            unloaded: None,
             axial_displacement: Some(loaded.displacement * r_b),
         })
     }

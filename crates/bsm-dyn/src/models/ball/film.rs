@@ -1,4 +1,4 @@
-//! The film between ball and race, the share of the load that asperities carry, and what rolling loses.
+//! The film between ball and raceway, the share of the load that asperities carry, and what rolling loses.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y6) to (Y9), (Y14) to (Y20).
 
@@ -13,7 +13,7 @@ use bsm_kin::{BallFrame, Contact, Field, FieldOver, Motion, Over, Scalar};
 use nalgebra::Vector3;
 
 use super::elastic_ball::{BallLoads, ElasticContacts, ElasticPoint, to_both};
-use super::state::{RaceControl, SkidNumbers, SolveInfo};
+use super::state::{ControllingRaceway, SkidNumbers, SolveInfo};
 use crate::contact::{
     Curvatures, Hertz, Lubricant, MixedFriction, OilState, Roughness, Wrench, contact_modulus,
 };
@@ -116,7 +116,7 @@ impl<P: Field> EhlPoint<P> {
     /// The film of a load and a motion in the axes of the contact.
     ///
     /// * `[rate, speed, around]`: precession, speed of the centre along `$t$` and angular velocity about
-    ///   `$t \times N$`, relative to the race. * `k_c`: `$k \cdot (t \times N)$`.
+    ///   `$t \times N$`, relative to the raceway. * `k_c`: `$k \cdot (t \times N)$`.
     #[inline(always)]
     pub fn of_motion<D: FieldOver<P>>(
         &self,
@@ -146,7 +146,7 @@ impl<P: Field> EhlPoint<P> {
         let heating = (heat * 0.254 + 1.0).recip();
         // h ~ U^0.67 W^−0.067 φ_T                                         (Y7)
         let thickness = (log_rate * 0.67 - weight.ln() * 0.067).exp() * gap.film * heating;
-        // λ = h/√(R_q,ball² + R_q,race²),  ξ = e^{−1.4λ}                  (Y9)
+        // λ = h/√(R_q,ball² + R_q,raceway²),  ξ = e^{−1.4λ}               (Y9)
         let ratio = thickness * gap.roughness.recip();
         let share = (ratio * -1.4).exp();
         let semi_axis = force.cbrt() * gap.semi_axis;
@@ -223,7 +223,7 @@ impl<P: Scalar> EhlPoint<P> {
 
     /// The film at nut (0) or screw (1).
     ///
-    /// * `motion`: relative to the race. * `load`, `arc`, `creep`: scaled as the point is.
+    /// * `motion`: relative to the raceway. * `load`, `arc`, `creep`: scaled as the point is.
     pub(crate) fn film<D: Over<P>>(
         &self,
         i: usize,
@@ -237,13 +237,13 @@ impl<P: Scalar> EhlPoint<P> {
 }
 
 impl<P: Field> Gap<P> {
-    /// * `modulus`: `$E' = 2 E^*$`. * `race`: roughness of the groove.
+    /// * `modulus`: `$E' = 2 E^*$`. * `raceway`: roughness of the groove.
     #[inline(always)]
     fn of(
         (lubricant, oil, modulus): (&Lubricant<P>, &OilState<P>, P),
         curvatures: &Curvatures<P>,
         hertz: &Hertz<P>,
-        race: P,
+        raceway: P,
     ) -> Self {
         let Hertz { flatness, semi_axis, second_integral, .. } = *hertz;
         let radius = curvatures.along.recip();
@@ -262,7 +262,7 @@ impl<P: Field> Gap<P> {
             radius,
             flatness,
             semi_axis,
-            roughness: (lubricant.roughness.ball.square() + race.square()).sqrt(),
+            roughness: (lubricant.roughness.ball.square() + raceway.square()).sqrt(),
             rate,
             weight: (modulus * radius.square()).recip(),
             heat: heat.powf(0.62),
@@ -301,7 +301,7 @@ impl<P: Field> Gap<P> {
     }
 }
 
-/// What ball and race do to each other besides the normal load; scaled as the point is.
+/// What ball and raceway do to each other besides the normal load; scaled as the point is.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct EhlLoss<D> {
     pub(crate) film: ScaledFilm<D>,
@@ -315,7 +315,7 @@ pub(crate) struct EhlLoss<D> {
 impl<P: Scalar> EhlPoint<P> {
     /// Friction and rolling resistance at nut (0) or screw (1).
     ///
-    /// * `motion`: relative to the race.
+    /// * `motion`: relative to the raceway.
     pub(crate) fn loss<D: Integrate<P>>(
         &self,
         i: usize,
@@ -375,7 +375,7 @@ impl<P: Scalar> EhlPoint<P> {
 
 /// Mean speed of both surfaces along the track, as the contact sees them (Y14).
 ///
-/// * `motion`: relative to the race.
+/// * `motion`: relative to the raceway.
 fn entrainment<D: Scalar>(
     contact: &Contact<D>,
     motion: &Motion<D>,
@@ -384,9 +384,9 @@ fn entrainment<D: Scalar>(
 ) -> D {
     let point = contact.point(D::from(1.0));
     let ball = (motion.omega - frame.k * motion.precession).cross(&point).x;
-    let race = motion.precession * (arc + frame.k.cross(&point).x);
+    let raceway = motion.precession * (arc + frame.k.cross(&point).x);
     // u_t = ½ {[(ω − P k) × r]·t − (P − Ω_i)[d + (k × r)·t]}              (Y14)
-    (ball - race) * 0.5
+    (ball - raceway) * 0.5
 }
 
 /// What rolling costs at a contact: a force at its centre, and a couple.
@@ -407,7 +407,7 @@ impl<D: Field> ScaledFilm<D> {
 
     /// Force of rolling resistance along `$t$` at the centre of the contact, and its couple about `$t \times N$`.
     ///
-    /// * `across`: angular velocity about `$t \times N$`, relative to the race.
+    /// * `across`: angular velocity about `$t \times N$`, relative to the raceway.
     #[inline(always)]
     pub fn resist(&self, across: D, creep: f64) -> [D; 2] {
         // F_h = (2 R_x/r_b − 1) F_R (u_t/u) t                             (Y19)
@@ -430,7 +430,7 @@ impl<D: Field> ScaledFilm<D> {
 impl<D: Scalar> ScaledFilm<D> {
     /// Rolling resistance on the ball.
     ///
-    /// * `motion`: relative to the race.
+    /// * `motion`: relative to the raceway.
     pub(crate) fn resistance(
         &self,
         contact: &Contact<D>,
@@ -490,7 +490,7 @@ pub(crate) struct SteadyRoot {
     pub(crate) unit: [f64; 2],
     pub(crate) skid: SkidNumbers,
     pub(crate) info: SolveInfo,
-    pub(crate) control: Option<RaceControl>,
+    pub(crate) control: Option<ControllingRaceway>,
     /// Bound of the quadrature error of the efficiency, if estimated (T25).
     pub(crate) error: Option<f64>,
 }

@@ -20,7 +20,7 @@ pub struct BallState {
     /// Contact with the loaded flank of the screw.
     pub screw: ContactState,
     /// Contact with the unloaded flank of the nut, of models that have it.
-    pub minor: Option<ContactState>,
+    pub unloaded: Option<ContactState>,
     /// Displacement of the nut in the normal plane \[m\], of elastic contacts.
     pub axial_displacement: Option<f64>,
 }
@@ -123,8 +123,8 @@ pub struct Solved {
     pub skid: Option<SkidNumbers>,
     /// How it was found, unless in closed form.
     pub info: Option<SolveInfo>,
-    /// The race at which the ball does not spin, of raceway control.
-    pub control: Option<RaceControl>,
+    /// The raceway at which the ball does not spin, of raceway control.
+    pub control: Option<ControllingRaceway>,
     /// Other admissible solutions that are known; none where none was looked for.
     pub others: Option<Alternatives>,
     /// Bound of the error: of the quadrature in model traction, against model traction in the choice by
@@ -211,12 +211,12 @@ pub fn loss_error<F: Compare>(back: F::Mask, efficiency: F, bound: F) -> F {
     bound / (least * (one - efficiency).abs())
 }
 
-/// The race at which the ball does not spin.
+/// The raceway at which the ball does not spin.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RaceControl {
-    /// The race.
-    pub race: Control,
-    /// True if the decision (W7), asked at this solution, names that race; none if it was given.
+pub struct ControllingRaceway {
+    /// The raceway.
+    pub raceway: Control,
+    /// True if the decision (W7), asked at this solution, names that raceway; none if it was given.
     pub consistent: Option<bool>,
 }
 
@@ -261,7 +261,7 @@ impl BallState {
         match site {
             Site::Nut => Some(&self.nut),
             Site::Screw => Some(&self.screw),
-            Site::NutMinor => self.minor.as_ref(),
+            Site::NutUnloaded => self.unloaded.as_ref(),
         }
     }
 
@@ -269,7 +269,13 @@ impl BallState {
     pub(crate) fn at_angle(angle: f64) -> Self {
         let contact =
             ContactState { angle, load: None, slip_angle: None, slip: None, pressed: None };
-        Self { motion: None, nut: contact, screw: contact, minor: None, axial_displacement: None }
+        Self {
+            motion: None,
+            nut: contact,
+            screw: contact,
+            unloaded: None,
+            axial_displacement: None,
+        }
     }
 }
 
@@ -337,12 +343,12 @@ impl Transmission {
 pub const ROLLING_BELOW: f64 = 0.1;
 
 /// Onset number above which friction is nearly saturated.
-const SKIDS_ABOVE: f64 = 2.0;
+const GROSS_SKID_ABOVE: f64 = 2.0;
 
 /// What a ball does, by its onset number (W11).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum SlipRegime {
-    /// It rolls on both races.
+    /// It rolls on both raceways.
     Rolling,
     /// Between rolling and sliding.
     PartialSkid,
@@ -358,7 +364,7 @@ impl SlipRegime {
     pub fn of(onset_number: f64) -> Self {
         if onset_number < ROLLING_BELOW {
             Self::Rolling
-        } else if onset_number < SKIDS_ABOVE {
+        } else if onset_number < GROSS_SKID_ABOVE {
             Self::PartialSkid
         } else {
             Self::GrossSkid

@@ -74,18 +74,18 @@ fn search(
 /// What the search says about the answers of the model.
 #[derive(Debug, Default)]
 struct Tally {
-    denied: usize,
+    no_solution: usize,
     found: usize,
     seen: usize,
     refuted: Vec<(ElasticPoint, Reason, [f64; BALL])>,
 }
 
-/// Searches at as many denials and as many roots.
+/// Searches at as many points without a solution as with one.
 fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut newton = Workspace::default();
     let mut tally = Tally::default();
-    while tally.denied < points || tally.found < points {
+    while tally.no_solution < points || tally.found < points {
         let screw = extreme(&mut rng);
         let Ok(pair) = screw.scaled() else { continue };
         // The search cannot tell the roots of slower balls from none.
@@ -93,8 +93,8 @@ fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
             continue;
         }
         match find(&pair, &mut newton) {
-            Err(Unsolved::NoSolution { reason, .. }) if tally.denied < points => {
-                tally.denied += 1;
+            Err(Unsolved::NoSolution { reason, .. }) if tally.no_solution < points => {
+                tally.no_solution += 1;
                 if let Some(y) = search(&pair, starts, &mut rng, &mut newton) {
                     tally.refuted.push((screw, reason, y));
                 }
@@ -113,10 +113,10 @@ fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
     tally
 }
 
-/// Where a root is denied, searches from many starts find none; where one is found, they mostly find
+/// Where there is no solution, searches from many starts find none; where there is one, they mostly find
 /// it too.
 #[test]
-fn many_starts_find_no_root_where_one_is_denied() {
+fn many_starts_find_no_root_where_there_is_no_solution() {
     let tally = confirm(12, 12, 100);
     assert!(tally.refuted.is_empty(), "{tally:#?}");
     assert!(tally.seen * 2 > tally.found, "{tally:?}");
@@ -124,11 +124,11 @@ fn many_starts_find_no_root_where_one_is_denied() {
 
 #[test]
 #[ignore = "minutes: 1000 points of 1000 starts"]
-fn thousands_of_starts_find_no_root_where_one_is_denied() {
+fn thousands_of_starts_find_no_root_where_there_is_no_solution() {
     let tally = confirm(2026, 500, 1000);
     println!(
-        "{} denied, {} refuted, {} of {} seen",
-        tally.denied,
+        "{} no_solution, {} refuted, {} of {} seen",
+        tally.no_solution,
         tally.refuted.len(),
         tally.seen,
         tally.found
@@ -209,9 +209,9 @@ fn no_root_is_at_infinity() {
 }
 
 /// Nut and screw that turn nearly together: inertia by the relative speed underflows on the curve, and
-/// a root was denied whose inertia the curve had.
+/// there was no solution where the curve had the inertia.
 #[test]
-fn nut_and_screw_that_turn_together_are_not_denied() {
+fn nut_and_screw_that_turn_together_have_a_solution() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut work = ElasticWorkspace::default();
     let mut converged = 0;

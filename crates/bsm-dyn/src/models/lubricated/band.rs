@@ -99,9 +99,9 @@ impl Lubricated {
         lubricant.rolling_factor *= factor(1) / film;
         // A steeper share is the same as a smoother surface.
         let rough = factor(3) / factor(2);
-        let Roughness { ball, nut, screw: race } = lubricant.roughness;
+        let Roughness { ball, nut, screw: raceway } = lubricant.roughness;
         lubricant.roughness =
-            Roughness { ball: ball * rough, nut: nut * rough, screw: race * rough };
+            Roughness { ball: ball * rough, nut: nut * rough, screw: raceway * rough };
         lubricant.hysteresis_loss *= factor(9);
         let Oil { viscosities, limiting_shear, .. } = lubricant.oil;
         lubricant.oil.viscosities = viscosities.map(|viscosity| viscosity * factor(8));

@@ -142,7 +142,7 @@ fn torque_falls_and_rises_with_speed() {
 
 /// Spec 10.11: 5 to 95 % of the loss over the nominal one, of other draws.
 #[test]
-fn the_band_is_a_quarter_either_way_while_the_ball_grips() {
+fn the_band_is_a_quarter_either_way_while_the_ball_rolls() {
     let mut work = ModelWorkspace::default();
     for (rpm, axial, low, high) in [
         (100.0, 8000.0, 0.81, 1.26),

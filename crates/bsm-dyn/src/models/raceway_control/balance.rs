@@ -111,7 +111,7 @@ impl Balance<'_> {
     /// The root with the smallest difference of the contact angles, or the proof that there is
     /// none on the flanks.
     ///
-    /// * `near`: a root of the other race, if there is one.
+    /// * `near`: a root of the other raceway, if there is one.
     pub(super) fn first_root(
         &self,
         near: Option<[f64; STATIC]>,

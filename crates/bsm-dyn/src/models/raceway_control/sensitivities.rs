@@ -15,7 +15,7 @@ use crate::models::ball::{
 type BallInMotion<D> = (ElasticContacts<D>, BallLoads<D>, Motion<D>);
 
 impl<const M: usize> RacewayControl<Jet<M>> {
-    /// Efficiency and torque with their derivatives, for the race that controls.
+    /// Efficiency and torque with their derivatives, for the raceway that controls.
     pub(crate) fn sensitivities(
         &self,
         RacewayWorkspace { newton, quadrature, slopes }: &mut RacewayWorkspace,

@@ -25,7 +25,7 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Last step of an angle \[rad\]: the error behind it is of the order of its square.
 const LAST_STEP: f64 = 1e-9;
 
-/// Static balance of a ball with a race in control.
+/// Static balance of a ball with a raceway in control.
 #[derive(Clone, Copy)]
 pub struct StaticBalance<P: Field> {
     /// Where the nut controls.

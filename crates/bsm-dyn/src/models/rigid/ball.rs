@@ -130,17 +130,17 @@ impl<P: Field> RigidBall<P> {
         // σ = s r_b F_a / (I P)                                           (R5)
         let sigma = spin_moment / (rate * self.inertia);
         // V_A′ = (−u, p d + τ cos2β + σ sin2β)
-        let minor = [nut[0], precession * self.arc + tau * self.cos_2b + sigma * self.sin_2b];
+        let unloaded = [nut[0], precession * self.arc + tau * self.cos_2b + sigma * self.sin_2b];
         // −V_B/(W r_b) = λ A + (sinα, d (1 − 2p) − cosα cosβ)             (R26)
         let screw = [
             -(nut[0] + self.sines.sin_a),
             precession * (self.arc * 2.0) - (nut[1] + (self.arc - self.k_e)),
         ];
-        let (minor, screw) = (polar(minor), polar(screw));
+        let (unloaded, screw) = (polar(unloaded), polar(screw));
         RigidMotion {
             loads,
-            speeds: [slip, minor.0, screw.0],
-            directions: [along, minor.1, screw.1],
+            speeds: [slip, unloaded.0, screw.0],
+            directions: [along, unloaded.1, screw.1],
             precession,
             rate,
             omega: [u, sigma, tau],
@@ -151,11 +151,11 @@ impl<P: Field> RigidBall<P> {
     /// Friction forces over `$F_a$`.
     #[inline(always)]
     fn friction_forces<D: FieldOver<P>>(&self, m: &RigidMotion<D>) -> [Plane<D>; 3] {
-        let [a, minor, b] = m.directions;
+        let [a, unloaded, b] = m.directions;
         let [q_a, q_m, q_b] = m.loads;
         [
             times(-(q_a * self.signed), a),
-            times(-(q_m * self.signed), minor),
+            times(-(q_m * self.signed), unloaded),
             times(-(q_b * self.signed), b),
         ]
     }
@@ -166,17 +166,18 @@ impl<P: Field> RigidBall<P> {
     pub fn residual<D: FieldOver<P>>(&self, m: &RigidMotion<D>) -> [D; BALL] {
         let Sines { sin_a, sin_b, cos_b, .. } = self.sines;
         let [q_a, q_m, q_b] = m.loads;
-        let ([a, minor, b], [u, _, tau], s) = (self.friction_forces(m), m.omega, m.spin_moment);
+        let ([a, unloaded, b], [u, _, tau], s) = (self.friction_forces(m), m.omega, m.spin_moment);
         let (gyro, centrifugal) = (m.rate * self.inertia, m.rate.square() * self.inertia_ratio);
         // Σ F − m r_m P² n = 0,  Σ M − P k × Iω = 0,  F_nut·k − F_a = 0   (R8)
         [
-            a[1] + minor[1] + b[1],
-            q_a - q_b + q_m * self.cos_2b + minor[0] * self.sin_2b - centrifugal * cos_b,
-            a[0] + b[0] - q_m * self.sin_2b + minor[0] * self.cos_2b + centrifugal * sin_b,
-            b[0] - a[0] - minor[0] - gyro * tau * self.k_n + s * self.k_e,
-            minor[1] * self.sin_2b - gyro * (u * self.k_e - tau * sin_a),
-            a[1] - b[1] + minor[1] * self.cos_2b - s * sin_a + gyro * u * self.k_n,
-            (q_a - q_m) * self.k_n + (a[0] + minor[0]) * self.k_e + (a[1] + minor[1]) * sin_a - 1.0,
+            a[1] + unloaded[1] + b[1],
+            q_a - q_b + q_m * self.cos_2b + unloaded[0] * self.sin_2b - centrifugal * cos_b,
+            a[0] + b[0] - q_m * self.sin_2b + unloaded[0] * self.cos_2b + centrifugal * sin_b,
+            b[0] - a[0] - unloaded[0] - gyro * tau * self.k_n + s * self.k_e,
+            unloaded[1] * self.sin_2b - gyro * (u * self.k_e - tau * sin_a),
+            a[1] - b[1] + unloaded[1] * self.cos_2b - s * sin_a + gyro * u * self.k_n,
+            (q_a - q_m) * self.k_n + (a[0] + unloaded[0]) * self.k_e + (a[1] + unloaded[1]) * sin_a
+                - 1.0,
         ]
     }
 

@@ -110,7 +110,7 @@ impl CurvePoint {
     /// Of its numbers, as [`Curve::point`] has them.
     #[inline(always)]
     fn of(turn: f64, numbers: &[f64; NUMBERS]) -> Self {
-        let [c, s, at_nut, a_x, a_t, m_x, m_t, nut, minor, axial, centrifugal, ..] = *numbers;
+        let [c, s, at_nut, a_x, a_t, m_x, m_t, nut, unloaded, axial, centrifugal, ..] = *numbers;
         let [.., precession, rate, slip_x, slip_t, violated, given, wanted, sense] = *numbers;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "nine bits")]
         let violated = violated as u16;
@@ -119,7 +119,7 @@ impl CurvePoint {
             direction: [c, s],
             at_nut: at_nut > 0.0,
             friction: [[a_x, a_t], [m_x, m_t]],
-            loads: [nut, minor],
+            loads: [nut, unloaded],
             axial,
             centrifugal,
             precession,
@@ -150,11 +150,11 @@ impl CurvePoint {
 
     /// Distance of the directions of two points on the unit circle, squared.
     pub(super) fn apart(&self, other: &Self) -> f64 {
-        let minor = |point: &Self| point.friction[1].map(|x| x / point.loads[1]);
+        let unloaded = |point: &Self| point.friction[1].map(|x| x / point.loads[1]);
         let (one, two) = if self.at_nut == other.at_nut {
             (self.direction, other.direction)
         } else {
-            (minor(self), minor(other))
+            (unloaded(self), unloaded(other))
         };
         let apart = [one[0] - two[0], one[1] - two[1]];
         dot(apart, apart)
@@ -276,18 +276,19 @@ impl Curve {
             reach.combined(ell[0], &own[0], -curvature),
             reach.combined(ell[1], &own[1], -curvature),
         ];
-        let minor = [
+        let unloaded = [
             LinearForm::select(at_nut, &other[0], &scaled[0]),
             LinearForm::select(at_nut, &other[1], &scaled[1]),
         ];
         // A = cosα sinβ − F h cosδ                                        (R36)
         let axial = (b[0] * k_e + b[1] * k_t) * f + self.thrust;
         // Δ M = Δ [ξ F/sinβ + 2 Q' cosβ] − 2 F sinβ Δ f'_x                (R37)
-        let minor_load = LinearForm([curvature, zero, zero]);
-        let minor_load = minor_load.combined(one, &reach, F::select(at_nut, gap, zero));
+        let unloaded_flank_load = LinearForm([curvature, zero, zero]);
+        let unloaded_flank_load =
+            unloaded_flank_load.combined(one, &reach, F::select(at_nut, gap, zero));
         let centrifugal = reach
-            .combined(xi * (f / sin_b), &minor_load, sin.constant(2.0 * cos_b))
-            .combined(one, &minor[0], sin.constant(-2.0 * f * sin_b));
+            .combined(xi * (f / sin_b), &unloaded_flank_load, sin.constant(2.0 * cos_b))
+            .combined(one, &unloaded[0], sin.constant(-2.0 * f * sin_b));
         // X = ± c × ℓ                                                     (R38)
         let side = F::select(at_nut, -one, one);
         let cross = LinearForm([zero, side * ell[1], -side * ell[0]]);
@@ -301,7 +302,7 @@ impl Curve {
         // N₁ = k·S − Δ f'_t X,  N₂ = b × S − 2 b_x N₁/k_t                 (R39)
         let advance = slip[0].combined(sin.constant(k_e), &slip[1], sin.constant(k_t)).combined(
             one,
-            &minor[1].times(&cross),
+            &unloaded[1].times(&cross),
             -one,
         );
         let resistance =
@@ -368,7 +369,7 @@ impl Curve {
         let scale = fan.drive / resistance;
         let slip = [scale * fan.slip[0].at(c), scale * fan.slip[1].at(c)];
         let precession = scale * fan.advance.at(c) * (1.0 / (k_t * self.arc));
-        let at_minor = [slip[0], slip[1] + scale * reach * cross * fan.b[1] * (2.0 / k_t)];
+        let at_unloaded = [slip[0], slip[1] + scale * reach * cross * fan.b[1] * (2.0 / k_t)];
         let at_screw = [-slip[0] - k_t, precession * (2.0 * self.arc) - slip[1] + (k_e - self.arc)];
         // μ A (B₀ X)² Δ (Δ M) = (C₀ N₂)²                                  (R42)
         let sense = fan.drive * cross;
@@ -382,7 +383,7 @@ impl Curve {
             fan.axial,
             centrifugal,
             dot(slip, friction[0]),
-            dot(at_minor, friction[1]),
+            dot(at_unloaded, friction[1]),
             dot(at_screw, fan.b),
         ];
         let mut violated = zero;
@@ -423,7 +424,7 @@ impl Curve {
     /// * `ball`: the one of this curve.
     pub(super) fn motion(&self, ball: &RigidBall<f64>, point: &CurvePoint) -> RigidMotion<f64> {
         let [sin_b, cos_b] = self.contact;
-        let [nut, minor] = point.loads;
+        let [nut, unloaded] = point.loads;
         let (sin, cos) = point.turn.sin_cos();
         let b_t = -self.psi[0] * cos - self.psi[1] * sin;
         let tau = point.slip[1] - self.arc * point.precession;
@@ -435,7 +436,7 @@ impl Curve {
         // s = I P tanβ τ + 2 F Q_B b_t/k_t                                (R43)
         let gyroscopic = 0.4 * self.inertia / self.radius * point.rate * tau * sin_b / cos_b;
         let spin = gyroscopic + 2.0 * self.signed * screw * b_t / self.axis[1];
-        let loads = [nut * screw, minor * screw, screw];
+        let loads = [nut * screw, unloaded * screw, screw];
         let along = point.friction[0].map(|x| x / nut);
         let slip = point.slip[0].hypot(point.slip[1]);
         ball.motion(loads, [point.precession, point.rate], (slip, along), spin)

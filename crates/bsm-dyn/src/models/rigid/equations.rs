@@ -11,7 +11,7 @@ use super::first_order::FirstOrder;
 use crate::contact::{DOES_NOT_CIRCLE, Sines, sliding};
 use crate::cost;
 use crate::models::ball::unknown::{
-    MINOR_LOAD, NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN,
+    NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, UNLOADED_FLANK_LOAD,
 };
 use crate::models::ball::{BALL, MOMENT_NORMAL, ROWS, equations, weight};
 
@@ -47,7 +47,7 @@ impl<P: Scalar> RigidEquations<P> {
         }
         // V_A = W r_b λ (cosθ e_x + sinθ t), friction against it whatever the size of λ  (R7)
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();
-        let loads = [y[NUT_LOAD], y[MINOR_LOAD], y[SCREW_LOAD]];
+        let loads = [y[NUT_LOAD], y[UNLOADED_FLANK_LOAD], y[SCREW_LOAD]];
         let motion = self.ball.motion(loads, rates, (y[SLIP], [cos, sin]), y[SPIN]);
         sliding(motion.speeds[1])?;
         sliding(motion.speeds[2])?;
@@ -77,10 +77,10 @@ impl RigidEquations<f64> {
     /// The equations of a point, counted as the motion asks for, and the unknowns of that motion.
     pub(super) fn at(ball: &RigidBall<f64>, motion: &RigidMotion<f64>) -> (Self, Unknowns<f64>) {
         let from_ground = motion.rate.abs() < motion.precession.abs();
-        let ([nut, minor, screw], [x, t]) = (motion.loads, motion.directions[0]);
+        let ([nut, unloaded, screw], [x, t]) = (motion.loads, motion.directions[0]);
         let counted = if from_ground { motion.rate } else { motion.precession };
         let (slip, spin) = (motion.speeds[0], motion.spin_moment);
-        let unknowns = [nut, minor, screw, counted, slip, t.atan2(x), spin];
+        let unknowns = [nut, unloaded, screw, counted, slip, t.atan2(x), spin];
         (Self { ball: *ball, from_ground }, unknowns.into())
     }
 }
@@ -89,8 +89,8 @@ impl RigidBall<f64> {
     /// The unknowns of the first order.
     pub(super) fn start_of(&self, first: &FirstOrder) -> Unknowns<f64> {
         let (load, angle) = (first.load, self.sin_psi.atan2(self.cos_psi));
-        let minor = first.minor * first.inertia;
-        [load, minor, load, first.precession, first.slip, angle, first.spin].into()
+        let unloaded = first.unloaded * first.inertia;
+        [load, unloaded, load, first.precession, first.slip, angle, first.spin].into()
     }
 
     /// Weights of the equations (R10) for a rate of this size.

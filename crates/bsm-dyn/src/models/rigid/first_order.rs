@@ -32,7 +32,7 @@ pub struct FirstOrder<F = f64> {
     /// `$Q_A/F_a = Q_B/F_a$`; negative means self-locking.
     pub load: F,
     /// `$q_{A'} = Q_{A'}/(\varepsilon F_a)$`; negative means that A' would have to act in tension.
-    pub minor: F,
+    pub unloaded: F,
     /// `$\varepsilon = m r_m P^2/F_a$`, the centrifugal force over the load.
     pub inertia: F,
     /// `$\iota = \mu\max(1, (P/W)^2)$`, the size of the inertia forces over the load; over `$f$`
@@ -72,7 +72,7 @@ impl<F: Compare> RigidBall<F> {
         let size = self.inertia_size(rate);
         FirstOrder {
             load,
-            minor: state.minor,
+            unloaded: state.unloaded,
             inertia,
             size,
             rate,
@@ -109,7 +109,7 @@ impl<F: Compare> FirstOrder<F> {
     #[inline(always)]
     pub(super) fn pushes(&self) -> F::Mask {
         let zero = self.load.constant(0.0);
-        self.load.gt(zero) & self.minor.gt(zero)
+        self.load.gt(zero) & self.unloaded.gt(zero)
     }
 
     /// Where a finite root exists, to first order: the contacts push and the ball slides on the nut.

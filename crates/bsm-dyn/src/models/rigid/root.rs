@@ -13,11 +13,11 @@ use super::equations::{ExistenceLimit, LEAST_INERTIA, RigidEquations, Unknowns};
 use super::first_order::FirstOrder;
 use super::search::{LONGEST, Search};
 use crate::contact::Sines;
-use crate::models::ball::unknown::{MINOR_LOAD, SLIP};
+use crate::models::ball::unknown::{SLIP, UNLOADED_FLANK_LOAD};
 use crate::models::ball::{BALL, Evidence, Reason, Unsolved, Workspace};
 
-/// Up to this ratio of inertia to friction what the first order denies by more than its error is not
-/// there; above it, friction of order one leaves roots further from the first order.
+/// Up to this ratio of inertia to friction what the first order excludes by more than its error does not
+/// exist; above it, friction of order one leaves roots further from the first order.
 const SMALL_INERTIA: f64 = 0.01;
 
 /// Relative error of the first-order existence test over the ratio of inertia to friction.
@@ -78,7 +78,7 @@ type Verdict = Option<Result<BallRoot, Unsolved>>;
 /// [crowded](FirstOrder::is_crowded).
 ///
 /// A hair from self-locking the loads are so large that their rounding misleads all searches. Where the
-/// first order has a root by more than its error, none is denied.
+/// first order has a root by more than its error, there is one.
 pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<BallRoot, Unsolved> {
     let first = ball.first_order();
     let inertia = first.size / ball.friction();
@@ -103,7 +103,7 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
 }
 
 impl RootSearch<'_> {
-    /// Denies a root at small inertia if the first order does so by more than its error.
+    /// No solution at small inertia where the first order has none by more than its error.
     ///
     /// The error is [`FIRST_ORDER_ERROR`] times the ratio of inertia to friction. The constant is
     /// measured: no root of `tests/suite/rigid_campaign.rs` goes further against the first order than 0.077 of
@@ -128,8 +128,8 @@ impl RootSearch<'_> {
             return None;
         }
         // q_A' < 0 lies beyond q_A' = ∞, where the margin is -∞ already.
-        if first.minor <= 0.0 {
-            return Some(Err(none(minor_would_pull(first))));
+        if first.unloaded <= 0.0 {
+            return Some(Err(none(unloaded_flank_would_pull(first))));
         }
         let sure = -first.margin > margin_error(ball, first, error);
         sure.then(|| Err(none(would_roll(ball, first, self.work))))
@@ -182,7 +182,7 @@ impl RootSearch<'_> {
         match nearest {
             Some(nearest) => Reason::NoRootAtInertia { inertia_ratio: ball.inertia_ratio, nearest },
             None if first.load <= 0.0 => self_locking(ball),
-            None if first.minor <= 0.0 => minor_would_pull(first),
+            None if first.unloaded <= 0.0 => unloaded_flank_would_pull(first),
             None => would_roll(ball, first, self.work),
         }
     }
@@ -273,12 +273,12 @@ fn inadmissible(
     motion: &RigidMotion<f64>,
     work: &mut RigidWorkspace,
 ) -> Reason {
-    let ([nut, minor, screw], slip) = (motion.loads, motion.speeds[0]);
+    let ([nut, unloaded, screw], slip) = (motion.loads, motion.speeds[0]);
     if nut <= 0.0 || screw <= 0.0 {
         return Reason::LoadedContactWouldPull { nut_load_ratio: nut, screw_load_ratio: screw };
     }
-    if minor <= 0.0 {
-        return Reason::UnloadedFlankWouldPull { load_ratio: minor };
+    if unloaded <= 0.0 {
+        return Reason::UnloadedFlankWouldPull { load_ratio: unloaded };
     }
     let critical_lead_angle = critical_lead_angle(ball, work);
     Reason::NutContactWouldRoll { slip, exact: true, critical_lead_angle }
@@ -299,8 +299,8 @@ fn self_locking(ball: &RigidBall<f64>) -> Reason {
     Reason::SelfLocking { sin_contact_angle, friction_term }
 }
 
-fn minor_would_pull(first: &FirstOrder) -> Reason {
-    Reason::UnloadedFlankWouldPull { load_ratio: first.minor * first.inertia }
+fn unloaded_flank_would_pull(first: &FirstOrder) -> Reason {
+    Reason::UnloadedFlankWouldPull { load_ratio: first.unloaded * first.inertia }
 }
 
 fn would_roll(ball: &RigidBall<f64>, first: &FirstOrder, work: &mut RigidWorkspace) -> Reason {
@@ -387,6 +387,6 @@ pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>, work: &mut RigidWorkspa
     let weights = there.weights(first.rate);
     let goal = Options::default().residual_goal;
     let report = run(&ExistenceLimit(ball), &mut x, &weights, goal, work);
-    let found = report.converged() && x[MINOR_LOAD] > 0.0 && x[SLIP] > lead_angle;
+    let found = report.converged() && x[UNLOADED_FLANK_LOAD] > 0.0 && x[SLIP] > lead_angle;
     found.then_some(x[SLIP])
 }

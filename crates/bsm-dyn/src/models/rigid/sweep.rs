@@ -40,7 +40,7 @@ pub(super) struct Directions<F> {
     nut: F,
     screw: F,
     /// Direction of the friction at A' in `$(e_x, t)$`.
-    minor: Plane<F>,
+    unloaded: Plane<F>,
     /// Of the force along the normal.
     correction: F,
     /// `$|A|$` and `$|B|$`.
@@ -50,7 +50,7 @@ pub(super) struct Directions<F> {
 /// The state that belongs to directions.
 pub(super) struct SweepState<F> {
     /// `$\kappa = Q_{A'}/M$` and `$M = \mu (P/W)^2$`.
-    pub(super) minor: F,
+    pub(super) unloaded: F,
     pub(super) centrifugal: F,
     pub(super) p: F,
     /// `$P/W$`.
@@ -108,7 +108,7 @@ impl<F: Compare> RigidBall<F> {
         Directions {
             nut: zero,
             screw: zero,
-            minor: [zero, along],
+            unloaded: [zero, along],
             correction: zero,
             norms: [one; 2],
         }
@@ -131,17 +131,17 @@ impl<F: Compare> RigidBall<F> {
         let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
         let (f, one) = (self.signed, self.constant(1.0));
         let (c, s_psi, h) = (self.cos_psi, self.sin_psi, self.h);
-        let [cos_m, sin_m] = given.minor;
+        let [cos_m, sin_m] = given.unloaded;
         // x_A = cosψ − t_A sinψ,  y_A = sinψ + t_A cosψ                   (R24)
         let nut = [given.nut.neg_mul_add(s_psi, c), given.nut.mul_add(c, s_psi)];
         let screw = [given.screw.neg_mul_add(s_psi, c), given.screw.mul_add(c, s_psi)];
         // κ (Q_A′/M) from the force along N and along ψ                   (R25)
         let below = (f * (c * self.cos_2b + f * self.sin_2b))
             .neg_mul_add(cos_m, (f * s_psi).neg_mul_add(sin_m, c * self.sin_2b - f * self.cos_2b));
-        let minor = ((c * sin_b - f * cos_b) - given.correction) / below;
+        let unloaded = ((c * sin_b - f * cos_b) - given.correction) / below;
         // λ = e₁ p − e₂ P/W from the moment about N                       (R27)
         let e_1 = sin_a * self.arc * self.per_h;
-        let e_2 = (f * self.sin_2b * self.radius * self.per_h * 2.5) * (minor * sin_m);
+        let e_2 = (f * self.sin_2b * self.radius * self.per_h * 2.5) * (unloaded * sin_m);
         // X = t_A − t_B, from A to B
         let turn = given.nut - given.screw;
         let p = self.precession(e_1, e_2, screw, turn);
@@ -149,7 +149,7 @@ impl<F: Compare> RigidBall<F> {
         let slip = e_2.neg_mul_add(rate, e_1 * p);
         let (u, tau) = (-(slip * nut[0]), p.neg_mul_add(self.arc, slip * nut[1]));
         let centrifugal = self.inertia_ratio * rate * rate;
-        let load = minor * centrifugal;
+        let load = unloaded * centrifugal;
         let gyro = self.inertia * rate;
         // G = −2 F Q_A/|A| from the axial load                            (R28)
         let [norm_a, _] = given.norms;
@@ -186,7 +186,7 @@ impl<F: Compare> RigidBall<F> {
         let correction = dot([pull_a * square_a, pull_b * square_b], [one_b, one_a])
             / ((centrifugal * 2.0) * (one_a * one_b));
         SweepState {
-            minor,
+            unloaded,
             centrifugal,
             p,
             rate,
@@ -198,7 +198,7 @@ impl<F: Compare> RigidBall<F> {
             next: Directions {
                 nut: tan_a,
                 screw: tan_b,
-                minor: times(sense, [across, along]),
+                unloaded: times(sense, [across, along]),
                 correction,
                 norms,
             },
@@ -243,8 +243,11 @@ impl<F: Compare> RigidBall<F> {
         let [norm_a, norm_b] = state.norms;
         let [pull_a, pull_b] = state.pulls;
         let twice = self.signed * 2.0;
-        let loads =
-            [-(pull_a * norm_a) / twice, state.minor * state.centrifugal, pull_b * norm_b / twice];
+        let loads = [
+            -(pull_a * norm_a) / twice,
+            state.unloaded * state.centrifugal,
+            pull_b * norm_b / twice,
+        ];
         let slip = (state.slip * norm_a, times(norm_a.recip(), state.nut));
         self.motion(loads, [state.p, state.rate], slip, state.s)
     }
@@ -255,8 +258,8 @@ impl<F: Compare> Directions<F> {
     #[inline(always)]
     pub(super) fn farthest(&self, other: &Self) -> F {
         let turns = (self.nut - other.nut).abs().larger((self.screw - other.screw).abs());
-        let x = (self.minor[0] - other.minor[0]).abs();
-        let y = (self.minor[1] - other.minor[1]).abs();
+        let x = (self.unloaded[0] - other.unloaded[0]).abs();
+        let y = (self.unloaded[1] - other.unloaded[1]).abs();
         turns.larger(x.larger(y))
     }
 
@@ -266,7 +269,7 @@ impl<F: Compare> Directions<F> {
         Self {
             nut: F::select(moving, other.nut, self.nut),
             screw: F::select(moving, other.screw, self.screw),
-            minor: pick(moving, other.minor, self.minor),
+            unloaded: pick(moving, other.unloaded, self.unloaded),
             correction: F::select(moving, other.correction, self.correction),
             norms: pick(moving, other.norms, self.norms),
         }
@@ -278,7 +281,7 @@ impl<F: Compare> RigidMotion<F> {
     #[inline(always)]
     pub fn is_admissible(&self) -> F::Mask {
         let zero = self.rate.constant(0.0);
-        let [a, minor, b] = self.loads;
-        a.gt(zero) & minor.gt(zero) & b.gt(zero) & self.speeds[0].gt(zero)
+        let [a, unloaded, b] = self.loads;
+        a.gt(zero) & unloaded.gt(zero) & b.gt(zero) & self.speeds[0].gt(zero)
     }
 }

@@ -1,4 +1,4 @@
-//! The reduction against the equations, denials against searches from many starts, and points that
+//! The reduction against the equations, `no_solution` against searches from many starts, and points that
 //! once had no answer or a wrong one.
 
 use std::f64::consts::PI;
@@ -23,7 +23,7 @@ const DIRECTIONS: usize = 20_000;
 const STARTS: usize = 200;
 
 /// Denials that are put to the test.
-const DENIED: usize = 100;
+const NO_SOLUTION: usize = 100;
 
 /// A screw of the ranges of the extremes.
 fn screw(rng: &mut impl Rng) -> OperatingPoint {
@@ -41,7 +41,7 @@ fn start(
     let angles: [f64; 3] = std::array::from_fn(|_| rng.random_range(-PI..PI));
     let friction = ball.signed;
     let frame = BallFrame::turned(point.helix.lead_angle, point.contact_angle);
-    let contacts = [Site::Nut, Site::NutMinor, Site::Screw]
+    let contacts = [Site::Nut, Site::NutUnloaded, Site::Screw]
         .map(|site| Contact::new(site, point.contact_angle, &frame));
     let slips: [_; 3] = std::array::from_fn(|i| {
         contacts[i].across * angles[i].cos() + BallFrame::tangent() * angles[i].sin()
@@ -117,15 +117,15 @@ fn many_starts(
     found
 }
 
-/// Where a root is denied, searches from many starts find none; where one is found, they mostly find
+/// Where there is no solution, searches from many starts find none; where there is one, they mostly find
 /// it too.
 #[test]
-fn many_starts_find_no_root_where_one_is_denied() {
+fn many_starts_find_no_root_where_there_is_no_solution() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let (mut work, mut newton) = (RigidWorkspace::default(), Workspace::default());
-    let (mut denied, mut found, mut seen) = (0, 0, 0);
+    let (mut no_solution, mut found, mut seen) = (0, 0, 0);
     let mut refuted = Vec::new();
-    while denied < campaign(DENIED) {
+    while no_solution < campaign(NO_SOLUTION) {
         let rigid = screw(&mut rng);
         let Ok(case) = Rigid { point: rigid }.ball() else { continue };
         let answer = root::find(&case, &mut work);
@@ -135,18 +135,18 @@ fn many_starts_find_no_root_where_one_is_denied() {
         }
         match answer {
             Err(Unsolved::NoSolution { reason, .. }) => {
-                denied += 1;
+                no_solution += 1;
                 let roots = many_starts((&rigid, &case), 1, &mut rng, &mut newton);
                 refuted.extend(roots.into_iter().map(|root| (rigid, reason.clone(), root)));
             }
-            Ok(_) if found < denied => {
+            Ok(_) if found < no_solution => {
                 found += 1;
                 seen += many_starts((&rigid, &case), 1, &mut rng, &mut newton).len();
             }
             _ => {}
         }
     }
-    println!("{denied} denied, {} refuted, {seen} of {found} seen", refuted.len());
+    println!("{no_solution} no_solution, {} refuted, {seen} of {found} seen", refuted.len());
     assert!(refuted.is_empty(), "{refuted:#?}");
     assert!(seen * 10 > found * 7, "{seen} of {found}");
 }
@@ -322,9 +322,9 @@ fn a_step_of_the_efficiency_is_told_by_the_other_solution() {
 }
 
 /// A screw at rest, and inertia of 1.5 times friction: a second root on an arc of its own, with the slip at
-/// A turned round, was denied by a bound that had been measured at too few points.
+/// A turned round, was missed by a bound that had been measured at too few points.
 #[test]
-fn an_arc_of_its_own_is_not_denied() {
+fn an_arc_of_its_own_has_a_solution() {
     let rigid = at(
         [0.474_482_528_367_515, 0.536_916_895_777_574_3],
         [0.006_280_477_531_758_016_5, 0.023_603_688_672_616_797, 0.008_093_962_926_287_675],
@@ -465,7 +465,7 @@ fn solved(rigid: &OperatingPoint) -> RigidRoot {
     rigid.root(&mut work).expect("it converged")
 }
 
-/// Friction of order one: the first order denied these roots.
+/// Friction of order one: the first order excluded these roots.
 #[test]
 fn roots_far_from_the_first_order_are_found() {
     let screw = at(
@@ -477,7 +477,7 @@ fn roots_far_from_the_first_order_are_found() {
     );
     assert!(Rigid { point: screw }.first_order().expect("friction").margin < 0.0);
     // Loads of the search, seen from random starts too.
-    assert_relative_eq!(solved(&screw).minor_load, 3.208_358_8, max_relative = 1e-6);
+    assert_relative_eq!(solved(&screw).unloaded_flank_load, 3.208_358_8, max_relative = 1e-6);
     let calm = at(
         [0.878_405_142_2, 0.136_486_880_8],
         [0.000_882_365_986_0, 0.011_052_574_74, 5.406_855_918e-5],
@@ -486,13 +486,13 @@ fn roots_far_from_the_first_order_are_found() {
         122.066_740_4,
     );
     assert!(Rigid { point: calm }.first_order().expect("friction").margin < 0.0);
-    assert_relative_eq!(solved(&calm).minor_load, 0.065_903_58, max_relative = 1e-6);
+    assert_relative_eq!(solved(&calm).unloaded_flank_load, 0.065_903_58, max_relative = 1e-6);
 }
 
 /// Loads of 2e5 times the axial load, a hair from self-locking, and next to no inertia: rounding of
 /// these loads made the load of A' negative at one speed and not at the next.
 #[test]
-fn large_loads_do_not_eat_the_minor_one() {
+fn large_loads_do_not_eat_that_of_the_unloaded_flank() {
     for screw_speed in [-0.1, -0.1047, -0.104_770_5, -0.105, -0.11] {
         let ball = Ball::of_density(0.419_112_6e-3, 17_715.02);
         let screw = at(
@@ -506,7 +506,11 @@ fn large_loads_do_not_eat_the_minor_one() {
         let root = solved(&screw);
         assert!(root.nut_load > 1e5, "{root:?}");
         // Error of the first order: 2e5 times ι/f, 2e-2 here.
-        assert_relative_eq!(root.minor_load, first.minor * first.inertia, max_relative = 0.03);
+        assert_relative_eq!(
+            root.unloaded_flank_load,
+            first.unloaded * first.inertia,
+            max_relative = 0.03
+        );
     }
 }
 
@@ -566,7 +570,7 @@ fn sharp_turns_of_the_curve_are_not_missed() {
     assert!(solved(&vanishes).nut_load < 0.01);
 }
 
-/// At the inertia that a denial names as the nearest there is a root.
+/// At the inertia that `no_solution` names as the nearest there is a root.
 #[test]
 fn the_nearest_inertia_has_a_root() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);

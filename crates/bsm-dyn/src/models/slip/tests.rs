@@ -63,7 +63,7 @@ proptest! {
     fn a_rolling_ball_slides_by_half_the_lead(
         lead in 0.01..1.5_f64, a in 0.02..1.55_f64, b in 0.02..1.55_f64, forward: bool,
     ) {
-        for (control, race) in [(Control::Nut, Site::Nut), (Control::Screw, Site::Screw)] {
+        for (control, raceway) in [(Control::Nut, Site::Nut), (Control::Screw, Site::Screw)] {
             let ball = rolls(control, lead, [a, b], forward);
             // |V_A| = |V_B| = r_b |W| sinα / 2                        (X13)
             let half = 3e-3 * 523.0 * lead.sin() / 2.0;
@@ -72,7 +72,7 @@ proptest! {
                 // Rounding of speeds of the order of d W, up to 150 m/s at 1.5 rad.
                 prop_assert!((ball.differential_slip(&touch) - half).abs() <= 1e-13 / lead.cos());
                 prop_assert!(ball.rolling_speed(&touch) > 0.0);
-                if site == race {
+                if site == raceway {
                     let scale = ball.relative_to(site).omega.norm();
                     prop_assert!(ball.spin(&touch).abs() <= 1e-14 * scale);
                 }
@@ -146,7 +146,7 @@ fn neighbours_rub_with_both_rims() {
 }
 
 /// The published spin slip depends on the direction of the drive, and does not vanish at the
-/// race that controls; the spin does neither.
+/// raceway that controls; the spin does neither.
 #[test]
 fn published_spin_slip_is_not_the_spin() {
     let lead = 1e-9;

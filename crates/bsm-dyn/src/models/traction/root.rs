@@ -17,7 +17,7 @@ use crate::models::elastic::GrossSlip;
 use crate::models::raceway_control::RollingBall;
 
 /// Onset number from which the skidding ball is the nearer start.
-pub const SKIDS: f64 = 0.5;
+pub const SKID_ONSET: f64 = 0.5;
 
 /// Newton steps and halvings of a step of a solve after which others may do better; of most points the solve after a
 /// step at [`LEVEL`] takes full steps.
@@ -108,9 +108,10 @@ impl SlipBall<'_> {
     ) -> Result<SlipRoot, Unsolved> {
         let rolling = self.unknowns(&rolling_ball.loaded, &rolling_ball.to_nut);
         let mut failure = None;
-        let skids = rolling_ball.skid(self.pair).onset_number().is_some_and(|onset| onset > SKIDS);
-        for skids in [skids, !skids] {
-            let y = if skids {
+        let skidding =
+            rolling_ball.skid(self.pair).onset_number().is_some_and(|onset| onset > SKID_ONSET);
+        for skidding in [skidding, !skidding] {
+            let y = if skidding {
                 let Ok(skid) = GrossSlip::start(self.pair) else { continue };
                 *steps += skid.steps();
                 self.unknowns(skid.state().0, skid.state().1)

@@ -73,7 +73,7 @@ fn search(ball: &SlipBall<'_>, starts: usize, rng: &mut impl Rng) -> Option<Slip
 /// Counts of points and, among them, those where the search found a root.
 #[derive(Debug, Default)]
 struct SearchCounts {
-    denied: [usize; 2],
+    no_solution: [usize; 2],
     undecided: [usize; 2],
     /// The first hundred roots.
     found: [usize; 2],
@@ -94,7 +94,7 @@ fn confirmed(seed: u64, points: usize, starts: usize) -> SearchCounts {
         let ball = SlipBall::of_pair(&pair, quadrature, creep);
         let steps = solution.solved().and_then(|solved| Some(solved.info?.steps));
         let count = match solution.status() {
-            Status::NoSolution => &mut counts.denied,
+            Status::NoSolution => &mut counts.no_solution,
             Status::NotConverged => &mut counts.undecided,
             Status::Converged if counts.found[0] < 100 => &mut counts.found,
             Status::Converged if steps > Some(150) => &mut counts.hard,
@@ -115,22 +115,25 @@ fn confirmed(seed: u64, points: usize, starts: usize) -> SearchCounts {
     counts
 }
 
-/// Where a root is denied, searches from many starts find none; where there is one they mostly find
+/// Where there is no solution, searches from many starts find none; where there is one they mostly find
 /// it.
 #[test]
-fn many_starts_find_no_root_where_one_is_denied() {
+fn many_starts_find_no_root_where_there_is_no_solution() {
     let points = campaign(250);
-    let SearchCounts { denied, found, .. } = confirmed(12, points, 40);
-    assert_eq!(denied[1], 0, "{denied:?}");
-    assert!(denied[0] * 25 > 3 * points && found[1] * 2 > found[0], "{denied:?} {found:?}");
+    let SearchCounts { no_solution, found, .. } = confirmed(12, points, 40);
+    assert_eq!(no_solution[1], 0, "{no_solution:?}");
+    assert!(
+        no_solution[0] * 25 > 3 * points && found[1] * 2 > found[0],
+        "{no_solution:?} {found:?}"
+    );
 }
 
-/// The same at length: `cargo test --release -p bsm-dyn --lib denied_at_length -- --ignored --nocapture`.
+/// The same at length: `cargo test --release -p bsm-dyn --lib no_solution_at_length -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
-fn many_starts_find_no_root_where_one_is_denied_at_length() {
-    let SearchCounts { denied, .. } = confirmed(2031, 3000, 300);
-    assert!(denied[1] == 0 && denied[0] > 500, "{denied:?}");
+fn many_starts_find_no_root_where_there_is_no_solution_at_length() {
+    let SearchCounts { no_solution, .. } = confirmed(2031, 3000, 300);
+    assert!(no_solution[1] == 0 && no_solution[0] > 500, "{no_solution:?}");
 }
 
 /// Identity: the unknowns of a ball that is thrown against the nut are other names for the same root.

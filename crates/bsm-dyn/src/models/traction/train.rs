@@ -175,8 +175,8 @@ pub struct TrainMotion {
     pub rate: f64,
     /// Torque on the screw of its contact \[N·m\].
     pub screw_torque: f64,
-    /// Power lost at both races \[W\].
-    pub race_power: f64,
+    /// Power lost at both raceways \[W\].
+    pub raceway_power: f64,
     /// Speed of rotation against the neighbours `$|w|$` (O1) \[rad/s\].
     pub rotation: f64,
     /// Normal loads at nut and screw \[N\].
@@ -263,7 +263,7 @@ impl TrainBall {
                 by_pushes: [[0.0; BALL]; 2],
                 rate: to_nut.precession,
                 screw_torque: 0.0,
-                race_power: 0.0,
+                raceway_power: 0.0,
                 rotation: 0.0,
                 loads: [0.0; 2],
                 pushes: [0.0; 2],
@@ -280,12 +280,12 @@ impl TrainBall {
         &self.free
     }
 
-    /// Coefficient of friction at the races; of a lubricant the largest that it takes.
+    /// Coefficient of friction at the raceways; of a lubricant the largest that it takes.
     pub fn friction(&self) -> f64 {
         self.pair.friction
     }
 
-    /// What it can give in a push before it slides on both races, without pushes \[N\].
+    /// What it can give in a push before it slides on both raceways, without pushes \[N\].
     pub fn sliding_push(&self) -> f64 {
         self.friction() * self.free.loads.iter().sum::<f64>()
     }
@@ -434,7 +434,7 @@ impl TrainBall {
             by_pushes,
             rate: to_nut.precession,
             screw_torque: transmitted.torque * radius * load,
-            race_power: transmitted.power * radius * load * speed,
+            raceway_power: transmitted.power * radius * load * speed,
             rotation: to_nut.across_groove(&loaded.frame.k).norm() * speed.abs(),
             loads: loaded.loads.map(|part| part * load),
             pushes,
@@ -463,9 +463,9 @@ impl TrainBall {
         let [front, back] = motion.pushes;
         let travel = self.pair.arc * radius * motion.rate * speed.abs();
         let rubbed = self.contact_power(motion);
-        // (T − h (F_j + F_b·k)) W = P_races + f_b r_b (N_f + N_b)|w| − (N_b − N_f) v  (O4)
-        let left = self.power_in(motion) - motion.race_power - rubbed + (back - front) * travel;
-        let size = (motion.screw_torque * speed).abs() + motion.race_power + rubbed;
+        // (T − h (F_j + F_b·k)) W = P_raceways + f_b r_b (N_f + N_b)|w| − (N_b − N_f) v  (O4)
+        let left = self.power_in(motion) - motion.raceway_power - rubbed + (back - front) * travel;
+        let size = (motion.screw_torque * speed).abs() + motion.raceway_power + rubbed;
         left.abs() <= POWER_BALANCE_TOL * size
     }
 }

@@ -1,4 +1,4 @@
-//! What makes the numbers of a nut doubtful, or the nut poor.
+//! Warnings about a nut: where its numbers are uncertain, or its proportions poor.
 
 use bsm_design::{Elasticity, LIMIT_LOAD, Limits, Nut, NutBody, OPENS_AT, PRELOAD, Thread};
 
@@ -6,7 +6,7 @@ use crate::exact;
 use crate::vocabulary::units::{MM, UM};
 
 /// Warnings about a nut: limits of the catalogue formulas, poor proportions.
-pub(super) fn doubts(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits) -> Vec<String> {
+pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits) -> Vec<String> {
     let mut warnings = Vec::new();
     if body.length < nut.turns * nut.pitch() {
         warnings.push(format!(
@@ -58,7 +58,7 @@ pub(super) fn doubts(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
 }
 
 /// Where the preload of a pair is more than it should be (D22), or less than the load wants (D23).
-pub(super) fn doubts_of_pair(
+pub(super) fn of_pair(
     elasticity: &Elasticity,
     preload: f64,
     load: Option<f64>,

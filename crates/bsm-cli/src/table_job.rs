@@ -41,7 +41,7 @@ pub(crate) struct Job<'a> {
     /// File that says what the table is made from.
     pub(crate) about: Option<&'a Path>,
     /// How CSV is written.
-    pub(crate) signs: TableFormat,
+    pub(crate) dialect: TableFormat,
 }
 
 /// Rows that are seen only.
@@ -145,7 +145,7 @@ impl Job<'_> {
             Form::Table(format) => {
                 let (columns, outputs) = (source.columns(), &self.task.outputs);
                 let out = Output::create(path)?;
-                let sink = TableSink::new(format, out, columns, outputs, &self.signs);
+                let sink = TableSink::new(format, out, columns, outputs, &self.dialect);
                 let sink = sink.map_err(|error| unwritable(path, &error))?;
                 let run = self.task.run(source, sink, u64::MAX, workers, seen);
                 let (sink, count) = run.map_err(failed)?;

@@ -3,7 +3,7 @@
 use bsm_design::Nut;
 use serde_json::json;
 
-use crate::case::maker_sizes::maker_column;
+use crate::case::manufacturer_sizes::manufacturer_column;
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::number::short;
 use crate::vocabulary::units::MM;
@@ -13,7 +13,7 @@ use crate::{
 };
 
 /// Columns besides the inputs of a scene.
-const WORDS: [&str; 6] = [
+const TEXT_COLUMNS: [&str; 6] = [
     "nut",
     "circuits",
     "core_diameter_mm",
@@ -22,21 +22,21 @@ const WORDS: [&str; 6] = [
     "stiffness_N_um",
 ];
 
-/// Contact angle of makers, unless the table has it \[deg\].
+/// Contact angle of manufacturers, unless the table has it \[deg\].
 const CONTACT_ANGLE_DEG: f64 = 45.0;
 
-/// A nut of a maker's table.
+/// A nut of a manufacturer's table.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MakerNut {
+pub struct ManufacturerNut {
     /// Its name, or the number of its row.
     pub name: String,
-    /// The nut, with the maker's ratings in place of the calculated ones.
+    /// The nut, with the manufacturer's ratings in place of the calculated ones.
     pub scene: Scene,
-    /// Rigidity as the maker states it \[N/um\].
-    pub rigidity: Option<f64>,
+    /// Stiffness as the manufacturer states it \[N/um\].
+    pub stiffness: Option<f64>,
 }
 
-impl MakerNut {
+impl ManufacturerNut {
     /// Reads a table.
     ///
     /// # Errors
@@ -44,7 +44,7 @@ impl MakerNut {
     /// [`CaseError`] with the row or the column.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, format)?;
-        let columns = cells.columns(|name| maker_column(name, format, &WORDS))?;
+        let columns = cells.columns(|name| manufacturer_column(name, format, &TEXT_COLUMNS))?;
         cells.each(&columns, |place, row| {
             let mut given = TableRow { name: format!("row {place}"), ..TableRow::default() };
             for (column, text) in row {
@@ -68,8 +68,8 @@ impl MakerNut {
     }
 }
 
-/// Load over the dynamic rating at which makers state the rigidity of one nut.
-const RIGIDITY_AT: f64 = 0.3;
+/// Load over the dynamic rating at which manufacturers state the stiffness of one nut.
+const STIFFNESS_AT: f64 = 0.3;
 
 /// Stated ratings: name, name of the calculated one, and its quantity among the ratings.
 const RATED: [[&str; 3]; 3] = [
@@ -78,20 +78,20 @@ const RATED: [[&str; 3]; 3] = [
     ["stiffness_N_um", "our_stiffness_N_um", "single_nut_secant_stiffness_N_um"],
 ];
 
-/// A nut of a maker beside ours.
+/// A nut of a manufacturer beside ours.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MakerRow {
+pub struct ManufacturerRow {
     /// Its name.
     pub name: String,
     /// The nut, with a requirement in its axis.
     pub scene: Scene,
-    /// Name, unit and value: the maker's numbers with ours of the same nut, and with a requirement those of its sheet.
+    /// Name, unit and value: the manufacturer's numbers with ours of the same nut, and with a requirement those of its sheet.
     pub numbers: Vec<(&'static str, &'static str, Option<f64>)>,
     /// True if every rule of its sheet holds; none without a requirement.
     pub passes: Option<bool>,
 }
 
-impl MakerRow {
+impl ManufacturerRow {
     /// Nuts beside ours, and in the axis of a requirement: those that pass all its rules first, of them the
     /// lightest screw and nut, as far as the mass of the nut is known.
     ///
@@ -99,11 +99,12 @@ impl MakerRow {
     ///
     /// The name of a nut, and [`CaseError`] if an input of it is missing or breaks its rule.
     pub fn all(
-        nuts: &[MakerNut],
+        nuts: &[ManufacturerNut],
         requirement: Option<&RequirementFile>,
     ) -> Result<Vec<Self>, (String, CaseError)> {
-        let row =
-            |nut: &MakerNut| Self::of(nut, requirement).map_err(|error| (nut.name.clone(), error));
+        let row = |nut: &ManufacturerNut| {
+            Self::of(nut, requirement).map_err(|error| (nut.name.clone(), error))
+        };
         let mut rows = nuts.iter().map(row).collect::<Result<Vec<_>, _>>()?;
         let mass = |row: &Self| {
             let screw = row.value("screw_mass_kg").unwrap_or(f64::INFINITY);
@@ -113,16 +114,16 @@ impl MakerRow {
         Ok(rows)
     }
 
-    fn of(nut: &MakerNut, requirement: Option<&RequirementFile>) -> Result<Self, CaseError> {
+    fn of(nut: &ManufacturerNut, requirement: Option<&RequirementFile>) -> Result<Self, CaseError> {
         let mut at = nut.scene.clone();
-        at.axial_load_N = at.rated_dynamic_load_N.map(|rating| RIGIDITY_AT * rating);
+        at.axial_load_N = at.rated_dynamic_load_N.map(|rating| STIFFNESS_AT * rating);
         let ours = if at.has_ratings_only() { Answer::default() } else { ratings(&at)? };
         let mut numbers = Vec::new();
         let [dynamic, rated] = [nut.scene.rated_dynamic_load_N, nut.scene.rated_static_load_N];
-        for ([name, our, same], unit, makers) in
-            [(RATED[0], "N", dynamic), (RATED[1], "N", rated), (RATED[2], "N/um", nut.rigidity)]
+        for ([name, our, same], unit, manufacturers) in
+            [(RATED[0], "N", dynamic), (RATED[1], "N", rated), (RATED[2], "N/um", nut.stiffness)]
         {
-            numbers.push((name, unit, makers));
+            numbers.push((name, unit, manufacturers));
             numbers.push((our, unit, ours.number(same)));
         }
         let mass = nut.scene.nut_mass_kg.or_else(|| ours.number("mass_kg"));
@@ -144,7 +145,7 @@ impl MakerRow {
     }
 }
 
-impl MakerRow {
+impl ManufacturerRow {
     /// The answer: a row a nut. It fails if none passes the rules of its requirement.
     pub fn answer(rows: &[Self]) -> Answer {
         let Some(first) = rows.first() else {
@@ -176,7 +177,7 @@ impl MakerRow {
         let sized = first.passes.is_some();
         let mut answer = Answer { fails: sized && passing == 0, ..Answer::default() }
             .with("", Content::Table(table))
-            .with_shown(Content::Words(
+            .with_shown(Content::Text(
                 "calculated over stated:",
                 (!ratios.is_empty()).then(|| ratios.join(", ")),
             ));
@@ -192,7 +193,7 @@ struct TableRow {
     scene: Scene,
     circuits: Option<f64>,
     core: Option<f64>,
-    rigidity: Option<f64>,
+    stiffness: Option<f64>,
 }
 
 impl TableRow {
@@ -200,7 +201,7 @@ impl TableRow {
         match word {
             "circuits" => self.circuits = Some(value),
             "core_diameter_mm" => self.core = Some(value),
-            "stiffness_N_um" => self.rigidity = Some(value),
+            "stiffness_N_um" => self.stiffness = Some(value),
             "dynamic_load_rating_N" => self.scene.rated_dynamic_load_N = Some(value),
             "static_load_rating_N" => self.scene.rated_static_load_N = Some(value),
             _ => self.scene[InputKey::named(word)?] = Some(value),
@@ -209,13 +210,13 @@ impl TableRow {
     }
 
     /// The nut, with what tables leave out by the rule that reproduces those of HIWIN.
-    fn nut(self) -> Result<MakerNut, CaseError> {
+    fn nut(self) -> Result<ManufacturerNut, CaseError> {
         let mut scene = self.scene;
         // Without a ball there is no groove to complete.
         if scene.ball_diameter_mm.is_none() && scene.has_ratings_only() {
             scene.shaft_diameter_mm = scene.shaft_diameter_mm.or(self.core);
             scene.check()?;
-            return Ok(MakerNut { name: self.name, scene, rigidity: self.rigidity });
+            return Ok(ManufacturerNut { name: self.name, scene, stiffness: self.stiffness });
         }
         let conformity = Nut::USUAL_CONFORMITY;
         scene.nut_conformity.get_or_insert(conformity);
@@ -247,6 +248,6 @@ impl TableRow {
         scene.check()?;
         // Says what lacks.
         crate::case::rated_nut::nut(&scene)?;
-        Ok(MakerNut { name: self.name, scene, rigidity: self.rigidity })
+        Ok(ManufacturerNut { name: self.name, scene, stiffness: self.stiffness })
     }
 }

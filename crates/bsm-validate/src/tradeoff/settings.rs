@@ -4,9 +4,9 @@ use bsm_case::{ModelChoice, Settings};
 use bsm_dyn::Model;
 use serde::Serialize;
 
-/// A model with its dials.
+/// A model with its settings.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Dial {
+pub struct Setting {
     /// The model.
     pub model: &'static str,
     /// What is not as by default, as `--solver` of `bsm solve` takes it; empty for the model as it is.
@@ -16,7 +16,7 @@ pub struct Dial {
     pub settings: Settings,
 }
 
-impl Dial {
+impl Setting {
     fn of(settings: Settings, options: String) -> Self {
         Self { model: settings.model.name(), options, settings }
     }
@@ -36,24 +36,24 @@ const CREEPS: [f64; 3] = [1e-2, 1e-3, 1e-5];
 /// Tolerances of the choice.
 const TOLERANCES: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 
-/// Every model and dial, cheapest models first.
-pub(super) fn all() -> Vec<Dial> {
-    let mut dials: Vec<_> = Model::ALL
+/// Every model and setting, cheapest models first.
+pub(super) fn all() -> Vec<Setting> {
+    let mut list: Vec<_> = Model::ALL
         .into_iter()
         .filter(|model| *model != Model::Traction)
-        .map(|model| Dial::of(model.into(), String::new()))
+        .map(|model| Setting::of(model.into(), String::new()))
         .collect();
     for accuracy in ACCURACIES {
         let settings = Settings { accuracy, ..Model::Traction.into() };
-        dials.push(Dial::of(settings, format!("accuracy={accuracy:e}")));
+        list.push(Setting::of(settings, format!("accuracy={accuracy:e}")));
     }
     for creep in CREEPS {
         let settings = Settings { creep, ..Model::Traction.into() };
-        dials.push(Dial::of(settings, format!("creep={creep:e}")));
+        list.push(Setting::of(settings, format!("creep={creep:e}")));
     }
     for tolerance in TOLERANCES {
         let settings = Settings { model: ModelChoice::Auto, tolerance, ..Settings::default() };
-        dials.push(Dial::of(settings, format!("tolerance={tolerance:e}")));
+        list.push(Setting::of(settings, format!("tolerance={tolerance:e}")));
     }
-    dials
+    list
 }

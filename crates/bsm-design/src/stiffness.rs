@@ -1,10 +1,10 @@
-//! Displacement and rigidity of the contacts and of the body of a nut.
+//! Displacement and stiffness of the contacts and of the body of a nut.
 //!
 //! Assumes: all balls carry the same, contact angles do not change under load.
 
 use std::f64::consts::PI;
 
-use bsm_dyn::{Hertz, Race, Reason, contact_modulus};
+use bsm_dyn::{Hertz, Raceway, Reason, contact_modulus};
 
 use crate::{Nut, NutBody};
 
@@ -17,11 +17,11 @@ pub struct Elasticity {
     pub turn: f64,
     /// Characteristic of all turns `$k\,i$` \[N/m^1.5\].
     pub turns: f64,
-    /// Rigidity of the body \[N/m\] (D8).
+    /// Stiffness of the body \[N/m\] (D8).
     pub body: f64,
 }
 
-/// Rigidity of two springs in series (D21).
+/// Stiffness of two springs in series (D21).
 ///
 /// Source: Sobolewski (2002), eq. 11.
 pub fn in_series(one: f64, other: f64) -> f64 {
@@ -38,7 +38,7 @@ impl Elasticity {
         (force / self.turns).cbrt().powi(2)
     }
 
-    /// Secant rigidity of the contacts of one nut, force over displacement \[N/m\] (D19).
+    /// Secant stiffness of the contacts of one nut, force over displacement \[N/m\] (D19).
     ///
     /// Source: Sobolewski (2002), eq. 5.
     pub fn secant(&self, force: f64) -> f64 {
@@ -46,13 +46,13 @@ impl Elasticity {
         (force * self.turns.powi(2)).cbrt()
     }
 
-    /// Tangent rigidity of the contacts of one nut, for a small change of its force \[N/m\] (D19).
+    /// Tangent stiffness of the contacts of one nut, for a small change of its force \[N/m\] (D19).
     pub fn tangent(&self, force: f64) -> f64 {
         // j_tan = 3/2 j_sec                                               (D19)
         1.5 * self.secant(force)
     }
 
-    /// Rigidity of the contacts of two nuts that press against each other with a preload \[N\], under a
+    /// Stiffness of the contacts of two nuts that press against each other with a preload \[N\], under a
     /// load that opens neither \[N/m\] (D20).
     ///
     /// Source: Sobolewski (2002), eqs. 9 and 10: a load divided by it is the displacement `$w_o$`.
@@ -82,7 +82,7 @@ impl Nut {
     pub fn hertz(&self) -> Result<[Hertz; 2], Reason> {
         let modulus = contact_modulus(&self.material.0, &self.material.1);
         let of = |member| Hertz::of(&self.curvatures(member, self.lead_angle()), modulus);
-        Ok([of(Race::Nut)?, of(Race::Screw)?])
+        Ok([of(Raceway::Nut)?, of(Raceway::Screw)?])
     }
 
     /// Elasticity of one nut (D6), (D8).
@@ -104,15 +104,15 @@ impl Nut {
         let turn = self.balls_per_turn
             * (direction / (hertz[0].compliance + hertz[1].compliance)).powf(1.5)
             * direction;
-        Ok(Elasticity { hertz, turn, turns: turn * self.turns, body: body.rigidity(self) })
+        Ok(Elasticity { hertz, turn, turns: turn * self.turns, body: body.stiffness(self) })
     }
 }
 
 impl NutBody {
-    /// Rigidity along the loaded turns \[N/m\] (D8).
+    /// Stiffness along the loaded turns \[N/m\] (D8).
     ///
     /// Source: Sobolewski (2002), eq. 2.
-    pub fn rigidity(&self, nut: &Nut) -> f64 {
+    pub fn stiffness(&self, nut: &Nut) -> f64 {
         let inner = nut.pitch_diameter + nut.ball_diameter * nut.contact_angle.cos();
         let (outer, inner) = (self.outer * self.outer, inner * inner);
         // j = 2π i P E tan²β / [(D₁² + D_t²)/(D₁² − D_t²) + 1]            (D8)

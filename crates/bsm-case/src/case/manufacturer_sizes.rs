@@ -1,4 +1,4 @@
-//! Sizes that makers offer, and the names of columns of their tables.
+//! Sizes that manufacturers offer, and the names of columns of their tables.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -16,13 +16,14 @@ use crate::{CaseError, INPUTS, LISTS, Rule, TableFormat, entries, nearest};
 /// Of end-cap nuts of THK with leads from the diameter on the source has the product of circuits and turns. Three turns and more are
 /// taken as circuits of fewer than three, on 2 or 4 threads: TBI (SFY) prints 1.8x2 and 2.8x2 for such nuts, which are as long as
 /// nuts with one such circuit (SFH).
-pub const MAKER_SIZES: &str = include_str!("maker_sizes.csv");
+pub const MANUFACTURER_SIZES: &str = include_str!("manufacturer_sizes.csv");
 
 /// Columns of a table of sizes besides the inputs of a scene.
-const WORDS: [&str; 5] = ["core_diameter_mm", "ball", "turns", "make", "source"];
+const TEXT_COLUMNS: [&str; 5] = ["core_diameter_mm", "ball", "turns", "make", "source"];
 
 static SIZES: LazyLock<Vec<OfferedSize>> = LazyLock::new(|| {
-    read_sizes(MAKER_SIZES.as_bytes(), &TableFormat::default()).expect("the table is compiled in")
+    read_sizes(MANUFACTURER_SIZES.as_bytes(), &TableFormat::default())
+        .expect("the table is compiled in")
 });
 
 /// Reads a table, with `turns` such as 1.8x2/1.8x4: those of a circuit, and circuits side by side on as many starts; a size for each.
@@ -35,7 +36,7 @@ pub(crate) fn read_sizes(
     format: &TableFormat,
 ) -> Result<Vec<OfferedSize>, CaseError> {
     let cells = Cells::read(table, format)?;
-    let columns = cells.columns(|name| maker_column(name, format, &WORDS))?;
+    let columns = cells.columns(|name| manufacturer_column(name, format, &TEXT_COLUMNS))?;
     let sizes = cells.each(&columns, |_, row| {
         // A user knows his balls.
         let mut size = OfferedSize { ball_is_printed: true, ..OfferedSize::default() };
@@ -95,7 +96,7 @@ pub(crate) fn offered_sizes() -> &'static [OfferedSize] {
 /// A column: our name of it, and the factor to our unit; `None` if it is not read.
 ///
 /// * `words`: names of columns besides the inputs of a scene.
-pub(crate) fn maker_column(
+pub(crate) fn manufacturer_column(
     name: &str,
     format: &TableFormat,
     words: &[&'static str],
