@@ -89,7 +89,7 @@ const FOUR_CONTACTS: f64 = 1e-6;
 /// Part of the largest load up to which the friction of a ball grows in proportion to its load: raceway control gives a ball
 /// that is just touched, and pressed to one groove by inertia alone, the friction of its spin at once, a jump on which no
 /// temperature is steady.
-const ONSET: f64 = 1e-4;
+const ONSET: f64 = 1e-3;
 
 impl BallNut {
     /// The screw whose only ball is one of this nut (U21), with its own groove displacement and

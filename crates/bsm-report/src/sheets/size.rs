@@ -261,7 +261,7 @@ fn groups(report: &AxisReport) -> Vec<Value> {
 pub fn size_figures(report: &AxisReport) -> Vec<Figure> {
     // Of one phase there is no course.
     let cycle = (report.phases.len() > 1).then(|| over_time(report));
-    let warm = report.warm_branch().map_or_else(Vec::new, |branch| warm_figures(&branch));
+    let warm = report.warm_branch().map_or_else(Vec::new, |branch| warm_figures(report, &branch));
     [Some(among_limits(report)), cycle, section(report)].into_iter().flatten().chain(warm).collect()
 }
 

@@ -1,6 +1,7 @@
 //! Warm steady states over the speed: temperatures, and the preload with its fold.
 
-use bsm_case::{WarmBranch, WarmPoint};
+use bsm_case::{AxisReport, WarmBranch, WarmPoint};
+use bsm_design::least_preload;
 
 use crate::{Axis, Curve, Figure, Stroke};
 
@@ -35,23 +36,30 @@ pub fn warm_preload(words: [&str; 3], branches: &[(impl AsRef<str>, &WarmBranch)
     )
 }
 
-/// A dotted line at the speed that is asked for, over the values of the points.
-fn at_speed(branch: &WarmBranch, values: impl Iterator<Item = f64>) -> Curve {
+/// A dotted line at the speed that is asked for, as high as the curves.
+fn at_speed(branch: &WarmBranch, curves: &[Curve]) -> Curve {
+    let values = curves.iter().flat_map(|curve| &curve.points).map(|(_, value)| *value);
     let (low, high) = values.fold((f64::INFINITY, 0.0), |(low, high), value| {
         (f64::min(low, value), f64::max(high, value))
     });
     let ends = [low, high].map(|value| (branch.speed_rpm, value));
-    Curve::new("speed asked for", 7, Stroke::Dotted, ends.into())
+    Curve::new("speed asked for", 6, Stroke::Dotted, ends.into())
 }
 
-/// Temperatures and preload of an axis over its speed.
-pub fn warm_figures(branch: &WarmBranch) -> Vec<Figure> {
+/// Temperatures and preload of an axis over its speed, with the bounds of their uncertainty at the speed that is asked for.
+pub fn warm_figures(report: &AxisReport, branch: &WarmBranch) -> Vec<Figure> {
     let caption = match branch.fold() {
         Some(fold) => format!(
             "Dashed: states that a disturbance leaves. Above {:.0} rpm the preload runs away; {:.0} rpm are asked for.",
             fold.speed_rpm, branch.speed_rpm
         ),
         None => format!("{:.0} rpm are asked for.", branch.speed_rpm),
+    };
+    let band = report.answer.to_json()["band"].take();
+    let bounds = |color: usize, name: &str| {
+        let ends = ["low", "high"].map(|end| band[name][end].as_f64());
+        let points = ends.into_iter().flatten().map(|value| (branch.speed_rpm, value)).collect();
+        Curve::new("uncertainty", color, Stroke::Triangles, points)
     };
     let mut curves = Vec::new();
     for (color, name) in ["nut", "screw", "balls"].into_iter().enumerate() {
@@ -62,8 +70,11 @@ pub fn warm_figures(branch: &WarmBranch) -> Vec<Figure> {
             curves.push(Curve { label: None, ..beyond });
         }
     }
-    let points = branch.points.iter();
-    curves.push(at_speed(branch, points.clone().flat_map(|point| point.temperatures_C)));
+    for (color, name) in ["nut", "screw", "balls"].into_iter().enumerate() {
+        let bounds = bounds(color, &format!("{name}_temperature_C"));
+        curves.push(Curve { label: bounds.label.filter(|_| color == 0), ..bounds });
+    }
+    curves.push(at_speed(branch, &curves));
     let temperatures = Figure::new(
         ["warm-temperatures", "Steady temperatures over the speed", &caption],
         [Axis::linear("speed of the screw, rpm"), Axis::linear("temperature, C")],
@@ -71,10 +82,15 @@ pub fn warm_figures(branch: &WarmBranch) -> Vec<Figure> {
     );
     let words = ["warm-preload", "Warm preload over the speed", &caption];
     let mut preload = warm_preload(words, &[("preload", branch)]);
-    let fastest = points.clone().map(|point| point.speed_rpm).fold(0.0, f64::max);
-    preload.curves.extend(branch.preload_set_N.map(|cold| {
-        Curve::new("cold preload", 5, Stroke::Dotted, vec![(0.0, cold), (fastest, cold)])
-    }));
-    preload.curves.push(at_speed(branch, points.map(|point| point.preload_N)));
+    let fastest = branch.points.iter().map(|point| point.speed_rpm).fold(0.0, f64::max);
+    let level = |label: &str, color: usize, value: Option<f64>| {
+        let value = value.filter(|value| *value > 0.0)?;
+        Some(Curve::new(label, color, Stroke::Dotted, vec![(0.0, value), (fastest, value)]))
+    };
+    let opens = report.number("largest_load_N").map(least_preload);
+    preload.curves.push(bounds(0, "warm_preload_N"));
+    preload.curves.extend(level("cold preload", 5, branch.preload_set_N));
+    preload.curves.extend(level("a nut opens below", 4, opens));
+    preload.curves.push(at_speed(branch, &preload.curves));
     vec![temperatures, preload]
 }
