@@ -226,7 +226,7 @@ def main() -> None:
     if not KEPT.keys() <= os.environ.keys():
         os.execve(sys.executable, [sys.executable, *sys.argv], {**os.environ, **KEPT})
     rows = measured()
-    lines = ["| what | measured | to reach |", "|---|---|---|"]
+    lines = ["| what | measured | target |", "|---|---|---|"]
     lines += [f"| {row.what} | {row.value} | {row.promised} |" for row in rows]
     print("\n".join(lines))
     if "--write" in sys.argv:
