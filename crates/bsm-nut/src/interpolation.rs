@@ -28,7 +28,8 @@ pub(crate) fn interpolated<const N: usize>(
         along.map(scaled).collect::<Vec<_>>()
     });
     // Equal points have the value of the first of them.
-    let first = points.iter().map(|point| points.iter().position(|other| other == point));
+    let bits: Vec<_> = points.iter().map(|point| point.map(f64::to_bits)).collect();
+    let first = bits.iter().map(|point| bits.iter().position(|other| other == point));
     let first = first.collect::<Option<Vec<_>>>()?;
     let mut open: Vec<_> = (0..points.len()).filter(|n| first[*n] == *n).collect();
     let mut found = vec![[0.0; N]; points.len()];
