@@ -9,6 +9,7 @@ use bsm_dyn::{
 use bsm_kin::{BallFrame, Drive, Motion, Site};
 
 use crate::geometry::count;
+use crate::interpolation::interpolated;
 use crate::{BallInGrooves, BallNut, Equilibrium};
 
 /// Friction torque and power of a nut.
@@ -86,10 +87,13 @@ impl FrictionSum {
 /// friction coefficient is worth.
 const FOUR_CONTACTS: f64 = 1e-6;
 
-/// Part of the largest load up to which the friction of a ball grows in proportion to its load: raceway control gives a ball
-/// that is just touched, and pressed to one groove by inertia alone, the friction of its spin at once, a jump on which no
-/// temperature is steady.
-const ONSET: f64 = 1e-3;
+/// Part of the largest load below which a ball is idle, and up to which its friction grows in proportion to its load: raceway
+/// control gives a ball that is just touched, and pressed to one groove by inertia alone, the friction of its spin at once, a
+/// jump on which no temperature is steady.
+pub(crate) const IDLE: f64 = 1e-3;
+
+/// Errors of rates and rotations of free balls: of rates, whose differences matter, that of the quadrature.
+const FREE_MOTION: [f64; 2] = [1e-7, 1e-4];
 
 impl BallNut {
     /// The screw whose only ball is one of this nut (U21), with its own groove displacement and
@@ -288,7 +292,7 @@ impl BallNut {
         }
         let alone = self.ball_alone(found, number, friction.unwrap_or(f64::NAN), drive)?;
         let mut ball = self.friction_alone(alone, solve)?;
-        let part = (found.balls[number].max_load() / (ONSET * found.max_load())).min(1.0);
+        let part = (found.balls[number].max_load() / (IDLE * found.max_load())).min(1.0);
         let mut friction = FrictionSum::default();
         friction.add(&ball.friction, part);
         ball.friction = friction;
@@ -354,24 +358,7 @@ impl BallNut {
         mut solve: impl FnMut(ElasticPoint) -> Solution,
     ) -> Option<FrictionSum> {
         let hertz = self.hertz().ok()?;
-        let near = 1e-9 * self.arc_distance();
-        let differ_by_load = |one: usize, other: usize| {
-            let [a, b] = [one, other].map(|number| found.balls[number].flanks_pressed());
-            let apart = found.grooves[one][1] - found.grooves[other][1];
-            a == b
-                && a != [true, true]
-                && apart.abs() <= near
-                && (self.excess(one) - self.excess(other)).abs() <= near
-        };
-        let mut groups: Vec<Vec<usize>> = Vec::new();
-        for (number, ball) in found.balls.iter().enumerate() {
-            if ball.max_load() > 0.0 {
-                match groups.iter_mut().find(|group| differ_by_load(group[0], number)) {
-                    Some(group) => group.push(number),
-                    None => groups.push(vec![number]),
-                }
-            }
-        }
+        let groups = self.groups(found, 1e-9 * self.arc_distance());
         let (mut sum, mut before) = (FrictionSum::default(), None);
         for group in &groups {
             let loads = group.iter().map(|number| found.balls[*number].force[0].abs());
@@ -417,6 +404,65 @@ impl BallNut {
             }
         }
         Some(sum)
+    }
+
+    /// The numbers of balls with a load that differ by it alone and by the displacement of their grooves; each ball on both
+    /// flanks by itself.
+    ///
+    /// * `apart`: of their grooves, at most \[m\].
+    fn groups(&self, found: &Equilibrium, apart: f64) -> Vec<Vec<usize>> {
+        let near = 1e-9 * self.arc_distance();
+        let together = |one: usize, other: usize| {
+            let [a, b] = [one, other].map(|number| found.balls[number].flanks_pressed());
+            a == b
+                && a != [true, true]
+                && (found.grooves[one][1] - found.grooves[other][1]).abs() <= apart
+                && (self.excess(one) - self.excess(other)).abs() <= near
+        };
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        for (number, ball) in found.balls.iter().enumerate() {
+            if ball.max_load() > 0.0 {
+                match groups.iter_mut().find(|group| together(group[0], number)) {
+                    Some(group) => group.push(number),
+                    None => groups.push(vec![number]),
+                }
+            }
+        }
+        groups
+    }
+
+    /// Motions of balls that no neighbour pushes, of balls that differ by load and groove displacement alone from a few of
+    /// them; `None` unless every ball with a load has one.
+    ///
+    /// Arguments as those of [`friction`](Self::friction).
+    pub fn free_motions(
+        &self,
+        found: &Equilibrium,
+        friction: Option<f64>,
+        drive: &Drive<f64>,
+        mut solve: impl FnMut(ElasticPoint) -> Solution,
+    ) -> Option<Vec<Option<FreeMotion>>> {
+        let hertz = self.hertz().ok()?;
+        let mut motions = vec![None; found.balls.len()];
+        let mut before = None;
+        for mut group in self.groups(found, f64::INFINITY) {
+            group.retain(|number| !Self::is_idle(found, *number));
+            let point = |number: &usize| {
+                // The rates of light balls change fast.
+                [found.balls[*number].force[0].abs().ln(), found.grooves[*number][1]]
+            };
+            let points: Vec<_> = group.iter().map(point).collect();
+            let of_group = interpolated(&points, FREE_MOTION, |place| {
+                let at = (found, group[place], friction, drive);
+                let FreeMotion { rate, rotation, .. } =
+                    self.friction_of(at, &hertz, &mut before, &mut solve)?.motion?;
+                Some([rate, rotation])
+            })?;
+            for (number, [rate, rotation]) in group.into_iter().zip(of_group) {
+                motions[number] = Some(FreeMotion { rate, rotation, ball: None });
+            }
+        }
+        Some(motions)
     }
 
     /// True if two balls differ by no more than the rounding of their loads.

@@ -14,6 +14,7 @@ mod bodies;
 mod equilibrium;
 mod friction;
 mod geometry;
+mod interpolation;
 mod life;
 mod preload;
 mod search;
@@ -31,6 +32,6 @@ pub use life::TurnRatings;
 pub use preload::Preload;
 pub use sharing::Equal;
 pub use train::{
-    Advance, BallOfTrain, CircuitAdvance, CircuitTrain, Exit, ExitPush, LARGEST_PUSH, Rolling,
-    Train, TrainError, TrainInputs,
+    Advance, BallAdvance, BallOfTrain, CircuitAdvance, CircuitTrain, Exit, ExitPush, LARGEST_PUSH,
+    Rolling, Train, TrainError, TrainInputs,
 };

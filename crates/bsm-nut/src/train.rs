@@ -8,11 +8,9 @@ use bsm_dyn::{BallState, ElasticPoint, ModelWorkspace, TrainBall, TrainMotion};
 use bsm_kin::Drive;
 use bsm_newton::{Bracket, FunctionValue};
 
+use crate::friction::IDLE;
 use crate::geometry::count;
 use crate::{BallNut, Equilibrium, FreeMotion};
-
-/// Load over the largest of a nut below which nothing presses a ball.
-const IDLE: f64 = 1e-3;
 
 /// Push over the mean load of the balls up to which loads and contact angles are those without pushes.
 pub const LARGEST_PUSH: f64 = 0.03;
@@ -43,8 +41,17 @@ impl Advance {
 pub struct CircuitAdvance {
     /// All gaps of the loaded part together from which no balls touch \[m\].
     pub needed_gap: f64,
-    /// What each ball, in the order of the circuit, has gained on a cage that turns evenly \[m\]; none of idle balls.
-    pub advance: Vec<Option<f64>>,
+    /// The balls in the order of the circuit; none of idle ones.
+    pub balls: Vec<Option<BallAdvance>>,
+}
+
+/// The same of a ball.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BallAdvance {
+    /// Rate without pushes.
+    pub rate: f64,
+    /// What it has gained on a cage that turns evenly \[m\].
+    pub advance: f64,
 }
 
 /// What a train of balls is given.
@@ -117,8 +124,6 @@ pub enum Rolling {
 pub struct BallOfTrain {
     /// What it does.
     pub rolling: Rolling,
-    /// Rate without pushes; none of an idle ball.
-    pub free_rate: Option<f64>,
     /// Rate `$(P - \Omega_n)/W$`.
     pub rate: f64,
     /// Normal forces of the neighbours in front and behind, in the direction of travel \[N\].
@@ -249,7 +254,7 @@ impl BallNut {
     }
 
     /// Whether nothing presses a ball.
-    fn is_idle(found: &Equilibrium, number: usize) -> bool {
+    pub(crate) fn is_idle(found: &Equilibrium, number: usize) -> bool {
         found.balls[number].max_load() < IDLE * found.max_load()
     }
 
@@ -298,18 +303,19 @@ impl BallNut {
                 if number > 0.0 { arc * touch_angle * (sum / low - number).max(0.0) } else { 0.0 };
             let (mean, apart) = (sum / number, arc * of.arc / count(of.balls));
             let mut gained = 0.0;
-            let mut advance: Vec<_> = order
+            let mut balls: Vec<_> = order
                 .iter()
                 .map(|n| {
+                    let rate = motions[*n]?.rate;
                     // A_j = Σ a_j Δ,  a_j = p_j/p̄ − 1                     (O14)
-                    gained += (motions[*n]?.rate / mean - 1.0) * apart;
-                    Some(gained)
+                    gained += (rate / mean - 1.0) * apart;
+                    Some(BallAdvance { rate, advance: gained })
                 })
                 .collect();
             if speed < 0.0 {
-                advance.reverse();
+                balls.reverse();
             }
-            CircuitAdvance { needed_gap, advance }
+            CircuitAdvance { needed_gap, balls }
         });
         let circuits = circuits.collect();
         let rotations: f64 = motions.iter().flatten().map(|motion| motion.rotation).sum();
@@ -451,6 +457,9 @@ const PASSES: usize = 40;
 const STEP: f64 = 1e-4;
 const GROWTH: f64 = 3.0;
 const STEPS: usize = 12;
+/// Moment of the neighbours over what stops a ball (O6) from which one without a steady motion is blocked: the raceways then
+/// carry the difference of the pushes too.
+const STOPPED: f64 = 0.9;
 /// Free length over the length of a ball below which the rounding of rates is larger.
 const FULL: f64 = 1e-12;
 /// Free length that may be left over, relative.
@@ -587,7 +596,8 @@ impl Flow<'_> {
             return Ok(rolls(*free, [0.0; 2]));
         }
         // 2 f_b N_f > f (Q_A + Q_B)                                       (O6)
-        if 2.0 * self.inputs.contact_friction * front > ball.sliding_push() {
+        let stopped = 2.0 * self.inputs.contact_friction * front / ball.sliding_push();
+        if stopped > 1.0 {
             return Ok(passes_on(Rolling::Blocked));
         }
         let caught = |motion: TrainMotion| {
@@ -616,13 +626,17 @@ impl Flow<'_> {
         {
             return Ok(caught(motion));
         }
-        let none = "a ball in the train has no steady motion";
         let found = ball.held(from, rate, front, work);
-        let found = found.or_else(|| ball.held(free, rate, front, work)).ok_or(none)?;
-        if found.pushes[1] >= 0.0 {
+        let found = found.or_else(|| ball.held(free, rate, front, work));
+        if let Some(found) = found.filter(|found| found.pushes[1] >= 0.0) {
             return held(found);
         }
-        catch(work).map(caught).ok_or(none)
+        let caught_up = found.and_then(|_| catch(work));
+        match caught_up {
+            Some(motion) => Ok(caught(motion)),
+            None if stopped > STOPPED => Ok(passes_on(Rolling::Blocked)),
+            None => Err("a ball in the train has no steady motion"),
+        }
     }
 
     /// The circuit at the rate of the train for which the free length is there.
@@ -787,15 +801,13 @@ impl Flow<'_> {
 
     /// In the order of the circuit.
     fn train(&self, pass: &Pass, is_reversed: bool) -> CircuitTrain {
-        let mut balls: Vec<_> = self
-            .balls
+        let mut balls: Vec<_> = pass
+            .states
             .iter()
-            .zip(&pass.states)
-            .map(|(ball, state)| BallOfTrain {
+            .map(|state| BallOfTrain {
                 // d (θ_c p_j/p_c − θ_c)                                   (O9)
                 gap: self.pitch() * (state.rate / pass.rate - 1.0),
                 rolling: state.rolling,
-                free_rate: ball.map(|ball| ball.free().rate),
                 rate: state.rate,
                 pushes: state.pushes,
             })

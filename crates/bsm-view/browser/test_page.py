@@ -427,6 +427,43 @@ def test_the_warm_nut_shows_temperatures_and_fold(serve, sheet, tmp_path):
     assert "runs away" in words and figure.locator("svg circle").count() == 1
 
 
+def test_balls_that_touch_are_shaded(serve, sheet, tmp_path):
+    scene = tmp_path / "train.json"
+    scene.write_text(json.dumps(json.loads(example("nut_train").read_text()) | {"moment_y_Nm": 30}))
+    bsm("nut", scene, "-o", tmp_path / "balls.csv")
+    with (tmp_path / "balls.csv").open() as table:
+        balls = [{name: float(cell) for name, cell in row.items() if cell} for row in csv.DictReader(table)]
+    pushed = [ball["front_push_N"] > 0 or ball["back_push_N"] > 0 for ball in balls]
+    page = sheet().open(serve(scene).address)
+    figure = page.locator("#nut figure", has_text="Speeds and advance of the balls")
+    assert figure.locator(".free").count() == figure.locator(".advance").count() == len(balls) == 98
+    assert figure.locator(".moving").count() == sum(pushed) > 40
+    # In the strips of speed, force and advance.
+    assert figure.locator(".touch").count() == 3 * sum(pushed)
+    # The style sheet of pictures paints rectangles like the ground.
+    assert figure.locator(".touch").first.evaluate("(mark) => getComputedStyle(mark).fill") == "rgb(138, 97, 0)"
+    assert figure.locator(".push").count() == sum(ball["front_push_N"] > 0 for ball in balls)
+    # Marks and the line of the train are on the scale of the axis: by two free speeds, the rate of every other mark.
+    heights = [float(mark.get_attribute("cy")) for mark in figure.locator(".free").all()]
+    slow, fast = (pick(range(98), key=lambda i: balls[i]["free_rate"]) for pick in (min, max))
+    scale = (heights[fast] - heights[slow]) / (balls[fast]["free_rate"] - balls[slow]["free_rate"])
+    rate_at = lambda height: balls[slow]["free_rate"] + (height - heights[slow]) / scale
+    moving = [rate_at(float(mark.get_attribute("cy"))) for mark in figure.locator(".moving").all()]
+    of_pushed = [ball["rate"] for ball, is_pushed in zip(balls, pushed, strict=True) if is_pushed]
+    assert moving == pytest.approx(of_pushed, rel=1e-8)
+    [train] = json.loads(bsm("nut", scene, "--json"))["circuits"]
+    # The path of the line has two decimals.
+    line = float(figure.locator(".train").get_attribute("d").split("L")[1].split(" ")[1])
+    assert rate_at(line) == pytest.approx(train["train_rate"], abs=abs(0.01 / scale))
+    # Without gaps that are given nothing is known of touching.
+    free = tmp_path / "free.json"
+    free.write_text(json.dumps({k: v for k, v in json.loads(scene.read_text()).items() if k != "ball_gap_mm"}))
+    page = sheet().open(serve(free).address)
+    figure = page.locator("#nut figure", has_text="Speeds and advance of the balls")
+    assert figure.locator(".free").count() == 98
+    assert figure.locator(".touch, .moving, .push, .train").count() == 0
+
+
 def test_a_file_can_be_loaded(serve, sheet):
     served, sheet = serve(FEED), sheet()
     page = sheet.open(served.address)

@@ -60,32 +60,60 @@ function developed(balls) {
     rampBar(low, high, "load, N"));
 }
 
-/** Ball advance along the helix; where a gap is given, the forces between the balls as bars below it. */
+/** Speeds of the balls along the helix and their advance; where a gap is given, which balls touch and the forces between them. */
 function train(balls, answer) {
-  const advance = balls.advance_mm ?? [];
   // The advance of balls that are alike is rounding, far below a nanometre.
   if (!(answer.needed_gap_mm > 1e-6)) return null;
-  const [width, height, box] = sizes(), pushes = (balls.front_push_N ?? []).map((v) => v ?? 0), most = Math.max(...pushes, 0);
-  const turns = balls.theta_deg.map((v) => v / 360), [low, high] = span(advance.map((v) => v ?? NaN)), bars = most > 0 ? 70 : 0;
-  const x = scale(span(turns), [box[0], box[2]]),
-    y = scale([Math.min(low, 0), high > low ? high : low + 1], [box[3] - bars, box[1]]),
-    y2 = scale([0, most || 1], [box[3], box[3] - bars + 14]);
-  const dots = turns.map((v, i) => (advance[i] == null ?
-    null : svg("circle", { cx: x(v), cy: y(advance[i]), r: 2.6, fill: "var(--c1)" },
-      svg("title", {}, `ball ${i + 1}: ${number(advance[i])} mm`))));
-  const forces = turns.map((v, i) => (pushes[i] > 0 ?
-    svg("path", { d: `M${x(v)} ${y2(0)}V${y2(pushes[i])}`, stroke: "var(--c2)", "stroke-width": 3 },
-      svg("title", {}, `ball ${i + 1} is pushed back with ${number(pushes[i])} N`)) : null));
-  const gap = `${number(answer.needed_gap_mm)} mm of gaps in a circuit are needed so that no balls touch.`;
-  return figure("Ball advance along the helix",
-    picture(width, height, `Ball advance from ${number(low)} to ${number(high)} millimetres${most > 0 ? `, forces between the balls up to ${number(most)} newtons` : ""}`,
-    axes(x, y, [box[0], box[1], box[2], box[3] - bars], most > 0 ? "" : "turns along the helix", "advance, mm", 64),
-      ...dots.filter(Boolean), ...forces.filter(Boolean),
-      ...(most > 0 ? [text((box[0] + box[2]) / 2, height - 8, "turns along the helix",
-      { class: "small", "text-anchor": "middle" })] : [])),
-    legend([["ball advance", "var(--c1)", "circle"],
-      ...(most > 0 ? [[`force of the ball in front, up to ${number(most)} N`, "var(--c2)"]] : [])]),
-      html("p", { class: "small" }, gap));
+  const [width, , [left, top, right]] = sizes(), trains = answer.circuits ?? [];
+  const rates = balls.free_rate.filter((rate) => rate != null), mean = rates.reduce((sum, rate) => sum + rate, 0) / rates.length;
+  const percent = (rate) => (rate == null ? NaN : 100 * (rate / mean - 1));
+  const turns = balls.theta_deg.map((v) => v / 360), x = scale(span(turns), [left, right]);
+  const free = balls.free_rate.map(percent), moving = balls.rate.map(percent);
+  const front = balls.front_push_N.map((v) => v ?? 0), most = Math.max(...front, 0);
+  const pushed = turns.map((_, i) => front[i] > 0 || balls.back_push_N[i] > 0);
+  // One strip under the other, each with a frame, and between them room for numbers.
+  let from = top;
+  const strip = (values, words, height, axis = "") => {
+    const [low, high] = span(values), room = 0.05 * (high - low), box = [left, from, right, from + height];
+    const y = scale(high > low ? [low - room, high + room] : [low - 1, low + 1], [box[3], box[1]]);
+    from += height + 26;
+    return { box, y, frame: axes(x, y, box, axis, words, 64) };
+  };
+  const dot = (v, i, y, attributes, words) => (Number.isFinite(v) ?
+    svg("circle", { cx: x(turns[i]), cy: y(v), r: 2.6, ...attributes }, svg("title", {}, `ball ${i + 1}: ${words}`)) : null);
+  const speeds = strip([...free, ...moving], "speed, %", 130);
+  const pushes = most > 0 ? strip([0, most], "force, N", 60) : null;
+  const advances = strip([0, ...balls.advance_mm.map((v) => v ?? NaN)], "advance, mm", 90, "turns along the helix");
+  const lines = trains.map(({ circuit, train_rate: rate }) => {
+    const places = turns.filter((_, i) => balls.circuit[i] === circuit);
+    return pushed.some((is, i) => is && balls.circuit[i] === circuit) ? svg("path", { class: "train", fill: "none",
+      d: path(span(places).map((v) => [x(v), speeds.y(percent(rate))])), stroke: "var(--c2)", "stroke-width": 1.6 }) : null;
+  });
+  // A ball with its half of the way to each neighbour.
+  const shade = turns.map((v, i) => {
+    if (!pushed[i]) return null;
+    const ends = [i - 1, i + 1].map((n) => (balls.circuit[n] === balls.circuit[i] ? x((v + turns[n]) / 2) : x(v)));
+    return [speeds, pushes, advances].map((strip) => strip && svg("rect", { class: "touch", x: ends[0], y: strip.box[1],
+      width: ends[1] - ends[0], height: strip.box[3] - strip.box[1], style: "fill:var(--c5)", opacity: 0.25 }));
+  });
+  const forces = pushes && turns.map((v, i) => (front[i] > 0 ?
+    svg("path", { class: "push", d: `M${x(v)} ${pushes.y(0)}V${pushes.y(front[i])}`, stroke: "var(--c2)", "stroke-width": 2.4 },
+      svg("title", {}, `ball ${i + 1} is pushed back with ${number(front[i])} N`)) : null));
+  const dots = turns.map((_, i) => [
+    dot(free[i], i, speeds.y, { class: "free", fill: "none", stroke: "var(--c1)" }, `${number(free[i])} % without pushes`),
+    pushed[i] ? dot(moving[i], i, speeds.y, { class: "moving", fill: "var(--c2)" }, `${number(moving[i])} %`) : null,
+    dot(balls.advance_mm[i] ?? NaN, i, advances.y, { class: "advance", fill: "var(--c1)" }, `${number(balls.advance_mm[i])} mm`)]);
+  const [slow, fast] = span(free), touching = pushed.filter(Boolean).length;
+  const words = `Free speeds of the balls from ${number(slow)} to ${number(fast)} percent of their mean${most > 0 ?
+    `, ${touching} balls that touch, forces between them up to ${number(most)} newtons` : ""}`;
+  return figure("Speeds and advance of the balls along the helix",
+    picture(width, from + 12, words, ...[speeds, pushes, advances].flatMap((strip) => strip?.frame ?? []),
+      ...[shade.flat(), lines, forces, dots].flat(2).filter(Boolean)),
+    legend([["speed without pushes, over the mean", "var(--c1)", "circle"],
+      ...(most > 0 ? [["with pushes", "var(--c2)", "circle"], ["speed of balls that touch", "var(--c2)", "solid"],
+        ["balls that touch", "color-mix(in srgb, var(--c5) 30%, transparent)"],
+        [`force of the ball in front, up to ${number(most)} N`, "var(--c2)"]] : [])]),
+    html("p", { class: "small" }, `${number(answer.needed_gap_mm)} mm of gaps in a circuit are needed so that no balls touch.`));
 }
 
 function deflection(curve, answer) {

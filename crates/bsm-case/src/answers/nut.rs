@@ -7,8 +7,8 @@ use bsm_design::{Duty, drag_torque, in_series, life};
 use bsm_dyn::{ElasticPoint, Hertz, ModelWorkspace, Problem, Temperature};
 use bsm_kin::Drive;
 use bsm_nut::{
-    Advance, BallInGrooves, BallNut, BallOfTrain, BallPosition, Circuit, Equal, Equilibrium,
-    Flanks, Freedom, FrictionSum, NutError, NutFriction, Rolling, Support, Train,
+    Advance, BallAdvance, BallInGrooves, BallNut, BallOfTrain, BallPosition, Circuit, Equal,
+    Equilibrium, Flanks, Freedom, FrictionSum, NutError, NutFriction, Rolling, Support, Train,
 };
 use serde_json::{Map, Value, json};
 
@@ -270,12 +270,14 @@ quantities! { pub(crate) BALLS, read_ball(&OneBall<'_>);
         max_pressure_MPa ["MPa"] Whole(|b| Some(pressure(b.hertz?, b.ball) / MPA)), "largest Hertz pressure";
         outwards_um ["um"] Whole(|b| b.outwards / UM), "displacement away from the axis";
         friction_torque_Nm ["N m"] Whole(|b| b.torque), "friction torque, without pushes of other balls";
-        free_rate [""] Whole(|b| b.pushed?.free_rate), "precession relative to the nut over the relative speed, without pushes of other balls";
+        free_rate [""] Whole(|b| Some(b.advance?.rate)), "precession relative to the nut over the relative speed, without pushes of other balls";
         rate [""] Whole(|b| Some(b.pushed?.rate)), "precession relative to the nut over the relative speed";
-        advance_mm ["mm"] Whole(|b| Some(b.advance? / MM)), "advance of the free ball on a cage that turns evenly";
+        advance_mm ["mm"] Whole(|b| Some(b.advance?.advance / MM)), "advance of the free ball on a cage that turns evenly";
         gap_to_next_mm ["mm"] Whole(|b| Some(b.pushed?.gap / MM)), "gap to the next ball in the direction of travel";
         front_push_N ["N"] Whole(|b| Some(b.pushed?.pushes[0])), "force of the next ball in the direction of travel";
         back_push_N ["N"] Whole(|b| Some(b.pushed?.pushes[1])), "force of the ball behind";
+        idle [""] Whole(|b| b.is(Rolling::Idle)), "1: moved without a load, else 0";
+        blocked [""] Whole(|b| b.is(Rolling::Blocked)), "1: its neighbours stop its rotation, else 0";
     }
 }
 
@@ -290,11 +292,16 @@ pub(crate) struct OneBall<'a> {
     hertz: Option<&'a [Hertz; 2]>,
     outwards: f64,
     torque: Option<f64>,
-    advance: Option<f64>,
+    advance: Option<BallAdvance>,
     pushed: Option<&'a BallOfTrain>,
 }
 
 impl OneBall<'_> {
+    /// Whether this is what the ball of a train does.
+    fn is(&self, rolling: Rolling) -> Option<f64> {
+        Some(f64::from(u8::from(self.pushed?.rolling == rolling)))
+    }
+
     /// Contact angle of a loaded flank \[deg\].
     fn angle(&self, flank: usize) -> Option<f64> {
         (self.ball.loads[flank] > 0.0).then(|| self.ball.angles[flank] / DEG)
@@ -771,7 +778,7 @@ impl NutReport {
             .advance()
             .into_iter()
             .flat_map(|advance| &advance.circuits)
-            .flat_map(|circuit| circuit.advance.iter().copied())
+            .flat_map(|circuit| circuit.balls.iter().copied())
             .collect();
         let pushed: Vec<_> = loaded
             .train()

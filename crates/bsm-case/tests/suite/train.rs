@@ -136,7 +136,8 @@ fn the_band_of_a_model_is_that_of_traction_or_raceway_control() {
         number(&report, "ball_contact_band_Nm")
     };
     let traction = band(Model::Traction);
-    assert!((band(Model::Elastic) / traction - 1.0).abs() < 1e-12);
+    // Rotations of most balls follow from those of a few, to 1e-4.
+    assert!((band(Model::Elastic) / traction - 1.0).abs() < 1e-4);
     // The spin of one raceway moves the axis of rotation by some degrees.
     assert!((band(Model::RacewayControl) / traction - 1.0).abs() < 0.02);
 }
@@ -171,11 +172,11 @@ fn without_pushes_there_is_no_torque_and_a_reason() {
         (json!({}), Settings::from(Model::RacewayControl), "need model traction"),
         (json!({"ball_deviation_sd_um": 0.5}), Settings::default(), "unequal size"),
         (json!({"return_push_N": 1e4}), Settings::default(), "the return needs a push"),
-        // Just below the push that stops a ball (O6) it has no steady motion.
+        // Balls that have no steady motion just below the push that stops them (O6) are blocked.
         (
             json!({"screw_speed_rpm": -100, "ball_gap_mm": 0.06}),
             Settings::default(),
-            "a push of at least",
+            "6.8 % of their largest load",
         ),
         // 6 N push on balls whose loads reach some 190 N.
         (json!({"return_push_N": 6.0}), Settings::default(), "of their largest load"),

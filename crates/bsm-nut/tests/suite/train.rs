@@ -180,7 +180,7 @@ fn reference_cases() {
                     (_, None) => assert_eq!(ball.rolling, Rolling::Idle, "{name} {key}[{i}]"),
                     (None, Some(_)) => panic!("{name} {key}[{i}] is missing"),
                 };
-                same("free_rate", ball.free_rate, rates);
+                same("free_rate", advance.balls[i].map(|ball| ball.rate), rates);
                 same("rate", Some(ball.rate), rates);
                 same("front_push_N", Some(ball.pushes[0]), pushes * largest);
                 same("back_push_N", Some(ball.pushes[1]), pushes * largest);
@@ -514,7 +514,6 @@ fn random_trains_have_an_answer_or_a_reason() {
             Err(TrainError::Return { .. }) => refused[1] += 1,
             Err(TrainError::Unloaded { .. }) => refused[2] += 1,
             Err(TrainError::NoMotion { .. }) => refused[3] += 1,
-            // Just below the push that stops a ball (O6) it has no motion.
             Err(TrainError::LargePush { .. }) => refused[4] += 1,
             Err(other) => lost.push(format!("{point}: {other}")),
         }
@@ -525,8 +524,7 @@ fn random_trains_have_an_answer_or_a_reason() {
         &lost[..lost.len().min(10)]
     );
     assert!(solved > points / 2 && touching > points / 10, "{solved} {touching}");
-    // One of 2,000: where nearly all balls touch, the bends of its return give 1.36 of the push at the entry to the exit.
-    assert!(lost.len() <= points.div_ceil(2_000), "{lost:?}");
+    assert!(lost.is_empty(), "{lost:?}");
 }
 
 /// Balls in time on a closed track, without friction of ball-to-ball contact: each has the law of its place, and no two come
@@ -671,4 +669,31 @@ fn a_simulation_in_time_has_the_flux_of_the_queue() {
     assert!((rate / ours - 1.0).abs() < 1e-4, "{rate} in time, {ours}");
     // Balls that do not see each other have another flux.
     assert!((apart / ours - 1.0).abs() > 5e-4, "{apart} {ours}");
+}
+
+/// Motions of many balls from a few of them: three nodes in a row have an error below 1e-7, and later terms fall.
+#[test]
+fn free_motions_follow_from_those_of_a_few_balls() {
+    // Under a moment loads differ by 9 times; of the tilted nut by 450 times, where rates change fast with the load.
+    for (name, part) in [("T01", 0.05), ("T02", 0.25), ("T05", 0.6), ("T04", 0.6)] {
+        let (case, mut work) = (case(name), ModelWorkspace::default());
+        let (found, mut asked) = (case.found(), 0.0);
+        let solve = |at| {
+            asked += 1.0;
+            case.model(at).solve(&mut work)
+        };
+        let few = case.nut.free_motions(&found, case.friction, &case.drive, solve);
+        let (few, all) = (few.expect("motions"), case.alone(&found).motions);
+        for (number, (few, all)) in few.iter().zip(&all).enumerate() {
+            // Of balls without a load, and of idle ones.
+            let (Some(few), Some(all)) = (few, all) else { continue };
+            assert!(
+                (few.rate - all.rate).abs() < 3e-7 * all.rate,
+                "{name} {number}: {few:?}, {all:?}"
+            );
+            let turned = (few.rotation - all.rotation).abs();
+            assert!(turned < 3e-4 * all.rotation, "{name} {number}: {few:?}, {all:?}");
+        }
+        assert!(asked <= part * count(all.len()), "{name}: {asked} of {}", all.len());
+    }
 }

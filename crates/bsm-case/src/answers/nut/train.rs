@@ -66,15 +66,17 @@ impl NutProblem {
         ball_friction: &BallFriction,
     ) -> Option<Advance> {
         let NutAtRest { nut, found, .. } = made;
-        let (_, drive) = self.friction.as_ref()?;
+        let (rubbing, drive) = self.friction.as_ref()?;
         let of =
             |motions: &[Option<FreeMotion>]| nut.advance(found, motions, drive, self.gaps.spacer);
         let rolls_alone = ball_friction.models.iter().any(|model| *model != Model::Traction.name());
         if self.settings.model != ModelChoice::Fixed(Model::RacewayControl) && rolls_alone {
             // Free speeds of two models differ by more than those of neighbours, and nothing stops the spin of a ball of
             // model elastic.
-            let traction = self.by_traction();
-            return of(&traction.friction_of(nut, found)?.friction.motions);
+            let (traction, balls) = (self.by_traction(), super::loaded_balls(found));
+            let work = &mut ModelWorkspace::default();
+            let solve = |at| traction.of_ball(rubbing, balls, at).solve(work);
+            return of(&nut.free_motions(found, rubbing.coefficient(), drive, solve)?);
         }
         of(&ball_friction.friction.motions)
     }

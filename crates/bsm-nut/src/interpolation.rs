@@ -1,0 +1,132 @@
+//! Quantities of many balls from a few of them.
+
+/// Remainder of a monomial, over its largest value, below which the nodes before decide it but for rounding.
+const DEPENDENT: f64 = 1e-9;
+/// Nodes in a row at which the error of the polynomial is small enough before the others are taken from it.
+const IN_A_ROW: usize = 3;
+/// Largest degree.
+const DEGREE: i32 = 12;
+
+/// A smooth function of two variables at all points, from its values at a few of them; `None` if one of these is missing.
+///
+/// Newton's interpolation with monomials of growing degree: the next node is the point where the next monomial, less its
+/// interpolation by the nodes before, is largest (discrete Leja points), and the error of the polynomial there is known before
+/// the node is added. Where that stays large the function is calculated at all points.
+///
+/// * `points`: the function changes more with the first variable than with the second, whose powers come later.
+/// * `tolerances`: of the errors of each of its numbers over the number. * `value`: at a point by its place in the list.
+pub(crate) fn interpolated<const N: usize>(
+    points: &[[f64; 2]],
+    tolerances: [f64; N],
+    mut value: impl FnMut(usize) -> Option<[f64; N]>,
+) -> Option<Vec<[f64; N]>> {
+    let scaled = [0, 1].map(|axis| {
+        let along = points.iter().map(|point| point[axis]);
+        let low = along.clone().fold(f64::MAX, f64::min);
+        let half = 0.5 * (along.clone().fold(f64::MIN, f64::max) - low);
+        let scaled = |x: f64| if half > 0.0 { (x - low) / half - 1.0 } else { 0.0 };
+        along.map(scaled).collect::<Vec<_>>()
+    });
+    // Equal points have the value of the first of them.
+    let bits: Vec<_> = points.iter().map(|point| point.map(f64::to_bits)).collect();
+    let first = bits.iter().map(|point| bits.iter().position(|other| other == point));
+    let first = first.collect::<Option<Vec<_>>>()?;
+    let mut open: Vec<_> = (0..points.len()).filter(|n| first[*n] == *n).collect();
+    let mut found = vec![[0.0; N]; points.len()];
+    let mut nodes: Vec<(usize, Vec<f64>)> = Vec::new();
+    let mut in_a_row = 0;
+    for [i, j] in monomials() {
+        let monomial = scaled[0].iter().zip(&scaled[1]).map(|(x, y)| x.powi(i) * y.powi(j));
+        let mut left: Vec<_> = monomial.collect();
+        for (node, basis) in &nodes {
+            let at_node = left[*node];
+            for (left, basis) in left.iter_mut().zip(basis) {
+                *left -= at_node * basis;
+            }
+        }
+        let sizes = open.iter().map(|n| left[*n].abs()).enumerate();
+        let Some((place, size)) = sizes.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+        if size <= DEPENDENT {
+            continue;
+        }
+        let node = open.swap_remove(place);
+        let (size, at_node) = (left[node], value(node)?);
+        let error: [f64; N] = std::array::from_fn(|k| at_node[k] - found[node][k]);
+        for (found, left) in found.iter_mut().zip(&mut left) {
+            *left /= size;
+            for (found, error) in found.iter_mut().zip(error) {
+                *found += error * *left;
+            }
+        }
+        nodes.push((node, left));
+        let is_small = (0..N).all(|k| error[k].abs() <= tolerances[k] * at_node[k].abs());
+        in_a_row = if is_small { in_a_row + 1 } else { 0 };
+        if in_a_row == IN_A_ROW {
+            open.clear();
+        }
+    }
+    for n in open {
+        found[n] = value(n)?;
+    }
+    Some(first.into_iter().map(|n| found[n]).collect())
+}
+
+/// Powers of two variables, those of the second with twice their degree.
+fn monomials() -> impl Iterator<Item = [i32; 2]> {
+    (0..=DEGREE).flat_map(|degree| (0..=degree / 2).map(move |j| [degree - 2 * j, j]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{IN_A_ROW, interpolated};
+
+    /// 100 points along a curve that fills the square.
+    fn points() -> Vec<[f64; 2]> {
+        let along = (0_u8..100).map(f64::from);
+        along.map(|i| [10.0 + (0.32 * i).sin(), 1e-6 * (0.2 * i).cos()]).collect()
+    }
+
+    /// The greatest error, and how often the function is asked for.
+    fn error(tolerance: f64, function: impl Fn([f64; 2]) -> f64) -> (f64, usize) {
+        let (points, mut asked) = (points(), 0);
+        let found = interpolated(&points, [tolerance], |n| {
+            asked += 1;
+            Some([function(points[n])])
+        });
+        let found = found.expect("values everywhere");
+        let errors =
+            points.iter().zip(found).map(|(point, [found])| (found - function(*point)).abs());
+        (errors.fold(0.0, f64::max), asked)
+    }
+
+    #[test]
+    fn polynomials_are_exact() {
+        // 1, x, x², y, and three nodes at which nothing is left.
+        let (left, asked) = error(1e-12, |[x, y]| 3.0 + x - 0.5 * x * x + 2e5 * y);
+        assert!(left < 1e-12 && asked == 4 + IN_A_ROW, "{left:e}, {asked}");
+    }
+
+    #[test]
+    fn smooth_functions_need_a_few_values() {
+        // The sum of the errors of later nodes, which fall, against the value of 30.
+        let (left, asked) = error(1e-7, |[x, y]| (0.3 * x + 1e4 * y).exp());
+        assert!(left < 2e-7 * 30.0 && asked < 25, "{left:e}, {asked}");
+    }
+
+    #[test]
+    fn a_function_with_a_bend_is_calculated_everywhere() {
+        let (left, asked) = error(1e-7, |[x, _]| 1.0 + (x - 10.1).abs());
+        assert!(left < 1e-15 * 11.0 && asked == 100, "{left:e}, {asked}");
+    }
+
+    #[test]
+    fn equal_points_have_one_value() {
+        let mut asked = 0;
+        let found = interpolated(&[[65.0, 0.0]; 98], [1e-7], |_| {
+            asked += 1;
+            Some([0.45])
+        });
+        assert_eq!((found, asked), (Some(vec![[0.45]; 98]), 1));
+        assert_eq!(interpolated(&points(), [1e-7], |_| None::<[f64; 1]>), None);
+    }
+}
