@@ -86,7 +86,7 @@ const OBJECTS: &[(&str, &str)] = &[
     ("results", "@axis"),
     (
         "rule",
-        "rule string, name string, unit string, value number?, must_be string, limit number?, margin number?, passes boolean, source string, \
+        "rule string, name string, symbol string, unit string, value number?, must_be string, limit number?, margin number?, passes boolean, source string, \
          remedy string?",
     ),
     ("phase", "@phase, @torques, contacts string, body_axial_N numbers?"),

@@ -122,6 +122,10 @@ tables! {
     dong_trends: "dong2020/trends.csv";
     /// A screw for the axes of manufacturers' examples.
     manufacturers_case: "manufacturers/case.json";
+    /// A feed axis by the numbers of its catalogue.
+    machining_centre: "manufacturers/machining_centre.json";
+    /// An upright axis by the numbers of its catalogue.
+    upright_axis: "manufacturers/upright_axis.json";
     /// Independent solutions of lubricated scenes.
     lubrication: "lubrication/public.json";
 }

@@ -153,6 +153,8 @@ fn scene(published: &PublishedData, name: &str) -> Result<Scene, ValidateError> 
         "dong2020" => published.dong_case.scene(),
         "manufacturers" => published.manufacturers_case.scene(),
         "feed_axis" => published.feed_axis.scene(),
+        "machining_centre" => published.machining_centre.scene(),
+        "upright_axis" => published.upright_axis.scene(),
         _ => case(published, name),
     }
 }

@@ -345,7 +345,7 @@ pub(crate) fn torque_to_measure(torque: f64, seal: f64, within: &TorqueTolerance
     };
     format!(
         "friction torque of the preload to measure: {torque:.3} N m ({tolerance}) at 100 rpm, oil of ISO VG 68, \
-         without wipers{with_seals}"
+         without wipers{with_seals}; starting torque usually 1.5 to 2 times as much"
     )
 }
 

@@ -47,7 +47,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
         preloaded_stiffness_N_um ["N/um" "R_nu"] Whole(|r| r.of_pair(|e| e.preloaded_pair(r.force) * UM)),
             "stiffness of a preloaded pair, contacts and bodies";
         rolling_efficiency [""] Whole(|r| r.nut.rolling_efficiency(r.lever())), "catalogue efficiency, rolling resistance without slip";
-        mass_kg ["kg"] Whole(|r| r.body.mass(&r.nut, &r.thread)), "mass of the nut";
+        mass_kg ["kg"] Whole(|r| r.scene.nut_mass_kg.unwrap_or_else(|| r.body.mass(&r.nut, &r.thread))), "mass of the nut";
         permissible_speed_rpm ["rpm"] Whole(|r| speed_number_limit(r.scene, r.nut.lead, r.thread.screw.land) / r.pitch_mm()), "permissible speed, by the speed number limit";
         speed_number_mm_min ["mm/min" "d_pw n"] Whole(|r| Some(rpm(r.scene)? * r.pitch_mm())) needs [screw_speed_rpm], "speed number";
         rating_life_revolutions ["" "L_10"] Whole(|r| Some(r.life.as_ref()?.revolutions)) needs [axial_load_N, screw_speed_rpm], "rating life";

@@ -231,6 +231,12 @@ impl Answer {
         })
     }
 
+    /// The symbol of one of its numbers; empty without one.
+    pub fn symbol(&self, name: &str) -> &'static str {
+        let mut rows = self.numbers().flat_map(Numbers::all);
+        rows.find(|row| row.quantity.name == name).map_or("", |row| row.quantity.symbol)
+    }
+
     /// The numbers of its first section that has some.
     pub(crate) fn into_numbers(self) -> Numbers {
         let numbers = self.sections.into_iter().find_map(|section| match section.content {
@@ -262,7 +268,12 @@ impl Answer {
             }
         }
         if !self.rules.is_empty() {
-            map.insert("rules".to_owned(), self.rules.iter().map(Criterion::to_json).collect());
+            let rule = |rule: &Criterion| {
+                let mut json = rule.to_json();
+                json["symbol"] = json!(self.symbol(rule.name));
+                json
+            };
+            map.insert("rules".to_owned(), self.rules.iter().map(rule).collect());
         }
         map.insert("notes".to_owned(), json!(self.notes));
         map.insert("warnings".to_owned(), json!(self.warnings));

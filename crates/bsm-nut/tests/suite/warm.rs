@@ -673,7 +673,7 @@ fn temperatures_follow_the_surroundings_by_the_slopes_of_the_heat() {
 
 /// A pair in O arrangement whose bodies are one neutral distance apart does not notice a warm screw with balls as warm as the
 /// mean of nut and screw: by 2 % of what a pair in X arrangement does, as the preload turns its contacts by some 0.01 from 45 deg,
-/// and what is left are twice this part of one of two terms.
+/// and the rest is twice this part of one of two terms.
 #[test]
 fn at_the_neutral_distance_o_does_not_notice_a_warm_screw() {
     let change = |id: &str| {

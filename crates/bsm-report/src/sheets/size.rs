@@ -60,17 +60,15 @@ pub fn size_results(report: &AxisReport) -> Value {
 ///
 /// [`ReportError::Table`] if it is not written.
 pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
-    let rows: Vec<_> = report.answer.numbers().flat_map(Numbers::all).collect();
     let text = |number: Option<f64>| number.map_or_else(String::new, exact);
     let mut table = csv::Writer::from_writer(Vec::new());
     table.write_record([
         "rule", "symbol", "value", "unit", "limit", "margin", "verdict", "source",
     ])?;
     for rule in &report.answer.rules {
-        let row = rows.iter().find(|row| row.quantity.name == rule.name);
         table.write_record([
             rule.title,
-            row.map_or("", |row| row.quantity.symbol),
+            report.answer.symbol(rule.name),
             &exact(rule.value),
             rule.unit,
             &text(rule.limit),

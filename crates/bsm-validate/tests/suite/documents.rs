@@ -55,8 +55,8 @@ fn holds(text: &str, term: &str) -> bool {
 
 #[test]
 fn terms_are_whole_words() {
-    assert!(holds("the dials of maker_sizes", "dial") && holds("of maker_sizes", "maker"));
-    assert!(!holds("a radial gap", "dial") && !holds("a dialect", "dial"));
+    assert!(holds("the caps of cap_sizes", "cap") && holds("of cap_sizes", "cap"));
+    assert!(!holds("a landscape", "cap") && !holds("a capital", "cap"));
 }
 
 #[test]

@@ -44,14 +44,13 @@ impl AxisState<'_> {
         let films = self.machine.groove.is_some();
         notes.extend(self.scene.assumed_roughness().filter(|_| films));
         notes.extend(self.to_measure());
-        if let Some(rise) =
-            self.steady_rise().filter(|_| self.scene.axis_heat_transfer_W_K.is_none())
+        let rises = [1.0, 0.5, 2.0].map(|factor| self.rise_within(factor));
+        if let ([Some(rise), Some(low), Some(high)], None) =
+            (rises, self.scene.axis_heat_transfer_W_K)
         {
             notes.push(format!(
-                "steady-state temperature rise estimated within a factor of 2: {rise:.0} K ({:.0} to {:.0} K), by the \
-                 heat transfer to still air; axis_heat_transfer_W_K replaces it",
-                0.5 * rise,
-                2.0 * rise
+                "steady-state temperature rise estimated within a factor of 2: {rise:.0} K ({low:.0} to {high:.0} K), by the \
+                 heat transfer to still air; axis_heat_transfer_W_K replaces it"
             ));
         }
         let mut note = |text: &str| notes.push(text.to_owned());

@@ -219,6 +219,13 @@ impl<'a> AxisState<'a> {
         Some(steady_rise(self.mean_heat()?, self.heat_transfer()?))
     }
 
+    /// An end of the uncertainty of the steady-state rise by the heat transfer to still air \[K\], a factor of 2 either way;
+    /// the rise itself by a heat transfer that is given.
+    pub(super) fn rise_within(&self, factor: f64) -> Option<f64> {
+        let factor = if self.scene.axis_heat_transfer_W_K.is_some() { 1.0 } else { factor };
+        Some(factor * self.steady_rise()?)
+    }
+
     /// Growth of the screw \[um\].
     pub(super) fn growth(&self) -> Option<f64> {
         if let Some(state) = self.warm_state() {
