@@ -45,7 +45,7 @@ class Quantity(NamedTuple):
         Default of an input.
     rule : str or None
         Rule for the value of an input.
-    words : tuple of str
+    values : tuple of str
         Possible values of a text.
     kind : str
         Type in JSON: number, integer, boolean, string or array.
@@ -58,7 +58,7 @@ class Quantity(NamedTuple):
     about: str
     default: float | None = None
     rule: str | None = None
-    words: tuple[str, ...] = ()
+    values: tuple[str, ...] = ()
     kind: str = "number"
     analysis: str | None = None
 
@@ -73,14 +73,14 @@ def _first_of_each(quantities: Iterable[Quantity]) -> Mapping[str, Quantity]:
 INPUTS: Mapping[str, Quantity] = _first_of_each(itertools.chain(
     (Quantity(name, unit, about, default=default, rule=rule)
      for name, unit, about, default, rule in _core.inputs()),
-    (Quantity(name, "", about, words=tuple(words), kind=kind) for name, about, kind, words in _core.scene_choices()),
+    (Quantity(name, "", about, values=tuple(values), kind=kind) for name, about, kind, values in _core.scene_choices()),
 ))
 """All inputs by name: numbers, then texts, lists and flags."""
 
 # An analysis may repeat a number of the solution: that of the solution is meant.
 OUTPUTS: Mapping[str, Quantity] = _first_of_each(
-    Quantity(name, unit, about, kind=kind, words=tuple(words), analysis=analysis)
-    for name, unit, about, kind, words, analysis in _core.outputs()
+    Quantity(name, unit, about, kind=kind, values=tuple(values), analysis=analysis)
+    for name, unit, about, kind, values, analysis in _core.outputs()
 )
 """All outputs by name: of a solution, then of the analyses."""
 
@@ -273,7 +273,7 @@ class Solution(SolutionFields):
 _MAIN = ("efficiency", "ball_torque_Nm", "nut_normal_load_N", "nut_contact_angle_deg")
 
 
-class Words:
+class TextColumn:
     """Texts of few kinds: a place in `categories` for each row."""
 
     __slots__ = ("_found", "_load")
@@ -315,7 +315,7 @@ class Words:
         return NotImplemented
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _words, self._get()
+        return _text_column, self._get()
 
     def to_numpy(self) -> NDArray[np.object_]:
         """The texts."""
@@ -324,11 +324,11 @@ class Words:
         return np.array([*self.categories, None], dtype=object)[self.codes]
 
     def __repr__(self) -> str:
-        return f"Words({len(self)} of {', '.join(self.categories)})"
+        return f"TextColumn({len(self)} of {', '.join(self.categories)})"
 
 
-def _words(codes: NDArray[np.int8], categories: Sequence[str]) -> Words:
-    return Words(lambda: (codes, list(categories)))
+def _text_column(codes: NDArray[np.int8], categories: Sequence[str]) -> TextColumn:
+    return TextColumn(lambda: (codes, list(categories)))
 
 
 class Table:
@@ -391,7 +391,7 @@ class Table:
             column = self._columns[name]
         except KeyError:
             raise KeyError(f"no column `{name}`{_near(name, self)}; the columns are {_few(self._columns)}") from None
-        if isinstance(column, Words):
+        if isinstance(column, TextColumn):
             return column.to_numpy()
         if isinstance(column, _core.KeptColumn):
             return _kept_values(column)
@@ -399,15 +399,15 @@ class Table:
         return array
 
     @property
-    def status(self) -> Words:
+    def status(self) -> TextColumn:
         """How each row ended."""
-        status: Words = self._columns["status"]
+        status: TextColumn = self._columns["status"]
         return status
 
     @property
-    def model(self) -> Words:
+    def model(self) -> TextColumn:
         """The model that answered each row."""
-        model: Words = self._columns["model"]
+        model: TextColumn = self._columns["model"]
         return model
 
     @property
@@ -445,7 +445,7 @@ class Table:
         for name, column in self._columns.items():
             unit = self._units.get(name, "")
             quantity = OUTPUTS.get(name)
-            if isinstance(column, Words):
+            if isinstance(column, TextColumn):
                 columns.append((name, unit, "words", column.codes, list(column.categories)))
             elif isinstance(column, _core.KeptColumn):
                 columns.append((name, unit, "kept", column, []))
@@ -480,7 +480,7 @@ class Table:
         for name, column in self._columns.items():
             data[name] = (
                 pd.Categorical.from_codes(column.codes, list(column.categories))
-                if isinstance(column, Words)
+                if isinstance(column, TextColumn)
                 else self[name]
             )
         return pd.DataFrame(data)
@@ -489,7 +489,7 @@ class Table:
         """Write the table as the program does: .csv, .jsonl or .parquet."""
         if self._rows is not None:
             self._rows.write(Path(path))
-        elif any(isinstance(column, (Words, _core.KeptColumn)) or column.dtype in (object, bool)
+        elif any(isinstance(column, (TextColumn, _core.KeptColumn)) or column.dtype in (object, bool)
                  for column in self._columns.values()):
             raise TypeError("this table has words in it, or was pickled: write it with to_pandas() or to_polars()")
         else:
@@ -518,7 +518,7 @@ def _thawed(kind: type[Table], state: Mapping[str, Any]) -> Table:
     table = object.__new__(kind)
     vars(table).update(state)
     for column in table._columns.values():
-        if not isinstance(column, (Words, _core.KeptColumn)):
+        if not isinstance(column, (TextColumn, _core.KeptColumn)):
             column.flags.writeable = False
     return table
 
@@ -1907,21 +1907,21 @@ def _answered(rows: _core.Rows, inputs: Mapping[str, Any]) -> Table:
     import numpy as np
 
     columns: dict[str, Any] = dict(inputs)
-    columns["model"] = Words(rows.models)
-    columns["status"] = Words(rows.statuses)
+    columns["model"] = TextColumn(rows.models)
+    columns["status"] = TextColumn(rows.statuses)
     for name, buffer in rows.outputs():
         numbers = np.frombuffer(buffer, np.float64)
-        columns[name] = _texts(numbers, OUTPUTS[name].words) if OUTPUTS[name].words else numbers
+        columns[name] = _texts(numbers, OUTPUTS[name].values) if OUTPUTS[name].values else numbers
     units = {name: (INPUTS.get(name) or OUTPUTS[name]).unit
              for name in columns if name in INPUTS or name in OUTPUTS}
     return Table(columns, units, len(rows), rows)
 
 
-def _texts(places: Floats, words: Sequence[str]) -> Words:
+def _texts(places: Floats, values: Sequence[str]) -> TextColumn:
     """An output that is a text, of the places of its texts; NaN where there is none."""
     import numpy as np
 
-    return Words(lambda: (np.where(np.isnan(places), -1, places).astype(np.int8), list(words)))
+    return TextColumn(lambda: (np.where(np.isnan(places), -1, places).astype(np.int8), list(values)))
 
 
 def _number(name: str, value: Any) -> float:

@@ -71,7 +71,7 @@ def curves(
             wide = table[error][of_line]
             axes.fill_between(xs, ys - wide, ys + wide, color=line.get_color(), alpha=0.2, linewidth=0)
     if by is not None:
-        axes.legend(title=_words(by))
+        axes.legend(title=_quantity(by))
     axes.set_xlabel(_label(x))
     axes.set_ylabel(_label(y))
     return axes
@@ -186,7 +186,7 @@ def _unit(name: str) -> str:
     return quantity.unit if quantity else ""
 
 
-def _words(name: str) -> str:
+def _quantity(name: str) -> str:
     """The label of a name, without its unit."""
     unit = _unit(name)
     ending = unit.replace("/", "_").replace("^", "").replace(" ", "")
@@ -196,4 +196,4 @@ def _words(name: str) -> str:
 
 def _label(name: str) -> str:
     unit = _unit(name)
-    return f"{_words(name)} [{unit}]" if unit else _words(name)
+    return f"{_quantity(name)} [{unit}]" if unit else _quantity(name)

@@ -26,7 +26,7 @@ pub struct Nut {
     pub balls_per_turn: f64,
     /// Loaded turns, which may be a fraction; positive.
     pub turns: f64,
-    /// Threads beside each other `$z$`, over which the turns are spread evenly.
+    /// Threads beside each other `$z$`, over which the turns are spread evenly; at least one.
     pub starts: f64,
 }
 

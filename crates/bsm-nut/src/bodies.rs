@@ -18,11 +18,11 @@ pub struct Bar {
 /// The tube around the balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ring {
-    /// Outer diameter \[m\].
+    /// Outer diameter \[m\], above the inner one.
     pub outer: f64,
-    /// Inner diameter \[m\].
+    /// Inner diameter \[m\], positive.
     pub inner: f64,
-    /// Young's modulus \[Pa\].
+    /// Young's modulus \[Pa\], positive.
     pub youngs_modulus: f64,
 }
 

@@ -19,7 +19,7 @@ pub struct Circuit {
     pub start: f64,
     /// Length of the arc \[rad\], positive.
     pub arc: f64,
-    /// Loaded balls, evenly spaced.
+    /// Loaded balls, evenly spaced, at least one.
     pub balls: usize,
     /// Number of its thread, from 0.
     pub thread: usize,
@@ -62,7 +62,7 @@ pub struct Errors {
     pub oversize: f64,
     /// Axial errors of the grooves, which add up.
     pub lead: Vec<LeadError>,
-    /// Radial gap between the grooves and a ball \[m\].
+    /// Radial gap between the grooves and a ball \[m\]; negative: an interference.
     pub gap: f64,
 }
 
@@ -71,17 +71,17 @@ pub struct Errors {
 pub struct BallNut {
     /// Helix of the ball centres.
     pub helix: Helix<f64>,
-    /// Threads of the screw.
+    /// Threads of the screw, at least one.
     pub starts: usize,
     /// The nominal ball.
     pub ball: Ball<f64>,
-    /// Unloaded contact angle \[rad\].
+    /// Unloaded contact angle \[rad\], in (0, π/2).
     pub contact_angle: f64,
     /// Conformities of nut and screw, groove radius over ball diameter, above 1/2.
     pub conformity: (f64, f64),
     /// Elastic constants of raceways and balls.
     pub material: (Material, Material),
-    /// The loaded balls.
+    /// The loaded balls, in one circuit or several.
     pub circuits: Vec<Circuit>,
     /// What is wrong with them.
     pub errors: Errors,

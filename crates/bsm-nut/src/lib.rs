@@ -7,6 +7,43 @@
 //!
 //! A [`BallNut`] is geometry: circuits of balls on the helix, the bodies that strain, and the errors of
 //! making. [`BallNut::solve`] finds how it carries a [`Support`]: the load, and what the guides hold.
+//!
+//! A rigid nut on guides, whose 70 balls carry equal shares of 8 kN:
+//!
+//! ```
+//! use std::f64::consts::PI;
+//!
+//! use bsm_dyn::{Ball, Material};
+//! use bsm_kin::Helix;
+//! use bsm_nut::{BallNut, Circuit, Errors, Flanks, Support};
+//!
+//! let (radius, lead) = (20.75e-3, 20e-3);
+//! let steel = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
+//! let flanks = Flanks::Both;
+//! let nut = BallNut {
+//!     helix: Helix { radius, lead_angle: f64::atan2(lead, 2.0 * PI * radius) },
+//!     starts: 1,
+//!     ball: Ball::of_density(3.175e-3, 7800.0),
+//!     contact_angle: PI / 4.0,
+//!     conformity: (0.53, 0.53),
+//!     material: (steel, steel),
+//!     circuits: vec![Circuit { start: 0.0, arc: 7.0 * PI, balls: 70, thread: 0, body: 0, flanks, offset: 0.0 }],
+//!     errors: Errors::default(),
+//!     nut_bar: None,
+//!     screw_bar: None,
+//!     ring: None,
+//!     reference: None,
+//!     precession: 0.0,
+//! };
+//! let found = nut.solve(&Support::guided(8000.0))?;
+//! let share = nut.equal(8000.0)?;
+//! // Both end at a balance of forces to 1e-12.
+//! assert!(found.balls.iter().all(|ball| (ball.max_load() / share.load - 1.0).abs() < 1e-11));
+//! // Z Q sin(beta) cos(alpha) = F at the loaded contact angle.
+//! let axial = 70.0 * share.load * share.angle.sin() * nut.helix.lead_angle.cos();
+//! assert!((axial / 8000.0 - 1.0).abs() < 1e-11);
+//! # Ok::<(), bsm_nut::NutError>(())
+//! ```
 
 mod assembly;
 mod ball;

@@ -30,9 +30,9 @@ pub(crate) const DOES_NOT_CIRCLE: EvalError = EvalError {
 /// A homogeneous ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ball<D> {
-    /// Radius `$r_b$` \[m\].
+    /// Radius `$r_b$` \[m\], positive.
     pub radius: D,
-    /// Mass `$m$` \[kg\].
+    /// Mass `$m$` \[kg\], not negative.
     pub mass: D,
 }
 
