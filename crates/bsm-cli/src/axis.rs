@@ -8,7 +8,7 @@ use crate::answer::{Pictures, Reply};
 use crate::args::AxisArgs;
 use crate::failure::Failure;
 use crate::files::{self, MOST_OF_A_TABLE, ending_of, read};
-use crate::table_job::waiting;
+use crate::progress::waiting;
 
 pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     let in_file = args.scene.failure();

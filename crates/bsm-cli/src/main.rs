@@ -11,6 +11,7 @@ mod nut;
 mod nuts;
 mod parts;
 mod pictures;
+mod progress;
 mod schema;
 mod select;
 mod solve;

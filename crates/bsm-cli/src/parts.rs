@@ -11,7 +11,8 @@ use serde_json::json;
 use crate::args::{CheckArgs, Only, RunArgs};
 use crate::failure::{Failure, warn};
 use crate::files::{pretty_json, print};
-use crate::table_job::{failed, mend, progress};
+use crate::progress::progress;
+use crate::table_job::{failed, mend};
 use crate::unfinished;
 
 /// Rows above which storage is not advised: a terabyte of files takes longer to read than to make again.

@@ -1,9 +1,8 @@
-//! From points to a table or a folder of tables: the arguments, the progress bar and the messages of the batch pipeline.
+//! From points to a table or a folder of tables: the arguments and the messages of the batch pipeline.
 
 use std::collections::HashSet;
-use std::io::{self, IsTerminal, Read};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use bsm_batch::dataset::{
     self, Dataset, DatasetError, Event, PartDefect, Plan, Points, RunOptions, sha256,
@@ -15,13 +14,14 @@ use bsm_batch::{
 use bsm_case::{Axis, Grid, ModelChoice, Output as Column, exact};
 use bsm_dyn::Status;
 use bsm_report::PROGRAM;
-use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
+use indicatif::ProgressBar;
 use serde_json::{Value, json};
 
 use crate::args::SweepArgs;
 use crate::failure::{Failure, of_table, warn};
 use crate::files::{self, Output, ending_of, is_stdout, pretty_json};
 use crate::parts::print_plan;
+use crate::progress::progress;
 use crate::unfinished;
 #[cfg(feature = "xlsx")]
 use crate::workbook::{self, Workbook};
@@ -453,61 +453,5 @@ pub(crate) fn form_of(path: &Path) -> Result<Form, Failure> {
         #[cfg(feature = "xlsx")]
         "xlsx" => Ok(Form::Workbook),
         _ => Ok(Form::Table(Format::of(path).unwrap_or(Format::Csv))),
-    }
-}
-
-/// A bar on a terminal, nothing elsewhere.
-pub(crate) fn progress(total: Option<u64>, what: &str, quiet: bool) -> ProgressBar {
-    if quiet || !io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let (bar, template) = match total {
-        Some(total) => (
-            ProgressBar::new(total),
-            format!("{{wide_bar}} {{human_pos}}/{{human_len}} {what}, {{rate}}, {{eta}} left"),
-        ),
-        None => (ProgressBar::new_spinner(), format!("{{spinner}} {{human_pos}} {what}, {{rate}}")),
-    };
-    let style = ProgressStyle::with_template(&template)
-        .unwrap_or_else(|_| ProgressStyle::default_bar())
-        .with_key("rate", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
-            // A bar that cannot be drawn is ignored.
-            let _ = text.write_str(&rate(state.per_sec()));
-        });
-    bar.with_style(style)
-}
-
-/// A line that moves on a terminal while an answer takes seconds, nothing elsewhere.
-pub(crate) fn waiting(what: &'static str) -> ProgressBar {
-    if !io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new_spinner().with_message(what);
-    bar.enable_steady_tick(Duration::from_millis(100));
-    bar
-}
-
-/// Rows a second in whole numbers.
-fn rate(per_second: f64) -> String {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a rate to look at"
-    )]
-    let whole = per_second.round() as u64;
-    let mut text = HumanCount(whole).to_string();
-    text.push_str("/s");
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Found by a user: `20,083.5883/s`.
-    #[test]
-    fn progress_is_in_whole_numbers() {
-        assert_eq!(rate(20_083.588_3), "20,084/s");
-        assert_eq!(rate(0.2), "0/s");
     }
 }

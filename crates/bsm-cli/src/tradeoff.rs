@@ -15,8 +15,9 @@ use crate::answer::{Pictures, Reply};
 use crate::args::TradeoffArgs;
 use crate::failure::Failure;
 use crate::files::make_folder;
+use crate::progress::progress;
 use crate::table;
-use crate::table_job::{open, progress};
+use crate::table_job::open;
 
 pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
     args.out.check(&["json", "html"], &[args.points.as_deref()])?;

@@ -90,7 +90,7 @@ const FOUR_CONTACTS: f64 = 1e-6;
 /// Part of the largest load below which a ball is idle, and up to which its friction grows in proportion to its load: raceway
 /// control gives a ball that is just touched, and pressed to one groove by inertia alone, the friction of its spin at once, a
 /// jump on which no temperature is steady.
-pub(crate) const IDLE: f64 = 1e-3;
+const IDLE: f64 = 1e-3;
 
 /// Errors of rates and rotations of free balls: of rates, whose differences matter, that of the quadrature.
 const FREE_MOTION: [f64; 2] = [1e-7, 1e-4];
@@ -197,11 +197,11 @@ impl BallNut {
         seal_torque: f64,
         mut solve: impl FnMut(ElasticPoint) -> Solution,
     ) -> NutFriction {
-        let hertz = self.hertz().ok();
+        let (hertz, idle) = (self.hertz().ok(), found.idle_load());
         let mut before = None;
         let mut of_one = |number: usize| {
             let at = (found, number, friction, drive);
-            self.friction_of(at, hertz.as_ref()?, &mut before, &mut solve)
+            self.friction_of(at, (hertz.as_ref()?, idle), &mut before, &mut solve)
         };
         let mut sum = FrictionSum::default();
         let mut last: Option<(usize, FreeBall)> = None;
@@ -273,11 +273,11 @@ impl BallNut {
 impl BallNut {
     /// Friction of a loaded ball, by itself or with both flanks pressed (U21).
     ///
-    /// * `before`: the motion of the last ball that both flanks pressed.
+    /// * `idle`: load below which a ball is idle. * `before`: the motion of the last ball that both flanks pressed.
     fn friction_of(
         &self,
         (found, number, friction, drive): (&Equilibrium, usize, Option<f64>, &Drive<f64>),
-        hertz: &[Hertz; 2],
+        (hertz, idle): (&[Hertz; 2], f64),
         before: &mut Option<BallMotion>,
         solve: &mut impl FnMut(ElasticPoint) -> Solution,
     ) -> Option<FreeBall> {
@@ -292,7 +292,7 @@ impl BallNut {
         }
         let alone = self.ball_alone(found, number, friction.unwrap_or(f64::NAN), drive)?;
         let mut ball = self.friction_alone(alone, solve)?;
-        let part = (found.balls[number].max_load() / (IDLE * found.max_load())).min(1.0);
+        let part = (found.balls[number].max_load() / idle).min(1.0);
         let mut friction = FrictionSum::default();
         friction.add(&ball.friction, part);
         ball.friction = friction;
@@ -357,7 +357,7 @@ impl BallNut {
         between_loads: f64,
         mut solve: impl FnMut(ElasticPoint) -> Solution,
     ) -> Option<FrictionSum> {
-        let hertz = self.hertz().ok()?;
+        let (hertz, idle) = (self.hertz().ok()?, found.idle_load());
         let groups = self.groups(found, 1e-9 * self.arc_distance());
         let (mut sum, mut before) = (FrictionSum::default(), None);
         for group in &groups {
@@ -372,7 +372,7 @@ impl BallNut {
             if points >= most {
                 for number in group {
                     let at = (found, *number, friction, drive);
-                    let ball = self.friction_of(at, &hertz, &mut before, &mut solve)?;
+                    let ball = self.friction_of(at, (&hertz, idle), &mut before, &mut solve)?;
                     sum.add(&ball.friction, 1.0);
                 }
                 continue;
@@ -442,11 +442,11 @@ impl BallNut {
         drive: &Drive<f64>,
         mut solve: impl FnMut(ElasticPoint) -> Solution,
     ) -> Option<Vec<Option<FreeMotion>>> {
-        let hertz = self.hertz().ok()?;
+        let (hertz, idle) = (self.hertz().ok()?, found.idle_load());
         let mut motions = vec![None; found.balls.len()];
         let mut before = None;
         for mut group in self.groups(found, f64::INFINITY) {
-            group.retain(|number| !Self::is_idle(found, *number));
+            group.retain(|number| found.balls[*number].max_load() >= idle);
             let point = |number: &usize| {
                 // The rates of light balls change fast.
                 [found.balls[*number].force[0].abs().ln(), found.grooves[*number][1]]
@@ -455,7 +455,7 @@ impl BallNut {
             let of_group = interpolated(&points, FREE_MOTION, |place| {
                 let at = (found, group[place], friction, drive);
                 let FreeMotion { rate, rotation, .. } =
-                    self.friction_of(at, &hertz, &mut before, &mut solve)?.motion?;
+                    self.friction_of(at, (&hertz, idle), &mut before, &mut solve)?.motion?;
                 Some([rate, rotation])
             })?;
             for (number, [rate, rotation]) in group.into_iter().zip(of_group) {
@@ -480,6 +480,11 @@ impl BallNut {
 }
 
 impl Equilibrium {
+    /// Load below which a ball is idle \[N\].
+    pub(crate) fn idle_load(&self) -> f64 {
+        IDLE * self.max_load()
+    }
+
     /// Sum of the sizes of the largest loads of all balls \[N\].
     fn forces(&self) -> f64 {
         self.max_load() * count(self.balls.len())

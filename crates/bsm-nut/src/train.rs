@@ -8,7 +8,6 @@ use bsm_dyn::{BallState, ElasticPoint, ModelWorkspace, TrainBall, TrainMotion};
 use bsm_kin::Drive;
 use bsm_newton::{Bracket, FunctionValue};
 
-use crate::friction::IDLE;
 use crate::geometry::count;
 use crate::{BallNut, Equilibrium, FreeMotion};
 
@@ -253,11 +252,6 @@ impl BallNut {
         (self.circuits[circuit].arc / self.touch_angle(spacer)).floor()
     }
 
-    /// Whether nothing presses a ball.
-    pub(crate) fn is_idle(found: &Equilibrium, number: usize) -> bool {
-        found.balls[number].max_load() < IDLE * found.max_load()
-    }
-
     /// The numbers of the balls of a circuit, in the direction of travel.
     fn in_travel(found: &Equilibrium, circuit: usize, speed: f64) -> Vec<usize> {
         let numbers = 0..found.places.len();
@@ -280,8 +274,10 @@ impl BallNut {
     ) -> Option<Advance> {
         let speed = drive.relative_speed();
         let arc = self.helix.arc_length_per_radian();
+        let idle = found.idle_load();
         let of = |number: usize| -> Option<Option<FreeMotion>> {
-            if Self::is_idle(found, number) { Some(None) } else { motions.get(number)?.map(Some) }
+            let is_idle = found.balls[number].max_load() < idle;
+            if is_idle { Some(None) } else { motions.get(number)?.map(Some) }
         };
         let motions = (0..found.balls.len()).map(of).collect::<Option<Vec<_>>>()?;
         let touch_angle = self.touch_angle(spacer);
@@ -341,11 +337,11 @@ impl BallNut {
         inputs: &TrainInputs,
         in_train: impl Fn(ElasticPoint, &BallState, &mut ModelWorkspace) -> Option<TrainBall>,
     ) -> Result<Train, TrainError> {
-        let mut work = ModelWorkspace::default();
+        let (idle, mut work) = (found.idle_load(), ModelWorkspace::default());
         let mut balls: Vec<Option<TrainBall>> = Vec::with_capacity(found.balls.len());
         for number in 0..found.balls.len() {
             let circuit = found.places[number].circuit;
-            let ball = if Self::is_idle(found, number) {
+            let ball = if found.balls[number].max_load() < idle {
                 None
             } else if found.balls[number].flanks_pressed() == [true, true] {
                 return Err(TrainError::BothFlanks);

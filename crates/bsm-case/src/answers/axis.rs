@@ -71,8 +71,8 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         axis_heat_transfer_W_K = INPUTS Whole(|w| w.heat_transfer());
         steady_temperature_rise_K ["K"] Whole(|w| w.steady_rise()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "steady-state temperature rise, by axis_heat_transfer_W_K";
-        steady_temperature_rise_low_K ["K"] Whole(|w| w.rise_within(0.5)), "low end of the steady-state temperature rise, half of it by the heat transfer to still air";
-        steady_temperature_rise_high_K ["K"] Whole(|w| w.rise_within(2.0)), "high end of the steady-state temperature rise, twice it by the heat transfer to still air";
+        steady_temperature_rise_low_K ["K"] Whole(|w| Some(w.rise_band()?[0])), "low end of the steady-state temperature rise, half of it by the heat transfer to still air";
+        steady_temperature_rise_high_K ["K"] Whole(|w| Some(w.rise_band()?[1])), "high end of the steady-state temperature rise, twice it by the heat transfer to still air";
         steady_temperature_time_s ["s" "tau"] Whole(|w| Some(warming_time(w.machine.screw?.0, w.heat_transfer()?))),
             "time constant of the steady-state temperature rise, of the mass of the screw";
         screw_growth_um ["um"] Whole(|w| w.growth()),

@@ -116,14 +116,14 @@ impl DesignReport {
         if let Some((diameter, _)) = size {
             scene.nominal_diameter_mm = Some(diameter);
         }
-        let (sheet, why) = match requirement.judge(&scene) {
-            Ok(sheet) => (Some(sheet), None),
-            Err(why) => (None, Some(why.to_string())),
+        let judged = requirement.judge(&scene);
+        let why = match &judged {
+            // That of an axis which runs away.
+            Ok(sheet) if sheet.phases.is_empty() => sheet.answer.warnings.clone(),
+            Ok(_) => Vec::new(),
+            Err(why) => vec![why.to_string()],
         };
-        // That of an axis which runs away has no phases.
-        let runs_away = sheet.as_ref().filter(|sheet| sheet.phases.is_empty());
-        let why: Vec<_> =
-            runs_away.map_or_else(|| why.into_iter().collect(), |of| of.answer.warnings.clone());
+        let sheet = judged.ok();
         let efficiency = sheet.as_ref().and_then(|sheet| sheet.number(EFFICIENCY));
         let of_sheet = |_: &Nut, _: &Phase| efficiency;
         // That of a preloaded nut is by all its balls.

@@ -44,9 +44,8 @@ impl AxisState<'_> {
         let films = self.machine.groove.is_some();
         notes.extend(self.scene.assumed_roughness().filter(|_| films));
         notes.extend(self.to_measure());
-        let rises = [1.0, 0.5, 2.0].map(|factor| self.rise_within(factor));
-        if let ([Some(rise), Some(low), Some(high)], None) =
-            (rises, self.scene.axis_heat_transfer_W_K)
+        if let (Some(rise), Some([low, high]), None) =
+            (self.steady_rise(), self.rise_band(), self.scene.axis_heat_transfer_W_K)
         {
             notes.push(format!(
                 "steady-state temperature rise estimated within a factor of 2: {rise:.0} K ({low:.0} to {high:.0} K), by the \

@@ -219,11 +219,12 @@ impl<'a> AxisState<'a> {
         Some(steady_rise(self.mean_heat()?, self.heat_transfer()?))
     }
 
-    /// An end of the uncertainty of the steady-state rise by the heat transfer to still air \[K\], a factor of 2 either way;
-    /// the rise itself by a heat transfer that is given.
-    pub(super) fn rise_within(&self, factor: f64) -> Option<f64> {
-        let factor = if self.scene.axis_heat_transfer_W_K.is_some() { 1.0 } else { factor };
-        Some(factor * self.steady_rise()?)
+    /// Uncertainty of the steady-state rise \[K\]: a factor of 2 either way by the heat transfer to still air, none by one that
+    /// is given.
+    pub(super) fn rise_band(&self) -> Option<[f64; 2]> {
+        let factor = if self.scene.axis_heat_transfer_W_K.is_some() { 1.0 } else { 2.0 };
+        let rise = self.steady_rise()?;
+        Some([rise / factor, rise * factor])
     }
 
     /// Growth of the screw \[um\].

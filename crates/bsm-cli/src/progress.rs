@@ -1,0 +1,62 @@
+//! Progress on a terminal.
+
+use std::io::{self, IsTerminal};
+use std::time::Duration;
+
+use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
+
+/// A bar on a terminal, nothing elsewhere.
+pub(crate) fn progress(total: Option<u64>, what: &str, quiet: bool) -> ProgressBar {
+    if quiet || !io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let (bar, template) = match total {
+        Some(total) => (
+            ProgressBar::new(total),
+            format!("{{wide_bar}} {{human_pos}}/{{human_len}} {what}, {{rate}}, {{eta}} left"),
+        ),
+        None => (ProgressBar::new_spinner(), format!("{{spinner}} {{human_pos}} {what}, {{rate}}")),
+    };
+    let style = ProgressStyle::with_template(&template)
+        .unwrap_or_else(|_| ProgressStyle::default_bar())
+        .with_key("rate", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
+            // A bar that cannot be drawn is ignored.
+            let _ = text.write_str(&rate(state.per_sec()));
+        });
+    bar.with_style(style)
+}
+
+/// A line that moves on a terminal while an answer takes seconds, nothing elsewhere.
+pub(crate) fn waiting(what: &'static str) -> ProgressBar {
+    if !io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new_spinner().with_message(what);
+    bar.enable_steady_tick(Duration::from_millis(100));
+    bar
+}
+
+/// Rows a second in whole numbers.
+fn rate(per_second: f64) -> String {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a rate to look at"
+    )]
+    let whole = per_second.round() as u64;
+    let mut text = HumanCount(whole).to_string();
+    text.push_str("/s");
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Found by a user: `20,083.5883/s`.
+    #[test]
+    fn progress_is_in_whole_numbers() {
+        assert_eq!(rate(20_083.588_3), "20,084/s");
+        assert_eq!(rate(0.2), "0/s");
+    }
+}
