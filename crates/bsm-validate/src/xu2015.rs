@@ -29,7 +29,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
         &studies,
     )?;
     checks.extend(field(&scene)?);
-    checks.extend(case(&scene)?);
+    checks.extend(formulas(&scene)?);
     Ok(checks)
 }
 
@@ -55,7 +55,7 @@ pub(crate) fn study(
 }
 
 /// The formulas as printed, at the case of Tables 1 to 3.
-fn case(scene: &Scene) -> Result<Vec<Check>, ValidateError> {
+fn formulas(scene: &Scene) -> Result<Vec<Check>, ValidateError> {
     let settings: Settings = Model::RacewayControl.into();
     let solution = scene.problem(&settings)?.solve(&mut ModelWorkspace::default());
     let Ok(bsm_dyn::Problem::RacewayControl(problem)) = scene.problem(&settings) else {
