@@ -24,7 +24,7 @@ pub(crate) type Answer = [f64; 8];
 
 /// One operating point in units of ball radius, axial load and W.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Case {
+pub(crate) struct System {
     /// `F = sign(W) f`.
     friction: f64,
     /// `r_m/r_b`.
@@ -79,7 +79,7 @@ pub(crate) struct State {
     rate: f64,
 }
 
-impl Case {
+impl System {
     pub(crate) fn new(point: &Point) -> Self {
         let [
             ball_mm,
@@ -286,7 +286,7 @@ mod tests {
                 panic!("a rigid problem")
             };
             let (case, system) =
-                (Case::new(&point(scene)), RigidSystem::of(&rigid).expect("friction"));
+                (System::new(&point(scene)), RigidSystem::of(&rigid).expect("friction"));
             // Some per cent off, another bit each time.
             let y = Vector::from_fn(|j, _| {
                 case.start[j] * (1.0 + 0.03 * f64::from(u32::try_from(i * j).unwrap()).sin())

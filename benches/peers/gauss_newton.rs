@@ -8,7 +8,7 @@ use argmin::core::{Error, Executor, IterState, Jacobian, Operator, State};
 use argmin::solver::gaussnewton::GaussNewton;
 use argmin_math::{ArgminDot, ArgminInv, ArgminL2Norm, ArgminMul, ArgminSub, ArgminTranspose};
 
-use crate::equations::{self, Answer, Case, MOST_STEPS, TOLERANCE};
+use crate::equations::{self, Answer, System, MOST_STEPS, TOLERANCE};
 use crate::points::Point;
 
 #[derive(Debug, Clone, Copy)]
@@ -59,7 +59,7 @@ impl ArgminInv<Matrix> for Matrix {
     }
 }
 
-impl Operator for Case {
+impl Operator for System {
     type Param = Vector;
     type Output = Vector;
 
@@ -68,18 +68,18 @@ impl Operator for Case {
     }
 }
 
-impl Jacobian for Case {
+impl Jacobian for System {
     type Param = Vector;
     type Jacobian = Matrix;
 
     fn jacobian(&self, y: &Vector) -> Result<Matrix, Error> {
-        Ok(Matrix(Case::jacobian(self, &y.0, &self.state(&y.0))))
+        Ok(Matrix(System::jacobian(self, &y.0, &self.state(&y.0))))
     }
 }
 
 /// Gauss-Newton of argmin down to the common tolerance.
 pub(crate) fn argmin(point: &Point) -> Option<Answer> {
-    let case = Case::new(point);
+    let case = System::new(point);
     // The norm of the residual alone decides.
     let solver = GaussNewton::new().with_tolerance(f64::MIN_POSITIVE).ok()?;
     let result = Executor::new(case, solver)

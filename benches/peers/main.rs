@@ -23,7 +23,7 @@ use bsm_dyn::Solution;
 use clap::Parser;
 use rayon::ThreadPoolBuilder;
 
-use crate::equations::{Answer, Case};
+use crate::equations::{Answer, System};
 use crate::points::{INPUTS, Point, point};
 use crate::report::{Peer, Python, Reference, Report};
 
@@ -101,7 +101,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
 }
 
 fn reference(scene: &Scene) -> Option<Reference> {
-    let inertia = Case::new(&point(scene)).weights[4].recip().min(1.0);
+    let inertia = System::new(&point(scene)).weights[4].recip().min(1.0);
     Some(Reference { answer: bsm::reference(scene)?, inertia })
 }
 

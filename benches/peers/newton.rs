@@ -4,12 +4,12 @@ use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::lu::partial_pivoting::{factor, solve};
 use faer::{ColMut, Mat, Par, Spec};
 
-use crate::equations::{Answer, Case, MOST_STEPS, Matrix, TOLERANCE, Vector};
+use crate::equations::{Answer, System, MOST_STEPS, Matrix, TOLERANCE, Vector};
 use crate::points::Point;
 
 /// Newton from the first-order start; `step` turns a Jacobian and a residual into the step.
 fn newton(point: &Point, mut step: impl FnMut(&Matrix, &mut Vector) -> bool) -> Option<Answer> {
-    let case = Case::new(point);
+    let case = System::new(point);
     let mut y = case.start;
     for _ in 0..MOST_STEPS {
         let state = case.state(&y);

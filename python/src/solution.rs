@@ -135,12 +135,12 @@ impl Solution {
 
     /// What the data of a lubricant may do to the answer.
     fn band(&self) -> Option<Band> {
-        let Ok(Problem::Lubricated(case)) = self.scene.get().0.problem(&self.settings) else {
+        let Ok(Problem::Lubricated(problem)) = self.scene.get().0.problem(&self.settings) else {
             return None;
         };
         WORK.with_borrow_mut(|work| {
-            let solution = Problem::Lubricated(case).solve(work);
-            case.band(solution.solved()?, work)
+            let solution = Problem::Lubricated(problem).solve(work);
+            problem.band(solution.solved()?, work)
         })
     }
 }

@@ -6,7 +6,7 @@ use kuva::backend::svg::SvgBackend;
 use kuva::prelude::*;
 use kuva::render::color::Color;
 use kuva::render::layout::TickFormat;
-use kuva::render::render::{PathData, Primitive, Scene, render_multiple};
+use kuva::render::render::{PathData, Primitive, Scene as Drawing, render_multiple};
 use serde::Deserialize;
 
 use crate::map::png_of;
@@ -166,12 +166,12 @@ impl Figure {
         png_of(&self.titled())
     }
 
-    fn titled(&self) -> Scene {
+    fn titled(&self) -> Drawing {
         let lines = self.title.chars().count().div_ceil(TITLE);
         // The library takes a title from the height of the plot.
         #[expect(clippy::cast_precision_loss, reason = "a few lines")]
         let more = TITLE_LINE * lines.saturating_sub(1) as f64;
-        self.scene(Vec::new(), |layout, height| {
+        self.drawing(Vec::new(), |layout, height| {
             layout.with_title(&self.title).with_title_wrap(TITLE).with_height(height + more)
         })
     }
@@ -180,7 +180,7 @@ impl Figure {
     /// under the pointer, without a script.
     pub fn inline_svg(&self) -> String {
         let plots = self.curves.iter().map(|curve| self.plot_of(curve)).collect();
-        let svg = svg_of(&self.scene(plots, Layout::with_height));
+        let svg = svg_of(&self.drawing(plots, Layout::with_height));
         // Names within an SVG are names of the whole page.
         svg.replace("kuva-clip-", &format!("{}-clip-", self.key))
     }
@@ -204,7 +204,7 @@ impl Figure {
     }
 
     /// * `above`: what else is drawn, over the curves.
-    fn scene(&self, above: Vec<Plot>, title: impl Fn(Layout, f64) -> Layout) -> Scene {
+    fn drawing(&self, above: Vec<Plot>, title: impl Fn(Layout, f64) -> Layout) -> Drawing {
         let mut plots = Vec::new();
         for curve in &self.curves {
             let runs = curve.points.split(|(_, y)| !y.is_finite()).filter(|run| !run.is_empty());
@@ -256,9 +256,9 @@ impl Figure {
         if self.y.equal {
             layout = layout.with_equal_aspect();
         }
-        let mut scene = render_multiple(plots, title(layout, height));
-        lengthen_samples(&mut scene, &shapes);
-        scene
+        let mut drawing = render_multiple(plots, title(layout, height));
+        lengthen_samples(&mut drawing, &shapes);
+        drawing
     }
 
     /// The shapes of colours whose lines have a stroke that another colour has too. In a drawing the place tells.
@@ -333,9 +333,9 @@ pub(crate) fn text_of_table(table: csv::Writer<Vec<u8>>) -> Result<String, Repor
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// SVG of a scene.
-pub(crate) fn svg_of(scene: &Scene) -> String {
-    let mut svg = SvgBackend.render_scene(scene);
+/// SVG of a drawing.
+pub(crate) fn svg_of(drawing: &Drawing) -> String {
+    let mut svg = SvgBackend.render_scene(drawing);
     svg.retain(is_xml);
     scalable(&renumbered(&svg))
 }
@@ -444,12 +444,12 @@ fn legend_entry(stroke: Stroke, color: &str, label: &str) -> LegendEntry {
 
 /// Lengthens the samples of lines in the legend, which the library makes too short to tell strokes apart, and adds
 /// the shapes of their colours.
-fn lengthen_samples(scene: &mut Scene, shapes: &[(usize, MarkerShape)]) {
+fn lengthen_samples(drawing: &mut Drawing, shapes: &[(usize, MarkerShape)]) {
     const BY: f64 = 12.0;
     const LONGEST: f64 = 30.0;
-    let plot = scene.elements.iter().rposition(|element| matches!(element, Primitive::ClipEnd));
+    let plot = drawing.elements.iter().rposition(|element| matches!(element, Primitive::ClipEnd));
     let mut drawn = Vec::new();
-    for element in scene.elements.iter_mut().skip(plot.unwrap_or(usize::MAX)) {
+    for element in drawing.elements.iter_mut().skip(plot.unwrap_or(usize::MAX)) {
         if let Primitive::Line { x1, x2, y1, y2, stroke, .. } = element
             && (*y1 - *y2).abs() < 1e-9
             && (0.0..LONGEST).contains(&(*x2 - *x1))
@@ -462,7 +462,7 @@ fn lengthen_samples(scene: &mut Scene, shapes: &[(usize, MarkerShape)]) {
             }
         }
     }
-    scene.elements.extend(drawn);
+    drawing.elements.extend(drawn);
 }
 
 /// A shape of the legend.

@@ -3,7 +3,7 @@
 use kuva::backend::raster::RasterBackend;
 use kuva::plot::ColorMap;
 use kuva::prelude::*;
-use kuva::render::render::{PathData, Primitive, Scene, render_multiple};
+use kuva::render::render::{PathData, Primitive, Scene as Drawing, render_multiple};
 
 use crate::figure::{svg_of, tick};
 use crate::{Axis, ReportError};
@@ -51,7 +51,7 @@ pub struct Map {
 impl Map {
     /// SVG of the map.
     pub fn svg(&self) -> String {
-        svg_of(&self.scene())
+        svg_of(&self.drawing())
     }
 
     /// PNG of the map.
@@ -60,10 +60,10 @@ impl Map {
     ///
     /// [`ReportError::Picture`] if it cannot be made.
     pub fn png(&self) -> Result<Vec<u8>, ReportError> {
-        png_of(&self.scene())
+        png_of(&self.drawing())
     }
 
-    fn scene(&self) -> Scene {
+    fn drawing(&self) -> Drawing {
         let edges = [&self.x, &self.y].map(|(axis, values)| edges(values, axis.log));
         let ends = |edges: &[f64]| (edges[0], edges[edges.len() - 1]);
         let ((left, right), (low, high)) = (ends(&edges[0].1), ends(&edges[1].1));
@@ -115,10 +115,10 @@ impl Map {
         if self.y.0.log {
             layout = layout.with_log_y();
         }
-        let mut scene = render_multiple(corners, layout);
-        let clip = scene.elements.iter().position(|e| matches!(e, Primitive::ClipStart { .. }));
+        let mut drawing = render_multiple(corners, layout);
+        let clip = drawing.elements.iter().position(|e| matches!(e, Primitive::ClipStart { .. }));
         if let Some(place) = clip
-            && let Primitive::ClipStart { x, y, width, height, .. } = scene.elements[place]
+            && let Primitive::ClipStart { x, y, width, height, .. } = drawing.elements[place]
         {
             let part = |value: f64, (from, to): (f64, f64), log: bool| {
                 if log {
@@ -148,10 +148,10 @@ impl Map {
                     stroke_dasharray: Some("5 3".to_owned()),
                 })));
             }
-            let above = scene.elements.split_off(place + 1);
-            scene.elements.extend(drawn.into_iter().chain(above));
+            let above = drawing.elements.split_off(place + 1);
+            drawing.elements.extend(drawn.into_iter().chain(above));
         }
-        scene
+        drawing
     }
 
     /// The value of the cell in a column and a row, sorted by the values of the axes.
@@ -220,9 +220,9 @@ impl Map {
     }
 }
 
-/// PNG of a scene.
-pub(crate) fn png_of(scene: &Scene) -> Result<Vec<u8>, ReportError> {
-    RasterBackend::new().with_scale(PNG_SCALE).render_scene(scene).map_err(ReportError::Picture)
+/// PNG of a drawing.
+pub(crate) fn png_of(drawing: &Drawing) -> Result<Vec<u8>, ReportError> {
+    RasterBackend::new().with_scale(PNG_SCALE).render_scene(drawing).map_err(ReportError::Picture)
 }
 
 fn entry(

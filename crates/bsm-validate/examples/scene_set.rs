@@ -52,10 +52,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             continue;
         }
         let problem = scene.problem(&Model::Traction.into())?;
-        let Problem::Traction(case) = &problem else { unreachable!("the model was fixed") };
-        let speed = case.at.point.drive.relative_speed();
-        let (ball, radius) = (&case.at.point.ball, case.at.point.helix.radius);
-        if ball.mass * radius * speed * speed > 3.0 * case.at.point.load.per_ball() {
+        let Problem::Traction(traction) = &problem else { unreachable!("the model was fixed") };
+        let speed = traction.at.point.drive.relative_speed();
+        let (ball, radius) = (&traction.at.point.ball, traction.at.point.helix.radius);
+        if ball.mass * radius * speed * speed > 3.0 * traction.at.point.load.per_ball() {
             continue;
         }
         let solution = problem.solve(&mut work);

@@ -97,10 +97,10 @@ fn reference(
         let check = check("reference").measured(worst, "of the tolerance").note(column);
         return Ok(vec![check.at_most(1.0, "half a unit of the last printed digit")]);
     }
-    let Problem::Traction(case) = scene.problem(&Model::Traction.into())? else {
+    let Problem::Traction(traction) = scene.problem(&Model::Traction.into())? else {
         unreachable!("the model was fixed")
     };
-    let fine = Traction { accuracy: FINE, creep: 1e-6, ..case };
+    let fine = Traction { accuracy: FINE, creep: 1e-6, ..traction };
     let o = Problem::Traction(fine).solve(work);
     let (worst, column) = row.deviation(&o, [TRACTION_DIGITS, [0.0; 6]]);
     let exact = check("reference")
@@ -108,7 +108,7 @@ fn reference(
         .note(column)
         .at_most(1.0, "half a unit of the last printed digit");
 
-    let o = Problem::Traction(case).solve(work);
+    let o = Problem::Traction(traction).solve(work);
     let (worst, column) = row.deviation(&o, DEFAULT_SETTINGS);
     let default = check("default-settings")
         .measured(worst, "of the tolerance")

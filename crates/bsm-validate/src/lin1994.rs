@@ -224,9 +224,9 @@ fn existence(lin: &Scene, claims: &Claims) -> Result<Vec<Check>, ValidateError> 
     // Little inertia, to which the number belongs.
     let slow = Scene { screw_speed_rpm: Some(20.0), lead_angle_deg: Some(5.0), ..lin.clone() };
     let problem = slow.problem(&Model::Rigid.into())?;
-    let Problem::Rigid(case) = problem else { unreachable!("the model was fixed") };
+    let Problem::Rigid(rigid) = problem else { unreachable!("the model was fixed") };
     let critical =
-        case.critical_lead_angle(&mut RigidWorkspace::default()).map_or(f64::NAN, f64::to_degrees);
+        rigid.critical_lead_angle(&mut RigidWorkspace::default()).map_or(f64::NAN, f64::to_degrees);
     let (claimed, statement) = claims.get("critical-lead-angle")?;
 
     let mut wrong = 0;

@@ -20,14 +20,14 @@ const TRENDS: &str = "published trends of lubricated ball screws";
 
 /// All checks of this kind.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
-    let cases: Cases = published.lubrication.json()?;
+    let references: References = published.lubrication.json()?;
     let work = &mut ModelWorkspace::default();
     let mut checks = Vec::new();
-    for case in &cases.cases {
-        checks.push(solution(case, &published.lubrication, work)?);
+    for reference in &references.cases {
+        checks.push(solution(reference, &published.lubrication, work)?);
     }
-    let feed = case(published, "feed-mixed")?;
-    let bearing = case(published, "thrust-bearing-limit")?;
+    let feed = reference_scene(published, "feed-mixed")?;
+    let bearing = reference_scene(published, "thrust-bearing-limit")?;
     checks.extend(against_skf(&bearing, work)?);
     checks.push(against_palmgren(&bearing, work)?);
     checks.extend(pieces(&bearing, work)?);
@@ -37,21 +37,21 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
 }
 
 /// The scene of a published case.
-pub(crate) fn case(published: &PublishedData, id: &str) -> Result<Scene, ValidateError> {
+pub(crate) fn reference_scene(published: &PublishedData, id: &str) -> Result<Scene, ValidateError> {
     let file = &published.lubrication;
-    let cases: Cases = file.json()?;
-    let case = cases.cases.iter().find(|case| case.id == id);
-    case.ok_or_else(|| ValidateError::of(file.name(), format!("no case `{id}`")))?.scene(file)
+    let references: References = file.json()?;
+    let reference = references.cases.iter().find(|one| one.id == id);
+    reference.ok_or_else(|| ValidateError::of(file.name(), format!("no case `{id}`")))?.scene(file)
 }
 
 #[derive(Deserialize)]
-struct Cases {
-    cases: Vec<Case>,
+struct References {
+    cases: Vec<Reference>,
 }
 
 /// A scene with its solution.
 #[derive(Deserialize)]
-struct Case {
+struct Reference {
     id: String,
     model: String,
     scene: Value,
@@ -59,7 +59,7 @@ struct Case {
     rel_tol: f64,
 }
 
-impl Case {
+impl Reference {
     fn scene(&self, file: &File) -> Result<Scene, ValidateError> {
         Scene::from_json(self.scene.to_string().as_bytes())
             .map_err(|error| ValidateError::of(file.name(), error))
@@ -89,19 +89,19 @@ fn with_seals(record: &Record, parts: Option<&ScrewTorque>, name: &str) -> f64 {
 }
 
 /// The largest deviation of a scene over its tolerance.
-fn solution(case: &Case, file: &File, work: &mut ModelWorkspace) -> Result<Check, ValidateError> {
-    let model = Model::from_name(&case.model).unwrap_or(Model::Traction);
-    let scene = case.scene(file)?;
+fn solution(reference: &Reference, file: &File, work: &mut ModelWorkspace) -> Result<Check, ValidateError> {
+    let model = Model::from_name(&reference.model).unwrap_or(Model::Traction);
+    let scene = reference.scene(file)?;
     let record = solve(&scene, model, work)?;
     let parts = torque_parts(&scene, &model.into())?;
     let (mut worst, mut at) = (0.0, "");
-    for (name, value) in &case.expect {
+    for (name, value) in &reference.expect {
         // It follows from the efficiency.
         if number(&record, "seal_power_W") > 0.0 && name == "catalogue_friction_coefficient" {
             continue;
         }
         let value = value.as_f64().unwrap_or(f64::NAN);
-        let tolerance = if name.contains("spin") { 1e-3 } else { case.rel_tol };
+        let tolerance = if name.contains("spin") { 1e-3 } else { reference.rel_tol };
         // A ball that a raceway controls does not spin there, but for rounding.
         let rounding = if name.contains("spin") { 1e-9 } else { 0.0 };
         let off = (with_seals(&record, parts.as_ref(), name) - value).abs() - rounding;
@@ -111,9 +111,9 @@ fn solution(case: &Case, file: &File, work: &mut ModelWorkspace) -> Result<Check
         }
     }
     Ok(Check::new(
-        &format!("lubrication/{}", case.id),
+        &format!("lubrication/{}", reference.id),
         SOLUTION,
-        format!("{}: all numbers", case.id),
+        format!("{}: all numbers", reference.id),
     )
     .measured(worst, "of the tolerance")
     .note(at)

@@ -60,9 +60,9 @@ fn check(row: &Row, case: &Scene, work: &mut RigidWorkspace) -> Result<Check, Va
         Check::new(&name, "Lin, Velinsky and Ravani 1994, Eqs 5-9, solved at 40 digits", claim);
 
     let problem = scene.problem(&bsm_dyn::Model::Rigid.into())?;
-    let Problem::Rigid(case) = problem else { unreachable!("the model was fixed") };
-    let efficiency = case.solve(work).efficiency();
-    let (Some(efficiency), Ok(root)) = (efficiency, case.root(work)) else {
+    let Problem::Rigid(rigid) = problem else { unreachable!("the model was fixed") };
+    let efficiency = rigid.solve(work).efficiency();
+    let (Some(efficiency), Ok(root)) = (efficiency, rigid.root(work)) else {
         return Ok(check.measured(f64::NAN, "").at_most(1.0, "the point must converge"));
     };
     // Half a unit of the last printed digit of a 9-digit number, or 1e-9 where that is larger.

@@ -14,7 +14,7 @@ use minijinja::value::Value;
 use minijinja::{Environment, UndefinedBehavior, context};
 use serde::Deserialize;
 
-use crate::lubrication::case;
+use crate::lubrication::reference_scene;
 use crate::{Check, PublishedData, ValidateError};
 
 /// What is taken of the values at several points.
@@ -155,7 +155,7 @@ fn scene(published: &PublishedData, name: &str) -> Result<Scene, ValidateError> 
         "feed_axis" => published.feed_axis.scene(),
         "machining_centre" => published.machining_centre.scene(),
         "upright_axis" => published.upright_axis.scene(),
-        _ => case(published, name),
+        _ => reference_scene(published, name),
     }
 }
 

@@ -29,7 +29,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
         &studies,
     )?;
     checks.extend(field(&scene)?);
-    checks.extend(case(&scene)?);
+    checks.extend(formulas(&scene)?);
     Ok(checks)
 }
 
@@ -55,7 +55,7 @@ pub(crate) fn study(
 }
 
 /// The formulas as printed, at the case of Tables 1 to 3.
-fn case(scene: &Scene) -> Result<Vec<Check>, ValidateError> {
+fn formulas(scene: &Scene) -> Result<Vec<Check>, ValidateError> {
     let settings: Settings = Model::RacewayControl.into();
     let solution = scene.problem(&settings)?.solve(&mut ModelWorkspace::default());
     let Ok(bsm_dyn::Problem::RacewayControl(problem)) = scene.problem(&settings) else {
@@ -126,11 +126,11 @@ fn field(scene: &Scene) -> Result<[Check; 2], ValidateError> {
     let report = slip(scene, &settings, &solution)?;
     let number = |name: &str| report.number(name).unwrap_or(f64::NAN);
     let (mut value, mut slope): (f64, f64) = (0.0, 0.0);
-    if let (Some(motion), Ok(bsm_dyn::Problem::Traction(case))) =
+    if let (Some(motion), Ok(bsm_dyn::Problem::Traction(traction))) =
         (solution.solved().and_then(|solved| solved.ball.motion), scene.problem(&settings))
     {
         let (helix, radius, drive) =
-            (case.at.point.helix, case.at.point.ball.radius, case.at.point.drive);
+            (traction.at.point.helix, traction.at.point.ball.radius, traction.at.point.drive);
         let ball = SteadyBall { helix, radius, drive, motion };
         for (i, site) in [Site::Nut, Site::Screw].into_iter().enumerate() {
             let state = solution.contact(site);

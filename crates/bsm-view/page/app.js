@@ -22,7 +22,7 @@ const inputs = new Inputs(at("inputs"), () => changed());
 const map = new ModelMap(at("map"), { moved: (values) => inputs.put(values),
   ask: (route, body, signal) => ask(route, body, turn, signal),
   again: () => { turn += 1; clearTimeout(slow); remember(); void rest(); } });
-const beside = new Beside(at("beside"), { edit: (scene) => load(scene), changed: () => { turn += 1; clearTimeout(slow); remember(); void rest(); } });
+const beside = new Beside(at("beside"), { edit: (entries) => load(entries), changed: () => { turn += 1; clearTimeout(slow); remember(); void rest(); } });
 let settings = { ...start.settings };
 
 /** What is asked: scene and settings. */
@@ -78,7 +78,7 @@ const stale = (ids, on) => ids.forEach((id) => at(id).classList.toggle("stale", 
 let shown = { solved: null, nut: null };
 
 /** The numbers, and pictures of a few lines. */
-function tell({ scene }, point) {
+function tell({ scene: entries }, point) {
   if (point instanceof Error) { complain(point); stale(panels, true); return; }
   const { solve: solved, slip } = point;
   complain(null);
@@ -87,15 +87,15 @@ function tell({ scene }, point) {
   at("regime").textContent = solved.regime ?? "";
   showKey(at("key"), solved);
   showNumbers(at("numbers"), solved);
-  showSection(at("section"), scene, solved);
+  showSection(at("section"), entries, solved);
   showLosses(at("losses"), solved, slip);
-  beside.show(scene, solved);
-  map.point(scene);
+  beside.show(entries, solved);
+  map.point(entries);
 }
 
-function picture({ scene }, { solve: solved, ellipses: fields }) {
+function picture({ scene: entries }, { solve: solved, ellipses: fields }) {
   ellipses.show(fields);
-  space.show(scene, solved, shown.nut);
+  space.show(entries, solved, shown.nut);
 }
 
 /** What may come a moment later. */
@@ -120,7 +120,7 @@ async function rest() {
       at("axis").parentElement.hidden = answer instanceof Error && !start.schema.inputs.some(({ group, name }) => group === "axis" && name in body.scene);
       showAxis(at("axis"), answer, () => sheet(body)); stale(["axis"], false);
     }),
-    beside.solve((scene) => attempt("point", { scene, settings: body.settings }, signal).then((answer) => answer.solve ?? answer)),
+    beside.solve((entries) => attempt("point", { scene: entries, settings: body.settings }, signal).then((answer) => answer.solve ?? answer)),
     banded ? then("solve", { parts: false, band: true },
       (answer) => { if (!(answer instanceof Error)) { showKey(at("key"), answer);
         showLosses(at("losses"), answer, null); } }) : null,
@@ -140,7 +140,7 @@ async function sheet(body) {
 }
 
 // --- the address: what is set, so that a reload or a link shows it again
-const state = () => ({ scene: inputs.scene, settings, map: map.choice(), beside: beside.kept.map(({ scene }) => scene) });
+const state = () => ({ scene: inputs.scene, settings, map: map.choice(), beside: beside.kept.map(({ scene: entries }) => entries) });
 let usual, remembering;
 
 function remember() {
@@ -155,12 +155,12 @@ function remember() {
 function recall() {
   if (location.hash.length < 2) return false;
   try {
-    const { scene, settings: set, map: choice, beside: scenes } = JSON.parse(decodeURIComponent(location.hash.slice(1)));
-    if (!holds(scene)) throw new Error("this file has no numbers of that scene: bsm view shows it live");
+    const { scene: entries, settings: set, map: choice, beside: scenes } = JSON.parse(decodeURIComponent(location.hash.slice(1)));
+    if (!holds(entries)) throw new Error("this file has no numbers of that scene: bsm view shows it live");
     Object.assign(settings, set);
     head();
-    beside.take(scenes.map((scene) => ({ scene })));
-    load(scene, choice);
+    beside.take(scenes.map((entries) => ({ scene: entries })));
+    load(entries, choice);
     return true;
   } catch (error) { complain(new Error(`the address after #: ${error.message}`)); return false; }
 }
@@ -199,17 +199,17 @@ at("save").addEventListener("click", async () => {
   if (answer instanceof Error) complain(answer); else say(at("save"), "Saved");
 });
 
-function load(scene, choice) {
-  inputs.show(scene);
-  map.choices(scene, choice);
+function load(entries, choice) {
+  inputs.show(entries);
+  map.choices(entries, choice);
   changed();
 }
 
 function read(words, from) {
   try {
-    const scene = JSON.parse(words);
-    if (typeof scene !== "object" || scene === null || Array.isArray(scene)) throw new Error("a scene is a JSON object of inputs");
-    load(scene);
+    const entries = JSON.parse(words);
+    if (typeof entries !== "object" || entries === null || Array.isArray(entries)) throw new Error("a scene is a JSON object of inputs");
+    load(entries);
   } catch (error) { complain(new Error(`${from}: ${error.message}`)); }
 }
 at("apply").addEventListener("click", () => read(at("json").value, "scene"));

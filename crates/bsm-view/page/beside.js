@@ -16,13 +16,13 @@ export class Beside {
   }
 
   /** Keeps a scene; what it has solved to is asked for where it is not known. */
-  add(scene, solved = null) { this.kept.push({ scene: structuredClone(scene), solved }); }
+  add(entries, solved = null) { this.kept.push({ scene: structuredClone(entries), solved }); }
 
   /** Takes these scenes in place of those that are kept; a file has the numbers of those that it was made with. */
   take(scenes) {
     this.kept = [];
-    const known = (scene) => start.beside.find((one) => JSON.stringify(one.scene) === JSON.stringify(scene))?.solved;
-    for (const { scene } of scenes) if (known(scene) || holds(scene)) this.add(scene, known(scene));
+    const known = (entries) => start.beside.find((one) => JSON.stringify(one.scene) === JSON.stringify(entries))?.solved;
+    for (const { scene: entries } of scenes) if (known(entries) || holds(entries)) this.add(entries, known(entries));
   }
 
   /** Results of other settings are no longer these. */
@@ -37,21 +37,21 @@ export class Beside {
     this.draw();
   }
 
-  show(scene, solved) { this.scene = structuredClone(scene); this.solved = solved; this.draw(); }
+  show(entries, solved) { this.scene = structuredClone(entries); this.solved = solved; this.draw(); }
 
   draw() {
     if (!this.kept.length) { this.stage.replaceChildren(); return; }
     const columns = [{ scene: this.scene, solved: this.solved }, ...this.kept];
     const written = (value) => (value === undefined ? "–" : typeof value === "object" ? JSON.stringify(value) : String(value));
-    const names = [...new Set(columns.flatMap(({ scene }) => Object.keys(scene)))].filter((name) =>
-      name !== "description" && new Set(columns.map(({ scene }) => written(scene[name]))).size > 1);
+    const names = [...new Set(columns.flatMap(({ scene: entries }) => Object.keys(entries)))].filter((name) =>
+      name !== "description" && new Set(columns.map(({ scene: entries }) => written(entries[name]))).size > 1);
     const line = (label, unit, values, kind = "number") => html("tr", {}, html("th", { scope: "row" }, label),
       html("td", { class: "faint" }, unitOf(unit)), values.map((value) => html("td", { class: kind }, value)));
     const numbers = columns.map(({ solved }) => new Map((solved?.shown?.overall ?? []).map(([label, unit, value]) => [label, [unit, value]])));
     const labels = [...new Set(numbers.flatMap((map) => [...map.keys()]))];
     const units = new Map(numbers.flatMap((map) => [...map].map(([label, [unit]]) => [label, unit])));
-    const head = ({ scene }, i) => html("th", { scope: "col", class: "number" },
-      html("div", {}, i ? `kept ${i}` : "this scene"), html("div", { class: "small faint" }, scene.description ?? ""),
+    const head = ({ scene: entries }, i) => html("th", { scope: "col", class: "number" },
+      html("div", {}, i ? `kept ${i}` : "this scene"), html("div", { class: "small faint" }, entries.description ?? ""),
       i ? html("div", {}, start.live ? html("button", { type: "button", onclick: () => this.edit(this.kept[i - 1].scene) }, "Show") : null,
         html("button", { type: "button", "aria-label": `Leave out the kept scene ${i}`,
           onclick: () => { this.kept.splice(i - 1, 1); this.draw(); this.changed(); } }, "×")) : null);
@@ -62,7 +62,7 @@ export class Beside {
       "aria-label": "Scenes side by side" }, html("table", { class: "beside" },
       html("caption", {}, "Scenes side by side"),
       html("thead", {}, html("tr", {}, html("td"), html("td"), columns.map(head))),
-      html("tbody", {}, names.map((name) => line(...(LABEL.get(name) ?? [name.replaceAll("_", " "), ""]), columns.map(({ scene }) => written(scene[name])))),
+      html("tbody", {}, names.map((name) => line(...(LABEL.get(name) ?? [name.replaceAll("_", " "), ""]), columns.map(({ scene: entries }) => written(entries[name])))),
         line("model", "", columns.map(({ solved }) => solved?.model ?? "–")), line("regime", "", columns.map(status), "small"),
         labels.map((label) => line(label, units.get(label), numbers.map((map) => map.get(label)?.[1] ?? "–")))))));
   }

@@ -39,8 +39,8 @@ export class Inputs {
   }
 
   /** Shows a scene, with ranges around its values. */
-  show(scene) {
-    this.scene = { ...scene };
+  show(entries) {
+    this.scene = { ...entries };
     this.ranges = new Map();
     this.build();
   }

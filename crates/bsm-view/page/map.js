@@ -28,9 +28,9 @@ export class ModelMap {
   choice() { return { x: this.x.value, y: this.y.value, output: this.output.value, ranges: this.ranges }; }
 
   /** What can be varied in a scene, and what of it is chosen. */
-  choices(scene, chosen = {}) {
+  choices(entries, chosen = {}) {
     const { inputs, outputs } = start.schema, axes = start.answers?.axes?.map(([name]) => name);
-    const can = inputs.filter(({ name }) => (axes ? axes.includes(name) : typeof scene[name] === "number" && scene[name] !== 0));
+    const can = inputs.filter(({ name }) => (axes ? axes.includes(name) : typeof entries[name] === "number" && entries[name] !== 0));
     const fill = (select, list, wanted, asked) => { const known = (value) => list.some(({ name }) => name === value),
       former = [asked, select.value].find(known) ?? wanted;
       select.replaceChildren(...list.map(({ name, label }) => html("option", { value: name, selected: name === former },
@@ -42,7 +42,7 @@ export class ModelMap {
     fill(this.output, start.map ? outputs.filter(({ name }) => name in start.map.columns) : outputs, "efficiency", chosen.output);
     this.x.disabled = this.y.disabled = !start.live;
     this.ranges = { ...chosen.ranges };
-    this.drawFields(scene);
+    this.drawFields(entries);
   }
 
   range(name, value) {
@@ -57,9 +57,9 @@ export class ModelMap {
     return (this.ranges[name] = { low: tidy(low), high: tidy(high), log });
   }
 
-  drawFields(scene) {
+  drawFields(entries) {
     const row = (select) => {
-      const name = select.value, value = scene[name];
+      const name = select.value, value = entries[name];
       if (value == null) return null;
       const range = this.range(name, value), label = start.schema.inputs.find((input) => input.name === name).label;
       const box = (end) => html("input", { type: "text", inputmode: "decimal", autocomplete: "off", value: range[end],
@@ -82,17 +82,17 @@ export class ModelMap {
 
   /** Solves the map of a scene, first with few points, then with many if that is quick. */
   async show(body, signal) {
-    const { scene } = body, names = [this.x.value, this.y.value];
-    if (names[0] === names[1] || names.some((name) => scene[name] == null)) { this.refuse("A map needs two different inputs of the scene."); return; }
-    const vary = (count) => names.map((name) => { const { low, high, log } = this.range(name, scene[name]);
+    const { scene: entries } = body, names = [this.x.value, this.y.value];
+    if (names[0] === names[1] || names.some((name) => entries[name] == null)) { this.refuse("A map needs two different inputs of the scene."); return; }
+    const vary = (count) => names.map((name) => { const { low, high, log } = this.range(name, entries[name]);
       return `${name}=${low}:${high}:${count}${log && low > 0 ? ":log" : ""}`; });
     // A point within the map has the same map.
-    const key = JSON.stringify([{ ...scene, [names[0]]: null, [names[1]]: null }, body.settings, vary(0), this.output.value]);
+    const key = JSON.stringify([{ ...entries, [names[0]]: null, [names[1]]: null }, body.settings, vary(0), this.output.value]);
     if (key === this.key) return;
     const draw = async (count) => {
       const answer = await this.ask("sweep", { ...body, vary: vary(count), columns: [this.output.value] }, signal);
       if (signal.aborted) return null;
-      this.answer = answer; this.scene = scene;
+      this.answer = answer; this.scene = entries;
       this.host.dataset.points = answer.model.length; this.host.dataset.ms = answer.took;
       this.draw();
       return answer.took;
@@ -111,8 +111,8 @@ export class ModelMap {
   }
 
   /** Moves the cross to a scene. */
-  point(scene) {
-    this.scene = scene;
+  point(entries) {
+    this.scene = entries;
     if (this.cross) this.place();
   }
 

@@ -4,8 +4,8 @@ import { html, svg, text, picture, path, number, legend, none, narrow } from "bs
 
 const DEG = Math.PI / 180;
 
-export function showSection(host, scene, result) {
-  const ball = scene.ball_diameter_mm;
+export function showSection(host, entries, result) {
+  const ball = entries.ball_diameter_mm;
   if (!ball) { host.replaceChildren(none("The section needs ball_diameter_mm.")); return; }
   const width = narrow() ? 340 : 460, height = narrow() ? 320 : 360;
   const r = ball / 2, section = result.section, k = 92 / r;
@@ -20,7 +20,7 @@ export function showSection(host, scene, result) {
   // The nut is above; its contact lies towards it, that of the screw across the ball.
   const places = [["nut", -1, 1, "--c1"], ["screw", 1, -1, "--c2"]];
   const marks = [];
-  const start = section?.contact_angle_deg ?? scene.contact_angle_deg;
+  const start = section?.contact_angle_deg ?? entries.contact_angle_deg;
   const end = (angle, [x, y], reach) => at([x * Math.sin(angle * DEG) * reach, y * Math.cos(angle * DEG) * reach]);
   if (start != null) {
     const [a, b] = [end(start, [-1, 1], 1.75 * r), end(start, [1, -1], 1.75 * r)];
@@ -65,7 +65,7 @@ export function showSection(host, scene, result) {
     legend([["contact angle without load", "var(--faint)", "dash"], ["nut", "var(--c1)"], ["screw", "var(--c2)"],
       ...(said.some(([name]) => name === "unloaded flank") ? [["unloaded flank", "var(--c4)"]] : [])]),
     html("p", { class: "small faint" }, section
-      ? `To scale; thick arcs: widths of the ellipses, ${["nut", "screw"].map((name) => (result[`${name}_ellipse_a_mm`] == null ? "none by this model" : `${name} ${number(2 * result[`${name}_ellipse_a_mm`])} mm`)).filter((w, i, all) => all.indexOf(w) === i).join(", ")}. Conformity ${number(scene.nut_conformity)} (nut), ${number(scene.screw_conformity)} (screw).`
+      ? `To scale; thick arcs: widths of the ellipses, ${["nut", "screw"].map((name) => (result[`${name}_ellipse_a_mm`] == null ? "none by this model" : `${name} ${number(2 * result[`${name}_ellipse_a_mm`])} mm`)).filter((w, i, all) => all.indexOf(w) === i).join(", ")}. Conformity ${number(entries.nut_conformity)} (nut), ${number(entries.screw_conformity)} (screw).`
       : "Without nut_conformity and screw_conformity there is no groove to draw: contacts are points."),
     ...result.section_warnings.map((warning) => html("p", { class: "warn" }, warning)));
 }

@@ -30,18 +30,18 @@ async function served(route, body, turn, signal) {
 }
 
 /** The stop of the sliders that is nearest to a scene: places on both axes. */
-export function stopOf(scene) {
+export function stopOf(entries) {
   return start.answers.axes?.map(([name, values]) => {
-    const far = (v) => Math.abs(Math.log(v / scene[name]));
+    const far = (v) => Math.abs(Math.log(v / entries[name]));
     return values.reduce((best, v, i) => (far(v) < far(values[best]) ? i : best), 0);
   });
 }
 
 /** Whether there are numbers of a scene: a file has those of its own, and at the stops of its sliders. */
-export function holds(scene) {
-  const free = start.live ? Object.keys(scene) : start.answers.axes?.map(([name]) => name) ?? [];
+export function holds(entries) {
+  const free = start.live ? Object.keys(entries) : start.answers.axes?.map(([name]) => name) ?? [];
   const fixed = (of) => JSON.stringify(Object.entries(of).filter(([name]) => !free.includes(name)).sort());
-  return start.live || fixed(scene) === fixed(start.scene);
+  return start.live || fixed(entries) === fixed(start.scene);
 }
 
 /** Looks into the file. */

@@ -11,16 +11,16 @@ const SHOWN = 0.1;
 const QUICK = 20, PAUSE = 120;
 
 /** Sizes of a scene in millimetres. */
-function sizes(scene, solved, nut) {
-  const ball = scene.ball_diameter_mm, pitch = scene.pitch_circle_diameter_mm, angle = solved.lead_angle_deg;
+function sizes(entries, solved, nut) {
+  const ball = entries.ball_diameter_mm, pitch = entries.pitch_circle_diameter_mm, angle = solved.lead_angle_deg;
   if (!ball || !pitch || angle == null) return null;
-  const lead = Math.PI * pitch * Math.tan(angle * DEG), starts = scene.starts ?? 1;
+  const lead = Math.PI * pitch * Math.tan(angle * DEG), starts = entries.starts ?? 1;
   let balls;
   if (nut?.balls) balls = nut.balls.theta_deg.map((theta, i) =>
     ({ theta: theta * DEG, z: nut.balls.z_mm[i], load: Math.max(nut.balls.nut_plus_N[i], nut.balls.nut_minus_N[i]) }));
   else {
     const turn = Math.PI * pitch / Math.cos(angle * DEG), most = Math.max(1, Math.floor(turn / (1.02 * ball)));
-    const count = Math.min(Math.round(scene.loaded_balls ?? 0) || most, 600), each = TURN / Math.min(most, scene.loaded_balls_per_turn ?? most);
+    const count = Math.min(Math.round(entries.loaded_balls ?? 0) || most, 600), each = TURN / Math.min(most, entries.loaded_balls_per_turn ?? most);
     balls = Array.from({ length: count }, (_, i) => ({ theta: i * each, z: (i * each * lead) / TURN, load: solved.nut_normal_load_N ?? 1 }));
   }
   const z = balls.map((b) => b.z), middle = (Math.min(...z) + Math.max(...z)) / 2;
@@ -178,10 +178,10 @@ export class Space {
     this.key = null; this.show(...this.last);
   }
 
-  show(scene, solved, nut) {
-    this.last = [scene, solved, nut];
+  show(entries, solved, nut) {
+    this.last = [entries, solved, nut];
     if (this.held) return;
-    const found = solved && sizes(scene, solved, nut);
+    const found = solved && sizes(entries, solved, nut);
     if (!found) { this.stage.hidden = true;
       this.words.replaceChildren(none("The picture needs ball_diameter_mm, pitch_circle_diameter_mm and the lead."));
       return; }

@@ -151,8 +151,8 @@ pub(crate) fn solved(
     let mut work = ModelWorkspace::default();
     let solution = problem.solve(&mut work);
     let band = match (&problem, solution.solved(), rest.get("band")) {
-        (Problem::Lubricated(case), Some(solved), Some(Value::Bool(true))) => {
-            case.band(solved, &mut work)
+        (Problem::Lubricated(problem), Some(solved), Some(Value::Bool(true))) => {
+            problem.band(solved, &mut work)
         }
         _ => None,
     };

@@ -57,9 +57,9 @@ impl EllipseFields {
         points: u32,
     ) -> Result<Self, CaseError> {
         let moving = MovingBall::of(scene, solution)?;
-        let case = scene.reader().operating_point();
+        let point = scene.reader().operating_point();
         let (accuracy, creep) = integration(settings, solution);
-        let creep = creep * case.ball.radius * case.drive.relative_speed().abs();
+        let creep = creep * point.ball.radius * point.drive.relative_speed().abs();
         let quadrature = Quadrature::of(accuracy);
         // Next to the rotation of the ball a spin may be rounding.
         let scales = Scales::of([("rad/s", moving.ball.motion.omega.norm())].into_iter());
@@ -67,7 +67,7 @@ impl EllipseFields {
         for contact in moving.contacts.iter().flatten().take(2) {
             let Some(semi_axes) = contact.semi_axes else { continue };
             let MovingContact { touch, load, .. } = contact;
-            let law = Law::of(touch.site, case.friction, solution);
+            let law = Law::of(touch.site, point.friction, solution);
             let pressed_radius = scene.pressed_radius(touch.site);
             // Models of saturated friction have one direction for all points.
             let sliding = match solution.model {

@@ -214,15 +214,15 @@ impl Jam {
         let [Some(nut), Some(screw), _] = solved.contacts else {
             unreachable!("every model with a motion has loads and angles of both contacts")
         };
-        let (case, ball) = (scene.reader().operating_point(), solved.ball);
+        let (point, ball) = (scene.reader().operating_point(), solved.ball);
         let mut wedge = Wedge {
             loads: [nut.load, screw.load],
             angles: [nut.touch.angle, screw.touch.angle],
             slip_angles: [nut.slip_angle, screw.slip_angle],
-            friction: case.friction.0,
+            friction: point.friction.0,
             centrifugal: centrifugal_force(
-                case.ball.mass,
-                case.helix.radius,
+                point.ball.mass,
+                point.helix.radius,
                 ball.motion.precession,
             ),
         };
@@ -331,7 +331,7 @@ impl Track {
 
 impl BallReturn {
     fn of(scene: &Scene, ball: &SteadyBall<f64>) -> Self {
-        let case = scene.reader().operating_point();
+        let point = scene.reader().operating_point();
         let speed = scene.return_approach_speed_m_s.unwrap_or_else(|| {
             let to_nut = ball.motion.precession - ball.drive.nut_speed;
             ball.helix.arc_length_per_radian() * to_nut.abs()
@@ -343,7 +343,7 @@ impl BallReturn {
             },
             |k| k * PER_UM15,
         );
-        let (mass, friction) = (case.ball.mass, case.friction.0);
+        let (mass, friction) = (point.ball.mass, point.friction.0);
         let impact = match scene.return_linear_stiffness_N_um {
             Some(linear) => linear_impact_force(mass, speed, linear / UM),
             None => impact_force(mass, speed, stiffness),

@@ -147,9 +147,9 @@ impl MovingBall {
             model: solution.model.name(),
             missing: scene.missing(Model::Rigid),
         })?;
-        let case = scene.reader().operating_point();
+        let point = scene.reader().operating_point();
         let ball =
-            SteadyBall { helix: case.helix, radius: case.ball.radius, drive: case.drive, motion };
+            SteadyBall { helix: point.helix, radius: point.ball.radius, drive: point.drive, motion };
         let contacts = SITES.map(|site| {
             let contact = state.contact(site)?;
             Some(MovingContact {

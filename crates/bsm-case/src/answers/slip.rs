@@ -219,8 +219,8 @@ impl Loss {
         solution: &Solution,
         solved: &MovingBall,
     ) -> Result<Self, CaseError> {
-        let case = scene.reader().operating_point();
-        let unit = case.ball.radius * case.drive.relative_speed().abs();
+        let point = scene.reader().operating_point();
+        let unit = point.ball.radius * point.drive.relative_speed().abs();
         let (accuracy, creep) = integration(settings, solution);
         let quadrature = &Quadrature::of(accuracy);
         let saturated = matches!(solution.model, Model::Rigid | Model::Elastic);
@@ -234,11 +234,11 @@ impl Loss {
                 _ => Sliding::Point,
             };
             let ball = &solved.ball;
-            let law = Law::of(contact.touch.site, case.friction, solution);
+            let law = Law::of(contact.touch.site, point.friction, solution);
             let wrench = ball.friction(&contact.touch, contact.load, &law, sliding);
             let wrench = wrench.map_err(|e| CaseError::Invalid(e.to_string()))?;
             let SlipPower { centre, spin, curvature } = ball.power(&contact.touch, &wrench);
-            let balls = case.load.balls;
+            let balls = point.load.balls;
             let power = SlipPower {
                 centre: centre * balls,
                 spin: spin * balls,
@@ -256,7 +256,7 @@ impl Loss {
             .map_or(f64::NAN, |power| power.dissipated);
         let film = solution.solved().and_then(|solved| solved.film);
         let sliding = film.map_or(dissipated, |film| film.sliding_power);
-        let gyroscopic_moment = solved.ball.gyroscopic_moment(case.ball.inertia());
+        let gyroscopic_moment = solved.ball.gyroscopic_moment(point.ball.inertia());
         let contacts = [power(nut)?, power(screw)?, power(unloaded)?];
         Ok(Self { contacts, dissipated, sliding, gyroscopic_moment })
     }

@@ -37,14 +37,14 @@ fn an_independent_solution_agrees() {
     let cases: Value = serde_json::from_str(CASES).expect("JSON");
     let mut numbers = 0;
     let mut far = Vec::new();
-    for case in cases["cases"].as_array().expect("a list") {
-        let scene = Scene::from_json(case["scene"].to_string().as_bytes()).expect("a scene");
-        let model = Model::from_name(case["model"].as_str().expect("a name")).expect("a model");
+    for reference in cases["cases"].as_array().expect("a list") {
+        let scene = Scene::from_json(reference["scene"].to_string().as_bytes()).expect("a scene");
+        let model = Model::from_name(reference["model"].as_str().expect("a name")).expect("a model");
         let record = solved(&scene, model);
         if model == Model::Traction {
             assert!(record.number("power_balance").expect("a balance").abs() <= 1e-9);
         }
-        let told = case["rel_tol"].as_f64().expect("a number");
+        let told = reference["rel_tol"].as_f64().expect("a number");
         let whole = torque_parts(&scene, &model.into()).expect("a torque");
         let seal = record.number("seal_power_W").expect("a power");
         let whole = whole.expect("a load, a speed and friction");
@@ -54,20 +54,20 @@ fn an_independent_solution_agrees() {
             "dissipated_power_W" => record.number(name).map(|power| power + seal),
             _ => record.number(name),
         };
-        for (name, value) in case["expect"].as_object().expect("numbers") {
+        for (name, value) in reference["expect"].as_object().expect("numbers") {
             // It follows from the efficiency.
             if seal > 0.0 && name == "catalogue_friction_coefficient" {
                 continue;
             }
             let (value, ours) = (value.as_f64().expect("a number"), number(name));
-            let ours = ours.unwrap_or_else(|| panic!("{name} of {}", case["id"]));
+            let ours = ours.unwrap_or_else(|| panic!("{name} of {}", reference["id"]));
             let tolerance = if name.contains("spin") { 1e-3 } else { told };
             // A ball that a raceway controls does not spin there: rounding of the speeds of its surface.
             let rounding = if name.contains("spin") { 1e-9 } else { 0.0 };
             if (ours - value).abs() > tolerance * value.abs() + rounding {
                 far.push(format!(
                     "{} {name}: {ours} {value} {:.1e}",
-                    case["id"],
+                    reference["id"],
                     ours / value - 1.0
                 ));
             }

@@ -27,17 +27,17 @@ fn complaint(json: &str) -> String {
 #[test]
 fn units_become_si_and_come_back() {
     let lin = scene(LIN);
-    let Problem::Rigid(case) = lin.problem(&Settings::default()).expect("complete scene") else {
+    let Problem::Rigid(rigid) = lin.problem(&Settings::default()).expect("complete scene") else {
         panic!("auto takes the most complete model");
     };
-    assert_relative_eq!(case.point.helix.radius, 24.3e-3, max_relative = 1e-15);
-    assert_relative_eq!(case.point.helix.lead_angle, 0.174_532_925_199_433, max_relative = 1e-15);
-    assert_relative_eq!(case.point.ball.radius, 4.37e-3, max_relative = 1e-15);
-    assert_relative_eq!(case.point.ball.mass, 2.726_638e-3, max_relative = 1e-6);
-    assert_relative_eq!(case.point.drive.screw_speed, 209.439_510_239_319_6, max_relative = 1e-15);
-    assert_relative_eq!(case.point.load.per_ball(), 2113.0);
+    assert_relative_eq!(rigid.point.helix.radius, 24.3e-3, max_relative = 1e-15);
+    assert_relative_eq!(rigid.point.helix.lead_angle, 0.174_532_925_199_433, max_relative = 1e-15);
+    assert_relative_eq!(rigid.point.ball.radius, 4.37e-3, max_relative = 1e-15);
+    assert_relative_eq!(rigid.point.ball.mass, 2.726_638e-3, max_relative = 1e-6);
+    assert_relative_eq!(rigid.point.drive.screw_speed, 209.439_510_239_319_6, max_relative = 1e-15);
+    assert_relative_eq!(rigid.point.load.per_ball(), 2113.0);
 
-    let record = Record::new(Problem::Rigid(case).solve(&mut ModelWorkspace::default()));
+    let record = Record::new(Problem::Rigid(rigid).solve(&mut ModelWorkspace::default()));
     let number = |name| record.number(name).expect(name);
     assert_relative_eq!(number("nut_contact_angle_deg"), 45.0, max_relative = 1e-15);
     // ψ_B = atan(tan 10° / cos 45°) = 14.00°, to the order of the inertia.
@@ -100,7 +100,7 @@ fn lead_and_lead_angle_are_one() {
     let lead_mm = 48.6 * std::f64::consts::PI * 10.0_f64.to_radians().tan();
     let by_lead = Scene { lead_angle_deg: None, lead_mm: Some(lead_mm), ..by_angle.clone() };
     let lead = |scene: &Scene| match scene.problem(&Settings::default()) {
-        Ok(Problem::Rigid(case)) => case.point.helix.lead_angle,
+        Ok(Problem::Rigid(rigid)) => rigid.point.helix.lead_angle,
         other => panic!("{other:?}"),
     };
     assert_relative_eq!(lead(&by_angle), lead(&by_lead), max_relative = 1e-15);

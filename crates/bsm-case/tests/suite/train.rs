@@ -27,17 +27,17 @@ fn number(report: &NutReport, name: &str) -> f64 {
 /// To the tolerances of the file: torques over the friction torque, pushes over the largest.
 #[test]
 fn reference_cases_from_scenes() {
-    for case in cases() {
-        let name = case["case"].as_str().expect("name");
+    for reference in cases() {
+        let name = reference["id"].as_str().expect("name");
         let settings = Settings::default();
-        let report = nut(&case["scene"], &json!({}), &settings).expect("a nut");
-        let expected = |key: &str| case["expected"][key].as_f64().expect("number");
-        let is_oiled = case["scene"].get("iso_vg").is_some();
+        let report = nut(&reference["scene"], &json!({}), &settings).expect("a nut");
+        let expected = |key: &str| reference["expected"][key].as_f64().expect("number");
+        let is_oiled = reference["scene"].get("iso_vg").is_some();
         let [rates, torques, pushes] =
             if is_oiled { [1e-5, 1e-4, 1e-3] } else { [1e-7, 1e-6, 1e-5] };
         let friction = expected("friction_torque_Nm");
         let largest = expected("max_push_N");
-        let circuits = case["expected"]["circuits"].as_array().expect("circuits");
+        let circuits = reference["expected"]["circuits"].as_array().expect("circuits");
         let needed = circuits.iter().filter_map(|circuit| circuit["needed_gap_mm"].as_f64());
         for (ours, want, allowed) in [
             ("advance_spread", expected("advance_spread"), rates),
@@ -66,8 +66,8 @@ fn reference_cases_from_scenes() {
 /// Exactly: the parts are the sum, and what the screw is driven with follows from it.
 #[test]
 fn the_parts_of_the_torque_are_the_whole() {
-    let case = &cases()[1];
-    let report = nut(&case["scene"], &json!({"seal_torque_Nm": 0.2}), &Settings::default());
+    let reference = &cases()[1];
+    let report = nut(&reference["scene"], &json!({"seal_torque_Nm": 0.2}), &Settings::default());
     let report = report.expect("a nut");
     let parts = [
         "contact_torque_Nm",
@@ -116,10 +116,10 @@ fn losses_of_an_oiled_nut_are_parts_of_the_whole() {
 /// Where nothing touches, the torque is that of balls that are solved alone, to the root of each, 1e-10.
 #[test]
 fn with_room_enough_the_nut_is_the_same() {
-    let case = &cases()[2];
+    let reference = &cases()[2];
     let settings = Settings::from(Model::Traction);
-    let with = nut(&case["scene"], &json!({}), &settings).expect("a nut");
-    let without = nut(&case["scene"], &json!({"ball_gap_mm": null}), &settings).expect("a nut");
+    let with = nut(&reference["scene"], &json!({}), &settings).expect("a nut");
+    let without = nut(&reference["scene"], &json!({"ball_gap_mm": null}), &settings).expect("a nut");
     for name in ["friction_torque_Nm", "nut_efficiency", "needed_gap_mm", "ball_contact_band_Nm"] {
         let [a, b] = [&with, &without].map(|report| number(report, name));
         assert!((a - b).abs() <= 1e-9 * b, "{name}: {a} {b}");
@@ -229,10 +229,10 @@ fn each_circuit_may_have_its_own_gaps() {
 /// angle of two that touch (O8), of T02 by the reference to 1e-7.
 #[test]
 fn circuits_have_their_flux() {
-    let case = cases().into_iter().find(|case| case["case"] == "T02").expect("T02");
-    let report = nut(&case["scene"], &json!({}), &Settings::default()).expect("a nut");
+    let reference = cases().into_iter().find(|reference| reference["id"] == "T02").expect("T02");
+    let report = nut(&reference["scene"], &json!({}), &Settings::default()).expect("a nut");
     let circuit = &report.answer().to_json()["circuits"][0];
-    let expected = &case["expected"]["circuits"][0];
+    let expected = &reference["expected"]["circuits"][0];
     for (ours, theirs, allowed) in [
         ("needed_gap_mm", "needed_gap_mm", 6e-5),
         ("train_rate", "train_rate", 1e-7),
@@ -246,8 +246,8 @@ fn circuits_have_their_flux() {
 /// Balls that do not fit are counted.
 #[test]
 fn too_many_balls_are_said() {
-    let case = cases().into_iter().find(|case| case["case"] == "T02").expect("T02");
-    let mut scene = case["scene"].clone();
+    let reference = cases().into_iter().find(|reference| reference["id"] == "T02").expect("T02");
+    let mut scene = reference["scene"].clone();
     scene["circuits"][0]["balls"] = json!(120);
     let report = nut(&scene, &json!({}), &Settings::default()).expect("a nut");
     let warnings = report.warnings().join("; ");

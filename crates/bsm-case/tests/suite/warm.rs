@@ -17,9 +17,9 @@ fn settings() -> Settings {
 /// The scene of a reference case as entries of a scene, changed.
 fn scene(id: &str, change: impl Fn(&mut Value)) -> (Scene, Value) {
     let all: Value = serde_json::from_str(CASES).expect("JSON");
-    let case = all["cases"].as_array().expect("cases").iter().find(|case| case["id"] == id);
-    let case = case.unwrap_or_else(|| panic!("{id}")).clone();
-    let mut scene = case["scene"].clone();
+    let reference = all["cases"].as_array().expect("cases").iter().find(|reference| reference["id"] == id);
+    let reference = reference.unwrap_or_else(|| panic!("{id}")).clone();
+    let mut scene = reference["scene"].clone();
     let entries = scene.as_object_mut().expect("a scene");
     entries.insert("warm_state".to_owned(), json!(true));
     // The name of the specification, and ours.
@@ -27,18 +27,18 @@ fn scene(id: &str, change: impl Fn(&mut Value)) -> (Scene, Value) {
         entries.insert("support_bearing_stiffness_N_um".to_owned(), stiffness);
     }
     change(&mut scene);
-    (Scene::from_json(scene.to_string().as_bytes()).expect("scene"), case)
+    (Scene::from_json(scene.to_string().as_bytes()).expect("scene"), reference)
 }
 
 /// To the tolerances of the cases, of rises over the ambient temperature, preload, heat and growth; of the gain 1e-4.
 #[test]
 fn reference_cases_from_scenes() {
     for id in ["WS-P1", "WS-P2", "WS-P3", "WS-P4", "WS-P5", "WS-P6"] {
-        let (scene, case) = scene(id, |scene| scene["fold_search_factor"] = json!(1.01));
+        let (scene, reference) = scene(id, |scene| scene["fold_search_factor"] = json!(1.01));
         let report =
             AxisReport::of(&scene, &settings()).unwrap_or_else(|why| panic!("{id}: {why}"));
-        let tolerance = case["rel_tol"].as_f64().expect("tolerance");
-        let ambient = case["scene"]["ambient_temperature_C"].as_f64().unwrap_or(20.0);
+        let tolerance = reference["rel_tol"].as_f64().expect("tolerance");
+        let ambient = reference["scene"]["ambient_temperature_C"].as_f64().unwrap_or(20.0);
         for (name, expected, from) in [
             ("nut_temperature_C", "nut_temperature_C", ambient),
             ("screw_temperature_C", "screw_temperature_C", ambient),
@@ -56,14 +56,14 @@ fn reference_cases_from_scenes() {
             ("screw_tension_N", "screw_tension_N", 0.0),
             ("loop_gain", "loop_gain", 0.0),
         ] {
-            let Some(expected) = case["expect"][expected].as_f64() else { continue };
+            let Some(expected) = reference["expect"][expected].as_f64() else { continue };
             let found = report.number(name).unwrap_or_else(|| panic!("{id} {name}"));
             let allowed =
                 if name == "loop_gain" { 1e-4 } else { tolerance * (expected - from).abs() };
             assert!((found - expected).abs() <= allowed, "{id} {name}: {found}, not {expected}");
         }
         for (phase, expected) in
-            report.phases.iter().zip(case["expect"]["phases"].as_array().expect("phases"))
+            report.phases.iter().zip(reference["expect"]["phases"].as_array().expect("phases"))
         {
             let bodies = expected["body_axial_N"].as_array().expect("bodies");
             let bodies: Vec<_> = bodies.iter().filter_map(Value::as_f64).collect();
@@ -99,13 +99,13 @@ fn conductances_have_their_origin() {
         ("coolant_conductance_W_K", "coolant"),
     ];
     for (id, given, coolant) in [("WS-P3", "given", "default"), ("WS-P5", "computed", "computed")] {
-        let (scene, case) = scene(id, |_| {});
+        let (scene, reference) = scene(id, |_| {});
         let nut = NutProblem::of(&scene, &settings()).expect("a nut").solve().expect("a state");
         let all = nut.answer().to_json()["conductances"].clone();
         for (name, own) in names {
-            let expected = case["expect"]["conductances_W_K"][own].as_f64().expect(own);
+            let expected = reference["expect"]["conductances_W_K"][own].as_f64().expect(own);
             let found = all[name]["value"].as_f64().expect(name);
-            let allowed = case["rel_tol"].as_f64().expect("tolerance") * expected;
+            let allowed = reference["rel_tol"].as_f64().expect("tolerance") * expected;
             assert!((found - expected).abs() <= allowed, "{id} {name}: {found}, not {expected}");
             let origin = match name {
                 "nut_conductance_W_K" => given,
@@ -131,12 +131,12 @@ fn the_air_has_20_degrees_unless_given() {
 #[test]
 fn folds_of_reference_cases_from_scenes() {
     for id in ["WS-P3", "WS-P6"] {
-        let (scene, case) = scene(id, |scene| scene["fold_search_factor"] = json!(2.5));
+        let (scene, reference) = scene(id, |scene| scene["fold_search_factor"] = json!(2.5));
         let numbers = AnalysisKind::Warm
             .numbers(&scene, &settings(), None, |output| output.name == "fold_speed_factor")
             .expect("a state");
         let found = numbers.number("fold_speed_factor").expect("a fold");
-        let expected = case["expect"]["fold_speed_factor"].as_f64().expect("a fold");
+        let expected = reference["expect"]["fold_speed_factor"].as_f64().expect("a fold");
         assert!((found / expected - 1.0).abs() < 1e-5, "{id}: {found}, not {expected}");
     }
 }
@@ -144,11 +144,11 @@ fn folds_of_reference_cases_from_scenes() {
 /// The fold of WS-P3 to the 0.05 K that the reference searches it to, which are 40 N there, and the unstable state to its tolerance.
 #[test]
 fn the_fold_and_the_state_beyond_it_are_numbers() {
-    let (axis, case) = scene("WS-P3", |_| {});
+    let (axis, reference) = scene("WS-P3", |_| {});
     let sheet = AxisReport::of(&axis, &settings()).expect("an axis");
-    let fold = &case["expect"]["fold_temperatures_C"];
-    let second = &case["expect"]["states"][1];
-    let tolerance = case["rel_tol"].as_f64().expect("tolerance");
+    let fold = &reference["expect"]["fold_temperatures_C"];
+    let second = &reference["expect"]["states"][1];
+    let tolerance = reference["rel_tol"].as_f64().expect("tolerance");
     for (node, part) in ["nut", "screw", "balls"].into_iter().enumerate() {
         for (name, expected, allowed) in [
             (format!("fold_{part}_temperature_C"), &fold[node], 0.05),
@@ -350,14 +350,14 @@ fn above_the_fold_a_column_says_why() {
 #[test]
 fn what_is_given_narrows_the_band() {
     let band = |change: &dyn Fn(&mut Value)| {
-        let (scene, case) = scene("WS-P2", |scene| {
+        let (scene, reference) = scene("WS-P2", |scene| {
             scene["fold_search_factor"] = json!(1.01);
             change(scene);
         });
         let report = AxisReport::of(&scene, &settings()).expect("an axis");
-        (report.answer.to_json()["band"].clone(), case)
+        (report.answer.to_json()["band"].clone(), reference)
     };
-    let (found, case) = band(&|_| {});
+    let (found, reference) = band(&|_| {});
     for (name, own) in [
         ("nut_temperature_C", "nut_temperature_C"),
         ("screw_temperature_C", "screw_temperature_C"),
@@ -366,7 +366,7 @@ fn what_is_given_narrows_the_band() {
         ("screw_growth_um", "screw_growth_um"),
     ] {
         for (end, place) in ["low", "high"].into_iter().zip(0..) {
-            let expected = case["expect"]["band"][name][place].as_f64().expect(name);
+            let expected = reference["expect"]["band"][name][place].as_f64().expect(name);
             let own = found[own][end].as_f64().expect(name);
             assert!((own - expected).abs() <= 1e-3 * expected, "{name}: {own}, not {expected}");
         }

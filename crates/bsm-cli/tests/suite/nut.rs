@@ -43,9 +43,9 @@ fn single() -> Value {
 }
 
 /// The scene of a reference case with its loads as entries of a scene.
-fn scene_of(case: &Value) -> Value {
-    let mut scene = case["scene"].clone();
-    let loads = case["load_SI"].as_object().expect("loads");
+fn scene_of(reference: &Value) -> Value {
+    let mut scene = reference["scene"].clone();
+    let loads = reference["load_SI"].as_object().expect("loads");
     for (dof, word) in [
         ("uz", "axial_load_N"),
         ("ux", "radial_load_x_N"),
@@ -60,7 +60,7 @@ fn scene_of(case: &Value) -> Value {
     if loads.len() > 1 {
         scene["nut_guidance"] = json!("free");
     }
-    if let Some(ratings) = case["ratings"].as_object() {
+    if let Some(ratings) = reference["ratings"].as_object() {
         scene.as_object_mut().expect("scene").extend(ratings.clone());
     }
     let map = scene.as_object_mut().expect("scene");
@@ -86,15 +86,15 @@ fn reference_cases_run_as_scenes() {
     let cases = fs::read_to_string(root().join("validation/published/nut/public.json"));
     let cases: Vec<Value> = serde_json::from_str(&cases.expect("cases")).expect("JSON");
     assert_eq!(cases.len(), 14);
-    for case in &cases {
-        let name = case["name"].as_str().expect("name");
-        let (code, found, words) = answer(&scene_of(case).to_string(), &[]);
+    for reference in &cases {
+        let name = reference["name"].as_str().expect("name");
+        let (code, found, words) = answer(&scene_of(reference).to_string(), &[]);
         assert_eq!(code, Some(0), "{name}: {words}");
         // Our ring begins at 45.82613 mm, that of the cases at 45.826: 3e-6, and some of it in its stiffness.
-        let has_ring = !case["scene"]["ring"].is_null();
-        let exact = case["rel_tol"].as_f64().expect("tolerance");
+        let has_ring = !reference["scene"]["ring"].is_null();
+        let exact = reference["rel_tol"].as_f64().expect("tolerance");
         let tolerance = if has_ring { 1e-5 } else { exact };
-        let expect = case["expect"].as_object().expect("expected");
+        let expect = reference["expect"].as_object().expect("expected");
         let sum: f64 = ["nut_plus_N", "nut_minus_N"]
             .iter()
             .flat_map(|key| expect[*key].as_array().expect("loads"))
@@ -754,16 +754,16 @@ fn warm_pairs_agree_with_an_independent_solution() {
     let cases = fs::read_to_string(root().join("validation/published/nut/warm.json"));
     let cases: Vec<Value> = serde_json::from_str(&cases.expect("cases")).expect("JSON");
     assert_eq!(cases.len(), 5);
-    for case in &cases {
-        let (code, found, words) = answer(&case["scene"].to_string(), &[]);
-        assert_eq!(code, Some(0), "{}: {words}", case["id"]);
-        for (key, expected) in case["expect"].as_object().expect("numbers") {
+    for reference in &cases {
+        let (code, found, words) = answer(&reference["scene"].to_string(), &[]);
+        assert_eq!(code, Some(0), "{}: {words}", reference["id"]);
+        for (key, expected) in reference["expect"].as_object().expect("numbers") {
             let (found, expected) = (of(&found, key), expected.as_f64().expect("a number"));
             // Temperatures and numbers are printed to twelve digits; a degree is some tenths of the preload.
             assert!(
                 (found / expected - 1.0).abs() < 1e-9,
                 "{} {key}: {found} {expected}",
-                case["id"]
+                reference["id"]
             );
         }
     }

@@ -126,18 +126,18 @@ fn reference_cases() {
     let cases = file["cases"].as_array().expect("cases");
     assert_eq!(cases.len(), 6);
     for one in cases {
-        let name = one["case"].as_str().expect("name");
-        let case = Case::of(&one["scene"]);
+        let name = one["id"].as_str().expect("name");
+        let reference = Case::of(&one["scene"]);
         let expected = &one["expected"];
         // Those of the file: rates, torques over the friction torque, pushes over the largest.
         let [rates, torques, pushes] =
-            if case.oil.is_some() { [1e-5, 1e-4, 1e-3] } else { [1e-7, 1e-6, 1e-5] };
+            if reference.oil.is_some() { [1e-5, 1e-4, 1e-3] } else { [1e-7, 1e-6, 1e-5] };
         let near = |what: &str, got: f64, want: f64, allowed: f64| {
             assert!((got - want).abs() <= allowed, "{name} {what}: {got} in place of {want}");
         };
-        let (advance, ..) = case.advance();
+        let (advance, ..) = reference.advance();
         near("spread", advance.spread, number(expected, "advance_spread").expect("spread"), rates);
-        let train = case.train().unwrap_or_else(|error| panic!("{name}: {error}"));
+        let train = reference.train().unwrap_or_else(|error| panic!("{name}: {error}"));
         let friction = number(expected, "friction_torque_Nm").expect("torque");
         for (key, got) in [
             ("contact_torque_free_Nm", train.free_torque),
@@ -189,34 +189,34 @@ fn reference_cases() {
     }
 }
 
-fn case(name: &str) -> Case {
+fn reference(name: &str) -> Case {
     let file: Value = serde_json::from_str(CASES).expect("JSON");
     let cases = file["cases"].as_array().expect("cases");
-    let one = cases.iter().find(|one| one["case"] == name).expect("a case of this name");
+    let one = cases.iter().find(|one| one["id"] == name).expect("a reference of this name");
     Case::of(&one["scene"])
 }
 
 /// 38 balls of one speed, with a load of 65 N each, that a return pushes on.
 fn equal_balls(return_push: f64) -> Case {
-    let mut case = case("T01");
-    case.nut.circuits[0].arc = 4.0 * PI;
-    case.nut.circuits[0].balls = 38;
-    case.support = Support::guided(38.0 * 65.0);
-    case.inputs.exit.push = ExitPush::AtExit(return_push);
-    case
+    let mut reference = reference("T01");
+    reference.nut.circuits[0].arc = 4.0 * PI;
+    reference.nut.circuits[0].balls = 38;
+    reference.support = Support::guided(38.0 * 65.0);
+    reference.inputs.exit.push = ExitPush::AtExit(return_push);
+    reference
 }
 
 /// A nut that its load drives, 38 balls under a moment, without a push of the return.
 fn driven_back() -> Case {
-    let mut case = case("T05");
-    case.inputs.contact_friction = 0.1;
-    case.inputs.spacer = 0.0;
-    case.inputs.exit = Exit { push: ExitPush::AtExit(0.0), bend: 0.0, friction: 0.0 };
-    case
+    let mut reference = reference("T05");
+    reference.inputs.contact_friction = 0.1;
+    reference.inputs.spacer = 0.0;
+    reference.inputs.exit = Exit { push: ExitPush::AtExit(0.0), bend: 0.0, friction: 0.0 };
+    reference
 }
 
-fn solved(case: &Case) -> Train {
-    case.train().unwrap_or_else(|error| panic!("{error}"))
+fn solved(reference: &Case) -> Train {
+    reference.train().unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The push behind each ball, in the order of the circuit.
@@ -227,10 +227,10 @@ fn pushes(train: &Train) -> Vec<f64> {
 #[test]
 fn equal_balls_pass_a_push_of_the_return_on_with_a_linear_fall() {
     let push = 0.02;
-    let mut case = equal_balls(push);
-    case.inputs.contact_friction = 1e-5;
-    case.inputs.gaps = vec![1e-10];
-    let train = solved(&case);
+    let mut reference = equal_balls(push);
+    reference.inputs.contact_friction = 1e-5;
+    reference.inputs.gaps = vec![1e-10];
+    let train = solved(&reference);
     let behind = pushes(&train);
     assert!((train.circuits[0].ends[0] - push).abs() < 1e-12, "{:?}", train.circuits[0].ends);
     let fall = (push - behind[1]) / 37.0;
@@ -242,27 +242,27 @@ fn equal_balls_pass_a_push_of_the_return_on_with_a_linear_fall() {
     // The first ball alone is not pushed, or less than by one fall.
     assert!(behind[0] <= fall && behind[1] <= 2.0 * fall, "{behind:?}");
     // f_b Z N_x r_b |w|: the sum of N_f + N_b is Z N_x, but for the first of 38 balls.
-    let motion = case.advance().2.expect("a motion");
-    let speed = case.drive.relative_speed();
-    let power = 1e-5 * 38.0 * push * case.nut.ball.radius * motion.rotation;
+    let motion = reference.advance().2.expect("a motion");
+    let speed = reference.drive.relative_speed();
+    let power = 1e-5 * 38.0 * push * reference.nut.ball.radius * motion.rotation;
     let ratio = train.contact_torque * speed / power;
     assert!((ratio - 1.0).abs() < 1.0 / 38.0, "{ratio}");
 }
 
 #[test]
 fn with_room_enough_friction_is_that_of_the_balls_alone() {
-    let mut case = driven_back();
-    let (advance, friction, _) = case.advance();
+    let mut reference = driven_back();
+    let (advance, friction, _) = reference.advance();
     let needed = advance.circuits[0].needed_gap;
-    case.inputs.gaps = vec![1.001 * needed];
-    let train = solved(&case);
+    reference.inputs.gaps = vec![1.001 * needed];
+    let train = solved(&reference);
     assert_eq!((train.touching, train.largest_push), (0, 0.0));
     // The same balls by the same equations, whose roots leave 1e-10.
     assert!((train.torque() / friction - 1.0).abs() < 1e-9, "{} {friction}", train.torque());
     let gaps: f64 = train.circuits[0].balls.iter().map(|ball| ball.gap).sum();
     assert!((gaps / needed - 1.001).abs() < 1e-9, "{gaps:e} of {needed:e}");
-    case.inputs.gaps = vec![0.99 * needed];
-    assert!(solved(&case).touching > 0);
+    reference.inputs.gaps = vec![0.99 * needed];
+    assert!(solved(&reference).touching > 0);
 }
 
 #[test]
@@ -275,20 +275,20 @@ fn pushes_fall_with_room_and_rise_with_the_push_of_the_return() {
     };
     // With a gap of 0.05 mm the driven back nut has pushes of 14 % of a ball's load, and more than one flux.
     // With a free length that is given, a push at one place lowers those of other queues: equal balls have one queue.
-    for (mut case, has_one_queue) in [(driven_back(), false), (equal_balls(0.5), true)] {
+    for (mut reference, has_one_queue) in [(driven_back(), false), (equal_balls(0.5), true)] {
         let mut tighter = None;
         for gap in [0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3] {
-            case.inputs.gaps = vec![gap];
-            let behind = pushes(&solved(&case));
+            reference.inputs.gaps = vec![gap];
+            let behind = pushes(&solved(&reference));
             if let Some(tighter) = tighter.replace(behind.clone()) {
                 not_above(&behind, &tighter);
             }
         }
-        case.inputs.gaps = vec![0.2e-3];
+        reference.inputs.gaps = vec![0.2e-3];
         let mut weaker = None;
         for push in [0.0, 0.2, 0.4, 0.8, 1.6].into_iter().filter(|_| has_one_queue) {
-            case.inputs.exit.push = ExitPush::AtExit(push);
-            let behind = pushes(&solved(&case));
+            reference.inputs.exit.push = ExitPush::AtExit(push);
+            let behind = pushes(&solved(&reference));
             if let Some(weaker) = weaker.replace(behind.clone()) {
                 not_above(&weaker, &behind);
             }
@@ -298,19 +298,19 @@ fn pushes_fall_with_room_and_rise_with_the_push_of_the_return() {
 
 #[test]
 fn without_friction_of_the_balls_on_each_other_raceways_and_return_are_all() {
-    let mut case = driven_back();
-    case.inputs.contact_friction = 0.0;
-    case.inputs.gaps = vec![0.2e-3];
-    case.inputs.exit.push = ExitPush::AtExit(0.5);
-    let train = solved(&case);
+    let mut reference = driven_back();
+    reference.inputs.contact_friction = 0.0;
+    reference.inputs.gaps = vec![0.2e-3];
+    reference.inputs.exit.push = ExitPush::AtExit(0.5);
+    let train = solved(&reference);
     assert!(train.touching > 5 && train.return_torque > 0.0, "{train:?}");
     assert!(train.contact_torque.abs() <= 0.0, "{}", train.contact_torque);
     assert!(train.power_balance.abs() < 1e-9, "{}", train.power_balance);
 }
 
 /// The same nut turned by 180 deg about x.
-fn turned(case: &Case) -> Case {
-    let mut turned = case.clone();
+fn turned(reference: &Case) -> Case {
+    let mut turned = reference.clone();
     let sign = [-1.0, 1.0, -1.0, 1.0, -1.0];
     for (freedom, sign) in turned.support.0.iter_mut().zip(sign) {
         match freedom {
@@ -360,31 +360,31 @@ fn same(one: &Train, other: &Train, [length, force]: [f64; 2], reversed: bool) {
 
 #[test]
 fn a_nut_turned_about_a_radius_has_the_same_pushes() {
-    for mut case in [driven_back(), equal_balls(0.5)] {
-        case.inputs.gaps = vec![0.2e-3];
-        same(&solved(&case), &solved(&turned(&case)), [1.0; 2], true);
+    for mut reference in [driven_back(), equal_balls(0.5)] {
+        reference.inputs.gaps = vec![0.2e-3];
+        same(&solved(&reference), &solved(&turned(&reference)), [1.0; 2], true);
     }
 }
 
 #[test]
 fn a_turning_nut_has_the_pushes_of_a_turning_screw_without_inertia() {
-    let mut case = driven_back();
-    case.nut.ball.mass *= 1e-7;
-    case.inputs.gaps = vec![0.2e-3];
-    let mut driven = case.clone();
-    driven.drive = Drive { screw_speed: 0.0, nut_speed: -case.drive.screw_speed };
-    same(&solved(&case), &solved(&driven), [1.0; 2], false);
+    let mut reference = driven_back();
+    reference.nut.ball.mass *= 1e-7;
+    reference.inputs.gaps = vec![0.2e-3];
+    let mut driven = reference.clone();
+    driven.drive = Drive { screw_speed: 0.0, nut_speed: -reference.drive.screw_speed };
+    same(&solved(&reference), &solved(&driven), [1.0; 2], false);
 }
 
 #[test]
 fn pushes_scale_with_the_square_of_the_length() {
-    let mut case = driven_back();
-    case.nut.ball.mass *= 1e-7;
-    case.inputs.gaps = vec![0.2e-3];
-    case.inputs.exit.push = ExitPush::AtExit(0.3);
+    let mut reference = driven_back();
+    reference.nut.ball.mass *= 1e-7;
+    reference.inputs.gaps = vec![0.2e-3];
+    reference.inputs.exit.push = ExitPush::AtExit(0.3);
     let length: f64 = 3.0;
     let force = length * length;
-    let mut scaled = case.clone();
+    let mut scaled = reference.clone();
     scaled.nut.helix.radius *= length;
     scaled.nut.ball.radius *= length;
     let units = [force, force, force, force * length, force * length];
@@ -395,20 +395,20 @@ fn pushes_scale_with_the_square_of_the_length() {
     }
     scaled.inputs.gaps = vec![0.2e-3 * length];
     scaled.inputs.exit.push = ExitPush::AtExit(0.3 * force);
-    same(&solved(&case), &solved(&scaled), [length, force], false);
+    same(&solved(&reference), &solved(&scaled), [length, force], false);
 }
 
 #[test]
 fn no_room_and_a_return_that_takes_too_much_are_errors() {
-    let mut case = driven_back();
-    case.inputs.gaps = vec![1e-16];
-    assert_eq!(case.train(), Err(TrainError::NoRoom { circuit: 0 }));
-    let mut case = equal_balls(0.0);
-    case.inputs.gaps = vec![0.2e-3];
+    let mut reference = driven_back();
+    reference.inputs.gaps = vec![1e-16];
+    assert_eq!(reference.train(), Err(TrainError::NoRoom { circuit: 0 }));
+    let mut reference = equal_balls(0.0);
+    reference.inputs.gaps = vec![0.2e-3];
     // Both contacts of a ball carry 50 to 100 N and slide at 0.06 of it each: 6 to 12 N a ball. A push of which 0.1 at either
     // side is more than that stops its rotation, and is passed on: above 30 to 60 N.
-    case.inputs.exit.push = ExitPush::AtExit(1e3);
-    let refused = case.train();
+    reference.inputs.exit.push = ExitPush::AtExit(1e3);
+    let refused = reference.train();
     let Err(TrainError::Return { needed, available }) = refused else { panic!("{refused:?}") };
     assert!(needed > available && available > 30.0 && available < 60.0, "{needed} {available}");
 }
@@ -416,11 +416,11 @@ fn no_room_and_a_return_that_takes_too_much_are_errors() {
 #[test]
 fn balls_that_do_not_turn_pass_the_push_on() {
     // A tilted nut: beside the idle balls some carry so little that their neighbours stop them.
-    let mut case = case("T04");
-    case.inputs.contact_friction = 0.3;
-    case.inputs.idle_drag = 0.05;
-    case.inputs.exit.push = ExitPush::AtExit(0.5);
-    let train = solved(&case);
+    let mut reference = reference("T04");
+    reference.inputs.contact_friction = 0.3;
+    reference.inputs.idle_drag = 0.05;
+    reference.inputs.exit.push = ExitPush::AtExit(0.5);
+    let train = solved(&reference);
     let [blocked, idle] = [Rolling::Blocked, Rolling::Idle].map(|rolling| train.number_of(rolling));
     assert!(blocked > 0 && idle > 0, "{blocked} {idle}");
     let balls = &train.circuits[0].balls;
@@ -471,9 +471,9 @@ fn random(rng: &mut impl Rng) -> (Case, Equilibrium) {
 }
 
 /// What is wrong with a train by its rates and pushes alone.
-fn wrong(case: &Case, train: &Train) -> Option<String> {
-    let pitch = case.nut.helix.arc_length_per_radian() * case.nut.touch_angle(case.inputs.spacer);
-    for (circuit, room) in train.circuits.iter().zip(&case.inputs.gaps) {
+fn wrong(reference: &Case, train: &Train) -> Option<String> {
+    let pitch = reference.nut.helix.arc_length_per_radian() * reference.nut.touch_angle(reference.inputs.spacer);
+    for (circuit, room) in train.circuits.iter().zip(&reference.inputs.gaps) {
         let gaps: f64 = circuit.balls.iter().map(|ball| ball.gap).sum();
         // What a train may leave over: 1e-6 of the room, or 1e-11 of the rate for each ball.
         let allowed = 1e-6 * room + 1e-9 * pitch;
@@ -501,13 +501,13 @@ fn random_trains_have_an_answer_or_a_reason() {
     let points = bsm_sample::campaign(2_000);
     let (mut solved, mut touching, mut refused, mut lost) = (0, 0, [0; 5], Vec::new());
     for point in 0..points {
-        let (case, found) = random(&mut rng);
-        match case.train_of(&found) {
+        let (reference, found) = random(&mut rng);
+        match reference.train_of(&found) {
             Ok(train) => {
                 solved += 1;
                 touching += usize::from(train.touching > 0);
-                if let Some(wrong) = wrong(&case, &train) {
-                    panic!("{point}: {wrong} {case:?}");
+                if let Some(wrong) = wrong(&reference, &train) {
+                    panic!("{point}: {wrong} {reference:?}");
                 }
             }
             Err(TrainError::BothFlanks) => refused[0] += 1,
@@ -622,20 +622,20 @@ impl Track<'_> {
 /// The flux of a queue is that of balls which are followed in time, each with the law of its place.
 #[test]
 fn a_simulation_in_time_has_the_flux_of_the_queue() {
-    let mut case = case("T02");
-    case.nut.circuits[0].arc *= 38.0 / 98.0;
-    case.nut.circuits[0].balls = 38;
-    case.support.0[0] = Freedom::Loaded(6340.0 * 38.0 / 98.0);
-    case.support.0[4] = Freedom::Loaded(6.0);
-    case.inputs.contact_friction = 0.0;
-    case.inputs.gaps = vec![0.1e-3];
-    let (train, found) = (solved(&case), case.found());
-    let (motions, mut work) = (case.alone(&found).motions, ModelWorkspace::default());
+    let mut reference = reference("T02");
+    reference.nut.circuits[0].arc *= 38.0 / 98.0;
+    reference.nut.circuits[0].balls = 38;
+    reference.support.0[0] = Freedom::Loaded(6340.0 * 38.0 / 98.0);
+    reference.support.0[4] = Freedom::Loaded(6.0);
+    reference.inputs.contact_friction = 0.0;
+    reference.inputs.gaps = vec![0.1e-3];
+    let (train, found) = (solved(&reference), reference.found());
+    let (motions, mut work) = (reference.alone(&found).motions, ModelWorkspace::default());
     // The law of a ball bends over some tenths of a newton.
     let pushes: Vec<_> = (0..41).map(|k| 0.05 * (f64::from(k) - 20.0)).collect();
     let law = |number: usize| -> Vec<f64> {
-        let at = case.nut.ball_alone(&found, number, 0.06, &case.drive).expect("one flank");
-        let Problem::Traction(ball) = case.model(at) else { panic!("dry") };
+        let at = reference.nut.ball_alone(&found, number, 0.06, &reference.drive).expect("one flank");
+        let Problem::Traction(ball) = reference.model(at) else { panic!("dry") };
         let free = motions[number].and_then(|motion| motion.ball).expect("a state");
         let ball = ball.in_train(&free, 0.0, &mut work).expect("a ball");
         let rate = |push: &f64| {
@@ -646,8 +646,8 @@ fn a_simulation_in_time_has_the_flux_of_the_queue() {
     };
     let rates: Vec<_> = (0..motions.len()).map(law).collect();
     let balls = rates.len();
-    let touch = case.nut.touch_angle(0.0);
-    let room = case.inputs.gaps[0] / case.nut.helix.arc_length_per_radian();
+    let touch = reference.nut.touch_angle(0.0);
+    let room = reference.inputs.gaps[0] / reference.nut.helix.arc_length_per_radian();
     let length = count(balls) * touch + room;
     let places = (0..balls).map(|ball| count(ball) * length / count(balls)).collect();
     let mut track = Track { length, touch, rates: &rates, pushes: &pushes, places };
@@ -676,14 +676,14 @@ fn a_simulation_in_time_has_the_flux_of_the_queue() {
 fn free_motions_follow_from_those_of_a_few_balls() {
     // Under a moment loads differ by 9 times; of the tilted nut by 450 times, where rates change fast with the load.
     for (name, part) in [("T01", 0.05), ("T02", 0.25), ("T05", 0.6), ("T04", 0.6)] {
-        let (case, mut work) = (case(name), ModelWorkspace::default());
-        let (found, mut asked) = (case.found(), 0.0);
+        let (reference, mut work) = (reference(name), ModelWorkspace::default());
+        let (found, mut asked) = (reference.found(), 0.0);
         let solve = |at| {
             asked += 1.0;
-            case.model(at).solve(&mut work)
+            reference.model(at).solve(&mut work)
         };
-        let few = case.nut.free_motions(&found, case.friction, &case.drive, solve);
-        let (few, all) = (few.expect("motions"), case.alone(&found).motions);
+        let few = reference.nut.free_motions(&found, reference.friction, &reference.drive, solve);
+        let (few, all) = (few.expect("motions"), reference.alone(&found).motions);
         for (number, (few, all)) in few.iter().zip(&all).enumerate() {
             // Of balls without a load, and of idle ones.
             let (Some(few), Some(all)) = (few, all) else { continue };

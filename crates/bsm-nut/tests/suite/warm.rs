@@ -176,8 +176,8 @@ fn cases() -> Vec<Value> {
     all["cases"].as_array().expect("cases").clone()
 }
 
-fn case(id: &str) -> Value {
-    cases().into_iter().find(|case| case["id"] == id).unwrap_or_else(|| panic!("{id}"))
+fn reference(id: &str) -> Value {
+    cases().into_iter().find(|reference| reference["id"] == id).unwrap_or_else(|| panic!("{id}"))
 }
 
 /// Holds a number to the expected one.
@@ -201,10 +201,10 @@ const NAMES: [&str; NODES] = [
 /// 1e-4 for the gain.
 #[test]
 fn reference_cases() {
-    for case in cases() {
-        let id = case["id"].as_str().expect("id");
-        let (scene, expect) = (&case["scene"], &case["expect"]);
-        let tol = number(&case, "rel_tol").expect("tolerance");
+    for reference in cases() {
+        let id = reference["id"].as_str().expect("id");
+        let (scene, expect) = (&reference["scene"], &reference["expect"]);
+        let tol = number(&reference, "rel_tol").expect("tolerance");
         let nut = axis(scene);
         let network = nut.network(1.0);
         let of = network.conductances;
@@ -281,9 +281,9 @@ fn reference_cases() {
 #[test]
 fn folds() {
     for (id, most) in [("WS-P2", 2.5), ("WS-P3", 2.0), ("WS-P6", 2.5)] {
-        let case = case(id);
-        let expect = &case["expect"];
-        let nut = axis(&case["scene"]);
+        let reference = reference(id);
+        let expect = &reference["expect"];
+        let nut = axis(&reference["scene"]);
         let state = nut.steady().unwrap_or_else(|none| panic!("{id}: {none}"));
         let fold = nut.fold(&state, most).unwrap_or_else(|none| panic!("{id}: {none}"));
         let Some(factor) = number(expect, "fold_speed_factor") else {
@@ -298,7 +298,7 @@ fn folds() {
         }
         let Some(states) = expect["states"].as_array() else { continue };
         let beyond = fold.beyond.unwrap_or_else(|| panic!("{id}: no second state"));
-        let (expected, tol) = (&states[1], number(&case, "rel_tol").expect("tolerance"));
+        let (expected, tol) = (&states[1], number(&reference, "rel_tol").expect("tolerance"));
         for (i, found) in celsius(nut.set, &beyond.rises).into_iter().enumerate() {
             let expected = expected["temperatures_C"][i].as_f64().expect("temperature");
             near(&format!("{id} second {i}"), found, expected, tol * (expected - 20.0));
@@ -313,12 +313,12 @@ fn folds() {
 /// none above the fold: a regression guard of the time, counted once and rounded up.
 #[test]
 fn friction_is_summed_a_few_hundred_times_for_a_fold() {
-    let (case, count) = (case("WS-P3"), Cell::new(0));
+    let (reference, count) = (reference("WS-P3"), Cell::new(0));
     let counted = |nut: &BallNut, found: &Equilibrium, drive: &Drive<f64>, oil: f64, to: f64| {
         count.set(count.get() + 1);
         oiled(nut, found, drive, oil, to)
     };
-    let nut = WarmNut { friction: &counted, ..axis(&case["scene"]) };
+    let nut = WarmNut { friction: &counted, ..axis(&reference["scene"]) };
     let state = nut.steady().expect("steady");
     let of_state = count.replace(0);
     nut.fold(&state, 2.0).expect("traced").expect("a fold");
@@ -331,8 +331,8 @@ fn friction_is_summed_a_few_hundred_times_for_a_fold() {
 /// The band of WS-P2, to the 1e-3 of the reference.
 #[test]
 fn band() {
-    let case = case("WS-P2");
-    let nut = axis(&case["scene"]);
+    let reference = reference("WS-P2");
+    let nut = axis(&reference["scene"]);
     let state = nut.steady().expect("steady");
     let band = nut.band(&state, |nut, state| {
         let [body, screw, ..] = celsius(nut.set, &state.rises);
@@ -344,7 +344,7 @@ fn band() {
         ["nut_temperature_C", "screw_temperature_C", "warm_preload_N", "heat_W", "screw_growth_um"];
     for (name, found) in names.into_iter().zip(&band.ends) {
         for (side, found) in found.iter().enumerate() {
-            let expected = case["expect"]["band"][name][side].as_f64().expect("end");
+            let expected = reference["expect"]["band"][name][side].as_f64().expect("end");
             near(&format!("{name} {side}"), *found, expected, 1e-3 * expected);
         }
     }
@@ -364,9 +364,9 @@ fn at_speed<'a>(nut: &WarmNut<'a>, factor: f64) -> WarmNut<'a> {
 /// the distance, so that 1e-6 of the speed is 1e-3 of the gain.
 #[test]
 fn below_a_fold_are_two_states_and_above_none() {
-    let case = case("WS-P3");
-    let nut = axis(&case["scene"]);
-    let factor = number(&case["expect"], "fold_speed_factor").expect("fold");
+    let reference = reference("WS-P3");
+    let nut = axis(&reference["scene"]);
+    let factor = number(&reference["expect"], "fold_speed_factor").expect("fold");
     let below = at_speed(&nut, 0.99 * factor);
     let state = below.steady().expect("below the fold");
     assert!(state.gain < 1.0, "{}", state.gain);
@@ -387,8 +387,8 @@ fn below_a_fold_are_two_states_and_above_none() {
 /// leaves over is 1e-10 of it, the reference asks for 1e-9.
 #[test]
 fn as_much_heat_leaves_as_is_made() {
-    for case in cases() {
-        let nut = axis(&case["scene"]);
+    for reference in cases() {
+        let nut = axis(&reference["scene"]);
         let state = nut.steady().expect("steady");
         let (network, [body, .., first, second]) = (nut.network(1.0), state.rises);
         let of = network.conductances;
@@ -407,7 +407,7 @@ fn as_much_heat_leaves_as_is_made() {
 /// nodes take the temperature of what is around, without heat and gain.
 #[test]
 fn at_rest_all_is_as_warm_as_what_is_around() {
-    let mut nut = axis(&case("WS-P1")["scene"]);
+    let mut nut = axis(&reference("WS-P1")["scene"]);
     nut.phases[0].drive.screw_speed = 0.0;
     let state = nut.steady().expect("steady");
     // Rounding of a solve with conductances from 0.6 to 50 W/K.
@@ -429,7 +429,7 @@ fn at_rest_all_is_as_warm_as_what_is_around() {
 /// gain.
 #[test]
 fn a_sweep_both_ways_finds_the_states_of_cold_starts() {
-    let nut = axis(&case("WS-P3")["scene"]);
+    let nut = axis(&reference("WS-P3")["scene"]);
     let factors = [0.4, 0.6, 0.8, 1.0, 1.1];
     let cold: Vec<_> =
         factors.iter().map(|f| at_speed(&nut, *f).steady().expect("cold").rises).collect();
@@ -451,7 +451,7 @@ fn a_sweep_both_ways_finds_the_states_of_cold_starts() {
 /// beyond the hotter one less, so that an axis that is warmer than that runs away where a cold one is steady.
 #[test]
 fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
-    let nut = axis(&case("WS-P3")["scene"]);
+    let nut = axis(&reference("WS-P3")["scene"]);
     let (factors, mut hotter) = ([0.9, 1.0, 1.1, 1.16], Vec::new());
     let mut cold = Vec::new();
     for factor in factors {
@@ -498,7 +498,7 @@ fn without_coupling_temperatures_are_linear_in_the_heat() {
             Some(FrictionSum { torque, contacts: [0.5 * torque; 2], ..FrictionSum::default() })
         }
     };
-    let base = axis(&case("WS-P2")["scene"]);
+    let base = axis(&reference("WS-P2")["scene"]);
     let at = |torque: f64| {
         let friction = constant(torque);
         let screw = ScrewBar { expansion: 0.0, ..base.screw };
@@ -546,7 +546,7 @@ fn dry(
 /// As many times the conductances and the heat are the same state.
 #[test]
 fn heat_and_conductances_in_proportion_are_the_same_state() {
-    let base = axis(&case("WS-P2")["scene"]);
+    let base = axis(&reference("WS-P2")["scene"]);
     let at = |factor: f64| {
         let friction = dry(factor);
         let mut nut = rubbing(&base, &friction);
@@ -578,7 +578,7 @@ fn heat_and_conductances_in_proportion_are_the_same_state() {
 fn without_resistance_nothing_is_warm() {
     let friction = dry(1.0);
     let of = |id: &str, free: f64, gap: f64| {
-        let mut nut = rubbing(&axis(&case(id)["scene"]), &friction);
+        let mut nut = rubbing(&axis(&reference(id)["scene"]), &friction);
         (nut.drag, nut.phases[0].load) = (0.0, 0.0);
         let all = Some(free).filter(|free| *free > 0.0);
         nut.surfaces = Surfaces {
@@ -607,7 +607,7 @@ fn without_resistance_nothing_is_warm() {
 #[test]
 fn one_node_has_the_heat_over_its_surfaces() {
     let friction = dry(1.0);
-    let mut nut = rubbing(&axis(&case("WS-P2")["scene"]), &friction);
+    let mut nut = rubbing(&axis(&reference("WS-P2")["scene"]), &friction);
     let free = Some(1e5);
     nut.surfaces = Surfaces { gap: free, ball_nut: free, ball_screw: free, ..nut.surfaces };
     nut.screw.bearings = [false; 2];
@@ -625,7 +625,7 @@ fn one_node_has_the_heat_over_its_surfaces() {
 /// that of an exact fin with heat all along the travel: by 6 % at m L_t = 0.5, 12 % at 2 and 3, 9 % at 7, 6 % at 12.
 #[test]
 fn one_temperature_along_the_travel_is_lower_than_the_mean_of_a_fin() {
-    let base = axis(&case("WS-P2")["scene"]);
+    let base = axis(&reference("WS-P2")["scene"]);
     for (x, percent) in [(0.5, 6.0), (2.0, 12.0), (3.0, 12.0), (7.0, 9.0), (12.0, 6.0)] {
         let mut network = base.network(1.0);
         let along = network.conductances.screw_film * PI * network.screw.diameter;
@@ -649,7 +649,7 @@ fn one_temperature_along_the_travel_is_lower_than_the_mean_of_a_fin() {
 #[test]
 fn temperatures_follow_the_surroundings_by_the_slopes_of_the_heat() {
     let friction = dry(1.0);
-    let base = rubbing(&axis(&case("WS-P2")["scene"]), &friction);
+    let base = rubbing(&axis(&reference("WS-P2")["scene"]), &friction);
     let at = |by: f64| {
         let sinks = Sinks { air: by, structure: by, coolant: by };
         WarmNut { sinks, ..base.clone() }
@@ -677,7 +677,7 @@ fn temperatures_follow_the_surroundings_by_the_slopes_of_the_heat() {
 #[test]
 fn at_the_neutral_distance_o_does_not_notice_a_warm_screw() {
     let change = |id: &str| {
-        let mut scene = case(id)["scene"].clone();
+        let mut scene = reference(id)["scene"].clone();
         let radius = 0.5 * mm(&scene, "pitch_circle_diameter_mm");
         let lead = mm(&scene, "lead_mm");
         let angle = 45.0_f64.to_radians();
@@ -699,7 +699,7 @@ fn at_the_neutral_distance_o_does_not_notice_a_warm_screw() {
 /// control errs by, which is not the same from load to load.
 #[test]
 fn friction_between_loads() {
-    let nut = axis(&case("WS-P4")["scene"]);
+    let nut = axis(&reference("WS-P4")["scene"]);
     let warm = nut.warmed(&[20.0, 15.0, 31.0, 7.0, 7.0], -18_000.0);
     let found = warm.solve(&Support::guided(1500.0)).expect("carried");
     let drive = Drive { screw_speed: 80.0, nut_speed: 0.0 };
@@ -717,7 +717,7 @@ fn friction_between_loads() {
 /// 1.3 % of the load for 0.1 K, half of it in the mean.
 #[test]
 fn change_of_a_preload_to_first_order() {
-    let axis = axis(&case("WS-P1")["scene"]);
+    let axis = axis(&reference("WS-P1")["scene"]);
     let (nut, expansion) = (&axis.nut, axis.screw.expansion);
     let preload = |rises: [f64; 3]| {
         let warm = nut.warmed(rises, expansion);
@@ -744,7 +744,7 @@ fn change_of_a_preload_to_first_order() {
 fn random_axes_have_a_state_or_a_reason() {
     let mut rng = ChaCha8Rng::seed_from_u64(42);
     let (mut steady, mut folds, mut hot, mut lost) = (0, 0, 0, 0);
-    let (mut scene, whole) = (case("WS-P4")["scene"].clone(), campaign(5000));
+    let (mut scene, whole) = (reference("WS-P4")["scene"].clone(), campaign(5000));
     let mut pairs = Vec::new();
     for (way, flanks) in [("X", ["+", "-"]), ("O", ["-", "+"])] {
         for (circuit, flank) in flanks.into_iter().enumerate() {

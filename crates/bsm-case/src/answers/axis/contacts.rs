@@ -53,7 +53,7 @@ pub(super) fn band(
     let problem = at(scene, load.abs(), load.signum() * speed).problem(settings).ok()?;
     let solution = problem.solve(work);
     match (&problem, solution.solved()) {
-        (Problem::Lubricated(case), Some(solved)) => Some(case.band(solved, work)?.loss),
+        (Problem::Lubricated(problem), Some(solved)) => Some(problem.band(solved, work)?.loss),
         _ => None,
     }
 }
