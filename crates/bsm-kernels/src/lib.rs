@@ -3,11 +3,6 @@
 //! A kernel answers the ordinary points of its model, and leaves the others to the model itself,
 //! which also writes the messages. Formulas are those of the model, over lanes; the tests compare the two.
 
-#![expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
-
 mod auto;
 mod closed_form;
 mod elastic;

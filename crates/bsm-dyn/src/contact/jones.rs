@@ -167,10 +167,6 @@ fn side<D: Scalar>(z: D, r: D, offset: D) -> Result<JonesContact<D>, EvalError> 
 ///
 /// * `lengths`: of the arc centres from the ball centre, at nut and screw. * `sines`: of the contact angles.
 /// * `unloaded`: `$(l_{A0} + l_{B0})\sin\beta_0$`.
-#[expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
 #[inline(always)]
 pub fn axial_displacement<P: Field, D: FieldOver<P>>(
     lengths: [D; 2],

@@ -3,11 +3,6 @@
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W1) to (W16).
 
-#![expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
-
 mod balance;
 mod sensitivities;
 mod statics;

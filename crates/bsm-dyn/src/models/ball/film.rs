@@ -2,11 +2,6 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y6) to (Y9), (Y14) to (Y20).
 
-#![expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
-
 use std::f64::consts::PI;
 
 use bsm_kin::{BallFrame, Contact, Field, FieldOver, Motion, Over, Scalar};

@@ -161,10 +161,6 @@ pub const MOST_LOSS_ERROR: f64 = 0.5;
 /// Bound of the error of an efficiency by integration over the contact ellipses (T25).
 ///
 /// * `difference`: to the efficiency of another quadrature. * `accuracy`: of the one that was taken.
-#[expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
 #[inline(always)]
 pub fn quadrature_error<F: Compare>(difference: F, accuracy: f64) -> F {
     // δη = max(20 |η'(y') − η(y)|, ε/200, 10⁻⁹)                           (T25)
@@ -173,10 +169,6 @@ pub fn quadrature_error<F: Compare>(difference: F, accuracy: f64) -> F {
 
 /// Skid number of a ball whose friction is already spent on the slip of the lead, see
 /// [`SkidNumbers::onset_number`] (W11).
-#[expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
 #[inline(always)]
 pub fn onset_number<F: Field>(skid_number: F, cross_slip: F) -> F {
     // S = G √(1 + χ²)                                                     (W11)
@@ -185,10 +177,6 @@ pub fn onset_number<F: Field>(skid_number: F, cross_slip: F) -> F {
 
 /// Direction of a friction force on the ball \[rad\] from its parts across the groove and along the helix; see
 /// [`Contact::slip_angle`].
-#[expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
 #[inline(always)]
 pub fn friction_angle<F: Compare>([across, along]: [F; 2]) -> F {
     along.zip(across, f64::atan2)
@@ -198,10 +186,6 @@ pub fn friction_angle<F: Compare>([across, along]: [F; 2]) -> F {
 ///
 /// * `back`: where the load drives.
 /// * `bound`: of the error of the efficiency.
-#[expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
 #[inline(always)]
 pub fn loss_error<F: Compare>(back: F::Mask, efficiency: F, bound: F) -> F {
     // P_f/P_out = 1/η − 1 of a drive, P_f/P_in = 1 − η of a load that drives:

@@ -344,10 +344,6 @@ pub fn film_heating<F: Field>(
 /// The coefficient of a plain thread of an efficiency (Y31).
 ///
 /// * `back`: where linear motion drives. * `tan`: of the lead angle.
-#[expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
 #[inline(always)]
 pub fn catalogue_friction<F: Field>(back: F::Mask, tan: F, efficiency: F) -> F {
     // η = (1 − μ tanα)/(1 + μ/tanα),  back-driving (1 − μ/tanα)/(1 + μ tanα)  (Y31)
