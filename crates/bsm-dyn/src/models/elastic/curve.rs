@@ -169,12 +169,8 @@ impl SlidingCurve<'_> {
         if let Some(root) = root {
             return Ok(root);
         }
-        match end {
-            Exit::Ended => {}
-            Exit::Lost(_) if !admissible => {}
-            Exit::Lost(_) | Exit::MostPoints | Exit::Closed | Exit::NoCurve(_) => {
-                return Err(Unsolved::LOST);
-            }
+        if end != Exit::Ended && (end != Exit::Lost || admissible) {
+            return Err(Unsolved::LOST);
         }
         let reason = match seen {
             Some((least, most)) => Reason::NoSkidAtInertia { inertia, least, most },
