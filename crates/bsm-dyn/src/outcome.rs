@@ -4,30 +4,41 @@ use std::fmt;
 
 use bsm_newton::{EvalError, Report, Status as NewtonStatus};
 
-/// The raceway at which the ball does not spin.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Control {
-    /// The nut.
-    Nut,
-    /// The screw.
-    Screw,
-}
+/// An enum whose variants have names in files and on the command line.
+macro_rules! named {
+    (
+        $(#[$about:meta])*
+        pub enum $kind:ident { $($(#[$of:meta])* $variant:ident = $name:literal,)* }
+    ) => {
+        $(#[$about])*
+        pub enum $kind { $($(#[$of])* $variant,)* }
 
-impl Control {
-    /// Both raceways.
-    pub const ALL: [Self; 2] = [Self::Nut, Self::Screw];
+        impl $kind {
+            /// All of them, in their order.
+            pub const ALL: [Self; [$($name),*].len()] = [$(Self::$variant),*];
 
-    /// Name in files and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Nut => "nut",
-            Self::Screw => "screw",
+            /// Name in files and on the command line.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name,)* }
+            }
+
+            /// The one of that name.
+            pub fn from_name(name: &str) -> Option<Self> {
+                Self::ALL.into_iter().find(|one| one.name() == name)
+            }
         }
-    }
+    };
+}
+pub(crate) use named;
 
-    /// The raceway of that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|raceway| raceway.name() == name)
+named! {
+    /// The raceway at which the ball does not spin.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Control {
+        /// The nut.
+        Nut = "nut",
+        /// The screw.
+        Screw = "screw",
     }
 }
 
@@ -66,32 +77,18 @@ impl Direction {
     }
 }
 
-/// How a solve ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Status {
-    /// The outputs are the solution.
-    Converged,
-    /// None exists, as far as the [`Evidence`] goes.
-    NoSolution,
-    /// The iteration found none, and none is proven not to exist.
-    NotConverged,
-    /// The model does not take these inputs.
-    InvalidInput,
-}
-
-impl Status {
-    /// All of them, in the order of their numbers.
-    pub const ALL: [Self; 4] =
-        [Self::Converged, Self::NoSolution, Self::NotConverged, Self::InvalidInput];
-
-    /// Name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::NoSolution => "no_solution",
-            Self::NotConverged => "not_converged",
-            Self::InvalidInput => "invalid_input",
-        }
+named! {
+    /// How a solve ended.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Status {
+        /// The outputs are the solution.
+        Converged = "converged",
+        /// None exists, as far as the [`Evidence`] goes.
+        NoSolution = "no_solution",
+        /// The iteration found none, and none is proven not to exist.
+        NotConverged = "not_converged",
+        /// The model does not take these inputs.
+        InvalidInput = "invalid_input",
     }
 }
 

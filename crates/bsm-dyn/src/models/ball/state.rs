@@ -7,7 +7,7 @@ use bsm_simd::Compare;
 use nalgebra::Vector3;
 
 use crate::contact::{FilmState, POWER_BALANCE_TOL, Power, efficiency};
-use crate::outcome::{Control, Direction, Reason, Unsolved};
+use crate::outcome::{Control, Direction, Reason, Unsolved, named};
 
 /// What a model says of the steady ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -329,21 +329,20 @@ pub const ROLLING_BELOW: f64 = 0.1;
 /// Onset number above which friction is nearly saturated.
 const GROSS_SKID_ABOVE: f64 = 2.0;
 
-/// What a ball does, by its onset number (W11).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum SlipRegime {
-    /// It rolls on both raceways.
-    Rolling,
-    /// Between rolling and sliding.
-    PartialSkid,
-    /// Friction is nearly saturated at both contacts.
-    GrossSkid,
+named! {
+    /// What a ball does, by its onset number (W11).
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum SlipRegime {
+        /// It rolls on both raceways.
+        Rolling = "rolling",
+        /// Between rolling and sliding.
+        PartialSkid = "partial skid",
+        /// Friction is nearly saturated at both contacts.
+        GrossSkid = "gross skid",
+    }
 }
 
 impl SlipRegime {
-    /// From rolling to gross skid.
-    pub const ALL: [Self; 3] = [Self::Rolling, Self::PartialSkid, Self::GrossSkid];
-
     /// The motion at an onset number.
     pub fn of(onset_number: f64) -> Self {
         if onset_number < ROLLING_BELOW {
@@ -352,15 +351,6 @@ impl SlipRegime {
             Self::PartialSkid
         } else {
             Self::GrossSkid
-        }
-    }
-
-    /// Name of the regime.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Rolling => "rolling",
-            Self::PartialSkid => "partial skid",
-            Self::GrossSkid => "gross skid",
         }
     }
 }

@@ -17,15 +17,18 @@ use crate::models::ball::{
 use crate::models::raceway_control::RacewayControl;
 use crate::models::traction::{Traction, TrainBall};
 use crate::models::workspace::ModelWorkspace;
+use crate::outcome::named;
 
-/// What friction is in the raceway-control model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum RacewayFriction {
-    /// The law of each point of the ellipses.
-    #[default]
-    Local,
-    /// One coefficient for each contact (Y23).
-    PerContact,
+named! {
+    /// What friction is in the raceway-control model.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub enum RacewayFriction {
+        /// The law of each point of the ellipses.
+        #[default]
+        Local = "local",
+        /// One coefficient for each contact (Y23).
+        PerContact = "contact",
+    }
 }
 
 /// The model of the ball; its friction coefficient is not read.
@@ -47,22 +50,6 @@ pub struct Lubricated<D = f64> {
 }
 
 impl RacewayFriction {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Local, Self::PerContact];
-
-    /// Name in files and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Local => "local",
-            Self::PerContact => "contact",
-        }
-    }
-
-    /// The one of that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|friction| friction.name() == name)
-    }
-
     /// Accuracy of the rule: sums of a coefficient of one need fewer nodes.
     pub(super) fn accuracy(self) -> f64 {
         match self {
