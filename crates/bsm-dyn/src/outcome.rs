@@ -293,66 +293,44 @@ impl fmt::Display for Evidence {
 
 /// Why a model has no answer.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Unsolved {
-    /// There is none.
-    NoSolution {
-        /// Why.
-        reason: Reason,
-        /// What says so.
-        evidence: Evidence,
-    },
-    /// The iteration found none, and none is shown not to exist.
-    NotConverged {
-        /// How it ended.
-        reason: Reason,
-    },
-    /// The model does not take these inputs.
-    InvalidInput {
-        /// Which.
-        reason: Reason,
-    },
+pub struct Unsolved {
+    status: Status,
+    reason: Reason,
+    evidence: Option<Evidence>,
 }
 
 impl Unsolved {
     /// A failed search: no root is found, and none is excluded.
-    pub(crate) const LOST: Self = Self::NotConverged { reason: Reason::SearchLost };
+    pub(crate) const LOST: Self = Self::not_converged(Reason::SearchLost);
 
+    /// There is none, and what says so.
     pub(crate) fn none(evidence: Evidence, reason: Reason) -> Self {
-        Self::NoSolution { reason, evidence }
+        Self { status: Status::NoSolution, reason, evidence: Some(evidence) }
     }
 
-    pub(crate) fn not_converged(reason: Reason) -> Self {
-        Self::NotConverged { reason }
+    /// The iteration found none, and none is shown not to exist.
+    pub(crate) const fn not_converged(reason: Reason) -> Self {
+        Self { status: Status::NotConverged, reason, evidence: None }
     }
 
+    /// The model does not take these inputs.
     pub(crate) fn invalid(reason: Reason) -> Self {
-        Self::InvalidInput { reason }
+        Self { status: Status::InvalidInput, reason, evidence: None }
     }
 
     /// How the solve ended.
     pub fn status(&self) -> Status {
-        match self {
-            Self::NoSolution { .. } => Status::NoSolution,
-            Self::NotConverged { .. } => Status::NotConverged,
-            Self::InvalidInput { .. } => Status::InvalidInput,
-        }
+        self.status
     }
 
     /// Why.
     pub fn reason(&self) -> &Reason {
-        match self {
-            Self::NoSolution { reason, .. }
-            | Self::NotConverged { reason }
-            | Self::InvalidInput { reason } => reason,
-        }
+        &self.reason
     }
 
     /// What says that there is none, if there is none.
     pub fn evidence(&self) -> Option<Evidence> {
-        match self {
-            Self::NoSolution { evidence, .. } => Some(*evidence),
-            Self::NotConverged { .. } | Self::InvalidInput { .. } => None,
-        }
+        self.evidence
     }
 }
 

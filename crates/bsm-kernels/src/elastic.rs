@@ -97,7 +97,7 @@ fn outputs<S: Simd>(
     pair: &Balls<S>,
 ) -> Lane<S> {
     let (w, lead) = (units.speed, (pair.sin_a, pair.cos_a));
-    let to_nut = skid.rotation().in_frenet();
+    let to_nut = skid.rotation();
     ball_motion(out, w, skid.rate, relative_rotation(to_nut, -pair.nut_speed, lead));
     let ([sin_a, sin_b], [cos_a, cos_b]) = (skid.state.sin, skid.state.cos);
     let to_screw = relative_rotation(to_nut, pair.constant(1.0), lead);

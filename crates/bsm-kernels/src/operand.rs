@@ -147,7 +147,9 @@ impl<S: Simd> LaneInputs<'_, S> {
                 let mut valid = zero.le(zero);
                 // Constants were checked.
                 for place in &self.operands.columns {
-                    let InputColumn::Column(rule, values) = &self.operands.inputs[*place] else { continue };
+                    let InputColumn::Column(rule, values) = &self.operands.inputs[*place] else {
+                        continue;
+                    };
                     let x = self.load(values);
                     let size = x.abs();
                     let plain = size.le(zero) | (least.le(size) & size.le(most));

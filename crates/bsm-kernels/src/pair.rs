@@ -52,7 +52,8 @@ pub(super) fn set_contacts<S: Simd>(
             let [q_a, q_b] = [nut.load * units.load, screw.load * units.load];
             out.set_all(OutputKey::nut_normal_load_N, [q_a, q_b]);
             if out.wants(&[OutputKey::nut_contact_angle_deg, OutputKey::screw_contact_angle_deg]) {
-                let angles = [nut.sin.zip(nut.cos, f64::atan2), screw.sin.zip(screw.cos, f64::atan2)];
+                let angles =
+                    [nut.sin.zip(nut.cos, f64::atan2), screw.sin.zip(screw.cos, f64::atan2)];
                 out.set_all(OutputKey::nut_contact_angle_deg, [angles[0] / DEG, angles[1] / DEG]);
             }
             let (a, b) = nut.semi_axes(&pair.pressed[0]);

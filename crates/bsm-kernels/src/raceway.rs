@@ -63,7 +63,12 @@ pub(super) fn raceway_row<S: Simd>(
             let roll = rolling_ball(given.simd, pair, control);
             let (zero, unique) = (roll.residual.constant(0.0), roll.unique);
             if !roll.found.any() {
-                return RacewayNumbers { efficiency: zero, skid: [zero; 2], found: roll.found, unique };
+                return RacewayNumbers {
+                    efficiency: zero,
+                    skid: [zero; 2],
+                    found: roll.found,
+                    unique,
+                };
             }
             let motion = Motion::of(pair, &roll);
             set_contacts(given.simd, out, (units, pair), &roll.sides);

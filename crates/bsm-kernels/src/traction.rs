@@ -197,7 +197,7 @@ fn start<S: Simd>(
         let (s, c) = skid.tilt;
         tilt = skidding.select(s.zip(c, f64::atan2), tilt);
         p = skidding.select(skid.precession(), p);
-        let [t, n, b] = skid.rotation().in_frenet();
+        let [t, n, b] = skid.rotation();
         omega = [
             skidding.select(t, omega[0]),
             skidding.select(n, omega[1]),

@@ -20,4 +20,3 @@ named! {
         Traction = "traction",
     }
 }
-

@@ -12,7 +12,7 @@ use crate::contact::{
 use crate::ellipse::{Integrate, Nodes, Quadrature};
 use crate::models::ball::{
     BallLoads, BallState, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint, ErrorBound, Model,
-    Reason, Solution, Solved, Steady, SteadyRoot, Transmission, Unsolved, to_both, unit_powers,
+    Reason, Solution, Solved, Steady, SteadyRoot, Transmission, Unsolved, to_both,
 };
 use crate::models::raceway_control::RacewayControl;
 use crate::models::traction::{Traction, TrainBall};
@@ -76,7 +76,7 @@ impl RacewayFriction {
     ) -> ([D; 2], [EhlLoss<D>; 2]) {
         let [oil, dry] = rules.map(Nodes::from);
         let (motions, creep) = (to_both(to_nut, &loaded.frame), RacewayControl::CREEP);
-        let unit = unit_powers(pair, loaded, to_nut, creep, [dry; 2]);
+        let unit = pair.unit_powers(loaded, to_nut, creep, [dry; 2]);
         let losses = std::array::from_fn(|i| {
             let motion = &motions[i];
             match self {
@@ -267,12 +267,13 @@ impl Lubricated {
             }
         });
         let of_one: f64 = found.unit.iter().sum::<f64>() * unit;
+        let conductivity = self.lubricant.oil.base.conductivity();
         let heating = [0, 1].map(|i| {
             let (a, b) = pair.hertz[i].semi_axes(loaded.loads[i] * ehl.units.load);
             let power = losses[i].sliding * unit / screw.point.load.balls;
             let ContactFilm { thickness, entrainment, .. } = contacts[i];
             let heat = power / (std::f64::consts::PI * a * b);
-            film_heating(heat, thickness, (b, entrainment), self.conductivity())
+            film_heating(heat, thickness, (b, entrainment), conductivity)
         });
         let film = FilmState {
             temperature: ehl.oil.temperature,
@@ -303,10 +304,6 @@ impl Lubricated {
                 .map(|error| ErrorBound::of(pair.direction, transmission.efficiency, error)),
             ..Solved::new(&ball, transmission)
         })
-    }
-
-    fn conductivity(&self) -> f64 {
-        self.lubricant.oil.base.conductivity()
     }
 }
 
