@@ -1,4 +1,4 @@
-//! Points of the extreme ranges, for tests.
+//! Points for tests: of practice, of the extreme ranges, and of a nut.
 
 use std::f64::consts::PI;
 
@@ -58,5 +58,23 @@ pub(crate) fn extreme(rng: &mut impl Rng) -> ElasticPoint {
         },
         conformity,
         material: (material(groove), material(ball)),
+    }
+}
+
+/// The screw of the independent nut solutions: 40 x 10, balls of 6.35 mm; speed in rad/s.
+pub(crate) fn of_a_nut(axial: f64, balls: f64, screw_speed: f64) -> ElasticPoint {
+    let radius = 20.668e-3;
+    let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
+    ElasticPoint {
+        point: OperatingPoint {
+            helix: Helix { radius, lead_angle: (10e-3 / (2.0 * PI * radius)).atan() },
+            contact_angle: 45.0_f64.to_radians(),
+            ball: Ball::of_density(3.175e-3, 7850.0),
+            friction: Coulomb(0.06),
+            drive: Drive { screw_speed, nut_speed: 0.0 },
+            load: Load { axial, balls },
+        },
+        conformity: (0.5203, 0.5203),
+        material: (steel, steel),
     }
 }

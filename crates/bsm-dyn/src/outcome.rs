@@ -4,30 +4,41 @@ use std::fmt;
 
 use bsm_newton::{EvalError, Report, Status as NewtonStatus};
 
-/// The raceway at which the ball does not spin.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Control {
-    /// The nut.
-    Nut,
-    /// The screw.
-    Screw,
-}
+/// An enum whose variants have names in files and on the command line.
+macro_rules! named {
+    (
+        $(#[$about:meta])*
+        pub enum $kind:ident { $($(#[$of:meta])* $variant:ident = $name:literal,)* }
+    ) => {
+        $(#[$about])*
+        pub enum $kind { $($(#[$of])* $variant,)* }
 
-impl Control {
-    /// Both raceways.
-    pub const ALL: [Self; 2] = [Self::Nut, Self::Screw];
+        impl $kind {
+            /// All of them, in their order.
+            pub const ALL: [Self; [$($name),*].len()] = [$(Self::$variant),*];
 
-    /// Name in files and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Nut => "nut",
-            Self::Screw => "screw",
+            /// Name in files and on the command line.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name,)* }
+            }
+
+            /// The one of that name.
+            pub fn from_name(name: &str) -> Option<Self> {
+                Self::ALL.into_iter().find(|one| one.name() == name)
+            }
         }
-    }
+    };
+}
+pub(crate) use named;
 
-    /// The raceway of that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|raceway| raceway.name() == name)
+named! {
+    /// The raceway at which the ball does not spin.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Control {
+        /// The nut.
+        Nut = "nut",
+        /// The screw.
+        Screw = "screw",
     }
 }
 
@@ -66,32 +77,18 @@ impl Direction {
     }
 }
 
-/// How a solve ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Status {
-    /// The outputs are the solution.
-    Converged,
-    /// None exists, as far as the [`Evidence`] goes.
-    NoSolution,
-    /// The iteration found none, and none is proven not to exist.
-    NotConverged,
-    /// The model does not take these inputs.
-    InvalidInput,
-}
-
-impl Status {
-    /// All of them, in the order of their numbers.
-    pub const ALL: [Self; 4] =
-        [Self::Converged, Self::NoSolution, Self::NotConverged, Self::InvalidInput];
-
-    /// Name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::NoSolution => "no_solution",
-            Self::NotConverged => "not_converged",
-            Self::InvalidInput => "invalid_input",
-        }
+named! {
+    /// How a solve ended.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Status {
+        /// The outputs are the solution.
+        Converged = "converged",
+        /// None exists, as far as the [`Evidence`] goes.
+        NoSolution = "no_solution",
+        /// The iteration found none, and none is proven not to exist.
+        NotConverged = "not_converged",
+        /// The model does not take these inputs.
+        InvalidInput = "invalid_input",
     }
 }
 
@@ -296,66 +293,44 @@ impl fmt::Display for Evidence {
 
 /// Why a model has no answer.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Unsolved {
-    /// There is none.
-    NoSolution {
-        /// Why.
-        reason: Reason,
-        /// What says so.
-        evidence: Evidence,
-    },
-    /// The iteration found none, and none is shown not to exist.
-    NotConverged {
-        /// How it ended.
-        reason: Reason,
-    },
-    /// The model does not take these inputs.
-    InvalidInput {
-        /// Which.
-        reason: Reason,
-    },
+pub struct Unsolved {
+    status: Status,
+    reason: Reason,
+    evidence: Option<Evidence>,
 }
 
 impl Unsolved {
     /// A failed search: no root is found, and none is excluded.
-    pub(crate) const LOST: Self = Self::NotConverged { reason: Reason::SearchLost };
+    pub(crate) const LOST: Self = Self::not_converged(Reason::SearchLost);
 
+    /// There is none, and what says so.
     pub(crate) fn none(evidence: Evidence, reason: Reason) -> Self {
-        Self::NoSolution { reason, evidence }
+        Self { status: Status::NoSolution, reason, evidence: Some(evidence) }
     }
 
-    pub(crate) fn not_converged(reason: Reason) -> Self {
-        Self::NotConverged { reason }
+    /// The iteration found none, and none is shown not to exist.
+    pub(crate) const fn not_converged(reason: Reason) -> Self {
+        Self { status: Status::NotConverged, reason, evidence: None }
     }
 
+    /// The model does not take these inputs.
     pub(crate) fn invalid(reason: Reason) -> Self {
-        Self::InvalidInput { reason }
+        Self { status: Status::InvalidInput, reason, evidence: None }
     }
 
     /// How the solve ended.
     pub fn status(&self) -> Status {
-        match self {
-            Self::NoSolution { .. } => Status::NoSolution,
-            Self::NotConverged { .. } => Status::NotConverged,
-            Self::InvalidInput { .. } => Status::InvalidInput,
-        }
+        self.status
     }
 
     /// Why.
     pub fn reason(&self) -> &Reason {
-        match self {
-            Self::NoSolution { reason, .. }
-            | Self::NotConverged { reason }
-            | Self::InvalidInput { reason } => reason,
-        }
+        &self.reason
     }
 
     /// What says that there is none, if there is none.
     pub fn evidence(&self) -> Option<Evidence> {
-        match self {
-            Self::NoSolution { evidence, .. } => Some(*evidence),
-            Self::NotConverged { .. } | Self::InvalidInput { .. } => None,
-        }
+        self.evidence
     }
 }
 

@@ -29,7 +29,7 @@ impl Kernel for ClosedForm {
             out.set_all(OutputKey::nut_slip_angle_deg, angles);
         }
         out.set_flag(OutputKey::self_locking, sines.self_locking(back, f));
-        transmit(given, out, &NoInertia { back, tan_a: sines.tan_a(), eta, ratio });
+        transmit(given, out, (back, sines.tan_a()), (eta, ratio));
         let zero = f.constant(0.0);
         zero.le(zero)
     }
@@ -49,21 +49,15 @@ pub(super) fn contact_angles<S: Simd>(given: &LaneInputs<'_, S>, out: &mut Sink<
     out.set_all(OutputKey::nut_contact_angle_deg, [angle; 2]);
 }
 
-/// What a model without inertia knows.
-pub(super) struct NoInertia<S: Simd> {
-    pub(super) back: Mask<S>,
-    pub(super) tan_a: Lane<S>,
-    pub(super) eta: Lane<S>,
-    /// Normal load over axial load per ball.
-    pub(super) ratio: Lane<S>,
-}
-
 /// Torque, loads and powers, if size and load are given; none where the screw cannot be turned.
+///
+/// * `ratio`: normal load over axial load per ball.
 #[inline(always)]
 pub(super) fn transmit<S: Simd>(
     given: &LaneInputs<'_, S>,
     out: &mut Sink<'_, '_>,
-    known: &NoInertia<S>,
+    (back, tan_a): (Mask<S>, Lane<S>),
+    (eta, ratio): (Lane<S>, Lane<S>),
 ) {
     let (Some(pitch), Some(load), Some(balls)) = (
         given.try_get(InputKey::pitch_circle_diameter_mm),
@@ -72,7 +66,6 @@ pub(super) fn transmit<S: Simd>(
     ) else {
         return;
     };
-    let NoInertia { back, tan_a, eta, ratio } = *known;
     let zero = eta.constant(0.0);
     let turns = (back | eta.gt(zero)) & ratio.gt(zero) & ratio.lt(zero.constant(f64::INFINITY));
     let none = zero.constant(f64::NAN);

@@ -3,11 +3,6 @@
 //! A kernel answers the ordinary points of its model, and leaves the others to the model itself,
 //! which also writes the messages. Formulas are those of the model, over lanes; the tests compare the two.
 
-#![expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
-
 mod auto;
 mod closed_form;
 mod elastic;
@@ -28,7 +23,7 @@ use self::elastic::Elastic;
 use self::quasi_static::QuasiStatic;
 use self::raceway::Raceway;
 use self::rigid::Rigid;
-use crate::operand::{Lane, LaneInputs, Mask, Valid};
+use crate::operand::{Lane, LaneInputs, Mask};
 
 pub use operand::{InputColumn, InputColumns, is_plain};
 
@@ -188,7 +183,7 @@ impl<K: Kernel> WithSimd for Run<'_, '_, K> {
             let given = LaneInputs { simd, operands, row: first + row };
             let mut out = Sink { wanted, columns: &mut *columns, row };
             let solved = self.kernel.solve(&given, &mut out);
-            let valid = simd.vectorize(Valid { given: &given, model: K::MODEL });
+            let valid = given.valid(K::MODEL);
             (solved & valid).store(&mut done[row..]);
         }
     }

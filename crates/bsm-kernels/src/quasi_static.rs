@@ -4,7 +4,7 @@ use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::{Model, TwoContacts};
 use bsm_simd::Simd;
 
-use crate::closed_form::{NoInertia, backwards, contact_angles, transmit};
+use crate::closed_form::{backwards, contact_angles, transmit};
 use crate::operand::{LaneInputs, Mask};
 use crate::{Kernel, Sink};
 
@@ -32,7 +32,7 @@ impl Kernel for QuasiStatic {
         out.set(OutputKey::efficiency, eta);
         contact_angles(given, out);
         out.set_flag(OutputKey::self_locking, eta.le(zero));
-        transmit(given, out, &NoInertia { back, tan_a: contacts.sines.tan_a(), eta, ratio });
+        transmit(given, out, (back, contacts.sines.tan_a()), (eta, ratio));
         ratio.gt(zero)
     }
 }

@@ -1,10 +1,5 @@
 //! The arithmetic that a formula needs to hold for one point and for many.
 
-#![expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
-
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use num_dual::{DualNum, DualNumCopy};

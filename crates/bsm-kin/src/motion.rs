@@ -2,11 +2,6 @@
 //!
 //! Theory: `docs/theory/01-kinematics.md`, equations (K12) to (K14).
 
-#![expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
-
 use nalgebra::Vector3;
 
 use crate::{BallFrame, Contact, Field, Scalar};

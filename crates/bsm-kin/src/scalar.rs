@@ -1,13 +1,11 @@
 //! The scalar that every formula is generic over; the only file that names the traits of the
 //! dual-number crate.
 
-use std::ops::{Add, Mul, Sub};
-
 use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign};
 use num_dual::{DualNum, DualNumCopy};
 use num_traits::{One, Zero};
 
-use crate::Field;
+use crate::{Field, FieldOver};
 
 /// Scalar of every equation: `f64`, a [`Jet`](crate::Jet), or any dual number of num-dual.
 pub trait Scalar:
@@ -52,15 +50,9 @@ pub trait Scalar:
 
 /// Scalar that constants of the type `P` enter: a jet in the unknowns over numbers, or the same jet
 /// over constants that are jets themselves.
-pub trait Over<P>:
-    Scalar + From<P> + Add<P, Output = Self> + Sub<P, Output = Self> + Mul<P, Output = Self>
-{
-}
+pub trait Over<P>: Scalar + FieldOver<P> + From<P> {}
 
-impl<P, D> Over<P> for D where
-    D: Scalar + From<P> + Add<P, Output = D> + Sub<P, Output = D> + Mul<P, Output = D>
-{
-}
+impl<P, D: Scalar + FieldOver<P> + From<P>> Over<P> for D {}
 
 impl<T: DualNumCopy + DualNum<Primitive = f64>> Scalar for T {
     fn re(&self) -> f64 {

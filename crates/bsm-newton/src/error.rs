@@ -16,8 +16,5 @@ pub struct EvalError {
 
 /// A matrix has a pivot that is zero or not finite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[error("pivot {pivot} of the matrix is zero or not finite")]
-pub struct Singular {
-    /// Number of the pivot in the order of elimination.
-    pub pivot: usize,
-}
+#[error("a pivot of the matrix is zero or not finite")]
+pub struct Singular;

@@ -2,10 +2,7 @@
 
 use std::array::from_fn;
 
-use crate::{
-    Bracket, Equations, EvalError, JacobianUpdate, Options, RootResult, Scales, Status, Workspace,
-    solve,
-};
+use crate::{Bracket, Equations, EvalError, JacobianUpdate, Options, Scales, Workspace, solve};
 
 /// Direction of the curve of the first `N − 1` equations at `z`, where the last equation is a plane
 /// across it (N8).
@@ -19,26 +16,22 @@ use crate::{
 ///
 /// * `f_scale`: what counts as one unit of each equation, as in [`Scales::f`](crate::Scales::f).
 ///
-/// # Errors
-///
-/// [`Status::OutsideDomain`] or [`Status::SingularJacobian`]: there is no direction, as where the
-/// curve branches or the plane touches it.
+/// `None` outside the domain, and where there is no direction: where the curve branches or the plane touches it.
 pub fn path_direction<const N: usize, E: Equations<N> + ?Sized>(
     equations: &E,
     z: &[f64; N],
     f_scale: &[f64; N],
     work: &mut Workspace<N>,
-) -> Result<[f64; N], Status> {
-    work.linearize(equations, z, f_scale).map_err(|_| Status::OutsideDomain)?;
-    work.factorize().map_err(|_| Status::SingularJacobian)?;
+) -> Option<[f64; N]> {
+    work.linearize(equations, z, f_scale).ok()?;
+    work.factorize().ok()?;
     // D_F J t = sgn(det J) e_N                                            (N8)
     let mut direction = [0.0; N];
     if let Some(last) = direction.last_mut() {
         *last = work.linear.determinant_sign();
     }
     work.linear.solve(&mut direction);
-    let finite = direction.iter().all(|t| t.is_finite());
-    if finite { Ok(direction) } else { Err(Status::SingularJacobian) }
+    direction.iter().all(|t| t.is_finite()).then_some(direction)
 }
 
 /// `N` equations of `M = N + 1` unknowns: a curve.
@@ -125,10 +118,6 @@ pub struct EventRoot<const M: usize> {
     pub z: [f64; M],
     /// Residual value of the event; not small where the event jumps.
     pub value: f64,
-    /// True if the value rises.
-    pub rises: bool,
-    /// Length of the path up to here.
-    pub arc: f64,
 }
 
 /// Why a path ended.
@@ -140,24 +129,10 @@ pub enum Exit {
     Ended,
     /// Cut short after as many points as are allowed.
     MostPoints,
-    /// Cut short: the shortest step led to no point of the curve; what the equations last refused.
-    Lost(Option<EvalError>),
+    /// Cut short: the shortest step led to no point of the curve.
+    Lost,
     /// There is no curve at the seed.
-    NoCurve(Status),
-}
-
-/// How closely a path was looked at.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Resolution {
-    /// The longest step.
-    pub longest: f64,
-    /// Steps of length [`StepControl::pair`] or less that may hide a pair of crossings (N14). Zero: no pair
-    /// is missed but one that the values and slopes of the events at both ends of a step do not show.
-    pub unresolved: usize,
-    /// Points.
-    pub points: usize,
-    /// Length of the path.
-    pub arc: f64,
+    NoCurve,
 }
 
 /// What was seen of a curve.
@@ -169,8 +144,11 @@ pub struct Trace<const M: usize> {
     pub last: [f64; M],
     /// Why it ended.
     pub end: Exit,
-    /// How closely it was looked at.
-    pub resolution: Resolution,
+    /// Points.
+    pub points: usize,
+    /// Steps of length [`StepControl::pair`] or less that may hide a pair of crossings (N14). Zero: no pair
+    /// is missed but one that the values and slopes of the events at both ends of a step do not show.
+    pub unresolved: usize,
     /// Newton steps of all corrections.
     pub steps: usize,
 }
@@ -208,11 +186,9 @@ pub fn trace<const N: usize, const M: usize, const K: usize, F: Homotopy<N, M>>(
     stride: &StepControl,
 ) -> Trace<M> {
     const { assert!(M == N + 1, "a curve has one unknown more than equations") };
-    let resolution = Resolution { longest: 0.0, unresolved: 0, points: 0, arc: 0.0 };
-    let trace =
-        Trace { crossings: Vec::new(), last: seed.z, end: Exit::MostPoints, resolution, steps: 0 };
-    let work = Workspace::default();
-    Tracer { family, events, on, stride, work, domain_error: None, trace }.run(seed)
+    let (crossings, end) = (Vec::new(), Exit::MostPoints);
+    let trace = Trace { crossings, last: seed.z, end, points: 0, unresolved: 0, steps: 0 };
+    Tracer { family, events, on, stride, work: Workspace::default(), trace }.run(seed)
 }
 
 /// The equations of a curve and a plane across it.
@@ -258,7 +234,6 @@ struct Tracer<'a, const N: usize, const M: usize, F, E, D> {
     on: D,
     stride: &'a StepControl,
     work: Workspace<M>,
-    domain_error: Option<EvalError>,
     trace: Trace<M>,
 }
 
@@ -270,21 +245,21 @@ where
 {
     fn run(mut self, seed: &Seed<M>) -> Trace<M> {
         self.trace.end = match self.begin(seed) {
-            Ok((begin, sense)) => self.walk(&begin, sense),
-            Err(status) => Exit::NoCurve(status),
+            Some((begin, sense)) => self.walk(&begin, sense),
+            None => Exit::NoCurve,
         };
         self.trace
     }
 
     /// The first point, and the sense of the way against that of (N8).
-    fn begin(&mut self, seed: &Seed<M>) -> Result<(Node<M, K>, f64), Status> {
+    fn begin(&mut self, seed: &Seed<M>) -> Option<(Node<M, K>, f64)> {
         let sizes = self.family.sizes(&seed.z);
         let across = unit(&seed.towards, &sizes);
         let (z, _) = self.corrected(&seed.z, &across, &sizes)?;
         let free = self.node(&z, &across, 1.0)?;
         let along = dot(&free.direction, &normal(&across, &sizes));
         let sense = if along < 0.0 { -1.0 } else { 1.0 };
-        Ok((self.node(&z, &across, sense)?, sense))
+        Some((self.node(&z, &across, sense)?, sense))
     }
 
     /// The point of the curve in the plane through `foot` across a direction, and Newton steps.
@@ -293,7 +268,7 @@ where
         foot: &[f64; M],
         direction: &[f64; M],
         sizes: &[f64; M],
-    ) -> Result<([f64; M], usize), Status> {
+    ) -> Option<([f64; M], usize)> {
         let plane = OnPlane { family: self.family, foot: *foot, normal: normal(direction, sizes) };
         let scales = Scales { x: &sizes.map(f64::recip), f: &self.weights(foot) };
         let residual_goal = self.stride.goal;
@@ -308,8 +283,7 @@ where
         let mut z = *foot;
         let report = solve(&plane, &mut z, &scales, &options, &mut self.work);
         self.trace.steps += report.steps.len();
-        self.domain_error = report.domain_error.or(self.domain_error);
-        if report.converged() { Ok((z, report.steps.len())) } else { Err(report.status) }
+        report.converged().then_some((z, report.steps.len()))
     }
 
     fn weights(&self, z: &[f64; M]) -> [f64; M] {
@@ -318,27 +292,24 @@ where
     }
 
     /// The point with its direction and events.
-    fn node(&mut self, z: &[f64; M], across: &[f64; M], sense: f64) -> Result<Node<M, K>, Status> {
+    fn node(&mut self, z: &[f64; M], across: &[f64; M], sense: f64) -> Option<Node<M, K>> {
         let sizes = self.family.sizes(z);
         let plane = OnPlane { family: self.family, foot: *z, normal: normal(across, &sizes) };
         let direction = path_direction(&plane, z, &self.weights(z), &mut self.work)?;
         let direction = unit(&direction.map(|t| t * sense), &sizes);
         let events = (self.events)(z, &direction);
         let known = events.iter().all(|(value, slope)| !value.is_nan() && !slope.is_nan());
-        if known { Ok(Node { z: *z, direction, sizes, events }) } else { Err(Status::NotFinite) }
+        known.then_some(Node { z: *z, direction, sizes, events })
     }
 
     fn walk(&mut self, begin: &Node<M, K>, sense: f64) -> Exit {
         let (mut at, mut length) = (*begin, self.stride.first);
         for point in 0..self.stride.most_points {
-            self.trace.resolution.points = point + 1;
-            let Some((next, moved, easy)) = self.next(&at, begin, &mut length, sense, point) else {
-                return Exit::Lost(self.domain_error);
+            self.trace.points = point + 1;
+            let Some((next, easy)) = self.next(&at, begin, &mut length, sense, point) else {
+                return Exit::Lost;
             };
             let closed = next.z.iter().zip(&begin.z).all(|(a, b)| a.total_cmp(b).is_eq());
-            let resolution = &mut self.trace.resolution;
-            resolution.longest = resolution.longest.max(moved);
-            resolution.arc += moved;
             self.trace.last = next.z;
             if !(self.on)(&self.trace) {
                 return Exit::Ended;
@@ -352,7 +323,7 @@ where
         Exit::MostPoints
     }
 
-    /// The next point, the length of the step, and whether it was easy; crossings are noted.
+    /// The next point, and whether the step was easy; crossings are noted.
     fn next(
         &mut self,
         at: &Node<M, K>,
@@ -360,7 +331,7 @@ where
         length: &mut f64,
         sense: f64,
         point: usize,
-    ) -> Option<(Node<M, K>, f64, bool)> {
+    ) -> Option<(Node<M, K>, bool)> {
         while *length >= self.stride.shortest {
             if let Some((mut next, easy)) = self.step(at, *length, sense) {
                 let mut moved = distance(&at.z, &next.z, &at.sizes);
@@ -368,9 +339,9 @@ where
                     (next, moved) = (*begin, distance(&at.z, &begin.z, &at.sizes));
                 }
                 let hides = (0..K).any(|k| may_miss_pair([at.events[k], next.events[k]], moved));
-                if (!hides || moved <= self.stride.pair) && self.cross(at, &next, moved) {
-                    self.trace.resolution.unresolved += usize::from(hides);
-                    return Some((next, moved, easy));
+                if (!hides || moved <= self.stride.pair) && self.cross(at, &next) {
+                    self.trace.unresolved += usize::from(hides);
+                    return Some((next, easy));
                 }
             }
             *length *= 0.4;
@@ -380,8 +351,8 @@ where
 
     fn step(&mut self, at: &Node<M, K>, length: f64, sense: f64) -> Option<(Node<M, K>, bool)> {
         let foot: [f64; M] = from_fn(|i| at.z[i] + length * at.direction[i]);
-        let (z, steps) = self.corrected(&foot, &at.direction, &at.sizes).ok()?;
-        let next = self.node(&z, &at.direction, sense).ok()?;
+        let (z, steps) = self.corrected(&foot, &at.direction, &at.sizes)?;
+        let next = self.node(&z, &at.direction, sense)?;
         let arriving = unit(&next.direction, &at.sizes);
         // A step far off its tangent may end on another curve, whatever the direction of that.
         let straight = dot(&arriving, &normal(&at.direction, &at.sizes)) > LEAST_COSINE
@@ -390,8 +361,8 @@ where
     }
 
     /// Notes the crossings between two points; false if one is not found.
-    fn cross(&mut self, at: &Node<M, K>, next: &Node<M, K>, moved: f64) -> bool {
-        let known = self.trace.crossings.len();
+    fn cross(&mut self, at: &Node<M, K>, next: &Node<M, K>) -> bool {
+        let mut crossings = Vec::new();
         let way: [f64; M] = from_fn(|i| next.z[i] - at.z[i]);
         for event in 0..K {
             let values = [at.events[event].0, next.events[event].0];
@@ -404,17 +375,14 @@ where
             let found = bracket.root(|part| {
                 let foot = from_fn(|i| at.z[i] + part * way[i]);
                 match self.corrected(&foot, &across, &at.sizes) {
-                    Ok((z, _)) => {
+                    Some((z, _)) => {
                         place = z;
                         (self.events)(&z, &across)[event].0
                     }
-                    Err(_) => f64::NAN,
+                    None => f64::NAN,
                 }
             });
-            let RootResult::Root(root) = found else {
-                self.trace.crossings.truncate(known);
-                return false;
-            };
+            let Some(root) = found.root() else { return false };
             if root.x >= 1.0 {
                 place = next.z;
             } else if root.x <= 0.0 {
@@ -423,12 +391,10 @@ where
                 let foot = from_fn(|i| at.z[i] + root.x * way[i]);
                 place = self.corrected(&foot, &across, &at.sizes).map_or(place, |(z, _)| z);
             }
-            let arc = self.trace.resolution.arc + root.x * moved;
-            let rises = values[1] > values[0];
-            let crossing = EventRoot { event, z: place, value: root.value, rises, arc };
-            self.trace.crossings.push(crossing);
+            crossings.push((root.x, EventRoot { event, z: place, value: root.value }));
         }
-        self.trace.crossings[known..].sort_by(|a, b| a.arc.total_cmp(&b.arc));
+        crossings.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        self.trace.crossings.extend(crossings.into_iter().map(|(_, crossing)| crossing));
         true
     }
 }

@@ -1,7 +1,5 @@
 //! What a solve did.
 
-use crate::EvalError;
-
 /// Why the iteration ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -20,7 +18,7 @@ pub enum Status {
     NotFinite,
     /// A scale is zero, negative or not finite: no step was taken.
     BadScale,
-    /// The model cannot be evaluated at the starting point, or not linearized; see [`Report::domain_error`].
+    /// The model cannot be evaluated at the starting point, or not linearized.
     OutsideDomain,
 }
 
@@ -68,8 +66,6 @@ pub struct Report {
     pub n_residual: usize,
     /// Jacobian evaluations, one a step that was tried.
     pub n_jacobian: usize,
-    /// What the model last refused, a halved trial step included.
-    pub domain_error: Option<EvalError>,
     /// The accepted steps, in order.
     pub steps: Vec<Step>,
 }

@@ -48,7 +48,7 @@ impl<const N: usize> Workspace<N> {
     /// [`Singular`] if that could not be factorized.
     pub fn correction(&mut self, residual: &[f64; N]) -> Result<[f64; N], Singular> {
         match self.matrix {
-            Matrix::Stale => return Err(Singular { pivot: 0 }),
+            Matrix::Stale => return Err(Singular),
             Matrix::Jacobian => self.factorize()?,
             Matrix::Factors => {}
         }
@@ -114,7 +114,6 @@ pub fn solve<const N: usize, E: Equations<N> + ?Sized>(
         worst_equation_name: String::new(),
         n_residual: 0,
         n_jacobian: 0,
-        domain_error: None,
         steps: Vec::with_capacity(options.max_steps),
     };
     let bad = |d: &[f64; N]| d.iter().position(|d| !(*d > 0.0 && d.is_finite()));
@@ -140,8 +139,7 @@ fn iterate<const N: usize, E: Equations<N> + ?Sized>(
     work.matrix = Matrix::Stale;
     work.d_f = *scales.f;
     let into = (&mut work.r, &mut work.linear, &mut work.matrix);
-    if let Err(domain_error) = evaluate(equations, x, joint, into, report) {
-        report.domain_error = Some(domain_error);
+    if evaluate(equations, x, joint, into, report).is_err() {
         return Status::OutsideDomain;
     }
     loop {
@@ -157,8 +155,7 @@ fn iterate<const N: usize, E: Equations<N> + ?Sized>(
         if !is_chord {
             if work.matrix != Matrix::Jacobian {
                 let into = (&mut work.r, &mut work.linear, &mut work.matrix);
-                if let Err(domain_error) = evaluate(equations, x, true, into, report) {
-                    report.domain_error = Some(domain_error);
+                if evaluate(equations, x, true, into, report).is_err() {
                     return ended(Status::OutsideDomain);
                 }
             }
@@ -282,15 +279,12 @@ impl LineSearch {
             // R(λ δx_k), R(0) = x_k, R'(0) = δx_k                          (N15)
             work.x_trial = equations.retract(x, &work.dx, lambda);
             let into = (&mut work.r, &mut work.linear, &mut work.matrix);
-            match evaluate(equations, &work.x_trial, self.joint, into, report) {
+            if evaluate(equations, &work.x_trial, self.joint, into, report).is_ok() {
                 // φ(λ) ≤ (1 − 2 γ λ) φ(0)                                 (N5)
-                Ok(()) => {
-                    let phi = 0.5 * scaled_norm(&work.r, &work.d_f).0.powi(2);
-                    if phi <= (1.0 - 2.0 * ARMIJO * lambda) * phi_0 {
-                        return Some(lambda);
-                    }
+                let phi = 0.5 * scaled_norm(&work.r, &work.d_f).0.powi(2);
+                if phi <= (1.0 - 2.0 * ARMIJO * lambda) * phi_0 {
+                    return Some(lambda);
                 }
-                Err(domain_error) => report.domain_error = Some(domain_error),
             }
             // λ ← λ/2                                                     (N6)
             lambda *= 0.5;

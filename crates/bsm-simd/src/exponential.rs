@@ -115,26 +115,9 @@ mod tests {
     use std::f64::consts::SQRT_2;
 
     use proptest::prelude::*;
-    use pulp::{Arch, WithSimd};
+    use pulp::Arch;
 
-    use super::*;
-    use crate::{BLOCK, Block};
-
-    struct Both(Block, Block);
-
-    impl WithSimd for Both {
-        type Output = [Block; 3];
-
-        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-            let mut found = [[0.0; BLOCK]; 3];
-            for at in (0..BLOCK).step_by(S::F64_LANES) {
-                Lane::<S>::load(simd, &self.0[at..]).exp().store(&mut found[0][at..]);
-                Lane::<S>::load(simd, &self.1[at..]).ln().store(&mut found[1][at..]);
-                Lane::<S>::load(simd, &self.0[at..]).arsinh().store(&mut found[2][at..]);
-            }
-            found
-        }
-    }
+    by_lanes!(Both { x, positive } -> 3: [x.exp(), positive.ln(), x.arsinh()]);
 
     proptest! {
         /// Against the standard library, which is within one unit of 1.1e-16.
@@ -145,7 +128,7 @@ mod tests {
         ) {
             for x in [x, small] {
                 let positive = x.map(f64::exp);
-                let [exp, ln, arsinh] = Arch::new().dispatch(Both(x, positive));
+                let [exp, ln, arsinh] = Arch::new().dispatch(Both { x, positive });
                 for (i, x) in x.into_iter().enumerate() {
                     prop_assert!((exp[i] / x.exp() - 1.0).abs() <= 4.5e-16, "exp {x}");
                     let log = positive[i].ln();
@@ -162,7 +145,7 @@ mod tests {
     fn instruction_sets_agree() {
         let x = [-600.0, -1.0, -1e-9, 0.0, 1e-3, 0.9, 33.0, 650.0];
         let positive = [1e-300, 1e-3, 0.5, 1.0, SQRT_2 - 1e-5, SQRT_2 + 1e-5, 33.0, 1e300];
-        let bits = |arch: Arch| arch.dispatch(Both(x, positive)).map(|b| b.map(f64::to_bits));
+        let bits = |arch: Arch| arch.dispatch(Both { x, positive }).map(|b| b.map(f64::to_bits));
         for arch in crate::instruction_sets() {
             assert_eq!(bits(arch), bits(Arch::Scalar), "{arch:?}");
         }

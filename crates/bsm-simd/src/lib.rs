@@ -4,11 +4,9 @@
 //! Every operation is one of IEEE 754 on each number by itself, in the order that is written, fused
 //! only where that is written: results are the same on every instruction set and in every lane.
 
-#![expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
-
+#[cfg(test)]
+#[macro_use]
+mod by_lanes;
 mod compare;
 mod exponential;
 mod lane;

@@ -84,40 +84,10 @@ impl<S: Simd, const N: usize> Lane<S, N> {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use pulp::{Arch, WithSimd};
+    use pulp::Arch;
 
-    use super::*;
-    use crate::{BLOCK, Block};
-
-    struct CubeRoot(Block);
-
-    impl WithSimd for CubeRoot {
-        type Output = Block;
-
-        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-            let mut roots = [0.0; BLOCK];
-            for at in (0..BLOCK).step_by(S::F64_LANES) {
-                Lane::<S>::load(simd, &self.0[at..]).cbrt_positive().store(&mut roots[at..]);
-            }
-            roots
-        }
-    }
-
-    struct InverseRoots(Block);
-
-    impl WithSimd for InverseRoots {
-        type Output = [Block; 2];
-
-        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-            let mut roots = [[0.0; BLOCK]; 2];
-            for at in (0..BLOCK).step_by(S::F64_LANES) {
-                let x = Lane::<S>::load(simd, &self.0[at..]);
-                x.recip_sqrt().store(&mut roots[0][at..]);
-                x.rough_recip_sqrt().store(&mut roots[1][at..]);
-            }
-            roots
-        }
-    }
+    by_lanes!(CubeRoot { x } -> 1: [x.cbrt_positive()]);
+    by_lanes!(InverseRoots { x } -> 2: [x.recip_sqrt(), x.rough_recip_sqrt()]);
 
     proptest! {
         /// Against the standard library: three units in the last place, and one for each rounding there.
@@ -126,7 +96,7 @@ mod tests {
             logs in proptest::array::uniform8(-100.0..100.0_f64),
         ) {
             let x = logs.map(f64::exp);
-            let [fine, rough] = Arch::new().dispatch(InverseRoots(x));
+            let [fine, rough] = Arch::new().dispatch(InverseRoots { x });
             for (i, x) in x.into_iter().enumerate() {
                 let root = x.sqrt().recip();
                 prop_assert!((fine[i] / root - 1.0).abs() <= 5.0 * f64::EPSILON, "{x}");
@@ -140,7 +110,8 @@ mod tests {
             logs in proptest::array::uniform8(-100.0..100.0_f64),
         ) {
             let x = logs.map(f64::exp);
-            for (root, x) in Arch::new().dispatch(CubeRoot(x)).into_iter().zip(x) {
+            let [roots] = Arch::new().dispatch(CubeRoot { x });
+            for (root, x) in roots.into_iter().zip(x) {
                 let unit = x.cbrt().next_up() - x.cbrt();
                 prop_assert!((root - x.cbrt()).abs() <= 4.0 * unit, "{x}");
             }
@@ -151,10 +122,9 @@ mod tests {
     #[test]
     fn instruction_sets_agree() {
         let x = [1e-300, 0.017, 0.9, 1.0, 1.1, 3.0, 8.0, 1e300];
-        let portable = Arch::Scalar.dispatch(CubeRoot(x)).map(f64::to_bits);
+        let bits = |arch: Arch| arch.dispatch(CubeRoot { x })[0].map(f64::to_bits);
         for arch in crate::instruction_sets() {
-            let roots = arch.dispatch(CubeRoot(x)).map(f64::to_bits);
-            assert_eq!(roots, portable, "{arch:?}");
+            assert_eq!(bits(arch), bits(Arch::Scalar), "{arch:?}");
         }
     }
 
@@ -162,7 +132,7 @@ mod tests {
     #[test]
     fn numbers_without_a_root_do_no_harm() {
         let x = [-1.0, f64::NAN, f64::INFINITY, 0.0, -0.0, f64::MIN, -f64::NAN, 8.0];
-        let roots = Arch::new().dispatch(CubeRoot(x));
+        let [roots] = Arch::new().dispatch(CubeRoot { x });
         assert!((roots[7] - 2.0).abs() <= 1e-15, "{roots:?}");
     }
 }

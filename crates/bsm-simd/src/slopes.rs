@@ -196,10 +196,10 @@ impl<F: Field, const K: usize> Mul<f64> for Slopes<F, K> {
 mod tests {
     use bsm_kin::{Jet, Over};
     use proptest::prelude::*;
-    use pulp::{Arch, WithSimd};
+    use pulp::Arch;
 
     use super::*;
-    use crate::{BLOCK, Block};
+    use crate::BLOCK;
 
     /// Every operation in one expression.
     #[inline(always)]
@@ -212,26 +212,11 @@ mod tests {
         both + (z.square() + 1.0).sqrt().recip() + y.cbrt() - (-x) * x.constant(0.3) - 1.5
     }
 
-    struct Both(Block, Block);
-
-    impl WithSimd for Both {
-        type Output = [Block; 3];
-
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-            let mut found = [[0.0; BLOCK]; 3];
-            for at in (0..BLOCK).step_by(S::F64_LANES) {
-                let (x, y) =
-                    (Lane::<S>::load(simd, &self.0[at..]), Lane::load(simd, &self.1[at..]));
-                let p = x.constant(0.7);
-                let z: Slopes<_, 2> = everything(Slopes::variable(x, 0), Slopes::variable(y, 1), p);
-                z.re.store(&mut found[0][at..]);
-                z.eps[0].store(&mut found[1][at..]);
-                z.eps[1].store(&mut found[2][at..]);
-            }
-            found
-        }
-    }
+    by_lanes!(Both { x, y } -> 3: {
+        let (x, y, p) = (Slopes::<_, 2>::variable(x, 0), Slopes::variable(y, 1), x.constant(0.7));
+        let z = everything(x, y, p);
+        [z.re, z.eps[0], z.eps[1]]
+    });
 
     fn jets<D: Over<f64>>(x: D, y: D) -> D {
         everything(x, y, 0.7)
@@ -242,7 +227,7 @@ mod tests {
         fn lanes_with_slopes_are_jets(
             x in proptest::array::uniform8(-2.0..2.0_f64), y in proptest::array::uniform8(0.1..2.0_f64),
         ) {
-            let found = Arch::new().dispatch(Both(x, y));
+            let found = Arch::new().dispatch(Both { x, y });
             for i in 0..BLOCK {
                 let jet = jets(Jet::<2>::variable(x[i], 0), Jet::variable(y[i], 1));
                 // Rounding of a handful of terms of at most ten.

@@ -54,26 +54,11 @@ impl<S: Simd, const N: usize> Lane<S, N> {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use pulp::{Arch, WithSimd};
+    use pulp::Arch;
 
     use super::*;
-    use crate::{BLOCK, Block};
 
-    struct SinCos(Block);
-
-    impl WithSimd for SinCos {
-        type Output = (Block, Block);
-
-        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-            let (mut sin, mut cos) = ([0.0; BLOCK], [0.0; BLOCK]);
-            for at in (0..BLOCK).step_by(S::F64_LANES) {
-                let (s, c) = Lane::<S>::load(simd, &self.0[at..]).sin_cos_first_quadrant();
-                s.store(&mut sin[at..]);
-                c.store(&mut cos[at..]);
-            }
-            (sin, cos)
-        }
-    }
+    by_lanes!(SinCos { angles } -> 2: <[_; 2]>::from(angles.sin_cos_first_quadrant()));
 
     fn ulp(x: f64) -> f64 {
         x.next_up() - x
@@ -88,7 +73,7 @@ mod tests {
         ) {
             let mut angles = angles;
             (angles[0], angles[1], angles[2]) = (shift, FRAC_PI_2 - shift, FRAC_PI_4 + shift);
-            let (sin, cos) = Arch::new().dispatch(SinCos(angles));
+            let [sin, cos] = Arch::new().dispatch(SinCos { angles });
             for (i, x) in angles.iter().enumerate() {
                 prop_assert!((sin[i] - x.sin()).abs() <= 1.5 * ulp(x.sin()), "sin {x}");
                 prop_assert!((cos[i] - x.cos()).abs() <= 1.5 * ulp(x.cos()), "cos {x}");
@@ -100,9 +85,9 @@ mod tests {
     #[test]
     fn instruction_sets_agree() {
         let angles = [0.057, 0.247, 0.437, 0.627, 0.817, 1.007, 1.197, 1.387];
-        let portable = Arch::Scalar.dispatch(SinCos(angles));
+        let portable = Arch::Scalar.dispatch(SinCos { angles });
         for arch in crate::instruction_sets() {
-            assert_eq!(arch.dispatch(SinCos(angles)), portable, "{arch:?}");
+            assert_eq!(arch.dispatch(SinCos { angles }), portable, "{arch:?}");
         }
     }
 }

@@ -2,11 +2,6 @@
 //!
 //! Theory: `docs/theory/03-closed-form.md`, equations (C1) to (C20).
 
-#![expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
-
 use std::f64::consts::PI;
 
 use bsm_kin::{Field, Scalar};

@@ -2,11 +2,6 @@
 //!
 //! Theory: `docs/theory/02-balance.md`, equations (B1) to (B10).
 
-#![expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
-
 use std::f64::consts::PI;
 use std::ops::{Add, Mul};
 

@@ -2,11 +2,6 @@
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (H1) to (H12).
 
-#![expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
-
 use std::f64::consts::PI;
 
 use bsm_kin::{Field, Over, Scalar};

@@ -113,10 +113,6 @@ pub fn centrifugal_force<D: Scalar>(mass: D, pitch_radius: D, precession: D) -> 
 ///   axis \[m/s\].
 ///
 /// Source: Dong et al. (2020), as for rolling bearings.
-#[expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
 #[inline(always)]
 pub fn viscous_drag<D: Field>(coefficient: D, density: D, diameter: D, speed: D) -> D {
     // F_v = (π/32) C_v ρ d_b² (2 r_m ω_m)^1.95                            (M6)

@@ -32,6 +32,52 @@ pub struct Lubricant<D = f64> {
     pub losses: Losses<D>,
 }
 
+impl<D: Copy> Lubricant<D> {
+    /// The same with a function of each number.
+    #[inline(always)]
+    #[must_use]
+    #[expect(clippy::manual_map, reason = "a closure would not take the instruction set")]
+    pub fn map<E>(&self, f: impl Fn(D) -> E) -> Lubricant<E> {
+        let Self { oil, roughness, losses, .. } = self;
+        let [at_40, at_100] = oil.viscosities;
+        Lubricant {
+            oil: Oil {
+                base: oil.base,
+                viscosities: [f(at_40), f(at_100)],
+                density: f(oil.density),
+                pressure_viscosity: match oil.pressure_viscosity {
+                    Some(known) => Some(f(known)),
+                    None => None,
+                },
+                limiting_shear: f(oil.limiting_shear),
+            },
+            temperature: match self.temperature {
+                Temperature::Known(kelvin) => Temperature::Known(f(kelvin)),
+                Temperature::Balance { heat_transfer, ambient } => {
+                    Temperature::Balance { heat_transfer: f(heat_transfer), ambient: f(ambient) }
+                }
+            },
+            boundary_friction: f(self.boundary_friction),
+            roughness: Roughness {
+                ball: f(roughness.ball),
+                nut: f(roughness.nut),
+                screw: f(roughness.screw),
+            },
+            film_factor: f(self.film_factor),
+            rolling_factor: f(self.rolling_factor),
+            hysteresis_loss: f(self.hysteresis_loss),
+            losses: Losses {
+                seal_torque: f(losses.seal_torque),
+                ball_contact_force: f(losses.ball_contact_force),
+                ball_contact_friction: f(losses.ball_contact_friction),
+                return_circuits: f(losses.return_circuits),
+                return_loss: f(losses.return_loss),
+                drag_coefficient: f(losses.drag_coefficient),
+            },
+        }
+    }
+}
+
 /// Temperature of the lubricant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Temperature<D = f64> {

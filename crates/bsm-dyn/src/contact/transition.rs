@@ -2,11 +2,6 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equation (Y34).
 
-#![expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
-
 use std::f64::consts::FRAC_PI_2;
 
 use bsm_simd::{Lane, Simd};

@@ -15,9 +15,9 @@ use nalgebra::Vector3;
 
 use self::curve::root;
 pub use self::states::{SlidingBall, SlidingMotion, SlidingState};
+pub use self::steady::SlidingRoot;
 use self::steady::rotation;
-pub use self::steady::{SlidingRoot, SlidingRotation};
-use crate::contact::{Coulomb, DOES_NOT_CIRCLE, Wrench, against, friction_force};
+use crate::contact::{Coulomb, DOES_NOT_CIRCLE, Wrench, against, friction_force, torque};
 use crate::cost;
 use crate::models::ball::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
@@ -224,8 +224,8 @@ impl Elastic {
         let ball = self.at.ball_state(pair, &state.loaded, &state.to_nut)?;
         let slips = state.slip.map(|slip| slip.norm());
         let friction_power = friction_power(pair.directed_friction(), state.loaded.loads, slips);
-        let frame = &state.loaded.frame;
-        let transmission = self.at.transmission(pair, frame, &state.wrench[1], friction_power)?;
+        let torque = torque(&state.wrench[1], pair.helix.radius, &state.loaded.frame);
+        let transmission = self.at.transmission_at(pair, torque, friction_power)?;
         let info = Some(SolveInfo { steps, residual });
         Ok(Solved { info, ..Solved::new(&ball, transmission) })
     }

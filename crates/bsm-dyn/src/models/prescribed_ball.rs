@@ -198,28 +198,13 @@ mod tests {
     use approx::assert_relative_eq;
 
     use super::*;
+    use crate::extreme::of_a_nut;
     use crate::models::traction::Traction;
-    use crate::{ElasticPoint, Load, Material, OperatingPoint, TractionWorkspace, pressed_radius};
+    use crate::{ElasticPoint, TractionWorkspace, pressed_radius};
 
     /// A screw of 40 x 10 at 500 rpm under 100 N a ball.
     fn screw() -> ElasticPoint {
-        let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
-        let (pitch, lead) = (41.336e-3, 10e-3);
-        ElasticPoint {
-            point: OperatingPoint {
-                helix: Helix {
-                    radius: 0.5 * pitch,
-                    lead_angle: (lead / (std::f64::consts::PI * pitch)).atan(),
-                },
-                contact_angle: 45_f64.to_radians(),
-                ball: Ball::of_density(3.175e-3, 7800.0),
-                friction: Coulomb(0.06),
-                drive: Drive { screw_speed: 52.36, nut_speed: 0.0 },
-                load: Load { axial: 100.0, balls: 1.0 },
-            },
-            conformity: (0.5203, 0.5203),
-            material: (steel, steel),
-        }
+        of_a_nut(100.0, 1.0, 52.36)
     }
 
     fn held(screw: &ElasticPoint, contacts: &[(Site, f64, f64)]) -> PrescribedBall {

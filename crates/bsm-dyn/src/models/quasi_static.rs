@@ -2,11 +2,6 @@
 //!
 //! Theory: `docs/theory/03-closed-form.md`, equations (Q1) to (Q4).
 
-#![expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
-
 use bsm_kin::{Field, Scalar};
 
 use crate::contact::{Angles, Coulomb, Sines};

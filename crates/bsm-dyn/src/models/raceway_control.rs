@@ -3,11 +3,6 @@
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W1) to (W16).
 
-#![expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
-
 mod balance;
 mod sensitivities;
 mod statics;
@@ -259,26 +254,16 @@ impl RollingBall {
 
     /// Gyroscopic over friction moment (W9), and slip of the lead over that of spin (W10).
     pub(crate) fn skid(&self, pair: &ElasticContacts) -> SkidNumbers {
-        SkidNumbers::new(self.skid_number(pair), self.cross_slip(pair))
-    }
-
-    /// Gyroscopic over friction moment (W9).
-    pub(crate) fn skid_number(&self, pair: &ElasticContacts) -> f64 {
         let motion = pair.absolute(&self.to_nut, &self.loaded.frame);
         let omega = self.loaded.frame.to_frenet(&motion.omega);
         let gyroscopic = pair.ball.inertia() * (motion.precession * omega.y).abs();
-        skid_number(gyroscopic, pair.friction, self.loaded.loads)
-    }
-
-    /// Slip that the lead forces across the grooves over the slip of the spin at the end of the
-    /// ellipse (W10).
-    fn cross_slip(&self, pair: &ElasticContacts) -> f64 {
         let motions = to_both(&self.to_nut, &self.loaded.frame);
         let spins = [0, 1].map(|i| {
             let (a, _) = pair.ellipse(i, &self.loaded).semi_axes;
             motions[i].spin(&self.loaded.contacts[i]).abs() * a
         });
-        cross_slip(pair.helix.lead_angle.sin(), spins)
+        let skid = skid_number(gyroscopic, pair.friction, self.loaded.loads);
+        SkidNumbers::new(skid, cross_slip(pair.helix.lead_angle.sin(), spins))
     }
 }
 

@@ -131,30 +131,15 @@ const MOST_STEPS: usize = 50;
 #[cfg(test)]
 mod tests {
     use approx::assert_relative_eq;
-    use bsm_kin::{Drive, Helix, Jet};
+    use bsm_kin::Jet;
     use proptest::prelude::*;
 
     use super::*;
-    use crate::{Ball, Coulomb, Load, Material, OperatingPoint, RacewayControl, RacewayWorkspace};
+    use crate::extreme::of_a_nut;
+    use crate::{RacewayControl, RacewayWorkspace};
 
-    const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
-
-    /// The screw of the independent nut solutions: 40 x 10, balls of 6.35 mm.
     fn screw(axial: f64, speed: f64) -> ElasticPoint {
-        let radius = 20.668e-3;
-        let lead_angle = (10e-3 / (std::f64::consts::TAU * radius)).atan();
-        ElasticPoint {
-            point: OperatingPoint {
-                helix: Helix { radius, lead_angle },
-                contact_angle: 45.0_f64.to_radians(),
-                ball: Ball::of_density(3.175e-3, 7850.0),
-                friction: Coulomb(0.06),
-                drive: Drive { screw_speed: speed, nut_speed: 0.0 },
-                load: Load { axial, balls: 98.0 },
-            },
-            conformity: (0.5203, 0.5203),
-            material: (STEEL, STEEL),
-        }
+        of_a_nut(axial, 98.0, speed)
     }
 
     /// Independent solution of a nut of 98 balls under 6340 N that shares its load equally (case P01):

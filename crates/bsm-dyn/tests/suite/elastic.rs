@@ -2,4 +2,4 @@
 
 mod campaign;
 mod limits;
-mod screws;
+pub(crate) mod screws;

@@ -14,6 +14,8 @@ use bsm_sample::{Sample, campaign};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::elastic::screws::{lin, with};
+
 /// Inputs of a screw that are made absurd one by one.
 const INPUTS: usize = 12;
 
@@ -123,21 +125,8 @@ fn traction_says_nothing_false() {
 #[test]
 fn a_contact_angle_of_1e_307_deg_is_answered_in_time() {
     const ABSURD: [f64; 8] = [5e-324, 1e-310, 1e-307, 1e-150, 1e-30, 1e30, 1e150, f64::MAX];
-    let steel = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
-    let screw = ElasticPoint {
-        point: OperatingPoint {
-            helix: Helix { radius: 24.3e-3, lead_angle: 0.17 },
-            contact_angle: 0.79,
-            ball: Ball::of_density(4.37e-3, 7800.0),
-            friction: Coulomb(0.075),
-            drive: Drive { screw_speed: 209.0, nut_speed: 0.0 },
-            load: Load { axial: 100.0, balls: 1.0 },
-        },
-        conformity: (0.53, 0.53),
-        material: (steel, steel),
-    };
     let absurd = move |input: usize, value: f64| {
-        let mut screw = screw;
+        let mut screw = lin(10.0, 45.0, 2000.0, 100.0);
         *[
             &mut screw.point.contact_angle,
             &mut screw.point.helix.lead_angle,
@@ -196,24 +185,16 @@ fn units_do_not_matter() {
     let (mut compared, mut differ) = ([0; 3], [0; 3]);
     for screw in extremes(7).take(1000) {
         // Lengths 4 fold, pressures 8 fold, times a half; powers of two round alike.
-        let stiff = |m: Material| Material { youngs_modulus: 8.0 * m.youngs_modulus, ..m };
-        let other = ElasticPoint {
-            point: OperatingPoint {
-                helix: Helix { radius: 4.0 * screw.point.helix.radius, ..screw.point.helix },
-                ball: Ball {
-                    radius: 4.0 * screw.point.ball.radius,
-                    mass: 8.0 * screw.point.ball.mass,
-                },
-                drive: Drive {
-                    screw_speed: 2.0 * screw.point.drive.screw_speed,
-                    nut_speed: 2.0 * screw.point.drive.nut_speed,
-                },
-                load: Load { axial: 128.0 * screw.point.load.axial, ..screw.point.load },
-                ..screw.point
-            },
-            material: (stiff(screw.material.0), stiff(screw.material.1)),
-            ..screw
-        };
+        let other = with(screw, |ElasticPoint { point, material, .. }| {
+            point.helix.radius *= 4.0;
+            point.ball.radius *= 4.0;
+            point.ball.mass *= 8.0;
+            point.drive.screw_speed *= 2.0;
+            point.drive.nut_speed *= 2.0;
+            point.load.axial *= 128.0;
+            material.0.youngs_modulus *= 8.0;
+            material.1.youngs_modulus *= 8.0;
+        });
         let pairs = [
             (rigid(&screw), rigid(&other)),
             (rolling(screw, None), rolling(other, None)),
@@ -243,9 +224,8 @@ fn back_driving_mirrors_driving() {
     for screw in extremes(3).take(2000) {
         let Drive { screw_speed, nut_speed } = screw.point.drive;
         let drive = Drive { screw_speed: -screw_speed, nut_speed: -nut_speed };
-        let [one, other] =
-            [screw, ElasticPoint { point: OperatingPoint { drive, ..screw.point }, ..screw }]
-                .map(|screw| rolling(screw, None).solve(&mut work));
+        let [one, other] = [screw, with(screw, |screw| screw.point.drive = drive)]
+            .map(|screw| rolling(screw, None).solve(&mut work));
         assert_eq!(one.status(), other.status(), "{screw:?}");
         if let Some((one, other)) = one.efficiency().zip(other.efficiency()) {
             let forward = screw.point.drive.relative_speed() > 0.0;
@@ -277,10 +257,7 @@ fn saturated_friction_without_inertia_is_the_closed_form() {
         // Inertia of 1e-8 of friction at the speed of the faster side.
         let mass = 1e-8 * screw.point.friction.0 * screw.point.load.axial
             / (screw.point.helix.radius * fastest.powi(2));
-        let screw = ElasticPoint {
-            point: OperatingPoint { ball: Ball { mass, ..screw.point.ball }, ..screw.point },
-            ..screw
-        };
+        let screw = with(screw, |screw| screw.point.ball.mass = mass);
         let direction = Direction::of(speed).expect("turning");
         for (i, case) in
             [rigid(&screw), Problem::Elastic(Elastic { at: screw })].into_iter().enumerate()
@@ -312,11 +289,8 @@ fn a_sweep_of_speed_has_no_jumps() {
         for i in 0..1500 {
             let inertia = 10.0_f64.powf(f64::from(i) / 250.0 - 4.0);
             let drive = Drive { screw_speed: (inertia / unit).sqrt(), nut_speed: 0.0 };
-            let case = rolling(
-                ElasticPoint { point: OperatingPoint { drive, ..screw.point }, ..screw },
-                Some(Control::Nut),
-            );
-            let solution = case.solve(&mut work);
+            let at = with(screw, |screw| screw.point.drive = drive);
+            let solution = rolling(at, Some(Control::Nut)).solve(&mut work);
             match solution.status() {
                 Status::Converged => {
                     assert!(!left, "{screw:?} {inertia}");

@@ -1,10 +1,5 @@
 //! A formula over lanes is that over numbers, to rounding, on every instruction set.
 
-#![expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
-
 use bsm_dyn::{
     Axes, Groove, Hertz, Material, Raceway, Sines, TwoContacts, contact_modulus, pressed_radius,
 };

@@ -9,16 +9,11 @@ use bsm_kin::{BallFrame, Contact, Drive, Helix, Site};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 
+use crate::elastic::screws;
+
 /// Lin's own case: 2000 rpm, lead angle 10°, contact angle 45°, 2113 N on one ball.
 fn lin() -> OperatingPoint {
-    OperatingPoint {
-        helix: Helix { radius: 24.3e-3, lead_angle: 10.0_f64.to_radians() },
-        contact_angle: 45.0_f64.to_radians(),
-        ball: Ball::of_density(4.37e-3, 7800.0),
-        friction: Coulomb(0.075),
-        drive: Drive { screw_speed: 2000.0_f64.to_radians() * 6.0, nut_speed: 0.0 },
-        load: Load { axial: 2113.0, balls: 1.0 },
-    }
+    screws::lin(10.0, 45.0, 2000.0, 2113.0).point
 }
 
 fn solved(case: &OperatingPoint) -> Solved {

@@ -1,6 +1,6 @@
 //! Ten thousand seeded scenes: everything converges or has no solution, and by what.
 
-use bsm_dyn::{Ball, Coulomb, Load, OperatingPoint, Rigid, RigidWorkspace, Unsolved};
+use bsm_dyn::{Ball, Coulomb, Load, OperatingPoint, Rigid, RigidWorkspace, Status};
 use bsm_kin::{Drive, Helix};
 use bsm_sample::Sample;
 use rand::{RngExt, SeedableRng};
@@ -51,7 +51,7 @@ impl Tally {
                     self.farthest = self.farthest.max(relative.abs() / inertia);
                 }
             }
-            Err(Unsolved::NoSolution { .. }) => {
+            Err(none) if none.status() == Status::NoSolution => {
                 self.no_solution += 1;
                 self.refuted += usize::from(start.exists());
             }

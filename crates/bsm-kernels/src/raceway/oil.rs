@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use bsm_case::units::{GPA, MILLI, MM, UM};
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::{
-    BallOrbit, EhlPoint, EhlUnits, Hertz, Losses, Lubricant, Oil, OutsidePower, RacewayControl,
-    Roughness, ScaledFilm, Temperature, ZERO_CELSIUS, catalogue_friction, film_heating,
+    BallOrbit, EhlPoint, EhlUnits, Hertz, Lubricant, OutsidePower, RacewayControl, ScaledFilm,
+    Temperature, ZERO_CELSIUS, catalogue_friction, film_heating,
 };
 use bsm_simd::Simd;
 
@@ -39,43 +39,6 @@ pub(super) struct OilLane<S: Simd> {
     pub(super) outside: OutsidePower<Lane<S>>,
 }
 
-/// The lubricant of all rows, at the temperatures of a lane of them.
-#[expect(clippy::manual_map, reason = "a closure would not take the instruction set")]
-#[inline(always)]
-fn lubricant<S: Simd>(one: &Lubricant, kelvin: Lane<S>) -> Lubricant<Lane<S>> {
-    let Lubricant { oil, roughness, losses, .. } = one;
-    Lubricant {
-        oil: Oil {
-            base: oil.base,
-            viscosities: [kelvin.constant(oil.viscosities[0]), kelvin.constant(oil.viscosities[1])],
-            density: kelvin.constant(oil.density),
-            pressure_viscosity: match oil.pressure_viscosity {
-                Some(known) => Some(kelvin.constant(known)),
-                None => None,
-            },
-            limiting_shear: kelvin.constant(oil.limiting_shear),
-        },
-        temperature: Temperature::Known(kelvin),
-        boundary_friction: kelvin.constant(one.boundary_friction),
-        roughness: Roughness {
-            ball: kelvin.constant(roughness.ball),
-            nut: kelvin.constant(roughness.nut),
-            screw: kelvin.constant(roughness.screw),
-        },
-        film_factor: kelvin.constant(one.film_factor),
-        rolling_factor: kelvin.constant(one.rolling_factor),
-        hysteresis_loss: kelvin.constant(one.hysteresis_loss),
-        losses: Losses {
-            seal_torque: kelvin.constant(losses.seal_torque),
-            ball_contact_force: kelvin.constant(losses.ball_contact_force),
-            ball_contact_friction: kelvin.constant(losses.ball_contact_friction),
-            return_circuits: kelvin.constant(losses.return_circuits),
-            return_loss: kelvin.constant(losses.return_loss),
-            drag_coefficient: kelvin.constant(losses.drag_coefficient),
-        },
-    }
-}
-
 impl<S: Simd> OilLane<S> {
     /// `None` with a friction coefficient.
     ///
@@ -89,7 +52,11 @@ impl<S: Simd> OilLane<S> {
     ) -> Option<Self> {
         let one = given.operands.lubricant.as_ref()?;
         let kelvin = given.get(InputKey::lubricant_temperature_C) + ZERO_CELSIUS;
-        let lubricant = lubricant(one, kelvin);
+        let splat = one.map(
+            #[inline(always)]
+            |x| kelvin.constant(x),
+        );
+        let lubricant = Lubricant { temperature: Temperature::Known(kelvin), ..splat };
         let (ball, speed) = (units.ball, units.speed.abs());
         let (per_ball, growth) = (ball.recip(), units.load.cbrt_positive().recip() * ball);
         let pressed = &pair.pressed;

@@ -180,7 +180,7 @@ impl<const K: usize> Bordered<K> {
                 }
             }
             let block = &mut self.diagonal[i];
-            block.factorize().map_err(|Singular { pivot }| Singular { pivot: i * K + pivot })?;
+            block.factorize()?;
             let above = self.above.get_mut(i);
             for column in above.into_iter().flatten().chain(here) {
                 block.solve(column);
@@ -203,8 +203,7 @@ impl<const K: usize> Bordered<K> {
                 self.schur.set(r, c, *entry);
             }
         }
-        let shift = |Singular { pivot }| Singular { pivot: count * K + pivot };
-        self.schur.factorize().map_err(shift)
+        self.schur.factorize()
     }
 
     /// Overwrites a right-hand side with its solution.

@@ -63,7 +63,7 @@ impl<const N: usize> Dense<N> {
             let (above, below) = self.rows.split_at_mut(k + 1);
             let upper = &above[k];
             if upper[k] == 0.0 || !upper[k].is_finite() {
-                return Err(Singular { pivot: k });
+                return Err(Singular);
             }
             for row in below {
                 let factor = row[k] / upper[k];

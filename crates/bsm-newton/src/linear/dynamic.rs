@@ -47,14 +47,9 @@ impl DynamicDense {
             MemStack::new(&mut self.scratch),
             Spec::default(),
         );
-        let broken = |i: &usize| {
-            let pivot = self.factors[(*i, *i)];
-            pivot == 0.0 || !pivot.is_finite()
-        };
-        match (0..self.factors.nrows()).find(broken) {
-            Some(pivot) => Err(Singular { pivot }),
-            None => Ok(()),
-        }
+        let broken = |pivot: f64| pivot == 0.0 || !pivot.is_finite();
+        let singular = (0..self.factors.nrows()).any(|i| broken(self.factors[(i, i)]));
+        if singular { Err(Singular) } else { Ok(()) }
     }
 
     /// Overwrites a right-hand side with its solution.

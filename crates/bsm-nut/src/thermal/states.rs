@@ -517,7 +517,8 @@ impl WarmNut<'_> {
             let is_open = walked.last[NODES] >= most;
             return if is_open { Ok(None) } else { Err(balance.ending(&walked)) };
         };
-        let back = walked.crossings.iter().find(|at| at.event == 0 && at.arc > fold.arc);
+        let mut beyond = walked.crossings.iter().skip_while(|crossing| crossing.event != 1);
+        let back = beyond.find(|crossing| crossing.event == 0);
         let beyond = back.and_then(|at| {
             let rises = balance.settle(from_fn(|i| at.z[i]), 1.0)?;
             balance.state_at(rises, 1.0).ok()

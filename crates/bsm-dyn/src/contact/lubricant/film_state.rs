@@ -2,16 +2,19 @@
 
 use super::losses::OutsidePower;
 use super::mixed::MixedFriction;
+use crate::outcome::named;
 
-/// How the surfaces of a contact are separated; no equation uses it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Regime {
-    /// Asperities carry most of the load.
-    Boundary,
-    /// Asperities and film carry it.
-    Mixed,
-    /// The film carries it.
-    FullFilm,
+named! {
+    /// How the surfaces of a contact are separated; no equation uses it.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Regime {
+        /// Asperities carry most of the load.
+        Boundary = "boundary",
+        /// Asperities and film carry it.
+        Mixed = "mixed",
+        /// The film carries it.
+        FullFilm = "full film",
+    }
 }
 
 impl Regime {
@@ -21,15 +24,6 @@ impl Regime {
             ..0.3 => Self::Boundary,
             ..2.0 => Self::Mixed,
             _ => Self::FullFilm,
-        }
-    }
-
-    /// In a word or two.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Boundary => "boundary",
-            Self::Mixed => "mixed",
-            Self::FullFilm => "full film",
         }
     }
 }

@@ -2,11 +2,6 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y24) to (Y27).
 
-#![expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
-
 use bsm_kin::Field;
 
 use crate::contact::jam::viscous_drag;

@@ -2,11 +2,6 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y10) to (Y13).
 
-#![expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
-
 use bsm_kin::{Field, FieldOver, Scalar};
 
 use super::oil::{OilState, PRESSURE_SLOPE};

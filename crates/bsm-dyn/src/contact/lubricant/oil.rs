@@ -2,11 +2,6 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y1) to (Y5).
 
-#![expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
-
 use std::f64::consts::LN_10;
 
 use bsm_kin::Field;

@@ -3,11 +3,6 @@
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (P1), (P2), (P6).
 
-#![expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
-
 use bsm_kin::{Field, FieldOver};
 use bsm_simd::Compare;
 

@@ -195,12 +195,11 @@ impl<P: Scalar> ElasticContacts<P> {
         tilt: D,
     ) -> Result<BallLoads<D>, EvalError> {
         let (jones, approaches) = self.pressed(loads)?;
-        let deformed = jones.deformed(approaches, tilt)?;
+        let (mean, displacement) = jones.deformed(approaches, tilt)?;
         // β_A = β − ν,  β_B = β + ν                                       (P3)
         let contacts = [Contact::tilted(Site::Nut, -tilt), Contact::tilted(Site::Screw, tilt)];
-        let frame = BallFrame::turned(D::from(self.helix.lead_angle), deformed.mean_angle);
-        let angles = [deformed.mean_angle - tilt, deformed.mean_angle + tilt];
-        let displacement = deformed.displacement.nut;
+        let frame = BallFrame::turned(D::from(self.helix.lead_angle), mean);
+        let angles = [mean - tilt, mean + tilt];
         Ok(BallLoads { loads, tilt, angles, frame, contacts, displacement })
     }
 
@@ -221,7 +220,7 @@ impl<P: Scalar> ElasticContacts<P> {
         let contacts =
             [Contact::tilted(Site::Nut, D::from(0.0)), Contact::tilted(Site::Screw, screw - nut)];
         let (tilt, angles) = ((screw - nut) * 0.5, [nut, screw]);
-        Ok(BallLoads { loads, tilt, angles, frame, contacts, displacement: displacement.nut })
+        Ok(BallLoads { loads, tilt, angles, frame, contacts, displacement })
     }
 
     /// Groove arcs, and the approaches of two loads (P2).
@@ -286,6 +285,17 @@ impl<P: Scalar> ElasticContacts<P> {
             // P_f = Σ f Q ∫ dP                                            (P7)
             loaded.loads[i] * self.directed_friction() * power
         })
+    }
+
+    /// Friction powers of a coefficient of one.
+    pub(crate) fn unit_powers<D: Integrate<P>>(
+        &self,
+        loaded: &BallLoads<D>,
+        to_nut: &Motion<D>,
+        creep: f64,
+        nodes: [Nodes<'_>; 2],
+    ) -> [D; 2] {
+        self.with_friction(P::from(1.0)).friction_powers(loaded, to_nut, creep, nodes)
     }
 
     /// Absolute motion of a motion relative to the nut.
@@ -381,19 +391,8 @@ impl ElasticPoint {
         })
     }
 
-    /// Torque, efficiency and powers of the wrench of the screw, and their balance against the
+    /// Torque, efficiency and powers of the scaled torque on the screw, and their balance against the
     /// friction power; both scaled, the power over `$W$`.
-    pub(crate) fn transmission(
-        &self,
-        pair: &ElasticContacts,
-        frame: &BallFrame<f64>,
-        screw: &Wrench<f64>,
-        friction_power: f64,
-    ) -> Result<Transmission, Unsolved> {
-        self.transmission_at(pair, torque(screw, pair.helix.radius, frame), friction_power)
-    }
-
-    /// The same of the scaled torque on the screw.
     pub(crate) fn transmission_at(
         &self,
         pair: &ElasticContacts,

@@ -2,15 +2,9 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y6) to (Y9), (Y14) to (Y20).
 
-#![expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
-
 use std::f64::consts::PI;
 
 use bsm_kin::{BallFrame, Contact, Field, FieldOver, Motion, Over, Scalar};
-use nalgebra::Vector3;
 
 use super::elastic_ball::{BallLoads, ElasticContacts, ElasticPoint, to_both};
 use super::state::{ControllingRaceway, SkidNumbers, SolveInfo};
@@ -363,13 +357,14 @@ impl<P: Scalar> EhlPoint<P> {
     ) -> EhlLoss<D> {
         let (contact, load) = (&loaded.contacts[i], loaded.loads[i]);
         let film = self.film(i, (contact, load), motion, &loaded.frame, (pair.arc, creep));
-        let resistance = film.resistance(contact, motion, creep);
-        EhlLoss {
-            film,
-            wrench: resistance.wrench(contact) * pair.signed(D::from(1.0)),
-            sliding,
-            rolling: pair.signed(resistance.power(contact, motion, D::from(pair.arc))),
-        }
+        let [push, couple] = film.resist(motion.omega.dot(&contact.across), creep);
+        let (force, couple) = (BallFrame::tangent() * push, contact.across * couple);
+        let point = contact.point(D::from(1.0));
+        let wrench = Wrench { force, moment: point.cross(&force) + couple };
+        // P_r = −F_h·v_c − C_h·(ω − Ω_i k)                                (Y21)
+        let slip = motion.slip_velocity(D::from(pair.arc), &point);
+        let rolling = pair.signed(-force.dot(&slip) - couple.dot(&motion.omega));
+        EhlLoss { film, wrench: wrench * pair.signed(D::from(1.0)), sliding, rolling }
     }
 }
 
@@ -387,12 +382,6 @@ fn entrainment<D: Scalar>(
     let raceway = motion.precession * (arc + frame.k.cross(&point).x);
     // u_t = ½ {[(ω − P k) × r]·t − (P − Ω_i)[d + (k × r)·t]}              (Y14)
     (ball - raceway) * 0.5
-}
-
-/// What rolling costs at a contact: a force at its centre, and a couple.
-pub(crate) struct Resistance<D> {
-    force: Vector3<D>,
-    couple: Vector3<D>,
 }
 
 impl<D: Field> ScaledFilm<D> {
@@ -424,36 +413,6 @@ impl<D: Field> ScaledFilm<D> {
     pub fn resisted([push, couple]: [D; 2], speed: D, around: D) -> D {
         // P_r = −F_h·v_c − C_h·(ω − Ω_i k)                                (Y21)
         -(push * (speed + around)) - couple * around
-    }
-}
-
-impl<D: Scalar> ScaledFilm<D> {
-    /// Rolling resistance on the ball.
-    ///
-    /// * `motion`: relative to the raceway.
-    pub(crate) fn resistance(
-        &self,
-        contact: &Contact<D>,
-        motion: &Motion<D>,
-        creep: f64,
-    ) -> Resistance<D> {
-        let [push, couple] = self.resist(motion.omega.dot(&contact.across), creep);
-        Resistance { force: BallFrame::tangent() * push, couple: contact.across * couple }
-    }
-}
-
-impl<D: Scalar> Resistance<D> {
-    /// As a wrench about the ball centre.
-    pub(crate) fn wrench(&self, contact: &Contact<D>) -> Wrench<D> {
-        let moment = contact.point(D::from(1.0)).cross(&self.force) + self.couple;
-        Wrench { force: self.force, moment }
-    }
-
-    /// Power that it takes.
-    pub(crate) fn power(&self, contact: &Contact<D>, motion: &Motion<D>, arc: D) -> D {
-        let slip = motion.slip_velocity(arc, &contact.point(D::from(1.0)));
-        // P_r = −F_h·v_c − C_h·(ω − Ω_i k)                                (Y21)
-        -self.force.dot(&slip) - self.couple.dot(&motion.omega)
     }
 }
 
@@ -511,20 +470,4 @@ impl EhlPoint {
         });
         nut.max(screw)
     }
-}
-
-/// Sliding powers over `$W$` of a friction coefficient of one at nut and screw.
-pub(crate) fn unit_powers<P: Scalar, D: Integrate<P>>(
-    pair: &ElasticContacts<P>,
-    loaded: &BallLoads<D>,
-    to_nut: &Motion<D>,
-    creep: f64,
-    nodes: [Nodes<'_>; 2],
-) -> [D; 2] {
-    let motions = to_both(to_nut, &loaded.frame);
-    std::array::from_fn(|i| {
-        let local = Local::of(&motions[i], &loaded.contacts[i], D::from(pair.arc));
-        let power = D::power(&pair.ellipse(i, loaded), &local, creep, nodes[i]);
-        pair.signed(loaded.loads[i] * power)
-    })
 }

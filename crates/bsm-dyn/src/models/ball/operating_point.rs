@@ -18,10 +18,6 @@ const LEAST_FRICTION: f64 = 1e-12;
 /// Where a model of friction and inertia takes these, for one point or for several side by side.
 ///
 /// * `inertia_ratio`: `$\mu = m r_m W^2/F_a$`.
-#[expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
 #[inline(always)]
 pub fn takes<F: Compare>(friction: F, inertia_ratio: F) -> F::Mask {
     let [least, most] = INERTIA;

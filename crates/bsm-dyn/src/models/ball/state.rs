@@ -7,7 +7,7 @@ use bsm_simd::Compare;
 use nalgebra::Vector3;
 
 use crate::contact::{FilmState, POWER_BALANCE_TOL, Power, efficiency};
-use crate::outcome::{Control, Direction, Reason, Unsolved};
+use crate::outcome::{Control, Direction, Reason, Unsolved, named};
 
 /// What a model says of the steady ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -161,10 +161,6 @@ pub const MOST_LOSS_ERROR: f64 = 0.5;
 /// Bound of the error of an efficiency by integration over the contact ellipses (T25).
 ///
 /// * `difference`: to the efficiency of another quadrature. * `accuracy`: of the one that was taken.
-#[expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
 #[inline(always)]
 pub fn quadrature_error<F: Compare>(difference: F, accuracy: f64) -> F {
     // δη = max(20 |η'(y') − η(y)|, ε/200, 10⁻⁹)                           (T25)
@@ -173,10 +169,6 @@ pub fn quadrature_error<F: Compare>(difference: F, accuracy: f64) -> F {
 
 /// Skid number of a ball whose friction is already spent on the slip of the lead, see
 /// [`SkidNumbers::onset_number`] (W11).
-#[expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
 #[inline(always)]
 pub fn onset_number<F: Field>(skid_number: F, cross_slip: F) -> F {
     // S = G √(1 + χ²)                                                     (W11)
@@ -185,10 +177,6 @@ pub fn onset_number<F: Field>(skid_number: F, cross_slip: F) -> F {
 
 /// Direction of a friction force on the ball \[rad\] from its parts across the groove and along the helix; see
 /// [`Contact::slip_angle`].
-#[expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
 #[inline(always)]
 pub fn friction_angle<F: Compare>([across, along]: [F; 2]) -> F {
     along.zip(across, f64::atan2)
@@ -198,10 +186,6 @@ pub fn friction_angle<F: Compare>([across, along]: [F; 2]) -> F {
 ///
 /// * `back`: where the load drives.
 /// * `bound`: of the error of the efficiency.
-#[expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
 #[inline(always)]
 pub fn loss_error<F: Compare>(back: F::Mask, efficiency: F, bound: F) -> F {
     // P_f/P_out = 1/η − 1 of a drive, P_f/P_in = 1 − η of a load that drives:
@@ -345,21 +329,20 @@ pub const ROLLING_BELOW: f64 = 0.1;
 /// Onset number above which friction is nearly saturated.
 const GROSS_SKID_ABOVE: f64 = 2.0;
 
-/// What a ball does, by its onset number (W11).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum SlipRegime {
-    /// It rolls on both raceways.
-    Rolling,
-    /// Between rolling and sliding.
-    PartialSkid,
-    /// Friction is nearly saturated at both contacts.
-    GrossSkid,
+named! {
+    /// What a ball does, by its onset number (W11).
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum SlipRegime {
+        /// It rolls on both raceways.
+        Rolling = "rolling",
+        /// Between rolling and sliding.
+        PartialSkid = "partial skid",
+        /// Friction is nearly saturated at both contacts.
+        GrossSkid = "gross skid",
+    }
 }
 
 impl SlipRegime {
-    /// From rolling to gross skid.
-    pub const ALL: [Self; 3] = [Self::Rolling, Self::PartialSkid, Self::GrossSkid];
-
     /// The motion at an onset number.
     pub fn of(onset_number: f64) -> Self {
         if onset_number < ROLLING_BELOW {
@@ -368,15 +351,6 @@ impl SlipRegime {
             Self::PartialSkid
         } else {
             Self::GrossSkid
-        }
-    }
-
-    /// Name of the regime.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Rolling => "rolling",
-            Self::PartialSkid => "partial skid",
-            Self::GrossSkid => "gross skid",
         }
     }
 }

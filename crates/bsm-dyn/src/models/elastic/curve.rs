@@ -7,8 +7,8 @@ use std::array::from_fn;
 use bsm_kin::Jet;
 use bsm_newton::{EventRoot, Exit, JacobianUpdate, Seed, StepControl, Trace, trace};
 
-use super::forces::{CURVE, Forces};
-use super::states::{SlidingMotion, SlidingState};
+use super::forces::CURVE;
+use super::states::{SlidingBall, SlidingMotion, SlidingState};
 use super::steady::{CurveState, log_inertia};
 use crate::models::ball::{BALL, ElasticContacts, Evidence, Reason, Unsolved};
 use crate::models::elastic::Elastic;
@@ -50,26 +50,26 @@ type CurveRoot = (SlidingPoint, f64);
 
 /// Unknowns of the first root on the curve, or of any that serves as a start, and Newton steps.
 pub(super) fn root(pair: &ElasticContacts, any: bool) -> Result<([f64; BALL], usize), Unsolved> {
-    let mut curve = SlidingCurve { forces: Forces::new(pair), steps: 0 };
-    let level = curve.begin()?;
+    let mut curve = SlidingCurve { ball: pair.into(), steps: 0 };
+    let level = curve.begin(pair.jones.contact_angle)?;
     let (root, sign) = match curve.direct(&level, any) {
         Some(root) => root,
         None => curve.search(&level, &STRIDE)?,
     };
-    Ok((curve.forces.unknowns(&root.state, &root.motion, sign), curve.steps))
+    Ok((curve.ball.unknowns(&root.state, &root.motion, sign), curve.steps))
 }
 
-struct SlidingCurve<'a> {
-    forces: Forces<'a>,
+struct SlidingCurve {
+    ball: SlidingBall<f64>,
     /// Newton steps.
     steps: usize,
 }
 
-impl SlidingCurve<'_> {
+impl SlidingCurve {
     /// The node at a point of the curve.
     fn held(&self, z: &[f64; CURVE]) -> Option<SlidingPoint> {
-        let (state, _) = self.forces.held(z)?;
-        Some(SlidingPoint { state, motion: self.forces.motion(&state) })
+        let (state, _) = self.ball.held(z)?;
+        Some(SlidingPoint { state, motion: self.ball.motion(&state) })
     }
 
     fn count(&mut self, steps: f64) {
@@ -79,21 +79,22 @@ impl SlidingCurve<'_> {
     }
 
     /// Where the curve begins, without inertia, if it does.
-    fn begin(&mut self) -> Result<CurveState<f64>, Unsolved> {
-        let friction_term = self.forces.friction_term();
-        if !self.forces.ball.carries() {
+    ///
+    /// * `unloaded`: contact angle \[rad\].
+    fn begin(&mut self, unloaded: f64) -> Result<CurveState<f64>, Unsolved> {
+        let friction_term = self.ball.friction / self.ball.cot;
+        if !self.ball.carries() {
             let locks = Reason::SelfLocking { sin_contact_angle: 1.0, friction_term };
             return Err(Unsolved::none(Evidence::Proof, locks));
         }
-        let inertia = self.forces.inertia_ratio();
-        let begin = self.forces.begin(&mut self.steps).ok_or(Unsolved::LOST)?;
-        let level = self.forces.ball.state_without_inertia(begin, true);
+        let begin = self.ball.begin(unloaded, &mut self.steps).ok_or(Unsolved::LOST)?;
+        let level = self.ball.state_without_inertia(begin, true);
         self.count(level.steps);
         if !level.found {
             return Err(Unsolved::LOST);
         }
         if self.rise(&level) < 0.0 {
-            let reason = Reason::InertiaOutOfRange { inertia_ratio: inertia };
+            let reason = Reason::InertiaOutOfRange { inertia_ratio: self.ball.inertia_ratio };
             return Err(Unsolved::invalid(reason));
         }
         Ok(level)
@@ -101,12 +102,12 @@ impl SlidingCurve<'_> {
 
     /// From where the curve begins to the root, if the curve were straight up to it, in `$\ln q$`.
     fn rise(&self, level: &CurveState<f64>) -> f64 {
-        self.forces.inertia_ratio().ln() - level.log_inertia()
+        self.ball.inertia_ratio.ln() - level.log_inertia()
     }
 
     /// The root that Newton finds from where the curve begins: the first one, if the inertia only rises up to there, or any.
     fn direct(&mut self, level: &CurveState<f64>, any: bool) -> Option<CurveRoot> {
-        let root = self.forces.ball.first(level, any);
+        let root = self.ball.first(level, any);
         self.count(root.steps - level.steps);
         let node = SlidingPoint { state: root.state, motion: root.motion };
         (if any { root.steady } else { root.found }).then_some((node, root.rate.signum()))
@@ -118,7 +119,7 @@ impl SlidingCurve<'_> {
         level: &CurveState<f64>,
         stride: &StepControl,
     ) -> Result<CurveRoot, Unsolved> {
-        let inertia = self.forces.inertia_ratio();
+        let inertia = self.ball.inertia_ratio;
         let slip = level.motion.slip[0];
         // Smallest and largest inertia ratio of a ball that slides against friction on its flanks.
         let mut seen = None::<(f64, f64)>;
@@ -129,7 +130,7 @@ impl SlidingCurve<'_> {
         let seed = Seed { z: [log, state.across[0], screw, c], towards: [1.0, 0.0, 0.0, 0.0] };
         let (mut root, mut known, mut admissible, mut refined) = (None, 0, false, true);
         let Trace { end, steps, .. } = trace(
-            &self.forces,
+            &self.ball,
             &seed,
             |z, way| self.events(z, way),
             |Trace { crossings, last: z, .. }| {
@@ -158,7 +159,7 @@ impl SlidingCurve<'_> {
                     && refined
                     && log >= Elastic::NO_INERTIA
                     && screw >= 0.0
-                    && nut >= -self.forces.least()
+                    && nut >= -self.ball.sin / self.ball.arc
             },
             stride,
         );
@@ -169,12 +170,8 @@ impl SlidingCurve<'_> {
         if let Some(root) = root {
             return Ok(root);
         }
-        match end {
-            Exit::Ended => {}
-            Exit::Lost(_) if !admissible => {}
-            Exit::Lost(_) | Exit::MostPoints | Exit::Closed | Exit::NoCurve(_) => {
-                return Err(Unsolved::LOST);
-            }
+        if end != Exit::Ended && (end != Exit::Lost || admissible) {
+            return Err(Unsolved::LOST);
         }
         let reason = match seen {
             Some((least, most)) => Reason::NoSkidAtInertia { inertia, least, most },
@@ -186,15 +183,15 @@ impl SlidingCurve<'_> {
     /// Residual of (S26) for `$P/W > 0$` and for `$P/W < 0$`, and how it changes along the curve.
     fn events(&self, z: &[f64; CURVE], way: &[f64; CURVE]) -> [(f64, f64); 2] {
         let along: [Jet<1>; CURVE] = from_fn(|i| Jet { re: z[i], eps: [way[i]] });
-        self.forces.held(&along).map_or([(f64::NAN, f64::NAN); 2], |(state, _)| {
-            let left = self.forces.excess(&state, &self.forces.motion(&state));
+        self.ball.held(&along).map_or([(f64::NAN, f64::NAN); 2], |(state, _)| {
+            let left = self.ball.excess(&state, &self.ball.motion(&state));
             left.map(|left| (left.re, left.eps[0]))
         })
     }
 
     /// The steady motion next to a crossing, to rounding.
     fn refined(&self, at: &EventRoot<CURVE>) -> Option<SlidingPoint> {
-        let (ball, [log, nut, screw, c]) = (&self.forces.ball, at.z);
+        let (ball, [log, nut, screw, c]) = (&self.ball, at.z);
         let scale = ball.scale([nut, screw], c);
         let found = ball.settle::<true>([log, screw, c], &scale, true);
         let [next_log, next_screw, next_c] = found.place;
@@ -212,7 +209,7 @@ impl SlidingCurve<'_> {
 
     /// A state below the first root: up to there the curve is straight.
     fn below(&mut self, level: &CurveState<f64>) -> CurveState<f64> {
-        let (ball, [log, screw, c]) = (self.forces.ball, level.place);
+        let (ball, [log, screw, c]) = (self.ball, level.place);
         let scale = level.scale(&ball);
         // exp(−2): a seventh of the inertia.
         let mut rise = self.rise(level).min(-Elastic::NO_INERTIA) - 2.0;
@@ -256,8 +253,8 @@ mod tests {
                 (extreme(&mut rng), &mut of_extremes)
             };
             let Ok(pair) = screw.scaled() else { continue };
-            let mut curve = SlidingCurve { forces: Forces::new(&pair), steps: 0 };
-            let Ok(level) = curve.begin() else { continue };
+            let mut curve = SlidingCurve { ball: (&pair).into(), steps: 0 };
+            let Ok(level) = curve.begin(pair.jones.contact_angle) else { continue };
             let Some((straight, sign)) = curve.direct(&level, false) else { continue };
             let (first, same) = curve.search(&level, &EXACT).expect("a root");
             // Where friction all but holds the load a million times the axial load is left, ten digits;
@@ -284,8 +281,8 @@ mod tests {
                 (extreme(&mut rng), &mut of_extremes)
             };
             let Ok(pair) = screw.scaled() else { continue };
-            let mut curve = SlidingCurve { forces: Forces::new(&pair), steps: 0 };
-            let Ok(level) = curve.begin() else { continue };
+            let mut curve = SlidingCurve { ball: (&pair).into(), steps: 0 };
+            let Ok(level) = curve.begin(pair.jones.contact_angle) else { continue };
             let begun = curve.steps;
             let coarse = curve.search(&level, &STRIDE);
             let in_all = curve.steps - begun;
@@ -319,8 +316,8 @@ mod tests {
                 screw.point.contact_angle = *angle;
             }
             let Ok(pair) = screw.scaled() else { continue };
-            let mut curve = SlidingCurve { forces: Forces::new(&pair), steps: 0 };
-            let _ = curve.begin();
+            let mut curve = SlidingCurve { ball: (&pair).into(), steps: 0 };
+            let _ = curve.begin(pair.jones.contact_angle);
             // Those to the angle, and those onto the curve.
             assert!(curve.steps <= Bracket::MOST_EVALUATIONS + 12, "{} {screw:?}", curve.steps);
         }

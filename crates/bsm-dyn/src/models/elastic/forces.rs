@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S13), (S14), (S19), (S20), (S26) to (S28).
 
-use bsm_kin::{Jet, Over};
+use bsm_kin::{Field, Jet, Over, Scalar};
 use bsm_newton::{Bracket, EvalError, FunctionValue, Homotopy};
 
 use super::states::{SlidingBall, SlidingMotion, SlidingState};
@@ -10,7 +10,7 @@ use super::steady::rounding_floor;
 use crate::models::ball::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
 };
-use crate::models::ball::{BALL, ElasticContacts, linear};
+use crate::models::ball::{BALL, linear};
 
 /// What may be left of (S20) before the Newton steps to the begin of the curve.
 const LEVEL: f64 = 1e-9;
@@ -23,12 +23,6 @@ const COTANGENT: [f64; 2] = [1e-12, 1e12];
 pub(super) const HELD: usize = 3;
 pub(super) const CURVE: usize = HELD + 1;
 
-/// A point in scaled units, in the terms of the curve.
-pub(super) struct Forces<'a> {
-    pair: &'a ElasticContacts,
-    pub(super) ball: SlidingBall<f64>,
-}
-
 /// No forces belong to a place.
 const NO_FORCES: EvalError = EvalError {
     quantity: "the load over the axial load",
@@ -36,7 +30,7 @@ const NO_FORCES: EvalError = EvalError {
     requirement: "positive",
 };
 
-impl Homotopy<HELD, CURVE> for Forces<'_> {
+impl Homotopy<HELD, CURVE> for SlidingBall<f64> {
     fn residual(&self, z: &[f64; CURVE]) -> Result<[f64; HELD], EvalError> {
         self.held(z).map(|(_, left)| left).ok_or(NO_FORCES)
     }
@@ -54,44 +48,12 @@ impl Homotopy<HELD, CURVE> for Forces<'_> {
     }
 
     fn sizes(&self, &[_, nut, screw, c]: &[f64; CURVE]) -> [f64; CURVE] {
-        let [nut, screw, c] = self.ball.scale([nut, screw], c);
+        let [nut, screw, c] = self.scale([nut, screw], c);
         [1.0, nut, screw, c]
     }
 }
 
-impl<'a> Forces<'a> {
-    pub(super) fn new(pair: &'a ElasticContacts) -> Self {
-        Self { pair, ball: pair.into() }
-    }
-
-    /// `$F\tan\alpha$`.
-    pub(super) fn friction_term(&self) -> f64 {
-        self.ball.friction / self.ball.cot
-    }
-
-    /// `$\mu$` of the point.
-    pub(super) fn inertia_ratio(&self) -> f64 {
-        self.ball.inertia_ratio
-    }
-
-    /// `$(r_b/d)\sin\alpha$`, below which `$-x_A$` stays.
-    pub(super) fn least(&self) -> f64 {
-        self.ball.sin / self.ball.arc
-    }
-
-    /// The state of `$q$`, `$c$` and the `$x$` of the screw, with a positive one of the nut, and what it
-    /// leaves of (S14) and (S20); none if no forces belong to them.
-    fn state<D: Over<f64>>(
-        &self,
-        unknowns @ [q, screw, c]: [D; 3],
-    ) -> Option<(SlidingState<D>, [D; 2])> {
-        let (beyond, square) = self.ball.nut_square(unknowns);
-        if square.re() < 0.0 {
-            return None;
-        }
-        self.state_of([square.sqrt(), screw], beyond, q, c)
-    }
-
+impl SlidingBall<f64> {
     /// The state at a point of the curve, and what it leaves of (S14), (S20) and (S19).
     pub(super) fn held<D: Over<f64>>(
         &self,
@@ -99,7 +61,7 @@ impl<'a> Forces<'a> {
     ) -> Option<(SlidingState<D>, [D; HELD])> {
         let q = log.re().exp();
         let q = (log - D::from(log.re())) * q + q;
-        let (beyond, square) = self.ball.nut_square([q, screw, c]);
+        let (beyond, square) = self.nut_square([q, screw, c]);
         let (state, [triangle, reach]) = self.state_of([nut, screw], beyond, q, c)?;
         Some((state, [triangle, reach, nut.square() - square]))
     }
@@ -112,19 +74,9 @@ impl<'a> Forces<'a> {
         q: D,
         c: D,
     ) -> Option<(SlidingState<D>, [D; 2])> {
-        let (state, left) = self.ball.state(across, beyond, q, c);
+        let (state, left) = self.state(across, beyond, q, c);
         let along = state.along.re();
         (along > 0.0 && along.is_finite()).then_some((state, left))
-    }
-
-    /// The motion of a state.
-    pub(super) fn motion<D: Over<f64>>(&self, s: &SlidingState<D>) -> SlidingMotion<D> {
-        self.ball.motion(s)
-    }
-
-    /// Residual of (S26) for `$P/W > 0$` and for `$P/W < 0$`.
-    pub(super) fn excess<D: Over<f64>>(&self, s: &SlidingState<D>, k: &SlidingMotion<D>) -> [D; 2] {
-        self.ball.excess(s, k)
     }
 
     /// Unknowns (S1) of a root of (S26), `sign` that of `$P/W$`.
@@ -134,29 +86,25 @@ impl<'a> Forces<'a> {
         k: &SlidingMotion<f64>,
         sign: f64,
     ) -> [f64; BALL] {
-        let rate = sign * (s.centrifugal / self.inertia_ratio()).sqrt();
+        let rate = sign * (s.centrifugal / self.inertia_ratio).sqrt();
         let tilt = 0.5 * s.turn.0.atan2(s.turn.1);
         let mean = s.sin[0].atan2(s.cos[0]) + tilt;
         let mut y = [0.0; BALL];
         [y[NUT_LOAD], y[SCREW_LOAD]] = s.loads;
         y[TILT] = tilt;
-        y[PRECESSION] = rate - self.ball.nut_speed;
+        y[PRECESSION] = rate - self.nut_speed;
         y[SLIP] = k.slip[0];
         y[SLIP_ANGLE] = 1.0_f64.atan2(s.across[0]);
-        y[SPIN] = self.ball.spin_moment((s, k), rate, (tilt.cos(), mean.sin()));
+        y[SPIN] = self.spin_moment((s, k), rate, (tilt.cos(), mean.sin()));
         y
     }
 
-    /// `$x$` and `$c$` of equal contact angles, from the cotangent of the angle.
-    fn level<D: Over<f64>>(&self, cot: D) -> Option<[D; 2]> {
-        let ([x, c], effect) = self.ball.level(cot);
-        (effect.re() > 0.0).then_some([x, c])
-    }
-
     /// `$x$` and `$c$` where the curve begins, without inertia: a guess; counts evaluations.
-    pub(super) fn begin(&self, steps: &mut usize) -> Option<[f64; 2]> {
+    ///
+    /// * `unloaded`: contact angle \[rad\].
+    pub(super) fn begin(&self, unloaded: f64, steps: &mut usize) -> Option<[f64; 2]> {
         let bracket = Bracket {
-            start: Some(-self.pair.jones.contact_angle.tan().ln()),
+            start: Some(-unloaded.tan().ln()),
             x_tol: 4.0 * f64::EPSILON,
             f_tol: LEVEL,
             ..Bracket::new(COTANGENT.map(f64::ln), [f64::NEG_INFINITY, f64::INFINITY])
@@ -165,14 +113,23 @@ impl<'a> Forces<'a> {
         let found = bracket.root(|log| {
             *steps += 1;
             let cot = log.exp();
-            let left = self.level(Jet { re: cot, eps: [cot] }).and_then(|[x, c]| {
-                let (_, [_, left]) = self.state([Jet::from(0.0), x, c])?;
-                left.re
-                    .is_finite()
-                    .then_some(FunctionValue { value: left.re, slope: Some(left.eps[0]) })
+            let left = carried(self.level(Jet { re: cot, eps: [cot] })).and_then(|[x, c]| {
+                let q = Jet::from(0.0);
+                let (beyond, square) = self.nut_square([q, x, c]);
+                if square.re < 0.0 {
+                    return None;
+                }
+                let (_, [_, left]) = self.state_of([square.sqrt(), x], beyond, q, c)?;
+                let [slope] = left.eps;
+                left.re.is_finite().then_some(FunctionValue::from((left.re, slope)))
             });
             left.unwrap_or(f64::INFINITY.into())
         });
-        self.level(found.root()?.x.exp())
+        carried(self.level(found.root()?.x.exp()))
     }
+}
+
+/// `$x$` and `$c$` of equal contact angles, if they carry the load.
+fn carried<D: Scalar>((place, effect): ([D; 2], D)) -> Option<[D; 2]> {
+    (effect.re() > 0.0).then_some(place)
 }

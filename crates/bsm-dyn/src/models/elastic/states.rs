@@ -3,11 +3,6 @@
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S13) to (S27).
 
-#![expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
-
 use bsm_kin::{Field, FieldOver};
 use bsm_simd::Compare;
 

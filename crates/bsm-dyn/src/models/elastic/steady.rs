@@ -3,11 +3,6 @@
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S2) to (S6), (S12), (S27), (S28).
 
-#![expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
-
 use bsm_kin::{Field, FieldOver};
 use bsm_simd::{Compare, Slopes};
 
@@ -74,24 +69,6 @@ pub struct SlidingRoot<F: Field> {
     pub steady: F::Mask,
     /// Where it is the first one on the curve.
     pub found: F::Mask,
-}
-
-/// Rotation relative to the nut over `$W$`, in the triad of the mean normal.
-#[derive(Debug, Clone, Copy)]
-pub struct SlidingRotation<F> {
-    /// Along t, the mean normal and `$e_x$`.
-    pub omega: [F; 3],
-    /// Sine and cosine of the mean contact angle.
-    pub mean: (F, F),
-}
-
-impl<F: Field> SlidingRotation<F> {
-    /// In the Frenet-Serret triad `$(t, n, b)$`.
-    #[inline(always)]
-    pub fn in_frenet(&self) -> [F; 3] {
-        let ([along, normal, across], (sin, cos)) = (self.omega, self.mean);
-        [along, cos * normal - sin * across, sin * normal + cos * across]
-    }
 }
 
 /// Rotation relative to the nut in the triad of the mean normal (S3), (S5), (S6).
@@ -448,19 +425,20 @@ where
 }
 
 impl<F: Compare> SlidingRoot<F> {
-    /// The rotation.
+    /// Rotation relative to the nut over `$W$`, in the Frenet-Serret triad `$(t, n, b)$`.
     #[inline(always)]
-    pub fn rotation(&self) -> SlidingRotation<F> {
+    pub fn rotation(&self) -> [F; 3] {
         let Self { ball, state, motion, rate, tilt: (s, c), .. } = self;
         let SlidingState { sin: [sin_a, _], cos: [cos_a, _], across: [x, _], .. } = *state;
         // β = β_A + ν                                                     (P3)
-        let mean = (sin_a * *c + cos_a * *s, cos_a * *c - sin_a * *s);
+        let (sin, cos) = (sin_a * *c + cos_a * *s, cos_a * *c - sin_a * *s);
         // θ_A = atan2(1, x_A)
         let slip = motion.slip[0] / (x.square() + 1.0).sqrt();
-        let moment = ball.spin_moment((state, motion), *rate, (*c, mean.0));
+        let moment = ball.spin_moment((state, motion), *rate, (*c, sin));
         let spin = (moment, ball.gyration(*rate));
-        let omega = rotation(ball.arc, [slip * x, slip], self.precession(), spin, self.tilt);
-        SlidingRotation { omega, mean }
+        let [along, normal, across] =
+            rotation(ball.arc, [slip * x, slip], self.precession(), spin, self.tilt);
+        [along, cos * normal - sin * across, sin * normal + cos * across]
     }
 
     /// Precession relative to the nut, `$p$`.

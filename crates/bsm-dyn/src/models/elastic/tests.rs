@@ -93,10 +93,10 @@ fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
             continue;
         }
         match find(&pair, &mut newton) {
-            Err(Unsolved::NoSolution { reason, .. }) if tally.no_solution < points => {
+            Err(none) if none.status() == Status::NoSolution && tally.no_solution < points => {
                 tally.no_solution += 1;
                 if let Some(y) = search(&pair, starts, &mut rng, &mut newton) {
-                    tally.refuted.push((screw, reason, y));
+                    tally.refuted.push((screw, none.reason().clone(), y));
                 }
             }
             Ok((y, ..)) if tally.found < points => {

@@ -2,54 +2,16 @@
 //!
 //! Theory: `docs/theory/12-sensitivities.md`, and `docs/theory/17-lubricant.md`, equation (Y28).
 
-use bsm_kin::{Jet, Scalar};
+use bsm_kin::Jet;
 
 use super::solve::{Lubricated, LubricatedModel, lost};
-use crate::contact::{Losses, Lubricant, Oil, Roughness, Temperature, efficiency};
+use crate::contact::{Temperature, efficiency};
 use crate::models::ball::{EhlPoint, Performance, Steady, Unsolved};
 use crate::models::raceway_control::RacewayControl;
 use crate::models::workspace::ModelWorkspace;
 
 /// Temperature step of a finite difference \[K\]: the losses bend over tens of kelvins.
 const APART: f64 = 1e-3;
-
-impl<D: Scalar> Lubricant<D> {
-    /// The same without derivatives.
-    fn values(&self) -> Lubricant {
-        let Oil { base, viscosities, density, pressure_viscosity, limiting_shear } = &self.oil;
-        let Roughness { ball, nut, screw } = &self.roughness;
-        let losses = &self.losses;
-        Lubricant {
-            oil: Oil {
-                base: *base,
-                viscosities: [viscosities[0].re(), viscosities[1].re()],
-                density: density.re(),
-                pressure_viscosity: pressure_viscosity.as_ref().map(D::re),
-                limiting_shear: limiting_shear.re(),
-            },
-            temperature: match &self.temperature {
-                Temperature::Known(kelvin) => Temperature::Known(kelvin.re()),
-                Temperature::Balance { heat_transfer, ambient } => Temperature::Balance {
-                    heat_transfer: heat_transfer.re(),
-                    ambient: ambient.re(),
-                },
-            },
-            boundary_friction: self.boundary_friction.re(),
-            roughness: Roughness { ball: ball.re(), nut: nut.re(), screw: screw.re() },
-            film_factor: self.film_factor.re(),
-            rolling_factor: self.rolling_factor.re(),
-            hysteresis_loss: self.hysteresis_loss.re(),
-            losses: Losses {
-                seal_torque: losses.seal_torque.re(),
-                ball_contact_force: losses.ball_contact_force.re(),
-                ball_contact_friction: losses.ball_contact_friction.re(),
-                return_circuits: losses.return_circuits.re(),
-                return_loss: losses.return_loss.re(),
-                drag_coefficient: losses.drag_coefficient.re(),
-            },
-        }
-    }
-}
 
 impl<const M: usize> Lubricated<Jet<M>> {
     /// Efficiency and torque with their derivatives.
@@ -83,7 +45,7 @@ impl<const M: usize> Lubricated<Jet<M>> {
             }
             LubricatedModel::Traction(case) => LubricatedModel::Traction(case.values()),
         };
-        Lubricated { lubricant: self.lubricant.values(), model }
+        Lubricated { lubricant: self.lubricant.map(|x| x.re), model }
     }
 
     /// Efficiency and torque at a temperature \[K\], and all that is lost \[W\].
@@ -103,7 +65,8 @@ impl<const M: usize> Lubricated<Jet<M>> {
                 (pair, Steady { loaded, to_nut, losses, torque })
             }
             LubricatedModel::Traction(case) => {
-                let values = EhlPoint::new(&screw.values(), &self.lubricant.values(), kelvin.re)?;
+                let values =
+                    EhlPoint::new(&screw.values(), &self.lubricant.map(|x| x.re), kelvin.re)?;
                 case.lubricated_slopes(&ehl, &values, work)?
             }
         };

@@ -12,20 +12,23 @@ use crate::contact::{
 use crate::ellipse::{Integrate, Nodes, Quadrature};
 use crate::models::ball::{
     BallLoads, BallState, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint, ErrorBound, Model,
-    Reason, Solution, Solved, Steady, SteadyRoot, Transmission, Unsolved, to_both, unit_powers,
+    Reason, Solution, Solved, Steady, SteadyRoot, Transmission, Unsolved, to_both,
 };
 use crate::models::raceway_control::RacewayControl;
 use crate::models::traction::{Traction, TrainBall};
 use crate::models::workspace::ModelWorkspace;
+use crate::outcome::named;
 
-/// What friction is in the raceway-control model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum RacewayFriction {
-    /// The law of each point of the ellipses.
-    #[default]
-    Local,
-    /// One coefficient for each contact (Y23).
-    PerContact,
+named! {
+    /// What friction is in the raceway-control model.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub enum RacewayFriction {
+        /// The law of each point of the ellipses.
+        #[default]
+        Local = "local",
+        /// One coefficient for each contact (Y23).
+        PerContact = "contact",
+    }
 }
 
 /// The model of the ball; its friction coefficient is not read.
@@ -47,22 +50,6 @@ pub struct Lubricated<D = f64> {
 }
 
 impl RacewayFriction {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Local, Self::PerContact];
-
-    /// Name in files and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Local => "local",
-            Self::PerContact => "contact",
-        }
-    }
-
-    /// The one of that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|friction| friction.name() == name)
-    }
-
     /// Accuracy of the rule: sums of a coefficient of one need fewer nodes.
     pub(super) fn accuracy(self) -> f64 {
         match self {
@@ -89,7 +76,7 @@ impl RacewayFriction {
     ) -> ([D; 2], [EhlLoss<D>; 2]) {
         let [oil, dry] = rules.map(Nodes::from);
         let (motions, creep) = (to_both(to_nut, &loaded.frame), RacewayControl::CREEP);
-        let unit = unit_powers(pair, loaded, to_nut, creep, [dry; 2]);
+        let unit = pair.unit_powers(loaded, to_nut, creep, [dry; 2]);
         let losses = std::array::from_fn(|i| {
             let motion = &motions[i];
             match self {
@@ -280,12 +267,13 @@ impl Lubricated {
             }
         });
         let of_one: f64 = found.unit.iter().sum::<f64>() * unit;
+        let conductivity = self.lubricant.oil.base.conductivity();
         let heating = [0, 1].map(|i| {
             let (a, b) = pair.hertz[i].semi_axes(loaded.loads[i] * ehl.units.load);
             let power = losses[i].sliding * unit / screw.point.load.balls;
             let ContactFilm { thickness, entrainment, .. } = contacts[i];
             let heat = power / (std::f64::consts::PI * a * b);
-            film_heating(heat, thickness, (b, entrainment), self.conductivity())
+            film_heating(heat, thickness, (b, entrainment), conductivity)
         });
         let film = FilmState {
             temperature: ehl.oil.temperature,
@@ -317,10 +305,6 @@ impl Lubricated {
             ..Solved::new(&ball, transmission)
         })
     }
-
-    fn conductivity(&self) -> f64 {
-        self.lubricant.oil.base.conductivity()
-    }
 }
 
 /// By how much sliding heats the film \[K\] (Y29).
@@ -344,10 +328,6 @@ pub fn film_heating<F: Field>(
 /// The coefficient of a plain thread of an efficiency (Y31).
 ///
 /// * `back`: where linear motion drives. * `tan`: of the lead angle.
-#[expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
 #[inline(always)]
 pub fn catalogue_friction<F: Field>(back: F::Mask, tan: F, efficiency: F) -> F {
     // η = (1 − μ tanα)/(1 + μ/tanα),  back-driving (1 − μ/tanα)/(1 + μ tanα)  (Y31)

@@ -167,17 +167,11 @@ fn rough_surfaces_are_a_constant_coefficient() {
     let lubricant =
         Lubricant { roughness: rough, rolling_factor: 0.0, hysteresis_loss: 0.0, ..vg_68() };
     for (rpm, axial) in [(150.0, 8000.0), (-800.0, 3000.0), (6000.0, 1400.0)] {
-        let screw = feed_drive(rpm, axial);
+        let mut screw = feed_drive(rpm, axial);
         let lubricated = solved(lubricant, traction(screw)).transmission.efficiency;
+        screw.point.friction = Coulomb(0.12);
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
-        let dry = Traction {
-            at: ElasticPoint {
-                point: OperatingPoint { friction: Coulomb(0.12), ..screw.point },
-                ..screw
-            },
-            accuracy,
-            creep,
-        };
+        let dry = Traction { at: screw, accuracy, creep };
         let dry = dry.solve(&mut crate::TractionWorkspace::default());
         // What the two rules leave in an efficiency.
         assert_relative_eq!(lubricated, dry.efficiency().unwrap(), max_relative = 1e-7);
@@ -206,26 +200,18 @@ fn slow_is_boundary_and_smooth_is_film() {
 #[test]
 fn screw_and_nut_drive_lose_the_same() {
     let light = |rpm: f64| {
-        let screw = feed_drive(rpm, 8000.0);
-        ElasticPoint {
-            point: OperatingPoint { ball: Ball::of_density(3.175e-3, 1e-6), ..screw.point },
-            ..screw
-        }
+        let mut screw = feed_drive(rpm, 8000.0);
+        screw.point.ball = Ball::of_density(3.175e-3, 1e-6);
+        screw
     };
     let lost = |screw| {
         let film = solved(vg_68(), traction(screw)).film.unwrap();
         film.sliding_power + film.rolling_power
     };
     let by_screw = lost(light(1500.0));
-    let drive = Drive { screw_speed: 0.0, nut_speed: -50.0 * PI };
-    assert_relative_eq!(
-        lost(ElasticPoint {
-            point: OperatingPoint { drive, ..light(1500.0).point },
-            ..light(1500.0)
-        }),
-        by_screw,
-        max_relative = 1e-6
-    );
+    let mut by_nut = light(1500.0);
+    by_nut.point.drive = Drive { screw_speed: 0.0, nut_speed: -50.0 * PI };
+    assert_relative_eq!(lost(by_nut), by_screw, max_relative = 1e-6);
     // Friction of 0.05 turns the contact angles of 45 deg by as much, one way or the other: 6 %.
     assert_relative_eq!(lost(light(-1500.0)), by_screw, max_relative = 0.08);
 }
@@ -394,10 +380,8 @@ fn cost_of_a_lubricant() {
         let bound = solution.solved().and_then(|solved| solved.error);
         bounds.push(bound.map_or(f64::NAN, |bound| bound.efficiency));
         let friction = film.equivalent_friction;
-        let dry = ElasticPoint {
-            point: OperatingPoint { friction: Coulomb(friction), ..screw.point },
-            ..screw
-        };
+        let mut dry = screw;
+        dry.point.friction = Coulomb(friction);
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
         let dry_traction = Traction { at: dry, accuracy, creep };
         let dry_raceway = RacewayControl { at: dry, control: None };

@@ -3,11 +3,6 @@
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W2), (W12), (W13).
 
-#![expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
-
 use bsm_kin::{Field, FieldOver};
 use bsm_simd::{Compare, Lane, Simd, WithSimd};
 

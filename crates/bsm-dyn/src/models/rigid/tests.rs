@@ -134,10 +134,10 @@ fn many_starts_find_no_root_where_there_is_no_solution() {
             continue;
         }
         match answer {
-            Err(Unsolved::NoSolution { reason, .. }) => {
+            Err(none) if none.status() == Status::NoSolution => {
                 no_solution += 1;
                 let roots = many_starts((&rigid, &case), 1, &mut rng, &mut newton);
-                refuted.extend(roots.into_iter().map(|root| (rigid, reason.clone(), root)));
+                refuted.extend(roots.into_iter().map(|root| (rigid, none.reason().clone(), root)));
             }
             Ok(_) if found < no_solution => {
                 found += 1;

@@ -16,7 +16,7 @@ use super::{
 use crate::contact::ideal_torque;
 use crate::models::ball::{
     EhlPoint, ElasticContacts, LubricatedWorkspace, SolveInfo, Steady, SteadyRoot, Unsolved,
-    Workspace, domain_error, moving_root, to_both, unit_powers,
+    Workspace, domain_error, moving_root, to_both,
 };
 use crate::models::raceway_control::RollingBall;
 use crate::models::workspace::ModelWorkspace;
@@ -158,7 +158,7 @@ impl Traction {
         let losses = std::array::from_fn(|i| {
             ehl.loss_of(i, (&pair, &loaded), &motions[i], creep, transmitted.sliding[i])
         });
-        let unit = unit_powers(&pair, &loaded, &to_nut, creep, [0, 1].map(|i| ball.nodes(i)));
+        let unit = pair.unit_powers(&loaded, &to_nut, creep, [0, 1].map(|i| ball.nodes(i)));
         let torque = transmitted.torque * (self.at.point.ball.radius * self.at.point.load.axial);
         let info = SolveInfo { steps, residual: root.residual };
         let steady = Steady { loaded, to_nut, losses, torque };

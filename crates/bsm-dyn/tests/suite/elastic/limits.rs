@@ -1,16 +1,19 @@
 //! The elastic models in their common limits, and where they fail.
 
-use super::screws::{inertia_ratio, lin, real_screws};
+use super::screws::{inertia_ratio, lin, real_screws, with};
 use approx::assert_relative_eq;
 use bsm_dyn::{
-    Auto, Coulomb, Elastic, ElasticPoint, ElasticWorkspace, ModelWorkspace, OperatingPoint,
-    RacewayControl, RacewayWorkspace, Reason, Solution, Solved, Status, Traction,
-    TractionWorkspace,
+    Auto, Coulomb, Elastic, ElasticPoint, ElasticWorkspace, ModelWorkspace, RacewayControl,
+    RacewayWorkspace, Reason, Solution, Solved, Status, Traction, TractionWorkspace,
 };
 use proptest::prelude::*;
 
 fn numbers(solution: Solution) -> Solved {
     solution.answer.expect("a solution")
+}
+
+fn with_friction(friction: f64, screw: ElasticPoint) -> ElasticPoint {
+    with(screw, |screw| screw.point.friction = Coulomb(friction))
 }
 
 fn onset(solution: &Solution) -> Option<f64> {
@@ -122,18 +125,12 @@ fn the_onset_number_tells_rolling_from_sliding() {
 #[test]
 fn a_scaled_screw_moves_alike() {
     let screw = lin(10.0, 45.0, 6000.0, 20.0);
-    let large = ElasticPoint {
-        point: OperatingPoint {
-            helix: bsm_kin::Helix { radius: 3.0 * screw.point.helix.radius, ..screw.point.helix },
-            ball: bsm_dyn::Ball {
-                radius: 3.0 * screw.point.ball.radius,
-                mass: 3.0 * screw.point.ball.mass,
-            },
-            load: bsm_dyn::Load { axial: 9.0 * screw.point.load.axial, ..screw.point.load },
-            ..screw.point
-        },
-        ..screw
-    };
+    let large = with(screw, |ElasticPoint { point, .. }| {
+        point.helix.radius *= 3.0;
+        point.ball.radius *= 3.0;
+        point.ball.mass *= 3.0;
+        point.load.axial *= 9.0;
+    });
     for (one, other) in [
         (traction(screw, 1e-6, 1e-4), traction(large, 1e-6, 1e-4)),
         (elastic(screw), elastic(large)),
@@ -155,17 +152,9 @@ fn a_scaled_screw_moves_alike() {
 /// Expected failures.
 #[test]
 fn failures_say_why() {
-    let still = ElasticPoint {
-        point: OperatingPoint {
-            drive: bsm_kin::Drive { screw_speed: 10.0, nut_speed: 10.0 },
-            ..lin(10.0, 45.0, 1.0, 100.0).point
-        },
-        ..lin(10.0, 45.0, 1.0, 100.0)
-    };
-    let smooth = ElasticPoint {
-        point: OperatingPoint { friction: Coulomb(0.0), ..lin(10.0, 45.0, 100.0, 100.0).point },
-        ..lin(10.0, 45.0, 100.0, 100.0)
-    };
+    let drive = bsm_kin::Drive { screw_speed: 10.0, nut_speed: 10.0 };
+    let still = with(lin(10.0, 45.0, 1.0, 100.0), |screw| screw.point.drive = drive);
+    let smooth = with_friction(0.0, lin(10.0, 45.0, 100.0, 100.0));
     for (screw, reason) in [(still, Reason::NoRelativeSpeed), (smooth, Reason::Frictionless)] {
         let solutions = [
             Elastic { at: screw }.solve(&mut ElasticWorkspace::default()),
@@ -179,10 +168,7 @@ fn failures_say_why() {
         }
     }
     // F tanα = 1: friction holds any load.
-    let locked = ElasticPoint {
-        point: OperatingPoint { friction: Coulomb(0.5), ..lin(64.0, 45.0, 2000.0, 100.0).point },
-        ..lin(64.0, 45.0, 2000.0, 100.0)
-    };
+    let locked = with_friction(0.5, lin(64.0, 45.0, 2000.0, 100.0));
     let solution = Elastic { at: locked }.solve(&mut ElasticWorkspace::default());
     assert_eq!(solution.status(), Status::NoSolution);
     assert!(matches!(solution.reason(), Some(Reason::SelfLocking { .. })), "{solution:?}");
@@ -193,10 +179,7 @@ fn failures_say_why() {
 #[test]
 fn very_slow_saturated_friction_keeps_its_power_balance() {
     for rpm in [1e-1, 1e-3, 1e-5, 1e-7] {
-        let screw = ElasticPoint {
-            point: OperatingPoint { friction: Coulomb(0.39), ..lin(16.0, 50.0, -rpm, 3e3).point },
-            ..lin(16.0, 50.0, -rpm, 3e3)
-        };
+        let screw = with_friction(0.39, lin(16.0, 50.0, -rpm, 3e3));
         let balance = elastic(screw).transmission.power_balance.expect("a balance of forces");
         assert!(balance.abs() <= 1e-10, "{rpm} rpm: {balance}");
     }
@@ -248,20 +231,12 @@ fn a_soft_screw_is_answered() {
 /// Found in review: friction that drowns in rounding ended in a panic of the solver.
 #[test]
 fn next_to_no_friction_is_none() {
-    let screw = ElasticPoint {
-        point: OperatingPoint {
-            friction: Coulomb(1e-310),
-            ..lin(10.0, 45.0, 2000.0, 2113.0).point
-        },
-        ..lin(10.0, 45.0, 2000.0, 2113.0)
-    };
+    let screw = with_friction(1e-310, lin(10.0, 45.0, 2000.0, 2113.0));
     let case = Traction { at: screw, accuracy: 1e-4, creep: 1e-4 };
     let solution = case.solve(&mut TractionWorkspace::default());
     assert_eq!(solution.reason(), Some(&Reason::Frictionless));
     // Without friction the skid number has no value, not an infinite one.
-    let screw =
-        ElasticPoint { point: OperatingPoint { friction: Coulomb(0.0), ..screw.point }, ..screw };
-    let rolling = RacewayControl { at: screw, control: None };
+    let rolling = RacewayControl { at: with_friction(0.0, screw), control: None };
     let o = numbers(rolling.solve(&mut RacewayWorkspace::default()));
     let skid = o.skid.expect("raceway control");
     assert_eq!((skid.skid_number, skid.onset_number()), (None, None));
@@ -284,11 +259,8 @@ fn a_ball_that_leaves_its_flank_is_no_result() {
 #[test]
 fn slow_saturated_friction_keeps_its_power_balance() {
     for rpm in [300.0, 30.0, 3.0] {
-        let screw = ElasticPoint {
-            point: OperatingPoint { friction: Coulomb(0.15), ..lin(1.1, 55.0, rpm, 3000.0).point },
-            conformity: (0.52, 0.56),
-            ..lin(1.1, 55.0, rpm, 3000.0)
-        };
+        let screw = with_friction(0.15, lin(1.1, 55.0, rpm, 3000.0));
+        let screw = ElasticPoint { conformity: (0.52, 0.56), ..screw };
         let balance = elastic(screw).transmission.power_balance.expect("a balance of forces");
         assert!(balance.abs() <= 1e-9, "{rpm} rpm: {balance}");
     }
@@ -331,7 +303,8 @@ proptest! {
     fn slow_nut_drive_is_slow_screw_drive(axial in 50.0..2000.0_f64, rpm in 1.0..20.0_f64) {
         let driven = lin(10.0, 45.0, rpm, axial);
         let speed = driven.point.drive.screw_speed;
-        let turned = ElasticPoint { point: OperatingPoint { drive: bsm_kin::Drive { screw_speed: 0.0, nut_speed: -speed }, ..driven.point }, ..driven };
+        let drive = bsm_kin::Drive { screw_speed: 0.0, nut_speed: -speed };
+        let turned = with(driven, |screw| screw.point.drive = drive);
         let eta = |screw| traction(screw, 1e-6, 1e-4).transmission.efficiency;
         // Inertia over friction is at most 2e-6 here.
         prop_assert!((eta(driven) - eta(turned)).abs() <= 1e-6);

@@ -26,6 +26,15 @@ pub(crate) fn lin(lead_deg: f64, contact_deg: f64, rpm: f64, axial: f64) -> Elas
     }
 }
 
+/// A screw with something else.
+pub(crate) fn with(
+    mut screw: ElasticPoint,
+    change: impl FnOnce(&mut ElasticPoint),
+) -> ElasticPoint {
+    change(&mut screw);
+    screw
+}
+
 /// Endless screws of pitch circles of 8 to 100 mm.
 ///
 /// Static pressure 0.2 to 5 GPa, lead angle 1 to 40 deg, 10 to 30 000 rpm both ways, screw or nut

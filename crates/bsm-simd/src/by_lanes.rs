@@ -1,0 +1,26 @@
+//! Formulas of lanes on blocks of numbers, for tests.
+
+/// A type that holds a block of numbers for each variable, and that an instruction set turns into one for each value.
+macro_rules! by_lanes {
+    ($name:ident { $($x:ident),+ } -> $count:literal: $values:expr) => {
+        struct $name {
+            $($x: $crate::Block,)+
+        }
+
+        impl $crate::WithSimd for $name {
+            type Output = [$crate::Block; $count];
+
+            #[inline(always)]
+            fn with_simd<S: $crate::Simd>(self, simd: S) -> Self::Output {
+                let mut found = [[0.0; $crate::BLOCK]; $count];
+                for at in (0..$crate::BLOCK).step_by(S::F64_LANES) {
+                    $(let $x = $crate::Lane::<S>::load(simd, &self.$x[at..]);)+
+                    for (found, value) in found.iter_mut().zip($values) {
+                        value.store(&mut found[at..]);
+                    }
+                }
+                found
+            }
+        }
+    };
+}
