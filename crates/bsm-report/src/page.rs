@@ -66,7 +66,7 @@ impl Page<'_> {
 
 /// A symbol of the field as HTML: what follows a low line stands lower, and Greek letters have names.
 fn symbol(text: &str) -> String {
-    const GREEK: [(&str, &str); 7] = [
+    const GREEK: [(&str, &str); 8] = [
         ("alpha", "α"),
         ("eta", "η"),
         ("kappa", "κ"),
@@ -74,6 +74,7 @@ fn symbol(text: &str) -> String {
         ("nu", "ν"),
         ("phi", "φ"),
         ("lambda", "λ"),
+        ("tau", "τ"),
     ];
     let one = |word: &str| {
         let (head, low) = word.split_once('_').unwrap_or((word, ""));

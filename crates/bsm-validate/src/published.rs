@@ -124,6 +124,8 @@ tables! {
     manufacturers_case: "manufacturers/case.json";
     /// A feed axis by the numbers of its catalogue.
     machining_centre: "manufacturers/machining_centre.json";
+    /// The same with load factors and oil.
+    machining_centre_oil: "manufacturers/machining_centre_oil.json";
     /// An upright axis by the numbers of its catalogue.
     upright_axis: "manufacturers/upright_axis.json";
     /// Independent solutions of lubricated scenes.

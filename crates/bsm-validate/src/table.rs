@@ -154,6 +154,7 @@ fn scene(published: &PublishedData, name: &str) -> Result<Scene, ValidateError> 
         "manufacturers" => published.manufacturers_case.scene(),
         "feed_axis" => published.feed_axis.scene(),
         "machining_centre" => published.machining_centre.scene(),
+        "machining_centre_oil" => published.machining_centre_oil.scene(),
         "upright_axis" => published.upright_axis.scene(),
         _ => reference_scene(published, name),
     }

@@ -346,6 +346,7 @@ def test_the_axis_shows_rules_and_sheet(serve, sheet, tmp_path):
     numbers = page.locator("#axis details")
     numbers.evaluate("(fold) => { fold.open = true; }")
     assert five_digits(report["results"]["cycle_life_h"]) in numbers.inner_text()
+    assert all(note in page.inner_text("#axis") for note in report["notes"])
     # The sheet is that of the command.
     with page.expect_download() as download:
         page.click("text=Save the sheet")

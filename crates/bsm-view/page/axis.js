@@ -1,7 +1,7 @@
 // The axis around the screw: its rules, its numbers, its sheet.
 
 import { html, number, none, table, unitOf } from "bsm/draw";
-import { groups } from "bsm/nut";
+import { groups, remarks } from "bsm/nut";
 import { download } from "bsm/save";
 
 /** `sheet` asks for the sheet as a page. */
@@ -29,6 +29,6 @@ export function showAxis(host, answer, sheet) {
       `✗ ${failed} of ${rules.length} rules fail.`)
       : html("strong", { class: "pass" }, `✓ All ${rules.length} rules hold.`), open, keep),
     table("Rules of the axis", ["rule", "value", "must be", "margin", "holds", "source"], answer.rules.map(line)),
-    ...answer.warnings.map((warning) => html("p", { class: "warn" }, warning)),
+    ...remarks(answer),
     html("details", {}, html("summary", {}, "Numbers of the axis"), html("div", { class: "tables" }, groups(answer.shown))));
 }

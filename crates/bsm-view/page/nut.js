@@ -13,10 +13,13 @@ export function showNut(host, answer) {
   host.columns = () => ({ balls, curve });
   host.replaceChildren(html("div", { class: "pair" }, sharing(balls, answer), developed(balls),
     deflection(curve, answer), train(balls, answer), html("div", { class: "warm" }),
-    html("div", {}, answer.notes.map((note) => html("p", { class: "small faint" }, note)),
-      answer.warnings.map((warning) => html("p", { class: "warn" }, warning)))),
+    html("div", {}, remarks(answer))),
     html("details", {}, html("summary", {}, "Numbers of the nut"), html("div", { class: "tables" }, groups(answer.shown))));
 }
+
+/** Notes and warnings of an answer. */
+export const remarks = ({ notes, warnings }) => [...notes.map((note) => html("p", { class: "small faint" }, note)),
+  ...warnings.map((warning) => html("p", { class: "warn" }, warning))];
 
 /** Tables of numbers under their titles. */
 export function groups(rows) {

@@ -54,6 +54,7 @@ impl AnalysisKind {
     pub(crate) fn missing(self, base: &Scene, given: InputSet) -> Vec<String> {
         let given = given.and(rated_nut::given(base));
         match self {
+            Self::Slip | Self::Jam if given.is_lubricated() => Needs::LUBRICATED.missing(given),
             Self::Slip | Self::Jam => Needs::of(Model::Rigid).missing(given),
             Self::Optimum => optimum::NEEDS.missing(given),
             Self::Ratings => rated_nut::NEEDS.missing(given),
@@ -119,9 +120,6 @@ impl Output {
         model: ModelChoice,
     ) -> Result<(), CaseError> {
         let Some(kind) = self.analysis() else { return Ok(()) };
-        if kind == AnalysisKind::Jam && given.is_lubricated() {
-            return Err(CaseError::oiled_jam(""));
-        }
         let mut missing = kind.missing(base, given);
         if let (true, ModelChoice::Fixed(model @ (Model::ClosedForm | Model::QuasiStatic))) =
             (kind.needs_motion(), model)

@@ -270,8 +270,10 @@ const NOT_MODELLED: [&str; 5] = [
 ];
 
 /// Effects that the torque of an axis neglects.
-fn not_modelled(scene: &Scene) -> Vec<String> {
-    let lubricant = (!scene.given().is_lubricated()).then_some(
+///
+/// * `contacts`: friction is that of the contacts, not by catalogue efficiency.
+fn not_modelled(scene: &Scene, contacts: bool) -> Vec<String> {
+    let lubricant = (contacts && !scene.given().is_lubricated()).then_some(
         "lubricant, as its inputs are not given: contacts are dry, with one friction coefficient",
     );
     let preload =
@@ -288,7 +290,7 @@ fn not_modelled(scene: &Scene) -> Vec<String> {
             "ball returns, and ball-to-ball contact of a nut without preload: bsm nut has its torque by ball_gap_mm"
         }
     };
-    let of_inputs = lubricant.into_iter().chain([preload, pushes]);
+    let of_inputs = lubricant.into_iter().chain([preload]).chain(contacts.then_some(pushes));
     of_inputs.chain(NOT_MODELLED).map(str::to_owned).collect()
 }
 
@@ -353,9 +355,10 @@ impl AxisReport {
             Some(warm) => warm.add_to(answer),
             None => answer,
         };
+        let neglected = not_modelled(scene, worked.machine.groove.is_some());
         let answer = answer
             .with("screw", Content::numbers(screw, "screw"))
-            .with("not_modelled", Content::Texts("not modelled", not_modelled(scene)));
+            .with("not_modelled", Content::Texts("not modelled", neglected));
         let order = worked.order();
         let answer = answer.with_shown(Content::Text("order:", Some(order.to_string())));
         Ok(Self { scene: given.clone(), settings: *settings, phases, order, answer })

@@ -3,12 +3,12 @@
 use std::f64::consts::FRAC_PI_2;
 
 use bsm_dyn::{
-    Angles, Direction, EntryStep, PermanentSet, Reason, Solution, SteadyBall, Wedge, apex_thrust,
+    Angles, Direction, EntryStep, FrictionLaw, PermanentSet, Reason, Solution, SteadyBall, Wedge, apex_thrust,
     centrifugal_force, contact_modulus, flat_stiffness, impact_force, linear_impact_force,
     step_thrust, track_friction, viscous_drag,
 };
 
-use crate::answers::moving::{MovingBall, lacks_ellipses, of_a_motion};
+use crate::answers::moving::{MovingBall, MovingContact, lacks_ellipses, of_a_motion};
 use crate::answers::record::message;
 use crate::vocabulary::error::bad;
 use crate::vocabulary::number::number;
@@ -63,11 +63,11 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
     "self-locking" {
         locking_friction_coefficient [""] Whole(|j| Some(j.locking()?.1)),
             "friction coefficient for self-locking in the direction of drive, contact angles under load";
-        locking_margin [""] Whole(|j| Some(j.locking()?.1 / j.wedge.friction).filter(|x| x.is_finite())),
+        locking_margin [""] Whole(|j| Some(j.locking()?.1 / j.friction.rest).filter(|x| x.is_finite())),
             "self-locking margin, that coefficient over the friction coefficient";
         self_locking_under_load [""] Statement(|j| {
             let (direction, _) = j.locking()?;
-            Some(j.angles().self_locking(direction, j.wedge.friction))
+            Some(j.angles().self_locking(direction, j.friction.rest))
         }), "true if the screw is self-locking in its direction of drive, contact angles under load";
     }
     "ball return" {
@@ -85,6 +85,7 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
             "track friction of one turn in steady motion, screw (as published)";
         weaker_track_friction_N ["N"] Whole(|j| Some(j.track?.weaker)) needs [loaded_balls_per_turn],
             "track friction of one turn in steady motion, weaker contact";
+        stopped_friction_coefficient [""] Whole(|j| j.friction.stopped), "friction coefficient of a stopped ball at the screw";
         stopped_track_friction_N ["N"] Whole(|j| Some(j.track?.stopped)) needs [loaded_balls_per_turn],
             "track friction of one turn, balls stationary, screw";
         ball_return_margin [""] Whole(|j| Some(j.track?.stopped / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "ball-return margin, friction of stationary balls over thrust";
@@ -124,6 +125,7 @@ struct Jam {
     yield_ratios: Option<[f64; 2]>,
     /// Drag of the lubricant \[N\].
     drag: Option<f64>,
+    friction: Friction,
     wedge: Wedge<f64>,
     ball_return: BallReturn,
     track: Option<Track>,
@@ -133,6 +135,16 @@ struct Jam {
 struct PermanentContacts {
     set: PermanentSet,
     pressures: [f64; 2],
+}
+
+/// Friction coefficients: all the same without a lubricant.
+struct Friction {
+    /// At nut and screw in the steady motion.
+    moving: [f64; 2],
+    /// Of a ball that is stopped in the nut, at the screw.
+    stopped: f64,
+    /// Where no film forms: at rest, between balls, which roll against each other, and in the ball return.
+    rest: f64,
 }
 
 /// The ball return.
@@ -182,28 +194,13 @@ pub fn jam(scene: &Scene, solution: &Solution) -> Result<Answer, CaseError> {
         ("jams", jam.return_text(scene)),
     ];
     let verdicts = words.into_iter().filter_map(|(name, words)| Some((name, words?))).collect();
-    Ok(of_a_motion(QUANTITIES, scene, solution, numbers, verdicts, lacks))
-}
-
-/// Why a lubricated ball is refused: the coefficients that its contacts have.
-fn oiled(scene: &Scene, solution: &Solution) -> CaseError {
-    let rest = scene.value_or_default(InputKey::boundary_friction_coefficient);
-    let film = solution.solved().and_then(|solved| solved.film);
-    let found = film.zip(rest).map_or_else(String::new, |(film, rest)| {
-        let [nut, screw] = [film.nut.friction, film.screw.friction].map(number);
-        format!(
-            ": here {nut} at the nut and {screw} at the screw in motion, {} where the surfaces touch at rest",
-            number(rest)
-        )
-    });
-    CaseError::oiled_jam(&found)
+    let mut answer = of_a_motion(QUANTITIES, scene, solution, numbers, verdicts, lacks);
+    answer.notes.extend(scene.given().is_lubricated().then(|| jam.friction.words()));
+    Ok(answer)
 }
 
 impl Jam {
     fn of(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
-        if scene.given().is_lubricated() {
-            return Err(oiled(scene, solution));
-        }
         let solved = MovingBall::of(scene, solution)?;
         if scene.running_angles().is_some() {
             return Err(bad(
@@ -215,11 +212,12 @@ impl Jam {
             unreachable!("every model with a motion has loads and angles of both contacts")
         };
         let (point, ball) = (scene.reader().operating_point(), solved.ball);
+        let friction = Friction::of(scene, solution, (&ball, &screw), point.friction.0);
         let mut wedge = Wedge {
             loads: [nut.load, screw.load],
             angles: [nut.touch.angle, screw.touch.angle],
             slip_angles: [nut.slip_angle, screw.slip_angle],
-            friction: point.friction.0,
+            friction: friction.moving,
             centrifugal: centrifugal_force(
                 point.ball.mass,
                 point.helix.radius,
@@ -240,9 +238,9 @@ impl Jam {
                 2.0 * ball.helix.radius * (ball.motion.precession - ball.drive.nut_speed).abs();
             viscous_drag(coefficient, density, 2.0 * ball.radius, speed)
         });
-        let track = scene.loaded_balls_per_turn.map(|balls| Track::of(balls, &wedge));
-        let ball_return = BallReturn::of(scene, &ball);
-        Ok(Self { ball, permanent, yield_ratios, drag, wedge, ball_return, track })
+        let track = scene.loaded_balls_per_turn.map(|balls| Track::of(balls, &wedge, &friction));
+        let ball_return = BallReturn::of(scene, &ball, friction.rest);
+        Ok(Self { ball, permanent, yield_ratios, drag, friction, wedge, ball_return, track })
     }
 
     fn orbital_speed(&self) -> f64 {
@@ -284,7 +282,7 @@ impl Jam {
             "the screw is self-locking in this direction from a friction coefficient of {locking:.3} on, at \
              the contact angle of {:.2} deg under load; its friction coefficient is {}",
             self.angles().contact / DEG,
-            self.wedge.friction
+            self.friction.rest
         ))
     }
 
@@ -306,6 +304,35 @@ impl Jam {
     }
 }
 
+impl Friction {
+    /// * `screw`: contact of a ball in motion. * `dry`: without a lubricant.
+    fn of(
+        scene: &Scene,
+        solution: &Solution,
+        (ball, screw): (&SteadyBall<f64>, &MovingContact),
+        dry: f64,
+    ) -> Self {
+        let Some(film) = solution.solved().and_then(|solved| solved.film) else {
+            return Self { moving: [dry; 2], stopped: dry, rest: dry };
+        };
+        // μ_s = μ(¾ p_max, |V_s|)                                         (M23)
+        let stopped = film.screw.law.coefficient(0.75, ball.stopped_slip(&screw.touch));
+        let rest = scene.value_or_default(InputKey::boundary_friction_coefficient);
+        let moving = [film.nut.friction, film.screw.friction];
+        Self { moving, stopped, rest: rest.unwrap_or(f64::NAN) }
+    }
+
+    /// In a note, of a lubricant.
+    fn words(&self) -> String {
+        let Self { moving: [nut, screw], stopped, rest } = *self;
+        let [nut, screw, stopped, rest] = [nut, screw, stopped, rest].map(number);
+        format!(
+            "friction coefficients: {nut} at the nut and {screw} at the screw in motion; {stopped} of a stopped \
+             ball at the screw, in the film of the motion; {rest} at rest, between balls and in the ball return"
+        )
+    }
+}
+
 impl PermanentContacts {
     fn of(scene: &Scene, wedge: &Wedge<f64>) -> Result<Self, CaseError> {
         let screw = scene.reader().elastic_point();
@@ -318,19 +345,18 @@ impl PermanentContacts {
 }
 
 impl Track {
-    fn of(balls: f64, wedge: &Wedge<f64>) -> Self {
-        let along = |i: usize, slip_angle| {
-            track_friction(balls, wedge.friction, wedge.loads[i], slip_angle)
-        };
-        let stopped = along(1, FRAC_PI_2);
+    fn of(balls: f64, wedge: &Wedge<f64>, friction: &Friction) -> Self {
+        let stopped = track_friction(balls, friction.stopped, wedge.loads[1], FRAC_PI_2);
         let clean = |force: f64| if force < ROUNDING * stopped { 0.0 } else { force };
-        let [nut, screw] = [0, 1].map(|i| clean(along(i, wedge.slip_angles[i])));
+        let along =
+            |i: usize| track_friction(balls, wedge.friction[i], wedge.loads[i], wedge.slip_angles[i]);
+        let [nut, screw] = [0, 1].map(|i| clean(along(i)));
         Self { screw, weaker: nut.min(screw), stopped }
     }
 }
 
 impl BallReturn {
-    fn of(scene: &Scene, ball: &SteadyBall<f64>) -> Self {
+    fn of(scene: &Scene, ball: &SteadyBall<f64>, friction: f64) -> Self {
         let point = scene.reader().operating_point();
         let speed = scene.return_approach_speed_m_s.unwrap_or_else(|| {
             let to_nut = ball.motion.precession - ball.drive.nut_speed;
@@ -343,7 +369,7 @@ impl BallReturn {
             },
             |k| k * PER_UM15,
         );
-        let (mass, friction) = (point.ball.mass, point.friction.0);
+        let mass = point.ball.mass;
         let impact = match scene.return_linear_stiffness_N_um {
             Some(linear) => linear_impact_force(mass, speed, linear / UM),
             None => impact_force(mass, speed, stiffness),

@@ -350,9 +350,10 @@ pub(crate) fn torque_to_measure(torque: f64, seal: f64, within: &TorqueTolerance
     } else {
         String::new()
     };
+    let [least, most] = [1.5, 2.0].map(|factor| factor * torque);
     format!(
         "friction torque of the preload to measure: {torque:.3} N m ({tolerance}) at 100 rpm, oil of ISO VG 68, \
-         without wipers{with_seals}; starting torque usually 1.5 to 2 times as much"
+         without wipers{with_seals}; starting torque usually 1.5 to 2 times as much, {least:.3} to {most:.3} N m"
     )
 }
 

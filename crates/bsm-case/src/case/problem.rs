@@ -181,7 +181,7 @@ impl Needs {
         Self { all: inputs! {}, quantities: &[VISCOSITY, TEMPERATURE] };
 
     /// Required inputs of a lubricated model.
-    const LUBRICATED: Self = {
+    pub(crate) const LUBRICATED: Self = {
         let Self { all, .. } = Self::of(Model::Traction);
         let all = all.without(inputs! { friction_coefficient });
         Self { all, quantities: &[LEAD, VISCOSITY, TEMPERATURE] }

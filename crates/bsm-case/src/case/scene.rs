@@ -174,7 +174,7 @@ impl Scene {
         let assumed: Vec<_> = SURFACES.iter().filter_map(assumed).collect();
         (self.given().is_lubricated() && !assumed.is_empty()).then(|| {
             format!(
-                "assumed, known to some 40 %: {}; of ground grooves, rolled ones have 0.4",
+                "assumed, known to some 40 %: {}; of ground grooves, a rolled screw (screw_make) has 0.4",
                 assumed.join(", ")
             )
         })

@@ -91,7 +91,7 @@ entries! {
     buckling_support: Named<Support>,
         "how the section of the screw between fixed bearing and nut is held against buckling; fixed-fixed by a guided table, unless support is supported-supported";
     screw_make: Named<Make>,
-        "how the screw and its ball return are made, for the largest speed number; ground unless given";
+        "how the screw and its ball return are made, for the largest speed number and the roughness of its groove; ground unless given";
     accuracy_grade: GradeName,
         "accuracy grade of the screw, for bsm axis: P0 to P10 and T5 to T10 of ISO 3408-3, C0 to C10 of JIS B 1192 (THK, NSK, MISUMI); a number alone is a P grade";
     steel: Named<SteelFactor>,

@@ -219,16 +219,6 @@ impl CaseError {
         Self::Invalid(format!("the grid has more than {limit} points; use fewer values per axis"))
     }
 
-    /// Jamming with a lubricant.
-    ///
-    /// * `found`: its coefficients, if they are known.
-    pub(crate) fn oiled_jam(found: &str) -> Self {
-        Self::Invalid(format!(
-            "jam compares one friction coefficient with the critical ones, and a lubricant has several{found}; give one as \
-             friction_coefficient in place of the lubricant"
-        ))
-    }
-
     /// A name that is not known, with the nearest that is.
     pub(crate) fn unknown(known: Known, name: &str, nearest: Option<&str>) -> Self {
         Self::Unknown { known, name: name.to_owned(), nearest: nearest.map(str::to_owned) }

@@ -411,7 +411,7 @@ inputs! {
         nut_roughness_um ["um"] Above(0.0), Some(0.2),
             "root mean square roughness of the nut's groove: ground 0.1 to 0.3, run in half of it";
         screw_roughness_um ["um"] Above(0.0), Some(0.2),
-            "root mean square roughness of the screw's groove: ground 0.1 to 0.3, run in half of it, rolled 0.3 to 0.6, usually 0.4";
+            "root mean square roughness of the screw's groove: ground 0.1 to 0.3, run in half of it, rolled 0.3 to 0.6; 0.4 if screw_make is rolled";
         film_factor [""] Above(0.0), Some(1.0),
             "film thickness over that of plenty of lubricant; 0.7 (0.4 to 1) for grease";
         rolling_factor [""] AtLeast(0.0), Some(0.85),

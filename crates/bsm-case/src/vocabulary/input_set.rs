@@ -2,8 +2,10 @@
 
 use std::f64::consts::PI;
 
+use bsm_design::Make;
 use bsm_kin::Scalar;
 
+use super::entries::SceneEntries;
 use super::number::count;
 
 use crate::vocabulary::error::bad;
@@ -343,13 +345,18 @@ impl Scene {
         given.and(listed.into_iter().chain(found).collect())
     }
 
-    /// The value of an input that is not given, from others or from the circuits of a nut.
+    /// The value of an input that is not given, from others, from the circuits of a nut or the make of a screw.
     #[inline(never)]
     pub(crate) fn follows(&self, key: InputKey) -> Option<f64> {
-        match (&self.nut.circuits, key) {
-            (Some(circuits), InputKey::loaded_balls) => {
+        match (key, &self.nut) {
+            (InputKey::loaded_balls, SceneEntries { circuits: Some(circuits), .. }) => {
                 let first = circuits.iter().filter(|circuit| circuit.body == 0);
                 Some(count(first.map(|circuit| circuit.balls).sum()))
+            }
+            (InputKey::screw_roughness_um, SceneEntries { screw_make: Some(make), .. })
+                if make.0 == Make::Rolled =>
+            {
+                Some(0.4)
             }
             _ => following(key, |key| self[key]),
         }

@@ -368,26 +368,58 @@ fn the_model_of_an_analysis_does_not_depend_on_the_efficiency() {
 
 const OIL: &[u8] = include_bytes!("../../../../examples/feed_drive_oil.json");
 
-/// A lubricant has no one coefficient to compare with the critical ones: the refusal tells those that it has.
+const RETURN: [(&str, f64); 2] = [("return_angle_deg", 20.0), ("apex_half_angle_deg", 70.0)];
+
+/// Jamming was refused with a lubricant. Without film, rolling resistance and hysteresis it is that of a dry ball of the
+/// coefficient of the asperities.
 #[test]
-fn jamming_of_a_lubricated_ball_is_refused_with_numbers() {
-    let oil = scene(OIL, &[]);
+fn jamming_without_a_film_is_dry() {
+    let bare = [("film_factor", 1e-9), ("rolling_factor", 0.0), ("hysteresis_loss", 0.0)];
+    let oil = scene(OIL, &[&bare[..], &RETURN].concat());
+    let mut dry = scene(include_bytes!("../../../../examples/feed_drive.json"), &RETURN);
+    dry.friction_coefficient = Some(0.12);
+    for model in [Model::RacewayControl, Model::Traction] {
+        let [oil, dry] = [&oil, &dry].map(|scene| jam(scene, model));
+        for name in [
+            "wedge_angle_deg",
+            "nut_friction_across_N",
+            "holding_force_N",
+            "widest_wedge_deg",
+            "locking_margin",
+            "apex_thrust_N",
+            "step_thrust_N",
+            "stopped_friction_coefficient",
+            "ball_return_margin",
+        ] {
+            // The error of the integrals over the ellipses; a part of 2e-9 of the load is on the film.
+            let [oil, dry] = [&oil, &dry].map(|report| number(report, name));
+            assert!((oil - dry).abs() <= 1e-6 * dry.abs().max(1.0), "{model:?} {name}: {oil} {dry}");
+        }
+    }
+}
+
+/// Each place has the friction of its own: the contacts in motion, a stopped ball, and surfaces without a film. The stopped ball
+/// slides as fast as the groove of the screw passes, W d but for the radius of the contact.
+#[test]
+fn jamming_of_a_lubricated_ball_has_several_coefficients() {
+    let oil = scene(OIL, &RETURN);
     let solution = solved(&oil, &Model::Traction.into());
     let film = solution.solved().and_then(|solved| solved.film).expect("a lubricant");
-    let error = bsm_case::jam(&oil, &solution).expect_err("a lubricant").to_string();
-    for coefficient in [film.nut.friction, film.screw.friction, 0.12] {
-        assert!(error.contains(&bsm_case::number(coefficient)), "{coefficient}: {error}");
+    let report = bsm_case::jam(&oil, &solution).expect("a motion");
+    let stopped = number(&report, "stopped_friction_coefficient");
+    for coefficient in [film.nut.friction, film.screw.friction, stopped, 0.12] {
+        assert!(report.notes.iter().any(|note| note.contains(&bsm_case::number(coefficient))));
     }
-    let column = Output::named("ball_return_margin").expect("a column");
-    let refused = |column: &Output| {
-        let checked = column.check(&oil, oil.stated(), ModelChoice::Auto);
-        checked.expect_err("a lubricant").to_string()
-    };
-    assert!(refused(column).starts_with("jam compares one friction coefficient"));
-    // Columns of slip are of a coefficient.
-    let column = Output::named("nut_spin_power_W").expect("a column");
-    let would = "column nut_spin_power_W would be empty: friction_coefficient is required";
-    assert!(refused(column).starts_with(would), "{}", refused(column));
+    // It slides faster than the ball in motion, and not more than the oil can bear.
+    assert!(film.screw.friction < stopped && stopped < film.screw.law.most(), "{stopped}");
+    let pushes = number(&report, "stopped_track_friction_N") / stopped;
+    let load = number(&report, "screw_load_with_permanent_set_N");
+    assert!((pushes / (20.0 * load) - 1.0).abs() < 1e-12, "the balls of a turn");
+    // Every number of slip and jamming is a column.
+    for name in ["ball_return_margin", "stopped_friction_coefficient", "nut_spin_power_W"] {
+        let column = Output::named(name).expect("a column");
+        column.check(&oil, oil.stated(), ModelChoice::Auto).expect("of a lubricant too");
+    }
 }
 
 /// Slip was refused with a lubricant. The powers of the parts of the slip are the model's sliding power.

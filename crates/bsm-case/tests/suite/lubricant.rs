@@ -217,6 +217,8 @@ fn oil_needs_no_laboratory() {
     let surfaces = ["ball_roughness_um=0.02", "nut_roughness_um=0.2", "screw_roughness_um=0.2"];
     let torque = |scene| solved(scene, Model::RacewayControl).number("ball_torque_Nm");
     assert_eq!(torque(&oil), torque(&with(&oil, &surfaces)));
+    let rolled = with(&oil, &["screw_make=rolled"]);
+    assert_eq!(torque(&rolled), torque(&with(&oil, &["screw_roughness_um=0.4"])));
     assert_eq!(with(&oil, &["friction_coefficient=0.06"]), dry);
     let both = with(&dry, &["iso_vg=68", "lubricant_temperature_C=40", "friction_coefficient=0.1"]);
     assert!(both.problem(&Model::Traction.into()).is_err());

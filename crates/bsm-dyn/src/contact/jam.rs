@@ -1,6 +1,6 @@
 //! Jamming: the wedge between the raceways, drag of the lubricant, and thrust in the ball return.
 //!
-//! Theory: `docs/theory/14-jamming.md`, equations (M5) to (M22). `A` and `B` here are nut and
+//! Theory: `docs/theory/14-jamming.md`, equations (M5) to (M23). `A` and `B` here are nut and
 //! screw; Dong et al. write `o` and `i`.
 
 use std::f64::consts::PI;
@@ -20,8 +20,8 @@ pub struct Wedge<D> {
     pub angles: [D; 2],
     /// Slip angles at nut and screw \[rad\] (K15).
     pub slip_angles: [D; 2],
-    /// Coulomb coefficient.
-    pub friction: D,
+    /// Friction coefficients at nut and screw.
+    pub friction: [D; 2],
     /// Centrifugal force \[N\] (M5).
     pub centrifugal: D,
 }
@@ -40,7 +40,7 @@ impl<D: Scalar> Wedge<D> {
     /// Friction across the grooves at nut and screw \[N\] (M7).
     pub fn across(&self) -> [D; 2] {
         // F_X = f Q |cosψ|                                                (M7)
-        [0, 1].map(|i| magnitude(self.slip_angles[i].cos()) * self.loads[i] * self.friction)
+        [0, 1].map(|i| magnitude(self.slip_angles[i].cos()) * self.loads[i] * self.friction[i])
     }
 
     /// Force that holds the ball \[N\] (M8), left.
@@ -89,8 +89,10 @@ impl<D: Scalar> Wedge<D> {
 
     /// The largest opening that friction can hold, if all of it points across the grooves \[rad\] (M17).
     pub fn widest_opening(&self) -> D {
+        let ([nut, screw], [q_a, q_b]) = (self.friction, self.loads);
+        let mean = screw + (nut - screw) * q_a / (q_a + q_b);
         // D_max = 2 arctan f                                              (M17)
-        self.friction.atan() * 2.0
+        mean.atan() * 2.0
     }
 
     /// `$\sum Q\,|\cos\psi|$` \[N\].
@@ -232,7 +234,7 @@ mod tests {
         ) {
             let (angles, loads) = ([a - tilt, a + tilt], [q_a, q_b]);
             let slip_angles = [psi, PI - psi];
-            let wedge = Wedge { loads, angles, slip_angles, friction: 0.1, centrifugal: f_c };
+            let wedge = Wedge { loads, angles, slip_angles, friction: [0.1; 2], centrifugal: f_c };
             let frame = BallFrame::turned(0.1, 0.0);
             let normal = |site, angle| Contact::new(site, angle, &frame).normal;
             let forces = normal(Site::Nut, angles[0]) * q_a + normal(Site::Screw, angles[1]) * q_b;
@@ -243,7 +245,7 @@ mod tests {
             let held = wedge.holding() - friction * tilt.cos() - wedge.expelling();
             // Rounding of forces of 1 kN.
             prop_assert!((held + net).abs() <= 1e-11, "{held} {net}");
-            let critical = Wedge { friction: wedge.critical_friction(), ..wedge };
+            let critical = Wedge { friction: [wedge.critical_friction(); 2], ..wedge };
             let held: f64 = critical.across().iter().sum::<f64>() * tilt.cos();
             prop_assert!((held - net.abs()).abs() <= 1e-11);
             let equal = Wedge { centrifugal: 0.0, ..wedge };

@@ -141,6 +141,13 @@ impl<D: Scalar> SteadyBall<D> {
         norm(&self.slip_velocity(touch))
     }
 
+    /// Slip speed at the contact centre of a ball that stands still in the nut \[m/s\].
+    pub fn stopped_slip(&self, touch: &ContactSite<D>) -> D {
+        let speed = self.drive.nut_speed;
+        let motion = Motion { precession: speed, omega: self.frame().k * speed };
+        Self { motion, ..*self }.differential_slip(touch)
+    }
+
     /// Gyroscopic angles of the axis about which the ball turns relative to the nut \[rad\]: from the
     /// plane of `$t$` and `$b$` towards `$-n$`, and in that plane from `$-b$` towards `$t$` (X4), (X14).
     ///

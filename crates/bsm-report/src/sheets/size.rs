@@ -273,9 +273,14 @@ fn section(report: &AxisReport) -> Option<Figure> {
         let turned = TAU * f64::from(i) / f64::from(CHORDS);
         (radius * turned.cos(), radius * turned.sin())
     };
-    // Ball and grooves nearly coincide: the ball is hatched by every fourth chord across it.
-    let hatch = (0..CHORDS / 4)
-        .flat_map(|i| [around(CHORDS / 8 + 2 * i), around(CHORDS / 8 + CHORDS - 2 * i)]);
+    // Ball and grooves nearly coincide: the ball is hatched by every fourth chord across it, there and back in turn.
+    let hatch = (0..CHORDS / 4).flat_map(|i| {
+        let mut ends = [2 * i, CHORDS - 2 * i].map(|step| around(CHORDS / 8 + step));
+        if i % 2 == 1 {
+            ends.reverse();
+        }
+        ends
+    });
     let ball = (0..=CHORDS).map(around).chain(hatch);
     let (x, y) = (radius * angle.sin(), radius * angle.cos());
     let curves = vec![

@@ -141,9 +141,12 @@ impl AxisState<'_> {
             let (load, holding) = (self.axis().largest_load(), self.holding?);
             return (load > 0.0).then(|| {
                 if holding > 0.0 {
+                    let by = match self.machine.groove {
+                        Some(_) => "with friction of the contacts alone",
+                        None => "by catalogue efficiency",
+                    };
                     format!(
-                        "the largest axial load, {load:.0} N, drives the screw back: {holding:.3} N m at the screw hold it, with \
-                         friction of the contacts alone"
+                        "the largest axial load, {load:.0} N, drives the screw back: {holding:.3} N m at the screw hold it, {by}"
                     )
                 } else {
                     format!(
