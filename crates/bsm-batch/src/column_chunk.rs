@@ -341,11 +341,8 @@ pub(crate) struct Numbers {
     column: ColumnDescPtr,
     /// True for counts, false for `f64`.
     whole: bool,
-    /// Values that a dictionary may have.
-    most: u16,
     /// The rows at the beginning, until there were too many values.
     keys: DictEncoder,
-    varies: bool,
     /// All other rows.
     pages: Vec<CompressedPage>,
     least: f64,
@@ -359,9 +356,7 @@ impl Numbers {
         Self {
             whole: column.physical_type() == Type::INT64,
             column,
-            most,
             keys: DictEncoder::new(most),
-            varies: false,
             pages: Vec::new(),
             least: f64::INFINITY,
             greatest: f64::NEG_INFINITY,
@@ -372,12 +367,11 @@ impl Numbers {
     /// Appends rows.
     pub(crate) fn push(&mut self, rows: &Float64Array) -> Result<()> {
         let mut first = 0;
-        if !self.varies {
+        if self.pages.is_empty() {
             first = self.push_keys(rows);
-            self.varies = first < rows.len();
-            if self.varies && self.keys.levels.rows == first {
+            if first < rows.len() && self.keys.levels.rows == first {
                 // All rows are like these.
-                self.keys = DictEncoder::new(self.most);
+                self.keys = DictEncoder::new(self.keys.most);
                 first = 0;
             }
         }
@@ -603,7 +597,7 @@ mod tests {
         for _ in 0..600 {
             let most = [1, 4, 40, 300, 1 << 14][rng.random_range(0..5)];
             let gaps = [0.0, 0.0, 0.02, 0.6, 1.0][rng.random_range(0..5)];
-            let (mut kind, mut expected, mut whole) = (rng.random_range(0..5), Vec::new(), None);
+            let (mut kind, mut expected, mut pages) = (rng.random_range(0..5), Vec::new(), 0);
             let bytes = file("optional double x", |column| {
                 let mut numbers = Numbers::new(column.clone(), most);
                 for _ in 0..rng.random_range(1..5) {
@@ -618,7 +612,7 @@ mod tests {
                         kind = rng.random_range(0..5);
                     }
                 }
-                whole = Some(numbers.varies);
+                pages = numbers.pages.len();
                 numbers.finish()
             });
             let bits = |x: Option<f64>| x.map(f64::to_bits);
@@ -628,7 +622,7 @@ mod tests {
                 .map(bits)
                 .collect();
             let wanted: Vec<_> = expected.iter().map(|x| bits(*x)).collect();
-            assert!(found == wanted, "{most} words, gaps {gaps}, varies {whole:?}");
+            assert!(found == wanted, "{most} words, gaps {gaps}, pages {pages}");
 
             let numbers = || expected.iter().flatten().filter(|x| !x.is_nan());
             let Statistics::Double(stats) = statistics(&bytes) else { panic!("no numbers") };

@@ -1,6 +1,7 @@
 //! What the columns of a table are.
 
 use std::collections::HashMap;
+use std::iter::repeat;
 use std::sync::Arc;
 
 use arrow_array::Float64Array;
@@ -182,20 +183,20 @@ impl Columns {
 
     /// The columns of a table of answers, units in their metadata.
     pub fn schema(&self, outputs: &[&'static Output]) -> SchemaRef {
-        let kept = self.kept.iter().zip(&self.kept_types);
-        let kept = kept.map(|(name, kind)| Field::new(name, kind.clone(), true));
-        let inputs = self.inputs.iter().map(|key| field(key.name(), key.input().unit));
-        let words = ANSWERS.map(|name| Field::new(name, DataType::Utf8, name == "message"));
-        let answers = outputs.iter().map(|output| {
-            let kind = match output.json_type {
+        let kept = self.kept_types.iter().map(Some).chain(repeat(None));
+        let fields = self.headings(outputs).zip(kept).map(|(heading, kept)| match kept {
+            Some(kind) => Field::new(heading.name, kind.clone(), true),
+            None if ANSWERS.contains(&heading.name) => {
+                Field::new(heading.name, DataType::Utf8, heading.name == "message")
+            }
+            None => field(heading.name, heading.unit).with_data_type(match heading.json_type {
                 "integer" => DataType::UInt64,
                 "boolean" => DataType::Boolean,
                 "string" => DataType::Utf8,
                 _ => DataType::Float64,
-            };
-            field(output.name, output.unit).with_data_type(kind)
+            }),
         });
-        Arc::new(Schema::new(kept.chain(inputs).chain(words).chain(answers).collect::<Vec<_>>()))
+        Arc::new(Schema::new(fields.collect::<Vec<_>>()))
     }
 
     /// Places of the inputs among the names of the table.

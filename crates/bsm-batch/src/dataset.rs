@@ -99,16 +99,12 @@ impl FolderScan {
 
     /// Rows, and how many of them have no result or several.
     pub fn count(&self) -> Count {
-        count(&self.parts)
+        self.parts.values().fold(Count::default(), |count, part| Count {
+            rows: count.rows + part.rows,
+            failed: count.failed + part.failed,
+            several: count.several + part.several,
+        })
     }
-}
-
-fn count(parts: &BTreeMap<u64, Part>) -> Count {
-    parts.values().fold(Count::default(), |count, part| Count {
-        rows: count.rows + part.rows,
-        failed: count.failed + part.failed,
-        several: count.several + part.several,
-    })
 }
 
 /// How a folder is filled.
@@ -502,7 +498,7 @@ impl Dataset {
         &self,
         task: &Task,
         points: &Points,
-        found: FolderScan,
+        mut found: FolderScan,
         workers: &Workers<'_>,
         tell: &mut dyn FnMut(Event<'_>),
     ) -> Result<Count, DatasetError> {
@@ -513,10 +509,9 @@ impl Dataset {
             tell(Event::Found(part));
         }
         let missing = found.missing(&self.plan).into_iter().flatten();
-        let mut parts = found.parts;
-        parts.append(&mut self.run_parts(task, points, missing, false, workers, tell)?);
-        self.finish(&parts)?;
-        Ok(count(&parts))
+        found.parts.append(&mut self.run_parts(task, points, missing, false, workers, tell)?);
+        self.finish(&found.parts)?;
+        Ok(found.count())
     }
 
     /// Writes the list of the parts, and removes unfinished files of this plan.
@@ -530,22 +525,16 @@ impl Dataset {
         let path = self.folder.list();
         let list =
             list_parts(parts).map_err(|error| DatasetError::Write { path: path.clone(), error })?;
-        self.write_once(&path, &list)?;
-        self.folder.tidy(self.plan.id())
-    }
-
-    /// Writes a file that follows from the parts, unless it is there.
-    fn write_once(&self, path: &Path, bytes: &[u8]) -> Result<(), DatasetError> {
-        let unwritable = |error| DatasetError::io("write", path, error);
-        if let Ok(found) = fs::symlink_metadata(path)
+        let unwritable = |error| DatasetError::io("write", &path, error);
+        if let Ok(found) = fs::symlink_metadata(&path)
             && !found.is_file()
         {
             return Err(unwritable(io::Error::other(format!("it is {}", kind(&found)))));
         }
-        let is_written = || fs::read(path).is_ok_and(|found| found == bytes);
+        let is_written = || fs::read(&path).is_ok_and(|found| found == list);
         let write = || {
-            let mut file = self.folder.unfinished(path, self.plan.id())?;
-            file.write_all(bytes).and_then(|()| complete(file, path, true)).map_err(unwritable)
+            let mut file = self.folder.unfinished(&path, self.plan.id())?;
+            file.write_all(&list).and_then(|()| complete(file, &path, true)).map_err(unwritable)
         };
         // Somebody else may finish at the same moment, and tidy up.
         if !is_written()
@@ -554,6 +543,6 @@ impl Dataset {
         {
             return Err(error);
         }
-        Ok(())
+        self.folder.tidy(self.plan.id())
     }
 }

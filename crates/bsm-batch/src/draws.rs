@@ -9,7 +9,7 @@ use bsm_case::{Axis, CaseError, Grid, InputKey};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::{Chunk, Columns, Source, TableError};
+use crate::source::{PointSet, PointSource};
 
 /// How an input scatters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -108,11 +108,6 @@ impl Draws {
         self.seed
     }
 
-    /// Number of points.
-    pub fn count(&self) -> u64 {
-        self.count
-    }
-
     /// The drawn inputs.
     pub fn of(&self) -> &[Draw] {
         &self.of
@@ -142,8 +137,17 @@ impl Draws {
             (draw.key, values)
         })
     }
+}
 
-    /// Appends the values of an input in some rows.
+impl PointSet for Draws {
+    fn inputs(&self) -> Vec<InputKey> {
+        self.of.iter().map(|draw| draw.key).collect()
+    }
+
+    fn count(&self) -> u64 {
+        self.count
+    }
+
     fn fill(&self, place: usize, rows: Range<u64>, to: &mut Vec<f64>) {
         /// Words of 32 bits of a number between 0 and 1.
         const WORDS: u128 = 2;
@@ -164,50 +168,13 @@ impl Draws {
     }
 }
 
-/// The rows of random points, drawn when they are asked for.
-#[derive(Debug, Clone)]
-pub struct DrawSource {
-    draws: Draws,
-    columns: Columns,
-    at: u64,
-}
-
-impl DrawSource {
-    /// All points of `draws`.
-    pub fn new(draws: Draws) -> Self {
-        let columns = Columns::of_inputs(draws.of.iter().map(|draw| draw.key).collect());
-        Self { draws, columns, at: 0 }
-    }
-}
-
-impl Source for DrawSource {
-    fn columns(&self) -> &Columns {
-        &self.columns
-    }
-
-    fn len_hint(&self) -> Option<u64> {
-        Some(self.draws.count)
-    }
-
-    fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
-        let end = self.draws.count.min(self.at.saturating_add(rows as u64));
-        let (rows, first) = (self.at..end, self.at + 1);
-        let len = usize::try_from(end - self.at).unwrap_or(usize::MAX);
-        self.at = end;
-        Ok(Chunk::of_numbers(first, len, &self.columns, |place, values| {
-            self.draws.fill(place, rows.clone(), values);
-        }))
-    }
-
-    fn skip(&mut self, rows: u64) -> Result<(), TableError> {
-        self.at = self.draws.count.min(self.at.saturating_add(rows));
-        Ok(())
-    }
-}
+/// The rows of random points.
+pub type DrawSource = PointSource<Draws>;
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Source;
 
     fn draws(of: &[&str]) -> Draws {
         let of = of.iter().map(|text| Draw::parse(text).expect("a draw")).collect();

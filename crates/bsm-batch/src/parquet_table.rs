@@ -9,7 +9,7 @@ use arrow_array::cast::AsArray;
 use arrow_array::types::UInt64Type;
 use arrow_array::{Array, ArrayRef, RecordBatch, StringArray};
 use arrow_schema::{DataType, FieldRef, Schema, SchemaRef};
-use arrow_select::concat::concat;
+use arrow_select::concat::concat_batches;
 use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader,
     ParquetRecordBatchReaderBuilder,
@@ -201,34 +201,18 @@ impl Source for ParquetSource {
     }
 
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
-        let Columns { input_places, kept_places, kept_types, .. } = &self.columns;
-        let (input_places, kept_places) = (input_places.clone(), kept_places.clone());
-        let kinds = kept_types.clone();
-        let mut inputs = vec![Vec::new(); input_places.len()];
-        let mut kept = vec![Vec::new(); kept_places.len()];
-        let (mut len, mut text) = (0, 0);
+        let (mut parts, mut len, mut text) = (Vec::new(), 0, 0);
         while len < rows && text < TEXT {
             let Some(batch) = self.batch()? else { break };
-            let columns: Vec<_> = kept_places.iter().map(|place| batch.column(*place)).collect();
-            let texts: Vec<_> = columns.iter().filter_map(|c| c.as_string_view_opt()).collect();
+            let columns = self.columns.kept_places.iter().map(|place| batch.column(*place));
+            let texts: Vec<_> = columns.filter_map(|c| c.as_string_view_opt()).collect();
             let mut taken = 0;
             while taken < batch.num_rows() && len < rows && text < TEXT {
                 text += texts.iter().map(|texts| texts.value(taken).len()).sum::<usize>();
                 len += 1;
                 taken += 1;
             }
-            for ((parts, column), kind) in kept.iter_mut().zip(columns).zip(&kinds) {
-                let part = column.slice(0, taken);
-                parts.push(match part.as_string_view_opt() {
-                    Some(texts) if *kind == DataType::Utf8 => {
-                        Arc::new(texts.iter().collect::<StringArray>())
-                    }
-                    _ => part,
-                });
-            }
-            for (numbers, place) in inputs.iter_mut().zip(&input_places) {
-                numbers.extend(arrow_column::numbers(&batch.column(*place).slice(0, taken))?);
-            }
+            parts.push(batch.slice(0, taken));
             if taken < batch.num_rows() {
                 self.rest = Some(batch.slice(taken, batch.num_rows() - taken));
             }
@@ -236,12 +220,20 @@ impl Source for ParquetSource {
         if len == 0 {
             return Ok(None);
         }
-        let whole =
-            |parts: Vec<ArrayRef>| concat(&parts.iter().map(AsRef::as_ref).collect::<Vec<_>>());
-        let kept = kept.into_iter().map(whole).collect::<Result<_, _>>()?;
-        let inputs = inputs.into_iter().enumerate();
-        let inputs = inputs.map(|(place, numbers)| self.columns.in_unit(place, numbers.into()));
-        let (first, inputs) = (self.row + 1, inputs.collect());
+        let (table, columns) = (concat_batches(&parts[0].schema(), &parts)?, &self.columns);
+        let kept = |(place, kind): (&usize, &DataType)| match table.column(*place) {
+            views if *kind == DataType::Utf8 && *views.data_type() == DataType::Utf8View => {
+                Arc::new(views.as_string_view().iter().collect::<StringArray>())
+            }
+            other => other.clone(),
+        };
+        let input = |(input, place): (usize, &usize)| {
+            let numbers = arrow_column::numbers(table.column(*place))?;
+            Ok(columns.in_unit(input, numbers.into()))
+        };
+        let kept = columns.kept_places.iter().zip(&columns.kept_types).map(kept).collect();
+        let inputs = columns.input_places.iter().enumerate().map(input);
+        let (first, inputs) = (self.row + 1, inputs.collect::<Result<_, TableError>>()?);
         self.row += len as u64;
         Ok(Some(Chunk { first, len, inputs, kept, ..Chunk::default() }))
     }

@@ -134,10 +134,6 @@ pub(crate) struct Solver<'a> {
     outputs: Vec<&'static Output>,
     /// The analyses that they are numbers of.
     analyses: Vec<AnalysisKind>,
-    /// True if the points must be solved, and not only the inputs be read.
-    solves: bool,
-    /// True if the motion of the ball is analysed.
-    moves: bool,
 }
 
 impl<'a> Solver<'a> {
@@ -154,10 +150,9 @@ impl<'a> Solver<'a> {
                 analyses.retain(|kind| *kind != AnalysisKind::Nut);
             }
         }
-        let (solves, moves) = (task.solves(), analyses.iter().any(|kind| kind.needs_motion()));
         let plan = || ColumnPlan::new(&task.base, &task.settings, columns);
-        let plan = if solves { plan() } else { None };
-        Self { task, columns, plan, outputs, analyses, solves, moves }
+        let plan = if task.solves() { plan() } else { None };
+        Self { task, columns, plan, outputs, analyses }
     }
 
     /// The answers, complete unless `stop` has become true: that is looked at before every row of a model, and
@@ -182,8 +177,8 @@ impl<'a> Solver<'a> {
     ) -> RowReport {
         // Who has no places for what fills gaps does not ask for it.
         let outputs = &self.outputs[..room.columns.len()];
-        let stride = match &self.plan {
-            Some(plan) if asks_traction(plan.model) => TRACTION_STRIDE,
+        let stride = match self.plan.as_ref().map(|plan| plan.model) {
+            Some(ModelChoice::Auto | ModelChoice::Fixed(Model::Traction)) => TRACTION_STRIDE,
             Some(_) => KERNEL_STRIDE,
             None => MODEL_STRIDE,
         };
@@ -207,11 +202,6 @@ impl<'a> Solver<'a> {
         };
         reports.into_iter().fold(RowReport::default(), RowReport::and)
     }
-}
-
-/// True if the kernel of traction is asked.
-fn asks_traction(model: ModelChoice) -> bool {
-    matches!(model, ModelChoice::Auto | ModelChoice::Fixed(Model::Traction))
 }
 
 /// A chunk that is being solved.
@@ -324,7 +314,9 @@ impl Run<'_> {
             Err(error) => return invalid(&error),
         };
         let (mut verdict, mut motion) = (None, None);
-        if self.solver.solves && (self.solver.moves || !by_kernel) {
+        let solves = self.solver.task.solves();
+        let moves = self.solver.analyses.iter().any(|kind| kind.needs_motion());
+        if solves && (moves || !by_kernel) {
             let record = match scene.problem(settings) {
                 Ok(problem) => Record::new(WORK.with_borrow_mut(|work| problem.solve(work))),
                 Err(error) => return invalid(&error),
@@ -340,8 +332,7 @@ impl Run<'_> {
                     put(place, record.value(output).unwrap_or(f64::NAN));
                 }
             }
-            let solution =
-                record.into_solution().filter(|s| self.solver.moves && s.solved().is_some());
+            let solution = record.into_solution().filter(|s| moves && s.solved().is_some());
             motion = solution.map(|solution| MotionAnswer { settings: *settings, solution });
         }
         for kind in
@@ -359,7 +350,7 @@ impl Run<'_> {
                     values.for_each(|(place, value)| put(place, value));
                     words.extend(numbers.why().map(|why| format!("{}: {why}", kind.name())));
                 }
-                Err(error) if !self.solver.solves => return invalid(&error),
+                Err(error) if !solves => return invalid(&error),
                 Err(error) => words.push(format!("{}: {error}", kind.name())),
             }
         }

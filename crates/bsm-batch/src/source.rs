@@ -1,6 +1,8 @@
 //! Where rows come from.
 
-use bsm_case::Grid;
+use std::ops::Range;
+
+use bsm_case::{Grid, InputKey};
 
 use crate::{Chunk, Columns, TableError};
 
@@ -40,43 +42,74 @@ pub trait Source: Send {
     }
 }
 
-/// The points of a grid, made when they are asked for.
-#[derive(Debug, Clone)]
-pub struct GridSource {
-    grid: Grid,
-    columns: Columns,
-    at: usize,
+/// Points that are made when they are asked for: of a grid, or random ones.
+pub trait PointSet: Send {
+    /// Their inputs.
+    fn inputs(&self) -> Vec<InputKey>;
+
+    /// Their number.
+    fn count(&self) -> u64;
+
+    /// Appends the values of the input at a place in some rows.
+    fn fill(&self, place: usize, rows: Range<u64>, to: &mut Vec<f64>);
 }
 
-impl GridSource {
-    /// All points of `grid`, its last axis fastest.
-    pub fn new(grid: Grid) -> Self {
-        let columns = Columns::of_inputs(grid.axes().iter().map(|axis| axis.key).collect());
-        Self { grid, columns, at: 0 }
+impl PointSet for Grid {
+    fn inputs(&self) -> Vec<InputKey> {
+        self.axes().iter().map(|axis| axis.key).collect()
+    }
+
+    fn count(&self) -> u64 {
+        self.len() as u64
+    }
+
+    fn fill(&self, place: usize, rows: Range<u64>, to: &mut Vec<f64>) {
+        let [start, end] =
+            [rows.start, rows.end].map(|row| usize::try_from(row).unwrap_or(usize::MAX));
+        Self::fill(self, place, start..end, to);
     }
 }
 
-impl Source for GridSource {
+/// The rows of such points.
+#[derive(Debug, Clone)]
+pub struct PointSource<P> {
+    points: P,
+    columns: Columns,
+    at: u64,
+}
+
+/// All points of a grid, its last axis fastest.
+pub type GridSource = PointSource<Grid>;
+
+impl<P: PointSet> PointSource<P> {
+    /// All points.
+    pub fn new(points: P) -> Self {
+        let columns = Columns::of_inputs(points.inputs());
+        Self { points, columns, at: 0 }
+    }
+}
+
+impl<P: PointSet> Source for PointSource<P> {
     fn columns(&self) -> &Columns {
         &self.columns
     }
 
     fn len_hint(&self) -> Option<u64> {
-        Some(self.grid.len() as u64)
+        Some(self.points.count())
     }
 
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
-        let end = self.grid.len().min(self.at.saturating_add(rows));
-        let (rows, first) = (self.at..end, self.at as u64 + 1);
-        self.at = end;
-        Ok(Chunk::of_numbers(first, rows.len(), &self.columns, |axis, values| {
-            self.grid.fill(axis, rows.clone(), values);
+        let (first, before) = (self.at + 1, self.at);
+        self.skip(rows as u64)?;
+        let rows = before..self.at;
+        let len = usize::try_from(rows.end - rows.start).unwrap_or(usize::MAX);
+        Ok(Chunk::of_numbers(first, len, &self.columns, |place, values| {
+            self.points.fill(place, rows.clone(), values);
         }))
     }
 
     fn skip(&mut self, rows: u64) -> Result<(), TableError> {
-        let rows = usize::try_from(rows).unwrap_or(usize::MAX);
-        self.at = self.grid.len().min(self.at.saturating_add(rows));
+        self.at = self.points.count().min(self.at.saturating_add(rows));
         Ok(())
     }
 }

@@ -303,29 +303,31 @@ impl Search<'_> {
     /// The best with any ball and fractions of balls, from a few starts.
     fn relaxed(&self, turns: &[f64]) -> Value {
         let value = |at: &Trial| self.value(at);
-        let best = |turns: &f64| self.best_from(&STARTS[..FEW_STARTS], *turns, value);
-        value(&best_place(turns.par_iter().map(best).collect(), value))
+        value(&self.best_from(&STARTS[..FEW_STARTS], turns, value))
     }
 
-    /// The best of the minima from all starts.
-    fn best_of_starts(&self, turns: f64, value: impl Fn(&Trial) -> Value + Sync) -> Trial {
-        self.best_from(&STARTS, turns, value)
-    }
-
+    /// The best of the minima from some starts with all numbers of turns: of the least objective among those that keep the
+    /// constraints best.
     fn best_from(
         &self,
         starts: &[[f64; 4]],
-        turns: f64,
+        turns: &[f64],
         value: impl Fn(&Trial) -> Value + Sync,
     ) -> Trial {
         let free = self.is_free();
-        let places = starts.par_iter().map(|start| {
-            let start: Vec<_> =
-                start.iter().zip(free).filter(|(_, free)| *free).map(|(x, _)| *x).collect();
+        let minimum = |(turns, start): (f64, &[f64; 4])| {
+            let start = start.iter().zip(free).filter(|(_, free)| *free).map(|(x, _)| *x);
             let place = |x: &[f64]| Trial { turns, free: x.to_vec() };
-            place(&minimise(|x| value(&place(x)), &start))
-        });
-        best_place(places.collect(), &value)
+            let at = place(&minimise(|x| value(&place(x)), &start.collect::<Vec<_>>()));
+            let found = value(&at);
+            (found.worst().max(SLACK), found.objective, at)
+        };
+        let begins: Vec<_> =
+            turns.iter().flat_map(|turns| starts.iter().map(|start| (*turns, start))).collect();
+        let minima: Vec<_> = begins.into_par_iter().map(minimum).collect();
+        let best = minima.into_iter();
+        let best = best.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        best.expect("there are starts").2
     }
 
     /// Designs with balls in stock and whole numbers of them: those that are the best at first look,
@@ -440,7 +442,7 @@ impl Search<'_> {
             excess.iter().map(|g| g.max(0.0).powi(2)).sum::<f64>()
         };
         let only = |at: &Trial| Value { objective: failure(at), excess: Vec::new() };
-        let at = self.best_of_all(turns, only);
+        let at = self.best_from(&STARTS, turns, only);
         let checks = self.design(self.nut(&at)).checks;
         if checks.iter().all(Check::passes) {
             return (at, Vec::new());
@@ -461,8 +463,8 @@ impl Search<'_> {
         if check.quantity == Quantity::Turns {
             let more = (TURNS.0..=TURNS.1).map(f64::from).filter(|more| !turns.contains(more));
             let feasible = |turns: &f64| {
-                let at =
-                    self.best_of_starts(*turns, |at| Value { objective: 0.0, ..self.value(at) });
+                let any = |at: &Trial| Value { objective: 0.0, ..self.value(at) };
+                let at = self.best_from(&STARTS, &[*turns], any);
                 let excess = self.design(self.nut(&at)).checks.into_iter();
                 excess.filter(|c| c.quantity != check.quantity).all(|c| c.passes())
             };
@@ -480,16 +482,9 @@ impl Search<'_> {
             };
             Value { objective: own.map_or(f64::NAN, far), excess }
         };
-        let at = self.best_of_all(turns, split);
+        let at = self.best_from(&STARTS, turns, split);
         let best = self.design(self.nut(&at)).value(check.quantity);
         split(&at).is_feasible().then(|| blocked(best))
-    }
-
-    /// The best of the minima of all numbers of turns.
-    fn best_of_all(&self, turns: &[f64], value: impl Fn(&Trial) -> Value + Sync) -> Trial {
-        let places: Vec<_> =
-            turns.par_iter().map(|turns| self.best_of_starts(*turns, &value)).collect();
-        best_place(places, value)
     }
 }
 
@@ -504,17 +499,6 @@ fn tidy(nut: Nut) -> Nut {
         conformity: (conformity, conformity),
         ..nut
     }
-}
-
-/// The place of the least objective among those that keep the constraints best.
-fn best_place(places: Vec<Trial>, value: impl Fn(&Trial) -> Value) -> Trial {
-    let rank = |at: &Trial| {
-        let value = value(at);
-        (value.worst().max(SLACK), value.objective)
-    };
-    let ranked = places.into_iter().map(|at| (rank(&at), at));
-    let best = ranked.min_by(|(a, _), (b, _)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    best.expect("there are places").1
 }
 
 /// Whole numbers from one to another; of more than two hundred, which only a screw whose lead is many

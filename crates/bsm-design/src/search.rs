@@ -1,5 +1,7 @@
 //! Searches for roots, and for minima by argmin; a function that has no value somewhere is NaN there.
 
+use std::marker::PhantomData;
+
 use argmin::core::{CostFunction, Executor};
 use argmin::solver::brent::BrentOpt;
 use argmin::solver::neldermead::NelderMead;
@@ -7,15 +9,15 @@ use bsm_newton::{Bracket, RootResult};
 
 pub use argmin::core::Error as SearchError;
 
-/// A function of one variable for argmin.
-struct OneVariable<F>(F);
+/// A function for argmin.
+struct Cost<P, F>(F, PhantomData<P>);
 
-impl<E: Into<SearchError>, F: Fn(f64) -> Result<f64, E>> CostFunction for OneVariable<F> {
-    type Param = f64;
+impl<P, E: Into<SearchError>, F: Fn(&P) -> Result<f64, E>> CostFunction for Cost<P, F> {
+    type Param = P;
     type Output = f64;
 
-    fn cost(&self, x: &f64) -> Result<f64, SearchError> {
-        self.0(*x).map_err(Into::into)
+    fn cost(&self, x: &P) -> Result<f64, SearchError> {
+        self.0(x).map_err(Into::into)
     }
 }
 
@@ -53,10 +55,9 @@ pub fn minimum_of<E: Into<SearchError>>(
     low: f64,
     high: f64,
 ) -> Result<f64, SearchError> {
-    let found =
-        Executor::new(OneVariable(function), BrentOpt::new(low, high).set_tolerance(1e-9, 1e-12))
-            .configure(|state| state.max_iters(200))
-            .run()?;
+    let (cost, solver) = (Cost(|x: &f64| function(*x), PhantomData), BrentOpt::new(low, high));
+    let search = Executor::new(cost, solver.set_tolerance(1e-9, 1e-12));
+    let found = search.configure(|state| state.max_iters(200)).run()?;
     Ok(found.state.best_param.unwrap_or(f64::NAN))
 }
 
@@ -229,17 +230,7 @@ fn inside(x: &[f64]) -> Vec<f64> {
 
 /// Nelder and Mead's search from a simplex of this size.
 fn simplex(function: &dyn Fn(&[f64]) -> f64, start: &[f64], size: f64) -> Vec<f64> {
-    struct Cost<'a>(&'a dyn Fn(&[f64]) -> f64);
-
-    impl CostFunction for Cost<'_> {
-        type Param = Vec<f64>;
-        type Output = f64;
-
-        fn cost(&self, x: &Vec<f64>) -> Result<f64, SearchError> {
-            Ok(self.0(x))
-        }
-    }
-
+    let cost = Cost(|x: &Vec<f64>| Ok::<_, SearchError>(function(x)), PhantomData);
     let mut corners = vec![start.to_vec()];
     for i in 0..start.len() {
         let mut corner = start.to_vec();
@@ -251,7 +242,7 @@ fn simplex(function: &dyn Fn(&[f64]) -> f64, start: &[f64], size: f64) -> Vec<f6
     let found = NelderMead::new(corners)
         .with_sd_tolerance(1e-9)
         .and_then(|solver| {
-            Executor::new(Cost(function), solver).configure(|state| state.max_iters(steps)).run()
+            Executor::new(cost, solver).configure(|state| state.max_iters(steps)).run()
         })
         .ok()
         .and_then(|found| found.state.best_param);

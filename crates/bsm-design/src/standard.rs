@@ -1,11 +1,13 @@
 //! The choice of a screw among standard sizes: every combination of the lists is tried.
 
+use std::cmp::Ordering::Equal;
+
 use rayon::prelude::*;
 
 use crate::procedure::first_accepted;
 use crate::{
     AcceptedBy, ActiveLimit, Check, Design, EfficiencyOf, FixedValues, Holds, Limits, Lists,
-    OfferedSize, Outcome, Pitch, Quantity, Requirement, Why,
+    OfferedSize, Outcome, Pitch, Requirement, Why,
 };
 
 /// Designs whose efficiency is asked to tell whether a limit holds the choice back.
@@ -84,26 +86,15 @@ impl Requirement {
         let most = if objective.asks_efficiency() { ASKED } else { usize::MAX };
         let mut nearest: Vec<_> = failed.iter().map(|design| (excess(design), design)).collect();
         nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut alone: Vec<(Quantity, Vec<&Design>)> = Vec::new();
-        for (_, design) in &nearest {
-            if let [check] = failing(design)[..] {
-                match alone.iter_mut().find(|(quantity, _)| *quantity == check.quantity) {
-                    Some((_, designs)) if designs.len() < most => designs.push(design),
-                    Some(_) => {}
-                    None => alone.push((check.quantity, vec![design])),
-                }
-            }
-        }
-        let without = |designs: &Vec<&Design>| {
-            let better = designs.par_iter().filter_map(|design| better(design));
-            better.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, value)| value)
+        let holds = |designs: Vec<(Check, &Design)>| {
+            let quantity = designs[0].0.quantity;
+            let first = &designs[..most.min(designs.len())];
+            let better = first.par_iter().filter_map(|(_, design)| better(design));
+            let (_, value) = better.min_by(|a, b| a.0.total_cmp(&b.0))?;
+            Some(Holds { quantity, without: Some(value) })
         };
-        let found: Vec<_> = alone
-            .iter()
-            .filter_map(|(quantity, designs)| {
-                Some(Holds { quantity: *quantity, without: Some(without(designs)?) })
-            })
-            .collect();
+        let alone = alone(nearest.iter().map(|(_, design)| *design));
+        let found: Vec<_> = alone.into_iter().filter_map(holds).collect();
         if !found.is_empty() {
             return found;
         }
@@ -154,26 +145,30 @@ fn failing(design: &Design) -> Vec<Check> {
     known.filter(|check| !check.passes()).copied().collect()
 }
 
-/// Why no standard size meets all limits: the one that fails least, and each limit that alone is in the way, with
-/// the best value that it could have.
-fn blocked(designs: Vec<Design>, complete: impl Fn(&Design) -> Design) -> Option<Outcome> {
-    let mut alone: Vec<(Quantity, Check)> = Vec::new();
-    for design in &designs {
-        // The only one that fails.
+/// The designs that break one limit only, by that limit.
+fn alone<'a>(designs: impl Iterator<Item = &'a Design>) -> Vec<Vec<(Check, &'a Design)>> {
+    let mut alone: Vec<Vec<(Check, &Design)>> = Vec::new();
+    for design in designs {
         if let [check] = failing(design)[..] {
-            match alone.iter_mut().find(|(quantity, _)| *quantity == check.quantity) {
-                Some((_, best)) if check.excess() < best.excess() => *best = check,
-                Some(_) => {}
-                None => alone.push((check.quantity, check)),
+            match alone.iter_mut().find(|group| group[0].0.quantity == check.quantity) {
+                Some(group) => group.push((check, design)),
+                None => alone.push(vec![(check, design)]),
             }
         }
     }
-    let nearest = designs.into_iter().min_by(|a, b| excess(a).total_cmp(&excess(b)));
-    let nearest = nearest?;
-    let mut blocking: Vec<_> = alone
-        .into_iter()
-        .map(|(_, check)| ActiveLimit { why: Why::Alone(check.value), check })
-        .collect();
+    alone
+}
+
+/// Why no standard size meets all limits: the one that fails least, and each limit that alone is in the way, with
+/// the best value that it could have.
+fn blocked(designs: Vec<Design>, complete: impl Fn(&Design) -> Design) -> Option<Outcome> {
+    let least = |designs: Vec<(Check, &Design)>| {
+        let checks = designs.into_iter().map(|(check, _)| check);
+        let least = checks.min_by(|a, b| a.excess().partial_cmp(&b.excess()).unwrap_or(Equal))?;
+        Some(ActiveLimit { why: Why::Alone(least.value), check: least })
+    };
+    let mut blocking: Vec<_> = alone(designs.iter()).into_iter().filter_map(least).collect();
+    let nearest = designs.into_iter().min_by(|a, b| excess(a).total_cmp(&excess(b)))?;
     if blocking.is_empty() {
         let with = |check: Check| ActiveLimit { check, why: Why::WithOthers };
         blocking = failing(&nearest).into_iter().map(with).collect();

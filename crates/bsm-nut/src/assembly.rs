@@ -60,6 +60,7 @@ pub(crate) struct Assembly<'a> {
 }
 
 /// Energy, forces and balls of a set of unknowns.
+#[derive(Default)]
 pub(crate) struct EnergyState {
     pub(crate) energy: f64,
     /// Size of the energies that it is the sum of.
@@ -189,14 +190,7 @@ impl<'a> Assembly<'a> {
     /// The number of a ball whose forces do not balance.
     pub(crate) fn state(&self, y: &[f64]) -> Result<EnergyState, usize> {
         let first = self.freedoms();
-        let mut state = EnergyState {
-            energy: 0.0,
-            energies: 0.0,
-            residual: vec![0.0; y.len()],
-            forces: 0.0,
-            balls: Vec::with_capacity(self.seats.len()),
-            grooves: Vec::with_capacity(self.seats.len()),
-        };
+        let mut state = EnergyState { residual: vec![0.0; y.len()], ..EnergyState::default() };
         for (number, seat) in self.seats.iter().enumerate() {
             let (mut w, excess) = seat.error;
             for (q, by) in y[first..].iter().zip(seat.nut_matrix) {

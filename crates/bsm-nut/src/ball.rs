@@ -5,6 +5,7 @@
 use std::array::from_fn;
 
 use bsm_dyn::{GrooveForces, StaticBall};
+use nalgebra::{Matrix2, Vector2};
 
 /// Flanks of a circuit that balls can press.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,7 +42,7 @@ pub struct FourContacts {
 
 /// A ball in its displaced grooves. Contacts: nut +, nut −, screw +, screw −; the flanks + carry a force
 /// on the nut against the screw along the axis, the flanks − the other way.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BallInGrooves {
     /// Normal loads of the contacts \[N\]; zero where nothing is pressed.
     pub loads: [f64; 4],
@@ -56,14 +57,6 @@ pub struct BallInGrooves {
 }
 
 impl BallInGrooves {
-    const LOOSE: Self = Self {
-        loads: [0.0; 4],
-        angles: [0.0; 4],
-        energy: 0.0,
-        force: [0.0; 2],
-        slope: [[0.0; 2]; 2],
-    };
-
     /// Whether the flanks + and − press it.
     pub fn flanks_pressed(&self) -> [bool; 2] {
         [0, 1].map(|flank| self.loads[flank] > 0.0 || self.loads[2 + flank] > 0.0)
@@ -87,14 +80,14 @@ impl FourContacts {
     ///
     /// The energy is convex in `w`. `None` if the place of the ball is not found.
     pub fn at(&self, w: [f64; 2], oversize: f64, flanks: Flanks) -> Option<BallInGrooves> {
-        let diagonals = flanks.diagonals();
+        let (diagonals, w) = (flanks.diagonals(), Vector2::from(w));
         let alone = |i: usize| -> Option<(usize, GrooveForces)> {
             let ball = self.series.at([SIGNS[i] * w[0], w[1]], oversize);
             (diagonals[i] && ball.load > 0.0).then_some((i, ball))
         };
         let alone = alone(0).or_else(|| alone(1));
         if self.outward == 0.0 {
-            let Some((first, ball)) = alone else { return Some(BallInGrooves::LOOSE) };
+            let Some((first, ball)) = alone else { return Some(BallInGrooves::default()) };
             let place = self.place(first, &ball, w, oversize);
             let others = [1 - first, 3 - first];
             let free = !diagonals[1 - first]
@@ -109,18 +102,24 @@ impl FourContacts {
     }
 
     /// Where the ball of one diagonal lies: from the nut's arc centre back along the contact normal.
-    fn place(&self, diagonal: usize, ball: &GrooveForces, w: [f64; 2], oversize: f64) -> [f64; 2] {
+    fn place(
+        &self,
+        diagonal: usize,
+        ball: &GrooveForces,
+        w: Vector2<f64>,
+        oversize: f64,
+    ) -> Vector2<f64> {
         let arc = self.arc_centre(diagonal);
         // V = ⅖ Q δ, and δ_A is its part of the approach of both contacts
         let approach = self.nut_share * ball.energy / (0.4 * ball.load);
         let back = self.offsets[0] - oversize + approach;
-        let m = [SIGNS[diagonal] * ball.force[0] / ball.load, ball.force[1] / ball.load];
-        from_fn(|i| arc[i] + w[i] - back * m[i])
+        let m = Vector2::new(SIGNS[diagonal] * ball.force[0], ball.force[1]) / ball.load;
+        arc + w - m * back
     }
 
     /// Where a loose ball lies in the groove of the nut, into which the centrifugal force presses it: on
     /// both flanks, or at the bottom of the only one.
-    fn thrown_out(&self, w: [f64; 2], oversize: f64, flanks: Flanks) -> [f64; 2] {
+    fn thrown_out(&self, w: Vector2<f64>, oversize: f64, flanks: Flanks) -> Vector2<f64> {
         let [sin, cos] = self.series.unloaded;
         let l = self.offsets[0];
         let share = if flanks == Flanks::Both { 0.5 / cos } else { 1.0 };
@@ -128,40 +127,50 @@ impl FourContacts {
         match flanks {
             Flanks::Both => {
                 let down = (away * away - (l * sin).powi(2)).max(0.0).sqrt();
-                [w[0], w[1] + l * cos - down]
+                Vector2::new(w[0], w[1] + l * cos - down)
             }
-            Flanks::Plus => [w[0] + l * sin, w[1] + l * cos - away],
-            Flanks::Minus => [w[0] - l * sin, w[1] + l * cos - away],
+            Flanks::Plus => Vector2::new(w[0] + l * sin, w[1] + l * cos - away),
+            Flanks::Minus => Vector2::new(w[0] - l * sin, w[1] + l * cos - away),
         }
     }
 
     /// Groove-arc centre of a contact before the displacement.
-    fn arc_centre(&self, contact: usize) -> [f64; 2] {
+    fn arc_centre(&self, contact: usize) -> Vector2<f64> {
         let [sin, cos] = self.series.unloaded;
         // N± = l_A0 (±sinβ₀, cosβ₀) + w,  S± = −l_B0 (±sinβ₀, cosβ₀)      (U8)
         let signed = self.offsets[contact / 2] * SIGNS[contact / 2];
-        [signed * SIGNS[contact % 2] * sin, signed * cos]
+        Vector2::new(signed * SIGNS[contact % 2] * sin, signed * cos)
     }
 
     /// From the ball at `x` to the arc centre of a contact, the grooves displaced by `w`.
-    fn reach(&self, contact: usize, w: [f64; 2], x: [f64; 2], oversize: f64) -> ArcDistance {
+    fn reach(
+        &self,
+        contact: usize,
+        w: Vector2<f64>,
+        x: Vector2<f64>,
+        oversize: f64,
+    ) -> ArcDistance {
         let (l, arc) = (self.offsets[contact / 2], self.arc_centre(contact));
-        let moved: [f64; 2] = from_fn(|i| if contact < 2 { w[i] - x[i] } else { -x[i] });
-        let v: [f64; 2] = from_fn(|i| arc[i] + moved[i]);
-        let length = dot(v, v).sqrt();
+        let moved = if contact < 2 { w - x } else { -x };
+        let v = arc + moved;
+        let length = v.dot(&v).sqrt();
         // l − l_c0 = (2 C·D + D·D)/(l + l_c0),  δ = l − l_c0 + Δr         (U8)
-        let approach = dot([2.0 * arc[0] + moved[0], 2.0 * arc[1] + moved[1]], moved)
-            / (length + l)
-            + oversize;
+        let approach = (arc * 2.0 + moved).dot(&moved) / (length + l) + oversize;
         ArcDistance { approach, length, v }
     }
 
     /// A contact of the ball at `x`, the grooves displaced by `w`.
-    fn contact(&self, contact: usize, w: [f64; 2], x: [f64; 2], oversize: f64) -> ContactForce {
+    fn contact(
+        &self,
+        contact: usize,
+        w: Vector2<f64>,
+        x: Vector2<f64>,
+        oversize: f64,
+    ) -> ContactForce {
         let ArcDistance { approach, length, v } = self.reach(contact, w, x, oversize);
-        let m = v.map(|v| v / length);
+        let m = v / length;
         if approach <= 0.0 {
-            return ContactForce { load: 0.0, energy: 0.0, m, slope: [[0.0; 2]; 2] };
+            return ContactForce { load: 0.0, energy: 0.0, m, slope: Matrix2::zeros() };
         }
         let root = approach.sqrt();
         // Q = K δ^(3/2),  V = ⅖ K δ^(5/2)                                 (U9)
@@ -171,20 +180,20 @@ impl FourContacts {
         let entry = |i: usize, k: usize| {
             (along - turning) * m[i] * m[k] + if i == k { turning } else { 0.0 }
         };
-        let slope = from_fn(|i| from_fn(|k| entry(i, k)));
+        let slope = Matrix2::from_fn(entry);
         ContactForce { load, energy: 0.4 * load * approach, m, slope }
     }
 
     /// The ball of least energy among all its places, from the better of two starts (U10).
     fn settle(
         &self,
-        w: [f64; 2],
-        starts: [Option<[f64; 2]>; 2],
+        w: Vector2<f64>,
+        starts: [Option<Vector2<f64>>; 2],
         oversize: f64,
         flanks: Flanks,
     ) -> Option<BallInGrooves> {
         let diagonals = flanks.diagonals();
-        let at = |x: [f64; 2]| {
+        let at = |x: Vector2<f64>| {
             let touching = |c: usize| diagonals[c % 2].then(|| self.contact(c, w, x, oversize));
             BallEnergy::of(&from_fn(touching), self.outward, x)
         };
@@ -192,9 +201,10 @@ impl FourContacts {
         let (mut x, mut here) = places.min_by(|a, b| a.1.energy.total_cmp(&b.1.energy))?;
         for _ in 0..MOST_STEPS {
             // A step where nothing holds the ball is as long as the groove is deep.
-            let step =
-                solve2(here.slope, here.pull, self.outward.max(here.size) / self.offsets[0])?;
-            let fall = dot(step, here.pull);
+            let held = Matrix2::identity() * (self.outward.max(here.size) / self.offsets[0]);
+            let inverse = inverse(here.slope).or_else(|| inverse(here.slope + held))?;
+            let step = inverse * here.pull;
+            let fall = step.dot(&here.pull);
             // The place is known to the rounding of distances of the size of the groove arcs.
             let still = step[0].hypot(step[1]) <= 4.0 * f64::EPSILON * self.series.distance;
             if still || fall <= 0.0 {
@@ -202,7 +212,7 @@ impl FourContacts {
             }
             let mut share = 1.0;
             let next = loop {
-                let y = from_fn(|i| x[i] + share * step[i]);
+                let y = x + step * share;
                 let next = at(y);
                 // Armijo; near the end the energy has no more digits, but the force has.
                 let rounding =
@@ -227,27 +237,11 @@ impl FourContacts {
     }
 }
 
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-/// Solution of a symmetric semidefinite system; `least` is added where it is singular.
-fn solve2(a: [[f64; 2]; 2], b: [f64; 2], least: f64) -> Option<[f64; 2]> {
-    let inverse = inverse2(a)
-        .or_else(|| inverse2([[a[0][0] + least, a[0][1]], [a[1][0], a[1][1] + least]]))?;
-    Some([dot(inverse[0], b), dot(inverse[1], b)])
-}
-
-/// Inverse of a symmetric matrix; `None` where it is singular to rounding.
-fn inverse2(a: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
-    let determinant = a[0][0] * a[1][1] - a[0][1] * a[1][0];
-    let regular = determinant > 1e-13 * a[0][0] * a[1][1] && determinant.is_finite();
-    regular.then(|| {
-        [
-            [a[1][1] / determinant, -a[0][1] / determinant],
-            [-a[1][0] / determinant, a[0][0] / determinant],
-        ]
-    })
+/// Inverse of a symmetric semidefinite matrix; `None` where it is singular to rounding.
+fn inverse(a: Matrix2<f64>) -> Option<Matrix2<f64>> {
+    let determinant = a.determinant();
+    let is_regular = determinant > 1e-13 * a[(0, 0)] * a[(1, 1)] && determinant.is_finite();
+    a.try_inverse().filter(|_| is_regular)
 }
 
 /// How far an arc centre is from the ball.
@@ -255,7 +249,7 @@ struct ArcDistance {
     /// Negative where there is a gap \[m\].
     approach: f64,
     length: f64,
-    v: [f64; 2],
+    v: Vector2<f64>,
 }
 
 /// One contact at a place of the ball.
@@ -264,8 +258,8 @@ struct ContactForce {
     load: f64,
     energy: f64,
     /// From the ball to the groove-arc centre.
-    m: [f64; 2],
-    slope: [[f64; 2]; 2],
+    m: Vector2<f64>,
+    slope: Matrix2<f64>,
 }
 
 /// All contacts at a place of the ball.
@@ -274,27 +268,27 @@ struct BallEnergy {
     contacts: [Option<ContactForce>; 4],
     energy: f64,
     /// Force on the ball.
-    pull: [f64; 2],
+    pull: Vector2<f64>,
     /// Sum of the sizes of the forces.
     size: f64,
-    slope: [[f64; 2]; 2],
+    slope: Matrix2<f64>,
 }
 
 impl BallEnergy {
-    fn of(contacts: &[Option<ContactForce>; 4], outward: f64, x: [f64; 2]) -> Self {
+    fn of(contacts: &[Option<ContactForce>; 4], outward: f64, x: Vector2<f64>) -> Self {
         // U = Σ ⅖ K δ^(5/2) + F_c x_n; the force points along −n          (U9)
         let mut all = Self {
             contacts: *contacts,
             energy: outward * x[1],
-            pull: [0.0, -outward],
+            pull: Vector2::new(0.0, -outward),
             size: outward,
-            slope: [[0.0; 2]; 2],
+            slope: Matrix2::zeros(),
         };
         for touching in contacts.iter().flatten() {
             all.energy += touching.energy;
             all.size += touching.load;
-            all.pull = from_fn(|i| all.pull[i] + touching.load * touching.m[i]);
-            all.slope = plus(all.slope, touching.slope);
+            all.pull += touching.m * touching.load;
+            all.slope += touching.slope;
         }
         all
     }
@@ -309,32 +303,33 @@ impl BallEnergy {
     /// * `distance`: of the groove-arc centres \[m\].
     fn balanced(&self, distance: f64) -> Option<BallInGrooves> {
         // The place is known to the rounding of the distance, which the stiffness turns into a force.
-        let stiffness = self.slope[0][0] + self.slope[1][1];
+        let stiffness = self.slope.trace();
         let rounding = (64.0 * f64::EPSILON * distance * stiffness).min(1e-6 * self.size);
         (self.left() <= 1e-7 * self.size + rounding).then(|| self.ball())
     }
 
     fn ball(&self) -> BallInGrooves {
-        let mut force = [0.0; 2];
-        let mut sums = [[[0.0; 2]; 2]; 2];
+        let mut force = Vector2::zeros();
+        let [mut nut, mut screw] = [Matrix2::zeros(); 2];
         for (c, touching) in self.contacts.iter().enumerate() {
             let Some(touching) = touching else { continue };
             if c < 2 {
                 // dV/dw = Σ over the nut's contacts of Q m                (U11)
-                force = from_fn(|i| force[i] + touching.load * touching.m[i]);
+                force += touching.m * touching.load;
+                nut += touching.slope;
+            } else {
+                screw += touching.slope;
             }
-            sums[c / 2] = plus(sums[c / 2], touching.slope);
         }
-        let [nut, screw] = sums;
         // U_ww − U_wx U_xx⁻¹ U_xw = A (A + B)⁻¹ B, without a difference  (U12)
-        let slope = inverse2(self.slope).map_or([[0.0; 2]; 2], |inverse| {
-            let product = times(times(nut, inverse), screw);
-            let across = 0.5 * (product[0][1] + product[1][0]);
-            [[product[0][0], across], [across, product[1][1]]]
+        let slope = inverse(self.slope).map_or([[0.0; 2]; 2], |inverse| {
+            let product = nut * inverse * screw;
+            let across = 0.5 * (product[(0, 1)] + product[(1, 0)]);
+            [[product[(0, 0)], across], [across, product[(1, 1)]]]
         });
         let load = |touching: &Option<ContactForce>| touching.as_ref().map_or(0.0, |t| t.load);
         let angles = from_fn(|c| {
-            let m = self.contacts[c].as_ref().map_or([0.0, 1.0], |t| t.m);
+            let m = self.contacts[c].map_or(Vector2::y(), |t| t.m);
             // atan2(±m_b, m_n) at the nut, of −m at the screw             (U8)
             let outwards = SIGNS[c / 2];
             (outwards * SIGNS[c % 2] * m[0]).atan2(outwards * m[1])
@@ -343,24 +338,16 @@ impl BallEnergy {
             loads: from_fn(|c| load(&self.contacts[c])),
             angles,
             energy: self.energy,
-            force,
+            force: force.into(),
             slope,
         }
     }
 }
 
-fn plus(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
-    from_fn(|i| from_fn(|k| a[i][k] + b[i][k]))
-}
-
-fn times(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
-    from_fn(|i| from_fn(|k| a[i][0] * b[0][k] + a[i][1] * b[1][k]))
-}
-
 /// A ball that only one diagonal presses: the closed form, mirrored for the flanks −.
 fn is_two_point(diagonal: usize, ball: &GrooveForces) -> BallInGrooves {
     let sign = SIGNS[diagonal];
-    let mut found = BallInGrooves::LOOSE;
+    let mut found = BallInGrooves::default();
     for contact in [diagonal, 2 + diagonal] {
         (found.loads[contact], found.angles[contact]) = (ball.load, ball.angle);
     }

@@ -13,7 +13,7 @@ use crate::interpolation::interpolated;
 use crate::{BallInGrooves, BallNut, Equilibrium};
 
 /// Friction torque and power of a nut.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct NutFriction {
     /// Friction torque of each ball on the screw \[N·m\], not negative; if the model has no answer for a
     /// ball, of those before it.
@@ -233,11 +233,8 @@ impl BallNut {
             motions,
             on_both_flanks,
             torque_on_both_flanks,
-            torque,
             parts: all.then_some(sum),
-            drive_torque: None,
-            efficiency: None,
-            heat: None,
+            ..NutFriction::default()
         };
         self.with_torque(&mut friction, found, drive, seal_torque, torque);
         friction

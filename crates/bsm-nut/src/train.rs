@@ -145,7 +145,7 @@ pub struct CircuitTrain {
 }
 
 /// A nut whose balls may touch.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Train {
     /// Its circuits.
     pub circuits: Vec<CircuitTrain>,
@@ -358,17 +358,7 @@ impl BallNut {
             };
             balls.push(ball);
         }
-        let mut train = Train {
-            circuits: Vec::with_capacity(self.circuits.len()),
-            free_torque: 0.0,
-            raceway_torque: 0.0,
-            contact_torque: 0.0,
-            return_torque: 0.0,
-            catching_torque: 0.0,
-            power_balance: 0.0,
-            touching: 0,
-            largest_push: 0.0,
-        };
+        let mut train = Train::default();
         let speed = drive.relative_speed();
         let touch_angle = self.touch_angle(inputs.spacer);
         let (mut put_in, mut lost) = (0.0, 0.0);

@@ -38,7 +38,7 @@ struct PlanFile {
     program: Program,
     points: PointsEntry,
     base: Value,
-    model: ModelEntry,
+    model: Value,
     columns: Vec<String>,
     rows: u64,
     rows_per_part: NonZeroU64,
@@ -85,31 +85,14 @@ impl Program {
     }
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ModelEntry {
-    name: String,
-    tolerance: f64,
-    accuracy: f64,
-    creep: f64,
-    control: Option<String>,
-    friction: String,
-}
-
-impl ModelEntry {
-    fn of(settings: &Settings) -> Self {
-        let Settings { model, tolerance, accuracy, creep, control, friction } = *settings;
-        let control = control.map(|raceway| raceway.name().to_owned());
-        let (name, friction) = (model.name().to_owned(), friction.name().to_owned());
-        Self { name, tolerance, accuracy, creep, control, friction }
-    }
-
-    fn settings(&self) -> Result<Settings, CaseError> {
-        let Self { tolerance, accuracy, creep, .. } = *self;
-        let control = self.control.as_deref();
-        let named = Settings::named(&self.name, control, Some(&self.friction))?;
-        Ok(Settings { tolerance, accuracy, creep, ..named })
-    }
+/// Reads what [`Settings::to_json`] writes.
+fn settings(entry: &Value) -> Result<Settings, CaseError> {
+    let text = |key: &str| entry[key].as_str();
+    let [tolerance, accuracy, creep] =
+        ["tolerance", "accuracy", "creep"].map(|key| entry[key].as_f64().unwrap_or(f64::NAN));
+    let model = text("name").unwrap_or_default();
+    let named = Settings::named(model, text("control"), text("friction"))?;
+    Ok(Settings { tolerance, accuracy, creep, ..named })
 }
 
 impl Plan {
@@ -142,7 +125,7 @@ impl Plan {
             program: Program::this(),
             points,
             base: base.to_json(),
-            model: ModelEntry::of(&task.settings),
+            model: task.settings.to_json(),
             columns: task.outputs.iter().map(|output| output.name.to_owned()).collect(),
             rows,
             rows_per_part,
@@ -190,7 +173,7 @@ impl Plan {
     pub fn task(&self) -> Result<Task, String> {
         let base = serde_json::to_vec(&self.written.base).map_err(|e| e.to_string())?;
         let base = Scene::from_json(&base).map_err(|e| e.to_string())?;
-        let settings = self.written.model.settings().map_err(|e| e.to_string())?;
+        let settings = settings(&self.written.model).map_err(|e| e.to_string())?;
         let outputs: Vec<&'static Output> =
             Answers::select(Some(&self.written.columns)).map_err(|e| e.to_string())?;
         Ok(Task::new(base, settings, outputs))

@@ -13,7 +13,9 @@ use super::part::kind;
 use super::{DatasetError, digest};
 use crate::parquet_table::INPUT_WORDS;
 use crate::pipeline::ROWS;
-use crate::{DrawSource, Draws, Format, GridSource, Source, TableError, TableFormat, Workers};
+use crate::{
+    DrawSource, Draws, Format, GridSource, PointSet, Source, TableError, TableFormat, Workers,
+};
 
 /// Rows that points come from, and can come from again.
 #[derive(Debug, Clone)]

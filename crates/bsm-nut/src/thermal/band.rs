@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equation (I21).
 
-use super::{Conductances, NoSteadyState, Steady, Surfaces, WarmNut};
+use super::{NoSteadyState, Steady, Surfaces, WarmNut};
 
 /// A quantity that is guessed unless it is given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +48,11 @@ impl Guess {
         }
     }
 
+    /// Factor on it where one guess is off.
+    pub(super) fn factor(self, off: Option<(Self, f64)>) -> f64 {
+        off.filter(|(guess, _)| *guess == self).map_or(1.0, |(_, by)| by)
+    }
+
     /// True if a scene gives it.
     fn is_given(self, of: &Surfaces) -> bool {
         match self {
@@ -57,22 +62,6 @@ impl Guess {
             Self::Balls => of.ball_nut.is_some() && of.ball_screw.is_some(),
             Self::Ends => of.end.is_some(),
             Self::Heat => false,
-        }
-    }
-
-    pub(super) fn multiply(self, of: Conductances, given: &Surfaces, by: f64) -> Conductances {
-        let ball = |value: f64, given: Option<f64>| given.unwrap_or(by * value);
-        match self {
-            Self::Nut => Conductances { nut: by * of.nut, ..of },
-            Self::ScrewFilm => Conductances { screw_film: by * of.screw_film, ..of },
-            Self::Gap => Conductances { gap: by * of.gap, ..of },
-            Self::Balls => Conductances {
-                ball_nut: ball(of.ball_nut, given.ball_nut),
-                ball_screw: ball(of.ball_screw, given.ball_screw),
-                ..of
-            },
-            Self::Ends => Conductances { end: by * of.end, ..of },
-            Self::Heat => of,
         }
     }
 }

@@ -6,6 +6,7 @@ use std::f64::consts::{PI, TAU};
 
 use bsm_dyn::Reason;
 
+use super::Guess;
 use crate::BallNut;
 use crate::geometry::count;
 
@@ -131,12 +132,14 @@ impl BallNut {
 impl Surfaces {
     /// Conductances in air: means over the time of the phases.
     ///
-    /// * `conductivity`: of steel \[W/(m·K)\]. * `phases`: time and size of the speed \[rad/s\] of each.
+    /// * `conductivity`: of steel \[W/(m·K)\]. * `phases`: time and size of the speed \[rad/s\] of each. * `off`: a guess that is
+    ///   off, and its factor.
     pub fn conductances(
         &self,
         nut: &BallNut,
         conductivity: f64,
         phases: &[(f64, f64)],
+        off: Option<(Guess, f64)>,
     ) -> Conductances {
         let diameter = 2.0 * nut.helix.radius;
         let time: f64 = phases.iter().map(|(time, _)| time).sum();
@@ -155,12 +158,14 @@ impl Surfaces {
         let gap = GREASE.0 * PI * diameter * length / GREASE.1;
         let film = || mean(&|speed| film_of_screw(diameter, speed));
         Conductances {
-            nut: self.nut.unwrap_or_else(|| area * film_of_nut(length, feed)),
-            screw_film: self.screw_film.unwrap_or_else(film),
-            gap: self.gap.unwrap_or(gap),
-            ball_nut: self.ball_nut.unwrap_or(ball_nut),
-            ball_screw: self.ball_screw.unwrap_or(ball_screw),
-            end: self.end.unwrap_or(BEARING * diameter.powi(2)),
+            nut: self
+                .nut
+                .unwrap_or_else(|| Guess::Nut.factor(off) * (area * film_of_nut(length, feed))),
+            screw_film: self.screw_film.unwrap_or_else(|| Guess::ScrewFilm.factor(off) * film()),
+            gap: self.gap.unwrap_or(Guess::Gap.factor(off) * gap),
+            ball_nut: self.ball_nut.unwrap_or(Guess::Balls.factor(off) * ball_nut),
+            ball_screw: self.ball_screw.unwrap_or(Guess::Balls.factor(off) * ball_screw),
+            end: self.end.unwrap_or(Guess::Ends.factor(off) * (BEARING * diameter.powi(2))),
             coolant: self.coolant,
             nut_coolant: self.nut_coolant,
         }

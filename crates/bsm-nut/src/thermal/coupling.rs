@@ -96,11 +96,9 @@ impl WarmNut<'_> {
     pub fn network(&self, factor: f64) -> Network {
         let paced = |phase: &WarmPhase| (phase.time, factor * phase.drive.relative_speed().abs());
         let phases: Vec<_> = self.phases.iter().map(paced).collect();
-        let computed = self.surfaces.conductances(&self.nut, self.screw.conductivity, &phases);
-        let conductances = match self.off {
-            Some((guess, by)) => guess.multiply(computed, &self.surfaces, by),
-            None => computed,
-        };
+        let surfaces = &self.surfaces;
+        let conductances =
+            surfaces.conductances(&self.nut, self.screw.conductivity, &phases, self.off);
         Network { conductances, screw: self.screw, sinks: self.sinks }
     }
 
@@ -152,10 +150,7 @@ impl WarmNut<'_> {
         let preload = preload.map_or(0.0, |(found, by)| found.preload(&nut, by));
         let time: f64 = self.phases.iter().map(|phase| phase.time).sum();
         let ends = self.screw.bearings.map(|held| f64::from(u8::from(held)));
-        let heat_factor = match self.off {
-            Some((Guess::Heat, by)) => by,
-            _ => 1.0,
-        };
+        let heat_factor = Guess::Heat.factor(self.off);
         let mut heat = [0.0, 0.0, 0.0, self.motor, 0.0];
         let mut phases: Vec<Option<PhaseState>> = Vec::with_capacity(self.phases.len());
         for (number, phase) in self.phases.iter().enumerate() {

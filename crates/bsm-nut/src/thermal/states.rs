@@ -181,11 +181,7 @@ type Slopes = [[f64; NODES]; FRICTION_NODES];
 /// The same at one speed factor.
 struct BalanceAtSpeed<'a>(&'a Balance<'a>, f64);
 
-impl<'a> Balance<'a> {
-    fn of(nut: &'a WarmNut<'a>) -> Self {
-        Self { nut, weight: 1.0, has_preload: Cell::new(true), known: RefCell::new(None) }
-    }
-
+impl Balance<'_> {
     /// What the nut does at some rises.
     ///
     /// * `between_loads`: what friction may err by.
@@ -233,11 +229,6 @@ impl<'a> Balance<'a> {
         })
     }
 
-    /// `$P'$` by central differences, between all loads.
-    fn slopes(&self, rises: &[f64; NODES], factor: f64) -> Result<Slopes, EvalError> {
-        self.slopes_from(rises, factor, None)
-    }
-
     /// `$P'$` to a thousandth and the heat that it starts from: what the steps of Newton's method and of a walk need.
     fn slopes_of_step(
         &self,
@@ -245,11 +236,11 @@ impl<'a> Balance<'a> {
         factor: f64,
     ) -> Result<(Slopes, [f64; NODES]), EvalError> {
         let heat = self.heated(rises, factor, OF_STEPS)?.heat;
-        Ok((self.slopes_from(rises, factor, Some(&heat))?, heat))
+        Ok((self.slopes(rises, factor, Some(&heat))?, heat))
     }
 
     /// `$P'$` by differences from the heat at the rises, or else by central ones.
-    fn slopes_from(
+    fn slopes(
         &self,
         rises: &[f64; NODES],
         factor: f64,
@@ -324,7 +315,7 @@ impl<'a> Balance<'a> {
 
     /// The state at some rises that are settled.
     fn state_at(&self, rises: [f64; NODES], factor: f64) -> Result<Steady, NoSteadyState> {
-        let slopes = self.slopes(&rises, factor).map_err(|_| NoSteadyState::NotFound)?;
+        let slopes = self.slopes(&rises, factor, None).map_err(|_| NoSteadyState::NotFound)?;
         let gain = largest_real_part(&self.loop_matrix(&slopes, factor));
         let known = self.known(&rises, factor);
         let heated = match known.filter(|known| known.phases.iter().all(Option::is_some)) {
@@ -393,13 +384,20 @@ impl<'a> Balance<'a> {
         };
         let events = |z: &[f64; NODES + 1], along: &[f64; NODES + 1]| {
             // det(M − P')/det M changes its sign                          (I20)
-            let fold = self.slopes(&from_fn(|i| z[i]), z[NODES]).map_or(f64::NAN, |slopes| {
+            let fold = self.slopes(&from_fn(|i| z[i]), z[NODES], None).map_or(f64::NAN, |slopes| {
                 let gains = self.loop_matrix(&slopes, z[NODES]);
                 (Matrix3::identity() - Matrix3::from_fn(|i, k| gains[i][k])).determinant()
             });
             [(z[NODES] - 1.0, along[NODES]), (fold, 0.0)]
         };
         trace(self, &Seed { z, towards }, events, goes_on, &stride)
+    }
+
+    fn folded(&self, z: &[f64; NODES + 1], beyond: Option<Steady>) -> Result<Fold, NoSteadyState> {
+        let (rises, factor) = (from_fn(|i| z[i]), z[NODES]);
+        let preload = self.nut.heated(&rises, factor, false)?.preload;
+        let (set, preload) = (self.nut.set, self.nut.preload.map(|_| preload));
+        Ok(Fold { factor, rises, set, preload, beyond })
     }
 }
 
@@ -558,7 +556,6 @@ impl WarmNut<'_> {
 
     /// The balance of heat, and the rises without any heat of friction.
     fn at_rest(&self) -> Result<(Balance<'_>, [f64; NODES]), NoSteadyState> {
-        let mut balance = Balance::of(self);
         let mut linear = Dense::<NODES>::default();
         let (matrix, mut rest) = self.network(1.0).balance();
         *linear.rows_mut() = matrix;
@@ -567,20 +564,9 @@ impl WarmNut<'_> {
         linear.solve(&mut rest);
         let heated = self.heated(&rest, 1.0, false)?;
         let heat: f64 = heated.heat.iter().sum();
-        balance.known = RefCell::new(Some((rest, 1.0, heated)));
-        if heat > 0.0 {
-            balance.weight = heat.recip();
-        }
-        Ok((balance, rest))
-    }
-}
-
-impl Balance<'_> {
-    fn folded(&self, z: &[f64; NODES + 1], beyond: Option<Steady>) -> Result<Fold, NoSteadyState> {
-        let (rises, factor) = (from_fn(|i| z[i]), z[NODES]);
-        let preload = self.nut.heated(&rises, factor, false)?.preload;
-        let (set, preload) = (self.nut.set, self.nut.preload.map(|_| preload));
-        Ok(Fold { factor, rises, set, preload, beyond })
+        let weight = if heat > 0.0 { heat.recip() } else { 1.0 };
+        let known = RefCell::new(Some((rest, 1.0, heated)));
+        Ok((Balance { nut: self, weight, has_preload: Cell::new(true), known }, rest))
     }
 }
 
