@@ -53,34 +53,45 @@ impl<'a> Workers<'a> {
     /// [`io::Error`] if not even one can be started.
     pub fn start(threads: Option<NonZeroUsize>, stop: &'a AtomicBool) -> io::Result<Self> {
         let wanted = threads.or_else(|| available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-        let mut threads = wanted;
-        loop {
-            let mut started = Vec::new();
-            let pool = ThreadPoolBuilder::new().num_threads(threads).spawn_handler(|worker| {
-                Vec::<u8>::new().try_reserve_exact(ROOM).map_err(io::Error::other)?;
-                let (running, runs) = sync_channel(1);
-                let run = move || {
-                    running.send(()).unwrap_or_default();
-                    worker.run();
-                };
-                started.push(thread::Builder::new().stack_size(STACK).spawn(run)?);
-                // It has what it takes before the next one may take it.
-                runs.recv().unwrap_or_default();
-                Ok(())
-            });
-            match pool.build() {
-                Ok(pool) => return Ok(Self { pool, stop }),
-                Err(error) if threads == 1 => return Err(io::Error::other(error)),
+        // Started before the pool, which would lose those that it has if one more cannot be started.
+        let mut idle = Vec::new();
+        while idle.len() < wanted {
+            let (give, work) = sync_channel(1);
+            let (running, runs) = sync_channel(1);
+            let run = move || {
+                running.send(()).unwrap_or_default();
+                work.recv().into_iter().for_each(rayon::ThreadBuilder::run);
+            };
+            let mut room = Vec::<u8>::new();
+            let started = match room.try_reserve_exact(ROOM) {
+                Ok(()) => {
+                    drop(room);
+                    thread::Builder::new().stack_size(STACK).spawn(run)
+                }
+                Err(error) => Err(io::Error::other(error)),
+            };
+            match started {
+                Ok(thread) => {
+                    // It has what it takes before the next one may take it.
+                    runs.recv().unwrap_or_default();
+                    idle.push((give, thread));
+                }
+                Err(error) if idle.is_empty() => return Err(error),
                 Err(_) => {
-                    let number = started.len();
-                    for thread in started {
+                    // The other half is for reading and memory.
+                    for (give, thread) in idle.split_off(idle.len().div_ceil(2)) {
+                        drop(give);
                         thread.join().unwrap_or_else(|panic| resume_unwind(panic));
                     }
-                    // The other half is for reading and memory.
-                    threads = number.div_ceil(2).max(1);
+                    break;
                 }
             }
         }
+        let pool = ThreadPoolBuilder::new().num_threads(idle.len()).spawn_handler(|worker| {
+            let given = idle.pop().is_some_and(|(give, _)| give.send(worker).is_ok());
+            given.then_some(()).ok_or_else(|| io::Error::other("it has ended"))
+        });
+        Ok(Self { pool: pool.build().map_err(io::Error::other)?, stop })
     }
 
     /// How many threads were started.
