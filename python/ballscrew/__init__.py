@@ -10,97 +10,12 @@
 ('raceway-control', 0.986)
 """
 
-from ballscrew import plot
-from ballscrew._api import (
-    INPUTS,
-    MODELS,
-    OUTPUTS,
-    REQUIREMENTS,
-    Grid,
-    NutReport,
-    Nuts,
-    Quantity,
-    Report,
-    Scene,
-    Solution,
-    Table,
-    axis,
-    compare,
-    draw,
-    ellipses,
-    fit,
-    gradient,
-    jam,
-    linspace,
-    normal,
-    nut,
-    optimum,
-    ratings,
-    select,
-    select_nuts,
-    sensitivities,
-    slip,
-    solve,
-    solve_many,
-    sweep,
-    uniform,
-    validate,
-)
+from ballscrew import _api, _errors, plot
+from ballscrew._api import *
 from ballscrew._core import __version__
-from ballscrew._errors import (
-    BallscrewError,
-    InputError,
-    NoSolutionError,
-    NotConvergedError,
-    PartError,
-    SolveError,
-)
+from ballscrew._errors import *
 from ballscrew._parts import Plan, plan, run_part, solve_part
 
-__all__ = [
-    "INPUTS",
-    "MODELS",
-    "OUTPUTS",
-    "REQUIREMENTS",
-    "BallscrewError",
-    "Grid",
-    "InputError",
-    "NoSolutionError",
-    "NotConvergedError",
-    "NutReport",
-    "Nuts",
-    "PartError",
-    "Plan",
-    "Quantity",
-    "Report",
-    "Scene",
-    "Solution",
-    "SolveError",
-    "Table",
-    "__version__",
-    "axis",
-    "compare",
-    "draw",
-    "ellipses",
-    "fit",
-    "gradient",
-    "jam",
-    "linspace",
-    "normal",
-    "nut",
-    "optimum",
-    "plan",
-    "plot",
-    "ratings",
-    "run_part",
-    "select",
-    "select_nuts",
-    "sensitivities",
-    "slip",
-    "solve",
-    "solve_many",
-    "solve_part",
-    "sweep",
-    "uniform",
-    "validate",
-]
+__all__ = ["Plan", "__version__", "plan", "plot", "run_part", "solve_part"]
+__all__ += _api.__all__
+__all__ += _errors.__all__

@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, Self, TypedDict, Unpack, cast, overload
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, Self, TypeAlias, TypedDict, Unpack, cast, overload
 
 from ballscrew import _core
 from ballscrew._errors import InputError, NoSolutionError, NotConvergedError, SolveError
@@ -27,7 +27,17 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+__all__ = [
+    "INPUTS", "MODELS", "OUTPUTS", "REQUIREMENTS", "Grid", "NutReport", "Nuts", "Quantity", "Report", "Scene",
+    "Solution", "Table", "axis", "compare", "draw", "ellipses", "fit", "gradient", "jam", "linspace",
+    "normal", "nut", "optimum", "ratings", "select", "select_nuts", "sensitivities", "slip", "solve",
+    "solve_many", "sweep", "uniform", "validate",
+]
+
 Progress = Callable[[int, int], object]
+
+Point: TypeAlias = "Scene | Mapping[str, Any] | None"
+"""A scene, its inputs by name, or none where keywords give them all."""
 
 
 class Quantity(NamedTuple):
@@ -126,7 +136,7 @@ class Scene(SceneFields):
 
     __slots__ = ()
 
-    def __new__(cls, base: Scene | Mapping[str, Any] | None = None, /, **inputs: Unpack[Inputs]) -> Self:
+    def __new__(cls, base: Point = None, /, **inputs: Unpack[Inputs]) -> Self:
         given: dict[str, Any] = dict(inputs)
         dropped = {name for name, value in given.items() if value is None}
         if dropped and isinstance(base, _core.Scene):
@@ -857,13 +867,13 @@ def _columns(names: Sequence[str] | None) -> list[str] | None:
     return None if names is None else _list("columns", names)
 
 
-def _scene(scene: Scene | Mapping[str, Any] | None, inputs: Inputs) -> Scene:
+def _scene(scene: Point, inputs: Inputs) -> Scene:
     if isinstance(scene, Scene) and not inputs:
         return scene
     return Scene(scene, **inputs)
 
 
-def _asked(scene: Scene | Mapping[str, Any] | None, question: Question) -> tuple[Scene, _core.How]:
+def _asked(scene: Point, question: Question) -> tuple[Scene, _core.How]:
     """The scene with replaced inputs, and the solver settings."""
     given: dict[str, Any] = {**question}
     how = _checked(_taken(given))
@@ -873,13 +883,7 @@ def _asked(scene: Scene | Mapping[str, Any] | None, question: Question) -> tuple
     return _scene(scene, cast("Inputs", given)), how
 
 
-def solve(
-    scene: Scene | Mapping[str, Any] | None = None,
-    /,
-    *,
-    check: bool = True,
-    **question: Unpack[Question],
-) -> Solution:
+def solve(scene: Point = None, /, *, check: bool = True, **question: Unpack[Question]) -> Solution:
     """Solve one point.
 
     Parameters
@@ -930,11 +934,7 @@ def solve(
     return answer
 
 
-def sensitivities(
-    scene: Scene | Mapping[str, Any] | None = None,
-    /,
-    **question: Unpack[Question],
-) -> Table:
+def sensitivities(scene: Point = None, /, **question: Unpack[Question]) -> Table:
     """Exact derivatives of efficiency and torque by every input that the model uses.
 
     Parameters
@@ -967,7 +967,7 @@ def sensitivities(
     return _listed(names, rows)
 
 
-def compare(scene: Scene | Mapping[str, Any] | None = None, /, **inputs: Unpack[Inputs]) -> Table:
+def compare(scene: Point = None, /, **inputs: Unpack[Inputs]) -> Table:
     """Every model that the scene has inputs for, one row a model, as `bsm solve --model all`.
 
     Parameters
@@ -1008,7 +1008,7 @@ def compare(scene: Scene | Mapping[str, Any] | None = None, /, **inputs: Unpack[
 def solve_many(
     points: Any,
     /,
-    base: Scene | Mapping[str, Any] | None = None,
+    base: Point = None,
     *,
     columns: Sequence[Output] | None = None,
     keep: Sequence[str] = (),
@@ -1219,7 +1219,7 @@ def gradient(
     /,
     output: Output,
     wrt: Sequence[str],
-    base: Scene | Mapping[str, Any] | None = None,
+    base: Point = None,
     *,
     method: Literal["exact", "difference"] = "exact",
     step: float = 1e-4,
@@ -1301,11 +1301,7 @@ def gradient(
     return (values[0], slopes[0]) if one else (values, slopes)
 
 
-def slip(
-    scene: Scene | Mapping[str, Any] | None = None,
-    /,
-    **question: Unpack[Question],
-) -> Report:
+def slip(scene: Point = None, /, **question: Unpack[Question]) -> Report:
     """Slip of the balls in their motion, as `bsm solve --show slip`.
 
     Parameters
@@ -1333,16 +1329,10 @@ def slip(
     >>> report.found, report["nut_slide_roll_ratio"] < 0.05
     (True, True)
     """
-    return _report(_core.slip(*_asked(scene, question)))
+    return _report(_core.of_motion("slip", *_asked(scene, question)))
 
 
-def ellipses(
-    scene: Scene | Mapping[str, Any] | None = None,
-    /,
-    *,
-    points: int = 20,
-    **question: Unpack[Question],
-) -> Report:
+def ellipses(scene: Point = None, /, *, points: int = 20, **question: Unpack[Question]) -> Report:
     """Pressure, slip and friction over the contact ellipses, as `bsm solve --show ellipses`.
 
     Parameters
@@ -1376,7 +1366,7 @@ def ellipses(
 
     if not 1 <= points <= 500:
         raise InputError(f"points = {points} must be from 1 to 500", key="points")
-    report = _report(_core.ellipses(*_asked(scene, question), points))
+    report = _report(_core.of_motion("ellipses", *_asked(scene, question), points))
     for contact in report["contacts"] if report.found else []:
         side = len(contact["places"])
         for name, value in contact.items():
@@ -1386,11 +1376,7 @@ def ellipses(
     return report
 
 
-def jam(
-    scene: Scene | Mapping[str, Any] | None = None,
-    /,
-    **question: Unpack[Question],
-) -> Report:
+def jam(scene: Point = None, /, **question: Unpack[Question]) -> Report:
     """Jamming of the balls in the nut and at its ball return, as `bsm solve --show jam`.
 
     Parameters
@@ -1416,14 +1402,10 @@ def jam(
     >>> bs.jam(bs.Scene.read("examples/jamming.json")).found
     True
     """
-    return _report(_core.jam(*_asked(scene, question)))
+    return _report(_core.of_motion("jam", *_asked(scene, question)))
 
 
-def ratings(
-    nut: Scene | Mapping[str, Any] | None = None,
-    /,
-    **inputs: Unpack[Inputs],
-) -> Report:
+def ratings(nut: Point = None, /, **inputs: Unpack[Inputs]) -> Report:
     """Load ratings, life and stiffness of a nut, as `bsm solve --show ratings`.
 
     Parameters
@@ -1455,32 +1437,14 @@ def ratings(
 
 
 @overload
-def nut(
-    scene: Scene | Mapping[str, Any] | None = None,
-    /,
-    *,
-    samples: None = None,
-    **question: Unpack[Question],
-) -> NutReport: ...
+def nut(scene: Point = None, /, *, samples: None = None, **question: Unpack[Question]) -> NutReport: ...
 
 
 @overload
-def nut(
-    scene: Scene | Mapping[str, Any] | None = None,
-    /,
-    *,
-    samples: int,
-    **question: Unpack[Question],
-) -> Report: ...
+def nut(scene: Point = None, /, *, samples: int, **question: Unpack[Question]) -> Report: ...
 
 
-def nut(
-    scene: Scene | Mapping[str, Any] | None = None,
-    /,
-    *,
-    samples: int | None = None,
-    **question: Unpack[Question],
-) -> NutReport | Report:
+def nut(scene: Point = None, /, *, samples: int | None = None, **question: Unpack[Question]) -> NutReport | Report:
     """Load of every ball of a nut, stiffness, preload and life, as `bsm nut`.
 
     Parameters
@@ -1519,13 +1483,7 @@ def nut(
     return NutReport(json.loads(entries), found, warnings, *tables)
 
 
-def optimum(
-    scene: Scene | Mapping[str, Any] | None = None,
-    /,
-    *,
-    model: str | None = None,
-    **inputs: Unpack[Inputs],
-) -> Report:
+def optimum(scene: Point = None, /, *, model: str | None = None, **inputs: Unpack[Inputs]) -> Report:
     """Contact and lead angles of best efficiency, and limits of self-locking, as `bsm solve --show optimum`.
 
     Parameters
@@ -1555,7 +1513,7 @@ def optimum(
 
 
 def axis(
-    scene: Scene | Mapping[str, Any] | None = None,
+    scene: Point = None,
     /,
     *,
     figures: str | os.PathLike[str] | None = None,

@@ -5,14 +5,14 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple, TypedDict, Unpack
+from typing import NamedTuple, TypedDict, Unpack
 
 from ballscrew import _core
 from ballscrew._api import (
     Linspace,
     Normal,
+    Point,
     Progress,
-    Scene,
     Solver,
     Uniform,
     _axes,
@@ -211,7 +211,7 @@ class Plan:
 
 def plan(
     folder: str | os.PathLike[str],
-    base: Scene | Mapping[str, Any] | None = None,
+    base: Point = None,
     /,
     *,
     vary: Mapping[str, Linspace | Iterable[float]] | None = None,

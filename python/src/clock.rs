@@ -9,7 +9,7 @@ use bsm_batch::{Answers, Source, Task, Workers};
 use bsm_dyn::ModelWorkspace;
 use pyo3::prelude::*;
 
-use crate::errors;
+use crate::errors::Result;
 use crate::points::table_of;
 use crate::scene::{How, Scene};
 use crate::table::Numbers;
@@ -23,17 +23,16 @@ pub(crate) fn batch_seconds(
     len: usize,
     how: How,
     outputs: Option<Vec<String>>,
-) -> PyResult<f64> {
+) -> Result<f64> {
     let columns = columns.into_iter().map(|(name, values)| (name, values, Vec::new())).collect();
-    let outputs = Answers::select(outputs.as_deref()).map_err(|e| errors::table(&e))?;
+    let outputs = Answers::select(outputs.as_deref())?;
     let mut memory = table_of(columns, Vec::new(), len)?;
-    let task = Task::over_table(base.get().0.clone(), how.settings()?, outputs, memory.columns());
-    let task = task.map_err(|e| errors::input(&e))?;
+    let task = Task::over_table(base.get().0.clone(), how.0, outputs, memory.columns())?;
     let stop = AtomicBool::new(false);
     let workers = Workers::start(Some(NonZeroUsize::MIN), &stop)?;
     py.detach(|| {
         let names = memory.columns().clone();
-        let Some(chunk) = memory.next(len).map_err(|e| errors::table(&e))? else { return Ok(0.0) };
+        let Some(chunk) = memory.next(len)? else { return Ok(0.0) };
         let start = Instant::now();
         drop(black_box(workers.install(|| task.solve(&chunk, &names))));
         Ok(start.elapsed().as_secs_f64())
@@ -42,12 +41,12 @@ pub(crate) fn batch_seconds(
 
 /// Seconds in which a model solves a scene a number of times.
 #[pyfunction]
-pub(crate) fn solve_seconds(scene: &Bound<'_, Scene>, how: How, times: u64) -> PyResult<f64> {
-    let (scene, settings) = (&scene.get().0, how.settings()?);
+pub(crate) fn solve_seconds(scene: &Bound<'_, Scene>, how: How, times: u64) -> Result<f64> {
+    let scene = &scene.get().0;
     let mut work = ModelWorkspace::default();
     let start = Instant::now();
     for _ in 0..times {
-        let problem = black_box(scene).problem(&settings).map_err(|e| errors::input(&e))?;
+        let problem = black_box(scene).problem(&how.0)?;
         let _ = black_box(problem.solve(&mut work));
     }
     Ok(start.elapsed().as_secs_f64())

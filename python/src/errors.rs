@@ -1,13 +1,73 @@
 //! Errors as exceptions of the package.
 
+use std::fmt::Display;
+use std::io;
+
+use arrow_schema::ArrowError;
 use bsm_batch::TableError;
+use bsm_batch::dataset::DatasetError;
 use bsm_case::{CaseError, Known};
+use bsm_report::ReportError;
+use bsm_validate::ValidateError;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use pyo3_arrow::error::PyArrowError;
+
+/// An exception of Python, which every error of the program becomes.
+pub(crate) struct Error(PyErr);
+
+/// What a function of the core returns.
+pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
+
+impl From<Error> for PyErr {
+    fn from(Error(error): Error) -> Self {
+        error
+    }
+}
+
+macro_rules! becomes {
+    ($($error:ty: $exception:expr;)*) => {
+        $(impl From<$error> for Error {
+            fn from(error: $error) -> Self {
+                Self($exception(error))
+            }
+        })*
+    };
+}
+
+becomes! {
+    PyErr: |error| error;
+    PyArrowError: PyErr::from;
+    io::Error: PyErr::from;
+    CaseError: |error| input(&error);
+    TableError: |error| table(&error);
+    DatasetError: folder;
+    // An `InputError` with a message alone.
+    String: |message: String| invalid(&message, &About::default(), "");
+    ArrowError: of_text;
+    ReportError: of_text;
+    ValidateError: of_text;
+}
+
+fn of_text(error: impl Display) -> PyErr {
+    Error::from(error.to_string()).into()
+}
+
+/// The exception for a folder.
+fn folder(error: DatasetError) -> PyErr {
+    match error {
+        DatasetError::Io { .. } | DatasetError::Thread(_) => PyOSError::new_err(error.to_string()),
+        DatasetError::Read(error) | DatasetError::Write { error, .. } => table(&error),
+        DatasetError::Damaged(_) | DatasetError::NotOfThePlan(_) => {
+            made("PartError", |_, kind| kind.call1((error.to_string(),)))
+        }
+        _ => of_text(error),
+    }
+}
 
 /// The exception for an input that cannot be used.
-pub(crate) fn input(error: &CaseError) -> PyErr {
+fn input(error: &CaseError) -> PyErr {
     if error.is_io() {
         return PyOSError::new_err(error.to_string());
     }
@@ -28,11 +88,11 @@ pub(crate) fn input(error: &CaseError) -> PyErr {
         nearest: error.nearest(),
         row: error.row().map(|row| row - 1),
     };
-    invalid(&error.to_string(), about, hint)
+    invalid(&error.to_string(), &about, hint)
 }
 
 /// The exception for a table that cannot be used.
-pub(crate) fn table(error: &TableError) -> PyErr {
+fn table(error: &TableError) -> PyErr {
     let of = |key, nearest| About { key: Some(key), nearest, ..About::default() };
     let (about, hint) = match error {
         TableError::Io(error) => return PyOSError::new_err(error.to_string()),
@@ -49,7 +109,7 @@ pub(crate) fn table(error: &TableError) -> PyErr {
         TableError::Column { name, .. } => (of(name, None), String::new()),
         _ => (About::default(), String::new()),
     };
-    invalid(&error.to_string(), about, &hint)
+    invalid(&error.to_string(), &about, &hint)
 }
 
 const OUTPUTS: &str = "ballscrew.OUTPUTS has all names";
@@ -66,9 +126,8 @@ struct About<'a> {
 }
 
 /// An `InputError` with its attributes.
-fn invalid(message: &str, about: About<'_>, hint: &str) -> PyErr {
-    let made = Python::attach(|py| -> PyResult<PyErr> {
-        let kind = py.import("ballscrew._errors")?.getattr("InputError")?;
+fn invalid(message: &str, about: &About<'_>, hint: &str) -> PyErr {
+    made("InputError", |py, kind| {
         let named = PyDict::new(py);
         named.set_item("key", about.key)?;
         named.set_item("value", about.value)?;
@@ -79,21 +138,18 @@ fn invalid(message: &str, about: About<'_>, hint: &str) -> PyErr {
         if !hint.is_empty() {
             error.call_method1("add_note", (hint,))?;
         }
-        Ok(PyErr::from_value(error))
-    });
-    made.unwrap_or_else(|error| error)
+        Ok(error)
+    })
 }
 
-/// An error of the package, by its name, with a message alone.
-pub(crate) fn named(kind: &str, message: &str) -> PyErr {
-    let made = Python::attach(|py| -> PyResult<PyErr> {
+/// An error of the package, by the name of its kind.
+fn made(
+    kind: &str,
+    make: impl for<'py> FnOnce(Python<'py>, Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>>,
+) -> PyErr {
+    let made = Python::attach(|py| {
         let kind = py.import("ballscrew._errors")?.getattr(kind)?;
-        Ok(PyErr::from_value(kind.call1((message,))?))
+        make(py, kind).map(PyErr::from_value)
     });
     made.unwrap_or_else(|error| error)
-}
-
-/// An `InputError` with a message alone.
-pub(crate) fn from_text(message: &str) -> PyErr {
-    invalid(message, About::default(), "")
 }

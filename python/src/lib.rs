@@ -26,6 +26,8 @@ use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
 use serde_json::Value;
 
+use crate::errors::Result;
+
 /// Name, unit, meaning, default and rule of every input.
 #[pyfunction]
 fn inputs() -> Vec<(&'static str, &'static str, &'static str, Option<f64>, String)> {
@@ -96,8 +98,8 @@ fn scene_choices() -> Vec<(&'static str, String, String, Vec<String>)> {
 
 /// Values of random points for each drawn input, those of `bsm sweep --draw`.
 #[pyfunction]
-fn draws(seed: u64, count: u64, of: Vec<String>) -> PyResult<Vec<(&'static str, PyArrowBuffer)>> {
-    let draws = Draws::parse(seed, count, &of).map_err(|e| errors::input(&e))?;
+fn draws(seed: u64, count: u64, of: Vec<String>) -> Result<Vec<(&'static str, PyArrowBuffer)>> {
+    let draws = Draws::parse(seed, count, &of)?;
     Ok(draws.columns().map(|(key, values)| (key.name(), table::shared(values))).collect())
 }
 
@@ -126,9 +128,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(points::sweep, module)?,
         wrap_pyfunction!(table::read_arrow, module)?,
         wrap_pyfunction!(table::to_arrow, module)?,
-        wrap_pyfunction!(reports::slip, module)?,
-        wrap_pyfunction!(reports::ellipses, module)?,
-        wrap_pyfunction!(reports::jam, module)?,
+        wrap_pyfunction!(reports::of_motion, module)?,
         wrap_pyfunction!(reports::ratings, module)?,
         wrap_pyfunction!(reports::nut, module)?,
         wrap_pyfunction!(reports::nut_columns, module)?,

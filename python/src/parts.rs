@@ -12,11 +12,10 @@ use bsm_batch::dataset::{
 };
 use bsm_batch::{Draws, TableFormat, Task, Workers};
 use bsm_case::Grid;
-use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use tempfile::NamedTempFile;
 
-use crate::errors;
+use crate::errors::{Error, Result};
 use crate::points::{format_of, selected, watched};
 use crate::scene::{How, Scene};
 use crate::table::Arrow;
@@ -26,20 +25,8 @@ fn make(file: &mut dyn FnMut() -> io::Result<NamedTempFile>) -> io::Result<Named
     file()
 }
 
-/// The exception for a folder.
-fn failed(error: DatasetError) -> PyErr {
-    match &error {
-        DatasetError::Io { .. } | DatasetError::Thread(_) => PyOSError::new_err(error.to_string()),
-        DatasetError::Read(error) | DatasetError::Write { error, .. } => errors::table(error),
-        DatasetError::Damaged(_) | DatasetError::NotOfThePlan(_) => {
-            errors::named("PartError", &error.to_string())
-        }
-        other => errors::from_text(&other.to_string()),
-    }
-}
-
-fn planned(why: String) -> PyErr {
-    errors::from_text(&format!("the plan: {why}"))
+fn planned(why: String) -> Error {
+    Error::from(format!("the plan: {why}"))
 }
 
 /// Number, first row, rows, failed, several, bytes before the footer, their hash.
@@ -78,25 +65,22 @@ impl PyPlan {
         how: How,
         outputs: Option<Vec<String>>,
         rows_per_part: Option<NonZeroU64>,
-    ) -> PyResult<Self> {
-        let (base, settings) = (base.get().0.clone(), how.settings()?);
+    ) -> Result<Self> {
+        let (base, settings) = (base.get().0.clone(), how.0);
         let outputs = selected(outputs)?;
-        let of_grid = |grid: &Grid| {
-            let task = Task::over_grid(base.clone(), settings, outputs.clone(), None, grid);
-            task.map_err(|e| errors::input(&e))
-        };
+        let of_grid =
+            |grid: &Grid| Task::over_grid(base.clone(), settings, outputs.clone(), None, grid);
         let (task, points) = if let Some((path, keep)) = table {
             format_of(&path)?;
             let points = Points::Table { path, keep, dialect: TableFormat::default() };
-            let source = points.open().map_err(|e| errors::table(&e))?;
-            let task = Task::over_table(base, settings, outputs, source.columns());
-            (task.map_err(|e| errors::input(&e))?, points)
+            let source = points.open()?;
+            (Task::over_table(base, settings, outputs, source.columns())?, points)
         } else if let Some((seed, count, of)) = random {
-            let draws = Draws::parse(seed, count, &of).map_err(|e| errors::input(&e))?;
-            let corners = draws.corners().map_err(|e| errors::input(&e))?;
+            let draws = Draws::parse(seed, count, &of)?;
+            let corners = draws.corners()?;
             (of_grid(&corners)?, Points::Draws(draws))
         } else {
-            let grid = Grid::parse(&axes).map_err(|e| errors::input(&e))?;
+            let grid = Grid::parse(&axes)?;
             (of_grid(&grid)?, Points::Grid(grid))
         };
         // A table is read to its end for its hash.
@@ -105,23 +89,23 @@ impl PyPlan {
             let workers = workers.map_err(DatasetError::Thread)?;
             Plan::new(&task, &points, rows_per_part, &workers)
         })?;
-        Ok(Self(plan.map_err(failed)?))
+        Ok(Self(plan))
     }
 
     #[staticmethod]
-    fn from_text(text: &str) -> PyResult<Self> {
+    fn from_text(text: &str) -> Result<Self> {
         Plan::from_text(text).map(Self).map_err(planned)
     }
 
     /// The plan that is in a folder.
     #[staticmethod]
-    fn open(folder: PathBuf) -> PyResult<Self> {
-        Ok(Self(Dataset::open(&folder, make).map_err(failed)?.plan().clone()))
+    fn open(folder: PathBuf) -> Result<Self> {
+        Ok(Self(Dataset::open(&folder, make)?.plan().clone()))
     }
 
     /// Begins a folder, or finds that it has this plan.
-    fn begin(&self, folder: PathBuf) -> PyResult<()> {
-        Dataset::resume(&folder, self.0.clone(), make).map(drop).map_err(failed)
+    fn begin(&self, folder: PathBuf) -> Result<()> {
+        Ok(Dataset::resume(&folder, self.0.clone(), make).map(drop)?)
     }
 
     #[getter]
@@ -150,7 +134,7 @@ impl PyPlan {
     }
 
     /// Seconds on one core and bytes at most.
-    fn estimate(&self) -> PyResult<(f64, f64)> {
+    fn estimate(&self) -> Result<(f64, f64)> {
         let estimate = self.0.estimate().map_err(planned)?;
         Ok((estimate.core_seconds, estimate.bytes))
     }
@@ -168,7 +152,7 @@ impl PyPlan {
         repair: bool,
         threads: Option<NonZeroUsize>,
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<(Vec<RowReport>, Vec<u64>)> {
+    ) -> Result<(Vec<RowReport>, Vec<u64>)> {
         let plan = &self.0;
         let task = plan.task().map_err(planned)?;
         let len = numbers.as_ref().map_or(plan.rows(), |s| s.len() as u64 * plan.rows_per_part());
@@ -194,10 +178,10 @@ impl PyPlan {
             if all {
                 parts.check_names()?;
             }
-            Ok((found.values().map(told).collect(), there))
+            Ok::<_, DatasetError>((found.values().map(told).collect(), there))
         };
         // Python looks at signals while other threads solve.
-        watched(py, false, len, Some(NonZeroUsize::MIN), progress, solve)?.map_err(failed)
+        watched(py, false, len, Some(NonZeroUsize::MIN), progress, solve)
     }
 
     /// Solves a part in memory.
@@ -209,25 +193,23 @@ impl PyPlan {
         number: u64,
         table: Option<PathBuf>,
         threads: Option<NonZeroUsize>,
-    ) -> PyResult<Arrow> {
+    ) -> Result<Arrow> {
         let solve = |stop: &AtomicBool, _: &AtomicU64| {
             let workers = Workers::start(threads, stop).map_err(DatasetError::Thread)?;
             let beside = |name: &str| table.unwrap_or_else(|| name.into());
             let points = self.0.points(beside, &workers)?;
             solve_part(&self.0, &points, number, &workers)
         };
-        let solved = watched(py, false, 0, Some(NonZeroUsize::MIN), None, solve)?;
-        let (schema, batches) = solved.map_err(failed)?;
+        let (schema, batches) = watched(py, false, 0, Some(NonZeroUsize::MIN), None, solve)?;
         Ok(Arrow { schema, batches })
     }
 
     /// What is in a folder: parts, missing ranges, what is damaged and why, foreign files.
-    fn survey(&self, py: Python<'_>, folder: PathBuf, deep: bool) -> PyResult<Survey> {
+    fn survey(&self, py: Python<'_>, folder: PathBuf, deep: bool) -> Result<Survey> {
         let survey = watched(py, false, 0, Some(NonZeroUsize::MIN), None, |stop, _| {
             let workers = Workers::start(None, stop).map_err(DatasetError::Thread)?;
             Dataset::resume(&folder, self.0.clone(), make)?.survey(deep, &workers)
         })?;
-        let survey = survey.map_err(failed)?;
         let range = |Range { start, end }| (start, end);
         let missing = survey.missing(&self.0).into_iter().map(range).collect();
         let FolderScan { parts, damaged, foreign } = survey;
@@ -236,9 +218,9 @@ impl PyPlan {
     }
 
     /// Writes the list of all parts.
-    fn finish(&self, folder: PathBuf, parts: Vec<RowReport>) -> PyResult<()> {
+    fn finish(&self, folder: PathBuf, parts: Vec<RowReport>) -> Result<()> {
         let parts: BTreeMap<_, _> = parts.into_iter().map(|told| (told.0, part_of(told))).collect();
-        let folder = Dataset::resume(&folder, self.0.clone(), make).map_err(failed)?;
-        folder.finish(&parts).map_err(failed)
+        let folder = Dataset::resume(&folder, self.0.clone(), make)?;
+        Ok(folder.finish(&parts)?)
     }
 }

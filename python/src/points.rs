@@ -23,7 +23,7 @@ use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
 use tempfile::NamedTempFile;
 
-use crate::errors;
+use crate::errors::{Error, Result};
 use crate::scene::{How, Scene};
 use crate::table::{KeptColumn, Numbers};
 
@@ -138,9 +138,9 @@ impl Rows {
     }
 
     /// Writes the table as the program does, by the ending of the path.
-    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+    fn write(&self, py: Python<'_>, path: PathBuf) -> Result<()> {
         let format = format_of(&path)?;
-        py.detach(|| self.write_to(&path, format)).map_err(|e| errors::table(&e))
+        Ok(py.detach(|| self.write_to(&path, format))?)
     }
 }
 
@@ -172,9 +172,9 @@ impl Rows {
 }
 
 /// The format of a table, by the ending of its path.
-pub(crate) fn format_of(path: &Path) -> PyResult<Format> {
+pub(crate) fn format_of(path: &Path) -> Result<Format> {
     let words = || format!("{}: must end in .csv, .jsonl or .parquet", path.display());
-    Format::of(path).ok_or_else(|| errors::from_text(&words()))
+    Format::of(path).ok_or_else(|| words().into())
 }
 
 /// A temporary file in the folder of a path, which it takes when it is complete.
@@ -189,8 +189,8 @@ fn codes(places: Vec<u8>) -> PyArrowBuffer {
 }
 
 /// The outputs of these names, or all of a solution.
-pub(crate) fn selected(names: Option<Vec<String>>) -> PyResult<Vec<&'static Output>> {
-    Answers::select(names.as_deref()).map_err(|e| errors::table(&e))
+pub(crate) fn selected(names: Option<Vec<String>>) -> Result<Vec<&'static Output>> {
+    Ok(Answers::select(names.as_deref())?)
 }
 
 /// The table of columns: name, values, rows without one; and of columns that are carried through.
@@ -198,11 +198,11 @@ pub(crate) fn table_of(
     columns: Vec<(String, Numbers, Vec<usize>)>,
     kept: Vec<(String, Py<KeptColumn>)>,
     len: usize,
-) -> PyResult<Memory> {
+) -> Result<Memory> {
     let (keep, kept): (Vec<_>, Vec<_>) =
         kept.into_iter().map(|(name, column)| (name, column.get().0.clone())).unzip();
     let names = columns.iter().map(|(name, ..)| name).chain(&keep).map(String::as_str);
-    let named = Columns::sort(names, &keep).map_err(|e| errors::table(&e))?;
+    let named = Columns::sort(names, &keep)?;
     let input = |(input, place): (usize, &usize)| {
         let (_, values, missing) = &columns[*place];
         let mut given = vec![true; if missing.is_empty() { 0 } else { len }];
@@ -215,7 +215,7 @@ pub(crate) fn table_of(
     let inputs = named.input_places().iter().enumerate().map(input).collect();
     let names = named.input_places().iter().map(|place| columns[*place].0.clone()).collect();
     if let Some(place) = kept.iter().position(|column| column.data_type().is_nested()) {
-        return Err(errors::table(&TableError::not_text(&keep[place])));
+        return Err(TableError::not_text(&keep[place]).into());
     }
     let named =
         named.with_kept_types(kept.iter().map(|column| column.data_type().clone()).collect());
@@ -240,11 +240,10 @@ pub(crate) fn solve_many(
     threads: Option<NonZeroUsize>,
     progress: Option<Py<PyAny>>,
     text: bool,
-) -> PyResult<Rows> {
+) -> Result<Rows> {
     let memory = table_of(columns, kept, len)?;
     let base = base.get().0.clone();
-    let task = Task::over_table(base, how.settings()?, selected(outputs)?, &memory.columns);
-    let task = task.map_err(|e| errors::input(&e))?;
+    let task = Task::over_table(base, how.0, selected(outputs)?, &memory.columns)?;
     drive(py, &task, Origin::Memory(Box::new(memory)), len, (threads, progress, text))
 }
 
@@ -262,11 +261,9 @@ pub(crate) fn sweep(
     threads: Option<NonZeroUsize>,
     progress: Option<Py<PyAny>>,
     text: bool,
-) -> PyResult<(Rows, Vec<(String, Vec<f64>)>)> {
-    let grid = Grid::parse(&axes).map_err(|e| errors::input(&e))?;
-    let settings = how.settings()?;
-    let task = Task::over_grid(base.get().0.clone(), settings, selected(outputs)?, None, &grid);
-    let task = task.map_err(|e| errors::input(&e))?;
+) -> Result<(Rows, Vec<(String, Vec<f64>)>)> {
+    let grid = Grid::parse(&axes)?;
+    let task = Task::over_grid(base.get().0.clone(), how.0, selected(outputs)?, None, &grid)?;
     let axis = |axis: &Axis| {
         (axis.key.name().to_owned(), (0..axis.len()).map(|place| axis.value(place)).collect())
     };
@@ -285,7 +282,7 @@ static HELD: Mutex<Vec<ThreadSet>> = Mutex::new(Vec::new());
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 /// The threads of this process, started once for each number of them.
-fn workers(threads: Option<NonZeroUsize>) -> PyResult<Arc<Workers<'static>>> {
+fn workers(threads: Option<NonZeroUsize>) -> Result<Arc<Workers<'static>>> {
     let threads = threads.or_else(|| std::env::var("RAYON_NUM_THREADS").ok()?.parse().ok());
     let process = std::process::id();
     let mut held = HELD.lock().unwrap_or_else(PoisonError::into_inner);
@@ -309,12 +306,11 @@ fn drive(
     origin: Origin,
     len: usize,
     (threads, progress, text): (Option<NonZeroUsize>, Option<Py<PyAny>>, bool),
-) -> PyResult<Rows> {
+) -> Result<Rows> {
     let mut gathered = RowAnswers::of(len, task.outputs.len(), text);
     watched(py, task.is_quick(len), len, threads, progress, |stop, done| {
         gathered.fill(task, origin.source().as_mut(), stop, done)
-    })?
-    .map_err(|e| errors::table(&e))?;
+    })?;
     let RowAnswers { verdicts, messages, columns, .. } = gathered;
     let nothing = OnceCell::new();
     let column = |column: Option<Vec<f64>>| match column {
@@ -388,19 +384,22 @@ impl RowAnswers {
 /// does itself.
 ///
 /// * `work`: ends if its first argument becomes true, and counts what it has done in the second one.
-pub(crate) fn watched<R: Send>(
+pub(crate) fn watched<R: Send, E: Send>(
     py: Python<'_>,
     quick: bool,
     len: usize,
     threads: Option<NonZeroUsize>,
     progress: Option<Py<PyAny>>,
-    work: impl FnOnce(&AtomicBool, &AtomicU64) -> R + Send,
-) -> PyResult<R> {
+    work: impl FnOnce(&AtomicBool, &AtomicU64) -> Result<R, E> + Send,
+) -> Result<R>
+where
+    Error: From<E>,
+{
     let (stop, done) = (AtomicBool::new(false), AtomicU64::new(0));
     if quick {
         let result = py.detach(|| work(&stop, &done));
         look(progress.as_ref(), len as u64, len)?;
-        return Ok(result);
+        return Ok(result?);
     }
     let workers = workers(threads)?;
     let mut interrupted = None;
@@ -432,10 +431,10 @@ pub(crate) fn watched<R: Send>(
         })
     });
     if let Some(error) = interrupted {
-        return Err(error);
+        return Err(error.into());
     }
     look(progress.as_ref(), len as u64, len)?;
-    Ok(result?)
+    Ok(result??)
 }
 
 /// Looks at signals, and shows progress.

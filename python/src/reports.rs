@@ -6,10 +6,10 @@ use bsm_batch::{NumberColumn, TableError, TableSink};
 use bsm_case::{
     Answer, AxisReport, CATALOGUE, Calibration, CaseError, Catalogue, Content, DesignReport,
     EllipseFields, Fit, ManufacturerNut, ManufacturerRow, MotionAnswer, NutFilter, NutProblem,
-    NutReport, Record, RequirementFile, Samples, Settings, TableFormat, candidate_scene,
-    column_names, sheet_columns,
+    NutReport, Record, RequirementFile, Samples, TableFormat, candidate_scene, column_names,
+    sheet_columns,
 };
-use bsm_dyn::{Model, ModelWorkspace, Solution};
+use bsm_dyn::{Model, ModelWorkspace};
 use bsm_report::sheets::{size_figures, size_page, size_results};
 use bsm_report::{ReportError, report_files};
 use bsm_validate::{PublishedData, ValidateError, validation_page};
@@ -17,7 +17,7 @@ use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
 use serde_json::{Value, json};
 
-use crate::errors;
+use crate::errors::{Error, Result};
 use crate::points::{beside, format_of, watched};
 use crate::scene::{How, Scene};
 use crate::table::{Numbers, shared};
@@ -30,69 +30,46 @@ fn told(answer: &Answer) -> Report {
     (answer.to_json().to_string(), !answer.fails, answer.warnings.clone())
 }
 
-fn refused(error: CaseError) -> PyErr {
-    errors::input(&error)
-}
-
 /// Works on the threads of this process, never on those of rayon, which a fork would wait for.
 fn on_threads<R: Send>(
     py: Python<'_>,
     work: impl FnOnce() -> Result<R, CaseError> + Send,
-) -> PyResult<R> {
-    watched(py, false, 0, None, None, |_, _| work())?.map_err(refused)
+) -> Result<R> {
+    watched(py, false, 0, None, None, |_, _| work())
 }
 
-/// Slip of a solved motion.
-#[pyfunction]
-pub(crate) fn slip(py: Python<'_>, scene: &Bound<'_, Scene>, how: How) -> PyResult<Report> {
-    of_motion(py, scene, how, bsm_case::slip)
-}
-
-/// Jamming of a solved motion.
-#[pyfunction]
-pub(crate) fn jam(py: Python<'_>, scene: &Bound<'_, Scene>, how: How) -> PyResult<Report> {
-    of_motion(py, scene, how, |scene, _, solution| bsm_case::jam(scene, solution))
-}
-
-/// Fields over the contact ellipses of a solved motion.
+/// An analysis of a solved motion: `slip`, `jam` or `ellipses`.
 ///
-/// * `points`: on each semi-axis.
+/// * `points`: of the fields over the ellipses, on each semi-axis.
 #[pyfunction]
-pub(crate) fn ellipses(
+#[pyo3(signature = (kind, scene, how, points=0))]
+pub(crate) fn of_motion(
     py: Python<'_>,
+    kind: &str,
     scene: &Bound<'_, Scene>,
     how: How,
     points: u32,
-) -> PyResult<Report> {
-    of_motion(py, scene, how, |scene, settings, solution| {
-        Ok(EllipseFields::of(scene, settings, solution, points)?.answer())
-    })
-}
-
-/// What is reported of a solved motion.
-fn of_motion(
-    py: Python<'_>,
-    scene: &Bound<'_, Scene>,
-    how: How,
-    report: impl Fn(&bsm_case::Scene, &Settings, &Solution) -> Result<Answer, CaseError> + Send + Sync,
-) -> PyResult<Report> {
+) -> Result<Report> {
     let scene = &scene.get().0;
-    let settings = how.settings()?;
     on_threads(py, || {
         let work = &mut ModelWorkspace::default();
-        let MotionAnswer { settings, solution } = MotionAnswer::of(scene, &settings, work)?;
+        let MotionAnswer { settings, solution } = MotionAnswer::of(scene, &how.0, work)?;
         if solution.reason().is_some() {
             let record = Record::new(solution).to_json();
             return Ok((Value::Object(record).to_string(), false, Vec::new()));
         }
-        let answer = report(scene, &settings, &solution)?;
+        let answer = match kind {
+            "slip" => bsm_case::slip(scene, &settings, &solution)?,
+            "jam" => bsm_case::jam(scene, &solution)?,
+            _ => EllipseFields::of(scene, &settings, &solution, points)?.answer(),
+        };
         Ok((answer.to_json().to_string(), true, Vec::new()))
     })
 }
 
 /// Ratings of a nut.
 #[pyfunction]
-pub(crate) fn ratings(py: Python<'_>, scene: &Bound<'_, Scene>) -> PyResult<Report> {
+pub(crate) fn ratings(py: Python<'_>, scene: &Bound<'_, Scene>) -> Result<Report> {
     let scene = &scene.get().0;
     on_threads(py, || Ok(told(&bsm_case::ratings(scene)?)))
 }
@@ -106,9 +83,9 @@ pub(crate) fn nut(
     py: Python<'_>,
     scene: &Bound<'_, Scene>,
     how: How,
-) -> PyResult<(Report, Lines, Lines)> {
-    let (scene, settings) = (&scene.get().0, how.settings()?);
-    on_threads(py, || match NutProblem::of(scene, &settings)?.solve() {
+) -> Result<(Report, Lines, Lines)> {
+    let scene = &scene.get().0;
+    on_threads(py, || match NutProblem::of(scene, &how.0)?.solve() {
         Ok(report) => {
             let mut answer = report.answer();
             answer.warnings.splice(0..0, scene.warnings());
@@ -137,10 +114,10 @@ pub(crate) fn nut_samples(
     scene: &Bound<'_, Scene>,
     how: How,
     number: u64,
-) -> PyResult<Report> {
-    let (scene, settings) = (&scene.get().0, how.settings()?);
+) -> Result<Report> {
+    let scene = &scene.get().0;
     on_threads(py, || {
-        let samples = Samples::of(&NutProblem::of(scene, &settings)?, number, None)?;
+        let samples = Samples::of(&NutProblem::of(scene, &how.0)?, number, None)?;
         Ok(told(&Answer { warnings: scene.warnings(), ..samples.answer() }))
     })
 }
@@ -154,11 +131,11 @@ pub(crate) fn fit(
     input: &str,
     measured: &str,
     range: Option<(f64, f64)>,
-) -> PyResult<Report> {
-    let (scene, settings) = (&scene.get().0, how.settings()?);
+) -> Result<Report> {
+    let scene = &scene.get().0;
     on_threads(py, || {
         let fit = Fit::new(scene, input, range, measured)?;
-        let report = fit.run(scene, &settings)?;
+        let report = fit.run(scene, &how.0)?;
         Ok(told(&Answer { warnings: scene.warnings(), ..fit.answer(scene, &report) }))
     })
 }
@@ -174,12 +151,12 @@ pub(crate) fn fit_table(
     inputs: Vec<String>,
     measured: &str,
     table: &[u8],
-) -> PyResult<Report> {
-    let (scene, settings) = (&scene.get().0, how.settings()?);
+) -> Result<Report> {
+    let scene = &scene.get().0;
     on_threads(py, || {
         let fit = Calibration::new(scene, &inputs, measured, table)?;
         let lost = || Content::Text("", Some(Calibration::LOST.to_owned()));
-        let answer = match fit.run(scene, &settings)? {
+        let answer = match fit.run(scene, &how.0)? {
             Some(report) => fit.answer(&report),
             None => Answer { fails: true, ..Answer::default() }.with("message", lost()),
         };
@@ -196,7 +173,7 @@ pub(crate) fn select(
     requirement: &str,
     free: bool,
     lists: Option<&str>,
-) -> PyResult<Report> {
+) -> Result<Report> {
     on_threads(py, || {
         // A search of all sizes takes standard balls.
         let catalogue = sizes(lists.or(free.then_some("standard")))?;
@@ -214,7 +191,7 @@ pub(crate) fn optimum(
     py: Python<'_>,
     scene: &Bound<'_, Scene>,
     model: Option<&str>,
-) -> PyResult<Report> {
+) -> Result<Report> {
     let scene = &scene.get().0;
     on_threads(py, || Ok(told(&bsm_case::optimum(scene, model.and_then(Model::from_name))?)))
 }
@@ -231,15 +208,14 @@ pub(crate) fn axis(
     scene: &Bound<'_, Scene>,
     how: How,
     sheet: bool,
-) -> PyResult<(Report, Files)> {
-    let (scene, settings) = (&scene.get().0, how.settings()?);
-    let report = on_threads(py, || AxisReport::of(scene, &settings))?;
+) -> Result<(Report, Files)> {
+    let scene = &scene.get().0;
+    let report = on_threads(py, || AxisReport::of(scene, &how.0))?;
     let made = || -> Result<Files, ReportError> {
         let (page, results) = (size_page(&report, None)?, size_results(&report));
         report_files(page, &results, &size_figures(&report))
     };
-    let files =
-        if sheet { made().map_err(|e| errors::from_text(&e.to_string()))? } else { Vec::new() };
+    let files = if sheet { made()? } else { Vec::new() };
     Ok((told(&report.answer), files))
 }
 
@@ -251,7 +227,7 @@ pub(crate) fn validate(
     py: Python<'_>,
     page: bool,
     data: Option<PathBuf>,
-) -> PyResult<(String, Files)> {
+) -> Result<(String, Files)> {
     let run = || -> Result<(String, Files), ValidateError> {
         let published = data.as_deref().map(PublishedData::read).transpose()?.unwrap_or_default();
         let report = bsm_validate::run(&published)?;
@@ -264,8 +240,7 @@ pub(crate) fn validate(
         };
         Ok((json!(report.checks).to_string(), files))
     };
-    let done = watched(py, false, 0, None, None, |_, _| run())?;
-    done.map_err(|e| errors::from_text(&e.to_string()))
+    watched(py, false, 0, None, None, |_, _| run())
 }
 
 /// Rows of a table that are in memory at a time as it is written, as in the program.
@@ -277,7 +252,7 @@ pub(crate) fn write_numbers(
     py: Python<'_>,
     columns: Vec<(String, Numbers)>,
     path: PathBuf,
-) -> PyResult<()> {
+) -> Result<()> {
     let format = format_of(&path)?;
     let known = || {
         let catalogue = CATALOGUE.iter().map(|c| (c.name, c.unit));
@@ -287,11 +262,9 @@ pub(crate) fn write_numbers(
     };
     let named = |(name, _): &(String, Numbers)| {
         let found = known().find(|column| column.name == name.as_str());
-        found.ok_or_else(|| {
-            errors::from_text(&format!("column `{name}` is of no table of the program"))
-        })
+        found.ok_or_else(|| Error::from(format!("column `{name}` is of no table of the program")))
     };
-    let names: Vec<_> = columns.iter().map(named).collect::<PyResult<_>>()?;
+    let names: Vec<_> = columns.iter().map(named).collect::<Result<_>>()?;
     let write = || -> Result<(), TableError> {
         let file = beside(&path)?;
         let mut sink = TableSink::of_numbers(format, file, &names)?;
@@ -303,7 +276,7 @@ pub(crate) fn write_numbers(
         sink.finish(None)?.persist(&path).map_err(|e| TableError::Io(e.error))?;
         Ok(())
     };
-    py.detach(write).map_err(|e| errors::table(&e))
+    Ok(py.detach(write)?)
 }
 
 /// Name, unit and values of the columns of a table.
@@ -316,11 +289,9 @@ pub(crate) struct Nuts(Box<dyn Fn(usize) -> Option<Value> + Send + Sync>);
 #[pymethods]
 impl Nuts {
     /// The nut of a row, as JSON.
-    fn scene(&self, row: usize) -> PyResult<String> {
+    fn scene(&self, row: usize) -> Result<String> {
         let scene = (self.0)(row);
-        scene
-            .map(|scene| scene.to_string())
-            .ok_or_else(|| errors::from_text(&format!("no row {row}")))
+        scene.map(|scene| scene.to_string()).ok_or_else(|| Error::from(format!("no row {row}")))
     }
 }
 
@@ -352,7 +323,7 @@ pub(crate) fn manufacturers(
     table: &[u8],
     names: &str,
     requirement: Option<&str>,
-) -> PyResult<(Table, Vec<String>, Vec<bool>, Nuts)> {
+) -> Result<(Table, Vec<String>, Vec<bool>, Nuts)> {
     let rows = on_threads(py, || {
         let names = column_names(names.as_bytes())?;
         let nuts =
@@ -360,7 +331,7 @@ pub(crate) fn manufacturers(
         let requirement = requirement_of(requirement, &sizes(None)?)?;
         Ok(ManufacturerRow::all(&nuts, requirement.as_ref()))
     })?;
-    let rows = rows.map_err(|(name, error)| errors::from_text(&format!("{name}: {error}")))?;
+    let rows = rows.map_err(|(name, error)| Error::from(format!("{name}: {error}")))?;
     let columns = rows.first().into_iter().flat_map(|first| first.numbers.iter().enumerate());
     let column = |(place, (name, unit, _)): (usize, &(&'static str, &'static str, _))| {
         let value = |row: &ManufacturerRow| row.numbers[place].2.unwrap_or(f64::NAN);
@@ -387,7 +358,7 @@ pub(crate) fn select_nuts(
     sort: Option<&str>,
     descending: bool,
     first: Option<usize>,
-) -> PyResult<(Table, Nuts)> {
+) -> Result<(Table, Nuts)> {
     let (columns, nuts) = on_threads(py, || {
         let catalogue = sizes(lists)?;
         let requirement = requirement_of(requirement, &catalogue)?;

@@ -1,13 +1,13 @@
 //! Scenes.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::path::PathBuf;
 
 use bsm_case::{InputKey, Settings};
 use pyo3::prelude::*;
+use pyo3::pybacked::PyBackedStr;
 use pyo3::types::PyDict;
 
-use crate::errors;
+use crate::errors::{Error, Result};
 
 /// One operating point, immutable.
 #[pyclass(frozen, subclass, module = "ballscrew._core")]
@@ -23,16 +23,12 @@ impl Scene {
         base: Option<&Bound<'_, Self>>,
         numbers: &Bound<'_, PyDict>,
         words: Option<&str>,
-    ) -> PyResult<Self> {
+    ) -> Result<Self> {
         let mut scene = base.map_or_else(bsm_case::Scene::default, |base| base.get().0.clone());
-        let mut given = match words {
-            Some(words) => {
-                bsm_case::Scene::from_json(words.as_bytes()).map_err(|e| errors::input(&e))?
-            }
-            None => bsm_case::Scene::default(),
-        };
+        let words = words.map(|words| bsm_case::Scene::from_json(words.as_bytes()));
+        let mut given = words.transpose()?.unwrap_or_default();
         for (name, value) in numbers {
-            let key = InputKey::named(name.cast()?.to_str()?).map_err(|e| errors::input(&e))?;
+            let key = InputKey::named(&name.extract::<PyBackedStr>()?)?;
             given[key] = Some(value.extract()?);
         }
         scene.override_with(&given);
@@ -41,13 +37,8 @@ impl Scene {
     }
 
     #[staticmethod]
-    fn read(path: PathBuf) -> PyResult<Self> {
-        Self::checked(bsm_case::Scene::read(&path).map_err(|e| errors::input(&e))?)
-    }
-
-    #[staticmethod]
-    fn of_json(text: &str) -> PyResult<Self> {
-        Self::checked(bsm_case::Scene::from_json(text.as_bytes()).map_err(|e| errors::input(&e))?)
+    fn of_json(text: &str) -> Result<Self> {
+        Self::checked(bsm_case::Scene::from_json(text.as_bytes())?)
     }
 
     /// The value of an input, if it is given.
@@ -76,32 +67,33 @@ impl Scene {
 }
 
 impl Scene {
-    fn checked(scene: bsm_case::Scene) -> PyResult<Self> {
-        scene.check().map_err(|e| errors::input(&e))?;
+    fn checked(scene: bsm_case::Scene) -> Result<Self> {
+        scene.check()?;
         Ok(Self(scene))
     }
 }
 
-/// Model, tolerance, accuracy, creep, controlling raceway, and where friction of a lubricant is computed.
-#[derive(FromPyObject, IntoPyObject)]
-pub(crate) struct How(String, f64, f64, f64, Option<String>, String);
+/// Model, tolerance, accuracy, creep, controlling raceway, and where friction of a lubricant is computed, as Python has them.
+pub(crate) type Keywords = (String, f64, f64, f64, Option<String>, String);
 
-impl From<Settings> for How {
-    fn from(settings: Settings) -> Self {
-        let Settings { model, tolerance, accuracy, creep, control, friction } = settings;
-        let control = control.map(|raceway| raceway.name().to_owned());
-        Self(model.name().into(), tolerance, accuracy, creep, control, friction.name().into())
+/// Settings that have been checked.
+pub(crate) struct How(pub(crate) Settings);
+
+impl<'py> FromPyObject<'_, 'py> for How {
+    type Error = Error;
+
+    fn extract(object: Borrowed<'_, 'py, PyAny>) -> Result<Self> {
+        let (model, tolerance, accuracy, creep, control, friction): Keywords = object.extract()?;
+        let named = Settings::named(&model, control.as_deref(), Some(&friction))?;
+        let settings = Settings { tolerance, accuracy, creep, ..named };
+        settings.check()?;
+        Ok(Self(settings))
     }
 }
 
-impl How {
-    /// As settings, checked.
-    pub(crate) fn settings(self) -> PyResult<Settings> {
-        let Self(model, tolerance, accuracy, creep, control, friction) = self;
-        let named = Settings::named(&model, control.as_deref(), Some(&friction));
-        let named = named.map_err(|e| errors::input(&e))?;
-        let settings = Settings { tolerance, accuracy, creep, ..named };
-        settings.check().map_err(|e| errors::input(&e))?;
-        Ok(settings)
-    }
+/// What [`How`] is made from.
+pub(crate) fn keywords(settings: Settings) -> Keywords {
+    let Settings { model, tolerance, accuracy, creep, control, friction } = settings;
+    let control = control.map(|raceway| raceway.name().to_owned());
+    (model.name().into(), tolerance, accuracy, creep, control, friction.name().into())
 }

@@ -14,9 +14,9 @@ use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
 use rayon::prelude::*;
 
-use crate::errors;
+use crate::errors::{Error, Result};
 use crate::points::watched;
-use crate::scene::{How, Scene};
+use crate::scene::{How, Keywords, Scene, keywords};
 use crate::table::{Numbers, shared};
 
 thread_local! {
@@ -35,9 +35,9 @@ pub(crate) struct Solution {
 #[pymethods]
 impl Solution {
     #[new]
-    fn new(scene: Bound<'_, Scene>, how: How) -> PyResult<Self> {
-        let settings = how.settings()?;
-        let problem = scene.get().0.problem(&settings).map_err(|e| errors::input(&e))?;
+    fn new(scene: Bound<'_, Scene>, how: How) -> Result<Self> {
+        let settings = how.0;
+        let problem = scene.get().0.problem(&settings)?;
         let record = WORK.with_borrow_mut(|work| Record::new(problem.solve(work)));
         Ok(Self { scene: scene.unbind(), settings, record })
     }
@@ -49,8 +49,8 @@ impl Solution {
 
     /// How it was asked.
     #[getter]
-    fn how(&self) -> How {
-        How::from(self.settings)
+    fn how(&self) -> Keywords {
+        keywords(self.settings)
     }
 
     /// The same question has the same answer.
@@ -150,9 +150,8 @@ type Slopes = (&'static str, f64, f64, Option<f64>, Option<f64>, Option<f64>);
 
 /// Derivatives of efficiency and torque by every input that the model uses; `None` without a solution.
 #[pyfunction]
-pub(crate) fn sensitivities(scene: &Bound<'_, Scene>, how: How) -> PyResult<Option<Vec<Slopes>>> {
-    let inputs =
-        Sensitivities::of(&scene.get().0, &how.settings()?).map_err(|e| errors::input(&e))?;
+pub(crate) fn sensitivities(scene: &Bound<'_, Scene>, how: How) -> Result<Option<Vec<Slopes>>> {
+    let inputs = Sensitivities::of(&scene.get().0, &how.0)?;
     let answer = WORK.with_borrow_mut(|work| inputs.solve(work));
     let row = |r: bsm_case::Sensitivity| {
         let relative = (r.relative_efficiency, r.relative_torque);
@@ -179,14 +178,13 @@ pub(crate) fn gradient(
     torque: bool,
     how: How,
     threads: Option<NonZeroUsize>,
-) -> PyResult<(PyArrowBuffer, PyArrowBuffer)> {
+) -> Result<(PyArrowBuffer, PyArrowBuffer)> {
     let base = base.get().0.clone();
-    let settings = how.settings()?;
-    let keys: Result<Vec<_>, _> = wrt.iter().map(|name| InputKey::named(name)).collect();
-    let keys = keys.map_err(|e| errors::input(&e))?;
-    let columns: Result<Vec<_>, _> =
-        columns.iter().map(|(name, n)| Ok((InputKey::named(name)?, &n.0))).collect();
-    let columns = columns.map_err(|e: CaseError| errors::input(&e))?;
+    let settings = how.0;
+    let keys: Vec<_> =
+        wrt.iter().map(|name| InputKey::named(name)).collect::<Result<_, CaseError>>()?;
+    let named = |(name, values): (String, Numbers)| Ok((InputKey::named(&name)?, values.0));
+    let columns: Vec<_> = columns.into_iter().map(named).collect::<Result<_, CaseError>>()?;
     let scene = |row: usize| {
         let (mut scene, mut point) = (base.clone(), bsm_case::Scene::default());
         for (key, values) in &columns {
@@ -209,11 +207,11 @@ pub(crate) fn gradient(
                 InputSet::of(&[*key]).replaced().iter().find(|other| given.contains(*other));
             let instead =
                 other.map_or_else(String::new, |other| format!(": {} is given", other.name()));
-            return Err(errors::from_text(&format!("`{}` has no value here{instead}", key.name())));
+            return Err(Error::from(format!("`{}` has no value here{instead}", key.name())));
         }
         if let Some(target) = SET_BY_OTHERS.into_iter().find(|target| sets(*target, *key, &first)) {
             let [key, target] = [*key, target].map(InputKey::name);
-            return Err(errors::from_text(&format!(
+            return Err(Error::from(format!(
                 "`{key}` also sets {target} here, which exact derivatives hold constant: give {target} in its \
                  place, or method=\"difference\""
             )));
@@ -235,17 +233,16 @@ pub(crate) fn gradient(
         let value = if torque { value.screw_torque.unwrap_or(f64::NAN) } else { value.efficiency };
         Ok((value, keys.iter().map(slope).collect()))
     };
-    let found = if len == 1 {
-        py.detach(|| Ok(vec![point(0)?]))
+    let found: Vec<_> = if len == 1 {
+        vec![py.detach(|| point(0))?]
     } else {
         watched(py, false, len, threads, None, |stop, _| {
             let rows = (0..len).into_par_iter();
             let live =
                 |row| if stop.load(Ordering::Relaxed) { Ok((0.0, Vec::new())) } else { point(row) };
-            rows.map(live).collect()
+            rows.map(live).collect::<Result<_, CaseError>>()
         })?
     };
-    let found: Vec<_> = found.map_err(|e: CaseError| errors::input(&e))?;
     let values = found.iter().map(|(value, _)| *value).collect();
     let slopes = found.into_iter().flat_map(|(_, slopes)| slopes).collect();
     Ok((shared(values), shared(slopes)))

@@ -23,16 +23,16 @@ use pyo3_arrow::buffer::{AnyBufferProtocol, PyArrowBuffer};
 use pyo3_arrow::input::AnyRecordBatch;
 use serde_json::Value;
 
-use crate::errors;
+use crate::errors::{Error, Result};
 
 /// Numbers of Python, read in place.
 #[derive(Clone)]
 pub(crate) struct Numbers(pub(crate) ScalarBuffer<f64>);
 
 impl<'py> FromPyObject<'_, 'py> for Numbers {
-    type Error = PyErr;
+    type Error = Error;
 
-    fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+    fn extract(object: Borrowed<'_, 'py, PyAny>) -> Result<Self> {
         Ok(Self(buffer(&object)?.into()))
     }
 }
@@ -100,7 +100,7 @@ impl KeptColumn {
 
     /// Values of NumPy, by the name of their type.
     #[staticmethod]
-    fn of_numbers(values: &Bound<'_, PyAny>, kind: &str) -> PyResult<Self> {
+    fn of_numbers(values: &Bound<'_, PyAny>, kind: &str) -> Result<Self> {
         let values = buffer(values)?;
         Ok(Self(match kind {
             "int64" => Arc::new(Int64Array::new(values.into(), None)),
@@ -123,10 +123,10 @@ impl KeptColumn {
     }
 
     /// The values for NumPy.
-    fn values(&self) -> PyResult<Values> {
+    fn values(&self) -> Result<Values> {
         let column = &self.0;
         let is_full = column.null_count() == 0;
-        let values = || arrow_column::values(column).map_err(refused);
+        let values = || arrow_column::values(column);
         Ok(match column.data_type() {
             DataType::UInt64 if is_full => {
                 let values = column.as_primitive::<UInt64Type>().values().inner().clone();
@@ -142,7 +142,7 @@ impl KeptColumn {
                 }
             }
             kind if kind.is_floating() => {
-                let numbers = arrow_column::numbers(column).map_err(refused)?.into_iter();
+                let numbers = arrow_column::numbers(column)?.into_iter();
                 Values::Typed(shared(numbers.map(|x| x.unwrap_or(f64::NAN)).collect()), "float64")
             }
             DataType::Boolean if is_full => {
@@ -171,24 +171,24 @@ impl KeptColumn {
     }
 
     #[staticmethod]
-    fn of_bytes(bytes: &[u8]) -> PyResult<Self> {
-        let mut reader = StreamReader::try_new(bytes, None).map_err(refused)?;
-        let batch = reader.next().transpose().map_err(refused)?;
+    fn of_bytes(bytes: &[u8]) -> Result<Self> {
+        let mut reader = StreamReader::try_new(bytes, None)?;
+        let batch = reader.next().transpose()?;
         let column = batch.map(|batch| batch.column(0).clone());
-        column.map(Self).ok_or_else(|| errors::from_text("there is no column"))
+        column.map(Self).ok_or_else(|| "there is no column".to_owned().into())
     }
 
     fn __reduce__<'py>(
         &self,
         py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+    ) -> Result<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
         let written = || -> Result<Vec<u8>, ArrowError> {
             let batch = RecordBatch::try_from_iter([("kept", self.0.clone())])?;
             let mut writer = StreamWriter::try_new(Vec::new(), &batch.schema())?;
             writer.write(&batch)?;
             writer.into_inner()
         };
-        let bytes = PyBytes::new(py, &written().map_err(refused)?);
+        let bytes = PyBytes::new(py, &written()?);
         Ok((py.get_type::<Self>().getattr("of_bytes")?, (bytes,)))
     }
 }
@@ -205,13 +205,10 @@ pub(crate) enum Read {
 ///
 /// * `kept`: columns that are carried through.
 #[pyfunction]
-pub(crate) fn read_arrow(
-    frame: AnyRecordBatch,
-    kept: Vec<String>,
-) -> PyResult<Vec<(String, Read)>> {
+pub(crate) fn read_arrow(frame: AnyRecordBatch, kept: Vec<String>) -> Result<Vec<(String, Read)>> {
     let reader = frame.into_reader()?;
     let schema = reader.schema();
-    let batches: Vec<RecordBatch> = reader.collect::<Result<_, _>>().map_err(refused)?;
+    let batches: Vec<RecordBatch> = reader.collect::<Result<_, _>>()?;
     let column = |(place, field): (usize, &Arc<Field>)| {
         let parts = batches.iter().map(|batch| batch.column(place));
         let name = field.name().clone();
@@ -220,7 +217,7 @@ pub(crate) fn read_arrow(
             let whole = if parts.is_empty() {
                 Ok(new_empty_array(field.data_type()))
             } else {
-                concat(&parts).map_err(refused)
+                concat(&parts)
             };
             return Ok((name, Read::Kept(KeptColumn(whole?))));
         }
@@ -234,10 +231,7 @@ pub(crate) fn read_arrow(
         let (mut values, mut gaps) = (Vec::new(), Vec::new());
         for part in parts {
             let numbers = arrow_column::numbers(part).map_err(|_| {
-                errors::from_text(&format!(
-                    "column `{name}` holds {}, not numbers",
-                    part.data_type()
-                ))
+                Error::from(format!("column `{name}` holds {}, not numbers", part.data_type()))
             })?;
             for number in numbers {
                 if number.is_none() {
@@ -259,7 +253,7 @@ pub(crate) fn read_arrow(
 pub(crate) fn to_arrow<'py>(
     py: Python<'py>,
     columns: Vec<(String, String, String, Bound<'_, PyAny>, Vec<String>)>,
-) -> PyResult<Bound<'py, PyCapsule>> {
+) -> Result<Bound<'py, PyCapsule>> {
     let column = |(name, unit, kind, values, words): (String, _, String, Bound<'_, PyAny>, _)| {
         let array: ArrayRef = match kind.as_str() {
             "words" => {
@@ -268,10 +262,10 @@ pub(crate) fn to_arrow<'py>(
                 let keys = Int8Array::new(codes, Some(given));
                 let words: Vec<String> = words;
                 let array = DictionaryArray::try_new(keys, Arc::new(StringArray::from(words)));
-                Arc::new(array.map_err(refused)?)
+                Arc::new(array?)
             }
             "texts" => Arc::new(StringArray::from(values.extract::<Vec<Option<String>>>()?)),
-            "kept" => values.cast::<KeptColumn>()?.get().0.clone(),
+            "kept" => values.cast::<KeptColumn>().map_err(PyErr::from)?.get().0.clone(),
             kind => {
                 let numbers: ScalarBuffer<f64> = buffer(&values)?.into();
                 let given: NullBuffer = numbers.iter().map(|number| !number.is_nan()).collect();
@@ -288,19 +282,14 @@ pub(crate) fn to_arrow<'py>(
         let unit: String = unit;
         Ok((field.with_metadata(HashMap::from([("unit".to_owned(), unit)])), array))
     };
-    let columns: Vec<_> = columns.into_iter().map(column).collect::<PyResult<_>>()?;
+    let columns: Vec<_> = columns.into_iter().map(column).collect::<Result<_>>()?;
     let (fields, arrays): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
     let schema = Arc::new(Schema::new(fields));
-    let batch = RecordBatch::try_new(schema.clone(), arrays).map_err(refused)?;
-    stream(py, schema, vec![batch])
+    let batch = RecordBatch::try_new(schema.clone(), arrays)?;
+    Ok(stream(py, schema, vec![batch])?)
 }
 
 /// The memory of an array, not copied.
-fn buffer(array: &Bound<'_, PyAny>) -> PyResult<Buffer> {
+fn buffer(array: &Bound<'_, PyAny>) -> Result<Buffer> {
     Ok(array.extract::<AnyBufferProtocol>()?.into_arrow_buffer()?)
-}
-
-/// What Arrow does not take.
-fn refused(error: ArrowError) -> PyErr {
-    errors::from_text(&error.to_string())
 }

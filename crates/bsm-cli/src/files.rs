@@ -52,12 +52,11 @@ pub(crate) fn read_json(path: &Path) -> Result<Vec<u8>, Failure> {
 /// are read no further.
 pub(crate) fn read(path: &Path, most: u64) -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();
-    let read = if path.as_os_str() == "-" {
-        io::stdin().take(most + 1).read_to_end(&mut bytes)
+    let (read, shown) = if is_stdout(path) {
+        (io::stdin().take(most + 1).read_to_end(&mut bytes), Path::new("standard input"))
     } else {
-        File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes))
+        (File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes)), path)
     };
-    let shown = if path.as_os_str() == "-" { Path::new("standard input") } else { path };
     read.map_err(|e| Failure::files("read", shown, &e))?;
     if bytes.len() as u64 > most {
         let text =
@@ -117,13 +116,11 @@ pub(crate) fn ending_of(
 
 /// Where a table goes: standard output, or a file that gets its name when it is complete.
 pub(crate) enum Output {
-    /// Standard output.
-    Stdout(io::Stdout),
-    /// A pipe or a device, which must not be replaced by a file.
-    Special {
-        /// The open pipe or device.
-        file: BufWriter<File>,
-        /// Its path.
+    /// Standard output, a pipe or a device, which must not be replaced by a file.
+    Stream {
+        /// What is open.
+        stream: Box<dyn Write + Send>,
+        /// Its path, `-` of standard output.
         path: PathBuf,
     },
     /// A temporary file in the folder of the final path.
@@ -139,14 +136,15 @@ impl Output {
     /// Standard output for `-`, else a file.
     pub(crate) fn create(path: &Path) -> Result<Self, Failure> {
         if path.as_os_str() == "-" {
-            return Ok(Self::Stdout(io::stdout()));
+            return Ok(Self::Stream { stream: Box::new(io::stdout()), path: path.to_owned() });
         }
         let path = match fs::metadata(path) {
             Ok(found) if found.is_dir() => return Err(refused(path, "it is a folder")),
             Ok(found) if !found.is_file() => {
                 let file = File::options().write(true).open(path);
                 let file = file.map_err(|e| Failure::files("write", path, &e))?;
-                return Ok(Self::Special { file: BufWriter::new(file), path: path.to_owned() });
+                let stream = Box::new(BufWriter::new(file));
+                return Ok(Self::Stream { stream, path: path.to_owned() });
             }
             // A new file could take its name, but not what protects it.
             Ok(found) if found.permissions().readonly() => {
@@ -200,8 +198,7 @@ impl Output {
     pub(crate) fn complete(mut self) -> Result<(), Failure> {
         let flushed = self.flush();
         match self {
-            Self::Stdout(_) => flushed.map_err(|e| Self::failure(Path::new("-"), &e)),
-            Self::Special { path, .. } => flushed.map_err(|e| Self::failure(&path, &e)),
+            Self::Stream { path, .. } => flushed.map_err(|e| Self::failure(&path, &e)),
             Self::File { file, path } => {
                 let named = || -> io::Result<()> {
                     flushed?;
@@ -218,23 +215,22 @@ impl Output {
             }
         }
     }
+
+    fn out(&mut self) -> &mut dyn Write {
+        match self {
+            Self::Stream { stream, .. } => stream,
+            Self::File { file, .. } => file,
+        }
+    }
 }
 
 impl Write for Output {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        noted(match self {
-            Self::Stdout(out) => out.write(bytes),
-            Self::Special { file, .. } => file.write(bytes),
-            Self::File { file, .. } => file.write(bytes),
-        })
+        noted(self.out().write(bytes))
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        noted(match self {
-            Self::Stdout(out) => out.flush(),
-            Self::Special { file, .. } => file.flush(),
-            Self::File { file, .. } => file.flush(),
-        })
+        noted(self.out().flush())
     }
 }
 

@@ -71,15 +71,13 @@ fn figure(fit: &Calibration, report: &CalibrationReport) -> Figure {
         .into_iter()
         .map(|(name, value, _)| format!("{name} = {}", number(value)))
         .collect();
-    Figure {
-        key: "fit".to_owned(),
-        title: format!("{} with {}", fit.output(), found.join(", ")),
-        caption: String::new(),
-        x: Axis::linear(&format!("measured {}", fit.output())),
-        y: Axis::linear(&format!("fitted {}", fit.output())),
-        curves: vec![
+    let axis = |what: &str| Axis::linear(&format!("{what} {}", fit.output()));
+    Figure::new(
+        ["fit", &format!("{} with {}", fit.output(), found.join(", ")), ""],
+        [axis("measured"), axis("fitted")],
+        vec![
             Curve::new("equal", 0, Stroke::Solid, vec![(low, low), (high, high)]),
             Curve::new("points", 1, Stroke::Circles, all),
         ],
-    }
+    )
 }

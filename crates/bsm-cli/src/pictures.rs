@@ -3,7 +3,7 @@
 use bsm_batch::{Answers, Chunk};
 use bsm_case::units::label;
 use bsm_case::{Axis as GridAxis, Grid, Output as OutputColumn, exact};
-use bsm_report::{Axis, Curve, Figure, MOST_CELLS, MOST_CURVES, Map, Stroke};
+use bsm_report::{Axis, Curve, Figure, MOST_CELLS, MOST_CURVES, Map, ReportError, Stroke};
 
 use crate::failure::Failure;
 
@@ -18,6 +18,15 @@ fn axis_of(axis: &GridAxis) -> Axis {
     let input = axis.key.input();
     let label = label(input.name, input.unit);
     if axis.is_log() { Axis::log(&label) } else { Axis::linear(&label) }
+}
+
+/// A picture that is gathered from the points of a grid.
+pub(crate) trait Picture {
+    /// Adds the points of a chunk, of which the second axis runs fastest, with the values of the output that is drawn.
+    fn add(&mut self, chunk: &Chunk, answers: &Answers, values: &[f64]);
+
+    /// The bytes of its file.
+    fn draw(self: Box<Self>, title: String, is_png: bool) -> Result<Vec<u8>, ReportError>;
 }
 
 /// Points of the plot: one curve per value of the second axis.
@@ -77,10 +86,11 @@ impl Curves {
         x.log |= low > 0.0 && high >= DECADES * low;
         Ok(Self { output, x, lines, models, changes: Vec::new() })
     }
+}
 
-    /// Adds the points of a chunk, of which the second axis runs fastest; one without a result
-    /// leaves a gap.
-    pub(crate) fn add(&mut self, chunk: &Chunk, answers: &Answers, values: &[f64]) {
+impl Picture for Curves {
+    /// A point without a result leaves a gap.
+    fn add(&mut self, chunk: &Chunk, answers: &Answers, values: &[f64]) {
         let count = self.lines.len();
         // The first row of a chunk may belong to any line.
         let first = usize::try_from(chunk.first - 1).unwrap_or(0) % count;
@@ -97,8 +107,8 @@ impl Curves {
         }
     }
 
-    pub(crate) fn figure(self, title: String) -> Figure {
-        let Self { output, x, lines: mut curves, changes, .. } = self;
+    fn draw(self: Box<Self>, title: String, is_png: bool) -> Result<Vec<u8>, ReportError> {
+        let Self { output, x, lines: mut curves, changes, .. } = *self;
         let mut names: Vec<_> = changes.iter().flat_map(|(_, names)| *names).collect();
         names.sort_unstable();
         names.dedup();
@@ -108,7 +118,8 @@ impl Curves {
             curves.push(Curve::new(label, curves.len(), Stroke::Circles, points));
         }
         let y = Axis::linear(&label(output.name, output.unit));
-        Figure { key: String::new(), title, caption: String::new(), x, y, curves }
+        let figure = Figure::new(["", &title, ""], [x, y], curves);
+        if is_png { figure.png() } else { Ok(figure.svg().into_bytes()) }
     }
 }
 
@@ -153,8 +164,10 @@ impl Cells {
             places,
         })
     }
+}
 
-    pub(crate) fn add(&mut self, chunk: &Chunk, answers: &Answers, values: &[f64]) {
+impl Picture for Cells {
+    fn add(&mut self, chunk: &Chunk, answers: &Answers, values: &[f64]) {
         let first = usize::try_from(chunk.first - 1).unwrap_or(usize::MAX);
         for (row, value) in values.iter().enumerate() {
             let (x, y) = ((first + row) / self.rows, (first + row) % self.rows);
@@ -172,9 +185,9 @@ impl Cells {
         }
     }
 
-    pub(crate) fn map(self, title: String) -> Map {
-        let Self { output, axes: [x, y], values: [xs, ys], found, regions, models, .. } = self;
-        Map {
+    fn draw(self: Box<Self>, title: String, is_png: bool) -> Result<Vec<u8>, ReportError> {
+        let Self { output, axes: [x, y], values: [xs, ys], found, regions, models, .. } = *self;
+        let map = Map {
             title,
             x: (x, xs),
             y: (y, ys),
@@ -182,6 +195,7 @@ impl Cells {
             values: found,
             regions,
             names: models.into_iter().map(str::to_owned).collect(),
-        }
+        };
+        if is_png { map.png() } else { Ok(map.svg().into_bytes()) }
     }
 }

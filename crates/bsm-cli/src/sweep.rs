@@ -5,13 +5,12 @@ use std::path::Path;
 use bsm_batch::dataset::Points;
 use bsm_batch::{Draws, TableFormat, Task, Workers};
 use bsm_case::{AnalysisKind, CaseError, Grid, InputSet, Output as OutputColumn, Scene, Settings};
-use bsm_report::ReportError;
 
 use crate::args::SweepArgs;
 use crate::failure::{Failure, note_unused};
 use crate::files::{self, Output, ending_of, is_stdout, read_scene, write_bytes};
 use crate::lookup::Lookup;
-use crate::pictures::{Cells, Curves};
+use crate::pictures::{Cells, Curves, Picture};
 use crate::table_job::{Job, is_folder, open, outputs};
 
 pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure> {
@@ -38,14 +37,15 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
         return Err(Failure::Input(text.to_owned()));
     }
     let watched = picture.map(|path| drawn(path, args.columns.as_deref())).transpose()?;
-    let mut curves = match (files.lines, watched) {
-        (Some(path), Some(output)) => Some((Curves::new(&grid, output)?, Picture::of(path)?)),
-        _ => None,
-    };
-    let mut map = match (files.map, watched) {
-        (Some(path), Some(output)) => Some((Cells::new(&grid, output)?, Picture::of(path)?)),
-        _ => None,
-    };
+    let mut pictures: Vec<(&Path, Output, Box<dyn Picture>)> = Vec::new();
+    if let Some((path, output)) = files.lines.zip(watched) {
+        let curves = Box::new(Curves::new(&grid, output)?);
+        pictures.push((path, Output::create(path)?, curves));
+    }
+    if let Some((path, output)) = files.map.zip(watched) {
+        let cells = Box::new(Cells::new(&grid, output)?);
+        pictures.push((path, Output::create(path)?, cells));
+    }
     let title = base.description.clone();
     let chosen = match watched {
         Some(output) if files.table.is_none() => vec![output],
@@ -65,23 +65,16 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let job = files.job(task, args, TableFormat::default());
     let mut source = points.open()?;
     let solved = job.run(source.as_mut(), &points, workers, |chunk, answers, values| {
-        if let Some((curves, _)) = &mut curves {
-            curves.add(chunk, answers, values);
-        }
-        if let Some((map, _)) = &mut map {
-            map.add(chunk, answers, values);
+        for (.., picture) in &mut pictures {
+            picture.add(chunk, answers, values);
         }
     });
     if !matches!(solved, Ok(()) | Err(Failure::Unsolved)) {
         return solved;
     }
-    if let Some((curves, picture)) = curves {
-        let figure = curves.figure(title.clone());
-        picture.write(|| figure.svg(), || figure.png())?;
-    }
-    if let Some((cells, picture)) = map {
-        let map = cells.map(title);
-        picture.write(|| map.svg(), || map.png())?;
+    for (path, out, picture) in pictures {
+        let is_png = ending_of("-o", path, &["svg", "png"])? == "png";
+        write_bytes(out, path, &picture.draw(title.clone(), is_png)?)?;
     }
     solved
 }
@@ -242,27 +235,4 @@ fn drawn(path: &Path, columns: Option<&[String]>) -> Result<&'static OutputColum
             path.display()
         ))
     })
-}
-
-/// A file of a picture that was begun.
-struct Picture<'a> {
-    path: &'a Path,
-    out: Output,
-    is_png: bool,
-}
-
-impl<'a> Picture<'a> {
-    fn of(path: &'a Path) -> Result<Self, Failure> {
-        let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
-        Ok(Self { path, out: Output::create(path)?, is_png })
-    }
-
-    fn write(
-        self,
-        svg: impl FnOnce() -> String,
-        png: impl FnOnce() -> Result<Vec<u8>, ReportError>,
-    ) -> Result<(), Failure> {
-        let bytes = if self.is_png { png()? } else { svg().into_bytes() };
-        write_bytes(self.out, self.path, &bytes)
-    }
 }
