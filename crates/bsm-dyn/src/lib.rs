@@ -40,6 +40,7 @@ pub mod contact;
 mod cost;
 pub mod ellipse;
 #[cfg(test)]
+#[path = "tests/extreme.rs"]
 mod extreme;
 pub mod models;
 mod outcome;

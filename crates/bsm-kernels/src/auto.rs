@@ -6,9 +6,9 @@ use bsm_dyn::{Basis, Choice, Direction, ErrorBound, ModelErrors, Traction, integ
 use bsm_simd::{Arch, Simd, WithSimd};
 
 use crate::elastic::{Elastic, sliding_ball};
-use crate::operand::{Lane, LaneInputs};
-use crate::pair::in_units;
-use crate::raceway::{Raceway, raceway_row};
+use crate::operand::{Lane, LaneInputs, Valid};
+use crate::pair::InUnits;
+use crate::raceway::{Raceway, RacewayRow};
 use crate::traction::MANY;
 use crate::{Kernel, RowChoice, Rows, Run, Selection, Sink, traction};
 
@@ -164,15 +164,21 @@ impl WithSimd for RollingRows<'_, '_, '_> {
         let mut rolling = Vec::with_capacity(done.len());
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
             let given = LaneInputs { simd, operands, row: *first + row };
-            let (units, pair) = in_units(&given);
+            let (units, pair) = simd.vectorize(InUnits(&given));
             let mut out = Sink { wanted, columns, row };
-            let ball = raceway_row(&given, (&units, &pair), None, &mut out);
+            let ball = simd.vectorize(RacewayRow {
+                given: &given,
+                units: &units,
+                pair: &pair,
+                control: None,
+                out: &mut out,
+            });
             let friction = given.get(InputKey::friction_coefficient);
             let back = units.speed.lt(friction.constant(0.0));
             let sliding = sliding_ball(&pair, back.select(-friction, friction));
             let errors = ModelErrors::of(&sliding, back, ball.efficiency, ball.skid);
             let known = errors.onset_number.lt(friction.constant(f64::INFINITY));
-            let valid = given.valid(Raceway::MODEL);
+            let valid = simd.vectorize(Valid { given: &given, model: Raceway::MODEL });
             let [mut found, mut unique] = [[false; MANY]; 2];
             (ball.found & known & valid).store(&mut found);
             ball.unique.store(&mut unique);

@@ -5,11 +5,11 @@ use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::balance::ideal_torque;
 use bsm_dyn::{Model, POWER_BALANCE_TOL, SlidingBall, SlidingRoot, takes};
 use bsm_kin::{relative_rotation, spin_at_nut};
-use bsm_simd::Simd;
+use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::closed_form::{power_balance, transmit_torque};
 use crate::operand::{Lane, LaneInputs, Mask};
-use crate::pair::{Balls, in_units, set_contacts};
+use crate::pair::{Balls, ContactRow, InUnits};
 use crate::rigid::{ball_motion, slip_angle};
 use crate::units::Units;
 use crate::{Kernel, Sink};
@@ -27,18 +27,18 @@ impl Kernel for Elastic {
 
     #[inline(always)]
     fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S> {
-        let (units, pair) = in_units(given);
+        let (units, pair) = given.simd.vectorize(InUnits(given));
         let friction = given.get(InputKey::friction_coefficient);
         let back = units.speed.lt(friction.constant(0.0));
         let signed = back.select(-friction, friction);
-        let skid = gross_slip(given.simd, &pair, signed, false);
+        let skid = given.simd.vectorize(GrossSlip { pair: &pair, friction: signed, any: false });
         if !skid.found.any() {
             return skid.found;
         }
         let ([q_a, q_b], [sin_a, sin_b], [cos_a, cos_b]) =
             (skid.state.loads, skid.state.sin, skid.state.cos);
         let sides = [pair.loaded(0, q_a, (sin_a, cos_a)), pair.loaded(1, q_b, (sin_b, cos_b))];
-        set_contacts(given.simd, out, (&units, &pair), &sides);
+        given.simd.vectorize(ContactRow { out, units: &units, pair: &pair, sides: &sides });
         let imbalance = outputs(&skid, out, &units, &pair);
         out.set_all(OutputKey::iterations, [skid.steps, skid.residual]);
         skid.found & imbalance.abs().le(imbalance.constant(POWER_BALANCE_TOL))
@@ -47,27 +47,27 @@ impl Kernel for Elastic {
 
 /// The first roots, if the inertia only rises up to them, of a friction with the sign of the speed: a call of its
 /// own, as the code is long.
-///
-/// * `any`: one that serves as a start is enough.
-#[inline(always)]
-pub(super) fn gross_slip<S: Simd>(
-    simd: S,
-    pair: &Balls<S>,
-    friction: Lane<S>,
-    any: bool,
-) -> SlidingRoot<Lane<S>> {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            let ball = sliding_ball(pair, friction);
-            let expected = pair.regular
-                & takes(friction.abs(), pair.inertia_ratio)
-                & pair.nut_speed.abs().lt(pair.constant(MOST_NUT_SPEED));
-            let root = ball.first_root(pair.cos_b / pair.sin_b, expected, any);
-            let sure = root.state.along.lt(pair.constant(MOST_LOAD));
-            SlidingRoot { steady: root.steady & sure, found: root.found & sure, ..root }
-        },
-    )
+pub(super) struct GrossSlip<'a, S: Simd> {
+    pub(super) pair: &'a Balls<S>,
+    pub(super) friction: Lane<S>,
+    /// One that serves as a start is enough.
+    pub(super) any: bool,
+}
+
+impl<S: Simd> NullaryFnOnce for GrossSlip<'_, S> {
+    type Output = SlidingRoot<Lane<S>>;
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let Self { pair, friction, any } = self;
+        let ball = sliding_ball(pair, friction);
+        let expected = pair.regular
+            & takes(friction.abs(), pair.inertia_ratio)
+            & pair.nut_speed.abs().lt(pair.constant(MOST_NUT_SPEED));
+        let root = ball.first_root(pair.cos_b / pair.sin_b, expected, any);
+        let sure = root.state.along.lt(pair.constant(MOST_LOAD));
+        SlidingRoot { steady: root.steady & sure, found: root.found & sure, ..root }
+    }
 }
 
 /// The balls with a friction that has the sign of the speed.

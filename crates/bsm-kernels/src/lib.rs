@@ -23,7 +23,7 @@ use self::elastic::Elastic;
 use self::quasi_static::QuasiStatic;
 use self::raceway::Raceway;
 use self::rigid::Rigid;
-use crate::operand::{Lane, LaneInputs, Mask};
+use crate::operand::{Lane, LaneInputs, Mask, Valid};
 
 pub use operand::{InputColumn, InputColumns, is_plain};
 
@@ -183,7 +183,7 @@ impl<K: Kernel> WithSimd for Run<'_, '_, K> {
             let given = LaneInputs { simd, operands, row: first + row };
             let mut out = Sink { wanted, columns: &mut *columns, row };
             let solved = self.kernel.solve(&given, &mut out);
-            let valid = given.valid(K::MODEL);
+            let valid = simd.vectorize(Valid { given: &given, model: K::MODEL });
             (solved & valid).store(&mut done[row..]);
         }
     }

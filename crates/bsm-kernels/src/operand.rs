@@ -6,7 +6,7 @@ use bsm_case::units::{DEG, drive_of_rpm};
 use bsm_case::{INPUTS, InputKey, Inputs, Relation, Rule, covered};
 use bsm_dyn::{Lubricant, Model, Sines};
 use bsm_kin::Drive;
-use bsm_simd::Simd;
+use bsm_simd::{NullaryFnOnce, Simd};
 
 /// Vectors that are worked on together: measured, the fastest number for the rigid model.
 const UNROLL: usize = 2;
@@ -136,36 +136,44 @@ impl<S: Simd> LaneInputs<'_, S> {
     }
 
     /// Where the values of all columns keep their rules, alone and against each other, and the model
-    /// covers them: a call of its own, as all kernels share it.
+    /// covers them.
     #[inline(always)]
-    pub(crate) fn valid(&self, model: Model) -> Mask<S> {
-        self.simd.vectorize(
-            #[inline(always)]
-            || {
-                let zero = Lane::splat(self.simd, 0.0);
-                let [least, most] = PLAIN.map(|x| zero.constant(x));
-                let mut valid = zero.le(zero);
-                // Constants were checked.
-                for place in &self.operands.columns {
-                    let InputColumn::Column(rule, values) = &self.operands.inputs[*place] else {
-                        continue;
-                    };
-                    let x = self.load(values);
-                    let size = x.abs();
-                    let plain = size.le(zero) | (least.le(size) & size.le(most));
-                    valid = valid & plain & rule.holds(x);
-                }
-                for relation in Relation::ALL {
-                    if let Some(holds) = relation.holds(self) {
-                        valid = valid & holds;
-                    }
-                }
-                match covered(model, self) {
-                    Some(covered) => valid & covered,
-                    None => valid,
-                }
-            },
-        )
+    fn valid(&self, model: Model) -> Mask<S> {
+        let zero = Lane::splat(self.simd, 0.0);
+        let [least, most] = PLAIN.map(|x| zero.constant(x));
+        let mut valid = zero.le(zero);
+        // Constants were checked.
+        for place in &self.operands.columns {
+            let InputColumn::Column(rule, values) = &self.operands.inputs[*place] else { continue };
+            let x = self.load(values);
+            let size = x.abs();
+            let plain = size.le(zero) | (least.le(size) & size.le(most));
+            valid = valid & plain & rule.holds(x);
+        }
+        for relation in Relation::ALL {
+            if let Some(holds) = relation.holds(self) {
+                valid = valid & holds;
+            }
+        }
+        match covered(model, self) {
+            Some(covered) => valid & covered,
+            None => valid,
+        }
+    }
+}
+
+/// [`LaneInputs::valid`] as a call of its own, as all kernels share it.
+pub(crate) struct Valid<'a, 'b, S> {
+    pub(crate) given: &'a LaneInputs<'b, S>,
+    pub(crate) model: Model,
+}
+
+impl<S: Simd> NullaryFnOnce for Valid<'_, '_, S> {
+    type Output = Mask<S>;
+
+    #[inline(always)]
+    fn call(self) -> Mask<S> {
+        self.given.valid(self.model)
     }
 }
 

@@ -11,14 +11,14 @@ use bsm_dyn::{
     skid_number,
 };
 use bsm_kin::{relative_rotation, spin_at_nut};
-use bsm_simd::Simd;
+use bsm_simd::{NullaryFnOnce, Simd};
 
-pub(super) use self::balance::{Roll, rolling_ball};
+pub(super) use self::balance::{BalanceCall, Roll};
 use self::friction::Ellipse;
 use self::oil::OilLane;
 use crate::closed_form::transmit_torque;
 use crate::operand::{Lane, LaneInputs, Mask};
-use crate::pair::{Balls, in_units, set_contacts};
+use crate::pair::{Balls, ContactRow, InUnits};
 use crate::rigid::ball_motion;
 use crate::units::Units;
 use crate::{Kernel, Sink};
@@ -33,10 +33,21 @@ impl Kernel for Raceway {
 
     #[inline(always)]
     fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S> {
-        let (units, pair) = in_units(given);
-        let ball = raceway_row(given, (&units, &pair), self.control, out);
+        let (units, pair) = given.simd.vectorize(InUnits(given));
+        let control = self.control;
+        let ball =
+            given.simd.vectorize(RacewayRow { given, units: &units, pair: &pair, control, out });
         ball.found & ball.unique
     }
+}
+
+/// The answers of a lane of points: a call of its own, as the choice by error bounds begins with them.
+pub(super) struct RacewayRow<'a, 'b, 'c, 'd, S: Simd> {
+    pub(super) given: &'a LaneInputs<'b, S>,
+    pub(super) units: &'a Units<S>,
+    pub(super) pair: &'a Balls<S>,
+    pub(super) control: Option<Control>,
+    pub(super) out: &'a mut Sink<'c, 'd>,
 }
 
 /// What the choice by error bounds asks of rolling balls.
@@ -49,45 +60,35 @@ pub(super) struct RacewayNumbers<S: Simd> {
     pub(super) unique: Mask<S>,
 }
 
-/// The answers of a lane of points: a call of its own, as the choice by error bounds begins with them.
-#[inline(always)]
-pub(super) fn raceway_row<S: Simd>(
-    given: &LaneInputs<'_, S>,
-    (units, pair): (&Units<S>, &Balls<S>),
-    control: Option<Control>,
-    out: &mut Sink<'_, '_>,
-) -> RacewayNumbers<S> {
-    given.simd.vectorize(
-        #[inline(always)]
-        || {
-            let roll = rolling_ball(given.simd, pair, control);
-            let (zero, unique) = (roll.residual.constant(0.0), roll.unique);
-            if !roll.found.any() {
-                return RacewayNumbers {
-                    efficiency: zero,
-                    skid: [zero; 2],
-                    found: roll.found,
-                    unique,
-                };
+impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
+    type Output = RacewayNumbers<S>;
+
+    #[inline(always)]
+    fn call(self) -> RacewayNumbers<S> {
+        let Self { given, units, pair, control, out } = self;
+        let roll = given.simd.vectorize(BalanceCall { pair, control });
+        let (zero, unique) = (roll.residual.constant(0.0), roll.unique);
+        if !roll.found.any() {
+            return RacewayNumbers { efficiency: zero, skid: [zero; 2], found: roll.found, unique };
+        }
+        let motion = Motion::of(pair, &roll);
+        let sides = &roll.sides;
+        given.simd.vectorize(ContactRow { out: &mut *out, units, pair, sides });
+        motion.outputs(out, units, pair);
+        let (resolved, efficiency, friction) =
+            transmit(out, given, (units, pair), (&roll, &motion));
+        let skid = regime(out, friction, (units, pair), (&roll, &motion));
+        out.set_all(OutputKey::iterations, [roll.steps, roll.residual]);
+        out.set(OutputKey::controlling_raceway, roll.by_nut.select(zero, zero + 1.0));
+        // With a lubricant the model looks for no other solutions.
+        if given.operands.lubricant.is_none() {
+            if control.is_none() {
+                out.set(OutputKey::control_consistent, zero + 1.0);
             }
-            let motion = Motion::of(pair, &roll);
-            set_contacts(given.simd, out, (units, pair), &roll.sides);
-            motion.outputs(out, units, pair);
-            let (resolved, efficiency, friction) =
-                transmit(out, given, (units, pair), (&roll, &motion));
-            let skid = regime(out, friction, (units, pair), (&roll, &motion));
-            out.set_all(OutputKey::iterations, [roll.steps, roll.residual]);
-            out.set(OutputKey::controlling_raceway, roll.by_nut.select(zero, zero + 1.0));
-            // With a lubricant the model looks for no other solutions.
-            if given.operands.lubricant.is_none() {
-                if control.is_none() {
-                    out.set(OutputKey::control_consistent, zero + 1.0);
-                }
-                out.set_unique(zero);
-            }
-            RacewayNumbers { efficiency, skid, found: roll.found & resolved, unique }
-        },
-    )
+            out.set_unique(zero);
+        }
+        RacewayNumbers { efficiency, skid, found: roll.found & resolved, unique }
+    }
 }
 
 /// Motion of the ball relative to the nut over `$W$`.

@@ -15,10 +15,10 @@ use bsm_kin::relative_rotation;
 use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
 
 use crate::closed_form::{power_balance, transmit_torque};
-use crate::elastic::gross_slip;
-use crate::operand::{Lane, LaneInputs, Mask};
-use crate::pair::{Balls, in_units, set_contacts};
-use crate::raceway::{Motion, regime, rolling_ball};
+use crate::elastic::GrossSlip;
+use crate::operand::{Lane, LaneInputs, Mask, Valid};
+use crate::pair::{Balls, ContactRow, InUnits};
+use crate::raceway::{BalanceCall, Motion, regime};
 use crate::rigid::slip_angle;
 use crate::units::Units;
 use crate::{Rows, Sink};
@@ -72,7 +72,7 @@ impl WithSimd for Solve<'_, '_> {
         let (mut lanes, mut points, mut starts) = (Vec::new(), Vec::new(), Vec::new());
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
             let given = LaneInputs { simd, operands, row: first + row };
-            let (units, pair) = in_units(&given);
+            let (units, pair) = simd.vectorize(InUnits(&given));
             let scaled = scaled(&given, (&units, &pair), creep);
             let lane = Points { units, pair, scaled };
             let mut out = Sink { wanted, columns: &mut *columns, row };
@@ -118,7 +118,7 @@ impl WithSimd for Solve<'_, '_> {
             let mut out = Sink { wanted, columns: &mut *columns, row };
             let solved = outputs(simd, lane, &TractionRoot::of(root), accuracy, &mut out);
             let mut answered = [false; MANY];
-            let valid = given.valid(Model::Traction);
+            let valid = simd.vectorize(Valid { given, model: Model::Traction });
             (solved & valid).store(&mut answered);
             for (i, done) in done[row..].iter_mut().enumerate().take(Lane::<S>::LEN) {
                 *done = answered[i] && found[i];
@@ -176,7 +176,7 @@ fn start<S: Simd>(
 ) -> (TractionStart<Lane<S>>, Mask<S>) {
     let one = pair.constant(1.0);
     let friction = point.friction.abs();
-    let roll = rolling_ball(given.simd, pair, None);
+    let roll = given.simd.vectorize(BalanceCall { pair, control: None });
     let mut found = roll.found & takes(friction, pair.inertia_ratio);
     let motion = Motion::of(pair, &roll);
     let [onset, _] = regime(out, friction, (units, pair), (&roll, &motion));
@@ -190,7 +190,7 @@ fn start<S: Simd>(
     let mut omega = [pair.sin_a * 0.5, motion.omega[0], motion.omega[1]];
     let skidding = onset.gt(one * SKID_ONSET) & onset.lt(one.constant(f64::INFINITY));
     if (found & skidding).any() {
-        let skid = gross_slip(given.simd, pair, point.friction, true);
+        let skid = given.simd.vectorize(GrossSlip { pair, friction: point.friction, any: true });
         found = found & (skid.steady | !skidding);
         let [q_a, q_b] = skid.state.loads;
         loads = [skidding.select(q_a, loads[0]), skidding.select(q_b, loads[1])];
@@ -226,7 +226,7 @@ fn outputs<S: Simd>(
     let at = TractionStart { point: *point, unknowns: y };
     let ([nut, screw], motions) = at.contacts();
     let sides = [pair.loaded(0, y[0], nut), pair.loaded(1, y[2], screw)];
-    set_contacts(simd, out, (units, pair), &sides);
+    simd.vectorize(ContactRow { out: &mut *out, units, pair, sides: &sides });
     let keys = [
         [
             OutputKey::nut_slip_velocity_m_s,

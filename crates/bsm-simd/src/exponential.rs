@@ -117,6 +117,8 @@ mod tests {
     use proptest::prelude::*;
     use pulp::Arch;
 
+    use crate::tests::by_lanes;
+
     by_lanes!(Both { x, positive } -> 3: [x.exp(), positive.ln(), x.arsinh()]);
 
     proptest! {

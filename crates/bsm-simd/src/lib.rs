@@ -4,9 +4,6 @@
 //! Every operation is one of IEEE 754 on each number by itself, in the order that is written, fused
 //! only where that is written: results are the same on every instruction set and in every lane.
 
-#[cfg(test)]
-#[macro_use]
-mod by_lanes;
 mod compare;
 mod exponential;
 mod lane;
@@ -54,3 +51,6 @@ pub fn instruction_sets() -> Vec<Arch> {
     }
     all
 }
+
+#[cfg(test)]
+mod tests;

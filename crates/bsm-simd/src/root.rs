@@ -86,6 +86,8 @@ mod tests {
     use proptest::prelude::*;
     use pulp::Arch;
 
+    use crate::tests::by_lanes;
+
     by_lanes!(CubeRoot { x } -> 1: [x.cbrt_positive()]);
     by_lanes!(InverseRoots { x } -> 2: [x.recip_sqrt(), x.rough_recip_sqrt()]);
 

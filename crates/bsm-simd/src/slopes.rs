@@ -200,6 +200,7 @@ mod tests {
 
     use super::*;
     use crate::BLOCK;
+    use crate::tests::by_lanes;
 
     /// Every operation in one expression.
     #[inline(always)]

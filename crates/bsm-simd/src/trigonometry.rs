@@ -57,6 +57,7 @@ mod tests {
     use pulp::Arch;
 
     use super::*;
+    use crate::tests::by_lanes;
 
     by_lanes!(SinCos { angles } -> 2: <[_; 2]>::from(angles.sin_cos_first_quadrant()));
 

@@ -24,3 +24,4 @@ macro_rules! by_lanes {
         }
     };
 }
+pub(crate) use by_lanes;
