@@ -3,9 +3,9 @@
 use std::f64::consts::FRAC_PI_2;
 
 use bsm_dyn::{
-    Angles, Direction, EntryStep, FrictionLaw, PermanentSet, Reason, Solution, SteadyBall, Wedge, apex_thrust,
-    centrifugal_force, contact_modulus, flat_stiffness, impact_force, linear_impact_force,
-    step_thrust, track_friction, viscous_drag,
+    Angles, Direction, EntryStep, FrictionLaw, PermanentSet, Reason, Solution, SteadyBall, Wedge,
+    apex_thrust, centrifugal_force, contact_modulus, flat_stiffness, impact_force,
+    linear_impact_force, step_thrust, track_friction, viscous_drag,
 };
 
 use crate::answers::moving::{MovingBall, MovingContact, lacks_ellipses, of_a_motion};
@@ -348,8 +348,9 @@ impl Track {
     fn of(balls: f64, wedge: &Wedge<f64>, friction: &Friction) -> Self {
         let stopped = track_friction(balls, friction.stopped, wedge.loads[1], FRAC_PI_2);
         let clean = |force: f64| if force < ROUNDING * stopped { 0.0 } else { force };
-        let along =
-            |i: usize| track_friction(balls, wedge.friction[i], wedge.loads[i], wedge.slip_angles[i]);
+        let along = |i: usize| {
+            track_friction(balls, wedge.friction[i], wedge.loads[i], wedge.slip_angles[i])
+        };
         let [nut, screw] = [0, 1].map(|i| clean(along(i)));
         Self { screw, weaker: nut.min(screw), stopped }
     }

@@ -368,8 +368,6 @@ fn the_model_of_an_analysis_does_not_depend_on_the_efficiency() {
 
 const OIL: &[u8] = include_bytes!("../../../../examples/feed_drive_oil.json");
 
-const RETURN: [(&str, f64); 2] = [("return_angle_deg", 20.0), ("apex_half_angle_deg", 70.0)];
-
 /// Jamming was refused with a lubricant. Without film, rolling resistance and hysteresis it is that of a dry ball of the
 /// coefficient of the asperities.
 #[test]
@@ -378,7 +376,8 @@ fn jamming_without_a_film_is_dry() {
     let oil = scene(OIL, &[&bare[..], &RETURN].concat());
     let mut dry = scene(include_bytes!("../../../../examples/feed_drive.json"), &RETURN);
     dry.friction_coefficient = Some(0.12);
-    for model in [Model::RacewayControl, Model::Traction] {
+    // A part of 2e-9 of the load is on the film; the error that traction states of its integrals is 6e-5 of the loss.
+    for (model, error) in [(Model::RacewayControl, 1e-6), (Model::Traction, 1e-4)] {
         let [oil, dry] = [&oil, &dry].map(|scene| jam(scene, model));
         for name in [
             "wedge_angle_deg",
@@ -391,9 +390,11 @@ fn jamming_without_a_film_is_dry() {
             "stopped_friction_coefficient",
             "ball_return_margin",
         ] {
-            // The error of the integrals over the ellipses; a part of 2e-9 of the load is on the film.
             let [oil, dry] = [&oil, &dry].map(|report| number(report, name));
-            assert!((oil - dry).abs() <= 1e-6 * dry.abs().max(1.0), "{model:?} {name}: {oil} {dry}");
+            assert!(
+                (oil - dry).abs() <= error * dry.abs().max(1.0),
+                "{model:?} {name}: {oil} {dry}"
+            );
         }
     }
 }

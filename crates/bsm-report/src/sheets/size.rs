@@ -194,7 +194,11 @@ fn deserved(quantity: &Quantity, value: f64, inputs: &Value) -> String {
             digits(value, friction)
         }
         // To a factor too.
-        _ if quantity.name == "axis_heat_transfer_W_K" => digits(value, friction),
+        _ if quantity.name == "axis_heat_transfer_W_K"
+            || quantity.name.starts_with("steady_temperature_rise") =>
+        {
+            digits(value, friction)
+        }
         "screw and nut" => digits(value, geometry),
         _ => digits(value, formula),
     }
