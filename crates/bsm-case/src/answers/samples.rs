@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::nut::QUANTITIES;
 use crate::vocabulary::error::bad;
-use crate::{Answer, CaseError, Column, Content, NutProblem, Quantity, Table};
+use crate::{Answer, CaseError, Column, Content, NutProblem, NutReport, Quantity, Table};
 
 /// Quantities of the samples: those of a nut that its errors change.
 const SAMPLED: [&str; 6] = [
@@ -63,7 +63,8 @@ impl Samples {
             .into_par_iter()
             .map(|i| {
                 let one = problem.drawn(seed, i, &waves);
-                Some(one.some(one.carried().ok()?, &SAMPLED))
+                let made = one.carried().ok()?;
+                Some(NutReport::new(one, made).some(&SAMPLED))
             })
             .collect();
         let carried: Vec<_> = solved.iter().flatten().collect();
