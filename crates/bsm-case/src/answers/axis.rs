@@ -364,6 +364,7 @@ impl AxisReport {
     /// The sheet of an axis that has no warm steady state.
     fn of_none(scene: &Scene, settings: &Settings, warm: &Warm) -> Self {
         let rules = rules::steady_state(warm.fold.as_ref().map(|fold| fold.factor));
+        let rules = rules.into_iter().collect();
         let warnings = warm.warning().into_iter().collect();
         let answer = Answer { rules, warnings, fails: true, ..Answer::default() }
             .with("passes", Content::Json(false.into()))
@@ -483,8 +484,8 @@ impl AxisState<'_> {
 /// Refuses an input of the warm state in a scene that neither asks for it nor leaves it out, and an accuracy grade without a travel.
 fn check_inputs(scene: &Scene) -> Result<(), CaseError> {
     if scene.nut.accuracy_grade.is_some() && useful_travel(scene).is_none() {
-        let missing = vec!["stroke_mm (or useful_travel_mm)".to_owned()];
-        return Err(CaseError::missing(missing, "for accuracy_grade"));
+        let missing = ["stroke_mm (or useful_travel_mm)".to_owned()];
+        return Err(CaseError::missing(&missing, "for accuracy_grade"));
     }
     // These act without it too.
     let act = [InputKey::preload_temperature_C, InputKey::screw_tension_N];

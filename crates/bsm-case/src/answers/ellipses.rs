@@ -49,7 +49,7 @@ impl EllipseFields {
     ///
     /// # Errors
     ///
-    /// [`CaseError::NoMotion`] if the model has none, [`CaseError::Invalid`] if there is no solution.
+    /// [`CaseError::Invalid`] if the model has none, [`CaseError::Invalid`] if there is no solution.
     pub fn of(
         scene: &Scene,
         settings: &Settings,

@@ -108,7 +108,7 @@ impl MovingBall {
     ///
     /// # Errors
     ///
-    /// [`CaseError::NotCovered`] if the model finds the angles itself.
+    /// [`CaseError::OutOfRange`] if the model finds the angles itself.
     pub(crate) fn at_given_angles(
         mut self,
         scene: &Scene,
@@ -117,12 +117,8 @@ impl MovingBall {
     ) -> Result<(Self, bool), CaseError> {
         let Some(angles) = scene.running_angles() else { return Ok((self, false)) };
         if model != Model::RacewayControl {
-            return Err(CaseError::NotCovered {
-                key: InputKey::nut_running_contact_angle_deg.name(),
-                value: angles[0] / DEG,
-                rule: "left out",
-                model: model.name(),
-            });
+            let (key, value) = (InputKey::nut_running_contact_angle_deg, angles[0] / DEG);
+            return Err(CaseError::not_covered(key, value, "left out", model));
         }
         let SteadyBall { helix, radius, drive, .. } = self.ball;
         let control = settings.control.unwrap_or(Control::Nut);
@@ -137,16 +133,15 @@ impl MovingBall {
     ///
     /// # Errors
     ///
-    /// [`CaseError::NoMotion`] if the model has none, [`CaseError::Invalid`] if there is no solution.
+    /// [`CaseError::Invalid`] if the model has none, [`CaseError::Invalid`] if there is no solution.
     pub(crate) fn of(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
         let state = match &solution.answer {
             Ok(solved) => &solved.ball,
             Err(none) => return Err(CaseError::Invalid(message(none.reason()))),
         };
-        let motion = state.motion.ok_or_else(|| CaseError::NoMotion {
-            model: solution.model.name(),
-            missing: scene.missing(Model::Rigid),
-        })?;
+        let motion = state
+            .motion
+            .ok_or_else(|| CaseError::no_motion(solution.model, &scene.missing(Model::Rigid)))?;
         let case = scene.reader().operating_point();
         let ball =
             SteadyBall { helix: case.helix, radius: case.ball.radius, drive: case.drive, motion };

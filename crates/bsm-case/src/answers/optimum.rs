@@ -79,7 +79,7 @@ impl Known {
             missing.push(words.to_owned());
         }
         let Some(friction) = scene.friction_coefficient.filter(|_| missing.is_empty()) else {
-            return Err(CaseError::missing(missing, "by model closed-form"));
+            return Err(CaseError::missing(&missing, "by model closed-form"));
         };
         Ok(Self {
             lead,

@@ -41,7 +41,7 @@ impl Samples {
     ///
     /// # Errors
     ///
-    /// [`CaseError::BadEntry`] if nothing of the nut scatters, [`CaseError::OutOfRange`] for no samples
+    /// [`CaseError::Entry`] if nothing of the nut scatters, [`CaseError::OutOfRange`] for no samples
     /// or too many.
     pub fn of(problem: &NutProblem, number: u64, seed: Option<u64>) -> Result<Self, CaseError> {
         if number == 0 || number > MOST {

@@ -319,13 +319,14 @@ pub(crate) fn motions(scene: &Scene) -> Result<Vec<Motion>, CaseError> {
         (Some(feed), _) if scene.nut_speed_rpm.is_none() => Some(DutySpeed::Feed(feed / 60.0)),
         (_, speeds) => speeds.map(|(screw, nut)| DutySpeed::Turns((screw - nut) * RPM)),
     };
-    let missing = |absent: bool, name: &str| absent.then(|| name.to_owned());
     let (Some(pace), Some(force)) = (pace, scene.axial_load_N) else {
-        let missing = [
-            missing(scene.axial_load_N.is_none(), "axial_load_N (or cycle)"),
-            missing(pace.is_none(), "screw_speed_rpm or feed_m_min (or cycle)"),
+        let needed = [
+            (scene.axial_load_N.is_none(), "axial_load_N (or cycle)"),
+            (pace.is_none(), "screw_speed_rpm or feed_m_min (or cycle)"),
         ];
-        return Err(CaseError::missing(missing.into_iter().flatten().collect(), "for the axis"));
+        let missing = needed.iter().filter(|(absent, _)| *absent);
+        let missing: Vec<_> = missing.map(|(_, name)| (*name).to_owned()).collect();
+        return Err(CaseError::missing(&missing, "for the axis"));
     };
     Ok(vec![Motion { time: 1.0, force, pace, acceleration: 0.0, load_factor }])
 }

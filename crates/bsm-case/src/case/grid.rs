@@ -29,11 +29,9 @@ impl Axis {
     ///
     /// [`CaseError`] for another form, an unknown input, or a value that breaks its rule.
     pub fn parse(text: &str) -> Result<Self, CaseError> {
-        let bad = || CaseError::BadSetting {
-            text: text.to_owned(),
-            form: "name=start:stop:count, name=start:stop:count:log or name=v1,v2,... with finite numbers and a \
-                   count of at least 2; both ends of a log range are > 0",
-        };
+        let form = "name=start:stop:count, name=start:stop:count:log or name=v1,v2,... with finite numbers and a \
+                    count of at least 2; both ends of a log range are > 0";
+        let bad = || CaseError::bad_setting(text, form);
         let (name, values) = text.split_once('=').ok_or_else(bad)?;
         let (key, factor) = InputKey::in_unit(name.trim())?;
         let number = |text: &str| {

@@ -145,7 +145,7 @@ impl RequirementFile {
             given.assign(key, value)?;
         }
         for setting in settings {
-            let bad = || CaseError::BadSetting { text: setting.clone(), form: "name=value" };
+            let bad = || CaseError::bad_setting(setting, "name=value");
             let (key, text) = setting.split_once('=').ok_or_else(bad)?;
             let (key, text) = (key.trim(), text.trim());
             let value = serde_json::from_str(text).unwrap_or_else(|_| Value::from(text));
@@ -174,14 +174,13 @@ impl RequirementKeys {
             let known = value.as_str().is_some_and(|word| words.contains(&word));
             if !known {
                 let expected = format!("one of {}", words.join(", "));
-                return Err(wrong_type(key.to_owned(), value, &expected));
+                return Err(wrong_type(key, value, &expected));
             }
             self.words.insert(key.to_owned(), value.clone());
             return Ok(());
         }
         if let Some(input) = REQUIREMENT_INPUTS.iter().find(|input| input.name == key) {
-            let number =
-                value.as_f64().ok_or_else(|| wrong_type(key.to_owned(), value, "a number"))?;
+            let number = value.as_f64().ok_or_else(|| wrong_type(key, value, "a number"))?;
             input.rule.check(input.name, number)?;
             self.numbers.insert(key.to_owned(), value.clone());
             return Ok(());
@@ -303,8 +302,8 @@ impl RequirementKeys {
         }
         let moves = scene.screw_speed_rpm.is_some() || scene.feed_m_min.is_some();
         if !moves && scene.nut.cycle.is_none() {
-            let missing = vec!["screw_speed_rpm (or feed_m_min)".to_owned()];
-            return Err(CaseError::missing(missing, "for a design"));
+            let missing = ["screw_speed_rpm (or feed_m_min)".to_owned()];
+            return Err(CaseError::missing(&missing, "for a design"));
         }
         let mut notes = Vec::new();
         let (usual, [low, high]) = USUAL_FRICTION;

@@ -61,7 +61,7 @@ impl Scene {
                     Ok(())
                 }
                 Value::Null => Ok(()),
-                other => Err(wrong_type(key, other, "text")),
+                other => Err(wrong_type(&key, other, "text")),
             };
         }
         let key = key_of(&key, value.as_str()).to_owned();
@@ -73,7 +73,7 @@ impl Scene {
         let number = match value {
             Value::Null => None,
             Value::Number(number) => number.as_f64(),
-            other => return Err(wrong_type(key, other, "a number")),
+            other => return Err(wrong_type(&key, other, "a number")),
         };
         self[input] = number.map(|number| number * factor);
         Ok(())
@@ -100,7 +100,7 @@ impl Scene {
         let (mut given, mut named) = (Self::default(), InputNames::default());
         for setting in settings {
             let text = setting.as_ref();
-            let bad = || CaseError::BadSetting { text: text.to_owned(), form: "name=value" };
+            let bad = || CaseError::bad_setting(text, "name=value");
             let (name, value) = text.split_once('=').ok_or_else(bad)?;
             let (name, value) = (name.trim(), value.trim());
             let name = key_of(name, Some(value.trim_matches('"')));

@@ -133,7 +133,7 @@ impl InputSet {
     ///
     /// # Errors
     ///
-    /// [`CaseError::GivenTwice`].
+    /// [`CaseError::Entry`].
     pub fn check_forms(self) -> Result<(), CaseError> {
         let agrees = |keys: &[InputKey; 2]| keys[0] == LEAD.forms[0].key;
         match self.two_forms().find(|keys| !agrees(keys)) {

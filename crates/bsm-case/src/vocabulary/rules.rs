@@ -179,5 +179,5 @@ pub(crate) fn not_covered(model: Model, scene: &Scene) -> CaseError {
         ),
     };
     let value = scene.value_or_default(key).unwrap_or(f64::NAN);
-    CaseError::NotCovered { key: key.name(), value, rule, model: model.name() }
+    CaseError::not_covered(key, value, rule, model)
 }

@@ -78,8 +78,9 @@ impl NutReport {
     pub(super) fn advance_of(&self, ball_friction: &BallFriction) -> Option<Advance> {
         let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
         let (rubbing, drive) = problem.friction.as_ref()?;
-        let of =
-            |motions: &[Option<FreeMotion>]| nut.advance(found, motions, drive, problem.gaps.spacer);
+        let of = |motions: &[Option<FreeMotion>]| {
+            nut.advance(found, motions, drive, problem.gaps.spacer)
+        };
         let rolls_alone = ball_friction.models.iter().any(|model| *model != Model::Traction.name());
         if problem.settings.model != ModelChoice::Fixed(Model::RacewayControl) && rolls_alone {
             // Free speeds of two models differ by more than those of neighbours, and nothing stops the spin of a ball of

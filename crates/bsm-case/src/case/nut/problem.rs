@@ -112,7 +112,7 @@ impl NutProblem {
         }
         let missing = scene.missing_for_a_nut(scene.given());
         if !missing.is_empty() {
-            return Err(CaseError::missing(missing, scene.given().purpose("for a nut")));
+            return Err(CaseError::missing(&missing, &scene.given().purpose("for a nut")));
         }
         let loaded = usually_preloaded(scene)?;
         let scene = loaded.as_ref().unwrap_or(scene);

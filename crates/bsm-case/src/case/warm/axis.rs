@@ -123,8 +123,8 @@ impl<'a> WarmAxis<'a> {
             return Err(bad("coolant_flow_l_min", "needs screw_bore_mm"));
         }
         if !scene.given().has_friction() {
-            let missing = vec!["friction_coefficient or a lubricant".to_owned()];
-            return Err(CaseError::missing(missing, "for the warm state"));
+            let missing = ["friction_coefficient or a lubricant".to_owned()];
+            return Err(CaseError::missing(&missing, "for the warm state"));
         }
         let cold = ColdNut::of(scene, settings, machine)?;
         Ok(Self { scene, machine, shaft, travel, cold })
