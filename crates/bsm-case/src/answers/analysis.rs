@@ -111,7 +111,7 @@ impl Output {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`], or [`CaseError::Invalid`] with the inputs that lack.
+    /// [`CaseError::Invalid`] if the model has no motion, or with the inputs that lack.
     pub fn check(
         &self,
         base: &Scene,

@@ -7,8 +7,8 @@ use serde_json::json;
 use super::record::message;
 use crate::vocabulary::units::DEG;
 use crate::{
-    Answer, CaseError, Column, Content, InputKey, InputSet, Numbers, Of, Quantity, Record, Scene,
-    Settings, Table,
+    Answer, CaseError, Content, InputKey, InputSet, Numbers, Of, Quantity, Record, Scene, Settings,
+    Table,
 };
 
 /// The contacts of a ball.
@@ -29,15 +29,8 @@ pub(crate) fn of_a_motion(
         let holds = numbers.number(name).is_some_and(|number| number > 0.5);
         vec![json!(name), json!(holds), json!(words)]
     };
-    let verdicts = Table {
-        columns: vec![
-            Column::headed("", "statement"),
-            Column::headed("answer", ""),
-            Column::headed("words", ""),
-        ],
-        rows: verdicts.into_iter().map(verdict).collect(),
-        keyed: true,
-    };
+    let columns = "=statement | answer= | words=";
+    let verdicts = Table::of(columns, verdicts.into_iter().map(verdict)).keyed();
     let lacks = without(quantities, scene.given()).into_iter().chain(lacks).collect();
     let record = Record::new(solution.clone());
     let warnings = scene.warnings().into_iter().chain(record.warnings(scene)).collect();
@@ -133,7 +126,7 @@ impl MovingBall {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] if the model has none, [`CaseError::Invalid`] if there is no solution.
+    /// [`CaseError::Invalid`] if the model has none or there is no solution.
     pub(crate) fn of(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
         let state = match &solution.answer {
             Ok(solved) => &solved.ball,

@@ -15,7 +15,7 @@ use serde_json::{Map, Value, json};
 use crate::answers::record::{MARKS_ABOVE, message};
 use crate::case::axis::TorqueTolerance;
 use crate::case::nut::{FrictionSource, NutAtRest, NutPreload};
-use crate::case::reader::{in_grooves, lubricated};
+use crate::case::reader::in_grooves;
 use crate::case::warm::Warm;
 use crate::vocabulary::number::count;
 use crate::vocabulary::quantity::quantities;
@@ -490,15 +490,15 @@ impl NutProblem {
 
     /// The problem of one ball, which has its part of the returns.
     fn of_ball(&self, rubbing: &FrictionSource, balls: f64, screw: ElasticPoint) -> Problem {
-        let settings = &self.settings;
-        match rubbing {
-            FrictionSource::Coefficient(_) => in_grooves(screw, settings.model, settings),
+        let lubricant = match rubbing {
+            FrictionSource::Coefficient(_) => None,
             FrictionSource::Lubricant(lubricant) => {
                 let mut lubricant = *lubricant;
                 lubricant.losses.return_circuits /= balls;
-                lubricated(screw, lubricant, settings.model, settings)
+                Some(lubricant)
             }
-        }
+        };
+        in_grooves(screw, lubricant, self.settings.model, &self.settings)
     }
 
     /// The answer without a solution: the reason.
@@ -824,18 +824,11 @@ impl NutReport {
         let notes = warm.map_or_else(Vec::new, Warm::notes).into_iter().chain(self.notes());
         let warnings = warm.and_then(Warm::warning).into_iter().chain(self.warnings());
         let answer =
-            Answer { notes: notes.collect(), warnings: warnings.collect(), ..Answer::default() };
-        let answer = answer
-            .with("", Content::numbers(self.numbers(|_| true), "nut"))
-            .with("", Content::Json(Value::Object(more)))
-            .with("model", Content::Text("model ", self.model()));
-        let answer = match self.circuits() {
-            Some(circuits) => answer.with("circuits", Content::Table(circuits)),
-            None => answer,
-        };
-        match warm {
-            Some(warm) => warm.add_to(answer),
-            None => answer,
-        }
+            Answer { notes: notes.collect(), warnings: warnings.collect(), ..Answer::default() }
+                .with("", Content::numbers(self.numbers(|_| true), "nut"))
+                .with("", Content::Json(Value::Object(more)))
+                .with("model", Content::Text("model ", self.model()))
+                .with_some("circuits", self.circuits().map(Content::Table));
+        Warm::add_to(warm, answer)
     }
 }

@@ -4,6 +4,7 @@ use std::fmt::{self, Display, Formatter};
 use std::iter::repeat_n;
 use std::ops::Range;
 
+use crate::vocabulary::number;
 use crate::{CaseError, InputKey, InputSet, ModelChoice, Scene};
 
 /// One varied input.
@@ -79,8 +80,7 @@ impl Axis {
                 if i + 1 == *count {
                     return *stop;
                 }
-                #[expect(clippy::cast_precision_loss, reason = "counts are far below 2^52")]
-                let fraction = i as f64 / (*count - 1) as f64;
+                let fraction = number::count(i) / number::count(*count - 1);
                 if *log {
                     let (from, to) = (start.ln(), stop.ln());
                     return if i == 0 { *start } else { (from + (to - from) * fraction).exp() };

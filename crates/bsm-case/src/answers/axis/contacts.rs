@@ -15,6 +15,12 @@ pub(super) struct Contacts {
     pub(super) text: String,
 }
 
+impl Contacts {
+    fn of(friction: Option<f64>, text: impl Into<String>) -> Result<Self, CaseError> {
+        Ok(Self { friction, text: text.into() })
+    }
+}
+
 /// A scene at another load and speed of its axis: with a load of zero only where the nut takes it. Screw and nut turn in
 /// the ratio of the scene.
 ///
@@ -75,10 +81,9 @@ pub(super) fn viscosity_ratio(
 
 /// Efficiencies of the catalogue of a screw whose groove is not known.
 pub(super) fn by_catalogue(scene: &Scene) -> Efficiency {
-    let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
     Efficiency {
-        forward: value(InputKey::catalogue_efficiency),
-        back: value(InputKey::catalogue_back_efficiency),
+        forward: scene.number(InputKey::catalogue_efficiency),
+        back: scene.number(InputKey::catalogue_back_efficiency),
     }
 }
 
@@ -106,17 +111,14 @@ pub(super) fn contacts(
         let drives = load * speed < 0.0;
         let moves = f64::from(u8::from(*speed != 0.0));
         let friction = moves * by_catalogue(scene).friction(advance * load, drives);
-        return Ok(Contacts {
-            friction: Some(friction),
-            text: "by catalogue efficiency".to_owned(),
-        });
+        return Contacts::of(Some(friction), "by catalogue efficiency");
     }
     if !scene.given().has_friction() {
-        let text = "no torque: neither friction_coefficient nor a lubricant is given".to_owned();
-        return Ok(Contacts { friction: None, text });
+        let text = "no torque: neither friction_coefficient nor a lubricant is given";
+        return Contacts::of(None, text);
     }
     if *speed == 0.0 {
-        return Ok(Contacts { friction: Some(0.0), text: "at rest".to_owned() });
+        return Contacts::of(Some(0.0), "at rest");
     }
     if scene.is_preloaded() {
         let nut = nut_at(scene, settings, *load, *speed)?;
@@ -125,10 +127,10 @@ pub(super) fn contacts(
             Some(model) => format!("{model}, all balls"),
             None => "all balls, on both flanks".to_owned(),
         };
-        return Ok(Contacts { friction, text });
+        return Contacts::of(friction, text);
     }
     if *load == 0.0 {
-        return Ok(Contacts { friction: Some(0.0), text: "no load".to_owned() });
+        return Contacts::of(Some(0.0), "no load");
     }
     // The model has the load positive, and the speed negative where the load drives.
     let scene = at(scene, load.abs(), load.signum() * speed);
@@ -139,5 +141,5 @@ pub(super) fn contacts(
         (None, Some(why)) => format!("no torque: {why}"),
         _ => record.model().name().to_owned(),
     };
-    Ok(Contacts { friction: torque.map(|torque| (torque - ideal).abs()), text })
+    Contacts::of(torque.map(|torque| (torque - ideal).abs()), text)
 }

@@ -156,7 +156,7 @@ impl NutReport {
             read_circuit(&of, |_| true).columns().map(|(_, value)| json!(value)).collect()
         };
         Some(Table {
-            columns: CIRCUITS.iter().map(|of| Column::headed(of.name, of.name)).collect(),
+            columns: CIRCUITS.iter().map(|of| Column::of(of.name)).collect(),
             rows: train.circuits.iter().zip(&advance.circuits).enumerate().map(row).collect(),
             keyed: false,
         })
