@@ -193,7 +193,7 @@ impl RequirementKeys {
             let names = names.chain(ENTRIES_FROM_SCENES);
             return Err(CaseError::unknown(Known::Requirement, key, nearest(key, names)));
         }
-        self.scene.assign_json(key.to_owned(), value)
+        self.scene.assign_json(key, value)
     }
 
     fn number(&self, key: &str) -> Option<f64> {

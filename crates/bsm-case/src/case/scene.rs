@@ -40,7 +40,7 @@ impl Scene {
             if let (Some((input, _)), false) = (InputKey::known_in_unit(&key), value.is_null()) {
                 named.once(input, &key)?;
             }
-            scene.assign_json(key, &value)?;
+            scene.assign_json(&key, &value)?;
         }
         Ok(scene)
     }
@@ -53,7 +53,7 @@ impl Scene {
         Value::Object(text.chain(numbers).chain(self.nut.to_map()).collect())
     }
 
-    pub(crate) fn assign_json(&mut self, key: String, value: &Value) -> Result<(), CaseError> {
+    pub(crate) fn assign_json(&mut self, key: &str, value: &Value) -> Result<(), CaseError> {
         if key == DESCRIPTION {
             return match value {
                 Value::String(text) => {
@@ -61,19 +61,19 @@ impl Scene {
                     Ok(())
                 }
                 Value::Null => Ok(()),
-                other => Err(wrong_type(&key, other, "text")),
+                other => Err(wrong_type(key, other, "text")),
             };
         }
-        let key = key_of(&key, value.as_str()).to_owned();
-        if SceneEntries::have(&key) {
-            return self.nut.set(key, value.clone());
+        let key = key_of(key, value.as_str());
+        if SceneEntries::have(key) {
+            return self.nut.set(key.to_owned(), value.clone());
         }
         // The name first: what is unknown has no type.
-        let (input, factor) = InputKey::in_unit(&key)?;
+        let (input, factor) = InputKey::in_unit(key)?;
         let number = match value {
             Value::Null => None,
             Value::Number(number) => number.as_f64(),
-            other => return Err(wrong_type(&key, other, "a number")),
+            other => return Err(wrong_type(key, other, "a number")),
         };
         self[input] = number.map(|number| number * factor);
         Ok(())

@@ -53,8 +53,11 @@ pub fn direction_deg(angle: f64) -> f64 {
     if degrees + 180.0 < TURN_ROUNDING { 180.0 } else { degrees }
 }
 
-/// Units as they end a name with their size in SI, those of one dimension together.
-const UNITS: &[&[(&str, f64)]] = {
+/// A unit as it ends a name, and its size in SI.
+type Unit = (&'static str, f64);
+
+/// The units, those of one dimension together.
+const UNITS: &[&[Unit]] = {
     const INCH: f64 = 0.0254;
     const POUND: f64 = 0.453_592_37;
     const GRAVITY: f64 = 9.806_65;
@@ -90,7 +93,7 @@ const UNITS: &[&[(&str, f64)]] = {
 };
 
 /// All units, with their size and those of their dimension.
-fn units() -> impl Iterator<Item = (&'static str, f64, &'static [(&'static str, f64)])> {
+fn units() -> impl Iterator<Item = (&'static str, f64, &'static [Unit])> {
     UNITS.iter().flat_map(|alike| alike.iter().map(|(unit, size)| (*unit, *size, *alike)))
 }
 
@@ -129,7 +132,7 @@ pub(crate) fn convert<'a>(
 }
 
 /// The longest unit that ends a name of the vocabulary; the last of several.
-fn own_unit(name: &str) -> Option<(&'static str, f64, &'static [(&'static str, f64)])> {
+fn own_unit(name: &str) -> Option<(&'static str, f64, &'static [Unit])> {
     units().filter(|(unit, ..)| stem(name, unit).is_some()).max_by_key(|(unit, ..)| unit.len())
 }
 

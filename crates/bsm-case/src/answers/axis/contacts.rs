@@ -15,12 +15,6 @@ pub(super) struct Contacts {
     pub(super) text: String,
 }
 
-impl Contacts {
-    fn of(friction: Option<f64>, text: impl Into<String>) -> Result<Self, CaseError> {
-        Ok(Self { friction, text: text.into() })
-    }
-}
-
 /// A scene at another load and speed of its axis: with a load of zero only where the nut takes it. Screw and nut turn in
 /// the ratio of the scene.
 ///
@@ -111,14 +105,17 @@ pub(super) fn contacts(
         let drives = load * speed < 0.0;
         let moves = f64::from(u8::from(*speed != 0.0));
         let friction = moves * by_catalogue(scene).friction(advance * load, drives);
-        return Contacts::of(Some(friction), "by catalogue efficiency");
+        return Ok(Contacts {
+            friction: Some(friction),
+            text: "by catalogue efficiency".to_owned(),
+        });
     }
     if !scene.given().has_friction() {
-        let text = "no torque: neither friction_coefficient nor a lubricant is given";
-        return Contacts::of(None, text);
+        let text = "no torque: neither friction_coefficient nor a lubricant is given".to_owned();
+        return Ok(Contacts { friction: None, text });
     }
     if *speed == 0.0 {
-        return Contacts::of(Some(0.0), "at rest");
+        return Ok(Contacts { friction: Some(0.0), text: "at rest".to_owned() });
     }
     if scene.is_preloaded() {
         let nut = nut_at(scene, settings, *load, *speed)?;
@@ -127,10 +124,10 @@ pub(super) fn contacts(
             Some(model) => format!("{model}, all balls"),
             None => "all balls, on both flanks".to_owned(),
         };
-        return Contacts::of(friction, text);
+        return Ok(Contacts { friction, text });
     }
     if *load == 0.0 {
-        return Contacts::of(Some(0.0), "no load");
+        return Ok(Contacts { friction: Some(0.0), text: "no load".to_owned() });
     }
     // The model has the load positive, and the speed negative where the load drives.
     let scene = at(scene, load.abs(), load.signum() * speed);
@@ -141,5 +138,5 @@ pub(super) fn contacts(
         (None, Some(why)) => format!("no torque: {why}"),
         _ => record.model().name().to_owned(),
     };
-    Contacts::of(torque.map(|torque| (torque - ideal).abs()), text)
+    Ok(Contacts { friction: torque.map(|torque| (torque - ideal).abs()), text })
 }
