@@ -32,11 +32,9 @@ impl Draw {
     ///
     /// [`CaseError`] for another form, an unknown input, or ends or a mean that break its rule.
     pub fn parse(text: &str) -> Result<Self, CaseError> {
-        let bad = || CaseError::BadSetting {
-            text: text.to_owned(),
-            form: "name=uniform:low:high with low < high, or name=normal:mean:deviation with a deviation > 0, \
-                   all finite",
-        };
+        let form = "name=uniform:low:high with low < high, or name=normal:mean:deviation with a deviation > 0, \
+                    all finite";
+        let bad = || CaseError::bad_setting(text, form);
         let (name, law) = text.split_once('=').ok_or_else(bad)?;
         let (key, factor) = InputKey::in_unit(name.trim())?;
         let [word, first, second] = law.split(':').collect::<Vec<_>>()[..] else {

@@ -87,7 +87,7 @@ impl Task {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Missing`] if base and columns together lack an input of the model, and those of
+    /// [`CaseError::Entry`] if base and columns together lack an input of the model, and those of
     /// [`Output::check`].
     pub fn over_table(
         base: Scene,

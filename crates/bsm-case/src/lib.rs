@@ -40,7 +40,7 @@ mod vocabulary;
 pub use answers::analysis::table;
 pub use answers::axis::{AxisReport, Order, ScrewTorque, sheet_columns, torque_parts};
 pub use answers::calibration::{Calibration, CalibrationReport};
-pub use answers::comparison::{Comparison, ModelAnswer};
+pub use answers::comparison::comparison;
 pub use answers::design::{DesignReport, DesignRow};
 pub use answers::ellipses::EllipseFields;
 pub use answers::fit::{Fit, FitReport, FitValue};

@@ -1,8 +1,8 @@
 //! `bsm solve`: one operating point, and what follows from it.
 
 use bsm_case::{
-    Answer, CaseError, Comparison, EllipseFields, ModelChoice, MotionAnswer, Record, Scene,
-    Sensitivities, Settings, Supplement, jam, slip, torque_parts,
+    Answer, CaseError, EllipseFields, ModelChoice, MotionAnswer, Record, Scene, Sensitivities,
+    Settings, Supplement, comparison, jam, slip, torque_parts,
 };
 use bsm_dyn::{ModelWorkspace, Problem, Solution, Status};
 use bsm_report::sheets::Study;
@@ -60,7 +60,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
             let text = "--model all sets the motion by all models side by side, without --show and --solver";
             return Err(Failure::Input(text.to_owned()));
         }
-        let answer = Comparison::of(&scene).map_err(args.scene.failure())?.answer();
+        let answer = comparison(&scene).map_err(args.scene.failure())?;
         return Reply::about(&scene, answer).give(&args.out, || Ok(Pictures::default()));
     }
     let settings = args.model.settings().map_err(args.scene.failure())?;

@@ -4,9 +4,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use bsm_batch::{Answers, Buffers, GridSource, Source, Task, Workers};
 use bsm_case::{
-    Answer, Axis, AxisReport, CaseError, Columns, Comparison, EllipseFields, Grid, GrooveSection,
-    ModelChoice, MotionAnswer, Numbers, NutProblem, Of, Quantity, Record, Row, Scene, Settings,
-    Supplement, WarmBranch, torque_parts,
+    Answer, Axis, AxisReport, CaseError, Columns, EllipseFields, Grid, GrooveSection, ModelChoice,
+    MotionAnswer, Numbers, NutProblem, Of, Quantity, Record, Row, Scene, Settings, Supplement,
+    WarmBranch, comparison, torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace, Problem, RacewayFriction, Status};
 use bsm_report::sheets::{size_page, size_results};
@@ -202,7 +202,7 @@ pub(crate) fn solved(
 
 /// `bsm solve --model all --json`, with the omitted models and the reasons.
 pub(crate) fn compare(Request { scene, .. }: &Request) -> Result<Value, Refusal> {
-    Ok(Comparison::of(scene)?.answer().to_json())
+    Ok(comparison(scene)?.to_json())
 }
 
 /// The solution whose motion is analysed: the one that the page shows, so that its losses add up.

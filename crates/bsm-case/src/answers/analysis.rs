@@ -112,7 +112,7 @@ impl Output {
     ///
     /// # Errors
     ///
-    /// [`CaseError::NoMotion`], or [`CaseError::Invalid`] with the inputs that lack.
+    /// [`CaseError::Invalid`] if the model has no motion, or with the inputs that lack.
     pub fn check(
         &self,
         base: &Scene,
@@ -124,7 +124,7 @@ impl Output {
         if let (true, ModelChoice::Fixed(model @ (Model::ClosedForm | Model::QuasiStatic))) =
             (kind.needs_motion(), model)
         {
-            return Err(CaseError::NoMotion { model: model.name(), missing });
+            return Err(CaseError::no_motion(model, &missing));
         }
         let own = |quantity: &&Quantity| quantity.columns.iter().any(|c| c.name == self.name);
         let own = kind.quantities().iter().find(own);

@@ -346,37 +346,22 @@ impl AxisReport {
             notes.extend(worked.how_sure());
             notes.extend(worked.falls());
         }
-        let answer = Answer { rules, notes, warnings, fails, ..Answer::default() }
-            .with("passes", Content::Json((!fails).into()))
-            .with("inputs", Content::Json(given.to_json()))
-            .with("phases", Content::Table(of_phases(&phases)))
-            .with("results", Content::numbers(numbers, "axis"));
-        let answer = match &worked.warm {
-            Some(warm) => warm.add_to(answer),
-            None => answer,
-        };
-        let neglected = not_modelled(scene, worked.machine.groove.is_some());
-        let answer = answer
-            .with("screw", Content::numbers(screw, "screw"))
-            .with("not_modelled", Content::Texts("not modelled", neglected));
         let order = worked.order();
-        let answer = answer.with_shown(Content::Text("order:", Some(order.to_string())));
+        let of = Answer { rules, notes, warnings, fails, ..Answer::default() };
+        let warm = worked.warm.as_ref();
+        let mut answer = sheet(of, given, warm, (&phases, numbers, screw), not_modelled(scene, worked.machine.groove.is_some()));
+        answer = answer.with_shown(Content::Text("order:", Some(order.to_string())));
         Ok(Self { scene: given.clone(), settings: *settings, phases, order, answer })
     }
 
     /// The sheet of an axis that has no warm steady state.
     fn of_none(scene: &Scene, settings: &Settings, warm: &Warm) -> Self {
         let rules = rules::steady_state(warm.fold.as_ref().map(|fold| fold.factor));
+        let rules = rules.into_iter().collect();
         let warnings = warm.warning().into_iter().collect();
-        let answer = Answer { rules, warnings, fails: true, ..Answer::default() }
-            .with("passes", Content::Json(false.into()))
-            .with("inputs", Content::Json(scene.to_json()))
-            .with("phases", Content::Table(of_phases(&[])))
-            .with("results", Content::numbers(Numbers::none(QUANTITIES), "axis"));
-        let answer = warm
-            .add_to(answer)
-            .with("screw", Content::numbers(Numbers::none(SCREW), "screw"))
-            .with("not_modelled", Content::Texts("not modelled", Vec::new()));
+        let of = Answer { rules, warnings, fails: true, ..Answer::default() };
+        let none = (&[][..], Numbers::none(QUANTITIES), Numbers::none(SCREW));
+        let answer = sheet(of, scene, Some(warm), none, Vec::new());
         let (phases, order) = (Vec::new(), Order::default());
         Self { scene: scene.clone(), settings: *settings, phases, order, answer }
     }
@@ -430,6 +415,25 @@ pub(crate) fn numbers(
     Ok(read(&AxisState::of(scene, settings, warm)?, wanted).where_finite())
 }
 
+/// An answer with the sections of a sheet.
+fn sheet(
+    of: Answer,
+    scene: &Scene,
+    warm: Option<&Warm>,
+    (phases, numbers, screw): (&[ScrewTorque], Numbers, Numbers),
+    not_modelled: Vec<String>,
+) -> Answer {
+    let passes = !of.fails;
+    let answer = of
+        .with("passes", Content::Json(passes.into()))
+        .with("inputs", Content::Json(scene.to_json()))
+        .with("phases", Content::Table(of_phases(phases)))
+        .with("results", Content::numbers(numbers, "axis"));
+    Warm::add_to(warm, answer)
+        .with("screw", Content::numbers(screw, "screw"))
+        .with("not_modelled", Content::Texts("not modelled", not_modelled))
+}
+
 /// A row a phase, of which people see these numbers.
 fn of_phases(phases: &[ScrewTorque]) -> Table {
     const SHOWN: [&str; 9] = [
@@ -448,8 +452,9 @@ fn of_phases(phases: &[ScrewTorque]) -> Table {
         unit: quantity.unit,
         head: SHOWN.contains(&quantity.name).then_some(quantity.name),
     };
-    let others = ["contacts", "body_axial_N"].map(Column::hidden);
-    let columns = PHASE.iter().chain(TORQUES).map(column);
+    let others = ["-contacts", "-body_axial_N"].map(Column::of);
+    let columns =
+        std::iter::once(Column::of("=phase")).chain(PHASE.iter().chain(TORQUES).map(column));
     let row = |(place, phase): (usize, &ScrewTorque)| {
         let numbers = phase.numbers.columns().map(|(_, value)| json!(value));
         std::iter::once(json!(place))
@@ -457,14 +462,8 @@ fn of_phases(phases: &[ScrewTorque]) -> Table {
             .chain([json!(phase.contacts), json!(phase.bodies)])
             .collect()
     };
-    Table {
-        columns: std::iter::once(Column::headed("", "phase"))
-            .chain(columns)
-            .chain(others)
-            .collect(),
-        rows: (1..).zip(phases).map(row).collect(),
-        keyed: false,
-    }
+    let rows = (1..).zip(phases).map(row).collect();
+    Table { columns: columns.chain(others).collect(), rows, keyed: false }
 }
 
 /// Why there are no numbers of the nut with all its balls.
@@ -486,8 +485,8 @@ impl AxisState<'_> {
 /// Refuses an input of the warm state in a scene that neither asks for it nor leaves it out, and an accuracy grade without a travel.
 fn check_inputs(scene: &Scene) -> Result<(), CaseError> {
     if scene.nut.accuracy_grade.is_some() && useful_travel(scene).is_none() {
-        let missing = vec!["stroke_mm (or useful_travel_mm)".to_owned()];
-        return Err(CaseError::missing(missing, "for accuracy_grade"));
+        let missing = ["stroke_mm (or useful_travel_mm)".to_owned()];
+        return Err(CaseError::missing(&missing, "for accuracy_grade"));
     }
     // These act without it too.
     let act = [InputKey::preload_temperature_C, InputKey::screw_tension_N];

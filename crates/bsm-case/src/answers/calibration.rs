@@ -7,11 +7,9 @@ use serde_json::json;
 use crate::answers::fit::{exact, measurable, measured, sought};
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::error::bad;
-use crate::vocabulary::number::number;
+use crate::vocabulary::number::{count, number};
 use crate::vocabulary::units::convert;
-use crate::{
-    Answer, CaseError, Column, Content, InputKey, Output, Scene, Settings, Table, TableFormat,
-};
+use crate::{Answer, CaseError, Content, InputKey, Output, Scene, Settings, Table, TableFormat};
 
 /// A measured point.
 #[derive(Debug, Clone)]
@@ -102,10 +100,9 @@ impl Calibration {
         };
         let found = least_squares(&mut residuals, &start, &bounds)?;
         Ok(found.map(|found| {
-            #[expect(clippy::cast_precision_loss, reason = "a number of measurements")]
-            let count = found.residuals.len() as f64;
             let square: f64 = found.residuals.iter().map(|x| x * x).sum();
-            CalibrationReport { found, scatter: (square / count).sqrt() }
+            let scatter = (square / count(found.residuals.len())).sqrt();
+            CalibrationReport { found, scatter }
         }))
     }
 
@@ -141,32 +138,16 @@ impl Calibration {
     /// The answer: the values, what they leave over, and each point.
     pub fn answer(&self, report: &CalibrationReport) -> Answer {
         let condition = report.found.condition;
-        let found = Table {
-            columns: vec![
-                Column::headed("name", "input"),
-                Column::named("value"),
-                Column::headed("standard_deviation", "standard deviation"),
-            ],
-            rows: self
-                .rows(report)
-                .iter()
-                .map(|(name, value, deviation)| vec![json!(name), json!(value), json!(deviation)])
-                .collect(),
-            keyed: true,
+        let row = |(name, value, deviation): (&str, f64, Option<f64>)| {
+            vec![json!(name), json!(value), json!(deviation)]
         };
+        let found = "name=input | value | standard_deviation=standard deviation";
+        let found = Table::of(found, self.rows(report).into_iter().map(row)).keyed();
         let point = |(place, (measured, fitted)): (usize, (f64, f64))| {
             vec![json!(place), json!(measured), json!(fitted), json!(fitted - measured)]
         };
-        let points = Table {
-            columns: vec![
-                Column::headed("", "point"),
-                Column::named("measured"),
-                Column::named("fitted"),
-                Column::headed("", "difference"),
-            ],
-            rows: (1..).zip(self.fitted(report)).map(point).collect(),
-            keyed: false,
-        };
+        let points = (1..).zip(self.fitted(report)).map(point);
+        let points = Table::of("=point | measured | fitted | =difference", points);
         let caution = if condition > 1e3 { ": the inputs are poorly determined" } else { "" };
         Answer::default()
             .with("output", Content::Json(self.output.name.into()))

@@ -17,7 +17,7 @@ use crate::vocabulary::number::{decimal, trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM};
 use crate::{
-    Answer, AxisReport, CaseError, Catalogue, Column, Content, Criterion, INPUTS, InputKey, Output,
+    Answer, AxisReport, CaseError, Catalogue, Content, Criterion, INPUTS, InputKey, Output,
     REQUIREMENT_INPUTS, RequirementFile, Scene, SceneEntries, Table, sheet_columns,
 };
 
@@ -190,15 +190,7 @@ impl DesignReport {
 
     /// The answer: whether there is a screw, the steps of it and what limits it.
     pub fn answer(&self) -> Answer {
-        let columns = vec![
-            Column::named("step"),
-            Column::headed("name", ""),
-            Column::headed("", ""),
-            Column::named("value"),
-            Column::headed("required", "must be"),
-            Column::hidden("passes"),
-            Column::headed("", ""),
-        ];
+        let columns = "step | name= | = | value | required=must be | -passes | =";
         let row = |row: &DesignRow| {
             let DesignRow { step, name, unit, value, requirement, passes } = row;
             let verdict = if *passes { "pass" } else { "FAIL" };
@@ -212,7 +204,7 @@ impl DesignReport {
                 json!(requirement.as_ref().map(|_| verdict)),
             ]
         };
-        let steps = Table { columns, rows: self.rows.iter().map(row).collect(), keyed: false };
+        let steps = Table::of(columns, self.rows.iter().map(row));
         let label = if self.found { "active limit" } else { "limit that cannot be met" };
         let (notes, warnings) = (self.notes.clone(), self.warnings.clone());
         Answer { notes, warnings, fails: !self.found, ..Answer::default() }

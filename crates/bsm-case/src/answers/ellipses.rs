@@ -2,13 +2,13 @@
 
 use bsm_dyn::{EllipseSlip, Model, Quadrature, Sliding, Solution};
 use bsm_kin::{BallFrame, Site};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use crate::answers::moving::{MovingBall, MovingContact};
 use crate::answers::nut::Columns;
 use crate::answers::slip::{Law, integration};
 use crate::vocabulary::units::{DEG, MM, MPA};
-use crate::{Answer, CaseError, Column, Content, Scales, Scene, Settings, Table};
+use crate::{Answer, CaseError, Content, Scales, Scene, Settings, Table};
 
 /// The two ellipses of a ball: grids of pressure, slip and friction, what stands still, and what follows from them.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,7 +49,7 @@ impl EllipseFields {
     ///
     /// # Errors
     ///
-    /// [`CaseError::NoMotion`] if the model has none, [`CaseError::Invalid`] if there is no solution.
+    /// [`CaseError::Invalid`] if the model has none or there is no solution.
     pub fn of(
         scene: &Scene,
         settings: &Settings,
@@ -82,8 +82,7 @@ impl EllipseFields {
             let slip = ball.ellipse_slip(touch, semi_axes, pressed_radius, creep);
             let pressed = solution.contact(touch.site).and_then(|contact| contact.pressed);
             let max_pressure = pressed.map_or(f64::NAN, |pressed| pressed.max_pressure / MPA);
-            let grid = Grid::of(&slip, (&law, max_pressure), points);
-            contacts.push(json!({
+            let mut json = json!({
                 "contact": if touch.site == Site::Screw { "screw" } else { "nut" },
                 "contact_angle_deg": touch.angle / DEG,
                 "normal_load_N": load,
@@ -96,14 +95,11 @@ impl EllipseFields {
                 "saturated": matches!(sliding, Sliding::Point),
                 "rolling_lines": slip.rolling_lines(),
                 "spin_poles": slip.spin_poles(),
-                "places": grid.places,
-                "pressure_MPa": grid.pressure,
-                "slip_across_m_s": grid.slip[0],
-                "slip_along_m_s": grid.slip[1],
-                "friction_across": grid.friction[0],
-                "friction_along": grid.friction[1],
-                "sticking_share": grid.sticking,
-            }));
+            });
+            if let Value::Object(map) = &mut json {
+                map.extend(over_the_ellipse(&slip, (&law, max_pressure), points));
+            }
+            contacts.push(json);
         }
         Ok(Self { model: solution.model, contacts })
     }
@@ -116,22 +112,15 @@ impl EllipseFields {
     /// The fields for programs, and a table of what follows from them for people.
     pub fn answer(&self) -> Answer {
         let model = self.model.name();
-        let number = |name: &'static str, head: &'static str| (name, Column::headed(name, head));
-        let shown = [
-            number("contact", "contact"),
-            number("normal_load_N", "load, N"),
-            number("max_pressure_MPa", "pressure, MPa"),
-            number("friction_over_load", "friction over load"),
-            number("spin_rad_s", "spin, rad/s"),
-            number("sticking_share", "share that sticks"),
-        ];
-        let row = |contact: &Value| shown.map(|(name, _)| contact[name].clone()).to_vec();
-        let rows = self.contacts.iter().map(row).collect();
-        let columns = shown.map(|(_, column)| column).to_vec();
+        let columns = "contact | normal_load_N=load, N | max_pressure_MPa=pressure, MPa \
+                       | friction_over_load=friction over load | spin_rad_s=spin, rad/s | sticking_share=share that sticks";
+        let mut table = Table::of(columns, []);
+        let row = |contact: &Value| table.columns.iter().map(|c| contact[c.name].clone()).collect();
+        table.rows = self.contacts.iter().map(row).collect();
         let mut answer = Answer::default()
             .with("model", Content::Text("model ", Some(model.to_owned())))
             .with("contacts", Content::Json(json!(self.contacts)))
-            .with_shown(Content::Table(Table { columns, rows, keyed: false }));
+            .with_shown(Content::Table(table));
         if self.contacts.is_empty() {
             answer.notes.push(format!("model {model} has contact points, no ellipses"));
         }
@@ -158,45 +147,32 @@ impl EllipseFields {
     }
 }
 
-/// Values at the points of a grid over an ellipse.
-struct Grid {
-    places: Vec<f64>,
-    pressure: Vec<Option<f64>>,
-    slip: [Vec<Option<f64>>; 2],
-    friction: [Vec<Option<f64>>; 2],
-    /// Part of the points that creep: slower than the creep speed.
-    sticking: f64,
-}
-
-impl Grid {
-    fn of(slip: &EllipseSlip<f64>, (law, max_pressure): (&Law, f64), points: u32) -> Self {
-        let places: Vec<_> =
-            (0..=2 * points).map(|i| f64::from(i) / f64::from(points) - 1.0).collect();
-        let mut pressures = Vec::new();
-        let mut lists: [Vec<_>; 4] = <_>::default();
-        let (mut inside, mut sticking) = (0.0, 0.0);
-        for (upsilon, xi) in places.iter().flat_map(|y| places.iter().map(move |x| (*y, *x))) {
-            let within = xi.hypot(upsilon) <= 1.0;
-            let [along, across] = slip.at(xi, upsilon);
-            // p = p_max √(1 − ξ² − υ²), Hertz
-            let pressure = max_pressure * (1.0 - xi * xi - upsilon * upsilon).max(0.0).sqrt();
-            pressures.push(within.then_some(pressure));
-            let [pull_along, pull_across] = slip.friction(xi, upsilon, law);
-            for (list, value) in lists.iter_mut().zip([across, along, pull_across, pull_along]) {
-                list.push(within.then_some(value));
-            }
-            if within {
-                inside += 1.0;
-                sticking += f64::from(u8::from(slip.creeps(xi, upsilon)));
-            }
+/// The coordinates of a grid over an ellipse, the fields at its points, and the part of them that creeps: slower than the creep speed.
+fn over_the_ellipse(
+    slip: &EllipseSlip<f64>,
+    (law, max_pressure): (&Law, f64),
+    points: u32,
+) -> Map<String, Value> {
+    let places: Vec<_> = (0..=2 * points).map(|i| f64::from(i) / f64::from(points) - 1.0).collect();
+    let mut lists: [Vec<_>; 5] = <_>::default();
+    let (mut inside, mut sticking) = (0.0, 0.0);
+    for (upsilon, xi) in places.iter().flat_map(|y| places.iter().map(move |x| (*y, *x))) {
+        let within = xi.hypot(upsilon) <= 1.0;
+        let [along, across] = slip.at(xi, upsilon);
+        // p = p_max √(1 − ξ² − υ²), Hertz
+        let pressure = max_pressure * (1.0 - xi * xi - upsilon * upsilon).max(0.0).sqrt();
+        let [pull_along, pull_across] = slip.friction(xi, upsilon, law);
+        let values = [pressure, across, along, pull_across, pull_along];
+        for (list, value) in lists.iter_mut().zip(values) {
+            list.push(within.then_some(value));
         }
-        let [across, along, pull_across, pull_along] = lists;
-        Self {
-            places,
-            pressure: pressures,
-            slip: [across, along],
-            friction: [pull_across, pull_along],
-            sticking: sticking / inside,
+        if within {
+            inside += 1.0;
+            sticking += f64::from(u8::from(slip.creeps(xi, upsilon)));
         }
     }
+    let fields = FIELDS.into_iter().zip(lists).map(|(name, list)| (name, json!(list)));
+    let all = std::iter::once(("places", json!(places))).chain(fields);
+    let all = all.chain([("sticking_share", json!(sticking / inside))]);
+    all.map(|(name, value)| (name.to_owned(), value)).collect()
 }

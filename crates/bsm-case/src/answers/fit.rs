@@ -129,17 +129,17 @@ fn range_of(
     };
     let ends = [range.0, range.1];
     if !(range.0 < range.1 && ends.iter().all(|value| rule.holds(*value))) {
-        return Err(CaseError::BadRange { key: input.name(), low: range.0, high: range.1 });
+        let ((low, high), key) = (range, input.name());
+        let what = format!("range: {low} to {high} is not a range of allowed values of `{key}`");
+        return Err(CaseError::Entry { key: key.to_owned(), what });
     }
     Ok(range)
 }
 
 /// An input and where it is looked for.
 pub(crate) fn sought(base: &Scene, text: &str) -> Result<(InputKey, (f64, f64)), CaseError> {
-    let bad = || CaseError::BadSetting {
-        text: text.to_owned(),
-        form: "input, or input=low:high, such as seal_torque_Nm=0:1",
-    };
+    let form = "input, or input=low:high, such as seal_torque_Nm=0:1";
+    let bad = || CaseError::bad_setting(text, form);
     let (name, range) = match text.split_once('=') {
         None => (text, None),
         Some((name, range)) => {
@@ -175,7 +175,7 @@ impl Fit {
             None => sought(scene, input)?,
         };
         let form = "output=value, such as screw_torque_Nm=1.5";
-        let bad = || CaseError::BadSetting { text: measurement.to_owned(), form };
+        let bad = || CaseError::bad_setting(measurement, form);
         let (name, value) = measurement.split_once('=').ok_or_else(bad)?;
         let output = measurable(name)?;
         let measured: f64 =

@@ -178,7 +178,7 @@ struct Track {
 ///
 /// # Errors
 ///
-/// [`CaseError::NoMotion`] if the model has no motion of the ball, [`CaseError::Invalid`] if
+/// [`CaseError::Invalid`] if the model has no motion of the ball, if
 /// the contacts have no state with permanent approach, and for a number
 /// that no double holds.
 pub fn jam(scene: &Scene, solution: &Solution) -> Result<Answer, CaseError> {

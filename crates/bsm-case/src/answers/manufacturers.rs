@@ -1,12 +1,15 @@
 //! Nuts of a manufacturer's table, a row each, with the names of the vocabulary or of the manufacturer.
 
+use std::f64::consts::PI;
+
 use bsm_design::Nut;
 use serde_json::json;
 
 use crate::case::manufacturer_sizes::manufacturer_column;
+use crate::case::rated_nut;
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::number::short;
-use crate::vocabulary::units::MM;
+use crate::vocabulary::units::{DEG, MM};
 use crate::{
     Answer, CaseError, Column, Content, InputKey, Output, RequirementFile, Scene, Table,
     TableFormat, ratings, sheet_columns,
@@ -46,15 +49,27 @@ impl ManufacturerNut {
         let cells = Cells::read(table, format)?;
         let columns = cells.columns(|name| manufacturer_column(name, format, &TEXT_COLUMNS))?;
         cells.each(&columns, |place, row| {
-            let mut given = TableRow { name: format!("row {place}"), ..TableRow::default() };
+            let (name, scene) = (format!("row {place}"), Scene::default());
+            let mut nut = Self { name, scene, stiffness: None };
+            let (mut circuits, mut core) = (None, None);
             for (column, text) in row {
-                match column {
-                    None => {}
-                    Some(("nut", _)) => text.clone_into(&mut given.name),
-                    Some((word, factor)) => given.set(word, factor * cells.number(text)?)?,
+                let Some((word, factor)) = column else { continue };
+                if *word == "nut" {
+                    text.clone_into(&mut nut.name);
+                    continue;
+                }
+                let value = Some(factor * cells.number(text)?);
+                match *word {
+                    "circuits" => circuits = value,
+                    "core_diameter_mm" => core = value,
+                    "stiffness_N_um" => nut.stiffness = value,
+                    "dynamic_load_rating_N" => nut.scene.rated_dynamic_load_N = value,
+                    "static_load_rating_N" => nut.scene.rated_static_load_N = value,
+                    word => nut.scene[InputKey::named(word)?] = value,
                 }
             }
-            given.nut()
+            complete(&mut nut.scene, circuits, core)?;
+            Ok(nut)
         })
     }
 
@@ -152,8 +167,8 @@ impl ManufacturerRow {
             return Answer::default().with("", Content::Table(Table::default()));
         };
         let numbers =
-            first.numbers.iter().map(|(name, unit, _)| Column { unit, ..Column::named(name) });
-        let passes = first.passes.map(|_| Column::headed("passes", ""));
+            first.numbers.iter().map(|(name, unit, _)| Column { unit, ..Column::of(name) });
+        let passes = first.passes.map(|_| Column::of("passes="));
         let row = |row: &Self| {
             let numbers = row.numbers.iter().map(|(.., value)| json!(value));
             std::iter::once(json!(row.name))
@@ -162,7 +177,7 @@ impl ManufacturerRow {
                 .collect()
         };
         let table = Table {
-            columns: std::iter::once(Column::named("nut")).chain(numbers).chain(passes).collect(),
+            columns: std::iter::once(Column::of("nut")).chain(numbers).chain(passes).collect(),
             rows: rows.iter().map(row).collect(),
             keyed: false,
         };
@@ -186,68 +201,35 @@ impl ManufacturerRow {
     }
 }
 
-/// Content of a row.
-#[derive(Default)]
-struct TableRow {
-    name: String,
-    scene: Scene,
-    circuits: Option<f64>,
-    core: Option<f64>,
-    stiffness: Option<f64>,
-}
-
-impl TableRow {
-    fn set(&mut self, word: &str, value: f64) -> Result<(), CaseError> {
-        match word {
-            "circuits" => self.circuits = Some(value),
-            "core_diameter_mm" => self.core = Some(value),
-            "stiffness_N_um" => self.stiffness = Some(value),
-            "dynamic_load_rating_N" => self.scene.rated_dynamic_load_N = Some(value),
-            "static_load_rating_N" => self.scene.rated_static_load_N = Some(value),
-            _ => self.scene[InputKey::named(word)?] = Some(value),
-        }
-        Ok(())
+/// Completes the nut of a row with what tables leave out, by the rule that reproduces those of HIWIN.
+fn complete(scene: &mut Scene, circuits: Option<f64>, core: Option<f64>) -> Result<(), CaseError> {
+    // Without a ball there is no groove to complete.
+    if scene.ball_diameter_mm.is_none() && scene.has_ratings_only() {
+        scene.shaft_diameter_mm = scene.shaft_diameter_mm.or(core);
+        return scene.check();
     }
-
-    /// The nut, with what tables leave out by the rule that reproduces those of HIWIN.
-    fn nut(self) -> Result<ManufacturerNut, CaseError> {
-        let mut scene = self.scene;
-        // Without a ball there is no groove to complete.
-        if scene.ball_diameter_mm.is_none() && scene.has_ratings_only() {
-            scene.shaft_diameter_mm = scene.shaft_diameter_mm.or(self.core);
-            scene.check()?;
-            return Ok(ManufacturerNut { name: self.name, scene, stiffness: self.stiffness });
-        }
-        let conformity = Nut::USUAL_CONFORMITY;
-        scene.nut_conformity.get_or_insert(conformity);
-        let conformity = *scene.screw_conformity.get_or_insert(conformity);
-        if scene.groove_bottom_distance_mm.is_none() {
-            scene.contact_angle_deg.get_or_insert(CONTACT_ANGLE_DEG);
-        }
-        if let (None, Some(core), Some(ball), Some(angle)) = (
-            scene.pitch_circle_diameter_mm,
-            self.core,
-            scene.ball_diameter_mm,
-            scene.contact_angle_deg,
-        ) {
-            let angle = angle * crate::vocabulary::units::DEG;
-            let pitch = Nut::pitch_diameter_over(core * MM, ball * MM, conformity, angle);
-            scene.pitch_circle_diameter_mm = Some(pitch / MM);
-        }
-        if let (None, Some(circuits)) = (scene.loaded_turns, self.circuits) {
-            scene.loaded_turns = Some(circuits - Nut::RETURN_TURNS);
-        }
-        if let (None, Some(ball), Some(pitch), Some(lead)) = (
-            scene.loaded_balls_per_turn,
-            scene.ball_diameter_mm,
-            scene.pitch_circle_diameter_mm,
-            scene.lead_mm,
-        ) {
-            scene.loaded_balls_per_turn = Some((std::f64::consts::PI * pitch).hypot(lead) / ball);
-        }
-        scene.check()?;
-        // Says what lacks.
-        crate::case::rated_nut::nut(&scene)?;
-        Ok(ManufacturerNut { name: self.name, scene, stiffness: self.stiffness })
+    let conformity = Nut::USUAL_CONFORMITY;
+    scene.nut_conformity.get_or_insert(conformity);
+    let conformity = *scene.screw_conformity.get_or_insert(conformity);
+    if scene.groove_bottom_distance_mm.is_none() {
+        scene.contact_angle_deg.get_or_insert(CONTACT_ANGLE_DEG);
     }
+    let Scene { ball_diameter_mm: ball, contact_angle_deg: angle, lead_mm: lead, .. } = *scene;
+    if let (None, Some(core), Some(ball), Some(angle)) =
+        (scene.pitch_circle_diameter_mm, core, ball, angle)
+    {
+        let pitch = Nut::pitch_diameter_over(core * MM, ball * MM, conformity, angle * DEG);
+        scene.pitch_circle_diameter_mm = Some(pitch / MM);
+    }
+    if let (None, Some(circuits)) = (scene.loaded_turns, circuits) {
+        scene.loaded_turns = Some(circuits - Nut::RETURN_TURNS);
+    }
+    if let (None, Some(ball), Some(pitch), Some(lead)) =
+        (scene.loaded_balls_per_turn, ball, scene.pitch_circle_diameter_mm, lead)
+    {
+        scene.loaded_balls_per_turn = Some((PI * pitch).hypot(lead) / ball);
+    }
+    scene.check()?;
+    // Says what lacks.
+    rated_nut::nut(scene).map(drop)
 }

@@ -7,8 +7,8 @@ use serde_json::json;
 use super::record::message;
 use crate::vocabulary::units::DEG;
 use crate::{
-    Answer, CaseError, Column, Content, InputKey, InputSet, Numbers, Of, Quantity, Record, Scene,
-    Settings, Table,
+    Answer, CaseError, Content, InputKey, InputSet, Numbers, Of, Quantity, Record, Scene, Settings,
+    Table,
 };
 
 /// The contacts of a ball.
@@ -29,15 +29,8 @@ pub(crate) fn of_a_motion(
         let holds = numbers.number(name).is_some_and(|number| number > 0.5);
         vec![json!(name), json!(holds), json!(words)]
     };
-    let verdicts = Table {
-        columns: vec![
-            Column::headed("", "statement"),
-            Column::headed("answer", ""),
-            Column::headed("words", ""),
-        ],
-        rows: verdicts.into_iter().map(verdict).collect(),
-        keyed: true,
-    };
+    let columns = "=statement | answer= | words=";
+    let verdicts = Table::of(columns, verdicts.into_iter().map(verdict)).keyed();
     let lacks = without(quantities, scene.given()).into_iter().chain(lacks).collect();
     let record = Record::new(solution.clone());
     let warnings = scene.warnings().into_iter().chain(record.warnings(scene)).collect();
@@ -108,7 +101,7 @@ impl MovingBall {
     ///
     /// # Errors
     ///
-    /// [`CaseError::NotCovered`] if the model finds the angles itself.
+    /// [`CaseError::OutOfRange`] if the model finds the angles itself.
     pub(crate) fn at_given_angles(
         mut self,
         scene: &Scene,
@@ -117,12 +110,8 @@ impl MovingBall {
     ) -> Result<(Self, bool), CaseError> {
         let Some(angles) = scene.running_angles() else { return Ok((self, false)) };
         if model != Model::RacewayControl {
-            return Err(CaseError::NotCovered {
-                key: InputKey::nut_running_contact_angle_deg.name(),
-                value: angles[0] / DEG,
-                rule: "left out",
-                model: model.name(),
-            });
+            let (key, value) = (InputKey::nut_running_contact_angle_deg, angles[0] / DEG);
+            return Err(CaseError::not_covered(key, value, "left out", model));
         }
         let SteadyBall { helix, radius, drive, .. } = self.ball;
         let control = settings.control.unwrap_or(Control::Nut);
@@ -137,16 +126,15 @@ impl MovingBall {
     ///
     /// # Errors
     ///
-    /// [`CaseError::NoMotion`] if the model has none, [`CaseError::Invalid`] if there is no solution.
+    /// [`CaseError::Invalid`] if the model has none or there is no solution.
     pub(crate) fn of(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
         let state = match &solution.answer {
             Ok(solved) => &solved.ball,
             Err(none) => return Err(CaseError::Invalid(message(none.reason()))),
         };
-        let motion = state.motion.ok_or_else(|| CaseError::NoMotion {
-            model: solution.model.name(),
-            missing: scene.missing(Model::Rigid),
-        })?;
+        let motion = state
+            .motion
+            .ok_or_else(|| CaseError::no_motion(solution.model, &scene.missing(Model::Rigid)))?;
         let point = scene.reader().operating_point();
         let ball =
             SteadyBall { helix: point.helix, radius: point.ball.radius, drive: point.drive, motion };

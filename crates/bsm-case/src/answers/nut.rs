@@ -15,7 +15,7 @@ use serde_json::{Map, Value, json};
 use crate::answers::record::{MARKS_ABOVE, message};
 use crate::case::axis::TorqueTolerance;
 use crate::case::nut::{FrictionSource, NutAtRest, NutPreload};
-use crate::case::reader::{in_grooves, lubricated};
+use crate::case::reader::in_grooves;
 use crate::case::warm::Warm;
 use crate::vocabulary::number::count;
 use crate::vocabulary::quantity::quantities;
@@ -42,66 +42,14 @@ const FOUR_CONTACTS: f64 = 3.0;
 /// Points of the curve of a nut.
 const POINTS: u32 = 60;
 
-/// A nut under load, with what is worked out where it is asked for.
+/// A nut under load; what takes long is worked out where a number asks for it.
 #[derive(Debug)]
-pub(crate) struct State {
-    pub(crate) made: NutAtRest,
-    friction: OnceCell<Option<BallFriction>>,
+pub struct NutReport {
+    problem: NutProblem,
+    made: NutAtRest,
+    ball_friction: OnceCell<Option<BallFriction>>,
     drag: OnceCell<Option<f64>>,
     advance: OnceCell<Option<Advance>>,
-}
-
-impl State {
-    fn new(made: NutAtRest) -> Self {
-        Self { made, friction: OnceCell::new(), drag: OnceCell::new(), advance: OnceCell::new() }
-    }
-
-    fn ball_friction(&self, problem: &NutProblem) -> Option<&BallFriction> {
-        let work_out = || {
-            let NutAtRest { nut, found, .. } = &self.made;
-            let mut ball_friction = problem.with_free_balls().friction_of(nut, found)?;
-            ball_friction.pushed = problem.pushed_of(&self.made, &ball_friction.friction.motions);
-            if let (Some(pushed), Some((_, drive))) = (&ball_friction.pushed, &problem.friction) {
-                let drag = ball_friction.friction.parts.map(|parts| parts.drag);
-                let balls = pushed.as_ref().ok().map(Train::torque).zip(drag);
-                let balls = balls.map(|(balls, drag)| balls + drag);
-                nut.with_torque(
-                    &mut ball_friction.friction,
-                    found,
-                    drive,
-                    problem.seal_torque,
-                    balls,
-                );
-            }
-            Some(ball_friction)
-        };
-        self.friction.get_or_init(work_out).as_ref()
-    }
-
-    /// How the balls advance on each other; none without their free motions.
-    fn advance(&self, problem: &NutProblem) -> Option<&Advance> {
-        let work_out = || problem.advance_of(&self.made, self.ball_friction(problem)?);
-        self.advance.get_or_init(work_out).as_ref()
-    }
-
-    /// The pushes of the balls; none where no gap is given.
-    fn pushed(&self, problem: &NutProblem) -> Option<&TrainResult> {
-        self.ball_friction(problem)?.pushed.as_ref()
-    }
-
-    fn friction(&self, problem: &NutProblem) -> Option<&NutFriction> {
-        self.ball_friction(problem).map(|ball_friction| &ball_friction.friction)
-    }
-
-    /// Friction torque of the preload where nothing is loaded from outside \[N·m\].
-    fn drag(&self, problem: &NutProblem) -> Option<f64> {
-        let work_out = || {
-            self.made.preload.as_ref()?;
-            let found = self.made.nut.solve(&Support::guided(0.0)).ok()?;
-            problem.friction_of(&self.made.nut, &found)?.friction.torque
-        };
-        *self.drag.get_or_init(work_out)
-    }
 }
 
 /// Friction of all balls.
@@ -116,35 +64,64 @@ struct BallFriction {
     pushed: Option<TrainResult>,
 }
 
-/// A nut under load, whose numbers are read.
-pub(crate) struct NutUnderLoad<'a> {
-    problem: &'a NutProblem,
-    state: &'a State,
-}
+impl NutReport {
+    pub(crate) fn new(problem: NutProblem, made: NutAtRest) -> Self {
+        let (ball_friction, drag, advance) = (OnceCell::new(), OnceCell::new(), OnceCell::new());
+        Self { problem, made, ball_friction, drag, advance }
+    }
 
-impl NutUnderLoad<'_> {
+    fn ball_friction(&self) -> Option<&BallFriction> {
+        let work_out = || {
+            let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
+            let mut ball_friction = problem.with_free_balls().friction_of(nut, found)?;
+            ball_friction.pushed = self.pushed_of(&ball_friction.friction.motions);
+            if let (Some(pushed), Some((_, drive))) = (&ball_friction.pushed, &problem.friction) {
+                let drag = ball_friction.friction.parts.map(|parts| parts.drag);
+                let balls = pushed.as_ref().ok().map(Train::torque).zip(drag);
+                let balls = balls.map(|(balls, drag)| balls + drag);
+                let (friction, seal) = (&mut ball_friction.friction, problem.seal_torque);
+                nut.with_torque(friction, found, drive, seal, balls);
+            }
+            Some(ball_friction)
+        };
+        self.ball_friction.get_or_init(work_out).as_ref()
+    }
+
     fn friction(&self) -> Option<&NutFriction> {
-        self.state.friction(self.problem)
+        self.ball_friction().map(|ball_friction| &ball_friction.friction)
     }
 
-    fn drag(&self) -> Option<f64> {
-        self.state.drag(self.problem)
-    }
-
+    /// How the balls advance on each other; none without their free motions.
     fn advance(&self) -> Option<&Advance> {
-        self.state.advance(self.problem)
+        self.advance.get_or_init(|| self.advance_of(self.ball_friction()?)).as_ref()
+    }
+
+    /// The pushes of the balls; none where no gap is given.
+    fn pushed(&self) -> Option<&TrainResult> {
+        self.ball_friction()?.pushed.as_ref()
     }
 
     fn train(&self) -> Option<&Train> {
-        self.state.pushed(self.problem)?.as_ref().ok()
+        self.pushed()?.as_ref().ok()
+    }
+
+    /// Friction torque of the preload where nothing is loaded from outside \[N·m\].
+    fn drag(&self) -> Option<f64> {
+        let work_out = || {
+            self.made.preload.as_ref()?;
+            let found = self.made.nut.solve(&Support::guided(0.0)).ok()?;
+            self.problem.friction_of(&self.made.nut, &found)?.friction.torque
+        };
+        *self.drag.get_or_init(work_out)
+    }
+
+    fn is_lubricated(&self) -> bool {
+        matches!(self.problem.friction, Some((FrictionSource::Lubricant(_), _)))
     }
 
     /// A part of the friction of balls in a lubricant.
     fn of_lubricant(&self, part: impl Fn(&FrictionSum) -> f64) -> Option<f64> {
-        match self.problem.friction.as_ref()? {
-            (FrictionSource::Lubricant(_), _) => self.friction()?.parts.as_ref().map(part),
-            (FrictionSource::Coefficient(_), _) => None,
-        }
+        self.is_lubricated().then(|| self.friction()?.parts.as_ref().map(part))?
     }
 
     fn contact_torque(&self) -> Option<f64> {
@@ -164,56 +141,56 @@ impl NutUnderLoad<'_> {
     }
 }
 
-quantities! { pub(crate) QUANTITIES, read(&NutUnderLoad<'_>) of Nut;
+quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
     "displacement" {
-        nut_displacement_um ["um"] Whole(|n| Some(n.state.made.found.displacement[0] / UM)), "axial displacement of the nut";
+        nut_displacement_um ["um"] Whole(|n| Some(n.made.found.displacement[0] / UM)), "axial displacement of the nut";
         nut_side_displacement_um ["um"] Whole(|n| {
-        let [_, x, y, ..] = n.state.made.found.displacement;
+        let [_, x, y, ..] = n.made.found.displacement;
         Some(x.hypot(y) / UM)
     }), "side displacement of the nut";
         nut_tilt_urad ["urad"] Whole(|n| {
-        let [.., x, y] = n.state.made.found.displacement;
+        let [.., x, y] = n.made.found.displacement;
         Some(x.hypot(y) * 1e6)
     }), "tilt of the nut";
     }
     "load sharing" {
-        max_contact_load_N ["N"] Whole(|n| Some(n.state.made.found.max_load())), "largest load of a contact";
-        max_over_mean [""] Whole(|n| Some(n.state.made.found.concentration())), "load concentration, largest contact load over the mean";
-        unloaded_balls [""] Whole(|n| Some(count(n.state.made.found.unloaded()))), "unloaded balls";
-        max_pressure_MPa ["MPa"] Whole(|n| Some(max_pressure(&n.state.made)? / MPA)), "largest Hertz pressure";
-        equal_load_N ["N"] Whole(|n| Some(equal(n.problem, &n.state.made)?.load)), "load of each ball if all shared the axial load equally";
-        load_bound_N ["N"] Whole(|n| load_bound(n.problem, &n.state.made)), "upper bound of the largest load (guided nut)";
+        max_contact_load_N ["N"] Whole(|n| Some(n.made.found.max_load())), "largest load of a contact";
+        max_over_mean [""] Whole(|n| Some(n.made.found.concentration())), "load concentration, largest contact load over the mean";
+        unloaded_balls [""] Whole(|n| Some(count(n.made.found.unloaded()))), "unloaded balls";
+        max_pressure_MPa ["MPa"] Whole(|n| Some(n.max_pressure()? / MPA)), "largest Hertz pressure";
+        equal_load_N ["N"] Whole(|n| Some(n.equal()?.load)), "load of each ball if all shared the axial load equally";
+        load_bound_N ["N"] Whole(|n| n.load_bound()), "upper bound of the largest load (guided nut)";
     }
     "stiffness along the axis" {
-        nut_stiffness_N_um ["N/um"] Whole(|n| Some(n.state.made.found.axial_stiffness(&n.problem.support) * UM)), "tangent stiffness of the nut at this load, all balls";
-        nut_secant_stiffness_N_um ["N/um"] Whole(|n| secant(n.problem, &n.state.made).map(|k| k * UM)), "secant stiffness of the nut from no load to this load, all balls";
-        nut_equal_stiffness_N_um ["N/um"] Whole(|n| Some(equal(n.problem, &n.state.made)?.stiffness * UM)), "tangent stiffness if all balls shared the axial load equally, the bodies rigid";
-        preload_stiffness_2_N_um ["N/um"] Whole(|n| stated(&n.state.made, 2.0)), "preload stiffness 2 F_pr/delta_pr: two nuts in parallel";
-        preload_stiffness_2_83_N_um ["N/um"] Whole(|n| stated(&n.state.made, 2.0_f64.powf(1.5))), "preload stiffness 2^1.5 F_pr/delta_pr: secant to the limit load";
-        preload_stiffness_3_N_um ["N/um"] Whole(|n| stated(&n.state.made, 3.0)), "preload stiffness 3 F_pr/delta_pr: tangent without load";
-        iso_stiffness_N_um ["N/um" "R_nu"] Whole(|n| Some(iso_stiffness(n.problem, n.state)? * UM)), "stiffness by ISO 3408-4: a pair at its preload, one nut as secant at its load";
-        catalogue_stiffness_N_um ["N/um"] Whole(|n| Some(USUAL * iso_stiffness(n.problem, n.state)? * UM)), "catalogue stiffness, 80 % of ISO 3408-4";
+        nut_stiffness_N_um ["N/um"] Whole(|n| Some(n.made.found.axial_stiffness(&n.problem.support) * UM)), "tangent stiffness of the nut at this load, all balls";
+        nut_secant_stiffness_N_um ["N/um"] Whole(|n| n.secant().map(|k| k * UM)), "secant stiffness of the nut from no load to this load, all balls";
+        nut_equal_stiffness_N_um ["N/um"] Whole(|n| Some(n.equal()?.stiffness * UM)), "tangent stiffness if all balls shared the axial load equally, the bodies rigid";
+        preload_stiffness_2_N_um ["N/um"] Whole(|n| n.stated(2.0)), "preload stiffness 2 F_pr/delta_pr: two nuts in parallel";
+        preload_stiffness_2_83_N_um ["N/um"] Whole(|n| n.stated(2.0_f64.powf(1.5))), "preload stiffness 2^1.5 F_pr/delta_pr: secant to the limit load";
+        preload_stiffness_3_N_um ["N/um"] Whole(|n| n.stated(3.0)), "preload stiffness 3 F_pr/delta_pr: tangent without load";
+        iso_stiffness_N_um ["N/um" "R_nu"] Whole(|n| Some(n.iso_stiffness()? * UM)), "stiffness by ISO 3408-4: a pair at its preload, one nut as secant at its load";
+        catalogue_stiffness_N_um ["N/um"] Whole(|n| Some(USUAL * n.iso_stiffness()? * UM)), "catalogue stiffness, 80 % of ISO 3408-4";
     }
     "preload" {
-        preload_set_N ["N"] Whole(|n| Some(n.state.made.preload.as_ref()?.cold)), "cold preload, with no external load and no temperature rise";
-        warm_preload_N ["N" "F_pr"] Whole(|n| Some(n.state.made.preload.as_ref()?.warm)), "warm preload, with the temperature rises";
-        preload_approach_um ["um"] Whole(|n| Some(n.state.made.preload.as_ref()?.approach / UM)), "preload displacement of each nut, delta_p";
-        preload_setting_um ["um"] Whole(|n| Some(n.state.made.preload.as_ref()?.setting / UM)), "offset of the pair (below 0 in O arrangement) or ball oversize that sets the preload";
+        preload_set_N ["N"] Whole(|n| Some(n.made.preload.as_ref()?.cold)), "cold preload, with no external load and no temperature rise";
+        warm_preload_N ["N" "F_pr"] Whole(|n| Some(n.made.preload.as_ref()?.warm)), "warm preload, with the temperature rises";
+        preload_approach_um ["um"] Whole(|n| Some(n.made.preload.as_ref()?.approach / UM)), "preload displacement of each nut, delta_p";
+        preload_setting_um ["um"] Whole(|n| Some(n.made.preload.as_ref()?.setting / UM)), "offset of the pair (below 0 in O arrangement) or ball oversize that sets the preload";
         preload_left_N ["N"] Whole(|n| {
-        let NutPreload { by, .. } = n.state.made.preload.as_ref()?;
-        Some(n.state.made.found.preload(&n.state.made.nut, *by))
+        let NutPreload { by, .. } = n.made.preload.as_ref()?;
+        Some(n.made.found.preload(&n.made.nut, *by))
     }), "remaining preload at this load";
-        limit_load_N ["N" "F_lim"] Whole(|n| limit_load(n.problem, &n.state.made)), "limit load, at which the preload is lost: one side is fully unloaded";
+        limit_load_N ["N" "F_lim"] Whole(|n| n.limit_load()), "limit load, at which the preload is lost: one side is fully unloaded";
     }
     "life and safety" {
-        life_by_balls_revolutions [""] Whole(|n| lasting(n.state.made.found.life(&n.state.made.nut, &n.problem.ratings))), "life by the loads of all balls, revolutions";
-        iso_life_revolutions [""] Whole(|n| iso_life(n.problem, n.state)), "life by ISO 3408-5, revolutions";
+        life_by_balls_revolutions [""] Whole(|n| lasting(n.made.found.life(&n.made.nut, &n.problem.ratings))), "life by the loads of all balls, revolutions";
+        iso_life_revolutions [""] Whole(|n| n.iso_life()), "life by ISO 3408-5, revolutions";
         life_ratio [""] Whole(|n| {
-        let ours = lasting(n.state.made.found.life(&n.state.made.nut, &n.problem.ratings))?;
-        Some(ours / iso_life(n.problem, n.state)?)
+        let ours = lasting(n.made.found.life(&n.made.nut, &n.problem.ratings))?;
+        Some(ours / n.iso_life()?)
     }), "life by all balls over that of ISO";
         static_safety_by_balls [""] Whole(|n| {
-        lasting(n.state.made.found.static_safety(&n.state.made.nut, n.problem.static_rating.rating))
+        lasting(n.made.found.static_safety(&n.made.nut, n.problem.static_rating.rating))
     }), "static safety of the most loaded ball";
     }
     "friction" {
@@ -223,7 +200,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutUnderLoad<'_>) of Nut;
         return_push_torque_Nm ["N m"] Whole(|n| Some(n.train()?.return_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "  balls pushed through the returns";
         catching_torque_Nm ["N m"] Whole(|n| Some(n.train()?.catching_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "  balls that run up to a slower one";
         drag_torque_Nm ["N m"] Whole(|n| n.of_lubricant(|parts| parts.drag)) needs [screw_speed_rpm, lubricant_temperature_C], "  drag of the balls in the lubricant";
-        friction_torque_error_Nm ["N m"] Whole(|n| torque_error(n.problem, n.state)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
+        friction_torque_error_Nm ["N m"] Whole(|n| n.torque_error()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
             "error bound of the friction torque, for balls on both flanks";
         return_torque_Nm ["N m"] Whole(|n| n.of_lubricant(|parts| parts.returns)) needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, by return_circuits and return_loss_coefficient";
         nut_seal_torque_Nm ["N m"] Whole(|n| lasting(n.problem.seal_torque)), "torque of the seals, seal_torque_Nm";
@@ -232,11 +209,11 @@ quantities! { pub(crate) QUANTITIES, read(&NutUnderLoad<'_>) of Nut;
         friction_heat_W ["W"] Whole(|n| n.friction()?.heat) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "heat of balls, returns and seals";
         preload_torque_Nm ["N m"] Whole(|n| n.drag()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
             "friction torque of the preload, contacts alone";
-        preload_torque_factor [""] Whole(|n| Some(n.drag()? / rule_torque(n.state)?)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
+        preload_torque_factor [""] Whole(|n| Some(n.drag()? / n.rule_torque()?)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
             "drag coefficient K_p of the preload, in T = K_p F_p lead/(2 pi), contacts alone";
-        rule_torque_low_Nm ["N m"] Whole(|n| Some(RULE_FACTORS[0] * rule_torque(n.state)?)),
+        rule_torque_low_Nm ["N m"] Whole(|n| Some(RULE_FACTORS[0] * n.rule_torque()?)),
             "friction torque of the preload, catalogue estimate with K_p = 0.1";
-        rule_torque_high_Nm ["N m"] Whole(|n| Some(RULE_FACTORS[1] * rule_torque(n.state)?)),
+        rule_torque_high_Nm ["N m"] Whole(|n| Some(RULE_FACTORS[1] * n.rule_torque()?)),
             "friction torque of the preload, catalogue estimate with K_p = 0.3";
     }
     "ball train" {
@@ -370,90 +347,96 @@ fn pressure([at_nut, at_screw]: &[Hertz; 2], ball: &BallInGrooves) -> f64 {
     at_nut.max_pressure(a.max(b)).max(at_screw.max_pressure(c.max(d)))
 }
 
-fn max_pressure(made: &NutAtRest) -> Option<f64> {
-    let hertz = made.nut.hertz().ok()?;
-    Some(made.found.balls.iter().map(|ball| pressure(&hertz, ball)).fold(0.0, f64::max))
-}
+impl NutReport {
+    fn max_pressure(&self) -> Option<f64> {
+        let hertz = self.made.nut.hertz().ok()?;
+        Some(self.found().balls.iter().map(|ball| pressure(&hertz, ball)).fold(0.0, f64::max))
+    }
 
-/// The ball of a nut that shares its load equally: none for a preloaded one, whose bodies carry parts of it.
-fn equal(problem: &NutProblem, made: &NutAtRest) -> Option<Equal> {
-    let single = made.preload.is_none() && problem.axial() != 0.0;
-    single.then(|| made.nut.equal(problem.axial()).ok())?
-}
+    /// The ball of a nut that shares its load equally: none for a preloaded one, whose bodies carry parts of it.
+    fn equal(&self) -> Option<Equal> {
+        let axial = self.problem.axial();
+        let single = self.made.preload.is_none() && axial != 0.0;
+        single.then(|| self.made.nut.equal(axial).ok())?
+    }
 
-/// Torque that moves the preload along the lead, `$F_p P_h/2\pi$` \[N·m\].
-fn rule_torque(state: &State) -> Option<f64> {
-    let force = state.made.preload.as_ref()?.warm;
-    lasting(force * state.made.nut.helix.lead() / TAU)
-}
+    /// Torque that moves the preload along the lead, `$F_p P_h/2\pi$` \[N·m\].
+    fn rule_torque(&self) -> Option<f64> {
+        let force = self.made.preload.as_ref()?.warm;
+        lasting(force * self.made.nut.helix.lead() / TAU)
+    }
 
-/// Largest error of the friction torque by balls on both flanks \[N·m\].
-fn torque_error(problem: &NutProblem, state: &State) -> Option<f64> {
-    let (FrictionSource::Coefficient(coefficient), _) = problem.friction.as_ref()? else {
-        return None;
-    };
-    let friction = state.friction(problem)?;
-    friction.torque?;
-    Some(FOUR_CONTACTS * coefficient * friction.torque_on_both_flanks)
-}
+    /// Largest error of the friction torque by balls on both flanks \[N·m\].
+    fn torque_error(&self) -> Option<f64> {
+        let coefficient = self.problem.friction.as_ref()?.0.coefficient()?;
+        let friction = self.friction()?;
+        friction.torque?;
+        Some(FOUR_CONTACTS * coefficient * friction.torque_on_both_flanks)
+    }
 
-/// The bound holds for a guided nut whose circuits all have the flank of the load, and no ball presses the other.
-fn load_bound(problem: &NutProblem, made: &NutAtRest) -> Option<f64> {
-    let axial = problem.axial();
-    let guided = problem.support == Support::guided(axial);
-    let nut = &made.nut;
-    let one_side = made.preload.is_none() && nut.ring.is_none() && nut.precession == 0.0;
-    let level = nut.errors.gap == 0.0;
-    let [near, far] =
-        if axial > 0.0 { [Flanks::Plus, Flanks::Minus] } else { [Flanks::Minus, Flanks::Plus] };
-    let carries = |circuit: &Circuit| [near, Flanks::Both].contains(&circuit.flanks);
-    let pressed = |ball: &BallInGrooves| ball.flanks_pressed()[usize::from(far == Flanks::Minus)];
-    let one_flank = nut.circuits.iter().all(carries) && !made.found.balls.iter().any(pressed);
-    (guided && one_side && level && one_flank && axial != 0.0)
-        .then(|| nut.load_bound(axial).ok())?
-}
+    /// The bound holds for a guided nut whose circuits all have the flank of the load, and no ball presses the other.
+    fn load_bound(&self) -> Option<f64> {
+        let NutAtRest { nut, preload, found } = &self.made;
+        let axial = self.problem.axial();
+        let guided = self.problem.support == Support::guided(axial);
+        let one_side = preload.is_none() && nut.ring.is_none() && nut.precession == 0.0;
+        let level = nut.errors.gap == 0.0;
+        let [near, far] =
+            if axial > 0.0 { [Flanks::Plus, Flanks::Minus] } else { [Flanks::Minus, Flanks::Plus] };
+        let carries = |circuit: &Circuit| [near, Flanks::Both].contains(&circuit.flanks);
+        let pressed =
+            |ball: &BallInGrooves| ball.flanks_pressed()[usize::from(far == Flanks::Minus)];
+        let one_flank = nut.circuits.iter().all(carries) && !found.balls.iter().any(pressed);
+        (guided && one_side && level && one_flank && axial != 0.0)
+            .then(|| nut.load_bound(axial).ok())?
+    }
 
-/// Axial load over the displacement that it makes \[N/m\].
-fn secant(problem: &NutProblem, made: &NutAtRest) -> Option<f64> {
-    let axial = problem.axial();
-    // Preload, misalignment or side loads press balls already; else it is at first touch.
-    let without = made.nut.solve(&problem.support.with_axial(0.0)).ok();
-    let pressed = without.filter(|found| found.max_load() > 0.0);
-    let from = pressed.map_or(0.0, |found| found.displacement[0]);
-    (axial != 0.0).then(|| axial / (made.found.displacement[0] - from))
-}
+    /// Axial load over the displacement that it makes \[N/m\].
+    fn secant(&self) -> Option<f64> {
+        let axial = self.problem.axial();
+        // Preload, misalignment or side loads press balls already; else it is at first touch.
+        let without = self.made.nut.solve(&self.problem.support.with_axial(0.0)).ok();
+        let pressed = without.filter(|found| found.max_load() > 0.0);
+        let from = pressed.map_or(0.0, |found| found.displacement[0]);
+        (axial != 0.0).then(|| axial / (self.found().displacement[0] - from))
+    }
 
-/// Stiffness of a preloaded nut as manufacturers state it, a multiple of the preload over its displacement \[N/um\].
-fn stated(made: &NutAtRest, times: f64) -> Option<f64> {
-    let NutPreload { cold, approach, .. } = made.preload.as_ref()?;
-    Some(times * cold / approach * UM)
-}
+    /// Stiffness of a preloaded nut as manufacturers state it, a multiple of the preload over its displacement \[N/um\].
+    fn stated(&self, times: f64) -> Option<f64> {
+        let NutPreload { cold, approach, .. } = self.made.preload.as_ref()?;
+        Some(times * cold / approach * UM)
+    }
 
-/// Stiffness of ISO 3408-4 \[N/m\]: of a pair under its preload, or of one nut under its load.
-fn iso_stiffness(problem: &NutProblem, state: &State) -> Option<f64> {
-    let (force, pair) = match &state.made.preload {
-        Some(set) => (set.cold, true),
-        None => (problem.axial().abs(), false),
-    };
-    let elasticity = problem.design.elasticity(&problem.body).ok()?;
-    let force = lasting(force)?;
-    lasting(if pair {
-        elasticity.preloaded_pair(force)
-    } else {
-        in_series(elasticity.secant(force), elasticity.body)
-    })
-}
+    /// Stiffness of ISO 3408-4 \[N/m\]: of a pair under its preload, or of one nut under its load.
+    fn iso_stiffness(&self) -> Option<f64> {
+        let NutProblem { design, body, .. } = &self.problem;
+        let elasticity = design.elasticity(body).ok()?;
+        lasting(match &self.made.preload {
+            Some(set) => elasticity.preloaded_pair(lasting(set.cold)?),
+            None => {
+                in_series(elasticity.secant(lasting(self.problem.axial().abs())?), elasticity.body)
+            }
+        })
+    }
 
-fn limit_load(problem: &NutProblem, made: &NutAtRest) -> Option<f64> {
-    let way = if problem.axial() < 0.0 { -1.0 } else { 1.0 };
-    made.nut.limit_load(made.preload.as_ref()?.by, &problem.support, way).ok()
-}
+    fn limit_load(&self) -> Option<f64> {
+        let NutProblem { support, .. } = &self.problem;
+        let way = if self.problem.axial() < 0.0 { -1.0 } else { 1.0 };
+        self.made.nut.limit_load(self.made.preload.as_ref()?.by, support, way).ok()
+    }
 
-fn iso_life(problem: &NutProblem, state: &State) -> Option<f64> {
-    let preload = state.made.preload.as_ref().map(|set| set.warm);
-    // Revolutions do not depend on speed and time.
-    let duty = Duty { load: problem.axial(), speed: 1.0, time: 1.0 };
-    lasting(life(problem.rating.rating, preload, &[duty])?.revolutions)
+    fn iso_life(&self) -> Option<f64> {
+        let preload = self.made.preload.as_ref().map(|set| set.warm);
+        // Revolutions do not depend on speed and time.
+        let duty = Duty { load: self.problem.axial(), speed: 1.0, time: 1.0 };
+        lasting(life(self.problem.rating.rating, preload, &[duty])?.revolutions)
+    }
+
+    /// Some numbers by name.
+    pub(crate) fn some(&self, names: &[&str]) -> Vec<Option<f64>> {
+        let found = read(self, |quantity| names.contains(&quantity.name)).where_finite();
+        names.iter().map(|name| found.number(name)).collect()
+    }
 }
 
 impl NutProblem {
@@ -508,15 +491,15 @@ impl NutProblem {
 
     /// The problem of one ball, which has its part of the returns.
     fn of_ball(&self, rubbing: &FrictionSource, balls: f64, screw: ElasticPoint) -> Problem {
-        let settings = &self.settings;
-        match rubbing {
-            FrictionSource::Coefficient(_) => in_grooves(screw, settings.model, settings),
+        let lubricant = match rubbing {
+            FrictionSource::Coefficient(_) => None,
             FrictionSource::Lubricant(lubricant) => {
                 let mut lubricant = *lubricant;
                 lubricant.losses.return_circuits /= balls;
-                lubricated(screw, lubricant, settings.model, settings)
+                Some(lubricant)
             }
-        }
+        };
+        in_grooves(screw, lubricant, self.settings.model, &self.settings)
     }
 
     /// The answer without a solution: the reason.
@@ -533,23 +516,9 @@ impl NutProblem {
     ///
     /// [`NutError`]: nothing carries the load, or no displacement gives the preload.
     pub fn solve(self) -> Result<NutReport, NutError> {
-        let state = State::new(self.made()?);
-        Ok(NutReport { problem: self, state })
+        let made = self.made()?;
+        Ok(NutReport::new(self, made))
     }
-
-    /// Some numbers of a nut that is made, by name.
-    pub(crate) fn some(&self, made: NutAtRest, names: &[&str]) -> Vec<Option<f64>> {
-        let loaded = NutUnderLoad { problem: self, state: &State::new(made) };
-        let found = read(&loaded, |quantity| names.contains(&quantity.name)).where_finite();
-        names.iter().map(|name| found.number(name)).collect()
-    }
-}
-
-/// A nut under load.
-#[derive(Debug)]
-pub struct NutReport {
-    problem: NutProblem,
-    state: State,
 }
 
 /// Rows of numbers under named columns; NaN for a missing number.
@@ -571,15 +540,14 @@ impl Columns {
 
 impl NutReport {
     fn found(&self) -> &Equilibrium {
-        &self.state.made.found
+        &self.made.found
     }
 
     /// The requested numbers that the nut has.
     pub fn numbers(&self, wanted: impl Fn(&Quantity) -> bool) -> Numbers {
-        let loaded = NutUnderLoad { problem: &self.problem, state: &self.state };
-        let numbers = read(&loaded, wanted).where_finite();
+        let numbers = read(self, wanted).where_finite();
         // The friction has been worked out where a number of it is wanted.
-        let friction = self.state.friction.get().and_then(Option::as_ref);
+        let friction = self.ball_friction.get().and_then(Option::as_ref);
         let why = friction.and_then(|of_balls| of_balls.pushed.as_ref()?.as_ref().err());
         numbers.because(why.map(|why| not_pushed(why)))
     }
@@ -592,8 +560,7 @@ impl NutReport {
     /// Notes: meaning of the numbers, neglected effects.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = self.problem.notes.clone();
-        let NutAtRest { nut, .. } = &self.state.made;
-        if nut.shares_equally(&self.problem.support) {
+        if self.made.nut.shares_equally(&self.problem.support) {
             notes.push(
                 "every ball carries its equal share, as in the models of one ball".to_owned(),
             );
@@ -601,7 +568,7 @@ impl NutReport {
         notes.extend(self.preload_notes());
         notes.extend(self.thrown(CENTRIFUGAL[0]..CENTRIFUGAL[1]));
         notes.extend(self.touch_note());
-        let ball_friction = self.state.ball_friction(&self.problem);
+        let ball_friction = self.ball_friction();
         match ball_friction.map(|ball_friction| &ball_friction.friction) {
             None if self.problem.warm.is_some() => notes.push(
                 "torque, efficiency and heat need screw_speed_rpm other than 0; at the speeds of the cycle bsm axis has them"
@@ -613,8 +580,7 @@ impl NutReport {
                     .to_owned(),
             ),
             Some(friction)
-                if friction.on_both_flanks > 0
-                    && matches!(self.problem.friction, Some((FrictionSource::Lubricant(_), _))) =>
+                if friction.on_both_flanks > 0 && self.is_lubricated() =>
             {
                 notes.push(format!(
                     "no torque: {} of {} balls press both flanks, where friction from a lubricant is not known; \
@@ -623,7 +589,7 @@ impl NutReport {
                     self.found().balls.len()
                 ));
             }
-            Some(_) if matches!(self.state.pushed(&self.problem), Some(Err(_))) => {}
+            Some(_) if matches!(self.pushed(), Some(Err(_))) => {}
             Some(friction) if friction.torque.is_none() => {
                 let why = ball_friction.and_then(|ball_friction| ball_friction.why.as_deref());
                 notes.push(format!(
@@ -635,7 +601,7 @@ impl NutReport {
             }
             Some(friction) => {
                 if friction.on_both_flanks > 0 {
-                    let error = torque_error(&self.problem, &self.state).unwrap_or(f64::NAN);
+                    let error = self.torque_error().unwrap_or(f64::NAN);
                     notes.push(format!(
                         "{} of {} balls press both flanks: their friction is integrated over all their \
                          contacts at angles that friction does not turn, whatever the model; the friction torque \
@@ -646,15 +612,14 @@ impl NutReport {
                         friction.torque.unwrap_or(f64::NAN)
                     ));
                 }
-                let is_oiled = matches!(self.problem.friction, Some((FrictionSource::Lubricant(_), _)));
-                if is_oiled {
+                if self.is_lubricated() {
                     notes.push(
                         "friction from the lubricant is uncertain by about 25 % while the balls roll, by more where \
                          rolling resistance dominates; bsm solve has the interval of one ball, bsm axis that of the axis"
                             .to_owned(),
                     );
                 }
-                let not_in_it = match (is_oiled, self.problem.gaps.train.is_some()) {
+                let not_in_it = match (self.is_lubricated(), self.problem.gaps.train.is_some()) {
                     (true, true) => {
                         "ball-to-ball contact by ball_gap_mm; only by return_circuits and seal_torque_Nm: returns and wipers"
                     }
@@ -688,7 +653,7 @@ impl NutReport {
 
     /// Of the preload: cold and warm, and the torque by which it is checked.
     fn preload_notes(&self) -> Vec<String> {
-        let Some(NutPreload { cold, warm, .. }) = self.state.made.preload else {
+        let Some(NutPreload { cold, warm, .. }) = self.made.preload else {
             return Vec::new();
         };
         let (NutProblem { design, seal_torque, tolerance, .. }, mut notes) =
@@ -706,7 +671,7 @@ impl NutReport {
     /// Warnings.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
-        if let Some(pressure) = max_pressure(&self.state.made).filter(|p| *p > MARKS_ABOVE) {
+        if let Some(pressure) = self.max_pressure().filter(|p| *p > MARKS_ABOVE) {
             warnings.push(format!(
                 "pressure {:.0} MPa: above {:.0} MPa balls leave permanent marks (ISO 76)",
                 pressure / MPA,
@@ -715,7 +680,7 @@ impl NutReport {
         }
         warnings.extend(self.thrown(CENTRIFUGAL[1]..f64::INFINITY));
         warnings.extend(self.train_warnings());
-        if let Some(NutPreload { cold, warm, .. }) = &self.state.made.preload
+        if let Some(NutPreload { cold, warm, .. }) = &self.made.preload
             && *cold > 0.0
             && *warm <= 0.0
         {
@@ -723,7 +688,7 @@ impl NutReport {
                 "the preload is lost with these rises of temperature: the nut has play".to_owned(),
             );
         }
-        let set = self.state.made.preload.as_ref().is_some_and(|preload| preload.cold > 0.0);
+        let set = self.made.preload.as_ref().is_some_and(|preload| preload.cold > 0.0);
         let lost = set && self.number("preload_left_N").is_some_and(|left| left <= 0.0);
         if let (true, Some(limit)) = (lost, self.number("limit_load_N")) {
             warnings.push(format!(
@@ -737,7 +702,7 @@ impl NutReport {
     /// Note on the neglected centrifugal force, if it is a noticeable part of the mean load of a ball.
     fn thrown(&self, part: std::ops::Range<f64>) -> Option<String> {
         let (NutAtRest { nut, found, .. }, (_, drive)) =
-            (&self.state.made, self.problem.friction.as_ref()?);
+            (&self.made, self.problem.friction.as_ref()?);
         // On the middle of both raceways the balls go half as fast as screw and nut together.
         let precession = 0.5 * (drive.screw_speed + drive.nut_speed);
         let force = nut.ball.mass * nut.helix.radius * precession * precession;
@@ -753,7 +718,7 @@ impl NutReport {
 
     /// The models that answered for the friction of the balls; `None` if none was asked.
     pub fn model(&self) -> Option<String> {
-        let models = &self.state.ball_friction(&self.problem)?.models;
+        let models = &self.ball_friction()?.models;
         (!models.is_empty()).then(|| models.join(" and "))
     }
 
@@ -772,16 +737,15 @@ impl NutReport {
 
     /// A row a ball; NaN where there is no number.
     pub fn balls(&self) -> Columns {
-        let NutAtRest { nut, found, .. } = &self.state.made;
-        let (friction, hertz) = (self.state.friction(&self.problem), nut.hertz().ok());
-        let loaded = NutUnderLoad { problem: &self.problem, state: &self.state };
-        let advances: Vec<_> = loaded
+        let NutAtRest { nut, found, .. } = &self.made;
+        let (friction, hertz) = (self.friction(), nut.hertz().ok());
+        let advances: Vec<_> = self
             .advance()
             .into_iter()
             .flat_map(|advance| &advance.circuits)
             .flat_map(|circuit| circuit.balls.iter().copied())
             .collect();
-        let pushed: Vec<_> = loaded
+        let pushed: Vec<_> = self
             .train()
             .into_iter()
             .flat_map(|train| &train.circuits)
@@ -807,11 +771,10 @@ impl NutReport {
 
     /// The curve from no load beyond the load and the limit load; NaN without a solution.
     pub fn curve(&self) -> Columns {
-        let (problem, made) = (&self.problem, &self.state.made);
-        let axial = problem.axial();
-        let limit = limit_load(problem, made).unwrap_or(0.0);
+        let axial = self.problem.axial();
+        let limit = self.limit_load().unwrap_or(0.0);
         let far = f64::max(1.5 * axial.abs(), 1.25 * limit.abs());
-        let far = if far > 0.0 { far } else { 0.1 * problem.rating.rating };
+        let far = if far > 0.0 { far } else { 0.1 * self.problem.rating.rating };
         let far = if axial < 0.0 { -far } else { far };
         let mut loads: Vec<f64> =
             (0..=POINTS).map(|i| far * f64::from(i) / f64::from(POINTS)).collect();
@@ -819,7 +782,7 @@ impl NutReport {
         loads.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
         loads.dedup_by(|a, b| (*a - *b).abs() <= 1e-12 * far.abs());
         // Without preload nothing says where a nut without load is.
-        let start = usize::from(made.preload.is_none());
+        let start = usize::from(self.made.preload.is_none());
         let rows = loads[start..].iter().map(|load| self.on_curve(*load)).collect();
         Columns { heads: Self::curve_columns(), rows }
     }
@@ -827,11 +790,8 @@ impl NutReport {
     fn on_curve(&self, load: f64) -> Vec<f64> {
         let mut problem = self.problem.clone();
         problem.support = problem.support.with_axial(load);
-        let NutAtRest { nut, preload, .. } = &self.state.made;
-        let numbers = match nut.solve(&problem.support) {
-            Ok(found) => {
-                problem.some(NutAtRest { nut: nut.clone(), preload: *preload, found }, &CURVE)
-            }
+        let numbers = match self.made.nut.solve(&problem.support) {
+            Ok(found) => Self::new(problem, NutAtRest { found, ..self.made.clone() }).some(&CURVE),
             Err(_) => vec![None; CURVE.len()],
         };
         std::iter::once(Some(load)).chain(numbers).map(|x| x.unwrap_or(f64::NAN)).collect()
@@ -839,7 +799,7 @@ impl NutReport {
 
     /// The answer: its numbers and, under the names of the reference cases, displacements, loads of all balls and stiffness.
     pub fn answer(&self) -> Answer {
-        let (found, nut) = (self.found(), &self.state.made.nut);
+        let (found, nut) = (self.found(), &self.made.nut);
         let [z, x, y, px, py] = found.displacement;
         let balls = self.balls();
         let list = |column: usize| {
@@ -865,18 +825,11 @@ impl NutReport {
         let notes = warm.map_or_else(Vec::new, Warm::notes).into_iter().chain(self.notes());
         let warnings = warm.and_then(Warm::warning).into_iter().chain(self.warnings());
         let answer =
-            Answer { notes: notes.collect(), warnings: warnings.collect(), ..Answer::default() };
-        let answer = answer
-            .with("", Content::numbers(self.numbers(|_| true), "nut"))
-            .with("", Content::Json(Value::Object(more)))
-            .with("model", Content::Text("model ", self.model()));
-        let answer = match self.circuits() {
-            Some(circuits) => answer.with("circuits", Content::Table(circuits)),
-            None => answer,
-        };
-        match warm {
-            Some(warm) => warm.add_to(answer),
-            None => answer,
-        }
+            Answer { notes: notes.collect(), warnings: warnings.collect(), ..Answer::default() }
+                .with("", Content::numbers(self.numbers(|_| true), "nut"))
+                .with("", Content::Json(Value::Object(more)))
+                .with("model", Content::Text("model ", self.model()))
+                .with_some("circuits", self.circuits().map(Content::Table));
+        Warm::add_to(warm, answer)
     }
 }

@@ -33,11 +33,11 @@ quantities! { pub(crate) QUANTITIES, read(&Known) of Optimum;
     }
 }
 
-quantities! { pub(crate) BY_MODEL, by_model(&ByModel);
+quantities! { pub(crate) BY_MODEL, by_model(&Option<Optimum>);
     "by the model" {
-        optimum_contact_angle_deg ["deg"] Whole(|found| Some(found.best?.contact_angle / DEG)),
+        optimum_contact_angle_deg ["deg"] Whole(|best| Some(best.as_ref()?.contact_angle / DEG)),
             "contact angle of best efficiency";
-        optimum_efficiency [""] Whole(|found| Some(found.best?.efficiency)), "efficiency there";
+        optimum_efficiency [""] Whole(|best| Some(best.as_ref()?.efficiency)), "efficiency there";
     }
 }
 
@@ -55,15 +55,6 @@ struct Known {
     best_leads: [Option<f64>; 2],
 }
 
-/// Best contact angle of a model.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct ByModel {
-    model: Model,
-    direction: Direction,
-    /// `None` if the model has no solution at any contact angle, or the best one is an end of the range.
-    best: Option<Optimum>,
-}
-
 /// Contact angles among which a model's best one is looked for \[deg\].
 const SEARCHED_DEG: (f64, f64) = (5.0, 85.0);
 
@@ -79,7 +70,7 @@ impl Known {
             missing.push(words.to_owned());
         }
         let Some(friction) = scene.friction_coefficient.filter(|_| missing.is_empty()) else {
-            return Err(CaseError::missing(missing, "by model closed-form"));
+            return Err(CaseError::missing(&missing, "by model closed-form"));
         };
         Ok(Self {
             lead,
@@ -127,18 +118,15 @@ pub(crate) fn numbers(scene: &Scene) -> Result<Numbers, CaseError> {
 /// [`CaseError`] if one of them is missing or breaks its rule.
 pub fn optimum(scene: &Scene, model: Option<Model>) -> Result<Answer, CaseError> {
     scene.check()?;
-    let found = model.map(|model| ByModel::of(scene, model)).transpose()?;
+    let found = model.map(|model| Ok((model, best_by(scene, model)?))).transpose()?;
     let mut answer = Answer::default().with("", Content::numbers(numbers(scene)?, ""));
-    if let Some(found) = found {
-        let (model, (low, high)) = (found.model.name(), SEARCHED_DEG);
-        let best = Content::numbers(
-            by_model(&found, |_| true),
-            Of::Directions.members()[usize::from(found.direction.is_back())],
-        );
+    if let Some((model, (direction, best))) = found {
+        let (model, (low, high)) = (model.name(), SEARCHED_DEG);
+        let whole = Of::Directions.members()[usize::from(direction.is_back())];
         answer = answer
             .with("model", Content::Text("model ", Some(model.to_owned())))
-            .with("by_model", best);
-        if found.best.is_none() {
+            .with("by_model", Content::numbers(by_model(&best, |_| true), whole));
+        if best.is_none() {
             answer.warnings.push(format!(
                 "model {model}: no best contact angle between {low} and {high} deg; its efficiency is largest at \
                  an end of that range"
@@ -149,23 +137,22 @@ pub fn optimum(scene: &Scene, model: Option<Model>) -> Result<Answer, CaseError>
     Ok(answer)
 }
 
-impl ByModel {
-    /// The contact angle of least loss.
-    fn of(scene: &Scene, model: Model) -> Result<Self, CaseError> {
-        let settings = Settings::from(model);
-        let speeds = scene.speeds_rpm().map_or(1.0, |(screw, nut)| screw - nut);
-        let direction = Direction::of(speeds).unwrap_or(Direction::RotaryToLinear);
-        let work = RefCell::new(ModelWorkspace::default());
-        let loss = |deg: f64| -> Result<f64, CaseError> {
-            let scene = Scene { contact_angle_deg: Some(deg), ..scene.clone() };
-            let solution = scene.problem(&settings)?.solve(&mut work.borrow_mut());
-            Ok(solution.efficiency().map_or(f64::NAN, |eta| 1.0 - eta))
-        };
-        // A screw that does not move has no best angle.
-        let best = minimum_inside(loss, SEARCHED_DEG)?.filter(|(_, loss)| *loss < 1.0);
-        let optimum = |(deg, loss)| Optimum { contact_angle: deg * DEG, efficiency: 1.0 - loss };
-        Ok(Self { model, direction, best: best.map(optimum) })
-    }
+/// The contact angle of least loss of a model in the direction of the scene's speeds; none if the model has no solution at any, or
+/// the best one is an end of the range.
+fn best_by(scene: &Scene, model: Model) -> Result<(Direction, Option<Optimum>), CaseError> {
+    let settings = Settings::from(model);
+    let speeds = scene.speeds_rpm().map_or(1.0, |(screw, nut)| screw - nut);
+    let direction = Direction::of(speeds).unwrap_or(Direction::RotaryToLinear);
+    let work = RefCell::new(ModelWorkspace::default());
+    let loss = |deg: f64| -> Result<f64, CaseError> {
+        let scene = Scene { contact_angle_deg: Some(deg), ..scene.clone() };
+        let solution = scene.problem(&settings)?.solve(&mut work.borrow_mut());
+        Ok(solution.efficiency().map_or(f64::NAN, |eta| 1.0 - eta))
+    };
+    // A screw that does not move has no best angle.
+    let best = minimum_inside(loss, SEARCHED_DEG)?.filter(|(_, loss)| *loss < 1.0);
+    let optimum = |(deg, loss)| Optimum { contact_angle: deg * DEG, efficiency: 1.0 - loss };
+    Ok((direction, best.map(optimum)))
 }
 
 /// A warning if the optimum of a motion is hard to make.

@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 
 use crate::vocabulary::units::{DEG, MM, MPA};
 use crate::{
-    Answer, CaseError, Column, Content, ModelChoice, OUTPUTS, Output, Scene, ScrewTorque, Section,
+    Answer, CaseError, Content, ModelChoice, OUTPUTS, Output, Scene, ScrewTorque, Section,
     Sensitivity, Settings, Table,
 };
 
@@ -77,11 +77,6 @@ impl Record {
         self.solution.as_ref()?.solved()
     }
 
-    /// Reason of the choice, for a model chosen by its error bound.
-    fn chosen(&self) -> Option<Choice> {
-        self.solution.as_ref()?.choice
-    }
-
     /// How the solve ended.
     pub fn status(&self) -> Status {
         self.solution.as_ref().map_or(Status::InvalidInput, Solution::status)
@@ -136,7 +131,7 @@ impl Record {
     /// Why this model was chosen, if it was chosen by the bound of its error.
     pub fn choice(&self) -> Option<String> {
         let bound = self.solved()?.error?.efficiency;
-        Some(reason_of_choice(&self.chosen()?, bound))
+        Some(reason_of_choice(&self.solution.as_ref()?.choice?, bound))
     }
 
     /// The outputs that have a value whose error has no bound, though that of the efficiency has one: those of the
@@ -374,9 +369,8 @@ impl Record {
         }
         answer.sections.extend(self.shown(scene));
         answer = answer.with("", Content::Json(Value::Object(map)));
-        if let Some(parts) = parts {
-            answer = answer.with("torque_parts", Content::Json(parts.to_json()));
-        }
+        let json = parts.as_ref().map(|parts| Content::Json(parts.to_json()));
+        answer = answer.with_some("torque_parts", json);
         if let Some(band) = band {
             let Band { loss, screw_torque, efficiency } = band;
             let json = json!({
@@ -389,10 +383,8 @@ impl Record {
                 .with_shown(Content::Table(of_band(band)))
                 .with_shown(Content::Text("not included:", Some(NOT_IN_IT.to_owned())));
         }
-        if let Some(rows) = sensitivities {
-            answer = answer.with("sensitivities", Content::Table(Sensitivity::table(rows)));
-        }
-        answer
+        let rows = sensitivities.as_ref().map(|rows| Content::Table(Sensitivity::table(rows)));
+        answer.with_some("sensitivities", rows)
     }
 }
 
@@ -428,20 +420,12 @@ fn of_band(Band { loss, screw_torque, efficiency }: &Band) -> Table {
     let row = |label: &str, unit: &str, [low, high]: &[f64; 2]| {
         vec![json!(label), json!(unit), json!(low), json!(high)]
     };
-    Table {
-        columns: vec![
-            Column::headed("", "90 % interval"),
-            Column::headed("", ""),
-            Column::headed("", "low"),
-            Column::headed("", "high"),
-        ],
-        rows: vec![
-            row("contact loss relative to the stated one", "", loss),
-            row("torque of the balls", "N m", screw_torque),
-            row("efficiency", "", efficiency),
-        ],
-        keyed: false,
-    }
+    let rows = [
+        row("contact loss relative to the stated one", "", loss),
+        row("torque of the balls", "N m", screw_torque),
+        row("efficiency", "", efficiency),
+    ];
+    Table::of("=90 % interval | = | =low | =high", rows)
 }
 
 /// Warnings where a film leaves the range of its formulas.

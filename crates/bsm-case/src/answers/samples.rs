@@ -6,7 +6,8 @@ use serde_json::json;
 
 use super::nut::QUANTITIES;
 use crate::vocabulary::error::bad;
-use crate::{Answer, CaseError, Column, Content, NutProblem, Quantity, Table};
+use crate::vocabulary::number::count;
+use crate::{Answer, CaseError, Content, NutProblem, NutReport, Quantity, Table};
 
 /// Quantities of the samples: those of a nut that its errors change.
 const SAMPLED: [&str; 6] = [
@@ -41,7 +42,7 @@ impl Samples {
     ///
     /// # Errors
     ///
-    /// [`CaseError::BadEntry`] if nothing of the nut scatters, [`CaseError::OutOfRange`] for no samples
+    /// [`CaseError::Entry`] if nothing of the nut scatters, [`CaseError::OutOfRange`] for no samples
     /// or too many.
     pub fn of(problem: &NutProblem, number: u64, seed: Option<u64>) -> Result<Self, CaseError> {
         if number == 0 || number > MOST {
@@ -63,7 +64,8 @@ impl Samples {
             .into_par_iter()
             .map(|i| {
                 let one = problem.drawn(seed, i, &waves);
-                Some(one.some(one.carried().ok()?, &SAMPLED))
+                let made = one.carried().ok()?;
+                Some(NutReport::new(one, made).some(&SAMPLED))
             })
             .collect();
         let carried: Vec<_> = solved.iter().flatten().collect();
@@ -83,36 +85,25 @@ impl Samples {
 
     /// The answer: each quantity with its quantiles.
     pub fn answer(&self) -> Answer {
-        let heads = ["5 %", "25 %", "50 %", "75 %", "95 %"]
-            .into_iter()
-            .zip(["0.05", "0.25", "0.5", "0.75", "0.95"]);
         let columns =
-            [Column::hidden("name"), Column::headed("", "quantiles"), Column::headed("", "")];
+            "-name | =quantiles | = | 0.05=5 % | 0.25=25 % | 0.5=50 % | 0.75=75 % | 0.95=95 %";
         let row = |(quantity, quantiles): &(&Quantity, [f64; 5])| {
             let words = [quantity.name, quantity.about, quantity.unit].map(|word| json!(word));
             words.into_iter().chain(quantiles.map(|q| json!(q))).collect()
         };
-        let table = Table {
-            columns: columns
-                .into_iter()
-                .chain(heads.map(|(head, name)| Column::headed(name, head)))
-                .collect(),
-            rows: self.rows.iter().map(row).collect(),
-            keyed: true,
-        };
-        let count = format!("{} nuts carry the load, {} do not", self.carried, self.failed);
+        let table = Table::of(columns, self.rows.iter().map(row)).keyed();
+        let carried = format!("{} nuts carry the load, {} do not", self.carried, self.failed);
         Answer { fails: self.failed > 0, ..Answer::default() }
             .with("carried", Content::Json(self.carried.into()))
             .with("failed", Content::Json(self.failed.into()))
             .with("quantiles", Content::Table(table))
-            .with_shown(Content::Text("", Some(count)))
+            .with_shown(Content::Text("", Some(carried)))
     }
 }
 
 /// Between the two nearest of sorted values.
 fn quantile(sorted: &[f64], part: f64) -> f64 {
-    #[expect(clippy::cast_precision_loss, reason = "numbers of samples")]
-    let place = part * sorted.len().saturating_sub(1) as f64;
+    let place = part * count(sorted.len().saturating_sub(1));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place")]
     let low = place as usize;
     let share = place.fract();

@@ -131,7 +131,7 @@ impl Condition {
     /// [`CaseError`] for another form, an unknown column or no number.
     pub fn parse(text: &str, has_sheets: bool) -> Result<Self, CaseError> {
         let form = "name>=value, name<=value or name=value";
-        let bad = || CaseError::BadSetting { text: text.to_owned(), form };
+        let bad = || CaseError::bad_setting(text, form);
         let at = text.find(['<', '>', '=']).ok_or_else(bad)?;
         let sign =
             if text[at..].starts_with('=') { "=" } else { text.get(at..at + 2).ok_or_else(bad)? };

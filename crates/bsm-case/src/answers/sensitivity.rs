@@ -7,7 +7,7 @@ use bsm_kin::Jet;
 use serde_json::json;
 
 use crate::case::reader::Reader;
-use crate::{CaseError, Column, InputKey, InputSet, Quantity, Scene, Settings, Table};
+use crate::{CaseError, InputKey, InputSet, Quantity, Scene, Settings, Table};
 
 /// Inputs by which derivatives are taken at a time: most callers ask for fewer, and the time of a solve in jets
 /// grows with their number.
@@ -121,15 +121,8 @@ impl Sensitivities {
 impl Sensitivity {
     /// A row an input, with unit and value for people.
     pub(crate) fn table(rows: &[Self]) -> Table {
-        let columns = vec![
-            Column::headed("name", "sensitivity to"),
-            Column::headed("", "unit"),
-            Column::headed("", "value"),
-            Column::headed("efficiency_relative", "efficiency, %/%"),
-            Column::headed("ball_torque_relative", "torque, %/%"),
-            Column::headed("efficiency", "efficiency, 1/unit"),
-            Column::headed("ball_torque_Nm", "torque, N m/unit"),
-        ];
+        let columns = "name=sensitivity to | =unit | =value | efficiency_relative=efficiency, %/% \
+                       | ball_torque_relative=torque, %/% | efficiency=efficiency, 1/unit | ball_torque_Nm=torque, N m/unit";
         let row = |row: &Self| {
             vec![
                 json!(row.input.name),
@@ -141,6 +134,6 @@ impl Sensitivity {
                 json!(row.screw_torque),
             ]
         };
-        Table { columns, rows: rows.iter().map(row).collect(), keyed: true }
+        Table::of(columns, rows.iter().map(row)).keyed()
     }
 }

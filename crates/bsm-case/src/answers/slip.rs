@@ -76,7 +76,7 @@ const POWERS_AGREE_IN_FILMS: f64 = 1e-3;
 ///
 /// # Errors
 ///
-/// [`CaseError::NoMotion`] if the model has no motion of the ball, [`CaseError::NotCovered`] if the
+/// [`CaseError::Invalid`] if the model has no motion of the ball, [`CaseError::OutOfRange`] if the
 /// scene gives the contact angles in motion and the model is not raceway control.
 pub fn slip(scene: &Scene, settings: &Settings, solution: &Solution) -> Result<Answer, CaseError> {
     let (solved, given) =

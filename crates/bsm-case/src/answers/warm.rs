@@ -11,7 +11,7 @@ use crate::case::warm::{Detail, Warm, WarmState};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{RPM, UM};
 use crate::{
-    Answer, CaseError, Column, Content, INPUTS, InputKey, InputSet, Numbers, Quantity, Row, Scene,
+    Answer, CaseError, Content, INPUTS, InputKey, InputSet, Numbers, Quantity, Row, Scene,
     Settings, Table,
 };
 
@@ -73,15 +73,7 @@ impl WarmState {
             };
             vec![json!(name), json!(value), json!(origin)]
         };
-        Table {
-            columns: vec![
-                Column::headed("", "conductance"),
-                Column::hidden("value"),
-                Column::named("origin"),
-            ],
-            rows: of_state.map(row).collect(),
-            keyed: true,
-        }
+        Table::of("=conductance | -value | origin", of_state.map(row)).keyed()
     }
 }
 
@@ -142,19 +134,15 @@ impl Warm {
         Self::of(scene, settings, detail, of_band)
     }
 
-    /// Adds its numbers and its band to an answer.
-    pub(crate) fn add_to(&self, answer: Answer) -> Answer {
-        let numbers = read(self, |_| true).where_finite();
-        let conductances = state(self).map(|state| state.conductances(&numbers));
-        let answer = answer.with("warm", Content::numbers(numbers, "warm"));
-        let answer = match conductances {
-            Some(table) => answer.with("conductances", Content::Table(table)),
-            None => answer,
-        };
-        match self.band() {
-            Some(band) => answer.with("band", Content::Table(band)),
-            None => answer,
-        }
+    /// Adds its numbers and its band to an answer, if it was asked for.
+    pub(crate) fn add_to(warm: Option<&Self>, answer: Answer) -> Answer {
+        let Some(warm) = warm else { return answer };
+        let numbers = read(warm, |_| true).where_finite();
+        let conductances = state(warm).map(|state| Content::Table(state.conductances(&numbers)));
+        answer
+            .with("warm", Content::numbers(numbers, "warm"))
+            .with_some("conductances", conductances)
+            .with_some("band", warm.band().map(Content::Table))
     }
 
     /// Between what the numbers lie.
@@ -175,16 +163,8 @@ impl Warm {
             let tension = name == "screw_tension_N" && state.tension.is_none();
             !(tension || value.is_nan())
         };
-        Some(Table {
-            columns: vec![
-                Column::headed("", "by what is estimated, phase"),
-                Column::named("low"),
-                Column::named("value"),
-                Column::named("high"),
-            ],
-            rows: rows.filter(is_there).map(row).collect(),
-            keyed: true,
-        })
+        let columns = "=by what is estimated, phase | low | value | high";
+        Some(Table::of(columns, rows.filter(is_there).map(row)).keyed())
     }
 
     /// What the temperatures rest on.

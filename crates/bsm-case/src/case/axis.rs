@@ -45,9 +45,9 @@ pub(crate) struct Machine {
 /// A screw between two fixed bearings.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FixedEnds {
-    shaft: Shaft,
+    pub(crate) shaft: Shaft,
     /// Stiffness of each bearing \[N/m\].
-    bearing: f64,
+    pub(crate) bearing: f64,
     /// Growth of the free screw for a kelvin \[m/K\].
     growth: f64,
     /// Kelvins by which it is stretched.
@@ -77,23 +77,12 @@ impl FixedEnds {
     pub(crate) fn tension(&self, rise: f64) -> f64 {
         self.shaft.tension(self.growth, self.bearing, self.stretched, rise)
     }
-
-    /// Tension over the growth that the bearings hinder \[N/m\].
-    pub(crate) fn stiffness(&self) -> f64 {
-        self.shaft.held(self.bearing)
-    }
-
-    /// What of the growth the bearings leave.
-    pub(crate) fn growth_left(&self) -> f64 {
-        self.shaft.growth_left(self.bearing)
-    }
 }
 
 impl Machine {
     /// The axis of a scene, without the preload, which its nut tells.
     pub(crate) fn of(scene: &Scene) -> Result<Self, CaseError> {
         scene.check_but(scene.speeds_at_rest())?;
-        let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
         let mut warning = None;
         let (groove, RatedScrew { screw: size, body, assumed }) = if scene.has_ratings_only() {
             (None, RatedScrew::of(scene)?)
@@ -136,12 +125,12 @@ impl Machine {
         let of_screw = screw.map_or(0.0, |(_, inertia)| inertia);
         let drive = Drive {
             lead: size.lead,
-            screw_inertia: of_screw + value(InputKey::coupling_inertia_kg_m2),
+            screw_inertia: of_screw + scene.number(InputKey::coupling_inertia_kg_m2),
             mass: carriage.mass,
-            gear_ratio: value(InputKey::gear_ratio),
-            gear_efficiency: value(InputKey::gear_efficiency),
-            motor_inertia: value(InputKey::motor_inertia_kg_m2),
-            gear_inertia: value(InputKey::gear_inertia_kg_m2),
+            gear_ratio: scene.number(InputKey::gear_ratio),
+            gear_efficiency: scene.number(InputKey::gear_efficiency),
+            motor_inertia: scene.number(InputKey::motor_inertia_kg_m2),
+            gear_inertia: scene.number(InputKey::gear_inertia_kg_m2),
         };
         let phase = |motion: &Motion| motion.phase(&carriage, size.lead);
         let axis = Axis {
@@ -171,12 +160,11 @@ impl Machine {
 
 /// The load that the axis of a scene moves.
 pub(crate) fn carriage(scene: &Scene) -> MachineTable {
-    let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
     MachineTable {
-        mass: value(InputKey::moved_mass_kg),
-        inclination: value(InputKey::inclination_deg) * DEG,
-        friction: value(InputKey::guide_friction),
-        resistance: value(InputKey::guide_force_N),
+        mass: scene.number(InputKey::moved_mass_kg),
+        inclination: scene.number(InputKey::inclination_deg) * DEG,
+        friction: scene.number(InputKey::guide_friction),
+        resistance: scene.number(InputKey::guide_force_N),
     }
 }
 
@@ -298,7 +286,7 @@ pub(crate) fn reliability(scene: &Scene) -> f64 {
 
 /// The stretches of the cycle, or the one of the operating point.
 pub(crate) fn motions(scene: &Scene) -> Result<Vec<Motion>, CaseError> {
-    let load_factor = scene.value_or_default(InputKey::load_factor).unwrap_or(f64::NAN);
+    let load_factor = scene.number(InputKey::load_factor);
     let motion = |entry: &PhaseEntry| Motion {
         time: entry.time(),
         force: entry.force_N.unwrap_or(0.0),
@@ -319,13 +307,14 @@ pub(crate) fn motions(scene: &Scene) -> Result<Vec<Motion>, CaseError> {
         (Some(feed), _) if scene.nut_speed_rpm.is_none() => Some(DutySpeed::Feed(feed / 60.0)),
         (_, speeds) => speeds.map(|(screw, nut)| DutySpeed::Turns((screw - nut) * RPM)),
     };
-    let missing = |absent: bool, name: &str| absent.then(|| name.to_owned());
     let (Some(pace), Some(force)) = (pace, scene.axial_load_N) else {
-        let missing = [
-            missing(scene.axial_load_N.is_none(), "axial_load_N (or cycle)"),
-            missing(pace.is_none(), "screw_speed_rpm or feed_m_min (or cycle)"),
+        let needed = [
+            (scene.axial_load_N.is_none(), "axial_load_N (or cycle)"),
+            (pace.is_none(), "screw_speed_rpm or feed_m_min (or cycle)"),
         ];
-        return Err(CaseError::missing(missing.into_iter().flatten().collect(), "for the axis"));
+        let missing = needed.iter().filter(|(absent, _)| *absent);
+        let missing: Vec<_> = missing.map(|(_, name)| (*name).to_owned()).collect();
+        return Err(CaseError::missing(&missing, "for the axis"));
     };
     Ok(vec![Motion { time: 1.0, force, pace, acceleration: 0.0, load_factor }])
 }

@@ -4,6 +4,7 @@ use std::fmt::{self, Display, Formatter};
 use std::iter::repeat_n;
 use std::ops::Range;
 
+use crate::vocabulary::number;
 use crate::{CaseError, InputKey, InputSet, ModelChoice, Scene};
 
 /// One varied input.
@@ -29,11 +30,9 @@ impl Axis {
     ///
     /// [`CaseError`] for another form, an unknown input, or a value that breaks its rule.
     pub fn parse(text: &str) -> Result<Self, CaseError> {
-        let bad = || CaseError::BadSetting {
-            text: text.to_owned(),
-            form: "name=start:stop:count, name=start:stop:count:log or name=v1,v2,... with finite numbers and a \
-                   count of at least 2; both ends of a log range are > 0",
-        };
+        let form = "name=start:stop:count, name=start:stop:count:log or name=v1,v2,... with finite numbers and a \
+                    count of at least 2; both ends of a log range are > 0";
+        let bad = || CaseError::bad_setting(text, form);
         let (name, values) = text.split_once('=').ok_or_else(bad)?;
         let (key, factor) = InputKey::in_unit(name.trim())?;
         let number = |text: &str| {
@@ -81,8 +80,7 @@ impl Axis {
                 if i + 1 == *count {
                     return *stop;
                 }
-                #[expect(clippy::cast_precision_loss, reason = "counts are far below 2^52")]
-                let fraction = i as f64 / (*count - 1) as f64;
+                let fraction = number::count(i) / number::count(*count - 1);
                 if *log {
                     let (from, to) = (start.ln(), stop.ln());
                     return if i == 0 { *start } else { (from + (to - from) * fraction).exp() };

@@ -126,7 +126,7 @@ pub fn column_names(json: &[u8]) -> Result<BTreeMap<String, Option<String>>, Cas
     let name = |(key, value): (String, Value)| match value {
         Value::Null => Ok((key, None)),
         Value::String(name) => Ok((key, Some(name))),
-        other => Err(wrong_type(key, &other, "a name, or null")),
+        other => Err(wrong_type(&key, &other, "a name, or null")),
     };
     entries(json)?.into_iter().map(name).collect()
 }

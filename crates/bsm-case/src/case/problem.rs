@@ -43,15 +43,13 @@ impl ModelChoice {
     ///
     /// # Errors
     ///
-    /// [`CaseError::UnknownWord`].
+    /// [`CaseError::Entry`].
     pub fn from_name(name: &str) -> Result<Self, CaseError> {
         if name == Self::Auto.name() {
             return Ok(Self::Auto);
         }
-        Model::from_name(name).map(Self::Fixed).ok_or_else(|| CaseError::UnknownWord {
-            kind: "model",
-            name: name.to_owned(),
-            known: Self::names().collect::<Vec<_>>().join(", "),
+        Model::from_name(name).map(Self::Fixed).ok_or_else(|| {
+            CaseError::unknown_word("model", name, &Self::names().collect::<Vec<_>>())
         })
     }
 }
@@ -108,26 +106,22 @@ impl Settings {
     ///
     /// # Errors
     ///
-    /// [`CaseError::UnknownWord`].
+    /// [`CaseError::Entry`].
     pub fn named(
         model: &str,
         control: Option<&str>,
         friction: Option<&str>,
     ) -> Result<Self, CaseError> {
         let raceway = |name: &str| {
-            Control::from_name(name).ok_or_else(|| CaseError::UnknownWord {
-                kind: "raceway",
-                name: name.to_owned(),
-                known: Control::ALL.map(Control::name).join(", "),
-            })
+            let unknown =
+                || CaseError::unknown_word("raceway", name, &Control::ALL.map(Control::name));
+            Control::from_name(name).ok_or_else(unknown)
         };
         let control = control.map(raceway).transpose()?;
         let place = |name: &str| {
-            RacewayFriction::from_name(name).ok_or_else(|| CaseError::UnknownWord {
-                kind: "friction",
-                name: name.to_owned(),
-                known: RacewayFriction::ALL.map(RacewayFriction::name).join(", "),
-            })
+            let known = RacewayFriction::ALL.map(RacewayFriction::name);
+            let unknown = || CaseError::unknown_word("friction", name, &known);
+            RacewayFriction::from_name(name).ok_or_else(unknown)
         };
         let friction = friction.map_or(Ok(RacewayFriction::default()), place)?;
         Ok(Self { model: ModelChoice::from_name(model)?, control, friction, ..Self::default() })
@@ -258,7 +252,7 @@ impl ModelChoice {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Missing`] if not even the cheapest model has its inputs, what `covers` says of
+    /// [`CaseError::Entry`] if not even the cheapest model has its inputs, what `covers` says of
     /// a fixed one, and [`CaseError::Invalid`] for friction given twice or in a way that the model has not.
     pub fn resolve(
         self,
@@ -280,10 +274,8 @@ impl ModelChoice {
         };
         let needs = Needs::for_points(model, given);
         if !needs.are_met(given) {
-            return Err(CaseError::missing(
-                needs.missing(given),
-                given.purpose(&format!("by model {}", model.name())),
-            ));
+            let purpose = given.purpose(&format!("by model {}", model.name()));
+            return Err(CaseError::missing(&needs.missing(given), &purpose));
         }
         covers(model).map(|()| Self::Fixed(model))
     }
@@ -338,7 +330,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`CaseError::NotCovered`].
+    /// [`CaseError::OutOfRange`].
     pub fn covered_by(&self, model: Model) -> Result<(), CaseError> {
         match covered(model, self) {
             Some(false) => Err(not_covered(model, self)),
@@ -355,7 +347,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Missing`], [`CaseError::NotCovered`].
+    /// [`CaseError::Entry`], [`CaseError::OutOfRange`].
     pub fn choose(&self, choice: ModelChoice) -> Result<ModelChoice, CaseError> {
         choice.resolve(self.stated(), |model| self.covered_by(model))
     }

@@ -32,7 +32,8 @@ pub(crate) fn nut(scene: &Scene) -> Result<Nut, CaseError> {
     let (balls_per_turn, turns) = balls_and_turns(scene);
     let missing = NEEDS.missing(given(scene));
     if !missing.is_empty() {
-        return Err(CaseError::missing(missing, scene.given().purpose("for the ratings of a nut")));
+        let purpose = scene.given().purpose("for the ratings of a nut");
+        return Err(CaseError::missing(&missing, &purpose));
     }
     let value = |key: InputKey| scene[key].expect("required inputs were checked");
     let pitch_mm = value(InputKey::pitch_circle_diameter_mm);

@@ -45,12 +45,10 @@ impl Scene {
 impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
     /// The problem of a model whose inputs [`Scene::choose`] has checked.
     pub(crate) fn problem(&self, model: ModelChoice, settings: &Settings) -> Problem<D> {
-        if let Some(lubricant) = self.lubricant() {
-            return lubricated(self.elastic_point(), lubricant, model, settings);
-        }
-        let model = match model {
-            ModelChoice::Fixed(model) if !has_grooves(model) => model,
-            _ => return in_grooves(self.elastic_point(), model, settings),
+        let lubricant = self.lubricant();
+        let model = match (model, &lubricant) {
+            (ModelChoice::Fixed(model), None) if !has_grooves(model) => model,
+            _ => return in_grooves(self.elastic_point(), lubricant, model, settings),
         };
         match model {
             Model::ClosedForm => Problem::ClosedForm(ClosedForm {
@@ -240,41 +238,28 @@ pub(crate) fn has_grooves(model: Model) -> bool {
     matches!(model, Model::RacewayControl | Model::Elastic | Model::Traction)
 }
 
-/// The problem of a model whose balls press the grooves.
+/// The problem of a model whose balls press the grooves, through a lubricant if there is one.
 pub(crate) fn in_grooves<D: Scalar>(
     at: ElasticPoint<D>,
+    lubricant: Option<Lubricant<D>>,
     model: ModelChoice,
     settings: &Settings,
 ) -> Problem<D> {
+    let Settings { tolerance, accuracy, creep, control, friction, .. } = *settings;
+    if let Some(lubricant) = lubricant {
+        let model = if model == Model::RacewayControl.into() {
+            LubricatedModel::RacewayControl(RacewayControl { at, control }, friction)
+        } else {
+            LubricatedModel::Traction(Traction { at, accuracy, creep })
+        };
+        return Problem::Lubricated(Lubricated { lubricant, model });
+    }
     match model {
         ModelChoice::Fixed(Model::RacewayControl) => {
-            Problem::RacewayControl(RacewayControl { at, control: settings.control })
+            Problem::RacewayControl(RacewayControl { at, control })
         }
         ModelChoice::Fixed(Model::Elastic) => Problem::Elastic(Elastic { at }),
-        ModelChoice::Fixed(Model::Traction) => {
-            Problem::Traction(Traction { at, accuracy: settings.accuracy, creep: settings.creep })
-        }
-        _ => Problem::Auto(Auto { at, tolerance: settings.tolerance }),
+        ModelChoice::Fixed(Model::Traction) => Problem::Traction(Traction { at, accuracy, creep }),
+        _ => Problem::Auto(Auto { at, tolerance }),
     }
-}
-
-/// The problem of a model whose balls press the grooves through a lubricant.
-pub(crate) fn lubricated<D: Scalar>(
-    at: ElasticPoint<D>,
-    lubricant: Lubricant<D>,
-    model: ModelChoice,
-    settings: &Settings,
-) -> Problem<D> {
-    let model = match model {
-        ModelChoice::Fixed(Model::RacewayControl) => LubricatedModel::RacewayControl(
-            RacewayControl { at, control: settings.control },
-            settings.friction,
-        ),
-        _ => LubricatedModel::Traction(Traction {
-            at,
-            accuracy: settings.accuracy,
-            creep: settings.creep,
-        }),
-    };
-    Problem::Lubricated(Lubricated { lubricant, model })
 }

@@ -145,7 +145,7 @@ impl RequirementFile {
             given.assign(key, value)?;
         }
         for setting in settings {
-            let bad = || CaseError::BadSetting { text: setting.clone(), form: "name=value" };
+            let bad = || CaseError::bad_setting(setting, "name=value");
             let (key, text) = setting.split_once('=').ok_or_else(bad)?;
             let (key, text) = (key.trim(), text.trim());
             let value = serde_json::from_str(text).unwrap_or_else(|_| Value::from(text));
@@ -155,15 +155,12 @@ impl RequirementFile {
     }
 }
 
-/// A key, and what its value makes.
-type Form<T> = (&'static str, fn(f64) -> T);
-
 /// Keys and values, checked one by one.
 #[derive(Default)]
 struct RequirementKeys {
     scene: Scene,
-    numbers: Map<String, Value>,
-    words: Map<String, Value>,
+    /// Numbers and texts that only requirements have.
+    own: Map<String, Value>,
 }
 
 impl RequirementKeys {
@@ -174,16 +171,15 @@ impl RequirementKeys {
             let known = value.as_str().is_some_and(|word| words.contains(&word));
             if !known {
                 let expected = format!("one of {}", words.join(", "));
-                return Err(wrong_type(key.to_owned(), value, &expected));
+                return Err(wrong_type(key, value, &expected));
             }
-            self.words.insert(key.to_owned(), value.clone());
+            self.own.insert(key.to_owned(), value.clone());
             return Ok(());
         }
         if let Some(input) = REQUIREMENT_INPUTS.iter().find(|input| input.name == key) {
-            let number =
-                value.as_f64().ok_or_else(|| wrong_type(key.to_owned(), value, "a number"))?;
+            let number = value.as_f64().ok_or_else(|| wrong_type(key, value, "a number"))?;
             input.rule.check(input.name, number)?;
-            self.numbers.insert(key.to_owned(), value.clone());
+            self.own.insert(key.to_owned(), value.clone());
             return Ok(());
         }
         let names = || from_scenes().map(InputKey::name);
@@ -197,50 +193,38 @@ impl RequirementKeys {
             let names = names.chain(ENTRIES_FROM_SCENES);
             return Err(CaseError::unknown(Known::Requirement, key, nearest(key, names)));
         }
-        self.scene.assign_json(key.to_owned(), value)
+        self.scene.assign_json(key, value)
     }
 
     fn number(&self, key: &str) -> Option<f64> {
         let input = REQUIREMENT_INPUTS.iter().find(|input| input.name == key);
-        self.numbers.get(key).and_then(Value::as_f64).or(input.and_then(|input| input.default))
+        self.own.get(key).and_then(Value::as_f64).or(input.and_then(|input| input.default))
     }
 
     fn word(&self, key: &str) -> &str {
         let first = REQUIREMENT_CHOICES.iter().find(|(name, ..)| *name == key);
         let first = first.map_or("", |(_, words, _)| words[0]);
-        self.words.get(key).and_then(Value::as_str).unwrap_or(first)
-    }
-
-    /// One of two forms of a demand.
-    fn one_of<T>(&self, forms: [Form<T>; 2]) -> Result<T, CaseError> {
-        let in_scene = |key| InputKey::named(key).ok().and_then(|key| self.scene[key]);
-        let value = |key| in_scene(key).or_else(|| self.number(key));
-        match forms.map(|(key, form)| value(key).map(form)) {
-            [Some(one), None] | [None, Some(one)] => Ok(one),
-            [None, None] => Err(CaseError::neither(forms.map(|(key, _)| key))),
-            _ => Err(CaseError::given_twice(forms.map(|(key, _)| key))),
-        }
+        self.own.get(key).and_then(Value::as_str).unwrap_or(first)
     }
 
     /// The cycle, or the operating point, or a torque.
     fn demand(&self, scene: &Scene) -> Result<LoadCase, CaseError> {
         let torque = self.number("screw_torque_Nm");
-        let not_with = |key: &'static str, given: bool| {
-            if given {
-                return Err(CaseError::given_twice([key, "screw_torque_Nm"]));
-            }
-            Ok(())
-        };
         let Some(torque) = torque else {
             if scene.nut.cycle.is_none() && scene.axial_load_N.is_none() {
                 return Err(CaseError::neither(["axial_load_N", "screw_torque_Nm"]));
             }
             return Ok(LoadCase::Cycle(motions(scene)?));
         };
-        not_with("axial_load_N", scene.axial_load_N.is_some())?;
-        not_with("cycle", scene.nut.cycle.is_some())?;
         // It is the torque of all that the screw carries.
-        not_with("moved_mass_kg", scene.moved_mass_kg.is_some_and(|mass| mass != 0.0))?;
+        let loads = [
+            ("axial_load_N", scene.axial_load_N.is_some()),
+            ("cycle", scene.nut.cycle.is_some()),
+            ("moved_mass_kg", scene.moved_mass_kg.is_some_and(|mass| mass != 0.0)),
+        ];
+        if let Some((key, _)) = loads.into_iter().find(|(_, given)| *given) {
+            return Err(CaseError::given_twice([key, "screw_torque_Nm"]));
+        }
         let pace = match (scene.feed_m_min, scene.screw_speed_rpm) {
             (Some(feed), _) => DutySpeed::Feed(feed / 60.0),
             (None, rpm) => DutySpeed::Turns(rpm.unwrap_or(f64::NAN) * RPM),
@@ -286,10 +270,13 @@ impl RequirementKeys {
     fn requirement(self, standard: Lists) -> Result<RequirementFile, CaseError> {
         let mut scene = self.scene.clone();
         scene.check()?;
-        let reach = self.one_of([
-            ("screw_length_mm", |mm| Travel::Screw(mm * MM)),
-            ("stroke_mm", |mm| Travel::Stroke(mm * MM)),
-        ])?;
+        let forms = ["screw_length_mm", "stroke_mm"];
+        let reach = match (self.number(forms[0]), scene.stroke_mm) {
+            (Some(mm), None) => Travel::Screw(mm * MM),
+            (None, Some(mm)) => Travel::Stroke(mm * MM),
+            (None, None) => return Err(CaseError::neither(forms)),
+            (Some(_), Some(_)) => return Err(CaseError::given_twice(forms)),
+        };
         // Lead and lead angle together are a pitch circle.
         if let (Some(lead), Some(angle), None) =
             (scene.lead_mm, scene.lead_angle_deg, scene.pitch_circle_diameter_mm)
@@ -303,8 +290,8 @@ impl RequirementKeys {
         }
         let moves = scene.screw_speed_rpm.is_some() || scene.feed_m_min.is_some();
         if !moves && scene.nut.cycle.is_none() {
-            let missing = vec!["screw_speed_rpm (or feed_m_min)".to_owned()];
-            return Err(CaseError::missing(missing, "for a design"));
+            let missing = ["screw_speed_rpm (or feed_m_min)".to_owned()];
+            return Err(CaseError::missing(&missing, "for a design"));
         }
         let mut notes = Vec::new();
         let (usual, [low, high]) = USUAL_FRICTION;
@@ -355,7 +342,6 @@ impl RequirementKeys {
             (None, None) => standard.leads.into_iter().map(Pitch::Lead).collect(),
         };
         let limit = |key| self.number(key).unwrap_or(f64::NAN);
-        let least = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
         let problem = Requirement {
             demand,
             carriage: carriage(&scene),
@@ -367,16 +353,16 @@ impl RequirementKeys {
             pitches,
             reach,
             mount: mount(&scene),
-            speed_ratio: least(InputKey::required_critical_speed_ratio),
-            buckling_safety: least(InputKey::required_buckling_safety),
-            static_safety: least(InputKey::required_static_safety),
+            speed_ratio: scene.number(InputKey::required_critical_speed_ratio),
+            buckling_safety: scene.number(InputKey::required_buckling_safety),
+            static_safety: scene.number(InputKey::required_static_safety),
             life: scene.required_life_h.map(|hours| 3600.0 * hours),
             friction,
             material: scene.reader().materials(),
             pressure: limit("pressure_limit_MPa") * MPA,
             speed_number: scene.speed_number_limit_mm_min.map(|limit| limit * MM * RPM),
             make: make(&scene),
-            motor: (least(InputKey::gear_ratio), motor_speed(&scene).map(|rpm| rpm * RPM)),
+            motor: (scene.number(InputKey::gear_ratio), motor_speed(&scene).map(|rpm| rpm * RPM)),
             ball_over_lead: limit("largest_ball_over_lead"),
             largest_diameter: limit("largest_pitch_circle_diameter_mm") * MM,
             largest_turns: self.number("largest_loaded_turns"),

@@ -40,7 +40,7 @@ impl Scene {
             if let (Some((input, _)), false) = (InputKey::known_in_unit(&key), value.is_null()) {
                 named.once(input, &key)?;
             }
-            scene.assign_json(key, &value)?;
+            scene.assign_json(&key, &value)?;
         }
         Ok(scene)
     }
@@ -53,7 +53,7 @@ impl Scene {
         Value::Object(text.chain(numbers).chain(self.nut.to_map()).collect())
     }
 
-    pub(crate) fn assign_json(&mut self, key: String, value: &Value) -> Result<(), CaseError> {
+    pub(crate) fn assign_json(&mut self, key: &str, value: &Value) -> Result<(), CaseError> {
         if key == DESCRIPTION {
             return match value {
                 Value::String(text) => {
@@ -64,12 +64,12 @@ impl Scene {
                 other => Err(wrong_type(key, other, "text")),
             };
         }
-        let key = key_of(&key, value.as_str()).to_owned();
-        if SceneEntries::have(&key) {
-            return self.nut.set(key, value.clone());
+        let key = key_of(key, value.as_str());
+        if SceneEntries::have(key) {
+            return self.nut.set(key.to_owned(), value.clone());
         }
         // The name first: what is unknown has no type.
-        let (input, factor) = InputKey::in_unit(&key)?;
+        let (input, factor) = InputKey::in_unit(key)?;
         let number = match value {
             Value::Null => None,
             Value::Number(number) => number.as_f64(),
@@ -100,7 +100,7 @@ impl Scene {
         let (mut given, mut named) = (Self::default(), InputNames::default());
         for setting in settings {
             let text = setting.as_ref();
-            let bad = || CaseError::BadSetting { text: text.to_owned(), form: "name=value" };
+            let bad = || CaseError::bad_setting(text, "name=value");
             let (name, value) = text.split_once('=').ok_or_else(bad)?;
             let (name, value) = (name.trim(), value.trim());
             let name = key_of(name, Some(value.trim_matches('"')));

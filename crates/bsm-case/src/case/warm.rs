@@ -89,7 +89,7 @@ impl Warm {
         }
         let machine = Machine::of(scene)?;
         let axis = WarmAxis::of(scene, settings, &machine)?;
-        let friction = axis.friction();
+        let friction = axis.cold.friction();
         let nut = axis.nut(&friction)?;
         let search = detail.fold.then(|| axis.search());
         let steady = match nut.steady() {
@@ -101,11 +101,11 @@ impl Warm {
         };
         let fold = search.map_or(Ok(None), |search| nut.fold(&steady, search));
         let (fold, end) = fold.map_or_else(|why| (None, Some(why)), |fold| (fold, None));
-        let preload = axis.preload();
+        let preload = axis.cold.preload;
         let mut cold = machine.clone();
         cold.axis.preload = preload.map(|preload| preload.cold);
         let guided = Support::guided(0.0);
-        let unloaded = axis.unloaded().zip(steady.heated.unloaded.as_ref());
+        let unloaded = axis.cold.unloaded.as_ref().zip(steady.heated.unloaded.as_ref());
         let stiffness = |(cold, warm): (&Equilibrium, &Equilibrium)| {
             [cold, warm].map(|found| found.axial_stiffness(&guided))
         };
@@ -141,10 +141,10 @@ impl Warm {
     ) -> Result<(f64, Option<f64>, Vec<OnBranch>), CaseError> {
         let machine = Machine::of(scene)?;
         let axis = WarmAxis::of(scene, settings, &machine)?;
-        let friction = axis.friction();
+        let friction = axis.cold.friction();
         let nut = axis.nut(&friction)?;
         let states = nut.branch(axis.search());
-        let cold = axis.preload().map(|preload| preload.cold);
+        let cold = axis.cold.preload.map(|preload| preload.cold);
         Ok((nut.set, cold, states.map_err(|why| CaseError::NoWarmState(Box::new(why)))?))
     }
 

@@ -74,19 +74,14 @@ pub struct Column {
 }
 
 impl Column {
-    /// A column whose name is its head.
-    pub const fn named(name: &'static str) -> Self {
-        Self { name, unit: "", head: Some(name) }
-    }
-
-    /// A column for programs alone.
-    pub const fn hidden(name: &'static str) -> Self {
-        Self { name, unit: "", head: None }
-    }
-
-    /// A column with another head.
-    pub const fn headed(name: &'static str, head: &'static str) -> Self {
-        Self { name, unit: "", head: Some(head) }
+    /// A column `name`, `name=head`, `=head` for people alone, or `-name` for programs alone.
+    pub(crate) fn of(text: &'static str) -> Self {
+        let (name, head) = match (text.strip_prefix('-'), text.split_once('=')) {
+            (Some(name), _) => (name, None),
+            (None, Some((name, head))) => (name, Some(head)),
+            (None, None) => (text, Some(text)),
+        };
+        Self { name, unit: "", head }
     }
 }
 
@@ -142,6 +137,18 @@ impl Criterion {
 }
 
 impl Table {
+    /// Rows under columns, see [`Column::of`], which bars separate.
+    pub(crate) fn of(columns: &'static str, rows: impl IntoIterator<Item = Vec<Value>>) -> Self {
+        let columns = columns.split('|').map(|text| Column::of(text.trim())).collect();
+        Self { columns, rows: rows.into_iter().collect(), keyed: false }
+    }
+
+    /// The same as an object of objects by the first column.
+    #[must_use]
+    pub(crate) fn keyed(self) -> Self {
+        Self { keyed: true, ..self }
+    }
+
     fn to_json(&self) -> Value {
         let named = |row: &[Value]| -> Value {
             let cells = self.columns.iter().zip(row).skip(usize::from(self.keyed));
@@ -189,6 +196,15 @@ impl Answer {
     pub fn with(mut self, member: &'static str, content: Content) -> Self {
         self.sections.push(Section { member: Some(member), content });
         self
+    }
+
+    /// Adds a section if it is there.
+    #[must_use]
+    pub(crate) fn with_some(self, member: &'static str, content: Option<Content>) -> Self {
+        match content {
+            Some(content) => self.with(member, content),
+            None => self,
+        }
     }
 
     /// Adds a section for people alone.

@@ -132,7 +132,7 @@ impl SceneEntries {
     ///
     /// # Errors
     ///
-    /// [`CaseError::BadEntry`] with the path of what is wrong.
+    /// [`CaseError::Entry`] with the path of what is wrong.
     pub(crate) fn set(&mut self, key: String, value: Value) -> Result<(), CaseError> {
         let one = Value::Object(Map::from_iter([(key, value)]));
         let one: Self = serde_path_to_error::deserialize(one)

@@ -7,7 +7,7 @@ use bsm_dyn::Model;
 use bsm_nut::NutError;
 use thiserror::Error;
 
-use crate::exact;
+use crate::{InputKey, exact};
 
 /// A scene, a setting or a grid that cannot be used.
 ///
@@ -36,24 +36,8 @@ pub enum CaseError {
         /// The nearest known one.
         nearest: Option<String>,
     },
-    /// An input under the same name twice, in two units, or in two forms.
-    #[error("{}", twice(names))]
-    GivenTwice {
-        /// Both names.
-        names: [String; 2],
-    },
-    /// A value of the wrong type.
-    #[error("`{key}` is {found}, but must be {expected}")]
-    WrongType {
-        /// The key.
-        key: String,
-        /// Found.
-        found: String,
-        /// Expected.
-        expected: String,
-    },
-    /// A number outside its range.
-    #[error("`{key}` = {} must be {rule}", exact(*value))]
+    /// A number outside its range, or outside that of a model.
+    #[error("`{key}` = {} must be {rule}{}", exact(*value), for_model(*model))]
     OutOfRange {
         /// The key.
         key: String,
@@ -61,22 +45,16 @@ pub enum CaseError {
         value: f64,
         /// The rule as text.
         rule: String,
+        /// The model that does not cover the value, if it is one.
+        model: Option<&'static str>,
     },
-    /// An entry of a file that cannot be used.
-    #[error("`{key}`: {what}")]
-    BadEntry {
+    /// An entry that cannot be used, or is not there.
+    #[error("{what}")]
+    Entry {
         /// The key.
         key: String,
-        /// Reason.
+        /// Message.
         what: String,
-    },
-    /// Inputs are not given.
-    #[error("{} required {by}", list(missing))]
-    Missing {
-        /// The keys.
-        missing: Vec<String>,
-        /// By what, or what for.
-        by: String,
     },
     /// An axis has no warm steady state.
     #[error("no warm steady state: {0}")]
@@ -90,31 +68,6 @@ pub enum CaseError {
         /// The input.
         key: &'static str,
     },
-    /// A range that is empty or outside the allowed values.
-    #[error("range: {low} to {high} is not a range of allowed values of `{key}`")]
-    BadRange {
-        /// The input.
-        key: &'static str,
-        /// Its beginning.
-        low: f64,
-        /// Its end.
-        high: f64,
-    },
-    /// A model without a motion of the ball, where one is to be analysed.
-    #[error(
-        "model {model} has no motion of the ball, which this analysis needs; {}",
-        if missing.is_empty() {
-            "models rigid, raceway-control, elastic and traction have one".to_owned()
-        } else {
-            format!("{} required by model rigid, the simplest that has one", list(missing))
-        }
-    )]
-    NoMotion {
-        /// The model.
-        model: &'static str,
-        /// Missing inputs of the simplest model with a motion.
-        missing: Vec<String>,
-    },
     /// What the inputs mean together cannot be, or has no answer.
     #[error("{0}")]
     Invalid(String),
@@ -125,36 +78,6 @@ pub enum CaseError {
         row: usize,
         /// Why.
         error: Box<Self>,
-    },
-    /// A word that is none of a few.
-    #[error("unknown {kind} `{name}`; the {kind}s are {known}")]
-    UnknownWord {
-        /// Of what.
-        kind: &'static str,
-        /// The word.
-        name: String,
-        /// All possible texts.
-        known: String,
-    },
-    /// A setting or axis on the command line that cannot be read.
-    #[error("`{}` is not of the form {form}", brief(text))]
-    BadSetting {
-        /// Given value.
-        text: String,
-        /// Expected value.
-        form: &'static str,
-    },
-    /// A model does not cover what the scene asks for.
-    #[error("`{key}` = {} must be {rule} for model {model}", exact(*value))]
-    NotCovered {
-        /// The key.
-        key: &'static str,
-        /// Its value.
-        value: f64,
-        /// Range of the model.
-        rule: &'static str,
-        /// The model.
-        model: &'static str,
     },
 }
 
@@ -206,12 +129,58 @@ impl CaseError {
         value: f64,
         rule: impl Into<String>,
     ) -> Self {
-        Self::OutOfRange { key: key.into(), value, rule: rule.into() }
+        Self::OutOfRange { key: key.into(), value, rule: rule.into(), model: None }
+    }
+
+    /// A value that a model does not cover.
+    pub(crate) fn not_covered(key: InputKey, value: f64, rule: &str, model: Model) -> Self {
+        let (key, rule) = (key.name().to_owned(), rule.to_owned());
+        Self::OutOfRange { key, value, rule, model: Some(model.name()) }
+    }
+
+    fn entry(key: &str, what: String) -> Self {
+        Self::Entry { key: key.to_owned(), what }
     }
 
     /// Inputs that are not given, and by what or what for they are required.
-    pub(crate) fn missing(missing: Vec<String>, by: impl Into<String>) -> Self {
-        Self::Missing { missing, by: by.into() }
+    pub(crate) fn missing(missing: &[String], by: &str) -> Self {
+        let what = format!("{} required {by}", list(missing));
+        match missing {
+            [] => Self::Invalid(what),
+            [first, ..] => Self::entry(first, what),
+        }
+    }
+
+    /// A model without a motion of the ball, where one is to be analysed.
+    ///
+    /// * `missing`: inputs of the simplest model with a motion.
+    pub(crate) fn no_motion(model: Model, missing: &[String]) -> Self {
+        let others = match missing {
+            [] => "models rigid, raceway-control, elastic and traction have one".to_owned(),
+            missing => {
+                format!("{} required by model rigid, the simplest that has one", list(missing))
+            }
+        };
+        let model = model.name();
+        Self::Invalid(format!(
+            "model {model} has no motion of the ball, which this analysis needs; {others}"
+        ))
+    }
+
+    /// A word that is none of a few.
+    pub(crate) fn unknown_word(kind: &str, name: &str, known: &[&str]) -> Self {
+        let known = known.join(", ");
+        Self::entry(name, format!("unknown {kind} `{name}`; the {kind}s are {known}"))
+    }
+
+    /// A setting or axis that cannot be read.
+    pub fn bad_setting(text: &str, form: &str) -> Self {
+        Self::Invalid(format!("`{}` is not of the form {form}", brief(text)))
+    }
+
+    /// A value of the wrong type.
+    pub(crate) fn wrong_type(key: &str, found: &str, expected: &str) -> Self {
+        Self::entry(key, format!("`{key}` is {found}, but must be {expected}"))
     }
 
     /// More points than can be counted.
@@ -229,15 +198,19 @@ impl CaseError {
         Self::Invalid(format!("give one of {one} and {other}; neither is given"))
     }
 
-    /// An input that is given by these names.
-    pub(crate) fn given_twice(names: [&str; 2]) -> Self {
-        Self::GivenTwice { names: names.map(str::to_owned) }
+    /// An input that is given by these names: one twice, in two units, or in two forms.
+    pub(crate) fn given_twice([one, other]: [&str; 2]) -> Self {
+        let what = if one == other {
+            format!("`{}` is given twice; give it once", brief(one))
+        } else {
+            format!("give one of {one} and {other}; both are given")
+        };
+        Self::entry(other, what)
     }
 
     /// An input whose value is some text.
     pub fn not_a_number(key: &str, text: &str) -> Self {
-        let found = format!("`{}`", brief(text));
-        Self::WrongType { key: key.to_owned(), found, expected: "a number".to_owned() }
+        Self::wrong_type(key, &format!("`{}`", brief(text)), "a number")
     }
 
     /// The error of a row of a table without its place.
@@ -250,25 +223,18 @@ impl CaseError {
 
     /// The input or column that it is about, if it is about one.
     pub fn key(&self) -> Option<&str> {
-        Some(match self.of_row() {
-            Self::WrongType { key, .. }
-            | Self::OutOfRange { key, .. }
-            | Self::BadEntry { key, .. } => key,
-            Self::NoRange { key } | Self::BadRange { key, .. } | Self::NotCovered { key, .. } => {
-                key
-            }
-            Self::GivenTwice { names: [_, name] }
-            | Self::Unknown { name, .. }
-            | Self::UnknownWord { name, .. } => name,
-            Self::Missing { missing, .. } => missing.first()?,
-            _ => return None,
-        })
+        match self.of_row() {
+            Self::OutOfRange { key, .. } | Self::Entry { key, .. } => Some(key),
+            Self::NoRange { key } => Some(key),
+            Self::Unknown { name, .. } => Some(name),
+            _ => None,
+        }
     }
 
     /// The value that breaks a rule.
     pub fn value(&self) -> Option<f64> {
         match self.of_row() {
-            Self::OutOfRange { value, .. } | Self::NotCovered { value, .. } => Some(*value),
+            Self::OutOfRange { value, .. } => Some(*value),
             _ => None,
         }
     }
@@ -277,7 +243,6 @@ impl CaseError {
     pub fn rule(&self) -> Option<&str> {
         match self.of_row() {
             Self::OutOfRange { rule, .. } => Some(rule),
-            Self::NotCovered { rule, .. } => Some(rule),
             _ => None,
         }
     }
@@ -312,7 +277,8 @@ impl CaseError {
 
 /// An entry of a file that cannot be used, and why.
 pub(crate) fn bad(key: impl Into<String>, what: impl Into<String>) -> CaseError {
-    CaseError::BadEntry { key: key.into(), what: what.into() }
+    let (key, what) = (key.into(), what.into());
+    CaseError::Entry { what: format!("`{key}`: {what}"), key }
 }
 
 /// A text of a user as a message shows it: its beginning, nothing that a terminal obeys.
@@ -343,12 +309,8 @@ pub fn printable(text: &str) -> String {
     printable
 }
 
-fn twice([one, other]: &[String; 2]) -> String {
-    if one == other {
-        format!("`{}` is given twice; give it once", brief(one))
-    } else {
-        format!("give one of {one} and {other}; both are given")
-    }
+fn for_model(model: Option<&str>) -> String {
+    model.map_or_else(String::new, |model| format!(" for model {model}"))
 }
 
 fn nearest_hint(nearest: Option<&str>) -> String {

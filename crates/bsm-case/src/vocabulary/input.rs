@@ -214,6 +214,11 @@ impl Scene {
     pub fn value_or_default(&self, key: InputKey) -> Option<f64> {
         self[key].or_else(|| self.follows(key)).or(key.input().default)
     }
+
+    /// The same, NaN where there is none.
+    pub(crate) fn number(&self, key: InputKey) -> f64 {
+        self.value_or_default(key).unwrap_or(f64::NAN)
+    }
 }
 
 use Rule::{Above, Any, AtLeast, Between, OneOf, Whole, Within};

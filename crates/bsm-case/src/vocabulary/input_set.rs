@@ -31,25 +31,29 @@ const _: () = assert!(INPUTS.len() <= 2 * BITS, "a bit for each input");
 impl InputSet {
     /// Inputs that have a default.
     pub const WITH_DEFAULT: Self = {
-        let (mut set, mut i) = ([0; 2], 0);
+        let (mut set, mut i) = (Self([0; 2]), 0);
         while i < INPUTS.len() {
             if INPUTS[i].default.is_some() {
-                set[i / BITS] |= 1 << (i % BITS);
+                set = set.with(i);
             }
             i += 1;
         }
-        Self(set)
+        set
     };
+
+    const fn with(mut self, place: usize) -> Self {
+        self.0[place / BITS] |= 1 << (place % BITS);
+        self
+    }
 
     /// These inputs.
     pub const fn of(keys: &[InputKey]) -> Self {
-        let (mut set, mut i) = ([0; 2], 0);
+        let (mut set, mut i) = (Self([0; 2]), 0);
         while i < keys.len() {
-            let place = keys[i] as usize;
-            set[place / BITS] |= 1 << (place % BITS);
+            set = set.with(keys[i] as usize);
             i += 1;
         }
-        Self(set)
+        set
     }
 
     /// The inputs of either set.
@@ -135,7 +139,7 @@ impl InputSet {
     ///
     /// # Errors
     ///
-    /// [`CaseError::GivenTwice`].
+    /// [`CaseError::Entry`].
     pub fn check_forms(self) -> Result<(), CaseError> {
         let agrees = |keys: &[InputKey; 2]| keys[0] == LEAD.forms[0].key;
         match self.two_forms().find(|keys| !agrees(keys)) {

@@ -88,12 +88,12 @@ pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Op
         .map(|(_, name)| name)
 }
 
-pub(crate) fn wrong_type(key: String, value: &Value, expected: &str) -> CaseError {
+pub(crate) fn wrong_type(key: &str, value: &Value, expected: &str) -> CaseError {
     let found = match value {
         Value::String(text) => format!("the text \"{}\"", brief(text)),
         other => kind(other).to_owned(),
     };
-    CaseError::WrongType { key, found, expected: expected.to_owned() }
+    CaseError::wrong_type(key, &found, expected)
 }
 
 fn kind(value: &Value) -> &'static str {

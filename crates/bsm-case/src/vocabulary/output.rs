@@ -3,44 +3,9 @@
 use bsm_dyn::{ContactFilm, Control, Evidence, FilmState, Solution, Transmission, ZERO_CELSIUS};
 use bsm_kin::{Motion, Site};
 
+use super::number::count;
 use super::quantity::{AnalysisKind, Of, Quantity};
 use crate::vocabulary::units::{DEG, GPA, MILLI, MM, MPA, UM, direction_deg};
-
-/// A value as it stands in a column of numbers: no is 0 and yes is 1, a text its place among the texts of its output.
-trait Number {
-    fn number(self) -> f64;
-}
-
-impl Number for f64 {
-    fn number(self) -> f64 {
-        self
-    }
-}
-
-impl Number for usize {
-    #[expect(clippy::cast_precision_loss, reason = "small counts")]
-    fn number(self) -> f64 {
-        self as f64
-    }
-}
-
-impl Number for bool {
-    fn number(self) -> f64 {
-        f64::from(u8::from(self))
-    }
-}
-
-impl Number for Control {
-    fn number(self) -> f64 {
-        f64::from(self as u8)
-    }
-}
-
-impl Number for Evidence {
-    fn number(self) -> f64 {
-        f64::from(self.rank())
-    }
-}
 
 /// One output of the vocabulary.
 #[derive(Debug, Clone, Copy)]
@@ -68,6 +33,17 @@ pub(crate) enum Origin {
 }
 
 impl Output {
+    /// A number of a table.
+    pub(crate) const fn of_table(
+        name: &'static str,
+        unit: &'static str,
+        json_type: &'static str,
+        about: &'static str,
+        kind: Option<AnalysisKind>,
+    ) -> Self {
+        Self { name, unit, json_type, words: &[], about, origin: Origin::Table { kind } }
+    }
+
     /// The value in a solution, in the unit of the vocabulary; `None` if it has none. No is 0 and yes is 1, a text its
     /// place among the texts.
     pub fn read(&self, solution: &Solution) -> Option<f64> {
@@ -149,7 +125,7 @@ macro_rules! outputs {
                 key: OutputKey::$name,
                 read: |solution| {
                     let read: fn(&Solution, Site) -> Option<_> = $read;
-                    read(solution, outputs!(@site $at)).map(Number::number)
+                    read(solution, outputs!(@site $at)).map(outputs!(@number $kind))
                 },
             },
         }
@@ -169,6 +145,12 @@ macro_rules! outputs {
     (@json Flag) => { "boolean" };
     (@json Raceway) => { "string" };
     (@json Evidence) => { "string" };
+    // As it stands in a column of numbers: no is 0 and yes is 1, a text its place among the texts of its output.
+    (@number Number) => { |number: f64| number };
+    (@number Count) => { |number: usize| count(number) };
+    (@number Flag) => { |holds: bool| f64::from(u8::from(holds)) };
+    (@number Raceway) => { |raceway: Control| f64::from(raceway as u8) };
+    (@number Evidence) => { |evidence: Evidence| f64::from(evidence.rank()) };
     (@words Raceway) => { &["nut", "screw"] };
     (@words Evidence) => { &Evidence::NAMES };
     (@words $kind:ident) => { &[] };
@@ -309,7 +291,7 @@ mod tests {
     fn raceways_are_told_by_their_places() {
         let output = Output::named("controlling_raceway").expect("an output");
         for raceway in Control::ALL {
-            assert_eq!(output.word(raceway.number()), Some(raceway.name()));
+            assert_eq!(output.word(f64::from(raceway as u8)), Some(raceway.name()));
         }
     }
 }

@@ -250,52 +250,36 @@ macro_rules! quantities {
     (@said Whole $name:ident = $table_of:ident) => {{
         const SAID: $crate::Quantity = $crate::Quantity::said($table_of, stringify!($name));
         $crate::Quantity {
-            columns: &[$crate::Output {
-                name: SAID.name,
-                unit: SAID.unit,
-                json_type: "number",
-                words: &[],
-                about: SAID.about,
-                origin: $crate::vocabulary::output::Origin::Table { kind: KIND },
-            }],
+            columns: &[$crate::Output::of_table(SAID.name, SAID.unit, "number", SAID.about, KIND)],
             ..SAID
         }
     }};
     (@kind) => { None };
     (@kind $analysis:ident) => { Some($crate::AnalysisKind::$analysis) };
     (@Whole $($of:tt)*) => {
-        &[$crate::vocabulary::quantity::quantities!(@column "number", "", "", $($of)*)]
+        $crate::vocabulary::quantity::quantities!(@columns "number" ["" ""], ($($of)*))
     };
     (@Statement $($of:tt)*) => {
-        &[$crate::vocabulary::quantity::quantities!(@column "boolean", "", "", $($of)*)]
+        $crate::vocabulary::quantity::quantities!(@columns "boolean" ["" ""], ($($of)*))
     };
     (@Contacts $($of:tt)*) => {
-        &[
-            $crate::vocabulary::quantity::quantities!(@column "number", "nut_", ", nut", $($of)*),
-            $crate::vocabulary::quantity::quantities!(@column "number", "screw_", ", screw", $($of)*),
-            $crate::vocabulary::quantity::quantities!(@column "number", "unloaded_flank_", ", unloaded flank", $($of)*),
-        ]
+        $crate::vocabulary::quantity::quantities!(
+            @columns "number" ["nut_" ", nut"] ["screw_" ", screw"] ["unloaded_flank_" ", unloaded flank"], ($($of)*)
+        )
     };
     (@Directions $($of:tt)*) => {
-        &[
-            $crate::vocabulary::quantity::quantities!(
-                @column "number", "rotary_to_linear_", ", rotary to linear", $($of)*
-            ),
-            $crate::vocabulary::quantity::quantities!(
-                @column "number", "linear_to_rotary_", ", linear to rotary", $($of)*
-            ),
-        ]
+        $crate::vocabulary::quantity::quantities!(
+            @columns "number" ["rotary_to_linear_" ", rotary to linear"] ["linear_to_rotary_" ", linear to rotary"], ($($of)*)
+        )
+    };
+    (@columns $json:literal $([$before:literal $where:literal])+, $of:tt) => {
+        &[$($crate::vocabulary::quantity::quantities!(@column $json, $before, $where, $of)),+]
     };
     (@column $json:literal, $before:literal, $where:literal,
-        $name:ident, $unit:literal, $about:literal) => {
-        $crate::Output {
-            name: concat!($before, stringify!($name)),
-            unit: $unit,
-            json_type: $json,
-            words: &[],
-            about: concat!($about, $where),
-            origin: $crate::vocabulary::output::Origin::Table { kind: KIND },
-        }
+        ($name:ident, $unit:literal, $about:literal)) => {
+        $crate::Output::of_table(
+            concat!($before, stringify!($name)), $unit, $json, concat!($about, $where), KIND
+        )
     };
 }
 

@@ -110,42 +110,41 @@ impl Relation {
 
     /// Message for a scene that breaks it.
     pub(crate) fn broken(self, scene: &Scene) -> CaseError {
-        let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
-        let pitch = value(InputKey::pitch_circle_diameter_mm);
+        let pitch = scene.number(InputKey::pitch_circle_diameter_mm);
         match self {
             Self::BallsFit => CaseError::Invalid(format!(
                 "ball_diameter_mm = {} must be smaller than the radius of the pitch circle, \
                  pitch_circle_diameter_mm / 2 = {}",
-                value(InputKey::ball_diameter_mm),
+                scene.number(InputKey::ball_diameter_mm),
                 0.5 * pitch
             )),
             Self::TurnHolds => {
                 let lead = scene.lead().unwrap_or(f64::NAN);
-                let most = turn_length(pitch, lead) / value(InputKey::ball_diameter_mm);
+                let most = turn_length(pitch, lead) / scene.number(InputKey::ball_diameter_mm);
                 CaseError::out_of_range(
                     InputKey::loaded_balls_per_turn.name(),
-                    value(InputKey::loaded_balls_per_turn),
+                    scene.number(InputKey::loaded_balls_per_turn),
                     format!("<= {most:.3}, which fill a turn"),
                 )
             }
             Self::LeadsAgree => {
-                let lead_mm = value(InputKey::lead_mm);
+                let lead_mm = scene.number(InputKey::lead_mm);
                 CaseError::Invalid(format!(
                     "lead_angle_deg = {} and lead_mm = {lead_mm} disagree: on this pitch circle \
                      a lead of {lead_mm} mm is an angle of {} deg; give one of the two",
-                    value(InputKey::lead_angle_deg),
+                    scene.number(InputKey::lead_angle_deg),
                     lead_angle(lead_mm, pitch) / DEG
                 ))
             }
             Self::SpeedsDiffer => CaseError::Invalid(format!(
                 "screw_speed_rpm = {} and nut_speed_rpm = {} are equal: their difference must not be 0",
-                value(InputKey::screw_speed_rpm),
-                value(InputKey::nut_speed_rpm)
+                scene.number(InputKey::screw_speed_rpm),
+                scene.number(InputKey::nut_speed_rpm)
             )),
             Self::OilThins => CaseError::Invalid(format!(
                 "viscosity_100C_mm2_s = {} must be below viscosity_40C_mm2_s = {}: viscosity decreases with temperature",
-                value(InputKey::viscosity_100C_mm2_s),
-                value(InputKey::viscosity_40C_mm2_s)
+                scene.number(InputKey::viscosity_100C_mm2_s),
+                scene.number(InputKey::viscosity_40C_mm2_s)
             )),
         }
     }
@@ -178,6 +177,5 @@ pub(crate) fn not_covered(model: Model, scene: &Scene) -> CaseError {
             "> 0 (without friction the rotation of the ball is not determined)",
         ),
     };
-    let value = scene.value_or_default(key).unwrap_or(f64::NAN);
-    CaseError::NotCovered { key: key.name(), value, rule, model: model.name() }
+    CaseError::not_covered(key, scene.number(key), rule, model)
 }

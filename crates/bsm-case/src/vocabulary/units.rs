@@ -53,115 +53,49 @@ pub fn direction_deg(angle: f64) -> f64 {
     if degrees + 180.0 < TURN_ROUNDING { 180.0 } else { degrees }
 }
 
-/// Dimension of a unit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Dimension {
-    Length,
-    Angle,
-    Speed,
-    Velocity,
-    Acceleration,
-    Force,
-    Torque,
-    Pressure,
-    Mass,
-    Density,
-    Inertia,
-    LinearInertia,
-    Stiffness,
-    Time,
-    Rise,
-    Expansion,
-    Viscosity,
-}
+/// A unit as it ends a name, and its size in SI.
+type Unit = (&'static str, f64);
 
-/// Units as they end a name, what they measure, and their size in SI.
-const UNITS: &[(&str, Dimension, f64)] = {
-    use Dimension as D;
+/// The units, those of one dimension together.
+const UNITS: &[&[Unit]] = {
     const INCH: f64 = 0.0254;
     const POUND: f64 = 0.453_592_37;
     const GRAVITY: f64 = 9.806_65;
     const POUND_FORCE: f64 = POUND * GRAVITY;
     const MINUTE: f64 = 60.0;
-    &[
-        ("m", D::Length, 1.0),
-        ("cm", D::Length, 1e-2),
-        ("mm", D::Length, MM),
-        ("um", D::Length, UM),
-        ("nm", D::Length, 1e-9),
-        ("inch", D::Length, INCH),
-        ("in", D::Length, INCH),
-        ("ft", D::Length, 12.0 * INCH),
-        ("rad", D::Angle, 1.0),
-        ("mrad", D::Angle, 1e-3),
-        ("urad", D::Angle, 1e-6),
-        ("deg", D::Angle, DEG),
-        ("arcmin", D::Angle, DEG / 60.0),
-        ("arcsec", D::Angle, DEG / 3600.0),
-        ("rad_s", D::Speed, 1.0),
-        ("rpm", D::Speed, RPM),
-        ("1_min", D::Speed, RPM),
-        ("1_s", D::Speed, 2.0 * PI),
-        ("deg_s", D::Speed, DEG),
-        ("m_s", D::Velocity, 1.0),
-        ("mm_s", D::Velocity, MM),
-        ("m_min", D::Velocity, 1.0 / MINUTE),
-        ("mm_min", D::Velocity, MM / MINUTE),
-        ("inch_s", D::Velocity, INCH),
-        ("in_s", D::Velocity, INCH),
-        ("inch_min", D::Velocity, INCH / MINUTE),
-        ("in_min", D::Velocity, INCH / MINUTE),
-        ("m_s2", D::Acceleration, 1.0),
-        ("mm_s2", D::Acceleration, MM),
-        ("g", D::Acceleration, GRAVITY),
-        ("N", D::Force, 1.0),
-        ("kN", D::Force, 1e3),
-        ("MN", D::Force, 1e6),
-        ("daN", D::Force, 10.0),
-        ("kgf", D::Force, GRAVITY),
-        ("lbf", D::Force, POUND_FORCE),
-        ("Nm", D::Torque, 1.0),
-        ("Nmm", D::Torque, MM),
-        ("Ncm", D::Torque, 1e-2),
-        ("kNm", D::Torque, 1e3),
-        ("lbf_in", D::Torque, POUND_FORCE * INCH),
-        ("lbf_ft", D::Torque, POUND_FORCE * 12.0 * INCH),
-        ("Pa", D::Pressure, 1.0),
-        ("MPa", D::Pressure, MPA),
-        ("GPa", D::Pressure, GPA),
-        ("N_mm2", D::Pressure, MPA),
-        ("bar", D::Pressure, 1e5),
-        ("psi", D::Pressure, POUND_FORCE / (INCH * INCH)),
-        ("ksi", D::Pressure, 1e3 * POUND_FORCE / (INCH * INCH)),
-        ("kg", D::Mass, 1.0),
-        ("g", D::Mass, 1e-3),
-        ("t", D::Mass, 1e3),
-        ("lb", D::Mass, POUND),
-        ("kg_m3", D::Density, 1.0),
-        ("g_cm3", D::Density, 1e3),
-        ("lb_in3", D::Density, POUND / (INCH * INCH * INCH)),
-        ("kg_m2", D::Inertia, 1.0),
-        ("kg_m2_m", D::LinearInertia, 1.0),
-        ("kg_cm2", D::Inertia, 1e-4),
-        ("kg_mm2", D::Inertia, 1e-6),
-        ("g_cm2", D::Inertia, 1e-7),
-        ("lb_in2", D::Inertia, POUND * INCH * INCH),
-        ("N_m", D::Stiffness, 1.0),
-        ("N_mm", D::Stiffness, 1e3),
-        ("N_um", D::Stiffness, 1e6),
-        ("kN_mm", D::Stiffness, 1e6),
-        ("lbf_in", D::Stiffness, POUND_FORCE / INCH),
-        ("s", D::Time, 1.0),
-        ("min", D::Time, MINUTE),
-        ("h", D::Time, 60.0 * MINUTE),
-        ("K", D::Rise, 1.0),
-        ("um_m_K", D::Expansion, 1e-6),
-        ("1_K", D::Expansion, 1.0),
-        ("m2_s", D::Viscosity, 1.0),
-        ("mm2_s", D::Viscosity, 1e-6),
-        ("cSt", D::Viscosity, 1e-6),
-    ]
+    macro_rules! units {
+        ($($dimension:ident: $($unit:literal $size:expr),+;)+) => {
+            &[$(&[$(($unit, $size)),+]),+]
+        };
+    }
+    units! {
+        length: "m" 1.0, "cm" 1e-2, "mm" MM, "um" UM, "nm" 1e-9, "inch" INCH, "in" INCH, "ft" 12.0 * INCH;
+        angle: "rad" 1.0, "mrad" 1e-3, "urad" 1e-6, "deg" DEG, "arcmin" DEG / 60.0, "arcsec" DEG / 3600.0;
+        speed: "rad_s" 1.0, "rpm" RPM, "1_min" RPM, "1_s" 2.0 * PI, "deg_s" DEG;
+        velocity: "m_s" 1.0, "mm_s" MM, "m_min" 1.0 / MINUTE, "mm_min" MM / MINUTE, "inch_s" INCH, "in_s" INCH,
+            "inch_min" INCH / MINUTE, "in_min" INCH / MINUTE;
+        acceleration: "m_s2" 1.0, "mm_s2" MM, "g" GRAVITY;
+        force: "N" 1.0, "kN" 1e3, "MN" 1e6, "daN" 10.0, "kgf" GRAVITY, "lbf" POUND_FORCE;
+        torque: "Nm" 1.0, "Nmm" MM, "Ncm" 1e-2, "kNm" 1e3, "lbf_in" POUND_FORCE * INCH,
+            "lbf_ft" POUND_FORCE * 12.0 * INCH;
+        pressure: "Pa" 1.0, "MPa" MPA, "GPa" GPA, "N_mm2" MPA, "bar" 1e5, "psi" POUND_FORCE / (INCH * INCH),
+            "ksi" 1e3 * POUND_FORCE / (INCH * INCH);
+        mass: "kg" 1.0, "g" 1e-3, "t" 1e3, "lb" POUND;
+        density: "kg_m3" 1.0, "g_cm3" 1e3, "lb_in3" POUND / (INCH * INCH * INCH);
+        inertia: "kg_m2" 1.0, "kg_cm2" 1e-4, "kg_mm2" 1e-6, "g_cm2" 1e-7, "lb_in2" POUND * INCH * INCH;
+        linear_inertia: "kg_m2_m" 1.0;
+        stiffness: "N_m" 1.0, "N_mm" 1e3, "N_um" 1e6, "kN_mm" 1e6, "lbf_in" POUND_FORCE / INCH;
+        time: "s" 1.0, "min" MINUTE, "h" 60.0 * MINUTE;
+        rise: "K" 1.0;
+        expansion: "um_m_K" 1e-6, "1_K" 1.0;
+        viscosity: "m2_s" 1.0, "mm2_s" 1e-6, "cSt" 1e-6;
+    }
 };
+
+/// All units, with their size and those of their dimension.
+fn units() -> impl Iterator<Item = (&'static str, f64, &'static [Unit])> {
+    UNITS.iter().flat_map(|alike| alike.iter().map(|(unit, size)| (*unit, *size, *alike)))
+}
 
 /// Short names that stand for one of the vocabulary, without their units.
 const SHORT_NAMES: [(&str, &str); 2] = [("speed", "screw_speed"), ("load", "axial_load")];
@@ -173,7 +107,7 @@ pub(crate) fn long_name(short: &str) -> Option<&'static str> {
 
 /// True for a unit as it ends a name.
 pub(crate) fn is_unit(text: &str) -> bool {
-    UNITS.iter().any(|(unit, ..)| *unit == text)
+    units().any(|(unit, ..)| unit == text)
 }
 
 /// A name in another unit: the one of `known` that differs from it in its unit alone, and what a value is to
@@ -182,32 +116,31 @@ pub(crate) fn convert<'a>(
     name: &str,
     known: &(impl Iterator<Item = &'a str> + Clone),
 ) -> Option<(&'a str, f64)> {
-    let found = |&(unit, dimension, size): &(&str, Dimension, f64)| {
+    units().find_map(|(unit, size, alike)| {
         let stem = stem(name, unit)?;
         let stem = long_name(stem).unwrap_or(stem);
         let same = |other: &'a str| {
             // Its own unit: N_um ends with um too.
-            let own = UNITS.iter().filter(|(own, ..)| self::stem(other, own).is_some());
-            let longest = own.map(|(own, ..)| own.len()).max()?;
+            let own = own_unit(other)?.0;
             let unit = other.strip_prefix(stem)?.strip_prefix('_')?;
-            let (.., own) = UNITS
-                .iter()
-                .find(|(own, d, _)| *own == unit && own.len() == longest && *d == dimension)?;
+            let (_, own) =
+                alike.iter().find(|(known, _)| *known == unit && known.len() == own.len())?;
             Some((other, digits(size / own)))
         };
         known.clone().find_map(same)
-    };
-    UNITS.iter().find_map(found)
+    })
+}
+
+/// The longest unit that ends a name of the vocabulary; the last of several.
+fn own_unit(name: &str) -> Option<(&'static str, f64, &'static [Unit])> {
+    units().filter(|(unit, ..)| stem(name, unit).is_some()).max_by_key(|(unit, ..)| unit.len())
 }
 
 /// Other units of a name of the vocabulary, as they end it, with the factor to its own; none of a unit without others.
 pub fn other_units(name: &str) -> Vec<(&'static str, f64)> {
-    let own = UNITS.iter().filter(|(unit, ..)| stem(name, unit).is_some());
-    let Some((own, dimension, size)) = own.max_by_key(|(unit, ..)| unit.len()) else {
-        return Vec::new();
-    };
-    let others = UNITS.iter().filter(|(unit, d, _)| d == dimension && unit != own);
-    others.map(|(unit, _, other)| (*unit, digits(other / size))).collect()
+    let Some((own, size, alike)) = own_unit(name) else { return Vec::new() };
+    let others = alike.iter().filter(|(unit, _)| *unit != own);
+    others.map(|(unit, other)| (*unit, digits(other / size))).collect()
 }
 
 /// A name without its unit, if it ends with that.
@@ -262,8 +195,7 @@ mod tests {
         let mut offered = 0;
         for input in INPUTS {
             for (unit, factor) in other_units(input.name) {
-                let own = UNITS.iter().filter(|(own, ..)| stem(input.name, own).is_some());
-                let own = own.map(|(own, ..)| *own).max_by_key(|own| own.len()).expect("a unit");
+                let (own, ..) = own_unit(input.name).expect("a unit");
                 let name = format!("{}_{unit}", stem(input.name, own).expect("its unit"));
                 if let Some((found, by)) = convert(&name, &known()) {
                     assert!(
@@ -287,10 +219,7 @@ mod tests {
             "W/(m K)", "W", "m2", "l/min", "HRC", "HV10",
         ];
         for input in INPUTS.iter().filter(|input| !own.contains(&input.unit)) {
-            let has = |(unit, ..): &(&str, Dimension, f64)| {
-                input.name.strip_suffix(unit).is_some_and(|stem| stem.ends_with('_'))
-            };
-            assert!(UNITS.iter().any(has), "{}", input.name);
+            assert!(own_unit(input.name).is_some(), "{}", input.name);
         }
     }
 
@@ -319,10 +248,11 @@ mod tests {
     /// A factor is the same there and back.
     #[test]
     fn one_size_for_a_unit() {
-        for (i, (unit, dimension, size)) in UNITS.iter().enumerate() {
-            assert!(*size > 0.0);
-            let twice = UNITS[..i].iter().any(|(u, d, _)| u == unit && d == dimension);
-            assert!(!twice, "{unit}");
+        for alike in UNITS {
+            for (i, (unit, size)) in alike.iter().enumerate() {
+                assert!(*size > 0.0);
+                assert!(!alike[..i].iter().any(|(other, _)| other == unit), "{unit}");
+            }
         }
     }
 }

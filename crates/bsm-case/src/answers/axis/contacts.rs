@@ -75,10 +75,9 @@ pub(super) fn viscosity_ratio(
 
 /// Efficiencies of the catalogue of a screw whose groove is not known.
 pub(super) fn by_catalogue(scene: &Scene) -> Efficiency {
-    let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
     Efficiency {
-        forward: value(InputKey::catalogue_efficiency),
-        back: value(InputKey::catalogue_back_efficiency),
+        forward: scene.number(InputKey::catalogue_efficiency),
+        back: scene.number(InputKey::catalogue_back_efficiency),
     }
 }
 

@@ -1,42 +1,241 @@
 //! The rules of an axis: value, limit, source, and remedies.
 
-mod drive;
-
 use bsm_design::{Axis, OPENS_AT, least_preload};
 
 use super::Preload;
-use crate::case::axis::{preload_method, speed_number_limit, useful_travel};
+use crate::case::axis::{motor_speed, preload_method, speed_number_limit, useful_travel};
 use crate::vocabulary::units::{MM, UM};
-use crate::{Answer, Criterion, InputKey, Numbers, Scene};
+use crate::{Answer, Criterion, InputKey as K, Numbers, Scene};
 
 /// Least multiple of its speeds at which an axis runs away.
 const FOLD: f64 = 1.25;
 
-/// The rules of a sheet as they are added.
-#[derive(Default)]
-struct Rules(Vec<Criterion>);
+/// What the rules of an axis judge.
+struct Judged<'a> {
+    scene: &'a Scene,
+    axis: &'a Axis,
+    numbers: &'a Numbers,
+    /// From which a contact ellipse reaches the end of its flank \[N\].
+    edge_load: Option<f64>,
+    preload: Option<&'a Preload>,
+}
 
-impl Rules {
-    /// Adds a rule about a number, if there is one.
-    ///
-    /// * `name`: with its unit. * `limit`: whether it is the least value, and it. * `remedy`: what to change,
-    ///   from how many times the rule is kept.
-    fn add(
-        &mut self,
-        title: &'static str,
-        (name, unit): (&'static str, &'static str),
-        value: Option<f64>,
-        (at_least, limit): (bool, Option<f64>),
-        source: &'static str,
-        remedy: &dyn Fn(f64) -> String,
-    ) {
-        let Some(value) = value else { return };
-        let mut rule =
-            Criterion { title, name, unit, value, limit, at_least, source, remedy: None };
-        // A number that cannot be had has no remedy; a note has the reason.
-        rule.remedy = rule.margin().filter(|m| !m.is_nan() && !rule.passes()).map(remedy);
-        self.0.push(rule);
+impl Judged<'_> {
+    fn number(&self, name: &str) -> Option<f64> {
+        self.numbers.number(name)
     }
+
+    fn input(&self, key: K) -> Option<f64> {
+        self.scene.value_or_default(key)
+    }
+
+    fn length_mm(&self) -> f64 {
+        self.number("unsupported_length_mm").unwrap_or(f64::NAN)
+    }
+
+    fn core_mm(&self) -> f64 {
+        self.number("shaft_diameter_mm").unwrap_or(f64::NAN)
+    }
+
+    /// A number that must be there where another one is; what cannot be judged is not kept.
+    fn needed(&self, name: &str, where_there_is: Option<f64>) -> Option<f64> {
+        where_there_is.map(|_| self.number(name).unwrap_or(f64::NAN))
+    }
+
+    /// Largest preload of a nut of its kind \[N\].
+    fn most_preload(&self) -> f64 {
+        preload_method(self.scene).share() * self.axis.dynamic_rating
+    }
+
+    /// The cold preload whose warm one is that \[N\].
+    fn preload_to_set(&self) -> f64 {
+        let set = |preload: &Preload| self.most_preload() * preload.cold / preload.warm;
+        self.preload.map_or(f64::NAN, set)
+    }
+
+    /// The coarsest accuracy grade that keeps the travel error.
+    fn grade_to_take(&self) -> Option<&'static str> {
+        let (word, travel) = (self.scene.nut.accuracy_grade?, useful_travel(self.scene)?);
+        let required = self.scene.required_travel_error_um? * UM;
+        word.grade.that_keeps(required, travel).map(|grade| grade.name)
+    }
+}
+
+/// A rule about a number, if there is one.
+///
+/// * `names`: title, name and unit of the number, source. * `at_least`: whether the limit is the least value. * `remedy`: what to
+///   change, from how many times the rule is kept.
+fn criterion(
+    [title, name, unit, source]: [&'static str; 4],
+    value: Option<f64>,
+    (at_least, limit): (bool, Option<f64>),
+    remedy: impl Fn(f64) -> String,
+) -> Option<Criterion> {
+    let mut rule =
+        Criterion { title, name, unit, value: value?, limit, at_least, source, remedy: None };
+    // A number that cannot be had has no remedy; a note has the reason.
+    rule.remedy = rule.margin().filter(|m| !m.is_nan() && !rule.passes()).map(remedy);
+    Some(rule)
+}
+
+/// Declares rules: `"title" number ["unit"] at_most limit, "source", remedy;`, with `= value,` behind the unit where the number of that
+/// name does not tell.
+macro_rules! rules {
+    ($(#[$doc:meta])* $rules:ident($of:ident, $margin:ident): $(
+        $title:literal $name:ident [$unit:literal] $(= $value:expr,)? $bound:ident $limit:expr, $source:literal, $remedy:expr;
+    )*) => {
+        $(#[$doc])*
+        fn $rules($of: &Judged<'_>) -> impl Iterator<Item = Criterion> {
+            let all = [$(criterion(
+                [$title, stringify!($name), $unit, $source],
+                rules!(@value $of $name $($value)?),
+                (rules!(@$bound), $limit),
+                |$margin: f64| {
+                    let _ = $margin;
+                    $remedy.into()
+                },
+            )),*];
+            all.into_iter().flatten()
+        }
+    };
+    (@value $of:ident $name:ident) => { $of.number(stringify!($name)) };
+    (@value $of:ident $name:ident $value:expr) => { $value };
+    (@at_least) => { true };
+    (@at_most) => { false };
+}
+
+rules! {
+    /// Of the screw between its bearings.
+    of_screw(of, margin):
+    "critical speed" critical_speed_ratio [""] at_most of.input(K::required_critical_speed_ratio),
+        "manufacturers' catalogues: 0.8 of the critical speed (Z1)",
+        format!(
+            "unsupported_length_mm {:.0} or less, or a core of {:.1} mm, or a stiffer support",
+            of.length_mm() * margin.sqrt(),
+            of.core_mm() / margin
+        );
+    "speed number" largest_speed_number_mm_min ["mm/min"]
+        at_most Some(speed_number_limit(of.scene, of.axis.screw.lead, of.axis.screw.outer)),
+        "limit of the ball return by screw_make, THK A-697, unless given (Z15)",
+        format!(
+            "lead_mm {:.1} at the same feed, or another ball return (speed_number_limit_mm_min)",
+            of.axis.screw.lead / MM / margin
+        );
+    "buckling" buckling_safety [""] at_least of.input(K::required_buckling_safety),
+        "Euler; half of the buckling load (Z2)",
+        format!(
+            "unsupported_length_mm {:.0} or less, or a core of {:.1} mm",
+            of.length_mm() * margin.sqrt(),
+            of.core_mm() * margin.powf(-0.25)
+        );
+    "core stress" largest_load_N ["N"] = of.number("yield_load_N").map(|_| of.axis.largest_load()),
+        at_most of.number("yield_load_N"),
+        "THK and others: 147 N/mm2 (Z3)",
+        format!("a core of {:.1} mm", of.core_mm() * margin.powf(-0.5));
+    "pretension left" pretension_N ["N"]
+        at_least {
+            let hindered = of.number("pretension_N").zip(of.number("screw_tension_N"));
+            hindered.map(|(cold, warm)| cold - warm).filter(|force| *force > 0.0)
+        },
+        "force of the growth that the bearings hinder; GY Ballscrew, THK A-715 (AA5)",
+        {
+            let slack = of.number("pretension_K").unwrap_or(f64::NAN);
+            let needed = (slack / margin).ceil();
+            format!("the screw is slack from {slack:.1} K on: pretension_K {needed:.0}")
+        };
+    "support bearings" support_bearing_load_N ["N"]
+        = of.scene.support_bearing_axial_load_N.and(of.number("support_bearing_load_N")),
+        at_most of.scene.support_bearing_axial_load_N,
+        "manufacturer of the bearings",
+        "larger bearings, or less pretension";
+}
+
+rules! {
+    /// Of accuracy grade, load ratings, motor and brake.
+    of_ratings_and_drive(of, margin):
+    "travel error" travel_error_worst_um ["um"]
+        = of.needed("travel_error_worst_um", of.scene.required_travel_error_um),
+        at_most of.scene.required_travel_error_um,
+        "ISO 3408-3, JIS B 1192: deviation and half of the variation over the useful travel (Z35)",
+        of.grade_to_take().map_or_else(
+            || "accuracy_grade and useful_travel_mm that its standard has a value for".to_owned(),
+            |grade| format!("accuracy_grade {grade}"),
+        );
+    "static safety" static_safety_factor [""] at_least of.input(K::required_static_safety),
+        "ISO 3408-5 (Z16); by the most loaded ball too, bsm nut. THK asks for 1 to 1.5, with impact for 2 to 7",
+        format!("a static load rating of {:.0} N", of.axis.static_rating / margin);
+    "life" cycle_life_h ["h"]
+        = of.number("cycle_life_h").or(of.scene.required_life_h.map(|_| f64::NAN)),
+        at_least of.scene.required_life_h,
+        "ISO 3408-5 (D12) to (D15), reliability (Z14)",
+        format!("a dynamic load rating of {:.0} N", of.axis.dynamic_rating / margin.cbrt());
+    "modified life" modified_life_h ["h"]
+        = of.needed("modified_life_h", of.number("fatigue_load_limit_N")),
+        at_least of.scene.required_life_h,
+        "ISO 281 with viscosity ratio and contamination (Z37) to (Z40)",
+        "more viscosity, a cleaner lubricant or a larger dynamic load rating";
+    "life by all balls" cycle_life_by_balls_h ["h"] at_least of.scene.required_life_h,
+        "loads of all balls (U24)",
+        format!("a dynamic load rating of {:.0} N", of.axis.dynamic_rating / margin.cbrt());
+    "equivalent load" equivalent_load_N ["N"] at_most Some(of.axis.dynamic_rating),
+        "dynamic load rating: a million revolutions (D13)",
+        format!("a dynamic load rating of {:.0} N", of.axis.dynamic_rating / margin);
+    // Of the motor, without a limit there is no rule.
+    "motor speed" motor_speed_rpm ["rpm"] = motor_speed(of.scene).and(of.number("motor_speed_rpm")),
+        at_most motor_speed(of.scene),
+        "THK A-719",
+        format!("lead_mm {:.1} at the same feed", of.scene.lead_mm.unwrap_or(f64::NAN) / margin);
+    "peak torque of the motor" peak_motor_torque_Nm ["N m"]
+        = of.scene.motor_peak_torque_Nm.and(of.number("peak_motor_torque_Nm")),
+        at_most of.scene.motor_peak_torque_Nm,
+        "THK A-720",
+        "a larger motor, a smaller lead, or less acceleration";
+    "rated torque of the motor" rms_motor_torque_Nm ["N m"]
+        = of.scene.motor_rated_torque_Nm.and(of.number("rms_motor_torque_Nm")),
+        at_most of.scene.motor_rated_torque_Nm,
+        "THK, eq. 48: RMS over the cycle (Z13)",
+        "a larger motor, a smaller lead, or longer rests";
+    "power of the motor" peak_motor_power_W ["W"]
+        = of.scene.motor_rated_power_W.and(of.number("peak_motor_power_W")),
+        at_most of.scene.motor_rated_power_W,
+        "the worst phase",
+        format!("a feed of {margin:.2} times this one, or a larger motor");
+    "inertia ratio" inertia_ratio [""] at_most of.input(K::largest_inertia_ratio),
+        "THK, eq. 49: 3 to 10",
+        format!("gear_ratio {:.2} times this one, or a larger motor", margin.powf(-0.5));
+    "acceleration time" least_acceleration_time_s ["s"]
+        = of.number("shortest_ramp_s").and(of.number("least_acceleration_time_s")),
+        at_most of.number("shortest_ramp_s"),
+        "THK A-720 (AA11)",
+        "a motor of more peak torque, or less acceleration";
+    "brake" brake_torque_Nm ["N m"]
+        = of.number("required_brake_torque_Nm").and(of.scene.brake_torque_Nm),
+        at_least of.number("required_brake_torque_Nm"),
+        "brake_safety times the weight without friction (Z18)",
+        format!("brake_torque_Nm {:.2}", of.number("required_brake_torque_Nm").unwrap_or(f64::NAN));
+}
+
+rules! {
+    /// Of the contacts, and of the preload if there is one.
+    of_preload(of, margin):
+    "edge load of the contact ellipse" busier_nut_load_N ["N"]
+        = of.edge_load.map(|_| of.axis.busier_load()),
+        at_most of.edge_load,
+        "end of the flank (G8)",
+        "a larger land: nut_bore_mm smaller, screw_outer_diameter_mm larger";
+    "preload" warm_preload_N ["N"] = of.preload.map(|preload| preload.warm),
+        at_most Some(of.most_preload()),
+        "THK A-687, HIWIN 3.6: 0.1 of the dynamic load rating in a double nut, else 0.05 (AA6)",
+        format!(
+            "a dynamic load rating of {:.0} N, or preload_N {:.0} and one nut that opens above {:.0} N",
+            least_preload(of.axis.largest_load()) / preload_method(of.scene).share(),
+            of.preload_to_set(),
+            OPENS_AT * of.most_preload()
+        );
+    "remaining preload" largest_load_N ["N"] = of.preload.map(|_| of.axis.largest_load()),
+        at_most of.preload.map(|preload| of.number("limit_load_N").unwrap_or(OPENS_AT * preload.warm)),
+        "limit load, some 2.83 times the preload (D14), (U20)",
+        format!("preload_N {:.0}", of.preload.map_or(f64::NAN, |preload| preload.cold) / margin);
 }
 
 /// All rules of an axis that it has numbers for.
@@ -49,233 +248,15 @@ pub(super) fn rules(
     of_nut: &Answer,
     preload: Option<&Preload>,
 ) -> Vec<Criterion> {
-    let mut rules = Rules::default();
-    screw_rules(&mut rules, scene, axis, numbers);
-    rules.0.extend(steady_state(fold));
-    travel_rule(&mut rules, scene, numbers);
-    nut_rules(&mut rules, scene, axis, numbers);
-    drive::drive_rules(&mut rules, scene, numbers);
-    preload_rules(&mut rules, (scene, axis), numbers, of_nut, preload);
-    rules.0
-}
-
-/// Of the screw between its bearings.
-fn screw_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers) {
-    let number = |name: &str| numbers.number(name);
-    let input = |key| scene.value_or_default(key);
-    let length = number("unsupported_length_mm").unwrap_or(f64::NAN);
-    let diameter = number("shaft_diameter_mm").unwrap_or(f64::NAN);
-    rules.add(
-        "critical speed",
-        ("critical_speed_ratio", ""),
-        number("critical_speed_ratio"),
-        (false, input(InputKey::required_critical_speed_ratio)),
-        "manufacturers' catalogues: 0.8 of the critical speed (Z1)",
-        &|margin| {
-            format!(
-                "unsupported_length_mm {:.0} or less, or a core of {:.1} mm, or a stiffer support",
-                length * margin.sqrt(),
-                diameter / margin
-            )
-        },
-    );
-    let limit = speed_number_limit(scene, axis.screw.lead, axis.screw.outer);
-    rules.add(
-        "speed number",
-        ("largest_speed_number_mm_min", "mm/min"),
-        number("largest_speed_number_mm_min"),
-        (false, Some(limit)),
-        "limit of the ball return by screw_make, THK A-697, unless given (Z15)",
-        &|margin| {
-            format!(
-                "lead_mm {:.1} at the same feed, or another ball return (speed_number_limit_mm_min)",
-                axis.screw.lead / MM / margin
-            )
-        },
-    );
-    rules.add(
-        "buckling",
-        ("buckling_safety", ""),
-        number("buckling_safety"),
-        (true, input(InputKey::required_buckling_safety)),
-        "Euler; half of the buckling load (Z2)",
-        &|margin| {
-            format!(
-                "unsupported_length_mm {:.0} or less, or a core of {:.1} mm",
-                length * margin.sqrt(),
-                diameter * margin.powf(-0.25)
-            )
-        },
-    );
-    rules.add(
-        "core stress",
-        ("largest_load_N", "N"),
-        number("yield_load_N").map(|_| axis.largest_load()),
-        (false, number("yield_load_N")),
-        "THK and others: 147 N/mm2 (Z3)",
-        &|margin| format!("a core of {:.1} mm", diameter * margin.powf(-0.5)),
-    );
-    let pretension = number("pretension_N");
-    let hindered = pretension.zip(number("screw_tension_N")).map(|(cold, warm)| cold - warm);
-    rules.add(
-        "pretension left",
-        ("pretension_N", "N"),
-        pretension,
-        (true, hindered.filter(|force| *force > 0.0)),
-        "force of the growth that the bearings hinder; GY Ballscrew, THK A-715 (AA5)",
-        &|margin| {
-            let slack = number("pretension_K").unwrap_or(f64::NAN);
-            let needed = (slack / margin).ceil();
-            format!("the screw is slack from {slack:.1} K on: pretension_K {needed:.0}")
-        },
-    );
-    rules.add(
-        "support bearings",
-        ("support_bearing_load_N", "N"),
-        scene.support_bearing_axial_load_N.and(number("support_bearing_load_N")),
-        (false, scene.support_bearing_axial_load_N),
-        "manufacturer of the bearings",
-        &|_| "larger bearings, or less pretension".to_owned(),
-    );
+    let of = &Judged { scene, axis, numbers, edge_load: of_nut.number("edge_load_N"), preload };
+    let rest = of_ratings_and_drive(of).chain(of_preload(of));
+    of_screw(of).chain(steady_state(fold)).chain(rest).collect()
 }
 
 /// Of the warm steady state.
-pub(super) fn steady_state(fold: Option<f64>) -> Vec<Criterion> {
-    let mut rules = Rules::default();
-    rules.add(
-        "steady state",
-        ("fold_speed_factor", ""),
-        fold,
-        (true, Some(FOLD)),
-        "no steady state above the fold (I20); the heat is uncertain by a quarter",
-        &|_| {
-            "a colder screw, a warmer nut, less preload, or O in place of X arrangement".to_owned()
-        },
-    );
-    rules.0
-}
-
-/// Of the accuracy grade.
-fn travel_rule(rules: &mut Rules, scene: &Scene, numbers: &Numbers) {
-    let Some(required) = scene.required_travel_error_um else { return };
-    // What cannot be judged is not kept.
-    let worst = numbers.number("travel_error_worst_um").unwrap_or(f64::NAN);
-    rules.add(
-        "travel error",
-        ("travel_error_worst_um", "um"),
-        Some(worst),
-        (false, Some(required)),
-        "ISO 3408-3, JIS B 1192: deviation and half of the variation over the useful travel (Z35)",
-        &|_| {
-            let word = scene.nut.accuracy_grade;
-            let grade = word
-                .zip(useful_travel(scene))
-                .and_then(|(word, travel)| word.grade.that_keeps(required * UM, travel));
-            grade.map_or_else(
-                || {
-                    "accuracy_grade and useful_travel_mm that its standard has a value for"
-                        .to_owned()
-                },
-                |grade| format!("accuracy_grade {}", grade.name),
-            )
-        },
-    );
-}
-
-/// Of the load ratings.
-fn nut_rules(rules: &mut Rules, scene: &Scene, axis: &Axis, numbers: &Numbers) {
-    let number = |name: &str| numbers.number(name);
-    let input = |key| scene.value_or_default(key);
-    let rating = axis.static_rating;
-    rules.add(
-        "static safety",
-        ("static_safety_factor", ""),
-        number("static_safety_factor"),
-        (true, input(InputKey::required_static_safety)),
-        "ISO 3408-5 (Z16); by the most loaded ball too, bsm nut. THK asks for 1 to 1.5, with impact for 2 to 7",
-        &|margin| format!("a static load rating of {:.0} N", rating / margin),
-    );
-    let dynamic = axis.dynamic_rating;
-    rules.add(
-        "life",
-        ("cycle_life_h", "h"),
-        number("cycle_life_h").or(scene.required_life_h.and(Some(f64::NAN))),
-        (true, scene.required_life_h),
-        "ISO 3408-5 (D12) to (D15), reliability (Z14)",
-        &|margin| format!("a dynamic load rating of {:.0} N", dynamic / margin.cbrt()),
-    );
-    let lubricated = number("fatigue_load_limit_N").is_some();
-    rules.add(
-        "modified life",
-        ("modified_life_h", "h"),
-        // What cannot be judged is not kept.
-        lubricated.then(|| number("modified_life_h").unwrap_or(f64::NAN)),
-        (true, scene.required_life_h),
-        "ISO 281 with viscosity ratio and contamination (Z37) to (Z40)",
-        &|_| "more viscosity, a cleaner lubricant or a larger dynamic load rating".to_owned(),
-    );
-    rules.add(
-        "life by all balls",
-        ("cycle_life_by_balls_h", "h"),
-        number("cycle_life_by_balls_h"),
-        (true, scene.required_life_h),
-        "loads of all balls (U24)",
-        &|margin| format!("a dynamic load rating of {:.0} N", dynamic / margin.cbrt()),
-    );
-    rules.add(
-        "equivalent load",
-        ("equivalent_load_N", "N"),
-        number("equivalent_load_N"),
-        (false, Some(dynamic)),
-        "dynamic load rating: a million revolutions (D13)",
-        &|margin| format!("a dynamic load rating of {:.0} N", dynamic / margin),
-    );
-}
-
-/// Of the contacts, and of the preload if there is one.
-fn preload_rules(
-    rules: &mut Rules,
-    (scene, axis): (&Scene, &Axis),
-    numbers: &Numbers,
-    of_nut: &Answer,
-    preload: Option<&Preload>,
-) {
-    let number = |name: &str| numbers.number(name);
-    let edge = of_nut.number("edge_load_N");
-    let (largest, dynamic) = (axis.largest_load(), axis.dynamic_rating);
-    rules.add(
-        "edge load of the contact ellipse",
-        ("busier_nut_load_N", "N"),
-        edge.map(|_| axis.busier_load()),
-        (false, edge),
-        "end of the flank (G8)",
-        &|_| "a larger land: nut_bore_mm smaller, screw_outer_diameter_mm larger".to_owned(),
-    );
-    let share = preload_method(scene).share();
-    if let Some(&Preload { cold, warm, .. }) = preload {
-        rules.add(
-            "preload",
-            ("warm_preload_N", "N"),
-            Some(warm),
-            (false, Some(share * dynamic)),
-            "THK A-687, HIWIN 3.6: 0.1 of the dynamic load rating in a double nut, else 0.05 (AA6)",
-            &|_| {
-                format!(
-                    "a dynamic load rating of {:.0} N, or preload_N {:.0} and one nut that opens above {:.0} N",
-                    least_preload(largest) / share,
-                    share * dynamic * cold / warm,
-                    OPENS_AT * share * dynamic
-                )
-            },
-        );
-        let opens = number("limit_load_N").unwrap_or(OPENS_AT * warm);
-        rules.add(
-            "remaining preload",
-            ("largest_load_N", "N"),
-            Some(largest),
-            (false, Some(opens)),
-            "limit load, some 2.83 times the preload (D14), (U20)",
-            &|margin| format!("preload_N {:.0}", cold / margin),
-        );
-    }
+pub(super) fn steady_state(fold: Option<f64>) -> Option<Criterion> {
+    let source = "no steady state above the fold (I20); the heat is uncertain by a quarter";
+    criterion(["steady state", "fold_speed_factor", "", source], fold, (true, Some(FOLD)), |_| {
+        "a colder screw, a warmer nut, less preload, or O in place of X arrangement".to_owned()
+    })
 }

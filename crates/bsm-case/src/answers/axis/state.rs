@@ -232,7 +232,7 @@ impl<'a> AxisState<'a> {
         if let Some(state) = self.warm_state() {
             return Some(state.growth / UM);
         }
-        let left = self.machine.held.map_or(1.0, |held| held.growth_left());
+        let left = self.machine.held.map_or(1.0, |held| held.shaft.growth_left(held.bearing));
         Some(left * self.shaft()?.growth(self.expansion()?, self.rise()?) / UM)
     }
 

@@ -59,28 +59,6 @@ fn pushes(model: ModelChoice) -> bool {
 }
 
 impl NutProblem {
-    /// Advance of the balls, by their free motions of model traction unless raceway control is asked for.
-    pub(super) fn advance_of(
-        &self,
-        made: &NutAtRest,
-        ball_friction: &BallFriction,
-    ) -> Option<Advance> {
-        let NutAtRest { nut, found, .. } = made;
-        let (rubbing, drive) = self.friction.as_ref()?;
-        let of =
-            |motions: &[Option<FreeMotion>]| nut.advance(found, motions, drive, self.gaps.spacer);
-        let rolls_alone = ball_friction.models.iter().any(|model| *model != Model::Traction.name());
-        if self.settings.model != ModelChoice::Fixed(Model::RacewayControl) && rolls_alone {
-            // Free speeds of two models differ by more than those of neighbours, and nothing stops the spin of a ball of
-            // model elastic.
-            let (traction, balls) = (self.by_traction(), super::loaded_balls(found));
-            let work = &mut ModelWorkspace::default();
-            let solve = |at| traction.of_ball(rubbing, balls, at).solve(work);
-            return of(&nut.free_motions(found, rubbing.coefficient(), drive, solve)?);
-        }
-        of(&ball_friction.friction.motions)
-    }
-
     /// The same with friction by the model that its balls push from.
     pub(super) fn with_free_balls(&self) -> Cow<'_, Self> {
         let is_pushed = self.gaps.train.is_some() && self.settings.model == ModelChoice::Auto;
@@ -93,29 +71,46 @@ impl NutProblem {
         traction.settings.model = ModelChoice::Fixed(Model::Traction);
         traction
     }
+}
+
+impl NutReport {
+    /// Advance of the balls, by their free motions of model traction unless raceway control is asked for.
+    pub(super) fn advance_of(&self, ball_friction: &BallFriction) -> Option<Advance> {
+        let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
+        let (rubbing, drive) = problem.friction.as_ref()?;
+        let of = |motions: &[Option<FreeMotion>]| {
+            nut.advance(found, motions, drive, problem.gaps.spacer)
+        };
+        let rolls_alone = ball_friction.models.iter().any(|model| *model != Model::Traction.name());
+        if problem.settings.model != ModelChoice::Fixed(Model::RacewayControl) && rolls_alone {
+            // Free speeds of two models differ by more than those of neighbours, and nothing stops the spin of a ball of
+            // model elastic.
+            let (traction, balls) = (problem.by_traction(), super::loaded_balls(found));
+            let work = &mut ModelWorkspace::default();
+            let solve = |at| traction.of_ball(rubbing, balls, at).solve(work);
+            return of(&nut.free_motions(found, rubbing.coefficient(), drive, solve)?);
+        }
+        of(&ball_friction.friction.motions)
+    }
 
     /// The pushes of the balls where a gap is given.
     ///
     /// * `motions`: without pushes.
-    pub(super) fn pushed_of(
-        &self,
-        made: &NutAtRest,
-        motions: &[Option<FreeMotion>],
-    ) -> Option<TrainResult> {
-        let (inputs, (rubbing, drive)) = (self.gaps.train.as_ref()?, self.friction.as_ref()?);
-        let NutAtRest { nut, found, .. } = made;
-        if !pushes(self.settings.model) {
-            let model = self.settings.model.name();
+    pub(super) fn pushed_of(&self, motions: &[Option<FreeMotion>]) -> Option<TrainResult> {
+        let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
+        let (inputs, (rubbing, drive)) = (problem.gaps.train.as_ref()?, problem.friction.as_ref()?);
+        if !pushes(problem.settings.model) {
+            let model = problem.settings.model.name();
             return Some(Err(format!("pushes of the balls need model traction, not {model}")));
         }
-        if self.scatters() || !nut.errors.balls.is_empty() {
+        if problem.scatters() || !nut.errors.balls.is_empty() {
             return Some(Err(
                 "the push of balls of unequal size is not calculated: a slow one gathers a queue \
                  whatever the gap"
                     .to_owned(),
             ));
         }
-        let (traction, balls) = (self.by_traction(), super::loaded_balls(found));
+        let (traction, balls) = (problem.by_traction(), super::loaded_balls(found));
         let friction = inputs.contact_friction;
         let in_train = |at, free: &BallState, work: &mut ModelWorkspace| match traction
             .of_ball(rubbing, balls, at)
@@ -136,19 +131,15 @@ impl NutProblem {
             other => other.map_err(|why| why.to_string()),
         })
     }
-}
-
-impl NutReport {
     /// Whether the balls touch, in one line; `None` where no gap is given.
     pub(crate) fn touch_note(&self) -> Option<String> {
-        let (state, problem) = (&self.state, &self.problem);
-        let inputs = problem.gaps.train.as_ref()?;
-        let train = match state.pushed(problem)? {
+        let inputs = self.problem.gaps.train.as_ref()?;
+        let train = match self.pushed()? {
             Ok(train) => train,
             Err(why) => return Some(not_pushed(why)),
         };
         let touch = if train.touching > 0 { "touch" } else { "do not touch" };
-        let needed = state.advance(problem)?.circuits.iter().map(|circuit| circuit.needed_gap);
+        let needed = self.advance()?.circuits.iter().map(|circuit| circuit.needed_gap);
         // Of the circuit that has least of what it needs.
         let part = |gaps: &(f64, f64)| gaps.0 / gaps.1;
         let gaps = needed.zip(inputs.gaps.iter().copied());
@@ -159,14 +150,13 @@ impl NutReport {
 
     /// The circuits where a gap is given, a row each.
     pub(super) fn circuits(&self) -> Option<Table> {
-        let Ok(train) = self.state.pushed(&self.problem)? else { return None };
-        let advance = self.state.advance(&self.problem)?;
+        let (train, advance) = (self.train()?, self.advance()?);
         let row = |(number, (train, advance)): (usize, (&CircuitTrain, &CircuitAdvance))| {
             let of = OneCircuit { number: count(number), needed: advance.needed_gap, train };
             read_circuit(&of, |_| true).columns().map(|(_, value)| json!(value)).collect()
         };
         Some(Table {
-            columns: CIRCUITS.iter().map(|of| Column::headed(of.name, of.name)).collect(),
+            columns: CIRCUITS.iter().map(|of| Column::of(of.name)).collect(),
             rows: train.circuits.iter().zip(&advance.circuits).enumerate().map(row).collect(),
             keyed: false,
         })
@@ -174,7 +164,7 @@ impl NutReport {
 
     /// Circuits whose balls would lie on each other, and what is beyond the range of the ball train.
     pub(super) fn train_warnings(&self) -> Vec<String> {
-        let nut = &self.state.made.nut;
+        let nut = &self.made.nut;
         let spacer = self.problem.gaps.spacer;
         let circuits = nut.circuits.iter().enumerate();
         let crowded = circuits.filter(|(i, circuit)| count(circuit.balls) > nut.room(*i, spacer));
@@ -183,7 +173,7 @@ impl NutReport {
                 format!("{} balls are too many: {}", circuit.balls, room(nut, i, spacer))
             })
             .collect();
-        let Some(Ok(train)) = self.state.pushed(&self.problem) else { return warnings };
+        let Some(train) = self.train() else { return warnings };
         let part = train.largest_push / self.found().mean_load();
         if part > LARGEST_PUSH {
             let beyond = too_large(&format!("{:.3} N", train.largest_push), part, "mean");

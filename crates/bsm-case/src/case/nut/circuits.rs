@@ -118,10 +118,9 @@ fn apart(circuits: &[Circuit]) -> Result<(), CaseError> {
 
 /// Circuits of one nut, or of each nut of a pair that is preloaded by an offset.
 pub(super) fn short_circuits(scene: &Scene, way: Preload) -> Result<Vec<Circuit>, CaseError> {
-    let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
     let (per_turn, turns) = balls_and_turns(scene);
     let (per_turn, turns) = (per_turn.unwrap_or(f64::NAN), turns.unwrap_or(f64::NAN));
-    let (number, starts) = (value(InputKey::circuits_count), value(InputKey::starts));
+    let (number, starts) = (scene.number(InputKey::circuits_count), scene.number(InputKey::starts));
     let arc = 360.0 * turns / number;
     let balls = (per_turn * arc / 360.0).round();
     if balls.is_nan() || balls < 1.0 {
@@ -139,7 +138,7 @@ pub(super) fn short_circuits(scene: &Scene, way: Preload) -> Result<Vec<Circuit>
     }
     // From the beginning of a circuit to that of the next one of its thread.
     let gap = scene.gap_deg.unwrap_or_else(|| (arc / 360.0).ceil() * 360.0 - arc);
-    let (step, phase) = (arc + gap, value(InputKey::phase_deg));
+    let (step, phase) = (arc + gap, scene.number(InputKey::phase_deg));
     let pair = way == Preload::Offset && is_preloaded(scene);
     let arranged = arrangement(scene)?.unwrap_or(Arrangement::O);
     let circuit = |body: usize, from: f64| {

@@ -34,7 +34,7 @@ impl FrictionSource {
         let missing = Needs::LUBRICANT.missing(given);
         let read = || scene.reader().lubricant();
         let Some(mut lubricant) = missing.is_empty().then(read).flatten() else {
-            return Err(CaseError::missing(missing, scene.given().purpose("for a nut")));
+            return Err(CaseError::missing(&missing, &scene.given().purpose("for a nut")));
         };
         if let Temperature::Balance { .. } = lubricant.temperature {
             let what = "the temperature of the lubricant follows from the heat of one ball in bsm solve, not from \

@@ -112,13 +112,12 @@ impl NutProblem {
         }
         let missing = scene.missing_for_a_nut(scene.given());
         if !missing.is_empty() {
-            return Err(CaseError::missing(missing, scene.given().purpose("for a nut")));
+            return Err(CaseError::missing(&missing, &scene.given().purpose("for a nut")));
         }
         let loaded = usually_preloaded(scene)?;
         let scene = loaded.as_ref().unwrap_or(scene);
         let (nut, way) = ball_nut(scene)?;
         let preload = preload(scene, &nut, way)?;
-        let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
         let design = rated_nut::nut(scene)?;
         let thread = rated_nut::thread(scene, &design)?;
         let body = rated_nut::body(scene, &design, &thread)?;
@@ -150,7 +149,7 @@ impl NutProblem {
             clippy::cast_sign_loss,
             reason = "a whole number"
         )]
-        let seed = value(InputKey::seed) as u64;
+        let seed = scene.number(InputKey::seed) as u64;
         let friction = FrictionSource::of(scene)?;
         let gaps = BallGaps::of(scene, friction, &nut)?;
         let stroke = scene.stroke_mm.map(|mm| mm * MM);
@@ -175,7 +174,7 @@ impl NutProblem {
             ratings,
             gaps,
             friction: friction.zip(drive),
-            seal_torque: value(InputKey::seal_torque_Nm),
+            seal_torque: scene.number(InputKey::seal_torque_Nm),
             tolerance,
             settings: *settings,
             warm: None,
@@ -270,9 +269,8 @@ impl Scene {
 
 /// The nut without its elastic bodies, and how it is preloaded if it is.
 fn ball_nut(scene: &Scene) -> Result<(BallNut, Preload), CaseError> {
-    let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
     let words = &scene.nut;
-    let radius = 0.5 * MM * value(InputKey::ball_diameter_mm);
+    let radius = 0.5 * MM * scene.number(InputKey::ball_diameter_mm);
     let (circuits, way) = if let Some(listed) = &words.circuits {
         if let Some(key) = SHORT.into_iter().find(|key| scene[*key].is_some()) {
             return Err(CaseError::given_twice(["circuits", key.name()]));
@@ -280,7 +278,7 @@ fn ball_nut(scene: &Scene) -> Result<(BallNut, Preload), CaseError> {
         let several = listed.iter().any(|circuit| circuit.body > 0);
         let usual = if several { Preload::Offset } else { Preload::Oversize };
         let way = words.preload_by.map_or(usual, preload_of_bodies);
-        (listed_circuits(listed, value(InputKey::starts), arrangement(scene)?)?, way)
+        (listed_circuits(listed, scene.number(InputKey::starts), arrangement(scene)?)?, way)
     } else {
         let way = words.preload_by.map_or(Preload::Offset, preload_of_bodies);
         (short_circuits(scene, way)?, way)
@@ -290,19 +288,22 @@ fn ball_nut(scene: &Scene) -> Result<(BallNut, Preload), CaseError> {
         balls: deviations(words, scene.ball_deviation_sd_um)?,
         oversize: 0.0,
         lead: lead_errors.iter().enumerate().map(lead_error).collect::<Result<_, _>>()?,
-        gap: value(InputKey::radial_gap_um) * UM,
+        gap: scene.number(InputKey::radial_gap_um) * UM,
     };
     let helix = Helix {
-        radius: 0.5 * MM * value(InputKey::pitch_circle_diameter_mm),
+        radius: 0.5 * MM * scene.number(InputKey::pitch_circle_diameter_mm),
         lead_angle: scene.lead_angle().unwrap_or(f64::NAN),
     };
     let precession = words.ball_precession_rad_s.unwrap_or(0.0);
     let nut = BallNut {
         helix,
-        starts: whole(value(InputKey::starts)),
-        ball: Ball::of_density(radius, value(InputKey::density_kg_m3)),
-        contact_angle: value(InputKey::contact_angle_deg) * DEG,
-        conformity: (value(InputKey::nut_conformity), value(InputKey::screw_conformity)),
+        starts: whole(scene.number(InputKey::starts)),
+        ball: Ball::of_density(radius, scene.number(InputKey::density_kg_m3)),
+        contact_angle: scene.number(InputKey::contact_angle_deg) * DEG,
+        conformity: (
+            scene.number(InputKey::nut_conformity),
+            scene.number(InputKey::screw_conformity),
+        ),
         material: scene.reader().materials(),
         circuits,
         errors,
@@ -322,9 +323,10 @@ fn ball_nut(scene: &Scene) -> Result<(BallNut, Preload), CaseError> {
 
 /// Rises of temperature of nut, screw and balls \[K\], if one is given, and the coefficient of expansion \[1/K\].
 fn rises(scene: &Scene) -> Option<([f64; 3], f64)> {
-    let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
     let given = RISES.iter().any(|key| scene[*key].is_some());
-    given.then(|| (RISES.map(value), value(InputKey::thermal_expansion_um_m_K) * UM))
+    given.then(|| {
+        (RISES.map(|key| scene.number(key)), scene.number(InputKey::thermal_expansion_um_m_K) * UM)
+    })
 }
 
 /// Strain of the screw by its tension, and Poisson's ratio; none without a tension.

@@ -42,8 +42,7 @@ impl BallGaps {
         let own = |circuit: usize| listed.get(circuit).and_then(|words| words.ball_gap_mm);
         let own_path = |circuit: usize| format!("circuits[{circuit}].ball_gap_mm");
         let circuits = nut.circuits.len();
-        let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
-        let spacer = value(K::spacer_thickness_mm) * MM;
+        let spacer = scene.number(K::spacer_thickness_mm) * MM;
         let friction = match friction {
             Some(FrictionSource::Coefficient(coefficient)) => {
                 Some(scene.ball_contact_friction.unwrap_or(coefficient))
@@ -79,7 +78,7 @@ impl BallGaps {
                 return Err(CaseError::given_twice(["return_push_N", bends.name()]));
             }
             (Some(push), None) => ExitPush::AtExit(push),
-            (None, _) => ExitPush::AtEntry(value(K::return_entry_force_N)),
+            (None, _) => ExitPush::AtEntry(scene.number(K::return_entry_force_N)),
         };
         if scene.ball_contact_force_N.is_some_and(|force| force > 0.0) {
             let what = "the force between the balls follows from ball_gap_mm, which is given too";
@@ -91,10 +90,10 @@ impl BallGaps {
             contact_friction,
             exit: Exit {
                 push,
-                bend: value(K::return_bend_deg) * DEG,
-                friction: value(K::return_friction_coefficient),
+                bend: scene.number(K::return_bend_deg) * DEG,
+                friction: scene.number(K::return_friction_coefficient),
             },
-            idle_drag: value(K::idle_ball_drag_N),
+            idle_drag: scene.number(K::idle_ball_drag_N),
         });
         Ok(Self { spacer, friction, train })
     }

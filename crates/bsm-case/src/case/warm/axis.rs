@@ -26,9 +26,9 @@ const AIR: f64 = 20.0;
 pub(crate) struct ColdNut {
     problem: NutProblem,
     nut: BallNut,
-    preload: Option<NutPreload>,
+    pub(super) preload: Option<NutPreload>,
     /// The preloaded nut without load, held against tilting.
-    unloaded: Option<Equilibrium>,
+    pub(super) unloaded: Option<Equilibrium>,
     /// Temperature of setting \[K\].
     set: f64,
 }
@@ -41,7 +41,7 @@ impl ColdNut {
         machine: &Machine,
     ) -> Result<Self, CaseError> {
         let mut cold = scene.cold();
-        let celsius = scene.value_or_default(InputKey::preload_temperature_C).unwrap_or(f64::NAN);
+        let celsius = scene.number(InputKey::preload_temperature_C);
         (cold.feed_m_min, cold.seal_torque_Nm) = (None, None);
         (cold.screw_speed_rpm, cold.nut_speed_rpm) = (Some(SLOW / RPM), None);
         let heaviest = machine.axis.heaviest().map_or(0.0, |phase| phase.load);
@@ -92,7 +92,7 @@ pub(crate) struct WarmAxis<'a> {
     shaft: &'a Shaft,
     /// Stroke and nut \[m\].
     travel: f64,
-    cold: ColdNut,
+    pub(super) cold: ColdNut,
 }
 
 impl<'a> WarmAxis<'a> {
@@ -123,33 +123,16 @@ impl<'a> WarmAxis<'a> {
             return Err(bad("coolant_flow_l_min", "needs screw_bore_mm"));
         }
         if !scene.given().has_friction() {
-            let missing = vec!["friction_coefficient or a lubricant".to_owned()];
-            return Err(CaseError::missing(missing, "for the warm state"));
+            let missing = ["friction_coefficient or a lubricant".to_owned()];
+            return Err(CaseError::missing(&missing, "for the warm state"));
         }
         let cold = ColdNut::of(scene, settings, machine)?;
         Ok(Self { scene, machine, shaft, travel, cold })
     }
 
-    /// Friction of all balls.
-    pub(crate) fn friction(
-        &self,
-    ) -> impl Fn(&BallNut, &Equilibrium, &Drive<f64>, f64, f64) -> Option<FrictionSum> {
-        self.cold.friction()
-    }
-
     /// Up to which multiple of the speeds the fold is looked for.
     pub(crate) fn search(&self) -> f64 {
-        self.scene.value_or_default(InputKey::fold_search_factor).unwrap_or(f64::NAN)
-    }
-
-    /// The preload of the cold nut.
-    pub(crate) fn preload(&self) -> Option<NutPreload> {
-        self.cold.preload
-    }
-
-    /// The cold nut without load.
-    pub(crate) fn unloaded(&self) -> Option<&Equilibrium> {
-        self.cold.unloaded.as_ref()
+        self.scene.number(InputKey::fold_search_factor)
     }
 
     /// The nut with its friction.
@@ -158,8 +141,7 @@ impl<'a> WarmAxis<'a> {
         friction: &'f bsm_nut::thermal::FrictionOf<'f>,
     ) -> Result<WarmNut<'f>, CaseError> {
         let Self { scene, machine, shaft, travel, ref cold } = *self;
-        let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
-        let expansion = value(InputKey::thermal_expansion_um_m_K) * UM;
+        let expansion = scene.number(InputKey::thermal_expansion_um_m_K) * UM;
         let over_set = |celsius: f64| celsius + ZERO_CELSIUS - cold.set;
         let air = over_set(scene.ambient_temperature_C.unwrap_or(AIR));
         let mean = match &cold.unloaded {
@@ -171,10 +153,10 @@ impl<'a> WarmAxis<'a> {
             coolant_conductance(coolant, flow / 6e4, shaft.bore, shaft.length)
         });
         let hold = machine.held.map(|held| AxialHold {
-            stiffness: held.stiffness(),
+            stiffness: held.shaft.held(held.bearing),
             pretension: held.tension(0.0),
             youngs_modulus: shaft.youngs_modulus,
-            poisson_ratio: value(InputKey::poisson_ratio),
+            poisson_ratio: scene.number(InputKey::poisson_ratio),
         });
         let free = shaft.support == Mounting::FixedFree;
         let phase = |phase: &bsm_design::Phase| WarmPhase {
@@ -189,9 +171,9 @@ impl<'a> WarmAxis<'a> {
             phases: machine.axis.phases.iter().map(phase).collect(),
             friction,
             drag: cold.drag(scene, machine),
-            seal: value(InputKey::seal_torque_Nm),
-            bearings: value(InputKey::support_bearing_torque_Nm),
-            motor: value(InputKey::motor_heat_W),
+            seal: scene.number(InputKey::seal_torque_Nm),
+            bearings: scene.number(InputKey::support_bearing_torque_Nm),
+            motor: scene.number(InputKey::motor_heat_W),
             set: cold.set,
             surfaces: Surfaces {
                 size: (machine.body.outer, machine.body.length),
@@ -207,7 +189,7 @@ impl<'a> WarmAxis<'a> {
                 ball_screw: scene.ball_screw_conductance_W_K,
                 end: scene.end_conductance_W_K,
                 coolant: scene.coolant_conductance_W_K.or(flow).unwrap_or(0.0),
-                nut_coolant: value(InputKey::nut_coolant_conductance_W_K),
+                nut_coolant: scene.number(InputKey::nut_coolant_conductance_W_K),
             },
             off: None,
             screw: ScrewBar {
@@ -215,7 +197,7 @@ impl<'a> WarmAxis<'a> {
                 length: shaft.length,
                 travel,
                 section: shaft.section(),
-                conductivity: value(InputKey::steel_conductivity_W_m_K),
+                conductivity: scene.number(InputKey::steel_conductivity_W_m_K),
                 expansion,
                 bearings: [true, !free],
                 hold,
