@@ -8,7 +8,7 @@ use argmin::core::{Error, Executor, IterState, Jacobian, Operator, State};
 use argmin::solver::gaussnewton::GaussNewton;
 use argmin_math::{ArgminDot, ArgminInv, ArgminL2Norm, ArgminMul, ArgminSub, ArgminTranspose};
 
-use crate::equations::{self, Answer, System, MOST_STEPS, TOLERANCE};
+use crate::equations::{self, Answer, MOST_STEPS, System, TOLERANCE};
 use crate::points::Point;
 
 #[derive(Debug, Clone, Copy)]

@@ -4,7 +4,7 @@ use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::lu::partial_pivoting::{factor, solve};
 use faer::{ColMut, Mat, Par, Spec};
 
-use crate::equations::{Answer, System, MOST_STEPS, Matrix, TOLERANCE, Vector};
+use crate::equations::{Answer, MOST_STEPS, Matrix, System, TOLERANCE, Vector};
 use crate::points::Point;
 
 /// Newton from the first-order start; `step` turns a Jacobian and a residual into the step.

@@ -96,7 +96,9 @@ fn motion(args: &SolveArgs, scene: &Scene, settings: &Settings) -> Result<Answer
     let solution = problem.solve(&mut work);
     let wants_band = args.show.contains(&Show::Band) || args.show.is_empty() && !args.out.json;
     let band = match (&problem, solution.solved()) {
-        (Problem::Lubricated(problem), Some(solved)) if wants_band => problem.band(solved, &mut work),
+        (Problem::Lubricated(problem), Some(solved)) if wants_band => {
+            problem.band(solved, &mut work)
+        }
         _ => None,
     };
     let (mut notes, mut sensitivities) = (Vec::new(), None);

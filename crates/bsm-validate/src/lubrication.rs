@@ -89,7 +89,11 @@ fn with_seals(record: &Record, parts: Option<&ScrewTorque>, name: &str) -> f64 {
 }
 
 /// The largest deviation of a scene over its tolerance.
-fn solution(reference: &Reference, file: &File, work: &mut ModelWorkspace) -> Result<Check, ValidateError> {
+fn solution(
+    reference: &Reference,
+    file: &File,
+    work: &mut ModelWorkspace,
+) -> Result<Check, ValidateError> {
     let model = Model::from_name(&reference.model).unwrap_or(Model::Traction);
     let scene = reference.scene(file)?;
     let record = solve(&scene, model, work)?;

@@ -349,7 +349,13 @@ impl AxisReport {
         let order = worked.order();
         let of = Answer { rules, notes, warnings, fails, ..Answer::default() };
         let warm = worked.warm.as_ref();
-        let mut answer = sheet(of, given, warm, (&phases, numbers, screw), not_modelled(scene, worked.machine.groove.is_some()));
+        let mut answer = sheet(
+            of,
+            given,
+            warm,
+            (&phases, numbers, screw),
+            not_modelled(scene, worked.machine.groove.is_some()),
+        );
         answer = answer.with_shown(Content::Text("order:", Some(order.to_string())));
         Ok(Self { scene: given.clone(), settings: *settings, phases, order, answer })
     }

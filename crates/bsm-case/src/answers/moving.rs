@@ -136,8 +136,12 @@ impl MovingBall {
             .motion
             .ok_or_else(|| CaseError::no_motion(solution.model, &scene.missing(Model::Rigid)))?;
         let point = scene.reader().operating_point();
-        let ball =
-            SteadyBall { helix: point.helix, radius: point.ball.radius, drive: point.drive, motion };
+        let ball = SteadyBall {
+            helix: point.helix,
+            radius: point.ball.radius,
+            drive: point.drive,
+            motion,
+        };
         let contacts = SITES.map(|site| {
             let contact = state.contact(site)?;
             Some(MovingContact {

@@ -40,12 +40,11 @@ impl GrooveSection {
         for key in [InputKey::loaded_balls_per_turn, InputKey::loaded_turns] {
             one[key] = one[key].or(Some(1.0));
         }
-        let nut = rated_nut::nut(&one).map_err(|error| match error {
-            CaseError::Missing { missing, .. } => {
-                CaseError::missing(missing, "for the section of the grooves")
-            }
-            _ => error,
-        })?;
+        let missing = rated_nut::NEEDS.missing(rated_nut::given(&one));
+        if !missing.is_empty() {
+            return Err(CaseError::missing(&missing, "for the section of the grooves"));
+        }
+        let nut = rated_nut::nut(&one)?;
         let thread = rated_nut::thread(scene, &nut)?;
         // Of a large pitch the lands go on.
         let half = (0.5 * nut.pitch()).min(nut.ball_diameter);

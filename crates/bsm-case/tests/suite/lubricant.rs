@@ -39,7 +39,8 @@ fn an_independent_solution_agrees() {
     let mut far = Vec::new();
     for reference in cases["cases"].as_array().expect("a list") {
         let scene = Scene::from_json(reference["scene"].to_string().as_bytes()).expect("a scene");
-        let model = Model::from_name(reference["model"].as_str().expect("a name")).expect("a model");
+        let model =
+            Model::from_name(reference["model"].as_str().expect("a name")).expect("a model");
         let record = solved(&scene, model);
         if model == Model::Traction {
             assert!(record.number("power_balance").expect("a balance").abs() <= 1e-9);

@@ -119,7 +119,8 @@ fn with_room_enough_the_nut_is_the_same() {
     let reference = &cases()[2];
     let settings = Settings::from(Model::Traction);
     let with = nut(&reference["scene"], &json!({}), &settings).expect("a nut");
-    let without = nut(&reference["scene"], &json!({"ball_gap_mm": null}), &settings).expect("a nut");
+    let without =
+        nut(&reference["scene"], &json!({"ball_gap_mm": null}), &settings).expect("a nut");
     for name in ["friction_torque_Nm", "nut_efficiency", "needed_gap_mm", "ball_contact_band_Nm"] {
         let [a, b] = [&with, &without].map(|report| number(report, name));
         assert!((a - b).abs() <= 1e-9 * b, "{name}: {a} {b}");

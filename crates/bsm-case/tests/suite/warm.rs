@@ -17,7 +17,8 @@ fn settings() -> Settings {
 /// The scene of a reference case as entries of a scene, changed.
 fn scene(id: &str, change: impl Fn(&mut Value)) -> (Scene, Value) {
     let all: Value = serde_json::from_str(CASES).expect("JSON");
-    let reference = all["cases"].as_array().expect("cases").iter().find(|reference| reference["id"] == id);
+    let reference =
+        all["cases"].as_array().expect("cases").iter().find(|reference| reference["id"] == id);
     let reference = reference.unwrap_or_else(|| panic!("{id}")).clone();
     let mut scene = reference["scene"].clone();
     let entries = scene.as_object_mut().expect("a scene");

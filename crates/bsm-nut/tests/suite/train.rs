@@ -472,7 +472,8 @@ fn random(rng: &mut impl Rng) -> (Case, Equilibrium) {
 
 /// What is wrong with a train by its rates and pushes alone.
 fn wrong(reference: &Case, train: &Train) -> Option<String> {
-    let pitch = reference.nut.helix.arc_length_per_radian() * reference.nut.touch_angle(reference.inputs.spacer);
+    let pitch = reference.nut.helix.arc_length_per_radian()
+        * reference.nut.touch_angle(reference.inputs.spacer);
     for (circuit, room) in train.circuits.iter().zip(&reference.inputs.gaps) {
         let gaps: f64 = circuit.balls.iter().map(|ball| ball.gap).sum();
         // What a train may leave over: 1e-6 of the room, or 1e-11 of the rate for each ball.
@@ -634,7 +635,8 @@ fn a_simulation_in_time_has_the_flux_of_the_queue() {
     // The law of a ball bends over some tenths of a newton.
     let pushes: Vec<_> = (0..41).map(|k| 0.05 * (f64::from(k) - 20.0)).collect();
     let law = |number: usize| -> Vec<f64> {
-        let at = reference.nut.ball_alone(&found, number, 0.06, &reference.drive).expect("one flank");
+        let at =
+            reference.nut.ball_alone(&found, number, 0.06, &reference.drive).expect("one flank");
         let Problem::Traction(ball) = reference.model(at) else { panic!("dry") };
         let free = motions[number].and_then(|motion| motion.ball).expect("a state");
         let ball = ball.in_train(&free, 0.0, &mut work).expect("a ball");
