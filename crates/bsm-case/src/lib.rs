@@ -79,6 +79,6 @@ pub use vocabulary::names::{entries, nearest_input};
 pub use vocabulary::number::{digits, exact, number, short, trimmed, write_exact};
 pub use vocabulary::output::{OUTPUTS, Output, OutputKey};
 pub use vocabulary::phase::PhaseEntry;
-pub use vocabulary::quantity::{AnalysisKind, Numbers, Of, Quantity, Row, Values};
+pub use vocabulary::quantity::{AnalysisKind, Numbers, Quantity, Row, Scope, Values};
 pub use vocabulary::rules::{Inputs, Relation, covered};
 pub use vocabulary::units;

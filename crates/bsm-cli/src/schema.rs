@@ -1,7 +1,7 @@
 //! `bsm schema`: what files and answers look like, from the tables that answers are made from.
 
 use bsm_case::{
-    AnalysisKind, CATALOGUE, INPUTS, OUTPUTS, Of, input_schema, output_schema, schema_of,
+    AnalysisKind, CATALOGUE, INPUTS, OUTPUTS, Scope, input_schema, output_schema, schema_of,
     sheet_columns,
 };
 use serde_json::{Map, Value, json};
@@ -213,7 +213,8 @@ fn numbers(table: &str) -> Vec<(String, Value)> {
         "catalogue" => each(&mut CATALOGUE.iter().map(|column| column.name), "number"),
         "sheet" => each(&mut sheet_columns().map(|column| column.name), "number?"),
         _ => {
-            let known = bsm_case::table(table).filter(|quantity| quantity.of != Of::Statement);
+            let known =
+                bsm_case::table(table).filter(|quantity| quantity.scope != Scope::Statement);
             let columns = known.flat_map(|quantity| quantity.columns);
             let schema = |column: &bsm_case::Output| {
                 let kinds = AnalysisKind::ALL

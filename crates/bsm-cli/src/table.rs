@@ -1,7 +1,7 @@
 //! Answers for reading.
 
 use bsm_case::{
-    Answer, Content, Criterion, Numbers, Of, Row, Scales, Table as Rows, number, short,
+    Answer, Content, Criterion, Numbers, Row, Scales, Scope, Table as Rows, number, short,
 };
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::Value;
@@ -121,28 +121,30 @@ fn rows(table: &Rows) -> String {
 ///
 /// * `whole`: what those of no contact and direction are of. * `unbounded`: names of those whose error has no bound.
 fn numbers(numbers: &Numbers, whole: &str, unbounded: &[&str]) -> Vec<String> {
-    let mut rows: Vec<_> = numbers.rows().filter(|row| row.quantity.of != Of::Statement).collect();
+    let mut rows: Vec<_> =
+        numbers.rows().filter(|row| row.quantity.scope != Scope::Statement).collect();
     let values =
         |row: &&Row| row.values.into_iter().flatten().map(|value| (row.quantity.unit, value));
     let scales = Scales::of(rows.iter().flat_map(values));
     // Of a title first what is of the whole.
     for rows in rows.chunk_by_mut(|a, b| a.quantity.title == b.quantity.title) {
-        rows.sort_by_key(|row| row.quantity.of as u8);
+        rows.sort_by_key(|row| row.quantity.scope as u8);
     }
-    let same =
-        |a: &&Row, b: &&Row| (a.quantity.title, a.quantity.of) == (b.quantity.title, b.quantity.of);
+    let same = |a: &&Row, b: &&Row| {
+        (a.quantity.title, a.quantity.scope) == (b.quantity.title, b.quantity.scope)
+    };
     rows.chunk_by(same).map(|rows| block(rows, whole, unbounded, &scales)).collect()
 }
 
 /// Quantities that belong together.
 fn block(rows: &[&Row], whole: &str, unbounded: &[&str], scales: &Scales) -> String {
     let first = rows[0].quantity;
-    let members = if first.of == Of::Whole { &[whole][..] } else { first.of.members() };
+    let members = if first.scope == Scope::Scalar { &[whole][..] } else { first.scope.members() };
     let has_symbols = rows.iter().any(|row| !row.quantity.symbol.is_empty());
     let cells = |row: &&Row| {
         let quantity = row.quantity;
         let print = |value: f64| shown(quantity.unit, scales.clean(quantity.unit, value));
-        let none = if first.of == Of::Directions { "none" } else { "" };
+        let none = if first.scope == Scope::Directions { "none" } else { "" };
         let numbers =
             row.values.iter().take(members.len()).map(|v| v.map_or_else(|| none.to_owned(), print));
         let mark = if unbounded.contains(&quantity.name) { " *" } else { "" };

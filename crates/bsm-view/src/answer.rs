@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use bsm_batch::{Answers, Buffers, GridSource, Source, Task, Workers};
 use bsm_case::{
     Answer, Axis, AxisReport, CaseError, Columns, EllipseFields, Grid, GrooveSection, ModelChoice,
-    MotionAnswer, Numbers, NutProblem, Of, Quantity, Record, Row, Scene, Settings, Supplement,
+    MotionAnswer, Numbers, NutProblem, Quantity, Record, Row, Scene, Scope, Settings, Supplement,
     WarmBranch, comparison, torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace, Problem, RacewayFriction, Status};
@@ -170,7 +170,7 @@ pub(crate) fn solved(
         return Err(Refusal::Input("no result".to_owned()));
     };
     let unbounded = record.unbounded();
-    let rows = |of: Of| numbers.rows().filter(move |row| row.quantity.of == of);
+    let rows = |scope: Scope| numbers.rows().filter(move |row| row.quantity.scope == scope);
     let whole = |row: &Row| {
         let Quantity { about, unit, .. } = row.quantity;
         Some(json!([about, unit, number(row.values[0]?)]))
@@ -183,8 +183,8 @@ pub(crate) fn solved(
     report.insert(
         "shown".to_owned(),
         json!({
-            "overall": rows(Of::Whole).filter_map(whole).collect::<Vec<_>>(),
-            "contacts": rows(Of::Contacts).map(contact).collect::<Vec<_>>(),
+            "overall": rows(Scope::Scalar).filter_map(whole).collect::<Vec<_>>(),
+            "contacts": rows(Scope::Contacts).map(contact).collect::<Vec<_>>(),
             "unbounded": marked.map(|row| row.quantity.about).collect::<Vec<_>>(),
         }),
     );

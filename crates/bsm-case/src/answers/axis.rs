@@ -37,140 +37,140 @@ pub(crate) const NEEDS: crate::case::problem::Needs = rated_nut::NEEDS;
 
 quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
     "the cycle" {
-        largest_load_N ["N"] Whole(|w| w.axis().largest_load()), "largest axial load of the screw";
-        largest_speed_rpm ["rpm"] Whole(|w| w.axis().fastest() / RPM), "largest speed of the screw";
-        largest_feed_m_min ["m/min"] Whole(|w| w.axis().fastest() * w.machine.advance() * 60.0), "largest feed";
-        equivalent_load_N ["N" "F_m"] Whole(|w| Some(w.life()?.mean_load)),
+        largest_load_N ["N"] Scalar(|w| w.axis().largest_load()), "largest axial load of the screw";
+        largest_speed_rpm ["rpm"] Scalar(|w| w.axis().fastest() / RPM), "largest speed of the screw";
+        largest_feed_m_min ["m/min"] Scalar(|w| w.axis().fastest() * w.machine.advance() * 60.0), "largest feed";
+        equivalent_load_N ["N" "F_m"] Scalar(|w| Some(w.life()?.mean_load)),
             "equivalent constant load, with the same life; of a pair, that of the more heavily loaded nut";
-        equivalent_speed_rpm ["rpm" "n_m"] Whole(|w| Some(w.life()?.mean_speed / RPM)), "equivalent speed";
+        equivalent_speed_rpm ["rpm" "n_m"] Scalar(|w| Some(w.life()?.mean_speed / RPM)), "equivalent speed";
     }
     "screw and bearings" {
-        unsupported_length_mm = INPUTS Whole(|w| Some(w.shaft()?.length / MM));
-        shaft_diameter_mm = INPUTS Whole(|w| Some(w.shaft()?.diameter / MM));
-        critical_speed_rpm ["rpm" "n_k"] Whole(|w| Some(w.shaft()?.critical_speed() / RPM)), "critical speed";
-        critical_speed_ratio [""] Whole(|w| w.shaft().and(w.axis().critical_speed_ratio())), "largest speed over the critical one";
-        buckling_load_N ["N" "F_k"] Whole(|w| Some(w.shaft()?.buckling_load())), "buckling load";
-        buckling_safety [""] Whole(|w| w.shaft().and(w.axis().buckling_safety())), "buckling load over the largest load";
-        yield_load_N ["N"] Whole(|w| w.shaft().and(w.axis().yield_load())), "permissible axial load, core stress 147 N/mm2";
-        largest_speed_number_mm_min ["mm/min" "d_pw n"] Whole(|w| w.axis().speed_number() / (MM * RPM)), "largest speed number";
-        pretension_N = INPUTS Whole(|w| Some(w.pretension()?.tension(0.0)));
-        pretension_K = INPUTS Whole(|w| Some(w.pretension()?.stretched));
-        stretch_um ["um"] Whole(|w| {
+        unsupported_length_mm = INPUTS Scalar(|w| Some(w.shaft()?.length / MM));
+        shaft_diameter_mm = INPUTS Scalar(|w| Some(w.shaft()?.diameter / MM));
+        critical_speed_rpm ["rpm" "n_k"] Scalar(|w| Some(w.shaft()?.critical_speed() / RPM)), "critical speed";
+        critical_speed_ratio [""] Scalar(|w| w.shaft().and(w.axis().critical_speed_ratio())), "largest speed over the critical one";
+        buckling_load_N ["N" "F_k"] Scalar(|w| Some(w.shaft()?.buckling_load())), "buckling load";
+        buckling_safety [""] Scalar(|w| w.shaft().and(w.axis().buckling_safety())), "buckling load over the largest load";
+        yield_load_N ["N"] Scalar(|w| w.shaft().and(w.axis().yield_load())), "permissible axial load, core stress 147 N/mm2";
+        largest_speed_number_mm_min ["mm/min" "d_pw n"] Scalar(|w| w.axis().speed_number() / (MM * RPM)), "largest speed number";
+        pretension_N = INPUTS Scalar(|w| Some(w.pretension()?.tension(0.0)));
+        pretension_K = INPUTS Scalar(|w| Some(w.pretension()?.stretched));
+        stretch_um ["um"] Scalar(|w| {
             Some(w.pretension()?.tension(0.0) / w.shaft()?.held(f64::INFINITY) / UM)
         }), "elongation of the screw by its pretension";
-        travel_compensation_um ["um" "c"] Whole(|w| Some(w.travel_compensation()? * MM / UM)), "target of the travel over the stroke for a screw with pretension; below 0 it is made shorter";
-        screw_tension_N = INPUTS Whole(|w| w.tension());
-        stretched_critical_speed_rpm ["rpm"] Whole(|w| {
+        travel_compensation_um ["um" "c"] Scalar(|w| Some(w.travel_compensation()? * MM / UM)), "target of the travel over the stroke for a screw with pretension; below 0 it is made shorter";
+        screw_tension_N = INPUTS Scalar(|w| w.tension());
+        stretched_critical_speed_rpm ["rpm"] Scalar(|w| {
             let tension = w.pretension()?.tension(0.0);
             Some(w.shaft()?.stretched_critical_speed(tension) / RPM)
         }), "critical speed with the tension of the cold screw, for information";
-        support_bearing_load_N ["N"] Whole(|w| {
+        support_bearing_load_N ["N"] Scalar(|w| {
             Some(w.axis().largest_load() + w.pretension().map_or(0.0, |held| held.tension(0.0)))
         }), "largest load and pretension, which the support bearings carry";
-        screw_mass_kg ["kg"] Whole(|w| w.shaft().and(w.machine.screw).map(|(mass, _)| mass)), "mass of the screw between its bearings";
-        axis_heat_transfer_W_K = INPUTS Whole(|w| w.heat_transfer());
-        steady_temperature_rise_K ["K"] Whole(|w| w.steady_rise()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
+        screw_mass_kg ["kg"] Scalar(|w| w.shaft().and(w.machine.screw).map(|(mass, _)| mass)), "mass of the screw between its bearings";
+        axis_heat_transfer_W_K = INPUTS Scalar(|w| w.heat_transfer());
+        steady_temperature_rise_K ["K"] Scalar(|w| w.steady_rise()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "steady-state temperature rise, by axis_heat_transfer_W_K";
-        steady_temperature_rise_low_K ["K"] Whole(|w| Some(w.rise_band()?[0])), "low end of the steady-state temperature rise, half of it by the heat transfer to still air";
-        steady_temperature_rise_high_K ["K"] Whole(|w| Some(w.rise_band()?[1])), "high end of the steady-state temperature rise, twice it by the heat transfer to still air";
-        steady_temperature_time_s ["s" "tau"] Whole(|w| Some(warming_time(w.machine.screw?.0, w.heat_transfer()?))),
+        steady_temperature_rise_low_K ["K"] Scalar(|w| Some(w.rise_band()?[0])), "low end of the steady-state temperature rise, half of it by the heat transfer to still air";
+        steady_temperature_rise_high_K ["K"] Scalar(|w| Some(w.rise_band()?[1])), "high end of the steady-state temperature rise, twice it by the heat transfer to still air";
+        steady_temperature_time_s ["s" "tau"] Scalar(|w| Some(warming_time(w.machine.screw?.0, w.heat_transfer()?))),
             "time constant of the steady-state temperature rise, of the mass of the screw";
-        screw_growth_um ["um"] Whole(|w| w.growth()),
+        screw_growth_um ["um"] Scalar(|w| w.growth()),
             "thermal expansion between the bearings, in the warm state, by screw_temperature_rise_K or by the steady-state rise";
-        travel_deviation_um ["um" "e_p"] Whole(|w| Some(w.grade()?.deviation(w.travel()?)? / UM)),
+        travel_deviation_um ["um" "e_p"] Scalar(|w| Some(w.grade()?.deviation(w.travel()?)? / UM)),
             "permitted deviation of the travel over the useful travel, of accuracy_grade";
-        travel_variation_um ["um" "v_up"] Whole(|w| Some(w.grade()?.variation_of_travel(w.travel()?)? / UM)),
+        travel_variation_um ["um" "v_up"] Scalar(|w| Some(w.grade()?.variation_of_travel(w.travel()?)? / UM)),
             "permitted variation of travel within the useful travel, of accuracy_grade";
-        travel_variation_300_um ["um" "v_300p"] Whole(|w| Some(w.grade()?.variation / UM)),
+        travel_variation_300_um ["um" "v_300p"] Scalar(|w| Some(w.grade()?.variation / UM)),
             "permitted variation of travel within any 300 mm, of accuracy_grade";
-        travel_variation_2pi_um ["um" "v_2pip"] Whole(|w| Some(w.grade()?.of_a_turn? / UM)),
+        travel_variation_2pi_um ["um" "v_2pip"] Scalar(|w| Some(w.grade()?.of_a_turn? / UM)),
             "permitted variation of travel within any turn, of accuracy_grade";
-        travel_error_worst_um ["um"] Whole(|w| Some(w.grade()?.worst_error(w.travel()?)? / UM)),
+        travel_error_worst_um ["um"] Scalar(|w| Some(w.grade()?.worst_error(w.travel()?)? / UM)),
             "largest error of the travel, of accuracy_grade";
     }
     "nut and life" {
-        static_safety_factor ["" "f_s"] Whole(|w| w.static_safety()), "static safety factor, the smaller of rating and most loaded ball";
-        cycle_life_revolutions ["" "L"] Whole(|w| Some(w.life()?.revolutions)), "life of the cycle by ISO 3408-5";
-        cycle_life_h ["h" "L_h"] Whole(|w| Some(w.life()?.time / 3600.0)), "life of the cycle by ISO 3408-5";
-        modified_dynamic_rating_N ["N" "C_am"] Whole(|w| w.axis().dynamic_rating), "modified dynamic load rating; by accuracy, hardness and steel";
-        modified_static_rating_N ["N" "C_0am"] Whole(|w| w.axis().static_rating), "modified static load rating; by accuracy and hardness";
-        fatigue_load_limit_N ["N" "C_u"] Whole(|w| w.lubrication.as_ref().map(|found| found.fatigue_limit)) needs [lubricant_temperature_C, contamination_factor],
+        static_safety_factor ["" "f_s"] Scalar(|w| w.static_safety()), "static safety factor, the smaller of rating and most loaded ball";
+        cycle_life_revolutions ["" "L"] Scalar(|w| Some(w.life()?.revolutions)), "life of the cycle by ISO 3408-5";
+        cycle_life_h ["h" "L_h"] Scalar(|w| Some(w.life()?.time / 3600.0)), "life of the cycle by ISO 3408-5";
+        modified_dynamic_rating_N ["N" "C_am"] Scalar(|w| w.axis().dynamic_rating), "modified dynamic load rating; by accuracy, hardness and steel";
+        modified_static_rating_N ["N" "C_0am"] Scalar(|w| w.axis().static_rating), "modified static load rating; by accuracy and hardness";
+        fatigue_load_limit_N ["N" "C_u"] Scalar(|w| w.lubrication.as_ref().map(|found| found.fatigue_limit)) needs [lubricant_temperature_C, contamination_factor],
             "fatigue load limit, largest pressure 1500 MPa";
-        modified_life_h ["h" "L_nm"] Whole(|w| w.modified_life(0)) needs [lubricant_temperature_C, contamination_factor],
+        modified_life_h ["h" "L_nm"] Scalar(|w| w.modified_life(0)) needs [lubricant_temperature_C, contamination_factor],
             "modified life of the cycle by ISO 281, with lubricant and contamination";
-        modified_life_low_h ["h"] Whole(|w| w.modified_life(1)) needs [lubricant_temperature_C, contamination_factor],
+        modified_life_low_h ["h"] Scalar(|w| w.modified_life(1)) needs [lubricant_temperature_C, contamination_factor],
             "modified life at the least contamination factor";
-        modified_life_high_h ["h"] Whole(|w| w.modified_life(2)) needs [lubricant_temperature_C, contamination_factor],
+        modified_life_high_h ["h"] Scalar(|w| w.modified_life(2)) needs [lubricant_temperature_C, contamination_factor],
             "modified life at the largest contamination factor";
-        cycle_life_by_balls_h ["h"] Whole(|w| Some(w.axis().reliability * w.life_by_balls? / 3600.0)), "life of the cycle by the loads of all balls";
-        limit_load_N = NUT Whole(|w| w.of_nut("limit_load_N"));
+        cycle_life_by_balls_h ["h"] Scalar(|w| Some(w.axis().reliability * w.life_by_balls? / 3600.0)), "life of the cycle by the loads of all balls";
+        limit_load_N = NUT Scalar(|w| w.of_nut("limit_load_N"));
     }
     "stiffness" {
-        screw_stiffness_N_um ["N/um" "R_s"] Whole(|w| Some(w.shaft()?.least_stiffness() * UM)), "minimum axial stiffness of the screw";
-        nut_stiffness_at_largest_load_N_um ["N/um"] Whole(|w| w.nut_stiffness()),
+        screw_stiffness_N_um ["N/um" "R_s"] Scalar(|w| Some(w.shaft()?.least_stiffness() * UM)), "minimum axial stiffness of the screw";
+        nut_stiffness_at_largest_load_N_um ["N/um"] Scalar(|w| w.nut_stiffness()),
             "tangent stiffness of the nut at the largest load, all balls";
-        axis_stiffness_N_um ["N/um"] Whole(|w| Some(w.stiffness()? * UM)), "stiffness of screw, nut, bearings and housings in series";
-        lost_motion_um ["um"] Whole(|w| {
+        axis_stiffness_N_um ["N/um"] Scalar(|w| Some(w.stiffness()? * UM)), "stiffness of screw, nut, bearings and housings in series";
+        lost_motion_um ["um"] Scalar(|w| {
             let friction = Some(w.machine.carriage.guide_friction()).filter(|friction| *friction > 0.0);
             Some(lost_motion(friction?, w.stiffness()?) / UM)
         }), "elastic lost motion on reversal";
     }
     "drive" {
-        motor_speed_rpm ["rpm"] Whole(|w| w.axis().fastest() * w.machine.drive.gear_ratio / RPM), "largest speed of the motor";
-        peak_motor_torque_Nm ["N m"] Whole(|w| w.peak(AxisState::motor_torque)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "peak motor torque";
-        rms_motor_torque_Nm ["N m"] Whole(|w| w.rms_torque()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "RMS motor torque";
-        peak_motor_power_W ["W"] Whole(|w| w.peak(AxisState::motor_power)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "peak motor power";
-        mean_heat_W ["W"] Whole(|w| w.mean_heat()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "mean heat of nut, seals and support bearings";
-        preload_torque_measured_Nm ["N m" "T_p0"] Whole(|w| Some(w.preload.as_ref()?.by_rule)),
+        motor_speed_rpm ["rpm"] Scalar(|w| w.axis().fastest() * w.machine.drive.gear_ratio / RPM), "largest speed of the motor";
+        peak_motor_torque_Nm ["N m"] Scalar(|w| w.peak(AxisState::motor_torque)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "peak motor torque";
+        rms_motor_torque_Nm ["N m"] Scalar(|w| w.rms_torque()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "RMS motor torque";
+        peak_motor_power_W ["W"] Scalar(|w| w.peak(AxisState::motor_power)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "peak motor power";
+        mean_heat_W ["W"] Scalar(|w| w.mean_heat()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency], "mean heat of nut, seals and support bearings";
+        preload_torque_measured_Nm ["N m" "T_p0"] Scalar(|w| Some(w.preload.as_ref()?.by_rule)),
             "friction torque of the preload to be measured; by manufacturers' rule, at 100 rpm, without wipers, oil of ISO VG 68";
-        preload_torque_percent ["%"] Whole(|w| w.torque_percent()), "permitted variation of the friction torque of the preload, to either side; by accuracy_grade";
-        preload_torque_measured_low_Nm ["N m"] Whole(|w| w.torque_by(-1.0)), "least permitted friction torque of the preload";
-        preload_torque_measured_high_Nm ["N m"] Whole(|w| w.torque_by(1.0)), "largest permitted friction torque of the preload";
-        screw_torque_Nm ["N m" "T"] Whole(|w| w.heaviest()?.at_screw()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
+        preload_torque_percent ["%"] Scalar(|w| w.torque_percent()), "permitted variation of the friction torque of the preload, to either side; by accuracy_grade";
+        preload_torque_measured_low_Nm ["N m"] Scalar(|w| w.torque_by(-1.0)), "least permitted friction torque of the preload";
+        preload_torque_measured_high_Nm ["N m"] Scalar(|w| w.torque_by(1.0)), "largest permitted friction torque of the preload";
+        screw_torque_Nm ["N m" "T"] Scalar(|w| w.heaviest()?.at_screw()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "screw torque; at the largest load that moves, with preload, seals and support bearings";
-        screw_efficiency ["" "eta"] Whole(|w| w.heaviest()?.efficiency()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
+        screw_efficiency ["" "eta"] Scalar(|w| w.heaviest()?.efficiency()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "efficiency of the screw; at the largest load that moves, with preload, seals and support bearings";
-        preload_torque_Nm = NUT Whole(|w| w.preload.as_ref()?.of_contacts) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency];
-        holding_torque_Nm ["N m"] Whole(|w| w.holding) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
+        preload_torque_Nm = NUT Scalar(|w| w.preload.as_ref()?.of_contacts) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency];
+        holding_torque_Nm ["N m"] Scalar(|w| w.holding) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "least holding torque at the screw, contacts alone; not for choosing a brake";
-        holding_torque_frictionless_Nm ["N m"] Whole(|w| Some(w.falling()?.torque / w.machine.drive.gear_ratio)),
+        holding_torque_frictionless_Nm ["N m"] Scalar(|w| Some(w.falling()?.torque / w.machine.drive.gear_ratio)),
             "holding torque of the weight at the motor, without friction";
-        required_brake_torque_Nm ["N m"] Whole(|w| w.required_brake()), "required torque of the brake, at the motor";
-        back_driving_torque_Nm ["N m"] Whole(|w| Some(w.power_loss()?.nominal)), "torque with which the weight drives the screw, without power of the motor";
-        back_driving_torque_low_Nm ["N m"] Whole(|w| Some(w.power_loss()?.torques[0])), "least torque with which the weight drives the screw; the largest friction, twice the drag";
-        back_driving_torque_high_Nm ["N m"] Whole(|w| Some(w.power_loss()?.torques[1])), "largest torque with which the weight drives the screw; the least friction";
-        stopping_distance_mm ["mm"] Whole(|w| Some(w.stopping_distance()? / MM)), "stopping distance after power loss downwards at the largest feed, by the brake alone";
-        fall_acceleration_m_s2 ["m/s2"] Whole(|w| w.fall().map(|(acceleration, _)| acceleration)), "acceleration of the fall without power and brake";
-        fall_speed_rpm ["rpm"] Whole(|w| w.fall().map(|(_, speed)| speed)), "speed of the screw after a fall over the stroke, without power and brake";
-        inertia_of_screw_kg_m2 ["kg m2" "J_s"] Whole(|w| w.machine.screw.map(|(_, inertia)| inertia)), "moment of inertia of the screw";
-        inertia_of_mass_kg_m2 ["kg m2"] Whole(|w| w.machine.drive.mass_inertia()), "reflected inertia of the moved mass, at the screw";
-        inertia_at_motor_kg_m2 ["kg m2"] Whole(|w| w.inertia_at_motor()), "load inertia at the motor";
-        inertia_ratio [""] Whole(|w| {
+        required_brake_torque_Nm ["N m"] Scalar(|w| w.required_brake()), "required torque of the brake, at the motor";
+        back_driving_torque_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.nominal)), "torque with which the weight drives the screw, without power of the motor";
+        back_driving_torque_low_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[0])), "least torque with which the weight drives the screw; the largest friction, twice the drag";
+        back_driving_torque_high_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[1])), "largest torque with which the weight drives the screw; the least friction";
+        stopping_distance_mm ["mm"] Scalar(|w| Some(w.stopping_distance()? / MM)), "stopping distance after power loss downwards at the largest feed, by the brake alone";
+        fall_acceleration_m_s2 ["m/s2"] Scalar(|w| w.fall().map(|(acceleration, _)| acceleration)), "acceleration of the fall without power and brake";
+        fall_speed_rpm ["rpm"] Scalar(|w| w.fall().map(|(_, speed)| speed)), "speed of the screw after a fall over the stroke, without power and brake";
+        inertia_of_screw_kg_m2 ["kg m2" "J_s"] Scalar(|w| w.machine.screw.map(|(_, inertia)| inertia)), "moment of inertia of the screw";
+        inertia_of_mass_kg_m2 ["kg m2"] Scalar(|w| w.machine.drive.mass_inertia()), "reflected inertia of the moved mass, at the screw";
+        inertia_at_motor_kg_m2 ["kg m2"] Scalar(|w| w.inertia_at_motor()), "load inertia at the motor";
+        inertia_ratio [""] Scalar(|w| {
             let motor = Some(w.machine.drive.motor_inertia).filter(|inertia| *inertia > 0.0);
             Some(w.inertia_at_motor()? / motor?)
         }), "load-to-motor inertia ratio";
-        least_acceleration_time_s ["s"] Whole(|w| w.least_ramp(w.scene.motor_peak_torque_Nm?)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
+        least_acceleration_time_s ["s"] Scalar(|w| w.least_ramp(w.scene.motor_peak_torque_Nm?)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "least time to the largest speed, by motor_peak_torque_Nm";
-        least_rated_acceleration_time_s ["s"] Whole(|w| Some(1.5 * w.least_ramp(w.scene.motor_rated_torque_Nm?)?)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
+        least_rated_acceleration_time_s ["s"] Scalar(|w| Some(1.5 * w.least_ramp(w.scene.motor_rated_torque_Nm?)?)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "1.5 times the least time to the largest speed by motor_rated_torque_Nm (HIWIN)";
-        shortest_ramp_s ["s"] Whole(|w| w.shortest_ramp()), "time to the largest speed at the largest acceleration of the cycle";
+        shortest_ramp_s ["s"] Scalar(|w| w.shortest_ramp()), "time to the largest speed at the largest acceleration of the cycle";
     }
 }
 
 quantities! { pub(crate) PHASE, read_phase(&PhaseResult<'_>);
     "motion" {
-        time_share [""] Whole(|p| p.torques.phase.time / p.worked.time()), "share of time";
-        screw_speed_rpm ["rpm" "n"] Whole(|p| p.torques.phase.speed / RPM), "speed of the screw";
-        feed_m_min ["m/min"] Whole(|p| p.torques.phase.speed * p.worked.machine.advance() * 60.0), "feed";
-        acceleration_m_s2 ["m/s2"] Whole(|p| p.torques.phase.acceleration), "acceleration";
-        motor_torque_Nm ["N m"] Whole(|p| p.worked.motor_torque(p.torques)), "motor torque";
-        motor_power_W ["W"] Whole(|p| p.worked.motor_power(p.torques)), "motor power";
-        heat_W ["W"] Whole(|p| p.torques.heat()), "heat";
-        load_factor = INPUTS Whole(|p| p.torques.phase.load_factor);
-        max_contact_load_N = NUT Whole(|p| Some(p.nut?.max_load));
-        nut_stiffness_N_um = NUT Whole(|p| Some(p.nut?.stiffness * UM));
-        preload_left_N = NUT Whole(|p| p.nut?.preload_left);
-        viscosity_ratio ["" "kappa"] Whole(|p| {
+        time_share [""] Scalar(|p| p.torques.phase.time / p.worked.time()), "share of time";
+        screw_speed_rpm ["rpm" "n"] Scalar(|p| p.torques.phase.speed / RPM), "speed of the screw";
+        feed_m_min ["m/min"] Scalar(|p| p.torques.phase.speed * p.worked.machine.advance() * 60.0), "feed";
+        acceleration_m_s2 ["m/s2"] Scalar(|p| p.torques.phase.acceleration), "acceleration";
+        motor_torque_Nm ["N m"] Scalar(|p| p.worked.motor_torque(p.torques)), "motor torque";
+        motor_power_W ["W"] Scalar(|p| p.worked.motor_power(p.torques)), "motor power";
+        heat_W ["W"] Scalar(|p| p.torques.heat()), "heat";
+        load_factor = INPUTS Scalar(|p| p.torques.phase.load_factor);
+        max_contact_load_N = NUT Scalar(|p| Some(p.nut?.max_load));
+        nut_stiffness_N_um = NUT Scalar(|p| Some(p.nut?.stiffness * UM));
+        preload_left_N = NUT Scalar(|p| p.nut?.preload_left);
+        viscosity_ratio ["" "kappa"] Scalar(|p| {
             let [by_film, by_viscosity] = p.worked.viscosity_ratios_of(&p.torques.phase);
             by_film.or(by_viscosity)
         }), "viscosity ratio of the lubricant: by the film ratio where groove and roughness are known";
@@ -179,26 +179,26 @@ quantities! { pub(crate) PHASE, read_phase(&PhaseResult<'_>);
 
 quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
     "screw and nut" {
-        pitch_circle_diameter_mm = INPUTS Whole(|s| s.machine.axis.screw.pitch_diameter / MM);
-        lead_mm = INPUTS Whole(|s| s.machine.axis.screw.lead / MM);
-        lead_angle_deg = INPUTS Whole(|s| s.machine.axis.screw.lead_angle() / DEG);
-        ball_diameter_mm = INPUTS Whole(|s| Some(s.nut()?.ball_diameter / MM));
-        contact_angle_deg = INPUTS Whole(|s| Some(s.nut()?.contact_angle / DEG));
-        nut_conformity = INPUTS Whole(|s| Some(s.nut()?.conformity.0));
-        screw_conformity = INPUTS Whole(|s| Some(s.nut()?.conformity.1));
-        loaded_balls_per_turn = INPUTS Whole(|s| Some(s.nut()?.balls_per_turn));
-        loaded_turns = INPUTS Whole(|s| Some(s.nut()?.turns));
-        nut_outer_diameter_mm = INPUTS Whole(|s| s.machine.body.outer / MM);
-        nut_length_mm = INPUTS Whole(|s| s.machine.body.length / MM);
-        screw_outer_diameter_mm = INPUTS Whole(|s| s.machine.axis.screw.outer / MM);
-        screw_core_diameter_mm = RATINGS Whole(|s| s.machine.axis.screw.core / MM);
-        dynamic_load_rating_N = RATINGS Whole(|s| s.machine.ratings[0]);
-        static_load_rating_N = RATINGS Whole(|s| s.machine.ratings[1]);
-        edge_load_N = RATINGS Whole(|s| s.of_nut.number("edge_load_N"));
-        mass_kg = RATINGS Whole(|s| s.scene.nut_mass_kg.or_else(|| s.of_nut.number("mass_kg")));
-        preload_set_N = NUT Whole(|s| Some(s.preload?.cold));
-        warm_preload_N = NUT Whole(|s| Some(s.preload?.warm));
-        friction_coefficient = INPUTS Whole(|s| s.scene.friction_coefficient);
+        pitch_circle_diameter_mm = INPUTS Scalar(|s| s.machine.axis.screw.pitch_diameter / MM);
+        lead_mm = INPUTS Scalar(|s| s.machine.axis.screw.lead / MM);
+        lead_angle_deg = INPUTS Scalar(|s| s.machine.axis.screw.lead_angle() / DEG);
+        ball_diameter_mm = INPUTS Scalar(|s| Some(s.nut()?.ball_diameter / MM));
+        contact_angle_deg = INPUTS Scalar(|s| Some(s.nut()?.contact_angle / DEG));
+        nut_conformity = INPUTS Scalar(|s| Some(s.nut()?.conformity.0));
+        screw_conformity = INPUTS Scalar(|s| Some(s.nut()?.conformity.1));
+        loaded_balls_per_turn = INPUTS Scalar(|s| Some(s.nut()?.balls_per_turn));
+        loaded_turns = INPUTS Scalar(|s| Some(s.nut()?.turns));
+        nut_outer_diameter_mm = INPUTS Scalar(|s| s.machine.body.outer / MM);
+        nut_length_mm = INPUTS Scalar(|s| s.machine.body.length / MM);
+        screw_outer_diameter_mm = INPUTS Scalar(|s| s.machine.axis.screw.outer / MM);
+        screw_core_diameter_mm = RATINGS Scalar(|s| s.machine.axis.screw.core / MM);
+        dynamic_load_rating_N = RATINGS Scalar(|s| s.machine.ratings[0]);
+        static_load_rating_N = RATINGS Scalar(|s| s.machine.ratings[1]);
+        edge_load_N = RATINGS Scalar(|s| s.of_nut.number("edge_load_N"));
+        mass_kg = RATINGS Scalar(|s| s.scene.nut_mass_kg.or_else(|| s.of_nut.number("mass_kg")));
+        preload_set_N = NUT Scalar(|s| Some(s.preload?.cold));
+        warm_preload_N = NUT Scalar(|s| Some(s.preload?.warm));
+        friction_coefficient = INPUTS Scalar(|s| s.scene.friction_coefficient);
     }
 }
 

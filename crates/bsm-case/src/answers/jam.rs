@@ -33,37 +33,37 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
             "true if the steel yields below the surface of a contact";
     }
     "inertia and drag forces, per ball" {
-        orbital_speed_rad_s ["rad/s"] Whole(Jam::orbital_speed), "orbital speed of the ball in the nut";
-        ball_omega_rad_s ["rad/s"] Whole(|j| j.ball.motion.omega.norm()), "rotation of the ball";
-        centrifugal_force_N ["N"] Whole(|j| j.wedge.centrifugal), "centrifugal force";
-        centrifugal_over_load [""] Whole(|j| j.wedge.centrifugal / j.least_load()), "centrifugal force over the normal load";
-        drag_force_N ["N"] Whole(|j| j.drag) needs [lubricant_density_kg_m3, drag_coefficient], "drag of the lubricant";
-        drag_over_load [""] Whole(|j| Some(j.drag? / j.least_load())) needs [lubricant_density_kg_m3, drag_coefficient],
+        orbital_speed_rad_s ["rad/s"] Scalar(Jam::orbital_speed), "orbital speed of the ball in the nut";
+        ball_omega_rad_s ["rad/s"] Scalar(|j| j.ball.motion.omega.norm()), "rotation of the ball";
+        centrifugal_force_N ["N"] Scalar(|j| j.wedge.centrifugal), "centrifugal force";
+        centrifugal_over_load [""] Scalar(|j| j.wedge.centrifugal / j.least_load()), "centrifugal force over the normal load";
+        drag_force_N ["N"] Scalar(|j| j.drag) needs [lubricant_density_kg_m3, drag_coefficient], "drag of the lubricant";
+        drag_over_load [""] Scalar(|j| Some(j.drag? / j.least_load())) needs [lubricant_density_kg_m3, drag_coefficient],
             "drag over the normal load";
     }
     "wedge between the raceways" {
-        wedge_angle_deg ["deg"] Whole(|j| j.wedge.opening() / DEG), "contact angle, screw minus nut";
+        wedge_angle_deg ["deg"] Scalar(|j| j.wedge.opening() / DEG), "contact angle, screw minus nut";
         friction_across_N ["N"] Contacts(|j| j.wedge.across()), "friction across the groove";
-        holding_force_N ["N"] Whole(|j| j.wedge.holding()), "force that holds the ball";
-        expelling_force_N ["N"] Whole(|j| j.wedge.expelling()), "force that pushes the ball out";
-        locking_ratio [""] Whole(|j| {
+        holding_force_N ["N"] Scalar(|j| j.wedge.holding()), "force that holds the ball";
+        expelling_force_N ["N"] Scalar(|j| j.wedge.expelling()), "force that pushes the ball out";
+        locking_ratio [""] Scalar(|j| {
             let (holding, expelling) = (j.wedge.holding(), j.wedge.expelling());
             (expelling > ROUNDING * holding).then(|| holding / expelling)
         }), "holding over expelling force";
-        critical_friction_coefficient [""] Whole(|j| if_any(clean(j.wedge.critical_friction()))),
+        critical_friction_coefficient [""] Scalar(|j| if_any(clean(j.wedge.critical_friction()))),
             "friction coefficient from which friction holds the ball in this wedge";
         critical_friction_printed [""] Contacts(|j| j.wedge.critical_friction_printed().map(clean)),
             "critical friction coefficient as printed by Dong et al., Eq 16";
-        critical_friction_simplified [""] Whole(|j| clean(j.wedge.critical_friction_simplified())),
+        critical_friction_simplified [""] Scalar(|j| clean(j.wedge.critical_friction_simplified())),
             "critical friction coefficient as simplified by Dong et al., Eq 17: slip angle of 90 deg";
-        critical_friction_corrected [""] Whole(|j| if_any(clean(j.wedge.critical_friction_corrected()))),
+        critical_friction_corrected [""] Scalar(|j| if_any(clean(j.wedge.critical_friction_corrected()))),
             "critical friction coefficient as corrected, without centrifugal force";
-        widest_wedge_deg ["deg"] Whole(|j| j.wedge.widest_opening() / DEG), "widest wedge in which friction can hold a ball";
+        widest_wedge_deg ["deg"] Scalar(|j| j.wedge.widest_opening() / DEG), "widest wedge in which friction can hold a ball";
     }
     "self-locking" {
-        locking_friction_coefficient [""] Whole(|j| Some(j.locking()?.1)),
+        locking_friction_coefficient [""] Scalar(|j| Some(j.locking()?.1)),
             "friction coefficient for self-locking in the direction of drive, contact angles under load";
-        locking_margin [""] Whole(|j| Some(j.locking()?.1 / j.friction.rest).filter(|x| x.is_finite())),
+        locking_margin [""] Scalar(|j| Some(j.locking()?.1 / j.friction.rest).filter(|x| x.is_finite())),
             "self-locking margin, that coefficient over the friction coefficient";
         self_locking_under_load [""] Statement(|j| {
             let (direction, _) = j.locking()?;
@@ -71,27 +71,27 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
         }), "true if the screw is self-locking in its direction of drive, contact angles under load";
     }
     "ball return" {
-        approach_speed_m_s ["m/s"] Whole(|j| j.ball_return.speed), "speed of the ball at the ball return";
-        impact_force_N ["N"] Whole(|j| j.ball_return.impact), "force of the impact";
-        apex_thrust_N ["N"] Whole(|j| j.ball_return.apex) needs [apex_half_angle_deg], "thrust at the apex of the return curve";
-        step_force_N ["N"] Whole(|j| Some(j.ball_return.step?.0)) needs [return_angle_deg], "normal force of the step";
-        step_thrust_N ["N"] Whole(|j| Some(j.ball_return.step?.1)) needs [return_angle_deg], "thrust at the step into the screw";
-        highest_step_mm ["mm"] Whole(|j| j.ball_return.highest / MM), "critical height of a step into the return";
-        entry_thrust_ratio [""] Whole(|j| j.ball_return.entered.filter(|ratio| ratio.is_finite())) needs [step_height_mm, return_angle_deg],
+        approach_speed_m_s ["m/s"] Scalar(|j| j.ball_return.speed), "speed of the ball at the ball return";
+        impact_force_N ["N"] Scalar(|j| j.ball_return.impact), "force of the impact";
+        apex_thrust_N ["N"] Scalar(|j| j.ball_return.apex) needs [apex_half_angle_deg], "thrust at the apex of the return curve";
+        step_force_N ["N"] Scalar(|j| Some(j.ball_return.step?.0)) needs [return_angle_deg], "normal force of the step";
+        step_thrust_N ["N"] Scalar(|j| Some(j.ball_return.step?.1)) needs [return_angle_deg], "thrust at the step into the screw";
+        highest_step_mm ["mm"] Scalar(|j| j.ball_return.highest / MM), "critical height of a step into the return";
+        entry_thrust_ratio [""] Scalar(|j| j.ball_return.entered.filter(|ratio| ratio.is_finite())) needs [step_height_mm, return_angle_deg],
             "thrust behind over thrust ahead of a ball at the step into the return";
-        entry_thrust_N ["N"] Whole(|j| j.ball_return.entry_thrust()) needs [step_height_mm, return_angle_deg, apex_half_angle_deg],
+        entry_thrust_N ["N"] Scalar(|j| j.ball_return.entry_thrust()) needs [step_height_mm, return_angle_deg, apex_half_angle_deg],
             "thrust at the step into the return, with a ball at the apex ahead";
-        screw_track_friction_N ["N"] Whole(|j| Some(j.track?.screw)) needs [loaded_balls_per_turn],
+        screw_track_friction_N ["N"] Scalar(|j| Some(j.track?.screw)) needs [loaded_balls_per_turn],
             "track friction of one turn in steady motion, screw (as published)";
-        weaker_track_friction_N ["N"] Whole(|j| Some(j.track?.weaker)) needs [loaded_balls_per_turn],
+        weaker_track_friction_N ["N"] Scalar(|j| Some(j.track?.weaker)) needs [loaded_balls_per_turn],
             "track friction of one turn in steady motion, weaker contact";
-        stopped_friction_coefficient [""] Whole(|j| j.friction.stopped), "friction coefficient of a stopped ball at the screw";
-        stopped_track_friction_N ["N"] Whole(|j| Some(j.track?.stopped)) needs [loaded_balls_per_turn],
+        stopped_friction_coefficient [""] Scalar(|j| j.friction.stopped), "friction coefficient of a stopped ball at the screw";
+        stopped_track_friction_N ["N"] Scalar(|j| Some(j.track?.stopped)) needs [loaded_balls_per_turn],
             "track friction of one turn, balls stationary, screw";
-        ball_return_margin [""] Whole(|j| Some(j.track?.stopped / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "ball-return margin, friction of stationary balls over thrust";
-        published_margin [""] Whole(|j| Some(j.track?.screw / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
+        ball_return_margin [""] Scalar(|j| Some(j.track?.stopped / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "ball-return margin, friction of stationary balls over thrust";
+        published_margin [""] Scalar(|j| Some(j.track?.screw / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
             "friction over thrust: steady motion, screw (as published)";
-        weaker_contact_margin [""] Whole(|j| Some(j.track?.weaker / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
+        weaker_contact_margin [""] Scalar(|j| Some(j.track?.weaker / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
             "friction over thrust: steady motion, weaker contact";
         jams [""] Statement(|j| {
             let track = j.track?;

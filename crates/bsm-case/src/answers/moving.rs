@@ -7,8 +7,8 @@ use serde_json::json;
 use super::record::message;
 use crate::vocabulary::units::DEG;
 use crate::{
-    Answer, CaseError, Content, InputKey, InputSet, Numbers, Of, Quantity, Record, Scene, Settings,
-    Table,
+    Answer, CaseError, Content, InputKey, InputSet, Numbers, Quantity, Record, Scene, Scope,
+    Settings, Table,
 };
 
 /// The contacts of a ball.
@@ -50,7 +50,7 @@ pub(crate) fn lacks_ellipses(what: &str, model: Model) -> String {
 /// The quantities that lack inputs of their own, together with those that lack the same.
 fn without(quantities: &[Quantity], given: InputSet) -> Vec<String> {
     let mut lacks: Vec<(String, Vec<&str>)> = Vec::new();
-    for quantity in quantities.iter().filter(|quantity| quantity.of != Of::Statement) {
+    for quantity in quantities.iter().filter(|quantity| quantity.scope != Scope::Statement) {
         let missing = quantity.missing(given);
         if missing.is_empty() {
             continue;

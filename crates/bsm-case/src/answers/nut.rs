@@ -143,118 +143,118 @@ impl NutReport {
 
 quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
     "displacement" {
-        nut_displacement_um ["um"] Whole(|n| Some(n.made.found.displacement[0] / UM)), "axial displacement of the nut";
-        nut_side_displacement_um ["um"] Whole(|n| {
+        nut_displacement_um ["um"] Scalar(|n| Some(n.made.found.displacement[0] / UM)), "axial displacement of the nut";
+        nut_side_displacement_um ["um"] Scalar(|n| {
         let [_, x, y, ..] = n.made.found.displacement;
         Some(x.hypot(y) / UM)
     }), "side displacement of the nut";
-        nut_tilt_urad ["urad"] Whole(|n| {
+        nut_tilt_urad ["urad"] Scalar(|n| {
         let [.., x, y] = n.made.found.displacement;
         Some(x.hypot(y) * 1e6)
     }), "tilt of the nut";
     }
     "load sharing" {
-        max_contact_load_N ["N"] Whole(|n| Some(n.made.found.max_load())), "largest load of a contact";
-        max_over_mean [""] Whole(|n| Some(n.made.found.concentration())), "load concentration, largest contact load over the mean";
-        unloaded_balls [""] Whole(|n| Some(count(n.made.found.unloaded()))), "unloaded balls";
-        max_pressure_MPa ["MPa"] Whole(|n| Some(n.max_pressure()? / MPA)), "largest Hertz pressure";
-        equal_load_N ["N"] Whole(|n| Some(n.equal()?.load)), "load of each ball if all shared the axial load equally";
-        load_bound_N ["N"] Whole(|n| n.load_bound()), "upper bound of the largest load (guided nut)";
+        max_contact_load_N ["N"] Scalar(|n| Some(n.made.found.max_load())), "largest load of a contact";
+        max_over_mean [""] Scalar(|n| Some(n.made.found.concentration())), "load concentration, largest contact load over the mean";
+        unloaded_balls [""] Scalar(|n| Some(count(n.made.found.unloaded()))), "unloaded balls";
+        max_pressure_MPa ["MPa"] Scalar(|n| Some(n.max_pressure()? / MPA)), "largest Hertz pressure";
+        equal_load_N ["N"] Scalar(|n| Some(n.equal()?.load)), "load of each ball if all shared the axial load equally";
+        load_bound_N ["N"] Scalar(|n| n.load_bound()), "upper bound of the largest load (guided nut)";
     }
     "stiffness along the axis" {
-        nut_stiffness_N_um ["N/um"] Whole(|n| Some(n.made.found.axial_stiffness(&n.problem.support) * UM)), "tangent stiffness of the nut at this load, all balls";
-        nut_secant_stiffness_N_um ["N/um"] Whole(|n| n.secant().map(|k| k * UM)), "secant stiffness of the nut from no load to this load, all balls";
-        nut_equal_stiffness_N_um ["N/um"] Whole(|n| Some(n.equal()?.stiffness * UM)), "tangent stiffness if all balls shared the axial load equally, the bodies rigid";
-        preload_stiffness_2_N_um ["N/um"] Whole(|n| n.stated(2.0)), "preload stiffness 2 F_pr/delta_pr: two nuts in parallel";
-        preload_stiffness_2_83_N_um ["N/um"] Whole(|n| n.stated(2.0_f64.powf(1.5))), "preload stiffness 2^1.5 F_pr/delta_pr: secant to the limit load";
-        preload_stiffness_3_N_um ["N/um"] Whole(|n| n.stated(3.0)), "preload stiffness 3 F_pr/delta_pr: tangent without load";
-        iso_stiffness_N_um ["N/um" "R_nu"] Whole(|n| Some(n.iso_stiffness()? * UM)), "stiffness by ISO 3408-4: a pair at its preload, one nut as secant at its load";
-        catalogue_stiffness_N_um ["N/um"] Whole(|n| Some(USUAL * n.iso_stiffness()? * UM)), "catalogue stiffness, 80 % of ISO 3408-4";
+        nut_stiffness_N_um ["N/um"] Scalar(|n| Some(n.made.found.axial_stiffness(&n.problem.support) * UM)), "tangent stiffness of the nut at this load, all balls";
+        nut_secant_stiffness_N_um ["N/um"] Scalar(|n| n.secant().map(|k| k * UM)), "secant stiffness of the nut from no load to this load, all balls";
+        nut_equal_stiffness_N_um ["N/um"] Scalar(|n| Some(n.equal()?.stiffness * UM)), "tangent stiffness if all balls shared the axial load equally, the bodies rigid";
+        preload_stiffness_2_N_um ["N/um"] Scalar(|n| n.stated(2.0)), "preload stiffness 2 F_pr/delta_pr: two nuts in parallel";
+        preload_stiffness_2_83_N_um ["N/um"] Scalar(|n| n.stated(2.0_f64.powf(1.5))), "preload stiffness 2^1.5 F_pr/delta_pr: secant to the limit load";
+        preload_stiffness_3_N_um ["N/um"] Scalar(|n| n.stated(3.0)), "preload stiffness 3 F_pr/delta_pr: tangent without load";
+        iso_stiffness_N_um ["N/um" "R_nu"] Scalar(|n| Some(n.iso_stiffness()? * UM)), "stiffness by ISO 3408-4: a pair at its preload, one nut as secant at its load";
+        catalogue_stiffness_N_um ["N/um"] Scalar(|n| Some(USUAL * n.iso_stiffness()? * UM)), "catalogue stiffness, 80 % of ISO 3408-4";
     }
     "preload" {
-        preload_set_N ["N"] Whole(|n| Some(n.made.preload.as_ref()?.cold)), "cold preload, with no external load and no temperature rise";
-        warm_preload_N ["N" "F_pr"] Whole(|n| Some(n.made.preload.as_ref()?.warm)), "warm preload, with the temperature rises";
-        preload_approach_um ["um"] Whole(|n| Some(n.made.preload.as_ref()?.approach / UM)), "preload displacement of each nut, delta_p";
-        preload_setting_um ["um"] Whole(|n| Some(n.made.preload.as_ref()?.setting / UM)), "offset of the pair (below 0 in O arrangement) or ball oversize that sets the preload";
-        preload_left_N ["N"] Whole(|n| {
+        preload_set_N ["N"] Scalar(|n| Some(n.made.preload.as_ref()?.cold)), "cold preload, with no external load and no temperature rise";
+        warm_preload_N ["N" "F_pr"] Scalar(|n| Some(n.made.preload.as_ref()?.warm)), "warm preload, with the temperature rises";
+        preload_approach_um ["um"] Scalar(|n| Some(n.made.preload.as_ref()?.approach / UM)), "preload displacement of each nut, delta_p";
+        preload_setting_um ["um"] Scalar(|n| Some(n.made.preload.as_ref()?.setting / UM)), "offset of the pair (below 0 in O arrangement) or ball oversize that sets the preload";
+        preload_left_N ["N"] Scalar(|n| {
         let NutPreload { by, .. } = n.made.preload.as_ref()?;
         Some(n.made.found.preload(&n.made.nut, *by))
     }), "remaining preload at this load";
-        limit_load_N ["N" "F_lim"] Whole(|n| n.limit_load()), "limit load, at which the preload is lost: one side is fully unloaded";
+        limit_load_N ["N" "F_lim"] Scalar(|n| n.limit_load()), "limit load, at which the preload is lost: one side is fully unloaded";
     }
     "life and safety" {
-        life_by_balls_revolutions [""] Whole(|n| lasting(n.made.found.life(&n.made.nut, &n.problem.ratings))), "life by the loads of all balls, revolutions";
-        iso_life_revolutions [""] Whole(|n| n.iso_life()), "life by ISO 3408-5, revolutions";
-        life_ratio [""] Whole(|n| {
+        life_by_balls_revolutions [""] Scalar(|n| lasting(n.made.found.life(&n.made.nut, &n.problem.ratings))), "life by the loads of all balls, revolutions";
+        iso_life_revolutions [""] Scalar(|n| n.iso_life()), "life by ISO 3408-5, revolutions";
+        life_ratio [""] Scalar(|n| {
         let ours = lasting(n.made.found.life(&n.made.nut, &n.problem.ratings))?;
         Some(ours / n.iso_life()?)
     }), "life by all balls over that of ISO";
-        static_safety_by_balls [""] Whole(|n| {
+        static_safety_by_balls [""] Scalar(|n| {
         lasting(n.made.found.static_safety(&n.made.nut, n.problem.static_rating.rating))
     }), "static safety of the most loaded ball";
     }
     "friction" {
-        friction_torque_Nm ["N m"] Whole(|n| n.friction()?.torque) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "friction torque of the balls";
-        contact_torque_Nm ["N m"] Whole(|n| n.contact_torque()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "  contacts with nut and screw";
-        ball_contact_torque_Nm ["N m"] Whole(|n| n.ball_contact_torque()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "  ball-to-ball contact, by ball_gap_mm or ball_contact_force_N";
-        return_push_torque_Nm ["N m"] Whole(|n| Some(n.train()?.return_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "  balls pushed through the returns";
-        catching_torque_Nm ["N m"] Whole(|n| Some(n.train()?.catching_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "  balls that run up to a slower one";
-        drag_torque_Nm ["N m"] Whole(|n| n.of_lubricant(|parts| parts.drag)) needs [screw_speed_rpm, lubricant_temperature_C], "  drag of the balls in the lubricant";
-        friction_torque_error_Nm ["N m"] Whole(|n| n.torque_error()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
+        friction_torque_Nm ["N m"] Scalar(|n| n.friction()?.torque) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "friction torque of the balls";
+        contact_torque_Nm ["N m"] Scalar(|n| n.contact_torque()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "  contacts with nut and screw";
+        ball_contact_torque_Nm ["N m"] Scalar(|n| n.ball_contact_torque()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "  ball-to-ball contact, by ball_gap_mm or ball_contact_force_N";
+        return_push_torque_Nm ["N m"] Scalar(|n| Some(n.train()?.return_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "  balls pushed through the returns";
+        catching_torque_Nm ["N m"] Scalar(|n| Some(n.train()?.catching_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "  balls that run up to a slower one";
+        drag_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.drag)) needs [screw_speed_rpm, lubricant_temperature_C], "  drag of the balls in the lubricant";
+        friction_torque_error_Nm ["N m"] Scalar(|n| n.torque_error()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
             "error bound of the friction torque, for balls on both flanks";
-        return_torque_Nm ["N m"] Whole(|n| n.of_lubricant(|parts| parts.returns)) needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, by return_circuits and return_loss_coefficient";
-        nut_seal_torque_Nm ["N m"] Whole(|n| lasting(n.problem.seal_torque)), "torque of the seals, seal_torque_Nm";
-        drive_torque_Nm ["N m"] Whole(|n| n.friction()?.drive_torque) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "torque on the screw: axial load, balls, returns and seals";
-        nut_efficiency [""] Whole(|n| n.friction()?.efficiency) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "efficiency, with returns and seals";
-        friction_heat_W ["W"] Whole(|n| n.friction()?.heat) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "heat of balls, returns and seals";
-        preload_torque_Nm ["N m"] Whole(|n| n.drag()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
+        return_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.returns)) needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, by return_circuits and return_loss_coefficient";
+        nut_seal_torque_Nm ["N m"] Scalar(|n| lasting(n.problem.seal_torque)), "torque of the seals, seal_torque_Nm";
+        drive_torque_Nm ["N m"] Scalar(|n| n.friction()?.drive_torque) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "torque on the screw: axial load, balls, returns and seals";
+        nut_efficiency [""] Scalar(|n| n.friction()?.efficiency) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "efficiency, with returns and seals";
+        friction_heat_W ["W"] Scalar(|n| n.friction()?.heat) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "heat of balls, returns and seals";
+        preload_torque_Nm ["N m"] Scalar(|n| n.drag()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
             "friction torque of the preload, contacts alone";
-        preload_torque_factor [""] Whole(|n| Some(n.drag()? / n.rule_torque()?)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
+        preload_torque_factor [""] Scalar(|n| Some(n.drag()? / n.rule_torque()?)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
             "drag coefficient K_p of the preload, in T = K_p F_p lead/(2 pi), contacts alone";
-        rule_torque_low_Nm ["N m"] Whole(|n| Some(RULE_FACTORS[0] * n.rule_torque()?)),
+        rule_torque_low_Nm ["N m"] Scalar(|n| Some(RULE_FACTORS[0] * n.rule_torque()?)),
             "friction torque of the preload, catalogue estimate with K_p = 0.1";
-        rule_torque_high_Nm ["N m"] Whole(|n| Some(RULE_FACTORS[1] * n.rule_torque()?)),
+        rule_torque_high_Nm ["N m"] Scalar(|n| Some(RULE_FACTORS[1] * n.rule_torque()?)),
             "friction torque of the preload, catalogue estimate with K_p = 0.3";
     }
     "ball train" {
-        advance_spread [""] Whole(|n| Some(n.advance()?.spread)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "spread of the free speeds of the balls, largest less smallest over their mean";
-        needed_gap_mm ["mm"] Whole(|n| Some(n.advance()?.largest_gap() / MM)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
+        advance_spread [""] Scalar(|n| Some(n.advance()?.spread)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "spread of the free speeds of the balls, largest less smallest over their mean";
+        needed_gap_mm ["mm"] Scalar(|n| Some(n.advance()?.largest_gap() / MM)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
             "gaps between the balls of the loaded part of a circuit, all together, from which no balls touch";
-        ball_contact_band_Nm ["N m"] Whole(|n| Some(n.advance()?.contact_torque * n.problem.gaps.friction?)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
+        ball_contact_band_Nm ["N m"] Scalar(|n| Some(n.advance()?.contact_torque * n.problem.gaps.friction?)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
             "largest torque of ball-to-ball contact while pushes are below 3 % of the ball load; 0 with the needed gaps";
-        contact_torque_free_Nm ["N m"] Whole(|n| Some(n.train()?.free_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "friction torque of the contacts with nut and screw, without pushes";
-        touching_contacts [""] Whole(|n| Some(count(n.train()?.touching))) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "contacts between balls that carry a push";
-        max_push_N ["N"] Whole(|n| Some(n.train()?.largest_push)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "largest force between balls";
-        idle_balls [""] Whole(|n| Some(count(n.train()?.number_of(Rolling::Idle)))) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "balls that are moved without a load";
-        blocked_balls [""] Whole(|n| Some(count(n.train()?.number_of(Rolling::Blocked)))) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "balls whose neighbours stop their rotation";
+        contact_torque_free_Nm ["N m"] Scalar(|n| Some(n.train()?.free_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "friction torque of the contacts with nut and screw, without pushes";
+        touching_contacts [""] Scalar(|n| Some(count(n.train()?.touching))) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "contacts between balls that carry a push";
+        max_push_N ["N"] Scalar(|n| Some(n.train()?.largest_push)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "largest force between balls";
+        idle_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Idle)))) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "balls that are moved without a load";
+        blocked_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Blocked)))) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "balls whose neighbours stop their rotation";
     }
 }
 
 quantities! { pub(crate) BALLS, read_ball(&OneBall<'_>);
     "balls" {
-        circuit [""] Whole(|b| count(b.place.circuit)), "number of its circuit";
-        body [""] Whole(|b| count(b.body)), "number of its nut body";
-        theta_deg ["deg"] Whole(|b| b.place.theta / DEG), "place along the helix";
-        z_mm ["mm"] Whole(|b| b.place.z / MM), "place along the axis";
-        nut_plus_N ["N"] Whole(|b| b.ball.loads[0]), "load on the flank of the nut that pushes along +z";
-        nut_minus_N ["N"] Whole(|b| b.ball.loads[1]), "load on the other flank of the nut";
-        screw_plus_N ["N"] Whole(|b| b.ball.loads[2]), "load on the flank of the screw that pushes along +z";
-        screw_minus_N ["N"] Whole(|b| b.ball.loads[3]), "load on the other flank of the screw";
-        nut_plus_deg ["deg"] Whole(|b| b.angle(0)), "contact angle at the flank of the nut that pushes along +z";
-        nut_minus_deg ["deg"] Whole(|b| b.angle(1)), "contact angle at the other flank of the nut";
-        screw_plus_deg ["deg"] Whole(|b| b.angle(2)), "contact angle at the flank of the screw that pushes along +z";
-        screw_minus_deg ["deg"] Whole(|b| b.angle(3)), "contact angle at the other flank of the screw";
-        max_pressure_MPa ["MPa"] Whole(|b| Some(pressure(b.hertz?, b.ball) / MPA)), "largest Hertz pressure";
-        outwards_um ["um"] Whole(|b| b.outwards / UM), "displacement away from the axis";
-        friction_torque_Nm ["N m"] Whole(|b| b.torque), "friction torque, without pushes of other balls";
-        free_rate [""] Whole(|b| Some(b.advance?.rate)), "precession relative to the nut over the relative speed, without pushes of other balls";
-        rate [""] Whole(|b| Some(b.pushed?.rate)), "precession relative to the nut over the relative speed";
-        advance_mm ["mm"] Whole(|b| Some(b.advance?.advance / MM)), "advance of the free ball on a cage that turns evenly";
-        gap_to_next_mm ["mm"] Whole(|b| Some(b.pushed?.gap / MM)), "gap to the next ball in the direction of travel";
-        front_push_N ["N"] Whole(|b| Some(b.pushed?.pushes[0])), "force of the next ball in the direction of travel";
-        back_push_N ["N"] Whole(|b| Some(b.pushed?.pushes[1])), "force of the ball behind";
-        idle [""] Whole(|b| b.is(Rolling::Idle)), "1: moved without a load, else 0";
-        blocked [""] Whole(|b| b.is(Rolling::Blocked)), "1: its neighbours stop its rotation, else 0";
+        circuit [""] Scalar(|b| count(b.place.circuit)), "number of its circuit";
+        body [""] Scalar(|b| count(b.body)), "number of its nut body";
+        theta_deg ["deg"] Scalar(|b| b.place.theta / DEG), "place along the helix";
+        z_mm ["mm"] Scalar(|b| b.place.z / MM), "place along the axis";
+        nut_plus_N ["N"] Scalar(|b| b.ball.loads[0]), "load on the flank of the nut that pushes along +z";
+        nut_minus_N ["N"] Scalar(|b| b.ball.loads[1]), "load on the other flank of the nut";
+        screw_plus_N ["N"] Scalar(|b| b.ball.loads[2]), "load on the flank of the screw that pushes along +z";
+        screw_minus_N ["N"] Scalar(|b| b.ball.loads[3]), "load on the other flank of the screw";
+        nut_plus_deg ["deg"] Scalar(|b| b.angle(0)), "contact angle at the flank of the nut that pushes along +z";
+        nut_minus_deg ["deg"] Scalar(|b| b.angle(1)), "contact angle at the other flank of the nut";
+        screw_plus_deg ["deg"] Scalar(|b| b.angle(2)), "contact angle at the flank of the screw that pushes along +z";
+        screw_minus_deg ["deg"] Scalar(|b| b.angle(3)), "contact angle at the other flank of the screw";
+        max_pressure_MPa ["MPa"] Scalar(|b| Some(pressure(b.hertz?, b.ball) / MPA)), "largest Hertz pressure";
+        outwards_um ["um"] Scalar(|b| b.outwards / UM), "displacement away from the axis";
+        friction_torque_Nm ["N m"] Scalar(|b| b.torque), "friction torque, without pushes of other balls";
+        free_rate [""] Scalar(|b| Some(b.advance?.rate)), "precession relative to the nut over the relative speed, without pushes of other balls";
+        rate [""] Scalar(|b| Some(b.pushed?.rate)), "precession relative to the nut over the relative speed";
+        advance_mm ["mm"] Scalar(|b| Some(b.advance?.advance / MM)), "advance of the free ball on a cage that turns evenly";
+        gap_to_next_mm ["mm"] Scalar(|b| Some(b.pushed?.gap / MM)), "gap to the next ball in the direction of travel";
+        front_push_N ["N"] Scalar(|b| Some(b.pushed?.pushes[0])), "force of the next ball in the direction of travel";
+        back_push_N ["N"] Scalar(|b| Some(b.pushed?.pushes[1])), "force of the ball behind";
+        idle [""] Scalar(|b| b.is(Rolling::Idle)), "1: moved without a load, else 0";
+        blocked [""] Scalar(|b| b.is(Rolling::Blocked)), "1: its neighbours stop its rotation, else 0";
     }
 }
 

@@ -7,7 +7,7 @@ use crate::case::requirement::USUAL_CONTACT_ANGLES_DEG;
 use crate::vocabulary::input_set::inputs;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::DEG;
-use crate::{Answer, CaseError, Content, Numbers, Of, Scene, Settings};
+use crate::{Answer, CaseError, Content, Numbers, Scene, Scope, Settings};
 use bsm_design::search::minimum_inside;
 use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum};
 
@@ -35,9 +35,9 @@ quantities! { pub(crate) QUANTITIES, read(&Known) of Optimum;
 
 quantities! { pub(crate) BY_MODEL, by_model(&Option<Optimum>);
     "by the model" {
-        optimum_contact_angle_deg ["deg"] Whole(|best| Some(best.as_ref()?.contact_angle / DEG)),
+        optimum_contact_angle_deg ["deg"] Scalar(|best| Some(best.as_ref()?.contact_angle / DEG)),
             "contact angle of best efficiency";
-        optimum_efficiency [""] Whole(|best| Some(best.as_ref()?.efficiency)), "efficiency there";
+        optimum_efficiency [""] Scalar(|best| Some(best.as_ref()?.efficiency)), "efficiency there";
     }
 }
 
@@ -122,7 +122,7 @@ pub fn optimum(scene: &Scene, model: Option<Model>) -> Result<Answer, CaseError>
     let mut answer = Answer::default().with("", Content::numbers(numbers(scene)?, ""));
     if let Some((model, (direction, best))) = found {
         let (model, (low, high)) = (model.name(), SEARCHED_DEG);
-        let whole = Of::Directions.members()[usize::from(direction.is_back())];
+        let whole = Scope::Directions.members()[usize::from(direction.is_back())];
         answer = answer
             .with("model", Content::Text("model ", Some(model.to_owned())))
             .with("by_model", Content::numbers(by_model(&best, |_| true), whole));

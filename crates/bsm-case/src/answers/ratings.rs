@@ -21,94 +21,94 @@ pub(crate) const STEPS: &str = "steps";
 
 quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
     "ratings" {
-        dynamic_load_rating_N ["N" "C_a"] Whole(|r| r.dynamic.rating), "dynamic axial load rating";
-        static_load_rating_N ["N" "C_0a"] Whole(|r| r.static_rating.rating), "static axial load rating";
-        edge_load_N ["N"] Whole(|r| r.edge_load),
+        dynamic_load_rating_N ["N" "C_a"] Scalar(|r| r.dynamic.rating), "dynamic axial load rating";
+        static_load_rating_N ["N" "C_0a"] Scalar(|r| r.static_rating.rating), "static axial load rating";
+        edge_load_N ["N"] Scalar(|r| r.edge_load),
             "edge load, at which a contact ellipse reaches the end of its flank";
-        stiffness_characteristic_N_um15 ["N/um^1.5" "k"] Whole(|r| r.elasticity.turn * 1e-9),
+        stiffness_characteristic_N_um15 ["N/um^1.5" "k"] Scalar(|r| r.elasticity.turn * 1e-9),
             "stiffness characteristic of one turn";
-        preload_displacement_um ["um"] Whole(|r| r.of_pair(|e| e.displacement(r.force) / UM)),
+        preload_displacement_um ["um"] Scalar(|r| r.of_pair(|e| e.displacement(r.force) / UM)),
             "displacement of the contacts of a nut under the preload";
-        contact_displacement_um ["um"] Whole(|r| r.displacement()) needs [axial_load_N],
+        contact_displacement_um ["um"] Scalar(|r| r.displacement()) needs [axial_load_N],
             "axial displacement of the contacts under the axial load, of one nut or of the preloaded pair";
-        secant_contact_stiffness_N_um ["N/um"] Whole(|r| r.of_one(|e| e.secant(r.force) * UM)) needs [axial_load_N],
+        secant_contact_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| e.secant(r.force) * UM)) needs [axial_load_N],
             "stiffness of the contacts of one nut without preload, load over displacement";
-        tangent_contact_stiffness_N_um ["N/um"] Whole(|r| r.of_one(|e| e.tangent(r.force) * UM)) needs [axial_load_N],
+        tangent_contact_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| e.tangent(r.force) * UM)) needs [axial_load_N],
             "stiffness of the contacts of one nut without preload, for a small change of the load";
-        preloaded_contact_stiffness_N_um ["N/um"] Whole(|r| r.of_pair(|e| e.preloaded(r.force) * UM)),
+        preloaded_contact_stiffness_N_um ["N/um"] Scalar(|r| r.of_pair(|e| e.preloaded(r.force) * UM)),
             "stiffness of the contacts of a preloaded pair";
-        body_stiffness_N_um ["N/um"] Whole(|r| r.of_one(|e| e.body * UM)), "stiffness of the body of a nut";
-        preloaded_body_stiffness_N_um ["N/um"] Whole(|r| r.of_pair(|e| 2.0 * e.body * UM)),
+        body_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| e.body * UM)), "stiffness of the body of a nut";
+        preloaded_body_stiffness_N_um ["N/um"] Scalar(|r| r.of_pair(|e| 2.0 * e.body * UM)),
             "stiffness of the bodies of a preloaded pair";
-        single_nut_secant_stiffness_N_um ["N/um"] Whole(|r| r.of_one(|e| in_series(e.secant(r.force), e.body) * UM)) needs [axial_load_N],
+        single_nut_secant_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| in_series(e.secant(r.force), e.body) * UM)) needs [axial_load_N],
             "secant stiffness of one nut without preload, contacts and body";
-        single_nut_tangent_stiffness_N_um ["N/um"] Whole(|r| r.of_one(|e| in_series(e.tangent(r.force), e.body) * UM)) needs [axial_load_N],
+        single_nut_tangent_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| in_series(e.tangent(r.force), e.body) * UM)) needs [axial_load_N],
             "tangent stiffness of one nut without preload, contacts and body";
-        preloaded_stiffness_N_um ["N/um" "R_nu"] Whole(|r| r.of_pair(|e| e.preloaded_pair(r.force) * UM)),
+        preloaded_stiffness_N_um ["N/um" "R_nu"] Scalar(|r| r.of_pair(|e| e.preloaded_pair(r.force) * UM)),
             "stiffness of a preloaded pair, contacts and bodies";
-        rolling_efficiency [""] Whole(|r| r.nut.rolling_efficiency(r.lever())), "catalogue efficiency, rolling resistance without slip";
-        mass_kg ["kg"] Whole(|r| r.scene.nut_mass_kg.unwrap_or_else(|| r.body.mass(&r.nut, &r.thread))), "mass of the nut";
-        permissible_speed_rpm ["rpm"] Whole(|r| speed_number_limit(r.scene, r.nut.lead, r.thread.screw.land) / r.pitch_mm()), "permissible speed, by the speed number limit";
-        speed_number_mm_min ["mm/min" "d_pw n"] Whole(|r| Some(rpm(r.scene)? * r.pitch_mm())) needs [screw_speed_rpm], "speed number";
-        rating_life_revolutions ["" "L_10"] Whole(|r| Some(r.life.as_ref()?.revolutions)) needs [axial_load_N, screw_speed_rpm], "rating life";
-        rating_life_h ["h" "L_10h"] Whole(|r| Some(r.life.as_ref()?.time / 3600.0)) needs [axial_load_N, screw_speed_rpm], "rating life";
+        rolling_efficiency [""] Scalar(|r| r.nut.rolling_efficiency(r.lever())), "catalogue efficiency, rolling resistance without slip";
+        mass_kg ["kg"] Scalar(|r| r.scene.nut_mass_kg.unwrap_or_else(|| r.body.mass(&r.nut, &r.thread))), "mass of the nut";
+        permissible_speed_rpm ["rpm"] Scalar(|r| speed_number_limit(r.scene, r.nut.lead, r.thread.screw.land) / r.pitch_mm()), "permissible speed, by the speed number limit";
+        speed_number_mm_min ["mm/min" "d_pw n"] Scalar(|r| Some(rpm(r.scene)? * r.pitch_mm())) needs [screw_speed_rpm], "speed number";
+        rating_life_revolutions ["" "L_10"] Scalar(|r| Some(r.life.as_ref()?.revolutions)) needs [axial_load_N, screw_speed_rpm], "rating life";
+        rating_life_h ["h" "L_10h"] Scalar(|r| Some(r.life.as_ref()?.time / 3600.0)) needs [axial_load_N, screw_speed_rpm], "rating life";
     }
     "thread" {
-        clearance_per_turn_mm ["mm"] Whole(|r| r.nut.ball_gap() / MM), "total ball clearance per turn";
-        nut_groove_radius_mm ["mm" "r_n"] Whole(|r| r.thread.nut.radius / MM),
+        clearance_per_turn_mm ["mm"] Scalar(|r| r.nut.ball_gap() / MM), "total ball clearance per turn";
+        nut_groove_radius_mm ["mm" "r_n"] Scalar(|r| r.thread.nut.radius / MM),
             "groove radius, nut";
-        screw_groove_radius_mm ["mm" "r_s"] Whole(|r| r.thread.screw.radius / MM),
+        screw_groove_radius_mm ["mm" "r_s"] Scalar(|r| r.thread.screw.radius / MM),
             "groove radius, screw";
-        nut_groove_offset_mm ["mm"] Whole(|r| r.thread.nut.offset / MM),
+        nut_groove_offset_mm ["mm"] Scalar(|r| r.thread.nut.offset / MM),
             "distance of the arc centres from the middle of the groove, nut";
-        screw_groove_offset_mm ["mm"] Whole(|r| r.thread.screw.offset / MM),
+        screw_groove_offset_mm ["mm"] Scalar(|r| r.thread.screw.offset / MM),
             "distance of the arc centres from the middle of the groove, screw";
-        nut_core_diameter_mm ["mm"] Whole(|r| r.thread.nut.core / MM),
+        nut_core_diameter_mm ["mm"] Scalar(|r| r.thread.nut.core / MM),
             "calculated core diameter of the nut; at the bottom of the full arcs";
-        screw_core_diameter_mm ["mm" "d_2"] Whole(|r| r.thread.screw.core / MM),
+        screw_core_diameter_mm ["mm" "d_2"] Scalar(|r| r.thread.screw.core / MM),
             "calculated core diameter of the screw; at the bottom of the full arcs";
-        nut_root_diameter_mm ["mm"] Whole(|r| r.thread.nut.root / MM),
+        nut_root_diameter_mm ["mm"] Scalar(|r| r.thread.nut.root / MM),
             "root diameter, where the two arcs meet, nut";
-        screw_root_diameter_mm ["mm"] Whole(|r| r.thread.screw.root / MM),
+        screw_root_diameter_mm ["mm"] Scalar(|r| r.thread.screw.root / MM),
             "root diameter, where the two arcs meet, screw";
     }
     "steps" {
-        nut_edge_angle_deg ["deg"] Whole(|r| r.thread.nut.edge / DEG),
+        nut_edge_angle_deg ["deg"] Scalar(|r| r.thread.nut.edge / DEG),
             "angle from the radial direction at which the groove ends, nut";
-        screw_edge_angle_deg ["deg"] Whole(|r| r.thread.screw.edge / DEG),
+        screw_edge_angle_deg ["deg"] Scalar(|r| r.thread.screw.edge / DEG),
             "angle from the radial direction at which the groove ends, screw";
-        nut_groove_section_mm2 ["mm2"] Whole(|r| r.thread.nut.section() / (MM * MM)),
+        nut_groove_section_mm2 ["mm2"] Scalar(|r| r.thread.nut.section() / (MM * MM)),
             "section of the groove, nut";
-        screw_groove_section_mm2 ["mm2"] Whole(|r| r.thread.screw.section() / (MM * MM)),
+        screw_groove_section_mm2 ["mm2"] Scalar(|r| r.thread.screw.section() / (MM * MM)),
             "section of the groove, screw";
-        gamma ["" "gamma"] Whole(|r| r.dynamic.gamma), "ball diameter times cosine of the contact angle, over pitch circle diameter";
-        f_c ["" "f_c"] Whole(|r| r.dynamic.shape), "geometry factor of the dynamic load rating";
-        C_s_N ["N" "C_s"] Whole(|r| r.dynamic.screw), "dynamic load rating of a turn of the screw";
-        C_s_over_C_n ["" "C_s/C_n"] Whole(|r| r.dynamic.ratio), "dynamic load rating of the screw over that of the nut";
-        C_i_N ["N" "C_i"] Whole(|r| r.dynamic.turn), "dynamic load rating of a turn";
-        screw_curvature_along_1_mm ["1/mm"] Whole(|r| r.static_rating.curvatures.along * MM),
+        gamma ["" "gamma"] Scalar(|r| r.dynamic.gamma), "ball diameter times cosine of the contact angle, over pitch circle diameter";
+        f_c ["" "f_c"] Scalar(|r| r.dynamic.shape), "geometry factor of the dynamic load rating";
+        C_s_N ["N" "C_s"] Scalar(|r| r.dynamic.screw), "dynamic load rating of a turn of the screw";
+        C_s_over_C_n ["" "C_s/C_n"] Scalar(|r| r.dynamic.ratio), "dynamic load rating of the screw over that of the nut";
+        C_i_N ["N" "C_i"] Scalar(|r| r.dynamic.turn), "dynamic load rating of a turn";
+        screw_curvature_along_1_mm ["1/mm"] Scalar(|r| r.static_rating.curvatures.along * MM),
             "relative curvature along the track of the screw, for the static load rating";
-        screw_curvature_across_1_mm ["1/mm"] Whole(|r| r.static_rating.curvatures.across * MM),
+        screw_curvature_across_1_mm ["1/mm"] Scalar(|r| r.static_rating.curvatures.across * MM),
             "relative curvature across the groove of the screw, for the static load rating";
-        k_0_N_mm2 ["N/mm2" "k_0"] Whole(|r| r.static_rating.factor), "static load of a ball over its diameter squared";
-        nut_approach_um_N23 ["um/N^(2/3)"] Whole(|r| r.elasticity.hertz[0].compliance / UM),
+        k_0_N_mm2 ["N/mm2" "k_0"] Scalar(|r| r.static_rating.factor), "static load of a ball over its diameter squared";
+        nut_approach_um_N23 ["um/N^(2/3)"] Scalar(|r| r.elasticity.hertz[0].compliance / UM),
             "Hertz approach at unit load, nut";
-        screw_approach_um_N23 ["um/N^(2/3)"] Whole(|r| r.elasticity.hertz[1].compliance / UM),
+        screw_approach_um_N23 ["um/N^(2/3)"] Scalar(|r| r.elasticity.hertz[1].compliance / UM),
             "Hertz approach at unit load, screw";
     }
 }
 
 quantities! { pub(crate) AS_USED, as_used(&NutRatings<'_>);
     "inputs as used" {
-        lead_angle_deg = INPUTS Whole(|r| r.nut.lead_angle() / DEG);
-        contact_angle_deg = INPUTS Whole(|r| r.nut.contact_angle / DEG);
-        axial_play_um = INPUTS Whole(|r| r.thread.play / UM);
-        nut_bore_mm = INPUTS Whole(|r| r.thread.nut.land / MM);
-        screw_outer_diameter_mm = INPUTS Whole(|r| r.thread.screw.land / MM);
-        nut_outer_diameter_mm = INPUTS Whole(|r| r.body.outer / MM);
-        nut_length_mm = INPUTS Whole(|r| r.body.length / MM);
-        preload_N = INPUTS Whole(|r| r.preloaded.then_some(r.force));
-        axial_load_N = INPUTS Whole(|r| r.scene.axial_load_N);
+        lead_angle_deg = INPUTS Scalar(|r| r.nut.lead_angle() / DEG);
+        contact_angle_deg = INPUTS Scalar(|r| r.nut.contact_angle / DEG);
+        axial_play_um = INPUTS Scalar(|r| r.thread.play / UM);
+        nut_bore_mm = INPUTS Scalar(|r| r.thread.nut.land / MM);
+        screw_outer_diameter_mm = INPUTS Scalar(|r| r.thread.screw.land / MM);
+        nut_outer_diameter_mm = INPUTS Scalar(|r| r.body.outer / MM);
+        nut_length_mm = INPUTS Scalar(|r| r.body.length / MM);
+        preload_N = INPUTS Scalar(|r| r.preloaded.then_some(r.force));
+        axial_load_N = INPUTS Scalar(|r| r.scene.axial_load_N);
     }
 }
 

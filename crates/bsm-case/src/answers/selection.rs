@@ -21,54 +21,54 @@ quantities! {
     /// The columns of a list of nuts; those titled "shown" fit a screen.
     pub CATALOGUE, read(&Candidate);
     "shown" {
-        nominal_diameter_mm = LISTS Whole(|c| c.size.diameter / MM);
-        lead_mm = INPUTS Whole(|c| c.nut.lead / MM);
-        ball_diameter_mm = INPUTS Whole(|c| c.nut.ball_diameter / MM);
-        loaded_turns = INPUTS Whole(|c| c.nut.turns);
-        nut_conformity = INPUTS Whole(|c| c.nut.conformity.0);
+        nominal_diameter_mm = LISTS Scalar(|c| c.size.diameter / MM);
+        lead_mm = INPUTS Scalar(|c| c.nut.lead / MM);
+        ball_diameter_mm = INPUTS Scalar(|c| c.nut.ball_diameter / MM);
+        loaded_turns = INPUTS Scalar(|c| c.nut.turns);
+        nut_conformity = INPUTS Scalar(|c| c.nut.conformity.0);
     }
     "in files" {
-        screw_conformity = INPUTS Whole(|c| c.nut.conformity.1);
-        contact_angle_deg = INPUTS Whole(|c| c.nut.contact_angle / DEG);
-        pitch_circle_diameter_mm = INPUTS Whole(|c| c.nut.pitch_diameter / MM);
-        loaded_balls_per_turn = INPUTS Whole(|c| c.nut.balls_per_turn);
-        starts = INPUTS Whole(|c| c.nut.starts);
+        screw_conformity = INPUTS Scalar(|c| c.nut.conformity.1);
+        contact_angle_deg = INPUTS Scalar(|c| c.nut.contact_angle / DEG);
+        pitch_circle_diameter_mm = INPUTS Scalar(|c| c.nut.pitch_diameter / MM);
+        loaded_balls_per_turn = INPUTS Scalar(|c| c.nut.balls_per_turn);
+        starts = INPUTS Scalar(|c| c.nut.starts);
     }
     "shown" {
-        dynamic_load_rating_N = RATINGS Whole(|c| c.dynamic_rating);
-        static_load_rating_N = RATINGS Whole(|c| c.static_rating);
+        dynamic_load_rating_N = RATINGS Scalar(|c| c.dynamic_rating);
+        static_load_rating_N = RATINGS Scalar(|c| c.static_rating);
     }
     "in files" {
-        edge_load_N = RATINGS Whole(|c| c.edge_load);
-        stiffness_characteristic_N_um15 = RATINGS Whole(|c| c.elasticity.turn * 1e-9);
-        preload_N = INPUTS Whole(|c| c.preload);
-        preloaded_contact_stiffness_N_um = RATINGS Whole(|c| c.elasticity.preloaded(c.preload) * UM);
-        preloaded_body_stiffness_N_um = RATINGS Whole(|c| 2.0 * c.elasticity.body * UM);
+        edge_load_N = RATINGS Scalar(|c| c.edge_load);
+        stiffness_characteristic_N_um15 = RATINGS Scalar(|c| c.elasticity.turn * 1e-9);
+        preload_N = INPUTS Scalar(|c| c.preload);
+        preloaded_contact_stiffness_N_um = RATINGS Scalar(|c| c.elasticity.preloaded(c.preload) * UM);
+        preloaded_body_stiffness_N_um = RATINGS Scalar(|c| 2.0 * c.elasticity.body * UM);
     }
     "shown" {
-        preloaded_stiffness_N_um = RATINGS Whole(|c| c.stiffness * UM);
+        preloaded_stiffness_N_um = RATINGS Scalar(|c| c.stiffness * UM);
     }
     "in files" {
-        nut_outer_diameter_mm = INPUTS Whole(|c| c.body.outer / MM);
-        nut_length_mm = INPUTS Whole(|c| c.body.length / MM);
+        nut_outer_diameter_mm = INPUTS Scalar(|c| c.body.outer / MM);
+        nut_length_mm = INPUTS Scalar(|c| c.body.length / MM);
     }
     "shown" {
-        mass_kg = RATINGS Whole(|c| c.mass);
-        rolling_efficiency = RATINGS Whole(|c| c.efficiency);
+        mass_kg = RATINGS Scalar(|c| c.mass);
+        rolling_efficiency = RATINGS Scalar(|c| c.efficiency);
     }
     "in files" {
-        clearance_per_turn_mm = RATINGS Whole(|c| c.nut.ball_gap() / MM);
-        axial_play_um = INPUTS Whole(|c| c.thread.play / UM);
-        nut_groove_radius_mm = RATINGS Whole(|c| c.thread.nut.radius / MM);
-        screw_groove_radius_mm = RATINGS Whole(|c| c.thread.screw.radius / MM);
-        nut_groove_offset_mm = RATINGS Whole(|c| c.thread.nut.offset / MM);
-        screw_groove_offset_mm = RATINGS Whole(|c| c.thread.screw.offset / MM);
-        nut_core_diameter_mm = RATINGS Whole(|c| c.thread.nut.core / MM);
-        screw_core_diameter_mm = RATINGS Whole(|c| c.thread.screw.core / MM);
-        nut_root_diameter_mm = RATINGS Whole(|c| c.thread.nut.root / MM);
-        screw_root_diameter_mm = RATINGS Whole(|c| c.thread.screw.root / MM);
-        nut_bore_mm = INPUTS Whole(|c| c.thread.nut.land / MM);
-        screw_outer_diameter_mm = INPUTS Whole(|c| c.thread.screw.land / MM);
+        clearance_per_turn_mm = RATINGS Scalar(|c| c.nut.ball_gap() / MM);
+        axial_play_um = INPUTS Scalar(|c| c.thread.play / UM);
+        nut_groove_radius_mm = RATINGS Scalar(|c| c.thread.nut.radius / MM);
+        screw_groove_radius_mm = RATINGS Scalar(|c| c.thread.screw.radius / MM);
+        nut_groove_offset_mm = RATINGS Scalar(|c| c.thread.nut.offset / MM);
+        screw_groove_offset_mm = RATINGS Scalar(|c| c.thread.screw.offset / MM);
+        nut_core_diameter_mm = RATINGS Scalar(|c| c.thread.nut.core / MM);
+        screw_core_diameter_mm = RATINGS Scalar(|c| c.thread.screw.core / MM);
+        nut_root_diameter_mm = RATINGS Scalar(|c| c.thread.nut.root / MM);
+        screw_root_diameter_mm = RATINGS Scalar(|c| c.thread.screw.root / MM);
+        nut_bore_mm = INPUTS Scalar(|c| c.thread.nut.land / MM);
+        screw_outer_diameter_mm = INPUTS Scalar(|c| c.thread.screw.land / MM);
     }
 }
 

@@ -13,14 +13,14 @@ use crate::{Answer, CaseError, Scene, Settings};
 
 quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
     "rotation of the ball relative to the nut" {
-        gyroscopic_angle_deg ["deg"] Whole(|s| s.solved.ball.gyroscopic_angles()[0] / DEG),
+        gyroscopic_angle_deg ["deg"] Scalar(|s| s.solved.ball.gyroscopic_angles()[0] / DEG),
             "gyroscopic angle: axis of rotation out of the plane of t and b";
-        gyroscopic_yaw_angle_deg ["deg"] Whole(|s| s.solved.ball.gyroscopic_angles()[1] / DEG),
+        gyroscopic_yaw_angle_deg ["deg"] Scalar(|s| s.solved.ball.gyroscopic_angles()[1] / DEG),
             "gyroscopic angle in that plane, from -b towards t";
     }
     "slip between neighbouring balls" {
-        ball_slip_printed_m_s ["m/s"] Whole(|s| s.solved.ball.ball_slip_published()), "slip speed between neighbouring balls as printed";
-        ball_slip_m_s ["m/s"] Whole(|s| s.solved.ball.ball_slip()), "slip speed of the surfaces of neighbouring balls";
+        ball_slip_printed_m_s ["m/s"] Scalar(|s| s.solved.ball.ball_slip_published()), "slip speed between neighbouring balls as printed";
+        ball_slip_m_s ["m/s"] Scalar(|s| s.solved.ball.ball_slip()), "slip speed of the surfaces of neighbouring balls";
     }
     "slip at the contacts" {
         differential_slip_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.differential_slip(&c.touch))), "differential slip, at the centre";
@@ -43,7 +43,7 @@ quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
     }
     "moments about the tangent" {
         tangent_friction_moment_Nmm ["N mm"] Contacts(|s| s.friction(|f| f.moment / MM)), "moment of friction on the ball about the tangent";
-        gyroscopic_moment_Nmm ["N mm"] Whole(|s| Some(s.loss.as_ref()?.gyroscopic_moment / MM)),
+        gyroscopic_moment_Nmm ["N mm"] Scalar(|s| Some(s.loss.as_ref()?.gyroscopic_moment / MM)),
             "gyroscopic moment about the tangent, the sum of those of friction";
     }
     "friction power, all balls" {
@@ -51,9 +51,9 @@ quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
         spin_power_W ["W"] Contacts(|s| s.friction(|f| f.power.spin)), "friction power on the spin";
         curvature_power_W ["W"] Contacts(|s| s.friction(|f| f.power.curvature)), "friction power on the slip of the curved surface";
         friction_power_W ["W"] Contacts(|s| s.friction(|f| f.power.total())), "friction power";
-        total_friction_power_W ["W"] Whole(|s| Some(s.loss.as_ref()?.total())), "friction power of all contacts";
-        dissipated_power_W ["W"] Whole(|s| Some(s.loss.as_ref()?.dissipated)), "power dissipated by the model";
-        power_difference [""] Whole(|s| Some(s.loss.as_ref()?.difference()).filter(|x| x.is_finite())),
+        total_friction_power_W ["W"] Scalar(|s| Some(s.loss.as_ref()?.total())), "friction power of all contacts";
+        dissipated_power_W ["W"] Scalar(|s| Some(s.loss.as_ref()?.dissipated)), "power dissipated by the model";
+        power_difference [""] Scalar(|s| Some(s.loss.as_ref()?.difference()).filter(|x| x.is_finite())),
             "relative difference of friction power and the power that the model dissipates by sliding";
     }
 }

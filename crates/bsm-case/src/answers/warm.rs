@@ -17,41 +17,41 @@ use crate::{
 
 quantities! { pub(crate) QUANTITIES, read(&Warm) of Warm;
     "warm state" {
-        nut_temperature_C ["C"] Whole(|w| Some(state(w)?.celsius[0])), "steady temperature of nut and table";
-        screw_temperature_C ["C"] Whole(|w| Some(state(w)?.celsius[1])), "steady temperature of the screw along its travel";
-        balls_temperature_C ["C"] Whole(|w| Some(state(w)?.celsius[2])), "steady temperature of balls and oil";
-        lubricant_temperature_C ["C"] Whole(|w| state(w)?.oil), "temperature of the lubricant, given or that at which all losses leave as heat";
-        end_1_temperature_C ["C"] Whole(|w| Some(state(w)?.celsius[3])), "steady temperature of the end of the screw at the motor";
-        end_2_temperature_C ["C"] Whole(|w| Some(state(w)?.celsius[4])), "steady temperature of the other end of the screw";
-        preload_set_N = NUT Whole(|w| Some(state(w)?.preload?.cold));
-        warm_preload_N = NUT Whole(|w| Some(state(w)?.preload?.warm));
-        preload_setting_um = NUT Whole(|w| Some(state(w)?.preload?.setting / UM));
-        steady_heat_W ["W"] Whole(|w| Some(state(w)?.steady.heat())), "heat of contacts, drag, seals, support bearings and motor in the steady state";
-        nut_heat_W ["W"] Whole(|w| Some(state(w)?.steady.nut_heat())), "heat of contacts, drag and seals in the steady state, without support bearings and motor";
-        cold_cycle_life_revolutions [""] Whole(|w| state(w)?.cold_life), "life of the cycle by ISO 3408-5 with the cold preload, revolutions";
-        cold_stiffness_N_um ["N/um"] Whole(|w| Some(state(w)?.stiffness?[0] * UM)), "tangent stiffness of the preloaded nut without load, cold";
-        no_load_stiffness_N_um ["N/um"] Whole(|w| Some(state(w)?.stiffness?[1] * UM)), "tangent stiffness of the preloaded nut without load, warm";
-        screw_tension_N = INPUTS Whole(|w| state(w)?.tension);
-        loop_gain [""] Whole(|w| Some(state(w)?.steady.gain)), "loop gain of heat and preload, 1 at the fold";
-        fold_speed_factor [""] Whole(|w| Some(w.fold.as_ref()?.factor)), "speed of the fold over the speeds given; there is no steady state above";
-        fold_searched_to [""] Whole(|w| w.search.filter(|_| w.fold.is_none() && w.end.is_none())), "multiple of the speeds given up to which there is no fold";
-        fold_nut_temperature_C ["C"] Whole(|w| at_fold(w, 0)), "temperature of the nut at the fold";
-        fold_screw_temperature_C ["C"] Whole(|w| at_fold(w, 1)), "temperature of the screw at the fold";
-        fold_balls_temperature_C ["C"] Whole(|w| at_fold(w, 2)), "temperature of the balls at the fold";
-        fold_preload_N ["N"] Whole(|w| w.fold.as_ref()?.preload), "warm preload at the fold";
-        unstable_nut_temperature_C ["C"] Whole(|w| unstable(w, 0)), "temperature of the nut in the unstable state at the speeds given";
-        unstable_screw_temperature_C ["C"] Whole(|w| unstable(w, 1)), "temperature of the screw in the unstable state at the speeds given";
-        unstable_balls_temperature_C ["C"] Whole(|w| unstable(w, 2)), "temperature of the balls in the unstable state at the speeds given";
-        unstable_preload_N ["N"] Whole(|w| Some(w.fold.as_ref()?.beyond.as_ref()?.heated.preload)), "warm preload in the unstable state at the speeds given, above which the axis runs away";
+        nut_temperature_C ["C"] Scalar(|w| Some(state(w)?.celsius[0])), "steady temperature of nut and table";
+        screw_temperature_C ["C"] Scalar(|w| Some(state(w)?.celsius[1])), "steady temperature of the screw along its travel";
+        balls_temperature_C ["C"] Scalar(|w| Some(state(w)?.celsius[2])), "steady temperature of balls and oil";
+        lubricant_temperature_C ["C"] Scalar(|w| state(w)?.oil), "temperature of the lubricant, given or that at which all losses leave as heat";
+        end_1_temperature_C ["C"] Scalar(|w| Some(state(w)?.celsius[3])), "steady temperature of the end of the screw at the motor";
+        end_2_temperature_C ["C"] Scalar(|w| Some(state(w)?.celsius[4])), "steady temperature of the other end of the screw";
+        preload_set_N = NUT Scalar(|w| Some(state(w)?.preload?.cold));
+        warm_preload_N = NUT Scalar(|w| Some(state(w)?.preload?.warm));
+        preload_setting_um = NUT Scalar(|w| Some(state(w)?.preload?.setting / UM));
+        steady_heat_W ["W"] Scalar(|w| Some(state(w)?.steady.heat())), "heat of contacts, drag, seals, support bearings and motor in the steady state";
+        nut_heat_W ["W"] Scalar(|w| Some(state(w)?.steady.nut_heat())), "heat of contacts, drag and seals in the steady state, without support bearings and motor";
+        cold_cycle_life_revolutions [""] Scalar(|w| state(w)?.cold_life), "life of the cycle by ISO 3408-5 with the cold preload, revolutions";
+        cold_stiffness_N_um ["N/um"] Scalar(|w| Some(state(w)?.stiffness?[0] * UM)), "tangent stiffness of the preloaded nut without load, cold";
+        no_load_stiffness_N_um ["N/um"] Scalar(|w| Some(state(w)?.stiffness?[1] * UM)), "tangent stiffness of the preloaded nut without load, warm";
+        screw_tension_N = INPUTS Scalar(|w| state(w)?.tension);
+        loop_gain [""] Scalar(|w| Some(state(w)?.steady.gain)), "loop gain of heat and preload, 1 at the fold";
+        fold_speed_factor [""] Scalar(|w| Some(w.fold.as_ref()?.factor)), "speed of the fold over the speeds given; there is no steady state above";
+        fold_searched_to [""] Scalar(|w| w.search.filter(|_| w.fold.is_none() && w.end.is_none())), "multiple of the speeds given up to which there is no fold";
+        fold_nut_temperature_C ["C"] Scalar(|w| at_fold(w, 0)), "temperature of the nut at the fold";
+        fold_screw_temperature_C ["C"] Scalar(|w| at_fold(w, 1)), "temperature of the screw at the fold";
+        fold_balls_temperature_C ["C"] Scalar(|w| at_fold(w, 2)), "temperature of the balls at the fold";
+        fold_preload_N ["N"] Scalar(|w| w.fold.as_ref()?.preload), "warm preload at the fold";
+        unstable_nut_temperature_C ["C"] Scalar(|w| unstable(w, 0)), "temperature of the nut in the unstable state at the speeds given";
+        unstable_screw_temperature_C ["C"] Scalar(|w| unstable(w, 1)), "temperature of the screw in the unstable state at the speeds given";
+        unstable_balls_temperature_C ["C"] Scalar(|w| unstable(w, 2)), "temperature of the balls in the unstable state at the speeds given";
+        unstable_preload_N ["N"] Scalar(|w| Some(w.fold.as_ref()?.beyond.as_ref()?.heated.preload)), "warm preload in the unstable state at the speeds given, above which the axis runs away";
     }
     "conductances" {
-        nut_conductance_W_K = INPUTS Whole(|w| Some(state(w)?.conductances.nut));
-        screw_film_W_m2K = INPUTS Whole(|w| Some(state(w)?.conductances.screw_film));
-        gap_conductance_W_K = INPUTS Whole(|w| Some(state(w)?.conductances.gap));
-        ball_nut_conductance_W_K = INPUTS Whole(|w| Some(state(w)?.conductances.ball_nut));
-        ball_screw_conductance_W_K = INPUTS Whole(|w| Some(state(w)?.conductances.ball_screw));
-        end_conductance_W_K = INPUTS Whole(|w| Some(state(w)?.conductances.end));
-        coolant_conductance_W_K = INPUTS Whole(|w| Some(state(w)?.conductances.coolant));
+        nut_conductance_W_K = INPUTS Scalar(|w| Some(state(w)?.conductances.nut));
+        screw_film_W_m2K = INPUTS Scalar(|w| Some(state(w)?.conductances.screw_film));
+        gap_conductance_W_K = INPUTS Scalar(|w| Some(state(w)?.conductances.gap));
+        ball_nut_conductance_W_K = INPUTS Scalar(|w| Some(state(w)?.conductances.ball_nut));
+        ball_screw_conductance_W_K = INPUTS Scalar(|w| Some(state(w)?.conductances.ball_screw));
+        end_conductance_W_K = INPUTS Scalar(|w| Some(state(w)?.conductances.end));
+        coolant_conductance_W_K = INPUTS Scalar(|w| Some(state(w)?.conductances.coolant));
     }
 }
 

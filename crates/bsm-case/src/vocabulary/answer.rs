@@ -3,7 +3,7 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::{Numbers, Of, Output};
+use crate::{Numbers, Output, Scope};
 
 /// An answer.
 #[derive(Debug, Clone, Default)]
@@ -168,7 +168,7 @@ impl Table {
 
 /// JSON object of numbers; null where there is none. Statements stand with their texts.
 pub(crate) fn numbers_json(numbers: &Numbers) -> Map<String, Value> {
-    let shown = numbers.all().iter().filter(|row| row.quantity.of != Of::Statement);
+    let shown = numbers.all().iter().filter(|row| row.quantity.scope != Scope::Statement);
     let columns = shown.flat_map(|row| row.quantity.columns.iter().zip(row.values));
     columns.map(|(column, value)| (column.name.to_owned(), json!(value))).collect()
 }

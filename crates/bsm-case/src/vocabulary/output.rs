@@ -4,7 +4,7 @@ use bsm_dyn::{ContactFilm, Control, Evidence, FilmState, Solution, Transmission,
 use bsm_kin::{Motion, Site};
 
 use super::number::count;
-use super::quantity::{AnalysisKind, Of, Quantity};
+use super::quantity::{AnalysisKind, Quantity, Scope};
 use crate::vocabulary::units::{DEG, GPA, MILLI, MM, MPA, UM, direction_deg};
 
 /// One output of the vocabulary.
@@ -102,7 +102,7 @@ macro_rules! outputs {
             symbol: concat!($($symbol)?),
             about: $label,
             title: $title,
-            of: outputs!(@of $($at)+),
+            scope: outputs!(@scope $($at)+),
             columns: &[$(outputs!(@output $name $at, $unit, $kind, $read, $about),)+],
             ..Quantity::WHOLE
         },)*)*];
@@ -131,8 +131,8 @@ macro_rules! outputs {
         }
     };
     (@first $name:ident $($other:ident)*) => { stringify!($name) };
-    (@of whole) => { Of::Whole };
-    (@of $($at:ident)+) => { Of::Contacts };
+    (@scope whole) => { Scope::Scalar };
+    (@scope $($at:ident)+) => { Scope::Contacts };
     (@said nut) => { ", nut" };
     (@said screw) => { ", screw" };
     (@said unloaded) => { ", unloaded flank of the nut" };

@@ -37,7 +37,7 @@ pub struct Quantity {
     /// Symbol, and the group of an input.
     pub title: &'static str,
     /// Scope of its numbers.
-    pub of: Of,
+    pub scope: Scope,
     /// Its numbers as outputs; the contact or direction stands in front of the name.
     pub columns: &'static [Output],
     /// Inputs without default that it needs besides those of its answer: one of each set.
@@ -56,7 +56,7 @@ impl Quantity {
         symbol: "",
         about: "",
         title: "",
-        of: Of::Whole,
+        scope: Scope::Scalar,
         columns: &[],
         needs: &[],
         rule: Rule::Any,
@@ -102,9 +102,9 @@ impl Quantity {
 
 /// Scope of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Of {
+pub enum Scope {
     /// The ball, the screw or the nut: one number.
-    Whole,
+    Scalar,
     /// Each contact: nut, screw and unloaded flank of the nut.
     Contacts,
     /// Each direction of drive: rotary to linear, and linear to rotary.
@@ -113,11 +113,11 @@ pub enum Of {
     Statement,
 }
 
-impl Of {
+impl Scope {
     /// Members of the scope, as heads of a table.
     pub fn members(self) -> &'static [&'static str] {
         match self {
-            Self::Whole | Self::Statement => &[""],
+            Self::Scalar | Self::Statement => &[""],
             Self::Contacts => &["nut", "screw", "unloaded flank"],
             Self::Directions => &["rotary to linear", "linear to rotary"],
         }
@@ -196,9 +196,9 @@ pub(crate) use keys;
 
 /// Declares a table of quantities and the function that reads their numbers.
 ///
-/// `name ["unit"] Of(reader), "meaning";` with `"symbol"` behind the unit and `needs [a, b | c]`, inputs that it needs besides those
+/// `name ["unit"] Scope(reader), "meaning";` with `"symbol"` behind the unit and `needs [a, b | c]`, inputs that it needs besides those
 /// of its answer (`a`, and one of `b` and `c`), behind the reader.
-/// `name = TABLE Whole(reader);` is said as in another table.
+/// `name = TABLE Scalar(reader);` is said as in another table.
 macro_rules! quantities {
     ($(#[$doc:meta])* $visible:vis $table:ident, $numbers:ident(&$state:ty) $(of $analysis:ident)?; $($title:literal {
         $($name:ident $([$unit:literal $($symbol:literal)?])? $(= $table_of:ident)? $of:ident($read:expr)
@@ -210,7 +210,7 @@ macro_rules! quantities {
                 $crate::vocabulary::quantity::quantities!(@kind $($analysis)?);
             &[$($($crate::Quantity {
                 title: $title,
-                of: $crate::Of::$of,
+                scope: $crate::Scope::$of,
                 needs: &[$($($crate::InputSet::of(&[$($crate::InputKey::$need),+])),+)?],
                 ..$crate::vocabulary::quantity::quantities!(
                     @said $of $name $([$unit $($symbol)?])? $(= $table_of)? $($about)?
@@ -247,7 +247,7 @@ macro_rules! quantities {
             ..$crate::Quantity::WHOLE
         }
     };
-    (@said Whole $name:ident = $table_of:ident) => {{
+    (@said Scalar $name:ident = $table_of:ident) => {{
         const SAID: $crate::Quantity = $crate::Quantity::said($table_of, stringify!($name));
         $crate::Quantity {
             columns: &[$crate::Output::of_table(SAID.name, SAID.unit, "number", SAID.about, KIND)],
@@ -256,7 +256,7 @@ macro_rules! quantities {
     }};
     (@kind) => { None };
     (@kind $analysis:ident) => { Some($crate::AnalysisKind::$analysis) };
-    (@Whole $($of:tt)*) => {
+    (@Scalar $($of:tt)*) => {
         $crate::vocabulary::quantity::quantities!(@columns "number" ["" ""], ($($of)*))
     };
     (@Statement $($of:tt)*) => {

@@ -2,7 +2,7 @@
 
 use bsm_case::{
     AnalysisKind, Answer, CaseError, Catalogue, EllipseFields, INPUTS, ModelChoice, MotionAnswer,
-    OUTPUTS, Of, Output, Record, Scene, Settings, candidate_json,
+    OUTPUTS, Output, Record, Scene, Scope, Settings, candidate_json,
 };
 use bsm_dyn::{Model, ModelWorkspace, Solution};
 
@@ -636,10 +636,10 @@ fn a_column_has_one_meaning() {
 fn quantities_are_complete() {
     for kind in AnalysisKind::ALL {
         for (place, quantity) in kind.quantities().iter().enumerate() {
-            let members = match quantity.of {
-                Of::Whole | Of::Statement => 1,
-                Of::Directions => 2,
-                Of::Contacts => 3,
+            let members = match quantity.scope {
+                Scope::Scalar | Scope::Statement => 1,
+                Scope::Directions => 2,
+                Scope::Contacts => 3,
             };
             assert_eq!(quantity.columns.len(), members, "{}", quantity.name);
             assert!(!quantity.about.is_empty() && !quantity.title.is_empty());

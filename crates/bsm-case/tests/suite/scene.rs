@@ -4,7 +4,7 @@ use std::path::Path;
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    Axis, CaseError, Grid, ModelChoice, Of, Record, Rule, Scene, Settings, input_schema,
+    Axis, CaseError, Grid, ModelChoice, Record, Rule, Scene, Scope, Settings, input_schema,
     output_schema,
 };
 use bsm_dyn::{Control, Model, ModelWorkspace, Problem};
@@ -465,12 +465,13 @@ fn numbers_of_contacts_stand_under_their_heads() {
     let problem = scene.problem(&Settings::default()).expect("complete");
     let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
     let rows = record.rows(&scene);
-    let rows: Vec<_> = rows.rows().filter(|row| row.quantity.of == Of::Contacts).collect();
+    let rows: Vec<_> = rows.rows().filter(|row| row.quantity.scope == Scope::Contacts).collect();
     assert!(rows.len() > 10, "{rows:?}");
     for row in rows {
         let tail = row.quantity.name.strip_prefix("nut_").expect("of the nut first");
         let columns = row.quantity.columns.iter();
-        for ((head, column), value) in Of::Contacts.members().iter().zip(columns).zip(row.values) {
+        for ((head, column), value) in Scope::Contacts.members().iter().zip(columns).zip(row.values)
+        {
             let contact = if *head == "unloaded flank" { "unloaded_flank" } else { head };
             assert_eq!(column.name, format!("{contact}_{tail}"));
             assert_eq!(value.is_some(), record.number(column.name).is_some(), "{}", column.name);

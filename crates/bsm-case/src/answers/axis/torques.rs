@@ -17,14 +17,14 @@ use crate::{CaseError, InputKey, Numbers, NutReport, Scene, Settings};
 
 quantities! { pub(crate) TORQUES, read_torques(&Torques);
     "torque" {
-        screw_load_N ["N" "F_a"] Whole(|t| t.phase.load), "axial load, with the moved mass";
-        screw_torque_Nm = QUANTITIES Whole(Torques::at_screw);
-        ideal_torque_Nm ["N m"] Whole(|t| t.ideal), "  of the load, without friction";
-        contact_friction_torque_Nm ["N m"] Whole(|t| t.contacts.friction), "  contacts of the balls";
-        preload_drag_beyond_contacts_Nm ["N m"] Whole(|t| t.drag), "  returns and lubricant of the preload, by manufacturers' rule";
-        seal_torque_Nm ["N m"] Whole(|t| t.seal), "  seals";
-        support_bearing_torque_Nm ["N m"] Whole(|t| t.bearing), "  support bearings";
-        screw_efficiency = QUANTITIES Whole(Torques::efficiency);
+        screw_load_N ["N" "F_a"] Scalar(|t| t.phase.load), "axial load, with the moved mass";
+        screw_torque_Nm = QUANTITIES Scalar(Torques::at_screw);
+        ideal_torque_Nm ["N m"] Scalar(|t| t.ideal), "  of the load, without friction";
+        contact_friction_torque_Nm ["N m"] Scalar(|t| t.contacts.friction), "  contacts of the balls";
+        preload_drag_beyond_contacts_Nm ["N m"] Scalar(|t| t.drag), "  returns and lubricant of the preload, by manufacturers' rule";
+        seal_torque_Nm ["N m"] Scalar(|t| t.seal), "  seals";
+        support_bearing_torque_Nm ["N m"] Scalar(|t| t.bearing), "  support bearings";
+        screw_efficiency = QUANTITIES Scalar(Torques::efficiency);
     }
 }
 

@@ -17,12 +17,12 @@ use crate::{Column, ModelChoice, Table, exact};
 
 quantities! { CIRCUITS, read_circuit(&OneCircuit<'_>);
     "circuits" {
-        circuit [""] Whole(|c| Some(c.number)), "number of the circuit";
-        needed_gap_mm ["mm"] Whole(|c| Some(c.needed / MM)), "gaps between its balls, all together, from which no balls touch";
-        train_rate [""] Whole(|c| Some(c.train.rate)), "precession of the balls that touch, relative to the nut, over the relative speed";
-        flux_1_s ["1/s"] Whole(|c| Some(c.train.flux)), "balls that pass in a second";
-        exit_push_N ["N"] Whole(|c| Some(c.train.ends[0])), "force of the return on the last ball in the loaded part";
-        entry_push_N ["N"] Whole(|c| Some(c.train.ends[1])), "force of the first ball on those of the return";
+        circuit [""] Scalar(|c| Some(c.number)), "number of the circuit";
+        needed_gap_mm ["mm"] Scalar(|c| Some(c.needed / MM)), "gaps between its balls, all together, from which no balls touch";
+        train_rate [""] Scalar(|c| Some(c.train.rate)), "precession of the balls that touch, relative to the nut, over the relative speed";
+        flux_1_s ["1/s"] Scalar(|c| Some(c.train.flux)), "balls that pass in a second";
+        exit_push_N ["N"] Scalar(|c| Some(c.train.ends[0])), "force of the return on the last ball in the loaded part";
+        entry_push_N ["N"] Scalar(|c| Some(c.train.ends[1])), "force of the first ball on those of the return";
     }
 }
 
