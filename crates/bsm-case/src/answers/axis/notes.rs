@@ -4,7 +4,7 @@ use bsm_design::{Axis, Grade, Phase};
 use bsm_dyn::ModelWorkspace;
 
 use super::state::AxisState;
-use super::torques::Preload;
+use super::torques::{Preload, Torques};
 use super::{contacts, no_balls};
 use crate::answers::nut::{preload_note, torque_to_measure};
 use crate::case::axis::{LEAST_TURNS, make};
@@ -40,6 +40,7 @@ impl AxisState<'_> {
         notes.extend(self.nut.as_ref().and_then(NutReport::touch_note));
         notes.extend(self.machine.assumed.iter().cloned());
         notes.extend(self.by_catalogue());
+        notes.extend(self.heaviest().and_then(Torques::costs));
         notes.extend(self.about_life());
         let films = self.machine.groove.is_some();
         notes.extend(self.scene.assumed_roughness().filter(|_| films));

@@ -11,6 +11,7 @@ use super::{NEEDS, QUANTITIES};
 use crate::case::axis::{Machine, carriage};
 use crate::case::warm::ColdNut;
 use crate::vocabulary::answer::numbers_json;
+use crate::vocabulary::number::digits;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{MM, RPM};
 use crate::{CaseError, InputKey, Numbers, NutReport, Scene, Settings};
@@ -113,6 +114,27 @@ impl Torques {
     pub(super) fn at_screw(&self) -> Option<f64> {
         let way = if self.phase.speed == 0.0 { 0.0 } else { self.phase.speed.signum() };
         Some(self.ideal + way * self.friction()?)
+    }
+
+    /// What each part costs of the power put in, in words.
+    pub(super) fn costs(&self) -> Option<String> {
+        let input = self.at_screw()?.abs().max(self.ideal.abs());
+        let parts = [
+            ("contacts", self.contacts.friction?),
+            ("returns and lubricant of the preload", self.drag),
+            ("seals", self.seal),
+            ("support bearings", self.bearing),
+        ];
+        let costly = parts.into_iter().filter(|(_, torque)| *torque > 0.0);
+        let costs: Vec<_> = costly
+            .map(|(part, torque)| format!("{part} {} %", digits(100.0 * torque / input, 2)))
+            .collect();
+        (!costs.is_empty()).then(|| {
+            format!(
+                "friction takes of the power at the largest load that moves: {}",
+                costs.join(", ")
+            )
+        })
     }
 
     pub(super) fn heat(&self) -> Option<f64> {
