@@ -11,7 +11,7 @@ use crate::{Answer, Criterion, InputKey as K, Numbers, Scene};
 const FOLD: f64 = 1.25;
 
 /// What the rules of an axis judge.
-struct Judged<'a> {
+struct RuleInputs<'a> {
     scene: &'a Scene,
     axis: &'a Axis,
     numbers: &'a Numbers,
@@ -20,7 +20,7 @@ struct Judged<'a> {
     preload: Option<&'a Preload>,
 }
 
-impl Judged<'_> {
+impl RuleInputs<'_> {
     fn number(&self, name: &str) -> Option<f64> {
         self.numbers.number(name)
     }
@@ -85,7 +85,7 @@ macro_rules! rules {
         $title:literal $name:ident [$unit:literal] $(= $value:expr,)? $bound:ident $limit:expr, $source:literal, $remedy:expr;
     )*) => {
         $(#[$doc])*
-        fn $rules($of: &Judged<'_>) -> impl Iterator<Item = Criterion> {
+        fn $rules($of: &RuleInputs<'_>) -> impl Iterator<Item = Criterion> {
             let all = [$(criterion(
                 [$title, stringify!($name), $unit, $source],
                 rules!(@value $of $name $($value)?),
@@ -248,7 +248,7 @@ pub(super) fn rules(
     of_nut: &Answer,
     preload: Option<&Preload>,
 ) -> Vec<Criterion> {
-    let of = &Judged { scene, axis, numbers, edge_load: of_nut.number("edge_load_N"), preload };
+    let of = &RuleInputs { scene, axis, numbers, edge_load: of_nut.number("edge_load_N"), preload };
     let rest = of_ratings_and_drive(of).chain(of_preload(of));
     of_screw(of).chain(steady_state(fold)).chain(rest).collect()
 }
