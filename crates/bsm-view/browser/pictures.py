@@ -13,7 +13,6 @@ PICTURES = [
     ("view-ellipses", "feed_drive", 1280, 860, "light", "ellipses"),
     ("view-map", "feed_drive", 1280, 860, "light", "map"),
     ("view-nut", "nut_double", 1280, 860, "light", "nut"),
-    ("view-skid", "lin1994", 390, 844, "dark", None),
 ]
 
 
