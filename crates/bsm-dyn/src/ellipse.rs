@@ -14,7 +14,7 @@ use bsm_simd::Arch;
 
 pub(crate) use self::kernel::{Dry, Patch, Resultants, SUMS, sums};
 use self::kernel::{MOTION, sums_on};
-pub(crate) use self::many::{ManyNodes, ManyQuadrature};
+pub(crate) use self::many::{ManyNodes, ManyQuadrature, SplitPoint};
 pub(crate) use self::oil::OilLaw;
 pub use self::panels::{EllipseSlip, Quadrature, power_of_many, slip_scale};
 pub(crate) use self::panels::{FrozenRule, Nodes, Rules, surface_drop};

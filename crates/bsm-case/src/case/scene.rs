@@ -130,11 +130,12 @@ impl Scene {
 
     /// Checks everything that does not depend on some inputs.
     pub(crate) fn check_but(&self, open: InputSet) -> Result<(), CaseError> {
-        for key in self.given().without(open).iter() {
+        let given = self.given().without(open);
+        for key in given.iter() {
             let value = self[key].unwrap_or(f64::NAN);
             key.input().rule.check(key.name(), value)?;
         }
-        self.given().without(open).check_forms()?;
+        given.check_forms()?;
         let relations = Relation::ALL.into_iter().filter(|relation| !relation.inputs().meets(open));
         for relation in relations {
             if relation.holds(self) == Some(false) {

@@ -8,7 +8,7 @@ use bsm_simd::Compare;
 use super::entries::SceneEntries;
 use super::names::unknown_key;
 use super::units::convert;
-use crate::{CaseError, Quantity};
+use crate::{CaseError, InputSet, Quantity};
 
 /// Up to here every whole number is a double.
 const MOST_WHOLE: f64 = 9_007_199_254_740_992.0;
@@ -138,6 +138,15 @@ macro_rules! inputs {
         impl InputKey {
             /// All inputs, in the order of the documentation.
             pub const ALL: [Self; INPUTS.len()] = [$($(Self::$name),*),*];
+        }
+
+        impl Scene {
+            /// The inputs that it has.
+            pub fn given(&self) -> InputSet {
+                let mut given = InputSet::default();
+                $($(given.add(InputKey::$name, self.$name.is_some());)*)*
+                given
+            }
         }
 
         impl Index<InputKey> for Scene {

@@ -56,6 +56,13 @@ impl InputSet {
         set
     }
 
+    /// Takes an input in, if it `is_given`.
+    #[inline]
+    pub(super) fn add(&mut self, key: InputKey, is_given: bool) {
+        let place = key as usize;
+        self.0[place / BITS] |= u128::from(is_given) << (place % BITS);
+    }
+
     /// The inputs of either set.
     #[must_use]
     pub const fn and(self, other: Self) -> Self {
@@ -75,7 +82,8 @@ impl InputSet {
 
     /// True if the input is one of them.
     pub fn contains(self, key: InputKey) -> bool {
-        self.meets(Self::of(&[key]))
+        let place = key as usize;
+        self.0[place / BITS] >> (place % BITS) & 1 == 1
     }
 
     /// True if all of `other` are among them.
@@ -335,11 +343,6 @@ impl InputSet {
 }
 
 impl Scene {
-    /// The inputs that it has.
-    pub fn given(&self) -> InputSet {
-        InputKey::ALL.into_iter().filter(|key| self[*key].is_some()).collect()
-    }
-
     /// The inputs that it has, those that its other entries give, and those that are found in its warm state.
     pub fn stated(&self) -> InputSet {
         let given = self.given();

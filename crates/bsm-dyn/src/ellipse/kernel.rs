@@ -51,6 +51,9 @@ pub(crate) const MOTION: usize = 4;
 pub(crate) const SUMS: usize = 5;
 pub(crate) const SLOPES: usize = MOTION + 1;
 
+/// Numbers of [`Resultants`] without a film.
+pub(super) const NUMBERS: usize = SUMS + 1 + SUMS * SLOPES;
+
 /// Sums and power; the same with what the derivatives are made of.
 pub(super) const VALUES: usize = SUMS + 1;
 pub(super) const ALL: usize = VALUES + 14;
@@ -62,6 +65,22 @@ impl<F: Compare> Patch<F> {
         let ([speed, w_t, w_n, w_c], radii) =
             (self.motion, (self.pressed_radius, self.ball_radius));
         EllipseSlip::new(self.semi_axes, radii, speed, [w_t, w_n, w_c], self.creep)
+    }
+}
+
+impl<S: Simd> Patch<Lane<S>> {
+    /// One of several side by side.
+    #[inline(always)]
+    pub(super) fn at(&self, place: usize) -> Patch {
+        let number = |lane: &Lane<S>| lane.as_slice()[place];
+        let Self { semi_axes: (a, b), pressed_radius, ball_radius, motion, creep } = self;
+        Patch {
+            semi_axes: (number(a), number(b)),
+            pressed_radius: number(pressed_radius),
+            ball_radius: number(ball_radius),
+            motion: motion.each_ref().map(number),
+            creep: number(creep),
+        }
     }
 }
 
@@ -562,6 +581,25 @@ impl<F: Compare> Resultants<F> {
     pub(crate) fn none(zero: F) -> Self {
         let slopes = [[zero; SLOPES]; SUMS];
         Self { values: [zero; SUMS], power: zero, slopes, by_film: [zero; SUMS] }
+    }
+
+    /// Without a film, the numbers one after the other.
+    #[inline(always)]
+    pub(super) fn numbers(&self) -> [F; NUMBERS] {
+        let mut numbers = [self.power; NUMBERS];
+        numbers[..SUMS].copy_from_slice(&self.values);
+        numbers[SUMS + 1..].copy_from_slice(self.slopes.as_flattened());
+        numbers
+    }
+
+    /// Of their numbers.
+    #[inline(always)]
+    pub(super) fn of_numbers(numbers: &[F; NUMBERS]) -> Self {
+        let mut found = Self::none(numbers[0].constant(0.0));
+        found.values.copy_from_slice(&numbers[..SUMS]);
+        found.power = numbers[SUMS];
+        found.slopes.as_flattened_mut().copy_from_slice(&numbers[SUMS + 1..]);
+        found
     }
 
     /// Of the sums of all terms at a point.

@@ -8,13 +8,14 @@
     reason = "code takes the instruction set of its caller only inline"
 )]
 
+use std::cell::OnceCell;
 use std::ops::Range;
 
 use bsm_simd::{BLOCK, Lane, Mask, NullaryFnOnce, Simd};
 
 use super::Quadrature;
-use super::kernel::{ALL, Chord, Dry, Moments, Patch, PointLaw, Resultants, VALUES};
-use super::panels::{MOST_INNER, UNRESOLVED, clamp, half_length, line_at};
+use super::kernel::{ALL, Chord, Dry, Moments, NUMBERS, Patch, PointLaw, Resultants, VALUES, sums};
+use super::panels::{FrozenRule, MOST_INNER, Nodes, UNRESOLVED, clamp, half_length, line_at};
 
 /// Most nodes of a panel.
 const MOST_NODES: usize = 16;
@@ -52,6 +53,14 @@ pub(crate) struct ManyNodes<S: Simd> {
     inner: [[usize; BLOCK]; GROUPS],
     across: [(Lane<S>, Lane<S>); MOST_INNER + 2],
     found: [(Moments<S, 2>, Lane<S>); BLOCK],
+}
+
+/// A point whose panels may be split: the numbers of nodes at both contacts, once they are known.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct SplitPoint {
+    plans: [OnceCell<FrozenRule>; 2],
+    /// It is not asked for any more.
+    pub(crate) done: bool,
 }
 
 impl<S: Simd> ManyNodes<S> {
@@ -122,6 +131,35 @@ impl ManyQuadrature {
         nodes: &mut ManyNodes<S>,
     ) -> Resultants<Lane<S>> {
         simd.vectorize(Call::<S, SLOPED, ROUGH> { simd, rule: self, point, nodes })
+    }
+
+    /// Frictions at both contacts of points whose panels may be split, one point after the other.
+    #[inline(always)]
+    pub(crate) fn split_sums<S: Simd, const SLOPED: bool>(
+        &self,
+        simd: S,
+        patches: &[Patch<Lane<S>>; 2],
+        points: &[SplitPoint],
+    ) -> [Resultants<Lane<S>>; 2] {
+        let mut blocks = [[[0.0; BLOCK]; NUMBERS]; 2];
+        for (i, SplitPoint { plans, .. }) in points.iter().enumerate().filter(|(_, p)| !p.done) {
+            let patches = [patches[0].at(i), patches[1].at(i)];
+            let nodes = |plan| Nodes { rule: &self.rule, plan: Some(plan), rough: false };
+            let nodes = [nodes(&plans[0]), nodes(&plans[1])];
+            let found = sums::<S, Dry, 2, SLOPED>(simd, &patches, &[Dry; 2], &nodes, [false; 2]);
+            for c in 0..2 {
+                for (block, number) in blocks[c].iter_mut().zip(found[c].numbers()) {
+                    block[i] = number;
+                }
+            }
+        }
+        let mut lanes = [[patches[0].creep; NUMBERS]; 2];
+        for c in 0..2 {
+            for k in 0..NUMBERS {
+                lanes[c][k] = Lane::load(simd, &blocks[c][k]);
+            }
+        }
+        [Resultants::of_numbers(&lanes[0]), Resultants::of_numbers(&lanes[1])]
     }
 }
 

@@ -43,10 +43,13 @@ impl Auto {
             Err(invalid) => return (Solution::new(Model::RacewayControl, Err(invalid)), None),
         };
         let rolling_ball = work.raceway.rolling_ball(&pair, None).ok();
-        let rolling = rolling_ball.and_then(|rolling_ball| {
-            Some((rolling_ball, work.raceway.solved(&self.at, &pair, &rolling_ball).ok()?))
-        });
-        let known = rolling.and_then(|(rolling_ball, solved)| {
+        let known = rolling_ball.and_then(|rolling_ball| {
+            let onset_number = rolling_ball.skid(&pair).onset_number()?;
+            if SlipRegime::of(onset_number) == SlipRegime::PartialSkid {
+                // Neither model holds there, whatever its bound.
+                return None;
+            }
+            let solved = work.raceway.solved(&self.at, &pair, &rolling_ball).ok()?;
             Some((rolling_ball, solved, ModelErrors::of_ball(&pair, &solved)?))
         });
         if let Some((rolling_ball, solved, errors)) = &known {

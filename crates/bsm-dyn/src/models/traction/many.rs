@@ -22,7 +22,7 @@ use super::columns::{
 use super::root::{FASTEST, LEFT, LEVELS};
 use super::slips::slid;
 use super::{COARSE, OMEGA, ROOT};
-use crate::ellipse::{Dry, ManyNodes, ManyQuadrature, Quadrature};
+use crate::ellipse::{Dry, ManyNodes, ManyQuadrature, Quadrature, SplitPoint};
 use crate::models::ball::BALL;
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 
@@ -45,7 +45,7 @@ const MOST_FINE: usize = 8;
 /// exchange of rows is needed.
 const PIVOT_ROWS: [usize; BALL] = [6, 1, 2, 0, 3, 4, 5];
 
-/// More nodes than any point has: of one whose panels have to be split.
+/// More nodes than any point has: of one whose panels are split.
 const SPLIT: usize = usize::MAX;
 
 static NEARBY: LazyLock<Option<ManyQuadrature>> =
@@ -234,22 +234,28 @@ impl WithSimd for Solve<'_> {
             }
             while !points.is_empty() {
                 for some in points.chunks(Lane::<S>::LEN) {
-                    let waiting = (&mut next, &mut near);
+                    let waiting = [&mut next, &mut near];
                     approach(simd, (coarse, levels), work, &mut walks, some, waiting);
                 }
+                // Neighbours share the largest of their numbers of nodes.
+                next.sort_unstable();
                 points.clear();
-                points.append(&mut next);
+                points.extend(next.drain(..).map(|(_, point)| point));
             }
-            // Neighbours share the largest of their numbers of nodes.
             near.sort_unstable();
             let resolved = near.partition_point(|(size, _)| *size < SPLIT);
-            let some: Vec<_> = near.drain(..).map(|(_, point)| point).collect();
-            for some in some[..resolved].chunks(Lane::<S>::LEN) {
-                refine(simd, rules, work, &walks, some, &mut roots);
+            let mut some: Vec<_> = near.drain(..).map(|(_, point)| point).collect();
+            // What is not refined needs no other start.
+            for point in &some {
+                arrived[*point] = true;
             }
-            // What is not refined needs split panels, and no other start.
-            for point in some {
-                arrived[point] = true;
+            let mut split = some.split_off(resolved);
+            for some in some.chunks(Lane::<S>::LEN) {
+                let left = refine::<_, false>(simd, rules, work, &walks, some, &mut roots);
+                split.extend(left);
+            }
+            for some in split.chunks(Lane::<S>::LEN) {
+                refine::<_, true>(simd, rules, work, &walks, some, &mut roots);
             }
             points.extend((0..starts.len()).filter(|point| !arrived[*point]));
         }
@@ -343,6 +349,8 @@ struct Evaluate<'a, S: Simd, const SLOPED: bool, const ROUGH: bool> {
     at: &'a TractionStart<Lane<S>>,
     /// The numbers of inner nodes stay as they are.
     counted: bool,
+    /// The points, if their panels may be split.
+    split: &'a [SplitPoint],
     /// Where it goes.
     work: &'a mut Work<S>,
 }
@@ -354,7 +362,7 @@ impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
 
     #[inline(always)]
     fn call(self) -> Here<S> {
-        let Self { simd, rule, at, counted, work: Work { found, nodes, rubbed } } = self;
+        let Self { simd, rule, at, counted, split, work: Work { found, nodes, rubbed } } = self;
         let TractionStart { point, unknowns: y } = at;
         let (zero, one) = (Lane::splat(simd, 0.0), Lane::splat(simd, 1.0));
         let (contacts, mut exists) = contacts(point, y, y[TILT].sin_cos_of_tilt());
@@ -370,12 +378,21 @@ impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
         let arm = lever([a.semi_axes.0, b.semi_axes.0], point.pressed_radius);
         let (force, moment) = sizes(thrown, point.friction.abs(), arm);
         let mut resolved = zero.le(zero);
-        for i in 0..2 {
-            let (point, nodes) = (&contacts.points[i], &mut nodes[i]);
-            resolved = resolved & rule.place(simd, point, nodes, counted);
-            rubbed[i].sums = rule.sums::<S, SLOPED, ROUGH>(simd, point, nodes);
-            rubbed[i].coefficient = at.point.friction;
+        if ROUGH || split.is_empty() {
+            for i in 0..2 {
+                let (point, nodes) = (&contacts.points[i], &mut nodes[i]);
+                resolved = resolved & rule.place(simd, point, nodes, counted);
+                rubbed[i].sums = rule.sums::<S, SLOPED, ROUGH>(simd, point, nodes);
+            }
+        } else {
+            let sums = rule.split_sums::<S, SLOPED>(simd, &contacts.points, split);
+            (rubbed[0].sums, rubbed[1].sums) = (sums[0], sums[1]);
+            let mut there = [0.0; BLOCK];
+            there[..split.len()].fill(1.0);
+            resolved = zero.lt(zero.like(&there));
         }
+        rubbed[0].coefficient = at.point.friction;
+        rubbed[1].coefficient = at.point.friction;
         (found.left, found.transmitted.power) = ([zero; BALL], zero);
         if SLOPED {
             found.rows = [[zero; BLOCK]; BALL];
@@ -469,7 +486,7 @@ fn approach<S: Simd>(
     work: &mut Work<S>,
     walks: &mut [[f64; NUMBERS]],
     some: &[usize],
-    (next, near): (&mut Vec<usize>, &mut Vec<(usize, usize)>),
+    [next, near]: [&mut Vec<(usize, usize)>; 2],
 ) {
     let mut walk = gather(simd, walks, some);
     let mut step = walk.step;
@@ -479,8 +496,8 @@ fn approach<S: Simd>(
     let mut trial = walk.at.moved(&step);
     trial.point.creep = walk.creep;
     let here = {
-        let (at, counted, work) = (&trial, false, &mut *work);
-        simd.vectorize(Evaluate::<S, true, true> { simd, rule, at, counted, work })
+        let (at, counted, split, work) = (&trial, false, &[][..], &mut *work);
+        simd.vectorize(Evaluate::<S, true, true> { simd, rule, at, counted, split, work })
     };
     let found = &work.found;
     let infinity = walk.before.constant(f64::INFINITY);
@@ -525,46 +542,62 @@ fn approach<S: Simd>(
     (alive & arrived).store(&mut ends);
     (waits & !arrived).store(&mut goes_on);
     for (i, point) in some.iter().enumerate() {
+        let size = work.nodes[0].size(i) + work.nodes[1].size(i);
         if ends[i] {
-            let size = work.nodes[0].size(i) + work.nodes[1].size(i);
             near.push((if resolved[i] { size } else { SPLIT }, *point));
         } else if goes_on[i] {
-            next.push(*point);
+            next.push((size, *point));
         }
     }
 }
 
-/// The roots with the quadrature that is asked for, and their errors.
+/// The roots with the quadrature that is asked for, and their errors; returns the points that it does not resolve. If
+/// `SPLIT`, panels are split where they have to be, and sums taken one point after the other.
 #[inline(always)]
-fn refine<S: Simd>(
+fn refine<S: Simd, const SPLIT: bool>(
     simd: S,
     rules: &TractionMany,
     work: &mut Work<S>,
     walks: &[[f64; NUMBERS]],
     some: &[usize],
     roots: &mut [Option<TractionRoot>],
-) {
+) -> Vec<usize> {
     let Iterate { mut at, mut steps, .. } = gather(simd, walks, some);
     let (rule, check) = (&rules.rule, &rules.check);
-    let here = {
-        let (at, counted, work) = (&at, false, &mut *work);
-        simd.vectorize(Evaluate::<S, true, false> { simd, rule, at, counted, work })
-    };
-    let found = &work.found;
-    let factors = Factors::of(found, &here, at.point.lead);
-    let (weights, slope) = (here.weights, found.slope);
+    let mut points = vec![SplitPoint::default(); if SPLIT { some.len() } else { 0 }];
     let one = steps.constant(1.0);
+    let linearized = |at: &TractionStart<Lane<S>>, points: &[SplitPoint], work: &mut Work<S>| {
+        let (counted, split) = (false, points);
+        simd.vectorize(Evaluate::<S, true, false> { simd, rule, at, counted, split, work })
+    };
+    let mut here = linearized(&at, &points, work);
+    let mut factors = Factors::of(&work.found, &here, at.point.lead);
+    if SPLIT {
+        // On the way here spin poles inside were not resolved: a Newton step more, with the numbers of nodes of the first, as in
+        // the model.
+        at = at.moved(&factors.step(&work.found.left));
+        here = linearized(&at, &points, work);
+        factors = Factors::of(&work.found, &here, at.point.lead);
+        steps = steps + one;
+    }
+    let found = &work.found;
+    let (weights, slope) = (here.weights, found.slope);
     let held = here.exists & here.resolved;
     let (mut left, mut before) = (found.left, norm(&found.left, weights));
     let (mut torque, mut power, mut settled) = (one, one, !held);
     for _ in 0..MOST_FINE {
+        if SPLIT {
+            let mut done = [false; BLOCK];
+            settled.store(&mut done);
+            points.iter_mut().zip(done).for_each(|(point, done)| point.done = done);
+        }
         let next = at.moved(&factors.step(&left));
         for k in 0..BALL {
             at.unknowns[k] = settled.select(at.unknowns[k], next.unknowns[k]);
         }
         {
-            let (at, counted, work) = (&at, true, &mut *work);
-            simd.vectorize(Evaluate::<S, false, false> { simd, rule, at, counted, work });
+            let (at, counted, split, work) = (&at, true, &points[..], &mut *work);
+            simd.vectorize(Evaluate::<S, false, false> { simd, rule, at, counted, split, work });
         }
         let found = &work.found;
         let size = norm(&found.left, weights);
@@ -581,6 +614,7 @@ fn refine<S: Simd>(
             break;
         }
     }
+    points.fill(SplitPoint::default());
     // The step from there is far below what a torque has as digits beyond its first order.
     let step = factors.step(&left);
     for k in 0..BALL {
@@ -588,8 +622,8 @@ fn refine<S: Simd>(
         torque = torque + step[k] * slope[k];
     }
     let other = {
-        let (rule, at, counted, work) = (check, &at, false, &mut *work);
-        simd.vectorize(Evaluate::<S, false, false> { simd, rule, at, counted, work })
+        let (rule, at, counted, split, work) = (check, &at, false, &points[..], &mut *work);
+        simd.vectorize(Evaluate::<S, false, false> { simd, rule, at, counted, split, work })
     };
     let found = &work.found;
     // y' = y − J⁻¹ F'(y)                                                  (T24)
@@ -599,8 +633,9 @@ fn refine<S: Simd>(
         error = error + step[k] * slope[k];
     }
     let there = held & settled & other.exists & other.resolved;
-    let mut solved = [false; BLOCK];
+    let [mut solved, mut unresolved] = [[false; BLOCK]; 2];
     there.store(&mut solved);
+    (here.exists & !here.resolved).store(&mut unresolved);
     let root =
         TractionRoot { unknowns: at.unknowns, torque, power, error, steps, residual: before };
     let mut blocks = [[0.0; BLOCK]; TRACTION_FOUND];
@@ -614,4 +649,6 @@ fn refine<S: Simd>(
         }
         roots[*point] = solved[i].then_some(TractionRoot::of(numbers));
     }
+    let split = some.iter().zip(unresolved).filter(|(_, unresolved)| *unresolved);
+    split.map(|(point, _)| *point).collect()
 }
