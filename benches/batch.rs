@@ -12,12 +12,12 @@ use bsm_batch::{
     TableSink, Task,
 };
 use bsm_benches::seeded;
-use bsm_case::{Output, Scene, Settings};
+use bsm_case::{Case, Output, Settings};
 use bsm_dyn::{Model, ModelWorkspace, Problem};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use parquet::arrow::ArrowWriter;
 
-/// What differs between the seeded scenes.
+/// What differs between the seeded cases.
 const INPUTS: [&str; 7] = [
     "lead_angle_deg",
     "contact_angle_deg",
@@ -28,10 +28,10 @@ const INPUTS: [&str; 7] = [
     "axial_load_N",
 ];
 
-/// Scenes as a chunk, and the scene of all the rest.
-fn chunk(scenes: &[Scene]) -> (Chunk, Columns, Scene) {
+/// Cases as a chunk, and the case of all the rest.
+fn chunk(cases: &[Case]) -> (Chunk, Columns, Case) {
     let columns = Columns::sort(INPUTS, &[]).expect("known names");
-    let rows = scenes.iter().map(|scene| columns.inputs.iter().map(|key| scene[*key]));
+    let rows = cases.iter().map(|case| columns.inputs.iter().map(|key| case[*key]));
     let chunk = Chunk::of_rows(&columns, rows);
     (chunk, columns, bsm_benches::lin())
 }
@@ -43,8 +43,8 @@ fn named(names: &[&str]) -> Vec<&'static Output> {
 /// One thread, from columns of inputs to columns of outputs.
 fn kernels(c: &mut Criterion) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
-    let (count, scenes) = (4096, seeded(4096));
-    let (points, columns, base) = chunk(&scenes);
+    let (count, cases) = (4096, seeded(4096));
+    let (points, columns, base) = chunk(&cases);
     let few = named(&["efficiency", "nut_normal_load_N", "screw_normal_load_N"]);
     let all = Answers::select(None).expect("all outputs");
     for model in Model::ALL {
@@ -63,7 +63,7 @@ fn kernels(c: &mut Criterion) {
             }
         }
         let problems: Vec<Problem> =
-            scenes.iter().map(|s| s.problem(&settings).expect("complete scene")).collect();
+            cases.iter().map(|s| s.problem(&settings).expect("complete case")).collect();
         let mut work = ModelWorkspace::default();
         group.bench_function("point by point", |b| {
             b.iter(|| {

@@ -84,13 +84,13 @@ fn settings() -> Vec<(String, Settings)> {
 fn many_points(c: &mut Criterion) {
     const COUNT: usize = 1000;
     eprintln!("{COUNT} seeded points: model | median cold solve, ns | median Newton steps | most");
-    let scenes = seeded(COUNT);
+    let cases = seeded(COUNT);
     let mut work = ModelWorkspace::default();
     let mut group = c.benchmark_group("seeded");
     group.throughput(Throughput::Elements(COUNT as u64)).sample_size(20);
     for (label, settings) in settings() {
         let problems: Vec<_> =
-            scenes.iter().map(|scene| scene.problem(&settings).expect("complete scene")).collect();
+            cases.iter().map(|case| case.problem(&settings).expect("complete case")).collect();
         report_median(&label, &problems, &mut work);
         group.bench_function(label, |b| {
             b.iter(|| {
@@ -100,10 +100,10 @@ fn many_points(c: &mut Criterion) {
             });
         });
     }
-    group.bench_function("rigid from scene", |b| {
+    group.bench_function("rigid from case", |b| {
         b.iter(|| {
-            for scene in &scenes {
-                let problem = scene.problem(&Model::Rigid.into()).expect("complete scene");
+            for case in &cases {
+                let problem = case.problem(&Model::Rigid.into()).expect("complete case");
                 let _ = black_box(problem.solve(&mut work));
             }
         });

@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 seconds="${1:-60}"
 shift || true
-[ $# -gt 0 ] || set -- scene nut solve words csv json-lines parquet requirement catalogue
+[ $# -gt 0 ] || set -- case nut solve words csv json-lines parquet requirement catalogue
 
 # What cargo-fuzz sets, less the sanitizers, which need nightly. With --target build scripts stay as they are.
 host="$(rustc -vV | sed -n 's/host: //p')"
@@ -19,7 +19,7 @@ for target in "$@"; do
     work="target/fuzz/$target"
     mkdir -p "$work/corpus" "$work/found"
     seeds=("fuzz/corpus/$target")
-    case "$target" in scene | nut) seeds+=(examples) ;; esac
+    case "$target" in case | nut) seeds+=(examples) ;; esac
     [ "$target" != requirement ] || seeds+=(examples/requirements)
     # One thread: memory is counted on it.
     RAYON_NUM_THREADS=1 BSM_FUZZ="$target" "target/fuzz/build/$host/fuzz/fuzz" -max_total_time="$seconds" \

@@ -48,7 +48,7 @@ def write_types(built: str | Path) -> None:
     lines += [f"{name} = {getattr(made, name)!r}".replace("typing.", "") for name in ("Model", "Control", "Friction", "Output")]
     lines += ["", "class Inputs(TypedDict, total=False):"]
     lines += [f"    {name}: {inspect.formatannotation(type_)}" for name, type_ in made.Inputs.__annotations__.items()]
-    for fields, base in ((made.SceneFields, "Scene"), (made.SolutionFields, "Solution")):
+    for fields, base in ((made.CaseFields, "Case"), (made.SolutionFields, "Solution")):
         lines += ["", f"class {fields.__name__}(_core.{base}):"]
         for name, value in vars(fields).items():
             if isinstance(value, property):

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64};
 use std::sync::{Mutex, MutexGuard};
 
 use bsm_batch::{Answers, Buffers, Chunk, Columns, Task};
-use bsm_case::{Output, Record, Scene, Settings};
+use bsm_case::{Case, Output, Record, Settings};
 use bsm_dyn::{Model, ModelWorkspace, Problem, RigidWorkspace, Solution, Status};
 
 use crate::equations::Answer;
@@ -30,12 +30,12 @@ fn settings() -> Settings {
     Model::Rigid.into()
 }
 
-/// One scene after the other.
-pub(crate) fn scalar(scenes: &[Scene]) -> Vec<Solution> {
+/// One case after the other.
+pub(crate) fn scalar(cases: &[Case]) -> Vec<Solution> {
     let mut work = ModelWorkspace::default();
-    scenes
+    cases
         .iter()
-        .map(|scene| scene.problem(&settings()).expect("a seeded scene").solve(&mut work))
+        .map(|case| case.problem(&settings()).expect("a seeded case").solve(&mut work))
         .collect()
 }
 
@@ -51,7 +51,7 @@ impl Table {
     pub(crate) fn of(points: &[Point]) -> Self {
         let (chunk, columns) = bsm_benches::chunk(INPUTS, points);
         let outputs = OUTPUTS.map(|name| Output::named(name).expect("known name"));
-        let task = Task::new(Scene::default(), settings(), outputs.to_vec());
+        let task = Task::new(Case::default(), settings(), outputs.to_vec());
         let answers = Mutex::new(Answers::room(points.len(), OUTPUTS.len()));
         Self { chunk, columns, task, answers }
     }
@@ -87,8 +87,8 @@ pub(crate) fn numbers(solution: &Solution) -> Option<Numbers> {
 }
 
 /// What every peer must agree with: the outputs of the solver and the motion at its root.
-pub(crate) fn reference(scene: &Scene) -> Option<Answer> {
-    let Ok(Problem::Rigid(rigid)) = scene.problem(&settings()) else { return None };
+pub(crate) fn reference(case: &Case) -> Option<Answer> {
+    let Ok(Problem::Rigid(rigid)) = case.problem(&settings()) else { return None };
     let mut work = RigidWorkspace::default();
     let (solved, root) = (rigid.solve(&mut work).answer.ok()?, rigid.root(&mut work).ok()?);
     Some([

@@ -281,12 +281,12 @@ mod tests {
     /// root. The library has the slip at A in polar form (R4).
     #[test]
     fn equations_are_those_of_the_library() {
-        for (i, scene) in seeded(200).iter().enumerate() {
-            let Ok(Problem::Rigid(rigid)) = scene.problem(&Model::Rigid.into()) else {
+        for (i, case) in seeded(200).iter().enumerate() {
+            let Ok(Problem::Rigid(rigid)) = case.problem(&Model::Rigid.into()) else {
                 panic!("a rigid problem")
             };
             let (case, system) =
-                (System::new(&point(scene)), RigidSystem::of(&rigid).expect("friction"));
+                (System::new(&point(case)), RigidSystem::of(&rigid).expect("friction"));
             // Some per cent off, another bit each time.
             let y = Vector::from_fn(|j, _| {
                 case.start[j] * (1.0 + 0.03 * f64::from(u32::try_from(i * j).unwrap()).sin())

@@ -18,7 +18,7 @@ use std::sync::MutexGuard;
 use std::time::{Duration, Instant};
 
 use bsm_benches::seeded;
-use bsm_case::Scene;
+use bsm_case::Case;
 use bsm_dyn::Solution;
 use clap::Parser;
 use rayon::ThreadPoolBuilder;
@@ -49,8 +49,8 @@ struct Arguments {
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let arguments = Arguments::parse();
-    let scenes = seeded(arguments.count);
-    let points: Vec<Point> = scenes.iter().map(point).collect();
+    let cases = seeded(arguments.count);
+    let points: Vec<Point> = cases.iter().map(point).collect();
     if let Some(path) = arguments.write_points {
         let runs = arguments.runs;
         let json = serde_json::json!({ "inputs": INPUTS, "runs": runs, "points": points });
@@ -62,7 +62,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         Some(path) => serde_json::from_slice(&fs::read(path)?)?,
         None => Python { missing: vec!["all Python peers".to_owned()], ..Python::default() },
     };
-    let reference: Option<Vec<_>> = scenes.iter().map(reference).collect();
+    let reference: Option<Vec<_>> = cases.iter().map(reference).collect();
     let reference = reference.ok_or("a seeded point has no root")?;
 
     let table = bsm::Table::of(&points);
@@ -83,7 +83,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
                 let answer = |solutions: &Vec<Solution>, i: usize| {
                     Some(bsm::answer(&bsm::numbers(&solutions[i])?, &points[i]))
                 };
-                timed(&points, || bsm::scalar(&scenes), answer)
+                timed(&points, || bsm::scalar(&cases), answer)
             }),
         ),
         (newton, Box::new(|| each(&points, newton::nalgebra))),
@@ -100,9 +100,9 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     Ok(if report.agrees() { ExitCode::SUCCESS } else { ExitCode::from(3) })
 }
 
-fn reference(scene: &Scene) -> Option<Reference> {
-    let inertia = System::new(&point(scene)).weights[4].recip().min(1.0);
-    Some(Reference { answer: bsm::reference(scene)?, inertia })
+fn reference(case: &Case) -> Option<Reference> {
+    let inertia = System::new(&point(case)).weights[4].recip().min(1.0);
+    Some(Reference { answer: bsm::reference(case)?, inertia })
 }
 
 type Answers = Vec<Option<Answer>>;

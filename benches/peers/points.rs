@@ -1,6 +1,6 @@
 //! The operating points, in the units that a user writes.
 
-use bsm_case::Scene;
+use bsm_case::Case;
 
 /// Inputs of the rigid model, in the order of a [`Point`].
 pub(crate) const INPUTS: [&str; 10] = [
@@ -19,7 +19,7 @@ pub(crate) const INPUTS: [&str; 10] = [
 /// Values of [`INPUTS`].
 pub(crate) type Point = [f64; INPUTS.len()];
 
-/// The numbers of a scene.
-pub(crate) fn point(scene: &Scene) -> Point {
-    bsm_benches::values(scene, &INPUTS)
+/// The numbers of a case.
+pub(crate) fn point(case: &Case) -> Point {
+    bsm_benches::values(case, &INPUTS)
 }

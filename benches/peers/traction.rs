@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use bsm_batch::Task;
 use bsm_benches::{chunk, seeded, values};
-use bsm_case::{Output, Record, Scene, Settings};
+use bsm_case::{Case, Output, Record, Settings};
 use bsm_dyn::{Model, ModelWorkspace, Solution};
 use clap::Parser;
 use rayon::ThreadPoolBuilder;
@@ -54,20 +54,20 @@ struct Arguments {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let Arguments { count, runs } = Arguments::parse();
-    let scenes = seeded(count);
-    let points: Vec<_> = scenes.iter().map(|scene| values(scene, &INPUTS)).collect();
+    let cases = seeded(count);
+    let points: Vec<_> = cases.iter().map(|case| values(case, &INPUTS)).collect();
     let settings: Settings = Model::Traction.into();
 
     let mut work = ModelWorkspace::default();
     let mut solve = || -> Vec<Solution> {
-        let problem = |scene: &Scene| scene.problem(&settings).expect("complete scene");
-        scenes.iter().map(|scene| problem(scene).solve(&mut work)).collect()
+        let problem = |case: &Case| case.problem(&settings).expect("complete case");
+        cases.iter().map(|case| problem(case).solve(&mut work)).collect()
     };
     let answers: Vec<_> = solve().into_iter().map(answer).collect();
 
     let (chunk, columns) = chunk(INPUTS, &points);
     let outputs = OUTPUTS.map(|name| Output::named(name).expect("known name"));
-    let task = Task::new(Scene::default(), settings, outputs.to_vec());
+    let task = Task::new(Case::default(), settings, outputs.to_vec());
     let one_thread = ThreadPoolBuilder::new().num_threads(1).build()?;
     let mut times = [Vec::new(), Vec::new()];
     for _ in 0..runs.get() {

@@ -1,7 +1,7 @@
 //! Operating points for the benches: validated cases and a seeded set.
 
 use bsm_batch::{Chunk, Columns};
-use bsm_case::{InputKey, Scene};
+use bsm_case::{Case, InputKey};
 use bsm_dyn::{Model, Problem};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -10,13 +10,13 @@ use rand_chacha::ChaCha8Rng;
 ///
 /// # Panics
 ///
-/// If the committed scene cannot be used.
-pub fn lin() -> Scene {
+/// If the committed case cannot be used.
+pub fn lin() -> Case {
     let json = include_bytes!("../../validation/published/lin1994/case.json");
-    Scene {
+    Case {
         nut_conformity: Some(0.53),
         screw_conformity: Some(0.53),
-        ..Scene::from_json(json).expect("committed scene")
+        ..Case::from_json(json).expect("committed case")
     }
 }
 
@@ -24,25 +24,25 @@ pub fn lin() -> Scene {
 ///
 /// # Panics
 ///
-/// If the committed scene cannot be used.
+/// If the committed case cannot be used.
 pub fn lin_problem(model: Model) -> Problem {
-    lin().problem(&model.into()).expect("committed scene")
+    lin().problem(&model.into()).expect("committed case")
 }
 
-/// `count` seeded scenes in the ranges of the rigid model's campaign, all of which have a root.
+/// `count` seeded cases in the ranges of the rigid model's campaign, all of which have a root.
 ///
 /// Lead angle 8 to 45 deg, contact angle 30 to 70 deg, f 0.01 to 0.1, ball over pitch radius
 /// 0.07 to 0.2, 50 to 6000 rpm both ways, screw or nut drive, 20 to 3000 N a ball.
 ///
 /// # Panics
 ///
-/// If a drawn scene cannot be used.
-pub fn seeded(count: usize) -> Vec<Scene> {
+/// If a drawn case cannot be used.
+pub fn seeded(count: usize) -> Vec<Case> {
     let mut rng = ChaCha8Rng::seed_from_u64(1994);
     let mut work = bsm_dyn::ModelWorkspace::default();
-    let mut scenes = Vec::new();
-    while scenes.len() < count {
-        let mut scene = lin();
+    let mut cases = Vec::new();
+    while cases.len() < count {
+        let mut case = lin();
         let rpm = rng.random_range(50.0..6000.0) * if rng.random_bool(0.5) { 1.0 } else { -1.0 };
         let (screw, nut) = if rng.random_bool(0.5) { (rpm, 0.0) } else { (0.0, rpm) };
         for (name, value) in [
@@ -54,24 +54,24 @@ pub fn seeded(count: usize) -> Vec<Scene> {
             ("nut_speed_rpm", nut),
             ("axial_load_N", rng.random_range(20.0..3000.0)),
         ] {
-            scene.set(name, value).expect("known name");
+            case.set(name, value).expect("known name");
         }
-        let problem = scene.problem(&Model::Rigid.into()).expect("complete scene");
+        let problem = case.problem(&Model::Rigid.into()).expect("complete case");
         if problem.solve(&mut work).solved().is_some() {
-            scenes.push(scene);
+            cases.push(case);
         }
     }
-    scenes
+    cases
 }
 
-/// Values of inputs in a scene.
+/// Values of inputs in a case.
 ///
 /// # Panics
 ///
 /// If an input is unknown or has no value.
-pub fn values<const N: usize>(scene: &Scene, inputs: &[&str; N]) -> [f64; N] {
+pub fn values<const N: usize>(case: &Case, inputs: &[&str; N]) -> [f64; N] {
     let key = |name| InputKey::named(name).expect("known name");
-    inputs.map(|name| scene.value_or_default(key(name)).expect("complete scene"))
+    inputs.map(|name| case.value_or_default(key(name)).expect("complete case"))
 }
 
 /// Points as a table in memory.

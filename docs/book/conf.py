@@ -49,10 +49,10 @@ def said(*arguments):
 
 
 def leaves(schema):
-    """Described values of a JSON Schema by name, without the scene that some results repeat."""
+    """Described values of a JSON Schema by name, without the case that some results repeat."""
     found = {}
     for name, entry in schema.get("properties", {}).items():
-        if name in ("inputs", "scene"):
+        if name in ("inputs", "case"):
             continue
         found |= {name: entry} if "description" in entry else leaves(entry)
     for part in schema.get("anyOf", []) + ([schema["items"]] if "items" in schema else []):

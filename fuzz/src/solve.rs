@@ -1,11 +1,11 @@
-//! A scene through every model and every analysis.
+//! A case through every model and every analysis.
 
 use bsm_case::{
-    Fit, ModelChoice, OUTPUTS, Record, Scene, Sensitivities, Settings, jam, optimum, ratings, slip,
+    Case, Fit, ModelChoice, OUTPUTS, Record, Sensitivities, Settings, jam, optimum, ratings, slip,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 
-/// Scenes that settings start from.
+/// Cases that settings start from.
 pub(crate) const BASES: [(&str, &str); 5] = [
     ("feed_drive", include_str!("../../examples/feed_drive.json")),
     ("lin1994", include_str!("../../examples/lin1994.json")),
@@ -14,40 +14,40 @@ pub(crate) const BASES: [(&str, &str); 5] = [
     ("back_driving", include_str!("../../examples/back_driving.json")),
 ];
 
-/// Asks everything that can be asked of a scene.
-pub(crate) fn everything(scene: &Scene) {
-    let _ = scene.warnings();
+/// Asks everything that can be asked of a case.
+pub(crate) fn everything(case: &Case) {
+    let _ = case.warnings();
     let work = &mut ModelWorkspace::default();
     for name in ModelChoice::names() {
         let model = ModelChoice::from_name(name).expect("one of the names");
         let settings = Settings { model, ..Settings::default() };
-        let Ok(problem) = scene.problem(&settings) else { continue };
+        let Ok(problem) = case.problem(&settings) else { continue };
         let solution = problem.solve(work);
         let record = Record::new(solution.clone());
-        let _ = (record.to_json(), record.regime(), record.warnings(scene));
+        let _ = (record.to_json(), record.regime(), record.warnings(case));
         if record.status() != Status::Converged {
-            assert!(record.message().is_some(), "{name} does not say why: {scene:?}");
+            assert!(record.message().is_some(), "{name} does not say why: {case:?}");
             continue;
         }
         for output in OUTPUTS {
             let Some(number) = record.value(output) else { continue };
-            assert!(number.is_finite(), "{name}: {} = {number} of {scene:?}", output.name);
+            assert!(number.is_finite(), "{name}: {} = {number} of {case:?}", output.name);
         }
-        let _ = Sensitivities::of(scene, &settings).map(|inputs| inputs.solve(work));
-        for analysis in [slip(scene, &settings, &solution), jam(scene, &solution)] {
+        let _ = Sensitivities::of(case, &settings).map(|inputs| inputs.solve(work));
+        for analysis in [slip(case, &settings, &solution), jam(case, &solution)] {
             let _ = analysis.map(|analysis| analysis.to_json());
         }
     }
-    let _ = ratings(scene).map(|answer| answer.to_json().to_string());
+    let _ = ratings(case).map(|answer| answer.to_json().to_string());
     for model in [None, Some(Model::RacewayControl)] {
-        let _ = optimum(scene, model).map(|answer| answer.to_json().to_string());
+        let _ = optimum(case, model).map(|answer| answer.to_json().to_string());
     }
     for (input, measured) in
         [("friction_coefficient", "screw_torque_Nm=26"), ("axial_load_N", "efficiency=0.9")]
     {
-        if let Ok(fit) = Fit::new(scene, input, None, measured) {
-            let report = fit.run(scene, &Model::RacewayControl.into());
-            let _ = report.map(|report| fit.answer(scene, &report).to_json().to_string());
+        if let Ok(fit) = Fit::new(case, input, None, measured) {
+            let report = fit.run(case, &Model::RacewayControl.into());
+            let _ = report.map(|report| fit.answer(case, &report).to_json().to_string());
         }
     }
 }

@@ -11,8 +11,8 @@ use bsm_batch::{
     TableSink, Task, hush_caught_panics,
 };
 use bsm_case::{
-    Axis, Catalogue, Condition, DesignReport, Fit, Grid, NutProblem, RequirementFile, Row, Samples,
-    Scene, candidate_json,
+    Axis, Case, Catalogue, Condition, DesignReport, Fit, Grid, NutProblem, RequirementFile, Row,
+    Samples, candidate_json,
 };
 use bsm_dyn::Model;
 use bytes::Bytes;
@@ -31,7 +31,7 @@ pub struct Target {
 
 /// All of them.
 pub const TARGETS: [Target; 9] = [
-    Target { name: "scene", examples: Some(("", "json")), run: scene },
+    Target { name: "case", examples: Some(("", "json")), run: case },
     Target { name: "nut", examples: Some(("", "json")), run: nut },
     Target { name: "solve", examples: None, run: solve },
     Target { name: "words", examples: None, run: words },
@@ -104,21 +104,21 @@ fn files(folder: &Path, ending: Option<&str>) -> Vec<PathBuf> {
     paths.filter(fits).collect()
 }
 
-/// A scene file.
-fn scene(input: &[u8]) {
-    let Ok(scene) = Scene::from_json(input) else { return };
-    let again = Scene::from_json(scene.to_json().to_string().as_bytes());
-    assert_eq!(again.expect("a scene that was written"), scene);
-    everything(&scene);
+/// A case file.
+fn case(input: &[u8]) {
+    let Ok(case) = Case::from_json(input) else { return };
+    let again = Case::from_json(case.to_json().to_string().as_bytes());
+    assert_eq!(again.expect("a case that was written"), case);
+    everything(&case);
 }
 
 /// Balls of a nut at most, so that an input stays quick.
 const BALLS: usize = 120;
 
-/// A scene file as a nut with all its balls.
+/// A case file as a nut with all its balls.
 fn nut(input: &[u8]) {
-    let Ok(scene) = Scene::from_json(input) else { return };
-    let Ok(problem) = NutProblem::of(&scene, &Model::RacewayControl.into()) else { return };
+    let Ok(case) = Case::from_json(input) else { return };
+    let Ok(problem) = NutProblem::of(&case, &Model::RacewayControl.into()) else { return };
     if problem.balls() > BALLS {
         return;
     }
@@ -130,24 +130,24 @@ fn nut(input: &[u8]) {
     let _ = (report.notes(), report.warnings(), report.answer().to_json(), report.curve());
 }
 
-/// A base scene and settings, one a line: unlike JSON they may be infinite or NaN.
+/// A base case and settings, one a line: unlike JSON they may be infinite or NaN.
 fn solve(input: &[u8]) {
     let text = String::from_utf8_lossy(input);
     let mut lines = text.lines();
     let base = lines.next().and_then(|name| BASES.iter().find(|(base, _)| *base == name.trim()));
     let (_, base) = base.unwrap_or(&BASES[0]);
-    let mut scene = Scene::from_json(base.as_bytes()).expect("an example");
+    let mut case = Case::from_json(base.as_bytes()).expect("an example");
     for line in lines {
         // The user has the error message.
-        let _ = scene.apply(&[line]);
+        let _ = case.apply(&[line]);
     }
-    everything(&scene);
+    everything(&case);
 }
 
 /// The small languages of the command line, one word a line.
 fn words(input: &[u8]) {
     let text = String::from_utf8_lossy(input);
-    let base = Scene::from_json(BASES[0].1.as_bytes()).expect("an example");
+    let base = Case::from_json(BASES[0].1.as_bytes()).expect("an example");
     let mut axes: Vec<Axis> = Vec::new();
     for line in text.lines() {
         axes.extend(Axis::parse(line));
@@ -161,7 +161,7 @@ fn words(input: &[u8]) {
     if let Ok(grid) = Grid::new(axes) {
         let _ = grid.check(&base);
         for point in [0, grid.len() / 2, grid.len() - 1] {
-            let _ = grid.scene(&base, &grid.point(point)).check();
+            let _ = grid.case(&base, &grid.point(point)).check();
         }
     }
 }
@@ -190,7 +190,7 @@ fn table(open: impl Fn(&[String]) -> Result<Box<dyn Source>, TableError>) {
 }
 
 fn rewrite(source: &mut dyn Source) -> Result<(), TableError> {
-    let base = Scene::from_json(BASES[0].1.as_bytes()).expect("an example");
+    let base = Case::from_json(BASES[0].1.as_bytes()).expect("an example");
     let outputs = Answers::select(Some(&["efficiency".to_owned()]))?;
     let (columns, dialect) = (source.columns().clone(), TableFormat::default());
     let sink = |format| TableSink::new(format, Vec::new(), &columns, &outputs, &dialect);

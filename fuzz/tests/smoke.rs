@@ -46,8 +46,8 @@ fn smoke(name: &'static str, mutations: usize) {
 }
 
 #[test]
-fn scenes() {
-    smoke("scene", 300);
+fn cases() {
+    smoke("case", 300);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 """Steady motion of the balls of a ball screw: loads, contact angles, slip, efficiency, torque.
 
 >>> import ballscrew as bs
->>> screw = bs.Scene(
+>>> screw = bs.Case(
 ...     ball_diameter_mm=6.35, pitch_circle_diameter_mm=41.5, lead_mm=20, contact_angle_deg=45,
 ...     nut_conformity=0.53, screw_conformity=0.53, friction_coefficient=0.06, axial_load_N=8000,
 ...     loaded_balls=70)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, Self, Type
 
 from ballscrew import _core
 from ballscrew._errors import InputError, NoSolutionError, NotConvergedError, SolveError
-from ballscrew._vocabulary import Control, Friction, Inputs, Model, Output, SceneFields, SolutionFields
+from ballscrew._vocabulary import CaseFields, Control, Friction, Inputs, Model, Output, SolutionFields
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,16 +28,45 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 __all__ = [
-    "INPUTS", "MODELS", "OUTPUTS", "REQUIREMENTS", "Grid", "NutReport", "Nuts", "Quantity", "Report", "Scene",
-    "Solution", "Table", "axis", "compare", "draw", "ellipses", "fit", "gradient", "jam", "linspace",
-    "normal", "nut", "optimum", "ratings", "select", "select_nuts", "sensitivities", "slip", "solve",
-    "solve_many", "sweep", "uniform", "validate",
+    "INPUTS",
+    "MODELS",
+    "OUTPUTS",
+    "REQUIREMENTS",
+    "Case",
+    "Grid",
+    "NutReport",
+    "Nuts",
+    "Quantity",
+    "Report",
+    "Solution",
+    "Table",
+    "axis",
+    "compare",
+    "draw",
+    "ellipses",
+    "fit",
+    "gradient",
+    "jam",
+    "linspace",
+    "normal",
+    "nut",
+    "optimum",
+    "ratings",
+    "select",
+    "select_nuts",
+    "sensitivities",
+    "slip",
+    "solve",
+    "solve_many",
+    "sweep",
+    "uniform",
+    "validate",
 ]
 
 Progress = Callable[[int, int], object]
 
-Point: TypeAlias = "Scene | Mapping[str, Any] | None"
-"""A scene, its inputs by name, or none where keywords give them all."""
+Point: TypeAlias = "Case | Mapping[str, Any] | None"
+"""A case, its inputs by name, or none where keywords give them all."""
 
 
 class Quantity(NamedTuple):
@@ -83,7 +112,7 @@ def _first_of_each(quantities: Iterable[Quantity]) -> Mapping[str, Quantity]:
 INPUTS: Mapping[str, Quantity] = _first_of_each(itertools.chain(
     (Quantity(name, unit, about, default=default, rule=rule)
      for name, unit, about, default, rule in _core.inputs()),
-    (Quantity(name, "", about, values=tuple(values), kind=kind) for name, about, kind, values in _core.scene_choices()),
+    (Quantity(name, "", about, values=tuple(values), kind=kind) for name, about, kind, values in _core.case_choices()),
 ))
 """All inputs by name: numbers, then texts, lists and flags."""
 
@@ -101,18 +130,18 @@ REQUIREMENTS: Mapping[str, Quantity] = _first_of_each(
     Quantity(name, unit, about, default=default, rule=rule)
     for name, unit, about, default, rule in _core.requirements()
 )
-"""Keys of a requirement of `select` besides inputs of a scene."""
+"""Keys of a requirement of `select` besides inputs of a case."""
 
 _NUMBERS = frozenset(name for name, *_ in _core.inputs())
 _OF_A_SOLUTION = [quantity for quantity in OUTPUTS.values() if quantity.analysis is None]
 
 
-class Scene(SceneFields):
+class Case(CaseFields):
     """One operating point of one screw: inputs by name, immutable.
 
     Parameters
     ----------
-    base : Scene or mapping, optional
+    base : Case or mapping, optional
         Source of inputs that are not given.
     **inputs
         Inputs by name, each in the unit that ends its name; `lead_mm` replaces a lead angle of
@@ -127,7 +156,7 @@ class Scene(SceneFields):
     Examples
     --------
     >>> import ballscrew as bs
-    >>> screw = bs.Scene(ball_diameter_mm=6.35, pitch_circle_diameter_mm=41.5, lead_mm=20)
+    >>> screw = bs.Case(ball_diameter_mm=6.35, pitch_circle_diameter_mm=41.5, lead_mm=20)
     >>> screw.lead_mm, screw.axial_load_N
     (20.0, None)
     >>> screw.replace(lead_mm=10).lead_mm
@@ -139,11 +168,11 @@ class Scene(SceneFields):
     def __new__(cls, base: Point = None, /, **inputs: Unpack[Inputs]) -> Self:
         given: dict[str, Any] = dict(inputs)
         dropped = {name for name, value in given.items() if value is None}
-        if dropped and isinstance(base, _core.Scene):
+        if dropped and isinstance(base, _core.Case):
             base = {name: value for name, value in json.loads(base.to_json()).items() if name not in dropped}
         if isinstance(base, (str, os.PathLike)):
-            raise InputError(f"{os.fspath(base)!r} is no scene; Scene.read(path) reads a file")
-        if base is not None and not isinstance(base, _core.Scene):
+            raise InputError(f"{os.fspath(base)!r} is no case; Case.read(path) reads a file")
+        if base is not None and not isinstance(base, _core.Case):
             given = {**base, **given}
             base = None
         numbers: dict[str, float] = {}
@@ -161,7 +190,7 @@ class Scene(SceneFields):
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Self:
-        """Read a scene file of the program."""
+        """Read a case file of the program."""
         try:
             return cls.from_json(Path(path).read_text(encoding="utf-8-sig"))
         except InputError as error:
@@ -170,16 +199,16 @@ class Scene(SceneFields):
 
     @classmethod
     def from_json(cls, text: str) -> Self:
-        """Read a scene from JSON text."""
-        given: dict[str, Any] = json.loads(_core.Scene.of_json(text).to_json())
+        """Read a case from JSON text."""
+        given: dict[str, Any] = json.loads(_core.Case.of_json(text).to_json())
         return cls(given)
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write a scene file of the program."""
+        """Write a case file of the program."""
         Path(path).write_text(self.to_json() + "\n", encoding="utf-8")
 
     def replace(self, **inputs: Unpack[Inputs]) -> Self:
-        """The scene with other inputs; a lead replaces a lead angle."""
+        """The case with other inputs; a lead replaces a lead angle."""
         return type(self)(self, **inputs)
 
     __replace__ = replace
@@ -190,7 +219,7 @@ class Scene(SceneFields):
         return given
 
     def keys(self) -> Iterable[str]:
-        """The names of the inputs that are given; with `[]` this makes `{**scene}` work."""
+        """The names of the inputs that are given; with `[]` this makes `{**case}` work."""
         return self.to_dict().keys()
 
     def items(self) -> Iterable[tuple[str, Any]]:
@@ -204,7 +233,7 @@ class Scene(SceneFields):
         return iter(self.to_dict())
 
     def __repr__(self) -> str:
-        return f"Scene({', '.join(f'{name}={value!r}' for name, value in self.to_dict().items())})"
+        return f"Case({', '.join(f'{name}={value!r}' for name, value in self.to_dict().items())})"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self).from_json, (self.to_json(),)
@@ -230,8 +259,8 @@ class Solution(SolutionFields):
         Reason why there is no result; reason of the choice of `auto`; regime of the motion.
     warnings : list of str
         Warnings to read before using the numbers.
-    scene : Scene
-        The solved scene.
+    case : Case
+        The solved case.
     """
 
     __slots__ = ()
@@ -269,7 +298,7 @@ class Solution(SolutionFields):
 
     def __reduce__(self) -> tuple[Any, ...]:
         # The same program solves to the same bits.
-        return type(self), (self.scene, self.how)
+        return type(self), (self.case, self.how)
 
     def _repr_html_(self) -> str:
         rows = [("model", self.model, ""), ("status", self.status, "")]
@@ -543,12 +572,12 @@ class Grid(Table):
         length: int,
         rows: _core.Rows,
         axes: Mapping[str, Floats],
-        scene: Scene,
+        case: Case,
         settings: Mapping[str, Any],
     ) -> None:
         super().__init__(columns, units, length, rows)
         self._axes = dict(axes)
-        self.scene = scene
+        self.case = case
         self.settings = dict(settings)
 
     @property
@@ -572,7 +601,7 @@ class Grid(Table):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Grid):
             return NotImplemented
-        asked = (self.scene, self.settings, list(self._axes)) == (other.scene, other.settings, list(other._axes))
+        asked = (self.case, self.settings, list(self._axes)) == (other.case, other.settings, list(other._axes))
         return asked and all(_same(self._axes[name], other._axes[name]) for name in self._axes) and super().__eq__(other)
 
     __hash__ = None
@@ -620,7 +649,7 @@ class Grid(Table):
         data = {name: (dims, self.grid(name), about(name)) for name in self._columns}
         coords = {name: (name, values, about(name)) for name, values in self._axes.items()}
         settings = {name: value for name, value in self.settings.items() if value is not None}
-        return xr.Dataset(data, coords, {"scene": self.scene.to_json(), **settings})
+        return xr.Dataset(data, coords, {"case": self.case.to_json(), **settings})
 
 
 class Nuts(Table):
@@ -632,13 +661,13 @@ class Nuts(Table):
         super().__init__(columns, units, length)
         self._nuts = nuts
 
-    def scene(self, row: int = 0) -> Scene:
+    def case(self, row: int = 0) -> Case:
         """The nut of a row for `ratings`, `nut` and `axis`, with a requirement at its operating point."""
         if not -self._length <= row < self._length:
             raise IndexError(f"row {row} of {self._length}")
         if self._nuts is None:
-            raise TypeError("a table that was pickled has no scenes: ask for the catalogue again")
-        return Scene.from_json(self._nuts.scene(row % self._length))
+            raise TypeError("a table that was pickled has no cases: ask for the catalogue again")
+        return Case.from_json(self._nuts.case(row % self._length))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _thawed, (type(self), {**vars(self), "_nuts": None})
@@ -733,7 +762,7 @@ _SOLVER: Mapping[str, Any] = {
 
 
 class Question(Inputs, Solver, total=False):
-    """Inputs that replace those of the scene, and solver keywords."""
+    """Inputs that replace those of the case, and solver keywords."""
 
 
 class Linspace(NamedTuple):
@@ -808,7 +837,7 @@ def draw(laws: Mapping[str, Uniform | Normal], /, samples: int, seed: int = 0) -
     --------
     >>> import ballscrew as bs
     >>> points = bs.draw({"friction_coefficient": bs.uniform(0.02, 0.1)}, samples=1000, seed=1)
-    >>> table = bs.solve_many(points, bs.Scene(lead_angle_deg=5, contact_angle_deg=45), model="closed-form")
+    >>> table = bs.solve_many(points, bs.Case(lead_angle_deg=5, contact_angle_deg=45), model="closed-form")
     >>> len(table), bool(table["efficiency"].min() > 0.8)
     (1000, True)
     """
@@ -867,33 +896,33 @@ def _columns(names: Sequence[str] | None) -> list[str] | None:
     return None if names is None else _list("columns", names)
 
 
-def _scene(scene: Point, inputs: Inputs) -> Scene:
-    if isinstance(scene, Scene) and not inputs:
-        return scene
-    return Scene(scene, **inputs)
+def _case(case: Point, inputs: Inputs) -> Case:
+    if isinstance(case, Case) and not inputs:
+        return case
+    return Case(case, **inputs)
 
 
-def _asked(scene: Point, question: Question) -> tuple[Scene, _core.How]:
-    """The scene with replaced inputs, and the solver settings."""
+def _asked(case: Point, question: Question) -> tuple[Case, _core.How]:
+    """The case with replaced inputs, and the solver settings."""
     given: dict[str, Any] = {**question}
     how = _checked(_taken(given))
     for name in given:
         if name not in INPUTS and (near := _near(name, _SOLVER)):
             raise InputError(f"unknown key `{name}`{near}", key=name)
-    return _scene(scene, cast("Inputs", given)), how
+    return _case(case, cast("Inputs", given)), how
 
 
-def solve(scene: Point = None, /, *, check: bool = True, **question: Unpack[Question]) -> Solution:
+def solve(case: Point = None, /, *, check: bool = True, **question: Unpack[Question]) -> Solution:
     """Solve one point.
 
     Parameters
     ----------
-    scene : Scene or mapping, optional
+    case : Case or mapping, optional
         The screw and its point.
     check : bool
         Raise if there is no result.
     **question
-        Inputs of the vocabulary, in place of those of `scene`, each in the unit that ends its name, and how to solve:
+        Inputs of the vocabulary, in place of those of `case`, each in the unit that ends its name, and how to solve:
 
         model : str, "auto" unless given
             A model of `MODELS`; `auto` takes the cheapest that is accurate enough.
@@ -926,7 +955,7 @@ def solve(scene: Point = None, /, *, check: bool = True, **question: Unpack[Ques
     >>> bs.solve(model="closed-form", contact_angle_deg=45, lead_angle_deg=8, friction_coefficient=0.01).status
     'converged'
     """
-    answer = Solution(*_asked(scene, question))
+    answer = Solution(*_asked(case, question))
     if check and not answer.converged:
         kind = {"no_solution": NoSolutionError, "not_converged": NotConvergedError}
         words = f"{answer.model}: {answer.status}, {answer.message}"
@@ -934,12 +963,12 @@ def solve(scene: Point = None, /, *, check: bool = True, **question: Unpack[Ques
     return answer
 
 
-def sensitivities(scene: Point = None, /, **question: Unpack[Question]) -> Table:
+def sensitivities(case: Point = None, /, **question: Unpack[Question]) -> Table:
     """Exact derivatives of efficiency and torque by every input that the model uses.
 
     Parameters
     ----------
-    scene, **question
+    case, **question
         As in `solve`.
 
     Returns
@@ -960,19 +989,19 @@ def sensitivities(scene: Point = None, /, **question: Unpack[Question]) -> Table
     >>> table["input"][0]
     'friction_coefficient'
     """
-    rows = _core.sensitivities(*_asked(scene, question))
+    rows = _core.sensitivities(*_asked(case, question))
     if rows is None:
-        raise NotConvergedError("no sensitivities at this point", solve(scene, **question))
+        raise NotConvergedError("no sensitivities at this point", solve(case, **question))
     names = ["input", "value", "efficiency", "ball_torque_Nm", "efficiency_relative", "ball_torque_relative"]
     return _listed(names, rows)
 
 
-def compare(scene: Point = None, /, **inputs: Unpack[Inputs]) -> Table:
-    """Every model that the scene has inputs for, one row a model, as `bsm solve --model all`.
+def compare(case: Point = None, /, **inputs: Unpack[Inputs]) -> Table:
+    """Every model that the case has inputs for, one row a model, as `bsm solve --model all`.
 
     Parameters
     ----------
-    scene, **inputs
+    case, **inputs
         As in `solve`.
 
     Returns
@@ -991,7 +1020,7 @@ def compare(scene: Point = None, /, **inputs: Unpack[Inputs]) -> Table:
     >>> bs.compare(contact_angle_deg=45, lead_angle_deg=8, friction_coefficient=0.01)["model"].tolist()
     ['closed-form']
     """
-    asked = _scene(scene, inputs)
+    asked = _case(case, inputs)
     rows: list[dict[str, Any]] = []
     refused: InputError | None = None
     for model in MODELS[1:]:
@@ -1026,7 +1055,7 @@ def solve_many(
         Columns of inputs: a mapping of names to one-dimensional arrays or numbers, a number being the same
         for all rows (arrays of doubles are not copied: leave them as they are while the table is in use); or
         anything that gives an Arrow stream (polars, pyarrow, pandas 3, duckdb, a `Table`).
-    base : Scene or mapping, optional
+    base : Case or mapping, optional
         The inputs that are no columns.
     columns : sequence of str, optional
         Names of `OUTPUTS`; all of a solution unless given.
@@ -1067,7 +1096,7 @@ def solve_many(
 
     if missing not in ("invalid", "base"):
         raise InputError(f"missing = {missing!r} must be 'invalid' or 'base'", key="missing")
-    scene, keep = _scene(base, {}), _list("keep", keep)
+    case, keep = _case(base, {}), _list("keep", keep)
     if isinstance(points, Table):
         # Answers of an earlier run are passed over.
         points = {n: column if isinstance(column, _core.KeptColumn) else points[n]
@@ -1101,7 +1130,7 @@ def solve_many(
         error.add_note("a column that is not an input, such as a name, is carried through with keep=")
         raise
     if fixed:
-        scene = scene.replace(**fixed)
+        case = case.replace(**fixed)
     lengths: dict[str, int] = {column[0]: len(column[1]) for column in numbers}
     lengths |= {column[0]: len(column[1]) for column in kept}
     length = max(lengths.values(), default=1 if fixed else 0)
@@ -1110,7 +1139,7 @@ def solve_many(
             message = f"column `{column_name}` has {rows_of_it} rows, another one {length}"
             raise InputError(message, key=column_name)
     rows = _core.solve_many(
-        scene, numbers, kept, length, _how(solver), _columns(columns), threads, _shown(progress), text
+        case, numbers, kept, length, _how(solver), _columns(columns), threads, _shown(progress), text
     )
     taken = set(rows.inputs())
     inputs: dict[str, Any] = {name: values for name, values, _ in numbers if name in taken}
@@ -1165,7 +1194,7 @@ def _read_frame(frame: Any, keep: list[str]) -> list[tuple[str, Any]]:
 
 
 def sweep(
-    base: Scene | Mapping[str, Any],
+    base: Case | Mapping[str, Any],
     /,
     *,
     vary: Mapping[str, Linspace | Iterable[float]],
@@ -1179,7 +1208,7 @@ def sweep(
 
     Parameters
     ----------
-    base : Scene or mapping
+    base : Case or mapping
         The fixed inputs.
     vary : mapping
         Values of each varied input: `linspace(start, stop, count)` or any numbers; the last runs fastest.
@@ -1198,20 +1227,20 @@ def sweep(
     Examples
     --------
     >>> import ballscrew as bs
-    >>> screw = bs.Scene(lead_angle_deg=5, contact_angle_deg=45)
+    >>> screw = bs.Case(lead_angle_deg=5, contact_angle_deg=45)
     >>> grid = bs.sweep(screw, vary={"friction_coefficient": bs.linspace(0.02, 0.1, 5)}, columns=["efficiency"])
     >>> grid.shape, grid.grid("efficiency").round(2)
     ((5,), array([0.96, 0.92, 0.89, 0.85, 0.82]))
     """
     import numpy as np
 
-    scene = _scene(base, {})
+    case = _case(base, {})
     how = _how(solver)
-    rows, found = _core.sweep(scene, _axes(vary), how, _columns(columns), threads, _shown(progress), text)
+    rows, found = _core.sweep(case, _axes(vary), how, _columns(columns), threads, _shown(progress), text)
     table = _answered(rows, {})
     varied = {name: np.array(axis) for name, axis in found}
     units = {**table.units, **{name: INPUTS[name].unit for name in varied}}
-    return Grid(table._columns, units, len(table), rows, varied, scene, dict(zip(_SOLVER, how, strict=True)))
+    return Grid(table._columns, units, len(table), rows, varied, case, dict(zip(_SOLVER, how, strict=True)))
 
 
 def gradient(
@@ -1236,7 +1265,7 @@ def gradient(
         `efficiency` or `ball_torque_Nm` with method "exact", any numeric output with "difference".
     wrt : sequence of str
         The inputs to differentiate by.
-    base : Scene or mapping, optional
+    base : Case or mapping, optional
         The inputs that are not in `points`.
     method : {"exact", "difference"}
         Exact derivatives of the model, or central differences.
@@ -1270,18 +1299,18 @@ def gradient(
     one = all(values.ndim == 0 for values in columns.values())
     length = max((len(v) for v in columns.values() if v.ndim), default=1)
     columns = {name: np.broadcast_to(values, (length,)) for name, values in columns.items()}
-    scene = _scene(base, {})
+    case = _case(base, {})
     if method == "exact":
         if output not in ("efficiency", "ball_torque_Nm"):
             hint = "; take method='difference'" if output in OUTPUTS else _near(output, OUTPUTS)
             raise InputError(f"exact derivatives are of efficiency and ball_torque_Nm{hint}", key=output)
         whole = [(name, np.ascontiguousarray(column)) for name, column in columns.items()]
-        found = _core.gradient(scene, whole, length, wrt, output != "efficiency", _how(solver), threads)
+        found = _core.gradient(case, whole, length, wrt, output != "efficiency", _how(solver), threads)
         values = np.frombuffer(found[0], np.float64)
         slopes = np.frombuffer(found[1], np.float64).reshape(length, len(wrt))
     elif method == "difference":
         def at(changed: Mapping[str, Floats]) -> Floats:
-            answers = solve_many({**columns, **changed}, scene, columns=[output], threads=threads, **solver)
+            answers = solve_many({**columns, **changed}, case, columns=[output], threads=threads, **solver)
             return answers[output]
 
         values = at({})
@@ -1289,7 +1318,7 @@ def gradient(
         for place, name in enumerate(wrt):
             middle = columns.get(name)
             if middle is None:
-                given = scene.to_dict().get(name, INPUTS[name].default if name in INPUTS else None)
+                given = case.to_dict().get(name, INPUTS[name].default if name in INPUTS else None)
                 if given is None:
                     raise InputError(f"`{name}` is neither in points nor in base", key=name)
                 middle = np.full(length, float(given))
@@ -1301,12 +1330,12 @@ def gradient(
     return (values[0], slopes[0]) if one else (values, slopes)
 
 
-def slip(scene: Point = None, /, **question: Unpack[Question]) -> Report:
+def slip(case: Point = None, /, **question: Unpack[Question]) -> Report:
     """Slip of the balls in their motion, as `bsm solve --show slip`.
 
     Parameters
     ----------
-    scene, **question
+    case, **question
         As in `solve`; the model must give a motion of the balls.
 
     Returns
@@ -1323,21 +1352,21 @@ def slip(scene: Point = None, /, **question: Unpack[Question]) -> Report:
     Examples
     --------
     >>> import ballscrew as bs
-    >>> screw = bs.Scene(ball_diameter_mm=6.35, pitch_circle_diameter_mm=41.5, lead_mm=20, contact_angle_deg=45,
+    >>> screw = bs.Case(ball_diameter_mm=6.35, pitch_circle_diameter_mm=41.5, lead_mm=20, contact_angle_deg=45,
     ...                  nut_conformity=0.53, screw_conformity=0.53, friction_coefficient=0.06)
     >>> report = bs.slip(screw, screw_speed_rpm=1500, axial_load_N=8000, loaded_balls=70)
     >>> report.found, report["nut_slide_roll_ratio"] < 0.05
     (True, True)
     """
-    return _report(_core.of_motion("slip", *_asked(scene, question)))
+    return _report(_core.of_motion("slip", *_asked(case, question)))
 
 
-def ellipses(scene: Point = None, /, *, points: int = 20, **question: Unpack[Question]) -> Report:
+def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Question]) -> Report:
     """Pressure, slip and friction over the contact ellipses, as `bsm solve --show ellipses`.
 
     Parameters
     ----------
-    scene, **question
+    case, **question
         As in `solve`; the model must give a motion of the balls and have elastic contacts.
     points : int
         Points of the grid on each semi-axis, 1 to 500.
@@ -1358,7 +1387,7 @@ def ellipses(scene: Point = None, /, *, points: int = 20, **question: Unpack[Que
     Examples
     --------
     >>> import ballscrew as bs
-    >>> nut, screw = bs.ellipses(bs.Scene.read("examples/feed_drive_oil.json"))["contacts"]
+    >>> nut, screw = bs.ellipses(bs.Case.read("examples/feed_drive_oil.json"))["contacts"]
     >>> nut["pressure_MPa"].shape, bool(nut["pressure_MPa"][20, 20] == nut["max_pressure_MPa"])
     ((41, 41), True)
     """
@@ -1366,7 +1395,7 @@ def ellipses(scene: Point = None, /, *, points: int = 20, **question: Unpack[Que
 
     if not 1 <= points <= 500:
         raise InputError(f"points = {points} must be from 1 to 500", key="points")
-    report = _report(_core.of_motion("ellipses", *_asked(scene, question), points))
+    report = _report(_core.of_motion("ellipses", *_asked(case, question), points))
     for contact in report["contacts"] if report.found else []:
         side = len(contact["places"])
         for name, value in contact.items():
@@ -1376,12 +1405,12 @@ def ellipses(scene: Point = None, /, *, points: int = 20, **question: Unpack[Que
     return report
 
 
-def jam(scene: Point = None, /, **question: Unpack[Question]) -> Report:
+def jam(case: Point = None, /, **question: Unpack[Question]) -> Report:
     """Jamming of the balls in the nut and at its ball return, as `bsm solve --show jam`.
 
     Parameters
     ----------
-    scene, **question
+    case, **question
         As in `solve`. The ball return is given by `apex_half_angle_deg`, `return_angle_deg` and the inputs whose
         meaning ends in "for jamming" (`INPUTS`).
 
@@ -1399,10 +1428,10 @@ def jam(scene: Point = None, /, **question: Unpack[Question]) -> Report:
     Examples
     --------
     >>> import ballscrew as bs
-    >>> bs.jam(bs.Scene.read("examples/jamming.json")).found
+    >>> bs.jam(bs.Case.read("examples/jamming.json")).found
     True
     """
-    return _report(_core.of_motion("jam", *_asked(scene, question)))
+    return _report(_core.of_motion("jam", *_asked(case, question)))
 
 
 def ratings(nut: Point = None, /, **inputs: Unpack[Inputs]) -> Report:
@@ -1410,7 +1439,7 @@ def ratings(nut: Point = None, /, **inputs: Unpack[Inputs]) -> Report:
 
     Parameters
     ----------
-    nut : Scene or mapping, optional
+    nut : Case or mapping, optional
         The nut.
     **inputs
         Inputs in place of those of `nut`; it needs balls, conformities, `loaded_balls_per_turn` and `loaded_turns`.
@@ -1429,27 +1458,27 @@ def ratings(nut: Point = None, /, **inputs: Unpack[Inputs]) -> Report:
     Examples
     --------
     >>> import ballscrew as bs
-    >>> nut = bs.Scene.read("examples/nut.json")
+    >>> nut = bs.Case.read("examples/nut.json")
     >>> bs.ratings(nut, axial_load_N=8000, screw_speed_rpm=500)["dynamic_load_rating_N"] > 50_000
     True
     """
-    return _report(_core.ratings(_scene(nut, inputs)))
+    return _report(_core.ratings(_case(nut, inputs)))
 
 
 @overload
-def nut(scene: Point = None, /, *, samples: None = None, **question: Unpack[Question]) -> NutReport: ...
+def nut(case: Point = None, /, *, samples: None = None, **question: Unpack[Question]) -> NutReport: ...
 
 
 @overload
-def nut(scene: Point = None, /, *, samples: int, **question: Unpack[Question]) -> Report: ...
+def nut(case: Point = None, /, *, samples: int, **question: Unpack[Question]) -> Report: ...
 
 
-def nut(scene: Point = None, /, *, samples: int | None = None, **question: Unpack[Question]) -> NutReport | Report:
+def nut(case: Point = None, /, *, samples: int | None = None, **question: Unpack[Question]) -> NutReport | Report:
     """Load of every ball of a nut, stiffness, preload and life, as `bsm nut`.
 
     Parameters
     ----------
-    scene, **question
+    case, **question
         As in `solve`; the nut is given by its turns, circuits, preload and loads.
     samples : int, optional
         Number of nuts with random balls, of which the report has quantiles; the input `seed` seeds them.
@@ -1468,11 +1497,11 @@ def nut(scene: Point = None, /, *, samples: int | None = None, **question: Unpac
     Examples
     --------
     >>> import ballscrew as bs
-    >>> nut = bs.nut(bs.Scene.read("examples/nut.json"), axial_load_N=8000)
+    >>> nut = bs.nut(bs.Case.read("examples/nut.json"), axial_load_N=8000)
     >>> nut.found, len(nut.balls)
     (True, 96)
     """
-    asked = _asked(scene, question)
+    asked = _asked(case, question)
     if samples is not None:
         return _report(_core.nut_samples(*asked, samples))
     (entries, found, warnings), balls, curve = _core.nut(*asked)
@@ -1483,12 +1512,12 @@ def nut(scene: Point = None, /, *, samples: int | None = None, **question: Unpac
     return NutReport(json.loads(entries), found, warnings, *tables)
 
 
-def optimum(scene: Point = None, /, *, model: str | None = None, **inputs: Unpack[Inputs]) -> Report:
+def optimum(case: Point = None, /, *, model: str | None = None, **inputs: Unpack[Inputs]) -> Report:
     """Contact and lead angles of best efficiency, and limits of self-locking, as `bsm solve --show optimum`.
 
     Parameters
     ----------
-    scene, **inputs
+    case, **inputs
         The screw: friction coefficient, and the angle of which the other one is sought.
     model : str, optional
         `rigid`, `elastic` or `traction`: also search the best contact angle of this model; the closed form unless given.
@@ -1509,11 +1538,11 @@ def optimum(scene: Point = None, /, *, model: str | None = None, **inputs: Unpac
     >>> bs.optimum(contact_angle_deg=45, lead_angle_deg=8, friction_coefficient=0.06).found
     True
     """
-    return _report(_core.optimum(_scene(scene, inputs), model))
+    return _report(_core.optimum(_case(case, inputs), model))
 
 
 def axis(
-    scene: Point = None,
+    case: Point = None,
     /,
     *,
     figures: str | os.PathLike[str] | None = None,
@@ -1523,7 +1552,7 @@ def axis(
 
     Parameters
     ----------
-    scene, **question
+    case, **question
         As in `solve`; the axis is given by `stroke_mm`, `moved_mass_kg`, `support`, `cycle` and others of `INPUTS`.
     figures : path, optional
         Folder for report.html, a sheet of two pages, results.json and figures; made if it does not exist.
@@ -1541,10 +1570,10 @@ def axis(
     Examples
     --------
     >>> import ballscrew as bs
-    >>> bs.axis(bs.Scene.read("examples/axis.json")).found
+    >>> bs.axis(bs.Case.read("examples/axis.json")).found
     True
     """
-    answer, files = _core.axis(*_asked(scene, question), figures is not None)
+    answer, files = _core.axis(*_asked(case, question), figures is not None)
     _write_report(figures, files)
     return _report(answer)
 
@@ -1593,7 +1622,7 @@ def select_nuts(
     Returns
     -------
     Nuts
-        One row a nut; `scene(row)` is a nut for `ratings`, `nut` and `axis`.
+        One row a nut; `case(row)` is a nut for `ratings`, `nut` and `axis`.
 
     Raises
     ------
@@ -1604,7 +1633,7 @@ def select_nuts(
     --------
     >>> import ballscrew as bs
     >>> nuts = bs.select_nuts(where=["dynamic_load_rating_N>=40000", "lead_mm=10"], sort="mass_kg", first=3)
-    >>> nuts.scene(0).lead_mm
+    >>> nuts.case(0).lead_mm
     10.0
     """
     import numpy as np
@@ -1637,7 +1666,7 @@ def select_nuts(
 
 
 def fit(
-    scene: Scene | Mapping[str, Any],
+    case: Case | Mapping[str, Any],
     measured: Mapping[str, float] | str,
     /,
     *,
@@ -1650,12 +1679,12 @@ def fit(
 
     Parameters
     ----------
-    scene : Scene or mapping
+    case : Case or mapping
         The other inputs.
     measured : mapping or str
         One output and its value, such as `{"screw_torque_Nm": 26.0}`; with `points` the name of the output alone.
     points : mapping, frame or path, optional
-        Measured points: a column of the output, and columns of inputs, in any units; `scene` has the rest. The fit
+        Measured points: a column of the output, and columns of inputs, in any units; `case` has the rest. The fit
         minimises the sum of squared differences. A path is that of a CSV table.
     input : str, or with `points` also a sequence of them, or a mapping of them to ranges
         Inputs to fit, or a mapping of them to their ranges.
@@ -1680,7 +1709,7 @@ def fit(
     Examples
     --------
     >>> import ballscrew as bs
-    >>> screw = bs.Scene(lead_angle_deg=5, contact_angle_deg=45)
+    >>> screw = bs.Case(lead_angle_deg=5, contact_angle_deg=45)
     >>> points = {"contact_angle_deg": [40, 45, 50], "efficiency": [0.86, 0.87, 0.88]}
     >>> report = bs.fit(screw, "efficiency", points=points, model="closed-form")
     >>> round(report["found"]["friction_coefficient"]["value"], 4)
@@ -1697,14 +1726,14 @@ def fit(
             ranges = dict.fromkeys(ranges, range)
         sought = [name if limits is None else f"{name}={float(limits[0])!r}:{float(limits[1])!r}"
                   for name, limits in ranges.items()]
-        return _report(_core.fit_table(_scene(scene, {}), how, sought, measured, _csv(points)))
+        return _report(_core.fit_table(_case(case, {}), how, sought, measured, _csv(points)))
     if isinstance(measured, str) or len(measured) != 1:
         raise InputError("measured takes one output and its value, such as {'screw_torque_Nm': 26.0}")
     if not isinstance(input, str):
         raise InputError("one measured value gives one input; several need points")
     [(name, value)] = measured.items()
     value = _number(name, value)
-    return _report(_core.fit(_scene(scene, {}), how, input, f"{name}={value!r}", range))
+    return _report(_core.fit(_case(case, {}), how, input, f"{name}={value!r}", range))
 
 
 def _csv(data: Any, names: Mapping[str, str | None] = MappingProxyType({}), gaps: bool = False) -> bytes:
@@ -1758,7 +1787,7 @@ def select(
     Parameters
     ----------
     requirement : mapping or path, optional
-        Inputs of a scene and keys of `REQUIREMENTS`, or a file of them.
+        Inputs of a case and keys of `REQUIREMENTS`, or a file of them.
     free : bool
         Treat sizes and contact angle as continuous.
     lists : mapping or "manufacturers" or "standard", optional
@@ -1769,7 +1798,7 @@ def select(
     Returns
     -------
     Report
-        `Scene(report["scene"])` is the screw for the other functions.
+        `Case(report["case"])` is the screw for the other functions.
 
     Raises
     ------
@@ -1781,7 +1810,7 @@ def select(
     >>> import ballscrew as bs
     >>> report = bs.select(axial_load_N=4000, screw_speed_rpm=1500, stroke_mm=600, lead_mm=10,
     ...                    friction_coefficient=0.05, required_life_h=5000)
-    >>> report.found, report["scene"]["lead_mm"]
+    >>> report.found, report["case"]["lead_mm"]
     (True, 10.0)
     """
     return _report(_core.select(json.dumps({**_requirement(requirement or {}), **changes}), free, _sizes(lists)))

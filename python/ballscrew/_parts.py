@@ -16,11 +16,11 @@ from ballscrew._api import (
     Solver,
     Uniform,
     _axes,
+    _case,
     _columns,
     _how,
     _laws,
     _list,
-    _scene,
     _shown,
 )
 from ballscrew._errors import InputError, PartError
@@ -230,7 +230,7 @@ def plan(
     ----------
     folder : path
         Folder of the parts: new, empty, or with the same plan.
-    base : Scene or mapping, optional
+    base : Case or mapping, optional
         The inputs that are not varied.
     vary, draw, points
         Source of the rows, one of: a grid as in `sweep`; random values, `uniform(low, high)` or
@@ -250,7 +250,7 @@ def plan(
     Examples
     --------
     >>> import ballscrew as bs, tempfile
-    >>> screw = bs.Scene(lead_angle_deg=5, contact_angle_deg=45)
+    >>> screw = bs.Case(lead_angle_deg=5, contact_angle_deg=45)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     plan = bs.plan(folder, screw, vary={"friction_coefficient": bs.linspace(0.02, 0.1, 1000)},
     ...                    model="closed-form", columns=["efficiency"])
@@ -266,7 +266,7 @@ def plan(
         random = (seed, samples, _laws(draw))
     table = Path(points) if points is not None else None
     core = _core.Plan.new(
-        _scene(base, {}),
+        _case(base, {}),
         _axes(vary or {}),
         random,
         (table, _list("keep", keep)) if table is not None else None,
@@ -338,7 +338,7 @@ def solve_part(
     --------
     >>> import ballscrew as bs, polars as pl, tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     plan = bs.plan(folder, bs.Scene(lead_angle_deg=5, contact_angle_deg=45), model="closed-form",
+    ...     plan = bs.plan(folder, bs.Case(lead_angle_deg=5, contact_angle_deg=45), model="closed-form",
     ...                    vary={"friction_coefficient": bs.linspace(0.02, 0.1, 1000)}, columns=["efficiency"])
     >>> pl.DataFrame(bs.solve_part(plan.text, 0))["efficiency"].max() > 0.9
     True

@@ -18,7 +18,7 @@ Inputs = TypedDict(
     {
         "description": str,
         **{name: float | None for name, *_ in _core.inputs()},
-        **{name: Any for name, *_ in _core.scene_choices()},
+        **{name: Any for name, *_ in _core.case_choices()},
     },
     total=False,
 )
@@ -33,7 +33,7 @@ def _property(read, place, type_, about, unit, unless=""):
     return property(value, doc=f"{about[0].upper()}{about[1:]}{of_unit}{unless}.")
 
 
-class SceneFields(_core.Scene):
+class CaseFields(_core.Case):
     """A property for each input."""
 
     __slots__ = ()
@@ -41,11 +41,11 @@ class SceneFields(_core.Scene):
 
 for _place, (_name, _unit, _about, _default, _) in enumerate(_core.inputs()):
     _unless = f"; {_default:g} unless given" if _default is not None else ""
-    setattr(SceneFields, _name, _property(_core.Scene.number, _place, float | None, _about, _unit, _unless))
+    setattr(CaseFields, _name, _property(_core.Case.number, _place, float | None, _about, _unit, _unless))
 
 
-for _name, _about, *_ in _core.scene_choices():
-    setattr(SceneFields, _name, _property(lambda scene, name: json.loads(scene.to_json()).get(name), _name, Any, _about, ""))
+for _name, _about, *_ in _core.case_choices():
+    setattr(CaseFields, _name, _property(lambda case, name: json.loads(case.to_json()).get(name), _name, Any, _about, ""))
 
 
 class SolutionFields(_core.Solution):

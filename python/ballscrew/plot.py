@@ -48,7 +48,7 @@ def curves(
     Examples
     --------
     >>> import ballscrew as bs
-    >>> screw = bs.Scene.read("examples/feed_drive.json")
+    >>> screw = bs.Case.read("examples/feed_drive.json")
     >>> grid = bs.sweep(screw, vary={"screw_speed_rpm": [500, 1000], "axial_load_N": [2e3, 8e3]}, columns=["efficiency"])
     >>> axes = bs.plot.curves(grid, "screw_speed_rpm", "efficiency", by="axial_load_N")
     >>> len(axes.lines)

@@ -27,7 +27,7 @@ SLACK = 3.0
 KEPT = {"MALLOC_MMAP_THRESHOLD_": "1073741824", "MALLOC_TRIM_THRESHOLD_": "8589934592"}
 """glibc keeps memory: four new columns cost as much as a closed form, and which side gets new ones is chance."""
 
-SCREW = bs.Scene(
+SCREW = bs.Case(
     ball_diameter_mm=6.35,
     pitch_circle_diameter_mm=41.5,
     lead_mm=25,

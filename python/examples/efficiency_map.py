@@ -10,7 +10,7 @@ import numpy as np
 
 import ballscrew as bs
 
-screw = bs.Scene(
+screw = bs.Case(
     ball_diameter_mm=6.35,
     pitch_circle_diameter_mm=41.5,
     lead_mm=20,

@@ -18,7 +18,7 @@ try:
 except ImportError:
     sys.exit("pip install pythonfmu")
 
-SCREW = bs.Scene(
+SCREW = bs.Case(
     ball_diameter_mm=6.35,
     pitch_circle_diameter_mm=41.5,
     lead_mm=20,

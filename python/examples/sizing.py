@@ -22,7 +22,7 @@ requirement = {
 # %% The best screw of standard sizes, with its active limits.
 design = bs.select(requirement)
 assert design.found, design["reasons"]
-screw = bs.Scene(design["scene"])
+screw = bs.Case(design["case"])
 print(screw)
 
 # %% Every nut of the catalogue that meets all limits, the lightest first.

@@ -9,16 +9,16 @@ use bsm_batch::{Answers, Source, Task, Workers};
 use bsm_dyn::ModelWorkspace;
 use pyo3::prelude::*;
 
+use crate::case::{Case, How};
 use crate::errors::Result;
 use crate::points::table_of;
-use crate::scene::{How, Scene};
 use crate::table::Numbers;
 
 /// Seconds that the rows take in the batch alone, on one thread, which holds all answers.
 #[pyfunction]
 pub(crate) fn batch_seconds(
     py: Python<'_>,
-    base: &Bound<'_, Scene>,
+    base: &Bound<'_, Case>,
     columns: Vec<(String, Numbers)>,
     len: usize,
     how: How,
@@ -39,14 +39,14 @@ pub(crate) fn batch_seconds(
     })
 }
 
-/// Seconds in which a model solves a scene a number of times.
+/// Seconds in which a model solves a case a number of times.
 #[pyfunction]
-pub(crate) fn solve_seconds(scene: &Bound<'_, Scene>, how: How, times: u64) -> Result<f64> {
-    let scene = &scene.get().0;
+pub(crate) fn solve_seconds(case: &Bound<'_, Case>, how: How, times: u64) -> Result<f64> {
+    let case = &case.get().0;
     let mut work = ModelWorkspace::default();
     let start = Instant::now();
     for _ in 0..times {
-        let problem = black_box(scene).problem(&how.0)?;
+        let problem = black_box(case).problem(&how.0)?;
         let _ = black_box(problem.solve(&mut work));
     }
     Ok(start.elapsed().as_secs_f64())

@@ -7,18 +7,18 @@
     reason = "what Python hands over is ours, and its tuples are rows of tables"
 )]
 
+mod case;
 mod clock;
 mod errors;
 mod parts;
 mod points;
 mod reports;
-mod scene;
 mod solution;
 mod table;
 
 use bsm_batch::Draws;
 use bsm_case::{
-    INPUTS, ModelChoice, Output, Quantity, REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, SceneEntries,
+    CaseEntries, INPUTS, ModelChoice, Output, Quantity, REQUIREMENT_CHOICES, REQUIREMENT_INPUTS,
     input_schema,
 };
 use bsm_dyn::{Control, RacewayFriction};
@@ -69,7 +69,7 @@ fn frictions() -> [&'static str; 2] {
     RacewayFriction::ALL.map(RacewayFriction::name)
 }
 
-/// Name, unit, meaning, default and rule of the keys of a requirement besides inputs of a scene.
+/// Name, unit, meaning, default and rule of the keys of a requirement besides inputs of a case.
 #[pyfunction]
 fn requirements() -> Vec<(&'static str, &'static str, String, Option<f64>, String)> {
     let words = REQUIREMENT_CHOICES.iter().map(|(name, words, about)| {
@@ -81,7 +81,7 @@ fn requirements() -> Vec<(&'static str, &'static str, String, Option<f64>, Strin
 
 /// The inputs that are no numbers: name, meaning, type in JSON and possible texts.
 #[pyfunction]
-fn scene_choices() -> Vec<(&'static str, String, String, Vec<String>)> {
+fn case_choices() -> Vec<(&'static str, String, String, Vec<String>)> {
     let schema = input_schema();
     let texts = |of: &Value| -> Vec<String> {
         let values = of.as_array().into_iter().flatten().chain(of.as_str().map(|_| of));
@@ -93,7 +93,7 @@ fn scene_choices() -> Vec<(&'static str, String, String, Vec<String>)> {
         let about = property["description"].as_str().unwrap_or_default().to_owned();
         (*name, about, kind.unwrap_or_else(|| "string".to_owned()), texts(&property["enum"]))
     };
-    SceneEntries::KEYS.iter().map(row).collect()
+    CaseEntries::KEYS.iter().map(row).collect()
 }
 
 /// Values of random points for each drawn input, those of `bsm sweep --draw`.
@@ -106,7 +106,7 @@ fn draws(seed: u64, count: u64, of: Vec<String>) -> Result<Vec<(&'static str, Py
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add_class::<scene::Scene>()?;
+    module.add_class::<case::Case>()?;
     module.add_class::<solution::Solution>()?;
     module.add_class::<points::Rows>()?;
     module.add_class::<table::Arrow>()?;
@@ -119,7 +119,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(models, module)?,
         wrap_pyfunction!(raceways, module)?,
         wrap_pyfunction!(frictions, module)?,
-        wrap_pyfunction!(scene_choices, module)?,
+        wrap_pyfunction!(case_choices, module)?,
         wrap_pyfunction!(draws, module)?,
         wrap_pyfunction!(requirements, module)?,
         wrap_pyfunction!(solution::sensitivities, module)?,

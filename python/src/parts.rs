@@ -15,9 +15,9 @@ use bsm_case::Grid;
 use pyo3::prelude::*;
 use tempfile::NamedTempFile;
 
+use crate::case::{Case, How};
 use crate::errors::{Error, Result};
 use crate::points::{format_of, selected, watched};
-use crate::scene::{How, Scene};
 use crate::table::Arrow;
 
 /// Unfinished files are removed as their owners are dropped: Python stops a run, and does not end it.
@@ -58,7 +58,7 @@ impl PyPlan {
     #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
     fn new(
         py: Python<'_>,
-        base: &Bound<'_, Scene>,
+        base: &Bound<'_, Case>,
         axes: Vec<String>,
         random: Option<Random>,
         table: Option<(PathBuf, Vec<String>)>,

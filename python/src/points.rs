@@ -23,8 +23,8 @@ use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
 use tempfile::NamedTempFile;
 
+use crate::case::{Case, How};
 use crate::errors::{Error, Result};
-use crate::scene::{How, Scene};
 use crate::table::{KeptColumn, Numbers};
 
 /// How often the thread that called looks at signals and shows progress.
@@ -231,7 +231,7 @@ pub(crate) fn table_of(
 #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
 pub(crate) fn solve_many(
     py: Python<'_>,
-    base: &Bound<'_, Scene>,
+    base: &Bound<'_, Case>,
     columns: Vec<(String, Numbers, Vec<usize>)>,
     kept: Vec<(String, Py<KeptColumn>)>,
     len: usize,
@@ -254,7 +254,7 @@ pub(crate) fn solve_many(
 #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
 pub(crate) fn sweep(
     py: Python<'_>,
-    base: &Bound<'_, Scene>,
+    base: &Bound<'_, Case>,
     axes: Vec<String>,
     how: How,
     outputs: Option<Vec<String>>,

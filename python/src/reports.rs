@@ -6,7 +6,7 @@ use bsm_batch::{NumberColumn, TableError, TableSink};
 use bsm_case::{
     Answer, AxisReport, CATALOGUE, Calibration, CaseError, Catalogue, Content, DesignReport,
     EllipseFields, Fit, ManufacturerNut, ManufacturerRow, MotionAnswer, NutFilter, NutProblem,
-    NutReport, Record, RequirementFile, Samples, TableFormat, candidate_scene, column_names,
+    NutReport, Record, RequirementFile, Samples, TableFormat, candidate_case, column_names,
     sheet_columns,
 };
 use bsm_dyn::{Model, ModelWorkspace};
@@ -17,9 +17,9 @@ use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
 use serde_json::{Value, json};
 
+use crate::case::{Case, How};
 use crate::errors::{Error, Result};
 use crate::points::{beside, format_of, watched};
-use crate::scene::{How, Scene};
 use crate::table::{Numbers, shared};
 
 /// A report as JSON, whether it found a result, and warnings.
@@ -42,26 +42,26 @@ fn on_threads<R: Send>(
 ///
 /// * `points`: of the fields over the ellipses, on each semi-axis.
 #[pyfunction]
-#[pyo3(signature = (kind, scene, how, points=0))]
+#[pyo3(signature = (kind, case, how, points=0))]
 pub(crate) fn of_motion(
     py: Python<'_>,
     kind: &str,
-    scene: &Bound<'_, Scene>,
+    case: &Bound<'_, Case>,
     how: How,
     points: u32,
 ) -> Result<Report> {
-    let scene = &scene.get().0;
+    let case = &case.get().0;
     on_threads(py, || {
         let work = &mut ModelWorkspace::default();
-        let MotionAnswer { settings, solution } = MotionAnswer::of(scene, &how.0, work)?;
+        let MotionAnswer { settings, solution } = MotionAnswer::of(case, &how.0, work)?;
         if solution.reason().is_some() {
             let record = Record::new(solution).to_json();
             return Ok((Value::Object(record).to_string(), false, Vec::new()));
         }
         let answer = match kind {
-            "slip" => bsm_case::slip(scene, &settings, &solution)?,
-            "jam" => bsm_case::jam(scene, &solution)?,
-            _ => EllipseFields::of(scene, &settings, &solution, points)?.answer(),
+            "slip" => bsm_case::slip(case, &settings, &solution)?,
+            "jam" => bsm_case::jam(case, &solution)?,
+            _ => EllipseFields::of(case, &settings, &solution, points)?.answer(),
         };
         Ok((answer.to_json().to_string(), true, Vec::new()))
     })
@@ -69,9 +69,9 @@ pub(crate) fn of_motion(
 
 /// Ratings of a nut.
 #[pyfunction]
-pub(crate) fn ratings(py: Python<'_>, scene: &Bound<'_, Scene>) -> Result<Report> {
-    let scene = &scene.get().0;
-    on_threads(py, || Ok(told(&bsm_case::ratings(scene)?)))
+pub(crate) fn ratings(py: Python<'_>, case: &Bound<'_, Case>) -> Result<Report> {
+    let case = &case.get().0;
+    on_threads(py, || Ok(told(&bsm_case::ratings(case)?)))
 }
 
 /// Rows of a table.
@@ -81,18 +81,18 @@ type Lines = Vec<Vec<f64>>;
 #[pyfunction]
 pub(crate) fn nut(
     py: Python<'_>,
-    scene: &Bound<'_, Scene>,
+    case: &Bound<'_, Case>,
     how: How,
 ) -> Result<(Report, Lines, Lines)> {
-    let scene = &scene.get().0;
-    on_threads(py, || match NutProblem::of(scene, &how.0)?.solve() {
+    let case = &case.get().0;
+    on_threads(py, || match NutProblem::of(case, &how.0)?.solve() {
         Ok(report) => {
             let mut answer = report.answer();
-            answer.warnings.splice(0..0, scene.warnings());
+            answer.warnings.splice(0..0, case.warnings());
             Ok((told(&answer), report.balls().rows, report.curve().rows))
         }
         Err(none) => {
-            let answer = Answer { warnings: scene.warnings(), ..NutProblem::unsolved(&none) };
+            let answer = Answer { warnings: case.warnings(), ..NutProblem::unsolved(&none) };
             Ok((told(&answer), Vec::new(), Vec::new()))
         }
     })
@@ -111,14 +111,14 @@ pub(crate) fn nut_columns() -> (NamesAndUnits, NamesAndUnits) {
 #[pyfunction]
 pub(crate) fn nut_samples(
     py: Python<'_>,
-    scene: &Bound<'_, Scene>,
+    case: &Bound<'_, Case>,
     how: How,
     number: u64,
 ) -> Result<Report> {
-    let scene = &scene.get().0;
+    let case = &case.get().0;
     on_threads(py, || {
-        let samples = Samples::of(&NutProblem::of(scene, &how.0)?, number, None)?;
-        Ok(told(&Answer { warnings: scene.warnings(), ..samples.answer() }))
+        let samples = Samples::of(&NutProblem::of(case, &how.0)?, number, None)?;
+        Ok(told(&Answer { warnings: case.warnings(), ..samples.answer() }))
     })
 }
 
@@ -126,17 +126,17 @@ pub(crate) fn nut_samples(
 #[pyfunction]
 pub(crate) fn fit(
     py: Python<'_>,
-    scene: &Bound<'_, Scene>,
+    case: &Bound<'_, Case>,
     how: How,
     input: &str,
     measured: &str,
     range: Option<(f64, f64)>,
 ) -> Result<Report> {
-    let scene = &scene.get().0;
+    let case = &case.get().0;
     on_threads(py, || {
-        let fit = Fit::new(scene, input, range, measured)?;
-        let report = fit.run(scene, &how.0)?;
-        Ok(told(&Answer { warnings: scene.warnings(), ..fit.answer(scene, &report) }))
+        let fit = Fit::new(case, input, range, measured)?;
+        let report = fit.run(case, &how.0)?;
+        Ok(told(&Answer { warnings: case.warnings(), ..fit.answer(case, &report) }))
     })
 }
 
@@ -146,21 +146,21 @@ pub(crate) fn fit(
 #[pyfunction]
 pub(crate) fn fit_table(
     py: Python<'_>,
-    scene: &Bound<'_, Scene>,
+    case: &Bound<'_, Case>,
     how: How,
     inputs: Vec<String>,
     measured: &str,
     table: &[u8],
 ) -> Result<Report> {
-    let scene = &scene.get().0;
+    let case = &case.get().0;
     on_threads(py, || {
-        let fit = Calibration::new(scene, &inputs, measured, table)?;
+        let fit = Calibration::new(case, &inputs, measured, table)?;
         let lost = || Content::Text("", Some(Calibration::LOST.to_owned()));
-        let answer = match fit.run(scene, &how.0)? {
+        let answer = match fit.run(case, &how.0)? {
             Some(report) => fit.answer(&report),
             None => Answer { fails: true, ..Answer::default() }.with("message", lost()),
         };
-        Ok(told(&Answer { warnings: scene.warnings(), ..answer }))
+        Ok(told(&Answer { warnings: case.warnings(), ..answer }))
     })
 }
 
@@ -189,11 +189,11 @@ pub(crate) fn select(
 #[pyfunction]
 pub(crate) fn optimum(
     py: Python<'_>,
-    scene: &Bound<'_, Scene>,
+    case: &Bound<'_, Case>,
     model: Option<&str>,
 ) -> Result<Report> {
-    let scene = &scene.get().0;
-    on_threads(py, || Ok(told(&bsm_case::optimum(scene, model.and_then(Model::from_name))?)))
+    let case = &case.get().0;
+    on_threads(py, || Ok(told(&bsm_case::optimum(case, model.and_then(Model::from_name))?)))
 }
 
 /// The files of a report, by their paths in its folder.
@@ -205,12 +205,12 @@ type Files = Vec<(String, String)>;
 #[pyfunction]
 pub(crate) fn axis(
     py: Python<'_>,
-    scene: &Bound<'_, Scene>,
+    case: &Bound<'_, Case>,
     how: How,
     sheet: bool,
 ) -> Result<(Report, Files)> {
-    let scene = &scene.get().0;
-    let report = on_threads(py, || AxisReport::of(scene, &how.0))?;
+    let case = &case.get().0;
+    let report = on_threads(py, || AxisReport::of(case, &how.0))?;
     let made = || -> Result<Files, ReportError> {
         let (page, results) = (size_page(&report, None)?, size_results(&report));
         report_files(page, &results, &size_figures(&report))
@@ -282,16 +282,16 @@ pub(crate) fn write_numbers(
 /// Name, unit and values of the columns of a table.
 type Table = Vec<(String, &'static str, PyArrowBuffer)>;
 
-/// Nuts as scenes.
+/// Nuts as cases.
 #[pyclass(frozen, module = "ballscrew._core")]
 pub(crate) struct Nuts(Box<dyn Fn(usize) -> Option<Value> + Send + Sync>);
 
 #[pymethods]
 impl Nuts {
     /// The nut of a row, as JSON.
-    fn scene(&self, row: usize) -> Result<String> {
-        let scene = (self.0)(row);
-        scene.map(|scene| scene.to_string()).ok_or_else(|| Error::from(format!("no row {row}")))
+    fn case(&self, row: usize) -> Result<String> {
+        let case = (self.0)(row);
+        case.map(|case| case.to_string()).ok_or_else(|| Error::from(format!("no row {row}")))
     }
 }
 
@@ -340,7 +340,7 @@ pub(crate) fn manufacturers(
     let columns = columns.map(column).collect();
     let names = rows.iter().map(|row| row.name.clone()).collect();
     let passes = rows.iter().filter_map(|row| row.passes).collect();
-    let nuts = Nuts(Box::new(move |row| rows.get(row).map(|row| row.scene.to_json())));
+    let nuts = Nuts(Box::new(move |row| rows.get(row).map(|row| row.case.to_json())));
     Ok((columns, names, passes, nuts))
 }
 
@@ -375,8 +375,8 @@ pub(crate) fn select_nuts(
             .map(|((name, unit), values)| (name, unit, values))
             .collect();
         let nuts = list.nuts(places);
-        let scene = move |row: usize| Some(candidate_scene(nuts.get(row)?, requirement.as_ref()));
-        Ok((columns, Nuts(Box::new(scene))))
+        let case = move |row: usize| Some(candidate_case(nuts.get(row)?, requirement.as_ref()));
+        Ok((columns, Nuts(Box::new(case))))
     })?;
     let column =
         |(name, unit, values): (&str, _, Vec<f64>)| (name.to_owned(), unit, shared(values));

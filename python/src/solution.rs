@@ -14,9 +14,9 @@ use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
 use rayon::prelude::*;
 
+use crate::case::{Case, How, Keywords, keywords};
 use crate::errors::{Error, Result};
 use crate::points::watched;
-use crate::scene::{How, Keywords, Scene, keywords};
 use crate::table::{Numbers, shared};
 
 thread_local! {
@@ -27,7 +27,7 @@ thread_local! {
 /// The answer for one point.
 #[pyclass(frozen, subclass, module = "ballscrew._core")]
 pub(crate) struct Solution {
-    scene: Py<Scene>,
+    case: Py<Case>,
     settings: Settings,
     record: Record,
 }
@@ -35,16 +35,16 @@ pub(crate) struct Solution {
 #[pymethods]
 impl Solution {
     #[new]
-    fn new(scene: Bound<'_, Scene>, how: How) -> Result<Self> {
+    fn new(case: Bound<'_, Case>, how: How) -> Result<Self> {
         let settings = how.0;
-        let problem = scene.get().0.problem(&settings)?;
+        let problem = case.get().0.problem(&settings)?;
         let record = WORK.with_borrow_mut(|work| Record::new(problem.solve(work)));
-        Ok(Self { scene: scene.unbind(), settings, record })
+        Ok(Self { case: case.unbind(), settings, record })
     }
 
     #[getter]
-    fn scene(&self, py: Python<'_>) -> Py<Scene> {
-        self.scene.clone_ref(py)
+    fn case(&self, py: Python<'_>) -> Py<Case> {
+        self.case.clone_ref(py)
     }
 
     /// How it was asked.
@@ -57,12 +57,12 @@ impl Solution {
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
         other.cast::<Self>().is_ok_and(|other| {
             let other = other.get();
-            self.settings == other.settings && self.scene.get().0 == other.scene.get().0
+            self.settings == other.settings && self.case.get().0 == other.case.get().0
         })
     }
 
     fn __hash__(&self) -> u64 {
-        self.scene.get().__hash__()
+        self.case.get().__hash__()
     }
 
     #[getter]
@@ -92,8 +92,8 @@ impl Solution {
 
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        let scene = &self.scene.get().0;
-        scene.warnings().into_iter().chain(self.record.warnings(scene)).collect()
+        let case = &self.case.get().0;
+        case.warnings().into_iter().chain(self.record.warnings(case)).collect()
     }
 
     /// A number by the index of its output; NaN if missing.
@@ -113,18 +113,18 @@ impl Solution {
 
     /// Torque of the whole screw \[N·m\]; NaN without a result.
     fn screw_torque(&self, py: Python<'_>) -> f64 {
-        let parts = py.detach(|| torque_parts(&self.scene.get().0, &self.settings));
+        let parts = py.detach(|| torque_parts(&self.case.get().0, &self.settings));
         parts.ok().flatten().and_then(|parts| parts.torque()).unwrap_or(f64::NAN)
     }
 
     /// As the program prints it with `--show band --json`.
     fn to_json(&self, py: Python<'_>) -> String {
-        let scene = &self.scene.get().0;
-        let (band, parts) = py.detach(|| (self.band(), torque_parts(scene, &self.settings)));
+        let case = &self.case.get().0;
+        let (band, parts) = py.detach(|| (self.band(), torque_parts(case, &self.settings)));
         // Why there are none, the report of the whole nut says.
         let parts = parts.ok().flatten();
         let beside = Supplement { band, parts, sensitivities: None };
-        format!("{:#}", self.record.answer(PROGRAM, scene, &self.settings, &beside).to_json())
+        format!("{:#}", self.record.answer(PROGRAM, case, &self.settings, &beside).to_json())
     }
 }
 
@@ -135,7 +135,7 @@ impl Solution {
 
     /// What the data of a lubricant may do to the answer.
     fn band(&self) -> Option<Band> {
-        let Ok(Problem::Lubricated(problem)) = self.scene.get().0.problem(&self.settings) else {
+        let Ok(Problem::Lubricated(problem)) = self.case.get().0.problem(&self.settings) else {
             return None;
         };
         WORK.with_borrow_mut(|work| {
@@ -150,8 +150,8 @@ type Slopes = (&'static str, f64, f64, Option<f64>, Option<f64>, Option<f64>);
 
 /// Derivatives of efficiency and torque by every input that the model uses; `None` without a solution.
 #[pyfunction]
-pub(crate) fn sensitivities(scene: &Bound<'_, Scene>, how: How) -> Result<Option<Vec<Slopes>>> {
-    let inputs = Sensitivities::of(&scene.get().0, &how.0)?;
+pub(crate) fn sensitivities(case: &Bound<'_, Case>, how: How) -> Result<Option<Vec<Slopes>>> {
+    let inputs = Sensitivities::of(&case.get().0, &how.0)?;
     let answer = WORK.with_borrow_mut(|work| inputs.solve(work));
     let row = |r: bsm_case::Sensitivity| {
         let relative = (r.relative_efficiency, r.relative_torque);
@@ -171,7 +171,7 @@ const SET_BY_OTHERS: [InputKey; 2] = [InputKey::screw_speed_rpm, InputKey::loade
 #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
 pub(crate) fn gradient(
     py: Python<'_>,
-    base: &Bound<'_, Scene>,
+    base: &Bound<'_, Case>,
     columns: Vec<(String, Numbers)>,
     len: usize,
     wrt: Vec<String>,
@@ -185,21 +185,21 @@ pub(crate) fn gradient(
         wrt.iter().map(|name| InputKey::named(name)).collect::<Result<_, CaseError>>()?;
     let named = |(name, values): (String, Numbers)| Ok((InputKey::named(&name)?, values.0));
     let columns: Vec<_> = columns.into_iter().map(named).collect::<Result<_, CaseError>>()?;
-    let scene = |row: usize| {
-        let (mut scene, mut point) = (base.clone(), bsm_case::Scene::default());
+    let case = |row: usize| {
+        let (mut case, mut point) = (base.clone(), bsm_case::Case::default());
         for (key, values) in &columns {
             point[*key] = Some(values[row]);
         }
-        scene.override_with(&point);
-        scene
+        case.override_with(&point);
+        case
     };
-    let sets = |target: InputKey, key: InputKey, scene: &bsm_case::Scene| {
-        let without = |other: InputKey| scene[other].filter(|_| other != key);
-        scene[target].is_none()
-            && following(target, |other| scene[other]).is_some()
+    let sets = |target: InputKey, key: InputKey, case: &bsm_case::Case| {
+        let without = |other: InputKey| case[other].filter(|_| other != key);
+        case[target].is_none()
+            && following(target, |other| case[other]).is_some()
             && following(target, without).is_none()
     };
-    let first = if len > 0 { scene(0) } else { base.clone() };
+    let first = if len > 0 { case(0) } else { base.clone() };
     for key in &keys {
         if first.value_or_default(*key).is_none() {
             let given = first.given();
@@ -218,7 +218,7 @@ pub(crate) fn gradient(
         }
     }
     let point = |row: usize| -> Result<(f64, Vec<f64>), CaseError> {
-        let inputs = Sensitivities::by(&scene(row), &settings, keys.iter().copied().collect());
+        let inputs = Sensitivities::by(&case(row), &settings, keys.iter().copied().collect());
         let inputs = inputs.map_err(|error| if len > 1 { error.in_row(row + 1) } else { error })?;
         let nothing = || (f64::NAN, vec![f64::NAN; keys.len()]);
         let Ok((value, rows)) = WORK.with_borrow_mut(|work| inputs.solve(work)) else {

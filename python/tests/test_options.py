@@ -33,7 +33,7 @@ FUNCTIONS: dict[str, list[Callable[..., Any]]] = {
 
 WITHOUT = {
     "tradeoff": "measures the program on a machine",
-    "view": "a page of its own; a notebook shows scenes, answers and tables",
+    "view": "a page of its own; a notebook shows cases, answers and tables",
     "schema": "INPUTS, OUTPUTS and the types of the package say it",
 }
 
@@ -45,7 +45,7 @@ LEFT_OUT = {
     "json": "reports are mappings, to_json() is of the solution",
     "quiet": "nothing is shown without progress=True",
     "keep-going": "a row has a status",
-    "output": "Table.write(), Nuts.scene(), figures= of what has a page, and what a Report holds",
+    "output": "Table.write(), Nuts.case(), figures= of what has a page, and what a Report holds",
     "dialect": "pandas.read_csv(sep=, decimal=) reads such a table; columns are named in the call",
     "figures": "ballscrew.plot, or any other library, draws the numbers",
     "show": "a function, or an entry of a Report, for each",

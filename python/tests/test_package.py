@@ -31,8 +31,8 @@ FEED_DRIVE = EXAMPLES / "feed_drive.json"
 
 
 @pytest.fixture(scope="module")
-def screw() -> bs.Scene:
-    return bs.Scene.read(FEED_DRIVE)
+def screw() -> bs.Case:
+    return bs.Case.read(FEED_DRIVE)
 
 
 def random_points(rows: int, seed: int) -> dict[str, np.ndarray]:
@@ -44,43 +44,43 @@ def random_points(rows: int, seed: int) -> dict[str, np.ndarray]:
     }
 
 
-# Scenes
+# Cases
 
 
-def test_a_scene_survives_its_round_trips(screw: bs.Scene) -> None:
+def test_a_case_survives_its_round_trips(screw: bs.Case) -> None:
     for other in (
-        bs.Scene.from_json(screw.to_json()),
-        bs.Scene(screw.to_dict()),
-        bs.Scene(**screw),
+        bs.Case.from_json(screw.to_json()),
+        bs.Case(screw.to_dict()),
+        bs.Case(**screw),
         pickle.loads(pickle.dumps(screw)),
         copy.copy(screw),
-        eval(repr(screw), {"Scene": bs.Scene}),
+        eval(repr(screw), {"Case": bs.Case}),
     ):
         assert other == screw
         assert hash(other) == hash(screw)
     assert screw.replace(lead_mm=10) != screw
 
 
-def test_a_lead_replaces_a_lead_angle(screw: bs.Scene) -> None:
+def test_a_lead_replaces_a_lead_angle(screw: bs.Case) -> None:
     other = screw.replace(lead_angle_deg=5.0)
     assert other.lead_mm is None and other.lead_angle_deg == 5.0
 
 
-def test_the_screw_torque_is_that_of_the_program(screw: bs.Scene) -> None:
+def test_the_screw_torque_is_that_of_the_program(screw: bs.Case) -> None:
     loaded = screw.replace(seal_torque_Nm=0.2)
     solution = bs.solve(loaded)
     assert solution.screw_torque_Nm == solution.to_dict()["torque_parts"]["screw_torque_Nm"]
     assert solution.screw_torque_Nm > solution.ball_torque_Nm
     table = bs.solve_many({"axial_load_N": [loaded.axial_load_N]}, loaded, columns=["screw_torque_Nm"])
-    # A row and a scene agree to 1e-10.
+    # A row and a case agree to 1e-10.
     assert table["screw_torque_Nm"][0] == pytest.approx(solution.screw_torque_Nm, rel=1e-10)
 
 
-def test_random_points_are_those_of_the_program(screw: bs.Scene, tmp_path: Path) -> None:
+def test_random_points_are_those_of_the_program(screw: bs.Case, tmp_path: Path) -> None:
     points = bs.draw({"axial_load_N": bs.uniform(1e3, 2e4), "friction_coefficient": bs.normal(0.06, 0.01)}, 50, seed=7)
     table = bs.solve_many(points, screw, columns=["efficiency"], text=True)
     screw.write(tmp_path / "screw.json")
-    assert bs.Scene.read(tmp_path / "screw.json") == screw
+    assert bs.Case.read(tmp_path / "screw.json") == screw
     options = ["--draw", "axial_load_N=uniform:1000:20000", "--draw", "friction_coefficient=normal:0.06:0.01", "--samples", "50",
                "--seed", "7", "--columns", "efficiency", "--quiet", "--keep-going"]
     subprocess.run([program(), "sweep", tmp_path / "screw.json", *options, "-o", tmp_path / "of.csv"], check=True)
@@ -88,13 +88,13 @@ def test_random_points_are_those_of_the_program(screw: bs.Scene, tmp_path: Path)
     assert (tmp_path / "ours.csv").read_bytes() == (tmp_path / "of.csv").read_bytes()
 
 
-def test_properties_have_every_input(screw: bs.Scene) -> None:
+def test_properties_have_every_input(screw: bs.Case) -> None:
     given = screw.to_dict()
     for name in bs.INPUTS:
         assert getattr(screw, name) == given.get(name), name
 
 
-def test_scenes_are_immutable(screw: bs.Scene) -> None:
+def test_cases_are_immutable(screw: bs.Case) -> None:
     with pytest.raises(AttributeError):
         screw.lead_mm = 3.0  # type: ignore[misc]
 
@@ -104,13 +104,13 @@ def test_scenes_are_immutable(screw: bs.Scene) -> None:
 
 def test_an_unknown_input_names_the_nearest() -> None:
     with pytest.raises(bs.InputError, match="lead_mm") as caught:
-        bs.Scene(lead_mn=3)  # type: ignore[call-arg]
+        bs.Case(lead_mn=3)  # type: ignore[call-arg]
     assert (caught.value.key, caught.value.nearest) == ("lead_mn", "lead_mm")
 
 
 def test_a_broken_rule_names_key_value_and_rule() -> None:
     with pytest.raises(bs.InputError) as caught:
-        bs.Scene(ball_diameter_mm=-1)
+        bs.Case(ball_diameter_mm=-1)
     error = caught.value
     assert (error.key, error.value, error.rule) == ("ball_diameter_mm", -1.0, "a finite number > 0")
     assert isinstance(error, ValueError)
@@ -124,12 +124,12 @@ def test_missing_inputs_are_named() -> None:
 @pytest.mark.parametrize("value", ["6.35", True, [1.0, 2.0], object()])
 def test_what_is_no_number_is_refused(value: object) -> None:
     with pytest.raises(bs.InputError) as caught:
-        bs.Scene(ball_diameter_mm=value)  # type: ignore[arg-type]
+        bs.Case(ball_diameter_mm=value)  # type: ignore[arg-type]
     assert caught.value.key == "ball_diameter_mm"
 
 
-def test_a_point_without_solution_raises_with_its_answer(screw: bs.Scene) -> None:
-    # As the first scene of the guide on limits: the lead is too small for this friction.
+def test_a_point_without_solution_raises_with_its_answer(screw: bs.Case) -> None:
+    # As the first case of the guide on limits: the lead is too small for this friction.
     locked = screw.replace(lead_angle_deg=0.5, friction_coefficient=0.3)
     answer = bs.solve(locked, model="rigid", check=False)
     assert answer.status == "no_solution" and math.isnan(answer.efficiency)
@@ -139,7 +139,7 @@ def test_a_point_without_solution_raises_with_its_answer(screw: bs.Scene) -> Non
     assert str(answer.message) in str(caught.value)
 
 
-def test_a_wrong_row_is_named(screw: bs.Scene) -> None:
+def test_a_wrong_row_is_named(screw: bs.Case) -> None:
     with pytest.raises(bs.InputError) as caught:
         bs.solve_many({"axial_load_N": [2e3, "much", 8e3]}, screw)
     assert (caught.value.key, caught.value.row) == ("axial_load_N", 1)
@@ -147,11 +147,11 @@ def test_a_wrong_row_is_named(screw: bs.Scene) -> None:
         bs.gradient({"axial_load_N": [2e3, 8e3, -1.0]}, "efficiency", ["lead_mm"], screw)
     assert (caught.value.key, caught.value.value, caught.value.row) == ("axial_load_N", -1.0, 2)
     with pytest.raises(bs.InputError) as caught:
-        bs.Scene(screw, axial_load_N=-1)
+        bs.Case(screw, axial_load_N=-1)
     assert caught.value.row is None
 
 
-def test_words_of_auto_are_kept_if_asked_for(screw: bs.Scene) -> None:
+def test_words_of_auto_are_kept_if_asked_for(screw: bs.Case) -> None:
     points = {"axial_load_N": [8e3, -1.0]}
     quiet, told = (bs.solve_many(points, screw, text=text) for text in (False, True))
     assert quiet.message(0) is None and "rolling, skid onset" in (told.message(0) or "")
@@ -161,7 +161,7 @@ def test_words_of_auto_are_kept_if_asked_for(screw: bs.Scene) -> None:
 # One point
 
 
-def test_properties_have_every_output(screw: bs.Scene) -> None:
+def test_properties_have_every_output(screw: bs.Case) -> None:
     answer = bs.solve(screw, model="traction")
     values = answer.to_dict()
     for name, quantity in bs.OUTPUTS.items():
@@ -171,8 +171,8 @@ def test_properties_have_every_output(screw: bs.Scene) -> None:
             assert (None if missing else value) == values[name], name
 
 
-def test_representations_are_short_and_escaped(screw: bs.Scene) -> None:
-    named = bs.Scene(screw, description="<b>a & b</b>")
+def test_representations_are_short_and_escaped(screw: bs.Case) -> None:
+    named = bs.Case(screw, description="<b>a & b</b>")
     assert "<b>" not in named._repr_html_() and "&lt;b&gt;" in named._repr_html_()
     table = bs.solve_many(random_points(1000, 1), screw)
     for shown in (named._repr_html_(), bs.solve(screw)._repr_html_(), table._repr_html_()):
@@ -182,13 +182,13 @@ def test_representations_are_short_and_escaped(screw: bs.Scene) -> None:
 
 def test_a_report_is_shown_with_what_it_holds() -> None:
     """A notebook showed of `axis` that it passes, and nothing else."""
-    shown = bs.axis(bs.Scene.read(EXAMPLES / "axis.json"))._repr_html_()
+    shown = bs.axis(bs.Case.read(EXAMPLES / "axis.json"))._repr_html_()
     assert "buckling_safety" in shown and "screw_mass_kg" in shown and len(shown) < 20_000
     shown = bs.select(EXAMPLES / "requirements" / "axis.json")._repr_html_()
     assert "<th>step</th>" in shown and "ball_diameter_mm" in shown and len(shown) < 20_000
 
 
-def test_what_new_users_write_is_answered_in_words(screw: bs.Scene) -> None:
+def test_what_new_users_write_is_answered_in_words(screw: bs.Case) -> None:
     points: Any = {"screw_speed_rpm": [100.0, 200.0]}
     with pytest.raises(bs.InputError, match=r"columns takes a list of names, such as \['efficiency'\]"):
         bs.solve_many(points, screw, columns="efficiency")  # type: ignore[arg-type]
@@ -198,7 +198,7 @@ def test_what_new_users_write_is_answered_in_words(screw: bs.Scene) -> None:
         bs.sweep(screw, vary={"lead_mm": 10})  # type: ignore[dict-item]
     with pytest.raises(TypeError, match="there is no keyword `tolerence`, did you mean `tolerance`"):
         bs.solve_many(points, screw, tolerence=1e-3)  # type: ignore[call-arg]
-    with pytest.raises(bs.InputError, match=r"Scene.read\(path\) reads a file"):
+    with pytest.raises(bs.InputError, match=r"Case.read\(path\) reads a file"):
         bs.solve("examples/feed_drive.json")  # type: ignore[arg-type]
     for frame in ({**points, "name": ["a", "b"]}, pl.DataFrame({**points, "name": ["a", "b"]})):
         with pytest.raises(bs.InputError, match="column `name` holds") as refused:
@@ -219,7 +219,7 @@ def test_what_new_users_write_is_answered_in_words(screw: bs.Scene) -> None:
     with pytest.raises(bs.InputError, match="did you mean `efficiency`"):
         bs.gradient(points, "efficency", ["lead_mm"], screw)  # type: ignore[arg-type]
     with pytest.raises(KeyError, match=r"it is in \['results'\]"):
-        bs.axis(bs.Scene.read(EXAMPLES / "axis.json"))["critical_speed_rpm"]
+        bs.axis(bs.Case.read(EXAMPLES / "axis.json"))["critical_speed_rpm"]
     with pytest.raises(KeyError) as caught:
         bs.solve_many(points, screw)["regime"]
     assert len(str(caught.value)) < 300
@@ -230,19 +230,19 @@ def test_what_new_users_write_is_answered_in_words(screw: bs.Scene) -> None:
 
 
 @pytest.mark.parametrize("model", bs.MODELS)
-def test_many_points_are_as_single_ones(screw: bs.Scene, model: str) -> None:
+def test_many_points_are_as_single_ones(screw: bs.Case, model: str) -> None:
     points = random_points(40, 7)
     table = bs.solve_many(points, screw, model=model)  # type: ignore[arg-type]
     for row in range(len(table)):
-        point = bs.Scene(screw.to_dict() | {name: float(values[row]) for name, values in points.items()})
+        point = bs.Case(screw.to_dict() | {name: float(values[row]) for name, values in points.items()})
         answer = bs.solve(point, model=model, check=False)  # type: ignore[arg-type]
         assert table.status[row] == answer.status
         if answer.converged:
-            # What the program promises of a row and a scene with the same numbers.
+            # What the program promises of a row and a case with the same numbers.
             assert table["efficiency"][row] == pytest.approx(answer.efficiency, rel=1e-10)
 
 
-def test_every_kind_of_frame_gives_the_same(screw: bs.Scene) -> None:
+def test_every_kind_of_frame_gives_the_same(screw: bs.Case) -> None:
     pl, pa, pd = (pytest.importorskip(name) for name in ("polars", "pyarrow", "pandas"))
     points = random_points(1000, 5)
     expected = bs.solve_many(points, screw, columns=["efficiency"])
@@ -254,7 +254,7 @@ def test_every_kind_of_frame_gives_the_same(screw: bs.Scene) -> None:
             assert table["efficiency"].tobytes() == expected["efficiency"].tobytes()
 
 
-def test_frames_come_out_alike(screw: bs.Scene) -> None:
+def test_frames_come_out_alike(screw: bs.Case) -> None:
     pytest.importorskip("polars"), pytest.importorskip("pyarrow"), pytest.importorskip("pandas")
     outputs = ["efficiency", "controlling_raceway", "self_locking"]
     table = bs.solve_many(random_points(300, 9), screw, model="raceway-control", columns=outputs)  # type: ignore[arg-type]
@@ -270,7 +270,7 @@ def test_frames_come_out_alike(screw: bs.Scene) -> None:
     assert list(pandas["model"].cat.categories) == list(bs.MODELS)
 
 
-def test_pandas_needs_no_pyarrow(screw: bs.Scene) -> None:
+def test_pandas_needs_no_pyarrow(screw: bs.Case) -> None:
     pd = pytest.importorskip("pandas")
 
     class Alone:
@@ -293,7 +293,7 @@ def test_pandas_needs_no_pyarrow(screw: bs.Scene) -> None:
         assert repr(ours.to_dict()) == repr(same.to_dict())
 
 
-def test_kept_columns_keep_their_types(tmp_path: Path, screw: bs.Scene) -> None:
+def test_kept_columns_keep_their_types(tmp_path: Path, screw: bs.Case) -> None:
     """Audit, users 8: an id and a date came out as texts."""
     import datetime
 
@@ -331,7 +331,7 @@ def test_kept_columns_keep_their_types(tmp_path: Path, screw: bs.Scene) -> None:
         bs.solve_many(pl.DataFrame({"l": [[1], [2]], "axial_load_N": [2e3, 3e3]}), screw, keep=["l"])
 
 
-def test_nan_is_never_the_value_of_the_base(screw: bs.Scene) -> None:
+def test_nan_is_never_the_value_of_the_base(screw: bs.Case) -> None:
     pl = pytest.importorskip("polars")
     frame = pl.DataFrame({"axial_load_N": [8000.0, None, math.nan]})
     table = bs.solve_many(frame, screw)
@@ -341,7 +341,7 @@ def test_nan_is_never_the_value_of_the_base(screw: bs.Scene) -> None:
     assert table["status"].tolist() == ["converged", "converged", "invalid_input"]
 
 
-def test_all_forms_of_arrays(screw: bs.Scene) -> None:
+def test_all_forms_of_arrays(screw: bs.Case) -> None:
     loads = np.arange(2000, 12000, 500)
     expected = bs.solve_many({"axial_load_N": loads.astype(float)}, screw)["efficiency"].tobytes()
     wide = np.zeros((len(loads), 2))
@@ -360,7 +360,7 @@ def test_all_forms_of_arrays(screw: bs.Scene) -> None:
         bs.solve_many({"axial_lod_N": loads}, screw)
 
 
-def test_tables_can_be_pickled(screw: bs.Scene) -> None:
+def test_tables_can_be_pickled(screw: bs.Case) -> None:
     points = random_points(300, 11)
     points["axial_load_N"][7] = -1.0
     grid = bs.sweep(screw, vary={"screw_speed_rpm": [500.0, 1500.0]}, columns=["efficiency"])
@@ -376,15 +376,15 @@ def test_tables_can_be_pickled(screw: bs.Scene) -> None:
 
 
 def _solved(load: float) -> bs.Solution:
-    return bs.solve(bs.Scene.read(FEED_DRIVE), axial_load_N=load)
+    return bs.solve(bs.Case.read(FEED_DRIVE), axial_load_N=load)
 
 
 def _unsolved(friction: float) -> bs.Solution:
-    scene = bs.Scene.read(FEED_DRIVE)
-    return bs.solve(scene, model="rigid", lead_angle_deg=0.5, friction_coefficient=friction)
+    case = bs.Case.read(FEED_DRIVE)
+    return bs.solve(case, model="rigid", lead_angle_deg=0.5, friction_coefficient=friction)
 
 
-def test_results_cross_processes_and_compare(screw: bs.Scene) -> None:
+def test_results_cross_processes_and_compare(screw: bs.Case) -> None:
     solution = bs.solve(screw, model="traction", accuracy=1e-6)
     for other in (pickle.loads(pickle.dumps(solution)), copy.copy(solution), copy.deepcopy(solution)):
         assert type(other) is bs.Solution and other == solution and hash(other) == hash(solution)
@@ -403,7 +403,7 @@ def test_results_cross_processes_and_compare(screw: bs.Scene) -> None:
         assert caught.value.solution.status == "no_solution"
 
 
-def test_none_leaves_an_input_out(screw: bs.Scene) -> None:
+def test_none_leaves_an_input_out(screw: bs.Case) -> None:
     assert screw.friction_coefficient is not None
     bare = screw.replace(friction_coefficient=None)
     assert bare.friction_coefficient is None and bare.axial_load_N == screw.axial_load_N
@@ -411,7 +411,7 @@ def test_none_leaves_an_input_out(screw: bs.Scene) -> None:
         bs.solve(screw, friction_coefficient=None)
 
 
-def test_misspelt_outputs_name_the_nearest(screw: bs.Scene) -> None:
+def test_misspelt_outputs_name_the_nearest(screw: bs.Case) -> None:
     with pytest.raises(AttributeError, match="did you mean `efficiency`"):
         _ = bs.solve(screw).effciency  # type: ignore[attr-defined]
     table = bs.sweep(screw, vary={"screw_speed_rpm": [500.0, 1500.0]}, columns=["efficiency"])
@@ -422,12 +422,12 @@ def test_misspelt_outputs_name_the_nearest(screw: bs.Scene) -> None:
 
 
 @pytest.mark.parametrize("rows", [0, 1])
-def test_tables_of_no_row_and_of_one(screw: bs.Scene, rows: int) -> None:
+def test_tables_of_no_row_and_of_one(screw: bs.Case, rows: int) -> None:
     table = bs.solve_many({"axial_load_N": np.full(rows, 8000.0)}, screw)
     assert len(table) == rows == len(table["efficiency"]) == len(table.status)
 
 
-def test_views_outlive_their_table_and_cannot_be_written(screw: bs.Scene) -> None:
+def test_views_outlive_their_table_and_cannot_be_written(screw: bs.Case) -> None:
     table = bs.solve_many(random_points(5000, 2), screw, model="rigid", columns=["efficiency"])
     view = table["efficiency"]
     kept = view.copy()
@@ -437,14 +437,14 @@ def test_views_outlive_their_table_and_cannot_be_written(screw: bs.Scene) -> Non
         view[0] = 1.0
 
 
-def test_doubles_are_read_in_place(screw: bs.Scene) -> None:
+def test_doubles_are_read_in_place(screw: bs.Case) -> None:
     loads = np.full(500, 8000.0)
     table = bs.solve_many({"axial_load_N": loads}, screw)
     assert np.shares_memory(table["axial_load_N"], loads)
     assert loads.flags.writeable and not table["axial_load_N"].flags.writeable
 
 
-def test_unknown_outputs_name_the_nearest(screw: bs.Scene) -> None:
+def test_unknown_outputs_name_the_nearest(screw: bs.Case) -> None:
     with pytest.raises(bs.InputError) as caught:
         bs.solve_many({"axial_load_N": [1.0]}, screw, columns=["efficency"])  # type: ignore[list-item]
     assert caught.value.nearest == "efficiency"
@@ -458,7 +458,7 @@ def test_unknown_outputs_name_the_nearest(screw: bs.Scene) -> None:
 )
 def test_efficiency_is_output_over_input_power(load: float, speed: float, friction: float) -> None:
     answer = bs.solve(
-        bs.Scene.read(FEED_DRIVE), model="raceway-control", check=False, axial_load_N=load, screw_speed_rpm=speed,
+        bs.Case.read(FEED_DRIVE), model="raceway-control", check=False, axial_load_N=load, screw_speed_rpm=speed,
         friction_coefficient=friction,
     )
     if answer.converged:
@@ -469,7 +469,7 @@ def test_efficiency_is_output_over_input_power(load: float, speed: float, fricti
 # Grids
 
 
-def test_a_grid_is_labelled(screw: bs.Scene) -> None:
+def test_a_grid_is_labelled(screw: bs.Case) -> None:
     xr = pytest.importorskip("xarray")
     vary = {"screw_speed_rpm": bs.linspace(100, 3000, 5), "axial_load_N": [2e3, 8e3, 1.6e4]}
     grid = bs.sweep(screw, vary=vary, columns=["efficiency"])
@@ -487,15 +487,15 @@ def test_a_grid_is_labelled(screw: bs.Scene) -> None:
 # Units
 
 
-def test_a_name_may_have_another_unit(screw: bs.Scene) -> None:
-    assert bs.Scene(screw, axial_load_kN=7.5).axial_load_N == 7500.0  # type: ignore[call-arg]
+def test_a_name_may_have_another_unit(screw: bs.Case) -> None:
+    assert bs.Case(screw, axial_load_kN=7.5).axial_load_N == 7500.0  # type: ignore[call-arg]
     ours = bs.solve_many({"axial_load_kN": [2.0, 8.0]}, screw, columns=["efficiency"])
     same = bs.solve_many({"axial_load_N": [2000.0, 8000.0]}, screw, columns=["efficiency"])
     assert ours["efficiency"].tobytes() == same["efficiency"].tobytes()
     assert ours.column_names[0] == "axial_load_kN" and ours["axial_load_kN"].tolist() == [2.0, 8.0]
 
 
-def test_quantities_of_pint_are_converted(screw: bs.Scene) -> None:
+def test_quantities_of_pint_are_converted(screw: bs.Case) -> None:
     pint = pytest.importorskip("pint")
     unit = pint.UnitRegistry()
     found = screw.replace(axial_load_N=8 * unit.kN, screw_speed_rpm=25 * unit.Hz * 2 * math.pi * unit.rad)
@@ -514,7 +514,7 @@ def test_quantities_of_pint_are_converted(screw: bs.Scene) -> None:
 # Derivatives
 
 
-def test_exact_derivatives_are_those_of_differences(screw: bs.Scene) -> None:
+def test_exact_derivatives_are_those_of_differences(screw: bs.Case) -> None:
     wrt = ["friction_coefficient", "lead_mm", "axial_load_N"]
     points = {name: getattr(screw, name) for name in wrt}
     # Differences of raceway control contain those of its coarse sums, 6e-5; its derivatives are of finer ones.
@@ -529,7 +529,7 @@ def test_exact_derivatives_are_those_of_differences(screw: bs.Scene) -> None:
     assert many.shape == (2,) and slopes.shape == (2, 1)
 
 
-def test_many_gradients_are_those_of_single_points(screw: bs.Scene) -> None:
+def test_many_gradients_are_those_of_single_points(screw: bs.Case) -> None:
     wrt = ["lead_mm", "axial_load_N", "nut_conformity"]
     loads = np.linspace(1e3, 2e4, 50)
     values, slopes = bs.gradient({"axial_load_N": loads, "lead_mm": 15.0}, "ball_torque_Nm", wrt, screw)
@@ -538,8 +538,8 @@ def test_many_gradients_are_those_of_single_points(screw: bs.Scene) -> None:
         assert value == values[row] and (slope == slopes[row]).all()
 
 
-def test_a_gradient_says_what_it_cannot_see(screw: bs.Scene) -> None:
-    fed = bs.Scene({name: value for name, value in screw.items() if name != "screw_speed_rpm"}, feed_m_min=30)
+def test_a_gradient_says_what_it_cannot_see(screw: bs.Case) -> None:
+    fed = bs.Case({name: value for name, value in screw.items() if name != "screw_speed_rpm"}, feed_m_min=30)
     with pytest.raises(bs.InputError, match="screw_speed_rpm"):
         bs.gradient({"lead_mm": 20.0}, "efficiency", ["lead_mm"], fed)
     _, slope = bs.gradient({"lead_mm": 20.0}, "efficiency", ["lead_mm"], fed, method="difference")
@@ -548,13 +548,13 @@ def test_a_gradient_says_what_it_cannot_see(screw: bs.Scene) -> None:
         bs.gradient({"lead_mm": 20.0}, "nut_normal_load_N", ["lead_mm"], screw)
 
 
-def test_sensitivities_are_sorted(screw: bs.Scene) -> None:
+def test_sensitivities_are_sorted(screw: bs.Case) -> None:
     table = bs.sensitivities(screw)
     sizes = np.abs(table["efficiency_relative"])
     assert (np.diff(sizes[~np.isnan(sizes)]) <= 0).all()
 
 
-def test_curves_of_a_grid_are_a_line_for_each_value(screw: bs.Scene) -> None:
+def test_curves_of_a_grid_are_a_line_for_each_value(screw: bs.Case) -> None:
     """Audit, users 25: without `by` one zigzag line ran through both axes."""
     loads, speeds = [2000.0, 4000.0, 8000.0], [500.0, 1500.0]
     grid = bs.sweep(screw, vary={"axial_load_N": loads, "screw_speed_rpm": speeds}, columns=["efficiency"])
@@ -569,7 +569,7 @@ def test_curves_of_a_grid_are_a_line_for_each_value(screw: bs.Scene) -> None:
 def test_ctrl_c_ends_a_run_at_once(model: str) -> None:
     code = (
         "import ballscrew as bs, numpy as np, time\n"
-        f"s = bs.Scene.read({str(FEED_DRIVE)!r})\n"
+        f"s = bs.Case.read({str(FEED_DRIVE)!r})\n"
         "n = 20_000_000\n"
         "loads = np.linspace(1e3, 1e4, n)\n"
         "print('begun', flush=True)\n"
@@ -591,7 +591,7 @@ def test_ctrl_c_ends_a_run_at_once(model: str) -> None:
     assert float(told) - start < 0.7
 
 
-def test_an_error_of_progress_ends_the_run(screw: bs.Scene) -> None:
+def test_an_error_of_progress_ends_the_run(screw: bs.Case) -> None:
     class Enough(Exception):
         pass
 
@@ -602,14 +602,14 @@ def test_an_error_of_progress_ends_the_run(screw: bs.Scene) -> None:
         bs.solve_many(random_points(300_000, 4), screw, model="traction", columns=["efficiency"], progress=stop)
 
 
-def test_progress_ends_with_all_rows(screw: bs.Scene) -> None:
+def test_progress_ends_with_all_rows(screw: bs.Case) -> None:
     seen: list[tuple[int, int]] = []
     bs.solve_many(random_points(100_000, 4), screw, model="raceway-control", columns=["efficiency"],
                   progress=lambda done, total: seen.append((done, total)))
     assert seen[-1] == (100_000, 100_000)
 
 
-def test_threads_of_python_may_solve_together(screw: bs.Scene) -> None:
+def test_threads_of_python_may_solve_together(screw: bs.Case) -> None:
     points = random_points(3000, 6)
     expected = bs.solve_many(points, screw, columns=["efficiency"])["efficiency"].tobytes()
     found: list[bytes] = []
@@ -629,7 +629,7 @@ def test_threads_of_python_may_solve_together(screw: bs.Scene) -> None:
 def test_a_forked_process_solves() -> None:
     code = (
         "import os, ballscrew as bs, numpy as np\n"
-        f"s = bs.Scene.read({str(FEED_DRIVE)!r})\n"
+        f"s = bs.Case.read({str(FEED_DRIVE)!r})\n"
         "run = lambda: bs.solve_many({'axial_load_N': np.linspace(1e3, 1e4, 5000)}, s, columns=['efficiency'])\n"
         "run()\n"
         "child = os.fork()\n"
@@ -640,7 +640,7 @@ def test_a_forked_process_solves() -> None:
     assert subprocess.run([sys.executable, "-W", "ignore", "-c", code], timeout=60).returncode == 0
 
 
-def test_calls_do_not_leak(screw: bs.Scene) -> None:
+def test_calls_do_not_leak(screw: bs.Case) -> None:
     def resident() -> int:
         return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
@@ -654,7 +654,7 @@ def test_calls_do_not_leak(screw: bs.Scene) -> None:
             bs.solve_many(points, screw, model="closed-form", columns=outputs)
             bs.solve(screw, model="closed-form", lead_mm=10.0).to_dict()
             with contextlib.suppress(bs.InputError):
-                bs.Scene(lead_mn=3)  # type: ignore[call-arg]
+                bs.Case(lead_mn=3)  # type: ignore[call-arg]
 
     calls(1000)
     before = resident()

@@ -24,7 +24,7 @@ ROWS = 120
 
 def made(folder: Path, **how: object) -> bs.Plan:
     given = {"vary": VARY, "model": "elastic", "columns": ["efficiency", "ball_torque_Nm"], "rows_per_part": 13, **how}
-    return bs.plan(folder, bs.Scene.read(EXAMPLES / "feed_drive.json"), **given)  # type: ignore[arg-type]
+    return bs.plan(folder, bs.Case.read(EXAMPLES / "feed_drive.json"), **given)  # type: ignore[arg-type]
 
 
 def files(folder: Path) -> dict[str, bytes]:

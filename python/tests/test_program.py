@@ -44,7 +44,7 @@ def plain(report: bs.Report) -> dict[str, Any]:
 def test_solve(name: str, model: str) -> None:
     path = EXAMPLES / f"{name}.json"
     try:
-        answer = bs.solve(bs.Scene.read(path), model=model, check=False)  # type: ignore[arg-type]
+        answer = bs.solve(bs.Case.read(path), model=model, check=False)  # type: ignore[arg-type]
     except bs.InputError as error:
         refused("solve", path, "--model", model, words=str(error))
         return
@@ -53,7 +53,7 @@ def test_solve(name: str, model: str) -> None:
 
 def test_compare() -> None:
     path = EXAMPLES / "feed_drive.json"
-    table = bs.compare(bs.Scene.read(path)).to_dict()
+    table = bs.compare(bs.Case.read(path)).to_dict()
     for row, model in enumerate(told("solve", path, "--model", "all")["models"]):
         for name in ("model", "status", "efficiency", "ball_torque_Nm", "nut_normal_load_N"):
             assert table[name][row] == model[name]
@@ -61,7 +61,7 @@ def test_compare() -> None:
 
 def test_sensitivities() -> None:
     path = EXAMPLES / "feed_drive.json"
-    table = bs.sensitivities(bs.Scene.read(path)).to_dict()
+    table = bs.sensitivities(bs.Case.read(path)).to_dict()
     rows = told("solve", path, "--show", "sensitivities")["sensitivities"]
     assert table["input"] == list(rows)
     assert table["efficiency"] == [row["efficiency"] for row in rows.values()]
@@ -82,9 +82,9 @@ REPORTS: dict[str, list[str]] = {
 @pytest.mark.parametrize("name", ["nut", "axis", "nut_double", "jamming"])
 def test_reports(function: str, name: str) -> None:
     path = EXAMPLES / f"{name}.json"
-    scene = bs.Scene.read(path)
+    case = bs.Case.read(path)
     try:
-        report = getattr(bs, function)(scene)
+        report = getattr(bs, function)(case)
     except bs.InputError as error:
         refused(*REPORTS[function], path, words=str(error))
         return
@@ -96,7 +96,7 @@ def test_reports(function: str, name: str) -> None:
 @pytest.mark.parametrize("name", ["feed_drive", "feed_drive_oil"])
 def test_ellipses(name: str) -> None:
     path = EXAMPLES / f"{name}.json"
-    contacts = bs.ellipses(bs.Scene.read(path), points=7)["contacts"]
+    contacts = bs.ellipses(bs.Case.read(path), points=7)["contacts"]
     expected = told("solve", path, "--show", "ellipses", "--points", "7")["contacts"]
     for contact, fields in zip(contacts, expected, strict=True):
         assert list(contact) == list(fields)
@@ -108,7 +108,7 @@ def test_ellipses(name: str) -> None:
 
 def test_fit() -> None:
     path = EXAMPLES / "feed_drive.json"
-    screw = bs.Scene.read(path)
+    screw = bs.Case.read(path)
     report = bs.fit(screw, {"screw_torque_Nm": 26.0}, model="raceway-control")
     assert plain(report) == told("fit", path, "--measured", "screw_torque_Nm=26", "--model", "raceway-control")
     found = report["found"][0]["friction_coefficient"]
@@ -119,7 +119,7 @@ def test_fit() -> None:
 
 def test_one_coefficient_for_each_contact() -> None:
     path = EXAMPLES / "feed_drive_oil.json"
-    oiled = bs.Scene.read(path)
+    oiled = bs.Case.read(path)
     answer = bs.solve(oiled, model="raceway-control", friction="contact")
     words = ("--model", "raceway-control", "--solver", "friction=contact")
     assert answer.to_dict() == told("solve", path, *words, "--show", "band")
@@ -129,7 +129,7 @@ def test_one_coefficient_for_each_contact() -> None:
         bs.solve_many({"screw_speed_rpm": [1500.0]}, oiled, model="raceway-control", friction="contact"),
         bs.sweep(oiled, vary={"screw_speed_rpm": [1500.0]}, model="raceway-control", friction="contact"),
     ):
-        # What the program promises of a row and a scene with the same numbers.
+        # What the program promises of a row and a case with the same numbers.
         assert table["dissipated_power_W"][0] == pytest.approx(answer.dissipated_power_W, rel=1e-10)
     with pytest.raises(bs.InputError, match="local, contact"):
         bs.solve(oiled, friction="everywhere")  # type: ignore[arg-type]
@@ -137,15 +137,15 @@ def test_one_coefficient_for_each_contact() -> None:
 
 def test_torque_by_its_parts() -> None:
     path = EXAMPLES / "axis.json"
-    answer = bs.solve(bs.Scene.read(path)).to_dict()
+    answer = bs.solve(bs.Case.read(path)).to_dict()
     assert answer == told("solve", path)
-    phase = bs.axis(bs.Scene.read(path))["phases"][0]
+    phase = bs.axis(bs.Case.read(path))["phases"][0]
     assert answer["torque_parts"].items() <= phase.items()
 
 
 def test_the_warm_state_of_an_axis() -> None:
     path = EXAMPLES.parent / "validation" / "published" / "nut" / "feed_axis.json"
-    axis = bs.Scene.read(path)
+    axis = bs.Case.read(path)
     sheet = bs.axis(axis, model="raceway-control", control="nut")["warm"]
     nut = bs.nut(axis, model="raceway-control", control="nut")
     # The nut is solved once more, in the same state.
@@ -156,17 +156,17 @@ def test_the_warm_state_of_an_axis() -> None:
     # It computes 3.3 W/K, and is set at 20 C.
     assert warm > sheet["nut_temperature_C"] > cooled > 20
     # Nothing is asked for, nothing is warm.
-    cold = bs.Scene(axis, warm_state=False, lubricant_temperature_C=40)
+    cold = bs.Case(axis, warm_state=False, lubricant_temperature_C=40)
     assert "warm" not in bs.axis(cold, model="raceway-control", control="nut")
 
 
 def test_a_nut_whose_balls_touch() -> None:
     path = EXAMPLES / "nut_train.json"
-    scene = bs.Scene.read(path)
+    case = bs.Case.read(path)
     expected = told("nut", path, "--model", "traction")
     expected.pop("program", None)
-    assert plain(bs.nut(scene, model="traction")) == expected
-    grid = bs.sweep(scene, vary={"ball_gap_mm": [0.1, 0.3, 1.0]}, model="traction",
+    assert plain(bs.nut(case, model="traction")) == expected
+    grid = bs.sweep(case, vary={"ball_gap_mm": [0.1, 0.3, 1.0]}, model="traction",
                     columns=["needed_gap_mm", "max_push_N", "friction_torque_Nm"])
     # With more room than the balls need none touch.
     assert all(0.3 < gap < 1.0 for gap in grid["needed_gap_mm"])
@@ -178,7 +178,7 @@ def test_a_nut_whose_balls_touch() -> None:
 
 def test_fit_to_measured_points() -> None:
     path, table = EXAMPLES / "feed_drive_oil.json", EXAMPLES / "measured_torque.csv"
-    oiled = bs.Scene.read(path)
+    oiled = bs.Case.read(path)
     words = ("--points", table, "--measured", "screw_torque_Nm", "--input", "boundary_friction_coefficient",
              "--input", "seal_torque_Nm=0:1")
     expected = told("fit", path, *words)
@@ -198,7 +198,7 @@ def test_fit_to_measured_points() -> None:
 
 def test_reports_in_folders(tmp_path: Path) -> None:
     path = EXAMPLES / "axis.json"
-    bs.axis(bs.Scene.read(path), figures=tmp_path / "ours" / "axis")
+    bs.axis(bs.Case.read(path), figures=tmp_path / "ours" / "axis")
     bs.validate(tmp_path / "ours" / "validate")
     for words in (["axis", str(path)], ["validate"]):
         run = subprocess.run([program(), *words, "--figures", tmp_path / "theirs" / words[0]], capture_output=True)
@@ -222,7 +222,7 @@ def test_design(path: Path) -> None:
     standard = bs.select(path, lists="standard")
     assert plain(standard) == told("select", path, "--from", "standard")
     if report.found:
-        assert bs.Scene(report["scene"]).ball_diameter_mm == report["scene"]["ball_diameter_mm"]
+        assert bs.Case(report["case"]).ball_diameter_mm == report["case"]["ball_diameter_mm"]
 
 
 def same_table(ours: Path, theirs: Path) -> None:
@@ -263,22 +263,22 @@ def test_catalog_of_a_requirement(tmp_path: Path) -> None:
 
 
 def picked(tmp_path: Path, *words: str | Path) -> dict[str, Any]:
-    """The scene that the program writes of the first nut."""
+    """The case that the program writes of the first nut."""
     path = tmp_path / "picked.json"
     subprocess.run([program(), "select", *words, "-o", path], capture_output=True, check=True)
     found: dict[str, Any] = json.loads(path.read_text())
     return found
 
 
-def test_a_nut_of_the_catalogue_is_a_scene(tmp_path: Path) -> None:
+def test_a_nut_of_the_catalogue_is_a_case(tmp_path: Path) -> None:
     of_axis = EXAMPLES / "requirements" / "axis.json"
     lead = ["--where", "lead_mm=20", "--sort", "mass_kg"]
     for requirement, words in ((None, lead), (of_axis, [*lead, of_axis])):
         nuts = bs.select_nuts(where=["lead_mm=20"], requirement=requirement, sort="mass_kg", first=2)
-        assert nuts.scene().to_dict() == bs.Scene(picked(tmp_path, *words)).to_dict()
+        assert nuts.case().to_dict() == bs.Case(picked(tmp_path, *words)).to_dict()
         with pytest.raises(IndexError):
-            nuts.scene(2)
-    assert bs.axis(nuts.scene(-1))["results"]["critical_speed_ratio"] == nuts["critical_speed_ratio"][-1]
+            nuts.case(2)
+    assert bs.axis(nuts.case(-1))["results"]["critical_speed_ratio"] == nuts["critical_speed_ratio"][-1]
 
 
 def test_nuts_of_a_manufacturer(tmp_path: Path) -> None:
@@ -289,7 +289,7 @@ def test_nuts_of_a_manufacturer(tmp_path: Path) -> None:
         nuts = bs.select_nuts(manufacturers=path, requirement=requirement)
         rows = told("select", "--from", path, *words)
         assert nuts.to_dict() == {name: [row[name] for row in rows] for name in rows[0]}
-    assert nuts.scene(0).to_dict() == bs.Scene(picked(tmp_path, "--from", path, *words)).to_dict()
+    assert nuts.case(0).to_dict() == bs.Case(picked(tmp_path, "--from", path, *words)).to_dict()
     # With a manufacturer's column names, an unused column, and a gap.
     own = pd.read_csv(path).rename(columns={"nut": "Type", "stiffness_N_um": "K"}).assign(note="of a page")
     own["K"] = own["K"].where(own["Type"] != "R63-20K5-FSC")
@@ -313,7 +313,7 @@ def test_nuts_of_a_manufacturer(tmp_path: Path) -> None:
 
 def test_the_steps_of_a_rating(tmp_path: Path) -> None:
     path = EXAMPLES / "nut.json"
-    nut, preload = bs.Scene.read(path).replace(preload_N=4000), ("--set", "preload_N=4000")
+    nut, preload = bs.Case.read(path).replace(preload_N=4000), ("--set", "preload_N=4000")
     run = subprocess.run([program(), "solve", path, *preload, "--show", "steps", "-o", tmp_path / "rows.csv"], capture_output=True)
     assert run.returncode == 0, run.stderr
     rows = pd.read_csv(tmp_path / "rows.csv")
@@ -334,7 +334,7 @@ def test_validate() -> None:
 def test_a_sweep_has_the_bytes_of_the_program(tmp_path: Path) -> None:
     path = EXAMPLES / "feed_drive.json"
     grid = bs.sweep(
-        bs.Scene.read(path),
+        bs.Case.read(path),
         vary={"screw_speed_rpm": bs.linspace(100, 6000, 300), "axial_load_kN": [2, 4, 8]},
         columns=["efficiency", "controlling_raceway"],
         text=True,
@@ -358,11 +358,11 @@ def test_a_table_of_points_has_the_bytes_of_the_program(tmp_path: Path, model: s
         "screw_speed_rpm": draws.uniform(100, 1500, rows),
         "axial_load_kN": draws.uniform(2, 8, rows),
     }
-    # Rows that no scene may have stay in their place and say why.
+    # Rows that no case may have stay in their place and say why.
     points["axial_load_kN"][[1, 100, rows - 1]] = -1.0
     names = [f"point {row}" for row in range(rows)]
     outputs = ["efficiency", "ball_torque_Nm", "controlling_raceway"]
-    table = bs.solve_many({**points, "name": names}, bs.Scene.read(path), model=model, columns=outputs, keep=["name"], text=True)  # type: ignore[arg-type]
+    table = bs.solve_many({**points, "name": names}, bs.Case.read(path), model=model, columns=outputs, keep=["name"], text=True)  # type: ignore[arg-type]
     assert table.ok.sum() == rows - 3
     given = zip(*points.values(), names, strict=True)
     lines = [",".join([*points, "name"]), *(f"{float(a)!r},{float(b)!r},{name}" for a, b, name in given)]

@@ -2,9 +2,9 @@
 
 import ballscrew as bs
 
-screw = bs.Scene(lead_mm=20)
-bs.Scene(lead_mn=3)  # type: ignore[call-arg]
-bs.Scene(lead_mm="20")  # type: ignore[arg-type]
+screw = bs.Case(lead_mm=20)
+bs.Case(lead_mn=3)  # type: ignore[call-arg]
+bs.Case(lead_mm="20")  # type: ignore[arg-type]
 bs.solve(screw, model="rigit")  # type: ignore[arg-type]
 bs.solve(screw, axial_lod_N=3.0)  # type: ignore[call-arg]
 bs.solve_many({}, screw, columns=["efficency"])  # type: ignore[list-item]

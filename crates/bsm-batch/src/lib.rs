@@ -9,11 +9,11 @@
 //! use std::sync::atomic::AtomicBool;
 //!
 //! use bsm_batch::{Answers, Format, GridSource, Task, Workers};
-//! use bsm_case::{Axis, Grid, Scene, Settings};
+//! use bsm_case::{Axis, Grid, Case, Settings};
 //! use bsm_dyn::Model;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let screw = Scene::from_json(
+//! let screw = Case::from_json(
 //!     br#"{
 //!         "ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.5, "lead_mm": 20,
 //!         "contact_angle_deg": 45, "friction_coefficient": 0.06,

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use arrow_array::Array;
-use bsm_case::{INPUTS, InputKey, InputSet, ModelChoice, Quantity, Scene, Settings, following};
+use bsm_case::{Case, INPUTS, InputKey, InputSet, ModelChoice, Quantity, Settings, following};
 use bsm_dyn::{Lubricant, Model, RacewayFriction};
 use bsm_kernels::{InputColumn, InputColumns, is_plain};
 
@@ -14,9 +14,9 @@ use crate::{Cell, Chunk, Columns};
 enum Origin {
     /// It has none.
     Absent,
-    /// The base scene, or the default.
+    /// The base case, or the default.
     Constant(f64),
-    /// A column, by its place, and what a row without a value takes: that of the base scene, if the other cells of
+    /// A column, by its place, and what a row without a value takes: that of the base case, if the other cells of
     /// the row leave it to that.
     Column(usize, Option<f64>),
     /// Other inputs, of which some are columns.
@@ -27,7 +27,7 @@ enum Origin {
 #[derive(Debug)]
 pub(crate) struct ColumnPlan<'a> {
     pub(crate) model: ModelChoice,
-    base: &'a Scene,
+    base: &'a Case,
     columns: &'a Columns,
     /// Inputs that such a row has.
     given: InputSet,
@@ -37,7 +37,7 @@ pub(crate) struct ColumnPlan<'a> {
 
 impl<'a> ColumnPlan<'a> {
     /// `None` if the model depends on the row, or if something is wrong that every row must tell.
-    pub(crate) fn new(base: &'a Scene, settings: &Settings, columns: &'a Columns) -> Option<Self> {
+    pub(crate) fn new(base: &'a Case, settings: &Settings, columns: &'a Columns) -> Option<Self> {
         settings.check().ok()?;
         if base.asks_warm() {
             return None;

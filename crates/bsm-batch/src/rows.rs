@@ -11,7 +11,7 @@ use arrow_array::{
 };
 use arrow_buffer::NullBuffer;
 use arrow_schema::{DataType, SchemaRef};
-use bsm_case::{CaseError, ModelChoice, OUTPUTS, Output, Scene};
+use bsm_case::{Case, CaseError, ModelChoice, OUTPUTS, Output};
 use bsm_dyn::Status;
 use rayon::prelude::*;
 use serde_json::{Number, Value};
@@ -23,7 +23,7 @@ use crate::{TableError, arrow_column};
 /// A cell of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell<'a> {
-    /// Nothing; of an input, the base scene decides.
+    /// Nothing; of an input, the base case decides.
     Missing,
     /// A number.
     Number(f64),
@@ -127,13 +127,13 @@ impl Chunk {
         }
     }
 
-    /// The scene of a row: `base` with the given cells of the row as settings.
+    /// The case of a row: `base` with the given cells of the row as settings.
     ///
     /// # Errors
     ///
     /// [`CaseError`] for a text in place of a number.
-    pub fn scene(&self, columns: &Columns, base: &Scene, row: usize) -> Result<Scene, CaseError> {
-        let (mut scene, mut settings) = (base.clone(), Scene::default());
+    pub fn case(&self, columns: &Columns, base: &Case, row: usize) -> Result<Case, CaseError> {
+        let (mut case, mut settings) = (base.clone(), Case::default());
         for (place, key) in columns.inputs.iter().enumerate() {
             match self.cell(row, place) {
                 Cell::Number(value) => settings[*key] = Some(value),
@@ -141,8 +141,8 @@ impl Chunk {
                 _ => {}
             }
         }
-        scene.override_with(&settings);
-        Ok(scene)
+        case.override_with(&settings);
+        Ok(case)
     }
 
     /// Gives rows without a value of an input theirs, if that is no NaN.

@@ -309,15 +309,15 @@ impl Run<'_> {
             let verdict = Verdict { model: settings.model, status, has_others: false };
             (Some(verdict), Some(error.to_string()))
         };
-        let scene = match self.chunk.scene(self.solver.columns, base, row) {
-            Ok(scene) => scene,
+        let case = match self.chunk.case(self.solver.columns, base, row) {
+            Ok(case) => case,
             Err(error) => return invalid(&error),
         };
         let (mut verdict, mut motion) = (None, None);
         let solves = self.solver.task.solves();
         let moves = self.solver.analyses.iter().any(|kind| kind.needs_motion());
         if solves && (moves || !by_kernel) {
-            let record = match scene.problem(settings) {
+            let record = match case.problem(settings) {
                 Ok(problem) => Record::new(WORK.with_borrow_mut(|work| problem.solve(work))),
                 Err(error) => return invalid(&error),
             };
@@ -342,7 +342,7 @@ impl Run<'_> {
                 let of_it = |column: &Output| self.outputs.iter().any(|o| o.name == column.name);
                 quantity.columns.iter().any(of_it)
             };
-            match kind.numbers(&scene, settings, motion.as_ref(), wanted) {
+            match kind.numbers(&case, settings, motion.as_ref(), wanted) {
                 Ok(numbers) => {
                     let places = self.outputs.iter().enumerate();
                     let values =

@@ -1,6 +1,6 @@
 //! What is asked of every row of a table.
 
-use bsm_case::{AnalysisKind, CaseError, Grid, InputSet, ModelChoice, Output, Scene, Settings};
+use bsm_case::{AnalysisKind, Case, CaseError, Grid, InputSet, ModelChoice, Output, Settings};
 
 use crate::Columns;
 
@@ -8,7 +8,7 @@ use crate::Columns;
 #[derive(Debug, Clone)]
 pub struct Task {
     /// The inputs that are no columns.
-    pub base: Scene,
+    pub base: Case,
     /// The model and its settings.
     pub settings: Settings,
     /// Outputs to write.
@@ -30,7 +30,7 @@ fn besides(
 
 impl Task {
     /// A task that writes these outputs and watches none.
-    pub fn new(base: Scene, settings: Settings, outputs: Vec<&'static Output>) -> Self {
+    pub fn new(base: Case, settings: Settings, outputs: Vec<&'static Output>) -> Self {
         Self { base, settings, outputs, watched: None, filled: Vec::new() }
     }
 
@@ -65,7 +65,7 @@ impl Task {
     ///
     /// As [`Grid::choose`], and as [`Output::check`].
     pub fn over_grid(
-        base: Scene,
+        base: Case,
         settings: Settings,
         outputs: Vec<&'static Output>,
         watched: Option<&'static Output>,
@@ -90,7 +90,7 @@ impl Task {
     /// [`CaseError::Entry`] if base and columns together lack an input of the model, and those of
     /// [`Output::check`].
     pub fn over_table(
-        base: Scene,
+        base: Case,
         settings: Settings,
         outputs: Vec<&'static Output>,
         columns: &Columns,

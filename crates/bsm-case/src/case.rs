@@ -2,6 +2,7 @@
 
 pub(crate) mod axis;
 pub(crate) mod catalogue;
+pub(crate) mod file;
 pub(crate) mod grid;
 pub(crate) mod manufacturer_sizes;
 pub(crate) mod nut;
@@ -10,5 +11,4 @@ pub(crate) mod rated_nut;
 pub(crate) mod rated_screw;
 pub(crate) mod reader;
 pub(crate) mod requirement;
-pub(crate) mod scene;
 pub(crate) mod warm;

@@ -1,17 +1,17 @@
-//! Vocabulary, units and scene files: what a person reads and writes.
+//! Vocabulary, units and case files: what a person reads and writes.
 //!
-//! The only place that knows millimetres, degrees and rpm. A [`Scene`] is one operating point in
-//! the vocabulary; [`Scene::problem`] turns it into the SI problem of a model, [`Record`] turns
+//! The only place that knows millimetres, degrees and rpm. A [`Case`] is one operating point in
+//! the vocabulary; [`Case::problem`] turns it into the SI problem of a model, [`Record`] turns
 //! the answer back. Ratings, designs, fits and analyses use the same vocabulary; how
 //! anything is solved is not known here: no iteration, no search, no tolerance of one.
 //!
 //! Model `auto` takes the cheapest model that is exact enough:
 //!
 //! ```
-//! use bsm_case::{Record, Scene, Settings};
+//! use bsm_case::{Record, Case, Settings};
 //! use bsm_dyn::{Model, ModelWorkspace};
 //!
-//! let scene = Scene::from_json(
+//! let case = Case::from_json(
 //!     br#"{
 //!         "ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.5, "lead_mm": 20,
 //!         "contact_angle_deg": 45, "nut_conformity": 0.53, "screw_conformity": 0.53,
@@ -19,7 +19,7 @@
 //!         "axial_load_N": 8000, "loaded_balls": 70
 //!     }"#,
 //! )?;
-//! let problem = scene.problem(&Settings::default())?;
+//! let problem = case.problem(&Settings::default())?;
 //! let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
 //!
 //! assert_eq!(record.model(), Model::RacewayControl.into());
@@ -56,7 +56,7 @@ pub use answers::samples::Samples;
 pub use answers::schema::{input_schema, output_schema};
 pub use answers::section::GrooveSection;
 pub use answers::selection::{
-    CATALOGUE, Condition, ListColumn, NutFilter, NutList, candidate_json, candidate_scene,
+    CATALOGUE, Condition, ListColumn, NutFilter, NutList, candidate_case, candidate_json,
 };
 pub use answers::sensitivity::{Sensitivities, Sensitivity};
 pub use answers::slip::slip;
@@ -70,9 +70,9 @@ pub use case::requirement::{REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, Requirement
 pub use vocabulary::answer::{Answer, Column, Content, Criterion, Section, Table, schema_of};
 pub use vocabulary::cells::decimal_number;
 pub use vocabulary::dialect::TableFormat;
-pub use vocabulary::entries::SceneEntries;
+pub use vocabulary::entries::CaseEntries;
 pub use vocabulary::error::{CaseError, Known, brief, printable};
-pub use vocabulary::input::{INPUTS, InputKey, Rule, Scene};
+pub use vocabulary::input::{Case, INPUTS, InputKey, Rule};
 pub use vocabulary::input_set::{InputSet, following};
 pub(crate) use vocabulary::names::nearest;
 pub use vocabulary::names::{entries, nearest_input};

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use bsm_case::{Answer, Scene, printable};
+use bsm_case::{Answer, Case, printable};
 use bsm_report::Figure;
 use serde_json::{Map, Value};
 
@@ -19,11 +19,11 @@ pub(crate) struct Reply {
     pub(crate) title: Option<String>,
     /// The answers; several are members of one JSON object.
     pub(crate) parts: Vec<(&'static str, Answer)>,
-    /// Content of a JSON file, if not the answer: a scene; null if there is none.
-    pub(crate) scene: Option<Value>,
+    /// Content of a JSON file, if not the answer: a case; null if there is none.
+    pub(crate) case: Option<Value>,
     /// Names, units and values of a table, if the answer is one.
     pub(crate) rows: Vec<NumberRow>,
-    /// The scene that tables are made from.
+    /// The case that tables are made from.
     pub(crate) about: Value,
 }
 
@@ -68,9 +68,9 @@ impl Reply {
         Self { parts: vec![("", answer)], ..Self::default() }
     }
 
-    /// One answer about a scene.
-    pub(crate) fn about(scene: &Scene, answer: Answer) -> Self {
-        Self { title: scene.description.as_deref().map(printable), ..Self::of(answer) }
+    /// One answer about a case.
+    pub(crate) fn about(case: &Case, answer: Answer) -> Self {
+        Self { title: case.description.as_deref().map(printable), ..Self::of(answer) }
     }
 
     fn json(&self) -> Value {
@@ -115,7 +115,7 @@ impl Reply {
             match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref()
             {
                 Some("json") => {
-                    let json = self.scene.as_ref().unwrap_or(&json);
+                    let json = self.case.as_ref().unwrap_or(&json);
                     if !json.is_null() {
                         files::write(path, &(pretty_json(json) + "\n"))?;
                     }

@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use bsm_batch::TableFormat;
 use bsm_batch::dataset::sha256;
-use bsm_case::{CaseError, ModelChoice, Rule, Scene, Settings};
+use bsm_case::{Case, CaseError, ModelChoice, Rule, Settings};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 
@@ -21,14 +21,14 @@ const EXIT_CODES: &str = "Exit codes: 0 all solved, all checks passed; 1 files, 
 const FILES: [(&str, &str, &str); 4] = [
     (
         "select",
-        ".json: scene of the screw, or of the first nut; .csv, .xlsx, `-`: the steps; these, .jsonl and .parquet: \
+        ".json: case of the screw, or of the first nut; .csv, .xlsx, `-`: the steps; these, .jsonl and .parquet: \
          the list of nuts",
         "Folder for the figures of Sobolewski (2002), SVG and CSV, with the nuts of the list",
     ),
     (
         "solve",
         ".json: what --json prints; .csv, .xlsx: ratings and their steps",
-        "Folder for figures (SVG and CSV) of sweeps around the scene: slip, jam, optimum",
+        "Folder for figures (SVG and CSV) of sweeps around the case: slip, jam, optimum",
     ),
     (
         "nut",
@@ -62,7 +62,7 @@ pub(crate) fn command() -> clap::Command {
 
 /// Steady motion of the balls of a ball screw: loads, slip, spin, torque, efficiency.
 ///
-/// A scene is a JSON file of inputs whose names carry their units. A feed drive: bsm solve
+/// A case is a JSON file of inputs whose names carry their units. A feed drive: bsm solve
 /// examples/feed_drive.json. Your own screw: copy that file, or change it, such as with --set lead_mm=10 --set
 /// axial_load_kN=5; `bsm schema input` lists all inputs. From a requirement to a screw: bsm select
 /// examples/requirements/axis.json -o screw.json, then bsm axis screw.json.
@@ -77,7 +77,7 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Solve one operating point: motion, slip, jamming, best contact angle, load ratings.
     Solve(SolveArgs),
-    /// All balls of a nut: load sharing, stiffness, preload, life, torque. The nut is a scene as for
+    /// All balls of a nut: load sharing, stiffness, preload, life, torque. The nut is a case as for
     /// --show ratings of bsm solve, with axial_load_N or a preload; docs/guide/nut.md has its other inputs.
     Nut(NutArgs),
     /// The axis around a screw, from a requirement to a calculation sheet: critical speed, buckling, speed number,
@@ -102,7 +102,7 @@ pub(crate) enum Command {
     Validate(ValidateArgs),
     /// Measure time and accuracy of every model and setting on this machine.
     Tradeoff(TradeoffArgs),
-    /// Print the JSON Schema of scenes (input), of results of a point (output), or of what a command prints with
+    /// Print the JSON Schema of cases (input), of results of a point (output), or of what a command prints with
     /// --json; without a name, the names.
     Schema {
         /// Which one.
@@ -121,38 +121,38 @@ pub(crate) enum PartsCommand {
     Check(CheckArgs),
 }
 
-/// A scene with changes.
+/// A case with changes.
 #[derive(Debug, Args)]
-pub(crate) struct SceneArgs {
-    /// Scene file in JSON; `-` reads standard input.
-    #[arg(value_name = "SCENE.json", required_unless_present = "settings")]
-    scene: Option<PathBuf>,
+pub(crate) struct CaseArgs {
+    /// Case file in JSON; `-` reads standard input.
+    #[arg(value_name = "CASE.json", required_unless_present = "settings")]
+    case: Option<PathBuf>,
     /// Set or replace an input; may be repeated, such as --set screw_speed_rpm=3000.
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     settings: Vec<String>,
 }
 
-impl SceneArgs {
-    /// The name of the scene in messages.
+impl CaseArgs {
+    /// The name of the case in messages.
     pub(crate) fn path(&self) -> &Path {
-        self.scene.as_deref().unwrap_or(Path::new("--set"))
+        self.case.as_deref().unwrap_or(Path::new("--set"))
     }
 
-    /// Reads the scene, and applies the changes.
-    pub(crate) fn read(&self) -> Result<Scene, Failure> {
-        files::read_scene(self.scene.as_deref(), &self.settings)
+    /// Reads the case, and applies the changes.
+    pub(crate) fn read(&self) -> Result<Case, Failure> {
+        files::read_case(self.case.as_deref(), &self.settings)
     }
 
     /// Name and SHA-256 of its file; `None` of what was typed or piped.
     pub(crate) fn hash(&self) -> Option<String> {
-        let path = self.scene.as_deref().filter(|path| path.is_file())?;
+        let path = self.case.as_deref().filter(|path| path.is_file())?;
         let name = path.file_name()?.to_string_lossy();
         Some(format!("{name}, SHA-256 {}", sha256(path).ok()?.0))
     }
 
-    /// A complaint about the scene.
+    /// A complaint about the case.
     pub(crate) fn failure(&self) -> impl Fn(CaseError) -> Failure + Copy {
-        |error| Failure::scene(self.path(), &error)
+        |error| Failure::case(self.path(), &error)
     }
 }
 
@@ -322,7 +322,7 @@ pub(crate) enum Show {
 #[derive(Debug, Args)]
 pub(crate) struct SolveArgs {
     #[command(flatten)]
-    pub(crate) scene: SceneArgs,
+    pub(crate) case: CaseArgs,
     /// motion (the default); band: 90 % range of friction from oil, and sensitivities: derivatives by each input, come with
     /// the motion; slip; ellipses: pressure, slip and friction at each point, with -o as a table; jam; optimum of the
     /// contact angle; ratings of the nut; steps to them.
@@ -340,9 +340,9 @@ pub(crate) struct SolveArgs {
 #[derive(Debug, Args)]
 pub(crate) struct ViewArgs {
     #[command(flatten)]
-    pub(crate) scene: SceneArgs,
-    /// Further scenes, side by side with the first.
-    #[arg(value_name = "SCENE.json")]
+    pub(crate) case: CaseArgs,
+    /// Further cases, side by side with the first.
+    #[arg(value_name = "CASE.json")]
     pub(crate) beside: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
@@ -352,8 +352,8 @@ pub(crate) struct ViewArgs {
     /// Start the browser.
     #[arg(long)]
     pub(crate) open: bool,
-    /// PAGE.html: write the page as one file, which needs no server and no network. SCENE.json: where the button "Save
-    /// scene" of the server's page writes the scene; without it the browser saves it.
+    /// PAGE.html: write the page as one file, which needs no server and no network. CASE.json: where the button "Save
+    /// case" of the server's page writes the case; without it the browser saves it.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 }
@@ -368,7 +368,7 @@ pub(crate) enum NutTable {
 #[derive(Debug, Args)]
 pub(crate) struct NutArgs {
     #[command(flatten)]
-    pub(crate) scene: SceneArgs,
+    pub(crate) case: CaseArgs,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
     /// What a table of -o has: a row for each of the balls, or the curve of displacement, stiffness and remaining
@@ -379,7 +379,7 @@ pub(crate) struct NutArgs {
     /// quantiles.
     #[arg(long, value_name = "N", conflicts_with = "figures")]
     pub(crate) samples: Option<u64>,
-    /// Seed of the samples; the seed of the scene unless given.
+    /// Seed of the samples; the seed of the case unless given.
     #[arg(long, value_name = "S", requires = "samples")]
     pub(crate) seed: Option<u64>,
     #[command(flatten)]
@@ -389,11 +389,11 @@ pub(crate) struct NutArgs {
 #[derive(Debug, Args)]
 pub(crate) struct AxisArgs {
     #[command(flatten)]
-    pub(crate) scene: SceneArgs,
+    pub(crate) case: CaseArgs,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
     /// Load cycle: CSV with the columns time_s or share, force_N, feed_m_min or screw_speed_rpm, and acceleration_m_s2, in any unit; in
-    /// place of the cycle of the scene.
+    /// place of the cycle of the case.
     #[arg(long, value_name = "CYCLE.csv")]
     pub(crate) cycle: Option<PathBuf>,
     #[command(flatten)]
@@ -468,10 +468,10 @@ impl SelectArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct SweepArgs {
-    /// Scene in JSON, without the inputs of the points; `-` reads standard input.
-    #[arg(value_name = "SCENE.json", required_unless_present_any = ["settings", "points"])]
-    pub(crate) scene: Option<PathBuf>,
-    /// Set or replace an input of the scene; may be repeated.
+    /// Case in JSON, without the inputs of the points; `-` reads standard input.
+    #[arg(value_name = "CASE.json", required_unless_present_any = ["settings", "points"])]
+    pub(crate) case: Option<PathBuf>,
+    /// Set or replace an input of the case; may be repeated.
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     pub(crate) settings: Vec<String>,
     /// Input on a grid: NAME=START:STOP:COUNT, NAME=START:STOP:COUNT:log or NAME=V1,V2,..; repeated, the last one
@@ -494,7 +494,7 @@ pub(crate) struct SweepArgs {
     /// Seed of the random points.
     #[arg(long, value_name = "S", requires = "draw", default_value_t = 0, help_heading = "Points")]
     pub(crate) seed: u64,
-    /// Table of points, .csv, .jsonl, .parquet or `-`, whose columns are inputs in any unit; the scene fills empty cells.
+    /// Table of points, .csv, .jsonl, .parquet or `-`, whose columns are inputs in any unit; the case fills empty cells.
     #[arg(long, value_name = "TABLE", conflicts_with_all = ["vary", "draw"], help_heading = "Points")]
     pub(crate) points: Option<PathBuf>,
     /// Columns of the table to copy, such as an id.
@@ -620,11 +620,11 @@ pub(crate) struct CheckArgs {
 #[derive(Debug, Args)]
 pub(crate) struct FitArgs {
     #[command(flatten)]
-    pub(crate) scene: SceneArgs,
+    pub(crate) case: CaseArgs,
     /// Output that was measured at this operating point, and its value; with --points its name alone.
     #[arg(long, value_name = "OUTPUT[=VALUE]", allow_hyphen_values = true)]
     pub(crate) measured: String,
-    /// Input to find, and the range to search, which is 1e-4 to 0.5 for friction and a quarter to four times the scene's
+    /// Input to find, and the range to search, which is 1e-4 to 0.5 for friction and a quarter to four times the case's
     /// value for other inputs unless given; with --points it may be repeated.
     #[arg(
         long,
@@ -634,7 +634,7 @@ pub(crate) struct FitArgs {
     )]
     pub(crate) input: Vec<String>,
     /// CSV table of measured points: a column of the output, and columns of inputs, such as screw_speed_rpm,
-    /// axial_load_kN and lubricant_temperature_C; the scene has the rest. -o may be .svg then, measured against fitted.
+    /// axial_load_kN and lubricant_temperature_C; the case has the rest. -o may be .svg then, measured against fitted.
     #[arg(long, value_name = "TABLE.csv")]
     pub(crate) points: Option<PathBuf>,
     #[command(flatten)]

@@ -11,34 +11,34 @@ use crate::files::{self, MOST_OF_A_TABLE, ending_of, read};
 use crate::progress::waiting;
 
 pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
-    let in_file = args.scene.failure();
-    let mut scene = args.scene.read()?;
-    args.out.check(&["json", "html", "dxf", "csv"], &[Some(args.scene.path())])?;
+    let in_file = args.case.failure();
+    let mut case = args.case.read()?;
+    args.out.check(&["json", "html", "dxf", "csv"], &[Some(args.case.path())])?;
     if let Some(table) = &args.cycle {
         let format = args.dialect.read(&["delimiter", "decimal"])?;
         let bytes = read(table, MOST_OF_A_TABLE)?;
         let cycle = PhaseEntry::from_csv(&bytes, &format);
-        scene.nut.cycle = Some(cycle.map_err(|e| Failure::scene(table, &e))?);
+        case.nut.cycle = Some(cycle.map_err(|e| Failure::case(table, &e))?);
     }
     let settings = args.model.settings().map_err(in_file)?;
-    let line = scene.asks_warm().then(|| waiting("warm steady state, its band and its fold"));
-    let report = AxisReport::of(&scene, &settings);
+    let line = case.asks_warm().then(|| waiting("warm steady state, its band and its fold"));
+    let report = AxisReport::of(&case, &settings);
     if let Some(line) = line {
         line.finish_and_clear();
     }
     let report = report.map_err(in_file)?;
     let answer = report.answer.clone().with("program", Content::Json(PROGRAM.into()));
     // A drawing needs the grooves.
-    let drawing = GrooveSection::of(&report.scene).map(|section| groove_dxf(&section));
+    let drawing = GrooveSection::of(&report.case).map(|section| groove_dxf(&section));
     if args.out.output.iter().any(|path| ending_of("-o", path, &["dxf"]).is_ok()) {
-        drawing.as_ref().map_err(|error| Failure::scene(args.scene.path(), error))?;
+        drawing.as_ref().map_err(|error| Failure::case(args.case.path(), error))?;
     }
     for path in args.out.tables() {
         files::write(path, &size_table(&report)?)?;
     }
     let draw = || {
-        let page = Some(size_page(&report, args.scene.hash().as_deref())?);
+        let page = Some(size_page(&report, args.case.hash().as_deref())?);
         Ok(Pictures { figures: size_figures(&report), page, drawing: drawing.ok() })
     };
-    Reply::about(&report.scene, answer).give(&args.out, draw)
+    Reply::about(&report.case, answer).give(&args.out, draw)
 }

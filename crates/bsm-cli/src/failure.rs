@@ -36,15 +36,15 @@ pub(crate) enum Failure {
 }
 
 impl Failure {
-    /// A complaint about a scene, with its file in front.
-    pub(crate) fn scene(path: &Path, error: &CaseError) -> Self {
+    /// A complaint about a case, with its file in front.
+    pub(crate) fn case(path: &Path, error: &CaseError) -> Self {
         if error.is_io() {
             return Self::Files(error.to_string());
         }
         if let CaseError::NoWarmState(_) = error {
             return Self::Check(error.to_string());
         }
-        Self::in_scene(path, &of_input(error))
+        Self::in_case(path, &of_input(error))
     }
 
     /// A complaint about an input of an option, or of a file.
@@ -53,7 +53,7 @@ impl Failure {
     }
 
     /// Bad input with its file in front.
-    pub(crate) fn in_scene(path: &Path, text: &str) -> Self {
+    pub(crate) fn in_case(path: &Path, text: &str) -> Self {
         let name = if path.as_os_str() == "-" {
             "standard input".to_owned()
         } else {
@@ -66,7 +66,7 @@ impl Failure {
     pub(crate) fn table(path: &Path, error: &TableError) -> Self {
         match error {
             TableError::Io(e) => Self::files("read", path, e),
-            other => Self::in_scene(path, &of_table(other)),
+            other => Self::in_case(path, &of_table(other)),
         }
     }
 

@@ -1,4 +1,4 @@
-//! Standard output, scenes, and files that appear only when they are complete.
+//! Standard output, cases, and files that appear only when they are complete.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -6,7 +6,7 @@ use std::io::{self, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use bsm_case::{CaseError, Scene, column_names, exact};
+use bsm_case::{Case, CaseError, column_names, exact};
 use bsm_report::{Figure, report_files};
 use serde_json::Value;
 use tempfile::NamedTempFile;
@@ -24,7 +24,7 @@ const RANDOM: usize = 16;
 /// Characters of a final name that a temporary one repeats: names may have 255 bytes.
 const REPEATED: usize = 40;
 
-/// Bytes of a scene, a requirement or lists of the catalogue; those in use have some kB.
+/// Bytes of a case, a requirement or lists of the catalogue; those in use have some kB.
 const MOST_OF_JSON: u64 = 1 << 20;
 
 /// Bytes of a load cycle or a table of nuts: about a million rows.
@@ -61,7 +61,7 @@ pub(crate) fn read(path: &Path, most: u64) -> Result<Vec<u8>, Failure> {
     if bytes.len() as u64 > most {
         let text =
             format!("is longer than {} MiB, the most that is read of such a file", most >> 20);
-        return Err(Failure::in_scene(path, &text));
+        return Err(Failure::in_case(path, &text));
     }
     Ok(bytes)
 }
@@ -71,17 +71,17 @@ pub(crate) fn names_of_columns(
     map: Option<&Path>,
 ) -> Result<BTreeMap<String, Option<String>>, Failure> {
     let Some(path) = map else { return Ok(BTreeMap::new()) };
-    column_names(&read_json(path)?).map_err(|e| Failure::scene(path, &e))
+    column_names(&read_json(path)?).map_err(|e| Failure::case(path, &e))
 }
 
-/// Reads a scene, `-` from standard input and an empty one from nothing, and applies settings.
-pub(crate) fn read_scene(path: Option<&Path>, settings: &[String]) -> Result<Scene, Failure> {
-    let mut scene = match path {
-        Some(path) => Scene::from_json(&read_json(path)?).map_err(|e| Failure::scene(path, &e))?,
-        None => Scene::default(),
+/// Reads a case, `-` from standard input and an empty one from nothing, and applies settings.
+pub(crate) fn read_case(path: Option<&Path>, settings: &[String]) -> Result<Case, Failure> {
+    let mut case = match path {
+        Some(path) => Case::from_json(&read_json(path)?).map_err(|e| Failure::case(path, &e))?,
+        None => Case::default(),
     };
-    scene.apply(settings).map_err(|e: CaseError| Failure::input("--set", &e))?;
-    Ok(scene)
+    case.apply(settings).map_err(|e: CaseError| Failure::input("--set", &e))?;
+    Ok(case)
 }
 
 /// True if a path means a standard stream.

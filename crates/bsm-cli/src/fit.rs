@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bsm_case::{Answer, Calibration, CalibrationReport, CaseError, Fit, Scene, Settings};
+use bsm_case::{Answer, Calibration, CalibrationReport, Case, CaseError, Fit, Settings};
 use bsm_report::{Axis, Curve, Figure, Stroke, number};
 
 use crate::answer::{Pictures, Reply};
@@ -11,49 +11,49 @@ use crate::failure::{Failure, note_unused, of_input};
 use crate::files::{self, MOST_OF_A_TABLE};
 
 pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
-    let scene = args.scene.read()?;
-    let settings = args.model.settings().map_err(args.scene.failure())?;
+    let case = args.case.read()?;
+    let settings = args.model.settings().map_err(args.case.failure())?;
     let endings: &[&'static str] =
         if args.points.is_some() { &["json", "svg", "png"] } else { &["json"] };
-    args.out.check(endings, &[Some(args.scene.path())])?;
+    args.out.check(endings, &[Some(args.case.path())])?;
     let (answer, figures) = match &args.points {
         Some(points) => {
-            let (answer, figure) = to_table(args, points, &scene, &settings)?;
+            let (answer, figure) = to_table(args, points, &case, &settings)?;
             (answer, vec![figure])
         }
         None if args.out.figures.is_some() => {
             let text = "--figures draws measured points against fitted ones; one point has no picture, see --points";
             return Err(Failure::Input(text.to_owned()));
         }
-        None => (to_point(args, &scene, &settings)?, Vec::new()),
+        None => (to_point(args, &case, &settings)?, Vec::new()),
     };
     Reply::of(answer).give(&args.out, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
 /// All values of an input that give one measured output.
-fn to_point(args: &FitArgs, scene: &Scene, settings: &Settings) -> Result<Answer, Failure> {
+fn to_point(args: &FitArgs, case: &Case, settings: &Settings) -> Result<Answer, Failure> {
     let [input] = &args.input[..] else {
         let text = "one measured point gives one --input; several need --points";
         return Err(Failure::Input(text.to_owned()));
     };
     let fit =
-        Fit::new(scene, input, None, &args.measured).map_err(|e| Failure::Input(of_input(&e)))?;
-    note_unused(scene.given());
-    let report = fit.run(scene, settings).map_err(args.scene.failure())?;
-    Ok(fit.answer(scene, &report))
+        Fit::new(case, input, None, &args.measured).map_err(|e| Failure::Input(of_input(&e)))?;
+    note_unused(case.given());
+    let report = fit.run(case, settings).map_err(args.case.failure())?;
+    Ok(fit.answer(case, &report))
 }
 
 /// Inputs that come closest to all points of a table.
 fn to_table(
     args: &FitArgs,
     points: &Path,
-    scene: &Scene,
+    case: &Case,
     settings: &Settings,
 ) -> Result<(Answer, Figure), Failure> {
     let bytes = files::read(points, MOST_OF_A_TABLE)?;
     let usage = |e: CaseError| Failure::input(points.display(), &e);
-    let fit = Calibration::new(scene, &args.input, &args.measured, &bytes[..]).map_err(usage)?;
-    let Some(report) = fit.run(scene, settings).map_err(usage)? else {
+    let fit = Calibration::new(case, &args.input, &args.measured, &bytes[..]).map_err(usage)?;
+    let Some(report) = fit.run(case, settings).map_err(usage)? else {
         return Err(Failure::Check(format!("{}, --input NAME=LOW:HIGH", Calibration::LOST)));
     };
     let figure = figure(&fit, &report);

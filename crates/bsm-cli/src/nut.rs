@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use bsm_batch::NumberColumn;
-use bsm_case::{Columns, NutProblem, Samples, Scene};
+use bsm_case::{Case, Columns, NutProblem, Samples};
 use bsm_report::sheets::nut_figures;
 
 use crate::answer::{Pictures, Reply};
@@ -12,16 +12,16 @@ use crate::failure::Failure;
 use crate::table_job::{form_of, write_numbers};
 
 pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
-    let in_file = args.scene.failure();
-    let scene = args.scene.read()?;
+    let in_file = args.case.failure();
+    let case = args.case.read()?;
     let endings: &[&'static str] = if args.samples.is_some() {
         &["json"]
     } else {
         &["csv", "jsonl", "parquet", "xlsx", "json"]
     };
-    args.out.check(endings, &[Some(args.scene.path())])?;
+    args.out.check(endings, &[Some(args.case.path())])?;
     let settings = args.model.settings().map_err(in_file)?;
-    let problem = NutProblem::of(&scene, &settings).map_err(in_file)?;
+    let problem = NutProblem::of(&case, &settings).map_err(in_file)?;
     let mut figures = Vec::new();
     let mut answer = if let Some(number) = args.samples {
         Samples::of(&problem, number, args.seed).map_err(in_file)?.answer()
@@ -34,7 +34,7 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
                         NutTable::Balls => report.balls(),
                         NutTable::Curve => report.curve(),
                     };
-                    write_columns(path, &table, &scene)?;
+                    write_columns(path, &table, &case)?;
                 }
                 if args.out.figures.is_some() {
                     figures = nut_figures(&report);
@@ -43,14 +43,14 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
             }
         }
     };
-    answer.warnings.splice(0..0, scene.warnings());
-    Reply::about(&scene, answer).give(&args.out, || Ok(Pictures { figures, ..Pictures::default() }))
+    answer.warnings.splice(0..0, case.warnings());
+    Reply::about(&case, answer).give(&args.out, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
-pub(crate) fn write_columns(path: &Path, table: &Columns, scene: &Scene) -> Result<(), Failure> {
+pub(crate) fn write_columns(path: &Path, table: &Columns, case: &Case) -> Result<(), Failure> {
     let named: Vec<_> =
         table.heads.iter().map(|(name, unit)| NumberColumn { name, unit }).collect();
     let values = |column: usize| table.rows.iter().map(|row| row[column]).collect();
     let values = std::iter::once((0..named.len()).map(values).collect());
-    write_numbers(path, form_of(path)?, &named, values, &scene.to_json())
+    write_numbers(path, form_of(path)?, &named, values, &case.to_json())
 }

@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use bsm_batch::NumberColumn;
-use bsm_case::{Catalogue, ListColumn, NutFilter, NutList, candidate_scene};
+use bsm_case::{Catalogue, ListColumn, NutFilter, NutList, candidate_case};
 use bsm_report::sheets::catalogue_figures;
 use serde_json::{Value, json};
 
@@ -36,7 +36,7 @@ pub(crate) fn run(args: &SelectArgs, catalogue: Catalogue) -> Result<(), Failure
     let requirement = requirement(args, &catalogue)?;
     let list = wanted.choose(catalogue, requirement.as_ref());
     if !list.why.is_empty() {
-        let none = Reply { scene: Some(Value::Null), ..Reply::of(list.answer(0)) };
+        let none = Reply { case: Some(Value::Null), ..Reply::of(list.answer(0)) };
         return none.give(&args.out, || Ok(Pictures::default()));
     }
     let figures = match args.out.figures {
@@ -57,8 +57,8 @@ pub(crate) fn run(args: &SelectArgs, catalogue: Catalogue) -> Result<(), Failure
         write_numbers(path, form_of(path)?, &head, parts, &request(args)?)?;
     }
     let picked = list.nuts(&list.chosen[..1]);
-    let scene = picked.first().map(|nut| candidate_scene(nut, requirement.as_ref()));
-    Reply { scene: Some(scene.into()), ..Reply::of(list.answer(first(SHOWN))) }
+    let case = picked.first().map(|nut| candidate_case(nut, requirement.as_ref()));
+    Reply { case: Some(case.into()), ..Reply::of(list.answer(first(SHOWN))) }
         .give(&args.out, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
@@ -71,7 +71,7 @@ fn request(args: &SelectArgs) -> Result<Value, Failure> {
     let json = |path: Option<&Path>| -> Result<Value, Failure> {
         let Some(path) = path else { return Ok(Value::Null) };
         serde_json::from_slice(&files::read_json(path)?)
-            .map_err(|e| Failure::in_scene(path, &e.to_string()))
+            .map_err(|e| Failure::in_case(path, &e.to_string()))
     };
     let lists =
         args.from.as_deref().filter(|path| files::ending_of("--from", path, &["json"]).is_ok());

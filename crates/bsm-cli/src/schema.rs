@@ -33,10 +33,10 @@ const ANSWERS: [(&str, &str, &[&str]); 14] = [
 const OBJECTS: &[(&str, &str)] = &[
     (
         "solve",
-        "@output, program string, inputs scene, settings settings, regime string?, notes texts, warnings texts, \
+        "@output, program string, inputs case, settings settings, regime string?, notes texts, warnings texts, \
          sensitivities? *derivatives, band? band, torque_parts? torque",
     ),
-    ("scene", "@scene?"),
+    ("case", "@case?"),
     (
         "settings",
         "name string, tolerance number, accuracy number, creep number, control string?, friction string",
@@ -76,7 +76,7 @@ const OBJECTS: &[(&str, &str)] = &[
     ("samples", "carried integer, failed integer, quantiles **number, notes texts, warnings texts"),
     (
         "axis",
-        "program string, passes boolean, inputs scene, screw screw, results results, warm? warm, conductances? *conductance, band? *range, rules [rule], \
+        "program string, passes boolean, inputs case, screw screw, results results, warm? warm, conductances? *conductance, band? *range, rules [rule], \
          phases [phase], not_modelled texts, notes texts, warnings texts",
     ),
     ("warm", "@warm"),
@@ -92,7 +92,7 @@ const OBJECTS: &[(&str, &str)] = &[
     ("phase", "@phase, @torques, contacts string, body_axial_N numbers?"),
     (
         "design",
-        "found boolean, reasons texts, steps [step], scene scene, notes texts, warnings texts",
+        "found boolean, reasons texts, steps [step], case case, notes texts, warnings texts",
     ),
     ("step", "step integer, name string, value number?, required string?, passes boolean"),
     ("catalogue", "@catalogue, @sheet?"),
@@ -203,7 +203,7 @@ fn numbers(table: &str) -> Vec<(String, Value)> {
             let properties = all["properties"].as_object().into_iter().flatten();
             properties.map(|(name, schema)| (name.clone(), schema.clone())).collect()
         }
-        "scene" => {
+        "case" => {
             let schema = input_schema();
             let properties = schema["properties"].as_object().into_iter().flatten();
             properties.map(|(name, schema)| (name.clone(), schema.clone())).collect()

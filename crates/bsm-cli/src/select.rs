@@ -47,7 +47,7 @@ impl Source {
         if from == Path::new(STANDARD) {
             return own(Catalogue::standard());
         }
-        let failure = |e: CaseError| Failure::scene(from, &e);
+        let failure = |e: CaseError| Failure::case(from, &e);
         if !is_table {
             return Catalogue::from_json(&read_json(from)?).map(Self::Sizes).map_err(failure);
         }
@@ -88,7 +88,7 @@ pub(crate) fn requirement(
     let Some(path) = &args.requirement else { return Ok(None) };
     let requirement =
         RequirementFile::from_json(&read_json(path)?, &args.settings, catalogue.lists.clone());
-    requirement.map(Some).map_err(|e| Failure::scene(path, &e))
+    requirement.map(Some).map_err(|e| Failure::case(path, &e))
 }
 
 /// The best screw, and the steps that lead to it.
@@ -105,21 +105,21 @@ fn steps(args: &SelectArgs, sizes: &Catalogue) -> Result<(), Failure> {
         );
     }
     let report = of_sizes.unwrap_or_else(|| DesignReport::of(&requirement));
-    let scene = report.scene.to_json();
+    let case = report.case.to_json();
     let row = |row: &DesignRow| Some((row.name, row.unit, row.value?));
     let mut answer = report.answer();
     let is_json = |path: &&PathBuf| ending_of("-o", path, &["json"]).is_ok();
     if report.found {
         let next = match args.out.output.iter().find(is_json) {
             Some(path) => format!("bsm axis {}", path.display()),
-            None => "-o SCREW.json writes the scene for the other commands".to_owned(),
+            None => "-o SCREW.json writes the case for the other commands".to_owned(),
         };
         answer = answer.with_shown(Content::Text("next:", Some(next)));
     }
     let reply = Reply {
         rows: report.rows.iter().filter_map(row).collect(),
-        about: scene.clone(),
-        scene: Some(report.found.then_some(scene).into()),
+        about: case.clone(),
+        case: Some(report.found.then_some(case).into()),
         ..Reply::of(answer)
     };
     reply.give(&args.out, || Ok(Pictures::default()))
@@ -141,7 +141,7 @@ fn keys() -> String {
          stroke_mm or screw_length_mm. friction_coefficient is 0.06 unless given. All rules of bsm axis are limits.\n\
          The design chooses lead_mm or lead_angle_deg, ball_diameter_mm, pitch_circle_diameter_mm,\n\
          contact_angle_deg, nut_conformity and loaded_turns unless given.\n\
-         These are inputs of a scene (bsm schema input), or one of the following keys.\n\n{table}"
+         These are inputs of a case (bsm schema input), or one of the following keys.\n\n{table}"
     )
 }
 
@@ -161,9 +161,9 @@ fn manufacturers(args: &SelectArgs, nuts: &[ManufacturerNut]) -> Result<(), Fail
     let requirement = requirement(args, &sizes)?;
     let path = args.from.as_deref().unwrap_or(Path::new(""));
     let rows = ManufacturerRow::all(nuts, requirement.as_ref())
-        .map_err(|(name, e)| Failure::in_scene(path, &format!("{name}: {e}")))?;
+        .map_err(|(name, e)| Failure::in_case(path, &format!("{name}: {e}")))?;
     let answer = ManufacturerRow::answer(&rows);
     let first = rows.first().filter(|_| !answer.fails);
-    let scene = Some(first.map(|row| row.scene.to_json()).into());
-    Reply { scene, ..Reply::of(answer) }.give(&args.out, || Ok(Pictures::default()))
+    let case = Some(first.map(|row| row.case.to_json()).into());
+    Reply { case, ..Reply::of(answer) }.give(&args.out, || Ok(Pictures::default()))
 }

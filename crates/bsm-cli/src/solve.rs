@@ -1,7 +1,7 @@
 //! `bsm solve`: one operating point, and what follows from it.
 
 use bsm_case::{
-    Answer, CaseError, EllipseFields, ModelChoice, MotionAnswer, Record, Scene, Sensitivities,
+    Answer, Case, CaseError, EllipseFields, ModelChoice, MotionAnswer, Record, Sensitivities,
     Settings, Supplement, comparison, jam, slip, torque_parts,
 };
 use bsm_dyn::{ModelWorkspace, Problem, Solution, Status};
@@ -33,7 +33,7 @@ fn part_of(word: Show) -> Show {
 }
 
 pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
-    let scene = args.scene.read()?;
+    let case = args.case.read()?;
     let is_shown = |(part, _): &(Show, &str)| match args.show[..] {
         [] => *part == Show::Motion,
         _ => args.show.iter().any(|word| part_of(*word) == *part),
@@ -46,7 +46,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         [Show::Ellipses] => &["json", "csv", "jsonl", "parquet", "xlsx"],
         _ => &["json"],
     };
-    args.out.check(endings, &[Some(args.scene.path())])?;
+    args.out.check(endings, &[Some(args.case.path())])?;
     if args.points.is_some() && !shown.contains(&Show::Ellipses) {
         return Err(Failure::Input("--points is of --show ellipses".to_owned()));
     }
@@ -60,38 +60,38 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
             let text = "--model all sets the motion by all models side by side, without --show and --solver";
             return Err(Failure::Input(text.to_owned()));
         }
-        let answer = comparison(&scene).map_err(args.scene.failure())?;
-        return Reply::about(&scene, answer).give(&args.out, || Ok(Pictures::default()));
+        let answer = comparison(&case).map_err(args.case.failure())?;
+        return Reply::about(&case, answer).give(&args.out, || Ok(Pictures::default()));
     }
-    let settings = args.model.settings().map_err(args.scene.failure())?;
+    let settings = args.model.settings().map_err(args.case.failure())?;
     let mut figures = Vec::new();
     let mut parts = Vec::new();
     for (part, name) in named_parts {
         let drawn = args.out.figures.is_some().then_some(&mut figures);
         let answer = match part {
-            Show::Motion | Show::Band | Show::Sensitivities => motion(args, &scene, &settings)?,
-            Show::Slip => analysis(args, &scene, &settings, drawn, slip, Study::slip)?,
-            Show::Ellipses => ellipses(args, &scene, &settings)?,
+            Show::Motion | Show::Band | Show::Sensitivities => motion(args, &case, &settings)?,
+            Show::Slip => analysis(args, &case, &settings, drawn, slip, Study::slip)?,
+            Show::Ellipses => ellipses(args, &case, &settings)?,
             Show::Jam => {
-                let jam = |scene: &_, _: &_, solution: &_| jam(scene, solution);
-                analysis(args, &scene, &settings, drawn, jam, Study::jam)?
+                let jam = |case: &_, _: &_, solution: &_| jam(case, solution);
+                analysis(args, &case, &settings, drawn, jam, Study::jam)?
             }
-            Show::Optimum => optimum(args, &scene, &settings, drawn)?,
-            Show::Ratings | Show::Steps => ratings(args, &scene)?,
+            Show::Optimum => optimum(args, &case, &settings, drawn)?,
+            Show::Ratings | Show::Steps => ratings(args, &case)?,
         };
         parts.push((name, answer));
     }
     let of_ratings = parts.iter().filter(|_| has_rows).flat_map(|(_, ratings)| ratings.entries());
     let rows = of_ratings.map(|(column, value)| (column.name, column.unit, value)).collect();
     let reply =
-        Reply { parts, rows, about: scene.to_json(), ..Reply::about(&scene, Answer::default()) };
+        Reply { parts, rows, about: case.to_json(), ..Reply::about(&case, Answer::default()) };
     reply.give(&args.out, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
 /// The motion, with what is shown besides.
-fn motion(args: &SolveArgs, scene: &Scene, settings: &Settings) -> Result<Answer, Failure> {
-    let in_file = args.scene.failure();
-    let problem = scene.problem(settings).map_err(in_file)?;
+fn motion(args: &SolveArgs, case: &Case, settings: &Settings) -> Result<Answer, Failure> {
+    let in_file = args.case.failure();
+    let problem = case.problem(settings).map_err(in_file)?;
     let mut work = ModelWorkspace::default();
     let solution = problem.solve(&mut work);
     let wants_band = args.show.contains(&Show::Band) || args.show.is_empty() && !args.out.json;
@@ -102,12 +102,12 @@ fn motion(args: &SolveArgs, scene: &Scene, settings: &Settings) -> Result<Answer
         _ => None,
     };
     let (mut notes, mut sensitivities) = (Vec::new(), None);
-    let parts = torque_parts(scene, settings).unwrap_or_else(|why| {
+    let parts = torque_parts(case, settings).unwrap_or_else(|why| {
         notes.push(format!("no screw torque: {why}"));
         None
     });
     if args.show.contains(&Show::Sensitivities) && solution.status() == Status::Converged {
-        let inputs = Sensitivities::of(scene, settings).map_err(in_file)?;
+        let inputs = Sensitivities::of(case, settings).map_err(in_file)?;
         match inputs.solve(&mut work) {
             Ok((_, rows)) => sensitivities = Some(rows),
             Err(none) => {
@@ -118,7 +118,7 @@ fn motion(args: &SolveArgs, scene: &Scene, settings: &Settings) -> Result<Answer
     }
     let lacks = args.show.contains(&Show::Sensitivities) && sensitivities.is_none();
     let mut answer =
-        point(args, scene, settings, solution, &Supplement { band, parts, sensitivities })?;
+        point(args, case, settings, solution, &Supplement { band, parts, sensitivities })?;
     answer.notes.splice(0..0, notes);
     answer.fails |= lacks;
     Ok(answer)
@@ -127,7 +127,7 @@ fn motion(args: &SolveArgs, scene: &Scene, settings: &Settings) -> Result<Answer
 /// A solution, or the reason for none.
 fn point(
     args: &SolveArgs,
-    scene: &Scene,
+    case: &Case,
     settings: &Settings,
     solution: Solution,
     beside: &Supplement,
@@ -135,24 +135,24 @@ fn point(
     let record = Record::new(solution);
     if record.status() == Status::InvalidInput {
         let text = record.message().unwrap_or("the model refuses the input");
-        return Err(Failure::in_scene(args.scene.path(), text));
+        return Err(Failure::in_case(args.case.path(), text));
     }
-    Ok(record.answer(PROGRAM, scene, settings, beside))
+    Ok(record.answer(PROGRAM, case, settings, beside))
 }
 
 /// Slip or jamming of the solved motion, and its sweeps.
 fn analysis(
     args: &SolveArgs,
-    scene: &Scene,
+    case: &Case,
     settings: &Settings,
     figures: Option<&mut Vec<Figure>>,
-    report: impl Fn(&Scene, &Settings, &Solution) -> Result<Answer, CaseError>,
-    study: impl Fn(&Scene, &Settings, &Solution) -> Result<Study, ReportError>,
+    report: impl Fn(&Case, &Settings, &Solution) -> Result<Answer, CaseError>,
+    study: impl Fn(&Case, &Settings, &Solution) -> Result<Study, ReportError>,
 ) -> Result<Answer, Failure> {
-    of_motion(args, scene, settings, |settings, solution| {
-        let answer = report(scene, settings, solution).map_err(args.scene.failure())?;
+    of_motion(args, case, settings, |settings, solution| {
+        let answer = report(case, settings, solution).map_err(args.case.failure())?;
         if let Some(figures) = figures {
-            figures.extend(study(scene, settings, solution)?.figures);
+            figures.extend(study(case, settings, solution)?.figures);
         }
         Ok(answer)
     })
@@ -161,26 +161,26 @@ fn analysis(
 /// What follows from the motion of the ball, or the reason why there is none.
 fn of_motion(
     args: &SolveArgs,
-    scene: &Scene,
+    case: &Case,
     settings: &Settings,
     answer: impl FnOnce(&Settings, &Solution) -> Result<Answer, Failure>,
 ) -> Result<Answer, Failure> {
-    let moving = MotionAnswer::of(scene, settings, &mut ModelWorkspace::default());
-    let MotionAnswer { settings, solution } = moving.map_err(args.scene.failure())?;
+    let moving = MotionAnswer::of(case, settings, &mut ModelWorkspace::default());
+    let MotionAnswer { settings, solution } = moving.map_err(args.case.failure())?;
     if solution.reason().is_some() {
-        return point(args, scene, &settings, solution, &Supplement::default());
+        return point(args, case, &settings, solution, &Supplement::default());
     }
     answer(&settings, &solution)
 }
 
 /// Fields over the contact ellipses, which tables have point by point.
-fn ellipses(args: &SolveArgs, scene: &Scene, settings: &Settings) -> Result<Answer, Failure> {
-    of_motion(args, scene, settings, |settings, solution| {
+fn ellipses(args: &SolveArgs, case: &Case, settings: &Settings) -> Result<Answer, Failure> {
+    of_motion(args, case, settings, |settings, solution| {
         let points = args.points.unwrap_or(EllipseFields::POINTS);
-        let fields = EllipseFields::of(scene, settings, solution, points);
-        let fields = fields.map_err(args.scene.failure())?;
+        let fields = EllipseFields::of(case, settings, solution, points);
+        let fields = fields.map_err(args.case.failure())?;
         for path in args.out.tables() {
-            write_columns(path, &fields.columns(), scene)?;
+            write_columns(path, &fields.columns(), case)?;
         }
         Ok(fields.answer())
     })
@@ -189,7 +189,7 @@ fn ellipses(args: &SolveArgs, scene: &Scene, settings: &Settings) -> Result<Answ
 /// The best contact angle and self-locking limits.
 fn optimum(
     args: &SolveArgs,
-    scene: &Scene,
+    case: &Case,
     settings: &Settings,
     figures: Option<&mut Vec<Figure>>,
 ) -> Result<Answer, Failure> {
@@ -197,15 +197,15 @@ fn optimum(
         ModelChoice::Auto => None,
         ModelChoice::Fixed(model) => Some(model),
     };
-    let answer = bsm_case::optimum(scene, model).map_err(args.scene.failure())?;
+    let answer = bsm_case::optimum(case, model).map_err(args.case.failure())?;
     if let Some(figures) = figures {
-        figures.extend(bsm_report::sheets::lin_figures(scene)?);
+        figures.extend(bsm_report::sheets::lin_figures(case)?);
     }
     Ok(answer)
 }
 
 /// Load ratings of the nut.
-fn ratings(args: &SolveArgs, scene: &Scene) -> Result<Answer, Failure> {
-    let answer = bsm_case::ratings(scene).map_err(args.scene.failure())?;
+fn ratings(args: &SolveArgs, case: &Case) -> Result<Answer, Failure> {
+    let answer = bsm_case::ratings(case).map_err(args.case.failure())?;
     Ok(if args.show.contains(&Show::Steps) { answer } else { answer.hiding("steps") })
 }

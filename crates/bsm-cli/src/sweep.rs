@@ -4,21 +4,21 @@ use std::path::Path;
 
 use bsm_batch::dataset::Points;
 use bsm_batch::{Draws, TableFormat, Task, Workers};
-use bsm_case::{AnalysisKind, CaseError, Grid, InputSet, Output as OutputColumn, Scene, Settings};
+use bsm_case::{AnalysisKind, Case, CaseError, Grid, InputSet, Output as OutputColumn, Settings};
 
 use crate::args::SweepArgs;
 use crate::failure::{Failure, note_unused};
-use crate::files::{self, Output, ending_of, is_stdout, read_scene, write_bytes};
+use crate::files::{self, Output, ending_of, is_stdout, read_case, write_bytes};
 use crate::lookup::Lookup;
 use crate::pictures::{Cells, Curves, Picture};
 use crate::table_job::{Job, is_folder, open, outputs};
 
 pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure> {
-    let scene = args.scene.as_deref();
-    let base = read_scene(scene, &args.settings)?;
-    let path = scene.or(args.points.as_deref()).unwrap_or(Path::new("--set"));
+    let case = args.case.as_deref();
+    let base = read_case(case, &args.settings)?;
+    let path = case.or(args.points.as_deref()).unwrap_or(Path::new("--set"));
     let files = Files::of(args)?;
-    let in_file = |e: CaseError| Failure::scene(path, &e);
+    let in_file = |e: CaseError| Failure::case(path, &e);
     let settings = args.model.settings().map_err(in_file)?;
     let chosen = outputs(args.columns.as_deref())?;
     if let Some(points) = &args.points {
@@ -83,7 +83,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
 fn of_table(
     args: &SweepArgs,
     path: &Path,
-    (base, settings): (Scene, Settings),
+    (base, settings): (Case, Settings),
     outputs: Vec<&'static OutputColumn>,
     files: &Files<'_>,
     workers: &Workers<'_>,
@@ -105,7 +105,7 @@ fn of_table(
     let mut source = open(path, &args.keep, &dialect)?;
     let task = Task::over_table(base, settings, outputs, source.columns()).map_err(|error| {
         let path = path.display();
-        Failure::Input(format!("{path}: {error}; add columns, a scene or --set"))
+        Failure::Input(format!("{path}: {error}; add columns, a case or --set"))
     })?;
     note_unread(&task, source.columns().set());
     let points = Points::Table { path: path.to_owned(), keep: args.keep.clone(), dialect };
@@ -152,8 +152,8 @@ impl<'a> Files<'a> {
             |path: &Path, why: &str| Failure::Input(format!("-o {}: {why}", path.display()));
         for path in &args.output {
             // A table of points may be answered in its place: it is read to its end before.
-            if let Some(scene) = &args.scene {
-                files::keep(scene, Some(path))?;
+            if let Some(case) = &args.case {
+                files::keep(case, Some(path))?;
             }
             let slot = match ending_of("-o", path, &ENDINGS) {
                 Ok("json") => &mut files.about,

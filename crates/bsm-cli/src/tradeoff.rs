@@ -51,7 +51,7 @@ pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
 
 fn read(path: &Path) -> Result<Points, Failure> {
     let mut source = open(path, &[], &TableFormat::default())?;
-    Points::read(source.as_mut()).map_err(|e| Failure::in_scene(path, &e.to_string()))
+    Points::read(source.as_mut()).map_err(|e| Failure::in_case(path, &e.to_string()))
 }
 
 fn describe(measured: &Tradeoff) -> String {

@@ -2,7 +2,7 @@
 
 use crate::OPENS_AT;
 
-/// A preload that a scene asks for.
+/// A preload that a case asks for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Preload {
     /// A force \[N\].

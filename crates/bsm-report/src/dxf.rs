@@ -121,7 +121,7 @@ pub fn groove_dxf(section: &GrooveSection) -> String {
 
 #[cfg(test)]
 mod tests {
-    use bsm_case::Scene;
+    use bsm_case::Case;
 
     use super::*;
 
@@ -143,8 +143,8 @@ mod tests {
     /// Arcs have the radii of the grooves and touch the ball at the contact angle, and end where the lands begin.
     #[test]
     fn arcs_touch_the_ball_at_the_contact_angle() {
-        let scene = include_bytes!("../../../examples/axis.json");
-        let section = GrooveSection::of(&Scene::from_json(scene).expect("a scene"));
+        let case = include_bytes!("../../../examples/axis.json");
+        let section = GrooveSection::of(&Case::from_json(case).expect("a case"));
         let section = section.expect("a groove");
         let all = entities(&groove_dxf(&section));
         assert_eq!(all.last().map(|(kind, _)| kind.as_str()), Some("EOF"));

@@ -10,7 +10,7 @@ mod study;
 mod warm;
 
 pub use catalogue::catalogue_figures;
-pub use lin::{Read, around_scenes, efficiency_as_printed, lin_figures, points};
+pub use lin::{Read, around_cases, efficiency_as_printed, lin_figures, points};
 pub use nut::nut_figures;
 pub use size::{size_figures, size_page, size_results, size_table};
 pub use study::{Course, Study};

@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::{env, fs};
 
-use bsm_case::{Scene, Settings};
+use bsm_case::{Case, Settings};
 use bsm_dyn::{Model, ModelWorkspace, Problem};
 use bsm_kin::{BallFrame, Contact, Helix, Site};
 use nalgebra::{Vector2, Vector3};
@@ -230,9 +230,9 @@ fn contacts() -> Drawing {
 
 /// The ellipse at the screw of Lin's screw and the slip over it, as model traction solves it.
 fn ellipse() -> Result<Drawing, Box<dyn Error>> {
-    let scene = Scene::from_json(include_bytes!("../../../examples/feed_drive.json"))?;
+    let case = Case::from_json(include_bytes!("../../../examples/feed_drive.json"))?;
     let settings: Settings = Model::Traction.into();
-    let problem = scene.problem(&settings)?;
+    let problem = case.problem(&settings)?;
     let Problem::Traction(traction) = problem else { unreachable!("the model was fixed") };
     let solution = problem.solve(&mut ModelWorkspace::default());
     let ball = solution.solved().ok_or("the example has no solution")?.ball;

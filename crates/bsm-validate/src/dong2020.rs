@@ -1,6 +1,6 @@
 //! Trends of Dong et al. (2020), and identities of the contact state and the thrust.
 
-use bsm_case::{Answer, Scene, jam};
+use bsm_case::{Answer, Case, jam};
 use bsm_dyn::{Model, ModelWorkspace};
 use bsm_report::sheets::Study;
 
@@ -10,7 +10,7 @@ const SOURCE: &str = "Dong et al. 2020";
 
 /// All checks of this source.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
-    let scene = published.dong_case.scene()?;
+    let case = published.dong_case.case()?;
     let studies = [
         ("raceway-control-", "", study(published, Model::RacewayControl)?),
         ("traction-", "", study(published, Model::Traction)?),
@@ -21,23 +21,23 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
         &published.dong_trends,
         &studies,
     )?;
-    checks.push(radical(&scene)?);
-    checks.push(printed_radical(&scene)?);
+    checks.push(radical(&case)?);
+    checks.push(printed_radical(&case)?);
     Ok(checks)
 }
 
 /// Their sweeps with a model.
 pub(crate) fn study(published: &PublishedData, model: Model) -> Result<Study, ValidateError> {
-    let scene = published.dong_case.scene()?;
+    let case = published.dong_case.case()?;
     let settings = model.into();
-    let solution = scene.problem(&settings)?.solve(&mut ModelWorkspace::default());
-    Ok(Study::jam(&scene, &settings, &solution)?)
+    let solution = case.problem(&settings)?.solve(&mut ModelWorkspace::default());
+    Ok(Study::jam(&case, &settings, &solution)?)
 }
 
-/// Analysis of a scene with raceway control.
-fn analysis(scene: &Scene) -> Result<Answer, ValidateError> {
-    let problem = scene.problem(&Model::RacewayControl.into())?;
-    Ok(jam(scene, &problem.solve(&mut ModelWorkspace::default()))?)
+/// Analysis of a case with raceway control.
+fn analysis(case: &Case) -> Result<Answer, ValidateError> {
+    let problem = case.problem(&Model::RacewayControl.into())?;
+    Ok(jam(case, &problem.solve(&mut ModelWorkspace::default()))?)
 }
 
 fn number(report: &Answer, name: &str) -> f64 {
@@ -45,16 +45,16 @@ fn number(report: &Answer, name: &str) -> f64 {
 }
 
 /// The corrected radical of Eq 17 on a light load, whose angles the inertia turns most.
-fn radical(scene: &Scene) -> Result<Check, ValidateError> {
-    let light = Scene { axial_load_N: scene.loaded_balls, ..scene.clone() };
+fn radical(case: &Case) -> Result<Check, ValidateError> {
+    let light = Case { axial_load_N: case.loaded_balls, ..case.clone() };
     let report = analysis(&light)?;
     let offset = |conformity: Option<f64>| {
         let conformity = conformity.unwrap_or(f64::NAN);
-        (conformity - 0.5) * scene.ball_diameter_mm.unwrap_or(f64::NAN) * 1e3
+        (conformity - 0.5) * case.ball_diameter_mm.unwrap_or(f64::NAN) * 1e3
     };
     let length = |conformity, name| offset(conformity) + number(&report, name);
-    let nut = length(scene.nut_conformity, "nut_total_approach_um");
-    let screw = length(scene.screw_conformity, "screw_total_approach_um");
+    let nut = length(case.nut_conformity, "nut_total_approach_um");
+    let screw = length(case.screw_conformity, "screw_total_approach_um");
     let angle = |name| number(&report, name).to_radians();
     let (a, b) =
         (angle("nut_angle_with_permanent_set_deg"), angle("screw_angle_with_permanent_set_deg"));
@@ -74,14 +74,14 @@ fn radical(scene: &Scene) -> Result<Check, ValidateError> {
 }
 
 /// Eq 17 as printed, in which lengths stand that are no sides of the triangle, gives no number.
-fn printed_radical(scene: &Scene) -> Result<Check, ValidateError> {
-    let report = analysis(scene)?;
+fn printed_radical(case: &Case) -> Result<Check, ValidateError> {
+    let report = analysis(case)?;
     let mm = |name: &str| 1e-3 * number(&report, name);
     let (screw, nut) = (mm("screw_total_approach_um"), mm("nut_total_approach_um"));
-    let ball = scene.ball_diameter_mm.unwrap_or(f64::NAN);
-    let nominal = scene.pitch_circle_diameter_mm.unwrap_or(f64::NAN);
+    let ball = case.ball_diameter_mm.unwrap_or(f64::NAN);
+    let nominal = case.pitch_circle_diameter_mm.unwrap_or(f64::NAN);
     let offset = |f: Option<f64>| (f.unwrap_or(f64::NAN) - 0.5) * ball;
-    let (l_a, l_b) = (offset(scene.nut_conformity) + nut, offset(scene.screw_conformity) + screw);
+    let (l_a, l_b) = (offset(case.nut_conformity) + nut, offset(case.screw_conformity) + screw);
     let angle = |name| number(&report, name).to_radians();
     let (a, b) =
         (angle("nut_angle_with_permanent_set_deg"), angle("screw_angle_with_permanent_set_deg"));

@@ -1,6 +1,6 @@
 //! Elastic contacts: reference solutions of elastic and traction.
 
-use bsm_case::{Scene, Settings};
+use bsm_case::{Case, Settings};
 use bsm_dyn::{Model, ModelWorkspace, Problem, Solution, Traction};
 use bsm_kin::{Motion, Site};
 use serde::Deserialize;
@@ -24,20 +24,20 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
 }
 
 /// Lin's case with conformities of 0.53.
-pub(crate) fn lin(published: &PublishedData) -> Result<Scene, ValidateError> {
-    Ok(Scene {
+pub(crate) fn lin(published: &PublishedData) -> Result<Case, ValidateError> {
+    Ok(Case {
         nut_conformity: Some(0.53),
         screw_conformity: Some(0.53),
-        ..published.lin_case.scene()?
+        ..published.lin_case.case()?
     })
 }
 
 fn solve(
-    scene: &Scene,
+    case: &Case,
     settings: &Settings,
     work: &mut ModelWorkspace,
 ) -> Result<Solution, ValidateError> {
-    Ok(scene.problem(settings)?.solve(work))
+    Ok(case.problem(settings)?.solve(work))
 }
 
 /// A missing number is a NaN, which no check passes.
@@ -69,17 +69,17 @@ struct Reference {
 /// with the default ones.
 fn reference(
     row: &Reference,
-    lin: &Scene,
+    lin: &Case,
     work: &mut ModelWorkspace,
 ) -> Result<Vec<Check>, ValidateError> {
-    let mut scene = lin.clone();
+    let mut case = lin.clone();
     for (name, value) in [
         ("lead_angle_deg", row.lead_angle_deg),
         ("contact_angle_deg", row.contact_angle_deg),
         ("screw_speed_rpm", row.screw_speed_rpm),
         ("axial_load_N", row.axial_load_N),
     ] {
-        scene.set(name, value)?;
+        case.set(name, value)?;
     }
     let point = format!(
         "{}-{}-{}-{}-{}",
@@ -92,12 +92,12 @@ fn reference(
     let check = |name: &str| Check::new(&format!("elastic/{name}-{point}"), SOURCE, claim.clone());
 
     if row.model == "elastic" {
-        let o = solve(&scene, &Model::Elastic.into(), work)?;
+        let o = solve(&case, &Model::Elastic.into(), work)?;
         let (worst, column) = row.deviation(&o, [ELASTIC_DIGITS, [0.0; 6]]);
         let check = check("reference").measured(worst, "of the tolerance").note(column);
         return Ok(vec![check.at_most(1.0, "half a unit of the last printed digit")]);
     }
-    let Problem::Traction(traction) = scene.problem(&Model::Traction.into())? else {
+    let Problem::Traction(traction) = case.problem(&Model::Traction.into())? else {
         unreachable!("the model was fixed")
     };
     let fine = Traction { accuracy: FINE, creep: 1e-6, ..traction };

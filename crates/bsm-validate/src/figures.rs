@@ -1,9 +1,9 @@
 //! The figures of the report: those of Lin, Velinsky and Ravani (1994), drawn again from our
 //! solution, the way from rolling to gross skid, those of Sobolewski (2002), the sweeps of slip and jamming, and a warm feed axis.
 
-use bsm_case::{Scene, Settings, WarmBranch};
+use bsm_case::{Case, Settings, WarmBranch};
 use bsm_dyn::{Control, Model, RacewayFriction, Solution};
-use bsm_report::sheets::{around_scenes, catalogue_figures, points, warm_preload};
+use bsm_report::sheets::{around_cases, catalogue_figures, points, warm_preload};
 use bsm_report::{Axis, Curve, Figure, Stroke};
 
 use crate::{PublishedData, ValidateError, dong2020, elastic, lin1994, xu2015};
@@ -14,23 +14,23 @@ use crate::{PublishedData, ValidateError, dong2020, elastic, lin1994, xu2015};
 ///
 /// [`ValidateError`] if the data cannot be used.
 pub fn figures(published: &PublishedData) -> Result<Vec<Figure>, ValidateError> {
-    let case = published.lin_case.scene()?;
-    let mut figures = around_scenes(&case, &lin1994::slender(&case))?;
+    let case = published.lin_case.case()?;
+    let mut figures = around_cases(&case, &lin1994::slender(&case))?;
     figures.push(transition(&elastic::lin(published)?)?);
     figures.extend(xu2015::study(published, Model::RacewayControl, Control::Nut)?.figures);
     figures.extend(xu2015::study(published, Model::Rigid, Control::Nut)?.figures);
     let parkon = published.parkon.catalogue()?;
     figures.extend(catalogue_figures(&parkon, &parkon.places()));
     figures.extend(dong2020::study(published, Model::RacewayControl)?.figures);
-    figures.push(feed_axis(&published.feed_axis.scene()?)?);
+    figures.push(feed_axis(&published.feed_axis.case()?)?);
     Ok(figures)
 }
 
 /// Warm preload over the speed of a feed axis whose nut is cooled: both arrangements, dry and oiled.
-fn feed_axis(axis: &Scene) -> Result<Figure, ValidateError> {
+fn feed_axis(axis: &Case) -> Result<Figure, ValidateError> {
     /// What a heavy saddle takes from a nut \[W/K\].
     const COOLED: f64 = 20.0;
-    let dry = Scene {
+    let dry = Case {
         friction_coefficient: Some(0.06),
         iso_vg: None,
         ball_roughness_um: None,
@@ -43,12 +43,12 @@ fn feed_axis(axis: &Scene) -> Result<Figure, ValidateError> {
     let settings =
         Settings { control: Some(Control::Nut), friction, ..Model::RacewayControl.into() };
     let mut branches = Vec::new();
-    for (state, scene) in [("oiled", axis), ("dry", &dry)] {
+    for (state, case) in [("oiled", axis), ("dry", &dry)] {
         for arrangement in ["X", "O"] {
-            let mut scene = scene.clone();
-            scene.nut_conductance_W_K = Some(COOLED);
-            scene.apply(&[format!("preload_arrangement={arrangement}")])?;
-            let branch = WarmBranch::of(&scene, &settings)?;
+            let mut case = case.clone();
+            case.nut_conductance_W_K = Some(COOLED);
+            case.apply(&[format!("preload_arrangement={arrangement}")])?;
+            let branch = WarmBranch::of(&case, &settings)?;
             branches.extend(branch.map(|branch| (format!("{arrangement}, {state}"), branch)));
         }
     }
@@ -66,7 +66,7 @@ fn feed_axis(axis: &Scene) -> Result<Figure, ValidateError> {
 }
 
 /// Efficiency against speed from rolling to gross skid: three models at three loads.
-fn transition(lin: &Scene) -> Result<Figure, ValidateError> {
+fn transition(lin: &Case) -> Result<Figure, ValidateError> {
     let speeds: Vec<_> = (0..=60).map(|i| 300.0 * 100.0_f64.powf(f64::from(i) / 60.0)).collect();
     let mut curves = Vec::new();
     for (model, stroke) in [
@@ -76,12 +76,12 @@ fn transition(lin: &Scene) -> Result<Figure, ValidateError> {
     ] {
         let settings = Settings { control: Some(Control::Nut), ..model.into() };
         for (color, load) in [2113.0, 100.0, 20.0].into_iter().enumerate() {
-            let scene = Scene { axial_load_N: Some(load), ..lin.clone() };
+            let case = Case { axial_load_N: Some(load), ..lin.clone() };
             curves.push(Curve::new(
                 format!("{}, {load} N", model.name()),
                 color,
                 stroke,
-                points(&scene, &settings, "screw_speed_rpm", &speeds, Solution::efficiency)?,
+                points(&case, &settings, "screw_speed_rpm", &speeds, Solution::efficiency)?,
             ));
         }
     }

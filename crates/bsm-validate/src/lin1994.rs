@@ -4,7 +4,7 @@ mod statements;
 
 use std::collections::BTreeMap;
 
-use bsm_case::Scene;
+use bsm_case::Case;
 use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum, Problem, RigidWorkspace, Status};
 use serde::Deserialize;
 
@@ -16,7 +16,7 @@ const SOURCE: &str = "Lin, Velinsky and Ravani 1994";
 /// All checks of this source.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let claims = Claims::read(published)?;
-    let lin = published.lin_case.scene()?;
+    let lin = published.lin_case.case()?;
     let mut checks = Vec::new();
     for direction in [Direction::RotaryToLinear, Direction::LinearToRotary] {
         checks.extend(reached(&lin, direction, &claims)?);
@@ -28,10 +28,10 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// The scene of Fig 5, which has balls of a tenth of the pitch radius.
-pub(crate) fn slender(lin: &Scene) -> Scene {
+/// The case of Fig 5, which has balls of a tenth of the pitch radius.
+pub(crate) fn slender(lin: &Case) -> Case {
     let pitch = lin.pitch_circle_diameter_mm;
-    Scene { ball_diameter_mm: pitch.map(|pitch| 0.1 * pitch), ..lin.clone() }
+    Case { ball_diameter_mm: pitch.map(|pitch| 0.1 * pitch), ..lin.clone() }
 }
 
 /// The numbers of `claims.csv`.
@@ -58,11 +58,7 @@ impl Claims {
 
 /// Loads per ball at which the closed form deviates as much as the paper prints over either angle, and the speed at
 /// which it deviates by one percentage point.
-fn reached(
-    lin: &Scene,
-    direction: Direction,
-    claims: &Claims,
-) -> Result<Vec<Check>, ValidateError> {
+fn reached(lin: &Case, direction: Direction, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
     let (suffix, equation) = match direction {
         Direction::RotaryToLinear => ("rotary-to-linear", "Eq 14"),
         Direction::LinearToRotary => ("linear-to-rotary", "Eq 17"),
@@ -79,11 +75,11 @@ fn reached(
         // Found on the logarithm.
         let search = |log_load: f64| {
             let load = Some(10.0_f64.powf(log_load));
-            let mut scene = Scene { axial_load_N: load, ..lin.clone() };
+            let mut case = Case { axial_load_N: load, ..lin.clone() };
             let mut largest = 0.0_f64;
             for value in degrees.clone() {
-                scene.set(input, f64::from(value))?;
-                largest = largest.max(deviation(&scene)?.unwrap_or(0.0));
+                case.set(input, f64::from(value))?;
+                largest = largest.max(deviation(&case)?.unwrap_or(0.0));
             }
             Ok::<_, ValidateError>(largest - bound)
         };
@@ -98,8 +94,8 @@ fn reached(
     }
     let search = |log_rpm: f64| {
         let rpm = direction.sign() * 10.0_f64.powf(log_rpm);
-        let scene = Scene { screw_speed_rpm: Some(rpm), ..lin.clone() };
-        Ok::<_, ValidateError>(deviation(&scene)?.unwrap_or(f64::INFINITY) - 1.0)
+        let case = Case { screw_speed_rpm: Some(rpm), ..lin.clone() };
+        Ok::<_, ValidateError>(deviation(&case)?.unwrap_or(f64::INFINITY) - 1.0)
     };
     let rpm = 10.0_f64.powf(root_of(search, 3.3, 5.5)?);
     let key = format!("lin1994/speed-of-one-percent-{suffix}");
@@ -109,9 +105,9 @@ fn reached(
 }
 
 /// Deviation of the closed form from the rigid equations in percentage points; `None` where these have no root.
-fn deviation(scene: &Scene) -> Result<Option<f64>, ValidateError> {
+fn deviation(case: &Case) -> Result<Option<f64>, ValidateError> {
     let efficiency = |model: Model| -> Result<_, ValidateError> {
-        Ok(scene.problem(&model.into())?.solve(&mut ModelWorkspace::default()).efficiency())
+        Ok(case.problem(&model.into())?.solve(&mut ModelWorkspace::default()).efficiency())
     };
     let both = efficiency(Model::Rigid)?.zip(efficiency(Model::ClosedForm)?);
     Ok(both.map(|(exact, closed)| 100.0 * (exact - closed).abs()))
@@ -218,11 +214,11 @@ fn self_locking() -> Vec<Check> {
 }
 
 /// Existence of the root: the critical lead angle, and no solution below it.
-fn existence(lin: &Scene, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
+fn existence(lin: &Case, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
     let work = &mut ModelWorkspace::default();
     let source = format!("{SOURCE}, Eqs 5-9; derivation in docs/theory/04-rigid.md");
     // Little inertia, to which the number belongs.
-    let slow = Scene { screw_speed_rpm: Some(20.0), lead_angle_deg: Some(5.0), ..lin.clone() };
+    let slow = Case { screw_speed_rpm: Some(20.0), lead_angle_deg: Some(5.0), ..lin.clone() };
     let problem = slow.problem(&Model::Rigid.into())?;
     let Problem::Rigid(rigid) = problem else { unreachable!("the model was fixed") };
     let critical =
@@ -232,8 +228,8 @@ fn existence(lin: &Scene, claims: &Claims) -> Result<Vec<Check>, ValidateError> 
     let mut wrong = 0;
     for tenth in 10..=200 {
         let degrees = 0.1 * f64::from(tenth) + 0.05;
-        let scene = Scene { lead_angle_deg: Some(degrees), ..slow.clone() };
-        let status = scene.problem(&Model::Rigid.into())?.solve(work).status();
+        let case = Case { lead_angle_deg: Some(degrees), ..slow.clone() };
+        let status = case.problem(&Model::Rigid.into())?.solve(work).status();
         let expected = if degrees < critical { Status::NoSolution } else { Status::Converged };
         wrong += i32::from(status != expected);
     }

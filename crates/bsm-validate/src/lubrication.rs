@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use bsm_case::{Record, Scene, ScrewTorque, torque_parts};
+use bsm_case::{Case, Record, ScrewTorque, torque_parts};
 use bsm_dyn::{BaseOil, Model, ModelWorkspace, Oil, OilState, Status, ZERO_CELSIUS};
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -26,8 +26,8 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     for reference in &references.cases {
         checks.push(solution(reference, &published.lubrication, work)?);
     }
-    let feed = reference_scene(published, "feed-mixed")?;
-    let bearing = reference_scene(published, "thrust-bearing-limit")?;
+    let feed = reference_case(published, "feed-mixed")?;
+    let bearing = reference_case(published, "thrust-bearing-limit")?;
     checks.extend(against_skf(&bearing, work)?);
     checks.push(against_palmgren(&bearing, work)?);
     checks.extend(pieces(&bearing, work)?);
@@ -36,12 +36,12 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// The scene of a published case.
-pub(crate) fn reference_scene(published: &PublishedData, id: &str) -> Result<Scene, ValidateError> {
+/// The case of a published case.
+pub(crate) fn reference_case(published: &PublishedData, id: &str) -> Result<Case, ValidateError> {
     let file = &published.lubrication;
     let references: References = file.json()?;
     let reference = references.cases.iter().find(|one| one.id == id);
-    reference.ok_or_else(|| ValidateError::of(file.name(), format!("no case `{id}`")))?.scene(file)
+    reference.ok_or_else(|| ValidateError::of(file.name(), format!("no case `{id}`")))?.case(file)
 }
 
 #[derive(Deserialize)]
@@ -49,25 +49,25 @@ struct References {
     cases: Vec<Reference>,
 }
 
-/// A scene with its solution.
+/// A case with its solution.
 #[derive(Deserialize)]
 struct Reference {
     id: String,
     model: String,
-    scene: Value,
+    case: Value,
     expect: Map<String, Value>,
     rel_tol: f64,
 }
 
 impl Reference {
-    fn scene(&self, file: &File) -> Result<Scene, ValidateError> {
-        Scene::from_json(self.scene.to_string().as_bytes())
+    fn case(&self, file: &File) -> Result<Case, ValidateError> {
+        Case::from_json(self.case.to_string().as_bytes())
             .map_err(|error| ValidateError::of(file.name(), error))
     }
 }
 
-fn solve(scene: &Scene, model: Model, work: &mut ModelWorkspace) -> Result<Record, ValidateError> {
-    Ok(Record::new(scene.problem(&model.into())?.solve(work)))
+fn solve(case: &Case, model: Model, work: &mut ModelWorkspace) -> Result<Record, ValidateError> {
+    Ok(Record::new(case.problem(&model.into())?.solve(work)))
 }
 
 /// A missing number is a NaN, which no check passes.
@@ -88,16 +88,16 @@ fn with_seals(record: &Record, parts: Option<&ScrewTorque>, name: &str) -> f64 {
     .unwrap_or_else(|| number(record, name))
 }
 
-/// The largest deviation of a scene over its tolerance.
+/// The largest deviation of a case over its tolerance.
 fn solution(
     reference: &Reference,
     file: &File,
     work: &mut ModelWorkspace,
 ) -> Result<Check, ValidateError> {
     let model = Model::from_name(&reference.model).unwrap_or(Model::Traction);
-    let scene = reference.scene(file)?;
-    let record = solve(&scene, model, work)?;
-    let parts = torque_parts(&scene, &model.into())?;
+    let case = reference.case(file)?;
+    let record = solve(&case, model, work)?;
+    let parts = torque_parts(&case, &model.into())?;
     let (mut worst, mut at) = (0.0, "");
     for (name, value) in &reference.expect {
         // It follows from the efficiency.
@@ -174,7 +174,7 @@ impl Turning {
 
 /// The bearing as a screw without lead, over load, speed and temperature.
 fn turning(
-    bearing: &Scene,
+    bearing: &Case,
     (loads, speeds, temperatures): (&[f64], &[f64], &[f64]),
     work: &mut ModelWorkspace,
 ) -> Result<Vec<Turning>, ValidateError> {
@@ -182,11 +182,11 @@ fn turning(
     for &load in loads {
         for &speed in speeds {
             for &celsius in temperatures {
-                let mut scene = bearing.clone();
-                scene.set("axial_load_N", load)?;
-                scene.set("screw_speed_rpm", speed)?;
-                scene.set("lubricant_temperature_C", celsius)?;
-                let record = solve(&scene, Model::RacewayControl, work)?;
+                let mut case = bearing.clone();
+                case.set("axial_load_N", load)?;
+                case.set("screw_speed_rpm", speed)?;
+                case.set("lubricant_temperature_C", celsius)?;
+                let record = solve(&case, Model::RacewayControl, work)?;
                 all.push(Turning { load, speed, celsius, record });
             }
         }
@@ -195,7 +195,7 @@ fn turning(
 }
 
 /// The bearing against SKF's model.
-fn against_skf(bearing: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
+fn against_skf(bearing: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
     let over = (
         &[2000.0, 4000.0, 8000.0][..],
         &[200.0, 500.0, 1000.0, 2000.0, 3000.0][..],
@@ -243,7 +243,7 @@ fn palmgren(diameter: f64, viscosity: f64, speed: f64, load: f64) -> f64 {
 }
 
 /// The bearing against Palmgren's formulas.
-fn against_palmgren(bearing: &Scene, work: &mut ModelWorkspace) -> Result<Check, ValidateError> {
+fn against_palmgren(bearing: &Case, work: &mut ModelWorkspace) -> Result<Check, ValidateError> {
     let over = (
         &[1000.0, 2000.0, 4000.0, 8000.0][..],
         &[300.0, 1000.0, 3000.0, 5000.0][..],
@@ -279,7 +279,7 @@ struct Outer {
 }
 
 impl Outer {
-    /// * `oil`: that of the scene, at its temperature. * `(ball, pitch)`: radii \[m\], of a conformity of 0.52.
+    /// * `oil`: that of the case, at its temperature. * `(ball, pitch)`: radii \[m\], of a conformity of 0.52.
     fn of(record: &Record, oil: &OilState, conductivity: f64, (ball, pitch): (f64, f64)) -> Self {
         let value = |name: &str| number(record, name);
         let angle = value("nut_contact_angle_deg").to_radians();
@@ -339,7 +339,7 @@ impl Outer {
 }
 
 /// Film and rolling force against other formulas, for the balls of a bearing.
-fn pieces(bearing: &Scene, work: &mut ModelWorkspace) -> Result<[Check; 2], ValidateError> {
+fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], ValidateError> {
     let base = BaseOil::Mineral;
     let viscosities = Oil::of_grade(68.0).unwrap_or([f64::NAN; 2]);
     let oil = Oil {
@@ -391,13 +391,13 @@ fn pieces(bearing: &Scene, work: &mut ModelWorkspace) -> Result<[Check; 2], Vali
 }
 
 /// Drag torque over the load, against a straight line.
-fn drag_over_preload(feed: &Scene, work: &mut ModelWorkspace) -> Result<Check, ValidateError> {
+fn drag_over_preload(feed: &Case, work: &mut ModelWorkspace) -> Result<Check, ValidateError> {
     let mut drags = Vec::new();
     for load in [500.0, 1000.0, 2000.0, 3000.0] {
-        let mut scene = feed.clone();
-        scene.set("axial_load_N", load)?;
-        scene.set("screw_speed_rpm", 100.0)?;
-        let record = solve(&scene, Model::RacewayControl, work)?;
+        let mut case = feed.clone();
+        case.set("axial_load_N", load)?;
+        case.set("screw_speed_rpm", 100.0)?;
+        let record = solve(&case, Model::RacewayControl, work)?;
         let lost = number(&record, "rolling_power_W") + number(&record, "sliding_power_W");
         drags.push((load, lost * 30.0 / (PI * 100.0)));
     }
@@ -414,12 +414,12 @@ fn drag_over_preload(feed: &Scene, work: &mut ModelWorkspace) -> Result<Check, V
 }
 
 /// Efficiency over load, a Stribeck curve with a minimum, loss nearly linear in load.
-fn trends(feed: &Scene, work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
+fn trends(feed: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
     let mut at = |load: f64, speed: f64, name: &str| -> Result<f64, ValidateError> {
-        let mut scene = feed.clone();
-        scene.set("axial_load_N", load)?;
-        scene.set("screw_speed_rpm", speed)?;
-        Ok(number(&solve(&scene, Model::RacewayControl, work)?, name))
+        let mut case = feed.clone();
+        case.set("axial_load_N", load)?;
+        case.set("screw_speed_rpm", speed)?;
+        Ok(number(&solve(&case, Model::RacewayControl, work)?, name))
     };
     let mut gains = Vec::new();
     for pair in [[1000.0, 2000.0], [2000.0, 4000.0], [4000.0, 8000.0]] {

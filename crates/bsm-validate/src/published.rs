@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fs;
 use std::path::Path;
 
-use bsm_case::{CaseError, Catalogue, Scene};
+use bsm_case::{Case, CaseError, Catalogue};
 use serde::Deserialize;
 
 use crate::ValidateError;
@@ -46,15 +46,15 @@ impl File {
         self.name
     }
 
-    /// The scene of a file.
-    pub(crate) fn scene(&self) -> Result<Scene, ValidateError> {
-        Scene::from_json(self.text.as_bytes()).map_err(|error| ValidateError::of(self.name, error))
+    /// The case of a file.
+    pub(crate) fn case(&self) -> Result<Case, ValidateError> {
+        Case::from_json(self.text.as_bytes()).map_err(|error| ValidateError::of(self.name, error))
     }
 }
 
 macro_rules! tables {
     ($($(#[$doc:meta])* $name:ident: $file:literal;)*) => {
-        /// Scenes and tables that the checks read.
+        /// Cases and tables that the checks read.
         #[derive(Debug, Clone)]
         pub struct PublishedData {
             $($(#[$doc])* pub(crate) $name: File,)*
@@ -128,6 +128,6 @@ tables! {
     machining_centre_oil: "manufacturers/machining_centre_oil.json";
     /// An upright axis by the numbers of its catalogue.
     upright_axis: "manufacturers/upright_axis.json";
-    /// Independent solutions of lubricated scenes.
+    /// Independent solutions of lubricated cases.
     lubrication: "lubrication/public.json";
 }

@@ -1,6 +1,6 @@
 //! Independent 40-digit solutions of the rigid equations.
 
-use bsm_case::Scene;
+use bsm_case::Case;
 use bsm_dyn::{Problem, RigidWorkspace};
 use serde::Deserialize;
 
@@ -28,13 +28,13 @@ struct Row {
 /// One check per row: the largest deviation over its columns.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let mut work = RigidWorkspace::default();
-    let case = published.lin_case.scene()?;
+    let case = published.lin_case.case()?;
     let rows: Vec<Row> = published.lin_reference.rows()?;
     rows.iter().map(|row| check(row, &case, &mut work)).collect()
 }
 
-fn check(row: &Row, case: &Scene, work: &mut RigidWorkspace) -> Result<Check, ValidateError> {
-    let scene = Scene {
+fn check(row: &Row, case: &Case, work: &mut RigidWorkspace) -> Result<Check, ValidateError> {
+    let case = Case {
         lead_angle_deg: Some(row.lead_angle_deg),
         contact_angle_deg: Some(row.contact_angle_deg),
         screw_speed_rpm: Some(row.screw_speed_rpm),
@@ -59,7 +59,7 @@ fn check(row: &Row, case: &Scene, work: &mut RigidWorkspace) -> Result<Check, Va
     let check =
         Check::new(&name, "Lin, Velinsky and Ravani 1994, Eqs 5-9, solved at 40 digits", claim);
 
-    let problem = scene.problem(&bsm_dyn::Model::Rigid.into())?;
+    let problem = case.problem(&bsm_dyn::Model::Rigid.into())?;
     let Problem::Rigid(rigid) = problem else { unreachable!("the model was fixed") };
     let efficiency = rigid.solve(work).efficiency();
     let (Some(efficiency), Ok(root)) = (efficiency, rigid.root(work)) else {

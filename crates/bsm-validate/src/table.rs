@@ -7,14 +7,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
 use bsm_case::{
-    AnalysisKind, Axis, CaseError, InputKey, ModelChoice, MotionAnswer, Record, Scene, Settings,
+    AnalysisKind, Axis, Case, CaseError, InputKey, ModelChoice, MotionAnswer, Record, Settings,
 };
 use bsm_dyn::{Control, Model, ModelWorkspace, Status};
 use minijinja::value::Value;
 use minijinja::{Environment, UndefinedBehavior, context};
 use serde::Deserialize;
 
-use crate::lubrication::reference_scene;
+use crate::lubrication::reference_case;
 use crate::{Check, PublishedData, ValidateError};
 
 /// What is taken of the values at several points.
@@ -44,8 +44,8 @@ struct Row {
     key: String,
     source: String,
     claim: String,
-    /// Name of a published scene; a screw without inputs unless given.
-    scene: String,
+    /// Name of a published case; a screw without inputs unless given.
+    case: String,
     /// Settings of `bsm solve --set` and axes of `bsm sweep --vary`; `|` stands between sets of points.
     points: String,
     value: String,
@@ -105,8 +105,8 @@ impl Row {
         let mut names: BTreeSet<_> = value.undeclared_variables(true).into_iter().collect();
         names.extend(note.undeclared_variables(true));
         let mut found = Vec::new();
-        for scene in points(&scene(published, &self.scene)?, &self.points)? {
-            let known = known(&scene, &names)?;
+        for case in points(&case(published, &self.case)?, &self.points)? {
+            let known = known(&case, &names)?;
             let value = value.eval(&known).and_then(f64::try_from).map_err(wrong)?;
             found.push((value, known));
         }
@@ -144,70 +144,66 @@ impl Row {
     }
 }
 
-/// A published scene by its name.
-fn scene(published: &PublishedData, name: &str) -> Result<Scene, ValidateError> {
+/// A published case by its name.
+fn case(published: &PublishedData, name: &str) -> Result<Case, ValidateError> {
     match name {
-        "" => Ok(Scene::default()),
-        "lin1994" => published.lin_case.scene(),
-        "xu2015" => published.xu_case.scene(),
-        "dong2020" => published.dong_case.scene(),
-        "manufacturers" => published.manufacturers_case.scene(),
-        "feed_axis" => published.feed_axis.scene(),
-        "machining_centre" => published.machining_centre.scene(),
-        "machining_centre_oil" => published.machining_centre_oil.scene(),
-        "upright_axis" => published.upright_axis.scene(),
-        _ => reference_scene(published, name),
+        "" => Ok(Case::default()),
+        "lin1994" => published.lin_case.case(),
+        "xu2015" => published.xu_case.case(),
+        "dong2020" => published.dong_case.case(),
+        "manufacturers" => published.manufacturers_case.case(),
+        "feed_axis" => published.feed_axis.case(),
+        "machining_centre" => published.machining_centre.case(),
+        "machining_centre_oil" => published.machining_centre_oil.case(),
+        "upright_axis" => published.upright_axis.case(),
+        _ => reference_case(published, name),
     }
 }
 
-/// The scene at all points.
-fn points(scene: &Scene, settings: &str) -> Result<Vec<Scene>, CaseError> {
+/// The case at all points.
+fn points(case: &Case, settings: &str) -> Result<Vec<Case>, CaseError> {
     let mut all = Vec::new();
     for set in settings.split('|') {
-        let mut scenes = vec![scene.clone()];
+        let mut cases = vec![case.clone()];
         for setting in set.split_whitespace() {
             let Ok(axis) = Axis::parse(setting) else {
                 // A word.
-                scenes.iter_mut().try_for_each(|scene| scene.apply(&[setting]))?;
+                cases.iter_mut().try_for_each(|case| case.apply(&[setting]))?;
                 continue;
             };
-            let at = |(scene, i): (&Scene, usize)| {
-                let mut scene = scene.clone();
-                scene.set(axis.key.name(), axis.value(i)).map(|()| scene)
+            let at = |(case, i): (&Case, usize)| {
+                let mut case = case.clone();
+                case.set(axis.key.name(), axis.value(i)).map(|()| case)
             };
-            let each = scenes.iter().flat_map(|scene| (0..axis.len()).map(move |i| (scene, i)));
-            scenes = each.map(at).collect::<Result<_, _>>()?;
+            let each = cases.iter().flat_map(|case| (0..axis.len()).map(move |i| (case, i)));
+            cases = each.map(at).collect::<Result<_, _>>()?;
         }
-        all.extend(scenes);
+        all.extend(cases);
     }
     Ok(all)
 }
 
 /// The values of names at a point; what has no value there is not a number.
-fn known(scene: &Scene, names: &BTreeSet<String>) -> Result<Known, ValidateError> {
+fn known(case: &Case, names: &BTreeSet<String>) -> Result<Known, ValidateError> {
     let mut known = Known::new();
     let mut of_models = BTreeMap::<_, BTreeMap<&str, f64>>::new();
     for name in names {
         if let Some((model, column)) = name.split_once('.') {
             of_models.entry(model).or_default().insert(column, f64::NAN);
         } else if let Ok(key) = InputKey::named(name) {
-            let value = scene.value_or_default(key).unwrap_or(f64::NAN);
+            let value = case.value_or_default(key).unwrap_or(f64::NAN);
             known.insert(name.clone(), value.into());
         }
     }
     for (model, mut columns) in of_models {
-        solve(scene, model, &mut columns)?;
+        solve(case, model, &mut columns)?;
         known.insert(model.to_owned(), Value::from_serialize(&columns));
     }
     Ok(known)
 }
 
 /// Fills in columns by their names, of solution or analyses.
-fn solve(
-    scene: &Scene,
-    model: &str,
-    columns: &mut BTreeMap<&str, f64>,
-) -> Result<(), ValidateError> {
+fn solve(case: &Case, model: &str, columns: &mut BTreeMap<&str, f64>) -> Result<(), ValidateError> {
     // Raceway control with the raceway that is named.
     let control = model.strip_suffix("_control").and_then(Control::from_name);
     let model = match control {
@@ -221,7 +217,7 @@ fn solve(
     };
     let moves = |name: &&str| analysis(name).is_none_or(AnalysisKind::needs_motion);
     let moving = if columns.keys().any(moves) {
-        Some(MotionAnswer::of(scene, &settings, &mut ModelWorkspace::default())?)
+        Some(MotionAnswer::of(case, &settings, &mut ModelWorkspace::default())?)
     } else {
         None
     };
@@ -234,7 +230,7 @@ fn solve(
                 let wanted = |quantity: &bsm_case::Quantity| {
                     quantity.columns.iter().any(|column| column.name == *name)
                 };
-                kind.numbers(scene, &settings, moving.as_ref(), wanted)?.number(name)
+                kind.numbers(case, &settings, moving.as_ref(), wanted)?.number(name)
             }
         };
         *value = number.unwrap_or(f64::NAN);
@@ -251,7 +247,7 @@ mod tests {
     #[test]
     fn rows_fold_points() {
         let check = |cells: &str| {
-            let header = "key,source,claim,scene,points,value,fold,missing,unit,rule,claimed,limit,reason,note";
+            let header = "key,source,claim,case,points,value,fold,missing,unit,rule,claimed,limit,reason,note";
             let text = format!("{header}\nk,s,c,lin1994,{cells}\n");
             let row = csv::Reader::from_reader(text.as_bytes()).into_deserialize().next();
             let row: Row = row.expect("a row").expect("as the table is");

@@ -10,7 +10,7 @@ mod pareto;
 mod settings;
 
 use bsm_batch::{Chunk, Columns, CsvSource, Source};
-use bsm_case::{CaseError, Scene, Settings};
+use bsm_case::{Case, CaseError, Settings};
 use bsm_dyn::{Model, ModelWorkspace};
 use bsm_report::Figure;
 use serde::Serialize;
@@ -24,7 +24,7 @@ use self::errors::Reference;
 use crate::ValidateError;
 
 /// The committed points: a hundred each in rolling, partial and gross skid.
-const SCENES: &str = include_str!("../../../validation/golden/tradeoff/scenes.csv");
+const CASES: &str = include_str!("../../../validation/golden/tradeoff/cases.csv");
 
 /// Errors of the efficiency for which a setting is advised.
 pub const TOLERANCES: [f64; 3] = [1e-2, 1e-3, 1e-4];
@@ -34,17 +34,17 @@ pub const TOLERANCES: [f64; 3] = [1e-2, 1e-3, 1e-4];
 pub struct Points {
     chunk: Chunk,
     columns: Columns,
-    scenes: Vec<Scene>,
+    cases: Vec<Case>,
 }
 
 impl Points {
-    /// The committed points, in the ranges of `crates/bsm-validate/examples/scene_set.rs`.
+    /// The committed points, in the ranges of `crates/bsm-validate/examples/case_set.rs`.
     ///
     /// # Errors
     ///
     /// As [`Points::read`]; not for the committed table.
     pub fn committed() -> Result<Self, ValidateError> {
-        Self::read(&mut CsvSource::new(SCENES.as_bytes(), &[])?)
+        Self::read(&mut CsvSource::new(CASES.as_bytes(), &[])?)
     }
 
     /// All rows of a table.
@@ -62,20 +62,20 @@ impl Points {
                 "more than {MOST_POINTS} rows; take a sample of them"
             )));
         }
-        let mut scenes = Vec::with_capacity(chunk.len);
+        let mut cases = Vec::with_capacity(chunk.len);
         for row in 0..chunk.len {
             let place = format!("row {}", chunk.first + row as u64);
             let in_row = |error: CaseError| ValidateError::of(&place, error);
-            let scene = chunk.scene(&columns, &Scene::default(), row).map_err(in_row)?;
-            scene.problem(&Model::Traction.into()).map_err(in_row)?;
-            scenes.push(scene);
+            let case = chunk.case(&columns, &Case::default(), row).map_err(in_row)?;
+            case.problem(&Model::Traction.into()).map_err(in_row)?;
+            cases.push(case);
         }
-        Ok(Self { chunk, columns, scenes })
+        Ok(Self { chunk, columns, cases })
     }
 
-    /// The operating points, one scene each.
-    pub fn scenes(&self) -> &[Scene] {
-        &self.scenes
+    /// The operating points, one case each.
+    pub fn cases(&self) -> &[Case] {
+        &self.cases
     }
 }
 
@@ -165,11 +165,11 @@ pub fn accuracy(points: &Points) -> Result<Vec<SettingErrors>, ValidateError> {
 
 fn errors(points: &Points) -> Result<(Reference, Vec<SettingErrors>), ValidateError> {
     let mut work = ModelWorkspace::default();
-    let reference = Reference::of(points.scenes(), &mut work)?;
+    let reference = Reference::of(points.cases(), &mut work)?;
     let groups = reference.groups();
     let mut measured = Vec::new();
     for setting in settings::all() {
-        let errors = reference.errors(points.scenes(), &groups, &setting.settings, &mut work)?;
+        let errors = reference.errors(points.cases(), &groups, &setting.settings, &mut work)?;
         measured.push((setting, errors));
     }
     Ok((reference, measured))

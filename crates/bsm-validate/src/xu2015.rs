@@ -1,6 +1,6 @@
 //! Trends of Xu and Tang (2015), and identities of the slips.
 
-use bsm_case::{Scene, Settings, slip};
+use bsm_case::{Case, Settings, slip};
 use bsm_dyn::{ContactSite, Control, Model, ModelWorkspace, SteadyBall};
 use bsm_kin::{BallFrame, Site};
 use bsm_report::sheets::Study;
@@ -14,7 +14,7 @@ const ANGLES: [f64; 2] = [50.0, 40.0];
 
 /// All checks of this source.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
-    let scene = published.xu_case.scene()?;
+    let case = published.xu_case.case()?;
     let rolling = |control| study(published, Model::RacewayControl, control);
     let studies = [
         ("rolling-", " (nut control)", rolling(Control::Nut)?),
@@ -28,17 +28,17 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
         &published.xu_trends,
         &studies,
     )?;
-    checks.extend(field(&scene)?);
-    checks.extend(formulas(&scene)?);
+    checks.extend(field(&case)?);
+    checks.extend(formulas(&case)?);
     Ok(checks)
 }
 
-/// The scene with the contact angles in motion of the paper.
-fn running(scene: Scene) -> Scene {
-    Scene {
+/// The case with the contact angles in motion of the paper.
+fn running(case: Case) -> Case {
+    Case {
         nut_running_contact_angle_deg: Some(ANGLES[0]),
         screw_running_contact_angle_deg: Some(ANGLES[1]),
-        ..scene
+        ..case
     }
 }
 
@@ -48,17 +48,17 @@ pub(crate) fn study(
     model: Model,
     control: Control,
 ) -> Result<Study, ValidateError> {
-    let scene = running(published.xu_case.scene()?);
+    let case = running(published.xu_case.case()?);
     let settings = Settings { control: Some(control), ..model.into() };
-    let solution = scene.problem(&settings)?.solve(&mut ModelWorkspace::default());
-    Ok(Study::slip(&scene, &settings, &solution)?)
+    let solution = case.problem(&settings)?.solve(&mut ModelWorkspace::default());
+    Ok(Study::slip(&case, &settings, &solution)?)
 }
 
 /// The formulas as printed, at the case of Tables 1 to 3.
-fn formulas(scene: &Scene) -> Result<Vec<Check>, ValidateError> {
+fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
     let settings: Settings = Model::RacewayControl.into();
-    let solution = scene.problem(&settings)?.solve(&mut ModelWorkspace::default());
-    let Ok(bsm_dyn::Problem::RacewayControl(problem)) = scene.problem(&settings) else {
+    let solution = case.problem(&settings)?.solve(&mut ModelWorkspace::default());
+    let Ok(bsm_dyn::Problem::RacewayControl(problem)) = case.problem(&settings) else {
         unreachable!("the model was fixed")
     };
     let (helix, radius, drive) =
@@ -86,7 +86,7 @@ fn formulas(scene: &Scene) -> Result<Vec<Check>, ValidateError> {
     let state = |site| solution.contact(site);
     let (mut radial, mut axial) = (0.0, 0.0);
     for (site, conformity) in
-        [(Site::Nut, scene.nut_conformity), (Site::Screw, scene.screw_conformity)]
+        [(Site::Nut, case.nut_conformity), (Site::Screw, case.screw_conformity)]
     {
         let offset = 2.0 * radius * (conformity.unwrap_or(f64::NAN) - 0.5);
         let approach = state(site).and_then(|c| c.pressed).map_or(f64::NAN, |p| p.approach);
@@ -95,7 +95,7 @@ fn formulas(scene: &Scene) -> Result<Vec<Check>, ValidateError> {
         axial += (offset + approach) * sin;
     }
     let offsets =
-        scene.nut_conformity.zip(scene.screw_conformity).map_or(f64::NAN, |(n, s)| n + s - 1.0);
+        case.nut_conformity.zip(case.screw_conformity).map_or(f64::NAN, |(n, s)| n + s - 1.0);
     let length = 2.0 * radius * offsets;
     let displacement =
         solution.solved().and_then(|s| s.ball.axial_displacement).unwrap_or(f64::NAN);
@@ -120,14 +120,14 @@ fn formulas(scene: &Scene) -> Result<Vec<Check>, ValidateError> {
 }
 
 /// Differential slip and spin of the traction model against the field of slip velocities.
-fn field(scene: &Scene) -> Result<[Check; 2], ValidateError> {
+fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
     let settings: Settings = Model::Traction.into();
-    let solution = scene.problem(&settings)?.solve(&mut ModelWorkspace::default());
-    let report = slip(scene, &settings, &solution)?;
+    let solution = case.problem(&settings)?.solve(&mut ModelWorkspace::default());
+    let report = slip(case, &settings, &solution)?;
     let number = |name: &str| report.number(name).unwrap_or(f64::NAN);
     let (mut value, mut slope): (f64, f64) = (0.0, 0.0);
     if let (Some(motion), Ok(bsm_dyn::Problem::Traction(traction))) =
-        (solution.solved().and_then(|solved| solved.ball.motion), scene.problem(&settings))
+        (solution.solved().and_then(|solved| solved.ball.motion), case.problem(&settings))
     {
         let (helix, radius, drive) =
             (traction.at.point.helix, traction.at.point.ball.radius, traction.at.point.drive);

@@ -48,8 +48,8 @@ def solved(*arguments: str | Path) -> dict[str, object]:
 class Server:
     """The program as a server."""
 
-    def __init__(self, scene: Path, *arguments: str | Path) -> None:
-        command = [BSM, "view", str(scene), *map(str, arguments)]
+    def __init__(self, case: Path, *arguments: str | Path) -> None:
+        command = [BSM, "view", str(case), *map(str, arguments)]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         self.address = self.process.stdout.readline().strip()
         assert self.address.startswith("http://127.0.0.1:"), self.address
@@ -72,8 +72,8 @@ def browser() -> Iterator[Browser]:
 def serve() -> Iterator[Callable[..., Server]]:
     running: list[Server] = []
 
-    def start(scene: Path, *arguments: str | Path) -> Server:
-        running.append(Server(scene, *arguments))
+    def start(case: Path, *arguments: str | Path) -> Server:
+        running.append(Server(case, *arguments))
         return running[-1]
 
     yield start

@@ -7,7 +7,7 @@ from pathlib import Path
 from conftest import FLAGS, Server, Sheet, example
 from playwright.sync_api import sync_playwright
 
-# Name, scene, width and height of the window, colours, what is shown; the whole window unless a panel is named.
+# Name, case, width and height of the window, colours, what is shown; the whole window unless a panel is named.
 PICTURES = [
     ("view", "feed_drive", 1280, 860, "light", None),
     ("view-ellipses", "feed_drive", 1280, 860, "light", "ellipses"),
@@ -19,8 +19,8 @@ PICTURES = [
 def main(folder: Path) -> None:
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
-        for name, scene, width, height, scheme, panel in PICTURES:
-            served = Server(example(scene))
+        for name, case, width, height, scheme, panel in PICTURES:
+            served = Server(example(case))
             size = {"width": width, "height": height}
             context = browser.new_context(viewport=size, color_scheme=scheme, reduced_motion="reduce")
             page = Sheet(context.new_page()).open(served.address)

@@ -20,10 +20,10 @@ def key(page, output: str) -> str:
     return page.locator(f"[data-output={output}]").inner_text().split(" ")[0]
 
 
-def table_of(scene, *arguments) -> dict[str, str]:
+def table_of(case, *arguments) -> dict[str, str]:
     """Labels and numbers that `bsm solve` prints."""
     rows: dict[str, str] = {}
-    for line in bsm("solve", scene, *arguments).splitlines():
+    for line in bsm("solve", case, *arguments).splitlines():
         if line.startswith(" "):
             # A band has its rows below, under the same labels.
             rows.setdefault(re.split(r"\s{2,}", line.strip())[0], line.split()[-1])
@@ -38,7 +38,7 @@ def fill(sheet, name: str, words: str) -> None:
     sheet.page.fill(f"#in-{name}", words)
 
 
-def scene_of(page) -> dict[str, object]:
+def case_of(page) -> dict[str, object]:
     return json.loads(page.input_value("#json"))
 
 
@@ -48,7 +48,7 @@ def test_the_page_loads_without_errors_or_foreign_requests(serve, sheet, name):
     page = sheet.open(served.address)
     host = served.address.split("/?")[0]
     assert all(url.startswith((host, "data:")) for url in sheet.requests), sheet.requests
-    # What a scene has no inputs for is asked for and refused; the browser notes that.
+    # What a case has no inputs for is asked for and refused; the browser notes that.
     refused = "the server responded with a status of 400"
     assert [error for error in sheet.errors if refused not in error] == []
     shown = solved(example(name))
@@ -62,7 +62,7 @@ def test_a_slider_changes_the_numbers_to_what_solve_says(serve, sheet):
     page = sheet.open(served.address)
     before = key(page, "ball_torque_Nm")
     slide(sheet, "axial_load_N", 700)
-    load = scene_of(page)["axial_load_N"]
+    load = case_of(page)["axial_load_N"]
     expected = table_of(FEED, "--set", f"axial_load_N={load}")
     assert load != 8000 and key(page, "ball_torque_Nm") != before
     assert key(page, "ball_torque_Nm") == expected["torque of the balls"]
@@ -102,7 +102,7 @@ def test_new_numbers_come_soon(serve, sheet, name, model):
         sheet.again(lambda: page.select_option("#model", model))
     numbers, pictures, server = map(median, page.evaluate(STEPS, ["axial_load_N", 15, 20]))
     MEASURED.append(f"{name}, {model}: numbers {numbers:.0f} ms after the slider, of which the server {server:.1f} ms; pictures {pictures:.0f} ms")
-    # Request are 50 ms; a machine that is shared takes twice as long. It was 350 ms while frames of the scene in space, and maps that were
+    # Request are 50 ms; a machine that is shared takes twice as long. It was 350 ms while frames of the case in space, and maps that were
     # superseded, came first.
     assert numbers < 100, numbers
 
@@ -115,7 +115,7 @@ def test_numbers_follow_a_slider_that_moves_on(serve, sheet):
     sheet.again(lambda: page.evaluate(drag))
     # A second of sliding; frames of a machine that is shared come ten times a second at least. It was 5 while what was overtaken was not shown.
     assert page.evaluate("window.updates") >= 10
-    load = scene_of(page)["axial_load_N"]
+    load = case_of(page)["axial_load_N"]
     assert key(page, "ball_torque_Nm") == table_of(FEED, "--set", f"axial_load_N={load}")["torque of the balls"]
 
 
@@ -126,7 +126,7 @@ def test_a_map_of_3600_points_takes_less_than_a_second(serve, sheet):
     assert int(page.get_attribute("#map", "data-points")) > 24 * 24
     host, token = served.address.split("/?token=")
     for name in ["feed_drive", "feed_drive_oil"]:
-        body = {"scene": json.loads(example(name).read_text()), "settings": {"name": "traction"}, "vary": ["screw_speed_rpm=150:15000:60:log", "axial_load_N=800:80000:60:log"], "columns": ["efficiency"]}
+        body = {"case": json.loads(example(name).read_text()), "settings": {"name": "traction"}, "vary": ["screw_speed_rpm=150:15000:60:log", "axial_load_N=800:80000:60:log"], "columns": ["efficiency"]}
         answer = page.request.post(host + "/sweep", headers={"X-Bsm-Token": token}, data=body)
         took = float(answer.headers["server-timing"].split("dur=")[1])
         MEASURED.append(f"{name}: a map of 60 x 60 points by traction takes the server {took:.0f} ms")
@@ -162,15 +162,15 @@ def test_a_decimal_comma_is_a_point(serve, sheet):
     served, sheet = serve(FEED), sheet()
     page = sheet.open(served.address)
     sheet.again(lambda: fill(sheet, "friction_coefficient", "0,07"))
-    assert scene_of(page)["friction_coefficient"] == 0.07
+    assert case_of(page)["friction_coefficient"] == 0.07
     sheet.again(lambda: fill(sheet, "ball_diameter_mm", "6,5"))
-    assert scene_of(page)["ball_diameter_mm"] == 6.5
+    assert case_of(page)["ball_diameter_mm"] == 6.5
     # Thousands or thousandths: the field asks.
     for text in ["1,500", "1.500,5", "1 5", "x"]:
         fill(sheet, "axial_load_N", text)
         page.locator("[data-name=axial_load_N] .wrong").wait_for(state="visible")
     sheet.again(lambda: fill(sheet, "axial_load_N", "1500"))
-    assert scene_of(page)["axial_load_N"] == 1500 and page.locator(".field.bad").count() == 0
+    assert case_of(page)["axial_load_N"] == 1500 and page.locator(".field.bad").count() == 0
 
 
 def test_an_input_in_another_unit(serve, sheet):
@@ -179,7 +179,7 @@ def test_an_input_in_another_unit(serve, sheet):
     page.select_option("[data-name=axial_load_N] select", "kN")
     assert page.input_value("#in-axial_load_N") == "8"
     sheet.again(lambda: fill(sheet, "axial_load_N", "10"))
-    assert scene_of(page)["axial_load_N"] == 10000
+    assert case_of(page)["axial_load_N"] == 10000
 
 
 def test_the_map_shows_at_the_pointer_what_solve_says(serve, sheet):
@@ -204,33 +204,33 @@ def test_the_cross_moves_by_pointer_and_keys(serve, sheet):
     overlay.scroll_into_view_if_needed()
     box = overlay.bounding_box()
     sheet.again(lambda: page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.6 * box["height"]))
-    moved = scene_of(page)
+    moved = case_of(page)
     assert moved["screw_speed_rpm"] != 1500 and moved["axial_load_N"] != 8000
     assert float(page.input_value("#in-screw_speed_rpm")) == moved["screw_speed_rpm"]
     page.locator("#map .cross").focus()
     sheet.again(lambda: page.keyboard.press("ArrowRight"))
-    assert scene_of(page)["screw_speed_rpm"] > moved["screw_speed_rpm"]
+    assert case_of(page)["screw_speed_rpm"] > moved["screw_speed_rpm"]
 
 
-def test_a_saved_scene_solves_to_the_same_numbers(serve, sheet, tmp_path):
+def test_a_saved_case_solves_to_the_same_numbers(serve, sheet, tmp_path):
     saved = tmp_path / "saved.json"
     served, sheet = serve(FEED, "-o", saved), sheet()
     page = sheet.open(served.address)
     slide(sheet, "lead_mm", 400)
     page.click("#save")
     page.locator("#save", has_text="Saved").wait_for()
-    assert json.loads(saved.read_text()) == scene_of(page)
+    assert json.loads(saved.read_text()) == case_of(page)
     assert table_of(saved)["efficiency of the balls"] == key(page, "efficiency")
 
 
-def test_without_a_file_to_write_the_browser_saves_the_scene(serve, sheet):
+def test_without_a_file_to_write_the_browser_saves_the_case(serve, sheet):
     served, sheet = serve(FEED), sheet()
     page = sheet.open(served.address)
     sheet.again(lambda: fill(sheet, "axial_load_N", "5000"))
     with page.expect_download() as download:
         page.click("#save")
     saved = json.loads(download.value.path().read_text())
-    assert saved == scene_of(page) and saved["axial_load_N"] == 5000
+    assert saved == case_of(page) and saved["axial_load_N"] == 5000
 
 
 def saved(sheet, panel: str) -> dict[str, bytes]:
@@ -278,12 +278,12 @@ def test_the_address_keeps_what_is_set(serve, sheet):
     first.again(lambda: fill(first, "axial_load_N", "5000"))
     first.again(lambda: page.select_option("#model", "traction"))
     first.again(lambda: page.select_option("#map select[aria-label='Output of the map']", "dissipated_power_W"))
-    first.again(lambda: page.click("text=Keep this scene"))
+    first.again(lambda: page.click("text=Keep this case"))
     first.again(lambda: fill(first, "lead_mm", "10"))
     page.wait_for_function("decodeURIComponent(location.hash).includes('\"lead_mm\":10')")
     for tab, act in [(first, page.reload), (other, lambda: other.page.goto(page.url))]:
         tab.again(act)
-        shown = scene_of(tab.page)
+        shown = case_of(tab.page)
         assert shown["axial_load_N"] == 5000 and shown["lead_mm"] == 10
         assert tab.page.input_value("#model") == "traction"
         assert tab.page.input_value("#map select[aria-label='Output of the map']") == "dissipated_power_W"
@@ -306,12 +306,12 @@ def test_an_address_that_means_nothing_is_told(serve, sheet):
 
 
 def columns_of(page) -> dict[str, list[str]]:
-    """Rows of the scenes side by side, by their labels."""
+    """Rows of the cases side by side, by their labels."""
     rows = page.locator("table.beside tbody tr").all()
     return {row.locator("th").inner_text(): [cell.inner_text() for cell in row.locator("td").all()[1:]] for row in rows}
 
 
-def test_scenes_stand_side_by_side(serve, sheet, tmp_path):
+def test_cases_stand_side_by_side(serve, sheet, tmp_path):
     other = tmp_path / "other.json"
     other.write_text(json.dumps(json.loads(FEED.read_text()) | {"lead_mm": 10, "axial_load_N": 4000}))
     served, sheet = serve(FEED, other), sheet()
@@ -320,14 +320,14 @@ def test_scenes_stand_side_by_side(serve, sheet, tmp_path):
     page.wait_for_function("document.querySelectorAll('table.beside tbody tr').length > 10")
     assert columns_of(page)[label] == [table_of(FEED)[label], table_of(other)[label]]
     sheet.again(lambda: fill(sheet, "axial_load_N", "6000"))
-    sheet.again(lambda: page.click("text=Keep this scene"))
+    sheet.again(lambda: page.click("text=Keep this case"))
     sheet.again(lambda: page.select_option("#model", "elastic"))
     expected = [table_of(FEED, "--model", "elastic", "--set", "axial_load_N=6000")[label], table_of(other, "--model", "elastic")[label]]
     found = columns_of(page)
     assert found[label] == [expected[0], expected[1], expected[0]]
     assert found["axial load"] == ["6000", "4000", "6000"] and found["lead"] == ["20", "10", "20"]
     sheet.again(lambda: page.locator("table.beside thead button", has_text="Show").first.click())
-    assert scene_of(page)["lead_mm"] == 10
+    assert case_of(page)["lead_mm"] == 10
     # The same in a file.
     out = tmp_path / "page.html"
     bsm("view", FEED, other, "-o", out)
@@ -372,10 +372,10 @@ def test_a_screw_alone_has_no_axis(serve, sheet):
 def test_the_motion_has_one_speed(serve, sheet, name, turned):
     served, sheet = serve(example(name)), sheet()
     page = sheet.open(served.address)
-    scene = scene_of(page)
-    assert turned in scene
-    lead = scene["lead_mm"]
-    speed = scene[turned] if turned == "screw_speed_rpm" else 1e3 * scene[turned] / lead
+    case = case_of(page)
+    assert turned in case
+    lead = case["lead_mm"]
+    speed = case[turned] if turned == "screw_speed_rpm" else 1e3 * case[turned] / lead
     # A tenth of a turn a second is shown.
     slow = float(re.search(r"Motion slowed ([\d.]+) times", page.inner_text("#space"))[1])
     assert slow == pytest.approx(abs(speed) / 60 / 0.1, rel=1e-3)
@@ -429,13 +429,13 @@ def test_the_warm_nut_shows_temperatures_and_fold(serve, sheet, tmp_path):
 
 
 def test_balls_that_touch_are_shaded(serve, sheet, tmp_path):
-    scene = tmp_path / "train.json"
-    scene.write_text(json.dumps(json.loads(example("nut_train").read_text()) | {"moment_y_Nm": 30}))
-    bsm("nut", scene, "-o", tmp_path / "balls.csv")
+    case = tmp_path / "train.json"
+    case.write_text(json.dumps(json.loads(example("nut_train").read_text()) | {"moment_y_Nm": 30}))
+    bsm("nut", case, "-o", tmp_path / "balls.csv")
     with (tmp_path / "balls.csv").open() as table:
         balls = [{name: float(cell) for name, cell in row.items() if cell} for row in csv.DictReader(table)]
     pushed = [ball["front_push_N"] > 0 or ball["back_push_N"] > 0 for ball in balls]
-    page = sheet().open(serve(scene).address)
+    page = sheet().open(serve(case).address)
     figure = page.locator("#nut figure", has_text="Speeds and advance of the balls")
     assert figure.locator(".free").count() == figure.locator(".advance").count() == len(balls) == 98
     assert figure.locator(".moving").count() == sum(pushed) > 40
@@ -452,13 +452,13 @@ def test_balls_that_touch_are_shaded(serve, sheet, tmp_path):
     moving = [rate_at(float(mark.get_attribute("cy"))) for mark in figure.locator(".moving").all()]
     of_pushed = [ball["rate"] for ball, is_pushed in zip(balls, pushed, strict=True) if is_pushed]
     assert moving == pytest.approx(of_pushed, rel=1e-8)
-    [train] = json.loads(bsm("nut", scene, "--json"))["circuits"]
+    [train] = json.loads(bsm("nut", case, "--json"))["circuits"]
     # The path of the line has two decimals.
     line = float(figure.locator(".train").get_attribute("d").split("L")[1].split(" ")[1])
     assert rate_at(line) == pytest.approx(train["train_rate"], abs=abs(0.01 / scale))
     # Without gaps that are given nothing is known of touching.
     free = tmp_path / "free.json"
-    free.write_text(json.dumps({k: v for k, v in json.loads(scene.read_text()).items() if k != "ball_gap_mm"}))
+    free.write_text(json.dumps({k: v for k, v in json.loads(case.read_text()).items() if k != "ball_gap_mm"}))
     page = sheet().open(serve(free).address)
     figure = page.locator("#nut figure", has_text="Speeds and advance of the balls")
     assert figure.locator(".free").count() == 98
@@ -494,7 +494,7 @@ def test_one_file_works_without_a_server(sheet, tmp_path):
     assert all(url.startswith(("file:", "data:")) for url in sheet.requests), sheet.requests
     assert key(page, "efficiency") == table_of(FEED)["efficiency of the balls"]
     slide(sheet, "axial_load_N", 8)
-    load = scene_of(page)["axial_load_N"]
+    load = case_of(page)["axial_load_N"]
     assert load > 8000
     # The stops are numbers of the solver to the digits that are shown.
     assert key(page, "ball_torque_Nm") == table_of(FEED, "--set", f"axial_load_N={load!r}")["torque of the balls"]
@@ -509,7 +509,7 @@ def test_two_tabs_do_not_disturb_each_other(serve, sheet):
     slide(one, "axial_load_N", 800)
     slide(other, "axial_load_N", 200)
     for tab in (one, other):
-        load = scene_of(tab.page)["axial_load_N"]
+        load = case_of(tab.page)["axial_load_N"]
         assert key(tab.page, "ball_torque_Nm") == table_of(FEED, "--set", f"axial_load_N={load}")["torque of the balls"]
 
 

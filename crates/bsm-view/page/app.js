@@ -1,4 +1,4 @@
-// The page: one scene, asked again with every change, shown in every panel.
+// The page: one case, asked again with every change, shown in every panel.
 
 import { html, narrow, parsed } from "bsm/draw";
 import { ask, Gone, holds, start } from "bsm/source";
@@ -25,8 +25,8 @@ const map = new ModelMap(at("map"), { moved: (values) => inputs.put(values),
 const beside = new Beside(at("beside"), { edit: (entries) => load(entries), changed: () => { turn += 1; clearTimeout(slow); remember(); void rest(); } });
 let settings = { ...start.settings };
 
-/** What is asked: scene and settings. */
-const request = () => ({ scene: inputs.scene, settings });
+/** What is asked: case and settings. */
+const request = () => ({ case: inputs.case, settings });
 
 // --- asking: one round at a time; a change during a round starts the next one at its end. Numbers come first, pictures
 // in the next frame, and what takes longer once nothing changes. A change ends what is asked later than that.
@@ -34,7 +34,7 @@ let turn = 0, running = false, slow, late = new AbortController();
 
 function changed() {
   turn += 1; late.abort(); clearTimeout(slow);
-  at("json").value = JSON.stringify(inputs.scene, null, 2);
+  at("json").value = JSON.stringify(inputs.case, null, 2);
   title();
   remember();
   space.hold(true);
@@ -78,7 +78,7 @@ const stale = (ids, on) => ids.forEach((id) => at(id).classList.toggle("stale", 
 let shown = { solved: null, nut: null };
 
 /** The numbers, and pictures of a few lines. */
-function tell({ scene: entries }, point) {
+function tell({ case: entries }, point) {
   if (point instanceof Error) { complain(point); stale(panels, true); return; }
   const { solve: solved, slip } = point;
   complain(null);
@@ -93,7 +93,7 @@ function tell({ scene: entries }, point) {
   map.point(entries);
 }
 
-function picture({ scene: entries }, { solve: solved, ellipses: fields }) {
+function picture({ case: entries }, { solve: solved, ellipses: fields }) {
   ellipses.show(fields);
   space.show(entries, solved, shown.nut);
 }
@@ -112,15 +112,15 @@ async function rest() {
     then("nut", {}, (answer) => {
       shown.nut = answer instanceof Error ? null : answer;
       showNut(at("nut"), answer); stale(["nut"], false);
-      space.show(body.scene, shown.solved, shown.nut);
+      space.show(body.case, shown.solved, shown.nut);
       if (answer.warm) void then("warm", {}, (branch) => showWarm(at("nut"), branch, answer));
     }),
     then("axis", {}, (answer) => {
       // What has no input of an axis is a screw alone.
-      at("axis").parentElement.hidden = answer instanceof Error && !start.schema.inputs.some(({ group, name }) => group === "axis" && name in body.scene);
+      at("axis").parentElement.hidden = answer instanceof Error && !start.schema.inputs.some(({ group, name }) => group === "axis" && name in body.case);
       showAxis(at("axis"), answer, () => sheet(body)); stale(["axis"], false);
     }),
-    beside.solve((entries) => attempt("point", { scene: entries, settings: body.settings }, signal).then((answer) => answer.solve ?? answer)),
+    beside.solve((entries) => attempt("point", { case: entries, settings: body.settings }, signal).then((answer) => answer.solve ?? answer)),
     banded ? then("solve", { parts: false, band: true },
       (answer) => { if (!(answer instanceof Error)) { showKey(at("key"), answer);
         showLosses(at("losses"), answer, null); } }) : null,
@@ -140,7 +140,7 @@ async function sheet(body) {
 }
 
 // --- the address: what is set, so that a reload or a link shows it again
-const state = () => ({ scene: inputs.scene, settings, map: map.choice(), beside: beside.kept.map(({ scene: entries }) => entries) });
+const state = () => ({ case: inputs.case, settings, map: map.choice(), beside: beside.kept.map(({ case: entries }) => entries) });
 let usual, remembering;
 
 function remember() {
@@ -155,11 +155,11 @@ function remember() {
 function recall() {
   if (location.hash.length < 2) return false;
   try {
-    const { scene: entries, settings: set, map: choice, beside: scenes } = JSON.parse(decodeURIComponent(location.hash.slice(1)));
-    if (!holds(entries)) throw new Error("this file has no numbers of that scene: bsm view shows it live");
+    const { case: entries, settings: set, map: choice, beside: cases } = JSON.parse(decodeURIComponent(location.hash.slice(1)));
+    if (!holds(entries)) throw new Error("this file has no numbers of that case: bsm view shows it live");
     Object.assign(settings, set);
     head();
-    beside.take(scenes.map((entries) => ({ scene: entries })));
+    beside.take(cases.map((entries) => ({ case: entries })));
     load(entries, choice);
     return true;
   } catch (error) { complain(new Error(`the address after #: ${error.message}`)); return false; }
@@ -167,7 +167,7 @@ function recall() {
 
 // --- the head
 function title() {
-  const words = inputs.scene.description ?? "A ball screw";
+  const words = inputs.case.description ?? "A ball screw";
   at("title").textContent = words; document.title = `${words} – bsm`;
 }
 
@@ -191,10 +191,10 @@ at("copy").addEventListener("click", async () => {
     say(at("copy"), "Copied"); } catch { at("json").closest("details").open = true; at("json").select();
     say(at("copy"), "Select and copy"); }
 });
-at("reset").addEventListener("click", () => load(start.scene));
+at("reset").addEventListener("click", () => load(start.case));
 // To the file that the program was given, or where the browser saves.
 at("save").addEventListener("click", async () => {
-  if (!start.save) { download("scene.json", new Blob([`${at("json").value}\n`], { type: "application/json" })); return; }
+  if (!start.save) { download("case.json", new Blob([`${at("json").value}\n`], { type: "application/json" })); return; }
   const answer = await attempt("save", request());
   if (answer instanceof Error) complain(answer); else say(at("save"), "Saved");
 });
@@ -208,11 +208,11 @@ function load(entries, choice) {
 function read(words, from) {
   try {
     const entries = JSON.parse(words);
-    if (typeof entries !== "object" || entries === null || Array.isArray(entries)) throw new Error("a scene is a JSON object of inputs");
+    if (typeof entries !== "object" || entries === null || Array.isArray(entries)) throw new Error("a case is a JSON object of inputs");
     load(entries);
   } catch (error) { complain(new Error(`${from}: ${error.message}`)); }
 }
-at("apply").addEventListener("click", () => read(at("json").value, "scene"));
+at("apply").addEventListener("click", () => read(at("json").value, "case"));
 at("file").addEventListener("change", async (event) => { const [file] = event.target.files;
   if (file) read(await file.text(), file.name); event.target.value = ""; });
 for (const [kind, on] of [["dragover", true], ["dragleave", false], ["drop", false]])
@@ -237,6 +237,6 @@ addEventListener("resize", () => {
 for (const panel of document.querySelectorAll(".panel")) offer(panel);
 addEventListener("hashchange", () => recall());
 beside.take(start.beside);
-inputs.show(start.scene); map.choices(start.scene);
+inputs.show(start.case); map.choices(start.case);
 usual = JSON.stringify(state());
-if (!recall()) load(start.scene);
+if (!recall()) load(start.case);

@@ -1,4 +1,4 @@
-// Scenes side by side: the inputs in which they differ, and the numbers of each.
+// Cases side by side: the inputs in which they differ, and the numbers of each.
 
 import { html, unitOf } from "bsm/draw";
 import { holds, start } from "bsm/source";
@@ -6,23 +6,23 @@ import { holds, start } from "bsm/source";
 const LABEL = new Map(start.schema.inputs.map(({ name, label, unit }) => [name, [label, unit]]));
 
 export class Beside {
-  /** `edit` takes a scene that is to be shown; `changed` is called when other scenes are kept. */
+  /** `edit` takes a case that is to be shown; `changed` is called when other cases are kept. */
   constructor(host, { edit, changed }) {
     Object.assign(this, { host, edit, changed, kept: [] });
-    const keep = html("button", { type: "button", onclick: () => { this.add(this.scene, this.solved); changed(); } }, "Keep this scene");
+    const keep = html("button", { type: "button", onclick: () => { this.add(this.case, this.solved); changed(); } }, "Keep this case");
     this.stage = html("div");
     host.append(html("div", { class: "bar" }, keep,
       html("span", { class: "small faint" }, "Then change the inputs: what is kept stays as a column.")), this.stage);
   }
 
-  /** Keeps a scene; what it has solved to is asked for where it is not known. */
-  add(entries, solved = null) { this.kept.push({ scene: structuredClone(entries), solved }); }
+  /** Keeps a case; what it has solved to is asked for where it is not known. */
+  add(entries, solved = null) { this.kept.push({ case: structuredClone(entries), solved }); }
 
-  /** Takes these scenes in place of those that are kept; a file has the numbers of those that it was made with. */
-  take(scenes) {
+  /** Takes these cases in place of those that are kept; a file has the numbers of those that it was made with. */
+  take(cases) {
     this.kept = [];
-    const known = (entries) => start.beside.find((one) => JSON.stringify(one.scene) === JSON.stringify(entries))?.solved;
-    for (const { scene: entries } of scenes) if (known(entries) || holds(entries)) this.add(entries, known(entries));
+    const known = (entries) => start.beside.find((one) => JSON.stringify(one.case) === JSON.stringify(entries))?.solved;
+    for (const { case: entries } of cases) if (known(entries) || holds(entries)) this.add(entries, known(entries));
   }
 
   /** Results of other settings are no longer these. */
@@ -31,38 +31,38 @@ export class Beside {
   /** Solves what is not solved yet. */
   async solve(ask) {
     for (const kept of this.kept) if (!kept.solved) {
-      const answer = await ask(kept.scene);
+      const answer = await ask(kept.case);
       if (answer instanceof Error) { if (answer.name === "AbortError") return; kept.solved = { error: answer.message }; } else kept.solved = answer;
     }
     this.draw();
   }
 
-  show(entries, solved) { this.scene = structuredClone(entries); this.solved = solved; this.draw(); }
+  show(entries, solved) { this.case = structuredClone(entries); this.solved = solved; this.draw(); }
 
   draw() {
     if (!this.kept.length) { this.stage.replaceChildren(); return; }
-    const columns = [{ scene: this.scene, solved: this.solved }, ...this.kept];
+    const columns = [{ case: this.case, solved: this.solved }, ...this.kept];
     const written = (value) => (value === undefined ? "–" : typeof value === "object" ? JSON.stringify(value) : String(value));
-    const names = [...new Set(columns.flatMap(({ scene: entries }) => Object.keys(entries)))].filter((name) =>
-      name !== "description" && new Set(columns.map(({ scene: entries }) => written(entries[name]))).size > 1);
+    const names = [...new Set(columns.flatMap(({ case: entries }) => Object.keys(entries)))].filter((name) =>
+      name !== "description" && new Set(columns.map(({ case: entries }) => written(entries[name]))).size > 1);
     const line = (label, unit, values, kind = "number") => html("tr", {}, html("th", { scope: "row" }, label),
       html("td", { class: "faint" }, unitOf(unit)), values.map((value) => html("td", { class: kind }, value)));
     const numbers = columns.map(({ solved }) => new Map((solved?.shown?.overall ?? []).map(([label, unit, value]) => [label, [unit, value]])));
     const labels = [...new Set(numbers.flatMap((map) => [...map.keys()]))];
     const units = new Map(numbers.flatMap((map) => [...map].map(([label, [unit]]) => [label, unit])));
-    const head = ({ scene: entries }, i) => html("th", { scope: "col", class: "number" },
-      html("div", {}, i ? `kept ${i}` : "this scene"), html("div", { class: "small faint" }, entries.description ?? ""),
-      i ? html("div", {}, start.live ? html("button", { type: "button", onclick: () => this.edit(this.kept[i - 1].scene) }, "Show") : null,
-        html("button", { type: "button", "aria-label": `Leave out the kept scene ${i}`,
+    const head = ({ case: entries }, i) => html("th", { scope: "col", class: "number" },
+      html("div", {}, i ? `kept ${i}` : "this case"), html("div", { class: "small faint" }, entries.description ?? ""),
+      i ? html("div", {}, start.live ? html("button", { type: "button", onclick: () => this.edit(this.kept[i - 1].case) }, "Show") : null,
+        html("button", { type: "button", "aria-label": `Leave out the kept case ${i}`,
           onclick: () => { this.kept.splice(i - 1, 1); this.draw(); this.changed(); } }, "×")) : null);
     const status = ({ solved }) => (solved ? solved.error ??
       (solved.status === "converged" ? solved.regime ?? "" : `${solved.status.replace("_", " ")}: ${solved.message}`)
       : "…");
     this.stage.replaceChildren(html("div", { class: "scroll", tabindex: "0", role: "region",
-      "aria-label": "Scenes side by side" }, html("table", { class: "beside" },
-      html("caption", {}, "Scenes side by side"),
+      "aria-label": "Cases side by side" }, html("table", { class: "beside" },
+      html("caption", {}, "Cases side by side"),
       html("thead", {}, html("tr", {}, html("td"), html("td"), columns.map(head))),
-      html("tbody", {}, names.map((name) => line(...(LABEL.get(name) ?? [name.replaceAll("_", " "), ""]), columns.map(({ scene: entries }) => written(entries[name])))),
+      html("tbody", {}, names.map((name) => line(...(LABEL.get(name) ?? [name.replaceAll("_", " "), ""]), columns.map(({ case: entries }) => written(entries[name])))),
         line("model", "", columns.map(({ solved }) => solved?.model ?? "–")), line("regime", "", columns.map(status), "small"),
         labels.map((label) => line(label, units.get(label), numbers.map((map) => map.get(label)?.[1] ?? "–")))))));
   }

@@ -31,16 +31,16 @@ function rangeOf(name, value) {
   return { low: Math.max(-2 * size, low), high: 2 * size, log: false, whole };
 }
 
-/** The form; `changed(scene)` is called with every change. */
+/** The form; `changed(case)` is called with every change. */
 export class Inputs {
   constructor(form, changed) {
     Object.assign(this, { form, changed, fields: new Map(), units: new Map() });
     form.addEventListener("submit", (event) => event.preventDefault());
   }
 
-  /** Shows a scene, with ranges around its values. */
+  /** Shows a case, with ranges around its values. */
   show(entries) {
-    this.scene = { ...entries };
+    this.case = { ...entries };
     this.ranges = new Map();
     this.build();
   }
@@ -49,10 +49,10 @@ export class Inputs {
     this.fields.clear();
     const words = (group) => GROUPED[group] ?? (group === "nut" ? WORDS.filter((name) => !Object.values(GROUPED).flat().includes(name)) : []);
     const sets = schema.groups.map((group) => {
-      const given = schema.inputs.filter((input) => input.group === group && input.name in this.scene);
-      const texts = words(group).filter((name) => name in this.scene);
-      const open = start.live ? schema.inputs.filter((input) => input.group === group && !(input.name in this.scene)) : [];
-      const more = start.live ? words(group).filter((name) => !(name in this.scene) && schema.input.properties[name]) : [];
+      const given = schema.inputs.filter((input) => input.group === group && input.name in this.case);
+      const texts = words(group).filter((name) => name in this.case);
+      const open = start.live ? schema.inputs.filter((input) => input.group === group && !(input.name in this.case)) : [];
+      const more = start.live ? words(group).filter((name) => !(name in this.case) && schema.input.properties[name]) : [];
       if (!given.length && !texts.length && !open.length) return null;
       const add = html("select", { class: "add", "aria-label": `Add an input of the group ${group}`, onchange: (event) => this.add(event.target.value) },
         html("option", { value: "" }, "add an input …"),
@@ -110,13 +110,13 @@ export class Inputs {
   choice(name) {
     const words = choices(name), { description } = schema.input.properties[name];
     const pick = html("select", { id: `in-${name}`, title: description, disabled: !start.live,
-      onchange: () => { this.scene[name] = words.find((word) => String(word) === pick.value);
-        this.changed(this.scene); } },
-      words.filter((word) => word !== null).map((word) => html("option", { value: word, selected: this.scene[name] === word }, String(word))));
+      onchange: () => { this.case[name] = words.find((word) => String(word) === pick.value);
+        this.changed(this.case); } },
+      words.filter((word) => word !== null).map((word) => html("option", { value: word, selected: this.case[name] === word }, String(word))));
     return html("div", { class: "field", "data-name": name }, html("label", { for: `in-${name}` }, `${name.replaceAll("_", " ")} `), pick);
   }
 
-  rangeFor(name) { return rangeOf(name, this.scene[name] ?? 1); }
+  rangeFor(name) { return rangeOf(name, this.case[name] ?? 1); }
 
   at({ low, high, log, whole }, part) {
     const value = part === 0 ? low : part === 1 ? high : log ? low * (high / low) ** part : low + (high - low) * part;
@@ -127,7 +127,7 @@ export class Inputs {
   refresh(name, from) {
     const field = this.fields.get(name);
     if (!field) return;
-    const { box, slider, ends, range, factor, stop } = field, value = this.scene[name];
+    const { box, slider, ends, range, factor, stop } = field, value = this.case[name];
     if (box !== from) box.value = typeof value === "number" ? tidy12(value / factor()) : value ?? "";
     if (!slider) return;
     const part = range.log ? Math.log(value / range.low) / Math.log(range.high / range.low) : (value - range.low) / (range.high - range.low);
@@ -142,34 +142,34 @@ export class Inputs {
   }
 
   set(name, value, from) {
-    if (value == null) delete this.scene[name]; else this.scene[name] = value;
+    if (value == null) delete this.case[name]; else this.case[name] = value;
     // A control that was emptied keeps its place.
     this.refresh(name, from);
-    this.changed(this.scene);
+    this.changed(this.case);
   }
 
   /** Sets values from outside, as the cross of the map does. */
   put(values) {
-    Object.assign(this.scene, values);
+    Object.assign(this.case, values);
     for (const name of Object.keys(values)) this.refresh(name);
-    this.changed(this.scene);
+    this.changed(this.case);
   }
 
   add(name) {
     if (!name) return;
     const input = INPUT.get(name), property = schema.input.properties[name];
-    this.scene[name] = input ? (input.default ?? property.minimum ??
+    this.case[name] = input ? (input.default ?? property.minimum ??
       (property.exclusiveMinimum != null ? (property.exclusiveMinimum || 0.1) * 1.04 : 1))
       : choices(name).find((word) => word !== null);
     this.build();
     this.form.querySelector(`[id="in-${name}"]`)?.focus();
-    this.changed(this.scene);
+    this.changed(this.case);
   }
 
   drop(name) {
-    delete this.scene[name];
+    delete this.case[name];
     this.build();
-    this.changed(this.scene);
+    this.changed(this.case);
   }
 
   /** Marks the fields that a message names; none clears them. */

@@ -27,7 +27,7 @@ export class ModelMap {
   /** What is chosen: inputs, output, and ranges that are not the usual ones. */
   choice() { return { x: this.x.value, y: this.y.value, output: this.output.value, ranges: this.ranges }; }
 
-  /** What can be varied in a scene, and what of it is chosen. */
+  /** What can be varied in a case, and what of it is chosen. */
   choices(entries, chosen = {}) {
     const { inputs, outputs } = start.schema, axes = start.answers?.axes?.map(([name]) => name);
     const can = inputs.filter(({ name }) => (axes ? axes.includes(name) : typeof entries[name] === "number" && entries[name] !== 0));
@@ -76,14 +76,14 @@ export class ModelMap {
 
   /** Other inputs. */
   other() {
-    this.drawFields(this.scene);
+    this.drawFields(this.case);
     this.again();
   }
 
-  /** Solves the map of a scene, first with few points, then with many if that is quick. */
+  /** Solves the map of a case, first with few points, then with many if that is quick. */
   async show(body, signal) {
-    const { scene: entries } = body, names = [this.x.value, this.y.value];
-    if (names[0] === names[1] || names.some((name) => entries[name] == null)) { this.refuse("A map needs two different inputs of the scene."); return; }
+    const { case: entries } = body, names = [this.x.value, this.y.value];
+    if (names[0] === names[1] || names.some((name) => entries[name] == null)) { this.refuse("A map needs two different inputs of the case."); return; }
     const vary = (count) => names.map((name) => { const { low, high, log } = this.range(name, entries[name]);
       return `${name}=${low}:${high}:${count}${log && low > 0 ? ":log" : ""}`; });
     // A point within the map has the same map.
@@ -92,7 +92,7 @@ export class ModelMap {
     const draw = async (count) => {
       const answer = await this.ask("sweep", { ...body, vary: vary(count), columns: [this.output.value] }, signal);
       if (signal.aborted) return null;
-      this.answer = answer; this.scene = entries;
+      this.answer = answer; this.case = entries;
       this.host.dataset.points = answer.model.length; this.host.dataset.ms = answer.took;
       this.draw();
       return answer.took;
@@ -110,9 +110,9 @@ export class ModelMap {
     this.stage.replaceChildren(none(words)); this.under.replaceChildren();
   }
 
-  /** Moves the cross to a scene. */
+  /** Moves the cross to a case. */
   point(entries) {
-    this.scene = entries;
+    this.case = entries;
     if (this.cross) this.place();
   }
 
@@ -224,7 +224,7 @@ export class ModelMap {
     return cross;
   }
 
-  spot() { return this.scales.map((s, i) => { const v = this.scene[this.answer.axes[i].name]; return s.log && v <= 0 ? NaN : s(v); }); }
+  spot() { return this.scales.map((s, i) => { const v = this.case[this.answer.axes[i].name]; return s.log && v <= 0 ? NaN : s(v); }); }
 
   place() {
     const [x, y] = this.spot(), { box, answer } = this, inside = x >= box[0] - 1 && x <= box[2] + 1 && y >= box[1] - 1 && y <= box[3] + 1;
@@ -232,7 +232,7 @@ export class ModelMap {
     if (!inside) return;
     this.cross.setAttribute("transform", `translate(${x} ${y})`);
     this.cross.setAttribute("aria-valuenow", Math.round((100 * (x - box[0])) / (box[2] - box[0])));
-    this.cross.setAttribute("aria-valuetext", answer.axes.map(({ name }) => `${name.replaceAll("_", " ")} ${number(this.scene[name])}`).join(", "));
+    this.cross.setAttribute("aria-valuetext", answer.axes.map(({ name }) => `${name.replaceAll("_", " ")} ${number(this.case[name])}`).join(", "));
   }
 
   move(px, py) {

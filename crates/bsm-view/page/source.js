@@ -29,7 +29,7 @@ async function served(route, body, turn, signal) {
   return answer;
 }
 
-/** The stop of the sliders that is nearest to a scene: places on both axes. */
+/** The stop of the sliders that is nearest to a case: places on both axes. */
 export function stopOf(entries) {
   return start.answers.axes?.map(([name, values]) => {
     const far = (v) => Math.abs(Math.log(v / entries[name]));
@@ -37,21 +37,21 @@ export function stopOf(entries) {
   });
 }
 
-/** Whether there are numbers of a scene: a file has those of its own, and at the stops of its sliders. */
+/** Whether there are numbers of a case: a file has those of its own, and at the stops of its sliders. */
 export function holds(entries) {
   const free = start.live ? Object.keys(entries) : start.answers.axes?.map(([name]) => name) ?? [];
   const fixed = (of) => JSON.stringify(Object.entries(of).filter(([name]) => !free.includes(name)).sort());
-  return start.live || fixed(entries) === fixed(start.scene);
+  return start.live || fixed(entries) === fixed(start.case);
 }
 
 /** Looks into the file. */
 function kept(route, body) {
   const axes = start.answers.axes;
-  const stop = axes && stopOf(body.scene);
+  const stop = axes && stopOf(body.case);
   const middle = !axes || stop.every((place, i) => place === (axes[i][1].length - 1) / 2);
   const here = middle ? start.answers : start.stops[stop[0] * axes[1][1].length + stop[1]];
   const answer = route === "sweep" ? start.map : here[route];
-  if (!answer) throw new Refused("This file has no such numbers away from its own scene: bsm view shows them live.");
+  if (!answer) throw new Refused("This file has no such numbers away from its own case: bsm view shows them live.");
   if (answer.error) throw new Refused(answer.error);
   // The grooves are the same at every stop.
   return route === "point" ? { ...answer, solve: { ...answer.solve, section: start.answers.point.solve.section } } : answer;

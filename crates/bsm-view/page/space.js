@@ -10,7 +10,7 @@ const SHOWN = 0.1;
 /** A frame of a graphics card, and what lies between frames that the processor draws [ms]. */
 const QUICK = 20, PAUSE = 120;
 
-/** Sizes of a scene in millimetres. */
+/** Sizes of a case in millimetres. */
 function sizes(entries, solved, nut) {
   const ball = entries.ball_diameter_mm, pitch = entries.pitch_circle_diameter_mm, angle = solved.lead_angle_deg;
   if (!ball || !pitch || angle == null) return null;
@@ -129,7 +129,7 @@ export class Space {
     // The buffer is kept: it is printed.
     this.renderer = new three.WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true, powerPreference: "low-power", preserveDrawingBuffer: true });
     this.stage.append(this.canvas);
-    this.world = new three.Scene();
+    this.world = new three.Case();
     this.world.add(new three.HemisphereLight(0xffffff, 0x778899, 1.9), new three.AmbientLight(0xffffff, 0.35));
     const sun = new three.DirectionalLight(0xffffff, 2.2); sun.position.set(1, 1.6, 1.2);
     this.camera = new three.PerspectiveCamera(32, 1.5, 0.1, 10000);

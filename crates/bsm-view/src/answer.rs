@@ -4,9 +4,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use bsm_batch::{Answers, Buffers, GridSource, Source, Task, Workers};
 use bsm_case::{
-    Answer, Axis, AxisReport, CaseError, Columns, EllipseFields, Grid, GrooveSection, ModelChoice,
-    MotionAnswer, Numbers, NutProblem, Quantity, Record, Row, Scene, Scope, Settings, Supplement,
-    WarmBranch, comparison, torque_parts,
+    Answer, Axis, AxisReport, Case, CaseError, Columns, EllipseFields, Grid, GrooveSection,
+    ModelChoice, MotionAnswer, Numbers, NutProblem, Quantity, Record, Row, Scope, Settings,
+    Supplement, WarmBranch, comparison, torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace, Problem, RacewayFriction, Status};
 use bsm_report::sheets::{size_page, size_results};
@@ -52,9 +52,9 @@ impl From<CaseError> for Refusal {
     }
 }
 
-/// A scene and how to solve it, with the rest of the request.
+/// A case and how to solve it, with the rest of the request.
 pub(crate) struct Request {
-    pub(crate) scene: Scene,
+    pub(crate) case: Case,
     pub(crate) settings: Settings,
     rest: Map<String, Value>,
 }
@@ -63,11 +63,11 @@ impl Request {
     /// Reads the body of a request.
     pub(crate) fn read(body: &[u8]) -> Result<Self, Refusal> {
         let mut rest: Map<_, _> = bsm_case::entries(body)?.into_iter().collect();
-        let scene =
-            rest.remove("scene").ok_or_else(|| Refusal::Input("scene is missing".to_owned()))?;
-        let scene = Scene::from_json(scene.to_string().as_bytes())?;
+        let case =
+            rest.remove("case").ok_or_else(|| Refusal::Input("case is missing".to_owned()))?;
+        let case = Case::from_json(case.to_string().as_bytes())?;
         let settings = settings(rest.remove("settings"))?;
-        Ok(Self { scene, settings, rest })
+        Ok(Self { case, settings, rest })
     }
 }
 
@@ -144,10 +144,10 @@ fn solve(request: &Request) -> Result<Value, Refusal> {
 
 /// * `parts`: with the parts of the torque, which take the balance of a preloaded nut.
 pub(crate) fn solved(
-    Request { scene, settings, rest }: &Request,
+    Request { case, settings, rest }: &Request,
     parts: bool,
 ) -> Result<Value, Refusal> {
-    let problem = scene.problem(settings)?;
+    let problem = case.problem(settings)?;
     let mut work = ModelWorkspace::default();
     let solution = problem.solve(&mut work);
     let band = match (&problem, solution.solved(), rest.get("band")) {
@@ -162,10 +162,10 @@ pub(crate) fn solved(
         return Err(Refusal::Input(text.to_owned()));
     }
     // Why there are none, the nut's panel says.
-    let parts = if parts { torque_parts(scene, settings).ok().flatten() } else { None };
-    let numbers = record.rows(scene);
+    let parts = if parts { torque_parts(case, settings).ok().flatten() } else { None };
+    let numbers = record.rows(case);
     let beside = Supplement { band, parts, sensitivities: None };
-    let Value::Object(mut report) = record.answer(PROGRAM, scene, settings, &beside).to_json()
+    let Value::Object(mut report) = record.answer(PROGRAM, case, settings, &beside).to_json()
     else {
         return Err(Refusal::Input("no result".to_owned()));
     };
@@ -189,43 +189,43 @@ pub(crate) fn solved(
         }),
     );
     report.insert("lubrication".to_owned(), json!(record.lubrication()));
-    let section = GrooveSection::of(scene).ok();
+    let section = GrooveSection::of(case).ok();
     let warnings = section.as_ref().map(|section| section.warnings(&record));
     report.insert("section".to_owned(), section.map_or(Value::Null, |section| section.to_json()));
     report.insert("section_warnings".to_owned(), json!(warnings.unwrap_or_default()));
-    let lead_angle = scene.lead_angle().map(f64::to_degrees);
+    let lead_angle = case.lead_angle().map(f64::to_degrees);
     report.insert("lead_angle_deg".to_owned(), json!(lead_angle));
-    let speeds = scene.speeds_rpm().map(|(screw, nut)| [screw, nut]);
+    let speeds = case.speeds_rpm().map(|(screw, nut)| [screw, nut]);
     report.insert("speeds_rpm".to_owned(), json!(speeds));
     Ok(Value::Object(report))
 }
 
 /// `bsm solve --model all --json`, with the omitted models and the reasons.
-pub(crate) fn compare(Request { scene, .. }: &Request) -> Result<Value, Refusal> {
-    Ok(comparison(scene)?.to_json())
+pub(crate) fn compare(Request { case, .. }: &Request) -> Result<Value, Refusal> {
+    Ok(comparison(case)?.to_json())
 }
 
 /// The solution whose motion is analysed: the one that the page shows, so that its losses add up.
-fn moving(Request { scene, settings, .. }: &Request) -> Result<MotionAnswer, Refusal> {
-    let solution = scene.problem(settings)?.solve(&mut ModelWorkspace::default());
+fn moving(Request { case, settings, .. }: &Request) -> Result<MotionAnswer, Refusal> {
+    let solution = case.problem(settings)?.solve(&mut ModelWorkspace::default());
     Ok(MotionAnswer { settings: *settings, solution })
 }
 
 /// `bsm solve --show slip --json`.
 fn slip(request: &Request) -> Result<Value, Refusal> {
     let MotionAnswer { settings, solution } = moving(request)?;
-    Ok(bsm_case::slip(&request.scene, &settings, &solution)?.to_json())
+    Ok(bsm_case::slip(&request.case, &settings, &solution)?.to_json())
 }
 
 /// Fields over the ellipses.
 fn ellipses(request: &Request, points: u32) -> Result<Value, Refusal> {
     let MotionAnswer { settings, solution } = moving(request)?;
-    Ok(EllipseFields::of(&request.scene, &settings, &solution, points)?.into_json())
+    Ok(EllipseFields::of(&request.case, &settings, &solution, points)?.into_json())
 }
 
 /// `bsm nut --json`, with its table of balls and its curve.
-pub(crate) fn nut(Request { scene, settings, .. }: &Request) -> Result<Value, Refusal> {
-    let report = match NutProblem::of(scene, settings)?.solve() {
+pub(crate) fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
+    let report = match NutProblem::of(case, settings)?.solve() {
         Ok(report) => report,
         Err(none) => return Ok(NutProblem::unsolved(&none).to_json()),
     };
@@ -238,15 +238,15 @@ pub(crate) fn nut(Request { scene, settings, .. }: &Request) -> Result<Value, Re
 }
 
 /// Warm steady states over the speed: a picture, with the fastest friction of all balls.
-pub(crate) fn warm(Request { scene, settings, .. }: &Request) -> Result<Value, Refusal> {
+pub(crate) fn warm(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
     let quick = Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() };
     let quick = Settings { control: settings.control, ..quick };
-    Ok(WarmBranch::of(scene, &quick)?.map_or(Value::Null, |branch| branch.to_json()))
+    Ok(WarmBranch::of(case, &quick)?.map_or(Value::Null, |branch| branch.to_json()))
 }
 
 /// `bsm axis --json`, with its numbers as text, and if it is asked for its sheet.
-pub(crate) fn axis(Request { scene, settings, rest }: &Request) -> Result<Value, Refusal> {
-    let report = AxisReport::of(scene, settings)?;
+pub(crate) fn axis(Request { case, settings, rest }: &Request) -> Result<Value, Refusal> {
+    let report = AxisReport::of(case, settings)?;
     let mut answer = size_results(&report);
     answer["shown"] = shown(&report.answer);
     if rest.get("sheet") == Some(&Value::Bool(true)) {
@@ -275,7 +275,7 @@ fn columns(table: &Columns) -> Value {
 
 /// `bsm sweep` over `vary` with `columns`, by columns: models and statuses as places in their lists of names.
 fn sweep(
-    Request { scene, settings, rest }: &Request,
+    Request { case, settings, rest }: &Request,
     workers: &Workers<'_>,
     stop: &AtomicBool,
 ) -> Result<Value, Refusal> {
@@ -292,7 +292,7 @@ fn sweep(
     }
     let outputs = Answers::select(Some(&texts("columns")?));
     let outputs = outputs.map_err(|error| Refusal::Input(error.to_string()))?;
-    let task = Task::over_grid(scene.clone(), *settings, outputs, None, &grid)?;
+    let task = Task::over_grid(case.clone(), *settings, outputs, None, &grid)?;
     let mut source = GridSource::new(grid.clone());
     let named = source.columns().clone();
     let chunk = source.next(grid.len()).map_err(|error| Refusal::Input(error.to_string()))?;

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::answer::MOST_POINTS;
 
-/// Schemas of scene and result, and what a form needs besides.
+/// Schemas of case and result, and what a form needs besides.
 pub(crate) fn schema() -> Value {
     let mut groups = Vec::new();
     for input in INPUTS {

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use bsm_batch::Workers;
-use bsm_case::{EllipseFields, Scene, Settings};
+use bsm_case::{Case, EllipseFields, Settings};
 use serde_json::{Map, Value, json};
 
 use crate::Refusal;
@@ -17,7 +17,7 @@ const STOPS: u32 = 9;
 /// Cells of each side of the map.
 const CELLS: u32 = 60;
 
-/// Points of the fields on a semi-axis, away from the scene itself.
+/// Points of the fields on a semi-axis, away from the case itself.
 const COARSE: u32 = 6;
 
 /// What the map can show.
@@ -32,24 +32,24 @@ const COLUMNS: [&str; 8] = [
     "onset_number",
 ];
 
-/// The page of a scene as one file, which needs no server.
+/// The page of a case as one file, which needs no server.
 ///
 /// Its sliders and its map are over speed and load, a decade to each side.
 ///
-/// * `beside`: other scenes, of which it has the numbers.
+/// * `beside`: other cases, of which it has the numbers.
 ///
 /// # Errors
 ///
-/// [`Refusal::Input`] if the scene cannot be solved at all.
+/// [`Refusal::Input`] if the case cannot be solved at all.
 pub fn saved(
-    scene: &Scene,
-    beside: &[Scene],
+    case: &Case,
+    beside: &[Case],
     settings: &Settings,
     workers: &Workers<'_>,
 ) -> Result<String, Refusal> {
-    let body = |scene: Scene| json!({ "scene": scene.to_json(), "settings": settings.to_json() });
+    let body = |case: Case| json!({ "case": case.to_json(), "settings": settings.to_json() });
     let read = |value: &Value| Request::read(value.to_string().as_bytes());
-    let mut request = body(scene.clone());
+    let mut request = body(case.clone());
     request["band"] = json!(true);
     request["sheet"] = json!(true);
     let here = read(&request)?;
@@ -62,14 +62,14 @@ pub fn saved(
     ]);
     let axes: Vec<_> = ["screw_speed_rpm", "axial_load_N"]
         .into_iter()
-        .filter_map(|name| Some((name, around(scene, name)?)))
+        .filter_map(|name| Some((name, around(case, name)?)))
         .collect();
     let mut stops = Vec::new();
     let mut map = Value::Null;
     if let [(x, range_x), (y, range_y)] = axes[..] {
         let values = [range_x, range_y].map(|range| spread(range, STOPS));
         for (a, b) in values[0].iter().flat_map(|a| values[1].iter().map(move |b| (*a, *b))) {
-            let mut other = scene.clone();
+            let mut other = case.clone();
             other.set(x, a)?;
             other.set(y, b)?;
             let there = read(&body(other))?;
@@ -77,7 +77,7 @@ pub fn saved(
             stops.push(json!({ "point": stop(found) }));
         }
         let axis = |name: &str, [low, high]: [f64; 2]| format!("{name}={low}:{high}:{CELLS}:log");
-        let mut request = body(scene.clone());
+        let mut request = body(case.clone());
         request["vary"] = json!([axis(x, range_x), axis(y, range_y)]);
         request["columns"] = json!(COLUMNS);
         let found =
@@ -85,15 +85,15 @@ pub fn saved(
         map = found.map_or(Value::Null, brief);
         answers.insert("axes".to_owned(), json!([[x, values[0]], [y, values[1]]]));
     }
-    let other = |scene: &Scene| {
-        let solved = solved(&read(&body(scene.clone()))?, false)?;
-        Ok(json!({ "scene": scene.to_json(), "solved": solved }))
+    let other = |case: &Case| {
+        let solved = solved(&read(&body(case.clone()))?, false)?;
+        Ok(json!({ "case": case.to_json(), "solved": solved }))
     };
     let beside = beside.iter().map(other).collect::<Result<Vec<_>, Refusal>>()?;
     Ok(page::html(&json!({
         "live": false,
         "beside": beside,
-        "scene": scene.to_json(),
+        "case": case.to_json(),
         "settings": settings.to_json(),
         "save": false,
         "program": bsm_report::PROGRAM,
@@ -113,9 +113,9 @@ fn stop(mut point: Value) -> Value {
     brief(point)
 }
 
-/// A range around an input of a scene that is positive, over two decades.
-fn around(scene: &Scene, name: &str) -> Option<[f64; 2]> {
-    let value = scene.to_json().get(name)?.as_f64().filter(|value| *value > 0.0)?;
+/// A range around an input of a case that is positive, over two decades.
+fn around(case: &Case, name: &str) -> Option<[f64; 2]> {
+    let value = case.to_json().get(name)?.as_f64().filter(|value| *value > 0.0)?;
     Some([value / 10.0, value * 10.0])
 }
 

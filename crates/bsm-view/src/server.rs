@@ -9,7 +9,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use bsm_batch::Workers;
-use bsm_case::Scene;
+use bsm_case::Case;
 use serde_json::{Value, json};
 use thiserror::Error;
 
@@ -33,7 +33,7 @@ const NO_ROOM: Duration = Duration::from_millis(50);
 /// Stack of a solve \[B\]: code that is not optimised keeps every intermediate result.
 const STACK: usize = 16 << 20;
 
-/// What saves a scene, as the text of its file.
+/// What saves a case, as the text of its file.
 pub type Save = Box<dyn Fn(&str) -> Result<(), String> + Send + Sync>;
 
 /// Why there is no server.
@@ -55,7 +55,7 @@ pub enum ViewError {
     Thread(#[from] io::Error),
 }
 
-/// A server for one scene.
+/// A server for one case.
 pub struct Server {
     listener: TcpListener,
     address: SocketAddr,
@@ -67,7 +67,7 @@ pub struct Server {
 struct ServerState {
     token: String,
     hosts: [String; 2],
-    scene: Value,
+    case: Value,
     beside: Value,
     settings: Value,
     save: Option<Save>,
@@ -81,7 +81,7 @@ static NEVER: AtomicBool = AtomicBool::new(false);
 impl Server {
     /// Listens on 127.0.0.1.
     ///
-    /// * `port`: 0 for a free one. * `beside`: other scenes, which the page compares with its own. * `settings`: how it is solved at first, as [`bsm_case::Settings::to_json`]. * `save`:
+    /// * `port`: 0 for a free one. * `beside`: other cases, which the page compares with its own. * `settings`: how it is solved at first, as [`bsm_case::Settings::to_json`]. * `save`:
     ///   where the button "save" writes; without it there is none.
     ///
     /// # Errors
@@ -89,8 +89,8 @@ impl Server {
     /// [`ViewError`].
     pub fn start(
         port: u16,
-        scene: &Scene,
-        beside: &[Scene],
+        case: &Case,
+        beside: &[Case],
         settings: &bsm_case::Settings,
         save: Option<Save>,
     ) -> Result<Self, ViewError> {
@@ -105,8 +105,8 @@ impl Server {
         let shared = ServerState {
             token: format!("{:032x}", u128::from_ne_bytes(random)),
             hosts: ["127.0.0.1", "localhost"].map(|name| format!("{name}:{port}")),
-            scene: scene.to_json(),
-            beside: beside.iter().map(|scene| json!({ "scene": scene.to_json() })).collect(),
+            case: case.to_json(),
+            beside: beside.iter().map(|case| json!({ "case": case.to_json() })).collect(),
             settings: settings.to_json(),
             save,
             workers: Workers::start(None, &NEVER)?,
@@ -217,7 +217,7 @@ impl ServerState {
         page::html(&json!({
             "live": true,
             "token": self.token,
-            "scene": self.scene,
+            "case": self.case,
             "beside": self.beside,
             "settings": self.settings,
             "save": self.save.is_some(),
@@ -266,21 +266,21 @@ impl ServerState {
                 Err(Refusal::Slow(patience.as_secs()))
             }
             Err(RecvTimeoutError::Disconnected) => Err(Refusal::Input(
-                "the solver ended unexpectedly; please report this scene".to_owned(),
+                "the solver ended unexpectedly; please report this case".to_owned(),
             )),
         }
     }
 
-    /// Writes the scene to the path of `-o`.
+    /// Writes the case to the path of `-o`.
     fn save(&self, body: &[u8]) -> Result<Value, Refusal> {
         let Some(save) = &self.save else {
-            let text = "bsm view was started without -o SCENE.json: it writes nothing";
+            let text = "bsm view was started without -o CASE.json: it writes nothing";
             return Err(Refusal::Input(text.to_owned()));
         };
-        let Request { scene, settings, .. } = Request::read(body)?;
+        let Request { case, settings, .. } = Request::read(body)?;
         // What is saved can be opened again.
-        scene.problem(&settings)?;
-        let text = serde_json::to_string_pretty(&scene.to_json()).unwrap_or_default() + "\n";
+        case.problem(&settings)?;
+        let text = serde_json::to_string_pretty(&case.to_json()).unwrap_or_default() + "\n";
         save(&text).map_err(Refusal::Input)?;
         Ok(json!({ "saved": true }))
     }

@@ -9,7 +9,7 @@ use std::sync::Mutex;
 use std::thread;
 use std::time::Duration;
 
-use bsm_case::{Scene, Settings};
+use bsm_case::{Case, Settings};
 use bsm_view::{Save, Server};
 use serde_json::{Value, json};
 
@@ -23,7 +23,7 @@ struct TestServer {
 
 impl TestServer {
     fn start(save: Option<Save>) -> Self {
-        let server = Server::start(0, &scene(), &[], &Settings::default(), save).expect("a server");
+        let server = Server::start(0, &case(), &[], &Settings::default(), save).expect("a server");
         let server = Arc::new(server);
         let address = server.address();
         let (host, token) = address.split_once("/?token=").expect("a token");
@@ -65,17 +65,17 @@ impl Drop for TestServer {
     }
 }
 
-fn scene_of(name: &str) -> Scene {
+fn case_of(name: &str) -> Case {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name);
-    Scene::from_json(&fs::read(path).expect("an example")).expect("a scene")
+    Case::from_json(&fs::read(path).expect("an example")).expect("a case")
 }
 
-fn scene() -> Scene {
-    scene_of("feed_drive.json")
+fn case() -> Case {
+    case_of("feed_drive.json")
 }
 
 fn asked() -> Value {
-    json!({ "scene": scene().to_json() })
+    json!({ "case": case().to_json() })
 }
 
 #[test]
@@ -122,12 +122,12 @@ fn wrong_tokens_hosts_and_origins_are_refused() {
 fn bodies_are_refused_in_the_words_of_the_command_line() {
     let served = TestServer::start(None);
     let mut bad = asked();
-    bad["scene"]["ball_diameter_mm"] = json!(-3.5);
+    bad["case"]["ball_diameter_mm"] = json!(-3.5);
     let mut unknown = asked();
-    unknown["scene"]["ball_diametre_mm"] = json!(6.0);
+    unknown["case"]["ball_diametre_mm"] = json!(6.0);
     let mut model = asked();
     model["settings"] = json!({ "name": "elastisch" });
-    let large = json!({ "scene": { "description": "x".repeat(1 << 20) } });
+    let large = json!({ "case": { "description": "x".repeat(1 << 20) } });
     let many = {
         let mut many = asked();
         many["vary"] = json!(["screw_speed_rpm=1:1000:1000", "axial_load_N=1:1000:1000"]);
@@ -138,18 +138,18 @@ fn bodies_are_refused_in_the_words_of_the_command_line() {
         ("solve", &bad, 400, "`ball_diameter_mm` = -3.5 must be a finite number > 0"),
         ("solve", &unknown, 400, "did you mean `ball_diameter_mm`"),
         ("solve", &model, 400, "elastisch"),
-        ("solve", &json!({}), 400, "scene is missing"),
+        ("solve", &json!({}), 400, "case is missing"),
         ("solve", &json!([1]), 400, "list"),
         ("elsewhere", &asked(), 404, "unknown route `elsewhere`"),
         ("solve", &large, 413, "1048576 bytes"),
         ("sweep", &many, 400, "1000000 points"),
-        ("save", &asked(), 400, "-o SCENE.json"),
+        ("save", &asked(), 400, "-o CASE.json"),
     ] {
         let (found, answer) = served.post(route, body);
         let text = answer["error"].as_str().expect("words");
         assert!(found == status && text.contains(words), "{route}: {found} {text}");
     }
-    let (status, answer) = served.send(&served.head("POST /solve"), "{\"scene\": {");
+    let (status, answer) = served.send(&served.head("POST /solve"), "{\"case\": {");
     assert!(status == 400 && answer.contains("is not valid JSON"), "{status} {answer}");
 }
 
@@ -159,7 +159,7 @@ fn answers_are_those_of_the_commands() {
     let (status, solved) = served.post("solve", &asked());
     assert_eq!(status, 200, "{solved}");
     let work = &mut bsm_dyn::ModelWorkspace::default();
-    let problem = scene().problem(&Settings::default()).expect("a problem");
+    let problem = case().problem(&Settings::default()).expect("a problem");
     let record = bsm_case::Record::new(problem.solve(work));
     for (name, value) in &record.to_json() {
         assert_eq!(&solved[name], value, "{name}");
@@ -170,7 +170,7 @@ fn answers_are_those_of_the_commands() {
     let (status, map) = served.post("sweep", &request);
     assert_eq!(status, 200, "{map}");
     assert_eq!(map["axes"][1]["values"], json!([8000.0, 9000.0]));
-    // The third point is the scene itself; a row and a scene agree to 1e-10.
+    // The third point is the case itself; a row and a case agree to 1e-10.
     let [point, solved] = [&map["columns"]["efficiency"][2], &solved["efficiency"]];
     let [point, solved] = [point, solved].map(|value| value.as_f64().expect("a number"));
     assert!((point - solved).abs() < 1e-10, "{point} {solved}");
@@ -185,15 +185,15 @@ fn answers_are_those_of_the_commands() {
     for route in ["solve", "slip", "ellipses"] {
         assert_eq!(point[route], served.post(route, &request).1, "{route}");
     }
-    let oil = json!({ "scene": scene_of("feed_drive_oil.json").to_json(), "band": true });
+    let oil = json!({ "case": case_of("feed_drive_oil.json").to_json(), "band": true });
     let (_, answer) = served.post("solve", &oil);
     assert!(answer["band"]["ball_torque_Nm"][0].is_number(), "{answer}");
     let (_, fields) = served.post("ellipses", &oil);
     assert_eq!(fields["contacts"].as_array().map(Vec::len), Some(2), "{fields}");
-    let (_, nut) = served.post("nut", &json!({ "scene": scene_of("nut_double.json").to_json() }));
+    let (_, nut) = served.post("nut", &json!({ "case": case_of("nut_double.json").to_json() }));
     assert!(nut["balls"]["nut_plus_N"].as_array().is_some_and(|balls| balls.len() > 10), "{nut}");
     let sized = |sheet: bool| {
-        let request = json!({ "scene": scene_of("axis.json").to_json(), "sheet": sheet });
+        let request = json!({ "case": case_of("axis.json").to_json(), "sheet": sheet });
         served.post("axis", &request).1
     };
     let axis = sized(true);
@@ -207,7 +207,7 @@ fn answers_are_those_of_the_commands() {
 #[test]
 fn the_field_of_an_oiled_contact_is_that_of_its_model() {
     let served = TestServer::start(None);
-    let oil = json!({ "scene": scene_of("feed_drive_oil.json").to_json() });
+    let oil = json!({ "case": case_of("feed_drive_oil.json").to_json() });
     let ((_, solved), (_, fields)) = (served.post("solve", &oil), served.post("ellipses", &oil));
     let number = |value: &Value| value.as_f64().expect("a number");
     let (mut lost, mut balls) = (0.0, 0.0);
@@ -238,7 +238,7 @@ fn the_field_of_an_oiled_contact_is_that_of_its_model() {
 /// Forty thousand points of a lubricated ball to the last digits take minutes of one core.
 fn long_map() -> Value {
     json!({
-        "scene": scene_of("feed_drive_oil.json").to_json(),
+        "case": case_of("feed_drive_oil.json").to_json(),
         "settings": { "name": "traction", "accuracy": 1e-13 },
         "vary": ["screw_speed_rpm=100:3000:200", "axial_load_N=1000:20000:200"],
         "columns": ["efficiency"],
@@ -292,9 +292,9 @@ fn only_a_server_that_was_told_to_saves() {
     let (status, answer) = served.post("save", &asked());
     assert_eq!((status, &answer["saved"]), (200, &json!(true)));
     let text = kept.lock().expect("a text").clone();
-    assert_eq!(Scene::from_json(text.as_bytes()).expect("a scene"), scene());
-    // Found in an audit: a scene without inputs took its place.
-    let (status, answer) = served.post("save", &json!({ "scene": {} }));
+    assert_eq!(Case::from_json(text.as_bytes()).expect("a case"), case());
+    // Found in an audit: a case without inputs took its place.
+    let (status, answer) = served.post("save", &json!({ "case": {} }));
     assert!(status == 400 && answer["error"].is_string(), "{status} {answer}");
     assert_eq!(*kept.lock().expect("a text"), text);
 }
@@ -349,11 +349,11 @@ fn clients_that_are_slow_hold_up_no_other() {
     drop(deaf);
 }
 
-/// No request leaves the page but to its own server, and no text of a scene ends its script.
+/// No request leaves the page but to its own server, and no text of a case ends its script.
 #[test]
 fn the_page_holds_all_that_it_needs() {
-    let mut scene = scene();
-    scene.description = Some("</script><script>alert(1)</script>".to_owned());
+    let mut case = case();
+    case.description = Some("</script><script>alert(1)</script>".to_owned());
     let served = TestServer::start(None);
     let (status, page) = served.send(&served.head("GET /"), "");
     assert_eq!(status, 200);
@@ -362,8 +362,8 @@ fn the_page_holds_all_that_it_needs() {
         assert!(!page.contains(mark), "{mark}");
     }
     let workers = bsm_batch::Workers::start(None, Box::leak(Box::default())).expect("threads");
-    let page = bsm_view::saved(&scene, &[], &Settings::default(), &workers).expect("a page");
+    let page = bsm_view::saved(&case, &[], &Settings::default(), &workers).expect("a page");
     assert!(page.contains("connect-src 'none'"));
-    assert!(!page.contains("<script>alert"), "a text of the scene is part of the page");
+    assert!(!page.contains("<script>alert"), "a text of the case is part of the page");
     assert!(page.contains("\\u003c/script>"));
 }

@@ -3,7 +3,7 @@
 use std::num::{NonZeroU32, NonZeroU64};
 use std::path::{Path, PathBuf};
 
-use bsm_case::{CaseError, ModelChoice, Output, Scene, Settings};
+use bsm_case::{Case, CaseError, ModelChoice, Output, Settings};
 use bsm_dyn::Model;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -15,7 +15,7 @@ use crate::{Answers, Columns, Heading, Task, Workers};
 
 /// Goes up by one with each entry under "Changed numbers" in the changelog: parts of two revisions are
 /// not mixed.
-pub const RESULTS: u32 = 67;
+pub const RESULTS: u32 = 68;
 
 /// Form of the file itself and of the parts: their bytes follow from the plan.
 const FORMAT: u32 = 4;
@@ -119,7 +119,7 @@ impl Plan {
                  for a part"
             )));
         }
-        let base = Scene { description: None, ..task.base.clone() };
+        let base = Case { description: None, ..task.base.clone() };
         let written = PlanFile {
             format: FORMAT,
             program: Program::this(),
@@ -172,7 +172,7 @@ impl Plan {
     /// Unknown names in the plan, as text.
     pub fn task(&self) -> Result<Task, String> {
         let base = serde_json::to_vec(&self.written.base).map_err(|e| e.to_string())?;
-        let base = Scene::from_json(&base).map_err(|e| e.to_string())?;
+        let base = Case::from_json(&base).map_err(|e| e.to_string())?;
         let settings = settings(&self.written.model).map_err(|e| e.to_string())?;
         let outputs: Vec<&'static Output> =
             Answers::select(Some(&self.written.columns)).map_err(|e| e.to_string())?;
@@ -287,7 +287,7 @@ impl Plan {
 }
 
 impl Task {
-    /// What a table of answers is made from: program, points, scene, settings, and its columns with their
+    /// What a table of answers is made from: program, points, case, settings, and its columns with their
     /// units.
     ///
     /// * `points`: see [`Points::about`]. * `columns`: those of the points.
@@ -299,7 +299,7 @@ impl Task {
         json!({
             "program": Program::this(),
             "points": points,
-            "scene": self.base.to_json(),
+            "case": self.base.to_json(),
             "settings": self.settings.to_json(),
             "columns": columns,
         })
@@ -363,7 +363,7 @@ mod tests {
     }
 
     fn task() -> Task {
-        let base = Scene { axial_load_N: Some(0.1), ..Scene::default() };
+        let base = Case { axial_load_N: Some(0.1), ..Case::default() };
         let outputs = Answers::select(Some(&["efficiency".to_owned()])).expect("an output");
         Task::new(base, Settings::from(Model::Rigid), outputs)
     }
@@ -423,7 +423,7 @@ mod tests {
     }
 
     /// Every input of the result changes the id, and is named as the difference; the description of a
-    /// scene and what is only looked at do not.
+    /// case and what is only looked at do not.
     #[test]
     fn the_id_changes_with_everything_that_the_bytes_depend_on() {
         let points = grid(&["lead_mm=5:10:11"]);

@@ -1,7 +1,7 @@
 //! An answer of the batch against that of the model.
 
 use bsm_batch::Answers;
-use bsm_case::{InputKey, Output, Record, Scene};
+use bsm_case::{Case, InputKey, Output, Record};
 use bsm_dyn::{Ball, Status};
 
 /// Outputs that tell of the way to a root, not of the root.
@@ -16,8 +16,8 @@ const BOUNDS: [&str; 2] = ["efficiency_error_bound", "loss_error_bound"];
 /// The model's Newton stops at 1e-13 of the load, or at 1e-12 of the inertia forces if they are
 /// less, and rounding of the loads leaves some 1e-16: what hangs on inertia, which is `iota` of the load,
 /// is known to that only.
-fn scatter(unit: &str, scene: &Scene) -> f64 {
-    let value = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
+fn scatter(unit: &str, case: &Case) -> f64 {
+    let value = |key| case.value_or_default(key).unwrap_or(f64::NAN);
     let ball = 0.5e-3 * value(InputKey::ball_diameter_mm);
     let pitch = 0.5e-3 * value(InputKey::pitch_circle_diameter_mm);
     let speed = (value(InputKey::screw_speed_rpm) - value(InputKey::nut_speed_rpm)).abs();
@@ -49,7 +49,7 @@ pub(crate) fn assert_alike(
     what: &dyn Fn() -> String,
     (answers, row): (&Answers, usize),
     outputs: &[&Output],
-    (expected, scene): (&Record, &Scene),
+    (expected, case): (&Record, &Case),
 ) -> bool {
     let status = answers.verdicts[row].status;
     assert_eq!(status, expected.status(), "{}", what());
@@ -63,7 +63,7 @@ pub(crate) fn assert_alike(
         assert_eq!(found.is_some(), known.is_some(), "{}, {name}", what());
         let (Some(found), Some(known)) = (found, known) else { continue };
         let part = if BOUNDS.contains(&name) { 1e-2 } else { 1e-10 };
-        let tolerance = part * known.abs() + scatter(unit, scene);
+        let tolerance = part * known.abs() + scatter(unit, case);
         let difference = (found - known).abs();
         assert!(difference <= tolerance, "{}, {name}: {found} {known}", what());
     }

@@ -1,7 +1,7 @@
 //! Numbers of the analyses as columns of tables.
 
 use bsm_batch::{Answers, Chunk, Columns, GridSource, Source, Task};
-use bsm_case::{AnalysisKind, Axis, AxisReport, Grid, MotionAnswer, Output, Scene, Settings};
+use bsm_case::{AnalysisKind, Axis, AxisReport, Case, Grid, MotionAnswer, Output, Settings};
 use bsm_dyn::{Control, Model, ModelWorkspace, Status};
 
 const DONG: &[u8] = include_bytes!("../../../../examples/dong2020.json");
@@ -11,10 +11,10 @@ const FEED_AXIS: &[u8] = include_bytes!("../../../../validation/published/nut/fe
 const BALL_TRAIN: &str = include_str!("../../../../validation/published/nut/ball_train.json");
 
 /// The example as a nut of three turns, without an input.
-fn dong(without: &str) -> Scene {
-    let mut scene = Scene::from_json(DONG).expect("an example");
-    scene.loaded_turns = Some(3.0);
-    let mut json = scene.to_json();
+fn dong(without: &str) -> Case {
+    let mut case = Case::from_json(DONG).expect("an example");
+    case.loaded_turns = Some(3.0);
+    let mut json = case.to_json();
     // For the analysis of its nut.
     json["loaded_turns"] = 2.into();
     // For that of its axis.
@@ -22,7 +22,7 @@ fn dong(without: &str) -> Scene {
     json["accuracy_grade"] = 5.into();
     json["stroke_mm"] = 500.into();
     json.as_object_mut().expect("an object").remove(without);
-    Scene::from_json(json.to_string().as_bytes()).expect("a scene")
+    Case::from_json(json.to_string().as_bytes()).expect("a case")
 }
 
 fn grid(axes: &[&str]) -> Grid {
@@ -62,7 +62,7 @@ fn same(a: f64, b: Option<f64>) -> bool {
     a.to_bits() == b.unwrap_or(f64::NAN).to_bits()
 }
 
-/// A column holds, to the last bit, what the command of the analysis says of the scene of the row; also
+/// A column holds, to the last bit, what the command of the analysis says of the case of the row; also
 /// where a kernel answers the other columns. With columns of slip or jam `auto` is one model for all columns.
 #[test]
 fn columns_are_the_numbers_of_the_analyses() {
@@ -80,13 +80,13 @@ fn columns_are_the_numbers_of_the_analyses() {
         let answers = solve(&task, &grid);
         let mut numbers_seen = 0;
         for row in 0..grid.len() {
-            let scene = grid.scene(&base, &grid.point(row));
-            let moving = MotionAnswer::of(&scene, &settings, &mut work).expect("complete");
+            let case = grid.case(&base, &grid.point(row));
+            let moving = MotionAnswer::of(&case, &settings, &mut work).expect("complete");
             assert_eq!(answers.verdicts[row].status, moving.solution.status());
             let solved = moving.solution.solved().is_some();
             let of = |kind: AnalysisKind| {
                 let motion = solved.then_some(&moving);
-                let numbers = kind.numbers(&scene, &moving.settings, motion, |_| true);
+                let numbers = kind.numbers(&case, &moving.settings, motion, |_| true);
                 (kind, numbers.expect("numbers"))
             };
             let numbers = AnalysisKind::ALL.map(of);
@@ -113,7 +113,7 @@ fn columns_are_the_numbers_of_the_analyses() {
 #[test]
 fn columns_of_a_motion_have_one_model() {
     let grid = grid(&["axial_load_N=2000:24000:12"]);
-    let base = Scene { friction_coefficient: Some(0.06), ..dong("") };
+    let base = Case { friction_coefficient: Some(0.06), ..dong("") };
     let wanted = outputs(&["efficiency", "wedge_angle_deg", "published_margin"]);
     let task = Task::over_grid(base, Settings::default(), wanted, None, &grid).expect("a task");
     let answers = solve(&task, &grid);
@@ -128,7 +128,7 @@ fn columns_of_a_motion_have_one_model() {
 /// Found in review: rows of an upright axis had no fall, as only the sheet looked for what its weight does.
 #[test]
 fn an_upright_axis_falls_in_a_row_as_on_its_sheet() {
-    let mut base = Scene::from_json(AXIS).expect("a scene");
+    let mut base = Case::from_json(AXIS).expect("a case");
     base.apply(&["inclination_deg=90", "moved_mass_kg=250"]).expect("settings");
     let grid = grid(&["axial_load_N=100,5000"]);
     for name in ["back_driving_torque_Nm", "fall_acceleration_m_s2", "fall_speed_rpm"] {
@@ -136,8 +136,8 @@ fn an_upright_axis_falls_in_a_row_as_on_its_sheet() {
         let task = Task::over_grid(base.clone(), settings, outputs(&[name]), None, &grid);
         let answers = solve(&task.expect("a task"), &grid);
         for (row, load) in [100.0, 5000.0].into_iter().enumerate() {
-            let scene = Scene { axial_load_N: Some(load), ..base.clone() };
-            let number = AxisReport::of(&scene, &settings).expect("a sheet").number(name);
+            let case = Case { axial_load_N: Some(load), ..base.clone() };
+            let number = AxisReport::of(&case, &settings).expect("a sheet").number(name);
             let number = number.expect("it falls");
             assert!(same(answers.columns[0][row], Some(number)), "{name} at {load} N: {number}");
         }
@@ -149,7 +149,7 @@ fn an_upright_axis_falls_in_a_row_as_on_its_sheet() {
 #[test]
 fn a_warm_row_is_in_one_state() {
     let grid = grid(&["screw_speed_rpm=500,1500"]);
-    let mut base = Scene::from_json(FEED_AXIS).expect("a scene");
+    let mut base = Case::from_json(FEED_AXIS).expect("a case");
     base.apply(&["preload_arrangement=X", "nut_conductance_W_K=20"]).expect("settings");
     let settings = Settings { control: Some(Control::Nut), ..Model::RacewayControl.into() };
     let columns = |names: &[&str]| {
@@ -161,9 +161,9 @@ fn a_warm_row_is_in_one_state() {
     };
     let [nut, warm] = ["warm_preload_N", "nut_temperature_C"].map(|name| columns(&[name]));
     let both = columns(&["warm_preload_N", "nut_temperature_C"]);
-    // Found in review: the warm scene of a row was refused for the conductance that its axis does not use any more, and its
+    // Found in review: the warm case of a row was refused for the conductance that its axis does not use any more, and its
     // axis was not the warm one.
-    let first = Scene { screw_speed_rpm: Some(500.0), ..base.clone() };
+    let first = Case { screw_speed_rpm: Some(500.0), ..base.clone() };
     let sheet = AxisReport::of(&first, &settings).expect("a sheet");
     for name in ["screw_growth_um", "axis_heat_transfer_W_K", "screw_torque_Nm", "buckling_safety"]
     {
@@ -240,7 +240,7 @@ fn columns_that_no_row_can_fill_are_told() {
 /// What needs no motion needs no operating point either; a row that lacks something says so.
 #[test]
 fn columns_of_the_inputs_alone_need_no_solution() {
-    let base = Scene::from_json(br#"{"lead_angle_deg": 5}"#).expect("a scene");
+    let base = Case::from_json(br#"{"lead_angle_deg": 5}"#).expect("a case");
     let columns = Columns::sort(["friction_coefficient"], &[]).expect("an input");
     let task = outputs(&["rotary_to_linear_optimum_contact_angle_deg"]);
     let task = Task::over_table(base, Settings::default(), task, &columns).expect("a task");
@@ -258,7 +258,7 @@ fn columns_of_the_inputs_alone_need_no_solution() {
 #[test]
 fn columns_of_the_warm_state_follow_the_conductances() {
     let axis = include_str!("../../../../validation/published/nut/feed_axis.json");
-    let mut base = Scene::from_json(axis.as_bytes()).expect("a scene");
+    let mut base = Case::from_json(axis.as_bytes()).expect("a case");
     let cycle = r#"cycle=[{"share": 1, "screw_speed_rpm": 1000, "force_N": 0}]"#;
     base.apply(&["preload_arrangement=X", cycle]).expect("settings");
     let settings = Settings { control: Some(Control::Nut), ..Model::RacewayControl.into() };
@@ -284,8 +284,8 @@ fn columns_of_the_warm_state_follow_the_conductances() {
 #[test]
 fn a_row_says_why_it_has_no_torque_with_pushes() {
     let file: serde_json::Value = serde_json::from_str(BALL_TRAIN).expect("JSON");
-    let scene = file["cases"][1]["scene"].to_string();
-    let base = Scene::from_json(scene.as_bytes()).expect("a scene");
+    let case = file["cases"][1]["case"].to_string();
+    let base = Case::from_json(case.as_bytes()).expect("a case");
     // 6 N push on balls whose loads reach some 190 N.
     let grid = grid(&["return_push_N=0:6:2"]);
     let outputs = outputs(&["friction_torque_Nm", "needed_gap_mm", "max_contact_load_N"]);

@@ -18,7 +18,7 @@ use bsm_batch::{
     Answers, Count, Draw, Draws, Format, GridSource, ParquetSource, Source, TableFormat, TableSink,
     Task, Workers,
 };
-use bsm_case::{Axis, Grid, Scene, Settings};
+use bsm_case::{Axis, Case, Grid, Settings};
 use bsm_dyn::Model;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::file::metadata::ParquetMetaDataReader;
@@ -36,7 +36,7 @@ fn make(file: &mut dyn FnMut() -> io::Result<NamedTempFile>) -> io::Result<Named
 
 fn task(model: Model) -> Task {
     let base = include_bytes!("../../../../examples/feed_drive.json");
-    let base = Scene::from_json(base).expect("a scene");
+    let base = Case::from_json(base).expect("a case");
     let outputs = ["efficiency", "ball_torque_Nm"].map(str::to_owned);
     let outputs = Answers::select(Some(&outputs)).expect("outputs");
     Task::new(base, Settings::from(model), outputs)

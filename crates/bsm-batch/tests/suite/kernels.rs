@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use arrow_array::Float64Array;
 use bsm_batch::{Answers, Buffers, Cell, Chunk, Columns, CsvSource, Source, Task};
-use bsm_case::{ModelChoice, Output, Record, Scene, Settings};
+use bsm_case::{Case, ModelChoice, Output, Record, Settings};
 use bsm_dyn::{Control, Model, ModelWorkspace, RacewayFriction, Status};
 use bsm_sample::{Sample, campaign};
 use rand::{RngExt, SeedableRng};
@@ -34,7 +34,7 @@ const INPUTS: [&str; 16] = [
 ];
 
 /// The points of `bsm tradeoff`.
-const TRADEOFF: &[u8] = include_bytes!("../../../../validation/golden/tradeoff/scenes.csv");
+const TRADEOFF: &[u8] = include_bytes!("../../../../validation/golden/tradeoff/cases.csv");
 
 /// Points of practice and somewhat beyond: screw drive, nut drive and both, both ways.
 fn points(count: usize) -> (Chunk, Columns) {
@@ -76,16 +76,16 @@ fn points(count: usize) -> (Chunk, Columns) {
     (Chunk::of_rows(&columns, (0..count).map(row)), columns)
 }
 
-fn scene(names: &[&str], chunk: &Chunk, base: &Scene, row: usize) -> Scene {
-    let mut scene = base.clone();
+fn case(names: &[&str], chunk: &Chunk, base: &Case, row: usize) -> Case {
+    let mut case = base.clone();
     for (name, column) in names.iter().zip(&chunk.inputs) {
-        scene.set(name, column.value(row)).expect("known name");
+        case.set(name, column.value(row)).expect("known name");
     }
-    scene
+    case
 }
 
-fn record(scene: &Scene, settings: &Settings) -> Record {
-    match scene.problem(settings) {
+fn record(case: &Case, settings: &Settings) -> Record {
+    match case.problem(settings) {
         Ok(problem) => Record::new(problem.solve(&mut ModelWorkspace::default())),
         Err(error) => Record::invalid(settings.model, &error),
     }
@@ -97,19 +97,19 @@ fn all() -> Vec<&'static Output> {
 
 /// Compares every output of every point: 1e-10 of it, and the scatter.
 fn compare(settings: &Settings, count: usize) {
-    compare_on(settings, &Scene::default(), &INPUTS, &points(count));
+    compare_on(settings, &Case::default(), &INPUTS, &points(count));
 }
 
-fn compare_on(settings: &Settings, base: &Scene, names: &[&str], table: &(Chunk, Columns)) {
+fn compare_on(settings: &Settings, base: &Case, names: &[&str], table: &(Chunk, Columns)) {
     let ((chunk, columns), outputs, count) = (table, all(), table.0.len);
     let task = Task::new(base.clone(), *settings, outputs.clone());
     let answers = task.solve(chunk, columns);
     let mut solved = 0;
     for row in 0..count {
-        let scene = scene(names, chunk, base, row);
-        let expected = record(&scene, settings);
+        let case = case(names, chunk, base, row);
+        let expected = record(&case, settings);
         let what = || format!("row {row}");
-        let converged = assert_alike(&what, (&answers, row), &outputs, (&expected, &scene));
+        let converged = assert_alike(&what, (&answers, row), &outputs, (&expected, &case));
         assert_eq!(answers.verdicts[row].model, expected.model(), "{}", what());
         let words = expected.message().map(str::to_owned).or_else(|| expected.choice());
         assert_eq!(answers.message(row), words.as_deref(), "{}", what());
@@ -151,7 +151,7 @@ fn lubricated_raceway_control() {
         "screw_roughness_um": 0.08, "hysteresis_loss": 0.007, "seal_torque_Nm": 0.05,
         "ball_contact_force_N": 2, "return_circuits": 3, "return_loss_coefficient": 0.5,
         "drag_coefficient": 0.5}"#;
-    let base = Scene::from_json(base).expect("scene");
+    let base = Case::from_json(base).expect("case");
     let (mut chunk, _) = points(COUNT);
     let (mut names, mut rng) = (INPUTS, ChaCha8Rng::seed_from_u64(10));
     let place = names.iter().position(|name| *name == "friction_coefficient").expect("known");
@@ -224,7 +224,7 @@ fn results_depend_on_the_point_only() {
     for settings in all_settings() {
         // More than two threads' worth.
         let (model, (chunk, columns)) = (settings.model, enough(&settings, campaign(10_000)));
-        let task = Task::new(Scene::default(), settings, all());
+        let task = Task::new(Case::default(), settings, all());
         let expected = bits(&task.solve(&chunk, &columns));
         for arch in bsm_simd::instruction_sets() {
             let found = task.solve_on(arch, &chunk, &columns);
@@ -250,15 +250,15 @@ fn results_depend_on_the_point_only() {
 /// the root, to the last bit.
 fn left_to_the_model(
     settings: &Settings,
-    base: &Scene,
+    base: &Case,
     (chunk, columns): (&Chunk, &Columns),
 ) -> (usize, usize) {
     let way = OF_THE_WAY.map(|name| Output::named(name).expect("known name"));
     let answers = Task::new(base.clone(), *settings, way.to_vec()).solve(chunk, columns);
     let (mut left, mut solved) = (0, 0);
     for row in 0..chunk.len {
-        let scene = chunk.scene(columns, base, row).expect("known inputs");
-        let root = record(&scene, settings);
+        let case = chunk.case(columns, base, row).expect("known inputs");
+        let root = record(&case, settings);
         if root.status() != Status::Converged {
             continue;
         }
@@ -278,7 +278,7 @@ fn sweeps_finish_nearly_all_points() {
     let mut rng = ChaCha8Rng::seed_from_u64(24);
     let base = br#"{"pitch_circle_diameter_mm": 48.6, "ball_diameter_mm": 8.74, "nut_speed_rpm": 0,
         "loaded_balls": 1}"#;
-    let base = Scene::from_json(base).expect("scene");
+    let base = Case::from_json(base).expect("case");
     let ranges = [
         ("lead_angle_deg", 10.0..45.0),
         ("contact_angle_deg", 30.0..70.0),
@@ -303,7 +303,7 @@ fn nearly_all_ordinary_rows_stay_in_the_kernel() {
     let columns = source.columns().clone();
     let chunk = source.next(300).expect("numbers").expect("rows");
     let settings = Model::Traction.into();
-    let (left, solved) = left_to_the_model(&settings, &Scene::default(), (&chunk, &columns));
+    let (left, solved) = left_to_the_model(&settings, &Case::default(), (&chunk, &columns));
     assert_eq!(solved, 300);
     assert!(left <= 30, "{left} of {solved} rows are left to the model");
 }
@@ -314,7 +314,7 @@ fn outputs_without_a_place_come_back() {
     for settings in all_settings() {
         // More than a stride.
         let (model, (chunk, columns)) = (settings.model, enough(&settings, campaign(20_000)));
-        let task = Task::new(Scene::default(), settings, all());
+        let task = Task::new(Case::default(), settings, all());
         let expected = task.solve(&chunk, &columns);
         let mut verdicts = expected.verdicts.clone();
         let room =
@@ -338,7 +338,7 @@ fn outputs_without_a_place_come_back() {
 /// What is asked for does not change with what else is asked for.
 #[test]
 fn columns_do_not_depend_on_the_selection() {
-    let (base, everything) = (Scene::default(), all());
+    let (base, everything) = (Case::default(), all());
     for settings in all_settings() {
         let (model, (chunk, columns)) = (settings.model, enough(&settings, campaign(500)));
         let task = |outputs| Task::new(base.clone(), settings, outputs);
@@ -352,15 +352,15 @@ fn columns_do_not_depend_on_the_selection() {
 }
 
 /// Rows that break a rule, lack a value, or hold text keep their place among ordinary ones, with
-/// entries of a scene; leads stand for lead angles.
+/// entries of a case; leads stand for lead angles.
 #[test]
 fn rows_that_are_not_ordinary_are_told() {
-    let base = Scene::from_json(
+    let base = Case::from_json(
         br#"{"pitch_circle_diameter_mm": 48.6, "lead_angle_deg": 12, "contact_angle_deg": 45,
              "friction_coefficient": 0.075, "screw_speed_rpm": 2000, "axial_load_N": 2113,
              "loaded_balls": 1}"#,
     )
-    .expect("scene");
+    .expect("case");
     let columns = Columns::sort(["ball_diameter_mm", "lead_mm", "nut_speed_rpm"], &[]);
     let columns = columns.expect("known names");
     let number = Cell::Number;
@@ -373,7 +373,7 @@ fn rows_that_are_not_ordinary_are_told() {
         ([Cell::Missing, number(30.0), number(0.0)], "invalid_input", "ball_diameter_mm"),
         ([number(8.74), number(30.0), number(2000.0)], "invalid_input", "nut_speed_rpm"),
         ([number(8.74), number(30.0), Cell::Missing], "converged", ""),
-        // Without a lead the angle of the base scene holds.
+        // Without a lead the angle of the base case holds.
         ([number(8.74), Cell::Missing, number(0.0)], "converged", ""),
         ([number(8.74), number(10.0), number(0.0)], "no_solution", "lead angle"),
     ];

@@ -14,7 +14,7 @@ use arrow_array::{
     StringArray, StructArray, TimestampMillisecondArray, UInt16Array,
 };
 use bsm_batch::{Answers, Cell, Format, ParquetSource, Source, TableError, Task, Workers};
-use bsm_case::Scene;
+use bsm_case::Case;
 use bsm_dyn::Model;
 use bytes::Bytes;
 use parquet::arrow::ArrowWriter;
@@ -165,7 +165,7 @@ fn kept_columns_keep_their_types() {
     let solved = |format| {
         let mut source = ParquetSource::new(Bytes::from(table.clone()), &keep).expect("a table");
         let base = include_bytes!("../../../../examples/feed_drive.json");
-        let base = Scene::from_json(base).expect("a scene");
+        let base = Case::from_json(base).expect("a case");
         let outputs = Answers::select(Some(&["efficiency".to_owned()])).expect("an output");
         let task = Task::new(base, Model::ClosedForm.into(), outputs);
         let stop = AtomicBool::new(false);

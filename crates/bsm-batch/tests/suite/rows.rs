@@ -4,7 +4,7 @@ use crate::alike;
 
 use bsm_batch::{Answers, Cell, Chunk, Columns, CsvSource, Source, Task};
 use bsm_case::units::other_units;
-use bsm_case::{InputKey, ModelChoice, Record, Scene, Settings};
+use bsm_case::{Case, InputKey, ModelChoice, Record, Settings};
 use bsm_dyn::{Model, ModelWorkspace, RacewayFriction, Status};
 use rand::seq::{IndexedRandom, SliceRandom};
 use rand::{Rng, RngExt, SeedableRng};
@@ -14,8 +14,8 @@ use alike::assert_alike;
 
 const DRIVE: &str = include_str!("../../../../examples/feed_drive.json");
 
-fn drive() -> Scene {
-    Scene::from_json(DRIVE.as_bytes()).expect("an example")
+fn drive() -> Case {
+    Case::from_json(DRIVE.as_bytes()).expect("an example")
 }
 
 /// A table of rows of cells.
@@ -25,7 +25,7 @@ struct Table {
 }
 
 impl Table {
-    fn solve(&self, base: &Scene, settings: &Settings) -> Answers {
+    fn solve(&self, base: &Case, settings: &Settings) -> Answers {
         let columns = Columns::sort(self.keys.iter().map(|key| key.name()), &[]);
         let columns = columns.expect("inputs, each once");
         let chunk = Chunk::of_rows(&columns, self.rows.iter().cloned());
@@ -45,16 +45,16 @@ impl Table {
     }
 
     /// Holds every row against a solve; counts those that converged.
-    fn assert_solved(&self, base: &Scene, settings: &Settings, seen: &mut Tally) {
+    fn assert_solved(&self, base: &Case, settings: &Settings, seen: &mut Tally) {
         let outputs = Answers::select(None).expect("all outputs");
         let answers = self.solve(base, settings);
         for row in 0..self.rows.len() {
             let words = self.assignments(row);
             let what = || format!("{} {words:?} on {base:?}", settings.model.name());
-            let mut scene = base.clone();
-            let asked = scene.apply(&words).and_then(|()| {
-                assert_eq!(format!("{scene:?}"), format!("{:?}", self.by_hand(base, row)));
-                scene.problem(settings)
+            let mut case = base.clone();
+            let asked = case.apply(&words).and_then(|()| {
+                assert_eq!(format!("{case:?}"), format!("{:?}", self.by_hand(base, row)));
+                case.problem(settings)
             });
             let expected = match asked {
                 Ok(problem) => Record::new(problem.solve(&mut seen.work)),
@@ -63,25 +63,25 @@ impl Table {
             let message = expected.message().map(str::to_owned).or_else(|| expected.choice());
             assert_eq!(answers.message(row), message.as_deref(), "{}", what());
             assert_eq!(answers.verdicts[row].model, expected.model(), "{}", what());
-            assert_alike(&what, (&answers, row), &outputs, (&expected, &scene));
+            assert_alike(&what, (&answers, row), &outputs, (&expected, &case));
             seen.count(&expected);
         }
     }
 
-    /// The scene of a row without the rule that is tested.
-    fn by_hand(&self, base: &Scene, row: usize) -> Scene {
-        let mut scene = base.clone();
+    /// The case of a row without the rule that is tested.
+    fn by_hand(&self, base: &Case, row: usize) -> Case {
+        let mut case = base.clone();
         let cells = || self.keys.iter().zip(&self.rows[row]);
         let leads = [InputKey::lead_angle_deg, InputKey::lead_mm];
         if cells().any(|(key, cell)| leads.contains(key) && *cell != Cell::Missing) {
-            (scene.lead_angle_deg, scene.lead_mm) = (None, None);
+            (case.lead_angle_deg, case.lead_mm) = (None, None);
         }
         for (key, cell) in cells() {
             if let Cell::Number(value) = cell {
-                scene[*key] = Some(*value);
+                case[*key] = Some(*value);
             }
         }
-        scene
+        case
     }
 }
 
@@ -116,7 +116,7 @@ impl Tally {
 }
 
 /// Audit, reliability 1: with a column for the lead and one for the lead angle, a row without the one
-/// was answered with that of the base scene.
+/// was answered with that of the base case.
 #[test]
 fn both_lead_columns_with_gaps_mean_the_given_one() {
     let table = Table {
@@ -140,7 +140,7 @@ fn both_lead_columns_with_gaps_mean_the_given_one() {
     assert!((answers.columns[0][0] - 0.984_594).abs() < 5e-7, "{}", answers.columns[0][0]);
 }
 
-/// A row with both is that of a scene with both: refused if they disagree, solved if they agree.
+/// A row with both is that of a case with both: refused if they disagree, solved if they agree.
 #[test]
 fn a_row_with_lead_and_lead_angle_that_disagree_is_refused() {
     let agreeing = 41.5 * std::f64::consts::PI * 6.0_f64.to_radians().tan();
@@ -257,7 +257,7 @@ fn choice(rng: &mut impl Rng) -> ModelChoice {
     }
 }
 
-/// Random tables on random base scenes: columns that replace each other, gaps, values that break a
+/// Random tables on random base cases: columns that replace each other, gaps, values that break a
 /// rule or are not covered, and inputs whose presence changes the choice from row to row.
 #[test]
 fn ten_thousand_tables_mean_what_solves_mean() {
@@ -273,7 +273,7 @@ fn ten_thousand_tables_mean_what_solves_mean() {
             grooves || ![InputKey::nut_conformity, InputKey::screw_conformity].contains(key)
         });
         let mut keys: Vec<_> = possible.collect();
-        let mut base = Scene::default();
+        let mut base = Case::default();
         let share = *[0.5, 0.9, 0.97].choose(rng).expect("some shares");
         for key in &keys {
             if rng.random_bool(share) {
@@ -426,8 +426,8 @@ fn alternatives(seed: u64, rows: usize) -> (usize, usize) {
             let given = heads.iter().zip(cells).filter(|(_, cell)| !cell.is_empty());
             let words: Vec<_> = given.map(|(name, cell)| format!("{name}={cell}")).collect();
             let what = || format!("{} {words:?} on {base:?}", settings.model.name());
-            let mut scene = base.clone();
-            let asked = scene.apply(&words).and_then(|()| scene.problem(&settings));
+            let mut case = base.clone();
+            let asked = case.apply(&words).and_then(|()| case.problem(&settings));
             let expected = match asked {
                 Ok(problem) => Record::new(problem.solve(&mut work)),
                 Err(error) => Record::invalid(settings.model, &error),
@@ -436,7 +436,7 @@ fn alternatives(seed: u64, rows: usize) -> (usize, usize) {
             assert_eq!(answers.message(row), message.as_deref(), "{}", what());
             assert_eq!(answers.verdicts[row].model, expected.model(), "{}", what());
             converged +=
-                usize::from(assert_alike(&what, (&answers, row), &outputs, (&expected, &scene)));
+                usize::from(assert_alike(&what, (&answers, row), &outputs, (&expected, &case)));
             let has =
                 |key: &K| keys.iter().zip(cells).any(|((k, _), cell)| k == key && !cell.is_empty());
             if TWO_FORMS.iter().any(|forms| forms.iter().all(has)) {

@@ -9,7 +9,7 @@ use bsm_batch::{
     Answers, Cell, CsvSource, Format, JsonSource, Sink, Source, TableError, TableFormat, TableSink,
     Task, Workers,
 };
-use bsm_case::{Scene, Settings};
+use bsm_case::{Case, Settings};
 use bsm_dyn::{Model, RacewayFriction};
 
 /// The kept texts and the inputs of every row.
@@ -151,7 +151,7 @@ fn a_row_of_empty_cells_between_tabs_is_a_row() {
 #[test]
 fn an_output_that_is_a_column_of_inputs_has_no_gaps() {
     let mut base =
-        Scene::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("a scene");
+        Case::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("a case");
     base.friction_coefficient = None;
     base.apply(&[
         "iso_vg=68",
@@ -190,7 +190,7 @@ fn a_table_is_written_with_the_signs_of_the_points() {
     let table = "id;axial_load_N\n\"a;b\";5000,5\n";
     let mut source = CsvSource::with(table.as_bytes(), &keep(&["id"]), &dialect).expect("a table");
     let base =
-        Scene::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("a scene");
+        Case::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("a case");
     let outputs = Answers::select(Some(&["efficiency".to_owned()])).expect("an output");
     let task = Task::new(base, Model::ClosedForm.into(), outputs);
     let columns = source.columns().clone();
@@ -300,7 +300,7 @@ fn json_that_is_not_clear_is_refused_with_its_line() {
 #[test]
 fn words_of_outputs_stand_as_they_are() {
     let base =
-        Scene::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("a scene");
+        Case::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("a case");
     let outputs = ["controlling_raceway", "control_consistent", "iterations"].map(str::to_owned);
     let outputs = Answers::select(Some(&outputs)).expect("outputs");
     let task = Task::new(base, Model::RacewayControl.into(), outputs);

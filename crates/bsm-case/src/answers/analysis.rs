@@ -1,4 +1,4 @@
-//! Analyses of a scene or of a solved motion: their numbers, and what they are made from.
+//! Analyses of a case or of a solved motion: their numbers, and what they are made from.
 
 use bsm_dyn::Model;
 
@@ -8,8 +8,8 @@ use crate::case::problem::Needs;
 use crate::case::rated_nut;
 use crate::vocabulary::error::list;
 use crate::{
-    AnalysisKind, Answer, CaseError, InputSet, ModelChoice, Numbers, NutProblem, OUTPUTS, Output,
-    Quantity, Scene, Settings, nearest,
+    AnalysisKind, Answer, Case, CaseError, InputSet, ModelChoice, Numbers, NutProblem, OUTPUTS,
+    Output, Quantity, Settings, nearest,
 };
 
 impl AnalysisKind {
@@ -50,8 +50,8 @@ impl AnalysisKind {
 
     /// Missing inputs, as text; single quantities may need more.
     ///
-    /// * `base`: the scene that the points vary.
-    pub(crate) fn missing(self, base: &Scene, given: InputSet) -> Vec<String> {
+    /// * `base`: the case that the points vary.
+    pub(crate) fn missing(self, base: &Case, given: InputSet) -> Vec<String> {
         let given = given.and(rated_nut::given(base));
         match self {
             Self::Slip | Self::Jam if given.is_lubricated() => Needs::LUBRICATED.missing(given),
@@ -65,7 +65,7 @@ impl AnalysisKind {
         }
     }
 
-    /// Its numbers at a scene.
+    /// Its numbers at a case.
     ///
     /// * `settings`: how it is solved where it solves itself. * `motion`: a solution with a motion of the ball, where the analysis [needs](Self::needs_motion)
     ///   one. * `wanted`: quantities that may be left out if they are not wanted.
@@ -75,26 +75,24 @@ impl AnalysisKind {
     /// Quantities of the analysis.
     pub fn numbers(
         self,
-        scene: &Scene,
+        case: &Case,
         settings: &Settings,
         motion: Option<&MotionAnswer>,
         wanted: impl Fn(&Quantity) -> bool,
     ) -> Result<Numbers, CaseError> {
         match (self, motion) {
             (Self::Nut, _) => {
-                let found = NutProblem::of(scene, settings)?.solve();
+                let found = NutProblem::of(case, settings)?.solve();
                 found.map_err(CaseError::Nut).map(|report| report.numbers(wanted))
             }
-            (Self::Axis, _) => axis::numbers(scene, settings, wanted),
-            (Self::Warm, _) => warm::numbers(scene, settings, wanted),
-            (Self::Optimum, _) => optimum::numbers(scene),
-            (Self::Ratings, _) => ratings::numbers(scene),
+            (Self::Axis, _) => axis::numbers(case, settings, wanted),
+            (Self::Warm, _) => warm::numbers(case, settings, wanted),
+            (Self::Optimum, _) => optimum::numbers(case),
+            (Self::Ratings, _) => ratings::numbers(case),
             (Self::Slip, Some(MotionAnswer { settings, solution, .. })) => {
-                slip::slip(scene, settings, solution).map(Answer::into_numbers)
+                slip::slip(case, settings, solution).map(Answer::into_numbers)
             }
-            (Self::Jam, Some(moving)) => {
-                jam::jam(scene, &moving.solution).map(Answer::into_numbers)
-            }
+            (Self::Jam, Some(moving)) => jam::jam(case, &moving.solution).map(Answer::into_numbers),
             (Self::Slip | Self::Jam, None) => Ok(Numbers::none(self.quantities())),
         }
     }
@@ -108,17 +106,12 @@ impl Output {
 
     /// Whether points that have the inputs `given` can have it.
     ///
-    /// * `base`: the scene that the points vary; `model`: what they are solved with.
+    /// * `base`: the case that the points vary; `model`: what they are solved with.
     ///
     /// # Errors
     ///
     /// [`CaseError::Invalid`] if the model has no motion, or with the inputs that lack.
-    pub fn check(
-        &self,
-        base: &Scene,
-        given: InputSet,
-        model: ModelChoice,
-    ) -> Result<(), CaseError> {
+    pub fn check(&self, base: &Case, given: InputSet, model: ModelChoice) -> Result<(), CaseError> {
         let Some(kind) = self.analysis() else { return Ok(()) };
         let mut missing = kind.missing(base, given);
         if let (true, ModelChoice::Fixed(model @ (Model::ClosedForm | Model::QuasiStatic))) =

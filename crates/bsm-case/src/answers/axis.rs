@@ -28,8 +28,8 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{
-    Answer, CaseError, Column, Content, Criterion, INPUTS, InputKey, Numbers, NutReport, Output,
-    Quantity, Scene, Settings, Table, WarmBranch, ratings,
+    Answer, Case, CaseError, Column, Content, Criterion, INPUTS, InputKey, Numbers, NutReport,
+    Output, Quantity, Settings, Table, WarmBranch, ratings,
 };
 
 /// Inputs of an axis: its nut, and a load and a speed or a cycle.
@@ -149,9 +149,9 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
             let motor = Some(w.machine.drive.motor_inertia).filter(|inertia| *inertia > 0.0);
             Some(w.inertia_at_motor()? / motor?)
         }), "load-to-motor inertia ratio";
-        least_acceleration_time_s ["s"] Scalar(|w| w.least_ramp(w.scene.motor_peak_torque_Nm?)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
+        least_acceleration_time_s ["s"] Scalar(|w| w.least_ramp(w.case.motor_peak_torque_Nm?)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "least time to the largest speed, by motor_peak_torque_Nm";
-        least_rated_acceleration_time_s ["s"] Scalar(|w| Some(1.5 * w.least_ramp(w.scene.motor_rated_torque_Nm?)?)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
+        least_rated_acceleration_time_s ["s"] Scalar(|w| Some(1.5 * w.least_ramp(w.case.motor_rated_torque_Nm?)?)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency],
             "1.5 times the least time to the largest speed by motor_rated_torque_Nm (HIWIN)";
         shortest_ramp_s ["s"] Scalar(|w| w.shortest_ramp()), "time to the largest speed at the largest acceleration of the cycle";
     }
@@ -195,10 +195,10 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
         dynamic_load_rating_N = RATINGS Scalar(|s| s.machine.ratings[0]);
         static_load_rating_N = RATINGS Scalar(|s| s.machine.ratings[1]);
         edge_load_N = RATINGS Scalar(|s| s.of_nut.number("edge_load_N"));
-        mass_kg = RATINGS Scalar(|s| s.scene.nut_mass_kg.or_else(|| s.of_nut.number("mass_kg")));
+        mass_kg = RATINGS Scalar(|s| s.case.nut_mass_kg.or_else(|| s.of_nut.number("mass_kg")));
         preload_set_N = NUT Scalar(|s| Some(s.preload?.cold));
         warm_preload_N = NUT Scalar(|s| Some(s.preload?.warm));
-        friction_coefficient = INPUTS Scalar(|s| s.scene.friction_coefficient);
+        friction_coefficient = INPUTS Scalar(|s| s.case.friction_coefficient);
     }
 }
 
@@ -212,7 +212,7 @@ pub(crate) struct PhaseResult<'a> {
 
 /// The screw and its nut, as used.
 pub(crate) struct Screw<'a> {
-    scene: &'a Scene,
+    case: &'a Case,
     machine: &'a Machine,
     of_nut: &'a Answer,
     preload: Option<&'a Preload>,
@@ -227,8 +227,8 @@ impl Screw<'_> {
 /// An axis: its numbers, its rules, its cycle.
 #[derive(Debug, Clone)]
 pub struct AxisReport {
-    /// The scene.
-    pub scene: Scene,
+    /// The case.
+    pub case: Case,
     /// How friction was calculated.
     pub settings: Settings,
     /// Each phase of the cycle.
@@ -272,13 +272,13 @@ const NOT_MODELLED: [&str; 5] = [
 /// Effects that the torque of an axis neglects.
 ///
 /// * `contacts`: friction is that of the contacts, not by catalogue efficiency.
-fn not_modelled(scene: &Scene, contacts: bool) -> Vec<String> {
-    let lubricant = (contacts && !scene.given().is_lubricated()).then_some(
+fn not_modelled(case: &Case, contacts: bool) -> Vec<String> {
+    let lubricant = (contacts && !case.given().is_lubricated()).then_some(
         "lubricant, as its inputs are not given: contacts are dry, with one friction coefficient",
     );
     let preload =
         "friction torque of the preload: that of manufacturers' rule, accurate to some 50 %";
-    let pushes = match (scene.ball_gap_mm, scene.is_preloaded()) {
+    let pushes = match (case.ball_gap_mm, case.is_preloaded()) {
         (None, _) => {
             "ball returns and ball-to-ball contact: only in manufacturers' rule for the preload"
         }
@@ -295,33 +295,33 @@ fn not_modelled(scene: &Scene, contacts: bool) -> Vec<String> {
 }
 
 impl AxisReport {
-    /// The axis of a scene.
+    /// The axis of a case.
     ///
     /// * `settings`: the model that friction is calculated with.
     ///
     /// # Errors
     ///
     /// [`CaseError`] if an input is missing or breaks its rule.
-    pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
-        Self::with(scene, settings, Detail { fold: true, band: true })
+    pub fn of(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
+        Self::with(case, settings, Detail { fold: true, band: true })
     }
 
     /// Its numbers and rules, without the notes that take more solutions.
-    pub(crate) fn judged(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
-        Self::with(scene, settings, Detail { fold: true, band: false })
+    pub(crate) fn judged(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
+        Self::with(case, settings, Detail { fold: true, band: false })
     }
 
-    fn with(given: &Scene, settings: &Settings, detail: Detail) -> Result<Self, CaseError> {
+    fn with(given: &Case, settings: &Settings, detail: Detail) -> Result<Self, CaseError> {
         check_inputs(given)?;
         let given = &given.with_preload()?;
         let warm = Warm::with_band(given, settings, detail)?;
         if let Some(warm) = warm.as_ref().filter(|warm| warm.state.is_none()) {
             return Ok(Self::of_none(given, settings, warm));
         }
-        let scene = &warm.as_ref().map_or_else(|| given.clone(), |warm| warm.scene(given));
-        let worked = AxisState::of(scene, settings, warm)?;
+        let case = &warm.as_ref().map_or_else(|| given.clone(), |warm| warm.case(given));
+        let worked = AxisState::of(case, settings, warm)?;
         let of_nut = match &worked.machine.groove {
-            Some(_) => ratings(&at_largest(scene, &worked.machine.axis))?,
+            Some(_) => ratings(&at_largest(case, &worked.machine.axis))?,
             None => Answer::default(),
         };
         let mut warnings = of_nut.warnings.clone();
@@ -337,9 +337,9 @@ impl AxisReport {
         let (machine, preload) = (&worked.machine, worked.preload.as_ref());
         let fold = worked.warm.as_ref().and_then(|warm| warm.fold.as_ref()).map(|fold| fold.factor);
         let numbers = read(&worked, |_| true).where_finite();
-        let rules = rules::rules(scene, &machine.axis, (&numbers, fold), &of_nut, preload);
+        let rules = rules::rules(case, &machine.axis, (&numbers, fold), &of_nut, preload);
         let phases: Vec<_> = (0..worked.torques.len()).map(|place| worked.phase(place)).collect();
-        let screw = read_screw(&Screw { scene, machine, of_nut: &of_nut, preload }, |_| true);
+        let screw = read_screw(&Screw { case, machine, of_nut: &of_nut, preload }, |_| true);
         let fails = !rules.iter().all(Criterion::passes);
         let mut notes = worked.notes();
         if detail.band {
@@ -354,22 +354,22 @@ impl AxisReport {
             given,
             warm,
             (&phases, numbers, screw),
-            not_modelled(scene, worked.machine.groove.is_some()),
+            not_modelled(case, worked.machine.groove.is_some()),
         );
         answer = answer.with_shown(Content::Text("order:", Some(order.to_string())));
-        Ok(Self { scene: given.clone(), settings: *settings, phases, order, answer })
+        Ok(Self { case: given.clone(), settings: *settings, phases, order, answer })
     }
 
     /// The sheet of an axis that has no warm steady state.
-    fn of_none(scene: &Scene, settings: &Settings, warm: &Warm) -> Self {
+    fn of_none(case: &Case, settings: &Settings, warm: &Warm) -> Self {
         let rules = rules::steady_state(warm.fold.as_ref().map(|fold| fold.factor));
         let rules = rules.into_iter().collect();
         let warnings = warm.warning().into_iter().collect();
         let of = Answer { rules, warnings, fails: true, ..Answer::default() };
         let none = (&[][..], Numbers::none(QUANTITIES), Numbers::none(SCREW));
-        let answer = sheet(of, scene, Some(warm), none, Vec::new());
+        let answer = sheet(of, case, Some(warm), none, Vec::new());
         let (phases, order) = (Vec::new(), Order::default());
-        Self { scene: scene.clone(), settings: *settings, phases, order, answer }
+        Self { case: case.clone(), settings: *settings, phases, order, answer }
     }
 
     /// True if every rule holds.
@@ -384,12 +384,12 @@ impl AxisReport {
 
     /// Its warm states over the speed; `None` unless they are asked for, or where there are none.
     pub fn warm_branch(&self) -> Option<WarmBranch> {
-        WarmBranch::of(&self.scene, &self.settings).ok()?
+        WarmBranch::of(&self.case, &self.settings).ok()?
     }
 
     /// Points of the speed-force diagram: for a speed \[rpm\] the load that gives the required life \[N\].
     pub fn load_of_life(&self, rpm: f64) -> Option<f64> {
-        let hours = self.scene.required_life_h?;
+        let hours = self.case.required_life_h?;
         Some(self.number("modified_dynamic_rating_N")? * (1e6 / (60.0 * rpm * hours)).cbrt())
     }
 }
@@ -402,29 +402,29 @@ impl AxisReport {
 ///
 /// * `wanted`: the quantities that are read.
 pub(crate) fn numbers(
-    scene: &Scene,
+    case: &Case,
     settings: &Settings,
     wanted: impl Fn(&Quantity) -> bool,
 ) -> Result<Numbers, CaseError> {
-    check_inputs(scene)?;
-    let scene = &scene.with_preload()?;
+    check_inputs(case)?;
+    let case = &case.with_preload()?;
     let mut chosen = QUANTITIES.iter().filter(|quantity| wanted(quantity));
     // At one operating point the torque takes no axis.
-    if scene.nut.cycle.is_none()
+    if case.nut.cycle.is_none()
         && chosen.all(|quantity| quantity.name == "screw_torque_Nm")
-        && let Some(torque) = torque_parts(scene, settings)?
+        && let Some(torque) = torque_parts(case, settings)?
     {
         return Ok(torque.numbers);
     }
-    let warm = Warm::state_of(scene, settings, false)?;
-    let scene = &warm.as_ref().map_or_else(|| scene.clone(), |warm| warm.scene(scene));
-    Ok(read(&AxisState::of(scene, settings, warm)?, wanted).where_finite())
+    let warm = Warm::state_of(case, settings, false)?;
+    let case = &warm.as_ref().map_or_else(|| case.clone(), |warm| warm.case(case));
+    Ok(read(&AxisState::of(case, settings, warm)?, wanted).where_finite())
 }
 
 /// An answer with the sections of a sheet.
 fn sheet(
     of: Answer,
-    scene: &Scene,
+    case: &Case,
     warm: Option<&Warm>,
     (phases, numbers, screw): (&[ScrewTorque], Numbers, Numbers),
     not_modelled: Vec<String>,
@@ -432,7 +432,7 @@ fn sheet(
     let passes = !of.fails;
     let answer = of
         .with("passes", Content::Json(passes.into()))
-        .with("inputs", Content::Json(scene.to_json()))
+        .with("inputs", Content::Json(case.to_json()))
         .with("phases", Content::Table(of_phases(phases)))
         .with("results", Content::numbers(numbers, "axis"));
     Warm::add_to(warm, answer)
@@ -488,30 +488,30 @@ impl AxisState<'_> {
     }
 }
 
-/// Refuses an input of the warm state in a scene that neither asks for it nor leaves it out, and an accuracy grade without a travel.
-fn check_inputs(scene: &Scene) -> Result<(), CaseError> {
-    if scene.nut.accuracy_grade.is_some() && useful_travel(scene).is_none() {
+/// Refuses an input of the warm state in a case that neither asks for it nor leaves it out, and an accuracy grade without a travel.
+fn check_inputs(case: &Case) -> Result<(), CaseError> {
+    if case.nut.accuracy_grade.is_some() && useful_travel(case).is_none() {
         let missing = ["stroke_mm (or useful_travel_mm)".to_owned()];
         return Err(CaseError::missing(&missing, "for accuracy_grade"));
     }
     // These act without it too.
     let act = [InputKey::preload_temperature_C, InputKey::screw_tension_N];
     let is_idle = |key: &InputKey| key.input().title == "warm state" && !act.contains(key);
-    let idle = scene.given().iter().find(is_idle).filter(|_| scene.nut.warm_state.is_none());
+    let idle = case.given().iter().find(is_idle).filter(|_| case.nut.warm_state.is_none());
     match idle {
         Some(key) => Err(bad(key.name(), "has no effect without warm_state: true, or false")),
         None => Ok(()),
     }
 }
 
-/// A scene at the largest load and speed of its axis, for the ratings.
-fn at_largest(scene: &Scene, axis: &Axis) -> Scene {
-    let mut scene = scene.cold();
+/// A case at the largest load and speed of its axis, for the ratings.
+fn at_largest(case: &Case, axis: &Axis) -> Case {
+    let mut case = case.cold();
     let load = axis.largest_load();
-    (scene.axial_load_N, scene.feed_m_min) = (Some(load).filter(|load| *load > 0.0), None);
+    (case.axial_load_N, case.feed_m_min) = (Some(load).filter(|load| *load > 0.0), None);
     let rpm = axis.fastest() / RPM;
-    (scene.screw_speed_rpm, scene.nut_speed_rpm) = (Some(rpm).filter(|rpm| *rpm > 0.0), None);
+    (case.screw_speed_rpm, case.nut_speed_rpm) = (Some(rpm).filter(|rpm| *rpm > 0.0), None);
     // The load has the mass, and the warm preload is judged by itself.
-    scene.moved_mass_kg = None;
-    scene
+    case.moved_mass_kg = None;
+    case
 }

@@ -9,18 +9,18 @@ use crate::vocabulary::cells::Cells;
 use crate::vocabulary::error::bad;
 use crate::vocabulary::number::{count, number};
 use crate::vocabulary::units::convert;
-use crate::{Answer, CaseError, Content, InputKey, Output, Scene, Settings, Table, TableFormat};
+use crate::{Answer, Case, CaseError, Content, InputKey, Output, Settings, Table, TableFormat};
 
 /// A measured point.
 #[derive(Debug, Clone)]
 struct MeasuredPoint {
     /// Its inputs.
-    scene: Scene,
+    case: Case,
     /// Measured values, in the unit of the vocabulary.
     value: f64,
 }
 
-/// A fit: scene, measured output and inputs to fit.
+/// A fit: case, measured output and inputs to fit.
 #[derive(Debug, Clone)]
 pub struct Calibration {
     inputs: Vec<(InputKey, (f64, f64))>,
@@ -49,7 +49,7 @@ impl Calibration {
     ///
     /// [`CaseError`] for unknown names, invalid ranges, and cells that are not numbers.
     pub fn new(
-        base: &Scene,
+        base: &Case,
         inputs: &[String],
         output: &str,
         table: &[u8],
@@ -65,7 +65,7 @@ impl Calibration {
         self.output.name
     }
 
-    /// Searches from the values of the scene.
+    /// Searches from the values of the case.
     ///
     /// In place of model auto the most complete one is taken. `None` if a point has no solution on the way, or the
     /// search does not settle.
@@ -75,7 +75,7 @@ impl Calibration {
     /// [`CaseError`] if the points have no inputs for the model, or it does not give the output.
     pub fn run(
         &self,
-        base: &Scene,
+        base: &Case,
         settings: &Settings,
     ) -> Result<Option<CalibrationReport>, CaseError> {
         let start: Vec<_> = self
@@ -91,7 +91,7 @@ impl Calibration {
         let mut residuals = |values: &[f64]| {
             let mut left = Vec::with_capacity(self.points.len());
             for point in &self.points {
-                match self.solve(&point.scene, settings, values, &mut work)? {
+                match self.solve(&point.case, settings, values, &mut work)? {
                     Some(ours) => left.push(ours - point.value),
                     None => return Ok(None),
                 }
@@ -109,17 +109,17 @@ impl Calibration {
     /// The output of a point with these values of the inputs, if it has a solution.
     fn solve(
         &self,
-        scene: &Scene,
+        case: &Case,
         settings: &Settings,
         values: &[f64],
         work: &mut ModelWorkspace,
     ) -> Result<Option<f64>, CaseError> {
-        let mut scene = scene.clone();
+        let mut case = case.clone();
         for ((key, _), value) in self.inputs.iter().zip(values) {
-            scene.set(key.name(), *value)?;
+            case.set(key.name(), *value)?;
         }
-        let settings = exact(&scene, settings)?;
-        measured(self.output, &scene, &settings, work)
+        let settings = exact(&case, settings)?;
+        measured(self.output, &case, &settings, work)
     }
 
     /// Rows of input, value and standard deviation.
@@ -173,7 +173,7 @@ enum ColumnContent {
 }
 
 fn points(
-    base: &Scene,
+    base: &Case,
     output: &'static Output,
     table: &[u8],
 ) -> Result<Vec<MeasuredPoint>, CaseError> {
@@ -195,16 +195,16 @@ fn points(
         return Err(bad(output.name, "must be one column of the table of measurements"));
     }
     cells.each(&columns, |_, row| {
-        let (mut scene, mut value) = (base.clone(), None);
+        let (mut case, mut value) = (base.clone(), None);
         for (column, text) in row {
             let number = cells.number(text)?;
             match column {
-                ColumnContent::Input(key, factor) => scene.set(key.name(), number * factor)?,
+                ColumnContent::Input(key, factor) => case.set(key.name(), number * factor)?,
                 ColumnContent::Measured(factor) => value = Some(number * factor),
             }
         }
-        scene.check()?;
+        case.check()?;
         let value = value.ok_or_else(|| CaseError::Invalid(format!("has no {}", output.name)))?;
-        Ok(MeasuredPoint { scene, value })
+        Ok(MeasuredPoint { case, value })
     })
 }

@@ -5,30 +5,30 @@ use std::time::Instant;
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::{Value, json};
 
-use crate::{Answer, CaseError, Content, ModelChoice, Record, Scene, Table};
+use crate::{Answer, Case, CaseError, Content, ModelChoice, Record, Table};
 
 /// Solves of a model, of which the fastest counts.
 const REPEATS: usize = 20;
 
-/// The answers of all models that a scene has inputs for side by side, by the number of inputs, with the time of one solve \[µs\];
+/// The answers of all models that a case has inputs for side by side, by the number of inputs, with the time of one solve \[µs\];
 /// and why each of the others does not answer.
 ///
 /// # Errors
 ///
 /// [`CaseError`] if a value breaks a rule, or not even the cheapest model has its inputs.
-pub fn comparison(scene: &Scene) -> Result<Answer, CaseError> {
-    scene.check()?;
+pub fn comparison(case: &Case) -> Result<Answer, CaseError> {
+    case.check()?;
     let mut work = ModelWorkspace::default();
     let (mut answers, mut left_out) = (Vec::new(), Vec::new());
     for model in Model::ALL {
-        match scene.choose(ModelChoice::Fixed(model)) {
-            Ok(_) => answers.push(timed(scene, model, &mut work)?),
+        match case.choose(ModelChoice::Fixed(model)) {
+            Ok(_) => answers.push(timed(case, model, &mut work)?),
             Err(error) => left_out.push(error.to_string()),
         }
     }
     if answers.is_empty() {
         // The cheapest model needs the fewest inputs: what it lacks, all lack.
-        scene.choose(ModelChoice::Fixed(Model::ClosedForm))?;
+        case.choose(ModelChoice::Fixed(Model::ClosedForm))?;
     }
     // What saturated friction leaves out shows in the table already.
     let rolls = |(record, _): &&(Record, f64)| {
@@ -36,7 +36,7 @@ pub fn comparison(scene: &Scene) -> Result<Answer, CaseError> {
     };
     let of_answers = answers.iter().filter(rolls).flat_map(|(record, _)| {
         let model = record.model().name();
-        record.warnings(scene).into_iter().map(move |text| format!("{model}: {text}"))
+        record.warnings(case).into_iter().map(move |text| format!("{model}: {text}"))
     });
     let columns = "model | efficiency | ball_torque_Nm=torque N m | nut_normal_load_N=Q nut N \
                    | screw_normal_load_N=Q screw N | nut_contact_angle_deg=angle nut deg \
@@ -57,8 +57,8 @@ pub fn comparison(scene: &Scene) -> Result<Answer, CaseError> {
     // By the most complete model that solved the point.
     let regime = answers.iter().rev().find_map(|(record, _)| record.regime());
     let mut answer = Answer {
-        notes: scene.given().unused_by_models().collect(),
-        warnings: scene.warnings().into_iter().chain(of_answers).collect(),
+        notes: case.given().unused_by_models().collect(),
+        warnings: case.warnings().into_iter().chain(of_answers).collect(),
         fails: answers.iter().any(|(record, _)| record.status() != Status::Converged),
         ..Answer::default()
     }
@@ -73,12 +73,8 @@ pub fn comparison(scene: &Scene) -> Result<Answer, CaseError> {
 }
 
 /// The answer of a model, and the time of one solve \[µs\].
-fn timed(
-    scene: &Scene,
-    model: Model,
-    work: &mut ModelWorkspace,
-) -> Result<(Record, f64), CaseError> {
-    let problem = scene.problem(&model.into())?;
+fn timed(case: &Case, model: Model, work: &mut ModelWorkspace) -> Result<(Record, f64), CaseError> {
+    let problem = case.problem(&model.into())?;
     let mut solution = problem.solve(work);
     let mut time = f64::INFINITY;
     for _ in 0..REPEATS {

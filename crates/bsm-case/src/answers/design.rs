@@ -17,8 +17,8 @@ use crate::vocabulary::number::{decimal, trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM};
 use crate::{
-    Answer, AxisReport, CaseError, Catalogue, Content, Criterion, INPUTS, InputKey, Output,
-    REQUIREMENT_INPUTS, RequirementFile, Scene, SceneEntries, Table, sheet_columns,
+    Answer, AxisReport, Case, CaseEntries, CaseError, Catalogue, Content, Criterion, INPUTS,
+    InputKey, Output, REQUIREMENT_INPUTS, RequirementFile, Table, sheet_columns,
 };
 
 /// A number of the procedure: step, label, value and requirement as text, and whether it
@@ -55,7 +55,7 @@ pub struct DesignReport {
     /// What to order.
     pub order: Option<String>,
     /// The screw at its operating point.
-    pub scene: Scene,
+    pub case: Case,
 }
 
 /// Name of the efficiency of the whole screw.
@@ -111,12 +111,12 @@ impl DesignReport {
                 (design, blocking.iter().map(blocks).collect(), false)
             }
         };
-        let mut scene = scene(requirement, &design);
-        let size = offered_size(&scene, offered);
+        let mut case = case(requirement, &design);
+        let size = offered_size(&case, offered);
         if let Some((diameter, _)) = size {
-            scene.nominal_diameter_mm = Some(diameter);
+            case.nominal_diameter_mm = Some(diameter);
         }
-        let judged = requirement.judge(&scene);
+        let judged = requirement.judge(&case);
         let why = match &judged {
             // That of an axis which runs away.
             Ok(sheet) if sheet.phases.is_empty() => sheet.answer.warnings.clone(),
@@ -130,7 +130,7 @@ impl DesignReport {
         let design = Design::of(&requirement.problem, design.nut, Some(&of_sheet));
         let order = sheet.as_ref().map(|sheet| sheet.order.to_string());
         let rules = sheet.map_or_else(Vec::new, |sheet| sheet.answer.rules);
-        let mut warnings = scene.warnings();
+        let mut warnings = case.warnings();
         let best = design.value(Quantity::BestContactAngle) / DEG;
         warnings.extend(hard_to_make(
             "the motion of the requirement",
@@ -185,7 +185,7 @@ impl DesignReport {
             notes.push("ball diameter estimated: ask the manufacturer".to_owned());
         }
         let order = order.filter(|_| found);
-        Self { rows, found, reasons, notes, warnings, order, scene }
+        Self { rows, found, reasons, notes, warnings, order, case }
     }
 
     /// The answer: whether there is a screw, the steps of it and what limits it.
@@ -212,7 +212,7 @@ impl DesignReport {
             .with("steps", Content::Table(steps))
             .with("reasons", Content::Texts(label, self.reasons.clone()))
             .with_shown(Content::Text("order:", self.order.clone()))
-            .with("scene", Content::Json(self.scene.to_json()))
+            .with("case", Content::Json(self.case.to_json()))
     }
 }
 
@@ -244,19 +244,19 @@ impl RequirementFile {
     }
 
     /// The sheet by which every nut is judged, chosen, listed or of a manufacturer: that of [`AxisReport`].
-    pub(crate) fn judge(&self, scene: &Scene) -> Result<AxisReport, CaseError> {
-        AxisReport::judged(scene, &self.settings)
+    pub(crate) fn judge(&self, case: &Case) -> Result<AxisReport, CaseError> {
+        AxisReport::judged(case, &self.settings)
     }
 
     /// A nut at the operating point of the requirement.
-    pub fn scene_of(&self, nut: &Nut) -> Scene {
-        scene(self, &Design::of(&self.problem, *nut, None))
+    pub fn case_of(&self, nut: &Nut) -> Case {
+        case(self, &Design::of(&self.problem, *nut, None))
     }
 
     /// The numbers of [`sheet_columns`] for a nut in the axis of the requirement, NaN where there is none; `None` if a
     /// rule of its sheet does not hold.
     pub fn sheet_of(&self, nut: &Nut) -> Option<Vec<f64>> {
-        let report = self.judge(&self.scene_of(nut)).ok()?;
+        let report = self.judge(&self.case_of(nut)).ok()?;
         let number = |column: &Output| report.number(column.name).unwrap_or(f64::NAN);
         report.passes().then(|| sheet_columns().map(number).collect())
     }
@@ -272,8 +272,8 @@ impl RequirementFile {
             InputKey::motor_rated_power_W,
         ];
         self.problem.mount.support == Support::FixedFixed
-            || self.scene.asks_warm()
-            || motor.into_iter().any(|key| self.scene[key].is_some())
+            || self.case.asks_warm()
+            || motor.into_iter().any(|key| self.case[key].is_some())
     }
 }
 
@@ -281,12 +281,12 @@ impl RequirementFile {
 /// efficiency, which the search does not know by all balls.
 fn accepted(requirement: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static str>> {
     let Requirement { least_efficiency, largest_power, preload, .. } = &requirement.problem;
-    let mut scene = requirement.scene_of(nut);
+    let mut case = requirement.case_of(nut);
     let by_all_balls = preload.is_some() && (least_efficiency.is_some() || largest_power.is_some());
     if !by_all_balls && !requirement.asks_friction() {
-        scene = scene.without_friction();
+        case = case.without_friction();
     }
-    let sheet = requirement.judge(&scene).map_err(|_| Vec::new())?;
+    let sheet = requirement.judge(&case).map_err(|_| Vec::new())?;
     let mut broken: Vec<_> =
         sheet.answer.rules.iter().filter(|rule| !rule.passes()).map(|rule| rule.name).collect();
     if by_all_balls {
@@ -300,18 +300,18 @@ fn accepted(requirement: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static
 
 /// Efficiency of the whole screw of a nut in a phase by the model of a requirement, if it has one.
 fn efficiency(requirement: &RequirementFile, nut: &Nut, phase: &Phase) -> Option<f64> {
-    let scene = requirement.scene_of(nut);
-    WORK.with_borrow_mut(|work| quick_efficiency(&scene, &requirement.settings, nut, phase, work))
+    let case = requirement.case_of(nut);
+    WORK.with_borrow_mut(|work| quick_efficiency(&case, &requirement.settings, nut, phase, work))
 }
 
 /// The screw of a design in the axis of a requirement: with the load of a torque, and the preload of a class.
-fn scene(requirement: &RequirementFile, design: &Design) -> Scene {
+fn case(requirement: &RequirementFile, design: &Design) -> Case {
     let Design { nut, phase, .. } = design;
     let by_torque = matches!(requirement.problem.demand, LoadCase::Torque(..));
     let conformity = Some(decimal(nut.conformity.0));
     // A circuit on each thread.
     let several = Some(nut.starts).filter(|starts| *starts > 1.0);
-    Scene {
+    Case {
         ball_diameter_mm: Some(decimal(nut.ball_diameter / MM)),
         pitch_circle_diameter_mm: Some(decimal(nut.pitch_diameter / MM)),
         lead_mm: Some(decimal(nut.lead / MM)),
@@ -321,13 +321,13 @@ fn scene(requirement: &RequirementFile, design: &Design) -> Scene {
         screw_conformity: conformity,
         loaded_balls_per_turn: Some(nut.balls_per_turn),
         loaded_turns: Some(nut.turns),
-        starts: several.or(requirement.scene.starts),
-        circuits_count: several.or(requirement.scene.circuits_count),
+        starts: several.or(requirement.case.starts),
+        circuits_count: several.or(requirement.case.circuits_count),
         loaded_balls: Some((nut.balls_per_turn * nut.turns).max(1.0)),
-        axial_load_N: if by_torque { Some(phase.load) } else { requirement.scene.axial_load_N },
+        axial_load_N: if by_torque { Some(phase.load) } else { requirement.case.axial_load_N },
         preload_N: design.preload(),
-        nut: SceneEntries { preload_class: None, ..requirement.scene.nut.clone() },
-        ..requirement.scene.clone()
+        nut: CaseEntries { preload_class: None, ..requirement.case.nut.clone() },
+        ..requirement.case.clone()
     }
 }
 
@@ -401,14 +401,14 @@ fn of_rule(rule: &Criterion) -> DesignRow {
 }
 
 /// Nominal diameter of a chosen screw \[mm\] by the sizes of manufacturers, and whether one of them prints its ball diameter.
-fn offered_size(scene: &Scene, offered: &[OfferedSize]) -> Option<(f64, bool)> {
+fn offered_size(case: &Case, offered: &[OfferedSize]) -> Option<(f64, bool)> {
     let same = |mm: Option<f64>, own: f64| mm.is_some_and(|mm| (mm * MM - own).abs() < 1e-9);
     let alike = |size: &&OfferedSize| {
-        same(scene.lead_mm, size.lead) && same(scene.ball_diameter_mm, size.ball)
+        same(case.lead_mm, size.lead) && same(case.ball_diameter_mm, size.ball)
     };
     let printed = offered.iter().filter(alike).any(|size| size.ball_is_printed);
     // Sizes of one lead and ball differ by some 10 mm.
-    let pitch = scene.pitch_circle_diameter_mm.unwrap_or(f64::NAN) * MM;
+    let pitch = case.pitch_circle_diameter_mm.unwrap_or(f64::NAN) * MM;
     let far = |size: &&OfferedSize| (size.diameter - pitch).abs();
     let size = offered.iter().filter(alike).min_by(|a, b| far(a).total_cmp(&far(b)))?;
     Some((decimal(size.diameter / MM), printed))

@@ -8,7 +8,7 @@ use crate::answers::moving::{MovingBall, MovingContact};
 use crate::answers::nut::Columns;
 use crate::answers::slip::{Law, integration};
 use crate::vocabulary::units::{DEG, MM, MPA};
-use crate::{Answer, CaseError, Content, Scales, Scene, Settings, Table};
+use crate::{Answer, Case, CaseError, Content, Scales, Settings, Table};
 
 /// The two ellipses of a ball: grids of pressure, slip and friction, what stands still, and what follows from them.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,13 +51,13 @@ impl EllipseFields {
     ///
     /// [`CaseError::Invalid`] if the model has none or there is no solution.
     pub fn of(
-        scene: &Scene,
+        case: &Case,
         settings: &Settings,
         solution: &Solution,
         points: u32,
     ) -> Result<Self, CaseError> {
-        let moving = MovingBall::of(scene, solution)?;
-        let point = scene.reader().operating_point();
+        let moving = MovingBall::of(case, solution)?;
+        let point = case.reader().operating_point();
         let (accuracy, creep) = integration(settings, solution);
         let creep = creep * point.ball.radius * point.drive.relative_speed().abs();
         let quadrature = Quadrature::of(accuracy);
@@ -68,7 +68,7 @@ impl EllipseFields {
             let Some(semi_axes) = contact.semi_axes else { continue };
             let MovingContact { touch, load, .. } = contact;
             let law = Law::of(touch.site, point.friction, solution);
-            let pressed_radius = scene.pressed_radius(touch.site);
+            let pressed_radius = case.pressed_radius(touch.site);
             // Models of saturated friction have one direction for all points.
             let sliding = match solution.model {
                 Model::Rigid | Model::Elastic => Sliding::Point,

@@ -8,8 +8,8 @@ use serde_json::json;
 
 use crate::vocabulary::error::list;
 use crate::{
-    Answer, CaseError, Content, InputKey, Known, ModelChoice, Output, Record, Rule, Scene,
-    Settings, torque_parts,
+    Answer, Case, CaseError, Content, InputKey, Known, ModelChoice, Output, Record, Rule, Settings,
+    torque_parts,
 };
 
 /// What may be measured: a number of a solution, or the torque that the screw takes.
@@ -28,15 +28,15 @@ pub(crate) fn measurable(name: &str) -> Result<&'static Output, CaseError> {
 ///
 /// # Errors
 ///
-/// [`CaseError`] if the scene lacks inputs of the model, or the model does not have the output.
+/// [`CaseError`] if the case lacks inputs of the model, or the model does not have the output.
 pub(crate) fn measured(
     output: &Output,
-    scene: &Scene,
+    case: &Case,
     settings: &Settings,
     work: &mut ModelWorkspace,
 ) -> Result<Option<f64>, CaseError> {
     let lacks = |model: &str| {
-        let missing = scene.missing(Model::Traction);
+        let missing = case.missing(Model::Traction);
         let required = if missing.is_empty() {
             String::new()
         } else {
@@ -45,10 +45,10 @@ pub(crate) fn measured(
         CaseError::Invalid(format!("model {model} gives no {} here{required}", output.name))
     };
     if output.name == SCREW_TORQUE {
-        let parts = torque_parts(scene, settings)?;
+        let parts = torque_parts(case, settings)?;
         return Ok(parts.ok_or_else(|| lacks(settings.model.name()))?.torque());
     }
-    let record = Record::new(scene.problem(settings)?.solve(work));
+    let record = Record::new(case.problem(settings)?.solve(work));
     match record.number(output.name) {
         _ if record.status() != Status::Converged => Ok(None),
         None => Err(lacks(record.model().name())),
@@ -57,8 +57,8 @@ pub(crate) fn measured(
 }
 
 /// The settings, with the most complete model in place of model auto: an error bound of the efficiency is none of an input.
-pub(crate) fn exact(scene: &Scene, settings: &Settings) -> Result<Settings, CaseError> {
-    let model = match scene.choose(settings.model)? {
+pub(crate) fn exact(case: &Case, settings: &Settings) -> Result<Settings, CaseError> {
+    let model = match case.choose(settings.model)? {
         ModelChoice::Auto => Model::Traction.into(),
         fixed @ ModelChoice::Fixed(_) => fixed,
     };
@@ -68,10 +68,10 @@ pub(crate) fn exact(scene: &Scene, settings: &Settings) -> Result<Settings, Case
 /// Default range of a friction coefficient.
 const FRICTION: (f64, f64) = (1e-4, 0.5);
 
-/// Default range of another input, over its value in the scene.
+/// Default range of another input, over its value in the case.
 const AROUND: (f64, f64) = (0.25, 4.0);
 
-/// A fit: scene, measured output and the input to find.
+/// A fit: case, measured output and the input to find.
 #[derive(Debug, Clone)]
 pub struct Fit {
     input: InputKey,
@@ -102,14 +102,14 @@ pub struct FitReport {
     pub solved: f64,
 }
 
-/// Search range of an input: as given; 1e-4 to 0.5 for a friction coefficient, a quarter of the scene's value to
+/// Search range of an input: as given; 1e-4 to 0.5 for a friction coefficient, a quarter of the case's value to
 /// four times it for another.
 fn range_of(
-    scene: &Scene,
+    case: &Case,
     input: InputKey,
     range: Option<(f64, f64)>,
 ) -> Result<(f64, f64), CaseError> {
-    let range = match (range, input, scene.value_or_default(input)) {
+    let range = match (range, input, case.value_or_default(input)) {
         (Some(range), ..) => range,
         (None, InputKey::friction_coefficient, _) => FRICTION,
         (None, _, Some(value)) if value != 0.0 => {
@@ -120,7 +120,7 @@ fn range_of(
     };
     let rule = input.input().rule;
     let range = match rule {
-        // Values in a scene may be near the end of what is allowed.
+        // Values in a case may be near the end of what is allowed.
         Rule::Between(low, high) => {
             let inset = 1e-6 * (high - low);
             (range.0.max(low + inset), range.1.min(high - inset))
@@ -137,7 +137,7 @@ fn range_of(
 }
 
 /// An input and where it is looked for.
-pub(crate) fn sought(base: &Scene, text: &str) -> Result<(InputKey, (f64, f64)), CaseError> {
+pub(crate) fn sought(base: &Case, text: &str) -> Result<(InputKey, (f64, f64)), CaseError> {
     let form = "input, or input=low:high, such as seal_torque_Nm=0:1";
     let bad = || CaseError::bad_setting(text, form);
     let (name, range) = match text.split_once('=') {
@@ -155,14 +155,14 @@ pub(crate) fn sought(base: &Scene, text: &str) -> Result<(InputKey, (f64, f64)),
 impl Fit {
     /// Seeks `input`, a `name` or `name=low:high`, in `range` such that the output of a measurement `name=value` comes out.
     ///
-    /// The range is 1e-4 to 0.5 for a friction coefficient, a quarter of the scene's value to four
+    /// The range is 1e-4 to 0.5 for a friction coefficient, a quarter of the case's value to four
     /// times it for another input, unless given.
     ///
     /// # Errors
     ///
     /// [`CaseError`] for unknown names, a missing number, or an invalid range.
     pub fn new(
-        scene: &Scene,
+        case: &Case,
         input: &str,
         range: Option<(f64, f64)>,
         measurement: &str,
@@ -170,9 +170,9 @@ impl Fit {
         let (input, range) = match range {
             Some(_) => {
                 let input = InputKey::named(input)?;
-                (input, range_of(scene, input, range)?)
+                (input, range_of(case, input, range)?)
             }
-            None => sought(scene, input)?,
+            None => sought(case, input)?,
         };
         let form = "output=value, such as screw_torque_Nm=1.5";
         let bad = || CaseError::bad_setting(measurement, form);
@@ -183,11 +183,11 @@ impl Fit {
         Ok(Self { input, range, output, measured })
     }
 
-    /// The scene with a value of the input.
-    fn at(&self, scene: &Scene, value: f64) -> Result<Scene, CaseError> {
-        let mut scene = scene.clone();
-        scene.set(self.input.name(), value)?;
-        Ok(scene)
+    /// The case with a value of the input.
+    fn at(&self, case: &Case, value: f64) -> Result<Case, CaseError> {
+        let mut case = case.clone();
+        case.set(self.input.name(), value)?;
+        Ok(case)
     }
 
     /// Every value in the range at which the output is as measured.
@@ -197,21 +197,21 @@ impl Fit {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the scene has no inputs for the model.
-    pub fn run(&self, scene: &Scene, settings: &Settings) -> Result<FitReport, CaseError> {
-        let mut scene = scene.clone();
-        scene.set(self.input.name(), self.range.0)?;
-        let settings = &exact(&scene, settings)?;
+    /// [`CaseError`] if the case has no inputs for the model.
+    pub fn run(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
+        let mut case = case.clone();
+        case.set(self.input.name(), self.range.0)?;
+        let settings = &exact(&case, settings)?;
         let work = RefCell::new(ModelWorkspace::default());
         let excess = |value: f64| -> Result<f64, CaseError> {
-            let scene = self.at(&scene, value)?;
-            let output = measured(self.output, &scene, settings, &mut work.borrow_mut())?;
+            let case = self.at(&case, value)?;
+            let output = measured(self.output, &case, settings, &mut work.borrow_mut())?;
             Ok(output.map_or(f64::NAN, |output| output - self.measured))
         };
         let run = crossings(excess, self.range)?;
         let fitted = |root: Crossing| {
             let response = self.measured / (root.at * root.slope);
-            let problem = self.at(&scene, root.at)?.problem(settings)?;
+            let problem = self.at(&case, root.at)?.problem(settings)?;
             let record = Record::new(problem.solve(&mut work.borrow_mut()));
             Ok(FitValue { value: root.at, response, record })
         };
@@ -257,7 +257,7 @@ impl Fit {
     }
 
     /// The answer: the values, each with the result there, and what can be reached.
-    pub fn answer(&self, scene: &Scene, report: &FitReport) -> Answer {
+    pub fn answer(&self, case: &Case, report: &FitReport) -> Answer {
         let fitted = |f: &FitValue| {
             json!({
                 self.input.name(): f.value,
@@ -274,7 +274,7 @@ impl Fit {
             )
             .with("message", Content::Text("", Some(self.describe(report))));
         for found in &report.found {
-            answer.sections.extend(found.record.shown(scene));
+            answer.sections.extend(found.record.shown(case));
         }
         answer
     }

@@ -14,7 +14,7 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::number::number;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
-use crate::{Answer, CaseError, InputKey, Scene};
+use crate::{Answer, Case, CaseError, InputKey};
 
 quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
     "contact state, elastic and permanent" {
@@ -181,8 +181,8 @@ struct Track {
 /// [`CaseError::Invalid`] if the model has no motion of the ball, if
 /// the contacts have no state with permanent approach, and for a number
 /// that no double holds.
-pub fn jam(scene: &Scene, solution: &Solution) -> Result<Answer, CaseError> {
-    let jam = Jam::of(scene, solution)?;
+pub fn jam(case: &Case, solution: &Solution) -> Result<Answer, CaseError> {
+    let jam = Jam::of(case, solution)?;
     let lacks = match jam.permanent {
         Some(_) => Vec::new(),
         None => vec![lacks_ellipses("contact state and wedge angle", solution.model)],
@@ -191,18 +191,18 @@ pub fn jam(scene: &Scene, solution: &Solution) -> Result<Answer, CaseError> {
     let words = [
         ("contacts_yield", jam.yield_text()),
         ("self_locking_under_load", jam.locking_text()),
-        ("jams", jam.return_text(scene)),
+        ("jams", jam.return_text(case)),
     ];
     let verdicts = words.into_iter().filter_map(|(name, words)| Some((name, words?))).collect();
-    let mut answer = of_a_motion(QUANTITIES, scene, solution, numbers, verdicts, lacks);
-    answer.notes.extend(scene.given().is_lubricated().then(|| jam.friction.words()));
+    let mut answer = of_a_motion(QUANTITIES, case, solution, numbers, verdicts, lacks);
+    answer.notes.extend(case.given().is_lubricated().then(|| jam.friction.words()));
     Ok(answer)
 }
 
 impl Jam {
-    fn of(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
-        let solved = MovingBall::of(scene, solution)?;
-        if scene.running_angles().is_some() {
+    fn of(case: &Case, solution: &Solution) -> Result<Self, CaseError> {
+        let solved = MovingBall::of(case, solution)?;
+        if case.running_angles().is_some() {
             return Err(bad(
                 InputKey::nut_running_contact_angle_deg.name(),
                 "is an input of slip: jamming needs angles in balance with the load",
@@ -211,8 +211,8 @@ impl Jam {
         let [Some(nut), Some(screw), _] = solved.contacts else {
             unreachable!("every model with a motion has loads and angles of both contacts")
         };
-        let (point, ball) = (scene.reader().operating_point(), solved.ball);
-        let friction = Friction::of(scene, solution, (&ball, &screw), point.friction.0);
+        let (point, ball) = (case.reader().operating_point(), solved.ball);
+        let friction = Friction::of(case, solution, (&ball, &screw), point.friction.0);
         let mut wedge = Wedge {
             loads: [nut.load, screw.load],
             angles: [nut.touch.angle, screw.touch.angle],
@@ -224,22 +224,22 @@ impl Jam {
                 ball.motion.precession,
             ),
         };
-        let permanent = nut.semi_axes.map(|_| PermanentContacts::of(scene, &wedge)).transpose()?;
+        let permanent = nut.semi_axes.map(|_| PermanentContacts::of(case, &wedge)).transpose()?;
         if let Some(PermanentContacts { set, .. }) = &permanent {
             (wedge.loads, wedge.angles) = (set.loads, set.angles);
         }
-        let strengths = scene.raceway_yield_strength_MPa.zip(scene.ball_yield_strength_MPa);
+        let strengths = case.raceway_yield_strength_MPa.zip(case.ball_yield_strength_MPa);
         let yield_ratios = permanent.as_ref().zip(strengths).map(|(permanent, strengths)| {
             permanent.pressures.map(|p| bsm_dyn::yield_ratio(p / MPA, strengths))
         });
-        let drag = scene.lubricant_density_kg_m3.zip(scene.drag_coefficient);
+        let drag = case.lubricant_density_kg_m3.zip(case.drag_coefficient);
         let drag = drag.map(|(density, coefficient)| {
             let speed =
                 2.0 * ball.helix.radius * (ball.motion.precession - ball.drive.nut_speed).abs();
             viscous_drag(coefficient, density, 2.0 * ball.radius, speed)
         });
-        let track = scene.loaded_balls_per_turn.map(|balls| Track::of(balls, &wedge, &friction));
-        let ball_return = BallReturn::of(scene, &ball, friction.rest);
+        let track = case.loaded_balls_per_turn.map(|balls| Track::of(balls, &wedge, &friction));
+        let ball_return = BallReturn::of(case, &ball, friction.rest);
         Ok(Self { ball, permanent, yield_ratios, drag, friction, wedge, ball_return, track })
     }
 
@@ -286,12 +286,12 @@ impl Jam {
         ))
     }
 
-    fn return_text(&self, scene: &Scene) -> Option<String> {
+    fn return_text(&self, case: &Case) -> Option<String> {
         let Track { screw, stopped, .. } = self.track?;
         if self.ball_return.is_blocked() {
             return Some(format!(
                 "no thrust lifts a ball over the step of {} mm into the return; it may be {:.3} mm high",
-                scene.step_height_mm.unwrap_or(f64::NAN),
+                case.step_height_mm.unwrap_or(f64::NAN),
                 self.ball_return.highest / MM
             ));
         }
@@ -307,7 +307,7 @@ impl Jam {
 impl Friction {
     /// * `screw`: contact of a ball in motion. * `dry`: without a lubricant.
     fn of(
-        scene: &Scene,
+        case: &Case,
         solution: &Solution,
         (ball, screw): (&SteadyBall<f64>, &MovingContact),
         dry: f64,
@@ -317,7 +317,7 @@ impl Friction {
         };
         // μ_s = μ(¾ p_max, |V_s|)                                         (M23)
         let stopped = film.screw.law.coefficient(0.75, ball.stopped_slip(&screw.touch));
-        let rest = scene.value_or_default(InputKey::boundary_friction_coefficient);
+        let rest = case.value_or_default(InputKey::boundary_friction_coefficient);
         let moving = [film.nut.friction, film.screw.friction];
         Self { moving, stopped, rest: rest.unwrap_or(f64::NAN) }
     }
@@ -334,8 +334,8 @@ impl Friction {
 }
 
 impl PermanentContacts {
-    fn of(scene: &Scene, wedge: &Wedge<f64>) -> Result<Self, CaseError> {
-        let screw = scene.reader().elastic_point();
+    fn of(case: &Case, wedge: &Wedge<f64>) -> Result<Self, CaseError> {
+        let screw = case.reader().elastic_point();
         let failed = |reason: &Reason| CaseError::Invalid(message(reason));
         let set =
             screw.permanent_set(wedge.loads, wedge.angles).map_err(|none| failed(none.reason()))?;
@@ -357,38 +357,38 @@ impl Track {
 }
 
 impl BallReturn {
-    fn of(scene: &Scene, ball: &SteadyBall<f64>, friction: f64) -> Self {
-        let point = scene.reader().operating_point();
-        let speed = scene.return_approach_speed_m_s.unwrap_or_else(|| {
+    fn of(case: &Case, ball: &SteadyBall<f64>, friction: f64) -> Self {
+        let point = case.reader().operating_point();
+        let speed = case.return_approach_speed_m_s.unwrap_or_else(|| {
             let to_nut = ball.motion.precession - ball.drive.nut_speed;
             ball.helix.arc_length_per_radian() * to_nut.abs()
         });
-        let stiffness = scene.return_stiffness_N_um15.map_or_else(
+        let stiffness = case.return_stiffness_N_um15.map_or_else(
             || {
-                let (raceways, balls) = scene.reader().materials();
+                let (raceways, balls) = case.reader().materials();
                 flat_stiffness(contact_modulus(&raceways, &balls), ball.radius)
             },
             |k| k * PER_UM15,
         );
         let mass = point.ball.mass;
-        let impact = match scene.return_linear_stiffness_N_um {
+        let impact = match case.return_linear_stiffness_N_um {
             Some(linear) => linear_impact_force(mass, speed, linear / UM),
             None => impact_force(mass, speed, stiffness),
         };
-        let step = scene.return_angle_deg.map(|angle| {
-            let normal = scene.step_normal_force_N.unwrap_or(impact);
+        let step = case.return_angle_deg.map(|angle| {
+            let normal = case.step_normal_force_N.unwrap_or(impact);
             (normal, step_thrust(normal, friction, angle * DEG))
         });
-        let entry = entry_step(scene, ball.radius);
+        let entry = entry_step(case, ball.radius);
         Self {
             speed,
             impact,
-            apex: scene.apex_half_angle_deg.map(|angle| apex_thrust(impact, angle * DEG, friction)),
+            apex: case.apex_half_angle_deg.map(|angle| apex_thrust(impact, angle * DEG, friction)),
             step,
             highest: entry.highest() * ball.radius,
-            entered: scene
+            entered: case
                 .step_height_mm
-                .and(scene.return_angle_deg)
+                .and(case.return_angle_deg)
                 .map(|_| entry.thrust_ratio().unwrap_or(f64::INFINITY)),
         }
     }
@@ -411,10 +411,10 @@ impl BallReturn {
 }
 
 /// The step into the ball return; of no height unless given.
-fn entry_step(scene: &Scene, ball_radius: f64) -> EntryStep {
+fn entry_step(case: &Case, ball_radius: f64) -> EntryStep {
     EntryStep {
-        height: scene.step_height_mm.unwrap_or(0.0) * MM / ball_radius,
-        angle: scene.return_angle_deg.unwrap_or(0.0) * DEG,
-        rolling: scene.rolling_friction_mm.unwrap_or(0.0) * MM / ball_radius,
+        height: case.step_height_mm.unwrap_or(0.0) * MM / ball_radius,
+        angle: case.return_angle_deg.unwrap_or(0.0) * DEG,
+        rolling: case.rolling_friction_mm.unwrap_or(0.0) * MM / ball_radius,
     }
 }

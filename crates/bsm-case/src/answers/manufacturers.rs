@@ -11,11 +11,11 @@ use crate::vocabulary::cells::Cells;
 use crate::vocabulary::number::short;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{
-    Answer, CaseError, Column, Content, InputKey, Output, RequirementFile, Scene, Table,
+    Answer, Case, CaseError, Column, Content, InputKey, Output, RequirementFile, Table,
     TableFormat, ratings, sheet_columns,
 };
 
-/// Columns besides the inputs of a scene.
+/// Columns besides the inputs of a case.
 const TEXT_COLUMNS: [&str; 6] = [
     "nut",
     "circuits",
@@ -34,7 +34,7 @@ pub struct ManufacturerNut {
     /// Its name, or the number of its row.
     pub name: String,
     /// The nut, with the manufacturer's ratings in place of the calculated ones.
-    pub scene: Scene,
+    pub case: Case,
     /// Stiffness as the manufacturer states it \[N/um\].
     pub stiffness: Option<f64>,
 }
@@ -49,8 +49,8 @@ impl ManufacturerNut {
         let cells = Cells::read(table, format)?;
         let columns = cells.columns(|name| manufacturer_column(name, format, &TEXT_COLUMNS))?;
         cells.each(&columns, |place, row| {
-            let (name, scene) = (format!("row {place}"), Scene::default());
-            let mut nut = Self { name, scene, stiffness: None };
+            let (name, case) = (format!("row {place}"), Case::default());
+            let mut nut = Self { name, case, stiffness: None };
             let (mut circuits, mut core) = (None, None);
             for (column, text) in row {
                 let Some((word, factor)) = column else { continue };
@@ -63,23 +63,23 @@ impl ManufacturerNut {
                     "circuits" => circuits = value,
                     "core_diameter_mm" => core = value,
                     "stiffness_N_um" => nut.stiffness = value,
-                    "dynamic_load_rating_N" => nut.scene.rated_dynamic_load_N = value,
-                    "static_load_rating_N" => nut.scene.rated_static_load_N = value,
-                    word => nut.scene[InputKey::named(word)?] = value,
+                    "dynamic_load_rating_N" => nut.case.rated_dynamic_load_N = value,
+                    "static_load_rating_N" => nut.case.rated_static_load_N = value,
+                    word => nut.case[InputKey::named(word)?] = value,
                 }
             }
-            complete(&mut nut.scene, circuits, core)?;
+            complete(&mut nut.case, circuits, core)?;
             Ok(nut)
         })
     }
 
     /// The nut in the axis of a requirement.
-    pub fn within(&self, requirement: &RequirementFile) -> Scene {
-        let mut scene = requirement.scene.clone();
-        scene.lead_angle_deg = None;
-        scene.override_with(&self.scene);
-        scene.description = Some(self.name.clone());
-        scene
+    pub fn within(&self, requirement: &RequirementFile) -> Case {
+        let mut case = requirement.case.clone();
+        case.lead_angle_deg = None;
+        case.override_with(&self.case);
+        case.description = Some(self.name.clone());
+        case
     }
 }
 
@@ -99,7 +99,7 @@ pub struct ManufacturerRow {
     /// Its name.
     pub name: String,
     /// The nut, with a requirement in its axis.
-    pub scene: Scene,
+    pub case: Case,
     /// Name, unit and value: the manufacturer's numbers with ours of the same nut, and with a requirement those of its sheet.
     pub numbers: Vec<(&'static str, &'static str, Option<f64>)>,
     /// True if every rule of its sheet holds; none without a requirement.
@@ -130,28 +130,28 @@ impl ManufacturerRow {
     }
 
     fn of(nut: &ManufacturerNut, requirement: Option<&RequirementFile>) -> Result<Self, CaseError> {
-        let mut at = nut.scene.clone();
+        let mut at = nut.case.clone();
         at.axial_load_N = at.rated_dynamic_load_N.map(|rating| STIFFNESS_AT * rating);
         let ours = if at.has_ratings_only() { Answer::default() } else { ratings(&at)? };
         let mut numbers = Vec::new();
-        let [dynamic, rated] = [nut.scene.rated_dynamic_load_N, nut.scene.rated_static_load_N];
+        let [dynamic, rated] = [nut.case.rated_dynamic_load_N, nut.case.rated_static_load_N];
         for ([name, our, same], unit, manufacturers) in
             [(RATED[0], "N", dynamic), (RATED[1], "N", rated), (RATED[2], "N/um", nut.stiffness)]
         {
             numbers.push((name, unit, manufacturers));
             numbers.push((our, unit, ours.number(same)));
         }
-        let mass = nut.scene.nut_mass_kg.or_else(|| ours.number("mass_kg"));
+        let mass = nut.case.nut_mass_kg.or_else(|| ours.number("mass_kg"));
         numbers.push(("mass_kg", "kg", mass));
-        let (mut scene, mut passes) = (nut.scene.clone(), None);
+        let (mut case, mut passes) = (nut.case.clone(), None);
         if let Some(requirement) = requirement {
-            scene = nut.within(requirement);
-            let sheet = requirement.judge(&scene)?;
+            case = nut.within(requirement);
+            let sheet = requirement.judge(&case)?;
             passes = Some(sheet.passes());
             let of_sheet = |c: &Output| (c.name, c.unit, sheet.number(c.name));
             numbers.extend(sheet_columns().map(of_sheet));
         }
-        Ok(Self { name: nut.name.clone(), scene, numbers, passes })
+        Ok(Self { name: nut.name.clone(), case, numbers, passes })
     }
 
     /// A number by name.
@@ -202,34 +202,34 @@ impl ManufacturerRow {
 }
 
 /// Completes the nut of a row with what tables leave out, by the rule that reproduces those of HIWIN.
-fn complete(scene: &mut Scene, circuits: Option<f64>, core: Option<f64>) -> Result<(), CaseError> {
+fn complete(case: &mut Case, circuits: Option<f64>, core: Option<f64>) -> Result<(), CaseError> {
     // Without a ball there is no groove to complete.
-    if scene.ball_diameter_mm.is_none() && scene.has_ratings_only() {
-        scene.shaft_diameter_mm = scene.shaft_diameter_mm.or(core);
-        return scene.check();
+    if case.ball_diameter_mm.is_none() && case.has_ratings_only() {
+        case.shaft_diameter_mm = case.shaft_diameter_mm.or(core);
+        return case.check();
     }
     let conformity = Nut::USUAL_CONFORMITY;
-    scene.nut_conformity.get_or_insert(conformity);
-    let conformity = *scene.screw_conformity.get_or_insert(conformity);
-    if scene.groove_bottom_distance_mm.is_none() {
-        scene.contact_angle_deg.get_or_insert(CONTACT_ANGLE_DEG);
+    case.nut_conformity.get_or_insert(conformity);
+    let conformity = *case.screw_conformity.get_or_insert(conformity);
+    if case.groove_bottom_distance_mm.is_none() {
+        case.contact_angle_deg.get_or_insert(CONTACT_ANGLE_DEG);
     }
-    let Scene { ball_diameter_mm: ball, contact_angle_deg: angle, lead_mm: lead, .. } = *scene;
+    let Case { ball_diameter_mm: ball, contact_angle_deg: angle, lead_mm: lead, .. } = *case;
     if let (None, Some(core), Some(ball), Some(angle)) =
-        (scene.pitch_circle_diameter_mm, core, ball, angle)
+        (case.pitch_circle_diameter_mm, core, ball, angle)
     {
         let pitch = Nut::pitch_diameter_over(core * MM, ball * MM, conformity, angle * DEG);
-        scene.pitch_circle_diameter_mm = Some(pitch / MM);
+        case.pitch_circle_diameter_mm = Some(pitch / MM);
     }
-    if let (None, Some(circuits)) = (scene.loaded_turns, circuits) {
-        scene.loaded_turns = Some(circuits - Nut::RETURN_TURNS);
+    if let (None, Some(circuits)) = (case.loaded_turns, circuits) {
+        case.loaded_turns = Some(circuits - Nut::RETURN_TURNS);
     }
     if let (None, Some(ball), Some(pitch), Some(lead)) =
-        (scene.loaded_balls_per_turn, ball, scene.pitch_circle_diameter_mm, lead)
+        (case.loaded_balls_per_turn, ball, case.pitch_circle_diameter_mm, lead)
     {
-        scene.loaded_balls_per_turn = Some((PI * pitch).hypot(lead) / ball);
+        case.loaded_balls_per_turn = Some((PI * pitch).hypot(lead) / ball);
     }
-    scene.check()?;
+    case.check()?;
     // Says what lacks.
-    rated_nut::nut(scene).map(drop)
+    rated_nut::nut(case).map(drop)
 }

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::record::message;
 use crate::vocabulary::units::DEG;
 use crate::{
-    Answer, CaseError, Content, InputKey, InputSet, Numbers, Quantity, Record, Scene, Scope,
+    Answer, Case, CaseError, Content, InputKey, InputSet, Numbers, Quantity, Record, Scope,
     Settings, Table,
 };
 
@@ -19,7 +19,7 @@ const SITES: [Site; 3] = [Site::Nut, Site::Screw, Site::NutUnloaded];
 /// * `quantities`: those of its table. * `verdicts`: names of its statements, as text. * `lacks`: parts that are left out besides those that lack inputs.
 pub(crate) fn of_a_motion(
     quantities: &[Quantity],
-    scene: &Scene,
+    case: &Case,
     solution: &Solution,
     numbers: Numbers,
     verdicts: Vec<(&'static str, String)>,
@@ -31,10 +31,10 @@ pub(crate) fn of_a_motion(
     };
     let columns = "=statement | answer= | words=";
     let verdicts = Table::of(columns, verdicts.into_iter().map(verdict)).keyed();
-    let lacks = without(quantities, scene.given()).into_iter().chain(lacks).collect();
+    let lacks = without(quantities, case.given()).into_iter().chain(lacks).collect();
     let record = Record::new(solution.clone());
-    let warnings = scene.warnings().into_iter().chain(record.warnings(scene)).collect();
-    let notes = scene.given().unused_by_models().collect();
+    let warnings = case.warnings().into_iter().chain(record.warnings(case)).collect();
+    let notes = case.given().unused_by_models().collect();
     Answer { notes, warnings, ..Answer::default() }
         .with("model", Content::Text("model ", Some(solution.model.name().to_owned())))
         .with("", Content::numbers(numbers, "ball"))
@@ -96,7 +96,7 @@ pub(crate) struct MovingBall {
 }
 
 impl MovingBall {
-    /// The ball that rolls at the contact angles in motion that the scene gives, if it does, with the
+    /// The ball that rolls at the contact angles in motion that the case gives, if it does, with the
     /// contact ellipses of the solution; and whether it is that one.
     ///
     /// # Errors
@@ -104,11 +104,11 @@ impl MovingBall {
     /// [`CaseError::OutOfRange`] if the model finds the angles itself.
     pub(crate) fn at_given_angles(
         mut self,
-        scene: &Scene,
+        case: &Case,
         settings: &Settings,
         model: Model,
     ) -> Result<(Self, bool), CaseError> {
-        let Some(angles) = scene.running_angles() else { return Ok((self, false)) };
+        let Some(angles) = case.running_angles() else { return Ok((self, false)) };
         if model != Model::RacewayControl {
             let (key, value) = (InputKey::nut_running_contact_angle_deg, angles[0] / DEG);
             return Err(CaseError::not_covered(key, value, "left out", model));
@@ -127,15 +127,15 @@ impl MovingBall {
     /// # Errors
     ///
     /// [`CaseError::Invalid`] if the model has none or there is no solution.
-    pub(crate) fn of(scene: &Scene, solution: &Solution) -> Result<Self, CaseError> {
+    pub(crate) fn of(case: &Case, solution: &Solution) -> Result<Self, CaseError> {
         let state = match &solution.answer {
             Ok(solved) => &solved.ball,
             Err(none) => return Err(CaseError::Invalid(message(none.reason()))),
         };
         let motion = state
             .motion
-            .ok_or_else(|| CaseError::no_motion(solution.model, &scene.missing(Model::Rigid)))?;
-        let point = scene.reader().operating_point();
+            .ok_or_else(|| CaseError::no_motion(solution.model, &case.missing(Model::Rigid)))?;
+        let point = case.reader().operating_point();
         let ball = SteadyBall {
             helix: point.helix,
             radius: point.ball.radius,
@@ -165,19 +165,19 @@ impl MotionAnswer {
     ///
     /// # Errors
     ///
-    /// As [`Scene::problem`].
+    /// As [`Case::problem`].
     pub fn of(
-        scene: &Scene,
+        case: &Case,
         settings: &Settings,
         work: &mut ModelWorkspace,
     ) -> Result<Self, CaseError> {
-        let settings = Settings { model: settings.model.of_motion(scene.stated()), ..*settings };
-        let solution = scene.problem(&settings)?.solve(work);
+        let settings = Settings { model: settings.model.of_motion(case.stated()), ..*settings };
+        let solution = case.problem(&settings)?.solve(work);
         Ok(Self { settings, solution })
     }
 }
 
-impl Scene {
+impl Case {
     /// Contact angles of nut and screw in motion, if they are given \[rad\].
     pub fn running_angles(&self) -> Option<[f64; 2]> {
         let angles = [self.nut_running_contact_angle_deg?, self.screw_running_contact_angle_deg?];

@@ -7,7 +7,7 @@ use crate::case::requirement::USUAL_CONTACT_ANGLES_DEG;
 use crate::vocabulary::input_set::inputs;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::DEG;
-use crate::{Answer, CaseError, Content, Numbers, Scene, Scope, Settings};
+use crate::{Answer, Case, CaseError, Content, Numbers, Scope, Settings};
 use bsm_design::search::minimum_inside;
 use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum};
 
@@ -16,7 +16,7 @@ quantities! { pub(crate) QUANTITIES, read(&Known) of Optimum;
         optimum_contact_angle_deg ["deg"] Directions(|k| k.best.map(|best| Some(best?.contact_angle / DEG)))
             needs [lead_angle_deg | lead_mm], "contact angle of best efficiency";
         optimum_lead_angle_deg ["deg"] Directions(|k| k.best_leads.map(|lead| Some(lead? / DEG))) needs [contact_angle_deg],
-            "lead angle for which the scene's contact angle is the best";
+            "lead angle for which the case's contact angle is the best";
         optimum_efficiency [""] Directions(Known::best_efficiency), "efficiency at the best angle";
         self_locking_contact_angle_deg ["deg"] Directions(|k| {
             DIRECTIONS.map(|d| Some(Angles::locking_contact_angle(d, k.lead?, k.friction)? / DEG))
@@ -29,7 +29,7 @@ quantities! { pub(crate) QUANTITIES, read(&Known) of Optimum;
         efficiency [""] Directions(|k| {
             let own = k.lead.zip(k.contact).map(|(lead, contact)| Angles { lead, contact });
             DIRECTIONS.map(|d| Some(own?.efficiency(d, k.friction)))
-        }) needs [contact_angle_deg, lead_angle_deg | lead_mm], "efficiency at the scene's contact angle";
+        }) needs [contact_angle_deg, lead_angle_deg | lead_mm], "efficiency at the case's contact angle";
     }
 }
 
@@ -61,15 +61,15 @@ const SEARCHED_DEG: (f64, f64) = (5.0, 85.0);
 const DIRECTIONS: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];
 
 impl Known {
-    fn of(scene: &Scene) -> Result<Self, CaseError> {
-        let (lead, contact) = (scene.lead_angle(), scene.contact_angle_deg.map(|deg| deg * DEG));
-        let mut missing = NEEDS.missing(scene.given());
+    fn of(case: &Case) -> Result<Self, CaseError> {
+        let (lead, contact) = (case.lead_angle(), case.contact_angle_deg.map(|deg| deg * DEG));
+        let mut missing = NEEDS.missing(case.given());
         if lead.or(contact).is_none() {
             let words =
                 "lead_angle_deg (or lead_mm with pitch_circle_diameter_mm) or contact_angle_deg";
             missing.push(words.to_owned());
         }
-        let Some(friction) = scene.friction_coefficient.filter(|_| missing.is_empty()) else {
+        let Some(friction) = case.friction_coefficient.filter(|_| missing.is_empty()) else {
             return Err(CaseError::missing(&missing, "by model closed-form"));
         };
         Ok(Self {
@@ -81,7 +81,7 @@ impl Known {
         })
     }
 
-    /// At the scene's lead angle, or else at its contact angle.
+    /// At the case's lead angle, or else at its contact angle.
     fn best_efficiency(&self) -> [Option<f64>; 2] {
         let best = Optimum::best_efficiency(self.friction);
         match self.lead {
@@ -105,21 +105,21 @@ impl Known {
 }
 
 /// The numbers in closed form.
-pub(crate) fn numbers(scene: &Scene) -> Result<Numbers, CaseError> {
-    scene.check()?;
-    read(&Known::of(scene)?, |_| true).finite()
+pub(crate) fn numbers(case: &Case) -> Result<Numbers, CaseError> {
+    case.check()?;
+    read(&Known::of(case)?, |_| true).finite()
 }
 
-/// Optimum and limits of both directions for lead angle or contact angle and friction coefficient of a scene in closed
-/// form; with a model, its best contact angle in the direction of the scene's speeds besides.
+/// Optimum and limits of both directions for lead angle or contact angle and friction coefficient of a case in closed
+/// form; with a model, its best contact angle in the direction of the case's speeds besides.
 ///
 /// # Errors
 ///
 /// [`CaseError`] if one of them is missing or breaks its rule.
-pub fn optimum(scene: &Scene, model: Option<Model>) -> Result<Answer, CaseError> {
-    scene.check()?;
-    let found = model.map(|model| Ok((model, best_by(scene, model)?))).transpose()?;
-    let mut answer = Answer::default().with("", Content::numbers(numbers(scene)?, ""));
+pub fn optimum(case: &Case, model: Option<Model>) -> Result<Answer, CaseError> {
+    case.check()?;
+    let found = model.map(|model| Ok((model, best_by(case, model)?))).transpose()?;
+    let mut answer = Answer::default().with("", Content::numbers(numbers(case)?, ""));
     if let Some((model, (direction, best))) = found {
         let (model, (low, high)) = (model.name(), SEARCHED_DEG);
         let whole = Scope::Directions.members()[usize::from(direction.is_back())];
@@ -133,20 +133,20 @@ pub fn optimum(scene: &Scene, model: Option<Model>) -> Result<Answer, CaseError>
             ));
         }
     }
-    answer.warnings.extend(Known::of(scene)?.warnings());
+    answer.warnings.extend(Known::of(case)?.warnings());
     Ok(answer)
 }
 
-/// The contact angle of least loss of a model in the direction of the scene's speeds; none if the model has no solution at any, or
+/// The contact angle of least loss of a model in the direction of the case's speeds; none if the model has no solution at any, or
 /// the best one is an end of the range.
-fn best_by(scene: &Scene, model: Model) -> Result<(Direction, Option<Optimum>), CaseError> {
+fn best_by(case: &Case, model: Model) -> Result<(Direction, Option<Optimum>), CaseError> {
     let settings = Settings::from(model);
-    let speeds = scene.speeds_rpm().map_or(1.0, |(screw, nut)| screw - nut);
+    let speeds = case.speeds_rpm().map_or(1.0, |(screw, nut)| screw - nut);
     let direction = Direction::of(speeds).unwrap_or(Direction::RotaryToLinear);
     let work = RefCell::new(ModelWorkspace::default());
     let loss = |deg: f64| -> Result<f64, CaseError> {
-        let scene = Scene { contact_angle_deg: Some(deg), ..scene.clone() };
-        let solution = scene.problem(&settings)?.solve(&mut work.borrow_mut());
+        let case = Case { contact_angle_deg: Some(deg), ..case.clone() };
+        let solution = case.problem(&settings)?.solve(&mut work.borrow_mut());
         Ok(solution.efficiency().map_or(f64::NAN, |eta| 1.0 - eta))
     };
     // A screw that does not move has no best angle.

@@ -14,7 +14,7 @@ use crate::case::axis::speed_number_limit;
 use crate::case::rated_nut::{body, nut, thread};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
-use crate::{Answer, CaseError, Catalogue, Content, INPUTS, Numbers, Scene, exact};
+use crate::{Answer, Case, CaseError, Catalogue, Content, INPUTS, Numbers, exact};
 
 /// Title of what lies between the inputs and the ratings.
 pub(crate) const STEPS: &str = "steps";
@@ -47,9 +47,9 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
         preloaded_stiffness_N_um ["N/um" "R_nu"] Scalar(|r| r.of_pair(|e| e.preloaded_pair(r.force) * UM)),
             "stiffness of a preloaded pair, contacts and bodies";
         rolling_efficiency [""] Scalar(|r| r.nut.rolling_efficiency(r.lever())), "catalogue efficiency, rolling resistance without slip";
-        mass_kg ["kg"] Scalar(|r| r.scene.nut_mass_kg.unwrap_or_else(|| r.body.mass(&r.nut, &r.thread))), "mass of the nut";
-        permissible_speed_rpm ["rpm"] Scalar(|r| speed_number_limit(r.scene, r.nut.lead, r.thread.screw.land) / r.pitch_mm()), "permissible speed, by the speed number limit";
-        speed_number_mm_min ["mm/min" "d_pw n"] Scalar(|r| Some(rpm(r.scene)? * r.pitch_mm())) needs [screw_speed_rpm], "speed number";
+        mass_kg ["kg"] Scalar(|r| r.case.nut_mass_kg.unwrap_or_else(|| r.body.mass(&r.nut, &r.thread))), "mass of the nut";
+        permissible_speed_rpm ["rpm"] Scalar(|r| speed_number_limit(r.case, r.nut.lead, r.thread.screw.land) / r.pitch_mm()), "permissible speed, by the speed number limit";
+        speed_number_mm_min ["mm/min" "d_pw n"] Scalar(|r| Some(rpm(r.case)? * r.pitch_mm())) needs [screw_speed_rpm], "speed number";
         rating_life_revolutions ["" "L_10"] Scalar(|r| Some(r.life.as_ref()?.revolutions)) needs [axial_load_N, screw_speed_rpm], "rating life";
         rating_life_h ["h" "L_10h"] Scalar(|r| Some(r.life.as_ref()?.time / 3600.0)) needs [axial_load_N, screw_speed_rpm], "rating life";
     }
@@ -108,13 +108,13 @@ quantities! { pub(crate) AS_USED, as_used(&NutRatings<'_>);
         nut_outer_diameter_mm = INPUTS Scalar(|r| r.body.outer / MM);
         nut_length_mm = INPUTS Scalar(|r| r.body.length / MM);
         preload_N = INPUTS Scalar(|r| r.preloaded.then_some(r.force));
-        axial_load_N = INPUTS Scalar(|r| r.scene.axial_load_N);
+        axial_load_N = INPUTS Scalar(|r| r.case.axial_load_N);
     }
 }
 
 /// A nut that is rated: ratings, stiffness, thread, mass, life and efficiency.
 pub(crate) struct NutRatings<'a> {
-    scene: &'a Scene,
+    case: &'a Case,
     nut: Nut,
     thread: Thread,
     body: NutBody,
@@ -125,32 +125,32 @@ pub(crate) struct NutRatings<'a> {
     /// Preload of a pair, or the axial load of one nut \[N\].
     force: f64,
     preloaded: bool,
-    /// Under axial load and speed of the scene.
+    /// Under axial load and speed of the case.
     life: Option<Life>,
 }
 
 impl<'a> NutRatings<'a> {
-    /// The nut of a scene: a pair of nuts under `preload_N`, or one nut under `axial_load_N`; a pair
+    /// The nut of a case: a pair of nuts under `preload_N`, or one nut under `axial_load_N`; a pair
     /// under 0.15 of the dynamic rating unless one of them is given.
-    fn of(scene: &'a Scene) -> Result<Self, CaseError> {
-        scene.check()?;
-        let nut = nut(scene)?;
-        let thread = thread(scene, &nut)?;
-        let body = body(scene, &nut, &thread)?;
+    fn of(case: &'a Case) -> Result<Self, CaseError> {
+        case.check()?;
+        let nut = nut(case)?;
+        let thread = thread(case, &nut)?;
+        let body = body(case, &nut, &thread)?;
         let dynamic = nut.dynamic_rating();
-        let (force, preloaded) = match (scene.preload_N, scene.axial_load_N) {
+        let (force, preloaded) = match (case.preload_N, case.axial_load_N) {
             (None, Some(load)) => (load, false),
             (preload, _) => (preload.unwrap_or(PRELOAD * dynamic.rating), true),
         };
         let elasticity =
             nut.elasticity(&body).map_err(|reason| CaseError::Invalid(message(&reason)))?;
         let edge_load = nut.edge_load(&thread, &elasticity.hertz);
-        let duty = scene.axial_load_N.zip(rpm(scene));
+        let duty = case.axial_load_N.zip(rpm(case));
         let duty = duty.map(|(load, rpm)| Duty { load, speed: rpm * RPM, time: 1.0 });
         let life = life(dynamic.rating, preloaded.then_some(force), duty.as_slice());
         let static_rating = nut.static_rating();
         Ok(Self {
-            scene,
+            case,
             nut,
             thread,
             body,
@@ -187,14 +187,14 @@ impl<'a> NutRatings<'a> {
     /// Axial displacement of the contacts under the axial load \[um\].
     fn displacement(&self) -> Option<f64> {
         let of_pair = || {
-            let load = self.scene.axial_load_N?;
+            let load = self.case.axial_load_N?;
             Some(self.elasticity.preloaded_displacement(self.force, load) / UM)
         };
         self.of_one(|e| e.displacement(self.force) / UM).or_else(of_pair)
     }
 
     fn lever(&self) -> f64 {
-        self.scene.rolling_friction_mm.map_or(ROLLING_LEVER, |lever| lever * MM)
+        self.case.rolling_friction_mm.map_or(ROLLING_LEVER, |lever| lever * MM)
     }
 
     fn pitch_mm(&self) -> f64 {
@@ -203,11 +203,11 @@ impl<'a> NutRatings<'a> {
 
     /// Warnings: limits of the formulas, poor proportions.
     fn warnings(&self) -> Result<Vec<String>, CaseError> {
-        let Self { scene, nut, thread, body, elasticity, dynamic, force, life, .. } = self;
-        let load = scene.axial_load_N;
-        let mut warnings = scene.warnings();
-        warnings.extend(scene.load_of_the_mass());
-        if self.preloaded && scene.is_warm() {
+        let Self { case, nut, thread, body, elasticity, dynamic, force, life, .. } = self;
+        let load = case.axial_load_N;
+        let mut warnings = case.warnings();
+        warnings.extend(case.load_of_the_mass());
+        if self.preloaded && case.is_warm() {
             warnings.push(
                 "rises of temperature change the preload, which these ratings do not follow: the nut with all its \
                  balls does (bsm nut)"
@@ -229,9 +229,9 @@ impl<'a> NutRatings<'a> {
                 dynamic.rating
             ));
         }
-        let limit = speed_number_limit(scene, nut.lead, thread.screw.land);
+        let limit = speed_number_limit(case, nut.lead, thread.screw.land);
         let pitch_mm = nut.pitch_diameter / MM;
-        if let Some(rpm) = rpm(scene).filter(|rpm| *rpm * pitch_mm > limit) {
+        if let Some(rpm) = rpm(case).filter(|rpm| *rpm * pitch_mm > limit) {
             warnings.push(format!(
                 "speed number {:.0} mm/min at {rpm} rpm: above the limit of {limit:.0} \
                  the return of the balls is at risk",
@@ -243,25 +243,25 @@ impl<'a> NutRatings<'a> {
 }
 
 /// Relative speed of screw and nut \[rpm\], if it is given.
-fn rpm(scene: &Scene) -> Option<f64> {
-    scene.speeds_rpm().map(|(screw, nut)| (screw - nut).abs())
+fn rpm(case: &Case) -> Option<f64> {
+    case.speeds_rpm().map(|(screw, nut)| (screw - nut).abs())
 }
 
 /// The numbers alone.
-pub(crate) fn numbers(scene: &Scene) -> Result<Numbers, CaseError> {
-    NutRatings::of(scene)?.numbers()
+pub(crate) fn numbers(case: &Case) -> Result<Numbers, CaseError> {
+    NutRatings::of(case)?.numbers()
 }
 
-/// Ratings of the nut of a scene: a pair of nuts under `preload_N`, or one nut under
+/// Ratings of the nut of a case: a pair of nuts under `preload_N`, or one nut under
 /// `axial_load_N`; a pair under 0.15 of the dynamic rating unless one of them is given.
 ///
-/// Life is that under axial load and speed of the scene; under a cycle it is a number of the axis.
+/// Life is that under axial load and speed of the case; under a cycle it is a number of the axis.
 ///
 /// # Errors
 ///
 /// [`CaseError`] if an input is missing or breaks its rule, or the grooves leave no ellipse.
-pub fn ratings(scene: &Scene) -> Result<Answer, CaseError> {
-    let rated = NutRatings::of(scene)?;
+pub fn ratings(case: &Case) -> Result<Answer, CaseError> {
+    let rated = NutRatings::of(case)?;
     let [steps, numbers] = [true, false].map(|wanted| {
         rated.numbers().map(|all| all.part(|quantity| (quantity.title == STEPS) == wanted))
     });

@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 
 use crate::vocabulary::units::{DEG, MM, MPA};
 use crate::{
-    Answer, CaseError, Content, ModelChoice, OUTPUTS, Output, Scene, ScrewTorque, Section,
+    Answer, Case, CaseError, Content, ModelChoice, OUTPUTS, Output, ScrewTorque, Section,
     Sensitivity, Settings, Table,
 };
 
@@ -39,7 +39,7 @@ pub fn reason_of_choice(choice: &Choice, bound: f64) -> String {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     model: ModelChoice,
-    /// `None` where the scene could not be asked.
+    /// `None` where the case could not be asked.
     solution: Option<Solution>,
     message: Option<String>,
 }
@@ -57,7 +57,7 @@ impl Record {
         Self { model: ModelChoice::Fixed(solution.model), solution: Some(solution), message }
     }
 
-    /// The record of a scene that `model` could not be asked.
+    /// The record of a case that `model` could not be asked.
     pub fn invalid(model: ModelChoice, error: &CaseError) -> Self {
         Self { model, solution: None, message: Some(error.to_string()) }
     }
@@ -144,8 +144,8 @@ impl Record {
         own.filter(|output| output.read(solution).is_some()).map(|output| output.name).collect()
     }
 
-    /// Warnings; `scene` has the inputs.
-    pub fn warnings(&self, scene: &Scene) -> Vec<String> {
+    /// Warnings; `case` has the inputs.
+    pub fn warnings(&self, case: &Case) -> Vec<String> {
         let mut warnings = Vec::new();
         let Some(solution) = &self.solution else { return warnings };
         let slip = |site| solution.contact(site).and_then(|contact| contact.slip);
@@ -194,7 +194,7 @@ impl Record {
                 MARKS_ABOVE / MPA
             ));
         }
-        if let Some(ball) = scene.ball_diameter_mm {
+        if let Some(ball) = case.ball_diameter_mm {
             warnings.extend(self.cut_off(0.5 * MM * ball));
         }
         if solution.self_locking() == Some(true) {
@@ -297,7 +297,7 @@ impl Record {
     }
 
     /// Text form: model, status and reasons as text, then its numbers.
-    pub fn shown(&self, scene: &Scene) -> Vec<Section> {
+    pub fn shown(&self, case: &Case) -> Vec<Section> {
         let mut status = self.status_name().to_owned();
         if let Some(steps) = self.solved().and_then(|solved| Some(solved.info?.steps)) {
             let is_rigid = self.model() == ModelChoice::from(Model::Rigid);
@@ -331,34 +331,34 @@ impl Record {
                 self.model().name()
             )
         });
-        let numbers = Content::Numbers { numbers: self.rows(scene), whole: "balls", unbounded };
+        let numbers = Content::Numbers { numbers: self.rows(case), whole: "balls", unbounded };
         let words = words.map(|(label, words)| Content::Text(label, words));
         let all = words.into_iter().chain([numbers, Content::Text("", caution)]);
         all.map(|content| Section { member: None, content }).collect()
     }
 
-    /// The answer, with what was asked, of which program: its scene and settings, the regime, and warnings.
+    /// The answer, with what was asked, of which program: its case and settings, the regime, and warnings.
     pub fn answer(
         &self,
         program: &str,
-        scene: &Scene,
+        case: &Case,
         settings: &Settings,
         beside: &Supplement,
     ) -> Answer {
         let Supplement { band, parts, sensitivities } = beside;
         let mut map = self.to_json();
         map.insert("program".to_owned(), json!(program));
-        map.insert("inputs".to_owned(), scene.to_json());
+        map.insert("inputs".to_owned(), case.to_json());
         map.insert("settings".to_owned(), settings.to_json());
         map.insert("regime".to_owned(), json!(self.regime()));
         let mut answer = Answer {
             notes: self
                 .notes()
                 .into_iter()
-                .chain(scene.assumed_roughness())
-                .chain(scene.given().unused_by_models())
+                .chain(case.assumed_roughness())
+                .chain(case.given().unused_by_models())
                 .collect(),
-            warnings: scene.warnings().into_iter().chain(self.warnings(scene)).collect(),
+            warnings: case.warnings().into_iter().chain(self.warnings(case)).collect(),
             fails: self.status() != Status::Converged,
             ..Answer::default()
         };
@@ -367,7 +367,7 @@ impl Record {
                 .with_shown(Content::numbers(parts.numbers.clone(), "screw"))
                 .with_shown(Content::Text("contacts by model", Some(parts.contacts.clone())));
         }
-        answer.sections.extend(self.shown(scene));
+        answer.sections.extend(self.shown(case));
         answer = answer.with("", Content::Json(Value::Object(map)));
         let json = parts.as_ref().map(|parts| Content::Json(parts.to_json()));
         answer = answer.with_some("torque_parts", json);

@@ -2,7 +2,7 @@
 
 use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::units::MM;
-use crate::{Numbers, OUTPUTS, Output, Quantity, Record, Scene};
+use crate::{Case, Numbers, OUTPUTS, Output, Quantity, Record};
 
 /// Below this part of what is usual for its unit a number is rounding, and is shown as 0.
 const ROUNDING: f64 = 1e-12;
@@ -33,13 +33,13 @@ impl Scales {
 }
 
 impl Record {
-    /// Its numbers for reading, rounding as zero; `scene` is what was asked.
-    pub fn rows(&self, scene: &Scene) -> Numbers {
+    /// Its numbers for reading, rounding as zero; `case` is what was asked.
+    pub fn rows(&self, case: &Case) -> Numbers {
         // A ball that rolls has slips that are all rounding: the speed of its surface tells.
         let surface = self.number("ball_omega_t_rad_s").map_or(0.0, |omega_t| {
             let rates = ["ball_omega_n_rad_s", "ball_omega_b_rad_s"].map(|name| self.number(name));
             let fastest = rates.into_iter().flatten().fold(omega_t.abs(), |a, b| a.max(b.abs()));
-            0.5 * MM * scene.ball_diameter_mm.unwrap_or(0.0) * fastest
+            0.5 * MM * case.ball_diameter_mm.unwrap_or(0.0) * fastest
         });
         let numbers = OUTPUTS.iter().filter_map(|o| Some((o.unit, self.number(o.name)?)));
         let scales = Scales::of(numbers.chain([("m/s", surface)]));

@@ -1,12 +1,12 @@
-//! JSON Schema of scenes and results, from the same tables that check and write them.
+//! JSON Schema of cases and results, from the same tables that check and write them.
 
 use serde_json::{Map, Value, json};
 
-use crate::{AnalysisKind, INPUTS, OUTPUTS, Output, Rule, SceneEntries};
+use crate::{AnalysisKind, CaseEntries, INPUTS, OUTPUTS, Output, Rule};
 
 const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
 
-/// Schema of a scene.
+/// Schema of a case.
 pub fn input_schema() -> Value {
     let mut properties = Map::new();
     let text = json!({ "type": "string", "description": "free text" });
@@ -38,10 +38,10 @@ pub fn input_schema() -> Value {
         }
         properties.insert(input.name.to_owned(), property);
     }
-    properties.extend(SceneEntries::schema());
+    properties.extend(CaseEntries::schema());
     json!({
         "$schema": DIALECT,
-        "title": "bsm scene",
+        "title": "bsm case",
         "description": "one operating point of a ball screw; each model asks for the inputs that it needs",
         "type": "object",
         "properties": properties,

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use crate::case::rated_nut;
 use crate::vocabulary::units::{DEG, MM};
-use crate::{CaseError, InputKey, Record, Scene};
+use crate::{Case, CaseError, InputKey, Record};
 
 /// A section across the grooves of nut and screw, around the centre of a ball: along the axis, and away from it \[mm\].
 #[derive(Debug, Clone, PartialEq)]
@@ -27,16 +27,16 @@ pub struct GrooveSection {
 }
 
 impl GrooveSection {
-    /// The grooves of a scene; how many balls and turns there are does not matter.
+    /// The grooves of a case; how many balls and turns there are does not matter.
     ///
     /// # Errors
     ///
     /// [`CaseError`] if a value breaks a rule or an input lacks.
-    pub fn of(scene: &Scene) -> Result<Self, CaseError> {
+    pub fn of(case: &Case) -> Result<Self, CaseError> {
         /// Chords of a flank.
         const STEPS: u32 = 40;
-        scene.check()?;
-        let mut one = scene.clone();
+        case.check()?;
+        let mut one = case.clone();
         for key in [InputKey::loaded_balls_per_turn, InputKey::loaded_turns] {
             one[key] = one[key].or(Some(1.0));
         }
@@ -45,7 +45,7 @@ impl GrooveSection {
             return Err(CaseError::missing(&missing, "for the section of the grooves"));
         }
         let nut = rated_nut::nut(&one)?;
-        let thread = rated_nut::thread(scene, &nut)?;
+        let thread = rated_nut::thread(case, &nut)?;
         // Of a large pitch the lands go on.
         let half = (0.5 * nut.pitch()).min(nut.ball_diameter);
         let line = |profile: &Profile, up: f64| {

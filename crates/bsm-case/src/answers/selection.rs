@@ -170,10 +170,10 @@ pub fn candidate_json(candidate: &Candidate) -> Map<String, Value> {
     numbers_json(&read(candidate, |_| true))
 }
 
-/// A nut as the scene of every other command: with a requirement at its operating point.
-pub fn candidate_scene(candidate: &Candidate, requirement: Option<&RequirementFile>) -> Value {
+/// A nut as the case of every other command: with a requirement at its operating point.
+pub fn candidate_case(candidate: &Candidate, requirement: Option<&RequirementFile>) -> Value {
     if let Some(requirement) = requirement {
-        return requirement.scene_of(&candidate.nut).to_json();
+        return requirement.case_of(&candidate.nut).to_json();
     }
     let mut nut = candidate_json(candidate);
     nut.retain(|name, _| INPUTS.iter().any(|input| input.name == name));

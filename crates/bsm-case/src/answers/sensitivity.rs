@@ -7,7 +7,7 @@ use bsm_kin::Jet;
 use serde_json::json;
 
 use crate::case::reader::Reader;
-use crate::{CaseError, InputKey, InputSet, Quantity, Scene, Settings, Table};
+use crate::{Case, CaseError, InputKey, InputSet, Quantity, Settings, Table};
 
 /// Inputs by which derivatives are taken at a time: most callers ask for fewer, and the time of a solve in jets
 /// grows with their number.
@@ -16,7 +16,7 @@ const AT_A_TIME: usize = 8;
 /// A number with its derivatives by some inputs, each in its unit.
 type Jets = Jet<AT_A_TIME>;
 
-/// A scene some of whose inputs are variables.
+/// A case some of whose inputs are variables.
 #[derive(Debug, Clone)]
 pub struct Sensitivities(Vec<Part>);
 
@@ -42,38 +42,38 @@ pub struct Sensitivity {
 }
 
 impl Sensitivities {
-    /// The problem of a scene with all inputs as variables that its model uses; a value that another input
+    /// The problem of a case with all inputs as variables that its model uses; a value that another input
     /// defaults to counts for both.
     ///
     /// # Errors
     ///
-    /// As [`Scene::problem`].
-    pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
-        Self::by(scene, settings, InputKey::ALL.into_iter().collect())
+    /// As [`Case::problem`].
+    pub fn of(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
+        Self::by(case, settings, InputKey::ALL.into_iter().collect())
     }
 
-    /// The problem of a scene with those of `wanted` as variables that its model uses.
+    /// The problem of a case with those of `wanted` as variables that its model uses.
     ///
     /// # Errors
     ///
-    /// As [`Scene::problem`].
-    pub fn by(scene: &Scene, settings: &Settings, wanted: InputSet) -> Result<Self, CaseError> {
+    /// As [`Case::problem`].
+    pub fn by(case: &Case, settings: &Settings, wanted: InputSet) -> Result<Self, CaseError> {
         // At the temperatures of a warm state, which do not move with the inputs.
-        let scene = &scene.in_warm_state(settings)?;
-        let model = scene.ask(settings)?;
+        let case = &case.in_warm_state(settings)?;
+        let model = case.ask(settings)?;
         let used = Cell::new(InputSet::default());
         let part = |variables: &[(InputKey, f64)]| {
             let jet = |key: InputKey| {
-                let value = scene.value_or_default(key)?;
+                let value = case.value_or_default(key)?;
                 used.set(used.get().and(InputSet::of(&[key])));
                 let place = variables.iter().position(|(variable, _)| *variable == key);
                 Some(place.map_or(value.into(), |place| Jets::variable(value, place)))
             };
-            let problem = Reader(jet, scene.base_oil()).problem(model, settings);
+            let problem = Reader(jet, case.base_oil()).problem(model, settings);
             Part(problem, variables.to_vec())
         };
         let alone = part(&[]);
-        let value = |key: InputKey| scene.value_or_default(key).map(|value| (key, value));
+        let value = |key: InputKey| case.value_or_default(key).map(|value| (key, value));
         let used = used.get().iter().filter(|key| wanted.contains(*key));
         let variables: Vec<_> = used.filter_map(value).collect();
         if variables.is_empty() {

@@ -9,7 +9,7 @@ use bsm_kin::Site;
 use crate::answers::moving::{MovingBall, MovingContact, lacks_ellipses, of_a_motion};
 use crate::vocabulary::quantity::{Values, quantities};
 use crate::vocabulary::units::{DEG, MM};
-use crate::{Answer, CaseError, Scene, Settings};
+use crate::{Answer, Case, CaseError, Settings};
 
 quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
     "rotation of the ball relative to the nut" {
@@ -69,7 +69,7 @@ const POWERS_AGREE_IN_FILMS: f64 = 1e-3;
 /// Gyroscopic angles, differential slip, slip between balls, spin and orbit slip as printed, as
 /// corrected and in exact form, and the power that each part of the slip takes.
 ///
-/// Where the scene gives the contact angles in motion, the ball rolls at these, and there is neither
+/// Where the case gives the contact angles in motion, the ball rolls at these, and there is neither
 /// friction nor power: the loads are in balance at other angles.
 ///
 /// * `settings`: those that `solution` was found with.
@@ -77,11 +77,11 @@ const POWERS_AGREE_IN_FILMS: f64 = 1e-3;
 /// # Errors
 ///
 /// [`CaseError::Invalid`] if the model has no motion of the ball, [`CaseError::OutOfRange`] if the
-/// scene gives the contact angles in motion and the model is not raceway control.
-pub fn slip(scene: &Scene, settings: &Settings, solution: &Solution) -> Result<Answer, CaseError> {
+/// case gives the contact angles in motion and the model is not raceway control.
+pub fn slip(case: &Case, settings: &Settings, solution: &Solution) -> Result<Answer, CaseError> {
     let (solved, given) =
-        MovingBall::of(scene, solution)?.at_given_angles(scene, settings, solution.model)?;
-    let loss = if given { None } else { Some(Loss::of(scene, settings, solution, &solved)?) };
+        MovingBall::of(case, solution)?.at_given_angles(case, settings, solution.model)?;
+    let loss = if given { None } else { Some(Loss::of(case, settings, solution, &solved)?) };
     let slipping = SlipMotion { solved, loss };
     let mut lacks = Vec::new();
     if solved.contacts[0].is_some_and(|c| c.semi_axes.is_none()) {
@@ -94,8 +94,8 @@ pub fn slip(scene: &Scene, settings: &Settings, solution: &Solution) -> Result<A
         );
     }
     let numbers = read(&slipping, |_| true).finite()?;
-    let mut answer = of_a_motion(QUANTITIES, scene, solution, numbers, Vec::new(), lacks);
-    let agree = if scene.given().is_lubricated() { POWERS_AGREE_IN_FILMS } else { POWERS_AGREE };
+    let mut answer = of_a_motion(QUANTITIES, case, solution, numbers, Vec::new(), lacks);
+    let agree = if case.given().is_lubricated() { POWERS_AGREE_IN_FILMS } else { POWERS_AGREE };
     if let Some(loss) = slipping.loss.filter(|loss| loss.difference().abs() > agree) {
         answer.warnings.push(format!(
             "the friction power of the contacts is {:.6e} W, but the model dissipates \
@@ -134,7 +134,7 @@ impl SlipMotion {
     }
 }
 
-impl Scene {
+impl Case {
     /// Radius of the surface that ball and groove press each other to \[m\].
     pub(crate) fn pressed_radius(&self, site: Site) -> f64 {
         let conformity = match site {
@@ -214,12 +214,12 @@ struct ContactFriction {
 
 impl Loss {
     fn of(
-        scene: &Scene,
+        case: &Case,
         settings: &Settings,
         solution: &Solution,
         solved: &MovingBall,
     ) -> Result<Self, CaseError> {
-        let point = scene.reader().operating_point();
+        let point = case.reader().operating_point();
         let unit = point.ball.radius * point.drive.relative_speed().abs();
         let (accuracy, creep) = integration(settings, solution);
         let quadrature = &Quadrature::of(accuracy);
@@ -227,7 +227,7 @@ impl Loss {
         let power = |contact: &MovingContact| {
             let sliding = match contact.semi_axes {
                 Some(semi_axes) if !saturated => {
-                    let pressed_radius = scene.pressed_radius(contact.touch.site);
+                    let pressed_radius = case.pressed_radius(contact.touch.site);
                     let creep = creep * unit;
                     Sliding::Ellipse { semi_axes, pressed_radius, creep, quadrature }
                 }

@@ -11,8 +11,8 @@ use crate::case::warm::{Detail, Warm, WarmState};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{RPM, UM};
 use crate::{
-    Answer, CaseError, Content, INPUTS, InputKey, InputSet, Numbers, Quantity, Row, Scene,
-    Settings, Table,
+    Answer, Case, CaseError, Content, INPUTS, InputKey, InputSet, Numbers, Quantity, Row, Settings,
+    Table,
 };
 
 quantities! { pub(crate) QUANTITIES, read(&Warm) of Warm;
@@ -125,13 +125,13 @@ fn of_band(nut: &WarmNut<'_>, steady: &Steady) -> Vec<f64> {
 }
 
 impl Warm {
-    /// The state of a scene which asks for it, with its band.
+    /// The state of a case which asks for it, with its band.
     pub(crate) fn with_band(
-        scene: &Scene,
+        case: &Case,
         settings: &Settings,
         detail: Detail,
     ) -> Result<Option<Self>, CaseError> {
-        Self::of(scene, settings, detail, of_band)
+        Self::of(case, settings, detail, of_band)
     }
 
     /// Adds its numbers and its band to an answer, if it was asked for.
@@ -217,7 +217,7 @@ impl Warm {
 pub struct WarmBranch {
     /// The states in their order.
     pub points: Vec<WarmPoint>,
-    /// Largest speed of the screw that the scene asks for \[rpm\].
+    /// Largest speed of the screw that the case asks for \[rpm\].
     pub speed_rpm: f64,
     /// Preload as it is set \[N\]; `None` without one.
     pub preload_set_N: Option<f64>,
@@ -238,18 +238,18 @@ pub struct WarmPoint {
 }
 
 impl WarmBranch {
-    /// That of a scene that asks for its warm state, up to `fold_search_factor` times its speeds; `None` if it does not.
+    /// That of a case that asks for its warm state, up to `fold_search_factor` times its speeds; `None` if it does not.
     ///
     /// # Errors
     ///
     /// [`CaseError`] if an input is missing or breaks its rule, or there is no state at low speed.
     #[expect(non_snake_case, reason = "names carry their unit as it is written")]
-    pub fn of(scene: &Scene, settings: &Settings) -> Result<Option<Self>, CaseError> {
-        if !scene.asks_warm() {
+    pub fn of(case: &Case, settings: &Settings) -> Result<Option<Self>, CaseError> {
+        if !case.asks_warm() {
             return Ok(None);
         }
-        let (set, preload_set_N, states) = Warm::branch(scene, settings)?;
-        let speed_rpm = Machine::of(scene)?.axis.fastest() / RPM;
+        let (set, preload_set_N, states) = Warm::branch(case, settings)?;
+        let speed_rpm = Machine::of(case)?.axis.fastest() / RPM;
         let point = |state: OnBranch| {
             let [nut, screw, balls, ..] = celsius(set, &state.rises);
             WarmPoint {
@@ -286,17 +286,17 @@ impl WarmBranch {
 }
 
 /// Inputs that it needs and that are not given, in words.
-pub(crate) fn missing(base: &Scene, given: InputSet) -> Vec<String> {
+pub(crate) fn missing(base: &Case, given: InputSet) -> Vec<String> {
     let state = (!base.asks_warm()).then(|| "warm_state (true)".to_owned());
     let stroke = (!given.contains(InputKey::stroke_mm)).then(|| "stroke_mm".to_owned());
     rated_nut::NEEDS.missing(given).into_iter().chain(state).chain(stroke).collect()
 }
 
-/// The numbers of the warm state alone; none unless the scene asks for it.
+/// The numbers of the warm state alone; none unless the case asks for it.
 ///
 /// * `wanted`: the fold is looked for only if it is; without it, that the axis runs away is an error.
 pub(crate) fn numbers(
-    scene: &Scene,
+    case: &Case,
     settings: &Settings,
     wanted: impl Fn(&Quantity) -> bool,
 ) -> Result<Numbers, CaseError> {
@@ -304,9 +304,9 @@ pub(crate) fn numbers(
         |of_fold: bool| QUANTITIES.iter().any(|of| is_of_fold(of.name) == of_fold && wanted(of));
     let fold = any(true);
     let warm = if fold && !any(false) {
-        Warm::with_band(scene, settings, Detail { fold, band: false })
+        Warm::with_band(case, settings, Detail { fold, band: false })
     } else {
-        Warm::state_of(scene, settings, fold)
+        Warm::state_of(case, settings, fold)
     }?;
     Ok(warm.map_or_else(|| Numbers::none(QUANTITIES), |warm| read(&warm, wanted).where_finite()))
 }

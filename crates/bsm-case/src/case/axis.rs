@@ -1,4 +1,4 @@
-//! From the inputs of a scene to the axis in SI.
+//! From the inputs of a case to the axis in SI.
 
 use std::f64::consts::TAU;
 
@@ -13,7 +13,7 @@ use crate::case::rated_screw::RatedScrew;
 use crate::vocabulary::entries::{Named, SteelFactor};
 use crate::vocabulary::error::bad;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
-use crate::{CaseError, InputKey, PhaseEntry, Scene};
+use crate::{Case, CaseError, InputKey, PhaseEntry};
 
 /// Turns of a stroke below which its life is no fatigue.
 pub(crate) const LEAST_TURNS: f64 = 0.5;
@@ -21,7 +21,7 @@ pub(crate) const LEAST_TURNS: f64 = 0.5;
 /// Largest bore of a screw over its core.
 const LARGEST_BORE: f64 = 0.8;
 
-/// The axis of a scene, with what turns and moves in it.
+/// The axis of a case, with what turns and moves in it.
 #[derive(Debug, Clone)]
 pub(crate) struct Machine {
     pub(crate) axis: Axis,
@@ -55,21 +55,21 @@ pub(crate) struct FixedEnds {
 }
 
 impl FixedEnds {
-    /// That of a scene.
-    fn of(scene: &Scene, shaft: &Shaft) -> Result<Option<Self>, CaseError> {
+    /// That of a case.
+    fn of(case: &Case, shaft: &Shaft) -> Result<Option<Self>, CaseError> {
         let pretension = [InputKey::pretension_N, InputKey::pretension_K];
         if shaft.support != Support::FixedFixed {
-            let given = pretension.into_iter().find(|key| scene[*key].is_some());
+            let given = pretension.into_iter().find(|key| case[*key].is_some());
             return given.map_or(Ok(None), |key| Err(bad(key.name(), "needs support fixed-fixed")));
         }
-        if pretension.iter().all(|key| scene[*key].is_some()) {
+        if pretension.iter().all(|key| case[*key].is_some()) {
             return Err(CaseError::given_twice(pretension.map(InputKey::name)));
         }
-        let bearing = scene.support_bearing_stiffness_N_um.map_or(f64::INFINITY, |k| k / UM);
-        let expansion = scene.value_or_default(InputKey::thermal_expansion_um_m_K);
+        let bearing = case.support_bearing_stiffness_N_um.map_or(f64::INFINITY, |k| k / UM);
+        let expansion = case.value_or_default(InputKey::thermal_expansion_um_m_K);
         let growth = expansion.unwrap_or(f64::NAN) * UM * shaft.length;
         let by_force = |force| shaft.stretched_by(growth, bearing, force);
-        let stretched = scene.pretension_N.map(by_force).or(scene.pretension_K).unwrap_or(0.0);
+        let stretched = case.pretension_N.map(by_force).or(case.pretension_K).unwrap_or(0.0);
         Ok(Some(Self { shaft: *shaft, bearing, growth, stretched }))
     }
 
@@ -80,17 +80,17 @@ impl FixedEnds {
 }
 
 impl Machine {
-    /// The axis of a scene, without the preload, which its nut tells.
-    pub(crate) fn of(scene: &Scene) -> Result<Self, CaseError> {
-        scene.check_but(scene.speeds_at_rest())?;
+    /// The axis of a case, without the preload, which its nut tells.
+    pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
+        case.check_but(case.speeds_at_rest())?;
         let mut warning = None;
-        let (groove, RatedScrew { screw: size, body, assumed }) = if scene.has_ratings_only() {
-            (None, RatedScrew::of(scene)?)
+        let (groove, RatedScrew { screw: size, body, assumed }) = if case.has_ratings_only() {
+            (None, RatedScrew::of(case)?)
         } else {
-            let nut = rated_nut::nut(scene)?;
-            let thread = rated_nut::thread(scene, &nut)?;
-            let body = rated_nut::body(scene, &nut, &thread)?;
-            warning = rated_nut::compared(scene, &nut)?;
+            let nut = rated_nut::nut(case)?;
+            let thread = rated_nut::thread(case, &nut)?;
+            let body = rated_nut::body(case, &nut, &thread)?;
+            warning = rated_nut::compared(case, &nut)?;
             let screw = nut.screw(&thread);
             (Some((nut, thread)), RatedScrew { screw, body, assumed: Vec::new() })
         };
@@ -98,16 +98,16 @@ impl Machine {
         let dynamic = || calculated.map(|nut| nut.dynamic_rating().rating);
         let rated = || calculated.map(|nut| nut.static_rating().rating);
         let ratings = [
-            scene.rated_dynamic_load_N.or_else(dynamic).unwrap_or(f64::NAN),
-            scene.rated_static_load_N.or_else(rated).unwrap_or(f64::NAN),
+            case.rated_dynamic_load_N.or_else(dynamic).unwrap_or(f64::NAN),
+            case.rated_static_load_N.or_else(rated).unwrap_or(f64::NAN),
         ];
-        let factors = rating_factors(scene);
-        let stroke = scene.stroke_mm.map(|mm| mm * MM);
-        let shaft = mount(scene).shaft(&size, body.length, stroke);
+        let factors = rating_factors(case);
+        let stroke = case.stroke_mm.map(|mm| mm * MM);
+        let shaft = mount(case).shaft(&size, body.length, stroke);
         let core = shaft.map_or(size.core, |shaft| shaft.diameter);
         let ball = calculated.map_or(0.0, |nut| nut.ball_diameter);
         let most = (LARGEST_BORE * core).min(core - ball);
-        if let Some(bore) = scene.screw_bore_mm.filter(|bore| bore * MM > most) {
+        if let Some(bore) = case.screw_bore_mm.filter(|bore| bore * MM > most) {
             let rule = format!(
                 "<= {:.3} mm: {LARGEST_BORE} of the core, and a wall of half a ball",
                 most / MM
@@ -115,40 +115,40 @@ impl Machine {
             let key = "screw_bore_mm".to_owned();
             return Err(CaseError::out_of_range(key, bore, rule));
         }
-        let held = shaft.as_ref().map_or(Ok(None), |shaft| FixedEnds::of(scene, shaft))?;
-        let carriage = carriage(scene);
+        let held = shaft.as_ref().map_or(Ok(None), |shaft| FixedEnds::of(case, shaft))?;
+        let carriage = carriage(case);
         let screw = shaft.as_ref().map(|shaft| {
             let (mass, own) = size.mass_and_inertia(shaft.bore, shaft.length);
-            let stated = scene.screw_inertia_kg_m2_m.map(|inertia| inertia * shaft.length);
+            let stated = case.screw_inertia_kg_m2_m.map(|inertia| inertia * shaft.length);
             (mass, stated.unwrap_or(own))
         });
         let of_screw = screw.map_or(0.0, |(_, inertia)| inertia);
         let drive = Drive {
             lead: size.lead,
-            screw_inertia: of_screw + scene.number(InputKey::coupling_inertia_kg_m2),
+            screw_inertia: of_screw + case.number(InputKey::coupling_inertia_kg_m2),
             mass: carriage.mass,
-            gear_ratio: scene.number(InputKey::gear_ratio),
-            gear_efficiency: scene.number(InputKey::gear_efficiency),
-            motor_inertia: scene.number(InputKey::motor_inertia_kg_m2),
-            gear_inertia: scene.number(InputKey::gear_inertia_kg_m2),
+            gear_ratio: case.number(InputKey::gear_ratio),
+            gear_efficiency: case.number(InputKey::gear_efficiency),
+            motor_inertia: case.number(InputKey::motor_inertia_kg_m2),
+            gear_inertia: case.number(InputKey::gear_inertia_kg_m2),
         };
         let phase = |motion: &Motion| motion.phase(&carriage, size.lead);
         let axis = Axis {
             screw: size,
             shaft,
-            phases: motions(scene)?.iter().map(phase).collect(),
+            phases: motions(case)?.iter().map(phase).collect(),
             dynamic_rating: factors.dynamic_rating * ratings[0],
             static_rating: factors.static_rating * ratings[1],
             preload: None,
-            compression: -scene.screw_tension_N.unwrap_or(0.0).min(0.0),
-            reliability: reliability(scene),
+            compression: -case.screw_tension_N.unwrap_or(0.0).min(0.0),
+            reliability: reliability(case),
         };
         Ok(Self { axis, ratings, groove, body, carriage, drive, screw, held, assumed, warning })
     }
 
     /// Life of the cycle; `None` too of a stroke of less than half a turn, which wears a groove by false brinelling.
-    pub(crate) fn life(&self, scene: &Scene) -> Option<Life> {
-        let turns = scene.stroke_mm.map(|mm| mm * MM / self.axis.screw.lead);
+    pub(crate) fn life(&self, case: &Case) -> Option<Life> {
+        let turns = case.stroke_mm.map(|mm| mm * MM / self.axis.screw.lead);
         self.axis.life().filter(|_| turns.is_none_or(|turns| turns >= LEAST_TURNS))
     }
 
@@ -158,13 +158,13 @@ impl Machine {
     }
 }
 
-/// The load that the axis of a scene moves.
-pub(crate) fn carriage(scene: &Scene) -> MachineTable {
+/// The load that the axis of a case moves.
+pub(crate) fn carriage(case: &Case) -> MachineTable {
     MachineTable {
-        mass: scene.number(InputKey::moved_mass_kg),
-        inclination: scene.number(InputKey::inclination_deg) * DEG,
-        friction: scene.number(InputKey::guide_friction),
-        resistance: scene.number(InputKey::guide_force_N),
+        mass: case.number(InputKey::moved_mass_kg),
+        inclination: case.number(InputKey::inclination_deg) * DEG,
+        friction: case.number(InputKey::guide_friction),
+        resistance: case.number(InputKey::guide_force_N),
     }
 }
 
@@ -192,62 +192,62 @@ impl TorqueTolerance {
 }
 
 /// Over which its accuracy grade limits the error of the travel \[m\].
-pub(crate) fn useful_travel(scene: &Scene) -> Option<f64> {
-    scene.useful_travel_mm.or(scene.stroke_mm).map(|mm| mm * MM)
+pub(crate) fn useful_travel(case: &Case) -> Option<f64> {
+    case.useful_travel_mm.or(case.stroke_mm).map(|mm| mm * MM)
 }
 
 /// Ends and length of its screw.
-pub(crate) fn mount(scene: &Scene) -> Mount {
+pub(crate) fn mount(case: &Case) -> Mount {
     Mount {
-        support: scene.nut.support.map_or(Support::FixedSupported, |Named(support)| support),
-        length: scene.unsupported_length_mm.map(|mm| mm * MM),
-        diameter: scene.shaft_diameter_mm.map(|mm| mm * MM),
+        support: case.nut.support.map_or(Support::FixedSupported, |Named(support)| support),
+        length: case.unsupported_length_mm.map(|mm| mm * MM),
+        diameter: case.shaft_diameter_mm.map(|mm| mm * MM),
         bore: (
-            scene.screw_bore_mm.unwrap_or(0.0) * MM,
-            scene.value_or_default(InputKey::coolant_density_kg_m3).unwrap_or(0.0),
+            case.screw_bore_mm.unwrap_or(0.0) * MM,
+            case.value_or_default(InputKey::coolant_density_kg_m3).unwrap_or(0.0),
         ),
         buckling: (
-            scene.nut.buckling_support.map(|Named(support)| support),
-            scene.buckling_length_mm.map(|mm| mm * MM),
+            case.nut.buckling_support.map(|Named(support)| support),
+            case.buckling_length_mm.map(|mm| mm * MM),
         ),
     }
 }
 
 /// Factors of its load ratings: of manufacturers' ones that of accuracy only where it is given, as they are printed for their own grade.
-pub(crate) fn rating_factors(scene: &Scene) -> RatingFactors {
-    let own = scene.rated_dynamic_load_N.or(scene.rated_static_load_N).is_none();
-    let grade = scene.nut.accuracy_grade.filter(|_| own);
+pub(crate) fn rating_factors(case: &Case) -> RatingFactors {
+    let own = case.rated_dynamic_load_N.or(case.rated_static_load_N).is_none();
+    let grade = case.nut.accuracy_grade.filter(|_| own);
     let by_grade = grade.map_or(1.0, |word| word.grade.rating_factor());
-    let hardness = scene.hardness_HRC.map(Hardness::Rockwell);
-    let hardness = hardness.or(scene.hardness_HV10.map(Hardness::Vickers));
-    let steel = scene.nut.steel.map_or(1.0, |Named(SteelFactor(factor))| factor);
-    RatingFactors::of(hardness, scene.accuracy_factor.unwrap_or(by_grade), steel)
+    let hardness = case.hardness_HRC.map(Hardness::Rockwell);
+    let hardness = hardness.or(case.hardness_HV10.map(Hardness::Vickers));
+    let steel = case.nut.steel.map_or(1.0, |Named(SteelFactor(factor))| factor);
+    RatingFactors::of(hardness, case.accuracy_factor.unwrap_or(by_grade), steel)
 }
 
 /// Largest speed number that its ball return permits \[mm/min\].
 ///
 /// * `lead`, `land`: of the screw and its outer diameter \[m\].
-pub(crate) fn speed_number_limit(scene: &Scene, lead: f64, land: f64) -> f64 {
-    let by_make = || make(scene).speed_number(lead, land) / (MM * RPM);
-    scene.speed_number_limit_mm_min.unwrap_or_else(by_make)
+pub(crate) fn speed_number_limit(case: &Case, lead: f64, land: f64) -> f64 {
+    let by_make = || make(case).speed_number(lead, land) / (MM * RPM);
+    case.speed_number_limit_mm_min.unwrap_or_else(by_make)
 }
 
 /// Largest speed of its motor \[rpm\].
-pub(crate) fn motor_speed(scene: &Scene) -> Option<f64> {
-    scene.motor_max_speed_rpm.or(scene.motor_rated_speed_rpm)
+pub(crate) fn motor_speed(case: &Case) -> Option<f64> {
+    case.motor_max_speed_rpm.or(case.motor_rated_speed_rpm)
 }
 
 /// How its nut is preloaded.
-pub(crate) fn preload_method(scene: &Scene) -> PreloadMethod {
-    scene.nut.preload_by.map_or(PreloadMethod::DoubleNut, |Named(method)| method)
+pub(crate) fn preload_method(case: &Case) -> PreloadMethod {
+    case.nut.preload_by.map_or(PreloadMethod::DoubleNut, |Named(method)| method)
 }
 
-/// The preload that a scene asks for, and the play \[m\] of a class without preload.
-pub(crate) fn preload(scene: &Scene) -> Result<(Option<Preload>, Option<f64>), CaseError> {
-    let force = scene.preload_N.map(Preload::Force);
-    let Some(word) = scene.nut.preload_class else { return Ok((force, None)) };
+/// The preload that a case asks for, and the play \[m\] of a class without preload.
+pub(crate) fn preload(case: &Case) -> Result<(Option<Preload>, Option<f64>), CaseError> {
+    let force = case.preload_N.map(Preload::Force);
+    let Some(word) = case.nut.preload_class else { return Ok((force, None)) };
     let others = [InputKey::preload_N, InputKey::preload_offset_um, InputKey::ball_oversize_um];
-    if let Some(other) = others.into_iter().find(|key| scene[*key].is_some()) {
+    if let Some(other) = others.into_iter().find(|key| case[*key].is_some()) {
         return Err(CaseError::given_twice(["preload_class", other.name()]));
     }
     Ok(match word.class() {
@@ -256,37 +256,37 @@ pub(crate) fn preload(scene: &Scene) -> Result<(Option<Preload>, Option<f64>), C
     })
 }
 
-impl Scene {
+impl Case {
     /// With the preload of its class as a force, and its play.
     pub(crate) fn with_preload(&self) -> Result<Self, CaseError> {
-        let mut scene = self.clone();
-        if scene.nut.preload_class.take().is_none() {
-            return Ok(scene);
+        let mut case = self.clone();
+        if case.nut.preload_class.take().is_none() {
+            return Ok(case);
         }
         let (preload, play) = preload(self)?;
-        scene.axial_play_um = scene.axial_play_um.or(play.map(|play| play / UM));
+        case.axial_play_um = case.axial_play_um.or(play.map(|play| play / UM));
         if let Some(preload) = preload {
             // Only that which is by the load needs one.
-            let axis = Machine::of(&scene)?.axis;
-            scene.preload_N = Some(preload.force(axis.largest_load(), axis.dynamic_rating));
+            let axis = Machine::of(&case)?.axis;
+            case.preload_N = Some(preload.force(axis.largest_load(), axis.dynamic_rating));
         }
-        Ok(scene)
+        Ok(case)
     }
 }
 
 /// How its screw is made.
-pub(crate) fn make(scene: &Scene) -> Make {
-    scene.nut.screw_make.map_or(Make::Ground, |Named(make)| make)
+pub(crate) fn make(case: &Case) -> Make {
+    case.nut.screw_make.map_or(Make::Ground, |Named(make)| make)
 }
 
-/// Life at the reliability of a scene over that at 90 %.
-pub(crate) fn reliability(scene: &Scene) -> f64 {
-    scene.value_or_default(InputKey::reliability_percent).map_or(1.0, reliability_factor)
+/// Life at the reliability of a case over that at 90 %.
+pub(crate) fn reliability(case: &Case) -> f64 {
+    case.value_or_default(InputKey::reliability_percent).map_or(1.0, reliability_factor)
 }
 
 /// The stretches of the cycle, or the one of the operating point.
-pub(crate) fn motions(scene: &Scene) -> Result<Vec<Motion>, CaseError> {
-    let load_factor = scene.number(InputKey::load_factor);
+pub(crate) fn motions(case: &Case) -> Result<Vec<Motion>, CaseError> {
+    let load_factor = case.number(InputKey::load_factor);
     let motion = |entry: &PhaseEntry| Motion {
         time: entry.time(),
         force: entry.force_N.unwrap_or(0.0),
@@ -294,7 +294,7 @@ pub(crate) fn motions(scene: &Scene) -> Result<Vec<Motion>, CaseError> {
         acceleration: entry.acceleration_m_s2.unwrap_or(0.0),
         load_factor: entry.load_factor.unwrap_or(load_factor),
     };
-    if let Some(cycle) = &scene.nut.cycle {
+    if let Some(cycle) = &case.nut.cycle {
         let timed = cycle.iter().filter(|phase| phase.time_s.is_some()).count();
         if cycle.is_empty() || (timed > 0 && timed < cycle.len()) {
             let what =
@@ -303,13 +303,13 @@ pub(crate) fn motions(scene: &Scene) -> Result<Vec<Motion>, CaseError> {
         }
         return Ok(cycle.iter().map(motion).collect());
     }
-    let pace = match (scene.feed_m_min, scene.speeds_rpm()) {
-        (Some(feed), _) if scene.nut_speed_rpm.is_none() => Some(DutySpeed::Feed(feed / 60.0)),
+    let pace = match (case.feed_m_min, case.speeds_rpm()) {
+        (Some(feed), _) if case.nut_speed_rpm.is_none() => Some(DutySpeed::Feed(feed / 60.0)),
         (_, speeds) => speeds.map(|(screw, nut)| DutySpeed::Turns((screw - nut) * RPM)),
     };
-    let (Some(pace), Some(force)) = (pace, scene.axial_load_N) else {
+    let (Some(pace), Some(force)) = (pace, case.axial_load_N) else {
         let needed = [
-            (scene.axial_load_N.is_none(), "axial_load_N (or cycle)"),
+            (case.axial_load_N.is_none(), "axial_load_N (or cycle)"),
             (pace.is_none(), "screw_speed_rpm or feed_m_min (or cycle)"),
         ];
         let missing = needed.iter().filter(|(absent, _)| *absent);

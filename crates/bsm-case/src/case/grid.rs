@@ -5,7 +5,7 @@ use std::iter::repeat_n;
 use std::ops::Range;
 
 use crate::vocabulary::number;
-use crate::{CaseError, InputKey, InputSet, ModelChoice, Scene};
+use crate::{Case, CaseError, InputKey, InputSet, ModelChoice};
 
 /// One varied input.
 #[derive(Debug, Clone, PartialEq)]
@@ -216,8 +216,8 @@ impl Grid {
     ///
     /// # Errors
     ///
-    /// As [`Scene::check`].
-    pub fn check(&self, base: &Scene) -> Result<(), CaseError> {
+    /// As [`Case::check`].
+    pub fn check(&self, base: &Case) -> Result<(), CaseError> {
         base.check_but(self.varied().replaced())
     }
 
@@ -227,21 +227,21 @@ impl Grid {
     /// # Errors
     ///
     /// Errors of [`check`](Self::check) and of [`ModelChoice::resolve`].
-    pub fn choose(&self, base: &Scene, choice: ModelChoice) -> Result<ModelChoice, CaseError> {
+    pub fn choose(&self, base: &Case, choice: ModelChoice) -> Result<ModelChoice, CaseError> {
         self.check(base)?;
-        let ends = [0, self.len - 1].map(|i| self.scene(base, &self.point(i)));
+        let ends = [0, self.len - 1].map(|i| self.case(base, &self.point(i)));
         let covers = |model| ends[0].covered_by(model).or_else(|_| ends[1].covered_by(model));
         choice.resolve(base.stated().overridden_by(self.varied()), covers)
     }
 
     /// `base` with the values of a [`point`](Self::point).
     #[must_use]
-    pub fn scene(&self, base: &Scene, point: &[f64]) -> Scene {
-        let (mut scene, mut settings) = (base.clone(), Scene::default());
+    pub fn case(&self, base: &Case, point: &[f64]) -> Case {
+        let (mut case, mut settings) = (base.clone(), Case::default());
         for (axis, value) in self.axes.iter().zip(point) {
             settings[axis.key] = Some(*value);
         }
-        scene.override_with(&settings);
-        scene
+        case.override_with(&settings);
+        case
     }
 }

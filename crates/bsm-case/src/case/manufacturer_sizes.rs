@@ -18,7 +18,7 @@ use crate::{CaseError, INPUTS, LISTS, Rule, TableFormat, entries, nearest};
 /// nuts with one such circuit (SFH).
 pub const MANUFACTURER_SIZES: &str = include_str!("manufacturer_sizes.csv");
 
-/// Columns of a table of sizes besides the inputs of a scene.
+/// Columns of a table of sizes besides the inputs of a case.
 const TEXT_COLUMNS: [&str; 5] = ["core_diameter_mm", "ball", "turns", "make", "source"];
 
 static SIZES: LazyLock<Vec<OfferedSize>> = LazyLock::new(|| {
@@ -95,7 +95,7 @@ pub(crate) fn offered_sizes() -> &'static [OfferedSize] {
 
 /// A column: our name of it, and the factor to our unit; `None` if it is not read.
 ///
-/// * `words`: names of columns besides the inputs of a scene.
+/// * `words`: names of columns besides the inputs of a case.
 pub(crate) fn manufacturer_column(
     name: &str,
     format: &TableFormat,

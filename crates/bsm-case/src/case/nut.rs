@@ -1,4 +1,4 @@
-//! The nut of a scene with all its balls: from its entries to its problem in SI.
+//! The nut of a case with all its balls: from its entries to its problem in SI.
 
 mod bodies;
 mod circuits;

@@ -6,13 +6,13 @@ use serde_json::{Value, json};
 use crate::vocabulary::error::bad;
 use crate::vocabulary::input_set::{Form, LEAD, Quantity, TEMPERATURE, VISCOSITY, inputs};
 use crate::vocabulary::rules::{covered, not_covered};
-use crate::{CaseError, InputKey, InputSet, Rule, Scene};
+use crate::{Case, CaseError, InputKey, InputSet, Rule};
 
 /// The model to solve with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ModelChoice {
     /// The cheapest model whose error is below the tolerance; without the inputs that tell, the
-    /// most complete model that the scene has inputs for.
+    /// most complete model that the case has inputs for.
     #[default]
     Auto,
     /// This one.
@@ -297,13 +297,13 @@ impl ModelChoice {
     }
 }
 
-impl Scene {
-    /// Inputs that `model` needs and the scene has not.
+impl Case {
+    /// Inputs that `model` needs and the case has not.
     pub fn missing(&self, model: Model) -> Vec<String> {
         Needs::for_points(model, self.stated()).missing(self.stated())
     }
 
-    /// Inputs that a nut needs and that are not `given`, for this scene or for the points of a table over it.
+    /// Inputs that a nut needs and that are not `given`, for this case or for the points of a table over it.
     pub(crate) fn missing_for_a_nut(&self, given: InputSet) -> Vec<String> {
         use InputKey as K;
         let mut missing = Needs::NUT.missing(given);
@@ -326,7 +326,7 @@ impl Scene {
         self.given().meets(PRESSED)
     }
 
-    /// Whether `model` covers the values of the scene.
+    /// Whether `model` covers the values of the case.
     ///
     /// # Errors
     ///
@@ -338,7 +338,7 @@ impl Scene {
         }
     }
 
-    /// True if the scene has the inputs of `model` and the model covers them.
+    /// True if the case has the inputs of `model` and the model covers them.
     pub fn suits(&self, model: Model) -> bool {
         self.choose(model.into()).is_ok()
     }

@@ -1,4 +1,4 @@
-//! The nut that a scene describes: its balls, thread and body.
+//! The nut that a case describes: its balls, thread and body.
 
 use bsm_design::{Nut, NutBody, Thread};
 
@@ -6,7 +6,7 @@ use crate::case::nut::balls_and_turns;
 use crate::case::problem::Needs;
 use crate::vocabulary::input_set::{CONTACT_ANGLE, LEAD, inputs, lead_mm};
 use crate::vocabulary::units::{DEG, MM, UM};
-use crate::{CaseError, InputKey, InputSet, Scene};
+use crate::{Case, CaseError, InputKey, InputSet};
 
 /// Required inputs of the ratings.
 pub(crate) const NEEDS: Needs = Needs {
@@ -17,41 +17,41 @@ pub(crate) const NEEDS: Needs = Needs {
     quantities: &[LEAD, CONTACT_ANGLE],
 };
 
-/// The inputs that a scene has, and those that its circuits give.
-pub(crate) fn given(scene: &Scene) -> InputSet {
-    let (balls_per_turn, turns) = balls_and_turns(scene);
+/// The inputs that a case has, and those that its circuits give.
+pub(crate) fn given(case: &Case) -> InputSet {
+    let (balls_per_turn, turns) = balls_and_turns(case);
     let stated =
         [(InputKey::loaded_balls_per_turn, balls_per_turn), (InputKey::loaded_turns, turns)];
     let stated = stated.iter().filter(|(_, value)| value.is_some()).map(|(key, _)| *key);
-    scene.given().and(stated.collect())
+    case.given().and(stated.collect())
 }
 
-/// The nut of a scene.
-pub(crate) fn nut(scene: &Scene) -> Result<Nut, CaseError> {
-    scene.given().check_forms()?;
-    let (balls_per_turn, turns) = balls_and_turns(scene);
-    let missing = NEEDS.missing(given(scene));
+/// The nut of a case.
+pub(crate) fn nut(case: &Case) -> Result<Nut, CaseError> {
+    case.given().check_forms()?;
+    let (balls_per_turn, turns) = balls_and_turns(case);
+    let missing = NEEDS.missing(given(case));
     if !missing.is_empty() {
-        let purpose = scene.given().purpose("for the ratings of a nut");
+        let purpose = case.given().purpose("for the ratings of a nut");
         return Err(CaseError::missing(&missing, &purpose));
     }
-    let value = |key: InputKey| scene[key].expect("required inputs were checked");
+    let value = |key: InputKey| case[key].expect("required inputs were checked");
     let pitch_mm = value(InputKey::pitch_circle_diameter_mm);
-    let lead = scene.lead_mm.unwrap_or_else(|| {
-        lead_mm(scene.lead_angle().expect("required inputs were checked"), pitch_mm)
+    let lead = case.lead_mm.unwrap_or_else(|| {
+        lead_mm(case.lead_angle().expect("required inputs were checked"), pitch_mm)
     });
     let nut = Nut {
         ball_diameter: value(InputKey::ball_diameter_mm) * MM,
         pitch_diameter: pitch_mm * MM,
         lead: lead * MM,
-        contact_angle: scene.contact_angle_deg.map_or(f64::NAN, |deg| deg * DEG),
+        contact_angle: case.contact_angle_deg.map_or(f64::NAN, |deg| deg * DEG),
         conformity: (value(InputKey::nut_conformity), value(InputKey::screw_conformity)),
-        material: scene.reader().materials(),
+        material: case.reader().materials(),
         balls_per_turn: balls_per_turn.unwrap_or(f64::NAN),
         turns: turns.unwrap_or(f64::NAN),
-        starts: scene.value_or_default(InputKey::starts).unwrap_or(1.0),
+        starts: case.value_or_default(InputKey::starts).unwrap_or(1.0),
     };
-    let Some(bottoms) = scene.groove_bottom_distance_mm else { return Ok(nut) };
+    let Some(bottoms) = case.groove_bottom_distance_mm else { return Ok(nut) };
     let contact_angle = nut.contact_angle_of(bottoms * MM).ok_or_else(|| {
         let radii = (nut.conformity.0 + nut.conformity.1) * nut.ball_diameter;
         CaseError::out_of_range(
@@ -67,14 +67,14 @@ pub(crate) fn nut(scene: &Scene) -> Result<Nut, CaseError> {
     Ok(Nut { contact_angle, ..nut })
 }
 
-/// The thread of the nut of a scene, whose play arcs must be able to have, and whose screw must fit in.
-pub(crate) fn thread(scene: &Scene, nut: &Nut) -> Result<Thread, CaseError> {
+/// The thread of the nut of a case, whose play arcs must be able to have, and whose screw must fit in.
+pub(crate) fn thread(case: &Case, nut: &Nut) -> Result<Thread, CaseError> {
     let (bore, outside) = nut.usual_lands();
-    let bore = scene.nut_bore_mm.map_or(bore, |mm| mm * MM);
-    let outside = scene.screw_outer_diameter_mm.map_or(outside, |mm| mm * MM);
+    let bore = case.nut_bore_mm.map_or(bore, |mm| mm * MM);
+    let outside = case.screw_outer_diameter_mm.map_or(outside, |mm| mm * MM);
     let refuse =
         |key: &str, value: f64, rule: String| Err(CaseError::out_of_range(key, value, rule));
-    let play = scene.axial_play_um.unwrap_or(0.0);
+    let play = case.axial_play_um.unwrap_or(0.0);
     let most = nut.monoarc_play() / UM;
     if play > most {
         let rule =
@@ -88,13 +88,13 @@ pub(crate) fn thread(scene: &Scene, nut: &Nut) -> Result<Thread, CaseError> {
     Ok(nut.thread(play * UM, (bore, outside)))
 }
 
-/// The body of the nut of a scene, which must have its grooves within.
-pub(crate) fn body(scene: &Scene, nut: &Nut, thread: &Thread) -> Result<NutBody, CaseError> {
+/// The body of the nut of a case, which must have its grooves within.
+pub(crate) fn body(case: &Case, nut: &Nut, thread: &Thread) -> Result<NutBody, CaseError> {
     let mut body = NutBody::usual(nut);
-    if let Some(outer) = scene.nut_outer_diameter_mm {
+    if let Some(outer) = case.nut_outer_diameter_mm {
         body.outer = outer * MM;
     }
-    if let Some(length) = scene.nut_length_mm {
+    if let Some(length) = case.nut_length_mm {
         body.length = length * MM;
     }
     let widest = thread.nut.root;
@@ -111,7 +111,7 @@ pub(crate) fn body(scene: &Scene, nut: &Nut, thread: &Thread) -> Result<NutBody,
 /// # Errors
 ///
 /// [`CaseError::Invalid`] beyond a factor of 2, unless `keep_ratings` is true.
-pub(crate) fn compared(scene: &Scene, nut: &Nut) -> Result<Option<String>, CaseError> {
+pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseError> {
     /// Calculated over stated ratings that need no word: the formulas of manufacturers differ so much.
     const USUAL: [(f64, f64); 2] = [(0.85, 1.18), (0.80, 1.25)];
     /// Those of another nut.
@@ -124,9 +124,9 @@ pub(crate) fn compared(scene: &Scene, nut: &Nut) -> Result<Option<String>, CaseE
     ];
     let mut differ = Vec::new();
     for (key, calculated, usual) in ratings {
-        let Some(stated) = scene[key] else { continue };
+        let Some(stated) = case[key] else { continue };
         let ratio = calculated / stated;
-        if !within(OTHER, ratio) && scene.nut.keep_ratings != Some(true) {
+        if !within(OTHER, ratio) && case.nut.keep_ratings != Some(true) {
             return Err(CaseError::Invalid(format!(
                 "`{}` = {stated} N, but the groove has {calculated:.0} N: the geometry is that of another nut; correct it, leave it \
                  out, or set keep_ratings=true",

@@ -8,7 +8,7 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::input_set::inputs;
 use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::MM;
-use crate::{CaseError, InputKey, InputSet, Scene};
+use crate::{Case, CaseError, InputKey, InputSet};
 
 /// Inputs that suffice.
 const RATINGS: InputSet = inputs! {
@@ -37,7 +37,7 @@ impl InputSet {
     }
 }
 
-impl Scene {
+impl Case {
     /// True if only the ratings of its screw are known: its groove is not given in full.
     pub(crate) fn has_ratings_only(&self) -> bool {
         rated_nut::given(self).has_ratings_only()
@@ -53,14 +53,14 @@ pub(crate) struct RatedScrew {
 }
 
 impl RatedScrew {
-    /// That of a scene which has the ratings alone.
-    pub(crate) fn of(scene: &Scene) -> Result<Self, CaseError> {
-        scene.check()?;
-        if scene.rated_rigidity_N_um.is_some() && scene.nut.rated_rigidity_at.is_none() {
+    /// That of a case which has the ratings alone.
+    pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
+        case.check()?;
+        if case.rated_rigidity_N_um.is_some() && case.nut.rated_rigidity_at.is_none() {
             let what = "needs rated_rigidity_at: 0.3 Ca, 0.28 Ca or preload 0.1 Ca, where a catalogue means it".to_owned();
             return Err(bad("rated_rigidity_N_um", what));
         }
-        let value = |key: InputKey| scene[key].expect("ratings suffice");
+        let value = |key: InputKey| case[key].expect("ratings suffice");
         let (nominal_mm, lead_mm) =
             (value(InputKey::nominal_diameter_mm), value(InputKey::lead_mm));
         let (nominal, lead) = (nominal_mm * MM, lead_mm * MM);
@@ -69,7 +69,7 @@ impl RatedScrew {
         let offered = || offered_sizes().iter().filter(is_ours);
         let mut assumed = Vec::new();
         let mut or = |key: InputKey, estimate: f64, unit: f64, by: &str| {
-            scene[key].map_or_else(
+            case[key].map_or_else(
                 || {
                     let name = key.name();
                     assumed
@@ -84,7 +84,7 @@ impl RatedScrew {
         let pitch = listed.unwrap_or(nominal);
         let pitch = or(InputKey::pitch_circle_diameter_mm, pitch, MM, by);
         let least = offered().filter_map(|size| size.core).min_by(f64::total_cmp);
-        let by_rule = || Screw::usual_core(nominal, lead, scene.ball_diameter_mm.map(|mm| mm * MM));
+        let by_rule = || Screw::usual_core(nominal, lead, case.ball_diameter_mm.map(|mm| mm * MM));
         let by = if least.is_some() {
             "the smallest core in manufacturers' lists"
         } else {
@@ -95,8 +95,8 @@ impl RatedScrew {
         let mass = Screw::usual_mass_per_length(nominal, core);
         let mass =
             or(InputKey::screw_mass_kg_m, mass, 1.0, "core and nominal diameter, +-20 % (Z31)");
-        let starts = scene.value_or_default(InputKey::starts).unwrap_or(1.0);
-        let usual = NutBody::of_ratings(nominal, lead / starts, scene.loaded_turns);
+        let starts = case.value_or_default(InputKey::starts).unwrap_or(1.0);
+        let usual = NutBody::of_ratings(nominal, lead / starts, case.loaded_turns);
         let length = or(InputKey::nut_length_mm, usual.length, MM, "its turns (D10)");
         let outer = or(InputKey::nut_outer_diameter_mm, usual.outer, MM, "the nominal diameter");
         for (key, size) in
@@ -108,9 +108,9 @@ impl RatedScrew {
                 return Err(CaseError::out_of_range(key.name(), size / MM, rule));
             }
         }
-        let missing = rated_nut::NEEDS.missing(rated_nut::given(scene));
+        let missing = rated_nut::NEEDS.missing(rated_nut::given(case));
         let groove = inputs! { contact_angle_deg nut_conformity screw_conformity };
-        if scene.given().meets(groove) {
+        if case.given().meets(groove) {
             assumed.push(format!(
                 "the groove is not given in full and left out: {} not given",
                 missing.join(", ")
@@ -120,10 +120,10 @@ impl RatedScrew {
             lead,
             pitch_diameter: pitch,
             core,
-            outer: scene.screw_outer_diameter_mm.map_or(nominal, |mm| mm * MM),
+            outer: case.screw_outer_diameter_mm.map_or(nominal, |mm| mm * MM),
             mass_per_length: mass,
             inertia_per_length: rod_inertia(1.0, mass),
-            youngs_modulus: scene.reader().materials().0.youngs_modulus,
+            youngs_modulus: case.reader().materials().0.youngs_modulus,
         };
         Ok(Self { screw, body: NutBody { outer, length }, assumed })
     }

@@ -1,4 +1,4 @@
-//! From the inputs of a scene to the SI problem of a model.
+//! From the inputs of a case to the SI problem of a model.
 
 use bsm_dyn::{
     Angles, Auto, Ball, BaseOil, ClosedForm, Coulomb, Direction, Driven, Elastic, ElasticPoint,
@@ -11,13 +11,13 @@ use bsm_kin::{Drive, Helix, Scalar};
 use crate::vocabulary::entries::Named;
 use crate::vocabulary::input_set::lead_angle;
 use crate::vocabulary::units::{DEG, GPA, MM, MM2, UM, drive_of_rpm};
-use crate::{InputKey, InputSet, ModelChoice, Scene, Settings};
+use crate::{Case, InputKey, InputSet, ModelChoice, Settings};
 
 /// The inputs by their keys, given or default, in any scalar: numbers to solve with, jets to take
 /// derivatives with; and the base oil of the lubricant.
 pub(crate) struct Reader<F>(pub(crate) F, pub(crate) BaseOil);
 
-impl Scene {
+impl Case {
     /// Base oil of its lubricant.
     pub(crate) fn base_oil(&self) -> BaseOil {
         self.nut.base_oil.map_or(BaseOil::Mineral, |Named(oil)| oil)
@@ -43,7 +43,7 @@ impl Scene {
 }
 
 impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
-    /// The problem of a model whose inputs [`Scene::choose`] has checked.
+    /// The problem of a model whose inputs [`Case::choose`] has checked.
     pub(crate) fn problem(&self, model: ModelChoice, settings: &Settings) -> Problem<D> {
         let lubricant = self.lubricant();
         let model = match (model, &lubricant) {
@@ -167,7 +167,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         given.map_or_else(|| Some(of_grade()?.map(D::from)), |(warm, hot)| Some([warm, hot]))
     }
 
-    /// The lubricant, if the scene has one.
+    /// The lubricant, if the case has one.
     pub(crate) fn lubricant(&self) -> Option<Lubricant<D>> {
         let viscosities = self.viscosities()?;
         let base = self.1;

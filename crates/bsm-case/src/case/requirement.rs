@@ -15,7 +15,7 @@ use crate::vocabulary::input_set::inputs;
 use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM, UM, convert};
-use crate::{CaseError, InputKey, InputSet, Known, Scene, Settings, entries, nearest};
+use crate::{Case, CaseError, InputKey, InputSet, Known, Settings, entries, nearest};
 
 keys! {
     /// Numbers that only requirements have.
@@ -72,8 +72,8 @@ const OF_NUTS: InputSet = inputs! {
     screw_temperature_rise_K ball_temperature_rise_K thermal_expansion_um_m_K
 };
 
-/// Inputs of a scene that a requirement may have: what decides, and what bsm axis reads besides, so that one file serves all.
-fn from_scenes() -> impl Iterator<Item = InputKey> + Clone {
+/// Inputs of a case that a requirement may have: what decides, and what bsm axis reads besides, so that one file serves all.
+fn from_cases() -> impl Iterator<Item = InputKey> + Clone {
     let of_axis = |key: &InputKey| {
         let title = key.input().title;
         let motion = title == "operating point" && !OF_ONE_BALL.contains(*key);
@@ -90,8 +90,8 @@ const OF_ONE_BALL: InputSet = inputs! { loaded_balls nut_speed_rpm };
 const ALIASES: [(&str, &str); 2] =
     [("life_h", "required_life_h"), ("largest_speed_rpm", "motor_max_speed_rpm")];
 
-/// Words of a scene that a requirement may have.
-const ENTRIES_FROM_SCENES: [&str; 15] = [
+/// Words of a case that a requirement may have.
+const ENTRIES_FROM_CASES: [&str; 15] = [
     "support",
     "buckling_support",
     "screw_make",
@@ -112,8 +112,8 @@ const ENTRIES_FROM_SCENES: [&str; 15] = [
 /// A requirement as it is written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RequirementFile {
-    /// Inputs that it shares with scenes: load, speed, friction, materials, and whatever is fixed.
-    pub(crate) scene: Scene,
+    /// Inputs that it shares with cases: load, speed, friction, materials, and whatever is fixed.
+    pub(crate) case: Case,
     /// How friction is calculated.
     pub(crate) settings: Settings,
     pub(crate) problem: Requirement,
@@ -158,7 +158,7 @@ impl RequirementFile {
 /// Keys and values, checked one by one.
 #[derive(Default)]
 struct RequirementKeys {
-    scene: Scene,
+    case: Case,
     /// Numbers and texts that only requirements have.
     own: Map<String, Value>,
 }
@@ -182,18 +182,18 @@ impl RequirementKeys {
             self.own.insert(key.to_owned(), value.clone());
             return Ok(());
         }
-        let names = || from_scenes().map(InputKey::name);
+        let names = || from_cases().map(InputKey::name);
         let known = key == "description"
-            || ENTRIES_FROM_SCENES.contains(&key)
+            || ENTRIES_FROM_CASES.contains(&key)
             || names().any(|name| name == key)
             || convert(key, &names()).is_some();
         if !known {
             let names = names().chain(REQUIREMENT_INPUTS.iter().map(|input| input.name));
             let names = names.chain(REQUIREMENT_CHOICES.iter().map(|(name, ..)| *name));
-            let names = names.chain(ENTRIES_FROM_SCENES);
+            let names = names.chain(ENTRIES_FROM_CASES);
             return Err(CaseError::unknown(Known::Requirement, key, nearest(key, names)));
         }
-        self.scene.assign_json(key, value)
+        self.case.assign_json(key, value)
     }
 
     fn number(&self, key: &str) -> Option<f64> {
@@ -208,24 +208,24 @@ impl RequirementKeys {
     }
 
     /// The cycle, or the operating point, or a torque.
-    fn demand(&self, scene: &Scene) -> Result<LoadCase, CaseError> {
+    fn demand(&self, case: &Case) -> Result<LoadCase, CaseError> {
         let torque = self.number("screw_torque_Nm");
         let Some(torque) = torque else {
-            if scene.nut.cycle.is_none() && scene.axial_load_N.is_none() {
+            if case.nut.cycle.is_none() && case.axial_load_N.is_none() {
                 return Err(CaseError::neither(["axial_load_N", "screw_torque_Nm"]));
             }
-            return Ok(LoadCase::Cycle(motions(scene)?));
+            return Ok(LoadCase::Cycle(motions(case)?));
         };
         // It is the torque of all that the screw carries.
         let loads = [
-            ("axial_load_N", scene.axial_load_N.is_some()),
-            ("cycle", scene.nut.cycle.is_some()),
-            ("moved_mass_kg", scene.moved_mass_kg.is_some_and(|mass| mass != 0.0)),
+            ("axial_load_N", case.axial_load_N.is_some()),
+            ("cycle", case.nut.cycle.is_some()),
+            ("moved_mass_kg", case.moved_mass_kg.is_some_and(|mass| mass != 0.0)),
         ];
         if let Some((key, _)) = loads.into_iter().find(|(_, given)| *given) {
             return Err(CaseError::given_twice([key, "screw_torque_Nm"]));
         }
-        let pace = match (scene.feed_m_min, scene.screw_speed_rpm) {
+        let pace = match (case.feed_m_min, case.screw_speed_rpm) {
             (Some(feed), _) => DutySpeed::Feed(feed / 60.0),
             (None, rpm) => DutySpeed::Turns(rpm.unwrap_or(f64::NAN) * RPM),
         };
@@ -268,10 +268,10 @@ impl RequirementKeys {
 
     #[expect(clippy::too_many_lines, reason = "a key after the other")]
     fn requirement(self, standard: Lists) -> Result<RequirementFile, CaseError> {
-        let mut scene = self.scene.clone();
-        scene.check()?;
+        let mut case = self.case.clone();
+        case.check()?;
         let forms = ["screw_length_mm", "stroke_mm"];
-        let reach = match (self.number(forms[0]), scene.stroke_mm) {
+        let reach = match (self.number(forms[0]), case.stroke_mm) {
             (Some(mm), None) => Travel::Screw(mm * MM),
             (None, Some(mm)) => Travel::Stroke(mm * MM),
             (None, None) => return Err(CaseError::neither(forms)),
@@ -279,31 +279,31 @@ impl RequirementKeys {
         };
         // Lead and lead angle together are a pitch circle.
         if let (Some(lead), Some(angle), None) =
-            (scene.lead_mm, scene.lead_angle_deg, scene.pitch_circle_diameter_mm)
+            (case.lead_mm, case.lead_angle_deg, case.pitch_circle_diameter_mm)
         {
             let diameter = lead / (std::f64::consts::PI * (angle * DEG).tan());
-            scene.pitch_circle_diameter_mm = Some(diameter);
+            case.pitch_circle_diameter_mm = Some(diameter);
         }
         // The screw is judged over its whole length unless that between its bearings is given.
         if let Travel::Screw(length) = reach {
-            scene.unsupported_length_mm.get_or_insert(length / MM);
+            case.unsupported_length_mm.get_or_insert(length / MM);
         }
-        let moves = scene.screw_speed_rpm.is_some() || scene.feed_m_min.is_some();
-        if !moves && scene.nut.cycle.is_none() {
+        let moves = case.screw_speed_rpm.is_some() || case.feed_m_min.is_some();
+        if !moves && case.nut.cycle.is_none() {
             let missing = ["screw_speed_rpm (or feed_m_min)".to_owned()];
             return Err(CaseError::missing(&missing, "for a design"));
         }
         let mut notes = Vec::new();
         let (usual, [low, high]) = USUAL_FRICTION;
-        if !scene.given().has_friction() {
-            scene.friction_coefficient = Some(usual);
+        if !case.given().has_friction() {
+            case.friction_coefficient = Some(usual);
             notes.push(format!(
                 "friction_coefficient {usual} is assumed; usual values are {low} to {high}"
             ));
         }
         // The best angles of a lubricated screw are those of the usual friction.
-        let friction = scene.friction_coefficient.unwrap_or(usual);
-        let conformity = match (scene.nut_conformity, scene.screw_conformity) {
+        let friction = case.friction_coefficient.unwrap_or(usual);
+        let conformity = match (case.nut_conformity, case.screw_conformity) {
             (Some(nut), Some(screw)) if (nut - screw).abs() > 1e-12 => {
                 return Err(CaseError::Invalid(format!(
                     "nut_conformity = {nut} and screw_conformity = {screw} differ; a design has one for both: give \
@@ -318,19 +318,19 @@ impl RequirementKeys {
         };
         // The motion tells the direction; a sign of the speed is of no matter.
         let towards = |speed: f64| direction.sign() * speed.abs();
-        scene.screw_speed_rpm = scene.screw_speed_rpm.map(towards);
-        scene.feed_m_min = scene.feed_m_min.map(towards);
-        let demand = self.demand(&scene)?;
-        let (preload, play) = preload(&scene)?;
-        scene.axial_play_um = scene.axial_play_um.or(play.map(|play| play / UM));
+        case.screw_speed_rpm = case.screw_speed_rpm.map(towards);
+        case.feed_m_min = case.feed_m_min.map(towards);
+        let demand = self.demand(&case)?;
+        let (preload, play) = preload(&case)?;
+        case.axial_play_um = case.axial_play_um.or(play.map(|play| play / UM));
         let ranges = self.ranges()?;
-        let pitches = match (scene.lead_mm, scene.lead_angle_deg) {
+        let pitches = match (case.lead_mm, case.lead_angle_deg) {
             (Some(lead), _) => vec![Pitch::Lead(lead * MM)],
             (None, Some(angle)) => vec![Pitch::Angle(angle * DEG)],
             (None, None) if direction.is_back() => {
                 // Lin's rule: the largest contact angle, and the lead angle that it is best for.
                 let largest = ranges.contact_angle.1 / DEG;
-                let contact = *scene.contact_angle_deg.get_or_insert(largest);
+                let contact = *case.contact_angle_deg.get_or_insert(largest);
                 let lead = Optimum::lead_angle(direction, contact * DEG, friction);
                 vec![Pitch::Angle(lead.ok_or_else(|| {
                     CaseError::Invalid(format!(
@@ -344,25 +344,25 @@ impl RequirementKeys {
         let limit = |key| self.number(key).unwrap_or(f64::NAN);
         let problem = Requirement {
             demand,
-            carriage: carriage(&scene),
+            carriage: carriage(&case),
             preload,
-            method: preload_method(&scene),
-            reliability: reliability(&scene),
-            factors: rating_factors(&scene),
+            method: preload_method(&case),
+            reliability: reliability(&case),
+            factors: rating_factors(&case),
             direction,
             pitches,
             reach,
-            mount: mount(&scene),
-            speed_ratio: scene.number(InputKey::required_critical_speed_ratio),
-            buckling_safety: scene.number(InputKey::required_buckling_safety),
-            static_safety: scene.number(InputKey::required_static_safety),
-            life: scene.required_life_h.map(|hours| 3600.0 * hours),
+            mount: mount(&case),
+            speed_ratio: case.number(InputKey::required_critical_speed_ratio),
+            buckling_safety: case.number(InputKey::required_buckling_safety),
+            static_safety: case.number(InputKey::required_static_safety),
+            life: case.required_life_h.map(|hours| 3600.0 * hours),
             friction,
-            material: scene.reader().materials(),
+            material: case.reader().materials(),
             pressure: limit("pressure_limit_MPa") * MPA,
-            speed_number: scene.speed_number_limit_mm_min.map(|limit| limit * MM * RPM),
-            make: make(&scene),
-            motor: (scene.number(InputKey::gear_ratio), motor_speed(&scene).map(|rpm| rpm * RPM)),
+            speed_number: case.speed_number_limit_mm_min.map(|limit| limit * MM * RPM),
+            make: make(&case),
+            motor: (case.number(InputKey::gear_ratio), motor_speed(&case).map(|rpm| rpm * RPM)),
             ball_over_lead: limit("largest_ball_over_lead"),
             largest_diameter: limit("largest_pitch_circle_diameter_mm") * MM,
             largest_turns: self.number("largest_loaded_turns"),
@@ -377,15 +377,15 @@ impl RequirementKeys {
                 _ => Objective::Mass,
             },
             fixed: FixedValues {
-                pitch_diameter: scene.pitch_circle_diameter_mm.map(|mm| mm * MM),
-                ball: scene.ball_diameter_mm.map(|mm| mm * MM),
-                contact_angle: scene.contact_angle_deg.map(|deg| deg * DEG),
+                pitch_diameter: case.pitch_circle_diameter_mm.map(|mm| mm * MM),
+                ball: case.ball_diameter_mm.map(|mm| mm * MM),
+                contact_angle: case.contact_angle_deg.map(|deg| deg * DEG),
                 conformity,
-                turns: scene.loaded_turns,
+                turns: case.loaded_turns,
             },
             stock: standard.balls,
         };
         let settings = Settings::named(self.word("model"), None, None)?;
-        Ok(RequirementFile { scene, settings, problem, notes })
+        Ok(RequirementFile { case, settings, problem, notes })
     }
 }

@@ -1,4 +1,4 @@
-//! The warm steady state of an axis: found once, and the scene as warm as it.
+//! The warm steady state of an axis: found once, and the case as warm as it.
 
 mod axis;
 
@@ -9,9 +9,9 @@ use bsm_nut::thermal::{
 use bsm_nut::{Equilibrium, Support};
 
 use crate::case::axis::Machine;
+use crate::case::file::RISES;
 use crate::case::nut::NutPreload;
-use crate::case::scene::RISES;
-use crate::{CaseError, InputKey, InputSet, Scene, Settings};
+use crate::{Case, CaseError, InputKey, InputSet, Settings};
 
 pub(crate) use axis::ColdNut;
 use axis::WarmAxis;
@@ -53,7 +53,7 @@ pub(crate) struct WarmState {
     pub(crate) phases: Vec<Option<NutInPhase>>,
     /// Tension of a screw between two fixed bearings \[N\].
     pub(crate) tension: Option<f64>,
-    /// Those given, and those that follow from the scene.
+    /// Those given, and those that follow from the case.
     pub(crate) conductances: Conductances,
     pub(crate) given: InputSet,
     /// Temperature of the lubricant \[°C\]; `None` of a dry nut.
@@ -75,20 +75,20 @@ pub(crate) struct NutInPhase {
 }
 
 impl Warm {
-    /// That of a scene which asks for it.
+    /// That of a case which asks for it.
     ///
     /// * `of_band`: numbers of a state that have an uncertainty band.
     pub(crate) fn of(
-        scene: &Scene,
+        case: &Case,
         settings: &Settings,
         detail: Detail,
         of_band: impl Fn(&WarmNut<'_>, &Steady) -> Vec<f64>,
     ) -> Result<Option<Self>, CaseError> {
-        if !scene.asks_warm() {
+        if !case.asks_warm() {
             return Ok(None);
         }
-        let machine = Machine::of(scene)?;
-        let axis = WarmAxis::of(scene, settings, &machine)?;
+        let machine = Machine::of(case)?;
+        let axis = WarmAxis::of(case, settings, &machine)?;
         let friction = axis.cold.friction();
         let nut = axis.nut(&friction)?;
         let search = detail.fold.then(|| axis.search());
@@ -115,17 +115,17 @@ impl Warm {
             stiffness: found.axial_stiffness(&nut.support),
             preload_left: nut.preload.map(|by| found.preload(&nut.nut, by)),
         };
-        let (network, lubricated) = (nut.network(1.0), scene.given().is_lubricated());
+        let (network, lubricated) = (nut.network(1.0), case.given().is_lubricated());
         let state = WarmState {
             celsius: celsius(nut.set, &steady.rises),
             growth: network.growth(&steady.rises),
             stiffness: unloaded.map(stiffness),
-            cold_life: cold.life(scene).map(|life| life.revolutions),
+            cold_life: cold.life(case).map(|life| life.revolutions),
             phases: steady.heated.phases.iter().map(|phase| phase.as_ref().map(in_phase)).collect(),
             preload: preload.map(|cold| NutPreload { warm: steady.heated.preload, ..cold }),
             tension: nut.screw.hold.map(|_| network.tension(&steady.rises)),
             conductances: network.conductances,
-            given: scene.given(),
+            given: case.given(),
             oil: lubricated.then(|| nut.oil(&steady.rises) - ZERO_CELSIUS),
             band: detail.band.then(|| nut.band(&steady, of_band)),
             steady,
@@ -136,11 +136,11 @@ impl Warm {
     /// Temperature of setting \[K\], cold preload \[N\], and the states from rest up to the multiple of the speeds to which a
     /// fold is looked for.
     pub(crate) fn branch(
-        scene: &Scene,
+        case: &Case,
         settings: &Settings,
     ) -> Result<(f64, Option<f64>, Vec<OnBranch>), CaseError> {
-        let machine = Machine::of(scene)?;
-        let axis = WarmAxis::of(scene, settings, &machine)?;
+        let machine = Machine::of(case)?;
+        let axis = WarmAxis::of(case, settings, &machine)?;
         let friction = axis.cold.friction();
         let nut = axis.nut(&friction)?;
         let states = nut.branch(axis.search());
@@ -148,7 +148,7 @@ impl Warm {
         Ok((nut.set, cold, states.map_err(|why| CaseError::NoWarmState(Box::new(why)))?))
     }
 
-    /// The state of a scene which asks for it, without its band.
+    /// The state of a case which asks for it, without its band.
     ///
     /// * `fold`: with the fold above it.
     ///
@@ -156,11 +156,11 @@ impl Warm {
     ///
     /// [`CaseError::NoWarmState`] if it runs away too.
     pub(crate) fn state_of(
-        scene: &Scene,
+        case: &Case,
         settings: &Settings,
         fold: bool,
     ) -> Result<Option<Self>, CaseError> {
-        let warm = Self::of(scene, settings, Detail { fold, band: false }, |_, _| vec![])?;
+        let warm = Self::of(case, settings, Detail { fold, band: false }, |_, _| vec![])?;
         match warm {
             Some(Self { state: None, fold: Some(fold), .. }) => {
                 Err(CaseError::NoWarmState(Box::new(NoSteadyState::RunsAway(Box::new(fold)))))
@@ -169,23 +169,23 @@ impl Warm {
         }
     }
 
-    /// The scene in this state: as warm, as strained, with oil as warm.
-    pub(crate) fn scene(&self, scene: &Scene) -> Scene {
-        let mut scene = scene.cold();
+    /// The case in this state: as warm, as strained, with oil as warm.
+    pub(crate) fn case(&self, case: &Case) -> Case {
+        let mut case = case.cold();
         if let Some(state) = &self.state {
             for (key, rise) in RISES.into_iter().zip(state.steady.rises) {
-                scene[key] = Some(rise);
+                case[key] = Some(rise);
             }
-            scene[InputKey::screw_tension_N] = state.tension;
+            case[InputKey::screw_tension_N] = state.tension;
             if state.oil.is_some() {
-                scene.lubricant_temperature_C = state.oil;
+                case.lubricant_temperature_C = state.oil;
             }
         }
-        scene
+        case
     }
 }
 
-impl Scene {
+impl Case {
     /// In the warm steady state that it asks for: with rises of temperature, tension of the screw and temperature of the
     /// lubricant; as it is if it asks for none.
     ///
@@ -194,6 +194,6 @@ impl Scene {
     /// [`CaseError`] if there is no state, or what it follows from is missing or contradicts itself.
     pub fn in_warm_state(&self, settings: &Settings) -> Result<Self, CaseError> {
         let warm = Warm::state_of(self, settings, false)?;
-        Ok(warm.map_or_else(|| self.clone(), |warm| warm.scene(self)))
+        Ok(warm.map_or_else(|| self.clone(), |warm| warm.case(self)))
     }
 }

@@ -1,4 +1,4 @@
-//! What a scene says of a nut, its axis and its lubricant besides numbers: lists, objects, texts and flags.
+//! What a case says of a nut, its axis and its lubricant besides numbers: lists, objects, texts and flags.
 
 use bsm_design::{
     Contamination, Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod, StiffnessAt, Support,
@@ -16,10 +16,10 @@ use crate::{CaseError, nearest};
 
 macro_rules! entries {
     ($($name:ident: $kind:ty, $about:literal;)*) => {
-        /// Entries of a scene besides numbers.
+        /// Entries of a case besides numbers.
         #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
         #[serde(deny_unknown_fields)]
-        pub struct SceneEntries {
+        pub struct CaseEntries {
             $(
                 #[doc = $about]
                 #[serde(skip_serializing_if = "Option::is_none")]
@@ -27,7 +27,7 @@ macro_rules! entries {
             )*
         }
 
-        impl SceneEntries {
+        impl CaseEntries {
             /// Their keys, in the order of the documentation.
             pub const KEYS: &[&str] = &[$(stringify!($name)),*];
 
@@ -114,7 +114,7 @@ entries! {
         "false: no drag of the preload beyond the contacts; manufacturers' rule unless given";
 }
 
-impl SceneEntries {
+impl CaseEntries {
     /// True for one of the keys.
     pub(crate) fn have(key: &str) -> bool {
         Self::KEYS.contains(&key)
@@ -280,7 +280,7 @@ choices! {
         "fixed-supported" = Self::FixedSupported, "fixed-fixed" = Self::FixedFixed;
 }
 
-/// One of a few, which a scene has by its name.
+/// One of a few, which a case has by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Named<T>(pub T);
 
@@ -511,13 +511,13 @@ mod tests {
             "coolant": "oil",
             "drag_rule": false,
         });
-        let mut words = SceneEntries::default();
+        let mut words = CaseEntries::default();
         for (key, value) in all.as_object().expect("an object") {
             words.set(key.clone(), value.clone()).expect(key);
         }
         assert_eq!(Value::Object(words.to_map()), all);
-        assert_eq!(words.to_map().keys().collect::<Vec<_>>(), SceneEntries::KEYS);
-        let schema = SceneEntries::schema();
+        assert_eq!(words.to_map().keys().collect::<Vec<_>>(), CaseEntries::KEYS);
+        let schema = CaseEntries::schema();
         same_keys(&all, &json!({ "properties": schema }));
     }
 }

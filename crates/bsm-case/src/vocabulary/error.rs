@@ -1,4 +1,4 @@
-//! What can be wrong with a scene: which key, which value, what is required.
+//! What can be wrong with a case: which key, which value, what is required.
 
 use std::io;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use crate::{InputKey, exact};
 
-/// A scene, a setting or a grid that cannot be used.
+/// A case, a setting or a grid that cannot be used.
 ///
 /// Messages name neither the file nor a command or an option: the caller that knows them does.
 #[derive(Debug, Error)]
@@ -63,7 +63,7 @@ pub enum CaseError {
     #[error("{0}")]
     Nut(NutError),
     /// Where to look for an input is not known.
-    #[error("`{key}` is not in the scene, and no range to search is given")]
+    #[error("`{key}` is not in the case, and no range to search is given")]
     NoRange {
         /// The input.
         key: &'static str,
@@ -84,7 +84,7 @@ pub enum CaseError {
 /// Kinds of names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Known {
-    /// Inputs of a scene.
+    /// Inputs of a case.
     Input,
     /// Lists of the catalogue.
     List,

@@ -1,11 +1,11 @@
-//! The inputs: one table that scene, checks, schema and help are made from.
+//! The inputs: one table that case, checks, schema and help are made from.
 
 use std::ops::{Index, IndexMut};
 
 use bsm_dyn::VISCOSITY_GRADES;
 use bsm_simd::Compare;
 
-use super::entries::SceneEntries;
+use super::entries::CaseEntries;
 use super::names::unknown_key;
 use super::units::convert;
 use crate::{CaseError, InputSet, Quantity};
@@ -108,11 +108,11 @@ macro_rules! inputs {
         /// those that it needs.
         #[derive(Debug, Clone, Default, PartialEq)]
         #[expect(non_snake_case, reason = "names carry their unit as it is written")]
-        pub struct Scene {
+        pub struct Case {
             /// Free text.
             pub description: Option<String>,
             /// Entries besides numbers.
-            pub nut: SceneEntries,
+            pub nut: CaseEntries,
             $($(#[doc = $about] pub $name: Option<f64>,)*)*
         }
 
@@ -128,7 +128,7 @@ macro_rules! inputs {
             ..Quantity::WHOLE
         },)*)*];
 
-        /// The key of an input: its place in [`INPUTS`] and in a [`Scene`].
+        /// The key of an input: its place in [`INPUTS`] and in a [`Case`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[expect(non_camel_case_types, reason = "the names of the vocabulary")]
         pub enum InputKey {
@@ -140,7 +140,7 @@ macro_rules! inputs {
             pub const ALL: [Self; INPUTS.len()] = [$($(Self::$name),*),*];
         }
 
-        impl Scene {
+        impl Case {
             /// The inputs that it has.
             pub fn given(&self) -> InputSet {
                 let mut given = InputSet::default();
@@ -149,7 +149,7 @@ macro_rules! inputs {
             }
         }
 
-        impl Index<InputKey> for Scene {
+        impl Index<InputKey> for Case {
             type Output = Option<f64>;
 
             #[inline]
@@ -160,7 +160,7 @@ macro_rules! inputs {
             }
         }
 
-        impl IndexMut<InputKey> for Scene {
+        impl IndexMut<InputKey> for Case {
             #[inline]
             fn index_mut(&mut self, key: InputKey) -> &mut Option<f64> {
                 match key {
@@ -217,7 +217,7 @@ impl InputKey {
     }
 }
 
-impl Scene {
+impl Case {
     /// The value of an input, given or following from others, or else its default.
     #[inline]
     pub fn value_or_default(&self, key: InputKey) -> Option<f64> {

@@ -5,12 +5,12 @@ use std::f64::consts::PI;
 use bsm_design::Make;
 use bsm_kin::Scalar;
 
-use super::entries::SceneEntries;
+use super::entries::CaseEntries;
 use super::number::count;
 
 use crate::vocabulary::error::bad;
 use crate::vocabulary::units::{DEG, MM};
-use crate::{CaseError, INPUTS, InputKey, Scene};
+use crate::{Case, CaseError, INPUTS, InputKey};
 
 /// A set of inputs by their names.
 macro_rules! inputs {
@@ -156,7 +156,7 @@ impl InputSet {
         }
     }
 
-    /// Given inputs after `settings` have been applied to a scene that has these inputs.
+    /// Given inputs after `settings` have been applied to a case that has these inputs.
     #[must_use]
     pub fn overridden_by(self, settings: Self) -> Self {
         self.without(settings.replaced()).and(settings)
@@ -282,7 +282,7 @@ pub(crate) fn loaded_turns(given: impl Fn(InputKey) -> Option<f64>) -> Option<f6
     given(InputKey::loaded_turns).or_else(by_gap)
 }
 
-/// Inputs that say of a scene that its friction comes from a lubricant. Density and drag coefficient are
+/// Inputs that say of a case that its friction comes from a lubricant. Density and drag coefficient are
 /// not among them: jamming takes them whatever friction is.
 pub(crate) const OF_A_LUBRICANT: InputSet = inputs! {
     iso_vg viscosity_40C_mm2_s viscosity_100C_mm2_s pressure_viscosity_1_GPa
@@ -342,7 +342,7 @@ impl InputSet {
     }
 }
 
-impl Scene {
+impl Case {
     /// The inputs that it has, those that its other entries give, and those that are found in its warm state.
     pub fn stated(&self) -> InputSet {
         let given = self.given();
@@ -356,11 +356,11 @@ impl Scene {
     #[inline(never)]
     pub(crate) fn follows(&self, key: InputKey) -> Option<f64> {
         match (key, &self.nut) {
-            (InputKey::loaded_balls, SceneEntries { circuits: Some(circuits), .. }) => {
+            (InputKey::loaded_balls, CaseEntries { circuits: Some(circuits), .. }) => {
                 let first = circuits.iter().filter(|circuit| circuit.body == 0);
                 Some(count(first.map(|circuit| circuit.balls).sum()))
             }
-            (InputKey::screw_roughness_um, SceneEntries { screw_make: Some(make), .. })
+            (InputKey::screw_roughness_um, CaseEntries { screw_make: Some(make), .. })
                 if make.0 == Make::Rolled =>
             {
                 Some(0.4)
@@ -371,7 +371,7 @@ impl Scene {
 
     /// Applies the values of `settings`, all at once: a form of a quantity replaces the other forms.
     ///
-    /// This is what a row of a table, a point of a grid and a changed scene mean.
+    /// This is what a row of a table, a point of a grid and a changed case mean.
     pub fn override_with(&mut self, settings: &Self) {
         let given = settings.given();
         for key in given.replaced().iter() {

@@ -8,10 +8,10 @@ use serde_json::Value;
 
 use super::error::{Known, brief};
 use super::units::{is_unit, long_name};
-use crate::{CaseError, INPUTS, SceneEntries};
+use crate::{CaseEntries, CaseError, INPUTS};
 
-/// What a scene is.
-const OF_INPUTS: &str = "a scene is a JSON object of inputs such as {\"ball_diameter_mm\": 6.35}";
+/// What a case is.
+const OF_INPUTS: &str = "a case is a JSON object of inputs such as {\"ball_diameter_mm\": 6.35}";
 
 /// The entries of a JSON object, in order, none twice.
 ///
@@ -57,7 +57,7 @@ pub fn nearest_input(key: &str) -> Option<&'static str> {
     if let Some(name) = INPUTS.iter().map(|input| input.name).find(meant) {
         return Some(name);
     }
-    nearest(key, INPUTS.iter().map(|input| input.name).chain(SceneEntries::KEYS.iter().copied()))
+    nearest(key, INPUTS.iter().map(|input| input.name).chain(CaseEntries::KEYS.iter().copied()))
 }
 
 /// The name that is nearest to `key`, if any is near.

@@ -54,7 +54,7 @@ phase! {
     feed_m_min ["m/min" "v"] Any, None, "velocity of the nut along the screw; 0 unless screw_speed_rpm is given";
     screw_speed_rpm ["rpm" "n"] Any, None, "speed of the screw, in place of feed_m_min";
     acceleration_m_s2 ["m/s2" "a"] Any, Some(0.0), "acceleration along a positive feed";
-    load_factor ["" "f_w"] Within(1.0, 5.0), None, "factor of the load in life and equivalent load; that of the scene unless given";
+    load_factor ["" "f_w"] Within(1.0, 5.0), None, "factor of the load in life and equivalent load; that of the case unless given";
 }
 
 impl TryFrom<Map<String, Value>> for PhaseEntry {

@@ -1,5 +1,5 @@
 //! Tables of quantities: name, unit, symbol, what the numbers are of, the rule of an input or how a result is read,
-//! meaning. Scenes, answers, JSON, columns and schema are made from them.
+//! meaning. Cases, answers, JSON, columns and schema are made from them.
 
 use super::output::Origin;
 use crate::{CaseError, InputKey, InputSet, Output, Rule};
@@ -44,7 +44,7 @@ pub struct Quantity {
     pub(crate) needs: &'static [InputSet],
     /// Rule for the value of an input.
     pub rule: Rule,
-    /// Value that a model takes if the scene has none.
+    /// Value that a model takes if the case has none.
     pub default: Option<f64>,
 }
 
@@ -175,7 +175,7 @@ impl Read for Values {
     }
 }
 
-/// Declares a table of what a file may have besides the inputs of a scene: `name ["unit"] rule, default, "meaning";`.
+/// Declares a table of what a file may have besides the inputs of a case: `name ["unit"] rule, default, "meaning";`.
 macro_rules! keys {
     ($(#[$doc:meta])* $visible:vis $table:ident;
      $($name:ident [$unit:literal $($symbol:literal)?] $rule:expr, $default:expr, $about:literal;)*) => {

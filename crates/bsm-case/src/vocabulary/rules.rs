@@ -9,7 +9,7 @@ use bsm_simd::Compare;
 
 use super::input_set::{inputs, lead_angle, lead_mm};
 use crate::vocabulary::units::{DEG, RPM};
-use crate::{CaseError, InputKey, InputSet, Scene};
+use crate::{Case, CaseError, InputKey, InputSet};
 
 /// The inputs of a point, or of several.
 pub trait Inputs {
@@ -23,7 +23,7 @@ pub trait Inputs {
 /// Yes or no for each point.
 type Mask<I> = <<I as Inputs>::Number as Field>::Mask;
 
-impl Inputs for Scene {
+impl Inputs for Case {
     type Number = f64;
 
     fn value(&self, key: InputKey) -> Option<f64> {
@@ -108,43 +108,43 @@ impl Relation {
         })
     }
 
-    /// Message for a scene that breaks it.
-    pub(crate) fn broken(self, scene: &Scene) -> CaseError {
-        let pitch = scene.number(InputKey::pitch_circle_diameter_mm);
+    /// Message for a case that breaks it.
+    pub(crate) fn broken(self, case: &Case) -> CaseError {
+        let pitch = case.number(InputKey::pitch_circle_diameter_mm);
         match self {
             Self::BallsFit => CaseError::Invalid(format!(
                 "ball_diameter_mm = {} must be smaller than the radius of the pitch circle, \
                  pitch_circle_diameter_mm / 2 = {}",
-                scene.number(InputKey::ball_diameter_mm),
+                case.number(InputKey::ball_diameter_mm),
                 0.5 * pitch
             )),
             Self::TurnHolds => {
-                let lead = scene.lead().unwrap_or(f64::NAN);
-                let most = turn_length(pitch, lead) / scene.number(InputKey::ball_diameter_mm);
+                let lead = case.lead().unwrap_or(f64::NAN);
+                let most = turn_length(pitch, lead) / case.number(InputKey::ball_diameter_mm);
                 CaseError::out_of_range(
                     InputKey::loaded_balls_per_turn.name(),
-                    scene.number(InputKey::loaded_balls_per_turn),
+                    case.number(InputKey::loaded_balls_per_turn),
                     format!("<= {most:.3}, which fill a turn"),
                 )
             }
             Self::LeadsAgree => {
-                let lead_mm = scene.number(InputKey::lead_mm);
+                let lead_mm = case.number(InputKey::lead_mm);
                 CaseError::Invalid(format!(
                     "lead_angle_deg = {} and lead_mm = {lead_mm} disagree: on this pitch circle \
                      a lead of {lead_mm} mm is an angle of {} deg; give one of the two",
-                    scene.number(InputKey::lead_angle_deg),
+                    case.number(InputKey::lead_angle_deg),
                     lead_angle(lead_mm, pitch) / DEG
                 ))
             }
             Self::SpeedsDiffer => CaseError::Invalid(format!(
                 "screw_speed_rpm = {} and nut_speed_rpm = {} are equal: their difference must not be 0",
-                scene.number(InputKey::screw_speed_rpm),
-                scene.number(InputKey::nut_speed_rpm)
+                case.number(InputKey::screw_speed_rpm),
+                case.number(InputKey::nut_speed_rpm)
             )),
             Self::OilThins => CaseError::Invalid(format!(
                 "viscosity_100C_mm2_s = {} must be below viscosity_40C_mm2_s = {}: viscosity decreases with temperature",
-                scene.number(InputKey::viscosity_100C_mm2_s),
-                scene.number(InputKey::viscosity_40C_mm2_s)
+                case.number(InputKey::viscosity_100C_mm2_s),
+                case.number(InputKey::viscosity_40C_mm2_s)
             )),
         }
     }
@@ -168,8 +168,8 @@ pub fn covered<I: Inputs>(model: Model, inputs: &I) -> Option<Mask<I>> {
     }
 }
 
-/// Message for a scene that a model does not cover.
-pub(crate) fn not_covered(model: Model, scene: &Scene) -> CaseError {
+/// Message for a case that a model does not cover.
+pub(crate) fn not_covered(model: Model, case: &Case) -> CaseError {
     let (key, rule) = match model {
         Model::QuasiStatic => (InputKey::nut_speed_rpm, "0 while the screw turns (no dual drive)"),
         _ => (
@@ -177,5 +177,5 @@ pub(crate) fn not_covered(model: Model, scene: &Scene) -> CaseError {
             "> 0 (without friction the rotation of the ball is not determined)",
         ),
     };
-    CaseError::not_covered(key, scene.number(key), rule, model)
+    CaseError::not_covered(key, case.number(key), rule, model)
 }

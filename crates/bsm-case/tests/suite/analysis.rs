@@ -1,36 +1,36 @@
 //! Analyses of a motion: published trends are in `bsm validate`, here what must hold for all.
 
 use bsm_case::{
-    AnalysisKind, Answer, CaseError, Catalogue, EllipseFields, INPUTS, ModelChoice, MotionAnswer,
-    OUTPUTS, Output, Record, Scene, Scope, Settings, candidate_json,
+    AnalysisKind, Answer, Case, CaseError, Catalogue, EllipseFields, INPUTS, ModelChoice,
+    MotionAnswer, OUTPUTS, Output, Record, Scope, Settings, candidate_json,
 };
 use bsm_dyn::{Model, ModelWorkspace, Solution};
 
 const XU: &[u8] = include_bytes!("../../../../examples/xu2015.json");
 const DONG: &[u8] = include_bytes!("../../../../examples/dong2020.json");
 
-fn scene(json: &[u8], changes: &[(&str, f64)]) -> Scene {
-    let mut scene = Scene::from_json(json).expect("an example");
+fn case(json: &[u8], changes: &[(&str, f64)]) -> Case {
+    let mut case = Case::from_json(json).expect("an example");
     for (name, value) in changes {
-        scene.set(name, *value).expect("known name");
+        case.set(name, *value).expect("known name");
     }
-    scene
+    case
 }
 
-fn solved(scene: &Scene, settings: &Settings) -> Solution {
-    let problem = scene.problem(settings).expect("complete");
+fn solved(case: &Case, settings: &Settings) -> Solution {
+    let problem = case.problem(settings).expect("complete");
     let solution = problem.solve(&mut ModelWorkspace::default());
     assert!(solution.reason().is_none(), "{:?}", solution.reason());
     solution
 }
 
-fn slip(scene: &Scene, model: Model) -> Answer {
+fn slip(case: &Case, model: Model) -> Answer {
     let settings = model.into();
-    bsm_case::slip(scene, &settings, &solved(scene, &settings)).expect("a motion")
+    bsm_case::slip(case, &settings, &solved(case, &settings)).expect("a motion")
 }
 
-fn jam(scene: &Scene, model: Model) -> Answer {
-    bsm_case::jam(scene, &solved(scene, &model.into())).expect("a motion")
+fn jam(case: &Case, model: Model) -> Answer {
+    bsm_case::jam(case, &solved(case, &model.into())).expect("a motion")
 }
 
 fn number(report: &Answer, name: &str) -> f64 {
@@ -41,10 +41,10 @@ fn number(report: &Answer, name: &str) -> f64 {
 #[test]
 fn slip_is_what_the_model_says() {
     for (screw, nut) in [(5000.0, 0.0), (-3000.0, 0.0), (0.0, 1500.0), (2500.0, -1700.0)] {
-        let scene = scene(XU, &[("screw_speed_rpm", screw), ("nut_speed_rpm", nut)]);
+        let case = case(XU, &[("screw_speed_rpm", screw), ("nut_speed_rpm", nut)]);
         for model in [Model::RacewayControl, Model::Traction] {
-            let o = solved(&scene, &model.into()).answer.expect("a solution").ball;
-            let report = slip(&scene, model);
+            let o = solved(&case, &model.into()).answer.expect("a solution").ball;
+            let report = slip(&case, model);
             for (name, value) in [
                 ("nut_differential_slip_m_s", o.nut.slip.map(|slip| slip.speed)),
                 ("screw_differential_slip_m_s", o.screw.slip.map(|slip| slip.speed)),
@@ -65,13 +65,13 @@ fn slip_is_what_the_model_says() {
 /// the accuracy that `auto` has found.
 #[test]
 fn powers_add_up_with_the_settings() {
-    let scene = scene(XU, &[("screw_speed_rpm", 12000.0)]);
+    let case = case(XU, &[("screw_speed_rpm", 12000.0)]);
     let coarse = Settings { accuracy: 1e-4, creep: 1e-2, ..Model::Traction.into() };
     let fine = Settings { tolerance: 1e-5, ..Settings::default() };
     for settings in [coarse, fine] {
-        let solution = solved(&scene, &settings);
+        let solution = solved(&case, &settings);
         assert_eq!(solution.model, Model::Traction);
-        let report = bsm_case::slip(&scene, &settings, &solution).expect("a motion");
+        let report = bsm_case::slip(&case, &settings, &solution).expect("a motion");
         // The model holds its nodes in the last steps, the report takes those of the motion: between them
         // lies a part of the accuracy.
         let apart = f64::max(1e-9, 1e-3 * settings.accuracy);
@@ -84,7 +84,7 @@ fn powers_add_up_with_the_settings() {
 /// and exchanged with the corrected spin slip where they are not; the unloaded flank has none.
 #[test]
 fn printed_slips_take_the_other_angle() {
-    let report = slip(&scene(XU, &[]), Model::Rigid);
+    let report = slip(&case(XU, &[]), Model::Rigid);
     for form in ["spin", "orbit"] {
         for contact in ["nut", "screw"] {
             let printed = number(&report, &format!("{contact}_{form}_slip_printed_m_s"));
@@ -93,7 +93,7 @@ fn printed_slips_take_the_other_angle() {
         }
         assert!(report.number(&format!("unloaded_flank_{form}_slip_printed_m_s")).is_none());
     }
-    let report = slip(&scene(XU, &[]), Model::Traction);
+    let report = slip(&case(XU, &[]), Model::Traction);
     let [printed, corrected] = ["printed", "corrected"].map(|form| {
         ["nut", "screw"].map(|c| number(&report, &format!("{c}_spin_slip_{form}_m_s")))
     });
@@ -105,13 +105,13 @@ fn printed_slips_take_the_other_angle() {
 /// The rigid model has three contacts and no ellipses: said, not filled in.
 #[test]
 fn rigid_has_no_ellipses() {
-    let mut scene = scene(XU, &[("lead_mm", 40.0)]);
-    (scene.nut_conformity, scene.screw_conformity) = (None, None);
-    let report = slip(&scene, Model::Rigid);
+    let mut case = case(XU, &[("lead_mm", 40.0)]);
+    (case.nut_conformity, case.screw_conformity) = (None, None);
+    let report = slip(&case, Model::Rigid);
     assert!(report.number("unloaded_flank_differential_slip_m_s").is_some());
     assert!(report.number("nut_spin_slip_m_s").is_none());
     assert!(report.texts("lacks")[0].contains("nut_conformity"), "{:?}", report.texts("lacks"));
-    let report = jam(&scene, Model::Rigid);
+    let report = jam(&case, Model::Rigid);
     assert!(
         report.texts("lacks").iter().any(|l| l.contains("contact state")),
         "{:?}",
@@ -131,13 +131,13 @@ fn what_jamming_lacks_is_named() {
         "return_angle_deg",
         "loaded_balls_per_turn",
     ];
-    let full = jam(&scene(DONG, &[]), Model::RacewayControl);
+    let full = jam(&case(DONG, &[]), Model::RacewayControl);
     assert!(full.texts("lacks").is_empty());
     let text = String::from_utf8(DONG.to_vec()).expect("UTF-8");
     for name in names {
         let without: Vec<_> = text.lines().filter(|line| !line.contains(name)).collect();
         let json = without.join("\n").replace(",\n}", "\n}");
-        let report = jam(&scene(json.as_bytes(), &[]), Model::RacewayControl);
+        let report = jam(&case(json.as_bytes(), &[]), Model::RacewayControl);
         assert_eq!(report.texts("lacks").len(), 1, "{name}: {:?}", report.texts("lacks"));
         assert!(
             report.texts("lacks")[0].ends_with(&format!(": {name}")),
@@ -158,14 +158,14 @@ fn statement(report: &Answer, name: &str) -> (bool, String) {
 #[test]
 fn rolling_balls_do_not_jam_at_any_thrust() {
     for model in [Model::Elastic, Model::RacewayControl, Model::Traction] {
-        let report = jam(&scene(DONG, &[]), model);
+        let report = jam(&case(DONG, &[]), model);
         let (jams, words) = statement(&report, "jams");
         assert!(!jams && number(&report, "ball_return_margin") > 1.0, "{words}");
-        let report = jam(&scene(DONG, &[("step_normal_force_N", 1e5)]), model);
+        let report = jam(&case(DONG, &[("step_normal_force_N", 1e5)]), model);
         let (jams, words) = statement(&report, "jams");
         assert!(jams && number(&report, "ball_return_margin") < 1.0, "{words}");
     }
-    let rolls = jam(&scene(DONG, &[]), Model::RacewayControl);
+    let rolls = jam(&case(DONG, &[]), Model::RacewayControl);
     assert!(number(&rolls, "published_margin").abs() < f64::EPSILON);
 }
 
@@ -173,7 +173,7 @@ fn rolling_balls_do_not_jam_at_any_thrust() {
 /// verdict of the published criterion.
 #[test]
 fn the_published_criterion_takes_the_screw() {
-    let report = jam(&scene(DONG, &[("axial_load_N", 8000.0)]), Model::Traction);
+    let report = jam(&case(DONG, &[("axial_load_N", 8000.0)]), Model::Traction);
     let [screw, weaker] =
         ["published_margin", "weaker_contact_margin"].map(|name| number(&report, name));
     assert!(screw > weaker, "{screw} {weaker}");
@@ -190,7 +190,7 @@ fn every_ball_in_balance_is_held_by_its_wedge() {
     for model in [Model::RacewayControl, Model::Traction] {
         for (speed, load) in [(100.0, 2e4), (2500.0, 8e3), (5000.0, 2.4e4), (-2500.0, 8e3)] {
             let changes = [("screw_speed_rpm", speed), ("axial_load_N", load)];
-            let report = jam(&scene(DONG, &changes), model);
+            let report = jam(&case(DONG, &changes), model);
             assert!(
                 number(&report, "wedge_angle_deg").abs() <= number(&report, "widest_wedge_deg")
             );
@@ -204,7 +204,7 @@ fn every_ball_in_balance_is_held_by_its_wedge() {
 #[test]
 fn self_locking_has_a_margin() {
     let at = |changes: &[(&str, f64)]| {
-        let report = jam(&scene(DONG, changes), Model::RacewayControl);
+        let report = jam(&case(DONG, changes), Model::RacewayControl);
         (number(&report, "locking_margin"), statement(&report, "self_locking_under_load").0)
     };
     let (healthy, locks) = at(&[]);
@@ -220,12 +220,12 @@ fn self_locking_has_a_margin() {
 const JAMMING: &[u8] = include_bytes!("../../../../examples/jamming.json");
 const FEED: &[u8] = include_bytes!("../../../../examples/feed_drive.json");
 
-/// A scene that is built to jam does; its margin falls with speed and return angle and with the height of the
+/// A case that is built to jam does; its margin falls with speed and return angle and with the height of the
 /// step, and rises with load and friction, by which the loaded balls push.
 #[test]
-fn a_scene_built_to_jam_jams() {
+fn a_case_built_to_jam_jams() {
     let margin = |changes: &[(&str, f64)]| {
-        let report = jam(&scene(JAMMING, changes), Model::RacewayControl);
+        let report = jam(&case(JAMMING, changes), Model::RacewayControl);
         let (jams, words) = statement(&report, "jams");
         let margin = number(&report, "ball_return_margin");
         assert_eq!(jams, margin <= 1.0, "{words}");
@@ -241,7 +241,7 @@ fn a_scene_built_to_jam_jams() {
     assert!(margin(&healthy) > 1.0);
     // Over a step of half the ball's radius the ball still goes, over one of its radius none does.
     let high = jam(
-        &scene(JAMMING, &[("step_height_mm", 1.75), ("axial_load_N", 5e4)]),
+        &case(JAMMING, &[("step_height_mm", 1.75), ("axial_load_N", 5e4)]),
         Model::RacewayControl,
     );
     let (jams, words) = statement(&high, "jams");
@@ -252,23 +252,23 @@ fn a_scene_built_to_jam_jams() {
 const RETURN: [(&str, f64); 3] =
     [("apex_half_angle_deg", 60.0), ("return_angle_deg", 30.0), ("step_height_mm", 0.3)];
 
-fn no_alarm(scene: &Scene) {
+fn no_alarm(case: &Case) {
     let settings = Settings::default();
     let mut work = ModelWorkspace::default();
-    let moving = MotionAnswer::of(scene, &settings, &mut work).expect("complete");
-    let report = bsm_case::jam(scene, &moving.solution).expect("a motion");
+    let moving = MotionAnswer::of(case, &settings, &mut work).expect("complete");
+    let report = bsm_case::jam(case, &moving.solution).expect("a motion");
     let verdicts = &report.to_json()["verdicts"];
     let holds = |verdict: &serde_json::Value| verdict["answer"] == true;
     let alarms = verdicts.as_object().expect("verdicts").values().filter(|verdict| holds(verdict));
-    assert_eq!(alarms.count(), 0, "{verdicts}: {scene:?}");
+    assert_eq!(alarms.count(), 0, "{verdicts}: {case:?}");
     assert!(report.number("ball_return_margin").is_none_or(|margin| margin > 1.0));
 }
 
 /// `bsm jam` found a self-locking ball in every healthy screw.
 #[test]
 fn healthy_screws_raise_no_alarm() {
-    no_alarm(&scene(FEED, &[]));
-    no_alarm(&scene(FEED, &[&RETURN[..], &[("loaded_balls_per_turn", 20.0)]].concat()));
+    no_alarm(&case(FEED, &[]));
+    no_alarm(&case(FEED, &[&RETURN[..], &[("loaded_balls_per_turn", 20.0)]].concat()));
     let catalogue = Catalogue::standard().expect("lists");
     let places = catalogue.places();
     let ten: Vec<_> = (0..10).map(|i| places[(2 * i + 1) * places.len() / 20]).collect();
@@ -295,7 +295,7 @@ fn healthy_screws_raise_no_alarm() {
             ("raceway_yield_strength_MPa", 2200.0),
             ("ball_yield_strength_MPa", 2400.0),
         ];
-        no_alarm(&scene(FEED, &[&RETURN[..], &healthy].concat()));
+        no_alarm(&case(FEED, &[&RETURN[..], &healthy].concat()));
     }
 }
 
@@ -303,7 +303,7 @@ fn healthy_screws_raise_no_alarm() {
 #[test]
 fn a_reversal_turns_the_wedge() {
     let wedge = |rpm| {
-        let report = jam(&scene(DONG, &[("screw_speed_rpm", rpm)]), Model::Traction);
+        let report = jam(&case(DONG, &[("screw_speed_rpm", rpm)]), Model::Traction);
         number(&report, "wedge_angle_deg")
     };
     let (forth, back) = (wedge(2500.0), wedge(-2500.0));
@@ -315,7 +315,7 @@ fn a_reversal_turns_the_wedge() {
 #[test]
 fn inputs_of_the_ball_return_are_used() {
     let thrust = |changes: &[(&str, f64)]| {
-        let report = jam(&scene(DONG, changes), Model::RacewayControl);
+        let report = jam(&case(DONG, changes), Model::RacewayControl);
         number(&report, "step_thrust_N")
     };
     let base = thrust(&[("step_normal_force_N", 10.0)]);
@@ -333,17 +333,16 @@ fn inputs_of_the_ball_return_are_used() {
 
 #[test]
 fn models_without_a_motion_are_refused() {
-    let scene = scene(XU, &[]);
+    let case = case(XU, &[]);
     let settings = Model::QuasiStatic.into();
-    let solution = solved(&scene, &settings);
-    for refused in [bsm_case::slip(&scene, &settings, &solution), bsm_case::jam(&scene, &solution)]
-    {
+    let solution = solved(&case, &settings);
+    for refused in [bsm_case::slip(&case, &settings, &solution), bsm_case::jam(&case, &solution)] {
         let error = refused.expect_err("no motion");
         assert!(error.to_string().contains("has no motion of the ball"), "{error}");
         assert!(error.to_string().contains("models rigid, raceway-control"), "{error}");
     }
     let mut work = ModelWorkspace::default();
-    let fixed = MotionAnswer::of(&scene, &settings, &mut work).expect("complete");
+    let fixed = MotionAnswer::of(&case, &settings, &mut work).expect("complete");
     assert_eq!(fixed.solution, solution);
 }
 
@@ -353,14 +352,14 @@ fn models_without_a_motion_are_refused() {
 fn the_model_of_an_analysis_does_not_depend_on_the_efficiency() {
     let mut work = ModelWorkspace::default();
     for (load, tolerance) in [(6e3, 1e-2), (8e3, 1e-2), (8e3, 0.9)] {
-        let scene = scene(DONG, &[("axial_load_N", load), ("friction_coefficient", 0.06)]);
+        let case = case(DONG, &[("axial_load_N", load), ("friction_coefficient", 0.06)]);
         let auto = Settings { tolerance, ..Settings::default() };
-        let moving = MotionAnswer::of(&scene, &auto, &mut work).expect("complete");
+        let moving = MotionAnswer::of(&case, &auto, &mut work).expect("complete");
         assert_eq!(moving.solution.model, Model::Traction);
         assert_eq!(moving.settings.model, ModelChoice::Fixed(Model::Traction));
     }
     // Without conformities the only model with a motion.
-    let mut bare = scene(XU, &[("lead_mm", 40.0)]);
+    let mut bare = case(XU, &[("lead_mm", 40.0)]);
     (bare.nut_conformity, bare.screw_conformity) = (None, None);
     let moving = MotionAnswer::of(&bare, &Settings::default(), &mut work).expect("complete");
     assert_eq!(moving.solution.model, Model::Rigid);
@@ -373,12 +372,12 @@ const OIL: &[u8] = include_bytes!("../../../../examples/feed_drive_oil.json");
 #[test]
 fn jamming_without_a_film_is_dry() {
     let bare = [("film_factor", 1e-9), ("rolling_factor", 0.0), ("hysteresis_loss", 0.0)];
-    let oil = scene(OIL, &[&bare[..], &RETURN].concat());
-    let mut dry = scene(include_bytes!("../../../../examples/feed_drive.json"), &RETURN);
+    let oil = case(OIL, &[&bare[..], &RETURN].concat());
+    let mut dry = case(include_bytes!("../../../../examples/feed_drive.json"), &RETURN);
     dry.friction_coefficient = Some(0.12);
     // A part of 2e-9 of the load is on the film; the error that traction states of its integrals is 6e-5 of the loss.
     for (model, error) in [(Model::RacewayControl, 1e-6), (Model::Traction, 1e-4)] {
-        let [oil, dry] = [&oil, &dry].map(|scene| jam(scene, model));
+        let [oil, dry] = [&oil, &dry].map(|case| jam(case, model));
         for name in [
             "wedge_angle_deg",
             "nut_friction_across_N",
@@ -403,7 +402,7 @@ fn jamming_without_a_film_is_dry() {
 /// slides as fast as the groove of the screw passes, W d but for the radius of the contact.
 #[test]
 fn jamming_of_a_lubricated_ball_has_several_coefficients() {
-    let oil = scene(OIL, &RETURN);
+    let oil = case(OIL, &RETURN);
     let solution = solved(&oil, &Model::Traction.into());
     let film = solution.solved().and_then(|solved| solved.film).expect("a lubricant");
     let report = bsm_case::jam(&oil, &solution).expect("a motion");
@@ -427,7 +426,7 @@ fn jamming_of_a_lubricated_ball_has_several_coefficients() {
 #[test]
 fn slip_of_a_lubricated_ball_adds_up_to_the_sliding_power() {
     for speed in [30.0, 500.0, 3000.0] {
-        let oil = scene(OIL, &[("screw_speed_rpm", speed)]);
+        let oil = case(OIL, &[("screw_speed_rpm", speed)]);
         for model in [Model::RacewayControl, Model::Traction] {
             let settings = model.into();
             let solution = solved(&oil, &settings);
@@ -455,8 +454,8 @@ fn fields_over_the_ellipses_sum_to_the_forces() {
     for (json, model) in
         [(&dry[..], Model::Traction), (OIL, Model::Traction), (OIL, Model::RacewayControl)]
     {
-        let (scene, settings) = (scene(json, &[]), model.into());
-        let fields = EllipseFields::of(&scene, &settings, &solved(&scene, &settings), POINTS);
+        let (case, settings) = (case(json, &[]), model.into());
+        let fields = EllipseFields::of(&case, &settings, &solved(&case, &settings), POINTS);
         let fields = fields.expect("elastic contacts");
         let answer = fields.answer().to_json();
         let table = fields.columns();
@@ -500,7 +499,7 @@ fn fields_over_the_ellipses_sum_to_the_forces() {
 fn running_contact_angles_of_nut_and_screw_can_be_given() {
     let angles =
         [("nut_running_contact_angle_deg", 50.0), ("screw_running_contact_angle_deg", 40.0)];
-    let given = scene(XU, &angles);
+    let given = case(XU, &angles);
     let nut_control =
         Settings { control: Some(bsm_dyn::Control::Nut), ..Model::RacewayControl.into() };
     let report =
@@ -525,7 +524,7 @@ fn running_contact_angles_of_nut_and_screw_can_be_given() {
     let refused = bsm_case::slip(&given, &traction, &solved(&given, &traction));
     assert!(matches!(refused, Err(CaseError::OutOfRange { model: Some(_), .. })), "{refused:?}");
     assert!(bsm_case::jam(&given, &solved(&given, &nut_control)).is_err());
-    let half = scene(XU, &angles[..1]);
+    let half = case(XU, &angles[..1]);
     let refused = half.problem(&nut_control);
     assert!(matches!(refused, Err(CaseError::Entry { .. })), "{refused:?}");
     let auto = MotionAnswer::of(&given, &Settings::default(), &mut ModelWorkspace::default());
@@ -536,7 +535,7 @@ fn running_contact_angles_of_nut_and_screw_can_be_given() {
 /// moment. No output had them.
 #[test]
 fn friction_moments_about_the_tangent_are_the_gyroscopic_moment() {
-    let report = slip(&scene(DONG, &[("screw_speed_rpm", 5000.0)]), Model::Traction);
+    let report = slip(&case(DONG, &[("screw_speed_rpm", 5000.0)]), Model::Traction);
     let [nut, screw] =
         ["nut", "screw"].map(|c| number(&report, &format!("{c}_tangent_friction_moment_Nmm")));
     let gyroscopic = number(&report, "gyroscopic_moment_Nmm");
@@ -551,13 +550,13 @@ fn friction_moments_about_the_tangent_are_the_gyroscopic_moment() {
 fn self_locking_has_one_criterion() {
     let steep = [("lead_mm", 50.27), ("friction_coefficient", 0.7)];
     for model in [Model::RacewayControl, Model::Traction] {
-        let report = jam(&scene(DONG, &steep), model);
+        let report = jam(&case(DONG, &steep), model);
         let (locks, words) = statement(&report, "self_locking_under_load");
         let angle = 0.5
             * (number(&report, "nut_angle_with_permanent_set_deg")
                 + number(&report, "screw_angle_with_permanent_set_deg"));
         let closed = bsm_dyn::Angles {
-            lead: scene(DONG, &steep).lead_angle().expect("a lead"),
+            lead: case(DONG, &steep).lead_angle().expect("a lead"),
             contact: angle.to_radians(),
         };
         let direction = bsm_dyn::Direction::RotaryToLinear;
@@ -621,9 +620,9 @@ fn a_column_has_one_meaning() {
         count,
         OUTPUTS.len() + AnalysisKind::ALL.into_iter().flat_map(AnalysisKind::columns).count()
     );
-    let scene = scene(XU, &[]);
-    let record = Record::new(solved(&scene, &Model::Traction.into()));
-    let report = slip(&scene, Model::Traction);
+    let case = case(XU, &[]);
+    let record = Record::new(solved(&case, &Model::Traction.into()));
+    let report = slip(&case, Model::Traction);
     for name in SHARED {
         let (there, here) = (record.number(name).expect("an output"), number(&report, name));
         // Rounding of spins of 100 rad/s that are differences of rates of 3000 rad/s.

@@ -1,20 +1,20 @@
 //! Ratings of a nut: published values are in `bsm validate`, here what must hold for all.
 
-use bsm_case::{CaseError, Scene, Settings, ratings};
+use bsm_case::{Case, CaseError, Settings, ratings};
 use bsm_dyn::{Model, ModelWorkspace};
 
 const NUT: &[u8] = include_bytes!("../../../../examples/nut.json");
 
-fn nut(changes: &[(&str, f64)]) -> Scene {
-    let mut scene = Scene::from_json(NUT).expect("an example");
+fn nut(changes: &[(&str, f64)]) -> Case {
+    let mut case = Case::from_json(NUT).expect("an example");
     for (name, value) in changes {
-        scene.set(name, *value).expect("known name");
+        case.set(name, *value).expect("known name");
     }
-    scene
+    case
 }
 
-fn numbers(scene: &Scene) -> impl Fn(&str) -> f64 + use<> {
-    let answer = ratings(scene).expect("complete");
+fn numbers(case: &Case) -> impl Fn(&str) -> f64 + use<> {
+    let answer = ratings(case).expect("complete");
     move |name| answer.number(name).unwrap_or(f64::NAN)
 }
 
@@ -50,17 +50,16 @@ fn stiffness_is_a_derivative() {
 #[test]
 fn small_loads_displace_as_the_model_says() {
     let load = 10.0;
-    let scene = nut(&[
+    let case = nut(&[
         ("axial_load_N", load),
         ("loaded_balls", 96.0),
         ("friction_coefficient", 0.0),
         ("screw_speed_rpm", 1.0),
     ]);
     let settings: Settings = Model::RacewayControl.into();
-    let solution =
-        scene.problem(&settings).expect("complete").solve(&mut ModelWorkspace::default());
+    let solution = case.problem(&settings).expect("complete").solve(&mut ModelWorkspace::default());
     let model = 1e6 * solution.answer.expect("converged").ball.axial_displacement.expect("elastic");
-    let ours = numbers(&scene)("contact_displacement_um");
+    let ours = numbers(&case)("contact_displacement_um");
     let across = ours * (20.0 / (std::f64::consts::PI * 63.35)).atan().cos();
     // Angles turn by the approach over the distance of the arc centres, 1e-4 here.
     assert!((model / across - 1.0).abs() < 3e-4, "{model} {across}");
@@ -68,13 +67,13 @@ fn small_loads_displace_as_the_model_says() {
 
 #[test]
 fn what_cannot_be_rated_is_told() {
-    let mut scene = nut(&[]);
-    scene.loaded_turns = None;
-    scene.screw_conformity = None;
-    let error = ratings(&scene).expect_err("inputs are missing").to_string();
+    let mut case = nut(&[]);
+    case.loaded_turns = None;
+    case.screw_conformity = None;
+    let error = ratings(&case).expect_err("inputs are missing").to_string();
     assert!(error.contains("screw_conformity and loaded_turns are required"), "{error}");
-    let scene = nut(&[("loaded_turns", -1.0)]);
-    assert!(matches!(ratings(&scene), Err(CaseError::OutOfRange { .. })));
+    let case = nut(&[("loaded_turns", -1.0)]);
+    assert!(matches!(ratings(&case), Err(CaseError::OutOfRange { .. })));
     let flat = nut(&[("nut_conformity", 50.0), ("screw_conformity", 50.0)]);
     let error = ratings(&flat).expect_err("no ellipse").to_string();
     assert!(error.contains("towards 0.52"), "{error}");
@@ -137,17 +136,17 @@ fn what_the_paper_recommends_is_told() {
     }
 }
 
-/// The contact angle from the grooves, in place of the one of the scene; both in one file, a distance that
+/// The contact angle from the grooves, in place of the one of the case; both in one file, a distance that
 /// means none, a play that no arcs have, and a screw wider than the bore are refused.
 #[test]
 fn the_thread_can_be_given() {
-    let mut scene = nut(&[]);
+    let mut case = nut(&[]);
     let setting = |name: &str, value: f64| [format!("{name}={value}")];
-    scene.apply(&setting("groove_bottom_distance_mm", 10.5)).expect("a setting");
-    let angle = ratings(&scene).expect("complete").number("contact_angle_deg");
+    case.apply(&setting("groove_bottom_distance_mm", 10.5)).expect("a setting");
+    let angle = ratings(&case).expect("complete").number("contact_angle_deg");
     // cos 60 deg is half of the distance of the arc centres.
     assert!((angle.expect("a row") - 60.0).abs() < 1e-9, "{angle:?}");
-    let thread = numbers(&scene);
+    let thread = numbers(&case);
     let bottoms = 0.5 * (thread("nut_core_diameter_mm") - thread("screw_core_diameter_mm"));
     assert!((bottoms - 10.5).abs() < 1e-12, "{bottoms}");
     for (changes, words) in [
@@ -157,10 +156,10 @@ fn the_thread_can_be_given() {
         let error = ratings(&nut(changes)).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");
     }
-    let both = Scene { contact_angle_deg: Some(60.0), ..scene.clone() };
+    let both = Case { contact_angle_deg: Some(60.0), ..case.clone() };
     let error = ratings(&both).expect_err("two forms").to_string();
     assert!(error.contains("both are given"), "{error}");
-    scene.groove_bottom_distance_mm = Some(12.0);
-    let error = ratings(&scene).expect_err("no angle").to_string();
+    case.groove_bottom_distance_mm = Some(12.0);
+    let error = ratings(&case).expect_err("no angle").to_string();
     assert!(error.contains("between 10.0000 mm, the ball, and 11.0000 mm"), "{error}");
 }

@@ -1,6 +1,6 @@
 //! The catalogue in the vocabulary, and the life of a nut.
 
-use bsm_case::{Catalogue, Condition, Scene, candidate_scene, ratings};
+use bsm_case::{Case, Catalogue, Condition, candidate_case, ratings};
 use bsm_design::Candidate;
 
 /// Small lists; what they do not give is standard.
@@ -155,16 +155,16 @@ fn lists_are_checked() {
     }
 }
 
-fn numbers(scene: &Scene) -> impl Fn(&str) -> f64 + use<> {
-    let report = ratings(scene).expect("complete");
+fn numbers(case: &Case) -> impl Fn(&str) -> f64 + use<> {
+    let report = ratings(case).expect("complete");
     move |name| report.number(name).unwrap_or(f64::NAN)
 }
 
-/// (C_a / F)^3 million revolutions, at the speed of the scene.
+/// (C_a / F)^3 million revolutions, at the speed of the case.
 #[test]
 fn the_life_is_that_of_the_operating_point() {
     let mut nut =
-        Scene::from_json(include_bytes!("../../../../examples/nut.json")).expect("an example");
+        Case::from_json(include_bytes!("../../../../examples/nut.json")).expect("an example");
     (nut.axial_load_N, nut.screw_speed_rpm) = (Some(9e3), Some(-750.0));
     let one = numbers(&nut);
     let hours = (one("dynamic_load_rating_N") / 9e3).powi(3) * 1e6 / (60.0 * 750.0);
@@ -176,7 +176,7 @@ fn the_life_is_that_of_the_operating_point() {
 #[test]
 fn preload_costs_life() {
     let mut nut =
-        Scene::from_json(include_bytes!("../../../../examples/nut.json")).expect("an example");
+        Case::from_json(include_bytes!("../../../../examples/nut.json")).expect("an example");
     (nut.axial_load_N, nut.screw_speed_rpm) = (Some(1e3), Some(100.0));
     let single = numbers(&nut)("rating_life_h");
     nut.preload_N = Some(5e3);
@@ -211,7 +211,7 @@ fn sizes_are_those_that_manufacturers_have() {
 }
 
 /// THK's 50 x 50 mm with 7.2 turns was a nut of 510 mm, as if they were of one thread: they are four circuits of 1.8 turns, one on
-/// each of four threads. The lead has room for them, and the scene of the nut says so.
+/// each of four threads. The lead has room for them, and the case of the nut says so.
 #[test]
 fn circuits_of_a_large_lead_have_a_thread_each() {
     let manufacturers = Catalogue::manufacturers().expect("compiled in");
@@ -224,8 +224,8 @@ fn circuits_of_a_large_lead_have_a_thread_each() {
     assert!((nut.nut.starts - 4.0).abs() < 1e-12);
     assert!((nut.body.length - 12.5e-3 * 10.2).abs() < 1e-12, "{}", nut.body.length);
     assert!(all.iter().all(|nut| nut.nut.turns * nut.nut.pitch() < nut.body.length));
-    let scene = candidate_scene(nut, None);
-    let of = |name: &str| scene[name].as_f64().expect("a number");
+    let case = candidate_case(nut, None);
+    let of = |name: &str| case[name].as_f64().expect("a number");
     // Digits as in the list, not those of a conversion from metres.
     let given = ["starts", "circuits_count", "ball_diameter_mm"].map(|name| of(name).to_string());
     assert_eq!(given, ["4", "4", "7.938"]);

@@ -1,8 +1,6 @@
 //! Requirements and fits: what they say in the vocabulary.
 
-use bsm_case::{
-    CaseError, Catalogue, DesignReport, Fit, RequirementFile, Scene, Settings, ratings,
-};
+use bsm_case::{Case, CaseError, Catalogue, DesignReport, Fit, RequirementFile, Settings, ratings};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 
 const REQUIREMENT: &[u8] = include_bytes!("../../../../examples/requirements/feed_drive.json");
@@ -32,15 +30,15 @@ fn says(settings: &[&str], words: &str) {
     assert!(error.contains(words), "{error}");
 }
 
-/// The scene of a design does what was required, by the models and by the ratings of its nut.
+/// The case of a design does what was required, by the models and by the ratings of its nut.
 #[test]
-fn the_scene_of_a_design_keeps_the_requirement() {
+fn the_case_of_a_design_keeps_the_requirement() {
     let report = DesignReport::of(&requirement(&[]).expect("an example"));
     assert!(report.found, "{:?}", report.reasons);
     assert!(report.rows.iter().all(|row| row.passes));
-    let scene = Scene::from_json(report.scene.to_json().to_string().as_bytes()).expect("a scene");
-    assert_eq!(scene, report.scene);
-    let problem = scene.problem(&Settings::default()).expect("complete");
+    let case = Case::from_json(report.case.to_json().to_string().as_bytes()).expect("a case");
+    assert_eq!(case, report.case);
+    let problem = case.problem(&Settings::default()).expect("complete");
     let solution = problem.solve(&mut ModelWorkspace::default());
     assert_eq!(solution.status(), Status::Converged);
     let step = |name: &str| report.rows.iter().find(|r| r.name == name).and_then(|r| r.value);
@@ -50,7 +48,7 @@ fn the_scene_of_a_design_keeps_the_requirement() {
         assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
     };
     same(solution.efficiency(), step("screw_efficiency"));
-    let capacity = ratings(&scene).expect("a nut");
+    let capacity = ratings(&case).expect("a nut");
     let rating = |name: &str| capacity.number(name);
     same(rating("dynamic_load_rating_N"), step("dynamic_load_rating_N"));
     same(rating("rating_life_h"), step("cycle_life_h"));
@@ -63,7 +61,7 @@ fn back_driving_has_a_negative_speed() {
     let requirement =
         requirement(&["motion=linear-to-rotary", "model=closed-form"]).expect("a requirement");
     let report = DesignReport::of(&requirement);
-    assert!(report.found && report.scene.screw_speed_rpm == Some(-1500.0), "{report:?}");
+    assert!(report.found && report.case.screw_speed_rpm == Some(-1500.0), "{report:?}");
 }
 
 #[test]
@@ -92,7 +90,7 @@ fn a_requirement_of_load_motion_and_stroke_suffices() {
     };
     let (usual, same) = (report(&[]), report(&["friction_coefficient=0.06", "objective=mass"]));
     assert!(usual.found, "{usual:?}");
-    assert_eq!((&usual.rows, &usual.scene), (&same.rows, &same.scene));
+    assert_eq!((&usual.rows, &usual.case), (&same.rows, &same.case));
     assert!(usual.notes[0].contains("friction_coefficient 0.06 is assumed"), "{:?}", usual.notes);
     assert_eq!(same.notes, Vec::<String>::new());
 }
@@ -112,38 +110,38 @@ fn lead_and_angle_fix_the_circle() {
     let report = DesignReport::of(
         &requirement(&["lead_angle_deg=4", "required_life_h=100"]).expect("consistent"),
     );
-    let scene = report.scene;
+    let case = report.case;
     let expected = 10.0 / (std::f64::consts::PI * 4.0_f64.to_radians().tan());
     // Rounded to a micrometre.
-    assert!((scene.pitch_circle_diameter_mm.expect("fixed") - expected).abs() < 1e-6);
+    assert!((case.pitch_circle_diameter_mm.expect("fixed") - expected).abs() < 1e-6);
 }
 
-fn feed_drive() -> Scene {
-    Scene::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("an example")
+fn feed_drive() -> Case {
+    Case::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("an example")
 }
 
 /// What a model gives at a friction coefficient leads back to it, and its response is that of the
 /// model.
 #[test]
 fn a_fit_finds_what_was_put_in() {
-    let mut scene = feed_drive();
-    scene.friction_coefficient = Some(0.0713);
+    let mut case = feed_drive();
+    case.friction_coefficient = Some(0.0713);
     for model in [Model::ClosedForm, Model::RacewayControl, Model::Traction] {
         let settings = Settings::from(model);
-        let at = |scene: &Scene| {
+        let at = |case: &Case| {
             let solution =
-                scene.problem(&settings).expect("complete").solve(&mut ModelWorkspace::default());
+                case.problem(&settings).expect("complete").solve(&mut ModelWorkspace::default());
             solution.answer.expect("converged").transmission.screw_torque.expect("a load")
         };
-        let torque = at(&scene);
+        let torque = at(&case);
         let measured = format!("screw_torque_Nm={torque}");
-        let fit = Fit::new(&scene, "friction_coefficient", None, &measured).expect("names");
-        let report = fit.run(&scene, &settings).expect("complete");
-        assert_eq!(report.found.len(), 1, "{}", fit.answer(&scene, &report).to_json()["message"]);
+        let fit = Fit::new(&case, "friction_coefficient", None, &measured).expect("names");
+        let report = fit.run(&case, &settings).expect("complete");
+        assert_eq!(report.found.len(), 1, "{}", fit.answer(&case, &report).to_json()["message"]);
         let found = &report.found[0];
         // Brent's search stops at 1e-10 of the range of 0.5.
         assert!((found.value - 0.0713).abs() < 1e-8, "{}", found.value);
-        let mut more = scene.clone();
+        let mut more = case.clone();
         more.friction_coefficient = Some(0.0713 * 1.001);
         let response = 1e-3 / (at(&more) / torque - 1.0);
         // A one-sided difference over 1e-3.
@@ -154,19 +152,19 @@ fn a_fit_finds_what_was_put_in() {
 /// Any input can be fitted; a value out of reach is refused with the range.
 #[test]
 fn a_fit_tells_what_can_be_reached() {
-    let scene = feed_drive();
+    let case = feed_drive();
     let settings = Settings::from(Model::RacewayControl);
-    let fit = Fit::new(&scene, "axial_load_N", None, "nut_max_pressure_MPa=1500").expect("names");
-    let found = fit.run(&scene, &settings).expect("complete").found;
+    let fit = Fit::new(&case, "axial_load_N", None, "nut_max_pressure_MPa=1500").expect("names");
+    let found = fit.run(&case, &settings).expect("complete").found;
     assert!(found.len() == 1 && found[0].record.number("nut_max_pressure_MPa").is_some());
     let pressure = found[0].record.number("nut_max_pressure_MPa").expect("converged");
     // Slope of pressure over load: 1e-10 of the range is far less than 1e-6 of the pressure.
     assert!((pressure / 1500.0 - 1.0).abs() < 1e-6, "{pressure}");
-    let fit = Fit::new(&scene, "friction_coefficient", None, "screw_torque_Nm=1").expect("names");
-    let report = fit.run(&scene, &settings).expect("complete");
+    let fit = Fit::new(&case, "friction_coefficient", None, "screw_torque_Nm=1").expect("names");
+    let report = fit.run(&case, &settings).expect("complete");
     assert!(
         report.found.is_empty()
-            && fit.answer(&scene, &report).to_json()["message"].to_string().contains("not 1")
+            && fit.answer(&case, &report).to_json()["message"].to_string().contains("not 1")
     );
     for (input, measured, words) in [
         ("friction", "screw_torque_Nm=1", "did you mean `friction_coefficient`?"),
@@ -174,10 +172,10 @@ fn a_fit_tells_what_can_be_reached() {
         ("friction_coefficient", "screw_torque_Nm", "is not of the form"),
         ("rolling_friction_mm", "screw_torque_Nm=1", "no range to search is given"),
     ] {
-        let error = Fit::new(&scene, input, None, measured).expect_err(words).to_string();
+        let error = Fit::new(&case, input, None, measured).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");
     }
-    let error = Fit::new(&scene, "friction_coefficient", Some((-1.0, 1.0)), "screw_torque_Nm=1");
+    let error = Fit::new(&case, "friction_coefficient", Some((-1.0, 1.0)), "screw_torque_Nm=1");
     assert!(error.expect_err("negative friction").to_string().contains("range: -1 to 1 is not"));
 }
 
@@ -232,7 +230,7 @@ fn a_screw_that_the_load_turns_has_the_lead_of_eq_18() {
     // cosα = √y*/sinβ with y* = (1 − f/√(1+f²))/2 at f = 0.05 and 75 deg, by hand.
     let y = 0.5 * (1.0 - 0.05 / 1.0025_f64.sqrt());
     let lead = (y.sqrt() / 75.0_f64.to_radians().sin()).acos().to_degrees();
-    // The scene is rounded to microdegrees, the lead angle follows.
+    // The case is rounded to microdegrees, the lead angle follows.
     assert!((value(&report, "lead_angle_deg") - lead).abs() < 1e-6);
     assert!((value(&report, "optimum_contact_angle_deg") - 75.0).abs() < 1e-6);
     let error = without_lead(&[motion, "contact_angle_deg=40"]).expect_err("no lead is best");

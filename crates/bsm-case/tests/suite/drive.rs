@@ -1,6 +1,6 @@
 //! Motor, brake and preload of an axis on its sheet.
 
-use bsm_case::{AxisReport, Catalogue, DesignReport, NutProblem, RequirementFile, Scene, Settings};
+use bsm_case::{AxisReport, Case, Catalogue, DesignReport, NutProblem, RequirementFile, Settings};
 
 use crate::size::{AXIS, axis, near, number};
 
@@ -111,20 +111,20 @@ fn the_brake_has_a_rule() {
 /// A preload by its class or by the load: 10 049 N need 3552.9 N, 3600 N in steps; in the sheet, of all balls and in a choice.
 #[test]
 fn a_preload_is_chosen() {
-    let scene = |more: &[&str]| {
-        let mut scene = Scene::from_json(AXIS).expect("an example");
-        scene.preload_N = None;
-        scene.apply(more).expect("settings");
-        scene
+    let case = |more: &[&str]| {
+        let mut case = Case::from_json(AXIS).expect("an example");
+        case.preload_N = None;
+        case.apply(more).expect("settings");
+        case
     };
-    let sheet = |more: &[&str]| AxisReport::of(&scene(more), &Settings::default());
+    let sheet = |more: &[&str]| AxisReport::of(&case(more), &Settings::default());
     for words in [r#"preload_N="auto""#, "preload_class=auto"] {
         let report = sheet(&[words]).expect("an axis");
         near(number(&report, "preload_set_N"), 3600.0, 1e-12, words);
         // The least preload holds by what all balls say, to a few per cent.
         assert!(rule(&report, "remaining preload").margin().expect("a limit") > 0.95);
     }
-    let medium = scene(&["preload_class=P3"]);
+    let medium = case(&["preload_class=P3"]);
     let report = AxisReport::of(&medium, &Settings::default()).expect("an axis");
     let rating = number(&report, "dynamic_load_rating_N");
     near(number(&report, "preload_set_N"), 0.05 * rating, 1e-12, "medium");
@@ -143,7 +143,7 @@ fn a_preload_is_chosen() {
         (&["preload_class=P3", "preload_N=1000"][..], "preload_class"),
         (&["preload_class=P9"], "not one of auto"),
     ] {
-        let mut both = scene(&[]);
+        let mut both = case(&[]);
         let refused = both
             .apply(settings)
             .and_then(|()| AxisReport::of(&both, &Settings::default()).map(|_| ()));
@@ -160,7 +160,7 @@ fn a_preload_is_chosen() {
     let report = DesignReport::standard(&requirement, &catalogue).expect("sizes");
     assert!(report.found, "{:?}", report.reasons);
     // 5000/2.828 = 1767.8 N.
-    assert_eq!(report.scene.preload_N, Some(1800.0));
+    assert_eq!(report.case.preload_N, Some(1800.0));
     let speed = report.rows.iter().find(|row| row.name == "motor_speed_rpm").expect("a row");
     assert!(speed.value.is_some_and(|rpm| rpm <= 1000.0) && speed.requirement.is_some());
 }

@@ -1,23 +1,23 @@
-//! Points that were hard for model traction, as scenes in `validation/hard`: each says in its description what
+//! Points that were hard for model traction, as cases in `validation/hard`: each says in its description what
 //! it is. `bsm solve` opens them too.
 
 use std::f64::consts::FRAC_PI_2;
 use std::fs;
 use std::path::Path;
 
-use bsm_case::Scene;
+use bsm_case::Case;
 use bsm_dyn::{Model, ModelWorkspace, Reason, Solution, Status};
 
-/// The answers of a folder, with the names of the scenes.
+/// The answers of a folder, with the names of the cases.
 fn answers(folder: &str) -> Vec<(String, Solution)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/hard").join(folder);
     let mut work = ModelWorkspace::default();
     let answer = |entry: Result<fs::DirEntry, _>| {
         let path = entry.expect("folder entry").path();
-        let problem = Scene::read(&path).and_then(|scene| scene.problem(&Model::Traction.into()));
-        (path.display().to_string(), problem.expect("a complete scene").solve(&mut work))
+        let problem = Case::read(&path).and_then(|case| case.problem(&Model::Traction.into()));
+        (path.display().to_string(), problem.expect("a complete case").solve(&mut work))
     };
-    fs::read_dir(folder).expect("scenes").map(answer).collect()
+    fs::read_dir(folder).expect("cases").map(answer).collect()
 }
 
 /// Found by campaigns of the extremes: points without an answer, with a power balance that rounding had

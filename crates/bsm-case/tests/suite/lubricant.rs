@@ -1,8 +1,8 @@
-//! Friction from the lubricant: an independent solution, and what a scene may say of it.
+//! Friction from the lubricant: an independent solution, and what a case may say of it.
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    Calibration, NutProblem, NutReport, Record, Scene, Sensitivities, Settings, torque_parts,
+    Calibration, Case, NutProblem, NutReport, Record, Sensitivities, Settings, torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::Value;
@@ -11,26 +11,20 @@ const CASES: &str = include_str!("../../../../validation/published/lubrication/p
 const OILED: &[u8] = include_bytes!("../../../../examples/feed_drive_oil.json");
 const DRY: &[u8] = include_bytes!("../../../../examples/feed_drive.json");
 
-fn oiled(settings: &[&str]) -> Scene {
-    let mut scene = Scene::from_json(OILED).expect("an example");
-    scene.apply(settings).expect("inputs");
-    scene
+fn oiled(settings: &[&str]) -> Case {
+    let mut case = Case::from_json(OILED).expect("an example");
+    case.apply(settings).expect("inputs");
+    case
 }
 
-fn solved(scene: &Scene, model: Model) -> Record {
-    let problem = scene.problem(&model.into()).expect("a complete scene");
+fn solved(case: &Case, model: Model) -> Record {
+    let problem = case.problem(&model.into()).expect("a complete case");
     let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
-    assert_eq!(
-        record.status(),
-        Status::Converged,
-        "{:?} {:?}",
-        scene.description,
-        record.message()
-    );
+    assert_eq!(record.status(), Status::Converged, "{:?} {:?}", case.description, record.message());
     record
 }
 
-/// An independent solution: its 11 scenes to its own tolerances. It has the seals in its torque, so that one of them is held
+/// An independent solution: its 11 cases to its own tolerances. It has the seals in its torque, so that one of them is held
 /// against the screw with all its parts.
 #[test]
 fn an_independent_solution_agrees() {
@@ -38,15 +32,15 @@ fn an_independent_solution_agrees() {
     let mut numbers = 0;
     let mut far = Vec::new();
     for reference in cases["cases"].as_array().expect("a list") {
-        let scene = Scene::from_json(reference["scene"].to_string().as_bytes()).expect("a scene");
+        let case = Case::from_json(reference["case"].to_string().as_bytes()).expect("a case");
         let model =
             Model::from_name(reference["model"].as_str().expect("a name")).expect("a model");
-        let record = solved(&scene, model);
+        let record = solved(&case, model);
         if model == Model::Traction {
             assert!(record.number("power_balance").expect("a balance").abs() <= 1e-9);
         }
         let told = reference["rel_tol"].as_f64().expect("a number");
-        let whole = torque_parts(&scene, &model.into()).expect("a torque");
+        let whole = torque_parts(&case, &model.into()).expect("a torque");
         let seal = record.number("seal_power_W").expect("a power");
         let whole = whole.expect("a load, a speed and friction");
         let number = |name: &str| match name {
@@ -81,7 +75,7 @@ fn an_independent_solution_agrees() {
 /// Friction is said once, and only to models that take what is said.
 #[test]
 fn friction_is_said_once() {
-    let told = |scene: &Scene, settings: &Settings| match scene.problem(settings) {
+    let told = |case: &Case, settings: &Settings| match case.problem(settings) {
         Err(error) => error.to_string(),
         Ok(_) => String::new(),
     };
@@ -89,7 +83,7 @@ fn friction_is_said_once() {
     let mut both = oiled(&[]);
     both.friction_coefficient = Some(0.06);
     assert!(told(&both, &auto).contains("friction_coefficient and iso_vg are given"));
-    let mut dry = Scene::from_json(DRY).expect("an example");
+    let mut dry = Case::from_json(DRY).expect("an example");
     dry.apply(&["film_factor=0.7"]).expect("an input");
     assert!(told(&dry, &auto).contains("friction_coefficient and film_factor are given"));
     for model in [Model::ClosedForm, Model::QuasiStatic, Model::Rigid, Model::Elastic] {
@@ -122,7 +116,7 @@ fn a_lubricant_is_for_traction_unless_asked_otherwise() {
     assert_eq!(record.model(), Model::Traction.into());
     let thin = oiled(&["viscosity_40C_mm2_s=31", "viscosity_100C_mm2_s=5.8", "base_oil=pao"]);
     assert!(thin.iso_vg.is_none());
-    let film = |scene: &Scene| solved(scene, Model::Traction).number("nut_film_um");
+    let film = |case: &Case| solved(case, Model::Traction).number("nut_film_um");
     assert!(film(&thin) < film(&oiled(&[])));
 }
 
@@ -131,9 +125,9 @@ fn a_lubricant_is_for_traction_unless_asked_otherwise() {
 fn sensitivities_match_differences() {
     let heat = ["heat_transfer_W_K=6", "ambient_temperature_C=22", "screw_speed_rpm=3000"];
     let cases = [(Model::Traction, oiled(&[])), (Model::RacewayControl, oiled(&heat))];
-    for (model, scene) in cases {
+    for (model, case) in cases {
         let settings = Settings::from(model);
-        let inputs = Sensitivities::of(&scene, &settings).expect("complete");
+        let inputs = Sensitivities::of(&case, &settings).expect("complete");
         let mut work = ModelWorkspace::default();
         let (_, rows) = inputs.solve(&mut work).expect("a solution");
         for name in
@@ -142,7 +136,7 @@ fn sensitivities_match_differences() {
             let row =
                 rows.iter().find(|row| row.input.name == name).expect("an input that is used");
             let torque = |factor: f64| {
-                let mut moved = scene.clone();
+                let mut moved = case.clone();
                 moved.set(name, row.value * factor).expect("an input");
                 solved(&moved, model).number("ball_torque_Nm").expect("a torque")
             };
@@ -168,13 +162,13 @@ fn each_ball_of_a_nut_has_its_own_film() {
         "screw_roughness_um=0.2",
     ];
     let nut = |settings: &[&str]| {
-        let mut scene = Scene::from_json(NUT).expect("an example");
-        scene.friction_coefficient = None;
+        let mut case = Case::from_json(NUT).expect("an example");
+        case.friction_coefficient = None;
         // The later of two for one input holds.
         for setting in settings {
-            scene.apply(&[setting]).expect("an input");
+            case.apply(&[setting]).expect("an input");
         }
-        NutProblem::of(&scene, &Model::RacewayControl.into())
+        NutProblem::of(&case, &Model::RacewayControl.into())
     };
     let report = |settings: &[&str]| {
         nut(settings).expect("a complete nut").solve().expect("a nut that carries")
@@ -203,15 +197,15 @@ fn each_ball_of_a_nut_has_its_own_film() {
 }
 
 /// Oil needs viscosity and temperature alone: surfaces are those of ground grooves, and a setting of the lubricant replaces
-/// the friction coefficient of the scene, a friction coefficient its lubricant.
+/// the friction coefficient of the case, a friction coefficient its lubricant.
 #[test]
 fn oil_needs_no_laboratory() {
     let drive = include_bytes!("../../../../examples/feed_drive.json");
-    let dry = Scene::from_json(drive).expect("an example");
-    let with = |scene: &Scene, settings: &[&str]| {
-        let mut scene = scene.clone();
-        scene.apply(settings).expect("settings");
-        scene
+    let dry = Case::from_json(drive).expect("an example");
+    let with = |case: &Case, settings: &[&str]| {
+        let mut case = case.clone();
+        case.apply(settings).expect("settings");
+        case
     };
     let oil = with(&dry, &["iso_vg=68", "lubricant_temperature_C=40"]);
     assert_eq!((oil.friction_coefficient, oil.iso_vg), (None, Some(68.0)));
@@ -234,10 +228,10 @@ fn inputs_come_back_from_a_table_of_torques() {
     let mut rows = vec!["speed_rpm,axial_load_kN,screw_torque_Ncm".to_owned()];
     for speed in [20.0, 200.0, 1500.0, 4000.0] {
         for load in [2000.0, 8000.0] {
-            let mut scene = oiled(&truth);
-            scene.set("screw_speed_rpm", speed).expect("an input");
-            scene.set("axial_load_N", load).expect("an input");
-            let torque = solved(&scene, Model::RacewayControl).number("ball_torque_Nm");
+            let mut case = oiled(&truth);
+            case.set("screw_speed_rpm", speed).expect("an input");
+            case.set("axial_load_N", load).expect("an input");
+            let torque = solved(&case, Model::RacewayControl).number("ball_torque_Nm");
             let torque = torque.expect("a torque");
             rows.push(format!("{speed},{},{}", load / 1e3, torque * 100.0));
         }
@@ -278,8 +272,8 @@ fn tables_of_measurements_are_checked() {
 #[test]
 fn a_film_of_rigid_contacts_is_warned_of() {
     let warned = |settings: &[&str]| {
-        let scene = oiled(settings);
-        let warnings = solved(&scene, Model::RacewayControl).warnings(&scene);
+        let case = oiled(settings);
+        let warnings = solved(&case, Model::RacewayControl).warnings(&case);
         warnings.iter().any(|words| words.starts_with("M = "))
     };
     assert!(!warned(&[]));

@@ -1,7 +1,8 @@
-//! Scenes, rules, analyses and reports.
+//! Cases, rules, analyses and reports.
 
 mod analysis;
 mod capacity;
+mod case;
 mod catalogue;
 mod design;
 mod drive;
@@ -9,7 +10,6 @@ mod glossary;
 mod hard_points;
 mod lubricant;
 mod rated;
-mod scene;
 mod sensitivities;
 mod shaft;
 mod size;

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    AxisReport, CaseError, Catalogue, ManufacturerNut, ManufacturerRow, NutProblem, Record,
-    RequirementFile, Scene, Settings, TableFormat,
+    AxisReport, Case, CaseError, Catalogue, ManufacturerNut, ManufacturerRow, NutProblem, Record,
+    RequirementFile, Settings, TableFormat,
 };
 use bsm_dyn::ModelWorkspace;
 
@@ -13,10 +13,10 @@ use bsm_dyn::ModelWorkspace;
 const FOUR: &str = r#"{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 52000, "rated_static_load_N": 88000,
     "axial_load_N": 5000, "feed_m_min": 10, "stroke_mm": 1000}"#;
 
-fn sheet(scene: &str, settings: &[&str]) -> Result<AxisReport, CaseError> {
-    let mut scene = Scene::from_json(scene.as_bytes())?;
-    scene.apply(settings)?;
-    AxisReport::of(&scene, &Settings::default())
+fn sheet(case: &str, settings: &[&str]) -> Result<AxisReport, CaseError> {
+    let mut case = Case::from_json(case.as_bytes())?;
+    case.apply(settings)?;
+    AxisReport::of(&case, &Settings::default())
 }
 
 fn number(report: &AxisReport, name: &str) -> f64 {
@@ -85,12 +85,12 @@ fn four_numbers_of_a_catalogue_suffice() {
 /// What needs the groove says so in words.
 #[test]
 fn a_screw_without_groove_is_refused_in_words() {
-    let scene = Scene::from_json(FOUR.as_bytes()).expect("a scene");
+    let case = Case::from_json(FOUR.as_bytes()).expect("a case");
     let settings = Settings::default();
     let refused = [
-        scene.problem(&settings).map(|_| ()).expect_err("solve"),
-        NutProblem::of(&scene, &settings).map(|_| ()).expect_err("nut"),
-        bsm_case::ratings(&scene).map(|_| ()).expect_err("ratings"),
+        case.problem(&settings).map(|_| ()).expect_err("solve"),
+        NutProblem::of(&case, &settings).map(|_| ()).expect_err("nut"),
+        bsm_case::ratings(&case).map(|_| ()).expect_err("ratings"),
     ];
     for why in refused.map(|why| why.to_string()) {
         assert!(why.contains("ratings only") && why.contains("contact_angle_deg"), "{why}");
@@ -188,7 +188,7 @@ const FEED_AXIS: &str =
 fn ratings_and_groove_are_compared() {
     let groove = include_str!("../../../../examples/axis.json");
     let own = sheet(groove, &["preload_N=1"]).expect("a sheet");
-    let of_nut = bsm_case::ratings(&Scene::from_json(groove.as_bytes()).expect("an example"));
+    let of_nut = bsm_case::ratings(&Case::from_json(groove.as_bytes()).expect("an example"));
     let rating = of_nut.expect("a nut").number("static_load_rating_N").expect("a rating");
     let stated = |times: f64, more: &[&str]| {
         let setting = format!("rated_static_load_N={}", rating / times);
@@ -219,15 +219,15 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     // 5 kN at 500 rpm: 37 497 h and more.
     assert!(rows.iter().all(|row| row.passes == Some(true)), "{rows:?}");
     assert_eq!(rows.iter().map(|row| &*row.name).collect::<Vec<_>>(), ["small", "large"]);
-    let small = AxisReport::of(&rows[0].scene, &Settings::default()).expect("a sheet");
+    let small = AxisReport::of(&rows[0].case, &Settings::default()).expect("a sheet");
     for name in ["cycle_life_h", "screw_mass_kg", "buckling_safety"] {
         assert_eq!(rows[0].value(name), small.number(name), "{name}");
     }
     assert_relative_eq!(number(&small, "shaft_diameter_mm"), 34.0, max_relative = 1e-12);
     // The lightest is that of screw and nut: of some 10 and 30 kg, and of 17 and 2 kg.
     let mut heavy = nuts;
-    heavy[0].scene.nut_mass_kg = Some(30.0);
-    heavy[1].scene.nut_mass_kg = Some(2.0);
+    heavy[0].case.nut_mass_kg = Some(30.0);
+    heavy[1].case.nut_mass_kg = Some(2.0);
     let rows = ManufacturerRow::all(&heavy, Some(&requirement)).expect("sheets");
     let masses: Vec<_> = rows.iter().map(|row| (&*row.name, row.value("mass_kg"))).collect();
     assert_eq!(masses, [("large", Some(2.0)), ("small", Some(30.0))]);
@@ -315,11 +315,11 @@ fn a_life_is_modified_by_load_factors_and_lubricant() {
 #[test]
 fn a_known_film_makes_the_viscosity_ratio() {
     let text = include_str!("../../../../validation/published/nut/feed_axis.json");
-    let mut scene = Scene::from_json(text.as_bytes()).expect("a scene");
-    scene.apply(&["warm_state=false", "lubricant_temperature_C=40"]).expect("inputs");
-    scene.preload_N = None;
+    let mut case = Case::from_json(text.as_bytes()).expect("a case");
+    case.apply(&["warm_state=false", "lubricant_temperature_C=40"]).expect("inputs");
+    case.preload_N = None;
     let settings = Settings::default();
-    let problem = scene.problem(&settings).expect("one ball");
+    let problem = case.problem(&settings).expect("one ball");
     let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
     let of = |name: &str| record.number(name).unwrap_or_else(|| panic!("no {name}"));
     let (ball, pitch, modulus) = (3.175e-3, 20.668e-3, 207e9 / 0.91);
@@ -346,16 +346,16 @@ fn a_known_film_makes_the_viscosity_ratio() {
         of("film_ratio") * edge / central
     });
     let expected = least[0].min(least[1]).powf(1.3);
-    scene.apply(&["contamination=normal"]).expect("a word");
-    let report = AxisReport::of(&scene, &settings).expect("a sheet");
+    case.apply(&["contamination=normal"]).expect("a word");
+    let report = AxisReport::of(&case, &settings).expect("a sheet");
     let ratio = |report: &AxisReport| report.phases[0].number("viscosity_ratio").expect("oil");
     // The radius along the helix is larger by sin²α, some 1 %, to a power of 0.02 at most.
     assert_relative_eq!(ratio(&report), expected, max_relative = 3e-4);
     let film = number(&report, "modified_life_h");
     assert!(film > 0.0 && film < 50.0 * number(&report, "cycle_life_h"), "{film}");
     // By the viscosity alone if that is asked for: ν/ν₁ of the theory (Z38), of ISO VG 68 at 40 degrees.
-    scene.apply(&["kappa_by=viscosity"]).expect("a word");
-    let report = AxisReport::of(&scene, &settings).expect("a sheet");
+    case.apply(&["kappa_by=viscosity"]).expect("a word");
+    let report = AxisReport::of(&case, &settings).expect("a sheet");
     let rpm = report.phases[0].number("screw_speed_rpm").expect("a speed").abs();
     let reference = if rpm < 1000.0 { 45e3 * rpm.powf(-0.83) } else { 4500.0 * rpm.powf(-0.5) };
     let expected = 68.0 / (reference * (2e3 * pitch).powf(-0.5));
@@ -423,12 +423,12 @@ fn a_transfer_axis_of_a_catalogue() {
         ramp(-15.0, -30.0, a),
         r#"{"time_s": 5.2}"#.to_owned(),
     ];
-    let scene = format!(
+    let case = format!(
         r#"{{"nominal_diameter_mm": 20, "lead_mm": 40, "rated_dynamic_load_N": 5400, "rated_static_load_N": 13600, "moved_mass_kg": 80,
             "guide_friction": 0.003, "load_factor": 1.5, "cycle": [{}]}}"#,
         phases.join(", ")
     );
-    let report = sheet(&scene, &[]).expect("a sheet");
+    let report = sheet(&case, &[]).expect("a sheet");
     let loads = report.phases.iter().map(|phase| phase.number("screw_load_N").expect("a load"));
     for (ours, expected) in loads.zip([550.69, 17.354, -515.98, -550.69, -17.354, 515.98]) {
         // Half a unit of the last of five digits.

@@ -1,25 +1,25 @@
 //! Derivatives by the inputs against differences of full solves and against exact identities.
 
 use approx::assert_relative_eq;
-use bsm_case::{ModelChoice, Scene, Sensitivities, Sensitivity, Settings};
+use bsm_case::{Case, ModelChoice, Sensitivities, Sensitivity, Settings};
 use bsm_dyn::{Basis, Control, Model, ModelWorkspace, Performance, Traction, Transmission};
 use proptest::prelude::*;
 
 /// The answer and its rows; `None` if there is no solution.
-fn derived(scene: &Scene, settings: &Settings) -> Option<(Performance<f64>, Vec<Sensitivity>)> {
-    let inputs = Sensitivities::of(scene, settings).expect("complete scene");
+fn derived(case: &Case, settings: &Settings) -> Option<(Performance<f64>, Vec<Sensitivity>)> {
+    let inputs = Sensitivities::of(case, settings).expect("complete case");
     inputs.solve(&mut ModelWorkspace::default()).ok()
 }
 
 /// A full solve in numbers.
-fn solved(scene: &Scene, settings: &Settings) -> Option<Transmission> {
-    let problem = scene.problem(settings).expect("complete scene");
+fn solved(case: &Case, settings: &Settings) -> Option<Transmission> {
+    let problem = case.problem(settings).expect("complete case");
     let solution = problem.solve(&mut ModelWorkspace::default());
     Some(solution.solved()?.transmission)
 }
 
-/// A scene with its speed, load and who drives; every other input away from limits.
-fn scenes() -> impl Strategy<Value = Scene> {
+/// A case with its speed, load and who drives; every other input away from limits.
+fn cases() -> impl Strategy<Value = Case> {
     (
         (8.0..40.0_f64, 35.0..60.0_f64, 0.02..0.1_f64, 0.07..0.2_f64),
         (0.51..0.56_f64, 0.51..0.56_f64, 1.0..3.5_f64, 50.0..2000.0_f64),
@@ -29,7 +29,7 @@ fn scenes() -> impl Strategy<Value = Scene> {
             let (back, drive, by_lead, own_ball) = choices;
             let rpm = 10.0_f64.powf(log_rpm) * if back { -1.0 } else { 1.0 };
             let pitch = 48.6;
-            let mut scene = Scene {
+            let mut case = Case {
                 ball_diameter_mm: Some(pitch * size),
                 pitch_circle_diameter_mm: Some(pitch),
                 contact_angle_deg: Some(contact),
@@ -38,40 +38,40 @@ fn scenes() -> impl Strategy<Value = Scene> {
                 friction_coefficient: Some(friction),
                 axial_load_N: Some(3.0 * load),
                 loaded_balls: Some(3.0),
-                ..Scene::default()
+                ..Case::default()
             };
-            (scene.screw_speed_rpm, scene.nut_speed_rpm) = match drive {
+            (case.screw_speed_rpm, case.nut_speed_rpm) = match drive {
                 0 => (Some(rpm), None),
                 1 => (Some(0.0), Some(-rpm)),
                 _ => (Some(1.3 * rpm), Some(0.3 * rpm)),
             };
             if by_lead {
-                scene.lead_mm = Some(std::f64::consts::PI * pitch * lead.to_radians().tan());
+                case.lead_mm = Some(std::f64::consts::PI * pitch * lead.to_radians().tan());
             } else {
-                scene.lead_angle_deg = Some(lead);
+                case.lead_angle_deg = Some(lead);
             }
             if own_ball {
-                scene.ball_youngs_modulus_GPa = Some(310.0);
-                scene.ball_poisson_ratio = Some(0.26);
+                case.ball_youngs_modulus_GPa = Some(310.0);
+                case.ball_poisson_ratio = Some(0.26);
             }
-            scene
+            case
         })
 }
 
 /// No dual drive, which quasi-static does not cover.
-fn single_drive(mut scene: Scene) -> Scene {
-    if scene.screw_speed_rpm != Some(0.0) {
-        scene.nut_speed_rpm = None;
+fn single_drive(mut case: Case) -> Case {
+    if case.screw_speed_rpm != Some(0.0) {
+        case.nut_speed_rpm = None;
     }
-    scene.rolling_friction_mm = Some(0.004);
-    scene
+    case.rolling_friction_mm = Some(0.004);
+    case
 }
 
 /// Each derivative against differences of full solves with a step of `h` of the input, of which
 /// Richardson's rule leaves an error of the fourth order. Returns the largest error over the
 /// changes that a whole input makes.
-fn worst_difference(scene: &Scene, settings: &Settings, h: f64) -> Option<f64> {
-    let (answer, rows) = derived(scene, settings)?;
+fn worst_difference(case: &Case, settings: &Settings, h: f64) -> Option<f64> {
+    let (answer, rows) = derived(case, settings)?;
     let mut worst: f64 = 0.0;
     for row in &rows {
         // Which member turns is all that quasi-static asks of the speeds, no number to change.
@@ -79,7 +79,7 @@ fn worst_difference(scene: &Scene, settings: &Settings, h: f64) -> Option<f64> {
             assert_eq!((row.efficiency, row.screw_torque), (0.0, Some(0.0)));
             continue;
         }
-        let speed = [scene.screw_speed_rpm, scene.nut_speed_rpm].into_iter().flatten();
+        let speed = [case.screw_speed_rpm, case.nut_speed_rpm].into_iter().flatten();
         // Both speeds in units of the relative one.
         let unit = if row.input.unit == "rpm" {
             speed.reduce(|screw, nut| screw - nut).expect("a speed").abs()
@@ -87,7 +87,7 @@ fn worst_difference(scene: &Scene, settings: &Settings, h: f64) -> Option<f64> {
             row.value
         };
         let at = |steps: f64| {
-            let mut moved = scene.clone();
+            let mut moved = case.clone();
             moved.set(row.input.name, row.value + steps * h * unit).expect("known name");
             let o = solved(&moved, settings)?;
             Some((o.efficiency, o.screw_torque?))
@@ -163,8 +163,8 @@ fn tolerances(model: ModelChoice) -> (f64, f64, f64) {
     }
 }
 
-fn check(scene: &Scene, settings: &Settings) -> Result<(), TestCaseError> {
-    let (found, numbers) = (derived(scene, settings), solved(scene, settings));
+fn check(case: &Case, settings: &Settings) -> Result<(), TestCaseError> {
+    let (found, numbers) = (derived(case, settings), solved(case, settings));
     prop_assert_eq!(found.is_some(), numbers.is_some());
     let (Some(found), Some(numbers)) = (found, numbers) else {
         return Err(TestCaseError::reject("no solution"));
@@ -179,23 +179,23 @@ fn check(scene: &Scene, settings: &Settings) -> Result<(), TestCaseError> {
     let violation = worst_identity(&found);
     prop_assert!(is_homogeneous(settings.model, violation), "{violation:?}");
     // A neighbour without solution, or with another branch, tells nothing.
-    let difference = worst_difference(scene, settings, step);
+    let difference = worst_difference(case, settings, step);
     prop_assert!(difference.is_none_or(|d| d <= apart), "{difference:?}");
     Ok(())
 }
 
 /// The same point a thousand to a million times slower.
-fn slow(mut scene: Scene, log_factor: f64) -> Scene {
+fn slow(mut case: Case, log_factor: f64) -> Case {
     let factor = 10.0_f64.powf(-log_factor);
-    for speed in [&mut scene.screw_speed_rpm, &mut scene.nut_speed_rpm] {
+    for speed in [&mut case.screw_speed_rpm, &mut case.nut_speed_rpm] {
         *speed = speed.map(|rpm| rpm * factor);
     }
-    scene
+    case
 }
 
 /// Lin's screw at a speed, with conformities.
-fn lin(rpm: f64) -> Scene {
-    Scene {
+fn lin(rpm: f64) -> Case {
+    Case {
         ball_diameter_mm: Some(8.74),
         pitch_circle_diameter_mm: Some(48.6),
         lead_angle_deg: Some(10.0),
@@ -206,12 +206,12 @@ fn lin(rpm: f64) -> Scene {
         screw_speed_rpm: Some(rpm),
         axial_load_N: Some(2113.0),
         loaded_balls: Some(1.0),
-        ..Scene::default()
+        ..Case::default()
     }
 }
 
-fn row(scene: &Scene, model: Model, name: &str) -> Sensitivity {
-    let (_, rows) = derived(scene, &model.into()).expect("solved");
+fn row(case: &Case, model: Model, name: &str) -> Sensitivity {
+    let (_, rows) = derived(case, &model.into()).expect("solved");
     rows.into_iter().find(|row| row.input.name == name).expect("the model uses the input")
 }
 
@@ -267,8 +267,8 @@ fn rows_are_the_inputs_that_the_model_reads() {
 /// Without load the closed form has no torque, and without solution there are no derivatives.
 #[test]
 fn what_is_not_there_has_no_derivative() {
-    let scene = Scene { axial_load_N: None, ..lin(2000.0) };
-    let friction = row(&scene, Model::ClosedForm, "friction_coefficient");
+    let case = Case { axial_load_N: None, ..lin(2000.0) };
+    let friction = row(&case, Model::ClosedForm, "friction_coefficient");
     assert!(friction.screw_torque.is_none() && friction.efficiency < 0.0);
     let mut shallow = lin(2000.0);
     shallow.lead_angle_deg = Some(5.0);
@@ -279,58 +279,58 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    fn closed_form(scene in scenes()) {
-        check(&scene, &Model::ClosedForm.into())?;
+    fn closed_form(case in cases()) {
+        check(&case, &Model::ClosedForm.into())?;
     }
 
     #[test]
-    fn quasi_static(scene in scenes()) {
-        check(&single_drive(scene), &Model::QuasiStatic.into())?;
+    fn quasi_static(case in cases()) {
+        check(&single_drive(case), &Model::QuasiStatic.into())?;
     }
 
     #[test]
-    fn rigid(scene in scenes()) {
-        check(&scene, &Model::Rigid.into())?;
+    fn rigid(case in cases()) {
+        check(&case, &Model::Rigid.into())?;
     }
 
     #[test]
-    fn elastic(scene in scenes()) {
-        check(&scene, &Model::Elastic.into())?;
+    fn elastic(case in cases()) {
+        check(&case, &Model::Elastic.into())?;
     }
 
     #[test]
-    fn traction(scene in scenes()) {
-        check(&scene, &Model::Traction.into())?;
+    fn traction(case in cases()) {
+        check(&case, &Model::Traction.into())?;
     }
 
     /// With a given raceway: at a tie of (W7) differences see both.
     #[test]
-    fn raceway_control(scene in scenes(), at_nut in any::<bool>()) {
+    fn raceway_control(case in cases(), at_nut in any::<bool>()) {
         let control = if at_nut { Control::Nut } else { Control::Screw };
-        check(&scene, &Settings { control: Some(control), ..Model::RacewayControl.into() })?;
+        check(&case, &Settings { control: Some(control), ..Model::RacewayControl.into() })?;
     }
 
     /// Balls so slow that the answer comes from faster ones.
     #[test]
-    fn slow_balls(scene in scenes(), log_factor in 3.0..6.0_f64) {
-        let scene = slow(scene, log_factor);
+    fn slow_balls(case in cases(), log_factor in 3.0..6.0_f64) {
+        let case = slow(case, log_factor);
         for model in [Model::Rigid, Model::Elastic, Model::Traction] {
-            check(&scene, &model.into())?;
+            check(&case, &model.into())?;
         }
     }
 
     /// The choice has the derivatives of the model that it chose, with its settings.
     #[test]
-    fn auto_is_the_model_that_it_chose(scene in scenes(), log_tolerance in -6.0..-0.5_f64) {
+    fn auto_is_the_model_that_it_chose(case in cases(), log_tolerance in -6.0..-0.5_f64) {
         let auto = Settings { tolerance: 10.0_f64.powf(log_tolerance), ..Settings::default() };
-        let solution = scene.problem(&auto).expect("complete").solve(&mut ModelWorkspace::default());
-        let found = derived(&scene, &auto).expect("auto has an answer");
+        let solution = case.problem(&auto).expect("complete").solve(&mut ModelWorkspace::default());
+        let found = derived(&case, &auto).expect("auto has an answer");
         let accuracy = match solution.choice.expect("a choice").basis {
             Basis::Integrated { accuracy } => accuracy,
             _ => Traction::ACCURACY,
         };
         let own = Settings { accuracy, ..solution.model.into() };
-        let own = derived(&scene, &own).expect("the model has an answer");
+        let own = derived(&case, &own).expect("the model has an answer");
         for row in &found.1 {
             // What the chosen model does not use at all has no row there.
             let same = own.1.iter().find(|own| own.input.name == row.input.name);

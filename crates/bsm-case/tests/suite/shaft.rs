@@ -1,6 +1,6 @@
 //! The screw as a shaft on its sheet: pretension, buckling of its section, hollow screws, short strokes, speed number.
 
-use bsm_case::{AxisReport, Scene};
+use bsm_case::{AxisReport, Case};
 
 use crate::size::{axis, near, number};
 
@@ -74,9 +74,9 @@ fn a_pretension_is_a_force_and_its_rule() {
         (&["screw_bore_mm=28"], "0.8 of the core"),
         (&["end_conductance_W_K=3"], "no effect without warm_state"),
     ] {
-        let mut scene = Scene::from_json(super::size::AXIS).expect("an example");
-        scene.apply(&[&CENTRE[..], &["support=fixed-fixed"], more].concat()).expect("settings");
-        let refused = AxisReport::of(&scene, &bsm_case::Settings::default());
+        let mut case = Case::from_json(super::size::AXIS).expect("an example");
+        case.apply(&[&CENTRE[..], &["support=fixed-fixed"], more].concat()).expect("settings");
+        let refused = AxisReport::of(&case, &bsm_case::Settings::default());
         let refused = refused.expect_err("refused").to_string();
         assert!(refused.contains(words), "{refused}");
     }
@@ -142,10 +142,10 @@ fn short_strokes_are_said() {
 fn the_make_sets_the_speed_number() {
     let limit = |make: &str| {
         let given: Vec<_> = [make].into_iter().filter(|make| !make.is_empty()).collect();
-        let mut scene = Scene::from_json(super::size::AXIS).expect("an example");
-        scene.speed_number_limit_mm_min = None;
-        scene.apply(&given).expect("settings");
-        let report = AxisReport::of(&scene, &bsm_case::Settings::default()).expect("an axis");
+        let mut case = Case::from_json(super::size::AXIS).expect("an example");
+        case.speed_number_limit_mm_min = None;
+        case.apply(&given).expect("settings");
+        let report = AxisReport::of(&case, &bsm_case::Settings::default()).expect("an axis");
         rule(&report, "speed number").limit.expect("a limit")
     };
     for (make, least) in [

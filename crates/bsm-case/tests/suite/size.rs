@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    AxisReport, Catalogue, Content, DesignReport, ManufacturerNut, NutProblem, Record,
-    RequirementFile, Scene, ScrewTorque, Settings, TableFormat, column_names, torque_parts,
+    AxisReport, Case, Catalogue, Content, DesignReport, ManufacturerNut, NutProblem, Record,
+    RequirementFile, ScrewTorque, Settings, TableFormat, column_names, torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace};
 use bsm_sample::{Sample, campaign};
@@ -15,9 +15,9 @@ use rand_chacha::ChaCha8Rng;
 pub(crate) const AXIS: &[u8] = include_bytes!("../../../../examples/axis.json");
 
 pub(crate) fn axis(settings: &[&str]) -> AxisReport {
-    let mut scene = Scene::from_json(AXIS).expect("an example");
-    scene.apply(settings).expect("settings");
-    AxisReport::of(&scene, &Settings::default()).expect("an axis")
+    let mut case = Case::from_json(AXIS).expect("an example");
+    case.apply(settings).expect("settings");
+    AxisReport::of(&case, &Settings::default()).expect("an axis")
 }
 
 pub(crate) fn number(report: &AxisReport, name: &str) -> f64 {
@@ -124,18 +124,18 @@ fn the_screw_torque_is_the_sum_of_its_parts() {
         &["screw_speed_rpm=300", "nut_speed_rpm=-1200"],
         &["seal_torque_Nm=0.3", "support_bearing_torque_Nm=0.5", "screw_speed_rpm=-1500"],
     ] {
-        let mut scene = Scene::from_json(drive).expect("an example");
-        scene.apply(settings).expect("settings");
+        let mut case = Case::from_json(drive).expect("an example");
+        case.apply(settings).expect("settings");
         let settings = Settings::from(Model::RacewayControl);
-        let parts = torque_parts(&scene, &settings).expect("a screw").expect("load and friction");
+        let parts = torque_parts(&case, &settings).expect("a screw").expect("load and friction");
         let part = |name: &str| parts.number(name).unwrap_or_else(|| panic!("no {name}"));
-        let (screw, nut) = scene.speeds_rpm().expect("speeds");
+        let (screw, nut) = case.speeds_rpm().expect("speeds");
         let [ideal, friction @ ..] = ScrewTorque::PARTS.map(part);
         let sum = ideal + (screw - nut).signum() * friction.iter().sum::<f64>();
         let torque = parts.torque().expect("a torque");
         // Rounding of five terms.
         assert_relative_eq!(torque, sum, max_relative = 1e-14);
-        let solution = scene.problem(&settings).expect("complete");
+        let solution = case.problem(&settings).expect("complete");
         let record = Record::new(solution.solve(&mut ModelWorkspace::default()));
         let others = part("seal_torque_Nm") + part("support_bearing_torque_Nm");
         let balls = torque - (screw - nut).signum() * others;
@@ -238,19 +238,18 @@ fn an_upright_axis_lifts_and_lowers() {
 /// The band belongs to every torque that comes from a lubricant: the sheet has it, and a dry one has none.
 #[test]
 fn the_sheet_of_a_lubricated_axis_says_how_sure_it_is() {
-    let oiled = |scene: &[u8]| {
-        let mut scene = Scene::from_json(scene).expect("an example");
-        scene.friction_coefficient = None;
-        scene
-            .apply(&[
-                "iso_vg=68",
-                "lubricant_temperature_C=40",
-                "ball_roughness_um=0.03",
-                "nut_roughness_um=0.2",
-                "screw_roughness_um=0.2",
-            ])
-            .expect("settings");
-        AxisReport::of(&scene, &Settings::default()).expect("an axis")
+    let oiled = |case: &[u8]| {
+        let mut case = Case::from_json(case).expect("an example");
+        case.friction_coefficient = None;
+        case.apply(&[
+            "iso_vg=68",
+            "lubricant_temperature_C=40",
+            "ball_roughness_um=0.03",
+            "nut_roughness_um=0.2",
+            "screw_roughness_um=0.2",
+        ])
+        .expect("settings");
+        AxisReport::of(&case, &Settings::default()).expect("an axis")
     };
     let told = |report: &AxisReport| {
         let found = report.answer.notes.iter().find(|note| note.contains("90 % interval"));
@@ -292,8 +291,8 @@ fn the_ratings_of_a_manufacturer_count() {
 #[test]
 fn what_lacks_is_told() {
     let says = |json: &str, words: &str| {
-        let told = Scene::from_json(json.as_bytes())
-            .and_then(|scene| AxisReport::of(&scene, &Settings::default()).map(|_| ()));
+        let told = Case::from_json(json.as_bytes())
+            .and_then(|case| AxisReport::of(&case, &Settings::default()).map(|_| ()));
         let told = told.expect_err(words).to_string();
         assert!(told.contains(words), "{told}");
     };
@@ -333,14 +332,14 @@ fn a_design_is_of_standard_size() {
     let (requirement, catalogue) = requirement(&[]);
     let report = DesignReport::standard(&requirement, &catalogue).expect("standard sizes");
     assert!(report.found, "{:?}", report.reasons);
-    let scene = &report.scene;
+    let case = &report.case;
     let listed = |list: &[f64], mm: Option<f64>| {
         list.iter().any(|m| mm.is_some_and(|mm| (m * 1e3 - mm).abs() < 1e-6))
     };
-    assert!(listed(&catalogue.lists.leads, scene.lead_mm), "{scene:?}");
-    assert!(listed(&catalogue.lists.balls, scene.ball_diameter_mm), "{scene:?}");
-    assert!(scene.contact_angle_deg.is_some_and(|angle| (angle - 45.0).abs() < 1e-6));
-    let sheet = AxisReport::of(scene, &Settings::default()).expect("an axis");
+    assert!(listed(&catalogue.lists.leads, case.lead_mm), "{case:?}");
+    assert!(listed(&catalogue.lists.balls, case.ball_diameter_mm), "{case:?}");
+    assert!(case.contact_angle_deg.is_some_and(|angle| (angle - 45.0).abs() < 1e-6));
+    let sheet = AxisReport::of(case, &Settings::default()).expect("an axis");
     let step =
         |name: &str| report.rows.iter().find(|row| row.name == name).and_then(|row| row.value);
     // The same functions: rounding of the units.
@@ -353,7 +352,7 @@ fn a_design_is_of_standard_size() {
 ///
 /// * `model`: that of the requirement, which the efficiency is of.
 fn agrees_with_its_sheet(report: &DesignReport, model: Model, what: &str) {
-    let sheet = AxisReport::of(&report.scene, &model.into()).expect("an axis");
+    let sheet = AxisReport::of(&report.case, &model.into()).expect("an axis");
     assert!(sheet.passes(), "{what}: {:?}", sheet.answer.rules);
     let mut compared = 0;
     for row in &report.rows {
@@ -386,7 +385,7 @@ fn design_and_catalogue_judge_by_the_rules_of_the_sheet() {
         });
         for nut in listed.iter().take(20).filter(|nut| requirement.sheet_of(nut).is_some()) {
             let sheet =
-                AxisReport::of(&requirement.scene_of(nut), &Settings::default()).expect("an axis");
+                AxisReport::of(&requirement.case_of(nut), &Settings::default()).expect("an axis");
             assert!(sheet.passes(), "{settings:?}");
         }
     }
@@ -395,7 +394,7 @@ fn design_and_catalogue_judge_by_the_rules_of_the_sheet() {
     let best = |requirement: &RequirementFile| {
         let report = DesignReport::standard(requirement, &catalogue).expect("standard sizes");
         number(
-            &AxisReport::of(&report.scene, &Settings::default()).expect("an axis"),
+            &AxisReport::of(&report.case, &Settings::default()).expect("an axis"),
             "screw_mass_kg",
         )
     };
@@ -435,15 +434,14 @@ fn select_axis_nut_and_solve_agree() {
         let requirement = RequirementFile::from_json(b"{}", &settings, catalogue.lists.clone());
         let report = DesignReport::standard(&requirement.expect("a requirement"), &catalogue);
         let report = report.filter(|report| report.found);
-        let Some(DesignReport { scene, rows, .. }) = report else { continue };
+        let Some(DesignReport { case, rows, .. }) = report else { continue };
         axes += 1;
         let settings = Settings::default();
-        let sheet = AxisReport::of(&scene, &settings).expect("an axis");
-        let nut = NutProblem::of(&scene, &settings).expect("a nut").solve().expect("a solution");
-        let ball =
-            scene.problem(&settings).expect("complete").solve(&mut ModelWorkspace::default());
+        let sheet = AxisReport::of(&case, &settings).expect("an axis");
+        let nut = NutProblem::of(&case, &settings).expect("a nut").solve().expect("a solution");
+        let ball = case.problem(&settings).expect("complete").solve(&mut ModelWorkspace::default());
         let ball = Record::new(ball);
-        let parts = torque_parts(&scene, &settings).expect("a screw").expect("friction");
+        let parts = torque_parts(&case, &settings).expect("a screw").expect("friction");
         let mut shared = 0;
         let mut same = |name: &str, values: &[Option<f64>]| {
             let mut values = values.iter().flatten();
@@ -451,7 +449,7 @@ fn select_axis_nut_and_solve_agree() {
             for value in values {
                 // Rounding of the units, and of a search that ends at 1e-9.
                 let apart = (value - first).abs();
-                assert!(apart <= 1e-8 * first.abs(), "{scene:?}: {name} {first} {value}");
+                assert!(apart <= 1e-8 * first.abs(), "{case:?}: {name} {first} {value}");
                 shared += 1;
             }
         };
@@ -462,7 +460,7 @@ fn select_axis_nut_and_solve_agree() {
         for name in NAMES {
             same(name, &[of_axis(name), nut.number(name), parts.number(name), ball.number(name)]);
         }
-        assert!(shared >= 16, "{scene:?}: {shared}");
+        assert!(shared >= 16, "{case:?}: {shared}");
     }
     assert!(axes >= rounds / 4, "{axes} of {rounds} requirements have a screw");
 }
@@ -567,8 +565,8 @@ fn a_life_that_is_required_stays_on_the_sheet() {
     };
     let stated = requirement(&with(r#""required_life_h": 10000"#)).expect("a requirement");
     let report = DesignReport::standard(&stated, &catalogue).expect("standard sizes");
-    assert_eq!(report.scene.required_life_h, Some(10_000.0));
-    let sheet = AxisReport::of(&report.scene, &Settings::default()).expect("an axis");
+    assert_eq!(report.case.required_life_h, Some(10_000.0));
+    let sheet = AxisReport::of(&report.case, &Settings::default()).expect("an axis");
     let rule = sheet.answer.rules.iter().find(|rule| rule.name == "cycle_life_h").expect("a rule");
     assert!(rule.limit == Some(10_000.0) && rule.passes(), "{rule:?}");
     // The short name is the same key, and both do not differ.
@@ -612,8 +610,8 @@ fn an_accuracy_grade_says_what_it_is() {
             report.answer.notes
         );
     }
-    let mut scene = Scene::from_json(AXIS).expect("an example");
-    let wrong = scene.apply(&["accuracy_grade=C4"]).expect_err("no grade").to_string();
+    let mut case = Case::from_json(AXIS).expect("an example");
+    let wrong = case.apply(&["accuracy_grade=C4"]).expect_err("no grade").to_string();
     assert!(wrong.contains("C4") && wrong.contains("P10"), "{wrong}");
 }
 
@@ -671,9 +669,9 @@ fn a_manufacturers_table_is_read() {
     let mixed = ManufacturerNut::from_csv(b"nut;lead_mm\na;1.500", &format);
     assert!(mixed.expect_err("mixed").to_string().contains("`1.500` is not a number"));
     for nut in &ours {
-        let stated = nut.scene.rated_dynamic_load_N.expect("a rating");
-        let scene = Scene { axial_load_N: Some(0.3 * stated), ..nut.scene.clone() };
-        let report = bsm_case::ratings(&scene).expect("a nut");
+        let stated = nut.case.rated_dynamic_load_N.expect("a rating");
+        let case = Case { axial_load_N: Some(0.3 * stated), ..nut.case.clone() };
+        let report = bsm_case::ratings(&case).expect("a nut");
         let rating = report.number("dynamic_load_rating_N");
         // The scatter of the catalogue (validation/published/ratings).
         near(rating.expect("a rating"), stated, 0.04, &nut.name);

@@ -1,7 +1,7 @@
-//! The ball train of a nut, from its scene: the reference cases of `validation/published/nut`, and what a scene may not
+//! The ball train of a nut, from its case: the reference cases of `validation/published/nut`, and what a case may not
 //! say.
 
-use bsm_case::{AxisReport, CaseError, NutProblem, NutReport, Scene, Settings};
+use bsm_case::{AxisReport, Case, CaseError, NutProblem, NutReport, Settings};
 use bsm_dyn::Model;
 use serde_json::{Value, json};
 
@@ -12,12 +12,12 @@ fn cases() -> Vec<Value> {
     file["cases"].as_array().expect("cases").clone()
 }
 
-/// The nut of a scene with some entries changed.
-fn nut(scene: &Value, change: &Value, settings: &Settings) -> Result<NutReport, CaseError> {
-    let mut scene = scene.clone();
-    scene.as_object_mut().expect("a scene").extend(change.as_object().expect("entries").clone());
-    let scene = Scene::from_json(scene.to_string().as_bytes())?;
-    NutProblem::of(&scene, settings)?.solve().map_err(CaseError::Nut)
+/// The nut of a case with some entries changed.
+fn nut(case: &Value, change: &Value, settings: &Settings) -> Result<NutReport, CaseError> {
+    let mut case = case.clone();
+    case.as_object_mut().expect("a case").extend(change.as_object().expect("entries").clone());
+    let case = Case::from_json(case.to_string().as_bytes())?;
+    NutProblem::of(&case, settings)?.solve().map_err(CaseError::Nut)
 }
 
 fn number(report: &NutReport, name: &str) -> f64 {
@@ -26,13 +26,13 @@ fn number(report: &NutReport, name: &str) -> f64 {
 
 /// To the tolerances of the file: torques over the friction torque, pushes over the largest.
 #[test]
-fn reference_cases_from_scenes() {
+fn reference_cases_from_cases() {
     for reference in cases() {
         let name = reference["id"].as_str().expect("name");
         let settings = Settings::default();
-        let report = nut(&reference["scene"], &json!({}), &settings).expect("a nut");
+        let report = nut(&reference["case"], &json!({}), &settings).expect("a nut");
         let expected = |key: &str| reference["expected"][key].as_f64().expect("number");
-        let is_oiled = reference["scene"].get("iso_vg").is_some();
+        let is_oiled = reference["case"].get("iso_vg").is_some();
         let [rates, torques, pushes] =
             if is_oiled { [1e-5, 1e-4, 1e-3] } else { [1e-7, 1e-6, 1e-5] };
         let friction = expected("friction_torque_Nm");
@@ -67,7 +67,7 @@ fn reference_cases_from_scenes() {
 #[test]
 fn the_parts_of_the_torque_are_the_whole() {
     let reference = &cases()[1];
-    let report = nut(&reference["scene"], &json!({"seal_torque_Nm": 0.2}), &Settings::default());
+    let report = nut(&reference["case"], &json!({"seal_torque_Nm": 0.2}), &Settings::default());
     let report = report.expect("a nut");
     let parts = [
         "contact_torque_Nm",
@@ -87,7 +87,7 @@ fn the_parts_of_the_torque_are_the_whole() {
 /// To rounding: with oil, drag and a given force between the balls, with and without a gap.
 #[test]
 fn losses_of_an_oiled_nut_are_parts_of_the_whole() {
-    let scene = &cases()[5]["scene"];
+    let case = &cases()[5]["case"];
     let drag =
         json!({"drag_coefficient": 1.0, "return_circuits": 2, "return_loss_coefficient": 2.0});
     for change in [
@@ -96,7 +96,7 @@ fn losses_of_an_oiled_nut_are_parts_of_the_whole() {
     ] {
         let mut change = change;
         change.as_object_mut().expect("entries").extend(drag.as_object().expect("entries").clone());
-        let report = nut(scene, &change, &Settings::default()).expect("a nut");
+        let report = nut(case, &change, &Settings::default()).expect("a nut");
         let parts = [
             "contact_torque_Nm",
             "ball_contact_torque_Nm",
@@ -118,9 +118,8 @@ fn losses_of_an_oiled_nut_are_parts_of_the_whole() {
 fn with_room_enough_the_nut_is_the_same() {
     let reference = &cases()[2];
     let settings = Settings::from(Model::Traction);
-    let with = nut(&reference["scene"], &json!({}), &settings).expect("a nut");
-    let without =
-        nut(&reference["scene"], &json!({"ball_gap_mm": null}), &settings).expect("a nut");
+    let with = nut(&reference["case"], &json!({}), &settings).expect("a nut");
+    let without = nut(&reference["case"], &json!({"ball_gap_mm": null}), &settings).expect("a nut");
     for name in ["friction_torque_Nm", "nut_efficiency", "needed_gap_mm", "ball_contact_band_Nm"] {
         let [a, b] = [&with, &without].map(|report| number(report, name));
         assert!((a - b).abs() <= 1e-9 * b, "{name}: {a} {b}");
@@ -131,9 +130,9 @@ fn with_room_enough_the_nut_is_the_same() {
 /// The band was 36 kN m by model elastic, whose balls spin without friction; by raceway control it differs by some per cent.
 #[test]
 fn the_band_of_a_model_is_that_of_traction_or_raceway_control() {
-    let scene = &cases()[1]["scene"];
+    let case = &cases()[1]["case"];
     let band = |model: Model| {
-        let report = nut(scene, &json!({}), &Settings::from(model)).expect("a nut");
+        let report = nut(case, &json!({}), &Settings::from(model)).expect("a nut");
         number(&report, "ball_contact_band_Nm")
     };
     let traction = band(Model::Traction);
@@ -145,12 +144,9 @@ fn the_band_of_a_model_is_that_of_traction_or_raceway_control() {
 
 #[test]
 fn what_a_train_does_not_take() {
-    let scene = &cases()[1]["scene"];
+    let case = &cases()[1]["case"];
     let refused = |change: Value| {
-        nut(scene, &change, &Settings::default())
-            .err()
-            .map(|why| why.to_string())
-            .expect("an error")
+        nut(case, &change, &Settings::default()).err().map(|why| why.to_string()).expect("an error")
     };
     // Its 1731.6 degrees are 626.5 mm, 98.6 balls.
     let none = refused(json!({"ball_gap_mm": 0.0}));
@@ -168,7 +164,7 @@ fn what_a_train_does_not_take() {
 
 #[test]
 fn without_pushes_there_is_no_torque_and_a_reason() {
-    let scene = &cases()[1]["scene"];
+    let case = &cases()[1]["case"];
     for (change, settings, says) in [
         (json!({}), Settings::from(Model::RacewayControl), "need model traction"),
         (json!({"ball_deviation_sd_um": 0.5}), Settings::default(), "unequal size"),
@@ -182,7 +178,7 @@ fn without_pushes_there_is_no_torque_and_a_reason() {
         // 6 N push on balls whose loads reach some 190 N.
         (json!({"return_push_N": 6.0}), Settings::default(), "of their largest load"),
     ] {
-        let report = nut(scene, &change, &settings).expect("a nut");
+        let report = nut(case, &change, &settings).expect("a nut");
         assert!(report.number("friction_torque_Nm").is_none(), "{says}");
         assert!(report.number("needed_gap_mm").is_some(), "{says}");
         assert!(report.notes().iter().any(|note| note.contains(says)), "{:?}", report.notes());
@@ -192,7 +188,7 @@ fn without_pushes_there_is_no_torque_and_a_reason() {
 /// In the last reference case a push is 3.7 % of the mean load and 2.1 % of the largest: it is solved, with a warning.
 #[test]
 fn a_push_above_three_percent_of_the_mean_load_is_said() {
-    let report = nut(&cases()[5]["scene"], &json!({}), &Settings::default()).expect("a nut");
+    let report = nut(&cases()[5]["case"], &json!({}), &Settings::default()).expect("a nut");
     assert!(report.warnings().iter().any(|note| note.contains("of their mean load")));
     assert!(report.number("friction_torque_Nm").is_some());
 }
@@ -200,14 +196,14 @@ fn a_push_above_three_percent_of_the_mean_load_is_said() {
 /// A pair whose circuits have gaps of their own: where there are more gaps no balls touch.
 #[test]
 fn each_circuit_may_have_its_own_gaps() {
-    let scene = &cases()[5]["scene"];
+    let case = &cases()[5]["case"];
     let touching = |gaps: [Value; 2], of_nut: Value| {
-        let mut circuits = scene["circuits"].clone();
+        let mut circuits = case["circuits"].clone();
         for (circuit, gap) in circuits.as_array_mut().expect("circuits").iter_mut().zip(gaps) {
             circuit["ball_gap_mm"] = gap;
         }
         let change = json!({"circuits": circuits, "ball_gap_mm": of_nut, "return_push_N": 0.0});
-        let report = nut(scene, &change, &Settings::default());
+        let report = nut(case, &change, &Settings::default());
         report.map(|report| number(&report, "touching_contacts"))
     };
     // They need 0.98 and 0.95 mm.
@@ -231,7 +227,7 @@ fn each_circuit_may_have_its_own_gaps() {
 #[test]
 fn circuits_have_their_flux() {
     let reference = cases().into_iter().find(|reference| reference["id"] == "T02").expect("T02");
-    let report = nut(&reference["scene"], &json!({}), &Settings::default()).expect("a nut");
+    let report = nut(&reference["case"], &json!({}), &Settings::default()).expect("a nut");
     let circuit = &report.answer().to_json()["circuits"][0];
     let expected = &reference["expected"]["circuits"][0];
     for (ours, theirs, allowed) in [
@@ -248,9 +244,9 @@ fn circuits_have_their_flux() {
 #[test]
 fn too_many_balls_are_said() {
     let reference = cases().into_iter().find(|reference| reference["id"] == "T02").expect("T02");
-    let mut scene = reference["scene"].clone();
-    scene["circuits"][0]["balls"] = json!(120);
-    let report = nut(&scene, &json!({}), &Settings::default()).expect("a nut");
+    let mut case = reference["case"].clone();
+    case["circuits"][0]["balls"] = json!(120);
+    let report = nut(&case, &json!({}), &Settings::default()).expect("a nut");
     let warnings = report.warnings().join("; ");
     // A turn is 129.86 along and 10 mm ahead, 1731.6 degrees are 626.5 mm, and 98.6 balls of 6.35 mm.
     assert!(
@@ -264,15 +260,15 @@ fn too_many_balls_are_said() {
 #[test]
 fn an_axis_says_whether_touching_balls_are_in_its_torque() {
     let says = |change: Value| {
-        let mut scene = json!({
+        let mut case = json!({
             "ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.336, "lead_mm": 12, "contact_angle_deg": 45,
             "nut_conformity": 0.53, "screw_conformity": 0.53, "loaded_balls_per_turn": 19, "loaded_turns": 3,
             "friction_coefficient": 0.06, "axial_load_N": 2000, "screw_speed_rpm": 100,
         });
-        let entries = scene.as_object_mut().expect("a scene");
+        let entries = case.as_object_mut().expect("a case");
         entries.extend(change.as_object().expect("entries").clone());
-        let scene = Scene::from_json(scene.to_string().as_bytes()).expect("a scene");
-        let sheet = AxisReport::of(&scene, &Settings::default()).expect("an axis");
+        let case = Case::from_json(case.to_string().as_bytes()).expect("a case");
+        let sheet = AxisReport::of(&case, &Settings::default()).expect("an axis");
         let torque = sheet.number("screw_torque_Nm").expect("a torque");
         (sheet.answer.to_json()["not_modelled"].to_string(), torque)
     };

@@ -1,9 +1,9 @@
-//! The warm steady state of an axis, from its scene: the reference cases of `validation/published/nut`, and what a
-//! scene may not say.
+//! The warm steady state of an axis, from its case: the reference cases of `validation/published/nut`, and what a
+//! case may not say.
 
 use bsm_case::{
-    AnalysisKind, AxisReport, Catalogue, DesignReport, InputKey, NutProblem, Output,
-    RequirementFile, Scene, Settings, WarmBranch, torque_parts,
+    AnalysisKind, AxisReport, Case, Catalogue, DesignReport, InputKey, NutProblem, Output,
+    RequirementFile, Settings, WarmBranch, torque_parts,
 };
 use bsm_dyn::{Control, Model};
 use serde_json::{Value, json};
@@ -14,32 +14,31 @@ fn settings() -> Settings {
     Settings { control: Some(Control::Nut), ..Settings::from(Model::RacewayControl) }
 }
 
-/// The scene of a reference case as entries of a scene, changed.
-fn scene(id: &str, change: impl Fn(&mut Value)) -> (Scene, Value) {
+/// The case of a reference case as entries of a case, changed.
+fn case(id: &str, change: impl Fn(&mut Value)) -> (Case, Value) {
     let all: Value = serde_json::from_str(CASES).expect("JSON");
     let reference =
         all["cases"].as_array().expect("cases").iter().find(|reference| reference["id"] == id);
     let reference = reference.unwrap_or_else(|| panic!("{id}")).clone();
-    let mut scene = reference["scene"].clone();
-    let entries = scene.as_object_mut().expect("a scene");
+    let mut case = reference["case"].clone();
+    let entries = case.as_object_mut().expect("a case");
     entries.insert("warm_state".to_owned(), json!(true));
     // The name of the specification, and ours.
     if let Some(stiffness) = entries.remove("support_bearing_stiffness_N_um") {
         entries.insert("support_bearing_stiffness_N_um".to_owned(), stiffness);
     }
-    change(&mut scene);
-    (Scene::from_json(scene.to_string().as_bytes()).expect("scene"), reference)
+    change(&mut case);
+    (Case::from_json(case.to_string().as_bytes()).expect("case"), reference)
 }
 
 /// To the tolerances of the cases, of rises over the ambient temperature, preload, heat and growth; of the gain 1e-4.
 #[test]
-fn reference_cases_from_scenes() {
+fn reference_cases_from_cases() {
     for id in ["WS-P1", "WS-P2", "WS-P3", "WS-P4", "WS-P5", "WS-P6"] {
-        let (scene, reference) = scene(id, |scene| scene["fold_search_factor"] = json!(1.01));
-        let report =
-            AxisReport::of(&scene, &settings()).unwrap_or_else(|why| panic!("{id}: {why}"));
+        let (case, reference) = case(id, |case| case["fold_search_factor"] = json!(1.01));
+        let report = AxisReport::of(&case, &settings()).unwrap_or_else(|why| panic!("{id}: {why}"));
         let tolerance = reference["rel_tol"].as_f64().expect("tolerance");
-        let ambient = reference["scene"]["ambient_temperature_C"].as_f64().unwrap_or(20.0);
+        let ambient = reference["case"]["ambient_temperature_C"].as_f64().unwrap_or(20.0);
         for (name, expected, from) in [
             ("nut_temperature_C", "nut_temperature_C", ambient),
             ("screw_temperature_C", "screw_temperature_C", ambient),
@@ -100,8 +99,8 @@ fn conductances_have_their_origin() {
         ("coolant_conductance_W_K", "coolant"),
     ];
     for (id, given, coolant) in [("WS-P3", "given", "default"), ("WS-P5", "computed", "computed")] {
-        let (scene, reference) = scene(id, |_| {});
-        let nut = NutProblem::of(&scene, &settings()).expect("a nut").solve().expect("a state");
+        let (case, reference) = case(id, |_| {});
+        let nut = NutProblem::of(&case, &settings()).expect("a nut").solve().expect("a state");
         let all = nut.answer().to_json()["conductances"].clone();
         for (name, own) in names {
             let expected = reference["expect"]["conductances_W_K"][own].as_f64().expect(own);
@@ -121,8 +120,8 @@ fn conductances_have_their_origin() {
 /// The air had the temperature of setting where none was given.
 #[test]
 fn the_air_has_20_degrees_unless_given() {
-    let scene = feed_axis(&["screw_speed_rpm=0", "preload_temperature_C=25"]);
-    let sheet = AxisReport::of(&scene, &settings()).expect("an axis");
+    let case = feed_axis(&["screw_speed_rpm=0", "preload_temperature_C=25"]);
+    let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let found = sheet.number("nut_temperature_C").expect("a temperature");
     // Rounding of the network.
     assert!((found - 20.0).abs() < 1e-9, "{found}");
@@ -130,11 +129,11 @@ fn the_air_has_20_degrees_unless_given() {
 
 /// To the 1e-5 of the reference.
 #[test]
-fn folds_of_reference_cases_from_scenes() {
+fn folds_of_reference_cases_from_cases() {
     for id in ["WS-P3", "WS-P6"] {
-        let (scene, reference) = scene(id, |scene| scene["fold_search_factor"] = json!(2.5));
+        let (case, reference) = case(id, |case| case["fold_search_factor"] = json!(2.5));
         let numbers = AnalysisKind::Warm
-            .numbers(&scene, &settings(), None, |output| output.name == "fold_speed_factor")
+            .numbers(&case, &settings(), None, |output| output.name == "fold_speed_factor")
             .expect("a state");
         let found = numbers.number("fold_speed_factor").expect("a fold");
         let expected = reference["expect"]["fold_speed_factor"].as_f64().expect("a fold");
@@ -145,7 +144,7 @@ fn folds_of_reference_cases_from_scenes() {
 /// The fold of WS-P3 to the 0.05 K that the reference searches it to, which are 40 N there, and the unstable state to its tolerance.
 #[test]
 fn the_fold_and_the_state_beyond_it_are_numbers() {
-    let (axis, reference) = scene("WS-P3", |_| {});
+    let (axis, reference) = case("WS-P3", |_| {});
     let sheet = AxisReport::of(&axis, &settings()).expect("an axis");
     let fold = &reference["expect"]["fold_temperatures_C"];
     let second = &reference["expect"]["states"][1];
@@ -171,7 +170,7 @@ fn the_fold_and_the_state_beyond_it_are_numbers() {
     }
     assert_eq!(sheet.number("fold_searched_to"), None);
     // Where the search ends without a fold, it says how far it went; where none was made, nothing.
-    let (mild, _) = scene("WS-P2", |scene| scene["fold_search_factor"] = json!(1.01));
+    let (mild, _) = case("WS-P2", |case| case["fold_search_factor"] = json!(1.01));
     let sheet = AxisReport::of(&mild, &settings()).expect("an axis");
     assert_eq!(sheet.number("fold_searched_to"), Some(1.01));
     let nut = NutProblem::of(&mild, &settings()).expect("a nut").solve().expect("a state");
@@ -182,14 +181,14 @@ fn the_fold_and_the_state_beyond_it_are_numbers() {
 #[test]
 fn the_cold_life_is_that_without_a_warm_state() {
     let lives = |warm: bool, name: &str| {
-        let (scene, _) = scene("WS-P6", |scene| {
-            scene["warm_state"] = json!(warm);
-            scene["fold_search_factor"] = json!(1.01);
+        let (case, _) = case("WS-P6", |case| {
+            case["warm_state"] = json!(warm);
+            case["fold_search_factor"] = json!(1.01);
             if !warm {
-                scene["lubricant_temperature_C"] = json!(40.0);
+                case["lubricant_temperature_C"] = json!(40.0);
             }
         });
-        AxisReport::of(&scene, &settings()).expect("an axis").number(name).expect(name)
+        AxisReport::of(&case, &settings()).expect("an axis").number(name).expect(name)
     };
     let cold = lives(true, "cold_cycle_life_revolutions");
     // The preload is found to 1e-10 in both.
@@ -200,18 +199,18 @@ fn the_cold_life_is_that_without_a_warm_state() {
 /// Circuits say how many balls and turns a nut has.
 #[test]
 fn columns_of_a_nut_of_circuits_are_not_empty() {
-    let (scene, _) = scene("WS-P3", |_| {});
+    let (case, _) = case("WS-P3", |_| {});
     for name in ["fold_speed_factor", "cycle_life_h", "dynamic_load_rating_N"] {
         let column = Output::named(name).expect(name);
-        column.check(&scene, scene.given(), Model::RacewayControl.into()).expect(name);
+        column.check(&case, case.given(), Model::RacewayControl.into()).expect(name);
     }
 }
 
 /// Above its fold WS-P3 has no state, and the rule says by how much: 1166.55 of 1500 rpm.
 #[test]
 fn above_the_fold_a_rule_fails() {
-    let (scene, _) = scene("WS-P3", |scene| scene["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
-    let report = AxisReport::of(&scene, &settings()).expect("an axis");
+    let (case, _) = case("WS-P3", |case| case["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
+    let report = AxisReport::of(&case, &settings()).expect("an axis");
     assert!(!report.passes());
     let factor = report.number("fold_speed_factor").expect("a fold");
     // The reference has it to 1e-5.
@@ -223,11 +222,11 @@ fn above_the_fold_a_rule_fails() {
 #[test]
 fn what_contradicts_itself_is_refused() {
     let refused = |id: &str, change: &dyn Fn(&mut Value), words: &str| {
-        let (scene, _) = scene(id, change);
-        let why = AxisReport::of(&scene, &settings()).expect_err(words).to_string();
+        let (case, _) = case(id, change);
+        let why = AxisReport::of(&case, &settings()).expect_err(words).to_string();
         assert!(why.contains(words), "{why}");
     };
-    let set = |key: &'static str, value: Value| move |scene: &mut Value| scene[key] = value.clone();
+    let set = |key: &'static str, value: Value| move |case: &mut Value| case[key] = value.clone();
     refused("WS-P2", &set("nut_conductance_W_K", json!(0.0)), "nut_conductance_W_K");
     refused("WS-P3", &set("carriage_area_m2", json!(0.5)), "carriage_area_m2");
     refused("WS-P4", &set("pretension_N", json!(1e3)), "pretension_N");
@@ -235,34 +234,26 @@ fn what_contradicts_itself_is_refused() {
     refused("WS-P2", &set("coolant_flow_l_min", json!(4.0)), "needs screw_bore_mm");
     refused("WS-P5", &set("screw_bore_mm", json!(34.4)), "0.8 of the core");
     refused("WS-P5", &set("coolant_conductance_W_K", json!(70.0)), "coolant_conductance_W_K");
-    refused(
-        "WS-P2",
-        &|scene| scene["unsupported_length_mm"] = json!(920.0),
-        "run into the bearings",
-    );
-    refused(
-        "WS-P2",
-        &|scene| scene["screw_temperature_rise_K"] = json!(5.0),
-        "rises of temperature",
-    );
-    refused("WS-P2", &|scene| scene["axis_heat_transfer_W_K"] = json!(5.0), "one node");
+    refused("WS-P2", &|case| case["unsupported_length_mm"] = json!(920.0), "run into the bearings");
+    refused("WS-P2", &|case| case["screw_temperature_rise_K"] = json!(5.0), "rises of temperature");
+    refused("WS-P2", &|case| case["axis_heat_transfer_W_K"] = json!(5.0), "one node");
 }
 
 const FEED_AXIS: &str = include_str!("../../../../validation/published/nut/feed_axis.json");
 
 /// The feed axis with settings.
-fn feed_axis(settings: &[&str]) -> Scene {
-    let mut scene = Scene::from_json(FEED_AXIS.as_bytes()).expect("a scene");
-    scene.apply(settings).expect("settings");
-    scene
+fn feed_axis(settings: &[&str]) -> Case {
+    let mut case = Case::from_json(FEED_AXIS.as_bytes()).expect("a case");
+    case.apply(settings).expect("settings");
+    case
 }
 
 /// One name has one number: nut, axis, warm state, columns of tables, and the torque of `bsm solve`.
 #[test]
 fn all_answers_are_in_one_warm_state() {
-    let scene = feed_axis(&[]);
-    let sheet = AxisReport::of(&scene, &settings()).expect("an axis");
-    let nut = NutProblem::of(&scene, &settings()).expect("a nut").solve().expect("a state");
+    let case = feed_axis(&[]);
+    let sheet = AxisReport::of(&case, &settings()).expect("an axis");
+    let nut = NutProblem::of(&case, &settings()).expect("a nut").solve().expect("a state");
     let preload = nut.number("warm_preload_N").expect("a preload");
     let same = |name: &str, found: Option<f64>, expected: Option<f64>, allowed: f64| {
         let (found, expected) = found.zip(expected).unwrap_or_else(|| panic!("no {name}"));
@@ -271,7 +262,7 @@ fn all_answers_are_in_one_warm_state() {
     // The search meets the balance of heat to 1e-10, in the same order each time; the nut is solved once more.
     same("preload of the sheet", sheet.number("warm_preload_N"), Some(preload), 1e-9);
     for kind in [AnalysisKind::Nut, AnalysisKind::Warm] {
-        let numbers = kind.numbers(&scene, &settings(), None, |_| true).expect("numbers");
+        let numbers = kind.numbers(&case, &settings(), None, |_| true).expect("numbers");
         same(kind.name(), numbers.number("warm_preload_N"), Some(preload), 1e-9);
     }
     for name in ["nut_temperature_C", "screw_temperature_C", "balls_temperature_C"] {
@@ -279,11 +270,11 @@ fn all_answers_are_in_one_warm_state() {
     }
     // Friction of balls that differ by their load alone is interpolated to 1e-9 in the one and in the other.
     same("heat", sheet.number("mean_heat_W"), sheet.number("steady_heat_W"), 1e-7);
-    let parts = torque_parts(&scene, &settings()).expect("a torque").expect("its parts");
+    let parts = torque_parts(&case, &settings()).expect("a torque").expect("its parts");
     let whole = "screw_torque_Nm";
     same(whole, parts.number(whole), sheet.phases[0].number(whole), 1e-9);
     // The same nut at the temperatures as inputs.
-    let warm = scene.in_warm_state(&settings()).expect("a state");
+    let warm = case.in_warm_state(&settings()).expect("a state");
     assert!(!warm.asks_warm() && warm.screw_temperature_rise_K.is_some());
     let plain = NutProblem::of(&warm, &settings()).expect("a nut").solve().expect("a state");
     for name in ["warm_preload_N", "friction_torque_Nm", "life_by_balls_revolutions"] {
@@ -308,12 +299,12 @@ fn what_ends_the_states_is_said() {
 fn states_do_not_end_where_balls_lose_their_load() {
     let mut last = f64::INFINITY;
     for factor in [1.65, 1.7, 1.85, 1.9, 2.0, 2.15, 2.25] {
-        let (scene, _) = scene("WS-P5", |scene| {
-            let speed = &mut scene["cycle"][0]["screw_speed_rpm"];
+        let (case, _) = case("WS-P5", |case| {
+            let speed = &mut case["cycle"][0]["screw_speed_rpm"];
             *speed = json!(factor * speed.as_f64().expect("a speed"));
         });
         let numbers =
-            AnalysisKind::Warm.numbers(&scene, &settings(), None, |of| of.name == "warm_preload_N");
+            AnalysisKind::Warm.numbers(&case, &settings(), None, |of| of.name == "warm_preload_N");
         let preload = numbers.unwrap_or_else(|why| panic!("{factor}: {why}"));
         let preload = preload.number("warm_preload_N").expect("a preload");
         assert!(preload > 0.0 && preload < last, "{factor}: {preload} after {last}");
@@ -324,8 +315,8 @@ fn states_do_not_end_where_balls_lose_their_load() {
 /// A preload has its drag and its rules in a cycle without loads too.
 #[test]
 fn a_preload_without_load_has_its_drag() {
-    let (scene, _) = scene("WS-P3", |scene| scene["fold_search_factor"] = json!(1.01));
-    let sheet = AxisReport::of(&scene, &settings()).expect("an axis");
+    let (case, _) = case("WS-P3", |case| case["fold_search_factor"] = json!(1.01));
+    let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let [mean, steady] =
         ["mean_heat_W", "steady_heat_W"].map(|name| sheet.number(name).expect(name));
     // Friction of balls that differ by their load alone is interpolated to 1e-9 in the one and in the other.
@@ -336,9 +327,9 @@ fn a_preload_without_load_has_its_drag() {
 /// Above the fold only the numbers of the fold are there; others say why they are not.
 #[test]
 fn above_the_fold_a_column_says_why() {
-    let (scene, _) = scene("WS-P3", |scene| scene["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
+    let (case, _) = case("WS-P3", |case| case["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
     let numbers = |names: &[&str]| {
-        AnalysisKind::Warm.numbers(&scene, &settings(), None, |of| names.contains(&of.name))
+        AnalysisKind::Warm.numbers(&case, &settings(), None, |of| names.contains(&of.name))
     };
     let fold = numbers(&["fold_speed_factor"]).expect("a fold").number("fold_speed_factor");
     // WS-P3 has its fold at 1166.5467 rpm, to the 1e-5 of the reference.
@@ -351,11 +342,11 @@ fn above_the_fold_a_column_says_why() {
 #[test]
 fn what_is_given_narrows_the_band() {
     let band = |change: &dyn Fn(&mut Value)| {
-        let (scene, reference) = scene("WS-P2", |scene| {
-            scene["fold_search_factor"] = json!(1.01);
-            change(scene);
+        let (case, reference) = case("WS-P2", |case| {
+            case["fold_search_factor"] = json!(1.01);
+            change(case);
         });
-        let report = AxisReport::of(&scene, &settings()).expect("an axis");
+        let report = AxisReport::of(&case, &settings()).expect("an axis");
         (report.answer.to_json()["band"].clone(), reference)
     };
     let (found, reference) = band(&|_| {});
@@ -376,7 +367,7 @@ fn what_is_given_narrows_the_band() {
         band[name]["high"].as_f64().expect(name) - band[name]["low"].as_f64().expect(name)
     };
     let computed = 3.306;
-    let (given, _) = band(&|scene| scene["nut_conductance_W_K"] = json!(computed));
+    let (given, _) = band(&|case| case["nut_conductance_W_K"] = json!(computed));
     for name in
         ["nut_temperature_C", "warm_preload_N", "steady_heat_W", "contact_friction_torque_Nm 1"]
     {
@@ -388,8 +379,8 @@ fn what_is_given_narrows_the_band() {
 /// A screw that may not grow is pressed, which joins its load in buckling.
 #[test]
 fn compression_by_heat_joins_buckling() {
-    let (scene, _) = scene("WS-P4", |scene| scene["fold_search_factor"] = json!(1.01));
-    let sheet = AxisReport::of(&scene, &settings()).expect("an axis");
+    let (case, _) = case("WS-P4", |case| case["fold_search_factor"] = json!(1.01));
+    let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let number = |name: &str| sheet.number(name).expect(name);
     let tension = number("screw_tension_N");
     assert!(tension < 0.0);
@@ -406,14 +397,14 @@ fn an_x_pair_has_a_fold_and_an_o_pair_none() {
     let oil = ["iso_vg", "ball_roughness_um", "nut_roughness_um", "screw_roughness_um"];
     for (arrangement, dry) in [("X", false), ("X", true), ("O", false), ("O", true)] {
         let word = format!("preload_arrangement={arrangement}");
-        let mut scene = feed_axis(&[&word, "nut_conductance_W_K=20", "axial_load_N=1e-3"]);
+        let mut case = feed_axis(&[&word, "nut_conductance_W_K=20", "axial_load_N=1e-3"]);
         if dry {
-            scene.friction_coefficient = Some(0.06);
+            case.friction_coefficient = Some(0.06);
             for name in oil {
-                scene[InputKey::named(name).expect("an input")] = None;
+                case[InputKey::named(name).expect("an input")] = None;
             }
         }
-        let branch = WarmBranch::of(&scene, &settings()).expect("a branch").expect("asked for");
+        let branch = WarmBranch::of(&case, &settings()).expect("a branch").expect("asked for");
         let beyond: Vec<_> = branch.points.iter().filter(|point| !point.stable).collect();
         let Some(fold) = branch.fold() else {
             assert!(arrangement == "O", "{word}, dry {dry}");
@@ -434,19 +425,19 @@ fn an_x_pair_has_a_fold_and_an_o_pair_none() {
 #[test]
 fn phases_have_a_feed_or_a_speed() {
     let at = |phase: Value| {
-        let (scene, _) = scene("WS-P2", |scene| {
-            scene["warm_state"] = json!(false);
-            scene["lubricant_temperature_C"] = json!(40.0);
-            scene["cycle"] = json!([phase]);
+        let (case, _) = case("WS-P2", |case| {
+            case["warm_state"] = json!(false);
+            case["lubricant_temperature_C"] = json!(40.0);
+            case["cycle"] = json!([phase]);
         });
-        AxisReport::of(&scene, &settings()).expect("an axis").number("mean_heat_W").expect("heat")
+        AxisReport::of(&case, &settings()).expect("an axis").number("mean_heat_W").expect("heat")
     };
     let turned = at(json!({ "share": 1.0, "force_N": 2000.0, "screw_speed_rpm": 1000.0 }));
     let moved = at(json!({ "share": 1.0, "force_N": 2000.0, "feed_m_min": 12.0 }));
     // Rounding of the lead.
     assert!((turned / moved - 1.0).abs() < 1e-12);
     let both = json!({ "cycle": [{ "share": 1.0, "screw_speed_rpm": 1.0, "feed_m_min": 1.0 }] });
-    let why = Scene::from_json(both.to_string().as_bytes()).expect_err("both").to_string();
+    let why = Case::from_json(both.to_string().as_bytes()).expect_err("both").to_string();
     assert!(why.contains("one of feed_m_min and screw_speed_rpm"), "{why}");
 }
 
@@ -454,10 +445,9 @@ fn phases_have_a_feed_or_a_speed() {
 /// the balls of the nut carry their load without a friction torque.
 #[test]
 fn at_rest_all_is_as_warm_as_its_surroundings() {
-    let scene = feed_axis(&["screw_speed_rpm=0", "ambient_temperature_C=35"]);
-    let sheet = AxisReport::of(&scene, &settings()).expect("an axis");
-    let nut =
-        NutProblem::of(&scene, &settings()).expect("a nut").solve().expect("a state").answer();
+    let case = feed_axis(&["screw_speed_rpm=0", "ambient_temperature_C=35"]);
+    let sheet = AxisReport::of(&case, &settings()).expect("an axis");
+    let nut = NutProblem::of(&case, &settings()).expect("a nut").solve().expect("a state").answer();
     for (name, expected) in [
         ("nut_temperature_C", 35.0),
         ("screw_temperature_C", 35.0),
@@ -491,7 +481,7 @@ fn a_screw_is_chosen_for_its_warm_state() {
         let requirement = requirement.expect("a requirement");
         let report = DesignReport::standard(&requirement, &catalogue).expect("sizes");
         assert!(report.found, "{:?}", report.reasons);
-        report.scene
+        report.case
     };
     let settings = Settings::from(Model::RacewayControl);
     let mut cold = chosen(&[]);

@@ -137,19 +137,19 @@ fn catalogue(program: &Program) -> Blocks {
 /// What equal sharing leaves out of a nut, one thing after the other: each is compared with the same balls on
 /// stiff guides in rigid bodies without errors.
 fn nut_sharing(program: &Program) -> Blocks {
-    let read = |scene: &str| std::fs::read(program.folder.join("examples").join(scene));
+    let read = |case: &str| std::fs::read(program.folder.join("examples").join(case));
     let mut base: Value = serde_json::from_slice(&read("nut_guided.json")?)?;
     for (key, value) in [("axial_load_N", json!(6340)), ("seed", json!(1))] {
         base[key] = value;
     }
-    let fields = base.as_object_mut().ok_or("no scene")?;
+    let fields = base.as_object_mut().ok_or("no case")?;
     fields.retain(|key, _| !["nut_anchor", "screw_anchor", "nut_guidance"].contains(&key.as_str()));
     let solved = |change: &Value| -> Result<[f64; 4], Box<dyn Error>> {
-        let mut scene = base.clone();
-        let fields = scene.as_object_mut().ok_or("no scene")?;
+        let mut case = base.clone();
+        let fields = case.as_object_mut().ok_or("no case")?;
         fields.extend(change.as_object().ok_or("no words")?.clone());
         fields.retain(|_, value| !value.is_null());
-        std::fs::write(program.folder.join("nut-sharing.json"), scene.to_string())?;
+        std::fs::write(program.folder.join("nut-sharing.json"), case.to_string())?;
         let found = program.json("nut nut-sharing.json --model raceway-control --json")?;
         let names = [
             "max_over_mean",
@@ -237,10 +237,10 @@ fn ball_train(program: &Program) -> Blocks {
     ];
     let mut rows = Vec::new();
     for (speed, drive, cases) in [(100, "", &cases[..]), (-100, "back-driven: ", &cases[2..7])] {
-        for (name, (scene, balls), change) in cases {
+        for (name, (case, balls), change) in cases {
             let gaps = PER_CENT.map(|part| (0.01 * part * balls * 6.35).to_string()).join(",");
             let words = format!(
-                "sweep examples/{scene}.json --model traction --set screw_speed_rpm={speed}{change} --vary ball_gap_mm={gaps} --columns {COLUMNS} -o -"
+                "sweep examples/{case}.json --model traction --set screw_speed_rpm={speed}{change} --vary ball_gap_mm={gaps} --columns {COLUMNS} -o -"
             );
             let words: Vec<_> = words.split(' ').map(str::to_owned).collect();
             let text = program.prints(&words)?.0;

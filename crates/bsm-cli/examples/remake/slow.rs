@@ -112,9 +112,9 @@ fn micro(ns: f64) -> String {
 pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let few = site.folder()?.join("few.csv");
     let words = if site.quick {
-        let scenes = site.root.join("validation/golden/tradeoff/scenes.csv");
+        let cases = site.root.join("validation/golden/tradeoff/cases.csv");
         let lines: Vec<_> =
-            fs::read_to_string(scenes)?.lines().step_by(30).map(str::to_owned).collect();
+            fs::read_to_string(cases)?.lines().step_by(30).map(str::to_owned).collect();
         fs::write(&few, lines.join("\n") + "\n")?;
         format!("tradeoff --quiet --json --points {WORK}/few.csv")
     } else {
@@ -281,11 +281,11 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let folder = tempfile::tempdir_in(site.folder()?)?;
     let folder = folder.path();
     std::os::unix::fs::symlink(site.root.join("examples"), folder.join("examples"))?;
-    let scene = "examples/feed_drive.json";
+    let case = "examples/feed_drive.json";
     let (axis, cube) = if site.quick { (300, 20) } else { (10_000_u32, 216_u32) };
     let grid = |model: &str, side: u32| {
         let words = format!(
-            "sweep {scene} --set lead_mm=25 --model {model} --vary axial_load_N=2000:8000:{side} \
+            "sweep {case} --set lead_mm=25 --model {model} --vary axial_load_N=2000:8000:{side} \
              --vary screw_speed_rpm=100:1500:{side} --columns efficiency -o {model}-{side}/"
         );
         site.took(folder, &words)
@@ -296,7 +296,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let traction = site.took(
         folder,
         &format!(
-            "sweep {scene} --model traction --vary screw_speed_rpm=100:6000:{side} \
+            "sweep {case} --model traction --vary screw_speed_rpm=100:6000:{side} \
              --vary axial_load_N=500:20000:{side} --columns efficiency,ball_torque_Nm -o traction/"
         ),
     )?;
@@ -310,7 +310,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     });
     for end in ["parquet", "csv"] {
         let words = format!(
-            "sweep {scene} --set lead_mm=25 --model closed-form --vary axial_load_N=2000:8000:{cube} \
+            "sweep {case} --set lead_mm=25 --model closed-form --vary axial_load_N=2000:8000:{cube} \
              --vary screw_speed_rpm=100:1500:{cube} --vary friction_coefficient=0.03:0.05:{cube} \
              --columns ball_torque_Nm -o points.{end}"
         );
@@ -318,7 +318,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     }
     let table = |end: &str| {
         let words = format!(
-            "sweep {scene} --points points.{end} --model rigid --columns efficiency -o out.{end}"
+            "sweep {case} --points points.{end} --model rigid --columns efficiency -o out.{end}"
         );
         site.took(folder, &words)
     };
@@ -368,7 +368,7 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         Ok(format!("| {what} | {} ms |", short(each)))
     };
     let mut dry: Value = serde_json::from_str(&fs::read_to_string(site.root.join(AXIS))?)?;
-    let inputs = dry.as_object_mut().ok_or("the scene is no object")?;
+    let inputs = dry.as_object_mut().ok_or("the case is no object")?;
     inputs.retain(|name, _| name != "iso_vg" && !name.ends_with("_roughness_um"));
     inputs.insert("friction_coefficient".to_owned(), 0.05.into());
     fs::write(folder.path().join("dry.json"), dry.to_string())?;

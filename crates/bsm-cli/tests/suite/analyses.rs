@@ -26,7 +26,7 @@ fn json(args: &[&str]) -> Value {
     serde_json::from_str(&stdout(&output)).expect("JSON alone on stdout")
 }
 
-/// What `validate` checks and what a user runs are the same scenes.
+/// What `validate` checks and what a user runs are the same cases.
 #[test]
 fn examples_are_the_published_cases() {
     for key in ["xu2015", "dong2020"] {
@@ -134,11 +134,11 @@ fn jam_gives_verdicts_with_margins() {
 #[test]
 fn plots_show_curves_without_the_trends_of_a_paper() {
     let dir = folder();
-    for (what, scene, figure, label) in [
+    for (what, case, figure, label) in [
         ("slip", "xu2015.json", "slip-traction-lead-angle-screw", "spin, printed"),
         ("jam", "dong2020.json", "jam-thrust-speed", "thrust at the apex"),
     ] {
-        let args = ["solve", &example(scene), "--show", what, "--figures", what];
+        let args = ["solve", &example(case), "--show", what, "--figures", what];
         let output = bsm(dir.path(), &args, "");
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         assert!(!stdout(&output).contains("published trend"), "{}", stdout(&output));
@@ -235,10 +235,10 @@ fn bad_input_is_told() {
 #[test]
 fn analyses_are_columns_of_a_sweep() {
     let dir = folder();
-    let scene = example("dong2020.json");
+    let case = example("dong2020.json");
     let sweep = |columns: &str, more: &[&str]| {
         let vary = ["--vary", "screw_speed_rpm=500,2500", "--vary", "axial_load_N=8000,16000"];
-        let args = [&["sweep", &scene, "--columns", columns, "-o", "t.csv"], &vary[..], more];
+        let args = [&["sweep", &case, "--columns", columns, "-o", "t.csv"], &vary[..], more];
         bsm(dir.path(), &args.concat(), "")
     };
     let plot = ["-o", "p.svg", "--model", "elastic"];
@@ -246,7 +246,7 @@ fn analyses_are_columns_of_a_sweep() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let table = fs::read_to_string(dir.path().join("t.csv")).expect("a table");
     let margin =
-        json(&["solve", &scene, "--show", "jam", "--model", "elastic"])["ball_return_margin"]
+        json(&["solve", &case, "--show", "jam", "--model", "elastic"])["ball_return_margin"]
             .to_string();
     let last = table.lines().last().expect("rows");
     assert!(last.contains(&margin) && last.ends_with(",false"), "{margin}: {table}");
@@ -274,7 +274,7 @@ fn analyses_are_columns_of_a_sweep() {
 #[test]
 fn a_preload_that_no_model_uses_is_told() {
     let dir = folder();
-    let scene = example("feed_drive.json");
+    let case = example("feed_drive.json");
     let vary = ["--vary", "screw_speed_rpm=500,1500", "-o", "t.csv"];
     for (command, more) in [
         ("solve", &[][..]),
@@ -284,7 +284,7 @@ fn a_preload_that_no_model_uses_is_told() {
         ("sweep", &vary),
     ] {
         let told = |settings: &[&str]| {
-            let output = bsm(dir.path(), &[&[command, &scene], settings, more].concat(), "");
+            let output = bsm(dir.path(), &[&[command, &case], settings, more].concat(), "");
             assert_eq!(output.status.code(), Some(0), "{command}: {}", stderr(&output));
             // An answer has it below its numbers.
             format!("{}{}", stdout(&output), stderr(&output)).contains(

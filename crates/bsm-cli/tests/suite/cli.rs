@@ -62,9 +62,9 @@ fn sensitivities_are_a_table_and_a_key() {
     assert_eq!(row(1)[..3], ["friction_coefficient", "0.075000", "-0.15161"], "{table}");
     assert_eq!(row(10)[..5], ["nut_speed_rpm", "rpm", "0", "-", "-"], "{table}");
 
-    let scene = lin();
+    let case = lin();
     let run = |args: &[&str]| {
-        let all = [&["solve", scene.as_str(), "--json"], args].concat();
+        let all = [&["solve", case.as_str(), "--json"], args].concat();
         let output = bsm(dir.path(), &all, "");
         (output.status.code(), serde_json::from_str::<Value>(&stdout(&output)).expect("JSON"))
     };
@@ -139,10 +139,10 @@ fn every_example_runs_in_its_command() {
 }
 
 #[test]
-fn a_scene_comes_from_standard_input_too() {
-    let scene = fs::read_to_string(lin()).expect("example");
+fn a_case_comes_from_standard_input_too() {
+    let case = fs::read_to_string(lin()).expect("example");
     let dir = folder();
-    let output = bsm(dir.path(), &["solve", "-", "--model", "closed-form"], &scene);
+    let output = bsm(dir.path(), &["solve", "-", "--model", "closed-form"], &case);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stdout(&output).contains("closed-form"));
     let output = bsm(dir.path(), &["solve", "-"], "{\"lead\": 3}");
@@ -163,10 +163,10 @@ fn no_solution_is_exit_code_3_with_the_reason() {
 #[test]
 fn bad_input_is_told_in_one_paragraph() {
     let dir = folder();
-    let file = dir.path().join("scene.json");
+    let file = dir.path().join("case.json");
     let base = fs::read_to_string(lin()).expect("example");
     let with = |from: &str, to: &str| base.replace(from, to);
-    for (scene, part) in [
+    for (case, part) in [
         (with("\"loaded_balls\"", "\"loaded_bals\""), "did you mean `loaded_balls`?"),
         (with("\"ball_diameter_mm\": 8.74,", ""), "ball_diameter_mm is required by model rigid"),
         (with("8.74", "\"8.74\""), "`ball_diameter_mm` is the text \"8.74\", but must be a number"),
@@ -178,13 +178,13 @@ fn bad_input_is_told_in_one_paragraph() {
         (with("0.075", "0"), "`friction_coefficient` = 0 must be > 0"),
         (with("2113", "1e-320"), "overflow"),
     ] {
-        fs::write(&file, &scene).expect("scene");
-        let output = bsm(dir.path(), &["solve", "scene.json", "--model", "rigid"], "");
+        fs::write(&file, &case).expect("case");
+        let output = bsm(dir.path(), &["solve", "case.json", "--model", "rigid"], "");
         let text = stderr(&output);
-        assert_eq!(output.status.code(), Some(2), "{scene}: {text}");
+        assert_eq!(output.status.code(), Some(2), "{case}: {text}");
         assert!(output.stdout.is_empty());
         assert!(
-            text.starts_with("error: scene.json: ") && text.trim_end().lines().count() == 1,
+            text.starts_with("error: case.json: ") && text.trim_end().lines().count() == 1,
             "{text}"
         );
         assert!(text.contains(part), "{text}");
@@ -194,7 +194,7 @@ fn bad_input_is_told_in_one_paragraph() {
         assert_eq!(output.status.code(), Some(1));
         assert!(stderr(&output).starts_with("error: cannot read "), "{}", stderr(&output));
     }
-    // Nothing but the scene itself is in the folder.
+    // Nothing but the case itself is in the folder.
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
 }
 
@@ -229,7 +229,7 @@ fn batch_answers_row_by_row() {
     assert!(rows[1][5].contains("`axial_load_N` is `abc`, but must be a number"), "{text}");
     assert!(rows[2][5].contains("`axial_load_N` = -3 must be a finite number > 0"), "{text}");
     assert!(rows[5][5].contains("critical lead angle"), "{text}");
-    // The empty cell takes the load of the base scene.
+    // The empty cell takes the load of the base case.
     assert_eq!(rows[0][6], rows[3][6]);
     assert!(stderr(&output).contains("4 of 6 rows have no result"), "{}", stderr(&output));
     let asked = run(&[args("-"), columns.to_vec(), vec!["--keep-going".to_owned()]].concat());
@@ -343,11 +343,11 @@ fn malformed_tables_are_told() {
     // An input that every row lacks is reported once.
     let output = bsm(dir.path(), &["sweep", "--points", "-", "-o", "out.csv"], "axial_load_N\n1\n");
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("a scene or --set"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("a case or --set"), "{}", stderr(&output));
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
 }
 
-/// Every model that the scene has inputs for, side by side; the others say what they lack.
+/// Every model that the case has inputs for, side by side; the others say what they lack.
 #[test]
 fn compare_shows_every_model() {
     let dir = folder();
@@ -567,11 +567,11 @@ fn bad_sweeps_write_nothing() {
 #[test]
 fn a_sweep_says_which_rows_have_other_solutions() {
     let dir = folder();
-    let scene = r#"{"pitch_circle_diameter_mm": 96.97082928751372, "ball_diameter_mm": 22.510703287064903,
+    let case = r#"{"pitch_circle_diameter_mm": 96.97082928751372, "ball_diameter_mm": 22.510703287064903,
         "lead_angle_deg": 21.833579108750985, "contact_angle_deg": 54.5, "loaded_balls": 47,
         "friction_coefficient": 0.026685642355053593, "screw_speed_rpm": 591.824023668092,
         "nut_speed_rpm": -987.4296427340328, "axial_load_N": 375.9297163021492}"#;
-    fs::write(dir.path().join("steps.json"), scene).expect("scene");
+    fs::write(dir.path().join("steps.json"), case).expect("case");
     let sweep = ["sweep", "steps.json", "--vary", "contact_angle_deg=55.10:55.15:6", "-o", "-"];
     let asked = ["--model", "rigid", "--columns", "efficiency,other_solutions"];
     let output = bsm(dir.path(), &[&sweep[..], &asked].concat(), "");

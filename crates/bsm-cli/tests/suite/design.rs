@@ -18,7 +18,7 @@ fn json(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON alone on stdout")
 }
 
-/// From a requirement to a scene to a solved motion, as the guide does.
+/// From a requirement to a case to a solved motion, as the guide does.
 #[test]
 fn a_requirement_becomes_a_solved_motion() {
     let dir = folder();
@@ -39,7 +39,7 @@ fn a_requirement_becomes_a_solved_motion() {
     assert!(stdout(&output).contains("pressure_limit_MPa"));
 }
 
-/// No solution: 3, with the limit that blocks and by how much, and no scene. Bad input: 2.
+/// No solution: 3, with the limit that blocks and by how much, and no case. Bad input: 2.
 #[test]
 fn requirements_that_cannot_be_met_are_answered() {
     let dir = folder();
@@ -368,17 +368,17 @@ fn the_optimum_is_found_from_either_angle() {
 fn sizes_come_from_manufacturers_or_a_table() {
     let dir = folder();
     let requirement = example("requirements/axis.json");
-    let scene = |more: &[&str]| {
+    let case = |more: &[&str]| {
         let args = [&["select", &requirement, "--json"], more].concat();
         let output = bsm(dir.path(), &args, "");
         assert_eq!(output.status.code(), Some(0), "{more:?}: {}", stderr(&output));
-        json(&stdout(&output))["scene"].clone()
+        json(&stdout(&output))["case"].clone()
     };
-    let own = scene(&[]);
-    assert_eq!(scene(&["--from", "manufacturers"]), own);
+    let own = case(&[]);
+    assert_eq!(case(&["--from", "manufacturers"]), own);
     let sizes = stdout(&bsm(dir.path(), &["select", "--show", "sizes"], ""));
     fs::write(dir.path().join("sizes.csv"), &sizes).expect("written");
-    assert_eq!(scene(&["--from", "sizes.csv"]), own);
+    assert_eq!(case(&["--from", "sizes.csv"]), own);
     let head = "d0;P;ball;turns\n";
     fs::write(dir.path().join("mine.csv"), format!("{head}50;20;10;5,5/6\n")).expect("written");
     fs::write(
@@ -387,12 +387,12 @@ fn sizes_come_from_manufacturers_or_a_table() {
     )
     .expect("written");
     let dialect = "delimiter=semicolon,decimal=comma,names=names.json";
-    let mine = scene(&["--from", "mine.csv", "--dialect", dialect]);
+    let mine = case(&["--from", "mine.csv", "--dialect", dialect]);
     for (name, value) in [("lead_mm", 20.0), ("ball_diameter_mm", 10.0)] {
         assert_eq!(mine[name].as_f64(), Some(value), "{mine}");
     }
     assert!([5.5, 6.0].map(Some).contains(&mine["loaded_turns"].as_f64()), "{mine}");
-    let standard = scene(&["--from", "standard"]);
+    let standard = case(&["--from", "standard"]);
     assert_ne!(standard, own);
     fs::write(dir.path().join("mine.csv"), format!("{head}50;20;;3\n")).expect("written");
     let args = ["select", "--from", "mine.csv", "--dialect", dialect];

@@ -179,9 +179,9 @@ fn with_three_points(mut words: Vec<String>, folder: &Path) -> Vec<String> {
             }
         }
         "tradeoff" => {
-            let scenes = root().join("validation/golden/tradeoff/scenes.csv");
-            let scenes = fs::read_to_string(scenes).expect("the committed points");
-            let few: Vec<_> = scenes.lines().take(4).collect();
+            let cases = root().join("validation/golden/tradeoff/cases.csv");
+            let cases = fs::read_to_string(cases).expect("the committed points");
+            let few: Vec<_> = cases.lines().take(4).collect();
             fs::write(folder.join("few.csv"), few.join("\n")).expect("a table");
             words.extend(["--points", "few.csv"].map(str::to_owned));
         }

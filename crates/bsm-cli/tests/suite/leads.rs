@@ -6,7 +6,7 @@ use std::path::Path;
 
 use program::{bsm, folder, stderr, stdout};
 
-/// Audit, reliability 1, by its command: row 1 was answered with the lead of the base scene.
+/// Audit, reliability 1, by its command: row 1 was answered with the lead of the base case.
 #[test]
 fn both_lead_columns_with_gaps_are_answered_as_single_points() {
     let dir = folder();

@@ -7,11 +7,11 @@ use std::path::Path;
 
 use program::{bsm, folder, stderr, stdout};
 
-/// A sweep of a scene of the examples into a file of the folder: exit code, and what it says.
-fn sweep(folder: &Path, scene: &str, options: &[&str]) -> (Option<i32>, String) {
-    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(scene);
-    let scene = scene.display().to_string();
-    let output = bsm(folder, &[&["sweep", &scene][..], options].concat(), "");
+/// A sweep of a case of the examples into a file of the folder: exit code, and what it says.
+fn sweep(folder: &Path, case: &str, options: &[&str]) -> (Option<i32>, String) {
+    let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(case);
+    let case = case.display().to_string();
+    let output = bsm(folder, &[&["sweep", &case][..], options].concat(), "");
     (output.status.code(), stdout(&output) + &stderr(&output))
 }
 

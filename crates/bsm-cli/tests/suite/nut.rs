@@ -17,18 +17,18 @@ fn example(name: &str) -> String {
 }
 
 /// The answer in JSON, and the exit code.
-fn answer(scene: &str, args: &[&str]) -> (Option<i32>, Value, String) {
+fn answer(case: &str, args: &[&str]) -> (Option<i32>, Value, String) {
     let dir = folder();
-    let output = bsm(dir.path(), &[&["nut", "-", "--json"], args].concat(), scene);
+    let output = bsm(dir.path(), &[&["nut", "-", "--json"], args].concat(), case);
     let json = serde_json::from_str(&stdout(&output)).unwrap_or(Value::Null);
     (output.status.code(), json, stderr(&output))
 }
 
-/// The message of a scene that is refused.
+/// The message of a case that is refused.
 fn refusal(change: &Value, args: &[&str]) -> String {
-    let mut scene = single();
-    scene.as_object_mut().expect("object").extend(change.as_object().expect("object").clone());
-    let (code, _, words) = answer(&scene.to_string(), args);
+    let mut case = single();
+    case.as_object_mut().expect("object").extend(change.as_object().expect("object").clone());
+    let (code, _, words) = answer(&case.to_string(), args);
     assert_eq!(code, Some(2), "{change}: {words}");
     words
 }
@@ -42,9 +42,9 @@ fn single() -> Value {
     })
 }
 
-/// The scene of a reference case with its loads as entries of a scene.
-fn scene_of(reference: &Value) -> Value {
-    let mut scene = reference["scene"].clone();
+/// The case of a reference case with its loads as entries of a case.
+fn case_of(reference: &Value) -> Value {
+    let mut case = reference["case"].clone();
     let loads = reference["load_SI"].as_object().expect("loads");
     for (dof, word) in [
         ("uz", "axial_load_N"),
@@ -54,16 +54,16 @@ fn scene_of(reference: &Value) -> Value {
         ("py", "moment_y_Nm"),
     ] {
         if let Some(load) = loads.get(dof) {
-            scene[word] = load.clone();
+            case[word] = load.clone();
         }
     }
     if loads.len() > 1 {
-        scene["nut_guidance"] = json!("free");
+        case["nut_guidance"] = json!("free");
     }
     if let Some(ratings) = reference["ratings"].as_object() {
-        scene.as_object_mut().expect("scene").extend(ratings.clone());
+        case.as_object_mut().expect("case").extend(ratings.clone());
     }
-    let map = scene.as_object_mut().expect("scene");
+    let map = case.as_object_mut().expect("case");
     if let Some(bars) = map.remove("bars") {
         for (body, bar) in bars.as_object().expect("bars") {
             for (name, value) in bar.as_object().expect("a bar") {
@@ -75,23 +75,23 @@ fn scene_of(reference: &Value) -> Value {
         map.insert("ring_expansion".to_owned(), json!(true));
         map.insert("nut_outer_diameter_mm".to_owned(), ring["outer_diameter_mm"].clone());
     }
-    scene
+    case
 }
 
 /// Every number of `expect` by its name: to the tolerance of the cases, 1e-9, relative to the number, or, for what
 /// symmetry makes zero, to a thousandth of the largest number of the list. Loads have their own floor, a millionth
 /// of the largest (chapter 11.10 of the cases' origin); sums of forces that cancel have that of all loads.
 #[test]
-fn reference_cases_run_as_scenes() {
+fn reference_cases_run_as_cases() {
     let cases = fs::read_to_string(root().join("validation/published/nut/public.json"));
     let cases: Vec<Value> = serde_json::from_str(&cases.expect("cases")).expect("JSON");
     assert_eq!(cases.len(), 14);
     for reference in &cases {
         let name = reference["name"].as_str().expect("name");
-        let (code, found, words) = answer(&scene_of(reference).to_string(), &[]);
+        let (code, found, words) = answer(&case_of(reference).to_string(), &[]);
         assert_eq!(code, Some(0), "{name}: {words}");
         // Our ring begins at 45.82613 mm, that of the cases at 45.826: 3e-6, and some of it in its stiffness.
-        let has_ring = !reference["scene"]["ring"].is_null();
+        let has_ring = !reference["case"]["ring"].is_null();
         let exact = reference["rel_tol"].as_f64().expect("tolerance");
         let tolerance = if has_ring { 1e-5 } else { exact };
         let expect = reference["expect"].as_object().expect("expected");
@@ -135,11 +135,11 @@ fn reference_cases_run_as_scenes() {
 fn short_words_are_the_objects() {
     let same = |short: &Value, long: &Value, tolerance: f64| {
         let run = |change: &Value| {
-            let mut scene = single();
-            let map = scene.as_object_mut().expect("object");
+            let mut case = single();
+            let map = case.as_object_mut().expect("object");
             map.extend(change.as_object().expect("object").clone());
             map.retain(|_, value| !value.is_null());
-            let (code, found, words) = answer(&scene.to_string(), &[]);
+            let (code, found, words) = answer(&case.to_string(), &[]);
             assert_eq!(code, Some(0), "{change}: {words}");
             found
         };
@@ -261,12 +261,12 @@ fn settings_take_words() {
     );
     assert_eq!(code, Some(0), "{none}");
     // A circuit with one flank carries nothing the other way.
-    let mut scene = single();
-    let map = scene.as_object_mut().expect("object");
+    let mut case = single();
+    let map = case.as_object_mut().expect("object");
     map.retain(|key, _| !key.starts_with("loaded"));
-    scene["circuits"] = json!([{ "start_deg": 0, "arc_deg": 720, "balls": 40, "flank": "+" }]);
-    scene["axial_load_N"] = json!(-500);
-    let (code, none, _) = answer(&scene.to_string(), &[]);
+    case["circuits"] = json!([{ "start_deg": 0, "arc_deg": 720, "balls": 40, "flank": "+" }]);
+    case["axial_load_N"] = json!(-500);
+    let (code, none, _) = answer(&case.to_string(), &[]);
     assert_eq!((code, none["status"].as_str()), (Some(3), Some("no_solution")), "{none}");
     assert!(
         none["message"].as_str().expect("words").contains("nothing carries the load"),
@@ -279,8 +279,8 @@ fn settings_take_words() {
 #[test]
 fn a_preloaded_pair_tells_stiffness_limit_and_drag() {
     let dir = folder();
-    let scene = example("nut_double.json");
-    let output = bsm(dir.path(), &["nut", &scene, "--json"], "");
+    let case = example("nut_double.json");
+    let output = bsm(dir.path(), &["nut", &case, "--json"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let found: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     let of = |key: &str| found[key].as_f64().unwrap_or_else(|| panic!("{key}: {found}"));
@@ -298,7 +298,7 @@ fn a_preloaded_pair_tells_stiffness_limit_and_drag() {
     assert!((of("preload_torque_Nm") / low - factor / 0.1).abs() < 1e-12);
     assert!((of("rule_torque_high_Nm") / low - 3.0).abs() < 1e-12);
     assert!(of("preload_left_N") < of("preload_set_N") && of("friction_torque_Nm") > 0.0);
-    let output = bsm(dir.path(), &["nut", &scene], "");
+    let output = bsm(dir.path(), &["nut", &case], "");
     let text = stdout(&output);
     for part in [
         "2^1.5 F_pr/delta_pr",
@@ -310,10 +310,10 @@ fn a_preloaded_pair_tells_stiffness_limit_and_drag() {
         assert!(text.contains(part), "{part}: {text}");
     }
     let set = format!("axial_load_N={}", 1.01 * of("limit_load_N"));
-    let output = bsm(dir.path(), &["nut", &scene, "--set", &set, "--json"], "");
+    let output = bsm(dir.path(), &["nut", &case, "--set", &set, "--json"], "");
     let beyond: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     assert!(beyond["preload_left_N"].as_f64().expect("N").abs() < 1e-9, "{beyond}");
-    let solved = bsm(dir.path(), &["solve", &scene], "");
+    let solved = bsm(dir.path(), &["solve", &case], "");
     let words = stdout(&solved);
     assert!(
         words.contains("preload_N acts in the nut, not on the one ball of this answer: bsm nut"),
@@ -324,12 +324,12 @@ fn a_preloaded_pair_tells_stiffness_limit_and_drag() {
 #[test]
 fn balls_curve_and_figures_are_written() {
     let dir = folder();
-    let scene = example("nut_oversize.json");
+    let case = example("nut_oversize.json");
     for more in [
         &["-o", "balls.csv", "--figures", "figures"][..],
         &["--show", "curve", "-o", "curve.csv", "-o", "nut.json"],
     ] {
-        let output = bsm(dir.path(), &[&["nut", &scene], more].concat(), "");
+        let output = bsm(dir.path(), &[&["nut", &case], more].concat(), "");
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         assert!(stdout(&output).contains("preload"), "{}", stdout(&output));
     }
@@ -362,13 +362,13 @@ fn balls_curve_and_figures_are_written() {
     }
 }
 
-/// Samples follow from the seed alone, whatever the threads; the scene's own nut is the first of them.
+/// Samples follow from the seed alone, whatever the threads; the case's own nut is the first of them.
 #[test]
 fn samples_follow_from_their_seed() {
     let dir = folder();
-    let scene = example("nut_scattered.json");
+    let case = example("nut_scattered.json");
     let run = |threads: &str, seed: &str| {
-        let args = ["nut", &scene, "--samples", "12", "--seed", seed, "--json"];
+        let args = ["nut", &case, "--samples", "12", "--seed", seed, "--json"];
         let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_bsm"));
         let output = command.args(args).env("RAYON_NUM_THREADS", threads).current_dir(dir.path());
         let output = output.output().expect("the program runs");
@@ -389,16 +389,16 @@ fn samples_follow_from_their_seed() {
 #[test]
 fn numbers_of_a_nut_are_columns() {
     let dir = folder();
-    let scene = example("nut_double.json");
+    let case = example("nut_double.json");
     let columns = "max_over_mean,unloaded_balls,nut_stiffness_N_um,preload_left_N,life_by_balls_revolutions,iso_life_revolutions";
     let args =
-        ["sweep", &scene, "--vary", "axial_load_N=1000,4000", "--columns", columns, "-o", "-"];
+        ["sweep", &case, "--vary", "axial_load_N=1000,4000", "--columns", columns, "-o", "-"];
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
     let row: Vec<_> = text.lines().nth(2).expect("two rows").split(',').collect();
     let header: Vec<_> = text.lines().next().expect("a header").split(',').collect();
-    let args = ["nut", &scene, "--set", "axial_load_N=4000", "--json"];
+    let args = ["nut", &case, "--set", "axial_load_N=4000", "--json"];
     let found: Value = serde_json::from_str(&stdout(&bsm(dir.path(), &args, ""))).expect("JSON");
     for name in columns.split(',') {
         let place = header.iter().position(|column| *column == name).expect(name);
@@ -420,16 +420,16 @@ fn of(found: &Value, key: &str) -> f64 {
 
 /// A pair of 41.3 x 12 mm that is preloaded with 2500 N.
 fn pair(change: &Value) -> Value {
-    let mut scene = json!({
+    let mut case = json!({
         "ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.336, "lead_mm": 12,
         "contact_angle_deg": 45, "nut_conformity": 0.53, "screw_conformity": 0.53,
         "youngs_modulus_GPa": 207, "loaded_turns": 3, "loaded_balls_per_turn": 19,
         "friction_coefficient": 0.06, "screw_speed_rpm": 500, "preload_N": 2500
     });
-    let map = scene.as_object_mut().expect("object");
+    let map = case.as_object_mut().expect("object");
     map.extend(change.as_object().expect("object").clone());
     map.retain(|_, value| !value.is_null());
-    scene
+    case
 }
 
 /// Heat changed the preload only if an offset was given: a force was set again in the warm nut, and no note said so. By
@@ -492,10 +492,10 @@ fn the_preloads_of_a_warm_pair_are_one_number_in_nut_and_size() {
         "screw_temperature_rise_K": 5, "preload_arrangement": "X", "axial_load_N": 3000,
         "stroke_mm": 800, "support": "fixed-supported", "youngs_modulus_GPa": 207
     });
-    let scene = pair(&axis).to_string();
-    let (_, nut, _) = answer(&scene, &[]);
+    let case = pair(&axis).to_string();
+    let (_, nut, _) = answer(&case, &[]);
     let dir = folder();
-    let output = bsm(dir.path(), &["axis", "-", "--json"], &scene);
+    let output = bsm(dir.path(), &["axis", "-", "--json"], &case);
     let sheet: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     for key in ["preload_set_N", "warm_preload_N"] {
         assert_eq!(nut[key], sheet["screw"][key], "{key}");
@@ -510,7 +510,7 @@ fn the_preloads_of_a_warm_pair_are_one_number_in_nut_and_size() {
 /// Contact angles of 93.8 to 150.9 deg, -3.8 and -48.9 deg were answers.
 #[test]
 fn a_ball_out_of_its_groove_is_no_answer() {
-    for (scene, set) in [
+    for (case, set) in [
         ("nut_guided.json", "radial_gap_um=200"),
         ("nut_guided.json", "radial_gap_um=500"),
         ("nut_guided.json", "radial_x_um=500"),
@@ -518,8 +518,8 @@ fn a_ball_out_of_its_groove_is_no_answer() {
         ("nut_guided.json", "axial_load_N=2000000"),
         ("nut_oversize.json", "radial_gap_um=200"),
     ] {
-        let scene = fs::read_to_string(example(scene)).expect("an example");
-        let (code, found, words) = answer(&scene, &["--set", set]);
+        let case = fs::read_to_string(example(case)).expect("an example");
+        let (code, found, words) = answer(&case, &["--set", set]);
         assert_eq!(code, Some(3), "{set}: {found} {words}");
         assert_ne!(found["status"], "converged", "{set}");
     }
@@ -528,17 +528,17 @@ fn a_ball_out_of_its_groove_is_no_answer() {
 /// Each ball without a solution was searched for a tenth of a second: a thousand had no end after 200 s.
 #[test]
 fn a_ball_without_a_solution_ends_the_search() {
-    let scene = fs::read_to_string(example("nut_free.json")).expect("an example");
-    let mut scene: Value = serde_json::from_str(&scene).expect("JSON");
-    let map = scene.as_object_mut().expect("object");
+    let case = fs::read_to_string(example("nut_free.json")).expect("an example");
+    let mut case: Value = serde_json::from_str(&case).expect("JSON");
+    let map = case.as_object_mut().expect("object");
     map.retain(|key, _| {
         !["circuits_count", "gap_deg", "loaded_balls_per_turn"].contains(&key.as_str())
     });
-    scene["circuits"] = json!([{ "start_deg": 0, "arc_deg": 18000, "balls": 1000 }]);
-    scene["nut_speed_rpm"] = json!(-60000);
-    scene["axial_load_N"] = json!(1);
+    case["circuits"] = json!([{ "start_deg": 0, "arc_deg": 18000, "balls": 1000 }]);
+    case["nut_speed_rpm"] = json!(-60000);
+    case["axial_load_N"] = json!(1);
     let begun = std::time::Instant::now();
-    let (code, found, words) = answer(&scene.to_string(), &["--model", "elastic"]);
+    let (code, found, words) = answer(&case.to_string(), &["--model", "elastic"]);
     // A tenth of a second a ball were 100 s; a slow machine takes some seconds.
     assert!(begun.elapsed().as_secs() < 60, "{:?}", begun.elapsed());
     assert_eq!(code, Some(0), "{words}");
@@ -554,18 +554,18 @@ fn a_ball_without_a_solution_ends_the_search() {
 /// A pair without preload was bounded as if both its nuts carried the load: 505.6 N under a bound of 476.8 N.
 #[test]
 fn a_pair_has_no_bound_of_the_largest_load() {
-    let scene = fs::read_to_string(example("nut_double.json")).expect("an example");
-    let mut scene: Value = serde_json::from_str(&scene).expect("JSON");
-    let map = scene.as_object_mut().expect("object");
+    let case = fs::read_to_string(example("nut_double.json")).expect("an example");
+    let mut case: Value = serde_json::from_str(&case).expect("JSON");
+    let map = case.as_object_mut().expect("object");
     map.retain(|key, _| {
         !["preload_N", "loaded_turns", "loaded_balls_per_turn"].contains(&key.as_str())
     });
-    scene["circuits"] = json!([
+    case["circuits"] = json!([
         { "start_deg": 0, "arc_deg": 1080, "balls": 60, "body": 0 },
         { "start_deg": 1440, "arc_deg": 1080, "balls": 60, "body": 1, "offset_um": 3 }
     ]);
-    scene["axial_load_N"] = json!(20000);
-    let (code, found, words) = answer(&scene.to_string(), &[]);
+    case["axial_load_N"] = json!(20000);
+    let (code, found, words) = answer(&case.to_string(), &[]);
     assert_eq!(code, Some(0), "{words}");
     assert!(found["load_bound_N"].is_null(), "{found}");
     let guided = fs::read_to_string(example("nut_guided.json")).expect("an example");
@@ -587,12 +587,12 @@ fn odd_nuts_are_refused_or_explained() {
     assert!(!found["message"].to_string().contains("NaN"), "{found}");
     let nothing = json!({ "loaded_turns": null, "loaded_balls_per_turn": null });
     let with = |circuits: Value| {
-        let mut scene = single();
-        let map = scene.as_object_mut().expect("object");
+        let mut case = single();
+        let map = case.as_object_mut().expect("object");
         map.extend(nothing.as_object().expect("object").clone());
         map.retain(|_, value| !value.is_null());
-        scene["circuits"] = circuits;
-        answer(&scene.to_string(), &[])
+        case["circuits"] = circuits;
+        answer(&case.to_string(), &[])
     };
     let (code, _, words) = with(json!([
         { "start_deg": 0, "arc_deg": 330, "balls": 18 },
@@ -659,11 +659,11 @@ fn the_nut_of_the_examples_runs_in_nut() {
 #[test]
 fn the_feed_drives_are_rated_and_run_in_axis_and_nut() {
     let dir = folder();
-    for scene in ["feed_drive.json", "feed_drive_oil.json"] {
+    for case in ["feed_drive.json", "feed_drive_oil.json"] {
         for args in [
-            &["solve", &example(scene), "--show", "ratings"][..],
-            &["axis", &example(scene)],
-            &["nut", &example(scene)],
+            &["solve", &example(case), "--show", "ratings"][..],
+            &["axis", &example(case)],
+            &["nut", &example(case)],
         ] {
             let output = bsm(dir.path(), args, "");
             assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
@@ -683,7 +683,7 @@ fn a_small_centrifugal_force_is_a_note() {
     assert!(said(&fast, "warnings"), "{fast}");
 }
 
-/// Seals and ball returns that a scene gives were dropped without a word.
+/// Seals and ball returns that a case gives were dropped without a word.
 #[test]
 fn given_losses_are_lines_of_the_sum() {
     let double = fs::read_to_string(example("nut_double.json")).expect("an example");
@@ -726,7 +726,7 @@ fn given_losses_are_lines_of_the_sum() {
 /// The friction torque steps where a ball goes from four contacts to two; the step is stated at the number.
 #[test]
 fn the_step_from_four_contacts_to_two_is_within_the_stated_error() {
-    let scene = fs::read_to_string(example("nut_oversize.json")).expect("an example");
+    let case = fs::read_to_string(example("nut_oversize.json")).expect("an example");
     let solved = |load: f64, rpm: f64| {
         let sets = [
             format!("axial_load_N={load}"),
@@ -735,7 +735,7 @@ fn the_step_from_four_contacts_to_two_is_within_the_stated_error() {
             "loaded_turns=1".to_owned(),
         ];
         let args: Vec<_> = sets.iter().flat_map(|set| ["--set", set.as_str()]).collect();
-        answer(&scene, &[&args[..], &["--model", "traction"]].concat()).1
+        answer(&case, &[&args[..], &["--model", "traction"]].concat()).1
     };
     let limit = of(&solved(10.0, 50.0), "limit_load_N");
     for rpm in [50.0, -50.0] {
@@ -755,7 +755,7 @@ fn warm_pairs_agree_with_an_independent_solution() {
     let cases: Vec<Value> = serde_json::from_str(&cases.expect("cases")).expect("JSON");
     assert_eq!(cases.len(), 5);
     for reference in &cases {
-        let (code, found, words) = answer(&reference["scene"].to_string(), &[]);
+        let (code, found, words) = answer(&reference["case"].to_string(), &[]);
         assert_eq!(code, Some(0), "{}: {words}", reference["id"]);
         for (key, expected) in reference["expect"].as_object().expect("numbers") {
             let (found, expected) = (of(&found, key), expected.as_f64().expect("a number"));

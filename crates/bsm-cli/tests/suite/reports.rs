@@ -84,8 +84,8 @@ fn a_perturbed_reference_fails() {
 #[test]
 fn tradeoff_measures_a_table() {
     let dir = folder();
-    let scenes = fs::read_to_string(validation().join("golden/tradeoff/scenes.csv")).expect("data");
-    let few: Vec<_> = scenes.lines().take(4).collect();
+    let cases = fs::read_to_string(validation().join("golden/tradeoff/cases.csv")).expect("data");
+    let few: Vec<_> = cases.lines().take(4).collect();
     fs::write(dir.path().join("few.csv"), few.join("\n")).expect("written");
     let output = bsm(dir.path(), &["tradeoff", "--points", "few.csv", "--figures", "report"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));

@@ -198,20 +198,20 @@ fn links_stay_links_and_what_is_protected_stays() {
     assert_eq!(names(dir.path()), left);
 }
 
-/// The scene or requirement that a command reads is not replaced by what it writes.
+/// The case or requirement that a command reads is not replaced by what it writes.
 #[test]
 fn inputs_are_not_lost() {
     let dir = folder();
     let copy = |from: &str, to: &str| fs::copy(example(from), dir.path().join(to)).expect("copy");
-    copy("feed_drive.json", "scene.csv");
+    copy("feed_drive.json", "case.csv");
     copy("requirements/feed_drive.json", "requirement.json");
     symlink("requirement.json", dir.path().join("same.json")).expect("link");
     fs::write(dir.path().join("lists.json"), "{\"nominal_diameter_mm\": [20]}").expect("lists");
     fs::write(dir.path().join("points.csv"), "axial_load_N\n5\n").expect("points");
     for args in [
-        &["sweep", "scene.csv", "--vary=axial_load_N=1:9:3", "-o", "scene.csv"][..],
-        &["sweep", "scene.csv", "--vary=axial_load_N=1:9:3", "-o", "./scene.csv"],
-        &["sweep", "scene.csv", "--points", "points.csv", "-o", "scene.csv"],
+        &["sweep", "case.csv", "--vary=axial_load_N=1:9:3", "-o", "case.csv"][..],
+        &["sweep", "case.csv", "--vary=axial_load_N=1:9:3", "-o", "./case.csv"],
+        &["sweep", "case.csv", "--points", "points.csv", "-o", "case.csv"],
         &["select", "requirement.json", "-o", "same.json"],
         &["select", "--from", "lists.json", "-o", "nuts.csv", "-o", "lists.json"],
         &["select", "requirement.json", "--from", "lists.json", "-o", "requirement.json"],
@@ -224,7 +224,7 @@ fn inputs_are_not_lost() {
     }
     // A table of points may be answered in its place: it is read to its end before.
     let args =
-        ["sweep", "scene.csv", "--points", "points.csv", "--model=closed-form", "-o", "points.csv"];
+        ["sweep", "case.csv", "--points", "points.csv", "--model=closed-form", "-o", "points.csv"];
     assert_told(&run(&args, dir.path()), 0, "");
     let table = fs::read_to_string(dir.path().join("points.csv")).expect("table");
     assert!(table.lines().nth(1).expect("a row").starts_with("5,closed-form,converged"));
@@ -585,8 +585,8 @@ fn control_characters_reach_neither_terminal_nor_plot() {
     let start = text.find("\"description\": \"").expect("has one") + 16;
     let end = start + text[start..].find('"').expect("ends");
     let evil = r"red \u001b[31m bell \u0007 nul \u0000 turned \u202e <b>&\ufffe";
-    let scene = format!("{}{evil}{}", &text[..start], &text[end..]);
-    fs::write(dir.path().join("evil.json"), scene).expect("scene");
+    let case = format!("{}{evil}{}", &text[..start], &text[end..]);
+    fs::write(dir.path().join("evil.json"), case).expect("case");
     for more in ["--show=motion", "--model=all", "--show=slip", "--show=jam"] {
         let output = run(&["solve", "evil.json", more], dir.path());
         let text = stdout(&output);
@@ -723,18 +723,18 @@ fn names_need_not_be_utf8() {
     let run = |args: &[&OsStr]| run(args, dir.path());
     fs::copy(example("feed_drive.json"), dir.path().join(name(".json"))).expect("copy");
     fs::write(dir.path().join(name(".csv")), "axial_load_N\n2000\n").expect("points");
-    let (scene, points, out, parts) = (name(".json"), name(".csv"), name("2.parquet"), name("/"));
+    let (case, points, out, parts) = (name(".json"), name(".csv"), name("2.parquet"), name("/"));
     let os = OsStr::new;
-    assert_told(&run(&[os("solve"), scene.as_os_str()]), 0, "");
+    assert_told(&run(&[os("solve"), case.as_os_str()]), 0, "");
     for output in [&out, &parts] {
         let args =
-            [scene.as_os_str(), os("--points"), points.as_os_str(), os("-o"), output.as_os_str()];
+            [case.as_os_str(), os("--points"), points.as_os_str(), os("-o"), output.as_os_str()];
         assert_told(&run(&[&[os("sweep")][..], &args].concat()), 0, "");
     }
     let missing = run(&[os("solve"), name(".gone").as_os_str()]);
     assert_told(&missing, 1, "cannot read caf\u{fffd}.gone: No such file");
     assert_eq!(
-        run(&[os("solve"), scene.as_os_str(), os("--set"), out.as_os_str()]).status.code(),
+        run(&[os("solve"), case.as_os_str(), os("--set"), out.as_os_str()]).status.code(),
         Some(2)
     );
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 4);

@@ -123,10 +123,10 @@ fn results_are_what_their_schemas_say() {
     for (member, name) in [("motion", "solve"), ("slip", "slip"), ("ratings", "ratings")] {
         assert_valid(&schema(dir.path(), name), &several[member], &[member]);
     }
-    // Scenes are inputs, and rows of tables are outputs.
+    // Cases are inputs, and rows of tables are outputs.
     let input = schema(dir.path(), "input");
     for name in ["feed_drive.json", "nut_double.json", "axis.json", "feed_drive_oil.json"] {
-        let scene = fs::read(example(name)).expect("an example");
-        assert_valid(&input, &serde_json::from_slice(&scene).expect("JSON"), &[name]);
+        let case = fs::read(example(name)).expect("an example");
+        assert_valid(&input, &serde_json::from_slice(&case).expect("JSON"), &[name]);
     }
 }

@@ -109,7 +109,7 @@ fn from_a_requirement_to_a_sheet_in_three_commands() {
 }
 
 /// Found by the audit: the efficiency of one screw was 0.879, 0.98750, 0.98774 and 0.99131 on four pages, and its preload in
-/// none of them. One scene has one efficiency, and its parts are the same on every page.
+/// none of them. One case has one efficiency, and its parts are the same on every page.
 #[test]
 fn one_screw_has_one_efficiency() {
     let dir = folder();
@@ -312,12 +312,12 @@ fn one_name_has_one_number_in_every_command() {
         ];
         same(slope, &answers);
     }
-    let both = |scene: &str, more: &[&str]| {
+    let both = |case: &str, more: &[&str]| {
         let sets: Vec<_> = more.iter().flat_map(|set| ["--set", *set]).collect();
         let of = |command: &'static str| {
-            (command, run(&[&[command, scene, "--json"], &sets[..]].concat()))
+            (command, run(&[&[command, case, "--json"], &sets[..]].concat()))
         };
-        same(scene, &[of("solve"), of("nut"), of("axis")])
+        same(case, &[of("solve"), of("nut"), of("axis")])
     };
     both(&example("axis.json"), &["screw_temperature_rise_K=5"]);
     // The feed drive as a nut, with a seal, dry and with oil.
@@ -381,7 +381,7 @@ fn a_failing_rule_says_what_would_help() {
     }
 }
 
-/// A cycle from a table of one's own: semicolons, decimal commas, kilonewtons; the same cycle in the scene.
+/// A cycle from a table of one's own: semicolons, decimal commas, kilonewtons; the same cycle in the case.
 #[test]
 fn a_cycle_comes_from_a_table_of_ones_own() {
     let dir = folder();
@@ -404,17 +404,17 @@ fn a_cycle_comes_from_a_table_of_ones_own() {
         {"time_s":3.6,"force_N":10000,"feed_m_min":30},
         {"time_s":0.2,"feed_m_min":15,"acceleration_m_s2":-2.5}]"#;
     let args = ["axis", &axis, "--set", cycle, "--json"];
-    let in_scene = json(&stdout(&bsm(dir.path(), &args, "")));
-    assert_eq!(from_table, in_scene);
-    assert_eq!(in_scene["phases"].as_array().map(Vec::len), Some(3));
+    let in_case = json(&stdout(&bsm(dir.path(), &args, "")));
+    assert_eq!(from_table, in_case);
+    assert_eq!(in_case["phases"].as_array().map(Vec::len), Some(3));
     // 500 kg at 2.5 m/s² and 49 N of guides.
-    let first = number(&in_scene["phases"][0], "screw_load_N");
+    let first = number(&in_case["phases"][0], "screw_load_N");
     assert!((first - 1_299.033_25).abs() < 1e-6, "{first}");
     let args = ["axis", &axis, "--cycle", "cycle.csv"];
     assert_eq!(bsm(dir.path(), &args, "").status.code(), Some(2));
 }
 
-/// The audit: names in other units are understood in scenes, settings, sweeps and tables, and a feed is a speed.
+/// The audit: names in other units are understood in cases, settings, sweeps and tables, and a feed is a speed.
 #[test]
 fn names_may_have_any_unit() {
     let dir = folder();
@@ -486,7 +486,7 @@ fn short_names_are_suggested() {
 
 /// The audit: a nut from the catalogue and a screw of `design` could not be solved.
 #[test]
-fn a_picked_nut_is_a_scene_for_every_command() {
+fn a_picked_nut_is_a_case_for_every_command() {
     let dir = folder();
     let args =
         ["select", "--where", "nominal_diameter_mm=40", "--where", "lead_mm=20", "-o", "nut.json"];

@@ -107,7 +107,7 @@ fn a_table_of_ones_own_is_read() {
     assert!(read("x.csv").contains("invalid_input"), "{}", read("x.csv"));
 }
 
-/// Found by a user: a table could not say what it was made from. The scene in it makes the table again.
+/// Found by a user: a table could not say what it was made from. The case in it makes the table again.
 #[test]
 fn tables_say_what_they_are_made_from() {
     let dir = folder();
@@ -139,7 +139,7 @@ fn tables_say_what_they_are_made_from() {
             "{about}"
         );
         assert_eq!(
-            (&about["scene"]["lead_mm"], &about["settings"]["tolerance"]),
+            (&about["case"]["lead_mm"], &about["settings"]["tolerance"]),
             (&serde_json::json!(10.0), &serde_json::json!(1e-3))
         );
         assert_eq!(about["columns"]["ball_torque_Nm"]["unit"], "N m");
@@ -150,7 +150,7 @@ fn tables_say_what_they_are_made_from() {
     let hash = String::from_utf8(hash.stdout).expect("text");
     assert_eq!(beside["table"]["sha256"], hash.split_whitespace().next().expect("a hash"));
     // The way back.
-    fs::write(at("again.json"), about["scene"].to_string()).expect("scene");
+    fs::write(at("again.json"), about["case"].to_string()).expect("case");
     let vary = about["points"]["grid"][0].as_str().expect("an axis").to_owned();
     let again = ["sweep", "again.json", "--vary", &vary, "--columns", "efficiency,ball_torque_Nm"];
     run(dir.path(), &[&again[..], &["--solver", "tolerance=1e-3", "-o", "again.csv"]].concat(), 0);
@@ -236,7 +236,7 @@ fn workbooks_have_units_and_the_same_numbers() {
     }
     let about = sheet(&at("out.xlsx"), "xl/sharedStrings.xml");
     assert!(
-        about.contains("scene.ball_diameter_mm") && about.contains("settings.tolerance"),
+        about.contains("case.ball_diameter_mm") && about.contains("settings.tolerance"),
         "{about}"
     );
 

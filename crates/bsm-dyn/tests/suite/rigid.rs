@@ -265,7 +265,7 @@ fn overwhelming_inertia_is_no_false_answer() {
     }
 }
 
-fn scene() -> impl Strategy<Value = OperatingPoint> {
+fn case() -> impl Strategy<Value = OperatingPoint> {
     (
         (8.0..45.0_f64, 30.0..70.0_f64, 0.01..0.1_f64, 0.07..0.2_f64),
         (50.0..6000.0_f64, 20.0..3000.0_f64, any::<bool>(), any::<bool>()),
@@ -291,7 +291,7 @@ fn scene() -> impl Strategy<Value = OperatingPoint> {
 proptest! {
     /// Power balance and residual of whatever converges.
     #[test]
-    fn power_balances(case in scene()) {
+    fn power_balances(case in case()) {
         let solution = Rigid { point: case }.solve(&mut RigidWorkspace::default());
         prop_assert_ne!(solution.status(), Status::NotConverged, "{:?}", solution.reason());
         if solution.status() == Status::Converged {
@@ -305,7 +305,7 @@ proptest! {
     /// Invariance: a screw twice as large, of other density and load, with the same inertia
     /// ratio, has the same efficiency and load ratios.
     #[test]
-    fn scaling_changes_nothing(case in scene(), length in 0.1..10.0_f64, force in 0.1..10.0_f64) {
+    fn scaling_changes_nothing(case in case(), length in 0.1..10.0_f64, force in 0.1..10.0_f64) {
         let scaled = OperatingPoint { helix: Helix { radius: case.helix.radius * length, ..case.helix }, ball: Ball {
                 radius: case.ball.radius * length,
                 mass: case.ball.mass * force / length,
@@ -324,7 +324,7 @@ proptest! {
 
     /// Z balls that share Z times the load: the same motion, Z times the torque.
     #[test]
-    fn balls_share_the_load(case in scene(), balls in 2_u8..80) {
+    fn balls_share_the_load(case in case(), balls in 2_u8..80) {
         let z = f64::from(balls);
         let many = OperatingPoint { load: Load { axial: case.load.axial * z, balls: z }, ..case };
         let mut work = RigidWorkspace::default();

@@ -1,4 +1,4 @@
-//! Ten thousand seeded scenes: everything converges or has no solution, and by what.
+//! Ten thousand seeded cases: everything converges or has no solution, and by what.
 
 use bsm_dyn::{Ball, Coulomb, Load, OperatingPoint, Rigid, RigidWorkspace, Status};
 use bsm_kin::{Drive, Helix};
@@ -63,7 +63,7 @@ impl Tally {
     }
 }
 
-/// Scenes of the ranges that the rigid model is specified for; `pitch` draws the pitch radius.
+/// Cases of the ranges that the rigid model is specified for; `pitch` draws the pitch radius.
 fn campaign(count: usize, seed: u64, pitch: impl Fn(&mut ChaCha8Rng) -> f64) -> Tally {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut work = RigidWorkspace::default();

@@ -53,7 +53,7 @@ impl Guess {
         off.filter(|(guess, _)| *guess == self).map_or(1.0, |(_, by)| by)
     }
 
-    /// True if a scene gives it.
+    /// True if a case gives it.
     fn is_given(self, of: &Surfaces) -> bool {
         match self {
             Self::Nut => of.nut.or(of.carriage).is_some(),

@@ -38,12 +38,12 @@ fn circuit(value: &Value) -> Circuit {
     }
 }
 
-pub(crate) fn nut(scene: &Value) -> BallNut {
-    let mm = |key| number(scene, key).expect("length") * 1e-3;
+pub(crate) fn nut(case: &Value) -> BallNut {
+    let mm = |key| number(case, key).expect("length") * 1e-3;
     let (pitch, lead) = (mm("pitch_circle_diameter_mm"), mm("lead_mm"));
     let steel = Material {
-        youngs_modulus: number(scene, "youngs_modulus_GPa").expect("modulus") * 1e9,
-        poisson_ratio: number(scene, "poisson_ratio").expect("ratio"),
+        youngs_modulus: number(case, "youngs_modulus_GPa").expect("modulus") * 1e9,
+        poisson_ratio: number(case, "poisson_ratio").expect("ratio"),
     };
     let radius = 0.5 * mm("ball_diameter_mm");
     let lead_error = |value: &Value| match number(value, "amplitude_um") {
@@ -57,40 +57,40 @@ pub(crate) fn nut(scene: &Value) -> BallNut {
             origin: number(value, "z0_mm").expect("origin") * 1e-3,
         },
     };
-    let list = |key: &str| scene.get(key).and_then(Value::as_array).cloned().unwrap_or_default();
+    let list = |key: &str| case.get(key).and_then(Value::as_array).cloned().unwrap_or_default();
     let errors = Errors {
         balls: list("ball_deviation_um").iter().map(|x| x.as_f64().expect("um") * 0.5e-6).collect(),
-        oversize: number(scene, "ball_oversize_um").unwrap_or(0.0) * 0.5e-6,
+        oversize: number(case, "ball_oversize_um").unwrap_or(0.0) * 0.5e-6,
         lead: list("lead_error").iter().map(lead_error).collect(),
-        gap: number(scene, "radial_gap_um").unwrap_or(0.0) * 1e-6,
+        gap: number(case, "radial_gap_um").unwrap_or(0.0) * 1e-6,
     };
     let mut nut = BallNut {
         helix: Helix { radius: 0.5 * pitch, lead_angle: (lead / (PI * pitch)).atan() },
-        starts: scene.get("starts").map_or(1, |n| n.to_string().parse().expect("whole number")),
+        starts: case.get("starts").map_or(1, |n| n.to_string().parse().expect("whole number")),
         ball: Ball { radius, mass: 4.0 / 3.0 * PI * radius.powi(3) * 7800.0 },
-        contact_angle: number(scene, "contact_angle_deg").expect("angle") * DEG,
+        contact_angle: number(case, "contact_angle_deg").expect("angle") * DEG,
         conformity: (
-            number(scene, "nut_conformity").expect("conformity"),
-            number(scene, "screw_conformity").expect("conformity"),
+            number(case, "nut_conformity").expect("conformity"),
+            number(case, "screw_conformity").expect("conformity"),
         ),
         material: (steel, steel),
         circuits: list("circuits").iter().map(circuit).collect(),
         errors,
         nut_bar: None,
         screw_bar: None,
-        ring: scene.get("ring").map(|ring| Ring {
+        ring: case.get("ring").map(|ring| Ring {
             outer: number(ring, "outer_diameter_mm").expect("mm") * 1e-3,
             inner: number(ring, "inner_diameter_mm").expect("mm") * 1e-3,
             youngs_modulus: steel.youngs_modulus,
         }),
         reference: None,
-        precession: number(scene, "ball_precession_rad_s").unwrap_or(0.0),
+        precession: number(case, "ball_precession_rad_s").unwrap_or(0.0),
     };
     let places = nut.places();
     let low = places.iter().map(|p| p.z).fold(f64::MAX, f64::min);
     let high = places.iter().map(|p| p.z).fold(f64::MIN, f64::max);
     let bar = |body: &str| {
-        let bar = scene.get("bars")?.get(body)?;
+        let bar = case.get("bars")?.get(body)?;
         let anchor = match bar.get("anchor").and_then(Value::as_str) {
             Some("low") => low,
             Some(_) => high,
@@ -130,7 +130,7 @@ fn reference_cases() {
     assert_eq!(cases.len(), 14);
     for case in &cases {
         let name = case["name"].as_str().expect("name");
-        let nut = nut(&case["scene"]);
+        let nut = nut(&case["case"]);
         let found = nut.solve(&support(case)).unwrap_or_else(|e| panic!("{name}: {e}"));
         let expect = &case["expect"];
         // Printed to 14 digits; the two solutions agree to 3e-11 or better.

@@ -36,9 +36,9 @@ struct Case {
 }
 
 impl Case {
-    fn of(scene: &Value) -> Self {
-        let value = |key| number(scene, key).unwrap_or(0.0);
-        let nut = nut(scene);
+    fn of(case: &Value) -> Self {
+        let value = |key| number(case, key).unwrap_or(0.0);
+        let nut = nut(case);
         let loaded = [
             ("axial_load_N", 1.0),
             ("", 0.0),
@@ -47,7 +47,7 @@ impl Case {
             ("moment_y_Nm", 1.0),
         ]
         .map(|(key, unit)| Freedom::Loaded(value(key) * unit));
-        let free = scene["nut_guidance"] == "free";
+        let free = case["nut_guidance"] == "free";
         let held = [0.0, value("radial_x_um") * 1e-6, 0.0, 0.0, value("tilt_y_urad") * 1e-6];
         let mut support = Support(loaded);
         if !free {
@@ -55,8 +55,8 @@ impl Case {
                 *freedom = Freedom::Held(held);
             }
         }
-        let oil = number(scene, "lubricant_temperature_C").map(|celsius| celsius + ZERO_CELSIUS);
-        let push = match number(scene, "return_entry_force_N") {
+        let oil = number(case, "lubricant_temperature_C").map(|celsius| celsius + ZERO_CELSIUS);
+        let push = match number(case, "return_entry_force_N") {
             Some(step) => ExitPush::AtEntry(step),
             None => ExitPush::AtExit(value("return_push_N")),
         };
@@ -71,7 +71,7 @@ impl Case {
             },
             idle_drag: 0.0,
         };
-        let friction = number(scene, "friction_coefficient").filter(|_| oil.is_none());
+        let friction = number(case, "friction_coefficient").filter(|_| oil.is_none());
         let drive = Drive { screw_speed: value("screw_speed_rpm") * PI / 30.0, nut_speed: 0.0 };
         Self { nut, support, friction, oil, drive, inputs }
     }
@@ -127,7 +127,7 @@ fn reference_cases() {
     assert_eq!(cases.len(), 6);
     for one in cases {
         let name = one["id"].as_str().expect("name");
-        let reference = Case::of(&one["scene"]);
+        let reference = Case::of(&one["case"]);
         let expected = &one["expected"];
         // Those of the file: rates, torques over the friction torque, pushes over the largest.
         let [rates, torques, pushes] =
@@ -193,7 +193,7 @@ fn reference(name: &str) -> Case {
     let file: Value = serde_json::from_str(CASES).expect("JSON");
     let cases = file["cases"].as_array().expect("cases");
     let one = cases.iter().find(|one| one["id"] == name).expect("a reference of this name");
-    Case::of(&one["scene"])
+    Case::of(&one["case"])
 }
 
 /// 38 balls of one speed, with a load of 65 N each, that a return pushes on.

@@ -69,22 +69,22 @@ fn oiled(
     nut.friction_sum(found, None, drive, between_loads, solve)
 }
 
-fn mm(scene: &Value, key: &str) -> f64 {
-    number(scene, key).unwrap_or_else(|| panic!("{key}")) * 1e-3
+fn mm(case: &Value, key: &str) -> f64 {
+    number(case, key).unwrap_or_else(|| panic!("{key}")) * 1e-3
 }
 
 /// What is given of the conductances.
-fn surfaces(scene: &Value, nut: &BallNut, length: f64) -> Surfaces {
+fn surfaces(case: &Value, nut: &BallNut, length: f64) -> Surfaces {
     let unloaded = nut.solve(&Support::guided(0.0)).expect("preloaded");
     let mean = unloaded.mean_load();
-    let coolant = number(scene, "coolant_flow_l_min").map_or(0.0, |flow| {
-        coolant_conductance(Coolant::Water, flow / 6e4, mm(scene, "screw_bore_mm"), length)
+    let coolant = number(case, "coolant_flow_l_min").map_or(0.0, |flow| {
+        coolant_conductance(Coolant::Water, flow / 6e4, mm(case, "screw_bore_mm"), length)
     });
     Surfaces {
-        size: (mm(scene, "nut_outer_diameter_mm"), mm(scene, "nut_length_mm")),
+        size: (mm(case, "nut_outer_diameter_mm"), mm(case, "nut_length_mm")),
         carriage: None,
         radii: nut.contact_radii(mean).expect("Hertz"),
-        nut: number(scene, "nut_conductance_W_K"),
+        nut: number(case, "nut_conductance_W_K"),
         screw_film: None,
         gap: None,
         ball_nut: None,
@@ -95,16 +95,16 @@ fn surfaces(scene: &Value, nut: &BallNut, length: f64) -> Surfaces {
     }
 }
 
-/// The axis of a scene of the reference cases.
-fn axis(scene: &Value) -> WarmNut<'static> {
-    let mut full = scene.clone();
+/// The axis of a case of the reference cases.
+fn axis(case: &Value) -> WarmNut<'static> {
+    let mut full = case.clone();
     full["youngs_modulus_GPa"] = json!(207.0);
     full["poisson_ratio"] = json!(0.3);
     let bare = nut(&full);
-    let ambient = |key: &str, or: f64| number(scene, key).unwrap_or(or);
+    let ambient = |key: &str, or: f64| number(case, key).unwrap_or(or);
     let set = 20.0 + ZERO_CELSIUS;
-    let preload = number(scene, "preload_N").expect("preload");
-    let way = if scene["preload_arrangement"] == "O" { -1.0 } else { 1.0 };
+    let preload = number(case, "preload_N").expect("preload");
+    let way = if case["preload_arrangement"] == "O" { -1.0 } else { 1.0 };
     let guided = Support::guided(0.0);
     let offset =
         bare.preload_displacement(Preload::Offset, way * preload, &guided).expect("offset");
@@ -117,14 +117,14 @@ fn axis(scene: &Value) -> WarmNut<'static> {
             nut_speed: 0.0,
         },
     };
-    let phases: Vec<_> = scene["cycle"].as_array().expect("cycle").iter().map(phase).collect();
-    let travel = mm(scene, "stroke_mm") + mm(scene, "nut_length_mm");
-    let length = travel + 2.0 * mm(scene, "lead_mm");
-    let bore = number(scene, "screw_bore_mm").unwrap_or(0.0) * 1e-3;
-    let section = 0.25 * PI * (mm(scene, "shaft_diameter_mm").powi(2) - bore * bore);
+    let phases: Vec<_> = case["cycle"].as_array().expect("cycle").iter().map(phase).collect();
+    let travel = mm(case, "stroke_mm") + mm(case, "nut_length_mm");
+    let length = travel + 2.0 * mm(case, "lead_mm");
+    let bore = number(case, "screw_bore_mm").unwrap_or(0.0) * 1e-3;
+    let section = 0.25 * PI * (mm(case, "shaft_diameter_mm").powi(2) - bore * bore);
     let expansion = 11.5e-6;
-    let hold = number(scene, "pretension_K").map(|kelvin| {
-        let bearing = number(scene, "support_bearing_stiffness_N_um").expect("stiffness") * 1e6;
+    let hold = number(case, "pretension_K").map(|kelvin| {
+        let bearing = number(case, "support_bearing_stiffness_N_um").expect("stiffness") * 1e6;
         let stiffness = (length / (207e9 * section) + 2.0 / bearing).recip();
         AxialHold {
             stiffness,
@@ -134,7 +134,7 @@ fn axis(scene: &Value) -> WarmNut<'static> {
         }
     });
     let screw = ScrewBar {
-        diameter: mm(scene, "pitch_circle_diameter_mm"),
+        diameter: mm(case, "pitch_circle_diameter_mm"),
         length,
         travel,
         section,
@@ -152,10 +152,10 @@ fn axis(scene: &Value) -> WarmNut<'static> {
     let found = nut.solve(&guided).expect("preloaded");
     let slow = Drive { screw_speed: 100.0 * RPM, nut_speed: 0.0 };
     let contacts = oiled(&nut, &found, &slow, set, BETWEEN_LOADS).expect("friction").torque;
-    let rule = drag_torque(preload, mm(scene, "lead_mm"), nut.helix.lead_angle);
+    let rule = drag_torque(preload, mm(case, "lead_mm"), nut.helix.lead_angle);
     WarmNut {
         drag: drag_beyond_contacts(rule, contacts, preload),
-        surfaces: surfaces(scene, &nut, length),
+        surfaces: surfaces(case, &nut, length),
         off: None,
         screw,
         sinks,
@@ -164,8 +164,8 @@ fn axis(scene: &Value) -> WarmNut<'static> {
         support: guided,
         phases,
         friction: &oiled,
-        seal: number(scene, "seal_torque_Nm").unwrap_or(0.0),
-        bearings: number(scene, "support_bearing_torque_Nm").unwrap_or(0.0),
+        seal: number(case, "seal_torque_Nm").unwrap_or(0.0),
+        bearings: number(case, "support_bearing_torque_Nm").unwrap_or(0.0),
         motor: 0.0,
         set,
     }
@@ -203,9 +203,9 @@ const NAMES: [&str; NODES] = [
 fn reference_cases() {
     for reference in cases() {
         let id = reference["id"].as_str().expect("id");
-        let (scene, expect) = (&reference["scene"], &reference["expect"]);
+        let (case, expect) = (&reference["case"], &reference["expect"]);
         let tol = number(&reference, "rel_tol").expect("tolerance");
-        let nut = axis(scene);
+        let nut = axis(case);
         let network = nut.network(1.0);
         let of = network.conductances;
         for (name, found) in [
@@ -225,7 +225,7 @@ fn reference_cases() {
             let expected = number(expect, name).unwrap_or_else(|| panic!("{id} {name}"));
             near(&format!("{id} {name}"), found, expected, tol * expected.abs());
         };
-        let ambient = number(scene, "ambient_temperature_C").unwrap_or(20.0);
+        let ambient = number(case, "ambient_temperature_C").unwrap_or(20.0);
         for (name, found) in NAMES.into_iter().zip(celsius(nut.set, &state.rises)) {
             let expected = number(expect, name).expect(name);
             near(&format!("{id} {name}"), found, expected, tol * (expected - ambient).abs());
@@ -268,8 +268,8 @@ fn reference_cases() {
             held("stiffness", stiffness, number(phase, "nut_stiffness_N_um").expect("stiffness"));
         }
         let ratings = TurnRatings {
-            screw: number(scene, "screw_rating_N").expect("rating"),
-            nut: number(scene, "nut_rating_N").expect("rating"),
+            screw: number(case, "screw_rating_N").expect("rating"),
+            nut: number(case, "nut_rating_N").expect("rating"),
         };
         let first = state.heated.phases[0].as_ref().expect("asked for all");
         held("life_revolutions", first.found.life(&nut.nut, &ratings));
@@ -283,7 +283,7 @@ fn folds() {
     for (id, most) in [("WS-P2", 2.5), ("WS-P3", 2.0), ("WS-P6", 2.5)] {
         let reference = reference(id);
         let expect = &reference["expect"];
-        let nut = axis(&reference["scene"]);
+        let nut = axis(&reference["case"]);
         let state = nut.steady().unwrap_or_else(|none| panic!("{id}: {none}"));
         let fold = nut.fold(&state, most).unwrap_or_else(|none| panic!("{id}: {none}"));
         let Some(factor) = number(expect, "fold_speed_factor") else {
@@ -318,7 +318,7 @@ fn friction_is_summed_a_few_hundred_times_for_a_fold() {
         count.set(count.get() + 1);
         oiled(nut, found, drive, oil, to)
     };
-    let nut = WarmNut { friction: &counted, ..axis(&reference["scene"]) };
+    let nut = WarmNut { friction: &counted, ..axis(&reference["case"]) };
     let state = nut.steady().expect("steady");
     let of_state = count.replace(0);
     nut.fold(&state, 2.0).expect("traced").expect("a fold");
@@ -332,7 +332,7 @@ fn friction_is_summed_a_few_hundred_times_for_a_fold() {
 #[test]
 fn band() {
     let reference = reference("WS-P2");
-    let nut = axis(&reference["scene"]);
+    let nut = axis(&reference["case"]);
     let state = nut.steady().expect("steady");
     let band = nut.band(&state, |nut, state| {
         let [body, screw, ..] = celsius(nut.set, &state.rises);
@@ -365,7 +365,7 @@ fn at_speed<'a>(nut: &WarmNut<'a>, factor: f64) -> WarmNut<'a> {
 #[test]
 fn below_a_fold_are_two_states_and_above_none() {
     let reference = reference("WS-P3");
-    let nut = axis(&reference["scene"]);
+    let nut = axis(&reference["case"]);
     let factor = number(&reference["expect"], "fold_speed_factor").expect("fold");
     let below = at_speed(&nut, 0.99 * factor);
     let state = below.steady().expect("below the fold");
@@ -388,7 +388,7 @@ fn below_a_fold_are_two_states_and_above_none() {
 #[test]
 fn as_much_heat_leaves_as_is_made() {
     for reference in cases() {
-        let nut = axis(&reference["scene"]);
+        let nut = axis(&reference["case"]);
         let state = nut.steady().expect("steady");
         let (network, [body, .., first, second]) = (nut.network(1.0), state.rises);
         let of = network.conductances;
@@ -407,7 +407,7 @@ fn as_much_heat_leaves_as_is_made() {
 /// nodes take the temperature of what is around, without heat and gain.
 #[test]
 fn at_rest_all_is_as_warm_as_what_is_around() {
-    let mut nut = axis(&reference("WS-P1")["scene"]);
+    let mut nut = axis(&reference("WS-P1")["case"]);
     nut.phases[0].drive.screw_speed = 0.0;
     let state = nut.steady().expect("steady");
     // Rounding of a solve with conductances from 0.6 to 50 W/K.
@@ -429,7 +429,7 @@ fn at_rest_all_is_as_warm_as_what_is_around() {
 /// gain.
 #[test]
 fn a_sweep_both_ways_finds_the_states_of_cold_starts() {
-    let nut = axis(&reference("WS-P3")["scene"]);
+    let nut = axis(&reference("WS-P3")["case"]);
     let factors = [0.4, 0.6, 0.8, 1.0, 1.1];
     let cold: Vec<_> =
         factors.iter().map(|f| at_speed(&nut, *f).steady().expect("cold").rises).collect();
@@ -451,7 +451,7 @@ fn a_sweep_both_ways_finds_the_states_of_cold_starts() {
 /// beyond the hotter one less, so that an axis that is warmer than that runs away where a cold one is steady.
 #[test]
 fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
-    let nut = axis(&reference("WS-P3")["scene"]);
+    let nut = axis(&reference("WS-P3")["case"]);
     let (factors, mut hotter) = ([0.9, 1.0, 1.1, 1.16], Vec::new());
     let mut cold = Vec::new();
     for factor in factors {
@@ -498,7 +498,7 @@ fn without_coupling_temperatures_are_linear_in_the_heat() {
             Some(FrictionSum { torque, contacts: [0.5 * torque; 2], ..FrictionSum::default() })
         }
     };
-    let base = axis(&reference("WS-P2")["scene"]);
+    let base = axis(&reference("WS-P2")["case"]);
     let at = |torque: f64| {
         let friction = constant(torque);
         let screw = ScrewBar { expansion: 0.0, ..base.screw };
@@ -546,7 +546,7 @@ fn dry(
 /// As many times the conductances and the heat are the same state.
 #[test]
 fn heat_and_conductances_in_proportion_are_the_same_state() {
-    let base = axis(&reference("WS-P2")["scene"]);
+    let base = axis(&reference("WS-P2")["case"]);
     let at = |factor: f64| {
         let friction = dry(factor);
         let mut nut = rubbing(&base, &friction);
@@ -578,7 +578,7 @@ fn heat_and_conductances_in_proportion_are_the_same_state() {
 fn without_resistance_nothing_is_warm() {
     let friction = dry(1.0);
     let of = |id: &str, free: f64, gap: f64| {
-        let mut nut = rubbing(&axis(&reference(id)["scene"]), &friction);
+        let mut nut = rubbing(&axis(&reference(id)["case"]), &friction);
         (nut.drag, nut.phases[0].load) = (0.0, 0.0);
         let all = Some(free).filter(|free| *free > 0.0);
         nut.surfaces = Surfaces {
@@ -607,7 +607,7 @@ fn without_resistance_nothing_is_warm() {
 #[test]
 fn one_node_has_the_heat_over_its_surfaces() {
     let friction = dry(1.0);
-    let mut nut = rubbing(&axis(&reference("WS-P2")["scene"]), &friction);
+    let mut nut = rubbing(&axis(&reference("WS-P2")["case"]), &friction);
     let free = Some(1e5);
     nut.surfaces = Surfaces { gap: free, ball_nut: free, ball_screw: free, ..nut.surfaces };
     nut.screw.bearings = [false; 2];
@@ -625,7 +625,7 @@ fn one_node_has_the_heat_over_its_surfaces() {
 /// that of an exact fin with heat all along the travel: by 6 % at m L_t = 0.5, 12 % at 2 and 3, 9 % at 7, 6 % at 12.
 #[test]
 fn one_temperature_along_the_travel_is_lower_than_the_mean_of_a_fin() {
-    let base = axis(&reference("WS-P2")["scene"]);
+    let base = axis(&reference("WS-P2")["case"]);
     for (x, percent) in [(0.5, 6.0), (2.0, 12.0), (3.0, 12.0), (7.0, 9.0), (12.0, 6.0)] {
         let mut network = base.network(1.0);
         let along = network.conductances.screw_film * PI * network.screw.diameter;
@@ -649,7 +649,7 @@ fn one_temperature_along_the_travel_is_lower_than_the_mean_of_a_fin() {
 #[test]
 fn temperatures_follow_the_surroundings_by_the_slopes_of_the_heat() {
     let friction = dry(1.0);
-    let base = rubbing(&axis(&reference("WS-P2")["scene"]), &friction);
+    let base = rubbing(&axis(&reference("WS-P2")["case"]), &friction);
     let at = |by: f64| {
         let sinks = Sinks { air: by, structure: by, coolant: by };
         WarmNut { sinks, ..base.clone() }
@@ -677,14 +677,14 @@ fn temperatures_follow_the_surroundings_by_the_slopes_of_the_heat() {
 #[test]
 fn at_the_neutral_distance_o_does_not_notice_a_warm_screw() {
     let change = |id: &str| {
-        let mut scene = reference(id)["scene"].clone();
-        let radius = 0.5 * mm(&scene, "pitch_circle_diameter_mm");
-        let lead = mm(&scene, "lead_mm");
+        let mut case = reference(id)["case"].clone();
+        let radius = 0.5 * mm(&case, "pitch_circle_diameter_mm");
+        let lead = mm(&case, "lead_mm");
         let angle = 45.0_f64.to_radians();
         // 2c = 2 r_m cot(β₀)/cos(α)
         let apart = 2.0 * radius / angle.tan() / (lead / (2.0 * PI * radius)).atan().cos();
-        scene["circuits"][1]["start_deg"] = json!(360.0 * apart / lead);
-        let axis = axis(&scene);
+        case["circuits"][1]["start_deg"] = json!(360.0 * apart / lead);
+        let axis = axis(&case);
         let preload = |kelvin: f64| {
             let warm = axis.nut.warmed([0.0, kelvin, 0.5 * kelvin], axis.screw.expansion);
             warm.solve(&Support::guided(0.0)).expect("carried").preload(&warm, Preload::Offset)
@@ -699,7 +699,7 @@ fn at_the_neutral_distance_o_does_not_notice_a_warm_screw() {
 /// control errs by, which is not the same from load to load.
 #[test]
 fn friction_between_loads() {
-    let nut = axis(&reference("WS-P4")["scene"]);
+    let nut = axis(&reference("WS-P4")["case"]);
     let warm = nut.warmed(&[20.0, 15.0, 31.0, 7.0, 7.0], -18_000.0);
     let found = warm.solve(&Support::guided(1500.0)).expect("carried");
     let drive = Drive { screw_speed: 80.0, nut_speed: 0.0 };
@@ -717,7 +717,7 @@ fn friction_between_loads() {
 /// 1.3 % of the load for 0.1 K, half of it in the mean.
 #[test]
 fn change_of_a_preload_to_first_order() {
-    let axis = axis(&reference("WS-P1")["scene"]);
+    let axis = axis(&reference("WS-P1")["case"]);
     let (nut, expansion) = (&axis.nut, axis.screw.expansion);
     let preload = |rises: [f64; 3]| {
         let warm = nut.warmed(rises, expansion);
@@ -744,17 +744,17 @@ fn change_of_a_preload_to_first_order() {
 fn random_axes_have_a_state_or_a_reason() {
     let mut rng = ChaCha8Rng::seed_from_u64(42);
     let (mut steady, mut folds, mut hot, mut lost) = (0, 0, 0, 0);
-    let (mut scene, whole) = (reference("WS-P4")["scene"].clone(), campaign(5000));
+    let (mut case, whole) = (reference("WS-P4")["case"].clone(), campaign(5000));
     let mut pairs = Vec::new();
     for (way, flanks) in [("X", ["+", "-"]), ("O", ["-", "+"])] {
         for (circuit, flank) in flanks.into_iter().enumerate() {
-            scene["circuits"][circuit]["balls"] = json!(12);
-            scene["circuits"][circuit]["flank"] = json!(flank);
+            case["circuits"][circuit]["balls"] = json!(12);
+            case["circuits"][circuit]["flank"] = json!(flank);
         }
-        scene["preload_arrangement"] = json!(way);
+        case["preload_arrangement"] = json!(way);
         for preload in [200.0, 500.0, 1000.0] {
-            scene["preload_N"] = json!(preload);
-            pairs.push(axis(&scene));
+            case["preload_N"] = json!(preload);
+            pairs.push(axis(&case));
         }
     }
     for point in 0..whole {

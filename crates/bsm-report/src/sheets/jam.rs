@@ -1,14 +1,14 @@
 //! The sweeps of Dong et al. (2020), Figs 13-19: contact state, wedge, friction, drag and thrust against
 //! speed, load, return angle and height of the step. `jam.json` says what is drawn.
 
-use bsm_case::{Scene, Settings};
+use bsm_case::{Case, Settings};
 use bsm_dyn::{ModelWorkspace, Solution};
 use serde::Deserialize;
 
 use super::study::{Rows, Study, analysed, line, sizes};
 use crate::{Axis, Figure, ReportError, Stroke};
 
-/// Load and speed over those of the scene, which are in the middle: 8 to 24 kN about 16 kN, up to
+/// Load and speed over those of the case, which are in the middle: 8 to 24 kN about 16 kN, up to
 /// 5000 rpm about 2500 rpm; nothing moves at rest.
 const LOADS: [f64; 3] = [0.5, 1.0, 1.5];
 const SPEEDS: [f64; 3] = [0.2, 1.0, 2.0];
@@ -47,42 +47,42 @@ struct Sweeps {
     each: Vec<(String, Rows)>,
 }
 
-/// A scene with factors of load and speed.
-fn scaled(scene: &Scene, load: f64, speed: f64) -> Scene {
-    Scene {
-        axial_load_N: scene.axial_load_N.map(|n| n * load),
-        screw_speed_rpm: scene.screw_speed_rpm.map(|n| n * speed),
-        nut_speed_rpm: scene.nut_speed_rpm.map(|n| n * speed),
-        ..scene.clone()
+/// A case with factors of load and speed.
+fn scaled(case: &Case, load: f64, speed: f64) -> Case {
+    Case {
+        axial_load_N: case.axial_load_N.map(|n| n * load),
+        screw_speed_rpm: case.screw_speed_rpm.map(|n| n * speed),
+        nut_speed_rpm: case.nut_speed_rpm.map(|n| n * speed),
+        ..case.clone()
     }
 }
 
 /// Axial load \[kN\].
-fn load(scene: &Scene) -> f64 {
-    1e-3 * scene.axial_load_N.unwrap_or(f64::NAN)
+fn load(case: &Case) -> f64 {
+    1e-3 * case.axial_load_N.unwrap_or(f64::NAN)
 }
 
 /// Speed of the screw against the nut.
-fn relative_rpm(scene: &Scene) -> f64 {
-    (scene.screw_speed_rpm.unwrap_or(f64::NAN) - scene.nut_speed_rpm.unwrap_or(0.0)).abs()
+fn relative_rpm(case: &Case) -> f64 {
+    (case.screw_speed_rpm.unwrap_or(f64::NAN) - case.nut_speed_rpm.unwrap_or(0.0)).abs()
 }
 
-/// All sweeps around a scene, from half to one and a half of its load and up to twice its speed; those of the
+/// All sweeps around a case, from half to one and a half of its load and up to twice its speed; those of the
 /// ball return if it has one.
-fn sweeps(scene: &Scene, settings: &Settings) -> Result<Vec<Sweeps>, ReportError> {
+fn sweeps(case: &Case, settings: &Settings) -> Result<Vec<Sweeps>, ReportError> {
     let mut work = ModelWorkspace::default();
-    let mut run = |scenes| analysed(scenes, settings, &mut work);
+    let mut run = |cases| analysed(cases, settings, &mut work);
     let (mut at_speeds, mut at_loads) = (Vec::new(), Vec::new());
     for speed in SPEEDS {
-        let own = scaled(scene, 1.0, speed);
-        let scenes = (0..=20).map(|i| scaled(&own, 0.5 + f64::from(i) / 20.0, 1.0));
-        let rows = run(scenes.map(|scene| (load(&scene), scene)).collect())?;
+        let own = scaled(case, 1.0, speed);
+        let cases = (0..=20).map(|i| scaled(&own, 0.5 + f64::from(i) / 20.0, 1.0));
+        let rows = run(cases.map(|case| (load(&case), case)).collect())?;
         at_speeds.push((format!("{:.0} rpm", relative_rpm(&own)), rows));
     }
     for factor in LOADS {
-        let own = scaled(scene, factor, 1.0);
-        let scenes = (1..=50).map(|i| scaled(&own, 1.0, f64::from(i) / 25.0));
-        let rows = run(scenes.map(|scene| (relative_rpm(&scene), scene)).collect())?;
+        let own = scaled(case, factor, 1.0);
+        let cases = (1..=50).map(|i| scaled(&own, 1.0, f64::from(i) / 25.0));
+        let rows = run(cases.map(|case| (relative_rpm(&case), case)).collect())?;
         at_loads.push((format!("{} kN", load(&own)), rows));
     }
     let (by_load, by_speed) = ("axial load, kN", "speed of screw to nut, rpm");
@@ -92,16 +92,16 @@ fn sweeps(scene: &Scene, settings: &Settings) -> Result<Vec<Sweeps>, ReportError
         Sweeps { name: "speed", axis: by_speed, each: vec![at_loads[1].clone()] },
         Sweeps { name: "speed-at-loads", axis: by_speed, each: at_loads },
     ];
-    if scene.return_angle_deg.is_some() {
+    if case.return_angle_deg.is_some() {
         let angle = |i| {
             let angle = f64::from(i);
-            (angle, Scene { return_angle_deg: Some(angle), ..scene.clone() })
+            (angle, Case { return_angle_deg: Some(angle), ..case.clone() })
         };
         // Above half of the ball no thrust lifts it.
         let height = |i| {
             let part = f64::from(i) / 200.0;
-            let step_height_mm = scene.ball_diameter_mm.map(|ball| part * ball);
-            (part, Scene { step_height_mm, ..scene.clone() })
+            let step_height_mm = case.ball_diameter_mm.map(|ball| part * ball);
+            (part, Case { step_height_mm, ..case.clone() })
         };
         let axis = "height of the step, of the ball diameter";
         let [angles, heights] =
@@ -114,17 +114,13 @@ fn sweeps(scene: &Scene, settings: &Settings) -> Result<Vec<Sweeps>, ReportError
 }
 
 impl Study {
-    /// Sweeps over load, speed and return angle around a scene, all with the model of `solution`.
+    /// Sweeps over load, speed and return angle around a case, all with the model of `solution`.
     ///
     /// # Errors
     ///
-    /// [`ReportError::Case`] if the scene is incomplete.
-    pub fn jam(
-        scene: &Scene,
-        settings: &Settings,
-        solution: &Solution,
-    ) -> Result<Self, ReportError> {
-        let sweeps = sweeps(scene, &Settings { model: solution.model.into(), ..*settings })?;
+    /// [`ReportError::Case`] if the case is incomplete.
+    pub fn jam(case: &Case, settings: &Settings, solution: &Solution) -> Result<Self, ReportError> {
+        let sweeps = sweeps(case, &Settings { model: solution.model.into(), ..*settings })?;
         let mut study = Self::default();
         for drawing in &drawings() {
             if let Some(sweeps) = sweeps.iter().find(|sweeps| sweeps.name == drawing.sweeps) {

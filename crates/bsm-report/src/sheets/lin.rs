@@ -1,8 +1,8 @@
-//! The figures of Lin, Velinsky and Ravani (1994) around a scene.
+//! The figures of Lin, Velinsky and Ravani (1994) around a case.
 
 use std::f64::consts::PI;
 
-use bsm_case::{Scene, Settings};
+use bsm_case::{Case, Settings};
 use bsm_design::search::minimum_of;
 use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum, Solution};
 use bsm_kin::Site;
@@ -24,74 +24,74 @@ pub type Read = fn(&Solution) -> Option<f64>;
 ///
 /// # Errors
 ///
-/// [`ReportError::Case`] if the scene is incomplete or a value breaks its rule.
+/// [`ReportError::Case`] if the case is incomplete or a value breaks its rule.
 pub fn points(
-    scene: &Scene,
+    case: &Case,
     settings: &Settings,
     input: &str,
     values: &[f64],
     read: Read,
 ) -> Result<Vec<(f64, f64)>, ReportError> {
     let mut work = ModelWorkspace::default();
-    let mut scene = scene.clone();
+    let mut case = case.clone();
     let point = |value: &f64| {
-        scene.set(input, *value)?;
-        let solution = scene.problem(settings)?.solve(&mut work);
+        case.set(input, *value)?;
+        let solution = case.problem(settings)?.solve(&mut work);
         Ok((*value, read(&solution).unwrap_or(f64::NAN)))
     };
     values.iter().map(point).collect()
 }
 
-/// The figures of Lin, Velinsky and Ravani (1994), Figs 3 to 7, around a scene: efficiency against both
+/// The figures of Lin, Velinsky and Ravani (1994), Figs 3 to 7, around a case: efficiency against both
 /// angles, normal loads, efficiency against the direction of slip, optimum contact angle and limits of
-/// self-locking. Those that lack an input of the scene are omitted, as are the exact equations.
+/// self-locking. Those that lack an input of the case are omitted, as are the exact equations.
 ///
 /// # Errors
 ///
-/// [`ReportError::Case`] if a value of the scene breaks its rule.
-pub fn lin_figures(scene: &Scene) -> Result<Vec<Figure>, ReportError> {
-    around_scenes(scene, scene)
+/// [`ReportError::Case`] if a value of the case breaks its rule.
+pub fn lin_figures(case: &Case) -> Result<Vec<Figure>, ReportError> {
+    around_cases(case, case)
 }
 
-/// [`lin_figures`] with another scene for Fig 5, for which the paper has a smaller ball.
+/// [`lin_figures`] with another case for Fig 5, for which the paper has a smaller ball.
 ///
 /// # Errors
 ///
-/// [`ReportError::Case`] if a value of a scene breaks its rule.
-pub fn around_scenes(scene: &Scene, slender: &Scene) -> Result<Vec<Figure>, ReportError> {
-    let scene = &forward(scene);
+/// [`ReportError::Case`] if a value of a case breaks its rule.
+pub fn around_cases(case: &Case, slender: &Case) -> Result<Vec<Figure>, ReportError> {
+    let case = &forward(case);
     let mut figures = Vec::new();
-    if scene.suits(Model::ClosedForm) {
-        figures.push(lead_angle(scene)?);
-        figures.push(contact_angle(scene)?);
+    if case.suits(Model::ClosedForm) {
+        figures.push(lead_angle(case)?);
+        figures.push(contact_angle(case)?);
     }
-    if scene.suits(Model::Rigid) {
-        figures.push(normal_loads(scene)?);
-        figures.push(slip_angles(scene)?);
+    if case.suits(Model::Rigid) {
+        figures.push(normal_loads(case)?);
+        figures.push(slip_angles(case)?);
     }
     figures.extend(slip_direction(slender));
-    if let Some(friction) = scene.friction_coefficient {
-        figures.push(optimum_angle(scene, friction)?);
+    if let Some(friction) = case.friction_coefficient {
+        figures.push(optimum_angle(case, friction)?);
         figures.push(self_locking(friction));
     }
     Ok(figures)
 }
 
-/// The scene with the drive working against the load.
-fn forward(scene: &Scene) -> Scene {
-    let mut scene = scene.clone();
-    if scene.speeds_rpm().is_some_and(|(screw, nut)| screw < nut) {
-        scene.screw_speed_rpm = scene.screw_speed_rpm.map(|rpm| -rpm);
-        scene.nut_speed_rpm = scene.nut_speed_rpm.map(|rpm| -rpm);
+/// The case with the drive working against the load.
+fn forward(case: &Case) -> Case {
+    let mut case = case.clone();
+    if case.speeds_rpm().is_some_and(|(screw, nut)| screw < nut) {
+        case.screw_speed_rpm = case.screw_speed_rpm.map(|rpm| -rpm);
+        case.nut_speed_rpm = case.nut_speed_rpm.map(|rpm| -rpm);
     }
-    scene
+    case
 }
 
 /// Caption on the exact equations.
-fn operating_point(scene: &Scene) -> String {
-    let friction = scene.friction_coefficient.unwrap_or(f64::NAN);
-    match (scene.axial_load_N, scene.loaded_balls, scene.speeds_rpm()) {
-        (Some(load), Some(balls), Some((screw, nut))) if scene.suits(Model::Rigid) => format!(
+fn operating_point(case: &Case) -> String {
+    let friction = case.friction_coefficient.unwrap_or(f64::NAN);
+    match (case.axial_load_N, case.loaded_balls, case.speeds_rpm()) {
+        (Some(load), Some(balls), Some((screw, nut))) if case.suits(Model::Rigid) => format!(
             "f = {friction}; the exact equations at {} rpm and {} N on a ball.",
             screw - nut,
             load / balls
@@ -106,29 +106,29 @@ fn degrees(range: std::ops::RangeInclusive<i32>) -> Vec<f64> {
 }
 
 /// The closed form as lines, the exact equations as circles, every third of them, a colour for each
-/// value of `other`; of the scene's own value, which is the first, the other direction too.
+/// value of `other`; of the case's own value, which is the first, the other direction too.
 fn exact_and_closed(
-    scene: &Scene,
+    case: &Case,
     (input, values): (&str, &[f64]),
     (other, others): (&str, &[f64]),
     read: Read,
 ) -> Result<Vec<Curve>, ReportError> {
     let mut curves = Vec::new();
     for (color, value) in others.iter().enumerate() {
-        let mut scene = scene.clone();
-        scene.set(other, *value)?;
-        let mut add = |scene: &Scene, model: Model, words: &str, stroke, step| {
+        let mut case = case.clone();
+        case.set(other, *value)?;
+        let mut add = |case: &Case, model: Model, words: &str, stroke, step| {
             let values: Vec<_> = values.iter().copied().step_by(step).collect();
-            let points = points(scene, &model.into(), input, &values, read)?;
+            let points = points(case, &model.into(), input, &values, read)?;
             curves.push(Curve::new(format!("{value} deg, {words}"), color, stroke, points));
             Ok::<_, ReportError>(())
         };
-        add(&scene, Model::ClosedForm, "closed", Stroke::Solid, 1)?;
-        if scene.suits(Model::Rigid) {
-            add(&scene, Model::Rigid, "exact", Stroke::Circles, 3)?;
+        add(&case, Model::ClosedForm, "closed", Stroke::Solid, 1)?;
+        if case.suits(Model::Rigid) {
+            add(&case, Model::Rigid, "exact", Stroke::Circles, 3)?;
         }
         if color == 0 {
-            let back = Scene { screw_speed_rpm: Some(-1.0), nut_speed_rpm: None, ..scene };
+            let back = Case { screw_speed_rpm: Some(-1.0), nut_speed_rpm: None, ..case };
             add(&back, Model::ClosedForm, "linear to rotary", Stroke::Dashed, 1)?;
         }
     }
@@ -146,8 +146,8 @@ fn around(own: f64, others: [f64; 2], (low, high): (f64, f64)) -> Vec<f64> {
     std::iter::once(own).chain(others).collect()
 }
 
-fn lead_angle(scene: &Scene) -> Result<Figure, ReportError> {
-    let own = scene.contact_angle_deg.unwrap_or(f64::NAN);
+fn lead_angle(case: &Case) -> Result<Figure, ReportError> {
+    let own = case.contact_angle_deg.unwrap_or(f64::NAN);
     let contacts = around(own, [-15.0, 15.0], (1.0, 89.0));
     let over = (LEAD.0, &degrees(1..=60)[..]);
     Ok(Figure::new(
@@ -157,20 +157,20 @@ fn lead_angle(scene: &Scene) -> Result<Figure, ReportError> {
             &format!(
                 "Fig 3 of Lin et al. (1994) has {own} deg. {} These have no root at small lead angles, where the \
              ball would roll.",
-                operating_point(scene)
+                operating_point(case)
             ),
         ],
         [Axis::linear(LEAD.1), Axis::linear("efficiency")],
-        exact_and_closed(scene, over, (CONTACT.0, &contacts), moving)?,
+        exact_and_closed(case, over, (CONTACT.0, &contacts), moving)?,
     ))
 }
 
-fn contact_angle(scene: &Scene) -> Result<Figure, ReportError> {
+fn contact_angle(case: &Case) -> Result<Figure, ReportError> {
     // Without the rounding of the way to radians and back.
-    let own = scene.lead_angle().map_or(f64::NAN, |lead| (1e9 * lead.to_degrees()).round() * 1e-9);
+    let own = case.lead_angle().map_or(f64::NAN, |lead| (1e9 * lead.to_degrees()).round() * 1e-9);
     let leads = around(own, [10.0, 20.0], (0.1, 60.0));
     let over = (CONTACT.0, &degrees(5..=85)[..]);
-    let best = 100.0 * Optimum::best_efficiency(scene.friction_coefficient.unwrap_or(f64::NAN));
+    let best = 100.0 * Optimum::best_efficiency(case.friction_coefficient.unwrap_or(f64::NAN));
     Ok(Figure::new(
         [
             "lin-efficiency-contact-angle",
@@ -178,16 +178,16 @@ fn contact_angle(scene: &Scene) -> Result<Figure, ReportError> {
             &format!(
                 "Fig 3 of Lin et al. (1994) has a lead angle of {own} deg. {} The best efficiency is the same for \
              each: {best:.1} %.",
-                operating_point(scene)
+                operating_point(case)
             ),
         ],
         [Axis::linear(CONTACT.1), Axis::linear("efficiency")],
-        exact_and_closed(scene, over, (LEAD.0, &leads), moving)?,
+        exact_and_closed(case, over, (LEAD.0, &leads), moving)?,
     ))
 }
 
-fn normal_loads(scene: &Scene) -> Result<Figure, ReportError> {
-    let load = scene.axial_load_N.unwrap_or(1.0) / scene.loaded_balls.unwrap_or(1.0);
+fn normal_loads(case: &Case) -> Result<Figure, ReportError> {
+    let load = case.axial_load_N.unwrap_or(1.0) / case.loaded_balls.unwrap_or(1.0);
     let reads: [(&str, Model, Stroke, Read); 4] = [
         ("nut and screw, closed form", Model::ClosedForm, Stroke::Solid, |o| {
             o.contact(Site::Nut)?.load
@@ -205,7 +205,7 @@ fn normal_loads(scene: &Scene) -> Result<Figure, ReportError> {
             Stroke::Solid => degrees(5..=85),
             _ => degrees(5..=85).into_iter().skip(2 * i).step_by(4).collect(),
         };
-        let mut points = points(scene, &model.into(), CONTACT.0, &values, read)?;
+        let mut points = points(case, &model.into(), CONTACT.0, &values, read)?;
         for (_, normal) in &mut points {
             *normal /= load;
         }
@@ -218,7 +218,7 @@ fn normal_loads(scene: &Scene) -> Result<Figure, ReportError> {
             &format!(
                 "Fig 4 of Lin et al. (1994). {} The unloaded flank carries far less than the two that are loaded, \
              which are nearly equal.",
-                operating_point(scene)
+                operating_point(case)
             ),
         ],
         [Axis::linear(CONTACT.1), Axis::log("normal over axial load")],
@@ -226,12 +226,12 @@ fn normal_loads(scene: &Scene) -> Result<Figure, ReportError> {
     ))
 }
 
-fn slip_angles(scene: &Scene) -> Result<Figure, ReportError> {
-    let own = scene.contact_angle_deg.unwrap_or(f64::NAN);
+fn slip_angles(case: &Case) -> Result<Figure, ReportError> {
+    let own = case.contact_angle_deg.unwrap_or(f64::NAN);
     let contacts = around(own, [-15.0, 15.0], (1.0, 89.0));
     let over = (LEAD.0, &degrees(1..=60)[..]);
     let read: Read = |o| o.contact(Site::Screw)?.slip_angle.map(f64::to_degrees);
-    let mut curves = exact_and_closed(scene, over, (CONTACT.0, &contacts), read)?;
+    let mut curves = exact_and_closed(case, over, (CONTACT.0, &contacts), read)?;
     // The other direction is the same, turned by half a turn.
     curves.retain(|curve| curve.stroke != Stroke::Dashed);
     Ok(Figure::new(
@@ -241,7 +241,7 @@ fn slip_angles(scene: &Scene) -> Result<Figure, ReportError> {
             &format!(
                 "Eq 13 of Lin et al. (1994): from across the groove (0 deg) towards along it. {} At the nut it is \
              turned by half a turn.",
-                operating_point(scene)
+                operating_point(case)
             ),
         ],
         [Axis::linear(LEAD.1), Axis::linear("slip angle, deg")],
@@ -250,10 +250,10 @@ fn slip_angles(scene: &Scene) -> Result<Figure, ReportError> {
 }
 
 /// Eq 11 as corrected and as printed; `None` without the inputs.
-fn slip_direction(scene: &Scene) -> Option<Figure> {
-    let (lead, contact) = (scene.lead_angle()?, scene.contact_angle_deg?.to_radians());
-    let (friction, pitch) = (scene.friction_coefficient?, scene.pitch_circle_diameter_mm?);
-    let size = scene.ball_diameter_mm? / pitch;
+fn slip_direction(case: &Case) -> Option<Figure> {
+    let (lead, contact) = (case.lead_angle()?, case.contact_angle_deg?.to_radians());
+    let (friction, pitch) = (case.friction_coefficient?, case.pitch_circle_diameter_mm?);
+    let size = case.ball_diameter_mm? / pitch;
     let angles = Angles { lead, contact };
     let direction = Direction::RotaryToLinear;
     let corrected = |degrees: f64| {
@@ -295,7 +295,7 @@ pub fn efficiency_as_printed(angles: &Angles<f64>, friction: f64, size: f64, psi
     force / (sin_b + friction * lever)
 }
 
-fn optimum_angle(scene: &Scene, own: f64) -> Result<Figure, ReportError> {
+fn optimum_angle(case: &Case, own: f64) -> Result<Figure, ReportError> {
     let mut curves = Vec::new();
     for (color, friction) in [own, own / 3.0, 2.0 * own].into_iter().enumerate() {
         for (direction, words, stroke) in DIRECTIONS {
@@ -308,11 +308,11 @@ fn optimum_angle(scene: &Scene, own: f64) -> Result<Figure, ReportError> {
             curves.push(Curve::new(label, color, stroke, points));
         }
     }
-    if scene.suits(Model::Rigid) {
+    if case.suits(Model::Rigid) {
         for ((direction, words, _), stroke) in
             DIRECTIONS.into_iter().zip([Stroke::Circles, Stroke::Triangles])
         {
-            let points = exact_optimum(scene, direction)?;
+            let points = exact_optimum(case, direction)?;
             curves.push(Curve::new(format!("exact, {words}"), 3, stroke, points));
         }
     }
@@ -332,18 +332,18 @@ fn optimum_angle(scene: &Scene, own: f64) -> Result<Figure, ReportError> {
 }
 
 /// Contact angle of the best efficiency of the exact equations, searched for.
-fn exact_optimum(scene: &Scene, direction: Direction) -> Result<Vec<(f64, f64)>, ReportError> {
+fn exact_optimum(case: &Case, direction: Direction) -> Result<Vec<(f64, f64)>, ReportError> {
     let mut points = Vec::new();
     for lead in degrees(12..=44).into_iter().step_by(4) {
-        let mut scene = scene.clone();
-        scene.set(LEAD.0, lead)?;
-        for speed in [&mut scene.screw_speed_rpm, &mut scene.nut_speed_rpm] {
+        let mut case = case.clone();
+        case.set(LEAD.0, lead)?;
+        for speed in [&mut case.screw_speed_rpm, &mut case.nut_speed_rpm] {
             *speed = speed.map(|rpm| direction.sign() * rpm);
         }
         let loss = |contact: f64| {
-            let scene = Scene { contact_angle_deg: Some(contact), ..scene.clone() };
+            let case = Case { contact_angle_deg: Some(contact), ..case.clone() };
             let solution =
-                scene.problem(&Model::Rigid.into())?.solve(&mut ModelWorkspace::default());
+                case.problem(&Model::Rigid.into())?.solve(&mut ModelWorkspace::default());
             // Without a root nothing moves: all is lost.
             Ok::<_, ReportError>(1.0 - solution.efficiency().unwrap_or(0.0))
         };

@@ -21,7 +21,7 @@ const POINTS: u32 = 60;
 const HEADLINES: [&str; 4] =
     ["cycle_life_h", "peak_motor_torque_Nm", "mean_heat_W", "axis_stiffness_N_um"];
 
-/// Texts of a scene at the head of its sheet.
+/// Texts of a case at the head of its sheet.
 const HEAD: [&str; 7] = ["project", "drawing", "revision", "author", "date", "customer", "remark"];
 
 /// What the letters of the equations in sources stand for.
@@ -97,7 +97,7 @@ pub fn size_page(report: &AxisReport, input: Option<&str>) -> Result<String, Rep
     let figures = size_figures(report);
     let page = Page {
         title: "Ball screw axis: calculation sheet",
-        command: "bsm axis SCENE.json --figures DIR",
+        command: "bsm axis CASE.json --figures DIR",
         template: include_str!("../../templates/size.html"),
         figures: &figures,
     };
@@ -121,11 +121,11 @@ fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
     };
     let results = report.answer.numbers().flat_map(Numbers::rows);
     let headlines = results.filter(|row| HEADLINES.contains(&row.quantity.name));
-    let inputs = report.scene.to_json();
+    let inputs = report.case.to_json();
     let headlines = headlines.map(|row| number_row(row, &inputs));
     let drag = report.number("preload_torque_Nm").zip(report.number("preload_torque_measured_Nm"));
     json!({
-        "description": report.scene.description,
+        "description": report.case.description,
         "input": input,
         "head": head_of(report),
         "equations": equations(rules),
@@ -148,8 +148,8 @@ fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
 
 /// The texts at the head, with their labels.
 fn head_of(report: &AxisReport) -> Vec<(&'static str, Value)> {
-    let scene = report.scene.to_json();
-    let text = |name: &&'static str| Some((*name, scene.get(*name)?.clone()));
+    let case = report.case.to_json();
+    let text = |name: &&'static str| Some((*name, case.get(*name)?.clone()));
     HEAD.iter().filter_map(text).collect()
 }
 
@@ -231,7 +231,7 @@ fn groups(report: &AxisReport) -> Vec<Value> {
         _ => &[],
     };
     let is_used = |name: &str| used.iter().any(|row| row.quantity.name == name);
-    let inputs = report.scene.to_json();
+    let inputs = report.case.to_json();
     let input = |(name, value): (&String, &Value)| {
         let known = bsm_case::INPUTS.iter().find(|input| input.name == name);
         let text = value.as_str().filter(|_| known.is_none()).map(str::to_owned);
@@ -271,7 +271,7 @@ pub fn size_figures(report: &AxisReport) -> Vec<Figure> {
 fn section(report: &AxisReport) -> Option<Figure> {
     /// Chords of the ball.
     const CHORDS: u32 = 72;
-    let grooves = GrooveSection::of(&report.scene).ok()?;
+    let grooves = GrooveSection::of(&report.case).ok()?;
     let (radius, angle) = (grooves.ball_radius, grooves.contact_angle);
     let around = |i: u32| {
         let turned = TAU * f64::from(i) / f64::from(CHORDS);
@@ -374,7 +374,7 @@ fn among_limits(report: &AxisReport) -> Figure {
 /// Axial load, feed and torque of the motor over the cycle, each over its largest.
 fn over_time(report: &AxisReport) -> Figure {
     let timed: Option<Vec<f64>> = report
-        .scene
+        .case
         .nut
         .cycle
         .as_ref()

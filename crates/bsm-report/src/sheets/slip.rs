@@ -2,7 +2,7 @@
 //! balls of a model.
 
 use bsm_case::units::RPM;
-use bsm_case::{Answer, CaseError, Scene, Settings};
+use bsm_case::{Answer, Case, CaseError, Settings};
 use bsm_dyn::{Angles, Control, Direction, Model, ModelWorkspace, Solution};
 use bsm_kin::Site;
 
@@ -50,18 +50,18 @@ const ROLLING: [Sweep; 4] = [
 const SOLVED: [Sweep; 3] = [("contact-angle", "contact angle, deg"), LEAD_ANGLE, PITCH_CIRCLE];
 
 /// Whole degrees, and the ends of the range, where the formulas divide by zero, are left out; or diameters.
-fn values(sweep: Sweep, scene: &Scene) -> Vec<f64> {
+fn values(sweep: Sweep, case: &Case) -> Vec<f64> {
     if sweep == PITCH_CIRCLE {
-        let [low, high] = PITCH.map(|ratio| scene.ball_diameter_mm.unwrap_or(f64::NAN) * ratio);
+        let [low, high] = PITCH.map(|ratio| case.ball_diameter_mm.unwrap_or(f64::NAN) * ratio);
         return (0..=83).map(|i| low + (high - low) * f64::from(i) / 83.0).collect();
     }
     (1..=89).map(f64::from).collect()
 }
 
-/// The scene at a value of a sweep.
-fn at(scene: &Scene, (name, _): Sweep, value: f64) -> Result<Scene, CaseError> {
-    let mut varied = scene.clone();
-    let own = scene.contact_angle_deg;
+/// The case at a value of a sweep.
+fn at(case: &Case, (name, _): Sweep, value: f64) -> Result<Case, CaseError> {
+    let mut varied = case.clone();
+    let own = case.contact_angle_deg;
     let mut running = |nut, screw| {
         varied.nut_running_contact_angle_deg = nut;
         varied.screw_running_contact_angle_deg = screw;
@@ -71,7 +71,7 @@ fn at(scene: &Scene, (name, _): Sweep, value: f64) -> Result<Scene, CaseError> {
         "screw-angle" => running(own, Some(value)),
         "pitch-circle" => {
             // The lead angle stays, not the lead.
-            let lead = scene.lead_angle().map_or(f64::NAN, f64::to_degrees);
+            let lead = case.lead_angle().map_or(f64::NAN, f64::to_degrees);
             varied.set("lead_angle_deg", lead)?;
             varied.set("pitch_circle_diameter_mm", value)?;
             return Ok(varied);
@@ -90,47 +90,46 @@ type State = (Answer, f64);
 type Point = (f64, Option<State>);
 
 /// A ball that rolls; the contact ellipses are those of `solution`, so that a curve shows the motion and not the load.
-fn rolling(scene: &Scene, settings: &Settings, solution: &Solution) -> Option<State> {
-    let report = bsm_case::slip(scene, settings, solution).ok()?;
-    let (screw, nut) = scene.speeds_rpm()?;
+fn rolling(case: &Case, settings: &Settings, solution: &Solution) -> Option<State> {
+    let report = bsm_case::slip(case, settings, solution).ok()?;
+    let (screw, nut) = case.speeds_rpm()?;
     let direction = Direction::of(screw - nut).unwrap_or(Direction::RotaryToLinear);
-    let angles =
-        Angles { lead: scene.lead_angle()?, contact: scene.contact_angle_deg?.to_radians() };
-    Some((report, angles.efficiency(direction, scene.friction_coefficient?)))
+    let angles = Angles { lead: case.lead_angle()?, contact: case.contact_angle_deg?.to_radians() };
+    Some((report, angles.efficiency(direction, case.friction_coefficient?)))
 }
 
 /// The balls of a model. A value may break a rule, such as that of the smallest circle.
-fn solved(scene: &Scene, settings: &Settings, work: &mut ModelWorkspace) -> Option<State> {
-    let solution = scene.problem(settings).ok()?.solve(work);
-    let report = bsm_case::slip(scene, settings, &solution).ok()?;
+fn solved(case: &Case, settings: &Settings, work: &mut ModelWorkspace) -> Option<State> {
+    let solution = case.problem(settings).ok()?.solve(work);
+    let report = bsm_case::slip(case, settings, &solution).ok()?;
     Some((report, solution.efficiency()?))
 }
 
 impl Study {
-    /// Sweeps over contact angle, lead angle, pitch circle and speed around a scene.
+    /// Sweeps over contact angle, lead angle, pitch circle and speed around a case.
     ///
     /// With raceway control the ball rolls at given contact angles, without a balance of forces, and the nut
     /// controls unless the settings say otherwise; the angle at the nut and the angle at the screw
-    /// vary one by one, and are those of the scene in motion elsewhere. Any other model is solved at each point; its
+    /// vary one by one, and are those of the case in motion elsewhere. Any other model is solved at each point; its
     /// contact angle, unloaded where the contacts are elastic, is varied. `solution` tells the model, which has a
     /// motion of the ball, and for raceway control the contact ellipses.
     ///
     /// # Errors
     ///
-    /// [`ReportError::Case`] if the scene is incomplete.
+    /// [`ReportError::Case`] if the case is incomplete.
     pub fn slip(
-        scene: &Scene,
+        case: &Case,
         settings: &Settings,
         solution: &Solution,
     ) -> Result<Self, ReportError> {
         let settings = &Settings { model: solution.model.into(), ..*settings };
         let rolls = solution.model == Model::RacewayControl;
-        let mut base = scene.clone();
+        let mut base = case.clone();
         let [nut, screw] =
             [&mut base.nut_running_contact_angle_deg, &mut base.screw_running_contact_angle_deg];
         let (sweeps, prefix, basis) = if rolls {
-            *nut = nut.or(scene.contact_angle_deg);
-            *screw = screw.or(scene.contact_angle_deg);
+            *nut = nut.or(case.contact_angle_deg);
+            *screw = screw.or(case.contact_angle_deg);
             let raceway = settings.control.unwrap_or(Control::Nut).name();
             let basis =
                 format!("a ball that rolls at given contact angles, the {raceway} controls");
@@ -144,11 +143,11 @@ impl Study {
         let work = &mut ModelWorkspace::default();
         for sweep in sweeps {
             let mut point = |value: f64| {
-                let scene = at(&base, *sweep, value)?;
+                let case = at(&base, *sweep, value)?;
                 let state = if rolls {
-                    rolling(&scene, settings, solution)
+                    rolling(&case, settings, solution)
                 } else {
-                    solved(&scene, settings, work)
+                    solved(&case, settings, work)
                 };
                 Ok((value, state))
             };
@@ -163,7 +162,7 @@ impl Study {
             study.course(name, "efficiency".to_owned(), &points, 1e-9);
         }
         if solution.model != Model::Rigid {
-            study.speeds(scene, settings, work)?;
+            study.speeds(case, settings, work)?;
         }
         Ok(study)
     }
@@ -171,15 +170,15 @@ impl Study {
     /// The slips at a contact.
     fn draw(
         &mut self,
-        scene: &Scene,
+        case: &Case,
         (prefix, basis): (&str, &str),
         (sweep, axis): Sweep,
         points: &[Point],
         place: &str,
     ) {
         // What a slip may change by rounding.
-        let (screw, nut) = scene.speeds_rpm().unwrap_or_default();
-        let rim = 0.5e-3 * scene.ball_diameter_mm.unwrap_or(f64::NAN) * RPM * (screw - nut).abs();
+        let (screw, nut) = case.speeds_rpm().unwrap_or_default();
+        let rim = 0.5e-3 * case.ball_diameter_mm.unwrap_or(f64::NAN) * RPM * (screw - nut).abs();
         let rounding = 1e-9 * rim;
         let mut curves = Vec::new();
         for (name, kind, stroke, label, number) in SLIPS {
@@ -222,21 +221,21 @@ impl Study {
     /// Contact angles against the speed, of which the paper takes 50 deg at the nut and 40 at the screw.
     fn speeds(
         &mut self,
-        scene: &Scene,
+        case: &Case,
         settings: &Settings,
         work: &mut ModelWorkspace,
     ) -> Result<(), ReportError> {
-        let Some((screw, nut)) = scene.speeds_rpm() else { return Ok(()) };
+        let Some((screw, nut)) = case.speeds_rpm() else { return Ok(()) };
         let mut angles = [Vec::new(), Vec::new()];
-        // From a fiftieth to twice the speed of the scene.
+        // From a fiftieth to twice the speed of the case.
         for i in 0..=40 {
             let factor = 0.02 * 100.0_f64.powf(f64::from(i) / 40.0);
-            let scene = Scene {
+            let case = Case {
                 screw_speed_rpm: Some(factor * screw),
                 nut_speed_rpm: Some(factor * nut),
-                ..scene.clone()
+                ..case.clone()
             };
-            let solution = scene.problem(settings)?.solve(work);
+            let solution = case.problem(settings)?.solve(work);
             for (points, site) in angles.iter_mut().zip([Site::Nut, Site::Screw]) {
                 let angle = solution.contact(site).map_or(f64::NAN, |c| c.angle.to_degrees());
                 points.push((factor * (screw - nut).abs(), angle));

@@ -1,6 +1,6 @@
 //! Sweeps of the analyses of a motion: figures, and the curves that published trends are held against.
 
-use bsm_case::{AnalysisKind, MotionAnswer, Numbers, Scene, Settings};
+use bsm_case::{AnalysisKind, Case, MotionAnswer, Numbers, Settings};
 use bsm_dyn::ModelWorkspace;
 
 use crate::{Curve, Figure, ReportError, Stroke};
@@ -45,20 +45,20 @@ impl Study {
 /// The numbers of the analyses of a motion over x; none where there is no solution.
 pub(super) type Rows = Vec<(f64, Vec<Numbers>)>;
 
-/// The analyses of scenes with their places on the x axis.
+/// The analyses of cases with their places on the x axis.
 pub(super) fn analysed(
-    scenes: Vec<(f64, Scene)>,
+    cases: Vec<(f64, Case)>,
     settings: &Settings,
     work: &mut ModelWorkspace,
 ) -> Result<Rows, ReportError> {
-    let mut row = |(x, scene): (f64, Scene)| {
-        let moving = MotionAnswer::of(&scene, settings, work)?;
+    let mut row = |(x, case): (f64, Case)| {
+        let moving = MotionAnswer::of(&case, settings, work)?;
         // A point without a solution, or without a contact state, is a gap.
         let kinds = [AnalysisKind::Jam, AnalysisKind::Slip];
-        let numbers = kinds.map(|kind| kind.numbers(&scene, settings, Some(&moving), |_| true));
+        let numbers = kinds.map(|kind| kind.numbers(&case, settings, Some(&moving), |_| true));
         Ok((x, numbers.into_iter().flatten().collect()))
     };
-    scenes.into_iter().map(&mut row).collect()
+    cases.into_iter().map(&mut row).collect()
 }
 
 /// A number of the analyses of a sweep; its size, for a quantity whose sign says a direction.

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use bsm_batch::{Chunk, Columns, Task};
 use bsm_case::units::{MM, RPM};
-use bsm_case::{InputKey, ModelChoice, OUTPUTS, Output, Record, Scene, Sensitivities, Settings};
+use bsm_case::{Case, InputKey, ModelChoice, OUTPUTS, Output, Record, Sensitivities, Settings};
 use bsm_dyn::{Ball, ModelWorkspace, Reason, Status};
 
 /// Largest scaled residual and power balance of an answer.
@@ -72,8 +72,8 @@ impl Answer {
 }
 
 /// The answer of a model.
-pub(crate) fn ask(scene: &Scene, model: ModelChoice, work: &mut ModelWorkspace) -> Answer {
-    let problem = match scene.problem(&settings(model)) {
+pub(crate) fn ask(case: &Case, model: ModelChoice, work: &mut ModelWorkspace) -> Answer {
+    let problem = match case.problem(&settings(model)) {
         Ok(problem) => problem,
         Err(error) => return Answer::new(Order::Invalid, format!("invalid_input: {error}")),
     };
@@ -99,7 +99,7 @@ pub(crate) fn ask(scene: &Scene, model: ModelChoice, work: &mut ModelWorkspace) 
     answer.others = others;
     answer.balance = record.number("power_balance").unwrap_or(0.0).abs();
     answer.efficiency = record.number("efficiency");
-    if let Some(wrong) = wrong(&record, scene, &answer) {
+    if let Some(wrong) = wrong(&record, case, &answer) {
         answer.turns_false(&wrong);
     }
     answer
@@ -112,7 +112,7 @@ fn settings(model: ModelChoice) -> Settings {
 /// Asks for the sensitivities of a converged answer: they are finite, or it is said why there are
 /// none.
 pub(crate) fn with_sensitivities(
-    scene: &Scene,
+    case: &Case,
     model: ModelChoice,
     answer: &mut Answer,
     work: &mut ModelWorkspace,
@@ -120,7 +120,7 @@ pub(crate) fn with_sensitivities(
     if answer.order != Order::Converged {
         return;
     }
-    let asked = Sensitivities::of(scene, &settings(model)).expect("the point was solved");
+    let asked = Sensitivities::of(case, &settings(model)).expect("the point was solved");
     let found = catch_unwind(AssertUnwindSafe(|| asked.solve(work)));
     match found {
         Err(_) => {
@@ -142,14 +142,14 @@ pub(crate) fn with_sensitivities(
 const ROUNDED: &str = "not_converged PowerDoesNotBalance";
 
 /// Holds the answers against those of the batch, which solves some models by lanes.
-pub(crate) fn in_batch(scenes: &[Scene], model: ModelChoice, answers: &mut [Answer]) {
-    let given = |key: &InputKey| scenes.iter().any(|scene| scene[*key].is_some());
+pub(crate) fn in_batch(cases: &[Case], model: ModelChoice, answers: &mut [Answer]) {
+    let given = |key: &InputKey| cases.iter().any(|case| case[*key].is_some());
     let names = InputKey::ALL.into_iter().filter(given).map(InputKey::name);
     let columns = Columns::sort(names, &[]).expect("names of inputs, each once");
-    let rows = scenes.iter().map(|scene| columns.inputs.iter().map(|key| scene[*key]));
+    let rows = cases.iter().map(|case| columns.inputs.iter().map(|key| case[*key]));
     let chunk = Chunk::of_rows(&columns, rows);
     let efficiency = Output::named("efficiency").expect("an output");
-    let task = Task::new(Scene::default(), settings(model), vec![efficiency]);
+    let task = Task::new(Case::default(), settings(model), vec![efficiency]);
     let Ok(batch) = catch_unwind(AssertUnwindSafe(|| task.solve(&chunk, &columns))) else {
         for answer in answers {
             answer.turns_false("panic in the batch");
@@ -183,8 +183,8 @@ fn name(reason: &Reason) -> String {
 }
 
 /// How large the inertia forces `$m r_m W^2$` are against the load.
-pub(crate) fn inertia(scene: &Scene) -> f64 {
-    let get = |key| scene.value_or_default(key).unwrap_or(f64::NAN);
+pub(crate) fn inertia(case: &Case) -> f64 {
+    let get = |key| case.value_or_default(key).unwrap_or(f64::NAN);
     let ball = 0.5 * MM * get(InputKey::ball_diameter_mm);
     let mass = Ball::of_density(ball, get(InputKey::density_kg_m3)).mass;
     let pitch = 0.5 * MM * get(InputKey::pitch_circle_diameter_mm);
@@ -193,7 +193,7 @@ pub(crate) fn inertia(scene: &Scene) -> f64 {
 }
 
 /// What no converged answer may be.
-fn wrong(record: &Record, scene: &Scene, answer: &Answer) -> Option<String> {
+fn wrong(record: &Record, case: &Case, answer: &Answer) -> Option<String> {
     for output in OUTPUTS {
         if let Some(x) = record.value(output)
             && !x.is_finite()
@@ -223,6 +223,6 @@ fn wrong(record: &Record, scene: &Scene, answer: &Answer) -> Option<String> {
     if taken.is_some_and(|(lost, input)| lost < -1e-12 * input.abs()) {
         return Some("dissipated power negative".to_owned());
     }
-    let most = if scene.friction_coefficient == Some(0.0) { 1.0 } else { 1.0 + 1e-12 };
+    let most = if case.friction_coefficient == Some(0.0) { 1.0 } else { 1.0 + 1e-12 };
     answer.efficiency.filter(|eta| *eta > most).map(|_| "efficiency above one".to_owned())
 }

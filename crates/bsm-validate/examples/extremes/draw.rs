@@ -1,46 +1,46 @@
 //! The points: the ranges of the extremes.
 
-use bsm_case::{ModelChoice, Scene};
+use bsm_case::{Case, ModelChoice};
 use bsm_dyn::{Angles, Model};
 use bsm_sample::Sample;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Point `number` of a seed, whatever the number of threads; moved next to an edge if asked for.
-pub(crate) fn point(seed: u64, number: usize, model: ModelChoice, edges: bool) -> Scene {
+pub(crate) fn point(seed: u64, number: usize, model: ModelChoice, edges: bool) -> Case {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number as u64);
-    let mut scene = draw(&mut rng, model);
+    let mut case = draw(&mut rng, model);
     if edges {
-        to_an_edge(&mut scene, &mut rng, model);
+        to_an_edge(&mut case, &mut rng, model);
     }
-    scene
+    case
 }
 
 /// Moves one input next to where something begins or ends.
-fn to_an_edge(scene: &mut Scene, rng: &mut impl Rng, model: ModelChoice) {
+fn to_an_edge(case: &mut Case, rng: &mut impl Rng, model: ModelChoice) {
     let far = rng.log_uniform(1e-12, 0.1);
     let next = if rng.random_bool(0.5) { 1.0 + far } else { 1.0 - far };
     let radians = |angle: Option<f64>| angle.expect("drawn").to_radians();
-    let lead = radians(scene.lead_angle_deg);
-    let angles = Angles { lead, contact: radians(scene.contact_angle_deg) };
-    let turning = scene.screw_speed_rpm.zip(scene.nut_speed_rpm).map(|(screw, nut)| screw + nut);
+    let lead = radians(case.lead_angle_deg);
+    let angles = Angles { lead, contact: radians(case.contact_angle_deg) };
+    let turning = case.screw_speed_rpm.zip(case.nut_speed_rpm).map(|(screw, nut)| screw + nut);
     let together = rng.random_bool(0.5);
     // Both speeds alike, which quasi-static does not cover.
     if together && model != Model::QuasiStatic.into() {
-        scene.screw_speed_rpm = turning;
-        scene.nut_speed_rpm = turning.map(|speed| speed * next);
+        case.screw_speed_rpm = turning;
+        case.nut_speed_rpm = turning.map(|speed| speed * next);
     } else {
         // Friction that just holds the load: f D = sinβ (Lin's Eq 16), or f tanα = 1 at 90 deg.
         let holds = angles.contact.sin() / angles.slip_factor();
         let steep = lead.tan() > 1.0 && rng.random_bool(0.5);
         let friction = if steep { lead.tan().recip() } else { holds };
-        scene.friction_coefficient = Some(friction * next);
+        case.friction_coefficient = Some(friction * next);
     }
 }
 
 /// A point of the ranges.
-fn draw(rng: &mut impl Rng, model: ModelChoice) -> Scene {
+fn draw(rng: &mut impl Rng, model: ModelChoice) -> Case {
     let mut log = |low: f64, high: f64| {
         let x = rng.log_uniform(low, high);
         format!("{x:.6e}").parse().unwrap_or(x)
@@ -62,7 +62,7 @@ fn draw(rng: &mut impl Rng, model: ModelChoice) -> Scene {
     // Models in whose balance friction takes part refuse none.
     let needs = [Model::Rigid, Model::Elastic, Model::Traction].map(ModelChoice::from);
     let friction = if !needs.contains(&model) && rng.random_ratio(1, 50) { 0.0 } else { friction };
-    Scene {
+    Case {
         ball_diameter_mm: Some(ball),
         pitch_circle_diameter_mm: Some(ball / ratio),
         lead_angle_deg: Some(rng.random_range(0.05..85.0)),
@@ -77,6 +77,6 @@ fn draw(rng: &mut impl Rng, model: ModelChoice) -> Scene {
         nut_speed_rpm: Some(nut_speed),
         axial_load_N: Some(load),
         loaded_balls: Some(1.0),
-        ..Scene::default()
+        ..Case::default()
     }
 }

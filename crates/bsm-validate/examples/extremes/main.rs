@@ -1,5 +1,5 @@
 //! A seeded campaign over the ranges of the extremes: every model is asked at random points, every
-//! answer is checked, and what should not be is written as a scene that reproduces it:
+//! answer is checked, and what should not be is written as a case that reproduces it:
 //!
 //!     cargo run --release -p bsm-validate --features tools --example extremes -- 100000
 //!     cargo run --release -p bsm-validate --features tools --example extremes -- 20000 --model elastic --seed 3
@@ -57,7 +57,7 @@ struct Arguments {
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let Arguments { points, seed, model, edges } = asked(std::env::args().skip(1))?;
     fs::create_dir_all(FOLDER)?;
-    // Panics are counted, their messages are in the scene.
+    // Panics are counted, their messages are in the case.
     std::panic::set_hook(Box::new(|_| {}));
     let models = match model {
         Some(model) => vec![model],
@@ -103,16 +103,16 @@ fn campaign(model: ModelChoice, points: usize, seed: u64, edges: bool) -> Tally 
         .into_par_iter()
         .map_init(ModelWorkspace::default, |work, first| {
             let numbers = first..points.min(first + STRIDE);
-            let scenes: Vec<_> =
+            let cases: Vec<_> =
                 numbers.clone().map(|i| draw::point(seed, i, model, edges)).collect();
-            let mut answers: Vec<_> = scenes.iter().map(|scene| ask(scene, model, work)).collect();
-            in_batch(&scenes, model, &mut answers);
-            for (scene, answer) in scenes.iter().zip(&mut answers).step_by(SENSITIVE) {
-                with_sensitivities(scene, model, answer, work);
+            let mut answers: Vec<_> = cases.iter().map(|case| ask(case, model, work)).collect();
+            in_batch(&cases, model, &mut answers);
+            for (case, answer) in cases.iter().zip(&mut answers).step_by(SENSITIVE) {
+                with_sensitivities(case, model, answer, work);
             }
             let mut tally = Tally::default();
-            for ((number, scene), answer) in numbers.zip(&scenes).zip(&answers) {
-                tally.add(number, scene, answer);
+            for ((number, case), answer) in numbers.zip(&cases).zip(&answers) {
+                tally.add(number, case, answer);
             }
             tally
         })

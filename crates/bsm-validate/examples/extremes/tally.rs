@@ -7,22 +7,22 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-use bsm_case::{ModelChoice, Scene};
+use bsm_case::{Case, ModelChoice};
 
 use crate::answer::{Answer, Order, inertia};
 
-/// Scenes that are written of each kind of anomaly.
+/// Cases that are written of each kind of anomaly.
 const EACH: usize = 5;
 
 /// Upper ends of the bands of the inertia ratio `$m r_m W^2/F_a$`, but for the last.
 const BANDS: [f64; 3] = [1e-6, 1e-2, 3.0];
 
-/// Points of one kind of answer, with the first of them as scenes if it is an anomaly.
+/// Points of one kind of answer, with the first of them as cases if it is an anomaly.
 #[derive(Default)]
 struct Kind {
     /// By band of the inertia ratio.
     counts: [usize; BANDS.len() + 1],
-    scenes: Vec<(usize, Scene)>,
+    cases: Vec<(usize, Case)>,
 }
 
 /// What came out.
@@ -38,14 +38,14 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    pub(crate) fn add(&mut self, number: usize, scene: &Scene, answer: &Answer) {
+    pub(crate) fn add(&mut self, number: usize, case: &Case, answer: &Answer) {
         self.points += 1;
         let kind = self.kinds.entry((answer.order, answer.kind.clone())).or_default();
-        let inertia = inertia(scene);
+        let inertia = inertia(case);
         kind.counts[BANDS.iter().filter(|end| inertia >= **end).count()] += 1;
-        if answer.order >= Order::NotConverged && kind.scenes.len() < EACH {
+        if answer.order >= Order::NotConverged && kind.cases.len() < EACH {
             let description = Some(format!("extremes, point {number}: {}", answer.words));
-            kind.scenes.push((number, Scene { description, ..scene.clone() }));
+            kind.cases.push((number, Case { description, ..case.clone() }));
         }
         if answer.order == Order::Converged {
             self.others[answer.others.map_or(2, |others| usize::from(others == 0))] += 1;
@@ -73,8 +73,8 @@ impl Tally {
             for (count, more) in mine.counts.iter_mut().zip(kind.counts) {
                 *count += more;
             }
-            mine.scenes.extend(kind.scenes);
-            mine.scenes.truncate(EACH);
+            mine.cases.extend(kind.cases);
+            mine.cases.truncate(EACH);
         }
         for (count, more) in self.others.iter_mut().zip(other.others) {
             *count += more;
@@ -88,16 +88,16 @@ impl Tally {
         self.kinds.keys().all(|(order, _)| !matches!(order, Order::False | Order::Invalid))
     }
 
-    /// Writes a scene for each anomaly that was kept.
+    /// Writes a case for each anomaly that was kept.
     pub(crate) fn write_anomalies(
         &self,
         folder: &Path,
         model: ModelChoice,
     ) -> Result<(), Box<dyn Error>> {
-        for ((_, kind), Kind { scenes, .. }) in &self.kinds {
-            for (number, scene) in scenes {
+        for ((_, kind), Kind { cases, .. }) in &self.kinds {
+            for (number, case) in cases {
                 let file = format!("{}-{kind}-{number}.json", model.name()).replace(' ', "-");
-                let text = serde_json::to_string_pretty(&scene.to_json())?;
+                let text = serde_json::to_string_pretty(&case.to_json())?;
                 fs::write(folder.join(file), text + "\n")?;
             }
         }

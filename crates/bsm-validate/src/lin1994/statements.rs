@@ -1,6 +1,6 @@
 //! What Lin, Velinsky and Ravani (1994) state beside the comparison of both theories.
 
-use bsm_case::Scene;
+use bsm_case::Case;
 use bsm_design::search::minimum_of;
 use bsm_dyn::{Angles, Coulomb, Direction, Driven, Model, ModelWorkspace, Optimum, QuasiStatic};
 use bsm_report::sheets::efficiency_as_printed;
@@ -14,7 +14,7 @@ const F: f64 = 0.075;
 const FORWARD: Direction = Direction::RotaryToLinear;
 
 /// All of them.
-pub(super) fn checks(lin: &Scene) -> Result<Vec<Check>, ValidateError> {
+pub(super) fn checks(lin: &Case) -> Result<Vec<Check>, ValidateError> {
     let mut checks = vec![quotient()];
     checks.extend(driving_part(lin)?);
     checks.extend(direction_of_slip(lin)?);
@@ -72,21 +72,21 @@ fn quotient() -> Check {
     .at_most(1e-13, "rounding")
 }
 
-fn efficiency(scene: &Scene, model: Model) -> Result<f64, ValidateError> {
-    let solution = scene.problem(&model.into())?.solve(&mut ModelWorkspace::default());
+fn efficiency(case: &Case, model: Model) -> Result<f64, ValidateError> {
+    let solution = case.problem(&model.into())?.solve(&mut ModelWorkspace::default());
     Ok(solution.efficiency().unwrap_or(f64::NAN))
 }
 
 /// "The driving component does not have an effect": exactly, and in the quasi-static analysis.
-fn driving_part(lin: &Scene) -> Result<Vec<Check>, ValidateError> {
+fn driving_part(lin: &Case) -> Result<Vec<Check>, ValidateError> {
     let rpm = lin.screw_speed_rpm;
     let nut =
-        Scene { screw_speed_rpm: Some(0.0), nut_speed_rpm: rpm.map(|rpm| -rpm), ..lin.clone() };
+        Case { screw_speed_rpm: Some(0.0), nut_speed_rpm: rpm.map(|rpm| -rpm), ..lin.clone() };
     let pair = |model, lead: f64| {
-        let with = |scene: &Scene| {
-            let mut scene = scene.clone();
-            scene.set("lead_angle_deg", lead)?;
-            efficiency(&scene, model)
+        let with = |case: &Case| {
+            let mut case = case.clone();
+            case.set("lead_angle_deg", lead)?;
+            efficiency(&case, model)
         };
         Ok::<_, ValidateError>([with(lin)?, with(&nut)?])
     };
@@ -123,7 +123,7 @@ fn driving_part(lin: &Scene) -> Result<Vec<Check>, ValidateError> {
 }
 
 /// Eq 11 and Fig 5.
-fn direction_of_slip(lin: &Scene) -> Result<Vec<Check>, ValidateError> {
+fn direction_of_slip(lin: &Case) -> Result<Vec<Check>, ValidateError> {
     let slender = slender(lin);
     let lin_angles = angles(10.0, 45.0);
     let (ball, pitch) = (slender.ball_diameter_mm, slender.pitch_circle_diameter_mm);
@@ -200,7 +200,7 @@ fn direction_of_slip(lin: &Scene) -> Result<Vec<Check>, ValidateError> {
 }
 
 /// Eqs 14, 17 and 18 as printed: the root covers too much, a factor is missing.
-fn misprints(lin: &Scene) -> Result<Vec<Check>, ValidateError> {
+fn misprints(lin: &Case) -> Result<Vec<Check>, ValidateError> {
     // The root as printed ends after f sinβ in Eq 14, after f D² in Eq 17.
     let as_printed = |direction: Direction, angles: &Angles<f64>| {
         let (s, d) = (angles.contact.sin(), angles.slip_factor());
@@ -217,12 +217,12 @@ fn misprints(lin: &Scene) -> Result<Vec<Check>, ValidateError> {
     ] {
         let (mut worst, mut corrected) = ((0.0, 0.0), 0.0_f64);
         for contact in (20..=75).map(f64::from) {
-            let scene = Scene {
+            let case = Case {
                 contact_angle_deg: Some(contact),
                 screw_speed_rpm: lin.screw_speed_rpm.map(|rpm| direction.sign() * rpm),
                 ..lin.clone()
             };
-            let exact = efficiency(&scene, Model::Rigid)?;
+            let exact = efficiency(&case, Model::Rigid)?;
             let angles = angles(10.0, contact);
             let off = 100.0 * (as_printed(direction, &angles) - exact).abs();
             if off > worst.0 {

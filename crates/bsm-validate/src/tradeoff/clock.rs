@@ -4,7 +4,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use bsm_batch::{Chunk, Task};
-use bsm_case::{CaseError, ModelChoice, Output, Scene, Settings};
+use bsm_case::{Case, CaseError, ModelChoice, Output, Settings};
 use bsm_dyn::{Model, ModelWorkspace, evaluations};
 use bsm_simd::Arch;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -30,7 +30,7 @@ pub struct Times {
 pub struct OneCore {
     /// Which points.
     pub group: Group,
-    /// From a scene to its outputs, one after the other.
+    /// From a case to its outputs, one after the other.
     pub single: Distribution,
     /// From columns of inputs to columns of outputs, all points of the group in one table.
     pub batch: f64,
@@ -187,7 +187,7 @@ impl<'a> Bench<'a> {
             points,
             groups: groups.iter().map(|(_, places)| table(places, places.len())).collect(),
             long_groups: groups.iter().map(|(_, places)| long(places)).collect(),
-            rows: (0..points.scenes.len()).map(|place| table(&[place], ROWS)).collect(),
+            rows: (0..points.cases.len()).map(|place| table(&[place], ROWS)).collect(),
             outputs: OUTPUTS.iter().filter_map(|name| Output::named(name)).collect(),
             one_core: ThreadPoolBuilder::new().num_threads(1).build()?,
             all_cores: ThreadPoolBuilder::new().build()?,
@@ -201,14 +201,14 @@ impl<'a> Bench<'a> {
         setting: &Setting,
         work: &mut ModelWorkspace,
     ) -> Result<Vec<(Option<f64>, f64)>, CaseError> {
-        let count = |scene: &Scene| {
+        let count = |case: &Case| {
             let before = evaluations();
-            let solution = scene.problem(&setting.settings)?.solve(work);
+            let solution = case.problem(&setting.settings)?.solve(work);
             let steps = solution.solved().and_then(|solved| solved.info);
             let evaluations = evaluations().wrapping_sub(before) as f64;
             Ok((steps.map(|info| info.steps as f64), evaluations))
         };
-        self.points.scenes.iter().map(count).collect()
+        self.points.cases.iter().map(count).collect()
     }
 
     /// Nanoseconds of each point, or of a point of a table.
@@ -219,7 +219,7 @@ impl<'a> Bench<'a> {
         work: &mut ModelWorkspace,
     ) -> Result<Vec<f64>, CaseError> {
         let settings = &setting.settings;
-        let task = Task::new(Scene::default(), *settings, self.outputs.clone());
+        let task = Task::new(Case::default(), *settings, self.outputs.clone());
         let solve = |arch, chunk: &Chunk| {
             black_box(task.solve_on(arch, chunk, &self.points.columns));
         };
@@ -233,9 +233,9 @@ impl<'a> Bench<'a> {
         };
         match way {
             Way::Single => {
-                let scenes = &self.points.scenes;
-                per_point(scenes.len(), 1, |place| {
-                    let _ = black_box(black_box(&scenes[place]).problem(settings)?.solve(work));
+                let cases = &self.points.cases;
+                per_point(cases.len(), 1, |place| {
+                    let _ = black_box(black_box(&cases[place]).problem(settings)?.solve(work));
                     Ok(())
                 })
             }

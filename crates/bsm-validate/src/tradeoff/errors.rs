@@ -1,6 +1,6 @@
 //! Errors against the reference, by motion of the balls.
 
-use bsm_case::{CaseError, Scene, Settings};
+use bsm_case::{Case, CaseError, Settings};
 use bsm_dyn::{ModelWorkspace, SlipRegime, Solution};
 use bsm_kin::Site;
 use serde::{Serialize, Serializer};
@@ -104,10 +104,10 @@ pub struct Errors {
 pub(super) struct Reference(Vec<Option<(SlipRegime, Solution)>>);
 
 impl Reference {
-    pub(super) fn of(scenes: &[Scene], work: &mut ModelWorkspace) -> Result<Self, ValidateError> {
+    pub(super) fn of(cases: &[Case], work: &mut ModelWorkspace) -> Result<Self, ValidateError> {
         let settings = reference_settings();
-        let points = scenes.iter().map(|scene| {
-            let solution = scene.problem(&settings)?.solve(work);
+        let points = cases.iter().map(|case| {
+            let solution = case.problem(&settings)?.solve(work);
             let regime = solution.solved().and_then(|solved| solved.skid?.regime());
             Ok(regime.map(|regime| (regime, solution)))
         });
@@ -138,14 +138,14 @@ impl Reference {
     /// Errors of a setting in [`groups`](Self::groups).
     pub(super) fn errors(
         &self,
-        scenes: &[Scene],
+        cases: &[Case],
         groups: &[(Group, Vec<usize>)],
         settings: &Settings,
         work: &mut ModelWorkspace,
     ) -> Result<Vec<Errors>, ValidateError> {
-        let mut answers = Vec::with_capacity(scenes.len());
-        for scene in scenes {
-            let solution = scene.problem(settings)?.solve(work);
+        let mut answers = Vec::with_capacity(cases.len());
+        for case in cases {
+            let solution = case.problem(settings)?.solve(work);
             answers.push(Some(solution).filter(|solution| solution.solved().is_some()));
         }
         let errors = |(group, places): &(_, Vec<_>)| self.errors_of(*group, places, &answers);

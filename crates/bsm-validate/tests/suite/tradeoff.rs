@@ -11,7 +11,7 @@ use bsm_validate::{ValidateError, tradeoff_page};
 const GOLDEN: &str = include_str!("../../../../validation/golden/tradeoff/accuracy-1e-10.csv");
 
 /// Solutions of an accuracy of 1e-10 are as committed; made by
-/// `bsm sweep --points validation/golden/tradeoff/scenes.csv --model traction --solver accuracy=1e-10,creep=1e-5
+/// `bsm sweep --points validation/golden/tradeoff/cases.csv --model traction --solver accuracy=1e-10,creep=1e-5
 /// --columns efficiency,... -o validation/golden/tradeoff/accuracy-1e-10.csv`.
 #[test]
 fn solutions_are_as_committed() {
@@ -25,9 +25,9 @@ fn solutions_are_as_committed() {
     let settings = Settings { accuracy: 1e-10, creep: 1e-5, ..Model::Traction.into() };
     let mut work = ModelWorkspace::default();
     let mut motions = Vec::new();
-    for (scene, row) in points.scenes().iter().zip(table.records()) {
+    for (case, row) in points.cases().iter().zip(table.records()) {
         let row = row.expect("a row");
-        let solution = scene.problem(&settings).expect("complete").solve(&mut work);
+        let solution = case.problem(&settings).expect("complete").solve(&mut work);
         assert_eq!(solution.status(), Status::Converged);
         motions.extend(solution.solved().and_then(|solved| solved.skid?.regime()));
         let record = bsm_case::Record::new(solution);

@@ -4,7 +4,7 @@ use bsm_design::{Efficiency, Phase, viscosity_ratio_by_film};
 use bsm_dyn::{ModelWorkspace, Problem, Status};
 
 use crate::vocabulary::units::RPM;
-use crate::{CaseError, InputKey, NutProblem, NutReport, Record, Scene, Settings};
+use crate::{Case, CaseError, InputKey, NutProblem, NutReport, Record, Settings};
 
 /// Friction of the contacts in a phase.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,42 +15,42 @@ pub(super) struct Contacts {
     pub(super) text: String,
 }
 
-/// A scene at another load and speed of its axis: with a load of zero only where the nut takes it. Screw and nut turn in
-/// the ratio of the scene.
+/// A case at another load and speed of its axis: with a load of zero only where the nut takes it. Screw and nut turn in
+/// the ratio of the case.
 ///
 /// * `speed`: of the screw against the nut \[rad/s\].
-fn at(scene: &Scene, load: f64, speed: f64) -> Scene {
-    let turning = scene.speeds_rpm().map(|(screw, nut)| nut / (screw - nut));
+fn at(case: &Case, load: f64, speed: f64) -> Case {
+    let turning = case.speeds_rpm().map(|(screw, nut)| nut / (screw - nut));
     let nut = turning.filter(|share| share.is_finite() && *share != 0.0);
     let nut = nut.map(|share| share * speed / RPM);
-    let mut scene = scene.clone();
-    (scene.axial_load_N, scene.feed_m_min) = (Some(load), None);
-    scene.screw_speed_rpm = Some(speed / RPM + nut.unwrap_or(0.0));
-    scene.nut_speed_rpm = nut;
-    scene
+    let mut case = case.clone();
+    (case.axial_load_N, case.feed_m_min) = (Some(load), None);
+    case.screw_speed_rpm = Some(speed / RPM + nut.unwrap_or(0.0));
+    case.nut_speed_rpm = nut;
+    case
 }
 
 /// The nut of an axis under a load, with all its balls.
 pub(super) fn nut_at(
-    scene: &Scene,
+    case: &Case,
     settings: &Settings,
     load: f64,
     speed: f64,
 ) -> Result<NutReport, CaseError> {
     // Seals have a line of their own.
-    let scene = Scene { seal_torque_Nm: None, ..at(scene, load, speed) };
-    NutProblem::of(&scene, settings)?.solve().map_err(CaseError::Nut)
+    let case = Case { seal_torque_Nm: None, ..at(case, load, speed) };
+    NutProblem::of(&case, settings)?.solve().map_err(CaseError::Nut)
 }
 
 /// 90 % interval of lubricated friction over uncertain inputs, relative to the
 /// stated friction of the contacts.
 pub(super) fn band(
-    scene: &Scene,
+    case: &Case,
     settings: &Settings,
     Phase { load, speed, .. }: &Phase,
     work: &mut ModelWorkspace,
 ) -> Option<[f64; 2]> {
-    let problem = at(scene, load.abs(), load.signum() * speed).problem(settings).ok()?;
+    let problem = at(case, load.abs(), load.signum() * speed).problem(settings).ok()?;
     let solution = problem.solve(work);
     match (&problem, solution.solved()) {
         (Problem::Lubricated(problem), Some(solved)) => Some(problem.band(solved, work)?.loss),
@@ -63,21 +63,21 @@ pub(super) fn band(
 ///
 /// * `load`: of a nut \[N\]. * `speed`: of the screw against the nut \[rad/s\].
 pub(super) fn viscosity_ratio(
-    scene: &Scene,
+    case: &Case,
     settings: &Settings,
     (load, speed): (f64, f64),
     work: &mut ModelWorkspace,
 ) -> Option<f64> {
-    let problem = at(scene, load.abs(), speed.abs()).problem(settings).ok()?;
+    let problem = at(case, load.abs(), speed.abs()).problem(settings).ok()?;
     let film = problem.solve(work).solved()?.film?;
     Some(viscosity_ratio_by_film(film.nut.least_ratio.min(film.screw.least_ratio)))
 }
 
 /// Efficiencies of the catalogue of a screw whose groove is not known.
-pub(super) fn by_catalogue(scene: &Scene) -> Efficiency {
+pub(super) fn by_catalogue(case: &Case) -> Efficiency {
     Efficiency {
-        forward: scene.number(InputKey::catalogue_efficiency),
-        back: scene.number(InputKey::catalogue_back_efficiency),
+        forward: case.number(InputKey::catalogue_efficiency),
+        back: case.number(InputKey::catalogue_back_efficiency),
     }
 }
 
@@ -95,30 +95,30 @@ pub(super) fn usual_frictions(ideal: f64, drives: bool) -> [f64; 2] {
 ///
 /// * `advance`: for a radian of the screw \[m\].
 pub(super) fn contacts(
-    scene: &Scene,
+    case: &Case,
     settings: &Settings,
     advance: f64,
     Phase { load, speed, .. }: &Phase,
     work: &mut ModelWorkspace,
 ) -> Result<Contacts, CaseError> {
-    if scene.has_ratings_only() {
+    if case.has_ratings_only() {
         let drives = load * speed < 0.0;
         let moves = f64::from(u8::from(*speed != 0.0));
-        let friction = moves * by_catalogue(scene).friction(advance * load, drives);
+        let friction = moves * by_catalogue(case).friction(advance * load, drives);
         return Ok(Contacts {
             friction: Some(friction),
             text: "by catalogue efficiency".to_owned(),
         });
     }
-    if !scene.given().has_friction() {
+    if !case.given().has_friction() {
         let text = "no torque: neither friction_coefficient nor a lubricant is given".to_owned();
         return Ok(Contacts { friction: None, text });
     }
     if *speed == 0.0 {
         return Ok(Contacts { friction: Some(0.0), text: "at rest".to_owned() });
     }
-    if scene.is_preloaded() {
-        let nut = nut_at(scene, settings, *load, *speed)?;
+    if case.is_preloaded() {
+        let nut = nut_at(case, settings, *load, *speed)?;
         let friction = nut.number("friction_heat_W").map(|heat| heat / speed.abs());
         let text = match nut.model() {
             Some(model) => format!("{model}, all balls"),
@@ -130,8 +130,8 @@ pub(super) fn contacts(
         return Ok(Contacts { friction: Some(0.0), text: "no load".to_owned() });
     }
     // The model has the load positive, and the speed negative where the load drives.
-    let scene = at(scene, load.abs(), load.signum() * speed);
-    let record = Record::new(scene.problem(settings)?.solve(work));
+    let case = at(case, load.abs(), load.signum() * speed);
+    let record = Record::new(case.problem(settings)?.solve(work));
     let torque = record.number("ball_torque_Nm").filter(|_| record.status() == Status::Converged);
     let ideal = advance * load.abs();
     let text = match (torque, record.message()) {

@@ -8,11 +8,11 @@ use super::state::AxisState;
 use super::torques::Torques;
 use crate::case::axis::Machine;
 use crate::vocabulary::units::{MM, RPM};
-use crate::{InputKey, Scene};
+use crate::{Case, InputKey};
 
 /// What the weight of an inclined axis, and a constant process force, do to the screw without power of the motor.
 pub(super) struct PowerLoss {
-    /// Torque that drives the screw at the friction of the scene \[N·m\].
+    /// Torque that drives the screw at the friction of the case \[N·m\].
     pub(super) nominal: f64,
     /// Least and largest torque that drives it \[N·m\].
     pub(super) torques: [f64; 2],
@@ -39,7 +39,7 @@ impl AxisState<'_> {
 
     /// Load of its weight, and of a constant process force \[N\].
     fn held(&self) -> f64 {
-        let process = self.scene.value_or_default(InputKey::hold_force_N).unwrap_or(0.0);
+        let process = self.case.value_or_default(InputKey::hold_force_N).unwrap_or(0.0);
         self.machine.carriage.load(0.0, 0.0, 0.0).abs() + process
     }
 
@@ -51,13 +51,13 @@ impl AxisState<'_> {
 
     /// Torque of a brake at the motor: no friction is counted on.
     pub(super) fn required_brake(&self) -> Option<f64> {
-        let safety = self.scene.value_or_default(InputKey::brake_safety)?;
+        let safety = self.case.value_or_default(InputKey::brake_safety)?;
         Some(safety * self.falling()?.torque / self.machine.drive.gear_ratio)
     }
 
     pub(super) fn stopping_distance(&self) -> Option<f64> {
-        let brake = self.scene.brake_torque_Nm? * self.machine.drive.gear_ratio;
-        let delay = self.scene.value_or_default(InputKey::brake_delay_s)?;
+        let brake = self.case.brake_torque_Nm? * self.machine.drive.gear_ratio;
+        let delay = self.case.value_or_default(InputKey::brake_delay_s)?;
         let feed = self.axis().fastest() * self.machine.advance();
         self.falling()?.stopping_distance(brake, delay, feed)
     }
@@ -70,7 +70,7 @@ impl AxisState<'_> {
     pub(super) fn fall(&self) -> Option<(f64, f64)> {
         let driving = self.power_loss()?.nominal;
         let acceleration = self.falling()?.acceleration(driving);
-        let feed = (2.0 * acceleration * self.scene.stroke_mm? * MM).sqrt();
+        let feed = (2.0 * acceleration * self.case.stroke_mm? * MM).sqrt();
         (driving > 0.0).then(|| (acceleration, feed / self.machine.advance() / RPM))
     }
 
@@ -104,7 +104,7 @@ impl AxisState<'_> {
 
     /// Whether its weight turns the screw of an inclined axis when the motor has no power (Z18).
     pub(super) fn at_power_loss(&self) -> Option<PowerLoss> {
-        /// Friction that is not measured, over that of the scene.
+        /// Friction that is not measured, over that of the case.
         const FRICTION: [f64; 2] = [2.0, 0.5];
         let (axis, settings, advance) = (self.axis(), self.settings, self.machine.advance());
         let ideal = self.falling()?.torque;
@@ -113,21 +113,21 @@ impl AxisState<'_> {
             Phase { time: 1.0, load: self.held(), speed, acceleration: 0.0, load_factor: 1.0 };
         let work = &mut ModelWorkspace::default();
         let mut friction =
-            |scene: &Scene| contacts(scene, settings, advance, &phase, work).ok()?.friction;
-        let nominal = friction(self.scene)?;
+            |case: &Case| contacts(case, settings, advance, &phase, work).ok()?.friction;
+        let nominal = friction(self.case)?;
         let [most, least] = if self.machine.groove.is_none() {
             let [most, least] = contacts::usual_frictions(ideal, true);
             [Some(most.max(nominal)), Some(least.min(nominal))]
-        } else if let Some(coefficient) = self.scene.friction_coefficient {
+        } else if let Some(coefficient) = self.case.friction_coefficient {
             FRICTION.map(|factor| {
                 let friction_coefficient = Some(factor * coefficient);
-                friction(&Scene { friction_coefficient, ..self.scene.clone() })
+                friction(&Case { friction_coefficient, ..self.case.clone() })
             })
         } else {
-            let [low, high] = contacts::band(self.scene, settings, &phase, work)?;
+            let [low, high] = contacts::band(self.case, settings, &phase, work)?;
             [high, low].map(|factor| Some(factor * nominal))
         };
-        let value = |key| self.scene.value_or_default(key).unwrap_or(0.0);
+        let value = |key| self.case.value_or_default(key).unwrap_or(0.0);
         let drag = self.preload.as_ref().map_or(0.0, |preload| preload.beyond)
             + value(InputKey::seal_torque_Nm)
             + value(InputKey::support_bearing_torque_Nm);
@@ -156,7 +156,7 @@ impl AxisState<'_> {
                 }
             });
         };
-        let is_weight = self.scene.hold_force_N.is_none_or(|force| force == 0.0);
+        let is_weight = self.case.hold_force_N.is_none_or(|force| force == 0.0);
         let load = if is_weight { "the weight" } else { "the load" };
         let words = match what {
             BackDriving::Turns => format!("{load} turns the screw; a brake is needed"),
@@ -166,8 +166,8 @@ impl AxisState<'_> {
             ),
         };
         let brake = self.required_brake()?;
-        let safety = self.scene.value_or_default(InputKey::brake_safety)?;
-        let holds = match (self.scene.brake_torque_Nm, self.stopping_distance()) {
+        let safety = self.case.value_or_default(InputKey::brake_safety)?;
+        let holds = match (self.case.brake_torque_Nm, self.stopping_distance()) {
             (Some(_), Some(way)) => format!("; that given stops it within {:.1} mm", way / MM),
             (Some(_), None) => "; that given does not hold".to_owned(),
             (None, _) => String::new(),

@@ -5,7 +5,7 @@ use bsm_dyn::Temperature;
 
 use crate::case::axis::Machine;
 use crate::vocabulary::entries::Named;
-use crate::{CaseError, Scene};
+use crate::{Case, CaseError};
 
 /// Lubricant and cleanliness of a nut.
 pub(super) struct Lubrication {
@@ -18,17 +18,17 @@ pub(super) struct Lubrication {
 }
 
 impl Lubrication {
-    /// That of a scene; `None` unless contamination, viscosity and temperature of the lubricant are given.
-    pub(super) fn of(scene: &Scene, machine: &Machine) -> Result<Option<Self>, CaseError> {
+    /// That of a case; `None` unless contamination, viscosity and temperature of the lubricant are given.
+    pub(super) fn of(case: &Case, machine: &Machine) -> Result<Option<Self>, CaseError> {
         let screw = &machine.axis.screw;
         let by_word = |Named(word): Named<Contamination>| word.factor(screw.pitch_diameter);
-        let contamination = match (scene.nut.contamination, scene.contamination_factor) {
+        let contamination = match (case.nut.contamination, case.contamination_factor) {
             (Some(_), Some(_)) => {
                 return Err(CaseError::given_twice(["contamination", "contamination_factor"]));
             }
             (word, factor) => factor.map(|factor| [factor; 3]).or(word.map(by_word)),
         };
-        let lubricant = scene.reader().lubricant();
+        let lubricant = case.reader().lubricant();
         let viscosity = lubricant.and_then(|lubricant| match lubricant.temperature {
             Temperature::Known(kelvin) => Some(lubricant.oil.at(kelvin).kinematic_viscosity),
             Temperature::Balance { .. } => None,

@@ -43,10 +43,10 @@ impl AxisState<'_> {
         notes.extend(self.heaviest().and_then(Torques::costs));
         notes.extend(self.about_life());
         let films = self.machine.groove.is_some();
-        notes.extend(self.scene.assumed_roughness().filter(|_| films));
+        notes.extend(self.case.assumed_roughness().filter(|_| films));
         notes.extend(self.to_measure());
         if let (Some(rise), Some([low, high]), None) =
-            (self.steady_rise(), self.rise_band(), self.scene.axis_heat_transfer_W_K)
+            (self.steady_rise(), self.rise_band(), self.case.axis_heat_transfer_W_K)
         {
             notes.push(format!(
                 "steady-state temperature rise estimated within a factor of 2: {rise:.0} K ({low:.0} to {high:.0} K), by the \
@@ -54,7 +54,7 @@ impl AxisState<'_> {
             ));
         }
         let mut note = |text: &str| notes.push(text.to_owned());
-        if let Some(word) = self.scene.nut.accuracy_grade {
+        if let Some(word) = self.case.nut.accuracy_grade {
             note(&word.describe());
             let Grade { name, .. } = word.grade;
             match self.travel() {
@@ -80,22 +80,22 @@ impl AxisState<'_> {
             );
             return notes;
         }
-        if self.scene.screw_inertia_kg_m2_m.is_some() {
+        if self.case.screw_inertia_kg_m2_m.is_some() {
             note(
                 "screw_inertia_kg_m2_m is taken as given; manufacturers print that of a rod of the nominal diameter, 1.15 to 1.87 times \
                  that of their own mass of a metre",
             );
         }
-        if self.scene.nut.support.is_none() {
+        if self.case.nut.support.is_none() {
             note("support is not given: fixed-supported is taken");
         }
-        if let (None, Some(shaft)) = (self.scene.nut.buckling_support, self.shaft()) {
+        if let (None, Some(shaft)) = (self.case.nut.buckling_support, self.shaft()) {
             note(&format!(
                 "buckling between fixed bearing and nut: {} (default); buckling_support replaces it",
                 shaft.buckling.0.name()
             ));
         }
-        if self.scene.unsupported_length_mm.is_none() {
+        if self.case.unsupported_length_mm.is_none() {
             note("unsupported_length_mm is stroke, length of the nut and two leads");
         }
         notes
@@ -109,7 +109,7 @@ impl AxisState<'_> {
                  or the screw"
             )
         });
-        let longest = make(self.scene).longest(self.grade(), self.axis().screw.outer);
+        let longest = make(self.case).longest(self.grade(), self.axis().screw.outer);
         let thread = self.shaft().map(|shaft| shaft.length);
         let long = thread.zip(longest).filter(|(thread, longest)| thread > longest);
         let long = long.map(|(thread, longest)| {
@@ -135,11 +135,11 @@ impl AxisState<'_> {
 
     /// What factors of ratings and life were taken, and which are usual.
     pub(super) fn about_life(&self) -> Vec<String> {
-        let (axis, scene) = (self.axis(), self.scene);
+        let (axis, case) = (self.axis(), self.case);
         let mut notes = Vec::new();
         if let Some(grade) = self.grade()
-            && scene.rated_dynamic_load_N.is_some()
-            && scene.accuracy_factor.is_none()
+            && case.rated_dynamic_load_N.is_some()
+            && case.accuracy_factor.is_none()
         {
             notes.push(format!(
                 "rated_dynamic_load_N is taken as it is printed for grade {}",
@@ -158,9 +158,8 @@ impl AxisState<'_> {
                 "load factor 1; catalogues advise {low} to {high} at this speed: life {long:.0} to {short:.0} h"
             ));
         }
-        let contaminated =
-            scene.contamination_factor.is_some() || scene.nut.contamination.is_some();
-        let lubricated = scene.given().is_lubricated();
+        let contaminated = case.contamination_factor.is_some() || case.nut.contamination.is_some();
+        let lubricated = case.given().is_lubricated();
         notes.extend(match (&self.lubrication, self.modified_life(0)) {
             (Some(_), None) => {
                 Some("no modified life: a viscosity ratio is below 0.1, outside ISO 281".to_owned())
@@ -179,7 +178,7 @@ impl AxisState<'_> {
 
     /// What a stroke of a few nut lengths does to the life.
     pub(super) fn short_stroke(&self) -> Option<String> {
-        let stroke = self.scene.stroke_mm? * MM;
+        let stroke = self.case.stroke_mm? * MM;
         let (lengths, factor) = SHORT;
         if stroke < LEAST_TURNS * self.axis().screw.lead {
             return Some(
@@ -187,7 +186,7 @@ impl AxisState<'_> {
                     .to_owned(),
             );
         }
-        let circuits = self.scene.value_or_default(InputKey::circuits_count)?;
+        let circuits = self.case.value_or_default(InputKey::circuits_count)?;
         // The balls of a circuit advance by (1 − γ)/2 of the nut.
         let round = self.machine.groove.as_ref().map(|(nut, _)| {
             2.0 * nut.turns / circuits * nut.lead / (1.0 - nut.dynamic_rating().gamma)
@@ -215,7 +214,7 @@ impl AxisState<'_> {
         let at = self.heaviest().and_then(|heaviest| {
             let torque = heaviest.at_screw()?;
             let drives = heaviest.phase.load * heaviest.phase.speed < 0.0;
-            let friction = contacts::by_catalogue(self.scene).friction(heaviest.ideal, drives);
+            let friction = contacts::by_catalogue(self.case).friction(heaviest.ideal, drives);
             let [high, low] = contacts::usual_frictions(heaviest.ideal, drives)
                 .map(|usual| torque + (usual - friction) * heaviest.phase.speed.signum());
             Some(format!(
@@ -231,7 +230,7 @@ impl AxisState<'_> {
         let heaviest = self.heaviest()?;
         let phase = &heaviest.phase;
         let work = &mut ModelWorkspace::default();
-        let [low, high] = contacts::band(self.scene, self.settings, phase, work)?;
+        let [low, high] = contacts::band(self.case, self.settings, phase, work)?;
         let friction = heaviest.contacts.friction?;
         Some(format!(
             "friction from the lubricant: at {:.0} N and {:.0} rpm the 90 % interval over uncertain inputs lies \
@@ -246,7 +245,7 @@ impl AxisState<'_> {
     /// The torque by which the preload is checked, with its tolerance.
     pub(super) fn to_measure(&self) -> Option<String> {
         let torque = self.preload.as_ref()?.by_rule;
-        let seal = self.scene.seal_torque_Nm.unwrap_or(0.0);
+        let seal = self.case.seal_torque_Nm.unwrap_or(0.0);
         Some(torque_to_measure(torque, seal, &self.torque_tolerance()))
     }
 }

@@ -43,19 +43,19 @@ impl AxisState<'_> {
         let screw = &self.axis().screw;
         let mm = |metres: f64| trimmed(metres / MM);
         // The land is no nominal diameter.
-        let nominal = self.scene.nominal_diameter_mm.or(self.scene.screw_outer_diameter_mm);
+        let nominal = self.case.nominal_diameter_mm.or(self.case.screw_outer_diameter_mm);
         let pitch = || format!("pitch circle {}", mm(screw.pitch_diameter));
         let size = nominal.map_or_else(pitch, trimmed);
         let mut order = Order::default();
         order.add("size", format!("{size} x {} mm", mm(screw.lead)));
         if let Some((nut, _)) = &self.machine.groove {
-            let circuits = self.scene.value_or_default(InputKey::circuits_count).unwrap_or(1.0);
+            let circuits = self.case.value_or_default(InputKey::circuits_count).unwrap_or(1.0);
             let of_each = trimmed(nut.turns / circuits);
             let turns = if circuits > 1.0 { format!("{circuits} x {of_each}") } else { of_each };
             order.add("loaded turns", format!("{turns} turns"));
             order.add("balls", format!("ball {} mm", mm(nut.ball_diameter)));
         }
-        let method = match preload_method(self.scene) {
+        let method = match preload_method(self.case) {
             _ if self.preload.is_none() => "single nut",
             PreloadMethod::DoubleNut => "double nut",
             PreloadMethod::Offset => "nut with a shifted lead",
@@ -71,7 +71,7 @@ impl AxisState<'_> {
         let percent = percent.map_or_else(String::new, |percent| format!(" +-{percent:.0} %"));
         let torque = preload.map(|preload| format!("T_p0 {:.2} N m{percent}", preload.by_rule));
         order.add("friction torque of the preload", torque);
-        let travel = self.travel_compensation().zip(self.scene.stroke_mm);
+        let travel = self.travel_compensation().zip(self.case.stroke_mm);
         let travel = travel.map(|(target, stroke)| format!("T = {target:.3}/{stroke:.0}"));
         order.add("travel compensation, mm", travel);
         order.add("bearings", shaft.map(|shaft| shaft.support.name().to_owned()));
@@ -99,6 +99,6 @@ impl AxisState<'_> {
     /// Target of the travel over the stroke for a stretched screw \[mm\].
     pub(super) fn travel_compensation(&self) -> Option<f64> {
         let kelvin = self.pretension()?.stretched;
-        Some(-self.expansion()? * self.scene.stroke_mm? * kelvin)
+        Some(-self.expansion()? * self.case.stroke_mm? * kelvin)
     }
 }

@@ -5,14 +5,14 @@ use bsm_design::{Axis, OPENS_AT, least_preload};
 use super::Preload;
 use crate::case::axis::{motor_speed, preload_method, speed_number_limit, useful_travel};
 use crate::vocabulary::units::{MM, UM};
-use crate::{Answer, Criterion, InputKey as K, Numbers, Scene};
+use crate::{Answer, Case, Criterion, InputKey as K, Numbers};
 
 /// Least multiple of its speeds at which an axis runs away.
 const FOLD: f64 = 1.25;
 
 /// What the rules of an axis judge.
 struct RuleInputs<'a> {
-    scene: &'a Scene,
+    case: &'a Case,
     axis: &'a Axis,
     numbers: &'a Numbers,
     /// From which a contact ellipse reaches the end of its flank \[N\].
@@ -26,7 +26,7 @@ impl RuleInputs<'_> {
     }
 
     fn input(&self, key: K) -> Option<f64> {
-        self.scene.value_or_default(key)
+        self.case.value_or_default(key)
     }
 
     fn length_mm(&self) -> f64 {
@@ -44,7 +44,7 @@ impl RuleInputs<'_> {
 
     /// Largest preload of a nut of its kind \[N\].
     fn most_preload(&self) -> f64 {
-        preload_method(self.scene).share() * self.axis.dynamic_rating
+        preload_method(self.case).share() * self.axis.dynamic_rating
     }
 
     /// The cold preload whose warm one is that \[N\].
@@ -55,8 +55,8 @@ impl RuleInputs<'_> {
 
     /// The coarsest accuracy grade that keeps the travel error.
     fn grade_to_take(&self) -> Option<&'static str> {
-        let (word, travel) = (self.scene.nut.accuracy_grade?, useful_travel(self.scene)?);
-        let required = self.scene.required_travel_error_um? * UM;
+        let (word, travel) = (self.case.nut.accuracy_grade?, useful_travel(self.case)?);
+        let required = self.case.required_travel_error_um? * UM;
         word.grade.that_keeps(required, travel).map(|grade| grade.name)
     }
 }
@@ -115,7 +115,7 @@ rules! {
             of.core_mm() / margin
         );
     "speed number" largest_speed_number_mm_min ["mm/min"]
-        at_most Some(speed_number_limit(of.scene, of.axis.screw.lead, of.axis.screw.outer)),
+        at_most Some(speed_number_limit(of.case, of.axis.screw.lead, of.axis.screw.outer)),
         "limit of the ball return by screw_make, THK A-697, unless given (Z15)",
         format!(
             "lead_mm {:.1} at the same feed, or another ball return (speed_number_limit_mm_min)",
@@ -144,8 +144,8 @@ rules! {
             format!("the screw is slack from {slack:.1} K on: pretension_K {needed:.0}")
         };
     "support bearings" support_bearing_load_N ["N"]
-        = of.scene.support_bearing_axial_load_N.and(of.number("support_bearing_load_N")),
-        at_most of.scene.support_bearing_axial_load_N,
+        = of.case.support_bearing_axial_load_N.and(of.number("support_bearing_load_N")),
+        at_most of.case.support_bearing_axial_load_N,
         "manufacturer of the bearings",
         "larger bearings, or less pretension";
 }
@@ -154,8 +154,8 @@ rules! {
     /// Of accuracy grade, load ratings, motor and brake.
     of_ratings_and_drive(of, margin):
     "travel error" travel_error_worst_um ["um"]
-        = of.needed("travel_error_worst_um", of.scene.required_travel_error_um),
-        at_most of.scene.required_travel_error_um,
+        = of.needed("travel_error_worst_um", of.case.required_travel_error_um),
+        at_most of.case.required_travel_error_um,
         "ISO 3408-3, JIS B 1192: deviation and half of the variation over the useful travel (Z35)",
         of.grade_to_take().map_or_else(
             || "accuracy_grade and useful_travel_mm that its standard has a value for".to_owned(),
@@ -165,39 +165,39 @@ rules! {
         "ISO 3408-5 (Z16); by the most loaded ball too, bsm nut. THK asks for 1 to 1.5, with impact for 2 to 7",
         format!("a static load rating of {:.0} N", of.axis.static_rating / margin);
     "life" cycle_life_h ["h"]
-        = of.number("cycle_life_h").or(of.scene.required_life_h.map(|_| f64::NAN)),
-        at_least of.scene.required_life_h,
+        = of.number("cycle_life_h").or(of.case.required_life_h.map(|_| f64::NAN)),
+        at_least of.case.required_life_h,
         "ISO 3408-5 (D12) to (D15), reliability (Z14)",
         format!("a dynamic load rating of {:.0} N", of.axis.dynamic_rating / margin.cbrt());
     "modified life" modified_life_h ["h"]
         = of.needed("modified_life_h", of.number("fatigue_load_limit_N")),
-        at_least of.scene.required_life_h,
+        at_least of.case.required_life_h,
         "ISO 281 with viscosity ratio and contamination (Z37) to (Z40)",
         "more viscosity, a cleaner lubricant or a larger dynamic load rating";
-    "life by all balls" cycle_life_by_balls_h ["h"] at_least of.scene.required_life_h,
+    "life by all balls" cycle_life_by_balls_h ["h"] at_least of.case.required_life_h,
         "loads of all balls (U24)",
         format!("a dynamic load rating of {:.0} N", of.axis.dynamic_rating / margin.cbrt());
     "equivalent load" equivalent_load_N ["N"] at_most Some(of.axis.dynamic_rating),
         "dynamic load rating: a million revolutions (D13)",
         format!("a dynamic load rating of {:.0} N", of.axis.dynamic_rating / margin);
     // Of the motor, without a limit there is no rule.
-    "motor speed" motor_speed_rpm ["rpm"] = motor_speed(of.scene).and(of.number("motor_speed_rpm")),
-        at_most motor_speed(of.scene),
+    "motor speed" motor_speed_rpm ["rpm"] = motor_speed(of.case).and(of.number("motor_speed_rpm")),
+        at_most motor_speed(of.case),
         "THK A-719",
-        format!("lead_mm {:.1} at the same feed", of.scene.lead_mm.unwrap_or(f64::NAN) / margin);
+        format!("lead_mm {:.1} at the same feed", of.case.lead_mm.unwrap_or(f64::NAN) / margin);
     "peak torque of the motor" peak_motor_torque_Nm ["N m"]
-        = of.scene.motor_peak_torque_Nm.and(of.number("peak_motor_torque_Nm")),
-        at_most of.scene.motor_peak_torque_Nm,
+        = of.case.motor_peak_torque_Nm.and(of.number("peak_motor_torque_Nm")),
+        at_most of.case.motor_peak_torque_Nm,
         "THK A-720",
         "a larger motor, a smaller lead, or less acceleration";
     "rated torque of the motor" rms_motor_torque_Nm ["N m"]
-        = of.scene.motor_rated_torque_Nm.and(of.number("rms_motor_torque_Nm")),
-        at_most of.scene.motor_rated_torque_Nm,
+        = of.case.motor_rated_torque_Nm.and(of.number("rms_motor_torque_Nm")),
+        at_most of.case.motor_rated_torque_Nm,
         "THK, eq. 48: RMS over the cycle (Z13)",
         "a larger motor, a smaller lead, or longer rests";
     "power of the motor" peak_motor_power_W ["W"]
-        = of.scene.motor_rated_power_W.and(of.number("peak_motor_power_W")),
-        at_most of.scene.motor_rated_power_W,
+        = of.case.motor_rated_power_W.and(of.number("peak_motor_power_W")),
+        at_most of.case.motor_rated_power_W,
         "the worst phase",
         format!("a feed of {margin:.2} times this one, or a larger motor");
     "inertia ratio" inertia_ratio [""] at_most of.input(K::largest_inertia_ratio),
@@ -209,7 +209,7 @@ rules! {
         "THK A-720 (AA11)",
         "a motor of more peak torque, or less acceleration";
     "brake" brake_torque_Nm ["N m"]
-        = of.number("required_brake_torque_Nm").and(of.scene.brake_torque_Nm),
+        = of.number("required_brake_torque_Nm").and(of.case.brake_torque_Nm),
         at_least of.number("required_brake_torque_Nm"),
         "brake_safety times the weight without friction (Z18)",
         format!("brake_torque_Nm {:.2}", of.number("required_brake_torque_Nm").unwrap_or(f64::NAN));
@@ -228,7 +228,7 @@ rules! {
         "THK A-687, HIWIN 3.6: 0.1 of the dynamic load rating in a double nut, else 0.05 (AA6)",
         format!(
             "a dynamic load rating of {:.0} N, or preload_N {:.0} and one nut that opens above {:.0} N",
-            least_preload(of.axis.largest_load()) / preload_method(of.scene).share(),
+            least_preload(of.axis.largest_load()) / preload_method(of.case).share(),
             of.preload_to_set(),
             OPENS_AT * of.most_preload()
         );
@@ -242,13 +242,13 @@ rules! {
 ///
 /// * `fold`: its speed over the speeds given. * `preload`: cold and warm \[N\].
 pub(super) fn rules(
-    scene: &Scene,
+    case: &Case,
     axis: &Axis,
     (numbers, fold): (&Numbers, Option<f64>),
     of_nut: &Answer,
     preload: Option<&Preload>,
 ) -> Vec<Criterion> {
-    let of = &RuleInputs { scene, axis, numbers, edge_load: of_nut.number("edge_load_N"), preload };
+    let of = &RuleInputs { case, axis, numbers, edge_load: of_nut.number("edge_load_N"), preload };
     let rest = of_ratings_and_drive(of).chain(of_preload(of));
     of_screw(of).chain(steady_state(fold)).chain(rest).collect()
 }

@@ -16,11 +16,11 @@ use crate::case::axis::{FixedEnds, Machine, useful_travel};
 use crate::case::warm::{Warm, WarmState};
 use crate::vocabulary::entries::{KappaBy, Named};
 use crate::vocabulary::units::{RPM, UM};
-use crate::{CaseError, InputKey, NutReport, Scene, Settings};
+use crate::{Case, CaseError, InputKey, NutReport, Settings};
 
 /// Intermediate results of an axis.
 pub(crate) struct AxisState<'a> {
-    pub(super) scene: &'a Scene,
+    pub(super) case: &'a Case,
     pub(super) settings: &'a Settings,
     pub(super) machine: Machine,
     /// The nut under the largest load, with all its balls; or the reason for no solution.
@@ -43,44 +43,43 @@ pub(crate) struct AxisState<'a> {
 
 impl<'a> AxisState<'a> {
     pub(super) fn of(
-        scene: &'a Scene,
+        case: &'a Case,
         settings: &'a Settings,
         warm: Option<Warm>,
     ) -> Result<Self, CaseError> {
-        let mut machine = Machine::of(scene)?;
+        let mut machine = Machine::of(case)?;
         let (axis, advance) = (&machine.axis, machine.advance());
         let mut work = ModelWorkspace::default();
         let heaviest = axis.heaviest().filter(|phase| phase.load != 0.0).copied();
         let fastest = axis.fastest();
         // A preload takes its balls without any load too.
-        let pressed = axis.heaviest().filter(|phase| phase.load != 0.0 || scene.is_preloaded());
+        let pressed = axis.heaviest().filter(|phase| phase.load != 0.0 || case.is_preloaded());
         let found = pressed.filter(|_| machine.groove.is_some()).map(|phase| {
             let speed = if phase.speed == 0.0 { fastest } else { phase.speed };
-            nut_at(scene, settings, phase.load, speed)
+            nut_at(case, settings, phase.load, speed)
         });
         let (nut, no_nut) = match found {
             Some(Ok(nut)) => (Some(nut), None),
             Some(Err(why)) => (None, Some(why)),
             None => (None, None),
         };
-        let preload = Preload::of(scene, settings, &machine, nut.as_ref(), fastest)?;
+        let preload = Preload::of(case, settings, &machine, nut.as_ref(), fastest)?;
         let drag = preload.as_ref().map_or(0.0, |preload| preload.beyond);
-        let torque =
-            |phase: &Phase| Torques::of(scene, settings, (advance, drag), phase, &mut work);
+        let torque = |phase: &Phase| Torques::of(case, settings, (advance, drag), phase, &mut work);
         let torques = axis.phases.iter().map(torque).collect::<Result<_, _>>()?;
         // The load drives: its sign against the speed.
         let back =
             heaviest.map(|phase| Phase { speed: -phase.load.signum() * fastest.max(RPM), ..phase });
-        let back = back.map(|back| contacts(scene, settings, advance, &back, &mut work));
+        let back = back.map(|back| contacts(case, settings, advance, &back, &mut work));
         let holding = back
             .transpose()?
             .and_then(|found| Some((advance * axis.largest_load() - found.friction?).max(0.0)));
         let life_by_balls =
-            machine.groove.as_ref().and_then(|_| life_by_balls(scene, settings, axis));
+            machine.groove.as_ref().and_then(|_| life_by_balls(case, settings, axis));
         machine.axis.preload = preload.as_ref().map(|preload| preload.warm);
-        let lubrication = Lubrication::of(scene, &machine)?;
+        let lubrication = Lubrication::of(case, &machine)?;
         let mut worked = Self {
-            scene,
+            case,
             settings,
             machine,
             nut,
@@ -112,7 +111,7 @@ impl<'a> AxisState<'a> {
 
     /// Life of the cycle.
     pub(super) fn life(&self) -> Option<Life> {
-        self.machine.life(self.scene)
+        self.machine.life(self.case)
     }
 
     /// The screw between two fixed bearings, if it is stretched.
@@ -122,19 +121,19 @@ impl<'a> AxisState<'a> {
 
     /// Of the screw by a kelvin over its length.
     pub(super) fn expansion(&self) -> Option<f64> {
-        Some(self.scene.value_or_default(InputKey::thermal_expansion_um_m_K)? * UM)
+        Some(self.case.value_or_default(InputKey::thermal_expansion_um_m_K)? * UM)
     }
 
     /// How much warmer the screw is than the bed \[K\]: as given, or in the steady state.
     pub(super) fn rise(&self) -> Option<f64> {
-        let given = self.scene.screw_temperature_rise_K.filter(|rise| *rise != 0.0);
+        let given = self.case.screw_temperature_rise_K.filter(|rise| *rise != 0.0);
         given.or_else(|| self.steady_rise())
     }
 
     /// Tension of the screw \[N\]: as given or found by the warm state, or what its rise leaves of its pretension.
     pub(super) fn tension(&self) -> Option<f64> {
         let by_rise = || Some(self.machine.held?.tension(self.rise()?));
-        self.scene.screw_tension_N.or_else(by_rise)
+        self.case.screw_tension_N.or_else(by_rise)
     }
 
     /// A number of the nut under the largest load.
@@ -170,14 +169,14 @@ impl<'a> AxisState<'a> {
     fn viscosity_ratios(&self, speed: f64, load: f64) -> [Option<f64>; 2] {
         let Some(Lubrication { viscosity, .. }) = self.lubrication else { return [None; 2] };
         let by_viscosity = Some(self.axis().viscosity_ratio(viscosity, speed));
-        if self.scene.nut.kappa_by == Some(Named(KappaBy::Viscosity)) {
+        if self.case.nut.kappa_by == Some(Named(KappaBy::Viscosity)) {
             return [None, by_viscosity];
         }
         let at = [speed, load].map(|x| x.abs().to_bits());
         let known = self.by_film.borrow().iter().find(|(other, _)| *other == at).copied();
         let (_, by_film) = known.unwrap_or_else(|| {
             let mut work = ModelWorkspace::default();
-            let found = viscosity_ratio(self.scene, self.settings, (load, speed), &mut work);
+            let found = viscosity_ratio(self.case, self.settings, (load, speed), &mut work);
             self.by_film.borrow_mut().push((at, found));
             (at, found)
         });
@@ -195,12 +194,12 @@ impl<'a> AxisState<'a> {
     }
 
     pub(super) fn grade(&self) -> Option<&'static Grade> {
-        Some(self.scene.nut.accuracy_grade?.grade)
+        Some(self.case.nut.accuracy_grade?.grade)
     }
 
     /// Useful travel \[m\].
     pub(super) fn travel(&self) -> Option<f64> {
-        useful_travel(self.scene)
+        useful_travel(self.case)
     }
 
     /// To the surroundings \[W/K\]: given, or that to still air, unless the warm state has its own conductances.
@@ -211,7 +210,7 @@ impl<'a> AxisState<'a> {
             let speeds = axis.phases.iter().map(|phase| (phase.speed, phase.time));
             Some(heat_transfer((axis.screw.outer, length), (body.outer, body.length), speeds))
         };
-        self.scene.axis_heat_transfer_W_K.or_else(to_air)
+        self.case.axis_heat_transfer_W_K.or_else(to_air)
     }
 
     pub(super) fn steady_rise(&self) -> Option<f64> {
@@ -222,7 +221,7 @@ impl<'a> AxisState<'a> {
     /// Uncertainty of the steady-state rise \[K\]: a factor of 2 either way by the heat transfer to still air, none by one that
     /// is given.
     pub(super) fn rise_band(&self) -> Option<[f64; 2]> {
-        let factor = if self.scene.axis_heat_transfer_W_K.is_some() { 1.0 } else { 2.0 };
+        let factor = if self.case.axis_heat_transfer_W_K.is_some() { 1.0 } else { 2.0 };
         let rise = self.steady_rise()?;
         Some([rise / factor, rise * factor])
     }
@@ -240,8 +239,8 @@ impl<'a> AxisState<'a> {
     pub(super) fn nut_stiffness(&self) -> Option<f64> {
         let axis = self.axis();
         let by_catalogue = || {
-            let stated = self.scene.rated_rigidity_N_um?;
-            let Named(at) = self.scene.nut.rated_rigidity_at?;
+            let stated = self.case.rated_rigidity_N_um?;
+            let Named(at) = self.case.nut.rated_rigidity_at?;
             at.stiffness(stated, axis.largest_load(), axis.preload, self.machine.ratings[0])
         };
         if self.machine.groove.is_some() {
@@ -253,7 +252,7 @@ impl<'a> AxisState<'a> {
 
     /// Stiffness of screw, nut, bearings and housings in series \[N/m\].
     pub(super) fn stiffness(&self) -> Option<f64> {
-        let Scene { support_bearing_stiffness_N_um, housing_stiffness_N_um, .. } = self.scene;
+        let Case { support_bearing_stiffness_N_um, housing_stiffness_N_um, .. } = self.case;
         let others =
             [*support_bearing_stiffness_N_um, *housing_stiffness_N_um].into_iter().flatten();
         let (screw, nut) = (self.shaft()?.least_stiffness(), self.nut_stiffness()? / UM);
@@ -280,18 +279,18 @@ impl<'a> AxisState<'a> {
 }
 
 /// Life of the cycle by the loads of all balls \[s\]: each phase takes its share of the life that it has alone.
-fn life_by_balls(scene: &Scene, settings: &Settings, axis: &Axis) -> Option<f64> {
+fn life_by_balls(case: &Case, settings: &Settings, axis: &Axis) -> Option<f64> {
     let (mut taken, mut time) = (0.0, 0.0);
     for phase in &axis.phases {
         time += phase.time;
-        let moves = phase.speed != 0.0 && (phase.load != 0.0 || scene.is_preloaded());
+        let moves = phase.speed != 0.0 && (phase.load != 0.0 || case.is_preloaded());
         if moves {
             let load = phase.load_factor * phase.load;
-            let nut = nut_at(scene, settings, load, phase.speed).ok()?;
+            let nut = nut_at(case, settings, load, phase.speed).ok()?;
             let ours = nut.number("life_by_balls_revolutions")?;
             let rated = nut.number("iso_life_revolutions")?;
             // The ratio is of the model, the rating may be of the manufacturer.
-            let preload = nut.number("warm_preload_N").filter(|_| scene.is_preloaded());
+            let preload = nut.number("warm_preload_N").filter(|_| case.is_preloaded());
             let duty = bsm_design::Duty { load, speed: 1.0, time: 1.0 };
             let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;
             let turns = phase.speed.abs() * phase.time / TAU;

@@ -14,7 +14,7 @@ use crate::vocabulary::answer::numbers_json;
 use crate::vocabulary::number::digits;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{MM, RPM};
-use crate::{CaseError, InputKey, Numbers, NutReport, Scene, Settings};
+use crate::{Case, CaseError, InputKey, Numbers, NutReport, Settings};
 
 quantities! { pub(crate) TORQUES, read_torques(&Torques);
     "torque" {
@@ -82,18 +82,18 @@ pub(crate) struct Torques {
 impl Torques {
     /// * `advance`: for a radian of the screw \[m\]. * `drag`: of the preload beyond its contacts \[N·m\].
     pub(super) fn of(
-        scene: &Scene,
+        case: &Case,
         settings: &Settings,
         (advance, drag): (f64, f64),
         phase: &Phase,
         work: &mut ModelWorkspace,
     ) -> Result<Self, CaseError> {
         let moves = f64::from(u8::from(phase.speed != 0.0));
-        let value = |key| moves * scene.value_or_default(key).unwrap_or(0.0);
+        let value = |key| moves * case.value_or_default(key).unwrap_or(0.0);
         Ok(Self {
             phase: *phase,
             ideal: advance * phase.load,
-            contacts: contacts(scene, settings, advance, phase, work)?,
+            contacts: contacts(case, settings, advance, phase, work)?,
             drag: moves * drag,
             seal: value(InputKey::seal_torque_Nm),
             bearing: value(InputKey::support_bearing_torque_Nm),
@@ -167,7 +167,7 @@ pub(crate) struct Preload {
 impl Preload {
     /// That of a nut, if it is preloaded, at a speed \[rad/s\].
     pub(super) fn of(
-        scene: &Scene,
+        case: &Case,
         settings: &Settings,
         machine: &Machine,
         nut: Option<&NutReport>,
@@ -175,9 +175,9 @@ impl Preload {
     ) -> Result<Option<Self>, CaseError> {
         let screw = &machine.axis.screw;
         let by_rule = |preload| drag_torque(preload, screw.lead, screw.lead_angle());
-        if let Some(preload) = scene.preload_N.filter(|_| machine.groove.is_none()) {
+        if let Some(preload) = case.preload_N.filter(|_| machine.groove.is_none()) {
             let by_rule = by_rule(preload);
-            let given = scene.extra_drag_factor.map(|factor| factor * machine.advance() * preload);
+            let given = case.extra_drag_factor.map(|factor| factor * machine.advance() * preload);
             let beyond = given.unwrap_or(by_rule);
             return Ok(Some(Self {
                 cold: preload,
@@ -189,45 +189,45 @@ impl Preload {
         }
         let Some(nut) = nut else { return Ok(None) };
         let forces = nut.number("preload_set_N").zip(nut.number("warm_preload_N"));
-        let Some((cold, warm)) = forces.filter(|_| scene.is_preloaded()) else { return Ok(None) };
-        let of_contacts = if speed > 0.0 && scene.given().has_friction() {
-            let unloaded = nut_at(scene, settings, 0.0, speed)?;
+        let Some((cold, warm)) = forces.filter(|_| case.is_preloaded()) else { return Ok(None) };
+        let of_contacts = if speed > 0.0 && case.given().has_friction() {
+            let unloaded = nut_at(case, settings, 0.0, speed)?;
             unloaded.number("friction_heat_W").map(|heat| heat / speed)
         } else {
             None
         };
-        let beyond = ColdNut::of(scene, settings, machine)?.drag(scene, machine) * warm;
+        let beyond = ColdNut::of(case, settings, machine)?.drag(case, machine) * warm;
         Ok(Some(Self { cold, warm, by_rule: by_rule(cold), of_contacts, beyond }))
     }
 }
 
-/// The screw torque at the operating point of its scene by its parts: the load with weight and guides of what it moves, contacts
+/// The screw torque at the operating point of its case by its parts: the load with weight and guides of what it moves, contacts
 /// of the balls, preload, seals, support bearings. `None` without load, speed or friction.
 ///
 /// # Errors
 ///
 /// [`CaseError`] if the nut or its point has no solution.
-pub fn torque_parts(scene: &Scene, settings: &Settings) -> Result<Option<ScrewTorque>, CaseError> {
-    let scene = &scene.in_warm_state(settings)?;
-    let preloaded = scene.is_preloaded() && NEEDS.are_met(scene.given());
-    let point = scene.speeds_rpm().zip(scene.axial_load_N).zip(scene.lead());
-    let Some((((screw, turned), force), lead)) = point.filter(|_| scene.given().has_friction())
+pub fn torque_parts(case: &Case, settings: &Settings) -> Result<Option<ScrewTorque>, CaseError> {
+    let case = &case.in_warm_state(settings)?;
+    let preloaded = case.is_preloaded() && NEEDS.are_met(case.given());
+    let point = case.speeds_rpm().zip(case.axial_load_N).zip(case.lead());
+    let Some((((screw, turned), force), lead)) = point.filter(|_| case.given().has_friction())
     else {
         return Ok(None);
     };
     let pace = DutySpeed::Turns((screw - turned) * RPM);
     let motion = Motion { time: 1.0, force, pace, acceleration: 0.0, load_factor: 1.0 };
-    let phase = motion.phase(&carriage(scene), lead * MM);
+    let phase = motion.phase(&carriage(case), lead * MM);
     let drag = if preloaded {
-        let machine = Machine::of(scene)?;
-        let nut = nut_at(scene, settings, phase.load, phase.speed)?;
-        let preload = Preload::of(scene, settings, &machine, Some(&nut), phase.speed.abs())?;
+        let machine = Machine::of(case)?;
+        let nut = nut_at(case, settings, phase.load, phase.speed)?;
+        let preload = Preload::of(case, settings, &machine, Some(&nut), phase.speed.abs())?;
         preload.map_or(0.0, |preload| preload.beyond)
     } else {
         0.0
     };
     let (advance, work) = (lead * MM / TAU, &mut ModelWorkspace::default());
-    let torques = Torques::of(scene, settings, (advance, drag), &phase, work)?;
+    let torques = Torques::of(case, settings, (advance, drag), &phase, work)?;
     let numbers = torques.numbers();
     Ok(Some(ScrewTorque { numbers, contacts: torques.contacts.text, bodies: None }))
 }
@@ -235,16 +235,16 @@ pub fn torque_parts(scene: &Scene, settings: &Settings) -> Result<Option<ScrewTo
 /// Efficiency of the screw in a phase for a search over screws, which has no time for all balls of a preloaded
 /// nut: one ball under its equal share, and the friction torque of the preload by manufacturers' rule.
 ///
-/// * `nut`: that of the scene.
+/// * `nut`: that of the case.
 pub(crate) fn quick_efficiency(
-    scene: &Scene,
+    case: &Case,
     settings: &Settings,
     nut: &Nut,
     phase: &Phase,
     work: &mut ModelWorkspace,
 ) -> Option<f64> {
-    let preload = scene.preload_N.unwrap_or(0.0);
-    let single = Scene { preload_N: None, ..scene.clone() };
+    let preload = case.preload_N.unwrap_or(0.0);
+    let single = Case { preload_N: None, ..case.clone() };
     let drag = drag_torque(preload, nut.lead, nut.lead_angle());
     let torques = Torques::of(&single, settings, (nut.lead / TAU, drag), phase, work).ok()?;
     torques.efficiency()

@@ -6,32 +6,28 @@ use bsm_nut::{BallNut, Bar, Ring};
 use crate::vocabulary::entries::{End, Named};
 use crate::vocabulary::error::bad;
 use crate::vocabulary::units::MM;
-use crate::{CaseError, InputKey, Scene};
+use crate::{Case, CaseError, InputKey};
 
 /// The nut with bars and ring.
-pub(super) fn bodies(
-    scene: &Scene,
-    mut nut: BallNut,
-    body: &NutBody,
-) -> Result<BallNut, CaseError> {
+pub(super) fn bodies(case: &Case, mut nut: BallNut, body: &NutBody) -> Result<BallNut, CaseError> {
     use InputKey as K;
-    let entries = &scene.nut;
+    let entries = &case.nut;
     let ends = ends(&nut);
     let made = nut.nut_stiffness(body.outer);
     let keys = [K::nut_EA_N, K::nut_anchor_z_mm];
-    nut.nut_bar = bar(scene, (keys, "nut_anchor", entries.nut_anchor), made, ends)?;
+    nut.nut_bar = bar(case, (keys, "nut_anchor", entries.nut_anchor), made, ends)?;
     let keys = [K::screw_EA_N, K::screw_anchor_z_mm];
     let twists = entries.screw_torsion == Some(true);
-    if twists && scene.screw_EA_N.is_some() {
+    if twists && case.screw_EA_N.is_some() {
         return Err(CaseError::given_twice(["screw_torsion", K::screw_EA_N.name()]));
     }
-    if twists && entries.screw_anchor.is_none() && scene.screw_anchor_z_mm.is_none() {
+    if twists && entries.screw_anchor.is_none() && case.screw_anchor_z_mm.is_none() {
         let what =
             "needs the place where force and torque leave: screw_anchor or screw_anchor_z_mm";
         return Err(bad("screw_torsion", what));
     }
     let made = nut.screw_stiffness(twists);
-    nut.screw_bar = bar(scene, (keys, "screw_anchor", entries.screw_anchor), made, ends)?;
+    nut.screw_bar = bar(case, (keys, "screw_anchor", entries.screw_anchor), made, ends)?;
     let youngs_modulus = nut.material.0.youngs_modulus;
     nut.ring = (entries.ring_expansion == Some(true)).then(|| {
         let [_, inner] = nut.groove_diameters();
@@ -51,22 +47,22 @@ fn ends(nut: &BallNut) -> [f64; 2] {
 ///
 /// * `made`: stiffness from the diameters \[N\].
 fn bar(
-    scene: &Scene,
+    case: &Case,
     ([stiffness, place], word, end): ([InputKey; 2], &'static str, Option<Named<End>>),
     made: f64,
     ends: [f64; 2],
 ) -> Result<Option<Bar>, CaseError> {
     let at = |end: End| if end == End::Low { ends[0] } else { ends[1] };
-    let anchor = match (end, scene[place]) {
+    let anchor = match (end, case[place]) {
         (Some(_), Some(_)) => return Err(CaseError::given_twice([word, place.name()])),
         (Some(Named(end)), None) => at(end),
         (None, Some(z)) => z * MM,
-        (None, None) if scene[stiffness].is_some() => {
+        (None, None) if case[stiffness].is_some() => {
             let what =
                 format!("needs the place where the force leaves: {word} or {}", place.name());
             return Err(bad(stiffness.name(), what));
         }
         (None, None) => return Ok(None),
     };
-    Ok(Some(Bar { stiffness: scene[stiffness].unwrap_or(made), anchor }))
+    Ok(Some(Bar { stiffness: case[stiffness].unwrap_or(made), anchor }))
 }

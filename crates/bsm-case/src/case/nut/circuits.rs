@@ -6,12 +6,12 @@ use bsm_design::Nut;
 use bsm_nut::{Circuit, Flanks, LeadError, Preload};
 
 use super::loading::{arrangement, is_preloaded};
-use crate::vocabulary::entries::{Arrangement, CircuitEntry, LeadErrorEntry, Named, SceneEntries};
+use crate::vocabulary::entries::{Arrangement, CaseEntries, CircuitEntry, LeadErrorEntry, Named};
 use crate::vocabulary::error::bad;
 use crate::vocabulary::input_set::loaded_turns;
 use crate::vocabulary::number::{count, whole};
 use crate::vocabulary::units::{DEG, MM, UM};
-use crate::{CaseError, InputKey, Rule, Scene};
+use crate::{Case, CaseError, InputKey, Rule};
 
 /// The entries that circuits are made from where they are not listed.
 pub(super) const SHORT: [InputKey; 5] = [
@@ -29,9 +29,9 @@ const ANGLES: Rule = Rule::Within(-1e6, 1e6);
 const MOST_BALLS: usize = 100_000;
 
 /// Loaded balls of a turn and loaded turns of one body: from the listed circuits or from the short entries.
-pub(crate) fn balls_and_turns(scene: &Scene) -> (Option<f64>, Option<f64>) {
-    let Some(circuits) = &scene.nut.circuits else {
-        return (scene.loaded_balls_per_turn, loaded_turns(|key| scene[key]));
+pub(crate) fn balls_and_turns(case: &Case) -> (Option<f64>, Option<f64>) {
+    let Some(circuits) = &case.nut.circuits else {
+        return (case.loaded_balls_per_turn, loaded_turns(|key| case[key]));
     };
     let first = || circuits.iter().filter(|circuit| circuit.body == 0);
     let turns = first().map(|circuit| circuit.arc_deg).sum::<f64>() / 360.0;
@@ -117,10 +117,10 @@ fn apart(circuits: &[Circuit]) -> Result<(), CaseError> {
 }
 
 /// Circuits of one nut, or of each nut of a pair that is preloaded by an offset.
-pub(super) fn short_circuits(scene: &Scene, way: Preload) -> Result<Vec<Circuit>, CaseError> {
-    let (per_turn, turns) = balls_and_turns(scene);
+pub(super) fn short_circuits(case: &Case, way: Preload) -> Result<Vec<Circuit>, CaseError> {
+    let (per_turn, turns) = balls_and_turns(case);
     let (per_turn, turns) = (per_turn.unwrap_or(f64::NAN), turns.unwrap_or(f64::NAN));
-    let (number, starts) = (scene.number(InputKey::circuits_count), scene.number(InputKey::starts));
+    let (number, starts) = (case.number(InputKey::circuits_count), case.number(InputKey::starts));
     let arc = 360.0 * turns / number;
     let balls = (per_turn * arc / 360.0).round();
     if balls.is_nan() || balls < 1.0 {
@@ -137,10 +137,10 @@ pub(super) fn short_circuits(scene: &Scene, way: Preload) -> Result<Vec<Circuit>
         return Err(bad(InputKey::loaded_balls_per_turn.name(), what));
     }
     // From the beginning of a circuit to that of the next one of its thread.
-    let gap = scene.gap_deg.unwrap_or_else(|| (arc / 360.0).ceil() * 360.0 - arc);
-    let (step, phase) = (arc + gap, scene.number(InputKey::phase_deg));
-    let pair = way == Preload::Offset && is_preloaded(scene);
-    let arranged = arrangement(scene)?.unwrap_or(Arrangement::O);
+    let gap = case.gap_deg.unwrap_or_else(|| (arc / 360.0).ceil() * 360.0 - arc);
+    let (step, phase) = (arc + gap, case.number(InputKey::phase_deg));
+    let pair = way == Preload::Offset && is_preloaded(case);
+    let arranged = arrangement(case)?.unwrap_or(Arrangement::O);
     let circuit = |body: usize, from: f64| {
         move |i: usize| Circuit {
             start: (from + (count(i) / starts).floor() * step + count(i) * phase) * DEG,
@@ -165,7 +165,7 @@ pub(super) fn short_circuits(scene: &Scene, way: Preload) -> Result<Vec<Circuit>
 
 /// Excess of the radius of each ball \[m\].
 pub(super) fn deviations(
-    entries: &SceneEntries,
+    entries: &CaseEntries,
     deviation: Option<f64>,
 ) -> Result<Vec<f64>, CaseError> {
     let Some(listed) = &entries.ball_deviation_um else { return Ok(Vec::new()) };

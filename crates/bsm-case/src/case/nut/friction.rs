@@ -4,7 +4,7 @@ use bsm_dyn::{Lubricant, Temperature};
 
 use crate::case::problem::Needs;
 use crate::vocabulary::error::bad;
-use crate::{CaseError, Scene};
+use crate::{Case, CaseError};
 
 /// Source of the friction of the balls.
 #[derive(Debug, Clone, Copy)]
@@ -24,17 +24,17 @@ impl FrictionSource {
         }
     }
 
-    /// As given by a scene.
-    pub(super) fn of(scene: &Scene) -> Result<Option<Self>, CaseError> {
-        let given = scene.given();
+    /// As given by a case.
+    pub(super) fn of(case: &Case) -> Result<Option<Self>, CaseError> {
+        let given = case.given();
         given.check_friction()?;
         if !given.is_lubricated() {
-            return Ok(scene.friction_coefficient.map(Self::Coefficient));
+            return Ok(case.friction_coefficient.map(Self::Coefficient));
         }
         let missing = Needs::LUBRICANT.missing(given);
-        let read = || scene.reader().lubricant();
+        let read = || case.reader().lubricant();
         let Some(mut lubricant) = missing.is_empty().then(read).flatten() else {
-            return Err(CaseError::missing(&missing, &scene.given().purpose("for a nut")));
+            return Err(CaseError::missing(&missing, &case.given().purpose("for a nut")));
         };
         if let Temperature::Balance { .. } = lubricant.temperature {
             let what = "the temperature of the lubricant follows from the heat of one ball in bsm solve, not from \

@@ -8,7 +8,7 @@ use bsm_nut::{BallNut, Flanks, Freedom, Preload, Support};
 use crate::vocabulary::entries::{Arrangement, Guidance, Named};
 use crate::vocabulary::error::bad;
 use crate::vocabulary::units::UM;
-use crate::{CaseError, InputKey, Scene};
+use crate::{Case, CaseError, InputKey};
 
 /// Freedoms across the axis: load, displacement and spring, and what their units are in SI.
 const ACROSS: [([InputKey; 3], [f64; 3]); 4] = {
@@ -41,15 +41,15 @@ pub(super) fn preload_of_bodies(Named(method): Named<PreloadMethod>) -> Preload 
 }
 
 /// True if an amount of preload between two bodies is given.
-pub(super) fn is_preloaded(scene: &Scene) -> bool {
-    scene.preload_N.is_some() || scene.preload_offset_um.is_some()
+pub(super) fn is_preloaded(case: &Case) -> bool {
+    case.preload_N.is_some() || case.preload_offset_um.is_some()
 }
 
-/// The arrangement of a pair that a scene gives, by its word or by the sign of its offset.
-pub(super) fn arrangement(scene: &Scene) -> Result<Option<Arrangement>, CaseError> {
-    let offset = scene.preload_offset_um.filter(|offset| *offset != 0.0);
+/// The arrangement of a pair that a case gives, by its word or by the sign of its offset.
+pub(super) fn arrangement(case: &Case) -> Result<Option<Arrangement>, CaseError> {
+    let offset = case.preload_offset_um.filter(|offset| *offset != 0.0);
     let by_offset = offset.map(|o| if o > 0.0 { Arrangement::X } else { Arrangement::O });
-    match (scene.nut.preload_arrangement.map(|Named(own)| own), by_offset) {
+    match (case.nut.preload_arrangement.map(|Named(own)| own), by_offset) {
         (Some(word), Some(sign)) if word != sign => Err(bad(
             "preload_arrangement",
             "contradicts preload_offset_um, which is above 0 for X and below 0 for O",
@@ -75,19 +75,19 @@ fn arrangement_of(nut: &BallNut, given: Option<Arrangement>) -> Result<Arrangeme
 
 /// Kind and amount of the preload.
 pub(super) fn preload(
-    scene: &Scene,
+    case: &Case,
     nut: &BallNut,
     way: Preload,
 ) -> Result<Option<(Preload, Amount)>, CaseError> {
     use InputKey as K;
     let amounts = [K::preload_N, K::preload_offset_um, K::ball_oversize_um];
-    let given: Vec<_> = amounts.into_iter().filter(|key| scene[*key].is_some()).collect();
+    let given: Vec<_> = amounts.into_iter().filter(|key| case[*key].is_some()).collect();
     let key = match given[..] {
         [] => return Ok(None),
         [key] => key,
         [one, other, ..] => return Err(CaseError::given_twice([one.name(), other.name()])),
     };
-    let value = scene[key].unwrap_or(f64::NAN);
+    let value = case[key].unwrap_or(f64::NAN);
     let by = if key == K::ball_oversize_um { Preload::Oversize } else { way };
     if key == K::preload_offset_um && way == Preload::Oversize {
         return Err(bad(
@@ -105,12 +105,12 @@ pub(super) fn preload(
         let what = "balls that are too large press both flanks, but a circuit has one flank only";
         return Err(bad(key.name(), what));
     }
-    if by == Preload::Oversize && scene.nut.preload_arrangement.is_some() {
+    if by == Preload::Oversize && case.nut.preload_arrangement.is_some() {
         return Err(bad("preload_arrangement", "is of a pair of nuts"));
     }
     let amount = match (key, by) {
         (K::preload_N, Preload::Oversize) => Amount::Force(value),
-        (K::preload_N, Preload::Offset) => match arrangement_of(nut, arrangement(scene)?)? {
+        (K::preload_N, Preload::Offset) => match arrangement_of(nut, arrangement(case)?)? {
             Arrangement::X => Amount::Force(value),
             Arrangement::O => Amount::Force(-value),
         },
@@ -120,11 +120,11 @@ pub(super) fn preload(
 }
 
 /// Loads and what holds the nut.
-pub(super) fn support(scene: &Scene) -> Result<Support, CaseError> {
-    let free = scene.nut.nut_guidance == Some(Named(Guidance::Free));
-    let mut support = Support::guided(scene.axial_load_N.unwrap_or(0.0));
+pub(super) fn support(case: &Case) -> Result<Support, CaseError> {
+    let free = case.nut.nut_guidance == Some(Named(Guidance::Free));
+    let mut support = Support::guided(case.axial_load_N.unwrap_or(0.0));
     for (freedom, (keys, units)) in support.0[1..].iter_mut().zip(ACROSS) {
-        let given: [Option<f64>; 3] = from_fn(|i| Some(scene[keys[i]]? * units[i]));
+        let given: [Option<f64>; 3] = from_fn(|i| Some(case[keys[i]]? * units[i]));
         *freedom = match given {
             [_, Some(_), Some(_)] => {
                 return Err(CaseError::given_twice([keys[1].name(), keys[2].name()]));

@@ -1,4 +1,4 @@
-//! From the inputs of a scene to the nut in SI.
+//! From the inputs of a case to the nut in SI.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -17,16 +17,16 @@ use super::friction::FrictionSource;
 use super::loading::{Amount, arrangement, preload, preload_of_bodies, support};
 use super::train::BallGaps;
 use crate::case::axis::{TorqueTolerance, mount};
+use crate::case::file::RISES;
 use crate::case::problem::has_lubricant;
 use crate::case::rated_nut;
 use crate::case::reader::has_grooves;
-use crate::case::scene::RISES;
 use crate::case::warm::Warm;
 use crate::vocabulary::error::bad;
 use crate::vocabulary::input_set::inputs;
 use crate::vocabulary::number::whole;
 use crate::vocabulary::units::{DEG, MM, UM};
-use crate::{CaseError, InputKey, InputSet, ModelChoice, Rule, Scene, Settings};
+use crate::{Case, CaseError, InputKey, InputSet, ModelChoice, Rule, Settings};
 
 /// Inputs of which a nut takes more than the models of one ball: it may be pulled or not loaded, and
 /// a lead or a contact angle of zero makes it a ball bearing.
@@ -38,7 +38,7 @@ const WIDER: [(InputKey, Rule); 4] = [
     (InputKey::ball_gap_mm, Rule::Any),
 ];
 
-/// A nut under load as a scene describes it.
+/// A nut under load as a case describes it.
 #[derive(Debug, Clone)]
 pub struct NutProblem {
     /// Before it is preloaded, without rises of temperature and the random part of its errors.
@@ -95,44 +95,44 @@ pub(crate) struct NutPreload {
 }
 
 impl NutProblem {
-    /// The nut of a scene.
+    /// The nut of a case.
     ///
     /// * `settings`: the model that friction is calculated with, and its settings.
     ///
     /// # Errors
     ///
     /// [`CaseError`] if an entry breaks a rule, two entries give one quantity, or one is missing.
-    pub fn of(scene: &Scene, settings: &Settings) -> Result<Self, CaseError> {
+    pub fn of(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         settings.check()?;
-        let scene = &scene.with_preload()?;
-        scene.check_for_a_nut()?;
-        if let Some(warm) = Warm::state_of(scene, settings, false)? {
-            let nut = Self::of(&warm.scene(scene), settings)?;
+        let case = &case.with_preload()?;
+        case.check_for_a_nut()?;
+        if let Some(warm) = Warm::state_of(case, settings, false)? {
+            let nut = Self::of(&warm.case(case), settings)?;
             return Ok(Self { warm: Some(Arc::new(warm)), ..nut });
         }
-        let missing = scene.missing_for_a_nut(scene.given());
+        let missing = case.missing_for_a_nut(case.given());
         if !missing.is_empty() {
-            return Err(CaseError::missing(&missing, &scene.given().purpose("for a nut")));
+            return Err(CaseError::missing(&missing, &case.given().purpose("for a nut")));
         }
-        let loaded = usually_preloaded(scene)?;
-        let scene = loaded.as_ref().unwrap_or(scene);
-        let (nut, way) = ball_nut(scene)?;
-        let preload = preload(scene, &nut, way)?;
-        let design = rated_nut::nut(scene)?;
-        let thread = rated_nut::thread(scene, &design)?;
-        let body = rated_nut::body(scene, &design, &thread)?;
+        let loaded = usually_preloaded(case)?;
+        let case = loaded.as_ref().unwrap_or(case);
+        let (nut, way) = ball_nut(case)?;
+        let preload = preload(case, &nut, way)?;
+        let design = rated_nut::nut(case)?;
+        let thread = rated_nut::thread(case, &design)?;
+        let body = rated_nut::body(case, &design, &thread)?;
         // Short entries leave a fraction of a ball, which no circuit has.
         let design = of_circuits(design, &nut.circuits);
         let (rating, static_rating) = (design.dynamic_rating(), design.static_rating());
         let turns = design.turns.powf(0.86);
         let ratings = TurnRatings {
-            screw: scene.screw_rating_N.unwrap_or(rating.screw * turns),
-            nut: scene.nut_rating_N.unwrap_or(rating.screw / rating.ratio * turns),
+            screw: case.screw_rating_N.unwrap_or(rating.screw * turns),
+            nut: case.nut_rating_N.unwrap_or(rating.screw / rating.ratio * turns),
         };
-        let nut = bodies(scene, nut, &body)?;
-        let drive = scene.reader().drive().filter(|drive| drive.relative_speed() != 0.0);
+        let nut = bodies(case, nut, &body)?;
+        let drive = case.reader().drive().filter(|drive| drive.relative_speed() != 0.0);
         if let ModelChoice::Fixed(model) = settings.model {
-            scene.covered_by(model)?;
+            case.covered_by(model)?;
             if !has_grooves(model) {
                 return Err(CaseError::Invalid(format!(
                     "model {} does not calculate the balls of a nut: models auto, raceway-control, elastic and traction give \
@@ -140,7 +140,7 @@ impl NutProblem {
                     model.name()
                 )));
             }
-            if scene.given().is_lubricated() && !has_lubricant(model) {
+            if case.given().is_lubricated() && !has_lubricant(model) {
                 return Err(CaseError::no_lubricant(model));
             }
         }
@@ -149,23 +149,23 @@ impl NutProblem {
             clippy::cast_sign_loss,
             reason = "a whole number"
         )]
-        let seed = scene.number(InputKey::seed) as u64;
-        let friction = FrictionSource::of(scene)?;
-        let gaps = BallGaps::of(scene, friction, &nut)?;
-        let stroke = scene.stroke_mm.map(|mm| mm * MM);
+        let seed = case.number(InputKey::seed) as u64;
+        let friction = FrictionSource::of(case)?;
+        let gaps = BallGaps::of(case, friction, &nut)?;
+        let stroke = case.stroke_mm.map(|mm| mm * MM);
         let tolerance = TorqueTolerance {
-            grade: scene.nut.accuracy_grade.map(|name| name.grade),
-            length: mount(scene).length_of(design.lead, body.length, stroke),
+            grade: case.nut.accuracy_grade.map(|name| name.grade),
+            length: mount(case).length_of(design.lead, body.length, stroke),
             diameter: thread.screw.land,
         };
         Ok(Self {
-            support: support(scene)?,
-            notes: notes(scene, &nut, preload, loaded.is_some()),
+            support: support(case)?,
+            notes: notes(case, &nut, preload, loaded.is_some()),
             nut,
-            rises: rises(scene),
-            strain: strain(scene, &design, &thread),
+            rises: rises(case),
+            strain: strain(case, &design, &thread),
             preload,
-            scatter: 0.5 * UM * scene.ball_deviation_sd_um.unwrap_or(0.0),
+            scatter: 0.5 * UM * case.ball_deviation_sd_um.unwrap_or(0.0),
             seed,
             design,
             body,
@@ -174,7 +174,7 @@ impl NutProblem {
             ratings,
             gaps,
             friction: friction.zip(drive),
-            seal_torque: scene.number(InputKey::seal_torque_Nm),
+            seal_torque: case.number(InputKey::seal_torque_Nm),
             tolerance,
             settings: *settings,
             warm: None,
@@ -255,7 +255,7 @@ impl NutProblem {
     }
 }
 
-impl Scene {
+impl Case {
     /// Checks every value as a nut takes it.
     fn check_for_a_nut(&self) -> Result<(), CaseError> {
         let wider = |&(key, rule): &(InputKey, Rule)| {
@@ -268,49 +268,49 @@ impl Scene {
 }
 
 /// The nut without its elastic bodies, and how it is preloaded if it is.
-fn ball_nut(scene: &Scene) -> Result<(BallNut, Preload), CaseError> {
-    let words = &scene.nut;
-    let radius = 0.5 * MM * scene.number(InputKey::ball_diameter_mm);
+fn ball_nut(case: &Case) -> Result<(BallNut, Preload), CaseError> {
+    let words = &case.nut;
+    let radius = 0.5 * MM * case.number(InputKey::ball_diameter_mm);
     let (circuits, way) = if let Some(listed) = &words.circuits {
-        if let Some(key) = SHORT.into_iter().find(|key| scene[*key].is_some()) {
+        if let Some(key) = SHORT.into_iter().find(|key| case[*key].is_some()) {
             return Err(CaseError::given_twice(["circuits", key.name()]));
         }
         let several = listed.iter().any(|circuit| circuit.body > 0);
         let usual = if several { Preload::Offset } else { Preload::Oversize };
         let way = words.preload_by.map_or(usual, preload_of_bodies);
-        (listed_circuits(listed, scene.number(InputKey::starts), arrangement(scene)?)?, way)
+        (listed_circuits(listed, case.number(InputKey::starts), arrangement(case)?)?, way)
     } else {
         let way = words.preload_by.map_or(Preload::Offset, preload_of_bodies);
-        (short_circuits(scene, way)?, way)
+        (short_circuits(case, way)?, way)
     };
     let lead_errors = words.lead_error.as_deref().unwrap_or_default();
     let errors = Errors {
-        balls: deviations(words, scene.ball_deviation_sd_um)?,
+        balls: deviations(words, case.ball_deviation_sd_um)?,
         oversize: 0.0,
         lead: lead_errors.iter().enumerate().map(lead_error).collect::<Result<_, _>>()?,
-        gap: scene.number(InputKey::radial_gap_um) * UM,
+        gap: case.number(InputKey::radial_gap_um) * UM,
     };
     let helix = Helix {
-        radius: 0.5 * MM * scene.number(InputKey::pitch_circle_diameter_mm),
-        lead_angle: scene.lead_angle().unwrap_or(f64::NAN),
+        radius: 0.5 * MM * case.number(InputKey::pitch_circle_diameter_mm),
+        lead_angle: case.lead_angle().unwrap_or(f64::NAN),
     };
     let precession = words.ball_precession_rad_s.unwrap_or(0.0);
     let nut = BallNut {
         helix,
-        starts: whole(scene.number(InputKey::starts)),
-        ball: Ball::of_density(radius, scene.number(InputKey::density_kg_m3)),
-        contact_angle: scene.number(InputKey::contact_angle_deg) * DEG,
+        starts: whole(case.number(InputKey::starts)),
+        ball: Ball::of_density(radius, case.number(InputKey::density_kg_m3)),
+        contact_angle: case.number(InputKey::contact_angle_deg) * DEG,
         conformity: (
-            scene.number(InputKey::nut_conformity),
-            scene.number(InputKey::screw_conformity),
+            case.number(InputKey::nut_conformity),
+            case.number(InputKey::screw_conformity),
         ),
-        material: scene.reader().materials(),
+        material: case.reader().materials(),
         circuits,
         errors,
         nut_bar: None,
         screw_bar: None,
         ring: None,
-        reference: scene.reference_z_mm.map(|z| z * MM),
+        reference: case.reference_z_mm.map(|z| z * MM),
         precession: Rule::Any.checked("ball_precession_rad_s", precession)?,
     };
     let given = nut.errors.balls.len();
@@ -322,49 +322,49 @@ fn ball_nut(scene: &Scene) -> Result<(BallNut, Preload), CaseError> {
 }
 
 /// Rises of temperature of nut, screw and balls \[K\], if one is given, and the coefficient of expansion \[1/K\].
-fn rises(scene: &Scene) -> Option<([f64; 3], f64)> {
-    let given = RISES.iter().any(|key| scene[*key].is_some());
+fn rises(case: &Case) -> Option<([f64; 3], f64)> {
+    let given = RISES.iter().any(|key| case[*key].is_some());
     given.then(|| {
-        (RISES.map(|key| scene.number(key)), scene.number(InputKey::thermal_expansion_um_m_K) * UM)
+        (RISES.map(|key| case.number(key)), case.number(InputKey::thermal_expansion_um_m_K) * UM)
     })
 }
 
 /// Strain of the screw by its tension, and Poisson's ratio; none without a tension.
-fn strain(scene: &Scene, design: &Nut, thread: &Thread) -> Option<(f64, f64)> {
-    let tension = scene.screw_tension_N.filter(|tension| *tension != 0.0)?;
-    let diameter = scene.shaft_diameter_mm.map_or(thread.screw.core, |mm| mm * MM);
-    let section = section_of_screw(scene, diameter);
+fn strain(case: &Case, design: &Nut, thread: &Thread) -> Option<(f64, f64)> {
+    let tension = case.screw_tension_N.filter(|tension| *tension != 0.0)?;
+    let diameter = case.shaft_diameter_mm.map_or(thread.screw.core, |mm| mm * MM);
+    let section = section_of_screw(case, diameter);
     let strain = tension / (design.material.0.youngs_modulus * section);
-    Some((strain, scene.value_or_default(InputKey::poisson_ratio)?))
+    Some((strain, case.value_or_default(InputKey::poisson_ratio)?))
 }
 
 /// Cross section of a screw of a diameter, less its bore \[m²\].
-fn section_of_screw(scene: &Scene, diameter: f64) -> f64 {
-    let bore = scene.screw_bore_mm.unwrap_or(0.0) * MM;
+fn section_of_screw(case: &Case, diameter: f64) -> f64 {
+    let bore = case.screw_bore_mm.unwrap_or(0.0) * MM;
     0.25 * PI * (diameter.powi(2) - bore.powi(2))
 }
 
-/// A nut without load and preload as ratings take it: a pair under the usual part of its rating. `None` if the scene
+/// A nut without load and preload as ratings take it: a pair under the usual part of its rating. `None` if the case
 /// says more.
-fn usually_preloaded(scene: &Scene) -> Result<Option<Scene>, CaseError> {
-    if scene.is_loaded() {
+fn usually_preloaded(case: &Case) -> Result<Option<Case>, CaseError> {
+    if case.is_loaded() {
         return Ok(None);
     }
-    let mut scene = scene.clone();
-    scene.preload_N = Some(PRELOAD * rated_nut::nut(&scene)?.dynamic_rating().rating);
-    Ok(Some(scene))
+    let mut case = case.clone();
+    case.preload_N = Some(PRELOAD * rated_nut::nut(&case)?.dynamic_rating().rating);
+    Ok(Some(case))
 }
 
 /// Notes on entries that could be read in two ways.
 ///
 /// * `usual`: neither load nor preload is given.
 fn notes(
-    scene: &Scene,
+    case: &Case,
     nut: &BallNut,
     preload: Option<(Preload, Amount)>,
     usual: bool,
 ) -> Vec<String> {
-    let mut notes: Vec<_> = scene.load_of_the_mass().into_iter().collect();
+    let mut notes: Vec<_> = case.load_of_the_mass().into_iter().collect();
     let by = preload.map(|(by, _)| by);
     if usual {
         notes.push(format!(
@@ -372,7 +372,7 @@ fn notes(
         ));
     }
     if let (Some((Preload::Offset, Amount::Force(force) | Amount::Displacement(force))), None) =
-        (preload, &scene.nut.circuits)
+        (preload, &case.nut.circuits)
     {
         let arranged = if force < 0.0 {
             "pushed apart (O arrangement)"
@@ -385,10 +385,10 @@ fn notes(
             nut.balls() / 2
         ));
     }
-    if by == Some(Preload::Oversize) && scene.preload_N.is_some() {
+    if by == Some(Preload::Oversize) && case.preload_N.is_some() {
         notes.push("preload_N of one nut is that of balls too large for both flanks".to_owned());
     }
-    if let Some(balls) = scene.loaded_balls
+    if let Some(balls) = case.loaded_balls
         && whole(balls) != nut.balls()
     {
         notes.push(format!(

@@ -1,13 +1,13 @@
-//! The train of balls of a nut, from the inputs of a scene.
+//! The train of balls of a nut, from the inputs of a case.
 
 use bsm_nut::{BallNut, Exit, ExitPush, TrainInputs};
 
 use super::friction::FrictionSource;
 use crate::vocabulary::error::bad;
 use crate::vocabulary::units::{DEG, MM};
-use crate::{CaseError, InputKey, Rule, Scene, exact};
+use crate::{Case, CaseError, InputKey, Rule, exact};
 
-/// What a scene says of the gaps between the balls of a nut.
+/// What a case says of the gaps between the balls of a nut.
 #[derive(Debug, Clone)]
 pub(crate) struct BallGaps {
     /// Thickness of the spacers \[m\].
@@ -33,26 +33,26 @@ pub(crate) fn room(nut: &BallNut, circuit: usize, spacer: f64) -> String {
 
 impl BallGaps {
     pub(super) fn of(
-        scene: &Scene,
+        case: &Case,
         friction: Option<FrictionSource>,
         nut: &BallNut,
     ) -> Result<Self, CaseError> {
         use InputKey as K;
-        let listed = scene.nut.circuits.as_deref().unwrap_or_default();
+        let listed = case.nut.circuits.as_deref().unwrap_or_default();
         let own = |circuit: usize| listed.get(circuit).and_then(|words| words.ball_gap_mm);
         let own_path = |circuit: usize| format!("circuits[{circuit}].ball_gap_mm");
         let circuits = nut.circuits.len();
-        let spacer = scene.number(K::spacer_thickness_mm) * MM;
+        let spacer = case.number(K::spacer_thickness_mm) * MM;
         let friction = match friction {
             Some(FrictionSource::Coefficient(coefficient)) => {
-                Some(scene.ball_contact_friction.unwrap_or(coefficient))
+                Some(case.ball_contact_friction.unwrap_or(coefficient))
             }
             Some(FrictionSource::Lubricant(lubricant)) => {
                 Some(lubricant.losses.ball_contact_friction)
             }
             None => None,
         };
-        let Some(gap) = scene.ball_gap_mm else {
+        let Some(gap) = case.ball_gap_mm else {
             let Some(circuit) = (0..circuits).find(|circuit| own(*circuit).is_some()) else {
                 return Ok(Self { spacer, friction, train: None });
             };
@@ -72,15 +72,15 @@ impl BallGaps {
         let gaps = (0..circuits).map(gap_of).collect::<Result<_, _>>()?;
         let of_bends =
             [K::return_entry_force_N, K::return_bend_deg, K::return_friction_coefficient];
-        let bends = of_bends.into_iter().find(|key| scene[*key].is_some());
-        let push = match (scene.return_push_N, bends) {
+        let bends = of_bends.into_iter().find(|key| case[*key].is_some());
+        let push = match (case.return_push_N, bends) {
             (Some(_), Some(bends)) => {
                 return Err(CaseError::given_twice(["return_push_N", bends.name()]));
             }
             (Some(push), None) => ExitPush::AtExit(push),
-            (None, _) => ExitPush::AtEntry(scene.number(K::return_entry_force_N)),
+            (None, _) => ExitPush::AtEntry(case.number(K::return_entry_force_N)),
         };
-        if scene.ball_contact_force_N.is_some_and(|force| force > 0.0) {
+        if case.ball_contact_force_N.is_some_and(|force| force > 0.0) {
             let what = "the force between the balls follows from ball_gap_mm, which is given too";
             return Err(bad("ball_contact_force_N", what));
         }
@@ -90,10 +90,10 @@ impl BallGaps {
             contact_friction,
             exit: Exit {
                 push,
-                bend: scene.number(K::return_bend_deg) * DEG,
-                friction: scene.number(K::return_friction_coefficient),
+                bend: case.number(K::return_bend_deg) * DEG,
+                friction: case.number(K::return_friction_coefficient),
             },
-            idle_drag: scene.number(K::idle_ball_drag_N),
+            idle_drag: case.number(K::idle_ball_drag_N),
         });
         Ok(Self { spacer, friction, train })
     }

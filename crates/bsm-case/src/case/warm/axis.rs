@@ -1,4 +1,4 @@
-//! The warm steady state of an axis: from its scene to its problem in SI.
+//! The warm steady state of an axis: from its case to its problem in SI.
 
 use bsm_design::{Shaft, Support as Mounting, drag_torque};
 use bsm_dyn::ZERO_CELSIUS;
@@ -14,7 +14,7 @@ use crate::case::nut::NutPreload;
 use crate::vocabulary::entries::Named;
 use crate::vocabulary::error::bad;
 use crate::vocabulary::units::{MM, RPM, UM};
-use crate::{CaseError, InputKey, NutProblem, Scene, Settings};
+use crate::{Case, CaseError, InputKey, NutProblem, Settings};
 
 /// Speed at which manufacturers measure the drag of a preload \[rad/s\].
 const SLOW: f64 = 100.0 * RPM;
@@ -34,19 +34,19 @@ pub(crate) struct ColdNut {
 }
 
 impl ColdNut {
-    /// That of a scene.
+    /// That of a case.
     pub(crate) fn of(
-        scene: &Scene,
+        case: &Case,
         settings: &Settings,
         machine: &Machine,
     ) -> Result<Self, CaseError> {
-        let mut cold = scene.cold();
-        let celsius = scene.number(InputKey::preload_temperature_C);
+        let mut cold = case.cold();
+        let celsius = case.number(InputKey::preload_temperature_C);
         (cold.feed_m_min, cold.seal_torque_Nm) = (None, None);
         (cold.screw_speed_rpm, cold.nut_speed_rpm) = (Some(SLOW / RPM), None);
         let heaviest = machine.axis.heaviest().map_or(0.0, |phase| phase.load);
-        cold.axial_load_N = Some(if scene.is_preloaded() { 0.0 } else { heaviest });
-        if scene.given().is_lubricated() {
+        cold.axial_load_N = Some(if case.is_preloaded() { 0.0 } else { heaviest });
+        if case.given().is_lubricated() {
             cold.lubricant_temperature_C = Some(celsius);
         }
         let problem = NutProblem::of(&cold, settings)?;
@@ -67,11 +67,11 @@ impl ColdNut {
     }
 
     /// Drag beyond the contacts over the warm preload, `$K_x h$` \[m\]; 0 without a preload.
-    pub(crate) fn drag(&self, scene: &Scene, machine: &Machine) -> f64 {
-        if let Some(factor) = scene.extra_drag_factor {
+    pub(crate) fn drag(&self, case: &Case, machine: &Machine) -> f64 {
+        if let Some(factor) = case.extra_drag_factor {
             return factor * machine.advance();
         }
-        let by_rule = scene.nut.drag_rule != Some(false);
+        let by_rule = case.nut.drag_rule != Some(false);
         let preloaded = self.preload.zip(self.unloaded.as_ref()).filter(|_| by_rule);
         let Some((preload, found)) = preloaded else { return 0.0 };
         let slow = Drive { screw_speed: SLOW, nut_speed: 0.0 };
@@ -85,9 +85,9 @@ impl ColdNut {
     }
 }
 
-/// The axis of a scene with what its warm state follows from.
+/// The axis of a case with what its warm state follows from.
 pub(crate) struct WarmAxis<'a> {
-    scene: &'a Scene,
+    case: &'a Case,
     machine: &'a Machine,
     shaft: &'a Shaft,
     /// Stroke and nut \[m\].
@@ -96,22 +96,22 @@ pub(crate) struct WarmAxis<'a> {
 }
 
 impl<'a> WarmAxis<'a> {
-    /// That of a scene which asks for its warm state.
+    /// That of a case which asks for its warm state.
     pub(crate) fn of(
-        scene: &'a Scene,
+        case: &'a Case,
         settings: &Settings,
         machine: &'a Machine,
     ) -> Result<Self, CaseError> {
-        if scene.is_warm() {
+        if case.is_warm() {
             let what =
                 "finds rises of temperature and the tension of the screw, which are given too";
             return Err(bad("warm_state", what));
         }
-        if scene.axis_heat_transfer_W_K.or(scene.heat_transfer_W_K).is_some() {
+        if case.axis_heat_transfer_W_K.or(case.heat_transfer_W_K).is_some() {
             let what = "has five nodes: a heat transfer of one node is given too";
             return Err(bad("warm_state", what));
         }
-        let (Some(shaft), Some(stroke)) = (&machine.axis.shaft, scene.stroke_mm) else {
+        let (Some(shaft), Some(stroke)) = (&machine.axis.shaft, case.stroke_mm) else {
             return Err(bad("warm_state", "needs stroke_mm"));
         };
         let travel = stroke * MM + machine.body.length;
@@ -119,20 +119,20 @@ impl<'a> WarmAxis<'a> {
             let what = "is not more than stroke and nut: the nut would run into the bearings";
             return Err(bad("unsupported_length_mm", what));
         }
-        if scene.coolant_flow_l_min.is_some() && scene.screw_bore_mm.is_none() {
+        if case.coolant_flow_l_min.is_some() && case.screw_bore_mm.is_none() {
             return Err(bad("coolant_flow_l_min", "needs screw_bore_mm"));
         }
-        if !scene.given().has_friction() {
+        if !case.given().has_friction() {
             let missing = ["friction_coefficient or a lubricant".to_owned()];
             return Err(CaseError::missing(&missing, "for the warm state"));
         }
-        let cold = ColdNut::of(scene, settings, machine)?;
-        Ok(Self { scene, machine, shaft, travel, cold })
+        let cold = ColdNut::of(case, settings, machine)?;
+        Ok(Self { case, machine, shaft, travel, cold })
     }
 
     /// Up to which multiple of the speeds the fold is looked for.
     pub(crate) fn search(&self) -> f64 {
-        self.scene.number(InputKey::fold_search_factor)
+        self.case.number(InputKey::fold_search_factor)
     }
 
     /// The nut with its friction.
@@ -140,23 +140,23 @@ impl<'a> WarmAxis<'a> {
         &self,
         friction: &'f bsm_nut::thermal::FrictionOf<'f>,
     ) -> Result<WarmNut<'f>, CaseError> {
-        let Self { scene, machine, shaft, travel, ref cold } = *self;
-        let expansion = scene.number(InputKey::thermal_expansion_um_m_K) * UM;
+        let Self { case, machine, shaft, travel, ref cold } = *self;
+        let expansion = case.number(InputKey::thermal_expansion_um_m_K) * UM;
         let over_set = |celsius: f64| celsius + ZERO_CELSIUS - cold.set;
-        let air = over_set(scene.ambient_temperature_C.unwrap_or(AIR));
+        let air = over_set(case.ambient_temperature_C.unwrap_or(AIR));
         let mean = match &cold.unloaded {
             Some(found) if cold.problem.support == Support::guided(0.0) => found.mean_load(),
             _ => cold.nut.solve(&cold.problem.support).map_err(CaseError::Nut)?.mean_load(),
         };
-        let flow = scene.coolant_flow_l_min.map(|flow| {
-            let coolant = scene.nut.coolant.map_or(Coolant::Water, |Named(coolant)| coolant);
+        let flow = case.coolant_flow_l_min.map(|flow| {
+            let coolant = case.nut.coolant.map_or(Coolant::Water, |Named(coolant)| coolant);
             coolant_conductance(coolant, flow / 6e4, shaft.bore, shaft.length)
         });
         let hold = machine.held.map(|held| AxialHold {
             stiffness: held.shaft.held(held.bearing),
             pretension: held.tension(0.0),
             youngs_modulus: shaft.youngs_modulus,
-            poisson_ratio: scene.number(InputKey::poisson_ratio),
+            poisson_ratio: case.number(InputKey::poisson_ratio),
         });
         let free = shaft.support == Mounting::FixedFree;
         let phase = |phase: &bsm_design::Phase| WarmPhase {
@@ -170,26 +170,26 @@ impl<'a> WarmAxis<'a> {
             support: cold.problem.support,
             phases: machine.axis.phases.iter().map(phase).collect(),
             friction,
-            drag: cold.drag(scene, machine),
-            seal: scene.number(InputKey::seal_torque_Nm),
-            bearings: scene.number(InputKey::support_bearing_torque_Nm),
-            motor: scene.number(InputKey::motor_heat_W),
+            drag: cold.drag(case, machine),
+            seal: case.number(InputKey::seal_torque_Nm),
+            bearings: case.number(InputKey::support_bearing_torque_Nm),
+            motor: case.number(InputKey::motor_heat_W),
             set: cold.set,
             surfaces: Surfaces {
                 size: (machine.body.outer, machine.body.length),
-                carriage: scene.carriage_area_m2,
+                carriage: case.carriage_area_m2,
                 radii: cold
                     .nut
                     .contact_radii(mean)
                     .map_err(|why| CaseError::Nut(bsm_nut::NutError::Contact(why)))?,
-                nut: scene.nut_conductance_W_K,
-                screw_film: scene.screw_film_W_m2K,
-                gap: scene.gap_conductance_W_K,
-                ball_nut: scene.ball_nut_conductance_W_K,
-                ball_screw: scene.ball_screw_conductance_W_K,
-                end: scene.end_conductance_W_K,
-                coolant: scene.coolant_conductance_W_K.or(flow).unwrap_or(0.0),
-                nut_coolant: scene.number(InputKey::nut_coolant_conductance_W_K),
+                nut: case.nut_conductance_W_K,
+                screw_film: case.screw_film_W_m2K,
+                gap: case.gap_conductance_W_K,
+                ball_nut: case.ball_nut_conductance_W_K,
+                ball_screw: case.ball_screw_conductance_W_K,
+                end: case.end_conductance_W_K,
+                coolant: case.coolant_conductance_W_K.or(flow).unwrap_or(0.0),
+                nut_coolant: case.number(InputKey::nut_coolant_conductance_W_K),
             },
             off: None,
             screw: ScrewBar {
@@ -197,15 +197,15 @@ impl<'a> WarmAxis<'a> {
                 length: shaft.length,
                 travel,
                 section: shaft.section(),
-                conductivity: scene.number(InputKey::steel_conductivity_W_m_K),
+                conductivity: case.number(InputKey::steel_conductivity_W_m_K),
                 expansion,
                 bearings: [true, !free],
                 hold,
             },
             sinks: Sinks {
                 air,
-                structure: scene.structure_temperature_C.map_or(air, over_set),
-                coolant: scene.coolant_temperature_C.map_or(air, over_set),
+                structure: case.structure_temperature_C.map_or(air, over_set),
+                coolant: case.coolant_temperature_C.map_or(air, over_set),
             },
         })
     }

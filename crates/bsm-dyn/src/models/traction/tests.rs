@@ -1,4 +1,4 @@
-//! Denials against searches from many starts, and both sets of unknowns; points that were hard are scenes in
+//! Denials against searches from many starts, and both sets of unknowns; points that were hard are cases in
 //! `validation/hard`.
 
 use std::f64::consts::FRAC_PI_2;

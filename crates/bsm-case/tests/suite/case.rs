@@ -1,10 +1,10 @@
-//! Scenes: units, choice of model, and every way in which a scene can be wrong.
+//! Cases: units, choice of model, and every way in which a case can be wrong.
 
 use std::path::Path;
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    Axis, CaseError, Grid, ModelChoice, Record, Rule, Scene, Scope, Settings, input_schema,
+    Axis, Case, CaseError, Grid, ModelChoice, Record, Rule, Scope, Settings, input_schema,
     output_schema,
 };
 use bsm_dyn::{Control, Model, ModelWorkspace, Problem};
@@ -13,21 +13,21 @@ use serde_json::Value;
 
 const LIN: &str = include_str!("../../../../examples/lin1994.json");
 
-fn scene(json: &str) -> Scene {
-    Scene::from_json(json.as_bytes()).expect("valid scene")
+fn case(json: &str) -> Case {
+    Case::from_json(json.as_bytes()).expect("valid case")
 }
 
-/// The complaint about a scene, wherever it comes from.
+/// The complaint about a case, wherever it comes from.
 fn complaint(json: &str) -> String {
-    let result = Scene::from_json(json.as_bytes())
-        .and_then(|scene| scene.problem(&Settings::default()).map(|_| ()));
+    let result = Case::from_json(json.as_bytes())
+        .and_then(|case| case.problem(&Settings::default()).map(|_| ()));
     result.expect_err(json).to_string()
 }
 
 #[test]
 fn units_become_si_and_come_back() {
-    let lin = scene(LIN);
-    let Problem::Rigid(rigid) = lin.problem(&Settings::default()).expect("complete scene") else {
+    let lin = case(LIN);
+    let Problem::Rigid(rigid) = lin.problem(&Settings::default()).expect("complete case") else {
         panic!("auto takes the most complete model");
     };
     assert_relative_eq!(rigid.point.helix.radius, 24.3e-3, max_relative = 1e-15);
@@ -50,7 +50,7 @@ fn units_become_si_and_come_back() {
 /// Each model is chosen as soon as its inputs are there, and names what it lacks.
 #[test]
 fn auto_takes_the_most_complete_model() {
-    let mut given = Scene::default();
+    let mut given = Case::default();
     let mut chosen = Vec::new();
     for (name, value) in [
         ("lead_angle_deg", 10.0),
@@ -77,7 +77,7 @@ fn auto_takes_the_most_complete_model() {
         [None, None, closed, closed, quasi, quasi, quasi, gross_skid, gross_skid, auto]
     );
 
-    let lacking = Scene { loaded_balls: None, ..given };
+    let lacking = Case { loaded_balls: None, ..given };
     let error = lacking.problem(&rigid.into()).expect_err("no balls").to_string();
     assert_eq!(error, "loaded_balls is required by model rigid");
     let unknown = ModelChoice::from_name("rigdi").expect_err("no such model");
@@ -94,21 +94,20 @@ fn auto_takes_the_most_complete_model() {
 
 #[test]
 fn lead_and_lead_angle_are_one() {
-    let by_angle = scene(LIN);
+    let by_angle = case(LIN);
     let lead_mm = 48.6 * std::f64::consts::PI * 10.0_f64.to_radians().tan();
-    let by_lead = Scene { lead_angle_deg: None, lead_mm: Some(lead_mm), ..by_angle.clone() };
-    let lead = |scene: &Scene| match scene.problem(&Settings::default()) {
+    let by_lead = Case { lead_angle_deg: None, lead_mm: Some(lead_mm), ..by_angle.clone() };
+    let lead = |case: &Case| match case.problem(&Settings::default()) {
         Ok(Problem::Rigid(rigid)) => rigid.point.helix.lead_angle,
         other => panic!("{other:?}"),
     };
     assert_relative_eq!(lead(&by_angle), lead(&by_lead), max_relative = 1e-15);
-    let both = Scene { lead_mm: Some(lead_mm), ..by_angle.clone() };
+    let both = Case { lead_mm: Some(lead_mm), ..by_angle.clone() };
     assert!(both.check().is_ok());
-    let off = Scene { lead_mm: Some(lead_mm * (1.0 + 1e-7)), ..by_angle };
+    let off = Case { lead_mm: Some(lead_mm * (1.0 + 1e-7)), ..by_angle };
     let error = off.check().expect_err("two leads").to_string();
     assert!(error.contains("disagree: on this pitch circle"), "{error}");
-    let no_pitch =
-        scene(r#"{"lead_mm": 10, "contact_angle_deg": 45, "friction_coefficient": 0.1}"#);
+    let no_pitch = case(r#"{"lead_mm": 10, "contact_angle_deg": 45, "friction_coefficient": 0.1}"#);
     let error = no_pitch.problem(&Settings::default()).expect_err("no pitch circle").to_string();
     assert!(
         error.starts_with("pitch_circle_diameter_mm (to turn lead_mm into an angle)"),
@@ -174,14 +173,14 @@ fn errors_say_what_to_do() {
         }
         assert!(!text.contains('\n'), "{text}");
     }
-    let missing = Scene::read(Path::new("no/such/file.json")).expect_err("no file");
+    let missing = Case::read(Path::new("no/such/file.json")).expect_err("no file");
     assert!(missing.is_io() && missing.to_string().contains("no/such/file.json"), "{missing}");
 }
 
 /// Found in review: inputs that a model does not cover were refused only after the work.
 #[test]
-fn a_model_that_does_not_cover_the_scene_says_so_first() {
-    let mut lin = scene(LIN);
+fn a_model_that_does_not_cover_the_case_says_so_first() {
+    let mut lin = case(LIN);
     lin.apply(&["friction_coefficient=0"]).expect("known name");
     let rigid = lin.problem(&Model::Rigid.into()).expect_err("no friction").to_string();
     assert!(rigid.contains("`friction_coefficient` = 0 must be > 0"), "{rigid}");
@@ -196,7 +195,7 @@ fn a_model_that_does_not_cover_the_scene_says_so_first() {
 /// The choice solves with a model whose bound is below the tolerance, and says why.
 #[test]
 fn the_choice_says_model_bound_and_reason() {
-    let mut lin = scene(LIN);
+    let mut lin = case(LIN);
     for setting in ["nut_conformity=0.53", "screw_conformity=0.53"] {
         lin.apply(&[setting]).expect("known name");
     }
@@ -235,12 +234,12 @@ fn the_choice_says_model_bound_and_reason() {
 fn a_byte_order_mark_is_skipped() {
     let mut bytes = b"\xef\xbb\xbf".to_vec();
     bytes.extend(LIN.as_bytes());
-    assert_eq!(Scene::from_json(&bytes).expect("valid scene"), scene(LIN));
+    assert_eq!(Case::from_json(&bytes).expect("valid case"), case(LIN));
 }
 
 #[test]
-fn settings_complete_and_correct_a_scene() {
-    let mut lin = scene(LIN);
+fn settings_complete_and_correct_a_case() {
+    let mut lin = case(LIN);
     lin.apply(&["friction_coefficient=0.1"]).expect("known name");
     lin.apply(&[" lead_angle_deg = 12.5 "]).expect("spaces do not matter");
     assert_eq!((lin.friction_coefficient, lin.lead_angle_deg), (Some(0.1), Some(12.5)));
@@ -274,7 +273,7 @@ fn grids_are_full_products_with_exact_ends() {
     let expected =
         [[1.0, 0.1], [1.0, 0.3], [1.5, 0.1], [1.5, 0.3], [2.0, 0.1], [2.0, 0.3]].map(Vec::from);
     assert_eq!(points, expected);
-    assert_eq!(grid.scene(&scene(LIN), &grid.point(3)).friction_coefficient, Some(0.3));
+    assert_eq!(grid.case(&case(LIN), &grid.point(3)).friction_coefficient, Some(0.3));
     // Many points at once, over several rounds of the fast axis or within one, are those one by one.
     for (first, end) in (0..=6).flat_map(|first| (first..=6).map(move |end| (first, end))) {
         for axis in 0..2 {
@@ -315,9 +314,9 @@ fn grids_are_full_products_with_exact_ends() {
     assert_eq!(error, "give one of lead_angle_deg and lead_mm; both are given");
     // Found in review: a nut drive with a varied nut speed counted as standing still.
     let nut = Grid::new(vec![Axis::parse("nut_speed_rpm=100,200").expect("list")]).expect("grid");
-    let base = Scene { screw_speed_rpm: Some(0.0), ..scene(LIN) };
+    let base = Case { screw_speed_rpm: Some(0.0), ..case(LIN) };
     assert!(base.check().is_err() && nut.check(&base).is_ok());
-    assert!(nut.scene(&base, &nut.point(1)).check().is_ok());
+    assert!(nut.case(&base, &nut.point(1)).check().is_ok());
     let axis = Axis::parse("lead_angle_deg=1:2:3").expect("range");
     let error = Grid::new(vec![axis.clone(), axis]).expect_err("twice").to_string();
     assert_eq!(error, "`lead_angle_deg` is given twice; give it once");
@@ -327,7 +326,7 @@ fn grids_are_full_products_with_exact_ends() {
     assert!(error.starts_with("the grid has more than"), "{error}");
 }
 
-/// Audit, reliability 2: every quantity that has several forms is given in one of them, by any name, in a scene, by
+/// Audit, reliability 2: every quantity that has several forms is given in one of them, by any name, in a case, by
 /// settings and in a grid. Of the lead both may be given if they agree.
 #[test]
 fn two_forms_of_one_input_are_refused_in_their_own_words() {
@@ -346,21 +345,21 @@ fn two_forms_of_one_input_are_refused_in_their_own_words() {
         (["axial_load_N=500", "load_kN=0.5"], "axial_load_N and load_kN"),
     ] {
         let expected = format!("give one of {names}; both are given");
-        let mut scene = Scene::default();
-        let checked = scene.apply(&forms).and_then(|()| scene.check());
+        let mut case = Case::default();
+        let checked = case.apply(&forms).and_then(|()| case.check());
         assert_eq!(checked.expect_err("two forms").to_string(), expected);
         let json = forms.map(|form| format!("\"{}", form.replace('=', "\":")));
-        let read = Scene::from_json(format!("{{{}}}", json.join(",")).as_bytes());
-        let read = read.and_then(|scene| scene.check());
+        let read = Case::from_json(format!("{{{}}}", json.join(",")).as_bytes());
+        let read = read.and_then(|case| case.check());
         assert_eq!(read.expect_err("two forms").to_string(), expected);
         let varied = Grid::parse(&forms).expect_err("two forms").to_string();
         assert!(varied == expected || varied.contains("`axial_load_N` is given twice"), "{varied}");
         // One replaces the other.
-        let mut scene = Scene::default();
-        scene.apply(&forms[..1]).and_then(|()| scene.apply(&forms[1..])).expect("a setting");
-        scene.check().expect("one of them");
+        let mut case = Case::default();
+        case.apply(&forms[..1]).and_then(|()| case.apply(&forms[1..])).expect("a setting");
+        case.check().expect("one of them");
     }
-    let error = Scene::default().apply(&["lead_mm=5", "lead_mm=6"]).expect_err("twice").to_string();
+    let error = Case::default().apply(&["lead_mm=5", "lead_mm=6"]).expect_err("twice").to_string();
     assert_eq!(error, "`lead_mm` is given twice; give it once");
 }
 
@@ -375,9 +374,9 @@ fn schemas_follow_the_tables() {
     );
     assert_eq!(
         input["properties"].as_object().map(serde_json::Map::len),
-        Some(bsm_case::INPUTS.len() + bsm_case::SceneEntries::KEYS.len() + 1)
+        Some(bsm_case::INPUTS.len() + bsm_case::CaseEntries::KEYS.len() + 1)
     );
-    let solved = scene(LIN).problem(&Settings::default()).expect("complete");
+    let solved = case(LIN).problem(&Settings::default()).expect("complete");
     let record = Record::new(solved.solve(&mut ModelWorkspace::default())).to_json();
     let output = output_schema();
     let names = output["properties"].as_object().expect("object");
@@ -402,7 +401,7 @@ fn schemas_follow_the_tables() {
 /// A failed point has a message and no numbers.
 #[test]
 fn a_failed_point_says_why() {
-    let mut lin = scene(LIN);
+    let mut lin = case(LIN);
     lin.apply(&["lead_angle_deg=5"]).expect("known name");
     let problem = lin.problem(&Settings::default()).expect("complete");
     let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
@@ -419,7 +418,7 @@ fn a_failed_point_says_why() {
 
 #[test]
 fn overlapping_turns_are_warned_about() {
-    let mut lin = scene(LIN);
+    let mut lin = case(LIN);
     assert!(lin.warnings().is_empty());
     lin.apply(&["lead_angle_deg=3"]).expect("known name");
     assert!(lin.warnings()[0].contains("neighbouring turns"), "{:?}", lin.warnings());
@@ -429,7 +428,7 @@ fn overlapping_turns_are_warned_about() {
 #[test]
 fn an_ellipse_wider_than_its_flank_is_warned_about() {
     let warnings = |load: &str| {
-        let mut drive = scene(include_str!("../../../../examples/feed_drive.json"));
+        let mut drive = case(include_str!("../../../../examples/feed_drive.json"));
         drive.apply(&[load]).expect("known name");
         let problem = drive.problem(&Model::RacewayControl.into()).expect("complete");
         Record::new(problem.solve(&mut ModelWorkspace::default())).warnings(&drive)
@@ -442,16 +441,16 @@ fn an_ellipse_wider_than_its_flank_is_warned_about() {
 proptest! {
     /// The parser never panics, whatever the bytes.
     #[test]
-    fn any_bytes_are_a_scene_or_an_error(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
-        let _ = Scene::from_json(&bytes);
+    fn any_bytes_are_a_case_or_an_error(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
+        let _ = Case::from_json(&bytes);
     }
 
     /// Nor does it on JSON with known and unknown keys.
     #[test]
-    fn any_object_is_a_scene_or_an_error(key in "[a-z_]{0,30}", value in any::<f64>()) {
+    fn any_object_is_a_case_or_an_error(key in "[a-z_]{0,30}", value in any::<f64>()) {
         let json = serde_json::json!({ key: value });
-        if let Ok(scene) = Scene::from_json(json.to_string().as_bytes()) {
-            let _ = scene.problem(&Settings::default());
+        if let Ok(case) = Case::from_json(json.to_string().as_bytes()) {
+            let _ = case.problem(&Settings::default());
         }
         prop_assert!(!Rule::Above(0.0).holds(f64::NAN));
     }
@@ -461,10 +460,10 @@ proptest! {
 #[test]
 fn numbers_of_contacts_stand_under_their_heads() {
     let json = include_bytes!("../../../../examples/feed_drive_oil.json");
-    let scene = Scene::from_json(json).expect("an example");
-    let problem = scene.problem(&Settings::default()).expect("complete");
+    let case = Case::from_json(json).expect("an example");
+    let problem = case.problem(&Settings::default()).expect("complete");
     let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
-    let rows = record.rows(&scene);
+    let rows = record.rows(&case);
     let rows: Vec<_> = rows.rows().filter(|row| row.quantity.scope == Scope::Contacts).collect();
     assert!(rows.len() > 10, "{rows:?}");
     for row in rows {

@@ -1,4 +1,4 @@
-//! Reading and checking scenes.
+//! Reading and checking cases.
 
 use std::fs;
 use std::path::Path;
@@ -9,40 +9,40 @@ use crate::case::nut::OF_A_NUT;
 use crate::vocabulary::input_set::{OF_A_LUBRICANT, inputs, lead_mm};
 use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::rules::Relation;
-use crate::{CaseError, InputKey, InputSet, Scene, SceneEntries, entries};
+use crate::{Case, CaseEntries, CaseError, InputKey, InputSet, entries};
 
 /// Key of the free text.
 const DESCRIPTION: &str = "description";
 
-impl Scene {
-    /// Reads and checks a scene file.
+impl Case {
+    /// Reads and checks a case file.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if it cannot be read, is not a scene, or breaks a rule.
+    /// [`CaseError`] if it cannot be read, is not a case, or breaks a rule.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
         let bytes = fs::read(path)
             .map_err(|source| CaseError::Unreadable { path: path.to_owned(), source })?;
         Self::from_json(&bytes)
     }
 
-    /// Reads a scene from JSON text.
+    /// Reads a case from JSON text.
     ///
     /// A value of `null` counts as not given. Ranges are not checked yet, see
-    /// [`check`](Self::check), so that settings can still complete or correct the scene.
+    /// [`check`](Self::check), so that settings can still complete or correct the case.
     ///
     /// # Errors
     ///
     /// [`CaseError`] for syntax, unknown or repeated keys, and wrong types.
     pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
-        let (mut scene, mut named) = (Self::default(), InputNames::default());
+        let (mut case, mut named) = (Self::default(), InputNames::default());
         for (key, value) in entries(json)? {
             if let (Some((input, _)), false) = (InputKey::known_in_unit(&key), value.is_null()) {
                 named.once(input, &key)?;
             }
-            scene.assign_json(&key, &value)?;
+            case.assign_json(&key, &value)?;
         }
-        Ok(scene)
+        Ok(case)
     }
 
     /// JSON object of the inputs that are given.
@@ -65,7 +65,7 @@ impl Scene {
             };
         }
         let key = key_of(key, value.as_str());
-        if SceneEntries::have(key) {
+        if CaseEntries::have(key) {
             return self.nut.set(key.to_owned(), value.clone());
         }
         // The name first: what is unknown has no type.
@@ -104,7 +104,7 @@ impl Scene {
             let (name, value) = text.split_once('=').ok_or_else(bad)?;
             let (name, value) = (name.trim(), value.trim());
             let name = key_of(name, Some(value.trim_matches('"')));
-            if SceneEntries::have(name) {
+            if CaseEntries::have(name) {
                 // A word need not stand in quotes.
                 let word = serde_json::from_str(value).unwrap_or_else(|_| json!(value));
                 given.nut.set(name.to_owned(), word)?;
@@ -164,7 +164,7 @@ impl Scene {
         })
     }
 
-    /// Roughnesses of a lubricated scene that are not given.
+    /// Roughnesses of a lubricated case that are not given.
     pub(crate) fn assumed_roughness(&self) -> Option<String> {
         const SURFACES: [InputKey; 3] =
             [InputKey::ball_roughness_um, InputKey::nut_roughness_um, InputKey::screw_roughness_um];
@@ -208,7 +208,7 @@ fn key_of<'a>(key: &'a str, word: Option<&str>) -> &'a str {
     if is_least { "preload_class" } else { key }
 }
 
-/// The inputs of one place, a scene or settings, with the names that they have there.
+/// The inputs of one place, a case or settings, with the names that they have there.
 #[derive(Default)]
 struct InputNames(Vec<(InputKey, String)>);
 
@@ -260,8 +260,8 @@ pub(crate) const RISES: [InputKey; 3] = [
     InputKey::ball_temperature_rise_K,
 ];
 
-impl Scene {
-    /// Warning where the axial load is that of the scene alone, and the scene moves a mass.
+impl Case {
+    /// Warning where the axial load is that of the case alone, and the case moves a mass.
     pub(crate) fn load_of_the_mass(&self) -> Option<String> {
         let mass = self.moved_mass_kg.filter(|mass| *mass != 0.0)?;
         self.axial_load_N.map(|_| {

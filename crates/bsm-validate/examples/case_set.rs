@@ -1,7 +1,7 @@
-//! Draws the operating points of `bsm tradeoff`, `validation/golden/tradeoff/scenes.csv`, and prints
+//! Draws the operating points of `bsm tradeoff`, `validation/golden/tradeoff/cases.csv`, and prints
 //! them as CSV:
 //!
-//!     cargo run --release -p bsm-validate --features tools --example scene_set > validation/golden/tradeoff/scenes.csv
+//!     cargo run --release -p bsm-validate --features tools --example case_set > validation/golden/tradeoff/cases.csv
 //!
 //! A hundred each in rolling, partial and gross skid, of screws as in catalogues: pitch circle 8 to
 //! 100 mm, 20 to 119 balls of 0.07 to 0.2 of that, turns that do not overlap, lead angle 2 to 30 deg,
@@ -12,7 +12,7 @@
 use std::error::Error;
 use std::io;
 
-use bsm_case::Scene;
+use bsm_case::Case;
 use bsm_dyn::{Model, ModelWorkspace, Problem, SlipRegime};
 use bsm_sample::Sample;
 use rand::{Rng, RngExt, SeedableRng};
@@ -43,15 +43,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut counts = SlipRegime::ALL.map(|motion| (motion, 0));
     while counts.iter().any(|(_, count)| *count < EACH) {
         let point = draw(&mut rng);
-        let mut scene = Scene::default();
+        let mut case = Case::default();
         for (name, value) in INPUTS.iter().zip(point) {
-            scene.set(name, value)?;
+            case.set(name, value)?;
         }
         // Turns that overlap and the like.
-        if !scene.warnings().is_empty() {
+        if !case.warnings().is_empty() {
             continue;
         }
-        let problem = scene.problem(&Model::Traction.into())?;
+        let problem = case.problem(&Model::Traction.into())?;
         let Problem::Traction(traction) = &problem else { unreachable!("the model was fixed") };
         let speed = traction.at.point.drive.relative_speed();
         let (ball, radius) = (&traction.at.point.ball, traction.at.point.helix.radius);

@@ -1,4 +1,4 @@
-//! Scenes.
+//! Cases.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -11,10 +11,10 @@ use crate::errors::{Error, Result};
 
 /// One operating point, immutable.
 #[pyclass(frozen, subclass, module = "ballscrew._core")]
-pub(crate) struct Scene(pub(crate) bsm_case::Scene);
+pub(crate) struct Case(pub(crate) bsm_case::Case);
 
 #[pymethods]
-impl Scene {
+impl Case {
     /// * `base`: what is not given is taken from it. * `numbers`: inputs by name. * `words`: JSON of the
     ///   others.
     #[new]
@@ -24,21 +24,21 @@ impl Scene {
         numbers: &Bound<'_, PyDict>,
         words: Option<&str>,
     ) -> Result<Self> {
-        let mut scene = base.map_or_else(bsm_case::Scene::default, |base| base.get().0.clone());
-        let words = words.map(|words| bsm_case::Scene::from_json(words.as_bytes()));
+        let mut case = base.map_or_else(bsm_case::Case::default, |base| base.get().0.clone());
+        let words = words.map(|words| bsm_case::Case::from_json(words.as_bytes()));
         let mut given = words.transpose()?.unwrap_or_default();
         for (name, value) in numbers {
             let key = InputKey::named(&name.extract::<PyBackedStr>()?)?;
             given[key] = Some(value.extract()?);
         }
-        scene.override_with(&given);
-        scene.description = given.description.or(scene.description);
-        Self::checked(scene)
+        case.override_with(&given);
+        case.description = given.description.or(case.description);
+        Self::checked(case)
     }
 
     #[staticmethod]
     fn of_json(text: &str) -> Result<Self> {
-        Self::checked(bsm_case::Scene::from_json(text.as_bytes())?)
+        Self::checked(bsm_case::Case::from_json(text.as_bytes())?)
     }
 
     /// The value of an input, if it is given.
@@ -66,10 +66,10 @@ impl Scene {
     }
 }
 
-impl Scene {
-    fn checked(scene: bsm_case::Scene) -> Result<Self> {
-        scene.check()?;
-        Ok(Self(scene))
+impl Case {
+    fn checked(case: bsm_case::Case) -> Result<Self> {
+        case.check()?;
+        Ok(Self(case))
     }
 }
 
