@@ -1,4 +1,8 @@
 //! The server: this machine only, one page, one token.
+//!
+//! `POST /solve`, `/slip`, `/ellipses`, all three as `/point`, and `/compare`, `/nut`, `/warm`, `/axis`, `/sweep`,
+//! `/schema` with the body `{"case": {..}, "settings": {..}}` and the token in the header `X-Bsm-Token` answer as the
+//! commands with `--json`, plus the data of the pictures.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};

@@ -181,8 +181,9 @@ impl<F: Compare> ModelErrors<F> {
         // |δη| ≤ A (1 − η) + 1.05 σ (1 + μ)(η − η_s)                      (A4)
         let inertia = ball.inertia_ratio + 1.0;
         let rolling = rolling * (one - efficiency).abs() + skidding * inertia * range * 1.05;
-        // |δη| ≤ (0.02 + 0.8/S^{5/2}) (η − η_s)                           (A5)
-        let skidding = (onset_number.square() * onset_number.sqrt()).recip() * 0.8 + 0.02;
+        // |δη| ≤ (0.015 + 0.8/S^{5/2} + 0.1/(1 + (χ/0.6)⁴)) (η − η_s)     (A5)
+        let spin = ((cross_slip * 0.6_f64.recip()).square().square() + 1.0).recip() * 0.1;
+        let skidding = (onset_number.square() * onset_number.sqrt()).recip() * 0.8 + 0.015 + spin;
         let tells = one.constant(LEAST_CROSS_SLIP).le(cross_slip);
         let skidding = F::select(tells, skidding, one.constant(f64::INFINITY));
         Self { onset_number, rolling, skidding, range }
