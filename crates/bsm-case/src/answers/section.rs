@@ -40,11 +40,7 @@ impl GrooveSection {
         for key in [InputKey::loaded_balls_per_turn, InputKey::loaded_turns] {
             one[key] = one[key].or(Some(1.0));
         }
-        let missing = rated_nut::NEEDS.missing(rated_nut::given(&one));
-        if !missing.is_empty() {
-            return Err(CaseError::missing(&missing, "for the section of the grooves"));
-        }
-        let nut = rated_nut::nut(&one)?;
+        let nut = rated_nut::nut_for(&one, || "for the section of the grooves".to_owned())?;
         let thread = rated_nut::thread(case, &nut)?;
         // Of a large pitch the lands go on.
         let half = (0.5 * nut.pitch()).min(nut.ball_diameter);

@@ -28,12 +28,16 @@ pub(crate) fn given(case: &Case) -> InputSet {
 
 /// The nut of a case.
 pub(crate) fn nut(case: &Case) -> Result<Nut, CaseError> {
+    nut_for(case, || case.given().purpose("for the ratings of a nut"))
+}
+
+/// The same for another purpose, which the message of what is missing names.
+pub(crate) fn nut_for(case: &Case, purpose: impl FnOnce() -> String) -> Result<Nut, CaseError> {
     case.given().check_forms()?;
     let (balls_per_turn, turns) = balls_and_turns(case);
     let missing = NEEDS.missing(given(case));
     if !missing.is_empty() {
-        let purpose = case.given().purpose("for the ratings of a nut");
-        return Err(CaseError::missing(&missing, &purpose));
+        return Err(CaseError::missing(&missing, &purpose()));
     }
     let value = |key: InputKey| case[key].expect("required inputs were checked");
     let pitch_mm = value(InputKey::pitch_circle_diameter_mm);
