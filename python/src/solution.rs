@@ -8,7 +8,7 @@ use bsm_case::{
     CaseError, InputKey, InputSet, OUTPUTS, Record, Sensitivities, Settings, Supplement, following,
     torque_parts,
 };
-use bsm_dyn::{Band, ModelWorkspace, Problem};
+use bsm_dyn::{Band, ModelWorkspace};
 use bsm_report::PROGRAM;
 use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
@@ -135,13 +135,8 @@ impl Solution {
 
     /// What the data of a lubricant may do to the answer.
     fn band(&self) -> Option<Band> {
-        let Ok(Problem::Lubricated(problem)) = self.case.get().0.problem(&self.settings) else {
-            return None;
-        };
-        WORK.with_borrow_mut(|work| {
-            let solution = Problem::Lubricated(problem).solve(work);
-            problem.band(solution.solved()?, work)
-        })
+        let problem = self.case.get().0.problem(&self.settings).ok()?;
+        WORK.with_borrow_mut(|work| problem.band(self.record.solved()?, work))
     }
 }
 

@@ -4,7 +4,7 @@ use bsm_case::{
     Answer, Case, CaseError, EllipseFields, ModelChoice, MotionAnswer, Record, Sensitivities,
     Settings, Supplement, comparison, jam, slip, torque_parts,
 };
-use bsm_dyn::{ModelWorkspace, Problem, Solution, Status};
+use bsm_dyn::{ModelWorkspace, Solution, Status};
 use bsm_report::sheets::Study;
 use bsm_report::{Figure, PROGRAM, ReportError};
 
@@ -95,12 +95,8 @@ fn motion(args: &SolveArgs, case: &Case, settings: &Settings) -> Result<Answer, 
     let mut work = ModelWorkspace::default();
     let solution = problem.solve(&mut work);
     let wants_band = args.show.contains(&Show::Band) || args.show.is_empty() && !args.out.json;
-    let band = match (&problem, solution.solved()) {
-        (Problem::Lubricated(problem), Some(solved)) if wants_band => {
-            problem.band(solved, &mut work)
-        }
-        _ => None,
-    };
+    let solved = solution.solved().filter(|_| wants_band);
+    let band = solved.and_then(|solved| problem.band(solved, &mut work));
     let (mut notes, mut sensitivities) = (Vec::new(), None);
     let parts = torque_parts(case, settings).unwrap_or_else(|why| {
         notes.push(format!("no screw torque: {why}"));

@@ -62,9 +62,9 @@ pub struct Report {
     /// That equation as text, from its
     /// [`equation`](crate::Equations::equation); empty if the solve converged.
     pub worst_equation_name: String,
-    /// Residual evaluations: one at the start, one a trial step.
+    /// Evaluations of the residual alone.
     pub n_residual: usize,
-    /// Jacobian evaluations, one a step that was tried.
+    /// Evaluations of the residual with its Jacobian.
     pub n_jacobian: usize,
     /// The accepted steps, in order.
     pub steps: Vec<Step>,

@@ -8,7 +8,7 @@ use bsm_case::{
     ModelChoice, MotionAnswer, Numbers, NutProblem, Quantity, Record, Row, Scope, Settings,
     Supplement, WarmBranch, comparison, torque_parts,
 };
-use bsm_dyn::{Model, ModelWorkspace, Problem, RacewayFriction, Status};
+use bsm_dyn::{Model, ModelWorkspace, RacewayFriction, Status};
 use bsm_report::sheets::{size_page, size_results};
 use bsm_report::{PROGRAM, number};
 use serde_json::{Map, Value, json};
@@ -66,34 +66,10 @@ impl Request {
         let case =
             rest.remove("case").ok_or_else(|| Refusal::Input("case is missing".to_owned()))?;
         let case = Case::from_json(case.to_string().as_bytes())?;
-        let settings = settings(rest.remove("settings"))?;
+        // As `solve --json` prints them.
+        let settings = Settings::from_json(rest.get("settings").unwrap_or(&Value::Null))?;
         Ok(Self { case, settings, rest })
     }
-}
-
-/// Settings as `solve --json` prints them; defaults where they say nothing.
-fn settings(given: Option<Value>) -> Result<Settings, Refusal> {
-    let given = match given {
-        None | Some(Value::Null) => Map::new(),
-        Some(Value::Object(given)) => given,
-        Some(_) => return Err(Refusal::Input("settings must be an object".to_owned())),
-    };
-    let text = |name: &str| given.get(name).and_then(Value::as_str);
-    let named = Settings::named(text("name").unwrap_or("auto"), text("control"), text("friction"))?;
-    let setting = |name: &str, usual: f64| match given.get(name) {
-        None | Some(Value::Null) => Ok(usual),
-        Some(value) => {
-            value.as_f64().ok_or_else(|| Refusal::Input(format!("{name} must be a number")))
-        }
-    };
-    let settings = Settings {
-        tolerance: setting("tolerance", named.tolerance)?,
-        accuracy: setting("accuracy", named.accuracy)?,
-        creep: setting("creep", named.creep)?,
-        ..named
-    };
-    settings.check()?;
-    Ok(settings)
 }
 
 /// The answer to a request.
@@ -150,12 +126,9 @@ pub(crate) fn solved(
     let problem = case.problem(settings)?;
     let mut work = ModelWorkspace::default();
     let solution = problem.solve(&mut work);
-    let band = match (&problem, solution.solved(), rest.get("band")) {
-        (Problem::Lubricated(problem), Some(solved), Some(Value::Bool(true))) => {
-            problem.band(solved, &mut work)
-        }
-        _ => None,
-    };
+    let wants_band = rest.get("band") == Some(&Value::Bool(true));
+    let solved = solution.solved().filter(|_| wants_band);
+    let band = solved.and_then(|solved| problem.band(solved, &mut work));
     let record = Record::new(solution);
     if record.status() == Status::InvalidInput {
         let text = record.message().unwrap_or("the model refuses the input");

@@ -3,7 +3,7 @@
 use std::num::{NonZeroU32, NonZeroU64};
 use std::path::{Path, PathBuf};
 
-use bsm_case::{Case, CaseError, ModelChoice, Output, Settings};
+use bsm_case::{Case, ModelChoice, Output, Settings};
 use bsm_dyn::Model;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -85,16 +85,6 @@ impl Program {
     }
 }
 
-/// Reads what [`Settings::to_json`] writes.
-fn settings(entry: &Value) -> Result<Settings, CaseError> {
-    let text = |key: &str| entry[key].as_str();
-    let [tolerance, accuracy, creep] =
-        ["tolerance", "accuracy", "creep"].map(|key| entry[key].as_f64().unwrap_or(f64::NAN));
-    let model = text("name").unwrap_or_default();
-    let named = Settings::named(model, text("control"), text("friction"))?;
-    Ok(Settings { tolerance, accuracy, creep, ..named })
-}
-
 impl Plan {
     /// The plan of a task over points.
     ///
@@ -173,7 +163,7 @@ impl Plan {
     pub fn task(&self) -> Result<Task, String> {
         let base = serde_json::to_vec(&self.written.base).map_err(|e| e.to_string())?;
         let base = Case::from_json(&base).map_err(|e| e.to_string())?;
-        let settings = settings(&self.written.model).map_err(|e| e.to_string())?;
+        let settings = Settings::from_json(&self.written.model).map_err(|e| e.to_string())?;
         let outputs: Vec<&'static Output> =
             Answers::select(Some(&self.written.columns)).map_err(|e| e.to_string())?;
         Ok(Task::new(base, settings, outputs))

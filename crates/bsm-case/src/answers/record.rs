@@ -73,7 +73,7 @@ impl Record {
     }
 
     /// The numbers, if it converged.
-    fn solved(&self) -> Option<&Solved> {
+    pub fn solved(&self) -> Option<&Solved> {
         self.solution.as_ref()?.solved()
     }
 

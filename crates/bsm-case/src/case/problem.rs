@@ -127,6 +127,37 @@ impl Settings {
         Ok(Self { model: ModelChoice::from_name(model)?, control, friction, ..Self::default() })
     }
 
+    /// Reads what [`to_json`](Self::to_json) writes; null, and what an object lacks, is the default.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::Entry`] for a wrong name or type, [`CaseError::OutOfRange`].
+    pub fn from_json(given: &Value) -> Result<Self, CaseError> {
+        if !given.is_object() && !given.is_null() {
+            return Err(bad("settings", "must be an object"));
+        }
+        let wrong = |name: &str, kind| bad(name, format!("must be a {kind}"));
+        let text = |name: &str| match &given[name] {
+            Value::Null => Ok(None),
+            Value::String(text) => Ok(Some(text.as_str())),
+            _ => Err(wrong(name, "text")),
+        };
+        let named =
+            Self::named(text("name")?.unwrap_or("auto"), text("control")?, text("friction")?)?;
+        let number = |name: &str, usual: f64| match &given[name] {
+            Value::Null => Ok(usual),
+            value => value.as_f64().ok_or_else(|| wrong(name, "number")),
+        };
+        let settings = Self {
+            tolerance: number("tolerance", named.tolerance)?,
+            accuracy: number("accuracy", named.accuracy)?,
+            creep: number("creep", named.creep)?,
+            ..named
+        };
+        settings.check()?;
+        Ok(settings)
+    }
+
     /// JSON object of the settings.
     pub fn to_json(&self) -> Value {
         let Self { model, tolerance, accuracy, creep, control, friction } = *self;

@@ -3,10 +3,10 @@
 use bsm_kin::Jet;
 
 use crate::models::auto::Auto;
-use crate::models::ball::{Performance, Solution, Unsolved};
+use crate::models::ball::{Performance, Solution, Solved, Unsolved};
 use crate::models::closed_form::ClosedForm;
 use crate::models::elastic::Elastic;
-use crate::models::lubricated::Lubricated;
+use crate::models::lubricated::{Band, Lubricated};
 use crate::models::quasi_static::QuasiStatic;
 use crate::models::raceway_control::RacewayControl;
 use crate::models::rigid::Rigid;
@@ -47,6 +47,12 @@ impl Problem {
             Self::Auto(p) => p.solve(work),
             Self::Lubricated(p) => p.solve(work),
         }
+    }
+
+    /// Uncertainty of lubricated friction at its solution; `None` without a lubricant.
+    pub fn band(&self, solved: &Solved, work: &mut ModelWorkspace) -> Option<Band> {
+        let Self::Lubricated(problem) = self else { return None };
+        problem.band(solved, work)
     }
 }
 

@@ -125,18 +125,6 @@ fn code_and_theory_cite_the_same_equations() {
     assert!(untested.is_empty(), "said to be checked by tests, cited by none: {untested:?}");
 }
 
-/// Two chapters that grew side by side had one number for two equations.
-#[test]
-fn no_tag_stands_for_two_equations() {
-    let mut seen = BTreeSet::new();
-    for text in theory() {
-        for part in text.split("\\tag{").skip(1) {
-            let tag = part.split('}').next().expect("a first part").to_owned();
-            assert!(seen.insert(tag.clone()), "({tag}) stands for two equations");
-        }
-    }
-}
-
 /// A formula is written in one crate, which all others ask; those that are not yet are listed.
 #[test]
 fn a_formula_stands_in_one_crate() {

@@ -1,7 +1,7 @@
 //! What the balls of an axis take: friction of each phase, and the nut under its largest load.
 
 use bsm_design::{Efficiency, Phase, viscosity_ratio_by_film};
-use bsm_dyn::{ModelWorkspace, Problem, Status};
+use bsm_dyn::{ModelWorkspace, Status};
 
 use crate::vocabulary::units::RPM;
 use crate::{Case, CaseError, InputKey, NutProblem, NutReport, Record, Settings};
@@ -52,10 +52,7 @@ pub(super) fn band(
 ) -> Option<[f64; 2]> {
     let problem = at(case, load.abs(), load.signum() * speed).problem(settings).ok()?;
     let solution = problem.solve(work);
-    match (&problem, solution.solved()) {
-        (Problem::Lubricated(problem), Some(solved)) => Some(problem.band(solved, work)?.loss),
-        _ => None,
-    }
+    Some(problem.band(solution.solved()?, work)?.loss)
 }
 
 /// Viscosity ratio by the least film of nut and screw; `None` unless groove, oil and roughness are known and the ball has a
