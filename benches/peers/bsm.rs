@@ -30,13 +30,15 @@ fn settings() -> Settings {
     Model::Rigid.into()
 }
 
-/// One case after the other.
-pub(crate) fn scalar(cases: &[Case]) -> Vec<Solution> {
+/// The cases in SI units.
+pub(crate) fn problems(cases: &[Case]) -> Vec<Problem> {
+    cases.iter().map(|case| case.problem(&settings()).expect("a complete case")).collect()
+}
+
+/// One point after the other, with all outputs in SI units.
+pub(crate) fn scalar(problems: &[Problem]) -> Vec<Solution> {
     let mut work = ModelWorkspace::default();
-    cases
-        .iter()
-        .map(|case| case.problem(&settings()).expect("a seeded case").solve(&mut work))
-        .collect()
+    problems.iter().map(|problem| problem.solve(&mut work)).collect()
 }
 
 /// The points as a table in memory.

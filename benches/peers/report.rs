@@ -12,6 +12,9 @@ use crate::equations::Answer;
 /// residual of 1e-10 leaves 1e-10 over that size in them. Their disagreement counts times it.
 const AGREEMENT: f64 = 1e-8;
 
+/// A larger disagreement is another root.
+const SAME_ROOT: f64 = 1e-4;
+
 /// Places in an [`Answer`].
 const UNLOADED_FLANK_LOAD: usize = 2;
 const U: usize = 5;
@@ -52,6 +55,8 @@ struct Line {
     over_batch: f64,
     over_nalgebra: f64,
     share_solved: f64,
+    /// Points with an answer that is not the root of this solver.
+    other_answers: usize,
     /// Worst of efficiency and loads of A and B, relative, and of p and s.
     worst_loaded: f64,
     /// Worst of the load of A', relative, and of u and τ.
@@ -83,13 +88,14 @@ impl Report {
             |name| peers.iter().find(|p| p.name == name).map_or(f64::NAN, |p| p.ns_per_point);
         let lines = peers.iter().chain(&python.peers).map(|peer| {
             let worst = Worst::of(&peer.answers, reference);
-            let solved = peer.answers.iter().flatten().count();
+            let solved = peer.answers.iter().flatten().count() - worst.other_answers;
             Line {
                 peer: peer.name.clone(),
                 ns_per_point: peer.ns_per_point,
                 over_batch: peer.ns_per_point / time(batch),
                 over_nalgebra: peer.ns_per_point / time(newton),
                 share_solved: share(solved, reference.len()),
+                other_answers: worst.other_answers,
                 worst_loaded: worst.loaded,
                 worst_inertial: worst.inertial,
                 worst_inertial_scaled: worst.inertial_scaled,
@@ -108,8 +114,10 @@ impl Report {
     }
 
     /// True if every peer agrees wherever it found a root.
-    pub(crate) fn agrees(&self) -> bool {
-        self.lines.iter().all(|line| line.agrees)
+    ///
+    /// * `may_differ`: it may have found another one.
+    pub(crate) fn agrees(&self, may_differ: bool) -> bool {
+        self.lines.iter().all(|line| line.agrees && (may_differ || line.other_answers == 0))
     }
 }
 
@@ -124,6 +132,7 @@ struct Worst {
     loaded: f64,
     inertial: f64,
     inertial_scaled: f64,
+    other_answers: usize,
 }
 
 impl Worst {
@@ -131,6 +140,7 @@ impl Worst {
         let mut worst = Self::default();
         for (answer, reference) in answers.iter().zip(reference) {
             let Some(answer) = answer else { continue };
+            let mut here = Self::default();
             for (i, (theirs, ours)) in answer.iter().zip(&reference.answer).enumerate() {
                 let size =
                     if i <= UNLOADED_FLANK_LOAD + 1 { ours.abs() } else { ours.abs().max(1.0) };
@@ -138,12 +148,19 @@ impl Worst {
                 // Not a number is no agreement.
                 let off = if off.is_nan() { f64::INFINITY } else { off };
                 if [UNLOADED_FLANK_LOAD, U, TAU].contains(&i) {
-                    worst.inertial = worst.inertial.max(off);
-                    worst.inertial_scaled = worst.inertial_scaled.max(off * reference.inertia);
+                    here.inertial = here.inertial.max(off);
+                    here.inertial_scaled = here.inertial_scaled.max(off * reference.inertia);
                 } else {
-                    worst.loaded = worst.loaded.max(off);
+                    here.loaded = here.loaded.max(off);
                 }
             }
+            if here.loaded.max(here.inertial_scaled) > SAME_ROOT {
+                worst.other_answers += 1;
+                continue;
+            }
+            worst.loaded = worst.loaded.max(here.loaded);
+            worst.inertial = worst.inertial.max(here.inertial);
+            worst.inertial_scaled = worst.inertial_scaled.max(here.inertial_scaled);
         }
         worst
     }
@@ -156,18 +173,19 @@ impl fmt::Display for Report {
         writeln!(
             f,
             "| peer | ns/point | over bsm batch, 1 thread | over Newton on nalgebra | solved | \
-             worst η, Q_A, Q_B, p, s | worst Q_A', u, τ | the same × inertia | agrees |"
+             other answers | worst η, Q_A, Q_B, p, s | worst Q_A', u, τ | the same × inertia | agrees |"
         )?;
-        writeln!(f, "|---|---:|---:|---:|---:|---:|---:|---:|---|")?;
+        writeln!(f, "|---|---:|---:|---:|---:|---:|---:|---:|---:|---|")?;
         for line in &self.lines {
             writeln!(
                 f,
-                "| {} | {:.0} | {:.2} | {:.2} | {:.2} % | {:.0e} | {:.0e} | {:.0e} | {} |",
+                "| {} | {:.0} | {:.2} | {:.2} | {:.2} % | {} | {:.0e} | {:.0e} | {:.0e} | {} |",
                 line.peer,
                 line.ns_per_point,
                 line.over_batch,
                 line.over_nalgebra,
                 100.0 * line.share_solved,
+                line.other_answers,
                 line.worst_loaded,
                 line.worst_inertial,
                 line.worst_inertial_scaled,

@@ -8,7 +8,7 @@ use std::num::NonZeroUsize;
 use std::time::Instant;
 
 use bsm_batch::Task;
-use bsm_benches::{chunk, seeded, values};
+use bsm_benches::{chunk, ordinary, seeded, values};
 use bsm_case::{Case, Output, Record, Settings};
 use bsm_dyn::{Model, ModelWorkspace, Solution};
 use clap::Parser;
@@ -47,22 +47,25 @@ struct Arguments {
     /// Number of points
     #[arg(long, default_value_t = 1000)]
     count: usize,
+    /// The ordinary points of the trade-off in place of seeded ones; a peer need not find every root
+    #[arg(long)]
+    ordinary: bool,
     /// Runs of each way, of which the median counts
     #[arg(long, default_value = "31")]
     runs: NonZeroUsize,
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let Arguments { count, runs } = Arguments::parse();
-    let cases = seeded(count);
+    let Arguments { count, ordinary: is_ordinary, runs } = Arguments::parse();
+    let cases = if is_ordinary { ordinary(Model::Traction) } else { seeded(count) };
     let points: Vec<_> = cases.iter().map(|case| values(case, &INPUTS)).collect();
     let settings: Settings = Model::Traction.into();
 
     let mut work = ModelWorkspace::default();
-    let mut solve = || -> Vec<Solution> {
-        let problem = |case: &Case| case.problem(&settings).expect("complete case");
-        cases.iter().map(|case| problem(case).solve(&mut work)).collect()
-    };
+    let problem = |case: &Case| case.problem(&settings).expect("complete case");
+    let problems: Vec<_> = cases.iter().map(problem).collect();
+    let mut solve =
+        || -> Vec<Solution> { problems.iter().map(|problem| problem.solve(&mut work)).collect() };
     let answers: Vec<_> = solve().into_iter().map(answer).collect();
 
     let (chunk, columns) = chunk(INPUTS, &points);
@@ -80,6 +83,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     });
     let json = serde_json::json!({
         "points": points, "answers": answers, "batch": batch, "single": single,
+        "ordinary": is_ordinary,
     });
     println!("{json}");
     Ok(())

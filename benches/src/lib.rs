@@ -64,6 +64,30 @@ pub fn seeded(count: usize) -> Vec<Case> {
     cases
 }
 
+/// The ordinary points of the trade-off at which a model has a solution.
+///
+/// # Panics
+///
+/// If the committed table cannot be used.
+pub fn ordinary(model: Model) -> Vec<Case> {
+    let table = include_str!("../../validation/golden/tradeoff/cases.csv");
+    let mut rows = table.lines().map(|line| line.split(','));
+    let names: Vec<_> = rows.next().expect("a header").collect();
+    let mut work = bsm_dyn::ModelWorkspace::default();
+    let case = |row: std::str::Split<char>| {
+        let mut case = Case::default();
+        for (name, value) in names.iter().zip(row) {
+            case.set(name, value.parse().expect("a number")).expect("known name");
+        }
+        case
+    };
+    let has_solution = |case: &Case| {
+        let problem = case.problem(&model.into()).expect("complete case");
+        problem.solve(&mut work).solved().is_some()
+    };
+    rows.map(case).filter(has_solution).collect()
+}
+
 /// Values of inputs in a case.
 ///
 /// # Panics

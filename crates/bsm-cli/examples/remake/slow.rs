@@ -393,31 +393,36 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     ])
 }
 
-/// The peers of `rigid`.
+/// The peers of `rigid`, on seeded points and on those of the trade-off.
 pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
-    let file = site.folder()?.join("peers.json");
     let few = if site.quick { " --count 64 --runs 3" } else { "" };
-    site.run(site.root.join("benches/peers/run.sh"), &format!("--out {}{few}", file.display()))?;
-    let report: Value = serde_json::from_str(&fs::read_to_string(&file)?)?;
-    let lines = list(&report, "lines")?;
-    let row = |line: &Value| {
+    let report = |name: &str, flag: &str| -> Result<Value> {
+        let file = site.folder()?.join(name);
+        let arguments = format!("--out {}{flag}{few}", file.display());
+        site.run(site.root.join("benches/peers/run.sh"), &arguments)?;
+        Ok(serde_json::from_str(&fs::read_to_string(&file)?)?)
+    };
+    let [seeded, ordinary] = [report("seeded.json", "")?, report("ordinary.json", " --ordinary")?];
+    let percent = |line: &Value| Ok::<_, Box<dyn Error>>(100.0 * number(line, "share_solved")?);
+    let row = |(line, other): (&Value, &Value)| {
         Ok::<_, Box<dyn Error>>(format!(
-            "| {} | {:.2} | {:.2} | {:.0} | {:.2} % | {:.0e} | {:.0e} | {:.0e} |",
+            "| {} | {:.2} | {:.2} | {:.0} | {:.2} % | {:.0} | {:.1} % | {} |",
             word(line, "peer")?,
             number(line, "over_batch")?,
             number(line, "over_nalgebra")?,
             number(line, "ns_per_point")?,
-            100.0 * number(line, "share_solved")?,
-            number(line, "worst_loaded")?,
-            number(line, "worst_inertial")?,
-            number(line, "worst_inertial_scaled")?,
+            percent(line)?,
+            number(other, "ns_per_point")?,
+            percent(other)?,
+            number(other, "other_answers")?,
         ))
     };
-    let rows = lines.iter().map(row).collect::<Result<Vec<_>>>()?;
+    let lines = list(&seeded, "lines")?.iter().zip(list(&ordinary, "lines")?);
+    let rows = lines.map(row).collect::<Result<Vec<_>>>()?;
     let header = "| peer | time over bsm batch, 1 thread | over Newton on nalgebra | ns/point | solved | \
-                  worst η, Q_A, Q_B, p, s | worst Q_A', u, τ | the same × inertia |";
+                  trade-off: ns/point | solved | other answers |";
     let said = |name: &str| -> Result<Vec<&str>> {
-        Ok(list(&report, name)?.iter().filter_map(Value::as_str).collect())
+        Ok(list(&seeded, name)?.iter().filter_map(Value::as_str).collect())
     };
     let missing: Vec<_> = said("missing")?.iter().map(|what| format!("left out: {what}")).collect();
     let with =
@@ -429,13 +434,27 @@ pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     ])
 }
 
-/// The peers of `traction`.
+/// The peers of `traction`, on seeded points and on those of the trade-off.
 pub(crate) fn traction_peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
-    let few = if site.quick { "--count 64 --runs 3" } else { "" };
-    let printed = site.run(site.root.join("benches/peers/traction.sh"), few)?.0;
-    let (rows, with) = printed.trim_end().split_once("\n\n").ok_or("no table")?;
+    let few = if site.quick { " --count 64 --runs 3" } else { "" };
+    let printed = |flag: &str| {
+        Ok::<_, Box<dyn Error>>(
+            site.run(site.root.join("benches/peers/traction.sh"), &format!("{flag}{few}"))?.0,
+        )
+    };
+    let [seeded, ordinary] = [printed("")?, printed("--ordinary")?];
+    let (lines, with) = seeded.trim_end().split_once("\n\n").ok_or("no table")?;
+    // Of the second table: time, not solved, other answers.
+    let cells = |line: &str| line.split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
+    let row = |(line, other): (&str, &str)| {
+        let (own, other) = (cells(line), cells(other));
+        format!("| {} | {} |", own[1..6].join(" | "), other[4..7].join(" | "))
+    };
+    let rows: Vec<_> = lines.lines().zip(ordinary.lines()).skip(2).map(row).collect();
+    let header = "| peer | time over bsm batch 1 thread | over bsm point by point | us/point | not solved | \
+                  trade-off: us/point | not solved | other answers |";
     Ok(vec![
-        ("peers/traction", Text::Whole(format!("\n{rows}\n"))),
+        ("peers/traction", Text::Whole(table(header, &rows))),
         ("peers/traction-machine", Text::Whole(format!("({}; {with})", site.machine()?))),
     ])
 }
