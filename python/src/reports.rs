@@ -154,7 +154,7 @@ pub(crate) fn fit_table(
 ) -> Result<Report> {
     let case = &case.get().0;
     on_threads(py, || {
-        let fit = Calibration::new(case, &inputs, measured, table)?;
+        let fit = Calibration::new(case, &inputs, measured, table, &TableFormat::default())?;
         let lost = || Content::Text("", Some(Calibration::LOST.to_owned()));
         let answer = match fit.run(case, &how.0)? {
             Some(report) => fit.answer(&report),

@@ -231,8 +231,8 @@ fn value<'a>(pairs: &'a [(String, String)], key: &str) -> Option<&'a str> {
 /// Format of a table that is read.
 #[derive(Debug, Args)]
 pub(crate) struct DialectArgs {
-    /// delimiter=comma, semicolon, tab or bar; decimal=point or comma; names=JSON from its columns to ours; output=same, for
-    /// CSV of bsm sweep.
+    /// delimiter=comma, semicolon, tab or bar; decimal=point or comma; names=FILE, JSON from its columns to ours or
+    /// null; output=same, for CSV of bsm sweep.
     #[arg(long, value_name = "KEY=VALUE,..", value_delimiter = ',', value_parser = sign)]
     dialect: Vec<(String, String)>,
 }
@@ -294,7 +294,7 @@ pub(crate) fn threads(text: &str) -> Result<NonZeroUsize, String> {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct OutArgs {
-    /// .html: the page; .json: what --json prints; of axis also .csv: the rules, .dxf: the grooves. May be repeated.
+    /// .html: the page; .json: what --json prints. May be repeated.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     /// Folder for the page report.html, results.json and figures/ (SVG and CSV).
@@ -387,6 +387,9 @@ pub(crate) struct NutArgs {
 }
 
 #[derive(Debug, Args)]
+#[command(mut_arg("output", |arg| arg.help(
+    ".html: the page; .json: what --json prints; .csv: the rules; .dxf: the grooves. May be repeated"
+)))]
 pub(crate) struct AxisArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
@@ -637,6 +640,8 @@ pub(crate) struct FitArgs {
     /// axial_load_kN and lubricant_temperature_C; the case has the rest. -o may be .svg then, measured against fitted.
     #[arg(long, value_name = "TABLE.csv")]
     pub(crate) points: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) dialect: DialectArgs,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
     #[command(flatten)]

@@ -21,6 +21,9 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
             let (answer, figure) = to_table(args, points, &case, &settings)?;
             (answer, vec![figure])
         }
+        None if !args.dialect.is_ours() => {
+            return Err(Failure::Input("--dialect is of the table of --points".to_owned()));
+        }
         None if args.out.figures.is_some() => {
             let text = "--figures draws measured points against fitted ones; one point has no picture, see --points";
             return Err(Failure::Input(text.to_owned()));
@@ -52,7 +55,9 @@ fn to_table(
 ) -> Result<(Answer, Figure), Failure> {
     let bytes = files::read(points, MOST_OF_A_TABLE)?;
     let usage = |e: CaseError| Failure::input(points.display(), &e);
-    let fit = Calibration::new(case, &args.input, &args.measured, &bytes[..]).map_err(usage)?;
+    let format = args.dialect.read(&["delimiter", "decimal"])?;
+    let fit =
+        Calibration::new(case, &args.input, &args.measured, &bytes, &format).map_err(usage)?;
     let Some(report) = fit.run(case, settings).map_err(usage)? else {
         return Err(Failure::Check(format!("{}, --input NAME=LOW:HIGH", Calibration::LOST)));
     };

@@ -63,7 +63,11 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         let answer = comparison(&case).map_err(args.case.failure())?;
         return Reply::about(&case, answer).give(&args.out, || Ok(Pictures::default()));
     }
-    let settings = args.model.settings().map_err(args.case.failure())?;
+    let mut settings = args.model.settings().map_err(args.case.failure())?;
+    // All parts are of one motion.
+    if shown.iter().any(|part| matches!(part, Show::Slip | Show::Ellipses | Show::Jam)) {
+        settings.model = settings.model.of_motion(case.stated());
+    }
     let mut figures = Vec::new();
     let mut parts = Vec::new();
     for (part, name) in named_parts {

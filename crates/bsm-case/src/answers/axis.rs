@@ -287,7 +287,7 @@ fn not_modelled(case: &Case, contacts: bool) -> Vec<String> {
             "ball returns beyond return_push_N and its causes: only in manufacturers' rule for the preload; ball-to-ball contact is in the torque by ball_gap_mm"
         }
         (Some(_), false) => {
-            "ball returns, and ball-to-ball contact of a nut without preload: bsm nut has its torque by ball_gap_mm"
+            "ball returns, and ball-to-ball contact of a nut without preload: `nut` has its torque by ball_gap_mm"
         }
     };
     let of_inputs = lubricant.into_iter().chain([preload]).chain(contacts.then_some(pushes));

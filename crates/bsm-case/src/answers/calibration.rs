@@ -53,10 +53,11 @@ impl Calibration {
         inputs: &[String],
         output: &str,
         table: &[u8],
+        format: &TableFormat,
     ) -> Result<Self, CaseError> {
         let output = measurable(output)?;
         let inputs = inputs.iter().map(|text| sought(base, text)).collect::<Result<_, _>>()?;
-        let points = points(base, output, table)?;
+        let points = points(base, output, table, format)?;
         Ok(Self { inputs, output, points })
     }
 
@@ -176,8 +177,9 @@ fn points(
     base: &Case,
     output: &'static Output,
     table: &[u8],
+    format: &TableFormat,
 ) -> Result<Vec<MeasuredPoint>, CaseError> {
-    let cells = Cells::read(table, &TableFormat::default())?;
+    let cells = Cells::read(table, format)?;
     let outputs = std::iter::once(output.name);
     let columns = cells.columns(|name| {
         if name == output.name {

@@ -140,7 +140,7 @@ impl DesignReport {
             warnings.extend(why);
         } else if design.value(Quantity::Efficiency).is_nan() {
             let model = requirement.settings.model.name();
-            warnings.push(format!("model {model} has no solution for this screw: see bsm solve"));
+            warnings.push(format!("model {model} has no solution for this screw: see `solve`"));
         }
         if let LoadCase::Torque(torque, _) = requirement.problem.demand {
             let eta = design.value(Quantity::Efficiency);

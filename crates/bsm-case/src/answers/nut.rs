@@ -174,7 +174,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
     "preload" {
         preload_set_N ["N"] Scalar(|n| Some(n.made.preload.as_ref()?.cold)), "cold preload, with no external load and no temperature rise";
         warm_preload_N ["N" "F_pr"] Scalar(|n| Some(n.made.preload.as_ref()?.warm)), "warm preload, with the temperature rises";
-        preload_approach_um ["um"] Scalar(|n| Some(n.made.preload.as_ref()?.approach / UM)), "preload displacement of each nut, delta_p";
+        preload_approach_um ["um"] Scalar(|n| Some(n.made.preload.as_ref()?.approach / UM)), "preload displacement of each nut, delta_p, all balls";
         preload_setting_um ["um"] Scalar(|n| Some(n.made.preload.as_ref()?.setting / UM)), "offset of the pair (below 0 in O arrangement) or ball oversize that sets the preload";
         preload_left_N ["N"] Scalar(|n| {
         let NutPreload { by, .. } = n.made.preload.as_ref()?;
@@ -204,7 +204,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
             "error bound of the friction torque, for balls on both flanks";
         return_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.returns)) needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, by return_circuits and return_loss_coefficient";
         nut_seal_torque_Nm ["N m"] Scalar(|n| lasting(n.problem.seal_torque)), "torque of the seals, seal_torque_Nm";
-        drive_torque_Nm ["N m"] Scalar(|n| n.friction()?.drive_torque) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "torque on the screw: axial load, balls, returns and seals";
+        drive_torque_Nm ["N m"] Scalar(|n| n.friction()?.drive_torque) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "torque of the nut: axial load, balls, returns and seals";
         nut_efficiency [""] Scalar(|n| n.friction()?.efficiency) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "efficiency, with returns and seals";
         friction_heat_W ["W"] Scalar(|n| n.friction()?.heat) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "heat of balls, returns and seals";
         preload_torque_Nm ["N m"] Scalar(|n| n.drag()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
@@ -571,7 +571,7 @@ impl NutReport {
         let ball_friction = self.ball_friction();
         match ball_friction.map(|ball_friction| &ball_friction.friction) {
             None if self.problem.warm.is_some() => notes.push(
-                "torque, efficiency and heat need screw_speed_rpm other than 0; at the speeds of the cycle bsm axis has them"
+                "torque, efficiency and heat need screw_speed_rpm other than 0; at the speeds of the cycle `axis` has them"
                     .to_owned(),
             ),
             None => notes.push(
@@ -615,7 +615,7 @@ impl NutReport {
                 if self.is_lubricated() {
                     notes.push(
                         "friction from the lubricant is uncertain by about 25 % while the balls roll, by more where \
-                         rolling resistance dominates; bsm solve has the interval of one ball, bsm axis that of the axis"
+                         rolling resistance dominates; `solve` has the interval of one ball, `axis` that of the axis"
                             .to_owned(),
                     );
                 }

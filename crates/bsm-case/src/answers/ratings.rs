@@ -210,7 +210,7 @@ impl<'a> NutRatings<'a> {
         if self.preloaded && case.is_warm() {
             warnings.push(
                 "rises of temperature change the preload, which these ratings do not follow: the nut with all its \
-                 balls does (bsm nut)"
+                 balls does (`nut`)"
                     .to_owned(),
             );
         }

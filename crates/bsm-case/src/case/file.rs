@@ -240,7 +240,7 @@ impl InputSet {
             let names = names.join(", ");
             (!names.is_empty()).then(|| {
                 format!(
-                    "{names} {acts} in the {part}, not on the one ball of this answer: bsm {part}"
+                    "{names} {acts} in the {part}, not on the one ball of this answer: `{part}`"
                 )
             })
         })
@@ -267,7 +267,7 @@ impl Case {
         self.axial_load_N.map(|_| {
             format!(
                 "axial_load_N is taken as it is, without weight and guides of the {mass} kg that are moved: the axis \
-                 has them (bsm axis)"
+                 has them (`axis`)"
             )
         })
     }

@@ -397,7 +397,7 @@ impl Case {
     /// [`CaseError`] if a value or a setting breaks a rule, an input of the model is missing, or there is no warm state.
     pub fn problem(&self, settings: &Settings) -> Result<Problem, CaseError> {
         if self.nut.preload_class.is_some() {
-            return Err(bad("preload_class", "is not used by one ball: bsm axis, bsm nut"));
+            return Err(bad("preload_class", "is for `axis` and `nut`, not for one ball"));
         }
         if self.asks_warm() {
             return self.in_warm_state(settings)?.problem(settings);

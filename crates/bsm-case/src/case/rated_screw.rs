@@ -24,7 +24,7 @@ impl InputSet {
     /// Purpose of missing inputs; it says where the inputs that are given suffice.
     pub(crate) fn purpose(self, purpose: &str) -> String {
         let known = if self.has_ratings_only() {
-            "; this nut has ratings only, which suffice for bsm axis"
+            "; this nut has ratings only, which suffice for `axis`"
         } else {
             ""
         };

@@ -86,10 +86,6 @@ fn from_cases() -> impl Iterator<Item = InputKey> + Clone {
 /// The operating point of one ball: a design has its balls from its turns, and its nut at rest.
 const OF_ONE_BALL: InputSet = inputs! { loaded_balls nut_speed_rpm };
 
-/// Other names of keys.
-const ALIASES: [(&str, &str); 2] =
-    [("life_h", "required_life_h"), ("largest_speed_rpm", "motor_max_speed_rpm")];
-
 /// Words of a case that a requirement may have.
 const ENTRIES_FROM_CASES: [&str; 15] = [
     "support",
@@ -133,14 +129,6 @@ impl RequirementFile {
     pub fn from_json(json: &[u8], settings: &[String], standard: Lists) -> Result<Self, CaseError> {
         let mut given = RequirementKeys::default();
         let entries = entries(json)?;
-        let value =
-            |name: &str| entries.iter().find(|(key, _)| key == name).map(|(_, value)| value);
-        for keys in ALIASES {
-            let (also, own) = (value(keys.0), value(keys.1));
-            if also.is_some() && own.is_some() && also != own {
-                return Err(CaseError::given_twice(keys.into()));
-            }
-        }
         for (key, value) in &entries {
             given.assign(key, value)?;
         }
@@ -165,8 +153,6 @@ struct RequirementKeys {
 
 impl RequirementKeys {
     fn assign(&mut self, key: &str, value: &Value) -> Result<(), CaseError> {
-        let own = ALIASES.iter().find(|(also, _)| *also == key);
-        let key = own.map_or(key, |(_, own)| own);
         if let Some((_, words, _)) = REQUIREMENT_CHOICES.iter().find(|(name, ..)| *name == key) {
             let known = value.as_str().is_some_and(|word| words.contains(&word));
             if !known {

@@ -53,7 +53,7 @@ macro_rules! entries {
 }
 
 entries! {
-    project: String, "head of the sheet of bsm axis: project";
+    project: String, "head of the sheet of `axis`: project";
     drawing: String, "head of the sheet: number of the drawing";
     revision: String, "head of the sheet: revision";
     author: String, "head of the sheet: author";
@@ -75,7 +75,7 @@ entries! {
     preload_by: Named<PreloadMethod>,
         "how a nut is preloaded: pair, two nuts against each other; offset, a shifted lead within one nut, which acts as a pair; oversize, balls too large for both flanks. Unless given, a pair if the nut has two bodies or short words";
     preload_class: ClassName,
-        "class of preload, for bsm axis and bsm select, in place of preload_N: auto, the least that the largest load does not open; Z, G0 to G3, GT, P0 to P4, Z0 to Z3 of manufacturers";
+        "class of preload, for `axis` and `select`, in place of preload_N: auto, the least that the largest load does not open; Z, G0 to G3, GT, P0 to P4, Z0 to Z3 of manufacturers";
     preload_arrangement: Named<Arrangement>,
         "arrangement of a preloaded pair: O, the nuts are pushed apart; X, they are pulled together. O unless preload_offset_um or the flanks of circuits say otherwise";
     ball_deviation_um: Vec<f64>,
@@ -87,13 +87,13 @@ entries! {
     ball_precession_rad_s: f64,
         "angular velocity of the balls about the axis [rad/s], for their centrifugal force in a nut; 0 unless given";
     support: Named<Support>,
-        "how the ends of the screw are held, for bsm axis: the fixed end takes the axial load";
+        "how the ends of the screw are held, for `axis`: the fixed end takes the axial load";
     buckling_support: Named<Support>,
         "how the section of the screw between fixed bearing and nut is held against buckling; fixed-fixed by a guided table, unless support is supported-supported";
     screw_make: Named<Make>,
         "how the screw and its ball return are made, for the largest speed number and the roughness of its groove; ground unless given";
     accuracy_grade: GradeName,
-        "accuracy grade of the screw, for bsm axis: P0 to P10 and T5 to T10 of ISO 3408-3, C0 to C10 of JIS B 1192 (THK, NSK, MISUMI); a number alone is a P grade";
+        "accuracy grade of the screw, for `axis`: P0 to P10 and T5 to T10 of ISO 3408-3, C0 to C10 of JIS B 1192 (THK, NSK, MISUMI); a number alone is a P grade";
     steel: Named<SteelFactor>,
         "how the steel of the raceways is melted, for the dynamic load rating; air-melted unless given";
     contamination: Named<Contamination>,
@@ -105,7 +105,7 @@ entries! {
     rated_rigidity_at: Named<StiffnessAt>,
         "where rated_rigidity_N_um is meant: at an axial load of 0.3 C_a (THK) or 0.28 C_a (HIWIN), or of a nut preloaded by 0.1 C_a";
     cycle: Vec<PhaseEntry>,
-        "phases of the cycle of the axis, for bsm axis: time_s or share, force_N, feed_m_min or screw_speed_rpm, acceleration_m_s2; in place of axial_load_N and screw_speed_rpm";
+        "phases of the cycle of the axis, for `axis`: time_s or share, force_N, feed_m_min or screw_speed_rpm, acceleration_m_s2; in place of axial_load_N and screw_speed_rpm";
     warm_state: bool,
         "true: find the temperatures that friction brings the axis to, and the preload that they leave";
     coolant: Named<Coolant>,

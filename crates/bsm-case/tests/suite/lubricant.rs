@@ -2,7 +2,8 @@
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    Calibration, Case, NutProblem, NutReport, Record, Sensitivities, Settings, torque_parts,
+    Calibration, Case, NutProblem, NutReport, Record, Sensitivities, Settings, TableFormat,
+    torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::Value;
@@ -239,8 +240,14 @@ fn inputs_come_back_from_a_table_of_torques() {
     let table = rows.join("\n");
     let inputs = ["boundary_friction_coefficient".to_owned(), "rolling_factor=0.3:1.5".to_owned()];
     let settings = Settings::from(Model::RacewayControl);
-    let fit =
-        Calibration::new(&base, &inputs, "screw_torque_Nm", table.as_bytes()).expect("a table");
+    let fit = Calibration::new(
+        &base,
+        &inputs,
+        "screw_torque_Nm",
+        table.as_bytes(),
+        &TableFormat::default(),
+    )
+    .expect("a table");
     let report = fit.run(&base, &settings).expect("complete").expect("a fit");
     let [boundary, rolling] = fit.rows(&report)[..] else { panic!("two inputs") };
     // The search settles at 1e-9 of the ranges; slopes by differences leave 1e-6 of a step.
@@ -254,9 +261,15 @@ fn inputs_come_back_from_a_table_of_torques() {
 fn tables_of_measurements_are_checked() {
     let why = |inputs: &[&str], table: &str| {
         let inputs: Vec<_> = inputs.iter().map(|input| (*input).to_owned()).collect();
-        Calibration::new(&oiled(&[]), &inputs, "screw_torque_Nm", table.as_bytes())
-            .expect_err("a fault")
-            .to_string()
+        Calibration::new(
+            &oiled(&[]),
+            &inputs,
+            "screw_torque_Nm",
+            table.as_bytes(),
+            &TableFormat::default(),
+        )
+        .expect_err("a fault")
+        .to_string()
     };
     let one = ["rolling_factor"];
     let said = why(&one, "screw_speed_rpm,screw_torque_Nm\n100,a\n");

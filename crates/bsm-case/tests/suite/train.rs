@@ -279,5 +279,5 @@ fn an_axis_says_whether_touching_balls_are_in_its_torque() {
     assert!(given.contains("ball-to-ball contact is in the torque"), "{given}");
     assert!(pushed > free, "{pushed} {free}");
     let (single, _) = says(json!({"ball_gap_mm": 1.0}));
-    assert!(single.contains("of a nut without preload: bsm nut"), "{single}");
+    assert!(single.contains("of a nut without preload: `nut`"), "{single}");
 }

@@ -473,7 +473,7 @@ fn at_rest_all_is_as_warm_as_its_surroundings() {
 #[test]
 fn a_screw_is_chosen_for_its_warm_state() {
     let catalogue = Catalogue::standard().expect("compiled in");
-    let json = br#"{"axial_load_N": 3000, "screw_speed_rpm": 500, "lead_mm": 10, "stroke_mm": 700, "life_h": 10000,
+    let json = br#"{"axial_load_N": 3000, "screw_speed_rpm": 500, "lead_mm": 10, "stroke_mm": 700, "required_life_h": 10000,
         "preload_N": 2500, "preload_arrangement": "O", "friction_coefficient": 0.05, "model": "raceway-control"}"#;
     let chosen = |settings: &[&str]| {
         let settings: Vec<_> = settings.iter().map(|&text| text.to_owned()).collect();

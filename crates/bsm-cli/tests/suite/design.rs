@@ -276,6 +276,12 @@ fn inputs_are_fitted_to_a_table() {
     let seal = answer["found"]["seal_torque_Nm"]["value"].as_f64().expect("a number");
     assert!((0.0..=1.0).contains(&seal), "{answer}");
     assert_eq!(answer["points"].as_array().map(Vec::len), Some(4));
+    // The same points with semicolons and decimal commas.
+    let commas = points.replace(',', ";").replace('.', ",");
+    fs::write(dir.path().join("measured.csv"), commas).expect("a file");
+    let dialect = ["--dialect", "delimiter=semicolon,decimal=comma", "--json"];
+    let same = bsm(dir.path(), &[&args[..], &dialect].concat(), "");
+    assert_eq!(json(&stdout(&same)), answer);
     // One point has one input.
     let two = ["fit", &oil, "--measured", "screw_torque_Nm=26", "--input", "a", "--input", "b"];
     assert_eq!(bsm(dir.path(), &two, "").status.code(), Some(2));

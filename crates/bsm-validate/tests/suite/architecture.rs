@@ -32,7 +32,16 @@ fn the_recipes_name_what_exists() {
                 (span, fs::read_to_string(root().join(span)).expect("names are of a file"))
             });
         } else if let Some((path, code)) = &file {
-            assert!(code.contains(span), "{path} has no `{span}`");
+            let is_item = |kind| {
+                let item = format!("{kind} {}", span.trim_end_matches('!'));
+                code.match_indices(&item).any(|(at, _)| {
+                    let next = code[at + item.len()..].chars().next();
+                    next.is_none_or(|c| !c.is_alphanumeric() && c != '_')
+                })
+            };
+            let kinds =
+                ["fn", "struct", "enum", "trait", "const", "static", "type", "macro_rules!"];
+            assert!(kinds.into_iter().any(is_item), "{path} has no item `{span}`");
             names += 1;
             if after.starts_with(')') {
                 file = None;

@@ -162,7 +162,7 @@ rules! {
             |grade| format!("accuracy_grade {grade}"),
         );
     "static safety" static_safety_factor [""] at_least of.input(K::required_static_safety),
-        "ISO 3408-5 (Z16); by the most loaded ball too, bsm nut. THK asks for 1 to 1.5, with impact for 2 to 7",
+        "ISO 3408-5 (Z16); by the most loaded ball too, `nut`. THK asks for 1 to 1.5, with impact for 2 to 7",
         format!("a static load rating of {:.0} N", of.axis.static_rating / margin);
     "life" cycle_life_h ["h"]
         = of.number("cycle_life_h").or(of.case.required_life_h.map(|_| f64::NAN)),

@@ -37,7 +37,7 @@ impl FrictionSource {
             return Err(CaseError::missing(&missing, &case.given().purpose("for a nut")));
         };
         if let Temperature::Balance { .. } = lubricant.temperature {
-            let what = "the temperature of the lubricant follows from the heat of one ball in bsm solve, not from \
+            let what = "the temperature of the lubricant follows from the heat of one ball in `solve`, not from \
                         that of a nut; give lubricant_temperature_C";
             return Err(bad("heat_transfer_W_K", what));
         }
