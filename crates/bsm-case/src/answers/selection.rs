@@ -21,15 +21,15 @@ quantities! {
     /// The columns of a list of nuts; those titled "shown" fit a screen.
     pub CATALOGUE, read(&Candidate);
     "shown" {
-        nominal_diameter_mm = LISTS Scalar(|c| c.size.diameter / MM);
-        lead_mm = INPUTS Scalar(|c| c.nut.lead / MM);
-        ball_diameter_mm = INPUTS Scalar(|c| c.nut.ball_diameter / MM);
+        nominal_diameter_mm = LISTS Scalar(|c| decimal(c.size.diameter / MM));
+        lead_mm = INPUTS Scalar(|c| decimal(c.nut.lead / MM));
+        ball_diameter_mm = INPUTS Scalar(|c| decimal(c.nut.ball_diameter / MM));
         loaded_turns = INPUTS Scalar(|c| c.nut.turns);
         nut_conformity = INPUTS Scalar(|c| c.nut.conformity.0);
     }
     "in files" {
         screw_conformity = INPUTS Scalar(|c| c.nut.conformity.1);
-        contact_angle_deg = INPUTS Scalar(|c| c.nut.contact_angle / DEG);
+        contact_angle_deg = INPUTS Scalar(|c| decimal(c.nut.contact_angle / DEG));
         pitch_circle_diameter_mm = INPUTS Scalar(|c| c.nut.pitch_diameter / MM);
         loaded_balls_per_turn = INPUTS Scalar(|c| c.nut.balls_per_turn);
         starts = INPUTS Scalar(|c| c.nut.starts);
