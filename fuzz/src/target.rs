@@ -226,7 +226,7 @@ fn catalogue(input: &[u8]) {
     let Ok(catalogue) = Catalogue::from_json(input) else { return };
     // Combinations that are made at most, so that an input stays quick.
     if catalogue.lists.len() <= 2000 {
-        let best = catalogue.pareto(&catalogue.places());
+        let best = catalogue.pareto(&catalogue.indices());
         let _ = catalogue.map(&best, |_, nut| Some(candidate_json(nut)));
     }
 }

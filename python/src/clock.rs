@@ -12,14 +12,14 @@ use pyo3::prelude::*;
 use crate::case::{Case, How};
 use crate::errors::Result;
 use crate::points::table_of;
-use crate::table::Numbers;
+use crate::table::NumberArray;
 
 /// Seconds that the rows take in the batch alone, on one thread, which holds all answers.
 #[pyfunction]
 pub(crate) fn batch_seconds(
     py: Python<'_>,
     base: &Bound<'_, Case>,
-    columns: Vec<(String, Numbers)>,
+    columns: Vec<(String, NumberArray)>,
     len: usize,
     how: How,
     outputs: Option<Vec<String>>,

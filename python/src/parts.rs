@@ -170,7 +170,7 @@ impl PyPlan {
                 Event::Solved(chunk, _) => {
                     done.fetch_add(chunk.len as u64, Ordering::Relaxed);
                 }
-                Event::Foreign(_) | Event::Planned(_) => {}
+                Event::UnknownFiles(_) | Event::Planned(_) => {}
             };
             let all = numbers.is_none();
             let numbers = numbers.unwrap_or_else(|| (0..plan.parts()).collect());
@@ -212,9 +212,9 @@ impl PyPlan {
         })?;
         let range = |Range { start, end }| (start, end);
         let missing = survey.missing(&self.0).into_iter().map(range).collect();
-        let FolderScan { parts, damaged, foreign } = survey;
+        let FolderScan { parts, damaged, unknown_files } = survey;
         let damaged = damaged.into_iter().map(|(path, why)| (path, why.to_string())).collect();
-        Ok((parts.values().map(told).collect(), missing, damaged, foreign))
+        Ok((parts.values().map(told).collect(), missing, damaged, unknown_files))
     }
 
     /// Writes the list of all parts.

@@ -25,7 +25,7 @@ use tempfile::NamedTempFile;
 
 use crate::case::{Case, How};
 use crate::errors::{Error, Result};
-use crate::table::{KeptColumn, Numbers};
+use crate::table::{KeptColumn, NumberArray};
 
 /// How often the thread that called looks at signals and shows progress.
 const LOOK: Duration = Duration::from_millis(50);
@@ -195,7 +195,7 @@ pub(crate) fn selected(names: Option<Vec<String>>) -> Result<Vec<&'static Output
 
 /// The table of columns: name, values, rows without one; and of columns that are carried through.
 pub(crate) fn table_of(
-    columns: Vec<(String, Numbers, Vec<usize>)>,
+    columns: Vec<(String, NumberArray, Vec<usize>)>,
     kept: Vec<(String, Py<KeptColumn>)>,
     len: usize,
 ) -> Result<Memory> {
@@ -232,7 +232,7 @@ pub(crate) fn table_of(
 pub(crate) fn solve_many(
     py: Python<'_>,
     base: &Bound<'_, Case>,
-    columns: Vec<(String, Numbers, Vec<usize>)>,
+    columns: Vec<(String, NumberArray, Vec<usize>)>,
     kept: Vec<(String, Py<KeptColumn>)>,
     len: usize,
     how: How,

@@ -20,7 +20,7 @@ use serde_json::{Value, json};
 use crate::case::{Case, How};
 use crate::errors::{Error, Result};
 use crate::points::{beside, format_of, watched};
-use crate::table::{Numbers, shared};
+use crate::table::{NumberArray, shared};
 
 /// A report as JSON, whether it found a result, and warnings.
 type Report = (String, bool, Vec<String>);
@@ -250,7 +250,7 @@ const PART: usize = 1 << 14;
 #[pyfunction]
 pub(crate) fn write_numbers(
     py: Python<'_>,
-    columns: Vec<(String, Numbers)>,
+    columns: Vec<(String, NumberArray)>,
     path: PathBuf,
 ) -> Result<()> {
     let format = format_of(&path)?;
@@ -260,7 +260,7 @@ pub(crate) fn write_numbers(
         let of_sheets = sheet_columns().map(|c| (c.name, c.unit));
         catalogue.chain(of_a_nut).chain(of_sheets).map(|(name, unit)| NumberColumn { name, unit })
     };
-    let named = |(name, _): &(String, Numbers)| {
+    let named = |(name, _): &(String, NumberArray)| {
         let found = known().find(|column| column.name == name.as_str());
         found.ok_or_else(|| Error::from(format!("column `{name}` is of no table of the program")))
     };

@@ -8,7 +8,7 @@ use bsm_case::{
     CaseError, InputKey, InputSet, OUTPUTS, Record, Sensitivities, Settings, Supplement, following,
     torque_parts,
 };
-use bsm_dyn::{Band, ModelWorkspace};
+use bsm_dyn::{LossInterval, ModelWorkspace};
 use bsm_report::PROGRAM;
 use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use crate::case::{Case, How, Keywords, keywords};
 use crate::errors::{Error, Result};
 use crate::points::watched;
-use crate::table::{Numbers, shared};
+use crate::table::{NumberArray, shared};
 
 thread_local! {
     /// Memory of the models.
@@ -134,7 +134,7 @@ impl Solution {
     }
 
     /// What the data of a lubricant may do to the answer.
-    fn band(&self) -> Option<Band> {
+    fn band(&self) -> Option<LossInterval> {
         let problem = self.case.get().0.problem(&self.settings).ok()?;
         WORK.with_borrow_mut(|work| problem.band(self.record.solved()?, work))
     }
@@ -167,7 +167,7 @@ const SET_BY_OTHERS: [InputKey; 2] = [InputKey::screw_speed_rpm, InputKey::loade
 pub(crate) fn gradient(
     py: Python<'_>,
     base: &Bound<'_, Case>,
-    columns: Vec<(String, Numbers)>,
+    columns: Vec<(String, NumberArray)>,
     len: usize,
     wrt: Vec<String>,
     torque: bool,
@@ -178,7 +178,7 @@ pub(crate) fn gradient(
     let settings = how.0;
     let keys: Vec<_> =
         wrt.iter().map(|name| InputKey::named(name)).collect::<Result<_, CaseError>>()?;
-    let named = |(name, values): (String, Numbers)| Ok((InputKey::named(&name)?, values.0));
+    let named = |(name, values): (String, NumberArray)| Ok((InputKey::named(&name)?, values.0));
     let columns: Vec<_> = columns.into_iter().map(named).collect::<Result<_, CaseError>>()?;
     let case = |row: usize| {
         let (mut case, mut point) = (base.clone(), bsm_case::Case::default());

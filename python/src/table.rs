@@ -27,9 +27,9 @@ use crate::errors::{Error, Result};
 
 /// Numbers of Python, read in place.
 #[derive(Clone)]
-pub(crate) struct Numbers(pub(crate) ScalarBuffer<f64>);
+pub(crate) struct NumberArray(pub(crate) ScalarBuffer<f64>);
 
-impl<'py> FromPyObject<'_, 'py> for Numbers {
+impl<'py> FromPyObject<'_, 'py> for NumberArray {
     type Error = Error;
 
     fn extract(object: Borrowed<'_, 'py, PyAny>) -> Result<Self> {

@@ -115,7 +115,7 @@ const LEAST_RUN: usize = 8;
 struct DictEncoder {
     /// The values of the dictionary, as bits.
     values: Vec<u64>,
-    places: HashMap<u64, u16, FixedState>,
+    indices: HashMap<u64, u16, FixedState>,
     /// Place of the last value.
     last: u16,
     /// Bytes of a key.
@@ -133,7 +133,7 @@ impl DictEncoder {
     fn new(most: u16) -> Self {
         Self {
             values: Vec::new(),
-            places: HashMap::default(),
+            indices: HashMap::default(),
             last: 0,
             width: if most <= 1 << 8 { 1 } else { 2 },
             most,
@@ -149,14 +149,14 @@ impl DictEncoder {
             let next = self.next();
             self.last = if self.values.get(usize::from(next)) == Some(&value) {
                 next
-            } else if let Some(place) = self.places.get(&value) {
-                *place
-            } else if let Some(place) =
-                u16::try_from(self.values.len()).ok().filter(|place| *place < self.most)
+            } else if let Some(index) = self.indices.get(&value) {
+                *index
+            } else if let Some(index) =
+                u16::try_from(self.values.len()).ok().filter(|index| *index < self.most)
             {
-                self.places.insert(value, place);
+                self.indices.insert(value, index);
                 self.values.push(value);
-                place
+                index
             } else {
                 return false;
             };
@@ -270,14 +270,14 @@ fn alike(values: &[u64], rows: &[f64]) -> usize {
 
 /// A column chunk of a few texts.
 #[derive(Debug)]
-pub(crate) struct Texts {
+pub(crate) struct TextEncoder {
     column: ColumnDescPtr,
     /// The texts, in the order of their keys.
     known: Vec<String>,
     keys: DictEncoder,
 }
 
-impl Texts {
+impl TextEncoder {
     /// No rows; `most` is the size of a dictionary.
     pub(crate) fn new(column: ColumnDescPtr, most: u16) -> Self {
         Self { column, known: Vec::new(), keys: DictEncoder::new(most) }
@@ -337,7 +337,7 @@ fn bits(value: f64, whole: bool) -> u64 {
 }
 
 /// A column chunk of numbers, NaN or not.
-pub(crate) struct Numbers {
+pub(crate) struct NumberEncoder {
     column: ColumnDescPtr,
     /// True for counts, false for `f64`.
     whole: bool,
@@ -350,7 +350,7 @@ pub(crate) struct Numbers {
     nulls: usize,
 }
 
-impl Numbers {
+impl NumberEncoder {
     /// No rows; `most` is the size of a dictionary.
     pub(crate) fn new(column: ColumnDescPtr, most: u16) -> Self {
         Self {
@@ -471,7 +471,7 @@ fn split_bytes(values: &[f64], to: &mut Vec<u8>) {
     const BLOCK: usize = 64;
     let first = to.len();
     to.resize(first + 8 * values.len(), 0);
-    let mut places: Vec<_> = to[first..].chunks_exact_mut(values.len()).collect();
+    let mut indices: Vec<_> = to[first..].chunks_exact_mut(values.len()).collect();
     // The halves of numbers first: twice as many of them are shifted at once.
     let mut halves = [[0_u32; BLOCK]; 2];
     for (block, values) in values.chunks(BLOCK).enumerate() {
@@ -480,9 +480,9 @@ fn split_bytes(values: &[f64], to: &mut Vec<u8>) {
             halves[0][i] = u32::from_le_bytes([a, b, c, d]);
             halves[1][i] = u32::from_le_bytes([e, f, g, h]);
         }
-        for (place, bytes) in places.iter_mut().enumerate() {
-            let shift = 8 * (place % 4);
-            for (byte, half) in bytes[BLOCK * block..].iter_mut().zip(&halves[place / 4]) {
+        for (index, bytes) in indices.iter_mut().enumerate() {
+            let shift = 8 * (index % 4);
+            for (byte, half) in bytes[BLOCK * block..].iter_mut().zip(&halves[index / 4]) {
                 *byte = (half >> shift).to_le_bytes()[0];
             }
         }
@@ -599,7 +599,7 @@ mod tests {
             let gaps = [0.0, 0.0, 0.02, 0.6, 1.0][rng.random_range(0..5)];
             let (mut kind, mut expected, mut pages) = (rng.random_range(0..5), Vec::new(), 0);
             let bytes = file("optional double x", |column| {
-                let mut numbers = Numbers::new(column.clone(), most);
+                let mut numbers = NumberEncoder::new(column.clone(), most);
                 for _ in 0..rng.random_range(1..5) {
                     let first = expected.len();
                     for row in first..first + rng.random_range(1..700) {
@@ -639,7 +639,7 @@ mod tests {
     fn counts_are_whole_numbers() {
         for most in [2_u16, 300] {
             let bytes = file("optional int64 x", |column| {
-                let mut counts = Numbers::new(column.clone(), most);
+                let mut counts = NumberEncoder::new(column.clone(), most);
                 counts.push(&vec![3.0, 3.0, 5.0].into())?;
                 counts.push(&vec![Some(5.0), None, Some(9.0)].into())?;
                 counts.finish()
@@ -658,7 +658,7 @@ mod tests {
         let rows = [250_000, 3, 17, 750_000];
         let all = || names.into_iter().zip(rows).flat_map(|(name, rows)| repeat_n(name, rows));
         let bytes = file("optional binary x (UTF8)", |column| {
-            let mut words = Texts::new(column.clone(), 4);
+            let mut words = TextEncoder::new(column.clone(), 4);
             words.push(&all().collect());
             let encoded = words.finish()?;
             assert!(encoded.0.len() < 200, "{} bytes", encoded.0.len());

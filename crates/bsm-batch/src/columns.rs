@@ -91,7 +91,7 @@ impl Columns {
         }
         let mut columns = Self::default();
         let (mut answered, mut unknown) = (false, Vec::new());
-        for (place, own) in names.into_iter().enumerate() {
+        for (index, own) in names.into_iter().enumerate() {
             let own = own.trim();
             renamed.retain(|name| *name != own);
             let is_kept = keep.iter().any(|kept| kept == own);
@@ -106,7 +106,7 @@ impl Columns {
             }
             if is_kept {
                 columns.kept.push(name.to_owned());
-                columns.kept_places.push(place);
+                columns.kept_places.push(index);
                 columns.kept_types.push(DataType::Utf8);
             } else if answered && is_answer(name) {
                 // Some answers have the name of an input; the inputs of an earlier answer stand before it.
@@ -118,7 +118,7 @@ impl Columns {
                     return repeated(&columns.units[former].0);
                 }
                 columns.inputs.push(key);
-                columns.input_places.push(place);
+                columns.input_places.push(index);
                 columns.units.push((own.to_owned(), factor));
             } else if !is_answer(name) {
                 unknown.push(UnknownName { name: name.to_owned(), nearest: nearest_input(name) });
@@ -168,8 +168,8 @@ impl Columns {
     }
 
     /// Values of the input at a place, in its unit; copied only if the table has another one.
-    pub fn in_unit(&self, place: usize, values: Float64Array) -> Float64Array {
-        match self.factor(place) {
+    pub fn in_unit(&self, index: usize, values: Float64Array) -> Float64Array {
+        match self.factor(index) {
             #[expect(clippy::float_cmp, reason = "exactly one: no conversion")]
             factor if factor != 1.0 => values.unary(|value| value * factor),
             _ => values,
@@ -177,8 +177,8 @@ impl Columns {
     }
 
     /// Factor from the unit of the table to that of the input; 1 in a grid.
-    pub(crate) fn factor(&self, place: usize) -> f64 {
-        self.units.get(place).map_or(1.0, |(_, factor)| *factor)
+    pub(crate) fn factor(&self, index: usize) -> f64 {
+        self.units.get(index).map_or(1.0, |(_, factor)| *factor)
     }
 
     /// The columns of a table of answers, units in their metadata.

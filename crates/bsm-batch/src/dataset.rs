@@ -53,7 +53,7 @@ type TempFile = BufWriter<NamedTempFile>;
 #[derive(Debug, Clone, Copy)]
 pub enum Event<'a> {
     /// Files among the parts that are none: they are left alone, and who reads the folder reads them too.
-    Foreign(&'a [PathBuf]),
+    UnknownFiles(&'a [PathBuf]),
     /// Rows that the folder is to hold; comes before any that are found or solved.
     Planned(u64),
     /// A part that was there.
@@ -70,7 +70,7 @@ pub struct FolderScan {
     /// Damaged files in place of parts.
     pub damaged: Vec<(PathBuf, PartDefect)>,
     /// Other files among the parts.
-    pub foreign: Vec<PathBuf>,
+    pub unknown_files: Vec<PathBuf>,
 }
 
 impl FolderScan {
@@ -130,18 +130,18 @@ pub fn fill(
     points: &Points,
     how: RunOptions,
     workers: &Workers<'_>,
-    tell: &mut dyn FnMut(Event<'_>),
+    notify: &mut dyn FnMut(Event<'_>),
 ) -> Result<Count, DatasetError> {
     let RunOptions { resume, rows_per_part, make } = how;
     let plan = Plan::new(task, points, rows_per_part, workers)?;
     let begin = if resume { Dataset::resume } else { Dataset::create };
     let parts = begin(folder, plan, make)?;
     let found = parts.survey(true, workers)?;
-    if !found.foreign.is_empty() {
-        tell(Event::Foreign(&found.foreign));
+    if !found.unknown_files.is_empty() {
+        notify(Event::UnknownFiles(&found.unknown_files));
     }
-    tell(Event::Planned(parts.plan().rows()));
-    parts.run(task, points, found, workers, tell)
+    notify(Event::Planned(parts.plan().rows()));
+    parts.run(task, points, found, workers, notify)
 }
 
 /// Solves a part of a plan in memory.
@@ -155,14 +155,14 @@ pub fn solve_part(
     number: u64,
     workers: &Workers<'_>,
 ) -> Result<(SchemaRef, Vec<RecordBatch>), DatasetError> {
-    let task = plan.task().map_err(points::refused)?;
-    let place = plan.place(number)?;
+    let task = plan.task().map_err(points::invalid_points)?;
+    let range = plan.range(number)?;
     let mut source = points.open().map_err(DatasetError::Read)?;
-    source.skip(place.first_row).map_err(DatasetError::Read)?;
+    source.skip(range.first_row).map_err(DatasetError::Read)?;
     let sink = MemorySink::new(source.columns(), &task.outputs);
-    let run = task.run(source.as_mut(), sink, place.rows, workers, &mut |_, _| {});
+    let run = task.run(source.as_mut(), sink, range.rows, workers, &mut |_, _| {});
     let (sink, count) = run.map_err(|error| not_solved(error, DatasetError::Read))?;
-    place.check(count)?;
+    range.check(count)?;
     Ok((sink.schema, sink.tables))
 }
 
@@ -290,8 +290,8 @@ impl Dataset {
         let verified: Vec<_> = workers.pool.install(|| {
             let verify = |number: &u64| {
                 let path = self.part_file(*number);
-                let place = self.plan.place_of(*number);
-                verify(&path, place, deep, workers).map_err(|why| (path, why))
+                let range = self.plan.range_of(*number);
+                verify(&path, range, deep, workers).map_err(|why| (path, why))
             };
             numbers.par_iter().map(verify).collect()
         });
@@ -305,7 +305,7 @@ impl Dataset {
             }
         }
         survey.damaged.sort_by(|(a, _), (b, _)| a.cmp(b));
-        survey.foreign.sort();
+        survey.unknown_files.sort();
         Ok(survey)
     }
 
@@ -323,7 +323,7 @@ impl Dataset {
                     numbers.push(number);
                 }
                 Some(_) => survey.damaged.push((entry.path(), PartDefect::NotInThePlan)),
-                None => survey.foreign.push(entry.path()),
+                None => survey.unknown_files.push(entry.path()),
             }
         }
         Ok((numbers, survey))
@@ -371,7 +371,7 @@ impl Dataset {
         deep: bool,
         workers: &Workers<'_>,
     ) -> Result<Result<Option<Part>, PartDefect>, DatasetError> {
-        match verify(&self.part_file(number), self.plan.place_of(number), deep, workers) {
+        match verify(&self.part_file(number), self.plan.range_of(number), deep, workers) {
             Ok(None) => Err(DatasetError::Stopped),
             Ok(part) => Ok(Ok(part)),
             Err(PartDefect::Io(error)) if error.kind() == ErrorKind::NotFound => Ok(Ok(None)),
@@ -386,20 +386,20 @@ impl Dataset {
         task: &Task,
         source: &mut dyn Source,
         workers: &Workers<'_>,
-        tell: &mut dyn FnMut(Event<'_>),
+        notify: &mut dyn FnMut(Event<'_>),
     ) -> Result<(TempFile, Part), DatasetError> {
-        let place = self.plan.place(number)?;
+        let range = self.plan.range(number)?;
         let path = self.part_file(number);
         let unwritable = |error| DatasetError::Write { path: path.clone(), error };
         let file = self.folder.unfinished(&path, self.plan.id())?;
         let out = HashingWriter::new(BufWriter::new(file));
-        let mut seen = |chunk: &Chunk, answers: &Answers| tell(Event::Solved(chunk, answers));
+        let mut seen = |chunk: &Chunk, answers: &Answers| notify(Event::Solved(chunk, answers));
         let (columns, dialect) = (source.columns(), TableFormat::default());
         let sink = TableSink::new(Format::Parquet, out, columns, &task.outputs, &dialect);
-        let run = task.run(source, sink.map_err(unwritable)?, place.rows, workers, &mut seen);
+        let run = task.run(source, sink.map_err(unwritable)?, range.rows, workers, &mut seen);
         let (sink, count) = run.map_err(|error| not_solved(error, unwritable))?;
-        place.check(count)?;
-        write_footer(sink, place, count).map_err(unwritable)
+        range.check(count)?;
+        write_footer(sink, range, count).map_err(unwritable)
     }
 
     /// Gives a part that is solved its name.
@@ -438,7 +438,7 @@ impl Dataset {
         numbers: impl IntoIterator<Item = u64>,
         repair: bool,
         workers: &Workers<'_>,
-        tell: &mut dyn FnMut(Event<'_>),
+        notify: &mut dyn FnMut(Event<'_>),
     ) -> Result<BTreeMap<u64, Part>, DatasetError> {
         if repair && let Some(other) = self.survey(false, workers)?.other_plan() {
             return Err(DatasetError::NotOfThePlan(format!(
@@ -459,12 +459,12 @@ impl Dataset {
             };
             let mut behind = None;
             for number in numbers {
-                let first = self.plan.place(number)?.first_row;
+                let first = self.plan.range(number)?.first_row;
                 let found = self.find(number, repair, workers)?;
                 let replace = found.is_err();
                 match found {
                     Ok(Some(part)) => {
-                        tell(Event::Found(&part));
+                        notify(Event::Found(&part));
                         parts.insert(number, part);
                         continue;
                     }
@@ -475,7 +475,8 @@ impl Dataset {
                     Ok(None) | Err(_) => {}
                 }
                 source.skip(first - at).map_err(DatasetError::Read)?;
-                let (file, part) = self.write_part(number, task, source.as_mut(), workers, tell)?;
+                let (file, part) =
+                    self.write_part(number, task, source.as_mut(), workers, notify)?;
                 at = first + part.rows;
                 // The disk takes its time, in which the next part is solved.
                 let keep = move || self.keep(file, part, replace, workers);
@@ -500,16 +501,16 @@ impl Dataset {
         points: &Points,
         mut found: FolderScan,
         workers: &Workers<'_>,
-        tell: &mut dyn FnMut(Event<'_>),
+        notify: &mut dyn FnMut(Event<'_>),
     ) -> Result<Count, DatasetError> {
         if !found.damaged.is_empty() {
             return Err(DatasetError::Damaged(found.damaged));
         }
         for part in found.parts.values() {
-            tell(Event::Found(part));
+            notify(Event::Found(part));
         }
         let missing = found.missing(&self.plan).into_iter().flatten();
-        found.parts.append(&mut self.run_parts(task, points, missing, false, workers, tell)?);
+        found.parts.append(&mut self.run_parts(task, points, missing, false, workers, notify)?);
         self.finish(&found.parts)?;
         Ok(found.count())
     }

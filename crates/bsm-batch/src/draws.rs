@@ -129,9 +129,9 @@ impl Draws {
 
     /// Each drawn input with its values at all points.
     pub fn columns(&self) -> impl Iterator<Item = (InputKey, Vec<f64>)> {
-        self.of.iter().enumerate().map(|(place, draw)| {
+        self.of.iter().enumerate().map(|(index, draw)| {
             let mut values = Vec::new();
-            self.fill(place, 0..self.count, &mut values);
+            self.fill(index, 0..self.count, &mut values);
             (draw.key, values)
         })
     }
@@ -146,13 +146,13 @@ impl PointSet for Draws {
         self.count
     }
 
-    fn fill(&self, place: usize, rows: Range<u64>, to: &mut Vec<f64>) {
+    fn fill(&self, index: usize, rows: Range<u64>, to: &mut Vec<f64>) {
         /// Words of 32 bits of a number between 0 and 1.
         const WORDS: u128 = 2;
-        let law = self.of[place].law;
+        let law = self.of[index].law;
         let numbers = if matches!(law, Law::Uniform { .. }) { 1 } else { 2 };
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        rng.set_stream(place as u64);
+        rng.set_stream(index as u64);
         rng.set_word_pos(WORDS * numbers * u128::from(rows.start));
         to.extend(rows.map(|_| match law {
             Law::Uniform { low, high } => low + (high - low) * rng.random::<f64>(),
@@ -179,9 +179,9 @@ mod tests {
         Draws::new(2026, 20_000, of).expect("draws")
     }
 
-    fn column(draws: &Draws, place: usize, rows: Range<u64>) -> Vec<f64> {
+    fn column(draws: &Draws, index: usize, rows: Range<u64>) -> Vec<f64> {
         let mut values = Vec::new();
-        draws.fill(place, rows, &mut values);
+        draws.fill(index, rows, &mut values);
         values
     }
 
@@ -189,12 +189,12 @@ mod tests {
     #[test]
     fn a_row_is_a_function_of_seed_input_and_number() {
         let draws = draws(&["axial_load_kN=uniform:2:8", "lead_mm=normal:20:0.01"]);
-        for place in 0..2 {
-            let all = column(&draws, place, 0..5000);
+        for index in 0..2 {
+            let all = column(&draws, index, 0..5000);
             for rows in [0..1, 4999..5000, 17..18, 1000..1300, 1..5000] {
                 let [from, to] =
                     [rows.start, rows.end].map(|row| usize::try_from(row).expect("few"));
-                assert_eq!(column(&draws, place, rows), all[from..to]);
+                assert_eq!(column(&draws, index, rows), all[from..to]);
             }
         }
         let far = column(&draws, 1, u64::MAX / 2..u64::MAX / 2 + 2);

@@ -66,11 +66,11 @@ impl<'a> ColumnPlan<'a> {
             lubricant,
             origins: [Origin::Absent; INPUTS.len()],
         };
-        for (place, key) in InputKey::ALL.into_iter().enumerate() {
+        for (index, key) in InputKey::ALL.into_iter().enumerate() {
             let Quantity { rule, default, .. } = *key.input();
             let completed = given.completed().contains(key);
             let of_base = base.value_or_default(key);
-            plan.origins[place] = if let Some(column) = plan.column(key) {
+            plan.origins[index] = if let Some(column) = plan.column(key) {
                 let without =
                     in_row(cells.without(InputSet::of(&[key]))).and(InputSet::WITH_DEFAULT);
                 let leaves = without == given.and(InputSet::WITH_DEFAULT);
@@ -98,46 +98,46 @@ impl<'a> ColumnPlan<'a> {
     /// * `cell`: the value of a column, by its place.
     fn follows(&self, key: InputKey, cell: impl Fn(usize) -> f64) -> Option<f64> {
         following(key, |from| match self.column(from) {
-            Some(place) => Some(cell(place)),
+            Some(index) => Some(cell(index)),
             None => self.base[from].filter(|_| self.given.contains(from)),
         })
     }
 
     /// The inputs of a chunk.
-    pub(crate) fn operands<'c>(&self, chunk: &'c Chunk) -> InputColumns<'c> {
-        let mut operands = [const { InputColumn::Absent }; INPUTS.len()];
+    pub(crate) fn inputs<'c>(&self, chunk: &'c Chunk) -> InputColumns<'c> {
+        let mut inputs = [const { InputColumn::Absent }; INPUTS.len()];
         for ((key, operand), origin) in
-            InputKey::ALL.into_iter().zip(&mut operands).zip(&self.origins)
+            InputKey::ALL.into_iter().zip(&mut inputs).zip(&self.origins)
         {
             let rule = key.input().rule;
             *operand = match *origin {
                 Origin::Absent => InputColumn::Absent,
                 Origin::Constant(value) => InputColumn::Constant(value),
-                Origin::Column(place, or) => InputColumn::Column(rule, numbers(chunk, place, or)),
+                Origin::Column(index, or) => InputColumn::Column(rule, numbers(chunk, index, or)),
                 Origin::Others => {
-                    let cell = |row, place| match chunk.cell(row, place) {
+                    let cell = |row, index| match chunk.cell(row, index) {
                         Cell::Number(value) => value,
                         _ => f64::NAN,
                     };
-                    let value = |row| self.follows(key, |place| cell(row, place));
+                    let value = |row| self.follows(key, |index| cell(row, index));
                     let values = (0..chunk.len).map(|row| value(row).unwrap_or(f64::NAN));
                     InputColumn::Column(rule, values.collect())
                 }
             };
         }
-        InputColumns::new(operands, self.lubricant)
+        InputColumns::new(inputs, self.lubricant)
     }
 }
 
 /// The values of a column, with `or` where nothing is given, NaN where there is none.
-fn numbers(chunk: &Chunk, place: usize, or: Option<f64>) -> Cow<'_, [f64]> {
-    let input = &chunk.inputs[place];
+fn numbers(chunk: &Chunk, index: usize, or: Option<f64>) -> Cow<'_, [f64]> {
+    let input = &chunk.inputs[index];
     if input.null_count() == 0 {
         return Cow::Borrowed(input.values());
     }
     let or = or.unwrap_or(f64::NAN);
     let mut values: Vec<_> = input.iter().map(|x| x.unwrap_or(or)).collect();
-    for (row, _) in chunk.texts.keys().filter(|(_, column)| *column == place) {
+    for (row, _) in chunk.texts.keys().filter(|(_, column)| *column == index) {
         values[*row] = f64::NAN;
     }
     values.into()

@@ -24,7 +24,7 @@ use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::ColumnDescPtr;
 use rayon::prelude::*;
 
-use crate::column_chunk::{Numbers, PACKED, Texts};
+use crate::column_chunk::{NumberEncoder, PACKED, TextEncoder};
 use crate::columns::{ANSWERS, Columns, UNIT};
 use crate::pages::Pages;
 use crate::rows::{Chunk, TEXT};
@@ -37,10 +37,10 @@ thread_local! {
 /// Keeps panics that are [`caught`] from the panic hook of the program: they become errors. For
 /// the start of a program; panics elsewhere go to the hook that there is.
 pub fn hush_caught_panics() {
-    let tell = panic::take_hook();
+    let print = panic::take_hook();
     panic::set_hook(Box::new(move |panic| {
         if !CAUGHT.get() {
-            tell(panic);
+            print(panic);
         }
     }));
 }
@@ -54,7 +54,9 @@ pub fn caught<T>(work: impl FnOnce() -> T) -> Option<T> {
 }
 
 /// What `decode` says, with its panics as errors: the parquet crate panics at some damaged pages.
-pub(crate) fn decoded<T>(decode: impl FnOnce() -> Result<T, TableError>) -> Result<T, TableError> {
+pub(crate) fn catch_decoder_panic<T>(
+    decode: impl FnOnce() -> Result<T, TableError>,
+) -> Result<T, TableError> {
     caught(decode).unwrap_or_else(|| Err(TableError::Parquet("it is damaged".to_owned())))
 }
 
@@ -92,7 +94,7 @@ impl ParquetSource {
         keep: &[String],
         dialect: &TableFormat,
     ) -> Result<Self, TableError> {
-        decoded(|| Self::open(file, keep, dialect))
+        catch_decoder_panic(|| Self::open(file, keep, dialect))
     }
 
     fn open(
@@ -106,16 +108,16 @@ impl ParquetSource {
         let fields = found.schema().fields().clone();
         let mut columns =
             Columns::sort_as(fields.iter().map(|f| f.name().as_str()), keep, dialect)?;
-        for (key, place) in columns.inputs.iter().zip(&columns.input_places) {
-            let found = fields[*place].data_type();
+        for (key, index) in columns.inputs.iter().zip(&columns.input_places) {
+            let found = fields[*index].data_type();
             if !(found.is_numeric() || *found == DataType::Null) {
                 let name = key.name();
                 let message = format!("column `{name}` holds {found}, but must hold numbers");
                 return Err(TableError::Column { name: name.to_owned(), message });
             }
         }
-        for (place, (name, at)) in columns.kept.iter().zip(&columns.kept_places).enumerate() {
-            columns.kept_types[place] = match fields[*at].data_type() {
+        for (index, (name, at)) in columns.kept.iter().zip(&columns.kept_places).enumerate() {
+            columns.kept_types[index] = match fields[*at].data_type() {
                 found if found.is_nested() => return Err(TableError::not_text(name)),
                 DataType::LargeUtf8 => DataType::Utf8,
                 found => found.clone(),
@@ -136,8 +138,8 @@ impl ParquetSource {
         let mut read = [&columns.input_places[..], &columns.kept_places].concat();
         read.sort_unstable();
         let mask = ProjectionMask::roots(metadata.parquet_schema(), read.iter().copied());
-        for place in columns.input_places.iter_mut().chain(&mut columns.kept_places) {
-            *place = read.partition_point(|other| other < place);
+        for index in columns.input_places.iter_mut().chain(&mut columns.kept_places) {
+            *index = read.partition_point(|other| other < index);
         }
         for group in metadata.metadata().row_groups() {
             for (leaf, chunk) in group.columns().iter().enumerate() {
@@ -179,7 +181,7 @@ impl ParquetSource {
         if let Some(batch) = self.rest.take() {
             return Ok(Some(batch));
         }
-        let batch = decoded(|| Ok(self.reader.next().transpose()?))?;
+        let batch = catch_decoder_panic(|| Ok(self.reader.next().transpose()?))?;
         self.read += batch.as_ref().map_or(0, |batch| batch.num_rows() as u64);
         if batch.is_none() && self.read != self.len {
             return Err(TableError::Malformed(format!(
@@ -204,7 +206,7 @@ impl Source for ParquetSource {
         let (mut parts, mut len, mut text) = (Vec::new(), 0, 0);
         while len < rows && text < TEXT {
             let Some(batch) = self.batch()? else { break };
-            let columns = self.columns.kept_places.iter().map(|place| batch.column(*place));
+            let columns = self.columns.kept_places.iter().map(|index| batch.column(*index));
             let texts: Vec<_> = columns.filter_map(|c| c.as_string_view_opt()).collect();
             let mut taken = 0;
             while taken < batch.num_rows() && len < rows && text < TEXT {
@@ -221,14 +223,14 @@ impl Source for ParquetSource {
             return Ok(None);
         }
         let (table, columns) = (concat_batches(&parts[0].schema(), &parts)?, &self.columns);
-        let kept = |(place, kind): (&usize, &DataType)| match table.column(*place) {
+        let kept = |(index, kind): (&usize, &DataType)| match table.column(*index) {
             views if *kind == DataType::Utf8 && *views.data_type() == DataType::Utf8View => {
                 Arc::new(views.as_string_view().iter().collect::<StringArray>())
             }
             other => other.clone(),
         };
-        let input = |(input, place): (usize, &usize)| {
-            let numbers = arrow_column::numbers(table.column(*place))?;
+        let input = |(input, index): (usize, &usize)| {
+            let numbers = arrow_column::numbers(table.column(*index))?;
             Ok(columns.in_unit(input, numbers.into()))
         };
         let kept = columns.kept_places.iter().zip(&columns.kept_types).map(kept).collect();
@@ -242,7 +244,7 @@ impl Source for ParquetSource {
         if rows > 0 {
             self.row = self.row.saturating_add(rows).min(self.len);
             (self.read, self.rest) = (self.row, None);
-            self.reader = decoded(|| (self.from_row)(self.row))?;
+            self.reader = catch_decoder_panic(|| (self.from_row)(self.row))?;
         }
         Ok(())
     }
@@ -258,8 +260,8 @@ const OUTPUT_WORDS: u16 = 1 << 8;
 
 /// A column of the row group that goes on.
 enum Encoder {
-    Numbers(Numbers),
-    Texts(Texts),
+    Numbers(NumberEncoder),
+    Texts(TextEncoder),
     /// By the library.
     Any(Box<ArrowColumnWriter>),
 }
@@ -322,16 +324,16 @@ impl<W: Write + Send> ParquetSink<W> {
         let fields = self.schema.fields();
         let inputs = fields.iter().position(|field| field.name() == ANSWERS[0]);
         let columns = self.file.schema_descr().columns();
-        let encoder = |(place, (column, arrow)): (usize, (&ColumnDescPtr, _))| {
-            let few = if Some(place) < inputs { INPUT_WORDS } else { OUTPUT_WORDS };
-            let field = &fields[place];
+        let encoder = |(index, (column, arrow)): (usize, (&ColumnDescPtr, _))| {
+            let few = if Some(index) < inputs { INPUT_WORDS } else { OUTPUT_WORDS };
+            let field = &fields[index];
             // Neither messages nor what is carried through: those may be as many as there are rows.
             let is_known = !field.is_nullable() || field.metadata().contains_key(UNIT);
             match field.data_type() {
                 DataType::Float64 | DataType::UInt64 if is_known => {
-                    Encoder::Numbers(Numbers::new(column.clone(), few))
+                    Encoder::Numbers(NumberEncoder::new(column.clone(), few))
                 }
-                DataType::Utf8 if is_known => Encoder::Texts(Texts::new(column.clone(), few)),
+                DataType::Utf8 if is_known => Encoder::Texts(TextEncoder::new(column.clone(), few)),
                 _ => Encoder::Any(Box::new(arrow)),
             }
         };

@@ -188,9 +188,9 @@ impl Task {
                 for (output, values) in
                     self.filled.iter().zip(&answers.columns[self.outputs.len()..])
                 {
-                    let place = columns.inputs.iter().position(|key| key.name() == output.name);
-                    if let Some(place) = place {
-                        chunk.complete(place, values);
+                    let index = columns.inputs.iter().position(|key| key.name() == output.name);
+                    if let Some(index) = index {
+                        chunk.complete(index, values);
                     }
                 }
                 behind = Some((chunk, answers));

@@ -54,7 +54,7 @@ impl From<Option<f64>> for Cell<'_> {
 
 /// Places that a column has more than rows: columns that lie a power of two apart would share the
 /// few places of the cache that hold such addresses.
-pub(crate) const APART: usize = 40;
+pub(crate) const COLUMN_PADDING: usize = 40;
 
 /// Text that a chunk may hold, but for its last row \[B\]: few rows of long texts are as much work as
 /// many of numbers.
@@ -85,9 +85,9 @@ impl Chunk {
         columns: &Columns,
         fill: impl Fn(usize, &mut Vec<f64>),
     ) -> Option<Self> {
-        let input = |place| {
-            let mut values = Vec::with_capacity(len + APART);
-            fill(place, &mut values);
+        let input = |index| {
+            let mut values = Vec::with_capacity(len + COLUMN_PADDING);
+            fill(index, &mut values);
             Float64Array::from(values)
         };
         let inputs = (0..columns.inputs.len()).map(input).collect();
@@ -101,8 +101,8 @@ impl Chunk {
     ) -> Self {
         let mut chunk = ChunkBuilder::new(1, columns, 0);
         for row in rows {
-            for (place, cell) in row.into_iter().enumerate() {
-                chunk.input(place, &cell.into());
+            for (index, cell) in row.into_iter().enumerate() {
+                chunk.input(index, &cell.into());
             }
             chunk.end_row();
         }
@@ -120,10 +120,10 @@ impl Chunk {
     }
 
     /// The value of an input, by its place.
-    pub fn cell(&self, row: usize, place: usize) -> Cell<'_> {
-        match self.texts.get(&(row, place)) {
+    pub fn cell(&self, row: usize, index: usize) -> Cell<'_> {
+        match self.texts.get(&(row, index)) {
             Some(text) => Cell::Text(text),
-            None => number(&self.inputs[place], row),
+            None => number(&self.inputs[index], row),
         }
     }
 
@@ -134,8 +134,8 @@ impl Chunk {
     /// [`CaseError`] for a text in place of a number.
     pub fn case(&self, columns: &Columns, base: &Case, row: usize) -> Result<Case, CaseError> {
         let (mut case, mut settings) = (base.clone(), Case::default());
-        for (place, key) in columns.inputs.iter().enumerate() {
-            match self.cell(row, place) {
+        for (index, key) in columns.inputs.iter().enumerate() {
+            match self.cell(row, index) {
                 Cell::Number(value) => settings[*key] = Some(value),
                 Cell::Text(text) => return Err(CaseError::not_a_number(key.name(), text)),
                 _ => {}
@@ -146,10 +146,10 @@ impl Chunk {
     }
 
     /// Gives rows without a value of an input theirs, if that is no NaN.
-    pub(crate) fn complete(&mut self, place: usize, values: &[f64]) {
-        let both = self.inputs[place].iter().zip(values);
+    pub(crate) fn complete(&mut self, index: usize, values: &[f64]) {
+        let both = self.inputs[index].iter().zip(values);
         let both = both.map(|(x, other)| x.or_else(|| Some(*other).filter(|x| !x.is_nan())));
-        self.inputs[place] = both.collect();
+        self.inputs[index] = both.collect();
     }
 }
 
@@ -167,7 +167,7 @@ pub(crate) struct ChunkBuilder<'a> {
 
 impl<'a> ChunkBuilder<'a> {
     pub(crate) fn new(first: u64, columns: &'a Columns, rows: usize) -> Self {
-        let input = || Float64Builder::with_capacity(rows + APART);
+        let input = || Float64Builder::with_capacity(rows + COLUMN_PADDING);
         Self {
             columns,
             chunk: Chunk { first, ..Chunk::default() },
@@ -182,22 +182,22 @@ impl<'a> ChunkBuilder<'a> {
     }
 
     /// Appends a value of an input, in the unit of the table.
-    pub(crate) fn input(&mut self, place: usize, cell: &Cell<'_>) {
+    pub(crate) fn input(&mut self, index: usize, cell: &Cell<'_>) {
         match cell {
             Cell::Number(value) => {
-                return self.inputs[place].append_value(value * self.columns.factor(place));
+                return self.inputs[index].append_value(value * self.columns.factor(index));
             }
             Cell::Text(text) => {
-                self.chunk.texts.insert((self.chunk.len, place), (*text).to_owned());
+                self.chunk.texts.insert((self.chunk.len, index), (*text).to_owned());
             }
             _ => {}
         }
-        self.inputs[place].append_null();
+        self.inputs[index].append_null();
     }
 
     /// Appends a value of a column that is carried through.
-    pub(crate) fn keep(&mut self, place: usize, text: Option<&str>) {
-        self.kept[place].append_option(text);
+    pub(crate) fn keep(&mut self, index: usize, text: Option<&str>) {
+        self.kept[index].append_option(text);
     }
 
     pub(crate) fn end_row(&mut self) {
@@ -243,7 +243,7 @@ impl Answers {
         let verdict = Verdict { model, status: Status::NotConverged, has_others: false };
         // Zeros of the system, which takes no memory before it is written to.
         let column = || {
-            let mut column = vec![0.0; rows + APART];
+            let mut column = vec![0.0; rows + COLUMN_PADDING];
             column.truncate(rows);
             column
         };
@@ -256,8 +256,8 @@ impl Answers {
 
     /// Why a row has no result, or why auto chose its model.
     pub fn message(&self, row: usize) -> Option<&str> {
-        let place = self.messages.binary_search_by_key(&row, |(row, _)| *row).ok()?;
-        Some(&self.messages[place].1)
+        let index = self.messages.binary_search_by_key(&row, |(row, _)| *row).ok()?;
+        Some(&self.messages[index].1)
     }
 
     /// All outputs of a solution, or those of a selection, in its order, which may hold numbers of
@@ -382,10 +382,10 @@ impl<'a> Cells<'a> {
     /// [`TableError`] if a column that is carried through cannot be written as text.
     pub fn of(table: &'a RecordBatch, chunk: &'a Chunk) -> Result<Self, TableError> {
         let kept = chunk.kept.len();
-        let column = |(place, column): (usize, &'a ArrayRef)| {
+        let column = |(index, column): (usize, &'a ArrayRef)| {
             Ok(match column.data_type() {
                 DataType::Utf8 => ArrowColumn::Texts(column.as_string()),
-                _ if place < kept => ArrowColumn::Values(arrow_column::values(column)?),
+                _ if index < kept => ArrowColumn::Values(arrow_column::values(column)?),
                 DataType::Boolean => ArrowColumn::Flags(column.as_boolean()),
                 DataType::UInt64 => ArrowColumn::Counts(column.as_primitive::<UInt64Type>()),
                 _ => ArrowColumn::Numbers(column.as_primitive()),
@@ -397,9 +397,9 @@ impl<'a> Cells<'a> {
 
     /// The cells of a row.
     pub fn row(&self, row: usize) -> impl Iterator<Item = Cell<'_>> {
-        self.columns.iter().enumerate().map(move |(place, column)| match column {
+        self.columns.iter().enumerate().map(move |(index, column)| match column {
             ArrowColumn::Numbers(column) => {
-                match self.texts.get(&(row, place.wrapping_sub(self.kept))) {
+                match self.texts.get(&(row, index.wrapping_sub(self.kept))) {
                     Some(text) => Cell::Text(text),
                     None => number(column, row),
                 }

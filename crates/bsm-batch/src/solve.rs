@@ -13,7 +13,7 @@ use bsm_simd::Arch;
 use rayon::prelude::*;
 
 use crate::operand::ColumnPlan;
-use crate::rows::APART;
+use crate::rows::COLUMN_PADDING;
 use crate::{Answers, Chunk, Columns, Task, Verdict};
 
 /// Rows that one thread takes at a time: a kernel answers many in the time that it takes to hand
@@ -182,7 +182,7 @@ impl<'a> Solver<'a> {
             Some(_) => KERNEL_STRIDE,
             None => MODEL_STRIDE,
         };
-        let model = self.plan.as_ref().map(|plan| (plan.operands(chunk), plan.model));
+        let model = self.plan.as_ref().map(|plan| (plan.inputs(chunk), plan.model));
         let wanted = Selection::of(outputs);
         let run = Run { solver: self, chunk, kernel: model, outputs, wanted, arch, stop, stride };
         let solve = |part: Part<'_>| {
@@ -220,27 +220,27 @@ struct Run<'a> {
 impl Run<'_> {
     /// Solves a part, in memory of its own for columns that have none.
     fn solve(&self, Part { first, verdicts, columns }: Part<'_>) -> RowReport {
-        let (len, apart) = (verdicts.len(), self.stride + APART);
+        let (len, column_stride) = (verdicts.len(), self.stride + COLUMN_PADDING);
         let without: Vec<_> = columns.iter().map(Option::is_none).collect();
         // Given back when it is NaN again: after a panic it is not.
         let mut spare = SCRATCH.take();
-        let needed = without.iter().filter(|none| **none).count() * apart;
+        let needed = without.iter().filter(|none| **none).count() * column_stride;
         spare.resize(needed.max(spare.len()), f64::NAN);
-        let mut places = spare.chunks_exact_mut(apart);
+        let mut indices = spare.chunks_exact_mut(column_stride);
         let mut outputs: Vec<&mut [f64]> = Vec::with_capacity(without.len());
         for column in columns {
             if let Some(column) = column {
                 column.fill(f64::NAN);
                 outputs.push(column);
             } else {
-                outputs.extend(places.next().map(|place| &mut place[..len]));
+                outputs.extend(indices.next().map(|index| &mut index[..len]));
             }
         }
         let messages = self.rows(first, verdicts, &mut outputs);
         let mut values = Vec::new();
-        for (place, column) in outputs.into_iter().enumerate() {
-            if without[place] && has_value(column) {
-                values.push((place, first, column.to_vec()));
+        for (index, column) in outputs.into_iter().enumerate() {
+            if without[index] && has_value(column) {
+                values.push((index, first, column.to_vec()));
                 column.fill(f64::NAN);
             }
         }
@@ -262,9 +262,9 @@ impl Run<'_> {
         let model = self.kernel.as_ref().map_or(settings.model, |(_, model)| *model);
         verdicts.fill(Verdict { model, status: Status::Converged, has_others: false });
         let (mut done, mut messages) = (vec![false; verdicts.len()], BTreeMap::new());
-        if let Some((operands, model)) = &self.kernel {
+        if let Some((inputs, model)) = &self.kernel {
             let (wanted, columns) = (&self.wanted, &mut *outputs);
-            let rows = Rows { operands, wanted, first, columns, done: &mut done };
+            let rows = Rows { inputs, wanted, first, columns, done: &mut done };
             for RowChoice { row, choice, bound } in rows.solve(self.arch, *model, settings) {
                 verdicts[row].model = choice.basis.model().into();
                 messages.insert(row, reason_of_choice(&choice, bound));
@@ -281,7 +281,7 @@ impl Run<'_> {
                     column[i] = f64::NAN;
                 }
             }
-            let put = |place: usize, value| outputs[place][i] = value;
+            let put = |index: usize, value| outputs[index][i] = value;
             let words = messages.remove(&i).into_iter().collect();
             let (verdict, message) = self.row(first + i, *done, words, put);
             verdicts[i] = verdict.unwrap_or(verdicts[i]);
@@ -328,8 +328,8 @@ impl Run<'_> {
                     has_others: record.has_others(),
                 });
                 words.extend(record.message().map(str::to_owned).or_else(|| record.choice()));
-                for (place, output) in self.outputs.iter().enumerate() {
-                    put(place, record.value(output).unwrap_or(f64::NAN));
+                for (index, output) in self.outputs.iter().enumerate() {
+                    put(index, record.value(output).unwrap_or(f64::NAN));
                 }
             }
             let solution = record.into_solution().filter(|s| moves && s.solved().is_some());
@@ -344,10 +344,10 @@ impl Run<'_> {
             };
             match kind.numbers(&case, settings, motion.as_ref(), wanted) {
                 Ok(numbers) => {
-                    let places = self.outputs.iter().enumerate();
+                    let indices = self.outputs.iter().enumerate();
                     let values =
-                        places.filter_map(|(place, output)| Some((place, numbers.value(output)?)));
-                    values.for_each(|(place, value)| put(place, value));
+                        indices.filter_map(|(index, output)| Some((index, numbers.value(output)?)));
+                    values.for_each(|(index, value)| put(index, value));
                     words.extend(numbers.why().map(|why| format!("{}: {why}", kind.name())));
                 }
                 Err(error) if !solves => return invalid(&error),

@@ -75,11 +75,11 @@ impl<R: Read> CsvSource<R> {
             }
         })?;
         let mut takes = vec![Take::Nothing; width];
-        for (input, place) in columns.input_places.iter().enumerate() {
-            takes[*place] = Take::Input(input);
+        for (input, index) in columns.input_places.iter().enumerate() {
+            takes[*index] = Take::Input(input);
         }
-        for (kept, place) in columns.kept_places.iter().enumerate() {
-            takes[*place] = Take::Kept(kept);
+        for (kept, index) in columns.kept_places.iter().enumerate() {
+            takes[*index] = Take::Kept(kept);
         }
         Ok(Self { lines, columns, takes, delimiter, decimal, row: 0 })
     }
@@ -158,7 +158,7 @@ impl<R: Read + Send> Source for CsvSource<R> {
             };
             let Some(row) = lines.next_but(is_blank)? else { break };
             text += row.len();
-            let found = split(row, *delimiter, line, |place, cell| match takes.get(place) {
+            let found = split(row, *delimiter, line, |index, cell| match takes.get(index) {
                 Some(Take::Input(input)) => chunk.input(*input, &parse(&cell, *decimal)),
                 Some(Take::Kept(column)) => chunk.keep(*column, Some(&cell)),
                 Some(Take::Nothing) | None => {}
@@ -237,20 +237,20 @@ impl<R: Read + Send> Source for JsonSource<R> {
             };
             let Some((object, length)) = next else { break };
             let mut object: Map<String, Value> = object.into_iter().collect();
-            for (place, (name, _)) in columns.units.iter().enumerate() {
+            for (index, (name, _)) in columns.units.iter().enumerate() {
                 match object.remove(name) {
                     Some(Value::Number(n)) => {
-                        chunk.input(place, &n.as_f64().map_or(Cell::Missing, Cell::Number));
+                        chunk.input(index, &n.as_f64().map_or(Cell::Missing, Cell::Number));
                     }
-                    None | Some(Value::Null) => chunk.input(place, &Cell::Missing),
-                    Some(other) => chunk.input(place, &Cell::Text(&other.to_string())),
+                    None | Some(Value::Null) => chunk.input(index, &Cell::Missing),
+                    Some(other) => chunk.input(index, &Cell::Text(&other.to_string())),
                 }
             }
-            for (place, name) in columns.kept.iter().enumerate() {
+            for (index, name) in columns.kept.iter().enumerate() {
                 match object.remove(name) {
-                    None | Some(Value::Null) => chunk.keep(place, None),
-                    Some(Value::String(text)) => chunk.keep(place, Some(&text)),
-                    Some(other) => chunk.keep(place, Some(&other.to_string())),
+                    None | Some(Value::Null) => chunk.keep(index, None),
+                    Some(Value::String(text)) => chunk.keep(index, Some(&text)),
+                    Some(other) => chunk.keep(index, Some(&other.to_string())),
                 }
             }
             // A number of an earlier answer may have the name of an input: it is one only if the first line had it.
@@ -409,8 +409,8 @@ impl<W: Write> TextSink<W> {
 
     /// One JSON object a line.
     pub(crate) fn json_lines(writer: W, schema: &SchemaRef) -> Self {
-        let name = |(place, field): (usize, &FieldRef)| {
-            let sign = if place == 0 { '{' } else { ',' };
+        let name = |(index, field): (usize, &FieldRef)| {
+            let sign = if index == 0 { '{' } else { ',' };
             format!("{sign}{}:", Value::from(field.name().as_str())).into_bytes()
         };
         let before = schema.fields().iter().enumerate().map(name).collect();

@@ -52,7 +52,7 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
             bar.inc(part.rows);
         }
         Event::Solved(chunk, _) => bar.inc(chunk.len as u64),
-        Event::Foreign(_) | Event::Planned(_) => {}
+        Event::UnknownFiles(_) | Event::Planned(_) => {}
     };
     let solved = parts.run_parts(&task, &points, mine(), args.repair, workers, &mut tell);
     bar.finish_and_clear();
@@ -121,7 +121,7 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
             "deep": args.deep,
             "missing": ranges,
             "damaged": found.damaged.iter().map(damage).collect::<Vec<_>>(),
-            "foreign": found.foreign.iter().map(|path| name(path)).collect::<Vec<_>>(),
+            "foreign": found.unknown_files.iter().map(|path| name(path)).collect::<Vec<_>>(),
             "rows": count.rows,
             "failed": count.failed,
             "several": count.several,
@@ -136,7 +136,7 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
         let damaged = found.damaged.iter().map(|(path, why)| format!("{} {why}", name(path)));
         list(&mut lines, "missing", ranges);
         list(&mut lines, "damaged", damaged.collect());
-        list(&mut lines, "foreign", found.foreign.iter().map(|path| name(path)).collect());
+        list(&mut lines, "foreign", found.unknown_files.iter().map(|path| name(path)).collect());
         if found.other_plan().is_some() {
             lines.push("put the plan.json of these parts back, or take another folder".to_owned());
         } else if !found.damaged.is_empty() {

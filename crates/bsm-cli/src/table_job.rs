@@ -196,7 +196,7 @@ impl Job<'_> {
         let how = RunOptions { resume, rows_per_part, make: unfinished::create_temporary };
         let mut bar = ProgressBar::hidden();
         let mut tell = |event: Event<'_>| match event {
-            Event::Foreign(files) => {
+            Event::UnknownFiles(files) => {
                 let text = format!(
                     "{} is no part of this table, and remains; programs that read the folder will read it",
                     files[0].display()

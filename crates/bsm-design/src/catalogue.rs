@@ -292,12 +292,12 @@ impl Lists {
 
     /// Combination number `i`; the last list runs fastest.
     fn size(&self, mut i: usize) -> Size {
-        let mut places = [0; 6];
-        for (place, length) in places.iter_mut().zip(self.lengths()).rev() {
-            *place = i % length;
+        let mut indices = [0; 6];
+        for (index, length) in indices.iter_mut().zip(self.lengths()).rev() {
+            *index = i % length;
             i /= length;
         }
-        let [diameter, lead, ball, turns, conformity, contact_angle] = places;
+        let [diameter, lead, ball, turns, conformity, contact_angle] = indices;
         let offered = self.offered.get(diameter).copied();
         let (diameter, lead, ball, turns) = match offered {
             Some(OfferedSize { diameter, lead, ball, turns, .. }) => (diameter, lead, ball, turns),
@@ -311,24 +311,24 @@ impl Lists {
     }
 
     /// Places of the combinations within the limits, in the order of the lists.
-    pub fn places(&self, limits: &Limits) -> Vec<u32> {
+    pub fn indices(&self, limits: &Limits) -> Vec<u32> {
         let all = 0..u32::try_from(self.len()).unwrap_or(u32::MAX);
-        all.into_par_iter().filter(|place| self.candidate(limits, *place).is_some()).collect()
+        all.into_par_iter().filter(|index| self.candidate(limits, *index).is_some()).collect()
     }
 
     /// Applies `each` to the nuts of some places, in order; no nut is stored.
     pub fn map<R: Send>(
         &self,
         limits: &Limits,
-        places: &[u32],
+        indices: &[u32],
         each: impl Fn(u32, &Candidate) -> Option<R> + Sync + Send,
     ) -> Vec<R> {
-        let one = |place: &u32| each(*place, &self.candidate(limits, *place)?);
-        places.par_iter().filter_map(one).collect()
+        let one = |index: &u32| each(*index, &self.candidate(limits, *index)?);
+        indices.par_iter().filter_map(one).collect()
     }
 
-    fn candidate(&self, limits: &Limits, place: u32) -> Option<Candidate> {
-        limits.candidate(&self.size(usize::try_from(place).ok()?))
+    fn candidate(&self, limits: &Limits, index: u32) -> Option<Candidate> {
+        limits.candidate(&self.size(usize::try_from(index).ok()?))
     }
 }
 
@@ -401,7 +401,7 @@ mod tests {
             contact_angles: vec![0.7, 0.8],
             offered: Vec::new(),
         };
-        let all = lists.map(&LIMITS, &lists.places(&LIMITS), |_, nut| Some(*nut));
+        let all = lists.map(&LIMITS, &lists.indices(&LIMITS), |_, nut| Some(*nut));
         assert!(all.iter().all(|c| c.size.turns < 6.5 && c.size.conformity > 0.505));
         assert!(all.iter().all(|c| c.size.ball <= 0.6 * c.size.lead * (1.0 + 1e-9)));
         let beats = |a: &Candidate, b: &Candidate| {

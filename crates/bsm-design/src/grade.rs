@@ -106,7 +106,7 @@ impl Grade {
     /// * `torque` \[N·m\]. * `length`: of the thread \[m\]. * `diameter`: nominal \[m\].
     pub fn torque_variation(&self, torque: f64, length: f64, diameter: f64) -> Option<f64> {
         let mut rows = TORQUE_VARIATIONS.lines().map(|line| line.split(',').collect::<Vec<_>>());
-        let place = rows.next()?.iter().position(|head| *head == self.name)?;
+        let column = rows.next()?.iter().position(|head| *head == self.name)?;
         let row = rows.find(|row| {
             let limits = [0, 1, 3].map(|column: usize| row[column].parse().ok());
             let [Some(from), Some(to), slimmest] = limits else { return false };
@@ -114,7 +114,7 @@ impl Grade {
                 .map_or(length > LONG, |most: f64| length <= LONG && length / diameter <= most);
             within && (from..=to).contains(&torque) && torque > from
         })?;
-        row[place].parse().ok()
+        row[column].parse().ok()
     }
 
     /// The grade of that name, in capitals or not; `IT3` and `G3` are P3.

@@ -55,14 +55,14 @@ impl Make {
         let mut rows = LONGEST.lines().map(|line| line.split(',').collect::<Vec<_>>());
         let heads = rows.next()?;
         let far = |head: &str| number(head).map(|mm| (mm * 1e-3 / land).ln().abs());
-        let places = (1..heads.len()).filter_map(|place| Some((far(heads[place])?, place)));
-        let (_, place) = places.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let columns = (1..heads.len()).filter_map(|column| Some((far(heads[column])?, column)));
+        let (_, column) = columns.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let fits = |row: &Vec<&str>| match (self, number(row[0])) {
             (Self::Rolled, fineness) => fineness.is_none(),
             (_, fineness) => fineness.is_some_and(|fineness| fineness <= own),
         };
         // Coarser grades are longer.
-        Some(1e-3 * number(rows.rfind(fits)?[place])?)
+        Some(1e-3 * number(rows.rfind(fits)?[column])?)
     }
 }
 

@@ -68,8 +68,8 @@ impl Nut {
     /// Pitch circle diameter over a core diameter \[m\], the inverse of (G3).
     pub fn pitch_diameter_over(core: f64, ball: f64, conformity: f64, contact_angle: f64) -> f64 {
         // D_pw = d_ro + 2 [R − (R − D_w/2) cosβ]                          (G3)
-        let (radius, apart) = (conformity * ball, (conformity - 0.5) * ball);
-        core + 2.0 * (radius - apart * contact_angle.cos())
+        let (radius, centre_distance) = (conformity * ball, (conformity - 0.5) * ball);
+        core + 2.0 * (radius - centre_distance * contact_angle.cos())
     }
 
     /// Lead angle \[rad\].
@@ -130,9 +130,9 @@ impl Nut {
     /// Source: ISO/DP 9784 as in Sobolewski (2002).
     pub fn static_rating(&self) -> StaticRating {
         let curvatures = self.curvatures(Raceway::Screw, 0.0);
-        let Curvatures { along, across } = curvatures;
+        let Curvatures { longitudinal, transverse } = curvatures;
         // k₀ = 27.74 / (D_w √(ρ_t ρ_x)),  C_0a = k₀ n i sinβ cosα D_w²    (D5)
-        let factor = 27.74 / (self.ball_diameter * (along * across).sqrt());
+        let factor = 27.74 / (self.ball_diameter * (longitudinal * transverse).sqrt());
         let rating = factor
             * self.balls_per_turn
             * self.turns

@@ -14,10 +14,10 @@ use crate::{AcceptedBy, Check, Design, EfficiencyOf, Nut, Pitch, Quantity, Requi
 const TURNS: (u32, u32) = (2, 12);
 
 /// Steps of contact angle and conformity in the first look at a pitch circle.
-const LOOKS: (u32, u32) = (9, 2);
+const COARSE_GRID: (u32, u32) = (9, 2);
 
 /// Pitch circles that are optimised to the end: the best at first look.
-const POLISHED: usize = 24;
+const MOST_REFINED: usize = 24;
 
 /// How much a first look may break a limit.
 const ROUGH: f64 = 0.1;
@@ -64,7 +64,7 @@ pub enum Outcome {
         /// sizes, those without which a better one could be chosen.
         active: Vec<Holds>,
         /// The rules of all balls that better screws break.
-        refused: Vec<&'static str>,
+        failed_rules: Vec<&'static str>,
     },
     /// None meets it.
     Infeasible {
@@ -130,10 +130,10 @@ impl Requirement {
             .filter(|design| design.is_feasible() && design.objective(self.objective).is_finite())
             .collect();
         feasible.sort_by(|a, b| value(a).objective.total_cmp(&value(b).objective));
-        let (first, refused) = first_accepted(&feasible, accepted);
+        let (first, failed_rules) = first_accepted(&feasible, accepted);
         if let Some(design) = first {
             let active = active_constraints(design);
-            return Outcome::Found { design: complete(design.nut), active, refused };
+            return Outcome::Found { design: complete(design.nut), active, failed_rules };
         }
         if let [best, ..] = feasible[..] {
             return Outcome::Infeasible { design: complete(best.nut), blocking: Vec::new() };
@@ -143,7 +143,7 @@ impl Requirement {
         let (at, mut blocking) = search.conflict(&turns);
         let mut nut = search.nut(&at);
         if blocking.is_empty()
-            && let Some(design) = least(exact.iter(), |d| search.value_of(d).worst())
+            && let Some(design) = least(exact.iter(), |d| search.value_of(d).largest_violation())
         {
             let blocked = |check: &Check| ActiveLimit { check: *check, why: Why::WholeBalls };
             blocking = design.checks.iter().filter(|check| !check.passes()).map(blocked).collect();
@@ -172,24 +172,24 @@ pub(crate) fn first_accepted<'a>(
     designs: &[&'a Design],
     accepted: AcceptedBy<'_>,
 ) -> (Option<&'a Design>, Vec<&'static str>) {
-    let mut refused = Vec::new();
+    let mut failed_rules = Vec::new();
     for part in designs.chunks(JUDGED) {
         let verdicts: Vec<_> = part.par_iter().map(|design| accepted(&design.nut)).collect();
         for (design, verdict) in part.iter().zip(verdicts) {
             match verdict {
-                Ok(()) => return (Some(*design), refused),
-                Err(rules) => refused.extend(rules),
+                Ok(()) => return (Some(*design), failed_rules),
+                Err(rules) => failed_rules.extend(rules),
             }
-            refused.sort_unstable();
-            refused.dedup();
+            failed_rules.sort_unstable();
+            failed_rules.dedup();
         }
     }
-    (None, refused)
+    (None, failed_rules)
 }
 
 /// The limits that a design meets with nothing to spare.
 fn active_constraints(design: &Design) -> Vec<Holds> {
-    let near = |check: &&Check| check.excess().is_some_and(|excess| excess > -NEAR);
+    let near = |check: &&Check| check.violation().is_some_and(|violations| violations > -NEAR);
     let holds = |check: &Check| Holds { quantity: check.quantity, without: None };
     design.checks.iter().filter(near).map(holds).collect()
 }
@@ -203,8 +203,12 @@ fn least<T>(items: impl Iterator<Item = T>, value: impl Fn(&T) -> f64) -> Option
 /// Orders values: those that meet all limits by their objective, before the others by how much they
 /// fail.
 fn rank(value: &Value) -> f64 {
-    let worst = value.worst();
-    if worst <= SLACK { value.objective.clamp(-1e3, 1e3) } else { 1e4 + worst }
+    let largest_violation = value.largest_violation();
+    if largest_violation <= SLACK {
+        value.objective.clamp(-1e3, 1e3)
+    } else {
+        1e4 + largest_violation
+    }
 }
 
 /// A place in the space of designs.
@@ -223,7 +227,7 @@ struct Search<'a> {
 
 /// The four numbers of a nut that the search moves.
 #[derive(Debug, Clone, Copy)]
-struct Numbers {
+struct Variables {
     pitch_diameter: f64,
     ball: f64,
     contact_angle: f64,
@@ -232,7 +236,7 @@ struct Numbers {
 
 impl Search<'_> {
     /// The numbers of a place: fixed, or from the free ones in turn.
-    fn numbers(&self, free: &[f64]) -> Numbers {
+    fn variables(&self, free: &[f64]) -> Variables {
         let Requirement { fixed, largest_diameter, ranges, .. } = self.requirement;
         let mut free = free.iter();
         let mut next = |(low, high): (f64, f64)| {
@@ -247,7 +251,7 @@ impl Search<'_> {
         let contact_angle = fixed.contact_angle.unwrap_or_else(|| next(ranges.contact_angle));
         let conformity =
             fixed.conformity.unwrap_or_else(|| 0.5 / next(ranges.searched_ball_over_groove()));
-        Numbers { pitch_diameter, ball, contact_angle, conformity }
+        Variables { pitch_diameter, ball, contact_angle, conformity }
     }
 
     /// True for each of the four numbers that is free.
@@ -257,18 +261,18 @@ impl Search<'_> {
     }
 
     /// Length of a turn over the ball diameter.
-    fn balls(&self, numbers: &Numbers) -> f64 {
-        let lead = self.pitch.lead(numbers.pitch_diameter);
-        turn_length(numbers.pitch_diameter, lead) / numbers.ball
+    fn balls(&self, variables: &Variables) -> f64 {
+        let lead = self.pitch.lead(variables.pitch_diameter);
+        turn_length(variables.pitch_diameter, lead) / variables.ball
     }
 
-    fn nut_of(&self, numbers: &Numbers, balls_per_turn: f64, turns: f64) -> Nut {
+    fn nut_of(&self, variables: &Variables, balls_per_turn: f64, turns: f64) -> Nut {
         Nut {
-            ball_diameter: numbers.ball,
-            pitch_diameter: numbers.pitch_diameter,
-            lead: self.pitch.lead(numbers.pitch_diameter),
-            contact_angle: numbers.contact_angle,
-            conformity: (numbers.conformity, numbers.conformity),
+            ball_diameter: variables.ball,
+            pitch_diameter: variables.pitch_diameter,
+            lead: self.pitch.lead(variables.pitch_diameter),
+            contact_angle: variables.contact_angle,
+            conformity: (variables.conformity, variables.conformity),
             material: self.requirement.material,
             starts: 1.0,
             balls_per_turn,
@@ -278,10 +282,10 @@ impl Search<'_> {
 
     /// The nut of a place, with fractions of balls.
     fn nut(&self, at: &Trial) -> Nut {
-        let numbers = self.numbers(&at.free);
+        let variables = self.variables(&at.free);
         // Fewer than the four that stand in the return would carry nothing.
-        let loaded = (self.balls(&numbers) - IDLE_BALLS).max(0.1);
-        self.nut_of(&numbers, loaded, at.turns)
+        let loaded = (self.balls(&variables) - IDLE_BALLS).max(0.1);
+        self.nut_of(&variables, loaded, at.turns)
     }
 
     fn design(&self, nut: Nut) -> Design {
@@ -296,7 +300,12 @@ impl Search<'_> {
         Value {
             objective: design.objective(self.requirement.objective),
             // What counts as kept within the slack of the search is kept but for rounding.
-            excess: design.checks.iter().filter_map(Check::excess).map(|g| g + RESERVE).collect(),
+            violations: design
+                .checks
+                .iter()
+                .filter_map(Check::violation)
+                .map(|g| g + RESERVE)
+                .collect(),
         }
     }
 
@@ -317,10 +326,10 @@ impl Search<'_> {
         let free = self.is_free();
         let minimum = |(turns, start): (f64, &[f64; 4])| {
             let start = start.iter().zip(free).filter(|(_, free)| *free).map(|(x, _)| *x);
-            let place = |x: &[f64]| Trial { turns, free: x.to_vec() };
-            let at = place(&minimise(|x| value(&place(x)), &start.collect::<Vec<_>>()));
+            let trial = |x: &[f64]| Trial { turns, free: x.to_vec() };
+            let at = trial(&minimise(|x| value(&trial(x)), &start.collect::<Vec<_>>()));
             let found = value(&at);
-            (found.worst().max(SLACK), found.objective, at)
+            (found.largest_violation().max(SLACK), found.objective, at)
         };
         let begins: Vec<_> =
             turns.iter().flat_map(|turns| starts.iter().map(|start| (*turns, start))).collect();
@@ -339,8 +348,8 @@ impl Search<'_> {
         let mut nuts = Vec::new();
         for turns in turns {
             for ball in &balls {
-                let any = Numbers { ball: *ball, ..self.numbers(&[0.5; 4]) };
-                let circle = |pitch_diameter| Numbers { pitch_diameter, ..any };
+                let any = Variables { ball: *ball, ..self.variables(&[0.5; 4]) };
+                let circle = |pitch_diameter| Variables { pitch_diameter, ..any };
                 let full = |pitch_diameter| (self.balls(&circle(pitch_diameter)) + 1e-9).floor();
                 let circles: Vec<_> = match fixed.pitch_diameter {
                     Some(pitch_diameter) => vec![(pitch_diameter, full(pitch_diameter))],
@@ -360,14 +369,14 @@ impl Search<'_> {
         // Without any that fits, the others tell why.
         let fitting: Vec<_> = nuts.iter().filter(|nut| self.fits(nut)).copied().collect();
         let nuts = if fitting.is_empty() { nuts } else { fitting };
-        let mut looks: Vec<_> = nuts.par_iter().map(|nut| self.first_look(nut)).collect();
+        let mut coarse_grid: Vec<_> = nuts.par_iter().map(|nut| self.first_look(nut)).collect();
         // Those that can hardly be feasible come last.
-        looks.sort_by(|(a, _), (b, _)| {
-            let rough = |value: &Value| value.worst().max(ROUGH);
+        coarse_grid.sort_by(|(a, _), (b, _)| {
+            let rough = |value: &Value| value.largest_violation().max(ROUGH);
             rough(a).total_cmp(&rough(b)).then(a.objective.total_cmp(&b.objective))
         });
-        looks.truncate(POLISHED.max(looks.len() / 10).min(4 * POLISHED));
-        looks.par_iter().map(|(_, nut)| self.polished(nut)).collect()
+        coarse_grid.truncate(MOST_REFINED.max(coarse_grid.len() / 10).min(4 * MOST_REFINED));
+        coarse_grid.par_iter().map(|(_, nut)| self.refined(nut)).collect()
     }
 
     /// True if the size of a nut keeps the limits, whatever its contact angle and conformity; a size that
@@ -388,16 +397,16 @@ impl Search<'_> {
             let last = if free { steps } else { 0 };
             (0..=last).map(move |i| f64::from(i) / f64::from(last.max(1)))
         };
-        let looks = steps(angle, LOOKS.0).flat_map(|x| {
-            let last = steps(conformity, LOOKS.1);
+        let coarse_grid = steps(angle, COARSE_GRID.0).flat_map(|x| {
+            let last = steps(conformity, COARSE_GRID.1);
             last.map(move |y| [(angle, x), (conformity, y)])
         });
-        let looks = looks.map(|look| {
+        let coarse_grid = coarse_grid.map(|look| {
             let free = look.iter().filter(|(free, _)| *free).map(|(_, x)| *x).collect::<Vec<_>>();
             let nut = self.shaped(nut, &free);
             (self.value_of(&self.design(nut)), nut)
         });
-        least(looks, |(value, _)| rank(value)).expect("at least one look")
+        least(coarse_grid, |(value, _)| rank(value)).expect("at least one look")
     }
 
     /// The pitch circle that so many balls fill, rounded up to 0.01 mm; NaN if the lead alone is
@@ -416,12 +425,12 @@ impl Search<'_> {
         let [diameter, ball, ..] = self.is_free();
         let mut all = vec![0.5; usize::from(diameter) + usize::from(ball)];
         all.extend_from_slice(free);
-        let Numbers { contact_angle, conformity, .. } = self.numbers(&all);
+        let Variables { contact_angle, conformity, .. } = self.variables(&all);
         Nut { contact_angle, conformity: (conformity, conformity), ..*nut }
     }
 
     /// A design with contact angle and conformity optimised from those of `nut`.
-    fn polished(&self, nut: &Nut) -> Design {
+    fn refined(&self, nut: &Nut) -> Design {
         let [.., angle, conformity] = self.is_free();
         let share = |(low, high): (f64, f64), value: f64| (value - low) / (high - low);
         let ranges = &self.requirement.ranges;
@@ -438,16 +447,16 @@ impl Search<'_> {
     /// none if it fails nothing.
     fn conflict(&self, turns: &[f64]) -> (Trial, Vec<ActiveLimit>) {
         let failure = |at: &Trial| {
-            let excess = self.value(at).excess;
-            excess.iter().map(|g| g.max(0.0).powi(2)).sum::<f64>()
+            let violations = self.value(at).violations;
+            violations.iter().map(|g| g.max(0.0).powi(2)).sum::<f64>()
         };
-        let only = |at: &Trial| Value { objective: failure(at), excess: Vec::new() };
+        let only = |at: &Trial| Value { objective: failure(at), violations: Vec::new() };
         let at = self.best_from(&STARTS, turns, only);
         let checks = self.design(self.nut(&at)).checks;
         if checks.iter().all(Check::passes) {
             return (at, Vec::new());
         }
-        let limited: Vec<_> = checks.iter().filter(|check| check.excess().is_some()).collect();
+        let limited: Vec<_> = checks.iter().filter(|check| check.violation().is_some()).collect();
         let alone = limited.par_iter().filter_map(|check| self.without(check, turns));
         let mut blocking: Vec<_> = alone.collect();
         if blocking.is_empty() {
@@ -465,22 +474,22 @@ impl Search<'_> {
             let feasible = |turns: &f64| {
                 let any = |at: &Trial| Value { objective: 0.0, ..self.value(at) };
                 let at = self.best_from(&STARTS, &[*turns], any);
-                let excess = self.design(self.nut(&at)).checks.into_iter();
-                excess.filter(|c| c.quantity != check.quantity).all(|c| c.passes())
+                let violations = self.design(self.nut(&at)).checks.into_iter();
+                violations.filter(|c| c.quantity != check.quantity).all(|c| c.passes())
             };
             return more.into_iter().find(feasible).map(blocked);
         }
         let split = |at: &Trial| {
             let checks = self.design(self.nut(at)).checks;
             let others = checks.iter().filter(|c| c.quantity != check.quantity);
-            let excess = others.filter_map(Check::excess).collect();
+            let violations = others.filter_map(Check::violation).collect();
             let own = checks.iter().find(|c| c.quantity == check.quantity);
             // How far from the limit, in powers of e: even where it is many times the value.
             let far = |c: &Check| {
                 let below = c.least.map_or(f64::NEG_INFINITY, |least| (least / c.value).ln());
                 below.max(c.most.map_or(f64::NEG_INFINITY, |most| (c.value / most).ln()))
             };
-            Value { objective: own.map_or(f64::NAN, far), excess }
+            Value { objective: own.map_or(f64::NAN, far), violations }
         };
         let at = self.best_from(&STARTS, turns, split);
         let best = self.design(self.nut(&at)).value(check.quantity);

@@ -305,18 +305,18 @@ pub struct Check {
 impl Check {
     /// True if nothing is required, or it holds.
     pub fn passes(&self) -> bool {
-        self.excess().is_none_or(|excess| excess <= ROUNDING)
+        self.violation().is_none_or(|violation| violation <= ROUNDING)
     }
 
     /// How much it fails, relative to the limit; not positive if it passes. `None` without a limit.
-    pub fn excess(&self) -> Option<f64> {
+    pub fn violation(&self) -> Option<f64> {
         let below = self.least.map(|least| 1.0 - self.value / least);
         let above = self.most.map(|most| self.value / most - 1.0);
-        let excess = match (below, above) {
+        let violation = match (below, above) {
             (Some(below), Some(above)) => below.max(above),
             (one, other) => one.or(other)?,
         };
-        Some(if self.value.is_nan() { 1.0 } else { excess })
+        Some(if self.value.is_nan() { 1.0 } else { violation })
     }
 }
 

@@ -61,7 +61,7 @@ pub fn minimum_of<E: Into<SearchError>>(
     Ok(found.state.best_param.unwrap_or(f64::NAN))
 }
 
-/// Steps in which [`crossings`] looks over its range.
+/// Steps in which [`sign_changes`] looks over its range.
 const CROSSING_STEPS: u32 = 64;
 
 /// Steps in which [`minimum_inside`] looks over its range.
@@ -69,7 +69,7 @@ const MINIMUM_STEPS: u32 = 40;
 
 /// A root of a function.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Crossing {
+pub struct SignChange {
     /// The root.
     pub at: f64,
     /// Slope of the function there.
@@ -78,9 +78,9 @@ pub struct Crossing {
 
 /// The roots of a function in a range, and how it runs over it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Crossings {
+pub struct SignChanges {
     /// The roots, in the order of the range.
-    pub roots: Vec<Crossing>,
+    pub roots: Vec<SignChange>,
     /// Smallest and largest value at the points that were looked at; `None` if it has none.
     pub values: Option<(f64, f64)>,
     /// Share of these points at which it has a value.
@@ -93,11 +93,12 @@ pub struct Crossings {
 /// # Errors
 ///
 /// Error of `function`.
-pub fn crossings<E: Into<SearchError>>(
+pub fn sign_changes<E: Into<SearchError>>(
     function: impl Fn(f64) -> Result<f64, E>,
     range: (f64, f64),
-) -> Result<Crossings, E> {
-    let points: Vec<_> = (0..=CROSSING_STEPS).map(|i| place(range, i, CROSSING_STEPS)).collect();
+) -> Result<SignChanges, E> {
+    let points: Vec<_> =
+        (0..=CROSSING_STEPS).map(|i| grid_point(range, i, CROSSING_STEPS)).collect();
     let values = points.iter().map(|x| function(*x)).collect::<Result<Vec<_>, _>>()?;
     let mut roots = Vec::new();
     for (x, v) in points.windows(2).zip(values.windows(2)) {
@@ -112,18 +113,18 @@ pub fn crossings<E: Into<SearchError>>(
         if let Some(at) = root {
             let step = 1e-4 * at.abs();
             let slope = (function(at + step)? - function(at - step)?) / (2.0 * step);
-            roots.push(Crossing { at, slope });
+            roots.push(SignChange { at, slope });
         }
     }
     let known: Vec<_> = values.iter().copied().filter(|v| v.is_finite()).collect();
     let least = known.iter().copied().reduce(f64::min);
     #[expect(clippy::cast_precision_loss, reason = "a few points")]
     let share = known.len() as f64 / points.len() as f64;
-    Ok(Crossings { roots, values: least.zip(known.into_iter().reduce(f64::max)), share })
+    Ok(SignChanges { roots, values: least.zip(known.into_iter().reduce(f64::max)), share })
 }
 
 /// Point `i` of `steps`: in equal ratios in a range above 0, else in equal steps.
-fn place((low, high): (f64, f64), i: u32, steps: u32) -> f64 {
+fn grid_point((low, high): (f64, f64), i: u32, steps: u32) -> f64 {
     let share = f64::from(i) / f64::from(steps);
     if i == steps {
         high
@@ -160,7 +161,7 @@ pub struct Value {
     /// Objective to minimise.
     pub objective: f64,
     /// Constraints, at most 0.
-    pub excess: Vec<f64>,
+    pub violations: Vec<f64>,
 }
 
 /// Excess that counts as none.
@@ -169,12 +170,12 @@ pub const SLACK: f64 = 1e-4;
 impl Value {
     /// True if all constraints hold within [`SLACK`].
     pub fn is_feasible(&self) -> bool {
-        self.worst() <= SLACK
+        self.largest_violation() <= SLACK
     }
 
     /// The largest excess, or 0.
-    pub fn worst(&self) -> f64 {
-        self.excess.iter().copied().fold(0.0, f64::max)
+    pub fn largest_violation(&self) -> f64 {
+        self.violations.iter().copied().fold(0.0, f64::max)
     }
 }
 
@@ -192,28 +193,28 @@ pub fn minimise(function: impl Fn(&[f64]) -> Value, start: &[f64]) -> Vec<f64> {
     if start.is_empty() {
         return best;
     }
-    let mut multipliers = vec![0.0; function(&inside(start)).excess.len()];
+    let mut multipliers = vec![0.0; function(&inside(start)).violations.len()];
     let (mut weight, mut size) = (10.0, 0.25);
-    let mut worst = f64::INFINITY;
+    let mut largest_violation = f64::INFINITY;
     for _ in 0..ROUNDS {
         let lagrangian = |x: &[f64]| {
-            let Value { objective, excess } = function(&inside(x));
+            let Value { objective, violations } = function(&inside(x));
             // f + Σ max(0, Λ + w g)² / 2w, and a wall around the cube
             let pull = |(g, m): (&f64, &f64)| (m + weight * finite(*g)).max(0.0).powi(2);
             let outside: f64 = x.iter().map(|x| (x - x.clamp(0.0, 1.0)).powi(2)).sum();
-            let constraints: f64 = excess.iter().zip(&multipliers).map(pull).sum();
+            let constraints: f64 = violations.iter().zip(&multipliers).map(pull).sum();
             finite(objective) + constraints / (2.0 * weight) + 1e3 * outside
         };
         best = inside(&simplex(&lagrangian, &best, size));
-        let Value { excess, .. } = function(&best);
-        for (multiplier, excess) in multipliers.iter_mut().zip(&excess) {
-            *multiplier = (*multiplier + weight * finite(*excess)).max(0.0);
+        let Value { violations, .. } = function(&best);
+        for (multiplier, violations) in multipliers.iter_mut().zip(&violations) {
+            *multiplier = (*multiplier + weight * finite(*violations)).max(0.0);
         }
-        let now = excess.iter().map(|g| finite(*g)).fold(0.0, f64::max);
-        if now > 0.3 * worst {
+        let now = violations.iter().map(|g| finite(*g)).fold(0.0, f64::max);
+        if now > 0.3 * largest_violation {
             weight *= 4.0;
         }
-        (worst, size) = (now, (0.5 * size).max(0.01));
+        (largest_violation, size) = (now, (0.5 * size).max(0.01));
     }
     best
 }
@@ -260,9 +261,9 @@ mod tests {
     #[test]
     fn all_changes_of_sign_are_found() {
         let sine = |x: f64| Ok::<_, SearchError>(x.sin());
-        let all = crossings(sine, (-1.0, 7.0)).expect("a sine");
+        let all = sign_changes(sine, (-1.0, 7.0)).expect("a sine");
         // Roots are closed in on to 1e-10 of the interval, slopes to the square of the step.
-        let near = |root: &Crossing, at: f64, slope: f64| {
+        let near = |root: &SignChange, at: f64, slope: f64| {
             (root.at - at).abs() < 1e-9 && (at == 0.0 || (root.slope - slope).abs() < 1e-6)
         };
         let expected = [(0.0, 1.0), (PI, -1.0), (2.0 * PI, 1.0)];
@@ -272,11 +273,11 @@ mod tests {
             all.share >= 1.0 && all.values.is_some_and(|(low, high)| low < -0.99 && high > 0.99)
         );
         let part = |x: f64| sine(if x > 4.0 { f64::NAN } else { x });
-        let part = crossings(part, (1.0, 7.0)).expect("a sine");
+        let part = sign_changes(part, (1.0, 7.0)).expect("a sine");
         assert!(part.roots.len() == 1 && near(&part.roots[0], PI, -1.0), "{part:?}");
         assert!((0.5..0.8).contains(&part.share), "{part:?}");
-        let none = crossings(|_| sine(f64::NAN), (1.0, 7.0)).expect("no value");
-        assert_eq!(none, Crossings { roots: Vec::new(), values: None, share: 0.0 });
+        let none = sign_changes(|_| sine(f64::NAN), (1.0, 7.0)).expect("no value");
+        assert_eq!(none, SignChanges { roots: Vec::new(), values: None, share: 0.0 });
     }
 
     /// By hand: a parabola beside a hole without values; its least value at an end is none inside.
@@ -301,12 +302,12 @@ mod tests {
         let disc = |x: &[f64]| (x[0] - 0.5_f64).hypot(x[1] - 0.5) / 0.3 - 1.0;
         let distance = |x: &[f64]| (x[0] - 0.9).powi(2) + (x[1] - 0.9).powi(2);
         let one =
-            minimise(|x| Value { objective: distance(x), excess: vec![disc(x)] }, &[0.1, 0.8]);
+            minimise(|x| Value { objective: distance(x), violations: vec![disc(x)] }, &[0.1, 0.8]);
         let expected = 0.5 + 0.3 / 2.0_f64.sqrt();
         // Slack of the constraints over their slope.
         assert!(one.iter().all(|x| (x - expected).abs() < 1e-4), "{one:?}");
         let two = minimise(
-            |x| Value { objective: distance(x), excess: vec![disc(x), x[0] - 0.6] },
+            |x| Value { objective: distance(x), violations: vec![disc(x), x[0] - 0.6] },
             &[0.1, 0.8],
         );
         let expected = 0.5 + (0.09_f64 - 0.01).sqrt();
@@ -320,7 +321,7 @@ mod tests {
             |x| {
                 let hole = x[0] > 0.3 && x[0] < 0.4 && x[1] < 0.5;
                 let objective = if hole { f64::NAN } else { x[0] - x[1] };
-                Value { objective, excess: Vec::new() }
+                Value { objective, violations: Vec::new() }
             },
             &[0.7, 0.8],
         );

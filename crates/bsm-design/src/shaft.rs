@@ -132,25 +132,25 @@ impl Shaft {
         stress * self.section()
     }
 
-    /// Its stiffness along the axis where a nut at `place` loads it \[N/m\] (Z4).
+    /// Its stiffness along the axis where a nut at `position` loads it \[N/m\] (Z4).
     ///
     /// ```math
     /// K_s = \frac{EA}{x} \quad\text{or}\quad EA\Big(\frac1x + \frac1{l - x}\Big)
     /// ```
     ///
-    /// with one end that takes axial load, or two. * `place`: distance `$x$` of the nut from that end
+    /// with one end that takes axial load, or two. * `position`: distance `$x$` of the nut from that end
     /// \[m\], above 0 and below the length.
     ///
     /// Source: HIWIN BS-08-2, F 3.31 and F 3.32.
-    pub fn stiffness_at(&self, place: f64) -> f64 {
+    pub fn stiffness_at(&self, position: f64) -> f64 {
         let strained = self.youngs_modulus * self.section();
         match self.support {
             // K_s = E A/x                                                 (Z4)
             Support::FixedFree | Support::SupportedSupported | Support::FixedSupported => {
-                strained / place
+                strained / position
             }
             // K_s = E A [1/x + 1/(l − x)]                                 (Z4)
-            Support::FixedFixed => strained * (place.recip() + (self.length - place).recip()),
+            Support::FixedFixed => strained * (position.recip() + (self.length - position).recip()),
         }
     }
 
@@ -473,9 +473,9 @@ mod tests {
             4.0 * one.least_stiffness(),
             max_relative = 1e-14
         );
-        for place in [0.1, 0.3, 0.59, 0.61, 1.1] {
-            assert!(two.stiffness_at(place) > two.least_stiffness());
-            assert!(one.stiffness_at(place) > one.least_stiffness());
+        for position in [0.1, 0.3, 0.59, 0.61, 1.1] {
+            assert!(two.stiffness_at(position) > two.least_stiffness());
+            assert!(one.stiffness_at(position) > one.least_stiffness());
         }
         // The other end adds x/(l − x).
         let share = two.stiffness_at(1e-6) / one.stiffness_at(1e-6);

@@ -31,8 +31,8 @@ impl Requirement {
             return None;
         }
         let limits = Limits { material: self.material, ..*limits };
-        let places = lists.places(&limits);
-        let designs = lists.map(&limits, &places, |_, candidate| {
+        let indices = lists.indices(&limits);
+        let designs = lists.map(&limits, &indices, |_, candidate| {
             let fits = self
                 .fixed
                 .pitch_diameter
@@ -52,11 +52,11 @@ impl Requirement {
         }
         kept.retain(|design| design.objective(self.objective).is_finite());
         kept.sort_by(|a, b| a.objective(self.objective).total_cmp(&b.objective(self.objective)));
-        let (first, refused) = first_accepted(&kept.iter().collect::<Vec<_>>(), accepted);
+        let (first, failed_rules) = first_accepted(&kept.iter().collect::<Vec<_>>(), accepted);
         if let Some(design) = first {
             let design = complete(design);
             let active = self.holds_back(&failed, &design, complete);
-            return Some(Outcome::Found { design, active, refused });
+            return Some(Outcome::Found { design, active, failed_rules });
         }
         if let [best, ..] = &kept[..] {
             return Some(Outcome::Infeasible { design: complete(best), blocking: Vec::new() });
@@ -84,7 +84,7 @@ impl Requirement {
         };
         // An efficiency takes a solution of its model.
         let most = if objective.asks_efficiency() { ASKED } else { usize::MAX };
-        let mut nearest: Vec<_> = failed.iter().map(|design| (excess(design), design)).collect();
+        let mut nearest: Vec<_> = failed.iter().map(|design| (violation(design), design)).collect();
         nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
         let holds = |designs: Vec<(Check, &Design)>| {
             let quantity = designs[0].0.quantity;
@@ -93,8 +93,8 @@ impl Requirement {
             let (_, value) = better.min_by(|a, b| a.0.total_cmp(&b.0))?;
             Some(Holds { quantity, without: Some(value) })
         };
-        let alone = alone(nearest.iter().map(|(_, design)| *design));
-        let found: Vec<_> = alone.into_iter().filter_map(holds).collect();
+        let single_violations = single_violations(nearest.iter().map(|(_, design)| *design));
+        let found: Vec<_> = single_violations.into_iter().filter_map(holds).collect();
         if !found.is_empty() {
             return found;
         }
@@ -134,9 +134,9 @@ impl Requirement {
 }
 
 /// How much a design breaks its limits.
-fn excess(design: &Design) -> f64 {
-    let far = design.checks.iter().filter_map(Check::excess).filter(|e| e.is_finite());
-    far.map(|excess| excess.max(0.0).powi(2)).sum()
+fn violation(design: &Design) -> f64 {
+    let far = design.checks.iter().filter_map(Check::violation).filter(|e| e.is_finite());
+    far.map(|violation| violation.max(0.0).powi(2)).sum()
 }
 
 /// The limits that a design breaks.
@@ -146,17 +146,19 @@ fn failing(design: &Design) -> Vec<Check> {
 }
 
 /// The designs that break one limit only, by that limit.
-fn alone<'a>(designs: impl Iterator<Item = &'a Design>) -> Vec<Vec<(Check, &'a Design)>> {
-    let mut alone: Vec<Vec<(Check, &Design)>> = Vec::new();
+fn single_violations<'a>(
+    designs: impl Iterator<Item = &'a Design>,
+) -> Vec<Vec<(Check, &'a Design)>> {
+    let mut single_violations: Vec<Vec<(Check, &Design)>> = Vec::new();
     for design in designs {
         if let [check] = failing(design)[..] {
-            match alone.iter_mut().find(|group| group[0].0.quantity == check.quantity) {
+            match single_violations.iter_mut().find(|group| group[0].0.quantity == check.quantity) {
                 Some(group) => group.push((check, design)),
-                None => alone.push(vec![(check, design)]),
+                None => single_violations.push(vec![(check, design)]),
             }
         }
     }
-    alone
+    single_violations
 }
 
 /// Why no standard size meets all limits: the one that fails least, and each limit that alone is in the way, with
@@ -164,11 +166,13 @@ fn alone<'a>(designs: impl Iterator<Item = &'a Design>) -> Vec<Vec<(Check, &'a D
 fn blocked(designs: Vec<Design>, complete: impl Fn(&Design) -> Design) -> Option<Outcome> {
     let least = |designs: Vec<(Check, &Design)>| {
         let checks = designs.into_iter().map(|(check, _)| check);
-        let least = checks.min_by(|a, b| a.excess().partial_cmp(&b.excess()).unwrap_or(Equal))?;
+        let least =
+            checks.min_by(|a, b| a.violation().partial_cmp(&b.violation()).unwrap_or(Equal))?;
         Some(ActiveLimit { why: Why::Alone(least.value), check: least })
     };
-    let mut blocking: Vec<_> = alone(designs.iter()).into_iter().filter_map(least).collect();
-    let nearest = designs.into_iter().min_by(|a, b| excess(a).total_cmp(&excess(b)))?;
+    let mut blocking: Vec<_> =
+        single_violations(designs.iter()).into_iter().filter_map(least).collect();
+    let nearest = designs.into_iter().min_by(|a, b| violation(a).total_cmp(&violation(b)))?;
     if blocking.is_empty() {
         let with = |check: Check| ActiveLimit { check, why: Why::WithOthers };
         blocking = failing(&nearest).into_iter().map(with).collect();

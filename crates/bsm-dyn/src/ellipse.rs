@@ -17,7 +17,7 @@ use self::kernel::{MOTION, sums_on};
 pub(crate) use self::many::{ManyNodes, ManyQuadrature, SplitPoint};
 pub(crate) use self::oil::OilLaw;
 pub use self::panels::{EllipseSlip, Quadrature, power_of_many, slip_scale};
-pub(crate) use self::panels::{FrozenRule, Nodes, Rules, surface_drop};
+pub(crate) use self::panels::{FrozenRule, Placement, Rules, surface_drop};
 use crate::contact::{Coulomb, FrictionLaw, MixedFriction, Wrench};
 
 /// A loaded contact ellipse on the ball.
@@ -123,7 +123,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
         local: &Local<D>,
         law: &L,
         creep: f64,
-        nodes: Nodes<'_>,
+        nodes: Placement<'_>,
     ) -> (Integral<D>, D) {
         let zero = D::from(0.0);
         let mut sum = Integral { force: [zero; 2], moment: [zero; 3] };
@@ -163,12 +163,16 @@ pub(crate) trait Integrate<P>: Over<P> {
         ellipse: &Ellipse<Self, P>,
         local: &Local<Self>,
         creep: f64,
-        nodes: Nodes<'_>,
+        nodes: Placement<'_>,
     ) -> (Integral<Self>, f64);
 
     /// Power that friction takes, over `$f Q$`.
-    fn power(ellipse: &Ellipse<Self, P>, local: &Local<Self>, creep: f64, nodes: Nodes<'_>)
-    -> Self;
+    fn power(
+        ellipse: &Ellipse<Self, P>,
+        local: &Local<Self>,
+        creep: f64,
+        nodes: Placement<'_>,
+    ) -> Self;
 
     /// Friction of a lubricated ellipse over `$Q$`, as [`Ellipse::integrate`], and the power that it takes.
     fn lubricated(
@@ -176,7 +180,7 @@ pub(crate) trait Integrate<P>: Over<P> {
         local: &Local<Self>,
         law: &MixedFriction<Self>,
         creep: f64,
-        nodes: Nodes<'_>,
+        nodes: Placement<'_>,
     ) -> (Integral<Self>, Self);
 }
 
@@ -211,14 +215,14 @@ impl Integrate<f64> for f64 {
         ellipse: &Ellipse<f64>,
         local: &Local<f64>,
         creep: f64,
-        nodes: Nodes<'_>,
+        nodes: Placement<'_>,
     ) -> (Integral<f64>, f64) {
         let point = ellipse.point(local, creep);
         let sums = sums_on::<_, 2, false>(Arch::new(), &point, Dry, nodes);
         (Integral::from_sums(sums.values), sums.power)
     }
 
-    fn power(ellipse: &Ellipse<f64>, local: &Local<f64>, creep: f64, nodes: Nodes<'_>) -> f64 {
+    fn power(ellipse: &Ellipse<f64>, local: &Local<f64>, creep: f64, nodes: Placement<'_>) -> f64 {
         Self::integrate(ellipse, local, creep, nodes).1
     }
 
@@ -227,7 +231,7 @@ impl Integrate<f64> for f64 {
         local: &Local<f64>,
         law: &MixedFriction,
         creep: f64,
-        nodes: Nodes<'_>,
+        nodes: Placement<'_>,
     ) -> (Integral<f64>, f64) {
         let (point, law) = (ellipse.point(local, creep), OilLaw::of(law));
         let sums = sums_on::<_, 4, false>(Arch::new(), &point, law, nodes);
@@ -240,7 +244,7 @@ impl<const N: usize> Integrate<f64> for Jet<N> {
         ellipse: &Ellipse<Self>,
         local: &Local<Self>,
         creep: f64,
-        nodes: Nodes<'_>,
+        nodes: Placement<'_>,
     ) -> (Integral<Self>, f64) {
         let point = ellipse.point(local, creep);
         let Resultants { values, power, slopes, .. } =
@@ -250,7 +254,12 @@ impl<const N: usize> Integrate<f64> for Jet<N> {
         (Integral::sloped(values, &slopes, &arguments), power)
     }
 
-    fn power(ellipse: &Ellipse<Self>, local: &Local<Self>, creep: f64, nodes: Nodes<'_>) -> Self {
+    fn power(
+        ellipse: &Ellipse<Self>,
+        local: &Local<Self>,
+        creep: f64,
+        nodes: Placement<'_>,
+    ) -> Self {
         ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule.into()).1
     }
 
@@ -259,7 +268,7 @@ impl<const N: usize> Integrate<f64> for Jet<N> {
         local: &Local<Self>,
         law: &MixedFriction<Self>,
         creep: f64,
-        nodes: Nodes<'_>,
+        nodes: Placement<'_>,
     ) -> (Integral<Self>, Self) {
         ellipse.integrate(local, law, creep, nodes)
     }
@@ -293,7 +302,7 @@ impl<const N: usize> Integrate<Self> for Jet<N> {
         ellipse: &Ellipse<Self, Self>,
         local: &Local<Self>,
         creep: f64,
-        nodes: Nodes<'_>,
+        nodes: Placement<'_>,
     ) -> (Integral<Self>, f64) {
         let (unit, power) =
             ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule.into());
@@ -304,7 +313,7 @@ impl<const N: usize> Integrate<Self> for Jet<N> {
         ellipse: &Ellipse<Self, Self>,
         local: &Local<Self>,
         creep: f64,
-        nodes: Nodes<'_>,
+        nodes: Placement<'_>,
     ) -> Self {
         ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule.into()).1
     }
@@ -314,7 +323,7 @@ impl<const N: usize> Integrate<Self> for Jet<N> {
         local: &Local<Self>,
         law: &MixedFriction<Self>,
         creep: f64,
-        nodes: Nodes<'_>,
+        nodes: Placement<'_>,
     ) -> (Integral<Self>, Self) {
         ellipse.integrate(local, law, creep, nodes)
     }
@@ -460,7 +469,7 @@ mod tests {
             };
             let film = jet(1.0, 5);
             let law = MixedFriction {
-                share: (film * share.ln()).exp(),
+                asperity_share: (film * share.ln()).exp(),
                 boundary: Jet::from(0.12),
                 limit: Jet::from(0.047),
                 shear: Jet::from(10.0_f64.powf(log_shear)) / film,
@@ -468,7 +477,7 @@ mod tests {
                 max_pressure: Jet::from(gigapascals * 1e9),
                 pressure_scale: Jet::from(52e6),
             };
-            let nodes = Nodes::from(&quadrature);
+            let nodes = Placement::from(&quadrature);
             let (slow, power) = ellipse.integrate(&local, &law, creep, nodes);
             let point = ellipse.point(&local, creep);
             let oil = OilLaw::of(&law.values());
@@ -610,7 +619,7 @@ mod tests {
                 sloped([side * shift * spin * a, roll, spin, 0.0], (a, a / ratio));
             let point = ellipse.point(&local, 1e-4);
             let law = MixedFriction {
-                share: rng.random_range(0.0..0.9),
+                asperity_share: rng.random_range(0.0..0.9),
                 boundary: 0.12,
                 limit: 0.047,
                 shear: rng.log_uniform(1e-6, 3.0),

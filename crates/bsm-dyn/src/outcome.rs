@@ -179,9 +179,9 @@ pub enum Reason {
     /// The curvatures of ball and groove give no ellipse across the groove.
     CurvaturesNotHertzian {
         /// Along the track \[1/m\].
-        along: f64,
+        longitudinal: f64,
         /// Across the groove \[1/m\].
-        across: f64,
+        transverse: f64,
     },
     /// `$P = 0$`: a ball that does not circle has no gyroscopic moment to carry the friction couple.
     BallDoesNotCircle,

@@ -5,9 +5,9 @@ use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::{Basis, Choice, Direction, ErrorBound, ModelErrors, Traction, integrated_error};
 use bsm_simd::{Arch, Simd, WithSimd};
 
+use crate::contacts::InUnits;
 use crate::elastic::{Elastic, sliding_ball};
 use crate::operand::{Lane, LaneInputs, Valid};
-use crate::pair::InUnits;
 use crate::raceway::{Raceway, RacewayRow};
 use crate::traction::MANY;
 use crate::{Kernel, RowChoice, Rows, Run, Selection, Sink, traction};
@@ -89,7 +89,7 @@ struct Group {
 impl Group {
     /// What the choice asks of an answer.
     fn asked(&self, row: usize) -> [f64; ASKED.len()] {
-        self.asked.map(|place| self.columns[place][row])
+        self.asked.map(|index| self.columns[index][row])
     }
 }
 
@@ -104,21 +104,21 @@ impl Auto<'_, '_> {
         let mut columns = vec![vec![f64::NAN; points.len()]; self.rows.columns.len() + ASKED.len()];
         let mut done = vec![false; points.len()];
         if !points.is_empty() {
-            let mut places: Vec<_> = columns.iter_mut().map(|column| &mut column[..]).collect();
-            let (operands, wanted) = (&self.rows.operands.select(&points), &self.asked);
-            kernel(Rows { operands, wanted, first: 0, columns: &mut places, done: &mut done });
+            let mut indices: Vec<_> = columns.iter_mut().map(|column| &mut column[..]).collect();
+            let (inputs, wanted) = (&self.rows.inputs.select(&points), &self.asked);
+            kernel(Rows { inputs, wanted, first: 0, columns: &mut indices, done: &mut done });
         }
-        let asked = ASKED.map(|key| self.asked.place(key).expect("it was asked for"));
+        let asked = ASKED.map(|key| self.asked.index(key).expect("it was asked for"));
         Group { columns, asked, done }
     }
 
     /// Takes an answer of a kernel, but for some outputs.
     fn take(&mut self, ball: &RollingRow, (group, i): (&Group, usize), but: &[OutputKey]) {
-        let kept = but.iter().filter_map(|key| self.rows.wanted.place(*key));
+        let kept = but.iter().filter_map(|key| self.rows.wanted.index(*key));
         let kept: Vec<_> = kept.collect();
-        for (place, column) in self.rows.columns.iter_mut().enumerate() {
-            if !kept.contains(&place) {
-                column[ball.row] = group.columns[place][i];
+        for (index, column) in self.rows.columns.iter_mut().enumerate() {
+            if !kept.contains(&index) {
+                column[ball.row] = group.columns[index][i];
             }
         }
     }
@@ -131,8 +131,8 @@ impl Auto<'_, '_> {
             (OutputKey::efficiency_error_bound, error.efficiency),
             (OutputKey::loss_error_bound, error.loss.unwrap_or(f64::NAN)),
         ] {
-            if let Some(place) = self.rows.wanted.place(key) {
-                self.rows.columns[place][ball.row] = value;
+            if let Some(index) = self.rows.wanted.index(key) {
+                self.rows.columns[index][ball.row] = value;
             }
         }
         self.rows.done[ball.row] = true;
@@ -160,22 +160,22 @@ impl WithSimd for RollingRows<'_, '_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Rows { operands, wanted, first, columns, done } = self.0;
+        let Rows { inputs, wanted, first, columns, done } = self.0;
         let mut rolling = Vec::with_capacity(done.len());
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
-            let given = LaneInputs { simd, operands, row: *first + row };
-            let (units, pair) = simd.vectorize(InUnits(&given));
+            let given = LaneInputs { simd, inputs, row: *first + row };
+            let (units, contacts) = simd.vectorize(InUnits(&given));
             let mut out = Sink { wanted, columns, row };
             let ball = simd.vectorize(RacewayRow {
                 given: &given,
                 units: &units,
-                pair: &pair,
+                contacts: &contacts,
                 control: None,
                 out: &mut out,
             });
             let friction = given.get(InputKey::friction_coefficient);
             let back = units.speed.lt(friction.constant(0.0));
-            let sliding = sliding_ball(&pair, back.select(-friction, friction));
+            let sliding = sliding_ball(&contacts, back.select(-friction, friction));
             let errors = ModelErrors::of(&sliding, back, ball.efficiency, ball.skid);
             let known = errors.onset_number.lt(friction.constant(f64::INFINITY));
             let valid = simd.vectorize(Valid { given: &given, model: Raceway::MODEL });

@@ -8,8 +8,8 @@ use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::closed_form::{power_balance, transmit_torque};
+use crate::contacts::{ContactRow, Contacts, InUnits};
 use crate::operand::{Lane, LaneInputs, Mask};
-use crate::pair::{Balls, ContactRow, InUnits};
 use crate::rigid::{ball_motion, slip_angle};
 use crate::units::Units;
 use crate::{Kernel, Sink};
@@ -27,19 +27,21 @@ impl Kernel for Elastic {
 
     #[inline(always)]
     fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S> {
-        let (units, pair) = given.simd.vectorize(InUnits(given));
+        let (units, contacts) = given.simd.vectorize(InUnits(given));
         let friction = given.get(InputKey::friction_coefficient);
         let back = units.speed.lt(friction.constant(0.0));
         let signed = back.select(-friction, friction);
-        let skid = given.simd.vectorize(GrossSlip { pair: &pair, friction: signed, any: false });
+        let skid =
+            given.simd.vectorize(GrossSlip { contacts: &contacts, friction: signed, any: false });
         if !skid.found.any() {
             return skid.found;
         }
         let ([q_a, q_b], [sin_a, sin_b], [cos_a, cos_b]) =
             (skid.state.loads, skid.state.sin, skid.state.cos);
-        let sides = [pair.loaded(0, q_a, (sin_a, cos_a)), pair.loaded(1, q_b, (sin_b, cos_b))];
-        given.simd.vectorize(ContactRow { out, units: &units, pair: &pair, sides: &sides });
-        let imbalance = outputs(&skid, out, &units, &pair);
+        let sides =
+            [contacts.loaded(0, q_a, (sin_a, cos_a)), contacts.loaded(1, q_b, (sin_b, cos_b))];
+        given.simd.vectorize(ContactRow { out, units: &units, contacts: &contacts, sides: &sides });
+        let imbalance = outputs(&skid, out, &units, &contacts);
         out.set_all(OutputKey::iterations, [skid.steps, skid.residual]);
         skid.found & imbalance.abs().le(imbalance.constant(POWER_BALANCE_TOL))
     }
@@ -48,7 +50,7 @@ impl Kernel for Elastic {
 /// The first roots, if the inertia only rises up to them, of a friction with the sign of the speed: a call of its
 /// own, as the code is long.
 pub(super) struct GrossSlip<'a, S: Simd> {
-    pub(super) pair: &'a Balls<S>,
+    pub(super) contacts: &'a Contacts<S>,
     pub(super) friction: Lane<S>,
     /// One that serves as a start is enough.
     pub(super) any: bool,
@@ -59,32 +61,35 @@ impl<S: Simd> NullaryFnOnce for GrossSlip<'_, S> {
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        let Self { pair, friction, any } = self;
-        let ball = sliding_ball(pair, friction);
-        let expected = pair.regular
-            & takes(friction.abs(), pair.inertia_ratio)
-            & pair.nut_speed.abs().lt(pair.constant(MOST_NUT_SPEED));
-        let root = ball.first_root(pair.cos_b / pair.sin_b, expected, any);
-        let sure = root.state.along.lt(pair.constant(MOST_LOAD));
+        let Self { contacts, friction, any } = self;
+        let ball = sliding_ball(contacts, friction);
+        let expected = contacts.regular
+            & takes(friction.abs(), contacts.inertia_ratio)
+            & contacts.nut_speed.abs().lt(contacts.constant(MOST_NUT_SPEED));
+        let root = ball.first_root(contacts.cos_b / contacts.sin_b, expected, any);
+        let sure = root.state.along.lt(contacts.constant(MOST_LOAD));
         SlidingRoot { steady: root.steady & sure, found: root.found & sure, ..root }
     }
 }
 
 /// The balls with a friction that has the sign of the speed.
 #[inline(always)]
-pub(super) fn sliding_ball<S: Simd>(pair: &Balls<S>, friction: Lane<S>) -> SlidingBall<Lane<S>> {
-    let [nut, screw] = &pair.pressed;
+pub(super) fn sliding_ball<S: Simd>(
+    contacts: &Contacts<S>,
+    friction: Lane<S>,
+) -> SlidingBall<Lane<S>> {
+    let [nut, screw] = &contacts.pressed;
     SlidingBall {
         friction,
-        sin: pair.sin_a,
-        cos: pair.cos_a,
-        cot: pair.cos_a / pair.sin_a,
-        arc: pair.arc,
-        inertia_ratio: pair.inertia_ratio,
-        nut_speed: pair.nut_speed,
+        sin: contacts.sin_a,
+        cos: contacts.cos_a,
+        cot: contacts.cos_a / contacts.sin_a,
+        arc: contacts.arc,
+        inertia_ratio: contacts.inertia_ratio,
+        nut_speed: contacts.nut_speed,
         offsets: [nut.offset, screw.offset],
         approaches: [nut.hertz.compliance, screw.hertz.compliance],
-        reach: pair.reach(),
+        radial_distance: contacts.radial_distance(),
     }
 }
 
@@ -94,13 +99,13 @@ fn outputs<S: Simd>(
     skid: &SlidingRoot<Lane<S>>,
     out: &mut Sink<'_, '_>,
     units: &Units<S>,
-    pair: &Balls<S>,
+    contacts: &Contacts<S>,
 ) -> Lane<S> {
-    let (w, lead) = (units.speed, (pair.sin_a, pair.cos_a));
+    let (w, lead) = (units.speed, (contacts.sin_a, contacts.cos_a));
     let to_nut = skid.rotation();
-    ball_motion(out, w, skid.rate, relative_rotation(to_nut, -pair.nut_speed, lead));
+    ball_motion(out, w, skid.rate, relative_rotation(to_nut, -contacts.nut_speed, lead));
     let ([sin_a, sin_b], [cos_a, cos_b]) = (skid.state.sin, skid.state.cos);
-    let to_screw = relative_rotation(to_nut, pair.constant(1.0), lead);
+    let to_screw = relative_rotation(to_nut, contacts.constant(1.0), lead);
     let spins = [spin_at_nut(to_nut, (sin_a, cos_a)), -spin_at_nut(to_screw, (sin_b, cos_b))];
     out.set_all(OutputKey::nut_spin_rad_s, [spins[0] * w, spins[1] * w]);
     let ([v_a, v_b], speed) = (skid.motion.slip, w.abs() * units.ball);
@@ -109,7 +114,11 @@ fn outputs<S: Simd>(
     slip_angle(out, OutputKey::nut_slip_angle_deg, at_nut);
     slip_angle(out, OutputKey::screw_slip_angle_deg, at_screw);
     let torque = skid.torque();
-    let ideal = ideal_torque(pair.constant(1.0), pair.arc * pair.cos_a, pair.sin_a / pair.cos_a);
+    let ideal = ideal_torque(
+        contacts.constant(1.0),
+        contacts.arc * contacts.cos_a,
+        contacts.sin_a / contacts.cos_a,
+    );
     let back = w.lt(w.constant(0.0));
     transmit_torque(out, back, (torque, ideal), units.ball * units.axial, w);
     power_balance(out, w, (torque, ideal), skid.friction_power())

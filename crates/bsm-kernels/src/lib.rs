@@ -5,9 +5,9 @@
 
 mod auto;
 mod closed_form;
+mod contacts;
 mod elastic;
 mod operand;
-mod pair;
 mod quasi_static;
 mod raceway;
 mod rigid;
@@ -43,27 +43,27 @@ pub struct Selection([Option<usize>; OUTPUTS.len()]);
 impl Selection {
     /// Outputs in the order of their columns.
     pub fn of(outputs: &[&Output]) -> Self {
-        let mut places = [None; OUTPUTS.len()];
-        for (place, output) in outputs.iter().enumerate() {
+        let mut indices = [None; OUTPUTS.len()];
+        for (index, output) in outputs.iter().enumerate() {
             if let Some(key) = output.key() {
-                places[key as usize] = Some(place);
+                indices[key as usize] = Some(index);
             }
         }
-        Self(places)
+        Self(indices)
     }
 
     /// With more outputs, those that are new behind `len` columns.
     fn with(&self, keys: &[OutputKey], len: usize) -> Self {
         let mut this = self.clone();
-        let new = keys.iter().filter(|key| self.place(**key).is_none());
-        for (place, key) in (len..).zip(new) {
-            this.0[*key as usize] = Some(place);
+        let new = keys.iter().filter(|key| self.index(**key).is_none());
+        for (index, key) in (len..).zip(new) {
+            this.0[*key as usize] = Some(index);
         }
         this
     }
 
     /// The place of an output.
-    fn place(&self, key: OutputKey) -> Option<usize> {
+    fn index(&self, key: OutputKey) -> Option<usize> {
         self.0[key as usize]
     }
 }
@@ -80,23 +80,23 @@ impl Sink<'_, '_> {
     /// True if any of these outputs is wanted: what takes time is computed only then.
     #[inline(always)]
     fn wants(&self, keys: &[OutputKey]) -> bool {
-        keys.iter().any(|key| self.wanted.place(*key).is_some())
+        keys.iter().any(|key| self.wanted.index(*key).is_some())
     }
 
     /// Stores the values of an output, in the unit of the vocabulary.
     #[inline(always)]
     fn set<S: Simd>(&mut self, key: OutputKey, values: Lane<S>) {
-        if let Some(place) = self.wanted.place(key) {
-            values.store(&mut self.columns[place][self.row..]);
+        if let Some(index) = self.wanted.index(key) {
+            values.store(&mut self.columns[index][self.row..]);
         }
     }
 
     /// Stores the values of an output and of those that follow it in the vocabulary.
     #[inline(always)]
     fn set_all<S: Simd, const N: usize>(&mut self, first: OutputKey, values: [Lane<S>; N]) {
-        for (place, values) in self.wanted.0[first as usize..].iter().zip(values) {
-            if let Some(place) = *place {
-                values.store(&mut self.columns[place][self.row..]);
+        for (index, values) in self.wanted.0[first as usize..].iter().zip(values) {
+            if let Some(index) = *index {
+                values.store(&mut self.columns[index][self.row..]);
             }
         }
     }
@@ -118,7 +118,7 @@ impl Sink<'_, '_> {
 #[derive(Debug)]
 pub struct Rows<'a, 'b> {
     /// The inputs of the chunk.
-    pub operands: &'a InputColumns<'a>,
+    pub inputs: &'a InputColumns<'a>,
     /// The outputs that are wanted.
     pub wanted: &'a Selection,
     /// The first of the rows in the chunk.
@@ -178,9 +178,9 @@ impl<K: Kernel> WithSimd for Run<'_, '_, K> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Rows { operands, wanted, first, columns, done } = self.rows;
+        let Rows { inputs, wanted, first, columns, done } = self.rows;
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
-            let given = LaneInputs { simd, operands, row: first + row };
+            let given = LaneInputs { simd, inputs, row: first + row };
             let mut out = Sink { wanted, columns: &mut *columns, row };
             let solved = self.kernel.solve(&given, &mut out);
             let valid = simd.vectorize(Valid { given: &given, model: K::MODEL });

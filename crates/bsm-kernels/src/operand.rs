@@ -40,7 +40,7 @@ impl<'a> InputColumns<'a> {
     ///
     /// * `lubricant`: what friction comes from, but for its temperature; `None` with a coefficient.
     pub fn new(inputs: [InputColumn<'a>; INPUTS.len()], lubricant: Option<Lubricant>) -> Self {
-        let is_column = |place: &usize| matches!(inputs[*place], InputColumn::Column(..));
+        let is_column = |index: &usize| matches!(inputs[*index], InputColumn::Column(..));
         let columns = (0..inputs.len()).filter(is_column).collect();
         Self { inputs, columns, lubricant }
     }
@@ -75,7 +75,7 @@ pub fn is_plain(value: f64) -> bool {
 #[derive(Clone, Copy)]
 pub(crate) struct LaneInputs<'a, S> {
     pub(crate) simd: S,
-    pub(crate) operands: &'a InputColumns<'a>,
+    pub(crate) inputs: &'a InputColumns<'a>,
     /// The first of the points.
     pub(crate) row: usize,
 }
@@ -89,7 +89,7 @@ impl<S: Simd> LaneInputs<'_, S> {
     /// The values of an input, if there is a column or a constant for it.
     #[inline(always)]
     pub(crate) fn try_get(&self, key: InputKey) -> Option<Lane<S>> {
-        match &self.operands.inputs[key as usize] {
+        match &self.inputs.inputs[key as usize] {
             InputColumn::Absent => None,
             InputColumn::Constant(value) => Some(Lane::splat(self.simd, *value)),
             InputColumn::Column(_, values) => Some(self.load(values)),
@@ -143,8 +143,8 @@ impl<S: Simd> LaneInputs<'_, S> {
         let [least, most] = PLAIN.map(|x| zero.constant(x));
         let mut valid = zero.le(zero);
         // Constants were checked.
-        for place in &self.operands.columns {
-            let InputColumn::Column(rule, values) = &self.operands.inputs[*place] else { continue };
+        for index in &self.inputs.columns {
+            let InputColumn::Column(rule, values) = &self.inputs.inputs[*index] else { continue };
             let x = self.load(values);
             let size = x.abs();
             let plain = size.le(zero) | (least.le(size) & size.le(most));

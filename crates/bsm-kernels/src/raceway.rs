@@ -13,12 +13,12 @@ use bsm_dyn::{
 use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
-pub(super) use self::balance::{BalanceCall, Roll};
+pub(super) use self::balance::{BalanceCall, Precession};
 use self::friction::Ellipse;
 use self::oil::OilLane;
 use crate::closed_form::transmit_torque;
+use crate::contacts::{ContactRow, Contacts, InUnits};
 use crate::operand::{Lane, LaneInputs, Mask};
-use crate::pair::{Balls, ContactRow, InUnits};
 use crate::rigid::ball_motion;
 use crate::units::Units;
 use crate::{Kernel, Sink};
@@ -33,10 +33,15 @@ impl Kernel for Raceway {
 
     #[inline(always)]
     fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S> {
-        let (units, pair) = given.simd.vectorize(InUnits(given));
+        let (units, contacts) = given.simd.vectorize(InUnits(given));
         let control = self.control;
-        let ball =
-            given.simd.vectorize(RacewayRow { given, units: &units, pair: &pair, control, out });
+        let ball = given.simd.vectorize(RacewayRow {
+            given,
+            units: &units,
+            contacts: &contacts,
+            control,
+            out,
+        });
         ball.found & ball.unique
     }
 }
@@ -45,7 +50,7 @@ impl Kernel for Raceway {
 pub(super) struct RacewayRow<'a, 'b, 'c, 'd, S: Simd> {
     pub(super) given: &'a LaneInputs<'b, S>,
     pub(super) units: &'a Units<S>,
-    pub(super) pair: &'a Balls<S>,
+    pub(super) contacts: &'a Contacts<S>,
     pub(super) control: Option<Control>,
     pub(super) out: &'a mut Sink<'c, 'd>,
 }
@@ -65,29 +70,34 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
 
     #[inline(always)]
     fn call(self) -> RacewayNumbers<S> {
-        let Self { given, units, pair, control, out } = self;
-        let roll = given.simd.vectorize(BalanceCall { pair, control });
-        let (zero, unique) = (roll.residual.constant(0.0), roll.unique);
-        if !roll.found.any() {
-            return RacewayNumbers { efficiency: zero, skid: [zero; 2], found: roll.found, unique };
+        let Self { given, units, contacts, control, out } = self;
+        let state = given.simd.vectorize(BalanceCall { contacts, control });
+        let (zero, unique) = (state.residual.constant(0.0), state.unique);
+        if !state.found.any() {
+            return RacewayNumbers {
+                efficiency: zero,
+                skid: [zero; 2],
+                found: state.found,
+                unique,
+            };
         }
-        let motion = Motion::of(pair, &roll);
-        let sides = &roll.sides;
-        given.simd.vectorize(ContactRow { out: &mut *out, units, pair, sides });
-        motion.outputs(out, units, pair);
+        let motion = Motion::of(contacts, &state);
+        let sides = &state.sides;
+        given.simd.vectorize(ContactRow { out: &mut *out, units, contacts, sides });
+        motion.outputs(out, units, contacts);
         let (resolved, efficiency, friction) =
-            transmit(out, given, (units, pair), (&roll, &motion));
-        let skid = regime(out, friction, (units, pair), (&roll, &motion));
-        out.set_all(OutputKey::iterations, [roll.steps, roll.residual]);
-        out.set(OutputKey::controlling_raceway, roll.by_nut.select(zero, zero + 1.0));
+            transmit(out, given, (units, contacts), (&state, &motion));
+        let skid = regime(out, friction, (units, contacts), (&state, &motion));
+        out.set_all(OutputKey::iterations, [state.steps, state.residual]);
+        out.set(OutputKey::controlling_raceway, state.by_nut.select(zero, zero + 1.0));
         // With a lubricant the model looks for no other solutions.
-        if given.operands.lubricant.is_none() {
+        if given.inputs.lubricant.is_none() {
             if control.is_none() {
                 out.set(OutputKey::control_consistent, zero + 1.0);
             }
             out.set_unique(zero);
         }
-        RacewayNumbers { efficiency, skid, found: roll.found & resolved, unique }
+        RacewayNumbers { efficiency, skid, found: state.found & resolved, unique }
     }
 }
 
@@ -104,30 +114,31 @@ pub(super) struct Motion<S: Simd> {
 
 impl<S: Simd> Motion<S> {
     #[inline(always)]
-    pub(super) fn of(pair: &Balls<S>, roll: &Roll<S>) -> Self {
-        let ([a, b], by_nut, one) = (&roll.sides, roll.by_nut, pair.constant(1.0));
-        let lead = (pair.sin_a, pair.cos_a);
-        let (p, to_nut) = rolling(by_nut, lead, pair.arc, [(a.sin, a.cos), (b.sin, b.cos)]);
-        let (zero, to_screw) = (pair.constant(0.0), relative_rotation(to_nut, one, lead));
+    pub(super) fn of(contacts: &Contacts<S>, state: &Precession<S>) -> Self {
+        let ([a, b], by_nut, one) = (&state.sides, state.by_nut, contacts.constant(1.0));
+        let lead = (contacts.sin_a, contacts.cos_a);
+        let (p, to_nut) = rolling(by_nut, lead, contacts.arc, [(a.sin, a.cos), (b.sin, b.cos)]);
+        let (zero, to_screw) = (contacts.constant(0.0), relative_rotation(to_nut, one, lead));
         let nut_spin = spin_at_nut(to_nut, (a.sin, a.cos));
         let screw_spin = -spin_at_nut(to_screw, (b.sin, b.cos));
         Self {
             p,
             omega: [to_nut[1], to_nut[2]],
-            speed: [p * pair.arc, (p - 1.0) * pair.arc],
+            speed: [p * contacts.arc, (p - 1.0) * contacts.arc],
             spin: [by_nut.select(zero, nut_spin), by_nut.select(screw_spin, zero)],
         }
     }
 
     #[inline(always)]
-    fn outputs(&self, out: &mut Sink<'_, '_>, units: &Units<S>, pair: &Balls<S>) {
+    fn outputs(&self, out: &mut Sink<'_, '_>, units: &Units<S>, contacts: &Contacts<S>) {
         let w = units.speed;
-        let to_nut = [pair.sin_a * 0.5, self.omega[0], self.omega[1]];
-        let omega = relative_rotation(to_nut, -pair.nut_speed, (pair.sin_a, pair.cos_a));
-        ball_motion(out, w, self.p + pair.nut_speed, omega);
+        let to_nut = [contacts.sin_a * 0.5, self.omega[0], self.omega[1]];
+        let omega =
+            relative_rotation(to_nut, -contacts.nut_speed, (contacts.sin_a, contacts.cos_a));
+        ball_motion(out, w, self.p + contacts.nut_speed, omega);
         out.set_all(OutputKey::nut_spin_rad_s, [self.spin[0] * w, self.spin[1] * w]);
         // Both centres roll; the slip of the lead is shared, against friction along e_x.
-        let slip = pair.sin_a * 0.5 * w.abs() * units.ball;
+        let slip = contacts.sin_a * 0.5 * w.abs() * units.ball;
         out.set_all(OutputKey::nut_slip_velocity_m_s, [slip; 2]);
         // Friction is along e_x, or against it where the load drives.
         let zero = w.constant(0.0);
@@ -138,8 +149,13 @@ impl<S: Simd> Motion<S> {
 
 /// The ellipse at nut (0) or screw (1) and the motion over it.
 #[inline(always)]
-fn ellipse<S: Simd>(i: usize, pair: &Balls<S>, roll: &Roll<S>, motion: &Motion<S>) -> Ellipse<S> {
-    let (side, pressed) = (&roll.sides[i], &pair.pressed[i]);
+fn ellipse<S: Simd>(
+    i: usize,
+    contacts: &Contacts<S>,
+    state: &Precession<S>,
+    motion: &Motion<S>,
+) -> Ellipse<S> {
+    let (side, pressed) = (&state.sides[i], &contacts.pressed[i]);
     let speed = motion.speed[i];
     Ellipse {
         load: side.load,
@@ -147,7 +163,7 @@ fn ellipse<S: Simd>(i: usize, pair: &Balls<S>, roll: &Roll<S>, motion: &Motion<S
         pressed_radius: pressed.pressed_radius,
         speed,
         // Both centres roll, and share the slip of the lead.
-        omega: [pair.sin_a * 0.5, motion.spin[i], -speed],
+        omega: [contacts.sin_a * 0.5, motion.spin[i], -speed],
     }
 }
 
@@ -157,29 +173,33 @@ fn ellipse<S: Simd>(i: usize, pair: &Balls<S>, roll: &Roll<S>, motion: &Motion<S
 fn transmit<S: Simd>(
     out: &mut Sink<'_, '_>,
     given: &LaneInputs<'_, S>,
-    (units, pair): (&Units<S>, &Balls<S>),
-    (roll, motion): (&Roll<S>, &Motion<S>),
+    (units, contacts): (&Units<S>, &Contacts<S>),
+    (state, motion): (&Precession<S>, &Motion<S>),
 ) -> (Mask<S>, Lane<S>, Lane<S>) {
-    let (nut, screw) = (ellipse(0, pair, roll, motion), ellipse(1, pair, roll, motion));
+    let (nut, screw) = (ellipse(0, contacts, state, motion), ellipse(1, contacts, state, motion));
     let ((nut_power, at_nut), (screw_power, at_screw)) = (nut.power(), screw.power());
     let zero = nut_power.constant(0.0);
     let back = units.speed.lt(zero);
-    let lubricated =
-        OilLane::of(given, (units, pair), (roll, motion), [(nut, nut_power), (screw, screw_power)]);
+    let lubricated = OilLane::of(
+        given,
+        (units, contacts),
+        (state, motion),
+        [(nut, nut_power), (screw, screw_power)],
+    );
     let (loss, friction) = if let Some(lubricated) = &lubricated {
         (lubricated.loss(), lubricated.friction_scale())
     } else {
         let friction = given.get(InputKey::friction_coefficient);
         (friction_power(friction, [nut.load, screw.load], [nut_power, screw_power]), friction)
     };
-    let ideal = ideal_torque(units.axial, units.pitch, pair.sin_a / pair.cos_a);
+    let ideal = ideal_torque(units.axial, units.pitch, contacts.sin_a / contacts.cos_a);
     let mut torque = rolling_torque(ideal, back.select(-loss, loss), units.ball, units.axial);
     if let Some(lubricated) = &lubricated {
         torque = torque + lubricated.outside.torque(units.speed);
     }
     let eta = transmit_torque(out, back, (torque, ideal), torque.constant(1.0), units.speed);
     if let Some(lubricated) = &lubricated {
-        lubricated.outputs(out, (units, pair), (back, eta));
+        lubricated.outputs(out, (units, contacts), (back, eta));
     }
     let finite = torque.abs().lt(zero.constant(f64::INFINITY));
     (at_nut & at_screw & finite, eta, friction)
@@ -190,18 +210,18 @@ fn transmit<S: Simd>(
 pub(super) fn regime<S: Simd>(
     out: &mut Sink<'_, '_>,
     friction: Lane<S>,
-    (units, pair): (&Units<S>, &Balls<S>),
-    (roll, motion): (&Roll<S>, &Motion<S>),
+    (units, contacts): (&Units<S>, &Contacts<S>),
+    (state, motion): (&Precession<S>, &Motion<S>),
 ) -> [Lane<S>; 2] {
-    let [a, b] = &roll.sides;
-    let rate = motion.p + pair.nut_speed;
-    let ball = Ball { radius: pair.constant(1.0), mass: units.mass };
+    let [a, b] = &state.sides;
+    let rate = motion.p + contacts.nut_speed;
+    let ball = Ball { radius: contacts.constant(1.0), mass: units.mass };
     let gyroscopic = ball.inertia() * (rate * motion.omega[0]).abs();
     let skid = skid_number(gyroscopic, friction, [a.load, b.load]);
     let [slip_a, slip_b] = &motion.spin;
-    let slip_a = slip_a.abs() * a.semi_axes(&pair.pressed[0]).0;
-    let slip_b = slip_b.abs() * b.semi_axes(&pair.pressed[1]).0;
-    let cross = cross_slip(pair.sin_a, [slip_a, slip_b]);
+    let slip_a = slip_a.abs() * a.semi_axes(&contacts.pressed[0]).0;
+    let slip_b = slip_b.abs() * b.semi_axes(&contacts.pressed[1]).0;
+    let cross = cross_slip(contacts.sin_a, [slip_a, slip_b]);
     let onset = onset_number(skid, cross);
     let (none, beyond) = (skid.constant(f64::NAN), skid.constant(f64::INFINITY));
     let stated = [skid.lt(beyond).select(skid, none), onset.lt(beyond).select(onset, none)];

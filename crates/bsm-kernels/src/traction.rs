@@ -15,9 +15,9 @@ use bsm_kin::relative_rotation;
 use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
 
 use crate::closed_form::{power_balance, transmit_torque};
+use crate::contacts::{ContactRow, Contacts, InUnits};
 use crate::elastic::GrossSlip;
 use crate::operand::{Lane, LaneInputs, Mask, Valid};
-use crate::pair::{Balls, ContactRow, InUnits};
 use crate::raceway::{BalanceCall, Motion, regime};
 use crate::rigid::slip_angle;
 use crate::units::Units;
@@ -68,13 +68,13 @@ impl WithSimd for Solve<'_, '_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { arch, rows, accuracy, creep, many } = self;
-        let Rows { operands, wanted, first, columns, done } = rows;
+        let Rows { inputs, wanted, first, columns, done } = rows;
         let (mut lanes, mut points, mut starts) = (Vec::new(), Vec::new(), Vec::new());
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
-            let given = LaneInputs { simd, operands, row: first + row };
-            let (units, pair) = simd.vectorize(InUnits(&given));
-            let scaled = scaled(&given, (&units, &pair), creep);
-            let lane = Points { units, pair, scaled };
+            let given = LaneInputs { simd, inputs, row: first + row };
+            let (units, contacts) = simd.vectorize(InUnits(&given));
+            let scaled = scaled(&given, (&units, &contacts), creep);
+            let lane = Points { units, contacts, scaled };
             let mut out = Sink { wanted, columns: &mut *columns, row };
             let (start, found) = start(&given, &lane, &mut out);
             lanes.push((given, lane));
@@ -130,27 +130,27 @@ impl WithSimd for Solve<'_, '_> {
 /// A lane of points.
 struct Points<S: Simd> {
     units: Units<S>,
-    pair: Balls<S>,
+    contacts: Contacts<S>,
     scaled: TractionPoint<Lane<S>>,
 }
 
 #[inline(always)]
 fn scaled<S: Simd>(
     given: &LaneInputs<'_, S>,
-    (units, pair): (&Units<S>, &Balls<S>),
+    (units, contacts): (&Units<S>, &Contacts<S>),
     creep: f64,
 ) -> TractionPoint<Lane<S>> {
-    let (zero, one) = (pair.constant(0.0), pair.constant(1.0));
+    let (zero, one) = (contacts.constant(0.0), contacts.constant(1.0));
     let friction = given.get(InputKey::friction_coefficient);
-    let [nut, screw] = &pair.pressed;
+    let [nut, screw] = &contacts.pressed;
     let pressed_radius = [nut.pressed_radius, screw.pressed_radius];
     let scale = slip_scale([nut.hertz.semi_axis, screw.hertz.semi_axis], pressed_radius);
-    let fast = pair.nut_speed.abs().gt(one * FAST_NUT);
+    let fast = contacts.nut_speed.abs().gt(one * FAST_NUT);
     TractionPoint {
-        lead: (pair.sin_a, pair.cos_a),
+        lead: (contacts.sin_a, contacts.cos_a),
         radius: units.pitch / units.ball,
-        arc: pair.arc,
-        reach: pair.reach(),
+        arc: contacts.arc,
+        radial_distance: contacts.radial_distance(),
         offsets: [nut.offset, screw.offset],
         approach: [nut.hertz.compliance, screw.hertz.compliance],
         semi_axes: [
@@ -160,10 +160,10 @@ fn scaled<S: Simd>(
         pressed_radius,
         friction: units.speed.lt(zero).select(-friction, friction),
         mass: units.mass,
-        nut_speed: pair.nut_speed,
-        offset: fast.select(pair.nut_speed, zero),
+        nut_speed: contacts.nut_speed,
+        offset: fast.select(contacts.nut_speed, zero),
         creep: scale * creep,
-        at_nut: false,
+        nut_chart: false,
     }
 }
 
@@ -171,15 +171,15 @@ fn scaled<S: Simd>(
 #[inline(always)]
 fn start<S: Simd>(
     given: &LaneInputs<'_, S>,
-    Points { units, pair, scaled: point }: &Points<S>,
+    Points { units, contacts, scaled: point }: &Points<S>,
     out: &mut Sink<'_, '_>,
 ) -> (TractionStart<Lane<S>>, Mask<S>) {
-    let one = pair.constant(1.0);
+    let one = contacts.constant(1.0);
     let friction = point.friction.abs();
-    let roll = given.simd.vectorize(BalanceCall { pair, control: None });
-    let mut found = roll.found & takes(friction, pair.inertia_ratio);
-    let motion = Motion::of(pair, &roll);
-    let [onset, _] = regime(out, friction, (units, pair), (&roll, &motion));
+    let roll = given.simd.vectorize(BalanceCall { contacts, control: None });
+    let mut found = roll.found & takes(friction, contacts.inertia_ratio);
+    let motion = Motion::of(contacts, &roll);
+    let [onset, _] = regime(out, friction, (units, contacts), (&roll, &motion));
     let [a, b] = &roll.sides;
     let mut loads = [a.load, b.load];
     // sin 2ν = sin(β_B − β_A)
@@ -187,10 +187,11 @@ fn start<S: Simd>(
     let mut tilt = roll.twist.zip(between, f64::atan2) * 0.5;
     let mut p = motion.p;
     // Along t, n and b.
-    let mut omega = [pair.sin_a * 0.5, motion.omega[0], motion.omega[1]];
+    let mut omega = [contacts.sin_a * 0.5, motion.omega[0], motion.omega[1]];
     let skidding = onset.gt(one * SKID_ONSET) & onset.lt(one.constant(f64::INFINITY));
     if (found & skidding).any() {
-        let skid = given.simd.vectorize(GrossSlip { pair, friction: point.friction, any: true });
+        let skid =
+            given.simd.vectorize(GrossSlip { contacts, friction: point.friction, any: true });
         found = found & (skid.steady | !skidding);
         let [q_a, q_b] = skid.state.loads;
         loads = [skidding.select(q_a, loads[0]), skidding.select(q_b, loads[1])];
@@ -206,9 +207,9 @@ fn start<S: Simd>(
     }
     let [omega_t, omega_n, omega_b] = omega;
     // ω' = ω'_k k + ω'_n n + ω'_c k × n                                   (T4)
-    let along = pair.sin_a * omega_t + pair.cos_a * omega_b;
-    let around = pair.sin_a * omega_b - pair.cos_a * omega_t;
-    let rate = p + pair.nut_speed - point.offset;
+    let along = contacts.sin_a * omega_t + contacts.cos_a * omega_b;
+    let around = contacts.sin_a * omega_b - contacts.cos_a * omega_t;
+    let rate = p + contacts.nut_speed - point.offset;
     let unknowns = [loads[0], tilt, loads[1], rate, along, omega_n, around];
     (TractionStart { point: *point, unknowns }, found)
 }
@@ -217,16 +218,16 @@ fn start<S: Simd>(
 #[inline(always)]
 fn outputs<S: Simd>(
     simd: S,
-    Points { units, pair, scaled: point }: &Points<S>,
+    Points { units, contacts, scaled: point }: &Points<S>,
     root: &TractionRoot<Lane<S>>,
     accuracy: f64,
     out: &mut Sink<'_, '_>,
 ) -> Mask<S> {
     let (y, w, zero) = (root.unknowns, units.speed, units.speed.constant(0.0));
     let at = TractionStart { point: *point, unknowns: y };
-    let ([nut, screw], motions) = at.contacts();
-    let sides = [pair.loaded(0, y[0], nut), pair.loaded(1, y[2], screw)];
-    simd.vectorize(ContactRow { out: &mut *out, units, pair, sides: &sides });
+    let ([nut, screw], motions) = at.angles_and_motions();
+    let sides = [contacts.loaded(0, y[0], nut), contacts.loaded(1, y[2], screw)];
+    simd.vectorize(ContactRow { out: &mut *out, units, contacts, sides: &sides });
     let keys = [
         [
             OutputKey::nut_slip_velocity_m_s,
@@ -250,14 +251,15 @@ fn outputs<S: Simd>(
         slip_angle(out, angle, [-(across * side), -(along * sign)]);
         out.set(spin, w_n * w);
     }
-    let lead = (pair.sin_a, pair.cos_a);
+    let lead = (contacts.sin_a, contacts.cos_a);
     let to_nut = [lead.0 * y[4] - lead.1 * y[6], y[5], lead.1 * y[4] + lead.0 * y[6]];
-    let [t, n, b] = relative_rotation(to_nut, -pair.nut_speed, lead);
+    let [t, n, b] = relative_rotation(to_nut, -contacts.nut_speed, lead);
     out.set(OutputKey::ball_precession_rad_s, (y[3] + at.point.offset) * w);
     out.set(OutputKey::ball_omega_t_rad_s, t * w);
     out.set(OutputKey::ball_omega_n_rad_s, n * w);
     out.set(OutputKey::ball_omega_b_rad_s, b * w);
-    let ideal = ideal_torque(pair.constant(1.0), at.point.radius, pair.sin_a / pair.cos_a);
+    let ideal =
+        ideal_torque(contacts.constant(1.0), at.point.radius, contacts.sin_a / contacts.cos_a);
     let eta = transmit_torque(out, back, (root.torque, ideal), units.ball * units.axial, w);
     let power = back.select(-root.power, root.power);
     let imbalance = power_balance(out, w, (root.torque, ideal), power);

@@ -25,7 +25,7 @@ pub struct Contact<D> {
     /// Unit normal `$N$`, from the body into the ball.
     pub normal: Vector3<D>,
     /// In-plane slip axis `$e_x$`, in the normal plane of the helix; `$e_y = t$`.
-    pub across: Vector3<D>,
+    pub transverse: Vector3<D>,
 }
 
 impl<D: Scalar> Contact<D> {
@@ -42,7 +42,7 @@ impl<D: Scalar> Contact<D> {
     /// in `(t, n, b)`; in a turned triad the angles are taken from its second axis.
     pub fn new(site: Site, contact_angle: D, frame: &BallFrame<D>) -> Self {
         let angle = if site == Site::NutUnloaded { -contact_angle } else { contact_angle };
-        Self::tilted(site, angle - frame.turn)
+        Self::tilted(site, angle - frame.rotation_angle)
     }
 
     /// Contact at `site` whose contact angle is that of the triad's second axis plus `tilt`
@@ -58,7 +58,7 @@ impl<D: Scalar> Contact<D> {
             // N = ±(0, cos(β − ζ), sin(β − ζ))                            (K9)
             normal: Vector3::new(zero, c * side, s * side),
             // e_x = (0, −sin(β − ζ), cos(β − ζ))                          (K10)
-            across: Vector3::new(zero, -s, c),
+            transverse: Vector3::new(zero, -s, c),
         }
     }
 
@@ -66,7 +66,7 @@ impl<D: Scalar> Contact<D> {
     /// `$t$`, against the slip velocity `slip` (K15).
     pub fn slip_angle(&self, slip: &Vector3<D>) -> D {
         // ψ = atan2(−V_y, −V_x)                                           (K15)
-        (-slip.dot(&BallFrame::tangent())).atan2(-slip.dot(&self.across))
+        (-slip.dot(&BallFrame::tangent())).atan2(-slip.dot(&self.transverse))
     }
 
     /// Contact point from the ball centre `$r = -r_b N$`, in the unit of `ball_radius` (K11).

@@ -16,7 +16,7 @@ use crate::Scalar;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallFrame<D> {
     /// Angle `$\zeta$` from `n` to the second axis, positive from `n` to `b` \[rad\].
-    pub turn: D,
+    pub rotation_angle: D,
     /// Direction of the screw axis `$k$`, components in the triad.
     pub k: Vector3<D>,
     /// Principal normal `$n$` of the helix, towards the axis, components in the triad.
@@ -24,17 +24,17 @@ pub struct BallFrame<D> {
 }
 
 impl<D: Scalar> BallFrame<D> {
-    /// Triad of a helix with this lead angle \[rad\], turned by `turn` \[rad\] (K7), (K8).
+    /// Triad of a helix with this lead angle \[rad\], turned by `rotation_angle` \[rad\] (K7), (K8).
     ///
     /// ```math
     /// k = (\sin\alpha,\; \cos\alpha\sin\zeta,\; \cos\alpha\cos\zeta), \qquad
     /// n = (0,\; \cos\zeta,\; -\sin\zeta)
     /// ```
-    pub fn turned(lead_angle: D, turn: D) -> Self {
+    pub fn turned(lead_angle: D, rotation_angle: D) -> Self {
         let (sin_a, cos_a) = lead_angle.sin_cos();
-        let (sin_c, cos_c) = turn.sin_cos();
+        let (sin_c, cos_c) = rotation_angle.sin_cos();
         Self {
-            turn,
+            rotation_angle,
             // k = sinα t + cosα b                                         (K7)
             k: Vector3::new(sin_a, cos_a * sin_c, cos_a * cos_c),
             // n = cosζ n' − sinζ b'                                       (K8)
@@ -49,13 +49,13 @@ impl<D: Scalar> BallFrame<D> {
 
     /// Components of `v` in the Frenet-Serret triad `(t, n, b)`.
     pub fn to_frenet(&self, v: &Vector3<D>) -> Vector3<D> {
-        let (s, c) = self.turn.sin_cos();
+        let (s, c) = self.rotation_angle.sin_cos();
         Vector3::new(v.x, c * v.y - s * v.z, s * v.y + c * v.z)
     }
 
     /// Components in this triad of `v` with components in the Frenet-Serret triad `(t, n, b)`.
     pub fn from_frenet(&self, v: &Vector3<D>) -> Vector3<D> {
-        let (s, c) = self.turn.sin_cos();
+        let (s, c) = self.rotation_angle.sin_cos();
         Vector3::new(v.x, c * v.y + s * v.z, c * v.z - s * v.y)
     }
 }
@@ -74,8 +74,8 @@ mod tests {
         let f = helix.frame(0.7);
         let k = Vector3::z();
         let expected = Vector3::new(f.t_W.dot(&k), f.n_W.dot(&k), f.b_W.dot(&k));
-        for turn in [0.0, 0.8, -1.1] {
-            let frame = BallFrame::turned(0.31, turn);
+        for rotation_angle in [0.0, 0.8, -1.1] {
+            let frame = BallFrame::turned(0.31, rotation_angle);
             assert_relative_eq!(frame.to_frenet(&frame.k), expected, epsilon = 1e-15);
             assert_relative_eq!(frame.from_frenet(&expected), frame.k, epsilon = 1e-15);
             assert_relative_eq!(frame.to_frenet(&frame.n), Vector3::y(), epsilon = 1e-15);

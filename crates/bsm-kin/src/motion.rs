@@ -68,9 +68,9 @@ impl<D: Scalar> Motion<D> {
     /// * `axis`: `$k$` in the triad of the angular velocity.
     pub fn across_groove(&self, axis: &Vector3<D>) -> Vector3<D> {
         // w = ω' − (ω'·t) t,  ω' = ω − P k                                (O1)
-        let mut across = self.omega - axis * self.precession;
-        across.x = D::from(0.0);
-        across
+        let mut transverse = self.omega - axis * self.precession;
+        transverse.x = D::from(0.0);
+        transverse
     }
 
     /// Spin about the contact normal, `self` relative to the body of that contact \[rad/s\] (K14).

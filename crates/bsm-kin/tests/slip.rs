@@ -25,7 +25,7 @@ fn slip(
     let v = motion
         .relative_to(body_speed(site, drive), &frame)
         .slip_velocity(helix.arc_length_per_radian(), &contact.point(ball_radius));
-    (v.dot(&contact.across), v.dot(&BallFrame::tangent()))
+    (v.dot(&contact.transverse), v.dot(&BallFrame::tangent()))
 }
 
 /// Lin et al., Eqs 7-8, written out by hand for a nut at rest.
@@ -70,15 +70,15 @@ proptest! {
     /// Turning the triad changes no component; turning both members together changes no slip.
     #[test]
     fn slip_is_invariant(
-        alpha in 0.02..1.2_f64, beta in 0.1..1.4_f64, turn in -2.0..2.0_f64,
+        alpha in 0.02..1.2_f64, beta in 0.1..1.4_f64, rotation_angle in -2.0..2.0_f64,
         p in -300.0..300.0_f64, wt in -900.0..900.0_f64, wn in -900.0..900.0_f64,
         wb in -900.0..900.0_f64, together in -500.0..500.0_f64,
     ) {
         let helix = Helix { radius: 24.3e-3, lead_angle: alpha };
         let d = helix.arc_length_per_radian();
         let straight = BallFrame::turned(alpha, 0.0);
-        let turned = BallFrame::turned(alpha, turn);
-        let (s, c) = turn.sin_cos();
+        let turned = BallFrame::turned(alpha, rotation_angle);
+        let (s, c) = rotation_angle.sin_cos();
         let drive = Drive { screw_speed: 211.0, nut_speed: -37.0 };
         let omega = Vector3::new(wt, wn, wb);
         let motion = Motion { precession: p, omega };

@@ -22,22 +22,22 @@ pub struct Continuation {
 pub fn follow<const N: usize>(
     y: &mut [f64; N],
     (begin, end): (f64, f64),
-    stride: Continuation,
+    control: Continuation,
     mut solve: impl FnMut(f64, &mut [f64; N]) -> bool,
 ) -> Result<(), Option<f64>> {
     if !solve(begin, y) {
         return Err(None);
     }
     let direction = (end - begin).signum();
-    let (mut at, mut length) = (begin, stride.first);
+    let (mut at, mut length) = (begin, control.first);
     let mut arrived = begin.total_cmp(&end).is_eq();
     let mut before: Option<(f64, [f64; N])> = None;
     while !arrived {
         let last = (end - at).abs() <= length;
         let next = if last { end } else { at + direction * length };
         let mut guess = *y;
-        if let Some((place, root)) = &before {
-            let reach = (next - at) / (at - place);
+        if let Some((previous, root)) = &before {
+            let reach = (next - at) / (at - previous);
             for (guess, old) in guess.iter_mut().zip(root) {
                 *guess += (*guess - old) * reach;
             }
@@ -48,7 +48,7 @@ pub fn follow<const N: usize>(
             length *= 1.5;
         } else {
             length *= 0.5;
-            if length < stride.shortest {
+            if length < control.shortest {
                 return Err(Some(at));
             }
         }
@@ -72,8 +72,8 @@ mod tests {
     fn the_root_is_followed_where_a_jump_fails() {
         let mut y = [1.0];
         assert!(!root(1e6, &mut [1.0]));
-        let stride = Continuation { first: 1.0, shortest: 1e-3 };
-        assert_eq!(follow(&mut y, (1.0, 1e6), stride, root), Ok(()));
+        let control = Continuation { first: 1.0, shortest: 1e-3 };
+        assert_eq!(follow(&mut y, (1.0, 1e6), control, root), Ok(()));
         // Tolerance of `root`.
         assert!((y[0] - 1e3).abs() <= 1e-6);
     }
@@ -82,9 +82,9 @@ mod tests {
     #[test]
     fn the_end_of_a_path_is_told() {
         let mut y = [1.0];
-        let stride = Continuation { first: 0.1, shortest: 1e-3 };
-        let end = follow(&mut y, (1.0, -1.0), stride, root).expect_err("the path ends");
+        let control = Continuation { first: 0.1, shortest: 1e-3 };
+        let end = follow(&mut y, (1.0, -1.0), control, root).expect_err("the path ends");
         assert!(end.is_some_and(|x| (0.0..0.01).contains(&x)), "{end:?}");
-        assert!(follow(&mut [1.0], (-1.0, 1.0), stride, root) == Err(None));
+        assert!(follow(&mut [1.0], (-1.0, 1.0), control, root) == Err(None));
     }
 }

@@ -80,14 +80,14 @@ pub struct StepControl {
     /// The shortest one before the path counts as lost. Default 1e-7.
     pub shortest: f64,
     /// A step this short is accepted even if it may hide a pair of crossings. Default 1e-3.
-    pub pair: f64,
+    pub pair_resolution: f64,
     /// Points before the path is given up. Default 1000.
     pub most_points: usize,
     /// Residual of the points that is aimed at, as [`Options::residual_goal`]; a coarser one than the
     /// tolerance is the tolerance too. Default 1e-10.
     pub goal: f64,
     /// How exactly a crossing is wanted, in parts of its step. Default 1e-14.
-    pub place: f64,
+    pub root_tolerance: f64,
     /// When a correction evaluates the Jacobian, as [`Options::jacobian`]. Default [`JacobianUpdate::EveryStep`].
     pub jacobian: JacobianUpdate,
 }
@@ -95,15 +95,15 @@ pub struct StepControl {
 impl Default for StepControl {
     fn default() -> Self {
         let Options { residual_goal: goal, jacobian, .. } = Options::default();
-        let (most_points, place) = (1000, 1e-14);
+        let (most_points, root_tolerance) = (1000, 1e-14);
         Self {
             first: 0.1,
             longest: 0.5,
             shortest: 1e-7,
-            pair: 1e-3,
+            pair_resolution: 1e-3,
             most_points,
             goal,
-            place,
+            root_tolerance,
             jacobian,
         }
     }
@@ -146,7 +146,7 @@ pub struct Trace<const M: usize> {
     pub end: Exit,
     /// Points.
     pub points: usize,
-    /// Steps of length [`StepControl::pair`] or less that may hide a pair of crossings (N14). Zero: no pair
+    /// Steps of length [`StepControl::pair_resolution`] or less that may hide a pair of crossings (N14). Zero: no pair
     /// is missed but one that the values and slopes of the events at both ends of a step do not show.
     pub unresolved: usize,
     /// Newton steps of all corrections.
@@ -179,21 +179,21 @@ const EASY: usize = 4;
 /// Source: Allgower and Georg, *Introduction to Numerical Continuation Methods*, ch. 2 and 6; the guard
 /// (N14) is ours.
 pub fn trace<const N: usize, const M: usize, const K: usize, F: Homotopy<N, M>>(
-    family: &F,
+    homotopy: &F,
     seed: &Seed<M>,
     events: impl FnMut(&[f64; M], &[f64; M]) -> [(f64, f64); K],
     on: impl FnMut(&Trace<M>) -> bool,
-    stride: &StepControl,
+    control: &StepControl,
 ) -> Trace<M> {
     const { assert!(M == N + 1, "a curve has one unknown more than equations") };
     let (crossings, end) = (Vec::new(), Exit::MostPoints);
     let trace = Trace { crossings, last: seed.z, end, points: 0, unresolved: 0, steps: 0 };
-    Tracer { family, events, on, stride, work: Workspace::default(), trace }.run(seed)
+    Tracer { homotopy, events, on, control, work: Workspace::default(), trace }.run(seed)
 }
 
 /// The equations of a curve and a plane across it.
 struct OnPlane<'a, const N: usize, const M: usize, F> {
-    family: &'a F,
+    homotopy: &'a F,
     foot: [f64; M],
     normal: [f64; M],
 }
@@ -208,11 +208,11 @@ impl<const N: usize, const M: usize, F> OnPlane<'_, N, M, F> {
 
 impl<const N: usize, const M: usize, F: Homotopy<N, M>> Equations<M> for OnPlane<'_, N, M, F> {
     fn residual(&self, z: &[f64; M]) -> Result<[f64; M], EvalError> {
-        Ok(self.values(z, &self.family.residual(z)?))
+        Ok(self.values(z, &self.homotopy.residual(z)?))
     }
 
     fn linearize(&self, z: &[f64; M], rows: &mut [[f64; M]; M]) -> Result<[f64; M], EvalError> {
-        let (left, known) = self.family.linearize(z)?;
+        let (left, known) = self.homotopy.linearize(z)?;
         rows[..N].copy_from_slice(&known);
         rows[N] = self.normal;
         Ok(self.values(z, &left))
@@ -229,10 +229,10 @@ struct Node<const M: usize, const K: usize> {
 }
 
 struct Tracer<'a, const N: usize, const M: usize, F, E, D> {
-    family: &'a F,
+    homotopy: &'a F,
     events: E,
     on: D,
-    stride: &'a StepControl,
+    control: &'a StepControl,
     work: Workspace<M>,
     trace: Trace<M>,
 }
@@ -245,7 +245,7 @@ where
 {
     fn run(mut self, seed: &Seed<M>) -> Trace<M> {
         self.trace.end = match self.begin(seed) {
-            Some((begin, sense)) => self.walk(&begin, sense),
+            Some((begin, orientation)) => self.follow_curve(&begin, orientation),
             None => Exit::NoCurve,
         };
         self.trace
@@ -253,13 +253,13 @@ where
 
     /// The first point, and the sense of the way against that of (N8).
     fn begin(&mut self, seed: &Seed<M>) -> Option<(Node<M, K>, f64)> {
-        let sizes = self.family.sizes(&seed.z);
+        let sizes = self.homotopy.sizes(&seed.z);
         let across = unit(&seed.towards, &sizes);
         let (z, _) = self.corrected(&seed.z, &across, &sizes)?;
         let free = self.node(&z, &across, 1.0)?;
         let along = dot(&free.direction, &normal(&across, &sizes));
-        let sense = if along < 0.0 { -1.0 } else { 1.0 };
-        Some((self.node(&z, &across, sense)?, sense))
+        let orientation = if along < 0.0 { -1.0 } else { 1.0 };
+        Some((self.node(&z, &across, orientation)?, orientation))
     }
 
     /// The point of the curve in the plane through `foot` across a direction, and Newton steps.
@@ -269,15 +269,16 @@ where
         direction: &[f64; M],
         sizes: &[f64; M],
     ) -> Option<([f64; M], usize)> {
-        let plane = OnPlane { family: self.family, foot: *foot, normal: normal(direction, sizes) };
+        let plane =
+            OnPlane { homotopy: self.homotopy, foot: *foot, normal: normal(direction, sizes) };
         let scales = Scales { x: &sizes.map(f64::recip), f: &self.weights(foot) };
-        let residual_goal = self.stride.goal;
+        let residual_goal = self.control.goal;
         let residual_tol = Options::default().residual_tol.max(residual_goal);
         let options = Options {
             residual_tol,
             residual_goal,
             max_steps: MOST_STEPS,
-            jacobian: self.stride.jacobian,
+            jacobian: self.control.jacobian,
             ..Options::default()
         };
         let mut z = *foot;
@@ -287,26 +288,26 @@ where
     }
 
     fn weights(&self, z: &[f64; M]) -> [f64; M] {
-        let weights = self.family.weights(z);
+        let weights = self.homotopy.weights(z);
         from_fn(|i| if i < N { weights[i] } else { 1.0 })
     }
 
     /// The point with its direction and events.
-    fn node(&mut self, z: &[f64; M], across: &[f64; M], sense: f64) -> Option<Node<M, K>> {
-        let sizes = self.family.sizes(z);
-        let plane = OnPlane { family: self.family, foot: *z, normal: normal(across, &sizes) };
+    fn node(&mut self, z: &[f64; M], across: &[f64; M], orientation: f64) -> Option<Node<M, K>> {
+        let sizes = self.homotopy.sizes(z);
+        let plane = OnPlane { homotopy: self.homotopy, foot: *z, normal: normal(across, &sizes) };
         let direction = path_direction(&plane, z, &self.weights(z), &mut self.work)?;
-        let direction = unit(&direction.map(|t| t * sense), &sizes);
+        let direction = unit(&direction.map(|t| t * orientation), &sizes);
         let events = (self.events)(z, &direction);
         let known = events.iter().all(|(value, slope)| !value.is_nan() && !slope.is_nan());
         known.then_some(Node { z: *z, direction, sizes, events })
     }
 
-    fn walk(&mut self, begin: &Node<M, K>, sense: f64) -> Exit {
-        let (mut at, mut length) = (*begin, self.stride.first);
-        for point in 0..self.stride.most_points {
+    fn follow_curve(&mut self, begin: &Node<M, K>, orientation: f64) -> Exit {
+        let (mut at, mut length) = (*begin, self.control.first);
+        for point in 0..self.control.most_points {
             self.trace.points = point + 1;
-            let Some((next, easy)) = self.next(&at, begin, &mut length, sense, point) else {
+            let Some((next, easy)) = self.next(&at, begin, &mut length, orientation, point) else {
                 return Exit::Lost;
             };
             let closed = next.z.iter().zip(&begin.z).all(|(a, b)| a.total_cmp(b).is_eq());
@@ -318,7 +319,7 @@ where
                 return Exit::Closed;
             }
             at = next;
-            length = (length * if easy { 1.6 } else { 1.0 }).min(self.stride.longest);
+            length = (length * if easy { 1.6 } else { 1.0 }).min(self.control.longest);
         }
         Exit::MostPoints
     }
@@ -329,17 +330,17 @@ where
         at: &Node<M, K>,
         begin: &Node<M, K>,
         length: &mut f64,
-        sense: f64,
+        orientation: f64,
         point: usize,
     ) -> Option<(Node<M, K>, bool)> {
-        while *length >= self.stride.shortest {
-            if let Some((mut next, easy)) = self.step(at, *length, sense) {
+        while *length >= self.control.shortest {
+            if let Some((mut next, easy)) = self.step(at, *length, orientation) {
                 let mut moved = distance(&at.z, &next.z, &at.sizes);
                 if point > 1 && passes(begin, at, &next, moved) {
                     (next, moved) = (*begin, distance(&at.z, &begin.z, &at.sizes));
                 }
                 let hides = (0..K).any(|k| may_miss_pair([at.events[k], next.events[k]], moved));
-                if (!hides || moved <= self.stride.pair) && self.cross(at, &next) {
+                if (!hides || moved <= self.control.pair_resolution) && self.cross(at, &next) {
                     self.trace.unresolved += usize::from(hides);
                     return Some((next, easy));
                 }
@@ -349,10 +350,15 @@ where
         None
     }
 
-    fn step(&mut self, at: &Node<M, K>, length: f64, sense: f64) -> Option<(Node<M, K>, bool)> {
+    fn step(
+        &mut self,
+        at: &Node<M, K>,
+        length: f64,
+        orientation: f64,
+    ) -> Option<(Node<M, K>, bool)> {
         let foot: [f64; M] = from_fn(|i| at.z[i] + length * at.direction[i]);
         let (z, steps) = self.corrected(&foot, &at.direction, &at.sizes)?;
-        let next = self.node(&z, &at.direction, sense)?;
+        let next = self.node(&z, &at.direction, orientation)?;
         let arriving = unit(&next.direction, &at.sizes);
         // A step far off its tangent may end on another curve, whatever the direction of that.
         let straight = dot(&arriving, &normal(&at.direction, &at.sizes)) > LEAST_COSINE
@@ -370,13 +376,14 @@ where
                 continue;
             }
             let across = unit(&way, &at.sizes);
-            let mut place = at.z;
-            let bracket = Bracket { x_tol: self.stride.place, ..Bracket::new([0.0, 1.0], values) };
+            let mut event_point = at.z;
+            let bracket =
+                Bracket { x_tol: self.control.root_tolerance, ..Bracket::new([0.0, 1.0], values) };
             let found = bracket.root(|part| {
                 let foot = from_fn(|i| at.z[i] + part * way[i]);
                 match self.corrected(&foot, &across, &at.sizes) {
                     Some((z, _)) => {
-                        place = z;
+                        event_point = z;
                         (self.events)(&z, &across)[event].0
                     }
                     None => f64::NAN,
@@ -384,14 +391,15 @@ where
             });
             let Some(root) = found.root() else { return false };
             if root.x >= 1.0 {
-                place = next.z;
+                event_point = next.z;
             } else if root.x <= 0.0 {
-                place = at.z;
+                event_point = at.z;
             } else {
                 let foot = from_fn(|i| at.z[i] + root.x * way[i]);
-                place = self.corrected(&foot, &across, &at.sizes).map_or(place, |(z, _)| z);
+                event_point =
+                    self.corrected(&foot, &across, &at.sizes).map_or(event_point, |(z, _)| z);
             }
-            crossings.push((root.x, EventRoot { event, z: place, value: root.value }));
+            crossings.push((root.x, EventRoot { event, z: event_point, value: root.value }));
         }
         crossings.sort_by(|(a, _), (b, _)| a.total_cmp(b));
         self.trace.crossings.extend(crossings.into_iter().map(|(_, crossing)| crossing));

@@ -59,7 +59,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         times.sort_by(f64::total_cmp);
         let found = nut.solve(&support)?;
         let ball = nut.ball_in_grooves().map_err(|_| Error::other("no Hertzian contact"))?;
-        let places: Vec<_> = found.places.iter().map(|place| [place.theta, place.z]).collect();
+        let positions: Vec<_> =
+            found.positions.iter().map(|position| [position.theta, position.z]).collect();
         let bars = [nut.nut_bar, nut.screw_bar].map(|bar| bar.map(|b| [b.stiffness, b.anchor]));
         rows.push(json!({
             "balls": balls,
@@ -73,7 +74,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "contact_angle": nut.contact_angle,
             "arc_distance": ball.series.distance,
             "stiffness": ball.series.stiffness,
-            "places": places,
+            "places": positions,
             "bars": bars,
             "ring_N_m": nut.ring.map(|ring| ring.stiffness(&nut, &nut.circuits[0])),
         }));

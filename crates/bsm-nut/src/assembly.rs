@@ -12,11 +12,11 @@ use crate::geometry::{BallNut, BallPosition, count};
 
 /// A ball with what does not change in the iteration.
 struct BallSite {
-    place: BallPosition,
+    position: BallPosition,
     /// Displacement of the groove by errors \[m\], excess of the radius \[m\].
     error: ([f64; 2], f64),
     /// From the reference to the ball, across the axis and along it \[m\].
-    arm: [f64; 3],
+    lever_arm: [f64; 3],
     /// Displacement of the groove by each freedom of the nut (U4).
     nut_matrix: [[f64; 2]; FREEDOMS],
     /// Its section of the chain; none if both bodies are rigid.
@@ -78,11 +78,11 @@ impl<'a> Assembly<'a> {
             return Err(NutError::NoBalls);
         }
         let ball = nut.ball_in_grooves().map_err(NutError::Contact)?;
-        let places = nut.places();
+        let positions = nut.positions();
         let bars = [nut.nut_bar, nut.screw_bar];
         let mut nodes = Vec::new();
         if bars.iter().any(Option::is_some) {
-            nodes.extend(places.iter().map(|place| place.z));
+            nodes.extend(positions.iter().map(|position| position.z));
             nodes.sort_by(f64::total_cmp);
         }
         let length = nodes.last().zip(nodes.first()).map_or(0.0, |(last, first)| last - first);
@@ -123,22 +123,22 @@ impl<'a> Assembly<'a> {
             }
         }
         let reference = nut.middle();
-        let seat = |(number, place): (usize, BallPosition)| {
-            let node = nodes.partition_point(|z| *z < place.z - 1e-9 * length);
-            let ring = first + FREEDOMS + place.circuit;
-            let (sin, cos) = place.theta.sin_cos();
+        let seat = |(number, position): (usize, BallPosition)| {
+            let node = nodes.partition_point(|z| *z < position.z - 1e-9 * length);
+            let ring = first + FREEDOMS + position.circuit;
+            let (sin, cos) = position.theta.sin_cos();
             let radius = nut.helix.radius;
-            let arm = [radius * cos, radius * sin, place.z - reference];
+            let lever_arm = [radius * cos, radius * sin, position.z - reference];
             BallSite {
-                place,
-                error: nut.error_at(number, &place),
-                arm,
-                nut_matrix: kinematics([sin, cos], nut.helix.lead_angle, arm),
+                position,
+                error: nut.error_at(number, &position),
+                lever_arm,
+                nut_matrix: kinematics([sin, cos], nut.helix.lead_angle, lever_arm),
                 node: (!nodes.is_empty()).then_some(node),
                 ring: (!rings.is_empty()).then_some(ring),
             }
         };
-        let seats: Vec<_> = places.into_iter().enumerate().map(seat).collect();
+        let seats: Vec<_> = positions.into_iter().enumerate().map(seat).collect();
         let groove = ball.offsets[0].min(ball.offsets[1]);
         if let Some(ball) = seats.iter().position(|seat| seat.error.1 >= groove) {
             return Err(NutError::BallTooLarge { ball });
@@ -204,7 +204,7 @@ impl<'a> Assembly<'a> {
             if let Some(ring) = seat.ring {
                 w[1] -= y[ring];
             }
-            let flanks = self.nut.circuits[seat.place.circuit].flanks;
+            let flanks = self.nut.circuits[seat.position.circuit].flanks;
             let ball = self.ball.at(w, excess, flanks).ok_or(number)?;
             state.energy += ball.energy;
             state.energies += ball.energy.abs();
@@ -239,8 +239,8 @@ impl<'a> Assembly<'a> {
             state.energies += (load * y[first + i]).abs();
             state.residual[first + i] -= load;
             // A moment as a force at the balls.
-            let arm = if i < 3 { 1.0 } else { self.nut.helix.radius };
-            state.forces += load.abs() / arm;
+            let lever_arm = if i < 3 { 1.0 } else { self.nut.helix.radius };
+            state.forces += load.abs() / lever_arm;
         }
         for (residual, held) in state.residual.iter_mut().zip(&self.held[0]) {
             if *held {
@@ -272,8 +272,8 @@ impl<'a> Assembly<'a> {
                     row[0] += sign * own;
                     row[1] -= sign * own;
                 }
-                let mut couple = |place: usize, coupling: f64| {
-                    for coupled in [&mut block.right[place], &mut block.bottom[place]] {
+                let mut couple = |position: usize, coupling: f64| {
+                    for coupled in [&mut block.right[position], &mut block.bottom[position]] {
                         coupled[0] += coupling;
                         coupled[1] -= coupling;
                     }
@@ -350,7 +350,7 @@ impl<'a> Assembly<'a> {
             return [u_z, u_x, u_y].into_iter().fold(0.0, |most: f64, u| most.max(u.abs()));
         }
         let at = |seat: &BallSite| {
-            let [x, y_j, zeta] = seat.arm;
+            let [x, y_j, zeta] = seat.lever_arm;
             let strain = seat.node.map_or(0.0, |node| y[2 * node] - y[2 * node + 1]);
             let along = u_z + phi_x * y_j - phi_y * x + strain;
             let across = [u_x + phi_y * zeta, u_y - phi_x * zeta];
@@ -368,7 +368,7 @@ impl<'a> Assembly<'a> {
             for (carried, force) in carried.iter_mut().zip(forces) {
                 *carried += force;
             }
-            let body = self.nut.circuits[seat.place.circuit].body;
+            let body = self.nut.circuits[seat.position.circuit].body;
             if bodies.len() <= body {
                 bodies.resize(body + 1, 0.0);
             }
@@ -378,8 +378,8 @@ impl<'a> Assembly<'a> {
     }
 
     /// Where the balls are.
-    pub(crate) fn places(&self) -> Vec<BallPosition> {
-        self.seats.iter().map(|seat| seat.place).collect()
+    pub(crate) fn positions(&self) -> Vec<BallPosition> {
+        self.seats.iter().map(|seat| seat.position).collect()
     }
 
     /// The stiffness in the matrix, condensed to the freedoms (U17).
@@ -419,7 +419,7 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
 
 /// Groove displacement of a ball by each freedom of the nut, along binormal and principal normal (U4).
 ///
-/// * `theta`: sine and cosine of its helix angle. * `arm`: from the reference to the ball.
+/// * `theta`: sine and cosine of its helix angle. * `lever_arm`: from the reference to the ball.
 fn kinematics(
     [sin, cos]: [f64; 2],
     lead_angle: f64,

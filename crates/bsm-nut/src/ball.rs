@@ -81,28 +81,30 @@ impl FourContacts {
     /// The energy is convex in `w`. `None` if the place of the ball is not found.
     pub fn at(&self, w: [f64; 2], oversize: f64, flanks: Flanks) -> Option<BallInGrooves> {
         let (diagonals, w) = (flanks.diagonals(), Vector2::from(w));
-        let alone = |i: usize| -> Option<(usize, GrooveForces)> {
+        let two_point = |i: usize| -> Option<(usize, GrooveForces)> {
             let ball = self.series.at([SIGNS[i] * w[0], w[1]], oversize);
             (diagonals[i] && ball.load > 0.0).then_some((i, ball))
         };
-        let alone = alone(0).or_else(|| alone(1));
+        let two_point = two_point(0).or_else(|| two_point(1));
         if self.outward == 0.0 {
-            let Some((first, ball)) = alone else { return Some(BallInGrooves::default()) };
-            let place = self.place(first, &ball, w, oversize);
+            let Some((first, ball)) = two_point else { return Some(BallInGrooves::default()) };
+            let centre = self.centre(first, &ball, w, oversize);
             let others = [1 - first, 3 - first];
             let free = !diagonals[1 - first]
-                || others.iter().all(|&c| self.reach(c, w, place, oversize).approach <= 0.0);
+                || others
+                    .iter()
+                    .all(|&c| self.arc_distance(c, w, centre, oversize).approach <= 0.0);
             if free {
                 return Some(is_two_point(first, &ball));
             }
         }
-        let pressed = alone.map(|(i, ball)| self.place(i, &ball, w, oversize));
-        let starts = [Some(self.thrown_out(w, oversize, flanks)), pressed];
-        self.settle(w, starts, oversize, flanks)
+        let pressed = two_point.map(|(i, ball)| self.centre(i, &ball, w, oversize));
+        let starts = [Some(self.pressed_outward(w, oversize, flanks)), pressed];
+        self.least_energy(w, starts, oversize, flanks)
     }
 
     /// Where the ball of one diagonal lies: from the nut's arc centre back along the contact normal.
-    fn place(
+    fn centre(
         &self,
         diagonal: usize,
         ball: &GrooveForces,
@@ -119,7 +121,7 @@ impl FourContacts {
 
     /// Where a loose ball lies in the groove of the nut, into which the centrifugal force presses it: on
     /// both flanks, or at the bottom of the only one.
-    fn thrown_out(&self, w: Vector2<f64>, oversize: f64, flanks: Flanks) -> Vector2<f64> {
+    fn pressed_outward(&self, w: Vector2<f64>, oversize: f64, flanks: Flanks) -> Vector2<f64> {
         let [sin, cos] = self.series.unloaded;
         let l = self.offsets[0];
         let share = if flanks == Flanks::Both { 0.5 / cos } else { 1.0 };
@@ -143,7 +145,7 @@ impl FourContacts {
     }
 
     /// From the ball at `x` to the arc centre of a contact, the grooves displaced by `w`.
-    fn reach(
+    fn arc_distance(
         &self,
         contact: usize,
         w: Vector2<f64>,
@@ -167,7 +169,7 @@ impl FourContacts {
         x: Vector2<f64>,
         oversize: f64,
     ) -> ContactForce {
-        let ArcDistance { approach, length, v } = self.reach(contact, w, x, oversize);
+        let ArcDistance { approach, length, v } = self.arc_distance(contact, w, x, oversize);
         let m = v / length;
         if approach <= 0.0 {
             return ContactForce { load: 0.0, energy: 0.0, m, slope: Matrix2::zeros() };
@@ -185,7 +187,7 @@ impl FourContacts {
     }
 
     /// The ball of least energy among all its places, from the better of two starts (U10).
-    fn settle(
+    fn least_energy(
         &self,
         w: Vector2<f64>,
         starts: [Option<Vector2<f64>>; 2],
@@ -197,8 +199,8 @@ impl FourContacts {
             let touching = |c: usize| diagonals[c % 2].then(|| self.contact(c, w, x, oversize));
             BallEnergy::of(&from_fn(touching), self.outward, x)
         };
-        let places = starts.into_iter().flatten().map(|x| (x, at(x)));
-        let (mut x, mut here) = places.min_by(|a, b| a.1.energy.total_cmp(&b.1.energy))?;
+        let positions = starts.into_iter().flatten().map(|x| (x, at(x)));
+        let (mut x, mut here) = positions.min_by(|a, b| a.1.energy.total_cmp(&b.1.energy))?;
         for _ in 0..MOST_STEPS {
             // A step where nothing holds the ball is as long as the groove is deep.
             let held = Matrix2::identity() * (self.outward.max(here.size) / self.offsets[0]);
@@ -218,7 +220,7 @@ impl FourContacts {
                 let rounding =
                     64.0 * f64::EPSILON * here.energy.abs().max(self.outward * x[1].abs());
                 let level = (next.energy - here.energy).abs() <= rounding;
-                let nearer = next.left() < here.left();
+                let nearer = next.residual() < here.residual();
                 if next.energy < here.energy - 1e-4 * share * fall || (level && nearer) {
                     break Some((y, next));
                 }
@@ -294,7 +296,7 @@ impl BallEnergy {
     }
 
     /// The force that no contact balances yet \[N\].
-    fn left(&self) -> f64 {
+    fn residual(&self) -> f64 {
         self.pull[0].hypot(self.pull[1])
     }
 
@@ -305,7 +307,7 @@ impl BallEnergy {
         // The place is known to the rounding of the distance, which the stiffness turns into a force.
         let stiffness = self.slope.trace();
         let rounding = (64.0 * f64::EPSILON * distance * stiffness).min(1e-6 * self.size);
-        (self.left() <= 1e-7 * self.size + rounding).then(|| self.ball())
+        (self.residual() <= 1e-7 * self.size + rounding).then(|| self.ball())
     }
 
     fn ball(&self) -> BallInGrooves {

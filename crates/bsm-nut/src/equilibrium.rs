@@ -73,7 +73,7 @@ pub struct Equilibrium {
     /// Stiffness of the nut, all freedoms against each other, with its bodies (U17).
     pub stiffness: [[f64; FREEDOMS]; FREEDOMS],
     /// Where the balls are.
-    pub places: Vec<BallPosition>,
+    pub positions: Vec<BallPosition>,
     /// What they carry.
     pub balls: Vec<BallInGrooves>,
     /// The groove displacement of each ball along binormal and principal normal \[m\].

@@ -449,8 +449,8 @@ impl BallNut {
                 [found.balls[*number].force[0].abs().ln(), found.grooves[*number][1]]
             };
             let points: Vec<_> = group.iter().map(point).collect();
-            let of_group = interpolated(&points, FREE_MOTION, |place| {
-                let at = (found, group[place], friction, drive);
+            let of_group = interpolated(&points, FREE_MOTION, |position| {
+                let at = (found, group[position], friction, drive);
                 let FreeMotion { rate, rotation, .. } =
                     self.friction_of(at, (&hertz, idle), &mut before, &mut solve)?.motion?;
                 Some([rate, rotation])

@@ -110,7 +110,7 @@ pub struct BallPosition {
 
 impl BallNut {
     /// The balls in the order of the circuits (U1).
-    pub fn places(&self) -> Vec<BallPosition> {
+    pub fn positions(&self) -> Vec<BallPosition> {
         let lead = self.helix.lead();
         let per_radian = lead / TAU;
         let of = |(number, circuit): (usize, &Circuit)| {
@@ -156,8 +156,8 @@ impl BallNut {
     /// Place on the axis to which displacements and loads belong \[m\].
     pub fn middle(&self) -> f64 {
         let mean = || {
-            let places = self.places();
-            places.iter().map(|place| place.z).sum::<f64>() / count(places.len())
+            let positions = self.positions();
+            positions.iter().map(|position| position.z).sum::<f64>() / count(positions.len())
         };
         self.reference.unwrap_or_else(mean)
     }
@@ -213,17 +213,17 @@ impl BallNut {
 
     /// Displacement of the groove of a ball by its errors, along binormal and principal normal \[m\],
     /// and the excess of its radius \[m\] (U5) to (U7).
-    pub(crate) fn error_at(&self, number: usize, place: &BallPosition) -> ([f64; 2], f64) {
+    pub(crate) fn error_at(&self, number: usize, position: &BallPosition) -> ([f64; 2], f64) {
         let wrong = |error: &LeadError| match *error {
             LeadError::Wave { amplitude, order, phase } => {
-                amplitude * (order * place.theta + phase).cos()
+                amplitude * (order * position.theta + phase).cos()
             }
-            LeadError::Slope { slope, origin } => slope * (place.z - origin),
+            LeadError::Slope { slope, origin } => slope * (position.z - origin),
         };
         // e_j = Σ A_k cos(kθ_j + φ_k) + s (z_j − z₀)                      (U7)
         let lead: f64 = self.errors.lead.iter().map(wrong).sum();
         // w_b = cosα (o_c + e_j),  w_n = −g_j                             (U5)
-        let along = self.helix.lead_angle.cos() * (self.circuits[place.circuit].offset + lead);
+        let along = self.helix.lead_angle.cos() * (self.circuits[position.circuit].offset + lead);
         ([along, -self.errors.gap], self.excess(number))
     }
 

@@ -45,11 +45,11 @@ pub(crate) fn interpolated<const N: usize>(
             }
         }
         let sizes = open.iter().map(|n| left[*n].abs()).enumerate();
-        let Some((place, size)) = sizes.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+        let Some((position, size)) = sizes.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
         if size <= DEPENDENT {
             continue;
         }
-        let node = open.swap_remove(place);
+        let node = open.swap_remove(position);
         let (size, at_node) = (left[node], value(node)?);
         let error: [f64; N] = std::array::from_fn(|k| at_node[k] - found[node][k]);
         for (found, left) in found.iter_mut().zip(&mut left) {

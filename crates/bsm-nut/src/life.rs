@@ -56,10 +56,10 @@ impl Equilibrium {
         let mut damage = 0.0;
         for body in 0..self.bodies.len() {
             let balls: Vec<_> = self
-                .places
+                .positions
                 .iter()
                 .zip(&self.balls)
-                .filter(|(place, _)| nut.circuits[place.circuit].body == body)
+                .filter(|(position, _)| nut.circuits[position.circuit].body == body)
                 .map(|(_, ball)| ball)
                 .collect();
             if balls.is_empty() {

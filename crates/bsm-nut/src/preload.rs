@@ -99,16 +99,16 @@ impl BallNut {
     ///
     /// What [`solve`](Self::solve) says; [`NutError::NoPreload`] if there is no preload to lose.
     pub fn limit_load(&self, by: Preload, support: &Support, way: f64) -> Result<f64, NutError> {
-        let left = |load: f64| -> Result<f64, NutError> {
+        let remaining = |load: f64| -> Result<f64, NutError> {
             Ok(self.solve(&support.with_axial(load))?.preload(self, by))
         };
-        let preload = left(0.0)?;
+        let preload = remaining(0.0)?;
         if preload <= 0.0 {
             return Err(NutError::NoPreload { force: preload });
         }
         // 2√2 to 2.91 times the preload, unless bodies and errors share it unevenly
         let (mut low, mut high) = (0.0, 3.0 * preload);
-        while left(way.signum() * high)? > 0.0 {
+        while remaining(way.signum() * high)? > 0.0 {
             (low, high) = (high, 2.0 * high);
             if high > 1e3 * preload {
                 return Err(NutError::NoPreload { force: preload });
@@ -119,8 +119,8 @@ impl BallNut {
             x_tol: 1e-9,
             ..Bracket::new([low, high], [f64::INFINITY, f64::NEG_INFINITY])
         };
-        let found = bracket.root(|load| match left(way.signum() * load) {
-            Ok(left) if left > 0.0 => 1.0,
+        let found = bracket.root(|load| match remaining(way.signum() * load) {
+            Ok(remaining) if remaining > 0.0 => 1.0,
             Ok(_) => -1.0,
             Err(_) => f64::NAN,
         });

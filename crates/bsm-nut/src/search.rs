@@ -104,7 +104,7 @@ impl Assembly<'_> {
             displacement: from_fn(|i| y[first + i]),
             carried,
             stiffness,
-            places: self.places(),
+            positions: self.positions(),
             balls: state.balls,
             grooves: state.grooves,
             bodies,

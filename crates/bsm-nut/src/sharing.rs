@@ -69,18 +69,18 @@ impl BallNut {
         let equal = self.equal(axial)?;
         let ball = self.ball_in_grooves().map_err(NutError::Contact)?.series;
         let (sin, alpha) = (self.contact_angle.sin(), self.helix.lead_angle);
-        let places = self.places();
-        let shift = |(number, place): (usize, &BallPosition)| {
-            let ([along, _], excess) = self.error_at(number, place);
+        let positions = self.positions();
+        let shift = |(number, position): (usize, &BallPosition)| {
+            let ([along, _], excess) = self.error_at(number, position);
             (along + 2.0 * excess / sin) / alpha.cos()
         };
-        let shifts: Vec<f64> = places.iter().enumerate().map(shift).collect();
+        let shifts: Vec<f64> = positions.iter().enumerate().map(shift).collect();
         let span = |all: &mut dyn Iterator<Item = f64>| {
             let (least, most) =
                 all.fold((f64::MAX, f64::MIN), |(a, b), x| (f64::min(a, x), f64::max(b, x)));
             most - least
         };
-        let length = span(&mut places.iter().map(|place| place.z));
+        let length = span(&mut positions.iter().map(|position| position.z));
         let compliance = |bar: Option<Bar>| bar.map_or(0.0, |bar| bar.stiffness.recip());
         // D = max − min of o + e + 2Δr/(sinβ₀ cosα), and D_bars ≤ F l (1/EA_n + 1/EA_s)  (U27)
         let bars = compliance(self.nut_bar) + compliance(self.screw_bar);

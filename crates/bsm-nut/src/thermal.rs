@@ -11,7 +11,7 @@ mod coupling;
 mod network;
 mod states;
 
-pub use band::{Band, Guess};
+pub use band::{Guess, StateInterval};
 pub use conductances::{Conductances, Coolant, Surfaces, coolant_conductance};
 pub use coupling::{
     BETWEEN_LOADS, FrictionOf, NutAtTemperature, PhaseState, WarmNut, WarmPhase,

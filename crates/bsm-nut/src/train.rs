@@ -254,8 +254,9 @@ impl BallNut {
 
     /// The numbers of the balls of a circuit, in the direction of travel.
     fn in_travel(found: &Equilibrium, circuit: usize, speed: f64) -> Vec<usize> {
-        let numbers = 0..found.places.len();
-        let mut order: Vec<_> = numbers.filter(|n| found.places[*n].circuit == circuit).collect();
+        let numbers = 0..found.positions.len();
+        let mut order: Vec<_> =
+            numbers.filter(|n| found.positions[*n].circuit == circuit).collect();
         if speed < 0.0 {
             order.reverse();
         }
@@ -340,7 +341,7 @@ impl BallNut {
         let (idle, mut work) = (found.idle_load(), ModelWorkspace::default());
         let mut balls: Vec<Option<TrainBall>> = Vec::with_capacity(found.balls.len());
         for number in 0..found.balls.len() {
-            let circuit = found.places[number].circuit;
+            let circuit = found.positions[number].circuit;
             let ball = if found.balls[number].max_load() < idle {
                 None
             } else if found.balls[number].flanks_pressed() == [true, true] {

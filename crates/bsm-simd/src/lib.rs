@@ -5,17 +5,17 @@
 //! only where that is written: results are the same on every instruction set and in every lane.
 
 mod compare;
+mod dual_number;
 mod exponential;
 mod lane;
 mod polynomial;
 mod root;
-mod slopes;
 mod trigonometry;
 
 pub use compare::Compare;
+pub use dual_number::DualNumber;
 pub use lane::{Lane, Mask};
 pub use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};
-pub use slopes::Slopes;
 
 /// Numbers that are worked on together: the widest vectors hold as many.
 pub const BLOCK: usize = 8;

@@ -20,7 +20,7 @@ pub fn figures(published: &PublishedData) -> Result<Vec<Figure>, ValidateError> 
     figures.extend(xu2015::study(published, Model::RacewayControl, Control::Nut)?.figures);
     figures.extend(xu2015::study(published, Model::Rigid, Control::Nut)?.figures);
     let parkon = published.parkon.catalogue()?;
-    figures.extend(catalogue_figures(&parkon, &parkon.places()));
+    figures.extend(catalogue_figures(&parkon, &parkon.indices()));
     figures.extend(dong2020::study(published, Model::RacewayControl)?.figures);
     figures.push(feed_axis(&published.feed_axis.case()?)?);
     Ok(figures)

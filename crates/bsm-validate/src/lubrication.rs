@@ -290,7 +290,7 @@ impl Outer {
         let modulus = 207e9 / (1.0 - 0.09);
         let speed = value("nut_entrainment_m_s");
         // φ_T of Murch and Wilson
-        let heat = oil.viscosity * oil.thinning * speed * speed / conductivity;
+        let heat = oil.viscosity * oil.temperature_coefficient * speed * speed / conductivity;
         let heating = 1.0 / (1.0 + 0.254 * heat.powf(0.62));
         let unit = modulus * radius * radius;
         let rolling = value("nut_rolling_moment_Nmm") * 1e-3 / (2.0 * radius);

@@ -334,7 +334,7 @@ fn stiff_bars() -> Vec<Check> {
     let nut =
         rigid(vec![Circuit { arc: turns * TAU, ..one_turn(usize::from(balls), Flanks::Plus) }]);
     let load = 6340.0;
-    let places = nut.places();
+    let places = nut.positions();
     let ends = [places.first(), places.last()].map(|place| place.map_or(f64::NAN, |p| p.z));
     let length = (ends[1] - ends[0]) * f64::from(balls) / f64::from(balls - 1);
     let stiffness = nut.equal(load).map_or(f64::NAN, |equal| equal.stiffness);

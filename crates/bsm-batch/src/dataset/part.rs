@@ -17,7 +17,7 @@ use parquet::file::metadata::ParquetMetaDataReader;
 use sha2::{Digest, Sha256};
 
 use super::{DatasetError, digest};
-use crate::parquet_table::decoded;
+use crate::parquet_table::catch_decoder_panic;
 use crate::{Count, TableError, TableSink, Workers};
 
 const PLAN: &str = "bsm.plan";
@@ -149,10 +149,10 @@ impl<W: Write> Write for HashingWriter<W> {
 /// Writes the end of a part, and returns the writer.
 pub(super) fn write_footer<W: Write + Send>(
     table: TableSink<HashingWriter<W>>,
-    place: PartRange<'_>,
+    range: PartRange<'_>,
     Count { failed, several, .. }: Count,
 ) -> Result<(W, Part), TableError> {
-    let PartRange { plan, number, first_row, rows, .. } = place;
+    let PartRange { plan, number, first_row, rows, .. } = range;
     let (data_bytes, data_sha256) = (0, String::new());
     let mut part = Part { number, first_row, rows, failed, several, data_bytes, data_sha256 };
     let written = table.finish_with(|file| {
@@ -173,9 +173,9 @@ pub(super) fn write_footer<W: Write + Send>(
     let HashingWriter { mut out, footer, .. } = written;
     let mut footer = footer.unwrap_or_default();
     let hash = digest::of_bytes(&footer);
-    let place = place_of_hash(&footer)
+    let range = place_of_hash(&footer)
         .ok_or_else(|| TableError::Parquet("the footer is not as expected".to_owned()))?;
-    footer[place].copy_from_slice(hash.as_bytes());
+    footer[range].copy_from_slice(hash.as_bytes());
     out.write_all(&footer)?;
     Ok((out, part))
 }
@@ -196,7 +196,7 @@ fn place_of_hash(footer: &[u8]) -> Option<Range<usize>> {
 /// `None` if the workers are stopped before that is known.
 pub(super) fn verify(
     path: &Path,
-    place: PartRange<'_>,
+    range: PartRange<'_>,
     deep: bool,
     workers: &Workers<'_>,
 ) -> Result<Option<Part>, PartDefect> {
@@ -209,7 +209,7 @@ pub(super) fn verify(
     }
     let mut file = File::open(path)?;
     let footer = read_footer(&mut file, found.len())?.ok_or(PartDefect::Footer)?;
-    let part = verified(footer, found.len(), place)?;
+    let part = verified(footer, found.len(), range)?;
     if deep {
         file.seek(SeekFrom::Start(0))?;
         match digest::of_reader(&mut file.take(part.data_bytes), || workers.stopped())? {
@@ -224,7 +224,7 @@ pub(super) fn verify(
 /// The part of a place that a footer with its tail proves.
 ///
 /// * `len`: of the file.
-fn verified(mut footer: Vec<u8>, len: u64, place: PartRange<'_>) -> Result<Part, PartDefect> {
+fn verified(mut footer: Vec<u8>, len: u64, range: PartRange<'_>) -> Result<Part, PartDefect> {
     // The footer proves itself before anything in it is believed.
     let hash_place = place_of_hash(&footer).ok_or(PartDefect::Footer)?;
     let said = footer.get(hash_place.clone()).ok_or(PartDefect::Footer)?.to_owned();
@@ -233,7 +233,7 @@ fn verified(mut footer: Vec<u8>, len: u64, place: PartRange<'_>) -> Result<Part,
         return Err(PartDefect::Footer);
     }
     let thrift = &footer[..footer.len() - TAIL];
-    let metadata = decoded(|| Ok(ParquetMetaDataReader::decode_metadata(thrift)?));
+    let metadata = catch_decoder_panic(|| Ok(ParquetMetaDataReader::decode_metadata(thrift)?));
     let metadata = metadata.map_err(|_| PartDefect::Footer)?;
     let metadata = metadata.file_metadata();
     let value = |key: &str| {
@@ -241,10 +241,10 @@ fn verified(mut footer: Vec<u8>, len: u64, place: PartRange<'_>) -> Result<Part,
         keys.iter().rev().find(|entry| entry.key == key)?.value.as_deref()
     };
     let plan = value(PLAN).ok_or(PartDefect::Footer)?;
-    if plan != place.plan {
+    if plan != range.plan {
         return Err(PartDefect::OtherPlan(plan.to_owned()));
     }
-    let PartRange { number, first_row, rows, .. } = place;
+    let PartRange { number, first_row, rows, .. } = range;
     let found = value(PART).unwrap_or("?");
     if found != number.to_string() || value(ROWS) != Some(&format!("{first_row}:{rows}")) {
         return Err(PartDefect::OtherPart(found.to_owned()));

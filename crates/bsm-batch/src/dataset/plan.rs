@@ -237,16 +237,16 @@ impl Plan {
     }
 
     /// The place of a part that the plan has.
-    pub(super) fn place(&self, number: u64) -> Result<PartRange<'_>, DatasetError> {
+    pub(super) fn range(&self, number: u64) -> Result<PartRange<'_>, DatasetError> {
         let parts = self.parts();
-        (number < parts).then(|| self.place_of(number)).ok_or_else(|| {
+        (number < parts).then(|| self.range_of(number)).ok_or_else(|| {
             let last = parts - 1;
             let what = format!("the plan has parts 0 to {last}, and none of the number {number}");
             DatasetError::Refused(what)
         })
     }
 
-    pub(super) fn place_of(&self, number: u64) -> PartRange<'_> {
+    pub(super) fn range_of(&self, number: u64) -> PartRange<'_> {
         let first_row = number * self.rows_per_part();
         let rows = self.rows_per_part().min(self.rows() - first_row);
         PartRange { plan: self.id(), number, first_row, rows }
@@ -386,7 +386,7 @@ mod tests {
         assert_eq!(plan.text(), text(plan.id()));
         let again = Plan::from_text(plan.text()).expect("its own text");
         assert_eq!((again.id(), again.parts(), again.rows()), (plan.id(), 3, 33));
-        assert_eq!(again.place(2).expect("a part").rows, 1);
+        assert_eq!(again.range(2).expect("a part").rows, 1);
         let read = again.points(|name| name.into(), &workers()).expect("points");
         let (Points::Grid(read), Points::Grid(grid)) = (read, points) else {
             unreachable!("grids")
@@ -493,8 +493,8 @@ mod tests {
     #[test]
     fn more_parts_than_a_folder_takes_are_refused() {
         let points = grid(&["lead_mm=5:10:1000001"]);
-        let refused = Plan::new(&task(), &points, NonZeroU64::new(10), &workers());
-        let said = refused.expect_err("too many").to_string();
+        let invalid_points = Plan::new(&task(), &points, NonZeroU64::new(10), &workers());
+        let said = invalid_points.expect_err("too many").to_string();
         assert!(said.contains("at least 11"), "{said}");
     }
 

@@ -105,7 +105,7 @@ impl Points {
 }
 
 /// Points of a plan that name nothing.
-pub(super) fn refused(why: impl Display) -> DatasetError {
+pub(super) fn invalid_points(why: impl Display) -> DatasetError {
     DatasetError::Refused(format!("the points of the plan: {why}"))
 }
 
@@ -172,8 +172,8 @@ impl PointsEntry {
         match self {
             // A value of an outer axis stands in many rows; those of the innermost repeat, as entries of a list.
             Self::Grid(axes) => {
-                let bytes = |(place, text): (usize, &String)| match Axis::parse(text) {
-                    _ if place > 0 => 0.1,
+                let bytes = |(range, text): (usize, &String)| match Axis::parse(text) {
+                    _ if range > 0 => 0.1,
                     Ok(axis) if axis.len() > usize::from(INPUT_WORDS) => NUMBER,
                     _ => 2.0,
                 };
@@ -193,9 +193,9 @@ impl PointsEntry {
         workers: &Workers<'_>,
     ) -> Result<Points, DatasetError> {
         match self {
-            Self::Grid(axes) => Ok(Points::Grid(Grid::parse(axes).map_err(refused)?)),
+            Self::Grid(axes) => Ok(Points::Grid(Grid::parse(axes).map_err(invalid_points)?)),
             Self::Random(DrawsEntry { seed, count, of }) => {
-                Ok(Points::Draws(Draws::parse(*seed, *count, of).map_err(refused)?))
+                Ok(Points::Draws(Draws::parse(*seed, *count, of).map_err(invalid_points)?))
             }
             Self::Table(written) => {
                 let path = table(&written.name);

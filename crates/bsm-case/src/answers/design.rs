@@ -94,12 +94,12 @@ impl DesignReport {
         offered: &[OfferedSize],
     ) -> Self {
         let (design, reasons, found): (_, Vec<String>, _) = match outcome {
-            Outcome::Found { design, active, refused } => {
+            Outcome::Found { design, active, failed_rules } => {
                 let mut names: Vec<_> =
                     active.iter().map(|holds| step(holds.quantity).name).collect();
                 let mut words: Vec<_> =
                     active.iter().map(|holds| held_back(requirement, &design, holds)).collect();
-                for name in refused {
+                for name in failed_rules {
                     if !names.contains(&name) {
                         names.push(name);
                         words.push(name.to_owned());

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use bsm_design::search::{Crossing, crossings};
+use bsm_design::search::{SignChange, sign_changes};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::json;
 
@@ -208,8 +208,8 @@ impl Fit {
             let output = measured(self.output, &case, settings, &mut work.borrow_mut())?;
             Ok(output.map_or(f64::NAN, |output| output - self.measured))
         };
-        let run = crossings(excess, self.range)?;
-        let fitted = |root: Crossing| {
+        let run = sign_changes(excess, self.range)?;
+        let fitted = |root: SignChange| {
             let response = self.measured / (root.at * root.slope);
             let problem = self.at(&case, root.at)?.problem(settings)?;
             let record = Record::new(problem.solve(&mut work.borrow_mut()));

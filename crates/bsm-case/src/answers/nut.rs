@@ -232,10 +232,10 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
 
 quantities! { pub(crate) BALLS, read_ball(&OneBall<'_>);
     "balls" {
-        circuit [""] Scalar(|b| count(b.place.circuit)), "number of its circuit";
+        circuit [""] Scalar(|b| count(b.position.circuit)), "number of its circuit";
         body [""] Scalar(|b| count(b.body)), "number of its nut body";
-        theta_deg ["deg"] Scalar(|b| b.place.theta / DEG), "place along the helix";
-        z_mm ["mm"] Scalar(|b| b.place.z / MM), "place along the axis";
+        theta_deg ["deg"] Scalar(|b| b.position.theta / DEG), "place along the helix";
+        z_mm ["mm"] Scalar(|b| b.position.z / MM), "place along the axis";
         nut_plus_N ["N"] Scalar(|b| b.ball.loads[0]), "load on the flank of the nut that pushes along +z";
         nut_minus_N ["N"] Scalar(|b| b.ball.loads[1]), "load on the other flank of the nut";
         screw_plus_N ["N"] Scalar(|b| b.ball.loads[2]), "load on the flank of the screw that pushes along +z";
@@ -263,7 +263,7 @@ pub(crate) const LISTED: std::ops::Range<usize> = 4..12;
 
 /// A ball of a nut under load.
 pub(crate) struct OneBall<'a> {
-    place: &'a BallPosition,
+    position: &'a BallPosition,
     ball: &'a BallInGrooves,
     body: usize,
     hertz: Option<&'a [Hertz; 2]>,
@@ -751,11 +751,11 @@ impl NutReport {
             .flat_map(|train| &train.circuits)
             .flat_map(|circuit| &circuit.balls)
             .collect();
-        let row = |(number, (place, ball)): (usize, (&BallPosition, &BallInGrooves))| {
+        let row = |(number, (position, ball)): (usize, (&BallPosition, &BallInGrooves))| {
             let one = OneBall {
-                place,
+                position,
                 ball,
-                body: nut.circuits[place.circuit].body,
+                body: nut.circuits[position.circuit].body,
                 hertz: hertz.as_ref(),
                 outwards: -found.grooves[number][1],
                 torque: friction.and_then(|friction| friction.balls.get(number).copied()),
@@ -765,7 +765,7 @@ impl NutReport {
             let numbers = read_ball(&one, |_| true);
             numbers.columns().map(|(_, value)| value.unwrap_or(f64::NAN)).collect()
         };
-        let rows = found.places.iter().zip(&found.balls).enumerate().map(row).collect();
+        let rows = found.positions.iter().zip(&found.balls).enumerate().map(row).collect();
         Columns { heads: Self::ball_columns(), rows }
     }
 

@@ -86,9 +86,9 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
         C_s_N ["N" "C_s"] Scalar(|r| r.dynamic.screw), "dynamic load rating of a turn of the screw";
         C_s_over_C_n ["" "C_s/C_n"] Scalar(|r| r.dynamic.ratio), "dynamic load rating of the screw over that of the nut";
         C_i_N ["N" "C_i"] Scalar(|r| r.dynamic.turn), "dynamic load rating of a turn";
-        screw_curvature_along_1_mm ["1/mm"] Scalar(|r| r.static_rating.curvatures.along * MM),
+        screw_curvature_along_1_mm ["1/mm"] Scalar(|r| r.static_rating.curvatures.longitudinal * MM),
             "relative curvature along the track of the screw, for the static load rating";
-        screw_curvature_across_1_mm ["1/mm"] Scalar(|r| r.static_rating.curvatures.across * MM),
+        screw_curvature_across_1_mm ["1/mm"] Scalar(|r| r.static_rating.curvatures.transverse * MM),
             "relative curvature across the groove of the screw, for the static load rating";
         k_0_N_mm2 ["N/mm2" "k_0"] Scalar(|r| r.static_rating.factor), "static load of a ball over its diameter squared";
         nut_approach_um_N23 ["um/N^(2/3)"] Scalar(|r| r.elasticity.hertz[0].compliance / UM),

@@ -1,8 +1,9 @@
 //! The answer in the vocabulary.
 
 use bsm_dyn::{
-    Alternatives, Band, Basis, Choice, ContactState, ControllingRaceway, ErrorBound, FilmState,
-    Model, ROLLING_BELOW, Reason, Regime, Slip, SlipRegime, Solution, Solved, Status, ZERO_CELSIUS,
+    Alternatives, Basis, Choice, ContactState, ControllingRaceway, ErrorBound, FilmState,
+    LossInterval, Model, ROLLING_BELOW, Reason, Regime, Slip, SlipRegime, Solution, Solved, Status,
+    ZERO_CELSIUS,
 };
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
@@ -229,7 +230,7 @@ impl Record {
     }
 
     fn others(&self) -> Option<Alternatives> {
-        self.solved()?.others
+        self.solved()?.alternatives
     }
 
     /// Warnings where the equations have other solutions, or no consistent one.
@@ -372,7 +373,7 @@ impl Record {
         let json = parts.as_ref().map(|parts| Content::Json(parts.to_json()));
         answer = answer.with_some("torque_parts", json);
         if let Some(band) = band {
-            let Band { loss, screw_torque, efficiency } = band;
+            let LossInterval { loss, screw_torque, efficiency } = band;
             let json = json!({
                 "contact_loss_ratio": loss,
                 "ball_torque_Nm": screw_torque,
@@ -403,7 +404,7 @@ fn json_of(output: &Output, value: f64) -> Value {
 #[derive(Debug, Clone, Default)]
 pub struct Supplement {
     /// Uncertainty of lubricated friction.
-    pub band: Option<Band>,
+    pub band: Option<LossInterval>,
     /// The screw torque by its parts ([`torque_parts`](crate::torque_parts)).
     pub parts: Option<ScrewTorque>,
     /// How much efficiency and torque depend on each input.
@@ -416,7 +417,7 @@ const NOT_IN_IT: &str = "ball-to-ball contact, returns, seals and drag beyond th
                          the contacts.";
 
 /// Table of the uncertainty of lubricated friction.
-fn of_band(Band { loss, screw_torque, efficiency }: &Band) -> Table {
+fn of_band(LossInterval { loss, screw_torque, efficiency }: &LossInterval) -> Table {
     let row = |label: &str, unit: &str, [low, high]: &[f64; 2]| {
         vec![json!(label), json!(unit), json!(low), json!(high)]
     };
@@ -510,8 +511,8 @@ pub(crate) fn message(reason: &Reason) -> String {
         Reason::SearchLost => "the search for a steady motion failed: none was found, but \
              one may exist. Change the inputs a little, or take another model"
             .to_owned(),
-        Reason::CurvaturesNotHertzian { along, across } => format!(
-            "relative curvatures of {along:.3e} 1/m along and {across:.3e} 1/m across the groove give \
+        Reason::CurvaturesNotHertzian { longitudinal, transverse } => format!(
+            "relative curvatures of {longitudinal:.3e} 1/m along and {transverse:.3e} 1/m across the groove give \
              no contact ellipse with its long axis across the groove; set nut_conformity and \
              screw_conformity towards 0.52"
         ),

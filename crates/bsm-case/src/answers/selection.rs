@@ -242,7 +242,7 @@ impl NutFilter {
             Some(requirement) => requirement.of_its_steel(catalogue),
             None => catalogue,
         };
-        let all = catalogue.places();
+        let all = catalogue.indices();
         let keeps = |nut: &Candidate| {
             requirement.is_none_or(|requirement| requirement.is_kept_by(&nut.nut))
         };

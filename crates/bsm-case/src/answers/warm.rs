@@ -42,7 +42,7 @@ quantities! { pub(crate) QUANTITIES, read(&Warm) of Warm;
         unstable_nut_temperature_C ["C"] Scalar(|w| unstable(w, 0)), "temperature of the nut in the unstable state at the speeds given";
         unstable_screw_temperature_C ["C"] Scalar(|w| unstable(w, 1)), "temperature of the screw in the unstable state at the speeds given";
         unstable_balls_temperature_C ["C"] Scalar(|w| unstable(w, 2)), "temperature of the balls in the unstable state at the speeds given";
-        unstable_preload_N ["N"] Scalar(|w| Some(w.fold.as_ref()?.beyond.as_ref()?.heated.preload)), "warm preload in the unstable state at the speeds given, above which the axis runs away";
+        unstable_preload_N ["N"] Scalar(|w| Some(w.fold.as_ref()?.unstable.as_ref()?.heated.preload)), "warm preload in the unstable state at the speeds given, above which the axis runs away";
     }
     "conductances" {
         nut_conductance_W_K = INPUTS Scalar(|w| Some(state(w)?.conductances.nut));
@@ -86,7 +86,7 @@ fn at_fold(warm: &Warm, node: usize) -> Option<f64> {
 /// Temperature of a node in the unstable state beyond the fold \[°C\].
 fn unstable(warm: &Warm, node: usize) -> Option<f64> {
     let fold = warm.fold.as_ref()?;
-    Some(celsius(fold.set, &fold.beyond.as_ref()?.rises)[node])
+    Some(celsius(fold.set, &fold.unstable.as_ref()?.rises)[node])
 }
 
 /// Whether a number takes the walk to the fold.

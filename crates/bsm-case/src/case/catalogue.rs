@@ -127,30 +127,30 @@ impl Catalogue {
 
     /// Places of the nuts within the limits among all combinations, in the order of the lists: a nut
     /// takes sixty times the memory of its place, and is made again where it is looked at.
-    pub fn places(&self) -> Vec<u32> {
-        self.lists.places(&self.limits)
+    pub fn indices(&self) -> Vec<u32> {
+        self.lists.indices(&self.limits)
     }
 
     /// Applies `each` to the nuts of some places, in order.
     pub fn map<R: Send>(
         &self,
-        places: &[u32],
+        indices: &[u32],
         each: impl Fn(u32, &Candidate) -> Option<R> + Sync + Send,
     ) -> Vec<R> {
-        self.lists.map(&self.limits, places, each)
+        self.lists.map(&self.limits, indices, each)
     }
 
     /// Leaves the places of the nuts that no other one beats in dynamic rating, stiffness and mass.
     #[must_use]
-    pub fn pareto(&self, places: &[u32]) -> Vec<u32> {
+    pub fn pareto(&self, indices: &[u32]) -> Vec<u32> {
         let mut best: Vec<(u32, [f64; 3])> = Vec::new();
         // Who is beaten within a part is beaten by the whole.
-        for part in places.chunks(PART) {
-            best.extend(self.map(part, |place, nut| Some((place, nut.costs()))));
+        for part in indices.chunks(PART) {
+            best.extend(self.map(part, |index, nut| Some((index, nut.costs()))));
             let costs: Vec<_> = best.iter().map(|(_, costs)| *costs).collect();
             best = front(&costs).into_iter().map(|i| best[i]).collect();
         }
-        best.into_iter().map(|(place, _)| place).collect()
+        best.into_iter().map(|(index, _)| index).collect()
     }
 }
 

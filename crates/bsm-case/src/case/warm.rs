@@ -4,7 +4,8 @@ mod axis;
 
 use bsm_dyn::ZERO_CELSIUS;
 use bsm_nut::thermal::{
-    Band, Conductances, Fold, NODES, NoSteadyState, OnBranch, PhaseState, Steady, WarmNut, celsius,
+    Conductances, Fold, NODES, NoSteadyState, OnBranch, PhaseState, StateInterval, Steady, WarmNut,
+    celsius,
 };
 use bsm_nut::{Equilibrium, Support};
 
@@ -58,7 +59,7 @@ pub(crate) struct WarmState {
     pub(crate) given: InputSet,
     /// Temperature of the lubricant \[°C\]; `None` of a dry nut.
     pub(crate) oil: Option<f64>,
-    pub(crate) band: Option<Band>,
+    pub(crate) band: Option<StateInterval>,
 }
 
 /// A warm nut in a phase of the cycle.

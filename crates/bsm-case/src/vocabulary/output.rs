@@ -249,7 +249,7 @@ outputs! {
             "film thickness";
         "film ratio" ["" "Lambda"] Number: nut_film_ratio nut screw_film_ratio screw = |s, at| Some(film(s, at)?.ratio),
             "film thickness over roughness: below 0.3 boundary, to 2 mixed, above full film";
-        "asperity load share" ["" "xi"] Number: nut_asperity_share nut screw_asperity_share screw = |s, at| Some(film(s, at)?.share),
+        "asperity load share" ["" "xi"] Number: nut_asperity_share nut screw_asperity_share screw = |s, at| Some(film(s, at)?.asperity_share),
             "share of the load that asperities carry";
         "friction coefficient" ["" "mu"] Number: nut_friction_coefficient nut screw_friction_coefficient screw = |s, at| Some(film(s, at)?.friction),
             "mean friction coefficient: sliding power over that of a coefficient of one";
@@ -273,9 +273,9 @@ outputs! {
             "raceway on which the ball does not spin (raceway control)";
         "control_consistent" [""] Flag: control_consistent whole = |s, _| s.solved()?.control?.consistent,
             "true if the controlling raceway has the larger spin friction moment at this solution; false where neither raceway has it at its own solution";
-        "other_solutions" [""] Count: other_solutions whole = |s, _| Some(s.solved()?.others?.count),
+        "other_solutions" [""] Count: other_solutions whole = |s, _| Some(s.solved()?.alternatives?.count),
             "number of other steady motions known at this point; null: unknown, as no search was made or it was lost";
-        "other_solution_efficiency" [""] Number: other_solution_efficiency whole = |s, _| s.solved()?.others?.farthest_efficiency,
+        "other_solution_efficiency" [""] Number: other_solution_efficiency whole = |s, _| s.solved()?.alternatives?.farthest_efficiency,
             "efficiency of the other steady motion whose efficiency differs most";
         "evidence" [""] Evidence: evidence whole = |s, _| s.evidence(),
             "evidence of no_solution: proof; bound (an expansion whose error is smaller than what decides); traced (a curve that contains all solutions was followed in steps of finite size); sampled (also random starts found none)";

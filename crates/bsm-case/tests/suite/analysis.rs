@@ -270,7 +270,7 @@ fn healthy_screws_raise_no_alarm() {
     no_alarm(&case(FEED, &[]));
     no_alarm(&case(FEED, &[&RETURN[..], &[("loaded_balls_per_turn", 20.0)]].concat()));
     let catalogue = Catalogue::standard().expect("lists");
-    let places = catalogue.places();
+    let places = catalogue.indices();
     let ten: Vec<_> = (0..10).map(|i| places[(2 * i + 1) * places.len() / 20]).collect();
     let nuts = catalogue.map(&ten, |_, nut| Some(candidate_json(nut)));
     assert_eq!(nuts.len(), 10);

@@ -9,7 +9,7 @@ const SMALL: &[u8] =
     "nut_conformity": [0.52, 0.55], "largest_ball_over_lead": 0.6}"#;
 
 fn all(catalogue: &Catalogue) -> Vec<Candidate> {
-    catalogue.map(&catalogue.places(), |_, nut| Some(*nut))
+    catalogue.map(&catalogue.indices(), |_, nut| Some(*nut))
 }
 
 /// The published rows are in it with their numbers (to the newton, millimetre and per cent that
@@ -30,7 +30,7 @@ fn published_nuts_are_in_the_catalogue() {
     let numbers =
         ["pitch_circle_diameter_mm=63.35", "preloaded_stiffness_N_um>=3234", "mass_kg<=7.3"];
     assert_eq!(has(&[large.as_slice(), &numbers].concat()), 1);
-    assert!(Catalogue::standard().expect("compiled in").places().len() > 50_000);
+    assert!(Catalogue::standard().expect("compiled in").indices().len() > 50_000);
 }
 
 /// The standard lists ended at 8 and 100 mm: ISO 3408-2 goes from 6 to 200 mm, and every diameter has nuts.
@@ -44,7 +44,7 @@ fn every_diameter_of_the_standard_has_nuts() {
     let diameters: Vec<_> = catalogue.lists.diameters.iter().map(|d| (1e3 * d).round()).collect();
     assert_eq!(diameters, ISO_3408_2);
     let found =
-        catalogue.map(&catalogue.places(), |_, nut| Some((1e3 * nut.size.diameter).round()));
+        catalogue.map(&catalogue.indices(), |_, nut| Some((1e3 * nut.size.diameter).round()));
     for diameter in ISO_3408_2 {
         assert!(found.iter().any(|d| (d - diameter).abs() < 1e-9), "{diameter} mm");
     }
@@ -83,7 +83,7 @@ fn every_printed_row_is_in_the_lists_of_the_paper() {
 #[test]
 fn the_lands_of_every_nut_hold_its_balls() {
     let catalogue = Catalogue::standard().expect("compiled in");
-    let places = catalogue.places();
+    let places = catalogue.indices();
     assert!(places.len() > 50_000);
     let bad = catalogue.map(&places, |place, nut| {
         let contact = nut.nut.ball_diameter * nut.nut.contact_angle.cos();
@@ -125,7 +125,7 @@ fn gap_and_play_are_chosen() {
 fn the_front_is_smaller_and_keeps_the_best() {
     let catalogue = Catalogue::from_json(SMALL).expect("lists");
     let all = all(&catalogue);
-    let front = catalogue.map(&catalogue.pareto(&catalogue.places()), |_, nut| Some(*nut));
+    let front = catalogue.map(&catalogue.pareto(&catalogue.indices()), |_, nut| Some(*nut));
     let best = |nuts: &[Candidate]| nuts.iter().map(|nut| nut.dynamic_rating).fold(0.0, f64::max);
     assert!(front.len() < all.len() && (best(&front) - best(&all)).abs() < 1e-9);
 }

@@ -380,7 +380,7 @@ fn design_and_catalogue_judge_by_the_rules_of_the_sheet() {
         assert!(report.found, "{settings:?}: {:?}", report.reasons);
         agrees_with_its_sheet(&report, Model::RacewayControl, settings[0]);
         // No nut of the list fails on its sheet, and the chosen one is in it.
-        let listed = catalogue.map(&catalogue.places(), |place, nut| {
+        let listed = catalogue.map(&catalogue.indices(), |place, nut| {
             (place % 7 == 0 && requirement.is_kept_by(&nut.nut)).then_some(nut.nut)
         });
         for nut in listed.iter().take(20).filter(|nut| requirement.sheet_of(nut).is_some()) {

@@ -54,9 +54,9 @@ pub enum Raceway {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Curvatures<D = f64> {
     /// Along the track `$\rho_t$`.
-    pub along: D,
+    pub longitudinal: D,
     /// Across the groove `$\rho_x$`.
-    pub across: D,
+    pub transverse: D,
 }
 
 impl<D: Field> Curvatures<D> {
@@ -64,7 +64,7 @@ impl<D: Field> Curvatures<D> {
     #[inline(always)]
     #[must_use]
     pub fn times(self, factor: D) -> Self {
-        Self { along: self.along * factor, across: self.across * factor }
+        Self { longitudinal: self.longitudinal * factor, transverse: self.transverse * factor }
     }
 }
 
@@ -76,7 +76,7 @@ impl Curvatures {
     /// Source: Dong et al. (2020), an empirical fit for hardened bearing steel in millimetres.
     pub fn permanent_approach(&self, load: f64, ball_radius: f64) -> f64 {
         // δ_p [mm] = 1.3·10⁻⁷ ρ_t ρ_x Q² / (2 r_b), lengths in mm          (H12)
-        1.3e-19 * self.along * self.across * load * load / (2.0 * ball_radius)
+        1.3e-19 * self.longitudinal * self.transverse * load * load / (2.0 * ball_radius)
     }
 }
 
@@ -111,9 +111,9 @@ impl<D: Field> Groove<D> {
         let groove_radius = self.conformity * 2.0 * ball_radius;
         Curvatures {
             // ρ_t = 1/r_b ∓ ρ_c cosβ₀ / (1 ± r_g ρ_c cosβ₀)               (H5)
-            along: ball_radius.recip() - bent / (groove_radius * bent + 1.0),
+            longitudinal: ball_radius.recip() - bent / (groove_radius * bent + 1.0),
             // ρ_x = 1/r_b − 1/r_g                                         (H6)
-            across: ball_radius.recip() - groove_radius.recip(),
+            transverse: ball_radius.recip() - groove_radius.recip(),
         }
     }
 }
@@ -160,7 +160,7 @@ impl<D: Field> Hertz<D> {
     #[inline(always)]
     pub fn on(axes: &Axes<D>, curvatures: &Curvatures<D>, modulus: D) -> Self {
         let Axes { flatness, k, e } = *axes;
-        let sum = curvatures.along + curvatures.across;
+        let sum = curvatures.longitudinal + curvatures.transverse;
         // a = (3 κ² E Q / (π S E*))^{1/3}                                 (H8)
         let semi_axis = (e * 3.0 / (flatness.square() * sum * modulus * PI)).cbrt();
         // δ = 3 Q K / (2 π a E*) = c Q^{2/3}                              (H9)
@@ -183,11 +183,11 @@ impl<D: Scalar> Hertz<D> {
     /// [`Reason::CurvaturesNotHertzian`] unless `$\rho_t \ge \rho_x > 0$`: the ellipse would lie
     /// along the groove, or the bodies would fit without a gap.
     pub fn of(curvatures: &Curvatures<D>, modulus: D) -> Result<Self, Reason> {
-        let Curvatures { along, across } = *curvatures;
-        let target = along / across;
-        if !(across.re() > 0.0 && target.re() >= 1.0 && target.re().is_finite()) {
-            let (along, across) = (along.re(), across.re());
-            return Err(Reason::CurvaturesNotHertzian { along, across });
+        let Curvatures { longitudinal, transverse } = *curvatures;
+        let target = longitudinal / transverse;
+        if !(transverse.re() > 0.0 && target.re() >= 1.0 && target.re().is_finite()) {
+            let (longitudinal, transverse) = (longitudinal.re(), transverse.re());
+            return Err(Reason::CurvaturesNotHertzian { longitudinal, transverse });
         }
         Ok(Self::on(&Axes::of(target), curvatures, modulus))
     }
@@ -295,8 +295,12 @@ impl<D: Scalar> Axes<D> {
         let moved = (target - D::from(t)) * (at.above() * at.below() / (at.slope() * t));
         // dK/d ln κ = K (1 − r)/2,  dE/d ln κ = −K q² (1 + r)/2           (H11)
         let (dk, de) = (0.5 * k * at.below(), -0.5 * k * flatness * flatness * at.above());
-        let along = |value: f64, slope: f64| moved * slope + value;
-        Self { flatness: along(flatness, -flatness), k: along(k, dk), e: along(e, de) }
+        let longitudinal = |value: f64, slope: f64| moved * slope + value;
+        Self {
+            flatness: longitudinal(flatness, -flatness),
+            k: longitudinal(k, dk),
+            e: longitudinal(e, de),
+        }
     }
 }
 
@@ -402,7 +406,7 @@ mod tests {
     /// 1.3e-7 × 0.25 × 0.02 × 9e6 / 8 = 7.3125e-4 mm.
     #[test]
     fn permanent_approach_is_that_of_the_fit() {
-        let curvatures = Curvatures { along: 250.0, across: 20.0 };
+        let curvatures = Curvatures { longitudinal: 250.0, transverse: 20.0 };
         let approach = curvatures.permanent_approach(3e3, 4e-3);
         assert_relative_eq!(approach, 7.3125e-7, max_relative = 1e-12);
     }
@@ -411,7 +415,7 @@ mod tests {
     #[test]
     fn circular_contact_is_the_sphere() {
         let radius = 5e-3_f64;
-        let curvatures = Curvatures { along: radius.recip(), across: radius.recip() };
+        let curvatures = Curvatures { longitudinal: radius.recip(), transverse: radius.recip() };
         let hertz = Hertz::of(&curvatures, 1.1e11).unwrap();
         let a = (3.0 * radius / (4.0 * 1.1e11)).cbrt();
         assert_relative_eq!(hertz.ratio(), 1.0, max_relative = 1e-15);
@@ -419,8 +423,8 @@ mod tests {
         assert_relative_eq!(hertz.approach(1.0), a * a / radius, max_relative = 1e-14);
         // On the circle itself (3/2) d ln κ = d ln ρ_t, in which the integrals are smooth.
         let jets = Curvatures {
-            along: Jet::variable(radius.recip(), 0),
-            across: Jet::<1>::from(radius.recip()),
+            longitudinal: Jet::variable(radius.recip(), 0),
+            transverse: Jet::<1>::from(radius.recip()),
         };
         let moved = Hertz::of(&jets, Jet::from(1.1e11)).unwrap();
         assert_relative_eq!(moved.ratio().eps[0], 2.0 / 3.0 * radius, max_relative = 1e-14);
@@ -434,14 +438,14 @@ mod tests {
         for (member, sign) in [(Raceway::Nut, 1.0), (Raceway::Screw, -1.0)] {
             let c = Groove { member, conformity: 0.52 }.curvatures(r_m, r_b, 0.0, beta);
             let bearing = 1.0 / r_b - sign * (gamma / r_b) / (1.0 + sign * gamma);
-            assert_relative_eq!(c.along, bearing, max_relative = 1e-14);
+            assert_relative_eq!(c.longitudinal, bearing, max_relative = 1e-14);
         }
     }
 
     #[test]
     fn what_is_not_hertzian_is_refused() {
-        for (along, across) in [(1.0, 2.0), (1.0, 0.0), (1.0, -1.0), (f64::NAN, 1.0)] {
-            let domain_error = Hertz::of(&Curvatures { along, across }, 1e11);
+        for (longitudinal, transverse) in [(1.0, 2.0), (1.0, 0.0), (1.0, -1.0), (f64::NAN, 1.0)] {
+            let domain_error = Hertz::of(&Curvatures { longitudinal, transverse }, 1e11);
             assert!(
                 matches!(domain_error, Err(Reason::CurvaturesNotHertzian { .. })),
                 "{domain_error:?}"
@@ -479,12 +483,12 @@ mod tests {
         /// Derivatives by the curvature along the track and the modulus, against differences.
         #[test]
         fn derivatives_match_differences(log_ratio in 1e-3..9.0_f64) {
-            let (across, modulus) = (13.0, 1.1e11);
-            let along = across * log_ratio.exp();
-            let jets = Curvatures { along: Jet::variable(along, 0), across: Jet::from(across) };
+            let (transverse, modulus) = (13.0, 1.1e11);
+            let longitudinal = transverse * log_ratio.exp();
+            let jets = Curvatures { longitudinal: Jet::variable(longitudinal, 0), transverse: Jet::from(transverse) };
             let exact = Hertz::of(&jets, Jet::<2>::variable(modulus, 1)).unwrap();
             let at = |a: f64, e: f64| {
-                Hertz::of(&Curvatures { along: along * a, across }, modulus * e).unwrap()
+                Hertz::of(&Curvatures { longitudinal: longitudinal * a, transverse }, modulus * e).unwrap()
             };
             // Truncation h²; rounding of (H7), 1e-16 over the distance from the circle, over h.
             let h = 1e-4;
@@ -496,7 +500,7 @@ mod tests {
                 let scale = 2.0 * h * jet.re;
                 let by_curvature = (read(&at(1.0 + h, 1.0)) - read(&at(1.0 - h, 1.0))) / scale;
                 let by_modulus = (read(&at(1.0, 1.0 + h)) - read(&at(1.0, 1.0 - h))) / scale;
-                prop_assert!((by_curvature - jet.eps[0] * along / jet.re).abs() <= tol);
+                prop_assert!((by_curvature - jet.eps[0] * longitudinal / jet.re).abs() <= tol);
                 prop_assert!((by_modulus - jet.eps[1] * modulus / jet.re).abs() <= tol);
             }
         }
@@ -504,9 +508,9 @@ mod tests {
         /// The relation of the curvatures holds, and load, approach and pressure scale as they must.
         #[test]
         fn the_ellipse_satisfies_its_equation(log_ratio in 0.01..9.0_f64, load in 1e-3..1e6_f64) {
-            let across = 13.0;
-            let along = across * log_ratio.exp();
-            let hertz = Hertz::of(&Curvatures { along, across }, 1.1e11).unwrap();
+            let transverse = 13.0;
+            let longitudinal = transverse * log_ratio.exp();
+            let hertz = Hertz::of(&Curvatures { longitudinal, transverse }, 1.1e11).unwrap();
             let (k, e) = ellipke(1.0 - hertz.flatness.powi(2)).unwrap();
             let relation = (hertz.ratio().powi(2) * e - k) / (k - e);
             // κ² E − K and K − E cancel near the circle.

@@ -53,7 +53,7 @@ impl<D: Scalar> Jones<D> {
     }
 
     /// Contact angle at the screw \[rad\] and axial displacement of the nut \[m\] of two approaches \[m\] and a contact
-    /// angle at the nut \[rad\] (J9), for a ball that is thrown against the nut: the angle there is
+    /// angle at the nut \[rad\] (J9), for a ball under a high centrifugal load: the angle there is
     /// small, and the difference of mean angle and tilt has lost its digits.
     ///
     /// # Errors

@@ -14,7 +14,7 @@ use bsm_simd::{Arch, BLOCK, Block, Compare, Lane, Mask, NullaryFnOnce, Simd, Wit
 
 use super::Quadrature;
 use super::oil::{HalfChord, HalfNode, PolarRule};
-use super::panels::{Chords, EllipseSlip, FAR, Nodes, Visitor, clamp, each_chord, half_length};
+use super::panels::{Chords, EllipseSlip, FAR, Placement, Visitor, clamp, each_chord, half_length};
 use crate::contact::Transition;
 
 /// What the sums depend on: a contact with numbers in its own axes.
@@ -201,7 +201,7 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
     fn along<S: Simd, const SLOPED: bool>(
         &self,
         simd: S,
-        of: (Nodes<'_>, Option<usize>),
+        of: (Placement<'_>, Option<usize>),
         slip: &EllipseSlip<Lane<S>>,
         line: &Chord<S>,
     ) -> Moments<S, N>;
@@ -283,7 +283,7 @@ impl PointLaw<2> for Dry {
     fn along<S: Simd, const SLOPED: bool>(
         &self,
         simd: S,
-        (nodes, inner): (Nodes<'_>, Option<usize>),
+        (nodes, inner): (Placement<'_>, Option<usize>),
         slip: &EllipseSlip<Lane<S>>,
         line: &Chord<S>,
     ) -> Moments<S, 2> {
@@ -315,7 +315,7 @@ pub(super) fn add_powers<S: Simd>(sums: &mut [Lane<S>; 3], x: Lane<S>, s: Lane<S
 
 /// Sums over all lines of both contacts; those of the slopes only if `SLOPED`.
 pub(crate) struct Accumulator<'a, L, const N: usize, const SLOPED: bool> {
-    pub(super) nodes: &'a [Nodes<'a>; 2],
+    pub(super) nodes: &'a [Placement<'a>; 2],
     pub(super) points: &'a [Patch; 2],
     pub(super) slips: &'a [EllipseSlip<f64>; 2],
     pub(super) laws: &'a [L; 2],
@@ -428,7 +428,7 @@ pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool>(
     simd: S,
     points: &[Patch; 2],
     laws: &[L; 2],
-    nodes: &[Nodes<'_>; 2],
+    nodes: &[Placement<'_>; 2],
     done: [bool; 2],
 ) -> [Resultants; 2] {
     // A call for one contact and for two: the code is long.
@@ -440,7 +440,7 @@ struct All<'a, S, L, const N: usize, const SLOPED: bool> {
     simd: S,
     points: &'a [Patch; 2],
     laws: &'a [L; 2],
-    nodes: &'a [Nodes<'a>; 2],
+    nodes: &'a [Placement<'a>; 2],
     done: [bool; 2],
 }
 
@@ -636,12 +636,12 @@ pub(super) fn sums_on<L: PointLaw<N>, const N: usize, const SLOPED: bool>(
     arch: Arch,
     point: &Patch,
     law: L,
-    nodes: Nodes<'_>,
+    nodes: Placement<'_>,
 ) -> Resultants {
     arch.dispatch(One::<L, N, SLOPED>(point, law, nodes))
 }
 
-struct One<'a, L, const N: usize, const SLOPED: bool>(&'a Patch, L, Nodes<'a>);
+struct One<'a, L, const N: usize, const SLOPED: bool>(&'a Patch, L, Placement<'a>);
 
 impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> WithSimd for One<'_, L, N, SLOPED> {
     type Output = Resultants;
@@ -659,13 +659,13 @@ impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> WithSimd for One<'_, L,
 /// coefficient, or of one that bends.
 pub(super) fn nodes(
     point: &Patch,
-    nodes: Nodes<'_>,
+    nodes: Placement<'_>,
     bend: Option<&Transition>,
 ) -> Vec<(f64, f64, f64)> {
     Arch::new().dispatch(List(point, nodes, bend))
 }
 
-struct List<'a>(&'a Patch, Nodes<'a>, Option<&'a Transition>);
+struct List<'a>(&'a Patch, Placement<'a>, Option<&'a Transition>);
 
 /// The nodes of all lines, one by one.
 struct Collect<'a> {

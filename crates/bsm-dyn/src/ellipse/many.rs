@@ -15,7 +15,7 @@ use bsm_simd::{BLOCK, Lane, Mask, NullaryFnOnce, Simd};
 
 use super::Quadrature;
 use super::kernel::{ALL, Chord, Dry, Moments, NUMBERS, Patch, PointLaw, Resultants, VALUES, sums};
-use super::panels::{FrozenRule, MOST_INNER, Nodes, UNRESOLVED, clamp, half_length, line_at};
+use super::panels::{FrozenRule, MOST_INNER, Placement, UNRESOLVED, clamp, half_length, line_at};
 
 /// Most nodes of a panel.
 const MOST_NODES: usize = 16;
@@ -144,7 +144,7 @@ impl ManyQuadrature {
         let mut blocks = [[[0.0; BLOCK]; NUMBERS]; 2];
         for (i, SplitPoint { plans, .. }) in points.iter().enumerate().filter(|(_, p)| !p.done) {
             let patches = [patches[0].at(i), patches[1].at(i)];
-            let nodes = |plan| Nodes { rule: &self.rule, plan: Some(plan), rough: false };
+            let nodes = |plan| Placement { rule: &self.rule, plan: Some(plan), rough: false };
             let nodes = [nodes(&plans[0]), nodes(&plans[1])];
             let found = sums::<S, Dry, 2, SLOPED>(simd, &patches, &[Dry; 2], &nodes, [false; 2]);
             for c in 0..2 {

@@ -14,7 +14,7 @@ use bsm_simd::{BLOCK, Lane, Simd};
 
 use super::Quadrature;
 use super::kernel::{Accumulator, Chord, Moments, PointLaw, add_powers};
-use super::panels::{EllipseSlip, FrozenRule, MOST_RINGS, Nodes};
+use super::panels::{EllipseSlip, FrozenRule, MOST_RINGS, Placement};
 use crate::contact::{MixedFriction, PRESSURE_SLOPE, Transition};
 
 /// Below this the inverse hyperbolic sine is its series, whose next term is of the size of rounding.
@@ -169,7 +169,7 @@ pub(crate) struct OilLaw {
 
 impl OilLaw {
     pub(crate) fn of(law: &MixedFriction) -> Self {
-        let MixedFriction { share, boundary, limit, .. } = *law;
+        let MixedFriction { asperity_share: share, boundary, limit, .. } = *law;
         // ξ = e^{−1.4λ}: dξ/d ln h = ξ ln ξ
         let falling = if share > 0.0 { -share * share.ln() } else { 0.0 };
         let (boundary, film) = (share * boundary, (1.0 - share) * limit);
@@ -239,7 +239,7 @@ impl PointLaw<4> for OilLaw {
             add_powers(k, cube * (mu - by_slip), s);
             add_powers(across, cube * (mu * square + by_slip * cross), s);
             // ∂μ/∂ln h = (μ_b − μ_f/(1 − ξ)) dξ/d ln h − ∂μ/∂ln s
-            let thinner = fluid * (self.falling / (1.0 - self.mixed.share).max(TINY));
+            let thinner = fluid * (self.falling / (1.0 - self.mixed.asperity_share).max(TINY));
             let by_film = thinner - self.falling * self.mixed.boundary - by_slip;
             add_powers(film, part * by_film, s);
         }
@@ -249,7 +249,7 @@ impl PointLaw<4> for OilLaw {
     fn along<S: Simd, const SLOPED: bool>(
         &self,
         simd: S,
-        (nodes, _): (Nodes<'_>, Option<usize>),
+        (nodes, _): (Placement<'_>, Option<usize>),
         slip: &EllipseSlip<Lane<S>>,
         line: &Chord<S>,
     ) -> Moments<S, 4> {

@@ -446,14 +446,14 @@ type FrozenChords = (Option<usize>, Option<Block>);
 
 /// The nodes of a quadrature over an ellipse: by the slip, or as in a plan, which the first walk fills.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Nodes<'a> {
+pub(crate) struct Placement<'a> {
     pub(crate) rule: &'a Quadrature,
     pub(crate) plan: Option<&'a OnceCell<FrozenRule>>,
     /// On the way to a root: sums to 1e-5, and spin poles inside are not resolved; of a constant coefficient.
     pub(crate) rough: bool,
 }
 
-impl<'a> Nodes<'a> {
+impl<'a> Placement<'a> {
     fn frozen(&self) -> Option<&'a FrozenRule> {
         self.plan?.get()
     }
@@ -504,7 +504,7 @@ impl<'a> Nodes<'a> {
     }
 }
 
-impl<'a> From<&'a Quadrature> for Nodes<'a> {
+impl<'a> From<&'a Quadrature> for Placement<'a> {
     fn from(rule: &'a Quadrature) -> Self {
         Self { rule, plan: None, rough: false }
     }
@@ -557,7 +557,7 @@ impl Chords {
     fn place<S: Simd>(
         &mut self,
         simd: S,
-        (nodes, frozen): (Nodes<'_>, Option<&FrozenChords>),
+        (nodes, frozen): (Placement<'_>, Option<&FrozenChords>),
         slip: &EllipseSlip<Lane<S>>,
         (places, parts): (&Block, &Block),
         of_panel: &[Block; 4],
@@ -596,7 +596,7 @@ impl<'a> Panels<'a> {
     #[inline(always)]
     fn of<S: Simd>(
         simd: S,
-        nodes: &[Nodes<'a>; 2],
+        nodes: &[Placement<'a>; 2],
         slips: &[EllipseSlip<f64>; 2],
         done: [bool; 2],
     ) -> [Self; 2] {
@@ -651,7 +651,7 @@ impl<'a> Panels<'a> {
 
     /// Around two poles with these `$\sinh^2\eta$`, split where they are inside.
     #[inline(always)]
-    fn between(nodes: Nodes<'a>, poles: [Pole<f64>; 2], square: [f64; 2]) -> Self {
+    fn between(nodes: Placement<'a>, poles: [Pole<f64>; 2], square: [f64; 2]) -> Self {
         let (rule, plan) = (nodes.rule, nodes.frozen());
         let mut all = Self::none(rule);
         let middle = clamp(0.5 * (poles[0].at + poles[1].at), -1.0, 1.0);
@@ -703,7 +703,7 @@ impl<'a> Panels<'a> {
         &self,
         simd: S,
         at: &mut At,
-        of: Nodes<'_>,
+        of: Placement<'_>,
         slip: &EllipseSlip<Lane<S>>,
         lines: &mut Chords,
     ) {
@@ -743,7 +743,7 @@ const AHEAD: usize = 2;
 #[inline(always)]
 pub(super) fn each_chord<S: Simd>(
     simd: S,
-    nodes: &[Nodes<'_>; 2],
+    nodes: &[Placement<'_>; 2],
     slips: &[EllipseSlip<f64>; 2],
     done: [bool; 2],
     visitor: &mut impl Visitor<S>,

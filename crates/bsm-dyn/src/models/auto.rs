@@ -38,34 +38,33 @@ impl Auto {
 
     /// The solution, and the root of the traction model if it is the one that was chosen.
     fn solve_for_root(&self, work: &mut ModelWorkspace) -> (Solution, Option<SlipRoot>) {
-        let pair = match self.at.scaled() {
-            Ok(pair) => pair,
+        let contacts = match self.at.scaled() {
+            Ok(contacts) => contacts,
             Err(invalid) => return (Solution::new(Model::RacewayControl, Err(invalid)), None),
         };
-        let rolling_ball = work.raceway.rolling_ball(&pair, None).ok();
+        let rolling_ball = work.raceway.rolling_ball(&contacts, None).ok();
         let known = rolling_ball.and_then(|rolling_ball| {
-            let onset_number = rolling_ball.skid(&pair).onset_number()?;
+            let onset_number = rolling_ball.skid(&contacts).onset_number()?;
             if SlipRegime::of(onset_number) == SlipRegime::PartialSkid {
                 // Neither model holds there, whatever its bound.
                 return None;
             }
-            let solved = work.raceway.solved(&self.at, &pair, &rolling_ball).ok()?;
-            Some((rolling_ball, solved, ModelErrors::of_ball(&pair, &solved)?))
+            let solved = work.raceway.solved(&self.at, &contacts, &rolling_ball).ok()?;
+            Some((rolling_ball, solved, ModelErrors::of_ball(&contacts, &solved)?))
         });
         if let Some((rolling_ball, solved, errors)) = &known {
             match errors.basis(self.tolerance) {
                 Some(basis @ Basis::Rolling { .. }) => {
                     let solved =
-                        work.raceway.with_others(&self.at, &pair, rolling_ball, None, solved);
+                        work.raceway.with_others(&self.at, &contacts, rolling_ball, None, solved);
                     let bound = errors.rolling;
                     return (self.chosen(&solved, bound, basis), None);
                 }
                 Some(basis) => {
-                    if let Ok(skid) = self
-                        .at
-                        .point
-                        .require_friction()
-                        .and_then(|()| Elastic { at: self.at }.solved(&pair, &mut work.elastic))
+                    if let Ok(skid) =
+                        self.at.point.require_friction().and_then(|()| {
+                            Elastic { at: self.at }.solved(&contacts, &mut work.elastic)
+                        })
                     {
                         let eta = |solved: &Solved| solved.transmission.efficiency;
                         let bound = errors.skid_bound((eta(solved) - eta(&skid)).abs());
@@ -81,13 +80,13 @@ impl Auto {
         let traction =
             Traction { at: self.at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         let integrated = self.at.point.require_friction().and_then(|()| {
-            let start = Start::new(&pair, rolling_ball.as_ref())?;
+            let start = Start::new(&contacts, rolling_ball.as_ref())?;
             traction.solve_to(&start, self.tolerance, &mut work.traction)
         });
         match integrated {
             Ok((found, accuracy, error)) => {
                 let basis = Basis::Integrated { accuracy };
-                (self.chosen(&found.solved(&pair), error, basis), Some(found.root))
+                (self.chosen(&found.solved(&contacts), error, basis), Some(found.root))
             }
             Err(none) => {
                 let solution = match known {
@@ -95,8 +94,13 @@ impl Auto {
                     Some((rolling_ball, solved, errors))
                         if SlipRegime::of(errors.onset_number) == SlipRegime::Rolling =>
                     {
-                        let solved =
-                            work.raceway.with_others(&self.at, &pair, &rolling_ball, None, &solved);
+                        let solved = work.raceway.with_others(
+                            &self.at,
+                            &contacts,
+                            &rolling_ball,
+                            None,
+                            &solved,
+                        );
                         let basis = Basis::Rolling { onset_number: errors.onset_number };
                         self.chosen(&solved, errors.rolling, basis)
                     }

@@ -311,7 +311,7 @@ mod tests {
                 let q = angles.load_ratio(direction, f);
                 let wrench = |site, psi: f64| {
                     let contact = Contact::new(site, b, &frame);
-                    let friction = (contact.across * psi.cos() + Vector3::x() * psi.sin()) * (f * q);
+                    let friction = (contact.transverse * psi.cos() + Vector3::x() * psi.sin()) * (f * q);
                     Wrench::at_contact(&contact.normal, &contact.point(size), q, &friction)
                 };
                 let axial = axial_force(&wrench(Site::Nut, psi + PI).force, &frame);

@@ -77,34 +77,35 @@ struct GrossSlipEquations<'a, P = f64>(&'a ElasticContacts<P>);
 impl<P: Scalar> GrossSlipEquations<'_, P> {
     fn state<D: Over<P>>(&self, y: &[D; BALL]) -> Result<GrossSlipState<D>, EvalError> {
         cost::evaluated();
-        let pair = self.0;
-        let loaded = pair.loaded([y[NUT_LOAD], y[SCREW_LOAD]], y[TILT])?;
+        let contacts = self.0;
+        let loaded = contacts.loaded([y[NUT_LOAD], y[SCREW_LOAD]], y[TILT])?;
         let [nut, screw] = loaded.contacts;
         // P = Ω_n + p W                                                   (S2)
-        let precession = y[PRECESSION] + pair.nut_speed;
+        let precession = y[PRECESSION] + contacts.nut_speed;
         if precession.re() == 0.0 {
             return Err(DOES_NOT_CIRCLE);
         }
         // V_A = W r_b λ (cosθ e_xA + sinθ t)                              (S4)
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();
         let tangent = BallFrame::tangent();
-        let along = nut.across * cos + tangent * sin;
-        let spin = (y[SPIN], precession * pair.ball.inertia());
-        let tilt = (nut.across.y, nut.across.z);
-        let omega = rotation(pair.arc, [y[SLIP] * cos, y[SLIP] * sin], y[PRECESSION], spin, tilt);
+        let along = nut.transverse * cos + tangent * sin;
+        let spin = (y[SPIN], precession * contacts.ball.inertia());
+        let tilt = (nut.transverse.y, nut.transverse.z);
+        let omega =
+            rotation(contacts.arc, [y[SLIP] * cos, y[SLIP] * sin], y[PRECESSION], spin, tilt);
         let omega = Vector3::from(omega);
         let to_nut = Motion { precession: y[PRECESSION], omega };
 
         let points = loaded.contacts.map(|c| c.point(D::from(1.0)));
         // V_A + V_B = d (2p − 1) W t + ω' × (r_A + r_B) − W k × r_B, in which the spin, of order
         // 1/P, meets the tilt only and does not cancel                    (S11)
-        let arc = tangent * ((y[PRECESSION] * 2.0 - 1.0) * pair.arc);
+        let arc = tangent * ((y[PRECESSION] * 2.0 - 1.0) * contacts.arc);
         let both = arc + omega.cross(&(points[0] + points[1])) - loaded.frame.k.cross(&points[1]);
         let at_screw = both - along * y[SLIP];
         // The part along the normal is zero but for rounding.
-        let slip_screw = screw.across * at_screw.dot(&screw.across) + tangent * at_screw.x;
+        let slip_screw = screw.transverse * at_screw.dot(&screw.transverse) + tangent * at_screw.x;
         let slip = [along * y[SLIP], slip_screw];
-        let friction = D::from(pair.directed_friction());
+        let friction = D::from(contacts.directed_friction());
         let friction = [
             against(&along, y[NUT_LOAD] * friction),
             friction_force(&Coulomb(friction), y[SCREW_LOAD], &slip[1])?,
@@ -117,10 +118,10 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
     }
 
     fn residual<D: Over<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
-        let (pair, state) = (self.0, self.state(y)?);
+        let (contacts, state) = (self.0, self.state(y)?);
         // The speed of the nut, along k, has no gyroscopic moment but for its rounding.
         let motion = Motion { precession: state.precession, ..state.to_nut };
-        Ok(pair.balance(&state.loaded, &motion, &state.wrench))
+        Ok(contacts.balance(&state.loaded, &motion, &state.wrench))
     }
 }
 
@@ -146,16 +147,16 @@ impl GrossSlip {
     }
 
     /// A root on the curve of all states of force that serves as a start, mostly the first one.
-    pub(crate) fn start(pair: &ElasticContacts) -> Result<Self, Unsolved> {
-        let (y, steps) = root(pair, true)?;
-        let state = GrossSlipEquations(pair).state(&y).map_err(domain_error)?;
+    pub(crate) fn start(contacts: &ElasticContacts) -> Result<Self, Unsolved> {
+        let (y, steps) = root(contacts, true)?;
+        let state = GrossSlipEquations(contacts).state(&y).map_err(domain_error)?;
         Ok(Self { state, steps, residual: f64::NAN })
     }
 
     /// The first root on the curve of all states of force.
-    pub(crate) fn of(pair: &ElasticContacts, newton: &mut Workspace) -> Result<Self, Unsolved> {
-        let (y, steps, residual) = find(pair, newton)?;
-        let state = GrossSlipEquations(pair).state(&y).map_err(domain_error)?;
+    pub(crate) fn of(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<Self, Unsolved> {
+        let (y, steps, residual) = find(contacts, newton)?;
+        let state = GrossSlipEquations(contacts).state(&y).map_err(domain_error)?;
         Ok(Self { state, steps, residual })
     }
 }
@@ -164,9 +165,9 @@ impl GrossSlip {
 type ElasticRoot = ([f64; BALL], usize, f64);
 
 /// The first root on the curve of all states of force, as (S1) has it.
-fn find(pair: &ElasticContacts, newton: &mut Workspace) -> Result<ElasticRoot, Unsolved> {
-    let (mut y, steps) = root(pair, false)?;
-    let report = run(pair, &mut y, newton);
+fn find(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<ElasticRoot, Unsolved> {
+    let (mut y, steps) = root(contacts, false)?;
+    let report = run(contacts, &mut y, newton);
     if report.converged() {
         return Ok((y, steps + report.steps.len(), report.residual));
     }
@@ -174,19 +175,19 @@ fn find(pair: &ElasticContacts, newton: &mut Workspace) -> Result<ElasticRoot, U
 }
 
 /// How many times as much inertia it takes for a ball to be no longer slow.
-fn inertia_factor(pair: &ElasticContacts, root: &[f64; BALL]) -> f64 {
-    let rate = root[PRECESSION] + pair.nut_speed;
-    SMALL_INERTIA / (pair.inertia_ratio() * rate * rate / pair.friction)
+fn inertia_factor(contacts: &ElasticContacts, root: &[f64; BALL]) -> f64 {
+    let rate = root[PRECESSION] + contacts.nut_speed;
+    SMALL_INERTIA / (contacts.inertia_ratio() * rate * rate / contacts.friction)
 }
 
 /// Weights of the equations near `y`: one over the largest term of each. None of them vanishes where
 /// the ball stops circling, P → 0.
-fn weights(pair: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
-    let rate = (y[PRECESSION] + pair.nut_speed).abs();
-    let centrifugal = pair.inertia_ratio() * rate * rate;
+fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
+    let rate = (y[PRECESSION] + contacts.nut_speed).abs();
+    let centrifugal = contacts.inertia_ratio() * rate * rate;
     let force = centrifugal.max(y[NUT_LOAD]).max(y[SCREW_LOAD]).max(1.0);
     // I P ω of the rolling ball, all there is of the moment about the mean normal.
-    let gyroscopic = pair.ball.inertia() * rate * (1.0 + y[PRECESSION].abs() * pair.arc);
+    let gyroscopic = contacts.ball.inertia() * rate * (1.0 + y[PRECESSION].abs() * contacts.arc);
     let mut weights = [weight(force); BALL];
     weights[MOMENT_NORMAL - 1] = weight(force.max(gyroscopic));
     weights[MOMENT_NORMAL + 1] = weights[MOMENT_NORMAL - 1];
@@ -195,11 +196,11 @@ fn weights(pair: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
 }
 
 /// One damped Newton solve from `y`.
-fn run(pair: &ElasticContacts, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
-    let weights = weights(pair, y);
+fn run(contacts: &ElasticContacts, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
+    let weights = weights(contacts, y);
     let scales = Scales { x: &[1.0; BALL], f: &weights };
     let options = Options { max_steps: MOST_STEPS, ..Options::default() };
-    solve(&GrossSlipEquations(pair), y, &scales, &options, newton)
+    solve(&GrossSlipEquations(contacts), y, &scales, &options, newton)
 }
 
 impl Elastic {
@@ -210,22 +211,23 @@ impl Elastic {
             .point
             .require_friction()
             .and_then(|()| self.at.scaled())
-            .and_then(|pair| self.solved(&pair, work));
+            .and_then(|contacts| self.solved(&contacts, work));
         Solution::new(Model::Elastic, solved)
     }
 
     /// The answer of the root.
     pub(crate) fn solved(
         &self,
-        pair: &ElasticContacts,
+        contacts: &ElasticContacts,
         work: &mut ElasticWorkspace,
     ) -> Result<Solved, Unsolved> {
-        let GrossSlip { state, steps, residual } = GrossSlip::of(pair, &mut work.0)?;
-        let ball = self.at.ball_state(pair, &state.loaded, &state.to_nut)?;
+        let GrossSlip { state, steps, residual } = GrossSlip::of(contacts, &mut work.0)?;
+        let ball = self.at.ball_state(contacts, &state.loaded, &state.to_nut)?;
         let slips = state.slip.map(|slip| slip.norm());
-        let friction_power = friction_power(pair.directed_friction(), state.loaded.loads, slips);
-        let torque = torque(&state.wrench[1], pair.helix.radius, &state.loaded.frame);
-        let transmission = self.at.transmission_at(pair, torque, friction_power)?;
+        let friction_power =
+            friction_power(contacts.directed_friction(), state.loaded.loads, slips);
+        let torque = torque(&state.wrench[1], contacts.helix.radius, &state.loaded.frame);
+        let transmission = self.at.transmission_at(contacts, torque, friction_power)?;
         let info = Some(SolveInfo { steps, residual });
         Ok(Solved { info, ..Solved::new(&ball, transmission) })
     }

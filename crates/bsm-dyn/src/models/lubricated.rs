@@ -6,7 +6,7 @@ mod band;
 mod sensitivities;
 mod solve;
 
-pub use self::band::Band;
+pub use self::band::LossInterval;
 pub use self::solve::{
     Lubricated, LubricatedModel, RacewayFriction, catalogue_friction, film_heating,
 };

@@ -55,7 +55,7 @@ impl ElasticPoint {
             axial,
             radial,
             offsets: [nut_offset, screw_offset],
-            reach: (nut_offset + screw_offset) * self.point.contact_angle.cos(),
+            radial_distance: (nut_offset + screw_offset) * self.point.contact_angle.cos(),
             ball_radius: self.point.ball.radius,
             hertz,
             curvatures,
@@ -86,7 +86,7 @@ struct Closing {
     axial: [f64; 2],
     radial: f64,
     offsets: [f64; 2],
-    reach: f64,
+    radial_distance: f64,
     ball_radius: f64,
     hertz: [Hertz; 2],
     curvatures: [Curvatures; 2],
@@ -128,7 +128,7 @@ impl Closing {
             length * cotangents[i] * (cotangents[i].square() + 1.0).sqrt().recip()
         };
         // l_A cosβ_A + l_B cosβ_B = (l_A0 + l_B0) cosβ₀                   (M3)
-        Ok([(part(0) + part(1)) * self.reach.recip() - 1.0])
+        Ok([(part(0) + part(1)) * self.radial_distance.recip() - 1.0])
     }
 }
 
@@ -241,8 +241,8 @@ mod tests {
         assert!(difference > 8e-3, "{difference}");
         assert_relative_eq!(2.0 * radical.sqrt().atan(), difference, epsilon = 1e-12);
         // The lengths close the triangle whose height the unloaded angle gives.
-        let reach = (nut + screw_offset) * screw.point.contact_angle.cos();
-        assert_relative_eq!(l_a * cos_a + l_b * cos_b, reach, max_relative = 1e-14);
+        let radial_distance = (nut + screw_offset) * screw.point.contact_angle.cos();
+        assert_relative_eq!(l_a * cos_a + l_b * cos_b, radial_distance, max_relative = 1e-14);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::models::auto::Auto;
 use crate::models::ball::{Performance, Solution, Solved, Unsolved};
 use crate::models::closed_form::ClosedForm;
 use crate::models::elastic::Elastic;
-use crate::models::lubricated::{Band, Lubricated};
+use crate::models::lubricated::{LossInterval, Lubricated};
 use crate::models::quasi_static::QuasiStatic;
 use crate::models::raceway_control::RacewayControl;
 use crate::models::rigid::Rigid;
@@ -50,7 +50,7 @@ impl Problem {
     }
 
     /// Uncertainty of lubricated friction at its solution; `None` without a lubricant.
-    pub fn band(&self, solved: &Solved, work: &mut ModelWorkspace) -> Option<Band> {
+    pub fn band(&self, solved: &Solved, work: &mut ModelWorkspace) -> Option<LossInterval> {
         let Self::Lubricated(problem) = self else { return None };
         problem.band(solved, work)
     }

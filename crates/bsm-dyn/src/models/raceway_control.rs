@@ -11,9 +11,9 @@ use bsm_kin::{Field, FieldOver, Motion, Scalar};
 use bsm_simd::Compare;
 
 pub(crate) use self::balance::STATIC;
-use self::balance::{Balance, RollRoot};
+use self::balance::{Balance, StaticRoot};
 pub use self::statics::{StaticBalance, StaticState};
-use crate::ellipse::{Nodes, Quadrature};
+use crate::ellipse::{Placement, Quadrature};
 use crate::models::ball::{
     BallLoads, Control, ControllingRaceway, ElasticContacts, ElasticPoint, Model, SkidNumbers,
     Solution, SolveInfo, Solved, Transmission, Unsolved, Workspace, domain_error, excess_of_nut,
@@ -148,23 +148,23 @@ impl RollingBall {
     /// Which raceway controls is decided by (W7) at the first root of the ball that the nut controls.
     /// Where that has none, the screw controls if it does so by (W7) at its own first root.
     pub(crate) fn of(
-        pair: &ElasticContacts,
+        contacts: &ElasticContacts,
         control: Option<Control>,
         newton: &mut Workspace<STATIC>,
     ) -> Result<Self, Unsolved> {
-        let nut = Self::controlled(pair, control.unwrap_or(Control::Nut), None, newton);
+        let nut = Self::controlled(contacts, control.unwrap_or(Control::Nut), None, newton);
         if control.is_some() {
             return nut;
         }
         match nut {
-            Ok(nut) if control_of(pair, &nut.loaded) == Control::Nut => Ok(nut),
+            Ok(nut) if control_of(contacts, &nut.loaded) == Control::Nut => Ok(nut),
             Ok(nut) => {
                 let near = Some(nut.unknowns);
-                let screw = Self::controlled(pair, Control::Screw, near, newton)?;
+                let screw = Self::controlled(contacts, Control::Screw, near, newton)?;
                 Ok(Self { steps: nut.steps + screw.steps, ..screw })
             }
-            Err(none) => match Self::controlled(pair, Control::Screw, None, newton) {
-                Ok(screw) if control_of(pair, &screw.loaded) == Control::Screw => Ok(screw),
+            Err(none) => match Self::controlled(contacts, Control::Screw, None, newton) {
+                Ok(screw) if control_of(contacts, &screw.loaded) == Control::Screw => Ok(screw),
                 _ => Err(none),
             },
         }
@@ -172,72 +172,76 @@ impl RollingBall {
 
     /// The first root with this raceway in control.
     fn controlled(
-        pair: &ElasticContacts,
+        contacts: &ElasticContacts,
         control: Control,
         near: Option<[f64; STATIC]>,
         newton: &mut Workspace<STATIC>,
     ) -> Result<Self, Unsolved> {
-        let balance = Balance::new(pair, control);
+        let balance = Balance::new(contacts, control);
         Ok(Self::at(&balance, balance.first_root(near, newton)?))
     }
 
     /// The ball of a root.
-    fn at(balance: &Balance<'_>, RollRoot { unknowns, steps, residual }: RollRoot) -> Self {
+    fn at(balance: &Balance<'_>, StaticRoot { unknowns, steps, residual }: StaticRoot) -> Self {
         let loaded = balance.loaded(&unknowns);
         let to_nut = balance.rolling(&loaded);
         Self { control: balance.control, unknowns, loaded, to_nut, steps, residual }
     }
 
     /// True if (W7), asked here, names the raceway that controls.
-    fn is_consistent(&self, pair: &ElasticContacts) -> bool {
-        control_of(pair, &self.loaded) == self.control
+    fn is_consistent(&self, contacts: &ElasticContacts) -> bool {
+        control_of(contacts, &self.loaded) == self.control
     }
 
     /// Other balls that could be the answer: of the same raceway farther from equal contact angles, and
     /// of the screw where (W7) names the nut at the nut's ball and the screw at the screw's.
-    fn others(
+    fn alternatives(
         &self,
-        pair: &ElasticContacts,
+        contacts: &ElasticContacts,
         control: Option<Control>,
         newton: &mut Workspace<STATIC>,
     ) -> Vec<Self> {
-        let same = Balance::new(pair, self.control);
+        let same = Balance::new(contacts, self.control);
         let farther = same.farther_roots(&self.unknowns, newton);
-        let mut others: Vec<_> = farther.into_iter().map(|root| Self::at(&same, root)).collect();
-        let decided = control.is_some() || self.control == Control::Screw || self.is_clear(pair);
+        let mut alternatives: Vec<_> =
+            farther.into_iter().map(|root| Self::at(&same, root)).collect();
+        let decided =
+            control.is_some() || self.control == Control::Screw || self.is_clear(contacts);
         if !decided
-            && let Ok(screw) = Self::controlled(pair, Control::Screw, Some(self.unknowns), newton)
-            && screw.is_consistent(pair)
+            && let Ok(screw) =
+                Self::controlled(contacts, Control::Screw, Some(self.unknowns), newton)
+            && screw.is_consistent(contacts)
         {
-            others.push(screw);
+            alternatives.push(screw);
         }
-        others
+        alternatives
     }
 
     /// True if (W7) names the same raceway at the ball that the other raceway controls.
     ///
     /// That ball has contact angles that differ by other centrifugal forces, by `$\Delta c$` in their
     /// cotangents, which changes the ratio of the moments by `$\Delta c$` or less, to first order.
-    fn is_clear(&self, pair: &ElasticContacts) -> bool {
-        let balances = Control::ALL.map(|raceway| Balance::new(pair, raceway));
+    fn is_clear(&self, contacts: &ElasticContacts) -> bool {
+        let balances = Control::ALL.map(|raceway| Balance::new(contacts, raceway));
         if !balances.iter().all(Balance::is_unique) {
             return false;
         }
         let [nut, screw] =
-            balances.map(|ball| ball.rolling(&self.loaded).precession + pair.nut_speed);
+            balances.map(|ball| ball.rolling(&self.loaded).precession + contacts.nut_speed);
         let rates = [nut - screw, nut + screw];
-        let apart = spread_of_control(pair.inertia_ratio(), pair.helix.lead_angle.cos(), rates);
-        nut_excess(pair, &self.loaded).abs() > RacewayControl::CLEAR * apart
+        let apart =
+            spread_of_control(contacts.inertia_ratio(), contacts.helix.lead_angle.cos(), rates);
+        nut_excess(contacts, &self.loaded).abs() > RacewayControl::CLEAR * apart
     }
 
     /// The same to two digits, also where centrifugal forces are so large that raceway control
     /// has no solution.
-    pub(crate) fn guess(pair: &ElasticContacts) -> Result<Self, Unsolved> {
-        let balance = Balance::new(pair, Control::Nut);
-        let angle = pair.jones.contact_angle.sin_cos();
-        let (p, _) = rolling(true, pair.lead, pair.arc, [angle; 2]);
-        let [nut, screw, tilt] = pair.static_balance(p + pair.nut_speed);
-        let loaded = pair.loaded([nut, screw], tilt).map_err(domain_error)?;
+    pub(crate) fn guess(contacts: &ElasticContacts) -> Result<Self, Unsolved> {
+        let balance = Balance::new(contacts, Control::Nut);
+        let angle = contacts.jones.contact_angle.sin_cos();
+        let (p, _) = rolling(true, contacts.lead, contacts.arc, [angle; 2]);
+        let [nut, screw, tilt] = contacts.static_balance(p + contacts.nut_speed);
+        let loaded = contacts.loaded([nut, screw], tilt).map_err(domain_error)?;
         let (control, to_nut) = (balance.control, balance.rolling(&loaded));
         let unknowns = [f64::NAN; STATIC];
         Ok(Self { control, unknowns, loaded, to_nut, steps: 0, residual: f64::INFINITY })
@@ -246,24 +250,24 @@ impl RollingBall {
     /// What it says besides its loads and its motion.
     pub(crate) fn solve_info(
         &self,
-        pair: &ElasticContacts,
+        contacts: &ElasticContacts,
     ) -> (SkidNumbers, SolveInfo, ControllingRaceway) {
         let info = SolveInfo { steps: self.steps, residual: self.residual };
-        (self.skid(pair), info, ControllingRaceway { raceway: self.control, consistent: None })
+        (self.skid(contacts), info, ControllingRaceway { raceway: self.control, consistent: None })
     }
 
     /// Gyroscopic over friction moment (W9), and slip of the lead over that of spin (W10).
-    pub(crate) fn skid(&self, pair: &ElasticContacts) -> SkidNumbers {
-        let motion = pair.absolute(&self.to_nut, &self.loaded.frame);
+    pub(crate) fn skid(&self, contacts: &ElasticContacts) -> SkidNumbers {
+        let motion = contacts.absolute(&self.to_nut, &self.loaded.frame);
         let omega = self.loaded.frame.to_frenet(&motion.omega);
-        let gyroscopic = pair.ball.inertia() * (motion.precession * omega.y).abs();
+        let gyroscopic = contacts.ball.inertia() * (motion.precession * omega.y).abs();
         let motions = to_both(&self.to_nut, &self.loaded.frame);
         let spins = [0, 1].map(|i| {
-            let (a, _) = pair.ellipse(i, &self.loaded).semi_axes;
+            let (a, _) = contacts.ellipse(i, &self.loaded).semi_axes;
             motions[i].spin(&self.loaded.contacts[i]).abs() * a
         });
-        let skid = skid_number(gyroscopic, pair.friction, self.loaded.loads);
-        SkidNumbers::new(skid, cross_slip(pair.helix.lead_angle.sin(), spins))
+        let skid = skid_number(gyroscopic, contacts.friction, self.loaded.loads);
+        SkidNumbers::new(skid, cross_slip(contacts.helix.lead_angle.sin(), spins))
     }
 }
 
@@ -291,10 +295,10 @@ impl RacewayControl {
     /// Solves for loads and contact angles, takes the rolling motion, and integrates the friction
     /// power of the slip that it leaves.
     pub fn solve(&self, memory: &mut RacewayWorkspace) -> Solution {
-        let solved = self.at.scaled().and_then(|pair| {
-            let rolling_ball = memory.rolling_ball(&pair, self.control)?;
-            let solved = memory.solved(&self.at, &pair, &rolling_ball)?;
-            Ok(memory.with_others(&self.at, &pair, &rolling_ball, self.control, &solved))
+        let solved = self.at.scaled().and_then(|contacts| {
+            let rolling_ball = memory.rolling_ball(&contacts, self.control)?;
+            let solved = memory.solved(&self.at, &contacts, &rolling_ball)?;
+            Ok(memory.with_others(&self.at, &contacts, &rolling_ball, self.control, &solved))
         });
         Solution::new(Model::RacewayControl, solved)
     }
@@ -320,27 +324,27 @@ impl RacewayWorkspace {
     /// The rolling ball.
     pub(crate) fn rolling_ball(
         &mut self,
-        pair: &ElasticContacts,
+        contacts: &ElasticContacts,
         control: Option<Control>,
     ) -> Result<RollingBall, Unsolved> {
-        RollingBall::of(pair, control, &mut self.newton)
+        RollingBall::of(contacts, control, &mut self.newton)
     }
 
     /// Its answer.
     pub(crate) fn solved(
         &self,
         screw: &ElasticPoint,
-        pair: &ElasticContacts,
+        contacts: &ElasticContacts,
         rolling_ball: &RollingBall,
     ) -> Result<Solved, Unsolved> {
-        let (loaded, nodes) = (&rolling_ball.loaded, [Nodes::from(&self.quadrature); 2]);
+        let (loaded, nodes) = (&rolling_ball.loaded, [Placement::from(&self.quadrature); 2]);
         let [at_nut, at_screw] =
-            pair.friction_powers(loaded, &rolling_ball.to_nut, RacewayControl::CREEP, nodes);
-        let ball = screw.ball_state(pair, loaded, &rolling_ball.to_nut)?;
+            contacts.friction_powers(loaded, &rolling_ball.to_nut, RacewayControl::CREEP, nodes);
+        let ball = screw.ball_state(contacts, loaded, &rolling_ball.to_nut)?;
         let (ideal, torque) = screw.rolling_torques(at_nut + at_screw);
         let speed = screw.point.drive.relative_speed();
-        let transmission = Transmission::of(pair.direction, ideal, torque, speed);
-        let (skid, info, control) = rolling_ball.solve_info(pair);
+        let transmission = Transmission::of(contacts.direction, ideal, torque, speed);
+        let (skid, info, control) = rolling_ball.solve_info(contacts);
         let (skid, info, control) = (Some(skid), Some(info), Some(control));
         let contact_power = Some(screw.in_watts([at_nut, at_screw]));
         Ok(Solved { skid, info, control, contact_power, ..Solved::new(&ball, transmission) })
@@ -350,17 +354,18 @@ impl RacewayWorkspace {
     pub(crate) fn with_others(
         &mut self,
         screw: &ElasticPoint,
-        pair: &ElasticContacts,
+        contacts: &ElasticContacts,
         rolling_ball: &RollingBall,
         control: Option<Control>,
         solved: &Solved,
     ) -> Solved {
-        let consistent = control.is_none().then(|| rolling_ball.is_consistent(pair));
-        let others = rolling_ball.others(pair, control, &mut self.newton);
-        let others =
-            others.iter().filter_map(|rolling_ball| self.solved(screw, pair, rolling_ball).ok());
+        let consistent = control.is_none().then(|| rolling_ball.is_consistent(contacts));
+        let alternatives = rolling_ball.alternatives(contacts, control, &mut self.newton);
+        let alternatives = alternatives
+            .iter()
+            .filter_map(|rolling_ball| self.solved(screw, contacts, rolling_ball).ok());
         let control = Some(ControllingRaceway { raceway: rolling_ball.control, consistent });
-        Solved { control, ..solved.among(others) }
+        Solved { control, ..solved.with_alternatives(alternatives) }
     }
 }
 
@@ -368,15 +373,15 @@ impl RacewayWorkspace {
 /// difference of the angles (W7).
 ///
 /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, outer raceway control.
-fn control_of(pair: &ElasticContacts, loaded: &BallLoads<f64>) -> Control {
-    if nut_excess(pair, loaded) > 0.0 { Control::Nut } else { Control::Screw }
+fn control_of(contacts: &ElasticContacts, loaded: &BallLoads<f64>) -> Control {
+    if nut_excess(contacts, loaded) > 0.0 { Control::Nut } else { Control::Screw }
 }
 
 /// By how much the spin friction moment of the nut exceeds that of the screw, relative.
-fn nut_excess(pair: &ElasticContacts, loaded: &BallLoads<f64>) -> f64 {
+fn nut_excess(contacts: &ElasticContacts, loaded: &BallLoads<f64>) -> f64 {
     let moment = |i: usize| {
-        let (load, (a, _)) = (loaded.loads[i], pair.semi_axes[i]);
-        load * Field::cbrt(load) * a * pair.hertz[i].second_integral
+        let (load, (a, _)) = (loaded.loads[i], contacts.semi_axes[i]);
+        load * Field::cbrt(load) * a * contacts.hertz[i].second_integral
     };
     excess_of_nut([moment(0), moment(1)], (2.0 * loaded.tilt).cos())
 }
@@ -576,20 +581,20 @@ mod tests {
             if solved % 2 == 0 {
                 screw.conformity.1 = screw.conformity.0;
             }
-            let Ok(pair) = screw.scaled() else { continue };
+            let Ok(contacts) = screw.scaled() else { continue };
             let [nut, screw] = Control::ALL
-                .map(|raceway| RollingBall::controlled(&pair, raceway, None, &mut newton).ok());
+                .map(|raceway| RollingBall::controlled(&contacts, raceway, None, &mut newton).ok());
             let (Some(nut), Some(screw)) = (nut, screw) else { continue };
             solved += 1;
-            asked += usize::from(!nut.is_clear(&pair));
-            let consistent = [nut.is_consistent(&pair), screw.is_consistent(&pair)];
+            asked += usize::from(!nut.is_clear(&contacts));
+            let consistent = [nut.is_consistent(&contacts), screw.is_consistent(&contacts)];
             both += usize::from(consistent == [true; 2]);
             neither += usize::from(consistent == [false; 2]);
-            missed += usize::from(consistent[0] == consistent[1] && nut.is_clear(&pair));
-            let found = RollingBall::of(&pair, None, &mut newton).expect("a ball");
-            let others = found.others(&pair, None, &mut newton);
-            let of_screw = others.iter().any(|other| other.control != found.control);
-            assert_eq!(of_screw, consistent == [true; 2], "{pair:?}");
+            missed += usize::from(consistent[0] == consistent[1] && nut.is_clear(&contacts));
+            let found = RollingBall::of(&contacts, None, &mut newton).expect("a ball");
+            let alternatives = found.alternatives(&contacts, None, &mut newton);
+            let of_screw = alternatives.iter().any(|other| other.control != found.control);
+            assert_eq!(of_screw, consistent == [true; 2], "{contacts:?}");
         }
         println!(
             "{solved} solved, {asked} asked twice, {both} both, {neither} neither, {missed} missed"

@@ -152,9 +152,10 @@ impl Rigid {
         let answer = self.ball().and_then(|ball| {
             let root = root::find(&ball, work)?;
             let solved = self.balanced(&ball, &root)?;
-            let Some(others) = &root.others else { return Ok(solved) };
-            let others = others.iter().filter_map(|other| self.balanced(&ball, other).ok());
-            Ok(solved.among(others))
+            let Some(alternatives) = &root.alternatives else { return Ok(solved) };
+            let alternatives =
+                alternatives.iter().filter_map(|other| self.balanced(&ball, other).ok());
+            Ok(solved.with_alternatives(alternatives))
         });
         Solution::new(Model::Rigid, answer)
     }

@@ -29,7 +29,7 @@ use self::train::Push;
 pub use self::train::{TrainBall, TrainMotion};
 use crate::contact::{Wrench, ideal_torque};
 use crate::cost;
-use crate::ellipse::{FrozenRule, Integrate, Local, Nodes, Quadrature, Rules};
+use crate::ellipse::{FrozenRule, Integrate, Local, Placement, Quadrature, Rules};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::models::ball::{
     BALL, BallLoads, BallState, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint, ErrorBound,
@@ -95,15 +95,15 @@ pub struct TractionWorkspace {
 /// The equations of a point.
 #[derive(Clone, Copy)]
 struct SlipBall<'a, P = f64> {
-    pair: &'a ElasticContacts<P>,
+    contacts: &'a ElasticContacts<P>,
     quadrature: &'a Quadrature,
     /// Numbers of nodes near a root; by the slip elsewhere.
     plans: Option<&'a [OnceCell<FrozenRule>; 2]>,
     creep: f64,
     /// The residual that is small enough for a root, and the one that is aimed at.
     enough: f64,
-    /// The unknowns are those of a ball that is thrown against the nut (T10).
-    at_nut: bool,
+    /// The unknowns are those of a ball under a high centrifugal load (T10).
+    nut_chart: bool,
     /// What friction comes from, unless it has one coefficient.
     lubrication: Option<Lubrication<'a, P>>,
     /// Of its neighbours.
@@ -135,17 +135,17 @@ struct SlipState<D> {
 
 impl<P: Scalar> SlipBall<'_, P> {
     fn state<D: Integrate<P>>(&self, y: &[D; BALL]) -> Result<SlipState<D>, EvalError> {
-        self.rubbed(y, D::from(self.pair.friction))
+        self.rubbed(y, D::from(self.contacts.friction))
     }
 
     /// Contacts of a state.
     fn loaded<D: Integrate<P>>(&self, y: &[D; BALL]) -> Result<BallLoads<D>, EvalError> {
         let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
-        if self.at_nut {
+        if self.nut_chart {
             // (Q_A/F_a, β_A, Q_B/F_a, (P − Ω_n)/W, …)                     (T10)
-            self.pair.loaded_at_nut(loads, y[TILT])
+            self.contacts.loaded_by_nut_angle(loads, y[TILT])
         } else {
-            self.pair.loaded(loads, y[TILT])
+            self.contacts.loaded(loads, y[TILT])
         }
     }
 
@@ -155,7 +155,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         let [k, n] = [loaded.frame.k, loaded.frame.n];
         let [along, radial, around] = OMEGA.map(|i| y[i]);
         let omega = k * along + n * radial + k.cross(&n) * around;
-        Motion { precession: y[PRECESSION] + (self.offset() - self.pair.nut_speed), omega }
+        Motion { precession: y[PRECESSION] + (self.offset() - self.contacts.nut_speed), omega }
     }
 
     /// The state with another friction coefficient.
@@ -165,7 +165,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         friction: D,
     ) -> Result<SlipState<D>, EvalError> {
         cost::evaluated();
-        let (pair, loaded) = (self.pair, self.loaded(y)?);
+        let (contacts, loaded) = (self.contacts, self.loaded(y)?);
         let to_nut = self.motion_to_nut(y, &loaded);
         let motions = to_both(&to_nut, &loaded.frame);
         let (mut power, mut sliding) = (0.0, [0.0; 2]);
@@ -174,10 +174,10 @@ impl<P: Scalar> SlipBall<'_, P> {
         if part < 1.0 {
             wrench = from_fn(|i| {
                 let contact = &loaded.contacts[i];
-                let local = Local::of(&motions[i], contact, D::from(pair.arc));
-                let ellipse = pair.ellipse(i, &loaded);
+                let local = Local::of(&motions[i], contact, D::from(contacts.arc));
+                let ellipse = contacts.ellipse(i, &loaded);
                 let (unit, unit_power) = D::integrate(&ellipse, &local, self.creep, self.nodes(i));
-                let pull = loaded.loads[i] * pair.signed(friction);
+                let pull = loaded.loads[i] * contacts.signed(friction);
                 // P_f = Σ f Q ∫ dP                                        (P7)
                 sliding[i] = pull.re() * unit_power;
                 power += sliding[i];
@@ -186,7 +186,7 @@ impl<P: Scalar> SlipBall<'_, P> {
             });
         }
         let losses = self.lubrication.map(|Lubrication { ehl, .. }| {
-            let of = (pair, &loaded);
+            let of = (contacts, &loaded);
             from_fn(|i| ehl.loss(i, of, &motions[i], self.creep, self.nodes(i)))
         });
         if let Some(losses) = &losses {
@@ -205,17 +205,17 @@ impl<P: Scalar> SlipBall<'_, P> {
     }
 
     /// The nodes at nut (0) or screw (1).
-    fn nodes(&self, i: usize) -> Nodes<'_> {
+    fn nodes(&self, i: usize) -> Placement<'_> {
         let (rule, plan) = (self.quadrature, self.plans.map(|plans| &plans[i]));
-        Nodes { rule, plan, rough: self.enough >= NEAR && self.lubrication.is_none() }
+        Placement { rule, plan, rough: self.enough >= NEAR && self.lubrication.is_none() }
     }
 
     /// What the unknown of the precession leaves out of its rate: the nut's speed where that is far
     /// above the relative speed, so that neither the rate nor the slip loses its digits, or where the
     /// ball all but sticks to the nut.
     fn offset(&self) -> P {
-        let nut = self.pair.nut_speed;
-        if self.at_nut || nut.re().abs() > FAST_NUT { nut } else { P::from(0.0) }
+        let nut = self.contacts.nut_speed;
+        if self.nut_chart || nut.re().abs() > FAST_NUT { nut } else { P::from(0.0) }
     }
 
     fn residual<D: Integrate<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
@@ -229,10 +229,13 @@ impl<P: Scalar> SlipBall<'_, P> {
         let [_, radial, around] = OMEGA.map(|i| y[i]);
         let n = state.loaded.frame.n;
         let omega = n * radial + state.loaded.frame.k.cross(&n) * around;
-        let mut left =
-            self.pair.balance(&state.loaded, &Motion { precession: rate, omega }, &state.wrench);
+        let mut left = self.contacts.balance(
+            &state.loaded,
+            &Motion { precession: rate, omega },
+            &state.wrench,
+        );
         if let Some(push) = &self.push {
-            push.add_to(&mut left, self.pair, (&state.loaded, &state.to_nut));
+            push.add_to(&mut left, self.contacts, (&state.loaded, &state.to_nut));
         }
         left
     }
@@ -240,9 +243,19 @@ impl<P: Scalar> SlipBall<'_, P> {
 
 impl<'a> SlipBall<'a> {
     /// In the unknowns (T1).
-    fn of_pair(pair: &'a ElasticContacts, quadrature: &'a Quadrature, creep: f64) -> Self {
-        let (plans, lubrication, push, at_nut, limits) = (None, None, None, false, LIMITS);
-        Self { pair, quadrature, plans, creep, enough: 1e-12, at_nut, lubrication, push, limits }
+    fn of_contacts(contacts: &'a ElasticContacts, quadrature: &'a Quadrature, creep: f64) -> Self {
+        let (plans, lubrication, push, nut_chart, limits) = (None, None, None, false, LIMITS);
+        Self {
+            contacts,
+            quadrature,
+            plans,
+            creep,
+            enough: 1e-12,
+            nut_chart,
+            lubrication,
+            push,
+            limits,
+        }
     }
 }
 
@@ -250,11 +263,21 @@ impl<'a> SlipBall<'a> {
     /// The same equations of a point with derivatives.
     fn over<P>(
         &self,
-        pair: &'a ElasticContacts<P>,
+        contacts: &'a ElasticContacts<P>,
         lubrication: Option<Lubrication<'a, P>>,
     ) -> SlipBall<'a, P> {
-        let Self { quadrature, plans, creep, enough, at_nut, push, limits, .. } = *self;
-        SlipBall { pair, quadrature, plans, creep, enough, at_nut, lubrication, push, limits }
+        let Self { quadrature, plans, creep, enough, nut_chart, push, limits, .. } = *self;
+        SlipBall {
+            contacts,
+            quadrature,
+            plans,
+            creep,
+            enough,
+            nut_chart,
+            lubrication,
+            push,
+            limits,
+        }
     }
 }
 
@@ -276,9 +299,9 @@ impl SlipBall<'_> {
             let step = newton.correction(&found.left).ok()?;
             let further = step.iter().zip(slope).map(|(x, slope)| x * slope).sum::<f64>();
             let torque = found.transmitted.torque + further;
-            let Helix { radius, lead_angle } = self.pair.helix;
+            let Helix { radius, lead_angle } = self.contacts.helix;
             let ideal = ideal_torque(1.0, radius, lead_angle.tan());
-            Some(crate::contact::efficiency(self.pair.direction.is_back(), ideal, torque))
+            Some(crate::contact::efficiency(self.contacts.direction.is_back(), ideal, torque))
         });
         let other = other.unwrap_or(f64::NAN);
         let error = quadrature_error(other - efficiency, accuracy);
@@ -289,8 +312,8 @@ impl SlipBall<'_> {
     fn unknowns(&self, loaded: &BallLoads<f64>, to_nut: &Motion<f64>) -> [f64; BALL] {
         let mut y = [0.0; BALL];
         [y[NUT_LOAD], y[SCREW_LOAD]] = loaded.loads;
-        y[TILT] = if self.at_nut { loaded.angles[0] } else { loaded.tilt };
-        y[PRECESSION] = to_nut.precession + self.pair.nut_speed - self.offset();
+        y[TILT] = if self.nut_chart { loaded.angles[0] } else { loaded.tilt };
+        y[PRECESSION] = to_nut.precession + self.contacts.nut_speed - self.offset();
         let [k, n] = [loaded.frame.k, loaded.frame.n];
         for (place, axis) in OMEGA.iter().zip([k, n, k.cross(&n)]) {
             y[*place] = to_nut.omega.dot(&axis);
@@ -300,16 +323,19 @@ impl SlipBall<'_> {
 
     /// Weights of the equations.
     fn weights(&self, y: &[f64; BALL]) -> [f64; BALL] {
-        self.weights_of(y, self.pair.friction, y[PRECESSION] + self.offset())
+        self.weights_of(y, self.contacts.friction, y[PRECESSION] + self.offset())
     }
 
     /// The same with the friction and the inertia forces of a path.
     fn weights_of(&self, y: &[f64; BALL], friction: f64, rate: f64) -> [f64; BALL] {
-        let thrown = self.pair.inertia_ratio() * rate * rate;
-        let across =
-            if self.at_nut { thrown.min(self.rubbing(y, friction, thrown)) } else { thrown };
+        let centrifugal = self.contacts.inertia_ratio() * rate * rate;
+        let across = if self.nut_chart {
+            centrifugal.min(self.rubbing(y, friction, centrifugal))
+        } else {
+            centrifugal
+        };
         let (force, moment) = sizes(across, friction, self.lever(y));
-        let [force, pressing, moment] = [force, thrown.max(1.0), moment].map(weight);
+        let [force, pressing, moment] = [force, centrifugal.max(1.0), moment].map(weight);
         [force, pressing, force, moment, moment, moment, force]
     }
 
@@ -317,15 +343,15 @@ impl SlipBall<'_> {
     fn rubbing(&self, y: &[f64; BALL], friction: f64, load: f64) -> f64 {
         // f C (|P − Ω_n| r_m + |ω'|)/v_e                                  (T11)
         let turning = OMEGA.iter().map(|i| y[*i].abs()).sum::<f64>();
-        let slip = y[PRECESSION].abs() * self.pair.helix.radius + turning;
+        let slip = y[PRECESSION].abs() * self.contacts.helix.radius + turning;
         friction * load * slip / self.creep
     }
 
     /// Lever arm of friction over the ball radius.
     fn lever(&self, y: &[f64; BALL]) -> f64 {
         let lengths = [(0, NUT_LOAD), (1, SCREW_LOAD)]
-            .map(|(i, load)| self.pair.semi_axes[i].0 * Field::cbrt(y[load]));
-        lever(lengths, self.pair.pressed_radius)
+            .map(|(i, load)| self.contacts.semi_axes[i].0 * Field::cbrt(y[load]));
+        lever(lengths, self.contacts.pressed_radius)
     }
 
     /// One damped Newton solve from `y`.
@@ -371,10 +397,10 @@ impl Traction {
     /// with that of the accuracy.
     pub fn solve(&self, work: &mut TractionWorkspace) -> Solution {
         let found = self.at.point.require_friction().and_then(|()| {
-            let pair = self.at.scaled()?;
-            let rolling_ball = RollingBall::of(&pair, None, &mut work.statics);
-            let start = Start::new(&pair, rolling_ball.ok().as_ref())?;
-            Ok(self.found(&start, None, work).map_err(NotFound::why)?.solved(&pair))
+            let contacts = self.at.scaled()?;
+            let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
+            let start = Start::new(&contacts, rolling_ball.ok().as_ref())?;
+            Ok(self.found(&start, None, work).map_err(NotFound::why)?.solved(&contacts))
         });
         Solution::new(Model::Traction, found)
     }
@@ -423,15 +449,15 @@ impl Traction {
     /// The root and its answer, from the root of another accuracy if there is one.
     fn found(
         &self,
-        Start { pair, rolling_ball }: &Start<'_>,
+        Start { contacts, rolling_ball }: &Start<'_>,
         from: Option<&SlipRoot>,
         work: &mut TractionWorkspace,
     ) -> Result<SlipResult, NotFound> {
         let TractionWorkspace { newton, rules, .. } = work;
         let rules = rules.dry([COARSE, SEARCH, Self::ACCURACY, self.accuracy]);
-        let creep = self.creep * pair.slip_scale();
+        let creep = self.creep * contacts.slip_scale();
         let [coarse, search, smooth, ball] =
-            rules.map(|[rule, _]| SlipBall::of_pair(pair, rule, creep));
+            rules.map(|[rule, _]| SlipBall::of_contacts(contacts, rule, creep));
         let (coarse, ball) =
             (SlipBall { enough: NEAR, ..coarse }, SlipBall { enough: ROOT, ..ball });
         let [.., [_, check]] = rules;
@@ -463,8 +489,8 @@ impl Traction {
         let PowerFlow { torque, power, .. } = transmitted;
         let ball = ball.of(&root);
         let to_nut = ball.motion_to_nut(&root.unknowns, &loaded);
-        let steady = self.at.ball_state(pair, &loaded, &to_nut)?;
-        let transmission = self.at.transmission_at(pair, torque, power)?;
+        let steady = self.at.ball_state(contacts, &loaded, &to_nut)?;
+        let transmission = self.at.transmission_at(contacts, torque, power)?;
         let checked = SlipBall { quadrature: check, ..ball };
         let other = checked.evaluated::<false>(&root.unknowns).ok();
         let (other, efficiency) = (other.as_ref(), transmission.efficiency);
@@ -473,7 +499,7 @@ impl Traction {
         Ok(SlipResult {
             ball: steady,
             transmission,
-            skid: rolling_ball.skid(pair),
+            skid: rolling_ball.skid(contacts),
             info,
             root,
             error,
@@ -483,21 +509,23 @@ impl Traction {
 
 /// A point and the rolling ball that it starts from: what does not depend on the quadrature.
 pub(crate) struct Start<'a> {
-    pair: &'a ElasticContacts,
+    contacts: &'a ElasticContacts,
     rolling_ball: RollingBall,
 }
 
 impl<'a> Start<'a> {
     /// From a rolling ball, or from a guess where there is none.
     pub(crate) fn new(
-        pair: &'a ElasticContacts,
+        contacts: &'a ElasticContacts,
         rolling_ball: Option<&RollingBall>,
     ) -> Result<Self, Unsolved> {
         // Centrifugal forces may be beyond a guess; the ball without them is one too.
-        let guess =
-            || RollingBall::guess(pair).or_else(|_| RollingBall::guess(&pair.with_inertia(0.0)));
+        let guess = || {
+            RollingBall::guess(contacts)
+                .or_else(|_| RollingBall::guess(&contacts.with_inertia(0.0)))
+        };
         Ok(Self {
-            pair,
+            contacts,
             rolling_ball: rolling_ball.map_or_else(guess, |rolling_ball| Ok(*rolling_ball))?,
         })
     }
@@ -535,9 +563,9 @@ impl From<Unsolved> for NotFound {
 }
 
 impl SlipResult {
-    pub(crate) fn solved(&self, pair: &ElasticContacts) -> Solved {
+    pub(crate) fn solved(&self, contacts: &ElasticContacts) -> Solved {
         let Self { ball, transmission, skid, info, error, .. } = *self;
-        let error = Some(ErrorBound::of(pair.direction, transmission.efficiency, error));
+        let error = Some(ErrorBound::of(contacts.direction, transmission.efficiency, error));
         Solved { skid: Some(skid), info: Some(info), error, ..Solved::new(&ball, transmission) }
     }
 }

@@ -28,7 +28,7 @@ fn formulas<D: Field>(
     let modulus = contact_modulus(&material(young), &material(ball_young));
     let groove = Groove { member, conformity };
     let curvatures = groove.curvatures_at(pitch, one, sines.tan_a(), sines.cos_b);
-    let axes = Axes::in_practice(curvatures.along / curvatures.across);
+    let axes = Axes::in_practice(curvatures.longitudinal / curvatures.transverse);
     let hertz = Hertz::on(&axes, &curvatures, modulus);
     let contacts = TwoContacts {
         sines,
@@ -40,8 +40,8 @@ fn formulas<D: Field>(
     [
         modulus,
         groove.offset(one),
-        curvatures.along,
-        curvatures.across,
+        curvatures.longitudinal,
+        curvatures.transverse,
         pressed_radius(conformity, one),
         hertz.flatness,
         hertz.semi_axis,

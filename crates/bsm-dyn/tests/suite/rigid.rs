@@ -50,8 +50,8 @@ fn root_satisfies_the_published_equations() {
             let contact = Contact::new(site, b, &frame);
             let r = contact.normal * -r_b;
             let v = motion.relative_to(speed, &frame).slip_velocity(r_m / a.cos(), &r);
-            let psi = (-v.x).atan2(-v.dot(&contact.across));
-            let friction = contact.across * psi.cos() + Vector3::x() * psi.sin();
+            let psi = (-v.x).atan2(-v.dot(&contact.transverse));
+            let friction = contact.transverse * psi.cos() + Vector3::x() * psi.sin();
             let total = (contact.normal + friction * case.friction.0) * told.load.expect("a load");
             force += total;
             moment += r.cross(&total);

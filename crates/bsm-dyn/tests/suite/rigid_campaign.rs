@@ -44,10 +44,11 @@ impl Tally {
                     o.ball.unloaded.is_some_and(|unloaded| unloaded.load > Some(0.0)),
                     "{case:?} {o:?}"
                 );
-                if start.load > 0.0 && start.unloaded > 0.0 && start.margin < 0.0 {
+                if start.load > 0.0 && start.unloaded > 0.0 && start.sliding_margin < 0.0 {
                     self.against += 1;
-                    let relative = start.margin / (start.precession * case.helix.lead_angle.tan());
-                    let inertia = (start.size / case.friction.0).min(1.0);
+                    let relative =
+                        start.sliding_margin / (start.precession * case.helix.lead_angle.tan());
+                    let inertia = (start.inertia_scale / case.friction.0).min(1.0);
                     self.farthest = self.farthest.max(relative.abs() / inertia);
                 }
             }
@@ -57,7 +58,7 @@ impl Tally {
             }
             Err(_) => {
                 self.not_converged += 1;
-                self.calmest = self.calmest.min(start.size / case.friction.0);
+                self.calmest = self.calmest.min(start.inertia_scale / case.friction.0);
             }
         }
     }

@@ -3,15 +3,15 @@
 use bsm_dyn::{Control, RacewayControl, StaticBalance, rolling, spread_of_control};
 use bsm_simd::{NullaryFnOnce, Simd};
 
+use crate::contacts::{Contacts, LaneContact};
 use crate::operand::{Lane, Mask};
-use crate::pair::{Balls, LaneContact};
 
 /// Spin moments nearer to each other than this do not decide which raceway controls, nor cotangents
 /// nearer to zero which flank carries.
 const TIE: f64 = 1e-9;
 
 /// A lane of rolling balls.
-pub(crate) struct Roll<S: Simd> {
+pub(crate) struct Precession<S: Simd> {
     /// Where the nut controls.
     pub(crate) by_nut: Mask<S>,
     pub(crate) sides: [LaneContact<S>; 2],
@@ -27,33 +27,33 @@ pub(crate) struct Roll<S: Simd> {
 /// The rolling balls of a lane, with the raceway that controls or by the decision: a call of its own, as two kernels
 /// share it.
 pub(crate) struct BalanceCall<'a, S: Simd> {
-    pub(crate) pair: &'a Balls<S>,
+    pub(crate) contacts: &'a Contacts<S>,
     pub(crate) control: Option<Control>,
 }
 
 impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
-    type Output = Roll<S>;
+    type Output = Precession<S>;
 
     #[inline(always)]
-    fn call(self) -> Roll<S> {
-        let Self { pair, control } = self;
-        let zero = pair.constant(0.0);
+    fn call(self) -> Precession<S> {
+        let Self { contacts, control } = self;
+        let zero = contacts.constant(0.0);
         let by_nut = match control {
             Some(Control::Screw) => zero.lt(zero),
             Some(Control::Nut) | None => zero.le(zero),
         };
-        let mut balance = StaticBalance::of(pair, by_nut);
-        let inertia = pair.inertia_ratio * (pair.nut_speed.abs() + 1.0);
+        let mut balance = StaticBalance::of(contacts, by_nut);
+        let inertia = contacts.inertia_ratio * (contacts.nut_speed.abs() + 1.0);
         // Beyond, the precession, which the angles change by tenths, may turn the slope of the radial balance.
         let unique = inertia.lt(zero.constant(RacewayControl::UNIQUE_BELOW));
-        let mut at = balance.start(pair.cos_b / pair.sin_b, pair.regular);
+        let mut at = balance.start(contacts.cos_b / contacts.sin_b, contacts.regular);
         balance.settle(&mut at);
-        let mut found = pair.regular & at.settled & (unique | balance.is_first(at.unknowns));
+        let mut found = contacts.regular & at.settled & (unique | balance.is_first(at.unknowns));
         if control.is_none() {
             let sides = balance.loaded(at.unknowns);
-            let excess = pair.nut_excess(&sides);
+            let excess = contacts.nut_excess(&sides);
             balance.by_nut = zero.lt(excess);
-            found = found & excess.abs().gt(apart(pair, &sides) * RacewayControl::CLEAR + TIE);
+            found = found & excess.abs().gt(apart(contacts, &sides) * RacewayControl::CLEAR + TIE);
             at.settled = at.settled & balance.by_nut | !found;
             balance.settle(&mut at);
             found = found & at.settled & (unique | balance.is_first(at.unknowns));
@@ -65,17 +65,25 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
         let closed = residual.lt(zero.constant(StaticBalance::<Lane<S>>::CLOSED));
         let found = found & on_flanks & closed;
         let twist = b.sin * a.cos - b.cos * a.sin;
-        Roll { by_nut: balance.by_nut, sides, twist, steps: at.steps, residual, found, unique }
+        Precession {
+            by_nut: balance.by_nut,
+            sides,
+            twist,
+            steps: at.steps,
+            residual,
+            found,
+            unique,
+        }
     }
 }
 
 /// By how much the cotangents differ between the balls of both raceways, to first order.
 #[inline(always)]
-fn apart<S: Simd>(pair: &Balls<S>, [a, b]: &[LaneContact<S>; 2]) -> Lane<S> {
-    let (zero, lead) = (pair.constant(0.0), (pair.sin_a, pair.cos_a));
+fn apart<S: Simd>(contacts: &Contacts<S>, [a, b]: &[LaneContact<S>; 2]) -> Lane<S> {
+    let (zero, lead) = (contacts.constant(0.0), (contacts.sin_a, contacts.cos_a));
     let angles = [(a.sin, a.cos), (b.sin, b.cos)];
-    let (nut, _) = rolling(zero.le(zero), lead, pair.arc, angles);
-    let (screw, _) = rolling(zero.lt(zero), lead, pair.arc, angles);
-    let rates = [screw - nut, screw + nut + pair.nut_speed * 2.0];
-    spread_of_control(pair.inertia_ratio, pair.cos_a, rates)
+    let (nut, _) = rolling(zero.le(zero), lead, contacts.arc, angles);
+    let (screw, _) = rolling(zero.lt(zero), lead, contacts.arc, angles);
+    let rates = [screw - nut, screw + nut + contacts.nut_speed * 2.0];
+    spread_of_control(contacts.inertia_ratio, contacts.cos_a, rates)
 }

@@ -11,10 +11,10 @@ use bsm_dyn::{
 use bsm_simd::Simd;
 
 use super::friction::Ellipse;
-use super::{Motion, Roll};
+use super::{Motion, Precession};
 use crate::Sink;
+use crate::contacts::Contacts;
 use crate::operand::{Lane, LaneInputs, Mask};
-use crate::pair::Balls;
 use crate::units::{Units, modulus};
 
 /// What a contact loses, over axial load per ball, ball radius and relative speed.
@@ -46,11 +46,11 @@ impl<S: Simd> OilLane<S> {
     #[inline(always)]
     pub(super) fn of(
         given: &LaneInputs<'_, S>,
-        (units, pair): (&Units<S>, &Balls<S>),
-        (roll, motion): (&Roll<S>, &Motion<S>),
+        (units, contacts): (&Units<S>, &Contacts<S>),
+        (state, motion): (&Precession<S>, &Motion<S>),
         ellipses: [(Ellipse<S>, Lane<S>); 2],
     ) -> Option<Self> {
-        let one = given.operands.lubricant.as_ref()?;
+        let one = given.inputs.lubricant.as_ref()?;
         let kelvin = given.get(InputKey::lubricant_temperature_C) + ZERO_CELSIUS;
         let splat = one.map(
             #[inline(always)]
@@ -59,7 +59,7 @@ impl<S: Simd> OilLane<S> {
         let lubricant = Lubricant { temperature: Temperature::Known(kelvin), ..splat };
         let (ball, speed) = (units.ball, units.speed.abs());
         let (per_ball, growth) = (ball.recip(), units.load.cbrt_positive().recip() * ball);
-        let pressed = &pair.pressed;
+        let pressed = &contacts.pressed;
         let curvatures =
             [pressed[0].curvatures.times(per_ball), pressed[1].curvatures.times(per_ball)];
         let hertz = [
@@ -69,14 +69,14 @@ impl<S: Simd> OilLane<S> {
         let modulus = modulus(given, units) * units.load / (ball * ball);
         let scale = EhlUnits { load: units.load, speed: ball * speed, length: ball };
         let ehl = EhlPoint::of(&lubricant, kelvin, (&curvatures, &hertz), modulus, scale);
-        let [nut, screw] = &roll.sides;
+        let [nut, screw] = &state.sides;
         // k·(t × N)
-        let [k_nut, k_screw] = [nut.cos * pair.cos_a, -(screw.cos * pair.cos_a)];
+        let [k_nut, k_screw] = [nut.cos * contacts.cos_a, -(screw.cos * contacts.cos_a)];
         let losses = [
-            EhlLoss::of(&ehl, 0, (k_nut, pair), &ellipses[0]),
-            EhlLoss::of(&ehl, 1, (k_screw, pair), &ellipses[1]),
+            EhlLoss::of(&ehl, 0, (k_nut, contacts), &ellipses[0]),
+            EhlLoss::of(&ehl, 1, (k_screw, contacts), &ellipses[1]),
         ];
-        let across = motion.omega[1] - motion.p * pair.cos_a;
+        let across = motion.omega[1] - motion.p * contacts.cos_a;
         let rubbing = (motion.omega[0] * motion.omega[0] + across * across).sqrt();
         let circling = BallOrbit {
             rubbing: rubbing * speed,
@@ -85,7 +85,7 @@ impl<S: Simd> OilLane<S> {
             radius: ball,
             mass: units.mass * units.load / (ball * speed * speed),
             pitch_radius: units.pitch,
-            arc: pair.arc * ball,
+            arc: contacts.arc * ball,
             balls: given.get(InputKey::loaded_balls),
         };
         let outside = lubricant.losses.power(&circling, lubricant.oil.density);
@@ -116,7 +116,7 @@ impl<S: Simd> OilLane<S> {
     pub(super) fn outputs(
         &self,
         out: &mut Sink<'_, '_>,
-        (units, pair): (&Units<S>, &Balls<S>),
+        (units, contacts): (&Units<S>, &Contacts<S>),
         (back, efficiency): (Mask<S>, Lane<S>),
     ) {
         let oil = &self.ehl.oil;
@@ -128,7 +128,10 @@ impl<S: Simd> OilLane<S> {
         let (at_nut, at_screw) = (&nut.film, &screw.film);
         out.set_all(OutputKey::nut_film_um, [at_nut.thickness / UM, at_screw.thickness / UM]);
         out.set_all(OutputKey::nut_film_ratio, [at_nut.ratio, at_screw.ratio]);
-        out.set_all(OutputKey::nut_asperity_share, [at_nut.law.share, at_screw.law.share]);
+        out.set_all(
+            OutputKey::nut_asperity_share,
+            [at_nut.law.asperity_share, at_screw.law.asperity_share],
+        );
         out.set_all(OutputKey::nut_friction_coefficient, [nut.friction, screw.friction]);
         let couples = [at_nut.couple * units.load, at_screw.couple * units.load];
         let moments = [couples[0] * units.ball / MM, couples[1] * units.ball / MM];
@@ -158,7 +161,7 @@ impl<S: Simd> OilLane<S> {
         }
         // f_eq = (P_s + P_r)/Σ P_s(1)                                     (Y30)
         let equivalent = self.loss() / (nut.unit + screw.unit);
-        let catalogue = catalogue_friction(back, pair.sin_a / pair.cos_a, efficiency);
+        let catalogue = catalogue_friction(back, contacts.sin_a / contacts.cos_a, efficiency);
         out.set_all(OutputKey::equivalent_friction_coefficient, [equivalent, catalogue]);
     }
 }
@@ -172,12 +175,12 @@ impl<S: Simd> EhlLoss<S> {
     fn of(
         ehl: &EhlPoint<Lane<S>>,
         i: usize,
-        (k_c, pair): (Lane<S>, &Balls<S>),
+        (k_c, contacts): (Lane<S>, &Contacts<S>),
         (ellipse, slip): &(Ellipse<S>, Lane<S>),
     ) -> Self {
         let creep = RacewayControl::CREEP;
         let [_, _, around] = ellipse.omega;
-        let rate = ellipse.speed / pair.arc;
+        let rate = ellipse.speed / contacts.arc;
         let film = ehl.of_motion(i, ellipse.load, [rate, ellipse.speed, around], k_c, creep);
         Self {
             semi_axes: ellipse.semi_axes,

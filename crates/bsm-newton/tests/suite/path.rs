@@ -29,10 +29,10 @@ fn follow(
     (z, towards): ([f64; 2], [f64; 2]),
     height: f64,
     on: impl Fn(&Trace<2>) -> bool,
-    stride: &StepControl,
+    control: &StepControl,
 ) -> Trace<2> {
     let event = |z: &[f64; 2], way: &[f64; 2]| [(z[1] - height, way[1])];
-    trace(&Curve(curve), &Seed { z, towards }, event, on, stride)
+    trace(&Curve(curve), &Seed { z, towards }, event, on, control)
 }
 
 /// A circle through a line: two crossings in either sense, and the curve closes.

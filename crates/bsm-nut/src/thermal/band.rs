@@ -68,7 +68,7 @@ impl Guess {
 
 /// Between what numbers of a warm state lie.
 #[derive(Debug, Clone)]
-pub struct Band {
+pub struct StateInterval {
     /// The numbers themselves.
     pub values: Vec<f64>,
     /// Lower and upper end of each number.
@@ -86,7 +86,7 @@ impl WarmNut<'_> {
         &self,
         state: &Steady,
         numbers: impl Fn(&WarmNut<'_>, &Steady) -> Vec<f64>,
-    ) -> Band {
+    ) -> StateInterval {
         let middle = numbers(self, state);
         let mut squares = vec![[0.0_f64; 2]; middle.len()];
         let mut none = Vec::new();
@@ -114,6 +114,6 @@ impl WarmNut<'_> {
         let end =
             |(middle, [down, up]): (&f64, &[f64; 2])| [middle - down.sqrt(), middle + up.sqrt()];
         let ends = middle.iter().zip(&squares).map(end).collect();
-        Band { values: middle, ends, none }
+        StateInterval { values: middle, ends, none }
     }
 }

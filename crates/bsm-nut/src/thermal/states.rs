@@ -56,7 +56,7 @@ const MOST_SWEEPS: usize = 200;
 const FRICTION_NODES: usize = 3;
 
 /// Part of a step to which a fold is placed: its speed is flat in it, so that this leaves 1e-6 of that.
-const PLACE: f64 = 1e-3;
+const ROOT_TOLERANCE: f64 = 1e-3;
 
 /// A warm steady state.
 #[derive(Debug, Clone)]
@@ -93,7 +93,7 @@ pub struct Fold {
     /// Preload without load there \[N\]; `None` of a nut without one.
     pub preload: Option<f64>,
     /// The unstable state beyond it at the speeds themselves, if the fold is above them.
-    pub beyond: Option<Steady>,
+    pub unstable: Option<Steady>,
 }
 
 impl fmt::Display for Fold {
@@ -176,7 +176,7 @@ struct Balance<'a> {
 }
 
 /// Slopes of the heat of nut, screw and balls by the temperatures of all nodes.
-type Slopes = [[f64; NODES]; FRICTION_NODES];
+type HeatSlopes = [[f64; NODES]; FRICTION_NODES];
 
 /// The same at one speed factor.
 struct BalanceAtSpeed<'a>(&'a Balance<'a>, f64);
@@ -210,7 +210,7 @@ impl Balance<'_> {
     }
 
     /// `$M T - r - P(T)$` (I8).
-    fn left(&self, rises: &[f64; NODES], factor: f64) -> Result<[f64; NODES], EvalError> {
+    fn heat_residual(&self, rises: &[f64; NODES], factor: f64) -> Result<[f64; NODES], EvalError> {
         let heated = match self.known(rises, factor) {
             Some(known) => known,
             None => self.heated(rises, factor, BETWEEN_LOADS)?,
@@ -234,7 +234,7 @@ impl Balance<'_> {
         &self,
         rises: &[f64; NODES],
         factor: f64,
-    ) -> Result<(Slopes, [f64; NODES]), EvalError> {
+    ) -> Result<(HeatSlopes, [f64; NODES]), EvalError> {
         let heat = self.heated(rises, factor, OF_STEPS)?.heat;
         Ok((self.slopes(rises, factor, Some(&heat))?, heat))
     }
@@ -245,7 +245,7 @@ impl Balance<'_> {
         rises: &[f64; NODES],
         factor: f64,
         here: Option<&[f64; NODES]>,
-    ) -> Result<Slopes, EvalError> {
+    ) -> Result<HeatSlopes, EvalError> {
         let between_loads = if here.is_some() { OF_STEPS } else { BETWEEN_LOADS };
         let mut slopes = [[0.0; NODES]; FRICTION_NODES];
         // The ends act on the nut by the tension alone.
@@ -269,13 +269,17 @@ impl Balance<'_> {
     }
 
     /// Rows of `$M - P'$`.
-    fn rows(&self, slopes: &Slopes, factor: f64) -> [[f64; NODES]; NODES] {
+    fn rows(&self, slopes: &HeatSlopes, factor: f64) -> [[f64; NODES]; NODES] {
         let (matrix, _) = self.nut.network(factor).balance();
         from_fn(|i| from_fn(|k| matrix[i][k] - slopes.get(i).map_or(0.0, |row| row[k])))
     }
 
     /// `$P' M^{-1}$` at nut, screw and balls, which has all eigenvalues of `$M^{-1} P'$` that are not zero.
-    fn loop_matrix(&self, slopes: &Slopes, factor: f64) -> [[f64; FRICTION_NODES]; FRICTION_NODES] {
+    fn loop_matrix(
+        &self,
+        slopes: &HeatSlopes,
+        factor: f64,
+    ) -> [[f64; FRICTION_NODES]; FRICTION_NODES] {
         let mut linear = Dense::<NODES>::default();
         *linear.rows_mut() = self.nut.network(factor).balance().0;
         if linear.factorize().is_err() {
@@ -294,7 +298,7 @@ impl Balance<'_> {
     }
 
     /// The state near some rises at a speed factor.
-    fn settle(&self, mut rises: [f64; NODES], factor: f64) -> Option<[f64; NODES]> {
+    fn steady_rises(&self, mut rises: [f64; NODES], factor: f64) -> Option<[f64; NODES]> {
         let scales = Scales { x: &[1.0 / SIZES.0; NODES], f: &[self.weight; NODES] };
         let options = Options {
             residual_tol: SETTLED,
@@ -330,14 +334,14 @@ impl Balance<'_> {
     }
 
     /// Whether the last state of a walk counts.
-    fn counts(&self, walk: &Trace<{ NODES + 1 }>) -> bool {
-        !self.is_too_hot(&walk.last[..NODES]) && self.has_preload.get()
+    fn counts(&self, trace_branch: &Trace<{ NODES + 1 }>) -> bool {
+        !self.is_too_hot(&trace_branch.last[..NODES]) && self.has_preload.get()
     }
 
     /// Why a walk ends where it meets no fold.
-    fn ending(&self, walk: &Trace<{ NODES + 1 }>) -> NoSteadyState {
-        let factor = walk.last[NODES];
-        if self.is_too_hot(&walk.last[..NODES]) {
+    fn ending(&self, trace_branch: &Trace<{ NODES + 1 }>) -> NoSteadyState {
+        let factor = trace_branch.last[NODES];
+        if self.is_too_hot(&trace_branch.last[..NODES]) {
             NoSteadyState::TooHot { factor }
         } else if self.has_preload.get() {
             NoSteadyState::Jump { factor }
@@ -349,7 +353,7 @@ impl Balance<'_> {
     /// A state and its speed factor at which a walk begins, slow enough for the state to be near that of rest.
     fn slow(&self, rest: [f64; NODES]) -> Result<([f64; NODES], f64), NoSteadyState> {
         let state = |factor: f64| {
-            let rises = self.settle(rest, factor).filter(|rises| !self.is_too_hot(rises))?;
+            let rises = self.steady_rises(rest, factor).filter(|rises| !self.is_too_hot(rises))?;
             Some((rises, factor))
         };
         SLOW.into_iter().find_map(state).ok_or_else(|| {
@@ -363,7 +367,7 @@ impl Balance<'_> {
 
     /// Follows the branch from a state on, in steps of a part of [`SIZES`] at most, until `goes_on` says no: crossings of the speeds themselves are event 0, folds
     /// event 1.
-    fn walk(
+    fn trace_branch(
         &self,
         from: ([f64; NODES], f64),
         longest: f64,
@@ -373,11 +377,11 @@ impl Balance<'_> {
         z[..NODES].copy_from_slice(&from.0);
         let towards = from_fn(|i| if i == NODES { 1.0 } else { 0.0 });
         let jacobian = JacobianUpdate::EveryTrial { chord_below: f64::INFINITY };
-        let stride = StepControl {
+        let control = StepControl {
             longest,
             // No step is shorter than the differences of its slopes.
             shortest: DIFFERENCE / SIZES.0,
-            place: PLACE,
+            root_tolerance: ROOT_TOLERANCE,
             goal: SETTLED,
             jacobian,
             ..StepControl::default()
@@ -390,20 +394,24 @@ impl Balance<'_> {
             });
             [(z[NODES] - 1.0, along[NODES]), (fold, 0.0)]
         };
-        trace(self, &Seed { z, towards }, events, goes_on, &stride)
+        trace(self, &Seed { z, towards }, events, goes_on, &control)
     }
 
-    fn folded(&self, z: &[f64; NODES + 1], beyond: Option<Steady>) -> Result<Fold, NoSteadyState> {
+    fn folded(
+        &self,
+        z: &[f64; NODES + 1],
+        unstable: Option<Steady>,
+    ) -> Result<Fold, NoSteadyState> {
         let (rises, factor) = (from_fn(|i| z[i]), z[NODES]);
         let preload = self.nut.heated(&rises, factor, false)?.preload;
         let (set, preload) = (self.nut.set, self.nut.preload.map(|_| preload));
-        Ok(Fold { factor, rises, set, preload, beyond })
+        Ok(Fold { factor, rises, set, preload, unstable })
     }
 }
 
 impl Equations<NODES> for BalanceAtSpeed<'_> {
     fn residual(&self, rises: &[f64; NODES]) -> Result<[f64; NODES], EvalError> {
-        self.0.left(rises, self.1)
+        self.0.heat_residual(rises, self.1)
     }
 
     fn linearize(
@@ -411,10 +419,10 @@ impl Equations<NODES> for BalanceAtSpeed<'_> {
         rises: &[f64; NODES],
         rows: &mut [[f64; NODES]; NODES],
     ) -> Result<[f64; NODES], EvalError> {
-        let left = self.residual(rises)?;
+        let heat_residual = self.residual(rises)?;
         let (slopes, _) = self.0.slopes_of_step(rises, self.1)?;
         *rows = self.0.rows(&slopes, self.1);
-        Ok(left)
+        Ok(heat_residual)
     }
 
     fn retract(&self, x: &[f64; NODES], dx: &[f64; NODES], lambda: f64) -> [f64; NODES] {
@@ -426,7 +434,7 @@ impl Equations<NODES> for BalanceAtSpeed<'_> {
 
 impl Homotopy<NODES, { NODES + 1 }> for Balance<'_> {
     fn residual(&self, z: &[f64; NODES + 1]) -> Result<[f64; NODES], EvalError> {
-        self.left(&from_fn(|i| z[i]), z[NODES])
+        self.heat_residual(&from_fn(|i| z[i]), z[NODES])
     }
 
     fn linearize(
@@ -434,7 +442,7 @@ impl Homotopy<NODES, { NODES + 1 }> for Balance<'_> {
         z: &[f64; NODES + 1],
     ) -> Result<([f64; NODES], [[f64; NODES + 1]; NODES]), EvalError> {
         let (rises, factor): ([f64; NODES], f64) = (from_fn(|i| z[i]), z[NODES]);
-        let left = self.left(&rises, factor)?;
+        let heat_residual = self.heat_residual(&rises, factor)?;
         let (slopes, heat) = self.slopes_of_step(&rises, factor)?;
         let rows = self.rows(&slopes, factor);
         let faster = (1.0 + SPEED_DIFFERENCE) * factor;
@@ -442,7 +450,10 @@ impl Homotopy<NODES, { NODES + 1 }> for Balance<'_> {
         let up = self.left_with(&rises, faster, &heat_faster);
         let here = self.left_with(&rises, factor, &heat);
         let by_speed = |i: usize| (up[i] - here[i]) / (faster - factor);
-        Ok((left, from_fn(|i| from_fn(|k| rows[i].get(k).copied().unwrap_or_else(|| by_speed(i))))))
+        Ok((
+            heat_residual,
+            from_fn(|i| from_fn(|k| rows[i].get(k).copied().unwrap_or_else(|| by_speed(i)))),
+        ))
     }
 
     fn weights(&self, _: &[f64; NODES + 1]) -> [f64; NODES] {
@@ -473,7 +484,7 @@ impl WarmNut<'_> {
     pub fn steady_from(&self, near: Option<&[f64; NODES]>) -> Result<Steady, NoSteadyState> {
         let (balance, rest) = self.at_rest()?;
         let found = balance
-            .settle(near.copied().unwrap_or(rest), 1.0)
+            .steady_rises(near.copied().unwrap_or(rest), 1.0)
             .filter(|rises| !balance.is_too_hot(rises));
         if let Some(rises) = found {
             let state = balance.state_at(rises, 1.0)?;
@@ -482,12 +493,13 @@ impl WarmNut<'_> {
             }
         }
         let slow = balance.slow(rest)?;
-        let walked =
-            balance.walk(slow, STRIDE, |trace| balance.counts(trace) && trace.crossings.is_empty());
+        let walked = balance.trace_branch(slow, STRIDE, |trace| {
+            balance.counts(trace) && trace.crossings.is_empty()
+        });
         match walked.crossings.first() {
             Some(crossing) if crossing.event == 0 => {
                 let near = from_fn(|i| crossing.z[i]);
-                let rises = balance.settle(near, 1.0).ok_or(NoSteadyState::NotFound)?;
+                let rises = balance.steady_rises(near, 1.0).ok_or(NoSteadyState::NotFound)?;
                 balance.state_at(rises, 1.0)
             }
             Some(crossing) => {
@@ -505,7 +517,7 @@ impl WarmNut<'_> {
     /// [`NoSteadyState`]: why and where the branch ends before, without a fold.
     pub fn fold(&self, state: &Steady, most: f64) -> Result<Option<Fold>, NoSteadyState> {
         let (balance, _) = self.at_rest()?;
-        let walked = balance.walk((state.rises, 1.0), STRIDE, |trace| {
+        let walked = balance.trace_branch((state.rises, 1.0), STRIDE, |trace| {
             let turned = trace.crossings.iter().any(|crossing| crossing.event == 1);
             let back = turned && trace.last[NODES] < 1.0;
             balance.counts(trace) && !back && (turned || trace.last[NODES] <= most)
@@ -515,13 +527,13 @@ impl WarmNut<'_> {
             let is_open = walked.last[NODES] >= most;
             return if is_open { Ok(None) } else { Err(balance.ending(&walked)) };
         };
-        let mut beyond = walked.crossings.iter().skip_while(|crossing| crossing.event != 1);
-        let back = beyond.find(|crossing| crossing.event == 0);
-        let beyond = back.and_then(|at| {
-            let rises = balance.settle(from_fn(|i| at.z[i]), 1.0)?;
+        let mut unstable = walked.crossings.iter().skip_while(|crossing| crossing.event != 1);
+        let back = unstable.find(|crossing| crossing.event == 0);
+        let unstable = back.and_then(|at| {
+            let rises = balance.steady_rises(from_fn(|i| at.z[i]), 1.0)?;
             balance.state_at(rises, 1.0).ok()
         });
-        balance.folded(&fold.z, beyond).map(Some)
+        balance.folded(&fold.z, unstable).map(Some)
     }
 
     /// The branch of states from rest up to a multiple of the speeds, or through its fold and some way back; it ends where no
@@ -534,7 +546,7 @@ impl WarmNut<'_> {
         let (balance, rest) = self.at_rest()?;
         let slow = balance.slow(rest)?;
         let (mut points, mut turned) = (vec![(rest, 0.0, true), (slow.0, slow.1, true)], None);
-        balance.walk(slow, CLOSE, |trace| {
+        balance.trace_branch(slow, CLOSE, |trace| {
             let fold = trace.crossings.iter().find(|crossing| crossing.event == 1);
             if let Some(fold) = fold.filter(|_| turned.is_none()) {
                 points.push((from_fn(|i| fold.z[i]), fold.z[NODES], true));

@@ -91,7 +91,7 @@ pub(crate) fn support(rng: &mut impl Rng, nut: &BallNut) -> Support {
     let most = 250e6
         * 4.0
         * nut.ball.radius.powi(2)
-        * nut.places().iter().map(|_| 1.0_f64).sum::<f64>().powf(0.8);
+        * nut.positions().iter().map(|_| 1.0_f64).sum::<f64>().powf(0.8);
     let axial = most * rng.random_range(-1.0..1.0);
     let side = 0.2 * axial.abs();
     let arms = [1.0, 1.0, nut.helix.radius, nut.helix.radius];
@@ -253,7 +253,7 @@ fn wrong(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<String
     let outward = nut.ball.mass * nut.helix.radius * nut.precession * nut.precession;
     let middle = nut.middle();
     let (mut on_balls, mut forces) = ([0.0; 5], 0.0);
-    for (number, (ball, place)) in found.balls.iter().zip(&found.places).enumerate() {
+    for (number, (ball, position)) in found.balls.iter().zip(&found.positions).enumerate() {
         // Along binormal and principal normal, the force of each body on the ball.
         let (mut of_body, mut size) = ([[0.0; 2]; 2], outward);
         for c in 0..4 {
@@ -280,14 +280,14 @@ fn wrong(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<String
         }
         forces += size;
         let [along, across] = of_body[0];
-        let (sin, cos) = place.theta.sin_cos();
+        let (sin, cos) = position.theta.sin_cos();
         let force = [
             along * sin_a * sin - across * cos,
             -along * sin_a * cos - across * sin,
             along * cos_a,
         ];
         let radius = nut.helix.radius;
-        let arm = [radius * cos, radius * sin, place.z - middle];
+        let arm = [radius * cos, radius * sin, position.z - middle];
         on_balls[0] += force[2];
         on_balls[1] += force[0];
         on_balls[2] += force[1];

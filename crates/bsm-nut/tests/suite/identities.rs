@@ -102,8 +102,8 @@ fn forces_add_up_to_the_load() {
 #[test]
 fn stiff_bars_of_one_side_raise_the_first_ball() {
     let mut nut = nut_a();
-    let places = nut.places();
-    let (first, last) = (places[0].z, places[places.len() - 1].z);
+    let positions = nut.positions();
+    let (first, last) = (positions[0].z, positions[positions.len() - 1].z);
     let equal = nut.equal(10e3).expect("load");
     let stiffness = 2e11;
     for bar in [&mut nut.nut_bar, &mut nut.screw_bar] {
@@ -134,7 +134,7 @@ fn concentrations_are_those_of_an_independent_solution() {
     let stacked = |i: i32| circuit(360.0 * f64::from(i), 330.0, 19, Flanks::Both);
     let returns = with_circuits((0..5).map(stacked).collect());
     let mut bars = nut_a();
-    let first = bars.places()[0].z;
+    let first = bars.positions()[0].z;
     bars.nut_bar = Some(Bar { stiffness: 453e6, anchor: first });
     bars.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: first });
     for (nut, support, exact) in

@@ -86,9 +86,9 @@ pub(crate) fn nut(case: &Value) -> BallNut {
         reference: None,
         precession: number(case, "ball_precession_rad_s").unwrap_or(0.0),
     };
-    let places = nut.places();
-    let low = places.iter().map(|p| p.z).fold(f64::MAX, f64::min);
-    let high = places.iter().map(|p| p.z).fold(f64::MIN, f64::max);
+    let positions = nut.positions();
+    let low = positions.iter().map(|p| p.z).fold(f64::MAX, f64::min);
+    let high = positions.iter().map(|p| p.z).fold(f64::MIN, f64::max);
     let bar = |body: &str| {
         let bar = case.get("bars")?.get(body)?;
         let anchor = match bar.get("anchor").and_then(Value::as_str) {

@@ -538,14 +538,14 @@ struct Track<'a> {
     /// their middle.
     rates: &'a [Vec<f64>],
     pushes: &'a [f64],
-    places: Vec<f64>,
+    positions: Vec<f64>,
 }
 
 impl Track<'_> {
     /// Rates of a ball at a place at the pushes, on lines between the parts.
-    fn law(&self, place: f64) -> impl Fn(usize) -> f64 {
+    fn law(&self, position: f64) -> impl Fn(usize) -> f64 {
         let parts = self.rates.len();
-        let along = place.rem_euclid(self.length) / self.length * count(parts) - 0.5;
+        let along = position.rem_euclid(self.length) / self.length * count(parts) - 0.5;
         let part = (1..parts - 1).take_while(|part| count(*part) <= along).count();
         move |push| {
             let [here, next] = [part, part + 1].map(|part| self.rates[part][push]);
@@ -554,8 +554,8 @@ impl Track<'_> {
     }
 
     /// Push that a ball at a place takes from behind at a rate.
-    fn push(&self, place: f64, rate: f64) -> f64 {
-        let law = self.law(place);
+    fn push(&self, position: f64, rate: f64) -> f64 {
+        let law = self.law(position);
         let numbers: Vec<_> = (1..self.pushes.len() - 1).collect();
         let k = numbers.partition_point(|k| law(*k) <= rate);
         let step = self.pushes[k + 1] - self.pushes[k];
@@ -564,29 +564,29 @@ impl Track<'_> {
 
     /// Room from a ball to the next.
     fn gap(&self, ball: usize) -> f64 {
-        let ahead = (ball + 1) % self.places.len();
+        let ahead = (ball + 1) % self.positions.len();
         let turn = if ahead == 0 { self.length } else { 0.0 };
-        self.places[ahead] + turn - self.places[ball] - self.touch
+        self.positions[ahead] + turn - self.positions[ball] - self.touch
     }
 
     /// Rates of least friction among those at which no touching balls come nearer: balls that push each other go at one, at
     /// which their pushes cancel.
     fn rates(&self) -> Vec<f64> {
-        let balls = self.places.len();
+        let balls = self.positions.len();
         let touches: Vec<_> = (0..balls).map(|ball| self.gap(ball) <= 1e-12).collect();
         let first = touches.iter().position(|touches| !touches).expect("room") + 1;
         // Rate and balls of each pool.
         let mut pools = Vec::<(f64, usize)>::new();
         let mut begins = 0;
         for number in first..first + balls {
-            let mut pool = (self.law(self.places[number % balls])(self.pushes.len() / 2), 1);
+            let mut pool = (self.law(self.positions[number % balls])(self.pushes.len() / 2), 1);
             // A faster pool behind that touches pushes this one.
             while pools.len() > begins && pools[pools.len() - 1].0 > pool.0 {
                 let behind = pools.pop().expect("a pool");
                 let all = behind.1 + pool.1;
                 let missing = |rate: f64| -> f64 {
-                    let places = (0..all).map(|back| self.places[(number - back) % balls]);
-                    places.map(|place| self.push(place, rate)).sum()
+                    let positions = (0..all).map(|back| self.positions[(number - back) % balls]);
+                    positions.map(|position| self.push(position, rate)).sum()
                 };
                 let ends = [pool.0, behind.0];
                 let bracket = Bracket { x_tol: 1e-9, ..Bracket::new(ends, ends.map(missing)) };
@@ -605,7 +605,7 @@ impl Track<'_> {
 
     /// Moves the balls on until two touch, at most by a part of a touch angle; returns the time.
     fn step(&mut self, part: f64) -> f64 {
-        let (rates, balls) = (self.rates(), self.places.len());
+        let (rates, balls) = (self.rates(), self.positions.len());
         let mut time = part * self.touch / rates[0];
         for ball in 0..balls {
             let closing = rates[ball] - rates[(ball + 1) % balls];
@@ -613,8 +613,8 @@ impl Track<'_> {
                 time = time.min(self.gap(ball) / closing);
             }
         }
-        for (place, rate) in self.places.iter_mut().zip(rates) {
-            *place += rate * time;
+        for (position, rate) in self.positions.iter_mut().zip(rates) {
+            *position += rate * time;
         }
         time
     }
@@ -651,15 +651,15 @@ fn a_simulation_in_time_has_the_flux_of_the_queue() {
     let touch = reference.nut.touch_angle(0.0);
     let room = reference.inputs.gaps[0] / reference.nut.helix.arc_length_per_radian();
     let length = count(balls) * touch + room;
-    let places = (0..balls).map(|ball| count(ball) * length / count(balls)).collect();
-    let mut track = Track { length, touch, rates: &rates, pushes: &pushes, places };
+    let positions = (0..balls).map(|ball| count(ball) * length / count(balls)).collect();
+    let mut track = Track { length, touch, rates: &rates, pushes: &pushes, positions };
     // Mean rate of a ball over whole rounds.
     let mut round = |rounds: f64| {
-        let (begin, mut time) = (track.places[0], 0.0);
-        while track.places[0] < begin + rounds * length {
+        let (begin, mut time) = (track.positions[0], 0.0);
+        while track.positions[0] < begin + rounds * length {
             time += track.step(0.1);
         }
-        (track.places[0] - begin) / time
+        (track.positions[0] - begin) / time
     };
     round(2.0);
     let mean = round(1.0);

@@ -297,7 +297,7 @@ fn folds() {
             near(&format!("{id} fold {i}"), rise + 20.0, expected, 0.05);
         }
         let Some(states) = expect["states"].as_array() else { continue };
-        let beyond = fold.beyond.unwrap_or_else(|| panic!("{id}: no second state"));
+        let beyond = fold.unstable.unwrap_or_else(|| panic!("{id}: no second state"));
         let (expected, tol) = (&states[1], number(&reference, "rel_tol").expect("tolerance"));
         for (i, found) in celsius(nut.set, &beyond.rises).into_iter().enumerate() {
             let expected = expected["temperatures_C"][i].as_f64().expect("temperature");
@@ -372,7 +372,7 @@ fn below_a_fold_are_two_states_and_above_none() {
     assert!(state.gain < 1.0, "{}", state.gain);
     let fold = below.fold(&state, 1.5).expect("traced").expect("a fold");
     near("fold from below", fold.factor, 1.0 / 0.99, 1e-5);
-    let beyond = fold.beyond.expect("a second state");
+    let beyond = fold.unstable.expect("a second state");
     assert!(beyond.gain > 1.0 && beyond.heated.preload > state.heated.preload);
     let at = at_speed(&nut, 0.99 * factor * fold.factor * (1.0 - 1e-6));
     let gain = at.steady_from(Some(&fold.rises)).expect("at the fold").gain;
@@ -458,7 +458,7 @@ fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
         let nut = at_speed(&nut, factor);
         let state = nut.steady().expect("cold");
         let fold = nut.fold(&state, 1.5).expect("traced").expect("a fold");
-        hotter.push(fold.beyond.expect("a second state").rises);
+        hotter.push(fold.unstable.expect("a second state").rises);
         cold.push(state.rises);
     }
     let above = at_speed(&nut, 1.2);

@@ -85,7 +85,7 @@ pub(crate) fn ask(case: &Case, model: ModelChoice, work: &mut ModelWorkspace) ->
         return Answer::new(Order::False, "panic".to_owned());
     };
     let reason = solution.reason().map(name).unwrap_or_default();
-    let others = solution.solved().and_then(|solved| Some(solved.others?.count));
+    let others = solution.solved().and_then(|solved| Some(solved.alternatives?.count));
     let record = Record::new(solution);
     let mut answer = Answer::new(record.status().into(), String::new());
     answer.time = time;

@@ -38,7 +38,7 @@ pub(super) fn bodies(case: &Case, mut nut: BallNut, body: &NutBody) -> Result<Ba
 
 /// Places of the first and the last ball along the axis \[m\].
 fn ends(nut: &BallNut) -> [f64; 2] {
-    let places = nut.places();
+    let places = nut.positions();
     let z = || places.iter().map(|place| place.z);
     [z().fold(f64::INFINITY, f64::min), z().fold(f64::NEG_INFINITY, f64::max)]
 }

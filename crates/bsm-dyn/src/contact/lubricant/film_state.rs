@@ -38,7 +38,7 @@ pub struct ContactFilm {
     /// The same of the least thickness, at the edge of the contact (Y36).
     pub least_ratio: f64,
     /// Share of the load that asperities carry `$\xi$`.
-    pub share: f64,
+    pub asperity_share: f64,
     /// Mean friction coefficient: sliding power over that of a coefficient of one (Y22).
     pub friction: f64,
     /// Couple against rolling \[N·m\].

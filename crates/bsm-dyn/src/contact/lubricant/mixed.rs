@@ -20,7 +20,7 @@ use crate::contact::transition::Transition;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MixedFriction<D = f64> {
     /// Share of the load that asperities carry `$\xi$`.
-    pub share: D,
+    pub asperity_share: D,
     /// Friction coefficient where they touch `$\mu_b$`.
     pub boundary: D,
     /// Largest shear stress of the oil over pressure `$\Lambda$`.
@@ -42,7 +42,7 @@ impl<D: Field> MixedFriction<D> {
     #[inline(always)]
     pub(crate) fn of<P: Field>(
         (oil, limit, boundary): (&OilState<P>, P, P),
-        (film, share, max_pressure): (D, D, D),
+        (film, asperity_share, max_pressure): (D, D, D),
         speed_unit: P,
     ) -> Self
     where
@@ -54,7 +54,7 @@ impl<D: Field> MixedFriction<D> {
         let pressure_scale = zero + oil.pressure_scale;
         let eyring_stress = (max_pressure * PRESSURE_SLOPE + pressure_scale) * limit * 2.0;
         let shear = (film * eyring_stress).recip() * (oil.viscosity * speed_unit);
-        Self { share, boundary, limit, eyring_stress, max_pressure, pressure_scale, shear }
+        Self { asperity_share, boundary, limit, eyring_stress, max_pressure, pressure_scale, shear }
     }
 
     /// The same law of speeds in another unit, of which the present one is so many.
@@ -73,13 +73,13 @@ impl<D: Field> MixedFriction<D> {
         let fourth = (self.limit * p / stress).square().square();
         let fluid = self.limit / (fourth + 1.0).sqrt().sqrt();
         // μ = ξ μ_b + (1 − ξ) μ_f                                         (Y13)
-        self.share * self.boundary + (-self.share + 1.0) * fluid
+        self.asperity_share * self.boundary + (-self.asperity_share + 1.0) * fluid
     }
 
     /// The coefficient if the oil bore all that it can.
     #[inline(always)]
     pub fn most(&self) -> D {
-        self.share * self.boundary + (-self.share + 1.0) * self.limit
+        self.asperity_share * self.boundary + (-self.asperity_share + 1.0) * self.limit
     }
 }
 
@@ -87,7 +87,7 @@ impl<D: Scalar> MixedFriction<D> {
     /// The same without derivatives.
     pub(crate) fn values(&self) -> MixedFriction {
         MixedFriction {
-            share: self.share.re(),
+            asperity_share: self.asperity_share.re(),
             boundary: self.boundary.re(),
             limit: self.limit.re(),
             eyring_stress: self.eyring_stress.re(),

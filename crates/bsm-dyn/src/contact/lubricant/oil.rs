@@ -95,7 +95,7 @@ pub struct OilState<D = f64> {
     /// Dynamic viscosity `$\eta$` \[Pa·s\].
     pub viscosity: D,
     /// Its relative decrease with temperature `$\beta$` \[1/K\].
-    pub thinning: D,
+    pub temperature_coefficient: D,
     /// Pressure-viscosity coefficient `$\alpha$` \[1/Pa\].
     pub pressure_viscosity: D,
     /// `$a_p$` of (Y5) \[Pa\].
@@ -140,7 +140,7 @@ impl<D: Field> Oil<D> {
         let density = self.density * ((temperature - (ZERO_CELSIUS + 15.0)) * -EXPANSION + 1.0);
         let viscosity = nu * density * 1e-6;
         // β = (ν + 0.7)/ν ln(10) Z B/θ + 6.5·10⁻⁴ ρ₁₅/ρ                   (Y3)
-        let thinning =
+        let temperature_coefficient =
             shifted / nu * z * exponent * LN_10 / temperature + self.density / density * EXPANSION;
         // α = s νᵗ 10⁻⁹                                                   (Y4)
         let (s, t) = self.base.typical().pressure_viscosity;
@@ -155,7 +155,7 @@ impl<D: Field> Oil<D> {
             kinematic_viscosity: nu * 1e-6,
             density,
             viscosity,
-            thinning,
+            temperature_coefficient,
             pressure_viscosity,
             pressure_scale,
         }

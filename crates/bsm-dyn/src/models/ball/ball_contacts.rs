@@ -108,13 +108,13 @@ impl<D: Field> LoadedContact<D> {
 
     /// `$l\cos\beta$`.
     #[inline(always)]
-    pub fn reach(&self) -> D {
+    pub fn radial_distance(&self) -> D {
         self.length * self.cos
     }
 
     /// Its derivative by the cotangent without friction, positive.
     #[inline(always)]
-    pub fn reach_slope(&self) -> D {
+    pub fn radial_slope(&self) -> D {
         // d cosβ = sin³β d cotβ,  dδ = ⅔ δ sinβ cosβ d cotβ by δ ~ Q^{2/3}
         self.sin.square() * self.sin * self.length
             + self.approach * self.sin * self.cos.square() * (2.0 / 3.0)
@@ -135,7 +135,7 @@ impl<F: Compare> GrooveContact<F> {
     fn of(groove: &Groove<F>, tan_a: F, cos_b: F, size: &ScaledSize<F>) -> (Self, F::Mask) {
         let one = cos_b.constant(1.0);
         let curvatures = groove.curvatures_at(size.radius, one, tan_a, cos_b);
-        let target = curvatures.along / curvatures.across;
+        let target = curvatures.longitudinal / curvatures.transverse;
         let practice = one.le(target) & target.le(one.constant(Axes::<F>::PRACTICE));
         let contact = Self {
             offset: groove.offset(one),
@@ -143,7 +143,7 @@ impl<F: Compare> GrooveContact<F> {
             hertz: Hertz::on(&Axes::in_practice(target), &curvatures, size.modulus),
             curvatures,
         };
-        (contact, practice & curvatures.across.gt(one.constant(0.0)))
+        (contact, practice & curvatures.transverse.gt(one.constant(0.0)))
     }
 }
 
@@ -179,7 +179,7 @@ impl<F: Compare> BallContacts<F> {
 
     /// `$A_2 = (l_{A0} + l_{B0})\cos\beta_0$`.
     #[inline(always)]
-    pub fn reach(&self) -> F {
+    pub fn radial_distance(&self) -> F {
         (self.pressed[0].offset + self.pressed[1].offset) * self.cos_b
     }
 

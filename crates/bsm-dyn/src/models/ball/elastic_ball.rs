@@ -17,7 +17,7 @@ use crate::contact::{
     Ball, Curvatures, Groove, Hertz, Jones, Material, Raceway, Wrench, axial_force,
     contact_modulus, efficiency, newton_euler, torque,
 };
-use crate::ellipse::{Ellipse, Integrate, Local, Nodes, pressed_radius, slip_scale};
+use crate::ellipse::{Ellipse, Integrate, Local, Placement, pressed_radius, slip_scale};
 use crate::models::ball::ball_unknowns;
 use crate::outcome::{Direction, Reason, Unsolved};
 
@@ -79,11 +79,11 @@ impl<D: Scalar> ElasticPoint<D> {
         let (r_b, load) = (self.point.ball.radius, self.point.load.per_ball());
         let one = D::from(1.0);
         let [nut_offset, screw_offset] = self.grooves().map(|groove| groove.offset(one));
-        let reach = (nut_offset + screw_offset) * self.point.contact_angle.cos();
+        let radial_distance = (nut_offset + screw_offset) * self.point.contact_angle.cos();
         Ok(ElasticContacts {
             helix,
             lead: helix.lead_angle.sin_cos(),
-            reach,
+            radial_distance,
             arc: helix.arc_length_per_radian(),
             jones: Jones { nut_offset, screw_offset, contact_angle: self.point.contact_angle },
             approach: hertz.map(|h| h.approach(load) / r_b),
@@ -112,7 +112,7 @@ pub(crate) struct ElasticContacts<P = f64> {
     /// Sine and cosine of its lead angle.
     pub(crate) lead: (P, P),
     /// `$A_2$` of (J2).
-    pub(crate) reach: P,
+    pub(crate) radial_distance: P,
     /// Arc length per radian of the helix.
     pub(crate) arc: P,
     /// Offsets of the groove arcs and unloaded contact angle.
@@ -208,7 +208,7 @@ impl<P: Scalar> ElasticContacts<P> {
     /// # Errors
     ///
     /// [`EvalError`] if a contact is lost.
-    pub(crate) fn loaded_at_nut<D: Over<P>>(
+    pub(crate) fn loaded_by_nut_angle<D: Over<P>>(
         &self,
         loads: [D; 2],
         nut: D,
@@ -276,7 +276,7 @@ impl<P: Scalar> ElasticContacts<P> {
         loaded: &BallLoads<D>,
         to_nut: &Motion<D>,
         creep: f64,
-        nodes: [Nodes<'_>; 2],
+        nodes: [Placement<'_>; 2],
     ) -> [D; 2] {
         let motions = to_both(to_nut, &loaded.frame);
         [0, 1].map(|i| {
@@ -293,7 +293,7 @@ impl<P: Scalar> ElasticContacts<P> {
         loaded: &BallLoads<D>,
         to_nut: &Motion<D>,
         creep: f64,
-        nodes: [Nodes<'_>; 2],
+        nodes: [Placement<'_>; 2],
     ) -> [D; 2] {
         self.with_friction(P::from(1.0)).friction_powers(loaded, to_nut, creep, nodes)
     }
@@ -332,22 +332,24 @@ impl<D: Scalar> ElasticPoint<D> {
     /// Torque on the screw from its scaled wrench on the ball.
     pub(crate) fn screw_torque(
         &self,
-        pair: &ElasticContacts<D>,
+        contacts: &ElasticContacts<D>,
         frame: &BallFrame<D>,
         screw: &Wrench<D>,
     ) -> D {
-        torque(screw, pair.helix.radius, frame) * (self.point.ball.radius * self.point.load.axial)
+        torque(screw, contacts.helix.radius, frame)
+            * (self.point.ball.radius * self.point.load.axial)
     }
 
     /// Efficiency and torque of a scaled wrench of the screw on the ball.
     pub(crate) fn transmitted(
         &self,
-        pair: &ElasticContacts<D>,
+        contacts: &ElasticContacts<D>,
         frame: &BallFrame<D>,
         screw: &Wrench<D>,
     ) -> Performance<D> {
-        let torque = self.screw_torque(pair, frame, screw);
-        let efficiency = efficiency(pair.direction.is_back(), self.point.ideal_torque(), torque);
+        let torque = self.screw_torque(contacts, frame, screw);
+        let efficiency =
+            efficiency(contacts.direction.is_back(), self.point.ideal_torque(), torque);
         Performance { efficiency, screw_torque: Some(torque) }
     }
 }
@@ -359,7 +361,7 @@ impl ElasticPoint {
     /// touches with its other flank, and no groove reaches beyond the axial direction.
     pub(crate) fn ball_state(
         &self,
-        pair: &ElasticContacts,
+        contacts: &ElasticContacts,
         loaded: &BallLoads<f64>,
         to_nut: &Motion<f64>,
     ) -> Result<BallState, Unsolved> {
@@ -369,11 +371,11 @@ impl ElasticPoint {
         }
         let (w, r_b) = (self.point.drive.relative_speed(), self.point.ball.radius);
         let motions = to_both(to_nut, &loaded.frame);
-        let approaches = pair.approaches(loaded.loads);
+        let approaches = contacts.approaches(loaded.loads);
         let [nut, screw] = std::array::from_fn(|i| {
-            let (contact, hertz, motion) = (&loaded.contacts[i], &pair.hertz[i], &motions[i]);
+            let (contact, hertz, motion) = (&loaded.contacts[i], &contacts.hertz[i], &motions[i]);
             let load = loaded.loads[i] * self.point.load.per_ball();
-            let slip = motion.slip_velocity(pair.arc, &contact.point(1.0)) * (w * r_b);
+            let slip = motion.slip_velocity(contacts.arc, &contact.point(1.0)) * (w * r_b);
             let pressed = Some(HertzContact {
                 semi_axes: hertz.semi_axes(load),
                 max_pressure: hertz.max_pressure(load),
@@ -383,7 +385,7 @@ impl ElasticPoint {
             ContactState { pressed, ..sliding }
         });
         Ok(BallState {
-            motion: Some(in_frenet(&pair.absolute(to_nut, &loaded.frame), &loaded.frame, w)),
+            motion: Some(in_frenet(&contacts.absolute(to_nut, &loaded.frame), &loaded.frame, w)),
             nut,
             screw,
             unloaded: None,
@@ -395,14 +397,14 @@ impl ElasticPoint {
     /// friction power; both scaled, the power over `$W$`.
     pub(crate) fn transmission_at(
         &self,
-        pair: &ElasticContacts,
+        contacts: &ElasticContacts,
         torque: f64,
         friction_power: f64,
     ) -> Result<Transmission, Unsolved> {
         let unit = self.point.ball.radius * self.point.load.axial;
         let torque = torque * unit;
         let speed = self.point.drive.relative_speed();
-        Transmission::of(pair.direction, self.point.ideal_torque(), torque, speed)
+        Transmission::of(contacts.direction, self.point.ideal_torque(), torque, speed)
             .balanced_against(friction_power * unit * speed)
     }
 }

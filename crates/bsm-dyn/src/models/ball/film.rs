@@ -11,7 +11,7 @@ use super::state::{ControllingRaceway, SkidNumbers, SolveInfo};
 use crate::contact::{
     Curvatures, Hertz, Lubricant, MixedFriction, OilState, Roughness, Wrench, contact_modulus,
 };
-use crate::ellipse::{Integrate, Local, Nodes, Quadrature, Rules};
+use crate::ellipse::{Integrate, Local, Placement, Quadrature, Rules};
 use crate::outcome::Unsolved;
 
 /// What a film depends on besides load and speed: the gap of one contact \[SI\]. Its powers are taken once.
@@ -240,18 +240,20 @@ impl<P: Field> Gap<P> {
         raceway: P,
     ) -> Self {
         let Hertz { flatness, semi_axis, second_integral, .. } = *hertz;
-        let radius = curvatures.along.recip();
+        let radius = curvatures.longitudinal.recip();
         // U = η u/(E' R_x),  G = α E',  W = Q/(E' R_x²)                   (Y6)
         let rate = oil.viscosity / (modulus * radius);
         let stiffening = (oil.pressure_viscosity * modulus).powf(0.53);
         // h = 2.69 R_x U^0.67 G^0.53 W^−0.067 (1 − 0.61 e^{−0.73κ}) φ_T φ_s  (Y7)
         let shape = -(flatness.recip() * -0.73).exp() * 0.61 + 1.0;
         // B = (4/π) E(m)/(1 + ρ_x/ρ_t)                                    (Y15)
-        let inlet = second_integral * (4.0 / PI) / (curvatures.across / curvatures.along + 1.0);
+        let inlet =
+            second_integral * (4.0 / PI) / (curvatures.transverse / curvatures.longitudinal + 1.0);
         let log_inlet = inlet.ln();
         // L = η β u²/k                                                    (Y8)
         let conductivity = lubricant.oil.base.conductivity();
-        let heat = oil.viscosity * oil.thinning * conductivity.recip() / rate.square();
+        let heat =
+            oil.viscosity * oil.temperature_coefficient * conductivity.recip() / rate.square();
         Self {
             radius,
             flatness,
@@ -313,18 +315,18 @@ impl<P: Scalar> EhlPoint<P> {
     pub(crate) fn loss<D: Integrate<P>>(
         &self,
         i: usize,
-        (pair, loaded): (&ElasticContacts<P>, &BallLoads<D>),
+        (contacts, loaded): (&ElasticContacts<P>, &BallLoads<D>),
         motion: &Motion<D>,
         creep: f64,
-        nodes: Nodes<'_>,
+        nodes: Placement<'_>,
     ) -> EhlLoss<D> {
         let (contact, load) = (&loaded.contacts[i], loaded.loads[i]);
-        let loss = self.loss_of(i, (pair, loaded), motion, creep, D::from(0.0));
-        let local = Local::of(motion, contact, D::from(pair.arc));
+        let loss = self.loss_of(i, (contacts, loaded), motion, creep, D::from(0.0));
+        let local = Local::of(motion, contact, D::from(contacts.arc));
         let law = &loss.film.law;
-        let (unit, power) = D::lubricated(&pair.ellipse(i, loaded), &local, law, creep, nodes);
-        let wrench = unit.wrench(contact) * pair.signed(load) + loss.wrench;
-        EhlLoss { wrench, sliding: pair.signed(power * load), ..loss }
+        let (unit, power) = D::lubricated(&contacts.ellipse(i, loaded), &local, law, creep, nodes);
+        let wrench = unit.wrench(contact) * contacts.signed(load) + loss.wrench;
+        EhlLoss { wrench, sliding: contacts.signed(power * load), ..loss }
     }
 
     /// The same with one coefficient for all points, at the mean of pressure and slip that the load
@@ -350,21 +352,21 @@ impl<P: Scalar> EhlPoint<P> {
     pub(crate) fn loss_of<D: Over<P>>(
         &self,
         i: usize,
-        (pair, loaded): (&ElasticContacts<P>, &BallLoads<D>),
+        (contacts, loaded): (&ElasticContacts<P>, &BallLoads<D>),
         motion: &Motion<D>,
         creep: f64,
         sliding: D,
     ) -> EhlLoss<D> {
         let (contact, load) = (&loaded.contacts[i], loaded.loads[i]);
-        let film = self.film(i, (contact, load), motion, &loaded.frame, (pair.arc, creep));
-        let [push, couple] = film.resist(motion.omega.dot(&contact.across), creep);
-        let (force, couple) = (BallFrame::tangent() * push, contact.across * couple);
+        let film = self.film(i, (contact, load), motion, &loaded.frame, (contacts.arc, creep));
+        let [push, couple] = film.resist(motion.omega.dot(&contact.transverse), creep);
+        let (force, couple) = (BallFrame::tangent() * push, contact.transverse * couple);
         let point = contact.point(D::from(1.0));
         let wrench = Wrench { force, moment: point.cross(&force) + couple };
         // P_r = −F_h·v_c − C_h·(ω − Ω_i k)                                (Y21)
-        let slip = motion.slip_velocity(D::from(pair.arc), &point);
-        let rolling = pair.signed(-force.dot(&slip) - couple.dot(&motion.omega));
-        EhlLoss { film, wrench: wrench * pair.signed(D::from(1.0)), sliding, rolling }
+        let slip = motion.slip_velocity(D::from(contacts.arc), &point);
+        let rolling = contacts.signed(-force.dot(&slip) - couple.dot(&motion.omega));
+        EhlLoss { film, wrench: wrench * contacts.signed(D::from(1.0)), sliding, rolling }
     }
 }
 
@@ -443,7 +445,7 @@ pub(crate) struct Steady<D = f64> {
 
 /// How it was found.
 pub(crate) struct SteadyRoot {
-    pub(crate) pair: ElasticContacts,
+    pub(crate) contacts: ElasticContacts,
     pub(crate) steady: Steady,
     /// Sliding powers of a friction coefficient of one.
     pub(crate) unit: [f64; 2],
@@ -458,7 +460,7 @@ impl EhlPoint {
     /// The larger friction coefficient of nut and screw if the oil bore all that it can.
     pub(crate) fn friction_scale(
         &self,
-        pair: &ElasticContacts,
+        contacts: &ElasticContacts,
         loaded: &BallLoads<f64>,
         to_nut: &Motion<f64>,
         creep: f64,
@@ -466,7 +468,7 @@ impl EhlPoint {
         let motions = to_both(to_nut, &loaded.frame);
         let [nut, screw] = [0, 1].map(|i| {
             let at = (&loaded.contacts[i], loaded.loads[i]);
-            self.film(i, at, &motions[i], &loaded.frame, (pair.arc, creep)).law.most()
+            self.film(i, at, &motions[i], &loaded.frame, (contacts.arc, creep)).law.most()
         });
         nut.max(screw)
     }

@@ -21,13 +21,13 @@ pub struct Performance<D> {
 }
 
 impl<D: Scalar> Performance<D> {
-    /// On the line from `far` through `self`, as much further as `reach` of the way between them.
-    fn beyond(&self, far: &Self, reach: f64) -> Self {
-        let beyond = |near: D, far: D| near + (near - far) * reach;
+    /// On the line from `far` through `self`, as much further as `ratio` of the way between them.
+    fn extrapolated(&self, far: &Self, ratio: f64) -> Self {
+        let extrapolated = |near: D, far: D| near + (near - far) * ratio;
         let torques = self.screw_torque.zip(far.screw_torque);
         Self {
-            efficiency: beyond(self.efficiency, far.efficiency),
-            screw_torque: torques.map(|(near, far)| beyond(near, far)),
+            efficiency: extrapolated(self.efficiency, far.efficiency),
+            screw_torque: torques.map(|(near, far)| extrapolated(near, far)),
         }
     }
 }
@@ -68,5 +68,5 @@ pub(crate) fn inertia_limit<D: Scalar, E>(
         return at(1.0);
     }
     // T(1) = T(k) + (T(k) − T(2k))(1 − 1/k)                               (V5)
-    Ok(at(factor)?.beyond(&at(2.0 * factor)?, 1.0 - factor.recip()))
+    Ok(at(factor)?.extrapolated(&at(2.0 * factor)?, 1.0 - factor.recip()))
 }

@@ -126,7 +126,7 @@ pub struct Solved {
     /// The raceway at which the ball does not spin, of raceway control.
     pub control: Option<ControllingRaceway>,
     /// Other admissible solutions that are known; none where none was looked for.
-    pub others: Option<Alternatives>,
+    pub alternatives: Option<Alternatives>,
     /// Bound of the error: of the quadrature in model traction, against model traction in the choice by
     /// error bounds.
     pub error: Option<ErrorBound>,
@@ -222,7 +222,7 @@ impl Solved {
             skid: None,
             info: None,
             control: None,
-            others: None,
+            alternatives: None,
             error: None,
             film: None,
             contact_power: None,
@@ -230,12 +230,14 @@ impl Solved {
     }
 
     /// The same, with what is known of other solutions.
-    pub(crate) fn among(self, others: impl Iterator<Item = Self>) -> Self {
-        let others: Vec<_> = others.map(|other| other.transmission.efficiency).collect();
+    pub(crate) fn with_alternatives(self, alternatives: impl Iterator<Item = Self>) -> Self {
+        let alternatives: Vec<_> =
+            alternatives.map(|other| other.transmission.efficiency).collect();
         let far = |eta: &f64| (eta - self.transmission.efficiency).abs();
-        let farthest = others.iter().max_by(|a, b| far(a).total_cmp(&far(b))).copied();
-        let others = Alternatives { count: others.len(), farthest_efficiency: farthest };
-        Self { others: Some(others), ..self }
+        let farthest = alternatives.iter().max_by(|a, b| far(a).total_cmp(&far(b))).copied();
+        let alternatives =
+            Alternatives { count: alternatives.len(), farthest_efficiency: farthest };
+        Self { alternatives: Some(alternatives), ..self }
     }
 }
 

@@ -14,19 +14,19 @@ use crate::models::ball::{BALL, ElasticContacts, Evidence, Reason, Unsolved};
 use crate::models::elastic::Elastic;
 
 /// Steps along the curve, in units of its sizes; thirty are usual. Newton's method refines the root.
-const STRIDE: StepControl = StepControl {
+const STEP_CONTROL: StepControl = StepControl {
     first: 1.0,
     longest: 1.0,
     shortest: 1e-4,
-    pair: 1e-4,
+    pair_resolution: 1e-4,
     most_points: 4000,
     goal: 1e-8,
-    place: 0.05,
+    root_tolerance: 0.05,
     jacobian: JacobianUpdate::EveryStep,
 };
 
 /// The same to rounding, for a root that Newton's method does not refine.
-const EXACT: StepControl = StepControl { goal: 1e-15, place: 1e-14, ..STRIDE };
+const EXACT: StepControl = StepControl { goal: 1e-15, root_tolerance: 1e-14, ..STEP_CONTROL };
 
 /// A root is refined by less than this, in the sizes of a step: twice as much as a crossing is known to.
 const REFINED: f64 = 0.1;
@@ -49,12 +49,15 @@ impl SlidingPoint {
 type CurveRoot = (SlidingPoint, f64);
 
 /// Unknowns of the first root on the curve, or of any that serves as a start, and Newton steps.
-pub(super) fn root(pair: &ElasticContacts, any: bool) -> Result<([f64; BALL], usize), Unsolved> {
-    let mut curve = SlidingCurve { ball: pair.into(), steps: 0 };
-    let level = curve.begin(pair.jones.contact_angle)?;
+pub(super) fn root(
+    contacts: &ElasticContacts,
+    any: bool,
+) -> Result<([f64; BALL], usize), Unsolved> {
+    let mut curve = SlidingCurve { ball: contacts.into(), steps: 0 };
+    let level = curve.begin(contacts.jones.contact_angle)?;
     let (root, sign) = match curve.direct(&level, any) {
         Some(root) => root,
-        None => curve.search(&level, &STRIDE)?,
+        None => curve.search(&level, &STEP_CONTROL)?,
     };
     Ok((curve.ball.unknowns(&root.state, &root.motion, sign), curve.steps))
 }
@@ -177,7 +180,7 @@ impl SlidingCurve {
             Some((least, most)) => Reason::NoSkidAtInertia { inertia, least, most },
             None => Reason::SlipAlongFriction { slip },
         };
-        Err(Unsolved::none(Evidence::Traced { resolution: STRIDE.pair }, reason))
+        Err(Unsolved::none(Evidence::Traced { resolution: STEP_CONTROL.pair_resolution }, reason))
     }
 
     /// Residual of (S26) for `$P/W > 0$` and for `$P/W < 0$`, and how it changes along the curve.
@@ -252,9 +255,9 @@ mod tests {
             } else {
                 (extreme(&mut rng), &mut of_extremes)
             };
-            let Ok(pair) = screw.scaled() else { continue };
-            let mut curve = SlidingCurve { ball: (&pair).into(), steps: 0 };
-            let Ok(level) = curve.begin(pair.jones.contact_angle) else { continue };
+            let Ok(contacts) = screw.scaled() else { continue };
+            let mut curve = SlidingCurve { ball: (&contacts).into(), steps: 0 };
+            let Ok(level) = curve.begin(contacts.jones.contact_angle) else { continue };
             let Some((straight, sign)) = curve.direct(&level, false) else { continue };
             let (first, same) = curve.search(&level, &EXACT).expect("a root");
             // Where friction all but holds the load a million times the axial load is left, ten digits;
@@ -280,11 +283,11 @@ mod tests {
             } else {
                 (extreme(&mut rng), &mut of_extremes)
             };
-            let Ok(pair) = screw.scaled() else { continue };
-            let mut curve = SlidingCurve { ball: (&pair).into(), steps: 0 };
-            let Ok(level) = curve.begin(pair.jones.contact_angle) else { continue };
+            let Ok(contacts) = screw.scaled() else { continue };
+            let mut curve = SlidingCurve { ball: (&contacts).into(), steps: 0 };
+            let Ok(level) = curve.begin(contacts.jones.contact_angle) else { continue };
             let begun = curve.steps;
-            let coarse = curve.search(&level, &STRIDE);
+            let coarse = curve.search(&level, &STEP_CONTROL);
             let in_all = curve.steps - begun;
             let exact = curve.search(&level, &EXACT);
             fewer += usize::from(in_all < curve.steps - begun - in_all);
@@ -315,9 +318,9 @@ mod tests {
             if let Some(angle) = [5e-324, 1.7e-309, 1e-150, 1e-17].get(number % 8) {
                 screw.point.contact_angle = *angle;
             }
-            let Ok(pair) = screw.scaled() else { continue };
-            let mut curve = SlidingCurve { ball: (&pair).into(), steps: 0 };
-            let _ = curve.begin(pair.jones.contact_angle);
+            let Ok(contacts) = screw.scaled() else { continue };
+            let mut curve = SlidingCurve { ball: (&contacts).into(), steps: 0 };
+            let _ = curve.begin(contacts.jones.contact_angle);
             // Those to the angle, and those onto the curve.
             assert!(curve.steps <= Bracket::MOST_EVALUATIONS + 12, "{} {screw:?}", curve.steps);
         }

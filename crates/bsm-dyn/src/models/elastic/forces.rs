@@ -62,8 +62,8 @@ impl SlidingBall<f64> {
         let q = log.re().exp();
         let q = (log - D::from(log.re())) * q + q;
         let (beyond, square) = self.nut_square([q, screw, c]);
-        let (state, [triangle, reach]) = self.state_of([nut, screw], beyond, q, c)?;
-        Some((state, [triangle, reach, nut.square() - square]))
+        let (state, [triangle, radial_distance]) = self.state_of([nut, screw], beyond, q, c)?;
+        Some((state, [triangle, radial_distance, nut.square() - square]))
     }
 
     /// The state of `$x$` at nut and screw, `$\delta$`, `$q$` and `$c$`.

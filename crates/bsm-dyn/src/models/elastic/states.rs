@@ -33,7 +33,7 @@ pub struct SlidingBall<P> {
     /// Approaches under the axial load.
     pub approaches: [P; 2],
     /// `$A_2$`.
-    pub reach: P,
+    pub radial_distance: P,
 }
 
 /// A state of force; pairs are of nut and screw.
@@ -67,19 +67,19 @@ pub struct SlidingMotion<D> {
 }
 
 impl From<&ElasticContacts> for SlidingBall<f64> {
-    fn from(pair: &ElasticContacts) -> Self {
-        let ((sin, cos), jones) = (pair.lead, &pair.jones);
+    fn from(contacts: &ElasticContacts) -> Self {
+        let ((sin, cos), jones) = (contacts.lead, &contacts.jones);
         Self {
-            friction: pair.directed_friction(),
+            friction: contacts.directed_friction(),
             sin,
             cos,
             cot: cos / sin,
-            arc: pair.arc,
-            inertia_ratio: pair.inertia_ratio(),
-            nut_speed: pair.nut_speed,
+            arc: contacts.arc,
+            inertia_ratio: contacts.inertia_ratio(),
+            nut_speed: contacts.nut_speed,
             offsets: [jones.nut_offset, jones.screw_offset],
-            approaches: pair.approaches([1.0; 2]),
-            reach: pair.reach,
+            approaches: contacts.approaches([1.0; 2]),
+            radial_distance: contacts.radial_distance,
         }
     }
 }
@@ -93,11 +93,11 @@ impl<F: Compare> SlidingBall<F> {
     /// * `back`: where the load drives.
     #[inline(always)]
     pub(crate) fn static_efficiency(&self, back: F::Mask) -> F {
-        let (zero, one) = (self.reach.constant(0.0), self.reach.constant(1.0));
+        let (zero, one) = (self.radial_distance.constant(0.0), self.radial_distance.constant(1.0));
         let friction = self.friction.abs();
         let (unloaded, softness) =
             (self.offsets[0] + self.offsets[1], self.approaches[0] + self.approaches[1]);
-        let mut sines = self.at_angle(self.reach / unloaded);
+        let mut sines = self.at_angle(self.radial_distance / unloaded);
         let mut carried = zero.lt(zero);
         for _ in 0..4 {
             // q = 1/[cosα (sinβ − f D)], Eq (C4)                          (P4)
@@ -112,7 +112,7 @@ impl<F: Compare> SlidingBall<F> {
             }
             // (l_A + l_B) cosβ = A₂, Eq (J7)
             let pressed = F::select(carried, load, one).cbrt().square() * softness + unloaded;
-            sines = self.at_angle(self.reach / pressed);
+            sines = self.at_angle(self.radial_distance / pressed);
         }
         F::select(carried, sines.efficiency(back, friction), zero)
     }
@@ -180,7 +180,7 @@ impl<P: Field> SlidingBall<P> {
             // cosβ_A + cosβ_B = (x_A + x_B) tanα                          (S14)
             (cos[0] + cos[1]) * self.cot / (nut + screw) - 1.0,
             // l_A cosβ_A + l_B cosβ_B = A₂, Eq (J7)                       (S20)
-            (a + b) * self.reach.recip() - 1.0,
+            (a + b) * self.radial_distance.recip() - 1.0,
         ];
         let across = [nut, screw];
         (SlidingState { across, sin, cos, loads, along, centrifugal, turn }, left)

@@ -4,7 +4,7 @@
 //! Theory: `docs/theory/08-elastic.md`, equations (S2) to (S6), (S12), (S27), (S28).
 
 use bsm_kin::{Field, FieldOver};
-use bsm_simd::{Compare, Slopes};
+use bsm_simd::{Compare, DualNumber};
 
 use super::Elastic;
 use super::states::{SlidingBall, SlidingMotion, SlidingState};
@@ -202,8 +202,8 @@ impl<F: Compare> SlidingBall<F> {
 
 impl<F: Compare> SlidingBall<F>
 where
-    Slopes<F, 1>: FieldOver<F> + Field<Mask = F::Mask>,
-    Slopes<F, 3>: FieldOver<F> + Field<Mask = F::Mask>,
+    DualNumber<F, 1>: FieldOver<F> + Field<Mask = F::Mask>,
+    DualNumber<F, 3>: FieldOver<F> + Field<Mask = F::Mask>,
 {
     /// `$x$` and `$c$` next to where the curve begins, from the cotangent of the unloaded contact angle,
     /// with Newton steps and where they are found.
@@ -213,8 +213,8 @@ where
         let (mut steps, mut settled) = (log.constant(0.0), !expected);
         for _ in 0..MOST_TO_ANGLE {
             let cot = log.exp();
-            let ([x, c], _) = self.level(Slopes::<F, 1>::along(cot, 0, cot));
-            let none = Slopes::fixed(cot.constant(0.0));
+            let ([x, c], _) = self.level(DualNumber::<F, 1>::along(cot, 0, cot));
+            let none = DualNumber::fixed(cot.constant(0.0));
             let (_, [_, left]) = self.state([x, x], none, none, c);
             let (one, step) = (cot.constant(1.0), left.re / left.eps[0]);
             let step = F::select(one.lt(step), one, step.larger(-one));
@@ -355,9 +355,9 @@ where
         for _ in 0..MOST_STEPS {
             let q = place[0].exp();
             let jets = [
-                Slopes::<F, 3>::along(q, 0, q),
-                Slopes::variable(place[1], 1),
-                Slopes::variable(place[2], 2),
+                DualNumber::<F, 3>::along(q, 0, q),
+                DualNumber::variable(place[1], 1),
+                DualNumber::variable(place[2], 2),
             ];
             let (beyond, square) = self.nut_square(jets);
             let [q, screw, c] = jets;

@@ -12,11 +12,11 @@ use crate::extreme::extreme;
 use crate::{Angles, Status};
 
 /// Random loads, angles and directions that carry the axial load at the nut, in the unknowns (S1).
-fn start(pair: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> {
-    let (sin, cos) = pair.helix.lead_angle.sin_cos();
-    let friction = pair.directed_friction();
+fn start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> {
+    let (sin, cos) = contacts.helix.lead_angle.sin_cos();
+    let friction = contacts.directed_friction();
     let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
-    let (mu, spread) = (pair.inertia_ratio(), log(1e-9, 1.0));
+    let (mu, spread) = (contacts.inertia_ratio(), log(1e-9, 1.0));
     let (circling, slip, scatter) = (log(1e-9, 1e3), log(1e-4, 30.0), log(1e-4, 1.0));
     let nut = rng.random_range(0.0..FRAC_PI_2);
     let tilt = 0.5 * spread * rng.random_range(-0.2..1.0) * (FRAC_PI_2 - nut);
@@ -26,7 +26,7 @@ fn start(pair: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> {
     let load = effect.recip();
     // Precessions of a few W, or with a centrifugal force of any size.
     let rate = if rng.random_bool(0.5) {
-        rng.random_range(-1.5..2.0) + pair.nut_speed
+        rng.random_range(-1.5..2.0) + contacts.nut_speed
     } else {
         (circling / mu).sqrt() * if rng.random_bool(0.5) { 1.0 } else { -1.0 }
     };
@@ -34,8 +34,8 @@ fn start(pair: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> {
     y[NUT_LOAD] = load;
     y[SCREW_LOAD] = load * (1.0 + spread * rng.random_range(-1.0..0.2));
     y[TILT] = tilt;
-    y[PRECESSION] = rate - pair.nut_speed;
-    y[SLIP] = pair.arc * slip;
+    y[PRECESSION] = rate - contacts.nut_speed;
+    y[SLIP] = contacts.arc * slip;
     y[SLIP_ANGLE] = along;
     y[SPIN] = -2.0 * friction * load * along.sin() / sin * rng.random_range(0.5..1.5);
     (load > 0.0).then_some(y)
@@ -43,30 +43,32 @@ fn start(pair: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> {
 
 /// An admissible root of the seven equations from random starts, if one is found.
 fn search(
-    pair: &ElasticContacts,
+    contacts: &ElasticContacts,
     starts: usize,
     rng: &mut impl Rng,
     newton: &mut Workspace,
 ) -> Option<[f64; BALL]> {
     (0..starts).find_map(|_| {
-        let mut y = start(pair, rng)?;
-        let scales = Scales { x: &[1.0; BALL], f: &weights(pair, &y) };
+        let mut y = start(contacts, rng)?;
+        let scales = Scales { x: &[1.0; BALL], f: &weights(contacts, &y) };
         let options = Options { residual_tol: 1e-11, max_steps: 60, ..Options::default() };
-        let report = solve(&GrossSlipEquations(pair), &mut y, &scales, &options, newton);
-        let state = GrossSlipEquations(pair).state(&y).ok()?;
+        let report = solve(&GrossSlipEquations(contacts), &mut y, &scales, &options, newton);
+        let state = GrossSlipEquations(contacts).state(&y).ok()?;
         let flanks = state.loaded.angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle));
         // In the weights of the start anything is a root where P → 0 or P → ∞. A residual counts
         // against the forces at the end, in the moments against friction, and about the mean normal
         // against inertia.
-        let left = GrossSlipEquations(pair).residual(&y).ok()?;
+        let left = GrossSlipEquations(contacts).residual(&y).ok()?;
         let load = y[NUT_LOAD].max(y[SCREW_LOAD]);
-        let force = load.max(pair.inertia_ratio() * (y[PRECESSION] + pair.nut_speed).powi(2));
+        let force =
+            load.max(contacts.inertia_ratio() * (y[PRECESSION] + contacts.nut_speed).powi(2));
         let is_root = [0, 1, 2, 6].into_iter().all(|i| left[i].abs() < 1e-9 * force)
-            && [3, 5].into_iter().all(|i| left[i].abs() < 1e-6 * pair.friction * load)
-            && (left[MOMENT_NORMAL] * weights(pair, &y)[MOMENT_NORMAL]).abs() < 1e-6;
+            && [3, 5].into_iter().all(|i| left[i].abs() < 1e-6 * contacts.friction * load)
+            && (left[MOMENT_NORMAL] * weights(contacts, &y)[MOMENT_NORMAL]).abs() < 1e-6;
         // Slips below the rounding of the moment about N (R23) have no direction.
-        let rate = y[PRECESSION] + pair.nut_speed;
-        let told = pair.inertia_ratio() * rate * rate > 1e-9 * pair.friction && y[SLIP] > 1e-6;
+        let rate = y[PRECESSION] + contacts.nut_speed;
+        let told =
+            contacts.inertia_ratio() * rate * rate > 1e-9 * contacts.friction && y[SLIP] > 1e-6;
         (report.converged() && is_root && y[SLIP] > 0.0 && flanks && told).then_some(y)
     })
 }
@@ -87,23 +89,23 @@ fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
     let mut tally = Tally::default();
     while tally.no_solution < points || tally.found < points {
         let screw = extreme(&mut rng);
-        let Ok(pair) = screw.scaled() else { continue };
+        let Ok(contacts) = screw.scaled() else { continue };
         // The search cannot tell the roots of slower balls from none.
-        if pair.inertia_ratio() < 1e-8 * pair.friction {
+        if contacts.inertia_ratio() < 1e-8 * contacts.friction {
             continue;
         }
-        match find(&pair, &mut newton) {
+        match find(&contacts, &mut newton) {
             Err(none) if none.status() == Status::NoSolution && tally.no_solution < points => {
                 tally.no_solution += 1;
-                if let Some(y) = search(&pair, starts, &mut rng, &mut newton) {
+                if let Some(y) = search(&contacts, starts, &mut rng, &mut newton) {
                     tally.refuted.push((screw, none.reason().clone(), y));
                 }
             }
             Ok((y, ..)) if tally.found < points => {
-                let rate = y[PRECESSION] + pair.nut_speed;
-                if pair.inertia_ratio() * rate * rate > 1e-9 * pair.friction {
+                let rate = y[PRECESSION] + contacts.nut_speed;
+                if contacts.inertia_ratio() * rate * rate > 1e-9 * contacts.friction {
                     tally.found += 1;
-                    let seen = search(&pair, starts, &mut rng, &mut newton);
+                    let seen = search(&contacts, starts, &mut rng, &mut newton);
                     tally.seen += usize::from(seen.is_some());
                 }
             }
@@ -143,28 +145,28 @@ fn a_slow_ball_moves_to_first_order() {
     let mut newton = Workspace::default();
     let mut tried = 0;
     while tried < 300 {
-        let Ok(pair) = extreme(&mut rng).scaled() else { continue };
-        let pair = pair.with_inertia(1e-12 / pair.inertia_ratio());
-        let Ok((y, ..)) = find(&pair, &mut newton) else { continue };
-        let loaded = GrossSlipEquations(&pair).state(&y).expect("a root").loaded;
-        let (alpha, beta) = (pair.helix.lead_angle, loaded.angles[0] + y[TILT]);
+        let Ok(contacts) = extreme(&mut rng).scaled() else { continue };
+        let contacts = contacts.with_inertia(1e-12 / contacts.inertia_ratio());
+        let Ok((y, ..)) = find(&contacts, &mut newton) else { continue };
+        let loaded = GrossSlipEquations(&contacts).state(&y).expect("a root").loaded;
+        let (alpha, beta) = (contacts.helix.lead_angle, loaded.angles[0] + y[TILT]);
         let ((sin_a, cos_a), (sin_b, cos_b)) = (alpha.sin_cos(), beta.sin_cos());
         let angles = Angles { lead: alpha, contact: beta };
-        let (signed, load) = (pair.directed_friction(), y[NUT_LOAD]);
+        let (signed, load) = (contacts.directed_friction(), y[NUT_LOAD]);
         // tanψ = tanα/cosβ                                                (R12)
         let d = angles.slip_factor();
         let (sin_psi, cos_psi) = (sin_a / cos_a / d, cos_b / d);
         // p = 1/2 − (r_b cosα / 2 r_m)(cosα cosβ + sinα tanψ)             (R13)
         let lever = cos_a * cos_b + sin_a * sin_a / (cos_a * cos_b);
-        let rigid = 0.5 - 0.5 * cos_a * lever / pair.helix.radius;
+        let rigid = 0.5 - 0.5 * cos_a * lever / contacts.helix.radius;
         // γ = sinβ − F (cosβ + F cosψ sinβ)/[cosψ (1 + F²)]               (S7)
         let gamma = sin_b
             - signed * (cos_b + signed * cos_psi * sin_b) / (cos_psi * (1.0 + signed * signed));
         // g = (5/2) F γ / D,  p = (p_R + g Ω_n/W)/(1 − g)                 (S8)
         let g = 2.5 * signed * gamma / d;
-        let p = (rigid + g * pair.nut_speed) / (1.0 - g);
-        let rate = p + pair.nut_speed;
-        let inertia = pair.inertia_ratio() * rate * rate;
+        let p = (rigid + g * contacts.nut_speed) / (1.0 - g);
+        let rate = p + contacts.nut_speed;
+        let inertia = contacts.inertia_ratio() * rate * rate;
         // Far from resonance, g = 1, and from pulling friction; else the first order holds for less.
         if inertia > 1e-8 || (1.0 - g).abs() < 0.1 || load > 20.0 || cos_b < 0.05 {
             continue;
@@ -173,7 +175,7 @@ fn a_slow_ball_moves_to_first_order() {
         let tilt = 0.5 * inertia * gamma / load;
         // λ = p_R d T / (cosψ + T sinψ),  T = tanα/cosβ                   (S10)
         let tangent = sin_a / (cos_a * cos_b);
-        let slip = tangent * pair.arc * rigid / (cos_psi + tangent * sin_psi);
+        let slip = tangent * contacts.arc * rigid / (cos_psi + tangent * sin_psi);
         // Second order in an inertia of 1e-8, over the smallest cosine and resonance.
         let close = |x: f64, y: f64| {
             assert_relative_eq!(x, y, max_relative = 1e-4, epsilon = 1e-4 * inertia);
@@ -195,14 +197,14 @@ fn no_root_is_at_infinity() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut newton = Workspace::default();
     for _ in 0..300 {
-        let Ok(pair) = extreme(&mut rng).scaled() else { continue };
-        let Ok((y, ..)) = find(&pair, &mut newton) else { continue };
-        let state = GrossSlipEquations(&pair).state(&y).expect("a root");
-        let rate = y[PRECESSION] + pair.nut_speed;
+        let Ok(contacts) = extreme(&mut rng).scaled() else { continue };
+        let Ok((y, ..)) = find(&contacts, &mut newton) else { continue };
+        let state = GrossSlipEquations(&contacts).state(&y).expect("a root");
+        let rate = y[PRECESSION] + contacts.nut_speed;
         // The centrifugal force is what the contacts hold, relative to their difference.
         let held = state.wrench[0].force + state.wrench[1].force;
-        let held = held.dot(&state.loaded.frame.n) / pair.inertia_ratio();
-        let rounding = 1e-13 * y[NUT_LOAD] / pair.inertia_ratio();
+        let held = held.dot(&state.loaded.frame.n) / contacts.inertia_ratio();
+        let rounding = 1e-13 * y[NUT_LOAD] / contacts.inertia_ratio();
         assert_relative_eq!(held, rate * rate, max_relative = 1e-9, epsilon = rounding);
         assert!(rate.abs() > 0.0 && rate.is_finite());
     }

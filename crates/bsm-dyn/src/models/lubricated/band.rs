@@ -10,7 +10,7 @@ use crate::models::workspace::ModelWorkspace;
 
 /// 90 % interval over random draws of the uncertain inputs.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Band {
+pub struct LossInterval {
     /// Loss of the contacts over the one that is stated.
     pub loss: [f64; 2],
     /// Torque on the screw \[N·m\], from small loss to large loss.
@@ -50,7 +50,7 @@ impl Lubricated {
     ///
     /// The draws are even over their ranges and always the same. What they do to the loss is that of raceway
     /// control with one friction coefficient for each contact.
-    pub fn band(&self, solved: &Solved, work: &mut ModelWorkspace) -> Option<Band> {
+    pub fn band(&self, solved: &Solved, work: &mut ModelWorkspace) -> Option<LossInterval> {
         let film = solved.film?;
         let loss = |number: Option<u32>, work: &mut ModelWorkspace| {
             let solution = self.drawn(number, film.temperature).solve(work);
@@ -68,7 +68,7 @@ impl Lubricated {
         let contacts = (film.sliding_power + film.rolling_power) / speed;
         let direction = Direction::of(speed)?;
         let torques = [low, high].map(|ratio| torque + (ratio - 1.0) * contacts);
-        Some(Band {
+        Some(LossInterval {
             loss: [low, high],
             screw_torque: torques,
             efficiency: torques

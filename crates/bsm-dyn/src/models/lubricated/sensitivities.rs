@@ -56,13 +56,13 @@ impl<const M: usize> Lubricated<Jet<M>> {
     ) -> Result<(Performance<Jet<M>>, Jet<M>), Unsolved> {
         let screw = self.screw();
         let ehl = EhlPoint::new(screw, &self.lubricant, kelvin)?;
-        let (pair, steady) = match &self.model {
+        let (contacts, steady) = match &self.model {
             LubricatedModel::RacewayControl(case, friction) => {
-                let (pair, loaded, to_nut) = case.rolling_ball(&mut work.raceway)?;
+                let (contacts, loaded, to_nut) = case.rolling_ball(&mut work.raceway)?;
                 let rules = work.lubricated.both(friction.accuracy());
-                let (_, losses) = friction.losses(&ehl, &pair, (&loaded, &to_nut), rules);
+                let (_, losses) = friction.losses(&ehl, &contacts, (&loaded, &to_nut), rules);
                 let torque = screw.rolling_torques(lost(&losses)).1;
-                (pair, Steady { loaded, to_nut, losses, torque })
+                (contacts, Steady { loaded, to_nut, losses, torque })
             }
             LubricatedModel::Traction(case) => {
                 let values =
@@ -70,10 +70,10 @@ impl<const M: usize> Lubricated<Jet<M>> {
                 case.lubricated_slopes(&ehl, &values, work)?
             }
         };
-        let outside = self.outside(&pair, &steady);
+        let outside = self.outside(&contacts, &steady);
         let (ideal, speed) = (screw.point.ideal_torque(), screw.point.drive.relative_speed());
         let torque = steady.torque + outside.of_balls() / speed;
-        let efficiency = efficiency(pair.direction.is_back(), ideal, torque);
+        let efficiency = efficiency(contacts.direction.is_back(), ideal, torque);
         let transmitted = Performance { efficiency, screw_torque: Some(torque) };
         Ok((transmitted, (torque - ideal) * speed + outside.seal))
     }

@@ -9,7 +9,7 @@ use crate::contact::{
     BallOrbit, ContactFilm, FilmState, Lubricant, OutsidePower, Temperature, ZERO_CELSIUS,
     magnitude,
 };
-use crate::ellipse::{Integrate, Nodes, Quadrature};
+use crate::ellipse::{Integrate, Placement, Quadrature};
 use crate::models::ball::{
     BallLoads, BallState, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint, ErrorBound, Model,
     Reason, Solution, Solved, Steady, SteadyRoot, Transmission, Unsolved, to_both,
@@ -70,18 +70,18 @@ impl RacewayFriction {
     pub(super) fn losses<P: Scalar, D: Integrate<P>>(
         self,
         ehl: &EhlPoint<P>,
-        pair: &ElasticContacts<P>,
+        contacts: &ElasticContacts<P>,
         (loaded, to_nut): (&BallLoads<D>, &Motion<D>),
         rules: [&Quadrature; 2],
     ) -> ([D; 2], [EhlLoss<D>; 2]) {
-        let [oil, dry] = rules.map(Nodes::from);
+        let [oil, dry] = rules.map(Placement::from);
         let (motions, creep) = (to_both(to_nut, &loaded.frame), RacewayControl::CREEP);
-        let unit = pair.unit_powers(loaded, to_nut, creep, [dry; 2]);
+        let unit = contacts.unit_powers(loaded, to_nut, creep, [dry; 2]);
         let losses = std::array::from_fn(|i| {
             let motion = &motions[i];
             match self {
-                Self::Local => ehl.loss(i, (pair, loaded), motion, creep, oil),
-                Self::PerContact => ehl.mean_loss(i, (pair, loaded), motion, creep, unit[i]),
+                Self::Local => ehl.loss(i, (contacts, loaded), motion, creep, oil),
+                Self::PerContact => ehl.mean_loss(i, (contacts, loaded), motion, creep, unit[i]),
             }
         });
         (unit, losses)
@@ -98,10 +98,14 @@ impl<D: Scalar> Lubricated<D> {
     }
 
     /// Powers lost outside the contacts \[W\].
-    pub(super) fn outside(&self, pair: &ElasticContacts<D>, steady: &Steady<D>) -> OutsidePower<D> {
+    pub(super) fn outside(
+        &self,
+        contacts: &ElasticContacts<D>,
+        steady: &Steady<D>,
+    ) -> OutsidePower<D> {
         let screw = self.screw();
         let speed = screw.point.drive.relative_speed();
-        let motion = pair.absolute(&steady.to_nut, &steady.loaded.frame);
+        let motion = contacts.absolute(&steady.to_nut, &steady.loaded.frame);
         let rubbing = motion.across_groove(&steady.loaded.frame.k) * speed;
         let ball = BallOrbit {
             rubbing: rubbing.dot(&rubbing).sqrt(),
@@ -212,17 +216,26 @@ impl Lubricated {
         let found = match &self.model {
             LubricatedModel::RacewayControl(case, friction) => {
                 let ModelWorkspace { raceway, lubricated, .. } = work;
-                let pair = screw.scaled()?;
-                let rolling_ball = raceway.rolling_ball(&pair, case.control)?;
+                let contacts = screw.scaled()?;
+                let rolling_ball = raceway.rolling_ball(&contacts, case.control)?;
                 let (loaded, to_nut) = (rolling_ball.loaded, rolling_ball.to_nut);
                 let creep = RacewayControl::CREEP;
-                let pair = pair.with_friction(ehl.friction_scale(&pair, &loaded, &to_nut, creep));
+                let contacts =
+                    contacts.with_friction(ehl.friction_scale(&contacts, &loaded, &to_nut, creep));
                 let rules = lubricated.both(friction.accuracy());
-                let (unit, losses) = friction.losses(&ehl, &pair, (&loaded, &to_nut), rules);
+                let (unit, losses) = friction.losses(&ehl, &contacts, (&loaded, &to_nut), rules);
                 let (_, torque) = screw.rolling_torques(lost(&losses));
                 let steady = Steady { loaded, to_nut, losses, torque };
-                let (skid, info, control) = rolling_ball.solve_info(&pair);
-                SteadyRoot { pair, steady, unit, skid, info, control: Some(control), error: None }
+                let (skid, info, control) = rolling_ball.solve_info(&contacts);
+                SteadyRoot {
+                    contacts,
+                    steady,
+                    unit,
+                    skid,
+                    info,
+                    control: Some(control),
+                    error: None,
+                }
             }
             LubricatedModel::Traction(case) => {
                 case.lubricated(&ehl, &mut work.traction, &mut work.lubricated)?
@@ -233,14 +246,14 @@ impl Lubricated {
 
     /// All that a found ball tells.
     fn results(&self, ehl: &EhlPoint, found: &SteadyRoot) -> Result<Solved, Unsolved> {
-        let (screw, SteadyRoot { pair, steady, .. }) = (self.screw(), found);
+        let (screw, SteadyRoot { contacts, steady, .. }) = (self.screw(), found);
         let Steady { loaded, to_nut, losses, torque } = steady;
         let speed = screw.point.drive.relative_speed();
-        let outside = self.outside(pair, steady);
-        let ball = screw.ball_state(pair, loaded, to_nut)?;
+        let outside = self.outside(contacts, steady);
+        let ball = screw.ball_state(contacts, loaded, to_nut)?;
         let torque = torque + outside.torque(speed);
         let ideal = screw.point.ideal_torque();
-        let transmission = Transmission::of(pair.direction, ideal, torque, speed);
+        let transmission = Transmission::of(contacts.direction, ideal, torque, speed);
         // Scaled powers in watts, of all balls.
         let unit = screw.point.ball.radius * screw.point.load.axial * speed;
         let [sliding_power, rolling_power] =
@@ -251,13 +264,13 @@ impl Lubricated {
             LubricatedModel::Traction(_) => transmission.balanced_against(lost)?,
             LubricatedModel::RacewayControl(..) => transmission,
         };
-        let contacts = [0, 1].map(|i| {
+        let films = [0, 1].map(|i| {
             let EhlLoss { film, sliding, .. } = &losses[i];
             ContactFilm {
                 thickness: film.thickness,
                 ratio: film.ratio,
                 least_ratio: film.ratio * ehl.least_part(i, loaded.loads[i], film),
-                share: film.law.share,
+                asperity_share: film.law.asperity_share,
                 // μ_c = P_s/P_s(1)                                        (Y22)
                 friction: sliding / found.unit[i],
                 rolling_moment: film.couple * ehl.units.load * ehl.units.length,
@@ -269,9 +282,9 @@ impl Lubricated {
         let of_one: f64 = found.unit.iter().sum::<f64>() * unit;
         let conductivity = self.lubricant.oil.base.conductivity();
         let heating = [0, 1].map(|i| {
-            let (a, b) = pair.hertz[i].semi_axes(loaded.loads[i] * ehl.units.load);
+            let (a, b) = contacts.hertz[i].semi_axes(loaded.loads[i] * ehl.units.load);
             let power = losses[i].sliding * unit / screw.point.load.balls;
-            let ContactFilm { thickness, entrainment, .. } = contacts[i];
+            let ContactFilm { thickness, entrainment, .. } = films[i];
             let heat = power / (std::f64::consts::PI * a * b);
             film_heating(heat, thickness, (b, entrainment), conductivity)
         });
@@ -279,8 +292,8 @@ impl Lubricated {
             temperature: ehl.oil.temperature,
             viscosity: ehl.oil.viscosity,
             pressure_viscosity: ehl.oil.pressure_viscosity,
-            nut: contacts[0],
-            screw: contacts[1],
+            nut: films[0],
+            screw: films[1],
             sliding_power,
             rolling_power,
             outside,
@@ -288,7 +301,7 @@ impl Lubricated {
             // f_eq = (P_s + P_r)/Σ P_s(1)                                 (Y30)
             equivalent_friction: (sliding_power + rolling_power) / of_one,
             catalogue_friction: catalogue_friction(
-                pair.direction.is_back(),
+                contacts.direction.is_back(),
                 screw.point.helix.lead_angle.tan(),
                 transmission.efficiency,
             ),
@@ -301,7 +314,7 @@ impl Lubricated {
             contact_power: Some(screw.in_watts(losses.map(|loss| loss.sliding + loss.rolling))),
             error: found
                 .error
-                .map(|error| ErrorBound::of(pair.direction, transmission.efficiency, error)),
+                .map(|error| ErrorBound::of(contacts.direction, transmission.efficiency, error)),
             ..Solved::new(&ball, transmission)
         })
     }

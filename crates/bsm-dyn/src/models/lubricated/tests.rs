@@ -83,7 +83,7 @@ fn the_oil_meets_its_two_points() {
     assert_relative_eq!(hot.kinematic_viscosity, 8.53e-6, max_relative = 1e-13);
     let [below, above] = [312.65, 313.65].map(|kelvin| oil.at(kelvin).viscosity.ln());
     // Truncation of the difference: a 24th of the third derivative, about 1e-5 of the slope.
-    assert_relative_eq!(below - above, warm.thinning, max_relative = 5e-5);
+    assert_relative_eq!(below - above, warm.temperature_coefficient, max_relative = 5e-5);
 }
 
 /// Spec 10.9, an independent solution: the numbers on the way, at the nut.
@@ -94,7 +94,7 @@ fn the_numbers_on_the_way_are_those_of_an_independent_solution() {
     // As many digits as were printed.
     let digits = 2e-8;
     assert_relative_eq!(oil.viscosity, 58.8676e-3, max_relative = 1e-7);
-    assert_relative_eq!(oil.thinning, 0.050_756_4, max_relative = 1e-6);
+    assert_relative_eq!(oil.temperature_coefficient, 0.050_756_4, max_relative = 1e-6);
     assert_relative_eq!(oil.pressure_viscosity, 17.804_48e-9, max_relative = 3e-7);
     assert_relative_eq!(oil.pressure_scale, 52.165_629e6, max_relative = digits);
     let all = solved(lubricant, rolling(screw));
@@ -102,7 +102,7 @@ fn the_numbers_on_the_way_are_those_of_an_independent_solution() {
     assert_relative_eq!(film.nut.entrainment, 1.631_072_21, max_relative = digits);
     assert_relative_eq!(film.nut.thickness, 0.318_402_57e-6, max_relative = digits);
     assert_relative_eq!(film.nut.ratio, 1.574_399_38, max_relative = digits);
-    assert_relative_eq!(film.nut.share, 0.110_343_27, max_relative = 1e-7);
+    assert_relative_eq!(film.nut.asperity_share, 0.110_343_27, max_relative = 1e-7);
     assert_relative_eq!(film.nut.rolling_moment, 0.574_965_13e-3, max_relative = digits);
     // Quadrature over the ellipse.
     assert_relative_eq!(film.nut.friction, 0.050_597_95, max_relative = 1e-6);
@@ -183,7 +183,7 @@ fn rough_surfaces_are_a_constant_coefficient() {
 #[test]
 fn slow_is_boundary_and_smooth_is_film() {
     let film = solved(vg_68(), traction(feed_drive(1e-3, 8000.0))).film.unwrap();
-    assert!(film.nut.share > 0.999 && (film.nut.friction - 0.12).abs() < 2e-4, "{film:?}");
+    assert!(film.nut.asperity_share > 0.999 && (film.nut.friction - 0.12).abs() < 2e-4, "{film:?}");
     let stiff = Lubricant { rolling_factor: 0.0, ..vg_68() };
     let hysteresis = solved(stiff, traction(feed_drive(1e-3, 8000.0))).film.unwrap();
     // The oil adds a three thousandth at this speed.
@@ -192,7 +192,7 @@ fn slow_is_boundary_and_smooth_is_film() {
     let film =
         solved(Lubricant { roughness: smooth, ..vg_68() }, traction(feed_drive(1500.0, 8000.0)));
     let film = film.film.unwrap();
-    assert!(film.nut.share < 1e-12 && film.nut.friction < 0.047, "{film:?}");
+    assert!(film.nut.asperity_share < 1e-12 && film.nut.friction < 0.047, "{film:?}");
 }
 
 /// Who drives makes no difference to the loss but by the inertia of the balls; so does the sense of turning but by

@@ -32,27 +32,27 @@ const SAME: f64 = 1e-6;
 
 /// Static balance of the ball in the normal plane.
 pub(super) struct Balance<'a, P: Scalar = f64> {
-    pub(super) pair: &'a ElasticContacts<P>,
+    pub(super) contacts: &'a ElasticContacts<P>,
     pub(super) control: Control,
     statics: StaticBalance<P>,
 }
 
 impl<'a, P: Scalar> Balance<'a, P> {
-    pub(super) fn new(pair: &'a ElasticContacts<P>, control: Control) -> Self {
-        let cos = pair.lead.1;
+    pub(super) fn new(contacts: &'a ElasticContacts<P>, control: Control) -> Self {
+        let cos = contacts.lead.1;
         let statics = StaticBalance {
             by_nut: control == Control::Nut,
             axial: cos.recip(),
-            inertia: pair.inertia_ratio() * cos,
-            lever: cos * cos / pair.helix.radius,
-            nut_speed: pair.nut_speed,
-            reach: pair.reach,
+            inertia: contacts.inertia_ratio() * cos,
+            lever: cos * cos / contacts.helix.radius,
+            nut_speed: contacts.nut_speed,
+            radial_distance: contacts.radial_distance,
             contacts: [
-                (pair.jones.nut_offset, pair.approach[0]),
-                (pair.jones.screw_offset, pair.approach[1]),
+                (contacts.jones.nut_offset, contacts.approach[0]),
+                (contacts.jones.screw_offset, contacts.approach[1]),
             ],
         };
-        Self { pair, control, statics }
+        Self { contacts, control, statics }
     }
 
     /// Residuals of the radial balance and of the triangle of the arc centres (W12), (W13).
@@ -67,7 +67,7 @@ impl<'a, P: Scalar> Balance<'a, P> {
 
     /// Loads, angles and contacts of the unknowns.
     pub(super) fn loaded<D: Over<P>>(&self, &[c, screw]: &[D; STATIC]) -> BallLoads<D> {
-        let jones = &self.pair.jones;
+        let jones = &self.contacts.jones;
         let nut = screw + c;
         let [a, b] = self.statics.loaded([c, screw]);
         let one = D::from(1.0);
@@ -76,7 +76,7 @@ impl<'a, P: Scalar> Balance<'a, P> {
         let tilt = c.atan2(nut * screw + 1.0) * 0.5;
         let contacts = [Contact::tilted(Site::Nut, -tilt), Contact::tilted(Site::Screw, tilt)];
         let mean = angles[1] - tilt;
-        let frame = BallFrame::turned(D::from(self.pair.helix.lead_angle), mean);
+        let frame = BallFrame::turned(D::from(self.contacts.helix.lead_angle), mean);
         let unloaded = (jones.nut_offset + jones.screw_offset) * jones.contact_angle.sin();
         let displacement = axial_displacement([a.length, b.length], [a.sin, b.sin], unloaded);
         BallLoads { loads: [a.load, b.load], tilt, angles, frame, contacts, displacement }
@@ -84,8 +84,8 @@ impl<'a, P: Scalar> Balance<'a, P> {
 
     /// Rolling motion relative to the nut over `$W$`.
     pub(super) fn rolling<D: Over<P>>(&self, loaded: &BallLoads<D>) -> Motion<D> {
-        let pair = self.pair;
-        let (lead, arc) = (D::from(pair.helix.lead_angle).sin_cos(), D::from(pair.arc));
+        let contacts = self.contacts;
+        let (lead, arc) = (D::from(contacts.helix.lead_angle).sin_cos(), D::from(contacts.arc));
         let angles = loaded.angles.map(|angle| angle.sin_cos());
         let (p, omega) = rolling(self.control == Control::Nut, lead, arc, angles);
         Motion { precession: p, omega: loaded.frame.from_frenet(&omega.into()) }
@@ -93,7 +93,7 @@ impl<'a, P: Scalar> Balance<'a, P> {
 }
 
 /// A root of the balance.
-pub(super) struct RollRoot {
+pub(super) struct StaticRoot {
     pub(super) unknowns: [f64; STATIC],
     pub(super) steps: usize,
     pub(super) residual: f64,
@@ -102,7 +102,7 @@ pub(super) struct RollRoot {
 impl Balance<'_> {
     /// One over the sizes of both equations.
     pub(super) fn weights(&self) -> [f64; STATIC] {
-        let rate = self.pair.nut_speed.abs().max(1.0);
+        let rate = self.contacts.nut_speed.abs().max(1.0);
         // As far as a double goes.
         let size = (self.statics.inertia * rate * rate).clamp(f64::MIN_POSITIVE, 0.25 * f64::MAX);
         [size.recip(), 1.0]
@@ -116,7 +116,7 @@ impl Balance<'_> {
         &self,
         near: Option<[f64; STATIC]>,
         newton: &mut Workspace<STATIC>,
-    ) -> Result<RollRoot, Unsolved> {
+    ) -> Result<StaticRoot, Unsolved> {
         let mut at = match near {
             Some(unknowns) => StaticState { unknowns, steps: 0.0, settled: false },
             None => self.statics.start(self.unloaded(), true),
@@ -129,7 +129,7 @@ impl Balance<'_> {
             && residual < StaticBalance::<f64>::CLOSED
             && self.statics.is_first(at.unknowns)
         {
-            return Ok(RollRoot { unknowns: at.unknowns, steps, residual });
+            return Ok(StaticRoot { unknowns: at.unknowns, steps, residual });
         }
         let bracketed = self.bracketed()?;
         let mut x = bracketed;
@@ -137,14 +137,14 @@ impl Balance<'_> {
         steps += report.steps.len();
         // Where two roots meet, Newton may go to the other.
         if report.converged() && x[1] > 0.0 && (x[0] - bracketed[0]).abs() <= 1e-3 * bracketed[0] {
-            return Ok(RollRoot { unknowns: x, steps, residual: report.residual });
+            return Ok(StaticRoot { unknowns: x, steps, residual: report.residual });
         }
         Err(Unsolved::not_converged(Reason::from(report)))
     }
 
     /// True if (W17) leaves no second root.
     pub(super) fn is_unique(&self) -> bool {
-        let nut = self.pair.nut_speed;
+        let nut = self.contacts.nut_speed;
         let outwards = match self.control {
             Control::Nut => 1.0 + nut,
             Control::Screw => self.statics.lever - nut,
@@ -159,12 +159,12 @@ impl Balance<'_> {
         &self,
         &[first, _]: &[f64; STATIC],
         newton: &mut Workspace<STATIC>,
-    ) -> Vec<RollRoot> {
+    ) -> Vec<StaticRoot> {
         if self.is_unique() { Vec::new() } else { self.scan(first, newton) }
     }
 
     /// The roots beyond a first one.
-    fn scan(&self, first: f64, newton: &mut Workspace<STATIC>) -> Vec<RollRoot> {
+    fn scan(&self, first: f64, newton: &mut Workspace<STATIC>) -> Vec<StaticRoot> {
         let farthest = self.farthest();
         let excess = |c: f64| c - self.centrifugal(self.rate_at(c));
         let begin = (first * (1.0 + SAME)).max(1e-3 * farthest);
@@ -189,11 +189,11 @@ impl Balance<'_> {
     }
 
     /// The root near a difference of the cotangents, by Newton; `None` where that goes to another.
-    fn polished(&self, near: f64, newton: &mut Workspace<STATIC>) -> Option<RollRoot> {
+    fn polished(&self, near: f64, newton: &mut Workspace<STATIC>) -> Option<StaticRoot> {
         let mut x = [near, self.closed(near)];
         let report = self.run(&mut x, newton);
         let found = report.converged() && x[1] > 0.0 && (x[0] - near).abs() <= 1e-3 * near;
-        found.then_some(RollRoot {
+        found.then_some(StaticRoot {
             unknowns: x,
             steps: report.steps.len(),
             residual: report.residual,
@@ -221,7 +221,7 @@ impl Balance<'_> {
 
     /// Cotangent of the unloaded contact angle.
     fn unloaded(&self) -> f64 {
-        let angle = self.pair.jones.contact_angle;
+        let angle = self.contacts.jones.contact_angle;
         angle.cos() / angle.sin()
     }
 
@@ -232,7 +232,9 @@ impl Balance<'_> {
 
     /// Largest difference of the cotangents on the flanks: the screw's contact angle is 90 deg there.
     fn farthest(&self) -> f64 {
-        let excess = |cot: f64| self.statics.contact(0, cot).reach() - self.statics.reach;
+        let excess = |cot: f64| {
+            self.statics.contact(0, cot).radial_distance() - self.statics.radial_distance
+        };
         let mut ends = [0.0, 1.0];
         while excess(ends[1]) < 0.0 && ends[1] < f64::MAX.sqrt() {
             ends = [ends[1], 4.0 * ends[1]];

@@ -6,7 +6,7 @@ use bsm_kin::{Jet, Motion};
 
 use super::{Balance, RacewayControl, RacewayWorkspace, RollingBall, STATIC};
 use crate::contact::efficiency;
-use crate::ellipse::{Nodes, Quadrature};
+use crate::ellipse::{Placement, Quadrature};
 use crate::models::ball::{
     BallLoads, ElasticContacts, Performance, Unsolved, Workspace, moving_root,
 };
@@ -22,7 +22,7 @@ impl<const M: usize> RacewayControl<Jet<M>> {
     ) -> Result<Performance<Jet<M>>, Unsolved> {
         let (inputs, loaded, to_nut) = self.moving(newton)?;
         let transmitted = |rule: &Quadrature| {
-            let nodes = [Nodes::from(rule); 2];
+            let nodes = [Placement::from(rule); 2];
             let creep = RacewayControl::<f64>::CREEP;
             let [nut, screw] = inputs.friction_powers(&loaded, &to_nut, creep, nodes);
             let (ideal, torque) = self.at.rolling_torques(nut + screw);

@@ -34,7 +34,7 @@ pub struct StaticBalance<P: Field> {
     /// `$\Omega_n/W$`.
     pub(super) nut_speed: P,
     /// `$A_2$`.
-    pub(super) reach: P,
+    pub(super) radial_distance: P,
     /// `$l_0$` and `$\delta$` of the axial load, at nut and screw.
     pub(super) contacts: [(P, P); 2],
 }
@@ -94,7 +94,7 @@ impl<P: Field> StaticBalance<P> {
             // c − μ cosα (P/W)² = 0,  c = cotβ_A − cotβ_B                  (W12)
             c - self.rate(contacts).square() * self.inertia,
             // l_A cosβ_A + l_B cosβ_B = A₂, Eq (J7)                       (W13)
-            (nut.reach() + screw.reach()) * self.reach.recip() - 1.0,
+            (nut.radial_distance() + screw.radial_distance()) * self.radial_distance.recip() - 1.0,
         ]
     }
 }
@@ -113,7 +113,7 @@ impl<F: Compare> StaticBalance<F> {
             inertia: ball.inertia_ratio * ball.cos_a,
             lever: ball.cos_a / ball.arc,
             nut_speed: ball.nut_speed,
-            reach: ball.reach(),
+            radial_distance: ball.radial_distance(),
             contacts: [(nut.offset, nut.hertz.compliance), (screw.offset, screw.hertz.compliance)],
         }
     }
@@ -126,7 +126,7 @@ impl<F: Compare> StaticBalance<F> {
         let zero = unloaded.constant(0.0);
         let [nut, screw] = self.loaded([zero, unloaded]);
         // The angle that the loads of the unloaded angle lead to.
-        let cos = self.reach / (nut.length + screw.length);
+        let cos = self.radial_distance / (nut.length + screw.length);
         let cot = cos / ((-cos + 1.0) * (cos + 1.0)).sqrt();
         let rate = self.rate(&self.loaded([zero, cot]));
         let c = self.inertia * rate.square();
@@ -143,17 +143,20 @@ impl<F: Compare> StaticBalance<F> {
             }
             let contacts = self.loaded(at.unknowns);
             let [nut, screw] = &contacts;
-            let [radial, reach] = self.residual(at.unknowns[0], &contacts);
+            let [radial, radial_distance] = self.residual(at.unknowns[0], &contacts);
             let p = self.precession(&contacts);
             let [by_nut, by_screw] = self.precession_slopes(p, &contacts);
             let drift = self.inertia * (p + self.nut_speed) * -2.0;
             // By c, of which the cotangent at the nut is a sum, and by the cotangent at the screw.
             let (r_c, r_s) = (drift * by_nut + 1.0, drift * (by_nut + by_screw));
-            let (l_c, l_b) = (nut.reach_slope() / self.reach, screw.reach_slope() / self.reach);
+            let (l_c, l_b) = (
+                nut.radial_slope() / self.radial_distance,
+                screw.radial_slope() / self.radial_distance,
+            );
             let l_s = l_c + l_b;
             let scale = (r_c * l_s - r_s * l_c).recip();
-            let step_c = (radial * l_s - reach * r_s) * scale;
-            let step_s = (reach * r_c - radial * l_c) * scale;
+            let step_c = (radial * l_s - radial_distance * r_s) * scale;
+            let step_s = (radial_distance * r_c - radial * l_c) * scale;
             // dβ = −sin²β d cotβ
             let turn = ((step_c + step_s) * nut.sin.square()).abs();
             let turn = turn.larger((step_s * screw.sin.square()).abs());
@@ -189,8 +192,8 @@ impl<F: Compare> StaticBalance<F> {
         let mut settled = zero.lt(zero);
         for _ in 0..MOST_CLOSING {
             let [a, b] = self.loaded([c, cot]);
-            let excess = a.reach() + b.reach() - self.reach;
-            let slope = a.reach_slope() + b.reach_slope();
+            let excess = a.radial_distance() + b.radial_distance() - self.radial_distance;
+            let slope = a.radial_slope() + b.radial_slope();
             let beyond = excess.gt(zero);
             (low, high) = (F::select(beyond, low, cot), F::select(beyond, cot, high));
             let newton = cot - excess / slope;
@@ -232,8 +235,8 @@ impl<F: Compare> StaticBalance<F> {
     /// Scaled residual of a state.
     #[inline(always)]
     pub fn scaled_residual(&self, [c, screw]: [F; STATIC]) -> F {
-        let [radial, reach] = self.residual(c, &self.loaded([c, screw]));
-        (radial / self.inertia.larger(c.constant(1.0))).abs().larger(reach.abs())
+        let [radial, radial_distance] = self.residual(c, &self.loaded([c, screw]));
+        (radial / self.inertia.larger(c.constant(1.0))).abs().larger(radial_distance.abs())
     }
 }
 
@@ -260,7 +263,7 @@ impl<const N: usize> WithSimd for Rates<'_, N> {
             inertia: lane.constant(one.inertia),
             lever: lane.constant(one.lever),
             nut_speed: lane.constant(one.nut_speed),
-            reach: lane.constant(one.reach),
+            radial_distance: lane.constant(one.radial_distance),
             contacts: [
                 (lane.constant(nut.0), lane.constant(nut.1)),
                 (lane.constant(screw.0), lane.constant(screw.1)),

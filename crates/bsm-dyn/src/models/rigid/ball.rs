@@ -269,9 +269,9 @@ impl<F: Compare> RigidBall<F> {
     pub fn scaled_residual(&self, m: &RigidMotion<F>) -> F {
         let [unit, normal_unit] = self.units(m.rate);
         let [t, n, e, moment_t, normal, moment_e, axial] = self.residual(m);
-        let others = (t.abs().larger(n.abs())).larger(e.abs().larger(axial.abs()));
-        let others = others.larger(moment_t.abs().larger(moment_e.abs()));
-        (others / unit).larger(normal.abs() / normal_unit)
+        let largest = (t.abs().larger(n.abs())).larger(e.abs().larger(axial.abs()));
+        let largest = largest.larger(moment_t.abs().larger(moment_e.abs()));
+        (largest / unit).larger(normal.abs() / normal_unit)
     }
 
     /// Power lost in friction over `$r_b F_a |W|$`.

@@ -37,14 +37,14 @@ pub struct FirstOrder<F = f64> {
     pub inertia: F,
     /// `$\iota = \mu\max(1, (P/W)^2)$`, the size of the inertia forces over the load; over `$f$`
     /// it is the relative error of the first order.
-    pub size: F,
+    pub inertia_scale: F,
     /// Absolute precession over relative speed, `$P/W$`.
     pub rate: F,
     /// Precession relative to the nut over relative speed, `$p$`.
     pub precession: F,
     /// Existence margin: a finite root needs it positive.
-    pub margin: F,
-    /// Slip at A over `$r_b|W|$`, of the sign of `margin`.
+    pub sliding_margin: F,
+    /// Slip at A over `$r_b|W|$`, of the sign of `sliding_margin`.
     pub slip: F,
     /// Spin moment `$s = I P\sigma/(r_b F_a)$`.
     pub spin: F,
@@ -69,21 +69,21 @@ impl<F: Compare> RigidBall<F> {
         let load = self.held_load().recip();
         // P/W = p + Ω_n/W,  ε = μ (P/W)²                                  (R14)
         let (rate, inertia) = (state.rate, state.centrifugal);
-        let size = self.inertia_size(rate);
+        let inertia_scale = self.inertia_size(rate);
         FirstOrder {
             load,
             unloaded: state.unloaded,
             inertia,
-            size,
+            inertia_scale,
             rate,
             precession: state.p,
             // λ = margin / [(r_b/r_m)(cosα cosβ + sinα T) cosψ]           (R18)
-            margin: state.slip * self.h / self.radius,
+            sliding_margin: state.slip * self.h / self.radius,
             slip: state.slip,
             // s = −2 F q cosψ / (cosα cosβ)                               (R20)
             spin: load * self.signed * self.per_h * -2.0,
             // C = q ι / (f (P/W)²)                                        (R45)
-            multiplicity: load.abs() * size / (self.friction() * rate.square()),
+            multiplicity: load.abs() * inertia_scale / (self.friction() * rate.square()),
             friction: self.friction(),
             next: state.next,
             change: start.farthest(&state.next),

@@ -37,7 +37,7 @@ pub(crate) struct BallRoot {
     pub(crate) steps: usize,
     pub(crate) residual: f64,
     /// Other admissible roots of the point; `None` if none was looked for, or the search was lost.
-    pub(crate) others: Option<Vec<BallRoot>>,
+    pub(crate) alternatives: Option<Vec<BallRoot>>,
 }
 
 impl BallRoot {
@@ -81,22 +81,22 @@ type Verdict = Option<Result<BallRoot, Unsolved>>;
 /// first order has a root by more than its error, there is one.
 pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<BallRoot, Unsolved> {
     let first = ball.first_order();
-    let inertia = first.size / ball.friction();
+    let inertia = first.inertia_scale / ball.friction();
     let mut point = RootSearch { ball, first, inertia, met: None, work };
     let verdict = point.first_order().or_else(|| point.sweeps());
     let found = verdict.unwrap_or_else(|| point.search()).map(|root| {
         // Without crowding no search is due, and an empty list of one is dropped: a row of a table and
         // the model report the same.
-        let met = root.others.filter(|met| first.is_crowded() || !met.is_empty());
-        let others = met.or(first.is_unique().then(Vec::new));
-        BallRoot { others, ..root }
+        let met = root.alternatives.filter(|met| first.is_crowded() || !met.is_empty());
+        let alternatives = met.or(first.is_unique().then(Vec::new));
+        BallRoot { alternatives, ..root }
     });
     found.map_err(|none| {
         let loaded = inertia * first.load;
         let error = FIRST_ORDER_ERROR * loaded;
         let sure = loaded < SMALL_INERTIA
             && first.exists()
-            && first.margin > margin_error(ball, &first, error)
+            && first.sliding_margin > margin_error(ball, &first, error)
             && first.rate.abs() > 2.0 * error;
         if sure && none.evidence().is_some() { Unsolved::LOST } else { none }
     })
@@ -131,7 +131,7 @@ impl RootSearch<'_> {
         if first.unloaded <= 0.0 {
             return Some(Err(none(unloaded_flank_would_pull(first))));
         }
-        let sure = -first.margin > margin_error(ball, first, error);
+        let sure = -first.sliding_margin > margin_error(ball, first, error);
         sure.then(|| Err(none(would_roll(ball, first, self.work))))
     }
 
@@ -149,7 +149,12 @@ impl RootSearch<'_> {
                 reason = "a number of sweeps"
             )]
             let steps = swept.count as usize;
-            return Some(Ok(BallRoot { motion, steps, residual: swept.residual, others: None }));
+            return Some(Ok(BallRoot {
+                motion,
+                steps,
+                residual: swept.residual,
+                alternatives: None,
+            }));
         }
         if self.inertia < SMALL_INERTIA {
             return Some(Err(none(inadmissible(self.ball, &motion, self.work))));
@@ -231,10 +236,10 @@ impl SearchResult {
 
     /// The first root, with the others.
     fn first(&mut self) -> Option<BallRoot> {
-        let mut others = mem::take(&mut self.roots);
-        let first = (!others.is_empty()).then(|| others.remove(0))?;
-        let known = self.failure.is_none() || !others.is_empty();
-        Some(BallRoot { others: known.then_some(others), ..first })
+        let mut alternatives = mem::take(&mut self.roots);
+        let first = (!alternatives.is_empty()).then(|| alternatives.remove(0))?;
+        let known = self.failure.is_none() || !alternatives.is_empty();
+        Some(BallRoot { alternatives: known.then_some(alternatives), ..first })
     }
 }
 
@@ -251,7 +256,12 @@ fn polished(
         return Err(Unsolved::not_converged(Reason::from(report)));
     }
     let motion = equations.motion(&unknowns).expect("the residual was evaluated at the root");
-    Ok(BallRoot { motion, steps: report.steps.len(), residual: report.residual, others: None })
+    Ok(BallRoot {
+        motion,
+        steps: report.steps.len(),
+        residual: report.residual,
+        alternatives: None,
+    })
 }
 
 /// The one call of Newton: from `y` on towards `residual_goal`.
@@ -378,7 +388,7 @@ pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>, work: &mut RigidWorkspa
     let high = found.map_or(high, |root| root.ends[1]);
 
     // At inertia below the resolution, the smallest resolved inertia moves the angle by as much.
-    let slow = ball.friction() * LEAST_INERTIA / at(high).size;
+    let slow = ball.friction() * LEAST_INERTIA / at(high).inertia_scale;
     let ball = &ball.with_inertia(slow.max(1.0));
     let there = ball.with_lead_angle(high);
     let first = there.first_order();

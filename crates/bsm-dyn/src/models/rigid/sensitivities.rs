@@ -17,7 +17,7 @@ impl<const M: usize> Rigid<Jet<M>> {
     ) -> Result<Performance<Jet<M>>, Unsolved> {
         let (inputs, values) = (self.ball()?, Rigid { point: self.point.values() }.ball()?);
         let first = values.first_order();
-        inertia_limit(LEAST_INERTIA * values.friction() / first.size, |factor| {
+        inertia_limit(LEAST_INERTIA * values.friction() / first.inertia_scale, |factor| {
             let (inputs, values) = (inputs.with_inertia(factor), values.with_inertia(factor));
             let motion = root::find(&values, work)?.motion;
             let (equations, unknowns) = RigidEquations::at(&values, &motion);

@@ -211,7 +211,7 @@ impl<F: Compare> RigidBall<F> {
     #[inline(always)]
     pub fn sweeps(&self, first: &FirstOrder<F>) -> Sweeps<F> {
         let one = self.constant(1.0);
-        let inertia = first.size / self.friction();
+        let inertia = first.inertia_scale / self.friction();
         let guided = first.pushes() & !first.is_crowded() & inertia.lt(self.constant(MOST_INERTIA));
         let (mut directions, mut last) = (first.next, first.change);
         let mut moving = guided;

@@ -44,7 +44,7 @@ fn start(
     let contacts = [Site::Nut, Site::NutUnloaded, Site::Screw]
         .map(|site| Contact::new(site, point.contact_angle, &frame));
     let slips: [_; 3] = std::array::from_fn(|i| {
-        contacts[i].across * angles[i].cos() + BallFrame::tangent() * angles[i].sin()
+        contacts[i].transverse * angles[i].cos() + BallFrame::tangent() * angles[i].sin()
     });
     let forces: [_; 3] = std::array::from_fn(|i| contacts[i].normal - slips[i] * friction);
     let mut balance = Matrix4::zeros();
@@ -100,7 +100,8 @@ fn many_starts(
             let report = solve(&case, &mut y.data.0[0], &scales, &options, newton);
             if report.converged() && report.steps.is_empty() && motion.is_admissible() {
                 // The root at infinity does not balance the powers.
-                let root = BallRoot { motion, steps: 0, residual: report.residual, others: None };
+                let root =
+                    BallRoot { motion, steps: 0, residual: report.residual, alternatives: None };
                 let imbalance =
                     Rigid { point: *rigid }.solved(ball, &root).transmission.power_balance;
                 let balances = imbalance.is_some_and(|x| x.abs() < 1e-6);
@@ -180,20 +181,20 @@ fn many_starts_find_few_roots_that_are_not_known() {
         let rigid = practical(&mut rng);
         let Ok(case) = Rigid { point: rigid }.ball() else { continue };
         let first = case.first_order();
-        if first.size < 10.0 * case.friction() {
+        if first.inertia_scale < 10.0 * case.friction() {
             continue;
         }
         let Ok(root) = root::find(&case, &mut work) else { continue };
-        let Some(others) = &root.others else { continue };
-        let several = usize::from(!others.is_empty());
+        let Some(alternatives) = &root.alternatives else { continue };
+        let several = usize::from(!alternatives.is_empty());
         if points[several] == POINTS {
             continue;
         }
         points[several] += 1;
-        known += 1 + others.len();
+        known += 1 + alternatives.len();
         for other in many_starts((&rigid, &case), usize::MAX, &mut rng, &mut newton) {
             seen += 1;
-            if !(root.is_near(&other) || others.iter().any(|known| known.is_near(&other))) {
+            if !(root.is_near(&other) || alternatives.iter().any(|known| known.is_near(&other))) {
                 missed.push((rigid, other));
             }
         }
@@ -235,7 +236,7 @@ fn count_second_roots(counts: [usize; 2]) {
             let Ok(case) = Rigid { point: rigid }.ball() else { continue };
             let start = case.first_order();
             // Below, rounding decides about loads.
-            if start.size < 1e-3 * case.friction() {
+            if start.inertia_scale < 1e-3 * case.friction() {
                 continue;
             }
             tried += 1;
@@ -252,7 +253,7 @@ fn count_second_roots(counts: [usize; 2]) {
                 if case.friction() > UNIQUE_FROM {
                     least = least.min(multiplicity);
                 }
-                let known = root.others.map(|others| others.len());
+                let known = root.alternatives.map(|alternatives| alternatives.len());
                 assert_ne!(known, Some(0), "{rigid:?} {:?}", met.roots);
                 assert!(
                     known.is_some() || multiplicity < SEARCHED_FROM,
@@ -302,20 +303,20 @@ fn a_step_of_the_efficiency_is_told_by_the_other_solution() {
     let mut work = RigidWorkspace::default();
     let told = |angle: f64, work: &mut _| {
         let solved = Rigid { point: stepping(angle) }.solve(work).answer.expect("a root");
-        let others = solved.others.expect("a search");
-        (solved.transmission.efficiency, others.count, others.farthest_efficiency)
+        let alternatives = solved.alternatives.expect("a search");
+        (solved.transmission.efficiency, alternatives.count, alternatives.farthest_efficiency)
     };
     // Three roots: the two that were printed, and one between them.
-    let (eta, others, other) = told(54.5, &mut work);
-    assert_eq!(others, 2);
+    let (eta, alternatives, other) = told(54.5, &mut work);
+    assert_eq!(alternatives, 2);
     // As printed.
     assert_relative_eq!(eta, 0.931_044, epsilon = 1e-6);
     assert_relative_eq!(other.expect("another"), 0.921_331, epsilon = 1e-6);
     // Two of them meet and end at the step; the third goes on.
-    let (before, others, goes_on) = told(55.12, &mut work);
-    assert_eq!(others, 2);
-    let (after, others, _) = told(55.13, &mut work);
-    assert_eq!(others, 0);
+    let (before, alternatives, goes_on) = told(55.12, &mut work);
+    assert_eq!(alternatives, 2);
+    let (after, alternatives, _) = told(55.13, &mut work);
+    assert_eq!(alternatives, 0);
     assert_relative_eq!(before, 0.92698, epsilon = 2e-4);
     // A hundredth of a degree moves the third by less than a hundredth of the step.
     assert_relative_eq!(goes_on.expect("another"), after, epsilon = 5e-5);
@@ -337,11 +338,11 @@ fn an_arc_of_its_own_has_a_solution() {
     let start = case.first_order();
     let met = root::SearchResult::of(&case, start.inertia, &mut work);
     assert_eq!(balanced(&rigid, &case, &met.roots), 2);
-    let [across, _] = met.roots[1].motion.directions[0];
-    assert!(across < -0.99, "{across}");
+    let [transverse, _] = met.roots[1].motion.directions[0];
+    assert!(transverse < -0.99, "{transverse}");
     // No search is made there: unknown is not none.
     assert!(!start.is_unique() && !start.is_crowded());
-    assert_eq!(Rigid { point: rigid }.solve(&mut work).answer.expect("a root").others, None);
+    assert_eq!(Rigid { point: rigid }.solve(&mut work).answer.expect("a root").alternatives, None);
 }
 
 /// The states with a turn of the slip at B.
@@ -419,7 +420,7 @@ fn sweeps_and_the_search_find_the_same_root() {
     while tried < campaign(10_000) {
         let Ok(case) = Rigid { point: screw(&mut rng) }.ball() else { continue };
         let start = case.first_order();
-        if start.size < 0.2 * case.friction() {
+        if start.inertia_scale < 0.2 * case.friction() {
             continue;
         }
         let Ok(root) = root::find(&case, &mut work) else { continue };
@@ -475,7 +476,7 @@ fn roots_far_from_the_first_order_are_found() {
         [-0.037_968_384_84, 0.0],
         0.001_652_936_937,
     );
-    assert!(Rigid { point: screw }.first_order().expect("friction").margin < 0.0);
+    assert!(Rigid { point: screw }.first_order().expect("friction").sliding_margin < 0.0);
     // Loads of the search, seen from random starts too.
     assert_relative_eq!(solved(&screw).unloaded_flank_load, 3.208_358_8, max_relative = 1e-6);
     let calm = at(
@@ -485,7 +486,7 @@ fn roots_far_from_the_first_order_are_found() {
         [-5_056.834_461, 0.0],
         122.066_740_4,
     );
-    assert!(Rigid { point: calm }.first_order().expect("friction").margin < 0.0);
+    assert!(Rigid { point: calm }.first_order().expect("friction").sliding_margin < 0.0);
     assert_relative_eq!(solved(&calm).unloaded_flank_load, 0.065_903_58, max_relative = 1e-6);
 }
 

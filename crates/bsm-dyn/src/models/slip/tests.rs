@@ -39,15 +39,15 @@ proptest! {
             let contact = ball.contact(&touch);
             let lift = |v: Vector3<f64>| v.map(Jet::<2>::from);
             let tangent = BallFrame::<f64>::tangent();
-            let across = tangent.cross(&contact.normal);
+            let transverse = tangent.cross(&contact.normal);
             let [x, y] = [0, 1].map(|i| Jet::<2>::variable(0.0, i));
             let height = x * x * (-0.5 / curved) + ball.radius;
-            let point = lift(contact.normal) * -height + lift(across) * x + lift(tangent) * y;
+            let point = lift(contact.normal) * -height + lift(transverse) * x + lift(tangent) * y;
             let relative = ball.relative_to(site);
             let motion =
                 Motion { precession: relative.precession.into(), omega: lift(relative.omega) };
             let v = motion.slip_velocity(ball.helix.arc_length_per_radian().into(), &point);
-            let (along, aside) = (v.dot(&lift(tangent)), v.dot(&lift(across)));
+            let (along, aside) = (v.dot(&lift(tangent)), v.dot(&lift(transverse)));
             // Rounding of speeds of up to 10 m/s, and of rates of 5e3 rad/s.
             let speed = along.re.hypot(aside.re);
             prop_assert!((ball.differential_slip(&touch) - speed).abs() <= 1e-13);

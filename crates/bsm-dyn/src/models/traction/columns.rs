@@ -32,12 +32,12 @@ pub(super) struct EquationValues<F = f64> {
     pub(super) left: [F; BALL],
     pub(super) transmitted: PowerFlow<F>,
     /// Derivatives of the equations and of the torque by the unknowns, if asked for, and a place that is zero.
-    pub(super) rows: [Slopes<F>; BALL],
-    pub(super) slope: Slopes<F>,
+    pub(super) rows: [Partials<F>; BALL],
+    pub(super) slope: Partials<F>,
 }
 
 /// A number for each unknown, and a place that is zero.
-type Slopes<F> = [F; BLOCK];
+type Partials<F> = [F; BLOCK];
 
 /// Numbers of a point in units of ball radius, axial load per ball and relative speed, as the equations take
 /// them.
@@ -50,7 +50,7 @@ pub struct TractionPoint<F = f64> {
     /// Arc length per radian.
     pub arc: F,
     /// `$A_2$` (J2).
-    pub reach: F,
+    pub radial_distance: F,
     /// Offsets of the groove arcs at nut and screw.
     pub offsets: [F; 2],
     /// Approaches under the axial load.
@@ -69,8 +69,8 @@ pub struct TractionPoint<F = f64> {
     pub offset: F,
     /// Creep speed.
     pub creep: F,
-    /// The unknowns are those of a ball that is thrown against the nut (T10).
-    pub at_nut: bool,
+    /// The unknowns are those of a ball under a high centrifugal load (T10).
+    pub nut_chart: bool,
 }
 
 /// Lever arm of friction over the ball radius `$h$`, that of the ends of ellipses longer than the ball.
@@ -156,7 +156,7 @@ impl SlipBall<'_> {
             let state = self.state(y)?;
             (power, sliding) = (state.power, state.sliding);
             let left = self.left(y, &state, y[PRECESSION] + self.offset());
-            let radius = Jet::from(self.pair.helix.radius);
+            let radius = Jet::from(self.contacts.helix.radius);
             let torque = torque(&state.wrench[1], radius, &state.loaded.frame);
             Ok(from_fn(|i| left.get(i).copied().unwrap_or(torque)))
         })?;
@@ -271,13 +271,13 @@ impl<R: TractionLaw, const SLOPED: bool> WithSimd for Evaluate<'_, R, SLOPED> {
     fn with_simd<S: Simd>(self, simd: S) -> bool {
         let Self(ball, y, rubbing, found) = self;
         let scaled = ball.scaled();
-        let (contacts, exist) = contacts(&scaled, y, sin_cos_of_tilt(simd, y[TILT]));
+        let (geometry, exist) = contact_geometry(&scaled, y, sin_cos_of_tilt(simd, y[TILT]));
         if !exist {
             return false;
         }
         let mut rubbed = [ContactTraction::none(0.0); 2];
-        rubbing.loss::<S, SLOPED>(simd, ball, y, &contacts, &mut rubbed);
-        evaluate::<_, R, SLOPED>(&scaled, y, &contacts, &rubbed, found);
+        rubbing.loss::<S, SLOPED>(simd, ball, y, &geometry, &mut rubbed);
+        evaluate::<_, R, SLOPED>(&scaled, y, &geometry, &rubbed, found);
         true
     }
 }
@@ -289,7 +289,7 @@ pub(super) struct ContactTraction<F = f64> {
     pub(super) sums: Resultants<F>,
     pub(super) coefficient: F,
     /// Derivatives of the logarithm of the film by the unknowns.
-    film: Slopes<F>,
+    film: Partials<F>,
     /// Force along t and moment about t × N of rolling resistance, and the power that it takes.
     resistance: [F; 2],
     rolling: F,
@@ -320,7 +320,7 @@ pub(super) trait TractionLaw {
         simd: S,
         ball: &SlipBall<'_>,
         y: &[f64; BALL],
-        contacts: &Contacts<f64>,
+        geometry: &ContactGeometry<f64>,
         rubbed: &mut [ContactTraction; 2],
     );
 }
@@ -334,14 +334,14 @@ impl TractionLaw for Dry {
         simd: S,
         ball: &SlipBall<'_>,
         _y: &[f64; BALL],
-        contacts: &Contacts<f64>,
+        geometry: &ContactGeometry<f64>,
         rubbed: &mut [ContactTraction; 2],
     ) {
         let nodes = [ball.nodes(0), ball.nodes(1)];
-        let sums = sums::<S, _, 2, SLOPED>(simd, &contacts.points, &[Dry; 2], &nodes, [false; 2]);
+        let sums = sums::<S, _, 2, SLOPED>(simd, &geometry.points, &[Dry; 2], &nodes, [false; 2]);
         for (rubbed, sums) in rubbed.iter_mut().zip(sums) {
             rubbed.sums = sums;
-            rubbed.coefficient = ball.pair.directed_friction();
+            rubbed.coefficient = ball.contacts.directed_friction();
         }
     }
 }
@@ -355,15 +355,15 @@ impl TractionLaw for EhlPoint {
         simd: S,
         ball: &SlipBall<'_>,
         y: &[f64; BALL],
-        contacts: &Contacts<f64>,
+        geometry: &ContactGeometry<f64>,
         rubbed: &mut [ContactTraction; 2],
     ) {
-        let (arc, cos_lead) = (ball.pair.arc, ball.pair.lead.1);
+        let (arc, cos_lead) = (ball.contacts.arc, ball.contacts.lead.1);
         let mut laws = [None; 2];
         for i in 0..2 {
             let (side, place) = [(1.0, NUT_LOAD), (-1.0, SCREW_LOAD)][i];
-            let angle = &contacts.angles[i];
-            let [along_t, _, w_n, w_c] = contacts.points[i].motion;
+            let angle = &geometry.angles[i];
+            let [along_t, _, w_n, w_c] = geometry.points[i].motion;
             // k·(t × N), and its slope by the angle
             let (k_c, turned) = (side * angle.cos * cos_lead, -side * angle.sin * cos_lead);
             let rate = along_t / arc;
@@ -373,23 +373,23 @@ impl TractionLaw for EhlPoint {
                 let growth = film.growth * film.along / film.entrainment.powi(2);
                 by[PRECESSION] = -(0.5 * arc + k_c) * growth;
                 by[OMEGA[1]] -= 0.5 * side * angle.sin * growth;
-                add::<_, ALL>(by, 0.5 * side * angle.cos * growth, &contacts.by_b);
+                add::<_, ALL>(by, 0.5 * side * angle.cos * growth, &geometry.by_b);
                 add::<_, ALL>(by, -(0.5 * w_n + rate * turned) * growth, &angle.by);
                 by[place] -= 0.067 / y[place];
             }
             let [push, couple] = film.resist(w_c, ball.creep);
             // M = r × F_h + C_h                                           (Y32)
-            *resistance = [push, push + couple].map(|x| ball.pair.signed(x));
-            *rolling = ball.pair.signed(ScaledFilm::resisted([push, couple], along_t, w_c));
+            *resistance = [push, push + couple].map(|x| ball.contacts.signed(x));
+            *rolling = ball.contacts.signed(ScaledFilm::resisted([push, couple], along_t, w_c));
             laws[i] = Some(OilLaw::of(&film.law));
         }
         let [Some(nut), Some(screw)] = laws else { return };
         let nodes = [ball.nodes(0), ball.nodes(1)];
         let sums =
-            sums::<S, _, 4, SLOPED>(simd, &contacts.points, &[nut, screw], &nodes, [false; 2]);
+            sums::<S, _, 4, SLOPED>(simd, &geometry.points, &[nut, screw], &nodes, [false; 2]);
         for (rubbed, sums) in rubbed.iter_mut().zip(sums) {
             rubbed.sums = sums;
-            rubbed.coefficient = ball.pair.signed(1.0);
+            rubbed.coefficient = ball.contacts.signed(1.0);
         }
     }
 }
@@ -398,12 +398,12 @@ impl TractionLaw for EhlPoint {
 #[derive(Clone, Copy)]
 struct Gradient<F> {
     re: F,
-    by: Slopes<F>,
+    by: Partials<F>,
 }
 
 /// The derivatives of an unknown at its own rate.
 #[inline(always)]
-fn along<F: Compare>(unknown: usize, rate: F) -> Slopes<F> {
+fn along<F: Compare>(unknown: usize, rate: F) -> Partials<F> {
     let mut by = [rate.constant(0.0); BLOCK];
     by[unknown] = rate;
     by
@@ -417,7 +417,7 @@ const FLAT: u8 = 1 << OMEGA[0] | 1 << OMEGA[2];
 
 /// Adds derivatives by the unknowns `OF`; those by others are zero.
 #[inline(always)]
-fn add<F: Compare, const OF: u8>(to: &mut Slopes<F>, factor: F, by: &Slopes<F>) {
+fn add<F: Compare, const OF: u8>(to: &mut Partials<F>, factor: F, by: &Partials<F>) {
     for i in 0..BLOCK {
         // Those of one number are side by side, and take one operation all together.
         if !F::WIDE || OF >> i & 1 == 1 {
@@ -428,7 +428,7 @@ fn add<F: Compare, const OF: u8>(to: &mut Slopes<F>, factor: F, by: &Slopes<F>) 
 
 /// Derivatives times a factor.
 #[inline(always)]
-fn times<F: Compare>(factor: F, by: &Slopes<F>) -> Slopes<F> {
+fn times<F: Compare>(factor: F, by: &Partials<F>) -> Partials<F> {
     let mut product = *by;
     for i in 0..BLOCK {
         product[i] = factor * by[i];
@@ -438,7 +438,7 @@ fn times<F: Compare>(factor: F, by: &Slopes<F>) -> Slopes<F> {
 
 /// Derivatives and a derivative by the tilt itself.
 #[inline(always)]
-fn tilted<F: Compare>(by: &Slopes<F>, own: f64) -> Slopes<F> {
+fn tilted<F: Compare>(by: &Partials<F>, own: f64) -> Partials<F> {
     let mut sum = *by;
     sum[TILT] = sum[TILT] + own;
     sum
@@ -449,41 +449,41 @@ fn tilted<F: Compare>(by: &Slopes<F>, own: f64) -> Slopes<F> {
 pub(super) struct Angle<F> {
     pub(super) sin: F,
     pub(super) cos: F,
-    by: Slopes<F>,
+    by: Partials<F>,
 }
 
 /// The contacts of a state, with what their columns are made of.
-pub(super) struct Contacts<F> {
+pub(super) struct ContactGeometry<F> {
     pub(super) points: [Patch<F>; 2],
     /// The turn of the triad, the angles of the contacts from there, and those of the contacts.
     pub(super) turn: Angle<F>,
     tilts: [Angle<F>; 2],
     pub(super) angles: [Angle<F>; 2],
     /// Derivatives of the angular velocity about t and b.
-    by_t: Slopes<F>,
-    by_b: Slopes<F>,
+    by_t: Partials<F>,
+    by_b: Partials<F>,
 }
 
 impl SlipBall<'_> {
     /// The numbers of the equations.
     #[inline(always)]
     pub(super) fn scaled(&self) -> TractionPoint {
-        let pair = self.pair;
+        let contacts = self.contacts;
         TractionPoint {
-            lead: pair.lead,
-            radius: pair.helix.radius,
-            arc: pair.arc,
-            reach: pair.reach,
-            offsets: [pair.jones.nut_offset, pair.jones.screw_offset],
-            approach: pair.approach,
-            semi_axes: pair.semi_axes,
-            pressed_radius: pair.pressed_radius,
-            friction: pair.directed_friction(),
-            mass: pair.ball.mass,
-            nut_speed: pair.nut_speed,
+            lead: contacts.lead,
+            radius: contacts.helix.radius,
+            arc: contacts.arc,
+            radial_distance: contacts.radial_distance,
+            offsets: [contacts.jones.nut_offset, contacts.jones.screw_offset],
+            approach: contacts.approach,
+            semi_axes: contacts.semi_axes,
+            pressed_radius: contacts.pressed_radius,
+            friction: contacts.directed_friction(),
+            mass: contacts.ball.mass,
+            nut_speed: contacts.nut_speed,
             offset: self.offset(),
             creep: self.creep,
-            at_nut: self.at_nut,
+            nut_chart: self.nut_chart,
         }
     }
 }
@@ -509,14 +509,14 @@ pub(super) struct Sides<F: Compare> {
 
 impl<F: Compare> Sides<F> {
     #[inline(always)]
-    pub(super) fn of(pair: &TractionPoint<F>, y: &[F; BALL]) -> Self {
+    pub(super) fn of(point: &TractionPoint<F>, y: &[F; BALL]) -> Self {
         let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
-        let zero = pair.radius.constant(0.0);
+        let zero = point.radius.constant(0.0);
         // a ~ Q^{1/3},  δ = (Q/K_H)^{2/3}                                 (P6), (P2)
         let growth = [loads[0].cbrt(), loads[1].cbrt()];
-        let (mut lengths, mut slopes) = (pair.offsets, [zero; 2]);
+        let (mut lengths, mut slopes) = (point.offsets, [zero; 2]);
         for i in 0..2 {
-            let approach = growth[i] * growth[i] * pair.approach[i];
+            let approach = growth[i] * growth[i] * point.approach[i];
             lengths[i] = lengths[i] + approach;
             slopes[i] = approach / loads[i] * (2.0 / 3.0);
         }
@@ -558,17 +558,17 @@ impl<F: Compare> Mean<F> {
 ///
 /// * `sin_y`, `cos_y`: of the tilt.
 #[inline(always)]
-pub(super) fn contacts<F: Compare>(
-    pair: &TractionPoint<F>,
+pub(super) fn contact_geometry<F: Compare>(
+    point: &TractionPoint<F>,
     y: &[F; BALL],
     (sin_y, cos_y): (F, F),
-) -> (Contacts<F>, F::Mask) {
-    let (zero, one) = (pair.radius.constant(0.0), pair.radius.constant(1.0));
-    let Sides { growth, lengths: [l_a, l_b], slopes, pressed } = Sides::of(pair, y);
-    let a_2 = pair.reach;
+) -> (ContactGeometry<F>, F::Mask) {
+    let (zero, one) = (point.radius.constant(0.0), point.radius.constant(1.0));
+    let Sides { growth, lengths: [l_a, l_b], slopes, pressed } = Sides::of(point, y);
+    let a_2 = point.radial_distance;
     let own = along(TILT, one);
     let (turn, tilts, angles, exist);
-    if pair.at_nut {
+    if point.nut_chart {
         // cosβ_B = (A₂ − l_A cosβ_A)/l_B                                  (J9)
         let cos = (a_2 - l_a * cos_y) / l_b;
         let square = (one - cos) * (one + cos);
@@ -607,7 +607,7 @@ pub(super) fn contacts<F: Compare>(
     }
 
     // ω' = ω'_k k + ω'_n n + ω'_c k × n                                   (T4)
-    let (sin_lead, cos_lead) = pair.lead;
+    let (sin_lead, cos_lead) = point.lead;
     let [along_axis, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
     // About t and b, relative to the nut.
     let mut by_t = along(OMEGA[0], sin_lead);
@@ -617,41 +617,41 @@ pub(super) fn contacts<F: Compare>(
     let omega_t = sin_lead * along_axis - cos_lead * around;
     let omega_b = cos_lead * along_axis + sin_lead * around;
 
-    let from_nut = y[PRECESSION] + (pair.offset - pair.nut_speed);
+    let from_nut = y[PRECESSION] + (point.offset - point.nut_speed);
     let mut points = [Patch {
         semi_axes: (zero, zero),
         pressed_radius: zero,
         ball_radius: one,
         motion: [zero; 4],
-        creep: pair.creep,
+        creep: point.creep,
     }; 2];
     for i in 0..2 {
         let (side, body) = [(one, zero), (-one, one)][i];
         let Angle { sin, cos, .. } = angles[i];
         let (t, b) = (omega_t - body * sin_lead, omega_b - body * cos_lead);
         points[i].motion = [
-            pair.arc * (from_nut - body),
+            point.arc * (from_nut - body),
             t,
             side * (sin * b + cos * radial),
             side * (cos * b - sin * radial),
         ];
-        let (a, b) = pair.semi_axes[i];
+        let (a, b) = point.semi_axes[i];
         points[i].semi_axes = (growth[i] * a, growth[i] * b);
-        points[i].pressed_radius = pair.pressed_radius[i];
+        points[i].pressed_radius = point.pressed_radius[i];
     }
-    (Contacts { points, turn, tilts, angles, by_t, by_b }, exist)
+    (ContactGeometry { points, turn, tilts, angles, by_t, by_b }, exist)
 }
 
 /// The equations, with derivatives if `SLOPED`, in the place of zeros.
 #[inline(always)]
 pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
-    pair: &TractionPoint<F>,
+    point: &TractionPoint<F>,
     y: &[F; BALL],
-    Contacts { points, turn, tilts, angles, by_t, by_b }: &Contacts<F>,
+    ContactGeometry { points, turn, tilts, angles, by_t, by_b }: &ContactGeometry<F>,
     rubbed: &[ContactTraction<F>; 2],
     EquationValues { left, transmitted, rows, slope }: &mut EquationValues<F>,
 ) {
-    let (sin_lead, cos_lead) = pair.lead;
+    let (sin_lead, cos_lead) = point.lead;
     let (loads, one) = ([y[NUT_LOAD], y[SCREW_LOAD]], sin_lead.constant(1.0));
     for i in 0..2 {
         let side = [one, -one][i];
@@ -683,7 +683,7 @@ pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
                 part.by = times(pull * n, &by_n);
                 add::<_, { STATICS | FLAT | 1 << OMEGA[1] }>(&mut part.by, pull * c, &by_c);
                 add::<_, FLAT>(&mut part.by, pull * t, by_t);
-                part.by[PRECESSION] = pull * a * pair.arc;
+                part.by[PRECESSION] = pull * a * point.arc;
                 // d(f Q I) = f I dQ + f Q dI,  d ln a = dQ/(3 Q)
                 part.by[place] = part.by[place] + coefficient * (values[k] + g * (1.0 / 3.0));
             }
@@ -718,7 +718,7 @@ pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
         } else {
             // T = [(−r_m n) × F + M]·k                                    (B7)
             let (m_1, m_2) = turned(side, (angle.sin, angle.cos), (m_n.re, m_c.re));
-            let (force, arm) = (pair.radius * cos_lead, -(pair.radius * sin_lead));
+            let (force, arm) = (point.radius * cos_lead, -(point.radius * sin_lead));
             transmitted.torque = m_t.re * sin_lead + m_2 * cos_lead + f_t.re * force + b * arm;
             if SLOPED {
                 *slope = times(sin_lead, &m_t.by);
@@ -732,7 +732,7 @@ pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
         }
     }
 
-    add_inertia::<F, SLOPED>(pair, y, turn, (left, rows));
+    add_inertia::<F, SLOPED>(point, y, turn, (left, rows));
 }
 
 /// Adds a vector of a contact, given along t, N and t × N, to three equations from the number `ROW` on.
@@ -742,7 +742,7 @@ pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
 fn add_vector<F: Compare, const SLOPED: bool, const ROW: usize, const NORMAL: u8>(
     (side, tilt): (F, &Angle<F>),
     [along_t, along_n, across]: [&Gradient<F>; 3],
-    (left, rows): (&mut [F; BALL], &mut [Slopes<F>; BALL]),
+    (left, rows): (&mut [F; BALL], &mut [Partials<F>; BALL]),
 ) {
     let (second, third) = turned(side, (tilt.sin, tilt.cos), (along_n.re, across.re));
     left[ROW] = left[ROW] + along_t.re;
@@ -763,22 +763,22 @@ fn add_vector<F: Compare, const SLOPED: bool, const ROW: usize, const NORMAL: u8
 /// Inertia forces and the gyroscopic moment.
 #[inline(always)]
 fn add_inertia<F: Compare, const SLOPED: bool>(
-    pair: &TractionPoint<F>,
+    point: &TractionPoint<F>,
     y: &[F; BALL],
     turn: &Angle<F>,
-    (left, rows): (&mut [F; BALL], &mut [Slopes<F>; BALL]),
+    (left, rows): (&mut [F; BALL], &mut [Partials<F>; BALL]),
 ) {
-    let (sin_lead, cos_lead) = pair.lead;
+    let (sin_lead, cos_lead) = point.lead;
     let [_, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
-    let rate = y[PRECESSION] + pair.offset;
+    let rate = y[PRECESSION] + point.offset;
     // Σ F − m r_m P² n                                                    (B4)
-    let mass = pair.mass * pair.radius;
-    let thrown = mass * rate * rate;
-    left[1] = left[1] - thrown * turn.cos;
-    left[2] = left[2] + thrown * turn.sin;
+    let mass = point.mass * point.radius;
+    let centrifugal = mass * rate * rate;
+    left[1] = left[1] - centrifugal * turn.cos;
+    left[2] = left[2] + centrifugal * turn.sin;
     // Σ M − I P (ω'_n k × n − ω'_c n)                                     (B5), (T5)
     // I = (2/5) m r_b²                                                    (B2)
-    let inertia = pair.mass * 0.4;
+    let inertia = point.mass * 0.4;
     let (second, third) = (
         sin_lead * turn.sin * radial - turn.cos * around,
         sin_lead * turn.cos * radial + turn.sin * around,
@@ -803,8 +803,8 @@ fn add_inertia<F: Compare, const SLOPED: bool>(
         ] {
             rows[row][unknown] = rows[row][unknown] + slope;
         }
-        add::<_, STATICS>(&mut rows[1], thrown * turn.sin, &turn.by);
-        add::<_, STATICS>(&mut rows[2], thrown * turn.cos, &turn.by);
+        add::<_, STATICS>(&mut rows[1], centrifugal * turn.sin, &turn.by);
+        add::<_, STATICS>(&mut rows[2], centrifugal * turn.cos, &turn.by);
         add::<_, STATICS>(&mut rows[4], -(gyro * third), &turn.by);
         add::<_, STATICS>(&mut rows[5], gyro * second, &turn.by);
     }

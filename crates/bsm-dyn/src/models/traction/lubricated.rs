@@ -75,14 +75,14 @@ impl SlipBall<'_> {
         let stride = Continuation { first: 1.0, shortest: 0.05 };
         [*self, self.complete(1.0)]
             .iter()
-            .find_map(|ball| ball.lowered(rolling, 0.0, stride, newton, steps))
+            .find_map(|ball| ball.by_falling_creep(rolling, 0.0, stride, newton, steps))
             .ok_or(failure)
     }
 }
 
 /// A root, the point with its friction scale, and the rolling ball that the search began with.
 struct ScaledRoot {
-    pair: ElasticContacts,
+    contacts: ElasticContacts,
     rolling_ball: RollingBall,
     refined: RootWithPower,
     plans: [OnceCell<FrozenRule>; 2],
@@ -99,18 +99,20 @@ impl Traction {
         work: &mut TractionWorkspace,
         oil: &mut LubricatedWorkspace,
     ) -> Result<ScaledRoot, Unsolved> {
-        let pair = self.at.scaled()?;
-        let rolling_ball = RollingBall::of(&pair, None, &mut work.statics);
-        let Start { rolling_ball, .. } = Start::new(&pair, rolling_ball.ok().as_ref())?;
-        let creep = self.creep * pair.slip_scale();
-        let scale = ehl.friction_scale(&pair, &rolling_ball.loaded, &rolling_ball.to_nut, creep);
-        let pair = pair.with_friction(scale);
+        let contacts = self.at.scaled()?;
+        let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
+        let Start { rolling_ball, .. } = Start::new(&contacts, rolling_ball.ok().as_ref())?;
+        let creep = self.creep * contacts.slip_scale();
+        let scale =
+            ehl.friction_scale(&contacts, &rolling_ball.loaded, &rolling_ball.to_nut, creep);
+        let contacts = contacts.with_friction(scale);
         let TractionWorkspace { newton, rules, .. } = work;
-        let [coarse, search] =
-            rules.dry([COARSE, SEARCH]).map(|[rule, _]| SlipBall::of_pair(&pair, rule, creep));
+        let [coarse, search] = rules
+            .dry([COARSE, SEARCH])
+            .map(|[rule, _]| SlipBall::of_contacts(&contacts, rule, creep));
         let rules = oil.oil.of_oil([COARSE, SEARCH, self.accuracy]);
         let [rough, smooth, fine] =
-            rules.map(|[rule, _]| SlipBall::of_pair(&pair, rule, creep).lubricated(ehl));
+            rules.map(|[rule, _]| SlipBall::of_contacts(&contacts, rule, creep).lubricated(ehl));
         let [.., [_, check]] = rules;
         let (coarse, rough) =
             (SlipBall { enough: NEAR, ..coarse }, SlipBall { enough: NEAR, ..rough });
@@ -132,12 +134,12 @@ impl Traction {
         let RootWithPower { root, transmitted, torque_slope, .. } = &refined;
         let checked = SlipBall { quadrature: check, ..fine.of(root) };
         let other = checked.evaluated::<false>(&root.unknowns).ok();
-        let Helix { radius, lead_angle } = pair.helix;
+        let Helix { radius, lead_angle } = contacts.helix;
         let ideal = ideal_torque(1.0, radius, lead_angle.tan());
         let torque = transmitted.torque;
-        let efficiency = crate::contact::efficiency(pair.direction.is_back(), ideal, torque);
+        let efficiency = crate::contact::efficiency(contacts.direction.is_back(), ideal, torque);
         let error = checked.error(self.accuracy, other.as_ref(), torque_slope, efficiency, newton);
-        Ok(ScaledRoot { pair, rolling_ball, refined, plans, steps, error })
+        Ok(ScaledRoot { contacts, rolling_ball, refined, plans, steps, error })
     }
 
     /// The steady ball with a lubricant.
@@ -147,23 +149,23 @@ impl Traction {
         work: &mut TractionWorkspace,
         oil: &mut LubricatedWorkspace,
     ) -> Result<SteadyRoot, Unsolved> {
-        let ScaledRoot { pair, rolling_ball, refined, steps, error, .. } =
+        let ScaledRoot { contacts, rolling_ball, refined, steps, error, .. } =
             self.lubricated_root(ehl, work, oil)?;
         let RootWithPower { root, transmitted, loaded, .. } = refined;
-        let creep = self.creep * pair.slip_scale();
+        let creep = self.creep * contacts.slip_scale();
         let [_, dry] = oil.both(self.accuracy);
-        let ball = SlipBall::of_pair(&pair, dry, creep).of(&root);
+        let ball = SlipBall::of_contacts(&contacts, dry, creep).of(&root);
         let to_nut = ball.motion_to_nut(&root.unknowns, &loaded);
         let motions = to_both(&to_nut, &loaded.frame);
         let losses = std::array::from_fn(|i| {
-            ehl.loss_of(i, (&pair, &loaded), &motions[i], creep, transmitted.sliding[i])
+            ehl.loss_of(i, (&contacts, &loaded), &motions[i], creep, transmitted.sliding[i])
         });
-        let unit = pair.unit_powers(&loaded, &to_nut, creep, [0, 1].map(|i| ball.nodes(i)));
+        let unit = contacts.unit_powers(&loaded, &to_nut, creep, [0, 1].map(|i| ball.nodes(i)));
         let torque = transmitted.torque * (self.at.point.ball.radius * self.at.point.load.axial);
         let info = SolveInfo { steps, residual: root.residual };
         let steady = Steady { loaded, to_nut, losses, torque };
-        let (skid, error) = (rolling_ball.skid(&pair), Some(error));
-        Ok(SteadyRoot { pair, steady, unit, skid, info, control: None, error })
+        let (skid, error) = (rolling_ball.skid(&contacts), Some(error));
+        Ok(SteadyRoot { contacts, steady, unit, skid, info, control: None, error })
     }
 }
 
@@ -184,11 +186,11 @@ impl<const M: usize> Traction<Jet<M>> {
         ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
     ) -> Result<(ElasticContacts<Jet<M>>, Steady<Jet<M>>), Unsolved> {
         let inputs = self.at.scaled()?;
-        let ScaledRoot { pair, refined: RootWithPower { root, .. }, plans, .. } =
+        let ScaledRoot { contacts, refined: RootWithPower { root, .. }, plans, .. } =
             self.values().lubricated_root(values, traction, lubricated)?;
-        let creep = self.creep * pair.slip_scale();
+        let creep = self.creep * contacts.slip_scale();
         let (newton, quadrature) = (&mut traction.newton, lubricated.both(self.accuracy)[0]);
-        let ball = SlipBall::of_pair(&pair, quadrature, creep).of(&root);
+        let ball = SlipBall::of_contacts(&contacts, quadrature, creep).of(&root);
         let ball = SlipBall { plans: Some(&plans), ..ball };
         let lubrication = Lubrication { ehl, part: 1.0, complete: true };
         let moving = ball.over(&inputs, Some(lubrication));

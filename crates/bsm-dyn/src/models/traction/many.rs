@@ -16,8 +16,8 @@ use std::sync::LazyLock;
 use bsm_simd::{Arch, BLOCK, Compare, Lane, Mask, NullaryFnOnce, Simd, WithSimd};
 
 use super::columns::{
-    Angle, ContactTraction, Contacts, EquationValues, TractionPoint, contacts, evaluate, lever,
-    sizes,
+    Angle, ContactGeometry, ContactTraction, EquationValues, TractionPoint, contact_geometry,
+    evaluate, lever, sizes,
 };
 use super::root::{FASTEST, LEFT, LEVELS};
 use super::slips::slid;
@@ -120,12 +120,12 @@ impl<F: Compare> TractionStart<F> {
     #[inline(always)]
     pub fn numbers(&self) -> [F; TRACTION_START] {
         let Self { point, unknowns: [y_0, y_1, y_2, y_3, y_4, y_5, y_6] } = *self;
-        let TractionPoint { lead: (sin, cos), radius, arc, reach, .. } = point;
+        let TractionPoint { lead: (sin, cos), radius, arc, radial_distance: a_2, .. } = point;
         let TractionPoint { offsets: [l_a, l_b], approach: [d_a, d_b], .. } = point;
         let TractionPoint { semi_axes: [(a, b), (c, d)], pressed_radius: [r_a, r_b], .. } = point;
         let TractionPoint { friction, mass, nut_speed, offset, creep, .. } = point;
         [
-            sin, cos, radius, arc, reach, l_a, l_b, d_a, d_b, a, b, c, d, r_a, r_b, friction, mass,
+            sin, cos, radius, arc, a_2, l_a, l_b, d_a, d_b, a, b, c, d, r_a, r_b, friction, mass,
             nut_speed, offset, creep, y_0, y_1, y_2, y_3, y_4, y_5, y_6,
         ]
     }
@@ -133,14 +133,14 @@ impl<F: Compare> TractionStart<F> {
     /// Of its numbers.
     #[inline(always)]
     pub fn of(numbers: [F; TRACTION_START]) -> Self {
-        let [sin, cos, radius, arc, reach, l_a, l_b, d_a, d_b, numbers @ ..] = numbers;
+        let [sin, cos, radius, arc, a_2, l_a, l_b, d_a, d_b, numbers @ ..] = numbers;
         let [a, b, c, d, r_a, r_b, friction, mass, nut_speed, numbers @ ..] = numbers;
         let [offset, creep, unknowns @ ..] = numbers;
         let point = TractionPoint {
             lead: (sin, cos),
             radius,
             arc,
-            reach,
+            radial_distance: a_2,
             offsets: [l_a, l_b],
             approach: [d_a, d_b],
             semi_axes: [(a, b), (c, d)],
@@ -150,7 +150,7 @@ impl<F: Compare> TractionStart<F> {
             nut_speed,
             offset,
             creep,
-            at_nut: false,
+            nut_chart: false,
         };
         Self { point, unknowns }
     }
@@ -158,9 +158,9 @@ impl<F: Compare> TractionStart<F> {
     /// Sines and cosines of the contact angles, and the motion over the contacts: speed of the centre along t,
     /// angular velocity about t, N and t × N.
     #[inline(always)]
-    pub fn contacts(&self) -> ([(F, F); 2], [[F; 4]; 2]) {
-        let Contacts { angles: [nut, screw], points: [over_nut, over_screw], .. } =
-            contacts(&self.point, &self.unknowns, self.unknowns[TILT].sin_cos_of_tilt()).0;
+    pub fn angles_and_motions(&self) -> ([(F, F); 2], [[F; 4]; 2]) {
+        let ContactGeometry { angles: [nut, screw], points: [over_nut, over_screw], .. } =
+            contact_geometry(&self.point, &self.unknowns, self.unknowns[TILT].sin_cos_of_tilt()).0;
         let angles = [(nut.sin, nut.cos), (screw.sin, screw.cos)];
         (angles, [over_nut.motion, over_screw.motion])
     }
@@ -365,27 +365,27 @@ impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
         let Self { simd, rule, at, counted, split, work: Work { found, nodes, rubbed } } = self;
         let TractionStart { point, unknowns: y } = at;
         let (zero, one) = (Lane::splat(simd, 0.0), Lane::splat(simd, 1.0));
-        let (contacts, mut exists) = contacts(point, y, y[TILT].sin_cos_of_tilt());
-        for angle in &contacts.angles {
+        let (geometry, mut exists) = contact_geometry(point, y, y[TILT].sin_cos_of_tilt());
+        for angle in &geometry.angles {
             exists = exists & zero.le(angle.sin) & angle.cos.gt(zero);
         }
         for place in OMEGA {
             exists = exists & y[place].abs().lt(one * FASTEST);
         }
         let rate = y[PRECESSION] + point.offset;
-        let thrown = point.mass * point.radius * rate * rate;
-        let [a, b] = &contacts.points;
+        let centrifugal = point.mass * point.radius * rate * rate;
+        let [a, b] = &geometry.points;
         let arm = lever([a.semi_axes.0, b.semi_axes.0], point.pressed_radius);
-        let (force, moment) = sizes(thrown, point.friction.abs(), arm);
+        let (force, moment) = sizes(centrifugal, point.friction.abs(), arm);
         let mut resolved = zero.le(zero);
         if ROUGH || split.is_empty() {
             for i in 0..2 {
-                let (point, nodes) = (&contacts.points[i], &mut nodes[i]);
+                let (point, nodes) = (&geometry.points[i], &mut nodes[i]);
                 resolved = resolved & rule.place(simd, point, nodes, counted);
                 rubbed[i].sums = rule.sums::<S, SLOPED, ROUGH>(simd, point, nodes);
             }
         } else {
-            let sums = rule.split_sums::<S, SLOPED>(simd, &contacts.points, split);
+            let sums = rule.split_sums::<S, SLOPED>(simd, &geometry.points, split);
             (rubbed[0].sums, rubbed[1].sums) = (sums[0], sums[1]);
             let mut there = [0.0; BLOCK];
             there[..split.len()].fill(1.0);
@@ -397,9 +397,9 @@ impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
         if SLOPED {
             found.rows = [[zero; BLOCK]; BALL];
         }
-        evaluate::<_, Dry, SLOPED>(point, y, &contacts, rubbed, found);
+        evaluate::<_, Dry, SLOPED>(point, y, &geometry, rubbed, found);
         let weights = (force.recip(), moment.recip());
-        Here { turn: contacts.turn, weights, exists, resolved }
+        Here { turn: geometry.turn, weights, exists, resolved }
     }
 }
 

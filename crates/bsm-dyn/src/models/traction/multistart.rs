@@ -19,10 +19,10 @@ const PRIMES: [f64; 9] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0];
 impl SlipBall<'_> {
     /// A start: one of three kinds of contact angles, with one of four kinds of rates.
     fn sampled(&self, number: u32) -> [f64; BALL] {
-        let pair = self.pair;
+        let contacts = self.contacts;
         let [nut_angle, screw_angle, nut_load, screw_load, rate, slow, along, radial, around] =
             PRIMES.map(|prime| (f64::from(number) * prime.sqrt()).fract());
-        let unloaded = pair.jones.contact_angle;
+        let unloaded = contacts.jones.contact_angle;
         // Angles apart as inertia turns them, or as friction does.
         let angles = match number % 3 {
             0 => {
@@ -31,20 +31,20 @@ impl SlipBall<'_> {
             }
             1 => [FRAC_PI_2 * nut_angle, FRAC_PI_2 * screw_angle],
             _ => {
-                let turn = 0.4 * (nut_angle - 0.5) * pair.friction.min(1.0);
+                let turn = 0.4 * (nut_angle - 0.5) * contacts.friction.min(1.0);
                 [unloaded - turn, unloaded + turn]
             }
         };
-        let cos = pair.helix.lead_angle.cos();
+        let cos = contacts.helix.lead_angle.cos();
         let load = |angle: f64, part: f64| (2.0 * part - 1.0).exp() / (angle.sin().max(1e-6) * cos);
         // Rates between those of both members, or so slow that inertia is of the size of load or
         // friction.
         // Drawn over |W|: each direction has its own.
-        let (mu, way) = (pair.inertia_ratio(), pair.direction.sign());
+        let (mu, way) = (contacts.inertia_ratio(), contacts.direction.sign());
         let rate = match number / 3 % 4 {
-            0 => pair.nut_speed + 2.0 * rate - 0.5,
+            0 => contacts.nut_speed + 2.0 * rate - 0.5,
             kind => {
-                let size = if kind == 1 { pair.friction / mu } else { mu.recip().sqrt() };
+                let size = if kind == 1 { contacts.friction / mu } else { mu.recip().sqrt() };
                 (size * (2.0 - 8.0 * slow).exp()).min(1.0).copysign((rate - 0.5) * way)
             }
         };
@@ -53,8 +53,8 @@ impl SlipBall<'_> {
         y[TILT] = 0.5 * (angles[1] - angles[0]);
         y[PRECESSION] = rate - self.offset();
         // Rolling, more or less.
-        y[OMEGA[0]] = (pair.nut_speed - rate) * pair.arc * 1.5 * along;
-        y[OMEGA[1]] = pair.arc * 6.0 * (radial - 0.5) * way;
+        y[OMEGA[0]] = (contacts.nut_speed - rate) * contacts.arc * 1.5 * along;
+        y[OMEGA[1]] = contacts.arc * 6.0 * (radial - 0.5) * way;
         y[OMEGA[2]] = (around - 0.5) * way;
         y
     }
@@ -72,7 +72,7 @@ impl SlipBall<'_> {
             let y = self.sampled(number);
             // From friction nearly proportional to the slip on, or as it is.
             let begin = if number / 12 % 2 == 0 { end } else { self.lever(&y).ln().max(end) };
-            let root = self.lowered(y, begin, stride, newton, steps)?;
+            let root = self.by_falling_creep(y, begin, stride, newton, steps)?;
             self.is_balanced(&root).then_some(root)
         })
     }

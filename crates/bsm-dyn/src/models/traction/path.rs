@@ -25,14 +25,14 @@ const SMALL_FRICTION: f64 = 1e-3;
 
 /// A step of length 1 changes what is varied by a factor of e. Points are guesses for roots, for which eight digits
 /// are enough; few paths take a hundred.
-pub(super) const STRIDE: StepControl = StepControl {
+pub(super) const STEP_CONTROL: StepControl = StepControl {
     first: 0.5,
     longest: 1.0,
     shortest: 1e-7,
-    pair: 1e-3,
+    pair_resolution: 1e-3,
     most_points: 1000,
     goal: 1e-8,
-    place: 1e-4,
+    root_tolerance: 1e-4,
     jacobian: JacobianUpdate::EveryStep,
 };
 
@@ -87,7 +87,7 @@ impl PathEquations<'_> {
         let (Self { ball, along }, y) = (self, from_fn(|i| z[i]));
         let du = z[BALL] - z[BALL].re();
         let [friction, rate] =
-            along.at(ball.pair.friction, z[BALL].re()).map(|(value, slope)| du * slope + value);
+            along.at(ball.contacts.friction, z[BALL].re()).map(|(value, slope)| du * slope + value);
         Ok(ball.left(&y, &ball.rubbed(&y, friction)?, rate))
     }
 }
@@ -102,7 +102,7 @@ impl Homotopy<BALL, PATH> for PathEquations<'_> {
     }
 
     fn weights(&self, z: &[f64; PATH]) -> [f64; BALL] {
-        let [(friction, _), (rate, _)] = self.along.at(self.ball.pair.friction, z[BALL]);
+        let [(friction, _), (rate, _)] = self.along.at(self.ball.contacts.friction, z[BALL]);
         self.ball.weights_of(&ball(z), friction, rate)
     }
 }
@@ -144,24 +144,24 @@ impl SlipBall<'_> {
 
     /// The first root on the flanks along the path of growing inertia forces.
     pub(super) fn followed(&self, newton: &mut Workspace, steps: &mut usize) -> PathResult {
-        let still = self.pair.with_inertia(0.0);
-        let slippery = still.with_friction(self.pair.friction.min(SMALL_FRICTION));
+        let still = self.contacts.with_inertia(0.0);
+        let slippery = still.with_friction(self.contacts.friction.min(SMALL_FRICTION));
         let Ok(guess) = RollingBall::guess(&still) else { return PathResult::Nothing };
         let mut y = self.unknowns(&guess.loaded, &guess.to_nut);
         // Friction that is nearly proportional to the slip, then less and less.
         let begin = (10.0 * self.lever(&y)).ln();
         let stride = Continuation { first: 2.0, shortest: 1e-3 };
         let settled = follow(&mut y, (begin, self.creep.ln()), stride, |log, y| {
-            let report = SlipBall { pair: &slippery, creep: log.exp(), ..*self }.run(y, newton);
+            let report = SlipBall { contacts: &slippery, creep: log.exp(), ..*self }.run(y, newton);
             *steps += report.steps.len();
             report.converged()
         });
         if settled.is_err() {
             return PathResult::Nothing;
         }
-        if slippery.friction < self.pair.friction {
-            let resting = SlipBall { pair: &still, ..*self };
-            let goal = self.pair.friction.ln();
+        if slippery.friction < self.contacts.friction {
+            let resting = SlipBall { contacts: &still, ..*self };
+            let goal = self.contacts.friction.ln();
             let seen = trace(
                 &PathEquations { ball: &resting, along: Along::Friction },
                 &seed(&y, slippery.friction.ln()),
@@ -170,7 +170,7 @@ impl SlipBall<'_> {
                     let over = resting.is_far(last) || last[BALL] < 2.0 * SMALL_FRICTION.ln();
                     crossings.is_empty() && !over
                 },
-                &STRIDE,
+                &STEP_CONTROL,
             );
             *steps += seen.steps;
             let landed = seen.crossings.first().is_some_and(|EventRoot { z, .. }| {
@@ -208,12 +208,12 @@ impl SlipBall<'_> {
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> PathResult {
-        let (at_rest, mu) = (self.rate(y), self.pair.inertia_ratio());
+        let (at_rest, mu) = (self.rate(y), self.contacts.inertia_ratio());
         // Rates up to which inertia is small against load and friction.
-        let small = at_rest.abs().min((0.1 / mu).sqrt()).min(self.pair.friction / mu);
+        let small = at_rest.abs().min((0.1 / mu).sqrt()).min(self.contacts.friction / mu);
         let unit = sense * small.copysign(at_rest);
         // No ball circles that fast.
-        let most = 2.0 * (1.0 + self.pair.nut_speed.abs());
+        let most = 2.0 * (1.0 + self.contacts.nut_speed.abs());
         let held = |z: &[f64; PATH]| unit * z[BALL].sinh();
         let (mut found, mut beyond, mut known, mut more) = (None, None, 0, 0);
         let seen = trace(
@@ -231,7 +231,7 @@ impl SlipBall<'_> {
                     if !report.converged() {
                         continue;
                     }
-                    let root = self.thrown(y, report.residual, newton, &mut more);
+                    let root = self.in_nut_chart(y, report.residual, newton, &mut more);
                     if self.is_admissible(&root) {
                         found = Some(PathResult::SlipRoot(root));
                         if self.is_balanced(&root) {
@@ -244,7 +244,7 @@ impl SlipBall<'_> {
                 known = crossings.len();
                 !(self.is_far(last) || held(last).abs() > most)
             },
-            &STRIDE,
+            &STEP_CONTROL,
         );
         *steps += seen.steps + more;
         let (end, ended) = (ball(&seen.last), seen.end == Exit::Ended);

@@ -6,7 +6,7 @@ use std::cell::OnceCell;
 
 use super::columns::{LastEvaluation, PowerFlow};
 use super::multistart::{MANY, STARTS};
-use super::path::{PathResult, STRIDE, are_on_flanks};
+use super::path::{PathResult, STEP_CONTROL, are_on_flanks};
 use super::{FrozenRule, OMEGA, SlipBall, SlipState};
 use bsm_newton::{Continuation, follow};
 use bsm_simd::Block;
@@ -46,8 +46,8 @@ pub(super) const LARGE_INERTIA: f64 = 1e6;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SlipRoot {
     pub(super) unknowns: [f64; BALL],
-    /// The unknowns are those of a ball that is thrown against the nut (T10).
-    pub(super) at_nut: bool,
+    /// The unknowns are those of a ball under a high centrifugal load (T10).
+    pub(super) nut_chart: bool,
     pub(super) residual: f64,
 }
 
@@ -109,10 +109,10 @@ impl SlipBall<'_> {
         let rolling = self.unknowns(&rolling_ball.loaded, &rolling_ball.to_nut);
         let mut failure = None;
         let skidding =
-            rolling_ball.skid(self.pair).onset_number().is_some_and(|onset| onset > SKID_ONSET);
+            rolling_ball.skid(self.contacts).onset_number().is_some_and(|onset| onset > SKID_ONSET);
         for skidding in [skidding, !skidding] {
             let y = if skidding {
-                let Ok(skid) = GrossSlip::start(self.pair) else { continue };
+                let Ok(skid) = GrossSlip::start(self.contacts) else { continue };
                 *steps += skid.steps();
                 self.unknowns(skid.state().0, skid.state().1)
             } else {
@@ -134,7 +134,7 @@ impl SlipBall<'_> {
             }
         }
         let stride = Continuation { first: 1.0, shortest: 0.05 };
-        if let Some(root) = self.lowered(rolling, 0.0, stride, newton, steps) {
+        if let Some(root) = self.by_falling_creep(rolling, 0.0, stride, newton, steps) {
             return Ok(root);
         }
         if !all_over {
@@ -144,7 +144,7 @@ impl SlipBall<'_> {
         let mut shown = self.followed(newton, steps);
         if matches!(shown, PathResult::Nothing) {
             // It may be the digits that were lost.
-            shown = Self { at_nut: true, ..*self }.followed(newton, steps);
+            shown = Self { nut_chart: true, ..*self }.followed(newton, steps);
         }
         if let PathResult::SlipRoot(root) = shown
             && self.is_balanced(&root)
@@ -166,7 +166,7 @@ impl SlipBall<'_> {
                 let evidence = if starts > 0 {
                     Evidence::Sampled { starts }
                 } else {
-                    Evidence::Traced { resolution: STRIDE.longest }
+                    Evidence::Traced { resolution: STEP_CONTROL.longest }
                 };
                 Err(Unsolved::none(evidence, Reason::BallLeavesFlank { nut, screw }))
             }
@@ -210,7 +210,7 @@ impl SlipBall<'_> {
         let report = self.run(&mut y, newton);
         *steps += report.steps.len();
         if report.converged() {
-            let root = self.thrown(y, report.residual, newton, steps);
+            let root = self.in_nut_chart(y, report.residual, newton, steps);
             if self.is_admissible(&root) {
                 return Ok(root);
             }
@@ -220,7 +220,7 @@ impl SlipBall<'_> {
 
     /// The root that `y` leads to while the logarithm of the creep speed goes from `begin` to its own, if
     /// it is on the flanks.
-    pub(super) fn lowered(
+    pub(super) fn by_falling_creep(
         &self,
         mut y: [f64; BALL],
         begin: f64,
@@ -236,35 +236,35 @@ impl SlipBall<'_> {
             report.converged()
         });
         arrived.ok()?;
-        let root = self.thrown(y, residual, newton, steps);
+        let root = self.in_nut_chart(y, residual, newton, steps);
         self.is_admissible(&root).then_some(root)
     }
 
-    /// The root with these unknowns; in the unknowns (T10) if the ball is thrown against the nut.
-    pub(super) fn thrown(
+    /// The root with these unknowns; in the unknowns (T10) if the centrifugal load is high.
+    pub(super) fn in_nut_chart(
         &self,
         y: [f64; BALL],
         residual: f64,
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> SlipRoot {
-        let root = SlipRoot { unknowns: y, at_nut: self.at_nut, residual };
+        let root = SlipRoot { unknowns: y, nut_chart: self.nut_chart, residual };
         let rate = self.rate(&y);
-        if self.at_nut || self.pair.inertia_ratio() * rate * rate <= LARGE_INERTIA {
+        if self.nut_chart || self.contacts.inertia_ratio() * rate * rate <= LARGE_INERTIA {
             return root;
         }
         let Ok(SlipState { loaded, to_nut, .. }) = self.state(&y) else { return root };
-        let ball = Self { at_nut: true, ..*self };
+        let ball = Self { nut_chart: true, ..*self };
         let mut unknowns = ball.unknowns(&loaded, &to_nut);
         let report = ball.run(&mut unknowns, newton);
         *steps += report.steps.len();
-        let settled = SlipRoot { unknowns, at_nut: true, residual: report.residual };
+        let settled = SlipRoot { unknowns, nut_chart: true, residual: report.residual };
         if report.converged() { settled } else { root }
     }
 
     /// The equations in the unknowns of a root.
     pub(super) fn of(&self, root: &SlipRoot) -> Self {
-        Self { at_nut: root.at_nut, ..*self }
+        Self { nut_chart: root.nut_chart, ..*self }
     }
 
     /// True for a root with both contacts on their flanks.
@@ -283,9 +283,9 @@ impl SlipBall<'_> {
     /// True for a root whose powers balance. Where a ball turns faster and faster about the axis the
     /// residual vanishes without a root, and the powers do not balance.
     pub(super) fn is_balanced(&self, root: &SlipRoot) -> bool {
-        let pair = self.pair;
+        let contacts = self.contacts;
         self.of(root).evaluated::<false>(&root.unknowns).is_ok_and(|found| {
-            let ideal = ideal_torque(1.0, pair.helix.radius, pair.helix.lead_angle.tan());
+            let ideal = ideal_torque(1.0, contacts.helix.radius, contacts.helix.lead_angle.tan());
             let PowerFlow { torque, power, .. } = found.transmitted;
             let imbalance = Power::transmitted(torque, ideal, 1.0).imbalance(power);
             imbalance.abs() <= POWER_BALANCE_TOL
@@ -294,7 +294,7 @@ impl SlipBall<'_> {
 
     /// True if inertia forces are too small against friction to move the ball to another root.
     fn is_calm(&self) -> bool {
-        let rate = self.pair.nut_speed.abs().max(1.0);
-        self.pair.inertia_ratio() * rate * rate < SMALL_INERTIA * self.pair.friction
+        let rate = self.contacts.nut_speed.abs().max(1.0);
+        self.contacts.inertia_ratio() * rate * rate < SMALL_INERTIA * self.contacts.friction
     }
 }

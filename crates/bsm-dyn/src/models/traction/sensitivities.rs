@@ -17,9 +17,9 @@ impl<const M: usize> Traction<Jet<M>> {
     ) -> Result<Performance<Jet<M>>, Unsolved> {
         let at = self.at.values();
         at.point.require_friction()?;
-        let pair = at.scaled()?;
-        let rolling_ball = RollingBall::of(&pair, None, &mut work.statics);
-        let start = Start::new(&pair, rolling_ball.ok().as_ref())?;
+        let contacts = at.scaled()?;
+        let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
+        let start = Start::new(&contacts, rolling_ball.ok().as_ref())?;
         let case = Traction { at, accuracy: self.accuracy, creep: self.creep };
         let root = case.found(&start, None, work).map_err(NotFound::why)?.root;
         self.sensitivities_at(&root, work)
@@ -35,8 +35,9 @@ impl<const M: usize> Traction<Jet<M>> {
         let TractionWorkspace { newton, rules, .. } = work;
         let [[quadrature, _]] = rules.dry([self.accuracy]);
         let creep = self.creep * point.slip_scale();
-        let SlipRoot { unknowns, at_nut, .. } = root;
-        let system = SlipBall { at_nut: *at_nut, ..SlipBall::of_pair(&point, quadrature, creep) };
+        let SlipRoot { unknowns, nut_chart, .. } = root;
+        let system =
+            SlipBall { nut_chart: *nut_chart, ..SlipBall::of_contacts(&point, quadrature, creep) };
         let equations = system.over(&inputs, None);
         let residual = |y: &_| equations.residual(y);
         let y = moving_root(

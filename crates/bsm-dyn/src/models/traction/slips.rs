@@ -35,7 +35,7 @@ impl SlipBall<'_> {
             .map(|i| (step[i] / y[i]).abs())
             .into_iter()
             .fold(step[TILT].abs(), f64::max);
-        if self.at_nut || turned < STRAIGHT {
+        if self.nut_chart || turned < STRAIGHT {
             return next;
         }
         let tilts = [y[TILT].sin_cos(), next[TILT].sin_cos()];
@@ -57,24 +57,24 @@ fn frenet<F: Compare>((sin, cos): (F, F), y: &[F; BALL]) -> [F; 3] {
 /// * `tilts`: sine and cosine of the tilt on both ends.
 #[inline(always)]
 pub(super) fn slid<F: Compare>(
-    pair: &TractionPoint<F>,
+    point: &TractionPoint<F>,
     y: &[F; BALL],
     step: &[F; BALL],
     [here, there]: [(F, F); 2],
 ) -> ([F; BALL], F::Mask) {
-    let ((sin_lead, cos_lead), arc) = (pair.lead, pair.arc);
+    let ((sin_lead, cos_lead), arc) = (point.lead, point.arc);
     let one = arc.constant(1.0);
     let mut next = *y;
     for place in [NUT_LOAD, TILT, SCREW_LOAD] {
         next[place] = next[place] + step[place];
     }
-    let [w_t, w_n, w_b] = frenet(pair.lead, y);
-    let [dw_t, dw_n, dw_b] = frenet(pair.lead, step);
-    let from_nut = y[PRECESSION] + (pair.offset - pair.nut_speed);
+    let [w_t, w_n, w_b] = frenet(point.lead, y);
+    let [dw_t, dw_n, dw_b] = frenet(point.lead, step);
+    let from_nut = y[PRECESSION] + (point.offset - point.nut_speed);
 
-    let sides = Sides::of(pair, y);
+    let sides = Sides::of(point, y);
     let Mean { angle: (sin, cos), nut, screw, height, exists } =
-        Mean::of(sides.lengths, pair.reach, here);
+        Mean::of(sides.lengths, point.radial_distance, here);
     let ([sin_a, cos_a], [sin_b, cos_b], [l_a, l_b]) = (nut, screw, sides.lengths);
     let (dl_a, dl_b) = (sides.slopes[0] * step[NUT_LOAD], sides.slopes[1] * step[SCREW_LOAD]);
     // A₁ dβ = cosβ_A dl_A + cosβ_B dl_B + (l_A sinβ_A − l_B sinβ_B) dν,  dβ_A = dβ − dν,  dβ_B = dβ + dν  (T28)
@@ -92,8 +92,8 @@ pub(super) fn slid<F: Compare>(
     // σ = sinβ ω_b + cosβ ω_n                                             (T27)
     let spin = sin * (w_b + dw_b) + cos * (w_n + dw_n) + (cos * w_b - sin * w_n) * turn;
 
-    let loaded = Sides::of(pair, &next);
-    let mean = Mean::of(loaded.lengths, pair.reach, there);
+    let loaded = Sides::of(point, &next);
+    let mean = Mean::of(loaded.lengths, point.radial_distance, there);
     let ((sin, cos), [sin_a, cos_a], [_, cos_b]) = (mean.angle, mean.nut, mean.screw);
     // e = (u_A − u_B − d + cosα cosβ_B)/(2 cosν)                          (T29)
     let across = (nut_slip - screw_slip - arc + cos_lead * cos_b) / (there.1 * 2.0);
@@ -101,7 +101,7 @@ pub(super) fn slid<F: Compare>(
     let (w_t, w_b, w_n) = (w_t + dw_t, cos * across + sin * spin, cos * spin - sin * across);
     // P' = (u_A − cosβ_A ω_b + sinβ_A ω_n)/d                              (T30)
     let from_nut = (nut_slip - cos_a * w_b + sin_a * w_n) / arc;
-    next[PRECESSION] = from_nut - (pair.offset - pair.nut_speed);
+    next[PRECESSION] = from_nut - (point.offset - point.nut_speed);
     // ω_k = cosα ω_b + sinα ω_t,  ω_c = sinα ω_b − cosα ω_t               (T30)
     next[OMEGA[0]] = cos_lead * w_b + sin_lead * w_t;
     next[OMEGA[1]] = w_n;
@@ -124,9 +124,9 @@ mod tests {
     fn of_practice(mut check: impl FnMut(&SlipBall<'_>, &[f64; BALL], &mut ChaCha8Rng)) {
         let (mut rng, quadrature) = (ChaCha8Rng::seed_from_u64(31), Quadrature::of(1e-4));
         for _ in 0..200 {
-            let Ok(pair) = practical(&mut rng).scaled() else { continue };
-            let Ok(rolling_ball) = RollingBall::guess(&pair) else { continue };
-            let ball = SlipBall::of_pair(&pair, &quadrature, 1e-4);
+            let Ok(contacts) = practical(&mut rng).scaled() else { continue };
+            let Ok(rolling_ball) = RollingBall::guess(&contacts) else { continue };
+            let ball = SlipBall::of_contacts(&contacts, &quadrature, 1e-4);
             let y = ball.unknowns(&rolling_ball.loaded, &rolling_ball.to_nut);
             check(&ball, &y, &mut rng);
         }
@@ -137,7 +137,8 @@ mod tests {
         let to_nut = ball.motion_to_nut(y, &loaded);
         let motions = crate::models::ball::to_both(&to_nut, &loaded.frame);
         let [nut, screw] = std::array::from_fn(|i| {
-            let local = crate::ellipse::Local::of(&motions[i], &loaded.contacts[i], ball.pair.arc);
+            let local =
+                crate::ellipse::Local::of(&motions[i], &loaded.contacts[i], ball.contacts.arc);
             local.along + local.omega[2]
         });
         [nut, screw, to_nut.omega.x, to_nut.omega.y]

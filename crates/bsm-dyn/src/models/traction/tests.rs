@@ -25,21 +25,21 @@ fn solved(screw: ElasticPoint, work: &mut TractionWorkspace) -> Solution {
 
 /// A random state, of a ball that rolls more or less or hardly circles.
 fn state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
-    let pair = ball.pair;
-    let (unloaded, mu) = (pair.jones.contact_angle, pair.inertia_ratio());
+    let contacts = ball.contacts;
+    let (unloaded, mu) = (contacts.jones.contact_angle, contacts.inertia_ratio());
     let mut part = |low: f64, high: f64| low + rng.random::<f64>() * (high - low);
     let [nut, screw] = match part(0.0, 3.0) {
         ..1.0 => [part(0.0, FRAC_PI_2), part(0.0, FRAC_PI_2)],
         1.0..2.0 => [part(0.0, unloaded), part(unloaded, FRAC_PI_2)],
         _ => {
-            let turn = part(-0.2, 0.2) * pair.friction;
+            let turn = part(-0.2, 0.2) * contacts.friction;
             [unloaded - turn, unloaded + turn]
         }
     };
-    let cos = pair.helix.lead_angle.cos();
-    let slow = if part(0.0, 1.0) < 0.5 { pair.friction / mu } else { mu.recip().sqrt() };
+    let cos = contacts.helix.lead_angle.cos();
+    let slow = if part(0.0, 1.0) < 0.5 { contacts.friction / mu } else { mu.recip().sqrt() };
     let rate = if part(0.0, 1.0) < 0.5 {
-        pair.nut_speed + part(-0.5, 1.5)
+        contacts.nut_speed + part(-0.5, 1.5)
     } else {
         (slow * part(-8.0, 1.0).exp()).min(1.0) * part(-1.0, 1.0).signum()
     };
@@ -48,8 +48,8 @@ fn state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
     y[SCREW_LOAD] = part(-1.0, 1.0).exp() / (screw.sin().max(1e-6) * cos);
     y[TILT] = 0.5 * (screw - nut);
     y[PRECESSION] = rate - ball.offset();
-    y[OMEGA[0]] = (pair.nut_speed - rate) * pair.arc * part(0.0, 1.5);
-    y[OMEGA[1]] = pair.arc * part(-3.0, 3.0);
+    y[OMEGA[0]] = (contacts.nut_speed - rate) * contacts.arc * part(0.0, 1.5);
+    y[OMEGA[1]] = contacts.arc * part(-3.0, 3.0);
     y[OMEGA[2]] = part(-0.6, 0.6);
     y
 }
@@ -65,7 +65,7 @@ fn search(ball: &SlipBall<'_>, starts: usize, rng: &mut impl Rng) -> Option<Slip
         let arrived = bsm_newton::follow(&mut y, (begin, end), stride, |log, y| {
             SlipBall { creep: log.exp(), ..*ball }.run(y, &mut newton).converged()
         });
-        let root = ball.thrown(y, 0.0, &mut newton, &mut 0);
+        let root = ball.in_nut_chart(y, 0.0, &mut newton, &mut 0);
         (arrived.is_ok() && ball.is_admissible(&root) && ball.is_balanced(&root)).then_some(root)
     })
 }
@@ -87,11 +87,11 @@ fn confirmed(seed: u64, points: usize, starts: usize) -> SearchCounts {
     let mut counts = SearchCounts::default();
     for number in 0..points as u64 {
         let screw = point(seed, number);
-        let Ok(pair) = screw.scaled() else { continue };
+        let Ok(contacts) = screw.scaled() else { continue };
         let solution = solved(screw, &mut work);
-        let creep = Traction::CREEP * pair.slip_scale();
+        let creep = Traction::CREEP * contacts.slip_scale();
         let [[quadrature, _]] = work.rules.dry([SEARCH]);
-        let ball = SlipBall::of_pair(&pair, quadrature, creep);
+        let ball = SlipBall::of_contacts(&contacts, quadrature, creep);
         let steps = solution.solved().and_then(|solved| Some(solved.info?.steps));
         let count = match solution.status() {
             Status::NoSolution => &mut counts.no_solution,
@@ -136,7 +136,7 @@ fn many_starts_find_no_root_where_there_is_no_solution_at_length() {
     assert!(no_solution[1] == 0 && no_solution[0] > 500, "{no_solution:?}");
 }
 
-/// Identity: the unknowns of a ball that is thrown against the nut are other names for the same root.
+/// Identity: the unknowns of a ball under a high centrifugal load are other names for the same root.
 #[test]
 fn both_sets_of_unknowns_have_the_same_roots() {
     let (mut work, mut newton) = (TractionWorkspace::default(), Workspace::default());
@@ -144,24 +144,24 @@ fn both_sets_of_unknowns_have_the_same_roots() {
     for number in 0..60 {
         let screw = point(8, number);
         let solution = solved(screw, &mut work);
-        let Ok(pair) = screw.scaled() else { continue };
+        let Ok(contacts) = screw.scaled() else { continue };
         // More inertia eats the digits of one set, none those of the other.
-        let inertia = pair.inertia_ratio();
+        let inertia = contacts.inertia_ratio();
         if solution.status() != Status::Converged || !(1e-6..1e2).contains(&inertia) {
             continue;
         }
-        let rolling_ball = RollingBall::of(&pair, None, &mut work.statics);
-        let start = Start::new(&pair, rolling_ball.ok().as_ref()).unwrap();
+        let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
+        let start = Start::new(&contacts, rolling_ball.ok().as_ref()).unwrap();
         let case = Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         let SlipResult { root, ball: found, .. } = case.found(&start, None, &mut work).unwrap();
-        let creep = Traction::CREEP * pair.slip_scale();
+        let creep = Traction::CREEP * contacts.slip_scale();
         let [[quadrature, _]] = work.rules.dry([Traction::ACCURACY]);
-        let ball = SlipBall::of_pair(&pair, quadrature, creep);
+        let ball = SlipBall::of_contacts(&contacts, quadrature, creep);
         let state = ball.state(&root.unknowns).unwrap();
-        let thrown = SlipBall { at_nut: true, ..ball };
-        let mut y = thrown.unknowns(&state.loaded, &state.to_nut);
-        assert!(thrown.run(&mut y, &mut newton).converged(), "{number}");
-        let angles = thrown.angles(&y);
+        let charted = SlipBall { nut_chart: true, ..ball };
+        let mut y = charted.unknowns(&state.loaded, &state.to_nut);
+        assert!(charted.run(&mut y, &mut newton).converged(), "{number}");
+        let angles = charted.angles(&y);
         // Roots are known to 1e-10 of the forces, contact angles of 1 deg to a hundredth of that.
         assert_relative_eq!(angles[0], found.nut.angle, max_relative = 1e-8);
         assert_relative_eq!(angles[1], found.screw.angle, max_relative = 1e-8);
@@ -226,12 +226,12 @@ fn columns_by_hand_are_those_of_the_jets() {
     let mut seen = [0; 2];
     for number in 0..400 {
         let screw = if number % 4 == 0 { extreme(&mut rng) } else { practical(&mut rng) };
-        let Ok(pair) = screw.scaled() else { continue };
-        let creep = Traction::CREEP * pair.slip_scale();
-        let at_nut = number % 2 == 1;
-        let ball = SlipBall { at_nut, ..SlipBall::of_pair(&pair, quadrature, creep) };
+        let Ok(contacts) = screw.scaled() else { continue };
+        let creep = Traction::CREEP * contacts.slip_scale();
+        let nut_chart = number % 2 == 1;
+        let ball = SlipBall { nut_chart, ..SlipBall::of_contacts(&contacts, quadrature, creep) };
         let mut y = state(&ball, &mut rng);
-        if at_nut {
+        if nut_chart {
             y[TILT] = rng.random_range(0.1..1.0);
             y[PRECESSION] = rng.random_range(-1.0..1.0);
         }
@@ -246,13 +246,14 @@ fn columns_by_hand_are_those_of_the_jets() {
         let rate = y[PRECESSION] + ball.offset();
         // Normal forces, those of inertia, and moments: of friction, and gyroscopic ones.
         let turning = y[4..].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let thrown = pair.inertia_ratio() * rate * rate;
-        let gyroscopic = pair.ball.inertia() * rate.abs() * turning;
-        let size = (y[NUT_LOAD].max(y[SCREW_LOAD]) * ball.lever(&y)).max(thrown).max(gyroscopic);
+        let centrifugal = contacts.inertia_ratio() * rate * rate;
+        let gyroscopic = contacts.ball.inertia() * rate.abs() * turning;
+        let size =
+            (y[NUT_LOAD].max(y[SCREW_LOAD]) * ball.lever(&y)).max(centrifugal).max(gyroscopic);
         for i in 0..BALL {
             // Rounding of the slip, of the angular velocities, over the creep speed.
-            let slip = 1.0 + (rate.abs() * pair.arc).max(turning);
-            let rounding = 1e-14 * size * (1.0 + pair.friction * slip / creep);
+            let slip = 1.0 + (rate.abs() * contacts.arc).max(turning);
+            let rounding = 1e-14 * size * (1.0 + contacts.friction * slip / creep);
             let off = (found.left[i] - jets.left[i]).abs();
             assert!(off <= rounding, "{number} {i} {off:e} {rounding:e} {found:?} {jets:?}");
             let largest = rows[i].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
@@ -261,18 +262,18 @@ fn columns_by_hand_are_those_of_the_jets() {
                 assert!(off <= 1e-10 * largest + rounding, "{number} {i} {k} {off:e} {rounding:e}");
             }
         }
-        let radius = pair.helix.radius;
+        let radius = contacts.helix.radius;
         let [here, there] = [found.transmitted, jets.transmitted];
         let arm = size * radius;
         let off = (here.torque - there.torque).abs();
-        let slip = 1.0 + (rate.abs() * pair.arc).max(turning);
-        assert!(off <= 1e-14 * arm * (1.0 + pair.friction * slip / creep), "{number} {off:e}");
+        let slip = 1.0 + (rate.abs() * contacts.arc).max(turning);
+        assert!(off <= 1e-14 * arm * (1.0 + contacts.friction * slip / creep), "{number} {off:e}");
         assert_relative_eq!(here.power, there.power, max_relative = 1e-9);
         let largest = jets.slope.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         for (here, there) in found.slope.iter().zip(&jets.slope) {
             assert!((here - there).abs() <= 1e-10 * largest + 1e-12 * arm, "{number}");
         }
-        seen[usize::from(at_nut)] += 1;
+        seen[usize::from(nut_chart)] += 1;
     }
     assert!(seen.iter().all(|seen| *seen > 60), "{seen:?}");
 }

@@ -36,7 +36,7 @@ impl Push {
     /// Force and moment on the ball.
     fn wrench<P: Scalar, D: Over<P>>(
         &self,
-        pair: &ElasticContacts<P>,
+        contacts: &ElasticContacts<P>,
         frame: &BallFrame<D>,
         to_nut: &Motion<D>,
     ) -> Wrench<D> {
@@ -44,10 +44,10 @@ impl Push {
         let speed = rolling.dot(&rolling).sqrt();
         let normal = D::from(self.front + self.back);
         // M_b = −f_b r_b (N_f + N_b) e                                    (O2)
-        let moment = rolling * -pair.signed(normal * self.friction / speed);
+        let moment = rolling * -contacts.signed(normal * self.friction / speed);
         // F_b = [s (N_b − N_f) − (M_b·k)/d] t                             (O3)
-        let along =
-            pair.signed(D::from(self.back - self.front)) - moment.dot(&frame.k) / D::from(pair.arc);
+        let along = contacts.signed(D::from(self.back - self.front))
+            - moment.dot(&frame.k) / D::from(contacts.arc);
         Wrench { force: BallFrame::tangent() * along, moment }
     }
 
@@ -55,10 +55,10 @@ impl Push {
     pub(super) fn add_to<P: Scalar, D: Over<P>>(
         &self,
         left: &mut [D; BALL],
-        pair: &ElasticContacts<P>,
+        contacts: &ElasticContacts<P>,
         (loaded, to_nut): (&BallLoads<D>, &Motion<D>),
     ) {
-        let Wrench { force, moment } = self.wrench(pair, &loaded.frame, to_nut);
+        let Wrench { force, moment } = self.wrench(contacts, &loaded.frame, to_nut);
         for (left, part) in left.iter_mut().zip(force.iter().chain(moment.iter())) {
             *left += *part;
         }
@@ -145,7 +145,7 @@ impl SlipBall<'_> {
     ) -> Result<[D; BALL], EvalError> {
         let loaded = self.loaded(y)?;
         let mut left = [D::from(0.0); BALL];
-        push.add_to(&mut left, self.pair, (&loaded, &self.motion_to_nut(y, &loaded)));
+        push.add_to(&mut left, self.contacts, (&loaded, &self.motion_to_nut(y, &loaded)));
         Ok(left)
     }
 }
@@ -153,11 +153,11 @@ impl SlipBall<'_> {
 /// A ball of a train by [`Traction`], of which the motion without pushes is known.
 #[derive(Debug, Clone)]
 pub struct TrainBall {
-    pair: ElasticContacts,
+    contacts: ElasticContacts,
     ehl: Option<EhlPoint>,
     accuracy: f64,
     creep: f64,
-    at_nut: bool,
+    nut_chart: bool,
     /// Axial load \[N\], ball radius \[m\] and relative speed \[rad/s\].
     units: [f64; 3],
     /// Coefficient between balls.
@@ -237,25 +237,25 @@ impl TrainBall {
         let ElasticPoint { point, .. } = case.at;
         let units @ [load, _, speed] =
             [point.load.axial, point.ball.radius, point.drive.relative_speed()];
-        let pair = case.at.scaled().ok()?;
-        let creep = case.creep * pair.slip_scale();
+        let contacts = case.at.scaled().ok()?;
+        let creep = case.creep * contacts.slip_scale();
         let [nut, screw] = [&free.nut, &free.screw];
         let loads = [nut.load? / load, screw.load? / load];
-        let loaded = pair.loaded(loads, 0.5 * (screw.angle - nut.angle)).ok()?;
+        let loaded = contacts.loaded(loads, 0.5 * (screw.angle - nut.angle)).ok()?;
         let Motion { precession, omega } = free.motion?;
         let turning = Motion { precession, omega: loaded.frame.from_frenet(&omega) };
         let turning = turning.relative_to(point.drive.nut_speed, &loaded.frame);
         let to_nut =
             Motion { precession: turning.precession / speed, omega: turning.omega / speed };
-        let scale = ehl.map(|ehl| ehl.friction_scale(&pair, &loaded, &to_nut, creep));
-        let pair = scale.map_or(pair, |scale| pair.with_friction(scale));
-        let rate = to_nut.precession + pair.nut_speed;
+        let scale = ehl.map(|ehl| ehl.friction_scale(&contacts, &loaded, &to_nut, creep));
+        let contacts = scale.map_or(contacts, |scale| contacts.with_friction(scale));
+        let rate = to_nut.precession + contacts.nut_speed;
         let mut ball = Self {
-            pair,
+            contacts,
             ehl: ehl.copied(),
             accuracy: case.accuracy,
             creep,
-            at_nut: pair.inertia_ratio() * rate * rate > LARGE_INERTIA,
+            nut_chart: contacts.inertia_ratio() * rate * rate > LARGE_INERTIA,
             units,
             contact_friction,
             free: TrainMotion {
@@ -282,7 +282,7 @@ impl TrainBall {
 
     /// Coefficient of friction at the raceways; of a lubricant the largest that it takes.
     pub fn friction(&self) -> f64 {
-        self.pair.friction
+        self.contacts.friction
     }
 
     /// What it can give in a push before it slides on both raceways, without pushes \[N\].
@@ -307,8 +307,8 @@ impl TrainBall {
         let ([[dry, _]], [[oil, _]]) =
             (traction.rules.dry(accuracy), lubricated.oil.of_oil(accuracy));
         let plans = Default::default();
-        let ball = SlipBall::of_pair(&self.pair, dry, self.creep);
-        let ball = SlipBall { plans: Some(&plans), at_nut: self.at_nut, ..ball };
+        let ball = SlipBall::of_contacts(&self.contacts, dry, self.creep);
+        let ball = SlipBall { plans: Some(&plans), nut_chart: self.nut_chart, ..ball };
         match &self.ehl {
             None => solve(&ball, newton),
             Some(ehl) => {
@@ -368,7 +368,7 @@ impl TrainBall {
         let [begin, before] = from.pushes;
         let back = from.back_push(rate, front);
         self.with(work, |ball, newton| {
-            let offset = self.pair.nut_speed - ball.offset();
+            let offset = self.contacts.nut_speed - ball.offset();
             let seen = Cell::default();
             let at = |part: f64| {
                 let rate = from.rate + (rate - from.rate) * part;
@@ -428,7 +428,8 @@ impl TrainBall {
         let push = self.push(pushes);
         let loaded = ball.loaded(&unknowns).ok()?;
         let to_nut = ball.motion_to_nut(&unknowns, &loaded);
-        let axial_push = push.wrench(&self.pair, &loaded.frame, &to_nut).force.dot(&loaded.frame.k);
+        let axial_push =
+            push.wrench(&self.contacts, &loaded.frame, &to_nut).force.dot(&loaded.frame.k);
         let motion = TrainMotion {
             unknowns,
             by_pushes,
@@ -446,7 +447,7 @@ impl TrainBall {
     /// Power that screw and load put into a motion of it \[W\].
     pub fn power_in(&self, motion: &TrainMotion) -> f64 {
         let [load, radius, speed] = self.units;
-        let per_radian = self.pair.helix.lead() * radius / TAU;
+        let per_radian = self.contacts.helix.lead() * radius / TAU;
         (motion.screw_torque - per_radian * (load + motion.axial_push)) * speed
     }
 
@@ -461,7 +462,7 @@ impl TrainBall {
     fn is_balanced(&self, motion: &TrainMotion) -> bool {
         let [_, radius, speed] = self.units;
         let [front, back] = motion.pushes;
-        let travel = self.pair.arc * radius * motion.rate * speed.abs();
+        let travel = self.contacts.arc * radius * motion.rate * speed.abs();
         let rubbed = self.contact_power(motion);
         // (T − h (F_j + F_b·k)) W = P_raceways + f_b r_b (N_f + N_b)|w| − (N_b − N_f) v  (O4)
         let left = self.power_in(motion) - motion.raceway_power - rubbed + (back - front) * travel;

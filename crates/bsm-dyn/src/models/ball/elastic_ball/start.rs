@@ -24,8 +24,9 @@ impl ElasticContacts {
             let nut = 1.0_f64.atan2(centrifugal + screw.cos() / screw.sin());
             let loads = [axial / nut.sin(), axial / screw.sin()];
             let [a, b] = self.approaches(loads);
-            let reach = (jones.nut_offset + a) * nut.cos() + (jones.screw_offset + b) * screw.cos();
-            ([loads[0], loads[1], 0.5 * (screw - nut)], reach / target - 1.0)
+            let radial_distance =
+                (jones.nut_offset + a) * nut.cos() + (jones.screw_offset + b) * screw.cos();
+            ([loads[0], loads[1], 0.5 * (screw - nut)], radial_distance / target - 1.0)
         };
         let (mut state, too_far) = at(jones.contact_angle);
         let ends = [jones.contact_angle, PI];

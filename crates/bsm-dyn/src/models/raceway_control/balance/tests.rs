@@ -46,15 +46,15 @@ fn screws() -> impl Strategy<Value = ElasticPoint> {
 
 /// Residual of the radial balance at a contact angle of the screw, written in angles; `None`
 /// where no angle of the nut closes the triangle, or where the nut's would be the larger one.
-fn left(pair: &ElasticContacts, control: Control, screw: f64) -> Option<f64> {
-    let jones = &pair.jones;
-    let lead = pair.helix.lead_angle;
+fn left(contacts: &ElasticContacts, control: Control, screw: f64) -> Option<f64> {
+    let jones = &contacts.jones;
+    let lead = contacts.helix.lead_angle;
     let load = |angle: f64| (lead.cos() * angle.sin()).recip();
     let along = |i: usize, offset: f64, angle: f64| {
-        (offset + pair.approach_of(i, load(angle))) * angle.cos()
+        (offset + contacts.approach_of(i, load(angle))) * angle.cos()
     };
-    let reach = (jones.nut_offset + jones.screw_offset) * jones.contact_angle.cos();
-    let rest = reach - along(1, jones.screw_offset, screw);
+    let radial_distance = (jones.nut_offset + jones.screw_offset) * jones.contact_angle.cos();
+    let rest = radial_distance - along(1, jones.screw_offset, screw);
     let (mut low, mut high) = (1e-9, screw);
     if along(0, jones.nut_offset, low) < rest || along(0, jones.nut_offset, high) > rest {
         return None;
@@ -69,9 +69,9 @@ fn left(pair: &ElasticContacts, control: Control, screw: f64) -> Option<f64> {
     }
     let nut = 0.5 * (low + high);
     let angles = [nut.sin_cos(), screw.sin_cos()];
-    let (p, _) = rolling(control == Control::Nut, pair.lead, pair.arc, angles);
-    let rate = p + pair.nut_speed;
-    let centrifugal = pair.inertia_ratio() * rate * rate;
+    let (p, _) = rolling(control == Control::Nut, contacts.lead, contacts.arc, angles);
+    let rate = p + contacts.nut_speed;
+    let centrifugal = contacts.inertia_ratio() * rate * rate;
     Some(load(nut) * nut.cos() - load(screw) * screw.cos() - centrifugal)
 }
 
@@ -83,12 +83,12 @@ proptest! {
     #[test]
     fn the_first_root_is_that_of_a_dense_search(screw in screws(), nut in any::<bool>()) {
         let control = if nut { Control::Nut } else { Control::Screw };
-        let Ok(pair) = screw.scaled() else { return Ok(()) };
-        let found = Balance::new(&pair, control).first_root(None, &mut Workspace::default());
+        let Ok(contacts) = screw.scaled() else { return Ok(()) };
+        let found = Balance::new(&contacts, control).first_root(None, &mut Workspace::default());
         #[expect(clippy::cast_precision_loss, reason = "a small count")]
         let angles = (1..GRID).map(|i| FRAC_PI_2 * i as f64 / GRID as f64);
         let mut before = None;
-        let crossed = angles.filter_map(|angle| Some((angle, left(&pair, control, angle)?))).find(|at| {
+        let crossed = angles.filter_map(|angle| Some((angle, left(&contacts, control, angle)?))).find(|at| {
             // The balance begins below zero, at equal angles.
             let here = at.1 >= 0.0 && before.is_some_and(|(_, left)| left < 0.0);
             if !here {
@@ -102,10 +102,10 @@ proptest! {
                 let [c, cot] = root.unknowns;
                 prop_assert!(c >= 0.0 && cot > 0.0 && root.residual <= 1e-10);
                 let angle = cot.recip().atan();
-                let residual = left(&pair, control, angle);
+                let residual = left(&contacts, control, angle);
                 // Angles near 0 have few digits in this form, and few steps of the search.
                 if let (Some(left), Some((_, around))) = (residual, before) {
-                    let size = 1.0 + around.abs().max((c + cot) / pair.helix.lead_angle.cos());
+                    let size = 1.0 + around.abs().max((c + cot) / contacts.helix.lead_angle.cos());
                     prop_assert!(left.abs() <= 1e-6 * size, "{left}");
                 }
                 if let Some((beyond, _)) = crossed {
@@ -127,11 +127,11 @@ proptest! {
     /// The hand-written slope of the reach along the normal against the jet.
     #[test]
     fn the_slope_of_the_reach_is_that_of_the_jet(screw in screws(), cot in 1e-3..1e3_f64) {
-        let Ok(pair) = screw.scaled() else { return Ok(()) };
-        let balance = Balance::new(&pair, Control::Nut);
+        let Ok(contacts) = screw.scaled() else { return Ok(()) };
+        let balance = Balance::new(&contacts, Control::Nut);
         for i in 0..2 {
-            let exact = balance.statics.contact(i, Jet::<1>::variable(cot, 0)).reach().eps[0];
-            let slope = balance.statics.contact(i, cot).reach_slope();
+            let exact = balance.statics.contact(i, Jet::<1>::variable(cot, 0)).radial_distance().eps[0];
+            let slope = balance.statics.contact(i, cot).radial_slope();
             // The jet cancels for large cotangents, 1e-16 cot² of it.
             prop_assert!((slope - exact).abs() <= 1e-8 * exact.abs(), "{slope} {exact}");
         }
@@ -145,13 +145,13 @@ fn a_second_root_needs_inertia() {
     let mut newton = Workspace::default();
     let (mut tried, mut several, mut missed) = (0, 0, 0);
     while tried < 8000 {
-        let Ok(pair) = extreme(&mut rng).scaled() else { continue };
+        let Ok(contacts) = extreme(&mut rng).scaled() else { continue };
         // Less of it turns no angle.
-        if pair.inertia_ratio() < 1e-2 {
+        if contacts.inertia_ratio() < 1e-2 {
             continue;
         }
         for control in Control::ALL {
-            let balance = Balance::new(&pair, control);
+            let balance = Balance::new(&contacts, control);
             let Ok(root) = balance.first_root(None, &mut newton) else { continue };
             tried += 1;
             let has_more = !balance.scan(root.unknowns[0], &mut newton).is_empty();

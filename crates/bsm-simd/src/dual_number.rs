@@ -10,7 +10,7 @@ use crate::lane::parts;
 
 /// Numbers, or a [`Lane`] of them, and their partial derivatives with respect to `K` variables.
 #[derive(Clone, Copy)]
-pub struct Slopes<F, const K: usize> {
+pub struct DualNumber<F, const K: usize> {
     /// The values.
     pub re: F,
     /// The partial derivatives.
@@ -24,7 +24,7 @@ macro_rules! each {
     };
 }
 
-impl<F: Field, const K: usize> Slopes<F, K> {
+impl<F: Field, const K: usize> DualNumber<F, K> {
     /// A value that does not change.
     #[inline(always)]
     pub fn fixed(re: F) -> Self {
@@ -52,7 +52,7 @@ impl<F: Field, const K: usize> Slopes<F, K> {
     }
 }
 
-impl<F: Field, const K: usize> Field for Slopes<F, K> {
+impl<F: Field, const K: usize> Field for DualNumber<F, K> {
     type Mask = F::Mask;
 
     #[inline(always)]
@@ -106,7 +106,7 @@ impl<F: Field, const K: usize> Field for Slopes<F, K> {
     }
 }
 
-impl<F: Field, const K: usize> Neg for Slopes<F, K> {
+impl<F: Field, const K: usize> Neg for DualNumber<F, K> {
     type Output = Self;
 
     #[inline(always)]
@@ -115,7 +115,7 @@ impl<F: Field, const K: usize> Neg for Slopes<F, K> {
     }
 }
 
-impl<F: Field, const K: usize> Mul for Slopes<F, K> {
+impl<F: Field, const K: usize> Mul for DualNumber<F, K> {
     type Output = Self;
 
     #[inline(always)]
@@ -125,7 +125,7 @@ impl<F: Field, const K: usize> Mul for Slopes<F, K> {
     }
 }
 
-impl<F: Field, const K: usize> Div for Slopes<F, K> {
+impl<F: Field, const K: usize> Div for DualNumber<F, K> {
     type Output = Self;
 
     #[inline(always)]
@@ -139,7 +139,7 @@ impl<F: Field, const K: usize> Div for Slopes<F, K> {
 
 macro_rules! sums {
     ($($trait:ident $method:ident $op:tt;)*) => {$(
-        impl<F: Field, const K: usize> $trait for Slopes<F, K> {
+        impl<F: Field, const K: usize> $trait for DualNumber<F, K> {
             type Output = Self;
 
             #[inline(always)]
@@ -149,7 +149,7 @@ macro_rules! sums {
             }
         }
 
-        impl<S: Simd, const N: usize, const K: usize> $trait<Lane<S, N>> for Slopes<Lane<S, N>, K> {
+        impl<S: Simd, const N: usize, const K: usize> $trait<Lane<S, N>> for DualNumber<Lane<S, N>, K> {
             type Output = Self;
 
             #[inline(always)]
@@ -158,7 +158,7 @@ macro_rules! sums {
             }
         }
 
-        impl<F: Field, const K: usize> $trait<f64> for Slopes<F, K> {
+        impl<F: Field, const K: usize> $trait<f64> for DualNumber<F, K> {
             type Output = Self;
 
             #[inline(always)]
@@ -174,7 +174,7 @@ sums! {
     Sub sub -;
 }
 
-impl<S: Simd, const N: usize, const K: usize> Mul<Lane<S, N>> for Slopes<Lane<S, N>, K> {
+impl<S: Simd, const N: usize, const K: usize> Mul<Lane<S, N>> for DualNumber<Lane<S, N>, K> {
     type Output = Self;
 
     #[inline(always)]
@@ -183,7 +183,7 @@ impl<S: Simd, const N: usize, const K: usize> Mul<Lane<S, N>> for Slopes<Lane<S,
     }
 }
 
-impl<F: Field, const K: usize> Mul<f64> for Slopes<F, K> {
+impl<F: Field, const K: usize> Mul<f64> for DualNumber<F, K> {
     type Output = Self;
 
     #[inline(always)]
@@ -214,7 +214,7 @@ mod tests {
     }
 
     by_lanes!(Both { x, y } -> 3: {
-        let (x, y, p) = (Slopes::<_, 2>::variable(x, 0), Slopes::variable(y, 1), x.constant(0.7));
+        let (x, y, p) = (DualNumber::<_, 2>::variable(x, 0), DualNumber::variable(y, 1), x.constant(0.7));
         let z = everything(x, y, p);
         [z.re, z.eps[0], z.eps[1]]
     });

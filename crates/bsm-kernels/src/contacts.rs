@@ -10,7 +10,7 @@ use crate::operand::{Lane, LaneInputs};
 use crate::units::{Units, modulus};
 
 /// A lane of points in units of ball radius, axial load per ball and relative speed.
-pub(super) type Balls<S> = BallContacts<Lane<S>>;
+pub(super) type Contacts<S> = BallContacts<Lane<S>>;
 
 /// A contact at its angle, in the same units.
 pub(super) type LaneContact<S> = LoadedContact<Lane<S>>;
@@ -21,7 +21,7 @@ pub(super) type LaneContact<S> = LoadedContact<Lane<S>>;
 pub(super) struct InUnits<'a, 'b, S>(pub(super) &'a LaneInputs<'b, S>);
 
 impl<S: Simd> NullaryFnOnce for InUnits<'_, '_, S> {
-    type Output = (Units<S>, Balls<S>);
+    type Output = (Units<S>, Contacts<S>);
 
     #[inline(always)]
     fn call(self) -> Self::Output {
@@ -34,8 +34,8 @@ impl<S: Simd> NullaryFnOnce for InUnits<'_, '_, S> {
             nut_speed: units.nut_speed / units.speed,
             modulus: modulus(self.0, &units),
         };
-        let pair = Balls::new(&self.0.sines(), conformities, &size);
-        (units, pair)
+        let contacts = Contacts::new(&self.0.sines(), conformities, &size);
+        (units, contacts)
     }
 }
 
@@ -43,7 +43,7 @@ impl<S: Simd> NullaryFnOnce for InUnits<'_, '_, S> {
 pub(super) struct ContactRow<'a, 'b, 'c, S: Simd> {
     pub(super) out: &'a mut Sink<'b, 'c>,
     pub(super) units: &'a Units<S>,
-    pub(super) pair: &'a Balls<S>,
+    pub(super) contacts: &'a Contacts<S>,
     pub(super) sides: &'a [LaneContact<S>; 2],
 }
 
@@ -52,7 +52,7 @@ impl<S: Simd> NullaryFnOnce for ContactRow<'_, '_, '_, S> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { out, units, pair, sides } = self;
+        let Self { out, units, contacts, sides } = self;
         let ball = units.ball;
         let [nut, screw] = sides;
         let [q_a, q_b] = [nut.load * units.load, screw.load * units.load];
@@ -61,9 +61,9 @@ impl<S: Simd> NullaryFnOnce for ContactRow<'_, '_, '_, S> {
             let angles = [nut.sin.zip(nut.cos, f64::atan2), screw.sin.zip(screw.cos, f64::atan2)];
             out.set_all(OutputKey::nut_contact_angle_deg, [angles[0] / DEG, angles[1] / DEG]);
         }
-        let (a, b) = nut.semi_axes(&pair.pressed[0]);
+        let (a, b) = nut.semi_axes(&contacts.pressed[0]);
         let at_nut = (a * ball, b * ball);
-        let (a, b) = screw.semi_axes(&pair.pressed[1]);
+        let (a, b) = screw.semi_axes(&contacts.pressed[1]);
         let at_screw = (a * ball, b * ball);
         let pressures = [max_pressure(q_a, at_nut) / MPA, max_pressure(q_b, at_screw) / MPA];
         out.set_all(OutputKey::nut_max_pressure_MPa, pressures);
@@ -71,6 +71,6 @@ impl<S: Simd> NullaryFnOnce for ContactRow<'_, '_, '_, S> {
         out.set_all(OutputKey::nut_ellipse_b_mm, [at_nut.1 / MM, at_screw.1 / MM]);
         let approaches = [nut.approach * ball / UM, screw.approach * ball / UM];
         out.set_all(OutputKey::nut_approach_um, approaches);
-        out.set(OutputKey::axial_displacement_um, pair.displacement(sides) * ball / UM);
+        out.set(OutputKey::axial_displacement_um, contacts.displacement(sides) * ball / UM);
     }
 }
