@@ -16,3 +16,8 @@ mod robustness;
 mod schemas;
 mod size;
 mod tables;
+
+// A private file with a test of its own: the program is compiled once, without it.
+#[expect(dead_code, reason = "bars are drawn by the program")]
+#[path = "../../src/progress.rs"]
+mod progress;

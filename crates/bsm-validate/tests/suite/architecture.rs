@@ -260,3 +260,25 @@ fn the_drawing_shows_the_dependencies() {
     let report = reached("bsm-report", &manifests);
     assert!(!report.contains("bsm-kernels"), "sheets are of answers, not of tables: {report:?}");
 }
+
+/// A crate that is not compiled a second time for tests has none, but in files that its suite compiles.
+#[test]
+fn no_test_is_left_out() {
+    let mut included = 0;
+    for folder in fs::read_dir(root().join("crates")).expect("crates") {
+        let folder = folder.expect("a crate").path();
+        let manifest = fs::read_to_string(folder.join("Cargo.toml")).expect("a manifest");
+        if !manifest.contains("\ntest = false\n") {
+            continue;
+        }
+        let suite = fs::read_to_string(folder.join("tests/suite/main.rs")).unwrap_or_default();
+        for file in sources::files(&folder.join("src"), "rs") {
+            if fs::read_to_string(&file).expect("a module").contains("#[test]") {
+                let path = file.strip_prefix(&folder).expect("in the crate").display();
+                assert!(suite.contains(&format!("#[path = \"../../{path}\"]")), "{path}");
+                included += 1;
+            }
+        }
+    }
+    assert!(included > 2, "{included} files");
+}

@@ -1,0 +1,48 @@
+//! Columns of Arrow as numbers and texts.
+
+use std::sync::Arc;
+
+use arrow_array::types::Int8Type;
+use arrow_array::{
+    Array, ArrayRef, BinaryArray, BooleanArray, Date32Array, Decimal128Array, DictionaryArray,
+    DurationMillisecondArray, Float32Array, Int32Array, NullArray, StringViewArray,
+    Time64MicrosecondArray, TimestampMillisecondArray, UInt64Array,
+};
+use bsm_batch::arrow_column::{numbers, values};
+use serde_json::{Value, json};
+
+fn texts(column: impl Array + 'static) -> Value {
+    Value::Array(values(&(Arc::new(column) as ArrayRef)).expect("has a text"))
+}
+
+/// Each type as a text file has it; null stays null.
+#[test]
+fn values_are_those_of_a_text_file() {
+    let decimals = Decimal128Array::from(vec![Some(-12_345), None]).with_precision_and_scale(9, 3);
+    let decimals = decimals.expect("digits");
+    let days: DictionaryArray<Int8Type> = [Some("Mon"), None, Some("Mon")].into_iter().collect();
+    // 2026-11-24, 18:30:00.5
+    let time = TimestampMillisecondArray::from(vec![1_795_545_000_500]);
+    for (found, expected) in [
+        (texts(Int32Array::from(vec![Some(-7), None])), json!([-7, null])),
+        (texts(UInt64Array::from(vec![u64::MAX])), json!([u64::MAX])),
+        (texts(Float32Array::from(vec![0.1, f32::NAN])), json!([0.1, null])),
+        (texts(BooleanArray::from(vec![Some(true), None])), json!([true, null])),
+        (texts(NullArray::new(1)), json!([null])),
+        (texts(StringViewArray::from(vec![Some("a"), None])), json!(["a", null])),
+        (texts(BinaryArray::from(vec![&b"ab"[..], b"\xff"])), json!(["ab", null])),
+        (texts(decimals.clone()), json!(["-12.345", null])),
+        (texts(days), json!(["Mon", null, "Mon"])),
+        (texts(Date32Array::from(vec![20_781])), json!(["2026-11-24"])),
+        (texts(Time64MicrosecondArray::from(vec![66_600_000_000])), json!(["18:30:00"])),
+        (texts(DurationMillisecondArray::from(vec![Some(1500), None])), json!(["PT1.5S", null])),
+        (texts(time.clone()), json!(["2026-11-24T18:30:00.500"])),
+        (texts(time.with_timezone("UTC")), json!(["2026-11-24T18:30:00.500Z"])),
+    ] {
+        assert_eq!(found, expected);
+    }
+    let column: ArrayRef = Arc::new(decimals);
+    assert_eq!(numbers(&column).expect("numbers"), [Some(-12.345), None]);
+    let column: ArrayRef = Arc::new(BooleanArray::from(vec![true]));
+    assert!(numbers(&column).is_err_and(|error| error.to_string().contains("no numbers")));
+}

@@ -1,0 +1,99 @@
+//! Random points: their laws, and rows that follow from seed, input and number.
+
+use std::ops::Range;
+
+use bsm_batch::{Draw, DrawSource, Draws, PointSet, Source};
+
+fn draws(of: &[&str]) -> Draws {
+    let of = of.iter().map(|text| Draw::parse(text).expect("a draw")).collect();
+    Draws::new(2026, 20_000, of).expect("draws")
+}
+
+fn column(draws: &Draws, place: usize, rows: Range<u64>) -> Vec<f64> {
+    let mut values = Vec::new();
+    draws.fill(place, rows, &mut values);
+    values
+}
+
+/// A row is the same number alone, in any chunk and behind any skip.
+#[test]
+fn a_row_is_a_function_of_seed_input_and_number() {
+    let draws = draws(&["axial_load_kN=uniform:2:8", "lead_mm=normal:20:0.01"]);
+    for place in 0..2 {
+        let all = column(&draws, place, 0..5000);
+        for rows in [0..1, 4999..5000, 17..18, 1000..1300, 1..5000] {
+            let [from, to] = [rows.start, rows.end].map(|row| usize::try_from(row).expect("few"));
+            assert_eq!(column(&draws, place, rows), all[from..to]);
+        }
+    }
+    let far = column(&draws, 1, u64::MAX / 2..u64::MAX / 2 + 2);
+    assert_eq!(far[1..], column(&draws, 1, u64::MAX / 2 + 1..u64::MAX / 2 + 2));
+    let mut source = DrawSource::new(draws.clone());
+    source.skip(19_990).expect("never fails");
+    let chunk = source.next(100).expect("never fails").expect("rows");
+    assert_eq!((chunk.first, chunk.len), (19_991, 10));
+    assert_eq!(chunk.inputs[0].values()[..], column(&draws, 0, 19_990..20_000));
+    assert!(source.next(1).expect("never fails").is_none());
+}
+
+/// Guards the numbers themselves: a folder that was begun by one build is gone on with by another.
+#[test]
+fn the_numbers_are_those_of_before() {
+    let draws = draws(&["axial_load_N=uniform:1:2", "friction_coefficient=normal:0.5:0.25"]);
+    let found = [column(&draws, 0, 7..9), column(&draws, 1, 7..9)].concat();
+    let expected = "[1.596729512357534, 1.0897310778964324, 0.389121999909511, 0.6329336788937058]";
+    assert_eq!(format!("{found:?}"), expected);
+}
+
+/// Mean and deviation of 20 000 draws within five standard errors: 5 σ/√N, and of the deviation 5 σ/√(2N) if
+/// normal, less if uniform; two inputs are not correlated, 5/√N.
+#[test]
+fn draws_have_the_laws_that_are_asked_for() {
+    let draws = draws(&["axial_load_N=uniform:3:5", "friction_coefficient=normal:0.1:0.01"]);
+    let columns = [column(&draws, 0, 0..20_000), column(&draws, 1, 0..20_000)];
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / 2e4;
+    let standard = |values: &[f64]| {
+        let middle = mean(values);
+        let squares: Vec<_> = values.iter().map(|x| (x - middle).powi(2)).collect();
+        let deviation = mean(&squares).sqrt();
+        let scaled: Vec<_> = values.iter().map(|x| (x - middle) / deviation).collect();
+        (middle, deviation, scaled)
+    };
+    let (uniform, spread, a) = standard(&columns[0]);
+    let (normal, deviation, b) = standard(&columns[1]);
+    assert!(columns[0].iter().all(|x| (3.0..5.0).contains(x)));
+    assert!((uniform - 4.0).abs() < 0.02, "{uniform}");
+    // Of width 2: 2/√12.
+    assert!((spread - 0.577_35).abs() < 0.015, "{spread}");
+    assert!((normal - 0.1).abs() < 3.6e-4 && (deviation - 0.01).abs() < 2.5e-4, "{normal}");
+    let product: Vec<_> = a.iter().zip(&b).map(|(a, b)| a * b).collect();
+    assert!(mean(&product).abs() < 0.036);
+    // 68.3 % of a normal law lie within one deviation: 5 √(0.683·0.317/N).
+    let within = b.iter().filter(|x| x.abs() < 1.0).map(|_| 1.0).sum::<f64>() / 2e4;
+    assert!((within - 0.6827).abs() < 0.017, "{within}");
+}
+
+#[test]
+fn a_draw_is_read_as_it_is_written() {
+    for text in ["axial_load_N=uniform:2000:8000", "lead_mm=normal:20:0.01"] {
+        assert_eq!(Draw::parse(text).expect("a draw").to_string(), text);
+    }
+    let kilo = Draw::parse("axial_load_kN = uniform : 2 : 8").expect("a draw");
+    assert_eq!(kilo.to_string(), "axial_load_N=uniform:2000:8000");
+    for (text, part) in [
+        ("lead_mm", "name=uniform:low:high"),
+        ("lead_mm=uniform:2", "name=uniform:low:high"),
+        ("lead_mm=uniform:3:2", "name=uniform:low:high"),
+        ("lead_mm=normal:3:0", "name=uniform:low:high"),
+        ("lead_mm=normal:nan:1", "name=uniform:low:high"),
+        ("lead_mm=cauchy:3:1", "name=uniform:low:high"),
+        ("ball_diameter_mm=uniform:-1:1", "ball_diameter_mm"),
+        ("leed_mm=uniform:1:2", "lead_mm"),
+    ] {
+        let said = Draw::parse(text).expect_err(text).to_string();
+        assert!(said.contains(part), "{text}: {said}");
+    }
+    let twice = ["lead_mm=uniform:1:2", "lead_mm=normal:1:2"];
+    let twice = twice.map(|text| Draw::parse(text).expect("a draw")).to_vec();
+    assert!(Draws::new(1, 1, twice).is_err());
+}
