@@ -201,12 +201,12 @@ fn contacts() -> Drawing {
         let point = contact.point(radius);
         drawing.line("thin", &[at(&point), centre]);
         drawing.arrow(number, at(&point), at(&(point + contact.normal * 66.0)));
-        drawing.arrow(number, at(&point), at(&(point + contact.across * 66.0)));
+        drawing.arrow(number, at(&point), at(&(point + contact.transverse * 66.0)));
         let class = ["", "fill1", "fill2", "fill3"][number];
         let side = if groove == Site::Screw { 14.0 } else { -14.0 };
         drawing.word(class, at(&(point * 1.14)), name);
-        drawing.word(class, at(&(point + contact.normal * 52.0 + contact.across * side)), "N");
-        drawing.word(class, at(&(point + contact.across * 80.0)), "e_x");
+        drawing.word(class, at(&(point + contact.normal * 52.0 + contact.transverse * side)), "N");
+        drawing.word(class, at(&(point + contact.transverse * 80.0)), "e_x");
         drawing.circle("ball", at(&point), 3.5);
     }
     for (groove, name) in [(Site::Nut, "β_A"), (Site::Screw, "β_B")] {
@@ -247,10 +247,10 @@ fn ellipse() -> Result<Drawing, Box<dyn Error>> {
     let pressed = bsm_dyn::pressed_radius(traction.at.conformity.0, ball);
     let slip = |x: f64, y: f64| {
         let point = contact.normal * (x * x / (2.0 * pressed) - ball)
-            + contact.across * x
+            + contact.transverse * x
             + BallFrame::tangent() * y;
         let v = motion.slip_velocity(arc, &point);
-        Point::new(v.dot(&contact.across), v.x)
+        Point::new(v.dot(&contact.transverse), v.x)
     };
     let mut drawing = Drawing::new(
         640.0,
