@@ -42,10 +42,10 @@ pub fn least_squares<E>(
     };
     let mut u: Vec<_> =
         start.iter().zip(bounds).map(|(x, (low, high))| (x - low) / (high - low)).collect();
-    let Some(mut left) = residuals(&number(&u))? else { return Ok(None) };
+    let Some(mut residual) = residuals(&number(&u))? else { return Ok(None) };
     let mut damping = 1e-3;
     for _ in 0..MOST_STEPS {
-        let mut slopes = DMatrix::zeros(left.len(), count);
+        let mut slopes = DMatrix::zeros(residual.len(), count);
         for k in 0..count {
             let (mut below, mut above) = (u.clone(), u.clone());
             (below[k], above[k]) = ((u[k] - APART).max(0.0), (u[k] + APART).min(1.0));
@@ -55,9 +55,9 @@ pub fn least_squares<E>(
                 slopes[(i, k)] = (high - low) / (above[k] - below[k]);
             }
         }
-        let gradient = slopes.tr_mul(&DVector::from_column_slice(&left));
+        let gradient = slopes.tr_mul(&DVector::from_column_slice(&residual));
         let normal = slopes.tr_mul(&slopes);
-        let mut settled = true;
+        let mut converged = true;
         for _ in 0..MOST_STEPS {
             let (mut damped, mut push) = (normal.clone(), -&gradient);
             for k in 0..count {
@@ -77,18 +77,18 @@ pub fn least_squares<E>(
             if moved.is_nan() || moved <= SETTLED {
                 break;
             }
-            let size = |left: &[f64]| left.iter().map(|x| x * x).sum::<f64>();
+            let size = |residual: &[f64]| residual.iter().map(|x| x * x).sum::<f64>();
             match residuals(&number(&next))? {
-                Some(better) if size(&better) < size(&left) => {
-                    (u, left, settled) = (next, better, false);
+                Some(better) if size(&better) < size(&residual) => {
+                    (u, residual, converged) = (next, better, false);
                     damping = (damping * 0.1).max(1e-12);
                     break;
                 }
                 _ => damping *= 10.0,
             }
         }
-        if settled {
-            return Ok(Some(outcome(&slopes, &number(&u), left, bounds)));
+        if converged {
+            return Ok(Some(outcome(&slopes, &number(&u), residual, bounds)));
         }
     }
     Ok(None)
@@ -105,11 +105,11 @@ fn outcome(
     let condition = responses.max() / responses.min();
     let free = residuals.len().saturating_sub(at.len());
     #[expect(clippy::cast_precision_loss, reason = "a number of measurements")]
-    let scatter = residuals.iter().map(|x| x * x).sum::<f64>() / free as f64;
+    let variance = residuals.iter().map(|x| x * x).sum::<f64>() / free as f64;
     let spread = slopes.tr_mul(slopes).try_inverse().filter(|_| free > 0);
     let deviations = spread.map(|spread| {
         let of = |(k, (low, high)): (usize, &(f64, f64))| {
-            (spread[(k, k)] * scatter).sqrt() * (high - low)
+            (spread[(k, k)] * variance).sqrt() * (high - low)
         };
         bounds.iter().enumerate().map(of).collect()
     });

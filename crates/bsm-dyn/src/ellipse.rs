@@ -251,7 +251,7 @@ impl<const N: usize> Integrate<f64> for Jet<N> {
             sums_on::<_, 2, true>(Arch::new(), &point, Dry, nodes);
         let [a, t, n, c] = local.numbers();
         let arguments = [a, t, n, c, ellipse.growth()];
-        (Integral::sloped(values, &slopes, &arguments), power)
+        (Integral::with_slopes(values, &slopes, &arguments), power)
     }
 
     fn power(
@@ -283,7 +283,7 @@ impl<const N: usize> Ellipse<Jet<N>> {
 
 impl<const N: usize> Integral<Jet<N>> {
     /// Sums with their slopes by what they depend on.
-    fn sloped<const M: usize>(
+    fn with_slopes<const M: usize>(
         sums: [f64; kernel::SUMS],
         slopes: &[[f64; M]; kernel::SUMS],
         arguments: &[Jet<N>; M],
@@ -418,7 +418,7 @@ mod tests {
     }
 
     /// A contact in units of its ball, with derivatives by the motion and the growth of the ellipse.
-    fn sloped(
+    fn with_slopes(
         [along, w_t, w_n, w_c]: [f64; 4],
         (a, b): (f64, f64),
     ) -> (Ellipse<Jet<5>>, Local<Jet<5>>) {
@@ -510,7 +510,7 @@ mod tests {
             let quadrature = Quadrature::of(10.0_f64.powf(-digits));
             let creep = 10.0_f64.powf(log_creep);
             let motion = [along * a, 10.0_f64.powf(roll), omega[0], omega[1] * a];
-            let (ellipse, local) = sloped(motion, (a, 0.2 * a));
+            let (ellipse, local) = with_slopes(motion, (a, 0.2 * a));
             let one = Coulomb(Jet::from(1.0));
             let (law, power) = ellipse.integrate(&local, &one, creep, (&quadrature).into());
             let (fast, sloped_power) =
@@ -537,7 +537,7 @@ mod tests {
         fn instruction_sets_agree(
             motion in proptest::array::uniform4(-1.0..1.0_f64), b in 0.01..0.3_f64,
         ) {
-            let (ellipse, local) = sloped(motion, (0.3, b));
+            let (ellipse, local) = with_slopes(motion, (0.3, b));
             let (point, rule) = (ellipse.point(&local, 1e-4), Quadrature::of(1e-6));
             let bits = |arch| {
                 let Resultants { values, power, slopes, .. } =
@@ -568,7 +568,7 @@ mod tests {
             let (bend, shift) = (log(1e-2, 3.0), log(1e-3, 1.0));
             let side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
             let along = side * slip * shift - bend;
-            let (ellipse, local) = sloped([along, roll, turn, bend], (a, a / ratio));
+            let (ellipse, local) = with_slopes([along, roll, turn, bend], (a, a / ratio));
             let point = ellipse.point(&local, 1e-4);
             let wrench = |rule: &Quadrature| {
                 let sums = sums_on::<_, 2, false>(Arch::new(), &point, Dry, rule.into());
@@ -616,7 +616,7 @@ mod tests {
             let pressed = log(0.4e9, 3e9);
             let side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
             let (ellipse, local) =
-                sloped([side * shift * spin * a, roll, spin, 0.0], (a, a / ratio));
+                with_slopes([side * shift * spin * a, roll, spin, 0.0], (a, a / ratio));
             let point = ellipse.point(&local, 1e-4);
             let law = MixedFriction {
                 asperity_share: rng.random_range(0.0..0.9),

@@ -67,7 +67,7 @@ impl<S: Simd> NullaryFnOnce for GrossSlip<'_, S> {
             & takes(friction.abs(), contacts.inertia_ratio)
             & contacts.nut_speed.abs().lt(contacts.constant(MOST_NUT_SPEED));
         let root = ball.first_root(contacts.cos_b / contacts.sin_b, expected, any);
-        let sure = root.state.along.lt(contacts.constant(MOST_LOAD));
+        let sure = root.state.push.lt(contacts.constant(MOST_LOAD));
         SlidingRoot { steady: root.steady & sure, found: root.found & sure, ..root }
     }
 }

@@ -272,8 +272,8 @@ impl<'a> Assembly<'a> {
                     row[0] += sign * own;
                     row[1] -= sign * own;
                 }
-                let mut couple = |position: usize, coupling: f64| {
-                    for coupled in [&mut block.right[position], &mut block.bottom[position]] {
+                let mut couple = |column: usize, coupling: f64| {
+                    for coupled in [&mut block.right[column], &mut block.bottom[column]] {
                         coupled[0] += coupling;
                         coupled[1] -= coupling;
                     }
@@ -338,8 +338,8 @@ impl<'a> Assembly<'a> {
         let force = |(i, r): (usize, &f64)| {
             if tilts.contains(&i) { r.abs() / self.nut.helix.radius } else { r.abs() }
         };
-        let left = state.residual.iter().enumerate().map(force).fold(0.0, f64::max);
-        if left == 0.0 { 0.0 } else { left / state.forces }
+        let imbalance = state.residual.iter().enumerate().map(force).fold(0.0, f64::max);
+        if imbalance == 0.0 { 0.0 } else { imbalance / state.forces }
     }
 
     /// How far the nut has moved against the screw \[m\]: its section, or where bodies strain the ball where they

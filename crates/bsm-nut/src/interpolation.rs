@@ -37,28 +37,28 @@ pub(crate) fn interpolated<const N: usize>(
     let mut in_a_row = 0;
     for [i, j] in monomials() {
         let monomial = scaled[0].iter().zip(&scaled[1]).map(|(x, y)| x.powi(i) * y.powi(j));
-        let mut left: Vec<_> = monomial.collect();
+        let mut residual: Vec<_> = monomial.collect();
         for (node, basis) in &nodes {
-            let at_node = left[*node];
-            for (left, basis) in left.iter_mut().zip(basis) {
-                *left -= at_node * basis;
+            let at_node = residual[*node];
+            for (residual, basis) in residual.iter_mut().zip(basis) {
+                *residual -= at_node * basis;
             }
         }
-        let sizes = open.iter().map(|n| left[*n].abs()).enumerate();
+        let sizes = open.iter().map(|n| residual[*n].abs()).enumerate();
         let Some((position, size)) = sizes.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
         if size <= DEPENDENT {
             continue;
         }
         let node = open.swap_remove(position);
-        let (size, at_node) = (left[node], value(node)?);
+        let (size, at_node) = (residual[node], value(node)?);
         let error: [f64; N] = std::array::from_fn(|k| at_node[k] - found[node][k]);
-        for (found, left) in found.iter_mut().zip(&mut left) {
-            *left /= size;
+        for (found, residual) in found.iter_mut().zip(&mut residual) {
+            *residual /= size;
             for (found, error) in found.iter_mut().zip(error) {
-                *found += error * *left;
+                *found += error * *residual;
             }
         }
-        nodes.push((node, left));
+        nodes.push((node, residual));
         let is_small = (0..N).all(|k| error[k].abs() <= tolerances[k] * at_node[k].abs());
         in_a_row = if is_small { in_a_row + 1 } else { 0 };
         if in_a_row == IN_A_ROW {
@@ -102,21 +102,21 @@ mod tests {
     #[test]
     fn polynomials_are_exact() {
         // 1, x, x², y, and three nodes at which nothing is left.
-        let (left, asked) = error(1e-12, |[x, y]| 3.0 + x - 0.5 * x * x + 2e5 * y);
-        assert!(left < 1e-12 && asked == 4 + IN_A_ROW, "{left:e}, {asked}");
+        let (residual, asked) = error(1e-12, |[x, y]| 3.0 + x - 0.5 * x * x + 2e5 * y);
+        assert!(residual < 1e-12 && asked == 4 + IN_A_ROW, "{residual:e}, {asked}");
     }
 
     #[test]
     fn smooth_functions_need_a_few_values() {
         // The sum of the errors of later nodes, which fall, against the value of 30.
-        let (left, asked) = error(1e-7, |[x, y]| (0.3 * x + 1e4 * y).exp());
-        assert!(left < 2e-7 * 30.0 && asked < 25, "{left:e}, {asked}");
+        let (residual, asked) = error(1e-7, |[x, y]| (0.3 * x + 1e4 * y).exp());
+        assert!(residual < 2e-7 * 30.0 && asked < 25, "{residual:e}, {asked}");
     }
 
     #[test]
     fn a_function_with_a_bend_is_calculated_everywhere() {
-        let (left, asked) = error(1e-7, |[x, _]| 1.0 + (x - 10.1).abs());
-        assert!(left < 1e-15 * 11.0 && asked == 100, "{left:e}, {asked}");
+        let (residual, asked) = error(1e-7, |[x, _]| 1.0 + (x - 10.1).abs());
+        assert!(residual < 1e-15 * 11.0 && asked == 100, "{residual:e}, {asked}");
     }
 
     #[test]

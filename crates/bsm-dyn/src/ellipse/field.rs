@@ -8,7 +8,7 @@ use crate::contact::FrictionLaw;
 impl EllipseSlip<f64> {
     /// Slip along the groove and across it, in the unit of the speeds.
     pub fn at(&self, xi: f64, upsilon: f64) -> [f64; 2] {
-        let (b_0, spin) = (self.across_at(xi, 0.0).0, self.turn);
+        let (b_0, spin) = (self.across_at(xi, 0.0).0, self.spin_speed);
         // v_t = q₀ + q₁ ξ + q₂ ξ²                                        (T12)
         [self.along(xi), -(b_0 + spin * upsilon)]
     }
@@ -32,7 +32,7 @@ impl EllipseSlip<f64> {
 
     /// Places on the long axis where nothing slips along the groove, the lines of pure rolling; in order, at most two.
     pub fn rolling_lines(&self) -> Vec<f64> {
-        let [q_0, q_1, q_2] = self.along;
+        let [q_0, q_1, q_2] = self.longitudinal;
         // The larger root by the sum that does not cancel, the other by their product.
         let sum = -0.5 * (q_1 + (q_1 * q_1 - 4.0 * q_0 * q_2).sqrt().copysign(q_1));
         let mut lines: Vec<_> =
@@ -44,7 +44,7 @@ impl EllipseSlip<f64> {
     /// Points of the ellipse that do not slip at all: spin poles.
     pub fn spin_poles(&self) -> Vec<[f64; 2]> {
         let pole = |xi: f64| {
-            let upsilon = -self.across_at(xi, 0.0).0 / self.turn;
+            let upsilon = -self.across_at(xi, 0.0).0 / self.spin_speed;
             (xi.hypot(upsilon) < 1.0).then_some([xi, upsilon])
         };
         self.rolling_lines().into_iter().filter_map(pole).collect()

@@ -289,7 +289,7 @@ impl PointLaw<2> for Dry {
     ) -> Moments<S, 2> {
         let (mut sums, square) = (Moments::zero(simd), line.square(slip));
         let places = inner.map_or(&[][..], |count| &nodes.rule.inner[count]);
-        if nodes.rough {
+        if nodes.coarse {
             Self::add_all::<S, SLOPED, true>(&mut sums, square, line.across, places);
         } else {
             Self::add_all::<S, SLOPED, false>(&mut sums, square, line.across, places);
@@ -453,7 +453,7 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
     fn call(self) -> Self::Output {
         let Self { simd, points, laws, nodes, mut done } = self;
         let slips = &[points[0].slip(), points[1].slip()];
-        let mut gather = Accumulator::<L, N, SLOPED> {
+        let mut sums = Accumulator::<L, N, SLOPED> {
             nodes,
             points,
             slips,
@@ -463,19 +463,19 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
             by_film: [[[0.0; BLOCK]; SUMS]; 2],
         };
         for i in 0..2 {
-            done[i] = done[i] || L::all_over(simd, &mut gather, i);
+            done[i] = done[i] || L::all_over(simd, &mut sums, i);
         }
-        each_chord(simd, nodes, slips, done, &mut gather);
+        each_chord(simd, nodes, slips, done, &mut sums);
         let mut all = [Resultants::none(0.0); 2];
         for i in 0..2 {
             let mut terms = [0.0; ALL];
-            reduce(simd, &gather.values[i], &mut terms[..VALUES]);
+            reduce(simd, &sums.values[i], &mut terms[..VALUES]);
             if SLOPED {
-                reduce(simd, &gather.slopes[i], &mut terms[VALUES..]);
+                reduce(simd, &sums.slopes[i], &mut terms[VALUES..]);
             }
             all[i] = Resultants::of(terms, &points[i]);
             if SLOPED && L::FILM {
-                reduce(simd, &gather.by_film[i], &mut all[i].by_film);
+                reduce(simd, &sums.by_film[i], &mut all[i].by_film);
             }
         }
         all

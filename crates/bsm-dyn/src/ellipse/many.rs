@@ -109,17 +109,17 @@ impl ManyQuadrature {
 
     /// Places the nodes of several contacts, and says whose friction they resolve without splitting panels.
     ///
-    /// * `counted`: the numbers of nodes along the lines stay as they are, and nothing is said.
+    /// * `frozen`: the numbers of nodes along the lines stay as they are, and nothing is said.
     #[inline(always)]
-    pub(crate) fn place<S: Simd>(
+    pub(crate) fn place_nodes<S: Simd>(
         &self,
         simd: S,
         point: &Patch<Lane<S>>,
         nodes: &mut ManyNodes<S>,
-        counted: bool,
+        frozen: bool,
     ) -> Mask<S> {
         // A call of its own: the code is long.
-        simd.vectorize(PlaceNodes { rule: self, point, nodes, counted })
+        simd.vectorize(PlaceNodes { rule: self, point, nodes, frozen })
     }
 
     /// Frictions at nodes that were placed with this; slopes only if `SLOPED`, to 1e-5 if `ROUGH`.
@@ -144,7 +144,7 @@ impl ManyQuadrature {
         let mut blocks = [[[0.0; BLOCK]; NUMBERS]; 2];
         for (i, SplitPoint { plans, .. }) in points.iter().enumerate().filter(|(_, p)| !p.done) {
             let patches = [patches[0].at(i), patches[1].at(i)];
-            let nodes = |plan| Placement { rule: &self.rule, plan: Some(plan), rough: false };
+            let nodes = |plan| Placement { rule: &self.rule, plan: Some(plan), coarse: false };
             let nodes = [nodes(&plans[0]), nodes(&plans[1])];
             let found = sums::<S, Dry, 2, SLOPED>(simd, &patches, &[Dry; 2], &nodes, [false; 2]);
             for c in 0..2 {
@@ -163,12 +163,12 @@ impl ManyQuadrature {
     }
 }
 
-/// What [`ManyQuadrature::place`] is asked for.
+/// What [`ManyQuadrature::place_nodes`] is asked for.
 struct PlaceNodes<'a, S: Simd> {
     rule: &'a ManyQuadrature,
     point: &'a Patch<Lane<S>>,
     nodes: &'a mut ManyNodes<S>,
-    counted: bool,
+    frozen: bool,
 }
 
 impl<S: Simd> NullaryFnOnce for PlaceNodes<'_, S> {
@@ -176,7 +176,7 @@ impl<S: Simd> NullaryFnOnce for PlaceNodes<'_, S> {
 
     #[inline(always)]
     fn call(self) -> Mask<S> {
-        let Self { rule: ManyQuadrature { rule, stride, .. }, point, nodes: to, counted } = self;
+        let Self { rule: ManyQuadrature { rule, stride, .. }, point, nodes: to, frozen } = self;
         let slip = point.slip();
         let (zero, one) = (slip.creep.constant(0.0), slip.creep.constant(1.0));
         let infinity = one.constant(f64::INFINITY);
@@ -185,7 +185,7 @@ impl<S: Simd> NullaryFnOnce for PlaceNodes<'_, S> {
         let (ends, second_only) = ([-one, middle, one], middle.le(-one));
         let nodes = rule.panel.len();
         let mut least = [infinity; GROUPS];
-        let (narrow, mut resolved) = (one * rule.reach[MOST_INNER], zero.le(zero));
+        let (narrow, mut resolved) = (one * rule.pole_distance[MOST_INNER], zero.le(zero));
         for panel in 0..2 {
             let (pole, low, high) = (poles[panel], ends[panel], ends[panel + 1]);
             // τ from arsinh((lo − ξ_j)/δ_j) to arsinh((hi − ξ_j)/δ_j)     (T17)
@@ -202,7 +202,7 @@ impl<S: Simd> NullaryFnOnce for PlaceNodes<'_, S> {
                 lines[node] = line_at(&pole, (grow[0] * up, fall[0] * down), weight);
                 lines[nodes - 1 - node] = line_at(&pole, (grow[1] * down, fall[1] * up), weight);
             }
-            if counted {
+            if frozen {
                 continue;
             }
             let within = low.lt(pole.at) & pole.at.lt(high);
@@ -223,7 +223,7 @@ impl<S: Simd> NullaryFnOnce for PlaceNodes<'_, S> {
                 }
             }
         }
-        if !counted {
+        if !frozen {
             for (counts, least) in to.inner.iter_mut().zip(&least) {
                 *counts = rule.counts(*least).map(|count| count.unwrap_or(UNRESOLVED));
             }
@@ -320,7 +320,7 @@ mod tests {
                 let (motion, ball_radius) = ([speed, w_t, w_n, w_c], creep.constant(1.0));
                 let point = Patch { semi_axes: (a, b), pressed_radius, ball_radius, motion, creep };
                 let nodes = &mut ManyNodes::new(simd);
-                let resolved = self.0.place(simd, &point, nodes, false);
+                let resolved = self.0.place_nodes(simd, &point, nodes, false);
                 let sums = self.0.sums::<S, true, false>(simd, &point, nodes);
                 let all = sums.values.into_iter().chain(sums.slopes.into_iter().flatten());
                 let all = all.chain([sums.power, resolved.to_numbers()]);

@@ -42,10 +42,10 @@ impl PolarRule {
         slip: &EllipseSlip<f64>,
         rule: &Quadrature,
     ) -> Self {
-        let [q_0, q_1, q_2] = slip.along;
+        let [q_0, q_1, q_2] = slip.longitudinal;
         // The load sees ξ² = 1/5 in the mean.
         let (middle, b_0) = (q_0 + 0.2 * q_2, slip.across(0.0).0);
-        let spread = 0.2 * (q_1 * q_1 + slip.turn * slip.turn);
+        let spread = 0.2 * (q_1 * q_1 + slip.spin_speed * slip.spin_speed);
         let square = middle * middle + b_0 * b_0 + spread + slip.creep * slip.creep;
         let (at, surface_drop) = bend.place(Lane::<S>::splat(simd, square), Lane::splat(simd, 1.0));
         let width = (surface_drop * 2.0).min(surface_drop.constant(8.0));
@@ -274,16 +274,16 @@ impl PointLaw<4> for OilLaw {
     #[inline(always)]
     fn all_over<S: Simd, const SLOPED: bool>(
         simd: S,
-        gather: &mut Accumulator<'_, Self, 4, SLOPED>,
+        sums: &mut Accumulator<'_, Self, 4, SLOPED>,
         ellipse: usize,
     ) -> bool {
-        let (law, nodes) = (gather.laws[ellipse], gather.nodes[ellipse]);
-        let blocks = nodes.blocks(&gather.slips[ellipse]);
+        let (law, nodes) = (sums.laws[ellipse], sums.nodes[ellipse]);
+        let blocks = nodes.blocks(&sums.slips[ellipse]);
         if blocks == 0 {
             return false;
         }
-        let (rule, slip) = (nodes.rule, gather.slips[ellipse].splat(simd));
-        let rings = PolarRule::of(simd, &law.bend, &gather.slips[ellipse], rule);
+        let (rule, slip) = (nodes.rule, sums.slips[ellipse].splat(simd));
+        let rings = PolarRule::of(simd, &law.bend, &sums.slips[ellipse], rule);
         let mut shear = [0.0; MOST_RINGS];
         let mut fourth = [0.0; MOST_RINGS];
         for i in (0..MOST_RINGS).step_by(S::F64_LANES) {
@@ -309,10 +309,10 @@ impl PointLaw<4> for OilLaw {
                 let mut inner = Moments::zero(simd);
                 law.add::<S, SLOPED>(&mut inner, pressed, square, b_0 + b_1, (one, weight));
                 law.add::<S, SLOPED>(&mut inner, pressed, square, b_0 - b_1, (-one, weight));
-                gather.add_line(simd, ellipse, first % BLOCK, &slip, (&line, inner));
+                sums.add_line(simd, ellipse, first % BLOCK, &slip, (&line, inner));
             }
         }
-        nodes.keep(FrozenRule { blocks, ..FrozenRule::default() });
+        nodes.freeze(FrozenRule { blocks, ..FrozenRule::default() });
         true
     }
 }

@@ -60,7 +60,7 @@ pub struct Quadrature {
     /// Nodes and weights along a line, by their number (T19).
     pub(super) inner: Vec<Vec<(f64, f64)>>,
     /// Least `$\sinh^2\eta$` (T18) for which that number is enough; falls with the number.
-    pub(super) reach: Vec<f64>,
+    pub(super) pole_distance: Vec<f64>,
 }
 
 /// Quadratures of a few accuracies, and the coarser ones of their error estimates; each is made when it is first asked for.
@@ -84,58 +84,58 @@ impl Rules {
         accuracies: [f64; N],
         make: impl Fn(f64) -> [Quadrature; 2],
     ) -> [&[Quadrature; 2]; N] {
-        let places = accuracies.map(|accuracy| {
+        let indices = accuracies.map(|accuracy| {
             let known = |(other, _): &(f64, _)| accuracy.total_cmp(other).is_eq();
             self.0.iter().position(known).unwrap_or_else(|| {
                 self.0.push((accuracy, make(accuracy)));
                 self.0.len() - 1
             })
         });
-        places.map(|place| &self.0[place].1)
+        indices.map(|index| &self.0[index].1)
     }
 }
 
 /// Nodes and weights of Gauss-Legendre on [0, 1].
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Gauss {
-    places: Vec<f64>,
+    abscissae: Vec<f64>,
     weights: Vec<f64>,
 }
 
 impl Gauss {
     fn of(nodes: NonZeroUsize) -> Self {
         let rule = GaussLegendre::new(nodes);
-        let (places, weights) = rule.iter().map(|(x, w)| (0.5 * (x + 1.0), 0.5 * w)).unzip();
-        Self { places, weights }
+        let (abscissae, weights) = rule.iter().map(|(x, w)| (0.5 * (x + 1.0), 0.5 * w)).unzip();
+        Self { abscissae, weights }
     }
 
     /// The same nodes, closer to both ends.
     fn crowded(&self) -> Self {
         // x² (3 − 2x), and its slope
-        let places = self.places.iter().map(|x| x * x * (3.0 - 2.0 * x)).collect();
-        let weights = self.places.iter().zip(&self.weights);
-        Self { places, weights: weights.map(|(x, w)| w * 6.0 * x * (1.0 - x)).collect() }
+        let abscissae = self.abscissae.iter().map(|x| x * x * (3.0 - 2.0 * x)).collect();
+        let weights = self.abscissae.iter().zip(&self.weights);
+        Self { abscissae, weights: weights.map(|(x, w)| w * 6.0 * x * (1.0 - x)).collect() }
     }
 
     /// How many nodes.
     pub(super) fn len(&self) -> usize {
-        self.places.len()
+        self.abscissae.len()
     }
 
     /// The next nodes and weights, if they are as many as are worked on together.
     fn block(&self, first: usize) -> Option<(&Block, &Block)> {
-        let places = self.places[first..].first_chunk()?;
-        Some((places, self.weights[first..].first_chunk()?))
+        let abscissae = self.abscissae[first..].first_chunk()?;
+        Some((abscissae, self.weights[first..].first_chunk()?))
     }
 
     /// All nodes and weights.
     pub(super) fn iter(&self) -> impl Iterator<Item = (f64, f64)> {
-        self.places.iter().copied().zip(self.weights.iter().copied())
+        self.abscissae.iter().copied().zip(self.weights.iter().copied())
     }
 
     /// A node and its weight.
     pub(super) fn at(&self, node: usize) -> (f64, f64) {
-        (self.places[node], self.weights[node])
+        (self.abscissae[node], self.weights[node])
     }
 }
 
@@ -178,7 +178,7 @@ impl Quadrature {
                 .map(|blocks| (-accuracy.ln() * part_of_a_node(blocks)).cosh())
                 .collect(),
             inner: rule.inner[..=MOST_LUBRICATED].to_vec(),
-            reach: rule.reach[..=MOST_LUBRICATED].to_vec(),
+            pole_distance: rule.pole_distance[..=MOST_LUBRICATED].to_vec(),
         }
     }
 
@@ -191,18 +191,18 @@ impl Quadrature {
     /// How many blocks of angles on half a ring resolve a slip; none where its poles are so near that lines about
     /// them are better.
     pub(super) fn blocks(&self, slip: &EllipseSlip<f64>) -> usize {
-        let reach = slip.poles().map(|Pole { at, width }| {
+        let pole_distance = slip.poles().map(|Pole { at, width }| {
             // |z − 1| + |z + 1| = 2 cosh η of a pole z
             let square = width * width;
             0.5 * (((at - 1.0).powi(2) + square).sqrt() + ((at + 1.0).powi(2) + square).sqrt())
         });
-        let reach = reach[0].min(reach[1]);
-        self.resolved.iter().position(|least| reach >= *least).map_or(0, |place| place + 1)
+        let pole_distance = pole_distance[0].min(pole_distance[1]);
+        self.resolved.iter().position(|least| pole_distance >= *least).map_or(0, |index| index + 1)
     }
 
     /// Least `$\sinh^2\eta$` of a spin pole that does not count as inside.
     fn least(&self) -> f64 {
-        self.reach.last().copied().unwrap_or(f64::INFINITY)
+        self.pole_distance.last().copied().unwrap_or(f64::INFINITY)
     }
 
     fn nodes(accuracy: f64) -> NonZeroUsize {
@@ -228,7 +228,7 @@ impl Quadrature {
         let part = NonZeroUsize::new((3 * nodes.get()).div_ceil(4)).unwrap_or(nodes);
         let most = u32::try_from(MOST_INNER).expect("few");
         // m = max(2, ⌈−ln ε/(2η)⌉ − 1): η from which m nodes are enough  (T19)
-        let reach = |m: u32| {
+        let pole_distance = |m: u32| {
             let eta = -tolerance.ln() / (2.0 * f64::from(m + 1));
             if m < 2 { f64::INFINITY } else { eta.sinh().powi(2) }
         };
@@ -240,7 +240,7 @@ impl Quadrature {
             angles: Vec::new(),
             resolved: Vec::new(),
             inner: (0..=most).map(|m| chebyshev(m + more)).collect(),
-            reach: (0..=most).map(reach).collect(),
+            pole_distance: (0..=most).map(pole_distance).collect(),
         }
     }
 
@@ -248,8 +248,9 @@ impl Quadrature {
     /// spin pole is so near that they do not suffice.
     pub(super) fn count(&self, square: f64) -> Option<usize> {
         // It falls with the number: a count without branches.
-        let number = self.reach.iter().filter(|reach| square < **reach).count();
-        (number < self.reach.len()).then_some(number)
+        let number =
+            self.pole_distance.iter().filter(|pole_distance| square < **pole_distance).count();
+        (number < self.pole_distance.len()).then_some(number)
     }
 
     /// The same for several lines.
@@ -261,13 +262,13 @@ impl Quadrature {
     #[inline(always)]
     pub(super) fn counts<S: Simd>(&self, square: Lane<S>) -> [Option<usize>; BLOCK] {
         let mut number = square.constant(0.0);
-        for reach in &self.reach {
-            number = number + square.lt(square.constant(*reach)).to_numbers();
+        for pole_distance in &self.pole_distance {
+            number = number + square.lt(square.constant(*pole_distance)).to_numbers();
         }
         let mut counts = [None; BLOCK];
         for (count, number) in counts.iter_mut().zip(number.as_slice()) {
             let number = *number as usize;
-            *count = (number < self.reach.len()).then_some(number);
+            *count = (number < self.pole_distance.len()).then_some(number);
         }
         counts
     }
@@ -277,13 +278,13 @@ impl Quadrature {
 #[derive(Debug, Clone, Copy)]
 pub struct EllipseSlip<F> {
     /// Coefficients of the slip along the groove.
-    pub(super) along: [F; 3],
+    pub(super) longitudinal: [F; 3],
     /// Ball radius, and how far the surface falls off at the end of the ellipse.
     pub(super) radius: F,
     pub(super) sagitta: F,
     /// Angular velocity about the groove, and that of spin by the short semi-axis.
-    roll: F,
-    pub(super) turn: F,
+    rolling_rate: F,
+    pub(super) spin_speed: F,
     pub(super) creep: F,
 }
 
@@ -338,21 +339,21 @@ impl<F: Compare> EllipseSlip<F> {
         semi_axes: (F, F),
         (pressed_radius, radius): (F, F),
         speed: F,
-        [roll, spin, across]: [F; 3],
+        [rolling_rate, spin, across]: [F; 3],
         creep: F,
     ) -> Self {
         let (a, b) = semi_axes;
         let sagitta = surface_drop(a, pressed_radius);
         // q₀ = A + ω_c r_b,  q₁ = ω_N a,  q₂ = −ω_c a²/(2 R_c)           (T12)
-        let along = [speed + across * radius, spin * a, -(across * sagitta)];
-        Self { along, radius, sagitta, roll, turn: spin * b, creep }
+        let longitudinal = [speed + across * radius, spin * a, -(across * sagitta)];
+        Self { longitudinal, radius, sagitta, rolling_rate, spin_speed: spin * b, creep }
     }
 
     /// Slip along the groove.
     #[inline(always)]
     pub(super) fn along(&self, xi: F) -> F {
         // v_t = q₀ + q₁ ξ + q₂ ξ²                                        (T12)
-        (self.along[2] * xi + self.along[1]) * xi + self.along[0]
+        (self.longitudinal[2] * xi + self.longitudinal[1]) * xi + self.longitudinal[0]
     }
 
     /// Slip across it, `$-(b_0 + b_1 s)$`.
@@ -365,7 +366,7 @@ impl<F: Compare> EllipseSlip<F> {
     #[inline(always)]
     pub(super) fn across_at(&self, xi: F, half_length: F) -> (F, F) {
         // b₀ = ω_t h,  b₁ = ω_N Y                                        (T13)
-        (self.roll * self.height(xi), self.turn * half_length)
+        (self.rolling_rate * self.height(xi), self.spin_speed * half_length)
     }
 
     /// Height over the ball centre.
@@ -392,7 +393,7 @@ impl<F: Compare> EllipseSlip<F> {
     /// The poles that belong to the two lines of pure rolling, from left to right.
     #[inline(always)]
     pub(super) fn poles(&self) -> [Pole<F>; 2] {
-        let [q_0, q_1, q_2] = self.along;
+        let [q_0, q_1, q_2] = self.longitudinal;
         let (zero, one) = (q_0.constant(0.0), q_0.constant(1.0));
         let (s_1, s_2) = (F::select(q_1.lt(zero), -one, one), F::select(q_2.lt(zero), -one, one));
         let (q_2, d) = (divisor(q_2), q_1 * q_1 - q_0 * q_2 * 4.0);
@@ -450,7 +451,7 @@ pub(crate) struct Placement<'a> {
     pub(crate) rule: &'a Quadrature,
     pub(crate) plan: Option<&'a OnceCell<FrozenRule>>,
     /// On the way to a root: sums to 1e-5, and spin poles inside are not resolved; of a constant coefficient.
-    pub(crate) rough: bool,
+    pub(crate) coarse: bool,
 }
 
 impl<'a> Placement<'a> {
@@ -475,7 +476,7 @@ impl<'a> Placement<'a> {
             }
             half /= 2;
         }
-        if self.rough || rule.least() <= least[0] {
+        if self.coarse || rule.least() <= least[0] {
             return (rule.count(least[0]).or(Some(UNRESOLVED)), None);
         }
         let mut inside = [0.0; BLOCK];
@@ -492,7 +493,7 @@ impl<'a> Placement<'a> {
     }
 
     /// Fills the plan if it is new.
-    pub(super) fn keep(&self, made: FrozenRule) {
+    pub(super) fn freeze(&self, made: FrozenRule) {
         if let Some(plan) = self.plan {
             plan.get_or_init(|| made);
         }
@@ -506,7 +507,7 @@ impl<'a> Placement<'a> {
 
 impl<'a> From<&'a Quadrature> for Placement<'a> {
     fn from(rule: &'a Quadrature) -> Self {
-        Self { rule, plan: None, rough: false }
+        Self { rule, plan: None, coarse: false }
     }
 }
 
@@ -554,12 +555,12 @@ impl Chords {
     ///
     /// * `of_panel`: where a panel begins, its length, and its pole, of the nodes from a number on.
     #[inline(always)]
-    fn place<S: Simd>(
+    fn place_nodes<S: Simd>(
         &mut self,
         simd: S,
         (nodes, frozen): (Placement<'_>, Option<&FrozenChords>),
         slip: &EllipseSlip<Lane<S>>,
-        (places, parts): (&Block, &Block),
+        (abscissae, parts): (&Block, &Block),
         of_panel: &[Block; 4],
     ) {
         let mut square = [0.0; BLOCK];
@@ -568,9 +569,9 @@ impl Chords {
                 (Lane::load(simd, &of_panel[0][i..]), Lane::load(simd, &of_panel[1][i..]));
             let (at, width) =
                 (Lane::load(simd, &of_panel[2][i..]), Lane::load(simd, &of_panel[3][i..]));
-            let place = Lane::load(simd, &places[i..]);
+            let abscissa = Lane::load(simd, &abscissae[i..]);
             let part = Lane::load(simd, &parts[i..]);
-            let (x, part) = line(&Pole { at, width }, from + length * place, length * part);
+            let (x, part) = line(&Pole { at, width }, from + length * abscissa, length * part);
             x.store(&mut self.xi[i..]);
             part.store(&mut self.weight[i..]);
             half_length(x).store(&mut self.half_length[i..]);
@@ -658,7 +659,7 @@ impl<'a> Panels<'a> {
         for (i, (low, high)) in [(-1.0, middle), (middle, 1.0)].into_iter().enumerate() {
             let pole = poles[i];
             let inside = plan.map_or(square[i] < rule.least(), |plan| plan.split[i]);
-            all.split[i] = inside && !nodes.rough && low < pole.at && pole.at < high;
+            all.split[i] = inside && !nodes.coarse && low < pole.at && pole.at < high;
             let (cut, nodes) =
                 if all.split[i] { (pole.at, &rule.part) } else { (high, &rule.panel) };
             for (low, high) in [(low, cut), (cut, high)] {
@@ -675,17 +676,17 @@ impl<'a> Panels<'a> {
     /// The next nodes from node `node` of a panel on, and where they end; unused places repeat the last
     /// one without weight.
     fn gather(&self, mut panel: usize, mut node: usize, block: &mut LineNodes) -> (usize, usize) {
-        let LineNodes { places, parts, of_panel } = block;
+        let LineNodes { abscissae, parts, of_panel } = block;
         for i in 0..BLOCK {
             if panel == self.count {
-                places[i] = places[i - 1];
+                abscissae[i] = abscissae[i - 1];
                 for block in &mut *of_panel {
                     block[i] = block[i - 1];
                 }
                 continue;
             }
             let Panel { pole, ends: [begin, end], nodes } = self.parts[panel];
-            (places[i], parts[i]) = nodes.at(node);
+            (abscissae[i], parts[i]) = nodes.at(node);
             for (block, x) in of_panel.iter_mut().zip([begin, end - begin, pole.at, pole.width]) {
                 block[i] = x;
             }
@@ -710,10 +711,10 @@ impl<'a> Panels<'a> {
         let frozen = of.frozen().and_then(|plan| plan.lines.get(at.number));
         at.number += 1;
         let Panel { pole, ends: [begin, end], nodes } = self.parts[at.panel];
-        if let Some((places, parts)) = nodes.block(at.node) {
+        if let Some((abscissae, parts)) = nodes.block(at.node) {
             let of_panel =
                 [[begin; BLOCK], [end - begin; BLOCK], [pole.at; BLOCK], [pole.width; BLOCK]];
-            lines.place(simd, (of, frozen), slip, (places, parts), &of_panel);
+            lines.place_nodes(simd, (of, frozen), slip, (abscissae, parts), &of_panel);
             at.node += BLOCK;
             if at.node == nodes.len() {
                 (at.panel, at.node) = (at.panel + 1, 0);
@@ -721,8 +722,8 @@ impl<'a> Panels<'a> {
         } else {
             let mut block = LineNodes::default();
             (at.panel, at.node) = self.gather(at.panel, at.node, &mut block);
-            let LineNodes { places, parts, of_panel } = &block;
-            lines.place(simd, (of, frozen), slip, (places, parts), of_panel);
+            let LineNodes { abscissae, parts, of_panel } = &block;
+            lines.place_nodes(simd, (of, frozen), slip, (abscissae, parts), of_panel);
         }
     }
 }
@@ -750,7 +751,7 @@ pub(super) fn each_chord<S: Simd>(
 ) {
     let all = Panels::of(simd, nodes, slips, done);
     let mut at = [At::default(); 2];
-    let mut planned = [Vec::new(), Vec::new()];
+    let mut frozen_chords = [Vec::new(), Vec::new()];
     let mut lines = [[Chords::NONE; AHEAD]; 2];
     loop {
         let mut found = [0; 2];
@@ -760,7 +761,7 @@ pub(super) fn each_chord<S: Simd>(
                 let next = &mut lines[c][found[c]];
                 all[c].next(simd, &mut at[c], nodes[c], &slip, next);
                 if nodes[c].is_new() {
-                    planned[c].push((next.inner, next.inside));
+                    frozen_chords[c].push((next.inner, next.inside));
                 }
                 found[c] += 1;
             }
@@ -774,8 +775,8 @@ pub(super) fn each_chord<S: Simd>(
             }
         }
     }
-    for (c, lines) in planned.into_iter().enumerate() {
-        nodes[c].keep(FrozenRule { blocks: 0, split: all[c].split, lines });
+    for (c, lines) in frozen_chords.into_iter().enumerate() {
+        nodes[c].freeze(FrozenRule { blocks: 0, split: all[c].split, lines });
     }
 }
 
@@ -809,7 +810,7 @@ pub(super) fn line_at<S: Simd, const N: usize>(
 /// its length, and its pole.
 #[derive(Default)]
 struct LineNodes {
-    places: Block,
+    abscissae: Block,
     parts: Block,
     of_panel: [Block; 4],
 }
@@ -817,13 +818,20 @@ struct LineNodes {
 impl<F: Copy> EllipseSlip<F> {
     #[inline(always)]
     fn numbers(&self) -> [F; 8] {
-        let Self { along: [q_0, q_1, q_2], radius, sagitta, roll, turn, creep } = *self;
-        [q_0, q_1, q_2, radius, sagitta, roll, turn, creep]
+        let Self {
+            longitudinal: [q_0, q_1, q_2],
+            radius,
+            sagitta,
+            rolling_rate,
+            spin_speed,
+            creep,
+        } = *self;
+        [q_0, q_1, q_2, radius, sagitta, rolling_rate, spin_speed, creep]
     }
 
     #[inline(always)]
-    fn of([q_0, q_1, q_2, radius, sagitta, roll, turn, creep]: [F; 8]) -> Self {
-        Self { along: [q_0, q_1, q_2], radius, sagitta, roll, turn, creep }
+    fn of([q_0, q_1, q_2, radius, sagitta, rolling_rate, spin_speed, creep]: [F; 8]) -> Self {
+        Self { longitudinal: [q_0, q_1, q_2], radius, sagitta, rolling_rate, spin_speed, creep }
     }
 }
 
@@ -880,8 +888,8 @@ pub fn power_of_many<S: Simd, const N: usize>(
         let mut lines = [(zero, zero); BLOCK];
         let mut square = zero.constant(f64::INFINITY);
         for (node, known) in lines.iter_mut().enumerate() {
-            let (place, part) = rule.panel.at(node);
-            *known = line(&pole, length * place + from, length * part);
+            let (abscissa, part) = rule.panel.at(node);
+            *known = line(&pole, length * abscissa + from, length * part);
             square = square.min(slip.analyticity(known.0));
         }
         resolved = resolved & least.le(square);
@@ -892,13 +900,13 @@ pub fn power_of_many<S: Simd, const N: usize>(
             most = most.max(rule.inner[*count].len());
         }
         for k in 0..most {
-            let (mut places, mut parts) = ([0.0; MANY], [0.0; MANY]);
+            let (mut abscissae, mut parts) = ([0.0; MANY], [0.0; MANY]);
             for i in 0..Lane::<S, N>::LEN {
-                if let Some((place, part)) = rule.inner[counts[i]].get(k) {
-                    (places[i], parts[i]) = (*place, *part);
+                if let Some((abscissa, part)) = rule.inner[counts[i]].get(k) {
+                    (abscissae[i], parts[i]) = (*abscissa, *part);
                 }
             }
-            let (s, part) = (zero.like(&places), zero.like(&parts));
+            let (s, part) = (zero.like(&abscissae), zero.like(&parts));
             for (xi, weight) in lines {
                 let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across(xi));
                 let v_c = b_0 + b_1 * s;

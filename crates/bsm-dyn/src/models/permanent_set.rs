@@ -189,16 +189,16 @@ mod tests {
             traction.solve(&mut crate::TractionWorkspace::default()),
         ] {
             let (loads, angles) = state(&o);
-            let settled = screw.permanent_set(loads, angles).unwrap();
+            let deformed = screw.permanent_set(loads, angles).unwrap();
             // The permanent approach is 1e-5 of the elastic one here, and 1e-8 of the distance of
             // the arc centres, by which the angles turn.
             for i in 0..2 {
-                assert!(settled.permanent[i] < 2e-5 * settled.elastic[i], "{settled:?}");
-                assert_relative_eq!(settled.loads[i], loads[i], max_relative = 1e-7);
-                assert_relative_eq!(settled.angles[i], angles[i], max_relative = 1e-7);
+                assert!(deformed.permanent[i] < 2e-5 * deformed.elastic[i], "{deformed:?}");
+                assert_relative_eq!(deformed.loads[i], loads[i], max_relative = 1e-7);
+                assert_relative_eq!(deformed.angles[i], angles[i], max_relative = 1e-7);
             }
             assert_relative_eq!(
-                settled.elastic[0],
+                deformed.elastic[0],
                 o.contact(Site::Nut).unwrap().pressed.unwrap().approach,
                 max_relative = 1e-7
             );
@@ -211,15 +211,15 @@ mod tests {
         let screw = screw(24e3);
         let raceway = RacewayControl { at: screw, control: None };
         let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()));
-        let settled = screw.permanent_set(loads, angles).unwrap();
+        let deformed = screw.permanent_set(loads, angles).unwrap();
         for i in 0..2 {
-            assert!(settled.angles[i] > angles[i] + 1e-3, "{settled:?}");
-            let axial = settled.loads[i] * settled.angles[i].sin();
+            assert!(deformed.angles[i] > angles[i] + 1e-3, "{deformed:?}");
+            let axial = deformed.loads[i] * deformed.angles[i].sin();
             assert_relative_eq!(axial, loads[i] * angles[i].sin(), max_relative = 1e-13);
         }
         let radial = |q: [f64; 2], b: [f64; 2]| q[0] * b[0].cos() - q[1] * b[1].cos();
         // Rounding of loads of 700 N.
-        let change = radial(settled.loads, settled.angles) - radial(loads, angles);
+        let change = radial(deformed.loads, deformed.angles) - radial(loads, angles);
         assert!(change.abs() < 1e-11, "{change}");
     }
 
@@ -230,14 +230,14 @@ mod tests {
         let screw = screw(44.0);
         let raceway = RacewayControl { at: screw, control: None };
         let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()));
-        let settled = screw.permanent_set(loads, angles).unwrap();
+        let deformed = screw.permanent_set(loads, angles).unwrap();
         let [nut, screw_offset] = screw.grooves().map(|g| g.offset(screw.point.ball.radius));
-        let length = |i: usize, l: f64| l + settled.elastic[i] + settled.permanent[i];
+        let length = |i: usize, l: f64| l + deformed.elastic[i] + deformed.permanent[i];
         let (l_a, l_b) = (length(0, nut), length(1, screw_offset));
-        let [(sin_a, cos_a), (sin_b, cos_b)] = settled.angles.map(f64::sin_cos);
+        let [(sin_a, cos_a), (sin_b, cos_b)] = deformed.angles.map(f64::sin_cos);
         let square = (l_a * sin_a + l_b * sin_b).powi(2) + (l_a * cos_a + l_b * cos_b).powi(2);
         let radical = ((l_a + l_b).powi(2) - square) / (square - (l_a - l_b).powi(2));
-        let difference = settled.angles[1] - settled.angles[0];
+        let difference = deformed.angles[1] - deformed.angles[0];
         assert!(difference > 8e-3, "{difference}");
         assert_relative_eq!(2.0 * radical.sqrt().atan(), difference, epsilon = 1e-12);
         // The lengths close the triangle whose height the unloaded angle gives.

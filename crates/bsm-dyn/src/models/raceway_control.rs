@@ -229,9 +229,9 @@ impl RollingBall {
         let [nut, screw] =
             balances.map(|ball| ball.rolling(&self.loaded).precession + contacts.nut_speed);
         let rates = [nut - screw, nut + screw];
-        let apart =
+        let difference =
             spread_of_control(contacts.inertia_ratio(), contacts.helix.lead_angle.cos(), rates);
-        nut_excess(contacts, &self.loaded).abs() > RacewayControl::CLEAR * apart
+        nut_excess(contacts, &self.loaded).abs() > RacewayControl::CLEAR * difference
     }
 
     /// The same to two digits, also where centrifugal forces are so large that raceway control

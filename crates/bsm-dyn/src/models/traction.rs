@@ -117,7 +117,7 @@ struct SlipBall<'a, P = f64> {
 struct Lubrication<'a, P = f64> {
     ehl: &'a EhlPoint<P>,
     /// Part of the friction that comes from it; the rest has one coefficient.
-    part: f64,
+    fraction: f64,
     /// Derivatives of all that changes, by jets; else without those that hardly matter, by hand.
     complete: bool,
 }
@@ -135,7 +135,7 @@ struct SlipState<D> {
 
 impl<P: Scalar> SlipBall<'_, P> {
     fn state<D: Integrate<P>>(&self, y: &[D; BALL]) -> Result<SlipState<D>, EvalError> {
-        self.rubbed(y, D::from(self.contacts.friction))
+        self.contact_wrenches(y, D::from(self.contacts.friction))
     }
 
     /// Contacts of a state.
@@ -159,7 +159,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     }
 
     /// The state with another friction coefficient.
-    fn rubbed<D: Integrate<P>>(
+    fn contact_wrenches<D: Integrate<P>>(
         &self,
         y: &[D; BALL],
         friction: D,
@@ -169,9 +169,9 @@ impl<P: Scalar> SlipBall<'_, P> {
         let to_nut = self.motion_to_nut(y, &loaded);
         let motions = to_both(&to_nut, &loaded.frame);
         let (mut power, mut sliding) = (0.0, [0.0; 2]);
-        let part = self.lubrication.map_or(0.0, |lubrication| lubrication.part);
+        let fraction = self.lubrication.map_or(0.0, |lubrication| lubrication.fraction);
         let mut wrench = [Wrench::zero(); 2];
-        if part < 1.0 {
+        if fraction < 1.0 {
             wrench = from_fn(|i| {
                 let contact = &loaded.contacts[i];
                 let local = Local::of(&motions[i], contact, D::from(contacts.arc));
@@ -182,7 +182,7 @@ impl<P: Scalar> SlipBall<'_, P> {
                 sliding[i] = pull.re() * unit_power;
                 power += sliding[i];
                 // f Q ∫ dF,  f Q ∫ dM                                     (T2)
-                unit.wrench(contact) * (pull * (1.0 - part))
+                unit.wrench(contact) * (pull * (1.0 - fraction))
             });
         }
         let losses = self.lubrication.map(|Lubrication { ehl, .. }| {
@@ -191,7 +191,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         });
         if let Some(losses) = &losses {
             // ∫ dF + F_h,  ∫ r × dF + r × F_h + C_h                       (Y32)
-            wrench = from_fn(|i| wrench[i] + losses[i].wrench * D::from(part));
+            wrench = from_fn(|i| wrench[i] + losses[i].wrench * D::from(fraction));
             sliding = losses.each_ref().map(|loss| loss.sliding.re());
             power = losses.iter().map(|loss| (loss.sliding + loss.rolling).re()).sum();
         }
@@ -207,7 +207,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     /// The nodes at nut (0) or screw (1).
     fn nodes(&self, i: usize) -> Placement<'_> {
         let (rule, plan) = (self.quadrature, self.plans.map(|plans| &plans[i]));
-        Placement { rule, plan, rough: self.enough >= NEAR && self.lubrication.is_none() }
+        Placement { rule, plan, coarse: self.enough >= NEAR && self.lubrication.is_none() }
     }
 
     /// What the unknown of the precession leaves out of its rate: the nut's speed where that is far
@@ -220,24 +220,29 @@ impl<P: Scalar> SlipBall<'_, P> {
 
     fn residual<D: Integrate<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
         let rate = y[PRECESSION] + self.offset();
-        Ok(self.left(y, &self.state(y)?, rate))
+        Ok(self.residual_of(y, &self.state(y)?, rate))
     }
 
     /// What the balance leaves over, with the inertia forces of a precession rate.
-    fn left<D: Integrate<P>>(&self, y: &[D; BALL], state: &SlipState<D>, rate: D) -> [D; BALL] {
+    fn residual_of<D: Integrate<P>>(
+        &self,
+        y: &[D; BALL],
+        state: &SlipState<D>,
+        rate: D,
+    ) -> [D; BALL] {
         // k × ω = ω'_n k × n − ω'_c n                                     (T5)
         let [_, radial, around] = OMEGA.map(|i| y[i]);
         let n = state.loaded.frame.n;
         let omega = n * radial + state.loaded.frame.k.cross(&n) * around;
-        let mut left = self.contacts.balance(
+        let mut residual = self.contacts.balance(
             &state.loaded,
             &Motion { precession: rate, omega },
             &state.wrench,
         );
         if let Some(push) = &self.push {
-            push.add_to(&mut left, self.contacts, (&state.loaded, &state.to_nut));
+            push.add_to(&mut residual, self.contacts, (&state.loaded, &state.to_nut));
         }
-        left
+        residual
     }
 }
 
@@ -296,7 +301,7 @@ impl SlipBall<'_> {
     ) -> f64 {
         let other = found.and_then(|found| {
             // y' = y − J⁻¹ F'(y)                                          (T24)
-            let step = newton.correction(&found.left).ok()?;
+            let step = newton.correction(&found.residual).ok()?;
             let further = step.iter().zip(slope).map(|(x, slope)| x * slope).sum::<f64>();
             let torque = found.transmitted.torque + further;
             let Helix { radius, lead_angle } = self.contacts.helix;
@@ -330,7 +335,7 @@ impl SlipBall<'_> {
     fn weights_of(&self, y: &[f64; BALL], friction: f64, rate: f64) -> [f64; BALL] {
         let centrifugal = self.contacts.inertia_ratio() * rate * rate;
         let across = if self.nut_chart {
-            centrifugal.min(self.rubbing(y, friction, centrifugal))
+            centrifugal.min(self.friction_force(y, friction, centrifugal))
         } else {
             centrifugal
         };
@@ -340,7 +345,7 @@ impl SlipBall<'_> {
     }
 
     /// Size of the friction at the nut that the digits of its slip are worth.
-    fn rubbing(&self, y: &[f64; BALL], friction: f64, load: f64) -> f64 {
+    fn friction_force(&self, y: &[f64; BALL], friction: f64, load: f64) -> f64 {
         // f C (|P − Ω_n| r_m + |ω'|)/v_e                                  (T11)
         let turning = OMEGA.iter().map(|i| y[*i].abs()).sum::<f64>();
         let slip = y[PRECESSION].abs() * self.contacts.helix.radius + turning;

@@ -47,16 +47,19 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
         // Beyond, the precession, which the angles change by tenths, may turn the slope of the radial balance.
         let unique = inertia.lt(zero.constant(RacewayControl::UNIQUE_BELOW));
         let mut at = balance.start(contacts.cos_b / contacts.sin_b, contacts.regular);
-        balance.settle(&mut at);
-        let mut found = contacts.regular & at.settled & (unique | balance.is_first(at.unknowns));
+        balance.iterate(&mut at);
+        let mut found = contacts.regular & at.converged & (unique | balance.is_first(at.unknowns));
         if control.is_none() {
             let sides = balance.loaded(at.unknowns);
             let excess = contacts.nut_excess(&sides);
             balance.by_nut = zero.lt(excess);
-            found = found & excess.abs().gt(apart(contacts, &sides) * RacewayControl::CLEAR + TIE);
-            at.settled = at.settled & balance.by_nut | !found;
-            balance.settle(&mut at);
-            found = found & at.settled & (unique | balance.is_first(at.unknowns));
+            found = found
+                & excess
+                    .abs()
+                    .gt(cotangent_difference(contacts, &sides) * RacewayControl::CLEAR + TIE);
+            at.converged = at.converged & balance.by_nut | !found;
+            balance.iterate(&mut at);
+            found = found & at.converged & (unique | balance.is_first(at.unknowns));
         }
         let sides = balance.loaded(at.unknowns);
         let [a, b] = &sides;
@@ -79,7 +82,7 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
 
 /// By how much the cotangents differ between the balls of both raceways, to first order.
 #[inline(always)]
-fn apart<S: Simd>(contacts: &Contacts<S>, [a, b]: &[LaneContact<S>; 2]) -> Lane<S> {
+fn cotangent_difference<S: Simd>(contacts: &Contacts<S>, [a, b]: &[LaneContact<S>; 2]) -> Lane<S> {
     let (zero, lead) = (contacts.constant(0.0), (contacts.sin_a, contacts.cos_a));
     let angles = [(a.sin, a.cos), (b.sin, b.cos)];
     let (nut, _) = rolling(zero.le(zero), lead, contacts.arc, angles);

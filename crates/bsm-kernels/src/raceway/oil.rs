@@ -77,9 +77,9 @@ impl<S: Simd> OilLane<S> {
             EhlLoss::of(&ehl, 1, (k_screw, contacts), &ellipses[1]),
         ];
         let across = motion.omega[1] - motion.p * contacts.cos_a;
-        let rubbing = (motion.omega[0] * motion.omega[0] + across * across).sqrt();
+        let sliding_speed = (motion.omega[0] * motion.omega[0] + across * across).sqrt();
         let circling = BallOrbit {
-            rubbing: rubbing * speed,
+            sliding_speed: sliding_speed * speed,
             rate: motion.p.abs() * speed,
             relative_speed: speed,
             radius: ball,

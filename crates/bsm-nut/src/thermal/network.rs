@@ -76,7 +76,7 @@ struct Fin {
     near: f64,
     far: f64,
     /// `$\tanh(m l_e/2)/m$` \[m\].
-    reach: f64,
+    end_length: f64,
     /// `$l_e$` \[m\].
     length: f64,
 }
@@ -99,7 +99,7 @@ impl Network {
             // Y_d = k A_s m coth(m l_e),  Y_o = k A_s m/sinh(m l_e),  m = √(g/(k A_s))  (I7)
             near: conducted * m / (m * length).tanh(),
             far: conducted * m / (m * length).sinh(),
-            reach: (0.5 * m * length).tanh() / m,
+            end_length: (0.5 * m * length).tanh() / m,
             length,
         }
     }
@@ -143,7 +143,8 @@ impl Network {
     /// Free growth of the screw \[m\] (I16).
     pub fn growth(&self, &[_, screw, _, first, second]: &[f64; NODES]) -> f64 {
         let (fin, (_, around)) = (self.fin(), self.along());
-        let outside = |end: f64| fin.reach * (screw + end - 2.0 * around) + fin.length * around;
+        let outside =
+            |end: f64| fin.end_length * (screw + end - 2.0 * around) + fin.length * around;
         // D_l = α_T {L_t T_s + Σ [tanh(m l_e/2)/m (T_s + T_i − 2 T_f) + l_e T_f]}  (I16)
         self.screw.expansion * (self.screw.travel * screw + outside(first) + outside(second))
     }

@@ -55,7 +55,7 @@ impl<D: Field> OutsidePower<D> {
 #[derive(Debug, Clone, Copy)]
 pub struct BallOrbit<D> {
     /// `$|(\omega - P k) \times t|$` \[rad/s\].
-    pub rubbing: D,
+    pub sliding_speed: D,
     /// `$|P - \Omega_n|$` \[rad/s\].
     pub rate: D,
     /// `$|W|$` \[rad/s\].
@@ -78,14 +78,14 @@ impl<D: Field> Losses<D> {
     /// * `density`: of the lubricant \[kg/m³\].
     #[inline(always)]
     pub fn power(&self, ball: &BallOrbit<D>, density: D) -> OutsidePower<D> {
-        let BallOrbit { rubbing, rate, relative_speed, radius, mass, .. } = *ball;
+        let BallOrbit { sliding_speed, rate, relative_speed, radius, mass, .. } = *ball;
         let travel = ball.arc * rate;
         // P = Z μ_bb F_bb 2 r_b |(ω − P k) × t|                           (Y25)
         let ball_contact = ball.balls
             * self.ball_contact_friction
             * self.ball_contact_force
             * radius
-            * rubbing
+            * sliding_speed
             * 2.0;
         // P = n_c ζ (m v²/2) v/(2 r_b),  v = d |P − Ω_n|                  (Y26)
         let ball_return = self.return_circuits * self.return_loss * mass * travel.square() * travel

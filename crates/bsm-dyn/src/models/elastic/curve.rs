@@ -54,10 +54,10 @@ pub(super) fn root(
     any: bool,
 ) -> Result<([f64; BALL], usize), Unsolved> {
     let mut curve = SlidingCurve { ball: contacts.into(), steps: 0 };
-    let level = curve.begin(contacts.jones.contact_angle)?;
-    let (root, sign) = match curve.direct(&level, any) {
+    let start = curve.begin(contacts.jones.contact_angle)?;
+    let (root, sign) = match curve.straight_root(&start, any) {
         Some(root) => root,
-        None => curve.search(&level, &STEP_CONTROL)?,
+        None => curve.search(&start, &STEP_CONTROL)?,
     };
     Ok((curve.ball.unknowns(&root.state, &root.motion, sign), curve.steps))
 }
@@ -70,8 +70,8 @@ struct SlidingCurve {
 
 impl SlidingCurve {
     /// The node at a point of the curve.
-    fn held(&self, z: &[f64; CURVE]) -> Option<SlidingPoint> {
-        let (state, _) = self.ball.held(z)?;
+    fn state_at(&self, z: &[f64; CURVE]) -> Option<SlidingPoint> {
+        let (state, _) = self.ball.state_at(z)?;
         Some(SlidingPoint { state, motion: self.ball.motion(&state) })
     }
 
@@ -91,27 +91,27 @@ impl SlidingCurve {
             return Err(Unsolved::none(Evidence::Proof, locks));
         }
         let begin = self.ball.begin(unloaded, &mut self.steps).ok_or(Unsolved::LOST)?;
-        let level = self.ball.state_without_inertia(begin, true);
-        self.count(level.steps);
-        if !level.found {
+        let start = self.ball.state_without_inertia(begin, true);
+        self.count(start.steps);
+        if !start.found {
             return Err(Unsolved::LOST);
         }
-        if self.rise(&level) < 0.0 {
+        if self.rise(&start) < 0.0 {
             let reason = Reason::InertiaOutOfRange { inertia_ratio: self.ball.inertia_ratio };
             return Err(Unsolved::invalid(reason));
         }
-        Ok(level)
+        Ok(start)
     }
 
     /// From where the curve begins to the root, if the curve were straight up to it, in `$\ln q$`.
-    fn rise(&self, level: &CurveState<f64>) -> f64 {
-        self.ball.inertia_ratio.ln() - level.log_inertia()
+    fn rise(&self, start: &CurveState<f64>) -> f64 {
+        self.ball.inertia_ratio.ln() - start.log_inertia()
     }
 
     /// The root that Newton finds from where the curve begins: the first one, if the inertia only rises up to there, or any.
-    fn direct(&mut self, level: &CurveState<f64>, any: bool) -> Option<CurveRoot> {
-        let root = self.ball.first(level, any);
-        self.count(root.steps - level.steps);
+    fn straight_root(&mut self, start: &CurveState<f64>, any: bool) -> Option<CurveRoot> {
+        let root = self.ball.first(start, any);
+        self.count(root.steps - start.steps);
         let node = SlidingPoint { state: root.state, motion: root.motion };
         (if any { root.steady } else { root.found }).then_some((node, root.rate.signum()))
     }
@@ -119,18 +119,19 @@ impl SlidingCurve {
     /// The first root along the whole curve, or why there is none.
     fn search(
         &mut self,
-        level: &CurveState<f64>,
-        stride: &StepControl,
+        start: &CurveState<f64>,
+        control: &StepControl,
     ) -> Result<CurveRoot, Unsolved> {
         let inertia = self.ball.inertia_ratio;
-        let slip = level.motion.slip[0];
+        let slip = start.motion.slip[0];
         // Smallest and largest inertia ratio of a ball that slides against friction on its flanks.
         let mut seen = None::<(f64, f64)>;
-        if level.is_admissible() {
-            seen = Some((0.0, level.log_inertia().exp()));
+        if start.is_admissible() {
+            seen = Some((0.0, start.log_inertia().exp()));
         }
-        let CurveState { place: [log, screw, c], state, .. } = self.below(level);
-        let seed = Seed { z: [log, state.across[0], screw, c], towards: [1.0, 0.0, 0.0, 0.0] };
+        let CurveState { point: [log, screw, c], state, .. } = self.below(start);
+        let seed =
+            Seed { z: [log, state.slip_cotangents[0], screw, c], towards: [1.0, 0.0, 0.0, 0.0] };
         let (mut root, mut known, mut admissible, mut refined) = (None, 0, false, true);
         let Trace { end, steps, .. } = trace(
             &self.ball,
@@ -138,18 +139,18 @@ impl SlidingCurve {
             |z, way| self.events(z, way),
             |Trace { crossings, last: z, .. }| {
                 for at in &crossings[known..] {
-                    let node = if stride.goal > EXACT.goal {
+                    let node = if control.goal > EXACT.goal {
                         let node = self.refined(at);
                         refined &= node.is_some();
                         node
                     } else {
-                        self.held(&at.z)
+                        self.state_at(&at.z)
                     };
                     let admissible = node.filter(SlidingPoint::is_admissible);
                     root = root.or(admissible.map(|node| (node, sign(at))));
                 }
                 known = crossings.len();
-                let node = self.held(z);
+                let node = self.state_at(z);
                 admissible = node.is_some_and(|node| node.is_admissible());
                 if let Some(node) = node.filter(SlidingPoint::is_admissible) {
                     let inertia = log_inertia(&node.state, &node.motion).exp();
@@ -164,11 +165,11 @@ impl SlidingCurve {
                     && screw >= 0.0
                     && nut >= -self.ball.sin / self.ball.arc
             },
-            stride,
+            control,
         );
         self.steps += steps;
         if !refined {
-            return self.search(level, &EXACT);
+            return self.search(start, &EXACT);
         }
         if let Some(root) = root {
             return Ok(root);
@@ -186,9 +187,9 @@ impl SlidingCurve {
     /// Residual of (S26) for `$P/W > 0$` and for `$P/W < 0$`, and how it changes along the curve.
     fn events(&self, z: &[f64; CURVE], way: &[f64; CURVE]) -> [(f64, f64); 2] {
         let along: [Jet<1>; CURVE] = from_fn(|i| Jet { re: z[i], eps: [way[i]] });
-        self.ball.held(&along).map_or([(f64::NAN, f64::NAN); 2], |(state, _)| {
-            let left = self.ball.excess(&state, &self.ball.motion(&state));
-            left.map(|left| (left.re, left.eps[0]))
+        self.ball.state_at(&along).map_or([(f64::NAN, f64::NAN); 2], |(state, _)| {
+            let residual = self.ball.inertia_residuals(&state, &self.ball.motion(&state));
+            residual.map(|residual| (residual.re, residual.eps[0]))
         })
     }
 
@@ -196,11 +197,11 @@ impl SlidingCurve {
     fn refined(&self, at: &EventRoot<CURVE>) -> Option<SlidingPoint> {
         let (ball, [log, nut, screw, c]) = (&self.ball, at.z);
         let scale = ball.scale([nut, screw], c);
-        let found = ball.settle::<true>([log, screw, c], &scale, true);
-        let [next_log, next_screw, next_c] = found.place;
+        let found = ball.iterate::<true>([log, screw, c], &scale, true);
+        let [next_log, next_screw, next_c] = found.point;
         let moved = [
             next_log - log,
-            (found.state.across[0] - nut) / scale[0],
+            (found.state.slip_cotangents[0] - nut) / scale[0],
             (next_screw - screw) / scale[1],
             (next_c - c) / scale[2],
         ];
@@ -211,21 +212,21 @@ impl SlidingCurve {
     }
 
     /// A state below the first root: up to there the curve is straight.
-    fn below(&mut self, level: &CurveState<f64>) -> CurveState<f64> {
-        let (ball, [log, screw, c]) = (self.ball, level.place);
-        let scale = level.scale(&ball);
+    fn below(&mut self, start: &CurveState<f64>) -> CurveState<f64> {
+        let (ball, [log, screw, c]) = (self.ball, start.point);
+        let scale = start.scale(&ball);
         // exp(−2): a seventh of the inertia.
-        let mut rise = self.rise(level).min(-Elastic::NO_INERTIA) - 2.0;
+        let mut rise = self.rise(start).min(-Elastic::NO_INERTIA) - 2.0;
         while rise > 0.0 {
             // The inertia of a root moves by twice the change of the factors, not by a factor of seven.
-            let state = ball.settle::<false>([log + rise, screw, c], &scale, true);
+            let state = ball.iterate::<false>([log + rise, screw, c], &scale, true);
             self.count(state.steps);
-            if state.found && state.is_straight_from(level, &scale, Elastic::RISES) {
+            if state.found && state.is_straight_from(start, &scale, Elastic::RISES) {
                 return state;
             }
             rise -= 3.0;
         }
-        *level
+        *start
     }
 }
 
@@ -257,14 +258,14 @@ mod tests {
             };
             let Ok(contacts) = screw.scaled() else { continue };
             let mut curve = SlidingCurve { ball: (&contacts).into(), steps: 0 };
-            let Ok(level) = curve.begin(contacts.jones.contact_angle) else { continue };
-            let Some((straight, sign)) = curve.direct(&level, false) else { continue };
-            let (first, same) = curve.search(&level, &EXACT).expect("a root");
+            let Ok(start) = curve.begin(contacts.jones.contact_angle) else { continue };
+            let Some((straight, sign)) = curve.straight_root(&start, false) else { continue };
+            let (first, same) = curve.search(&start, &EXACT).expect("a root");
             // Where friction all but holds the load a million times the axial load is left, ten digits;
             // another root differs by per cent.
             let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);
             close(straight.state.centrifugal, first.state.centrifugal);
-            close(straight.state.across[1], first.state.across[1]);
+            close(straight.state.slip_cotangents[1], first.state.slip_cotangents[1]);
             close(sign, same);
             *found += 1;
         }
@@ -285,18 +286,18 @@ mod tests {
             };
             let Ok(contacts) = screw.scaled() else { continue };
             let mut curve = SlidingCurve { ball: (&contacts).into(), steps: 0 };
-            let Ok(level) = curve.begin(contacts.jones.contact_angle) else { continue };
+            let Ok(start) = curve.begin(contacts.jones.contact_angle) else { continue };
             let begun = curve.steps;
-            let coarse = curve.search(&level, &STEP_CONTROL);
+            let coarse = curve.search(&start, &STEP_CONTROL);
             let in_all = curve.steps - begun;
-            let exact = curve.search(&level, &EXACT);
+            let exact = curve.search(&start, &EXACT);
             fewer += usize::from(in_all < curve.steps - begun - in_all);
             match (coarse, exact) {
                 (Ok((one, sign)), Ok((other, same))) => {
                     // As above.
                     let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);
                     close(one.state.centrifugal, other.state.centrifugal);
-                    close(one.state.across[1], other.state.across[1]);
+                    close(one.state.slip_cotangents[1], other.state.slip_cotangents[1]);
                     close(sign, same);
                     *found += 1;
                 }

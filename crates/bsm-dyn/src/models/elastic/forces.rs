@@ -32,18 +32,18 @@ const NO_FORCES: EvalError = EvalError {
 
 impl Homotopy<HELD, CURVE> for SlidingBall<f64> {
     fn residual(&self, z: &[f64; CURVE]) -> Result<[f64; HELD], EvalError> {
-        self.held(z).map(|(_, left)| left).ok_or(NO_FORCES)
+        self.state_at(z).map(|(_, residual)| residual).ok_or(NO_FORCES)
     }
 
     fn linearize(
         &self,
         z: &[f64; CURVE],
     ) -> Result<([f64; HELD], [[f64; CURVE]; HELD]), EvalError> {
-        linear(z, |z| self.held(z).map(|(_, left)| left).ok_or(NO_FORCES))
+        linear(z, |z| self.state_at(z).map(|(_, residual)| residual).ok_or(NO_FORCES))
     }
 
     fn weights(&self, z: &[f64; CURVE]) -> [f64; HELD] {
-        let w = self.held(z).map_or(1.0, |(state, _)| rounding_floor(&state).recip());
+        let w = self.state_at(z).map_or(1.0, |(state, _)| rounding_floor(&state).recip());
         [w, w, (z[1] * z[1] + z[2] * z[2]).recip()]
     }
 
@@ -55,14 +55,15 @@ impl Homotopy<HELD, CURVE> for SlidingBall<f64> {
 
 impl SlidingBall<f64> {
     /// The state at a point of the curve, and what it leaves of (S14), (S20) and (S19).
-    pub(super) fn held<D: Over<f64>>(
+    pub(super) fn state_at<D: Over<f64>>(
         &self,
         &[log, nut, screw, c]: &[D; CURVE],
     ) -> Option<(SlidingState<D>, [D; HELD])> {
         let q = log.re().exp();
         let q = (log - D::from(log.re())) * q + q;
-        let (beyond, square) = self.nut_square([q, screw, c]);
-        let (state, [triangle, radial_distance]) = self.state_of([nut, screw], beyond, q, c)?;
+        let (load_excess, square) = self.nut_square([q, screw, c]);
+        let (state, [triangle, radial_distance]) =
+            self.state_of([nut, screw], load_excess, q, c)?;
         Some((state, [triangle, radial_distance, nut.square() - square]))
     }
 
@@ -70,13 +71,13 @@ impl SlidingBall<f64> {
     fn state_of<D: Over<f64>>(
         &self,
         across: [D; 2],
-        beyond: D,
+        load_excess: D,
         q: D,
         c: D,
     ) -> Option<(SlidingState<D>, [D; 2])> {
-        let (state, left) = self.state(across, beyond, q, c);
-        let along = state.along.re();
-        (along > 0.0 && along.is_finite()).then_some((state, left))
+        let (state, residual) = self.state(across, load_excess, q, c);
+        let along = state.push.re();
+        (along > 0.0 && along.is_finite()).then_some((state, residual))
     }
 
     /// Unknowns (S1) of a root of (S26), `sign` that of `$P/W$`.
@@ -87,14 +88,14 @@ impl SlidingBall<f64> {
         sign: f64,
     ) -> [f64; BALL] {
         let rate = sign * (s.centrifugal / self.inertia_ratio).sqrt();
-        let tilt = 0.5 * s.turn.0.atan2(s.turn.1);
+        let tilt = 0.5 * s.angle_difference.0.atan2(s.angle_difference.1);
         let mean = s.sin[0].atan2(s.cos[0]) + tilt;
         let mut y = [0.0; BALL];
         [y[NUT_LOAD], y[SCREW_LOAD]] = s.loads;
         y[TILT] = tilt;
         y[PRECESSION] = rate - self.nut_speed;
         y[SLIP] = k.slip[0];
-        y[SLIP_ANGLE] = 1.0_f64.atan2(s.across[0]);
+        y[SLIP_ANGLE] = 1.0_f64.atan2(s.slip_cotangents[0]);
         y[SPIN] = self.spin_moment((s, k), rate, (tilt.cos(), mean.sin()));
         y
     }
@@ -113,23 +114,25 @@ impl SlidingBall<f64> {
         let found = bracket.root(|log| {
             *steps += 1;
             let cot = log.exp();
-            let left = carried(self.level(Jet { re: cot, eps: [cot] })).and_then(|[x, c]| {
-                let q = Jet::from(0.0);
-                let (beyond, square) = self.nut_square([q, x, c]);
-                if square.re < 0.0 {
-                    return None;
-                }
-                let (_, [_, left]) = self.state_of([square.sqrt(), x], beyond, q, c)?;
-                let [slope] = left.eps;
-                left.re.is_finite().then_some(FunctionValue::from((left.re, slope)))
-            });
-            left.unwrap_or(f64::INFINITY.into())
+            let residual =
+                carried(self.equal_angles(Jet { re: cot, eps: [cot] })).and_then(|[x, c]| {
+                    let q = Jet::from(0.0);
+                    let (load_excess, square) = self.nut_square([q, x, c]);
+                    if square.re < 0.0 {
+                        return None;
+                    }
+                    let (_, [_, residual]) =
+                        self.state_of([square.sqrt(), x], load_excess, q, c)?;
+                    let [slope] = residual.eps;
+                    residual.re.is_finite().then_some(FunctionValue::from((residual.re, slope)))
+                });
+            residual.unwrap_or(f64::INFINITY.into())
         });
-        carried(self.level(found.root()?.x.exp()))
+        carried(self.equal_angles(found.root()?.x.exp()))
     }
 }
 
 /// `$x$` and `$c$` of equal contact angles, if they carry the load.
-fn carried<D: Scalar>((place, effect): ([D; 2], D)) -> Option<[D; 2]> {
-    (effect.re() > 0.0).then_some(place)
+fn carried<D: Scalar>((point, effect): ([D; 2], D)) -> Option<[D; 2]> {
+    (effect.re() > 0.0).then_some(point)
 }

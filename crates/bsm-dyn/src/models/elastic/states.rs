@@ -40,7 +40,7 @@ pub struct SlidingBall<P> {
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingState<D> {
     /// `$x$`.
-    pub across: [D; 2],
+    pub slip_cotangents: [D; 2],
     /// Sines of the contact angles.
     pub sin: [D; 2],
     /// Cosines of the contact angles.
@@ -48,11 +48,11 @@ pub struct SlidingState<D> {
     /// `$Q/F_a$`.
     pub loads: [D; 2],
     /// `$Y$`; no forces belong to a state in which it is not positive and finite.
-    pub along: D,
+    pub push: D,
     /// `$M$`.
     pub centrifugal: D,
     /// Sine and cosine of `$2\nu$`.
-    pub turn: (D, D),
+    pub angle_difference: (D, D),
 }
 
 /// How a ball in a state of force moves.
@@ -136,9 +136,9 @@ impl<P: Field> SlidingBall<P> {
     #[inline(always)]
     pub fn nut_square<D: FieldOver<P>>(&self, [q, screw, c]: [D; 3]) -> (D, D) {
         // δ = q (2c + q)/(1 + c²),  x_A² = (1 + δ) x_B² + δ/(1 + F²)      (S19)
-        let beyond = (c * 2.0 + q) * q / (c.square() + 1.0);
+        let load_excess = (c * 2.0 + q) * q / (c.square() + 1.0);
         let even = self.stretch().recip();
-        (beyond, screw.square() * (beyond + 1.0) + beyond * even)
+        (load_excess, screw.square() * (load_excess + 1.0) + load_excess * even)
     }
 
     /// The state of `$x$` at nut and screw, `$\delta$`, `$q$` and `$c$`, and what it leaves of (S14) and
@@ -147,7 +147,7 @@ impl<P: Field> SlidingBall<P> {
     pub fn state<D: FieldOver<P>>(
         &self,
         [nut, screw]: [D; 2],
-        beyond: D,
+        load_excess: D,
         q: D,
         c: D,
     ) -> (SlidingState<D>, [D; 2]) {
@@ -162,34 +162,37 @@ impl<P: Field> SlidingBall<P> {
         let cos = [(w[0] * m[0] - nut * e * f) / r[0], (w[1] * m[1] - screw * e * f) / r[1]];
         let sin = [(w[0] * e + nut * m[0] * f) / r[0], (w[1] * e + screw * m[1] * f) / r[1]];
         // Y = 1/(E cosα − F sinα)                                         (S15)
-        let along = (e * self.cos - f * self.sin).recip();
+        let push = (e * self.cos - f * self.sin).recip();
         // Q = Y w                                                         (S13)
-        let loads = [along * w[0], along * w[1]];
+        let loads = [push * w[0], push * w[1]];
         // sin(φ_A − φ_B) and sin(η_B − η_A) without differences; 2ν is the difference  (S21)
-        let apart = beyond * r[1] * (f / v) / (nut * w[1] + screw * w[0]);
-        let level = w[0] * w[1] + nut * screw * f.square();
+        let sine = load_excess * r[1] * (f / v) / (nut * w[1] + screw * w[0]);
+        let cosine = w[0] * w[1] + nut * screw * f.square();
         let (s, k) = (e.square() * q, m[0] * m[1] + e.square());
         let both = r[0] * r[1];
-        let turn = ((s * level - k * apart) / both, (k * level + s * apart) / both);
+        let angle_difference = ((s * cosine - k * sine) / both, (k * cosine + s * sine) / both);
         // M = Y E q                                                       (S16)
-        let centrifugal = along * e * q;
+        let centrifugal = push * e * q;
         // δ = (Q/K_H)^{2/3}                                               (P2)
         let a = (loads[0].cbrt().square() * self.approaches[0] + self.offsets[0]) * cos[0];
         let b = (loads[1].cbrt().square() * self.approaches[1] + self.offsets[1]) * cos[1];
-        let left = [
+        let residual = [
             // cosβ_A + cosβ_B = (x_A + x_B) tanα                          (S14)
             (cos[0] + cos[1]) * self.cot / (nut + screw) - 1.0,
             // l_A cosβ_A + l_B cosβ_B = A₂, Eq (J7)                       (S20)
             (a + b) * self.radial_distance.recip() - 1.0,
         ];
-        let across = [nut, screw];
-        (SlidingState { across, sin, cos, loads, along, centrifugal, turn }, left)
+        let slip_cotangents = [nut, screw];
+        (
+            SlidingState { slip_cotangents, sin, cos, loads, push, centrifugal, angle_difference },
+            residual,
+        )
     }
 
     /// `$x$` and `$c$` of equal contact angles, from the cotangent of the angle, and what must be positive
     /// for the friction not to hold the load.
     #[inline(always)]
-    pub fn level<D: FieldOver<P>>(&self, cot: D) -> ([D; 2], D) {
+    pub fn equal_angles<D: FieldOver<P>>(&self, cot: D) -> ([D; 2], D) {
         let sin = (cot.square() + 1.0).sqrt().recip();
         let (cos, f) = (cot * sin, self.friction);
         let x = cos * self.cot;
@@ -203,7 +206,7 @@ impl<P: Field> SlidingBall<P> {
     /// Assumes: `$r_m > 1.21\,r_b$`, so that slips against friction have `$Y > 0$`.
     #[inline(always)]
     pub fn motion<D: FieldOver<P>>(&self, s: &SlidingState<D>) -> SlidingMotion<D> {
-        let (d, [x_a, x_b]) = (self.arc, s.across);
+        let (d, [x_a, x_b]) = (self.arc, s.slip_cotangents);
         let share = ((x_a + x_b) * (x_a * x_b + 1.0)).recip();
         // |V_A| = w_A [x_B (d − cosα cosβ_B) − sinα]/[(x_A + x_B)(1 + x_A x_B)]  (S22)
         let nut = (x_b * (-s.cos[1] * self.cos + d) - self.sin) * share;
@@ -212,14 +215,18 @@ impl<P: Field> SlidingBall<P> {
         // π = |V_A| (1 + x_A cotα cosβ_A)/w_A                             (S24)
         let rolling = nut * (x_a * s.cos[0] * self.cot + 1.0) * d.recip();
         // g = (5/2) F Y cotα sin2ν/M                                      (S25)
-        let g = s.along * (self.friction * 2.5 * self.cot) * s.turn.0 / s.centrifugal;
-        let slip = [nut * s.loads[0] / s.along, screw * s.loads[1] / s.along];
+        let g = s.push * (self.friction * 2.5 * self.cot) * s.angle_difference.0 / s.centrifugal;
+        let slip = [nut * s.loads[0] / s.push, screw * s.loads[1] / s.push];
         SlidingMotion { slip, inertia: -g + 1.0, drive: rolling + self.nut_speed }
     }
 
     /// Residual of (S26) for `$P/W > 0$` and for `$P/W < 0$`.
     #[inline(always)]
-    pub fn excess<D: FieldOver<P>>(&self, s: &SlidingState<D>, k: &SlidingMotion<D>) -> [D; 2] {
+    pub fn inertia_residuals<D: FieldOver<P>>(
+        &self,
+        s: &SlidingState<D>,
+        k: &SlidingMotion<D>,
+    ) -> [D; 2] {
         // (1 − g) √(M/μ) = ± (π/d + Ω_n/W)                                (S26)
         let circling = k.inertia * (s.centrifugal * self.inertia_ratio.recip()).sqrt();
         [circling - k.drive, circling + k.drive]
@@ -230,7 +237,7 @@ impl<F: Compare> SlidingState<F> {
     /// Where it slides against friction on its flanks.
     #[inline(always)]
     pub fn is_admissible(&self, motion: &SlidingMotion<F>) -> F::Mask {
-        let zero = self.along.constant(0.0);
+        let zero = self.push.constant(0.0);
         let (Self { sin, cos, .. }, [a, b]) = (self, motion.slip);
         a.gt(zero)
             & b.gt(zero)
@@ -240,19 +247,19 @@ impl<F: Compare> SlidingState<F> {
             & cos[1].gt(zero)
     }
 
-    /// Where the centrifugal force has grown by a factor since a level, and nothing else in (S27) has
+    /// Where the centrifugal force has grown by a factor since another state, and nothing else in (S27) has
     /// changed, to a relative `change`.
     #[inline(always)]
     pub fn has_only_grown(
         &self,
         motion: &SlidingMotion<F>,
-        (level, level_motion): (&Self, &SlidingMotion<F>),
+        (begin, begin_motion): (&Self, &SlidingMotion<F>),
         factor: F,
         change: f64,
     ) -> F::Mask {
-        is_near(self.centrifugal / level.centrifugal, factor, change)
-            & is_near(motion.inertia, level_motion.inertia, change)
-            & is_near(motion.drive, level_motion.drive, change)
+        is_near(self.centrifugal / begin.centrifugal, factor, change)
+            & is_near(motion.inertia, begin_motion.inertia, change)
+            & is_near(motion.drive, begin_motion.drive, change)
     }
 }
 

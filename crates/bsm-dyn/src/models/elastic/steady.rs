@@ -27,7 +27,7 @@ const MOST_UPWARDS: usize = 12;
 const LEAST_RISE: f64 = 0.25;
 
 /// A step in the scale of a state that leaves an error of about its square: rounding.
-const SETTLED: f64 = 1e-8;
+const STEP_TOLERANCE: f64 = 1e-8;
 
 /// `$\ln q$`, `$x_B$`, `$c$`: the `$x$` of the nut follows.
 pub(super) type Coordinates<F> = [F; 3];
@@ -35,13 +35,13 @@ pub(super) type Coordinates<F> = [F; 3];
 /// A state on the curve.
 #[derive(Clone, Copy)]
 pub(super) struct CurveState<F: Field> {
-    pub(super) place: Coordinates<F>,
+    pub(super) point: Coordinates<F>,
     /// Of force.
     pub(super) state: SlidingState<F>,
     /// The motion that goes with it.
     pub(super) motion: SlidingMotion<F>,
     /// Residuals of (S14) and (S20).
-    pub(super) left: F,
+    pub(super) residual: F,
     /// Newton steps.
     pub(super) steps: F,
     /// Where it is a state.
@@ -97,28 +97,30 @@ fn cross<F: Field>(a: &[F; 3], b: &[F; 3]) -> [F; 3] {
 }
 
 impl<F: Compare> CurveState<F> {
-    /// Where the centrifugal force is proportional to `$q$` from `level` to here, and nothing else in (S27)
+    /// Where the centrifugal force is proportional to `$q$` from `start` to here, and nothing else in (S27)
     /// changes, nor the place but for `$q$`; to a relative `change`.
     #[inline(always)]
-    pub(super) fn is_straight_from(&self, level: &Self, scale: &[F; 3], change: f64) -> F::Mask {
-        let rise = self.place[0] - level.place[0];
+    pub(super) fn is_straight_from(&self, start: &Self, scale: &[F; 3], change: f64) -> F::Mask {
+        let rise = self.point[0] - start.point[0];
         let most = rise.constant(-Elastic::NO_INERTIA);
         let growth = F::select(rise.lt(most), rise, most).exp();
         // A place may be far from the begin and have the factors of the begin again.
         let large = Elastic::LARGE * change;
-        let begin = (&level.state, &level.motion);
+        let begin = (&start.state, &start.motion);
         self.state.has_only_grown(&self.motion, begin, growth, change)
-            & (self.state.across[0] - level.state.across[0]).abs().le(scale[0] * large)
-            & (self.place[1] - level.place[1]).abs().le(scale[1] * large)
-            & (self.place[2] - level.place[2]).abs().le(scale[2] * large)
+            & (self.state.slip_cotangents[0] - start.state.slip_cotangents[0])
+                .abs()
+                .le(scale[0] * large)
+            & (self.point[1] - start.point[1]).abs().le(scale[1] * large)
+            & (self.point[2] - start.point[2]).abs().le(scale[2] * large)
     }
 
     /// Where it is at most a step from a place.
     #[inline(always)]
-    fn is_within(&self, place: &Coordinates<F>, &[_, by_screw, by_c]: &[F; 3]) -> F::Mask {
-        (self.place[0] - place[0]).abs().le(by_c.constant(UPWARDS))
-            & (self.place[1] - place[1]).abs().le(by_screw)
-            & (self.place[2] - place[2]).abs().le(by_c)
+    fn is_within(&self, point: &Coordinates<F>, &[_, by_screw, by_c]: &[F; 3]) -> F::Mask {
+        (self.point[0] - point[0]).abs().le(by_c.constant(UPWARDS))
+            & (self.point[1] - point[1]).abs().le(by_screw)
+            & (self.point[2] - point[2]).abs().le(by_c)
     }
 
     /// Where the ball slides against friction on its flanks.
@@ -136,8 +138,8 @@ impl<F: Compare> CurveState<F> {
     /// Scale of a state.
     #[inline(always)]
     pub(super) fn scale(&self, ball: &SlidingBall<F>) -> [F; 3] {
-        let [nut, screw] = self.state.across;
-        ball.scale([nut, screw], self.place[2])
+        let [nut, screw] = self.state.slip_cotangents;
+        ball.scale([nut, screw], self.point[2])
     }
 }
 
@@ -152,8 +154,8 @@ pub(super) fn log_inertia<F: Compare>(state: &SlidingState<F>, motion: &SlidingM
 /// a small difference.
 #[inline(always)]
 pub(super) fn rounding_floor<F: Compare>(state: &SlidingState<F>) -> F {
-    let one = state.along.constant(1.0);
-    (state.along * (16.0 * f64::EPSILON / Elastic::CLOSED)).larger(one)
+    let one = state.push.constant(1.0);
+    (state.push * (16.0 * f64::EPSILON / Elastic::CLOSED)).larger(one)
 }
 
 impl<F: Compare> SlidingBall<F> {
@@ -192,10 +194,10 @@ impl<F: Compare> SlidingBall<F> {
         rate: F,
         (tilt, mean): (F, F),
     ) -> F {
-        let x = state.across[0];
+        let x = state.slip_cotangents[0];
         let across = motion.slip[0] * x / (x.square() + 1.0).sqrt();
         // s = −2 F Y cosν/sinα − (I P/W) |V_A| cosθ_A cotα sinβ           (S28)
-        -(self.friction * state.along * tilt * 2.0 / self.sin)
+        -(self.friction * state.push * tilt * 2.0 / self.sin)
             - self.gyration(rate) * across * self.cot * mean
     }
 }
@@ -208,32 +210,32 @@ where
     /// `$x$` and `$c$` next to where the curve begins, from the cotangent of the unloaded contact angle,
     /// with Newton steps and where they are found.
     #[inline(always)]
-    pub(super) fn unloaded_level(&self, unloaded: F, expected: F::Mask) -> ([F; 2], F, F::Mask) {
+    pub(super) fn unloaded_begin(&self, unloaded: F, expected: F::Mask) -> ([F; 2], F, F::Mask) {
         let mut log = unloaded.ln();
-        let (mut steps, mut settled) = (log.constant(0.0), !expected);
+        let (mut steps, mut converged) = (log.constant(0.0), !expected);
         for _ in 0..MOST_TO_ANGLE {
             let cot = log.exp();
-            let ([x, c], _) = self.level(DualNumber::<F, 1>::along(cot, 0, cot));
+            let ([x, c], _) = self.equal_angles(DualNumber::<F, 1>::along(cot, 0, cot));
             let none = DualNumber::fixed(cot.constant(0.0));
-            let (_, [_, left]) = self.state([x, x], none, none, c);
-            let (one, step) = (cot.constant(1.0), left.re / left.eps[0]);
+            let (_, [_, residual]) = self.state([x, x], none, none, c);
+            let (one, step) = (cot.constant(1.0), residual.re / residual.eps[0]);
             let step = F::select(one.lt(step), one, step.larger(-one));
-            log = F::select(settled, log, log - step);
-            steps = F::select(settled, steps, steps + 1.0);
-            settled = settled | step.abs().lt(one * NEAR);
-            if !F::any(!settled) {
+            log = F::select(converged, log, log - step);
+            steps = F::select(converged, steps, steps + 1.0);
+            converged = converged | step.abs().lt(one * NEAR);
+            if !F::any(!converged) {
                 break;
             }
         }
-        let (found, effect) = self.level(log.exp());
-        (found, steps, expected & settled & effect.gt(effect.constant(0.0)))
+        let (found, effect) = self.equal_angles(log.exp());
+        (found, steps, expected & converged & effect.gt(effect.constant(0.0)))
     }
 
     /// The state without inertia next to `$x$` and `$c$`.
     #[inline(always)]
     pub(super) fn state_without_inertia(&self, [x, c]: [F; 2], expected: F::Mask) -> CurveState<F> {
         let guess = [x.constant(Elastic::NO_INERTIA), x, c];
-        self.settle::<false>(guess, &self.scale([x, x], c), expected)
+        self.iterate::<false>(guess, &self.scale([x, x], c), expected)
     }
 
     /// The first steady motion, if the inertia (S27) only rises up to there, so that no other root is before it: where
@@ -241,46 +243,46 @@ where
     ///
     /// * `any`: one that serves as a start is enough.
     #[inline(always)]
-    pub(super) fn first(&self, level: &CurveState<F>, any: bool) -> SlidingRoot<F> {
+    pub(super) fn first(&self, start: &CurveState<F>, any: bool) -> SlidingRoot<F> {
         let (zero, one, scale) =
-            (self.friction.constant(0.0), self.friction.constant(1.0), level.scale(self));
+            (self.friction.constant(0.0), self.friction.constant(1.0), start.scale(self));
         // M ~ q, up to where the curve bends. Where nut and screw turn together, the inertia of the begin
         // underflows, its logarithm does not.
-        let root = self.inertia_ratio.ln() - level.log_inertia() + Elastic::NO_INERTIA;
-        let inside = level.found & root.lt(zero) & root.gt(one * Elastic::NO_INERTIA);
-        let (mut guess, mut expected) = ([root, level.place[1], level.place[2]], inside);
-        let (mut steady, mut found, mut steps) = (zero.lt(zero), zero.lt(zero), level.steps);
+        let root = self.inertia_ratio.ln() - start.log_inertia() + Elastic::NO_INERTIA;
+        let inside = start.found & root.lt(zero) & root.gt(one * Elastic::NO_INERTIA);
+        let (mut guess, mut expected) = ([root, start.point[1], start.point[2]], inside);
+        let (mut steady, mut found, mut steps) = (zero.lt(zero), zero.lt(zero), start.steps);
         let mut walked = false;
-        let (node, left) = loop {
-            let node = self.settle::<true>(guess, &scale, expected);
+        let (node, residual) = loop {
+            let node = self.iterate::<true>(guess, &scale, expected);
             let back = (node.motion.drive * node.motion.inertia).lt(zero);
-            let [forwards, backwards] = self.excess(&node.state, &node.motion);
-            let left = (F::select(back, backwards, forwards) / node.motion.drive).abs();
+            let [forwards, backwards] = self.inertia_residuals(&node.state, &node.motion);
+            let residual = (F::select(back, backwards, forwards) / node.motion.drive).abs();
             // What the logarithm of q has no finer digits than; where rounding decides, a search does its best.
-            let digit = node.place[0].abs().larger(one) * (4.0 * f64::EPSILON);
+            let rounding = node.point[0].abs().larger(one) * (4.0 * f64::EPSILON);
             let admissible = node.found & node.is_admissible();
             let near = if walked {
                 node.is_within(&guess, &scale)
             } else {
-                node.is_straight_from(level, &scale, Elastic::RISES)
+                node.is_straight_from(start, &scale, Elastic::RISES)
             };
             steady = steady & !expected | admissible;
-            found = found & !expected | admissible & near & left.le(digit);
+            found = found & !expected | admissible & near & residual.le(rounding);
             steps = steps + node.steps;
             let rest = inside & !(if any { steady } else { found });
             if walked || !F::any(rest) {
-                break (node, left);
+                break (node, residual);
             }
             walked = true;
-            let (above, arrived, walk) = self.upwards(level, root - BELOW, &scale, rest);
+            let (above, arrived, more_steps) = self.upwards(start, root - BELOW, &scale, rest);
             for k in 0..3 {
-                guess[k] = F::select(arrived, above[k], node.place[k]);
+                guess[k] = F::select(arrived, above[k], node.point[k]);
             }
-            (expected, steps) = (arrived, steps + walk);
+            (expected, steps) = (arrived, steps + more_steps);
         };
         let size = (node.state.centrifugal / self.inertia_ratio).sqrt();
         let back = (node.motion.drive * node.motion.inertia).lt(zero);
-        let (sin, cos) = node.state.turn;
+        let (sin, cos) = node.state.angle_difference;
         let half = ((cos + 1.0) * 0.5).sqrt();
         SlidingRoot {
             ball: *self,
@@ -289,7 +291,7 @@ where
             rate: F::select(back, -size, size),
             tilt: (sin * 0.5 / half, half),
             steps,
-            residual: node.left.larger(left),
+            residual: node.residual.larger(residual),
             steady,
             found,
         }
@@ -300,31 +302,31 @@ where
     #[inline(always)]
     fn upwards(
         &self,
-        level: &CurveState<F>,
+        start: &CurveState<F>,
         begin: F,
         scale: &[F; 3],
         expected: F::Mask,
     ) -> (Coordinates<F>, F::Mask, F) {
         let (one, goal) = (begin.constant(1.0), self.inertia_ratio.ln());
-        let mut place = [begin, level.place[1], level.place[2]];
-        let (mut guess, mut log, mut steps) = (place, begin, begin.constant(0.0));
+        let mut point = [begin, start.point[1], start.point[2]];
+        let (mut guess, mut log, mut steps) = (point, begin, begin.constant(0.0));
         let (mut active, mut arrived) = (expected, begin.lt(begin));
         for step in 0..=MOST_UPWARDS {
-            let to = if step == 0 { place[0] } else { place[0] + UPWARDS };
-            let next = self.settle::<false>([to, place[1], place[2]], scale, active);
+            let to = if step == 0 { point[0] } else { point[0] + UPWARDS };
+            let next = self.iterate::<false>([to, point[1], point[2]], scale, active);
             let inertia = next.log_inertia();
             let below = inertia.lt(goal);
             steps = steps + next.steps;
             active = active & next.found;
             if step == 0 {
-                active = active & below & next.is_straight_from(level, scale, Elastic::RISES);
+                active = active & below & next.is_straight_from(start, scale, Elastic::RISES);
             } else {
                 let rise = inertia - log;
                 active =
-                    active & next.is_within(&place, &next.scale(self)) & rise.gt(one * LEAST_RISE);
-                let (here, part) = (active & !below, (goal - log) / rise);
+                    active & next.is_within(&point, &next.scale(self)) & rise.gt(one * LEAST_RISE);
+                let (here, fraction) = (active & !below, (goal - log) / rise);
                 for k in 0..3 {
-                    let between = place[k] + (next.place[k] - place[k]) * part;
+                    let between = point[k] + (next.point[k] - point[k]) * fraction;
                     guess[k] = F::select(here, between, guess[k]);
                 }
                 arrived = arrived | here;
@@ -334,7 +336,7 @@ where
                 break;
             }
             log = F::select(active, inertia, log);
-            for (own, next) in place.iter_mut().zip(next.place) {
+            for (own, next) in point.iter_mut().zip(next.point) {
                 *own = F::select(active, next, *own);
             }
         }
@@ -343,31 +345,31 @@ where
 
     /// The states next to a guess: steady motions, or with the same `$q$`.
     #[inline(always)]
-    pub(super) fn settle<const STEADY: bool>(
+    pub(super) fn iterate<const STEADY: bool>(
         &self,
         guess: Coordinates<F>,
         &[_, by_screw, by_c]: &[F; 3],
         expected: F::Mask,
     ) -> CurveState<F> {
-        let (mut place, one) = (guess, guess[0].constant(1.0));
+        let (mut point, one) = (guess, guess[0].constant(1.0));
         let (zero, infinity) = (one.constant(0.0), one.constant(f64::INFINITY));
-        let (mut steps, mut settled, mut last) = (zero, !expected, [zero; 3]);
+        let (mut steps, mut converged, mut last) = (zero, !expected, [zero; 3]);
         for _ in 0..MOST_STEPS {
-            let q = place[0].exp();
+            let q = point[0].exp();
             let jets = [
                 DualNumber::<F, 3>::along(q, 0, q),
-                DualNumber::variable(place[1], 1),
-                DualNumber::variable(place[2], 2),
+                DualNumber::variable(point[1], 1),
+                DualNumber::variable(point[2], 2),
             ];
-            let (beyond, square) = self.nut_square(jets);
+            let (load_excess, square) = self.nut_square(jets);
             let [q, screw, c] = jets;
-            let (state, [a, b]) = self.state([square.sqrt(), screw], beyond, q, c);
-            let (mut left, mut across) = (zero, [one, zero, zero]);
+            let (state, [a, b]) = self.state([square.sqrt(), screw], load_excess, q, c);
+            let (mut residual, mut across) = (zero, [one, zero, zero]);
             if STEADY {
                 let SlidingMotion { inertia: i, drive: d, .. } = self.motion(&state);
                 let (m, ratio) = (state.centrifugal, i.re / d.re);
                 // 0 = ln[(M/μ) ((1 − g)/(π/d + Ω_n/W))²], to the last digit of its argument  (S27)
-                left = (m.re / self.inertia_ratio * ratio * ratio).ln();
+                residual = (m.re / self.inertia_ratio * ratio * ratio).ln();
                 for (k, across) in across.iter_mut().enumerate() {
                     *across = m.eps[k] / m.re + (i.eps[k] / i.re - d.eps[k] / d.re) * 2.0;
                 }
@@ -378,38 +380,38 @@ where
             let scale = -size.recip();
             let mut step = [zero; 3];
             for k in 0..3 {
-                step[k] = (one_way[k] * a.re + two[k] * b.re + three[k] * left) * scale;
+                step[k] = (one_way[k] * a.re + two[k] * b.re + three[k] * residual) * scale;
             }
             let size = step[0].abs().larger((step[1] / by_screw).abs());
             let size = size.larger((step[2] / by_c).abs());
-            let part = one.constant(2.0) / size;
-            let part = F::select(part.lt(one), part, one);
+            let fraction = one.constant(2.0) / size;
+            let fraction = F::select(fraction.lt(one), fraction, one);
             // Half the way back where no forces belong to a place; a guess without forces stays there.
-            let along = state.along.re;
+            let along = state.push.re;
             let real = zero.le(square.re) & along.gt(zero) & along.lt(infinity);
             for k in 0..3 {
-                step[k] = F::select(real, step[k] * part, last[k] * -0.5);
-                place[k] = F::select(settled, place[k], place[k] + step[k]);
+                step[k] = F::select(real, step[k] * fraction, last[k] * -0.5);
+                point[k] = F::select(converged, point[k], point[k] + step[k]);
                 last[k] = F::select(real, step[k], -step[k]);
             }
-            steps = F::select(settled, steps, steps + 1.0);
+            steps = F::select(converged, steps, steps + 1.0);
             let lost = !size.lt(infinity);
-            settled = settled | real & (size.lt(one * SETTLED) | lost);
-            if !F::any(!settled) {
+            converged = converged | real & (size.lt(one * STEP_TOLERANCE) | lost);
+            if !F::any(!converged) {
                 break;
             }
         }
-        let q = place[0].exp();
-        let (beyond, square) = self.nut_square([q, place[1], place[2]]);
-        let (state, [a, b]) = self.state([square.sqrt(), place[1]], beyond, q, place[2]);
+        let q = point[0].exp();
+        let (load_excess, square) = self.nut_square([q, point[1], point[2]]);
+        let (state, [a, b]) = self.state([square.sqrt(), point[1]], load_excess, q, point[2]);
         let motion = self.motion(&state);
-        let left = a.abs().larger(b.abs());
+        let residual = a.abs().larger(b.abs());
         let found = expected
-            & settled
-            & left.lt(rounding_floor(&state) * Elastic::CLOSED)
-            & state.along.gt(zero)
-            & state.along.lt(infinity);
-        CurveState { place, state, motion, left, steps, found }
+            & converged
+            & residual.lt(rounding_floor(&state) * Elastic::CLOSED)
+            & state.push.gt(zero)
+            & state.push.lt(infinity);
+        CurveState { point, state, motion, residual, steps, found }
     }
 
     /// The first steady motions of several points, where the inertia only rises up to them.
@@ -417,9 +419,9 @@ where
     /// * `unloaded`: cotangent of the unloaded contact angle. * `any`: one that serves as a start is enough.
     #[inline(always)]
     pub fn first_root(&self, unloaded: F, expected: F::Mask, any: bool) -> SlidingRoot<F> {
-        let (begin, steps, found) = self.unloaded_level(unloaded, expected & self.carries());
-        let level = self.state_without_inertia(begin, found);
-        let root = self.first(&level, any);
+        let (begin, steps, found) = self.unloaded_begin(unloaded, expected & self.carries());
+        let start = self.state_without_inertia(begin, found);
+        let root = self.first(&start, any);
         SlidingRoot { steps: root.steps + steps, ..root }
     }
 }
@@ -429,7 +431,7 @@ impl<F: Compare> SlidingRoot<F> {
     #[inline(always)]
     pub fn rotation(&self) -> [F; 3] {
         let Self { ball, state, motion, rate, tilt: (s, c), .. } = self;
-        let SlidingState { sin: [sin_a, _], cos: [cos_a, _], across: [x, _], .. } = *state;
+        let SlidingState { sin: [sin_a, _], cos: [cos_a, _], slip_cotangents: [x, _], .. } = *state;
         // β = β_A + ν                                                     (P3)
         let (sin, cos) = (sin_a * *c + cos_a * *s, cos_a * *c - sin_a * *s);
         // θ_A = atan2(1, x_A)
@@ -451,9 +453,9 @@ impl<F: Compare> SlidingRoot<F> {
     /// Friction on the ball over `$F_a$` at nut and screw, across the groove and along it.
     #[inline(always)]
     pub fn friction(&self) -> [[F; 2]; 2] {
-        let ([x_a, x_b], push) = (self.state.across, self.ball.friction * self.state.along);
+        let ([x_a, x_b], pull) = (self.state.slip_cotangents, self.ball.friction * self.state.push);
         // Friction is F Y (−x_A, −1) at A and F Y (x_B, 1) at B, across and along  (S13)
-        [[-(push * x_a), -push], [push * x_b, push]]
+        [[-(pull * x_a), -pull], [pull * x_b, pull]]
     }
 
     /// Torque on the screw per ball over `$r_b F_a$`.

@@ -17,11 +17,11 @@ fn start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> 
     let friction = contacts.directed_friction();
     let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
     let (mu, spread) = (contacts.inertia_ratio(), log(1e-9, 1.0));
-    let (circling, slip, scatter) = (log(1e-9, 1e3), log(1e-4, 30.0), log(1e-4, 1.0));
+    let (circling, slip, noise) = (log(1e-9, 1e3), log(1e-4, 30.0), log(1e-4, 1.0));
     let nut = rng.random_range(0.0..FRAC_PI_2);
     let tilt = 0.5 * spread * rng.random_range(-0.2..1.0) * (FRAC_PI_2 - nut);
     // Sliding along (R12), or anywhere.
-    let along = (sin / cos).atan2(nut.cos()) + scatter * rng.random_range(-PI..PI);
+    let along = (sin / cos).atan2(nut.cos()) + noise * rng.random_range(-PI..PI);
     let effect = nut.sin() * cos - friction * (along.cos() * cos * nut.cos() + along.sin() * sin);
     let load = effect.recip();
     // Precessions of a few W, or with a centrifugal force of any size.
@@ -58,18 +58,18 @@ fn search(
         // In the weights of the start anything is a root where P → 0 or P → ∞. A residual counts
         // against the forces at the end, in the moments against friction, and about the mean normal
         // against inertia.
-        let left = GrossSlipEquations(contacts).residual(&y).ok()?;
+        let residual = GrossSlipEquations(contacts).residual(&y).ok()?;
         let load = y[NUT_LOAD].max(y[SCREW_LOAD]);
         let force =
             load.max(contacts.inertia_ratio() * (y[PRECESSION] + contacts.nut_speed).powi(2));
-        let is_root = [0, 1, 2, 6].into_iter().all(|i| left[i].abs() < 1e-9 * force)
-            && [3, 5].into_iter().all(|i| left[i].abs() < 1e-6 * contacts.friction * load)
-            && (left[MOMENT_NORMAL] * weights(contacts, &y)[MOMENT_NORMAL]).abs() < 1e-6;
+        let is_root = [0, 1, 2, 6].into_iter().all(|i| residual[i].abs() < 1e-9 * force)
+            && [3, 5].into_iter().all(|i| residual[i].abs() < 1e-6 * contacts.friction * load)
+            && (residual[MOMENT_NORMAL] * weights(contacts, &y)[MOMENT_NORMAL]).abs() < 1e-6;
         // Slips below the rounding of the moment about N (R23) have no direction.
         let rate = y[PRECESSION] + contacts.nut_speed;
-        let told =
+        let resolved =
             contacts.inertia_ratio() * rate * rate > 1e-9 * contacts.friction && y[SLIP] > 1e-6;
-        (report.converged() && is_root && y[SLIP] > 0.0 && flanks && told).then_some(y)
+        (report.converged() && is_root && y[SLIP] > 0.0 && flanks && resolved).then_some(y)
     })
 }
 

@@ -106,9 +106,9 @@ impl<D: Scalar> Lubricated<D> {
         let screw = self.screw();
         let speed = screw.point.drive.relative_speed();
         let motion = contacts.absolute(&steady.to_nut, &steady.loaded.frame);
-        let rubbing = motion.across_groove(&steady.loaded.frame.k) * speed;
+        let sliding_speed = motion.across_groove(&steady.loaded.frame.k) * speed;
         let ball = BallOrbit {
-            rubbing: rubbing.dot(&rubbing).sqrt(),
+            sliding_speed: sliding_speed.dot(&sliding_speed).sqrt(),
             rate: magnitude(motion.precession * speed - screw.point.drive.nut_speed),
             relative_speed: magnitude(speed),
             radius: screw.point.ball.radius,

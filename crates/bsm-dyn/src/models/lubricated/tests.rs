@@ -163,9 +163,9 @@ fn the_band_is_a_quarter_either_way_while_the_ball_rolls() {
 /// Limit: surfaces so rough that asperities carry all, and rolling that costs nothing, are one coefficient.
 #[test]
 fn rough_surfaces_are_a_constant_coefficient() {
-    let rough = Roughness { ball: 1.0, nut: 1.0, screw: 1.0 };
+    let coarse = Roughness { ball: 1.0, nut: 1.0, screw: 1.0 };
     let lubricant =
-        Lubricant { roughness: rough, rolling_factor: 0.0, hysteresis_loss: 0.0, ..vg_68() };
+        Lubricant { roughness: coarse, rolling_factor: 0.0, hysteresis_loss: 0.0, ..vg_68() };
     for (rpm, axial) in [(150.0, 8000.0), (-800.0, 3000.0), (6000.0, 1400.0)] {
         let mut screw = feed_drive(rpm, axial);
         let lubricated = solved(lubricant, traction(screw)).transmission.efficiency;
@@ -306,10 +306,10 @@ fn everyday(rng: &mut rand_chacha::ChaCha8Rng) -> (ElasticPoint, Lubricant) {
         conformity: (conformity, conformity),
         ..feed_drive(1.0, 1.0)
     };
-    let rough = part(0.05e-6, 0.5e-6);
+    let coarse = part(0.05e-6, 0.5e-6);
     let lubricant = Lubricant {
         temperature: Temperature::Known(273.15 + part(0.0, 70.0)),
-        roughness: Roughness { ball: 0.02e-6, nut: rough, screw: rough },
+        roughness: Roughness { ball: 0.02e-6, nut: coarse, screw: coarse },
         ..vg_68()
     };
     (screw, lubricant)

@@ -25,7 +25,7 @@ const MOST_PASSES: usize = 20_000;
 
 /// Steps of the scan for more roots, and their ends.
 const SCAN: u8 = 48;
-const PLACES: usize = SCAN as usize + 1;
+const SAMPLES: usize = SCAN as usize + 1;
 
 /// Roots that differ by less, relative, are one.
 const SAME: f64 = 1e-6;
@@ -118,14 +118,14 @@ impl Balance<'_> {
         newton: &mut Workspace<STATIC>,
     ) -> Result<StaticRoot, Unsolved> {
         let mut at = match near {
-            Some(unknowns) => StaticState { unknowns, steps: 0.0, settled: false },
+            Some(unknowns) => StaticState { unknowns, steps: 0.0, converged: false },
             None => self.statics.start(self.unloaded(), true),
         };
-        self.statics.settle(&mut at);
+        self.statics.iterate(&mut at);
         let residual = self.statics.scaled_residual(at.unknowns);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few")]
         let mut steps = at.steps as usize;
-        if at.settled
+        if at.converged
             && residual < StaticBalance::<f64>::CLOSED
             && self.statics.is_first(at.unknowns)
         {
@@ -166,30 +166,30 @@ impl Balance<'_> {
     /// The roots beyond a first one.
     fn scan(&self, first: f64, newton: &mut Workspace<STATIC>) -> Vec<StaticRoot> {
         let farthest = self.farthest();
-        let excess = |c: f64| c - self.centrifugal(self.rate_at(c));
+        let difference = |c: f64| c - self.centrifugal(self.rate_at(c));
         let begin = (first * (1.0 + SAME)).max(1e-3 * farthest);
         let grow = (farthest / begin).powf(f64::from(SCAN).recip());
-        let mut places = [begin; PLACES];
-        for i in 1..PLACES {
-            places[i] = places[i - 1] * grow;
+        let mut samples = [begin; SAMPLES];
+        for i in 1..SAMPLES {
+            samples[i] = samples[i - 1] * grow;
         }
-        places[PLACES - 1] = farthest;
+        samples[SAMPLES - 1] = farthest;
         let rates =
-            Rates { balance: &self.statics, differences: &places, unloaded: self.unloaded() };
-        let rates: [f64; PLACES] = Arch::new().dispatch(rates);
-        let at = |i: usize| places[i] - self.centrifugal(rates[i]);
+            Rates { balance: &self.statics, differences: &samples, unloaded: self.unloaded() };
+        let rates: [f64; SAMPLES] = Arch::new().dispatch(rates);
+        let at = |i: usize| samples[i] - self.centrifugal(rates[i]);
         let mut found = Vec::new();
-        for i in 1..PLACES {
-            let (ends, values) = ([places[i - 1], places[i]], [at(i - 1), at(i)]);
-            if let Some(root) = Bracket::new(ends, values).root(excess).root() {
-                found.extend(self.polished(root.x, newton));
+        for i in 1..SAMPLES {
+            let (ends, values) = ([samples[i - 1], samples[i]], [at(i - 1), at(i)]);
+            if let Some(root) = Bracket::new(ends, values).root(difference).root() {
+                found.extend(self.refined(root.x, newton));
             }
         }
         found
     }
 
     /// The root near a difference of the cotangents, by Newton; `None` where that goes to another.
-    fn polished(&self, near: f64, newton: &mut Workspace<STATIC>) -> Option<StaticRoot> {
+    fn refined(&self, near: f64, newton: &mut Workspace<STATIC>) -> Option<StaticRoot> {
         let mut x = [near, self.closed(near)];
         let report = self.run(&mut x, newton);
         let found = report.converged() && x[1] > 0.0 && (x[0] - near).abs() <= 1e-3 * near;
@@ -232,14 +232,14 @@ impl Balance<'_> {
 
     /// Largest difference of the cotangents on the flanks: the screw's contact angle is 90 deg there.
     fn farthest(&self) -> f64 {
-        let excess = |cot: f64| {
+        let difference = |cot: f64| {
             self.statics.contact(0, cot).radial_distance() - self.statics.radial_distance
         };
         let mut ends = [0.0, 1.0];
-        while excess(ends[1]) < 0.0 && ends[1] < f64::MAX.sqrt() {
+        while difference(ends[1]) < 0.0 && ends[1] < f64::MAX.sqrt() {
             ends = [ends[1], 4.0 * ends[1]];
         }
-        let found = Bracket::new(ends, ends.map(excess)).root(excess);
+        let found = Bracket::new(ends, ends.map(difference)).root(difference);
         found.root().map_or(ends[1], |root| root.ends[0])
     }
 
@@ -294,9 +294,9 @@ impl Balance<'_> {
             if next > farthest {
                 return None;
             }
-            let settled = next <= bound * (1.0 + 4.0 * f64::EPSILON);
+            let converged = next <= bound * (1.0 + 4.0 * f64::EPSILON);
             bound = next.max(bound);
-            if settled {
+            if converged {
                 break;
             }
         }

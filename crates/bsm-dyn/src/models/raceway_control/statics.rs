@@ -47,7 +47,7 @@ pub struct StaticState<F: Field> {
     /// Newton steps.
     pub steps: F,
     /// Where no step is left to take.
-    pub settled: F::Mask,
+    pub converged: F::Mask,
 }
 
 impl<P: Field> StaticBalance<P> {
@@ -131,14 +131,14 @@ impl<F: Compare> StaticBalance<F> {
         let rate = self.rate(&self.loaded([zero, cot]));
         let c = self.inertia * rate.square();
         let c = F::select(c.lt(cot), c, zero);
-        StaticState { unknowns: [c, cot - c * 0.5], steps: zero, settled: !expected }
+        StaticState { unknowns: [c, cot - c * 0.5], steps: zero, converged: !expected }
     }
 
     /// Newton steps where none has been the last.
     #[inline(always)]
-    pub fn settle(&self, at: &mut StaticState<F>) {
+    pub fn iterate(&self, at: &mut StaticState<F>) {
         for _ in 0..MOST_STEPS {
-            if !F::any(!at.settled) {
+            if !F::any(!at.converged) {
                 break;
             }
             let contacts = self.loaded(at.unknowns);
@@ -162,9 +162,9 @@ impl<F: Compare> StaticBalance<F> {
             let turn = turn.larger((step_s * screw.sin.square()).abs());
             let [c, s] = at.unknowns;
             at.unknowns =
-                [F::select(at.settled, c, c - step_c), F::select(at.settled, s, s - step_s)];
-            at.steps = F::select(at.settled, at.steps, at.steps + 1.0);
-            at.settled = at.settled | turn.lt(turn.constant(LAST_STEP));
+                [F::select(at.converged, c, c - step_c), F::select(at.converged, s, s - step_s)];
+            at.steps = F::select(at.converged, at.steps, at.steps + 1.0);
+            at.converged = at.converged | turn.lt(turn.constant(LAST_STEP));
         }
     }
 
@@ -189,7 +189,7 @@ impl<F: Compare> StaticBalance<F> {
     pub(super) fn closed(&self, c: F, unloaded: F) -> F {
         let zero = c.constant(0.0);
         let (mut low, mut high, mut cot) = (zero, unloaded, unloaded * 0.5);
-        let mut settled = zero.lt(zero);
+        let mut converged = zero.lt(zero);
         for _ in 0..MOST_CLOSING {
             let [a, b] = self.loaded([c, cot]);
             let excess = a.radial_distance() + b.radial_distance() - self.radial_distance;
@@ -200,9 +200,9 @@ impl<F: Compare> StaticBalance<F> {
             let inside = low.le(newton) & newton.le(high);
             let next = F::select(inside, newton, (low + high) * 0.5);
             let step = (next - cot).abs();
-            cot = F::select(settled, cot, next);
-            settled = settled | step.le(unloaded * ROUNDING);
-            if !F::any(!settled) {
+            cot = F::select(converged, cot, next);
+            converged = converged | step.le(unloaded * ROUNDING);
+            if !F::any(!converged) {
                 break;
             }
         }

@@ -71,7 +71,7 @@ struct BranchSet<F: Field> {
 /// The states with one direction of slip at B.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CurveSample {
-    pub(super) turn: f64,
+    pub(super) slip_turn: f64,
     pub(super) sheets: [Option<CurvePoint>; 4],
 }
 
@@ -79,7 +79,7 @@ pub(super) struct CurveSample {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CurvePoint {
     /// `$\delta$`: turn of the slip at B against the ball without inertia \[rad\].
-    pub(super) turn: f64,
+    pub(super) slip_turn: f64,
     /// The direction that it was found by, and whether it is that at A.
     direction: [f64; 2],
     at_nut: bool,
@@ -100,7 +100,7 @@ pub(super) struct CurvePoint {
     /// Both sides of (R42): the inertia that there is, and the one that makes it a root.
     inertia: [f64; 2],
     /// Changes sign with `$P$`.
-    pub(super) sense: f64,
+    pub(super) rate_sign: f64,
 }
 
 /// Numbers of a [`CurvePoint`] but for its turn.
@@ -109,13 +109,13 @@ const NUMBERS: usize = 19;
 impl CurvePoint {
     /// Of its numbers, as [`Curve::point`] has them.
     #[inline(always)]
-    fn of(turn: f64, numbers: &[f64; NUMBERS]) -> Self {
+    fn of(slip_turn: f64, numbers: &[f64; NUMBERS]) -> Self {
         let [c, s, at_nut, a_x, a_t, m_x, m_t, nut, unloaded, axial, centrifugal, ..] = *numbers;
-        let [.., precession, rate, slip_x, slip_t, violated, given, wanted, sense] = *numbers;
+        let [.., precession, rate, slip_x, slip_t, violated, given, wanted, rate_sign] = *numbers;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "nine bits")]
         let violated = violated as u16;
         Self {
-            turn,
+            slip_turn,
             direction: [c, s],
             at_nut: at_nut > 0.0,
             friction: [[a_x, a_t], [m_x, m_t]],
@@ -127,19 +127,19 @@ impl CurvePoint {
             slip: [slip_x, slip_t],
             violated,
             inertia: [given, wanted],
-            sense,
+            rate_sign,
         }
     }
 
     /// Excess of the inertia over the one that would make this a root, from -1 to 1.
-    pub(super) fn excess(&self) -> f64 {
+    pub(super) fn inertia_residual(&self) -> f64 {
         let [given, wanted] = self.inertia;
         (given - wanted) / (given.abs() + wanted)
     }
 
     /// What changes sign with `$P$` where there is more inertia than a root has, else zero: around `$P = 0$` any is too little.
-    pub(super) fn sense_above(&self) -> f64 {
-        if self.excess() > 0.0 { self.sense } else { 0.0 }
+    pub(super) fn rate_sign_above(&self) -> f64 {
+        if self.inertia_residual() > 0.0 { self.rate_sign } else { 0.0 }
     }
 
     /// The inertia ratio `$\mu$` that would make this a root.
@@ -149,15 +149,15 @@ impl CurvePoint {
     }
 
     /// Distance of the directions of two points on the unit circle, squared.
-    pub(super) fn apart(&self, other: &Self) -> f64 {
+    pub(super) fn distance(&self, other: &Self) -> f64 {
         let unloaded = |point: &Self| point.friction[1].map(|x| x / point.loads[1]);
         let (one, two) = if self.at_nut == other.at_nut {
             (self.direction, other.direction)
         } else {
             (unloaded(self), unloaded(other))
         };
-        let apart = [one[0] - two[0], one[1] - two[1]];
-        dot(apart, apart)
+        let distance = [one[0] - two[0], one[1] - two[1]];
+        dot(distance, distance)
     }
 }
 
@@ -183,7 +183,8 @@ impl WithSimd for CurveSamples<'_> {
             let sin = Lane::<S>::load(simd, &sines[first..]);
             let sheets = curve.states([sin, Lane::load(simd, &cosines[first..])]);
             for i in first..turns.len().min(first + Lane::<S>::LEN) {
-                let sample = samples[i].insert(CurveSample { turn: turns[i], sheets: [None; 4] });
+                let sample =
+                    samples[i].insert(CurveSample { slip_turn: turns[i], sheets: [None; 4] });
                 for k in 0..4 {
                     // Most directions are none.
                     if sheets[k][0].as_slice()[i - first].is_nan() {
@@ -329,10 +330,10 @@ impl Curve {
     /// The states with a turn of the slip at B, at most four, with loads and speeds of any sign: of
     /// each the numbers of [`CurvePoint`].
     #[inline(always)]
-    fn states<F: Compare>(&self, turn: [F; 2]) -> [[F; NUMBERS]; 4] {
+    fn states<F: Compare>(&self, slip_turn: [F; 2]) -> [[F; NUMBERS]; 4] {
         cost::evaluated();
-        let fan = self.fan(turn);
-        let one = turn[0].constant(1.0);
+        let fan = self.fan(slip_turn);
+        let one = slip_turn[0].constant(1.0);
         // B₀ X Δ M = C₀ (B₀ N₁/(k_t d) + ω N₂),  C₀ = 5 F sinβ cosβ r_m/r_b  (R41)
         let drive = if self.nut == 0.0 { one } else { fan.drive };
         let per_turn = drive * (1.0 / (self.axis[1] * self.arc));
@@ -372,8 +373,8 @@ impl Curve {
         let at_unloaded = [slip[0], slip[1] + scale * reach * cross * fan.b[1] * (2.0 / k_t)];
         let at_screw = [-slip[0] - k_t, precession * (2.0 * self.arc) - slip[1] + (k_e - self.arc)];
         // μ A (B₀ X)² Δ (Δ M) = (C₀ N₂)²                                  (R42)
-        let sense = fan.drive * cross;
-        let part = sense * (1.0 / self.gyration);
+        let rate_sign = fan.drive * cross;
+        let part = rate_sign * (1.0 / self.gyration);
         let given = fan.axial * self.inertia * (part * part) * reach * centrifugal;
         let demands = [
             fan.curvature,
@@ -410,7 +411,7 @@ impl Curve {
             violated,
             given,
             resistance * resistance,
-            sense,
+            rate_sign,
         ]
     }
 
@@ -425,7 +426,7 @@ impl Curve {
     pub(super) fn motion(&self, ball: &RigidBall<f64>, point: &CurvePoint) -> RigidMotion<f64> {
         let [sin_b, cos_b] = self.contact;
         let [nut, unloaded] = point.loads;
-        let (sin, cos) = point.turn.sin_cos();
+        let (sin, cos) = point.slip_turn.sin_cos();
         let b_t = -self.psi[0] * cos - self.psi[1] * sin;
         let tau = point.slip[1] - self.arc * point.precession;
         // Q_B = F_a/A, or as it balances the inertia where A vanishes against its parts  (R42)

@@ -213,7 +213,7 @@ impl SearchResult {
         let curve = Curve::of(ball);
         let (mut roots, mut failure) = (Vec::<BallRoot>::new(), None);
         let mut search = Search::new(&curve, |point| {
-            match polished(ball, &curve.motion(ball, point), work) {
+            match refined(ball, &curve.motion(ball, point), work) {
                 // Newton has left the crossing for another root.
                 Ok(root)
                     if !root.motion.is_admissible() || roots.iter().any(|r| r.is_near(&root)) =>
@@ -244,7 +244,7 @@ impl SearchResult {
 }
 
 /// The root next to a motion, by Newton on weights of its own size (R44), which large inertia needs.
-fn polished(
+fn refined(
     ball: &RigidBall<f64>,
     motion: &RigidMotion<f64>,
     work: &mut RigidWorkspace,

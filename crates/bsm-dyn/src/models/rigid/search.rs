@@ -52,7 +52,7 @@ const ENOUGH: f64 = 1e-9;
 /// The search, with what is done with a root that it finds.
 pub(super) struct Search<'a, F> {
     curve: &'a Curve,
-    visit: F,
+    accept: F,
     /// The inertia ratio nearest to that of the point at which an admissible state was met.
     pub(super) nearest_inertia: Option<f64>,
     samples: usize,
@@ -68,17 +68,17 @@ fn turns(first: f64, [low, high]: [f64; 2], nearest: f64) -> Vec<f64> {
     }
     let shorter = |step: &f64| (*step > nearest).then_some(step * APPROACH);
     let approach: Vec<_> = iter::successors(Some(step), shorter).take(APPROACHES + 1).collect();
-    let longer = |turn: f64| (turn * GROWTH).min(turn + LONGEST);
+    let longer = |slip_turn: f64| (slip_turn * GROWTH).min(slip_turn + LONGEST);
     let mut turns = Vec::with_capacity(MOST_TURNS);
-    let mut turn = if low > 0.0 {
+    let mut slip_turn = if low > 0.0 {
         turns.extend(approach.iter().rev().map(|step| low + step));
         longer(low + step)
     } else {
         first.min(step)
     };
-    while turn < high - step {
-        turns.push(turn);
-        turn = longer(turn);
+    while slip_turn < high - step {
+        turns.push(slip_turn);
+        slip_turn = longer(slip_turn);
     }
     turns.extend(approach.iter().map(|step| high - step));
     turns.push(high);
@@ -109,23 +109,23 @@ impl CurveSample {
 
     /// The sheets of both samples that are nearest to each other.
     fn pairs(&self, other: &Self) -> [Option<(usize, usize)>; 4] {
-        let apart = self.sheets.each_ref().map(|one| {
+        let distance = self.sheets.each_ref().map(|one| {
             other.sheets.each_ref().map(|two| match (one, two) {
-                (Some(one), Some(two)) => one.apart(two),
+                (Some(one), Some(two)) => one.distance(two),
                 _ => f64::INFINITY,
             })
         });
         std::array::from_fn(|i| {
-            let j = least(|j| apart[i][j]);
+            let j = least(|j| distance[i][j]);
             let are = self.sheets[i].is_some() && other.sheets[j].is_some();
-            (are && least(|i| apart[i][j]) == i).then_some((i, j))
+            (are && least(|i| distance[i][j]) == i).then_some((i, j))
         })
     }
 }
 
 impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
-    pub(super) fn new(curve: &'a Curve, visit: F) -> Self {
-        Self { curve, visit, nearest_inertia: None, samples: 0 }
+    pub(super) fn new(curve: &'a Curve, accept: F) -> Self {
+        Self { curve, accept, nearest_inertia: None, samples: 0 }
     }
 
     /// Visits the roots in the order of the turn upwards from zero, then downwards, until a visit
@@ -136,7 +136,7 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
         let nearest = NEAREST * self.curve.friction_over_inertia();
         let above = above.map(|window| turns(first, window, nearest));
         let below = below.map(|[low, high]| turns(first, [-high, -low], nearest));
-        let below = below.map(|turns| turns.into_iter().map(|turn| -turn).collect());
+        let below = below.map(|turns| turns.into_iter().map(|slip_turn| -slip_turn).collect());
         [above, below].into_iter().flatten().any(|turns: Vec<f64>| {
             let mut before: Option<CurveSample> = None;
             turns.chunks(BLOCK).any(|turns| {
@@ -164,12 +164,12 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
     fn samples(&mut self, turns: &[f64], samples: &mut [Option<CurveSample>; BLOCK]) {
         self.curve.samples(turns, samples);
         for sample in samples.iter().flatten() {
-            self.note(sample);
+            self.record(sample);
         }
     }
 
     /// Counts a sample, and notes its admissible states.
-    fn note(&mut self, sample: &CurveSample) {
+    fn record(&mut self, sample: &CurveSample) {
         self.samples += 1;
         for point in sample.sheets.iter().flatten().filter(|point| point.violated == 0) {
             let far = |ratio: f64| (ratio / self.curve.inertia).max(self.curve.inertia / ratio);
@@ -195,7 +195,7 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
         }
         let pairs = a.pairs(b);
         // A sheet that may have a root and has no partner.
-        let torn = (0..4).any(|i| {
+        let branch_lost = (0..4).any(|i| {
             let alone = |branch: &Option<CurvePoint>, paired: bool| {
                 !paired && branch.as_ref().is_some_and(|point| point.violated == 0)
             };
@@ -211,7 +211,7 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
         let any = |test: fn(&CurvePoint, &CurvePoint) -> bool| {
             live.iter().flatten().any(|(one, other)| test(one, other))
         };
-        let most = if torn || any(|one, other| one.apart(other) > NEAR) {
+        let most = if branch_lost || any(|one, other| one.distance(other) > NEAR) {
             LOST
         } else if any(breaks) || any(is_close) {
             PAIR
@@ -221,36 +221,36 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
         if halved < most && !self.is_cut_short() {
             let mut ahead = [None; BLOCK];
             let halves = if halves.is_empty() {
-                self.curve.samples(&eighths(a.turn, b.turn), &mut ahead);
+                self.curve.samples(&eighths(a.slip_turn, b.slip_turn), &mut ahead);
                 &ahead[..BLOCK - 1]
             } else {
                 halves
             };
             let (below, rest) = halves.split_at(halves.len() / 2);
             let Some((Some(middle), above)) = rest.split_first() else { return false };
-            self.note(middle);
+            self.record(middle);
             return self.between(a, middle, halved + 1, below)
                 || self.between(middle, b, halved + 1, above);
         }
         live.iter().flatten().any(|(one, other)| {
-            let [x, y] = [one, other].map(|point| point.sense_above());
+            let [x, y] = [one, other].map(|point| point.rate_sign_above());
             if (x <= 0.0 || y >= 0.0) && (x >= 0.0 || y <= 0.0) {
                 return self.crossing(one, other);
             }
             // P = 0 between them, and a root on either side of it.
-            let still = self.bracketed(one, other, CurvePoint::sense_above, 0.0);
+            let still = self.bracketed(one, other, CurvePoint::rate_sign_above, 0.0);
             self.crossing(one, &still) || self.crossing(&still, other)
         })
     }
 
     /// Visits the root between two points of one sheet if there is one.
     fn crossing(&mut self, one: &CurvePoint, other: &CurvePoint) -> bool {
-        if (one.excess() > 0.0) == (other.excess() > 0.0) {
+        if (one.inertia_residual() > 0.0) == (other.inertia_residual() > 0.0) {
             return false;
         }
-        let root = self.bracketed(one, other, CurvePoint::excess, ENOUGH);
+        let root = self.bracketed(one, other, CurvePoint::inertia_residual, ENOUGH);
         // Where two sheets are mistaken for one, rounding ends up between them instead.
-        root.violated == 0 && root.excess().abs() < CLOSE && (self.visit)(&root)
+        root.violated == 0 && root.inertia_residual().abs() < CLOSE && (self.accept)(&root)
     }
 
     /// The point between two points of one sheet where `value` changes sign.
@@ -264,11 +264,12 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
         let mut ends = [*one, *other];
         let values = ends.map(|end| value(&end));
         let rises = values[1] > 0.0;
-        let bracket = Bracket { f_tol: enough, ..Bracket::new(ends.map(|end| end.turn), values) };
-        bracket.root(|turn| {
+        let bracket =
+            Bracket { f_tol: enough, ..Bracket::new(ends.map(|end| end.slip_turn), values) };
+        bracket.root(|slip_turn| {
             let mut samples = [None; BLOCK];
-            self.samples(&[turn], &mut samples);
-            let near = |point: &CurvePoint| point.apart(&ends[0]).min(point.apart(&ends[1]));
+            self.samples(&[slip_turn], &mut samples);
+            let near = |point: &CurvePoint| point.distance(&ends[0]).min(point.distance(&ends[1]));
             let points = samples.iter().flatten().flat_map(|sample| &sample.sheets).flatten();
             points.min_by(|x, y| near(x).total_cmp(&near(y))).map_or(f64::NAN, |point| {
                 let value = value(point);
@@ -283,11 +284,12 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
 
 /// True if a demand breaks between two points that may have a root between them.
 fn breaks(one: &CurvePoint, other: &CurvePoint) -> bool {
-    one.violated != other.violated && one.excess().abs().min(other.excess().abs()) < FAR
+    one.violated != other.violated
+        && one.inertia_residual().abs().min(other.inertia_residual().abs()) < FAR
 }
 
 /// True if two points on the same side of a root are so near to it that two may be between them.
 fn is_close(one: &CurvePoint, other: &CurvePoint) -> bool {
-    let (x, y) = (one.excess(), other.excess());
+    let (x, y) = (one.inertia_residual(), other.inertia_residual());
     x * y > 0.0 && x.abs().max(y.abs()) < CLOSE
 }

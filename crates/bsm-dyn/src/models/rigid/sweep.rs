@@ -178,7 +178,7 @@ impl<F: Compare> RigidBall<F> {
         let across = rolling;
         let along = -s.mul_add(self.sin_2b, gyro.mul_add(self.arc * p, turning * self.cos_2b));
         let norm = dot([across, along], [across, along]).sqrt();
-        let sense = F::select(rate.gt(self.constant(0.0)), norm, -norm).recip();
+        let sign = F::select(rate.gt(self.constant(0.0)), norm, -norm).recip();
         // (|A| − 1) G + (|B| − 1) H over 2 M                              (R32)
         let (square_a, square_b) = (tan_a * tan_a, tan_b * tan_b);
         let norms = [(square_a + one).sqrt(), (square_b + one).sqrt()];
@@ -198,7 +198,7 @@ impl<F: Compare> RigidBall<F> {
             next: Directions {
                 nut: tan_a,
                 screw: tan_b,
-                unloaded: times(sense, [across, along]),
+                unloaded: times(sign, [across, along]),
                 correction,
                 norms,
             },

@@ -301,21 +301,21 @@ fn balanced(rigid: &OperatingPoint, ball: &RigidBall, roots: &[BallRoot]) -> usi
 #[test]
 fn a_step_of_the_efficiency_is_told_by_the_other_solution() {
     let mut work = RigidWorkspace::default();
-    let told = |angle: f64, work: &mut _| {
+    let answered = |angle: f64, work: &mut _| {
         let solved = Rigid { point: stepping(angle) }.solve(work).answer.expect("a root");
         let alternatives = solved.alternatives.expect("a search");
         (solved.transmission.efficiency, alternatives.count, alternatives.farthest_efficiency)
     };
     // Three roots: the two that were printed, and one between them.
-    let (eta, alternatives, other) = told(54.5, &mut work);
+    let (eta, alternatives, other) = answered(54.5, &mut work);
     assert_eq!(alternatives, 2);
     // As printed.
     assert_relative_eq!(eta, 0.931_044, epsilon = 1e-6);
     assert_relative_eq!(other.expect("another"), 0.921_331, epsilon = 1e-6);
     // Two of them meet and end at the step; the third goes on.
-    let (before, alternatives, goes_on) = told(55.12, &mut work);
+    let (before, alternatives, goes_on) = answered(55.12, &mut work);
     assert_eq!(alternatives, 2);
-    let (after, alternatives, _) = told(55.13, &mut work);
+    let (after, alternatives, _) = answered(55.13, &mut work);
     assert_eq!(alternatives, 0);
     assert_relative_eq!(before, 0.92698, epsilon = 2e-4);
     // A hundredth of a degree moves the third by less than a hundredth of the step.

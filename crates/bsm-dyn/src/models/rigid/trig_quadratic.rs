@@ -198,18 +198,18 @@ fn between<F: Compare, const A: usize, const N: usize>(
 ) -> [F; N] {
     let zero = a[0].constant(0.0);
     let no = zero.lt(zero);
-    let (mut t, mut crosses, mut above, mut settled) = (low, [no; N], [no; N], [no; N]);
+    let (mut t, mut crosses, mut above, mut converged) = (low, [no; N], [no; N], [no; N]);
     for i in 0..N {
         let below = horner(a, low[i])[0].gt(zero);
         above[i] = horner(a, high[i])[0].gt(zero);
         crosses[i] = (below & !above[i]) | (above[i] & !below);
-        settled[i] = !crosses[i];
+        converged[i] = !crosses[i];
         t[i] = (low[i] + high[i]) * 0.5;
     }
     for _ in 0..MOST_STEPS {
         let mut moving = no;
         for i in 0..N {
-            moving = moving | !settled[i];
+            moving = moving | !converged[i];
         }
         if !F::any(moving) {
             break;
@@ -224,8 +224,8 @@ fn between<F: Compare, const A: usize, const N: usize>(
             let inside = low[i].le(halley) & halley.le(high[i]);
             let next = F::select(inside, halley, (low[i] + high[i]) * 0.5);
             let step = (next - t[i]).abs();
-            t[i] = F::select(settled[i], t[i], next);
-            settled[i] = settled[i] | step.le((t[i].abs() + 1.0) * LAST_STEP);
+            t[i] = F::select(converged[i], t[i], next);
+            converged[i] = converged[i] | step.le((t[i].abs() + 1.0) * LAST_STEP);
         }
     }
     for i in 0..N {

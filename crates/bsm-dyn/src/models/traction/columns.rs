@@ -29,7 +29,7 @@ use crate::models::ball::{BALL, EhlPoint, ROWS, ScaledFilm, linear};
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EquationValues<F = f64> {
     /// What the seven equations leave over.
-    pub(super) left: [F; BALL],
+    pub(super) residual: [F; BALL],
     pub(super) transmitted: PowerFlow<F>,
     /// Derivatives of the equations and of the torque by the unknowns, if asked for, and a place that is zero.
     pub(super) rows: [Partials<F>; BALL],
@@ -120,14 +120,18 @@ impl SlipBall<'_> {
         found: &mut EquationValues,
     ) -> Result<(), EvalError> {
         cost::evaluated();
-        (found.left, found.transmitted) = ([0.0; BALL], PowerFlow::zero(0.0));
+        (found.residual, found.transmitted) = ([0.0; BALL], PowerFlow::zero(0.0));
         if SLOPED {
             found.rows = [[0.0; BLOCK]; BALL];
         }
         let arch = Arch::new();
         let is_done = match &self.lubrication {
             None => arch.dispatch(Evaluate::<_, SLOPED>(self, y, &Dry, found)),
-            Some(Lubrication { part, complete, .. }) if *part < 1.0 || SLOPED && *complete => false,
+            Some(Lubrication { fraction, complete, .. })
+                if *fraction < 1.0 || SLOPED && *complete =>
+            {
+                false
+            }
             Some(Lubrication { ehl, .. }) => {
                 arch.dispatch(Evaluate::<_, SLOPED>(self, y, *ehl, found))
             }
@@ -144,7 +148,7 @@ impl SlipBall<'_> {
             } else {
                 self.pushed_by(push, y)?
             };
-            found.left.iter_mut().zip(&values).for_each(|(left, value)| *left += value);
+            found.residual.iter_mut().zip(&values).for_each(|(residual, value)| *residual += value);
         }
         Ok(())
     }
@@ -155,14 +159,14 @@ impl SlipBall<'_> {
         let (values, slopes) = linear::<{ BALL + 1 }, BALL>(y, |y| {
             let state = self.state(y)?;
             (power, sliding) = (state.power, state.sliding);
-            let left = self.left(y, &state, y[PRECESSION] + self.offset());
+            let residual = self.residual_of(y, &state, y[PRECESSION] + self.offset());
             let radius = Jet::from(self.contacts.helix.radius);
             let torque = torque(&state.wrench[1], radius, &state.loaded.frame);
-            Ok(from_fn(|i| left.get(i).copied().unwrap_or(torque)))
+            Ok(from_fn(|i| residual.get(i).copied().unwrap_or(torque)))
         })?;
         let block = |row: &[f64; BALL]| from_fn(|k| row.get(k).copied().unwrap_or(0.0));
         Ok(EquationValues {
-            left: from_fn(|i| values[i]),
+            residual: from_fn(|i| values[i]),
             transmitted: PowerFlow { torque: values[BALL], power, sliding },
             rows: from_fn(|i| block(&slopes[i])),
             slope: block(&slopes[BALL]),
@@ -174,7 +178,7 @@ impl<F: Copy> EquationValues<F> {
     #[inline(always)]
     pub(super) fn zero(zero: F) -> Self {
         Self {
-            left: [zero; BALL],
+            residual: [zero; BALL],
             transmitted: PowerFlow::zero(zero),
             rows: [[zero; BLOCK]; BALL],
             slope: [zero; BLOCK],
@@ -236,7 +240,7 @@ impl Equations<BALL> for LastEvaluation<'_> {
     }
 
     fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {
-        Ok(self.evaluated::<false>(x)?.left)
+        Ok(self.evaluated::<false>(x)?.residual)
     }
 
     fn linearize(
@@ -248,7 +252,7 @@ impl Equations<BALL> for LastEvaluation<'_> {
         for (to, from) in rows.iter_mut().zip(&found.rows) {
             to.copy_from_slice(&from[..BALL]);
         }
-        Ok(found.left)
+        Ok(found.residual)
     }
 
     fn equation(&self, i: usize) -> String {
@@ -269,15 +273,15 @@ impl<R: TractionLaw, const SLOPED: bool> WithSimd for Evaluate<'_, R, SLOPED> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let Self(ball, y, rubbing, found) = self;
+        let Self(ball, y, law, found) = self;
         let scaled = ball.scaled();
         let (geometry, exist) = contact_geometry(&scaled, y, sin_cos_of_tilt(simd, y[TILT]));
         if !exist {
             return false;
         }
-        let mut rubbed = [ContactTraction::none(0.0); 2];
-        rubbing.loss::<S, SLOPED>(simd, ball, y, &geometry, &mut rubbed);
-        evaluate::<_, R, SLOPED>(&scaled, y, &geometry, &rubbed, found);
+        let mut tractions = [ContactTraction::none(0.0); 2];
+        law.loss::<S, SLOPED>(simd, ball, y, &geometry, &mut tractions);
+        evaluate::<_, R, SLOPED>(&scaled, y, &geometry, &tractions, found);
         true
     }
 }
@@ -321,7 +325,7 @@ pub(super) trait TractionLaw {
         ball: &SlipBall<'_>,
         y: &[f64; BALL],
         geometry: &ContactGeometry<f64>,
-        rubbed: &mut [ContactTraction; 2],
+        tractions: &mut [ContactTraction; 2],
     );
 }
 
@@ -335,13 +339,13 @@ impl TractionLaw for Dry {
         ball: &SlipBall<'_>,
         _y: &[f64; BALL],
         geometry: &ContactGeometry<f64>,
-        rubbed: &mut [ContactTraction; 2],
+        tractions: &mut [ContactTraction; 2],
     ) {
         let nodes = [ball.nodes(0), ball.nodes(1)];
         let sums = sums::<S, _, 2, SLOPED>(simd, &geometry.points, &[Dry; 2], &nodes, [false; 2]);
-        for (rubbed, sums) in rubbed.iter_mut().zip(sums) {
-            rubbed.sums = sums;
-            rubbed.coefficient = ball.contacts.directed_friction();
+        for (tractions, sums) in tractions.iter_mut().zip(sums) {
+            tractions.sums = sums;
+            tractions.coefficient = ball.contacts.directed_friction();
         }
     }
 }
@@ -356,26 +360,26 @@ impl TractionLaw for EhlPoint {
         ball: &SlipBall<'_>,
         y: &[f64; BALL],
         geometry: &ContactGeometry<f64>,
-        rubbed: &mut [ContactTraction; 2],
+        tractions: &mut [ContactTraction; 2],
     ) {
         let (arc, cos_lead) = (ball.contacts.arc, ball.contacts.lead.1);
         let mut laws = [None; 2];
         for i in 0..2 {
-            let (side, place) = [(1.0, NUT_LOAD), (-1.0, SCREW_LOAD)][i];
+            let (side, unknown) = [(1.0, NUT_LOAD), (-1.0, SCREW_LOAD)][i];
             let angle = &geometry.angles[i];
             let [along_t, _, w_n, w_c] = geometry.points[i].motion;
             // k·(t × N), and its slope by the angle
             let (k_c, turned) = (side * angle.cos * cos_lead, -side * angle.sin * cos_lead);
             let rate = along_t / arc;
-            let film = self.of_motion(i, y[place], [rate, along_t, w_c], k_c, ball.creep);
-            let ContactTraction { film: by, resistance, rolling, .. } = &mut rubbed[i];
+            let film = self.of_motion(i, y[unknown], [rate, along_t, w_c], k_c, ball.creep);
+            let ContactTraction { film: by, resistance, rolling, .. } = &mut tractions[i];
             if SLOPED {
                 let growth = film.growth * film.along / film.entrainment.powi(2);
                 by[PRECESSION] = -(0.5 * arc + k_c) * growth;
                 by[OMEGA[1]] -= 0.5 * side * angle.sin * growth;
                 add::<_, ALL>(by, 0.5 * side * angle.cos * growth, &geometry.by_b);
                 add::<_, ALL>(by, -(0.5 * w_n + rate * turned) * growth, &angle.by);
-                by[place] -= 0.067 / y[place];
+                by[unknown] -= 0.067 / y[unknown];
             }
             let [push, couple] = film.resist(w_c, ball.creep);
             // M = r × F_h + C_h                                           (Y32)
@@ -387,9 +391,9 @@ impl TractionLaw for EhlPoint {
         let nodes = [ball.nodes(0), ball.nodes(1)];
         let sums =
             sums::<S, _, 4, SLOPED>(simd, &geometry.points, &[nut, screw], &nodes, [false; 2]);
-        for (rubbed, sums) in rubbed.iter_mut().zip(sums) {
-            rubbed.sums = sums;
-            rubbed.coefficient = ball.contacts.signed(1.0);
+        for (tractions, sums) in tractions.iter_mut().zip(sums) {
+            tractions.sums = sums;
+            tractions.coefficient = ball.contacts.signed(1.0);
         }
     }
 }
@@ -456,7 +460,7 @@ pub(super) struct Angle<F> {
 pub(super) struct ContactGeometry<F> {
     pub(super) points: [Patch<F>; 2],
     /// The turn of the triad, the angles of the contacts from there, and those of the contacts.
-    pub(super) turn: Angle<F>,
+    pub(super) rotation: Angle<F>,
     tilts: [Angle<F>; 2],
     pub(super) angles: [Angle<F>; 2],
     /// Derivatives of the angular velocity about t and b.
@@ -567,7 +571,7 @@ pub(super) fn contact_geometry<F: Compare>(
     let Sides { growth, lengths: [l_a, l_b], slopes, pressed } = Sides::of(point, y);
     let a_2 = point.radial_distance;
     let own = along(TILT, one);
-    let (turn, tilts, angles, exist);
+    let (rotation, tilts, angles, exist);
     if point.nut_chart {
         // cosβ_B = (A₂ − l_A cosβ_A)/l_B                                  (J9)
         let cos = (a_2 - l_a * cos_y) / l_b;
@@ -583,7 +587,7 @@ pub(super) fn contact_geometry<F: Compare>(
             cos: cos * cos_y + sin * sin_y,
             by: tilted(&screw.by, -1.0),
         };
-        turn = nut;
+        rotation = nut;
         tilts = [Angle { sin: zero, cos: one, by: [zero; BLOCK] }, apart];
         angles = [nut, screw];
     } else {
@@ -595,7 +599,7 @@ pub(super) fn contact_geometry<F: Compare>(
         let mut by = along(TILT, l_a * sin_a - l_b * sin_b);
         (by[NUT_LOAD], by[SCREW_LOAD]) = (cos_a * slopes[0], cos_b * slopes[1]);
         let by = times(one / height, &by);
-        turn = Angle { sin, cos, by };
+        rotation = Angle { sin, cos, by };
         tilts = [
             Angle { sin: -sin_y, cos: cos_y, by: along(TILT, -one) },
             Angle { sin: sin_y, cos: cos_y, by: own },
@@ -639,7 +643,7 @@ pub(super) fn contact_geometry<F: Compare>(
         points[i].semi_axes = (growth[i] * a, growth[i] * b);
         points[i].pressed_radius = point.pressed_radius[i];
     }
-    (ContactGeometry { points, turn, tilts, angles, by_t, by_b }, exist)
+    (ContactGeometry { points, rotation, tilts, angles, by_t, by_b }, exist)
 }
 
 /// The equations, with derivatives if `SLOPED`, in the place of zeros.
@@ -647,18 +651,19 @@ pub(super) fn contact_geometry<F: Compare>(
 pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
     point: &TractionPoint<F>,
     y: &[F; BALL],
-    ContactGeometry { points, turn, tilts, angles, by_t, by_b }: &ContactGeometry<F>,
-    rubbed: &[ContactTraction<F>; 2],
-    EquationValues { left, transmitted, rows, slope }: &mut EquationValues<F>,
+    ContactGeometry { points, rotation, tilts, angles, by_t, by_b }: &ContactGeometry<F>,
+    tractions: &[ContactTraction<F>; 2],
+    EquationValues { residual, transmitted, rows, slope }: &mut EquationValues<F>,
 ) {
     let (sin_lead, cos_lead) = point.lead;
     let (loads, one) = ([y[NUT_LOAD], y[SCREW_LOAD]], sin_lead.constant(1.0));
     for i in 0..2 {
         let side = [one, -one][i];
-        let place = [NUT_LOAD, SCREW_LOAD][i];
-        let (load, by_load) = (loads[i], along(place, one));
+        let unknown = [NUT_LOAD, SCREW_LOAD][i];
+        let (load, by_load) = (loads[i], along(unknown, one));
         let (tilt, angle) = (&tilts[i], &angles[i]);
-        let &ContactTraction { ref sums, coefficient, ref film, resistance, rolling } = &rubbed[i];
+        let &ContactTraction { ref sums, coefficient, ref film, resistance, rolling } =
+            &tractions[i];
         let &Resultants { ref values, power: unit_power, ref slopes, by_film } = sums;
         let pull = load * coefficient;
         // P_f = Σ f Q ∫ dP                                                (P7)
@@ -685,7 +690,7 @@ pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
                 add::<_, FLAT>(&mut part.by, pull * t, by_t);
                 part.by[PRECESSION] = pull * a * point.arc;
                 // d(f Q I) = f I dQ + f Q dI,  d ln a = dQ/(3 Q)
-                part.by[place] = part.by[place] + coefficient * (values[k] + g * (1.0 / 3.0));
+                part.by[unknown] = part.by[unknown] + coefficient * (values[k] + g * (1.0 / 3.0));
             }
         }
         if R::LUBRICATED {
@@ -701,13 +706,13 @@ pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
         let [f_t, f_c, m_t, m_n, m_c] = &parts;
         let normal = Gradient { re: load, by: by_load };
         let (force, moment) = ([f_t, &normal, f_c], [m_t, m_n, m_c]);
-        add_vector::<F, SLOPED, 0, STATICS>((side, tilt), force, (left, rows));
-        add_vector::<F, SLOPED, 3, ALL>((side, tilt), moment, (left, rows));
+        add_vector::<F, SLOPED, 0, STATICS>((side, tilt), force, (residual, rows));
+        add_vector::<F, SLOPED, 3, ALL>((side, tilt), moment, (residual, rows));
         // Components along n and b.
         let (n, b) = turned(side, (angle.sin, angle.cos), (load, f_c.re));
         if i == 0 {
             // F_nut·k − F_a                                               (P5)
-            left[6] = f_t.re * sin_lead + b * cos_lead - one;
+            residual[6] = f_t.re * sin_lead + b * cos_lead - one;
             if SLOPED {
                 let row = &mut rows[6];
                 *row = times(sin_lead, &f_t.by);
@@ -718,21 +723,22 @@ pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
         } else {
             // T = [(−r_m n) × F + M]·k                                    (B7)
             let (m_1, m_2) = turned(side, (angle.sin, angle.cos), (m_n.re, m_c.re));
-            let (force, arm) = (point.radius * cos_lead, -(point.radius * sin_lead));
-            transmitted.torque = m_t.re * sin_lead + m_2 * cos_lead + f_t.re * force + b * arm;
+            let (force, lever_arm) = (point.radius * cos_lead, -(point.radius * sin_lead));
+            transmitted.torque =
+                m_t.re * sin_lead + m_2 * cos_lead + f_t.re * force + b * lever_arm;
             if SLOPED {
                 *slope = times(sin_lead, &m_t.by);
                 add::<_, ALL>(slope, cos_lead * side * angle.sin, &m_n.by);
                 add::<_, ALL>(slope, cos_lead * side * angle.cos, &m_c.by);
-                add::<_, STATICS>(slope, cos_lead * m_1 + arm * n, &angle.by);
+                add::<_, STATICS>(slope, cos_lead * m_1 + lever_arm * n, &angle.by);
                 add::<_, ALL>(slope, force, &f_t.by);
-                add::<_, STATICS>(slope, arm * side * angle.sin, &normal.by);
-                add::<_, ALL>(slope, arm * side * angle.cos, &f_c.by);
+                add::<_, STATICS>(slope, lever_arm * side * angle.sin, &normal.by);
+                add::<_, ALL>(slope, lever_arm * side * angle.cos, &f_c.by);
             }
         }
     }
 
-    add_inertia::<F, SLOPED>(point, y, turn, (left, rows));
+    add_inertia::<F, SLOPED>(point, y, rotation, (residual, rows));
 }
 
 /// Adds a vector of a contact, given along t, N and t × N, to three equations from the number `ROW` on.
@@ -742,12 +748,12 @@ pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
 fn add_vector<F: Compare, const SLOPED: bool, const ROW: usize, const NORMAL: u8>(
     (side, tilt): (F, &Angle<F>),
     [along_t, along_n, across]: [&Gradient<F>; 3],
-    (left, rows): (&mut [F; BALL], &mut [Partials<F>; BALL]),
+    (residual, rows): (&mut [F; BALL], &mut [Partials<F>; BALL]),
 ) {
     let (second, third) = turned(side, (tilt.sin, tilt.cos), (along_n.re, across.re));
-    left[ROW] = left[ROW] + along_t.re;
-    left[ROW + 1] = left[ROW + 1] + second;
-    left[ROW + 2] = left[ROW + 2] + third;
+    residual[ROW] = residual[ROW] + along_t.re;
+    residual[ROW + 1] = residual[ROW + 1] + second;
+    residual[ROW + 2] = residual[ROW + 2] + third;
     if SLOPED {
         let one = side.constant(1.0);
         add::<_, ALL>(&mut rows[ROW], one, &along_t.by);
@@ -765,8 +771,8 @@ fn add_vector<F: Compare, const SLOPED: bool, const ROW: usize, const NORMAL: u8
 fn add_inertia<F: Compare, const SLOPED: bool>(
     point: &TractionPoint<F>,
     y: &[F; BALL],
-    turn: &Angle<F>,
-    (left, rows): (&mut [F; BALL], &mut [Partials<F>; BALL]),
+    rotation: &Angle<F>,
+    (residual, rows): (&mut [F; BALL], &mut [Partials<F>; BALL]),
 ) {
     let (sin_lead, cos_lead) = point.lead;
     let [_, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
@@ -774,39 +780,39 @@ fn add_inertia<F: Compare, const SLOPED: bool>(
     // Σ F − m r_m P² n                                                    (B4)
     let mass = point.mass * point.radius;
     let centrifugal = mass * rate * rate;
-    left[1] = left[1] - centrifugal * turn.cos;
-    left[2] = left[2] + centrifugal * turn.sin;
+    residual[1] = residual[1] - centrifugal * rotation.cos;
+    residual[2] = residual[2] + centrifugal * rotation.sin;
     // Σ M − I P (ω'_n k × n − ω'_c n)                                     (B5), (T5)
     // I = (2/5) m r_b²                                                    (B2)
     let inertia = point.mass * 0.4;
     let (second, third) = (
-        sin_lead * turn.sin * radial - turn.cos * around,
-        sin_lead * turn.cos * radial + turn.sin * around,
+        sin_lead * rotation.sin * radial - rotation.cos * around,
+        sin_lead * rotation.cos * radial + rotation.sin * around,
     );
     let gyro = inertia * rate;
-    left[3] = left[3] + gyro * cos_lead * radial;
-    left[4] = left[4] - gyro * second;
-    left[5] = left[5] - gyro * third;
+    residual[3] = residual[3] + gyro * cos_lead * radial;
+    residual[4] = residual[4] - gyro * second;
+    residual[5] = residual[5] - gyro * third;
     if SLOPED {
         let change = mass * rate * 2.0;
         for (row, unknown, slope) in [
-            (1, PRECESSION, -(change * turn.cos)),
-            (2, PRECESSION, change * turn.sin),
+            (1, PRECESSION, -(change * rotation.cos)),
+            (2, PRECESSION, change * rotation.sin),
             (3, PRECESSION, inertia * cos_lead * radial),
             (4, PRECESSION, -(inertia * second)),
             (5, PRECESSION, -(inertia * third)),
             (3, OMEGA[1], gyro * cos_lead),
-            (4, OMEGA[1], -(gyro * sin_lead * turn.sin)),
-            (5, OMEGA[1], -(gyro * sin_lead * turn.cos)),
-            (4, OMEGA[2], gyro * turn.cos),
-            (5, OMEGA[2], -(gyro * turn.sin)),
+            (4, OMEGA[1], -(gyro * sin_lead * rotation.sin)),
+            (5, OMEGA[1], -(gyro * sin_lead * rotation.cos)),
+            (4, OMEGA[2], gyro * rotation.cos),
+            (5, OMEGA[2], -(gyro * rotation.sin)),
         ] {
             rows[row][unknown] = rows[row][unknown] + slope;
         }
-        add::<_, STATICS>(&mut rows[1], centrifugal * turn.sin, &turn.by);
-        add::<_, STATICS>(&mut rows[2], centrifugal * turn.cos, &turn.by);
-        add::<_, STATICS>(&mut rows[4], -(gyro * third), &turn.by);
-        add::<_, STATICS>(&mut rows[5], gyro * second, &turn.by);
+        add::<_, STATICS>(&mut rows[1], centrifugal * rotation.sin, &rotation.by);
+        add::<_, STATICS>(&mut rows[2], centrifugal * rotation.cos, &rotation.by);
+        add::<_, STATICS>(&mut rows[4], -(gyro * third), &rotation.by);
+        add::<_, STATICS>(&mut rows[5], gyro * second, &rotation.by);
     }
 }
 

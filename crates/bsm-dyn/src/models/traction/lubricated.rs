@@ -27,14 +27,14 @@ pub(super) const ENOUGH: f64 = 1e-11;
 impl<'a> SlipBall<'a> {
     /// The same with a lubricant.
     fn lubricated(&self, ehl: &'a EhlPoint) -> Self {
-        Self { lubrication: Some(Lubrication { ehl, part: 1.0, complete: false }), ..*self }
+        Self { lubrication: Some(Lubrication { ehl, fraction: 1.0, complete: false }), ..*self }
     }
 }
 
 impl SlipBall<'_> {
     /// The same with so much of the friction from the lubricant, and with derivatives of all that changes.
-    fn complete(&self, part: f64) -> Self {
-        let complete = |lubrication| Lubrication { part, complete: true, ..lubrication };
+    fn complete(&self, fraction: f64) -> Self {
+        let complete = |lubrication| Lubrication { fraction, complete: true, ..lubrication };
         Self { lubrication: self.lubrication.map(complete), ..*self }
     }
 
@@ -59,9 +59,9 @@ impl SlipBall<'_> {
                 }
             }
             let mut y = near.unknowns;
-            let stride = Continuation { first: 0.25, shortest: 0.01 };
-            let arrived = follow(&mut y, (0.0, 1.0), stride, |part, y| {
-                let report = Self { limits: BRIEF, ..here.complete(part) }.run(y, newton);
+            let control = Continuation { first: 0.25, shortest: 0.01 };
+            let arrived = follow(&mut y, (0.0, 1.0), control, |fraction, y| {
+                let report = Self { limits: BRIEF, ..here.complete(fraction) }.run(y, newton);
                 *steps += report.steps.len();
                 report.converged()
             });
@@ -72,10 +72,10 @@ impl SlipBall<'_> {
             }
         }
         let rolling = self.unknowns(&rolling_ball.loaded, &rolling_ball.to_nut);
-        let stride = Continuation { first: 1.0, shortest: 0.05 };
+        let control = Continuation { first: 1.0, shortest: 0.05 };
         [*self, self.complete(1.0)]
             .iter()
-            .find_map(|ball| ball.by_falling_creep(rolling, 0.0, stride, newton, steps))
+            .find_map(|ball| ball.by_falling_creep(rolling, 0.0, control, newton, steps))
             .ok_or(failure)
     }
 }
@@ -192,7 +192,7 @@ impl<const M: usize> Traction<Jet<M>> {
         let (newton, quadrature) = (&mut traction.newton, lubricated.both(self.accuracy)[0]);
         let ball = SlipBall::of_contacts(&contacts, quadrature, creep).of(&root);
         let ball = SlipBall { plans: Some(&plans), ..ball };
-        let lubrication = Lubrication { ehl, part: 1.0, complete: true };
+        let lubrication = Lubrication { ehl, fraction: 1.0, complete: true };
         let moving = ball.over(&inputs, Some(lubrication));
         let system = ball.lubricated(values).complete(1.0);
         let weights = ball.weights(&root.unknowns);

@@ -174,7 +174,7 @@ struct Iterate<F> {
     at: TractionStart<F>,
     /// The step from there, and the part of it to try.
     step: [F; BALL],
-    part: F,
+    fraction: F,
     /// Scaled residual there, infinite where there is none yet, and weights of forces and moments.
     before: F,
     weights: (F, F),
@@ -218,24 +218,24 @@ impl WithSimd for Solve<'_> {
         let Self { rules, starts } = self;
         let mut roots = vec![None; starts.len()];
         let Some(coarse) = &*NEARBY else { return roots };
-        let mut walks = vec![[0.0; NUMBERS]; starts.len()];
+        let mut iterates = vec![[0.0; NUMBERS]; starts.len()];
         let mut points: Vec<usize> = (0..starts.len()).collect();
         let (mut next, mut near, mut arrived) = (Vec::new(), Vec::new(), vec![false; starts.len()]);
         let work = &mut Work::new(simd);
         for levels in LEVELS {
             for point in &points {
-                let (walk, start) = (&mut walks[*point], &starts[*point]);
-                let steps = walk[NUMBERS - 3];
-                *walk = [0.0; NUMBERS];
-                walk[..TRACTION_START].copy_from_slice(&start.numbers());
-                walk[TRACTION_START + BALL + 1] = f64::INFINITY;
-                walk[NUMBERS - 3] = steps;
-                walk[NUMBERS - 1] = start.point.creep.max(levels[0]);
+                let (iterate, start) = (&mut iterates[*point], &starts[*point]);
+                let steps = iterate[NUMBERS - 3];
+                *iterate = [0.0; NUMBERS];
+                iterate[..TRACTION_START].copy_from_slice(&start.numbers());
+                iterate[TRACTION_START + BALL + 1] = f64::INFINITY;
+                iterate[NUMBERS - 3] = steps;
+                iterate[NUMBERS - 1] = start.point.creep.max(levels[0]);
             }
             while !points.is_empty() {
-                for some in points.chunks(Lane::<S>::LEN) {
+                for group in points.chunks(Lane::<S>::LEN) {
                     let waiting = [&mut next, &mut near];
-                    approach(simd, (coarse, levels), work, &mut walks, some, waiting);
+                    approach(simd, (coarse, levels), work, &mut iterates, group, waiting);
                 }
                 // Neighbours share the largest of their numbers of nodes.
                 next.sort_unstable();
@@ -244,18 +244,19 @@ impl WithSimd for Solve<'_> {
             }
             near.sort_unstable();
             let resolved = near.partition_point(|(size, _)| *size < SPLIT);
-            let mut some: Vec<_> = near.drain(..).map(|(_, point)| point).collect();
+            let mut group: Vec<_> = near.drain(..).map(|(_, point)| point).collect();
             // What is not refined needs no other start.
-            for point in &some {
+            for point in &group {
                 arrived[*point] = true;
             }
-            let mut split = some.split_off(resolved);
-            for some in some.chunks(Lane::<S>::LEN) {
-                let left = refine::<_, false>(simd, rules, work, &walks, some, &mut roots);
-                split.extend(left);
+            let mut split = group.split_off(resolved);
+            for group in group.chunks(Lane::<S>::LEN) {
+                let unresolved =
+                    refine::<_, false>(simd, rules, work, &iterates, group, &mut roots);
+                split.extend(unresolved);
             }
-            for some in split.chunks(Lane::<S>::LEN) {
-                refine::<_, true>(simd, rules, work, &walks, some, &mut roots);
+            for group in split.chunks(Lane::<S>::LEN) {
+                refine::<_, true>(simd, rules, work, &iterates, group, &mut roots);
             }
             points.extend((0..starts.len()).filter(|point| !arrived[*point]));
         }
@@ -265,10 +266,14 @@ impl WithSimd for Solve<'_> {
 
 /// Numbers of some points side by side, the last one repeated.
 #[inline(always)]
-fn gather<S: Simd>(simd: S, walks: &[[f64; NUMBERS]], some: &[usize]) -> Iterate<Lane<S>> {
+fn load_iterates<S: Simd>(
+    simd: S,
+    iterates: &[[f64; NUMBERS]],
+    group: &[usize],
+) -> Iterate<Lane<S>> {
     let mut blocks = [[0.0; BLOCK]; NUMBERS];
     for i in 0..Lane::<S>::LEN {
-        let numbers = &walks[some[i.min(some.len() - 1)]];
+        let numbers = &iterates[group[i.min(group.len() - 1)]];
         for k in 0..NUMBERS {
             blocks[k][i] = numbers[k];
         }
@@ -281,11 +286,11 @@ fn gather<S: Simd>(simd: S, walks: &[[f64; NUMBERS]], some: &[usize]) -> Iterate
     for k in 0..BALL {
         step[k] = Lane::load(simd, &blocks[TRACTION_START + k]);
     }
-    let [.., part, before, force, moment, steps, tries, creep] = &blocks;
+    let [.., fraction, before, force, moment, steps, tries, creep] = &blocks;
     Iterate {
         at: TractionStart::of(lanes),
         step,
-        part: Lane::load(simd, part),
+        fraction: Lane::load(simd, fraction),
         before: Lane::load(simd, before),
         weights: (Lane::load(simd, force), Lane::load(simd, moment)),
         steps: Lane::load(simd, steps),
@@ -296,20 +301,24 @@ fn gather<S: Simd>(simd: S, walks: &[[f64; NUMBERS]], some: &[usize]) -> Iterate
 
 /// Puts what changes of some points back.
 #[inline(always)]
-fn scatter<S: Simd>(walk: &Iterate<Lane<S>>, walks: &mut [[f64; NUMBERS]], some: &[usize]) {
-    let [y_0, y_1, y_2, y_3, y_4, y_5, y_6] = walk.at.unknowns;
-    let [d_0, d_1, d_2, d_3, d_4, d_5, d_6] = walk.step;
-    let &Iterate { part, before, weights: (force, moment), steps, tries, creep, .. } = walk;
+fn store_iterates<S: Simd>(
+    iterate: &Iterate<Lane<S>>,
+    iterates: &mut [[f64; NUMBERS]],
+    group: &[usize],
+) {
+    let [y_0, y_1, y_2, y_3, y_4, y_5, y_6] = iterate.at.unknowns;
+    let [d_0, d_1, d_2, d_3, d_4, d_5, d_6] = iterate.step;
+    let &Iterate { fraction, before, weights: (force, moment), steps, tries, creep, .. } = iterate;
     let lanes = [
-        y_0, y_1, y_2, y_3, y_4, y_5, y_6, d_0, d_1, d_2, d_3, d_4, d_5, d_6, part, before, force,
-        moment, steps, tries, creep,
+        y_0, y_1, y_2, y_3, y_4, y_5, y_6, d_0, d_1, d_2, d_3, d_4, d_5, d_6, fraction, before,
+        force, moment, steps, tries, creep,
     ];
     let mut blocks = [[0.0; BLOCK]; NUMBERS - TRACTION_START + BALL];
     for (block, lane) in blocks.iter_mut().zip(lanes) {
         lane.store(block);
     }
-    for (i, point) in some.iter().enumerate() {
-        for (number, block) in walks[*point][TRACTION_START - BALL..].iter_mut().zip(&blocks) {
+    for (i, point) in group.iter().enumerate() {
+        for (number, block) in iterates[*point][TRACTION_START - BALL..].iter_mut().zip(&blocks) {
             *number = block[i];
         }
     }
@@ -319,7 +328,7 @@ fn scatter<S: Simd>(walk: &Iterate<Lane<S>>, walks: &mut [[f64; NUMBERS]], some:
 struct Work<S: Simd> {
     found: EquationValues<Lane<S>>,
     nodes: [ManyNodes<S>; 2],
-    rubbed: [ContactTraction<Lane<S>>; 2],
+    tractions: [ContactTraction<Lane<S>>; 2],
 }
 
 impl<S: Simd> Work<S> {
@@ -328,14 +337,14 @@ impl<S: Simd> Work<S> {
         Self {
             found: EquationValues::zero(zero),
             nodes: [ManyNodes::new(simd), ManyNodes::new(simd)],
-            rubbed: [ContactTraction::none(zero); 2],
+            tractions: [ContactTraction::none(zero); 2],
         }
     }
 }
 
 /// The equations at a state.
 struct Here<S: Simd> {
-    turn: Angle<Lane<S>>,
+    rotation: Angle<Lane<S>>,
     weights: (Lane<S>, Lane<S>),
     /// Where there are contacts, and on their flanks; and where the quadrature resolves their friction.
     exists: Mask<S>,
@@ -348,7 +357,7 @@ struct Evaluate<'a, S: Simd, const SLOPED: bool, const ROUGH: bool> {
     rule: &'a ManyQuadrature,
     at: &'a TractionStart<Lane<S>>,
     /// The numbers of inner nodes stay as they are.
-    counted: bool,
+    frozen: bool,
     /// The points, if their panels may be split.
     split: &'a [SplitPoint],
     /// Where it goes.
@@ -362,54 +371,54 @@ impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
 
     #[inline(always)]
     fn call(self) -> Here<S> {
-        let Self { simd, rule, at, counted, split, work: Work { found, nodes, rubbed } } = self;
+        let Self { simd, rule, at, frozen, split, work: Work { found, nodes, tractions } } = self;
         let TractionStart { point, unknowns: y } = at;
         let (zero, one) = (Lane::splat(simd, 0.0), Lane::splat(simd, 1.0));
         let (geometry, mut exists) = contact_geometry(point, y, y[TILT].sin_cos_of_tilt());
         for angle in &geometry.angles {
             exists = exists & zero.le(angle.sin) & angle.cos.gt(zero);
         }
-        for place in OMEGA {
-            exists = exists & y[place].abs().lt(one * FASTEST);
+        for unknown in OMEGA {
+            exists = exists & y[unknown].abs().lt(one * FASTEST);
         }
         let rate = y[PRECESSION] + point.offset;
         let centrifugal = point.mass * point.radius * rate * rate;
         let [a, b] = &geometry.points;
-        let arm = lever([a.semi_axes.0, b.semi_axes.0], point.pressed_radius);
-        let (force, moment) = sizes(centrifugal, point.friction.abs(), arm);
+        let lever_arm = lever([a.semi_axes.0, b.semi_axes.0], point.pressed_radius);
+        let (force, moment) = sizes(centrifugal, point.friction.abs(), lever_arm);
         let mut resolved = zero.le(zero);
         if ROUGH || split.is_empty() {
             for i in 0..2 {
                 let (point, nodes) = (&geometry.points[i], &mut nodes[i]);
-                resolved = resolved & rule.place(simd, point, nodes, counted);
-                rubbed[i].sums = rule.sums::<S, SLOPED, ROUGH>(simd, point, nodes);
+                resolved = resolved & rule.place_nodes(simd, point, nodes, frozen);
+                tractions[i].sums = rule.sums::<S, SLOPED, ROUGH>(simd, point, nodes);
             }
         } else {
             let sums = rule.split_sums::<S, SLOPED>(simd, &geometry.points, split);
-            (rubbed[0].sums, rubbed[1].sums) = (sums[0], sums[1]);
-            let mut there = [0.0; BLOCK];
-            there[..split.len()].fill(1.0);
-            resolved = zero.lt(zero.like(&there));
+            (tractions[0].sums, tractions[1].sums) = (sums[0], sums[1]);
+            let mut ready = [0.0; BLOCK];
+            ready[..split.len()].fill(1.0);
+            resolved = zero.lt(zero.like(&ready));
         }
-        rubbed[0].coefficient = at.point.friction;
-        rubbed[1].coefficient = at.point.friction;
-        (found.left, found.transmitted.power) = ([zero; BALL], zero);
+        tractions[0].coefficient = at.point.friction;
+        tractions[1].coefficient = at.point.friction;
+        (found.residual, found.transmitted.power) = ([zero; BALL], zero);
         if SLOPED {
             found.rows = [[zero; BLOCK]; BALL];
         }
-        evaluate::<_, Dry, SLOPED>(point, y, &geometry, rubbed, found);
+        evaluate::<_, Dry, SLOPED>(point, y, &geometry, tractions, found);
         let weights = (force.recip(), moment.recip());
-        Here { turn: geometry.turn, weights, exists, resolved }
+        Here { rotation: geometry.rotation, weights, exists, resolved }
     }
 }
 
 /// Square root of the sum of the squares of the weighted equations.
 #[inline(always)]
-fn norm<S: Simd>(left: &[Lane<S>; BALL], (force, moment): (Lane<S>, Lane<S>)) -> Lane<S> {
+fn norm<S: Simd>(residual: &[Lane<S>; BALL], (force, moment): (Lane<S>, Lane<S>)) -> Lane<S> {
     let mut sum = force.constant(0.0);
-    for (k, left) in left.iter().enumerate() {
-        let part = *left * if (3..6).contains(&k) { moment } else { force };
-        sum = sum + part * part;
+    for (k, residual) in residual.iter().enumerate() {
+        let term = *residual * if (3..6).contains(&k) { moment } else { force };
+        sum = sum + term * term;
     }
     sum.sqrt()
 }
@@ -425,7 +434,7 @@ impl<S: Simd> Factors<S> {
     /// The rotation is eliminated along t, N and `$e_x$`, so that the derivatives of the moments are about symmetric.
     #[inline(always)]
     fn of(found: &EquationValues<Lane<S>>, here: &Here<S>, lead: (Lane<S>, Lane<S>)) -> Self {
-        let ((sin_a, cos_a), Angle { sin, cos, .. }) = (lead, here.turn);
+        let ((sin_a, cos_a), Angle { sin, cos, .. }) = (lead, here.rotation);
         let mut rows = [[sin; BALL]; BALL];
         for k in 0..BALL {
             let by = &found.rows[PIVOT_ROWS[k]];
@@ -450,14 +459,14 @@ impl<S: Simd> Factors<S> {
 
     /// The step that a residual asks for.
     #[inline(always)]
-    fn step(&self, left: &[Lane<S>; BALL]) -> [Lane<S>; BALL] {
-        let mut x = *left;
+    fn step(&self, residual: &[Lane<S>; BALL]) -> [Lane<S>; BALL] {
+        let mut x = *residual;
         for k in 0..BALL {
-            let mut part = -left[PIVOT_ROWS[k]];
+            let mut entry = -residual[PIVOT_ROWS[k]];
             for j in 0..k {
-                part = self.rows[k][j].neg_mul_add(x[j], part);
+                entry = self.rows[k][j].neg_mul_add(x[j], entry);
             }
-            x[k] = part;
+            x[k] = entry;
         }
         for k in (0..BALL).rev() {
             for j in k + 1..BALL {
@@ -484,64 +493,66 @@ fn approach<S: Simd>(
     simd: S,
     (rule, levels): (&ManyQuadrature, &[f64]),
     work: &mut Work<S>,
-    walks: &mut [[f64; NUMBERS]],
-    some: &[usize],
+    iterates: &mut [[f64; NUMBERS]],
+    group: &[usize],
     [next, near]: [&mut Vec<(usize, usize)>; 2],
 ) {
-    let mut walk = gather(simd, walks, some);
-    let mut step = walk.step;
+    let mut iterate = load_iterates(simd, iterates, group);
+    let mut step = iterate.step;
     for k in 0..BALL {
-        step[k] = step[k] * walk.part;
+        step[k] = step[k] * iterate.fraction;
     }
-    let mut trial = walk.at.moved(&step);
-    trial.point.creep = walk.creep;
+    let mut trial = iterate.at.moved(&step);
+    trial.point.creep = iterate.creep;
     let here = {
-        let (at, counted, split, work) = (&trial, false, &[][..], &mut *work);
-        simd.vectorize(Evaluate::<S, true, true> { simd, rule, at, counted, split, work })
+        let (at, frozen, split, work) = (&trial, false, &[][..], &mut *work);
+        simd.vectorize(Evaluate::<S, true, true> { simd, rule, at, frozen, split, work })
     };
     let found = &work.found;
-    let infinity = walk.before.constant(f64::INFINITY);
-    let first = infinity.le(walk.before);
+    let infinity = iterate.before.constant(f64::INFINITY);
+    let first = infinity.le(iterate.before);
     let weights = (
-        first.select(here.weights.0, walk.weights.0),
-        first.select(here.weights.1, walk.weights.1),
+        first.select(here.weights.0, iterate.weights.0),
+        first.select(here.weights.1, iterate.weights.1),
     );
-    let size = norm(&found.left, weights);
+    let size = norm(&found.residual, weights);
     // φ(λ) ≤ (1 − 2 γ λ) φ(0)                                             (N5)
-    let decrease = walk.part.mul_add(walk.part.constant(-2.0 * ARMIJO), walk.part.constant(1.0));
-    let enough = (size * size).le(decrease * walk.before * walk.before);
+    let decrease = iterate
+        .fraction
+        .mul_add(iterate.fraction.constant(-2.0 * ARMIJO), iterate.fraction.constant(1.0));
+    let enough = (size * size).le(decrease * iterate.before * iterate.before);
     let accepted = here.exists & size.lt(infinity) & (first | enough);
-    let above = walk.at.point.creep.lt(walk.creep);
+    let above = iterate.at.point.creep.lt(iterate.creep);
     let arrived = accepted & !above & size.le(size.constant(NEAR));
-    let left = accepted & above & size.le(size.constant(LEFT));
-    let step = Factors::of(found, &here, walk.at.point.lead).step(&found.left);
+    let lowers = accepted & above & size.le(size.constant(LEFT));
+    let step = Factors::of(found, &here, iterate.at.point.lead).step(&found.residual);
     // The last step of those that have arrived is taken.
     let last = trial.moved(&step);
     let zero = size.constant(0.0);
     for k in 0..BALL {
-        let y = &mut walk.at.unknowns[k];
+        let y = &mut iterate.at.unknowns[k];
         *y = accepted.select(arrived.select(last.unknowns[k], trial.unknowns[k]), *y);
-        walk.step[k] = left.select(zero, accepted.select(step[k], walk.step[k]));
+        iterate.step[k] = lowers.select(zero, accepted.select(step[k], iterate.step[k]));
     }
-    walk.part = accepted.select(size.constant(1.0), walk.part * 0.5);
+    iterate.fraction = accepted.select(size.constant(1.0), iterate.fraction * 0.5);
     // The next creep speed begins anew.
-    walk.before = left.select(infinity, accepted.select(size, walk.before));
-    let mut lower = walk.at.point.creep;
-    for level in levels {
-        let level = lower.constant(*level);
-        lower = level.lt(walk.creep).select(lower.larger(level), lower);
+    iterate.before = lowers.select(infinity, accepted.select(size, iterate.before));
+    let mut lower = iterate.at.point.creep;
+    for creep in levels {
+        let creep = lower.constant(*creep);
+        lower = creep.lt(iterate.creep).select(lower.larger(creep), lower);
     }
-    walk.creep = left.select(lower, walk.creep);
-    walk.tries = left.select(zero, walk.tries + 1.0);
-    (walk.weights, walk.steps) = (weights, walk.steps + 1.0);
+    iterate.creep = lowers.select(lower, iterate.creep);
+    iterate.tries = lowers.select(zero, iterate.tries + 1.0);
+    (iterate.weights, iterate.steps) = (weights, iterate.steps + 1.0);
     let alive = accepted | !first;
-    let waits = alive & walk.tries.lt(size.constant(MOST_COARSE));
-    scatter(&walk, walks, some);
+    let waits = alive & iterate.tries.lt(size.constant(MOST_COARSE));
+    store_iterates(&iterate, iterates, group);
     let [mut ends, mut goes_on, mut resolved] = [[false; BLOCK]; 3];
     here.resolved.store(&mut resolved);
     (alive & arrived).store(&mut ends);
     (waits & !arrived).store(&mut goes_on);
-    for (i, point) in some.iter().enumerate() {
+    for (i, point) in group.iter().enumerate() {
         let size = work.nodes[0].size(i) + work.nodes[1].size(i);
         if ends[i] {
             near.push((if resolved[i] { size } else { SPLIT }, *point));
@@ -558,83 +569,83 @@ fn refine<S: Simd, const SPLIT: bool>(
     simd: S,
     rules: &TractionMany,
     work: &mut Work<S>,
-    walks: &[[f64; NUMBERS]],
-    some: &[usize],
+    iterates: &[[f64; NUMBERS]],
+    group: &[usize],
     roots: &mut [Option<TractionRoot>],
 ) -> Vec<usize> {
-    let Iterate { mut at, mut steps, .. } = gather(simd, walks, some);
+    let Iterate { mut at, mut steps, .. } = load_iterates(simd, iterates, group);
     let (rule, check) = (&rules.rule, &rules.check);
-    let mut points = vec![SplitPoint::default(); if SPLIT { some.len() } else { 0 }];
+    let mut points = vec![SplitPoint::default(); if SPLIT { group.len() } else { 0 }];
     let one = steps.constant(1.0);
     let linearized = |at: &TractionStart<Lane<S>>, points: &[SplitPoint], work: &mut Work<S>| {
-        let (counted, split) = (false, points);
-        simd.vectorize(Evaluate::<S, true, false> { simd, rule, at, counted, split, work })
+        let (frozen, split) = (false, points);
+        simd.vectorize(Evaluate::<S, true, false> { simd, rule, at, frozen, split, work })
     };
     let mut here = linearized(&at, &points, work);
     let mut factors = Factors::of(&work.found, &here, at.point.lead);
     if SPLIT {
         // On the way here spin poles inside were not resolved: a Newton step more, with the numbers of nodes of the first, as in
         // the model.
-        at = at.moved(&factors.step(&work.found.left));
+        at = at.moved(&factors.step(&work.found.residual));
         here = linearized(&at, &points, work);
         factors = Factors::of(&work.found, &here, at.point.lead);
         steps = steps + one;
     }
     let found = &work.found;
     let (weights, slope) = (here.weights, found.slope);
-    let held = here.exists & here.resolved;
-    let (mut left, mut before) = (found.left, norm(&found.left, weights));
-    let (mut torque, mut power, mut settled) = (one, one, !held);
+    let resolved = here.exists & here.resolved;
+    let (mut residual, mut before) = (found.residual, norm(&found.residual, weights));
+    let (mut torque, mut power, mut converged) = (one, one, !resolved);
     for _ in 0..MOST_FINE {
         if SPLIT {
             let mut done = [false; BLOCK];
-            settled.store(&mut done);
+            converged.store(&mut done);
             points.iter_mut().zip(done).for_each(|(point, done)| point.done = done);
         }
-        let next = at.moved(&factors.step(&left));
+        let next = at.moved(&factors.step(&residual));
         for k in 0..BALL {
-            at.unknowns[k] = settled.select(at.unknowns[k], next.unknowns[k]);
+            at.unknowns[k] = converged.select(at.unknowns[k], next.unknowns[k]);
         }
         {
-            let (at, counted, split, work) = (&at, true, &points[..], &mut *work);
-            simd.vectorize(Evaluate::<S, false, false> { simd, rule, at, counted, split, work });
+            let (at, frozen, split, work) = (&at, true, &points[..], &mut *work);
+            simd.vectorize(Evaluate::<S, false, false> { simd, rule, at, frozen, split, work });
         }
         let found = &work.found;
-        let size = norm(&found.left, weights);
+        let size = norm(&found.residual, weights);
         let enough = size.le(one * GOAL) | size.le((before * QUICK).min(one * ROOT));
         for k in 0..BALL {
-            left[k] = settled.select(left[k], found.left[k]);
+            residual[k] = converged.select(residual[k], found.residual[k]);
         }
-        torque = settled.select(torque, found.transmitted.torque);
-        power = settled.select(power, found.transmitted.power);
-        before = settled.select(before, size);
-        steps = settled.select(steps, steps + 1.0);
-        settled = settled | enough;
-        if !(!settled).any() {
+        torque = converged.select(torque, found.transmitted.torque);
+        power = converged.select(power, found.transmitted.power);
+        before = converged.select(before, size);
+        steps = converged.select(steps, steps + 1.0);
+        converged = converged | enough;
+        if !(!converged).any() {
             break;
         }
     }
     points.fill(SplitPoint::default());
     // The step from there is far below what a torque has as digits beyond its first order.
-    let step = factors.step(&left);
+    let step = factors.step(&residual);
     for k in 0..BALL {
         at.unknowns[k] = at.unknowns[k] + step[k];
         torque = torque + step[k] * slope[k];
     }
     let other = {
-        let (rule, at, counted, split, work) = (check, &at, false, &points[..], &mut *work);
-        simd.vectorize(Evaluate::<S, false, false> { simd, rule, at, counted, split, work })
+        let (rule, at, frozen, split, work) = (check, &at, false, &points[..], &mut *work);
+        simd.vectorize(Evaluate::<S, false, false> { simd, rule, at, frozen, split, work })
     };
     let found = &work.found;
     // y' = y − J⁻¹ F'(y)                                                  (T24)
-    let step = factors.step(&found.left);
+    let step = factors.step(&found.residual);
     let mut error = found.transmitted.torque - torque;
     for k in 0..BALL {
         error = error + step[k] * slope[k];
     }
-    let there = held & settled & other.exists & other.resolved;
+    let ready = resolved & converged & other.exists & other.resolved;
     let [mut solved, mut unresolved] = [[false; BLOCK]; 2];
-    there.store(&mut solved);
+    ready.store(&mut solved);
     (here.exists & !here.resolved).store(&mut unresolved);
     let root =
         TractionRoot { unknowns: at.unknowns, torque, power, error, steps, residual: before };
@@ -642,13 +653,13 @@ fn refine<S: Simd, const SPLIT: bool>(
     for (block, lane) in blocks.iter_mut().zip(root.numbers()) {
         lane.store(block);
     }
-    for (i, point) in some.iter().enumerate() {
+    for (i, point) in group.iter().enumerate() {
         let mut numbers = [0.0; TRACTION_FOUND];
         for k in 0..TRACTION_FOUND {
             numbers[k] = blocks[k][i];
         }
         roots[*point] = solved[i].then_some(TractionRoot::of(numbers));
     }
-    let split = some.iter().zip(unresolved).filter(|(_, unresolved)| *unresolved);
+    let split = group.iter().zip(unresolved).filter(|(_, unresolved)| *unresolved);
     split.map(|(point, _)| *point).collect()
 }

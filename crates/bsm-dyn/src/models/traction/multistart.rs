@@ -66,13 +66,13 @@ impl SlipBall<'_> {
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> Option<SlipRoot> {
-        let stride = Continuation { first: 2.0, shortest: 0.2 };
+        let control = Continuation { first: 2.0, shortest: 0.2 };
         let end = self.creep.ln();
         (0..starts).find_map(|number| {
             let y = self.sampled(number);
             // From friction nearly proportional to the slip on, or as it is.
             let begin = if number / 12 % 2 == 0 { end } else { self.lever(&y).ln().max(end) };
-            let root = self.by_falling_creep(y, begin, stride, newton, steps)?;
+            let root = self.by_falling_creep(y, begin, control, newton, steps)?;
             self.is_balanced(&root).then_some(root)
         })
     }

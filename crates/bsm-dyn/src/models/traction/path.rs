@@ -83,22 +83,22 @@ struct PathEquations<'a> {
 }
 
 impl PathEquations<'_> {
-    fn left<D: Integrate<f64>>(&self, z: &[D; PATH]) -> Result<[D; BALL], EvalError> {
+    fn residual_of<D: Integrate<f64>>(&self, z: &[D; PATH]) -> Result<[D; BALL], EvalError> {
         let (Self { ball, along }, y) = (self, from_fn(|i| z[i]));
         let du = z[BALL] - z[BALL].re();
         let [friction, rate] =
             along.at(ball.contacts.friction, z[BALL].re()).map(|(value, slope)| du * slope + value);
-        Ok(ball.left(&y, &ball.rubbed(&y, friction)?, rate))
+        Ok(ball.residual_of(&y, &ball.contact_wrenches(&y, friction)?, rate))
     }
 }
 
 impl Homotopy<BALL, PATH> for PathEquations<'_> {
     fn residual(&self, z: &[f64; PATH]) -> Result<[f64; BALL], EvalError> {
-        self.left(z)
+        self.residual_of(z)
     }
 
     fn linearize(&self, z: &[f64; PATH]) -> Result<([f64; BALL], [[f64; PATH]; BALL]), EvalError> {
-        linear(z, |z| self.left(z))
+        linear(z, |z| self.residual_of(z))
     }
 
     fn weights(&self, z: &[f64; PATH]) -> [f64; BALL] {
@@ -151,12 +151,12 @@ impl SlipBall<'_> {
         // Friction that is nearly proportional to the slip, then less and less.
         let begin = (10.0 * self.lever(&y)).ln();
         let stride = Continuation { first: 2.0, shortest: 1e-3 };
-        let settled = follow(&mut y, (begin, self.creep.ln()), stride, |log, y| {
+        let arrived = follow(&mut y, (begin, self.creep.ln()), stride, |log, y| {
             let report = SlipBall { contacts: &slippery, creep: log.exp(), ..*self }.run(y, newton);
             *steps += report.steps.len();
             report.converged()
         });
-        if settled.is_err() {
+        if arrived.is_err() {
             return PathResult::Nothing;
         }
         if slippery.friction < self.contacts.friction {

@@ -84,7 +84,7 @@ impl SlipBall<'_> {
         let found = watched.at(&unknowns).ok()?;
         let (mut transmitted, torque_slope) = (found.transmitted, found.slope);
         // The last step is far below what a torque has as digits beyond its first order.
-        for (k, step) in newton.correction(&found.left).ok()?.into_iter().enumerate() {
+        for (k, step) in newton.correction(&found.residual).ok()?.into_iter().enumerate() {
             unknowns[k] += step;
             transmitted.torque += step * torque_slope[k];
         }
@@ -133,8 +133,8 @@ impl SlipBall<'_> {
                 }
             }
         }
-        let stride = Continuation { first: 1.0, shortest: 0.05 };
-        if let Some(root) = self.by_falling_creep(rolling, 0.0, stride, newton, steps) {
+        let control = Continuation { first: 1.0, shortest: 0.05 };
+        if let Some(root) = self.by_falling_creep(rolling, 0.0, control, newton, steps) {
             return Ok(root);
         }
         if !all_over {
@@ -224,12 +224,12 @@ impl SlipBall<'_> {
         &self,
         mut y: [f64; BALL],
         begin: f64,
-        stride: Continuation,
+        control: Continuation,
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> Option<SlipRoot> {
         let mut residual = f64::INFINITY;
-        let arrived = follow(&mut y, (begin, self.creep.ln()), stride, |log, y| {
+        let arrived = follow(&mut y, (begin, self.creep.ln()), control, |log, y| {
             let report = Self { creep: log.exp(), ..*self }.run(y, newton);
             *steps += report.steps.len();
             residual = report.residual;
@@ -258,8 +258,8 @@ impl SlipBall<'_> {
         let mut unknowns = ball.unknowns(&loaded, &to_nut);
         let report = ball.run(&mut unknowns, newton);
         *steps += report.steps.len();
-        let settled = SlipRoot { unknowns, nut_chart: true, residual: report.residual };
-        if report.converged() { settled } else { root }
+        let charted = SlipRoot { unknowns, nut_chart: true, residual: report.residual };
+        if report.converged() { charted } else { root }
     }
 
     /// The equations in the unknowns of a root.

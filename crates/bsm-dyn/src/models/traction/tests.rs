@@ -241,7 +241,7 @@ fn columns_by_hand_are_those_of_the_jets() {
         };
         let found = ball.evaluated::<true>(&y).unwrap();
         let values = ball.evaluated::<false>(&y).unwrap();
-        assert_eq!(found.left.map(f64::to_bits), values.left.map(f64::to_bits));
+        assert_eq!(found.residual.map(f64::to_bits), values.residual.map(f64::to_bits));
         let [columns, rows] = [found.rows, jets.rows];
         let rate = y[PRECESSION] + ball.offset();
         // Normal forces, those of inertia, and moments: of friction, and gyroscopic ones.
@@ -254,7 +254,7 @@ fn columns_by_hand_are_those_of_the_jets() {
             // Rounding of the slip, of the angular velocities, over the creep speed.
             let slip = 1.0 + (rate.abs() * contacts.arc).max(turning);
             let rounding = 1e-14 * size * (1.0 + contacts.friction * slip / creep);
-            let off = (found.left[i] - jets.left[i]).abs();
+            let off = (found.residual[i] - jets.residual[i]).abs();
             assert!(off <= rounding, "{number} {i} {off:e} {rounding:e} {found:?} {jets:?}");
             let largest = rows[i].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
             for k in 0..BALL {

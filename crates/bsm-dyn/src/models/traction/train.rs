@@ -54,13 +54,13 @@ impl Push {
     /// Adds force and moment to the rows of the balance.
     pub(super) fn add_to<P: Scalar, D: Over<P>>(
         &self,
-        left: &mut [D; BALL],
+        residual: &mut [D; BALL],
         contacts: &ElasticContacts<P>,
         (loaded, to_nut): (&BallLoads<D>, &Motion<D>),
     ) {
         let Wrench { force, moment } = self.wrench(contacts, &loaded.frame, to_nut);
-        for (left, part) in left.iter_mut().zip(force.iter().chain(moment.iter())) {
-            *left += *part;
+        for (residual, term) in residual.iter_mut().zip(force.iter().chain(moment.iter())) {
+            *residual += *term;
         }
     }
 }
@@ -69,7 +69,7 @@ impl Push {
 const STRIDE: Continuation = Continuation { first: 1.0, shortest: 0.02 };
 
 /// A ball that is held at the speed of the train: the force of the neighbour behind takes the place of the precession.
-struct HeldBall<'a> {
+struct TrainEquations<'a> {
     ball: &'a SlipBall<'a>,
     push: Push,
     /// Precession as the unknowns of the ball have it.
@@ -86,7 +86,7 @@ struct Seen {
     last: Option<([f64; BALL], PowerFlow)>,
 }
 
-impl HeldBall<'_> {
+impl TrainEquations<'_> {
     /// The ball and its unknowns at those of the held one.
     fn moving(&self, x: &[f64; BALL]) -> (SlipBall<'_>, [f64; BALL]) {
         let mut y = *x;
@@ -96,12 +96,12 @@ impl HeldBall<'_> {
     }
 }
 
-impl Equations<BALL> for HeldBall<'_> {
+impl Equations<BALL> for TrainEquations<'_> {
     fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {
         let (ball, y) = self.moving(x);
         let found = ball.evaluated::<false>(&y)?;
         self.seen.set(Seen { last: Some((*x, found.transmitted)), ..self.seen.get() });
-        Ok(found.left)
+        Ok(found.residual)
     }
 
     fn linearize(
@@ -118,7 +118,7 @@ impl Equations<BALL> for HeldBall<'_> {
         }
         let by_precession = from_fn(|i| found.rows[i][PRECESSION]);
         self.seen.set(Seen { by_precession, last: Some((*x, found.transmitted)) });
-        Ok(found.left)
+        Ok(found.residual)
     }
 
     fn equation(&self, i: usize) -> String {
@@ -144,9 +144,9 @@ impl SlipBall<'_> {
         y: &[D; BALL],
     ) -> Result<[D; BALL], EvalError> {
         let loaded = self.loaded(y)?;
-        let mut left = [D::from(0.0); BALL];
-        push.add_to(&mut left, self.contacts, (&loaded, &self.motion_to_nut(y, &loaded)));
-        Ok(left)
+        let mut residual = [D::from(0.0); BALL];
+        push.add_to(&mut residual, self.contacts, (&loaded, &self.motion_to_nut(y, &loaded)));
+        Ok(residual)
     }
 }
 
@@ -312,7 +312,7 @@ impl TrainBall {
         match &self.ehl {
             None => solve(&ball, newton),
             Some(ehl) => {
-                let lubrication = Some(Lubrication { ehl, part: 1.0, complete: false });
+                let lubrication = Some(Lubrication { ehl, fraction: 1.0, complete: false });
                 let ball = SlipBall { quadrature: oil, enough: ENOUGH, lubrication, ..ball };
                 solve(&ball, newton)
             }
@@ -330,15 +330,15 @@ impl TrainBall {
     ) -> Option<TrainMotion> {
         let begin = from.pushes;
         self.with(work, |ball, newton| {
-            let under = |part: f64| {
-                let push = [0, 1].map(|i| begin[i] + (pushes[i] - begin[i]) * part);
+            let under = |fraction: f64| {
+                let push = [0, 1].map(|i| begin[i] + (pushes[i] - begin[i]) * fraction);
                 SlipBall { push: Some(self.push(push)), ..*ball }
             };
             let (mut y, pushed) = (from.at_pushes(pushes), under(1.0));
             let watched = LastEvaluation::new(&pushed);
             if !watched.run(&mut y, newton).converged() {
                 y = from.unknowns;
-                let run = |part, y: &mut _| under(part).run(y, newton).converged();
+                let run = |fraction, y: &mut _| under(fraction).run(y, newton).converged();
                 follow(&mut y, (0.0, 1.0), STRIDE, run).ok()?;
             }
             let [load, ..] = self.units;
@@ -370,13 +370,13 @@ impl TrainBall {
         self.with(work, |ball, newton| {
             let offset = self.contacts.nut_speed - ball.offset();
             let seen = Cell::default();
-            let at = |part: f64| {
-                let rate = from.rate + (rate - from.rate) * part;
-                let push = self.push([begin + (front - begin) * part, f64::NAN]);
-                HeldBall { ball, push, precession: rate + offset, seen: &seen }
+            let at = |fraction: f64| {
+                let rate = from.rate + (rate - from.rate) * fraction;
+                let push = self.push([begin + (front - begin) * fraction, f64::NAN]);
+                TrainEquations { ball, push, precession: rate + offset, seen: &seen }
             };
-            let mut run = |part, x: &mut _| {
-                let held = at(part);
+            let mut run = |fraction, x: &mut _| {
+                let held = at(fraction);
                 let scales = Scales { x: &[1.0; BALL], f: &ball.weights(&held.moving(x).1) };
                 solve(&held, x, &scales, &ball.options(), newton).converged()
             };
@@ -437,7 +437,7 @@ impl TrainBall {
             screw_torque: transmitted.torque * radius * load,
             raceway_power: transmitted.power * radius * load * speed,
             rotation: to_nut.across_groove(&loaded.frame.k).norm() * speed.abs(),
-            loads: loaded.loads.map(|part| part * load),
+            loads: loaded.loads.map(|fraction| fraction * load),
             pushes,
             axial_push: axial_push * load,
         };
@@ -465,8 +465,9 @@ impl TrainBall {
         let travel = self.contacts.arc * radius * motion.rate * speed.abs();
         let rubbed = self.contact_power(motion);
         // (T − h (F_j + F_b·k)) W = P_raceways + f_b r_b (N_f + N_b)|w| − (N_b − N_f) v  (O4)
-        let left = self.power_in(motion) - motion.raceway_power - rubbed + (back - front) * travel;
+        let residual =
+            self.power_in(motion) - motion.raceway_power - rubbed + (back - front) * travel;
         let size = (motion.screw_torque * speed).abs() + motion.raceway_power + rubbed;
-        left.abs() <= POWER_BALANCE_TOL * size
+        residual.abs() <= POWER_BALANCE_TOL * size
     }
 }

@@ -46,7 +46,7 @@ fn screws() -> impl Strategy<Value = ElasticPoint> {
 
 /// Residual of the radial balance at a contact angle of the screw, written in angles; `None`
 /// where no angle of the nut closes the triangle, or where the nut's would be the larger one.
-fn left(contacts: &ElasticContacts, control: Control, screw: f64) -> Option<f64> {
+fn residual(contacts: &ElasticContacts, control: Control, screw: f64) -> Option<f64> {
     let jones = &contacts.jones;
     let lead = contacts.helix.lead_angle;
     let load = |angle: f64| (lead.cos() * angle.sin()).recip();
@@ -88,9 +88,9 @@ proptest! {
         #[expect(clippy::cast_precision_loss, reason = "a small count")]
         let angles = (1..GRID).map(|i| FRAC_PI_2 * i as f64 / GRID as f64);
         let mut before = None;
-        let crossed = angles.filter_map(|angle| Some((angle, left(&contacts, control, angle)?))).find(|at| {
+        let crossed = angles.filter_map(|angle| Some((angle, residual(&contacts, control, angle)?))).find(|at| {
             // The balance begins below zero, at equal angles.
-            let here = at.1 >= 0.0 && before.is_some_and(|(_, left)| left < 0.0);
+            let here = at.1 >= 0.0 && before.is_some_and(|(_, residual)| residual < 0.0);
             if !here {
                 before = Some(*at);
             }
@@ -102,11 +102,11 @@ proptest! {
                 let [c, cot] = root.unknowns;
                 prop_assert!(c >= 0.0 && cot > 0.0 && root.residual <= 1e-10);
                 let angle = cot.recip().atan();
-                let residual = left(&contacts, control, angle);
+                let residual = residual(&contacts, control, angle);
                 // Angles near 0 have few digits in this form, and few steps of the search.
-                if let (Some(left), Some((_, around))) = (residual, before) {
+                if let (Some(residual), Some((_, around))) = (residual, before) {
                     let size = 1.0 + around.abs().max((c + cot) / contacts.helix.lead_angle.cos());
-                    prop_assert!(left.abs() <= 1e-6 * size, "{left}");
+                    prop_assert!(residual.abs() <= 1e-6 * size, "{residual}");
                 }
                 if let Some((beyond, _)) = crossed {
                     // Two roots within a step of the search are not seen by it.
