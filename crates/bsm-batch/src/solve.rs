@@ -54,10 +54,10 @@ pub struct RowReport {
 
 impl<'a> Buffers<'a> {
     /// The room in strides of rows.
-    fn parts(self, stride: usize) -> Vec<Part<'a>> {
+    fn parts(self, stride: usize) -> Vec<ChunkPart<'a>> {
         let columns = self.columns.into_iter();
         let mut columns: Vec<_> = columns.map(|c| Some(c?.chunks_mut(stride))).collect();
-        let part = |(i, verdicts)| Part {
+        let part = |(i, verdicts)| ChunkPart {
             first: i * stride,
             verdicts,
             columns: columns.iter_mut().map(|column| column.as_mut()?.next()).collect(),
@@ -75,7 +75,7 @@ impl RowReport {
 }
 
 /// Some rows of a chunk.
-struct Part<'a> {
+struct ChunkPart<'a> {
     /// The first of them in the chunk.
     first: usize,
     verdicts: &'a mut [Verdict],
@@ -185,7 +185,7 @@ impl<'a> Solver<'a> {
         let model = self.plan.as_ref().map(|plan| (plan.inputs(chunk), plan.model));
         let wanted = Selection::of(outputs);
         let run = Run { solver: self, chunk, kernel: model, outputs, wanted, arch, stop, stride };
-        let solve = |part: Part<'_>| {
+        let solve = |part: ChunkPart<'_>| {
             if stop.load(Ordering::Relaxed) {
                 return RowReport::default();
             }
@@ -219,7 +219,7 @@ struct Run<'a> {
 
 impl Run<'_> {
     /// Solves a part, in memory of its own for columns that have none.
-    fn solve(&self, Part { first, verdicts, columns }: Part<'_>) -> RowReport {
+    fn solve(&self, ChunkPart { first, verdicts, columns }: ChunkPart<'_>) -> RowReport {
         let (len, column_stride) = (verdicts.len(), self.stride + COLUMN_PADDING);
         let without: Vec<_> = columns.iter().map(Option::is_none).collect();
         // Given back when it is NaN again: after a panic it is not.

@@ -471,7 +471,7 @@ mod tests {
             let law = MixedFriction {
                 asperity_share: (film * share.ln()).exp(),
                 boundary: Jet::from(0.12),
-                limit: Jet::from(0.047),
+                limiting_shear: Jet::from(0.047),
                 shear: Jet::from(10.0_f64.powf(log_shear)) / film,
                 eyring_stress: Jet::from(7.7e6),
                 max_pressure: Jet::from(gigapascals * 1e9),
@@ -621,7 +621,7 @@ mod tests {
             let law = MixedFriction {
                 asperity_share: rng.random_range(0.0..0.9),
                 boundary: 0.12,
-                limit: 0.047,
+                limiting_shear: 0.047,
                 shear: rng.log_uniform(1e-6, 3.0),
                 eyring_stress: 2.0 * 0.047 * (52e6 + 0.02 * pressed),
                 max_pressure: pressed,

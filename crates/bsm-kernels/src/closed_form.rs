@@ -107,8 +107,8 @@ pub(super) fn power_balance<S: Simd>(
     lost: Lane<S>,
 ) -> Lane<S> {
     let (zero, one) = (speed.constant(0.0), speed.constant(1.0));
-    let sense = speed.lt(zero).select(-one, one);
-    let imbalance = Power::transmitted(torque, ideal, sense).imbalance(lost);
+    let sign = speed.lt(zero).select(-one, one);
+    let imbalance = Power::transmitted(torque, ideal, sign).imbalance(lost);
     out.set(OutputKey::power_balance, imbalance);
     imbalance
 }

@@ -74,7 +74,7 @@ impl WithSimd for Solve<'_, '_> {
             let given = LaneInputs { simd, inputs, row: first + row };
             let (units, contacts) = simd.vectorize(InUnits(&given));
             let scaled = scaled(&given, (&units, &contacts), creep);
-            let lane = Points { units, contacts, scaled };
+            let lane = LanePoints { units, contacts, scaled };
             let mut out = Sink { wanted, columns: &mut *columns, row };
             let (start, found) = start(&given, &lane, &mut out);
             lanes.push((given, lane));
@@ -128,7 +128,7 @@ impl WithSimd for Solve<'_, '_> {
 }
 
 /// A lane of points.
-struct Points<S: Simd> {
+struct LanePoints<S: Simd> {
     units: Units<S>,
     contacts: Contacts<S>,
     scaled: TractionPoint<Lane<S>>,
@@ -171,20 +171,20 @@ fn scaled<S: Simd>(
 #[inline(always)]
 fn start<S: Simd>(
     given: &LaneInputs<'_, S>,
-    Points { units, contacts, scaled: point }: &Points<S>,
+    LanePoints { units, contacts, scaled: point }: &LanePoints<S>,
     out: &mut Sink<'_, '_>,
 ) -> (TractionStart<Lane<S>>, Mask<S>) {
     let one = contacts.constant(1.0);
     let friction = point.friction.abs();
-    let roll = given.simd.vectorize(BalanceCall { contacts, control: None });
-    let mut found = roll.found & takes(friction, contacts.inertia_ratio);
-    let motion = Motion::of(contacts, &roll);
-    let [onset, _] = regime(out, friction, (units, contacts), (&roll, &motion));
-    let [a, b] = &roll.sides;
+    let rolling_rate = given.simd.vectorize(BalanceCall { contacts, control: None });
+    let mut found = rolling_rate.found & takes(friction, contacts.inertia_ratio);
+    let motion = Motion::of(contacts, &rolling_rate);
+    let [onset, _] = regime(out, friction, (units, contacts), (&rolling_rate, &motion));
+    let [a, b] = &rolling_rate.sides;
     let mut loads = [a.load, b.load];
     // sin 2ν = sin(β_B − β_A)
     let between = a.cos * b.cos + a.sin * b.sin;
-    let mut tilt = roll.twist.zip(between, f64::atan2) * 0.5;
+    let mut tilt = rolling_rate.twist.zip(between, f64::atan2) * 0.5;
     let mut p = motion.p;
     // Along t, n and b.
     let mut omega = [contacts.sin_a * 0.5, motion.omega[0], motion.omega[1]];
@@ -218,7 +218,7 @@ fn start<S: Simd>(
 #[inline(always)]
 fn outputs<S: Simd>(
     simd: S,
-    Points { units, contacts, scaled: point }: &Points<S>,
+    LanePoints { units, contacts, scaled: point }: &LanePoints<S>,
     root: &TractionRoot<Lane<S>>,
     accuracy: f64,
     out: &mut Sink<'_, '_>,

@@ -27,7 +27,7 @@ pub use continuation::{Continuation, follow};
 pub use equations::Equations;
 pub use error::{EvalError, Singular};
 pub use implicit::implicit_slopes;
-pub use linear::{Block, Bordered, Dense, DynamicDense};
+pub use linear::{Bordered, BorderedBlock, Dense, DynamicDense};
 pub use options::{JacobianUpdate, Options, Scales};
 pub use path::{EventRoot, Exit, Homotopy, Seed, StepControl, Trace, path_direction, trace};
 pub use report::{Report, Status, Step};

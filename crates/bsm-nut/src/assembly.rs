@@ -55,7 +55,7 @@ pub(crate) struct Assembly<'a> {
     guides: Vec<Spring>,
     rings: usize,
     /// Unknowns that stand still, for each of [`StiffnessScope`].
-    held: [Vec<bool>; 2],
+    fixed: [Vec<bool>; 2],
     pub(crate) matrix: Bordered<2>,
 }
 
@@ -90,10 +90,10 @@ impl<'a> Assembly<'a> {
         nodes.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * length);
         let first = 2 * nodes.len();
         let (mut bodies, mut guides) = (Vec::new(), Vec::new());
-        let mut held = vec![false; first];
+        let mut fixed = vec![false; first];
         for (body, bar) in bars.iter().enumerate() {
             let Some(bar) = bar else {
-                held.iter_mut().skip(body).step_by(2).for_each(|held| *held = true);
+                fixed.iter_mut().skip(body).step_by(2).for_each(|fixed| *fixed = true);
                 continue;
             };
             let (springs, at) = bar.springs(&nodes);
@@ -103,7 +103,7 @@ impl<'a> Assembly<'a> {
                 stiffness,
             }));
             if let Some(node) = at {
-                held[unknown(node)] = true;
+                fixed[unknown(node)] = true;
             }
         }
         let rings = nut.ring.map_or_else(Vec::new, |ring| {
@@ -114,10 +114,10 @@ impl<'a> Assembly<'a> {
                 .zip(&rings)
                 .map(|(ring, stiffness)| Spring { ends: (ring, None), stiffness: *stiffness }),
         );
-        held.resize(first + FREEDOMS + rings.len(), false);
-        let of_the_nut = held.clone();
+        fixed.resize(first + FREEDOMS + rings.len(), false);
+        let of_the_nut = fixed.clone();
         for (freedom, i) in support.0.iter().zip(first..) {
-            held[i] = matches!(freedom, Freedom::Held(_));
+            fixed[i] = matches!(freedom, Freedom::Held(_));
             if freedom.spring() > 0.0 {
                 guides.push(Spring { ends: (i, None), stiffness: freedom.spring() });
             }
@@ -154,7 +154,7 @@ impl<'a> Assembly<'a> {
             bodies,
             guides,
             rings: rings.len(),
-            held: [held, of_the_nut],
+            fixed: [fixed, of_the_nut],
         })
     }
 
@@ -167,7 +167,7 @@ impl<'a> Assembly<'a> {
     /// neighbour is.
     pub(crate) fn start(&self, neighbour: Option<&[f64; FREEDOMS]>) -> Vec<f64> {
         let first = self.freedoms();
-        let mut y = vec![0.0; self.held[0].len()];
+        let mut y = vec![0.0; self.fixed[0].len()];
         for (i, freedom) in self.support.0.iter().enumerate() {
             y[first + i] = match (freedom, neighbour) {
                 (Freedom::Held(displacement), _) => *displacement,
@@ -176,7 +176,7 @@ impl<'a> Assembly<'a> {
             };
         }
         let load = self.support.0[0].load();
-        if neighbour.is_none() && !self.held[0][first] && load != 0.0 {
+        if neighbour.is_none() && !self.fixed[0][first] && load != 0.0 {
             let equal = self.nut.equal_of(&self.ball.series, load);
             y[first] = equal.map_or(0.0, |equal| equal.displacement);
         }
@@ -192,7 +192,7 @@ impl<'a> Assembly<'a> {
         let first = self.freedoms();
         let mut state = EnergyState { residual: vec![0.0; y.len()], ..EnergyState::default() };
         for (number, seat) in self.seats.iter().enumerate() {
-            let (mut w, excess) = seat.error;
+            let (mut w, oversize) = seat.error;
             for (q, by) in y[first..].iter().zip(seat.nut_matrix) {
                 w[0] += by[0] * q;
                 w[1] += by[1] * q;
@@ -205,7 +205,7 @@ impl<'a> Assembly<'a> {
                 w[1] -= y[ring];
             }
             let flanks = self.nut.circuits[seat.position.circuit].flanks;
-            let ball = self.ball.at(w, excess, flanks).ok_or(number)?;
+            let ball = self.ball.at(w, oversize, flanks).ok_or(number)?;
             state.energy += ball.energy;
             state.energies += ball.energy.abs();
             state.forces += ball.max_load();
@@ -242,8 +242,8 @@ impl<'a> Assembly<'a> {
             let lever_arm = if i < 3 { 1.0 } else { self.nut.helix.radius };
             state.forces += load.abs() / lever_arm;
         }
-        for (residual, held) in state.residual.iter_mut().zip(&self.held[0]) {
-            if *held {
+        for (residual, fixed) in state.residual.iter_mut().zip(&self.fixed[0]) {
+            if *fixed {
                 *residual = 0.0;
             }
         }
@@ -308,7 +308,7 @@ impl<'a> Assembly<'a> {
                 matrix.add(k, i, -stiffness);
             }
         }
-        for (i, _) in self.held[of as usize].iter().enumerate().filter(|(_, held)| **held) {
+        for (i, _) in self.fixed[of as usize].iter().enumerate().filter(|(_, fixed)| **fixed) {
             matrix.fix(i);
         }
     }
@@ -317,7 +317,7 @@ impl<'a> Assembly<'a> {
     pub(crate) fn damp(&mut self, state: &EnergyState, part: f64) {
         let share = (state.forces / count(self.seats.len())).max(f64::MIN_POSITIVE);
         let one = 1.5 * self.ball.series.stiffness.powf(2.0 / 3.0) * share.cbrt();
-        let mut usual = vec![one; self.held[0].len()];
+        let mut usual = vec![one; self.fixed[0].len()];
         let mut all = [0.0; FREEDOMS];
         for seat in &self.seats {
             for (all, by) in all.iter_mut().zip(seat.nut_matrix) {
@@ -325,8 +325,8 @@ impl<'a> Assembly<'a> {
             }
         }
         usual[2 * self.nodes..2 * self.nodes + FREEDOMS].copy_from_slice(&all);
-        for (i, (usual, held)) in usual.iter().zip(&self.held[0]).enumerate() {
-            if !held {
+        for (i, (usual, fixed)) in usual.iter().zip(&self.fixed[0]).enumerate() {
+            if !fixed {
                 self.matrix.add(i, i, part * usual);
             }
         }

@@ -113,8 +113,8 @@ impl BallNut {
             [false, true] => false,
             _ => return None,
         };
-        let excess = self.excess(number);
-        let radius = self.ball.radius + excess;
+        let oversize = self.oversize(number);
+        let radius = self.ball.radius + oversize;
         let scaled = |conformity: f64| conformity * self.ball.radius / radius;
         let conformity = (scaled(self.conformity.0), scaled(self.conformity.1));
         let share = self.equal_share(1.0);
@@ -122,7 +122,7 @@ impl BallNut {
         // first touch is at (l_A0 + l_B0 − 2Δr) cosβ                      (U21)
         let first_touch = self.arc_distance();
         let radial = first_touch * self.contact_angle.cos() + found.grooves[number][1];
-        let contact_angle = (radial / (first_touch - 2.0 * excess)).acos();
+        let contact_angle = (radial / (first_touch - 2.0 * oversize)).acos();
         // The far flank sees the drive the other way round.
         let way = if plus { 1.0 } else { -1.0 };
         let axial = ball.force[0].abs() * self.helix.lead_angle.cos();
@@ -414,7 +414,7 @@ impl BallNut {
             a == b
                 && a != [true, true]
                 && (found.grooves[one][1] - found.grooves[other][1]).abs() <= apart
-                && (self.excess(one) - self.excess(other)).abs() <= near
+                && (self.oversize(one) - self.oversize(other)).abs() <= near
         };
         let mut groups: Vec<Vec<usize>> = Vec::new();
         for (number, ball) in found.balls.iter().enumerate() {
@@ -468,7 +468,7 @@ impl BallNut {
         const SAME: f64 = 1e-10;
         let near = |[a, b]: [f64; 2]| (a - b).abs() <= SAME * a.abs();
         let [a, b] = [one, other].map(|number| &found.balls[number]);
-        (self.excess(one) - self.excess(other)).abs() <= 0.0
+        (self.oversize(one) - self.oversize(other)).abs() <= 0.0
             && (0..4).all(|c| {
                 near([a.loads[c], b.loads[c]])
                     && (a.loads[c] <= 0.0 || near([a.angles[c], b.angles[c]]))

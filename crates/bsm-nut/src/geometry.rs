@@ -224,7 +224,7 @@ impl BallNut {
         let lead: f64 = self.errors.lead.iter().map(wrong).sum();
         // w_b = cosα (o_c + e_j),  w_n = −g_j                             (U5)
         let along = self.helix.lead_angle.cos() * (self.circuits[position.circuit].offset + lead);
-        ([along, -self.errors.gap], self.excess(number))
+        ([along, -self.errors.gap], self.oversize(number))
     }
 
     /// Axial part of a normal load at first touch, `$\sin\beta_0\cos\alpha$`.
@@ -233,7 +233,7 @@ impl BallNut {
     }
 
     /// Excess of the radius of a ball over the nominal one \[m\] (U6).
-    pub(crate) fn excess(&self, number: usize) -> f64 {
+    pub(crate) fn oversize(&self, number: usize) -> f64 {
         // Δr_j: of each ball, and of all                                  (U6)
         self.errors.balls.get(number).copied().unwrap_or(0.0) + self.errors.oversize
     }

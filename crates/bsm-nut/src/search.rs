@@ -20,7 +20,7 @@ const BALANCED: f64 = 1e-12;
 const ROUNDED: (usize, f64) = (30, 1e-10);
 
 /// Where the search is.
-struct At {
+struct EnergyPoint {
     y: Vec<f64>,
     state: EnergyState,
 }
@@ -36,7 +36,7 @@ impl Assembly<'_> {
         let state = self.state(&y).map_err(|ball| NutError::BallNotBalanced { ball })?;
         // Displacements that are held may begin far away, which bodies take by their strain.
         let begun = self.moved(&y);
-        let mut at = At { y, state };
+        let mut at = EnergyPoint { y, state };
         let mut damping = 0.0;
         for steps in 0..=MOST_STEPS {
             let imbalance = self.imbalance(&at.state);
@@ -64,8 +64,8 @@ impl Assembly<'_> {
     }
 
     /// A Newton step that lowers the energy.
-    fn step(&mut self, at: &At, damping: f64) -> Option<At> {
-        let At { y, state } = at;
+    fn step(&mut self, at: &EnergyPoint, damping: f64) -> Option<EnergyPoint> {
+        let EnergyPoint { y, state } = at;
         self.linearize(state, StiffnessScope::Step);
         if damping > 0.0 {
             self.damp(state, damping);
@@ -87,7 +87,7 @@ impl Assembly<'_> {
                 let rounding = 1e-14 * state.energies.max(there.energies);
                 let level = (there.energy - state.energy).abs() <= rounding;
                 if lower || (level && self.imbalance(&there) < before) {
-                    return Some(At { y: next, state: there });
+                    return Some(EnergyPoint { y: next, state: there });
                 }
             }
             share *= 0.5;
@@ -95,7 +95,12 @@ impl Assembly<'_> {
         None
     }
 
-    fn finish(&mut self, At { y, state }: At, steps: usize, residual: f64) -> Equilibrium {
+    fn finish(
+        &mut self,
+        EnergyPoint { y, state }: EnergyPoint,
+        steps: usize,
+        residual: f64,
+    ) -> Equilibrium {
         let first = self.freedoms();
         self.linearize(&state, StiffnessScope::Nut);
         let stiffness = self.condensed();

@@ -71,8 +71,8 @@ impl BallNut {
         let (sin, alpha) = (self.contact_angle.sin(), self.helix.lead_angle);
         let positions = self.positions();
         let shift = |(number, position): (usize, &BallPosition)| {
-            let ([along, _], excess) = self.error_at(number, position);
-            (along + 2.0 * excess / sin) / alpha.cos()
+            let ([along, _], oversize) = self.error_at(number, position);
+            (along + 2.0 * oversize / sin) / alpha.cos()
         };
         let shifts: Vec<f64> = positions.iter().enumerate().map(shift).collect();
         let span = |all: &mut dyn Iterator<Item = f64>| {

@@ -233,14 +233,14 @@ pub enum TrainError {
 impl BallNut {
     /// Helix angle of two balls whose centres are a ball and a spacer apart (O8) \[rad\].
     pub fn touch_angle(&self, spacer: f64) -> f64 {
-        let apart = 2.0 * self.ball.radius + spacer;
+        let distance = 2.0 * self.ball.radius + spacer;
         let per_radian = self.helix.lead() / TAU;
         let missing = |angle: f64| {
             let chord = 2.0 * self.helix.radius * (0.5 * angle).sin();
             // [2 r_m sin(θ_c/2)]² + (h θ_c)² = c²                         (O8)
-            chord.hypot(per_radian * angle) - apart
+            chord.hypot(per_radian * angle) - distance
         };
-        let straight = apart / self.helix.arc_length_per_radian();
+        let straight = distance / self.helix.arc_length_per_radian();
         let ends = [straight, std::f64::consts::FRAC_PI_2 * straight];
         Bracket::new(ends, ends.map(missing)).root(missing).root().map_or(straight, |root| root.x)
     }
@@ -298,14 +298,14 @@ impl BallNut {
             // X_0 = d θ_c Σ (p_j/p_min − 1)                                (O15)
             let needed_gap =
                 if number > 0.0 { arc * touch_angle * (sum / low - number).max(0.0) } else { 0.0 };
-            let (mean, apart) = (sum / number, arc * of.arc / count(of.balls));
+            let (mean, spacing) = (sum / number, arc * of.arc / count(of.balls));
             let mut gained = 0.0;
             let mut balls: Vec<_> = order
                 .iter()
                 .map(|n| {
                     let rate = motions[*n]?.rate;
                     // A_j = Σ a_j Δ,  a_j = p_j/p̄ − 1                     (O14)
-                    gained += (rate / mean - 1.0) * apart;
+                    gained += (rate / mean - 1.0) * spacing;
                     Some(BallAdvance { rate, advance: gained })
                 })
                 .collect();
@@ -613,8 +613,8 @@ impl Flow<'_> {
         {
             return Ok(caught(motion));
         }
-        let found = ball.held(from, rate, front, work);
-        let found = found.or_else(|| ball.held(free, rate, front, work));
+        let found = ball.at_rate(from, rate, front, work);
+        let found = found.or_else(|| ball.at_rate(free, rate, front, work));
         if let Some(found) = found.filter(|found| found.pushes[1] >= 0.0) {
             return held(found);
         }
@@ -657,20 +657,20 @@ impl Flow<'_> {
             return Err(TrainError::Return { needed, available });
         }
         // p_c = Σ p_j/(Z + X/(d θ_c))                                     (O13)
-        let apart = rates.iter().sum::<f64>() / (count(rates.len()) + self.room / self.pitch());
+        let free_rate = rates.iter().sum::<f64>() / (count(rates.len()) + self.room / self.pitch());
         let slowest = rates.iter().copied().fold(f64::MAX, f64::min);
         let is_pushed = needed > 0.0 || self.inputs.idle_drag > 0.0;
-        if apart <= slowest && !is_pushed {
-            pass.rate = apart;
+        if free_rate <= slowest && !is_pushed {
+            pass.rate = free_rate;
             for state in pass.states.iter_mut().filter(|state| state.motion.is_none()) {
-                state.rate = apart;
+                state.rate = free_rate;
             }
             return Ok(pass);
         }
         let linear = |rate| self.linear(rate);
-        let begin = [0.5 * apart, 2.0 * apart];
+        let begin = [0.5 * free_rate, 2.0 * free_rate];
         let guess = Bracket { x_tol: 1e-9, ..Bracket::new(begin, begin.map(linear)) }.root(linear);
-        let guess = guess.root().map_or(apart, |root| root.x);
+        let guess = guess.root().map_or(free_rate, |root| root.x);
         let mut why = "no rate of the train leaves this free length";
         let mut least_push = needed;
         let mut surplus = |rate: f64| match self.pass(rate, &mut pass, work) {

@@ -3,7 +3,7 @@
 use bsm_dyn::{
     Angles, Auto, Ball, BaseOil, ClosedForm, Coulomb, Direction, Driven, Elastic, ElasticPoint,
     Load, Losses, Lubricant, Lubricated, LubricatedModel, Material, Model, Oil, OperatingPoint,
-    Problem, QuasiStatic, RacewayControl, Rigid, Roughness, Size, Temperature, Traction,
+    Problem, QuasiStatic, RacewayControl, Rigid, Roughness, ScrewSize, Temperature, Traction,
     ZERO_CELSIUS,
 };
 use bsm_kin::{Drive, Helix, Scalar};
@@ -108,8 +108,8 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         Some(Load { axial, balls: self.given(InputKey::loaded_balls)? })
     }
 
-    fn size(&self) -> Option<Size<D>> {
-        Some(Size {
+    fn size(&self) -> Option<ScrewSize<D>> {
+        Some(ScrewSize {
             pitch_radius: self.given(InputKey::pitch_circle_diameter_mm)? * (0.5 * MM),
             load: self.load()?,
             relative_speed: self.drive().map(|drive| drive.relative_speed()),

@@ -71,8 +71,8 @@ impl<F: Compare> Patch<F> {
 impl<S: Simd> Patch<Lane<S>> {
     /// One of several side by side.
     #[inline(always)]
-    pub(super) fn at(&self, place: usize) -> Patch {
-        let number = |lane: &Lane<S>| lane.as_slice()[place];
+    pub(super) fn at(&self, index: usize) -> Patch {
+        let number = |lane: &Lane<S>| lane.as_slice()[index];
         let Self { semi_axes: (a, b), pressed_radius, ball_radius, motion, creep } = self;
         Patch {
             semi_axes: (number(a), number(b)),
@@ -122,8 +122,8 @@ impl<S: Simd> NearPole<S> {
     #[inline(always)]
     pub(super) fn pair(&self, rule: &Quadrature, pair: usize) -> [(Lane<S>, Lane<S>); 2] {
         let ((length, grow, fall), node) = (self.sides[pair % 2], pair / 2);
-        let (place, part) = rule.near.at(node);
-        let up = (length * place).exp();
+        let (abscissa, part) = rule.near.at(node);
+        let up = (length * abscissa).exp();
         let down = up.recip();
         let other = if 2 * node + 1 == rule.near.len() { 0.0 } else { part };
         [

@@ -57,13 +57,13 @@ impl PolarRule {
             radius: [0.0; MOST_RINGS],
             weight: [0.0; MOST_RINGS],
         };
-        for (i, (place, part)) in rule.half.iter().enumerate() {
-            (rings.pressure[i], rings.weight[i]) = (place, part);
+        for (i, (abscissa, part)) in rule.half.iter().enumerate() {
+            (rings.pressure[i], rings.weight[i]) = (abscissa, part);
         }
         for i in (0..MOST_RINGS).step_by(S::F64_LANES) {
-            let place = Lane::load(simd, &rings.pressure[i..]);
+            let abscissa = Lane::load(simd, &rings.pressure[i..]);
             // ζ = ζ* + 2 δ sinh τ                                         (Y35)
-            let grow = (length * place + from).exp();
+            let grow = (length * abscissa + from).exp();
             let fall = grow.recip();
             let half = width * 0.5;
             let zeta = (half * (grow - fall) + at).max(at.constant(0.0)).min(at.constant(1.0));
@@ -140,9 +140,9 @@ impl<S: Simd> HalfChord<S> {
 
     /// The node of a place and a weight on [0, 1].
     #[inline(always)]
-    pub(super) fn node(&self, (place, part): (f64, f64)) -> HalfNode<S> {
+    pub(super) fn node(&self, (abscissa, part): (f64, f64)) -> HalfNode<S> {
         // As on rings, about t*.
-        let grow = (self.length * place + self.from).exp();
+        let grow = (self.length * abscissa + self.from).exp();
         let fall = grow.recip();
         let half = self.width * 0.5;
         let one = grow.constant(1.0);
@@ -169,10 +169,10 @@ pub(crate) struct OilLaw {
 
 impl OilLaw {
     pub(crate) fn of(law: &MixedFriction) -> Self {
-        let MixedFriction { asperity_share: share, boundary, limit, .. } = *law;
+        let MixedFriction { asperity_share: share, boundary, limiting_shear, .. } = *law;
         // ξ = e^{−1.4λ}: dξ/d ln h = ξ ln ξ
         let falling = if share > 0.0 { -share * share.ln() } else { 0.0 };
-        let (boundary, film) = (share * boundary, (1.0 - share) * limit);
+        let (boundary, film) = (share * boundary, (1.0 - share) * limiting_shear);
         Self { mixed: *law, bend: Transition::of(law), boundary, film, falling }
     }
 }
@@ -195,7 +195,7 @@ impl PointLaw<4> for OilLaw {
         let law = &self.mixed;
         let p = pressure * law.max_pressure;
         let room = p.mul_add(p.constant(PRESSURE_SLOPE), p.constant(law.pressure_scale));
-        let ratio = p * (law.limit / law.eyring_stress);
+        let ratio = p * (law.limiting_shear / law.eyring_stress);
         let square = ratio * ratio;
         NodePressure { shear: (p / room).exp() * law.shear, fourth: square * square }
     }

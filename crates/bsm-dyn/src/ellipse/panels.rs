@@ -703,7 +703,7 @@ impl<'a> Panels<'a> {
     fn next<S: Simd>(
         &self,
         simd: S,
-        at: &mut At,
+        at: &mut ChordCursor,
         of: Placement<'_>,
         slip: &EllipseSlip<Lane<S>>,
         lines: &mut Chords,
@@ -730,7 +730,7 @@ impl<'a> Panels<'a> {
 
 /// Where a walk along an ellipse is: a panel, a node of it, and a number of lines.
 #[derive(Clone, Copy, Default)]
-struct At {
+struct ChordCursor {
     panel: usize,
     node: usize,
     number: usize,
@@ -750,7 +750,7 @@ pub(super) fn each_chord<S: Simd>(
     visitor: &mut impl Visitor<S>,
 ) {
     let all = Panels::of(simd, nodes, slips, done);
-    let mut at = [At::default(); 2];
+    let mut at = [ChordCursor::default(); 2];
     let mut frozen_chords = [Vec::new(), Vec::new()];
     let mut lines = [[Chords::NONE; AHEAD]; 2];
     loop {

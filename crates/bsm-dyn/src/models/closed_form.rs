@@ -11,7 +11,7 @@ use crate::models::ball::{
 
 /// Size and load of a screw: what the torque of a model without inertia needs beyond its efficiency.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Size<D = f64> {
+pub struct ScrewSize<D = f64> {
     /// Pitch-circle radius `$r_m$` \[m\].
     pub pitch_radius: D,
     /// Load on the balls.
@@ -20,7 +20,7 @@ pub struct Size<D = f64> {
     pub relative_speed: Option<D>,
 }
 
-impl<D: Scalar> Size<D> {
+impl<D: Scalar> ScrewSize<D> {
     /// Torque of the frictionless screw and torque on the screw, of a model that is given by its
     /// efficiency and the ratio of normal to axial load; `None` if the screw cannot be turned.
     pub(crate) fn torques(
@@ -49,7 +49,7 @@ pub(crate) fn answer(
     mut ball: BallState,
     (efficiency, self_locking): (f64, bool),
     load_ratio: f64,
-    size: Option<&Size>,
+    size: Option<&ScrewSize>,
     (direction, lead_angle): (Direction, f64),
 ) -> Solved {
     let mut transmission = Transmission {
@@ -82,7 +82,7 @@ pub struct ClosedForm<D = f64> {
     /// Which side drives.
     pub direction: Direction,
     /// Size and load, if the torque is wanted.
-    pub size: Option<Size<D>>,
+    pub size: Option<ScrewSize<D>>,
 }
 
 impl<D: Scalar> ClosedForm<D> {
@@ -141,7 +141,7 @@ mod tests {
         let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
         let friction = angles.contact.sin() / angles.slip_factor();
         let load = Load { axial: 2113.0, balls: 1.0 };
-        let size = Size { pitch_radius: 24.3e-3, load, relative_speed: None };
+        let size = ScrewSize { pitch_radius: 24.3e-3, load, relative_speed: None };
         let case = ClosedForm {
             angles,
             friction: Coulomb(friction),

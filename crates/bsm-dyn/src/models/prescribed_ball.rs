@@ -61,8 +61,8 @@ const ROWS: [&str; UNKNOWNS] =
 
 /// The balance at a creep speed.
 #[derive(Clone, Copy)]
-struct Balance<'a> {
-    held: &'a PrescribedBall,
+struct PrescribedBalance<'a> {
+    prescribed: &'a PrescribedBall,
     /// The sum of the loads \[N\].
     loads: f64,
     creep: f64,
@@ -91,7 +91,7 @@ impl PrescribedBall {
         if loads <= 0.0 || self.friction.0 <= 0.0 {
             return Err(Unsolved::invalid(Reason::Frictionless));
         }
-        let balance = Balance { held: self, loads, creep: self.creep, quadrature };
+        let balance = PrescribedBalance { prescribed: self, loads, creep: self.creep, quadrature };
         let mut work = Workspace::<UNKNOWNS>::default();
         let of_near =
             near.and_then(|BallMotion { to_nut: Motion { precession, omega }, .. }| {
@@ -108,7 +108,7 @@ impl PrescribedBall {
     }
 }
 
-impl Balance<'_> {
+impl PrescribedBalance<'_> {
     /// The balance by way of larger creep speeds.
     fn by_way_of_large_creep(
         &self,
@@ -116,15 +116,15 @@ impl Balance<'_> {
     ) -> Result<[f64; UNKNOWNS], Unsolved> {
         // Half the speed of the screw, and rolling about b: where the raceways of nut and screw move on
         // opposite sides of the ball.
-        let around = self.held.helix.arc_length_per_radian() / self.held.ball.radius;
-        let sign = self.held.drive.relative_speed().signum();
+        let around = self.prescribed.helix.arc_length_per_radian() / self.prescribed.ball.radius;
+        let sign = self.prescribed.drive.relative_speed().signum();
         let mut y = [0.5 * sign, 0.0, -0.5 * sign * around, 0.0];
         // Against a creep speed far above all slip, friction is linear and the start does not matter.
         let begin = (10.0 * around).max(self.creep);
-        let stride = Continuation { first: 1.2, shortest: 0.05 };
+        let control = Continuation { first: 1.2, shortest: 0.05 };
         let mut failure = Reason::SearchLost;
-        follow(&mut y, (begin.ln(), self.creep.ln()), stride, |log, y| {
-            let report = Balance { creep: log.exp(), ..*self }.run(y, work);
+        follow(&mut y, (begin.ln(), self.creep.ln()), control, |log, y| {
+            let report = PrescribedBalance { creep: log.exp(), ..*self }.run(y, work);
             let converged = report.converged();
             if !converged {
                 failure = Reason::from(report);
@@ -136,7 +136,7 @@ impl Balance<'_> {
     }
 
     fn run(&self, y: &mut [f64; UNKNOWNS], work: &mut Workspace<UNKNOWNS>) -> Report {
-        let around = self.held.helix.arc_length_per_radian() / self.held.ball.radius;
+        let around = self.prescribed.helix.arc_length_per_radian() / self.prescribed.ball.radius;
         let x = [1.0, around.recip(), around.recip(), around.recip()];
         let f = [1.0; UNKNOWNS];
         let options = Options { max_steps: 200, max_halvings: 40, ..Options::default() };
@@ -145,27 +145,27 @@ impl Balance<'_> {
 
     /// Motion relative to the nut, wrench of all contacts on the ball, and the power of friction.
     fn friction<D: Integrate<f64>>(&self, y: &[D; UNKNOWNS]) -> (Motion<D>, Wrench<D>, f64) {
-        let held = self.held;
-        let speed = held.drive.relative_speed().abs();
+        let prescribed = self.prescribed;
+        let speed = prescribed.drive.relative_speed().abs();
         let omega = nalgebra::Vector3::new(y[1], y[2], y[3]) * D::from(speed);
         let to_nut = Motion { precession: y[0] * speed, omega };
         let frame = self.frame_of::<D>();
-        let to_screw = to_nut.relative_to(D::from(held.drive.relative_speed()), &frame);
-        let creep = self.creep * held.ball.radius * speed;
-        let arc = D::from(held.helix.arc_length_per_radian());
+        let to_screw = to_nut.relative_to(D::from(prescribed.drive.relative_speed()), &frame);
+        let creep = self.creep * prescribed.ball.radius * speed;
+        let arc = D::from(prescribed.helix.arc_length_per_radian());
         let (mut wrench, mut power) = (Wrench::zero(), 0.0);
-        for contact in &held.contacts {
+        for contact in &prescribed.contacts {
             let motion = if contact.site == Site::Screw { &to_screw } else { &to_nut };
             let ellipse = Ellipse {
                 contact: Contact::new(contact.site, D::from(contact.angle), &frame),
                 load: D::from(contact.load),
                 semi_axes: (D::from(contact.semi_axes.0), D::from(contact.semi_axes.1)),
                 pressed_radius: contact.pressed_radius,
-                ball_radius: held.ball.radius,
+                ball_radius: prescribed.ball.radius,
             };
             let local = Local::of(motion, &ellipse.contact, arc);
             let (unit, lost) = D::integrate(&ellipse, &local, creep, self.quadrature.into());
-            let sliding = held.friction.0 * contact.load;
+            let sliding = prescribed.friction.0 * contact.load;
             wrench = wrench + unit.wrench(&ellipse.contact) * D::from(sliding);
             power += lost * sliding;
         }
@@ -173,25 +173,28 @@ impl Balance<'_> {
     }
 
     fn frame_of<D: Scalar>(&self) -> BallFrame<D> {
-        BallFrame::turned(D::from(self.held.helix.lead_angle), D::from(0.0))
+        BallFrame::turned(D::from(self.prescribed.helix.lead_angle), D::from(0.0))
     }
 
     #[expect(clippy::unnecessary_wraps, reason = "the form that `equations!` takes")]
     fn residual<D: Integrate<f64>>(&self, y: &[D; UNKNOWNS]) -> Result<[D; UNKNOWNS], EvalError> {
-        let held = self.held;
+        let prescribed = self.prescribed;
         let (to_nut, wrench, _) = self.friction(y);
         let frame = self.frame_of::<D>();
-        let motion = to_nut.relative_to(D::from(-held.drive.nut_speed), &frame);
-        let ball = Ball { radius: D::from(held.ball.radius), mass: D::from(held.ball.mass) };
+        let motion = to_nut.relative_to(D::from(-prescribed.drive.nut_speed), &frame);
+        let ball =
+            Ball { radius: D::from(prescribed.ball.radius), mass: D::from(prescribed.ball.mass) };
         // F·t = 0,  Σ M − P k × Iω = 0                                    (U29)
-        let left = newton_euler(&wrench, &ball, D::from(held.helix.radius), &motion, &frame);
-        let (force, arm) = ((held.friction.0 * self.loads).recip(), held.ball.radius.recip());
-        let moment = left.moment * D::from(force * arm);
-        Ok([left.force.x * force, moment.x, moment.y, moment.z])
+        let imbalance =
+            newton_euler(&wrench, &ball, D::from(prescribed.helix.radius), &motion, &frame);
+        let (force, lever_arm) =
+            ((prescribed.friction.0 * self.loads).recip(), prescribed.ball.radius.recip());
+        let moment = imbalance.moment * D::from(force * lever_arm);
+        Ok([imbalance.force.x * force, moment.x, moment.y, moment.z])
     }
 }
 
-equations!(Balance<'_>, UNKNOWNS, Balance::residual, ROWS);
+equations!(PrescribedBalance<'_>, UNKNOWNS, PrescribedBalance::residual, ROWS);
 
 #[cfg(test)]
 mod tests {
@@ -207,7 +210,7 @@ mod tests {
         of_a_nut(100.0, 1.0, 52.36)
     }
 
-    fn held(screw: &ElasticPoint, contacts: &[(Site, f64, f64)]) -> PrescribedBall {
+    fn prescribed(screw: &ElasticPoint, contacts: &[(Site, f64, f64)]) -> PrescribedBall {
         let hertz = screw.hertz().expect("Hertz contacts");
         let contact = |&(site, angle, load): &(Site, f64, f64)| {
             let (member, conformity) = match site {
@@ -241,7 +244,7 @@ mod tests {
         let solved = solution.solved().expect("a solution");
         let [nut, on_screw] = [&solved.ball.nut, &solved.ball.screw];
         let load = |c: &crate::ContactState| c.load.expect("a load");
-        let ball = held(
+        let ball = prescribed(
             &screw,
             &[(Site::Nut, nut.angle, load(nut)), (Site::Screw, on_screw.angle, load(on_screw))],
         );
@@ -266,13 +269,15 @@ mod tests {
             (Site::Screw, angle, 80.0),
             (Site::Screw, -angle, 80.0),
         ];
-        let there = held(&screw, &contacts).solve(None, &Quadrature::of(1e-6)).expect("a motion");
+        let there =
+            prescribed(&screw, &contacts).solve(None, &Quadrature::of(1e-6)).expect("a motion");
         screw.point.drive.screw_speed *= -1.0;
-        let back = held(&screw, &contacts).solve(None, &Quadrature::of(1e-6)).expect("a motion");
+        let back =
+            prescribed(&screw, &contacts).solve(None, &Quadrature::of(1e-6)).expect("a motion");
         // The balance ends at 1e-10 of the friction, the loss is flat about it.
         assert_relative_eq!(there.torque, back.torque, max_relative = 1e-8);
         // A ball on four contacts cannot roll on all: it loses several times what it does on two.
-        let two = held(&screw, &[contacts[0], contacts[2]]);
+        let two = prescribed(&screw, &[contacts[0], contacts[2]]);
         let two = two.solve(None, &Quadrature::of(1e-6)).expect("a motion");
         assert!(there.torque > 2.5 * two.torque, "{} {}", there.torque, two.torque);
     }
@@ -289,11 +294,15 @@ mod tests {
             (Site::Screw, angle, 120.0),
             (Site::Screw, -angle, 30.0),
         ];
-        let ball = held(&screw, &contacts);
+        let ball = prescribed(&screw, &contacts);
         let quadrature = Quadrature::of(1e-6);
         let found = ball.solve(None, &quadrature).expect("a motion");
-        let balance =
-            Balance { held: &ball, loads: 300.0, creep: ball.creep, quadrature: &quadrature };
+        let balance = PrescribedBalance {
+            prescribed: &ball,
+            loads: 300.0,
+            creep: ball.creep,
+            quadrature: &quadrature,
+        };
         let w = 52.36;
         let omega = found.to_nut.omega / w;
         let y = [found.to_nut.precession / w, omega.x, omega.y, omega.z];
@@ -320,7 +329,7 @@ mod tests {
             ]
         };
         let quadrature = Quadrature::of(1e-6);
-        let [other, ball] = [0.0, 30.0].map(|more| held(&screw, &contacts(more)));
+        let [other, ball] = [0.0, 30.0].map(|more| prescribed(&screw, &contacts(more)));
         let other = other.solve(None, &quadrature).expect("a motion");
         let alone = ball.solve(None, &quadrature).expect("a motion");
         let begun = ball.solve(Some(&other), &quadrature).expect("a motion");
@@ -333,9 +342,9 @@ mod tests {
         let mut screw = screw();
         let contacts = [(Site::Nut, 0.8, 80.0), (Site::Screw, 0.8, 80.0)];
         screw.point.friction = Coulomb(0.0);
-        assert!(held(&screw, &contacts).solve(None, &Quadrature::of(1e-4)).is_err());
+        assert!(prescribed(&screw, &contacts).solve(None, &Quadrature::of(1e-4)).is_err());
         screw.point.friction = Coulomb(0.1);
         screw.point.drive.screw_speed = 0.0;
-        assert!(held(&screw, &contacts).solve(None, &Quadrature::of(1e-4)).is_err());
+        assert!(prescribed(&screw, &contacts).solve(None, &Quadrature::of(1e-4)).is_err());
     }
 }

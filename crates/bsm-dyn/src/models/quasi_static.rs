@@ -8,7 +8,7 @@ use crate::contact::{Angles, Coulomb, Sines};
 use crate::models::ball::{
     BallState, Direction, Evidence, Model, Performance, Reason, Solution, Unsolved,
 };
-use crate::models::closed_form::{Size, answer};
+use crate::models::closed_form::{ScrewSize, answer};
 
 /// Inputs of the quasi-static model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,7 +26,7 @@ pub struct QuasiStatic<D = f64> {
     /// Which side drives.
     pub direction: Direction,
     /// Size and load, if the torque is wanted.
-    pub size: Option<Size<D>>,
+    pub size: Option<ScrewSize<D>>,
 }
 
 /// The member that turns.

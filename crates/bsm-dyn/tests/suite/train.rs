@@ -77,7 +77,7 @@ fn a_held_ball_is_pushed_as_the_reference_says() {
         (-100.0, 0.445_791_698_4, 0.621_007_9, 0.073_379_4, 1.139_787e-2),
     ] {
         let ball = train_ball(ball(rpm), BALLS, work);
-        let held = ball.held(ball.free(), rate, 1.0, work).expect("a motion");
+        let held = ball.at_rate(ball.free(), rate, 1.0, work).expect("a motion");
         // Seven and six digits are printed.
         assert_near("push behind", held.pushes[1], back, 1e-6);
         assert_near("torque", held.screw_torque, torque, 1e-6);
@@ -137,7 +137,7 @@ fn a_held_ball_and_a_pushed_one_are_the_same_motion() {
     let work = &mut ModelWorkspace::default();
     let ball = train_ball(ball(100.0), BALLS, work);
     let pushed = ball.pushed(ball.free(), [0.8, 0.5], work).expect("a motion");
-    let held = ball.held(ball.free(), pushed.rate, 0.8, work).expect("a motion");
+    let held = ball.at_rate(ball.free(), pushed.rate, 0.8, work).expect("a motion");
     // Both roots leave 1e-10 of the balance.
     assert_near("push behind", held.pushes[1], 0.5, 1e-6);
     assert_near("torque", held.screw_torque, pushed.screw_torque, 1e-9);

@@ -38,7 +38,7 @@ pub struct Bordered<const K: usize> {
 }
 
 /// Entries of a [`Bordered`] matrix that belong to one block.
-pub struct Block<'a, const K: usize> {
+pub struct BorderedBlock<'a, const K: usize> {
     /// The block, row by row.
     pub rows: &'a mut [[f64; K]; K],
     /// For each unknown of the border, its column in the equations of the block.
@@ -82,7 +82,7 @@ impl<const K: usize> Bordered<K> {
     /// If the entry is outside the structure: blocks that are no neighbours, or no such unknown.
     pub fn add(&mut self, row: usize, column: usize, value: f64) {
         let (chain, border) = (K * self.diagonal.len(), self.border);
-        let place = |x: usize| {
+        let border_index = |x: usize| {
             assert!(x - chain < border, "the matrix ends before {x}");
             x - chain
         };
@@ -98,18 +98,18 @@ impl<const K: usize> Bordered<K> {
                     &mut self.below[j][row % K][column % K]
                 }
             }
-            (true, false) => &mut self.right[row / K * border + place(column)][row % K],
-            (false, true) => &mut self.bottom[column / K * border + place(row)][column % K],
-            (false, false) => &mut self.corner[place(row) * border + place(column)],
+            (true, false) => &mut self.right[row / K * border + border_index(column)][row % K],
+            (false, true) => &mut self.bottom[column / K * border + border_index(row)][column % K],
+            (false, false) => &mut self.corner[border_index(row) * border + border_index(column)],
         };
         *entry += value;
     }
 
     /// A block of the diagonal by rows, the columns that couple it to the unknowns of the border, and the rows
     /// that couple the equations of the border to it: to add to many of its entries.
-    pub fn block_mut(&mut self, i: usize) -> Block<'_, K> {
+    pub fn block_mut(&mut self, i: usize) -> BorderedBlock<'_, K> {
         let of_border = i * self.border..(i + 1) * self.border;
-        Block {
+        BorderedBlock {
             rows: self.diagonal[i].rows_mut(),
             right: &mut self.right[of_border.clone()],
             bottom: &mut self.bottom[of_border],
@@ -119,15 +119,15 @@ impl<const K: usize> Bordered<K> {
     /// Leaves an unknown as it is: its row and column become those of the unit matrix.
     pub fn fix(&mut self, unknown: usize) {
         let (count, border) = (self.diagonal.len(), self.border);
-        if let Some(place) = unknown.checked_sub(K * count) {
+        if let Some(border_index) = unknown.checked_sub(K * count) {
             for columns in [&mut self.right, &mut self.bottom] {
-                columns.iter_mut().skip(place).step_by(border).for_each(|c| *c = [0.0; K]);
+                columns.iter_mut().skip(border_index).step_by(border).for_each(|c| *c = [0.0; K]);
             }
             for other in 0..border {
-                self.corner[place * border + other] = 0.0;
-                self.corner[other * border + place] = 0.0;
+                self.corner[border_index * border + other] = 0.0;
+                self.corner[other * border + border_index] = 0.0;
             }
-            self.corner[place * border + place] = 1.0;
+            self.corner[border_index * border + border_index] = 1.0;
             return;
         }
         let (i, k) = (unknown / K, unknown % K);
@@ -141,7 +141,7 @@ impl<const K: usize> Bordered<K> {
             self.above[before][k] = [0.0; K];
             self.below[before][k] = [0.0; K];
         }
-        let Block { rows, right, bottom } = self.block_mut(i);
+        let BorderedBlock { rows, right, bottom } = self.block_mut(i);
         for line in right.iter_mut().chain(bottom) {
             line[k] = 0.0;
         }

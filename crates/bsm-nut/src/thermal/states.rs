@@ -165,7 +165,7 @@ impl From<Option<NutError>> for NoSteadyState {
 }
 
 /// The balance of heat of a nut.
-struct Balance<'a> {
+struct HeatBalance<'a> {
     nut: &'a WarmNut<'a>,
     /// One over the heat at the temperatures of the surroundings.
     weight: f64,
@@ -179,9 +179,9 @@ struct Balance<'a> {
 type HeatSlopes = [[f64; NODES]; FRICTION_NODES];
 
 /// The same at one speed factor.
-struct BalanceAtSpeed<'a>(&'a Balance<'a>, f64);
+struct BalanceAtSpeed<'a>(&'a HeatBalance<'a>, f64);
 
-impl Balance<'_> {
+impl HeatBalance<'_> {
     /// What the nut does at some rises.
     ///
     /// * `between_loads`: what friction may err by.
@@ -432,7 +432,7 @@ impl Equations<NODES> for BalanceAtSpeed<'_> {
     }
 }
 
-impl Homotopy<NODES, { NODES + 1 }> for Balance<'_> {
+impl Homotopy<NODES, { NODES + 1 }> for HeatBalance<'_> {
     fn residual(&self, z: &[f64; NODES + 1]) -> Result<[f64; NODES], EvalError> {
         self.heat_residual(&from_fn(|i| z[i]), z[NODES])
     }
@@ -567,7 +567,7 @@ impl WarmNut<'_> {
     }
 
     /// The balance of heat, and the rises without any heat of friction.
-    fn at_rest(&self) -> Result<(Balance<'_>, [f64; NODES]), NoSteadyState> {
+    fn at_rest(&self) -> Result<(HeatBalance<'_>, [f64; NODES]), NoSteadyState> {
         let mut linear = Dense::<NODES>::default();
         let (matrix, mut rest) = self.network(1.0).balance();
         *linear.rows_mut() = matrix;
@@ -578,7 +578,7 @@ impl WarmNut<'_> {
         let heat: f64 = heated.heat.iter().sum();
         let weight = if heat > 0.0 { heat.recip() } else { 1.0 };
         let known = RefCell::new(Some((rest, 1.0, heated)));
-        Ok((Balance { nut: self, weight, has_preload: Cell::new(true), known }, rest))
+        Ok((HeatBalance { nut: self, weight, has_preload: Cell::new(true), known }, rest))
     }
 }
 

@@ -24,7 +24,7 @@ pub struct MixedFriction<D = f64> {
     /// Friction coefficient where they touch `$\mu_b$`.
     pub boundary: D,
     /// Largest shear stress of the oil over pressure `$\Lambda$`.
-    pub limit: D,
+    pub limiting_shear: D,
     /// Eyring stress `$\tau_E$` \[Pa\].
     pub eyring_stress: D,
     /// Largest pressure of the contact \[Pa\].
@@ -41,7 +41,7 @@ impl<D: Field> MixedFriction<D> {
     /// * `speed_unit`: of the slip \[m/s\].
     #[inline(always)]
     pub(crate) fn of<P: Field>(
-        (oil, limit, boundary): (&OilState<P>, P, P),
+        (oil, limiting_shear, boundary): (&OilState<P>, P, P),
         (film, asperity_share, max_pressure): (D, D, D),
         speed_unit: P,
     ) -> Self
@@ -49,12 +49,20 @@ impl<D: Field> MixedFriction<D> {
         D: FieldOver<P>,
     {
         let zero = film.constant(0.0);
-        let (limit, boundary) = (zero + limit, zero + boundary);
+        let (limiting_shear, boundary) = (zero + limiting_shear, zero + boundary);
         // τ_E = 2 Λ (a_p + b_p p_max)                                     (Y10)
         let pressure_scale = zero + oil.pressure_scale;
-        let eyring_stress = (max_pressure * PRESSURE_SLOPE + pressure_scale) * limit * 2.0;
+        let eyring_stress = (max_pressure * PRESSURE_SLOPE + pressure_scale) * limiting_shear * 2.0;
         let shear = (film * eyring_stress).recip() * (oil.viscosity * speed_unit);
-        Self { asperity_share, boundary, limit, eyring_stress, max_pressure, pressure_scale, shear }
+        Self {
+            asperity_share,
+            boundary,
+            limiting_shear,
+            eyring_stress,
+            max_pressure,
+            pressure_scale,
+            shear,
+        }
     }
 
     /// The same law of speeds in another unit, of which the present one is so many.
@@ -70,8 +78,8 @@ impl<D: Field> MixedFriction<D> {
         // τ_y = τ_E arsinh[η(p) s/(h τ_E)]                                (Y11)
         let stress = self.eyring_stress * (thickened * self.shear * speed).asinh();
         // μ_f = Λ [1 + (Λ p/τ_y)⁴]^{−1/4}                                 (Y12)
-        let fourth = (self.limit * p / stress).square().square();
-        let fluid = self.limit / (fourth + 1.0).sqrt().sqrt();
+        let fourth = (self.limiting_shear * p / stress).square().square();
+        let fluid = self.limiting_shear / (fourth + 1.0).sqrt().sqrt();
         // μ = ξ μ_b + (1 − ξ) μ_f                                         (Y13)
         self.asperity_share * self.boundary + (-self.asperity_share + 1.0) * fluid
     }
@@ -79,7 +87,7 @@ impl<D: Field> MixedFriction<D> {
     /// The coefficient if the oil bore all that it can.
     #[inline(always)]
     pub fn most(&self) -> D {
-        self.asperity_share * self.boundary + (-self.asperity_share + 1.0) * self.limit
+        self.asperity_share * self.boundary + (-self.asperity_share + 1.0) * self.limiting_shear
     }
 }
 
@@ -89,7 +97,7 @@ impl<D: Scalar> MixedFriction<D> {
         MixedFriction {
             asperity_share: self.asperity_share.re(),
             boundary: self.boundary.re(),
-            limit: self.limit.re(),
+            limiting_shear: self.limiting_shear.re(),
             eyring_stress: self.eyring_stress.re(),
             max_pressure: self.max_pressure.re(),
             pressure_scale: self.pressure_scale.re(),

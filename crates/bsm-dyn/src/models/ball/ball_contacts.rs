@@ -70,7 +70,7 @@ pub struct LoadedContact<D> {
     /// `$Q/F_a$`, and its cube root.
     pub load: D,
     /// Cube root of the load.
-    pub growth: D,
+    pub cbrt_load: D,
     /// `$\delta$`.
     pub approach: D,
     /// `$l$`, from the arc centre to the ball centre.
@@ -86,10 +86,10 @@ impl<D: Field> LoadedContact<D> {
     where
         D: FieldOver<P>,
     {
-        let growth = load.cbrt();
+        let cbrt_load = load.cbrt();
         // δ = (Q/K_H)^{2/3}                                               (P2), (W1)
-        let approach = growth.square() * compliance;
-        Self { cot: cos / sin, sin, cos, load, growth, approach, length: approach + offset }
+        let approach = cbrt_load.square() * compliance;
+        Self { cot: cos / sin, sin, cos, load, cbrt_load, approach, length: approach + offset }
     }
 
     /// Of the cotangent of its angle, without friction.
@@ -124,7 +124,7 @@ impl<D: Field> LoadedContact<D> {
     #[inline(always)]
     pub fn semi_axes(&self, contact: &GrooveContact<D>) -> (D, D) {
         // a ~ Q^{1/3}                                                     (P6)
-        let a = self.growth * contact.hertz.semi_axis;
+        let a = self.cbrt_load * contact.hertz.semi_axis;
         (a, a * contact.hertz.flatness)
     }
 }
@@ -201,8 +201,8 @@ impl<F: Compare> BallContacts<F> {
     #[inline(always)]
     pub fn nut_excess(&self, [a, b]: &[LoadedContact<F>; 2]) -> F {
         let [nut, screw] = [&self.pressed[0].hertz, &self.pressed[1].hertz];
-        let of_nut = a.load * a.growth * nut.semi_axis * nut.second_integral;
-        let of_screw = b.load * b.growth * screw.semi_axis * screw.second_integral;
+        let of_nut = a.load * a.cbrt_load * nut.semi_axis * nut.second_integral;
+        let of_screw = b.load * b.cbrt_load * screw.semi_axis * screw.second_integral;
         excess_of_nut([of_nut, of_screw], a.cos * b.cos + a.sin * b.sin)
     }
 }

@@ -65,13 +65,13 @@ pub struct EhlUnits<P = f64> {
 #[derive(Debug, Clone, Copy)]
 pub struct ScaledFilm<D> {
     /// Entrainment, signed along the track.
-    pub along: D,
+    pub rolling_speed: D,
     /// Its size, with the creep speed.
     pub entrainment: D,
     /// Thickness \[m\].
     pub thickness: D,
     /// Its power of the entrainment here.
-    pub(crate) growth: D,
+    pub(crate) speed_exponent: D,
     /// Thickness over the roughness.
     pub ratio: D,
     /// Friction at its points.
@@ -156,10 +156,10 @@ impl<P: Field> EhlPoint<P> {
         let couple =
             rolling * gap.radius * 2.0 + force * short * lubricant.hysteresis_loss * (3.0 / 16.0);
         ScaledFilm {
-            along,
+            rolling_speed: along,
             entrainment,
             thickness,
-            growth: -(-heating + 1.0) * 1.24 + 0.67,
+            speed_exponent: -(-heating + 1.0) * 1.24 + 0.67,
             ratio,
             law,
             force: rolling * units.load.recip(),
@@ -398,13 +398,13 @@ impl<D: Field> ScaledFilm<D> {
 
     /// Force of rolling resistance along `$t$` at the centre of the contact, and its couple about `$t \times N$`.
     ///
-    /// * `across`: angular velocity about `$t \times N$`, relative to the raceway.
+    /// * `transverse`: angular velocity about `$t \times N$`, relative to the raceway.
     #[inline(always)]
-    pub fn resist(&self, across: D, creep: f64) -> [D; 2] {
+    pub fn resist(&self, transverse: D, creep: f64) -> [D; 2] {
         // F_h = (2 R_x/r_b − 1) F_R (u_t/u) t                             (Y19)
-        let push = self.lever * self.force * self.along / self.entrainment;
+        let push = self.lever * self.force * self.rolling_speed / self.entrainment;
         // C_h = −C ω_x/√(ω_x² + (v_e/r_b)²) e_x                           (Y20)
-        let twist = self.couple * across / (across.square() + creep * creep).sqrt();
+        let twist = self.couple * transverse / (transverse.square() + creep * creep).sqrt();
         [push, -twist]
     }
 
@@ -434,7 +434,7 @@ impl LubricatedWorkspace {
 }
 
 /// A lubricated ball in steady motion; scaled as the point is, but for the torque.
-pub(crate) struct Steady<D = f64> {
+pub(crate) struct LubricatedState<D = f64> {
     pub(crate) loaded: BallLoads<D>,
     pub(crate) to_nut: Motion<D>,
     /// At nut and screw.
@@ -446,7 +446,7 @@ pub(crate) struct Steady<D = f64> {
 /// How it was found.
 pub(crate) struct SteadyRoot {
     pub(crate) contacts: ElasticContacts,
-    pub(crate) steady: Steady,
+    pub(crate) steady: LubricatedState,
     /// Sliding powers of a friction coefficient of one.
     pub(crate) unit: [f64; 2],
     pub(crate) skid: SkidNumbers,

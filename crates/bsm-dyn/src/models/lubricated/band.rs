@@ -53,15 +53,15 @@ impl Lubricated {
     pub fn band(&self, solved: &Solved, work: &mut ModelWorkspace) -> Option<LossInterval> {
         let film = solved.film?;
         let loss = |number: Option<u32>, work: &mut ModelWorkspace| {
-            let solution = self.drawn(number, film.temperature).solve(work);
+            let solution = self.sample(number, film.temperature).solve(work);
             let film = solution.solved()?.film?;
             Some(film.sliding_power + film.rolling_power)
         };
         let nominal = loss(None, work)?;
         let mut losses: Vec<_> = (1..=DRAWS).filter_map(|n| loss(Some(n), work)).collect();
         losses.sort_by(f64::total_cmp);
-        let places = losses.len().checked_sub(1).filter(|last| 2 * last > DRAWS as usize)?;
-        let [low, high] = [places / 20, places - places / 20].map(|i| losses[i] / nominal);
+        let last = losses.len().checked_sub(1).filter(|last| 2 * last > DRAWS as usize)?;
+        let [low, high] = [last / 20, last - last / 20].map(|i| losses[i] / nominal);
         let speed = self.screw().point.drive.relative_speed();
         let (torque, ideal) =
             (solved.transmission.screw_torque?, self.screw().point.ideal_torque());
@@ -77,14 +77,14 @@ impl Lubricated {
     }
 
     /// The point of a draw at a temperature of the oil \[K\], of a fast model; without a number as it is.
-    fn drawn(&self, number: Option<u32>, kelvin: f64) -> Self {
-        let place = |i: usize| {
+    fn sample(&self, number: Option<u32>, kelvin: f64) -> Self {
+        let draw = |i: usize| {
             let (low, high) = UNCERTAIN[i];
             let part = |number: u32| (f64::from(number) * PRIMES[i].sqrt()).fract();
             number.map(|number| low + part(number) * (high - low))
         };
-        let factor = |i| place(i).unwrap_or(1.0);
-        let offset = |i| place(i).unwrap_or(0.0);
+        let factor = |i| draw(i).unwrap_or(1.0);
+        let offset = |i| draw(i).unwrap_or(0.0);
         let mut screw = *self.screw();
         let (nut, groove) = screw.conformity;
         let least = |conformity: f64| (conformity + offset(11)).max(0.5 + 0.5 * (conformity - 0.5));

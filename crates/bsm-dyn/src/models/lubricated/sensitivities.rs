@@ -6,7 +6,7 @@ use bsm_kin::Jet;
 
 use super::solve::{Lubricated, LubricatedModel, lost};
 use crate::contact::{Temperature, efficiency};
-use crate::models::ball::{EhlPoint, Performance, Steady, Unsolved};
+use crate::models::ball::{EhlPoint, LubricatedState, Performance, Unsolved};
 use crate::models::raceway_control::RacewayControl;
 use crate::models::workspace::ModelWorkspace;
 
@@ -62,7 +62,7 @@ impl<const M: usize> Lubricated<Jet<M>> {
                 let rules = work.lubricated.both(friction.accuracy());
                 let (_, losses) = friction.losses(&ehl, &contacts, (&loaded, &to_nut), rules);
                 let torque = screw.rolling_torques(lost(&losses)).1;
-                (contacts, Steady { loaded, to_nut, losses, torque })
+                (contacts, LubricatedState { loaded, to_nut, losses, torque })
             }
             LubricatedModel::Traction(case) => {
                 let values =

@@ -11,8 +11,8 @@ use crate::contact::{
 };
 use crate::ellipse::{Integrate, Placement, Quadrature};
 use crate::models::ball::{
-    BallLoads, BallState, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint, ErrorBound, Model,
-    Reason, Solution, Solved, Steady, SteadyRoot, Transmission, Unsolved, to_both,
+    BallLoads, BallState, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint, ErrorBound,
+    LubricatedState, Model, Reason, Solution, Solved, SteadyRoot, Transmission, Unsolved, to_both,
 };
 use crate::models::raceway_control::RacewayControl;
 use crate::models::traction::{Traction, TrainBall};
@@ -101,7 +101,7 @@ impl<D: Scalar> Lubricated<D> {
     pub(super) fn outside(
         &self,
         contacts: &ElasticContacts<D>,
-        steady: &Steady<D>,
+        steady: &LubricatedState<D>,
     ) -> OutsidePower<D> {
         let screw = self.screw();
         let speed = screw.point.drive.relative_speed();
@@ -225,7 +225,7 @@ impl Lubricated {
                 let rules = lubricated.both(friction.accuracy());
                 let (unit, losses) = friction.losses(&ehl, &contacts, (&loaded, &to_nut), rules);
                 let (_, torque) = screw.rolling_torques(lost(&losses));
-                let steady = Steady { loaded, to_nut, losses, torque };
+                let steady = LubricatedState { loaded, to_nut, losses, torque };
                 let (skid, info, control) = rolling_ball.solve_info(&contacts);
                 SteadyRoot {
                     contacts,
@@ -247,7 +247,7 @@ impl Lubricated {
     /// All that a found ball tells.
     fn results(&self, ehl: &EhlPoint, found: &SteadyRoot) -> Result<Solved, Unsolved> {
         let (screw, SteadyRoot { contacts, steady, .. }) = (self.screw(), found);
-        let Steady { loaded, to_nut, losses, torque } = steady;
+        let LubricatedState { loaded, to_nut, losses, torque } = steady;
         let speed = screw.point.drive.relative_speed();
         let outside = self.outside(contacts, steady);
         let ball = screw.ball_state(contacts, loaded, to_nut)?;

@@ -158,13 +158,13 @@ impl<F: Compare> StaticBalance<F> {
             let step_c = (radial * l_s - radial_distance * r_s) * scale;
             let step_s = (radial_distance * r_c - radial * l_c) * scale;
             // dβ = −sin²β d cotβ
-            let turn = ((step_c + step_s) * nut.sin.square()).abs();
-            let turn = turn.larger((step_s * screw.sin.square()).abs());
+            let angle_step = ((step_c + step_s) * nut.sin.square()).abs();
+            let angle_step = angle_step.larger((step_s * screw.sin.square()).abs());
             let [c, s] = at.unknowns;
             at.unknowns =
                 [F::select(at.converged, c, c - step_c), F::select(at.converged, s, s - step_s)];
             at.steps = F::select(at.converged, at.steps, at.steps + 1.0);
-            at.converged = at.converged | turn.lt(turn.constant(LAST_STEP));
+            at.converged = at.converged | angle_step.lt(angle_step.constant(LAST_STEP));
         }
     }
 

@@ -11,7 +11,7 @@ use super::ball::{RigidBall, RigidMotion};
 use super::curve::Curve;
 use super::equations::{ExistenceLimit, LEAST_INERTIA, RigidEquations, Unknowns};
 use super::first_order::FirstOrder;
-use super::search::{LONGEST, Search};
+use super::search::{CurveSearch, LONGEST};
 use crate::contact::Sines;
 use crate::models::ball::unknown::{SLIP, UNLOADED_FLANK_LOAD};
 use crate::models::ball::{BALL, Evidence, Reason, Unsolved, Workspace};
@@ -69,7 +69,7 @@ struct RootSearch<'a> {
 }
 
 /// A root, or a reason why there is none; `None` where that is still open.
-type Verdict = Option<Result<BallRoot, Unsolved>>;
+type RootVerdict = Option<Result<BallRoot, Unsolved>>;
 
 /// Finds the root, or the reason why there is none.
 ///
@@ -108,7 +108,7 @@ impl RootSearch<'_> {
     /// The error is [`FIRST_ORDER_ERROR`] times the ratio of inertia to friction. The constant is
     /// measured: no root of `tests/suite/rigid_campaign.rs` goes further against the first order than 0.077 of
     /// that ratio, and the test watches it.
-    fn first_order(&mut self) -> Verdict {
+    fn first_order(&mut self) -> RootVerdict {
         let Self { ball, first, inertia, .. } = self;
         if *inertia >= SMALL_INERTIA {
             return None;
@@ -136,7 +136,7 @@ impl RootSearch<'_> {
     }
 
     /// The root that the sweeps go to from the first order, where that is a guide.
-    fn sweeps(&mut self) -> Verdict {
+    fn sweeps(&mut self) -> RootVerdict {
         let swept = self.ball.sweeps(&self.first);
         if !swept.converged {
             return None;
@@ -212,7 +212,7 @@ impl SearchResult {
     pub(super) fn of(ball: &RigidBall<f64>, inertia: f64, work: &mut RigidWorkspace) -> Self {
         let curve = Curve::of(ball);
         let (mut roots, mut failure) = (Vec::<BallRoot>::new(), None);
-        let mut search = Search::new(&curve, |point| {
+        let mut search = CurveSearch::new(&curve, |point| {
             match refined(ball, &curve.motion(ball, point), work) {
                 // Newton has left the crossing for another root.
                 Ok(root)

@@ -50,7 +50,7 @@ const MOST_SAMPLES: usize = 10_000;
 const ENOUGH: f64 = 1e-9;
 
 /// The search, with what is done with a root that it finds.
-pub(super) struct Search<'a, F> {
+pub(super) struct CurveSearch<'a, F> {
     curve: &'a Curve,
     accept: F,
     /// The inertia ratio nearest to that of the point at which an admissible state was met.
@@ -123,7 +123,7 @@ impl CurveSample {
     }
 }
 
-impl<'a, F: FnMut(&CurvePoint) -> bool> Search<'a, F> {
+impl<'a, F: FnMut(&CurvePoint) -> bool> CurveSearch<'a, F> {
     pub(super) fn new(curve: &'a Curve, accept: F) -> Self {
         Self { curve, accept, nearest_inertia: None, samples: 0 }
     }

@@ -427,7 +427,7 @@ fn sweeps_and_the_search_find_the_same_root() {
         tried += 1;
         let curve = Curve::of(&case);
         let mut first = None;
-        search::Search::new(&curve, |point| {
+        search::CurveSearch::new(&curve, |point| {
             first = Some(curve.motion(&case, point));
             true
         })

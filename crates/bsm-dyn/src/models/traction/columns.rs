@@ -374,7 +374,7 @@ impl TractionLaw for EhlPoint {
             let film = self.of_motion(i, y[unknown], [rate, along_t, w_c], k_c, ball.creep);
             let ContactTraction { film: by, resistance, rolling, .. } = &mut tractions[i];
             if SLOPED {
-                let growth = film.growth * film.along / film.entrainment.powi(2);
+                let growth = film.speed_exponent * film.rolling_speed / film.entrainment.powi(2);
                 by[PRECESSION] = -(0.5 * arc + k_c) * growth;
                 by[OMEGA[1]] -= 0.5 * side * angle.sin * growth;
                 add::<_, ALL>(by, 0.5 * side * angle.cos * growth, &geometry.by_b);

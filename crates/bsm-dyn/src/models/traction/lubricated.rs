@@ -15,8 +15,8 @@ use super::{
 };
 use crate::contact::ideal_torque;
 use crate::models::ball::{
-    EhlPoint, ElasticContacts, LubricatedWorkspace, SolveInfo, Steady, SteadyRoot, Unsolved,
-    Workspace, domain_error, moving_root, to_both,
+    EhlPoint, ElasticContacts, LubricatedState, LubricatedWorkspace, SolveInfo, SteadyRoot,
+    Unsolved, Workspace, domain_error, moving_root, to_both,
 };
 use crate::models::raceway_control::RollingBall;
 use crate::models::workspace::ModelWorkspace;
@@ -163,7 +163,7 @@ impl Traction {
         let unit = contacts.unit_powers(&loaded, &to_nut, creep, [0, 1].map(|i| ball.nodes(i)));
         let torque = transmitted.torque * (self.at.point.ball.radius * self.at.point.load.axial);
         let info = SolveInfo { steps, residual: root.residual };
-        let steady = Steady { loaded, to_nut, losses, torque };
+        let steady = LubricatedState { loaded, to_nut, losses, torque };
         let (skid, error) = (rolling_ball.skid(&contacts), Some(error));
         Ok(SteadyRoot { contacts, steady, unit, skid, info, control: None, error })
     }
@@ -184,7 +184,7 @@ impl<const M: usize> Traction<Jet<M>> {
         ehl: &EhlPoint<Jet<M>>,
         values: &EhlPoint,
         ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
-    ) -> Result<(ElasticContacts<Jet<M>>, Steady<Jet<M>>), Unsolved> {
+    ) -> Result<(ElasticContacts<Jet<M>>, LubricatedState<Jet<M>>), Unsolved> {
         let inputs = self.at.scaled()?;
         let ScaledRoot { contacts, refined: RootWithPower { root, .. }, plans, .. } =
             self.values().lubricated_root(values, traction, lubricated)?;
@@ -207,6 +207,6 @@ impl<const M: usize> Traction<Jet<M>> {
             moving.state(&y).map_err(domain_error)?;
         let torque = self.at.screw_torque(&inputs, &loaded.frame, &wrench[1]);
         let losses = losses.expect("a lubricant");
-        Ok((inputs, Steady { loaded, to_nut, losses, torque }))
+        Ok((inputs, LubricatedState { loaded, to_nut, losses, torque }))
     }
 }

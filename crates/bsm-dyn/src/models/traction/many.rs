@@ -201,16 +201,16 @@ impl TractionMany {
 
     /// The roots that the starts lead to.
     pub fn solve(&self, arch: Arch, starts: &[TractionStart]) -> Vec<Option<TractionRoot>> {
-        arch.dispatch(Solve { rules: self, starts })
+        arch.dispatch(SolveMany { rules: self, starts })
     }
 }
 
-struct Solve<'a> {
+struct SolveMany<'a> {
     rules: &'a TractionMany,
     starts: &'a [TractionStart],
 }
 
-impl WithSimd for Solve<'_> {
+impl WithSimd for SolveMany<'_> {
     type Output = Vec<Option<TractionRoot>>;
 
     #[inline(always)]
@@ -352,7 +352,7 @@ struct Here<S: Simd> {
 }
 
 /// What [`Here`] is made of.
-struct Evaluate<'a, S: Simd, const SLOPED: bool, const ROUGH: bool> {
+struct EvaluateMany<'a, S: Simd, const SLOPED: bool, const ROUGH: bool> {
     simd: S,
     rule: &'a ManyQuadrature,
     at: &'a TractionStart<Lane<S>>,
@@ -365,7 +365,7 @@ struct Evaluate<'a, S: Simd, const SLOPED: bool, const ROUGH: bool> {
 }
 
 impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
-    for Evaluate<'_, S, SLOPED, ROUGH>
+    for EvaluateMany<'_, S, SLOPED, ROUGH>
 {
     type Output = Here<S>;
 
@@ -506,7 +506,7 @@ fn approach<S: Simd>(
     trial.point.creep = iterate.creep;
     let here = {
         let (at, frozen, split, work) = (&trial, false, &[][..], &mut *work);
-        simd.vectorize(Evaluate::<S, true, true> { simd, rule, at, frozen, split, work })
+        simd.vectorize(EvaluateMany::<S, true, true> { simd, rule, at, frozen, split, work })
     };
     let found = &work.found;
     let infinity = iterate.before.constant(f64::INFINITY);
@@ -579,7 +579,7 @@ fn refine<S: Simd, const SPLIT: bool>(
     let one = steps.constant(1.0);
     let linearized = |at: &TractionStart<Lane<S>>, points: &[SplitPoint], work: &mut Work<S>| {
         let (frozen, split) = (false, points);
-        simd.vectorize(Evaluate::<S, true, false> { simd, rule, at, frozen, split, work })
+        simd.vectorize(EvaluateMany::<S, true, false> { simd, rule, at, frozen, split, work })
     };
     let mut here = linearized(&at, &points, work);
     let mut factors = Factors::of(&work.found, &here, at.point.lead);
@@ -608,7 +608,7 @@ fn refine<S: Simd, const SPLIT: bool>(
         }
         {
             let (at, frozen, split, work) = (&at, true, &points[..], &mut *work);
-            simd.vectorize(Evaluate::<S, false, false> { simd, rule, at, frozen, split, work });
+            simd.vectorize(EvaluateMany::<S, false, false> { simd, rule, at, frozen, split, work });
         }
         let found = &work.found;
         let size = norm(&found.residual, weights);
@@ -634,7 +634,7 @@ fn refine<S: Simd, const SPLIT: bool>(
     }
     let other = {
         let (rule, at, frozen, split, work) = (check, &at, false, &points[..], &mut *work);
-        simd.vectorize(Evaluate::<S, false, false> { simd, rule, at, frozen, split, work })
+        simd.vectorize(EvaluateMany::<S, false, false> { simd, rule, at, frozen, split, work })
     };
     let found = &work.found;
     // y' = y − J⁻¹ F'(y)                                                  (T24)

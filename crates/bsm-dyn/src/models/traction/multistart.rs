@@ -31,8 +31,8 @@ impl SlipBall<'_> {
             }
             1 => [FRAC_PI_2 * nut_angle, FRAC_PI_2 * screw_angle],
             _ => {
-                let turn = 0.4 * (nut_angle - 0.5) * contacts.friction.min(1.0);
-                [unloaded - turn, unloaded + turn]
+                let spread = 0.4 * (nut_angle - 0.5) * contacts.friction.min(1.0);
+                [unloaded - spread, unloaded + spread]
             }
         };
         let cos = contacts.helix.lead_angle.cos();

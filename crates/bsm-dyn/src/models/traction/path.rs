@@ -133,13 +133,13 @@ impl SlipBall<'_> {
     }
 
     /// True if a contact is more than `margin` beyond its flank.
-    pub(super) fn is_beyond(&self, y: &[f64; BALL], margin: f64) -> bool {
+    pub(super) fn is_off_flank(&self, y: &[f64; BALL], margin: f64) -> bool {
         !are_on_flanks(self.angles(y), margin)
     }
 
     /// True if the path may come back to the flanks no more: a right angle beyond them.
     fn is_far(&self, z: &[f64; PATH]) -> bool {
-        self.is_beyond(&ball(z), FRAC_PI_2)
+        self.is_off_flank(&ball(z), FRAC_PI_2)
     }
 
     /// The first root on the flanks along the path of growing inertia forces.
@@ -150,8 +150,8 @@ impl SlipBall<'_> {
         let mut y = self.unknowns(&guess.loaded, &guess.to_nut);
         // Friction that is nearly proportional to the slip, then less and less.
         let begin = (10.0 * self.lever(&y)).ln();
-        let stride = Continuation { first: 2.0, shortest: 1e-3 };
-        let arrived = follow(&mut y, (begin, self.creep.ln()), stride, |log, y| {
+        let control = Continuation { first: 2.0, shortest: 1e-3 };
+        let arrived = follow(&mut y, (begin, self.creep.ln()), control, |log, y| {
             let report = SlipBall { contacts: &slippery, creep: log.exp(), ..*self }.run(y, newton);
             *steps += report.steps.len();
             report.converged()
@@ -179,7 +179,7 @@ impl SlipBall<'_> {
             });
             if !landed {
                 let end = ball(&seen.last);
-                let none = self.is_beyond(&end, CLEARLY);
+                let none = self.is_off_flank(&end, CLEARLY);
                 return if none {
                     PathResult::Ended(self.angles(&end))
                 } else {
@@ -214,14 +214,14 @@ impl SlipBall<'_> {
         let unit = sense * small.copysign(at_rest);
         // No ball circles that fast.
         let most = 2.0 * (1.0 + self.contacts.nut_speed.abs());
-        let held = |z: &[f64; PATH]| unit * z[BALL].sinh();
-        let (mut found, mut beyond, mut known, mut more) = (None, None, 0, 0);
+        let event_rate = |z: &[f64; PATH]| unit * z[BALL].sinh();
+        let (mut found, mut off_flank, mut known, mut more) = (None, None, 0, 0);
         let seen = trace(
             &PathEquations { ball: self, along: Along::Rate { unit } },
             &seed(y, 0.0),
             |z, way| {
                 let slope = way[PRECESSION] - unit * z[BALL].cosh() * way[BALL];
-                [(self.rate(&ball(z)) - held(z), slope)]
+                [(self.rate(&ball(z)) - event_rate(z), slope)]
             },
             |Trace { crossings, last, .. }| {
                 for EventRoot { z, .. } in &crossings[known..] {
@@ -238,18 +238,18 @@ impl SlipBall<'_> {
                             return false;
                         }
                     } else {
-                        beyond = beyond.or(Some(self.of(&root).angles(&root.unknowns)));
+                        off_flank = off_flank.or(Some(self.of(&root).angles(&root.unknowns)));
                     }
                 }
                 known = crossings.len();
-                !(self.is_far(last) || held(last).abs() > most)
+                !(self.is_far(last) || event_rate(last).abs() > most)
             },
             &STEP_CONTROL,
         );
         *steps += seen.steps + more;
         let (end, ended) = (ball(&seen.last), seen.end == Exit::Ended);
-        let is_off = self.is_beyond(&end, CLEARLY);
-        found.unwrap_or_else(|| match beyond {
+        let is_off = self.is_off_flank(&end, CLEARLY);
+        found.unwrap_or_else(|| match off_flank {
             _ if !ended && !is_off => PathResult::Nothing,
             Some(angles) => PathResult::OffFlank(angles),
             None if is_off => PathResult::OffFlank(self.angles(&end)),

@@ -65,8 +65,8 @@ pub(super) fn slid<F: Compare>(
     let ((sin_lead, cos_lead), arc) = (point.lead, point.arc);
     let one = arc.constant(1.0);
     let mut next = *y;
-    for place in [NUT_LOAD, TILT, SCREW_LOAD] {
-        next[place] = next[place] + step[place];
+    for unknown in [NUT_LOAD, TILT, SCREW_LOAD] {
+        next[unknown] = next[unknown] + step[unknown];
     }
     let [w_t, w_n, w_b] = frenet(point.lead, y);
     let [dw_t, dw_n, dw_b] = frenet(point.lead, step);
@@ -78,8 +78,9 @@ pub(super) fn slid<F: Compare>(
     let ([sin_a, cos_a], [sin_b, cos_b], [l_a, l_b]) = (nut, screw, sides.lengths);
     let (dl_a, dl_b) = (sides.slopes[0] * step[NUT_LOAD], sides.slopes[1] * step[SCREW_LOAD]);
     // A₁ dβ = cosβ_A dl_A + cosβ_B dl_B + (l_A sinβ_A − l_B sinβ_B) dν,  dβ_A = dβ − dν,  dβ_B = dβ + dν  (T28)
-    let turn = (cos_a * dl_a + cos_b * dl_b + (l_a * sin_a - l_b * sin_b) * step[TILT]) / height;
-    let (turn_a, turn_b) = (turn - step[TILT], turn + step[TILT]);
+    let rotation =
+        (cos_a * dl_a + cos_b * dl_b + (l_a * sin_a - l_b * sin_b) * step[TILT]) / height;
+    let (turn_a, turn_b) = (rotation - step[TILT], rotation + step[TILT]);
     // u_A = d P' + cosβ_A ω_b − sinβ_A ω_n                                (T26)
     let w_k = w_b - cos_lead;
     let nut_slip = arc * (from_nut + step[PRECESSION]) + cos_a * (w_b + dw_b)
@@ -90,7 +91,7 @@ pub(super) fn slid<F: Compare>(
         + sin_b * (w_n + dw_n)
         + (sin_b * w_k + cos_b * w_n) * turn_b;
     // σ = sinβ ω_b + cosβ ω_n                                             (T27)
-    let spin = sin * (w_b + dw_b) + cos * (w_n + dw_n) + (cos * w_b - sin * w_n) * turn;
+    let spin = sin * (w_b + dw_b) + cos * (w_n + dw_n) + (cos * w_b - sin * w_n) * rotation;
 
     let loaded = Sides::of(point, &next);
     let mean = Mean::of(loaded.lengths, point.radial_distance, there);

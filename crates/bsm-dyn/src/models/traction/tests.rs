@@ -32,8 +32,8 @@ fn state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
         ..1.0 => [part(0.0, FRAC_PI_2), part(0.0, FRAC_PI_2)],
         1.0..2.0 => [part(0.0, unloaded), part(unloaded, FRAC_PI_2)],
         _ => {
-            let turn = part(-0.2, 0.2) * contacts.friction;
-            [unloaded - turn, unloaded + turn]
+            let spread = part(-0.2, 0.2) * contacts.friction;
+            [unloaded - spread, unloaded + spread]
         }
     };
     let cos = contacts.helix.lead_angle.cos();
@@ -61,8 +61,8 @@ fn search(ball: &SlipBall<'_>, starts: usize, rng: &mut impl Rng) -> Option<Slip
     (0..starts).find_map(|_| {
         let mut y = state(ball, rng);
         let begin = end + rng.random::<f64>() * (ball.lever(&y).ln() - end).max(0.0);
-        let stride = bsm_newton::Continuation { first: 1.5, shortest: 0.05 };
-        let arrived = bsm_newton::follow(&mut y, (begin, end), stride, |log, y| {
+        let control = bsm_newton::Continuation { first: 1.5, shortest: 0.05 };
+        let arrived = bsm_newton::follow(&mut y, (begin, end), control, |log, y| {
             SlipBall { creep: log.exp(), ..*ball }.run(y, &mut newton).converged()
         });
         let root = ball.in_nut_chart(y, 0.0, &mut newton, &mut 0);

@@ -357,7 +357,7 @@ impl TrainBall {
     /// behind follows; below zero it is a pull. `None` if it is not found.
     ///
     /// * `from`: a motion nearby.
-    pub fn held(
+    pub fn at_rate(
         &self,
         from: &TrainMotion,
         rate: f64,
@@ -376,9 +376,9 @@ impl TrainBall {
                 TrainEquations { ball, push, precession: rate + offset, seen: &seen }
             };
             let mut run = |fraction, x: &mut _| {
-                let held = at(fraction);
-                let scales = Scales { x: &[1.0; BALL], f: &ball.weights(&held.moving(x).1) };
-                solve(&held, x, &scales, &ball.options(), newton).converged()
+                let equations = at(fraction);
+                let scales = Scales { x: &[1.0; BALL], f: &ball.weights(&equations.moving(x).1) };
+                solve(&equations, x, &scales, &ball.options(), newton).converged()
             };
             let unknowns = |y: [f64; BALL], back: f64| {
                 from_fn(|i| if i == PRECESSION { back / load } else { y[i] })
@@ -388,8 +388,8 @@ impl TrainBall {
                 x = unknowns(from.unknowns, before);
                 follow(&mut x, (0.0, 1.0), STRIDE, run).ok()?;
             }
-            let held = at(1.0);
-            let ((moving, y), Seen { by_precession, last }) = (held.moving(&x), seen.get());
+            let equations = at(1.0);
+            let ((moving, y), Seen { by_precession, last }) = (equations.moving(&x), seen.get());
             let by_front = moving.by_push(&y, [1.0, 0.0], self.contact_friction).ok()?;
             // Of all unknowns but the rate, and of the push behind, by the rate and by the push in front.
             let by_rate = newton.correction(&by_precession).ok()?;
@@ -463,11 +463,11 @@ impl TrainBall {
         let [_, radius, speed] = self.units;
         let [front, back] = motion.pushes;
         let travel = self.contacts.arc * radius * motion.rate * speed.abs();
-        let rubbed = self.contact_power(motion);
+        let friction_power = self.contact_power(motion);
         // (T − h (F_j + F_b·k)) W = P_raceways + f_b r_b (N_f + N_b)|w| − (N_b − N_f) v  (O4)
         let residual =
-            self.power_in(motion) - motion.raceway_power - rubbed + (back - front) * travel;
-        let size = (motion.screw_torque * speed).abs() + motion.raceway_power + rubbed;
+            self.power_in(motion) - motion.raceway_power - friction_power + (back - front) * travel;
+        let size = (motion.screw_torque * speed).abs() + motion.raceway_power + friction_power;
         residual.abs() <= POWER_BALANCE_TOL * size
     }
 }
