@@ -60,31 +60,13 @@ impl<S: Simd> NullaryFnOnce for GrossSlip<'_, S> {
     #[inline(always)]
     fn call(self) -> Self::Output {
         let Self { pair, friction, any } = self;
-        let ball = sliding_ball(pair, friction);
+        let ball = SlidingBall::of(&pair.scaled(), friction);
         let expected = pair.regular
             & takes(friction.abs(), pair.inertia_ratio)
             & pair.nut_speed.abs().lt(pair.constant(MOST_NUT_SPEED));
         let root = ball.first_root(pair.cos_b / pair.sin_b, expected, any);
         let sure = root.state.along.lt(pair.constant(MOST_LOAD));
         SlidingRoot { steady: root.steady & sure, found: root.found & sure, ..root }
-    }
-}
-
-/// The balls with a friction that has the sign of the speed.
-#[inline(always)]
-pub(super) fn sliding_ball<S: Simd>(pair: &Balls<S>, friction: Lane<S>) -> SlidingBall<Lane<S>> {
-    let [nut, screw] = &pair.pressed;
-    SlidingBall {
-        friction,
-        sin: pair.sin_a,
-        cos: pair.cos_a,
-        cot: pair.cos_a / pair.sin_a,
-        arc: pair.arc,
-        inertia_ratio: pair.inertia_ratio,
-        nut_speed: pair.nut_speed,
-        offsets: [nut.offset, screw.offset],
-        approaches: [nut.hertz.compliance, screw.hertz.compliance],
-        reach: pair.reach(),
     }
 }
 

@@ -224,7 +224,7 @@ impl RollingBall {
             return false;
         }
         let [nut, screw] =
-            balances.map(|ball| ball.rolling(&self.loaded).precession + pair.nut_speed);
+            balances.map(|ball| ball.rolling(&self.loaded).precession + pair.scaled.nut_speed);
         let rates = [nut - screw, nut + screw];
         let apart = spread_of_control(pair.inertia_ratio(), pair.helix.lead_angle.cos(), rates);
         nut_excess(pair, &self.loaded).abs() > RacewayControl::CLEAR * apart
@@ -235,8 +235,8 @@ impl RollingBall {
     pub(crate) fn guess(pair: &ElasticContacts) -> Result<Self, Unsolved> {
         let balance = Balance::new(pair, Control::Nut);
         let angle = pair.jones.contact_angle.sin_cos();
-        let (p, _) = rolling(true, pair.lead, pair.arc, [angle; 2]);
-        let [nut, screw, tilt] = pair.static_balance(p + pair.nut_speed);
+        let (p, _) = rolling(true, pair.scaled.lead, pair.scaled.arc, [angle; 2]);
+        let [nut, screw, tilt] = pair.static_balance(p + pair.scaled.nut_speed);
         let loaded = pair.loaded([nut, screw], tilt).map_err(domain_error)?;
         let (control, to_nut) = (balance.control, balance.rolling(&loaded));
         let unknowns = [f64::NAN; STATIC];
@@ -375,7 +375,7 @@ fn control_of(pair: &ElasticContacts, loaded: &BallLoads<f64>) -> Control {
 /// By how much the spin friction moment of the nut exceeds that of the screw, relative.
 fn nut_excess(pair: &ElasticContacts, loaded: &BallLoads<f64>) -> f64 {
     let moment = |i: usize| {
-        let (load, (a, _)) = (loaded.loads[i], pair.semi_axes[i]);
+        let (load, (a, _)) = (loaded.loads[i], pair.scaled.semi_axes[i]);
         load * Field::cbrt(load) * a * pair.hertz[i].second_integral
     };
     excess_of_nut([moment(0), moment(1)], (2.0 * loaded.tilt).cos())

@@ -21,7 +21,7 @@ use bsm_simd::Block;
 
 pub use self::columns::TractionPoint;
 use self::columns::{EquationValues, LastEvaluation, PowerFlow, lever, sizes};
-pub use self::many::{TRACTION_FOUND, TRACTION_START, TractionMany, TractionRoot, TractionStart};
+pub use self::many::{NumberColumns, TractionMany, TractionRoot, TractionStart};
 use self::root::RootWithPower;
 pub use self::root::SKID_ONSET;
 pub(crate) use self::root::SlipRoot;
@@ -155,7 +155,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         let [k, n] = [loaded.frame.k, loaded.frame.n];
         let [along, radial, around] = OMEGA.map(|i| y[i]);
         let omega = k * along + n * radial + k.cross(&n) * around;
-        Motion { precession: y[PRECESSION] + (self.offset() - self.pair.nut_speed), omega }
+        Motion { precession: y[PRECESSION] + (self.offset() - self.pair.scaled.nut_speed), omega }
     }
 
     /// The state with another friction coefficient.
@@ -174,7 +174,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         if part < 1.0 {
             wrench = from_fn(|i| {
                 let contact = &loaded.contacts[i];
-                let local = Local::of(&motions[i], contact, D::from(pair.arc));
+                let local = Local::of(&motions[i], contact, D::from(pair.scaled.arc));
                 let ellipse = pair.ellipse(i, &loaded);
                 let (unit, unit_power) = D::integrate(&ellipse, &local, self.creep, self.nodes(i));
                 let pull = loaded.loads[i] * pair.signed(friction);
@@ -214,7 +214,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     /// above the relative speed, so that neither the rate nor the slip loses its digits, or where the
     /// ball all but sticks to the nut.
     fn offset(&self) -> P {
-        let nut = self.pair.nut_speed;
+        let nut = self.pair.scaled.nut_speed;
         if self.at_nut || nut.re().abs() > FAST_NUT { nut } else { P::from(0.0) }
     }
 
@@ -290,7 +290,7 @@ impl SlipBall<'_> {
         let mut y = [0.0; BALL];
         [y[NUT_LOAD], y[SCREW_LOAD]] = loaded.loads;
         y[TILT] = if self.at_nut { loaded.angles[0] } else { loaded.tilt };
-        y[PRECESSION] = to_nut.precession + self.pair.nut_speed - self.offset();
+        y[PRECESSION] = to_nut.precession + self.pair.scaled.nut_speed - self.offset();
         let [k, n] = [loaded.frame.k, loaded.frame.n];
         for (place, axis) in OMEGA.iter().zip([k, n, k.cross(&n)]) {
             y[*place] = to_nut.omega.dot(&axis);
@@ -324,8 +324,8 @@ impl SlipBall<'_> {
     /// Lever arm of friction over the ball radius.
     fn lever(&self, y: &[f64; BALL]) -> f64 {
         let lengths = [(0, NUT_LOAD), (1, SCREW_LOAD)]
-            .map(|(i, load)| self.pair.semi_axes[i].0 * Field::cbrt(y[load]));
-        lever(lengths, self.pair.pressed_radius)
+            .map(|(i, load)| self.pair.scaled.semi_axes[i].0 * Field::cbrt(y[load]));
+        lever(lengths, self.pair.scaled.pressed_radius)
     }
 
     /// One damped Newton solve from `y`.

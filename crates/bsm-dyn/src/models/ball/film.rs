@@ -320,7 +320,7 @@ impl<P: Scalar> EhlPoint<P> {
     ) -> EhlLoss<D> {
         let (contact, load) = (&loaded.contacts[i], loaded.loads[i]);
         let loss = self.loss_of(i, (pair, loaded), motion, creep, D::from(0.0));
-        let local = Local::of(motion, contact, D::from(pair.arc));
+        let local = Local::of(motion, contact, D::from(pair.scaled.arc));
         let law = &loss.film.law;
         let (unit, power) = D::lubricated(&pair.ellipse(i, loaded), &local, law, creep, nodes);
         let wrench = unit.wrench(contact) * pair.signed(load) + loss.wrench;
@@ -356,13 +356,13 @@ impl<P: Scalar> EhlPoint<P> {
         sliding: D,
     ) -> EhlLoss<D> {
         let (contact, load) = (&loaded.contacts[i], loaded.loads[i]);
-        let film = self.film(i, (contact, load), motion, &loaded.frame, (pair.arc, creep));
+        let film = self.film(i, (contact, load), motion, &loaded.frame, (pair.scaled.arc, creep));
         let [push, couple] = film.resist(motion.omega.dot(&contact.across), creep);
         let (force, couple) = (BallFrame::tangent() * push, contact.across * couple);
         let point = contact.point(D::from(1.0));
         let wrench = Wrench { force, moment: point.cross(&force) + couple };
         // P_r = −F_h·v_c − C_h·(ω − Ω_i k)                                (Y21)
-        let slip = motion.slip_velocity(D::from(pair.arc), &point);
+        let slip = motion.slip_velocity(D::from(pair.scaled.arc), &point);
         let rolling = pair.signed(-force.dot(&slip) - couple.dot(&motion.omega));
         EhlLoss { film, wrench: wrench * pair.signed(D::from(1.0)), sliding, rolling }
     }
@@ -466,7 +466,7 @@ impl EhlPoint {
         let motions = to_both(to_nut, &loaded.frame);
         let [nut, screw] = [0, 1].map(|i| {
             let at = (&loaded.contacts[i], loaded.loads[i]);
-            self.film(i, at, &motions[i], &loaded.frame, (pair.arc, creep)).law.most()
+            self.film(i, at, &motions[i], &loaded.frame, (pair.scaled.arc, creep)).law.most()
         });
         nut.max(screw)
     }

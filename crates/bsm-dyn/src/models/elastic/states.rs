@@ -8,7 +8,7 @@ use bsm_simd::Compare;
 
 use crate::contact::Sines;
 use crate::cost;
-use crate::models::ball::ElasticContacts;
+use crate::models::ball::{ElasticContacts, ScaledBall};
 
 /// A ball that slides at both contacts, in units of ball radius, axial load per ball and relative speed;
 /// pairs are of nut and screw.
@@ -66,21 +66,19 @@ pub struct SlidingMotion<D> {
     pub drive: D,
 }
 
+impl<P: Field> SlidingBall<P> {
+    /// With a friction that has the sign of the speed.
+    #[inline(always)]
+    pub fn of(ball: &ScaledBall<P>, friction: P) -> Self {
+        let &ScaledBall { lead: (sin, cos), arc, nut_speed, reach, offsets, approaches, .. } = ball;
+        let (cot, inertia_ratio) = (cos / sin, ball.inertia_ratio());
+        Self { friction, sin, cos, cot, arc, inertia_ratio, nut_speed, offsets, approaches, reach }
+    }
+}
+
 impl From<&ElasticContacts> for SlidingBall<f64> {
     fn from(pair: &ElasticContacts) -> Self {
-        let ((sin, cos), jones) = (pair.lead, &pair.jones);
-        Self {
-            friction: pair.directed_friction(),
-            sin,
-            cos,
-            cot: cos / sin,
-            arc: pair.arc,
-            inertia_ratio: pair.inertia_ratio(),
-            nut_speed: pair.nut_speed,
-            offsets: [jones.nut_offset, jones.screw_offset],
-            approaches: pair.approaches([1.0; 2]),
-            reach: pair.reach,
-        }
+        Self::of(&pair.scaled, pair.directed_friction())
     }
 }
 

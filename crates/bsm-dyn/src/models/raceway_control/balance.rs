@@ -39,19 +39,7 @@ pub(super) struct Balance<'a, P: Scalar = f64> {
 
 impl<'a, P: Scalar> Balance<'a, P> {
     pub(super) fn new(pair: &'a ElasticContacts<P>, control: Control) -> Self {
-        let cos = pair.lead.1;
-        let statics = StaticBalance {
-            by_nut: control == Control::Nut,
-            axial: cos.recip(),
-            inertia: pair.inertia_ratio() * cos,
-            lever: cos * cos / pair.helix.radius,
-            nut_speed: pair.nut_speed,
-            reach: pair.reach,
-            contacts: [
-                (pair.jones.nut_offset, pair.approach[0]),
-                (pair.jones.screw_offset, pair.approach[1]),
-            ],
-        };
+        let statics = StaticBalance::of(&pair.scaled, control == Control::Nut);
         Self { pair, control, statics }
     }
 
@@ -85,7 +73,7 @@ impl<'a, P: Scalar> Balance<'a, P> {
     /// Rolling motion relative to the nut over `$W$`.
     pub(super) fn rolling<D: Over<P>>(&self, loaded: &BallLoads<D>) -> Motion<D> {
         let pair = self.pair;
-        let (lead, arc) = (D::from(pair.helix.lead_angle).sin_cos(), D::from(pair.arc));
+        let (lead, arc) = (D::from(pair.helix.lead_angle).sin_cos(), D::from(pair.scaled.arc));
         let angles = loaded.angles.map(|angle| angle.sin_cos());
         let (p, omega) = rolling(self.control == Control::Nut, lead, arc, angles);
         Motion { precession: p, omega: loaded.frame.from_frenet(&omega.into()) }
@@ -102,7 +90,7 @@ pub(super) struct RollRoot {
 impl Balance<'_> {
     /// One over the sizes of both equations.
     pub(super) fn weights(&self) -> [f64; STATIC] {
-        let rate = self.pair.nut_speed.abs().max(1.0);
+        let rate = self.pair.scaled.nut_speed.abs().max(1.0);
         // As far as a double goes.
         let size = (self.statics.inertia * rate * rate).clamp(f64::MIN_POSITIVE, 0.25 * f64::MAX);
         [size.recip(), 1.0]
@@ -144,7 +132,7 @@ impl Balance<'_> {
 
     /// True if (W17) leaves no second root.
     pub(super) fn is_unique(&self) -> bool {
-        let nut = self.pair.nut_speed;
+        let nut = self.pair.scaled.nut_speed;
         let outwards = match self.control {
             Control::Nut => 1.0 + nut,
             Control::Screw => self.statics.lever - nut,

@@ -23,7 +23,7 @@ use crate::contact::torque;
 use crate::cost;
 use crate::ellipse::{Dry, OilLaw, Patch, Resultants, SUMS, sums, surface_drop};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
-use crate::models::ball::{BALL, EhlPoint, ROWS, ScaledFilm, linear};
+use crate::models::ball::{BALL, EhlPoint, ROWS, ScaledBall, ScaledFilm, linear};
 
 /// What belongs to a state, all scaled.
 #[derive(Debug, Clone, Copy)]
@@ -41,30 +41,12 @@ type Slopes<F> = [F; BLOCK];
 
 /// Numbers of a point in units of ball radius, axial load per ball and relative speed, as the equations take
 /// them.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct TractionPoint<F = f64> {
-    /// Sine and cosine of the lead angle.
-    pub lead: (F, F),
-    /// Pitch radius.
-    pub radius: F,
-    /// Arc length per radian.
-    pub arc: F,
-    /// `$A_2$` (J2).
-    pub reach: F,
-    /// Offsets of the groove arcs at nut and screw.
-    pub offsets: [F; 2],
-    /// Approaches under the axial load.
-    pub approach: [F; 2],
-    /// Semi-axes under the axial load.
-    pub semi_axes: [(F, F); 2],
-    /// Radii of the pressed surfaces.
-    pub pressed_radius: [F; 2],
+    /// The ball and its contacts.
+    pub scaled: ScaledBall<F>,
     /// Coefficient against a slip over `$W$`.
     pub friction: F,
-    /// Of the ball.
-    pub mass: F,
-    /// Nut speed over `$W$`.
-    pub nut_speed: F,
     /// What the unknown of the precession leaves out of its rate.
     pub offset: F,
     /// Creep speed.
@@ -358,7 +340,7 @@ impl TractionLaw for EhlPoint {
         contacts: &Contacts<f64>,
         rubbed: &mut [ContactTraction; 2],
     ) {
-        let (arc, cos_lead) = (ball.pair.arc, ball.pair.lead.1);
+        let (arc, cos_lead) = (ball.pair.scaled.arc, ball.pair.scaled.lead.1);
         let mut laws = [None; 2];
         for i in 0..2 {
             let (side, place) = [(1.0, NUT_LOAD), (-1.0, SCREW_LOAD)][i];
@@ -468,19 +450,9 @@ impl SlipBall<'_> {
     /// The numbers of the equations.
     #[inline(always)]
     pub(super) fn scaled(&self) -> TractionPoint {
-        let pair = self.pair;
         TractionPoint {
-            lead: pair.lead,
-            radius: pair.helix.radius,
-            arc: pair.arc,
-            reach: pair.reach,
-            offsets: [pair.jones.nut_offset, pair.jones.screw_offset],
-            approach: pair.approach,
-            semi_axes: pair.semi_axes,
-            pressed_radius: pair.pressed_radius,
-            friction: pair.directed_friction(),
-            mass: pair.ball.mass,
-            nut_speed: pair.nut_speed,
+            scaled: self.pair.scaled,
+            friction: self.pair.directed_friction(),
             offset: self.offset(),
             creep: self.creep,
             at_nut: self.at_nut,
@@ -511,12 +483,12 @@ impl<F: Compare> Sides<F> {
     #[inline(always)]
     pub(super) fn of(pair: &TractionPoint<F>, y: &[F; BALL]) -> Self {
         let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
-        let zero = pair.radius.constant(0.0);
+        let zero = pair.scaled.radius.constant(0.0);
         // a ~ Q^{1/3},  δ = (Q/K_H)^{2/3}                                 (P6), (P2)
         let growth = [loads[0].cbrt(), loads[1].cbrt()];
-        let (mut lengths, mut slopes) = (pair.offsets, [zero; 2]);
+        let (mut lengths, mut slopes) = (pair.scaled.offsets, [zero; 2]);
         for i in 0..2 {
-            let approach = growth[i] * growth[i] * pair.approach[i];
+            let approach = growth[i] * growth[i] * pair.scaled.approaches[i];
             lengths[i] = lengths[i] + approach;
             slopes[i] = approach / loads[i] * (2.0 / 3.0);
         }
@@ -563,9 +535,9 @@ pub(super) fn contacts<F: Compare>(
     y: &[F; BALL],
     (sin_y, cos_y): (F, F),
 ) -> (Contacts<F>, F::Mask) {
-    let (zero, one) = (pair.radius.constant(0.0), pair.radius.constant(1.0));
+    let (zero, one) = (pair.scaled.radius.constant(0.0), pair.scaled.radius.constant(1.0));
     let Sides { growth, lengths: [l_a, l_b], slopes, pressed } = Sides::of(pair, y);
-    let a_2 = pair.reach;
+    let a_2 = pair.scaled.reach;
     let own = along(TILT, one);
     let (turn, tilts, angles, exist);
     if pair.at_nut {
@@ -607,7 +579,7 @@ pub(super) fn contacts<F: Compare>(
     }
 
     // ω' = ω'_k k + ω'_n n + ω'_c k × n                                   (T4)
-    let (sin_lead, cos_lead) = pair.lead;
+    let (sin_lead, cos_lead) = pair.scaled.lead;
     let [along_axis, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
     // About t and b, relative to the nut.
     let mut by_t = along(OMEGA[0], sin_lead);
@@ -617,7 +589,7 @@ pub(super) fn contacts<F: Compare>(
     let omega_t = sin_lead * along_axis - cos_lead * around;
     let omega_b = cos_lead * along_axis + sin_lead * around;
 
-    let from_nut = y[PRECESSION] + (pair.offset - pair.nut_speed);
+    let from_nut = y[PRECESSION] + (pair.offset - pair.scaled.nut_speed);
     let mut points = [Patch {
         semi_axes: (zero, zero),
         pressed_radius: zero,
@@ -630,14 +602,14 @@ pub(super) fn contacts<F: Compare>(
         let Angle { sin, cos, .. } = angles[i];
         let (t, b) = (omega_t - body * sin_lead, omega_b - body * cos_lead);
         points[i].motion = [
-            pair.arc * (from_nut - body),
+            pair.scaled.arc * (from_nut - body),
             t,
             side * (sin * b + cos * radial),
             side * (cos * b - sin * radial),
         ];
-        let (a, b) = pair.semi_axes[i];
+        let (a, b) = pair.scaled.semi_axes[i];
         points[i].semi_axes = (growth[i] * a, growth[i] * b);
-        points[i].pressed_radius = pair.pressed_radius[i];
+        points[i].pressed_radius = pair.scaled.pressed_radius[i];
     }
     (Contacts { points, turn, tilts, angles, by_t, by_b }, exist)
 }
@@ -651,7 +623,7 @@ pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
     rubbed: &[ContactTraction<F>; 2],
     EquationValues { left, transmitted, rows, slope }: &mut EquationValues<F>,
 ) {
-    let (sin_lead, cos_lead) = pair.lead;
+    let (sin_lead, cos_lead) = pair.scaled.lead;
     let (loads, one) = ([y[NUT_LOAD], y[SCREW_LOAD]], sin_lead.constant(1.0));
     for i in 0..2 {
         let side = [one, -one][i];
@@ -683,7 +655,7 @@ pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
                 part.by = times(pull * n, &by_n);
                 add::<_, { STATICS | FLAT | 1 << OMEGA[1] }>(&mut part.by, pull * c, &by_c);
                 add::<_, FLAT>(&mut part.by, pull * t, by_t);
-                part.by[PRECESSION] = pull * a * pair.arc;
+                part.by[PRECESSION] = pull * a * pair.scaled.arc;
                 // d(f Q I) = f I dQ + f Q dI,  d ln a = dQ/(3 Q)
                 part.by[place] = part.by[place] + coefficient * (values[k] + g * (1.0 / 3.0));
             }
@@ -718,7 +690,7 @@ pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
         } else {
             // T = [(−r_m n) × F + M]·k                                    (B7)
             let (m_1, m_2) = turned(side, (angle.sin, angle.cos), (m_n.re, m_c.re));
-            let (force, arm) = (pair.radius * cos_lead, -(pair.radius * sin_lead));
+            let (force, arm) = (pair.scaled.radius * cos_lead, -(pair.scaled.radius * sin_lead));
             transmitted.torque = m_t.re * sin_lead + m_2 * cos_lead + f_t.re * force + b * arm;
             if SLOPED {
                 *slope = times(sin_lead, &m_t.by);
@@ -768,17 +740,17 @@ fn add_inertia<F: Compare, const SLOPED: bool>(
     turn: &Angle<F>,
     (left, rows): (&mut [F; BALL], &mut [Slopes<F>; BALL]),
 ) {
-    let (sin_lead, cos_lead) = pair.lead;
+    let (sin_lead, cos_lead) = pair.scaled.lead;
     let [_, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
     let rate = y[PRECESSION] + pair.offset;
     // Σ F − m r_m P² n                                                    (B4)
-    let mass = pair.mass * pair.radius;
+    let mass = pair.scaled.mass * pair.scaled.radius;
     let thrown = mass * rate * rate;
     left[1] = left[1] - thrown * turn.cos;
     left[2] = left[2] + thrown * turn.sin;
     // Σ M − I P (ω'_n k × n − ω'_c n)                                     (B5), (T5)
     // I = (2/5) m r_b²                                                    (B2)
-    let inertia = pair.mass * 0.4;
+    let inertia = pair.scaled.mass * 0.4;
     let (second, third) = (
         sin_lead * turn.sin * radial - turn.cos * around,
         sin_lead * turn.cos * radial + turn.sin * around,

@@ -39,7 +39,7 @@ fn state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
     let cos = pair.helix.lead_angle.cos();
     let slow = if part(0.0, 1.0) < 0.5 { pair.friction / mu } else { mu.recip().sqrt() };
     let rate = if part(0.0, 1.0) < 0.5 {
-        pair.nut_speed + part(-0.5, 1.5)
+        pair.scaled.nut_speed + part(-0.5, 1.5)
     } else {
         (slow * part(-8.0, 1.0).exp()).min(1.0) * part(-1.0, 1.0).signum()
     };
@@ -48,8 +48,8 @@ fn state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
     y[SCREW_LOAD] = part(-1.0, 1.0).exp() / (screw.sin().max(1e-6) * cos);
     y[TILT] = 0.5 * (screw - nut);
     y[PRECESSION] = rate - ball.offset();
-    y[OMEGA[0]] = (pair.nut_speed - rate) * pair.arc * part(0.0, 1.5);
-    y[OMEGA[1]] = pair.arc * part(-3.0, 3.0);
+    y[OMEGA[0]] = (pair.scaled.nut_speed - rate) * pair.scaled.arc * part(0.0, 1.5);
+    y[OMEGA[1]] = pair.scaled.arc * part(-3.0, 3.0);
     y[OMEGA[2]] = part(-0.6, 0.6);
     y
 }
@@ -251,7 +251,7 @@ fn columns_by_hand_are_those_of_the_jets() {
         let size = (y[NUT_LOAD].max(y[SCREW_LOAD]) * ball.lever(&y)).max(thrown).max(gyroscopic);
         for i in 0..BALL {
             // Rounding of the slip, of the angular velocities, over the creep speed.
-            let slip = 1.0 + (rate.abs() * pair.arc).max(turning);
+            let slip = 1.0 + (rate.abs() * pair.scaled.arc).max(turning);
             let rounding = 1e-14 * size * (1.0 + pair.friction * slip / creep);
             let off = (found.left[i] - jets.left[i]).abs();
             assert!(off <= rounding, "{number} {i} {off:e} {rounding:e} {found:?} {jets:?}");
@@ -265,7 +265,7 @@ fn columns_by_hand_are_those_of_the_jets() {
         let [here, there] = [found.transmitted, jets.transmitted];
         let arm = size * radius;
         let off = (here.torque - there.torque).abs();
-        let slip = 1.0 + (rate.abs() * pair.arc).max(turning);
+        let slip = 1.0 + (rate.abs() * pair.scaled.arc).max(turning);
         assert!(off <= 1e-14 * arm * (1.0 + pair.friction * slip / creep), "{number} {off:e}");
         assert_relative_eq!(here.power, there.power, max_relative = 1e-9);
         let largest = jets.slope.iter().fold(0.0_f64, |m, x| m.max(x.abs()));

@@ -46,8 +46,8 @@ impl Push {
         // M_b = −f_b r_b (N_f + N_b) e                                    (O2)
         let moment = rolling * -pair.signed(normal * self.friction / speed);
         // F_b = [s (N_b − N_f) − (M_b·k)/d] t                             (O3)
-        let along =
-            pair.signed(D::from(self.back - self.front)) - moment.dot(&frame.k) / D::from(pair.arc);
+        let along = pair.signed(D::from(self.back - self.front))
+            - moment.dot(&frame.k) / D::from(pair.scaled.arc);
         Wrench { force: BallFrame::tangent() * along, moment }
     }
 
@@ -249,7 +249,7 @@ impl TrainBall {
             Motion { precession: turning.precession / speed, omega: turning.omega / speed };
         let scale = ehl.map(|ehl| ehl.friction_scale(&pair, &loaded, &to_nut, creep));
         let pair = scale.map_or(pair, |scale| pair.with_friction(scale));
-        let rate = to_nut.precession + pair.nut_speed;
+        let rate = to_nut.precession + pair.scaled.nut_speed;
         let mut ball = Self {
             pair,
             ehl: ehl.copied(),
@@ -368,7 +368,7 @@ impl TrainBall {
         let [begin, before] = from.pushes;
         let back = from.back_push(rate, front);
         self.with(work, |ball, newton| {
-            let offset = self.pair.nut_speed - ball.offset();
+            let offset = self.pair.scaled.nut_speed - ball.offset();
             let seen = Cell::default();
             let at = |part: f64| {
                 let rate = from.rate + (rate - from.rate) * part;
@@ -461,7 +461,7 @@ impl TrainBall {
     fn is_balanced(&self, motion: &TrainMotion) -> bool {
         let [_, radius, speed] = self.units;
         let [front, back] = motion.pushes;
-        let travel = self.pair.arc * radius * motion.rate * speed.abs();
+        let travel = self.pair.scaled.arc * radius * motion.rate * speed.abs();
         let rubbed = self.contact_power(motion);
         // (T − h (F_j + F_b·k)) W = P_raceways + f_b r_b (N_f + N_b)|w| − (N_b − N_f) v  (O4)
         let left = self.power_in(motion) - motion.raceway_power - rubbed + (back - front) * travel;

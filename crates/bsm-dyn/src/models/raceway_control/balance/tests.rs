@@ -69,8 +69,8 @@ fn left(pair: &ElasticContacts, control: Control, screw: f64) -> Option<f64> {
     }
     let nut = 0.5 * (low + high);
     let angles = [nut.sin_cos(), screw.sin_cos()];
-    let (p, _) = rolling(control == Control::Nut, pair.lead, pair.arc, angles);
-    let rate = p + pair.nut_speed;
+    let (p, _) = rolling(control == Control::Nut, pair.scaled.lead, pair.scaled.arc, angles);
+    let rate = p + pair.scaled.nut_speed;
     let centrifugal = pair.inertia_ratio() * rate * rate;
     Some(load(nut) * nut.cos() - load(screw) * screw.cos() - centrifugal)
 }
