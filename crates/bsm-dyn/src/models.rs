@@ -14,6 +14,7 @@ mod rigid;
 mod slip;
 mod static_ball;
 mod traction;
+mod weyl;
 mod workspace;
 
 pub use self::{

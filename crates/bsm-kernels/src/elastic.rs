@@ -62,34 +62,13 @@ impl<S: Simd> NullaryFnOnce for GrossSlip<'_, S> {
     #[inline(always)]
     fn call(self) -> Self::Output {
         let Self { contacts, friction, any } = self;
-        let ball = sliding_ball(contacts, friction);
+        let ball = SlidingBall::of(&contacts.scaled(), friction);
         let expected = contacts.regular
             & takes(friction.abs(), contacts.inertia_ratio)
             & contacts.nut_speed.abs().lt(contacts.constant(MOST_NUT_SPEED));
         let root = ball.first_root(contacts.cos_b / contacts.sin_b, expected, any);
         let sure = root.state.push.lt(contacts.constant(MOST_LOAD));
         SlidingRoot { steady: root.steady & sure, found: root.found & sure, ..root }
-    }
-}
-
-/// The balls with a friction that has the sign of the speed.
-#[inline(always)]
-pub(super) fn sliding_ball<S: Simd>(
-    contacts: &Contacts<S>,
-    friction: Lane<S>,
-) -> SlidingBall<Lane<S>> {
-    let [nut, screw] = &contacts.pressed;
-    SlidingBall {
-        friction,
-        sin: contacts.sin_a,
-        cos: contacts.cos_a,
-        cot: contacts.cos_a / contacts.sin_a,
-        arc: contacts.arc,
-        inertia_ratio: contacts.inertia_ratio,
-        nut_speed: contacts.nut_speed,
-        offsets: [nut.offset, screw.offset],
-        approaches: [nut.hertz.compliance, screw.hertz.compliance],
-        radial_distance: contacts.radial_distance(),
     }
 }
 

@@ -7,9 +7,8 @@ use std::rc::Rc;
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::balance::ideal_torque;
 use bsm_dyn::{
-    FAST_NUT, MOST_LOSS_ERROR, Model, POWER_BALANCE_TOL, SKID_ONSET, TRACTION_FOUND,
-    TRACTION_START, Traction, TractionMany, TractionPoint, TractionRoot, TractionStart, loss_error,
-    quadrature_error, slip_scale, takes,
+    FAST_NUT, MOST_LOSS_ERROR, Model, POWER_BALANCE_TOL, SKID_ONSET, Traction, TractionMany,
+    TractionPoint, TractionRoot, TractionStart, loss_error, quadrature_error, slip_scale, takes,
 };
 use bsm_kin::relative_rotation;
 use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
@@ -69,7 +68,9 @@ impl WithSimd for Solve<'_, '_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { arch, rows, accuracy, creep, many } = self;
         let Rows { inputs, wanted, first, columns, done } = rows;
-        let (mut lanes, mut points, mut starts) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut lanes, mut points) = (Vec::new(), Vec::new());
+        // Lanes are stored whole.
+        let mut starts = TractionStart::columns(done.len() + MANY);
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
             let given = LaneInputs { simd, inputs, row: first + row };
             let (units, contacts) = simd.vectorize(InUnits(&given));
@@ -78,50 +79,23 @@ impl WithSimd for Solve<'_, '_> {
             let mut out = Sink { wanted, columns: &mut *columns, row };
             let (start, found) = start(&given, &lane, &mut out);
             lanes.push((given, lane));
-            let mut blocks = [[0.0; MANY]; TRACTION_START];
-            for (block, lane) in blocks.iter_mut().zip(start.numbers()) {
-                lane.store(block);
-            }
+            start.to_columns(|column, numbers| numbers.store(&mut starts[column][row..]));
             let mut begun = [false; MANY];
             found.store(&mut begun);
-            for i in 0..Lane::<S>::LEN.min(done.len() - row) {
-                if begun[i] {
-                    let mut numbers = [0.0; TRACTION_START];
-                    for k in 0..TRACTION_START {
-                        numbers[k] = blocks[k][i];
-                    }
-                    points.push(row + i);
-                    starts.push(TractionStart::of(numbers));
-                }
-            }
+            let rows = Lane::<S>::LEN.min(done.len() - row);
+            points.extend((0..rows).filter(|i| begun[*i]).map(|i| row + i));
         }
-        let mut roots = vec![None; done.len()];
-        for (row, root) in points.into_iter().zip(many.solve(arch, &starts)) {
-            roots[row] = root;
-        }
+        let (roots, found) = many.solve(arch, &starts, points);
         for (given, lane) in &lanes {
             let row = given.row - first;
-            let mut blocks = [[0.0; MANY]; TRACTION_FOUND];
-            let mut found = [false; MANY];
-            for (i, root) in roots[row..].iter().enumerate().take(Lane::<S>::LEN) {
-                if let Some(root) = root {
-                    found[i] = true;
-                    for (block, number) in blocks.iter_mut().zip(root.numbers()) {
-                        block[i] = number;
-                    }
-                }
-            }
-            let mut root = [Lane::splat(simd, 0.0); TRACTION_FOUND];
-            for k in 0..TRACTION_FOUND {
-                root[k] = Lane::load(simd, &blocks[k]);
-            }
+            let root = TractionRoot::in_columns(|column| Lane::load(simd, &roots[column][row..]));
             let mut out = Sink { wanted, columns: &mut *columns, row };
-            let solved = outputs(simd, lane, &TractionRoot::of(root), accuracy, &mut out);
+            let solved = outputs(simd, lane, &root, accuracy, &mut out);
             let mut answered = [false; MANY];
             let valid = simd.vectorize(Valid { given, model: Model::Traction });
             (solved & valid).store(&mut answered);
             for (i, done) in done[row..].iter_mut().enumerate().take(Lane::<S>::LEN) {
-                *done = answered[i] && found[i];
+                *done = answered[i] && found[row + i];
             }
         }
     }
@@ -142,25 +116,13 @@ fn scaled<S: Simd>(
 ) -> TractionPoint<Lane<S>> {
     let (zero, one) = (contacts.constant(0.0), contacts.constant(1.0));
     let friction = given.get(InputKey::friction_coefficient);
-    let [nut, screw] = &contacts.pressed;
-    let pressed_radius = [nut.pressed_radius, screw.pressed_radius];
-    let scale = slip_scale([nut.hertz.semi_axis, screw.hertz.semi_axis], pressed_radius);
+    let ball = contacts.scaled();
+    let [(nut, _), (screw, _)] = ball.semi_axes;
+    let scale = slip_scale([nut, screw], ball.pressed_radius);
     let fast = contacts.nut_speed.abs().gt(one * FAST_NUT);
     TractionPoint {
-        lead: (contacts.sin_a, contacts.cos_a),
-        radius: units.pitch / units.ball,
-        arc: contacts.arc,
-        radial_distance: contacts.radial_distance(),
-        offsets: [nut.offset, screw.offset],
-        approach: [nut.hertz.compliance, screw.hertz.compliance],
-        semi_axes: [
-            (nut.hertz.semi_axis, nut.hertz.semi_axis * nut.hertz.flatness),
-            (screw.hertz.semi_axis, screw.hertz.semi_axis * screw.hertz.flatness),
-        ],
-        pressed_radius,
+        scaled: ball,
         friction: units.speed.lt(zero).select(-friction, friction),
-        mass: units.mass,
-        nut_speed: contacts.nut_speed,
         offset: fast.select(contacts.nut_speed, zero),
         creep: scale * creep,
         nut_chart: false,
@@ -205,13 +167,7 @@ fn start<S: Simd>(
             skidding.select(b, omega[2]),
         ];
     }
-    let [omega_t, omega_n, omega_b] = omega;
-    // ω' = ω'_k k + ω'_n n + ω'_c k × n                                   (T4)
-    let along = contacts.sin_a * omega_t + contacts.cos_a * omega_b;
-    let around = contacts.sin_a * omega_b - contacts.cos_a * omega_t;
-    let rate = p + contacts.nut_speed - point.offset;
-    let unknowns = [loads[0], tilt, loads[1], rate, along, omega_n, around];
-    (TractionStart { point: *point, unknowns }, found)
+    (TractionStart::of(*point, loads, tilt, p, omega), found)
 }
 
 /// Stores what is wanted of some rows, and says where their powers balance.
@@ -258,8 +214,11 @@ fn outputs<S: Simd>(
     out.set(OutputKey::ball_omega_t_rad_s, t * w);
     out.set(OutputKey::ball_omega_n_rad_s, n * w);
     out.set(OutputKey::ball_omega_b_rad_s, b * w);
-    let ideal =
-        ideal_torque(contacts.constant(1.0), at.point.radius, contacts.sin_a / contacts.cos_a);
+    let ideal = ideal_torque(
+        contacts.constant(1.0),
+        at.point.scaled.radius,
+        contacts.sin_a / contacts.cos_a,
+    );
     let eta = transmit_torque(out, back, (root.torque, ideal), units.ball * units.axial, w);
     let power = back.select(-root.power, root.power);
     let imbalance = power_balance(out, w, (root.torque, ideal), power);

@@ -31,4 +31,4 @@ pub use linear::{Bordered, BorderedBlock, Dense, DynamicDense};
 pub use options::{JacobianUpdate, Options, Scales};
 pub use path::{EventRoot, Exit, Homotopy, Seed, StepControl, Trace, path_direction, trace};
 pub use report::{Report, Status, Step};
-pub use solve::{Workspace, solve};
+pub use solve::{ARMIJO, Workspace, solve};

@@ -7,7 +7,7 @@ use crate::{
 };
 
 /// Sufficient-decrease constant `$\gamma$` of (N5).
-const ARMIJO: f64 = 1e-4;
+pub const ARMIJO: f64 = 1e-4;
 
 /// Scaled size of a Newton step below which the iteration has stalled (N3).
 const STEP_TOL: f64 = 1e-15;

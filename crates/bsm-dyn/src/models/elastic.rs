@@ -81,7 +81,7 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
         let loaded = contacts.loaded([y[NUT_LOAD], y[SCREW_LOAD]], y[TILT])?;
         let [nut, screw] = loaded.contacts;
         // P = Ω_n + p W                                                   (S2)
-        let precession = y[PRECESSION] + contacts.nut_speed;
+        let precession = y[PRECESSION] + contacts.scaled.nut_speed;
         if precession.re() == 0.0 {
             return Err(DOES_NOT_CIRCLE);
         }
@@ -91,15 +91,20 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
         let along = nut.transverse * cos + tangent * sin;
         let spin = (y[SPIN], precession * contacts.ball.inertia());
         let tilt = (nut.transverse.y, nut.transverse.z);
-        let omega =
-            rotation(contacts.arc, [y[SLIP] * cos, y[SLIP] * sin], y[PRECESSION], spin, tilt);
+        let omega = rotation(
+            contacts.scaled.arc,
+            [y[SLIP] * cos, y[SLIP] * sin],
+            y[PRECESSION],
+            spin,
+            tilt,
+        );
         let omega = Vector3::from(omega);
         let to_nut = Motion { precession: y[PRECESSION], omega };
 
         let points = loaded.contacts.map(|c| c.point(D::from(1.0)));
         // V_A + V_B = d (2p − 1) W t + ω' × (r_A + r_B) − W k × r_B, in which the spin, of order
         // 1/P, meets the tilt only and does not cancel                    (S11)
-        let arc = tangent * ((y[PRECESSION] * 2.0 - 1.0) * contacts.arc);
+        let arc = tangent * ((y[PRECESSION] * 2.0 - 1.0) * contacts.scaled.arc);
         let both = arc + omega.cross(&(points[0] + points[1])) - loaded.frame.k.cross(&points[1]);
         let at_screw = both - along * y[SLIP];
         // The part along the normal is zero but for rounding.
@@ -176,18 +181,19 @@ fn find(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<ElasticRoo
 
 /// How many times as much inertia it takes for a ball to be no longer slow.
 fn inertia_factor(contacts: &ElasticContacts, root: &[f64; BALL]) -> f64 {
-    let rate = root[PRECESSION] + contacts.nut_speed;
+    let rate = root[PRECESSION] + contacts.scaled.nut_speed;
     SMALL_INERTIA / (contacts.inertia_ratio() * rate * rate / contacts.friction)
 }
 
 /// Weights of the equations near `y`: one over the largest term of each. None of them vanishes where
 /// the ball stops circling, P → 0.
 fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
-    let rate = (y[PRECESSION] + contacts.nut_speed).abs();
+    let rate = (y[PRECESSION] + contacts.scaled.nut_speed).abs();
     let centrifugal = contacts.inertia_ratio() * rate * rate;
     let force = centrifugal.max(y[NUT_LOAD]).max(y[SCREW_LOAD]).max(1.0);
     // I P ω of the rolling ball, all there is of the moment about the mean normal.
-    let gyroscopic = contacts.ball.inertia() * rate * (1.0 + y[PRECESSION].abs() * contacts.arc);
+    let gyroscopic =
+        contacts.ball.inertia() * rate * (1.0 + y[PRECESSION].abs() * contacts.scaled.arc);
     let mut weights = [weight(force); BALL];
     weights[MOMENT_NORMAL - 1] = weight(force.max(gyroscopic));
     weights[MOMENT_NORMAL + 1] = weights[MOMENT_NORMAL - 1];

@@ -8,7 +8,8 @@ mod solve;
 
 pub use self::band::LossInterval;
 pub use self::solve::{
-    Lubricated, LubricatedModel, RacewayFriction, catalogue_friction, film_heating,
+    Lubricated, LubricatedModel, RacewayFriction, catalogue_friction, equivalent_friction,
+    film_heating,
 };
 
 #[cfg(test)]

@@ -227,7 +227,7 @@ impl RollingBall {
             return false;
         }
         let [nut, screw] =
-            balances.map(|ball| ball.rolling(&self.loaded).precession + contacts.nut_speed);
+            balances.map(|ball| ball.rolling(&self.loaded).precession + contacts.scaled.nut_speed);
         let rates = [nut - screw, nut + screw];
         let difference =
             spread_of_control(contacts.inertia_ratio(), contacts.helix.lead_angle.cos(), rates);
@@ -239,8 +239,8 @@ impl RollingBall {
     pub(crate) fn guess(contacts: &ElasticContacts) -> Result<Self, Unsolved> {
         let balance = Balance::new(contacts, Control::Nut);
         let angle = contacts.jones.contact_angle.sin_cos();
-        let (p, _) = rolling(true, contacts.lead, contacts.arc, [angle; 2]);
-        let [nut, screw, tilt] = contacts.static_balance(p + contacts.nut_speed);
+        let (p, _) = rolling(true, contacts.scaled.lead, contacts.scaled.arc, [angle; 2]);
+        let [nut, screw, tilt] = contacts.static_balance(p + contacts.scaled.nut_speed);
         let loaded = contacts.loaded([nut, screw], tilt).map_err(domain_error)?;
         let (control, to_nut) = (balance.control, balance.rolling(&loaded));
         let unknowns = [f64::NAN; STATIC];
@@ -380,7 +380,7 @@ fn control_of(contacts: &ElasticContacts, loaded: &BallLoads<f64>) -> Control {
 /// By how much the spin friction moment of the nut exceeds that of the screw, relative.
 fn nut_excess(contacts: &ElasticContacts, loaded: &BallLoads<f64>) -> f64 {
     let moment = |i: usize| {
-        let (load, (a, _)) = (loaded.loads[i], contacts.semi_axes[i]);
+        let (load, (a, _)) = (loaded.loads[i], contacts.scaled.semi_axes[i]);
         load * Field::cbrt(load) * a * contacts.hertz[i].second_integral
     };
     excess_of_nut([moment(0), moment(1)], (2.0 * loaded.tilt).cos())

@@ -21,7 +21,7 @@ use bsm_simd::Block;
 
 pub use self::columns::TractionPoint;
 use self::columns::{EquationValues, LastEvaluation, PowerFlow, lever, sizes};
-pub use self::many::{TRACTION_FOUND, TRACTION_START, TractionMany, TractionRoot, TractionStart};
+pub use self::many::{NumberColumns, TractionMany, TractionRoot, TractionStart};
 use self::root::RootWithPower;
 pub use self::root::SKID_ONSET;
 pub(crate) use self::root::SlipRoot;
@@ -155,7 +155,10 @@ impl<P: Scalar> SlipBall<'_, P> {
         let [k, n] = [loaded.frame.k, loaded.frame.n];
         let [along, radial, around] = OMEGA.map(|i| y[i]);
         let omega = k * along + n * radial + k.cross(&n) * around;
-        Motion { precession: y[PRECESSION] + (self.offset() - self.contacts.nut_speed), omega }
+        Motion {
+            precession: y[PRECESSION] + (self.offset() - self.contacts.scaled.nut_speed),
+            omega,
+        }
     }
 
     /// The state with another friction coefficient.
@@ -174,7 +177,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         if fraction < 1.0 {
             wrench = from_fn(|i| {
                 let contact = &loaded.contacts[i];
-                let local = Local::of(&motions[i], contact, D::from(contacts.arc));
+                let local = Local::of(&motions[i], contact, D::from(contacts.scaled.arc));
                 let ellipse = contacts.ellipse(i, &loaded);
                 let (unit, unit_power) = D::integrate(&ellipse, &local, self.creep, self.nodes(i));
                 let pull = loaded.loads[i] * contacts.signed(friction);
@@ -214,7 +217,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     /// above the relative speed, so that neither the rate nor the slip loses its digits, or where the
     /// ball all but sticks to the nut.
     fn offset(&self) -> P {
-        let nut = self.contacts.nut_speed;
+        let nut = self.contacts.scaled.nut_speed;
         if self.nut_chart || nut.re().abs() > FAST_NUT { nut } else { P::from(0.0) }
     }
 
@@ -318,7 +321,7 @@ impl SlipBall<'_> {
         let mut y = [0.0; BALL];
         [y[NUT_LOAD], y[SCREW_LOAD]] = loaded.loads;
         y[TILT] = if self.nut_chart { loaded.angles[0] } else { loaded.tilt };
-        y[PRECESSION] = to_nut.precession + self.contacts.nut_speed - self.offset();
+        y[PRECESSION] = to_nut.precession + self.contacts.scaled.nut_speed - self.offset();
         let [k, n] = [loaded.frame.k, loaded.frame.n];
         for (place, axis) in OMEGA.iter().zip([k, n, k.cross(&n)]) {
             y[*place] = to_nut.omega.dot(&axis);
@@ -355,8 +358,8 @@ impl SlipBall<'_> {
     /// Lever arm of friction over the ball radius.
     fn lever(&self, y: &[f64; BALL]) -> f64 {
         let lengths = [(0, NUT_LOAD), (1, SCREW_LOAD)]
-            .map(|(i, load)| self.contacts.semi_axes[i].0 * Field::cbrt(y[load]));
-        lever(lengths, self.contacts.pressed_radius)
+            .map(|(i, load)| self.contacts.scaled.semi_axes[i].0 * Field::cbrt(y[load]));
+        lever(lengths, self.contacts.scaled.pressed_radius)
     }
 
     /// One damped Newton solve from `y`.

@@ -42,7 +42,7 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
             Some(Control::Screw) => zero.lt(zero),
             Some(Control::Nut) | None => zero.le(zero),
         };
-        let mut balance = StaticBalance::of(contacts, by_nut);
+        let mut balance = StaticBalance::of(&contacts.scaled(), by_nut);
         let inertia = contacts.inertia_ratio * (contacts.nut_speed.abs() + 1.0);
         // Beyond, the precession, which the angles change by tenths, may turn the slope of the radial balance.
         let unique = inertia.lt(zero.constant(RacewayControl::UNIQUE_BELOW));

@@ -1,12 +1,10 @@
 //! One friction coefficient from the lubricant for each contact by lanes, Eqs (Y1) to (Y31).
 
-use std::f64::consts::PI;
-
 use bsm_case::units::{GPA, MILLI, MM, UM};
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::{
     BallOrbit, EhlPoint, EhlUnits, Hertz, Lubricant, OutsidePower, RacewayControl, ScaledFilm,
-    Temperature, ZERO_CELSIUS, catalogue_friction, film_heating,
+    Temperature, ZERO_CELSIUS, catalogue_friction, equivalent_friction, film_heating,
 };
 use bsm_simd::Simd;
 
@@ -152,15 +150,13 @@ impl<S: Simd> OilLane<S> {
             let mut heating = speed.constant(0.0);
             for (loss, sliding) in self.losses.iter().zip(sliding) {
                 let (a, b) = (loss.semi_axes.0 * units.ball, loss.semi_axes.1 * units.ball);
-                // q = P_s/(π a b)                                         (Y29)
-                let heat = sliding * of_a_ball / (a * b * PI);
-                let at = (b, loss.film.entrainment * speed);
-                heating = heating.max(film_heating(heat, loss.film.thickness, at, conductivity));
+                let film = (loss.film.thickness, loss.film.entrainment * speed);
+                let heats = film_heating(sliding * of_a_ball, (a, b), film, conductivity);
+                heating = heating.max(heats);
             }
             out.set(OutputKey::film_heating_K, heating);
         }
-        // f_eq = (P_s + P_r)/Σ P_s(1)                                     (Y30)
-        let equivalent = self.loss() / (nut.unit + screw.unit);
+        let equivalent = equivalent_friction(self.loss(), nut.unit + screw.unit);
         let catalogue = catalogue_friction(back, contacts.sin_a / contacts.cos_a, efficiency);
         out.set_all(OutputKey::equivalent_friction_coefficient, [equivalent, catalogue]);
     }

@@ -9,6 +9,39 @@ use bsm_simd::Compare;
 use crate::contact::{Axes, Curvatures, Groove, Hertz, Raceway, Sines, axial_displacement};
 use crate::ellipse::pressed_radius;
 
+/// A ball between elastic raceways as the equations of the models take it; pairs are of nut and screw.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ScaledBall<P = f64> {
+    /// Sine and cosine of the lead angle.
+    pub lead: (P, P),
+    /// `$r_m/r_b$`.
+    pub radius: P,
+    /// Arc length per radian `$d$`.
+    pub arc: P,
+    /// `$m r_b W^2/F_a$`.
+    pub mass: P,
+    /// `$\\Omega_n/W$`.
+    pub nut_speed: P,
+    /// `$A_2$` of (J2).
+    pub radial_distance: P,
+    /// Offsets of the groove arcs.
+    pub offsets: [P; 2],
+    /// Approaches under the axial load.
+    pub approaches: [P; 2],
+    /// Semi-axes under the axial load.
+    pub semi_axes: [(P, P); 2],
+    /// Radii of the pressed surfaces.
+    pub pressed_radius: [P; 2],
+}
+
+impl<P: Field> ScaledBall<P> {
+    /// `$m r_m W^2/F_a$`, the size of the inertia forces.
+    #[inline(always)]
+    pub fn inertia_ratio(&self) -> P {
+        self.mass * self.radius
+    }
+}
+
 /// Size, inertia, speed and material of a point.
 #[derive(Debug, Clone, Copy)]
 pub struct ScaledSize<F> {
@@ -46,8 +79,12 @@ pub struct BallContacts<F: Field> {
     pub sin_b: F,
     /// Of the unloaded contact angle.
     pub cos_b: F,
+    /// `$r_m/r_b$`.
+    pub radius: F,
     /// `$d/r_b$`.
     pub arc: F,
+    /// `$m r_b W^2/F_a$`.
+    pub mass: F,
     /// `$m r_m W^2/F_a$`.
     pub inertia_ratio: F,
     /// `$\Omega_n/W$`.
@@ -166,9 +203,21 @@ impl<F: Compare> BallContacts<F> {
             & size.mass.gt(least)
             & inertia_ratio.gt(least)
             & inertia_ratio.lt(infinity);
-        let nut_speed = size.nut_speed;
+        let ScaledSize { radius, mass, nut_speed, .. } = *size;
         let pressed = [nut, screw];
-        Self { sin_a, cos_a, sin_b, cos_b, arc, inertia_ratio, nut_speed, pressed, regular }
+        Self {
+            radius,
+            mass,
+            sin_a,
+            cos_a,
+            sin_b,
+            cos_b,
+            arc,
+            inertia_ratio,
+            nut_speed,
+            pressed,
+            regular,
+        }
     }
 
     /// The same number at every point.
@@ -177,10 +226,26 @@ impl<F: Compare> BallContacts<F> {
         self.arc.constant(x)
     }
 
-    /// `$A_2 = (l_{A0} + l_{B0})\cos\beta_0$`.
+    /// As the equations take it.
     #[inline(always)]
-    pub fn radial_distance(&self) -> F {
-        (self.pressed[0].offset + self.pressed[1].offset) * self.cos_b
+    pub fn scaled(&self) -> ScaledBall<F> {
+        let [nut, screw] = &self.pressed;
+        ScaledBall {
+            lead: (self.sin_a, self.cos_a),
+            radius: self.radius,
+            arc: self.arc,
+            mass: self.mass,
+            nut_speed: self.nut_speed,
+            // A₂ = (l_A0 + l_B0) cosβ₀                                    (J2)
+            radial_distance: (nut.offset + screw.offset) * self.cos_b,
+            offsets: [nut.offset, screw.offset],
+            approaches: [nut.hertz.compliance, screw.hertz.compliance],
+            semi_axes: [
+                (nut.hertz.semi_axis, nut.hertz.semi_axis * nut.hertz.flatness),
+                (screw.hertz.semi_axis, screw.hertz.semi_axis * screw.hertz.flatness),
+            ],
+            pressed_radius: [nut.pressed_radius, screw.pressed_radius],
+        }
     }
 
     /// The contact at nut (0) or screw (1) of a load, with sine and cosine of its angle.

@@ -9,6 +9,7 @@ use std::f64::consts::FRAC_PI_2;
 use bsm_kin::{BallFrame, Contact, Helix, Motion, Over, Scalar, Site};
 use bsm_newton::EvalError;
 
+use super::ball_contacts::ScaledBall;
 use super::ball_unknowns::BALL;
 use super::operating_point::{BallUnits, OperatingPoint};
 use super::sensitivity::Performance;
@@ -79,14 +80,16 @@ impl<D: Scalar> ElasticPoint<D> {
         let (r_b, load) = (self.point.ball.radius, self.point.load.per_ball());
         let one = D::from(1.0);
         let [nut_offset, screw_offset] = self.grooves().map(|groove| groove.offset(one));
-        let radial_distance = (nut_offset + screw_offset) * self.point.contact_angle.cos();
-        Ok(ElasticContacts {
-            helix,
+        let scaled = ScaledBall {
             lead: helix.lead_angle.sin_cos(),
-            radial_distance,
+            radius: helix.radius,
             arc: helix.arc_length_per_radian(),
-            jones: Jones { nut_offset, screw_offset, contact_angle: self.point.contact_angle },
-            approach: hertz.map(|h| h.approach(load) / r_b),
+            mass: ball.mass,
+            nut_speed,
+            // A₂ = (l_A0 + l_B0) cosβ₀                                    (J2)
+            radial_distance: (nut_offset + screw_offset) * self.point.contact_angle.cos(),
+            offsets: [nut_offset, screw_offset],
+            approaches: hertz.map(|h| h.approach(load) / r_b),
             semi_axes: hertz.map(|h| {
                 let (a, b) = h.semi_axes(load);
                 (a / r_b, b / r_b)
@@ -95,11 +98,15 @@ impl<D: Scalar> ElasticPoint<D> {
                 pressed_radius(self.conformity.0, one),
                 pressed_radius(self.conformity.1, one),
             ],
+        };
+        Ok(ElasticContacts {
+            helix,
+            jones: Jones { nut_offset, screw_offset, contact_angle: self.point.contact_angle },
             friction: self.point.friction.0,
             ball,
-            nut_speed,
             direction,
             hertz,
+            scaled,
         })
     }
 }
@@ -109,26 +116,14 @@ impl<D: Scalar> ElasticPoint<D> {
 pub(crate) struct ElasticContacts<P = f64> {
     /// Helix with radius `$r_m/r_b$`.
     pub(crate) helix: Helix<P>,
-    /// Sine and cosine of its lead angle.
-    pub(crate) lead: (P, P),
-    /// `$A_2$` of (J2).
-    pub(crate) radial_distance: P,
-    /// Arc length per radian of the helix.
-    pub(crate) arc: P,
+    /// As the equations take it.
+    pub(crate) scaled: ScaledBall<P>,
     /// Offsets of the groove arcs and unloaded contact angle.
     pub(crate) jones: Jones<P>,
-    /// Approaches at nut and screw under the axial load.
-    pub(crate) approach: [P; 2],
-    /// Semi-axes at nut and screw under the axial load.
-    pub(crate) semi_axes: [(P, P); 2],
-    /// Radii of the pressed surfaces.
-    pub(crate) pressed_radius: [P; 2],
     /// Coulomb coefficient.
     pub(crate) friction: P,
     /// Ball of radius 1 and mass `$m r_b W^2/F_a$`.
     pub(crate) ball: Ball<P>,
-    /// Nut speed over `$W$`.
-    pub(crate) nut_speed: P,
     /// Which side drives: the sign of `$W$`.
     pub(crate) direction: Direction,
     /// Contacts in SI units.
@@ -170,7 +165,7 @@ impl<P: Scalar> ElasticContacts<P> {
 
     /// `$m r_m W^2/F_a$`, the size of the inertia forces.
     pub(crate) fn inertia_ratio(&self) -> P {
-        self.ball.mass * self.helix.radius
+        self.scaled.inertia_ratio()
     }
 
     /// Approaches over ball radius of loads over axial load (P2).
@@ -181,7 +176,7 @@ impl<P: Scalar> ElasticContacts<P> {
 
     /// Approach over ball radius at nut (0) or screw (1) of a load over the axial load (P2).
     pub(crate) fn approach_of<D: Over<P>>(&self, i: usize, load: D) -> D {
-        load.cbrt().square() * self.approach[i]
+        load.cbrt().square() * self.scaled.approaches[i]
     }
 
     /// Contacts and displacement of two loads and a tilt (P2) to (P4).
@@ -280,7 +275,7 @@ impl<P: Scalar> ElasticContacts<P> {
     ) -> [D; 2] {
         let motions = to_both(to_nut, &loaded.frame);
         [0, 1].map(|i| {
-            let local = Local::of(&motions[i], &loaded.contacts[i], D::from(self.arc));
+            let local = Local::of(&motions[i], &loaded.contacts[i], D::from(self.scaled.arc));
             let power = D::power(&self.ellipse(i, loaded), &local, creep, nodes[i]);
             // P_f = Σ f Q ∫ dP                                            (P7)
             loaded.loads[i] * self.directed_friction() * power
@@ -304,25 +299,28 @@ impl<P: Scalar> ElasticContacts<P> {
         to_nut: &Motion<D>,
         frame: &BallFrame<D>,
     ) -> Motion<D> {
-        to_nut.relative_to(D::from(-self.nut_speed), frame)
+        to_nut.relative_to(D::from(-self.scaled.nut_speed), frame)
     }
 
     /// Speed over `$r_b W$` of the ends of the longer ellipse under the axial load when the ball
     /// turns against a raceway at `$W$`; 1 for ellipses shorter than the ball (T9).
     pub(crate) fn slip_scale(&self) -> f64 {
-        slip_scale([0, 1].map(|i| self.semi_axes[i].0.re()), self.pressed_radius.map(|r| r.re()))
+        slip_scale(
+            [0, 1].map(|i| self.scaled.semi_axes[i].0.re()),
+            self.scaled.pressed_radius.map(|r| r.re()),
+        )
     }
 
     /// The loaded ellipse at nut (0) or screw (1) (P6).
     pub(crate) fn ellipse<D: Over<P>>(&self, i: usize, loaded: &BallLoads<D>) -> Ellipse<D, P> {
         // a ~ Q^{1/3}                                                     (P6)
-        let (load, (a, b)) = (loaded.loads[i], self.semi_axes[i]);
+        let (load, (a, b)) = (loaded.loads[i], self.scaled.semi_axes[i]);
         let growth = load.cbrt();
         Ellipse {
             contact: loaded.contacts[i],
             load,
             semi_axes: (growth * a, growth * b),
-            pressed_radius: self.pressed_radius[i],
+            pressed_radius: self.scaled.pressed_radius[i],
             ball_radius: P::from(1.0),
         }
     }
@@ -375,7 +373,7 @@ impl ElasticPoint {
         let [nut, screw] = std::array::from_fn(|i| {
             let (contact, hertz, motion) = (&loaded.contacts[i], &contacts.hertz[i], &motions[i]);
             let load = loaded.loads[i] * self.point.load.per_ball();
-            let slip = motion.slip_velocity(contacts.arc, &contact.point(1.0)) * (w * r_b);
+            let slip = motion.slip_velocity(contacts.scaled.arc, &contact.point(1.0)) * (w * r_b);
             let pressed = Some(HertzContact {
                 semi_axes: hertz.semi_axes(load),
                 max_pressure: hertz.max_pressure(load),

@@ -322,7 +322,7 @@ impl<P: Scalar> EhlPoint<P> {
     ) -> EhlLoss<D> {
         let (contact, load) = (&loaded.contacts[i], loaded.loads[i]);
         let loss = self.loss_of(i, (contacts, loaded), motion, creep, D::from(0.0));
-        let local = Local::of(motion, contact, D::from(contacts.arc));
+        let local = Local::of(motion, contact, D::from(contacts.scaled.arc));
         let law = &loss.film.law;
         let (unit, power) = D::lubricated(&contacts.ellipse(i, loaded), &local, law, creep, nodes);
         let wrench = unit.wrench(contact) * contacts.signed(load) + loss.wrench;
@@ -358,13 +358,14 @@ impl<P: Scalar> EhlPoint<P> {
         sliding: D,
     ) -> EhlLoss<D> {
         let (contact, load) = (&loaded.contacts[i], loaded.loads[i]);
-        let film = self.film(i, (contact, load), motion, &loaded.frame, (contacts.arc, creep));
+        let film =
+            self.film(i, (contact, load), motion, &loaded.frame, (contacts.scaled.arc, creep));
         let [push, couple] = film.resist(motion.omega.dot(&contact.transverse), creep);
         let (force, couple) = (BallFrame::tangent() * push, contact.transverse * couple);
         let point = contact.point(D::from(1.0));
         let wrench = Wrench { force, moment: point.cross(&force) + couple };
         // P_r = −F_h·v_c − C_h·(ω − Ω_i k)                                (Y21)
-        let slip = motion.slip_velocity(D::from(contacts.arc), &point);
+        let slip = motion.slip_velocity(D::from(contacts.scaled.arc), &point);
         let rolling = contacts.signed(-force.dot(&slip) - couple.dot(&motion.omega));
         EhlLoss { film, wrench: wrench * contacts.signed(D::from(1.0)), sliding, rolling }
     }
@@ -468,7 +469,7 @@ impl EhlPoint {
         let motions = to_both(to_nut, &loaded.frame);
         let [nut, screw] = [0, 1].map(|i| {
             let at = (&loaded.contacts[i], loaded.loads[i]);
-            self.film(i, at, &motions[i], &loaded.frame, (contacts.arc, creep)).law.most()
+            self.film(i, at, &motions[i], &loaded.frame, (contacts.scaled.arc, creep)).law.most()
         });
         nut.max(screw)
     }

@@ -20,10 +20,18 @@ const LEAST_FRICTION: f64 = 1e-12;
 /// * `inertia_ratio`: `$\mu = m r_m W^2/F_a$`.
 #[inline(always)]
 pub fn takes<F: Compare>(friction: F, inertia_ratio: F) -> F::Mask {
-    let [least, most] = INERTIA;
+    takes_friction(friction) & takes_inertia(inertia_ratio)
+}
+
+#[inline(always)]
+fn takes_friction<F: Compare>(friction: F) -> F::Mask {
     friction.constant(LEAST_FRICTION).le(friction)
-        & friction.constant(least).le(inertia_ratio)
-        & inertia_ratio.le(friction.constant(most))
+}
+
+#[inline(always)]
+fn takes_inertia<F: Compare>(ratio: F) -> F::Mask {
+    let [least, most] = INERTIA;
+    ratio.constant(least).le(ratio) & ratio.le(ratio.constant(most))
 }
 
 /// A ball screw at an operating point.
@@ -72,7 +80,7 @@ impl<D: Scalar> OperatingPoint<D> {
 
     /// Refuses a point without friction, for models in which friction takes part in the balance.
     pub(crate) fn require_friction(&self) -> Result<(), Unsolved> {
-        if self.friction.0.re() < LEAST_FRICTION {
+        if !takes_friction(self.friction.0.re()) {
             return Err(Unsolved::invalid(Reason::Frictionless));
         }
         Ok(())
@@ -91,7 +99,7 @@ impl<D: Scalar> OperatingPoint<D> {
         let mass = ball.scaled_mass(w, load.per_ball());
         let nut_speed = drive.nut_speed / w;
         let inertia_ratio = (mass * helix.radius).re();
-        if !(INERTIA[0]..=INERTIA[1]).contains(&inertia_ratio) || !nut_speed.re().is_finite() {
+        if !takes_inertia(inertia_ratio) || !nut_speed.re().is_finite() {
             return Err(Unsolved::invalid(Reason::InertiaOutOfRange { inertia_ratio }));
         }
         Ok(BallUnits { helix, ball: Ball { radius: D::from(1.0), mass }, nut_speed, direction })

@@ -8,7 +8,7 @@ use bsm_simd::Compare;
 
 use crate::contact::Sines;
 use crate::cost;
-use crate::models::ball::ElasticContacts;
+use crate::models::ball::{ElasticContacts, ScaledBall};
 
 /// A ball that slides at both contacts, in units of ball radius, axial load per ball and relative speed;
 /// pairs are of nut and screw.
@@ -66,21 +66,38 @@ pub struct SlidingMotion<D> {
     pub drive: D,
 }
 
-impl From<&ElasticContacts> for SlidingBall<f64> {
-    fn from(contacts: &ElasticContacts) -> Self {
-        let ((sin, cos), jones) = (contacts.lead, &contacts.jones);
+impl<P: Field> SlidingBall<P> {
+    /// With a friction that has the sign of the speed.
+    #[inline(always)]
+    pub fn of(ball: &ScaledBall<P>, friction: P) -> Self {
+        let &ScaledBall {
+            lead: (sin, cos),
+            arc,
+            nut_speed,
+            radial_distance,
+            offsets,
+            approaches,
+            ..
+        } = ball;
+        let (cot, inertia_ratio) = (cos / sin, ball.inertia_ratio());
         Self {
-            friction: contacts.directed_friction(),
+            friction,
             sin,
             cos,
-            cot: cos / sin,
-            arc: contacts.arc,
-            inertia_ratio: contacts.inertia_ratio(),
-            nut_speed: contacts.nut_speed,
-            offsets: [jones.nut_offset, jones.screw_offset],
-            approaches: contacts.approaches([1.0; 2]),
-            radial_distance: contacts.radial_distance,
+            cot,
+            arc,
+            inertia_ratio,
+            nut_speed,
+            offsets,
+            approaches,
+            radial_distance,
         }
+    }
+}
+
+impl From<&ElasticContacts> for SlidingBall<f64> {
+    fn from(contacts: &ElasticContacts) -> Self {
+        Self::of(&contacts.scaled, contacts.directed_friction())
     }
 }
 

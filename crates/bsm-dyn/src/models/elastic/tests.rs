@@ -26,7 +26,7 @@ fn start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> 
     let load = effect.recip();
     // Precessions of a few W, or with a centrifugal force of any size.
     let rate = if rng.random_bool(0.5) {
-        rng.random_range(-1.5..2.0) + contacts.nut_speed
+        rng.random_range(-1.5..2.0) + contacts.scaled.nut_speed
     } else {
         (circling / mu).sqrt() * if rng.random_bool(0.5) { 1.0 } else { -1.0 }
     };
@@ -34,8 +34,8 @@ fn start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> 
     y[NUT_LOAD] = load;
     y[SCREW_LOAD] = load * (1.0 + spread * rng.random_range(-1.0..0.2));
     y[TILT] = tilt;
-    y[PRECESSION] = rate - contacts.nut_speed;
-    y[SLIP] = contacts.arc * slip;
+    y[PRECESSION] = rate - contacts.scaled.nut_speed;
+    y[SLIP] = contacts.scaled.arc * slip;
     y[SLIP_ANGLE] = along;
     y[SPIN] = -2.0 * friction * load * along.sin() / sin * rng.random_range(0.5..1.5);
     (load > 0.0).then_some(y)
@@ -60,13 +60,13 @@ fn search(
         // against inertia.
         let residual = GrossSlipEquations(contacts).residual(&y).ok()?;
         let load = y[NUT_LOAD].max(y[SCREW_LOAD]);
-        let force =
-            load.max(contacts.inertia_ratio() * (y[PRECESSION] + contacts.nut_speed).powi(2));
+        let force = load
+            .max(contacts.inertia_ratio() * (y[PRECESSION] + contacts.scaled.nut_speed).powi(2));
         let is_root = [0, 1, 2, 6].into_iter().all(|i| residual[i].abs() < 1e-9 * force)
             && [3, 5].into_iter().all(|i| residual[i].abs() < 1e-6 * contacts.friction * load)
             && (residual[MOMENT_NORMAL] * weights(contacts, &y)[MOMENT_NORMAL]).abs() < 1e-6;
         // Slips below the rounding of the moment about N (R23) have no direction.
-        let rate = y[PRECESSION] + contacts.nut_speed;
+        let rate = y[PRECESSION] + contacts.scaled.nut_speed;
         let resolved =
             contacts.inertia_ratio() * rate * rate > 1e-9 * contacts.friction && y[SLIP] > 1e-6;
         (report.converged() && is_root && y[SLIP] > 0.0 && flanks && resolved).then_some(y)
@@ -102,7 +102,7 @@ fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
                 }
             }
             Ok((y, ..)) if tally.found < points => {
-                let rate = y[PRECESSION] + contacts.nut_speed;
+                let rate = y[PRECESSION] + contacts.scaled.nut_speed;
                 if contacts.inertia_ratio() * rate * rate > 1e-9 * contacts.friction {
                     tally.found += 1;
                     let seen = search(&contacts, starts, &mut rng, &mut newton);
@@ -164,8 +164,8 @@ fn a_slow_ball_moves_to_first_order() {
             - signed * (cos_b + signed * cos_psi * sin_b) / (cos_psi * (1.0 + signed * signed));
         // g = (5/2) F γ / D,  p = (p_R + g Ω_n/W)/(1 − g)                 (S8)
         let g = 2.5 * signed * gamma / d;
-        let p = (rigid + g * contacts.nut_speed) / (1.0 - g);
-        let rate = p + contacts.nut_speed;
+        let p = (rigid + g * contacts.scaled.nut_speed) / (1.0 - g);
+        let rate = p + contacts.scaled.nut_speed;
         let inertia = contacts.inertia_ratio() * rate * rate;
         // Far from resonance, g = 1, and from pulling friction; else the first order holds for less.
         if inertia > 1e-8 || (1.0 - g).abs() < 0.1 || load > 20.0 || cos_b < 0.05 {
@@ -175,7 +175,7 @@ fn a_slow_ball_moves_to_first_order() {
         let tilt = 0.5 * inertia * gamma / load;
         // λ = p_R d T / (cosψ + T sinψ),  T = tanα/cosβ                   (S10)
         let tangent = sin_a / (cos_a * cos_b);
-        let slip = tangent * contacts.arc * rigid / (cos_psi + tangent * sin_psi);
+        let slip = tangent * contacts.scaled.arc * rigid / (cos_psi + tangent * sin_psi);
         // Second order in an inertia of 1e-8, over the smallest cosine and resonance.
         let close = |x: f64, y: f64| {
             assert_relative_eq!(x, y, max_relative = 1e-4, epsilon = 1e-4 * inertia);
@@ -200,7 +200,7 @@ fn no_root_is_at_infinity() {
         let Ok(contacts) = extreme(&mut rng).scaled() else { continue };
         let Ok((y, ..)) = find(&contacts, &mut newton) else { continue };
         let state = GrossSlipEquations(&contacts).state(&y).expect("a root");
-        let rate = y[PRECESSION] + contacts.nut_speed;
+        let rate = y[PRECESSION] + contacts.scaled.nut_speed;
         // The centrifugal force is what the contacts hold, relative to their difference.
         let held = state.wrench[0].force + state.wrench[1].force;
         let held = held.dot(&state.loaded.frame.n) / contacts.inertia_ratio();

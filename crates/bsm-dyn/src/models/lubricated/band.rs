@@ -6,6 +6,7 @@ use super::solve::{Lubricated, LubricatedModel, RacewayFriction};
 use crate::contact::{Oil, Roughness, Temperature};
 use crate::models::ball::{Direction, Solved};
 use crate::models::raceway_control::RacewayControl;
+use crate::models::weyl::weyl_point;
 use crate::models::workspace::ModelWorkspace;
 
 /// 90 % interval over random draws of the uncertain inputs.
@@ -42,9 +43,6 @@ const UNCERTAIN: [(f64, f64); 12] = [
     (-0.005, 0.005),
 ];
 
-/// Primes: the multiples of their square roots, modulo 1, fill the box of the draws evenly.
-const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0];
-
 impl Lubricated {
     /// The band of a solved point; `None` where too few draws have an answer.
     ///
@@ -78,10 +76,10 @@ impl Lubricated {
 
     /// The point of a draw at a temperature of the oil \[K\], of a fast model; without a number as it is.
     fn sample(&self, number: Option<u32>, kelvin: f64) -> Self {
+        let parts: Option<[f64; UNCERTAIN.len()]> = number.map(weyl_point);
         let draw = |i: usize| {
             let (low, high) = UNCERTAIN[i];
-            let part = |number: u32| (f64::from(number) * PRIMES[i].sqrt()).fract();
-            number.map(|number| low + part(number) * (high - low))
+            parts.map(|parts| low + parts[i] * (high - low))
         };
         let factor = |i| draw(i).unwrap_or(1.0);
         let offset = |i| draw(i).unwrap_or(0.0);

@@ -285,8 +285,7 @@ impl Lubricated {
             let (a, b) = contacts.hertz[i].semi_axes(loaded.loads[i] * ehl.units.load);
             let power = losses[i].sliding * unit / screw.point.load.balls;
             let ContactFilm { thickness, entrainment, .. } = films[i];
-            let heat = power / (std::f64::consts::PI * a * b);
-            film_heating(heat, thickness, (b, entrainment), conductivity)
+            film_heating(power, (a, b), (thickness, entrainment), conductivity)
         });
         let film = FilmState {
             temperature: ehl.oil.temperature,
@@ -298,8 +297,7 @@ impl Lubricated {
             rolling_power,
             outside,
             heating: heating[0].max(heating[1]),
-            // f_eq = (P_s + P_r)/Σ P_s(1)                                 (Y30)
-            equivalent_friction: (sliding_power + rolling_power) / of_one,
+            equivalent_friction: equivalent_friction(sliding_power + rolling_power, of_one),
             catalogue_friction: catalogue_friction(
                 contacts.direction.is_back(),
                 screw.point.helix.lead_angle.tan(),
@@ -322,20 +320,30 @@ impl Lubricated {
 
 /// By how much sliding heats the film \[K\] (Y29).
 ///
-/// * `heat`: sliding power over the area of the contact \[W/m²\]. * `short`: `$b$` \[m\]; `entrainment` \[m/s\].
+/// * `power`: of sliding \[W\]. * `semi_axes`, `thickness` \[m\]; `entrainment` \[m/s\].
 /// * `conductivity`: of the oil \[W/(m·K)\].
 #[inline(always)]
 pub fn film_heating<F: Field>(
-    heat: F,
-    thickness: F,
-    (short, entrainment): (F, F),
+    power: F,
+    (a, b): (F, F),
+    (thickness, entrainment): (F, F),
     conductivity: f64,
 ) -> F {
     /// Conductivity, density and heat capacity of steel \[SI\].
     const STEEL: f64 = 46.0 * 7800.0 * 460.0;
     // ΔT = q h/(8 k) + 0.53 q √(b/(u k_s ρ_s c_s)),  q = P_s/(π a b)       (Y29)
+    let heat = power / (a * std::f64::consts::PI * b);
     heat * thickness * (8.0 * conductivity).recip()
-        + heat * (short / (entrainment * STEEL)).sqrt() * 0.53
+        + heat * (b / (entrainment * STEEL)).sqrt() * 0.53
+}
+
+/// The friction coefficient of both contacts that loses as much (Y30).
+///
+/// * `power`: of sliding and rolling. * `of_one`: of sliding with a coefficient of one.
+#[inline(always)]
+pub fn equivalent_friction<F: Field>(power: F, of_one: F) -> F {
+    // f_eq = (P_s + P_r)/Σ P_s(1)                                         (Y30)
+    power / of_one
 }
 
 /// The coefficient of a plain thread of an efficiency (Y31).

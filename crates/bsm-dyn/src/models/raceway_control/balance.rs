@@ -39,19 +39,7 @@ pub(super) struct Balance<'a, P: Scalar = f64> {
 
 impl<'a, P: Scalar> Balance<'a, P> {
     pub(super) fn new(contacts: &'a ElasticContacts<P>, control: Control) -> Self {
-        let cos = contacts.lead.1;
-        let statics = StaticBalance {
-            by_nut: control == Control::Nut,
-            axial: cos.recip(),
-            inertia: contacts.inertia_ratio() * cos,
-            lever: cos * cos / contacts.helix.radius,
-            nut_speed: contacts.nut_speed,
-            radial_distance: contacts.radial_distance,
-            contacts: [
-                (contacts.jones.nut_offset, contacts.approach[0]),
-                (contacts.jones.screw_offset, contacts.approach[1]),
-            ],
-        };
+        let statics = StaticBalance::of(&contacts.scaled, control == Control::Nut);
         Self { contacts, control, statics }
     }
 
@@ -85,7 +73,8 @@ impl<'a, P: Scalar> Balance<'a, P> {
     /// Rolling motion relative to the nut over `$W$`.
     pub(super) fn rolling<D: Over<P>>(&self, loaded: &BallLoads<D>) -> Motion<D> {
         let contacts = self.contacts;
-        let (lead, arc) = (D::from(contacts.helix.lead_angle).sin_cos(), D::from(contacts.arc));
+        let (lead, arc) =
+            (D::from(contacts.helix.lead_angle).sin_cos(), D::from(contacts.scaled.arc));
         let angles = loaded.angles.map(|angle| angle.sin_cos());
         let (p, omega) = rolling(self.control == Control::Nut, lead, arc, angles);
         Motion { precession: p, omega: loaded.frame.from_frenet(&omega.into()) }
@@ -102,7 +91,7 @@ pub(super) struct StaticRoot {
 impl Balance<'_> {
     /// One over the sizes of both equations.
     pub(super) fn weights(&self) -> [f64; STATIC] {
-        let rate = self.contacts.nut_speed.abs().max(1.0);
+        let rate = self.contacts.scaled.nut_speed.abs().max(1.0);
         // As far as a double goes.
         let size = (self.statics.inertia * rate * rate).clamp(f64::MIN_POSITIVE, 0.25 * f64::MAX);
         [size.recip(), 1.0]
@@ -144,7 +133,7 @@ impl Balance<'_> {
 
     /// True if (W17) leaves no second root.
     pub(super) fn is_unique(&self) -> bool {
-        let nut = self.contacts.nut_speed;
+        let nut = self.contacts.scaled.nut_speed;
         let outwards = match self.control {
             Control::Nut => 1.0 + nut,
             Control::Screw => self.statics.lever - nut,

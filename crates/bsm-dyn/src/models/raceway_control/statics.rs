@@ -8,7 +8,7 @@ use bsm_simd::{Compare, Lane, Simd, WithSimd};
 
 use super::{STATIC, rolling_precession};
 use crate::cost;
-use crate::models::ball::{BallContacts, LoadedContact};
+use crate::models::ball::{LoadedContact, ScaledBall};
 
 /// Newton steps before a root is looked for in another way.
 const MOST_STEPS: usize = 6;
@@ -51,6 +51,22 @@ pub struct StaticState<F: Field> {
 }
 
 impl<P: Field> StaticBalance<P> {
+    /// Of a ball and the raceway in control.
+    #[inline(always)]
+    pub fn of(ball: &ScaledBall<P>, by_nut: P::Mask) -> Self {
+        let &ScaledBall { lead: (_, cos), radius, nut_speed, radial_distance, .. } = ball;
+        let ([l_a, l_b], [d_a, d_b]) = (ball.offsets, ball.approaches);
+        Self {
+            by_nut,
+            axial: cos.recip(),
+            inertia: ball.inertia_ratio() * cos,
+            lever: cos * cos / radius,
+            nut_speed,
+            radial_distance,
+            contacts: [(l_a, d_a), (l_b, d_b)],
+        }
+    }
+
     /// The contact at nut (0) or screw (1) with this cotangent of its angle.
     #[inline(always)]
     pub(super) fn contact<D: FieldOver<P>>(&self, i: usize, cot: D) -> LoadedContact<D> {
@@ -102,21 +118,6 @@ impl<P: Field> StaticBalance<P> {
 impl<F: Compare> StaticBalance<F> {
     /// Largest scaled residual of a root.
     pub const CLOSED: f64 = 1e-12;
-
-    /// Of a ball and its contacts.
-    #[inline(always)]
-    pub fn of(ball: &BallContacts<F>, by_nut: F::Mask) -> Self {
-        let [nut, screw] = &ball.pressed;
-        Self {
-            by_nut,
-            axial: ball.cos_a.recip(),
-            inertia: ball.inertia_ratio * ball.cos_a,
-            lever: ball.cos_a / ball.arc,
-            nut_speed: ball.nut_speed,
-            radial_distance: ball.radial_distance(),
-            contacts: [(nut.offset, nut.hertz.compliance), (screw.offset, screw.hertz.compliance)],
-        }
-    }
 
     /// Equal angles, turned apart by their centrifugal force unless that is too much.
     ///

@@ -23,7 +23,7 @@ use crate::contact::torque;
 use crate::cost;
 use crate::ellipse::{Dry, OilLaw, Patch, Resultants, SUMS, sums, surface_drop};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
-use crate::models::ball::{BALL, EhlPoint, ROWS, ScaledFilm, linear};
+use crate::models::ball::{BALL, EhlPoint, ROWS, ScaledBall, ScaledFilm, linear};
 
 /// What belongs to a state, all scaled.
 #[derive(Debug, Clone, Copy)]
@@ -41,30 +41,12 @@ type Partials<F> = [F; BLOCK];
 
 /// Numbers of a point in units of ball radius, axial load per ball and relative speed, as the equations take
 /// them.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct TractionPoint<F = f64> {
-    /// Sine and cosine of the lead angle.
-    pub lead: (F, F),
-    /// Pitch radius.
-    pub radius: F,
-    /// Arc length per radian.
-    pub arc: F,
-    /// `$A_2$` (J2).
-    pub radial_distance: F,
-    /// Offsets of the groove arcs at nut and screw.
-    pub offsets: [F; 2],
-    /// Approaches under the axial load.
-    pub approach: [F; 2],
-    /// Semi-axes under the axial load.
-    pub semi_axes: [(F, F); 2],
-    /// Radii of the pressed surfaces.
-    pub pressed_radius: [F; 2],
+    /// The ball and its contacts.
+    pub scaled: ScaledBall<F>,
     /// Coefficient against a slip over `$W$`.
     pub friction: F,
-    /// Of the ball.
-    pub mass: F,
-    /// Nut speed over `$W$`.
-    pub nut_speed: F,
     /// What the unknown of the precession leaves out of its rate.
     pub offset: F,
     /// Creep speed.
@@ -362,7 +344,7 @@ impl TractionLaw for EhlPoint {
         geometry: &ContactGeometry<f64>,
         tractions: &mut [ContactTraction; 2],
     ) {
-        let (arc, cos_lead) = (ball.contacts.arc, ball.contacts.lead.1);
+        let (arc, cos_lead) = (ball.contacts.scaled.arc, ball.contacts.scaled.lead.1);
         let mut laws = [None; 2];
         for i in 0..2 {
             let (side, unknown) = [(1.0, NUT_LOAD), (-1.0, SCREW_LOAD)][i];
@@ -472,19 +454,9 @@ impl SlipBall<'_> {
     /// The numbers of the equations.
     #[inline(always)]
     pub(super) fn scaled(&self) -> TractionPoint {
-        let contacts = self.contacts;
         TractionPoint {
-            lead: contacts.lead,
-            radius: contacts.helix.radius,
-            arc: contacts.arc,
-            radial_distance: contacts.radial_distance,
-            offsets: [contacts.jones.nut_offset, contacts.jones.screw_offset],
-            approach: contacts.approach,
-            semi_axes: contacts.semi_axes,
-            pressed_radius: contacts.pressed_radius,
-            friction: contacts.directed_friction(),
-            mass: contacts.ball.mass,
-            nut_speed: contacts.nut_speed,
+            scaled: self.contacts.scaled,
+            friction: self.contacts.directed_friction(),
             offset: self.offset(),
             creep: self.creep,
             nut_chart: self.nut_chart,
@@ -515,12 +487,12 @@ impl<F: Compare> Sides<F> {
     #[inline(always)]
     pub(super) fn of(point: &TractionPoint<F>, y: &[F; BALL]) -> Self {
         let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
-        let zero = point.radius.constant(0.0);
+        let zero = point.scaled.radius.constant(0.0);
         // a ~ Q^{1/3},  δ = (Q/K_H)^{2/3}                                 (P6), (P2)
         let growth = [loads[0].cbrt(), loads[1].cbrt()];
-        let (mut lengths, mut slopes) = (point.offsets, [zero; 2]);
+        let (mut lengths, mut slopes) = (point.scaled.offsets, [zero; 2]);
         for i in 0..2 {
-            let approach = growth[i] * growth[i] * point.approach[i];
+            let approach = growth[i] * growth[i] * point.scaled.approaches[i];
             lengths[i] = lengths[i] + approach;
             slopes[i] = approach / loads[i] * (2.0 / 3.0);
         }
@@ -567,9 +539,9 @@ pub(super) fn contact_geometry<F: Compare>(
     y: &[F; BALL],
     (sin_y, cos_y): (F, F),
 ) -> (ContactGeometry<F>, F::Mask) {
-    let (zero, one) = (point.radius.constant(0.0), point.radius.constant(1.0));
+    let (zero, one) = (point.scaled.radius.constant(0.0), point.scaled.radius.constant(1.0));
     let Sides { growth, lengths: [l_a, l_b], slopes, pressed } = Sides::of(point, y);
-    let a_2 = point.radial_distance;
+    let a_2 = point.scaled.radial_distance;
     let own = along(TILT, one);
     let (rotation, tilts, angles, exist);
     if point.nut_chart {
@@ -611,7 +583,7 @@ pub(super) fn contact_geometry<F: Compare>(
     }
 
     // ω' = ω'_k k + ω'_n n + ω'_c k × n                                   (T4)
-    let (sin_lead, cos_lead) = point.lead;
+    let (sin_lead, cos_lead) = point.scaled.lead;
     let [along_axis, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
     // About t and b, relative to the nut.
     let mut by_t = along(OMEGA[0], sin_lead);
@@ -621,7 +593,7 @@ pub(super) fn contact_geometry<F: Compare>(
     let omega_t = sin_lead * along_axis - cos_lead * around;
     let omega_b = cos_lead * along_axis + sin_lead * around;
 
-    let from_nut = y[PRECESSION] + (point.offset - point.nut_speed);
+    let from_nut = y[PRECESSION] + (point.offset - point.scaled.nut_speed);
     let mut points = [Patch {
         semi_axes: (zero, zero),
         pressed_radius: zero,
@@ -634,14 +606,14 @@ pub(super) fn contact_geometry<F: Compare>(
         let Angle { sin, cos, .. } = angles[i];
         let (t, b) = (omega_t - body * sin_lead, omega_b - body * cos_lead);
         points[i].motion = [
-            point.arc * (from_nut - body),
+            point.scaled.arc * (from_nut - body),
             t,
             side * (sin * b + cos * radial),
             side * (cos * b - sin * radial),
         ];
-        let (a, b) = point.semi_axes[i];
+        let (a, b) = point.scaled.semi_axes[i];
         points[i].semi_axes = (growth[i] * a, growth[i] * b);
-        points[i].pressed_radius = point.pressed_radius[i];
+        points[i].pressed_radius = point.scaled.pressed_radius[i];
     }
     (ContactGeometry { points, rotation, tilts, angles, by_t, by_b }, exist)
 }
@@ -655,7 +627,7 @@ pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
     tractions: &[ContactTraction<F>; 2],
     EquationValues { residual, transmitted, rows, slope }: &mut EquationValues<F>,
 ) {
-    let (sin_lead, cos_lead) = point.lead;
+    let (sin_lead, cos_lead) = point.scaled.lead;
     let (loads, one) = ([y[NUT_LOAD], y[SCREW_LOAD]], sin_lead.constant(1.0));
     for i in 0..2 {
         let side = [one, -one][i];
@@ -688,7 +660,7 @@ pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
                 part.by = times(pull * n, &by_n);
                 add::<_, { STATICS | FLAT | 1 << OMEGA[1] }>(&mut part.by, pull * c, &by_c);
                 add::<_, FLAT>(&mut part.by, pull * t, by_t);
-                part.by[PRECESSION] = pull * a * point.arc;
+                part.by[PRECESSION] = pull * a * point.scaled.arc;
                 // d(f Q I) = f I dQ + f Q dI,  d ln a = dQ/(3 Q)
                 part.by[unknown] = part.by[unknown] + coefficient * (values[k] + g * (1.0 / 3.0));
             }
@@ -723,7 +695,8 @@ pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
         } else {
             // T = [(−r_m n) × F + M]·k                                    (B7)
             let (m_1, m_2) = turned(side, (angle.sin, angle.cos), (m_n.re, m_c.re));
-            let (force, lever_arm) = (point.radius * cos_lead, -(point.radius * sin_lead));
+            let (force, lever_arm) =
+                (point.scaled.radius * cos_lead, -(point.scaled.radius * sin_lead));
             transmitted.torque =
                 m_t.re * sin_lead + m_2 * cos_lead + f_t.re * force + b * lever_arm;
             if SLOPED {
@@ -774,17 +747,17 @@ fn add_inertia<F: Compare, const SLOPED: bool>(
     rotation: &Angle<F>,
     (residual, rows): (&mut [F; BALL], &mut [Partials<F>; BALL]),
 ) {
-    let (sin_lead, cos_lead) = point.lead;
+    let (sin_lead, cos_lead) = point.scaled.lead;
     let [_, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
     let rate = y[PRECESSION] + point.offset;
     // Σ F − m r_m P² n                                                    (B4)
-    let mass = point.mass * point.radius;
+    let mass = point.scaled.mass * point.scaled.radius;
     let centrifugal = mass * rate * rate;
     residual[1] = residual[1] - centrifugal * rotation.cos;
     residual[2] = residual[2] + centrifugal * rotation.sin;
     // Σ M − I P (ω'_n k × n − ω'_c n)                                     (B5), (T5)
     // I = (2/5) m r_b²                                                    (B2)
-    let inertia = point.mass * 0.4;
+    let inertia = point.scaled.mass * 0.4;
     let (second, third) = (
         sin_lead * rotation.sin * radial - rotation.cos * around,
         sin_lead * rotation.cos * radial + rotation.sin * around,

@@ -13,6 +13,7 @@
 
 use std::sync::LazyLock;
 
+use bsm_newton::ARMIJO;
 use bsm_simd::{Arch, BLOCK, Compare, Lane, Mask, NullaryFnOnce, Simd, WithSimd};
 
 use super::columns::{
@@ -21,16 +22,10 @@ use super::columns::{
 };
 use super::root::{FASTEST, LEFT, LEVELS};
 use super::slips::slid;
-use super::{COARSE, OMEGA, ROOT};
+use super::{COARSE, NEAR, OMEGA, ROOT};
 use crate::ellipse::{Dry, ManyNodes, ManyQuadrature, Quadrature, SplitPoint};
-use crate::models::ball::BALL;
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
-
-/// Residual from which the coarse quadrature is left for the one that is asked for.
-const NEAR: f64 = 1e-4;
-
-/// Sufficient decrease of (N5).
-const ARMIJO: f64 = 1e-4;
+use crate::models::ball::{BALL, ScaledBall};
 
 /// Residual from which a last step leads to the root however slow the former ones, and the part to which the last one
 /// has to lower it before [`ROOT`] does.
@@ -52,7 +47,7 @@ static NEARBY: LazyLock<Option<ManyQuadrature>> =
     LazyLock::new(|| ManyQuadrature::new(Quadrature::of(COARSE), 3));
 
 /// A point and the state to start from.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct TractionStart<F = f64> {
     /// The point.
     pub point: TractionPoint<F>,
@@ -61,7 +56,7 @@ pub struct TractionStart<F = f64> {
 }
 
 /// A root.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct TractionRoot<F = f64> {
     /// The unknowns (T1).
     pub unknowns: [F; BALL],
@@ -77,28 +72,56 @@ pub struct TractionRoot<F = f64> {
     pub residual: F,
 }
 
-/// Numbers of a [`TractionRoot`].
-pub const TRACTION_FOUND: usize = 12;
+/// Structs of numbers: a column for each number, with a place for each struct.
+pub type NumberColumns = Vec<Vec<f64>>;
 
-impl<F: Copy> TractionRoot<F> {
-    /// The numbers one after the other.
+impl<F> TractionRoot<F> {
+    /// The same of other numbers, which are made of these one after the other.
     #[inline(always)]
-    pub fn numbers(&self) -> [F; TRACTION_FOUND] {
-        let Self { unknowns: [y_0, y_1, y_2, y_3, y_4, y_5, y_6], torque, power, .. } = *self;
-        let Self { error, steps, residual, .. } = *self;
-        [y_0, y_1, y_2, y_3, y_4, y_5, y_6, torque, power, error, steps, residual]
-    }
-
-    /// Of its numbers.
-    #[inline(always)]
-    pub fn of(numbers: [F; TRACTION_FOUND]) -> Self {
-        let [unknowns @ .., torque, power, error, steps, residual] = numbers;
-        Self { unknowns, torque, power, error, steps, residual }
+    pub fn map<G>(self, mut f: impl FnMut(F) -> G) -> TractionRoot<G> {
+        let Self { unknowns: [y_0, y_1, y_2, y_3, y_4, y_5, y_6], .. } = self;
+        TractionRoot {
+            unknowns: [f(y_0), f(y_1), f(y_2), f(y_3), f(y_4), f(y_5), f(y_6)],
+            torque: f(self.torque),
+            power: f(self.power),
+            error: f(self.error),
+            steps: f(self.steps),
+            residual: f(self.residual),
+        }
     }
 }
 
-/// Numbers of a [`TractionStart`].
-pub const TRACTION_START: usize = 27;
+impl<F> TractionStart<F> {
+    /// The same of other numbers, which are made of these one after the other.
+    #[inline(always)]
+    pub fn map<G>(self, mut f: impl FnMut(F) -> G) -> TractionStart<G> {
+        let Self { point, unknowns: [y_0, y_1, y_2, y_3, y_4, y_5, y_6] } = self;
+        let ScaledBall { lead: (sin, cos), offsets: [l_a, l_b], semi_axes: [nut, screw], .. } =
+            point.scaled;
+        let ScaledBall { approaches: [d_a, d_b], pressed_radius: [r_a, r_b], .. } = point.scaled;
+        TractionStart {
+            unknowns: [f(y_0), f(y_1), f(y_2), f(y_3), f(y_4), f(y_5), f(y_6)],
+            point: TractionPoint {
+                scaled: ScaledBall {
+                    lead: (f(sin), f(cos)),
+                    radius: f(point.scaled.radius),
+                    arc: f(point.scaled.arc),
+                    mass: f(point.scaled.mass),
+                    nut_speed: f(point.scaled.nut_speed),
+                    radial_distance: f(point.scaled.radial_distance),
+                    offsets: [f(l_a), f(l_b)],
+                    approaches: [f(d_a), f(d_b)],
+                    semi_axes: [(f(nut.0), f(nut.1)), (f(screw.0), f(screw.1))],
+                    pressed_radius: [f(r_a), f(r_b)],
+                },
+                friction: f(point.friction),
+                offset: f(point.offset),
+                creep: f(point.creep),
+                nut_chart: point.nut_chart,
+            },
+        }
+    }
+}
 
 impl<F: Compare> TractionStart<F> {
     /// Where a step leads to.
@@ -116,43 +139,23 @@ impl<F: Compare> TractionStart<F> {
         Self { unknowns: next, ..*self }
     }
 
-    /// The numbers one after the other, the unknowns last.
+    /// Of loads, tilt and motion of a ball.
+    ///
+    /// * `p`: precession relative to the nut. * `omega`: rotation relative to the nut along t, n and b.
     #[inline(always)]
-    pub fn numbers(&self) -> [F; TRACTION_START] {
-        let Self { point, unknowns: [y_0, y_1, y_2, y_3, y_4, y_5, y_6] } = *self;
-        let TractionPoint { lead: (sin, cos), radius, arc, radial_distance: a_2, .. } = point;
-        let TractionPoint { offsets: [l_a, l_b], approach: [d_a, d_b], .. } = point;
-        let TractionPoint { semi_axes: [(a, b), (c, d)], pressed_radius: [r_a, r_b], .. } = point;
-        let TractionPoint { friction, mass, nut_speed, offset, creep, .. } = point;
-        [
-            sin, cos, radius, arc, a_2, l_a, l_b, d_a, d_b, a, b, c, d, r_a, r_b, friction, mass,
-            nut_speed, offset, creep, y_0, y_1, y_2, y_3, y_4, y_5, y_6,
-        ]
-    }
-
-    /// Of its numbers.
-    #[inline(always)]
-    pub fn of(numbers: [F; TRACTION_START]) -> Self {
-        let [sin, cos, radius, arc, a_2, l_a, l_b, d_a, d_b, numbers @ ..] = numbers;
-        let [a, b, c, d, r_a, r_b, friction, mass, nut_speed, numbers @ ..] = numbers;
-        let [offset, creep, unknowns @ ..] = numbers;
-        let point = TractionPoint {
-            lead: (sin, cos),
-            radius,
-            arc,
-            radial_distance: a_2,
-            offsets: [l_a, l_b],
-            approach: [d_a, d_b],
-            semi_axes: [(a, b), (c, d)],
-            pressed_radius: [r_a, r_b],
-            friction,
-            mass,
-            nut_speed,
-            offset,
-            creep,
-            nut_chart: false,
-        };
-        Self { point, unknowns }
+    pub fn of(
+        point: TractionPoint<F>,
+        [nut, screw]: [F; 2],
+        tilt: F,
+        p: F,
+        [omega_t, omega_n, omega_b]: [F; 3],
+    ) -> Self {
+        let (sin, cos) = point.scaled.lead;
+        // ω' = ω'_k k + ω'_n n + ω'_c k × n                               (T4)
+        let along = sin * omega_t + cos * omega_b;
+        let around = sin * omega_b - cos * omega_t;
+        let rate = p + point.scaled.nut_speed - point.offset;
+        Self { point, unknowns: [nut, tilt, screw, rate, along, omega_n, around] }
     }
 
     /// Sines and cosines of the contact angles, and the motion over the contacts: speed of the centre along t,
@@ -166,11 +169,9 @@ impl<F: Compare> TractionStart<F> {
     }
 }
 
-/// Numbers of a point on the way to its root.
-const NUMBERS: usize = TRACTION_START + BALL + 7;
-
 /// A point on the way to its root.
-struct Iterate<F> {
+#[derive(Default)]
+struct Iterate<F = f64> {
     at: TractionStart<F>,
     /// The step from there, and the part of it to try.
     step: [F; BALL],
@@ -184,6 +185,58 @@ struct Iterate<F> {
     /// The present creep speed.
     creep: F,
 }
+
+impl<F> Iterate<F> {
+    /// The same of other numbers.
+    #[inline(always)]
+    fn map<G>(self, mut f: impl FnMut(F) -> G) -> Iterate<G> {
+        let Self { step: [d_0, d_1, d_2, d_3, d_4, d_5, d_6], weights: (force, moment), .. } = self;
+        Iterate {
+            at: self.at.map(&mut f),
+            step: [f(d_0), f(d_1), f(d_2), f(d_3), f(d_4), f(d_5), f(d_6)],
+            fraction: f(self.fraction),
+            before: f(self.before),
+            weights: (f(force), f(moment)),
+            steps: f(self.steps),
+            tries: f(self.tries),
+            creep: f(self.creep),
+        }
+    }
+}
+
+/// Numbers of a struct in columns.
+macro_rules! in_columns {
+    ($vis:vis $name:ident) => {
+        impl<F> $name<F> {
+            /// Of its numbers, by their columns.
+            #[inline(always)]
+            $vis fn in_columns(mut number: impl FnMut(usize) -> F) -> Self {
+                let mut columns = 0..;
+                $name::<()>::default().map(|()| number(columns.next().unwrap_or_default()))
+            }
+
+            /// Its numbers, with their columns.
+            #[inline(always)]
+            $vis fn to_columns(self, mut number: impl FnMut(usize, F)) {
+                let mut columns = 0..;
+                self.map(|x| number(columns.next().unwrap_or_default(), x));
+            }
+        }
+
+        impl $name {
+            /// NumberColumns of zeros.
+            $vis fn columns(rows: usize) -> NumberColumns {
+                let mut columns = NumberColumns::new();
+                $name::<()>::default().map(|()| columns.push(vec![0.0; rows]));
+                columns
+            }
+        }
+    };
+}
+
+in_columns!(pub TractionStart);
+in_columns!(pub TractionRoot);
+in_columns!(Iterate);
 
 /// Quadratures of the solves of an accuracy.
 #[derive(Debug)]
@@ -199,38 +252,46 @@ impl TractionMany {
         Some(Self { rule, check: ManyQuadrature::new(Quadrature::check(accuracy), 1)? })
     }
 
-    /// The roots that the starts lead to.
-    pub fn solve(&self, arch: Arch, starts: &[TractionStart]) -> Vec<Option<TractionRoot>> {
-        arch.dispatch(SolveMany { rules: self, starts })
+    /// The roots that some starts lead to, columns of [`TractionRoot`], and at which places there is one.
+    ///
+    /// * `starts`: columns of [`TractionStart`]. * `points`: the places to start from.
+    pub fn solve(
+        &self,
+        arch: Arch,
+        starts: &NumberColumns,
+        points: Vec<usize>,
+    ) -> (NumberColumns, Vec<bool>) {
+        arch.dispatch(SolveMany { rules: self, starts, points })
     }
 }
 
 struct SolveMany<'a> {
     rules: &'a TractionMany,
-    starts: &'a [TractionStart],
+    starts: &'a NumberColumns,
+    points: Vec<usize>,
 }
 
 impl WithSimd for SolveMany<'_> {
-    type Output = Vec<Option<TractionRoot>>;
+    type Output = (NumberColumns, Vec<bool>);
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self { rules, starts } = self;
-        let mut roots = vec![None; starts.len()];
+        let Self { rules, starts, mut points } = self;
+        let rows = starts[0].len();
+        let mut roots = (TractionRoot::columns(rows), vec![false; rows]);
         let Some(coarse) = &*NEARBY else { return roots };
-        let mut iterates = vec![[0.0; NUMBERS]; starts.len()];
-        let mut points: Vec<usize> = (0..starts.len()).collect();
-        let (mut next, mut near, mut arrived) = (Vec::new(), Vec::new(), vec![false; starts.len()]);
+        let all = points.clone();
+        let mut iterates = Iterate::columns(rows);
+        let (mut next, mut near, mut arrived) = (Vec::new(), Vec::new(), vec![false; rows]);
         let work = &mut Work::new(simd);
         for levels in LEVELS {
             for point in &points {
-                let (iterate, start) = (&mut iterates[*point], &starts[*point]);
-                let steps = iterate[NUMBERS - 3];
-                *iterate = [0.0; NUMBERS];
-                iterate[..TRACTION_START].copy_from_slice(&start.numbers());
-                iterate[TRACTION_START + BALL + 1] = f64::INFINITY;
-                iterate[NUMBERS - 3] = steps;
-                iterate[NUMBERS - 1] = start.point.creep.max(levels[0]);
+                let at = TractionStart::in_columns(|column| starts[column][*point]);
+                let steps = Iterate::in_columns(|column| iterates[column][*point]).steps;
+                let creep = at.point.creep.max(levels[0]);
+                let begin =
+                    Iterate { at, before: f64::INFINITY, steps, creep, ..Iterate::default() };
+                begin.to_columns(|column, number| iterates[column][*point] = number);
             }
             while !points.is_empty() {
                 for group in points.chunks(Lane::<S>::LEN) {
@@ -258,7 +319,7 @@ impl WithSimd for SolveMany<'_> {
             for group in split.chunks(Lane::<S>::LEN) {
                 refine::<_, true>(simd, rules, work, &iterates, group, &mut roots);
             }
-            points.extend((0..starts.len()).filter(|point| !arrived[*point]));
+            points.extend(all.iter().filter(|point| !arrived[**point]));
         }
         roots
     }
@@ -266,61 +327,23 @@ impl WithSimd for SolveMany<'_> {
 
 /// Numbers of some points side by side, the last one repeated.
 #[inline(always)]
-fn load_iterates<S: Simd>(
-    simd: S,
-    iterates: &[[f64; NUMBERS]],
-    group: &[usize],
-) -> Iterate<Lane<S>> {
-    let mut blocks = [[0.0; BLOCK]; NUMBERS];
-    for i in 0..Lane::<S>::LEN {
-        let numbers = &iterates[group[i.min(group.len() - 1)]];
-        for k in 0..NUMBERS {
-            blocks[k][i] = numbers[k];
+fn load_iterates<S: Simd>(simd: S, iterates: &NumberColumns, group: &[usize]) -> Iterate<Lane<S>> {
+    Iterate::in_columns(|column| {
+        let mut block = [0.0; BLOCK];
+        for i in 0..Lane::<S>::LEN {
+            block[i] = iterates[column][group[i.min(group.len() - 1)]];
         }
-    }
-    let mut lanes = [Lane::splat(simd, 0.0); TRACTION_START];
-    for k in 0..TRACTION_START {
-        lanes[k] = Lane::load(simd, &blocks[k]);
-    }
-    let mut step = [lanes[0]; BALL];
-    for k in 0..BALL {
-        step[k] = Lane::load(simd, &blocks[TRACTION_START + k]);
-    }
-    let [.., fraction, before, force, moment, steps, tries, creep] = &blocks;
-    Iterate {
-        at: TractionStart::of(lanes),
-        step,
-        fraction: Lane::load(simd, fraction),
-        before: Lane::load(simd, before),
-        weights: (Lane::load(simd, force), Lane::load(simd, moment)),
-        steps: Lane::load(simd, steps),
-        tries: Lane::load(simd, tries),
-        creep: Lane::load(simd, creep),
-    }
+        Lane::load(simd, &block)
+    })
 }
 
-/// Puts what changes of some points back.
+/// Numbers of some points to their places.
 #[inline(always)]
-fn store_iterates<S: Simd>(
-    iterate: &Iterate<Lane<S>>,
-    iterates: &mut [[f64; NUMBERS]],
-    group: &[usize],
-) {
-    let [y_0, y_1, y_2, y_3, y_4, y_5, y_6] = iterate.at.unknowns;
-    let [d_0, d_1, d_2, d_3, d_4, d_5, d_6] = iterate.step;
-    let &Iterate { fraction, before, weights: (force, moment), steps, tries, creep, .. } = iterate;
-    let lanes = [
-        y_0, y_1, y_2, y_3, y_4, y_5, y_6, d_0, d_1, d_2, d_3, d_4, d_5, d_6, fraction, before,
-        force, moment, steps, tries, creep,
-    ];
-    let mut blocks = [[0.0; BLOCK]; NUMBERS - TRACTION_START + BALL];
-    for (block, lane) in blocks.iter_mut().zip(lanes) {
-        lane.store(block);
-    }
-    for (i, point) in group.iter().enumerate() {
-        for (number, block) in iterates[*point][TRACTION_START - BALL..].iter_mut().zip(&blocks) {
-            *number = block[i];
-        }
+fn store_iterates<S: Simd>(numbers: Lane<S>, column: &mut [f64], group: &[usize]) {
+    let mut block = [0.0; BLOCK];
+    numbers.store(&mut block);
+    for (point, number) in group.iter().zip(block) {
+        column[*point] = number;
     }
 }
 
@@ -382,9 +405,9 @@ impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
             exists = exists & y[unknown].abs().lt(one * FASTEST);
         }
         let rate = y[PRECESSION] + point.offset;
-        let centrifugal = point.mass * point.radius * rate * rate;
+        let centrifugal = point.scaled.mass * point.scaled.radius * rate * rate;
         let [a, b] = &geometry.points;
-        let lever_arm = lever([a.semi_axes.0, b.semi_axes.0], point.pressed_radius);
+        let lever_arm = lever([a.semi_axes.0, b.semi_axes.0], point.scaled.pressed_radius);
         let (force, moment) = sizes(centrifugal, point.friction.abs(), lever_arm);
         let mut resolved = zero.le(zero);
         if ROUGH || split.is_empty() {
@@ -493,7 +516,7 @@ fn approach<S: Simd>(
     simd: S,
     (rule, levels): (&ManyQuadrature, &[f64]),
     work: &mut Work<S>,
-    iterates: &mut [[f64; NUMBERS]],
+    iterates: &mut NumberColumns,
     group: &[usize],
     [next, near]: [&mut Vec<(usize, usize)>; 2],
 ) {
@@ -525,7 +548,7 @@ fn approach<S: Simd>(
     let above = iterate.at.point.creep.lt(iterate.creep);
     let arrived = accepted & !above & size.le(size.constant(NEAR));
     let lowers = accepted & above & size.le(size.constant(LEFT));
-    let step = Factors::of(found, &here, iterate.at.point.lead).step(&found.residual);
+    let step = Factors::of(found, &here, iterate.at.point.scaled.lead).step(&found.residual);
     // The last step of those that have arrived is taken.
     let last = trial.moved(&step);
     let zero = size.constant(0.0);
@@ -547,7 +570,7 @@ fn approach<S: Simd>(
     (iterate.weights, iterate.steps) = (weights, iterate.steps + 1.0);
     let alive = accepted | !first;
     let waits = alive & iterate.tries.lt(size.constant(MOST_COARSE));
-    store_iterates(&iterate, iterates, group);
+    iterate.to_columns(|column, numbers| store_iterates(numbers, &mut iterates[column], group));
     let [mut ends, mut goes_on, mut resolved] = [[false; BLOCK]; 3];
     here.resolved.store(&mut resolved);
     (alive & arrived).store(&mut ends);
@@ -569,9 +592,9 @@ fn refine<S: Simd, const SPLIT: bool>(
     simd: S,
     rules: &TractionMany,
     work: &mut Work<S>,
-    iterates: &[[f64; NUMBERS]],
+    iterates: &NumberColumns,
     group: &[usize],
-    roots: &mut [Option<TractionRoot>],
+    (roots, are_roots): &mut (NumberColumns, Vec<bool>),
 ) -> Vec<usize> {
     let Iterate { mut at, mut steps, .. } = load_iterates(simd, iterates, group);
     let (rule, check) = (&rules.rule, &rules.check);
@@ -582,13 +605,13 @@ fn refine<S: Simd, const SPLIT: bool>(
         simd.vectorize(EvaluateMany::<S, true, false> { simd, rule, at, frozen, split, work })
     };
     let mut here = linearized(&at, &points, work);
-    let mut factors = Factors::of(&work.found, &here, at.point.lead);
+    let mut factors = Factors::of(&work.found, &here, at.point.scaled.lead);
     if SPLIT {
         // On the way here spin poles inside were not resolved: a Newton step more, with the numbers of nodes of the first, as in
         // the model.
         at = at.moved(&factors.step(&work.found.residual));
         here = linearized(&at, &points, work);
-        factors = Factors::of(&work.found, &here, at.point.lead);
+        factors = Factors::of(&work.found, &here, at.point.scaled.lead);
         steps = steps + one;
     }
     let found = &work.found;
@@ -649,16 +672,9 @@ fn refine<S: Simd, const SPLIT: bool>(
     (here.exists & !here.resolved).store(&mut unresolved);
     let root =
         TractionRoot { unknowns: at.unknowns, torque, power, error, steps, residual: before };
-    let mut blocks = [[0.0; BLOCK]; TRACTION_FOUND];
-    for (block, lane) in blocks.iter_mut().zip(root.numbers()) {
-        lane.store(block);
-    }
-    for (i, point) in group.iter().enumerate() {
-        let mut numbers = [0.0; TRACTION_FOUND];
-        for k in 0..TRACTION_FOUND {
-            numbers[k] = blocks[k][i];
-        }
-        roots[*point] = solved[i].then_some(TractionRoot::of(numbers));
+    root.to_columns(|column, numbers| store_iterates(numbers, &mut roots[column], group));
+    for (point, solved) in group.iter().zip(solved) {
+        are_roots[*point] = solved;
     }
     let split = group.iter().zip(unresolved).filter(|(_, unresolved)| *unresolved);
     split.map(|(point, _)| *point).collect()

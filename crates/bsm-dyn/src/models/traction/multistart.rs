@@ -8,20 +8,18 @@ use super::root::SlipRoot;
 use super::{OMEGA, SlipBall};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::models::ball::{BALL, Workspace};
+use crate::models::weyl::weyl_point;
 
 /// Starts of a point, and of one whose path says little.
 pub(super) const STARTS: u32 = 200;
 pub(super) const MANY: u32 = 800;
-
-/// Primes: the multiples of their square roots, modulo 1, fill the box of the starts evenly.
-const PRIMES: [f64; 9] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0];
 
 impl SlipBall<'_> {
     /// A start: one of three kinds of contact angles, with one of four kinds of rates.
     fn sampled(&self, number: u32) -> [f64; BALL] {
         let contacts = self.contacts;
         let [nut_angle, screw_angle, nut_load, screw_load, rate, slow, along, radial, around] =
-            PRIMES.map(|prime| (f64::from(number) * prime.sqrt()).fract());
+            weyl_point(number);
         let unloaded = contacts.jones.contact_angle;
         // Angles apart as inertia turns them, or as friction does.
         let angles = match number % 3 {
@@ -42,7 +40,7 @@ impl SlipBall<'_> {
         // Drawn over |W|: each direction has its own.
         let (mu, way) = (contacts.inertia_ratio(), contacts.direction.sign());
         let rate = match number / 3 % 4 {
-            0 => contacts.nut_speed + 2.0 * rate - 0.5,
+            0 => contacts.scaled.nut_speed + 2.0 * rate - 0.5,
             kind => {
                 let size = if kind == 1 { contacts.friction / mu } else { mu.recip().sqrt() };
                 (size * (2.0 - 8.0 * slow).exp()).min(1.0).copysign((rate - 0.5) * way)
@@ -53,8 +51,8 @@ impl SlipBall<'_> {
         y[TILT] = 0.5 * (angles[1] - angles[0]);
         y[PRECESSION] = rate - self.offset();
         // Rolling, more or less.
-        y[OMEGA[0]] = (contacts.nut_speed - rate) * contacts.arc * 1.5 * along;
-        y[OMEGA[1]] = contacts.arc * 6.0 * (radial - 0.5) * way;
+        y[OMEGA[0]] = (contacts.scaled.nut_speed - rate) * contacts.scaled.arc * 1.5 * along;
+        y[OMEGA[1]] = contacts.scaled.arc * 6.0 * (radial - 0.5) * way;
         y[OMEGA[2]] = (around - 0.5) * way;
         y
     }

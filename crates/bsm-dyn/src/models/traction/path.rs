@@ -213,7 +213,7 @@ impl SlipBall<'_> {
         let small = at_rest.abs().min((0.1 / mu).sqrt()).min(self.contacts.friction / mu);
         let unit = sense * small.copysign(at_rest);
         // No ball circles that fast.
-        let most = 2.0 * (1.0 + self.contacts.nut_speed.abs());
+        let most = 2.0 * (1.0 + self.contacts.scaled.nut_speed.abs());
         let event_rate = |z: &[f64; PATH]| unit * z[BALL].sinh();
         let (mut found, mut off_flank, mut known, mut more) = (None, None, 0, 0);
         let seen = trace(

@@ -294,7 +294,7 @@ impl SlipBall<'_> {
 
     /// True if inertia forces are too small against friction to move the ball to another root.
     fn is_calm(&self) -> bool {
-        let rate = self.contacts.nut_speed.abs().max(1.0);
+        let rate = self.contacts.scaled.nut_speed.abs().max(1.0);
         self.contacts.inertia_ratio() * rate * rate < SMALL_INERTIA * self.contacts.friction
     }
 }

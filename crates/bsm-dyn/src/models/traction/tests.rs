@@ -39,7 +39,7 @@ fn state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
     let cos = contacts.helix.lead_angle.cos();
     let slow = if part(0.0, 1.0) < 0.5 { contacts.friction / mu } else { mu.recip().sqrt() };
     let rate = if part(0.0, 1.0) < 0.5 {
-        contacts.nut_speed + part(-0.5, 1.5)
+        contacts.scaled.nut_speed + part(-0.5, 1.5)
     } else {
         (slow * part(-8.0, 1.0).exp()).min(1.0) * part(-1.0, 1.0).signum()
     };
@@ -48,8 +48,8 @@ fn state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
     y[SCREW_LOAD] = part(-1.0, 1.0).exp() / (screw.sin().max(1e-6) * cos);
     y[TILT] = 0.5 * (screw - nut);
     y[PRECESSION] = rate - ball.offset();
-    y[OMEGA[0]] = (contacts.nut_speed - rate) * contacts.arc * part(0.0, 1.5);
-    y[OMEGA[1]] = contacts.arc * part(-3.0, 3.0);
+    y[OMEGA[0]] = (contacts.scaled.nut_speed - rate) * contacts.scaled.arc * part(0.0, 1.5);
+    y[OMEGA[1]] = contacts.scaled.arc * part(-3.0, 3.0);
     y[OMEGA[2]] = part(-0.6, 0.6);
     y
 }
@@ -252,7 +252,7 @@ fn columns_by_hand_are_those_of_the_jets() {
             (y[NUT_LOAD].max(y[SCREW_LOAD]) * ball.lever(&y)).max(centrifugal).max(gyroscopic);
         for i in 0..BALL {
             // Rounding of the slip, of the angular velocities, over the creep speed.
-            let slip = 1.0 + (rate.abs() * contacts.arc).max(turning);
+            let slip = 1.0 + (rate.abs() * contacts.scaled.arc).max(turning);
             let rounding = 1e-14 * size * (1.0 + contacts.friction * slip / creep);
             let off = (found.residual[i] - jets.residual[i]).abs();
             assert!(off <= rounding, "{number} {i} {off:e} {rounding:e} {found:?} {jets:?}");
@@ -266,7 +266,7 @@ fn columns_by_hand_are_those_of_the_jets() {
         let [here, there] = [found.transmitted, jets.transmitted];
         let arm = size * radius;
         let off = (here.torque - there.torque).abs();
-        let slip = 1.0 + (rate.abs() * contacts.arc).max(turning);
+        let slip = 1.0 + (rate.abs() * contacts.scaled.arc).max(turning);
         assert!(off <= 1e-14 * arm * (1.0 + contacts.friction * slip / creep), "{number} {off:e}");
         assert_relative_eq!(here.power, there.power, max_relative = 1e-9);
         let largest = jets.slope.iter().fold(0.0_f64, |m, x| m.max(x.abs()));

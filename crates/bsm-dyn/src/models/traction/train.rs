@@ -47,7 +47,7 @@ impl Push {
         let moment = rolling * -contacts.signed(normal * self.friction / speed);
         // F_b = [s (N_b − N_f) − (M_b·k)/d] t                             (O3)
         let along = contacts.signed(D::from(self.back - self.front))
-            - moment.dot(&frame.k) / D::from(contacts.arc);
+            - moment.dot(&frame.k) / D::from(contacts.scaled.arc);
         Wrench { force: BallFrame::tangent() * along, moment }
     }
 
@@ -249,7 +249,7 @@ impl TrainBall {
             Motion { precession: turning.precession / speed, omega: turning.omega / speed };
         let scale = ehl.map(|ehl| ehl.friction_scale(&contacts, &loaded, &to_nut, creep));
         let contacts = scale.map_or(contacts, |scale| contacts.with_friction(scale));
-        let rate = to_nut.precession + contacts.nut_speed;
+        let rate = to_nut.precession + contacts.scaled.nut_speed;
         let mut ball = Self {
             contacts,
             ehl: ehl.copied(),
@@ -368,7 +368,7 @@ impl TrainBall {
         let [begin, before] = from.pushes;
         let back = from.back_push(rate, front);
         self.with(work, |ball, newton| {
-            let offset = self.contacts.nut_speed - ball.offset();
+            let offset = self.contacts.scaled.nut_speed - ball.offset();
             let seen = Cell::default();
             let at = |fraction: f64| {
                 let rate = from.rate + (rate - from.rate) * fraction;
@@ -462,7 +462,7 @@ impl TrainBall {
     fn is_balanced(&self, motion: &TrainMotion) -> bool {
         let [_, radius, speed] = self.units;
         let [front, back] = motion.pushes;
-        let travel = self.contacts.arc * radius * motion.rate * speed.abs();
+        let travel = self.contacts.scaled.arc * radius * motion.rate * speed.abs();
         let friction_power = self.contact_power(motion);
         // (T − h (F_j + F_b·k)) W = P_raceways + f_b r_b (N_f + N_b)|w| − (N_b − N_f) v  (O4)
         let residual =

@@ -69,8 +69,9 @@ fn residual(contacts: &ElasticContacts, control: Control, screw: f64) -> Option<
     }
     let nut = 0.5 * (low + high);
     let angles = [nut.sin_cos(), screw.sin_cos()];
-    let (p, _) = rolling(control == Control::Nut, contacts.lead, contacts.arc, angles);
-    let rate = p + contacts.nut_speed;
+    let (p, _) =
+        rolling(control == Control::Nut, contacts.scaled.lead, contacts.scaled.arc, angles);
+    let rate = p + contacts.scaled.nut_speed;
     let centrifugal = contacts.inertia_ratio() * rate * rate;
     Some(load(nut) * nut.cos() - load(screw) * screw.cos() - centrifugal)
 }

@@ -1,0 +1,9 @@
+//! Points that fill a box evenly.
+
+/// The multiples of their square roots, modulo 1, are spread evenly, also together.
+const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0];
+
+/// The point of a number in the unit box of at most 12 dimensions: a Weyl sequence.
+pub(crate) fn weyl_point<const N: usize>(number: u32) -> [f64; N] {
+    std::array::from_fn(|i| (f64::from(number) * PRIMES[i].sqrt()).fract())
+}
