@@ -1096,6 +1096,8 @@ def solve_many(
 
     if missing not in ("invalid", "base"):
         raise InputError(f"missing = {missing!r} must be 'invalid' or 'base'", key="missing")
+    if isinstance(points, Case):
+        raise InputError("points is a case; give the points first, then the case that they share")
     case, keep = _case(base, {}), _list("keep", keep)
     if isinstance(points, Table):
         # Answers of an earlier run are passed over.
