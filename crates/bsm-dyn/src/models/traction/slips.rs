@@ -62,7 +62,7 @@ pub(super) fn slid<F: Compare>(
     step: &[F; BALL],
     [here, there]: [(F, F); 2],
 ) -> ([F; BALL], F::Mask) {
-    let ((sin_lead, cos_lead), arc) = (contacts.scaled.lead, contacts.scaled.arc);
+    let ((sin_lead, cos_lead), arc) = (point.scaled.lead, point.scaled.arc);
     let one = arc.constant(1.0);
     let mut next = *y;
     for unknown in [NUT_LOAD, TILT, SCREW_LOAD] {
@@ -70,11 +70,11 @@ pub(super) fn slid<F: Compare>(
     }
     let [w_t, w_n, w_b] = frenet(point.scaled.lead, y);
     let [dw_t, dw_n, dw_b] = frenet(point.scaled.lead, step);
-    let from_nut = y[PRECESSION] + (point.offset - contacts.scaled.nut_speed);
+    let from_nut = y[PRECESSION] + (point.offset - point.scaled.nut_speed);
 
     let sides = Sides::of(point, y);
     let Mean { angle: (sin, cos), nut, screw, height, exists } =
-        Mean::of(sides.lengths, contacts.scaled.radial_distance, here);
+        Mean::of(sides.lengths, point.scaled.radial_distance, here);
     let ([sin_a, cos_a], [sin_b, cos_b], [l_a, l_b]) = (nut, screw, sides.lengths);
     let (dl_a, dl_b) = (sides.slopes[0] * step[NUT_LOAD], sides.slopes[1] * step[SCREW_LOAD]);
     // A₁ dβ = cosβ_A dl_A + cosβ_B dl_B + (l_A sinβ_A − l_B sinβ_B) dν,  dβ_A = dβ − dν,  dβ_B = dβ + dν  (T28)
@@ -94,7 +94,7 @@ pub(super) fn slid<F: Compare>(
     let spin = sin * (w_b + dw_b) + cos * (w_n + dw_n) + (cos * w_b - sin * w_n) * rotation;
 
     let loaded = Sides::of(point, &next);
-    let mean = Mean::of(loaded.lengths, contacts.scaled.radial_distance, there);
+    let mean = Mean::of(loaded.lengths, point.scaled.radial_distance, there);
     let ((sin, cos), [sin_a, cos_a], [_, cos_b]) = (mean.angle, mean.nut, mean.screw);
     // e = (u_A − u_B − d + cosα cosβ_B)/(2 cosν)                          (T29)
     let across = (nut_slip - screw_slip - arc + cos_lead * cos_b) / (there.1 * 2.0);
@@ -102,7 +102,7 @@ pub(super) fn slid<F: Compare>(
     let (w_t, w_b, w_n) = (w_t + dw_t, cos * across + sin * spin, cos * spin - sin * across);
     // P' = (u_A − cosβ_A ω_b + sinβ_A ω_n)/d                              (T30)
     let from_nut = (nut_slip - cos_a * w_b + sin_a * w_n) / arc;
-    next[PRECESSION] = from_nut - (point.offset - contacts.scaled.nut_speed);
+    next[PRECESSION] = from_nut - (point.offset - point.scaled.nut_speed);
     // ω_k = cosα ω_b + sinα ω_t,  ω_c = sinα ω_b − cosα ω_t               (T30)
     next[OMEGA[0]] = cos_lead * w_b + sin_lead * w_t;
     next[OMEGA[1]] = w_n;
