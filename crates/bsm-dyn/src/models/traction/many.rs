@@ -21,7 +21,7 @@ use super::columns::{
 };
 use super::root::{FASTEST, LEFT, LEVELS};
 use super::slips::slid;
-use super::{COARSE, OMEGA, ROOT};
+use super::{COARSE, OMEGA, ROOT, creep_effect};
 use crate::ellipse::{Dry, ManyNodes, ManyQuadrature, Quadrature, SplitPoint};
 use crate::models::ball::BALL;
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
@@ -71,6 +71,8 @@ pub struct TractionRoot<F = f64> {
     pub power: F,
     /// What the torque of another quadrature differs.
     pub error: F,
+    /// What the creep speed may leave in the friction power, relative (A8).
+    pub by_creep: F,
     /// Evaluations.
     pub steps: F,
     /// Scaled residual.
@@ -78,22 +80,22 @@ pub struct TractionRoot<F = f64> {
 }
 
 /// Numbers of a [`TractionRoot`].
-pub const TRACTION_FOUND: usize = 12;
+pub const TRACTION_FOUND: usize = 13;
 
 impl<F: Copy> TractionRoot<F> {
     /// The numbers one after the other.
     #[inline(always)]
     pub fn numbers(&self) -> [F; TRACTION_FOUND] {
         let Self { unknowns: [y_0, y_1, y_2, y_3, y_4, y_5, y_6], torque, power, .. } = *self;
-        let Self { error, steps, residual, .. } = *self;
-        [y_0, y_1, y_2, y_3, y_4, y_5, y_6, torque, power, error, steps, residual]
+        let Self { error, by_creep, steps, residual, .. } = *self;
+        [y_0, y_1, y_2, y_3, y_4, y_5, y_6, torque, power, error, by_creep, steps, residual]
     }
 
     /// Of its numbers.
     #[inline(always)]
     pub fn of(numbers: [F; TRACTION_FOUND]) -> Self {
-        let [unknowns @ .., torque, power, error, steps, residual] = numbers;
-        Self { unknowns, torque, power, error, steps, residual }
+        let [unknowns @ .., torque, power, error, by_creep, steps, residual] = numbers;
+        Self { unknowns, torque, power, error, by_creep, steps, residual }
     }
 }
 
@@ -584,7 +586,7 @@ fn refine<S: Simd, const SPLIT: bool>(
     let (weights, slope) = (here.weights, found.slope);
     let held = here.exists & here.resolved;
     let (mut left, mut before) = (found.left, norm(&found.left, weights));
-    let (mut torque, mut power, mut settled) = (one, one, !held);
+    let (mut torque, mut power, mut by_creep, mut settled) = (one, one, one, !held);
     for _ in 0..MOST_FINE {
         if SPLIT {
             let mut done = [false; BLOCK];
@@ -607,6 +609,9 @@ fn refine<S: Simd, const SPLIT: bool>(
         }
         torque = settled.select(torque, found.transmitted.torque);
         power = settled.select(power, found.transmitted.power);
+        let pulls = [NUT_LOAD, SCREW_LOAD].map(|load| at.point.friction * at.unknowns[load]);
+        let effect = creep_effect(at.point.creep, pulls, found.transmitted.sliding);
+        by_creep = settled.select(by_creep, effect);
         before = settled.select(before, size);
         steps = settled.select(steps, steps + 1.0);
         settled = settled | enough;
@@ -636,8 +641,8 @@ fn refine<S: Simd, const SPLIT: bool>(
     let [mut solved, mut unresolved] = [[false; BLOCK]; 2];
     there.store(&mut solved);
     (here.exists & !here.resolved).store(&mut unresolved);
-    let root =
-        TractionRoot { unknowns: at.unknowns, torque, power, error, steps, residual: before };
+    let (unknowns, residual) = (at.unknowns, before);
+    let root = TractionRoot { unknowns, torque, power, error, by_creep, steps, residual };
     let mut blocks = [[0.0; BLOCK]; TRACTION_FOUND];
     for (block, lane) in blocks.iter_mut().zip(root.numbers()) {
         lane.store(block);
