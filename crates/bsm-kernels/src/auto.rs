@@ -2,9 +2,7 @@
 //! the next.
 
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::{
-    Basis, Choice, Direction, ErrorBound, ModelErrors, SlidingBall, Traction, integrated_error,
-};
+use bsm_dyn::{Basis, Choice, Direction, ErrorBound, ModelErrors, SlidingBall, Traction};
 use bsm_simd::{Arch, Simd, WithSimd};
 
 use crate::contacts::InUnits;
@@ -15,7 +13,7 @@ use crate::traction::MANY;
 use crate::{Kernel, RowChoice, Rows, Run, Selection, Sink, traction};
 
 /// What the choice asks of the answers of a kernel.
-const ASKED: [OutputKey; 2] = [OutputKey::efficiency, OutputKey::efficiency_error_bound];
+const ASKED: [OutputKey; 1] = [OutputKey::efficiency];
 
 /// Those of raceway control that stay beside the answer of gross slip.
 const OF_ROLLING: [OutputKey; 2] = [OutputKey::skid_number, OutputKey::onset_number];
@@ -43,7 +41,7 @@ pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<R
         arch.dispatch(Run { kernel: Elastic, rows });
     });
     for (i, (ball, basis)) in skidding.into_iter().enumerate().filter(|(i, _)| group.done[*i]) {
-        let [efficiency, _] = group.asked(i);
+        let efficiency = group.efficiency(i);
         let bound = ball.errors.skid_bound((ball.efficiency - efficiency).abs());
         if bound <= tolerance {
             auto.take(&ball, (&group, i), &OF_ROLLING);
@@ -53,13 +51,13 @@ pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<R
         }
     }
     for accuracy in Traction::ACCURACIES {
+        let mut bounds = Vec::new();
         let group = auto.ask(between.iter(), |rows| {
-            traction::solve(arch, rows, accuracy, Traction::CREEP);
+            bounds = traction::solve(arch, rows, accuracy, Traction::CREEP);
         });
         let mut coarse = Vec::new();
         for (i, ball) in between.into_iter().enumerate().filter(|(i, _)| group.done[*i]) {
-            let [efficiency, error] = group.asked(i);
-            let bound = integrated_error(error);
+            let (efficiency, bound) = (group.efficiency(i), bounds[i]);
             if bound <= tolerance {
                 auto.take(&ball, (&group, i), &[]);
                 auto.choose(&ball, efficiency, bound, Basis::Integrated { accuracy });
@@ -84,14 +82,15 @@ struct Auto<'a, 'b> {
 /// The answers of a kernel to rows side by side.
 struct Group {
     columns: Vec<Vec<f64>>,
-    asked: [usize; ASKED.len()],
+    /// Which of the columns is the efficiency.
+    efficiency: usize,
     done: Vec<bool>,
 }
 
 impl Group {
-    /// What the choice asks of an answer.
-    fn asked(&self, row: usize) -> [f64; ASKED.len()] {
-        self.asked.map(|index| self.columns[index][row])
+    /// The efficiency of an answer.
+    fn efficiency(&self, row: usize) -> f64 {
+        self.columns[self.efficiency][row]
     }
 }
 
@@ -110,8 +109,8 @@ impl Auto<'_, '_> {
             let (inputs, wanted) = (&self.rows.inputs.select(&points), &self.asked);
             kernel(Rows { inputs, wanted, first: 0, columns: &mut indices, done: &mut done });
         }
-        let asked = ASKED.map(|key| self.asked.index(key).expect("it was asked for"));
-        Group { columns, asked, done }
+        let efficiency = self.asked.index(ASKED[0]).expect("it was asked for");
+        Group { columns, efficiency, done }
     }
 
     /// Takes an answer of a kernel, but for some outputs.

@@ -8,7 +8,8 @@ use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::balance::ideal_torque;
 use bsm_dyn::{
     FAST_NUT, MOST_LOSS_ERROR, Model, POWER_BALANCE_TOL, SKID_ONSET, Traction, TractionMany,
-    TractionPoint, TractionRoot, TractionStart, loss_error, quadrature_error, slip_scale, takes,
+    TractionPoint, TractionRoot, TractionStart, integrated_error, loss_error, quadrature_error,
+    slip_scale, takes,
 };
 use bsm_kin::relative_rotation;
 use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
@@ -46,11 +47,11 @@ fn quadratures(accuracy: f64) -> Option<Rc<TractionMany>> {
     })
 }
 
-/// Answers the rows that its start leads to the root of.
-pub(super) fn solve(arch: Arch, rows: Rows<'_, '_>, accuracy: f64, creep: f64) {
-    if let Some(many) = quadratures(accuracy) {
-        arch.dispatch(Solve { arch, rows, accuracy, creep, many: &many });
-    }
+/// Answers the rows that its start leads to the root of, and returns the bounds of their errors (A6).
+pub(super) fn solve(arch: Arch, rows: Rows<'_, '_>, accuracy: f64, creep: f64) -> Vec<f64> {
+    quadratures(accuracy).map_or_else(Vec::new, |many| {
+        arch.dispatch(Solve { arch, rows, accuracy, creep, many: &many })
+    })
 }
 
 struct Solve<'a, 'b> {
@@ -62,10 +63,10 @@ struct Solve<'a, 'b> {
 }
 
 impl WithSimd for Solve<'_, '_> {
-    type Output = ();
+    type Output = Vec<f64>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn with_simd<S: Simd>(self, simd: S) -> Vec<f64> {
         let Self { arch, rows, accuracy, creep, many } = self;
         let Rows { inputs, wanted, first, columns, done } = rows;
         let (mut lanes, mut points) = (Vec::new(), Vec::new());
@@ -86,11 +87,13 @@ impl WithSimd for Solve<'_, '_> {
             points.extend((0..rows).filter(|i| begun[*i]).map(|i| row + i));
         }
         let (roots, found) = many.solve(arch, &starts, points);
+        let mut bounds = vec![0.0; lanes.len() * Lane::<S>::LEN];
         for (given, lane) in &lanes {
             let row = given.row - first;
             let root = TractionRoot::in_columns(|column| Lane::load(simd, &roots[column][row..]));
             let mut out = Sink { wanted, columns: &mut *columns, row };
-            let solved = outputs(simd, lane, &root, accuracy, &mut out);
+            let (solved, bound) = outputs(simd, lane, &root, accuracy, &mut out);
+            bound.store(&mut bounds[row..]);
             let mut answered = [false; MANY];
             let valid = simd.vectorize(Valid { given, model: Model::Traction });
             (solved & valid).store(&mut answered);
@@ -98,6 +101,7 @@ impl WithSimd for Solve<'_, '_> {
                 *done = answered[i] && found[row + i];
             }
         }
+        bounds
     }
 }
 
@@ -170,7 +174,7 @@ fn start<S: Simd>(
     (TractionStart::of(*point, loads, tilt, p, omega), found)
 }
 
-/// Stores what is wanted of some rows, and says where their powers balance.
+/// Stores what is wanted of some rows, and says where their powers balance, with the bounds of their errors.
 #[inline(always)]
 fn outputs<S: Simd>(
     simd: S,
@@ -178,7 +182,7 @@ fn outputs<S: Simd>(
     root: &TractionRoot<Lane<S>>,
     accuracy: f64,
     out: &mut Sink<'_, '_>,
-) -> Mask<S> {
+) -> (Mask<S>, Lane<S>) {
     let (y, w, zero) = (root.unknowns, units.speed, units.speed.constant(0.0));
     let at = TractionStart { point: *point, unknowns: y };
     let ([nut, screw], motions) = at.angles_and_motions();
@@ -231,5 +235,7 @@ fn outputs<S: Simd>(
     out.set(OutputKey::loss_error_bound, stated.select(loss, zero.constant(f64::NAN)));
     out.set(OutputKey::iterations, root.steps);
     out.set(OutputKey::residual_norm, root.residual);
-    imbalance.abs().le(zero.constant(POWER_BALANCE_TOL)) & error.lt(zero.constant(f64::INFINITY))
+    let solved = imbalance.abs().le(zero.constant(POWER_BALANCE_TOL))
+        & error.lt(zero.constant(f64::INFINITY));
+    (solved, integrated_error(error, eta, root.by_creep))
 }

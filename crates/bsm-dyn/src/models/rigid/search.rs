@@ -95,7 +95,7 @@ fn eighths(from: f64, to: f64) -> [f64; BLOCK - 1] {
 
 /// Place of the least of four values.
 fn least(value: impl Fn(usize) -> f64) -> usize {
-    (1..4).fold(0, |least, i| if value(i).total_cmp(&value(least)).is_lt() { i } else { least })
+    (1..4).fold(0, |least, i| if value(i) < value(least) { i } else { least })
 }
 
 impl CurveSample {
@@ -111,7 +111,7 @@ impl CurveSample {
     fn pairs(&self, other: &Self) -> [Option<(usize, usize)>; 4] {
         let distance = self.sheets.each_ref().map(|one| {
             other.sheets.each_ref().map(|two| match (one, two) {
-                (Some(one), Some(two)) => one.distance(two),
+                (Some(one), Some(two)) => one.distance(two).min(f64::INFINITY),
                 _ => f64::INFINITY,
             })
         });

@@ -22,7 +22,7 @@ use super::columns::{
 };
 use super::root::{FASTEST, LEFT, LEVELS};
 use super::slips::slid;
-use super::{COARSE, NEAR, OMEGA, ROOT};
+use super::{COARSE, NEAR, OMEGA, ROOT, creep_effect};
 use crate::ellipse::{Dry, ManyNodes, ManyQuadrature, Quadrature, SplitPoint};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::models::ball::{BALL, ScaledBall};
@@ -66,6 +66,8 @@ pub struct TractionRoot<F = f64> {
     pub power: F,
     /// What the torque of another quadrature differs.
     pub error: F,
+    /// What the creep speed may leave in the friction power, relative (A8).
+    pub by_creep: F,
     /// Evaluations.
     pub steps: F,
     /// Scaled residual.
@@ -85,6 +87,7 @@ impl<F> TractionRoot<F> {
             torque: f(self.torque),
             power: f(self.power),
             error: f(self.error),
+            by_creep: f(self.by_creep),
             steps: f(self.steps),
             residual: f(self.residual),
         }
@@ -618,7 +621,7 @@ fn refine<S: Simd, const SPLIT: bool>(
     let (weights, slope) = (here.weights, found.slope);
     let resolved = here.exists & here.resolved;
     let (mut residual, mut before) = (found.residual, norm(&found.residual, weights));
-    let (mut torque, mut power, mut converged) = (one, one, !resolved);
+    let (mut torque, mut power, mut by_creep, mut converged) = (one, one, one, !resolved);
     for _ in 0..MOST_FINE {
         if SPLIT {
             let mut done = [false; BLOCK];
@@ -641,6 +644,9 @@ fn refine<S: Simd, const SPLIT: bool>(
         }
         torque = converged.select(torque, found.transmitted.torque);
         power = converged.select(power, found.transmitted.power);
+        let pulls = [NUT_LOAD, SCREW_LOAD].map(|load| at.point.friction * at.unknowns[load]);
+        let effect = creep_effect(at.point.creep, pulls, found.transmitted.sliding);
+        by_creep = converged.select(by_creep, effect);
         before = converged.select(before, size);
         steps = converged.select(steps, steps + 1.0);
         converged = converged | enough;
@@ -670,8 +676,8 @@ fn refine<S: Simd, const SPLIT: bool>(
     let [mut solved, mut unresolved] = [[false; BLOCK]; 2];
     ready.store(&mut solved);
     (here.exists & !here.resolved).store(&mut unresolved);
-    let root =
-        TractionRoot { unknowns: at.unknowns, torque, power, error, steps, residual: before };
+    let (unknowns, residual) = (at.unknowns, before);
+    let root = TractionRoot { unknowns, torque, power, error, by_creep, steps, residual };
     root.to_columns(|column, numbers| store_iterates(numbers, &mut roots[column], group));
     for (point, solved) in group.iter().zip(solved) {
         are_roots[*point] = solved;
