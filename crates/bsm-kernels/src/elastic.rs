@@ -2,12 +2,12 @@
 //! inertia falls.
 
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::balance::ideal_torque;
-use bsm_dyn::{Model, POWER_BALANCE_TOL, SlidingBall, SlidingRoot, takes};
+use bsm_dyn::internals::{SlidingBall, SlidingRoot, ideal_torque, takes};
+use bsm_dyn::{Model, Transmission};
 use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
-use crate::closed_form::{power_balance, transmit_torque};
+use crate::closed_form::transmission;
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::pair::{Balls, ContactRow, InUnits};
 use crate::rigid::{ball_motion, slip_angle};
@@ -39,9 +39,9 @@ impl Kernel for Elastic {
             (skid.state.loads, skid.state.sin, skid.state.cos);
         let sides = [pair.loaded(0, q_a, (sin_a, cos_a)), pair.loaded(1, q_b, (sin_b, cos_b))];
         given.simd.vectorize(ContactRow { out, units: &units, pair: &pair, sides: &sides });
-        let imbalance = outputs(&skid, out, &units, &pair);
+        let balanced = outputs(&skid, out, &units, &pair);
         out.set_all(OutputKey::iterations, [skid.steps, skid.residual]);
-        skid.found & imbalance.abs().le(imbalance.constant(POWER_BALANCE_TOL))
+        skid.found & balanced
     }
 }
 
@@ -60,27 +60,27 @@ impl<S: Simd> NullaryFnOnce for GrossSlip<'_, S> {
     #[inline(always)]
     fn call(self) -> Self::Output {
         let Self { pair, friction, any } = self;
-        let ball = SlidingBall::of(&pair.scaled(), friction);
+        let ball = SlidingBall::of(&pair.scaled, friction);
         let expected = pair.regular
-            & takes(friction.abs(), pair.inertia_ratio)
-            & pair.nut_speed.abs().lt(pair.constant(MOST_NUT_SPEED));
+            & takes(friction.abs(), pair.scaled.inertia_ratio())
+            & pair.scaled.nut_speed.abs().lt(pair.constant(MOST_NUT_SPEED));
         let root = ball.first_root(pair.cos_b / pair.sin_b, expected, any);
         let sure = root.state.along.lt(pair.constant(MOST_LOAD));
         SlidingRoot { steady: root.steady & sure, found: root.found & sure, ..root }
     }
 }
 
-/// Stores motion, slips, torque, efficiency and powers, and returns the violation of the power balance.
+/// Stores motion, slips, torque, efficiency and powers, and returns where they balance.
 #[inline(always)]
 fn outputs<S: Simd>(
     skid: &SlidingRoot<Lane<S>>,
     out: &mut Sink<'_, '_>,
     units: &Units<S>,
     pair: &Balls<S>,
-) -> Lane<S> {
-    let (w, lead) = (units.speed, (pair.sin_a, pair.cos_a));
+) -> Mask<S> {
+    let (w, lead) = (units.speed, pair.scaled.lead);
     let to_nut = skid.rotation();
-    ball_motion(out, w, skid.rate, relative_rotation(to_nut, -pair.nut_speed, lead));
+    ball_motion(out, w, skid.rate, relative_rotation(to_nut, -pair.scaled.nut_speed, lead));
     let ([sin_a, sin_b], [cos_a, cos_b]) = (skid.state.sin, skid.state.cos);
     let to_screw = relative_rotation(to_nut, pair.constant(1.0), lead);
     let spins = [spin_at_nut(to_nut, (sin_a, cos_a)), -spin_at_nut(to_screw, (sin_b, cos_b))];
@@ -90,9 +90,11 @@ fn outputs<S: Simd>(
     let [at_nut, at_screw] = skid.friction();
     slip_angle(out, OutputKey::nut_slip_angle_deg, at_nut);
     slip_angle(out, OutputKey::screw_slip_angle_deg, at_screw);
-    let torque = skid.torque();
-    let ideal = ideal_torque(pair.constant(1.0), pair.arc * pair.cos_a, pair.sin_a / pair.cos_a);
-    let back = w.lt(w.constant(0.0));
-    transmit_torque(out, back, (torque, ideal), units.ball * units.axial, w);
-    power_balance(out, w, (torque, ideal), skid.friction_power())
+    let unit = units.ball * units.axial;
+    let ideal = ideal_torque(units.axial, units.pitch, lead.0 / lead.1);
+    let lost = skid.friction_power() * unit * w.abs();
+    let of = Transmission::of(w.lt(w.constant(0.0)), ideal, skid.torque() * unit, w);
+    let of = of.against(lost);
+    transmission(out, &of);
+    of.is_balanced()
 }

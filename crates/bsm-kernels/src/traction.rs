@@ -5,15 +5,15 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::balance::ideal_torque;
-use bsm_dyn::{
-    FAST_NUT, MOST_LOSS_ERROR, Model, POWER_BALANCE_TOL, SKID_ONSET, Traction, TractionMany,
-    TractionPoint, TractionRoot, TractionStart, loss_error, quadrature_error, slip_scale, takes,
+use bsm_dyn::internals::{
+    FAST_NUT, MOST_LOSS_ERROR, SKID_ONSET, TractionMany, TractionPoint, TractionRoot,
+    TractionStart, efficiency, ideal_torque, loss_error, quadrature_error, slip_scale, takes,
 };
+use bsm_dyn::{Model, Traction, Transmission};
 use bsm_kin::relative_rotation;
 use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
 
-use crate::closed_form::{power_balance, transmit_torque};
+use crate::closed_form::transmission;
 use crate::elastic::GrossSlip;
 use crate::operand::{Lane, LaneInputs, Mask, Valid};
 use crate::pair::{Balls, ContactRow, InUnits};
@@ -79,7 +79,7 @@ impl WithSimd for Solve<'_, '_> {
             let mut out = Sink { wanted, columns: &mut *columns, row };
             let (start, found) = start(&given, &lane, &mut out);
             lanes.push((given, lane));
-            start.to_columns(|column, numbers| numbers.store(&mut starts[column][row..]));
+            start.into_columns(|column, numbers| numbers.store(&mut starts[column][row..]));
             let mut begun = [false; MANY];
             found.store(&mut begun);
             let rows = Lane::<S>::LEN.min(done.len() - row);
@@ -116,14 +116,14 @@ fn scaled<S: Simd>(
 ) -> TractionPoint<Lane<S>> {
     let (zero, one) = (pair.constant(0.0), pair.constant(1.0));
     let friction = given.get(InputKey::friction_coefficient);
-    let ball = pair.scaled();
+    let ball = pair.scaled;
     let [(nut, _), (screw, _)] = ball.semi_axes;
     let scale = slip_scale([nut, screw], ball.pressed_radius);
-    let fast = pair.nut_speed.abs().gt(one * FAST_NUT);
+    let fast = pair.scaled.nut_speed.abs().gt(one * FAST_NUT);
     TractionPoint {
         scaled: ball,
         friction: units.speed.lt(zero).select(-friction, friction),
-        offset: fast.select(pair.nut_speed, zero),
+        offset: fast.select(pair.scaled.nut_speed, zero),
         creep: scale * creep,
         at_nut: false,
     }
@@ -139,7 +139,7 @@ fn start<S: Simd>(
     let one = pair.constant(1.0);
     let friction = point.friction.abs();
     let roll = given.simd.vectorize(BalanceCall { pair, control: None });
-    let mut found = roll.found & takes(friction, pair.inertia_ratio);
+    let mut found = roll.found & takes(friction, pair.scaled.inertia_ratio());
     let motion = Motion::of(pair, &roll);
     let [onset, _] = regime(out, friction, (units, pair), (&roll, &motion));
     let [a, b] = &roll.sides;
@@ -149,7 +149,7 @@ fn start<S: Simd>(
     let mut tilt = roll.twist.zip(between, f64::atan2) * 0.5;
     let mut p = motion.p;
     // Along t, n and b.
-    let mut omega = [pair.sin_a * 0.5, motion.omega[0], motion.omega[1]];
+    let mut omega = [pair.scaled.lead.0 * 0.5, motion.omega[0], motion.omega[1]];
     let skidding = onset.gt(one * SKID_ONSET) & onset.lt(one.constant(f64::INFINITY));
     if (found & skidding).any() {
         let skid = given.simd.vectorize(GrossSlip { pair, friction: point.friction, any: true });
@@ -206,25 +206,24 @@ fn outputs<S: Simd>(
         slip_angle(out, angle, [-(across * side), -(along * sign)]);
         out.set(spin, w_n * w);
     }
-    let lead = (pair.sin_a, pair.cos_a);
+    let lead = pair.scaled.lead;
     let to_nut = [lead.0 * y[4] - lead.1 * y[6], y[5], lead.1 * y[4] + lead.0 * y[6]];
-    let [t, n, b] = relative_rotation(to_nut, -pair.nut_speed, lead);
+    let [t, n, b] = relative_rotation(to_nut, -pair.scaled.nut_speed, lead);
     out.set(OutputKey::ball_precession_rad_s, (y[3] + at.point.offset) * w);
     out.set(OutputKey::ball_omega_t_rad_s, t * w);
     out.set(OutputKey::ball_omega_n_rad_s, n * w);
     out.set(OutputKey::ball_omega_b_rad_s, b * w);
-    let ideal = ideal_torque(pair.constant(1.0), at.point.scaled.radius, pair.sin_a / pair.cos_a);
-    let eta = transmit_torque(out, back, (root.torque, ideal), units.ball * units.axial, w);
-    let power = back.select(-root.power, root.power);
-    let imbalance = power_balance(out, w, (root.torque, ideal), power);
-    let torque = root.torque + root.error;
-    let other = back.select(torque, ideal) / back.select(ideal, torque);
-    let error = quadrature_error(other - eta, accuracy);
+    let ideal = ideal_torque(units.axial, units.pitch, lead.0 / lead.1);
+    let unit = units.ball * units.axial;
+    let of = Transmission::of(back, ideal, root.torque * unit, w).against(root.power * unit * w);
+    transmission(out, &of);
+    let other = efficiency(back, ideal, (root.torque + root.error) * unit);
+    let error = quadrature_error(other - of.efficiency, accuracy);
     out.set(OutputKey::efficiency_error_bound, error);
-    let loss = loss_error(back, eta, error);
+    let loss = loss_error(back, of.efficiency, error);
     let stated = loss.le(zero.constant(MOST_LOSS_ERROR));
     out.set(OutputKey::loss_error_bound, stated.select(loss, zero.constant(f64::NAN)));
     out.set(OutputKey::iterations, root.steps);
     out.set(OutputKey::residual_norm, root.residual);
-    imbalance.abs().le(zero.constant(POWER_BALANCE_TOL)) & error.lt(zero.constant(f64::INFINITY))
+    of.is_balanced() & error.lt(zero.constant(f64::INFINITY))
 }

@@ -1,6 +1,7 @@
 //! Static balance of the rolling ball by lanes, and which raceway controls.
 
-use bsm_dyn::{Control, RacewayControl, StaticBalance, rolling, spread_of_control};
+use bsm_dyn::internals::{StaticBalance, rolling, spread_of_control};
+use bsm_dyn::{Control, RacewayControl};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::operand::{Lane, Mask};
@@ -42,8 +43,8 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
             Some(Control::Screw) => zero.lt(zero),
             Some(Control::Nut) | None => zero.le(zero),
         };
-        let mut balance = StaticBalance::of(&pair.scaled(), by_nut);
-        let inertia = pair.inertia_ratio * (pair.nut_speed.abs() + 1.0);
+        let mut balance = StaticBalance::of(&pair.scaled, by_nut);
+        let inertia = pair.scaled.inertia_ratio() * (pair.scaled.nut_speed.abs() + 1.0);
         // Beyond, the precession, which the angles change by tenths, may turn the slope of the radial balance.
         let unique = inertia.lt(zero.constant(RacewayControl::UNIQUE_BELOW));
         let mut at = balance.start(pair.cos_b / pair.sin_b, pair.regular);
@@ -72,10 +73,10 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
 /// By how much the cotangents differ between the balls of both raceways, to first order.
 #[inline(always)]
 fn apart<S: Simd>(pair: &Balls<S>, [a, b]: &[LaneContact<S>; 2]) -> Lane<S> {
-    let (zero, lead) = (pair.constant(0.0), (pair.sin_a, pair.cos_a));
+    let (zero, lead) = (pair.constant(0.0), pair.scaled.lead);
     let angles = [(a.sin, a.cos), (b.sin, b.cos)];
-    let (nut, _) = rolling(zero.le(zero), lead, pair.arc, angles);
-    let (screw, _) = rolling(zero.lt(zero), lead, pair.arc, angles);
-    let rates = [screw - nut, screw + nut + pair.nut_speed * 2.0];
-    spread_of_control(pair.inertia_ratio, pair.cos_a, rates)
+    let (nut, _) = rolling(zero.le(zero), lead, pair.scaled.arc, angles);
+    let (screw, _) = rolling(zero.lt(zero), lead, pair.scaled.arc, angles);
+    let rates = [screw - nut, screw + nut + pair.scaled.nut_speed * 2.0];
+    spread_of_control(pair.scaled.inertia_ratio(), pair.scaled.lead.1, rates)
 }

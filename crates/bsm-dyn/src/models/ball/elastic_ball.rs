@@ -400,7 +400,7 @@ impl ElasticPoint {
         let unit = self.point.ball.radius * self.point.load.axial;
         let torque = torque * unit;
         let speed = self.point.drive.relative_speed();
-        Transmission::of(pair.direction, self.point.ideal_torque(), torque, speed)
+        Transmission::of(pair.direction.is_back(), self.point.ideal_torque(), torque, speed)
             .balanced_against(friction_power * unit * speed)
     }
 }

@@ -217,7 +217,7 @@ macro_rules! in_columns {
 
             /// Its numbers, with their columns.
             #[inline(always)]
-            $vis fn to_columns(self, mut number: impl FnMut(usize, F)) {
+            $vis fn into_columns(self, mut number: impl FnMut(usize, F)) {
                 let mut columns = 0..;
                 self.map(|x| number(columns.next().unwrap_or_default(), x));
             }
@@ -291,7 +291,7 @@ impl WithSimd for Solve<'_> {
                 let creep = at.point.creep.max(levels[0]);
                 let begin =
                     Iterate { at, before: f64::INFINITY, steps, creep, ..Iterate::default() };
-                begin.to_columns(|column, number| walks[column][*point] = number);
+                begin.into_columns(|column, number| walks[column][*point] = number);
             }
             while !points.is_empty() {
                 for some in points.chunks(Lane::<S>::LEN) {
@@ -567,7 +567,7 @@ fn approach<S: Simd>(
     (walk.weights, walk.steps) = (weights, walk.steps + 1.0);
     let alive = accepted | !first;
     let waits = alive & walk.tries.lt(size.constant(MOST_COARSE));
-    walk.to_columns(|column, numbers| scatter(numbers, &mut walks[column], some));
+    walk.into_columns(|column, numbers| scatter(numbers, &mut walks[column], some));
     let [mut ends, mut goes_on, mut resolved] = [[false; BLOCK]; 3];
     here.resolved.store(&mut resolved);
     (alive & arrived).store(&mut ends);
@@ -669,7 +669,7 @@ fn refine<S: Simd, const SPLIT: bool>(
     (here.exists & !here.resolved).store(&mut unresolved);
     let root =
         TractionRoot { unknowns: at.unknowns, torque, power, error, steps, residual: before };
-    root.to_columns(|column, numbers| scatter(numbers, &mut roots[column], some));
+    root.into_columns(|column, numbers| scatter(numbers, &mut roots[column], some));
     for (point, solved) in some.iter().zip(solved) {
         are_roots[*point] = solved;
     }
