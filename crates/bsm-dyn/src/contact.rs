@@ -1,7 +1,7 @@
 //! What acts at a contact of ball and groove: geometry, Hertz pressure, friction, the lubricant, balance.
 
 mod angles;
-pub mod balance;
+mod balance;
 mod friction;
 mod hertz;
 mod jam;
@@ -9,7 +9,8 @@ mod jones;
 mod lubricant;
 mod transition;
 
+pub(crate) use self::jones::*;
 pub use self::{
-    angles::*, balance::*, friction::*, hertz::*, jam::*, jones::*, lubricant::film_state::*,
+    angles::*, balance::*, friction::*, hertz::*, jam::*, lubricant::film_state::*,
     lubricant::losses::*, lubricant::mixed::*, lubricant::oil::*, lubricant::*, transition::*,
 };

@@ -22,7 +22,7 @@ use crate::contact::{Coulomb, FrictionLaw, MixedFriction, Wrench};
 
 /// A loaded contact ellipse on the ball.
 #[derive(Debug, Clone, Copy)]
-pub struct Ellipse<D, P = f64> {
+pub(crate) struct Ellipse<D, P = f64> {
     /// Where it sits.
     pub contact: Contact<D>,
     /// Normal load `$Q$` \[N\].
@@ -101,7 +101,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
     ///
     /// Source: Coulomb traction over the Hertz ellipse with spin and Heathcote slip, as in Jones
     /// and Harris.
-    pub fn friction<L>(
+    pub(crate) fn friction<L>(
         &self,
         motion: &Motion<D>,
         arc_length_per_radian: D,

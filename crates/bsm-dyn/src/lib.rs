@@ -36,16 +36,50 @@
 //! assert!((nut.load.expect("a load") - 160.36).abs() < 0.01);
 //! ```
 
-pub mod contact;
+mod contact;
 mod cost;
-pub mod ellipse;
+mod ellipse;
 #[cfg(test)]
 #[path = "tests/extreme.rs"]
 mod extreme;
-pub mod models;
+mod models;
 mod outcome;
 
-pub use self::contact::*;
+pub use self::contact::{
+    Angles, Axes, Ball, BaseOil, ContactFilm, Coulomb, Curvatures, EntryStep, FilmState,
+    FrictionLaw, Groove, Hertz, Load, Losses, Lubricant, Material, MixedFriction, Oil, OilState,
+    Optimum, OutsidePower, Power, Raceway, Regime, Roughness, Sines, Temperature, Transition,
+    VISCOSITY_GRADES, Wedge, ZERO_CELSIUS, apex_thrust, centrifugal_force, contact_modulus,
+    flat_stiffness, impact_force, linear_impact_force, step_thrust, track_friction, viscous_drag,
+};
 pub use self::cost::evaluations;
-pub use self::ellipse::*;
-pub use self::models::*;
+pub use self::ellipse::{EllipseSlip, Quadrature, pressed_radius};
+pub use self::models::{
+    Alternatives, Auto, BallMotion, BallState, Basis, Choice, ClosedForm, ContactSite,
+    ContactState, ControllingRaceway, Driven, Elastic, ElasticPoint, ElasticWorkspace, ErrorBound,
+    GrooveForces, HertzContact, LossInterval, Lubricated, LubricatedModel, Model, ModelWorkspace,
+    OperatingPoint, Performance, PermanentSet, PrescribedBall, PrescribedContact, Problem,
+    QuasiStatic, ROLLING_BELOW, RacewayControl, RacewayFriction, RacewayWorkspace, Rigid,
+    RigidRoot, RigidWorkspace, ScrewSize, SkidNumbers, Sliding, Slip, SlipPower, SlipRegime,
+    Solution, SolveInfo, Solved, StaticBall, SteadyBall, Traction, TractionWorkspace, TrainBall,
+    TrainMotion, Transmission, TwoContacts, rim_speed, rolling_tangent, yield_ratio,
+};
+pub use self::outcome::{Control, Direction, Evidence, Reason, Status, Unsolved};
+
+/// What kernels compute the same models with for many points, and equations that are timed and compared from outside. No
+/// part of the API: another way to solve would not have them.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::contact::{BallOrbit, efficiency, ideal_torque, max_pressure, torque_of};
+    pub use crate::ellipse::{power_of_many, slip_scale};
+    pub use crate::models::{
+        BallContacts, EhlPoint, EhlUnits, FAST_NUT, FirstOrder, GrooveContact, LoadedContact,
+        LubricatedWorkspace, MOST_LOSS_ERROR, ModelErrors, NumberColumns, Plane, RigidBall,
+        RigidMotion, SKID_ONSET, ScaledBall, ScaledFilm, ScaledSize, SlidingBall, SlidingMotion,
+        SlidingRoot, SlidingState, StaticBalance, StaticState, Sweeps, TractionMany, TractionPoint,
+        TractionRoot, TractionStart, catalogue_friction, cross_slip, equivalent_friction,
+        film_heating, friction_angle, friction_power, integrated_error, loss_error, onset_number,
+        quadrature_error, rolling, rolling_torque, skid_number, spread_of_control, takes, turns,
+    };
+    pub use crate::models::{RigidSystem, Unknowns as RigidUnknowns};
+}

@@ -22,10 +22,3 @@ pub use self::{
     prescribed_ball::*, problem::*, quasi_static::*, raceway_control::*, rigid::*, slip::*,
     static_ball::*, traction::*, workspace::*,
 };
-
-/// Equations that are timed and compared from outside, by `benches` and by its peers in other
-/// languages. No part of the API: another way to solve would not have them.
-#[doc(hidden)]
-pub mod internals {
-    pub use crate::models::rigid::{RigidSystem, Unknowns as RigidUnknowns};
-}

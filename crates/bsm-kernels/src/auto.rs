@@ -2,7 +2,8 @@
 //! the next.
 
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::{Basis, Choice, Direction, ErrorBound, ModelErrors, SlidingBall, Traction};
+use bsm_dyn::internals::{ModelErrors, SlidingBall};
+use bsm_dyn::{Basis, Choice, Direction, ErrorBound, Traction};
 use bsm_simd::{Arch, Simd, WithSimd};
 
 use crate::contacts::InUnits;
@@ -176,7 +177,7 @@ impl WithSimd for RollingRows<'_, '_, '_> {
             });
             let friction = given.get(InputKey::friction_coefficient);
             let back = units.speed.lt(friction.constant(0.0));
-            let sliding = SlidingBall::of(&contacts.scaled(), back.select(-friction, friction));
+            let sliding = SlidingBall::of(&contacts.scaled, back.select(-friction, friction));
             let errors = ModelErrors::of(&sliding, back, ball.efficiency, ball.skid);
             let known = errors.onset_number.lt(friction.constant(f64::INFINITY));
             let valid = simd.vectorize(Valid { given: &given, model: Raceway::MODEL });

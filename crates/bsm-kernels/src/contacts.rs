@@ -2,7 +2,7 @@
 
 use bsm_case::units::{DEG, MM, MPA, UM};
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::{BallContacts, LoadedContact, ScaledSize, max_pressure};
+use bsm_dyn::internals::{BallContacts, LoadedContact, ScaledSize, max_pressure};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::Sink;

@@ -2,12 +2,12 @@
 //! inertia falls.
 
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::balance::ideal_torque;
-use bsm_dyn::{Model, POWER_BALANCE_TOL, SlidingBall, SlidingRoot, takes};
+use bsm_dyn::internals::{SlidingBall, SlidingRoot, ideal_torque, takes};
+use bsm_dyn::{Model, Transmission};
 use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
-use crate::closed_form::{power_balance, transmit_torque};
+use crate::closed_form::transmission;
 use crate::contacts::{ContactRow, Contacts, InUnits};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::rigid::{ball_motion, slip_angle};
@@ -41,9 +41,9 @@ impl Kernel for Elastic {
         let sides =
             [contacts.loaded(0, q_a, (sin_a, cos_a)), contacts.loaded(1, q_b, (sin_b, cos_b))];
         given.simd.vectorize(ContactRow { out, units: &units, contacts: &contacts, sides: &sides });
-        let imbalance = outputs(&skid, out, &units, &contacts);
+        let balanced = outputs(&skid, out, &units, &contacts);
         out.set_all(OutputKey::iterations, [skid.steps, skid.residual]);
-        skid.found & imbalance.abs().le(imbalance.constant(POWER_BALANCE_TOL))
+        skid.found & balanced
     }
 }
 
@@ -62,27 +62,27 @@ impl<S: Simd> NullaryFnOnce for GrossSlip<'_, S> {
     #[inline(always)]
     fn call(self) -> Self::Output {
         let Self { contacts, friction, any } = self;
-        let ball = SlidingBall::of(&contacts.scaled(), friction);
+        let ball = SlidingBall::of(&contacts.scaled, friction);
         let expected = contacts.regular
-            & takes(friction.abs(), contacts.inertia_ratio)
-            & contacts.nut_speed.abs().lt(contacts.constant(MOST_NUT_SPEED));
+            & takes(friction.abs(), contacts.scaled.inertia_ratio())
+            & contacts.scaled.nut_speed.abs().lt(contacts.constant(MOST_NUT_SPEED));
         let root = ball.first_root(contacts.cos_b / contacts.sin_b, expected, any);
         let sure = root.state.push.lt(contacts.constant(MOST_LOAD));
         SlidingRoot { steady: root.steady & sure, found: root.found & sure, ..root }
     }
 }
 
-/// Stores motion, slips, torque, efficiency and powers, and returns the violation of the power balance.
+/// Stores motion, slips, torque, efficiency and powers, and returns where they balance.
 #[inline(always)]
 fn outputs<S: Simd>(
     skid: &SlidingRoot<Lane<S>>,
     out: &mut Sink<'_, '_>,
     units: &Units<S>,
     contacts: &Contacts<S>,
-) -> Lane<S> {
-    let (w, lead) = (units.speed, (contacts.sin_a, contacts.cos_a));
+) -> Mask<S> {
+    let (w, lead) = (units.speed, contacts.scaled.lead);
     let to_nut = skid.rotation();
-    ball_motion(out, w, skid.rate, relative_rotation(to_nut, -contacts.nut_speed, lead));
+    ball_motion(out, w, skid.rate, relative_rotation(to_nut, -contacts.scaled.nut_speed, lead));
     let ([sin_a, sin_b], [cos_a, cos_b]) = (skid.state.sin, skid.state.cos);
     let to_screw = relative_rotation(to_nut, contacts.constant(1.0), lead);
     let spins = [spin_at_nut(to_nut, (sin_a, cos_a)), -spin_at_nut(to_screw, (sin_b, cos_b))];
@@ -92,13 +92,11 @@ fn outputs<S: Simd>(
     let [at_nut, at_screw] = skid.friction();
     slip_angle(out, OutputKey::nut_slip_angle_deg, at_nut);
     slip_angle(out, OutputKey::screw_slip_angle_deg, at_screw);
-    let torque = skid.torque();
-    let ideal = ideal_torque(
-        contacts.constant(1.0),
-        contacts.arc * contacts.cos_a,
-        contacts.sin_a / contacts.cos_a,
-    );
-    let back = w.lt(w.constant(0.0));
-    transmit_torque(out, back, (torque, ideal), units.ball * units.axial, w);
-    power_balance(out, w, (torque, ideal), skid.friction_power())
+    let unit = units.ball * units.axial;
+    let ideal = ideal_torque(units.axial, units.pitch, lead.0 / lead.1);
+    let lost = skid.friction_power() * unit * w.abs();
+    let of = Transmission::of(w.lt(w.constant(0.0)), ideal, skid.torque() * unit, w);
+    let of = of.against(lost);
+    transmission(out, &of);
+    of.is_balanced()
 }

@@ -1,6 +1,6 @@
 //! Two contacts without inertia by lanes, Eqs (Q1) to (Q4).
 
-use bsm_case::{InputKey, OutputKey};
+use bsm_case::InputKey;
 use bsm_dyn::{Model, TwoContacts};
 use bsm_simd::Simd;
 
@@ -29,10 +29,8 @@ impl Kernel for QuasiStatic {
         };
         let (eta, ratio) = (contacts.efficiency(back), contacts.load_ratio());
 
-        out.set(OutputKey::efficiency, eta);
         contact_angles(given, out);
-        out.set_flag(OutputKey::self_locking, eta.le(zero));
-        transmit(given, out, (back, contacts.sines.tan_a()), (eta, ratio));
+        transmit(given, out, (back, contacts.sines.tan_a()), (eta, eta.le(zero)), ratio);
         ratio.gt(zero)
     }
 }

@@ -5,18 +5,17 @@ mod friction;
 mod oil;
 
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::balance::ideal_torque;
-use bsm_dyn::{
-    Ball, Control, Model, cross_slip, friction_power, onset_number, rolling, rolling_torque,
-    skid_number,
+use bsm_dyn::internals::{
+    cross_slip, friction_power, ideal_torque, onset_number, rolling, rolling_torque, skid_number,
 };
+use bsm_dyn::{Ball, Control, Model, Transmission};
 use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 pub(super) use self::balance::{BalanceCall, Precession};
 use self::friction::Ellipse;
 use self::oil::OilLane;
-use crate::closed_form::transmit_torque;
+use crate::closed_form::transmission;
 use crate::contacts::{ContactRow, Contacts, InUnits};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::rigid::ball_motion;
@@ -116,15 +115,16 @@ impl<S: Simd> Motion<S> {
     #[inline(always)]
     pub(super) fn of(contacts: &Contacts<S>, state: &Precession<S>) -> Self {
         let ([a, b], by_nut, one) = (&state.sides, state.by_nut, contacts.constant(1.0));
-        let lead = (contacts.sin_a, contacts.cos_a);
-        let (p, to_nut) = rolling(by_nut, lead, contacts.arc, [(a.sin, a.cos), (b.sin, b.cos)]);
+        let lead = contacts.scaled.lead;
+        let (p, to_nut) =
+            rolling(by_nut, lead, contacts.scaled.arc, [(a.sin, a.cos), (b.sin, b.cos)]);
         let (zero, to_screw) = (contacts.constant(0.0), relative_rotation(to_nut, one, lead));
         let nut_spin = spin_at_nut(to_nut, (a.sin, a.cos));
         let screw_spin = -spin_at_nut(to_screw, (b.sin, b.cos));
         Self {
             p,
             omega: [to_nut[1], to_nut[2]],
-            speed: [p * contacts.arc, (p - 1.0) * contacts.arc],
+            speed: [p * contacts.scaled.arc, (p - 1.0) * contacts.scaled.arc],
             spin: [by_nut.select(zero, nut_spin), by_nut.select(screw_spin, zero)],
         }
     }
@@ -132,13 +132,12 @@ impl<S: Simd> Motion<S> {
     #[inline(always)]
     fn outputs(&self, out: &mut Sink<'_, '_>, units: &Units<S>, contacts: &Contacts<S>) {
         let w = units.speed;
-        let to_nut = [contacts.sin_a * 0.5, self.omega[0], self.omega[1]];
-        let omega =
-            relative_rotation(to_nut, -contacts.nut_speed, (contacts.sin_a, contacts.cos_a));
-        ball_motion(out, w, self.p + contacts.nut_speed, omega);
+        let to_nut = [contacts.scaled.lead.0 * 0.5, self.omega[0], self.omega[1]];
+        let omega = relative_rotation(to_nut, -contacts.scaled.nut_speed, contacts.scaled.lead);
+        ball_motion(out, w, self.p + contacts.scaled.nut_speed, omega);
         out.set_all(OutputKey::nut_spin_rad_s, [self.spin[0] * w, self.spin[1] * w]);
         // Both centres roll; the slip of the lead is shared, against friction along e_x.
-        let slip = contacts.sin_a * 0.5 * w.abs() * units.ball;
+        let slip = contacts.scaled.lead.0 * 0.5 * w.abs() * units.ball;
         out.set_all(OutputKey::nut_slip_velocity_m_s, [slip; 2]);
         // Friction is along e_x, or against it where the load drives.
         let zero = w.constant(0.0);
@@ -163,7 +162,7 @@ fn ellipse<S: Simd>(
         pressed_radius: pressed.pressed_radius,
         speed,
         // Both centres roll, and share the slip of the lead.
-        omega: [contacts.sin_a * 0.5, motion.spin[i], -speed],
+        omega: [contacts.scaled.lead.0 * 0.5, motion.spin[i], -speed],
     }
 }
 
@@ -192,12 +191,15 @@ fn transmit<S: Simd>(
         let friction = given.get(InputKey::friction_coefficient);
         (friction_power(friction, [nut.load, screw.load], [nut_power, screw_power]), friction)
     };
-    let ideal = ideal_torque(units.axial, units.pitch, contacts.sin_a / contacts.cos_a);
+    let ideal =
+        ideal_torque(units.axial, units.pitch, contacts.scaled.lead.0 / contacts.scaled.lead.1);
     let mut torque = rolling_torque(ideal, back.select(-loss, loss), units.ball, units.axial);
     if let Some(lubricated) = &lubricated {
         torque = torque + lubricated.outside.torque(units.speed);
     }
-    let eta = transmit_torque(out, back, (torque, ideal), torque.constant(1.0), units.speed);
+    let of = Transmission::of(back, ideal, torque, units.speed);
+    transmission(out, &of);
+    let eta = of.efficiency;
     if let Some(lubricated) = &lubricated {
         lubricated.outputs(out, (units, contacts), (back, eta));
     }
@@ -214,14 +216,14 @@ pub(super) fn regime<S: Simd>(
     (state, motion): (&Precession<S>, &Motion<S>),
 ) -> [Lane<S>; 2] {
     let [a, b] = &state.sides;
-    let rate = motion.p + contacts.nut_speed;
+    let rate = motion.p + contacts.scaled.nut_speed;
     let ball = Ball { radius: contacts.constant(1.0), mass: units.mass };
     let gyroscopic = ball.inertia() * (rate * motion.omega[0]).abs();
     let skid = skid_number(gyroscopic, friction, [a.load, b.load]);
     let [slip_a, slip_b] = &motion.spin;
     let slip_a = slip_a.abs() * a.semi_axes(&contacts.pressed[0]).0;
     let slip_b = slip_b.abs() * b.semi_axes(&contacts.pressed[1]).0;
-    let cross = cross_slip(contacts.sin_a, [slip_a, slip_b]);
+    let cross = cross_slip(contacts.scaled.lead.0, [slip_a, slip_b]);
     let onset = onset_number(skid, cross);
     let (none, beyond) = (skid.constant(f64::NAN), skid.constant(f64::INFINITY));
     let stated = [skid.lt(beyond).select(skid, none), onset.lt(beyond).select(onset, none)];

@@ -4,10 +4,11 @@
 
 use bsm_case::units::direction_deg;
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::{Model, POWER_BALANCE_TOL, Plane, RigidBall, RigidMotion, friction_angle};
+use bsm_dyn::internals::{Plane, RigidBall, RigidMotion, friction_angle};
+use bsm_dyn::{Model, Transmission};
 use bsm_simd::Simd;
 
-use crate::closed_form::{contact_angles, power_balance, transmit_torque};
+use crate::closed_form::{contact_angles, transmission};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::Units;
 use crate::{Kernel, Sink};
@@ -30,32 +31,34 @@ impl Kernel for Rigid {
         if !found.any() {
             return found;
         }
-        let imbalance = outputs(out, &si, &ball, &swept.motion);
+        let balanced = outputs(out, &si, &ball, &swept.motion);
         contact_angles(given, out);
         out.set_all(OutputKey::iterations, [swept.count, swept.residual]);
         // Unknown where no search is made.
         let others = first.is_unique().select(zero, zero.constant(f64::NAN));
         out.set(OutputKey::other_solutions, others);
-        found & imbalance.abs().le(zero.constant(POWER_BALANCE_TOL))
+        found & balanced
     }
 }
 
-/// Stores what is wanted of a motion, and returns the violation of its power balance.
+/// Stores what is wanted of a motion, and returns where its powers balance.
 #[inline(always)]
 fn outputs<S: Simd>(
     out: &mut Sink<'_, '_>,
     si: &Units<S>,
     ball: &RigidBall<Lane<S>>,
     motion: &RigidMotion<Lane<S>>,
-) -> Lane<S> {
+) -> Mask<S> {
     let [q_a, q_m, q_b] = motion.loads;
     out.set_all(OutputKey::nut_normal_load_N, [q_a * si.load, q_b * si.load, q_m * si.load]);
 
-    let (torque, ideal) = (ball.torque(motion), ball.ideal_torque());
-    let (zero, one) = (torque.constant(0.0), torque.constant(1.0));
+    let unit = si.ball * si.axial;
+    let (zero, one) = (unit.constant(0.0), unit.constant(1.0));
     let back = si.speed.lt(zero);
-    transmit_torque(out, back, (torque, ideal), si.ball * si.axial, si.speed);
-    let imbalance = power_balance(out, si.speed, (torque, ideal), ball.friction_power(motion));
+    let (ideal, torque) = (ball.ideal_torque() * unit, ball.torque(motion) * unit);
+    let lost = ball.friction_power(motion) * unit * si.speed.abs();
+    let of = Transmission::of(back, ideal, torque, si.speed).against(lost);
+    transmission(out, &of);
 
     let [v_a, v_m, v_b] = motion.speeds;
     let slip = si.speed.abs() * si.ball;
@@ -72,7 +75,7 @@ fn outputs<S: Simd>(
         [against * unloaded[0], against * unloaded[1]],
     );
     slip_angle(out, OutputKey::screw_slip_angle_deg, [against * b[0], against * b[1]]);
-    imbalance
+    of.is_balanced()
 }
 
 /// Stores precession and angular velocity of the ball, both over the relative speed.

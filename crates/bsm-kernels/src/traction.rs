@@ -5,16 +5,16 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::balance::ideal_torque;
-use bsm_dyn::{
-    FAST_NUT, MOST_LOSS_ERROR, Model, POWER_BALANCE_TOL, SKID_ONSET, Traction, TractionMany,
-    TractionPoint, TractionRoot, TractionStart, integrated_error, loss_error, quadrature_error,
+use bsm_dyn::internals::{
+    FAST_NUT, MOST_LOSS_ERROR, SKID_ONSET, TractionMany, TractionPoint, TractionRoot,
+    TractionStart, efficiency, ideal_torque, integrated_error, loss_error, quadrature_error,
     slip_scale, takes,
 };
+use bsm_dyn::{Model, Traction, Transmission};
 use bsm_kin::relative_rotation;
 use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
 
-use crate::closed_form::{power_balance, transmit_torque};
+use crate::closed_form::transmission;
 use crate::contacts::{ContactRow, Contacts, InUnits};
 use crate::elastic::GrossSlip;
 use crate::operand::{Lane, LaneInputs, Mask, Valid};
@@ -80,7 +80,7 @@ impl WithSimd for Solve<'_, '_> {
             let mut out = Sink { wanted, columns: &mut *columns, row };
             let (start, found) = start(&given, &lane, &mut out);
             lanes.push((given, lane));
-            start.to_columns(|column, numbers| numbers.store(&mut starts[column][row..]));
+            start.into_columns(|column, numbers| numbers.store(&mut starts[column][row..]));
             let mut begun = [false; MANY];
             found.store(&mut begun);
             let rows = Lane::<S>::LEN.min(done.len() - row);
@@ -120,14 +120,14 @@ fn scaled<S: Simd>(
 ) -> TractionPoint<Lane<S>> {
     let (zero, one) = (contacts.constant(0.0), contacts.constant(1.0));
     let friction = given.get(InputKey::friction_coefficient);
-    let ball = contacts.scaled();
+    let ball = contacts.scaled;
     let [(nut, _), (screw, _)] = ball.semi_axes;
     let scale = slip_scale([nut, screw], ball.pressed_radius);
-    let fast = contacts.nut_speed.abs().gt(one * FAST_NUT);
+    let fast = contacts.scaled.nut_speed.abs().gt(one * FAST_NUT);
     TractionPoint {
         scaled: ball,
         friction: units.speed.lt(zero).select(-friction, friction),
-        offset: fast.select(contacts.nut_speed, zero),
+        offset: fast.select(contacts.scaled.nut_speed, zero),
         creep: scale * creep,
         nut_chart: false,
     }
@@ -143,7 +143,7 @@ fn start<S: Simd>(
     let one = contacts.constant(1.0);
     let friction = point.friction.abs();
     let rolling_rate = given.simd.vectorize(BalanceCall { contacts, control: None });
-    let mut found = rolling_rate.found & takes(friction, contacts.inertia_ratio);
+    let mut found = rolling_rate.found & takes(friction, contacts.scaled.inertia_ratio());
     let motion = Motion::of(contacts, &rolling_rate);
     let [onset, _] = regime(out, friction, (units, contacts), (&rolling_rate, &motion));
     let [a, b] = &rolling_rate.sides;
@@ -153,7 +153,7 @@ fn start<S: Simd>(
     let mut tilt = rolling_rate.twist.zip(between, f64::atan2) * 0.5;
     let mut p = motion.p;
     // Along t, n and b.
-    let mut omega = [contacts.sin_a * 0.5, motion.omega[0], motion.omega[1]];
+    let mut omega = [contacts.scaled.lead.0 * 0.5, motion.omega[0], motion.omega[1]];
     let skidding = onset.gt(one * SKID_ONSET) & onset.lt(one.constant(f64::INFINITY));
     if (found & skidding).any() {
         let skid =
@@ -211,31 +211,25 @@ fn outputs<S: Simd>(
         slip_angle(out, angle, [-(across * side), -(along * sign)]);
         out.set(spin, w_n * w);
     }
-    let lead = (contacts.sin_a, contacts.cos_a);
+    let lead = contacts.scaled.lead;
     let to_nut = [lead.0 * y[4] - lead.1 * y[6], y[5], lead.1 * y[4] + lead.0 * y[6]];
-    let [t, n, b] = relative_rotation(to_nut, -contacts.nut_speed, lead);
+    let [t, n, b] = relative_rotation(to_nut, -contacts.scaled.nut_speed, lead);
     out.set(OutputKey::ball_precession_rad_s, (y[3] + at.point.offset) * w);
     out.set(OutputKey::ball_omega_t_rad_s, t * w);
     out.set(OutputKey::ball_omega_n_rad_s, n * w);
     out.set(OutputKey::ball_omega_b_rad_s, b * w);
-    let ideal = ideal_torque(
-        contacts.constant(1.0),
-        at.point.scaled.radius,
-        contacts.sin_a / contacts.cos_a,
-    );
-    let eta = transmit_torque(out, back, (root.torque, ideal), units.ball * units.axial, w);
-    let power = back.select(-root.power, root.power);
-    let imbalance = power_balance(out, w, (root.torque, ideal), power);
-    let torque = root.torque + root.error;
-    let other = back.select(torque, ideal) / back.select(ideal, torque);
-    let error = quadrature_error(other - eta, accuracy);
+    let ideal = ideal_torque(units.axial, units.pitch, lead.0 / lead.1);
+    let unit = units.ball * units.axial;
+    let of = Transmission::of(back, ideal, root.torque * unit, w).against(root.power * unit * w);
+    transmission(out, &of);
+    let other = efficiency(back, ideal, (root.torque + root.error) * unit);
+    let error = quadrature_error(other - of.efficiency, accuracy);
     out.set(OutputKey::efficiency_error_bound, error);
-    let loss = loss_error(back, eta, error);
+    let loss = loss_error(back, of.efficiency, error);
     let stated = loss.le(zero.constant(MOST_LOSS_ERROR));
     out.set(OutputKey::loss_error_bound, stated.select(loss, zero.constant(f64::NAN)));
     out.set(OutputKey::iterations, root.steps);
     out.set(OutputKey::residual_norm, root.residual);
-    let solved = imbalance.abs().le(zero.constant(POWER_BALANCE_TOL))
-        & error.lt(zero.constant(f64::INFINITY));
-    (solved, integrated_error(error, eta, root.by_creep))
+    let solved = of.is_balanced() & error.lt(zero.constant(f64::INFINITY));
+    (solved, integrated_error(error, of.efficiency, root.by_creep))
 }

@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 /// Largest relative violation of the power balance (B10) of a result that is returned. An exact
 /// root has rounding only; more means that rounding errors have spoilt the result, as they do when the
 /// inertia forces are many orders above the load.
-pub const POWER_BALANCE_TOL: f64 = 1e-9;
+pub(crate) const POWER_BALANCE_TOL: f64 = 1e-9;
 
 /// The refusal of a ball that stands still in space, where the moment of its spin is an unknown.
 pub(crate) const DOES_NOT_CIRCLE: EvalError = EvalError {
@@ -108,7 +108,7 @@ impl<D: Scalar> Add for Wrench<D> {
 /// * `pitch_radius`: `$r_m$` \[m\]; `motion` is absolute.
 ///
 /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs 5a-f.
-pub fn newton_euler<D: Scalar>(
+pub(crate) fn newton_euler<D: Scalar>(
     contacts: &Wrench<D>,
     ball: &Ball<D>,
     pitch_radius: D,
@@ -127,7 +127,7 @@ pub fn newton_euler<D: Scalar>(
 /// Axial force that the nut puts on the ball \[N\]; equals the axial load per ball (B6).
 ///
 /// Source: Lin, Velinsky and Ravani, Eq 9, force row.
-pub fn axial_force<D: Scalar>(nut_force: &Vector3<D>, frame: &BallFrame<D>) -> D {
+pub(crate) fn axial_force<D: Scalar>(nut_force: &Vector3<D>, frame: &BallFrame<D>) -> D {
     // F_a = (Σ_nut F_c)·k                                                 (B6)
     nut_force.dot(&frame.k)
 }
@@ -139,7 +139,7 @@ pub fn axial_force<D: Scalar>(nut_force: &Vector3<D>, frame: &BallFrame<D>) -> D
 /// steady ball takes no net moment about the axis.
 ///
 /// Source: Lin, Velinsky and Ravani, Eq 9, moment row.
-pub fn torque<D: Scalar>(contact: &Wrench<D>, pitch_radius: D, frame: &BallFrame<D>) -> D {
+pub(crate) fn torque<D: Scalar>(contact: &Wrench<D>, pitch_radius: D, frame: &BallFrame<D>) -> D {
     // T = [(−r_m n) × F + M]·k                                            (B7)
     (contact.moment - frame.n.cross(&contact.force) * pitch_radius).dot(&frame.k)
 }
@@ -149,7 +149,7 @@ pub fn torque<D: Scalar>(contact: &Wrench<D>, pitch_radius: D, frame: &BallFrame
 /// * `load`: with the friction across the groove and along it. * `lead`, `angle`: sines and cosines of lead
 ///   angle and contact angle. * `radius`: `$r_m/r_b$`.
 #[inline(always)]
-pub fn friction_torque<P: Field, D: FieldOver<P>>(
+pub(crate) fn friction_torque<P: Field, D: FieldOver<P>>(
     (load, [across, along]): (D, [D; 2]),
     lead: (P, P),
     (sin, cos): (D, D),
@@ -186,6 +186,14 @@ impl<D: Scalar> Load<D> {
 pub fn efficiency<F: Field>(back: F::Mask, ideal: F, torque: F) -> F {
     // η = F_a r_m tanα / T  or  T / (F_a r_m tanα)                        (B8)
     F::select(back, torque, ideal) / F::select(back, ideal, torque)
+}
+
+/// The torque on the screw of an efficiency, [`efficiency`] the other way (B8).
+///
+/// * `back`: where the load drives.
+#[inline(always)]
+pub fn torque_of<F: Field>(back: F::Mask, ideal: F, efficiency: F) -> F {
+    F::select(back, ideal * efficiency, ideal / efficiency)
 }
 
 /// Torque of the frictionless screw `$F_a r_m \tan\alpha$` \[N·m\] (B9).

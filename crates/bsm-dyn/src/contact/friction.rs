@@ -56,7 +56,7 @@ impl<D: Copy> FrictionLaw<D> for Coulomb<D> {
 /// # Errors
 ///
 /// [`EvalError`] if the slip vanishes: the direction of friction is then not defined.
-pub fn friction_force<D: Scalar>(
+pub(crate) fn friction_force<D: Scalar>(
     law: &impl FrictionLaw<D>,
     normal_load: D,
     slip: &Vector3<D>,

@@ -8,7 +8,7 @@ use bsm_newton::EvalError;
 /// Distances from the groove-arc centres to the ball centre at first touch, and the unloaded
 /// contact angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Jones<D> {
+pub(crate) struct Jones<D> {
     /// `$l_{A0}$` at the nut \[m\].
     pub nut_offset: D,
     /// `$l_{B0}$` at the screw \[m\].
@@ -31,7 +31,7 @@ impl<D: Scalar> Jones<D> {
     /// # Errors
     ///
     /// [`EvalError`] if no contact angles between 0 and π/2 have this tilt.
-    pub fn deformed(&self, [nut, screw]: [D; 2], tilt: D) -> Result<(D, D), EvalError> {
+    pub(crate) fn deformed(&self, [nut, screw]: [D; 2], tilt: D) -> Result<(D, D), EvalError> {
         let both = self.nut_offset + self.screw_offset;
         let (l_a, l_b) = (self.nut_offset + nut, self.screw_offset + screw);
         let (sin, cos) = tilt.sin_cos();
@@ -59,7 +59,7 @@ impl<D: Scalar> Jones<D> {
     /// # Errors
     ///
     /// [`EvalError`] if no contact angle at the screw goes with it.
-    pub fn opposite(&self, [nut, screw]: [D; 2], nut_angle: D) -> Result<(D, D), EvalError> {
+    pub(crate) fn opposite(&self, [nut, screw]: [D; 2], nut_angle: D) -> Result<(D, D), EvalError> {
         let both = self.nut_offset + self.screw_offset;
         let (l_a, l_b) = (self.nut_offset + nut, self.screw_offset + screw);
         // cosβ_B = (A₂ − l_A cosβ_A)/l_B                                  (J9)
@@ -88,7 +88,7 @@ impl<D: Scalar> Jones<D> {
 /// * `lengths`: of the arc centres from the ball centre, at nut and screw. * `sines`: of the contact angles.
 /// * `unloaded`: `$(l_{A0} + l_{B0})\sin\beta_0$`.
 #[inline(always)]
-pub fn axial_displacement<P: Field, D: FieldOver<P>>(
+pub(crate) fn axial_displacement<P: Field, D: FieldOver<P>>(
     lengths: [D; 2],
     sines: [D; 2],
     unloaded: P,

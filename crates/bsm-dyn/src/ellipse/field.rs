@@ -57,8 +57,9 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
+    use crate::ellipse::Ellipse;
     use crate::ellipse::Local;
-    use crate::{Coulomb, Ellipse, Quadrature};
+    use crate::{Coulomb, Quadrature};
 
     const ARC: f64 = 0.02;
     const CREEP: f64 = 1e-5;

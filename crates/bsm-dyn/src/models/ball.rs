@@ -16,4 +16,4 @@ pub use self::{
     solution::*, state::*,
 };
 pub(crate) use self::{ball_unknowns::*, equations::*};
-pub use crate::outcome::*;
+pub(crate) use crate::outcome::*;

@@ -3,8 +3,9 @@
 //! Theory: `docs/theory/03-closed-form.md`, equations (C1) to (C20).
 
 use bsm_kin::Scalar;
+use bsm_simd::Compare;
 
-use crate::contact::{Angles, Coulomb, Load, Power, ideal_torque};
+use crate::contact::{Angles, Coulomb, Load, Power, ideal_torque, torque_of};
 use crate::models::ball::{
     BallState, Direction, Model, Performance, Solution, Solved, Transmission,
 };
@@ -20,6 +21,15 @@ pub struct ScrewSize<D = f64> {
     pub relative_speed: Option<D>,
 }
 
+/// Where the screw can be turned.
+///
+/// * `back`: where the load drives. * `load_ratio`: normal load over axial load per ball.
+#[inline(always)]
+pub fn turns<F: Compare>(back: F::Mask, efficiency: F, load_ratio: F) -> F::Mask {
+    let zero = efficiency.constant(0.0);
+    (back | efficiency.gt(zero)) & load_ratio.gt(zero) & load_ratio.lt(zero.constant(f64::INFINITY))
+}
+
 impl<D: Scalar> ScrewSize<D> {
     /// Torque of the frictionless screw and torque on the screw, of a model that is given by its
     /// efficiency and the ratio of normal to axial load; `None` if the screw cannot be turned.
@@ -30,16 +40,12 @@ impl<D: Scalar> ScrewSize<D> {
         efficiency: D,
         load_ratio: D,
     ) -> Option<(D, D)> {
-        let locked = direction == Direction::RotaryToLinear && efficiency.re() <= 0.0;
-        if locked || !load_ratio.re().is_finite() || load_ratio.re() <= 0.0 {
+        let back = direction.is_back();
+        if !turns(back, efficiency.re(), load_ratio.re()) {
             return None;
         }
         let ideal = ideal_torque(self.load.axial, self.pitch_radius, lead_angle.tan());
-        let torque = match direction {
-            Direction::RotaryToLinear => ideal / efficiency,
-            Direction::LinearToRotary => ideal * efficiency,
-        };
-        Some((ideal, torque))
+        Some((ideal, torque_of(back, ideal, efficiency)))
     }
 }
 

@@ -343,7 +343,7 @@ impl RacewayWorkspace {
         let ball = screw.ball_state(contacts, loaded, &rolling_ball.to_nut)?;
         let (ideal, torque) = screw.rolling_torques(at_nut + at_screw);
         let speed = screw.point.drive.relative_speed();
-        let transmission = Transmission::of(contacts.direction, ideal, torque, speed);
+        let transmission = Transmission::of(contacts.direction.is_back(), ideal, torque, speed);
         let (skid, info, control) = rolling_ball.solve_info(contacts);
         let (skid, info, control) = (Some(skid), Some(info), Some(control));
         let contact_power = Some(screw.in_watts([at_nut, at_screw]));

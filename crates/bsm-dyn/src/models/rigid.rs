@@ -24,9 +24,9 @@ pub use self::first_order::FirstOrder;
 use self::root::BallRoot;
 pub use self::root::RigidWorkspace;
 pub use self::sweep::Sweeps;
-use crate::contact::{Angles, POWER_BALANCE_TOL};
+use crate::contact::Angles;
 use crate::models::ball::{
-    BALL, BallState, BallUnits, ContactState, Direction, Model, OperatingPoint, ROWS, Reason, Slip,
+    BALL, BallState, BallUnits, ContactState, Direction, Model, OperatingPoint, ROWS, Slip,
     Solution, SolveInfo, Solved, Transmission, Unsolved, equations, friction_angle,
 };
 
@@ -163,11 +163,8 @@ impl Rigid {
     /// The answer of a root whose powers balance.
     fn balanced(&self, ball: &RigidBall, root: &BallRoot) -> Result<Solved, Unsolved> {
         let solved = self.solved(ball, root);
-        let imbalance = solved.transmission.power_balance.unwrap_or(f64::NAN);
-        if imbalance.abs() <= POWER_BALANCE_TOL {
-            return Ok(solved);
-        }
-        Err(Unsolved::not_converged(Reason::PowerDoesNotBalance { imbalance }))
+        solved.transmission.balanced()?;
+        Ok(solved)
     }
 
     /// The answer in SI units.
@@ -197,7 +194,8 @@ impl Rigid {
         let unit = self.torque_unit();
         let (ideal, torque) = (ball.ideal_torque() * unit, ball.torque(motion) * unit);
         let lost = ball.friction_power(motion) * unit * w.abs();
-        let transmission = Transmission::of(self.direction(), ideal, torque, w).against(lost);
+        let transmission =
+            Transmission::of(self.direction().is_back(), ideal, torque, w).against(lost);
         let info = SolveInfo { steps: root.steps, residual: root.residual };
         Solved { info: Some(info), ..Solved::new(&state, transmission) }
     }

@@ -1,6 +1,7 @@
 //! Static balance of the rolling ball by lanes, and which raceway controls.
 
-use bsm_dyn::{Control, RacewayControl, StaticBalance, rolling, spread_of_control};
+use bsm_dyn::internals::{StaticBalance, rolling, spread_of_control};
+use bsm_dyn::{Control, RacewayControl};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::contacts::{Contacts, LaneContact};
@@ -42,8 +43,8 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
             Some(Control::Screw) => zero.lt(zero),
             Some(Control::Nut) | None => zero.le(zero),
         };
-        let mut balance = StaticBalance::of(&contacts.scaled(), by_nut);
-        let inertia = contacts.inertia_ratio * (contacts.nut_speed.abs() + 1.0);
+        let mut balance = StaticBalance::of(&contacts.scaled, by_nut);
+        let inertia = contacts.scaled.inertia_ratio() * (contacts.scaled.nut_speed.abs() + 1.0);
         // Beyond, the precession, which the angles change by tenths, may turn the slope of the radial balance.
         let unique = inertia.lt(zero.constant(RacewayControl::UNIQUE_BELOW));
         let mut at = balance.start(contacts.cos_b / contacts.sin_b, contacts.regular);
@@ -83,10 +84,10 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
 /// By how much the cotangents differ between the balls of both raceways, to first order.
 #[inline(always)]
 fn cotangent_difference<S: Simd>(contacts: &Contacts<S>, [a, b]: &[LaneContact<S>; 2]) -> Lane<S> {
-    let (zero, lead) = (contacts.constant(0.0), (contacts.sin_a, contacts.cos_a));
+    let (zero, lead) = (contacts.constant(0.0), contacts.scaled.lead);
     let angles = [(a.sin, a.cos), (b.sin, b.cos)];
-    let (nut, _) = rolling(zero.le(zero), lead, contacts.arc, angles);
-    let (screw, _) = rolling(zero.lt(zero), lead, contacts.arc, angles);
-    let rates = [screw - nut, screw + nut + contacts.nut_speed * 2.0];
-    spread_of_control(contacts.inertia_ratio, contacts.cos_a, rates)
+    let (nut, _) = rolling(zero.le(zero), lead, contacts.scaled.arc, angles);
+    let (screw, _) = rolling(zero.lt(zero), lead, contacts.scaled.arc, angles);
+    let rates = [screw - nut, screw + nut + contacts.scaled.nut_speed * 2.0];
+    spread_of_control(contacts.scaled.inertia_ratio(), contacts.scaled.lead.1, rates)
 }

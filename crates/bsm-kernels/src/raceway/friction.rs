@@ -2,7 +2,8 @@
 
 use std::sync::LazyLock;
 
-use bsm_dyn::{EllipseSlip, Quadrature, RacewayControl, power_of_many};
+use bsm_dyn::internals::power_of_many;
+use bsm_dyn::{EllipseSlip, Quadrature, RacewayControl};
 use bsm_simd::Simd;
 
 use crate::operand::{Lane, Mask};

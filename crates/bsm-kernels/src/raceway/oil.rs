@@ -2,10 +2,11 @@
 
 use bsm_case::units::{GPA, MILLI, MM, UM};
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::{
-    BallOrbit, EhlPoint, EhlUnits, Hertz, Lubricant, OutsidePower, RacewayControl, ScaledFilm,
-    Temperature, ZERO_CELSIUS, catalogue_friction, equivalent_friction, film_heating,
+use bsm_dyn::internals::{
+    BallOrbit, EhlPoint, EhlUnits, ScaledFilm, catalogue_friction, equivalent_friction,
+    film_heating,
 };
+use bsm_dyn::{Hertz, Lubricant, OutsidePower, RacewayControl, Temperature, ZERO_CELSIUS};
 use bsm_simd::Simd;
 
 use super::friction::Ellipse;
@@ -69,12 +70,13 @@ impl<S: Simd> OilLane<S> {
         let ehl = EhlPoint::of(&lubricant, kelvin, (&curvatures, &hertz), modulus, scale);
         let [nut, screw] = &state.sides;
         // k·(t × N)
-        let [k_nut, k_screw] = [nut.cos * contacts.cos_a, -(screw.cos * contacts.cos_a)];
+        let [k_nut, k_screw] =
+            [nut.cos * contacts.scaled.lead.1, -(screw.cos * contacts.scaled.lead.1)];
         let losses = [
             EhlLoss::of(&ehl, 0, (k_nut, contacts), &ellipses[0]),
             EhlLoss::of(&ehl, 1, (k_screw, contacts), &ellipses[1]),
         ];
-        let across = motion.omega[1] - motion.p * contacts.cos_a;
+        let across = motion.omega[1] - motion.p * contacts.scaled.lead.1;
         let sliding_speed = (motion.omega[0] * motion.omega[0] + across * across).sqrt();
         let circling = BallOrbit {
             sliding_speed: sliding_speed * speed,
@@ -83,7 +85,7 @@ impl<S: Simd> OilLane<S> {
             radius: ball,
             mass: units.mass * units.load / (ball * speed * speed),
             pitch_radius: units.pitch,
-            arc: contacts.arc * ball,
+            arc: contacts.scaled.arc * ball,
             balls: given.get(InputKey::loaded_balls),
         };
         let outside = lubricant.losses.power(&circling, lubricant.oil.density);
@@ -157,7 +159,8 @@ impl<S: Simd> OilLane<S> {
             out.set(OutputKey::film_heating_K, heating);
         }
         let equivalent = equivalent_friction(self.loss(), nut.unit + screw.unit);
-        let catalogue = catalogue_friction(back, contacts.sin_a / contacts.cos_a, efficiency);
+        let catalogue =
+            catalogue_friction(back, contacts.scaled.lead.0 / contacts.scaled.lead.1, efficiency);
         out.set_all(OutputKey::equivalent_friction_coefficient, [equivalent, catalogue]);
     }
 }
@@ -176,7 +179,7 @@ impl<S: Simd> EhlLoss<S> {
     ) -> Self {
         let creep = RacewayControl::CREEP;
         let [_, _, around] = ellipse.omega;
-        let rate = ellipse.speed / contacts.arc;
+        let rate = ellipse.speed / contacts.scaled.arc;
         let film = ehl.of_motion(i, ellipse.load, [rate, ellipse.speed, around], k_c, creep);
         Self {
             semi_axes: ellipse.semi_axes,

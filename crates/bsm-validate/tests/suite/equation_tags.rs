@@ -9,9 +9,8 @@ use std::path::{Path, PathBuf};
 use self::sources::files;
 
 /// Formulas that still stand in two crates: what is changed in one place may be forgotten in the other. None may
-/// be added. The damped step (N5) of Newton stands again where many points step side by side; (T4) turns the start of
-/// the traction kernel into its unknowns; (Y29) and (Y30) sum the losses of lanes.
-const IN_TWO_CRATES: &[&str] = &["N5", "T4", "Y29", "Y30"];
+/// be added. The damped step (N5) of Newton stands again where many points step side by side.
+const IN_TWO_CRATES: &[&str] = &["N5"];
 
 /// Theory says so of equations that no code but a test evaluates.
 const BY_TESTS: &str = "Checked by tests alone:";

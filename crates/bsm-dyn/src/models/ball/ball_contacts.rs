@@ -71,24 +71,12 @@ pub struct GrooveContact<F> {
 /// A ball and its contacts at nut and screw.
 #[derive(Clone, Copy)]
 pub struct BallContacts<F: Field> {
-    /// `$\sin\alpha$` and `$\cos\alpha$`.
-    pub sin_a: F,
-    /// `$\cos\alpha$`.
-    pub cos_a: F,
+    /// As the equations take it.
+    pub scaled: ScaledBall<F>,
     /// Of the unloaded contact angle.
     pub sin_b: F,
     /// Of the unloaded contact angle.
     pub cos_b: F,
-    /// `$r_m/r_b$`.
-    pub radius: F,
-    /// `$d/r_b$`.
-    pub arc: F,
-    /// `$m r_b W^2/F_a$`.
-    pub mass: F,
-    /// `$m r_m W^2/F_a$`.
-    pub inertia_ratio: F,
-    /// `$\Omega_n/W$`.
-    pub nut_speed: F,
     /// Contacts at nut and screw.
     pub pressed: [GrooveContact<F>; 2],
     /// Where numbers neither overflow nor underflow and contacts are ellipses of practice.
@@ -191,53 +179,19 @@ impl<F: Compare> BallContacts<F> {
     #[inline(always)]
     pub fn new(sines: &Sines<F>, conformities: [F; 2], size: &ScaledSize<F>) -> Self {
         let &Sines { sin_a, cos_a, sin_b, cos_b } = sines;
-        // Lengths in r_b, forces in F_a, speeds in W                      (P1)
-        let (arc, inertia_ratio) = (size.radius / cos_a, size.mass * size.radius);
         let nut = Groove { member: Raceway::Nut, conformity: conformities[0] };
         let screw = Groove { member: Raceway::Screw, conformity: conformities[1] };
         let (nut, at_nut) = GrooveContact::of(&nut, sines.tan_a(), cos_b, size);
         let (screw, at_screw) = GrooveContact::of(&screw, sines.tan_a(), cos_b, size);
-        let [least, infinity] = [arc.constant(f64::MIN_POSITIVE), arc.constant(f64::INFINITY)];
-        let regular = at_nut
-            & at_screw
-            & size.mass.gt(least)
-            & inertia_ratio.gt(least)
-            & inertia_ratio.lt(infinity);
-        let ScaledSize { radius, mass, nut_speed, .. } = *size;
-        let pressed = [nut, screw];
-        Self {
-            radius,
-            mass,
-            sin_a,
-            cos_a,
-            sin_b,
-            cos_b,
-            arc,
-            inertia_ratio,
-            nut_speed,
-            pressed,
-            regular,
-        }
-    }
-
-    /// The same number at every point.
-    #[inline(always)]
-    pub fn constant(&self, x: f64) -> F {
-        self.arc.constant(x)
-    }
-
-    /// As the equations take it.
-    #[inline(always)]
-    pub fn scaled(&self) -> ScaledBall<F> {
-        let [nut, screw] = &self.pressed;
-        ScaledBall {
-            lead: (self.sin_a, self.cos_a),
-            radius: self.radius,
-            arc: self.arc,
-            mass: self.mass,
-            nut_speed: self.nut_speed,
+        // Lengths in r_b, forces in F_a, speeds in W                      (P1)
+        let scaled = ScaledBall {
+            lead: (sin_a, cos_a),
+            radius: size.radius,
+            arc: size.radius / cos_a,
+            mass: size.mass,
+            nut_speed: size.nut_speed,
             // A₂ = (l_A0 + l_B0) cosβ₀                                    (J2)
-            radial_distance: (nut.offset + screw.offset) * self.cos_b,
+            radial_distance: (nut.offset + screw.offset) * cos_b,
             offsets: [nut.offset, screw.offset],
             approaches: [nut.hertz.compliance, screw.hertz.compliance],
             semi_axes: [
@@ -245,7 +199,21 @@ impl<F: Compare> BallContacts<F> {
                 (screw.hertz.semi_axis, screw.hertz.semi_axis * screw.hertz.flatness),
             ],
             pressed_radius: [nut.pressed_radius, screw.pressed_radius],
-        }
+        };
+        let inertia_ratio = scaled.inertia_ratio();
+        let [least, infinity] = [cos_a.constant(f64::MIN_POSITIVE), cos_a.constant(f64::INFINITY)];
+        let regular = at_nut
+            & at_screw
+            & size.mass.gt(least)
+            & inertia_ratio.gt(least)
+            & inertia_ratio.lt(infinity);
+        Self { scaled, sin_b, cos_b, pressed: [nut, screw], regular }
+    }
+
+    /// The same number at every point.
+    #[inline(always)]
+    pub fn constant(&self, x: f64) -> F {
+        self.scaled.arc.constant(x)
     }
 
     /// The contact at nut (0) or screw (1) of a load, with sine and cosine of its angle.
@@ -284,7 +252,7 @@ pub fn friction_power<F: Field>(friction: F, loads: [F; 2], slips: [F; 2]) -> F 
 ///
 /// * `moments`: `$Q a E$` of both contacts. * `between`: `$\cos(\beta_A - \beta_B)$`.
 #[inline(always)]
-pub fn excess_of_nut<F: Field>(moments: [F; 2], between: F) -> F {
+pub(crate) fn excess_of_nut<F: Field>(moments: [F; 2], between: F) -> F {
     // Q_A a_A E_A cos(β_A − β_B) > Q_B a_B E_B                            (W7)
     moments[0] * between / moments[1] - 1.0
 }

@@ -402,7 +402,7 @@ impl ElasticPoint {
         let unit = self.point.ball.radius * self.point.load.axial;
         let torque = torque * unit;
         let speed = self.point.drive.relative_speed();
-        Transmission::of(contacts.direction, self.point.ideal_torque(), torque, speed)
+        Transmission::of(contacts.direction.is_back(), self.point.ideal_torque(), torque, speed)
             .balanced_against(friction_power * unit * speed)
     }
 }

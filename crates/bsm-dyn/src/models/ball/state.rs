@@ -62,17 +62,17 @@ pub struct HertzContact {
 
 /// What the screw makes of the power put in.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Transmission {
+pub struct Transmission<F: Field = f64> {
     /// Power out over power in; negative: self-locking.
-    pub efficiency: f64,
+    pub efficiency: F,
     /// True if friction holds the screw in this direction.
-    pub self_locking: bool,
+    pub self_locking: F::Mask,
     /// Torque on the screw that holds the steady state \[N·m\].
-    pub screw_torque: Option<f64>,
+    pub screw_torque: Option<F>,
     /// Powers \[W\], where the speed is given.
-    pub power: Option<Power>,
+    pub power: Option<Power<F>>,
     /// Relative violation of the power balance (B10), of models with a balance of forces.
-    pub power_balance: Option<f64>,
+    pub power_balance: Option<F>,
 }
 
 /// Where a ball is between rolling and skidding.
@@ -294,14 +294,17 @@ pub(crate) fn in_frenet(motion: &Motion<f64>, frame: &BallFrame<f64>, unit: f64)
     Motion { precession: motion.precession * unit, omega }
 }
 
-impl Transmission {
+impl<F: Compare> Transmission<F> {
     /// Of a torque on the screw and that of the frictionless screw \[N·m\], at a relative speed
     /// \[rad/s\].
-    pub(crate) fn of(direction: Direction, ideal: f64, torque: f64, speed: f64) -> Self {
-        let efficiency = efficiency(direction.is_back(), ideal, torque);
+    ///
+    /// * `back`: where the load drives.
+    #[inline(always)]
+    pub fn of(back: F::Mask, ideal: F, torque: F, speed: F) -> Self {
+        let efficiency = efficiency(back, ideal, torque);
         Self {
             efficiency,
-            self_locking: efficiency <= 0.0,
+            self_locking: efficiency.le(efficiency.constant(0.0)),
             screw_torque: Some(torque),
             power: Some(Power::transmitted(torque, ideal, speed)),
             power_balance: None,
@@ -309,18 +312,36 @@ impl Transmission {
     }
 
     /// The same, with the violation of the power balance by a friction power \[W\].
-    pub(crate) fn against(self, friction_power: f64) -> Self {
-        let power_balance = self.power.map(|power| power.imbalance(friction_power));
+    #[inline(always)]
+    #[must_use]
+    pub fn against(self, friction_power: F) -> Self {
+        let power_balance = self.power.as_ref().map(
+            #[inline(always)]
+            |power| power.imbalance(friction_power),
+        );
         Self { power_balance, ..self }
     }
 
+    /// Where powers balance to rounding.
+    #[inline(always)]
+    pub fn is_balanced(&self) -> F::Mask {
+        let imbalance = self.power_balance.unwrap_or(self.efficiency.constant(f64::NAN));
+        imbalance.abs().le(imbalance.constant(POWER_BALANCE_TOL))
+    }
+}
+
+impl Transmission {
     /// The same, unless it violates the balance by more than rounding.
     pub(crate) fn balanced_against(self, friction_power: f64) -> Result<Self, Unsolved> {
-        let transmission = self.against(friction_power);
-        let imbalance = transmission.power_balance.unwrap_or(f64::NAN);
-        if imbalance.abs() <= POWER_BALANCE_TOL {
-            return Ok(transmission);
+        self.against(friction_power).balanced()
+    }
+
+    /// The same, unless powers do not balance.
+    pub(crate) fn balanced(self) -> Result<Self, Unsolved> {
+        if self.is_balanced() {
+            return Ok(self);
         }
+        let imbalance = self.power_balance.unwrap_or(f64::NAN);
         Err(Unsolved::not_converged(Reason::PowerDoesNotBalance { imbalance }))
     }
 }

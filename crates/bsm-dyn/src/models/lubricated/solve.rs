@@ -253,7 +253,7 @@ impl Lubricated {
         let ball = screw.ball_state(contacts, loaded, to_nut)?;
         let torque = torque + outside.torque(speed);
         let ideal = screw.point.ideal_torque();
-        let transmission = Transmission::of(contacts.direction, ideal, torque, speed);
+        let transmission = Transmission::of(contacts.direction.is_back(), ideal, torque, speed);
         // Scaled powers in watts, of all balls.
         let unit = screw.point.ball.radius * screw.point.load.axial * speed;
         let [sliding_power, rolling_power] =

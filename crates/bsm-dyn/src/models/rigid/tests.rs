@@ -16,7 +16,7 @@ use super::first_order::{SEARCHED_FROM, UNIQUE_FROM};
 use super::*;
 use crate::extreme::extreme;
 use crate::models::ball::Workspace;
-use crate::{Ball, Coulomb, Load, Status};
+use crate::{Ball, Coulomb, Load, Reason, Status};
 
 /// Directions of slip that are tried at one point, and Newton solves among them.
 const DIRECTIONS: usize = 20_000;

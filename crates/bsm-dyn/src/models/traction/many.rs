@@ -220,7 +220,7 @@ macro_rules! in_columns {
 
             /// Its numbers, with their columns.
             #[inline(always)]
-            $vis fn to_columns(self, mut number: impl FnMut(usize, F)) {
+            $vis fn into_columns(self, mut number: impl FnMut(usize, F)) {
                 let mut columns = 0..;
                 self.map(|x| number(columns.next().unwrap_or_default(), x));
             }
@@ -294,7 +294,7 @@ impl WithSimd for SolveMany<'_> {
                 let creep = at.point.creep.max(levels[0]);
                 let begin =
                     Iterate { at, before: f64::INFINITY, steps, creep, ..Iterate::default() };
-                begin.to_columns(|column, number| iterates[column][*point] = number);
+                begin.into_columns(|column, number| iterates[column][*point] = number);
             }
             while !points.is_empty() {
                 for group in points.chunks(Lane::<S>::LEN) {
@@ -573,7 +573,7 @@ fn approach<S: Simd>(
     (iterate.weights, iterate.steps) = (weights, iterate.steps + 1.0);
     let alive = accepted | !first;
     let waits = alive & iterate.tries.lt(size.constant(MOST_COARSE));
-    iterate.to_columns(|column, numbers| store_iterates(numbers, &mut iterates[column], group));
+    iterate.into_columns(|column, numbers| store_iterates(numbers, &mut iterates[column], group));
     let [mut ends, mut goes_on, mut resolved] = [[false; BLOCK]; 3];
     here.resolved.store(&mut resolved);
     (alive & arrived).store(&mut ends);
@@ -678,7 +678,7 @@ fn refine<S: Simd, const SPLIT: bool>(
     (here.exists & !here.resolved).store(&mut unresolved);
     let (unknowns, residual) = (at.unknowns, before);
     let root = TractionRoot { unknowns, torque, power, error, by_creep, steps, residual };
-    root.to_columns(|column, numbers| store_iterates(numbers, &mut roots[column], group));
+    root.into_columns(|column, numbers| store_iterates(numbers, &mut roots[column], group));
     for (point, solved) in group.iter().zip(solved) {
         are_roots[*point] = solved;
     }
