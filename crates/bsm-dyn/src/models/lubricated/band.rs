@@ -6,7 +6,6 @@ use super::solve::{Lubricated, LubricatedModel, RacewayFriction};
 use crate::contact::{Oil, Roughness, Temperature};
 use crate::models::ball::{Direction, Solved, weyl_point};
 use crate::models::raceway_control::RacewayControl;
-
 use crate::models::workspace::ModelWorkspace;
 
 /// 90 % interval over random draws of the uncertain inputs.
