@@ -240,7 +240,7 @@ impl<P: Scalar> ElasticContacts<P> {
     pub(crate) fn with_inertia(&self, factor: f64) -> Self {
         let mass = self.ball.mass * factor;
         let (ball, scaled) = (Ball { mass, ..self.ball }, ScaledBall { mass, ..self.scaled });
-        Self { ball, scaled, ..*self }
+        Self { scaled, ball, ..*self }
     }
 
     /// The same point with another friction.
