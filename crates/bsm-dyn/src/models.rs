@@ -14,7 +14,6 @@ mod rigid;
 mod slip;
 mod static_ball;
 mod traction;
-mod weyl;
 mod workspace;
 
 pub use self::{

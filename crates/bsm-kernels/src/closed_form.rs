@@ -84,6 +84,26 @@ pub(super) fn transmit<S: Simd>(
     transmission(out, &of);
 }
 
+/// Stores what a torque on the screw and that of the frictionless screw make, over `unit`, and returns it.
+///
+/// * `lost`: friction power over `unit` and the size of the speed.
+#[inline(always)]
+pub(super) fn balance<S: Simd>(
+    out: &mut Sink<'_, '_>,
+    speed: Lane<S>,
+    (torque, ideal): (Lane<S>, Lane<S>),
+    lost: Lane<S>,
+    unit: Lane<S>,
+) -> Transmission<Lane<S>> {
+    let (zero, one) = (speed.constant(0.0), speed.constant(1.0));
+    let back = speed.lt(zero);
+    let scaled = Transmission::of(back, ideal, torque, back.select(-one, one)).against(lost);
+    let power = Some(Power::transmitted(torque * unit, ideal * unit, speed));
+    let of = Transmission { screw_torque: Some(torque * unit), power, ..scaled };
+    transmission(out, &of);
+    of
+}
+
 /// Stores efficiency, self-locking, torque and powers.
 #[inline(always)]
 pub(super) fn transmission<S: Simd>(out: &mut Sink<'_, '_>, of: &Transmission<Lane<S>>) {

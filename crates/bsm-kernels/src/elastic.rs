@@ -2,12 +2,12 @@
 //! inertia falls.
 
 use bsm_case::{InputKey, OutputKey};
+use bsm_dyn::Model;
 use bsm_dyn::internals::{SlidingBall, SlidingRoot, ideal_torque, takes};
-use bsm_dyn::{Model, Transmission};
 use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
-use crate::closed_form::transmission;
+use crate::closed_form::balance;
 use crate::contacts::{ContactRow, Contacts, InUnits};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::rigid::{ball_motion, slip_angle};
@@ -92,11 +92,7 @@ fn outputs<S: Simd>(
     let [at_nut, at_screw] = skid.friction();
     slip_angle(out, OutputKey::nut_slip_angle_deg, at_nut);
     slip_angle(out, OutputKey::screw_slip_angle_deg, at_screw);
-    let unit = units.ball * units.axial;
-    let ideal = ideal_torque(units.axial, units.pitch, lead.0 / lead.1);
-    let lost = skid.friction_power() * unit * w.abs();
-    let of = Transmission::of(w.lt(w.constant(0.0)), ideal, skid.torque() * unit, w);
-    let of = of.against(lost);
-    transmission(out, &of);
-    of.is_balanced()
+    let ideal = ideal_torque(contacts.constant(1.0), contacts.scaled.arc * lead.1, lead.0 / lead.1);
+    let torques = (skid.torque(), ideal);
+    balance(out, w, torques, skid.friction_power(), units.ball * units.axial).is_balanced()
 }

@@ -4,11 +4,11 @@
 
 use bsm_case::units::direction_deg;
 use bsm_case::{InputKey, OutputKey};
+use bsm_dyn::Model;
 use bsm_dyn::internals::{Plane, RigidBall, RigidMotion, friction_angle};
-use bsm_dyn::{Model, Transmission};
 use bsm_simd::Simd;
 
-use crate::closed_form::{contact_angles, transmission};
+use crate::closed_form::{balance, contact_angles};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::Units;
 use crate::{Kernel, Sink};
@@ -55,10 +55,8 @@ fn outputs<S: Simd>(
     let unit = si.ball * si.axial;
     let (zero, one) = (unit.constant(0.0), unit.constant(1.0));
     let back = si.speed.lt(zero);
-    let (ideal, torque) = (ball.ideal_torque() * unit, ball.torque(motion) * unit);
-    let lost = ball.friction_power(motion) * unit * si.speed.abs();
-    let of = Transmission::of(back, ideal, torque, si.speed).against(lost);
-    transmission(out, &of);
+    let torques = (ball.torque(motion), ball.ideal_torque());
+    let of = balance(out, si.speed, torques, ball.friction_power(motion), unit);
 
     let [v_a, v_m, v_b] = motion.speeds;
     let slip = si.speed.abs() * si.ball;

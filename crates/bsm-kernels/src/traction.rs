@@ -10,11 +10,11 @@ use bsm_dyn::internals::{
     TractionStart, efficiency, ideal_torque, integrated_error, loss_error, quadrature_error,
     slip_scale, takes,
 };
-use bsm_dyn::{Model, Traction, Transmission};
+use bsm_dyn::{Model, Traction};
 use bsm_kin::relative_rotation;
 use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
 
-use crate::closed_form::transmission;
+use crate::closed_form::balance;
 use crate::contacts::{ContactRow, Contacts, InUnits};
 use crate::elastic::GrossSlip;
 use crate::operand::{Lane, LaneInputs, Mask, Valid};
@@ -218,11 +218,10 @@ fn outputs<S: Simd>(
     out.set(OutputKey::ball_omega_t_rad_s, t * w);
     out.set(OutputKey::ball_omega_n_rad_s, n * w);
     out.set(OutputKey::ball_omega_b_rad_s, b * w);
-    let ideal = ideal_torque(units.axial, units.pitch, lead.0 / lead.1);
-    let unit = units.ball * units.axial;
-    let of = Transmission::of(back, ideal, root.torque * unit, w).against(root.power * unit * w);
-    transmission(out, &of);
-    let other = efficiency(back, ideal, (root.torque + root.error) * unit);
+    let ideal = ideal_torque(contacts.constant(1.0), at.point.scaled.radius, lead.0 / lead.1);
+    let lost = back.select(-root.power, root.power);
+    let of = balance(out, w, (root.torque, ideal), lost, units.ball * units.axial);
+    let other = efficiency(back, ideal, root.torque + root.error);
     let error = quadrature_error(other - of.efficiency, accuracy);
     out.set(OutputKey::efficiency_error_bound, error);
     let loss = loss_error(back, of.efficiency, error);

@@ -7,8 +7,6 @@ use std::array::from_fn;
 use bsm_dyn::{GrooveForces, StaticBall};
 use nalgebra::{Matrix2, Vector2};
 
-use crate::search::descend;
-
 /// Flanks of a circuit that balls can press.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Flanks {
@@ -214,12 +212,23 @@ impl FourContacts {
             if still || fall <= 0.0 {
                 return here.balanced(self.series.distance);
             }
-            let rounding = 64.0 * f64::EPSILON * here.energy.abs().max(self.outward * x[1].abs());
-            let next = descend((here.energy, here.residual()), fall, 1e-9, |share| {
+            let mut share = 1.0;
+            let next = loop {
                 let y = x + step * share;
                 let next = at(y);
-                Some(((y, next), [next.energy, next.residual(), rounding]))
-            });
+                // Armijo; near the end the energy has no more digits, but the force has.
+                let rounding =
+                    64.0 * f64::EPSILON * here.energy.abs().max(self.outward * x[1].abs());
+                let level = (next.energy - here.energy).abs() <= rounding;
+                let nearer = next.residual() < here.residual();
+                if next.energy < here.energy - 1e-4 * share * fall || (level && nearer) {
+                    break Some((y, next));
+                }
+                share *= 0.5;
+                if share < 1e-9 {
+                    break None;
+                }
+            };
             match next {
                 Some((y, next)) => (x, here) = (y, next),
                 // Rounding is all that is left.

@@ -4,9 +4,6 @@
 
 use std::array::from_fn;
 use std::f64::consts::FRAC_PI_2;
-use std::iter::successors;
-
-use bsm_newton::ARMIJO;
 
 use crate::assembly::{Assembly, EnergyState, StiffnessScope};
 use crate::equilibrium::{Equilibrium, FREEDOMS, NutError};
@@ -21,25 +18,6 @@ const BALANCED: f64 = 1e-12;
 /// After so many steps, so much may be left: where bodies strain by millimetres, the rounding of their
 /// displacements is a larger part of the approaches of the balls.
 const ROUNDED: (usize, f64) = (30, 1e-10);
-
-/// The first of the halved parts of a step, down to a `shortest`, that lowers the energy enough (N5); where the
-/// energy has no more digits, the imbalance, which has.
-///
-/// * `before`: energy and imbalance at the begin. * `fall`: slope of the energy along the step, downwards.
-/// * `at`: what a part of the step leads to, with its energy, its imbalance and the rounding of energies.
-pub(crate) fn descend<T>(
-    (energy, imbalance): (f64, f64),
-    fall: f64,
-    shortest: f64,
-    mut at: impl FnMut(f64) -> Option<(T, [f64; 3])>,
-) -> Option<T> {
-    let parts = successors(Some(1.0), |part| Some(0.5 * part));
-    parts.take_while(|part| *part > shortest).find_map(|part| {
-        let (next, [lower, left, rounding]) = at(part)?;
-        let is_level = (lower - energy).abs() <= rounding && left < imbalance;
-        (lower < energy - ARMIJO * part * fall || is_level).then_some(next)
-    })
-}
 
 /// Where the search is.
 struct EnergyPoint {
@@ -100,13 +78,21 @@ impl Assembly<'_> {
             return None;
         }
         let before = self.imbalance(state);
-        descend((state.energy, before), fall, 1e-4, |share| {
+        let mut share = 1.0;
+        while share > 1e-4 {
             let next: Vec<f64> = y.iter().zip(&step).map(|(y, s)| y + share * s).collect();
-            let there = self.state(&next).ok()?;
-            let rounding = 1e-14 * state.energies.max(there.energies);
-            let found = [there.energy, self.imbalance(&there), rounding];
-            Some((EnergyPoint { y: next, state: there }, found))
-        })
+            if let Ok(there) = self.state(&next) {
+                // Armijo; near the end the energy has no more digits, but the forces have.
+                let lower = there.energy <= state.energy - 1e-4 * share * fall;
+                let rounding = 1e-14 * state.energies.max(there.energies);
+                let level = (there.energy - state.energy).abs() <= rounding;
+                if lower || (level && self.imbalance(&there) < before) {
+                    return Some(EnergyPoint { y: next, state: there });
+                }
+            }
+            share *= 0.5;
+        }
+        None
     }
 
     fn finish(

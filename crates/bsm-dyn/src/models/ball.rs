@@ -10,10 +10,11 @@ mod operating_point;
 mod sensitivity;
 mod solution;
 mod state;
+mod weyl;
 
 pub use self::{
     ball_contacts::*, elastic_ball::*, film::*, model::*, operating_point::*, sensitivity::*,
     solution::*, state::*,
 };
-pub(crate) use self::{ball_unknowns::*, equations::*};
+pub(crate) use self::{ball_unknowns::*, equations::*, weyl::*};
 pub(crate) use crate::outcome::*;

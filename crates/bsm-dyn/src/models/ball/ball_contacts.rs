@@ -20,7 +20,7 @@ pub struct ScaledBall<P = f64> {
     pub arc: P,
     /// `$m r_b W^2/F_a$`.
     pub mass: P,
-    /// `$\\Omega_n/W$`.
+    /// `$\Omega_n/W$`.
     pub nut_speed: P,
     /// `$A_2$` of (J2).
     pub radial_distance: P,

@@ -238,8 +238,9 @@ impl<P: Scalar> ElasticContacts<P> {
 
     /// The same point with the inertia multiplied by `factor`.
     pub(crate) fn with_inertia(&self, factor: f64) -> Self {
-        let ball = Ball { mass: self.ball.mass * factor, ..self.ball };
-        Self { ball, ..*self }
+        let mass = self.ball.mass * factor;
+        let (ball, scaled) = (Ball { mass, ..self.ball }, ScaledBall { mass, ..self.scaled });
+        Self { scaled, ball, ..*self }
     }
 
     /// The same point with another friction.

@@ -4,9 +4,8 @@
 
 use super::solve::{Lubricated, LubricatedModel, RacewayFriction};
 use crate::contact::{Oil, Roughness, Temperature};
-use crate::models::ball::{Direction, Solved};
+use crate::models::ball::{Direction, Solved, weyl_point};
 use crate::models::raceway_control::RacewayControl;
-use crate::models::weyl::weyl_point;
 use crate::models::workspace::ModelWorkspace;
 
 /// 90 % interval over random draws of the uncertain inputs.

@@ -7,8 +7,7 @@ use bsm_newton::Continuation;
 use super::root::SlipRoot;
 use super::{OMEGA, SlipBall};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
-use crate::models::ball::{BALL, Workspace};
-use crate::models::weyl::weyl_point;
+use crate::models::ball::{BALL, Workspace, weyl_point};
 
 /// Starts of a point, and of one whose path says little.
 pub(super) const STARTS: u32 = 200;
