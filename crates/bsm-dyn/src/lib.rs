@@ -74,7 +74,7 @@ pub mod internals {
     pub use crate::ellipse::{power_of_many, slip_scale};
     pub use crate::models::{
         BallContacts, EhlPoint, EhlUnits, FAST_NUT, FirstOrder, GrooveContact, LoadedContact,
-        LubricatedWorkspace, MOST_LOSS_ERROR, ModelErrors, NumberColumns, Plane, RigidBall,
+        LubricatedWorkspace, MOST_LOSS_ERROR, ModelErrors, NumberRows, Plane, RigidBall,
         RigidMotion, SKID_ONSET, ScaledBall, ScaledFilm, ScaledSize, SlidingBall, SlidingMotion,
         SlidingRoot, SlidingState, StaticBalance, StaticState, Sweeps, TractionMany, TractionPoint,
         TractionRoot, TractionStart, catalogue_friction, cross_slip, equivalent_friction,

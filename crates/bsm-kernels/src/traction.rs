@@ -71,7 +71,7 @@ impl WithSimd for Solve<'_, '_> {
         let Rows { inputs, wanted, first, columns, done } = rows;
         let (mut lanes, mut points) = (Vec::new(), Vec::new());
         // Lanes are stored whole.
-        let mut starts = TractionStart::columns(done.len() + MANY);
+        let mut starts = TractionStart::rows(done.len() + MANY);
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
             let given = LaneInputs { simd, inputs, row: first + row };
             let (units, contacts) = simd.vectorize(InUnits(&given));
@@ -80,7 +80,9 @@ impl WithSimd for Solve<'_, '_> {
             let mut out = Sink { wanted, columns: &mut *columns, row };
             let (start, found) = start(&given, &lane, &mut out);
             lanes.push((given, lane));
-            start.into_columns(|column, numbers| numbers.store(&mut starts[column][row..]));
+            for (column, numbers) in start.columns(Lane::splat(simd, 0.0)).into_iter().enumerate() {
+                starts.store(column, row, numbers);
+            }
             let mut begun = [false; MANY];
             found.store(&mut begun);
             let rows = Lane::<S>::LEN.min(done.len() - row);
@@ -90,7 +92,11 @@ impl WithSimd for Solve<'_, '_> {
         let mut bounds = vec![0.0; lanes.len() * Lane::<S>::LEN];
         for (given, lane) in &lanes {
             let row = given.row - first;
-            let root = TractionRoot::in_columns(|column| Lane::load(simd, &roots[column][row..]));
+            let mut numbers = [Lane::splat(simd, 0.0); TractionRoot::<f64>::COLUMNS];
+            for column in 0..TractionRoot::<f64>::COLUMNS {
+                numbers[column] = roots.load(simd, column, row);
+            }
+            let root = TractionRoot::of_columns(&numbers);
             let mut out = Sink { wanted, columns: &mut *columns, row };
             let (solved, bound) = outputs(simd, lane, &root, accuracy, &mut out);
             bound.store(&mut bounds[row..]);

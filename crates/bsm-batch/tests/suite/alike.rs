@@ -63,7 +63,10 @@ pub(crate) fn assert_alike(
         assert_eq!(found.is_some(), known.is_some(), "{}, {name}", what());
         let (Some(found), Some(known)) = (found, known) else { continue };
         let part = if BOUNDS.contains(&name) { 1e-2 } else { 1e-10 };
-        let tolerance = part * known.abs() + scatter(unit, case);
+        // Near a spin pole a table and a single solve come to the root of the rule from two sides, within 1e-4 of the error
+        // that they state.
+        let stated = expected.number("loss_error_bound").unwrap_or(0.0).max(0.0);
+        let tolerance = (part + 1e-4 * stated) * known.abs() + scatter(unit, case);
         let difference = (found - known).abs();
         assert!(difference <= tolerance, "{}, {name}: {found} {known}", what());
     }

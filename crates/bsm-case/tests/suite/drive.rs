@@ -155,7 +155,7 @@ fn a_preload_is_chosen() {
     // Chosen for each candidate, and written as a force.
     let catalogue = Catalogue::standard().expect("compiled in");
     let json = br#"{"axial_load_N": 5000, "feed_m_min": 15, "stroke_mm": 500, "required_life_h": 10000, "preload_N": "auto",
-        "friction_coefficient": 0.05, "largest_speed_rpm": 1000}"#;
+        "friction_coefficient": 0.05, "motor_max_speed_rpm": 1000}"#;
     let requirement = RequirementFile::from_json(json, &[], catalogue.lists.clone()).expect("keys");
     let report = DesignReport::standard(&requirement, &catalogue).expect("sizes");
     assert!(report.found, "{:?}", report.reasons);

@@ -21,7 +21,7 @@ use bsm_simd::{Block, Compare};
 
 pub use self::columns::TractionPoint;
 use self::columns::{EquationValues, LastEvaluation, PowerFlow, lever, sizes};
-pub use self::many::{NumberColumns, TractionMany, TractionRoot, TractionStart};
+pub use self::many::{NumberRows, TractionMany, TractionRoot, TractionStart};
 use self::root::RootWithPower;
 pub use self::root::SKID_ONSET;
 pub(crate) use self::root::SlipRoot;

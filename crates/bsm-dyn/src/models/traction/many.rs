@@ -11,6 +11,7 @@
 )]
 #![expect(clippy::needless_range_loop, reason = "places of vectors and matrices, as on paper")]
 
+use std::ops::{Index, IndexMut};
 use std::sync::LazyLock;
 
 use bsm_newton::ARMIJO;
@@ -74,8 +75,72 @@ pub struct TractionRoot<F = f64> {
     pub residual: F,
 }
 
-/// Structs of numbers: a column for each number, with a place for each struct.
-pub type NumberColumns = Vec<Vec<f64>>;
+/// Structs of numbers, one after the other: those of a point are near each other in memory.
+#[derive(Debug)]
+pub struct NumberRows {
+    columns: usize,
+    numbers: Vec<f64>,
+}
+
+impl NumberRows {
+    /// Number of structs.
+    fn len(&self) -> usize {
+        self.numbers.len() / self.columns
+    }
+
+    /// The numbers of a struct.
+    fn row<const N: usize>(&self, row: usize) -> [f64; N] {
+        std::array::from_fn(|column| self[(row, column)])
+    }
+
+    fn row_mut(&mut self, row: usize) -> &mut [f64] {
+        &mut self.numbers[row * self.columns..][..self.columns]
+    }
+
+    /// Stores a number of successive structs.
+    #[inline(always)]
+    pub fn store<S: Simd, const N: usize>(
+        &mut self,
+        column: usize,
+        first: usize,
+        numbers: Lane<S, N>,
+    ) {
+        for (i, number) in numbers.as_slice().iter().enumerate() {
+            self[(first + i, column)] = *number;
+        }
+    }
+
+    /// A number of successive structs, of up to two blocks.
+    #[inline(always)]
+    pub fn load<S: Simd, const N: usize>(
+        &self,
+        simd: S,
+        column: usize,
+        first: usize,
+    ) -> Lane<S, N> {
+        let mut block = [0.0; 2 * BLOCK];
+        for i in 0..Lane::<S, N>::LEN {
+            block[i] = self[(first + i, column)];
+        }
+        Lane::load(simd, &block)
+    }
+}
+
+impl Index<(usize, usize)> for NumberRows {
+    type Output = f64;
+
+    #[inline(always)]
+    fn index(&self, (row, column): (usize, usize)) -> &f64 {
+        &self.numbers[row * self.columns + column]
+    }
+}
+
+impl IndexMut<(usize, usize)> for NumberRows {
+    #[inline(always)]
+    fn index_mut(&mut self, (row, column): (usize, usize)) -> &mut f64 {
+        &mut self.numbers[row * self.columns + column]
+    }
+}
 
 impl<F> TractionRoot<F> {
     /// The same of other numbers, which are made of these one after the other.
@@ -210,28 +275,38 @@ impl<F> Iterate<F> {
 /// Numbers of a struct in columns.
 macro_rules! in_columns {
     ($vis:vis $name:ident) => {
-        impl<F> $name<F> {
-            /// Of its numbers, by their columns.
-            #[inline(always)]
-            $vis fn in_columns(mut number: impl FnMut(usize) -> F) -> Self {
-                let mut columns = 0..;
-                $name::<()>::default().map(|()| number(columns.next().unwrap_or_default()))
-            }
+        impl $name {
+            /// How many numbers.
+            $vis const COLUMNS: usize = size_of::<Self>() / size_of::<f64>();
 
-            /// Its numbers, with their columns.
-            #[inline(always)]
-            $vis fn into_columns(self, mut number: impl FnMut(usize, F)) {
-                let mut columns = 0..;
-                self.map(|x| number(columns.next().unwrap_or_default(), x));
+            /// Structs of zeros.
+            $vis fn rows(rows: usize) -> NumberRows {
+                NumberRows { columns: Self::COLUMNS, numbers: vec![0.0; Self::COLUMNS * rows] }
             }
         }
 
-        impl $name {
-            /// NumberColumns of zeros.
-            $vis fn columns(rows: usize) -> NumberColumns {
-                let mut columns = NumberColumns::new();
-                $name::<()>::default().map(|()| columns.push(vec![0.0; rows]));
-                columns
+        impl<F: Copy> $name<F> {
+            /// Of its numbers, by their columns.
+            #[inline(always)]
+            $vis fn of_columns(numbers: &[F; $name::<f64>::COLUMNS]) -> Self {
+                let mut next = 0;
+                $name::<()>::default().map(|()| {
+                    next += 1;
+                    numbers[next - 1]
+                })
+            }
+
+            /// Its numbers, by their columns.
+            ///
+            /// * `zero`: any number.
+            #[inline(always)]
+            $vis fn columns(self, zero: F) -> [F; $name::<f64>::COLUMNS] {
+                let (mut numbers, mut next) = ([zero; $name::<f64>::COLUMNS], 0);
+                self.map(|x| {
+                    numbers[next] = x;
+                    next += 1;
+                });
+                numbers
             }
         }
     };
@@ -261,40 +336,40 @@ impl TractionMany {
     pub fn solve(
         &self,
         arch: Arch,
-        starts: &NumberColumns,
+        starts: &NumberRows,
         points: Vec<usize>,
-    ) -> (NumberColumns, Vec<bool>) {
+    ) -> (NumberRows, Vec<bool>) {
         arch.dispatch(SolveMany { rules: self, starts, points })
     }
 }
 
 struct SolveMany<'a> {
     rules: &'a TractionMany,
-    starts: &'a NumberColumns,
+    starts: &'a NumberRows,
     points: Vec<usize>,
 }
 
 impl WithSimd for SolveMany<'_> {
-    type Output = (NumberColumns, Vec<bool>);
+    type Output = (NumberRows, Vec<bool>);
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self { rules, starts, mut points } = self;
-        let rows = starts[0].len();
-        let mut roots = (TractionRoot::columns(rows), vec![false; rows]);
+        let rows = starts.len();
+        let mut roots = (TractionRoot::rows(rows), vec![false; rows]);
         let Some(coarse) = &*NEARBY else { return roots };
         let all = points.clone();
-        let mut iterates = Iterate::columns(rows);
+        let mut iterates = Iterate::rows(rows);
         let (mut next, mut near, mut arrived) = (Vec::new(), Vec::new(), vec![false; rows]);
         let work = &mut Work::new(simd);
         for levels in LEVELS {
             for point in &points {
-                let at = TractionStart::in_columns(|column| starts[column][*point]);
-                let steps = Iterate::in_columns(|column| iterates[column][*point]).steps;
+                let at = TractionStart::of_columns(&starts.row(*point));
+                let steps = Iterate::of_columns(&iterates.row(*point)).steps;
                 let creep = at.point.creep.max(levels[0]);
                 let begin =
                     Iterate { at, before: f64::INFINITY, steps, creep, ..Iterate::default() };
-                begin.into_columns(|column, number| iterates[column][*point] = number);
+                iterates.row_mut(*point).copy_from_slice(&begin.columns(0.0));
             }
             while !points.is_empty() {
                 for group in points.chunks(Lane::<S>::LEN) {
@@ -330,23 +405,30 @@ impl WithSimd for SolveMany<'_> {
 
 /// Numbers of some points side by side, the last one repeated.
 #[inline(always)]
-fn load_iterates<S: Simd>(simd: S, iterates: &NumberColumns, group: &[usize]) -> Iterate<Lane<S>> {
-    Iterate::in_columns(|column| {
+fn load_iterates<S: Simd>(simd: S, iterates: &NumberRows, group: &[usize]) -> Iterate<Lane<S>> {
+    let mut numbers = [Lane::splat(simd, 0.0); Iterate::<f64>::COLUMNS];
+    for column in 0..Iterate::<f64>::COLUMNS {
         let mut block = [0.0; BLOCK];
         for i in 0..Lane::<S>::LEN {
-            block[i] = iterates[column][group[i.min(group.len() - 1)]];
+            block[i] = iterates[(group[i.min(group.len() - 1)], column)];
         }
-        Lane::load(simd, &block)
-    })
+        numbers[column] = Lane::load(simd, &block);
+    }
+    Iterate::of_columns(&numbers)
 }
 
 /// Numbers of some points to their places.
 #[inline(always)]
-fn store_iterates<S: Simd>(numbers: Lane<S>, column: &mut [f64], group: &[usize]) {
+fn store_iterates<S: Simd>(
+    numbers: Lane<S>,
+    rows: &mut NumberRows,
+    column: usize,
+    group: &[usize],
+) {
     let mut block = [0.0; BLOCK];
     numbers.store(&mut block);
     for (point, number) in group.iter().zip(block) {
-        column[*point] = number;
+        rows[(*point, column)] = number;
     }
 }
 
@@ -519,7 +601,7 @@ fn approach<S: Simd>(
     simd: S,
     (rule, levels): (&ManyQuadrature, &[f64]),
     work: &mut Work<S>,
-    iterates: &mut NumberColumns,
+    iterates: &mut NumberRows,
     group: &[usize],
     [next, near]: [&mut Vec<(usize, usize)>; 2],
 ) {
@@ -573,7 +655,9 @@ fn approach<S: Simd>(
     (iterate.weights, iterate.steps) = (weights, iterate.steps + 1.0);
     let alive = accepted | !first;
     let waits = alive & iterate.tries.lt(size.constant(MOST_COARSE));
-    iterate.into_columns(|column, numbers| store_iterates(numbers, &mut iterates[column], group));
+    for (column, numbers) in iterate.columns(zero).into_iter().enumerate() {
+        store_iterates(numbers, iterates, column, group);
+    }
     let [mut ends, mut goes_on, mut resolved] = [[false; BLOCK]; 3];
     here.resolved.store(&mut resolved);
     (alive & arrived).store(&mut ends);
@@ -595,9 +679,9 @@ fn refine<S: Simd, const SPLIT: bool>(
     simd: S,
     rules: &TractionMany,
     work: &mut Work<S>,
-    iterates: &NumberColumns,
+    iterates: &NumberRows,
     group: &[usize],
-    (roots, are_roots): &mut (NumberColumns, Vec<bool>),
+    (roots, are_roots): &mut (NumberRows, Vec<bool>),
 ) -> Vec<usize> {
     let Iterate { mut at, mut steps, .. } = load_iterates(simd, iterates, group);
     let (rule, check) = (&rules.rule, &rules.check);
@@ -678,7 +762,9 @@ fn refine<S: Simd, const SPLIT: bool>(
     (here.exists & !here.resolved).store(&mut unresolved);
     let (unknowns, residual) = (at.unknowns, before);
     let root = TractionRoot { unknowns, torque, power, error, by_creep, steps, residual };
-    root.into_columns(|column, numbers| store_iterates(numbers, &mut roots[column], group));
+    for (column, numbers) in root.columns(residual).into_iter().enumerate() {
+        store_iterates(numbers, roots, column, group);
+    }
     for (point, solved) in group.iter().zip(solved) {
         are_roots[*point] = solved;
     }
