@@ -93,8 +93,8 @@ impl WithSimd for Solve<'_, '_> {
         for (given, lane) in &lanes {
             let row = given.row - first;
             let mut numbers = [Lane::splat(simd, 0.0); TractionRoot::<f64>::COLUMNS];
-            for column in 0..TractionRoot::<f64>::COLUMNS {
-                numbers[column] = roots.load(simd, column, row);
+            for (column, numbers) in numbers.iter_mut().enumerate() {
+                *numbers = roots.load(simd, column, row);
             }
             let root = TractionRoot::of_columns(&numbers);
             let mut out = Sink { wanted, columns: &mut *columns, row };

@@ -863,7 +863,7 @@ impl EllipseSlip<f64> {
 }
 
 /// Power of friction over `$f Q$` of several contacts side by side, and at which of them the rule
-/// resolves it without splitting panels: the sums of [`Ellipse::friction`](super::Ellipse::friction).
+/// resolves it without splitting panels: the sums of `Ellipse::friction`.
 ///
 /// For rules of [`BLOCK`] nodes a panel, so that the lines of a panel are worked on together there too.
 #[inline(always)]
