@@ -1,6 +1,6 @@
 //! Operating points for the benches: validated cases and a seeded set.
 
-use bsm_batch::{Chunk, Columns};
+use bsm_batch::{Chunk, Columns, CsvSource, Source};
 use bsm_case::{Case, InputKey};
 use bsm_dyn::{Model, Problem};
 use rand::{RngExt, SeedableRng};
@@ -70,22 +70,17 @@ pub fn seeded(count: usize) -> Vec<Case> {
 ///
 /// If the committed table cannot be used.
 pub fn ordinary(model: Model) -> Vec<Case> {
-    let table = include_str!("../../validation/golden/tradeoff/cases.csv");
-    let mut rows = table.lines().map(|line| line.split(','));
-    let names: Vec<_> = rows.next().expect("a header").collect();
+    let table = include_bytes!("../../validation/golden/tradeoff/cases.csv");
+    let mut source = CsvSource::new(&table[..], &[]).expect("committed table");
+    let columns = source.columns().clone();
+    let chunk = source.next(usize::MAX).expect("committed table").expect("rows");
     let mut work = bsm_dyn::ModelWorkspace::default();
-    let case = |row: std::str::Split<char>| {
-        let mut case = Case::default();
-        for (name, value) in names.iter().zip(row) {
-            case.set(name, value.parse().expect("a number")).expect("known name");
-        }
-        case
-    };
     let has_solution = |case: &Case| {
         let problem = case.problem(&model.into()).expect("complete case");
         problem.solve(&mut work).solved().is_some()
     };
-    rows.map(case).filter(has_solution).collect()
+    let case = |row| chunk.case(&columns, &Case::default(), row).expect("complete case");
+    (0..chunk.len).map(case).filter(has_solution).collect()
 }
 
 /// Values of inputs in a case.
