@@ -1,8 +1,8 @@
 //! `bsm solve`: one operating point, and what follows from it.
 
 use bsm_case::{
-    Answer, Case, CaseError, EllipseFields, ModelChoice, MotionAnswer, Record, Sensitivities,
-    Settings, Supplement, comparison, jam, slip, torque_parts,
+    Answer, Case, CaseError, EllipseFields, ModelChoice, Record, Sensitivities, Settings,
+    Supplement, comparison, jam, slip, torque_parts,
 };
 use bsm_dyn::{ModelWorkspace, Solution, Status};
 use bsm_report::sheets::Study;
@@ -149,7 +149,7 @@ fn analysis(
     report: impl Fn(&Case, &Settings, &Solution) -> Result<Answer, CaseError>,
     study: impl Fn(&Case, &Settings, &Solution) -> Result<Study, ReportError>,
 ) -> Result<Answer, Failure> {
-    of_motion(args, case, settings, |settings, solution| {
+    of_motion(args, case, settings, |solution| {
         let answer = report(case, settings, solution).map_err(args.case.failure())?;
         if let Some(figures) = figures {
             figures.extend(study(case, settings, solution)?.figures);
@@ -163,19 +163,19 @@ fn of_motion(
     args: &SolveArgs,
     case: &Case,
     settings: &Settings,
-    answer: impl FnOnce(&Settings, &Solution) -> Result<Answer, Failure>,
+    answer: impl FnOnce(&Solution) -> Result<Answer, Failure>,
 ) -> Result<Answer, Failure> {
-    let moving = MotionAnswer::of(case, settings, &mut ModelWorkspace::default());
-    let MotionAnswer { settings, solution } = moving.map_err(args.case.failure())?;
+    let problem = case.problem(settings).map_err(args.case.failure())?;
+    let solution = problem.solve(&mut ModelWorkspace::default());
     if solution.reason().is_some() {
-        return point(args, case, &settings, solution, &Supplement::default());
+        return point(args, case, settings, solution, &Supplement::default());
     }
-    answer(&settings, &solution)
+    answer(&solution)
 }
 
 /// Fields over the contact ellipses, which tables have point by point.
 fn ellipses(args: &SolveArgs, case: &Case, settings: &Settings) -> Result<Answer, Failure> {
-    of_motion(args, case, settings, |settings, solution| {
+    of_motion(args, case, settings, |solution| {
         let points = args.points.unwrap_or(EllipseFields::POINTS);
         let fields = EllipseFields::of(case, settings, solution, points);
         let fields = fields.map_err(args.case.failure())?;

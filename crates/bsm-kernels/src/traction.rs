@@ -80,9 +80,7 @@ impl WithSimd for Solve<'_, '_> {
             let mut out = Sink { wanted, columns: &mut *columns, row };
             let (start, found) = start(&given, &lane, &mut out);
             lanes.push((given, lane));
-            for (column, numbers) in start.columns(Lane::splat(simd, 0.0)).into_iter().enumerate() {
-                starts.store(column, row, numbers);
-            }
+            starts.store(&(row..), start.columns(Lane::splat(simd, 0.0)));
             let mut begun = [false; MANY];
             found.store(&mut begun);
             let rows = Lane::<S>::LEN.min(done.len() - row);
@@ -92,11 +90,7 @@ impl WithSimd for Solve<'_, '_> {
         let mut bounds = vec![0.0; lanes.len() * Lane::<S>::LEN];
         for (given, lane) in &lanes {
             let row = given.row - first;
-            let mut numbers = [Lane::splat(simd, 0.0); TractionRoot::<f64>::COLUMNS];
-            for (column, numbers) in numbers.iter_mut().enumerate() {
-                *numbers = roots.load(simd, column, row);
-            }
-            let root = TractionRoot::of_columns(&numbers);
+            let root = TractionRoot::of_columns(&roots.load(simd, &(row..row + Lane::<S>::LEN)));
             let mut out = Sink { wanted, columns: &mut *columns, row };
             let (solved, bound) = outputs(simd, lane, &root, accuracy, &mut out);
             bound.store(&mut bounds[row..]);
@@ -126,14 +120,14 @@ fn scaled<S: Simd>(
 ) -> TractionPoint<Lane<S>> {
     let (zero, one) = (contacts.constant(0.0), contacts.constant(1.0));
     let friction = given.get(InputKey::friction_coefficient);
-    let ball = contacts.scaled;
-    let [(nut, _), (screw, _)] = ball.semi_axes;
-    let scale = slip_scale([nut, screw], ball.pressed_radius);
-    let fast = contacts.scaled.nut_speed.abs().gt(one * FAST_NUT);
+    let scaled = contacts.scaled;
+    let [(nut, _), (screw, _)] = scaled.semi_axes;
+    let scale = slip_scale([nut, screw], scaled.pressed_radius);
+    let fast = scaled.nut_speed.abs().gt(one * FAST_NUT);
     TractionPoint {
-        scaled: ball,
+        scaled,
         friction: units.speed.lt(zero).select(-friction, friction),
-        offset: fast.select(contacts.scaled.nut_speed, zero),
+        offset: fast.select(scaled.nut_speed, zero),
         creep: scale * creep,
         nut_chart: false,
     }

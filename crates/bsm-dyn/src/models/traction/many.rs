@@ -97,32 +97,36 @@ impl NumberRows {
         &mut self.numbers[row * self.columns..][..self.columns]
     }
 
-    /// Stores a number of successive structs.
+    /// Stores lanes of structs, a number of each in every column.
     #[inline(always)]
-    pub fn store<S: Simd, const N: usize>(
+    pub fn store<S: Simd, const N: usize, const COLUMNS: usize>(
         &mut self,
-        column: usize,
-        first: usize,
-        numbers: Lane<S, N>,
+        rows: &(impl Iterator<Item = usize> + Clone),
+        columns: [Lane<S, N>; COLUMNS],
     ) {
-        for (i, number) in numbers.as_slice().iter().enumerate() {
-            self[(first + i, column)] = *number;
+        for (column, numbers) in columns.into_iter().enumerate() {
+            for (row, number) in rows.clone().zip(numbers.as_slice()) {
+                self[(row, column)] = *number;
+            }
         }
     }
 
-    /// A number of successive structs, of up to two blocks.
+    /// Lanes of structs of up to two blocks, a number of each in every column.
     #[inline(always)]
-    pub fn load<S: Simd, const N: usize>(
+    pub fn load<S: Simd, const N: usize, const COLUMNS: usize>(
         &self,
         simd: S,
-        column: usize,
-        first: usize,
-    ) -> Lane<S, N> {
-        let mut block = [0.0; 2 * BLOCK];
-        for i in 0..Lane::<S, N>::LEN {
-            block[i] = self[(first + i, column)];
+        rows: &(impl Iterator<Item = usize> + Clone),
+    ) -> [Lane<S, N>; COLUMNS] {
+        let mut columns = [Lane::splat(simd, 0.0); COLUMNS];
+        for (column, numbers) in columns.iter_mut().enumerate() {
+            let mut block = [0.0; 2 * BLOCK];
+            for (number, row) in block.iter_mut().zip(rows.clone()) {
+                *number = self[(row, column)];
+            }
+            *numbers = Lane::load(simd, &block);
         }
-        Lane::load(simd, &block)
+        columns
     }
 }
 
@@ -403,33 +407,12 @@ impl WithSimd for SolveMany<'_> {
     }
 }
 
-/// Numbers of some points side by side, the last one repeated.
+/// Some points side by side, the last one repeated.
 #[inline(always)]
 fn load_iterates<S: Simd>(simd: S, iterates: &NumberRows, group: &[usize]) -> Iterate<Lane<S>> {
-    let mut numbers = [Lane::splat(simd, 0.0); Iterate::<f64>::COLUMNS];
-    for column in 0..Iterate::<f64>::COLUMNS {
-        let mut block = [0.0; BLOCK];
-        for i in 0..Lane::<S>::LEN {
-            block[i] = iterates[(group[i.min(group.len() - 1)], column)];
-        }
-        numbers[column] = Lane::load(simd, &block);
-    }
-    Iterate::of_columns(&numbers)
-}
-
-/// Numbers of some points to their places.
-#[inline(always)]
-fn store_iterates<S: Simd>(
-    numbers: Lane<S>,
-    rows: &mut NumberRows,
-    column: usize,
-    group: &[usize],
-) {
-    let mut block = [0.0; BLOCK];
-    numbers.store(&mut block);
-    for (point, number) in group.iter().zip(block) {
-        rows[(*point, column)] = number;
-    }
+    let last = group[group.len() - 1];
+    let rows = group.iter().copied().chain(std::iter::repeat(last));
+    Iterate::of_columns(&iterates.load(simd, &rows.take(Lane::<S>::LEN)))
 }
 
 /// Memory of the evaluations.
@@ -655,9 +638,7 @@ fn approach<S: Simd>(
     (iterate.weights, iterate.steps) = (weights, iterate.steps + 1.0);
     let alive = accepted | !first;
     let waits = alive & iterate.tries.lt(size.constant(MOST_COARSE));
-    for (column, numbers) in iterate.columns(zero).into_iter().enumerate() {
-        store_iterates(numbers, iterates, column, group);
-    }
+    iterates.store(&group.iter().copied(), iterate.columns(zero));
     let [mut ends, mut goes_on, mut resolved] = [[false; BLOCK]; 3];
     here.resolved.store(&mut resolved);
     (alive & arrived).store(&mut ends);
@@ -762,9 +743,7 @@ fn refine<S: Simd, const SPLIT: bool>(
     (here.exists & !here.resolved).store(&mut unresolved);
     let (unknowns, residual) = (at.unknowns, before);
     let root = TractionRoot { unknowns, torque, power, error, by_creep, steps, residual };
-    for (column, numbers) in root.columns(residual).into_iter().enumerate() {
-        store_iterates(numbers, roots, column, group);
-    }
+    roots.store(&group.iter().copied(), root.columns(residual));
     for (point, solved) in group.iter().zip(solved) {
         are_roots[*point] = solved;
     }
