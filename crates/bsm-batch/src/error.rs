@@ -2,7 +2,7 @@
 
 use std::io;
 
-use bsm_case::brief;
+use bsm_case::{TextError, brief};
 
 /// A table that cannot be read or written as a whole; a row that is wrong is a row with a status.
 #[derive(Debug, thiserror::Error)]
@@ -115,6 +115,15 @@ impl TableError {
 
 fn meant(nearest: Option<&str>) -> String {
     nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
+}
+
+impl From<TextError> for TableError {
+    fn from(error: TextError) -> Self {
+        match error {
+            TextError::Io(error) => Self::Io(error),
+            TextError::Malformed(text) => Self::Malformed(text),
+        }
+    }
 }
 
 impl From<parquet::errors::ParquetError> for TableError {

@@ -44,7 +44,6 @@ mod columns;
 pub mod dataset;
 mod draws;
 mod error;
-mod lines;
 mod operand;
 mod pages;
 mod parquet_table;

@@ -1,17 +1,15 @@
 //! Tables as text: CSV and JSON Lines.
 
-use std::borrow::Cow;
 use std::io::{self, Read, Write};
 use std::ops::Range;
 
 use arrow_array::RecordBatch;
 use arrow_schema::{FieldRef, SchemaRef};
-use bsm_case::{InputKey, brief, decimal_number, entries, write_exact};
+use bsm_case::{InputKey, Lines, brief, check_width, decimal_number, entries, split, write_exact};
 use rayon::prelude::*;
 use serde_json::{Map, Value};
 
 use crate::columns::{Columns, is_answer};
-use crate::lines::Lines;
 use crate::rows::{Cell, Cells, Chunk, ChunkBuilder, TEXT};
 use crate::{Source, TableError, TableFormat};
 
@@ -64,7 +62,9 @@ impl<R: Read> CsvSource<R> {
         let mut lines = Lines::new(reader);
         let header = lines.next()?.ok_or_else(TableError::no_header)?;
         let mut names = Vec::new();
-        let sorted = split(header, delimiter, 1, |_, name| names.push(name)).and_then(|width| {
+        let width =
+            split(header, delimiter, 1, |_, name| names.push(name)).map_err(TableError::from);
+        let sorted = width.and_then(|width| {
             Ok((Columns::sort_as(names.iter().map(AsRef::as_ref), keep, dialect)?, width))
         });
         let (columns, width) = sorted.map_err(|error| {
@@ -82,60 +82,6 @@ impl<R: Read> CsvSource<R> {
             takes[*index] = Take::Kept(kept);
         }
         Ok(Self { lines, columns, takes, delimiter, decimal, row: 0 })
-    }
-}
-
-/// Gives the cells of a line of CSV with their places, and returns their number. A cell that begins with a quote
-/// ends with one, may hold delimiters, and quotes twice; no other cell holds a quote. So no quote that is forgotten
-/// or one too many can join cells or lines, as the crate csv lets it.
-fn split<'a>(
-    mut text: &'a str,
-    delimiter: char,
-    line: u64,
-    mut each: impl FnMut(usize, Cow<'a, str>),
-) -> Result<usize, TableError> {
-    let quotes = memchr::memchr(b'"', text.as_bytes()).is_some();
-    // A delimiter is ASCII.
-    let sign = delimiter as u8;
-    let mut cells = 0;
-    loop {
-        let (cell, after) = match text.strip_prefix('"') {
-            Some(quoted) if quotes => {
-                // Quotes in pairs belong to the cell; the first one alone ends it.
-                let mut end = 0;
-                loop {
-                    end += quoted[end..].find('"').ok_or_else(|| {
-                        TableError::Malformed(format!(
-                            "line {line}: a quoted cell does not end on its line; close the quote, or take the line \
-                             break out of the cell"
-                        ))
-                    })?;
-                    if !quoted[end + 1..].starts_with('"') {
-                        break;
-                    }
-                    end += 2;
-                }
-                (Cow::Owned(quoted[..end].replace("\"\"", "\"")), &quoted[end + 1..])
-            }
-            _ => {
-                let end = memchr::memchr(sign, text.as_bytes()).unwrap_or(text.len());
-                (Cow::Borrowed(&text[..end]), &text[end..])
-            }
-        };
-        let is_bare = matches!(cell, Cow::Borrowed(_));
-        let next = after.strip_prefix(delimiter);
-        if quotes && (is_bare && cell.contains('"') || next.is_none() && !after.is_empty()) {
-            return Err(TableError::Malformed(format!(
-                "line {line}: a quote inside a cell; put the whole cell in quotes and double those in it, or take the \
-                 quotes out"
-            )));
-        }
-        each(cells, cell);
-        cells += 1;
-        match next {
-            Some(next) => text = next,
-            None => return Ok(cells),
-        }
     }
 }
 
@@ -163,12 +109,7 @@ impl<R: Read + Send> Source for CsvSource<R> {
                 Some(Take::Kept(column)) => chunk.keep(*column, Some(&cell)),
                 Some(Take::Nothing) | None => {}
             })?;
-            if found != takes.len() {
-                return Err(TableError::Malformed(format!(
-                    "line {line} has {found} cells, but the table has {} columns",
-                    takes.len()
-                )));
-            }
+            check_width(found, takes.len(), line)?;
             chunk.end_row();
         }
         self.row += chunk.len() as u64;

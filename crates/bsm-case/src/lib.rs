@@ -74,6 +74,7 @@ pub use vocabulary::entries::CaseEntries;
 pub use vocabulary::error::{CaseError, Known, brief, printable};
 pub use vocabulary::input::{Case, INPUTS, InputKey, Rule};
 pub use vocabulary::input_set::{InputSet, following};
+pub use vocabulary::lines::{Lines, TextError, check_width, split};
 pub(crate) use vocabulary::names::nearest;
 pub use vocabulary::names::{entries, nearest_input};
 pub use vocabulary::number::{digits, exact, number, short, trimmed, write_exact};

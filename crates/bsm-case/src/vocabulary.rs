@@ -7,6 +7,7 @@ pub(crate) mod entries;
 pub(crate) mod error;
 pub(crate) mod input;
 pub(crate) mod input_set;
+pub(crate) mod lines;
 pub(crate) mod names;
 pub(crate) mod number;
 pub(crate) mod output;

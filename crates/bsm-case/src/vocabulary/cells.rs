@@ -1,5 +1,8 @@
 //! Tables that people give: names of columns, and rows of cells under them.
 
+use std::borrow::Cow;
+
+use crate::vocabulary::lines::{Lines, TextError, check_width, split};
 use crate::{CaseError, TableFormat};
 
 /// A table as it is written.
@@ -14,23 +17,20 @@ impl Cells {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] with the row.
+    /// [`CaseError::Invalid`] with the line.
     pub(crate) fn read(table: &[u8], format: &TableFormat) -> Result<Self, CaseError> {
-        let wrong = |error: &csv::Error| CaseError::Invalid(error.to_string());
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .delimiter(u8::try_from(format.delimiter).unwrap_or(b','))
-            .from_reader(table);
-        let texts =
-            |record: &csv::StringRecord| record.iter().map(str::to_owned).collect::<Vec<_>>();
-        let heads = texts(reader.headers().map_err(|e| wrong(&e))?);
-        let rows: Result<Vec<_>, _> = (1..)
-            .zip(reader.records())
-            .map(|(row, record)| {
-                record.map(|record| texts(&record)).map_err(|e| wrong(&e).in_row(row))
-            })
-            .collect();
-        let rows = rows?;
+        let wrong = |error: TextError| CaseError::Invalid(error.to_string());
+        let mut lines = Lines::new(table);
+        let mut rows: Vec<Vec<String>> = Vec::new();
+        loop {
+            let (line, mut row) = (lines.number() + 1, Vec::new());
+            let Some(text) = lines.next().map_err(wrong)? else { break };
+            let cell = |_, cell: Cow<'_, str>| row.push(cell.trim().to_owned());
+            let found = split(text, format.delimiter, line, cell).map_err(wrong)?;
+            check_width(found, rows.first().map_or(found, Vec::len), line).map_err(wrong)?;
+            rows.push(row);
+        }
+        let heads = if rows.is_empty() { Vec::new() } else { rows.remove(0) };
         if rows.is_empty() {
             let what = format!("has no rows; the columns are {}", heads.join(", "));
             return Err(CaseError::Invalid(what));

@@ -1,0 +1,188 @@
+//! Text by lines, and lines of CSV by cells: what holds for every table of text.
+
+use std::borrow::Cow;
+use std::io::{self, BufRead, BufReader, Read};
+
+/// Bytes that a line may have: what never ends must not take all memory.
+const LONGEST: usize = 16 << 20;
+
+/// Text that is no table.
+#[derive(Debug, thiserror::Error)]
+pub enum TextError {
+    /// The file or the disk.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// A line.
+    #[error("{0}")]
+    Malformed(String),
+}
+
+/// Lines of a text, numbered as an editor does. They end with LF, CRLF or CR; blank ones may stand
+/// at the end only.
+pub struct Lines<R> {
+    reader: BufReader<R>,
+    line: Vec<u8>,
+    number: u64,
+    /// The last line ended with CR: an LF that follows belongs to it.
+    after_cr: bool,
+}
+
+impl<R: Read> Lines<R> {
+    /// Of a text.
+    pub fn new(reader: R) -> Self {
+        let reader = BufReader::with_capacity(1 << 16, reader);
+        Self { reader, line: Vec::new(), number: 0, after_cr: false }
+    }
+
+    /// Number of the last line, from 1.
+    pub fn number(&self) -> u64 {
+        self.number
+    }
+
+    /// The next line without its end; `None` at the end of the file or if only blank lines follow.
+    ///
+    /// # Errors
+    ///
+    /// [`TextError`] with the line, for one that is too long, blank or no text.
+    pub fn next(&mut self) -> Result<Option<&str>, TextError> {
+        self.next_but(|line| line.trim_ascii().is_empty())
+    }
+
+    /// [`next`](Self::next) where other lines are blank.
+    ///
+    /// # Errors
+    ///
+    /// As [`next`](Self::next).
+    pub fn next_but(
+        &mut self,
+        is_blank: impl Fn(&[u8]) -> bool,
+    ) -> Result<Option<&str>, TextError> {
+        let mut blank = None;
+        while self.read()? {
+            self.number += 1;
+            let line = self.number;
+            let malformed = |what: &str| TextError::Malformed(format!("line {line} {what}"));
+            if self.line.len() > LONGEST {
+                let most = LONGEST >> 20;
+                let what = format!("is longer than {most} MiB; is an end of line missing?");
+                return Err(malformed(&what));
+            }
+            // Some programs begin a file with a byte order mark.
+            if line == 1 && self.line.starts_with(b"\xef\xbb\xbf") {
+                self.line.drain(..3);
+            }
+            if is_blank(&self.line) {
+                blank = blank.or(Some(line));
+            } else if let Some(line) = blank {
+                return Err(TextError::Malformed(format!(
+                    "line {line} is blank; a row is one line, so write an empty cell as \"\" or remove the line"
+                )));
+            } else if memchr::memchr(0, &self.line).is_some() {
+                return Err(malformed("has a NUL byte; save the table as UTF-8 text"));
+            } else {
+                let text = str::from_utf8(&self.line);
+                let not_text = |_| malformed("is not UTF-8 text; save the table as UTF-8");
+                return text.map(Some).map_err(not_text);
+            }
+        }
+        Ok(None)
+    }
+
+    /// Reads a line, or so much of it that it is too long; false at the end of the text.
+    fn read(&mut self) -> io::Result<bool> {
+        self.line.clear();
+        let mut any = false;
+        loop {
+            let mut bytes = match self.reader.fill_buf() {
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+                bytes => bytes?,
+            };
+            if bytes.is_empty() {
+                return Ok(any);
+            }
+            let skipped = usize::from(self.after_cr && bytes[0] == b'\n');
+            self.after_cr = false;
+            bytes = &bytes[skipped..];
+            let end = memchr::memchr2(b'\n', b'\r', bytes);
+            self.line.extend_from_slice(&bytes[..end.unwrap_or(bytes.len())]);
+            any |= !bytes.is_empty();
+            self.after_cr = end.is_some_and(|end| bytes[end] == b'\r');
+            let used = skipped + end.map_or(bytes.len(), |end| end + 1);
+            self.reader.consume(used);
+            if end.is_some() || self.line.len() > LONGEST {
+                return Ok(true);
+            }
+        }
+    }
+}
+
+/// Gives the cells of a line of CSV with their places, and returns their number. A cell that begins with a quote
+/// ends with one, may hold delimiters, and quotes twice; no other cell holds a quote. So no quote that is forgotten
+/// or one too many can join cells or lines, as the crate csv lets it.
+///
+/// # Errors
+///
+/// [`TextError`] for a quote that is not a pair around a cell.
+pub fn split<'a>(
+    mut text: &'a str,
+    delimiter: char,
+    line: u64,
+    mut each: impl FnMut(usize, Cow<'a, str>),
+) -> Result<usize, TextError> {
+    let quotes = memchr::memchr(b'"', text.as_bytes()).is_some();
+    // A delimiter is ASCII.
+    let sign = delimiter as u8;
+    let mut cells = 0;
+    loop {
+        let (cell, after) = match text.strip_prefix('"') {
+            Some(quoted) if quotes => {
+                // Quotes in pairs belong to the cell; the first one alone ends it.
+                let mut end = 0;
+                loop {
+                    end += quoted[end..].find('"').ok_or_else(|| {
+                        TextError::Malformed(format!(
+                            "line {line}: a quoted cell does not end on its line; close the quote, or take the line \
+                             break out of the cell"
+                        ))
+                    })?;
+                    if !quoted[end + 1..].starts_with('"') {
+                        break;
+                    }
+                    end += 2;
+                }
+                (Cow::Owned(quoted[..end].replace("\"\"", "\"")), &quoted[end + 1..])
+            }
+            _ => {
+                let end = memchr::memchr(sign, text.as_bytes()).unwrap_or(text.len());
+                (Cow::Borrowed(&text[..end]), &text[end..])
+            }
+        };
+        let is_bare = matches!(cell, Cow::Borrowed(_));
+        let next = after.strip_prefix(delimiter);
+        if quotes && (is_bare && cell.contains('"') || next.is_none() && !after.is_empty()) {
+            return Err(TextError::Malformed(format!(
+                "line {line}: a quote inside a cell; put the whole cell in quotes and double those in it, or take the \
+                 quotes out"
+            )));
+        }
+        each(cells, cell);
+        cells += 1;
+        match next {
+            Some(next) => text = next,
+            None => return Ok(cells),
+        }
+    }
+}
+
+/// Refuses a line of CSV whose cells are not as many as the columns.
+///
+/// # Errors
+///
+/// [`TextError`] with the line.
+pub fn check_width(found: usize, columns: usize, line: u64) -> Result<(), TextError> {
+    if found == columns {
+        return Ok(());
+    }
+    let what = format!("line {line} has {found} cells, but the table has {columns} columns");
+    Err(TextError::Malformed(what))
+}
