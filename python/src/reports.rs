@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use bsm_batch::{NumberColumn, TableError, TableSink};
+use bsm_batch::{TableError, TableSink};
 use bsm_case::{
     Answer, AxisReport, CATALOGUE, Calibration, CaseError, Catalogue, Content, DesignReport,
     EllipseFields, Fit, ManufacturerNut, ManufacturerRow, MotionAnswer, NutFilter, NutProblem,
-    NutReport, Record, RequirementFile, Samples, TableFormat, candidate_case, column_names,
+    NutReport, Output, Record, RequirementFile, Samples, TableFormat, candidate_case, column_names,
     sheet_columns,
 };
 use bsm_dyn::{Model, ModelWorkspace};
@@ -104,7 +104,8 @@ type NamesAndUnits = Vec<(&'static str, &'static str)>;
 /// Columns of the balls and of the curve of a nut.
 #[pyfunction]
 pub(crate) fn nut_columns() -> (NamesAndUnits, NamesAndUnits) {
-    (NutReport::ball_columns(), NutReport::curve_columns())
+    let named = |columns: Vec<&'static Output>| columns.iter().map(|c| (c.name, c.unit)).collect();
+    (named(NutReport::ball_columns()), named(NutReport::curve_columns()))
 }
 
 /// Quantiles over random balls.
@@ -255,10 +256,9 @@ pub(crate) fn write_numbers(
 ) -> Result<()> {
     let format = format_of(&path)?;
     let known = || {
-        let catalogue = CATALOGUE.iter().map(|c| (c.name, c.unit));
+        let catalogue = CATALOGUE.iter().flat_map(|quantity| quantity.columns);
         let of_a_nut = NutReport::ball_columns().into_iter().chain(NutReport::curve_columns());
-        let of_sheets = sheet_columns().map(|c| (c.name, c.unit));
-        catalogue.chain(of_a_nut).chain(of_sheets).map(|(name, unit)| NumberColumn { name, unit })
+        catalogue.chain(of_a_nut).chain(sheet_columns())
     };
     let named = |(name, _): &(String, NumberArray)| {
         let found = known().find(|column| column.name == name.as_str());
@@ -333,9 +333,9 @@ pub(crate) fn manufacturers(
     })?;
     let rows = rows.map_err(|(name, error)| Error::from(format!("{name}: {error}")))?;
     let columns = rows.first().into_iter().flat_map(|first| first.numbers.iter().enumerate());
-    let column = |(place, (name, unit, _)): (usize, &(&'static str, &'static str, _))| {
-        let value = |row: &ManufacturerRow| row.numbers[place].2.unwrap_or(f64::NAN);
-        ((*name).to_owned(), *unit, shared(rows.iter().map(value).collect()))
+    let column = |(place, (own, _)): (usize, &(&'static Output, _))| {
+        let value = |row: &ManufacturerRow| row.numbers[place].1.unwrap_or(f64::NAN);
+        (own.name.to_owned(), own.unit, shared(rows.iter().map(value).collect()))
     };
     let columns = columns.map(column).collect();
     let names = rows.iter().map(|row| row.name.clone()).collect();

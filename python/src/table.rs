@@ -231,7 +231,8 @@ pub(crate) fn read_arrow(frame: AnyRecordBatch, kept: Vec<String>) -> Result<Vec
         let (mut values, mut gaps) = (Vec::new(), Vec::new());
         for part in parts {
             let numbers = arrow_column::numbers(part).map_err(|_| {
-                Error::from(format!("column `{name}` holds {}, not numbers", part.data_type()))
+                let found = arrow_column::kind(part.data_type());
+                Error::from(format!("column `{name}` holds {found}, not numbers"))
             })?;
             for number in numbers {
                 if number.is_none() {

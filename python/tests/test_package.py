@@ -196,6 +196,8 @@ def test_what_new_users_write_is_answered_in_words(screw: bs.Case) -> None:
         bs.gradient(points, "efficiency", "lead_mm", screw)
     with pytest.raises(bs.InputError, match=r"`lead_mm` is 10; give the values that it takes, such as \[10\]"):
         bs.sweep(screw, vary={"lead_mm": 10})  # type: ignore[dict-item]
+    with pytest.raises(bs.InputError, match=r"give linspace\(1, 9, 3\) for a range, \[1, 9, 3\] for three values"):
+        bs.sweep(screw, vary={"lead_mm": (1, 9, 3)})
     with pytest.raises(TypeError, match="there is no keyword `tolerence`, did you mean `tolerance`"):
         bs.solve_many(points, screw, tolerence=1e-3)  # type: ignore[call-arg]
     with pytest.raises(bs.InputError, match=r"Case.read\(path\) reads a file"):

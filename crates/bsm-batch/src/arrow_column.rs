@@ -16,6 +16,14 @@ use arrow_schema::{ArrowError, DataType, TimeUnit};
 use num_traits::ToPrimitive;
 use serde_json::{Number, Value};
 
+/// A type of cells that are not numbers, for a message.
+pub fn kind(cells: &DataType) -> String {
+    match cells {
+        DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => "text".to_owned(),
+        other => other.to_string(),
+    }
+}
+
 /// The numbers of a column; `None` for null.
 ///
 /// # Errors

@@ -112,6 +112,7 @@ impl ParquetSource {
             let found = fields[*index].data_type();
             if !(found.is_numeric() || *found == DataType::Null) {
                 let name = key.name();
+                let found = arrow_column::kind(found);
                 let message = format!("column `{name}` holds {found}, but must hold numbers");
                 return Err(TableError::Column { name: name.to_owned(), message });
             }

@@ -66,15 +66,6 @@ impl Format {
     }
 }
 
-/// A column of numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct NumberColumn {
-    /// Name.
-    pub name: &'static str,
-    /// Unit, for the metadata.
-    pub unit: &'static str,
-}
-
 /// A table that is being written.
 pub struct TableSink<W: Write + Send> {
     schema: SchemaRef,
@@ -114,7 +105,7 @@ impl<W: Write + Send> TableSink<W> {
     pub fn of_numbers(
         format: Format,
         out: W,
-        columns: &[NumberColumn],
+        columns: &[&'static Output],
     ) -> Result<Self, TableError> {
         let fields = columns.iter().map(|column| field(column.name, column.unit));
         let schema = Arc::new(Schema::new(fields.collect::<Vec<_>>()));

@@ -291,7 +291,7 @@ pub(crate) fn threads(text: &str) -> Result<NonZeroUsize, String> {
 }
 
 /// Outputs besides the screen.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct OutArgs {
     /// .html: the page; .json: what --json prints. May be repeated.

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use bsm_batch::NumberColumn;
 use bsm_case::{Case, Columns, NutProblem, Samples};
 use bsm_report::sheets::nut_figures;
 
@@ -48,9 +47,7 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
 }
 
 pub(crate) fn write_columns(path: &Path, table: &Columns, case: &Case) -> Result<(), Failure> {
-    let named: Vec<_> =
-        table.heads.iter().map(|(name, unit)| NumberColumn { name, unit }).collect();
     let values = |column: usize| table.rows.iter().map(|row| row[column]).collect();
-    let values = std::iter::once((0..named.len()).map(values).collect());
-    write_numbers(path, form_of(path)?, &named, values, &case.to_json())
+    let values = std::iter::once((0..table.heads.len()).map(values).collect());
+    write_numbers(path, form_of(path)?, &table.heads, values, &case.to_json())
 }

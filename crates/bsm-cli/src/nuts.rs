@@ -3,7 +3,6 @@
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-use bsm_batch::NumberColumn;
 use bsm_case::{Catalogue, ListColumn, NutFilter, NutList, candidate_case};
 use bsm_report::sheets::catalogue_figures;
 use serde_json::{Value, json};
@@ -52,7 +51,7 @@ pub(crate) fn run(args: &SelectArgs, catalogue: Catalogue) -> Result<(), Failure
     let first = |usual| args.first.map_or(usual, NonZeroUsize::get);
     let places = &list.chosen[..list.chosen.len().min(first(usize::MAX))];
     for path in args.out.tables() {
-        let head: Vec<_> = list.columns().iter().map(head).collect();
+        let head: Vec<_> = list.columns().iter().map(|column| column.output).collect();
         let parts = places.chunks(PART).map(|part| list.values(part));
         write_numbers(path, form_of(path)?, &head, parts, &request(args)?)?;
     }
@@ -60,10 +59,6 @@ pub(crate) fn run(args: &SelectArgs, catalogue: Catalogue) -> Result<(), Failure
     let case = picked.first().map(|nut| candidate_case(nut, requirement.as_ref()));
     Reply { case: Some(case.into()), ..Reply::of(list.answer(first(SHOWN))) }
         .give(&args.out, || Ok(Pictures { figures, ..Pictures::default() }))
-}
-
-fn head(column: &ListColumn) -> NumberColumn {
-    NumberColumn { name: column.output.name, unit: column.output.unit }
 }
 
 /// The request.

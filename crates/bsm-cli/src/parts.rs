@@ -5,12 +5,14 @@ use std::path::{Path, PathBuf};
 
 use bsm_batch::Workers;
 use bsm_batch::dataset::{Dataset, Event, PartDefect, Plan};
+use bsm_case::{Answer, Content};
 use indicatif::HumanBytes;
 use serde_json::json;
 
-use crate::args::{CheckArgs, Only, RunArgs};
+use crate::answer::{Pictures, Reply};
+use crate::args::{CheckArgs, Only, OutArgs, RunArgs};
 use crate::failure::{Failure, warn};
-use crate::files::{pretty_json, print};
+use crate::files::print;
 use crate::progress::progress;
 use crate::table_job::{failed, mend};
 use crate::unfinished;
@@ -111,42 +113,48 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
     let text = |range: &Range<u64>| format!("{}:{}", range.start, range.end);
     let ranges: Vec<_> = missing.iter().map(text).collect();
     let name = |path: &Path| path.display().to_string();
-    if args.json {
-        let damage = |(path, why): &(PathBuf, PartDefect)| json!({ "file": name(path), "reason": why.to_string() });
-        print(&pretty_json(&json!({
-            "plan": plan.id(),
-            "parts": plan.parts(),
-            "finished": there,
-            "complete": is_complete,
-            "deep": args.deep,
-            "missing": ranges,
-            "damaged": found.damaged.iter().map(damage).collect::<Vec<_>>(),
-            "foreign": found.unknown_files.iter().map(|path| name(path)).collect::<Vec<_>>(),
-            "rows": count.rows,
-            "failed": count.failed,
-            "several": count.several,
-        })))?;
-    } else {
-        let what =
-            if args.deep { "all bytes read" } else { "footers read; --deep reads all bytes" };
-        let mut lines = vec![
-            format!("{there} of {} parts ({what})", plan.parts()),
-            format!("{} of {} rows, {} without a result", count.rows, plan.rows(), count.failed),
-        ];
-        let damaged = found.damaged.iter().map(|(path, why)| format!("{} {why}", name(path)));
-        list(&mut lines, "missing", ranges);
-        list(&mut lines, "damaged", damaged.collect());
-        list(&mut lines, "foreign", found.unknown_files.iter().map(|path| name(path)).collect());
-        if found.other_plan().is_some() {
-            lines.push("put the plan.json of these parts back, or take another folder".to_owned());
-        } else if !found.damaged.is_empty() {
-            lines.push(mend(folder, &found.damaged));
-        } else if !is_complete {
-            lines.push(format!("`bsm parts run {}` solves what is missing", folder.display()));
-        }
-        print(&lines.join("\n"))?;
+    let reason = |(path, why): &(PathBuf, PartDefect)| (name(path), why.to_string());
+    let damaged: Vec<_> = found.damaged.iter().map(reason).collect();
+    let foreign: Vec<_> = found.unknown_files.iter().map(|path| name(path)).collect();
+    let damage = |(file, reason): &(String, String)| json!({ "file": file, "reason": reason });
+    let members = [
+        ("plan", json!(plan.id())),
+        ("parts", json!(plan.parts())),
+        ("finished", json!(there)),
+        ("complete", json!(is_complete)),
+        ("deep", json!(args.deep)),
+        ("missing", json!(ranges)),
+        ("damaged", damaged.iter().map(damage).collect()),
+        ("foreign", json!(foreign)),
+        ("rows", json!(count.rows)),
+        ("failed", json!(count.failed)),
+        ("several", json!(count.several)),
+    ];
+    let what = if args.deep { "all bytes read" } else { "footers read; --deep reads all bytes" };
+    let mut lines = vec![
+        format!("{there} of {} parts ({what})", plan.parts()),
+        format!("{} of {} rows, {} without a result", count.rows, plan.rows(), count.failed),
+    ];
+    let damaged = damaged.iter().map(|(file, reason)| format!("{file} {reason}"));
+    list(&mut lines, "missing", ranges);
+    list(&mut lines, "damaged", damaged.collect());
+    list(&mut lines, "foreign", foreign);
+    if found.other_plan().is_some() {
+        lines.push("put the plan.json of these parts back, or take another folder".to_owned());
+    } else if !found.damaged.is_empty() {
+        lines.push(mend(folder, &found.damaged));
+    } else if !is_complete {
+        lines.push(format!("`bsm parts run {}` solves what is missing", folder.display()));
     }
-    if is_complete { Ok(()) } else { Err(Failure::Unsolved) }
+    let whole = Answer { fails: !is_complete, ..Answer::default() };
+    let answer = members
+        .into_iter()
+        .fold(whole, |answer, (member, json)| answer.with(member, Content::Json(json)));
+    let answer = lines
+        .into_iter()
+        .fold(answer, |answer, line| answer.with_shown(Content::Text("", Some(line))));
+    let to = OutArgs { json: args.json, ..OutArgs::default() };
+    Reply::of(answer).give(&to, || Ok(Pictures::default()))
 }
 
 /// Adds the first few of some entries.

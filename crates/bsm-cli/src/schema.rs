@@ -34,14 +34,14 @@ const OBJECTS: &[(&str, &str)] = &[
     (
         "solve",
         "@output, program string, inputs case, settings settings, regime string?, notes texts, warnings texts, \
-         sensitivities? *derivatives, band? band, torque_parts? torque",
+         sensitivities? *derivatives, band? *interval, torque_parts? torque",
     ),
     ("case", "@case?"),
     (
         "settings",
         "name string, tolerance number, accuracy number, creep number, control string?, friction string",
     ),
-    ("band", "contact_loss_ratio numbers, ball_torque_Nm numbers, efficiency numbers"),
+    ("interval", "low number, high number"),
     ("torque", "@torques, contacts string"),
     (
         "derivatives",
@@ -96,12 +96,7 @@ const OBJECTS: &[(&str, &str)] = &[
     ),
     ("step", "step integer, name string, value number?, required string?, passes boolean"),
     ("catalogue", "@catalogue, @sheet?"),
-    (
-        "manufacturer",
-        "nut string, dynamic_load_rating_N number?, our_dynamic_load_rating_N number?, static_load_rating_N number?, \
-         our_static_load_rating_N number?, stiffness_N_um number?, our_stiffness_N_um number?, mass_kg number?, @sheet?, \
-         passes? boolean",
-    ),
+    ("manufacturer", "nut string, @manufacturer, @sheet?, passes? boolean"),
     (
         "fit",
         "measured measured, found [fitted], reachable [number?]?, message string, notes texts, warnings texts",
@@ -118,7 +113,7 @@ const OBJECTS: &[(&str, &str)] = &[
     (
         "parts",
         "plan string, parts integer, finished integer, complete boolean, deep boolean, missing texts, damaged [damage], \
-         foreign texts, rows integer, failed integer, several integer",
+         foreign texts, rows integer, failed integer, several integer, notes texts, warnings texts",
     ),
     ("damage", "file string, reason string"),
     ("validate", "program string, passed boolean, checks [check], notes texts, warnings texts"),

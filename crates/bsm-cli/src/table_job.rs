@@ -8,8 +8,8 @@ use bsm_batch::dataset::{
     self, Dataset, DatasetError, Event, PartDefect, Plan, Points, RunOptions, sha256,
 };
 use bsm_batch::{
-    Answers, Cell, Chunk, Count, CsvSource, Format, NumberColumn, RunError, Sink, Source,
-    TableError, TableFormat, TableSink, Task, Workers,
+    Answers, Cell, Chunk, Count, CsvSource, Format, RunError, Sink, Source, TableError,
+    TableFormat, TableSink, Task, Workers,
 };
 use bsm_case::{Axis, Grid, ModelChoice, Output as Column, exact};
 use bsm_dyn::Status;
@@ -358,7 +358,7 @@ pub(crate) fn unwritable(path: &Path, error: &TableError) -> Failure {
 pub(crate) fn write_numbers(
     path: &Path,
     form: Form,
-    columns: &[NumberColumn],
+    columns: &[&'static Column],
     parts: impl Iterator<Item = Vec<Vec<f64>>>,
     about: &Value,
 ) -> Result<(), Failure> {

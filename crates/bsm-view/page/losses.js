@@ -29,7 +29,8 @@ export function showLosses(host, result, slip) {
       fill: paint, rx: 2 }));
   // Of a lubricant the 90 % interval, of a coefficient the bound of the error.
   const oil = result.sliding_power_W != null, contacts = oil ? result.sliding_power_W + result.rolling_power_W : 0;
-  const drawn = result.band?.contact_loss_ratio.map((ratio) => total + (ratio - 1) * contacts), bound = oil ? null : result.loss_error_bound;
+  const ratio = result.band?.contact_loss_ratio;
+  const drawn = ratio && [ratio.low, ratio.high].map((end) => total + (end - 1) * contacts), bound = oil ? null : result.loss_error_bound;
   const ends = drawn ?? (bound == null ? null : [Math.max(total * (1 - bound), 0), total * (1 + bound)]);
   const y = rows.length * row + top, far = ends ? Math.min(ends[1], high * 1.12) : 0;
   const lines = [...rows, ["all", total, null]].map(([words, value, paint], i) => [text(phone ? left : left - 8,

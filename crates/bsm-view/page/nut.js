@@ -120,7 +120,7 @@ function train(balls, answer) {
 }
 
 function deflection(curve, answer) {
-  const [cold, warm] = [number(answer.preload_set_N), number(answer.warm_preload_N)];
+  const [cold, warm] = [number(answer.cold_preload_N), number(answer.warm_preload_N)];
   const [width, height, box] = sizes();
   const loads = curve.axial_load_N, shift = curve.nut_displacement_um;
   const x = scale([Math.min(0, ...loads), Math.max(0, ...loads)], [box[0], box[2] - 52]), [low, high] = span(shift.map((v) => v ?? NaN));

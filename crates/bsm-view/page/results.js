@@ -29,7 +29,7 @@ export function showKey(host, result) {
         result.lubrication ? `Lubrication: ${result.lubrication}. ` : "",
       result.controlling_raceway ? `The ${result.controlling_raceway} controls.` : ""),
     ...(band ? [html("p", { class: "small" },
-      `90 % interval over uncertain inputs of the oil: ${number(band.ball_torque_Nm[0])} and ${number(band.ball_torque_Nm[1])} N m.`)]
+      `90 % interval over uncertain inputs of the oil: ${number(band.ball_torque_Nm.low)} and ${number(band.ball_torque_Nm.high)} N m.`)]
       : []),
     ...warnings(result));
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use bsm_batch::{Answers, Buffers, GridSource, Source, Task, Workers};
 use bsm_case::{
     Answer, Axis, AxisReport, Case, CaseError, Columns, EllipseFields, Grid, GrooveSection,
-    ModelChoice, MotionAnswer, Numbers, NutProblem, Quantity, Record, Row, Scope, Settings,
+    ModelChoice, MotionAnswer, Numbers, NutProblem, Output, Quantity, Record, Row, Scope, Settings,
     Supplement, WarmBranch, comparison, torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace, RacewayFriction, Status};
@@ -193,7 +193,7 @@ fn slip(request: &Request) -> Result<Value, Refusal> {
 /// Fields over the ellipses.
 fn ellipses(request: &Request, points: u32) -> Result<Value, Refusal> {
     let MotionAnswer { settings, solution } = moving(request)?;
-    Ok(EllipseFields::of(&request.case, &settings, &solution, points)?.into_json())
+    Ok(EllipseFields::of(&request.case, &settings, &solution, points)?.answer().to_json())
 }
 
 /// `bsm nut --json`, with its table of balls and its curve.
@@ -240,8 +240,8 @@ fn shown(answer: &Answer) -> Value {
 
 /// A table by columns; null where there is no number.
 fn columns(table: &Columns) -> Value {
-    let column = |(place, (name, _)): (usize, &(&str, &str))| {
-        ((*name).to_owned(), table.rows.iter().map(|row| row[place]).collect())
+    let column = |(place, head): (usize, &&Output)| {
+        (head.name.to_owned(), table.rows.iter().map(|row| row[place]).collect())
     };
     Value::Object(table.heads.iter().enumerate().map(column).collect())
 }
@@ -291,7 +291,7 @@ fn sweep(
         .iter()
         .map(|v| json!(Status::ALL.iter().position(|status| *status == v.status)))
         .collect();
-    let column = |(output, values): (&&bsm_case::Output, &Vec<f64>)| {
+    let column = |(output, values): (&&Output, &Vec<f64>)| {
         (output.name.to_owned(), values.iter().copied().collect::<Value>())
     };
     let columns: Map<_, _> = task.outputs.iter().zip(&answers.columns).map(column).collect();

@@ -3,7 +3,7 @@
 use bsm_dyn::Model;
 
 use super::moving::MotionAnswer;
-use super::{axis, jam, nut, optimum, ratings, slip, warm};
+use super::{axis, jam, manufacturers, nut, optimum, ratings, slip, warm};
 use crate::case::problem::Needs;
 use crate::case::rated_nut;
 use crate::vocabulary::error::list;
@@ -145,7 +145,7 @@ impl Output {
     }
 }
 
-/// The quantities of a table by its name: that of an analysis, or `steps`, `as used`, `best`, `screw`, `phase` or `torques`.
+/// The quantities of a table by its name: that of an analysis, or `steps`, `as used`, `best`, `screw`, `phase`, `torques` or `manufacturer`.
 pub fn table(name: &str) -> impl Iterator<Item = &'static Quantity> + use<> {
     let steps = ratings::STEPS;
     let (all, steps_alone): (&[Quantity], _) = match name {
@@ -156,6 +156,7 @@ pub fn table(name: &str) -> impl Iterator<Item = &'static Quantity> + use<> {
         "screw" => (axis::SCREW, None),
         "phase" => (axis::PHASE, None),
         "torques" => (axis::TORQUES, None),
+        "manufacturer" => (manufacturers::BESIDE, None),
         _ => {
             let kind = AnalysisKind::ALL.into_iter().find(|kind| kind.name() == name);
             (kind.map_or(&[], AnalysisKind::quantities), None)

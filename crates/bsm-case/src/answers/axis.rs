@@ -196,7 +196,7 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
         static_load_rating_N = RATINGS Scalar(|s| s.machine.ratings[1]);
         edge_load_N = RATINGS Scalar(|s| s.of_nut.number("edge_load_N"));
         mass_kg = RATINGS Scalar(|s| s.case.nut_mass_kg.or_else(|| s.of_nut.number("mass_kg")));
-        preload_set_N = NUT Scalar(|s| Some(s.preload?.cold));
+        cold_preload_N = NUT Scalar(|s| Some(s.preload?.cold));
         warm_preload_N = NUT Scalar(|s| Some(s.preload?.warm));
         friction_coefficient = INPUTS Scalar(|s| s.case.friction_coefficient);
     }

@@ -21,7 +21,7 @@ use crate::{
     InputKey, Output, REQUIREMENT_INPUTS, RequirementFile, Table, sheet_columns,
 };
 
-/// A number of the procedure: step, label, value and requirement as text, and whether it
+/// A number of the procedure: step, name, label, value and requirement as text, and whether it
 /// holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignRow {
@@ -29,6 +29,8 @@ pub struct DesignRow {
     pub step: u8,
     /// Name, with its unit as suffix.
     pub name: &'static str,
+    /// Label.
+    pub label: &'static str,
     /// Unit as text.
     pub unit: &'static str,
     /// The number, if there is one.
@@ -102,7 +104,7 @@ impl DesignReport {
                 for name in failed_rules {
                     if !names.contains(&name) {
                         names.push(name);
-                        words.push(name.to_owned());
+                        words.push(label(name).unwrap_or(name).to_owned());
                     }
                 }
                 (design, words, true)
@@ -190,13 +192,14 @@ impl DesignReport {
 
     /// The answer: whether there is a screw, the steps of it and what limits it.
     pub fn answer(&self) -> Answer {
-        let columns = "step | name= | = | value | required=must be | -passes | =";
+        let columns = "step | -name | = | = | value | required=must be | -passes | =";
         let row = |row: &DesignRow| {
-            let DesignRow { step, name, unit, value, requirement, passes } = row;
+            let DesignRow { step, name, label, unit, value, requirement, passes } = row;
             let verdict = if *passes { "pass" } else { "FAIL" };
             vec![
                 json!(step),
                 json!(name),
+                json!(label),
                 json!(unit),
                 json!(value),
                 json!(requirement),
@@ -345,16 +348,16 @@ quantities! { pub(crate) STEPS, in_units(&f64);
         nut_conformity = INPUTS Scalar(|x| *x);
         loaded_turns = INPUTS Scalar(|x| *x);
         largest_load_N = AXIS Scalar(|x| *x);
-        normal_load_per_ball_N ["N" "Q"] Scalar(|x| *x), "normal load of a ball if all share the load equally";
+        normal_load_per_ball_N ["N" "Q"] Scalar(|x| *x), "normal load of a ball, equal sharing";
         lead_mm = INPUTS Scalar(|x| x / MM);
         stroke_mm = INPUTS Scalar(|x| x / MM);
         turns_for_stroke [""] Scalar(|x| *x), "turns of the screw for the stroke";
         advance_mm_s ["mm/s"] Scalar(|x| x / MM), "speed of the nut along the screw";
         largest_speed_number_mm_min = AXIS Scalar(|x| x / (MM * RPM));
         motor_speed_rpm = AXIS Scalar(|x| x / RPM);
-        nut_nominal_pressure_MPa ["MPa"] Scalar(|x| x / MPA), "largest pressure at the nut if all balls share the load equally";
-        screw_nominal_pressure_MPa ["MPa"] Scalar(|x| x / MPA), "largest pressure at the screw if all balls share the load equally";
-        contact_ellipse_end_deg ["deg"] Scalar(|x| x / DEG), "angle to which the contact ellipse reaches along the groove";
+        nut_nominal_pressure_MPa ["MPa"] Scalar(|x| x / MPA), "largest pressure at the nut, equal sharing";
+        screw_nominal_pressure_MPa ["MPa"] Scalar(|x| x / MPA), "largest pressure at the screw, equal sharing";
+        contact_ellipse_end_deg ["deg"] Scalar(|x| x / DEG), "end of the contact ellipse in the groove";
         screw_efficiency = AXIS Scalar(|x| *x);
         screw_input_power_W ["W"] Scalar(|x| *x), "input power of the screw";
         screw_output_power_W ["W"] Scalar(|x| *x), "output power of the screw";
@@ -370,16 +373,23 @@ quantities! { pub(crate) STEPS, in_units(&f64);
     }
 }
 
-/// Label of a number of a design.
+/// Label of a number of a design or of its sheet.
+fn label(name: &str) -> Option<&'static str> {
+    let known = STEPS.iter().chain(AXIS).find(|quantity| quantity.name == name);
+    known.map(|quantity| quantity.about)
+}
+
+/// A number of a design.
 fn step(quantity: Quantity) -> &'static crate::Quantity {
     &STEPS[quantity as usize]
 }
 
 fn row(check: &Check) -> DesignRow {
-    let crate::Quantity { name, unit, .. } = *step(check.quantity);
+    let crate::Quantity { name, about: label, unit, .. } = *step(check.quantity);
     DesignRow {
         step: check.step,
         name,
+        label,
         unit,
         value: Some(in_unit(check, check.value)).filter(|value| !value.is_nan()),
         requirement: required(check),
@@ -393,6 +403,7 @@ fn of_rule(rule: &Criterion) -> DesignRow {
     DesignRow {
         step: 11,
         name: rule.name,
+        label: label(rule.name).unwrap_or(rule.title),
         unit: rule.unit,
         value: Some(rule.value),
         requirement: rule.limit.map(|limit| format!("{sign} {}", trimmed(limit))),
@@ -416,14 +427,15 @@ fn offered_size(case: &Case, offered: &[OfferedSize]) -> Option<(f64, bool)> {
 
 /// A rule of the sheet that the best screw by all other limits breaks.
 fn breaks(rule: &Criterion) -> String {
-    let Criterion { title, name, unit, value, limit, at_least, .. } = rule;
+    let Criterion { name, unit, value, limit, at_least, .. } = rule;
     let number = |value: f64| format!("{} {unit}", trimmed(value)).trim_end().to_owned();
     let than = if *at_least { "at least" } else { "at most" };
     let limit = limit.map_or_else(String::new, number);
     let help =
         rule.remedy.as_ref().map_or_else(String::new, |help| format!("; it would take {help}"));
     format!(
-        "{title}: {name} must be {than} {limit}, and the best screw by the other limits has {}{help}",
+        "{} must be {than} {limit}, and the best screw by the other limits has {}{help}",
+        label(name).unwrap_or(rule.title),
         number(*value)
     )
 }
@@ -443,23 +455,30 @@ fn required(check: &Check) -> Option<String> {
     }
 }
 
+/// Unit of a number of a design, behind it.
+fn unit(quantity: Quantity) -> String {
+    let unit = step(quantity).unit;
+    if unit.is_empty() { String::new() } else { format!(" {unit}") }
+}
+
 /// A limit that holds the choice back, with what would be chosen without it.
 fn held_back(requirement: &RequirementFile, design: &Design, holds: &Holds) -> String {
-    let name = step(holds.quantity).name;
+    let name = step(holds.quantity).about;
     let quantity = requirement.problem.objective.quantity();
     let check = |quantity| design.checks.iter().find(|check| check.quantity == quantity);
     let (Some(without), Some(chosen)) = (holds.without, check(quantity)) else {
         return name.to_owned();
     };
-    let limit = check(holds.quantity).and_then(required).unwrap_or_default();
-    let [without, with] = [without, chosen.value].map(|value| trimmed(in_unit(chosen, value)));
-    format!("{name} {limit}: without it {} {without}, with it {with}", step(quantity).name)
+    let limit =
+        check(holds.quantity).and_then(required).unwrap_or_default() + &unit(holds.quantity);
+    let [without, with] =
+        [without, chosen.value].map(|value| trimmed(in_unit(chosen, value)) + &unit(quantity));
+    format!("{name} {limit}: without it {} {without}, with it {with}", step(quantity).about)
 }
 
 /// A limit that blocks, by how much, and why.
 fn blocks(ActiveLimit { check, why }: &ActiveLimit) -> String {
-    let crate::Quantity { name, unit, .. } = *step(check.quantity);
-    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    let (name, unit) = (step(check.quantity).about, unit(check.quantity));
     let number = |value: f64| format!("{}{unit}", trimmed(in_unit(check, value)));
     let rule = format!("{name} must be {}{unit}", required(check).unwrap_or_default());
     match why {

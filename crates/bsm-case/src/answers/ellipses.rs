@@ -8,7 +8,7 @@ use crate::answers::moving::{MovingBall, MovingContact};
 use crate::answers::nut::Columns;
 use crate::answers::slip::{Law, integration};
 use crate::vocabulary::units::{DEG, MM, MPA};
-use crate::{Answer, Case, CaseError, Content, Scales, Settings, Table};
+use crate::{Answer, Case, CaseError, Content, Output, Scales, Settings, Table};
 
 /// The two ellipses of a ball: grids of pressure, slip and friction, what stands still, and what follows from them.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,20 +24,24 @@ const FIELDS: [&str; 5] =
     ["pressure_MPa", "slip_across_m_s", "slip_along_m_s", "friction_across", "friction_along"];
 
 /// The columns of a table of the fields: place over the semi-axes, then those of nut and screw.
-const HEADS: [(&str, &str); 12] = [
-    ("across", ""),
-    ("along", ""),
-    ("nut_pressure_MPa", "MPa"),
-    ("nut_slip_across_m_s", "m/s"),
-    ("nut_slip_along_m_s", "m/s"),
-    ("nut_friction_across", ""),
-    ("nut_friction_along", ""),
-    ("screw_pressure_MPa", "MPa"),
-    ("screw_slip_across_m_s", "m/s"),
-    ("screw_slip_along_m_s", "m/s"),
-    ("screw_friction_across", ""),
-    ("screw_friction_along", ""),
+const HEADS: &[Output; 12] = &[
+    field("across", ""),
+    field("along", ""),
+    field("nut_pressure_MPa", "MPa"),
+    field("nut_slip_across_m_s", "m/s"),
+    field("nut_slip_along_m_s", "m/s"),
+    field("nut_friction_across", ""),
+    field("nut_friction_along", ""),
+    field("screw_pressure_MPa", "MPa"),
+    field("screw_slip_across_m_s", "m/s"),
+    field("screw_slip_along_m_s", "m/s"),
+    field("screw_friction_across", ""),
+    field("screw_friction_along", ""),
 ];
+
+const fn field(name: &'static str, unit: &'static str) -> Output {
+    Output::of_table(name, unit, "number", "", None)
+}
 
 impl EllipseFields {
     /// Points on each semi-axis, unless others are asked for.
@@ -104,11 +108,6 @@ impl EllipseFields {
         Ok(Self { model: solution.model, contacts })
     }
 
-    /// The fields with their model.
-    pub fn into_json(self) -> Value {
-        json!({ "model": self.model.name(), "contacts": self.contacts })
-    }
-
     /// The fields for programs, and a table of what follows from them for people.
     pub fn answer(&self) -> Answer {
         let model = self.model.name();
@@ -143,7 +142,7 @@ impl EllipseFields {
             }
         }
         rows.retain(|row| row.get(2).is_some_and(|pressure| pressure.is_finite()));
-        Columns { heads: HEADS.to_vec(), rows }
+        Columns { heads: HEADS.iter().collect(), rows }
     }
 }
 

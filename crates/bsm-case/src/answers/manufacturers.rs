@@ -5,10 +5,12 @@ use std::f64::consts::PI;
 use bsm_design::Nut;
 use serde_json::json;
 
+use super::ratings::QUANTITIES as RATINGS;
 use crate::case::manufacturer_sizes::manufacturer_column;
 use crate::case::rated_nut;
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::number::short;
+use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{
     Answer, Case, CaseError, Column, Content, InputKey, Output, RequirementFile, Table,
@@ -86,22 +88,36 @@ impl ManufacturerNut {
 /// Load over the dynamic rating at which manufacturers state the stiffness of one nut.
 const STIFFNESS_AT: f64 = 0.3;
 
-/// Stated ratings: name, name of the calculated one, and its quantity among the ratings.
-const RATED: [[&str; 3]; 3] = [
-    ["dynamic_load_rating_N", "our_dynamic_load_rating_N", "dynamic_load_rating_N"],
-    ["static_load_rating_N", "our_static_load_rating_N", "static_load_rating_N"],
-    ["stiffness_N_um", "our_stiffness_N_um", "single_nut_secant_stiffness_N_um"],
+quantities! {
+    /// The manufacturer's numbers with ours of the same nut.
+    pub(crate) BESIDE, beside(&(&ManufacturerNut, Answer));
+    "ratings" {
+        dynamic_load_rating_N = RATINGS Scalar(|(nut, _)| nut.case.rated_dynamic_load_N);
+        our_dynamic_load_rating_N ["N"] Scalar(|(_, ours)| ours.number("dynamic_load_rating_N")), "calculated dynamic load rating";
+        static_load_rating_N = RATINGS Scalar(|(nut, _)| nut.case.rated_static_load_N);
+        our_static_load_rating_N ["N"] Scalar(|(_, ours)| ours.number("static_load_rating_N")), "calculated static load rating";
+        stiffness_N_um ["N/um"] Scalar(|(nut, _)| nut.stiffness), "stiffness of one nut as the manufacturer states it";
+        our_stiffness_N_um ["N/um"] Scalar(|(_, ours)| ours.number("single_nut_secant_stiffness_N_um")), "calculated stiffness of one nut";
+        mass_kg = RATINGS Scalar(|(nut, ours)| nut.case.nut_mass_kg.or_else(|| ours.number("mass_kg")));
+    }
+}
+
+/// Stated ratings with the calculated ones.
+const RATED: [[&str; 2]; 3] = [
+    ["dynamic_load_rating_N", "our_dynamic_load_rating_N"],
+    ["static_load_rating_N", "our_static_load_rating_N"],
+    ["stiffness_N_um", "our_stiffness_N_um"],
 ];
 
 /// A nut of a manufacturer beside ours.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct ManufacturerRow {
     /// Its name.
     pub name: String,
     /// The nut, with a requirement in its axis.
     pub case: Case,
-    /// Name, unit and value: the manufacturer's numbers with ours of the same nut, and with a requirement those of its sheet.
-    pub numbers: Vec<(&'static str, &'static str, Option<f64>)>,
+    /// The manufacturer's numbers with ours of the same nut, and with a requirement those of its sheet.
+    pub numbers: Vec<(&'static Output, Option<f64>)>,
     /// True if every rule of its sheet holds; none without a requirement.
     pub passes: Option<bool>,
 }
@@ -133,30 +149,20 @@ impl ManufacturerRow {
         let mut at = nut.case.clone();
         at.axial_load_N = at.rated_dynamic_load_N.map(|rating| STIFFNESS_AT * rating);
         let ours = if at.has_ratings_only() { Answer::default() } else { ratings(&at)? };
-        let mut numbers = Vec::new();
-        let [dynamic, rated] = [nut.case.rated_dynamic_load_N, nut.case.rated_static_load_N];
-        for ([name, our, same], unit, manufacturers) in
-            [(RATED[0], "N", dynamic), (RATED[1], "N", rated), (RATED[2], "N/um", nut.stiffness)]
-        {
-            numbers.push((name, unit, manufacturers));
-            numbers.push((our, unit, ours.number(same)));
-        }
-        let mass = nut.case.nut_mass_kg.or_else(|| ours.number("mass_kg"));
-        numbers.push(("mass_kg", "kg", mass));
+        let mut numbers: Vec<_> = beside(&(nut, ours), |_| true).columns().collect();
         let (mut case, mut passes) = (nut.case.clone(), None);
         if let Some(requirement) = requirement {
             case = nut.within(requirement);
             let sheet = requirement.judge(&case)?;
             passes = Some(sheet.passes());
-            let of_sheet = |c: &Output| (c.name, c.unit, sheet.number(c.name));
-            numbers.extend(sheet_columns().map(of_sheet));
+            numbers.extend(sheet_columns().map(|column| (column, sheet.number(column.name))));
         }
         Ok(Self { name: nut.name.clone(), case, numbers, passes })
     }
 
     /// A number by name.
     pub fn value(&self, name: &str) -> Option<f64> {
-        self.numbers.iter().find(|(own, ..)| *own == name).and_then(|(.., value)| *value)
+        self.numbers.iter().find(|(own, _)| own.name == name).and_then(|(_, value)| *value)
     }
 }
 
@@ -167,10 +173,10 @@ impl ManufacturerRow {
             return Answer::default().with("", Content::Table(Table::default()));
         };
         let numbers =
-            first.numbers.iter().map(|(name, unit, _)| Column { unit, ..Column::of(name) });
+            first.numbers.iter().map(|(own, _)| Column { unit: own.unit, ..Column::of(own.name) });
         let passes = first.passes.map(|_| Column::of("passes="));
         let row = |row: &Self| {
-            let numbers = row.numbers.iter().map(|(.., value)| json!(value));
+            let numbers = row.numbers.iter().map(|(_, value)| json!(value));
             std::iter::once(json!(row.name))
                 .chain(numbers)
                 .chain(row.passes.map(|passes| json!(passes)))
@@ -181,7 +187,7 @@ impl ManufacturerRow {
             rows: rows.iter().map(row).collect(),
             keyed: false,
         };
-        let ratio = |[name, our, _]: [&str; 3]| {
+        let ratio = |[name, our]: [&str; 2]| {
             let ratios = rows.iter().filter_map(|row| Some(row.value(our)? / row.value(name)?));
             let (low, high) =
                 ratios.fold((f64::INFINITY, 0.0_f64), |(l, h), r| (l.min(r), h.max(r)));

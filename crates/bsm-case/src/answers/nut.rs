@@ -20,7 +20,7 @@ use crate::case::warm::Warm;
 use crate::vocabulary::number::count;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
-use crate::{Answer, Content, Numbers, NutProblem, Quantity, exact};
+use crate::{Answer, Content, Numbers, NutProblem, Output, Quantity, exact};
 
 mod train;
 
@@ -172,7 +172,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         catalogue_stiffness_N_um ["N/um"] Scalar(|n| Some(USUAL * n.iso_stiffness()? * UM)), "catalogue stiffness, 80 % of ISO 3408-4";
     }
     "preload" {
-        preload_set_N ["N"] Scalar(|n| Some(n.made.preload.as_ref()?.cold)), "cold preload, with no external load and no temperature rise";
+        cold_preload_N ["N"] Scalar(|n| Some(n.made.preload.as_ref()?.cold)), "cold preload, with no external load and no temperature rise";
         warm_preload_N ["N" "F_pr"] Scalar(|n| Some(n.made.preload.as_ref()?.warm)), "warm preload, with the temperature rises";
         preload_approach_um ["um"] Scalar(|n| Some(n.made.preload.as_ref()?.approach / UM)), "preload displacement of each nut, delta_p, all balls";
         preload_setting_um ["um"] Scalar(|n| Some(n.made.preload.as_ref()?.setting / UM)), "offset of the pair (below 0 in O arrangement) or ball oversize that sets the preload";
@@ -525,7 +525,7 @@ impl NutProblem {
 #[derive(Debug, Clone)]
 pub struct Columns {
     /// Name and unit of each column.
-    pub heads: Vec<(&'static str, &'static str)>,
+    pub heads: Vec<&'static Output>,
     /// The rows.
     pub rows: Vec<Vec<f64>>,
 }
@@ -533,7 +533,7 @@ pub struct Columns {
 impl Columns {
     /// A cell of a row by the name of its column.
     pub fn cell(&self, row: &[f64], name: &str) -> f64 {
-        let place = self.heads.iter().position(|(head, _)| *head == name);
+        let place = self.heads.iter().position(|head| head.name == name);
         place.and_then(|place| row.get(place)).copied().unwrap_or(f64::NAN)
     }
 }
@@ -723,16 +723,16 @@ impl NutReport {
     }
 
     /// Columns of the table of balls.
-    pub fn ball_columns() -> Vec<(&'static str, &'static str)> {
-        BALLS.iter().map(|quantity| (quantity.name, quantity.unit)).collect()
+    pub fn ball_columns() -> Vec<&'static Output> {
+        BALLS.iter().flat_map(|quantity| quantity.columns).collect()
     }
 
     /// Columns of the curve of displacement over load.
-    pub fn curve_columns() -> Vec<(&'static str, &'static str)> {
-        let of_a_nut = |name| QUANTITIES.iter().filter(move |quantity| quantity.name == name);
-        let rest =
-            CURVE.into_iter().flat_map(of_a_nut).map(|quantity| (quantity.name, quantity.unit));
-        std::iter::once(("axial_load_N", "N")).chain(rest).collect()
+    pub fn curve_columns() -> Vec<&'static Output> {
+        const LOAD: Output = Output::of_table("axial_load_N", "N", "number", "axial load", None);
+        let of_a_nut = |name| QUANTITIES.iter().find(move |quantity| quantity.name == name);
+        let rest = CURVE.into_iter().filter_map(of_a_nut).flat_map(|quantity| quantity.columns);
+        std::iter::once(&LOAD).chain(rest).collect()
     }
 
     /// A row a ball; NaN where there is no number.

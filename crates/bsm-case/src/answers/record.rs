@@ -8,9 +8,11 @@ use bsm_dyn::{
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
 
+use crate::vocabulary::answer::numbers_json;
+use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::units::{DEG, MM, MPA};
 use crate::{
-    Answer, Case, CaseError, Content, ModelChoice, OUTPUTS, Output, ScrewTorque, Section,
+    Answer, Case, CaseError, Content, ModelChoice, Numbers, OUTPUTS, Output, ScrewTorque, Section,
     Sensitivity, Settings, Table,
 };
 
@@ -290,10 +292,11 @@ impl Record {
         map.insert("choice".to_owned(), json!(self.choice()));
         let unbounded = Some(self.unbounded()).filter(|names| !names.is_empty());
         map.insert("without_error_bound".to_owned(), json!(unbounded));
-        for output in OUTPUTS {
-            let value = self.value(output).map_or(Value::Null, |value| json_of(output, value));
-            map.insert(output.name.to_owned(), value);
-        }
+        let read = |place: usize| {
+            let columns = SOLUTION[place].columns;
+            [0, 1, 2].map(|member| self.value(columns.get(member)?))
+        };
+        map.extend(numbers_json(&Numbers::of(SOLUTION, read, |_| true)));
         map
     }
 
@@ -373,30 +376,12 @@ impl Record {
         let json = parts.as_ref().map(|parts| Content::Json(parts.to_json()));
         answer = answer.with_some("torque_parts", json);
         if let Some(band) = band {
-            let LossInterval { loss, screw_torque, efficiency } = band;
-            let json = json!({
-                "contact_loss_ratio": loss,
-                "ball_torque_Nm": screw_torque,
-                "efficiency": efficiency,
-            });
             answer = answer
-                .with("band", Content::Json(json))
-                .with_shown(Content::Table(of_band(band)))
+                .with("band", Content::Table(of_band(band)))
                 .with_shown(Content::Text("not included:", Some(NOT_IN_IT.to_owned())));
         }
         let rows = sensitivities.as_ref().map(|rows| Content::Table(Sensitivity::table(rows)));
         answer.with_some("sensitivities", rows)
-    }
-}
-
-/// A value of an output in JSON.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts")]
-fn json_of(output: &Output, value: f64) -> Value {
-    match output.json_type {
-        "integer" => json!(value as u64),
-        "boolean" => json!(value > 0.5),
-        "string" => json!(output.word(value)),
-        _ => json!(value),
     }
 }
 
@@ -418,15 +403,15 @@ const NOT_IN_IT: &str = "ball-to-ball contact, returns, seals and drag beyond th
 
 /// Table of the uncertainty of lubricated friction.
 fn of_band(LossInterval { loss, screw_torque, efficiency }: &LossInterval) -> Table {
-    let row = |label: &str, unit: &str, [low, high]: &[f64; 2]| {
-        vec![json!(label), json!(unit), json!(low), json!(high)]
+    let row = |name: &str, label: &str, unit: &str, [low, high]: &[f64; 2]| {
+        vec![json!(name), json!(label), json!(unit), json!(low.min(*high)), json!(low.max(*high))]
     };
     let rows = [
-        row("contact loss relative to the stated one", "", loss),
-        row("torque of the balls", "N m", screw_torque),
-        row("efficiency", "", efficiency),
+        row("contact_loss_ratio", "contact loss relative to the stated one", "", loss),
+        row("ball_torque_Nm", "torque of the balls", "N m", screw_torque),
+        row("efficiency", "efficiency", "", efficiency),
     ];
-    Table::of("=90 % interval | = | =low | =high", rows)
+    Table::of("-name | =90 % interval | = | low | high", rows).keyed()
 }
 
 /// Warnings where a film leaves the range of its formulas.

@@ -23,7 +23,7 @@ quantities! { pub(crate) QUANTITIES, read(&Warm) of Warm;
         lubricant_temperature_C ["C"] Scalar(|w| state(w)?.oil), "temperature of the lubricant, given or that at which all losses leave as heat";
         end_1_temperature_C ["C"] Scalar(|w| Some(state(w)?.celsius[3])), "steady temperature of the end of the screw at the motor";
         end_2_temperature_C ["C"] Scalar(|w| Some(state(w)?.celsius[4])), "steady temperature of the other end of the screw";
-        preload_set_N = NUT Scalar(|w| Some(state(w)?.preload?.cold));
+        cold_preload_N = NUT Scalar(|w| Some(state(w)?.preload?.cold));
         warm_preload_N = NUT Scalar(|w| Some(state(w)?.preload?.warm));
         preload_setting_um = NUT Scalar(|w| Some(state(w)?.preload?.setting / UM));
         steady_heat_W ["W"] Scalar(|w| Some(state(w)?.steady.heat())), "heat of contacts, drag, seals, support bearings and motor in the steady state";
@@ -220,7 +220,7 @@ pub struct WarmBranch {
     /// Largest speed of the screw that the case asks for \[rpm\].
     pub speed_rpm: f64,
     /// Preload as it is set \[N\]; `None` without one.
-    pub preload_set_N: Option<f64>,
+    pub cold_preload_N: Option<f64>,
 }
 
 /// A state of a [`WarmBranch`].
@@ -248,7 +248,7 @@ impl WarmBranch {
         if !case.asks_warm() {
             return Ok(None);
         }
-        let (set, preload_set_N, states) = Warm::branch(case, settings)?;
+        let (set, cold_preload_N, states) = Warm::branch(case, settings)?;
         let speed_rpm = Machine::of(case)?.axis.fastest() / RPM;
         let point = |state: OnBranch| {
             let [nut, screw, balls, ..] = celsius(set, &state.rises);
@@ -259,7 +259,11 @@ impl WarmBranch {
                 stable: state.stable,
             }
         };
-        Ok(Some(Self { points: states.into_iter().map(point).collect(), speed_rpm, preload_set_N }))
+        Ok(Some(Self {
+            points: states.into_iter().map(point).collect(),
+            speed_rpm,
+            cold_preload_N,
+        }))
     }
 
     /// The state of the largest speed, if there is none above it.

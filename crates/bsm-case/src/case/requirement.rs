@@ -21,7 +21,7 @@ keys! {
     /// Numbers that only requirements have.
     pub REQUIREMENT_INPUTS;
     screw_torque_Nm ["N m"] Above(0.0), None, "torque on the screw, in place of axial_load_N";
-    screw_length_mm ["mm"] Above(0.0), None, "length of the screw, or give stroke_mm";
+    screw_length_mm ["mm"] Above(0.0), None, "length of the screw; or give stroke_mm";
     least_efficiency [""] Between(0.0, 1.0), None, "smallest efficiency allowed";
     largest_input_power_W ["W"] Above(0.0), None, "largest input power allowed: that of the motor, or of the load where it drives";
     pressure_limit_MPa ["MPa"] Above(0.0), Some(4200.0), "largest Hertz pressure allowed (ISO 76)";

@@ -170,7 +170,11 @@ impl Table {
 pub(crate) fn numbers_json(numbers: &Numbers) -> Map<String, Value> {
     let shown = numbers.all().iter().filter(|row| row.quantity.scope != Scope::Statement);
     let columns = shown.flat_map(|row| row.quantity.columns.iter().zip(row.values));
-    columns.map(|(column, value)| (column.name.to_owned(), json!(value))).collect()
+    columns
+        .map(|(column, value)| {
+            (column.name.to_owned(), json!(value.map(|value| column.json(value))))
+        })
+        .collect()
 }
 
 impl Content {

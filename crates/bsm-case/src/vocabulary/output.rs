@@ -2,6 +2,7 @@
 
 use bsm_dyn::{ContactFilm, Control, Evidence, FilmState, Solution, Transmission, ZERO_CELSIUS};
 use bsm_kin::{Motion, Site};
+use serde_json::{Value, json};
 
 use super::number::count;
 use super::quantity::{AnalysisKind, Quantity, Scope};
@@ -83,6 +84,17 @@ impl Output {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place")]
         let place = number as usize;
         self.words.get(place).filter(|_| !number.is_nan()).copied()
+    }
+
+    /// A value in JSON.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts")]
+    pub(crate) fn json(&self, value: f64) -> Value {
+        match self.json_type {
+            "integer" => json!(value as u64),
+            "boolean" => json!(value > 0.5),
+            "string" => json!(self.word(value)),
+            _ => json!(value),
+        }
     }
 }
 

@@ -572,7 +572,7 @@ const SHARED: [&str; 3] = ["nut_spin_rad_s", "screw_spin_rad_s", "dissipated_pow
 const OF_A_NUT: [&str; 7] = [
     "limit_load_N",
     "lubricant_temperature_C",
-    "preload_set_N",
+    "cold_preload_N",
     "preload_setting_um",
     "preload_torque_Nm",
     "screw_tension_N",

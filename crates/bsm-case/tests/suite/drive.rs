@@ -120,17 +120,17 @@ fn a_preload_is_chosen() {
     let sheet = |more: &[&str]| AxisReport::of(&case(more), &Settings::default());
     for words in [r#"preload_N="auto""#, "preload_class=auto"] {
         let report = sheet(&[words]).expect("an axis");
-        near(number(&report, "preload_set_N"), 3600.0, 1e-12, words);
+        near(number(&report, "cold_preload_N"), 3600.0, 1e-12, words);
         // The least preload holds by what all balls say, to a few per cent.
         assert!(rule(&report, "remaining preload").margin().expect("a limit") > 0.95);
     }
     let medium = case(&["preload_class=P3"]);
     let report = AxisReport::of(&medium, &Settings::default()).expect("an axis");
     let rating = number(&report, "dynamic_load_rating_N");
-    near(number(&report, "preload_set_N"), 0.05 * rating, 1e-12, "medium");
+    near(number(&report, "cold_preload_N"), 0.05 * rating, 1e-12, "medium");
     let nut = NutProblem::of(&medium, &Settings::default()).expect("a nut").solve();
     let nut = nut.expect("a solution");
-    near(nut.number("preload_set_N").expect("a preload"), 0.05 * rating, 1e-12, "nut");
+    near(nut.number("cold_preload_N").expect("a preload"), 0.05 * rating, 1e-12, "nut");
     // Offset and oversize carry half as much as a double nut.
     assert!(rule(&report, "preload").passes());
     let limit = rule(&report, "preload").limit.expect("a limit");

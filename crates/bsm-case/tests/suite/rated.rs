@@ -123,7 +123,7 @@ fn is_printed(ours: f64, text: &str, name: &str) {
 #[test]
 fn a_machining_centre_by_its_catalogue() {
     let report = sheet(FEED_AXIS, &[r#"preload_N="auto""#]).expect("a sheet");
-    printed(&report, &[("preload_set_N", "2500"), ("preload_torque_percent", "30")]);
+    printed(&report, &[("cold_preload_N", "2500"), ("preload_torque_percent", "30")]);
     for (name, expected) in [
         ("screw_torque_Nm", ["13.399", "6.3257", "1.9047", "1.9047"]),
         ("heat_W", ["23.650", "48.727", "232.25", "232.25"]),

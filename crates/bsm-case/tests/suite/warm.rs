@@ -454,7 +454,7 @@ fn at_rest_all_is_as_warm_as_its_surroundings() {
         ("balls_temperature_C", 35.0),
         ("end_1_temperature_C", 35.0),
         ("end_2_temperature_C", 35.0),
-        ("preload_set_N", 2500.0),
+        ("cold_preload_N", 2500.0),
         ("warm_preload_N", 2500.0),
         ("steady_heat_W", 0.0),
         ("loop_gain", 0.0),

@@ -1,23 +1,12 @@
 //! Slip and jamming as a user meets them.
 
 use crate::data;
-use crate::program;
-
 use std::fs;
-use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use crate::program::{bsm, example, folder, root, stderr, stdout};
 use data::copy_published;
-use program::{bsm, folder, stderr, stdout};
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
-
-fn example(name: &str) -> String {
-    root().join("examples").join(name).display().to_string()
-}
 
 fn json(args: &[&str]) -> Value {
     let dir = folder();

@@ -1,24 +1,18 @@
 //! The program as a user meets it: output, files, errors and exit codes.
 
-use crate::program;
-
 use std::collections::BTreeSet;
 use std::fs::{self, File};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use arrow_array::cast::AsArray;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use serde_json::Value;
 
-use program::{bsm, folder, stderr, stdout};
-
-fn example(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name)
-}
+use crate::program::{bsm, example, folder, root, stderr, stdout};
 
 fn lin() -> String {
-    example("lin1994.json").display().to_string()
+    example("lin1994.json")
 }
 
 #[test]
@@ -114,7 +108,7 @@ fn every_example_runs_in_its_command() {
         ("xu2015.json", "solve @ --show slip"),
         ("scale-out", ""),
     ];
-    let root = example("");
+    let root = root().join("examples");
     let files = |folder: &Path| -> Vec<_> {
         let entries =
             fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("entry").path());
@@ -277,7 +271,7 @@ fn batch_answers_row_by_row() {
 #[test]
 fn batch_does_not_depend_on_threads() {
     let dir = folder();
-    let drive = example("feed_drive.json").display().to_string();
+    let drive = example("feed_drive.json");
     let grid = ["--vary", "screw_speed_rpm=100:9000:100", "--vary", "axial_load_N=100:9000:60"];
     let sweep = |output: &str, extra: &[&str]| {
         let args =
@@ -351,7 +345,7 @@ fn malformed_tables_are_told() {
 #[test]
 fn compare_shows_every_model() {
     let dir = folder();
-    let drive = example("feed_drive.json").display().to_string();
+    let drive = example("feed_drive.json");
     let output = bsm(dir.path(), &["solve", &drive, "--model", "all", "--json"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let result: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
@@ -384,7 +378,7 @@ fn compare_shows_every_model() {
 #[test]
 fn models_have_settings() {
     let dir = folder();
-    let drive = example("feed_drive.json").display().to_string();
+    let drive = example("feed_drive.json");
     let solve = |args: &[&str]| {
         let output = bsm(dir.path(), &[&["solve", &drive, "--json"], args].concat(), "");
         let result: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
@@ -590,7 +584,7 @@ fn a_sweep_says_which_rows_have_other_solutions() {
 #[test]
 fn tables_name_the_controlling_raceway() {
     let dir = folder();
-    let drive = example("feed_drive.json").display().to_string();
+    let drive = example("feed_drive.json");
     let vary = "nut_conformity=0.51:0.55:2";
     for file in ["raceway.csv", "raceway.jsonl", "raceway.parquet"] {
         let asked = ["--model", "raceway-control", "--columns", "controlling_raceway"];
@@ -662,7 +656,7 @@ fn optimum_answers_in_closed_form() {
 #[test]
 fn capacity_rates_a_nut() {
     let dir = folder();
-    let nut = example("nut.json").display().to_string();
+    let nut = example("nut.json");
     let output = bsm(dir.path(), &["solve", &nut, "--show", "ratings"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);

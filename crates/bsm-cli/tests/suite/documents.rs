@@ -8,19 +8,16 @@ mod fast;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Mutex;
 
+use crate::program::root;
 use document::{Document, bsm_arguments, documents};
 use fast::{BLOCKS, Program};
 use tempfile::TempDir;
 
 /// Equations, figures and statements of the papers, with the commands that show them.
 const PAPERS: &str = "docs/papers.csv";
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the repository")
-}
 
 fn program() -> (TempDir, Program) {
     let folder = tempfile::tempdir().expect("temporary folder");

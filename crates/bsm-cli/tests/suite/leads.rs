@@ -1,10 +1,8 @@
 //! A row of a table is answered as the same point is by `bsm solve --set`.
 
-use crate::program;
-
 use std::path::Path;
 
-use program::{bsm, folder, stderr, stdout};
+use crate::program::{bsm, folder, stderr, stdout};
 
 /// Audit, reliability 1, by its command: row 1 was answered with the lead of the base case.
 #[test]

@@ -1,11 +1,9 @@
 //! Maps for the lookup blocks of drive models.
 
-use crate::program;
-
 use std::fs;
 use std::path::Path;
 
-use program::{bsm, folder, stderr, stdout};
+use crate::program::{bsm, folder, stderr, stdout};
 
 /// A sweep of a case of the examples into a file of the folder: exit code, and what it says.
 fn sweep(folder: &Path, case: &str, options: &[&str]) -> (Option<i32>, String) {

@@ -1,6 +1,7 @@
 //! The program as users run it.
 
 mod analyses;
+mod changelog;
 mod cli;
 mod data;
 mod design;

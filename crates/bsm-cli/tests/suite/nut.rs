@@ -1,20 +1,9 @@
 //! `bsm nut` as a user meets it.
 
-use crate::program;
-
 use std::fs;
-use std::path::{Path, PathBuf};
 
-use program::{bsm, folder, stderr, stdout};
+use crate::program::{bsm, example, folder, root, stderr, stdout};
 use serde_json::{Value, json};
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
-
-fn example(name: &str) -> String {
-    root().join("examples").join(name).display().to_string()
-}
 
 /// The answer in JSON, and the exit code.
 fn answer(case: &str, args: &[&str]) -> (Option<i32>, Value, String) {
@@ -287,9 +276,9 @@ fn a_preloaded_pair_tells_stiffness_limit_and_drag() {
     let two = of("preload_stiffness_2_N_um");
     assert!((of("preload_stiffness_3_N_um") / two - 1.5).abs() < 1e-12);
     assert!((of("preload_stiffness_2_83_N_um") / two - 2.0_f64.sqrt()).abs() < 1e-12);
-    assert!((of("preload_set_N") - 3000.0).abs() < 1e-4, "the bracket of the preload");
+    assert!((of("cold_preload_N") - 3000.0).abs() < 1e-4, "the bracket of the preload");
     // 2.86 to 2.91 with the contact angles of real preloads (chapter 16).
-    let ratio = of("limit_load_N") / of("preload_set_N");
+    let ratio = of("limit_load_N") / of("cold_preload_N");
     assert!((2.8..2.95).contains(&ratio), "{ratio}");
     // Dry friction of 0.06 gives K_p of 0.033, a third of the least that catalogues state (chapter 16).
     let factor = of("preload_torque_factor");
@@ -297,7 +286,7 @@ fn a_preloaded_pair_tells_stiffness_limit_and_drag() {
     let low = of("rule_torque_low_Nm");
     assert!((of("preload_torque_Nm") / low - factor / 0.1).abs() < 1e-12);
     assert!((of("rule_torque_high_Nm") / low - 3.0).abs() < 1e-12);
-    assert!(of("preload_left_N") < of("preload_set_N") && of("friction_torque_Nm") > 0.0);
+    assert!(of("preload_left_N") < of("cold_preload_N") && of("friction_torque_Nm") > 0.0);
     let output = bsm(dir.path(), &["nut", &case], "");
     let text = stdout(&output);
     for part in [
@@ -461,7 +450,7 @@ fn a_preload_given_as_a_force_is_set_cold() {
         (&by_offset, 4_111.339_823),
         (&listed_x, 4_111.339_823),
     ] {
-        assert!((of(found, "preload_set_N") - 2500.0).abs() < 1e-4, "{found}");
+        assert!((of(found, "cold_preload_N") - 2500.0).abs() < 1e-4, "{found}");
         assert!((of(found, "warm_preload_N") / expected - 1.0).abs() < 1e-7, "{found}");
         let notes = found["notes"].to_string();
         assert!(notes.contains(&format!("2500 N cold, {expected:.0} N warm")), "{notes}");
@@ -497,7 +486,7 @@ fn the_preloads_of_a_warm_pair_are_one_number_in_nut_and_size() {
     let dir = folder();
     let output = bsm(dir.path(), &["axis", "-", "--json"], &case);
     let sheet: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
-    for key in ["preload_set_N", "warm_preload_N"] {
+    for key in ["cold_preload_N", "warm_preload_N"] {
         assert_eq!(nut[key], sheet["screw"][key], "{key}");
     }
     assert_eq!(nut["limit_load_N"], sheet["results"]["limit_load_N"]);
@@ -650,7 +639,7 @@ fn the_nut_of_the_examples_runs_in_nut() {
         bsm(dir.path(), &["solve", &example("nut.json"), "--show", "ratings", "--json"], "");
     let rated: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     // The same preload as for its ratings; the preload is found to 1e-8.
-    let ratio = of(&found, "preload_set_N") / of(&rated, "preload_N");
+    let ratio = of(&found, "cold_preload_N") / of(&rated, "preload_N");
     assert!((ratio - 1.0).abs() < 1e-7, "{ratio}");
     assert!(found["notes"].to_string().contains("without axial_load_N and preload_N"), "{found}");
 }

@@ -2,8 +2,6 @@
 //! clear refusal. The long version is `just faults`.
 #![cfg(unix)]
 
-use crate::program;
-
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
@@ -17,7 +15,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
 
-use program::{bsm, folder, stderr, stdout};
+use crate::program::{bsm, folder, stderr, stdout};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 

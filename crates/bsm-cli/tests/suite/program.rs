@@ -1,9 +1,10 @@
 //! Runs the program.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
+use serde_json::Value;
 use tempfile::TempDir;
 
 /// Runs the program in `folder`.
@@ -31,4 +32,18 @@ pub(crate) fn stderr(output: &Output) -> String {
 
 pub(crate) fn folder() -> TempDir {
     tempfile::tempdir().expect("temporary folder")
+}
+
+/// The repository.
+pub(crate) fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the repository")
+}
+
+pub(crate) fn example(name: &str) -> String {
+    root().join("examples").join(name).display().to_string()
+}
+
+/// The JSON of an answer.
+pub(crate) fn json(text: &str) -> Value {
+    serde_json::from_str(text).expect("JSON alone on stdout")
 }

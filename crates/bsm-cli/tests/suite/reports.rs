@@ -1,15 +1,13 @@
 //! Reports: validate and tradeoff.
 
 use crate::data;
-use crate::program;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use crate::program::{bsm, folder, stderr, stdout};
 use data::copy_published;
-use program::{bsm, folder, stderr, stdout};
 
 fn validation() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation")

@@ -2,8 +2,6 @@
 //! acceptance, and nothing left but after SIGKILL. The long version is `just kills`.
 #![cfg(unix)]
 
-use crate::program;
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -16,14 +14,9 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
 
-use program::{folder, stderr};
+use crate::program::{example, folder, stderr};
 
 const SIGNALS: [&str; 4] = ["-KILL", "-TERM", "-INT", "-HUP"];
-
-fn example(name: &str) -> String {
-    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
-    examples.join(name).display().to_string()
-}
 
 fn program(args: &[String], folder: &Path) -> Command {
     // Whoever starts the tests may ignore signals.

@@ -2,8 +2,6 @@
 //! interrupts. Every time a clear sentence, the right exit code, and nothing lost.
 #![cfg(unix)]
 
-use crate::program;
-
 use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -14,12 +12,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use program::{bsm, folder, stderr, stdout};
-
-fn example(name: &str) -> String {
-    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
-    examples.join(name).display().to_string()
-}
+use crate::program::{bsm, example, folder, stderr, stdout};
 
 /// Every command that prints, on an example.
 fn printing() -> Vec<Vec<String>> {

@@ -1,19 +1,12 @@
 //! What every command prints as JSON, held against its schema.
 
-use crate::program;
-
 use std::fs;
 use std::path::Path;
 
 use jsonschema::Validator;
 use serde_json::Value;
 
-use program::{bsm, folder, stderr, stdout};
-
-fn example(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name);
-    path.display().to_string()
-}
+use crate::program::{bsm, example, folder, stderr, stdout};
 
 fn json(folder: &Path, args: &[&str]) -> Value {
     let output = bsm(folder, args, "");

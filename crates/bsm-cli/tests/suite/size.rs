@@ -1,22 +1,10 @@
 //! `bsm axis` and units of one's own, as a user meets them.
 
-use crate::program;
-
 use std::fs;
-use std::path::Path;
 
 use serde_json::Value;
 
-use program::{bsm, folder, stderr, stdout};
-
-fn example(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name);
-    path.display().to_string()
-}
-
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).expect("JSON alone on stdout")
-}
+use crate::program::{bsm, example, folder, json, stderr, stdout};
 
 fn number(results: &Value, name: &str) -> f64 {
     results[name].as_f64().unwrap_or_else(|| panic!("{name} in {results}"))

@@ -1,30 +1,18 @@
 //! Tables of one's own, what tables say of their origin, workbooks and maps, as a user meets them.
 
-use crate::program;
-
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
-use serde_json::Value;
 use zip::ZipArchive;
 
-use program::{bsm, folder, stderr, stdout};
-
-fn example(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name);
-    path.display().to_string()
-}
+use crate::program::{bsm, example, folder, json, stderr, stdout};
 
 fn run(folder: &Path, args: &[&str], code: i32) -> (String, String) {
     let output = bsm(folder, args, "");
     assert_eq!(output.status.code(), Some(code), "{args:?}: {}", stderr(&output));
     (stdout(&output), stderr(&output))
-}
-
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).expect("JSON")
 }
 
 /// Found by a user: semicolons, decimal commas and other names had no option, and `1.500` was 1.5 silently.

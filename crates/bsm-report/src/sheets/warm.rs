@@ -89,7 +89,7 @@ pub fn warm_figures(report: &AxisReport, branch: &WarmBranch) -> Vec<Figure> {
     };
     let opens = report.number("largest_load_N").map(least_preload);
     preload.curves.push(bounds(0, "warm_preload_N"));
-    preload.curves.extend(level("cold preload", 5, branch.preload_set_N));
+    preload.curves.extend(level("cold preload", 5, branch.cold_preload_N));
     preload.curves.extend(level("a nut opens below", 4, opens));
     preload.curves.push(at_speed(branch, &preload.curves));
     vec![temperatures, preload]

@@ -188,7 +188,7 @@ impl Preload {
             }));
         }
         let Some(nut) = nut else { return Ok(None) };
-        let forces = nut.number("preload_set_N").zip(nut.number("warm_preload_N"));
+        let forces = nut.number("cold_preload_N").zip(nut.number("warm_preload_N"));
         let Some((cold, warm)) = forces.filter(|_| case.is_preloaded()) else { return Ok(None) };
         let of_contacts = if speed > 0.0 && case.given().has_friction() {
             let unloaded = nut_at(case, settings, 0.0, speed)?;
