@@ -60,7 +60,7 @@ impl<R: Read> CsvSource<R> {
     pub fn with(reader: R, keep: &[String], dialect: &TableFormat) -> Result<Self, TableError> {
         let TableFormat { delimiter, decimal, .. } = *dialect;
         let mut lines = Lines::new(reader);
-        let header = lines.next()?.ok_or_else(TableError::no_header)?;
+        let header = lines.next_line()?.ok_or_else(TableError::no_header)?;
         let mut names = Vec::new();
         let width =
             split(header, delimiter, 1, |_, name| names.push(name)).map_err(TableError::from);
@@ -154,7 +154,7 @@ impl<R: Read> JsonSource<R> {
 
 /// The object of the next line, and the length of the line.
 fn object<R: Read>(lines: &mut Lines<R>) -> Result<Option<(Object, usize)>, TableError> {
-    let Some(text) = lines.next()? else { return Ok(None) };
+    let Some(text) = lines.next_line()? else { return Ok(None) };
     let (read, length) = (entries(text.as_bytes()), text.len());
     match read {
         Ok(object) => Ok(Some((object, length))),

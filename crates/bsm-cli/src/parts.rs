@@ -117,19 +117,19 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
     let damaged: Vec<_> = found.damaged.iter().map(reason).collect();
     let foreign: Vec<_> = found.unknown_files.iter().map(|path| name(path)).collect();
     let damage = |(file, reason): &(String, String)| json!({ "file": file, "reason": reason });
-    let members = [
-        ("plan", json!(plan.id())),
-        ("parts", json!(plan.parts())),
-        ("finished", json!(there)),
-        ("complete", json!(is_complete)),
-        ("deep", json!(args.deep)),
-        ("missing", json!(ranges)),
-        ("damaged", damaged.iter().map(damage).collect()),
-        ("foreign", json!(foreign)),
-        ("rows", json!(count.rows)),
-        ("failed", json!(count.failed)),
-        ("several", json!(count.several)),
-    ];
+    let json = json!({
+        "plan": plan.id(),
+        "parts": plan.parts(),
+        "finished": there,
+        "complete": is_complete,
+        "deep": args.deep,
+        "missing": ranges,
+        "damaged": damaged.iter().map(damage).collect::<Vec<_>>(),
+        "foreign": foreign,
+        "rows": count.rows,
+        "failed": count.failed,
+        "several": count.several,
+    });
     let what = if args.deep { "all bytes read" } else { "footers read; --deep reads all bytes" };
     let mut lines = vec![
         format!("{there} of {} parts ({what})", plan.parts()),
@@ -146,13 +146,9 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
     } else if !is_complete {
         lines.push(format!("`bsm parts run {}` solves what is missing", folder.display()));
     }
-    let whole = Answer { fails: !is_complete, ..Answer::default() };
-    let answer = members
-        .into_iter()
-        .fold(whole, |answer, (member, json)| answer.with(member, Content::Json(json)));
-    let answer = lines
-        .into_iter()
-        .fold(answer, |answer, line| answer.with_shown(Content::Text("", Some(line))));
+    let answer = Answer { fails: !is_complete, ..Answer::default() }
+        .with("", Content::Json(json))
+        .with_shown(Content::Text("", Some(lines.join("\n"))));
     let to = OutArgs { json: args.json, ..OutArgs::default() };
     Reply::of(answer).give(&to, || Ok(Pictures::default()))
 }

@@ -24,7 +24,7 @@ impl Cells {
         let mut rows: Vec<Vec<String>> = Vec::new();
         loop {
             let (line, mut row) = (lines.number() + 1, Vec::new());
-            let Some(text) = lines.next().map_err(wrong)? else { break };
+            let Some(text) = lines.next_line().map_err(wrong)? else { break };
             let cell = |_, cell: Cow<'_, str>| row.push(cell.trim().to_owned());
             let found = split(text, format.delimiter, line, cell).map_err(wrong)?;
             check_width(found, rows.first().map_or(found, Vec::len), line).map_err(wrong)?;

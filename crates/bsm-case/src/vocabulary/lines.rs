@@ -44,15 +44,15 @@ impl<R: Read> Lines<R> {
     /// # Errors
     ///
     /// [`TextError`] with the line, for one that is too long, blank or no text.
-    pub fn next(&mut self) -> Result<Option<&str>, TextError> {
+    pub fn next_line(&mut self) -> Result<Option<&str>, TextError> {
         self.next_but(|line| line.trim_ascii().is_empty())
     }
 
-    /// [`next`](Self::next) where other lines are blank.
+    /// [`next_line`](Self::next_line) where other lines are blank.
     ///
     /// # Errors
     ///
-    /// As [`next`](Self::next).
+    /// As [`next_line`](Self::next_line).
     pub fn next_but(
         &mut self,
         is_blank: impl Fn(&[u8]) -> bool,
