@@ -854,11 +854,11 @@ def _axes(vary: Mapping[str, Linspace | Iterable[float]]) -> list[str]:
             raise InputError(f"`{name}` is random: solve_many(draw(...)) solves random points", key=name)
         if not isinstance(values, Iterable) or isinstance(values, str):
             raise InputError(f"`{name}` is {values!r}; give the values that it takes, such as [{values!r}]", key=name)
-        if isinstance(values, tuple) and len(values) == 3 and isinstance(values[2], int):
-            text = "linspace({!r}, {!r}, {!r})".format(*values)
-            raise InputError(f"`{name}` is {values!r}; give {text} for a range, {[*values]!r} for three values", key=name)
         if isinstance(values, Linspace):
             axes.append(f"{name}={values.start!r}:{values.stop!r}:{values.number}")
+        elif isinstance(values, tuple) and len(values) == 3 and isinstance(values[2], int):
+            text = f"linspace({', '.join(map(repr, values))})"
+            raise InputError(f"`{name}` is {values!r}; give {text} for a range, {[*values]!r} for three values", key=name)
         else:
             axes.append(f"{name}={','.join(repr(_number(name, value)) for value in values)}")
     return axes
