@@ -9,6 +9,7 @@ use bsm_simd::Arch;
 use super::statics::{Rates, StaticBalance, StaticState};
 use super::{RacewayControl, rolling};
 use crate::contact::axial_displacement;
+use crate::cost::count_of;
 use crate::models::ball::{
     BallLoads, Control, ElasticContacts, Evidence, Reason, Unsolved, Workspace, equations,
 };
@@ -112,8 +113,7 @@ impl Balance<'_> {
         };
         self.statics.iterate(&mut at);
         let residual = self.statics.scaled_residual(at.unknowns);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few")]
-        let mut steps = at.steps as usize;
+        let mut steps = count_of(at.steps);
         if at.converged
             && residual < StaticBalance::<f64>::CLOSED
             && self.statics.is_first(at.unknowns)
