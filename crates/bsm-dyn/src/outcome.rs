@@ -335,12 +335,12 @@ impl Unsolved {
 }
 
 /// What a strategy of a search says: a root, or why there is none; `None` where it leaves that open.
-pub(crate) type Verdict<R> = Option<Result<R, Unsolved>>;
+pub(crate) type Attempt<R> = Option<Result<R, Unsolved>>;
 
-/// The first verdict of strategies that are asked in their order.
-pub(crate) fn first_verdict<S, R>(
+/// The first answer of strategies that are asked in their order.
+pub(crate) fn first_answer<S, R>(
     search: &mut S,
-    strategies: &[fn(&mut S) -> Verdict<R>],
+    strategies: &[fn(&mut S) -> Attempt<R>],
 ) -> Result<R, Unsolved> {
     strategies.iter().find_map(|strategy| strategy(search)).unwrap_or(Err(Unsolved::LOST))
 }

@@ -2,6 +2,7 @@
 //!
 //! * [`solve`]: damped Newton iteration, for a few [`Equations`].
 //! * [`Dense`], [`Bordered`]: the matrices, dense or of many small blocks with a border.
+//! * [`Objective`]: the length of a step towards a minimum.
 //! * [`Bracket`]: the root of one variable between two places of different sign.
 //! * [`implicit_slopes`], [`follow`], [`trace`]: how a root moves with its parameters, a little, far, and through folds.
 //!
@@ -13,6 +14,7 @@
 
 mod bracket;
 mod continuation;
+mod descent;
 mod equations;
 mod error;
 mod implicit;
@@ -24,11 +26,12 @@ mod solve;
 
 pub use bracket::{Bracket, FunctionValue, Root, RootResult};
 pub use continuation::{Continuation, follow};
+pub use descent::Objective;
 pub use equations::Equations;
 pub use error::{EvalError, Singular};
 pub use implicit::implicit_slopes;
 pub use linear::{Bordered, BorderedBlock, Dense, DynamicDense};
 pub use options::{JacobianUpdate, Options, Scales};
-pub use path::{EventRoot, Exit, Homotopy, Seed, StepControl, Trace, path_direction, trace};
+pub use path::{EventRoot, Homotopy, PathEnd, Seed, StepControl, Trace, path_direction, trace};
 pub use report::{Report, Status, Step};
 pub use solve::{ARMIJO, Workspace, solve};

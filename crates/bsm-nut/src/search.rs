@@ -5,8 +5,10 @@
 use std::array::from_fn;
 use std::f64::consts::FRAC_PI_2;
 
+use bsm_newton::Objective;
+
 use crate::assembly::{Assembly, EnergyState, StiffnessScope};
-use crate::equilibrium::{Equilibrium, FREEDOMS, NutError};
+use crate::equilibrium::{Equilibrium, FREEDOMS, NutError, Support};
 use crate::{BallInGrooves, BallNut};
 
 /// Newton steps at most; ten are usual.
@@ -23,6 +25,33 @@ const ROUNDED: (usize, f64) = (30, 1e-10);
 struct EnergyPoint {
     y: Vec<f64>,
     state: EnergyState,
+}
+
+impl BallNut {
+    /// Displacements, loads of all balls and stiffness of the nut under a load.
+    ///
+    /// The energy is convex, so that the loads of the balls are the only ones (U15).
+    ///
+    /// # Errors
+    ///
+    /// [`NutError`]: there are no balls, no Hertzian contacts, or nothing carries the load.
+    pub fn solve(&self, support: &Support) -> Result<Equilibrium, NutError> {
+        self.solve_from(support, None)
+    }
+
+    /// [`solve`](Self::solve), the search begun at the displacement of a neighbour: it saves steps and moves
+    /// the answer by rounding only.
+    ///
+    /// # Errors
+    ///
+    /// As [`solve`](Self::solve).
+    pub fn solve_from(
+        &self,
+        support: &Support,
+        start: Option<&[f64; FREEDOMS]>,
+    ) -> Result<Equilibrium, NutError> {
+        Assembly::of(self, support)?.solve(start)
+    }
 }
 
 impl Assembly<'_> {
@@ -77,22 +106,18 @@ impl Assembly<'_> {
         if !fall.is_finite() || fall <= 0.0 {
             return None;
         }
-        let before = self.imbalance(state);
-        let mut share = 1.0;
-        while share > 1e-4 {
+        let level = |state: &EnergyState, imbalance| Objective {
+            value: state.energy,
+            rounding: 1e-14 * state.energies,
+            gradient: imbalance,
+        };
+        let here = level(state, self.imbalance(state));
+        here.backtrack(fall, 1e-4, |share| {
             let next: Vec<f64> = y.iter().zip(&step).map(|(y, s)| y + share * s).collect();
-            if let Ok(there) = self.state(&next) {
-                // Armijo; near the end the energy has no more digits, but the forces have.
-                let lower = there.energy <= state.energy - 1e-4 * share * fall;
-                let rounding = 1e-14 * state.energies.max(there.energies);
-                let level = (there.energy - state.energy).abs() <= rounding;
-                if lower || (level && self.imbalance(&there) < before) {
-                    return Some(EnergyPoint { y: next, state: there });
-                }
-            }
-            share *= 0.5;
-        }
-        None
+            let there = self.state(&next).ok()?;
+            let level = level(&there, self.imbalance(&there));
+            Some((level, EnergyPoint { y: next, state: there }))
+        })
     }
 
     fn finish(

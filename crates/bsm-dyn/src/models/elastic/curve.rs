@@ -5,16 +5,15 @@
 use std::array::from_fn;
 
 use bsm_kin::Jet;
-use bsm_newton::{EventRoot, Exit, JacobianUpdate, Seed, StepControl, Trace, trace};
+use bsm_newton::{EventRoot, JacobianUpdate, PathEnd, Seed, StepControl, Trace, trace};
 
 use super::forces::CURVE;
 use super::states::{SlidingBall, SlidingMotion, SlidingState};
-use super::steady::{CurveState, log_inertia};
+use super::steady::{CurveState, NO_INERTIA, RISES, log_inertia};
 use crate::cost::count_of;
 use crate::models::ball::{
-    BALL, ElasticContacts, Evidence, Reason, Unsolved, Verdict, first_verdict,
+    Attempt, BALL, ElasticContacts, Evidence, Reason, Unsolved, first_answer,
 };
-use crate::models::elastic::Elastic;
 
 /// Steps along the curve, in units of its sizes; thirty are usual. Newton's method refines the root.
 const STEP_CONTROL: StepControl = StepControl {
@@ -58,7 +57,7 @@ pub(super) fn root(
 ) -> Result<([f64; BALL], usize), Unsolved> {
     let mut steps = 0;
     let mut curve = SlidingCurve::of(contacts, any, &mut steps)?;
-    let (root, sign) = first_verdict(&mut curve, &SlidingCurve::STRATEGIES)?;
+    let (root, sign) = first_answer(&mut curve, &SlidingCurve::STRATEGIES)?;
     Ok((curve.ball.unknowns(&root.state, &root.motion, sign), steps))
 }
 
@@ -74,7 +73,7 @@ struct SlidingCurve<'a> {
 }
 
 impl<'a> SlidingCurve<'a> {
-    const STRATEGIES: [fn(&mut Self) -> Verdict<CurveRoot>; 3] =
+    const STRATEGIES: [fn(&mut Self) -> Attempt<CurveRoot>; 3] =
         [Self::straight_root, Self::coarse_walk, Self::exact_walk];
 
     /// The node at a point of the curve.
@@ -115,7 +114,7 @@ impl<'a> SlidingCurve<'a> {
     }
 
     /// The root that Newton finds from where the curve begins: the first one, if the inertia only rises up to there, or any.
-    fn straight_root(&mut self) -> Verdict<CurveRoot> {
+    fn straight_root(&mut self) -> Attempt<CurveRoot> {
         let root = self.ball.first(&self.start, self.any);
         self.count(root.steps - self.start.steps);
         let node = SlidingPoint { state: root.state, motion: root.motion };
@@ -124,17 +123,17 @@ impl<'a> SlidingCurve<'a> {
     }
 
     /// What a walk finds whose roots Newton's method refines, unless that leads elsewhere.
-    fn coarse_walk(&mut self) -> Verdict<CurveRoot> {
+    fn coarse_walk(&mut self) -> Attempt<CurveRoot> {
         self.walk(&STEP_CONTROL)
     }
 
     /// What a walk to rounding finds.
-    fn exact_walk(&mut self) -> Verdict<CurveRoot> {
+    fn exact_walk(&mut self) -> Attempt<CurveRoot> {
         self.walk(&EXACT)
     }
 
     /// The first root along the whole curve, or why there is none; nothing where a root is not refined.
-    fn walk(&mut self, control: &StepControl) -> Verdict<CurveRoot> {
+    fn walk(&mut self, control: &StepControl) -> Attempt<CurveRoot> {
         let inertia = self.ball.inertia_ratio;
         let start = self.start;
         // Smallest and largest inertia ratio of a ball that slides against friction on its flanks.
@@ -174,7 +173,7 @@ impl<'a> SlidingCurve<'a> {
                 let [log, nut, screw, _] = *z;
                 root.is_none()
                     && refined
-                    && log >= Elastic::NO_INERTIA
+                    && log >= NO_INERTIA
                     && screw >= 0.0
                     && nut >= -self.ball.sin / self.ball.arc
             },
@@ -187,7 +186,7 @@ impl<'a> SlidingCurve<'a> {
         if let Some(root) = root {
             return Some(Ok(root));
         }
-        if end != Exit::Ended && (end != Exit::Lost || admissible) {
+        if end != PathEnd::Ended && (end != PathEnd::Lost || admissible) {
             return Some(Err(Unsolved::LOST));
         }
         let reason = match seen {
@@ -231,12 +230,12 @@ impl<'a> SlidingCurve<'a> {
         let [log, screw, c] = start.point;
         let scale = start.scale(&ball);
         // exp(−2): a seventh of the inertia.
-        let mut rise = self.rise().min(-Elastic::NO_INERTIA) - 2.0;
+        let mut rise = self.rise().min(-NO_INERTIA) - 2.0;
         while rise > 0.0 {
             // The inertia of a root moves by twice the change of the factors, not by a factor of seven.
             let state = ball.iterate::<false>([log + rise, screw, c], &scale, true);
             self.count(state.steps);
-            if state.found && state.is_straight_from(&start, &scale, Elastic::RISES) {
+            if state.found && state.is_straight_from(&start, &scale, RISES) {
                 return state;
             }
             rise -= 3.0;
@@ -304,9 +303,9 @@ mod tests {
             let Ok(mut curve) = SlidingCurve::of(&contacts, false, &mut steps) else { continue };
             let begun = *curve.steps;
             let walks = [SlidingCurve::coarse_walk, SlidingCurve::exact_walk];
-            let coarse = first_verdict(&mut curve, &walks);
+            let coarse = first_answer(&mut curve, &walks);
             let in_all = *curve.steps - begun;
-            let exact = first_verdict(&mut curve, &walks[1..]);
+            let exact = first_answer(&mut curve, &walks[1..]);
             fewer += usize::from(in_all < *curve.steps - begun - in_all);
             match (coarse, exact) {
                 (Ok((one, sign)), Ok((other, same))) => {

@@ -15,7 +15,7 @@ use super::search::{CurveSearch, LONGEST};
 use crate::contact::Sines;
 use crate::cost::count_of;
 use crate::models::ball::unknown::{SLIP, UNLOADED_FLANK_LOAD};
-use crate::models::ball::{BALL, Evidence, Reason, Unsolved, Verdict, Workspace, first_verdict};
+use crate::models::ball::{Attempt, BALL, Evidence, Reason, Unsolved, Workspace, first_answer};
 
 /// Up to this ratio of inertia to friction what the first order excludes by more than its error does not
 /// exist; above it, friction of order one leaves roots further from the first order.
@@ -81,7 +81,7 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
     let first = ball.first_order();
     let inertia = first.inertia_scale / ball.friction();
     let mut search = RootSearch { ball, first, inertia, met: None, work };
-    let found = first_verdict(&mut search, &RootSearch::STRATEGIES).map(|root| {
+    let found = first_answer(&mut search, &RootSearch::STRATEGIES).map(|root| {
         // Without crowding no search is due, and an empty list of one is dropped: a row of a table and
         // the model report the same.
         let met = root.alternatives.filter(|met| first.is_crowded() || !met.is_empty());
@@ -100,7 +100,7 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
 }
 
 impl RootSearch<'_> {
-    const STRATEGIES: [fn(&mut Self) -> Verdict<BallRoot>; 3] =
+    const STRATEGIES: [fn(&mut Self) -> Attempt<BallRoot>; 3] =
         [Self::first_order, Self::sweeps, Self::whole_curve];
 
     /// No solution at small inertia where the first order has none by more than its error.
@@ -108,7 +108,7 @@ impl RootSearch<'_> {
     /// The error is [`FIRST_ORDER_ERROR`] times the ratio of inertia to friction. The constant is
     /// measured: no root of `tests/suite/rigid_campaign.rs` goes further against the first order than 0.077 of
     /// that ratio, and the test watches it.
-    fn first_order(&mut self) -> Verdict<BallRoot> {
+    fn first_order(&mut self) -> Attempt<BallRoot> {
         let Self { ball, first, inertia, .. } = self;
         if *inertia >= SMALL_INERTIA {
             return None;
@@ -136,7 +136,7 @@ impl RootSearch<'_> {
     }
 
     /// The root that the sweeps go to from the first order, where that is a guide.
-    fn sweeps(&mut self) -> Verdict<BallRoot> {
+    fn sweeps(&mut self) -> Attempt<BallRoot> {
         let swept = self.ball.sweeps(&self.first);
         if !swept.converged {
             return None;
@@ -159,7 +159,7 @@ impl RootSearch<'_> {
 
     /// The first root of the whole curve, with the others.
     #[expect(clippy::unnecessary_wraps, reason = "the shape of a strategy")]
-    fn whole_curve(&mut self) -> Verdict<BallRoot> {
+    fn whole_curve(&mut self) -> Attempt<BallRoot> {
         let mut met = SearchResult::of(self.ball, self.first.inertia, self.work);
         if let Some(root) = met.first() {
             return Some(Ok(root));

@@ -13,7 +13,7 @@ use bsm_simd::Block;
 
 use crate::contact::{POWER_BALANCE_TOL, Power, ideal_torque};
 use crate::models::ball::{
-    BALL, BallLoads, Evidence, Reason, Unsolved, Verdict, Workspace, first_verdict,
+    Attempt, BALL, BallLoads, Evidence, Reason, Unsolved, Workspace, first_answer,
 };
 use crate::models::elastic::GrossSlip;
 use crate::models::raceway_control::RollingBall;
@@ -221,7 +221,7 @@ impl SlipBall<'_> {
 }
 
 /// A point on the way to its root.
-struct RootSearch<'a> {
+struct SlipRootSearch<'a> {
     ball: SlipBall<'a>,
     rolling_ball: &'a RollingBall,
     newton: &'a mut Workspace,
@@ -240,8 +240,8 @@ impl SlipBall<'_> {
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> Option<SlipRoot> {
-        let mut search = RootSearch::new(*self, rolling_ball, newton, steps);
-        first_verdict(&mut search, &RootSearch::NEAR).ok()
+        let mut search = SlipRootSearch::new(*self, rolling_ball, newton, steps);
+        first_answer(&mut search, &SlipRootSearch::NEAR).ok()
     }
 
     /// The root by all strategies.
@@ -254,15 +254,15 @@ impl SlipBall<'_> {
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> Result<SlipRoot, Unsolved> {
-        let mut search = RootSearch::new(*self, rolling_ball, newton, steps);
-        first_verdict(&mut search, &RootSearch::ALL)
+        let mut search = SlipRootSearch::new(*self, rolling_ball, newton, steps);
+        first_answer(&mut search, &SlipRootSearch::ALL)
     }
 }
 
-impl<'a> RootSearch<'a> {
-    const NEAR: [fn(&mut Self) -> Verdict<SlipRoot>; 3] =
+impl<'a> SlipRootSearch<'a> {
+    const NEAR: [fn(&mut Self) -> Attempt<SlipRoot>; 3] =
         [Self::likely_start, Self::other_start, Self::falling_creep];
-    const ALL: [fn(&mut Self) -> Verdict<SlipRoot>; 6] = {
+    const ALL: [fn(&mut Self) -> Attempt<SlipRoot>; 6] = {
         let [likely, other, creep] = Self::NEAR;
         [likely, other, creep, Self::growing_inertia, Self::scattered_starts, Self::what_is_shown]
     };
@@ -288,16 +288,16 @@ impl<'a> RootSearch<'a> {
     }
 
     /// From the nearer one of the rolling and the skidding ball.
-    fn likely_start(&mut self) -> Verdict<SlipRoot> {
+    fn likely_start(&mut self) -> Attempt<SlipRoot> {
         self.start(self.is_skidding())
     }
 
-    fn other_start(&mut self) -> Verdict<SlipRoot> {
+    fn other_start(&mut self) -> Attempt<SlipRoot> {
         self.start(!self.is_skidding())
     }
 
     /// By Newton from a ball that skids, or from the rolling one.
-    fn start(&mut self, skidding: bool) -> Verdict<SlipRoot> {
+    fn start(&mut self, skidding: bool) -> Attempt<SlipRoot> {
         let y = if skidding {
             let skid = GrossSlip::start(self.ball.contacts).ok()?;
             *self.steps += skid.steps();
@@ -319,13 +319,13 @@ impl<'a> RootSearch<'a> {
     }
 
     /// From friction that is nearly proportional to the slip.
-    fn falling_creep(&mut self) -> Verdict<SlipRoot> {
+    fn falling_creep(&mut self) -> Attempt<SlipRoot> {
         let control = Continuation { first: 1.0, shortest: 0.05 };
         self.ball.by_falling_creep(self.rolling(), 0.0, control, self.newton, self.steps).map(Ok)
     }
 
     /// Along the path of growing inertia.
-    fn growing_inertia(&mut self) -> Verdict<SlipRoot> {
+    fn growing_inertia(&mut self) -> Attempt<SlipRoot> {
         let Self { ball, newton, steps, .. } = self;
         self.shown = ball.followed(newton, steps);
         if matches!(self.shown, PathResult::Nothing) {
@@ -339,7 +339,7 @@ impl<'a> RootSearch<'a> {
     }
 
     /// From starts spread over what a ball can do.
-    fn scattered_starts(&mut self) -> Verdict<SlipRoot> {
+    fn scattered_starts(&mut self) -> Attempt<SlipRoot> {
         self.starts = match self.shown {
             PathResult::OffFlank(_) if self.ball.is_calm() => 0,
             PathResult::Ended(_) => MANY,
@@ -349,7 +349,7 @@ impl<'a> RootSearch<'a> {
     }
 
     /// What the path has shown where no start leads to a root.
-    fn what_is_shown(&mut self) -> Verdict<SlipRoot> {
+    fn what_is_shown(&mut self) -> Attempt<SlipRoot> {
         match self.shown {
             // Rounding has eaten it, which its powers will show.
             PathResult::SlipRoot(root) => Some(Ok(root)),
