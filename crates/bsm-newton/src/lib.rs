@@ -2,7 +2,6 @@
 //!
 //! * [`solve`]: damped Newton iteration, for a few [`Equations`].
 //! * [`Dense`], [`Bordered`]: the matrices, dense or of many small blocks with a border.
-//! * [`Objective`]: the length of a step towards a minimum.
 //! * [`Bracket`]: the root of one variable between two places of different sign.
 //! * [`implicit_slopes`], [`follow`], [`trace`]: how a root moves with its parameters, a little, far, and through folds.
 //!
@@ -14,7 +13,6 @@
 
 mod bracket;
 mod continuation;
-mod descent;
 mod equations;
 mod error;
 mod implicit;
@@ -26,7 +24,6 @@ mod solve;
 
 pub use bracket::{Bracket, FunctionValue, Root, RootResult};
 pub use continuation::{Continuation, follow};
-pub use descent::Objective;
 pub use equations::Equations;
 pub use error::{EvalError, Singular};
 pub use implicit::implicit_slopes;

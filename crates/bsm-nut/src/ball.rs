@@ -5,7 +5,6 @@
 use std::array::from_fn;
 
 use bsm_dyn::{GrooveForces, StaticBall};
-use bsm_newton::Objective;
 use nalgebra::{Matrix2, Vector2};
 
 /// Flanks of a circuit that balls can press.
@@ -213,23 +212,30 @@ impl FourContacts {
             if still || fall <= 0.0 {
                 return here.balanced(self.series.distance);
             }
-            let level = |x: Vector2<f64>, ball: &BallEnergy| Objective {
-                value: ball.energy,
-                rounding: 64.0 * f64::EPSILON * ball.energy.abs().max(self.outward * x[1].abs()),
-                gradient: ball.residual(),
-            };
-            let next = level(x, &here).backtrack(fall, 1e-9, |share| {
+            let mut share = 1.0;
+            let next = loop {
                 let y = x + step * share;
-                let there = at(y);
-                Some((level(y, &there), (y, there)))
-            });
+                let next = at(y);
+                // Armijo; near the end the energy has no more digits, but the force has.
+                let rounding =
+                    64.0 * f64::EPSILON * here.energy.abs().max(self.outward * x[1].abs());
+                let level = (next.energy - here.energy).abs() <= rounding;
+                let nearer = next.residual() < here.residual();
+                if next.energy < here.energy - 1e-4 * share * fall || (level && nearer) {
+                    break Some((y, next));
+                }
+                share *= 0.5;
+                if share < 1e-9 {
+                    break None;
+                }
+            };
             match next {
                 Some((y, next)) => (x, here) = (y, next),
                 // Rounding is all that is left.
                 None => return here.balanced(self.series.distance),
             }
         }
-        here.balanced(self.series.distance)
+        None
     }
 }
 

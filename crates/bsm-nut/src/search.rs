@@ -5,8 +5,6 @@
 use std::array::from_fn;
 use std::f64::consts::FRAC_PI_2;
 
-use bsm_newton::Objective;
-
 use crate::assembly::{Assembly, EnergyState, StiffnessScope};
 use crate::equilibrium::{Equilibrium, FREEDOMS, NutError, Support};
 use crate::{BallInGrooves, BallNut};
@@ -106,18 +104,22 @@ impl Assembly<'_> {
         if !fall.is_finite() || fall <= 0.0 {
             return None;
         }
-        let level = |state: &EnergyState, imbalance| Objective {
-            value: state.energy,
-            rounding: 1e-14 * state.energies,
-            gradient: imbalance,
-        };
-        let here = level(state, self.imbalance(state));
-        here.backtrack(fall, 1e-4, |share| {
+        let before = self.imbalance(state);
+        let mut share = 1.0;
+        while share > 1e-4 {
             let next: Vec<f64> = y.iter().zip(&step).map(|(y, s)| y + share * s).collect();
-            let there = self.state(&next).ok()?;
-            let level = level(&there, self.imbalance(&there));
-            Some((level, EnergyPoint { y: next, state: there }))
-        })
+            if let Ok(there) = self.state(&next) {
+                // Armijo; near the end the energy has no more digits, but the forces have.
+                let lower = there.energy <= state.energy - 1e-4 * share * fall;
+                let rounding = 1e-14 * state.energies.max(there.energies);
+                let level = (there.energy - state.energy).abs() <= rounding;
+                if lower || (level && self.imbalance(&there) < before) {
+                    return Some(EnergyPoint { y: next, state: there });
+                }
+            }
+            share *= 0.5;
+        }
+        None
     }
 
     fn finish(
