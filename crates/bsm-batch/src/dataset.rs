@@ -32,9 +32,9 @@ use arrow_schema::SchemaRef;
 use rayon::prelude::*;
 use tempfile::NamedTempFile;
 
-pub use self::error::DatasetError;
+pub use self::error::{DatasetError, PartDefect};
 pub use self::folder::MakeTemporary;
-pub use self::part::{Part, PartDefect};
+pub use self::part::Part;
 pub use self::plan::{Estimate, MOST_PARTS, Plan, RESULTS};
 pub use self::points::{Points, sha256};
 

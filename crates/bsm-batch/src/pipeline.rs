@@ -12,7 +12,7 @@ use bsm_simd::Arch;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::solve::Solver;
-use crate::{Answers, Chunk, Format, Sink, Source, TableError, TableFormat, TableSink, Task};
+use crate::{AnswerSink, Answers, Chunk, Format, Source, TableError, TableFormat, TableSink, Task};
 
 /// Stack of a thread \[B\]: the kernels keep every intermediate result where the code is not optimised, some 4 MB.
 const STACK: usize = if cfg!(debug_assertions) { 16 << 20 } else { 2 << 20 };
@@ -158,7 +158,7 @@ impl Task {
     /// # Errors
     ///
     /// [`RunError`]; the sink is lost.
-    pub fn run<S: Sink + Send>(
+    pub fn run<S: AnswerSink + Send>(
         &self,
         source: &mut dyn Source,
         mut sink: S,
@@ -215,7 +215,7 @@ fn read_ahead(source: &mut dyn Source, most: u64, to: &SyncSender<Result<Chunk, 
 }
 
 /// Counts and writes a chunk that is solved, if there is one.
-fn write<S: Sink>(
+fn write<S: AnswerSink>(
     sink: &mut S,
     count: &mut Count,
     solved: Option<(Chunk, Answers)>,

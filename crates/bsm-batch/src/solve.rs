@@ -2,6 +2,7 @@
 
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
+use std::slice::ChunksExactMut;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use bsm_case::{
@@ -29,8 +30,7 @@ thread_local! {
     /// Memory of the models; chunks are many and threads are few.
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
 
-    /// NaN, for a stride of the outputs that have no place: it stays in the cache.
-    static SCRATCH: Cell<Vec<f64>> = const { Cell::new(Vec::new()) };
+    static SPARE: Cell<SpareColumns> = const { Cell::new(SpareColumns(Vec::new())) };
 }
 
 /// Where the answers of a chunk go.
@@ -82,11 +82,28 @@ struct ChunkPart<'a> {
     columns: Vec<Option<&'a mut [f64]>>,
 }
 
-/// True if not all are NaN.
-fn has_value(values: &[f64]) -> bool {
+/// Memory of a thread for outputs that have no place: NaN before and after each use, it stays in the cache.
+#[derive(Default)]
+struct SpareColumns(Vec<f64>);
+
+impl SpareColumns {
+    /// So many columns for a stride of rows.
+    fn columns(&mut self, count: usize, stride: usize) -> ChunksExactMut<'_, f64> {
+        let padded = stride + COLUMN_PADDING;
+        self.0.resize(self.0.len().max(count * padded), f64::NAN);
+        self.0.chunks_exact_mut(padded)
+    }
+}
+
+/// The numbers of a column that is not all NaN; it is then.
+fn taken(column: &mut [f64]) -> Option<Vec<f64>> {
     // Without a branch for each value.
     let some = |part: &[f64]| part.iter().fold(false, |some, value| some | !value.is_nan());
-    values.chunks(512).any(some)
+    column.chunks(512).any(some).then(|| {
+        let numbers = column.to_vec();
+        column.fill(f64::NAN);
+        numbers
+    })
 }
 
 impl Task {
@@ -184,7 +201,8 @@ impl<'a> Solver<'a> {
         };
         let model = self.plan.as_ref().map(|plan| (plan.inputs(chunk), plan.model));
         let wanted = Selection::of(outputs);
-        let run = Run { solver: self, chunk, kernel: model, outputs, wanted, arch, stop, stride };
+        let run =
+            ChunkSolve { solver: self, chunk, kernel: model, outputs, wanted, arch, stop, stride };
         let solve = |part: ChunkPart<'_>| {
             if stop.load(Ordering::Relaxed) {
                 return RowReport::default();
@@ -205,7 +223,7 @@ impl<'a> Solver<'a> {
 }
 
 /// A chunk that is being solved.
-struct Run<'a> {
+struct ChunkSolve<'a> {
     solver: &'a Solver<'a>,
     chunk: &'a Chunk,
     /// The inputs of a kernel, and its model.
@@ -217,35 +235,27 @@ struct Run<'a> {
     stride: usize,
 }
 
-impl Run<'_> {
-    /// Solves a part, in memory of its own for columns that have none.
+impl ChunkSolve<'_> {
+    /// Solves a part.
     fn solve(&self, ChunkPart { first, verdicts, columns }: ChunkPart<'_>) -> RowReport {
-        let (len, column_stride) = (verdicts.len(), self.stride + COLUMN_PADDING);
         let without: Vec<_> = columns.iter().map(Option::is_none).collect();
-        // Given back when it is NaN again: after a panic it is not.
-        let mut spare = SCRATCH.take();
-        let needed = without.iter().filter(|none| **none).count() * column_stride;
-        spare.resize(needed.max(spare.len()), f64::NAN);
-        let mut indices = spare.chunks_exact_mut(column_stride);
-        let mut outputs: Vec<&mut [f64]> = Vec::with_capacity(without.len());
-        for column in columns {
-            if let Some(column) = column {
+        // A panic leaves numbers in it, and does not give it back.
+        let mut spare = SPARE.take();
+        let mut places = spare.columns(without.iter().filter(|none| **none).count(), self.stride);
+        let place = |column: Option<_>| {
+            let none = || &mut places.next().expect("as many as are without")[..verdicts.len()];
+            column.map_or_else(none, |column: &mut [f64]| {
                 column.fill(f64::NAN);
-                outputs.push(column);
-            } else {
-                outputs.extend(indices.next().map(|index| &mut index[..len]));
-            }
-        }
+                column
+            })
+        };
+        let mut outputs: Vec<_> = columns.into_iter().map(place).collect();
         let messages = self.rows(first, verdicts, &mut outputs);
-        let mut values = Vec::new();
-        for (index, column) in outputs.into_iter().enumerate() {
-            if without[index] && has_value(column) {
-                values.push((index, first, column.to_vec()));
-                column.fill(f64::NAN);
-            }
-        }
-        SCRATCH.set(spare);
-        RowReport { messages, values }
+        let of_spare = outputs.into_iter().enumerate().filter(|(index, _)| without[*index]);
+        let values = of_spare.filter_map(|(index, column)| Some((index, first, taken(column)?)));
+        let report = RowReport { messages, values: values.collect() };
+        SPARE.set(spare);
+        report
     }
 
     /// Answers rows: all that a kernel can, then what it leaves, one by one. Returns their messages.

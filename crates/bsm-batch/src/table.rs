@@ -13,7 +13,7 @@ use crate::columns::{Columns, field};
 use crate::parquet_table::ParquetSink;
 use crate::rows::{Answers, Chunk, numbers};
 use crate::text::TextSink;
-use crate::{CsvSource, JsonSource, ParquetSource, Sink, Source, TableError, TableFormat};
+use crate::{AnswerSink, CsvSource, JsonSource, ParquetSource, Source, TableError, TableFormat};
 
 /// Key of the metadata of a Parquet table that says what the table is made from, in JSON.
 pub const ABOUT: &str = "bsm";
@@ -168,7 +168,7 @@ impl<W: Write + Send> TableSink<W> {
     }
 }
 
-impl<W: Write + Send> Sink for TableSink<W> {
+impl<W: Write + Send> AnswerSink for TableSink<W> {
     fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
         let table = answers.table(&chunk, &self.schema, &self.outputs)?;
         self.write_table(&table, &chunk)
@@ -188,7 +188,7 @@ impl MemorySink {
     }
 }
 
-impl Sink for MemorySink {
+impl AnswerSink for MemorySink {
     fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
         self.tables.push(answers.table(&chunk, &self.schema, &self.outputs)?);
         Ok(())

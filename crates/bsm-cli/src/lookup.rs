@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bsm_batch::{Answers, Chunk, Count, GridSource, Sink, TableError, Task, Workers};
+use bsm_batch::{AnswerSink, Answers, Chunk, Count, GridSource, TableError, Task, Workers};
 use bsm_case::{Axis, Grid, Output, exact};
 
 use crate::failure::{Failure, warn};
@@ -90,7 +90,7 @@ impl Lookup {
 /// The outputs of all chunks, one after another.
 struct Columns(Vec<Vec<f64>>);
 
-impl Sink for Columns {
+impl AnswerSink for Columns {
     fn write(&mut self, _: Chunk, answers: Answers) -> Result<(), TableError> {
         for (all, column) in self.0.iter_mut().zip(answers.columns) {
             all.extend(column);

@@ -8,7 +8,7 @@ use bsm_batch::dataset::{
     self, Dataset, DatasetError, Event, PartDefect, Plan, Points, RunOptions, sha256,
 };
 use bsm_batch::{
-    Answers, Cell, Chunk, Count, CsvSource, Format, RunError, Sink, Source, TableError,
+    AnswerSink, Answers, Cell, Chunk, Count, CsvSource, Format, RunError, Source, TableError,
     TableFormat, TableSink, Task, Workers,
 };
 use bsm_case::{Axis, Grid, ModelChoice, Output as Column, exact};
@@ -47,7 +47,7 @@ pub(crate) struct Job<'a> {
 /// Rows that are seen only.
 struct Discard;
 
-impl Sink for Discard {
+impl AnswerSink for Discard {
     fn write(&mut self, _: Chunk, _: Answers) -> Result<(), TableError> {
         Ok(())
     }

@@ -4,7 +4,7 @@
 use std::sync::atomic::Ordering;
 use std::{env, io};
 
-use bsm_batch::{Answers, Cell, Cells, Chunk, Columns, Sink, TableError, caught};
+use bsm_batch::{AnswerSink, Answers, Cell, Cells, Chunk, Columns, TableError, caught};
 use bsm_case::Output;
 use rust_xlsxwriter::{Format, Workbook as Book, Worksheet, XlsxError};
 use serde_json::Value;
@@ -114,7 +114,7 @@ fn written<T>(write: impl FnOnce() -> Result<T, XlsxError>) -> Result<T, TableEr
     done.map_err(|e| failed(&e))
 }
 
-impl Sink for Workbook {
+impl AnswerSink for Workbook {
     fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
         let table = answers.table(&chunk, &self.columns.schema(&self.outputs), &self.outputs)?;
         let cells = Cells::of(&table, &chunk)?;

@@ -6,16 +6,35 @@
 use std::f64::consts::TAU;
 
 use crate::{
-    Duty, DutySpeed, Life, MachineTable, PERMITTED_STRESS, Screw, Shaft, Support, life,
-    life_factor, modified_life, pair_loads, viscosity_ratio,
+    Duty, EndFixity, Life, MachineTable, PERMITTED_STRESS, Screw, Shaft, life, life_factor,
+    modified_life, pair_loads, viscosity_ratio,
 };
 
 /// Leads that the screw is longer than stroke and nut, unless its length is given.
 const OVERRUN_LEADS: f64 = 2.0;
 
+/// Speed of the screw, or of the nut along it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum DutySpeed {
+    /// Relative speed of screw and nut \[rad/s\].
+    Turns(f64),
+    /// Velocity of the nut \[m/s\].
+    Feed(f64),
+}
+
+impl DutySpeed {
+    /// Relative speed of screw and nut with a lead \[rad/s\].
+    pub fn speed(self, lead: f64) -> f64 {
+        match self {
+            Self::Turns(speed) => speed,
+            Self::Feed(feed) => feed * TAU / lead,
+        }
+    }
+}
+
 /// A stretch of a cycle as the machine asks for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Motion {
+pub struct ProfileSegment {
     /// Time, in any unit that all stretches share.
     pub time: f64,
     /// Process force \[N\], positive against a positive feed.
@@ -49,7 +68,7 @@ pub struct Phase {
 const LOAD_FACTORS: [(f64, [f64; 2]); 4] =
     [(0.25, [1.0, 1.2]), (1.0, [1.2, 1.5]), (2.0, [1.5, 2.0]), (f64::INFINITY, [2.0, 3.5])];
 
-impl Motion {
+impl ProfileSegment {
     /// Load and speed of the screw, with weight, guides and inertia of the moved mass.
     ///
     /// * `lead` \[m\].
@@ -65,15 +84,15 @@ impl Motion {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mount {
     /// How its ends are held.
-    pub support: Support,
+    pub support: EndFixity,
     /// Unsupported length \[m\]; stroke, nut and two leads unless given.
     pub length: Option<f64>,
     /// Shaft diameter for bending and buckling \[m\]; the core of the thread unless given.
     pub diameter: Option<f64>,
     /// Bore \[m\], and density of what fills it \[kg/m³\].
     pub bore: (f64, f64),
-    /// Ends and length \[m\] of the section that may buckle, if they differ from those of [`Support::of_buckling`].
-    pub buckling: (Option<Support>, Option<f64>),
+    /// Ends and length \[m\] of the section that may buckle, if they differ from those of [`EndFixity::of_buckling`].
+    pub buckling: (Option<EndFixity>, Option<f64>),
 }
 
 impl Mount {

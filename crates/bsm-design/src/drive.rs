@@ -120,7 +120,7 @@ pub fn rod_inertia(length: f64, mass: f64) -> f64 {
 
 /// Inertias between motor and carriage.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Drive {
+pub struct DriveTrain {
     /// Lead \[m\].
     pub lead: f64,
     /// Moment of inertia of the screw, with what turns with it \[kg·m²\].
@@ -137,7 +137,7 @@ pub struct Drive {
     pub gear_inertia: f64,
 }
 
-impl Drive {
+impl DriveTrain {
     /// Moment of inertia of the moved mass at the screw \[kg·m²\] (Z10).
     pub fn mass_inertia(&self) -> f64 {
         // J_m = m (P_h/2π)²                                               (Z10)
@@ -321,7 +321,7 @@ mod tests {
     fn inertia_and_torque_of_the_motor() {
         let screw = rod_inertia(1.0, STEEL * PI * 0.02_f64.powi(2));
         assert!((screw - 1.9729e-3).abs() < 5e-8, "{screw}");
-        let drive = Drive {
+        let drive = DriveTrain {
             lead: 20e-3,
             screw_inertia: screw,
             mass: 500.0,
@@ -341,7 +341,7 @@ mod tests {
         let torque = 0.5 * (10.0 + screw * turning) + 2.0e-3 * turning;
         assert_relative_eq!(drive.motor_torque(10.0, 1.0, 2.0), torque, max_relative = 1e-14);
         // A gear of 0.9 takes its part from who drives: 5/0.9 forwards, 5 times 0.9 backwards.
-        let lossy = Drive { gear_efficiency: 0.9, gear_inertia: 1e-4, ..drive };
+        let lossy = DriveTrain { gear_efficiency: 0.9, gear_inertia: 1e-4, ..drive };
         assert_relative_eq!(lossy.motor_torque(10.0, 1.0, 0.0), 5.0 / 0.9, max_relative = 1e-14);
         assert_relative_eq!(lossy.motor_torque(10.0, -1.0, 0.0), 4.5, max_relative = 1e-14);
         assert_relative_eq!(lossy.inertia() - drive.inertia(), 1e-4, max_relative = 1e-12);
@@ -357,7 +357,7 @@ mod tests {
             (15e-3, 0.8, 50.0, 10e-3, 5e-5, 0.3, 0.2, 510.33, 1.578_6e-4, [0.902_47, 1.098_4]),
         ] {
             let weight = STEEL * PI * 0.25 * rod * rod * length;
-            let drive = Drive {
+            let drive = DriveTrain {
                 lead,
                 screw_inertia: rod_inertia(length, weight),
                 mass,
@@ -385,7 +385,7 @@ mod tests {
     /// 36.66 mm; without one, at an efficiency of 0.8 and a drag of 0.25 N m, it falls with 2.20649 m/s².
     #[test]
     fn a_falling_weight_is_braked() {
-        let drive = Drive {
+        let drive = DriveTrain {
             lead: 10e-3,
             screw_inertia: 6.380_07e-4,
             mass: 250.0,

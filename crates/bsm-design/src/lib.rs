@@ -46,12 +46,12 @@ mod standard;
 mod stiffness;
 mod thread;
 
-pub use axis::{Axis, Motion, Mount, Phase};
+pub use axis::{Axis, DutySpeed, Mount, Phase, ProfileSegment};
 pub use body::NutBody;
 pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, OfferedSize, Size, front, loaded_balls};
 pub use drive::{
-    BRAKE_SAFETY, BackDriving, Drive, Fall, MachineTable, drag_torque, least_acceleration_time,
-    rod_inertia, root_mean_square,
+    BRAKE_SAFETY, BackDriving, DriveTrain, Fall, MachineTable, drag_torque,
+    least_acceleration_time, rod_inertia, root_mean_square,
 };
 pub use grade::Grade;
 pub use least_squares::{LeastSquares, least_squares};
@@ -62,15 +62,15 @@ pub use modified::{
     viscosity_ratio_by_film,
 };
 pub use nut::{DynamicRating, Nut, StaticRating, turn_length};
-pub use preload::{PRELOAD_CLASSES, Preload, PreloadClass, PreloadMethod, least_preload};
+pub use preload::{PRELOAD_CLASSES, PreloadClass, PreloadMethod, PreloadSize, least_preload};
 pub use procedure::{ActiveLimit, Holds, Outcome, Why};
 pub use requirement::{
-    AcceptedBy, Check, Design, DutySpeed, EfficiencyOf, FixedValues, LoadCase, Objective, Pitch,
-    Quantity, Ranges, Requirement, Travel,
+    AcceptedBy, Check, Design, EfficiencyOf, FixedValues, LoadCase, Objective, Pitch, Quantity,
+    Ranges, Requirement, Travel,
 };
 pub use screw::{Efficiency, Screw, StiffnessAt};
 pub use shaft::{
-    BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, PERMITTED_STRESS, Shaft, Support, heat_transfer,
+    BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, EndFixity, PERMITTED_STRESS, Shaft, heat_transfer,
     lost_motion, steady_rise, warming_time,
 };
 pub use stiffness::{Elasticity, in_series};

@@ -4,7 +4,7 @@ use crate::OPENS_AT;
 
 /// A preload that a case asks for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Preload {
+pub enum PreloadSize {
     /// A force \[N\].
     Force(f64),
     /// That which the largest load does not open.
@@ -36,7 +36,7 @@ impl PreloadMethod {
     }
 }
 
-impl Preload {
+impl PreloadSize {
     /// The force \[N\].
     ///
     /// * `load`: largest load of the cycle \[N\]. * `rating`: dynamic load rating \[N\].
@@ -72,15 +72,15 @@ fn rounded_up(force: f64) -> f64 {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PreloadClass {
     /// A preload.
-    Preload(Preload),
+    Preload(PreloadSize),
     /// No preload, and an axial play up to this \[m\], if it is stated.
     Play(Option<f64>),
 }
 
 /// Classes of manufacturers; the shares of the dynamic load rating are usual values, the plays those of THK, table 10.
 pub const PRELOAD_CLASSES: [(&str, PreloadClass); 16] = {
-    use Preload::{Auto, Share};
     use PreloadClass::{Play, Preload as Of};
+    use PreloadSize::{Auto, Share};
     [
         ("auto", Of(Auto)),
         ("Z", Of(Share(0.01))),
@@ -111,14 +111,18 @@ mod tests {
     #[test]
     fn a_preload_is_chosen_by_its_load() {
         assert_relative_eq!(least_preload(7e3), 2474.9, max_relative = 2e-5);
-        assert_relative_eq!(Preload::Auto.force(7e3, 52.7e3), 2500.0, max_relative = 1e-14);
-        assert_relative_eq!(Preload::Auto.force(14.2e3, 0.0), 5100.0, max_relative = 1e-14);
+        assert_relative_eq!(PreloadSize::Auto.force(7e3, 52.7e3), 2500.0, max_relative = 1e-14);
+        assert_relative_eq!(PreloadSize::Auto.force(14.2e3, 0.0), 5100.0, max_relative = 1e-14);
         assert_relative_eq!(
-            Preload::Auto.force(2500.0 * OPENS_AT, 0.0),
+            PreloadSize::Auto.force(2500.0 * OPENS_AT, 0.0),
             2500.0,
             max_relative = 1e-14
         );
-        assert_relative_eq!(Preload::Share(0.05).force(7e3, 52.7e3), 2635.0, max_relative = 1e-14);
+        assert_relative_eq!(
+            PreloadSize::Share(0.05).force(7e3, 52.7e3),
+            2635.0,
+            max_relative = 1e-14
+        );
         assert_relative_eq!(
             PreloadMethod::DoubleNut.share() * 52.7e3,
             5270.0,

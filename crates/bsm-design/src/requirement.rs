@@ -5,15 +5,15 @@ use std::f64::consts::{PI, TAU};
 use bsm_dyn::{Direction, Hertz, Material, Optimum};
 
 use crate::{
-    Axis, Life, MachineTable, Make, Motion, Mount, Nut, NutBody, Phase, Preload, PreloadMethod,
-    RatingFactors,
+    Axis, DutySpeed, Life, MachineTable, Make, Mount, Nut, NutBody, Phase, PreloadMethod,
+    PreloadSize, ProfileSegment, RatingFactors,
 };
 
 /// The cycle of the machine, or a torque.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LoadCase {
     /// Forces and speeds; one stretch at least, one of them moves.
-    Cycle(Vec<Motion>),
+    Cycle(Vec<ProfileSegment>),
     /// Torque on the screw \[N·m\], and its speed.
     Torque(f64, DutySpeed),
 }
@@ -61,25 +61,6 @@ pub enum Travel {
     Screw(f64),
     /// Way of the nut \[m\].
     Stroke(f64),
-}
-
-/// Speed of the screw, or of the nut along it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum DutySpeed {
-    /// Relative speed of screw and nut \[rad/s\].
-    Turns(f64),
-    /// Velocity of the nut \[m/s\].
-    Feed(f64),
-}
-
-impl DutySpeed {
-    /// Relative speed of screw and nut with a lead \[rad/s\].
-    pub fn speed(self, lead: f64) -> f64 {
-        match self {
-            Self::Turns(speed) => speed,
-            Self::Feed(feed) => feed * TAU / lead,
-        }
-    }
 }
 
 /// Objective of the design.
@@ -174,7 +155,7 @@ pub struct Requirement {
     /// Moved mass, which adds to the forces.
     pub carriage: MachineTable,
     /// Preload of a nut.
-    pub preload: Option<Preload>,
+    pub preload: Option<PreloadSize>,
     /// How it is preloaded.
     pub method: PreloadMethod,
     /// Life over that of 90 % of all nuts (Z14).
@@ -414,7 +395,7 @@ impl Design {
             compression: 0.0,
             reliability: requirement.reliability,
         };
-        let force = |preload: Preload| preload.force(axis.largest_load(), axis.dynamic_rating);
+        let force = |preload: PreloadSize| preload.force(axis.largest_load(), axis.dynamic_rating);
         axis.preload = requirement.preload.map(force);
         let still = Phase { time: 1.0, load: 0.0, speed: 0.0, acceleration: 0.0, load_factor: 1.0 };
         let phase = axis.heaviest_moving().copied().unwrap_or(still);

@@ -21,7 +21,7 @@ pub const BUCKLING_SAFETY: f64 = 2.0;
 
 /// How the ends of a screw are held; the fixed end takes the axial load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Support {
+pub enum EndFixity {
     /// One end is free.
     FixedFree,
     /// Both ends may tilt.
@@ -32,7 +32,7 @@ pub enum Support {
     FixedFixed,
 }
 
-impl Support {
+impl EndFixity {
     /// First root `$\lambda$` of the frequency equation of a bar (Z1).
     ///
     /// `$\cos\lambda\cosh\lambda = -1$` with a free end and `$1$` with two fixed ones,
@@ -73,7 +73,7 @@ impl Support {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shaft {
     /// How its ends are held.
-    pub support: Support,
+    pub support: EndFixity,
     /// Unsupported length `$l$` \[m\], positive.
     pub length: f64,
     /// Shaft diameter `$d_3$` for bending and buckling \[m\], positive: the core of the thread.
@@ -83,7 +83,7 @@ pub struct Shaft {
     /// Density of what fills the bore \[kg/m³\].
     pub coolant: f64,
     /// Ends and length of the section that may buckle \[m\].
-    pub buckling: (Support, f64),
+    pub buckling: (EndFixity, f64),
     /// Young's modulus \[Pa\].
     pub youngs_modulus: f64,
 }
@@ -146,18 +146,20 @@ impl Shaft {
         let strained = self.youngs_modulus * self.section();
         match self.support {
             // K_s = E A/x                                                 (Z4)
-            Support::FixedFree | Support::SupportedSupported | Support::FixedSupported => {
+            EndFixity::FixedFree | EndFixity::SupportedSupported | EndFixity::FixedSupported => {
                 strained / position
             }
             // K_s = E A [1/x + 1/(l − x)]                                 (Z4)
-            Support::FixedFixed => strained * (position.recip() + (self.length - position).recip()),
+            EndFixity::FixedFixed => {
+                strained * (position.recip() + (self.length - position).recip())
+            }
         }
     }
 
     /// Its least stiffness along the axis \[N/m\] (Z4): the nut at the far end, or in the middle if both
     /// ends take axial load.
     pub fn least_stiffness(&self) -> f64 {
-        let share = if self.support == Support::FixedFixed { 0.5 } else { 1.0 };
+        let share = if self.support == EndFixity::FixedFixed { 0.5 } else { 1.0 };
         self.stiffness_at(share * self.length)
     }
 
@@ -280,12 +282,12 @@ mod tests {
     const RPM: f64 = PI / 30.0;
 
     /// All supports, from the least to the most stiff.
-    fn all() -> [Support; 4] {
-        use Support::{FixedFixed, FixedFree, FixedSupported, SupportedSupported};
+    fn all() -> [EndFixity; 4] {
+        use EndFixity::{FixedFixed, FixedFree, FixedSupported, SupportedSupported};
         [FixedFree, SupportedSupported, FixedSupported, FixedFixed]
     }
 
-    fn shaft(support: Support, length: f64, diameter: f64) -> Shaft {
+    fn shaft(support: EndFixity, length: f64, diameter: f64) -> Shaft {
         Shaft {
             support,
             length,
@@ -300,7 +302,7 @@ mod tests {
     /// The roots solve their equations, in the form that is of order one there.
     #[test]
     fn roots_solve_the_frequency_equations() {
-        let [free, tilting, one, fixed] = all().map(Support::frequency_root);
+        let [free, tilting, one, fixed] = all().map(EndFixity::frequency_root);
         for residual in [
             free.cos() + free.cosh().recip(),
             tilting.sin(),
@@ -309,7 +311,7 @@ mod tests {
         ] {
             assert!(residual.abs() < 1e-14, "{residual}");
         }
-        let x = PI * Support::FixedSupported.buckling_factor().sqrt();
+        let x = PI * EndFixity::FixedSupported.buckling_factor().sqrt();
         // tan x rises by 1 + x² = 21 times the rounding of x.
         assert!((x.tan() - x).abs() < 1e-13, "{}", x.tan() - x);
     }
@@ -325,7 +327,7 @@ mod tests {
             let speed = shaft(support, 1.0, 1e-3).critical_speed() / RPM;
             assert!((0.8 * speed / 10.0 - thk).abs() < 0.05, "{support:?} {speed}");
             // HIWIN's factors are not quite the roots: 0.010 low with a free end, 0.005 high at most.
-            let of_fixed = shaft(Support::FixedFixed, 1.0, 1e-3).critical_speed() / RPM;
+            let of_fixed = shaft(EndFixity::FixedFixed, 1.0, 1e-3).critical_speed() / RPM;
             let off = speed / of_fixed - hiwin;
             assert!((-0.0055..0.0105).contains(&off), "{support:?} {off}");
             // 273.6 to its 271.
@@ -337,7 +339,7 @@ mod tests {
                 / 206e3
                 / 9.806_65;
             // 10³ mm⁴/(10⁶ mm²) = 10⁻³; 10.2 is of 2 where Euler has 2.046.
-            let near = if support == Support::FixedSupported { 0.025 * m } else { 0.05 };
+            let near = if support == EndFixity::FixedSupported { 0.025 * m } else { 0.05 };
             assert!((load / 1e-3 - m).abs() < near, "{support:?} {load}");
         }
     }
@@ -348,18 +350,18 @@ mod tests {
     /// has 18 Hz fixed and 8 Hz supported.
     #[test]
     fn worked_examples_of_catalogues() {
-        let example = shaft(Support::FixedSupported, 0.82, 12.5e-3);
+        let example = shaft(EndFixity::FixedSupported, 0.82, 12.5e-3);
         // m = 10 is 10.21 rounded.
         let permitted = example.buckling_load() / BUCKLING_SAFETY;
         assert!((permitted / 3630.0 - 1.021).abs() < 2e-3, "{permitted}");
-        let example = shaft(Support::FixedSupported, 0.79, 12.5e-3);
+        let example = shaft(EndFixity::FixedSupported, 0.79, 12.5e-3);
         let permitted = CRITICAL_SPEED_RATIO * example.critical_speed() / RPM;
         // 15.1 has three digits.
         assert!((permitted / 3024.0 - 1.0).abs() < 3.5e-3, "{permitted}");
         let inch = 25.4e-3;
         let turns = |support| shaft(support, 100.0 * inch, inch).critical_speed() / (2.0 * PI);
-        assert!((turns(Support::FixedFixed) - 18.0).abs() < 0.5);
-        assert!((turns(Support::SupportedSupported) - 8.0).abs() < 0.5);
+        assert!((turns(EndFixity::FixedFixed) - 18.0).abs() < 0.5);
+        assert!((turns(EndFixity::SupportedSupported) - 8.0).abs() < 0.5);
     }
 
     /// A feed axis, by hand: 40 mm over 1.45 m, a nut of 82 mm over 193 mm; 100, 300 and twice 2000 rpm for 0.2, 0.4, 0.2 and
@@ -380,7 +382,7 @@ mod tests {
     /// 34 mm over 1 m, fixed-supported, by hand: I = 6.5597e-8 m⁴, E I = 13 513 N m².
     #[test]
     fn by_hand() {
-        let screw = shaft(Support::FixedSupported, 1.0, 34e-3);
+        let screw = shaft(EndFixity::FixedSupported, 1.0, 34e-3);
         // Four digits each.
         assert!((screw.critical_speed() / RPM - 6411.0).abs() < 0.5);
         assert!((screw.buckling_load() / 1e3 - 272.8).abs() < 0.05);
@@ -395,7 +397,7 @@ mod tests {
     /// The same with a bore of 17 mm, which also carries water or nothing; a bore that vanishes leaves the solid screw.
     #[test]
     fn a_hollow_screw_by_hand() {
-        let solid = shaft(Support::FixedSupported, 1.0, 34e-3);
+        let solid = shaft(EndFixity::FixedSupported, 1.0, 34e-3);
         let hollow = Shaft { bore: 17e-3, ..solid };
         // Five digits each.
         assert_relative_eq!(hollow.critical_speed() / RPM, 7167.7, max_relative = 1e-5);
@@ -421,13 +423,13 @@ mod tests {
         for (length, diameter, printed, ours) in
             [(1.1, 17.5e-3, 15_500.0, 15_471.5), (0.7, 12.5e-3, 9960.0, 9945.1)]
         {
-            let screw = shaft(Support::FixedSupported.of_buckling(), length, diameter);
+            let screw = shaft(EndFixity::FixedSupported.of_buckling(), length, diameter);
             let permitted = screw.buckling_load() / BUCKLING_SAFETY;
             assert_relative_eq!(permitted, ours, max_relative = 1e-5);
             // Their factor 20 is 20.33 rounded, E I of THK.
             assert_relative_eq!(permitted, printed, max_relative = 2e-3);
         }
-        let tilts = Support::SupportedSupported;
+        let tilts = EndFixity::SupportedSupported;
         assert_eq!(tilts.of_buckling(), tilts);
     }
 
@@ -436,7 +438,7 @@ mod tests {
     /// presses, and rigid bearings leave none of it.
     #[test]
     fn a_stretched_screw_by_hand() {
-        let screw = shaft(Support::FixedFixed, 1.45, 34.4e-3);
+        let screw = shaft(EndFixity::FixedFixed, 1.45, 34.4e-3);
         let growth = 11.5e-6 * screw.length;
         let stretch = |tension: f64| tension * screw.length / (206e9 * screw.section());
         for (bearing, tension, micrometres) in
@@ -455,7 +457,7 @@ mod tests {
         let warm = screw.tension(growth, rigid, 3.0, 8.0);
         assert_relative_eq!(warm, -11_008.8, max_relative = 1e-5);
         // The thermal force of a screw that is not stretched: 34 mm, 10 K, 21.5 kN.
-        let plain = shaft(Support::FixedFixed, 1.45, 34e-3).tension(growth, rigid, 0.0, 10.0);
+        let plain = shaft(EndFixity::FixedFixed, 1.45, 34e-3).tension(growth, rigid, 0.0, 10.0);
         assert_relative_eq!(plain, -21.5e3, max_relative = 2e-3);
         assert!(screw.growth_left(rigid).abs() < 1e-14);
         // l/EA is 75.7 % of C.
@@ -466,8 +468,10 @@ mod tests {
     /// end the other one does not matter.
     #[test]
     fn two_ends_are_stiffer_than_one() {
-        let (one, two) =
-            (shaft(Support::FixedSupported, 1.2, 30e-3), shaft(Support::FixedFixed, 1.2, 30e-3));
+        let (one, two) = (
+            shaft(EndFixity::FixedSupported, 1.2, 30e-3),
+            shaft(EndFixity::FixedFixed, 1.2, 30e-3),
+        );
         assert_relative_eq!(
             two.least_stiffness(),
             4.0 * one.least_stiffness(),

@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 
 use bsm_design::{
-    ActiveLimit, BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, Design, DutySpeed, FixedValues, Holds,
-    LoadCase, MachineTable, Make, Motion, Mount, Nut, Objective, Outcome, Phase, Pitch,
-    PreloadMethod, Quantity, Ranges, RatingFactors, Requirement, Support, Travel, Why,
+    ActiveLimit, BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, Design, DutySpeed, EndFixity, FixedValues,
+    Holds, LoadCase, MachineTable, Make, Mount, Nut, Objective, Outcome, Phase, Pitch,
+    PreloadMethod, ProfileSegment, Quantity, Ranges, RatingFactors, Requirement, Travel, Why,
 };
 use bsm_dyn::{Angles, Direction, Material};
 
@@ -16,7 +16,7 @@ const STOCK: [f64; 6] = [3.175e-3, 3.969e-3, 4.763e-3, 5.556e-3, 6.35e-3, 7.144e
 
 fn load(newtons: f64, rpm: f64) -> LoadCase {
     let pace = DutySpeed::Turns(rpm * PI / 30.0);
-    LoadCase::Cycle(vec![Motion {
+    LoadCase::Cycle(vec![ProfileSegment {
         time: 1.0,
         force: newtons,
         pace,
@@ -42,7 +42,7 @@ fn feed_drive() -> Requirement {
         pitches: vec![Pitch::Lead(10e-3)],
         reach: Travel::Stroke(0.7),
         mount: Mount {
-            support: Support::FixedSupported,
+            support: EndFixity::FixedSupported,
             length: None,
             diameter: None,
             bore: (0.0, 0.0),

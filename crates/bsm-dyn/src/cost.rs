@@ -18,6 +18,13 @@ pub(crate) fn evaluated() {
     EVALUATIONS.set(EVALUATIONS.get().wrapping_add(1));
 }
 
+/// Steps that were counted for lanes, as numbers.
+pub(crate) fn count_of(steps: f64) -> usize {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few")]
+    let count = steps as usize;
+    count
+}
+
 #[cfg(test)]
 mod tests {
     use rand::SeedableRng;

@@ -6,6 +6,7 @@
 mod field;
 mod kernel;
 mod many;
+mod nodes;
 mod oil;
 mod panels;
 
@@ -131,7 +132,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
         let [w_t, w_n, w_c] = local.omega;
         let curvature = self.pressed_radius.recip() * -0.5;
         let point = self.point(local, creep);
-        for (x, y, weight) in kernel::nodes(&point, nodes, law.bend().as_ref()) {
+        for (x, y, weight) in nodes::nodes(&point, nodes, law.bend().as_ref()) {
             let pressure = (1.0 - x * x - y * y).max(0.0).sqrt();
             let (x, y) = (self.semi_axes.0 * x, self.semi_axes.1 * y);
             // r = −N (r_b − x²/(2 R_c)) + x e + y t,  e = t × N           (E3)

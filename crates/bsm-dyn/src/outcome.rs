@@ -334,6 +334,17 @@ impl Unsolved {
     }
 }
 
+/// What a strategy of a search says: a root, or why there is none; `None` where it leaves that open.
+pub(crate) type Attempt<R> = Option<Result<R, Unsolved>>;
+
+/// The first answer of strategies that are asked in their order.
+pub(crate) fn first_answer<S, R>(
+    search: &mut S,
+    strategies: &[fn(&mut S) -> Attempt<R>],
+) -> Result<R, Unsolved> {
+    strategies.iter().find_map(|strategy| strategy(search)).unwrap_or(Err(Unsolved::LOST))
+}
+
 /// The answer where the model cannot be evaluated.
 pub(crate) fn domain_error(error: EvalError) -> Unsolved {
     Unsolved::not_converged(Reason::Refused { error })

@@ -8,10 +8,11 @@ use bsm_simd::{Arch, Simd, WithSimd};
 
 use crate::contacts::InUnits;
 use crate::elastic::Elastic;
+use crate::kernel::{Kernel, RowChoice, RowKernel, Rows, Selection, Sink};
 use crate::operand::{Lane, LaneInputs, Valid};
-use crate::raceway::{Raceway, RacewayRow};
+use crate::raceway::{RacewayControl, RacewayRow};
+use crate::traction;
 use crate::traction::MANY;
-use crate::{Kernel, RowChoice, Rows, Run, Selection, Sink, traction};
 
 /// What the choice asks of the answers of a kernel.
 const ASKED: [OutputKey; 1] = [OutputKey::efficiency];
@@ -39,7 +40,7 @@ pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<R
         }
     }
     let group = auto.ask(skidding.iter().map(|(ball, _)| ball), |rows| {
-        arch.dispatch(Run { kernel: Elastic, rows });
+        arch.dispatch(RowKernel { kernel: Elastic, rows });
     });
     for (i, (ball, basis)) in skidding.into_iter().enumerate().filter(|(i, _)| group.done[*i]) {
         let efficiency = group.efficiency(i);
@@ -180,7 +181,7 @@ impl WithSimd for RollingRows<'_, '_, '_> {
             let sliding = SlidingBall::of(&contacts.scaled, back.select(-friction, friction));
             let errors = ModelErrors::of(&sliding, back, ball.efficiency, ball.skid);
             let known = errors.onset_number.lt(friction.constant(f64::INFINITY));
-            let valid = simd.vectorize(Valid { given: &given, model: Raceway::MODEL });
+            let valid = simd.vectorize(Valid { given: &given, model: RacewayControl::MODEL });
             let [mut found, mut unique] = [[false; MANY]; 2];
             (ball.found & known & valid).store(&mut found);
             ball.unique.store(&mut unique);

@@ -6,8 +6,8 @@ use bsm_dyn::internals::{ideal_torque, torque_of, turns};
 use bsm_dyn::{Model, Power, Transmission};
 use bsm_simd::Simd;
 
+use crate::kernel::{Kernel, Sink};
 use crate::operand::{Lane, LaneInputs, Mask};
-use crate::{Kernel, Sink};
 
 pub(super) struct ClosedForm;
 

@@ -5,7 +5,7 @@ use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{BallContacts, LoadedContact, ScaledSize, max_pressure};
 use bsm_simd::{NullaryFnOnce, Simd};
 
-use crate::Sink;
+use crate::kernel::Sink;
 use crate::operand::{Lane, LaneInputs};
 use crate::units::{Units, modulus};
 

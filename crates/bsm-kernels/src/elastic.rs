@@ -9,10 +9,10 @@ use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::closed_form::balance;
 use crate::contacts::{ContactRow, Contacts, InUnits};
+use crate::kernel::{Kernel, Sink};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::rigid::{ball_motion, slip_angle};
 use crate::units::Units;
-use crate::{Kernel, Sink};
 
 pub(super) struct Elastic;
 

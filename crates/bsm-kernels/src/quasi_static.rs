@@ -5,8 +5,8 @@ use bsm_dyn::{Model, TwoContacts};
 use bsm_simd::Simd;
 
 use crate::closed_form::{backwards, contact_angles, transmit};
+use crate::kernel::{Kernel, Sink};
 use crate::operand::{LaneInputs, Mask};
-use crate::{Kernel, Sink};
 
 pub(super) struct QuasiStatic;
 

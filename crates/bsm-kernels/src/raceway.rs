@@ -6,28 +6,26 @@ mod oil;
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{
-    cross_slip, friction_power, ideal_torque, onset_number, rolling, rolling_torque, skid_number,
+    cross_slip, friction_power, ideal_torque, onset_number, rolling_torque, skid_number,
 };
 use bsm_dyn::{Ball, Control, Model, Transmission};
-use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
-pub(super) use self::balance::{BalanceCall, Precession};
+pub(super) use self::balance::{BalanceCall, Precession, RollingMotion};
 use self::friction::Ellipse;
 use self::oil::OilLane;
 use crate::closed_form::transmission;
 use crate::contacts::{ContactRow, Contacts, InUnits};
+use crate::kernel::{Kernel, Sink};
 use crate::operand::{Lane, LaneInputs, Mask};
-use crate::rigid::ball_motion;
 use crate::units::Units;
-use crate::{Kernel, Sink};
 
-pub(super) struct Raceway {
+pub(super) struct RacewayControl {
     /// The controlling raceway; `None` decides by (W7).
     pub(super) control: Option<Control>,
 }
 
-impl Kernel for Raceway {
+impl Kernel for RacewayControl {
     const MODEL: Model = Model::RacewayControl;
 
     #[inline(always)]
@@ -80,7 +78,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
                 unique,
             };
         }
-        let motion = Motion::of(contacts, &state);
+        let motion = RollingMotion::of(contacts, &state);
         let sides = &state.sides;
         given.simd.vectorize(ContactRow { out: &mut *out, units, contacts, sides });
         motion.outputs(out, units, contacts);
@@ -100,59 +98,13 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
     }
 }
 
-/// Motion of the ball relative to the nut over `$W$`.
-pub(super) struct Motion<S: Simd> {
-    pub(super) p: Lane<S>,
-    /// Angular velocity along n and b; along t it is `$\sin\alpha/2$` (W3).
-    pub(super) omega: [Lane<S>; 2],
-    /// Speed of the centre, relative to nut and screw; the ball turns about `$t \times N$` against it.
-    speed: [Lane<S>; 2],
-    /// Angular velocity about `$N$`, relative to nut and screw.
-    spin: [Lane<S>; 2],
-}
-
-impl<S: Simd> Motion<S> {
-    #[inline(always)]
-    pub(super) fn of(contacts: &Contacts<S>, state: &Precession<S>) -> Self {
-        let ([a, b], by_nut, one) = (&state.sides, state.by_nut, contacts.constant(1.0));
-        let lead = contacts.scaled.lead;
-        let (p, to_nut) =
-            rolling(by_nut, lead, contacts.scaled.arc, [(a.sin, a.cos), (b.sin, b.cos)]);
-        let (zero, to_screw) = (contacts.constant(0.0), relative_rotation(to_nut, one, lead));
-        let nut_spin = spin_at_nut(to_nut, (a.sin, a.cos));
-        let screw_spin = -spin_at_nut(to_screw, (b.sin, b.cos));
-        Self {
-            p,
-            omega: [to_nut[1], to_nut[2]],
-            speed: [p * contacts.scaled.arc, (p - 1.0) * contacts.scaled.arc],
-            spin: [by_nut.select(zero, nut_spin), by_nut.select(screw_spin, zero)],
-        }
-    }
-
-    #[inline(always)]
-    fn outputs(&self, out: &mut Sink<'_, '_>, units: &Units<S>, contacts: &Contacts<S>) {
-        let w = units.speed;
-        let to_nut = [contacts.scaled.lead.0 * 0.5, self.omega[0], self.omega[1]];
-        let omega = relative_rotation(to_nut, -contacts.scaled.nut_speed, contacts.scaled.lead);
-        ball_motion(out, w, self.p + contacts.scaled.nut_speed, omega);
-        out.set_all(OutputKey::nut_spin_rad_s, [self.spin[0] * w, self.spin[1] * w]);
-        // Both centres roll; the slip of the lead is shared, against friction along e_x.
-        let slip = contacts.scaled.lead.0 * 0.5 * w.abs() * units.ball;
-        out.set_all(OutputKey::nut_slip_velocity_m_s, [slip; 2]);
-        // Friction is along e_x, or against it where the load drives.
-        let zero = w.constant(0.0);
-        let angle = w.lt(zero).select(zero.constant(180.0), zero);
-        out.set_all(OutputKey::nut_slip_angle_deg, [angle; 2]);
-    }
-}
-
 /// The ellipse at nut (0) or screw (1) and the motion over it.
 #[inline(always)]
 fn ellipse<S: Simd>(
     i: usize,
     contacts: &Contacts<S>,
     state: &Precession<S>,
-    motion: &Motion<S>,
+    motion: &RollingMotion<S>,
 ) -> Ellipse<S> {
     let (side, pressed) = (&state.sides[i], &contacts.pressed[i]);
     let speed = motion.speed[i];
@@ -173,7 +125,7 @@ fn transmit<S: Simd>(
     out: &mut Sink<'_, '_>,
     given: &LaneInputs<'_, S>,
     (units, contacts): (&Units<S>, &Contacts<S>),
-    (state, motion): (&Precession<S>, &Motion<S>),
+    (state, motion): (&Precession<S>, &RollingMotion<S>),
 ) -> (Mask<S>, Lane<S>, Lane<S>) {
     let (nut, screw) = (ellipse(0, contacts, state, motion), ellipse(1, contacts, state, motion));
     let ((nut_power, at_nut), (screw_power, at_screw)) = (nut.power(), screw.power());
@@ -213,7 +165,7 @@ pub(super) fn regime<S: Simd>(
     out: &mut Sink<'_, '_>,
     friction: Lane<S>,
     (units, contacts): (&Units<S>, &Contacts<S>),
-    (state, motion): (&Precession<S>, &Motion<S>),
+    (state, motion): (&Precession<S>, &RollingMotion<S>),
 ) -> [Lane<S>; 2] {
     let [a, b] = &state.sides;
     let rate = motion.p + contacts.scaled.nut_speed;

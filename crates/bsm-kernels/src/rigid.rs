@@ -9,9 +9,9 @@ use bsm_dyn::internals::{Plane, RigidBall, RigidMotion, friction_angle};
 use bsm_simd::Simd;
 
 use crate::closed_form::{balance, contact_angles};
+use crate::kernel::{Kernel, Sink};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::Units;
-use crate::{Kernel, Sink};
 
 pub(super) struct Rigid;
 

@@ -17,11 +17,11 @@ use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
 use crate::closed_form::balance;
 use crate::contacts::{ContactRow, Contacts, InUnits};
 use crate::elastic::GrossSlip;
+use crate::kernel::{Rows, Sink};
 use crate::operand::{Lane, LaneInputs, Mask, Valid};
-use crate::raceway::{BalanceCall, Motion, regime};
+use crate::raceway::{BalanceCall, RollingMotion, regime};
 use crate::rigid::slip_angle;
 use crate::units::Units;
-use crate::{Rows, Sink};
 
 /// Most points in a lane.
 pub(super) const MANY: usize = 4 * BLOCK;
@@ -144,7 +144,7 @@ fn start<S: Simd>(
     let friction = point.friction.abs();
     let rolling_rate = given.simd.vectorize(BalanceCall { contacts, control: None });
     let mut found = rolling_rate.found & takes(friction, contacts.scaled.inertia_ratio());
-    let motion = Motion::of(contacts, &rolling_rate);
+    let motion = RollingMotion::of(contacts, &rolling_rate);
     let [onset, _] = regime(out, friction, (units, contacts), (&rolling_rate, &motion));
     let [a, b] = &rolling_rate.sides;
     let mut loads = [a.load, b.load];

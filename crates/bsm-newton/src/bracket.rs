@@ -142,13 +142,13 @@ impl Bracket {
             let [value, opposite] = [values[newest], values[1 - newest]];
             let best = if value.abs() <= opposite.abs() { (x, value) } else { (other, opposite) };
             let inside = |t: f64| t > x.min(other) && t < x.max(other);
-            let reach = self.x_tol * best.0.abs();
+            let tolerance = self.x_tol * best.0.abs();
             let newton = slope.map(|slope| x - value / slope).filter(|t| inside(*t));
-            if let Some(t) = newton.filter(|t| (t - x).abs() <= reach) {
+            if let Some(t) = newton.filter(|t| (t - x).abs() <= tolerance) {
                 return done(t, value, ends, values, evaluations);
             }
             let halves = between(x, other);
-            if (other - x).abs() <= reach || !inside(halves) {
+            if (other - x).abs() <= tolerance || !inside(halves) {
                 return done(best.0, best.1, ends, values, evaluations);
             }
             let middle = 0.5 * x + 0.5 * other;
@@ -164,7 +164,7 @@ impl Bracket {
             } else {
                 newton.unwrap_or_else(|| {
                     // Not nearer to an end than what is wanted, so that the other end moves too.
-                    let digit = 0.5 * reach.max(2.0 * f64::EPSILON * best.0.abs());
+                    let digit = 0.5 * tolerance.max(2.0 * f64::EPSILON * best.0.abs());
                     let least = (digit / (other - x).abs()).min(0.5);
                     let part = part((x, value), (other, opposite), old).clamp(least, 1.0 - least);
                     let t = x + part * (other - x);

@@ -37,9 +37,9 @@ pub fn follow<const N: usize>(
         let next = if last { end } else { at + direction * length };
         let mut guess = *y;
         if let Some((previous, root)) = &before {
-            let reach = (next - at) / (at - previous);
+            let ratio = (next - at) / (at - previous);
             for (guess, old) in guess.iter_mut().zip(root) {
-                *guess += (*guess - old) * reach;
+                *guess += (*guess - old) * ratio;
             }
         }
         if solve(next, &mut guess) {

@@ -29,6 +29,6 @@ pub use error::{EvalError, Singular};
 pub use implicit::implicit_slopes;
 pub use linear::{Bordered, BorderedBlock, Dense, DynamicDense};
 pub use options::{JacobianUpdate, Options, Scales};
-pub use path::{EventRoot, Exit, Homotopy, Seed, StepControl, Trace, path_direction, trace};
+pub use path::{EventRoot, Homotopy, PathEnd, Seed, StepControl, Trace, path_direction, trace};
 pub use report::{Report, Status, Step};
 pub use solve::{ARMIJO, Workspace, solve};

@@ -122,7 +122,7 @@ pub struct EventRoot<const M: usize> {
 
 /// Why a path ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Exit {
+pub enum PathEnd {
     /// It came back to the seed: the crossings are those of the whole curve.
     Closed,
     /// It was not to go on.
@@ -143,7 +143,7 @@ pub struct Trace<const M: usize> {
     /// The last point.
     pub last: [f64; M],
     /// Why it ended.
-    pub end: Exit,
+    pub end: PathEnd,
     /// Points.
     pub points: usize,
     /// Steps of length [`StepControl::pair_resolution`] or less that may hide a pair of crossings (N14). Zero: no pair
@@ -186,7 +186,7 @@ pub fn trace<const N: usize, const M: usize, const K: usize, F: Homotopy<N, M>>(
     control: &StepControl,
 ) -> Trace<M> {
     const { assert!(M == N + 1, "a curve has one unknown more than equations") };
-    let (crossings, end) = (Vec::new(), Exit::MostPoints);
+    let (crossings, end) = (Vec::new(), PathEnd::MostPoints);
     let trace = Trace { crossings, last: seed.z, end, points: 0, unresolved: 0, steps: 0 };
     Tracer { homotopy, events, on, control, work: Workspace::default(), trace }.run(seed)
 }
@@ -246,7 +246,7 @@ where
     fn run(mut self, seed: &Seed<M>) -> Trace<M> {
         self.trace.end = match self.begin(seed) {
             Some((begin, orientation)) => self.follow_curve(&begin, orientation),
-            None => Exit::NoCurve,
+            None => PathEnd::NoCurve,
         };
         self.trace
     }
@@ -303,25 +303,25 @@ where
         known.then_some(Node { z: *z, direction, sizes, events })
     }
 
-    fn follow_curve(&mut self, begin: &Node<M, K>, orientation: f64) -> Exit {
+    fn follow_curve(&mut self, begin: &Node<M, K>, orientation: f64) -> PathEnd {
         let (mut at, mut length) = (*begin, self.control.first);
         for point in 0..self.control.most_points {
             self.trace.points = point + 1;
             let Some((next, easy)) = self.next(&at, begin, &mut length, orientation, point) else {
-                return Exit::Lost;
+                return PathEnd::Lost;
             };
             let closed = next.z.iter().zip(&begin.z).all(|(a, b)| a.total_cmp(b).is_eq());
             self.trace.last = next.z;
             if !(self.on)(&self.trace) {
-                return Exit::Ended;
+                return PathEnd::Ended;
             }
             if closed {
-                return Exit::Closed;
+                return PathEnd::Closed;
             }
             at = next;
             length = (length * if easy { 1.6 } else { 1.0 }).min(self.control.longest);
         }
-        Exit::MostPoints
+        PathEnd::MostPoints
     }
 
     /// The next point, and whether the step was easy; crossings are noted.

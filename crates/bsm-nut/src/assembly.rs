@@ -107,7 +107,10 @@ impl<'a> Assembly<'a> {
             }
         }
         let rings = nut.ring.map_or_else(Vec::new, |ring| {
-            nut.circuits.iter().map(|circuit| ring.stiffness(nut, circuit)).collect()
+            nut.circuits
+                .iter()
+                .map(|circuit| ring.stiffness(nut.helix.lead(), circuit.arc))
+                .collect()
         });
         bodies.extend(
             (first + FREEDOMS..)

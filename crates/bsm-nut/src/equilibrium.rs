@@ -2,8 +2,7 @@
 
 use bsm_dyn::{Reason, Status};
 
-use crate::assembly::Assembly;
-use crate::{BallInGrooves, BallNut, BallPosition};
+use crate::{BallInGrooves, BallPosition};
 
 /// Displacements of a rigid body but the rotation about the axis: `$u_z, u_x, u_y$` \[m\] and
 /// `$\varphi_x, \varphi_y$` \[rad\] of the nut against the screw.
@@ -155,32 +154,5 @@ impl NutError {
             | Self::BallLeavesFlank { .. } => Status::NoSolution,
             Self::NotConverged { .. } | Self::BallNotBalanced { .. } => Status::NotConverged,
         }
-    }
-}
-
-impl BallNut {
-    /// Displacements, loads of all balls and stiffness of the nut under a load.
-    ///
-    /// The energy is convex, so that the loads of the balls are the only ones (U15).
-    ///
-    /// # Errors
-    ///
-    /// [`NutError`]: there are no balls, no Hertzian contacts, or nothing carries the load.
-    pub fn solve(&self, support: &Support) -> Result<Equilibrium, NutError> {
-        self.solve_from(support, None)
-    }
-
-    /// [`solve`](Self::solve), the search begun at the displacement of a neighbour: it saves steps and moves
-    /// the answer by rounding only.
-    ///
-    /// # Errors
-    ///
-    /// As [`solve`](Self::solve).
-    pub fn solve_from(
-        &self,
-        support: &Support,
-        start: Option<&[f64; FREEDOMS]>,
-    ) -> Result<Equilibrium, NutError> {
-        Assembly::of(self, support)?.solve(start)
     }
 }

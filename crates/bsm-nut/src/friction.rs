@@ -406,14 +406,14 @@ impl BallNut {
     /// The numbers of balls with a load that differ by it alone and by the displacement of their grooves; each ball on both
     /// flanks by itself.
     ///
-    /// * `apart`: of their grooves, at most \[m\].
-    fn groups(&self, found: &Equilibrium, apart: f64) -> Vec<Vec<usize>> {
+    /// * `tolerance`: of the displacements of their grooves, at most \[m\].
+    fn groups(&self, found: &Equilibrium, tolerance: f64) -> Vec<Vec<usize>> {
         let near = 1e-9 * self.arc_distance();
         let together = |one: usize, other: usize| {
             let [a, b] = [one, other].map(|number| found.balls[number].flanks_pressed());
             a == b
                 && a != [true, true]
-                && (found.grooves[one][1] - found.grooves[other][1]).abs() <= apart
+                && (found.grooves[one][1] - found.grooves[other][1]).abs() <= tolerance
                 && (self.oversize(one) - self.oversize(other)).abs() <= near
         };
         let mut groups: Vec<Vec<usize>> = Vec::new();

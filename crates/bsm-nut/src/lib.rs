@@ -66,7 +66,7 @@ pub use equilibrium::{Equilibrium, Freedom, NutError, Support};
 pub use friction::{FreeMotion, FrictionSum, NutFriction};
 pub use geometry::{BallNut, BallPosition, Circuit, Errors, LeadError};
 pub use life::TurnRatings;
-pub use preload::Preload;
+pub use preload::PreloadKind;
 pub use sharing::Equal;
 pub use train::{
     Advance, BallAdvance, BallOfTrain, CircuitAdvance, CircuitTrain, Exit, ExitPush, LARGEST_PUSH,

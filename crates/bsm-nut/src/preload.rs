@@ -8,7 +8,7 @@ use crate::{BallNut, Equilibrium, NutError, Support};
 
 /// How the bodies of a nut are preloaded against each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Preload {
+pub enum PreloadKind {
     /// Body 0 is offset along +z and body 1 along −z: a positive offset pulls the bodies together (X
     /// arrangement), a negative one pushes them apart (O arrangement).
     Offset,
@@ -19,10 +19,12 @@ pub enum Preload {
 impl Equilibrium {
     /// Preload that is left \[N\]: the smaller force of two bodies against each other, or of the two
     /// flanks of a body with oversize balls (U20).
-    pub fn preload(&self, nut: &BallNut, by: Preload) -> f64 {
+    pub fn preload(&self, nut: &BallNut, by: PreloadKind) -> f64 {
         match by {
-            Preload::Offset => self.bodies.iter().map(|force| force.abs()).fold(f64::MAX, f64::min),
-            Preload::Oversize => {
+            PreloadKind::Offset => {
+                self.bodies.iter().map(|force| force.abs()).fold(f64::MAX, f64::min)
+            }
+            PreloadKind::Oversize => {
                 let inclined = |contact: usize| {
                     let cos = nut.helix.lead_angle.cos();
                     self.balls
@@ -41,17 +43,17 @@ impl BallNut {
     /// The same nut preloaded by a displacement \[m\]: the offset of the bodies against each other, or
     /// the excess of the balls' diameter (U18).
     #[must_use]
-    pub fn preloaded(&self, by: Preload, displacement: f64) -> Self {
+    pub fn preloaded(&self, by: PreloadKind, displacement: f64) -> Self {
         let mut nut = self.clone();
         match by {
-            Preload::Offset => {
+            PreloadKind::Offset => {
                 for circuit in &mut nut.circuits {
                     // o = ±O/2                                            (U18)
                     let half = 0.5 * displacement;
                     circuit.offset += if circuit.body == 0 { half } else { -half };
                 }
             }
-            Preload::Oversize => nut.errors.oversize += 0.5 * displacement,
+            PreloadKind::Oversize => nut.errors.oversize += 0.5 * displacement,
         }
         nut
     }
@@ -65,7 +67,7 @@ impl BallNut {
     /// [`NutError::NoPreload`] if the balls reach no such force, and what [`solve`](Self::solve) says.
     pub fn preload_displacement(
         &self,
-        by: Preload,
+        by: PreloadKind,
         force: f64,
         support: &Support,
     ) -> Result<f64, NutError> {
@@ -98,7 +100,12 @@ impl BallNut {
     /// # Errors
     ///
     /// What [`solve`](Self::solve) says; [`NutError::NoPreload`] if there is no preload to lose.
-    pub fn limit_load(&self, by: Preload, support: &Support, way: f64) -> Result<f64, NutError> {
+    pub fn limit_load(
+        &self,
+        by: PreloadKind,
+        support: &Support,
+        way: f64,
+    ) -> Result<f64, NutError> {
         let remaining = |load: f64| -> Result<f64, NutError> {
             Ok(self.solve(&support.with_axial(load))?.preload(self, by))
         };

@@ -6,7 +6,7 @@ use std::array::from_fn;
 use std::f64::consts::FRAC_PI_2;
 
 use crate::assembly::{Assembly, EnergyState, StiffnessScope};
-use crate::equilibrium::{Equilibrium, FREEDOMS, NutError};
+use crate::equilibrium::{Equilibrium, FREEDOMS, NutError, Support};
 use crate::{BallInGrooves, BallNut};
 
 /// Newton steps at most; ten are usual.
@@ -23,6 +23,33 @@ const ROUNDED: (usize, f64) = (30, 1e-10);
 struct EnergyPoint {
     y: Vec<f64>,
     state: EnergyState,
+}
+
+impl BallNut {
+    /// Displacements, loads of all balls and stiffness of the nut under a load.
+    ///
+    /// The energy is convex, so that the loads of the balls are the only ones (U15).
+    ///
+    /// # Errors
+    ///
+    /// [`NutError`]: there are no balls, no Hertzian contacts, or nothing carries the load.
+    pub fn solve(&self, support: &Support) -> Result<Equilibrium, NutError> {
+        self.solve_from(support, None)
+    }
+
+    /// [`solve`](Self::solve), the search begun at the displacement of a neighbour: it saves steps and moves
+    /// the answer by rounding only.
+    ///
+    /// # Errors
+    ///
+    /// As [`solve`](Self::solve).
+    pub fn solve_from(
+        &self,
+        support: &Support,
+        start: Option<&[f64; FREEDOMS]>,
+    ) -> Result<Equilibrium, NutError> {
+        Assembly::of(self, support)?.solve(start)
+    }
 }
 
 impl Assembly<'_> {

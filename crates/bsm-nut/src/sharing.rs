@@ -84,8 +84,8 @@ impl BallNut {
         let compliance = |bar: Option<Bar>| bar.map_or(0.0, |bar| bar.stiffness.recip());
         // D = max − min of o + e + 2Δr/(sinβ₀ cosα), and D_bars ≤ F l (1/EA_n + 1/EA_s)  (U27)
         let bars = compliance(self.nut_bar) + compliance(self.screw_bar);
-        let apart = span(&mut shifts.into_iter()) + axial.abs() * length * bars;
-        let along = (equal.displacement.abs() + apart) * alpha.cos();
+        let spread = span(&mut shifts.into_iter()) + axial.abs() * length * bars;
+        let along = (equal.displacement.abs() + spread) * alpha.cos();
         Ok(ball.at([along, 0.0], 0.0).load)
     }
 }

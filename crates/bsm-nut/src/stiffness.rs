@@ -1,7 +1,11 @@
-//! Stiffness of a nut along its axis, and of a preloaded nut as manufacturers state it.
+//! Stiffness of a nut along its axis, of its bodies, and of a preloaded nut as manufacturers state it.
+//!
+//! Theory: `docs/theory/16-nut.md`, equations (U13), (U18) and (U28).
+
+use std::f64::consts::{PI, TAU};
 
 use crate::equilibrium::FREEDOMS;
-use crate::{BallNut, Equilibrium, Freedom, Preload, Support};
+use crate::{BallNut, Equilibrium, Freedom, PreloadKind, Support};
 
 impl Equilibrium {
     /// Stiffness along the axis \[N/m\]: the slope of the axial load over the displacement, where
@@ -28,29 +32,63 @@ impl Equilibrium {
 }
 
 impl BallNut {
+    /// Diameters to which the grooves of screw and nut reach at the contacts \[m\].
+    pub fn groove_diameters(&self) -> [f64; 2] {
+        let (middle, ball) = (2.0 * self.helix.radius, 2.0 * self.ball.radius);
+        let across = ball * self.contact_angle.cos();
+        // D_t = 2 r_m ± 2 r_b cosβ₀                                       (U13)
+        [middle - across, middle + across]
+    }
+
+    /// Young's modulus times cross section of the screw \[N\]: a shaft as thick as its groove is deep.
+    ///
+    /// * `twists`: the screw is held against rotation at its anchor too, so that the torque of each ball twists
+    ///   it, which moves its groove along the axis.
+    pub fn screw_stiffness(&self, twists: bool) -> f64 {
+        let [screw, _] = self.groove_diameters();
+        let steel = self.material.0;
+        // EA = E π/4 D_s²                                                 (U13)
+        let axial = steel.youngs_modulus * 0.25 * PI * screw * screw;
+        if !twists {
+            return axial;
+        }
+        let per_radian = self.helix.lead() / TAU;
+        // G = E/(2 (1 + ν)),  J = π/32 D_s⁴,  1/EA + h²/GJ                (U28)
+        let shear = 0.5 * steel.youngs_modulus / (1.0 + steel.poisson_ratio);
+        let torsional = shear * PI / 32.0 * screw.powi(4);
+        (axial.recip() + per_radian * per_radian / torsional).recip()
+    }
+
+    /// Young's modulus times cross section \[N\] of a nut of this outer diameter \[m\]: a tube to its groove.
+    pub fn nut_stiffness(&self, outer: f64) -> f64 {
+        let [_, inner] = self.groove_diameters();
+        // EA = E π/4 (D₁² − D_t²)                                         (U13)
+        self.material.0.youngs_modulus * 0.25 * PI * (outer * outer - inner * inner)
+    }
+
     /// What preloads the nut \[m\]: the offset of the bodies against each other, or the excess of the
     /// balls' diameter (U18).
-    pub fn preload_setting(&self, by: Preload) -> f64 {
+    pub fn preload_setting(&self, by: PreloadKind) -> f64 {
         match by {
-            Preload::Offset => {
+            PreloadKind::Offset => {
                 let offset = |body: usize| {
                     let of_body = self.circuits.iter().find(|circuit| circuit.body == body);
                     of_body.map_or(0.0, |circuit| circuit.offset)
                 };
                 offset(0) - offset(1)
             }
-            Preload::Oversize => 2.0 * self.errors.oversize,
+            PreloadKind::Oversize => 2.0 * self.errors.oversize,
         }
     }
 
     /// Displacement of the contacts of one side along the axis by a preload \[m\].
-    pub fn preload_approach(&self, by: Preload) -> f64 {
+    pub fn preload_approach(&self, by: PreloadKind) -> f64 {
         let setting = self.preload_setting(by).abs();
         match by {
             // δ_p = |O|/2
-            Preload::Offset => 0.5 * setting,
+            PreloadKind::Offset => 0.5 * setting,
             // δ_p = 2Δr/(sinβ₀ cosα)
-            Preload::Oversize => setting / self.inclination(),
+            PreloadKind::Oversize => setting / self.inclination(),
         }
     }
 }

@@ -11,8 +11,8 @@ mod coupling;
 mod network;
 mod states;
 
-pub use band::{Guess, StateInterval};
-pub use conductances::{Conductances, Coolant, Surfaces, coolant_conductance};
+pub use band::StateInterval;
+pub use conductances::{Conductances, Coolant, Guess, Surfaces, coolant_conductance};
 pub use coupling::{
     BETWEEN_LOADS, FrictionOf, NutAtTemperature, PhaseState, WarmNut, WarmPhase,
     drag_beyond_contacts,

@@ -695,6 +695,7 @@ impl Flow<'_> {
             let slope = value.slope.filter(|slope| *slope < 0.0);
             slope.map_or(f64::INFINITY, |slope| -value.value / slope)
         };
+        // Each state begins with the one before, which a bracket that is wide would lose.
         let mut here = (guess, surplus(guess));
         let (mut step, mut shrinks) = (newton(&here.1), true);
         while shrinks && step.is_finite() && step.abs() > RATE * here.0 {

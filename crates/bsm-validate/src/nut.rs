@@ -6,7 +6,9 @@ use bsm_case::units::{MM, UM};
 use bsm_design::Nut;
 use bsm_dyn::{Ball, Material};
 use bsm_kin::Helix;
-use bsm_nut::{BallNut, Bar, Circuit, Errors, Flanks, Freedom, NutError, Preload, Ring, Support};
+use bsm_nut::{
+    BallNut, Bar, Circuit, Errors, Flanks, Freedom, NutError, PreloadKind, Ring, Support,
+};
 use serde::Deserialize;
 
 use crate::{Check, PublishedData, ValidateError};
@@ -145,9 +147,9 @@ fn pair() -> BallNut {
 fn limit_loads() -> Vec<Check> {
     let over = |preload: f64| -> Result<[f64; 2], NutError> {
         let (nut, guided) = (pair(), Support::guided(0.0));
-        let offset = nut.preload_displacement(Preload::Offset, preload, &guided)?;
-        let nut = nut.preloaded(Preload::Offset, offset);
-        let limit = nut.limit_load(Preload::Offset, &guided, 1.0)?;
+        let offset = nut.preload_displacement(PreloadKind::Offset, preload, &guided)?;
+        let nut = nut.preloaded(PreloadKind::Offset, offset);
+        let limit = nut.limit_load(PreloadKind::Offset, &guided, 1.0)?;
         let busier = nut.solve(&Support::guided(preload))?.bodies[0];
         Ok([limit / preload, busier / preload])
     };

@@ -3,7 +3,6 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::PartDefect;
 use crate::TableError;
 
 /// A folder that cannot be made, gone on with or finished.
@@ -62,6 +61,39 @@ pub enum DatasetError {
     /// A request that cannot be met.
     #[error("{0}")]
     Refused(String),
+}
+
+/// Defect of a file with the name of a part.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PartDefect {
+    /// It cannot be read.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// It is something else than a file.
+    #[error("is {0}, not a file")]
+    NotAFile(&'static str),
+    /// The plan has no such part.
+    #[error("the plan has no part of that name")]
+    NotInThePlan,
+    /// Nothing is in it.
+    #[error("is empty")]
+    Empty,
+    /// It has no footer, or none of a part.
+    #[error("is cut off, changed, or no part of bsm: its footer proves nothing")]
+    Footer,
+    /// A part of something else.
+    #[error("is a part of another plan")]
+    OtherPlan(
+        /// The id of that plan.
+        String,
+    ),
+    /// Another part of the plan.
+    #[error("is a copy of part {0}")]
+    OtherPart(String),
+    /// The bytes before the footer are not those that the footer was made of.
+    #[error("has been changed: its bytes do not have the SHA-256 of its footer")]
+    Changed,
 }
 
 impl DatasetError {

@@ -16,7 +16,7 @@ use parquet::arrow::ArrowWriter;
 use parquet::file::metadata::ParquetMetaDataReader;
 use sha2::{Digest, Sha256};
 
-use super::{DatasetError, digest};
+use super::{DatasetError, PartDefect, digest};
 use crate::parquet_table::catch_decoder_panic;
 use crate::{Count, TableError, TableSink, Workers};
 
@@ -79,39 +79,6 @@ pub struct Part {
     pub data_bytes: u64,
     /// Their hash.
     pub data_sha256: String,
-}
-
-/// Defect of a file with the name of a part.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum PartDefect {
-    /// It cannot be read.
-    #[error(transparent)]
-    Io(#[from] io::Error),
-    /// It is something else than a file.
-    #[error("is {0}, not a file")]
-    NotAFile(&'static str),
-    /// The plan has no such part.
-    #[error("the plan has no part of that name")]
-    NotInThePlan,
-    /// Nothing is in it.
-    #[error("is empty")]
-    Empty,
-    /// It has no footer, or none of a part.
-    #[error("is cut off, changed, or no part of bsm: its footer proves nothing")]
-    Footer,
-    /// A part of something else.
-    #[error("is a part of another plan")]
-    OtherPlan(
-        /// The id of that plan.
-        String,
-    ),
-    /// Another part of the plan.
-    #[error("is a copy of part {0}")]
-    OtherPart(String),
-    /// The bytes before the footer are not those that the footer was made of.
-    #[error("has been changed: its bytes do not have the SHA-256 of its footer")]
-    Changed,
 }
 
 /// A writer that hashes what goes through it, and holds back the footer until its hash is in it.
@@ -249,8 +216,8 @@ fn verified(mut footer: Vec<u8>, len: u64, range: PartRange<'_>) -> Result<Part,
     if found != number.to_string() || value(ROWS) != Some(&format!("{first_row}:{rows}")) {
         return Err(PartDefect::OtherPart(found.to_owned()));
     }
-    let counted = |key| value(key).and_then(|n| n.parse().ok()).ok_or(PartDefect::Footer);
-    let (failed, several, data_bytes) = (counted(FAILED)?, counted(SEVERAL)?, counted(DATA_BYTES)?);
+    let integer = |key| value(key).and_then(|n| n.parse().ok()).ok_or(PartDefect::Footer);
+    let (failed, several, data_bytes) = (integer(FAILED)?, integer(SEVERAL)?, integer(DATA_BYTES)?);
     let data_sha256 = value(DATA_SHA256).ok_or(PartDefect::Footer)?.to_owned();
     let all_rows = u64::try_from(metadata.num_rows()) == Ok(rows);
     if data_bytes + footer.len() as u64 != len || !all_rows {

@@ -6,8 +6,8 @@ use std::sync::atomic::AtomicBool;
 use arrow_array::ArrayRef;
 use arrow_array::cast::AsArray;
 use bsm_batch::{
-    Answers, Cell, CsvSource, Format, JsonSource, Sink, Source, TableError, TableFormat, TableSink,
-    Task, Workers,
+    AnswerSink, Answers, Cell, CsvSource, Format, JsonSource, Source, TableError, TableFormat,
+    TableSink, Task, Workers,
 };
 use bsm_case::{Case, Settings};
 use bsm_dyn::{Model, RacewayFriction};

@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 
 use bsm_design::{
-    ActiveLimit, Check, Design, Holds, LoadCase, Nut, OfferedSize, Outcome, Phase, Pitch, Quantity,
-    Requirement, Support, Why,
+    ActiveLimit, Check, Design, EndFixity, Holds, LoadCase, Nut, OfferedSize, Outcome, Phase,
+    Pitch, Quantity, Requirement, Why,
 };
 use bsm_dyn::{Direction, ModelWorkspace};
 use serde_json::json;
@@ -274,7 +274,7 @@ impl RequirementFile {
             InputKey::motor_peak_torque_Nm,
             InputKey::motor_rated_power_W,
         ];
-        self.problem.mount.support == Support::FixedFixed
+        self.problem.mount.support == EndFixity::FixedFixed
             || self.case.asks_warm()
             || motor.into_iter().any(|key| self.case[key].is_some())
     }

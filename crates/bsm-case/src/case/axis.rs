@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, Drive, DutySpeed, Grade, Hardness, Life, MachineTable, Make, Motion, Mount, Nut, NutBody,
-    Preload, PreloadClass, PreloadMethod, RatingFactors, Shaft, Support, Thread,
-    reliability_factor,
+    Axis, DriveTrain, DutySpeed, EndFixity, Grade, Hardness, Life, MachineTable, Make, Mount, Nut,
+    NutBody, PreloadClass, PreloadMethod, PreloadSize, ProfileSegment, RatingFactors, Shaft,
+    Thread, reliability_factor,
 };
 
 use crate::case::rated_nut;
@@ -31,7 +31,7 @@ pub(crate) struct Machine {
     pub(crate) groove: Option<(Nut, Thread)>,
     pub(crate) body: NutBody,
     pub(crate) carriage: MachineTable,
-    pub(crate) drive: Drive,
+    pub(crate) drive: DriveTrain,
     /// Mass \[kg\] and moment of inertia \[kg·m²\] of the screw; `None` without a length.
     pub(crate) screw: Option<(f64, f64)>,
     /// What two fixed bearings do; `None` of other supports.
@@ -58,7 +58,7 @@ impl FixedEnds {
     /// That of a case.
     fn of(case: &Case, shaft: &Shaft) -> Result<Option<Self>, CaseError> {
         let pretension = [InputKey::pretension_N, InputKey::pretension_K];
-        if shaft.support != Support::FixedFixed {
+        if shaft.support != EndFixity::FixedFixed {
             let given = pretension.into_iter().find(|key| case[*key].is_some());
             return given.map_or(Ok(None), |key| Err(bad(key.name(), "needs support fixed-fixed")));
         }
@@ -123,7 +123,7 @@ impl Machine {
             (mass, stated.unwrap_or(own))
         });
         let of_screw = screw.map_or(0.0, |(_, inertia)| inertia);
-        let drive = Drive {
+        let drive = DriveTrain {
             lead: size.lead,
             screw_inertia: of_screw + case.number(InputKey::coupling_inertia_kg_m2),
             mass: carriage.mass,
@@ -132,7 +132,7 @@ impl Machine {
             motor_inertia: case.number(InputKey::motor_inertia_kg_m2),
             gear_inertia: case.number(InputKey::gear_inertia_kg_m2),
         };
-        let phase = |motion: &Motion| motion.phase(&carriage, size.lead);
+        let phase = |motion: &ProfileSegment| motion.phase(&carriage, size.lead);
         let axis = Axis {
             screw: size,
             shaft,
@@ -199,7 +199,7 @@ pub(crate) fn useful_travel(case: &Case) -> Option<f64> {
 /// Ends and length of its screw.
 pub(crate) fn mount(case: &Case) -> Mount {
     Mount {
-        support: case.nut.support.map_or(Support::FixedSupported, |Named(support)| support),
+        support: case.nut.support.map_or(EndFixity::FixedSupported, |Named(support)| support),
         length: case.unsupported_length_mm.map(|mm| mm * MM),
         diameter: case.shaft_diameter_mm.map(|mm| mm * MM),
         bore: (
@@ -243,8 +243,8 @@ pub(crate) fn preload_method(case: &Case) -> PreloadMethod {
 }
 
 /// The preload that a case asks for, and the play \[m\] of a class without preload.
-pub(crate) fn preload(case: &Case) -> Result<(Option<Preload>, Option<f64>), CaseError> {
-    let force = case.preload_N.map(Preload::Force);
+pub(crate) fn preload(case: &Case) -> Result<(Option<PreloadSize>, Option<f64>), CaseError> {
+    let force = case.preload_N.map(PreloadSize::Force);
     let Some(word) = case.nut.preload_class else { return Ok((force, None)) };
     let others = [InputKey::preload_N, InputKey::preload_offset_um, InputKey::ball_oversize_um];
     if let Some(other) = others.into_iter().find(|key| case[*key].is_some()) {
@@ -285,9 +285,9 @@ pub(crate) fn reliability(case: &Case) -> f64 {
 }
 
 /// The stretches of the cycle, or the one of the operating point.
-pub(crate) fn motions(case: &Case) -> Result<Vec<Motion>, CaseError> {
+pub(crate) fn motions(case: &Case) -> Result<Vec<ProfileSegment>, CaseError> {
     let load_factor = case.number(InputKey::load_factor);
-    let motion = |entry: &PhaseEntry| Motion {
+    let motion = |entry: &PhaseEntry| ProfileSegment {
         time: entry.time(),
         force: entry.force_N.unwrap_or(0.0),
         pace: entry.pace(),
@@ -316,5 +316,5 @@ pub(crate) fn motions(case: &Case) -> Result<Vec<Motion>, CaseError> {
         let missing: Vec<_> = missing.map(|(_, name)| (*name).to_owned()).collect();
         return Err(CaseError::missing(&missing, "for the axis"));
     };
-    Ok(vec![Motion { time: 1.0, force, pace, acceleration: 0.0, load_factor }])
+    Ok(vec![ProfileSegment { time: 1.0, force, pace, acceleration: 0.0, load_factor }])
 }

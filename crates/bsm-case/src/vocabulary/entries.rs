@@ -1,7 +1,8 @@
 //! What a case says of a nut, its axis and its lubricant besides numbers: lists, objects, texts and flags.
 
 use bsm_design::{
-    Contamination, Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod, StiffnessAt, Support,
+    Contamination, EndFixity, Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod,
+    StiffnessAt,
 };
 use bsm_dyn::BaseOil;
 use bsm_nut::Flanks;
@@ -86,9 +87,9 @@ entries! {
         "base oil of the lubricant, for what is not given of it; mineral unless given";
     ball_precession_rad_s: f64,
         "angular velocity of the balls about the axis [rad/s], for their centrifugal force in a nut; 0 unless given";
-    support: Named<Support>,
+    support: Named<EndFixity>,
         "how the ends of the screw are held, for `axis`: the fixed end takes the axial load";
-    buckling_support: Named<Support>,
+    buckling_support: Named<EndFixity>,
         "how the section of the screw between fixed bearing and nut is held against buckling; fixed-fixed by a guided table, unless support is supported-supported";
     screw_make: Named<Make>,
         "how the screw and its ball return are made, for the largest speed number and the roughness of its groove; ground unless given";
@@ -276,7 +277,7 @@ choices! {
         "preload 0.1 Ca" = Self::Preload(0.1);
     SteelFactor: "air-melted" = Self(1.0), "vacuum-degassed" = Self(1.25),
         "electro-slag" = Self(1.44), "vacuum-remelted" = Self(1.71);
-    Support: "fixed-free" = Self::FixedFree, "supported-supported" = Self::SupportedSupported,
+    EndFixity: "fixed-free" = Self::FixedFree, "supported-supported" = Self::SupportedSupported,
         "fixed-supported" = Self::FixedSupported, "fixed-fixed" = Self::FixedFixed;
 }
 

@@ -13,9 +13,7 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 use bsm_simd::{Arch, BLOCK, Block, Compare, Lane, Mask, NullaryFnOnce, Simd, WithSimd};
 
 use super::Quadrature;
-use super::oil::{HalfChord, HalfNode, PolarRule};
-use super::panels::{Chords, EllipseSlip, FAR, Placement, Visitor, clamp, each_chord, half_length};
-use crate::contact::Transition;
+use super::panels::{Chords, EllipseSlip, FAR, Placement, Visitor, clamp, each_chord};
 
 /// What the sums depend on: a contact with numbers in its own axes.
 #[derive(Debug, Clone, Copy)]
@@ -652,70 +650,5 @@ impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> WithSimd for One<'_, L,
         let (points, laws, nodes) = (&[*point; 2], &[law; 2], &[nodes; 2]);
         let [sums, _] = sums::<S, L, N, SLOPED>(simd, points, laws, nodes, [false, true]);
         sums
-    }
-}
-
-/// Coordinates over the semi-axes and part of the load of all nodes: those of the sums of a constant
-/// coefficient, or of one that bends.
-pub(super) fn nodes(
-    point: &Patch,
-    nodes: Placement<'_>,
-    bend: Option<&Transition>,
-) -> Vec<(f64, f64, f64)> {
-    Arch::new().dispatch(List(point, nodes, bend))
-}
-
-struct List<'a>(&'a Patch, Placement<'a>, Option<&'a Transition>);
-
-/// The nodes of all lines, one by one.
-struct Collect<'a> {
-    rule: &'a Quadrature,
-    slip: EllipseSlip<f64>,
-    bend: Option<&'a Transition>,
-    nodes: Vec<(f64, f64, f64)>,
-}
-
-impl<S: Simd> Visitor<S> for Collect<'_> {
-    #[inline(always)]
-    fn visit(&mut self, simd: S, _ellipse: usize, lines: &Chords) {
-        for (i, (xi, weight)) in lines.xi.into_iter().zip(lines.weight).enumerate() {
-            let half_length = half_length(xi);
-            let mut add = |s: f64, part: f64| self.nodes.push((xi, half_length * s, weight * part));
-            if lines.inside.is_some_and(|inside| inside[i] > 0.0) {
-                let near = NearPole::of(&self.slip.splat(simd), Lane::<S>::splat(simd, xi));
-                for (s, part) in
-                    (0..NearPole::<S>::pairs(self.rule)).flat_map(|pair| near.pair(self.rule, pair))
-                {
-                    add(s.as_slice()[0], part.as_slice()[0]);
-                }
-            } else if let Some(bend) = self.bend {
-                let slip = self.slip.splat(simd);
-                let half = HalfChord::of(bend, &slip, Lane::<S>::splat(simd, xi));
-                for k in 0..self.rule.half.len() {
-                    let HalfNode { s, weight, .. } = half.node(self.rule.half.at(k));
-                    let (s, part) = (s.as_slice()[0], weight.as_slice()[0]);
-                    add(s, part);
-                    add(-s, part);
-                }
-            } else if let Some(count) = lines.inner {
-                self.rule.inner[count].iter().for_each(|(s, part)| add(*s, *part));
-            }
-        }
-        self.nodes.retain(|(_, _, weight)| *weight != 0.0);
-    }
-}
-
-impl WithSimd for List<'_> {
-    type Output = Vec<(f64, f64, f64)>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self(point, nodes, bend) = self;
-        if let (Some(bend), blocks @ 1..) = (bend, nodes.blocks(&point.slip())) {
-            return PolarRule::of(simd, bend, &point.slip(), nodes.rule).nodes(nodes.rule, blocks);
-        }
-        let mut list = Collect { rule: nodes.rule, slip: point.slip(), bend, nodes: Vec::new() };
-        each_chord(simd, &[nodes; 2], &[point.slip(); 2], [false, true], &mut list);
-        list.nodes
     }
 }

@@ -14,7 +14,7 @@ use bsm_simd::{BLOCK, Lane, Simd};
 
 use super::Quadrature;
 use super::kernel::{Accumulator, Chord, Moments, PointLaw, add_powers};
-use super::panels::{EllipseSlip, FrozenRule, MOST_RINGS, Placement};
+use super::panels::{EllipseSlip, FrozenRule, MOST_RINGS, Placement, part_of_a_node};
 use crate::contact::{MixedFriction, PRESSURE_SLOPE, Transition};
 
 /// Below this the inverse hyperbolic sine is its series, whose next term is of the size of rounding.
@@ -90,12 +90,6 @@ impl PolarRule {
         });
         rings.collect()
     }
-}
-
-/// Part of a ring that belongs to a node.
-#[expect(clippy::cast_precision_loss, reason = "a few angles")]
-pub(super) fn part_of_a_node(blocks: usize) -> f64 {
-    0.5 / (blocks * BLOCK) as f64
 }
 
 /// The nodes of one half of a few lines, in `$t = \sqrt{1 - |s|}$`, in which pressure is smooth at both ends.

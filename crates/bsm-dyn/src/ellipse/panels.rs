@@ -14,8 +14,6 @@ use std::num::NonZeroUsize;
 use bsm_simd::{BLOCK, Block, Compare, Lane, Mask, Simd};
 use gauss_quad::GaussLegendre;
 
-use super::oil::part_of_a_node;
-
 /// Inner nodes of a line across the ellipse beyond which the spin pole counts as inside.
 pub(super) const MOST_INNER: usize = 24;
 
@@ -31,6 +29,12 @@ const MOST_LUBRICATED: usize = 6;
 /// Rings of an oil, and blocks of angles on half a ring, beyond which lines are better.
 pub(super) const MOST_RINGS: usize = 2 * BLOCK;
 const MOST_BLOCKS: usize = 4;
+
+/// Part of a ring that belongs to a node.
+#[expect(clippy::cast_precision_loss, reason = "a few angles")]
+pub(super) fn part_of_a_node(blocks: usize) -> f64 {
+    0.5 / (blocks * BLOCK) as f64
+}
 
 /// Cosines and sines in the middles of equal parts of half a circle.
 #[expect(clippy::cast_precision_loss, reason = "a few angles")]
@@ -875,39 +879,80 @@ pub fn power_of_many<S: Simd, const N: usize>(
     let zero = slip.creep.constant(0.0);
     let poles = slip.poles();
     let middle = clamp((poles[0].at + poles[1].at) * 0.5, -1.0, 1.0);
+    let ends = [[zero.constant(-1.0), middle], [middle, zero.constant(1.0)]];
     let (mut power, mut resolved) = (zero, zero.le(zero));
-    for (pole, low, high) in
-        [(poles[0], zero.constant(-1.0), middle), (poles[1], middle, zero.constant(1.0))]
-    {
+    for i in 0..2 {
+        let panel = PanelLines::of(rule, slip, &poles[i], ends[i]);
+        power = panel.add_power(rule, slip, power);
+        resolved = resolved & panel.resolved;
+    }
+    (power, resolved)
+}
+
+/// Most contacts side by side.
+const MANY: usize = 4 * BLOCK;
+
+/// The lines across the panel of a pole, of several contacts side by side.
+struct PanelLines<S: Simd, const N: usize> {
+    /// Places on the long axis, and parts of the load.
+    lines: [(Lane<S, N>, Lane<S, N>); BLOCK],
+    /// Which rule of the inner nodes each contact takes.
+    counts: [usize; MANY],
+    /// Where the rule resolves them.
+    resolved: Mask<S, N>,
+}
+
+impl<S: Simd, const N: usize> PanelLines<S, N> {
+    #[inline(always)]
+    fn of(
+        rule: &Quadrature,
+        slip: &EllipseSlip<Lane<S, N>>,
+        pole: &Pole<Lane<S, N>>,
+        [low, high]: [Lane<S, N>; 2],
+    ) -> Self {
+        let zero = low.constant(0.0);
+        let from = ((low - pole.at) / pole.width).arsinh();
+        let length = ((high - pole.at) / pole.width).arsinh() - from;
+        let (mut lines, mut square) = ([(zero, zero); BLOCK], zero.constant(f64::INFINITY));
+        for (node, of_node) in lines.iter_mut().enumerate() {
+            let (abscissa, part) = rule.panel.at(node);
+            *of_node = line(pole, length * abscissa + from, length * part);
+            square = square.min(slip.analyticity(of_node.0));
+        }
         // Panels of no length have no weight, and poles on their ends do not split them.
         let within = low.lt(pole.at) & pole.at.lt(high);
         let least = zero.constant(rule.least());
-        resolved = resolved & (!within | least.le(slip.analyticity(pole.at)));
-        let from = ((low - pole.at) / pole.width).arsinh();
-        let length = ((high - pole.at) / pole.width).arsinh() - from;
-        let mut lines = [(zero, zero); BLOCK];
-        let mut square = zero.constant(f64::INFINITY);
-        for (node, known) in lines.iter_mut().enumerate() {
-            let (abscissa, part) = rule.panel.at(node);
-            *known = line(&pole, length * abscissa + from, length * part);
-            square = square.min(slip.analyticity(known.0));
-        }
-        resolved = resolved & least.le(square);
-        // Each contact has its own nodes along the lines, and none beyond its last.
-        let (mut counts, mut most) = ([0; MANY], 0);
+        let resolved = (!within | least.le(slip.analyticity(pole.at))) & least.le(square);
+        let mut counts = [0; MANY];
         for (count, square) in counts.iter_mut().zip(square.as_slice()) {
             *count = rule.count(*square).unwrap_or(0);
+        }
+        Self { lines, counts, resolved }
+    }
+
+    /// Adds what friction takes along the lines.
+    #[inline(always)]
+    fn add_power(
+        &self,
+        rule: &Quadrature,
+        slip: &EllipseSlip<Lane<S, N>>,
+        mut power: Lane<S, N>,
+    ) -> Lane<S, N> {
+        let counts = &self.counts[..Lane::<S, N>::LEN];
+        let mut most = 0;
+        for count in counts {
             most = most.max(rule.inner[*count].len());
         }
         for k in 0..most {
+            // Each contact has its own nodes along the lines, and none beyond its last.
             let (mut abscissae, mut parts) = ([0.0; MANY], [0.0; MANY]);
-            for i in 0..Lane::<S, N>::LEN {
-                if let Some((abscissa, part)) = rule.inner[counts[i]].get(k) {
+            for (i, count) in counts.iter().enumerate() {
+                if let Some((abscissa, part)) = rule.inner[*count].get(k) {
                     (abscissae[i], parts[i]) = (*abscissa, *part);
                 }
             }
-            let (s, part) = (zero.like(&abscissae), zero.like(&parts));
-            for (xi, weight) in lines {
+            let (s, part) = (power.like(&abscissae), power.like(&parts));
+            for (xi, weight) in self.lines {
                 let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across(xi));
                 let v_c = b_0 + b_1 * s;
                 let square = v_t * v_t + v_c * v_c;
@@ -916,12 +961,9 @@ pub fn power_of_many<S: Simd, const N: usize>(
                 power = power + square * (weight * part) / pull;
             }
         }
+        power
     }
-    (power, resolved)
 }
-
-/// Most contacts side by side.
-const MANY: usize = 4 * BLOCK;
 
 /// Speed over `$r_b W$` of the ends of the longer ellipse when the ball turns against a raceway at `$W$`; 1 for
 /// ellipses shorter than the ball (T9).

@@ -19,12 +19,13 @@ pub use self::steady::SlidingRoot;
 use self::steady::rotation;
 use crate::contact::{Coulomb, DOES_NOT_CIRCLE, Wrench, against, friction_force, torque};
 use crate::cost;
+use crate::models::ball::equation::MOMENT;
 use crate::models::ball::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
 };
 use crate::models::ball::{
-    BALL, BallLoads, ElasticContacts, ElasticPoint, MOMENT_NORMAL, Model, ROWS, Reason, Solution,
-    SolveInfo, Solved, Unsolved, Workspace, domain_error, equations, friction_power, weight,
+    BALL, BallLoads, ElasticContacts, ElasticPoint, Model, ROWS, Reason, Solution, SolveInfo,
+    Solved, Unsolved, Workspace, domain_error, equations, friction_power, weight,
 };
 
 /// Below this ratio of inertia to friction the rounding of the loads shows in the slip.
@@ -38,21 +39,6 @@ const MOST_STEPS: usize = 4;
 pub struct Elastic<D = f64> {
     /// The screw at its operating point; friction positive.
     pub at: ElasticPoint<D>,
-}
-
-impl Elastic {
-    /// Logarithm of a `$q$` without inertia: next to the smallest normal number.
-    pub const NO_INERTIA: f64 = -700.0;
-
-    /// Relative changes of the factors of (S27) from where the curve begins, up to which the curve is
-    /// straight: the inertia has only risen up to there.
-    pub const RISES: f64 = 0.1;
-
-    /// The scale of a place on the curve is some third of it: a third of a relative change in its units.
-    pub const LARGE: f64 = 3.0;
-
-    /// What a state of force may leave of (S14) and (S20), both of size one; Newton leaves rounding.
-    pub const CLOSED: f64 = 1e-10;
 }
 
 /// Memory of the solves.
@@ -195,9 +181,10 @@ fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
     let gyroscopic =
         contacts.ball.inertia() * rate * (1.0 + y[PRECESSION].abs() * contacts.scaled.arc);
     let mut weights = [weight(force); BALL];
-    weights[MOMENT_NORMAL - 1] = weight(force.max(gyroscopic));
-    weights[MOMENT_NORMAL + 1] = weights[MOMENT_NORMAL - 1];
-    weights[MOMENT_NORMAL] = weight(gyroscopic);
+    let across = weight(force.max(gyroscopic));
+    for (row, weight) in MOMENT.into_iter().zip([across, weight(gyroscopic), across]) {
+        weights[row] = weight;
+    }
     weights
 }
 

@@ -4,14 +4,16 @@
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W1) to (W16).
 
 mod balance;
+mod rolling;
 mod sensitivities;
 mod statics;
 
-use bsm_kin::{Field, FieldOver, Motion, Scalar};
+use bsm_kin::{Field, Motion, Scalar};
 use bsm_simd::Compare;
 
-pub(crate) use self::balance::STATIC;
 use self::balance::{Balance, StaticRoot};
+pub use self::rolling::rolling;
+pub(crate) use self::statics::STATIC;
 pub use self::statics::{StaticBalance, StaticState};
 use crate::ellipse::{Placement, Quadrature};
 use crate::models::ball::{
@@ -45,51 +47,6 @@ impl Default for RacewayWorkspace {
             slopes: Quadrature::of(RacewayControl::SLOPES),
         }
     }
-}
-
-/// Rolling motion relative to the nut over the relative speed: `$p$` and the angular velocity in
-/// `$(t, n, b)$` (W3) to (W6).
-///
-/// Both contact centres roll along the groove; across it, the slip of the lead is shared equally.
-///
-/// * `by_nut`: where the nut controls. * `lead`: sine and cosine of the lead angle.
-/// * `arc`: `$d/r_b$`. * `angles`: sines and cosines of the contact angles at nut and screw.
-#[inline(always)]
-pub fn rolling<F: Field>(
-    by_nut: F::Mask,
-    lead: (F, F),
-    arc: F,
-    [(sin_n, cos_n), (sin_s, cos_s)]: [(F, F); 2],
-) -> (F, [F; 3]) {
-    let between = cos_n * cos_s + sin_n * sin_s;
-    let p = rolling_precession(by_nut, lead.1 / arc, [cos_n, cos_s], between);
-    let (to_nut, to_screw) = (p * arc, (p - 1.0) * arc);
-    // ω'_t = W sinα / 2                                                   (W3)
-    let along = lead.0 * 0.5;
-    // (ω'_n, ω'_b) = −p (d/r_b) (−sinβ_A, cosβ_A)                         (W5)
-    let nut = [to_nut * sin_n, -(to_nut * cos_n)];
-    // (ω'_n, ω'_b − cosα) = (p − 1)(d/r_b) (−sinβ_B, cosβ_B)              (W6)
-    let screw = [-(to_screw * sin_s), to_screw * cos_s + lead.1];
-    (p, [along, F::select(by_nut, nut[0], screw[0]), F::select(by_nut, nut[1], screw[1])])
-}
-
-/// Precession of the rolling ball relative to the nut over the relative speed, from the cosines of
-/// both contact angles and of their difference (W4), (W6).
-///
-/// * `by_nut`: where the nut controls.
-/// * `lever`: `$(r_b/d)\cos\alpha$`.
-#[inline(always)]
-pub(crate) fn rolling_precession<P: Field, F: FieldOver<P> + Field<Mask = P::Mask>>(
-    by_nut: P::Mask,
-    lever: P,
-    [nut, screw]: [F; 2],
-    between: F,
-) -> F {
-    let one = between.constant(1.0);
-    // p = (1 − (r_b/d) cosα cosβ_B) / (1 + cos(β_A − β_B))                (W4)
-    // p = (cos(β_A − β_B) − (r_b/d) cosα cosβ_A) / (1 + cos(β_A − β_B))   (W6)
-    let (near, far) = (F::select(by_nut, one, between), F::select(by_nut, screw, nut));
-    (near - far * lever) / (one + between)
 }
 
 /// Difference of the cotangents of the contact angles between the balls that both raceways control, to
@@ -287,10 +244,6 @@ impl RacewayControl {
     /// Excess of one spin moment over [`spread_of_control`] from which the raceway is the same at the balls of both:
     /// for all that is not of first order.
     pub const CLEAR: f64 = 4.0;
-
-    /// Inertia (W17) up to which no ball was seen to have a second root: the least of those that have one is
-    /// 3.8, and (W15) excludes one below 0.25.
-    pub const UNIQUE_BELOW: f64 = 2.0;
 
     /// Solves for loads and contact angles, takes the rolling motion, and integrates the friction
     /// power of the slip that it leaves.

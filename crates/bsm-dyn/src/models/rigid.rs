@@ -11,6 +11,7 @@ mod root;
 mod search;
 mod sensitivities;
 mod sweep;
+mod sweeps;
 mod trig_quadratic;
 
 use bsm_kin::{Motion, Over, Scalar};
@@ -23,7 +24,7 @@ pub use self::equations::Unknowns;
 pub use self::first_order::FirstOrder;
 use self::root::BallRoot;
 pub use self::root::RigidWorkspace;
-pub use self::sweep::Sweeps;
+pub use self::sweeps::Sweeps;
 use crate::contact::Angles;
 use crate::models::ball::{
     BALL, BallState, BallUnits, ContactState, Direction, Model, OperatingPoint, ROWS, Slip,

@@ -3,7 +3,7 @@
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (J10) to (J14).
 
 use bsm_kin::Scalar;
-use bsm_newton::EvalError;
+use bsm_newton::{Bracket, EvalError};
 
 use crate::models::ball::{ElasticPoint, Reason};
 
@@ -107,26 +107,23 @@ impl StaticBall {
         }
         let cos_a = lead_angle.cos();
         let at = |u: f64| self.at([u * cos_a, 0.0], 0.0);
-        // F_a = Q m_b cosα,  w = (u cosα, 0);  F_a^(2/3) is nearly straight in u  (J14)
-        let carried = |ball: &GrooveForces| ball.force[0] * cos_a;
-        let mut u =
+        // At the unloaded contact angle as much is carried by a larger displacement.
+        let most =
             (axial / self.stiffness).cbrt().powi(2) / (self.unloaded[0] * cos_a).powf(5.0 / 3.0);
-        for _ in 0..MOST_STEPS {
+        let signs = [f64::NEG_INFINITY, f64::INFINITY];
+        // A Newton step leaves an error of its square.
+        let bracket =
+            Bracket { start: Some(most), x_tol: 1e-9, ..Bracket::new([0.0, 2.0 * most], signs) };
+        let found = bracket.root(|u| {
             let ball = at(u);
-            let (force, slope) = (carried(&ball), ball.slope[0][0] * cos_a * cos_a);
-            let step = 1.5 * force * (1.0 - (axial / force).cbrt().powi(2)) / slope;
-            u -= step;
-            // A step leaves an error of its square.
-            if step.abs() <= 1e-9 * u {
-                return Ok((u, at(u)));
-            }
-        }
-        Err(domain_error)
+            // F_a = Q m_b cosα,  w = (u cosα, 0);  F_a^(2/3) is nearly straight in u  (J14)
+            let force = ball.force[0] * cos_a;
+            let excess = 1.5 * force * (1.0 - (axial / force).cbrt().powi(2));
+            (excess, ball.slope[0][0] * cos_a * cos_a)
+        });
+        found.root().map(|root| (root.x, at(root.x))).ok_or(domain_error)
     }
 }
-
-/// Newton steps to the displacement under a load; four are usual.
-const MOST_STEPS: usize = 50;
 
 #[cfg(test)]
 mod tests {

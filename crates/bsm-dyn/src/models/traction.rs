@@ -501,17 +501,17 @@ impl Traction {
             Some(*root)
         } else {
             steps += rolling_ball.steps;
-            coarse.search(rolling_ball, false, newton, &mut steps).ok()
+            coarse.search_near(rolling_ball, newton, &mut steps)
         };
         let refined = near.and_then(|near| ball.refined(&near, &plans, newton, &mut steps));
         let refined = match (refined, from) {
             (Some(refined), _) => refined,
             (None, Some(_)) => return Err(Unsolved::LOST.into()),
             (None, None) => {
-                let mut near = search.search(rolling_ball, true, newton, &mut steps);
+                let mut near = search.search(rolling_ball, newton, &mut steps);
                 if near.as_ref().is_err_and(|none| none.status() == Status::NotConverged) {
                     // The steps of its sums may be what a path was lost over.
-                    near = smooth.search(rolling_ball, true, newton, &mut steps);
+                    near = smooth.search(rolling_ball, newton, &mut steps);
                 }
                 let near = near?;
                 let lost = || NotFound { near: Some(Box::new(near)), why: Unsolved::LOST };

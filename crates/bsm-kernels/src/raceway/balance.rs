@@ -1,11 +1,16 @@
-//! Static balance of the rolling ball by lanes, and which raceway controls.
+//! Static balance of the rolling ball by lanes, which raceway controls, and the motion.
 
+use bsm_case::OutputKey;
 use bsm_dyn::internals::{StaticBalance, rolling, spread_of_control};
 use bsm_dyn::{Control, RacewayControl};
+use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::contacts::{Contacts, LaneContact};
+use crate::kernel::Sink;
 use crate::operand::{Lane, Mask};
+use crate::rigid::ball_motion;
+use crate::units::Units;
 
 /// Spin moments nearer to each other than this do not decide which raceway controls, nor cotangents
 /// nearer to zero which flank carries.
@@ -23,6 +28,52 @@ pub(crate) struct Precession<S: Simd> {
     /// Where it is the first one, and where there is no other.
     pub(crate) found: Mask<S>,
     pub(crate) unique: Mask<S>,
+}
+
+/// Motion of the ball relative to the nut over `$W$`.
+pub(crate) struct RollingMotion<S: Simd> {
+    pub(crate) p: Lane<S>,
+    /// Angular velocity along n and b; along t it is `$\sin\alpha/2$` (W3).
+    pub(crate) omega: [Lane<S>; 2],
+    /// Speed of the centre, relative to nut and screw; the ball turns about `$t \times N$` against it.
+    pub(crate) speed: [Lane<S>; 2],
+    /// Angular velocity about `$N$`, relative to nut and screw.
+    pub(crate) spin: [Lane<S>; 2],
+}
+
+impl<S: Simd> RollingMotion<S> {
+    #[inline(always)]
+    pub(crate) fn of(contacts: &Contacts<S>, state: &Precession<S>) -> Self {
+        let ([a, b], by_nut, one) = (&state.sides, state.by_nut, contacts.constant(1.0));
+        let lead = contacts.scaled.lead;
+        let (p, to_nut) =
+            rolling(by_nut, lead, contacts.scaled.arc, [(a.sin, a.cos), (b.sin, b.cos)]);
+        let (zero, to_screw) = (contacts.constant(0.0), relative_rotation(to_nut, one, lead));
+        let nut_spin = spin_at_nut(to_nut, (a.sin, a.cos));
+        let screw_spin = -spin_at_nut(to_screw, (b.sin, b.cos));
+        Self {
+            p,
+            omega: [to_nut[1], to_nut[2]],
+            speed: [p * contacts.scaled.arc, (p - 1.0) * contacts.scaled.arc],
+            spin: [by_nut.select(zero, nut_spin), by_nut.select(screw_spin, zero)],
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn outputs(&self, out: &mut Sink<'_, '_>, units: &Units<S>, contacts: &Contacts<S>) {
+        let w = units.speed;
+        let to_nut = [contacts.scaled.lead.0 * 0.5, self.omega[0], self.omega[1]];
+        let omega = relative_rotation(to_nut, -contacts.scaled.nut_speed, contacts.scaled.lead);
+        ball_motion(out, w, self.p + contacts.scaled.nut_speed, omega);
+        out.set_all(OutputKey::nut_spin_rad_s, [self.spin[0] * w, self.spin[1] * w]);
+        // Both centres roll; the slip of the lead is shared, against friction along e_x.
+        let slip = contacts.scaled.lead.0 * 0.5 * w.abs() * units.ball;
+        out.set_all(OutputKey::nut_slip_velocity_m_s, [slip; 2]);
+        // Friction is along e_x, or against it where the load drives.
+        let zero = w.constant(0.0);
+        let angle = w.lt(zero).select(zero.constant(180.0), zero);
+        out.set_all(OutputKey::nut_slip_angle_deg, [angle; 2]);
+    }
 }
 
 /// The rolling balls of a lane, with the raceway that controls or by the decision: a call of its own, as two kernels
@@ -46,7 +97,7 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
         let mut balance = StaticBalance::of(&contacts.scaled, by_nut);
         let inertia = contacts.scaled.inertia_ratio() * (contacts.scaled.nut_speed.abs() + 1.0);
         // Beyond, the precession, which the angles change by tenths, may turn the slope of the radial balance.
-        let unique = inertia.lt(zero.constant(RacewayControl::UNIQUE_BELOW));
+        let unique = inertia.lt(zero.constant(StaticBalance::<f64>::UNIQUE_BELOW));
         let mut at = balance.start(contacts.cos_b / contacts.sin_b, contacts.regular);
         balance.iterate(&mut at);
         let mut found = contacts.regular & at.converged & (unique | balance.is_first(at.unknowns));

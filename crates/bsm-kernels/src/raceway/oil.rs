@@ -9,10 +9,10 @@ use bsm_dyn::internals::{
 use bsm_dyn::{Hertz, Lubricant, OutsidePower, RacewayControl, Temperature, ZERO_CELSIUS};
 use bsm_simd::Simd;
 
+use super::balance::{Precession, RollingMotion};
 use super::friction::Ellipse;
-use super::{Motion, Precession};
-use crate::Sink;
 use crate::contacts::Contacts;
+use crate::kernel::Sink;
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::{Units, modulus};
 
@@ -46,7 +46,7 @@ impl<S: Simd> OilLane<S> {
     pub(super) fn of(
         given: &LaneInputs<'_, S>,
         (units, contacts): (&Units<S>, &Contacts<S>),
-        (state, motion): (&Precession<S>, &Motion<S>),
+        (state, motion): (&Precession<S>, &RollingMotion<S>),
         ellipses: [(Ellipse<S>, Lane<S>); 2],
     ) -> Option<Self> {
         let one = given.inputs.lubricant.as_ref()?;

@@ -1,6 +1,6 @@
 //! Curves in closed form: crossings, folds, double roots, poles and ends, with pinned counts.
 
-use bsm_newton::{EvalError, Exit, Homotopy, Seed, StepControl, Trace, trace};
+use bsm_newton::{EvalError, Homotopy, PathEnd, Seed, StepControl, Trace, trace};
 
 /// A curve in the plane given by one function with its gradient.
 struct Curve<F>(F);
@@ -41,7 +41,7 @@ fn a_closed_curve_is_gone_round_once() {
     for (towards, first, points) in [([0.0, 1.0], 0.8, 19), ([0.0, -1.0], -0.8, 21)] {
         let seed = ([1.0, 0.0], towards);
         let seen = follow(circle, seed, 0.6, |_| true, &StepControl::default());
-        assert_eq!(seen.end, Exit::Closed, "{seen:?}");
+        assert_eq!(seen.end, PathEnd::Closed, "{seen:?}");
         assert_eq!(seen.crossings.len(), 2, "{seen:?}");
         for (crossing, expected) in seen.crossings.iter().zip([first, -first]) {
             // Tolerance of the correction.
@@ -60,7 +60,7 @@ fn a_path_goes_through_a_fold() {
     let seed = Seed { z: [4.0, 2.0], towards: [-1.0, 0.0] };
     let seen =
         trace(&Curve(fold), &seed, event, |seen| seen.last[1] > -2.0, &StepControl::default());
-    assert_eq!(seen.end, Exit::Ended, "{seen:?}");
+    assert_eq!(seen.end, PathEnd::Ended, "{seen:?}");
     let places: Vec<f64> = seen.crossings.iter().map(|c| c.z[1]).collect();
     assert_eq!(places.len(), 2, "{seen:?}");
     assert!((places[0] - 1.0).abs() < 1e-9 && (places[1] + 1.0).abs() < 1e-9, "{places:?}");
@@ -75,7 +75,7 @@ fn a_close_pair_is_found_or_counted() {
         [(1.0 - 1e-4, 2, true, 37), (1.0, 0, false, 42), (1.0 + 1e-2, 0, true, 19)]
     {
         let seen = follow(circle, seed, height, |_| true, &StepControl::default());
-        assert_eq!(seen.end, Exit::Closed, "{height}: {seen:?}");
+        assert_eq!(seen.end, PathEnd::Closed, "{height}: {seen:?}");
         assert_eq!(seen.crossings.len(), crossings, "{height}: {seen:?}");
         assert_eq!(seen.unresolved == 0, resolved, "{height}: {seen:?}");
         assert_eq!(seen.points, points, "{height}: {seen:?}");
@@ -88,13 +88,13 @@ fn a_pole_leads_out_of_the_domain() {
     let pole = |x: f64, y: f64| Ok((y * (1.0 - x) - 1.0, [-y, 1.0 - x]));
     let seed = ([0.0, 1.0], [1.0, 0.0]);
     let seen = follow(pole, seed, 1e3, |seen| seen.last[1] < 1e6, &StepControl::default());
-    assert_eq!(seen.end, Exit::Ended, "{seen:?}");
+    assert_eq!(seen.end, PathEnd::Ended, "{seen:?}");
     assert_eq!(seen.crossings.len(), 1, "{seen:?}");
     assert!((seen.crossings[0].z[0] - 0.999).abs() < 1e-9, "{seen:?}");
     let cut = StepControl { most_points: 5, ..StepControl::default() };
-    assert_eq!(follow(pole, seed, 1e3, |_| true, &cut).end, Exit::MostPoints);
+    assert_eq!(follow(pole, seed, 1e3, |_| true, &cut).end, PathEnd::MostPoints);
     let first = follow(pole, seed, 2.0, |seen| seen.crossings.is_empty(), &StepControl::default());
-    assert!(first.end == Exit::Ended && first.crossings.len() == 1, "{first:?}");
+    assert!(first.end == PathEnd::Ended && first.crossings.len() == 1, "{first:?}");
 }
 
 /// Expected failures: equations that end, a seed without a curve.
@@ -107,11 +107,11 @@ fn the_end_of_a_curve_is_told() {
         Ok((y - x.sqrt() - x, [-0.5 / x.sqrt() - 1.0, 1.0]))
     };
     let seen = follow(root, ([1.0, 2.0], [-1.0, 0.0]), 1.0, |_| true, &StepControl::default());
-    assert!(seen.end == Exit::Lost, "{seen:?}");
+    assert!(seen.end == PathEnd::Lost, "{seen:?}");
     assert!(seen.crossings.len() == 1 && seen.last[0] < 1e-3, "{seen:?}");
     let nothing = |x: f64, y: f64| Ok((x * x + y * y + 1.0, [2.0 * x, 2.0 * y]));
     let seen = follow(nothing, ([1.0, 2.0], [-1.0, 0.0]), 1.0, |_| true, &StepControl::default());
-    assert_eq!(seen.end, Exit::NoCurve, "{seen:?}");
+    assert_eq!(seen.end, PathEnd::NoCurve, "{seen:?}");
 }
 
 /// Seven equations: z_i = sin(i u) along u; the last of them crosses zero at u = π/7, 2π/7, ….
@@ -136,7 +136,7 @@ fn a_family_of_seven_is_followed() {
     let seed = Seed { z: [0.0; 8], towards: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0] };
     let event = |z: &[f64; 8], way: &[f64; 8]| [(z[6] - 0.5, way[6])];
     let seen = trace(&Waves, &seed, event, |seen| seen.last[7] < 3.1, &StepControl::default());
-    assert_eq!(seen.end, Exit::Ended, "{:?}", seen.end);
+    assert_eq!(seen.end, PathEnd::Ended, "{:?}", seen.end);
     // sin 7u = 1/2: 7u = π/6, 5π/6, 13π/6, …, below 7·3.1 there are eight (at 41π/6 = 21.5).
     assert_eq!(seen.crossings.len(), 8, "{:?}", seen.crossings);
     for (k, crossing) in seen.crossings.iter().enumerate() {

@@ -2,69 +2,7 @@
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equation (I21).
 
-use super::{NoSteadyState, Steady, Surfaces, WarmNut};
-
-/// A quantity that is guessed unless it is given.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Guess {
-    /// What the nut gives to the air.
-    Nut,
-    /// The film of the screw.
-    ScrewFilm,
-    /// Gap and wipers.
-    Gap,
-    /// Contacts of the balls, both.
-    Balls,
-    /// Ends of the screw.
-    Ends,
-    /// Heat of contacts and drag.
-    Heat,
-}
-
-impl Guess {
-    /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Nut, Self::ScrewFilm, Self::Gap, Self::Balls, Self::Ends, Self::Heat];
-
-    /// Factor by which it may be more or less.
-    pub fn range(self) -> f64 {
-        match self {
-            Self::Nut | Self::Balls => 2.0,
-            Self::ScrewFilm => 1.4,
-            Self::Gap | Self::Ends => 3.0,
-            Self::Heat => 1.25,
-        }
-    }
-
-    /// In words, after "runs away if".
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Nut => "the nut gives away",
-            Self::ScrewFilm => "the screw gives away",
-            Self::Gap => "gap and wipers conduct",
-            Self::Balls => "the balls conduct",
-            Self::Ends => "the ends give away",
-            Self::Heat => "contacts and drag heat",
-        }
-    }
-
-    /// Factor on it where one guess is off.
-    pub(super) fn factor(self, off: Option<(Self, f64)>) -> f64 {
-        off.filter(|(guess, _)| *guess == self).map_or(1.0, |(_, by)| by)
-    }
-
-    /// True if a case gives it.
-    fn is_given(self, of: &Surfaces) -> bool {
-        match self {
-            Self::Nut => of.nut.or(of.carriage).is_some(),
-            Self::ScrewFilm => of.screw_film.is_some(),
-            Self::Gap => of.gap.is_some(),
-            Self::Balls => of.ball_nut.is_some() && of.ball_screw.is_some(),
-            Self::Ends => of.end.is_some(),
-            Self::Heat => false,
-        }
-    }
-}
+use super::{Guess, NoSteadyState, Steady, WarmNut};
 
 /// Between what numbers of a warm state lie.
 #[derive(Debug, Clone)]

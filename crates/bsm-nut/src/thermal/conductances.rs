@@ -1,4 +1,4 @@
-//! What carries heat between nut, screw, balls and surroundings where it is not given.
+//! What carries heat between nut, screw, balls and surroundings where it is not given, and what is guessed of it.
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equations (I9) to (I12).
 
@@ -6,9 +6,70 @@ use std::f64::consts::{PI, TAU};
 
 use bsm_dyn::Reason;
 
-use super::Guess;
 use crate::BallNut;
 use crate::geometry::count;
+
+/// A quantity that is guessed unless it is given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Guess {
+    /// What the nut gives to the air.
+    Nut,
+    /// The film of the screw.
+    ScrewFilm,
+    /// Gap and wipers.
+    Gap,
+    /// Contacts of the balls, both.
+    Balls,
+    /// Ends of the screw.
+    Ends,
+    /// Heat of contacts and drag.
+    Heat,
+}
+
+impl Guess {
+    /// All of them.
+    pub const ALL: [Self; 6] =
+        [Self::Nut, Self::ScrewFilm, Self::Gap, Self::Balls, Self::Ends, Self::Heat];
+
+    /// Factor by which it may be more or less.
+    pub fn range(self) -> f64 {
+        match self {
+            Self::Nut | Self::Balls => 2.0,
+            Self::ScrewFilm => 1.4,
+            Self::Gap | Self::Ends => 3.0,
+            Self::Heat => 1.25,
+        }
+    }
+
+    /// In words, after "runs away if".
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nut => "the nut gives away",
+            Self::ScrewFilm => "the screw gives away",
+            Self::Gap => "gap and wipers conduct",
+            Self::Balls => "the balls conduct",
+            Self::Ends => "the ends give away",
+            Self::Heat => "contacts and drag heat",
+        }
+    }
+
+    /// Factor on it where one guess is off.
+    pub(super) fn factor(self, off: Option<(Self, f64)>) -> f64 {
+        off.filter(|(guess, _)| *guess == self).map_or(1.0, |(_, by)| by)
+    }
+
+    /// True if a case gives it.
+    pub(super) fn is_given(self, of: &Surfaces) -> bool {
+        match self {
+            Self::Nut => of.nut.or(of.carriage).is_some(),
+            Self::ScrewFilm => of.screw_film.is_some(),
+            Self::Gap => of.gap.is_some(),
+            Self::Balls => of.ball_nut.is_some() && of.ball_screw.is_some(),
+            Self::Ends => of.end.is_some(),
+            Self::Heat => false,
+        }
+    }
+}
 
 /// Conductances of the network \[W/K\].
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,7 +5,7 @@
 use bsm_kin::Drive;
 
 use super::{Guess, NODES, Network, ScrewBar, Sinks, Surfaces};
-use crate::{BallNut, Equilibrium, FrictionSum, NutError, Preload, Support};
+use crate::{BallNut, Equilibrium, FrictionSum, NutError, PreloadKind, Support};
 
 /// Friction of all balls of a nut under its load at some speeds, with the oil at a temperature \[K\]; and what it may err by
 /// between the loads of balls, relative.
@@ -32,7 +32,7 @@ pub struct WarmNut<'a> {
     /// The nut with what preloads it, at the temperature of setting.
     pub nut: BallNut,
     /// How it is preloaded, if it is.
-    pub preload: Option<Preload>,
+    pub preload: Option<PreloadKind>,
     /// What holds it besides its axial load.
     pub support: Support,
     /// Its cycle.

@@ -257,12 +257,12 @@ impl HeatBalance<'_> {
                 self.heated(&moved, factor, between_loads).map(|heated| heated.heat)
             };
             let up = at(DIFFERENCE)?;
-            let (down, apart) = match here {
+            let (down, width) = match here {
                 Some(here) => (*here, DIFFERENCE),
                 None => (at(-DIFFERENCE)?, 2.0 * DIFFERENCE),
             };
             for (i, row) in slopes.iter_mut().enumerate() {
-                row[k] = (up[i] - down[i]) / apart;
+                row[k] = (up[i] - down[i]) / width;
             }
         }
         Ok(slopes)

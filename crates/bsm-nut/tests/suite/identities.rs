@@ -8,7 +8,7 @@ use approx::assert_relative_eq;
 use bsm_dyn::{Ball, Material, ModelWorkspace, Problem, RacewayControl};
 use bsm_kin::{Drive, Helix};
 use bsm_nut::{
-    BallNut, Bar, Circuit, Errors, Flanks, Freedom, LeadError, NutError, Preload, Ring, Support,
+    BallNut, Bar, Circuit, Errors, Flanks, Freedom, LeadError, NutError, PreloadKind, Ring, Support,
 };
 use nuts::with_circuits;
 use proptest::prelude::*;
@@ -194,17 +194,17 @@ fn small_preloads_follow_hertz() {
     let pair = pair();
     let support = Support::guided(0.0);
     let force = 1.0;
-    let offset = pair.preload_displacement(Preload::Offset, force, &support).expect("reached");
-    let nut = pair.preloaded(Preload::Offset, offset);
+    let offset = pair.preload_displacement(PreloadKind::Offset, force, &support).expect("reached");
+    let nut = pair.preloaded(PreloadKind::Offset, offset);
     let found = nut.solve(&support).expect("at rest");
     // The root is found to 1e-13 of the offset.
-    assert_relative_eq!(found.preload(&nut, Preload::Offset), force, max_relative = 1e-9);
+    assert_relative_eq!(found.preload(&nut, PreloadKind::Offset), force, max_relative = 1e-9);
     // Contact angles turn by 2e-4 under a newton.
     let stiffness = 3.0 * force / (0.5 * offset);
     assert_relative_eq!(found.stiffness[0][0], stiffness, max_relative = 1e-3);
-    let limit = nut.limit_load(Preload::Offset, &support, 1.0).expect("a limit");
+    let limit = nut.limit_load(PreloadKind::Offset, &support, 1.0).expect("a limit");
     assert_relative_eq!(limit, 8.0_f64.sqrt() * force, max_relative = 1e-3);
-    let other = nut.limit_load(Preload::Offset, &support, -1.0).expect("a limit");
+    let other = nut.limit_load(PreloadKind::Offset, &support, -1.0).expect("a limit");
     assert_relative_eq!(other, -limit, max_relative = 1e-6);
 }
 
@@ -213,14 +213,19 @@ fn small_preloads_follow_hertz() {
 fn preloads_are_found() {
     let pair = pair();
     let support = Support::guided(0.0);
-    let offset = pair.preload_displacement(Preload::Offset, 3000.0, &support).expect("reached");
+    let offset = pair.preload_displacement(PreloadKind::Offset, 3000.0, &support).expect("reached");
     // Spec data: 11.7229564202 um.
     assert_relative_eq!(offset, 11.722_956_420_2e-6, max_relative = 1e-10);
     let single = nut_a();
-    let found = single.preload_displacement(Preload::Oversize, 2000.0, &support).expect("reached");
-    let tight = single.preloaded(Preload::Oversize, found);
+    let found =
+        single.preload_displacement(PreloadKind::Oversize, 2000.0, &support).expect("reached");
+    let tight = single.preloaded(PreloadKind::Oversize, found);
     let at_rest = tight.solve(&support).expect("at rest");
-    assert_relative_eq!(at_rest.preload(&tight, Preload::Oversize), 2000.0, max_relative = 1e-9);
+    assert_relative_eq!(
+        at_rest.preload(&tight, PreloadKind::Oversize),
+        2000.0,
+        max_relative = 1e-9
+    );
     // At rest both flanks of every ball carry the same.
     let ball = at_rest.balls[17];
     assert_relative_eq!(ball.loads[0], ball.loads[1], max_relative = 1e-9);
@@ -242,11 +247,11 @@ fn cold_pair(x: bool) -> BallNut {
         ..with_circuits(vec![of_body(0.0, 0, first), of_body(1440.0, 1, second)])
     };
     let force = if x { 2500.0 } else { -2500.0 };
-    let offset = nut.preload_displacement(Preload::Offset, force, &Support::guided(0.0));
+    let offset = nut.preload_displacement(PreloadKind::Offset, force, &Support::guided(0.0));
     let offset = offset.expect("a preload");
     // Spec 18.1: -+11.784697 um, printed to eight digits.
     assert_relative_eq!(offset, force.signum() * 11.784_697e-6, max_relative = 1e-7);
-    nut.preloaded(Preload::Offset, offset)
+    nut.preloaded(PreloadKind::Offset, offset)
 }
 
 /// A force was set again in the warm nut, and a nut that was warm all through grew out of its preload: the check
@@ -268,7 +273,7 @@ fn a_preload_is_set_cold_and_follows_the_temperatures() {
         for (pair, expected) in [(&x, of_x), (&o, of_o)] {
             let warm = pair.warmed(rises, 11.5e-6);
             let found = warm.solve(&Support::guided(0.0)).expect("at rest");
-            let left = found.preload(&warm, Preload::Offset);
+            let left = found.preload(&warm, PreloadKind::Offset);
             // The preload is found to 1e-13 of the offset; the digits are those printed.
             assert_relative_eq!(left, expected, max_relative = 2e-9);
         }
@@ -278,7 +283,7 @@ fn a_preload_is_set_cold_and_follows_the_temperatures() {
 /// A nut that is warm all through, balls too, fits as before: exactly, in any arrangement, with oversize and bars.
 #[test]
 fn a_uniform_temperature_changes_nothing() {
-    let mut single = nut_a().preloaded(Preload::Oversize, 8e-6);
+    let mut single = nut_a().preloaded(PreloadKind::Oversize, 8e-6);
     single.nut_bar = Some(Bar { stiffness: 453e6, anchor: 0.0 });
     for nut in [cold_pair(true), cold_pair(false), single] {
         let at = |nut: &BallNut| nut.solve(&Support::guided(900.0)).expect("carried").balls;
@@ -398,7 +403,7 @@ fn friction_adds_up() {
 
     let pair = pair();
     let support = Support::guided(0.0);
-    let nut = pair.preloaded(Preload::Offset, 11.722_956_420_2e-6);
+    let nut = pair.preloaded(PreloadKind::Offset, 11.722_956_420_2e-6);
     let found = nut.solve(&support).expect("at rest");
     let all = nut.friction(&found, Some(0.06), &drive, 0.0, &mut rolling);
     assert_eq!(all.efficiency, None);
@@ -413,7 +418,7 @@ fn friction_adds_up() {
 /// Oversize balls on both flanks drag: their friction is integrated over four ellipses.
 #[test]
 fn oversize_balls_drag() {
-    let tight = nut_a().preloaded(Preload::Oversize, 8e-6);
+    let tight = nut_a().preloaded(PreloadKind::Oversize, 8e-6);
     let found = tight.solve(&Support::guided(0.0)).expect("at rest");
     let drag = |screw_speed: f64, friction: f64| {
         let drive = Drive { screw_speed, nut_speed: 0.0 };
@@ -428,7 +433,7 @@ fn oversize_balls_drag() {
     assert_relative_eq!(drag(50.0, 0.12), 2.0 * torque, max_relative = 1e-3);
     assert_relative_eq!(drag(-50.0, 0.06), torque, max_relative = 1e-3);
     // More than the pair of the same preload, whose balls roll: K_p of 0.033 there.
-    let preload = found.preload(&tight, Preload::Oversize);
+    let preload = found.preload(&tight, PreloadKind::Oversize);
     let factor = torque * TAU / (preload * 10e-3);
     assert!((0.04..0.4).contains(&factor), "{factor}");
 }

@@ -13,7 +13,7 @@ use bsm_nut::thermal::{
     AxialHold, BETWEEN_LOADS, Coolant, FrictionOf, NODES, NoSteadyState, ScrewBar, Sinks, Surfaces,
     WarmNut, WarmPhase, celsius, coolant_conductance, drag_beyond_contacts,
 };
-use bsm_nut::{BallNut, Equilibrium, FrictionSum, Preload, Support, TurnRatings};
+use bsm_nut::{BallNut, Equilibrium, FrictionSum, PreloadKind, Support, TurnRatings};
 use bsm_sample::{Sample as _, campaign};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -107,8 +107,8 @@ fn axis(case: &Value) -> WarmNut<'static> {
     let way = if case["preload_arrangement"] == "O" { -1.0 } else { 1.0 };
     let guided = Support::guided(0.0);
     let offset =
-        bare.preload_displacement(Preload::Offset, way * preload, &guided).expect("offset");
-    let nut = bare.preloaded(Preload::Offset, offset);
+        bare.preload_displacement(PreloadKind::Offset, way * preload, &guided).expect("offset");
+    let nut = bare.preloaded(PreloadKind::Offset, offset);
     let phase = |phase: &Value| WarmPhase {
         time: number(phase, "share").expect("share"),
         load: number(phase, "force_N").expect("force"),
@@ -160,7 +160,7 @@ fn axis(case: &Value) -> WarmNut<'static> {
         screw,
         sinks,
         nut,
-        preload: Some(Preload::Offset),
+        preload: Some(PreloadKind::Offset),
         support: guided,
         phases,
         friction: &oiled,
@@ -687,7 +687,7 @@ fn at_the_neutral_distance_o_does_not_notice_a_warm_screw() {
         let axis = axis(&case);
         let preload = |kelvin: f64| {
             let warm = axis.nut.warmed([0.0, kelvin, 0.5 * kelvin], axis.screw.expansion);
-            warm.solve(&Support::guided(0.0)).expect("carried").preload(&warm, Preload::Offset)
+            warm.solve(&Support::guided(0.0)).expect("carried").preload(&warm, PreloadKind::Offset)
         };
         (preload(0.1) - preload(-0.1)) / (0.2 * preload(0.0))
     };
@@ -721,11 +721,11 @@ fn change_of_a_preload_to_first_order() {
     let (nut, expansion) = (&axis.nut, axis.screw.expansion);
     let preload = |rises: [f64; 3]| {
         let warm = nut.warmed(rises, expansion);
-        warm.solve(&Support::guided(0.0)).expect("carried").preload(&warm, Preload::Offset)
+        warm.solve(&Support::guided(0.0)).expect("carried").preload(&warm, PreloadKind::Offset)
     };
     let (sin, cos) = nut.contact_angle.sin_cos();
     let along = nut.helix.lead_angle.cos();
-    let approach = 0.5 * nut.preload_setting(Preload::Offset) * sin * along;
+    let approach = 0.5 * nut.preload_setting(PreloadKind::Offset) * sin * along;
     // The bodies begin four turns apart.
     let half = 2.0 * nut.helix.lead();
     let rise = expansion * 0.1;

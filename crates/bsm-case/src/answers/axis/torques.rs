@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use bsm_design::{DutySpeed, Motion, Nut, Phase, drag_torque};
+use bsm_design::{DutySpeed, Nut, Phase, ProfileSegment, drag_torque};
 use bsm_dyn::ModelWorkspace;
 use serde_json::{Value, json};
 
@@ -216,7 +216,7 @@ pub fn torque_parts(case: &Case, settings: &Settings) -> Result<Option<ScrewTorq
         return Ok(None);
     };
     let pace = DutySpeed::Turns((screw - turned) * RPM);
-    let motion = Motion { time: 1.0, force, pace, acceleration: 0.0, load_factor: 1.0 };
+    let motion = ProfileSegment { time: 1.0, force, pace, acceleration: 0.0, load_factor: 1.0 };
     let phase = motion.phase(&carriage(case), lead * MM);
     let drag = if preloaded {
         let machine = Machine::of(case)?;

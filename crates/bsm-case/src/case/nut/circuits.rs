@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use bsm_design::Nut;
-use bsm_nut::{Circuit, Flanks, LeadError, Preload};
+use bsm_nut::{Circuit, Flanks, LeadError, PreloadKind};
 
 use super::loading::{arrangement, is_preloaded};
 use crate::vocabulary::entries::{Arrangement, CaseEntries, CircuitEntry, LeadErrorEntry, Named};
@@ -117,7 +117,7 @@ fn apart(circuits: &[Circuit]) -> Result<(), CaseError> {
 }
 
 /// Circuits of one nut, or of each nut of a pair that is preloaded by an offset.
-pub(super) fn short_circuits(case: &Case, way: Preload) -> Result<Vec<Circuit>, CaseError> {
+pub(super) fn short_circuits(case: &Case, way: PreloadKind) -> Result<Vec<Circuit>, CaseError> {
     let (per_turn, turns) = balls_and_turns(case);
     let (per_turn, turns) = (per_turn.unwrap_or(f64::NAN), turns.unwrap_or(f64::NAN));
     let (number, starts) = (case.number(InputKey::circuits_count), case.number(InputKey::starts));
@@ -139,7 +139,7 @@ pub(super) fn short_circuits(case: &Case, way: Preload) -> Result<Vec<Circuit>, 
     // From the beginning of a circuit to that of the next one of its thread.
     let gap = case.gap_deg.unwrap_or_else(|| (arc / 360.0).ceil() * 360.0 - arc);
     let (step, phase) = (arc + gap, case.number(InputKey::phase_deg));
-    let pair = way == Preload::Offset && is_preloaded(case);
+    let pair = way == PreloadKind::Offset && is_preloaded(case);
     let arranged = arrangement(case)?.unwrap_or(Arrangement::O);
     let circuit = |body: usize, from: f64| {
         move |i: usize| Circuit {

@@ -3,7 +3,7 @@
 use std::array::from_fn;
 
 use bsm_design::PreloadMethod;
-use bsm_nut::{BallNut, Flanks, Freedom, Preload, Support};
+use bsm_nut::{BallNut, Flanks, Freedom, PreloadKind, Support};
 
 use crate::vocabulary::entries::{Arrangement, Guidance, Named};
 use crate::vocabulary::error::bad;
@@ -33,10 +33,10 @@ pub(super) enum Amount {
 }
 
 /// How the bodies of a nut are preloaded that is preloaded in that way.
-pub(super) fn preload_of_bodies(Named(method): Named<PreloadMethod>) -> Preload {
+pub(super) fn preload_of_bodies(Named(method): Named<PreloadMethod>) -> PreloadKind {
     match method {
-        PreloadMethod::DoubleNut | PreloadMethod::Offset => Preload::Offset,
-        PreloadMethod::Oversize => Preload::Oversize,
+        PreloadMethod::DoubleNut | PreloadMethod::Offset => PreloadKind::Offset,
+        PreloadMethod::Oversize => PreloadKind::Oversize,
     }
 }
 
@@ -77,8 +77,8 @@ fn arrangement_of(nut: &BallNut, given: Option<Arrangement>) -> Result<Arrangeme
 pub(super) fn preload(
     case: &Case,
     nut: &BallNut,
-    way: Preload,
-) -> Result<Option<(Preload, Amount)>, CaseError> {
+    way: PreloadKind,
+) -> Result<Option<(PreloadKind, Amount)>, CaseError> {
     use InputKey as K;
     let amounts = [K::preload_N, K::preload_offset_um, K::ball_oversize_um];
     let given: Vec<_> = amounts.into_iter().filter(|key| case[*key].is_some()).collect();
@@ -88,29 +88,29 @@ pub(super) fn preload(
         [one, other, ..] => return Err(CaseError::given_twice([one.name(), other.name()])),
     };
     let value = case[key].unwrap_or(f64::NAN);
-    let by = if key == K::ball_oversize_um { Preload::Oversize } else { way };
-    if key == K::preload_offset_um && way == Preload::Oversize {
+    let by = if key == K::ball_oversize_um { PreloadKind::Oversize } else { way };
+    if key == K::preload_offset_um && way == PreloadKind::Oversize {
         return Err(bad(
             key.name(),
             "is of a pair of nuts; balls that are too large have ball_oversize_um",
         ));
     }
     let bodies = 1 + nut.circuits.iter().map(|circuit| circuit.body).max().unwrap_or(0);
-    if by == Preload::Offset && bodies != 2 {
+    if by == PreloadKind::Offset && bodies != 2 {
         let what = format!("a pair has two bodies, but the circuits have {bodies}");
         return Err(bad(key.name(), what));
     }
     let both = nut.circuits.iter().all(|circuit| circuit.flanks == Flanks::Both);
-    if by == Preload::Oversize && key == K::preload_N && !both {
+    if by == PreloadKind::Oversize && key == K::preload_N && !both {
         let what = "balls that are too large press both flanks, but a circuit has one flank only";
         return Err(bad(key.name(), what));
     }
-    if by == Preload::Oversize && case.nut.preload_arrangement.is_some() {
+    if by == PreloadKind::Oversize && case.nut.preload_arrangement.is_some() {
         return Err(bad("preload_arrangement", "is of a pair of nuts"));
     }
     let amount = match (key, by) {
-        (K::preload_N, Preload::Oversize) => Amount::Force(value),
-        (K::preload_N, Preload::Offset) => match arrangement_of(nut, arrangement(case)?)? {
+        (K::preload_N, PreloadKind::Oversize) => Amount::Force(value),
+        (K::preload_N, PreloadKind::Offset) => match arrangement_of(nut, arrangement(case)?)? {
             Arrangement::X => Amount::Force(value),
             Arrangement::O => Amount::Force(-value),
         },

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating, Thread};
 use bsm_dyn::Ball;
 use bsm_kin::{Drive, Helix};
-use bsm_nut::{BallNut, Equilibrium, Errors, NutError, Preload, Support, TurnRatings};
+use bsm_nut::{BallNut, Equilibrium, Errors, NutError, PreloadKind, Support, TurnRatings};
 
 use super::bodies::bodies;
 use super::circuits::{
@@ -48,7 +48,7 @@ pub struct NutProblem {
     /// Strain of the screw by a tension, and its Poisson's ratio; none while it is set.
     strain: Option<(f64, f64)>,
     pub(crate) support: Support,
-    preload: Option<(Preload, Amount)>,
+    preload: Option<(PreloadKind, Amount)>,
     /// Standard deviation of the excess of the balls' radius \[m\].
     scatter: f64,
     pub(crate) seed: u64,
@@ -83,7 +83,7 @@ pub(crate) struct NutAtRest {
 /// The preload of a nut.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct NutPreload {
-    pub(crate) by: Preload,
+    pub(crate) by: PreloadKind,
     /// Where nothing is loaded from outside, the nut is guided, and nothing is warmer than where it fits \[N\].
     pub(crate) cold: f64,
     /// The same with the rises of temperature \[N\].
@@ -233,8 +233,8 @@ impl NutProblem {
         let two = nut.circuits.iter().any(|circuit| circuit.body == 1);
         let by = match self.preload {
             Some((by, _)) => Some(by),
-            None if two => Some(Preload::Offset),
-            None if nut.errors.oversize > 0.0 => Some(Preload::Oversize),
+            None if two => Some(PreloadKind::Offset),
+            None if nut.errors.oversize > 0.0 => Some(PreloadKind::Oversize),
             None => None,
         };
         let preload = by.and_then(|by| {
@@ -268,7 +268,7 @@ impl Case {
 }
 
 /// The nut without its elastic bodies, and how it is preloaded if it is.
-fn ball_nut(case: &Case) -> Result<(BallNut, Preload), CaseError> {
+fn ball_nut(case: &Case) -> Result<(BallNut, PreloadKind), CaseError> {
     let words = &case.nut;
     let radius = 0.5 * MM * case.number(InputKey::ball_diameter_mm);
     let (circuits, way) = if let Some(listed) = &words.circuits {
@@ -276,11 +276,11 @@ fn ball_nut(case: &Case) -> Result<(BallNut, Preload), CaseError> {
             return Err(CaseError::given_twice(["circuits", key.name()]));
         }
         let several = listed.iter().any(|circuit| circuit.body > 0);
-        let usual = if several { Preload::Offset } else { Preload::Oversize };
+        let usual = if several { PreloadKind::Offset } else { PreloadKind::Oversize };
         let way = words.preload_by.map_or(usual, preload_of_bodies);
         (listed_circuits(listed, case.number(InputKey::starts), arrangement(case)?)?, way)
     } else {
-        let way = words.preload_by.map_or(Preload::Offset, preload_of_bodies);
+        let way = words.preload_by.map_or(PreloadKind::Offset, preload_of_bodies);
         (short_circuits(case, way)?, way)
     };
     let lead_errors = words.lead_error.as_deref().unwrap_or_default();
@@ -361,7 +361,7 @@ fn usually_preloaded(case: &Case) -> Result<Option<Case>, CaseError> {
 fn notes(
     case: &Case,
     nut: &BallNut,
-    preload: Option<(Preload, Amount)>,
+    preload: Option<(PreloadKind, Amount)>,
     usual: bool,
 ) -> Vec<String> {
     let mut notes: Vec<_> = case.load_of_the_mass().into_iter().collect();
@@ -371,7 +371,7 @@ fn notes(
             "without axial_load_N and preload_N, a pair preloaded by {PRELOAD} of its dynamic rating is taken"
         ));
     }
-    if let (Some((Preload::Offset, Amount::Force(force) | Amount::Displacement(force))), None) =
+    if let (Some((PreloadKind::Offset, Amount::Force(force) | Amount::Displacement(force))), None) =
         (preload, &case.nut.circuits)
     {
         let arranged = if force < 0.0 {
@@ -385,7 +385,7 @@ fn notes(
             nut.balls() / 2
         ));
     }
-    if by == Some(Preload::Oversize) && case.preload_N.is_some() {
+    if by == Some(PreloadKind::Oversize) && case.preload_N.is_some() {
         notes.push("preload_N of one nut is that of balls too large for both flanks".to_owned());
     }
     if let Some(balls) = case.loaded_balls

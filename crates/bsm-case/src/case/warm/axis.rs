@@ -1,6 +1,6 @@
 //! The warm steady state of an axis: from its case to its problem in SI.
 
-use bsm_design::{Shaft, Support as Mounting, drag_torque};
+use bsm_design::{EndFixity, Shaft, drag_torque};
 use bsm_dyn::ZERO_CELSIUS;
 use bsm_kin::Drive;
 use bsm_nut::thermal::{
@@ -158,7 +158,7 @@ impl<'a> WarmAxis<'a> {
             youngs_modulus: shaft.youngs_modulus,
             poisson_ratio: case.number(InputKey::poisson_ratio),
         });
-        let free = shaft.support == Mounting::FixedFree;
+        let free = shaft.support == EndFixity::FixedFree;
         let phase = |phase: &bsm_design::Phase| WarmPhase {
             time: phase.time,
             load: phase.load,

@@ -28,10 +28,17 @@ pub(crate) mod unknown {
     pub(crate) const SPIN: usize = 6;
 }
 
-/// Row of the moment about the contact normal.
-pub(crate) const MOMENT_NORMAL: usize = 4;
+/// Places of the equations of one ball.
+pub(crate) mod equation {
+    /// Force balance in the triad (t, N, e_x) of the loaded contacts.
+    pub(crate) const FORCE: [usize; 3] = [0, 1, 2];
+    /// Moment balance in it; the second one is about the contact normal.
+    pub(crate) const MOMENT: [usize; 3] = [3, 4, 5];
+    /// Axial load.
+    pub(crate) const AXIAL_LOAD: usize = 6;
+}
 
-/// Rows: force and moment in the triad (t, N, e_x) of the loaded contacts, then the axial load.
+/// The [`equation`]s as text.
 pub(crate) const ROWS: [&str; BALL] = [
     "force balance along the helix (t)",
     "force balance along the contact normal (N)",

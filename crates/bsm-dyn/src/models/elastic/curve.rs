@@ -5,13 +5,15 @@
 use std::array::from_fn;
 
 use bsm_kin::Jet;
-use bsm_newton::{EventRoot, Exit, JacobianUpdate, Seed, StepControl, Trace, trace};
+use bsm_newton::{EventRoot, JacobianUpdate, PathEnd, Seed, StepControl, Trace, trace};
 
 use super::forces::CURVE;
 use super::states::{SlidingBall, SlidingMotion, SlidingState};
-use super::steady::{CurveState, log_inertia};
-use crate::models::ball::{BALL, ElasticContacts, Evidence, Reason, Unsolved};
-use crate::models::elastic::Elastic;
+use super::steady::{CurveState, NO_INERTIA, RISES, log_inertia};
+use crate::cost::count_of;
+use crate::models::ball::{
+    Attempt, BALL, ElasticContacts, Evidence, Reason, Unsolved, first_answer,
+};
 
 /// Steps along the curve, in units of its sizes; thirty are usual. Newton's method refines the root.
 const STEP_CONTROL: StepControl = StepControl {
@@ -53,22 +55,27 @@ pub(super) fn root(
     contacts: &ElasticContacts,
     any: bool,
 ) -> Result<([f64; BALL], usize), Unsolved> {
-    let mut curve = SlidingCurve { ball: contacts.into(), steps: 0 };
-    let start = curve.begin(contacts.jones.contact_angle)?;
-    let (root, sign) = match curve.straight_root(&start, any) {
-        Some(root) => root,
-        None => curve.search(&start, &STEP_CONTROL)?,
-    };
-    Ok((curve.ball.unknowns(&root.state, &root.motion, sign), curve.steps))
+    let mut steps = 0;
+    let mut curve = SlidingCurve::of(contacts, any, &mut steps)?;
+    let (root, sign) = first_answer(&mut curve, &SlidingCurve::STRATEGIES)?;
+    Ok((curve.ball.unknowns(&root.state, &root.motion, sign), steps))
 }
 
-struct SlidingCurve {
+/// The curve of all states of force of a point, on which a root is looked for.
+struct SlidingCurve<'a> {
     ball: SlidingBall<f64>,
+    /// Where it begins, without inertia.
+    start: CurveState<f64>,
+    /// Any root is enough.
+    any: bool,
     /// Newton steps.
-    steps: usize,
+    steps: &'a mut usize,
 }
 
-impl SlidingCurve {
+impl<'a> SlidingCurve<'a> {
+    const STRATEGIES: [fn(&mut Self) -> Attempt<CurveRoot>; 3] =
+        [Self::straight_root, Self::coarse_walk, Self::exact_walk];
+
     /// The node at a point of the curve.
     fn state_at(&self, z: &[f64; CURVE]) -> Option<SlidingPoint> {
         let (state, _) = self.ball.state_at(z)?;
@@ -76,60 +83,65 @@ impl SlidingCurve {
     }
 
     fn count(&mut self, steps: f64) {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few")]
-        let steps = steps as usize;
-        self.steps += steps;
+        *self.steps += count_of(steps);
     }
 
-    /// Where the curve begins, without inertia, if it does.
-    ///
-    /// * `unloaded`: contact angle \[rad\].
-    fn begin(&mut self, unloaded: f64) -> Result<CurveState<f64>, Unsolved> {
-        let friction_term = self.ball.friction / self.ball.cot;
-        if !self.ball.carries() {
+    /// The curve, if it begins.
+    fn of(contacts: &ElasticContacts, any: bool, steps: &'a mut usize) -> Result<Self, Unsolved> {
+        let ball = SlidingBall::from(contacts);
+        let friction_term = ball.friction / ball.cot;
+        if !ball.carries() {
             let locks = Reason::SelfLocking { sin_contact_angle: 1.0, friction_term };
             return Err(Unsolved::none(Evidence::Proof, locks));
         }
-        let begin = self.ball.begin(unloaded, &mut self.steps).ok_or(Unsolved::LOST)?;
-        let start = self.ball.state_without_inertia(begin, true);
-        self.count(start.steps);
+        let begin = ball.begin(contacts.jones.contact_angle, steps).ok_or(Unsolved::LOST)?;
+        let start = ball.state_without_inertia(begin, true);
+        let mut curve = Self { ball, start, any, steps };
+        curve.count(start.steps);
         if !start.found {
             return Err(Unsolved::LOST);
         }
-        if self.rise(&start) < 0.0 {
-            let reason = Reason::InertiaOutOfRange { inertia_ratio: self.ball.inertia_ratio };
+        if curve.rise() < 0.0 {
+            let reason = Reason::InertiaOutOfRange { inertia_ratio: ball.inertia_ratio };
             return Err(Unsolved::invalid(reason));
         }
-        Ok(start)
+        Ok(curve)
     }
 
     /// From where the curve begins to the root, if the curve were straight up to it, in `$\ln q$`.
-    fn rise(&self, start: &CurveState<f64>) -> f64 {
-        self.ball.inertia_ratio.ln() - start.log_inertia()
+    fn rise(&self) -> f64 {
+        self.ball.inertia_ratio.ln() - self.start.log_inertia()
     }
 
     /// The root that Newton finds from where the curve begins: the first one, if the inertia only rises up to there, or any.
-    fn straight_root(&mut self, start: &CurveState<f64>, any: bool) -> Option<CurveRoot> {
-        let root = self.ball.first(start, any);
-        self.count(root.steps - start.steps);
+    fn straight_root(&mut self) -> Attempt<CurveRoot> {
+        let root = self.ball.first(&self.start, self.any);
+        self.count(root.steps - self.start.steps);
         let node = SlidingPoint { state: root.state, motion: root.motion };
-        (if any { root.steady } else { root.found }).then_some((node, root.rate.signum()))
+        let is_root = if self.any { root.steady } else { root.found };
+        is_root.then_some(Ok((node, root.rate.signum())))
     }
 
-    /// The first root along the whole curve, or why there is none.
-    fn search(
-        &mut self,
-        start: &CurveState<f64>,
-        control: &StepControl,
-    ) -> Result<CurveRoot, Unsolved> {
+    /// What a walk finds whose roots Newton's method refines, unless that leads elsewhere.
+    fn coarse_walk(&mut self) -> Attempt<CurveRoot> {
+        self.walk(&STEP_CONTROL)
+    }
+
+    /// What a walk to rounding finds.
+    fn exact_walk(&mut self) -> Attempt<CurveRoot> {
+        self.walk(&EXACT)
+    }
+
+    /// The first root along the whole curve, or why there is none; nothing where a root is not refined.
+    fn walk(&mut self, control: &StepControl) -> Attempt<CurveRoot> {
         let inertia = self.ball.inertia_ratio;
-        let slip = start.motion.slip[0];
+        let start = self.start;
         // Smallest and largest inertia ratio of a ball that slides against friction on its flanks.
         let mut seen = None::<(f64, f64)>;
         if start.is_admissible() {
             seen = Some((0.0, start.log_inertia().exp()));
         }
-        let CurveState { point: [log, screw, c], state, .. } = self.below(start);
+        let CurveState { point: [log, screw, c], state, .. } = self.below();
         let seed =
             Seed { z: [log, state.slip_cotangents[0], screw, c], towards: [1.0, 0.0, 0.0, 0.0] };
         let (mut root, mut known, mut admissible, mut refined) = (None, 0, false, true);
@@ -161,27 +173,28 @@ impl SlidingCurve {
                 let [log, nut, screw, _] = *z;
                 root.is_none()
                     && refined
-                    && log >= Elastic::NO_INERTIA
+                    && log >= NO_INERTIA
                     && screw >= 0.0
                     && nut >= -self.ball.sin / self.ball.arc
             },
             control,
         );
-        self.steps += steps;
+        *self.steps += steps;
         if !refined {
-            return self.search(start, &EXACT);
+            return None;
         }
         if let Some(root) = root {
-            return Ok(root);
+            return Some(Ok(root));
         }
-        if end != Exit::Ended && (end != Exit::Lost || admissible) {
-            return Err(Unsolved::LOST);
+        if end != PathEnd::Ended && (end != PathEnd::Lost || admissible) {
+            return Some(Err(Unsolved::LOST));
         }
         let reason = match seen {
             Some((least, most)) => Reason::NoSkidAtInertia { inertia, least, most },
-            None => Reason::SlipAlongFriction { slip },
+            None => Reason::SlipAlongFriction { slip: start.motion.slip[0] },
         };
-        Err(Unsolved::none(Evidence::Traced { resolution: STEP_CONTROL.pair_resolution }, reason))
+        let evidence = Evidence::Traced { resolution: STEP_CONTROL.pair_resolution };
+        Some(Err(Unsolved::none(evidence, reason)))
     }
 
     /// Residual of (S26) for `$P/W > 0$` and for `$P/W < 0$`, and how it changes along the curve.
@@ -212,21 +225,22 @@ impl SlidingCurve {
     }
 
     /// A state below the first root: up to there the curve is straight.
-    fn below(&mut self, start: &CurveState<f64>) -> CurveState<f64> {
-        let (ball, [log, screw, c]) = (self.ball, start.point);
+    fn below(&mut self) -> CurveState<f64> {
+        let (ball, start) = (self.ball, self.start);
+        let [log, screw, c] = start.point;
         let scale = start.scale(&ball);
         // exp(−2): a seventh of the inertia.
-        let mut rise = self.rise(start).min(-Elastic::NO_INERTIA) - 2.0;
+        let mut rise = self.rise().min(-NO_INERTIA) - 2.0;
         while rise > 0.0 {
             // The inertia of a root moves by twice the change of the factors, not by a factor of seven.
             let state = ball.iterate::<false>([log + rise, screw, c], &scale, true);
             self.count(state.steps);
-            if state.found && state.is_straight_from(start, &scale, Elastic::RISES) {
+            if state.found && state.is_straight_from(&start, &scale, RISES) {
                 return state;
             }
             rise -= 3.0;
         }
-        *start
+        start
     }
 }
 
@@ -257,10 +271,10 @@ mod tests {
                 (extreme(&mut rng), &mut of_extremes)
             };
             let Ok(contacts) = screw.scaled() else { continue };
-            let mut curve = SlidingCurve { ball: (&contacts).into(), steps: 0 };
-            let Ok(start) = curve.begin(contacts.jones.contact_angle) else { continue };
-            let Some((straight, sign)) = curve.straight_root(&start, false) else { continue };
-            let (first, same) = curve.search(&start, &EXACT).expect("a root");
+            let mut steps = 0;
+            let Ok(mut curve) = SlidingCurve::of(&contacts, false, &mut steps) else { continue };
+            let Some(Ok((straight, sign))) = curve.straight_root() else { continue };
+            let (first, same) = curve.exact_walk().expect("an answer").expect("a root");
             // Where friction all but holds the load a million times the axial load is left, ten digits;
             // another root differs by per cent.
             let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);
@@ -285,13 +299,14 @@ mod tests {
                 (extreme(&mut rng), &mut of_extremes)
             };
             let Ok(contacts) = screw.scaled() else { continue };
-            let mut curve = SlidingCurve { ball: (&contacts).into(), steps: 0 };
-            let Ok(start) = curve.begin(contacts.jones.contact_angle) else { continue };
-            let begun = curve.steps;
-            let coarse = curve.search(&start, &STEP_CONTROL);
-            let in_all = curve.steps - begun;
-            let exact = curve.search(&start, &EXACT);
-            fewer += usize::from(in_all < curve.steps - begun - in_all);
+            let mut steps = 0;
+            let Ok(mut curve) = SlidingCurve::of(&contacts, false, &mut steps) else { continue };
+            let begun = *curve.steps;
+            let walks = [SlidingCurve::coarse_walk, SlidingCurve::exact_walk];
+            let coarse = first_answer(&mut curve, &walks);
+            let in_all = *curve.steps - begun;
+            let exact = first_answer(&mut curve, &walks[1..]);
+            fewer += usize::from(in_all < *curve.steps - begun - in_all);
             match (coarse, exact) {
                 (Ok((one, sign)), Ok((other, same))) => {
                     // As above.
@@ -320,10 +335,10 @@ mod tests {
                 screw.point.contact_angle = *angle;
             }
             let Ok(contacts) = screw.scaled() else { continue };
-            let mut curve = SlidingCurve { ball: (&contacts).into(), steps: 0 };
-            let _ = curve.begin(contacts.jones.contact_angle);
+            let mut steps = 0;
+            let _ = SlidingCurve::of(&contacts, false, &mut steps);
             // Those to the angle, and those onto the curve.
-            assert!(curve.steps <= Bracket::MOST_EVALUATIONS + 12, "{} {screw:?}", curve.steps);
+            assert!(steps <= Bracket::MOST_EVALUATIONS + 12, "{steps} {screw:?}");
         }
     }
 }

@@ -6,10 +6,22 @@
 use bsm_kin::{Field, FieldOver};
 use bsm_simd::{Compare, DualNumber};
 
-use super::Elastic;
 use super::states::{SlidingBall, SlidingMotion, SlidingState};
 use crate::contact::friction_torque;
 use crate::models::ball::friction_power;
+
+/// Logarithm of a `$q$` without inertia: next to the smallest normal number.
+pub(super) const NO_INERTIA: f64 = -700.0;
+
+/// Relative changes of the factors of (S27) from where the curve begins, up to which the curve is
+/// straight: the inertia has only risen up to there.
+pub(super) const RISES: f64 = 0.1;
+
+/// The scale of a place on the curve is some third of it: a third of a relative change in its units.
+pub(super) const LARGE: f64 = 3.0;
+
+/// What a state of force may leave of (S14) and (S20), both of size one; Newton leaves rounding.
+pub(super) const CLOSED: f64 = 1e-10;
 
 /// Newton steps to a state; more means that the guess was not near it.
 const MOST_STEPS: usize = 8;
@@ -102,10 +114,10 @@ impl<F: Compare> CurveState<F> {
     #[inline(always)]
     pub(super) fn is_straight_from(&self, start: &Self, scale: &[F; 3], change: f64) -> F::Mask {
         let rise = self.point[0] - start.point[0];
-        let most = rise.constant(-Elastic::NO_INERTIA);
+        let most = rise.constant(-NO_INERTIA);
         let growth = F::select(rise.lt(most), rise, most).exp();
         // A place may be far from the begin and have the factors of the begin again.
-        let large = Elastic::LARGE * change;
+        let large = LARGE * change;
         let begin = (&start.state, &start.motion);
         self.state.has_only_grown(&self.motion, begin, growth, change)
             & (self.state.slip_cotangents[0] - start.state.slip_cotangents[0])
@@ -150,12 +162,12 @@ pub(super) fn log_inertia<F: Compare>(state: &SlidingState<F>, motion: &SlidingM
     state.centrifugal.ln() + (motion.inertia / motion.drive).abs().ln() * 2.0
 }
 
-/// How many times more than [`Elastic::CLOSED`] is rounding: where friction all but holds the load, `$Y$` is one over
+/// How many times more than [`CLOSED`] is rounding: where friction all but holds the load, `$Y$` is one over
 /// a small difference.
 #[inline(always)]
 pub(super) fn rounding_floor<F: Compare>(state: &SlidingState<F>) -> F {
     let one = state.push.constant(1.0);
-    (state.push * (16.0 * f64::EPSILON / Elastic::CLOSED)).larger(one)
+    (state.push * (16.0 * f64::EPSILON / CLOSED)).larger(one)
 }
 
 impl<F: Compare> SlidingBall<F> {
@@ -234,7 +246,7 @@ where
     /// The state without inertia next to `$x$` and `$c$`.
     #[inline(always)]
     pub(super) fn state_without_inertia(&self, [x, c]: [F; 2], expected: F::Mask) -> CurveState<F> {
-        let guess = [x.constant(Elastic::NO_INERTIA), x, c];
+        let guess = [x.constant(NO_INERTIA), x, c];
         self.iterate::<false>(guess, &self.scale([x, x], c), expected)
     }
 
@@ -248,8 +260,8 @@ where
             (self.friction.constant(0.0), self.friction.constant(1.0), start.scale(self));
         // M ~ q, up to where the curve bends. Where nut and screw turn together, the inertia of the begin
         // underflows, its logarithm does not.
-        let root = self.inertia_ratio.ln() - start.log_inertia() + Elastic::NO_INERTIA;
-        let inside = start.found & root.lt(zero) & root.gt(one * Elastic::NO_INERTIA);
+        let root = self.inertia_ratio.ln() - start.log_inertia() + NO_INERTIA;
+        let inside = start.found & root.lt(zero) & root.gt(one * NO_INERTIA);
         let (mut guess, mut expected) = ([root, start.point[1], start.point[2]], inside);
         let (mut steady, mut found, mut steps) = (zero.lt(zero), zero.lt(zero), start.steps);
         let mut walked = false;
@@ -264,7 +276,7 @@ where
             let near = if walked {
                 node.is_within(&guess, &scale)
             } else {
-                node.is_straight_from(start, &scale, Elastic::RISES)
+                node.is_straight_from(start, &scale, RISES)
             };
             steady = steady & !expected | admissible;
             found = found & !expected | admissible & near & residual.le(rounding);
@@ -319,7 +331,7 @@ where
             steps = steps + next.steps;
             active = active & next.found;
             if step == 0 {
-                active = active & below & next.is_straight_from(start, scale, Elastic::RISES);
+                active = active & below & next.is_straight_from(start, scale, RISES);
             } else {
                 let rise = inertia - log;
                 active =
@@ -408,7 +420,7 @@ where
         let residual = a.abs().larger(b.abs());
         let found = expected
             & converged
-            & residual.lt(rounding_floor(&state) * Elastic::CLOSED)
+            & residual.lt(rounding_floor(&state) * CLOSED)
             & state.push.gt(zero)
             & state.push.lt(infinity);
         CurveState { point, state, motion, residual, steps, found }

@@ -64,7 +64,7 @@ fn search(
             .max(contacts.inertia_ratio() * (y[PRECESSION] + contacts.scaled.nut_speed).powi(2));
         let is_root = [0, 1, 2, 6].into_iter().all(|i| residual[i].abs() < 1e-9 * force)
             && [3, 5].into_iter().all(|i| residual[i].abs() < 1e-6 * contacts.friction * load)
-            && (residual[MOMENT_NORMAL] * weights(contacts, &y)[MOMENT_NORMAL]).abs() < 1e-6;
+            && (residual[MOMENT[1]] * weights(contacts, &y)[MOMENT[1]]).abs() < 1e-6;
         // Slips below the rounding of the moment about N (R23) have no direction.
         let rate = y[PRECESSION] + contacts.scaled.nut_speed;
         let resolved =

@@ -24,15 +24,15 @@ impl<const M: usize> Lubricated<Jet<M>> {
             Temperature::Balance { heat_transfer, ambient } => (heat_transfer, ambient),
         };
         let solved = self.values().solve(work).answer?;
-        let settled = solved.film.map_or(f64::NAN, |film| film.temperature);
-        let mut excess = |kelvin: f64| {
+        let temperature = solved.film.map_or(f64::NAN, |film| film.temperature);
+        let mut surplus_cooling = |kelvin: f64| {
             let (_, heat) = self.slopes(Jet::from(kelvin), work)?;
             // hA (T − T₀) − Σ P(T)                                        (Y28)
             Ok((-ambient + kelvin) * heat_transfer - heat)
         };
-        let here = excess(settled)?;
-        let slope = (excess(settled + APART)?.re - here.re) / APART;
-        let kelvin = Jet { re: settled, eps: here.eps.map(|eps| -eps / slope) };
+        let here = surplus_cooling(temperature)?;
+        let slope = (surplus_cooling(temperature + APART)?.re - here.re) / APART;
+        let kelvin = Jet { re: temperature, eps: here.eps.map(|eps| -eps / slope) };
         Ok(self.slopes(kelvin, work)?.0)
     }
 

@@ -140,7 +140,7 @@ impl Lubricated {
         let solved = match self.lubricant.temperature {
             Temperature::Known(kelvin) => self.at(kelvin, work),
             Temperature::Balance { heat_transfer, ambient } => {
-                self.settled(heat_transfer, ambient, work)
+                self.in_heat_balance(heat_transfer, ambient, work)
             }
         };
         Solution::new(self.name(), solved)
@@ -162,20 +162,20 @@ impl Lubricated {
     }
 
     /// The answer at the lowest temperature that the losses keep (Y28).
-    fn settled(
+    fn in_heat_balance(
         &self,
         heat_transfer: f64,
         ambient: f64,
         work: &mut ModelWorkspace,
     ) -> Result<Solved, Unsolved> {
-        let mut excess = |kelvin: f64| {
+        let mut surplus_cooling = |kelvin: f64| {
             let solved = self.at(kelvin, work)?;
             let seal = solved.film.map_or(f64::NAN, |film| film.outside.seal);
             let heat = solved.transmission.power.map_or(f64::NAN, |power| power.dissipated) + seal;
             // hA (T − T₀) = Σ P(T)                                        (Y28)
             Ok((heat_transfer * (kelvin - ambient) - heat, solved))
         };
-        let (mut low, mut below) = (ambient, excess(ambient)?.0);
+        let (mut low, mut below) = (ambient, surplus_cooling(ambient)?.0);
         loop {
             let high = low + WARMING;
             if high > HOTTEST {
@@ -183,28 +183,28 @@ impl Lubricated {
                 let reason = Reason::LubricantRunsAway { hottest: HOTTEST };
                 return Err(Unsolved::none(evidence, reason));
             }
-            let (above, _) = excess(high)?;
+            let (above, _) = surplus_cooling(high)?;
             if above < 0.0 {
                 (low, below) = (high, above);
                 continue;
             }
-            let mut settled = Err(Unsolved::LOST);
+            let mut answer = Err(Unsolved::LOST);
             let bracket =
                 Bracket { x_tol: SETTLED / high, ..Bracket::new([low, high], [below, above]) };
-            let found = bracket.root(|kelvin| match excess(kelvin) {
+            let found = bracket.root(|kelvin| match surplus_cooling(kelvin) {
                 Ok((value, solved)) => {
-                    settled = Ok(solved);
+                    answer = Ok(solved);
                     value
                 }
                 Err(why) => {
-                    settled = Err(why);
+                    answer = Err(why);
                     f64::NAN
                 }
             });
             // An end that is the root was solved before the other.
             return match found.root() {
-                Some(root) if [low, high].contains(&root.x) => Ok(excess(root.x)?.1),
-                _ => settled,
+                Some(root) if [low, high].contains(&root.x) => Ok(surplus_cooling(root.x)?.1),
+                _ => answer,
             };
         }
     }

@@ -6,21 +6,19 @@ use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar, Site};
 use bsm_newton::{Bracket, EvalError, JacobianUpdate, Options, Report, Scales, solve};
 use bsm_simd::Arch;
 
-use super::statics::{Rates, StaticBalance, StaticState};
-use super::{RacewayControl, rolling};
+use super::rolling::rolling;
+use super::statics::{Rates, STATIC, StaticBalance, StaticState};
 use crate::contact::axial_displacement;
+use crate::cost::count_of;
 use crate::models::ball::{
     BallLoads, Control, ElasticContacts, Evidence, Reason, Unsolved, Workspace, equations,
 };
 
-/// Unknowns: the difference of the cotangents of the contact angles, and that at the screw (W12).
-pub(crate) const STATIC: usize = 2;
-
 /// Newton steps behind a bracket.
 const MOST_STEPS: usize = 8;
 
-/// Passes of the rising bound (W14). Each is a fixed-point step; thousands are needed where the
-/// centrifugal force nearly touches what the flanks hold.
+/// Passes of the rising bound (W14). Each is a fixed-point step, as Newton's may pass the first root; thousands are needed
+/// where the centrifugal force nearly touches what the flanks hold.
 const MOST_PASSES: usize = 20_000;
 
 /// Steps of the scan for more roots, and their ends.
@@ -112,8 +110,7 @@ impl Balance<'_> {
         };
         self.statics.iterate(&mut at);
         let residual = self.statics.scaled_residual(at.unknowns);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few")]
-        let mut steps = at.steps as usize;
+        let mut steps = count_of(at.steps);
         if at.converged
             && residual < StaticBalance::<f64>::CLOSED
             && self.statics.is_first(at.unknowns)
@@ -139,7 +136,7 @@ impl Balance<'_> {
             Control::Screw => self.statics.lever - nut,
         };
         // μ cosα |P|/W < 2, with the largest |P| that may still rise      (W17)
-        self.statics.inertia * outwards < RacewayControl::UNIQUE_BELOW
+        self.statics.inertia * outwards < StaticBalance::<f64>::UNIQUE_BELOW
     }
 
     /// Roots on the flanks whose contact angles differ by more than those of the first root `x`, up to

@@ -6,9 +6,12 @@
 use bsm_kin::{Field, FieldOver};
 use bsm_simd::{Compare, Lane, Simd, WithSimd};
 
-use super::{STATIC, rolling_precession};
+use super::rolling::rolling_precession;
 use crate::cost;
 use crate::models::ball::{LoadedContact, ScaledBall};
+
+/// Unknowns: the difference of the cotangents of the contact angles, and that at the screw (W12).
+pub(crate) const STATIC: usize = 2;
 
 /// Newton steps before a root is looked for in another way.
 const MOST_STEPS: usize = 6;
@@ -118,6 +121,10 @@ impl<P: Field> StaticBalance<P> {
 impl<F: Compare> StaticBalance<F> {
     /// Largest scaled residual of a root.
     pub const CLOSED: f64 = 1e-12;
+
+    /// Inertia (W17) up to which no ball was seen to have a second root: the least of those that have one is
+    /// 3.8, and (W15) excludes one below 0.25.
+    pub const UNIQUE_BELOW: f64 = 2.0;
 
     /// Equal angles, turned apart by their centrifugal force unless that is too much.
     ///

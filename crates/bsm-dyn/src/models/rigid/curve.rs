@@ -58,7 +58,7 @@ struct BranchSet<F: Field> {
     /// `$B_0$`.
     drive: F,
     /// `$\Delta$`, `$X$`, `$\Delta M$` and the friction of the other contact times `$\Delta$`.
-    reach: LinearForm<F>,
+    denominator: LinearForm<F>,
     cross: LinearForm<F>,
     centrifugal: LinearForm<F>,
     other: [LinearForm<F>; 2],
@@ -270,12 +270,12 @@ impl Curve {
         let curvature = xi * (xi * (0.5 * (1.0 - lean * lean)) - b[0] - lean);
         let at_nut = gap.lt(zero);
         let gap = gap.abs();
-        let reach = LinearForm([gap, ell[0], ell[1]]);
+        let denominator = LinearForm([gap, ell[0], ell[1]]);
         let own = [LinearForm([zero, one, zero]), LinearForm([zero, zero, one])];
         let scaled = [LinearForm([zero, curvature, zero]), LinearForm([zero, zero, curvature])];
         let other = [
-            reach.combined(ell[0], &own[0], -curvature),
-            reach.combined(ell[1], &own[1], -curvature),
+            denominator.combined(ell[0], &own[0], -curvature),
+            denominator.combined(ell[1], &own[1], -curvature),
         ];
         let unloaded = [
             LinearForm::select(at_nut, &other[0], &scaled[0]),
@@ -286,8 +286,8 @@ impl Curve {
         // Δ M = Δ [ξ F/sinβ + 2 Q' cosβ] − 2 F sinβ Δ f'_x                (R37)
         let unloaded_flank_load = LinearForm([curvature, zero, zero]);
         let unloaded_flank_load =
-            unloaded_flank_load.combined(one, &reach, F::select(at_nut, gap, zero));
-        let centrifugal = reach
+            unloaded_flank_load.combined(one, &denominator, F::select(at_nut, gap, zero));
+        let centrifugal = denominator
             .combined(xi * (f / sin_b), &unloaded_flank_load, sin.constant(2.0 * cos_b))
             .combined(one, &unloaded[0], sin.constant(-2.0 * f * sin_b));
         // X = ± c × ℓ                                                     (R38)
@@ -317,7 +317,7 @@ impl Curve {
             curvature,
             axial,
             drive,
-            reach,
+            denominator,
             cross,
             centrifugal,
             other,
@@ -352,11 +352,11 @@ impl Curve {
     #[inline(always)]
     fn point<F: Compare>(&self, fan: &BranchSet<F>, c: [F; 2]) -> [F; NUMBERS] {
         let [k_e, k_t] = self.axis;
-        let reach = fan.reach.at(c);
-        let per_reach = reach.recip();
-        let load = fan.curvature * per_reach;
+        let denominator = fan.denominator.at(c);
+        let per_denominator = denominator.recip();
+        let load = fan.curvature * per_denominator;
         let own = [load * c[0], load * c[1]];
-        let other = [fan.other[0].at(c) * per_reach, fan.other[1].at(c) * per_reach];
+        let other = [fan.other[0].at(c) * per_denominator, fan.other[1].at(c) * per_denominator];
         let (zero, larger) = (load.constant(0.0), load + fan.gap);
         let loads = [F::select(fan.at_nut, load, larger), F::select(fan.at_nut, larger, load)];
         let mut friction = [own, other];
@@ -370,15 +370,15 @@ impl Curve {
         let scale = fan.drive / resistance;
         let slip = [scale * fan.slip[0].at(c), scale * fan.slip[1].at(c)];
         let precession = scale * fan.advance.at(c) * (1.0 / (k_t * self.arc));
-        let at_unloaded = [slip[0], slip[1] + scale * reach * cross * fan.b[1] * (2.0 / k_t)];
+        let at_unloaded = [slip[0], slip[1] + scale * denominator * cross * fan.b[1] * (2.0 / k_t)];
         let at_screw = [-slip[0] - k_t, precession * (2.0 * self.arc) - slip[1] + (k_e - self.arc)];
         // μ A (B₀ X)² Δ (Δ M) = (C₀ N₂)²                                  (R42)
         let rate_sign = fan.drive * cross;
         let part = rate_sign * (1.0 / self.gyration);
-        let given = fan.axial * self.inertia * (part * part) * reach * centrifugal;
+        let given = fan.axial * self.inertia * (part * part) * denominator * centrifugal;
         let demands = [
             fan.curvature,
-            reach,
+            denominator,
             loads[0],
             loads[1],
             fan.axial,
@@ -403,7 +403,7 @@ impl Curve {
             loads[0],
             loads[1],
             fan.axial,
-            centrifugal * per_reach,
+            centrifugal * per_denominator,
             precession,
             precession + self.nut,
             slip[0],

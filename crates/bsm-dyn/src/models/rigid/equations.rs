@@ -10,10 +10,11 @@ use super::ball::{RigidBall, RigidMotion};
 use super::first_order::FirstOrder;
 use crate::contact::{DOES_NOT_CIRCLE, Sines, sliding};
 use crate::cost;
+use crate::models::ball::equation::MOMENT;
 use crate::models::ball::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, UNLOADED_FLANK_LOAD,
 };
-use crate::models::ball::{BALL, MOMENT_NORMAL, ROWS, equations, weight};
+use crate::models::ball::{BALL, ROWS, equations, weight};
 
 /// Ratio of inertia to friction below which rounding of loads of the size of the axial load decides about
 /// the slip at A in (R8).
@@ -38,10 +39,10 @@ impl<P: Scalar> RigidEquations<P> {
     ///
     /// [`EvalError`] where friction or the gyroscopic moment has no direction.
     pub(super) fn motion<D: Over<P>>(&self, y: &Unknowns<D>) -> Result<RigidMotion<D>, EvalError> {
-        let (counted, nut) = (y[PRECESSION], self.ball.nut_speed);
+        let (unknown, nut) = (y[PRECESSION], self.ball.nut_speed);
         // P = Ω_n + p W                                                   (R3)
         let rates =
-            if self.from_ground { [counted - nut, counted] } else { [counted, counted + nut] };
+            if self.from_ground { [unknown - nut, unknown] } else { [unknown, unknown + nut] };
         if rates[1].re() == 0.0 {
             return Err(DOES_NOT_CIRCLE);
         }
@@ -78,9 +79,9 @@ impl RigidEquations<f64> {
     pub(super) fn at(ball: &RigidBall<f64>, motion: &RigidMotion<f64>) -> (Self, Unknowns<f64>) {
         let from_ground = motion.rate.abs() < motion.precession.abs();
         let ([nut, unloaded, screw], [x, t]) = (motion.loads, motion.directions[0]);
-        let counted = if from_ground { motion.rate } else { motion.precession };
+        let precession = if from_ground { motion.rate } else { motion.precession };
         let (slip, spin) = (motion.speeds[0], motion.spin_moment);
-        let unknowns = [nut, unloaded, screw, counted, slip, t.atan2(x), spin];
+        let unknowns = [nut, unloaded, screw, precession, slip, t.atan2(x), spin];
         (Self { ball: *ball, from_ground }, unknowns.into())
     }
 }
@@ -97,7 +98,7 @@ impl RigidBall<f64> {
     pub(super) fn weights(&self, rate: f64) -> [f64; BALL] {
         let [unit, normal] = self.units(rate).map(weight);
         let mut weights = [unit; BALL];
-        weights[MOMENT_NORMAL] = normal;
+        weights[MOMENT[1]] = normal;
         weights
     }
 
@@ -238,6 +239,6 @@ mod tests {
         let case = case(0.3, 0.7, 0.08, 1e-12, 0.0);
         let r = case.residual(&start(&case)).expect("in the domain");
         // First order cancels it; the rest is of second order or rounding of 1e-12.
-        assert!(r[MOMENT_NORMAL].abs() <= 1e-20, "{r}");
+        assert!(r[MOMENT[1]].abs() <= 1e-20, "{r}");
     }
 }

@@ -13,8 +13,9 @@ use super::equations::{ExistenceLimit, LEAST_INERTIA, RigidEquations, Unknowns};
 use super::first_order::FirstOrder;
 use super::search::{CurveSearch, LONGEST};
 use crate::contact::Sines;
+use crate::cost::count_of;
 use crate::models::ball::unknown::{SLIP, UNLOADED_FLANK_LOAD};
-use crate::models::ball::{BALL, Evidence, Reason, Unsolved, Workspace};
+use crate::models::ball::{Attempt, BALL, Evidence, Reason, Unsolved, Workspace, first_answer};
 
 /// Up to this ratio of inertia to friction what the first order excludes by more than its error does not
 /// exist; above it, friction of order one leaves roots further from the first order.
@@ -68,9 +69,6 @@ struct RootSearch<'a> {
     work: &'a mut RigidWorkspace,
 }
 
-/// A root, or a reason why there is none; `None` where that is still open.
-type RootVerdict = Option<Result<BallRoot, Unsolved>>;
-
 /// Finds the root, or the reason why there is none.
 ///
 /// Of several admissible roots the one of smallest positive turn of the slip at B, then of smallest
@@ -82,9 +80,8 @@ type RootVerdict = Option<Result<BallRoot, Unsolved>>;
 pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<BallRoot, Unsolved> {
     let first = ball.first_order();
     let inertia = first.inertia_scale / ball.friction();
-    let mut point = RootSearch { ball, first, inertia, met: None, work };
-    let verdict = point.first_order().or_else(|| point.sweeps());
-    let found = verdict.unwrap_or_else(|| point.search()).map(|root| {
+    let mut search = RootSearch { ball, first, inertia, met: None, work };
+    let found = first_answer(&mut search, &RootSearch::STRATEGIES).map(|root| {
         // Without crowding no search is due, and an empty list of one is dropped: a row of a table and
         // the model report the same.
         let met = root.alternatives.filter(|met| first.is_crowded() || !met.is_empty());
@@ -103,12 +100,15 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
 }
 
 impl RootSearch<'_> {
+    const STRATEGIES: [fn(&mut Self) -> Attempt<BallRoot>; 3] =
+        [Self::first_order, Self::sweeps, Self::whole_curve];
+
     /// No solution at small inertia where the first order has none by more than its error.
     ///
     /// The error is [`FIRST_ORDER_ERROR`] times the ratio of inertia to friction. The constant is
     /// measured: no root of `tests/suite/rigid_campaign.rs` goes further against the first order than 0.077 of
     /// that ratio, and the test watches it.
-    fn first_order(&mut self) -> RootVerdict {
+    fn first_order(&mut self) -> Attempt<BallRoot> {
         let Self { ball, first, inertia, .. } = self;
         if *inertia >= SMALL_INERTIA {
             return None;
@@ -136,22 +136,16 @@ impl RootSearch<'_> {
     }
 
     /// The root that the sweeps go to from the first order, where that is a guide.
-    fn sweeps(&mut self) -> RootVerdict {
+    fn sweeps(&mut self) -> Attempt<BallRoot> {
         let swept = self.ball.sweeps(&self.first);
         if !swept.converged {
             return None;
         }
         let motion = swept.motion;
         if motion.is_admissible() {
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "a number of sweeps"
-            )]
-            let steps = swept.count as usize;
             return Some(Ok(BallRoot {
                 motion,
-                steps,
+                steps: count_of(swept.count),
                 residual: swept.residual,
                 alternatives: None,
             }));
@@ -164,13 +158,14 @@ impl RootSearch<'_> {
     }
 
     /// The first root of the whole curve, with the others.
-    fn search(&mut self) -> Result<BallRoot, Unsolved> {
+    #[expect(clippy::unnecessary_wraps, reason = "the shape of a strategy")]
+    fn whole_curve(&mut self) -> Attempt<BallRoot> {
         let mut met = SearchResult::of(self.ball, self.first.inertia, self.work);
         if let Some(root) = met.first() {
-            return Ok(root);
+            return Some(Ok(root));
         }
         if let Some(failure) = met.failure {
-            return Err(failure);
+            return Some(Err(failure));
         }
         let evidence =
             if met.excluded { Evidence::Proof } else { Evidence::Traced { resolution: LONGEST } };
@@ -178,7 +173,7 @@ impl RootSearch<'_> {
             Some(motion) => inadmissible(self.ball, &motion, self.work),
             None => self.why_none(met.nearest_inertia),
         };
-        Err(Unsolved::none(evidence, reason))
+        Some(Err(Unsolved::none(evidence, reason)))
     }
 
     /// What to say of a point where the search found no root.

@@ -1,5 +1,5 @@
-//! Direct sweeps: all unknowns of given directions of slip, and the directions that they lead to, for
-//! one point and for several side by side.
+//! A direct sweep: all unknowns of given directions of slip, and the directions that they lead to, for one
+//! point and for several side by side.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R24) to (R32).
 
@@ -11,27 +11,9 @@
 use bsm_kin::Field;
 use bsm_simd::Compare;
 
-use super::ball::{Plane, RigidBall, RigidMotion, times};
-use super::first_order::FirstOrder;
+use super::ball::{Plane, RigidBall, times};
 use crate::contact::Sines;
 use crate::cost;
-
-/// Sweeps before a point is left to the search.
-const MOST_SWEEPS: usize = 24;
-
-/// Largest ratio of inertia to friction. Up to there the sweeps found the root of the search at every one of 10 000
-/// seeded points, in `sweeps_and_the_search_find_the_same_root`.
-const MOST_INERTIA: f64 = 100.0;
-
-/// What the directions may still change.
-const SETTLED: f64 = 1e-12;
-
-/// Largest scaled residual of an answer, as that of Newton.
-const RESIDUAL: f64 = 1e-10;
-
-/// Nearer to a ball that does not circle, inertia may turn its way, and the search looks closer: this much,
-/// or this much of twice the ratio of inertia to friction.
-const LEAST_RATE: f64 = 0.1;
 
 /// What the sweeps feed back.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,27 +39,14 @@ pub(super) struct SweepState<F> {
     pub(super) rate: F,
     /// Slip at A, over the norm of `nut`.
     pub(super) slip: F,
-    s: F,
+    pub(super) s: F,
     /// Direction of the slip at A, not normalized, and the norms that it was found with.
-    nut: Plane<F>,
-    norms: [F; 2],
+    pub(super) nut: Plane<F>,
+    pub(super) norms: [F; 2],
     /// `$G = -2 F Q_A/|nut|$`, `$H = 2 F Q_B/|screw|$`.
-    pulls: [F; 2],
+    pub(super) pulls: [F; 2],
     /// The directions that it leads to.
     pub(super) next: Directions<F>,
-}
-
-/// Where the sweeps of a point have ended.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sweeps<F: Field> {
-    /// The motion, with loads and slip of any sign.
-    pub motion: RigidMotion<F>,
-    /// Scaled residual of the equations.
-    pub residual: F,
-    /// How many sweeps.
-    pub count: F,
-    /// Where it solves the equations, and is the root that the branch of small inertia meets.
-    pub converged: F::Mask,
 }
 
 #[inline(always)]
@@ -115,13 +84,13 @@ impl<F: Compare> RigidBall<F> {
     }
 
     /// `$p$` (R26) of the direction against the slip at B, of slopes `$e_1$` and `$e_2$` of the
-    /// slip at A, and of the turn X between the two.
+    /// slip at A, and of their difference X from the one at B.
     #[inline(always)]
-    fn precession(&self, e_1: F, e_2: F, screw: Plane<F>, turn: F) -> F {
+    fn precession(&self, e_1: F, e_2: F, screw: Plane<F>, difference: F) -> F {
         // p = [(d − cosα cosβ) x_B − sinα y_B − e₂ ω X] / [2 d x_B − (e₁ − e₂) X]  (R26)
         let above = self.sines.sin_a.neg_mul_add(screw[1], (self.arc - self.k_e) * screw[0]);
-        (e_2 * turn).neg_mul_add(self.nut_speed, above)
-            / (e_1 - e_2).neg_mul_add(turn, (self.arc * 2.0) * screw[0])
+        (e_2 * difference).neg_mul_add(self.nut_speed, above)
+            / (e_1 - e_2).neg_mul_add(difference, (self.arc * 2.0) * screw[0])
     }
 
     /// One sweep: all unknowns of given directions, and the directions that they lead to.
@@ -143,8 +112,8 @@ impl<F: Compare> RigidBall<F> {
         let e_1 = sin_a * self.arc * self.per_h;
         let e_2 = (f * self.sin_2b * self.radius * self.per_h * 2.5) * (unloaded * sin_m);
         // X = t_A − t_B, from A to B
-        let turn = given.nut - given.screw;
-        let p = self.precession(e_1, e_2, screw, turn);
+        let difference = given.nut - given.screw;
+        let p = self.precession(e_1, e_2, screw, difference);
         let rate = p + self.nut_speed;
         let slip = e_2.neg_mul_add(rate, e_1 * p);
         let (u, tau) = (-(slip * nut[0]), p.neg_mul_add(self.arc, slip * nut[1]));
@@ -204,53 +173,6 @@ impl<F: Compare> RigidBall<F> {
             },
         }
     }
-
-    /// Sweeps from the first order on, as many as it takes.
-    ///
-    /// * `first`: of the same point.
-    #[inline(always)]
-    pub fn sweeps(&self, first: &FirstOrder<F>) -> Sweeps<F> {
-        let one = self.constant(1.0);
-        let inertia = first.inertia_scale / self.friction();
-        let guided = first.pushes() & !first.is_crowded() & inertia.lt(self.constant(MOST_INERTIA));
-        let (mut directions, mut last) = (first.next, first.change);
-        let mut moving = guided;
-        let mut count = one + 1.0;
-        for _ in 0..MOST_SWEEPS {
-            let state = self.sweep(&directions);
-            let change = directions.farthest(&state.next);
-            directions = directions.onward(moving, &state.next);
-            count = F::select(moving, count + 1.0, count);
-            // Geometric series: c/(1 − c) times the last change is left, c = change/last.
-            let converges = (change * change).lt((last - change) * SETTLED);
-            moving = moving & !(converges | change.lt(self.constant(f64::EPSILON)));
-            last = change;
-            if !F::any(moving) {
-                break;
-            }
-        }
-        let motion = self.swept(&self.sweep(&directions));
-        let residual = self.scaled_residual(&motion);
-        let least_rate = F::select(inertia.lt(self.constant(0.5)), inertia * 2.0, one) * LEAST_RATE;
-        let circles = motion.rate.abs().gt(least_rate);
-        let converged = guided & !moving & circles & residual.lt(self.constant(RESIDUAL));
-        Sweeps { motion, residual, count, converged }
-    }
-
-    /// The motion of the last state.
-    #[inline(always)]
-    fn swept(&self, state: &SweepState<F>) -> RigidMotion<F> {
-        let [norm_a, norm_b] = state.norms;
-        let [pull_a, pull_b] = state.pulls;
-        let twice = self.signed * 2.0;
-        let loads = [
-            -(pull_a * norm_a) / twice,
-            state.unloaded * state.centrifugal,
-            pull_b * norm_b / twice,
-        ];
-        let slip = (state.slip * norm_a, times(norm_a.recip(), state.nut));
-        self.motion(loads, [state.p, state.rate], slip, state.s)
-    }
 }
 
 impl<F: Compare> Directions<F> {
@@ -265,7 +187,7 @@ impl<F: Compare> Directions<F> {
 
     /// Others where it is still `moving`, these elsewhere.
     #[inline(always)]
-    fn onward(&self, moving: F::Mask, other: &Self) -> Self {
+    pub(super) fn onward(&self, moving: F::Mask, other: &Self) -> Self {
         Self {
             nut: F::select(moving, other.nut, self.nut),
             screw: F::select(moving, other.screw, self.screw),
@@ -273,15 +195,5 @@ impl<F: Compare> Directions<F> {
             correction: F::select(moving, other.correction, self.correction),
             norms: pick(moving, other.norms, self.norms),
         }
-    }
-}
-
-impl<F: Compare> RigidMotion<F> {
-    /// Where all contacts push and the slip at A is against its friction.
-    #[inline(always)]
-    pub fn is_admissible(&self) -> F::Mask {
-        let zero = self.rate.constant(0.0);
-        let [a, unloaded, b] = self.loads;
-        a.gt(zero) & unloaded.gt(zero) & b.gt(zero) & self.speeds[0].gt(zero)
     }
 }

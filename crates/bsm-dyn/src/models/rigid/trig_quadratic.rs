@@ -116,16 +116,16 @@ impl<F: Compare> Quadratic<F> {
     pub(super) fn zeros(&self) -> [[F; 2]; 4] {
         // t = tan(φ/2) sends the direction of largest value to infinity: all zeros are finite.
         let one = self.0[0].constant(1.0);
-        let mut turn = [one, one * 0.0];
+        let mut rotation = [one, one * 0.0];
         let mut most = -one;
         for [c, s] in DIRECTIONS {
             let (c, s) = (one.constant(c), one.constant(s));
             let value = self.at([-c, -s]).abs();
             let more = value.gt(most);
-            turn = [F::select(more, c, turn[0]), F::select(more, s, turn[1])];
+            rotation = [F::select(more, c, rotation[0]), F::select(more, s, rotation[1])];
             most = F::select(more, value, most);
         }
-        let a = self.turned(turn).0;
+        let a = self.turned(rotation).0;
         let quartic = [
             a[0] + a[1] + a[3],
             (a[2] + a[4]) * 2.0,
@@ -133,13 +133,13 @@ impl<F: Compare> Quadratic<F> {
             (a[2] - a[4]) * 2.0,
             a[0] - a[1] + a[3],
         ];
-        let mut zeros = [turn; 4];
+        let mut zeros = [rotation; 4];
         let roots = real_roots(&quartic);
         for i in 0..4 {
             let t = roots[i];
             let unit = (t * t + 1.0).recip();
             let (c, s) = ((one - t * t) * unit, t * 2.0 * unit);
-            zeros[i] = [turn[0] * c - turn[1] * s, turn[1] * c + turn[0] * s];
+            zeros[i] = [rotation[0] * c - rotation[1] * s, rotation[1] * c + rotation[0] * s];
         }
         zeros
     }

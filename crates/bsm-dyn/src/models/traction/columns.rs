@@ -22,6 +22,7 @@ use super::{Lubrication, OMEGA, SlipBall};
 use crate::contact::torque;
 use crate::cost;
 use crate::ellipse::{Dry, OilLaw, Patch, Resultants, SUMS, sums, surface_drop};
+use crate::models::ball::equation::{AXIAL_LOAD, FORCE, MOMENT};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::models::ball::{BALL, EhlPoint, ROWS, ScaledBall, ScaledFilm, linear};
 
@@ -395,11 +396,19 @@ fn along<F: Compare>(unknown: usize, rate: F) -> Partials<F> {
     by
 }
 
-/// Sets of unknowns, a bit each: all, those that the contacts stand by, and the rotation along the axis and
-/// around it.
+/// Sets of unknowns that a term may change with, a bit each:
+///
+/// ```text
+///                                      Q_A  ν  Q_B  p  ω'_k ω'_n ω'_c
+/// loads and contact angles: GEOMETRY    x   x   x
+/// ω' about t and b: ABOUT_T_B                          x         x
+/// ω' about N and t × N: SPINNING        x   x   x      x    x    x
+/// friction and what it adds to: ALL     x   x   x   x  x    x    x
+/// ```
+const GEOMETRY: u8 = 1 << NUT_LOAD | 1 << TILT | 1 << SCREW_LOAD;
+const ABOUT_T_B: u8 = 1 << OMEGA[0] | 1 << OMEGA[2];
+const SPINNING: u8 = GEOMETRY | ABOUT_T_B | 1 << OMEGA[1];
 const ALL: u8 = (1 << BALL) - 1;
-const STATICS: u8 = 1 << NUT_LOAD | 1 << TILT | 1 << SCREW_LOAD;
-const FLAT: u8 = 1 << OMEGA[0] | 1 << OMEGA[2];
 
 /// Adds derivatives by the unknowns `OF`; those by others are zero.
 #[inline(always)]
@@ -554,13 +563,13 @@ pub(super) fn contact_geometry<F: Compare>(
         (by[NUT_LOAD], by[SCREW_LOAD]) = (cos_y * slopes[0], cos * slopes[1]);
         let nut = Angle { sin: sin_y, cos: cos_y, by: own };
         let screw = Angle { sin, cos, by: times(one / (l_b * sin), &by) };
-        let apart = Angle {
+        let between = Angle {
             sin: sin * cos_y - cos * sin_y,
             cos: cos * cos_y + sin * sin_y,
             by: tilted(&screw.by, -1.0),
         };
         rotation = nut;
-        tilts = [Angle { sin: zero, cos: one, by: [zero; BLOCK] }, apart];
+        tilts = [Angle { sin: zero, cos: one, by: [zero; BLOCK] }, between];
         angles = [nut, screw];
     } else {
         let Mean { angle: (sin, cos), nut, screw, height, exists } =
@@ -623,119 +632,153 @@ pub(super) fn contact_geometry<F: Compare>(
 pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
     point: &TractionPoint<F>,
     y: &[F; BALL],
-    ContactGeometry { points, rotation, tilts, angles, by_t, by_b }: &ContactGeometry<F>,
+    geometry: &ContactGeometry<F>,
     tractions: &[ContactTraction<F>; 2],
     EquationValues { residual, transmitted, rows, slope }: &mut EquationValues<F>,
 ) {
-    let (sin_lead, cos_lead) = point.scaled.lead;
-    let (loads, one) = ([y[NUT_LOAD], y[SCREW_LOAD]], sin_lead.constant(1.0));
+    let one = point.friction.constant(1.0);
     for i in 0..2 {
-        let side = [one, -one][i];
-        let unknown = [NUT_LOAD, SCREW_LOAD][i];
-        let (load, by_load) = (loads[i], along(unknown, one));
-        let (tilt, angle) = (&tilts[i], &angles[i]);
-        let &ContactTraction { ref sums, coefficient, ref film, resistance, rolling } =
-            &tractions[i];
-        let &Resultants { ref values, power: unit_power, ref slopes, by_film } = sums;
-        let pull = load * coefficient;
+        let (side, unknown) = ([one, -one][i], [NUT_LOAD, SCREW_LOAD][i]);
+        let (load, traction) = (y[unknown], &tractions[i]);
+        let pull = load * traction.coefficient;
         // P_f = Σ f Q ∫ dP                                                (P7)
-        let sliding = pull * unit_power;
+        let sliding = pull * traction.sums.power;
         transmitted.sliding[i] = sliding;
-        transmitted.power = transmitted.power + (sliding + rolling);
-        let mut parts = [Gradient { re: one.constant(0.0), by: [one.constant(0.0); BLOCK] }; 5];
-        let [_, _, w_n, w_c] = points[i].motion;
-        let (mut by_n, mut by_c) =
-            (along(OMEGA[1], side * angle.cos), along(OMEGA[1], -side * angle.sin));
-        if SLOPED {
-            add::<_, STATICS>(&mut by_n, w_c, &angle.by);
-            add::<_, FLAT>(&mut by_n, side * angle.sin, by_b);
-            add::<_, STATICS>(&mut by_c, -w_n, &angle.by);
-            add::<_, FLAT>(&mut by_c, side * angle.cos, by_b);
-        }
-        for k in 0..SUMS {
-            let part = &mut parts[k];
-            part.re = pull * values[k];
-            if SLOPED {
-                let [a, t, n, c, g] = slopes[k];
-                part.by = times(pull * n, &by_n);
-                add::<_, { STATICS | FLAT | 1 << OMEGA[1] }>(&mut part.by, pull * c, &by_c);
-                add::<_, FLAT>(&mut part.by, pull * t, by_t);
-                part.by[PRECESSION] = pull * a * point.scaled.arc;
-                // d(f Q I) = f I dQ + f Q dI,  d ln a = dQ/(3 Q)
-                part.by[unknown] = part.by[unknown] + coefficient * (values[k] + g * (1.0 / 3.0));
-            }
-        }
-        if R::LUBRICATED {
-            parts[0].re = parts[0].re + resistance[0];
-            parts[4].re = parts[4].re + resistance[1];
-        }
-        if R::LUBRICATED && SLOPED {
-            for (part, by_film) in parts.iter_mut().zip(by_film) {
-                add::<_, ALL>(&mut part.by, pull * by_film, film);
-            }
-        }
+        transmitted.power = transmitted.power + (sliding + traction.rolling);
+        let friction = friction::<F, R, SLOPED>(i, (pull, side), point, geometry, traction);
         // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                               (T2)
-        let [f_t, f_c, m_t, m_n, m_c] = &parts;
-        let normal = Gradient { re: load, by: by_load };
+        let [f_t, f_c, m_t, m_n, m_c] = &friction;
+        let normal = Gradient { re: load, by: along(unknown, one) };
         let (force, moment) = ([f_t, &normal, f_c], [m_t, m_n, m_c]);
-        add_vector::<F, SLOPED, 0, STATICS>((side, tilt), force, (residual, rows));
-        add_vector::<F, SLOPED, 3, ALL>((side, tilt), moment, (residual, rows));
-        // Components along n and b.
-        let (n, b) = turned(side, (angle.sin, angle.cos), (load, f_c.re));
+        let (tilt, angle) = (&geometry.tilts[i], &geometry.angles[i]);
+        add_vector::<F, SLOPED, GEOMETRY>((side, tilt), force, FORCE, (residual, rows));
+        add_vector::<F, SLOPED, ALL>((side, tilt), moment, MOMENT, (residual, rows));
         if i == 0 {
-            // F_nut·k − F_a                                               (P5)
-            residual[6] = f_t.re * sin_lead + b * cos_lead - one;
-            if SLOPED {
-                let row = &mut rows[6];
-                *row = times(sin_lead, &f_t.by);
-                add::<_, STATICS>(row, cos_lead * side * angle.sin, &normal.by);
-                add::<_, ALL>(row, cos_lead * side * angle.cos, &f_c.by);
-                add::<_, STATICS>(row, cos_lead * n, &angle.by);
-            }
+            let into = (&mut residual[AXIAL_LOAD], &mut rows[AXIAL_LOAD]);
+            set_axial_load::<F, SLOPED>(point, (side, angle), force, into);
         } else {
-            // T = [(−r_m n) × F + M]·k                                    (B7)
-            let (m_1, m_2) = turned(side, (angle.sin, angle.cos), (m_n.re, m_c.re));
-            let (force, lever_arm) =
-                (point.scaled.radius * cos_lead, -(point.scaled.radius * sin_lead));
-            transmitted.torque =
-                m_t.re * sin_lead + m_2 * cos_lead + f_t.re * force + b * lever_arm;
-            if SLOPED {
-                *slope = times(sin_lead, &m_t.by);
-                add::<_, ALL>(slope, cos_lead * side * angle.sin, &m_n.by);
-                add::<_, ALL>(slope, cos_lead * side * angle.cos, &m_c.by);
-                add::<_, STATICS>(slope, cos_lead * m_1 + lever_arm * n, &angle.by);
-                add::<_, ALL>(slope, force, &f_t.by);
-                add::<_, STATICS>(slope, lever_arm * side * angle.sin, &normal.by);
-                add::<_, ALL>(slope, lever_arm * side * angle.cos, &f_c.by);
+            let into = (&mut transmitted.torque, &mut *slope);
+            set_torque::<F, SLOPED>(point, (side, angle), (force, moment), into);
+        }
+    }
+    add_inertia::<F, SLOPED>(point, y, &geometry.rotation, (residual, rows));
+}
+
+/// Friction at a contact: the force along t and t × N and the moment about t, N and t × N.
+///
+/// * `pull`: `$f Q$`.
+#[inline(always)]
+fn friction<F: Compare, R: TractionLaw, const SLOPED: bool>(
+    i: usize,
+    (pull, side): (F, F),
+    point: &TractionPoint<F>,
+    ContactGeometry { points, angles, by_t, by_b, .. }: &ContactGeometry<F>,
+    traction: &ContactTraction<F>,
+) -> [Gradient<F>; SUMS] {
+    let &ContactTraction { ref sums, coefficient, ref film, resistance, .. } = traction;
+    let (unknown, angle) = ([NUT_LOAD, SCREW_LOAD][i], &angles[i]);
+    let zero = pull.constant(0.0);
+    let mut friction = [Gradient { re: zero, by: [zero; BLOCK] }; SUMS];
+    let [_, _, w_n, w_c] = points[i].motion;
+    let (mut by_n, mut by_c) =
+        (along(OMEGA[1], side * angle.cos), along(OMEGA[1], -side * angle.sin));
+    if SLOPED {
+        add::<_, GEOMETRY>(&mut by_n, w_c, &angle.by);
+        add::<_, ABOUT_T_B>(&mut by_n, side * angle.sin, by_b);
+        add::<_, GEOMETRY>(&mut by_c, -w_n, &angle.by);
+        add::<_, ABOUT_T_B>(&mut by_c, side * angle.cos, by_b);
+    }
+    for (k, part) in friction.iter_mut().enumerate() {
+        part.re = pull * sums.values[k];
+        if SLOPED {
+            let [a, t, n, c, g] = sums.slopes[k];
+            part.by = times(pull * n, &by_n);
+            add::<_, SPINNING>(&mut part.by, pull * c, &by_c);
+            add::<_, ABOUT_T_B>(&mut part.by, pull * t, by_t);
+            part.by[PRECESSION] = pull * a * point.scaled.arc;
+            // d(f Q I) = f I dQ + f Q dI,  d ln a = dQ/(3 Q)
+            part.by[unknown] = part.by[unknown] + coefficient * (sums.values[k] + g * (1.0 / 3.0));
+            if R::LUBRICATED {
+                add::<_, ALL>(&mut part.by, pull * sums.by_film[k], film);
             }
         }
     }
-
-    add_inertia::<F, SLOPED>(point, y, rotation, (residual, rows));
+    if R::LUBRICATED {
+        let [f_t, .., m_c] = &mut friction;
+        (f_t.re, m_c.re) = (f_t.re + resistance[0], m_c.re + resistance[1]);
+    }
+    friction
 }
 
-/// Adds a vector of a contact, given along t, N and t × N, to three equations from the number `ROW` on.
+/// The axial load that the nut's contact takes over the one that it is to take.
+#[inline(always)]
+fn set_axial_load<F: Compare, const SLOPED: bool>(
+    point: &TractionPoint<F>,
+    (side, angle): (F, &Angle<F>),
+    [f_t, normal, f_c]: [&Gradient<F>; 3],
+    (residual, row): (&mut F, &mut Partials<F>),
+) {
+    let (sin_lead, cos_lead) = point.scaled.lead;
+    // Components along n and b.
+    let (n, b) = turned(side, (angle.sin, angle.cos), (normal.re, f_c.re));
+    // F_nut·k − F_a                                                       (P5)
+    *residual = f_t.re * sin_lead + b * cos_lead - side.constant(1.0);
+    if SLOPED {
+        *row = times(sin_lead, &f_t.by);
+        add::<_, GEOMETRY>(row, cos_lead * side * angle.sin, &normal.by);
+        add::<_, ALL>(row, cos_lead * side * angle.cos, &f_c.by);
+        add::<_, GEOMETRY>(row, cos_lead * n, &angle.by);
+    }
+}
+
+/// Torque of the screw's contact on it.
+#[inline(always)]
+fn set_torque<F: Compare, const SLOPED: bool>(
+    point: &TractionPoint<F>,
+    (side, angle): (F, &Angle<F>),
+    ([f_t, normal, f_c], [m_t, m_n, m_c]): ([&Gradient<F>; 3], [&Gradient<F>; 3]),
+    (torque, slope): (&mut F, &mut Partials<F>),
+) {
+    let ((sin_lead, cos_lead), radius) = (point.scaled.lead, point.scaled.radius);
+    let (arm_t, arm_b) = (radius * cos_lead, -(radius * sin_lead));
+    let (n, b) = turned(side, (angle.sin, angle.cos), (normal.re, f_c.re));
+    let (m_1, m_2) = turned(side, (angle.sin, angle.cos), (m_n.re, m_c.re));
+    // T = [(−r_m n) × F + M]·k                                            (B7)
+    *torque = m_t.re * sin_lead + m_2 * cos_lead + f_t.re * arm_t + b * arm_b;
+    if SLOPED {
+        *slope = times(sin_lead, &m_t.by);
+        add::<_, ALL>(slope, cos_lead * side * angle.sin, &m_n.by);
+        add::<_, ALL>(slope, cos_lead * side * angle.cos, &m_c.by);
+        add::<_, GEOMETRY>(slope, cos_lead * m_1 + arm_b * n, &angle.by);
+        add::<_, ALL>(slope, arm_t, &f_t.by);
+        add::<_, GEOMETRY>(slope, arm_b * side * angle.sin, &normal.by);
+        add::<_, ALL>(slope, arm_b * side * angle.cos, &f_c.by);
+    }
+}
+
+/// Adds a vector of a contact, given along t, N and t × N, to three equations.
 ///
 /// * `NORMAL`: unknowns that its component along N changes with.
 #[inline(always)]
-fn add_vector<F: Compare, const SLOPED: bool, const ROW: usize, const NORMAL: u8>(
+fn add_vector<F: Compare, const SLOPED: bool, const NORMAL: u8>(
     (side, tilt): (F, &Angle<F>),
     [along_t, along_n, across]: [&Gradient<F>; 3],
+    [t, n, c]: [usize; 3],
     (residual, rows): (&mut [F; BALL], &mut [Partials<F>; BALL]),
 ) {
     let (second, third) = turned(side, (tilt.sin, tilt.cos), (along_n.re, across.re));
-    residual[ROW] = residual[ROW] + along_t.re;
-    residual[ROW + 1] = residual[ROW + 1] + second;
-    residual[ROW + 2] = residual[ROW + 2] + third;
+    residual[t] = residual[t] + along_t.re;
+    residual[n] = residual[n] + second;
+    residual[c] = residual[c] + third;
     if SLOPED {
         let one = side.constant(1.0);
-        add::<_, ALL>(&mut rows[ROW], one, &along_t.by);
-        add::<_, NORMAL>(&mut rows[ROW + 1], side * tilt.cos, &along_n.by);
-        add::<_, ALL>(&mut rows[ROW + 1], -side * tilt.sin, &across.by);
-        add::<_, STATICS>(&mut rows[ROW + 1], -third, &tilt.by);
-        add::<_, NORMAL>(&mut rows[ROW + 2], side * tilt.sin, &along_n.by);
-        add::<_, ALL>(&mut rows[ROW + 2], side * tilt.cos, &across.by);
-        add::<_, STATICS>(&mut rows[ROW + 2], second, &tilt.by);
+        add::<_, ALL>(&mut rows[t], one, &along_t.by);
+        add::<_, NORMAL>(&mut rows[n], side * tilt.cos, &along_n.by);
+        add::<_, ALL>(&mut rows[n], -side * tilt.sin, &across.by);
+        add::<_, GEOMETRY>(&mut rows[n], -third, &tilt.by);
+        add::<_, NORMAL>(&mut rows[c], side * tilt.sin, &along_n.by);
+        add::<_, ALL>(&mut rows[c], side * tilt.cos, &across.by);
+        add::<_, GEOMETRY>(&mut rows[c], second, &tilt.by);
     }
 }
 
@@ -747,14 +790,14 @@ fn add_inertia<F: Compare, const SLOPED: bool>(
     rotation: &Angle<F>,
     (residual, rows): (&mut [F; BALL], &mut [Partials<F>; BALL]),
 ) {
-    let (sin_lead, cos_lead) = point.scaled.lead;
+    let ((sin_lead, cos_lead), [_, f_n, f_c], [m_t, m_n, m_c]) = (point.scaled.lead, FORCE, MOMENT);
     let [_, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
     let rate = y[PRECESSION] + point.offset;
     // Σ F − m r_m P² n                                                    (B4)
     let mass = point.scaled.mass * point.scaled.radius;
     let centrifugal = mass * rate * rate;
-    residual[1] = residual[1] - centrifugal * rotation.cos;
-    residual[2] = residual[2] + centrifugal * rotation.sin;
+    residual[f_n] = residual[f_n] - centrifugal * rotation.cos;
+    residual[f_c] = residual[f_c] + centrifugal * rotation.sin;
     // Σ M − I P (ω'_n k × n − ω'_c n)                                     (B5), (T5)
     // I = (2/5) m r_b²                                                    (B2)
     let inertia = point.scaled.mass * 0.4;
@@ -763,29 +806,29 @@ fn add_inertia<F: Compare, const SLOPED: bool>(
         sin_lead * rotation.cos * radial + rotation.sin * around,
     );
     let gyro = inertia * rate;
-    residual[3] = residual[3] + gyro * cos_lead * radial;
-    residual[4] = residual[4] - gyro * second;
-    residual[5] = residual[5] - gyro * third;
+    residual[m_t] = residual[m_t] + gyro * cos_lead * radial;
+    residual[m_n] = residual[m_n] - gyro * second;
+    residual[m_c] = residual[m_c] - gyro * third;
     if SLOPED {
         let change = mass * rate * 2.0;
         for (row, unknown, slope) in [
-            (1, PRECESSION, -(change * rotation.cos)),
-            (2, PRECESSION, change * rotation.sin),
-            (3, PRECESSION, inertia * cos_lead * radial),
-            (4, PRECESSION, -(inertia * second)),
-            (5, PRECESSION, -(inertia * third)),
-            (3, OMEGA[1], gyro * cos_lead),
-            (4, OMEGA[1], -(gyro * sin_lead * rotation.sin)),
-            (5, OMEGA[1], -(gyro * sin_lead * rotation.cos)),
-            (4, OMEGA[2], gyro * rotation.cos),
-            (5, OMEGA[2], -(gyro * rotation.sin)),
+            (f_n, PRECESSION, -(change * rotation.cos)),
+            (f_c, PRECESSION, change * rotation.sin),
+            (m_t, PRECESSION, inertia * cos_lead * radial),
+            (m_n, PRECESSION, -(inertia * second)),
+            (m_c, PRECESSION, -(inertia * third)),
+            (m_t, OMEGA[1], gyro * cos_lead),
+            (m_n, OMEGA[1], -(gyro * sin_lead * rotation.sin)),
+            (m_c, OMEGA[1], -(gyro * sin_lead * rotation.cos)),
+            (m_n, OMEGA[2], gyro * rotation.cos),
+            (m_c, OMEGA[2], -(gyro * rotation.sin)),
         ] {
             rows[row][unknown] = rows[row][unknown] + slope;
         }
-        add::<_, STATICS>(&mut rows[1], centrifugal * rotation.sin, &rotation.by);
-        add::<_, STATICS>(&mut rows[2], centrifugal * rotation.cos, &rotation.by);
-        add::<_, STATICS>(&mut rows[4], -(gyro * third), &rotation.by);
-        add::<_, STATICS>(&mut rows[5], gyro * second, &rotation.by);
+        add::<_, GEOMETRY>(&mut rows[f_n], centrifugal * rotation.sin, &rotation.by);
+        add::<_, GEOMETRY>(&mut rows[f_c], centrifugal * rotation.cos, &rotation.by);
+        add::<_, GEOMETRY>(&mut rows[m_n], -(gyro * third), &rotation.by);
+        add::<_, GEOMETRY>(&mut rows[m_c], gyro * second, &rotation.by);
     }
 }
 

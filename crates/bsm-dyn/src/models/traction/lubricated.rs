@@ -40,7 +40,7 @@ impl SlipBall<'_> {
 
     /// The root near the one of a constant coefficient; else, while the oil takes over from it; else,
     /// from the rolling ball and friction that is nearly proportional to the slip.
-    fn search_near(
+    fn search_lubricated(
         &self,
         near: Option<&SlipRoot>,
         rolling_ball: &RollingBall,
@@ -117,13 +117,13 @@ impl Traction {
         let (coarse, rough) =
             (SlipBall { enough: NEAR, ..coarse }, SlipBall { enough: NEAR, ..rough });
         let mut steps = rolling_ball.steps;
-        let near = coarse.search(&rolling_ball, false, newton, &mut steps).ok();
-        let found = rough.search_near(near.as_ref(), &rolling_ball, newton, &mut steps);
+        let near = coarse.search_near(&rolling_ball, newton, &mut steps);
+        let found = rough.search_lubricated(near.as_ref(), &rolling_ball, newton, &mut steps);
         let root = if let Ok(root) = found {
             root
         } else {
-            let near = search.search(&rolling_ball, true, newton, &mut steps).ok();
-            smooth.search_near(near.as_ref(), &rolling_ball, newton, &mut steps)?
+            let near = search.search(&rolling_ball, newton, &mut steps).ok();
+            smooth.search_lubricated(near.as_ref(), &rolling_ball, newton, &mut steps)?
         };
         let plans = Default::default();
         let fine = SlipBall { enough: ENOUGH, ..fine };

@@ -6,8 +6,8 @@ use std::array::from_fn;
 use std::f64::consts::FRAC_PI_2;
 
 use bsm_newton::{
-    Continuation, EvalError, EventRoot, Exit, Homotopy, JacobianUpdate, Seed, StepControl, Trace,
-    follow, trace,
+    Continuation, EvalError, EventRoot, Homotopy, JacobianUpdate, PathEnd, Seed, StepControl,
+    Trace, follow, trace,
 };
 
 use super::SlipBall;
@@ -247,7 +247,7 @@ impl SlipBall<'_> {
             &STEP_CONTROL,
         );
         *steps += seen.steps + more;
-        let (end, ended) = (ball(&seen.last), seen.end == Exit::Ended);
+        let (end, ended) = (ball(&seen.last), seen.end == PathEnd::Ended);
         let is_off = self.is_off_flank(&end, CLEARLY);
         found.unwrap_or_else(|| match off_flank {
             _ if !ended && !is_off => PathResult::Nothing,

@@ -12,7 +12,9 @@ use bsm_newton::{Continuation, follow};
 use bsm_simd::Block;
 
 use crate::contact::{POWER_BALANCE_TOL, Power, ideal_torque};
-use crate::models::ball::{BALL, BallLoads, Evidence, Reason, Unsolved, Workspace};
+use crate::models::ball::{
+    Attempt, BALL, BallLoads, Evidence, Reason, Unsolved, Workspace, first_answer,
+};
 use crate::models::elastic::GrossSlip;
 use crate::models::raceway_control::RollingBall;
 
@@ -93,87 +95,6 @@ impl SlipBall<'_> {
         Some(RootWithPower { root, transmitted, torque_slope, loaded })
     }
 
-    /// The root from the rolling ball or from the skidding one; if none of them leads to it, from
-    /// friction that is nearly proportional to the slip, and, if it is to be searched `all_over`, along
-    /// the path of growing inertia, and from scattered starts.
-    ///
-    /// Where the roots of the path are all beyond the flanks, and no start leads to another, the
-    /// answer is that there is none.
-    pub(super) fn search(
-        &self,
-        rolling_ball: &RollingBall,
-        all_over: bool,
-        newton: &mut Workspace,
-        steps: &mut usize,
-    ) -> Result<SlipRoot, Unsolved> {
-        let rolling = self.unknowns(&rolling_ball.loaded, &rolling_ball.to_nut);
-        let mut failure = None;
-        let skidding =
-            rolling_ball.skid(self.contacts).onset_number().is_some_and(|onset| onset > SKID_ONSET);
-        for skidding in [skidding, !skidding] {
-            let y = if skidding {
-                let Ok(skid) = GrossSlip::start(self.contacts) else { continue };
-                *steps += skid.steps();
-                self.unknowns(skid.state().0, skid.state().1)
-            } else {
-                rolling
-            };
-            if let Some(y) = self.predicted(&y, newton) {
-                *steps += 1;
-                let direct = Self { limits: FULL_STEPS, ..*self };
-                if let Ok(root) = direct.solved(y, newton, steps) {
-                    return Ok(root);
-                }
-            }
-            // The step to the first of them has not led to the root.
-            for levels in LEVELS.into_iter().rev() {
-                match self.descended(y, levels, newton, steps) {
-                    Ok(root) => return Ok(root),
-                    Err(reason) => failure = Some(reason),
-                }
-            }
-        }
-        let control = Continuation { first: 1.0, shortest: 0.05 };
-        if let Some(root) = self.by_falling_creep(rolling, 0.0, control, newton, steps) {
-            return Ok(root);
-        }
-        if !all_over {
-            let reason = failure.expect("the rolling start was tried");
-            return Err(Unsolved::not_converged(reason));
-        }
-        let mut shown = self.followed(newton, steps);
-        if matches!(shown, PathResult::Nothing) {
-            // It may be the digits that were lost.
-            shown = Self { nut_chart: true, ..*self }.followed(newton, steps);
-        }
-        if let PathResult::SlipRoot(root) = shown
-            && self.is_balanced(&root)
-        {
-            return Ok(root);
-        }
-        let starts = match shown {
-            PathResult::OffFlank(_) if self.is_calm() => 0,
-            PathResult::Ended(_) => MANY,
-            _ => STARTS,
-        };
-        if let Some(root) = self.multistart(starts, newton, steps) {
-            return Ok(root);
-        }
-        match shown {
-            // Rounding has eaten it, which its powers will show.
-            PathResult::SlipRoot(root) => Ok(root),
-            PathResult::OffFlank([nut, screw]) | PathResult::Ended([nut, screw]) => {
-                let evidence = if starts > 0 {
-                    Evidence::Sampled { starts }
-                } else {
-                    Evidence::Traced { resolution: STEP_CONTROL.longest }
-                };
-                Err(Unsolved::none(evidence, Reason::BallLeavesFlank { nut, screw }))
-            }
-            PathResult::Nothing => Err(Unsolved::LOST),
-        }
-    }
-
     /// Where a Newton step at the creep speed [`LEVEL`] leads to.
     fn predicted(&self, y: &[f64; BALL], newton: &mut Workspace) -> Option<[f64; BALL]> {
         let level = Self { creep: LEVEL.max(self.creep), ..*self };
@@ -188,16 +109,16 @@ impl SlipBall<'_> {
         levels: &[f64],
         newton: &mut Workspace,
         steps: &mut usize,
-    ) -> Result<SlipRoot, Reason> {
+    ) -> Option<SlipRoot> {
         let brief = Self { limits: BRIEF, ..*self };
         for level in levels.iter().filter(|level| **level > self.creep) {
             let report = Self { creep: *level, enough: LEFT, ..brief }.run(&mut y, newton);
             *steps += report.steps.len();
             if !report.converged() {
-                return Err(report.into());
+                return None;
             }
         }
-        brief.solved(y, newton, steps)
+        brief.solved(y, newton, steps).ok()
     }
 
     /// The root that Newton finds from `y`, if it is on the flanks.
@@ -296,5 +217,150 @@ impl SlipBall<'_> {
     fn is_calm(&self) -> bool {
         let rate = self.contacts.scaled.nut_speed.abs().max(1.0);
         self.contacts.inertia_ratio() * rate * rate < SMALL_INERTIA * self.contacts.friction
+    }
+}
+
+/// A point on the way to its root.
+struct SlipRootSearch<'a> {
+    ball: SlipBall<'a>,
+    rolling_ball: &'a RollingBall,
+    newton: &'a mut Workspace,
+    steps: &'a mut usize,
+    /// What the path of growing inertia has shown.
+    shown: PathResult,
+    /// Scattered starts that have led to no root.
+    starts: u32,
+}
+
+impl SlipBall<'_> {
+    /// The root that is found without a search along a path.
+    pub(super) fn search_near(
+        &self,
+        rolling_ball: &RollingBall,
+        newton: &mut Workspace,
+        steps: &mut usize,
+    ) -> Option<SlipRoot> {
+        let mut search = SlipRootSearch::new(*self, rolling_ball, newton, steps);
+        first_answer(&mut search, &SlipRootSearch::NEAR).ok()
+    }
+
+    /// The root by all strategies.
+    ///
+    /// Where the roots of the path are all beyond the flanks, and no start leads to another, the
+    /// answer is that there is none.
+    pub(super) fn search(
+        &self,
+        rolling_ball: &RollingBall,
+        newton: &mut Workspace,
+        steps: &mut usize,
+    ) -> Result<SlipRoot, Unsolved> {
+        let mut search = SlipRootSearch::new(*self, rolling_ball, newton, steps);
+        first_answer(&mut search, &SlipRootSearch::ALL)
+    }
+}
+
+impl<'a> SlipRootSearch<'a> {
+    const NEAR: [fn(&mut Self) -> Attempt<SlipRoot>; 3] =
+        [Self::likely_start, Self::other_start, Self::falling_creep];
+    const ALL: [fn(&mut Self) -> Attempt<SlipRoot>; 6] = {
+        let [likely, other, creep] = Self::NEAR;
+        [likely, other, creep, Self::growing_inertia, Self::scattered_starts, Self::what_is_shown]
+    };
+
+    fn new(
+        ball: SlipBall<'a>,
+        rolling_ball: &'a RollingBall,
+        newton: &'a mut Workspace,
+        steps: &'a mut usize,
+    ) -> Self {
+        Self { ball, rolling_ball, newton, steps, shown: PathResult::Nothing, starts: 0 }
+    }
+
+    /// True if the skidding ball is nearer than the rolling one.
+    fn is_skidding(&self) -> bool {
+        let onset = self.rolling_ball.skid(self.ball.contacts).onset_number();
+        onset.is_some_and(|onset| onset > SKID_ONSET)
+    }
+
+    /// The rolling ball.
+    fn rolling(&self) -> [f64; BALL] {
+        self.ball.unknowns(&self.rolling_ball.loaded, &self.rolling_ball.to_nut)
+    }
+
+    /// From the nearer one of the rolling and the skidding ball.
+    fn likely_start(&mut self) -> Attempt<SlipRoot> {
+        self.start(self.is_skidding())
+    }
+
+    fn other_start(&mut self) -> Attempt<SlipRoot> {
+        self.start(!self.is_skidding())
+    }
+
+    /// By Newton from a ball that skids, or from the rolling one.
+    fn start(&mut self, skidding: bool) -> Attempt<SlipRoot> {
+        let y = if skidding {
+            let skid = GrossSlip::start(self.ball.contacts).ok()?;
+            *self.steps += skid.steps();
+            self.ball.unknowns(skid.state().0, skid.state().1)
+        } else {
+            self.rolling()
+        };
+        let Self { ball, newton, steps, .. } = self;
+        if let Some(y) = ball.predicted(&y, newton) {
+            **steps += 1;
+            let direct = SlipBall { limits: FULL_STEPS, ..*ball };
+            if let Ok(root) = direct.solved(y, newton, steps) {
+                return Some(Ok(root));
+            }
+        }
+        // The step to the first of them has not led to the root.
+        let mut levels = LEVELS.into_iter().rev();
+        levels.find_map(|levels| ball.descended(y, levels, newton, steps)).map(Ok)
+    }
+
+    /// From friction that is nearly proportional to the slip.
+    fn falling_creep(&mut self) -> Attempt<SlipRoot> {
+        let control = Continuation { first: 1.0, shortest: 0.05 };
+        self.ball.by_falling_creep(self.rolling(), 0.0, control, self.newton, self.steps).map(Ok)
+    }
+
+    /// Along the path of growing inertia.
+    fn growing_inertia(&mut self) -> Attempt<SlipRoot> {
+        let Self { ball, newton, steps, .. } = self;
+        self.shown = ball.followed(newton, steps);
+        if matches!(self.shown, PathResult::Nothing) {
+            // It may be the digits that were lost.
+            self.shown = SlipBall { nut_chart: true, ..*ball }.followed(newton, steps);
+        }
+        match self.shown {
+            PathResult::SlipRoot(root) => ball.is_balanced(&root).then_some(Ok(root)),
+            _ => None,
+        }
+    }
+
+    /// From starts spread over what a ball can do.
+    fn scattered_starts(&mut self) -> Attempt<SlipRoot> {
+        self.starts = match self.shown {
+            PathResult::OffFlank(_) if self.ball.is_calm() => 0,
+            PathResult::Ended(_) => MANY,
+            _ => STARTS,
+        };
+        self.ball.multistart(self.starts, self.newton, self.steps).map(Ok)
+    }
+
+    /// What the path has shown where no start leads to a root.
+    fn what_is_shown(&mut self) -> Attempt<SlipRoot> {
+        match self.shown {
+            // Rounding has eaten it, which its powers will show.
+            PathResult::SlipRoot(root) => Some(Ok(root)),
+            PathResult::OffFlank([nut, screw]) | PathResult::Ended([nut, screw]) => {
+                let evidence = match self.starts {
+                    0 => Evidence::Traced { resolution: STEP_CONTROL.longest },
+                    starts => Evidence::Sampled { starts },
+                };
+                Some(Err(Unsolved::none(evidence, Reason::BallLeavesFlank { nut, screw })))
+            }
+            PathResult::Nothing => None,
+        }
     }
 }

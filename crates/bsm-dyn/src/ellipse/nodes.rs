@@ -1,0 +1,79 @@
+//! The nodes of the sums over an ellipse, one by one.
+
+#![expect(
+    clippy::inline_always,
+    reason = "code takes the instruction set of its caller only inline"
+)]
+
+use bsm_simd::{Arch, Lane, Simd, WithSimd};
+
+use super::Quadrature;
+use super::kernel::{NearPole, Patch};
+use super::oil::{HalfChord, HalfNode, PolarRule};
+use super::panels::{Chords, EllipseSlip, Placement, Visitor, each_chord, half_length};
+use crate::contact::Transition;
+
+/// Coordinates over the semi-axes and part of the load of all nodes: those of the sums of a constant
+/// coefficient, or of one that bends.
+pub(super) fn nodes(
+    point: &Patch,
+    nodes: Placement<'_>,
+    bend: Option<&Transition>,
+) -> Vec<(f64, f64, f64)> {
+    Arch::new().dispatch(List(point, nodes, bend))
+}
+
+struct List<'a>(&'a Patch, Placement<'a>, Option<&'a Transition>);
+
+/// The nodes of all lines, one by one.
+struct Collect<'a> {
+    rule: &'a Quadrature,
+    slip: EllipseSlip<f64>,
+    bend: Option<&'a Transition>,
+    nodes: Vec<(f64, f64, f64)>,
+}
+
+impl<S: Simd> Visitor<S> for Collect<'_> {
+    #[inline(always)]
+    fn visit(&mut self, simd: S, _ellipse: usize, lines: &Chords) {
+        for (i, (xi, weight)) in lines.xi.into_iter().zip(lines.weight).enumerate() {
+            let half_length = half_length(xi);
+            let mut add = |s: f64, part: f64| self.nodes.push((xi, half_length * s, weight * part));
+            if lines.inside.is_some_and(|inside| inside[i] > 0.0) {
+                let near = NearPole::of(&self.slip.splat(simd), Lane::<S>::splat(simd, xi));
+                for (s, part) in
+                    (0..NearPole::<S>::pairs(self.rule)).flat_map(|pair| near.pair(self.rule, pair))
+                {
+                    add(s.as_slice()[0], part.as_slice()[0]);
+                }
+            } else if let Some(bend) = self.bend {
+                let slip = self.slip.splat(simd);
+                let half = HalfChord::of(bend, &slip, Lane::<S>::splat(simd, xi));
+                for k in 0..self.rule.half.len() {
+                    let HalfNode { s, weight, .. } = half.node(self.rule.half.at(k));
+                    let (s, part) = (s.as_slice()[0], weight.as_slice()[0]);
+                    add(s, part);
+                    add(-s, part);
+                }
+            } else if let Some(count) = lines.inner {
+                self.rule.inner[count].iter().for_each(|(s, part)| add(*s, *part));
+            }
+        }
+        self.nodes.retain(|(_, _, weight)| *weight != 0.0);
+    }
+}
+
+impl WithSimd for List<'_> {
+    type Output = Vec<(f64, f64, f64)>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self(point, nodes, bend) = self;
+        if let (Some(bend), blocks @ 1..) = (bend, nodes.blocks(&point.slip())) {
+            return PolarRule::of(simd, bend, &point.slip(), nodes.rule).nodes(nodes.rule, blocks);
+        }
+        let mut list = Collect { rule: nodes.rule, slip: point.slip(), bend, nodes: Vec::new() };
+        each_chord(simd, &[nodes; 2], &[point.slip(); 2], [false, true], &mut list);
+        list.nodes
+    }
+}

@@ -1,0 +1,50 @@
+//! Kinematics of the rolling ball.
+//!
+//! Theory: `docs/theory/07-raceway-control.md`, equations (W3) to (W6).
+
+use bsm_kin::{Field, FieldOver};
+
+/// Rolling motion relative to the nut over the relative speed: `$p$` and the angular velocity in
+/// `$(t, n, b)$` (W3) to (W6).
+///
+/// Both contact centres roll along the groove; across it, the slip of the lead is shared equally.
+///
+/// * `by_nut`: where the nut controls. * `lead`: sine and cosine of the lead angle.
+/// * `arc`: `$d/r_b$`. * `angles`: sines and cosines of the contact angles at nut and screw.
+#[inline(always)]
+pub fn rolling<F: Field>(
+    by_nut: F::Mask,
+    lead: (F, F),
+    arc: F,
+    [(sin_n, cos_n), (sin_s, cos_s)]: [(F, F); 2],
+) -> (F, [F; 3]) {
+    let between = cos_n * cos_s + sin_n * sin_s;
+    let p = rolling_precession(by_nut, lead.1 / arc, [cos_n, cos_s], between);
+    let (to_nut, to_screw) = (p * arc, (p - 1.0) * arc);
+    // ω'_t = W sinα / 2                                                   (W3)
+    let along = lead.0 * 0.5;
+    // (ω'_n, ω'_b) = −p (d/r_b) (−sinβ_A, cosβ_A)                         (W5)
+    let nut = [to_nut * sin_n, -(to_nut * cos_n)];
+    // (ω'_n, ω'_b − cosα) = (p − 1)(d/r_b) (−sinβ_B, cosβ_B)              (W6)
+    let screw = [-(to_screw * sin_s), to_screw * cos_s + lead.1];
+    (p, [along, F::select(by_nut, nut[0], screw[0]), F::select(by_nut, nut[1], screw[1])])
+}
+
+/// Precession of the rolling ball relative to the nut over the relative speed, from the cosines of
+/// both contact angles and of their difference (W4), (W6).
+///
+/// * `by_nut`: where the nut controls.
+/// * `lever`: `$(r_b/d)\cos\alpha$`.
+#[inline(always)]
+pub(super) fn rolling_precession<P: Field, F: FieldOver<P> + Field<Mask = P::Mask>>(
+    by_nut: P::Mask,
+    lever: P,
+    [nut, screw]: [F; 2],
+    between: F,
+) -> F {
+    let one = between.constant(1.0);
+    // p = (1 − (r_b/d) cosα cosβ_B) / (1 + cos(β_A − β_B))                (W4)
+    // p = (cos(β_A − β_B) − (r_b/d) cosα cosβ_A) / (1 + cos(β_A − β_B))   (W6)
+    let (near, far) = (F::select(by_nut, one, between), F::select(by_nut, screw, nut));
+    (near - far * lever) / (one + between)
+}

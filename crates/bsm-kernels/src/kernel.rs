@@ -1,0 +1,146 @@
+//! A model by lanes, and the rows that it runs over.
+
+use bsm_case::{OUTPUTS, Output, OutputKey};
+use bsm_dyn::{Choice, Model};
+use bsm_simd::{Simd, WithSimd};
+
+use crate::operand::{InputColumns, Lane, LaneInputs, Mask, Valid};
+
+/// A model by lanes.
+pub(crate) trait Kernel {
+    /// The model.
+    const MODEL: Model;
+
+    /// Solves a lane of points, and says for which of them the numbers are the answer.
+    fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S>;
+}
+
+/// The outputs that are wanted, and their places.
+#[derive(Debug, Clone)]
+pub struct Selection([Option<usize>; OUTPUTS.len()]);
+
+impl Selection {
+    /// Outputs in the order of their columns.
+    pub fn of(outputs: &[&Output]) -> Self {
+        let mut indices = [None; OUTPUTS.len()];
+        for (index, output) in outputs.iter().enumerate() {
+            if let Some(key) = output.key() {
+                indices[key as usize] = Some(index);
+            }
+        }
+        Self(indices)
+    }
+
+    /// With more outputs, those that are new behind `len` columns.
+    pub(crate) fn with(&self, keys: &[OutputKey], len: usize) -> Self {
+        let mut this = self.clone();
+        let new = keys.iter().filter(|key| self.index(**key).is_none());
+        for (index, key) in (len..).zip(new) {
+            this.0[*key as usize] = Some(index);
+        }
+        this
+    }
+
+    /// The place of an output.
+    pub(crate) fn index(&self, key: OutputKey) -> Option<usize> {
+        self.0[key as usize]
+    }
+}
+
+/// Where the outputs of a lane of points go.
+pub(crate) struct Sink<'a, 'b> {
+    pub(crate) wanted: &'a Selection,
+    pub(crate) columns: &'a mut [&'b mut [f64]],
+    /// The first of the points.
+    pub(crate) row: usize,
+}
+
+impl Sink<'_, '_> {
+    /// True if any of these outputs is wanted: what takes time is computed only then.
+    #[inline(always)]
+    pub(crate) fn wants(&self, keys: &[OutputKey]) -> bool {
+        keys.iter().any(|key| self.wanted.index(*key).is_some())
+    }
+
+    /// Stores the values of an output, in the unit of the vocabulary.
+    #[inline(always)]
+    pub(crate) fn set<S: Simd>(&mut self, key: OutputKey, values: Lane<S>) {
+        if let Some(index) = self.wanted.index(key) {
+            values.store(&mut self.columns[index][self.row..]);
+        }
+    }
+
+    /// Stores the values of an output and of those that follow it in the vocabulary.
+    #[inline(always)]
+    pub(crate) fn set_all<S: Simd, const N: usize>(
+        &mut self,
+        first: OutputKey,
+        values: [Lane<S>; N],
+    ) {
+        for (index, values) in self.wanted.0[first as usize..].iter().zip(values) {
+            if let Some(index) = *index {
+                values.store(&mut self.columns[index][self.row..]);
+            }
+        }
+    }
+
+    /// No other solution than this one.
+    #[inline(always)]
+    pub(crate) fn set_unique<S: Simd>(&mut self, like: Lane<S>) {
+        self.set(OutputKey::other_solutions, like.constant(0.0));
+    }
+
+    /// Stores yes and no.
+    #[inline(always)]
+    pub(crate) fn set_flag<S: Simd>(&mut self, key: OutputKey, values: Mask<S>) {
+        self.set(key, values.to_numbers());
+    }
+}
+
+/// Some rows of a chunk and the places of their answers.
+#[derive(Debug)]
+pub struct Rows<'a, 'b> {
+    /// The inputs of the chunk.
+    pub inputs: &'a InputColumns<'a>,
+    /// The outputs that are wanted.
+    pub wanted: &'a Selection,
+    /// The first of the rows in the chunk.
+    pub first: usize,
+    /// Columns of the outputs, of these rows only.
+    pub columns: &'a mut [&'b mut [f64]],
+    /// Which of the rows are answered.
+    pub done: &'a mut [bool],
+}
+
+/// Why a model answers a row of the choice by error bounds.
+#[derive(Debug, Clone, Copy)]
+pub struct RowChoice {
+    /// Its place among the rows.
+    pub row: usize,
+    /// The reason.
+    pub choice: Choice,
+    /// Bound of the error of the efficiency.
+    pub bound: f64,
+}
+
+/// A kernel over rows.
+pub(crate) struct RowKernel<'a, 'b, K> {
+    pub(crate) kernel: K,
+    pub(crate) rows: Rows<'a, 'b>,
+}
+
+impl<K: Kernel> WithSimd for RowKernel<'_, '_, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Rows { inputs, wanted, first, columns, done } = self.rows;
+        for row in (0..done.len()).step_by(Lane::<S>::LEN) {
+            let given = LaneInputs { simd, inputs, row: first + row };
+            let mut out = Sink { wanted, columns: &mut *columns, row };
+            let solved = self.kernel.solve(&given, &mut out);
+            let valid = simd.vectorize(Valid { given: &given, model: K::MODEL });
+            (solved & valid).store(&mut done[row..]);
+        }
+    }
+}
