@@ -7,7 +7,7 @@ use bsm_newton::{Bracket, EvalError, JacobianUpdate, Options, Report, Scales, so
 use bsm_simd::Arch;
 
 use super::statics::{Rates, StaticBalance, StaticState};
-use super::{RacewayControl, rolling};
+use super::rolling;
 use crate::contact::axial_displacement;
 use crate::models::ball::{
     BallLoads, Control, ElasticContacts, Evidence, Reason, Unsolved, Workspace, equations,
@@ -133,13 +133,7 @@ impl Balance<'_> {
 
     /// True if (W17) leaves no second root.
     pub(super) fn is_unique(&self) -> bool {
-        let nut = self.contacts.scaled.nut_speed;
-        let outwards = match self.control {
-            Control::Nut => 1.0 + nut,
-            Control::Screw => self.statics.lever - nut,
-        };
-        // μ cosα |P|/W < 2, with the largest |P| that may still rise      (W17)
-        self.statics.inertia * outwards < RacewayControl::UNIQUE_BELOW
+        self.statics.is_unique()
     }
 
     /// Roots on the flanks whose contact angles differ by more than those of the first root `x`, up to

@@ -6,7 +6,7 @@
 use bsm_kin::{Field, FieldOver};
 use bsm_simd::{Compare, Lane, Simd, WithSimd};
 
-use super::{STATIC, rolling_precession};
+use super::{RacewayControl, STATIC, rolling_precession};
 use crate::cost;
 use crate::models::ball::{LoadedContact, ScaledBall};
 
@@ -214,6 +214,15 @@ impl<F: Compare> StaticBalance<F> {
     #[inline(always)]
     pub(super) fn rate_at(&self, c: F, unloaded: F) -> F {
         self.rate(&self.loaded([c, self.closed(c, unloaded)]))
+    }
+
+    /// Where (W17) leaves no second root.
+    #[inline(always)]
+    pub fn is_unique(&self) -> F::Mask {
+        let nut = self.nut_speed;
+        let outwards = F::select(self.by_nut, nut + 1.0, self.lever - nut);
+        // μ cosα |P|/W < 2, with the largest |P| that may still rise      (W17)
+        (self.inertia * outwards).lt(nut.constant(RacewayControl::UNIQUE_BELOW))
     }
 
     /// Where (W15) shows that no other root on the flanks has a smaller difference of the angles.
