@@ -6,8 +6,8 @@ use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar, Site};
 use bsm_newton::{Bracket, EvalError, JacobianUpdate, Options, Report, Scales, solve};
 use bsm_simd::Arch;
 
-use super::statics::{Rates, StaticBalance, StaticState};
 use super::rolling;
+use super::statics::{Rates, StaticBalance, StaticState};
 use crate::contact::axial_displacement;
 use crate::models::ball::{
     BallLoads, Control, ElasticContacts, Evidence, Reason, Unsolved, Workspace, equations,

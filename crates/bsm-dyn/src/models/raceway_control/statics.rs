@@ -250,7 +250,8 @@ impl<F: Compare> StaticBalance<F> {
     }
 }
 
-/// `$P/W$` of a balance at several differences of the cotangents.
+/// `$P/W$` of a balance at several differences of the cotangents that grow; zero where the flanks hold more than any ball
+/// pulls.
 ///
 /// * `unloaded`: cotangent of the unloaded contact angle.
 pub(super) struct Rates<'a, const N: usize> {
@@ -279,8 +280,13 @@ impl<const N: usize> WithSimd for Rates<'_, N> {
                 (lane.constant(screw.0), lane.constant(screw.1)),
             ],
         };
+        // |P|/W ≤ max(|1 + ω|, |ω − (r_b/d) cosα|): the line c is above all that it can be beyond the square of that.
+        let fastest = (one.nut_speed + 1.0).abs().max((one.nut_speed - one.lever).abs());
         let mut rates = [0.0; N];
         for first in (0..N).step_by(Lane::<S>::LEN) {
+            if differences[first] > one.inertia * fastest * fastest {
+                break;
+            }
             let c = Lane::load(simd, &differences[first..]);
             balance.rate_at(c, lane).store(&mut rates[first..]);
         }
