@@ -10,6 +10,8 @@ mod nodes;
 mod oil;
 mod panels;
 
+use std::array::from_fn;
+
 use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
 use bsm_simd::Arch;
 
@@ -158,7 +160,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
 
 /// Scalars over constants of type `P` in which friction of a [`Coulomb`] coefficient can be summed over
 /// an ellipse: fast over numbers, by the law itself over jets.
-pub(crate) trait Integrate<P>: Over<P> {
+pub(crate) trait Integrate<P: Scalar>: Over<P> {
     /// Friction over `$f Q$`, as [`Ellipse::integrate`], and the power that it takes, without derivatives.
     fn integrate(
         ellipse: &Ellipse<Self, P>,
@@ -167,13 +169,18 @@ pub(crate) trait Integrate<P>: Over<P> {
         nodes: Placement<'_>,
     ) -> (Integral<Self>, f64);
 
-    /// Power that friction takes, over `$f Q$`.
-    fn power(
-        ellipse: &Ellipse<Self, P>,
-        local: &Local<Self>,
+    /// Powers that friction takes at two contacts, over `$f Q$`.
+    fn powers(
+        ellipses: &[Ellipse<Self, P>; 2],
+        locals: &[Local<Self>; 2],
         creep: f64,
-        nodes: Placement<'_>,
-    ) -> Self;
+        nodes: [Placement<'_>; 2],
+    ) -> [Self; 2] {
+        from_fn(|i| {
+            let one = Coulomb(Self::from(1.0));
+            ellipses[i].integrate(&locals[i], &one, creep, nodes[i].rule.into()).1
+        })
+    }
 
     /// Friction of a lubricated ellipse over `$Q$`, as [`Ellipse::integrate`], and the power that it takes.
     fn lubricated(
@@ -223,8 +230,14 @@ impl Integrate<f64> for f64 {
         (Integral::from_sums(sums.values), sums.power)
     }
 
-    fn power(ellipse: &Ellipse<f64>, local: &Local<f64>, creep: f64, nodes: Placement<'_>) -> f64 {
-        Self::integrate(ellipse, local, creep, nodes).1
+    fn powers(
+        ellipses: &[Ellipse<f64>; 2],
+        locals: &[Local<f64>; 2],
+        creep: f64,
+        nodes: [Placement<'_>; 2],
+    ) -> [f64; 2] {
+        let points = from_fn(|i| ellipses[i].point(&locals[i], creep));
+        kernel::powers_on(Arch::new(), &points, nodes)
     }
 
     fn lubricated(
@@ -255,15 +268,6 @@ impl<const N: usize> Integrate<f64> for Jet<N> {
         (Integral::with_slopes(values, &slopes, &arguments), power)
     }
 
-    fn power(
-        ellipse: &Ellipse<Self>,
-        local: &Local<Self>,
-        creep: f64,
-        nodes: Placement<'_>,
-    ) -> Self {
-        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule.into()).1
-    }
-
     fn lubricated(
         ellipse: &Ellipse<Self>,
         local: &Local<Self>,
@@ -289,9 +293,9 @@ impl<const N: usize> Integral<Jet<N>> {
         slopes: &[[f64; M]; kernel::SUMS],
         arguments: &[Jet<N>; M],
     ) -> Self {
-        Self::from_sums(std::array::from_fn(|i| Jet {
+        Self::from_sums(from_fn(|i| Jet {
             re: sums[i],
-            eps: std::array::from_fn(|k| {
+            eps: from_fn(|k| {
                 arguments.iter().zip(&slopes[i]).map(|(a, slope)| slope * a.eps[k]).sum()
             }),
         }))
@@ -308,15 +312,6 @@ impl<const N: usize> Integrate<Self> for Jet<N> {
         let (unit, power) =
             ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule.into());
         (unit, power.re)
-    }
-
-    fn power(
-        ellipse: &Ellipse<Self, Self>,
-        local: &Local<Self>,
-        creep: f64,
-        nodes: Placement<'_>,
-    ) -> Self {
-        ellipse.integrate(local, &Coulomb(Self::from(1.0)), creep, nodes.rule.into()).1
     }
 
     fn lubricated(

@@ -2,9 +2,11 @@
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (H1) to (H12).
 
+use std::array::from_fn;
 use std::f64::consts::PI;
 
 use bsm_kin::{Field, Over, Scalar};
+use bsm_simd::{Arch, BLOCK, Lane, Simd, WithSimd};
 
 use crate::outcome::Reason;
 
@@ -183,13 +185,28 @@ impl<D: Scalar> Hertz<D> {
     /// [`Reason::CurvaturesNotHertzian`] unless `$\rho_t \ge \rho_x > 0$`: the ellipse would lie
     /// along the groove, or the bodies would fit without a gap.
     pub fn of(curvatures: &Curvatures<D>, modulus: D) -> Result<Self, Reason> {
-        let Curvatures { longitudinal, transverse } = *curvatures;
-        let target = longitudinal / transverse;
-        if !(transverse.re() > 0.0 && target.re() >= 1.0 && target.re().is_finite()) {
-            let (longitudinal, transverse) = (longitudinal.re(), transverse.re());
-            return Err(Reason::CurvaturesNotHertzian { longitudinal, transverse });
+        let [hertz] = Self::side_by_side(&[*curvatures], modulus)?;
+        Ok(hertz)
+    }
+
+    /// Several contacts, which take as long as one.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::of`], of the first that has one.
+    pub fn side_by_side<const N: usize>(
+        curvatures: &[Curvatures<D>; N],
+        modulus: D,
+    ) -> Result<[Self; N], Reason> {
+        let targets = curvatures.map(|of| of.longitudinal / of.transverse);
+        for (&Curvatures { longitudinal, transverse }, target) in curvatures.iter().zip(targets) {
+            if !(transverse.re() > 0.0 && target.re() >= 1.0 && target.re().is_finite()) {
+                let (longitudinal, transverse) = (longitudinal.re(), transverse.re());
+                return Err(Reason::CurvaturesNotHertzian { longitudinal, transverse });
+            }
         }
-        Ok(Self::on(&Axes::of(target), curvatures, modulus))
+        let axes = Axes::of(targets);
+        Ok(from_fn(|i| Self::on(&axes[i], &curvatures[i], modulus)))
     }
 
     /// Elastic approach under the load `load` \[N\], in m (H9).
@@ -287,20 +304,49 @@ impl<D: Field> Axes<D> {
 
 impl<D: Scalar> Axes<D> {
     /// Solves (H7). The derivatives are those of the implicit function.
-    fn of(target: D) -> Self {
-        let t = target.re();
-        let effort = if t <= Axes::<f64>::PRACTICE { PRACTICE } else { BEYOND };
-        let (Axes { flatness, k, e }, at) = Axes::solve(t, effort);
-        // d ln κ = d ln t / s: to first order exact in any scalar         (V4)
-        let moved = (target - D::from(t)) * (at.above() * at.below() / (at.slope() * t));
-        // dK/d ln κ = K (1 − r)/2,  dE/d ln κ = −K q² (1 + r)/2           (H11)
-        let (dk, de) = (0.5 * k * at.below(), -0.5 * k * flatness * flatness * at.above());
-        let longitudinal = |value: f64, slope: f64| moved * slope + value;
-        Self {
-            flatness: longitudinal(flatness, -flatness),
-            k: longitudinal(k, dk),
-            e: longitudinal(e, de),
+    fn of<const N: usize>(targets: [D; N]) -> [Self; N] {
+        let found = Arch::new().dispatch(SideBySide(targets.map(|target| target.re())));
+        from_fn(|i| {
+            let (Axes { flatness, k, e }, at) = found[i];
+            // d ln κ = d ln t / s: to first order exact in any scalar     (V4)
+            let t = targets[i].re();
+            let moved = (targets[i] - D::from(t)) * (at.above() * at.below() / (at.slope() * t));
+            // dK/d ln κ = K (1 − r)/2,  dE/d ln κ = −K q² (1 + r)/2       (H11)
+            let (dk, de) = (0.5 * k * at.below(), -0.5 * k * flatness * flatness * at.above());
+            let longitudinal = |value: f64, slope: f64| moved * slope + value;
+            Self {
+                flatness: longitudinal(flatness, -flatness),
+                k: longitudinal(k, dk),
+                e: longitudinal(e, de),
+            }
+        })
+    }
+}
+
+/// Ratios of curvatures whose ellipses are found side by side.
+struct SideBySide<const N: usize>([f64; N]);
+
+impl<const N: usize> WithSimd for SideBySide<N> {
+    type Output = [(Axes<f64>, CurvatureEquation<f64>); N];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        const { assert!(N <= BLOCK, "one block") };
+        let mut targets = [1.0; BLOCK];
+        targets[..N].copy_from_slice(&self.0);
+        let practice = self.0.iter().all(|target| *target <= Axes::<f64>::PRACTICE);
+        let effort = if practice { PRACTICE } else { BEYOND };
+        let mut all = [(Axes { flatness: 1.0, k: 1.0, e: 1.0 }, CurvatureEquation::at(1.0, 1)); N];
+        for first in (0..N).step_by(S::F64_LANES) {
+            let (axes, at) = Axes::solve(Lane::<S>::load(simd, &targets[first..]), effort);
+            for (i, found) in all[first..].iter_mut().enumerate().take(S::F64_LANES) {
+                let number = |lane: Lane<S>| lane.as_slice()[i];
+                let [flatness, k, e] = [axes.flatness, axes.k, axes.e].map(number);
+                let [half, r, w] = [at.half, at.r, at.w].map(number);
+                *found = (Axes { flatness, k, e }, CurvatureEquation { k, half, r, w });
+            }
         }
+        all
     }
 }
 
@@ -471,7 +517,7 @@ mod tests {
     #[test]
     fn axes_are_right_from_the_circle_to_the_needle() {
         for (target, flatness, k, e) in AXES {
-            let axes = Axes::of(target);
+            let [axes] = Axes::of([target]);
             // A few roundings each.
             assert_relative_eq!(axes.flatness, flatness, max_relative = 1e-15);
             assert_relative_eq!(axes.k, k, max_relative = 1e-15);

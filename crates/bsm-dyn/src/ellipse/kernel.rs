@@ -636,19 +636,24 @@ pub(super) fn sums_on<L: PointLaw<N>, const N: usize, const SLOPED: bool>(
     law: L,
     nodes: Placement<'_>,
 ) -> Resultants {
-    arch.dispatch(One::<L, N, SLOPED>(point, law, nodes))
+    let [sums, _] = arch.dispatch(Both::<L, N, SLOPED>(&[*point; 2], law, [nodes; 2], true));
+    sums
 }
 
-struct One<'a, L, const N: usize, const SLOPED: bool>(&'a Patch, L, Placement<'a>);
+/// Powers of both contacts with a constant coefficient.
+pub(super) fn powers_on(arch: Arch, points: &[Patch; 2], nodes: [Placement<'_>; 2]) -> [f64; 2] {
+    arch.dispatch(Both::<_, 2, false>(points, Dry, nodes, false)).map(|sums| sums.power)
+}
 
-impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> WithSimd for One<'_, L, N, SLOPED> {
-    type Output = Resultants;
+/// Sums of both contacts, or of the first one alone.
+struct Both<'a, L, const N: usize, const SLOPED: bool>(&'a [Patch; 2], L, [Placement<'a>; 2], bool);
+
+impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> WithSimd for Both<'_, L, N, SLOPED> {
+    type Output = [Resultants; 2];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Resultants {
-        let Self(point, law, nodes) = self;
-        let (points, laws, nodes) = (&[*point; 2], &[law; 2], &[nodes; 2]);
-        let [sums, _] = sums::<S, L, N, SLOPED>(simd, points, laws, nodes, [false, true]);
-        sums
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self(points, law, nodes, alone) = self;
+        sums::<S, L, N, SLOPED>(simd, points, &[law; 2], &nodes, [false, alone])
     }
 }

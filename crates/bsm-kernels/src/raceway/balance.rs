@@ -95,11 +95,9 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
             Some(Control::Nut) | None => zero.le(zero),
         };
         let mut balance = StaticBalance::of(&contacts.scaled, by_nut);
-        let inertia = contacts.scaled.inertia_ratio() * (contacts.scaled.nut_speed.abs() + 1.0);
-        // Beyond, the precession, which the angles change by tenths, may turn the slope of the radial balance.
-        let unique = inertia.lt(zero.constant(StaticBalance::<f64>::UNIQUE_BELOW));
         let mut at = balance.start(contacts.cos_b / contacts.sin_b, contacts.regular);
         balance.iterate(&mut at);
+        let mut unique = balance.is_unique();
         let mut found = contacts.regular & at.converged & (unique | balance.is_first(at.unknowns));
         if control.is_none() {
             let sides = balance.loaded(at.unknowns);
@@ -111,14 +109,22 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
                     .gt(cotangent_difference(contacts, &sides) * RacewayControl::CLEAR + TIE);
             at.converged = at.converged & balance.by_nut | !found;
             balance.iterate(&mut at);
-            found = found & at.converged & (unique | balance.is_first(at.unknowns));
+            let by_screw = StaticBalance::of(&contacts.scaled, zero.lt(zero)).is_unique();
+            // The ball of the nut is one where the screw controls the other.
+            unique = by_screw & (unique | !balance.by_nut);
+            found = found & at.converged & (balance.is_unique() | balance.is_first(at.unknowns));
         }
         let sides = balance.loaded(at.unknowns);
         let [a, b] = &sides;
         let residual = balance.scaled_residual(at.unknowns);
         let on_flanks = a.cot.min(b.cot).gt(zero.constant(TIE));
         let closed = residual.lt(zero.constant(StaticBalance::<Lane<S>>::CLOSED));
-        let found = found & on_flanks & closed;
+        let mut found = found & on_flanks & closed;
+        if control.is_none() {
+            // The raceway that controls by the ball of the nut does by its own.
+            let nut = zero.lt(contacts.nut_excess(&sides));
+            found = found & (nut & balance.by_nut | !nut & !balance.by_nut);
+        }
         let twist = b.sin * a.cos - b.cos * a.sin;
         Precession {
             by_nut: balance.by_nut,

@@ -4,6 +4,7 @@
 
 mod start;
 
+use std::array::from_fn;
 use std::f64::consts::FRAC_PI_2;
 
 use bsm_kin::{BallFrame, Contact, Helix, Motion, Over, Scalar, Site};
@@ -41,8 +42,7 @@ impl<D: Scalar> ElasticPoint<D> {
     /// [`Reason::CurvaturesNotHertzian`].
     pub fn hertz(&self) -> Result<[Hertz<D>; 2], Reason> {
         let modulus = contact_modulus(&self.material.0, &self.material.1);
-        let [nut, screw] = self.curvatures();
-        Ok([Hertz::of(&nut, modulus)?, Hertz::of(&screw, modulus)?])
+        Hertz::side_by_side(&self.curvatures(), modulus)
     }
 
     /// Relative curvatures at nut and screw.
@@ -171,7 +171,7 @@ impl<P: Scalar> ElasticContacts<P> {
     /// Approaches over ball radius of loads over axial load (P2).
     pub(crate) fn approaches<D: Over<P>>(&self, loads: [D; 2]) -> [D; 2] {
         // δ = (Q/K_H)^{2/3}, Eq (H9)                                      (P2)
-        std::array::from_fn(|i| self.approach_of(i, loads[i]))
+        from_fn(|i| self.approach_of(i, loads[i]))
     }
 
     /// Approach over ball radius at nut (0) or screw (1) of a load over the axial load (P2).
@@ -274,13 +274,15 @@ impl<P: Scalar> ElasticContacts<P> {
         creep: f64,
         nodes: [Placement<'_>; 2],
     ) -> [D; 2] {
-        let motions = to_both(to_nut, &loaded.frame);
-        [0, 1].map(|i| {
-            let local = Local::of(&motions[i], &loaded.contacts[i], D::from(self.scaled.arc));
-            let power = D::power(&self.ellipse(i, loaded), &local, creep, nodes[i]);
-            // P_f = Σ f Q ∫ dP                                            (P7)
-            loaded.loads[i] * self.directed_friction() * power
-        })
+        let (motions, arc) = (to_both(to_nut, &loaded.frame), D::from(self.scaled.arc));
+        let powers = D::powers(
+            &from_fn(|i| self.ellipse(i, loaded)),
+            &from_fn(|i| Local::of(&motions[i], &loaded.contacts[i], arc)),
+            creep,
+            nodes,
+        );
+        // P_f = Σ f Q ∫ dP                                                (P7)
+        from_fn(|i| loaded.loads[i] * self.directed_friction() * powers[i])
     }
 
     /// Friction powers of a coefficient of one.
@@ -371,7 +373,7 @@ impl ElasticPoint {
         let (w, r_b) = (self.point.drive.relative_speed(), self.point.ball.radius);
         let motions = to_both(to_nut, &loaded.frame);
         let approaches = contacts.approaches(loaded.loads);
-        let [nut, screw] = std::array::from_fn(|i| {
+        let [nut, screw] = from_fn(|i| {
             let (contact, hertz, motion) = (&loaded.contacts[i], &contacts.hertz[i], &motions[i]);
             let load = loaded.loads[i] * self.point.load.per_ball();
             let slip = motion.slip_velocity(contacts.scaled.arc, &contact.point(1.0)) * (w * r_b);

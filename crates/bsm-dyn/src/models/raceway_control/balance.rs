@@ -130,13 +130,7 @@ impl Balance<'_> {
 
     /// True if (W17) leaves no second root.
     pub(super) fn is_unique(&self) -> bool {
-        let nut = self.contacts.scaled.nut_speed;
-        let outwards = match self.control {
-            Control::Nut => 1.0 + nut,
-            Control::Screw => self.statics.lever - nut,
-        };
-        // μ cosα |P|/W < 2, with the largest |P| that may still rise      (W17)
-        self.statics.inertia * outwards < StaticBalance::<f64>::UNIQUE_BELOW
+        self.statics.is_unique()
     }
 
     /// Roots on the flanks whose contact angles differ by more than those of the first root `x`, up to

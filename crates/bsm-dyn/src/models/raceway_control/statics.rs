@@ -124,7 +124,7 @@ impl<F: Compare> StaticBalance<F> {
 
     /// Inertia (W17) up to which no ball was seen to have a second root: the least of those that have one is
     /// 3.8, and (W15) excludes one below 0.25.
-    pub const UNIQUE_BELOW: f64 = 2.0;
+    const UNIQUE_BELOW: f64 = 2.0;
 
     /// Equal angles, turned apart by their centrifugal force unless that is too much.
     ///
@@ -223,6 +223,15 @@ impl<F: Compare> StaticBalance<F> {
         self.rate(&self.loaded([c, self.closed(c, unloaded)]))
     }
 
+    /// Where (W17) leaves no second root.
+    #[inline(always)]
+    pub fn is_unique(&self) -> F::Mask {
+        let nut = self.nut_speed;
+        let outwards = F::select(self.by_nut, nut + 1.0, self.lever - nut);
+        // μ cosα |P|/W < 2, with the largest |P| that may still rise      (W17)
+        (self.inertia * outwards).lt(nut.constant(Self::UNIQUE_BELOW))
+    }
+
     /// Where (W15) shows that no other root on the flanks has a smaller difference of the angles.
     #[inline(always)]
     pub fn is_first(&self, [c, screw]: [F; STATIC]) -> F::Mask {
@@ -248,7 +257,8 @@ impl<F: Compare> StaticBalance<F> {
     }
 }
 
-/// `$P/W$` of a balance at several differences of the cotangents.
+/// `$P/W$` of a balance at several differences of the cotangents that grow; zero where the flanks hold more than any ball
+/// pulls.
 ///
 /// * `unloaded`: cotangent of the unloaded contact angle.
 pub(super) struct Rates<'a, const N: usize> {
@@ -277,8 +287,13 @@ impl<const N: usize> WithSimd for Rates<'_, N> {
                 (lane.constant(screw.0), lane.constant(screw.1)),
             ],
         };
+        // |P|/W ≤ max(|1 + ω|, |ω − (r_b/d) cosα|): the line c is above all that it can be beyond the square of that.
+        let fastest = (one.nut_speed + 1.0).abs().max((one.nut_speed - one.lever).abs());
         let mut rates = [0.0; N];
         for first in (0..N).step_by(Lane::<S>::LEN) {
+            if differences[first] > one.inertia * fastest * fastest {
+                break;
+            }
             let c = Lane::load(simd, &differences[first..]);
             balance.rate_at(c, lane).store(&mut rates[first..]);
         }
