@@ -90,7 +90,7 @@ impl Columns {
             return Err(TableError::Column { name: name.clone(), message });
         }
         let mut columns = Self::default();
-        let (mut answered, mut unknown) = (false, Vec::new());
+        let (mut answers, mut unknown) = (0, Vec::new());
         for (index, own) in names.into_iter().enumerate() {
             let own = own.trim();
             renamed.retain(|name| *name != own);
@@ -100,7 +100,7 @@ impl Columns {
                 continue;
             };
             let repeated = |former: &str| Err(TableError::repeated(former, own));
-            answered |= ANSWERS.contains(&name);
+            answers += usize::from(ANSWERS.contains(&name));
             if columns.kept.iter().any(|k| k == name) {
                 return repeated(own);
             }
@@ -108,7 +108,7 @@ impl Columns {
                 columns.kept.push(name.to_owned());
                 columns.kept_places.push(index);
                 columns.kept_types.push(DataType::Utf8);
-            } else if answered && is_answer(name) {
+            } else if answers == ANSWERS.len() && is_answer(name) {
                 // Some answers have the name of an input; the inputs of an earlier answer stand before it.
                 columns.unread.push(own.to_owned());
             } else if unknown.iter().any(|other: &UnknownName| other.name == name) {
@@ -121,7 +121,8 @@ impl Columns {
                 columns.input_places.push(index);
                 columns.units.push((own.to_owned(), factor));
             } else if !is_answer(name) {
-                unknown.push(UnknownName { name: name.to_owned(), nearest: nearest_input(name) });
+                let nearest = nearest_input(name).filter(|nearest| *nearest != name);
+                unknown.push(UnknownName { name: name.to_owned(), nearest });
                 if unknown.len() == UnknownName::NAMED {
                     break;
                 }

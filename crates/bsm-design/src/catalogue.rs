@@ -174,7 +174,9 @@ impl Nut {
     pub fn ball_gap(&self) -> f64 {
         let in_steps = [self.pitch_diameter, self.lead, self.ball_diameter].map(|x| x / STEP);
         // Δ = D_w frac(L/D_w)                                             (D17)
-        self.ball_diameter * balls_of_turn(in_steps[0], in_steps[1], in_steps[2]).fract()
+        let gap = self.ball_diameter * balls_of_turn(in_steps[0], in_steps[1], in_steps[2]).fract();
+        // Below a nanometre it is rounding.
+        if gap < 1e-9 { 0.0 } else { gap }
     }
 }
 

@@ -164,10 +164,13 @@ fn single_violations<'a>(
 /// Why no standard size meets all limits: the one that fails least, and each limit that alone is in the way, with
 /// the best value that it could have.
 fn blocked(designs: Vec<Design>, complete: impl Fn(&Design) -> Design) -> Option<Outcome> {
-    let least = |designs: Vec<(Check, &Design)>| {
-        let checks = designs.into_iter().map(|(check, _)| check);
-        let least =
-            checks.min_by(|a, b| a.violation().partial_cmp(&b.violation()).unwrap_or(Equal))?;
+    let least = |mut designs: Vec<(Check, &Design)>| {
+        designs.sort_by(|(a, _), (b, _)| {
+            a.violation().partial_cmp(&b.violation()).unwrap_or(Equal)
+        });
+        // An efficiency, which takes a solution of its model, may break another limit.
+        let alone = |(_, design): &(Check, &Design)| failing(&complete(design)).len() == 1;
+        let (least, _) = designs.into_iter().take(ASKED).find(alone)?;
         Some(ActiveLimit { why: Why::Alone(least.value), check: least })
     };
     let mut blocking: Vec<_> =

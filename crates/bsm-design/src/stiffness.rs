@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use bsm_dyn::{Hertz, Raceway, Reason, contact_modulus};
 
-use crate::{Nut, NutBody};
+use crate::{LIMIT_LOAD, Nut, NutBody};
 
 /// Elasticity of one nut, whatever its load.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,8 +61,12 @@ impl Elasticity {
         3.0 * self.turns * self.displacement(preload).sqrt()
     }
 
-    /// Displacement of the contacts of two such nuts under a load \[m\] (D20).
+    /// Displacement of the contacts of two such nuts under a load \[m\] (D20), beyond the limit load (D23) that of the
+    /// nut that carries it alone.
     pub fn preloaded_displacement(&self, preload: f64, load: f64) -> f64 {
+        if load > LIMIT_LOAD * preload {
+            return self.displacement(load) - self.displacement(preload);
+        }
         // w = F_m / j_w                                                   (D20)
         load / self.preloaded(preload)
     }

@@ -31,7 +31,9 @@ pub struct Advance {
 impl Advance {
     /// The largest gap that a circuit needs \[m\].
     pub fn largest_gap(&self) -> f64 {
-        self.circuits.iter().map(|circuit| circuit.needed_gap).fold(0.0, f64::max)
+        let largest = self.circuits.iter().map(|circuit| circuit.needed_gap).fold(0.0, f64::max);
+        // Below a nanometre it is rounding.
+        if largest < 1e-9 { 0.0 } else { largest }
     }
 }
 

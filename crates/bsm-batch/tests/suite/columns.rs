@@ -298,3 +298,16 @@ fn a_row_says_why_it_has_no_torque_with_pushes() {
     assert!(message.starts_with("nut: no friction torque with pushes of the balls: a push of"));
     assert!(answers.verdicts.iter().all(|verdict| verdict.status == Status::Converged));
 }
+
+/// A table may have a column `model`: its inputs are read all the same. Behind all answers stand outputs, some with the
+/// name of an input.
+#[test]
+fn columns_of_an_earlier_answer_are_passed_over() {
+    let inputs = |names: &[&str]| {
+        let columns = Columns::sort(names.iter().copied(), &[]).expect("known names");
+        columns.inputs.iter().map(|key| key.name()).collect::<Vec<_>>()
+    };
+    let temperature = "lubricant_temperature_C";
+    assert_eq!(inputs(&["model", temperature]), [temperature]);
+    assert!(inputs(&["model", "status", "message", temperature]).is_empty());
+}

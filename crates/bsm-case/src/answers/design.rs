@@ -95,7 +95,7 @@ impl DesignReport {
         outcome: Outcome,
         offered: &[OfferedSize],
     ) -> Self {
-        let (design, reasons, found): (_, Vec<String>, _) = match outcome {
+        let (design, mut reasons, mut found): (_, Vec<String>, _) = match outcome {
             Outcome::Found { design, active, failed_rules } => {
                 let mut names: Vec<_> =
                     active.iter().map(|holds| step(holds.quantity).name).collect();
@@ -123,6 +123,12 @@ impl DesignReport {
             // That of an axis which runs away.
             Ok(sheet) if sheet.phases.is_empty() => sheet.answer.warnings.clone(),
             Ok(_) => Vec::new(),
+            // What every command refuses is no answer.
+            Err(why) if found || reasons.is_empty() => {
+                found = false;
+                reasons = vec![why.to_string()];
+                Vec::new()
+            }
             Err(why) => vec![why.to_string()],
         };
         let sheet = judged.ok();
@@ -174,7 +180,6 @@ impl DesignReport {
                 None => rows.push(row),
             }
         }
-        let mut reasons = reasons;
         if !found && reasons.is_empty() {
             reasons.extend(rules.iter().filter(|rule| !rule.passes()).map(breaks));
         }

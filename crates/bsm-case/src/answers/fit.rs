@@ -21,7 +21,10 @@ pub(crate) fn measurable(name: &str) -> Result<&'static Output, CaseError> {
     let output = Output::named(name).filter(|o| o.json_type == "number");
     output
         .filter(|output| output.key().is_some() || output.name == SCREW_TORQUE)
-        .ok_or_else(|| CaseError::unknown(Known::Output, name, Output::nearest(name)))
+        .ok_or_else(|| {
+            let nearest = Output::nearest(name).filter(|nearest| *nearest != name);
+            CaseError::unknown(Known::Output, name, nearest)
+        })
 }
 
 /// What would be measured at a point; `None` without a solution.

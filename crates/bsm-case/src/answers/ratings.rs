@@ -12,6 +12,7 @@ use warnings::off_the_flank;
 use crate::answers::record::message;
 use crate::case::axis::speed_number_limit;
 use crate::case::rated_nut::{body, nut, thread};
+use crate::vocabulary::number::trimmed;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{Answer, Case, CaseError, Catalogue, Content, INPUTS, Numbers, exact};
@@ -231,11 +232,12 @@ impl<'a> NutRatings<'a> {
         }
         let limit = speed_number_limit(case, nut.lead, thread.screw.land);
         let pitch_mm = nut.pitch_diameter / MM;
-        if let Some(rpm) = rpm(case).filter(|rpm| *rpm * pitch_mm > limit) {
+        if let Some(rpm) = rpm(case).filter(|rpm| *rpm * pitch_mm > limit * (1.0 + 1e-9)) {
             warnings.push(format!(
-                "speed number {:.0} mm/min at {rpm} rpm: above the limit of {limit:.0} \
+                "speed number {:.0} mm/min at {} rpm: above the limit of {limit:.0} \
                  the return of the balls is at risk",
-                rpm * pitch_mm
+                rpm * pitch_mm,
+                trimmed(rpm)
             ));
         }
         Ok(warnings)

@@ -146,6 +146,17 @@ impl Machine {
         Ok(Self { axis, ratings, groove, body, carriage, drive, screw, held, assumed, warning })
     }
 
+    /// Stroke and length of the nut \[m\], if the stroke is given; an error where the screw is not longer.
+    pub(crate) fn travel(&self, case: &Case) -> Result<Option<f64>, CaseError> {
+        let travel = case.stroke_mm.map(|stroke| stroke * MM + self.body.length);
+        let is_longer = |travel| self.axis.shaft.is_none_or(|shaft| travel < shaft.length);
+        if travel.is_none_or(is_longer) {
+            return Ok(travel);
+        }
+        let what = "is not more than stroke and nut: the nut would run into the bearings";
+        Err(bad("unsupported_length_mm", what))
+    }
+
     /// Life of the cycle; `None` too of a stroke of less than half a turn, which wears a groove by false brinelling.
     pub(crate) fn life(&self, case: &Case) -> Option<Life> {
         let turns = case.stroke_mm.map(|mm| mm * MM / self.axis.screw.lead);

@@ -240,7 +240,7 @@ impl InputSet {
             let names = names.join(", ");
             (!names.is_empty()).then(|| {
                 format!(
-                    "{names} {acts} in the {part}, not on the one ball of this answer: `{part}`"
+                    "{names} {acts} in the {part}, not on the ball of the model: `{part}`"
                 )
             })
         })

@@ -132,13 +132,20 @@ impl RequirementFile {
         for (key, value) in &entries {
             given.assign(key, value)?;
         }
+        let mut set = RequirementKeys::default();
         for setting in settings {
             let bad = || CaseError::bad_setting(setting, "name=value");
             let (key, text) = setting.split_once('=').ok_or_else(bad)?;
             let (key, text) = (key.trim(), text.trim());
             let value = serde_json::from_str(text).unwrap_or_else(|_| Value::from(text));
-            given.assign(key, &value)?;
+            set.assign(key, &value)?;
         }
+        // Lead and lead angle, elsewhere two forms of one quantity, together are a pitch circle here.
+        let Case { lead_mm, lead_angle_deg, .. } = given.case;
+        given.case.override_with(&set.case);
+        given.case.lead_mm = set.case.lead_mm.or(lead_mm);
+        given.case.lead_angle_deg = set.case.lead_angle_deg.or(lead_angle_deg);
+        given.own.extend(set.own);
         given.requirement(standard)
     }
 }
@@ -256,6 +263,7 @@ impl RequirementKeys {
     fn requirement(self, standard: Lists) -> Result<RequirementFile, CaseError> {
         let mut case = self.case.clone();
         case.check()?;
+        case.given().check_friction()?;
         let forms = ["screw_length_mm", "stroke_mm"];
         let reach = match (self.number(forms[0]), case.stroke_mm) {
             (Some(mm), None) => Travel::Screw(mm * MM),

@@ -119,7 +119,7 @@ fn what_the_paper_recommends_is_told() {
         (&[("preload_N", 40_000.0)][..], "preload_N is 0.386 of the dynamic rating"),
         (
             &[("preload_N", 15_500.0), ("axial_load_N", 80_000.0)],
-            "from 43841 N on one nut is unloaded",
+            "from 43841 N on, by equal loads of the balls, one nut is unloaded",
         ),
         (&[("loaded_turns", 9.0)], "loaded_turns = 9: 2 to 6 are usual"),
         (&[("lead_mm", 12.0)], "the ball diameter is 0.833 of the pitch"),

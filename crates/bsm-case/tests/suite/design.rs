@@ -95,6 +95,17 @@ fn a_requirement_of_load_motion_and_stroke_suffices() {
     assert_eq!(same.notes, Vec::<String>::new());
 }
 
+/// What no command takes is no answer; a lubricant replaces a coefficient.
+#[test]
+fn a_case_that_is_refused_is_not_found() {
+    let report = DesignReport::of(&requirement(&["pretension_K=3"]).expect("a requirement"));
+    let why = report.reasons.join("; ");
+    assert!(!report.found && why.contains("needs support fixed-fixed"), "{why}");
+    let oiled = requirement(&["iso_vg=68", "lubricant_temperature_C=40"]).expect("a requirement");
+    let report = DesignReport::of(&oiled);
+    assert!(report.found && report.case.friction_coefficient.is_none(), "{:?}", report.reasons);
+}
+
 /// An absurd load is no error, but nothing carries it.
 #[test]
 fn absurd_loads_are_infeasible() {

@@ -38,6 +38,34 @@ pub(crate) fn near(ours: f64, theirs: f64, tolerance: f64, what: &str) {
     assert!((ours / theirs - 1.0).abs() < tolerance, "{what}: {ours} {theirs}");
 }
 
+/// A rule passes with what its remedy asks for, and the nut of a screw that is too short has no room for its stroke.
+#[test]
+fn remedies_hold() {
+    for (settings, title, asks, input) in [
+        ("inclination_deg=90 brake_torque_Nm=1", "brake", "brake_torque_Nm ", "brake_torque_Nm"),
+        ("preload_N=20000", "preload", "preload_N ", "preload_N"),
+        ("preload_N=20000", "preload", "rating of ", "rated_dynamic_load_N"),
+        ("unsupported_length_mm=2600", "critical speed", "length_mm ", "unsupported_length_mm"),
+    ] {
+        let mut settings: Vec<_> = settings.split(' ').map(str::to_owned).collect();
+        let rule = |settings: &[String]| {
+            let settings: Vec<_> = settings.iter().map(String::as_str).collect();
+            let rules = axis(&settings).answer.rules;
+            rules.into_iter().find(|rule| rule.title == title).expect("a rule")
+        };
+        let help = rule(&settings).remedy.expect("it fails");
+        let (_, number) = help.split_once(asks).expect("its input");
+        let number = number.split(' ').next().unwrap_or(number).trim_end_matches(',');
+        settings.retain(|setting| !setting.starts_with(input));
+        settings.push(format!("{input}={number}"));
+        assert!(rule(&settings).passes(), "{title}: {help}");
+    }
+    let mut case = Case::from_json(AXIS).expect("an example");
+    case.unsupported_length_mm = case.stroke_mm;
+    let short = AxisReport::of(&case, &Settings::default()).expect_err("too short");
+    assert!(short.to_string().contains("the nut would run into the bearings"), "{short}");
+}
+
 /// The rules again, in mm, N and rpm as catalogues have them, from the sizes on the sheet: rounding of some products.
 #[test]
 fn the_rules_again_in_workshop_units() {
@@ -164,7 +192,7 @@ fn a_sheet_says_what_to_measure_how_warm_and_whether_it_falls() {
     let note = |report: &AxisReport, words: &str| {
         report.answer.notes.iter().find(|note| note.contains(words)).cloned()
     };
-    let level = with(&["unsupported_length_mm=1300"]);
+    let level = with(&["stroke_mm=1100", "unsupported_length_mm=1300"]);
     // Six digits of 0.05/sqrt(tan) of 10/(pi 41.75), times 3000 N and 10 mm over a turn.
     near(number(&level, "preload_torque_measured_Nm"), 0.864_599, 1e-6, "torque");
     let measure = note(&level, "to measure").expect("a preload");

@@ -305,7 +305,7 @@ fn a_preloaded_pair_tells_stiffness_limit_and_drag() {
     let solved = bsm(dir.path(), &["solve", &case], "");
     let words = stdout(&solved);
     assert!(
-        words.contains("preload_N acts in the nut, not on the one ball of this answer: `nut`"),
+        words.contains("preload_N acts in the nut, not on the ball of the model: `nut`"),
         "{words}"
     );
 }

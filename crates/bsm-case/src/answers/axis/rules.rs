@@ -1,6 +1,6 @@
 //! The rules of an axis: value, limit, source, and remedies.
 
-use bsm_design::{Axis, OPENS_AT, least_preload};
+use bsm_design::{Axis, OPENS_AT};
 
 use super::Preload;
 use crate::case::axis::{motor_speed, preload_method, speed_number_limit, useful_travel};
@@ -42,6 +42,11 @@ impl RuleInputs<'_> {
         where_there_is.map(|_| self.number(name).unwrap_or(f64::NAN))
     }
 
+    /// A screw that stands still has no life to judge.
+    fn moves(&self) -> bool {
+        self.axis.fastest() > 0.0
+    }
+
     /// Largest preload of a nut of its kind \[N\].
     fn most_preload(&self) -> f64 {
         preload_method(self.case).share() * self.axis.dynamic_rating
@@ -59,6 +64,18 @@ impl RuleInputs<'_> {
         let required = self.case.required_travel_error_um? * UM;
         word.grade.that_keeps(required, travel).map(|grade| grade.name)
     }
+}
+
+/// The largest number with up to two decimals that is not above another one, for a remedy that holds.
+fn at_most(x: f64, digits: usize) -> String {
+    let size = [1.0, 10.0, 100.0][digits];
+    format!("{:.digits$}", (x * size * (1.0 + 1e-12)).floor() / size)
+}
+
+/// The least one that is not below it.
+fn at_least(x: f64, digits: usize) -> String {
+    let size = [1.0, 10.0, 100.0][digits];
+    format!("{:.digits$}", (x * size * (1.0 - 1e-12)).ceil() / size)
 }
 
 /// A rule about a number, if there is one.
@@ -110,28 +127,28 @@ rules! {
     "critical speed" critical_speed_ratio [""] at_most of.input(K::required_critical_speed_ratio),
         "manufacturers' catalogues: 0.8 of the critical speed (Z1)",
         format!(
-            "unsupported_length_mm {:.0} or less, or a core of {:.1} mm, or a stiffer support",
-            of.length_mm() * margin.sqrt(),
-            of.core_mm() / margin
+            "unsupported_length_mm {} or less, or a core of {} mm, or a stiffer support",
+            at_most(of.length_mm() * margin.sqrt(), 0),
+            at_least(of.core_mm() / margin, 1)
         );
     "speed number" largest_speed_number_mm_min ["mm/min"]
         at_most Some(speed_number_limit(of.case, of.axis.screw.lead, of.axis.screw.outer)),
         "limit of the ball return by screw_make, THK A-697, unless given (Z15)",
         format!(
-            "lead_mm {:.1} at the same feed, or another ball return (speed_number_limit_mm_min)",
-            of.axis.screw.lead / MM / margin
+            "lead_mm {} at the same feed, or another ball return (speed_number_limit_mm_min)",
+            at_least(of.axis.screw.lead / MM / margin, 1)
         );
     "buckling" buckling_safety [""] at_least of.input(K::required_buckling_safety),
         "Euler; half of the buckling load (Z2)",
         format!(
-            "unsupported_length_mm {:.0} or less, or a core of {:.1} mm",
-            of.length_mm() * margin.sqrt(),
-            of.core_mm() * margin.powf(-0.25)
+            "unsupported_length_mm {} or less, or a core of {} mm",
+            at_most(of.length_mm() * margin.sqrt(), 0),
+            at_least(of.core_mm() * margin.powf(-0.25), 1)
         );
     "core stress" largest_load_N ["N"] = of.number("yield_load_N").map(|_| of.axis.largest_load()),
         at_most of.number("yield_load_N"),
         "THK and others: 147 N/mm2 (Z3)",
-        format!("a core of {:.1} mm", of.core_mm() * margin.powf(-0.5));
+        format!("a core of {} mm", at_least(of.core_mm() * margin.powf(-0.5), 1));
     "pretension left" pretension_N ["N"]
         at_least {
             let hindered = of.number("pretension_N").zip(of.number("screw_tension_N"));
@@ -140,8 +157,8 @@ rules! {
         "force of the growth that the bearings hinder; GY Ballscrew, THK A-715 (AA5)",
         {
             let slack = of.number("pretension_K").unwrap_or(f64::NAN);
-            let needed = (slack / margin).ceil();
-            format!("the screw is slack from {slack:.1} K on: pretension_K {needed:.0}")
+            let needed = at_least(slack / margin, 0);
+            format!("the screw is slack from {slack:.1} K on: pretension_K {needed}")
         };
     "support bearings" support_bearing_load_N ["N"]
         = of.case.support_bearing_axial_load_N.and(of.number("support_bearing_load_N")),
@@ -163,28 +180,31 @@ rules! {
         );
     "static safety" static_safety_factor [""] at_least of.input(K::required_static_safety),
         "ISO 3408-5 (Z16); by the most loaded ball too, `nut`. THK asks for 1 to 1.5, with impact for 2 to 7",
-        format!("a static load rating of {:.0} N", of.axis.static_rating / margin);
+        format!("a static load rating of {} N", at_least(of.axis.static_rating / margin, 0));
     "life" cycle_life_h ["h"]
-        = of.number("cycle_life_h").or(of.case.required_life_h.map(|_| f64::NAN)),
+        = of.needed("cycle_life_h", of.case.required_life_h.filter(|_| of.moves())),
         at_least of.case.required_life_h,
         "ISO 3408-5 (D12) to (D15), reliability (Z14)",
-        format!("a dynamic load rating of {:.0} N", of.axis.dynamic_rating / margin.cbrt());
+        format!("a dynamic load rating of {} N", at_least(of.axis.dynamic_rating / margin.cbrt(), 0));
     "modified life" modified_life_h ["h"]
-        = of.needed("modified_life_h", of.number("fatigue_load_limit_N")),
+        = of.needed("modified_life_h", of.number("fatigue_load_limit_N").filter(|_| of.moves())),
         at_least of.case.required_life_h,
         "ISO 281 with viscosity ratio and contamination (Z37) to (Z40)",
         "more viscosity, a cleaner lubricant or a larger dynamic load rating";
     "life by all balls" cycle_life_by_balls_h ["h"] at_least of.case.required_life_h,
         "loads of all balls (U24)",
-        format!("a dynamic load rating of {:.0} N", of.axis.dynamic_rating / margin.cbrt());
+        format!("a dynamic load rating of {} N", at_least(of.axis.dynamic_rating / margin.cbrt(), 0));
     "equivalent load" equivalent_load_N ["N"] at_most Some(of.axis.dynamic_rating),
         "dynamic load rating: a million revolutions (D13)",
-        format!("a dynamic load rating of {:.0} N", of.axis.dynamic_rating / margin);
+        format!("a dynamic load rating of {} N", at_least(of.axis.dynamic_rating / margin, 0));
     // Of the motor, without a limit there is no rule.
     "motor speed" motor_speed_rpm ["rpm"] = motor_speed(of.case).and(of.number("motor_speed_rpm")),
         at_most motor_speed(of.case),
         "THK A-719",
-        format!("lead_mm {:.1} at the same feed", of.case.lead_mm.unwrap_or(f64::NAN) / margin);
+        format!(
+            "lead_mm {} at the same feed",
+            at_least(of.case.lead_mm.unwrap_or(f64::NAN) / margin, 1)
+        );
     "peak torque of the motor" peak_motor_torque_Nm ["N m"]
         = of.case.motor_peak_torque_Nm.and(of.number("peak_motor_torque_Nm")),
         at_most of.case.motor_peak_torque_Nm,
@@ -199,10 +219,10 @@ rules! {
         = of.case.motor_rated_power_W.and(of.number("peak_motor_power_W")),
         at_most of.case.motor_rated_power_W,
         "the worst phase",
-        format!("a feed of {margin:.2} times this one, or a larger motor");
+        format!("a feed of {} times this one, or a larger motor", at_most(margin, 2));
     "inertia ratio" inertia_ratio [""] at_most of.input(K::largest_inertia_ratio),
         "THK, eq. 49: 3 to 10",
-        format!("gear_ratio {:.2} times this one, or a larger motor", margin.powf(-0.5));
+        format!("gear_ratio {} times this one, or a larger motor", at_least(margin.powf(-0.5), 2));
     "acceleration time" least_acceleration_time_s ["s"]
         = of.number("shortest_ramp_s").and(of.number("least_acceleration_time_s")),
         at_most of.number("shortest_ramp_s"),
@@ -212,7 +232,10 @@ rules! {
         = of.number("required_brake_torque_Nm").and(of.case.brake_torque_Nm),
         at_least of.number("required_brake_torque_Nm"),
         "brake_safety times the weight without friction (Z18)",
-        format!("brake_torque_Nm {:.2}", of.number("required_brake_torque_Nm").unwrap_or(f64::NAN));
+        format!(
+            "brake_torque_Nm {}",
+            at_least(of.number("required_brake_torque_Nm").unwrap_or(f64::NAN), 2)
+        );
 }
 
 rules! {
@@ -227,15 +250,15 @@ rules! {
         at_most Some(of.most_preload()),
         "THK A-687, HIWIN 3.6: 0.1 of the dynamic load rating in a double nut, else 0.05 (AA6)",
         format!(
-            "a dynamic load rating of {:.0} N, or preload_N {:.0} and one nut that opens above {:.0} N",
-            least_preload(of.axis.largest_load()) / preload_method(of.case).share(),
-            of.preload_to_set(),
+            "a dynamic load rating of {} N, or preload_N {} and one nut that opens above {:.0} N",
+            at_least(of.preload.map_or(f64::NAN, |p| p.warm) / preload_method(of.case).share(), 0),
+            at_most(of.preload_to_set(), 0),
             OPENS_AT * of.most_preload()
         );
     "remaining preload" largest_load_N ["N"] = of.preload.map(|_| of.axis.largest_load()),
         at_most of.preload.map(|preload| of.number("limit_load_N").unwrap_or(OPENS_AT * preload.warm)),
         "limit load, some 2.83 times the preload (D14), (U20)",
-        format!("preload_N {:.0}", of.preload.map_or(f64::NAN, |preload| preload.cold) / margin);
+        format!("preload_N {}", at_least(of.preload.map_or(f64::NAN, |p| p.cold) / margin, 0));
 }
 
 /// All rules of an axis that it has numbers for.

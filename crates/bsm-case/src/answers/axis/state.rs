@@ -48,6 +48,7 @@ impl<'a> AxisState<'a> {
         warm: Option<Warm>,
     ) -> Result<Self, CaseError> {
         let mut machine = Machine::of(case)?;
+        machine.travel(case)?;
         let (axis, advance) = (&machine.axis, machine.advance());
         let mut work = ModelWorkspace::default();
         let heaviest = axis.heaviest().filter(|phase| phase.load != 0.0).copied();

@@ -74,9 +74,9 @@ pub(super) fn of_pair(
     }
     // F_m ≤ 3 F_w                                                         (D23)
     if let Some(load) = load.filter(|load| *load > LIMIT_LOAD * preload * (1.0 + 1e-9)) {
-        let alone = elasticity.displacement(load) - elasticity.displacement(preload);
+        let alone = elasticity.preloaded_displacement(preload, load);
         warnings.push(format!(
-            "a load of {} N is more than {LIMIT_LOAD} times the preload: from {:.0} N on one nut is unloaded, \
+            "a load of {} N is more than {LIMIT_LOAD} times the preload: from {:.0} N on, by equal loads of the balls, one nut is unloaded, \
              the stiffness of the pair does not hold, and the displacement is that of the other nut alone, \
              {:.3} um",
             exact(load.round()),

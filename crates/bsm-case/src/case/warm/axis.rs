@@ -13,7 +13,7 @@ use crate::case::axis::Machine;
 use crate::case::nut::NutPreload;
 use crate::vocabulary::entries::Named;
 use crate::vocabulary::error::bad;
-use crate::vocabulary::units::{MM, RPM, UM};
+use crate::vocabulary::units::{RPM, UM};
 use crate::{Case, CaseError, InputKey, NutProblem, Settings};
 
 /// Speed at which manufacturers measure the drag of a preload \[rad/s\].
@@ -111,14 +111,9 @@ impl<'a> WarmAxis<'a> {
             let what = "has five nodes: a heat transfer of one node is given too";
             return Err(bad("warm_state", what));
         }
-        let (Some(shaft), Some(stroke)) = (&machine.axis.shaft, case.stroke_mm) else {
+        let (Some(shaft), Some(travel)) = (&machine.axis.shaft, machine.travel(case)?) else {
             return Err(bad("warm_state", "needs stroke_mm"));
         };
-        let travel = stroke * MM + machine.body.length;
-        if shaft.length <= travel {
-            let what = "is not more than stroke and nut: the nut would run into the bearings";
-            return Err(bad("unsupported_length_mm", what));
-        }
         if case.coolant_flow_l_min.is_some() && case.screw_bore_mm.is_none() {
             return Err(bad("coolant_flow_l_min", "needs screw_bore_mm"));
         }
