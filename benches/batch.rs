@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use arrow_array::{ArrayRef, RecordBatch};
 use bsm_batch::{
-    Answers, Chunk, Columns, CsvSource, Format, ParquetSource, Sink, Source, TableFormat,
+    AnswerSink, Answers, Chunk, Columns, CsvSource, Format, ParquetSource, Source, TableFormat,
     TableSink, Task,
 };
 use bsm_benches::seeded;

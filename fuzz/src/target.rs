@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use allocation_counter::measure;
 use bsm_batch::{
-    Answers, CsvSource, Format, JsonSource, ParquetSource, Sink, Source, TableError, TableFormat,
-    TableSink, Task, hush_caught_panics,
+    AnswerSink, Answers, CsvSource, Format, JsonSource, ParquetSource, Source, TableError,
+    TableFormat, TableSink, Task, hush_caught_panics,
 };
 use bsm_case::{
     Axis, Case, Catalogue, Condition, DesignReport, Fit, Grid, NutProblem, RequirementFile, Row,

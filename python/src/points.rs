@@ -14,7 +14,7 @@ use std::time::Duration;
 use arrow_array::{Array, ArrayRef, Float64Array};
 use arrow_buffer::{Buffer, NullBuffer, ScalarBuffer};
 use bsm_batch::{
-    Answers, Buffers, Chunk, Columns, Format, GridSource, ROWS, RowReport, Sink, Source,
+    AnswerSink, Answers, Buffers, Chunk, Columns, Format, GridSource, ROWS, RowReport, Source,
     TableError, TableFormat, TableSink, Task, Verdict, Workers,
 };
 use bsm_case::{Axis, Grid, ModelChoice, OUTPUTS, Output};

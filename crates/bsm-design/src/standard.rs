@@ -165,9 +165,8 @@ fn single_violations<'a>(
 /// the best value that it could have.
 fn blocked(designs: Vec<Design>, complete: impl Fn(&Design) -> Design) -> Option<Outcome> {
     let least = |mut designs: Vec<(Check, &Design)>| {
-        designs.sort_by(|(a, _), (b, _)| {
-            a.violation().partial_cmp(&b.violation()).unwrap_or(Equal)
-        });
+        designs
+            .sort_by(|(a, _), (b, _)| a.violation().partial_cmp(&b.violation()).unwrap_or(Equal));
         // An efficiency, which takes a solution of its model, may break another limit.
         let alone = |(_, design): &(Check, &Design)| failing(&complete(design)).len() == 1;
         let (least, _) = designs.into_iter().take(ASKED).find(alone)?;

@@ -19,12 +19,10 @@ const SCREW_TORQUE: &str = "screw_torque_Nm";
 pub(crate) fn measurable(name: &str) -> Result<&'static Output, CaseError> {
     let name = name.trim();
     let output = Output::named(name).filter(|o| o.json_type == "number");
-    output
-        .filter(|output| output.key().is_some() || output.name == SCREW_TORQUE)
-        .ok_or_else(|| {
-            let nearest = Output::nearest(name).filter(|nearest| *nearest != name);
-            CaseError::unknown(Known::Output, name, nearest)
-        })
+    output.filter(|output| output.key().is_some() || output.name == SCREW_TORQUE).ok_or_else(|| {
+        let nearest = Output::nearest(name).filter(|nearest| *nearest != name);
+        CaseError::unknown(Known::Output, name, nearest)
+    })
 }
 
 /// What would be measured at a point; `None` without a solution.

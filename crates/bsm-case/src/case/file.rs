@@ -239,9 +239,7 @@ impl InputSet {
             let acts = if names.len() == 1 { "acts" } else { "act" };
             let names = names.join(", ");
             (!names.is_empty()).then(|| {
-                format!(
-                    "{names} {acts} in the {part}, not on the ball of the model: `{part}`"
-                )
+                format!("{names} {acts} in the {part}, not on the ball of the model: `{part}`")
             })
         })
     }

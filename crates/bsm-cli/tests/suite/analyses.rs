@@ -276,9 +276,8 @@ fn a_preload_that_no_model_uses_is_told() {
             let output = bsm(dir.path(), &[&[command, &case], settings, more].concat(), "");
             assert_eq!(output.status.code(), Some(0), "{command}: {}", stderr(&output));
             // An answer has it below its numbers.
-            format!("{}{}", stdout(&output), stderr(&output)).contains(
-                "note: preload_N acts in the nut, not on the ball of the model: `nut`",
-            )
+            format!("{}{}", stdout(&output), stderr(&output))
+                .contains("note: preload_N acts in the nut, not on the ball of the model: `nut`")
         };
         assert!(told(&["--set", "preload_N=4000"]), "{command}");
         assert!(!told(&[]), "{command}");
