@@ -76,7 +76,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "stiffness": ball.series.stiffness,
             "places": positions,
             "bars": bars,
-            "ring_N_m": nut.ring.map(|ring| ring.stiffness(&nut, &nut.circuits[0])),
+            "ring_N_m": nut.ring.map(|ring| ring.stiffness(nut.helix.lead(), nut.circuits[0].arc)),
         }));
     }
     writeln!(stdout(), "{}", json!(rows))?;
