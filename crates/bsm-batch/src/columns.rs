@@ -90,7 +90,7 @@ impl Columns {
             return Err(TableError::Column { name: name.clone(), message });
         }
         let mut columns = Self::default();
-        let (mut answers, mut unknown) = (0, Vec::new());
+        let (mut answers, mut unknown) = (ANSWERS.to_vec(), Vec::new());
         for (index, own) in names.into_iter().enumerate() {
             let own = own.trim();
             renamed.retain(|name| *name != own);
@@ -100,7 +100,7 @@ impl Columns {
                 continue;
             };
             let repeated = |former: &str| Err(TableError::repeated(former, own));
-            answers += usize::from(ANSWERS.contains(&name));
+            answers.retain(|answer| *answer != name);
             if columns.kept.iter().any(|k| k == name) {
                 return repeated(own);
             }
@@ -108,7 +108,7 @@ impl Columns {
                 columns.kept.push(name.to_owned());
                 columns.kept_places.push(index);
                 columns.kept_types.push(DataType::Utf8);
-            } else if answers == ANSWERS.len() && is_answer(name) {
+            } else if ANSWERS.contains(&name) || answers.is_empty() && is_answer(name) {
                 // Some answers have the name of an input; the inputs of an earlier answer stand before it.
                 columns.unread.push(own.to_owned());
             } else if unknown.iter().any(|other: &UnknownName| other.name == name) {

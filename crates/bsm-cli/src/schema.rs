@@ -70,8 +70,9 @@ const OBJECTS: &[(&str, &str)] = &[
          stiffness_SI numbers, body_axial_N numbers, K_series_SI? number, K_nut_SI? number, K_screw_SI? number, iterations integer, \
          nut_plus_N [number?], nut_minus_N [number?], screw_plus_N [number?], screw_minus_N [number?], nut_plus_deg [number?], \
          nut_minus_deg [number?], screw_plus_deg [number?], screw_minus_deg [number?], warm? warm, \
-         conductances? *conductance, notes texts, warnings texts",
+         conductances? *conductance, circuits? [circuit], notes texts, warnings texts",
     ),
+    ("circuit", "@circuit"),
     ("no nut", "status string, message string, notes texts, warnings texts"),
     ("samples", "carried integer, failed integer, quantiles **number, notes texts, warnings texts"),
     (

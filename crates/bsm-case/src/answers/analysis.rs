@@ -156,6 +156,7 @@ pub fn table(name: &str) -> impl Iterator<Item = &'static Quantity> + use<> {
         "screw" => (axis::SCREW, None),
         "phase" => (axis::PHASE, None),
         "torques" => (axis::TORQUES, None),
+        "circuit" => (nut::CIRCUITS, None),
         "manufacturer" => (manufacturers::BESIDE, None),
         _ => {
             let kind = AnalysisKind::ALL.into_iter().find(|kind| kind.name() == name);

@@ -24,6 +24,7 @@ use crate::{Answer, Content, Numbers, NutProblem, Output, Quantity, exact};
 
 mod train;
 
+pub(crate) use train::CIRCUITS;
 use train::{TrainResult, not_pushed};
 
 /// Allowance of catalogues on the calculated stiffness, for what is made (HIWIN BS-08-2).

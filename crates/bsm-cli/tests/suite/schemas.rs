@@ -38,7 +38,7 @@ fn results_are_what_their_schemas_say() {
     .expect("lists");
     let measured = "axial_load_kN,screw_torque_Nm\n4,12.9\n8,25.9\n12,38.7\n";
     fs::write(dir.path().join("measured.csv"), measured).expect("measurements");
-    let [drive, oil, lin, nut, axis, jamming, manufacturers, requirement, double] = [
+    let [drive, oil, lin, nut, axis, jamming, manufacturers, requirement, double, train] = [
         "feed_drive.json",
         "feed_drive_oil.json",
         "lin1994.json",
@@ -48,6 +48,7 @@ fn results_are_what_their_schemas_say() {
         "manufacturer_table.csv",
         "requirements/axis.json",
         "nut_double.json",
+        "nut_train.json",
     ]
     .map(example);
     // Planned, and no part solved.
@@ -64,6 +65,7 @@ fn results_are_what_their_schemas_say() {
         &["solve", &drive, "--show", "optimum", "--model", "quasi-static"],
         &["solve", &nut, "--show", "ratings"],
         &["nut", &double],
+        &["nut", &train],
         &["nut", &double, "--set", "axial_load_MN=5"],
         &[
             "nut",

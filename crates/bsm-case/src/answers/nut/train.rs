@@ -15,7 +15,7 @@ use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::MM;
 use crate::{Column, ModelChoice, Table, exact};
 
-quantities! { CIRCUITS, read_circuit(&OneCircuit<'_>);
+quantities! { pub(crate) CIRCUITS, read_circuit(&OneCircuit<'_>);
     "circuits" {
         circuit [""] Scalar(|c| Some(c.number)), "number of the circuit";
         needed_gap_mm ["mm"] Scalar(|c| Some(c.needed / MM)), "gaps between its balls, all together, from which no balls touch";
