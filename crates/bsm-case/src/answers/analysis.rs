@@ -145,7 +145,7 @@ impl Output {
     }
 }
 
-/// The quantities of a table by its name: that of an analysis, or `steps`, `as used`, `best`, `screw`, `phase`, `torques` or `manufacturer`.
+/// The quantities of a table by its name: that of an analysis, or `steps`, `as used`, `best`, `screw`, `phase`, `torques`, `circuit` or `manufacturer`.
 pub fn table(name: &str) -> impl Iterator<Item = &'static Quantity> + use<> {
     let steps = ratings::STEPS;
     let (all, steps_alone): (&[Quantity], _) = match name {

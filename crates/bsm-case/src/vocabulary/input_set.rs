@@ -349,7 +349,8 @@ impl Case {
         let listed = self.nut.circuits.as_ref().map(|_| InputKey::loaded_balls);
         let warm = self.asks_warm() && given.is_lubricated();
         let found = warm.then_some(InputKey::lubricant_temperature_C);
-        given.and(listed.into_iter().chain(found).collect())
+        let class = self.nut.contamination.as_ref().map(|_| InputKey::contamination_factor);
+        given.and(listed.into_iter().chain(found).chain(class).collect())
     }
 
     /// The value of an input that is not given, from others, from the circuits of a nut or the make of a screw.

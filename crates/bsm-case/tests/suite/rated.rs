@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    AxisReport, Case, CaseError, Catalogue, ManufacturerNut, ManufacturerRow, NutProblem, Record,
-    RequirementFile, Settings, TableFormat,
+    AxisReport, Case, CaseError, Catalogue, ManufacturerNut, ManufacturerRow, NutProblem, Output,
+    Record, RequirementFile, Settings, TableFormat,
 };
 use bsm_dyn::ModelWorkspace;
 
@@ -274,6 +274,11 @@ fn a_life_is_modified_by_load_factors_and_lubricant() {
     for (ours, expected) in ratios.zip(["0.232075", "0.577615", "2.27061", "2.27061"]) {
         is_printed(ours, expected, "viscosity ratio");
     }
+    // As a column too: a class of contamination gives its factor.
+    let mut case = Case::from_json(OILED_AXIS.as_bytes()).expect("a case");
+    case.apply(&["contamination=typical"]).expect("a class");
+    let column = Output::named("modified_life_h").expect("a column");
+    column.check(&case, case.stated(), Settings::default().model).expect("a life");
     let factor = of(&["contamination_factor=0.2", "reliability_percent=95"]);
     assert_eq!(factor.number("modified_life_low_h"), factor.number("modified_life_h"));
     // The load factor changes neither static safety nor buckling nor torque.
