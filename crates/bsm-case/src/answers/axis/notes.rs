@@ -12,7 +12,7 @@ use crate::case::rated_screw::LEFT_OUT;
 use crate::case::warm::Warm;
 use crate::vocabulary::entries::Choice;
 use crate::vocabulary::units::{MM, RPM};
-use crate::{CaseError, InputKey, NutReport};
+use crate::{CaseError, InputKey, NutReport, trimmed};
 
 /// Lengths of a nut below which a stroke is short (HIWIN BS-08-2, F 3.10), and the load factor there, the least.
 const SHORT: (f64, f64) = (3.0, 3.0);
@@ -130,7 +130,13 @@ impl AxisState<'_> {
                 )
             })
         });
-        hot.into_iter().chain(long).chain(uncertain).collect()
+        let cycle = self.case.nut.cycle.iter().flatten();
+        let shares: Option<f64> = cycle.map(|phase| phase.share).sum();
+        let is_part = |sum: &f64| [1.0, 100.0].iter().all(|whole| (sum / whole - 1.0).abs() > 0.01);
+        let scaled = shares.filter(is_part).filter(|sum| *sum > 0.0).map(|sum| {
+            format!("the shares of the cycle sum to {}: each is taken over that", trimmed(sum))
+        });
+        hot.into_iter().chain(long).chain(uncertain).chain(scaled).collect()
     }
 
     /// What factors of ratings and life were taken, and which are usual.
