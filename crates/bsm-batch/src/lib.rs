@@ -1,6 +1,6 @@
 //! Many operating points: rows in, rows out, in the same order, on all cores.
 //!
-//! A [`Source`] gives rows in chunks, a [`Task`] answers a chunk, a [`AnswerSink`] writes it; [`Task::run`] does so
+//! A [`Source`] gives rows in chunks, a [`Task`] answers a chunk, an [`AnswerSink`] writes it; [`Task::run`] does so
 //! from end to end with [`Workers`], and a [`dataset`] in parts that can be stopped and gone on with. Nothing
 //! here depends on the number of rows, so that memory stays flat whatever the size, nor on the
 //! number of threads, so that results do not either.

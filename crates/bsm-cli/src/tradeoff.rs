@@ -58,21 +58,40 @@ fn describe(measured: &Tradeoff) -> String {
     let regimes = ["99 % rolling", "partial skid", "gross skid"];
     let header: Vec<_> = COLUMNS.iter().map(|(head, _)| *head).chain(regimes).collect();
     let rows: Vec<_> = measured.settings.iter().map(row).collect();
-    let times_header: Vec<_> =
-        "model and setting|regime|one point us: mean|median|90 %|99 %|max|batch us: mean|\
-                        median|90 %|99 %|max|steps: mean|max|evaluations: mean|max"
-            .split('|')
-            .collect();
+    let times_header = [
+        "model and setting",
+        "regime",
+        "one point us: mean",
+        "median",
+        "90 %",
+        "99 %",
+        "max",
+        "batch us: mean",
+        "median",
+        "90 %",
+        "99 %",
+        "max",
+        "steps: mean",
+        "max",
+        "evaluations: mean",
+        "max",
+    ];
     let times = |result: &SettingResult| -> Vec<_> {
         result.times.one_core.iter().map(|times| times_row(result, times)).collect()
     };
     let times: Vec<_> = measured.settings.iter().flat_map(times).collect();
     let count = |count: &Count| format!("{} {}", count.group.name(), count.points);
     let counts: Vec<_> = measured.points.iter().map(count).collect();
-    let advice_header: Vec<_> =
-        "tolerance|regime|one point|us|error is larger in|batch, one core|us|error is larger in"
-            .split('|')
-            .collect();
+    let advice_header = [
+        "tolerance",
+        "regime",
+        "one point",
+        "us",
+        "error is larger in",
+        "batch, one core",
+        "us",
+        "error is larger in",
+    ];
     let advice: Vec<_> = measured.advice.iter().map(advice_row).collect();
     format!(
         "points: {}; errors against {}; {}, {} cores\n\n{}\n\n\

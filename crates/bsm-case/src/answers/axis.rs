@@ -241,10 +241,23 @@ pub struct AxisReport {
 
 /// The numbers of a sheet that tell nuts apart, in tables of them.
 pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
-    const NAMES: &str = "cycle_life_h critical_speed_ratio buckling_safety static_safety_factor axis_stiffness_N_um peak_motor_torque_Nm \
-                         back_driving_torque_Nm screw_efficiency mean_heat_W screw_mass_kg inertia_of_screw_kg_m2 warm_preload_N fold_speed_factor";
+    const NAMES: [&str; 13] = [
+        "cycle_life_h",
+        "critical_speed_ratio",
+        "buckling_safety",
+        "static_safety_factor",
+        "axis_stiffness_N_um",
+        "peak_motor_torque_Nm",
+        "back_driving_torque_Nm",
+        "screw_efficiency",
+        "mean_heat_W",
+        "screw_mass_kg",
+        "inertia_of_screw_kg_m2",
+        "warm_preload_N",
+        "fold_speed_factor",
+    ];
     let all = || QUANTITIES.iter().chain(WARM).flat_map(|quantity| quantity.columns);
-    NAMES.split(' ').filter_map(move |name| all().find(|column| column.name == name))
+    NAMES.into_iter().filter_map(move |name| all().find(|column| column.name == name))
 }
 
 /// Effects that the torque of an axis neglects, whatever is given.

@@ -48,6 +48,7 @@ impl<'a> AxisState<'a> {
         warm: Option<Warm>,
     ) -> Result<Self, CaseError> {
         let mut machine = Machine::of(case)?;
+        // A nut without room for its stroke is refused.
         machine.travel(case)?;
         let (axis, advance) = (&machine.axis, machine.advance());
         let mut work = ModelWorkspace::default();
