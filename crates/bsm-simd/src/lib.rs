@@ -15,6 +15,7 @@ mod trigonometry;
 pub use compare::Compare;
 pub use dual_number::DualNumber;
 pub use lane::{Lane, Mask};
+pub use polynomial::polynomial;
 pub use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};
 
 /// Numbers that are worked on together: the widest vectors hold as many.
@@ -33,6 +34,21 @@ pub fn name(arch: Arch) -> &'static str {
         Arch::V4(_) => "AVX-512",
         _ => "vectors",
     }
+}
+
+/// Runs code for a few numbers, on vectors of half the length where there are such: square roots and quotients of the
+/// longest ones take twice as long.
+#[expect(
+    clippy::inline_always,
+    reason = "lanes take the instruction set of the caller only inline"
+)]
+#[inline(always)]
+pub fn for_few<S: Simd, W: WithSimd>(simd: S, code: W) -> W::Output {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(longest) = (&simd as &dyn std::any::Any).downcast_ref::<pulp::x86::V4>() {
+        return code.with_simd(**longest);
+    }
+    code.with_simd(simd)
 }
 
 /// The instruction sets that programs can choose from on this machine, the widest last.

@@ -11,7 +11,7 @@ use std::cell::OnceCell;
 use std::f64::consts::PI;
 use std::num::NonZeroUsize;
 
-use bsm_simd::{BLOCK, Block, Compare, Lane, Mask, Simd};
+use bsm_simd::{BLOCK, Block, Compare, Lane, Mask, Simd, WithSimd, for_few};
 use gauss_quad::GaussLegendre;
 
 /// Inner nodes of a line across the ellipse beyond which the spin pole counts as inside.
@@ -596,6 +596,34 @@ pub(super) trait Visitor<S: Simd> {
     fn visit(&mut self, simd: S, ellipse: usize, lines: &Chords);
 }
 
+/// The poles of both contacts: places, widths and, if asked how near they are, `$\sinh^2\eta$`, of the first ones of both
+/// and of the second ones.
+struct PolesOfBoth<'a> {
+    slips: &'a [EllipseSlip<f64>; 2],
+    near: bool,
+}
+
+impl WithSimd for PolesOfBoth<'_> {
+    type Output = [[Block; 2]; 3];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { slips, near } = self;
+        let mut found = [[[0.0; BLOCK]; 2]; 3];
+        for first in (0..slips.len()).step_by(S::F64_LANES) {
+            let slip = EllipseSlip::side_by_side(simd, &slips[first..]);
+            for (i, pole) in slip.poles().into_iter().enumerate() {
+                pole.at.store(&mut found[0][i][first..]);
+                pole.width.store(&mut found[1][i][first..]);
+                if near {
+                    slip.analyticity(pole.at).store(&mut found[2][i][first..]);
+                }
+            }
+        }
+        found
+    }
+}
+
 impl<'a> Panels<'a> {
     /// Of both contacts, worked on side by side; none of those that are done with.
     #[inline(always)]
@@ -606,17 +634,10 @@ impl<'a> Panels<'a> {
         done: [bool; 2],
     ) -> [Self; 2] {
         const { assert!(2 * 8 <= 2 * BLOCK, "four panels with two ends each") };
-        let (mut at, mut width) = ([[0.0; BLOCK]; 2], [[0.0; BLOCK]; 2]);
-        let mut square = [[0.0; BLOCK]; 2];
-        for first in (0..slips.len()).step_by(S::F64_LANES) {
-            let slip = EllipseSlip::side_by_side(simd, &slips[first..]);
-            let poles = slip.poles();
-            for i in 0..2 {
-                poles[i].at.store(&mut at[i][first..]);
-                poles[i].width.store(&mut width[i][first..]);
-                slip.analyticity(poles[i].at).store(&mut square[i][first..]);
-            }
-        }
+        // Where panels are split is known on the way to a root, and from a plan.
+        let may_split = |nodes: &Placement<'_>| !nodes.coarse && nodes.frozen().is_none();
+        let [at, width, square] =
+            for_few(simd, PolesOfBoth { slips, near: nodes.iter().any(may_split) });
         let mut all = [Self::none(nodes[0].rule); 2];
         for c in 0..2 {
             if done[c] {
