@@ -8,7 +8,7 @@ use crate::Lane;
 ///
 /// * `coefficients`: from the lowest power on, two at least.
 #[inline(always)]
-pub(crate) fn polynomial<S: Simd, const N: usize, const M: usize>(
+pub fn polynomial<S: Simd, const N: usize, const M: usize>(
     coefficients: &[f64; M],
     x: Lane<S, N>,
 ) -> Lane<S, N> {

@@ -10,7 +10,9 @@
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
-use bsm_simd::{Arch, BLOCK, Block, Compare, Lane, Mask, NullaryFnOnce, Simd, WithSimd};
+use bsm_simd::{
+    Arch, BLOCK, Block, Compare, Lane, Mask, NullaryFnOnce, Simd, WithSimd, polynomial,
+};
 
 use super::Quadrature;
 use super::panels::{Chords, EllipseSlip, FAR, Placement, Visitor, clamp, each_chord};
@@ -101,7 +103,7 @@ impl<S: Simd> NearPole<S> {
         let ((b_0, b_1), one) = (slip.across(xi), xi.constant(1.0));
         // s = cos φ, about φ₀ with cos φ₀ = −Re z/cosh η and the width η: η ≈ sinh η  (T20)
         let cos = -(b_0 / b_1) / sinh.mul_add(sinh, one).sqrt();
-        let (at, width) = (cos.each(angle), clamp(sinh, 1e-100, FAR));
+        let (at, width) = (angle(cos), clamp(sinh, 1e-100, FAR));
         let (below, above) = ((at / width).arsinh(), ((-at + PI) / width).arsinh());
         let [low, high] = [below.exp(), above.exp()];
         let [low, high] = [[low.recip(), low], [high, high.recip()]];
@@ -142,9 +144,26 @@ impl<S: Simd> NearPole<S> {
     }
 }
 
-/// The angle of a cosine, and that of none in the middle.
-fn angle(cos: f64) -> f64 {
-    if cos.is_nan() { FRAC_PI_2 } else { cos.clamp(-1.0, 1.0).acos() }
+/// The angle of a cosine to 2e-8, which is enough for where nodes lie; in the middle of what is no number.
+///
+/// Source: Abramowitz and Stegun, *Handbook of Mathematical Functions*, 4.4.46.
+#[inline(always)]
+fn angle<S: Simd>(cos: Lane<S>) -> Lane<S> {
+    const RATIO: [f64; 8] = [
+        1.570_796_305_0,
+        -0.214_598_801_6,
+        0.088_978_987_4,
+        -0.050_174_304_6,
+        0.030_891_881_0,
+        -0.017_088_125_6,
+        0.006_670_090_1,
+        -0.001_262_491_1,
+    ];
+    let (zero, one) = (cos.constant(0.0), cos.constant(1.0));
+    let size = cos.abs();
+    let size = size.le(one).select(size, size.gt(one).select(one, zero));
+    let angle = (one - size).sqrt() * polynomial(&RATIO, size);
+    cos.lt(zero).select(-angle + PI, angle)
 }
 
 /// Sums along lines across the ellipse: J and K of (T21) and, of a lubricant, those by the slip across and J by
@@ -317,10 +336,10 @@ pub(crate) struct Accumulator<'a, L, const N: usize, const SLOPED: bool> {
     pub(super) points: &'a [Patch; 2],
     pub(super) slips: &'a [EllipseSlip<f64>; 2],
     pub(super) laws: &'a [L; 2],
-    /// Values, what the derivatives are made of, and those by the film, of a lubricant.
+    /// Values and, if asked for, what the derivatives are made of, and those by the film, of a lubricant.
     values: [[Block; VALUES]; 2],
-    slopes: [[Block; ALL - VALUES]; 2],
-    by_film: [[Block; SUMS]; 2],
+    slopes: &'a mut [[Block; ALL - VALUES]],
+    by_film: &'a mut [[Block; SUMS]],
 }
 
 /// The sums of a few lines whose spin poles are inside: rare, so that their code is out of the way.
@@ -418,7 +437,7 @@ impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> Accumulator<'_, L, N, S
     }
 }
 
-/// The sums of both contacts; slopes only if `SLOPED`, else zero.
+/// Takes the sums of both contacts; slopes only if `SLOPED`, else they stay.
 ///
 /// * `laws`, `nodes`: of each of the points. * `done`: contacts that are not asked for.
 #[inline(always)]
@@ -428,9 +447,10 @@ pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool>(
     laws: &[L; 2],
     nodes: &[Placement<'_>; 2],
     done: [bool; 2],
-) -> [Resultants; 2] {
+    found: [&mut Resultants; 2],
+) {
     // A call for one contact and for two: the code is long.
-    simd.vectorize(All::<S, L, N, SLOPED> { simd, points, laws, nodes, done })
+    simd.vectorize(All::<S, L, N, SLOPED> { simd, points, laws, nodes, done, found });
 }
 
 /// What [`sums`] is asked for.
@@ -440,43 +460,47 @@ struct All<'a, S, L, const N: usize, const SLOPED: bool> {
     laws: &'a [L; 2],
     nodes: &'a [Placement<'a>; 2],
     done: [bool; 2],
+    found: [&'a mut Resultants; 2],
 }
 
 impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
     for All<'_, S, L, N, SLOPED>
 {
-    type Output = [Resultants; 2];
+    type Output = ();
 
     #[inline(always)]
-    fn call(self) -> Self::Output {
-        let Self { simd, points, laws, nodes, mut done } = self;
+    fn call(self) {
+        let Self { simd, points, laws, nodes, mut done, found } = self;
         let slips = &[points[0].slip(), points[1].slip()];
+        let (mut slopes, mut by_film) =
+            ([[[0.0; BLOCK]; ALL - VALUES]; 2], [[[0.0; BLOCK]; SUMS]; 2]);
         let mut sums = Accumulator::<L, N, SLOPED> {
             nodes,
             points,
             slips,
             laws,
             values: [[[0.0; BLOCK]; VALUES]; 2],
-            slopes: [[[0.0; BLOCK]; ALL - VALUES]; 2],
-            by_film: [[[0.0; BLOCK]; SUMS]; 2],
+            slopes: if SLOPED { &mut slopes } else { &mut [] },
+            by_film: if SLOPED && L::FILM { &mut by_film } else { &mut [] },
         };
         for i in 0..2 {
             done[i] = done[i] || L::all_over(simd, &mut sums, i);
         }
         each_chord(simd, nodes, slips, done, &mut sums);
-        let mut all = [Resultants::none(0.0); 2];
-        for i in 0..2 {
+        for (i, found) in found.into_iter().enumerate() {
             let mut terms = [0.0; ALL];
             reduce(simd, &sums.values[i], &mut terms[..VALUES]);
             if SLOPED {
                 reduce(simd, &sums.slopes[i], &mut terms[VALUES..]);
+                *found = Resultants::of(terms, &points[i]);
+            } else {
+                found.values.copy_from_slice(&terms[..SUMS]);
+                found.power = terms[SUMS];
             }
-            all[i] = Resultants::of(terms, &points[i]);
             if SLOPED && L::FILM {
-                reduce(simd, &sums.by_film[i], &mut all[i].by_film);
+                reduce(simd, &sums.by_film[i], &mut found.by_film);
             }
         }
-        all
     }
 }
 
@@ -654,6 +678,9 @@ impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> WithSimd for Both<'_, L
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self(points, law, nodes, alone) = self;
-        sums::<S, L, N, SLOPED>(simd, points, &[law; 2], &nodes, [false, alone])
+        let mut found = [Resultants::none(0.0); 2];
+        let (laws, done) = ([law; 2], [false, alone]);
+        sums::<S, L, N, SLOPED>(simd, points, &laws, &nodes, done, found.each_mut());
+        found
     }
 }

@@ -146,7 +146,9 @@ impl ManyQuadrature {
             let patches = [patches[0].at(i), patches[1].at(i)];
             let nodes = |plan| Placement { rule: &self.rule, plan: Some(plan), coarse: false };
             let nodes = [nodes(&plans[0]), nodes(&plans[1])];
-            let found = sums::<S, Dry, 2, SLOPED>(simd, &patches, &[Dry; 2], &nodes, [false; 2]);
+            let mut found = [Resultants::none(0.0); 2];
+            let (laws, all) = ([Dry; 2], [false; 2]);
+            sums::<S, _, 2, SLOPED>(simd, &patches, &laws, &nodes, all, found.each_mut());
             for c in 0..2 {
                 for (block, number) in blocks[c].iter_mut().zip(found[c].numbers()) {
                     block[i] = number;

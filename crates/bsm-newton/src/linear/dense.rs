@@ -9,13 +9,15 @@ use crate::Singular;
 #[derive(Debug, Clone)]
 pub struct Dense<const N: usize> {
     rows: [[f64; N]; N],
+    /// Reciprocals of the pivots.
+    inverse: [f64; N],
     /// Row that was exchanged with row `k` in step `k`.
     exchanged: [usize; N],
 }
 
 impl<const N: usize> Default for Dense<N> {
     fn default() -> Self {
-        Self { rows: [[0.0; N]; N], exchanged: [0; N] }
+        Self { rows: [[0.0; N]; N], inverse: [0.0; N], exchanged: [0; N] }
     }
 }
 
@@ -65,8 +67,9 @@ impl<const N: usize> Dense<N> {
             if upper[k] == 0.0 || !upper[k].is_finite() {
                 return Err(Singular);
             }
+            self.inverse[k] = upper[k].recip();
             for row in below {
-                let factor = row[k] / upper[k];
+                let factor = row[k] * self.inverse[k];
                 row[k] = factor;
                 for j in k + 1..N {
                     row[j] -= factor * upper[j];
@@ -82,13 +85,16 @@ impl<const N: usize> Dense<N> {
         for (k, other) in self.exchanged.iter().enumerate() {
             rhs.swap(k, *other);
         }
-        for k in 1..N {
-            let known: f64 = (0..k).map(|j| self.rows[k][j] * rhs[j]).sum();
-            rhs[k] -= known;
+        for k in 0..N {
+            for i in k + 1..N {
+                rhs[i] -= self.rows[i][k] * rhs[k];
+            }
         }
         for k in (0..N).rev() {
-            let known: f64 = (k + 1..N).map(|j| self.rows[k][j] * rhs[j]).sum();
-            rhs[k] = (rhs[k] - known) / self.rows[k][k];
+            rhs[k] *= self.inverse[k];
+            for i in 0..k {
+                rhs[i] -= self.rows[i][k] * rhs[k];
+            }
         }
     }
 }

@@ -325,11 +325,10 @@ impl TractionLaw for Dry {
         tractions: &mut [ContactTraction; 2],
     ) {
         let nodes = [ball.nodes(0), ball.nodes(1)];
-        let sums = sums::<S, _, 2, SLOPED>(simd, &geometry.points, &[Dry; 2], &nodes, [false; 2]);
-        for (tractions, sums) in tractions.iter_mut().zip(sums) {
-            tractions.sums = sums;
-            tractions.coefficient = ball.contacts.directed_friction();
-        }
+        let (laws, none, coefficient) = (&[Dry; 2], [false; 2], ball.contacts.directed_friction());
+        tractions.iter_mut().for_each(|traction| traction.coefficient = coefficient);
+        let sums = tractions.each_mut().map(|traction| &mut traction.sums);
+        self::sums::<S, _, 2, SLOPED>(simd, &geometry.points, laws, &nodes, none, sums);
     }
 }
 
@@ -372,12 +371,10 @@ impl TractionLaw for EhlPoint {
         }
         let [Some(nut), Some(screw)] = laws else { return };
         let nodes = [ball.nodes(0), ball.nodes(1)];
-        let sums =
-            sums::<S, _, 4, SLOPED>(simd, &geometry.points, &[nut, screw], &nodes, [false; 2]);
-        for (tractions, sums) in tractions.iter_mut().zip(sums) {
-            tractions.sums = sums;
-            tractions.coefficient = ball.contacts.signed(1.0);
-        }
+        let (laws, none, coefficient) = (&[nut, screw], [false; 2], ball.contacts.signed(1.0));
+        tractions.iter_mut().for_each(|traction| traction.coefficient = coefficient);
+        let sums = tractions.each_mut().map(|traction| &mut traction.sums);
+        self::sums::<S, _, 4, SLOPED>(simd, &geometry.points, laws, &nodes, none, sums);
     }
 }
 
