@@ -46,7 +46,7 @@ const OMEGA: [usize; 3] = [4, 5, 6];
 const COARSE: f64 = 1e-4;
 const SEARCH: f64 = 1e-6;
 /// Residual from which the first try is left to the quadrature that is asked for.
-const NEAR: f64 = 1e-4;
+const NEAR: f64 = 1e-3;
 /// Residual from which a last step, which is not evaluated, leads to the root.
 const ROOT: f64 = 1e-10;
 /// Residual below which steps keep the Jacobian; that whose square is enough, if it is larger.
@@ -393,12 +393,6 @@ impl SlipBall<'_> {
 }
 
 impl<P> SlipBall<'_, P> {
-    /// What a solve aims at. Where friction hardly depends on a slip the state of a first try is far less exact than its
-    /// residual, and so is the Jacobian there, from which the error is estimated.
-    fn goal(&self) -> f64 {
-        if self.enough.total_cmp(&NEAR).is_eq() { 0.1 * NEAR } else { self.enough }
-    }
-
     /// Of a Newton solve.
     fn options(&self) -> Options {
         let (max_steps, max_halvings) = self.limits;
@@ -406,7 +400,7 @@ impl<P> SlipBall<'_, P> {
         let chord_below = if by_jets { 0.0 } else { self.enough.sqrt().max(KEEP) };
         Options {
             residual_tol: self.enough.max(ROOT),
-            residual_goal: self.goal(),
+            residual_goal: self.enough,
             max_steps,
             max_halvings,
             jacobian: JacobianUpdate::EveryTrial { chord_below },

@@ -23,10 +23,14 @@ use super::columns::{
 };
 use super::root::{FASTEST, LEFT, LEVELS};
 use super::slips::slid;
-use super::{COARSE, NEAR, OMEGA, ROOT, creep_effect};
+use super::{COARSE, OMEGA, ROOT, creep_effect};
 use crate::ellipse::{Dry, ManyNodes, ManyQuadrature, Quadrature, SplitPoint};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::models::ball::{BALL, ScaledBall};
+
+/// Residual from which the first try is left to the quadrature that is asked for: less than of a single point, as the steps
+/// there are not damped here.
+const NEAR: f64 = 1e-4;
 
 /// Residual from which a last step leads to the root however slow the former ones, and the part to which the last one
 /// has to lower it before [`ROOT`] does.

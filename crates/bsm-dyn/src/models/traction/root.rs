@@ -7,7 +7,7 @@ use std::cell::OnceCell;
 use super::columns::{LastEvaluation, PowerFlow};
 use super::multistart::{MANY, STARTS};
 use super::path::{PathResult, STEP_CONTROL, are_on_flanks};
-use super::{FrozenRule, OMEGA, SlipBall, SlipState};
+use super::{FrozenRule, NEAR, OMEGA, SlipBall, SlipState};
 use bsm_newton::{Continuation, follow};
 use bsm_simd::Block;
 
@@ -128,9 +128,17 @@ impl SlipBall<'_> {
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> Result<SlipRoot, Reason> {
-        let report = self.run(&mut y, newton);
+        let watched = LastEvaluation::new(self);
+        let report = watched.run(&mut y, newton);
         *steps += report.steps.len();
         if report.converged() {
+            if self.enough >= NEAR {
+                // As in tables, the last step is taken without an evaluation.
+                let residual = watched.at(&y).map(|found| found.residual);
+                if let Some(step) = residual.ok().and_then(|r| newton.correction(&r).ok()) {
+                    y = self.slid(&y, &step);
+                }
+            }
             let root = self.in_nut_chart(y, report.residual, newton, steps);
             if self.is_admissible(&root) {
                 return Ok(root);
