@@ -326,7 +326,9 @@ impl TractionLaw for Dry {
     ) {
         let nodes = [ball.nodes(0), ball.nodes(1)];
         let (laws, none, coefficient) = (&[Dry; 2], [false; 2], ball.contacts.directed_friction());
-        tractions.iter_mut().for_each(|traction| traction.coefficient = coefficient);
+        for traction in &mut *tractions {
+            traction.coefficient = coefficient;
+        }
         let sums = tractions.each_mut().map(|traction| &mut traction.sums);
         self::sums::<S, _, 2, SLOPED>(simd, &geometry.points, laws, &nodes, none, sums);
     }
@@ -372,7 +374,9 @@ impl TractionLaw for EhlPoint {
         let [Some(nut), Some(screw)] = laws else { return };
         let nodes = [ball.nodes(0), ball.nodes(1)];
         let (laws, none, coefficient) = (&[nut, screw], [false; 2], ball.contacts.signed(1.0));
-        tractions.iter_mut().for_each(|traction| traction.coefficient = coefficient);
+        for traction in &mut *tractions {
+            traction.coefficient = coefficient;
+        }
         let sums = tractions.each_mut().map(|traction| &mut traction.sums);
         self::sums::<S, _, 4, SLOPED>(simd, &geometry.points, laws, &nodes, none, sums);
     }
