@@ -1,9 +1,11 @@
 //! `bsm schema`: what files and answers look like, from the tables that answers are made from.
 
 use bsm_case::{
-    AnalysisKind, CATALOGUE, INPUTS, OUTPUTS, Scope, input_schema, output_schema, schema_of,
+    AnalysisKind, CATALOGUE, INPUTS, OUTPUTS, Scope, derived_schema, input_schema, output_schema,
     sheet_columns,
 };
+use bsm_validate::{Check, tradeoff::Tradeoff};
+use schemars::generate::Contract;
 use serde_json::{Map, Value, json};
 
 use crate::failure::Failure;
@@ -28,8 +30,8 @@ const ANSWERS: [(&str, &str, &[&str]); 14] = [
     ("tradeoff", "tradeoff", &["tradeoff"]),
 ];
 
-/// Objects and their members, each with its kind, see [`schema_of`]; a name with `?` may be absent. `@table` are the numbers of
-/// a table, `@table?` the same if they are there.
+/// Objects and their members, each with its kind, see [`kind`]; a name with `?` may be absent. `@table` are the numbers of
+/// a table or the members of a type, `@table?` the same if they are there.
 const OBJECTS: &[(&str, &str)] = &[
     (
         "solve",
@@ -118,32 +120,9 @@ const OBJECTS: &[(&str, &str)] = &[
     ),
     ("damage", "file string, reason string"),
     ("validate", "program string, passed boolean, checks [check], notes texts, warnings texts"),
-    (
-        "check",
-        "key string, source string, claim string, claimed number?, measured number?, unit string, criterion string, note string, \
-         details string, verdict string",
-    ),
+    ("check", "@check"),
     ("tradeoff", "program string, tradeoff measurement, notes texts, warnings texts"),
-    (
-        "measurement",
-        "reference string, points [count], without_reference [integer], instruction_set string, threads integer, settings [setting], \
-         advice [advice]",
-    ),
-    ("count", "group string, points integer"),
-    ("setting", "model string, options string, errors [errors], times times"),
-    (
-        "errors",
-        "group string, solved number, efficiency distribution?, torque distribution?, loads distribution?, angles_deg distribution?, \
-         bound_broken number?",
-    ),
-    ("distribution", "mean number, median number, q90 number, q99 number, max number"),
-    ("times", "one_core [one core], all_cores number, instruction_sets list"),
-    (
-        "one core",
-        "group string, single distribution, batch number, row distribution, steps distribution?, evaluations distribution",
-    ),
-    ("advice", "tolerance number, group string, single pick?, batch pick?"),
-    ("pick", "setting string, ns number, fails_where texts"),
+    ("measurement", "@measurement"),
 ];
 
 /// Names with a schema.
@@ -175,16 +154,42 @@ fn answer(name: &str) -> Value {
     Value::Object(schema)
 }
 
-/// What a member is, one of the [`OBJECTS`] and their numbers among them.
+/// Type of a member of an object: `number`, `integer`, `string`, `boolean`, `texts`, `numbers`, texts `a|b`, or one of the
+/// [`OBJECTS`]; `[kind]` a list of it, `*kind` an object of it by names that are not known beforehand, `kind?` the same or null.
 fn kind(word: &str) -> Value {
-    schema_of(
-        word,
-        &|name| {
-            let found = OBJECTS.iter().find(|(own, _)| *own == name);
-            found.map_or("", |(_, members)| members)
-        },
-        &numbers,
-    )
+    if let Some(known) = word.strip_suffix('?') {
+        let mut schema = kind(known);
+        schema["type"] = json!([schema["type"].take(), "null"]);
+        return schema;
+    }
+    if let Some(known) = word.strip_prefix('*') {
+        return json!({ "type": "object", "additionalProperties": kind(known) });
+    }
+    if let Some(items) = word.strip_prefix('[').and_then(|word| word.strip_suffix(']')) {
+        return json!({ "type": "array", "items": kind(items) });
+    }
+    if word.contains('|') {
+        return json!({ "enum": word.split('|').collect::<Vec<_>>() });
+    }
+    let members = match word {
+        "number" | "integer" | "string" | "boolean" => return json!({ "type": word }),
+        "texts" => return kind("[string]"),
+        "numbers" => return kind("[number]"),
+        _ => OBJECTS.iter().find(|(own, _)| *own == word).map_or("", |(_, members)| members),
+    };
+    let (mut properties, mut required) = (Map::new(), Vec::new());
+    for member in members.split(',').map(str::trim) {
+        let (own, always) = if let Some(table) = member.strip_prefix('@') {
+            (numbers(table.trim_end_matches('?')), !table.ends_with('?'))
+        } else {
+            let (name, known) = member.split_once(' ').unwrap_or((member, "string"));
+            let own = name.trim_end_matches('?');
+            (vec![(own.to_owned(), kind(known))], own == name)
+        };
+        required.extend(own.iter().filter(|_| always).map(|(name, _)| name.clone()));
+        properties.extend(own);
+    }
+    json!({ "type": "object", "properties": properties, "required": required, "additionalProperties": false })
 }
 
 /// Names and schemas of the numbers of a table.
@@ -194,16 +199,15 @@ fn numbers(table: &str) -> Vec<(String, Value)> {
         |names: &mut dyn Iterator<Item = &'static str>, schema: &str| -> Vec<(String, Value)> {
             names.map(|name| (name.to_owned(), kind(schema))).collect()
         };
+    let entries = |properties: &Value| {
+        let entries = properties.as_object().into_iter().flatten();
+        entries.map(|(name, schema)| (name.clone(), schema.clone())).collect()
+    };
     match table {
-        "output" => {
-            let properties = all["properties"].as_object().into_iter().flatten();
-            properties.map(|(name, schema)| (name.clone(), schema.clone())).collect()
-        }
-        "case" => {
-            let schema = input_schema();
-            let properties = schema["properties"].as_object().into_iter().flatten();
-            properties.map(|(name, schema)| (name.clone(), schema.clone())).collect()
-        }
+        "output" => entries(&all["properties"]),
+        "case" => entries(&input_schema()["properties"]),
+        "check" => entries(&derived_schema::<Check>(Contract::Serialize)),
+        "measurement" => entries(&derived_schema::<Tradeoff>(Contract::Serialize)),
         "solution" => each(&mut OUTPUTS.iter().map(|output| output.name), "number"),
         "input" => each(&mut INPUTS.iter().map(|input| input.name), "number"),
         "catalogue" => each(&mut CATALOGUE.iter().map(|column| column.name), "number"),
