@@ -58,8 +58,11 @@ pub fn trimmed(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// Two digits, or all before the point, for tables of times and errors to compare.
+/// Two digits, or all before the point, for tables of times and errors to compare; below 1e-3 with an exponent.
 pub fn short(value: f64) -> String {
+    if value.abs() > 0.0 && value.abs() < 1e-3 {
+        return format!("{value:.1e}");
+    }
     digits(value, 2)
 }
 
