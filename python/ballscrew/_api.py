@@ -123,7 +123,7 @@ OUTPUTS: Mapping[str, Quantity] = _first_of_each(
 )
 """All outputs by name: of a solution, then of the analyses."""
 
-MODELS: tuple[Model, ...] = cast("tuple[Model, ...]", tuple(_core.models()))
+MODELS: tuple[Model, ...] = cast("tuple[Model, ...]", tuple(_core.MODELS))
 """The models, `auto` first."""
 
 REQUIREMENTS: Mapping[str, Quantity] = _first_of_each(

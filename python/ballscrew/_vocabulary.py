@@ -8,9 +8,9 @@ from typing import Any, Literal, TypedDict
 
 from ballscrew import _core
 
-Model = Literal[tuple(_core.models())]
-Control = Literal[tuple(_core.raceways())]
-Friction = Literal[tuple(_core.frictions())]
+Model = Literal[tuple(_core.MODELS)]
+Control = Literal[tuple(_core.RACEWAYS)]
+Friction = Literal[tuple(_core.FRICTIONS)]
 Output = Literal[tuple(dict.fromkeys(name for name, *_ in _core.outputs()))]
 
 Inputs = TypedDict(

@@ -51,24 +51,6 @@ fn outputs() -> Vec<(
     Output::all().map(row).collect()
 }
 
-/// The names of the models, `auto` first.
-#[pyfunction]
-fn models() -> Vec<&'static str> {
-    ModelChoice::names().collect()
-}
-
-/// The names of the raceways that may control.
-#[pyfunction]
-fn raceways() -> [&'static str; 2] {
-    Control::ALL.map(Control::name)
-}
-
-/// Where friction of a lubricant may be computed.
-#[pyfunction]
-fn frictions() -> [&'static str; 2] {
-    RacewayFriction::ALL.map(RacewayFriction::name)
-}
-
 /// Name, unit, meaning, default and rule of the keys of a requirement besides inputs of a case.
 #[pyfunction]
 fn requirements() -> Vec<(&'static str, &'static str, String, Option<f64>, String)> {
@@ -106,6 +88,10 @@ fn draws(seed: u64, count: u64, of: Vec<String>) -> Result<Vec<(&'static str, Py
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    // The models, `auto` first; raceways that may control; where friction of a lubricant may be computed.
+    module.add("MODELS", ModelChoice::names().collect::<Vec<_>>())?;
+    module.add("RACEWAYS", Control::ALL.map(Control::name))?;
+    module.add("FRICTIONS", RacewayFriction::ALL.map(RacewayFriction::name))?;
     module.add_class::<case::Case>()?;
     module.add_class::<solution::Solution>()?;
     module.add_class::<points::Rows>()?;
@@ -116,9 +102,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     for function in [
         wrap_pyfunction!(inputs, module)?,
         wrap_pyfunction!(outputs, module)?,
-        wrap_pyfunction!(models, module)?,
-        wrap_pyfunction!(raceways, module)?,
-        wrap_pyfunction!(frictions, module)?,
         wrap_pyfunction!(case_choices, module)?,
         wrap_pyfunction!(draws, module)?,
         wrap_pyfunction!(requirements, module)?,

@@ -63,7 +63,7 @@ pub(crate) fn of_motion(
             "jam" => bsm_case::jam(case, &solution)?,
             _ => EllipseFields::of(case, &settings, &solution, points)?.answer(),
         };
-        Ok((answer.to_json().to_string(), true, Vec::new()))
+        Ok(told(&answer))
     })
 }
 

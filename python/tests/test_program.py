@@ -91,6 +91,7 @@ def test_reports(function: str, name: str) -> None:
     expected = told(*REPORTS[function], path)
     expected.pop("program", None)
     assert plain(report) == expected
+    assert set(expected["warnings"]) <= set(report.warnings)
 
 
 @pytest.mark.parametrize("name", ["feed_drive", "feed_drive_oil"])

@@ -53,7 +53,7 @@ pub use answers::ratings::ratings;
 pub use answers::record::{Record, Supplement, reason_of_choice};
 pub use answers::rows::Scales;
 pub use answers::samples::Samples;
-pub use answers::schema::{input_schema, output_schema};
+pub use answers::schema::{derived_schema, input_schema, output_schema};
 pub use answers::section::GrooveSection;
 pub use answers::selection::{
     CATALOGUE, Condition, ListColumn, NutFilter, NutList, candidate_case, candidate_json,
@@ -67,7 +67,7 @@ pub use case::manufacturer_sizes::{MANUFACTURER_SIZES, column_names};
 pub use case::nut::NutProblem;
 pub use case::problem::{ModelChoice, Settings};
 pub use case::requirement::{REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile};
-pub use vocabulary::answer::{Answer, Column, Content, Criterion, Section, Table, schema_of};
+pub use vocabulary::answer::{Answer, Column, Content, Criterion, Section, Table};
 pub use vocabulary::cells::decimal_number;
 pub use vocabulary::dialect::TableFormat;
 pub use vocabulary::entries::CaseEntries;

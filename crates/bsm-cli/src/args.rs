@@ -517,7 +517,7 @@ pub(crate) struct SweepArgs {
     /// .grid.csv: a matrix, of the first column; .txt: Modelica; .json: origin of the table. Repeatable.
     #[arg(short, long, value_name = "FILE", required = true, help_heading = "Output")]
     pub(crate) output: Vec<PathBuf>,
-    /// Outputs to write, all of a solve unless given; a picture shows the first one.
+    /// Outputs to write, names of bsm schema output, all of a solve unless given; a picture shows the first one.
     #[arg(long, value_name = "NAME,..", value_delimiter = ',', help_heading = "Output")]
     pub(crate) columns: Option<Vec<String>>,
     /// Exit with 0 even if some rows have no result.

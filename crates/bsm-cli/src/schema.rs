@@ -1,9 +1,11 @@
 //! `bsm schema`: what files and answers look like, from the tables that answers are made from.
 
 use bsm_case::{
-    AnalysisKind, CATALOGUE, INPUTS, OUTPUTS, Scope, input_schema, output_schema, schema_of,
+    AnalysisKind, CATALOGUE, INPUTS, OUTPUTS, Scope, derived_schema, input_schema, output_schema,
     sheet_columns,
 };
+use bsm_validate::{Check, tradeoff::Tradeoff};
+use schemars::generate::Contract;
 use serde_json::{Map, Value, json};
 
 use crate::failure::Failure;
@@ -28,12 +30,12 @@ const ANSWERS: [(&str, &str, &[&str]); 14] = [
     ("tradeoff", "tradeoff", &["tradeoff"]),
 ];
 
-/// Objects and their members, each with its kind, see [`schema_of`]; a name with `?` may be absent. `@table` are the numbers of
-/// a table, `@table?` the same if they are there.
+/// Objects and their members, each with its kind, see [`kind`]; a name with `?` may be absent. `@table` are the numbers of
+/// a table or the members of a type, `@table?` the same if they are there.
 const OBJECTS: &[(&str, &str)] = &[
     (
         "solve",
-        "@output, program string, inputs case, settings settings, regime string?, notes texts, warnings texts, \
+        "@output, program string, inputs case, settings settings, regime string?, @said, \
          sensitivities? *derivatives, band? *interval, torque_parts? torque",
     ),
     ("case", "@case?"),
@@ -47,11 +49,11 @@ const OBJECTS: &[(&str, &str)] = &[
         "derivatives",
         "efficiency number, ball_torque_Nm number?, efficiency_relative number?, ball_torque_relative number?",
     ),
-    ("models", "regime string?, models [model], left_out texts, notes texts, warnings texts"),
+    ("models", "regime string?, models [model], left_out texts, @said"),
     ("model", "@output, time_us number"),
-    ("slip", "model string, @slip, verdicts *verdict, lacks texts, notes texts, warnings texts"),
-    ("jam", "model string, @jam, verdicts *verdict, lacks texts, notes texts, warnings texts"),
-    ("ellipses", "model string, contacts [ellipse], notes texts, warnings texts"),
+    ("slip", "model string, @slip, verdicts *verdict, lacks texts, @said"),
+    ("jam", "model string, @jam, verdicts *verdict, lacks texts, @said"),
+    ("ellipses", "model string, contacts [ellipse], @said"),
     (
         "ellipse",
         "contact string, contact_angle_deg number, normal_load_N number, semi_axes_mm numbers, max_pressure_MPa number, \
@@ -60,30 +62,25 @@ const OBJECTS: &[(&str, &str)] = &[
          slip_along_m_s [number?], friction_across [number?], friction_along [number?], sticking_share number",
     ),
     ("verdict", "answer boolean, words string"),
-    ("optimum", "@optimum, model? string, by_model? best, notes texts, warnings texts"),
-    ("best", "@best"),
-    ("ratings", "@ratings, @as used, preloaded boolean, steps steps, notes texts, warnings texts"),
-    ("steps", "@steps"),
+    ("optimum", "@optimum, model? string, by_model? best, @said"),
+    ("ratings", "@ratings, @as used, preloaded boolean, steps steps, @said"),
     (
         "nut",
         "@nut, status string, message string?, model string?, displacement_um numbers, tilt_urad numbers, reaction_SI numbers, \
          stiffness_SI numbers, body_axial_N numbers, K_series_SI? number, K_nut_SI? number, K_screw_SI? number, iterations integer, \
          nut_plus_N [number?], nut_minus_N [number?], screw_plus_N [number?], screw_minus_N [number?], nut_plus_deg [number?], \
          nut_minus_deg [number?], screw_plus_deg [number?], screw_minus_deg [number?], warm? warm, \
-         conductances? *conductance, circuits? [circuit], notes texts, warnings texts",
+         conductances? *conductance, circuits? [circuit], @said",
     ),
-    ("circuit", "@circuit"),
-    ("no nut", "status string, message string, notes texts, warnings texts"),
-    ("samples", "carried integer, failed integer, quantiles **number, notes texts, warnings texts"),
+    ("no nut", "status string, message string, @said"),
+    ("samples", "carried integer, failed integer, quantiles **number, @said"),
     (
         "axis",
         "program string, passes boolean, inputs case, screw screw, results results, warm? warm, conductances? *conductance, band? *range, rules [rule], \
-         phases [phase], not_modelled texts, notes texts, warnings texts",
+         phases [phase], not_modelled texts, @said",
     ),
-    ("warm", "@warm"),
     ("conductance", "value number, origin given|computed|default"),
     ("range", "low number, value number, high number"),
-    ("screw", "@screw"),
     ("results", "@axis"),
     (
         "rule",
@@ -91,59 +88,27 @@ const OBJECTS: &[(&str, &str)] = &[
          remedy string?",
     ),
     ("phase", "@phase, @torques, contacts string, body_axial_N numbers?"),
-    (
-        "design",
-        "found boolean, reasons texts, steps [step], case case, notes texts, warnings texts",
-    ),
+    ("design", "found boolean, reasons texts, steps [step], case case, @said"),
     ("step", "step integer, name string, value number?, required string?, passes boolean"),
     ("catalogue", "@catalogue, @sheet?"),
     ("manufacturer", "nut string, @manufacturer, @sheet?, passes? boolean"),
-    (
-        "fit",
-        "measured measured, found [fitted], reachable [number?]?, message string, notes texts, warnings texts",
-    ),
+    ("fit", "measured measured, found [fitted], reachable [number?]?, message string, @said"),
     ("measured", "@solution?, screw_torque_Nm? number"),
-    ("fitted", "@input?, relative_response number?, result result"),
-    ("result", "@output"),
+    ("fitted", "@input?, relative_response number?, result output"),
     (
         "calibration",
-        "output string, found *value, root_mean_square number, condition number?, points [point], notes texts, warnings texts",
+        "output string, found *value, root_mean_square number, condition number?, points [point], @said",
     ),
     ("value", "value number, standard_deviation number?"),
     ("point", "measured number, fitted number"),
     (
         "parts",
         "plan string, parts integer, finished integer, complete boolean, deep boolean, missing texts, damaged [damage], \
-         foreign texts, rows integer, failed integer, several integer, notes texts, warnings texts",
+         foreign texts, rows integer, failed integer, several integer, @said",
     ),
     ("damage", "file string, reason string"),
-    ("validate", "program string, passed boolean, checks [check], notes texts, warnings texts"),
-    (
-        "check",
-        "key string, source string, claim string, claimed number?, measured number?, unit string, criterion string, note string, \
-         details string, verdict string",
-    ),
-    ("tradeoff", "program string, tradeoff measurement, notes texts, warnings texts"),
-    (
-        "measurement",
-        "reference string, points [count], without_reference [integer], instruction_set string, threads integer, settings [setting], \
-         advice [advice]",
-    ),
-    ("count", "group string, points integer"),
-    ("setting", "model string, options string, errors [errors], times times"),
-    (
-        "errors",
-        "group string, solved number, efficiency distribution?, torque distribution?, loads distribution?, angles_deg distribution?, \
-         bound_broken number?",
-    ),
-    ("distribution", "mean number, median number, q90 number, q99 number, max number"),
-    ("times", "one_core [one core], all_cores number, instruction_sets list"),
-    (
-        "one core",
-        "group string, single distribution, batch number, row distribution, steps distribution?, evaluations distribution",
-    ),
-    ("advice", "tolerance number, group string, single pick?, batch pick?"),
-    ("pick", "setting string, ns number, fails_where texts"),
+    ("validate", "program string, passed boolean, checks [check], @said"),
+    ("tradeoff", "program string, tradeoff measurement, @said"),
 ];
 
 /// Names with a schema.
@@ -175,16 +140,45 @@ fn answer(name: &str) -> Value {
     Value::Object(schema)
 }
 
-/// What a member is, one of the [`OBJECTS`] and their numbers among them.
+/// Type of a member of an object: `number`, `integer`, `string`, `boolean`, `texts`, `numbers`, texts `a|b`, or one of the
+/// [`OBJECTS`] or of the tables; `[kind]` a list of it, `*kind` an object of it by names that are not known beforehand, `kind?` the same or null.
 fn kind(word: &str) -> Value {
-    schema_of(
-        word,
-        &|name| {
-            let found = OBJECTS.iter().find(|(own, _)| *own == name);
-            found.map_or("", |(_, members)| members)
-        },
-        &numbers,
-    )
+    if let Some(known) = word.strip_suffix('?') {
+        let mut schema = kind(known);
+        schema["type"] = json!([schema["type"].take(), "null"]);
+        return schema;
+    }
+    if let Some(known) = word.strip_prefix('*') {
+        return json!({ "type": "object", "additionalProperties": kind(known) });
+    }
+    if let Some(items) = word.strip_prefix('[').and_then(|word| word.strip_suffix(']')) {
+        return json!({ "type": "array", "items": kind(items) });
+    }
+    if word.contains('|') {
+        return json!({ "enum": word.split('|').collect::<Vec<_>>() });
+    }
+    match word {
+        "number" | "integer" | "string" | "boolean" => return json!({ "type": word }),
+        "texts" => return kind("[string]"),
+        "numbers" => return kind("[number]"),
+        _ => {}
+    }
+    let of_one_table = format!("@{word}");
+    let members = OBJECTS.iter().find(|(own, _)| *own == word);
+    let members = members.map_or(&of_one_table[..], |(_, members)| members);
+    let (mut properties, mut required) = (Map::new(), Vec::new());
+    for member in members.split(',').map(str::trim) {
+        let (own, always) = if let Some(table) = member.strip_prefix('@') {
+            (numbers(table.trim_end_matches('?')), !table.ends_with('?'))
+        } else {
+            let (name, known) = member.split_once(' ').unwrap_or((member, "string"));
+            let own = name.trim_end_matches('?');
+            (vec![(own.to_owned(), kind(known))], own == name)
+        };
+        required.extend(own.iter().filter(|_| always).map(|(name, _)| name.clone()));
+        properties.extend(own);
+    }
+    json!({ "type": "object", "properties": properties, "required": required, "additionalProperties": false })
 }
 
 /// Names and schemas of the numbers of a table.
@@ -194,16 +188,16 @@ fn numbers(table: &str) -> Vec<(String, Value)> {
         |names: &mut dyn Iterator<Item = &'static str>, schema: &str| -> Vec<(String, Value)> {
             names.map(|name| (name.to_owned(), kind(schema))).collect()
         };
+    let entries = |properties: &Value| {
+        let entries = properties.as_object().into_iter().flatten();
+        entries.map(|(name, schema)| (name.clone(), schema.clone())).collect()
+    };
     match table {
-        "output" => {
-            let properties = all["properties"].as_object().into_iter().flatten();
-            properties.map(|(name, schema)| (name.clone(), schema.clone())).collect()
-        }
-        "case" => {
-            let schema = input_schema();
-            let properties = schema["properties"].as_object().into_iter().flatten();
-            properties.map(|(name, schema)| (name.clone(), schema.clone())).collect()
-        }
+        "said" => ["notes", "warnings"].map(|name| (name.to_owned(), kind("texts"))).to_vec(),
+        "output" => entries(&all["properties"]),
+        "case" => entries(&input_schema()["properties"]),
+        "check" => entries(&derived_schema::<Check>(Contract::Serialize)),
+        "measurement" => entries(&derived_schema::<Tradeoff>(Contract::Serialize)),
         "solution" => each(&mut OUTPUTS.iter().map(|output| output.name), "number"),
         "input" => each(&mut INPUTS.iter().map(|input| input.name), "number"),
         "catalogue" => each(&mut CATALOGUE.iter().map(|column| column.name), "number"),
@@ -213,12 +207,9 @@ fn numbers(table: &str) -> Vec<(String, Value)> {
                 bsm_case::table(table).filter(|quantity| quantity.scope != Scope::Statement);
             let columns = known.flat_map(|quantity| quantity.columns);
             let schema = |column: &bsm_case::Output| {
-                let kinds = AnalysisKind::ALL
-                    .map(|kind| &all["$defs"][kind.name()]["properties"][column.name]);
-                let found = kinds
-                    .into_iter()
-                    .find(|schema| column.analysis().is_some() && !schema.is_null());
-                found.cloned().unwrap_or_else(
+                let of_kind = |kind: AnalysisKind| &all["$defs"][kind.name()]["properties"];
+                let found = column.analysis().map(|kind| of_kind(kind)[column.name].clone());
+                found.filter(|schema| !schema.is_null()).unwrap_or_else(
                     || json!({ "type": ["number", "null"], "description": column.about }),
                 )
             };

@@ -2,11 +2,12 @@
 
 use bsm_case::{Answer, Content};
 use bsm_report::PROGRAM;
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Value, json};
 
 /// Outcome of a check.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// The claim holds.
@@ -19,7 +20,7 @@ pub enum Verdict {
 }
 
 /// One published statement or number, and ours.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Check {
     /// Stable name, `<source>/<what>`.
     pub key: String,
@@ -30,6 +31,7 @@ pub struct Check {
     /// The claimed number, if it is one.
     pub claimed: Option<f64>,
     /// Our number.
+    #[schemars(with = "Option<f64>")]
     pub measured: f64,
     /// Unit of both.
     pub unit: String,

@@ -13,6 +13,7 @@ use bsm_batch::{Chunk, Columns, CsvSource, Source};
 use bsm_case::{Case, CaseError, Settings};
 use bsm_dyn::{Model, ModelWorkspace};
 use bsm_report::Figure;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 pub use self::advice::Advice;
@@ -97,7 +98,7 @@ pub fn reference() -> String {
 }
 
 /// A setting, its errors and its times.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct SettingResult {
     /// The setting.
     #[serde(flatten)]
@@ -116,7 +117,7 @@ impl SettingResult {
 }
 
 /// Number of points of a group.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Count {
     /// Which points.
     pub group: Group,
@@ -125,7 +126,7 @@ pub struct Count {
 }
 
 /// The measurement.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Tradeoff {
     /// Reference of the errors, as options of `bsm solve`.
     pub reference: String,

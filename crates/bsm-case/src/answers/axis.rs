@@ -28,12 +28,21 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{
-    Answer, Case, CaseError, Column, Content, Criterion, INPUTS, InputKey, Numbers, NutReport,
-    Output, Quantity, Settings, Table, WarmBranch, ratings,
+    Answer, Case, CaseError, Column, Content, Criterion, INPUTS, InputKey, InputSet, Numbers,
+    NutReport, Output, Quantity, Settings, Table, WarmBranch, ratings,
 };
 
 /// Inputs of an axis: its nut, and a load and a speed or a cycle.
 pub(crate) const NEEDS: crate::case::problem::Needs = rated_nut::NEEDS;
+
+/// Inputs of the friction of the nut, or of what stands for it.
+const FRICTION: &[InputSet] = quantities!(@needs [
+    friction_coefficient | lubricant_temperature_C | catalogue_efficiency | rated_dynamic_load_N
+]);
+
+/// Inputs of the modified life.
+const MODIFIED_LIFE: &[InputSet] =
+    quantities!(@needs [lubricant_temperature_C, contamination_factor]);
 
 quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
     "the cycle" {
@@ -69,7 +78,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         }), "largest load and pretension, which the support bearings carry";
         screw_mass_kg ["kg"] Scalar(|w| w.shaft().and(w.machine.screw).map(|(mass, _)| mass)), "mass of the screw between its bearings";
         axis_heat_transfer_W_K = INPUTS Scalar(|w| w.heat_transfer());
-        steady_temperature_rise_K ["K"] Scalar(|w| w.steady_rise()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency | rated_dynamic_load_N],
+        steady_temperature_rise_K ["K"] Scalar(|w| w.steady_rise()) needs FRICTION,
             "steady-state temperature rise, by axis_heat_transfer_W_K";
         steady_temperature_rise_low_K ["K"] Scalar(|w| Some(w.rise_band()?[0])), "low end of the steady-state temperature rise, half of it by the heat transfer to still air";
         steady_temperature_rise_high_K ["K"] Scalar(|w| Some(w.rise_band()?[1])), "high end of the steady-state temperature rise, twice it by the heat transfer to still air";
@@ -94,13 +103,13 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         cycle_life_h ["h" "L_h"] Scalar(|w| Some(w.life()?.time / 3600.0)), "life of the cycle by ISO 3408-5";
         modified_dynamic_rating_N ["N" "C_am"] Scalar(|w| w.axis().dynamic_rating), "modified dynamic load rating; by accuracy, hardness and steel";
         modified_static_rating_N ["N" "C_0am"] Scalar(|w| w.axis().static_rating), "modified static load rating; by accuracy and hardness";
-        fatigue_load_limit_N ["N" "C_u"] Scalar(|w| w.lubrication.as_ref().map(|found| found.fatigue_limit)) needs [lubricant_temperature_C, contamination_factor],
+        fatigue_load_limit_N ["N" "C_u"] Scalar(|w| w.lubrication.as_ref().map(|found| found.fatigue_limit)) needs MODIFIED_LIFE,
             "fatigue load limit, largest pressure 1500 MPa";
-        modified_life_h ["h" "L_nm"] Scalar(|w| w.modified_life(0)) needs [lubricant_temperature_C, contamination_factor],
+        modified_life_h ["h" "L_nm"] Scalar(|w| w.modified_life(0)) needs MODIFIED_LIFE,
             "modified life of the cycle by ISO 281, with lubricant and contamination";
-        modified_life_low_h ["h"] Scalar(|w| w.modified_life(1)) needs [lubricant_temperature_C, contamination_factor],
+        modified_life_low_h ["h"] Scalar(|w| w.modified_life(1)) needs MODIFIED_LIFE,
             "modified life at the least contamination factor";
-        modified_life_high_h ["h"] Scalar(|w| w.modified_life(2)) needs [lubricant_temperature_C, contamination_factor],
+        modified_life_high_h ["h"] Scalar(|w| w.modified_life(2)) needs MODIFIED_LIFE,
             "modified life at the largest contamination factor";
         cycle_life_by_balls_h ["h"] Scalar(|w| Some(w.axis().reliability * w.life_by_balls? / 3600.0)), "life of the cycle by the loads of all balls";
         limit_load_N = NUT Scalar(|w| w.of_nut("limit_load_N"));
@@ -117,21 +126,21 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
     }
     "drive" {
         motor_speed_rpm ["rpm"] Scalar(|w| w.axis().fastest() * w.machine.drive.gear_ratio / RPM), "largest speed of the motor";
-        peak_motor_torque_Nm ["N m"] Scalar(|w| w.peak(AxisState::motor_torque)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency | rated_dynamic_load_N], "peak motor torque";
-        rms_motor_torque_Nm ["N m"] Scalar(|w| w.rms_torque()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency | rated_dynamic_load_N], "RMS motor torque";
-        peak_motor_power_W ["W"] Scalar(|w| w.peak(AxisState::motor_power)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency | rated_dynamic_load_N], "peak motor power";
-        mean_heat_W ["W"] Scalar(|w| w.mean_heat()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency | rated_dynamic_load_N], "mean heat of nut, seals and support bearings";
+        peak_motor_torque_Nm ["N m"] Scalar(|w| w.peak(AxisState::motor_torque)) needs FRICTION, "peak motor torque";
+        rms_motor_torque_Nm ["N m"] Scalar(|w| w.rms_torque()) needs FRICTION, "RMS motor torque";
+        peak_motor_power_W ["W"] Scalar(|w| w.peak(AxisState::motor_power)) needs FRICTION, "peak motor power";
+        mean_heat_W ["W"] Scalar(|w| w.mean_heat()) needs FRICTION, "mean heat of nut, seals and support bearings";
         preload_torque_measured_Nm ["N m" "T_p0"] Scalar(|w| Some(w.preload.as_ref()?.by_rule)),
             "friction torque of the preload to be measured; by manufacturers' rule, at 100 rpm, without wipers, oil of ISO VG 68";
         preload_torque_percent ["%"] Scalar(|w| w.torque_percent()), "permitted variation of the friction torque of the preload, to either side; by accuracy_grade";
         preload_torque_measured_low_Nm ["N m"] Scalar(|w| w.torque_by(-1.0)), "least permitted friction torque of the preload";
         preload_torque_measured_high_Nm ["N m"] Scalar(|w| w.torque_by(1.0)), "largest permitted friction torque of the preload";
-        screw_torque_Nm ["N m" "T"] Scalar(|w| w.heaviest()?.at_screw()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency | rated_dynamic_load_N],
+        screw_torque_Nm ["N m" "T"] Scalar(|w| w.heaviest()?.at_screw()) needs FRICTION,
             "screw torque; at the largest load that moves, with preload, seals and support bearings";
-        screw_efficiency ["" "eta"] Scalar(|w| w.heaviest()?.efficiency()) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency | rated_dynamic_load_N],
+        screw_efficiency ["" "eta"] Scalar(|w| w.heaviest()?.efficiency()) needs FRICTION,
             "efficiency of the screw; at the largest load that moves, with preload, seals and support bearings";
-        preload_torque_Nm = NUT Scalar(|w| w.preload.as_ref()?.of_contacts) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency | rated_dynamic_load_N];
-        holding_torque_Nm ["N m"] Scalar(|w| w.holding) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency | rated_dynamic_load_N],
+        preload_torque_Nm = NUT Scalar(|w| w.preload.as_ref()?.of_contacts) needs FRICTION;
+        holding_torque_Nm ["N m"] Scalar(|w| w.holding) needs FRICTION,
             "least holding torque at the screw, contacts alone; not for choosing a brake";
         holding_torque_frictionless_Nm ["N m"] Scalar(|w| Some(w.falling()?.torque / w.machine.drive.gear_ratio)),
             "holding torque of the weight at the motor, without friction";
@@ -149,9 +158,9 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
             let motor = Some(w.machine.drive.motor_inertia).filter(|inertia| *inertia > 0.0);
             Some(w.inertia_at_motor()? / motor?)
         }), "load-to-motor inertia ratio";
-        least_acceleration_time_s ["s"] Scalar(|w| w.least_ramp(w.case.motor_peak_torque_Nm?)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency | rated_dynamic_load_N],
+        least_acceleration_time_s ["s"] Scalar(|w| w.least_ramp(w.case.motor_peak_torque_Nm?)) needs FRICTION,
             "least time to the largest speed, by motor_peak_torque_Nm";
-        least_rated_acceleration_time_s ["s"] Scalar(|w| Some(1.5 * w.least_ramp(w.case.motor_rated_torque_Nm?)?)) needs [friction_coefficient | lubricant_temperature_C | catalogue_efficiency | rated_dynamic_load_N],
+        least_rated_acceleration_time_s ["s"] Scalar(|w| Some(1.5 * w.least_ramp(w.case.motor_rated_torque_Nm?)?)) needs FRICTION,
             "1.5 times the least time to the largest speed by motor_rated_torque_Nm (HIWIN)";
         shortest_ramp_s ["s"] Scalar(|w| w.shortest_ramp()), "time to the largest speed at the largest acceleration of the cycle";
     }

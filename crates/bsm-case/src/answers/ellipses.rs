@@ -2,7 +2,7 @@
 
 use bsm_dyn::{EllipseSlip, Model, Quadrature, Sliding, Solution};
 use bsm_kin::{BallFrame, Site};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::answers::moving::{MovingBall, MovingContact};
 use crate::answers::nut::Columns;
@@ -11,17 +11,23 @@ use crate::vocabulary::units::{DEG, MM, MPA};
 use crate::{Answer, Case, CaseError, Content, Output, Scales, Settings, Table};
 
 /// The two ellipses of a ball: grids of pressure, slip and friction, what stands still, and what follows from them.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct EllipseFields {
     model: Model,
-    /// JSON objects of nut and screw: coordinates over the semi-axes, the first across the groove; friction over the normal
-    /// pressure; fields by rows along the groove, null outside the ellipse.
-    contacts: Vec<Value>,
+    /// Nut and screw under [`CONTACT`].
+    contacts: Table,
 }
 
-/// Fields of a contact at a point.
-const FIELDS: [&str; 5] =
-    ["pressure_MPa", "slip_across_m_s", "slip_along_m_s", "friction_across", "friction_along"];
+/// What there is of a contact: coordinates over the semi-axes, the first across the groove; friction over the normal pressure;
+/// fields by rows along the groove, null outside the ellipse.
+const CONTACT: &str = "contact | -contact_angle_deg | normal_load_N=load, N | -semi_axes_mm | max_pressure_MPa=pressure, MPa \
+    | -friction_force_N | friction_over_load=friction over load | spin_rad_s=spin, rad/s | -creep_speed_m_s | -saturated \
+    | -rolling_lines | -spin_poles | -places | -pressure_MPa | -slip_across_m_s | -slip_along_m_s | -friction_across \
+    | -friction_along | sticking_share=share that sticks";
+
+/// Of the columns: the coordinates, and behind them the fields at a point.
+const PLACES: usize = 12;
+const FIELDS: std::ops::Range<usize> = 13..18;
 
 /// The columns of a table of the fields: place over the semi-axes, then those of nut and screw.
 const HEADS: &[Output; 12] = &[
@@ -86,41 +92,35 @@ impl EllipseFields {
             let slip = ball.ellipse_slip(touch, semi_axes, pressed_radius, creep);
             let pressed = solution.contact(touch.site).and_then(|contact| contact.pressed);
             let max_pressure = pressed.map_or(f64::NAN, |pressed| pressed.max_pressure / MPA);
-            let mut json = json!({
-                "contact": if touch.site == Site::Screw { "screw" } else { "nut" },
-                "contact_angle_deg": touch.angle / DEG,
-                "normal_load_N": load,
-                "semi_axes_mm": [semi_axes.0 / MM, semi_axes.1 / MM],
-                "max_pressure_MPa": max_pressure,
-                "friction_force_N": force,
-                "friction_over_load": force[0].hypot(force[1]) / load,
-                "spin_rad_s": scales.clean("rad/s", ball.spin(touch)),
-                "creep_speed_m_s": creep,
-                "saturated": matches!(sliding, Sliding::Point),
-                "rolling_lines": slip.rolling_lines(),
-                "spin_poles": slip.spin_poles(),
-            });
-            if let Value::Object(map) = &mut json {
-                map.extend(over_the_ellipse(&slip, (&law, max_pressure), points));
-            }
-            contacts.push(json);
+            let name = if touch.site == Site::Screw { "screw" } else { "nut" };
+            let mut row = vec![
+                json!(name),
+                json!(touch.angle / DEG),
+                json!(load),
+                json!([semi_axes.0 / MM, semi_axes.1 / MM]),
+                json!(max_pressure),
+                json!(force),
+                json!(force[0].hypot(force[1]) / load),
+                json!(scales.clean("rad/s", ball.spin(touch))),
+                json!(creep),
+                json!(matches!(sliding, Sliding::Point)),
+                json!(slip.rolling_lines()),
+                json!(slip.spin_poles()),
+            ];
+            row.extend(over_the_ellipse(&slip, (&law, max_pressure), points));
+            contacts.push(row);
         }
+        let contacts = Table::of(CONTACT, contacts);
         Ok(Self { model: solution.model, contacts })
     }
 
     /// The fields for programs, and a table of what follows from them for people.
     pub fn answer(&self) -> Answer {
         let model = self.model.name();
-        let columns = "contact | normal_load_N=load, N | max_pressure_MPa=pressure, MPa \
-                       | friction_over_load=friction over load | spin_rad_s=spin, rad/s | sticking_share=share that sticks";
-        let mut table = Table::of(columns, []);
-        let row = |contact: &Value| table.columns.iter().map(|c| contact[c.name].clone()).collect();
-        table.rows = self.contacts.iter().map(row).collect();
         let mut answer = Answer::default()
             .with("model", Content::Text("model ", Some(model.to_owned())))
-            .with("contacts", Content::Json(json!(self.contacts)))
-            .with_shown(Content::Table(table));
-        if self.contacts.is_empty() {
+            .with("contacts", Content::Table(self.contacts.clone()));
+        if self.contacts.rows.is_empty() {
             answer.notes.push(format!("model {model} has contact points, no ellipses"));
         }
         answer
@@ -128,18 +128,16 @@ impl EllipseFields {
 
     /// The fields as a table, a row for each point of the grid within the ellipses.
     pub fn columns(&self) -> Columns {
-        let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
-        let list = |contact: &Value, name: &str| -> Vec<f64> {
-            contact[name].as_array().into_iter().flatten().map(number).collect()
+        let list = |value: &Value| -> Vec<f64> {
+            let values = value.as_array().into_iter().flatten();
+            values.map(|value| value.as_f64().unwrap_or(f64::NAN)).collect()
         };
-        let places = self.contacts.first().map_or_else(Vec::new, |first| list(first, "places"));
+        let contacts = &self.contacts.rows;
+        let places = contacts.first().map_or_else(Vec::new, |first| list(&first[PLACES]));
         let points = places.iter().flat_map(|y| places.iter().map(move |x| vec![*x, *y]));
         let mut rows: Vec<_> = points.collect();
-        for contact in &self.contacts {
-            for name in FIELDS {
-                let values = list(contact, name);
-                rows.iter_mut().zip(values).for_each(|(row, value)| row.push(value));
-            }
+        for field in contacts.iter().flat_map(|contact| &contact[FIELDS]) {
+            rows.iter_mut().zip(list(field)).for_each(|(row, value)| row.push(value));
         }
         rows.retain(|row| row.get(2).is_some_and(|pressure| pressure.is_finite()));
         Columns { heads: HEADS.iter().collect(), rows }
@@ -151,9 +149,9 @@ fn over_the_ellipse(
     slip: &EllipseSlip<f64>,
     (law, max_pressure): (&Law, f64),
     points: u32,
-) -> Map<String, Value> {
+) -> impl Iterator<Item = Value> + use<> {
     let places: Vec<_> = (0..=2 * points).map(|i| f64::from(i) / f64::from(points) - 1.0).collect();
-    let mut lists: [Vec<_>; 5] = <_>::default();
+    let mut lists: [Vec<_>; FIELDS.end - FIELDS.start] = <_>::default();
     let (mut inside, mut sticking) = (0.0, 0.0);
     for (upsilon, xi) in places.iter().flat_map(|y| places.iter().map(move |x| (*y, *x))) {
         let within = xi.hypot(upsilon) <= 1.0;
@@ -170,8 +168,6 @@ fn over_the_ellipse(
             sticking += f64::from(u8::from(slip.creeps(xi, upsilon)));
         }
     }
-    let fields = FIELDS.into_iter().zip(lists).map(|(name, list)| (name, json!(list)));
-    let all = std::iter::once(("places", json!(places))).chain(fields);
-    let all = all.chain([("sticking_share", json!(sticking / inside))]);
-    all.map(|(name, value)| (name.to_owned(), value)).collect()
+    let fields = lists.into_iter().map(|list| json!(list));
+    std::iter::once(json!(places)).chain(fields).chain([json!(sticking / inside)])
 }

@@ -6,7 +6,6 @@ use bsm_design::search::{SignChange, sign_changes};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::json;
 
-use crate::vocabulary::error::list;
 use crate::{
     Answer, Case, CaseError, Content, InputKey, Known, ModelChoice, Output, Record, Rule, Settings,
     torque_parts,
@@ -37,12 +36,7 @@ pub(crate) fn measured(
     work: &mut ModelWorkspace,
 ) -> Result<Option<f64>, CaseError> {
     let lacks = |model: &str| {
-        let missing = case.missing(Model::Traction);
-        let required = if missing.is_empty() {
-            String::new()
-        } else {
-            format!("; {} required by model traction", list(&missing))
-        };
+        let required = case.lacks(Model::Traction);
         CaseError::Invalid(format!("model {model} gives no {} here{required}", output.name))
     };
     if output.name == SCREW_TORQUE {

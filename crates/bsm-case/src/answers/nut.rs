@@ -20,7 +20,7 @@ use crate::case::warm::Warm;
 use crate::vocabulary::number::count;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
-use crate::{Answer, Content, Numbers, NutProblem, Output, Quantity, exact};
+use crate::{Answer, Content, InputSet, Numbers, NutProblem, Output, Quantity, exact};
 
 mod train;
 
@@ -142,6 +142,13 @@ impl NutReport {
     }
 }
 
+/// Inputs of the friction of all balls.
+const FRICTION: &[InputSet] =
+    quantities!(@needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C]);
+
+/// Inputs of the train of balls.
+const TRAIN: &[InputSet] = quantities!(@needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C]);
+
 quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
     "displacement" {
         nut_displacement_um ["um"] Scalar(|n| Some(n.made.found.displacement[0] / UM)), "axial displacement of the nut";
@@ -195,22 +202,22 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
     }), "static safety of the most loaded ball";
     }
     "friction" {
-        friction_torque_Nm ["N m"] Scalar(|n| n.friction()?.torque) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "friction torque of the balls";
-        contact_torque_Nm ["N m"] Scalar(|n| n.contact_torque()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "  contacts with nut and screw";
-        ball_contact_torque_Nm ["N m"] Scalar(|n| n.ball_contact_torque()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "  ball-to-ball contact, by ball_gap_mm or ball_contact_force_N";
-        return_push_torque_Nm ["N m"] Scalar(|n| Some(n.train()?.return_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "  balls pushed through the returns";
-        catching_torque_Nm ["N m"] Scalar(|n| Some(n.train()?.catching_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "  balls that run up to a slower one";
+        friction_torque_Nm ["N m"] Scalar(|n| n.friction()?.torque) needs FRICTION, "friction torque of the balls";
+        contact_torque_Nm ["N m"] Scalar(|n| n.contact_torque()) needs FRICTION, "  contacts with nut and screw";
+        ball_contact_torque_Nm ["N m"] Scalar(|n| n.ball_contact_torque()) needs FRICTION, "  ball-to-ball contact, by ball_gap_mm or ball_contact_force_N";
+        return_push_torque_Nm ["N m"] Scalar(|n| Some(n.train()?.return_torque)) needs TRAIN, "  balls pushed through the returns";
+        catching_torque_Nm ["N m"] Scalar(|n| Some(n.train()?.catching_torque)) needs TRAIN, "  balls that run up to a slower one";
         drag_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.drag)) needs [screw_speed_rpm, lubricant_temperature_C], "  drag of the balls in the lubricant";
-        friction_torque_error_Nm ["N m"] Scalar(|n| n.torque_error()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
+        friction_torque_error_Nm ["N m"] Scalar(|n| n.torque_error()) needs FRICTION,
             "error bound of the friction torque, for balls on both flanks";
         return_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.returns)) needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, by return_circuits and return_loss_coefficient";
         nut_seal_torque_Nm ["N m"] Scalar(|n| lasting(n.problem.seal_torque)), "torque of the seals, seal_torque_Nm";
-        drive_torque_Nm ["N m"] Scalar(|n| n.friction()?.drive_torque) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "torque of the nut: axial load, balls, returns and seals";
-        nut_efficiency [""] Scalar(|n| n.friction()?.efficiency) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "efficiency, with returns and seals";
-        friction_heat_W ["W"] Scalar(|n| n.friction()?.heat) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "heat of balls, returns and seals";
-        preload_torque_Nm ["N m"] Scalar(|n| n.drag()) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
+        drive_torque_Nm ["N m"] Scalar(|n| n.friction()?.drive_torque) needs FRICTION, "torque of the nut: axial load, balls, returns and seals";
+        nut_efficiency [""] Scalar(|n| n.friction()?.efficiency) needs FRICTION, "efficiency, with returns and seals";
+        friction_heat_W ["W"] Scalar(|n| n.friction()?.heat) needs FRICTION, "heat of balls, returns and seals";
+        preload_torque_Nm ["N m"] Scalar(|n| n.drag()) needs FRICTION,
             "friction torque of the preload, contacts alone";
-        preload_torque_factor [""] Scalar(|n| Some(n.drag()? / n.rule_torque()?)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
+        preload_torque_factor [""] Scalar(|n| Some(n.drag()? / n.rule_torque()?)) needs FRICTION,
             "drag coefficient K_p of the preload, in T = K_p F_p lead/(2 pi), contacts alone";
         rule_torque_low_Nm ["N m"] Scalar(|n| Some(RULE_FACTORS[0] * n.rule_torque()?)),
             "friction torque of the preload, catalogue estimate with K_p = 0.1";
@@ -218,16 +225,16 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
             "friction torque of the preload, catalogue estimate with K_p = 0.3";
     }
     "ball train" {
-        advance_spread [""] Scalar(|n| Some(n.advance()?.spread)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "spread of the free speeds of the balls, largest less smallest over their mean";
-        needed_gap_mm ["mm"] Scalar(|n| Some(n.advance()?.largest_gap() / MM)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
+        advance_spread [""] Scalar(|n| Some(n.advance()?.spread)) needs FRICTION, "spread of the free speeds of the balls, largest less smallest over their mean";
+        needed_gap_mm ["mm"] Scalar(|n| Some(n.advance()?.largest_gap() / MM)) needs FRICTION,
             "gaps between the balls of the loaded part of a circuit, all together, from which no balls touch";
-        ball_contact_band_Nm ["N m"] Scalar(|n| Some(n.advance()?.contact_torque * n.problem.gaps.friction?)) needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C],
+        ball_contact_band_Nm ["N m"] Scalar(|n| Some(n.advance()?.contact_torque * n.problem.gaps.friction?)) needs FRICTION,
             "largest torque of ball-to-ball contact while pushes are below 3 % of the ball load; 0 with the needed gaps";
-        contact_torque_free_Nm ["N m"] Scalar(|n| Some(n.train()?.free_torque)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "friction torque of the contacts with nut and screw, without pushes";
-        touching_contacts [""] Scalar(|n| Some(count(n.train()?.touching))) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "contacts between balls that carry a push";
-        max_push_N ["N"] Scalar(|n| Some(n.train()?.largest_push)) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "largest force between balls";
-        idle_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Idle)))) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "balls that are moved without a load";
-        blocked_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Blocked)))) needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C], "balls whose neighbours stop their rotation";
+        contact_torque_free_Nm ["N m"] Scalar(|n| Some(n.train()?.free_torque)) needs TRAIN, "friction torque of the contacts with nut and screw, without pushes";
+        touching_contacts [""] Scalar(|n| Some(count(n.train()?.touching))) needs TRAIN, "contacts between balls that carry a push";
+        max_push_N ["N"] Scalar(|n| Some(n.train()?.largest_push)) needs TRAIN, "largest force between balls";
+        idle_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Idle)))) needs TRAIN, "balls that are moved without a load";
+        blocked_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Blocked)))) needs TRAIN, "balls whose neighbours stop their rotation";
     }
 }
 

@@ -161,8 +161,9 @@ impl Record {
             warnings.push(format!(
                 "ball spin {:.2e} rad/s{unloaded}: this model assumes gross skid; a ball whose \
                  friction supports the gyroscopic moment rolls, with less loss. Model traction covers \
-                 both; it needs nut_conformity and screw_conformity",
-                spin.abs()
+                 both{}",
+                spin.abs(),
+                case.lacks(Model::Traction)
             ));
         }
         let onset = self.solved().and_then(|solved| solved.skid?.onset_number());

@@ -1,10 +1,21 @@
 //! JSON Schema of cases and results, from the same tables that check and write them.
 
+use schemars::JsonSchema;
+use schemars::generate::{Contract, SchemaSettings};
 use serde_json::{Map, Value, json};
 
 use crate::{AnalysisKind, CaseEntries, INPUTS, OUTPUTS, Output, Rule};
 
 const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
+
+/// Schemas of the members of a type, as it is read or written.
+pub fn derived_schema<T: JsonSchema>(contract: Contract) -> Value {
+    let settings = SchemaSettings::draft2020_12().with(|settings| {
+        settings.contract = contract;
+        settings.inline_subschemas = true;
+    });
+    settings.into_generator().into_root_schema_for::<T>().remove("properties").unwrap_or_default()
+}
 
 /// Schema of a case.
 pub fn input_schema() -> Value {
@@ -38,7 +49,9 @@ pub fn input_schema() -> Value {
         }
         properties.insert(input.name.to_owned(), property);
     }
-    properties.extend(CaseEntries::schema());
+    if let Value::Object(entries) = derived_schema::<CaseEntries>(Contract::Deserialize) {
+        properties.extend(entries);
+    }
     json!({
         "$schema": DIALECT,
         "title": "bsm case",

@@ -3,7 +3,7 @@
 use bsm_dyn::{Control, Model, Problem, RacewayFriction, Traction};
 use serde_json::{Value, json};
 
-use crate::vocabulary::error::bad;
+use crate::vocabulary::error::{bad, list};
 use crate::vocabulary::input_set::{Form, LEAD, Quantity, TEMPERATURE, VISCOSITY, inputs};
 use crate::vocabulary::rules::{covered, not_covered};
 use crate::{Case, CaseError, InputKey, InputSet, Rule};
@@ -332,6 +332,15 @@ impl Case {
     /// Inputs that `model` needs and the case has not.
     pub fn missing(&self, model: Model) -> Vec<String> {
         Needs::for_points(model, self.stated()).missing(self.stated())
+    }
+
+    /// The same as the end of a sentence; empty if nothing is missing.
+    pub(crate) fn lacks(&self, model: Model) -> String {
+        let missing = self.missing(model);
+        if missing.is_empty() {
+            return String::new();
+        }
+        format!("; {} required by model {}", list(&missing), model.name())
     }
 
     /// Inputs that a nut needs and that are not `given`, for this case or for the points of a table over it.

@@ -1,5 +1,7 @@
 //! What a case says of a nut, its axis and its lubricant besides numbers: lists, objects, texts and flags.
 
+use std::borrow::Cow;
+
 use bsm_design::{
     Contamination, EndFixity, Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod,
     StiffnessAt,
@@ -7,18 +9,18 @@ use bsm_design::{
 use bsm_dyn::BaseOil;
 use bsm_nut::Flanks;
 use bsm_nut::thermal::Coolant;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use super::answer::{or_null, schema_of};
-use super::phase::{PHASE_INPUTS, PhaseEntry};
+use super::phase::PhaseEntry;
 use crate::vocabulary::error::bad;
 use crate::{CaseError, nearest};
 
 macro_rules! entries {
     ($($name:ident: $kind:ty, $about:literal;)*) => {
         /// Entries of a case besides numbers.
-        #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+        #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields)]
         pub struct CaseEntries {
             $(
@@ -37,17 +39,6 @@ macro_rules! entries {
                 $(if other.$name.is_some() {
                     self.$name.clone_from(&other.$name);
                 })*
-            }
-
-            /// JSON Schema of each key.
-            pub(crate) fn schema() -> Map<String, Value> {
-                let mut all = Map::new();
-                $({
-                    let mut property = <Option<$kind>>::schema();
-                    property["description"] = json!($about);
-                    all.insert(stringify!($name).to_owned(), property);
-                })*
-                all
             }
         }
     };
@@ -144,12 +135,13 @@ impl CaseEntries {
 }
 
 /// A circuit of a nut.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CircuitEntry {
     /// Helix angle at which the loaded arc begins.
     pub start_deg: f64,
     /// Length of the loaded arc.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub arc_deg: f64,
     /// Loaded balls.
     pub balls: usize,
@@ -167,6 +159,7 @@ pub struct CircuitEntry {
     pub offset_um: f64,
     /// All gaps between its balls together; those of the nut unless given.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub ball_gap_mm: Option<f64>,
 }
 
@@ -215,8 +208,7 @@ impl TryFrom<String> for ClassName {
     fn try_from(text: String) -> Result<Self, String> {
         let known = PRELOAD_CLASSES.iter().find(|(name, _)| name.eq_ignore_ascii_case(&text));
         known.map(Self).ok_or_else(|| {
-            let names: Vec<_> = PRELOAD_CLASSES.iter().map(|(name, _)| *name).collect();
-            format!("\"{text}\" is not one of {}", names.join(", "))
+            format!("\"{text}\" is not one of {}", names(&PRELOAD_CLASSES).join(", "))
         })
     }
 }
@@ -306,70 +298,36 @@ impl<'de, T: Choice> Deserialize<'de> for Named<T> {
     }
 }
 
-/// An entry whose JSON Schema follows from its type.
-trait Entry {
-    fn schema() -> Value;
-}
-
 macro_rules! schemas {
-    ($($kind:ty = $schema:expr;)*) => {
-        $(impl Entry for $kind {
-            fn schema() -> Value {
-                $schema
+    ($([$($of:tt)*] $kind:ty = $schema:tt;)*) => {
+        $(impl $($of)* JsonSchema for $kind {
+            fn inline_schema() -> bool {
+                true
+            }
+
+            fn schema_name() -> Cow<'static, str> {
+                stringify!($kind).into()
+            }
+
+            fn json_schema(_: &mut SchemaGenerator) -> Schema {
+                json_schema!($schema)
             }
         })*
     };
 }
 
-/// Schema of an object of these members, see [`schema_of`].
-fn object(members: &'static str) -> Value {
-    schema_of("", &|_| members, &|_| Vec::new())
-}
-
 schemas! {
-    String = json!({ "type": "string" });
-    bool = json!({ "type": "boolean" });
-    f64 = json!({ "type": "number" });
-    ClassName = json!({
-        "type": "string",
-        "enum": PRELOAD_CLASSES.iter().map(|(name, _)| *name).collect::<Vec<_>>(),
-    });
+    [<T: Choice>] Named<T> = { "type": "string", "enum": names(T::NAMES) };
+    [] ClassName = { "type": "string", "enum": names(&PRELOAD_CLASSES) };
     // The names of accuracy grades, and numbers of some.
-    GradeName = {
-        let names = Grade::all().map(|grade| json!(grade.name));
-        let all: Vec<_> = names.chain(NUMBERS.map(|number| json!(number))).collect();
-        json!({ "type": ["string", "integer"], "enum": all })
-    };
-    CircuitEntry = object(
-        "start_deg number, arc_deg positive, balls count, start? count, body? count, flank? +|-|both?, offset_um? number, \
-         ball_gap_mm? positive?",
-    );
-    LeadErrorEntry = object(
-        "amplitude_um? number?, order? number?, phase_deg? number?, slope_um_per_mm? number?, z0_mm? number?",
-    );
-    PhaseEntry = {
-        let each = PHASE_INPUTS.iter().map(|input| (input.name.to_owned(), f64::schema()));
-        let properties: Map<_, _> = each.collect();
-        json!({ "type": "object", "properties": properties, "required": [], "additionalProperties": false })
+    [] GradeName = {
+        "type": ["string", "integer"],
+        "enum": Grade::all().map(|grade| json!(grade.name)).chain(NUMBERS.map(Value::from)).collect::<Vec<_>>(),
     };
 }
 
-impl<T: Choice> Entry for Named<T> {
-    fn schema() -> Value {
-        json!({ "enum": T::NAMES.iter().map(|(name, _)| *name).collect::<Vec<_>>() })
-    }
-}
-
-impl<T: Entry> Entry for Vec<T> {
-    fn schema() -> Value {
-        json!({ "type": "array", "items": T::schema() })
-    }
-}
-
-impl<T: Entry> Entry for Option<T> {
-    fn schema() -> Value {
-        or_null(T::schema())
-    }
+fn names<T>(all: &[(&'static str, T)]) -> Vec<&'static str> {
+    all.iter().map(|(name, _)| *name).collect()
 }
 
 /// Numbers of the P grades.
@@ -432,7 +390,7 @@ impl GradeName {
 }
 
 /// An axial error of the nut's groove against the screw's: a wave or a slope.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LeadErrorEntry {
     /// Amplitude of a wave.
@@ -456,29 +414,9 @@ pub struct LeadErrorEntry {
 mod tests {
     use super::*;
 
-    /// Holds the keys of objects, also within lists and objects, to those of their schema.
-    fn same_keys(value: &Value, schema: &Value) {
-        if let (Value::Array(items), Some(item)) = (value, schema.get("items")) {
-            for value in items {
-                same_keys(value, item);
-            }
-        }
-        if let (Value::Object(map), Value::Object(properties)) = (value, &schema["properties"]) {
-            // A phase has one of time_s and share, and of feed and speed.
-            let known = properties.keys();
-            let known = known.filter(|key| !["share", "screw_speed_rpm"].contains(&key.as_str()));
-            assert_eq!(map.keys().collect::<Vec<_>>(), known.collect::<Vec<_>>());
-            for (key, value) in map {
-                same_keys(value, &properties[key]);
-            }
-        } else {
-            assert!(!value.is_object(), "{value} has no schema");
-        }
-    }
-
-    /// One of everything, by the schema and by the types: the same keys.
+    /// One of everything is written as it was read.
     #[test]
-    fn words_have_the_keys_of_their_schema() {
+    fn entries_are_written_as_they_were_read() {
         let all = json!({
             "project": "a", "drawing": "b", "revision": "c", "author": "d", "date": "e",
             "customer": "f", "remark": "g",
@@ -518,7 +456,5 @@ mod tests {
         }
         assert_eq!(Value::Object(words.to_map()), all);
         assert_eq!(words.to_map().keys().collect::<Vec<_>>(), CaseEntries::KEYS);
-        let schema = CaseEntries::schema();
-        same_keys(&all, &json!({ "properties": schema }));
     }
 }

@@ -58,17 +58,12 @@ pub fn trimmed(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// Two digits, or all before the point, for tables of times and errors to compare.
+/// Two digits, or all before the point, for tables of times and errors to compare; below 1e-3 with an exponent.
 pub fn short(value: f64) -> String {
-    match value.abs() {
-        0.0 => "0".to_owned(),
-        10.0..1e6 => format!("{value:.0}"),
-        1.0..10.0 => format!("{value:.1}"),
-        0.1..1.0 => format!("{value:.2}"),
-        0.01..0.1 => format!("{value:.3}"),
-        1e-3..0.01 => format!("{value:.4}"),
-        _ => format!("{value:.1e}"),
+    if value.abs() > 0.0 && value.abs() < 1e-3 {
+        return format!("{value:.1e}");
     }
+    digits(value, 2)
 }
 
 /// A size in decimals, without the rounding of a conversion: to 1e-9.

@@ -1,6 +1,7 @@
 //! The cycle of an axis: its phases, from JSON and from a table.
 
 use bsm_design::DutySpeed;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -19,7 +20,8 @@ macro_rules! phase {
         }
 
         /// A phase of a cycle.
-        #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+        #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+        #[schemars(!try_from, deny_unknown_fields)]
         #[serde(try_from = "Map<String, Value>")]
         #[expect(non_snake_case, reason = "names carry their unit as it is written")]
         pub struct PhaseEntry {

@@ -197,12 +197,12 @@ pub(crate) use keys;
 /// Declares a table of quantities and the function that reads their numbers.
 ///
 /// `name ["unit"] Scope(reader), "meaning";` with `"symbol"` behind the unit and `needs [a, b | c]`, inputs that it needs besides those
-/// of its answer (`a`, and one of `b` and `c`), behind the reader.
+/// of its answer (`a`, and one of `b` and `c`), or a constant of them, behind the reader.
 /// `name = TABLE Scalar(reader);` is said as in another table.
 macro_rules! quantities {
     ($(#[$doc:meta])* $visible:vis $table:ident, $numbers:ident(&$state:ty) $(of $analysis:ident)?; $($title:literal {
         $($name:ident $([$unit:literal $($symbol:literal)?])? $(= $table_of:ident)? $of:ident($read:expr)
-            $(needs [$($($need:ident)|+),+])? $(, $about:literal)?;)*
+            $(needs $needs:tt)? $(, $about:literal)?;)*
     })*) => {
         $(#[$doc])*
         $visible const $table: &[$crate::Quantity] = {
@@ -211,7 +211,7 @@ macro_rules! quantities {
             &[$($($crate::Quantity {
                 title: $title,
                 scope: $crate::Scope::$of,
-                needs: &[$($($crate::InputSet::of(&[$($crate::InputKey::$need),+])),+)?],
+                needs: $crate::vocabulary::quantity::quantities!(@needs $($needs)?),
                 ..$crate::vocabulary::quantity::quantities!(
                     @said $of $name $([$unit $($symbol)?])? $(= $table_of)? $($about)?
                 )
@@ -254,6 +254,9 @@ macro_rules! quantities {
             ..SAID
         }
     }};
+    (@needs) => { &[] };
+    (@needs $known:ident) => { $known };
+    (@needs [$($($need:ident)|+),+]) => { &[$($crate::InputSet::of(&[$($crate::InputKey::$need),+])),+] };
     (@kind) => { None };
     (@kind $analysis:ident) => { Some($crate::AnalysisKind::$analysis) };
     (@Scalar $($of:tt)*) => {

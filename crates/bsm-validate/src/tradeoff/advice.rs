@@ -1,5 +1,6 @@
 //! Which setting for which tolerance.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{Errors, Group, OneCore, SettingResult, TOLERANCES};
@@ -9,7 +10,7 @@ use super::{Errors, Group, OneCore, SettingResult, TOLERANCES};
 const SHARE: f64 = 0.99;
 
 /// The cheapest settings within a tolerance.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Advice {
     /// Error of the efficiency that 99 % of the points keep.
     pub tolerance: f64,
@@ -22,7 +23,7 @@ pub struct Advice {
 }
 
 /// A setting that was picked.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Pick {
     /// Model and options.
     pub setting: String,

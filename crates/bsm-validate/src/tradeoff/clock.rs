@@ -8,6 +8,7 @@ use bsm_case::{Case, CaseError, ModelChoice, Output, Settings};
 use bsm_dyn::{Model, ModelWorkspace, evaluations};
 use bsm_simd::Arch;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::errors::{Distribution, Group};
@@ -15,7 +16,7 @@ use super::{Points, Setting};
 use crate::ValidateError;
 
 /// Times of a point \[ns\].
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Times {
     /// One by one and in batches on one core: all points, then by motion of the balls.
     pub one_core: Vec<OneCore>,
@@ -26,7 +27,7 @@ pub struct Times {
 }
 
 /// Times of a point of a group on one core \[ns\], and what they are spent on.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct OneCore {
     /// Which points.
     pub group: Group,

@@ -3,17 +3,20 @@
 use bsm_case::{Case, CaseError, Settings};
 use bsm_dyn::{ModelWorkspace, SlipRegime, Solution};
 use bsm_kin::Site;
-use serde::{Serialize, Serializer};
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::reference_settings;
 use crate::ValidateError;
 
 /// Points that are counted together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(into = "&'static str")]
 pub enum Group {
     /// All points.
     All,
     /// Those of one motion.
+    #[schemars(skip)]
     Of(SlipRegime),
 }
 
@@ -39,14 +42,14 @@ impl Group {
     }
 }
 
-impl Serialize for Group {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name())
+impl From<Group> for &'static str {
+    fn from(group: Group) -> Self {
+        group.name()
     }
 }
 
 /// An error or a cost over points.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Distribution {
     /// Of all points.
     pub mean: f64,
@@ -82,7 +85,7 @@ impl Distribution {
 }
 
 /// Errors over the points of a group that the setting solved.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Errors {
     /// Which points.
     pub group: Group,

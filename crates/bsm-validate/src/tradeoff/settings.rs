@@ -2,10 +2,11 @@
 
 use bsm_case::{ModelChoice, Settings};
 use bsm_dyn::Model;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A model with its settings.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Setting {
     /// The model.
     pub model: &'static str,

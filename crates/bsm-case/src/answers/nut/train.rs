@@ -167,7 +167,9 @@ impl NutReport {
         let nut = &self.made.nut;
         let spacer = self.problem.gaps.spacer;
         let circuits = nut.circuits.iter().enumerate();
-        let crowded = circuits.filter(|(i, circuit)| count(circuit.balls) > nut.room(*i, spacer));
+        // One ball may enter the loaded arc while another one leaves it.
+        let crowded =
+            circuits.filter(|(i, circuit)| count(circuit.balls) > nut.room(*i, spacer) + 1.0);
         let mut warnings: Vec<_> = crowded
             .map(|(i, circuit)| {
                 format!("{} balls are too many: {}", circuit.balls, room(nut, i, spacer))
