@@ -526,7 +526,7 @@ impl Traction {
         let ball = ball.of(&root);
         let to_nut = ball.motion_to_nut(&root.unknowns, &loaded);
         let steady = self.at.ball_state(contacts, &loaded, &to_nut)?;
-        let transmission = self.at.transmission_at(contacts, torque, power)?;
+        let transmission = self.at.transmission_at(torque, power)?;
         let checked = SlipBall { quadrature: check, ..ball };
         let other = checked.evaluated::<false>(&root.unknowns).ok();
         let (other, efficiency) = (other.as_ref(), transmission.efficiency);

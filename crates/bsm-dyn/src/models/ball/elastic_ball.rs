@@ -337,8 +337,7 @@ impl<D: Scalar> ElasticPoint<D> {
         frame: &BallFrame<D>,
         screw: &Wrench<D>,
     ) -> D {
-        torque(screw, contacts.helix.radius, frame)
-            * (self.point.ball.radius * self.point.load.axial)
+        torque(screw, contacts.helix.radius, frame) * self.point.units().torque
     }
 
     /// Efficiency and torque of a scaled wrench of the screw on the ball.
@@ -398,14 +397,10 @@ impl ElasticPoint {
     /// friction power; both scaled, the power over `$W$`.
     pub(crate) fn transmission_at(
         &self,
-        contacts: &ElasticContacts,
         torque: f64,
         friction_power: f64,
     ) -> Result<Transmission, Unsolved> {
-        let unit = self.point.ball.radius * self.point.load.axial;
-        let torque = torque * unit;
-        let speed = self.point.drive.relative_speed();
-        Transmission::of(contacts.direction.is_back(), self.point.ideal_torque(), torque, speed)
-            .balanced_against(friction_power * unit * speed)
+        let ideal = self.point.ideal_torque();
+        self.point.units().transmission(ideal, torque, friction_power).balanced()
     }
 }
