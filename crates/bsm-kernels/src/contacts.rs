@@ -4,7 +4,9 @@ use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{
     BallContacts, LoadedContact, Plane, ScaledSize, friction_angle, max_pressure,
 };
-use bsm_dyn::{BallState, ContactState, ErrorBound, HertzContact, Slip, Solved, Transmission};
+use bsm_dyn::{
+    BallState, ContactState, ErrorBound, FilmState, HertzContact, Slip, Solved, Transmission,
+};
 use bsm_kin::{Motion, relative_rotation};
 use bsm_simd::{NullaryFnOnce, Simd};
 
@@ -64,6 +66,7 @@ pub(super) struct ElasticAnswer<'a, 'b, 'c, S: Simd> {
     pub(super) to_nut: [Lane<S>; 3],
     pub(super) transmission: &'a Transmission<Lane<S>>,
     pub(super) error: Option<ErrorBound<Lane<S>>>,
+    pub(super) film: Option<FilmState<Lane<S>>>,
 }
 
 impl<S: Simd> NullaryFnOnce for ElasticAnswer<'_, '_, '_, S> {
@@ -101,6 +104,10 @@ impl<S: Simd> NullaryFnOnce for ElasticAnswer<'_, '_, '_, S> {
             unloaded: None,
             axial_displacement: Some(contacts.displacement(self.sides) * ball),
         };
-        out.put(&Solved { error: self.error, ..Solved::new(&ball, *self.transmission) });
+        out.put(&Solved {
+            error: self.error,
+            film: self.film,
+            ..Solved::new(&ball, *self.transmission)
+        });
     }
 }

@@ -58,6 +58,7 @@ impl Kernel for Elastic {
             to_nut,
             transmission,
             error: None,
+            film: None,
         });
         out.set_all(OutputKey::iterations, [skid.steps, skid.residual]);
         skid.found & transmission.is_balanced()

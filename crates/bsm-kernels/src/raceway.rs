@@ -8,7 +8,7 @@ use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{
     cross_slip, friction_power, ideal_torque, onset_number, rolling_torque, skid_number,
 };
-use bsm_dyn::{Ball, Control, Model, Transmission};
+use bsm_dyn::{Ball, Control, FilmState, Model, Transmission};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 pub(super) use self::balance::{BalanceCall, Precession, RollingMotion};
@@ -78,8 +78,8 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
             };
         }
         let motion = RollingMotion::of(contacts, &state);
-        let (resolved, transmission, friction) =
-            transmit(out, given, (units, contacts), (&state, &motion));
+        let (resolved, transmission, friction, film) =
+            transmit(given, (units, contacts), (&state, &motion));
         let one = contacts.constant(1.0);
         // Both centres roll; the slip of the lead is shared, against friction along e_x.
         let slip = contacts.scaled.lead.0 * 0.5;
@@ -95,6 +95,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
             to_nut: [slip, motion.omega[0], motion.omega[1]],
             transmission: &transmission,
             error: None,
+            film,
         });
         let skid = regime(out, friction, (units, contacts), (&state, &motion));
         out.set_all(OutputKey::iterations, [state.steps, state.residual]);
@@ -132,14 +133,13 @@ fn ellipse<S: Simd>(
 }
 
 /// Torque, efficiency and powers by the friction of both ellipses; where it is resolved, which must not
-/// depend on the outputs that are wanted; the friction coefficient.
+/// depend on the outputs that are wanted; the friction coefficient, or what the lubricant tells.
 #[inline(always)]
 fn transmit<S: Simd>(
-    out: &mut Sink<'_, '_>,
     given: &LaneInputs<'_, S>,
     (units, contacts): (&Units<S>, &Contacts<S>),
     (state, motion): (&Precession<S>, &RollingMotion<S>),
-) -> (Mask<S>, Transmission<Lane<S>>, Lane<S>) {
+) -> (Mask<S>, Transmission<Lane<S>>, Lane<S>, Option<FilmState<Lane<S>>>) {
     let (nut, screw) = (ellipse(0, contacts, state, motion), ellipse(1, contacts, state, motion));
     let ((nut_power, at_nut), (screw_power, at_screw)) = (nut.power(), screw.power());
     let zero = nut_power.constant(0.0);
@@ -163,11 +163,13 @@ fn transmit<S: Simd>(
         torque = torque + lubricated.outside.torque(units.speed);
     }
     let of = Transmission::of(back, ideal, torque, units.speed);
+    let mut film = None;
     if let Some(lubricated) = &lubricated {
-        lubricated.outputs(out, (units, contacts), (back, of.efficiency));
+        let of = (back, contacts.scaled.lead.0 / contacts.scaled.lead.1, of.efficiency);
+        film = Some(lubricated.state(units, given.get(InputKey::loaded_balls), of));
     }
     let finite = torque.abs().lt(zero.constant(f64::INFINITY));
-    (at_nut & at_screw & finite, of, friction)
+    (at_nut & at_screw & finite, of, friction, film)
 }
 
 /// Stores skid number and onset number where they have a meaning, and returns the latter with the cross slip.

@@ -212,6 +212,7 @@ fn outputs<S: Simd>(
         to_nut: [lead.0 * y[4] - lead.1 * y[6], y[5], lead.1 * y[4] + lead.0 * y[6]],
         transmission,
         error: Some(ErrorBound { efficiency: error, loss }),
+        film: None,
     });
     out.set_all(OutputKey::iterations, [root.steps, root.residual]);
     let solved = transmission.is_balanced() & error.lt(zero.constant(f64::INFINITY));

@@ -346,11 +346,6 @@ impl<F: Compare> Transmission<F> {
 }
 
 impl Transmission {
-    /// The same, unless it violates the balance by more than rounding.
-    pub(crate) fn balanced_against(self, friction_power: f64) -> Result<Self, Unsolved> {
-        self.against(friction_power).balanced()
-    }
-
     /// The same, unless powers do not balance.
     pub(crate) fn balanced(self) -> Result<Self, Unsolved> {
         if self.is_balanced() {
