@@ -28,11 +28,6 @@
 //! # Ok::<(), bsm_case::CaseError>(())
 //! ```
 
-#![expect(
-    clippy::inline_always,
-    reason = "rules over several points take the instruction set of their caller only inline"
-)]
-
 mod answers;
 mod case;
 mod vocabulary;

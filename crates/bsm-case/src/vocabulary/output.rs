@@ -185,7 +185,7 @@ macro_rules! outputs {
     (@words $kind:ident) => { &[] };
 }
 
-/// A reader at a contact.
+/// A reader at a contact, whose lanes take the instruction set only inline.
 #[inline(always)]
 fn read_at<F: Field>(
     solved: &Solved<F>,

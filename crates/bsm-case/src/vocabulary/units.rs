@@ -23,10 +23,6 @@ pub const GPA: f64 = 1e9;
 pub const MPA: f64 = 1e6;
 
 /// Speeds of screw and nut in revolutions per minute, of one point or of several side by side.
-#[expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
 #[inline(always)]
 pub fn drive_of_rpm<F: Field>(screw: F, nut: F) -> Drive<F> {
     Drive { screw_speed: screw * RPM, nut_speed: nut * RPM }

@@ -14,7 +14,7 @@ use super::ball_contacts::ScaledBall;
 use super::ball_unknowns::BALL;
 use super::operating_point::{BallUnits, OperatingPoint};
 use super::sensitivity::Performance;
-use super::state::{BallState, ContactState, HertzContact, Transmission, in_frenet};
+use super::state::{BallState, ContactState, HertzContact, Slip, Transmission};
 use crate::contact::{
     Ball, Curvatures, Groove, Hertz, Jones, Material, Raceway, Wrench, axial_force,
     contact_modulus, efficiency, newton_euler, torque,
@@ -381,11 +381,14 @@ impl ElasticPoint {
                 max_pressure: hertz.max_pressure(load),
                 approach: approaches[i] * r_b,
             });
-            let sliding = ContactState::sliding((angles[i], load), contact, motion, &slip, w);
-            ContactState { pressed, ..sliding }
+            let slip_angle = Some(contact.slip_angle(&slip));
+            let slip = Some(Slip { speed: slip.norm(), spin: motion.spin(contact) * w });
+            ContactState { angle: angles[i], load: Some(load), slip_angle, slip, pressed }
         });
+        let motion = contacts.absolute(to_nut, &loaded.frame);
+        let omega = loaded.frame.to_frenet(&motion.omega) * w;
         Ok(BallState {
-            motion: Some(in_frenet(&contacts.absolute(to_nut, &loaded.frame), &loaded.frame, w)),
+            motion: Some(Motion { precession: motion.precession * w, omega }),
             nut,
             screw,
             unloaded: None,

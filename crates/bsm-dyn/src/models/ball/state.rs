@@ -2,9 +2,8 @@
 //!
 //! SI units and radians. Loads are per ball, torque and powers of all loaded balls together.
 
-use bsm_kin::{BallFrame, Contact, Field, Motion, Site};
+use bsm_kin::{Field, Motion, Site};
 use bsm_simd::Compare;
-use nalgebra::Vector3;
 
 use crate::contact::{FilmState, POWER_BALANCE_TOL, Power, efficiency};
 use crate::outcome::{Control, Direction, Reason, Unsolved, named};
@@ -179,7 +178,7 @@ pub fn onset_number<F: Field>(skid_number: F, cross_slip: F) -> F {
 }
 
 /// Direction of a friction force on the ball \[rad\] from its parts across the groove and along the helix; see
-/// [`Contact::slip_angle`].
+/// [`bsm_kin::Contact::slip_angle`].
 #[inline(always)]
 pub fn friction_angle<F: Compare>([across, along]: [F; 2]) -> F {
     along.zip(across, f64::atan2)
@@ -278,35 +277,6 @@ impl<F> ContactState<F> {
     pub fn at_angle(angle: F) -> Self {
         Self { angle, load: None, slip_angle: None, slip: None, pressed: None }
     }
-}
-
-impl ContactState {
-    /// Of a contact and its slip.
-    ///
-    /// * `motion`: relative to the body of the contact, of speeds over `unit` \[rad/s\].
-    /// * `slip`: velocity at the contact centre \[m/s\].
-    pub(crate) fn sliding(
-        (angle, load): (f64, f64),
-        contact: &Contact<f64>,
-        motion: &Motion<f64>,
-        slip: &Vector3<f64>,
-        unit: f64,
-    ) -> Self {
-        Self {
-            angle,
-            load: Some(load),
-            slip_angle: Some(contact.slip_angle(slip)),
-            slip: Some(Slip { speed: slip.norm(), spin: motion.spin(contact) * unit }),
-            pressed: None,
-        }
-    }
-}
-
-/// Motion in the Frenet-Serret triad, of one in the triad of `frame` with speeds over `unit`
-/// \[rad/s\].
-pub(crate) fn in_frenet(motion: &Motion<f64>, frame: &BallFrame<f64>, unit: f64) -> Motion<f64> {
-    let omega = frame.to_frenet(&motion.omega) * unit;
-    Motion { precession: motion.precession * unit, omega }
 }
 
 impl<F: Compare> Transmission<F> {
