@@ -1,9 +1,7 @@
 //! A ball between elastic raceways by lanes: its units, and what its contacts put out.
 
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::internals::{
-    BallContacts, LoadedContact, Plane, ScaledSize, friction_angle, max_pressure,
-};
+use bsm_dyn::internals::{BallContacts, LoadedContact, ScaledSize, max_pressure};
 use bsm_dyn::{
     BallState, ContactState, ErrorBound, FilmState, HertzContact, Slip, Solved, Transmission,
 };
@@ -12,7 +10,6 @@ use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::kernel::Sink;
 use crate::operand::{Lane, LaneInputs};
-use crate::rigid::DIRECTIONS;
 use crate::units::{Units, modulus};
 
 /// A lane of points in units of ball radius, axial load per ball and relative speed.
@@ -59,8 +56,8 @@ pub(super) struct ElasticAnswer<'a, 'b, 'c, S: Simd> {
     /// Slip speeds, and spins over the relative speed.
     pub(super) slip: [Lane<S>; 2],
     pub(super) spin: [Lane<S>; 2],
-    /// Friction across the groove and along the helix, of any size.
-    pub(super) friction: [Plane<Lane<S>>; 2],
+    /// Directions of friction \[rad\], if they are wanted.
+    pub(super) slip_angles: Option<[Lane<S>; 2]>,
     /// Over the relative speed: precession, and rotation relative to the nut.
     pub(super) rate: Lane<S>,
     pub(super) to_nut: [Lane<S>; 3],
@@ -76,15 +73,15 @@ impl<S: Simd> NullaryFnOnce for ElasticAnswer<'_, '_, '_, S> {
     fn call(self) {
         let Self { out, units, contacts, .. } = self;
         let (ball, w) = (units.ball, units.speed);
-        let (angles, directions) = (out.wants(&ANGLES), out.wants(&DIRECTIONS));
+        let angles = out.wants(&ANGLES);
         let mut states = [ContactState::at_angle(w.constant(f64::NAN)); 2];
         for (i, state) in states.iter_mut().enumerate() {
             let side = &self.sides[i];
             if angles {
                 state.angle = side.sin.zip(side.cos, f64::atan2);
             }
-            if directions {
-                state.slip_angle = Some(friction_angle(self.friction[i]));
+            if let Some(slip_angles) = &self.slip_angles {
+                state.slip_angle = Some(slip_angles[i]);
             }
             let (speed, spin) = (self.slip[i] * w.abs() * ball, self.spin[i] * w);
             state.slip = Some(Slip { speed, spin });

@@ -10,6 +10,7 @@ use bsm_simd::{NullaryFnOnce, Simd};
 use crate::contacts::{Contacts, ElasticAnswer, InUnits};
 use crate::kernel::{Kernel, Sink};
 use crate::operand::{Lane, LaneInputs, Mask};
+use crate::rigid::slip_angles;
 
 pub(super) struct Elastic;
 
@@ -46,6 +47,7 @@ impl Kernel for Elastic {
         let ideal = ideal_torque(units.axial, units.pitch, lead.0 / lead.1);
         let transmission =
             &units.answer().transmission(ideal, skid.torque(), back.select(-lost, lost));
+        let slip_angles = slip_angles(out, skid.friction());
         given.simd.vectorize(ElasticAnswer {
             out,
             units: &units,
@@ -53,7 +55,7 @@ impl Kernel for Elastic {
             sides: &sides,
             slip: skid.motion.slip,
             spin,
-            friction: skid.friction(),
+            slip_angles,
             rate: skid.rate,
             to_nut,
             transmission,

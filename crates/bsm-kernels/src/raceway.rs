@@ -4,6 +4,8 @@ mod balance;
 mod friction;
 mod oil;
 
+use std::f64::consts::PI;
+
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{
     cross_slip, friction_power, ideal_torque, onset_number, rolling_torque, skid_number,
@@ -90,7 +92,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
             sides: &state.sides,
             slip: [slip; 2],
             spin: motion.spin,
-            friction: [[units.answer().back().select(-one, one), zero]; 2],
+            slip_angles: Some([units.answer().back().select(one * PI, zero); 2]),
             rate: motion.p + contacts.scaled.nut_speed,
             to_nut: [slip, motion.omega[0], motion.omega[1]],
             transmission: &transmission,

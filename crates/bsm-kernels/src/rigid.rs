@@ -5,19 +5,31 @@
 use bsm_case::units::DEG;
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::Model;
-use bsm_dyn::internals::RigidBall;
+use bsm_dyn::internals::{Plane, RigidBall, friction_angle};
 use bsm_simd::Simd;
 
 use crate::kernel::{Kernel, Sink};
-use crate::operand::{LaneInputs, Mask};
+use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::Units;
 
 /// Directions of friction, which take an arctangent each.
-pub(super) const DIRECTIONS: [OutputKey; 3] = [
+const DIRECTIONS: [OutputKey; 3] = [
     OutputKey::nut_slip_angle_deg,
     OutputKey::screw_slip_angle_deg,
     OutputKey::unloaded_flank_slip_angle_deg,
 ];
+
+/// Directions of friction at nut and screw \[rad\], if they are wanted, of friction across the groove and along the helix.
+#[inline(always)]
+pub(super) fn slip_angles<S: Simd>(
+    out: &Sink<'_, '_>,
+    [nut, screw]: [Plane<Lane<S>>; 2],
+) -> Option<[Lane<S>; 2]> {
+    if !out.wants(&DIRECTIONS) {
+        return None;
+    }
+    Some([friction_angle(nut), friction_angle(screw)])
+}
 
 pub(super) struct Rigid;
 

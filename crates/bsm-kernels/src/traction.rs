@@ -18,6 +18,7 @@ use crate::elastic::GrossSlip;
 use crate::kernel::{Rows, Sink};
 use crate::operand::{Lane, LaneInputs, Mask, Valid};
 use crate::raceway::{BalanceCall, RollingMotion, regime};
+use crate::rigid::slip_angles;
 use crate::units::Units;
 
 /// Most points in a lane.
@@ -197,6 +198,9 @@ fn outputs<S: Simd>(
     let loss = loss_error(back, transmission.efficiency, error);
     let stated = loss.le(zero.constant(MOST_LOSS_ERROR));
     let loss = Some(stated.select(loss, zero.constant(f64::NAN)));
+    let friction =
+        [[-(slip_a[0] * sign), -(slip_a[1] * sign)], [slip_b[0] * sign, -(slip_b[1] * sign)]];
+    let slip_angles = slip_angles(out, friction);
     simd.vectorize(ElasticAnswer {
         out: &mut *out,
         units,
@@ -204,10 +208,7 @@ fn outputs<S: Simd>(
         sides: &sides,
         slip: [length(slip_a), length(slip_b)],
         spin: [n_a, n_b],
-        friction: [
-            [-(slip_a[0] * sign), -(slip_a[1] * sign)],
-            [slip_b[0] * sign, -(slip_b[1] * sign)],
-        ],
+        slip_angles,
         rate: y[3] + at.point.offset,
         to_nut: [lead.0 * y[4] - lead.1 * y[6], y[5], lead.1 * y[4] + lead.0 * y[6]],
         transmission,

@@ -197,14 +197,14 @@ fn read_at<F: Field>(
 
 /// A number that all answers have.
 #[inline(always)]
-fn constant<F: Field>(solved: &Solved<F>, number: f64) -> Option<F> {
-    Some(solved.transmission.efficiency.constant(number))
+fn constant<F: Field>(solved: &Solved<F>, number: f64) -> F {
+    solved.transmission.efficiency.constant(number)
 }
 
 /// Yes or no of each answer.
 #[inline(always)]
-fn flags<F: Field>(solved: &Solved<F>, holds: F::Mask) -> Option<F> {
-    Some(F::select(holds, constant(solved, 1.0)?, constant(solved, 0.0)?))
+fn flags<F: Field>(solved: &Solved<F>, holds: F::Mask) -> F {
+    F::select(holds, constant(solved, 1.0), constant(solved, 0.0))
 }
 
 /// Yes or no in a column of numbers.
@@ -313,21 +313,21 @@ outputs! {
     "hidden" {
         "power_balance" [""] Number: power_balance whole = |s, _| s.transmission.power_balance,
             "relative error of the power balance, rounding only at an exact solution";
-        "iterations" [""] Count: iterations whole = |s, _| constant(s, count(s.info?.steps)),
+        "iterations" [""] Count: iterations whole = |s, _| Some(constant(s, count(s.info?.steps))),
             "Newton steps, or sweeps of `rigid`";
-        "residual_norm" [""] Number: residual_norm whole = |s, _| constant(s, s.info?.residual),
+        "residual_norm" [""] Number: residual_norm whole = |s, _| Some(constant(s, s.info?.residual)),
             "scaled residual of the equations";
         "seal_power_W" ["W"] Number: seal_power_W whole = |s, _| Some(s.film.as_ref()?.outside.seal),
             "power lost at the seals, which warms the lubricant; a part of screw_torque_Nm, not of dissipated_power_W";
-        "self_locking" [""] Flag: self_locking whole = |s, _| flags(s, s.transmission.self_locking),
+        "self_locking" [""] Flag: self_locking whole = |s, _| Some(flags(s, s.transmission.self_locking)),
             "true if the screw is self-locking in this direction";
-        "controlling_raceway" [""] Raceway: controlling_raceway whole = |s, _| constant(s, f64::from(s.control?.raceway as u8)),
+        "controlling_raceway" [""] Raceway: controlling_raceway whole = |s, _| Some(constant(s, f64::from(s.control?.raceway as u8))),
             "raceway on which the ball does not spin (raceway control)";
-        "control_consistent" [""] Flag: control_consistent whole = |s, _| constant(s, yes(s.control?.consistent?)),
+        "control_consistent" [""] Flag: control_consistent whole = |s, _| Some(constant(s, yes(s.control?.consistent?))),
             "true if the controlling raceway has the larger spin friction moment at this solution; false where neither raceway has it at its own solution";
-        "other_solutions" [""] Count: other_solutions whole = |s, _| constant(s, count(s.alternatives?.count)),
+        "other_solutions" [""] Count: other_solutions whole = |s, _| Some(constant(s, count(s.alternatives?.count))),
             "number of other steady motions known at this point; null: unknown, as no search was made or it was lost";
-        "other_solution_efficiency" [""] Number: other_solution_efficiency whole = |s, _| constant(s, s.alternatives?.farthest_efficiency?),
+        "other_solution_efficiency" [""] Number: other_solution_efficiency whole = |s, _| Some(constant(s, s.alternatives?.farthest_efficiency?)),
             "efficiency of the other steady motion whose efficiency differs most";
         "evidence" [""] Evidence: evidence whole = |_, _| None,
             "evidence of no_solution: proof; bound (an expansion whose error is smaller than what decides); traced (a curve that contains all solutions was followed in steps of finite size); sampled (also random starts found none)";
@@ -336,6 +336,8 @@ outputs! {
 
 #[cfg(test)]
 mod tests {
+    use bsm_dyn::Control;
+
     use super::*;
 
     /// Columns hold the place of a word.

@@ -84,7 +84,7 @@ pub fn transmitted<F: Compare>(
 
 /// The same of a point: no torque and no loads if the screw cannot be turned.
 pub(crate) fn answer(
-    ball: BallState,
+    ball: &BallState,
     (efficiency, self_locking): (f64, bool),
     load_ratio: f64,
     size: Option<ScrewSize>,
@@ -92,7 +92,7 @@ pub(crate) fn answer(
 ) -> Solved {
     let back = direction.is_back();
     let size = size.filter(|_| turns(back, efficiency, load_ratio));
-    transmitted(ball, (efficiency, self_locking), load_ratio, size, (back, lead_angle.tan()))
+    transmitted(*ball, (efficiency, self_locking), load_ratio, size, (back, lead_angle.tan()))
 }
 
 /// Inputs of the closed-form model.
@@ -129,7 +129,7 @@ impl ClosedForm {
         [ball.nut.slip_angle, ball.screw.slip_angle] = slip_angles.map(Some);
         let (locks, ratio) = (angles.self_locking(direction, f), angles.load_ratio(direction, f));
         let along = (direction, angles.lead);
-        let solved = answer(ball, (eta, locks), ratio, self.size, along);
+        let solved = answer(&ball, (eta, locks), ratio, self.size, along);
         Solution::new(Model::ClosedForm, Ok(solved))
     }
 }
