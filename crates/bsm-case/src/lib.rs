@@ -28,11 +28,6 @@
 //! # Ok::<(), bsm_case::CaseError>(())
 //! ```
 
-#![expect(
-    clippy::inline_always,
-    reason = "rules over several points take the instruction set of their caller only inline"
-)]
-
 mod answers;
 mod case;
 mod vocabulary;
@@ -78,7 +73,7 @@ pub use vocabulary::lines::{Lines, TextError, check_width, split};
 pub(crate) use vocabulary::names::nearest;
 pub use vocabulary::names::{entries, nearest_input};
 pub use vocabulary::number::{digits, exact, number, short, trimmed, write_exact};
-pub use vocabulary::output::{OUTPUTS, Output, OutputKey};
+pub use vocabulary::output::{OUTPUTS, Output, OutputKey, store_outputs};
 pub use vocabulary::phase::PhaseEntry;
 pub use vocabulary::quantity::{AnalysisKind, Numbers, Quantity, Row, Scope, Values};
 pub use vocabulary::rules::{Inputs, Relation, covered};

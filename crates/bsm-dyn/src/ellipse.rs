@@ -42,10 +42,6 @@ pub(crate) struct Ellipse<D, P = f64> {
 ///
 /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, the harmonic mean of
 /// ball and groove.
-#[expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
 #[inline(always)]
 pub fn pressed_radius<D: bsm_kin::Field>(conformity: D, ball_radius: D) -> D {
     // R_c = 2 f_g (2 r_b) / (2 f_g + 1)                                   (E2)

@@ -1,8 +1,11 @@
 //! A ball between elastic raceways by lanes: its units, and what its contacts put out.
 
-use bsm_case::units::{DEG, MM, MPA, UM};
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{BallContacts, LoadedContact, ScaledSize, max_pressure};
+use bsm_dyn::{
+    BallState, ContactState, ErrorBound, FilmState, HertzContact, Slip, Solved, Transmission,
+};
+use bsm_kin::{Motion, relative_rotation};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::kernel::Sink;
@@ -39,38 +42,69 @@ impl<S: Simd> NullaryFnOnce for InUnits<'_, '_, S> {
     }
 }
 
-/// Stores loads, angles, ellipses, approaches and displacement: a call of its own, as three kernels share it.
-pub(super) struct ContactRow<'a, 'b, 'c, S: Simd> {
+/// Angles, which take an arctangent each.
+const ANGLES: [OutputKey; 2] =
+    [OutputKey::nut_contact_angle_deg, OutputKey::screw_contact_angle_deg];
+
+/// The answer of a ball on two elastic contacts, scaled, and a call of its own that stores it, as three kernels share
+/// it.
+pub(super) struct ElasticAnswer<'a, 'b, 'c, S: Simd> {
     pub(super) out: &'a mut Sink<'b, 'c>,
     pub(super) units: &'a Units<S>,
     pub(super) contacts: &'a Contacts<S>,
     pub(super) sides: &'a [LaneContact<S>; 2],
+    /// Slip speeds, and spins over the relative speed.
+    pub(super) slip: [Lane<S>; 2],
+    pub(super) spin: [Lane<S>; 2],
+    /// Directions of friction \[rad\], if they are wanted.
+    pub(super) slip_angles: Option<[Lane<S>; 2]>,
+    /// Over the relative speed: precession, and rotation relative to the nut.
+    pub(super) rate: Lane<S>,
+    pub(super) to_nut: [Lane<S>; 3],
+    pub(super) transmission: &'a Transmission<Lane<S>>,
+    pub(super) error: Option<ErrorBound<Lane<S>>>,
+    pub(super) film: Option<FilmState<Lane<S>>>,
 }
 
-impl<S: Simd> NullaryFnOnce for ContactRow<'_, '_, '_, S> {
+impl<S: Simd> NullaryFnOnce for ElasticAnswer<'_, '_, '_, S> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Self { out, units, contacts, sides } = self;
-        let ball = units.ball;
-        let [nut, screw] = sides;
-        let [q_a, q_b] = [nut.load * units.load, screw.load * units.load];
-        out.set_all(OutputKey::nut_normal_load_N, [q_a, q_b]);
-        if out.wants(&[OutputKey::nut_contact_angle_deg, OutputKey::screw_contact_angle_deg]) {
-            let angles = [nut.sin.zip(nut.cos, f64::atan2), screw.sin.zip(screw.cos, f64::atan2)];
-            out.set_all(OutputKey::nut_contact_angle_deg, [angles[0] / DEG, angles[1] / DEG]);
+        let Self { out, units, contacts, .. } = self;
+        let (ball, w) = (units.ball, units.speed);
+        let angles = out.wants(&ANGLES);
+        let mut states = [ContactState::at_angle(w.constant(f64::NAN)); 2];
+        for (i, state) in states.iter_mut().enumerate() {
+            let side = &self.sides[i];
+            if angles {
+                state.angle = side.sin.zip(side.cos, f64::atan2);
+            }
+            if let Some(slip_angles) = &self.slip_angles {
+                state.slip_angle = Some(slip_angles[i]);
+            }
+            let (speed, spin) = (self.slip[i] * w.abs() * ball, self.spin[i] * w);
+            state.slip = Some(Slip { speed, spin });
+            let load = side.load * units.load;
+            state.load = Some(load);
+            let (a, b) = side.semi_axes(&contacts.pressed[i]);
+            let semi_axes = (a * ball, b * ball);
+            let (max_pressure, approach) = (max_pressure(load, semi_axes), side.approach * ball);
+            state.pressed = Some(HertzContact { semi_axes, max_pressure, approach });
         }
-        let (a, b) = nut.semi_axes(&contacts.pressed[0]);
-        let at_nut = (a * ball, b * ball);
-        let (a, b) = screw.semi_axes(&contacts.pressed[1]);
-        let at_screw = (a * ball, b * ball);
-        let pressures = [max_pressure(q_a, at_nut) / MPA, max_pressure(q_b, at_screw) / MPA];
-        out.set_all(OutputKey::nut_max_pressure_MPa, pressures);
-        out.set_all(OutputKey::nut_ellipse_a_mm, [at_nut.0 / MM, at_screw.0 / MM]);
-        out.set_all(OutputKey::nut_ellipse_b_mm, [at_nut.1 / MM, at_screw.1 / MM]);
-        let approaches = [nut.approach * ball / UM, screw.approach * ball / UM];
-        out.set_all(OutputKey::nut_approach_um, approaches);
-        out.set(OutputKey::axial_displacement_um, contacts.displacement(sides) * ball / UM);
+        let scaled = &contacts.scaled;
+        let [t, n, b] = relative_rotation(self.to_nut, -scaled.nut_speed, scaled.lead);
+        let ball = BallState {
+            motion: Some(Motion::new(self.rate * w, [t * w, n * w, b * w])),
+            nut: states[0],
+            screw: states[1],
+            unloaded: None,
+            axial_displacement: Some(contacts.displacement(self.sides) * ball),
+        };
+        out.put(&Solved {
+            error: self.error,
+            film: self.film,
+            ..Solved::new(&ball, *self.transmission)
+        });
     }
 }

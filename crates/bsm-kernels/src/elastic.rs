@@ -3,16 +3,14 @@
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::Model;
-use bsm_dyn::internals::{SlidingBall, SlidingRoot, ideal_torque, takes};
+use bsm_dyn::internals::{SlidingBall, SlidingRoot, SlidingState, ideal_torque, takes};
 use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
-use crate::closed_form::balance;
-use crate::contacts::{ContactRow, Contacts, InUnits};
+use crate::contacts::{Contacts, ElasticAnswer, InUnits};
 use crate::kernel::{Kernel, Sink};
 use crate::operand::{Lane, LaneInputs, Mask};
-use crate::rigid::{ball_motion, slip_angle};
-use crate::units::Units;
+use crate::rigid::slip_angles;
 
 pub(super) struct Elastic;
 
@@ -36,14 +34,36 @@ impl Kernel for Elastic {
         if !skid.found.any() {
             return skid.found;
         }
-        let ([q_a, q_b], [sin_a, sin_b], [cos_a, cos_b]) =
-            (skid.state.loads, skid.state.sin, skid.state.cos);
-        let sides =
-            [contacts.loaded(0, q_a, (sin_a, cos_a)), contacts.loaded(1, q_b, (sin_b, cos_b))];
-        given.simd.vectorize(ContactRow { out, units: &units, contacts: &contacts, sides: &sides });
-        let balanced = outputs(&skid, out, &units, &contacts);
+        let SlidingState { loads, sin, cos, .. } = skid.state;
+        let sides = [
+            contacts.loaded(0, loads[0], (sin[0], cos[0])),
+            contacts.loaded(1, loads[1], (sin[1], cos[1])),
+        ];
+        let (lead, to_nut) = (contacts.scaled.lead, skid.rotation());
+        let to_screw = relative_rotation(to_nut, contacts.constant(1.0), lead);
+        let spin =
+            [spin_at_nut(to_nut, (sin[0], cos[0])), -spin_at_nut(to_screw, (sin[1], cos[1]))];
+        let lost = skid.friction_power();
+        let ideal = ideal_torque(units.axial, units.pitch, lead.0 / lead.1);
+        let transmission =
+            &units.answer().transmission(ideal, skid.torque(), back.select(-lost, lost));
+        let slip_angles = slip_angles(out, skid.friction());
+        given.simd.vectorize(ElasticAnswer {
+            out,
+            units: &units,
+            contacts: &contacts,
+            sides: &sides,
+            slip: skid.motion.slip,
+            spin,
+            slip_angles,
+            rate: skid.rate,
+            to_nut,
+            transmission,
+            error: None,
+            film: None,
+        });
         out.set_all(OutputKey::iterations, [skid.steps, skid.residual]);
-        skid.found & balanced
+        skid.found & transmission.is_balanced()
     }
 }
 
@@ -70,29 +90,4 @@ impl<S: Simd> NullaryFnOnce for GrossSlip<'_, S> {
         let sure = root.state.push.lt(contacts.constant(MOST_LOAD));
         SlidingRoot { steady: root.steady & sure, found: root.found & sure, ..root }
     }
-}
-
-/// Stores motion, slips, torque, efficiency and powers, and returns where they balance.
-#[inline(always)]
-fn outputs<S: Simd>(
-    skid: &SlidingRoot<Lane<S>>,
-    out: &mut Sink<'_, '_>,
-    units: &Units<S>,
-    contacts: &Contacts<S>,
-) -> Mask<S> {
-    let (w, lead) = (units.speed, contacts.scaled.lead);
-    let to_nut = skid.rotation();
-    ball_motion(out, w, skid.rate, relative_rotation(to_nut, -contacts.scaled.nut_speed, lead));
-    let ([sin_a, sin_b], [cos_a, cos_b]) = (skid.state.sin, skid.state.cos);
-    let to_screw = relative_rotation(to_nut, contacts.constant(1.0), lead);
-    let spins = [spin_at_nut(to_nut, (sin_a, cos_a)), -spin_at_nut(to_screw, (sin_b, cos_b))];
-    out.set_all(OutputKey::nut_spin_rad_s, [spins[0] * w, spins[1] * w]);
-    let ([v_a, v_b], speed) = (skid.motion.slip, w.abs() * units.ball);
-    out.set_all(OutputKey::nut_slip_velocity_m_s, [v_a * speed, v_b * speed]);
-    let [at_nut, at_screw] = skid.friction();
-    slip_angle(out, OutputKey::nut_slip_angle_deg, at_nut);
-    slip_angle(out, OutputKey::screw_slip_angle_deg, at_screw);
-    let ideal = ideal_torque(contacts.constant(1.0), contacts.scaled.arc * lead.1, lead.0 / lead.1);
-    let torques = (skid.torque(), ideal);
-    balance(out, w, torques, skid.friction_power(), units.ball * units.axial).is_balanced()
 }

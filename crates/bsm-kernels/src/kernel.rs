@@ -1,7 +1,7 @@
 //! A model by lanes, and the rows that it runs over.
 
-use bsm_case::{OUTPUTS, Output, OutputKey};
-use bsm_dyn::{Choice, Model};
+use bsm_case::{OUTPUTS, Output, OutputKey, store_outputs};
+use bsm_dyn::{Choice, Model, Solved};
 use bsm_simd::{Simd, WithSimd};
 
 use crate::operand::{InputColumns, Lane, LaneInputs, Mask, Valid};
@@ -84,16 +84,17 @@ impl Sink<'_, '_> {
         }
     }
 
-    /// No other solution than this one.
+    /// Stores what an answer has of the outputs that are wanted.
     #[inline(always)]
-    pub(crate) fn set_unique<S: Simd>(&mut self, like: Lane<S>) {
-        self.set(OutputKey::other_solutions, like.constant(0.0));
-    }
-
-    /// Stores yes and no.
-    #[inline(always)]
-    pub(crate) fn set_flag<S: Simd>(&mut self, key: OutputKey, values: Mask<S>) {
-        self.set(key, values.to_numbers());
+    pub(crate) fn put<S: Simd>(&mut self, solved: &Solved<Lane<S>>) {
+        let Self { wanted, columns, row } = self;
+        store_outputs(
+            solved,
+            #[inline(always)]
+            |key| wanted.index(key),
+            #[inline(always)]
+            |index, values: Lane<S>| values.store(&mut columns[index][*row..]),
+        );
     }
 }
 

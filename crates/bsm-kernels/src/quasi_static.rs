@@ -1,10 +1,12 @@
 //! Two contacts without inertia by lanes, Eqs (Q1) to (Q4).
 
 use bsm_case::InputKey;
-use bsm_dyn::{Model, TwoContacts};
+use bsm_case::units::DEG;
+use bsm_dyn::internals::transmitted;
+use bsm_dyn::{BallState, Model, TwoContacts};
 use bsm_simd::Simd;
 
-use crate::closed_form::{backwards, contact_angles, transmit};
+use crate::closed_form::{backwards, screw_size};
 use crate::kernel::{Kernel, Sink};
 use crate::operand::{LaneInputs, Mask};
 
@@ -29,8 +31,9 @@ impl Kernel for QuasiStatic {
         };
         let (eta, ratio) = (contacts.efficiency(back), contacts.load_ratio());
 
-        contact_angles(given, out);
-        transmit(given, out, (back, contacts.sines.tan_a()), (eta, eta.le(zero)), ratio);
+        let ball = BallState::at_angle(given.get(InputKey::contact_angle_deg) * DEG);
+        let (found, lead) = ((eta, eta.le(zero)), (back, contacts.sines.tan_a()));
+        out.put(&transmitted(ball, found, ratio, screw_size(given), lead));
         ratio.gt(zero)
     }
 }

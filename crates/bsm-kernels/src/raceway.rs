@@ -4,18 +4,19 @@ mod balance;
 mod friction;
 mod oil;
 
+use std::f64::consts::PI;
+
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{
     cross_slip, friction_power, ideal_torque, onset_number, rolling_torque, skid_number,
 };
-use bsm_dyn::{Ball, Control, Model, Transmission};
+use bsm_dyn::{Ball, Control, FilmState, Model, Transmission};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 pub(super) use self::balance::{BalanceCall, Precession, RollingMotion};
 use self::friction::Ellipse;
 use self::oil::OilLane;
-use crate::closed_form::transmission;
-use crate::contacts::{ContactRow, Contacts, InUnits};
+use crate::contacts::{Contacts, ElasticAnswer, InUnits};
 use crate::kernel::{Kernel, Sink};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::Units;
@@ -79,21 +80,36 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
             };
         }
         let motion = RollingMotion::of(contacts, &state);
-        let sides = &state.sides;
-        given.simd.vectorize(ContactRow { out: &mut *out, units, contacts, sides });
-        motion.outputs(out, units, contacts);
-        let (resolved, efficiency, friction) =
-            transmit(out, given, (units, contacts), (&state, &motion));
+        let (resolved, transmission, friction, film) =
+            transmit(given, (units, contacts), (&state, &motion));
+        let one = contacts.constant(1.0);
+        // Both centres roll; the slip of the lead is shared, against friction along e_x.
+        let slip = contacts.scaled.lead.0 * 0.5;
+        given.simd.vectorize(ElasticAnswer {
+            out: &mut *out,
+            units,
+            contacts,
+            sides: &state.sides,
+            slip: [slip; 2],
+            spin: motion.spin,
+            slip_angles: Some([units.answer().back().select(one * PI, zero); 2]),
+            rate: motion.p + contacts.scaled.nut_speed,
+            to_nut: [slip, motion.omega[0], motion.omega[1]],
+            transmission: &transmission,
+            error: None,
+            film,
+        });
         let skid = regime(out, friction, (units, contacts), (&state, &motion));
         out.set_all(OutputKey::iterations, [state.steps, state.residual]);
         out.set(OutputKey::controlling_raceway, state.by_nut.select(zero, zero + 1.0));
         // With a lubricant the model looks for no other solutions.
         if given.inputs.lubricant.is_none() {
             if control.is_none() {
-                out.set(OutputKey::control_consistent, zero + 1.0);
+                out.set(OutputKey::control_consistent, one);
             }
-            out.set_unique(zero);
+            out.set(OutputKey::other_solutions, zero);
         }
+        let efficiency = transmission.efficiency;
         RacewayNumbers { efficiency, skid, found: state.found & resolved, unique }
     }
 }
@@ -119,14 +135,13 @@ fn ellipse<S: Simd>(
 }
 
 /// Torque, efficiency and powers by the friction of both ellipses; where it is resolved, which must not
-/// depend on the outputs that are wanted; the efficiency and the friction coefficient.
+/// depend on the outputs that are wanted; the friction coefficient, or what the lubricant tells.
 #[inline(always)]
 fn transmit<S: Simd>(
-    out: &mut Sink<'_, '_>,
     given: &LaneInputs<'_, S>,
     (units, contacts): (&Units<S>, &Contacts<S>),
     (state, motion): (&Precession<S>, &RollingMotion<S>),
-) -> (Mask<S>, Lane<S>, Lane<S>) {
+) -> (Mask<S>, Transmission<Lane<S>>, Lane<S>, Option<FilmState<Lane<S>>>) {
     let (nut, screw) = (ellipse(0, contacts, state, motion), ellipse(1, contacts, state, motion));
     let ((nut_power, at_nut), (screw_power, at_screw)) = (nut.power(), screw.power());
     let zero = nut_power.constant(0.0);
@@ -150,13 +165,13 @@ fn transmit<S: Simd>(
         torque = torque + lubricated.outside.torque(units.speed);
     }
     let of = Transmission::of(back, ideal, torque, units.speed);
-    transmission(out, &of);
-    let eta = of.efficiency;
+    let mut film = None;
     if let Some(lubricated) = &lubricated {
-        lubricated.outputs(out, (units, contacts), (back, eta));
+        let of = (back, contacts.scaled.lead.0 / contacts.scaled.lead.1, of.efficiency);
+        film = Some(lubricated.state(units, given.get(InputKey::loaded_balls), of));
     }
     let finite = torque.abs().lt(zero.constant(f64::INFINITY));
-    (at_nut & at_screw & finite, eta, friction)
+    (at_nut & at_screw & finite, of, friction, film)
 }
 
 /// Stores skid number and onset number where they have a meaning, and returns the latter with the cross slip.

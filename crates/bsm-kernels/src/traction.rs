@@ -6,21 +6,19 @@ use std::rc::Rc;
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{
-    FAST_NUT, MOST_LOSS_ERROR, SKID_ONSET, TractionMany, TractionPoint, TractionRoot,
+    FAST_NUT, MOST_LOSS_ERROR, Plane, SKID_ONSET, TractionMany, TractionPoint, TractionRoot,
     TractionStart, efficiency, ideal_torque, integrated_error, loss_error, quadrature_error,
     slip_scale, takes,
 };
-use bsm_dyn::{Model, Traction};
-use bsm_kin::relative_rotation;
+use bsm_dyn::{ErrorBound, Model, Traction};
 use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
 
-use crate::closed_form::balance;
-use crate::contacts::{ContactRow, Contacts, InUnits};
+use crate::contacts::{Contacts, ElasticAnswer, InUnits};
 use crate::elastic::GrossSlip;
 use crate::kernel::{Rows, Sink};
 use crate::operand::{Lane, LaneInputs, Mask, Valid};
 use crate::raceway::{BalanceCall, RollingMotion, regime};
-use crate::rigid::slip_angle;
+use crate::rigid::slip_angles;
 use crate::units::Units;
 
 /// Most points in a lane.
@@ -183,52 +181,46 @@ fn outputs<S: Simd>(
     accuracy: f64,
     out: &mut Sink<'_, '_>,
 ) -> (Mask<S>, Lane<S>) {
-    let (y, w, zero) = (root.unknowns, units.speed, units.speed.constant(0.0));
+    let (y, zero) = (root.unknowns, units.speed.constant(0.0));
     let at = TractionStart { point: *point, unknowns: y };
     let ([nut, screw], motions) = at.angles_and_motions();
     let sides = [contacts.loaded(0, y[0], nut), contacts.loaded(1, y[2], screw)];
-    simd.vectorize(ContactRow { out: &mut *out, units, contacts, sides: &sides });
-    let keys = [
-        [
-            OutputKey::nut_slip_velocity_m_s,
-            OutputKey::nut_slip_angle_deg,
-            OutputKey::nut_spin_rad_s,
-        ],
-        [
-            OutputKey::screw_slip_velocity_m_s,
-            OutputKey::screw_slip_angle_deg,
-            OutputKey::screw_spin_rad_s,
-        ],
-    ];
-    let back = w.lt(zero);
-    let sign = back.select(zero - 1.0, zero + 1.0);
-    for ([slip, angle, spin], ([speed, w_t, w_n, w_c], side)) in
-        keys.into_iter().zip(motions.into_iter().zip([sign, -sign]))
-    {
-        // Slip at the contact centre along t × N, which is e_x at the nut and against it at the screw, and along t.
-        let (across, along) = (-w_t, speed + w_c);
-        out.set(slip, (across * across + along * along).sqrt() * w.abs() * units.ball);
-        slip_angle(out, angle, [-(across * side), -(along * sign)]);
-        out.set(spin, w_n * w);
-    }
     let lead = contacts.scaled.lead;
-    let to_nut = [lead.0 * y[4] - lead.1 * y[6], y[5], lead.1 * y[4] + lead.0 * y[6]];
-    let [t, n, b] = relative_rotation(to_nut, -contacts.scaled.nut_speed, lead);
-    out.set(OutputKey::ball_precession_rad_s, (y[3] + at.point.offset) * w);
-    out.set(OutputKey::ball_omega_t_rad_s, t * w);
-    out.set(OutputKey::ball_omega_n_rad_s, n * w);
-    out.set(OutputKey::ball_omega_b_rad_s, b * w);
-    let ideal = ideal_torque(contacts.constant(1.0), at.point.scaled.radius, lead.0 / lead.1);
-    let lost = back.select(-root.power, root.power);
-    let of = balance(out, w, (root.torque, ideal), lost, units.ball * units.axial);
-    let other = efficiency(back, ideal, root.torque + root.error);
-    let error = quadrature_error(other - of.efficiency, accuracy);
-    out.set(OutputKey::efficiency_error_bound, error);
-    let loss = loss_error(back, of.efficiency, error);
+    let ideal = ideal_torque(units.axial, units.pitch, lead.0 / lead.1);
+    let scale = units.answer();
+    let (back, transmission) = (scale.back(), &scale.transmission(ideal, root.torque, root.power));
+    let sign = back.select(zero - 1.0, zero + 1.0);
+    // Slip at the contact centre along t × N, which is e_x at the nut and against it at the screw, and along t.
+    let [[v_a, t_a, n_a, c_a], [v_b, t_b, n_b, c_b]] = motions;
+    let (slip_a, slip_b) = ([-t_a, v_a + c_a], [-t_b, v_b + c_b]);
+    let other = efficiency(back, ideal, (root.torque + root.error) * scale.torque);
+    let error = quadrature_error(other - transmission.efficiency, accuracy);
+    let loss = loss_error(back, transmission.efficiency, error);
     let stated = loss.le(zero.constant(MOST_LOSS_ERROR));
-    out.set(OutputKey::loss_error_bound, stated.select(loss, zero.constant(f64::NAN)));
-    out.set(OutputKey::iterations, root.steps);
-    out.set(OutputKey::residual_norm, root.residual);
-    let solved = of.is_balanced() & error.lt(zero.constant(f64::INFINITY));
-    (solved, integrated_error(error, of.efficiency, root.by_creep))
+    let loss = Some(stated.select(loss, zero.constant(f64::NAN)));
+    let friction =
+        [[-(slip_a[0] * sign), -(slip_a[1] * sign)], [slip_b[0] * sign, -(slip_b[1] * sign)]];
+    let slip_angles = slip_angles(out, friction);
+    simd.vectorize(ElasticAnswer {
+        out: &mut *out,
+        units,
+        contacts,
+        sides: &sides,
+        slip: [length(slip_a), length(slip_b)],
+        spin: [n_a, n_b],
+        slip_angles,
+        rate: y[3] + at.point.offset,
+        to_nut: [lead.0 * y[4] - lead.1 * y[6], y[5], lead.1 * y[4] + lead.0 * y[6]],
+        transmission,
+        error: Some(ErrorBound { efficiency: error, loss }),
+        film: None,
+    });
+    out.set_all(OutputKey::iterations, [root.steps, root.residual]);
+    let solved = transmission.is_balanced() & error.lt(zero.constant(f64::INFINITY));
+    (solved, integrated_error(error, transmission.efficiency, root.by_creep))
+}
+
+#[inline(always)]
+fn length<S: Simd>([across, along]: Plane<Lane<S>>) -> Lane<S> {
+    (across * across + along * along).sqrt()
 }

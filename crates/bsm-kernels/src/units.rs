@@ -2,6 +2,7 @@
 
 use bsm_case::InputKey;
 use bsm_case::units::{GPA, MM};
+use bsm_dyn::internals::AnswerUnits;
 use bsm_dyn::{Ball, Material, contact_modulus};
 use bsm_kin::Drive;
 use bsm_simd::Simd;
@@ -44,6 +45,13 @@ impl<S: Simd> Units<S> {
             nut_speed: drive.nut_speed,
             mass: Ball::of_density(ball, density).scaled_mass(speed, load),
         }
+    }
+
+    /// What the numbers of a scaled answer are multiplied with.
+    #[inline(always)]
+    pub(super) fn answer(&self) -> AnswerUnits<Lane<S>> {
+        let Self { ball, axial, load, speed, .. } = *self;
+        AnswerUnits { length: ball, load, torque: ball * axial, speed }
     }
 }
 

@@ -1,5 +1,6 @@
 //! The arithmetic that a formula needs to hold for one point and for many.
 
+use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use num_dual::{DualNum, DualNumCopy};
@@ -24,6 +25,8 @@ pub trait Field:
 {
     /// Yes or no, for each point.
     type Mask: Copy
+        + Debug
+        + PartialEq
         + BitAnd<Output = Self::Mask>
         + BitOr<Output = Self::Mask>
         + Not<Output = Self::Mask>;

@@ -36,6 +36,14 @@ pub struct Motion<D> {
     pub omega: Vector3<D>,
 }
 
+impl<D> Motion<D> {
+    /// Of a precession and the parts of an angular velocity.
+    #[inline(always)]
+    pub fn new(precession: D, [t, n, b]: [D; 3]) -> Self {
+        Self { precession, omega: Vector3::new(t, n, b) }
+    }
+}
+
 impl<D: Scalar> Motion<D> {
     /// The same motion seen from a body that turns at `body_speed` about the axis (K12).
     #[must_use]

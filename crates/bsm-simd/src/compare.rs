@@ -1,5 +1,7 @@
 //! What rules are written in: a number, or several of them side by side.
 
+use std::ops::Div;
+
 use bsm_kin::Field;
 use pulp::Simd;
 
@@ -7,7 +9,7 @@ use crate::lane::own_methods;
 use crate::{Lane, Mask};
 
 /// A number or a [`Lane`] of them, and yes or no for each.
-pub trait Compare: Field {
+pub trait Compare: Field + Div<f64, Output = Self> {
     /// True for several numbers.
     const WIDE: bool;
 

@@ -14,7 +14,7 @@ pub struct Lane<S: Simd, const N: usize = 1> {
 }
 
 /// Yes or no for each number of a [`Lane`].
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Mask<S: Simd, const N: usize = 1> {
     simd: S,
     m: [S::m64s; N],
@@ -269,6 +269,12 @@ impl<S: Simd, const N: usize> Mask<S, N> {
         for (to, x) in to.iter_mut().zip(self.to_numbers().as_slice()) {
             *to = *x > 0.5;
         }
+    }
+}
+
+impl<S: Simd, const N: usize> PartialEq for Mask<S, N> {
+    fn eq(&self, other: &Self) -> bool {
+        self.to_numbers().as_slice() == other.to_numbers().as_slice()
     }
 }
 

@@ -1,7 +1,8 @@
 //! The outputs: one table that records, tables and schema are made from.
 
-use bsm_dyn::{ContactFilm, Control, Evidence, FilmState, Solution, Transmission, ZERO_CELSIUS};
-use bsm_kin::{Motion, Site};
+use bsm_dyn::{ContactFilm, Evidence, Solution, Solved, ZERO_CELSIUS};
+use bsm_kin::{Field, Site};
+use bsm_simd::Compare;
 use serde_json::{Value, json};
 
 use super::number::count;
@@ -28,7 +29,7 @@ pub struct Output {
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Origin {
     /// From the solution of a model.
-    Solution { key: OutputKey, read: fn(&Solution) -> Option<f64> },
+    Solution { key: OutputKey, read: fn(&Solved) -> Option<f64> },
     /// From a table of quantities, which may be that of an analysis: a number of one of them.
     Table { kind: Option<AnalysisKind> },
 }
@@ -48,9 +49,12 @@ impl Output {
     /// The value in a solution, in the unit of the vocabulary; `None` if it has none. No is 0 and yes is 1, a text its
     /// place among the texts.
     pub fn read(&self, solution: &Solution) -> Option<f64> {
-        match self.origin {
-            Origin::Solution { read, .. } => read(solution),
-            Origin::Table { .. } => None,
+        let Origin::Solution { key, read } = self.origin else { return None };
+        match (&solution.answer, key) {
+            (Ok(solved), _) => read(solved),
+            (Err(_), OutputKey::self_locking) => solution.self_locking().map(yes),
+            (Err(none), OutputKey::evidence) => none.evidence().map(|it| f64::from(it.rank())),
+            _ => None,
         }
     }
 
@@ -98,14 +102,28 @@ impl Output {
     }
 }
 
-/// `"label" ["unit"] Kind: name member = reader, "meaning";`, several names with their members for the contacts.
+/// `"label" ["unit"] Kind: name member = reader, "meaning";`, several names with their members for the contacts. A
+/// reader gives a number, of an answer at a contact: no is 0 and yes is 1, a text its place among the texts.
 macro_rules! outputs {
     ($($title:literal { $(
-        $label:literal [$unit:literal $($symbol:literal)?] $kind:ident: $($name:ident $at:ident)+ = $read:expr, $about:literal;
+        $label:literal [$unit:literal $($symbol:literal)?] $kind:ident: $($name:ident $site:ident)+ =
+            |$s:tt, $at:tt| $read:expr, $about:literal;
     )* })*) => {
         /// All outputs of a solution, in the order of the documentation.
-        pub const OUTPUTS: &[Output] =
-            &[$($($(outputs!(@output $name $at, $unit, $kind, $read, $about),)+)*)*];
+        pub const OUTPUTS: &[Output] = &[$($($(Output {
+            name: stringify!($name),
+            unit: $unit,
+            json_type: outputs!(@json $kind),
+            words: outputs!(@words $kind),
+            about: concat!($about, outputs!(@said $site)),
+            origin: Origin::Solution {
+                key: OutputKey::$name,
+                read: |solved| {
+                    let ($s, $at): (&Solved, _) = (solved, outputs!(@site $site));
+                    $read
+                },
+            },
+        },)+)*)*];
 
         /// The same for people: one quantity for the contacts. Those titled "hidden" are part of a sentence.
         pub(crate) const SOLUTION: &[Quantity] = &[$($(Quantity {
@@ -114,8 +132,8 @@ macro_rules! outputs {
             symbol: concat!($($symbol)?),
             about: $label,
             title: $title,
-            scope: outputs!(@scope $($at)+),
-            columns: &[$(outputs!(@output $name $at, $unit, $kind, $read, $about),)+],
+            scope: outputs!(@scope $($site)+),
+            columns: &[$(OUTPUTS[OutputKey::$name as usize],)+],
             ..Quantity::WHOLE
         },)*)*];
 
@@ -125,21 +143,26 @@ macro_rules! outputs {
         pub enum OutputKey {
             $($($(#[doc = $about] $name,)+)*)*
         }
-    };
-    (@output $name:ident $at:ident, $unit:literal, $kind:ident, $read:expr, $about:literal) => {
-        Output {
-            name: stringify!($name),
-            unit: $unit,
-            json_type: outputs!(@json $kind),
-            words: outputs!(@words $kind),
-            about: concat!($about, outputs!(@said $at)),
-            origin: Origin::Solution {
-                key: OutputKey::$name,
-                read: |solution| {
-                    let read: fn(&Solution, Site) -> Option<_> = $read;
-                    read(solution, outputs!(@site $at)).map(outputs!(@number $kind))
-                },
-            },
+
+        /// Stores the outputs that have a place, in the unit of the vocabulary, of answers side by side.
+        #[inline(always)]
+        pub fn store_outputs<F: Compare>(
+            solved: &Solved<F>,
+            place: impl Fn(OutputKey) -> Option<usize>,
+            mut store: impl FnMut(usize, F),
+        ) {
+            $($($(
+                if let Some(place) = place(OutputKey::$name)
+                    && let Some(values) = read_at(
+                        solved,
+                        outputs!(@site $site),
+                        #[inline(always)]
+                        |$s, $at| $read,
+                    )
+                {
+                    store(place, values);
+                }
+            )+)*)*
         }
     };
     (@first $name:ident $($other:ident)*) => { stringify!($name) };
@@ -157,105 +180,122 @@ macro_rules! outputs {
     (@json Flag) => { "boolean" };
     (@json Raceway) => { "string" };
     (@json Evidence) => { "string" };
-    // As it stands in a column of numbers: no is 0 and yes is 1, a text its place among the texts of its output.
-    (@number Number) => { |number: f64| number };
-    (@number Count) => { |number: usize| count(number) };
-    (@number Flag) => { |holds: bool| f64::from(u8::from(holds)) };
-    (@number Raceway) => { |raceway: Control| f64::from(raceway as u8) };
-    (@number Evidence) => { |evidence: Evidence| f64::from(evidence.rank()) };
     (@words Raceway) => { &["nut", "screw"] };
     (@words Evidence) => { &Evidence::NAMES };
     (@words $kind:ident) => { &[] };
 }
 
-fn transmission(solution: &Solution) -> Option<&Transmission> {
-    Some(&solution.solved()?.transmission)
+/// A reader at a contact, whose lanes take the instruction set only inline.
+#[inline(always)]
+fn read_at<F: Field>(
+    solved: &Solved<F>,
+    at: Site,
+    read: impl Fn(&Solved<F>, Site) -> Option<F>,
+) -> Option<F> {
+    read(solved, at)
 }
 
-fn lubricant(solution: &Solution) -> Option<&FilmState> {
-    solution.solved()?.film.as_ref()
+/// A number that all answers have.
+#[inline(always)]
+fn constant<F: Field>(solved: &Solved<F>, number: f64) -> F {
+    solved.transmission.efficiency.constant(number)
 }
 
-fn film(solution: &Solution, at: Site) -> Option<&ContactFilm> {
-    let state = lubricant(solution)?;
+/// Yes or no of each answer.
+#[inline(always)]
+fn flags<F: Field>(solved: &Solved<F>, holds: F::Mask) -> F {
+    F::select(holds, constant(solved, 1.0), constant(solved, 0.0))
+}
+
+/// Yes or no in a column of numbers.
+fn yes(holds: bool) -> f64 {
+    f64::from(u8::from(holds))
+}
+
+/// Angular velocity along t, n or b.
+#[inline(always)]
+fn omega<F: Field>(solved: &Solved<F>, along: usize) -> Option<F> {
+    let [omega] = solved.ball.motion.as_ref()?.omega.data.0;
+    Some(omega[along])
+}
+
+#[inline(always)]
+fn film<F: Field>(solved: &Solved<F>, at: Site) -> Option<&ContactFilm<F>> {
+    let state = solved.film.as_ref()?;
     Some(if at == Site::Screw { &state.screw } else { &state.nut })
-}
-
-fn motion(solution: &Solution) -> Option<Motion<f64>> {
-    solution.solved()?.ball.motion
 }
 
 outputs! {
     "" {
-        "efficiency of the balls" ["" "eta"] Number: efficiency whole = |s, _| s.efficiency(),
+        "efficiency of the balls" ["" "eta"] Number: efficiency whole = |s, _| Some(s.transmission.efficiency),
             "output power over input power of the balls, without preload, seals and bearings; negative: self-locking";
-        "torque of the balls" ["N m"] Number: ball_torque_Nm whole = |s, _| transmission(s)?.screw_torque,
+        "torque of the balls" ["N m"] Number: ball_torque_Nm whole = |s, _| s.transmission.screw_torque,
             "torque of all balls on the screw; screw_torque_Nm has preload, seals and bearings, too";
-        "input power" ["W"] Number: input_power_W whole = |s, _| Some(transmission(s)?.power?.input),
+        "input power" ["W"] Number: input_power_W whole = |s, _| Some(s.transmission.power.as_ref()?.input),
             "input power, all balls";
-        "output power" ["W"] Number: output_power_W whole = |s, _| Some(transmission(s)?.power?.output),
+        "output power" ["W"] Number: output_power_W whole = |s, _| Some(s.transmission.power.as_ref()?.output),
             "output power, all balls";
-        "dissipated power" ["W"] Number: dissipated_power_W whole = |s, _| Some(transmission(s)?.power?.dissipated),
+        "dissipated power" ["W"] Number: dissipated_power_W whole = |s, _| Some(s.transmission.power.as_ref()?.dissipated),
             "dissipated power, all balls";
-        "  sliding at the contacts" ["W"] Number: sliding_power_W whole = |s, _| Some(lubricant(s)?.sliding_power),
+        "  sliding at the contacts" ["W"] Number: sliding_power_W whole = |s, _| Some(s.film.as_ref()?.sliding_power),
             "power lost by sliding at the contacts, all balls";
-        "  rolling resistance" ["W"] Number: rolling_power_W whole = |s, _| Some(lubricant(s)?.rolling_power),
+        "  rolling resistance" ["W"] Number: rolling_power_W whole = |s, _| Some(s.film.as_ref()?.rolling_power),
             "power lost by rolling resistance of lubricant and hysteresis, all balls";
-        "  ball-to-ball contact" ["W"] Number: ball_contact_power_W whole = |s, _| Some(lubricant(s)?.outside.ball_contact),
+        "  ball-to-ball contact" ["W"] Number: ball_contact_power_W whole = |s, _| Some(s.film.as_ref()?.outside.ball_contact),
             "power lost by ball-to-ball contact";
-        "  ball returns" ["W"] Number: return_power_W whole = |s, _| Some(lubricant(s)?.outside.ball_return),
+        "  ball returns" ["W"] Number: return_power_W whole = |s, _| Some(s.film.as_ref()?.outside.ball_return),
             "power lost in the ball returns";
-        "  drag" ["W"] Number: drag_power_W whole = |s, _| Some(lubricant(s)?.outside.drag),
+        "  drag" ["W"] Number: drag_power_W whole = |s, _| Some(s.film.as_ref()?.outside.drag),
             "power lost by drag of the balls in the lubricant";
-        "equivalent constant friction coefficient" [""] Number: equivalent_friction_coefficient whole = |s, _| Some(lubricant(s)?.equivalent_friction),
+        "equivalent constant friction coefficient" [""] Number: equivalent_friction_coefficient whole = |s, _| Some(s.film.as_ref()?.equivalent_friction),
             "constant friction coefficient with the same loss of the contacts at this point";
-        "equivalent thread friction coefficient" [""] Number: catalogue_friction_coefficient whole = |s, _| Some(lubricant(s)?.catalogue_friction),
+        "equivalent thread friction coefficient" [""] Number: catalogue_friction_coefficient whole = |s, _| Some(s.film.as_ref()?.catalogue_friction),
             "friction coefficient of a plain thread of the same efficiency, which catalogues state";
-        "temperature of the lubricant" ["C"] Number: lubricant_temperature_C whole = |s, _| Some(lubricant(s)?.temperature - ZERO_CELSIUS),
+        "temperature of the lubricant" ["C"] Number: lubricant_temperature_C whole = |s, _| Some(s.film.as_ref()?.temperature - ZERO_CELSIUS),
             "temperature of the lubricant, given or that at which all losses leave as heat";
-        "viscosity" ["mPa s" "eta_0"] Number: viscosity_mPas whole = |s, _| Some(lubricant(s)?.viscosity / MILLI),
+        "viscosity" ["mPa s" "eta_0"] Number: viscosity_mPas whole = |s, _| Some(s.film.as_ref()?.viscosity / MILLI),
             "dynamic viscosity of the lubricant at its temperature";
-        "pressure-viscosity coefficient" ["1/GPa" "alpha_p"] Number: pressure_viscosity_1_GPa whole = |s, _| Some(lubricant(s)?.pressure_viscosity * GPA),
+        "pressure-viscosity coefficient" ["1/GPa" "alpha_p"] Number: pressure_viscosity_1_GPa whole = |s, _| Some(s.film.as_ref()?.pressure_viscosity * GPA),
             "pressure-viscosity coefficient of the lubricant";
-        "heating of the film" ["K"] Number: film_heating_K whole = |s, _| Some(lubricant(s)?.heating),
+        "heating of the film" ["K"] Number: film_heating_K whole = |s, _| Some(s.film.as_ref()?.heating),
             "by how much sliding heats the hotter film; not in the viscosity";
-        "efficiency error bound" [""] Number: efficiency_error_bound whole = |s, _| Some(s.solved()?.error?.efficiency),
+        "efficiency error bound" [""] Number: efficiency_error_bound whole = |s, _| Some(s.error.as_ref()?.efficiency),
             "bound of the error of the efficiency: in model traction of its integration over the contact ellipses; in model auto against model traction, for 99 % of all points. Torque and powers follow from the efficiency; the numbers of the ball and of its contacts have no bound where auto takes another model than traction";
-        "relative loss error bound" [""] Number: loss_error_bound whole = |s, _| s.solved()?.error?.loss,
+        "relative loss error bound" [""] Number: loss_error_bound whole = |s, _| s.error.as_ref()?.loss,
             "the same of the power that is lost, relative to the lost power of this result; null: more than 0.5";
-        "axial displacement of the nut" ["um"] Number: axial_displacement_um whole = |s, _| Some(s.solved()?.ball.axial_displacement? / UM),
+        "axial displacement of the nut" ["um"] Number: axial_displacement_um whole = |s, _| Some(s.ball.axial_displacement? / UM),
             "axial displacement of the nut";
-        "ball precession about the axis" ["rad/s" "omega_m"] Number: ball_precession_rad_s whole = |s, _| Some(motion(s)?.precession),
+        "ball precession about the axis" ["rad/s" "omega_m"] Number: ball_precession_rad_s whole = |s, _| Some(s.ball.motion.as_ref()?.precession),
             "precession, the angular velocity of the ball centre about the screw axis";
-        "ball rotation along the helix t" ["rad/s"] Number: ball_omega_t_rad_s whole = |s, _| Some(motion(s)?.omega.x),
+        "ball rotation along the helix t" ["rad/s"] Number: ball_omega_t_rad_s whole = |s, _| omega(s, 0),
             "angular velocity of the ball along the helix";
-        "ball rotation towards the axis n" ["rad/s"] Number: ball_omega_n_rad_s whole = |s, _| Some(motion(s)?.omega.y),
+        "ball rotation towards the axis n" ["rad/s"] Number: ball_omega_n_rad_s whole = |s, _| omega(s, 1),
             "angular velocity of the ball towards the axis";
-        "ball rotation along the binormal b" ["rad/s"] Number: ball_omega_b_rad_s whole = |s, _| Some(motion(s)?.omega.z),
+        "ball rotation along the binormal b" ["rad/s"] Number: ball_omega_b_rad_s whole = |s, _| omega(s, 2),
             "angular velocity of the ball along the binormal";
-        "skid number" [""] Number: skid_number whole = |s, _| s.solved()?.skid?.skid_number,
+        "skid number" [""] Number: skid_number whole = |s, _| s.skid.as_ref()?.skid_number,
             "gyroscopic moment over friction moment of a rolling ball";
-        "skid onset number" [""] Number: onset_number whole = |s, _| s.solved()?.skid?.onset_number(),
+        "skid onset number" [""] Number: onset_number whole = |s, _| s.skid.as_ref()?.onset_number(),
             "skid onset number, the skid number times a factor for the friction that the slip of the lead takes: below 0.1 the ball rolls, above 2 it is in gross skid";
     }
     "contact" {
-        "normal load per ball" ["N" "Q"] Number: nut_normal_load_N nut screw_normal_load_N screw unloaded_flank_normal_load_N unloaded = |s, at| s.contact(at)?.load,
+        "normal load per ball" ["N" "Q"] Number: nut_normal_load_N nut screw_normal_load_N screw unloaded_flank_normal_load_N unloaded = |s, at| s.ball.contact(at)?.load,
             "normal load of a ball";
-        "contact angle" ["deg" "alpha"] Number: nut_contact_angle_deg nut screw_contact_angle_deg screw = |s, at| Some(s.contact(at)?.angle / DEG),
+        "contact angle" ["deg" "alpha"] Number: nut_contact_angle_deg nut screw_contact_angle_deg screw = |s, at| Some(s.ball.contact(at)?.angle / DEG),
             "contact angle";
-        "slip speed" ["m/s"] Number: nut_slip_velocity_m_s nut screw_slip_velocity_m_s screw unloaded_flank_slip_velocity_m_s unloaded = |s, at| Some(s.contact(at)?.slip?.speed),
+        "slip speed" ["m/s"] Number: nut_slip_velocity_m_s nut screw_slip_velocity_m_s screw unloaded_flank_slip_velocity_m_s unloaded = |s, at| Some(s.ball.contact(at)?.slip.as_ref()?.speed),
             "slip speed";
-        "direction of friction" ["deg"] Number: nut_slip_angle_deg nut screw_slip_angle_deg screw unloaded_flank_slip_angle_deg unloaded = |s, at| Some(direction_deg(s.contact(at)?.slip_angle?)),
+        "direction of friction" ["deg"] Number: nut_slip_angle_deg nut screw_slip_angle_deg screw unloaded_flank_slip_angle_deg unloaded = |s, at| Some(direction_deg(s.ball.contact(at)?.slip_angle?)),
             "direction of friction on the ball";
-        "spin about the normal" ["rad/s"] Number: nut_spin_rad_s nut screw_spin_rad_s screw = |s, at| Some(s.contact(at)?.slip?.spin),
+        "spin about the normal" ["rad/s"] Number: nut_spin_rad_s nut screw_spin_rad_s screw = |s, at| Some(s.ball.contact(at)?.slip.as_ref()?.spin),
             "spin about the contact normal, relative to nut or screw";
-        "largest pressure" ["MPa" "p_max"] Number: nut_max_pressure_MPa nut screw_max_pressure_MPa screw = |s, at| Some(s.contact(at)?.pressed?.max_pressure / MPA),
+        "largest pressure" ["MPa" "p_max"] Number: nut_max_pressure_MPa nut screw_max_pressure_MPa screw = |s, at| Some(s.ball.contact(at)?.pressed.as_ref()?.max_pressure / MPA),
             "largest Hertz pressure";
-        "ellipse across the groove" ["mm" "a"] Number: nut_ellipse_a_mm nut screw_ellipse_a_mm screw = |s, at| Some(s.contact(at)?.pressed?.semi_axes.0 / MM),
+        "ellipse across the groove" ["mm" "a"] Number: nut_ellipse_a_mm nut screw_ellipse_a_mm screw = |s, at| Some(s.ball.contact(at)?.pressed.as_ref()?.semi_axes.0 / MM),
             "semi-axis across the groove";
-        "ellipse along the groove" ["mm" "b"] Number: nut_ellipse_b_mm nut screw_ellipse_b_mm screw = |s, at| Some(s.contact(at)?.pressed?.semi_axes.1 / MM),
+        "ellipse along the groove" ["mm" "b"] Number: nut_ellipse_b_mm nut screw_ellipse_b_mm screw = |s, at| Some(s.ball.contact(at)?.pressed.as_ref()?.semi_axes.1 / MM),
             "semi-axis along the groove";
-        "elastic approach" ["um" "delta"] Number: nut_approach_um nut screw_approach_um screw = |s, at| Some(s.contact(at)?.pressed?.approach / UM),
+        "elastic approach" ["um" "delta"] Number: nut_approach_um nut screw_approach_um screw = |s, at| Some(s.ball.contact(at)?.pressed.as_ref()?.approach / UM),
             "elastic approach";
         "film" ["um" "h"] Number: nut_film_um nut screw_film_um screw = |s, at| Some(film(s, at)?.thickness / UM),
             "film thickness";
@@ -271,31 +311,33 @@ outputs! {
             "mean speed of both surfaces along the track";
     }
     "hidden" {
-        "power_balance" [""] Number: power_balance whole = |s, _| transmission(s)?.power_balance,
+        "power_balance" [""] Number: power_balance whole = |s, _| s.transmission.power_balance,
             "relative error of the power balance, rounding only at an exact solution";
-        "iterations" [""] Count: iterations whole = |s, _| Some(s.solved()?.info?.steps),
+        "iterations" [""] Count: iterations whole = |s, _| Some(constant(s, count(s.info?.steps))),
             "Newton steps, or sweeps of `rigid`";
-        "residual_norm" [""] Number: residual_norm whole = |s, _| Some(s.solved()?.info?.residual),
+        "residual_norm" [""] Number: residual_norm whole = |s, _| Some(constant(s, s.info?.residual)),
             "scaled residual of the equations";
-        "seal_power_W" ["W"] Number: seal_power_W whole = |s, _| Some(lubricant(s)?.outside.seal),
+        "seal_power_W" ["W"] Number: seal_power_W whole = |s, _| Some(s.film.as_ref()?.outside.seal),
             "power lost at the seals, which warms the lubricant; a part of screw_torque_Nm, not of dissipated_power_W";
-        "self_locking" [""] Flag: self_locking whole = |s, _| s.self_locking(),
+        "self_locking" [""] Flag: self_locking whole = |s, _| Some(flags(s, s.transmission.self_locking)),
             "true if the screw is self-locking in this direction";
-        "controlling_raceway" [""] Raceway: controlling_raceway whole = |s, _| Some(s.solved()?.control?.raceway),
+        "controlling_raceway" [""] Raceway: controlling_raceway whole = |s, _| Some(constant(s, f64::from(s.control?.raceway as u8))),
             "raceway on which the ball does not spin (raceway control)";
-        "control_consistent" [""] Flag: control_consistent whole = |s, _| s.solved()?.control?.consistent,
+        "control_consistent" [""] Flag: control_consistent whole = |s, _| Some(constant(s, yes(s.control?.consistent?))),
             "true if the controlling raceway has the larger spin friction moment at this solution; false where neither raceway has it at its own solution";
-        "other_solutions" [""] Count: other_solutions whole = |s, _| Some(s.solved()?.alternatives?.count),
+        "other_solutions" [""] Count: other_solutions whole = |s, _| Some(constant(s, count(s.alternatives?.count))),
             "number of other steady motions known at this point; null: unknown, as no search was made or it was lost";
-        "other_solution_efficiency" [""] Number: other_solution_efficiency whole = |s, _| s.solved()?.alternatives?.farthest_efficiency,
+        "other_solution_efficiency" [""] Number: other_solution_efficiency whole = |s, _| Some(constant(s, s.alternatives?.farthest_efficiency?)),
             "efficiency of the other steady motion whose efficiency differs most";
-        "evidence" [""] Evidence: evidence whole = |s, _| s.evidence(),
+        "evidence" [""] Evidence: evidence whole = |_, _| None,
             "evidence of no_solution: proof; bound (an expansion whose error is smaller than what decides); traced (a curve that contains all solutions was followed in steps of finite size); sampled (also random starts found none)";
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use bsm_dyn::Control;
+
     use super::*;
 
     /// Columns hold the place of a word.

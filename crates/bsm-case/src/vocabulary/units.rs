@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use bsm_kin::{Drive, Field};
+use bsm_simd::Compare;
 
 /// Metres per millimetre.
 pub const MM: f64 = 1e-3;
@@ -22,10 +23,6 @@ pub const GPA: f64 = 1e9;
 pub const MPA: f64 = 1e6;
 
 /// Speeds of screw and nut in revolutions per minute, of one point or of several side by side.
-#[expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
 #[inline(always)]
 pub fn drive_of_rpm<F: Field>(screw: F, nut: F) -> Drive<F> {
     Drive { screw_speed: screw * RPM, nut_speed: nut * RPM }
@@ -48,9 +45,10 @@ pub fn label(name: &str, unit: &str) -> String {
 const TURN_ROUNDING: f64 = 1e-9;
 
 /// An angle \[rad\] as a direction in (-180, 180\] deg.
-pub fn direction_deg(angle: f64) -> f64 {
-    let degrees = angle / DEG;
-    if degrees + 180.0 < TURN_ROUNDING { 180.0 } else { degrees }
+#[inline(always)]
+pub fn direction_deg<F: Compare>(angle: F) -> F {
+    let (degrees, half) = (angle / DEG, angle.constant(180.0));
+    F::select((degrees + 180.0).lt(angle.constant(TURN_ROUNDING)), half, degrees)
 }
 
 /// A unit as it ends a name, and its size in SI.

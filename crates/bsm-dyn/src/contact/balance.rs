@@ -169,8 +169,9 @@ pub struct Load<D = f64> {
     pub balls: D,
 }
 
-impl<D: Scalar> Load<D> {
+impl<D: Field> Load<D> {
     /// Axial load per ball `$F_a$` \[N\].
+    #[inline(always)]
     pub fn per_ball(&self) -> D {
         self.axial / self.balls
     }

@@ -3,11 +3,6 @@
 //! Theory: `docs/theory/10-choice.md`, equations (A2) to (A6). The constants are measured against
 //! the traction model, see the tests of `bsm-validate`.
 
-#![expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
-
 use bsm_kin::Jet;
 use bsm_simd::Compare;
 
@@ -86,7 +81,7 @@ impl Auto {
         match integrated {
             Ok((found, accuracy, error)) => {
                 let basis = Basis::Integrated { accuracy };
-                (self.chosen(&found.solved(&contacts), error, basis), Some(found.root))
+                (self.chosen(&found.solved, error, basis), Some(found.root))
             }
             Err(none) => {
                 let solution = match known {

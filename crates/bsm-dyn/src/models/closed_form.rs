@@ -49,15 +49,18 @@ impl<D: Scalar> ScrewSize<D> {
     }
 }
 
-/// The answer of a model that is given by its efficiency and the ratio of normal to axial load: no
-/// torque and no loads if the screw cannot be turned.
-pub(crate) fn answer(
-    mut ball: BallState,
-    (efficiency, self_locking): (f64, bool),
-    load_ratio: f64,
-    size: Option<&ScrewSize>,
-    (direction, lead_angle): (Direction, f64),
-) -> Solved {
+/// The answer of a model that is given by its efficiency and the ratio of normal to axial load: torque and
+/// loads are no numbers where the screw cannot be turned.
+///
+/// * `back`: where the load drives. * `tan_a`: of the lead angle.
+#[inline(always)]
+pub fn transmitted<F: Compare>(
+    mut ball: BallState<F>,
+    (efficiency, self_locking): (F, F::Mask),
+    load_ratio: F,
+    size: Option<ScrewSize<F>>,
+    (back, tan_a): (F::Mask, F),
+) -> Solved<F> {
     let mut transmission = Transmission {
         efficiency,
         self_locking,
@@ -65,17 +68,31 @@ pub(crate) fn answer(
         power: None,
         power_balance: None,
     };
-    let torques =
-        size.and_then(|s| Some((s, s.torques(direction, lead_angle, efficiency, load_ratio)?)));
-    if let Some((size, (ideal, torque))) = torques {
+    if let Some(ScrewSize { pitch_radius, load, relative_speed }) = size {
+        let (turns, none) = (turns(back, efficiency, load_ratio), efficiency.constant(f64::NAN));
+        let ideal = F::select(turns, ideal_torque(load.axial, pitch_radius, tan_a), none);
+        let torque = torque_of(back, ideal, efficiency);
         transmission.screw_torque = Some(torque);
-        transmission.power =
-            size.relative_speed.map(|speed| Power::transmitted(torque, ideal, speed));
-        for contact in [&mut ball.nut, &mut ball.screw] {
-            contact.load = Some(load_ratio * size.load.per_ball());
+        if let Some(speed) = relative_speed {
+            transmission.power = Some(Power::transmitted(torque, ideal, speed));
         }
+        let load = F::select(turns, load_ratio * load.per_ball(), none);
+        (ball.nut.load, ball.screw.load) = (Some(load), Some(load));
     }
     Solved::new(&ball, transmission)
+}
+
+/// The same of a point: no torque and no loads if the screw cannot be turned.
+pub(crate) fn answer(
+    ball: &BallState,
+    (efficiency, self_locking): (f64, bool),
+    load_ratio: f64,
+    size: Option<ScrewSize>,
+    (direction, lead_angle): (Direction, f64),
+) -> Solved {
+    let back = direction.is_back();
+    let size = size.filter(|_| turns(back, efficiency, load_ratio));
+    transmitted(*ball, (efficiency, self_locking), load_ratio, size, (back, lead_angle.tan()))
 }
 
 /// Inputs of the closed-form model.
@@ -112,7 +129,7 @@ impl ClosedForm {
         [ball.nut.slip_angle, ball.screw.slip_angle] = slip_angles.map(Some);
         let (locks, ratio) = (angles.self_locking(direction, f), angles.load_ratio(direction, f));
         let along = (direction, angles.lead);
-        let solved = answer(ball, (eta, locks), ratio, self.size.as_ref(), along);
+        let solved = answer(&ball, (eta, locks), ratio, self.size, along);
         Solution::new(Model::ClosedForm, Ok(solved))
     }
 }

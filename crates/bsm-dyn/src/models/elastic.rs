@@ -220,7 +220,7 @@ impl Elastic {
         let friction_power =
             friction_power(contacts.directed_friction(), state.loaded.loads, slips);
         let torque = torque(&state.wrench[1], contacts.helix.radius, &state.loaded.frame);
-        let transmission = self.at.transmission_at(contacts, torque, friction_power)?;
+        let transmission = self.at.transmission_at(torque, friction_power)?;
         let info = Some(SolveInfo { steps, residual });
         Ok(Solved { info, ..Solved::new(&ball, transmission) })
     }

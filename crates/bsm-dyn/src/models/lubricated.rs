@@ -7,10 +7,7 @@ mod sensitivities;
 mod solve;
 
 pub use self::band::LossInterval;
-pub use self::solve::{
-    Lubricated, LubricatedModel, RacewayFriction, catalogue_friction, equivalent_friction,
-    film_heating,
-};
+pub use self::solve::{Lubricated, LubricatedModel, RacewayFriction};
 
 #[cfg(test)]
 mod tests;

@@ -170,7 +170,7 @@ impl QuasiStatic {
         let eta = contacts.efficiency(self.direction.is_back());
         let ball = BallState::at_angle(self.angles.contact);
         let along = (self.direction, self.angles.lead);
-        let solved = answer(ball, (eta, eta <= 0.0), ratio, self.size.as_ref(), along);
+        let solved = answer(&ball, (eta, eta <= 0.0), ratio, self.size, along);
         // In place: an answer is large, and a copy takes as long as the formulas.
         Solution::new(Model::QuasiStatic, Ok(solved))
     }

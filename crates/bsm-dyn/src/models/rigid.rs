@@ -16,7 +16,7 @@ mod trig_quadratic;
 
 use bsm_kin::{Motion, Over, Scalar};
 use bsm_newton::EvalError;
-use nalgebra::Vector3;
+use bsm_simd::Compare;
 
 pub use self::ball::{Plane, RigidBall, RigidMotion};
 use self::equations::RigidEquations;
@@ -27,8 +27,8 @@ pub use self::root::RigidWorkspace;
 pub use self::sweeps::Sweeps;
 use crate::contact::Angles;
 use crate::models::ball::{
-    BALL, BallState, BallUnits, ContactState, Direction, Model, OperatingPoint, ROWS, Slip,
-    Solution, SolveInfo, Solved, Transmission, Unsolved, equations, friction_angle,
+    AnswerUnits, BALL, BallState, BallUnits, ContactState, Model, OperatingPoint, ROWS, Slip,
+    Solution, SolveInfo, Solved, Unsolved, equations, friction_angle,
 };
 
 /// Inputs of the rigid model: the contact angle is that of all three contacts.
@@ -108,16 +108,6 @@ impl<D: Scalar> Rigid<D> {
         let signed = self.point.friction.0 * direction.sign();
         Ok(RigidBall::new(angles.sines(), helix.radius, ball.mass, nut_speed, signed))
     }
-
-    /// Which side drives.
-    fn direction(&self) -> Direction {
-        Direction::of(self.point.drive.relative_speed().re()).expect("the point was scaled")
-    }
-
-    /// Unit of torques, of all balls together: `$r_b F_a Z$` \[N·m\].
-    fn torque_unit(&self) -> D {
-        self.point.ball.radius * self.point.load.axial
-    }
 }
 
 impl Rigid {
@@ -163,42 +153,48 @@ impl Rigid {
 
     /// The answer of a root whose powers balance.
     fn balanced(&self, ball: &RigidBall, root: &BallRoot) -> Result<Solved, Unsolved> {
-        let solved = self.solved(ball, root);
+        let solved = ball.solved(&root.motion, &self.point.units(), self.point.contact_angle, true);
         solved.transmission.balanced()?;
-        Ok(solved)
+        let info = SolveInfo { steps: root.steps, residual: root.residual };
+        Ok(Solved { info: Some(info), ..solved })
     }
+}
 
-    /// The answer in SI units.
-    fn solved(&self, ball: &RigidBall, root: &BallRoot) -> Solved {
-        let (w, r_b) = (self.point.drive.relative_speed(), self.point.ball.radius);
-        let (motion, per_ball) = (&root.motion, self.point.load.per_ball());
-        let spins = ball.spins(motion);
-        let contact = |i: usize| {
-            let slip = Slip { speed: motion.speeds[i] * (w * r_b).abs(), spin: spins[i] * w };
-            ContactState {
-                angle: self.point.contact_angle,
-                load: Some(motion.loads[i] * per_ball),
-                slip_angle: Some(friction_angle(motion.directions[i].map(|x| x * -w))),
-                slip: Some(slip),
-                pressed: None,
+impl<F: Compare> RigidBall<F> {
+    /// The answer of a motion in SI units.
+    ///
+    /// * `contact_angle` \[rad\]. * `directions`: if those of friction are wanted, an arctangent each.
+    #[inline(always)]
+    pub fn solved(
+        &self,
+        motion: &RigidMotion<F>,
+        units: &AnswerUnits<F>,
+        contact_angle: F,
+        directions: bool,
+    ) -> Solved<F> {
+        let (w, slip) = (units.speed, (units.speed * units.length).abs());
+        let mut contacts = [ContactState::at_angle(contact_angle); 3];
+        for (i, spin) in self.spins(motion).into_iter().enumerate() {
+            let [across, along] = motion.directions[i];
+            contacts[i].load = Some(motion.loads[i] * units.load);
+            contacts[i].slip = Some(Slip { speed: motion.speeds[i] * slip, spin: spin * w });
+            if directions {
+                contacts[i].slip_angle = Some(friction_angle([across * -w, along * -w]));
             }
-        };
-        let omega = Vector3::from(ball.angular_velocity(motion)) * w;
-        let state = BallState {
-            motion: Some(Motion { precession: motion.rate * w, omega }),
-            nut: contact(0),
-            screw: contact(2),
-            unloaded: Some(contact(1)),
+        }
+        let [nut, unloaded, screw] = contacts;
+        let [t, n, b] = self.angular_velocity(motion);
+        let ball = BallState {
+            motion: Some(Motion::new(motion.rate * w, [t * w, n * w, b * w])),
+            nut,
+            screw,
+            unloaded: Some(unloaded),
             axial_displacement: None,
         };
-
-        let unit = self.torque_unit();
-        let (ideal, torque) = (ball.ideal_torque() * unit, ball.torque(motion) * unit);
-        let lost = ball.friction_power(motion) * unit * w.abs();
-        let transmission =
-            Transmission::of(self.direction().is_back(), ideal, torque, w).against(lost);
-        let info = SolveInfo { steps: root.steps, residual: root.residual };
-        Solved { info: Some(info), ..Solved::new(&state, transmission) }
+        let lost = self.friction_power(motion);
+        let lost = F::select(units.back(), -lost, lost);
+        let ideal = self.ideal_torque() * units.torque;
+        Solved::new(&ball, units.transmission(ideal, self.torque(motion), lost))
     }
 }
 

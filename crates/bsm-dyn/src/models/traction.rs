@@ -32,9 +32,8 @@ use crate::cost;
 use crate::ellipse::{FrozenRule, Integrate, Local, Placement, Quadrature, Rules};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::models::ball::{
-    BALL, BallLoads, BallState, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint, ErrorBound,
-    Model, SkidNumbers, Solution, SolveInfo, Solved, Status, Transmission, Unsolved, Workspace,
-    quadrature_error, to_both, weight,
+    BALL, BallLoads, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint, ErrorBound, Model, Solution,
+    SolveInfo, Solved, Status, Unsolved, Workspace, quadrature_error, to_both, weight,
 };
 use crate::models::raceway_control::{RollingBall, STATIC};
 
@@ -82,10 +81,6 @@ impl Traction {
 /// Bound of the error of the efficiency, with that of the creep speed, from that of the quadrature (A6).
 ///
 /// * `by_creep`: what the creep speed may change of the friction power, relative, from 0 to 1 (A8).
-#[expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
 #[inline(always)]
 pub fn integrated_error<F: Compare>(by_quadrature: F, efficiency: F, by_creep: F) -> F {
     // |δη| ≤ |δη|_rule + |1 − η| |δP_f|/P_f                               (A6)
@@ -95,10 +90,6 @@ pub fn integrated_error<F: Compare>(by_quadrature: F, efficiency: F, by_creep: F
 /// What a creep speed may change of the friction power, relative, at most 1 (A8).
 ///
 /// * `pulls`: `$f Q$` at nut and screw. * `sliding`: the power that it takes.
-#[expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
 #[inline(always)]
 pub(crate) fn creep_effect<F: Compare>(creep: F, pulls: [F; 2], sliding: [F; 2]) -> F {
     // |δP_f|/P_f ≤ 4 v_e² Σ (f Q)²/P_f,j / Σ P_f,j                        (A8)
@@ -426,7 +417,7 @@ impl Traction {
             let contacts = self.at.scaled()?;
             let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
             let start = Start::new(&contacts, rolling_ball.ok().as_ref())?;
-            Ok(self.found(&start, None, work).map_err(NotFound::why)?.solved(&contacts))
+            Ok(self.found(&start, None, work).map_err(NotFound::why)?.solved)
         });
         Solution::new(Model::Traction, found)
     }
@@ -443,7 +434,7 @@ impl Traction {
         work: &mut TractionWorkspace,
     ) -> Result<(SlipResult, f64, f64), Unsolved> {
         let bound = |found: &SlipResult| {
-            integrated_error(found.error, found.transmission.efficiency, found.by_creep)
+            integrated_error(found.error, found.solved.transmission.efficiency, found.by_creep)
         };
         let [first, finer @ ..] = Self::ACCURACIES;
         let mut case = Self { accuracy: first, ..*self };
@@ -457,13 +448,15 @@ impl Traction {
             };
             let finer = Self { accuracy, ..case };
             match (finer.found(start, Some(&from), work), &mut found) {
-                (Ok(next), former) => {
-                    let steps = former.as_ref().map_or(0, |former| former.info.steps);
-                    let info = SolveInfo { steps: next.info.steps + steps, ..next.info };
-                    (case, found) = (finer, Ok(SlipResult { info, ..next }));
+                (Ok(mut next), former) => {
+                    let before = former.as_ref().ok().and_then(|former| former.solved.info);
+                    if let (Some(info), Some(before)) = (&mut next.solved.info, before) {
+                        info.steps += before.steps;
+                    }
+                    (case, found) = (finer, Ok(next));
                 }
                 (Err(_), Ok(found)) => {
-                    found.error = (1.0 - found.transmission.efficiency).abs();
+                    found.error = (1.0 - found.solved.transmission.efficiency).abs();
                     break;
                 }
                 (Err(_), Err(_)) => {}
@@ -520,21 +513,18 @@ impl Traction {
         let ball = ball.of(&root);
         let to_nut = ball.motion_to_nut(&root.unknowns, &loaded);
         let steady = self.at.ball_state(contacts, &loaded, &to_nut)?;
-        let transmission = self.at.transmission_at(contacts, torque, power)?;
+        let transmission = self.at.transmission_at(torque, power)?;
         let checked = SlipBall { quadrature: check, ..ball };
         let other = checked.evaluated::<false>(&root.unknowns).ok();
         let (other, efficiency) = (other.as_ref(), transmission.efficiency);
         let error = checked.error(self.accuracy, other, &torque_slope, efficiency, newton);
-        let info = SolveInfo { steps, residual: root.residual };
-        Ok(SlipResult {
-            ball: steady,
-            transmission,
-            skid: rolling_ball.skid(contacts),
-            info,
-            root,
-            error,
-            by_creep,
-        })
+        let solved = Solved {
+            skid: Some(rolling_ball.skid(contacts)),
+            info: Some(SolveInfo { steps, residual: root.residual }),
+            error: Some(ErrorBound::of(contacts.direction, efficiency, error)),
+            ..Solved::new(&steady, transmission)
+        };
+        Ok(SlipResult { solved, root, error, by_creep })
     }
 }
 
@@ -564,10 +554,7 @@ impl<'a> Start<'a> {
 
 /// A root and its answer.
 pub(crate) struct SlipResult {
-    ball: BallState,
-    transmission: Transmission,
-    skid: SkidNumbers,
-    info: SolveInfo,
+    pub(crate) solved: Solved,
     pub(crate) root: SlipRoot,
     /// What the quadrature may leave in the efficiency (T25).
     error: f64,
@@ -592,14 +579,6 @@ impl NotFound {
 impl From<Unsolved> for NotFound {
     fn from(why: Unsolved) -> Self {
         Self { why, near: None }
-    }
-}
-
-impl SlipResult {
-    pub(crate) fn solved(&self, contacts: &ElasticContacts) -> Solved {
-        let Self { ball, transmission, skid, info, error, .. } = *self;
-        let error = Some(ErrorBound::of(contacts.direction, transmission.efficiency, error));
-        Solved { skid: Some(skid), info: Some(info), error, ..Solved::new(&ball, transmission) }
     }
 }
 

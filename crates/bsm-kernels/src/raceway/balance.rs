@@ -1,16 +1,12 @@
 //! Static balance of the rolling ball by lanes, which raceway controls, and the motion.
 
-use bsm_case::OutputKey;
 use bsm_dyn::internals::{StaticBalance, rolling, spread_of_control};
 use bsm_dyn::{Control, RacewayControl};
 use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::contacts::{Contacts, LaneContact};
-use crate::kernel::Sink;
 use crate::operand::{Lane, Mask};
-use crate::rigid::ball_motion;
-use crate::units::Units;
 
 /// Spin moments nearer to each other than this do not decide which raceway controls, nor cotangents
 /// nearer to zero which flank carries.
@@ -57,22 +53,6 @@ impl<S: Simd> RollingMotion<S> {
             speed: [p * contacts.scaled.arc, (p - 1.0) * contacts.scaled.arc],
             spin: [by_nut.select(zero, nut_spin), by_nut.select(screw_spin, zero)],
         }
-    }
-
-    #[inline(always)]
-    pub(crate) fn outputs(&self, out: &mut Sink<'_, '_>, units: &Units<S>, contacts: &Contacts<S>) {
-        let w = units.speed;
-        let to_nut = [contacts.scaled.lead.0 * 0.5, self.omega[0], self.omega[1]];
-        let omega = relative_rotation(to_nut, -contacts.scaled.nut_speed, contacts.scaled.lead);
-        ball_motion(out, w, self.p + contacts.scaled.nut_speed, omega);
-        out.set_all(OutputKey::nut_spin_rad_s, [self.spin[0] * w, self.spin[1] * w]);
-        // Both centres roll; the slip of the lead is shared, against friction along e_x.
-        let slip = contacts.scaled.lead.0 * 0.5 * w.abs() * units.ball;
-        out.set_all(OutputKey::nut_slip_velocity_m_s, [slip; 2]);
-        // Friction is along e_x, or against it where the load drives.
-        let zero = w.constant(0.0);
-        let angle = w.lt(zero).select(zero.constant(180.0), zero);
-        out.set_all(OutputKey::nut_slip_angle_deg, [angle; 2]);
     }
 }
 

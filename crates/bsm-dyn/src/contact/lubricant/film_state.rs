@@ -30,50 +30,50 @@ impl Regime {
 
 /// The film of a contact, and what it costs.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ContactFilm {
+pub struct ContactFilm<F = f64> {
     /// Thickness \[m\].
-    pub thickness: f64,
+    pub thickness: F,
     /// Thickness over the roughness of both surfaces `$\lambda$`.
-    pub ratio: f64,
+    pub ratio: F,
     /// The same of the least thickness, at the edge of the contact (Y36).
-    pub least_ratio: f64,
+    pub least_ratio: F,
     /// Share of the load that asperities carry `$\xi$`.
-    pub asperity_share: f64,
+    pub asperity_share: F,
     /// Mean friction coefficient: sliding power over that of a coefficient of one (Y22).
-    pub friction: f64,
+    pub friction: F,
     /// Couple against rolling \[N·m\].
-    pub rolling_moment: f64,
+    pub rolling_moment: F,
     /// Mean speed of both surfaces along the track, with the creep speed \[m/s\].
-    pub entrainment: f64,
+    pub entrainment: F,
     /// How far the load deforms the inlet `$M$` (Y17): below some 10 the film of (Y7) is too thin.
-    pub elasticity: f64,
+    pub elasticity: F,
     /// Friction at its points, of slip speeds in m/s.
-    pub law: MixedFriction,
+    pub law: MixedFriction<F>,
 }
 
 /// Oil, films and losses of a steady ball; powers of all balls together \[W\].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FilmState {
+pub struct FilmState<F = f64> {
     /// Temperature of the oil \[K\].
-    pub temperature: f64,
+    pub temperature: F,
     /// Its dynamic viscosity \[Pa·s\].
-    pub viscosity: f64,
+    pub viscosity: F,
     /// Its pressure-viscosity coefficient \[1/Pa\].
-    pub pressure_viscosity: f64,
+    pub pressure_viscosity: F,
     /// At the nut.
-    pub nut: ContactFilm,
+    pub nut: ContactFilm<F>,
     /// At the screw.
-    pub screw: ContactFilm,
+    pub screw: ContactFilm<F>,
     /// Lost by sliding at the contacts.
-    pub sliding_power: f64,
+    pub sliding_power: F,
     /// Lost by rolling.
-    pub rolling_power: f64,
+    pub rolling_power: F,
     /// Lost outside the contacts.
-    pub outside: OutsidePower,
+    pub outside: OutsidePower<F>,
     /// By how much the hotter film is above the temperature of the oil \[K\] (Y29).
-    pub heating: f64,
+    pub heating: F,
     /// The constant coefficient with the same loss at the contacts (Y30).
-    pub equivalent_friction: f64,
+    pub equivalent_friction: F,
     /// The coefficient of a plain thread of the same efficiency (Y31).
-    pub catalogue_friction: f64,
+    pub catalogue_friction: F,
 }

@@ -66,6 +66,7 @@ impl<D: Field> MixedFriction<D> {
     }
 
     /// The same law of speeds in another unit, of which the present one is so many.
+    #[inline(always)]
     pub(crate) fn in_unit(self, speed_unit: D) -> Self {
         Self { shear: self.shear / speed_unit, ..self }
     }

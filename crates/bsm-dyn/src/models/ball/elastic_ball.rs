@@ -14,7 +14,7 @@ use super::ball_contacts::ScaledBall;
 use super::ball_unknowns::BALL;
 use super::operating_point::{BallUnits, OperatingPoint};
 use super::sensitivity::Performance;
-use super::state::{BallState, ContactState, HertzContact, Transmission, in_frenet};
+use super::state::{BallState, ContactState, HertzContact, Slip, Transmission};
 use crate::contact::{
     Ball, Curvatures, Groove, Hertz, Jones, Material, Raceway, Wrench, axial_force,
     contact_modulus, efficiency, newton_euler, torque,
@@ -337,8 +337,7 @@ impl<D: Scalar> ElasticPoint<D> {
         frame: &BallFrame<D>,
         screw: &Wrench<D>,
     ) -> D {
-        torque(screw, contacts.helix.radius, frame)
-            * (self.point.ball.radius * self.point.load.axial)
+        torque(screw, contacts.helix.radius, frame) * self.point.units().torque
     }
 
     /// Efficiency and torque of a scaled wrench of the screw on the ball.
@@ -382,11 +381,14 @@ impl ElasticPoint {
                 max_pressure: hertz.max_pressure(load),
                 approach: approaches[i] * r_b,
             });
-            let sliding = ContactState::sliding((angles[i], load), contact, motion, &slip, w);
-            ContactState { pressed, ..sliding }
+            let slip_angle = Some(contact.slip_angle(&slip));
+            let slip = Some(Slip { speed: slip.norm(), spin: motion.spin(contact) * w });
+            ContactState { angle: angles[i], load: Some(load), slip_angle, slip, pressed }
         });
+        let motion = contacts.absolute(to_nut, &loaded.frame);
+        let omega = loaded.frame.to_frenet(&motion.omega) * w;
         Ok(BallState {
-            motion: Some(in_frenet(&contacts.absolute(to_nut, &loaded.frame), &loaded.frame, w)),
+            motion: Some(Motion { precession: motion.precession * w, omega }),
             nut,
             screw,
             unloaded: None,
@@ -398,14 +400,10 @@ impl ElasticPoint {
     /// friction power; both scaled, the power over `$W$`.
     pub(crate) fn transmission_at(
         &self,
-        contacts: &ElasticContacts,
         torque: f64,
         friction_power: f64,
     ) -> Result<Transmission, Unsolved> {
-        let unit = self.point.ball.radius * self.point.load.axial;
-        let torque = torque * unit;
-        let speed = self.point.drive.relative_speed();
-        Transmission::of(contacts.direction.is_back(), self.point.ideal_torque(), torque, speed)
-            .balanced_against(friction_power * unit * speed)
+        let ideal = self.point.ideal_torque();
+        self.point.units().transmission(ideal, torque, friction_power).balanced()
     }
 }

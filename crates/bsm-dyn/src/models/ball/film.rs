@@ -5,11 +5,13 @@
 use std::f64::consts::PI;
 
 use bsm_kin::{BallFrame, Contact, Field, FieldOver, Motion, Over, Scalar};
+use bsm_simd::Compare;
 
 use super::elastic_ball::{BallLoads, ElasticContacts, ElasticPoint, to_both};
 use super::state::{ControllingRaceway, SkidNumbers, SolveInfo};
 use crate::contact::{
-    Curvatures, Hertz, Lubricant, MixedFriction, OilState, Roughness, Wrench, contact_modulus,
+    ContactFilm, Curvatures, FilmState, Hertz, Lubricant, MixedFriction, OilState, OutsidePower,
+    Roughness, Wrench, contact_modulus,
 };
 use crate::ellipse::{Integrate, Local, Placement, Quadrature, Rules};
 use crate::outcome::Unsolved;
@@ -167,6 +169,123 @@ impl<P: Field> EhlPoint<P> {
             lever: zero + (gap.radius * 2.0 / units.length - 1.0),
         }
     }
+}
+
+/// A contact with its film; powers scaled as the point is.
+#[derive(Debug, Clone, Copy)]
+pub struct FilmLoss<F = f64> {
+    /// The film.
+    pub film: ScaledFilm<F>,
+    /// Power of sliding.
+    pub sliding: F,
+    /// Power of a friction coefficient of one.
+    pub unit: F,
+    /// Power of rolling.
+    pub rolling: F,
+    /// Semi-axes \[m\].
+    pub semi_axes: (F, F),
+    /// Least film over the central one (Y36), and `$M$` (Y17), where they are asked for.
+    pub inlet: [F; 2],
+}
+
+impl<F: Field> FilmLoss<F> {
+    #[inline(always)]
+    fn film(&self, units: &EhlUnits<F>) -> ContactFilm<F> {
+        let Self { film, sliding, unit, inlet: [least_part, elasticity], .. } = *self;
+        ContactFilm {
+            thickness: film.thickness,
+            ratio: film.ratio,
+            least_ratio: film.ratio * least_part,
+            asperity_share: film.law.asperity_share,
+            // μ_c = P_s/P_s(1)                                            (Y22)
+            friction: sliding / unit,
+            rolling_moment: film.couple * units.load * units.length,
+            entrainment: film.entrainment * units.speed,
+            elasticity,
+            law: film.law.in_unit(units.speed),
+        }
+    }
+}
+
+impl<F: Compare> EhlPoint<F> {
+    /// What the contacts at nut and screw tell.
+    ///
+    /// * `unit`: of their powers, of all balls \[W\]. * `back`: where linear motion drives. * `tan_a`: of the lead
+    ///   angle.
+    #[inline(always)]
+    pub fn state(
+        &self,
+        losses: &[FilmLoss<F>; 2],
+        (unit, balls): (F, F),
+        outside: OutsidePower<F>,
+        (back, tan_a, efficiency): (F::Mask, F, F),
+    ) -> FilmState<F> {
+        let [nut, screw] = losses;
+        let sliding_power = (nut.sliding + screw.sliding) * unit;
+        let rolling_power = (nut.rolling + screw.rolling) * unit;
+        let conductivity = self.lubricant.oil.base.conductivity();
+        let films = [nut.film(&self.units), screw.film(&self.units)];
+        let mut heating = unit.constant(0.0);
+        for (loss, film) in losses.iter().zip(&films) {
+            let (power, motion) = (loss.sliding * unit / balls, (film.thickness, film.entrainment));
+            heating = heating.larger(film_heating(power, loss.semi_axes, motion, conductivity));
+        }
+        FilmState {
+            temperature: self.oil.temperature,
+            viscosity: self.oil.viscosity,
+            pressure_viscosity: self.oil.pressure_viscosity,
+            nut: films[0],
+            screw: films[1],
+            sliding_power,
+            rolling_power,
+            outside,
+            heating,
+            equivalent_friction: equivalent_friction(
+                sliding_power + rolling_power,
+                (nut.unit + screw.unit) * unit,
+            ),
+            catalogue_friction: catalogue_friction(back, tan_a, efficiency),
+        }
+    }
+}
+
+/// By how much sliding heats the film \[K\] (Y29).
+///
+/// * `power`: of sliding \[W\]. * `semi_axes`, `thickness` \[m\]; `entrainment` \[m/s\].
+/// * `conductivity`: of the oil \[W/(m·K)\].
+#[inline(always)]
+fn film_heating<F: Field>(
+    power: F,
+    (a, b): (F, F),
+    (thickness, entrainment): (F, F),
+    conductivity: f64,
+) -> F {
+    /// Conductivity, density and heat capacity of steel \[SI\].
+    const STEEL: f64 = 46.0 * 7800.0 * 460.0;
+    // ΔT = q h/(8 k) + 0.53 q √(b/(u k_s ρ_s c_s)),  q = P_s/(π a b)       (Y29)
+    let heat = power / (a * std::f64::consts::PI * b);
+    heat * thickness * (8.0 * conductivity).recip()
+        + heat * (b / (entrainment * STEEL)).sqrt() * 0.53
+}
+
+/// The friction coefficient of both contacts that loses as much (Y30).
+///
+/// * `power`: of sliding and rolling. * `of_one`: of sliding with a coefficient of one.
+#[inline(always)]
+fn equivalent_friction<F: Field>(power: F, of_one: F) -> F {
+    // f_eq = (P_s + P_r)/Σ P_s(1)                                         (Y30)
+    power / of_one
+}
+
+/// The coefficient of a plain thread of an efficiency (Y31).
+///
+/// * `back`: where linear motion drives. * `tan`: of the lead angle.
+#[inline(always)]
+fn catalogue_friction<F: Field>(back: F::Mask, tan: F, efficiency: F) -> F {
+    // η = (1 − μ tanα)/(1 + μ/tanα),  back-driving (1 − μ/tanα)/(1 + μ tanα)  (Y31)
+    let cot = tan.recip();
+    let (with, against) = (F::select(back, tan, cot), F::select(back, cot, tan));
+    (-efficiency + 1.0) / (efficiency * with + against)
 }
 
 impl EhlPoint {

@@ -5,6 +5,7 @@
 use bsm_kin::{Drive, Helix, Scalar};
 use bsm_simd::Compare;
 
+use super::state::Transmission;
 use crate::contact::{Ball, Coulomb, Load, ideal_torque};
 use crate::outcome::{Direction, Reason, Unsolved};
 
@@ -64,7 +65,45 @@ pub(crate) struct BallUnits<D> {
     pub(crate) direction: Direction,
 }
 
+/// What the numbers of a scaled answer are multiplied with.
+#[derive(Debug, Clone, Copy)]
+pub struct AnswerUnits<F = f64> {
+    /// Ball radius `$r_b$` \[m\].
+    pub length: F,
+    /// Axial load per ball `$F_a$` \[N\].
+    pub load: F,
+    /// `$r_b F_a Z$`, of all balls together \[N·m\].
+    pub torque: F,
+    /// Relative speed `$W$` \[rad/s\].
+    pub speed: F,
+}
+
+impl<F: Compare> AnswerUnits<F> {
+    /// Where the load drives.
+    #[inline(always)]
+    pub fn back(&self) -> F::Mask {
+        self.speed.lt(self.speed.constant(0.0))
+    }
+
+    /// What the screw transmits, and the violation of its power balance.
+    ///
+    /// * `ideal`: torque of the frictionless screw \[N·m\]. * `torque`: on the screw, scaled.
+    /// * `lost`: friction power over `$W$`, scaled.
+    #[inline(always)]
+    pub fn transmission(&self, ideal: F, torque: F, lost: F) -> Transmission<F> {
+        Transmission::of(self.back(), ideal, torque * self.torque, self.speed)
+            .against(lost * self.torque * self.speed)
+    }
+}
+
 impl<D: Scalar> OperatingPoint<D> {
+    /// What the numbers of a scaled answer are multiplied with.
+    pub(crate) fn units(&self) -> AnswerUnits<D> {
+        let (length, load) = (self.ball.radius, self.load);
+        let speed = self.drive.relative_speed();
+        AnswerUnits { length, load: load.per_ball(), torque: length * load.axial, speed }
+    }
+
     /// The same point without derivatives.
     pub(crate) fn values(&self) -> OperatingPoint {
         let Self { helix, ball, drive, load, .. } = self;

@@ -2,62 +2,61 @@
 //!
 //! SI units and radians. Loads are per ball, torque and powers of all loaded balls together.
 
-use bsm_kin::{BallFrame, Contact, Field, Motion, Site};
+use bsm_kin::{Field, Motion, Site};
 use bsm_simd::Compare;
-use nalgebra::Vector3;
 
 use crate::contact::{FilmState, POWER_BALANCE_TOL, Power, efficiency};
 use crate::outcome::{Control, Direction, Reason, Unsolved, named};
 
 /// What a model says of the steady ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BallState {
+pub struct BallState<F = f64> {
     /// Absolute motion in the Frenet-Serret triad `(t, n, b)` \[rad/s\]; none where the model fixes
     /// no motion.
-    pub motion: Option<Motion<f64>>,
+    pub motion: Option<Motion<F>>,
     /// Contact with the loaded flank of the nut.
-    pub nut: ContactState,
+    pub nut: ContactState<F>,
     /// Contact with the loaded flank of the screw.
-    pub screw: ContactState,
+    pub screw: ContactState<F>,
     /// Contact with the unloaded flank of the nut, of models that have it.
-    pub unloaded: Option<ContactState>,
+    pub unloaded: Option<ContactState<F>>,
     /// Displacement of the nut in the normal plane \[m\], of elastic contacts.
-    pub axial_displacement: Option<f64>,
+    pub axial_displacement: Option<F>,
 }
 
 /// One contact of the steady ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ContactState {
+pub struct ContactState<F = f64> {
     /// Contact angle \[rad\].
-    pub angle: f64,
+    pub angle: F,
     /// Normal load \[N\]; none where the load on the screw is not given.
-    pub load: Option<f64>,
+    pub load: Option<F>,
     /// Direction of friction on the ball \[rad\].
-    pub slip_angle: Option<f64>,
+    pub slip_angle: Option<F>,
     /// Slip at the contact centre and spin, of models with a motion.
-    pub slip: Option<Slip>,
+    pub slip: Option<Slip<F>>,
     /// The pressed surface, of elastic contacts.
-    pub pressed: Option<HertzContact>,
+    pub pressed: Option<HertzContact<F>>,
 }
 
 /// Velocities of the ball against the body at a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Slip {
+pub struct Slip<F = f64> {
     /// Slip speed at the contact centre \[m/s\].
-    pub speed: f64,
+    pub speed: F,
     /// Spin about the contact normal \[rad/s\].
-    pub spin: f64,
+    pub spin: F,
 }
 
 /// A Hertz contact under load.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HertzContact {
+pub struct HertzContact<F = f64> {
     /// Semi-axes of the ellipse across and along the groove \[m\].
-    pub semi_axes: (f64, f64),
+    pub semi_axes: (F, F),
     /// Largest pressure \[Pa\].
-    pub max_pressure: f64,
+    pub max_pressure: F,
     /// Elastic approach \[m\].
-    pub approach: f64,
+    pub approach: F,
 }
 
 /// What the screw makes of the power put in.
@@ -77,12 +76,12 @@ pub struct Transmission<F: Field = f64> {
 
 /// Where a ball is between rolling and skidding.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SkidNumbers {
+pub struct SkidNumbers<F = f64> {
     /// Gyroscopic over friction moment of the rolling motion (W9); none without friction.
-    pub skid_number: Option<f64>,
+    pub skid_number: Option<F>,
     /// The slip across the grooves that the lead forces, over the slip of spin (W10); none without
     /// spin.
-    pub cross_slip: Option<f64>,
+    pub cross_slip: Option<F>,
 }
 
 impl SkidNumbers {
@@ -91,15 +90,18 @@ impl SkidNumbers {
         Self { skid_number: finite(skid_number), cross_slip: finite(cross_slip) }
     }
 
-    /// Skid number of a ball whose friction is already spent on the slip of the lead (W11): below
-    /// 0.1 the ball rolls, above 2 friction is nearly saturated.
-    pub fn onset_number(&self) -> Option<f64> {
-        Some(onset_number(self.skid_number?, self.cross_slip?))
-    }
-
     /// What the ball does.
     pub fn regime(&self) -> Option<SlipRegime> {
         self.onset_number().map(SlipRegime::of)
+    }
+}
+
+impl<F: Field> SkidNumbers<F> {
+    /// Skid number of a ball whose friction is already spent on the slip of the lead (W11): below
+    /// 0.1 the ball rolls, above 2 friction is nearly saturated.
+    #[inline(always)]
+    pub fn onset_number(&self) -> Option<F> {
+        Some(onset_number(self.skid_number?, self.cross_slip?))
     }
 }
 
@@ -114,13 +116,13 @@ pub struct SolveInfo {
 
 /// The answer of a model that has one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Solved {
+pub struct Solved<F: Field = f64> {
     /// The ball.
-    pub ball: BallState,
+    pub ball: BallState<F>,
     /// Torque and powers.
-    pub transmission: Transmission,
+    pub transmission: Transmission<F>,
     /// Between rolling and skidding, of models that tell.
-    pub skid: Option<SkidNumbers>,
+    pub skid: Option<SkidNumbers<F>>,
     /// How it was found, unless in closed form.
     pub info: Option<SolveInfo>,
     /// The raceway at which the ball does not spin, of raceway control.
@@ -129,21 +131,21 @@ pub struct Solved {
     pub alternatives: Option<Alternatives>,
     /// Bound of the error: of the quadrature in model traction, against model traction in the choice by
     /// error bounds.
-    pub error: Option<ErrorBound>,
+    pub error: Option<ErrorBound<F>>,
     /// Of a lubricated ball.
-    pub film: Option<FilmState>,
+    pub film: Option<FilmState<F>>,
     /// Power lost at the contacts with nut and screw by all balls together \[W\], of raceway control and of
     /// lubricated balls.
-    pub contact_power: Option<[f64; 2]>,
+    pub contact_power: Option<[F; 2]>,
 }
 
 /// How far an answer may be off.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ErrorBound {
+pub struct ErrorBound<F = f64> {
     /// Of the efficiency.
-    pub efficiency: f64,
+    pub efficiency: F,
     /// Of the power that is lost, relative to that of the answer; none above [`MOST_LOSS_ERROR`].
-    pub loss: Option<f64>,
+    pub loss: Option<F>,
 }
 
 impl ErrorBound {
@@ -176,7 +178,7 @@ pub fn onset_number<F: Field>(skid_number: F, cross_slip: F) -> F {
 }
 
 /// Direction of a friction force on the ball \[rad\] from its parts across the groove and along the helix; see
-/// [`Contact::slip_angle`].
+/// [`bsm_kin::Contact::slip_angle`].
 #[inline(always)]
 pub fn friction_angle<F: Compare>([across, along]: [F; 2]) -> F {
     along.zip(across, f64::atan2)
@@ -213,9 +215,10 @@ pub struct Alternatives {
     pub farthest_efficiency: Option<f64>,
 }
 
-impl Solved {
+impl<F: Field> Solved<F> {
     /// A ball and what the screw transmits, and nothing else.
-    pub(crate) fn new(ball: &BallState, transmission: Transmission) -> Self {
+    #[inline(always)]
+    pub fn new(ball: &BallState<F>, transmission: Transmission<F>) -> Self {
         Self {
             ball: *ball,
             transmission,
@@ -228,7 +231,9 @@ impl Solved {
             contact_power: None,
         }
     }
+}
 
+impl Solved {
     /// The same, with what is known of other solutions.
     pub(crate) fn with_alternatives(self, alternatives: impl Iterator<Item = Self>) -> Self {
         let alternatives: Vec<_> =
@@ -241,9 +246,10 @@ impl Solved {
     }
 }
 
-impl BallState {
+impl<F: Copy> BallState<F> {
     /// The contact at a site.
-    pub fn contact(&self, site: Site) -> Option<&ContactState> {
+    #[inline(always)]
+    pub fn contact(&self, site: Site) -> Option<&ContactState<F>> {
         match site {
             Site::Nut => Some(&self.nut),
             Site::Screw => Some(&self.screw),
@@ -252,9 +258,9 @@ impl BallState {
     }
 
     /// A ball whose loaded contacts have the same angle \[rad\] and no friction direction yet.
-    pub(crate) fn at_angle(angle: f64) -> Self {
-        let contact =
-            ContactState { angle, load: None, slip_angle: None, slip: None, pressed: None };
+    #[inline(always)]
+    pub fn at_angle(angle: F) -> Self {
+        let contact = ContactState::at_angle(angle);
         Self {
             motion: None,
             nut: contact,
@@ -265,33 +271,12 @@ impl BallState {
     }
 }
 
-impl ContactState {
-    /// Of a contact and its slip.
-    ///
-    /// * `motion`: relative to the body of the contact, of speeds over `unit` \[rad/s\].
-    /// * `slip`: velocity at the contact centre \[m/s\].
-    pub(crate) fn sliding(
-        (angle, load): (f64, f64),
-        contact: &Contact<f64>,
-        motion: &Motion<f64>,
-        slip: &Vector3<f64>,
-        unit: f64,
-    ) -> Self {
-        Self {
-            angle,
-            load: Some(load),
-            slip_angle: Some(contact.slip_angle(slip)),
-            slip: Some(Slip { speed: slip.norm(), spin: motion.spin(contact) * unit }),
-            pressed: None,
-        }
+impl<F> ContactState<F> {
+    /// A contact of which nothing else is known than its angle \[rad\].
+    #[inline(always)]
+    pub fn at_angle(angle: F) -> Self {
+        Self { angle, load: None, slip_angle: None, slip: None, pressed: None }
     }
-}
-
-/// Motion in the Frenet-Serret triad, of one in the triad of `frame` with speeds over `unit`
-/// \[rad/s\].
-pub(crate) fn in_frenet(motion: &Motion<f64>, frame: &BallFrame<f64>, unit: f64) -> Motion<f64> {
-    let omega = frame.to_frenet(&motion.omega) * unit;
-    Motion { precession: motion.precession * unit, omega }
 }
 
 impl<F: Compare> Transmission<F> {
@@ -331,11 +316,6 @@ impl<F: Compare> Transmission<F> {
 }
 
 impl Transmission {
-    /// The same, unless it violates the balance by more than rounding.
-    pub(crate) fn balanced_against(self, friction_power: f64) -> Result<Self, Unsolved> {
-        self.against(friction_power).balanced()
-    }
-
     /// The same, unless powers do not balance.
     pub(crate) fn balanced(self) -> Result<Self, Unsolved> {
         if self.is_balanced() {

@@ -2,17 +2,15 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y22), (Y23), (Y28) to (Y31).
 
-use bsm_kin::{Field, Motion, Scalar};
+use bsm_kin::{Motion, Scalar};
 use bsm_newton::Bracket;
 
-use crate::contact::{
-    BallOrbit, ContactFilm, FilmState, Lubricant, OutsidePower, Temperature, ZERO_CELSIUS,
-    magnitude,
-};
+use crate::contact::{BallOrbit, Lubricant, OutsidePower, Temperature, ZERO_CELSIUS, magnitude};
 use crate::ellipse::{Integrate, Placement, Quadrature};
 use crate::models::ball::{
-    BallLoads, BallState, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint, ErrorBound,
-    LubricatedState, Model, Reason, Solution, Solved, SteadyRoot, Transmission, Unsolved, to_both,
+    AnswerUnits, BallLoads, BallState, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint,
+    ErrorBound, FilmLoss, LubricatedState, Model, Reason, Solution, Solved, SteadyRoot,
+    Transmission, Unsolved, to_both,
 };
 use crate::models::raceway_control::RacewayControl;
 use crate::models::traction::{Traction, TrainBall};
@@ -248,61 +246,30 @@ impl Lubricated {
     fn results(&self, ehl: &EhlPoint, found: &SteadyRoot) -> Result<Solved, Unsolved> {
         let (screw, SteadyRoot { contacts, steady, .. }) = (self.screw(), found);
         let LubricatedState { loaded, to_nut, losses, torque } = steady;
-        let speed = screw.point.drive.relative_speed();
+        let AnswerUnits { torque: unit, speed, .. } = screw.point.units();
         let outside = self.outside(contacts, steady);
         let ball = screw.ball_state(contacts, loaded, to_nut)?;
         let torque = torque + outside.torque(speed);
         let ideal = screw.point.ideal_torque();
         let transmission = Transmission::of(contacts.direction.is_back(), ideal, torque, speed);
-        // Scaled powers in watts, of all balls.
-        let unit = screw.point.ball.radius * screw.point.load.axial * speed;
-        let [sliding_power, rolling_power] =
-            [losses.map(|loss| loss.sliding), losses.map(|loss| loss.rolling)]
-                .map(|[nut, screw]| (nut + screw) * unit);
-        let lost = sliding_power + rolling_power + outside.of_balls();
-        let transmission = match self.model {
-            LubricatedModel::Traction(_) => transmission.balanced_against(lost)?,
-            LubricatedModel::RacewayControl(..) => transmission,
-        };
         let films = [0, 1].map(|i| {
-            let EhlLoss { film, sliding, .. } = &losses[i];
-            ContactFilm {
-                thickness: film.thickness,
-                ratio: film.ratio,
-                least_ratio: film.ratio * ehl.least_part(i, loaded.loads[i], film),
-                asperity_share: film.law.asperity_share,
-                // μ_c = P_s/P_s(1)                                        (Y22)
-                friction: sliding / found.unit[i],
-                rolling_moment: film.couple * ehl.units.load * ehl.units.length,
-                entrainment: film.entrainment * ehl.units.speed,
-                elasticity: ehl.elasticity(i, loaded.loads[i], film),
-                law: film.law.in_unit(ehl.units.speed),
+            let (EhlLoss { film, sliding, rolling, .. }, load) = (&losses[i], loaded.loads[i]);
+            FilmLoss {
+                film: *film,
+                sliding: *sliding,
+                unit: found.unit[i],
+                rolling: *rolling,
+                semi_axes: contacts.hertz[i].semi_axes(load * ehl.units.load),
+                inlet: [ehl.least_part(i, load, film), ehl.elasticity(i, load, film)],
             }
         });
-        let of_one: f64 = found.unit.iter().sum::<f64>() * unit;
-        let conductivity = self.lubricant.oil.base.conductivity();
-        let heating = [0, 1].map(|i| {
-            let (a, b) = contacts.hertz[i].semi_axes(loaded.loads[i] * ehl.units.load);
-            let power = losses[i].sliding * unit / screw.point.load.balls;
-            let ContactFilm { thickness, entrainment, .. } = films[i];
-            film_heating(power, (a, b), (thickness, entrainment), conductivity)
-        });
-        let film = FilmState {
-            temperature: ehl.oil.temperature,
-            viscosity: ehl.oil.viscosity,
-            pressure_viscosity: ehl.oil.pressure_viscosity,
-            nut: films[0],
-            screw: films[1],
-            sliding_power,
-            rolling_power,
-            outside,
-            heating: heating[0].max(heating[1]),
-            equivalent_friction: equivalent_friction(sliding_power + rolling_power, of_one),
-            catalogue_friction: catalogue_friction(
-                contacts.direction.is_back(),
-                screw.point.helix.lead_angle.tan(),
-                transmission.efficiency,
-            ),
+        let tan = screw.point.helix.lead_angle.tan();
+        let of = (contacts.direction.is_back(), tan, transmission.efficiency);
+        let film = ehl.state(&films, (unit * speed, screw.point.load.balls), outside, of);
+        let lost = film.sliding_power + film.rolling_power + outside.of_balls();
+        let transmission = match self.model {
+            LubricatedModel::Traction(_) => transmission.against(lost).balanced()?,
+            LubricatedModel::RacewayControl(..) => transmission,
         };
         Ok(Solved {
             skid: Some(found.skid),
@@ -316,43 +283,4 @@ impl Lubricated {
             ..Solved::new(&ball, transmission)
         })
     }
-}
-
-/// By how much sliding heats the film \[K\] (Y29).
-///
-/// * `power`: of sliding \[W\]. * `semi_axes`, `thickness` \[m\]; `entrainment` \[m/s\].
-/// * `conductivity`: of the oil \[W/(m·K)\].
-#[inline(always)]
-pub fn film_heating<F: Field>(
-    power: F,
-    (a, b): (F, F),
-    (thickness, entrainment): (F, F),
-    conductivity: f64,
-) -> F {
-    /// Conductivity, density and heat capacity of steel \[SI\].
-    const STEEL: f64 = 46.0 * 7800.0 * 460.0;
-    // ΔT = q h/(8 k) + 0.53 q √(b/(u k_s ρ_s c_s)),  q = P_s/(π a b)       (Y29)
-    let heat = power / (a * std::f64::consts::PI * b);
-    heat * thickness * (8.0 * conductivity).recip()
-        + heat * (b / (entrainment * STEEL)).sqrt() * 0.53
-}
-
-/// The friction coefficient of both contacts that loses as much (Y30).
-///
-/// * `power`: of sliding and rolling. * `of_one`: of sliding with a coefficient of one.
-#[inline(always)]
-pub fn equivalent_friction<F: Field>(power: F, of_one: F) -> F {
-    // f_eq = (P_s + P_r)/Σ P_s(1)                                         (Y30)
-    power / of_one
-}
-
-/// The coefficient of a plain thread of an efficiency (Y31).
-///
-/// * `back`: where linear motion drives. * `tan`: of the lead angle.
-#[inline(always)]
-pub fn catalogue_friction<F: Field>(back: F::Mask, tan: F, efficiency: F) -> F {
-    // η = (1 − μ tanα)/(1 + μ/tanα),  back-driving (1 − μ/tanα)/(1 + μ tanα)  (Y31)
-    let cot = tan.recip();
-    let (with, against) = (F::select(back, tan, cot), F::select(back, cot, tan));
-    (-efficiency + 1.0) / (efficiency * with + against)
 }

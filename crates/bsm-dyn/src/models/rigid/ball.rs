@@ -3,11 +3,6 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R1) to (R10), (R12), (R21), (R23).
 
-#![expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
-
 use bsm_kin::{Field, FieldOver};
 use bsm_simd::Compare;
 

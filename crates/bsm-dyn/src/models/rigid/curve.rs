@@ -3,10 +3,6 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R33) to (R42); windows by (R46), (R48).
 
-#![expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
 #![expect(clippy::needless_range_loop, reason = "closures do not take the instruction set")]
 
 use std::f64::consts::FRAC_PI_2;

@@ -3,11 +3,6 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R13) to (R20), (R23), (R45).
 
-#![expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
-
 use bsm_simd::Compare;
 
 use super::ball::RigidBall;

@@ -319,7 +319,6 @@ struct Exists<'a>(&'a RigidBall<f64>, &'a Block);
 impl WithSimd for Exists<'_> {
     type Output = [bool; BLOCK];
 
-    #[expect(clippy::inline_always, reason = "code takes the instruction set only inline")]
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self(ball, leads) = self;

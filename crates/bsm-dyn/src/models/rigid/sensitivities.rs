@@ -28,8 +28,8 @@ impl<const M: usize> Rigid<Jet<M>> {
                 moving_root(&equations, &unknowns.into(), &weights, residual, &mut work.0)?;
             let motion = moved.motion(&unknowns.into()).map_err(domain_error)?;
             let (ideal, torque) = (inputs.ideal_torque(), inputs.torque(&motion));
-            let efficiency = efficiency(self.direction().is_back(), ideal, torque);
-            Ok(Performance { efficiency, screw_torque: Some(torque * self.torque_unit()) })
+            let efficiency = efficiency(self.point.drive.relative_speed().re < 0.0, ideal, torque);
+            Ok(Performance { efficiency, screw_torque: Some(torque * self.point.units().torque) })
         })
     }
 }

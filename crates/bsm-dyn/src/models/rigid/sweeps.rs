@@ -2,11 +2,6 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R24) to (R32).
 
-#![expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
-
 use bsm_kin::Field;
 use bsm_simd::Compare;
 

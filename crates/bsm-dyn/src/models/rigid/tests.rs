@@ -100,10 +100,10 @@ fn many_starts(
             let report = solve(&case, &mut y.data.0[0], &scales, &options, newton);
             if report.converged() && report.steps.is_empty() && motion.is_admissible() {
                 // The root at infinity does not balance the powers.
+                let solved = ball.solved(&motion, &rigid.units(), rigid.contact_angle, false);
+                let imbalance = solved.transmission.power_balance;
                 let root =
                     BallRoot { motion, steps: 0, residual: report.residual, alternatives: None };
-                let imbalance =
-                    Rigid { point: *rigid }.solved(ball, &root).transmission.power_balance;
                 let balances = imbalance.is_some_and(|x| x.abs() < 1e-6);
                 if balances && !found.iter().any(|other| other.is_near(&root)) {
                     found.push(root);

@@ -1,9 +1,5 @@
 //! Zeros of a quadratic form on the unit circle, for one form and for several side by side.
 
-#![expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
 #![expect(clippy::needless_range_loop, reason = "closures do not take the instruction set")]
 
 use std::f64::consts::FRAC_1_SQRT_2;

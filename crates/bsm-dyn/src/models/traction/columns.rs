@@ -5,11 +5,6 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T10), (T23).
 
-#![expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
-
 use std::array::from_fn;
 use std::cell::{Ref, RefCell, RefMut};
 use std::f64::consts::FRAC_PI_2;

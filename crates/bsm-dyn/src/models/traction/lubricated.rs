@@ -161,7 +161,7 @@ impl Traction {
             ehl.loss_of(i, (&contacts, &loaded), &motions[i], creep, transmitted.sliding[i])
         });
         let unit = contacts.unit_powers(&loaded, &to_nut, creep, [0, 1].map(|i| ball.nodes(i)));
-        let torque = transmitted.torque * (self.at.point.ball.radius * self.at.point.load.axial);
+        let torque = transmitted.torque * self.at.point.units().torque;
         let info = SolveInfo { steps, residual: root.residual };
         let steady = LubricatedState { loaded, to_nut, losses, torque };
         let (skid, error) = (rolling_ball.skid(&contacts), Some(error));

@@ -5,10 +5,6 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T24), (T25).
 
-#![expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
 #![expect(clippy::needless_range_loop, reason = "places of vectors and matrices, as on paper")]
 
 use std::ops::{Index, IndexMut};

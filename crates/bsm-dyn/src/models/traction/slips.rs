@@ -5,11 +5,6 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T26) to (T30).
 
-#![expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
-
 use bsm_simd::Compare;
 
 use super::columns::{Mean, Sides, TractionPoint};

@@ -153,7 +153,7 @@ fn both_sets_of_unknowns_have_the_same_roots() {
         let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
         let start = Start::new(&contacts, rolling_ball.ok().as_ref()).unwrap();
         let case = Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
-        let SlipResult { root, ball: found, .. } = case.found(&start, None, &mut work).unwrap();
+        let SlipResult { root, solved, .. } = case.found(&start, None, &mut work).unwrap();
         let creep = Traction::CREEP * contacts.slip_scale();
         let [[quadrature, _]] = work.rules.dry([Traction::ACCURACY]);
         let ball = SlipBall::of_contacts(&contacts, quadrature, creep);
@@ -163,8 +163,8 @@ fn both_sets_of_unknowns_have_the_same_roots() {
         assert!(charted.run(&mut y, &mut newton).converged(), "{number}");
         let angles = charted.angles(&y);
         // Roots are known to 1e-10 of the forces, contact angles of 1 deg to a hundredth of that.
-        assert_relative_eq!(angles[0], found.nut.angle, max_relative = 1e-8);
-        assert_relative_eq!(angles[1], found.screw.angle, max_relative = 1e-8);
+        assert_relative_eq!(angles[0], solved.ball.nut.angle, max_relative = 1e-8);
+        assert_relative_eq!(angles[1], solved.ball.screw.angle, max_relative = 1e-8);
         assert_relative_eq!(y[NUT_LOAD], root.unknowns[NUT_LOAD], max_relative = 1e-8);
         seen += 1;
     }
