@@ -80,8 +80,8 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
             };
         }
         let motion = RollingMotion::of(contacts, &state);
-        let (resolved, transmission, friction, film) =
-            transmit(given, (units, contacts), (&state, &motion));
+        let Losses { transmission, friction, film, resolved } =
+            losses(given, (units, contacts), (&state, &motion));
         let one = contacts.constant(1.0);
         // Both centres roll; the slip of the lead is shared, against friction along e_x.
         let slip = contacts.scaled.lead.0 * 0.5;
@@ -134,14 +134,23 @@ fn ellipse<S: Simd>(
     }
 }
 
-/// Torque, efficiency and powers by the friction of both ellipses; where it is resolved, which must not
-/// depend on the outputs that are wanted; the friction coefficient, or what the lubricant tells.
+/// What the friction of both ellipses takes.
+struct Losses<S: Simd> {
+    transmission: Transmission<Lane<S>>,
+    /// Its coefficient, or what takes the place of one.
+    friction: Lane<S>,
+    film: Option<FilmState<Lane<S>>>,
+    /// Where it is resolved, which must not depend on the outputs that are wanted.
+    resolved: Mask<S>,
+}
+
+/// Torque, efficiency and powers by the friction of both ellipses.
 #[inline(always)]
-fn transmit<S: Simd>(
+fn losses<S: Simd>(
     given: &LaneInputs<'_, S>,
     (units, contacts): (&Units<S>, &Contacts<S>),
     (state, motion): (&Precession<S>, &RollingMotion<S>),
-) -> (Mask<S>, Transmission<Lane<S>>, Lane<S>, Option<FilmState<Lane<S>>>) {
+) -> Losses<S> {
     let (nut, screw) = (ellipse(0, contacts, state, motion), ellipse(1, contacts, state, motion));
     let ((nut_power, at_nut), (screw_power, at_screw)) = (nut.power(), screw.power());
     let zero = nut_power.constant(0.0);
@@ -164,14 +173,15 @@ fn transmit<S: Simd>(
     if let Some(lubricated) = &lubricated {
         torque = torque + lubricated.outside.torque(units.speed);
     }
-    let of = Transmission::of(back, ideal, torque, units.speed);
+    let transmission = Transmission::of(back, ideal, torque, units.speed);
     let mut film = None;
     if let Some(lubricated) = &lubricated {
-        let of = (back, contacts.scaled.lead.0 / contacts.scaled.lead.1, of.efficiency);
+        let tan_lead = contacts.scaled.lead.0 / contacts.scaled.lead.1;
+        let of = (back, tan_lead, transmission.efficiency);
         film = Some(lubricated.state(units, given.get(InputKey::loaded_balls), of));
     }
     let finite = torque.abs().lt(zero.constant(f64::INFINITY));
-    (at_nut & at_screw & finite, of, friction, film)
+    Losses { transmission, friction, film, resolved: at_nut & at_screw & finite }
 }
 
 /// Stores skid number and onset number where they have a meaning, and returns the latter with the cross slip.

@@ -5,7 +5,7 @@ use bsm_case::{Case, InputKey, Output, Record};
 use bsm_dyn::{Ball, Status};
 
 /// Outputs that tell of the way to a root, not of the root.
-pub(crate) const OF_THE_WAY: [&str; 3] = ["iterations", "residual_norm", "power_balance"];
+const OF_THE_WAY: [&str; 3] = ["iterations", "residual_norm", "power_balance"];
 
 /// Outputs that bound an error: at least 1e-9, and ten times a difference of efficiencies, of which each is known
 /// to 1e-12 at a root whose residual is that. So they are known to a hundredth.

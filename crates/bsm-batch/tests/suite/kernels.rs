@@ -6,13 +6,15 @@ use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use arrow_array::Float64Array;
 use bsm_batch::{Answers, Buffers, Cell, Chunk, Columns, CsvSource, Source, Task};
-use bsm_case::{Case, ModelChoice, Output, Record, Settings};
+use bsm_case::{Case, InputKey, ModelChoice, Output, Record, Settings};
 use bsm_dyn::{Control, Model, ModelWorkspace, RacewayFriction, Status};
+use bsm_kernels::{InputColumn, InputColumns, Rows, Selection};
 use bsm_sample::{Sample, campaign};
+use bsm_simd::Arch;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use alike::{OF_THE_WAY, assert_alike};
+use alike::assert_alike;
 
 const INPUTS: [&str; 16] = [
     "lead_angle_deg",
@@ -246,29 +248,28 @@ fn results_depend_on_the_point_only() {
     }
 }
 
-/// How many rows the kernel leaves to the model, and how many have a root. A row that is left has the model's own way to
-/// the root, to the last bit.
+/// How many rows with a root the kernel leaves to the model, and how many have one.
 fn left_to_the_model(
     settings: &Settings,
     base: &Case,
     (chunk, columns): (&Chunk, &Columns),
 ) -> (usize, usize) {
-    let way = OF_THE_WAY.map(|name| Output::named(name).expect("known name"));
-    let answers = Task::new(base.clone(), *settings, way.to_vec()).solve(chunk, columns);
-    let (mut left, mut solved) = (0, 0);
-    for row in 0..chunk.len {
-        let case = chunk.case(columns, base, row).expect("known inputs");
-        let root = record(&case, settings);
-        if root.status() != Status::Converged {
-            continue;
-        }
-        solved += 1;
-        let bits = |output| root.value(output).map(f64::to_bits);
-        let mut found = way.iter().zip(&answers.columns);
-        left +=
-            usize::from(found.all(|(output, column)| bits(output) == Some(column[row].to_bits())));
-    }
-    (left, solved)
+    let rows = 0..chunk.len;
+    let cases: Vec<_> =
+        rows.map(|row| chunk.case(columns, base, row).expect("known inputs")).collect();
+    let inputs = InputKey::ALL.map(|key| {
+        let values: Option<Vec<_>> = cases.iter().map(|case| case.value_or_default(key)).collect();
+        values.map_or(InputColumn::Absent, |values| {
+            InputColumn::Column(key.input().rule, values.into())
+        })
+    });
+    let mut done = vec![false; cases.len()];
+    let (inputs, wanted) = (&InputColumns::new(inputs, None), &Selection::of(&[]));
+    let rows = Rows { inputs, wanted, first: 0, columns: &mut [], done: &mut done };
+    rows.solve(Arch::new(), settings.model, settings);
+    let with_root = |case: &Case| record(case, settings).status() == Status::Converged;
+    let solved = cases.iter().zip(done).filter(|(case, _)| with_root(case));
+    solved.fold((0, 0), |(left, solved), (_, done)| (left + usize::from(!done), solved + 1))
 }
 
 /// Speed depends on it: of points that have a root nearly none is left to Newton.
