@@ -48,7 +48,7 @@ impl<const N: usize> Dense<N> {
     ///
     /// # Errors
     ///
-    /// [`Singular`] if a pivot is zero or not finite.
+    /// [`Singular`] if a pivot or its reciprocal is not finite.
     pub fn factorize(&mut self) -> Result<(), Singular> {
         for k in 0..N {
             let (mut pivot, mut largest) = (k, self.rows[k][k].abs());
@@ -64,12 +64,13 @@ impl<const N: usize> Dense<N> {
             }
             let (above, below) = self.rows.split_at_mut(k + 1);
             let upper = &above[k];
-            if upper[k] == 0.0 || !upper[k].is_finite() {
+            let inverse = upper[k].recip();
+            if !(upper[k].is_finite() && inverse.is_finite()) {
                 return Err(Singular);
             }
-            self.inverse[k] = upper[k].recip();
+            self.inverse[k] = inverse;
             for row in below {
-                let factor = row[k] * self.inverse[k];
+                let factor = row[k] * inverse;
                 row[k] = factor;
                 for j in k + 1..N {
                     row[j] -= factor * upper[j];
