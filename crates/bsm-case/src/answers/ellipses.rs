@@ -25,9 +25,9 @@ const CONTACT: &str = "contact | -contact_angle_deg | normal_load_N=load, N | -s
     | -rolling_lines | -spin_poles | -places | -pressure_MPa | -slip_across_m_s | -slip_along_m_s | -friction_across \
     | -friction_along | sticking_share=share that sticks";
 
-/// Of the columns: the coordinates, and behind them the fields at a point.
-const PLACES: usize = 12;
-const FIELDS: std::ops::Range<usize> = 13..18;
+/// Fields of a contact at a point.
+const FIELDS: [&str; 5] =
+    ["pressure_MPa", "slip_across_m_s", "slip_along_m_s", "friction_across", "friction_along"];
 
 /// The columns of a table of the fields: place over the semi-axes, then those of nut and screw.
 const HEADS: &[Output; 12] = &[
@@ -128,16 +128,19 @@ impl EllipseFields {
 
     /// The fields as a table, a row for each point of the grid within the ellipses.
     pub fn columns(&self) -> Columns {
-        let list = |value: &Value| -> Vec<f64> {
-            let values = value.as_array().into_iter().flatten();
+        let Table { columns, rows: contacts, .. } = &self.contacts;
+        let list = |contact: &[Value], name: &str| -> Vec<f64> {
+            let cells = columns.iter().zip(contact).filter(|(column, _)| column.name == name);
+            let values = cells.flat_map(|(_, cell)| cell.as_array().into_iter().flatten());
             values.map(|value| value.as_f64().unwrap_or(f64::NAN)).collect()
         };
-        let contacts = &self.contacts.rows;
-        let places = contacts.first().map_or_else(Vec::new, |first| list(&first[PLACES]));
+        let places = contacts.first().map_or_else(Vec::new, |first| list(first, "places"));
         let points = places.iter().flat_map(|y| places.iter().map(move |x| vec![*x, *y]));
         let mut rows: Vec<_> = points.collect();
-        for field in contacts.iter().flat_map(|contact| &contact[FIELDS]) {
-            rows.iter_mut().zip(list(field)).for_each(|(row, value)| row.push(value));
+        for contact in contacts {
+            for values in FIELDS.map(|name| list(contact, name)) {
+                rows.iter_mut().zip(values).for_each(|(row, value)| row.push(value));
+            }
         }
         rows.retain(|row| row.get(2).is_some_and(|pressure| pressure.is_finite()));
         Columns { heads: HEADS.iter().collect(), rows }
@@ -151,7 +154,7 @@ fn over_the_ellipse(
     points: u32,
 ) -> impl Iterator<Item = Value> + use<> {
     let places: Vec<_> = (0..=2 * points).map(|i| f64::from(i) / f64::from(points) - 1.0).collect();
-    let mut lists: [Vec<_>; FIELDS.end - FIELDS.start] = <_>::default();
+    let mut lists: [Vec<_>; FIELDS.len()] = <_>::default();
     let (mut inside, mut sticking) = (0.0, 0.0);
     for (upsilon, xi) in places.iter().flat_map(|y| places.iter().map(move |x| (*y, *x))) {
         let within = xi.hypot(upsilon) <= 1.0;
