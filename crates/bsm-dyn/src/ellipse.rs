@@ -15,7 +15,7 @@ use std::array::from_fn;
 use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
 use bsm_simd::Arch;
 
-pub(crate) use self::kernel::{Dry, Patch, Resultants, SUMS, sums};
+pub(crate) use self::kernel::{Dry, Patch, PointLaw, Resultants, SUMS, sums};
 use self::kernel::{MOTION, sums_on};
 pub(crate) use self::many::{ManyNodes, ManyQuadrature, SplitPoint};
 pub(crate) use self::oil::OilLaw;

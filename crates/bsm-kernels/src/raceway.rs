@@ -167,8 +167,8 @@ fn losses<S: Simd>(
         let friction = given.get(InputKey::friction_coefficient);
         (friction_power(friction, [nut.load, screw.load], [nut_power, screw_power]), friction)
     };
-    let ideal =
-        ideal_torque(units.axial, units.pitch, contacts.scaled.lead.0 / contacts.scaled.lead.1);
+    let tan_lead = contacts.scaled.lead.0 / contacts.scaled.lead.1;
+    let ideal = ideal_torque(units.axial, units.pitch, tan_lead);
     let mut torque = rolling_torque(ideal, back.select(-loss, loss), units.ball, units.axial);
     if let Some(lubricated) = &lubricated {
         torque = torque + lubricated.outside.torque(units.speed);
@@ -176,7 +176,6 @@ fn losses<S: Simd>(
     let transmission = Transmission::of(back, ideal, torque, units.speed);
     let mut film = None;
     if let Some(lubricated) = &lubricated {
-        let tan_lead = contacts.scaled.lead.0 / contacts.scaled.lead.1;
         let of = (back, tan_lead, transmission.efficiency);
         film = Some(lubricated.state(units, given.get(InputKey::loaded_balls), of));
     }

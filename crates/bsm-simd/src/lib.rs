@@ -38,10 +38,6 @@ pub fn name(arch: Arch) -> &'static str {
 
 /// Runs code for a few numbers, on vectors of half the length where there are such: square roots and quotients of the
 /// longest ones take twice as long.
-#[expect(
-    clippy::inline_always,
-    reason = "lanes take the instruction set of the caller only inline"
-)]
 #[inline(always)]
 pub fn for_few<S: Simd, W: WithSimd>(simd: S, code: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]

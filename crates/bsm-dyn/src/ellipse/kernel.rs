@@ -2,10 +2,6 @@
 //!
 //! The law is that of [`Ellipse::integrate`](super::Ellipse::integrate), which tests this.
 
-#![expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
 #![expect(clippy::needless_range_loop, reason = "places of vectors and matrices, as on paper")]
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};

@@ -3,11 +3,6 @@
 //! Nodes and sums are those of one contact in `panels.rs` and `kernel.rs`, up to rounding: eight neighbouring
 //! lines share the largest of their numbers of inner nodes, at each contact by itself.
 
-#![expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
-
 use std::cell::OnceCell;
 use std::ops::Range;
 

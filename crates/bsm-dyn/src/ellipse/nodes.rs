@@ -1,10 +1,5 @@
 //! The nodes of the sums over an ellipse, one by one.
 
-#![expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
-
 use bsm_simd::{Arch, Lane, Simd, WithSimd};
 
 use super::Quadrature;

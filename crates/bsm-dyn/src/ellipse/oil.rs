@@ -3,11 +3,6 @@
 //! The law is that of [`MixedFriction`](crate::MixedFriction), which tests this. Theory:
 //! `docs/theory/17-lubricant.md`, equations (Y11) to (Y13) and (Y33) to (Y35).
 
-#![expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
-
 use std::f64::consts::FRAC_2_PI;
 
 use bsm_simd::{BLOCK, Lane, Simd};

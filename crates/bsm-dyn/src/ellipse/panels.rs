@@ -2,11 +2,6 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T12) to (T19).
 
-#![expect(
-    clippy::inline_always,
-    reason = "code takes the instruction set of its caller only inline"
-)]
-
 use std::cell::OnceCell;
 use std::f64::consts::PI;
 use std::num::NonZeroUsize;

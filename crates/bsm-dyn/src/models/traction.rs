@@ -225,7 +225,12 @@ impl<P: Scalar> SlipBall<'_, P> {
     /// The nodes at nut (0) or screw (1).
     fn nodes(&self, i: usize) -> Placement<'_> {
         let (rule, plan) = (self.quadrature, self.plans.map(|plans| &plans[i]));
-        Placement { rule, plan, coarse: self.enough >= NEAR && self.lubrication.is_none() }
+        Placement { rule, plan, coarse: self.is_first_try() && self.lubrication.is_none() }
+    }
+
+    /// True if its root is only a start for another quadrature or creep speed.
+    fn is_first_try(&self) -> bool {
+        self.enough >= NEAR
     }
 
     /// What the unknown of the precession leaves out of its rate: the nut's speed where that is far

@@ -16,7 +16,7 @@ use bsm_simd::{Arch, BLOCK, Compare, Lane, Simd, WithSimd};
 use super::{Lubrication, OMEGA, SlipBall};
 use crate::contact::torque;
 use crate::cost;
-use crate::ellipse::{Dry, OilLaw, Patch, Resultants, SUMS, sums, surface_drop};
+use crate::ellipse::{Dry, OilLaw, Patch, PointLaw, Resultants, SUMS, sums, surface_drop};
 use crate::models::ball::equation::{AXIAL_LOAD, FORCE, MOMENT};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::models::ball::{BALL, EhlPoint, ROWS, ScaledBall, ScaledFilm, linear};
@@ -319,13 +319,8 @@ impl TractionLaw for Dry {
         geometry: &ContactGeometry<f64>,
         tractions: &mut [ContactTraction; 2],
     ) {
-        let nodes = [ball.nodes(0), ball.nodes(1)];
-        let (laws, none, coefficient) = (&[Dry; 2], [false; 2], ball.contacts.directed_friction());
-        for traction in &mut *tractions {
-            traction.coefficient = coefficient;
-        }
-        let sums = tractions.each_mut().map(|traction| &mut traction.sums);
-        self::sums::<S, _, 2, SLOPED>(simd, &geometry.points, laws, &nodes, none, sums);
+        let coefficient = ball.contacts.directed_friction();
+        set_sums::<S, _, 2, SLOPED>(simd, ball, geometry, (&[Dry; 2], coefficient), tractions);
     }
 }
 
@@ -367,14 +362,28 @@ impl TractionLaw for EhlPoint {
             laws[i] = Some(OilLaw::of(&film.law));
         }
         let [Some(nut), Some(screw)] = laws else { return };
-        let nodes = [ball.nodes(0), ball.nodes(1)];
-        let (laws, none, coefficient) = (&[nut, screw], [false; 2], ball.contacts.signed(1.0));
-        for traction in &mut *tractions {
-            traction.coefficient = coefficient;
-        }
-        let sums = tractions.each_mut().map(|traction| &mut traction.sums);
-        self::sums::<S, _, 4, SLOPED>(simd, &geometry.points, laws, &nodes, none, sums);
+        let of = (&[nut, screw], ball.contacts.signed(1.0));
+        set_sums::<S, _, 4, SLOPED>(simd, ball, geometry, of, tractions);
     }
+}
+
+/// Takes the sums of both contacts.
+///
+/// * `laws`, `coefficient`: what the sums are of, and what they are multiplied with.
+#[inline(always)]
+fn set_sums<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool>(
+    simd: S,
+    ball: &SlipBall<'_>,
+    geometry: &ContactGeometry<f64>,
+    (laws, coefficient): (&[L; 2], f64),
+    tractions: &mut [ContactTraction; 2],
+) {
+    for traction in &mut *tractions {
+        traction.coefficient = coefficient;
+    }
+    let (nodes, all) = ([ball.nodes(0), ball.nodes(1)], [false; 2]);
+    let found = tractions.each_mut().map(|traction| &mut traction.sums);
+    sums::<S, L, N, SLOPED>(simd, &geometry.points, laws, &nodes, all, found);
 }
 
 /// A number and its derivatives by the unknowns.

@@ -7,7 +7,7 @@ use std::cell::OnceCell;
 use super::columns::{LastEvaluation, PowerFlow};
 use super::multistart::{MANY, STARTS};
 use super::path::{PathResult, STEP_CONTROL, are_on_flanks};
-use super::{FrozenRule, NEAR, OMEGA, SlipBall, SlipState};
+use super::{FrozenRule, OMEGA, SlipBall, SlipState};
 use bsm_newton::{Continuation, follow};
 use bsm_simd::Block;
 
@@ -99,7 +99,17 @@ impl SlipBall<'_> {
     fn predicted(&self, y: &[f64; BALL], newton: &mut Workspace) -> Option<[f64; BALL]> {
         let level = Self { creep: LEVEL.max(self.creep), ..*self };
         let residual = newton.linearize(&LastEvaluation::new(&level), y, &level.weights(y)).ok()?;
-        Some(level.slid(y, &newton.correction(&residual).ok()?))
+        level.stepped(y, &residual, newton)
+    }
+
+    /// Where the step of a residual leads to, with the Jacobian that `newton` has.
+    fn stepped(
+        &self,
+        y: &[f64; BALL],
+        residual: &[f64; BALL],
+        newton: &mut Workspace,
+    ) -> Option<[f64; BALL]> {
+        Some(self.slid(y, &newton.correction(residual).ok()?))
     }
 
     /// The root that Newton finds from `y` over a few levels of the creep speed, if it is on the flanks.
@@ -132,12 +142,11 @@ impl SlipBall<'_> {
         let report = watched.run(&mut y, newton);
         *steps += report.steps.len();
         if report.converged() {
-            if self.enough >= NEAR {
+            if self.is_first_try() {
                 // As in tables, the last step is taken without an evaluation.
-                let residual = watched.at(&y).map(|found| found.residual);
-                if let Some(step) = residual.ok().and_then(|r| newton.correction(&r).ok()) {
-                    y = self.slid(&y, &step);
-                }
+                let found = watched.at(&y).ok();
+                let last = found.and_then(|found| self.stepped(&y, &found.residual, newton));
+                y = last.unwrap_or(y);
             }
             let root = self.in_nut_chart(y, report.residual, newton, steps);
             if self.is_admissible(&root) {
