@@ -20,8 +20,10 @@ pub(super) const RISES: f64 = 0.1;
 /// The scale of a place on the curve is some third of it: a third of a relative change in its units.
 pub(super) const LARGE: f64 = 3.0;
 
-/// What a state of force may leave of (S14) and (S20), both of size one; Newton leaves rounding.
-pub(super) const CLOSED: f64 = 1e-10;
+/// What a state of force may leave of (S14) and (S20), both of size one: of a result, where Newton leaves rounding, and of a
+/// state on the way to one.
+const CLOSED: f64 = 1e-10;
+const CLOSED_ON_THE_WAY: f64 = 1e-7;
 
 /// Newton steps to a state; more means that the guess was not near it.
 const MOST_STEPS: usize = 8;
@@ -38,8 +40,9 @@ const UPWARDS: f64 = 1.0;
 const MOST_UPWARDS: usize = 12;
 const LEAST_RISE: f64 = 0.25;
 
-/// A step in the scale of a state that leaves an error of about its square: rounding.
+/// A step in the scale of a state that leaves an error of about its square: of a result, rounding.
 const STEP_TOLERANCE: f64 = 1e-8;
+const STEP_ON_THE_WAY: f64 = 1e-4;
 
 /// `$\ln q$`, `$x_B$`, `$c$`: the `$x$` of the nut follows.
 pub(super) type Coordinates<F> = [F; 3];
@@ -323,9 +326,13 @@ where
         let mut point = [begin, start.point[1], start.point[2]];
         let (mut guess, mut log, mut steps) = (point, begin, begin.constant(0.0));
         let (mut active, mut arrived) = (expected, begin.lt(begin));
+        // Of the last step.
+        let mut change = [steps; 2];
         for step in 0..=MOST_UPWARDS {
             let to = if step == 0 { point[0] } else { point[0] + UPWARDS };
-            let next = self.iterate::<false>([to, point[1], point[2]], scale, active);
+            let ahead = [to, point[1] + change[0], point[2] + change[1]];
+            let next =
+                self.iterate_to::<false>((STEP_ON_THE_WAY, CLOSED_ON_THE_WAY), ahead, scale, active);
             let inertia = next.log_inertia();
             let below = inertia.lt(goal);
             steps = steps + next.steps;
@@ -348,6 +355,9 @@ where
                 break;
             }
             log = F::select(active, inertia, log);
+            if step > 0 {
+                change = [next.point[1] - point[1], next.point[2] - point[2]];
+            }
             for (own, next) in point.iter_mut().zip(next.point) {
                 *own = F::select(active, next, *own);
             }
@@ -359,6 +369,18 @@ where
     #[inline(always)]
     pub(super) fn iterate<const STEADY: bool>(
         &self,
+        guess: Coordinates<F>,
+        scale: &[F; 3],
+        expected: F::Mask,
+    ) -> CurveState<F> {
+        self.iterate_to::<STEADY>((STEP_TOLERANCE, CLOSED), guess, scale, expected)
+    }
+
+    /// The same to a step and to what (S14) and (S20) may leave.
+    #[inline(always)]
+    fn iterate_to<const STEADY: bool>(
+        &self,
+        (last_step, closed): (f64, f64),
         guess: Coordinates<F>,
         &[_, by_screw, by_c]: &[F; 3],
         expected: F::Mask,
@@ -408,7 +430,7 @@ where
             }
             steps = F::select(converged, steps, steps + 1.0);
             let lost = !size.lt(infinity);
-            converged = converged | real & (size.lt(one * STEP_TOLERANCE) | lost);
+            converged = converged | real & (size.lt(one * last_step) | lost);
             if !F::any(!converged) {
                 break;
             }
@@ -420,7 +442,7 @@ where
         let residual = a.abs().larger(b.abs());
         let found = expected
             & converged
-            & residual.lt(rounding_floor(&state) * CLOSED)
+            & residual.lt(rounding_floor(&state) * closed)
             & state.push.gt(zero)
             & state.push.lt(infinity);
         CurveState { point, state, motion, residual, steps, found }

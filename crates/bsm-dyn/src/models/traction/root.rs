@@ -313,18 +313,21 @@ impl<'a> SlipRootSearch<'a> {
         self.start(!self.is_skidding())
     }
 
-    /// By Newton from a ball that skids, or from the rolling one.
+    /// By Newton from a ball that skids, whose slips are nearly those of the root, or from the rolling one, which has none
+    /// and takes a step at a high creep speed first.
     fn start(&mut self, skidding: bool) -> Attempt<SlipRoot> {
-        let y = if skidding {
-            let skid = GrossSlip::start(self.ball.contacts).ok()?;
-            *self.steps += skid.steps();
-            self.ball.unknowns(skid.state().0, skid.state().1)
+        let (rolling, Self { ball, newton, steps, .. }) = (self.rolling(), self);
+        let (y, near) = if skidding {
+            let skid = GrossSlip::start(ball.contacts).ok()?;
+            **steps += skid.steps();
+            let y = ball.unknowns(skid.state().0, skid.state().1);
+            (y, Some(y))
         } else {
-            self.rolling()
+            let predicted = ball.predicted(&rolling, newton);
+            **steps += usize::from(predicted.is_some());
+            (rolling, predicted)
         };
-        let Self { ball, newton, steps, .. } = self;
-        if let Some(y) = ball.predicted(&y, newton) {
-            **steps += 1;
+        if let Some(y) = near {
             let direct = SlipBall { limits: FULL_STEPS, ..*ball };
             if let Ok(root) = direct.solved(y, newton, steps) {
                 return Some(Ok(root));
