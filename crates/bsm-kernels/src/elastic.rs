@@ -3,7 +3,9 @@
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::Model;
-use bsm_dyn::internals::{SlidingBall, SlidingRoot, SlidingState, ideal_torque, takes};
+use bsm_dyn::internals::{
+    ElasticMotion, SlidingBall, SlidingRoot, SlidingState, ideal_torque, takes,
+};
 use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
@@ -48,16 +50,14 @@ impl Kernel for Elastic {
         let transmission =
             &units.answer().transmission(ideal, skid.torque(), back.select(-lost, lost));
         let slip_angles = slip_angles(out, skid.friction());
+        let (slip, rate) = (skid.motion.slip, skid.rate);
+        let motion = ElasticMotion { slip, spin, slip_angles, rate, to_nut };
         given.simd.vectorize(ElasticAnswer {
             out,
             units: &units,
             contacts: &contacts,
             sides: &sides,
-            slip: skid.motion.slip,
-            spin,
-            slip_angles,
-            rate: skid.rate,
-            to_nut,
+            motion,
             transmission,
             error: None,
             film: None,

@@ -8,7 +8,8 @@ use std::f64::consts::PI;
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{
-    cross_slip, friction_power, ideal_torque, onset_number, rolling_torque, skid_number,
+    ElasticMotion, cross_slip, friction_power, ideal_torque, onset_number, rolling_torque,
+    skid_number,
 };
 use bsm_dyn::{Ball, Control, FilmState, Model, Transmission};
 use bsm_simd::{NullaryFnOnce, Simd};
@@ -85,16 +86,19 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
         let one = contacts.constant(1.0);
         // Both centres roll; the slip of the lead is shared, against friction along e_x.
         let slip = contacts.scaled.lead.0 * 0.5;
-        given.simd.vectorize(ElasticAnswer {
-            out: &mut *out,
-            units,
-            contacts,
-            sides: &state.sides,
+        let elastic = ElasticMotion {
             slip: [slip; 2],
             spin: motion.spin,
             slip_angles: Some([units.answer().back().select(one * PI, zero); 2]),
             rate: motion.p + contacts.scaled.nut_speed,
             to_nut: [slip, motion.omega[0], motion.omega[1]],
+        };
+        given.simd.vectorize(ElasticAnswer {
+            out: &mut *out,
+            units,
+            contacts,
+            sides: &state.sides,
+            motion: elastic,
             transmission: &transmission,
             error: None,
             film,
@@ -126,7 +130,7 @@ fn ellipse<S: Simd>(
     let speed = motion.speed[i];
     Ellipse {
         load: side.load,
-        semi_axes: side.semi_axes(pressed),
+        semi_axes: side.semi_axes(contacts.scaled.semi_axes[i]),
         pressed_radius: pressed.pressed_radius,
         speed,
         // Both centres roll, and share the slip of the lead.
@@ -197,8 +201,8 @@ pub(super) fn regime<S: Simd>(
     let gyroscopic = ball.inertia() * (rate * motion.omega[0]).abs();
     let skid = skid_number(gyroscopic, friction, [a.load, b.load]);
     let [slip_a, slip_b] = &motion.spin;
-    let slip_a = slip_a.abs() * a.semi_axes(&contacts.pressed[0]).0;
-    let slip_b = slip_b.abs() * b.semi_axes(&contacts.pressed[1]).0;
+    let slip_a = slip_a.abs() * a.semi_axes(contacts.scaled.semi_axes[0]).0;
+    let slip_b = slip_b.abs() * b.semi_axes(contacts.scaled.semi_axes[1]).0;
     let cross = cross_slip(contacts.scaled.lead.0, [slip_a, slip_b]);
     let onset = onset_number(skid, cross);
     let (none, beyond) = (skid.constant(f64::NAN), skid.constant(f64::INFINITY));

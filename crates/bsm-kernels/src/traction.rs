@@ -6,9 +6,9 @@ use std::rc::Rc;
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{
-    FAST_NUT, MOST_LOSS_ERROR, Plane, SKID_ONSET, TractionMany, TractionPoint, TractionRoot,
-    TractionStart, efficiency, ideal_torque, integrated_error, loss_error, quadrature_error,
-    slip_scale, takes,
+    ElasticMotion, FAST_NUT, MOST_LOSS_ERROR, Plane, SKID_ONSET, TractionMany, TractionPoint,
+    TractionRoot, TractionStart, efficiency, ideal_torque, integrated_error, loss_error,
+    quadrature_error, slip_scale, takes,
 };
 use bsm_dyn::{ErrorBound, Model, Traction};
 use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
@@ -201,16 +201,19 @@ fn outputs<S: Simd>(
     let friction =
         [[-(slip_a[0] * sign), -(slip_a[1] * sign)], [slip_b[0] * sign, -(slip_b[1] * sign)]];
     let slip_angles = slip_angles(out, friction);
-    simd.vectorize(ElasticAnswer {
-        out: &mut *out,
-        units,
-        contacts,
-        sides: &sides,
+    let motion = ElasticMotion {
         slip: [length(slip_a), length(slip_b)],
         spin: [n_a, n_b],
         slip_angles,
         rate: y[3] + at.point.offset,
         to_nut: [lead.0 * y[4] - lead.1 * y[6], y[5], lead.1 * y[4] + lead.0 * y[6]],
+    };
+    simd.vectorize(ElasticAnswer {
+        out: &mut *out,
+        units,
+        contacts,
+        sides: &sides,
+        motion,
         transmission,
         error: Some(ErrorBound { efficiency: error, loss }),
         film: None,

@@ -10,11 +10,11 @@ use std::f64::consts::FRAC_PI_2;
 use bsm_kin::{BallFrame, Contact, Helix, Motion, Over, Scalar, Site};
 use bsm_newton::EvalError;
 
-use super::ball_contacts::ScaledBall;
+use super::ball_contacts::{ElasticMotion, LoadedContact, ScaledBall};
 use super::ball_unknowns::BALL;
 use super::operating_point::{BallUnits, OperatingPoint};
 use super::sensitivity::Performance;
-use super::state::{BallState, ContactState, HertzContact, Slip, Transmission};
+use super::state::{BallState, Transmission};
 use crate::contact::{
     Ball, Curvatures, Groove, Hertz, Jones, Material, Raceway, Wrench, axial_force,
     contact_modulus, efficiency, newton_euler, torque,
@@ -369,31 +369,23 @@ impl ElasticPoint {
         if !angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle)) {
             return Err(Unsolved::not_converged(Reason::BallLeavesFlank { nut, screw }));
         }
-        let (w, r_b) = (self.point.drive.relative_speed(), self.point.ball.radius);
-        let motions = to_both(to_nut, &loaded.frame);
-        let approaches = contacts.approaches(loaded.loads);
-        let [nut, screw] = from_fn(|i| {
-            let (contact, hertz, motion) = (&loaded.contacts[i], &contacts.hertz[i], &motions[i]);
-            let load = loaded.loads[i] * self.point.load.per_ball();
-            let slip = motion.slip_velocity(contacts.scaled.arc, &contact.point(1.0)) * (w * r_b);
-            let pressed = Some(HertzContact {
-                semi_axes: hertz.semi_axes(load),
-                max_pressure: hertz.max_pressure(load),
-                approach: approaches[i] * r_b,
-            });
-            let slip_angle = Some(contact.slip_angle(&slip));
-            let slip = Some(Slip { speed: slip.norm(), spin: motion.spin(contact) * w });
-            ContactState { angle: angles[i], load: Some(load), slip_angle, slip, pressed }
+        let (scaled, motions) = (&contacts.scaled, to_both(to_nut, &loaded.frame));
+        let touch = |i: usize| (&motions[i], &loaded.contacts[i]);
+        let slip = [0, 1].map(touch).map(|(m, c)| m.slip_velocity(scaled.arc, &c.point(1.0)));
+        let sign = contacts.direction.sign();
+        let motion = ElasticMotion {
+            slip: slip.map(|slip| slip.norm()),
+            spin: [0, 1].map(touch).map(|(m, c)| m.spin(c)),
+            slip_angles: Some(from_fn(|i| loaded.contacts[i].slip_angle(&(slip[i] * sign)))),
+            rate: to_nut.precession + scaled.nut_speed,
+            to_nut: loaded.frame.to_frenet(&to_nut.omega).into(),
+        };
+        let sides = from_fn(|i| {
+            let stiff = (scaled.offsets[i], scaled.approaches[i]);
+            LoadedContact::of(stiff, loaded.loads[i], angles[i].sin_cos())
         });
-        let motion = contacts.absolute(to_nut, &loaded.frame);
-        let omega = loaded.frame.to_frenet(&motion.omega) * w;
-        Ok(BallState {
-            motion: Some(Motion { precession: motion.precession * w, omega }),
-            nut,
-            screw,
-            unloaded: None,
-            axial_displacement: Some(loaded.displacement * r_b),
-        })
+        let (sides, units) = ((angles, &sides), self.point.units());
+        Ok(motion.state(scaled, sides, loaded.displacement, &units))
     }
 
     /// Torque, efficiency and powers of the scaled torque on the screw, and their balance against the
