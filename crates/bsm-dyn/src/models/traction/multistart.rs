@@ -4,8 +4,8 @@ use std::f64::consts::FRAC_PI_2;
 
 use bsm_newton::Continuation;
 
+use super::equations::{OMEGA, SlipBall};
 use super::root::SlipRoot;
-use super::{OMEGA, SlipBall};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::models::ball::{BALL, Workspace, weyl_point};
 

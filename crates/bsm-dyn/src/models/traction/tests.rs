@@ -8,9 +8,12 @@ use bsm_sample::campaign;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use super::equations::OMEGA;
 use super::*;
 use crate::Status;
 use crate::extreme::{extreme, practical};
+use crate::models::ball::BALL;
+use crate::models::ball::unknown::{PRECESSION, TILT};
 
 /// The point of a seed and a number.
 fn point(seed: u64, number: u64) -> ElasticPoint {
