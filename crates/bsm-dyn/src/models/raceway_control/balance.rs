@@ -2,6 +2,9 @@
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W2), (W12) to (W15).
 
+use std::convert::Infallible;
+use std::iter::successors;
+
 use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar, Site};
 use bsm_newton::{Bracket, EvalError, JacobianUpdate, Options, Report, Scales, solve};
 use bsm_simd::Arch;
@@ -215,12 +218,12 @@ impl Balance<'_> {
         let difference = |cot: f64| {
             self.statics.contact(0, cot).radial_distance() - self.statics.radial_distance
         };
-        let mut ends = [0.0, 1.0];
-        while difference(ends[1]) < 0.0 && ends[1] < f64::MAX.sqrt() {
-            ends = [ends[1], 4.0 * ends[1]];
-        }
-        let found = Bracket::new(ends, ends.map(difference)).root(difference);
-        found.root().map_or(ends[1], |root| root.ends[0])
+        let most = f64::MAX.sqrt();
+        let places = successors(Some(1.0), |cot| Some(4.0 * cot).filter(|cot| *cot < most));
+        let value = |cot| Ok::<_, Infallible>(difference(cot));
+        let Ok(change) = Bracket::first_change((0.0, difference(0.0)), places, value);
+        let root = change.and_then(|bracket| bracket.root(difference).root());
+        root.map_or(most, |root| root.ends[0])
     }
 
     /// `$P/W$` at a difference of the cotangents.
