@@ -11,7 +11,7 @@ use bsm_dyn::internals::{
     ElasticMotion, cross_slip, friction_power, ideal_torque, onset_number, rolling_torque,
     skid_number,
 };
-use bsm_dyn::{Ball, Control, FilmState, Model, Transmission};
+use bsm_dyn::{Control, FilmState, Model, Transmission};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 pub(super) use self::balance::{BalanceCall, Precession, RollingMotion};
@@ -103,7 +103,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
             error: None,
             film,
         });
-        let skid = regime(out, friction, (units, contacts), (&state, &motion));
+        let skid = regime(out, friction, contacts, (&state, &motion));
         out.set_all(OutputKey::iterations, [state.steps, state.residual]);
         out.set(OutputKey::controlling_raceway, state.by_nut.select(zero, zero + 1.0));
         // With a lubricant the model looks for no other solutions.
@@ -192,13 +192,12 @@ fn losses<S: Simd>(
 pub(super) fn regime<S: Simd>(
     out: &mut Sink<'_, '_>,
     friction: Lane<S>,
-    (units, contacts): (&Units<S>, &Contacts<S>),
+    contacts: &Contacts<S>,
     (state, motion): (&Precession<S>, &RollingMotion<S>),
 ) -> [Lane<S>; 2] {
     let [a, b] = &state.sides;
     let rate = motion.p + contacts.scaled.nut_speed;
-    let ball = Ball { radius: contacts.constant(1.0), mass: units.mass };
-    let gyroscopic = ball.inertia() * (rate * motion.omega[0]).abs();
+    let gyroscopic = contacts.scaled.ball().inertia() * (rate * motion.omega[0]).abs();
     let skid = skid_number(gyroscopic, friction, [a.load, b.load]);
     let [slip_a, slip_b] = &motion.spin;
     let slip_a = slip_a.abs() * a.semi_axes(contacts.scaled.semi_axes[0]).0;

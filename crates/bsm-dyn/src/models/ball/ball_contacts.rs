@@ -9,7 +9,7 @@ use bsm_simd::Compare;
 use super::operating_point::AnswerUnits;
 use super::state::{BallState, ContactState, HertzContact, Slip};
 use crate::contact::{
-    Axes, Curvatures, Groove, Hertz, Raceway, Sines, axial_displacement, max_pressure,
+    Axes, Ball, Curvatures, Groove, Hertz, Raceway, Sines, axial_displacement, max_pressure,
 };
 use crate::ellipse::pressed_radius;
 
@@ -43,6 +43,12 @@ impl<P: Field> ScaledBall<P> {
     #[inline(always)]
     pub fn inertia_ratio(&self) -> P {
         self.mass * self.radius
+    }
+
+    /// The ball, of radius 1.
+    #[inline(always)]
+    pub fn ball(&self) -> Ball<P> {
+        Ball { radius: self.mass.constant(1.0), mass: self.mass }
     }
 }
 

@@ -75,7 +75,7 @@ impl<D: Scalar> ElasticPoint<D> {
     /// The point in units of ball radius, axial load per ball and relative speed (P1).
     pub(crate) fn scaled(&self) -> Result<ElasticContacts<D>, Unsolved> {
         // Lengths in r_b, forces in F_a, speeds in W, Eq (R1)             (P1)
-        let BallUnits { helix, ball, nut_speed, direction } = self.point.in_own_units()?;
+        let BallUnits { helix, mass, nut_speed, direction } = self.point.in_own_units()?;
         let hertz = self.hertz().map_err(Unsolved::invalid)?;
         let (r_b, load) = (self.point.ball.radius, self.point.load.per_ball());
         let one = D::from(1.0);
@@ -84,7 +84,7 @@ impl<D: Scalar> ElasticPoint<D> {
             lead: helix.lead_angle.sin_cos(),
             radius: helix.radius,
             arc: helix.arc_length_per_radian(),
-            mass: ball.mass,
+            mass,
             nut_speed,
             // A₂ = (l_A0 + l_B0) cosβ₀                                    (J2)
             radial_distance: (nut_offset + screw_offset) * self.point.contact_angle.cos(),
@@ -101,9 +101,8 @@ impl<D: Scalar> ElasticPoint<D> {
         };
         Ok(ElasticContacts {
             helix,
-            jones: Jones { nut_offset, screw_offset, contact_angle: self.point.contact_angle },
+            contact_angle: self.point.contact_angle,
             friction: self.point.friction.0,
-            ball,
             direction,
             hertz,
             scaled,
@@ -118,12 +117,10 @@ pub(crate) struct ElasticContacts<P = f64> {
     pub(crate) helix: Helix<P>,
     /// As the equations take it.
     pub(crate) scaled: ScaledBall<P>,
-    /// Offsets of the groove arcs and unloaded contact angle.
-    pub(crate) jones: Jones<P>,
+    /// Unloaded contact angle.
+    pub(crate) contact_angle: P,
     /// Coulomb coefficient.
     pub(crate) friction: P,
-    /// Ball of radius 1 and mass `$m r_b W^2/F_a$`.
-    pub(crate) ball: Ball<P>,
     /// Which side drives: the sign of `$W$`.
     pub(crate) direction: Direction,
     /// Contacts in SI units.
@@ -228,19 +225,14 @@ impl<P: Scalar> ElasticContacts<P> {
                 requirement: "positive: the contact is lost",
             });
         }
-        let jones = Jones {
-            nut_offset: D::from(self.jones.nut_offset),
-            screw_offset: D::from(self.jones.screw_offset),
-            contact_angle: D::from(self.jones.contact_angle),
-        };
+        let [nut_offset, screw_offset] = self.scaled.offsets.map(D::from);
+        let jones = Jones { nut_offset, screw_offset, contact_angle: D::from(self.contact_angle) };
         Ok((jones, self.approaches(loads)))
     }
 
     /// The same point with the inertia multiplied by `factor`.
     pub(crate) fn with_inertia(&self, factor: f64) -> Self {
-        let mass = self.ball.mass * factor;
-        let (ball, scaled) = (Ball { mass, ..self.ball }, ScaledBall { mass, ..self.scaled });
-        Self { scaled, ball, ..*self }
+        Self { scaled: ScaledBall { mass: self.scaled.mass * factor, ..self.scaled }, ..*self }
     }
 
     /// The same point with another friction.
@@ -258,7 +250,7 @@ impl<P: Scalar> ElasticContacts<P> {
         motion: &Motion<D>,
         wrenches: &[Wrench<D>; 2],
     ) -> [D; BALL] {
-        let ball = Ball { radius: D::from(1.0), mass: D::from(self.ball.mass) };
+        let ball = Ball { radius: D::from(1.0), mass: D::from(self.scaled.mass) };
         let [nut, screw] = *wrenches;
         let radius = D::from(self.helix.radius);
         let left = newton_euler(&(nut + screw), &ball, radius, motion, &loaded.frame);

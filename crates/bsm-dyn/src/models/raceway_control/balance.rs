@@ -56,7 +56,7 @@ impl<'a, P: Scalar> Balance<'a, P> {
 
     /// Loads, angles and contacts of the unknowns.
     pub(super) fn loaded<D: Over<P>>(&self, &[c, screw]: &[D; STATIC]) -> BallLoads<D> {
-        let jones = &self.contacts.jones;
+        let ElasticContacts { helix, contact_angle, scaled, .. } = self.contacts;
         let nut = screw + c;
         let [a, b] = self.statics.loaded([c, screw]);
         let one = D::from(1.0);
@@ -65,8 +65,8 @@ impl<'a, P: Scalar> Balance<'a, P> {
         let tilt = c.atan2(nut * screw + 1.0) * 0.5;
         let contacts = [Contact::tilted(Site::Nut, -tilt), Contact::tilted(Site::Screw, tilt)];
         let mean = angles[1] - tilt;
-        let frame = BallFrame::turned(D::from(self.contacts.helix.lead_angle), mean);
-        let unloaded = (jones.nut_offset + jones.screw_offset) * jones.contact_angle.sin();
+        let frame = BallFrame::turned(D::from(helix.lead_angle), mean);
+        let unloaded = (scaled.offsets[0] + scaled.offsets[1]) * contact_angle.sin();
         let displacement = axial_displacement([a.length, b.length], [a.sin, b.sin], unloaded);
         BallLoads { loads: [a.load, b.load], tilt, angles, frame, contacts, displacement }
     }
@@ -204,7 +204,7 @@ impl Balance<'_> {
 
     /// Cotangent of the unloaded contact angle.
     fn unloaded(&self) -> f64 {
-        let angle = self.contacts.jones.contact_angle;
+        let angle = self.contacts.contact_angle;
         angle.cos() / angle.sin()
     }
 

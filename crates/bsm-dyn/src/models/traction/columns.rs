@@ -795,8 +795,7 @@ fn add_inertia<F: Compare, const SLOPED: bool>(
     residual[f_n] = residual[f_n] - centrifugal * rotation.cos;
     residual[f_c] = residual[f_c] + centrifugal * rotation.sin;
     // Σ M − I P (ω'_n k × n − ω'_c n)                                     (B5), (T5)
-    // I = (2/5) m r_b²                                                    (B2)
-    let inertia = point.scaled.mass * 0.4;
+    let inertia = point.scaled.ball().inertia();
     let (second, third) = (
         sin_lead * rotation.sin * radial - rotation.cos * around,
         sin_lead * rotation.cos * radial + rotation.sin * around,

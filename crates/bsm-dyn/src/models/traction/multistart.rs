@@ -19,7 +19,7 @@ impl SlipBall<'_> {
         let contacts = self.contacts;
         let [nut_angle, screw_angle, nut_load, screw_load, rate, slow, along, radial, around] =
             weyl_point(number);
-        let unloaded = contacts.jones.contact_angle;
+        let unloaded = contacts.contact_angle;
         // Angles apart as inertia turns them, or as friction does.
         let angles = match number % 3 {
             0 => {
