@@ -70,16 +70,17 @@ pub use self::outcome::{Control, Direction, Evidence, Reason, Status, Unsolved};
 /// part of the API: another way to solve would not have them.
 #[doc(hidden)]
 pub mod internals {
-    pub use crate::contact::{BallOrbit, efficiency, ideal_torque, max_pressure, torque_of};
+    pub use crate::contact::{BallOrbit, efficiency, ideal_torque, torque_of};
     pub use crate::ellipse::{power_of_many, slip_scale};
     pub use crate::models::{
-        AnswerUnits, BallContacts, EhlPoint, EhlUnits, FAST_NUT, FilmLoss, FirstOrder,
-        GrooveContact, LoadedContact, LubricatedWorkspace, MOST_LOSS_ERROR, ModelErrors,
-        NumberRows, Plane, RigidBall, RigidMotion, SKID_ONSET, ScaledBall, ScaledFilm, ScaledSize,
-        SlidingBall, SlidingMotion, SlidingRoot, SlidingState, StaticBalance, StaticState, Sweeps,
-        TractionMany, TractionPoint, TractionRoot, TractionStart, cross_slip, friction_angle,
-        friction_power, integrated_error, loss_error, onset_number, quadrature_error, rolling,
-        rolling_torque, skid_number, spread_of_control, takes, transmitted, turns,
+        AnswerUnits, BallContacts, EhlPoint, EhlUnits, ElasticMotion, FAST_NUT, FilmLoss,
+        FirstOrder, GrooveContact, LoadedContact, LubricatedWorkspace, MOST_LOSS_ERROR,
+        ModelErrors, NumberRows, Plane, RigidBall, RigidMotion, SKID_ONSET, ScaledBall, ScaledFilm,
+        ScaledSize, SlidingBall, SlidingMotion, SlidingRoot, SlidingState, StaticBalance,
+        StaticState, Sweeps, TractionMany, TractionPoint, TractionRoot, TractionStart, cross_slip,
+        friction_angle, friction_power, integrated_error, loss_error, onset_number,
+        quadrature_error, rolling, rolling_torque, skid_number, spread_of_control, takes,
+        transmitted, turns,
     };
     pub use crate::models::{RigidSystem, Unknowns as RigidUnknowns};
 }

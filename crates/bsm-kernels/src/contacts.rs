@@ -1,11 +1,8 @@
 //! A ball between elastic raceways by lanes: its units, and what its contacts put out.
 
 use bsm_case::{InputKey, OutputKey};
-use bsm_dyn::internals::{BallContacts, LoadedContact, ScaledSize, max_pressure};
-use bsm_dyn::{
-    BallState, ContactState, ErrorBound, FilmState, HertzContact, Slip, Solved, Transmission,
-};
-use bsm_kin::{Motion, relative_rotation};
+use bsm_dyn::internals::{BallContacts, ElasticMotion, LoadedContact, ScaledSize};
+use bsm_dyn::{ErrorBound, FilmState, Solved, Transmission};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::kernel::Sink;
@@ -46,21 +43,13 @@ impl<S: Simd> NullaryFnOnce for InUnits<'_, '_, S> {
 const ANGLES: [OutputKey; 2] =
     [OutputKey::nut_contact_angle_deg, OutputKey::screw_contact_angle_deg];
 
-/// The answer of a ball on two elastic contacts, scaled, and a call of its own that stores it, as three kernels share
-/// it.
+/// The answer of a ball on two elastic contacts: a call of its own that stores it, as three kernels share it.
 pub(super) struct ElasticAnswer<'a, 'b, 'c, S: Simd> {
     pub(super) out: &'a mut Sink<'b, 'c>,
     pub(super) units: &'a Units<S>,
     pub(super) contacts: &'a Contacts<S>,
     pub(super) sides: &'a [LaneContact<S>; 2],
-    /// Slip speeds, and spins over the relative speed.
-    pub(super) slip: [Lane<S>; 2],
-    pub(super) spin: [Lane<S>; 2],
-    /// Directions of friction \[rad\], if they are wanted.
-    pub(super) slip_angles: Option<[Lane<S>; 2]>,
-    /// Over the relative speed: precession, and rotation relative to the nut.
-    pub(super) rate: Lane<S>,
-    pub(super) to_nut: [Lane<S>; 3],
+    pub(super) motion: ElasticMotion<Lane<S>>,
     pub(super) transmission: &'a Transmission<Lane<S>>,
     pub(super) error: Option<ErrorBound<Lane<S>>>,
     pub(super) film: Option<FilmState<Lane<S>>>,
@@ -71,36 +60,15 @@ impl<S: Simd> NullaryFnOnce for ElasticAnswer<'_, '_, '_, S> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { out, units, contacts, .. } = self;
-        let (ball, w) = (units.ball, units.speed);
-        let angles = out.wants(&ANGLES);
-        let mut states = [ContactState::at_angle(w.constant(f64::NAN)); 2];
-        for (i, state) in states.iter_mut().enumerate() {
-            let side = &self.sides[i];
-            if angles {
-                state.angle = side.sin.zip(side.cos, f64::atan2);
+        let Self { out, units, contacts, sides, motion, .. } = self;
+        let mut angles = [contacts.constant(f64::NAN); 2];
+        if out.wants(&ANGLES) {
+            for (angle, side) in angles.iter_mut().zip(sides) {
+                *angle = side.sin.zip(side.cos, f64::atan2);
             }
-            if let Some(slip_angles) = &self.slip_angles {
-                state.slip_angle = Some(slip_angles[i]);
-            }
-            let (speed, spin) = (self.slip[i] * w.abs() * ball, self.spin[i] * w);
-            state.slip = Some(Slip { speed, spin });
-            let load = side.load * units.load;
-            state.load = Some(load);
-            let (a, b) = side.semi_axes(&contacts.pressed[i]);
-            let semi_axes = (a * ball, b * ball);
-            let (max_pressure, approach) = (max_pressure(load, semi_axes), side.approach * ball);
-            state.pressed = Some(HertzContact { semi_axes, max_pressure, approach });
         }
-        let scaled = &contacts.scaled;
-        let [t, n, b] = relative_rotation(self.to_nut, -scaled.nut_speed, scaled.lead);
-        let ball = BallState {
-            motion: Some(Motion::new(self.rate * w, [t * w, n * w, b * w])),
-            nut: states[0],
-            screw: states[1],
-            unloaded: None,
-            axial_displacement: Some(contacts.displacement(self.sides) * ball),
-        };
+        let displacement = contacts.displacement(sides);
+        let ball = motion.state(&contacts.scaled, (angles, sides), displacement, &units.answer());
         out.put(&Solved {
             error: self.error,
             film: self.film,

@@ -3,7 +3,9 @@
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::Model;
-use bsm_dyn::internals::{SlidingBall, SlidingRoot, SlidingState, ideal_torque, takes};
+use bsm_dyn::internals::{
+    ElasticMotion, SlidingBall, SlidingRoot, SlidingState, ideal_torque, takes,
+};
 use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
@@ -34,7 +36,7 @@ impl Kernel for Elastic {
         if !skid.found.any() {
             return skid.found;
         }
-        let SlidingState { loads, sin, cos, .. } = skid.state;
+        let SlidingState { loads, sin, cos, .. } = skid.at.state;
         let sides = [
             contacts.loaded(0, loads[0], (sin[0], cos[0])),
             contacts.loaded(1, loads[1], (sin[1], cos[1])),
@@ -48,16 +50,14 @@ impl Kernel for Elastic {
         let transmission =
             &units.answer().transmission(ideal, skid.torque(), back.select(-lost, lost));
         let slip_angles = slip_angles(out, skid.friction());
+        let (slip, rate) = (skid.at.motion.slip, skid.rate);
+        let motion = ElasticMotion { slip, spin, slip_angles, rate, to_nut };
         given.simd.vectorize(ElasticAnswer {
             out,
             units: &units,
             contacts: &contacts,
             sides: &sides,
-            slip: skid.motion.slip,
-            spin,
-            slip_angles,
-            rate: skid.rate,
-            to_nut,
+            motion,
             transmission,
             error: None,
             film: None,
@@ -87,7 +87,7 @@ impl<S: Simd> NullaryFnOnce for GrossSlip<'_, S> {
             & takes(friction.abs(), contacts.scaled.inertia_ratio())
             & contacts.scaled.nut_speed.abs().lt(contacts.constant(MOST_NUT_SPEED));
         let root = ball.first_root(contacts.cos_b / contacts.sin_b, expected, any);
-        let sure = root.state.push.lt(contacts.constant(MOST_LOAD));
+        let sure = root.at.state.push.lt(contacts.constant(MOST_LOAD));
         SlidingRoot { steady: root.steady & sure, found: root.found & sure, ..root }
     }
 }

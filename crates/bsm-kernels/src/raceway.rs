@@ -8,9 +8,10 @@ use std::f64::consts::PI;
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{
-    cross_slip, friction_power, ideal_torque, onset_number, rolling_torque, skid_number,
+    ElasticMotion, cross_slip, friction_power, ideal_torque, onset_number, rolling_torque,
+    skid_number,
 };
-use bsm_dyn::{Ball, Control, FilmState, Model, Transmission};
+use bsm_dyn::{Control, FilmState, Model, Transmission};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 pub(super) use self::balance::{BalanceCall, Precession, RollingMotion};
@@ -85,21 +86,24 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
         let one = contacts.constant(1.0);
         // Both centres roll; the slip of the lead is shared, against friction along e_x.
         let slip = contacts.scaled.lead.0 * 0.5;
-        given.simd.vectorize(ElasticAnswer {
-            out: &mut *out,
-            units,
-            contacts,
-            sides: &state.sides,
+        let elastic = ElasticMotion {
             slip: [slip; 2],
             spin: motion.spin,
             slip_angles: Some([units.answer().back().select(one * PI, zero); 2]),
             rate: motion.p + contacts.scaled.nut_speed,
             to_nut: [slip, motion.omega[0], motion.omega[1]],
+        };
+        given.simd.vectorize(ElasticAnswer {
+            out: &mut *out,
+            units,
+            contacts,
+            sides: &state.sides,
+            motion: elastic,
             transmission: &transmission,
             error: None,
             film,
         });
-        let skid = regime(out, friction, (units, contacts), (&state, &motion));
+        let skid = regime(out, friction, contacts, (&state, &motion));
         out.set_all(OutputKey::iterations, [state.steps, state.residual]);
         out.set(OutputKey::controlling_raceway, state.by_nut.select(zero, zero + 1.0));
         // With a lubricant the model looks for no other solutions.
@@ -126,7 +130,7 @@ fn ellipse<S: Simd>(
     let speed = motion.speed[i];
     Ellipse {
         load: side.load,
-        semi_axes: side.semi_axes(pressed),
+        semi_axes: side.semi_axes(contacts.scaled.semi_axes[i]),
         pressed_radius: pressed.pressed_radius,
         speed,
         // Both centres roll, and share the slip of the lead.
@@ -188,17 +192,16 @@ fn losses<S: Simd>(
 pub(super) fn regime<S: Simd>(
     out: &mut Sink<'_, '_>,
     friction: Lane<S>,
-    (units, contacts): (&Units<S>, &Contacts<S>),
+    contacts: &Contacts<S>,
     (state, motion): (&Precession<S>, &RollingMotion<S>),
 ) -> [Lane<S>; 2] {
     let [a, b] = &state.sides;
     let rate = motion.p + contacts.scaled.nut_speed;
-    let ball = Ball { radius: contacts.constant(1.0), mass: units.mass };
-    let gyroscopic = ball.inertia() * (rate * motion.omega[0]).abs();
+    let gyroscopic = contacts.scaled.ball().inertia() * (rate * motion.omega[0]).abs();
     let skid = skid_number(gyroscopic, friction, [a.load, b.load]);
     let [slip_a, slip_b] = &motion.spin;
-    let slip_a = slip_a.abs() * a.semi_axes(&contacts.pressed[0]).0;
-    let slip_b = slip_b.abs() * b.semi_axes(&contacts.pressed[1]).0;
+    let slip_a = slip_a.abs() * a.semi_axes(contacts.scaled.semi_axes[0]).0;
+    let slip_b = slip_b.abs() * b.semi_axes(contacts.scaled.semi_axes[1]).0;
     let cross = cross_slip(contacts.scaled.lead.0, [slip_a, slip_b]);
     let onset = onset_number(skid, cross);
     let (none, beyond) = (skid.constant(f64::NAN), skid.constant(f64::INFINITY));

@@ -6,9 +6,9 @@ use std::rc::Rc;
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{
-    FAST_NUT, MOST_LOSS_ERROR, Plane, SKID_ONSET, TractionMany, TractionPoint, TractionRoot,
-    TractionStart, efficiency, ideal_torque, integrated_error, loss_error, quadrature_error,
-    slip_scale, takes,
+    ElasticMotion, FAST_NUT, MOST_LOSS_ERROR, Plane, SKID_ONSET, TractionMany, TractionPoint,
+    TractionRoot, TractionStart, efficiency, ideal_torque, integrated_error, loss_error,
+    quadrature_error, slip_scale, takes,
 };
 use bsm_dyn::{ErrorBound, Model, Traction};
 use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
@@ -135,7 +135,7 @@ fn scaled<S: Simd>(
 #[inline(always)]
 fn start<S: Simd>(
     given: &LaneInputs<'_, S>,
-    LanePoints { units, contacts, scaled: point }: &LanePoints<S>,
+    LanePoints { contacts, scaled: point, .. }: &LanePoints<S>,
     out: &mut Sink<'_, '_>,
 ) -> (TractionStart<Lane<S>>, Mask<S>) {
     let one = contacts.constant(1.0);
@@ -143,7 +143,7 @@ fn start<S: Simd>(
     let rolling_rate = given.simd.vectorize(BalanceCall { contacts, control: None });
     let mut found = rolling_rate.found & takes(friction, contacts.scaled.inertia_ratio());
     let motion = RollingMotion::of(contacts, &rolling_rate);
-    let [onset, _] = regime(out, friction, (units, contacts), (&rolling_rate, &motion));
+    let [onset, _] = regime(out, friction, contacts, (&rolling_rate, &motion));
     let [a, b] = &rolling_rate.sides;
     let mut loads = [a.load, b.load];
     // sin 2ν = sin(β_B − β_A)
@@ -157,7 +157,7 @@ fn start<S: Simd>(
         let skid =
             given.simd.vectorize(GrossSlip { contacts, friction: point.friction, any: true });
         found = found & (skid.steady | !skidding);
-        let [q_a, q_b] = skid.state.loads;
+        let [q_a, q_b] = skid.at.state.loads;
         loads = [skidding.select(q_a, loads[0]), skidding.select(q_b, loads[1])];
         let (s, c) = skid.tilt;
         tilt = skidding.select(s.zip(c, f64::atan2), tilt);
@@ -201,16 +201,19 @@ fn outputs<S: Simd>(
     let friction =
         [[-(slip_a[0] * sign), -(slip_a[1] * sign)], [slip_b[0] * sign, -(slip_b[1] * sign)]];
     let slip_angles = slip_angles(out, friction);
-    simd.vectorize(ElasticAnswer {
-        out: &mut *out,
-        units,
-        contacts,
-        sides: &sides,
+    let motion = ElasticMotion {
         slip: [length(slip_a), length(slip_b)],
         spin: [n_a, n_b],
         slip_angles,
         rate: y[3] + at.point.offset,
         to_nut: [lead.0 * y[4] - lead.1 * y[6], y[5], lead.1 * y[4] + lead.0 * y[6]],
+    };
+    simd.vectorize(ElasticAnswer {
+        out: &mut *out,
+        units,
+        contacts,
+        sides: &sides,
+        motion,
         transmission,
         error: Some(ErrorBound { efficiency: error, loss }),
         film: None,

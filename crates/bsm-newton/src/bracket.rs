@@ -106,6 +106,31 @@ impl Bracket {
         Self { ends, values, start: None, x_tol: 0.0, f_tol: 0.0 }
     }
 
+    /// Between the first two places in succession at which a function has not the same sign, a zero and NaN having none;
+    /// `None` if there are none.
+    ///
+    /// * `begin`: the first place and the value there. * `places`: those after it.
+    ///
+    /// # Errors
+    ///
+    /// The first error of `function`.
+    pub fn first_change<E>(
+        begin: (f64, f64),
+        places: impl IntoIterator<Item = f64>,
+        mut function: impl FnMut(f64) -> Result<f64, E>,
+    ) -> Result<Option<Self>, E> {
+        let (mut x, mut value) = begin;
+        for next in places {
+            let there = function(next)?;
+            let same_sign = value > 0.0 && there > 0.0 || value < 0.0 && there < 0.0;
+            if !same_sign {
+                return Ok(Some(Self::new([x, next], [value, there])));
+            }
+            (x, value) = (next, there);
+        }
+        Ok(None)
+    }
+
     /// Finds the root.
     ///
     /// Newton steps where slopes are given, else inverse quadratic interpolation where three values

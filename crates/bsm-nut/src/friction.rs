@@ -195,14 +195,9 @@ impl BallNut {
         friction: Option<f64>,
         drive: &Drive<f64>,
         seal_torque: f64,
-        mut solve: impl FnMut(ElasticPoint) -> Solution,
+        solve: impl FnMut(ElasticPoint) -> Solution,
     ) -> NutFriction {
-        let (hertz, idle) = (self.hertz().ok(), found.idle_load());
-        let mut before = None;
-        let mut of_one = |number: usize| {
-            let at = (found, number, friction, drive);
-            self.friction_of(at, (hertz.as_ref()?, idle), &mut before, &mut solve)
-        };
+        let mut each = BallByBall::of(self, found, (friction, drive), solve);
         let mut sum = FrictionSum::default();
         let mut last: Option<(usize, FreeBall)> = None;
         let mut motions = Vec::with_capacity(found.balls.len());
@@ -213,7 +208,7 @@ impl BallNut {
             }
             let before = last.filter(|(other, _)| self.alike(found, *other, number));
             let (as_of, ball) = match before {
-                None => (number, of_one(number)?),
+                None => (number, each.friction_of(number)?),
                 Some(like) => like,
             };
             last = Some((as_of, ball));
@@ -267,45 +262,66 @@ impl BallNut {
     }
 }
 
-impl BallNut {
+/// The balls of a nut in equilibrium, asked for their friction one after the other.
+struct BallByBall<'a, M> {
+    nut: &'a BallNut,
+    found: &'a Equilibrium,
+    /// Coefficient; none where the model has another law.
+    friction: Option<f64>,
+    drive: &'a Drive<f64>,
+    /// Contacts at nut and screw, if they are ellipses.
+    hertz: Option<[Hertz; 2]>,
+    /// Load below which a ball is idle.
+    idle: f64,
+    /// The motion of the last ball that both flanks pressed.
+    before: Option<BallMotion>,
+    /// The model of a ball.
+    solve: M,
+}
+
+impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
+    fn of(
+        nut: &'a BallNut,
+        found: &'a Equilibrium,
+        (friction, drive): (Option<f64>, &'a Drive<f64>),
+        solve: M,
+    ) -> Self {
+        let (hertz, idle, before) = (nut.hertz().ok(), found.idle_load(), None);
+        Self { nut, found, friction, drive, hertz, idle, before, solve }
+    }
+
+    /// The screw whose only ball is this one, see [`BallNut::ball_alone`].
+    fn alone(&self, number: usize) -> Option<ElasticPoint> {
+        let friction = self.friction.unwrap_or(f64::NAN);
+        self.nut.ball_alone(self.found, number, friction, self.drive)
+    }
+
     /// Friction of a loaded ball, by itself or with both flanks pressed (U21).
-    ///
-    /// * `idle`: load below which a ball is idle. * `before`: the motion of the last ball that both flanks pressed.
-    fn friction_of(
-        &self,
-        (found, number, friction, drive): (&Equilibrium, usize, Option<f64>, &Drive<f64>),
-        (hertz, idle): (&[Hertz; 2], f64),
-        before: &mut Option<BallMotion>,
-        solve: &mut impl FnMut(ElasticPoint) -> Solution,
-    ) -> Option<FreeBall> {
-        if found.balls[number].flanks_pressed() == [true, true] {
-            let ball = self.ball_on_both_flanks(found, number, friction?, drive, hertz);
-            let motion = ball.solve(before.as_ref(), &Quadrature::of(FOUR_CONTACTS)).ok()?;
-            let BallMotion { to_nut, torque, .. } = *before.insert(motion);
+    fn friction_of(&mut self, number: usize) -> Option<FreeBall> {
+        let (nut, ball) = (self.nut, &self.found.balls[number]);
+        if ball.flanks_pressed() == [true, true] {
+            let (friction, hertz) = (self.friction?, self.hertz.as_ref()?);
+            let held = nut.ball_on_both_flanks(self.found, number, friction, self.drive, hertz);
+            let motion = held.solve(self.before.as_ref(), &Quadrature::of(FOUR_CONTACTS)).ok()?;
+            let BallMotion { to_nut, torque, .. } = *self.before.insert(motion);
             let friction =
                 FrictionSum { torque, contacts: [0.5 * torque; 2], ..FrictionSum::default() };
-            let motion = Some(self.free_motion(&to_nut, drive.relative_speed(), None));
+            let motion = Some(nut.free_motion(&to_nut, self.drive.relative_speed(), None));
             return Some(FreeBall { friction, motion });
         }
-        let alone = self.ball_alone(found, number, friction.unwrap_or(f64::NAN), drive)?;
-        let mut ball = self.friction_alone(alone, solve)?;
-        let part = (found.balls[number].max_load() / idle).min(1.0);
+        let free = self.friction_alone(self.alone(number)?)?;
         let mut friction = FrictionSum::default();
-        friction.add(&ball.friction, part);
-        ball.friction = friction;
-        Some(ball)
+        friction.add(&free.friction, (ball.max_load() / self.idle).min(1.0));
+        Some(FreeBall { friction, ..free })
     }
 
     /// Friction of a ball by itself (U21).
-    fn friction_alone(
-        &self,
-        alone: ElasticPoint,
-        solve: &mut impl FnMut(ElasticPoint) -> Solution,
-    ) -> Option<FreeBall> {
+    fn friction_alone(&mut self, alone: ElasticPoint) -> Option<FreeBall> {
+        let nut = self.nut;
         let Drive { nut_speed, .. } = alone.point.drive;
         let signed = alone.point.drive.relative_speed();
         let speed = signed.abs();
-        let solution = solve(alone);
+        let solution = (self.solve)(alone);
         let solved = solution.solved()?;
         let torque = solved.transmission.screw_torque?;
         let of_film = |power: fn(&OutsidePower) -> f64| {
@@ -314,18 +330,20 @@ impl BallNut {
         let returns = of_film(|outside| outside.ball_return);
         let ball_contact = of_film(|outside| outside.ball_contact);
         let drag = of_film(|outside| outside.drag);
-        let per_radian = self.helix.lead() / std::f64::consts::TAU;
+        let per_radian = nut.helix.lead() / std::f64::consts::TAU;
         // T_f = |T − h F|                                                 (U21)
         let torque = (torque - per_radian * alone.point.load.axial).abs() - returns;
         let contacts = solved.contact_power.map(|of| of.map(|power| power / speed));
         let contacts = contacts.unwrap_or([0.5 * torque; 2]);
-        let to_nut = |motion: Motion<f64>| motion.relative_to(nut_speed, &self.frenet());
-        let of_ball = |motion| self.free_motion(&to_nut(motion), signed, Some(&solved.ball));
+        let to_nut = |motion: Motion<f64>| motion.relative_to(nut_speed, &nut.frenet());
+        let of_ball = |motion| nut.free_motion(&to_nut(motion), signed, Some(&solved.ball));
         let motion = solved.ball.motion.map(of_ball);
         let friction = FrictionSum { torque, contacts, returns, ball_contact, drag };
         Some(FreeBall { friction, motion })
     }
+}
 
+impl BallNut {
     /// Of a motion relative to the nut in the Frenet-Serret triad.
     fn free_motion(
         &self,
@@ -352,11 +370,11 @@ impl BallNut {
         friction: Option<f64>,
         drive: &Drive<f64>,
         between_loads: f64,
-        mut solve: impl FnMut(ElasticPoint) -> Solution,
+        solve: impl FnMut(ElasticPoint) -> Solution,
     ) -> Option<FrictionSum> {
-        let (hertz, idle) = (self.hertz().ok()?, found.idle_load());
+        let mut each = BallByBall::of(self, found, (friction, drive), solve);
         let groups = self.groups(found, 1e-9 * self.arc_distance());
-        let (mut sum, mut before) = (FrictionSum::default(), None);
+        let mut sum = FrictionSum::default();
         for group in &groups {
             let loads = group.iter().map(|number| found.balls[*number].force[0].abs());
             let (low, high) = loads.clone().fold((f64::MAX, 0.0), |(low, high), load| {
@@ -368,13 +386,11 @@ impl BallNut {
             let points = (between_loads.ln() / (narrow / roots).ln()).ceil().clamp(1.0, most);
             if points >= most {
                 for number in group {
-                    let at = (found, *number, friction, drive);
-                    let ball = self.friction_of(at, (&hertz, idle), &mut before, &mut solve)?;
-                    sum.add(&ball.friction, 1.0);
+                    sum.add(&each.friction_of(*number)?.friction, 1.0);
                 }
                 continue;
             }
-            let alone = self.ball_alone(found, group[0], friction.unwrap_or(f64::NAN), drive)?;
+            let alone = each.alone(group[0])?;
             let angles = (0_u8..).take_while(|k| f64::from(*k) < points);
             let mut nodes = Vec::with_capacity(group.len());
             for (number, angle) in angles.enumerate() {
@@ -383,7 +399,7 @@ impl BallNut {
                 let mut ball = alone;
                 ball.point.load.axial = load * self.helix.lead_angle.cos();
                 let weight = if number % 2 == 0 { angle.sin() } else { -angle.sin() };
-                nodes.push((load, weight, self.friction_alone(ball, &mut solve)?.friction, 0.0));
+                nodes.push((load, weight, each.friction_alone(ball)?.friction, 0.0));
             }
             // How much of each node is in the sum over the balls, in barycentric form.
             for load in loads {
@@ -437,22 +453,19 @@ impl BallNut {
         found: &Equilibrium,
         friction: Option<f64>,
         drive: &Drive<f64>,
-        mut solve: impl FnMut(ElasticPoint) -> Solution,
+        solve: impl FnMut(ElasticPoint) -> Solution,
     ) -> Option<Vec<Option<FreeMotion>>> {
-        let (hertz, idle) = (self.hertz().ok()?, found.idle_load());
+        let mut each = BallByBall::of(self, found, (friction, drive), solve);
         let mut motions = vec![None; found.balls.len()];
-        let mut before = None;
         for mut group in self.groups(found, f64::INFINITY) {
-            group.retain(|number| found.balls[*number].max_load() >= idle);
+            group.retain(|number| found.balls[*number].max_load() >= each.idle);
             let point = |number: &usize| {
                 // The rates of light balls change fast.
                 [found.balls[*number].force[0].abs().ln(), found.grooves[*number][1]]
             };
             let points: Vec<_> = group.iter().map(point).collect();
             let of_group = interpolated(&points, FREE_MOTION, |position| {
-                let at = (found, group[position], friction, drive);
-                let FreeMotion { rate, rotation, .. } =
-                    self.friction_of(at, (&hertz, idle), &mut before, &mut solve)?.motion?;
+                let FreeMotion { rate, rotation, .. } = each.friction_of(group[position])?.motion?;
                 Some([rate, rotation])
             })?;
             for (number, [rate, rotation]) in group.into_iter().zip(of_group) {

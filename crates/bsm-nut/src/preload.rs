@@ -2,6 +2,8 @@
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U18) to (U20).
 
+use std::iter::successors;
+
 use bsm_newton::Bracket;
 
 use crate::{BallNut, Equilibrium, NutError, Support};
@@ -73,25 +75,19 @@ impl BallNut {
     ) -> Result<f64, NutError> {
         let support = support.with_axial(0.0);
         let (sign, force) = (force.signum(), force.abs());
-        let no_preload = NutError::NoPreload { force };
+        let no_preload = || NutError::NoPreload { force };
         let reached = |displacement: f64| -> Result<f64, NutError> {
             let nut = self.preloaded(by, sign * displacement);
             Ok(nut.solve(&support)?.preload(&nut, by))
         };
         // As much as a guided pair of rigid nuts needs, and twice that until it is enough.
-        let mut high = 2.0 * self.equal(2.0 * force)?.displacement;
-        let mut above = reached(high)?;
-        while above < force {
-            high *= 2.0;
-            if high > self.ball.radius {
-                return Err(no_preload);
-            }
-            above = reached(high)?;
-        }
+        let high = 2.0 * self.equal(2.0 * force)?.displacement;
+        let places = successors(Some(high), |x| Some(2.0 * x).filter(|x| *x <= self.ball.radius));
+        let excess = |x: f64| reached(x).map(|reached| reached - force);
         let bracket =
-            Bracket { x_tol: 1e-13, ..Bracket::new([0.0, high], [-force, above - force]) };
-        let found = bracket.root(|x| reached(x).map_or(f64::NAN, |reached| reached - force));
-        found.root().map(|root| sign * root.x).ok_or(no_preload)
+            Bracket::first_change((0.0, -force), places, excess)?.ok_or_else(no_preload)?;
+        let found = Bracket { x_tol: 1e-13, ..bracket }.root(|x| excess(x).unwrap_or(f64::NAN));
+        found.root().map(|root| sign * root.x).ok_or_else(no_preload)
     }
 
     /// The axial load \[N\] of the sign of `way` at which the last ball of a body, or of a flank, is unloaded
@@ -110,28 +106,22 @@ impl BallNut {
             Ok(self.solve(&support.with_axial(load))?.preload(self, by))
         };
         let preload = remaining(0.0)?;
+        let no_preload = || NutError::NoPreload { force: preload };
         if preload <= 0.0 {
-            return Err(NutError::NoPreload { force: preload });
+            return Err(no_preload());
         }
         // 2√2 to 2.91 times the preload, unless bodies and errors share it unevenly
-        let (mut low, mut high) = (0.0, 3.0 * preload);
-        while remaining(way.signum() * high)? > 0.0 {
-            (low, high) = (high, 2.0 * high);
-            if high > 1e3 * preload {
-                return Err(NutError::NoPreload { force: preload });
-            }
-        }
+        let most = 1e3 * preload;
+        let places =
+            successors(Some(3.0 * preload), |load| Some(2.0 * load).filter(|x| *x <= most));
         // The last force rises as the 3/2th power of the load that is taken off: its sign is what is sure.
-        let bracket = Bracket {
-            x_tol: 1e-9,
-            ..Bracket::new([low, high], [f64::INFINITY, f64::NEG_INFINITY])
+        let rest = |load: f64| {
+            remaining(way.signum() * load).map(|rest| if rest > 0.0 { 1.0 } else { -1.0 })
         };
-        let found = bracket.root(|load| match remaining(way.signum() * load) {
-            Ok(remaining) if remaining > 0.0 => 1.0,
-            Ok(_) => -1.0,
-            Err(_) => f64::NAN,
-        });
+        let bracket = Bracket::first_change((0.0, 1.0), places, rest)?.ok_or_else(no_preload)?;
+        let bracket = Bracket { x_tol: 1e-9, ..bracket };
+        let found = bracket.root(|load| rest(load).unwrap_or(f64::NAN));
         let end = found.root().map(|root| root.ends[1]);
-        end.map(|load| way.signum() * load).ok_or(NutError::NoPreload { force: preload })
+        end.map(|load| way.signum() * load).ok_or_else(no_preload)
     }
 }

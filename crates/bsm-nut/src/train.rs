@@ -2,6 +2,7 @@
 //!
 //! Theory: `docs/theory/20-ball-train.md`, equations (O1) to (O16).
 
+use std::convert::Infallible;
 use std::f64::consts::TAU;
 
 use bsm_dyn::{BallState, ElasticPoint, ModelWorkspace, TrainBall, TrainMotion};
@@ -706,7 +707,7 @@ impl Flow<'_> {
             (step, shrinks) = (next, next.abs() <= 0.5 * step.abs());
         }
         if step.abs() > RATE * here.0 {
-            let found = Self::bracketed(here, &mut surplus);
+            let found = Self::bracketed((here.0, here.1.value), &mut surplus);
             here = found.map_or(here, |rate| (rate, surplus(rate)));
         }
         let failed = |what| TrainError::NotConverged { circuit: self.circuit, what };
@@ -728,24 +729,19 @@ impl Flow<'_> {
 
     /// Where the surplus changes its sign, on the way down from a rate and its surplus.
     fn bracketed(
-        mut here: (f64, FunctionValue),
+        (rate, value): (f64, f64),
         surplus: &mut impl FnMut(f64) -> FunctionValue,
     ) -> Option<f64> {
-        let mut step = STEP;
-        for _ in 0..STEPS {
+        let places = (0..STEPS).scan((rate, STEP), |(rate, step), _| {
             // The surplus falls with the rate of the train.
-            let there = here.0 * (1.0 + step * here.1.value.signum());
-            let next = (there, surplus(there));
-            let values = [here.1.value, next.1.value];
-            if values[0].signum() * values[1].signum() <= 0.0 {
-                let bracket = Bracket::new([here.0, next.0], values);
-                let root = Bracket { x_tol: RATE, f_tol: 1e-13, ..bracket }.root(surplus).root()?;
-                return Some(root.x);
-            }
-            here = next;
-            step *= GROWTH;
-        }
-        None
+            *rate *= 1.0 + *step * value.signum();
+            *step *= GROWTH;
+            Some(*rate)
+        });
+        let value_at = |rate| Ok::<_, Infallible>(surplus(rate).value);
+        let Ok(change) = Bracket::first_change((rate, value), places, value_at);
+        let bracket = Bracket { x_tol: RATE, f_tol: 1e-13, ..change? };
+        Some(bracket.root(surplus).root()?.x)
     }
 
     /// Powers lost at the raceways, by ball-to-ball contact and idle balls, in the return, and by catching up \[W\].

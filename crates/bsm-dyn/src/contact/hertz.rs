@@ -235,7 +235,7 @@ impl<D: Scalar> Hertz<D> {
 
 /// Largest pressure of an ellipse of these semi-axes under a load (H10).
 #[inline(always)]
-pub fn max_pressure<F: Field>(load: F, (a, b): (F, F)) -> F {
+pub(crate) fn max_pressure<F: Field>(load: F, (a, b): (F, F)) -> F {
     // p_max = 3 Q / (2 π a b)                                             (H10)
     load * 1.5 / (a * PI * b)
 }

@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/03-closed-form.md`, equations (C1) to (C20).
 
-use bsm_kin::Scalar;
+use bsm_kin::{Field, Scalar};
 use bsm_simd::Compare;
 
 use crate::contact::{Angles, Coulomb, Load, Power, ideal_torque, torque_of};
@@ -30,23 +30,29 @@ pub fn turns<F: Compare>(back: F::Mask, efficiency: F, load_ratio: F) -> F::Mask
     (back | efficiency.gt(zero)) & load_ratio.gt(zero) & load_ratio.lt(zero.constant(f64::INFINITY))
 }
 
-impl<D: Scalar> ScrewSize<D> {
-    /// Torque of the frictionless screw and torque on the screw, of a model that is given by its
-    /// efficiency and the ratio of normal to axial load; `None` if the screw cannot be turned.
-    pub(crate) fn torques(
-        &self,
-        direction: Direction,
-        lead_angle: D,
-        efficiency: D,
-        load_ratio: D,
-    ) -> Option<(D, D)> {
-        let back = direction.is_back();
-        if !turns(back, efficiency.re(), load_ratio.re()) {
-            return None;
-        }
-        let ideal = ideal_torque(self.load.axial, self.pitch_radius, lead_angle.tan());
-        Some((ideal, torque_of(back, ideal, efficiency)))
+impl<F: Field> ScrewSize<F> {
+    /// Torques of the frictionless screw and on the screw; no numbers where it cannot be turned.
+    ///
+    /// * `back`: where the load drives. * `tan_a`: of the lead angle.
+    #[inline(always)]
+    fn torques(&self, turns: F::Mask, (back, tan_a): (F::Mask, F), efficiency: F) -> (F, F) {
+        let ideal = ideal_torque(self.load.axial, self.pitch_radius, tan_a);
+        let ideal = F::select(turns, ideal, tan_a.constant(f64::NAN));
+        (ideal, torque_of(back, ideal, efficiency))
     }
+}
+
+/// What a model is differentiated for that is given by its efficiency and the ratio of normal to axial load.
+pub(crate) fn performance<D: Scalar>(
+    efficiency: D,
+    load_ratio: D,
+    size: Option<ScrewSize<D>>,
+    (direction, lead_angle): (Direction, D),
+) -> Performance<D> {
+    let back = direction.is_back();
+    let size = size.filter(|_| turns(back, efficiency.re(), load_ratio.re()));
+    let torque = |size: ScrewSize<D>| size.torques(true, (back, lead_angle.tan()), efficiency).1;
+    Performance { efficiency, screw_torque: size.map(torque) }
 }
 
 /// The answer of a model that is given by its efficiency and the ratio of normal to axial load: torque and
@@ -68,15 +74,15 @@ pub fn transmitted<F: Compare>(
         power: None,
         power_balance: None,
     };
-    if let Some(ScrewSize { pitch_radius, load, relative_speed }) = size {
-        let (turns, none) = (turns(back, efficiency, load_ratio), efficiency.constant(f64::NAN));
-        let ideal = F::select(turns, ideal_torque(load.axial, pitch_radius, tan_a), none);
-        let torque = torque_of(back, ideal, efficiency);
+    if let Some(size) = size {
+        let turns = turns(back, efficiency, load_ratio);
+        let (ideal, torque) = size.torques(turns, (back, tan_a), efficiency);
         transmission.screw_torque = Some(torque);
-        if let Some(speed) = relative_speed {
+        if let Some(speed) = size.relative_speed {
             transmission.power = Some(Power::transmitted(torque, ideal, speed));
         }
-        let load = F::select(turns, load_ratio * load.per_ball(), none);
+        let load = load_ratio * size.load.per_ball();
+        let load = F::select(turns, load, load.constant(f64::NAN));
         (ball.nut.load, ball.screw.load) = (Some(load), Some(load));
     }
     Solved::new(&ball, transmission)
@@ -113,9 +119,7 @@ impl<D: Scalar> ClosedForm<D> {
     pub(crate) fn transmitted(&self) -> Performance<D> {
         let efficiency = self.angles.efficiency(self.direction, self.friction.0);
         let ratio = self.angles.load_ratio(self.direction, self.friction.0);
-        let torques =
-            self.size.and_then(|t| t.torques(self.direction, self.angles.lead, efficiency, ratio));
-        Performance { efficiency, screw_torque: torques.map(|(_, torque)| torque) }
+        performance(efficiency, ratio, self.size, (self.direction, self.angles.lead))
     }
 }
 

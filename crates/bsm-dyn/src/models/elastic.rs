@@ -75,7 +75,7 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();
         let tangent = BallFrame::tangent();
         let along = nut.transverse * cos + tangent * sin;
-        let spin = (y[SPIN], precession * contacts.ball.inertia());
+        let spin = (y[SPIN], precession * contacts.scaled.ball().inertia());
         let tilt = (nut.transverse.y, nut.transverse.z);
         let omega = rotation(
             contacts.scaled.arc,
@@ -179,7 +179,7 @@ fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
     let force = centrifugal.max(y[NUT_LOAD]).max(y[SCREW_LOAD]).max(1.0);
     // I P ω of the rolling ball, all there is of the moment about the mean normal.
     let gyroscopic =
-        contacts.ball.inertia() * rate * (1.0 + y[PRECESSION].abs() * contacts.scaled.arc);
+        contacts.scaled.ball().inertia() * rate * (1.0 + y[PRECESSION].abs() * contacts.scaled.arc);
     let mut weights = [weight(force); BALL];
     let across = weight(force.max(gyroscopic));
     for (row, weight) in MOMENT.into_iter().zip([across, weight(gyroscopic), across]) {

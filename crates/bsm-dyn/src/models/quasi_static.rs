@@ -8,7 +8,7 @@ use crate::contact::{Angles, Coulomb, Sines};
 use crate::models::ball::{
     BallState, Direction, Evidence, Model, Performance, Reason, Solution, Unsolved,
 };
-use crate::models::closed_form::{ScrewSize, answer};
+use crate::models::closed_form::{ScrewSize, answer, performance};
 
 /// Inputs of the quasi-static model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -152,10 +152,8 @@ impl<D: Scalar> QuasiStatic<D> {
 
     /// Efficiency, and torque if there is one.
     pub(crate) fn transmitted(&self) -> Performance<D> {
-        let (efficiency, ratio) = (self.efficiency(), self.load_ratio());
-        let torques =
-            self.size.and_then(|t| t.torques(self.direction, self.angles.lead, efficiency, ratio));
-        Performance { efficiency, screw_torque: torques.map(|(_, torque)| torque) }
+        let along = (self.direction, self.angles.lead);
+        performance(self.efficiency(), self.load_ratio(), self.size, along)
     }
 }
 

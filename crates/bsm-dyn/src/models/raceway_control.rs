@@ -195,7 +195,7 @@ impl RollingBall {
     /// has no solution.
     pub(crate) fn guess(contacts: &ElasticContacts) -> Result<Self, Unsolved> {
         let balance = Balance::new(contacts, Control::Nut);
-        let angle = contacts.jones.contact_angle.sin_cos();
+        let angle = contacts.contact_angle.sin_cos();
         let (p, _) = rolling(true, contacts.scaled.lead, contacts.scaled.arc, [angle; 2]);
         let [nut, screw, tilt] = contacts.static_balance(p + contacts.scaled.nut_speed);
         let loaded = contacts.loaded([nut, screw], tilt).map_err(domain_error)?;
@@ -217,7 +217,7 @@ impl RollingBall {
     pub(crate) fn skid(&self, contacts: &ElasticContacts) -> SkidNumbers {
         let motion = contacts.absolute(&self.to_nut, &self.loaded.frame);
         let omega = self.loaded.frame.to_frenet(&motion.omega);
-        let gyroscopic = contacts.ball.inertia() * (motion.precession * omega.y).abs();
+        let gyroscopic = contacts.scaled.ball().inertia() * (motion.precession * omega.y).abs();
         let motions = to_both(&self.to_nut, &self.loaded.frame);
         let spins = [0, 1].map(|i| {
             let (a, _) = contacts.ellipse(i, &self.loaded).semi_axes;

@@ -102,11 +102,11 @@ equations!(RigidSystem, BALL, RigidSystem::residual_at, ROWS);
 impl<D: Scalar> Rigid<D> {
     /// The point in the model's own units, or why there is none.
     fn ball(&self) -> Result<RigidBall<D>, Unsolved> {
-        let BallUnits { helix, ball, nut_speed, direction } = self.point.in_own_units()?;
+        let BallUnits { helix, mass, nut_speed, direction } = self.point.in_own_units()?;
         self.point.require_friction()?;
         let angles = Angles { lead: helix.lead_angle, contact: self.point.contact_angle };
         let signed = self.point.friction.0 * direction.sign();
-        Ok(RigidBall::new(angles.sines(), helix.radius, ball.mass, nut_speed, signed))
+        Ok(RigidBall::new(angles.sines(), helix.radius, mass, nut_speed, signed))
     }
 }
 

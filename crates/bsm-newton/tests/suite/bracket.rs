@@ -1,5 +1,7 @@
 //! Roots of one variable in closed form, with pinned counts, and functions that are no help.
 
+use std::convert::Infallible;
+
 use bsm_newton::{Bracket, Root, RootResult};
 
 /// The root of `f` between `ends`, which are evaluated first, to the last double.
@@ -118,4 +120,22 @@ fn tolerances_are_kept() {
     let value = Bracket { f_tol: 0.1, x_tol: 0.0, ..coarse };
     let found = value.root(f).root().expect("a sign change");
     assert!(found.value.abs() <= 0.1 && found.evaluations <= 8, "{found:?}");
+}
+
+/// The places of a walk that has no end but that of a root, a zero or an error.
+#[test]
+fn a_walk_ends_at_the_first_change_of_sign() {
+    let walk = |f: fn(f64) -> f64| {
+        let places = [1.0, 2.0, 4.0];
+        let Ok(change) =
+            Bracket::first_change((0.0, f(0.0)), places, |x| Ok::<_, Infallible>(f(x)));
+        change.map(|bracket| bracket.ends)
+    };
+    assert_eq!(walk(|x| x - 1.5), Some([1.0, 2.0]));
+    assert_eq!(walk(|x| x - 2.0), Some([1.0, 2.0]));
+    assert_eq!(walk(|x| x), Some([0.0, 1.0]), "the begin is the root");
+    assert_eq!(walk(|x| 1.5 - x), Some([1.0, 2.0]));
+    assert_eq!(walk(|x| (1.5 - x).sqrt()), Some([1.0, 2.0]), "not a number");
+    assert_eq!(walk(|x| x - 5.0), None);
+    assert_eq!(Bracket::first_change((0.0, -1.0), [1.0], |_| Err("no")), Err("no"));
 }

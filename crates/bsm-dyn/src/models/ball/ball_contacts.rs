@@ -3,10 +3,14 @@
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (P1), (P2), (P6).
 
-use bsm_kin::{Field, FieldOver};
+use bsm_kin::{Field, FieldOver, Motion, relative_rotation};
 use bsm_simd::Compare;
 
-use crate::contact::{Axes, Curvatures, Groove, Hertz, Raceway, Sines, axial_displacement};
+use super::operating_point::AnswerUnits;
+use super::state::{BallState, ContactState, HertzContact, Slip};
+use crate::contact::{
+    Axes, Ball, Curvatures, Groove, Hertz, Raceway, Sines, axial_displacement, max_pressure,
+};
 use crate::ellipse::pressed_radius;
 
 /// A ball between elastic raceways as the equations of the models take it; pairs are of nut and screw.
@@ -39,6 +43,12 @@ impl<P: Field> ScaledBall<P> {
     #[inline(always)]
     pub fn inertia_ratio(&self) -> P {
         self.mass * self.radius
+    }
+
+    /// The ball, of radius 1.
+    #[inline(always)]
+    pub fn ball(&self) -> Ball<P> {
+        Ball { radius: self.mass.constant(1.0), mass: self.mass }
     }
 }
 
@@ -145,12 +155,14 @@ impl<D: Field> LoadedContact<D> {
             + self.approach * self.sin * self.cos.square() * (2.0 / 3.0)
     }
 
-    /// Semi-axes across and along the groove.
+    /// Semi-axes across and along the groove, from those under the axial load.
     #[inline(always)]
-    pub fn semi_axes(&self, contact: &GrooveContact<D>) -> (D, D) {
+    pub fn semi_axes<P: Copy>(&self, (a, b): (P, P)) -> (D, D)
+    where
+        D: FieldOver<P>,
+    {
         // a ~ Q^{1/3}                                                     (P6)
-        let a = self.cbrt_load * contact.hertz.semi_axis;
-        (a, a * contact.hertz.flatness)
+        (self.cbrt_load * a, self.cbrt_load * b)
     }
 }
 
@@ -237,6 +249,60 @@ impl<F: Compare> BallContacts<F> {
         let of_nut = a.load * a.cbrt_load * nut.semi_axis * nut.second_integral;
         let of_screw = b.load * b.cbrt_load * screw.semi_axis * screw.second_integral;
         excess_of_nut([of_nut, of_screw], a.cos * b.cos + a.sin * b.sin)
+    }
+}
+
+/// How a ball on two elastic contacts moves: speeds over `$W$`, lengths over the ball radius; pairs are of nut and
+/// screw.
+#[derive(Debug, Clone, Copy)]
+pub struct ElasticMotion<F> {
+    /// Slip speeds at the contact centres, not negative.
+    pub slip: [F; 2],
+    /// Spins.
+    pub spin: [F; 2],
+    /// Directions of friction \[rad\], if they are wanted.
+    pub slip_angles: Option<[F; 2]>,
+    /// Precession.
+    pub rate: F,
+    /// Rotation relative to the nut in the triad `$(t, n, b)$`.
+    pub to_nut: [F; 3],
+}
+
+impl<F: Compare> ElasticMotion<F> {
+    /// The ball in SI units.
+    ///
+    /// * `angles` \[rad\], `sides`: of its contacts. * `displacement`: of the nut, over the ball radius.
+    #[inline(always)]
+    pub fn state(
+        &self,
+        ball: &ScaledBall<F>,
+        (angles, sides): ([F; 2], &[LoadedContact<F>; 2]),
+        displacement: F,
+        units: &AnswerUnits<F>,
+    ) -> BallState<F> {
+        let (w, length) = (units.speed, units.length);
+        let mut contacts = [ContactState::at_angle(angles[0]), ContactState::at_angle(angles[1])];
+        for (i, contact) in contacts.iter_mut().enumerate() {
+            let side = &sides[i];
+            let (load, (a, b)) = (side.load * units.load, side.semi_axes(ball.semi_axes[i]));
+            let semi_axes = (a * length, b * length);
+            let (max_pressure, approach) = (max_pressure(load, semi_axes), side.approach * length);
+            let (speed, spin) = (self.slip[i] * w.abs() * length, self.spin[i] * w);
+            contact.load = Some(load);
+            contact.slip = Some(Slip { speed, spin });
+            contact.pressed = Some(HertzContact { semi_axes, max_pressure, approach });
+            if let Some(slip_angles) = &self.slip_angles {
+                contact.slip_angle = Some(slip_angles[i]);
+            }
+        }
+        let [t, n, b] = relative_rotation(self.to_nut, -ball.nut_speed, ball.lead);
+        BallState {
+            motion: Some(Motion::new(self.rate * w, [t * w, n * w, b * w])),
+            nut: contacts[0],
+            screw: contacts[1],
+            unloaded: None,
+            axial_displacement: Some(displacement * length),
+        }
     }
 }
 

@@ -10,11 +10,11 @@ use std::f64::consts::FRAC_PI_2;
 use bsm_kin::{BallFrame, Contact, Helix, Motion, Over, Scalar, Site};
 use bsm_newton::EvalError;
 
-use super::ball_contacts::ScaledBall;
+use super::ball_contacts::{ElasticMotion, LoadedContact, ScaledBall};
 use super::ball_unknowns::BALL;
 use super::operating_point::{BallUnits, OperatingPoint};
 use super::sensitivity::Performance;
-use super::state::{BallState, ContactState, HertzContact, Slip, Transmission};
+use super::state::{BallState, Transmission};
 use crate::contact::{
     Ball, Curvatures, Groove, Hertz, Jones, Material, Raceway, Wrench, axial_force,
     contact_modulus, efficiency, newton_euler, torque,
@@ -75,7 +75,7 @@ impl<D: Scalar> ElasticPoint<D> {
     /// The point in units of ball radius, axial load per ball and relative speed (P1).
     pub(crate) fn scaled(&self) -> Result<ElasticContacts<D>, Unsolved> {
         // Lengths in r_b, forces in F_a, speeds in W, Eq (R1)             (P1)
-        let BallUnits { helix, ball, nut_speed, direction } = self.point.in_own_units()?;
+        let BallUnits { helix, mass, nut_speed, direction } = self.point.in_own_units()?;
         let hertz = self.hertz().map_err(Unsolved::invalid)?;
         let (r_b, load) = (self.point.ball.radius, self.point.load.per_ball());
         let one = D::from(1.0);
@@ -84,7 +84,7 @@ impl<D: Scalar> ElasticPoint<D> {
             lead: helix.lead_angle.sin_cos(),
             radius: helix.radius,
             arc: helix.arc_length_per_radian(),
-            mass: ball.mass,
+            mass,
             nut_speed,
             // A₂ = (l_A0 + l_B0) cosβ₀                                    (J2)
             radial_distance: (nut_offset + screw_offset) * self.point.contact_angle.cos(),
@@ -101,9 +101,8 @@ impl<D: Scalar> ElasticPoint<D> {
         };
         Ok(ElasticContacts {
             helix,
-            jones: Jones { nut_offset, screw_offset, contact_angle: self.point.contact_angle },
+            contact_angle: self.point.contact_angle,
             friction: self.point.friction.0,
-            ball,
             direction,
             hertz,
             scaled,
@@ -118,12 +117,10 @@ pub(crate) struct ElasticContacts<P = f64> {
     pub(crate) helix: Helix<P>,
     /// As the equations take it.
     pub(crate) scaled: ScaledBall<P>,
-    /// Offsets of the groove arcs and unloaded contact angle.
-    pub(crate) jones: Jones<P>,
+    /// Unloaded contact angle.
+    pub(crate) contact_angle: P,
     /// Coulomb coefficient.
     pub(crate) friction: P,
-    /// Ball of radius 1 and mass `$m r_b W^2/F_a$`.
-    pub(crate) ball: Ball<P>,
     /// Which side drives: the sign of `$W$`.
     pub(crate) direction: Direction,
     /// Contacts in SI units.
@@ -228,19 +225,14 @@ impl<P: Scalar> ElasticContacts<P> {
                 requirement: "positive: the contact is lost",
             });
         }
-        let jones = Jones {
-            nut_offset: D::from(self.jones.nut_offset),
-            screw_offset: D::from(self.jones.screw_offset),
-            contact_angle: D::from(self.jones.contact_angle),
-        };
+        let [nut_offset, screw_offset] = self.scaled.offsets.map(D::from);
+        let jones = Jones { nut_offset, screw_offset, contact_angle: D::from(self.contact_angle) };
         Ok((jones, self.approaches(loads)))
     }
 
     /// The same point with the inertia multiplied by `factor`.
     pub(crate) fn with_inertia(&self, factor: f64) -> Self {
-        let mass = self.ball.mass * factor;
-        let (ball, scaled) = (Ball { mass, ..self.ball }, ScaledBall { mass, ..self.scaled });
-        Self { scaled, ball, ..*self }
+        Self { scaled: ScaledBall { mass: self.scaled.mass * factor, ..self.scaled }, ..*self }
     }
 
     /// The same point with another friction.
@@ -258,7 +250,7 @@ impl<P: Scalar> ElasticContacts<P> {
         motion: &Motion<D>,
         wrenches: &[Wrench<D>; 2],
     ) -> [D; BALL] {
-        let ball = Ball { radius: D::from(1.0), mass: D::from(self.ball.mass) };
+        let ball = Ball { radius: D::from(1.0), mass: D::from(self.scaled.mass) };
         let [nut, screw] = *wrenches;
         let radius = D::from(self.helix.radius);
         let left = newton_euler(&(nut + screw), &ball, radius, motion, &loaded.frame);
@@ -369,31 +361,23 @@ impl ElasticPoint {
         if !angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle)) {
             return Err(Unsolved::not_converged(Reason::BallLeavesFlank { nut, screw }));
         }
-        let (w, r_b) = (self.point.drive.relative_speed(), self.point.ball.radius);
-        let motions = to_both(to_nut, &loaded.frame);
-        let approaches = contacts.approaches(loaded.loads);
-        let [nut, screw] = from_fn(|i| {
-            let (contact, hertz, motion) = (&loaded.contacts[i], &contacts.hertz[i], &motions[i]);
-            let load = loaded.loads[i] * self.point.load.per_ball();
-            let slip = motion.slip_velocity(contacts.scaled.arc, &contact.point(1.0)) * (w * r_b);
-            let pressed = Some(HertzContact {
-                semi_axes: hertz.semi_axes(load),
-                max_pressure: hertz.max_pressure(load),
-                approach: approaches[i] * r_b,
-            });
-            let slip_angle = Some(contact.slip_angle(&slip));
-            let slip = Some(Slip { speed: slip.norm(), spin: motion.spin(contact) * w });
-            ContactState { angle: angles[i], load: Some(load), slip_angle, slip, pressed }
+        let (scaled, motions) = (&contacts.scaled, to_both(to_nut, &loaded.frame));
+        let touch = |i: usize| (&motions[i], &loaded.contacts[i]);
+        let slip = [0, 1].map(touch).map(|(m, c)| m.slip_velocity(scaled.arc, &c.point(1.0)));
+        let sign = contacts.direction.sign();
+        let motion = ElasticMotion {
+            slip: slip.map(|slip| slip.norm()),
+            spin: [0, 1].map(touch).map(|(m, c)| m.spin(c)),
+            slip_angles: Some(from_fn(|i| loaded.contacts[i].slip_angle(&(slip[i] * sign)))),
+            rate: to_nut.precession + scaled.nut_speed,
+            to_nut: loaded.frame.to_frenet(&to_nut.omega).into(),
+        };
+        let sides = from_fn(|i| {
+            let stiff = (scaled.offsets[i], scaled.approaches[i]);
+            LoadedContact::of(stiff, loaded.loads[i], angles[i].sin_cos())
         });
-        let motion = contacts.absolute(to_nut, &loaded.frame);
-        let omega = loaded.frame.to_frenet(&motion.omega) * w;
-        Ok(BallState {
-            motion: Some(Motion { precession: motion.precession * w, omega }),
-            nut,
-            screw,
-            unloaded: None,
-            axial_displacement: Some(loaded.displacement * r_b),
-        })
+        let (sides, units) = ((angles, &sides), self.point.units());
+        Ok(motion.state(scaled, sides, loaded.displacement, &units))
     }
 
     /// Torque, efficiency and powers of the scaled torque on the screw, and their balance against the

@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-use bsm_kin::{BallFrame, Contact, Field, FieldOver, Motion, Over, Scalar};
+use bsm_kin::{BallFrame, Field, FieldOver, Motion, Over, Scalar};
 use bsm_simd::Compare;
 
 use super::elastic_ball::{BallLoads, ElasticContacts, ElasticPoint, to_both};
@@ -122,15 +122,9 @@ impl<P: Field> EhlPoint<P> {
         k_c: D,
         creep: f64,
     ) -> ScaledFilm<D> {
+        let (Self { lubricant, oil, units, .. }, gap) = (self, &self.gaps[i]);
         // u_t = ½ [ω_c − P (d + 2 k_c)]                                   (Y14)
         let along = (around - speed) * 0.5 - rate * k_c;
-        self.of_speed(i, load, along, creep)
-    }
-
-    /// The film of a load and an entrainment along the track.
-    #[inline(always)]
-    fn of_speed<D: FieldOver<P>>(&self, i: usize, load: D, along: D, creep: f64) -> ScaledFilm<D> {
-        let (Self { lubricant, oil, units, .. }, gap) = (self, &self.gaps[i]);
         // u = √(u_t² + v_e²)                                              (Y14)
         let entrainment = (along.square() + creep * creep).sqrt();
         let (speed, force) = (entrainment * units.speed, load * units.load);
@@ -333,20 +327,6 @@ impl<P: Scalar> EhlPoint<P> {
         let modulus = contact_modulus(&screw.material.0, &screw.material.1);
         Ok(Self::of(lubricant, temperature, (&screw.curvatures(), &hertz), modulus, units))
     }
-
-    /// The film at nut (0) or screw (1).
-    ///
-    /// * `motion`: relative to the raceway. * `load`, `arc`, `creep`: scaled as the point is.
-    pub(crate) fn film<D: Over<P>>(
-        &self,
-        i: usize,
-        (contact, load): (&Contact<D>, D),
-        motion: &Motion<D>,
-        frame: &BallFrame<D>,
-        (arc, creep): (P, f64),
-    ) -> ScaledFilm<D> {
-        self.of_speed(i, load, entrainment(contact, motion, frame, D::from(arc)), creep)
-    }
 }
 
 impl<P: Field> Gap<P> {
@@ -476,34 +456,17 @@ impl<P: Scalar> EhlPoint<P> {
         creep: f64,
         sliding: D,
     ) -> EhlLoss<D> {
-        let (contact, load) = (&loaded.contacts[i], loaded.loads[i]);
-        let film =
-            self.film(i, (contact, load), motion, &loaded.frame, (contacts.scaled.arc, creep));
-        let [push, couple] = film.resist(motion.omega.dot(&contact.transverse), creep);
-        let (force, couple) = (BallFrame::tangent() * push, contact.transverse * couple);
-        let point = contact.point(D::from(1.0));
-        let wrench = Wrench { force, moment: point.cross(&force) + couple };
-        // P_r = −F_h·v_c − C_h·(ω − Ω_i k)                                (Y21)
-        let slip = motion.slip_velocity(D::from(contacts.scaled.arc), &point);
-        let rolling = contacts.signed(-force.dot(&slip) - couple.dot(&motion.omega));
+        // t × N
+        let axis = BallFrame::tangent().cross(&loaded.contacts[i].normal);
+        let around = motion.omega.dot(&axis);
+        let along = [motion.precession, motion.precession * D::from(contacts.scaled.arc), around];
+        let film = self.of_motion(i, loaded.loads[i], along, loaded.frame.k.dot(&axis), creep);
+        let [push, couple] = film.resist(around, creep);
+        // M = r × F_h + C_h                                               (Y32)
+        let wrench = Wrench { force: BallFrame::tangent() * push, moment: axis * (push + couple) };
+        let rolling = contacts.signed(ScaledFilm::resisted([push, couple], along[1], around));
         EhlLoss { film, wrench: wrench * contacts.signed(D::from(1.0)), sliding, rolling }
     }
-}
-
-/// Mean speed of both surfaces along the track, as the contact sees them (Y14).
-///
-/// * `motion`: relative to the raceway.
-fn entrainment<D: Scalar>(
-    contact: &Contact<D>,
-    motion: &Motion<D>,
-    frame: &BallFrame<D>,
-    arc: D,
-) -> D {
-    let point = contact.point(D::from(1.0));
-    let ball = (motion.omega - frame.k * motion.precession).cross(&point).x;
-    let raceway = motion.precession * (arc + frame.k.cross(&point).x);
-    // u_t = ½ {[(ω − P k) × r]·t − (P − Ω_i)[d + (k × r)·t]}              (Y14)
-    (ball - raceway) * 0.5
 }
 
 impl<D: Field> ScaledFilm<D> {
@@ -586,10 +549,8 @@ impl EhlPoint {
         creep: f64,
     ) -> f64 {
         let motions = to_both(to_nut, &loaded.frame);
-        let [nut, screw] = [0, 1].map(|i| {
-            let at = (&loaded.contacts[i], loaded.loads[i]);
-            self.film(i, at, &motions[i], &loaded.frame, (contacts.scaled.arc, creep)).law.most()
-        });
-        nut.max(screw)
+        let [nut, screw] =
+            [0, 1].map(|i| self.loss_of(i, (contacts, loaded), &motions[i], creep, 0.0));
+        nut.film.law.most().max(screw.film.law.most())
     }
 }

@@ -57,8 +57,8 @@ pub struct OperatingPoint<D = f64> {
 pub(crate) struct BallUnits<D> {
     /// Helix with radius `$r_m/r_b$`.
     pub(crate) helix: Helix<D>,
-    /// Ball of radius 1 and mass `$m r_b W^2/F_a$`.
-    pub(crate) ball: Ball<D>,
+    /// Mass of the ball `$m r_b W^2/F_a$`.
+    pub(crate) mass: D,
     /// Nut speed over `$W$`.
     pub(crate) nut_speed: D,
     /// Which side drives: the sign of `$W$`.
@@ -141,7 +141,7 @@ impl<D: Scalar> OperatingPoint<D> {
         if !takes_inertia(inertia_ratio) || !nut_speed.re().is_finite() {
             return Err(Unsolved::invalid(Reason::InertiaOutOfRange { inertia_ratio }));
         }
-        Ok(BallUnits { helix, ball: Ball { radius: D::from(1.0), mass }, nut_speed, direction })
+        Ok(BallUnits { helix, mass, nut_speed, direction })
     }
 
     /// Torque of the frictionless screw.

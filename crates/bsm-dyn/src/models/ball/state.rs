@@ -169,6 +169,27 @@ pub fn quadrature_error<F: Compare>(difference: F, accuracy: f64) -> F {
     (difference.abs() * 20.0).larger(difference.constant((accuracy / 200.0).max(1e-9)))
 }
 
+/// Bound of the error of the efficiency, with that of the creep speed, from that of the quadrature (A6).
+///
+/// * `by_creep`: what the creep speed may change of the friction power, relative, from 0 to 1 (A8).
+#[inline(always)]
+pub fn integrated_error<F: Compare>(by_quadrature: F, efficiency: F, by_creep: F) -> F {
+    // |δη| ≤ |δη|_rule + |1 − η| |δP_f|/P_f                               (A6)
+    by_quadrature + (-efficiency + 1.0).abs() * by_creep
+}
+
+/// What a creep speed may change of the friction power, relative, at most 1 (A8).
+///
+/// * `pulls`: `$f Q$` at nut and screw. * `sliding`: the power that it takes.
+#[inline(always)]
+pub(crate) fn creep_effect<F: Compare>(creep: F, pulls: [F; 2], sliding: [F; 2]) -> F {
+    // |δP_f|/P_f ≤ 4 v_e² Σ (f Q)²/P_f,j / Σ P_f,j                        (A8)
+    let slow = pulls[0].square() / sliding[0] + pulls[1].square() / sliding[1];
+    let effect = creep.square() * slow / (sliding[0] + sliding[1]) * 4.0;
+    let one = effect.constant(1.0);
+    F::select(effect.lt(one), effect, one)
+}
+
 /// Skid number of a ball whose friction is already spent on the slip of the lead, see
 /// [`SkidNumbers::onset_number`] (W11).
 #[inline(always)]

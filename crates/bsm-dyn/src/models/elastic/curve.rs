@@ -8,8 +8,8 @@ use bsm_kin::Jet;
 use bsm_newton::{EventRoot, JacobianUpdate, PathEnd, Seed, StepControl, Trace, trace};
 
 use super::forces::CURVE;
-use super::states::{SlidingBall, SlidingMotion, SlidingState};
-use super::steady::{CurveState, NO_INERTIA, RISES, log_inertia};
+use super::states::{SlidingBall, SlidingPoint};
+use super::steady::{CurveState, NO_INERTIA, RISES};
 use crate::cost::count_of;
 use crate::models::ball::{
     Attempt, BALL, ElasticContacts, Evidence, Reason, Unsolved, first_answer,
@@ -33,22 +33,8 @@ const EXACT: StepControl = StepControl { goal: 1e-15, root_tolerance: 1e-14, ..S
 /// A root is refined by less than this, in the sizes of a step: twice as much as a crossing is known to.
 const REFINED: f64 = 0.1;
 
-/// A point of the curve.
-#[derive(Debug, Clone, Copy)]
-struct SlidingPoint {
-    state: SlidingState<f64>,
-    motion: SlidingMotion<f64>,
-}
-
-impl SlidingPoint {
-    /// True if the ball slides against friction on its flanks.
-    fn is_admissible(&self) -> bool {
-        self.state.is_admissible(&self.motion)
-    }
-}
-
 /// A steady motion on the curve: its state, and the sign of `$P/W$`.
-type CurveRoot = (SlidingPoint, f64);
+type CurveRoot = (SlidingPoint<f64>, f64);
 
 /// Unknowns of the first root on the curve, or of any that serves as a start, and Newton steps.
 pub(super) fn root(
@@ -58,7 +44,7 @@ pub(super) fn root(
     let mut steps = 0;
     let mut curve = SlidingCurve::of(contacts, any, &mut steps)?;
     let (root, sign) = first_answer(&mut curve, &SlidingCurve::STRATEGIES)?;
-    Ok((curve.ball.unknowns(&root.state, &root.motion, sign), steps))
+    Ok((curve.ball.unknowns(&root, sign), steps))
 }
 
 /// The curve of all states of force of a point, on which a root is looked for.
@@ -77,7 +63,7 @@ impl<'a> SlidingCurve<'a> {
         [Self::straight_root, Self::coarse_walk, Self::exact_walk];
 
     /// The node at a point of the curve.
-    fn state_at(&self, z: &[f64; CURVE]) -> Option<SlidingPoint> {
+    fn state_at(&self, z: &[f64; CURVE]) -> Option<SlidingPoint<f64>> {
         let (state, _) = self.ball.state_at(z)?;
         Some(SlidingPoint { state, motion: self.ball.motion(&state) })
     }
@@ -94,7 +80,7 @@ impl<'a> SlidingCurve<'a> {
             let locks = Reason::SelfLocking { sin_contact_angle: 1.0, friction_term };
             return Err(Unsolved::none(Evidence::Proof, locks));
         }
-        let begin = ball.begin(contacts.jones.contact_angle, steps).ok_or(Unsolved::LOST)?;
+        let begin = ball.begin(contacts.contact_angle, steps).ok_or(Unsolved::LOST)?;
         let start = ball.state_without_inertia(begin, true);
         let mut curve = Self { ball, start, any, steps };
         curve.count(start.steps);
@@ -110,16 +96,15 @@ impl<'a> SlidingCurve<'a> {
 
     /// From where the curve begins to the root, if the curve were straight up to it, in `$\ln q$`.
     fn rise(&self) -> f64 {
-        self.ball.inertia_ratio.ln() - self.start.log_inertia()
+        self.ball.inertia_ratio.ln() - self.start.at.log_inertia()
     }
 
     /// The root that Newton finds from where the curve begins: the first one, if the inertia only rises up to there, or any.
     fn straight_root(&mut self) -> Attempt<CurveRoot> {
         let root = self.ball.first(&self.start, self.any);
         self.count(root.steps - self.start.steps);
-        let node = SlidingPoint { state: root.state, motion: root.motion };
         let is_root = if self.any { root.steady } else { root.found };
-        is_root.then_some(Ok((node, root.rate.signum())))
+        is_root.then_some(Ok((root.at, root.rate.signum())))
     }
 
     /// What a walk finds whose roots Newton's method refines, unless that leads elsewhere.
@@ -138,12 +123,12 @@ impl<'a> SlidingCurve<'a> {
         let start = self.start;
         // Smallest and largest inertia ratio of a ball that slides against friction on its flanks.
         let mut seen = None::<(f64, f64)>;
-        if start.is_admissible() {
-            seen = Some((0.0, start.log_inertia().exp()));
+        if start.at.is_admissible() {
+            seen = Some((0.0, start.at.log_inertia().exp()));
         }
-        let CurveState { point: [log, screw, c], state, .. } = self.below();
+        let CurveState { point: [log, screw, c], at, .. } = self.below();
         let seed =
-            Seed { z: [log, state.slip_cotangents[0], screw, c], towards: [1.0, 0.0, 0.0, 0.0] };
+            Seed { z: [log, at.state.slip_cotangents[0], screw, c], towards: [1.0, 0.0, 0.0, 0.0] };
         let (mut root, mut known, mut admissible, mut refined) = (None, 0, false, true);
         let Trace { end, steps, .. } = trace(
             &self.ball,
@@ -165,7 +150,7 @@ impl<'a> SlidingCurve<'a> {
                 let node = self.state_at(z);
                 admissible = node.is_some_and(|node| node.is_admissible());
                 if let Some(node) = node.filter(SlidingPoint::is_admissible) {
-                    let inertia = log_inertia(&node.state, &node.motion).exp();
+                    let inertia = node.log_inertia().exp();
                     let (least, most) = seen.unwrap_or((inertia, inertia));
                     seen = Some((least.min(inertia), most.max(inertia)));
                 }
@@ -191,7 +176,7 @@ impl<'a> SlidingCurve<'a> {
         }
         let reason = match seen {
             Some((least, most)) => Reason::NoSkidAtInertia { inertia, least, most },
-            None => Reason::SlipAlongFriction { slip: start.motion.slip[0] },
+            None => Reason::SlipAlongFriction { slip: start.at.motion.slip[0] },
         };
         let evidence = Evidence::Traced { resolution: STEP_CONTROL.pair_resolution };
         Some(Err(Unsolved::none(evidence, reason)))
@@ -201,27 +186,28 @@ impl<'a> SlidingCurve<'a> {
     fn events(&self, z: &[f64; CURVE], way: &[f64; CURVE]) -> [(f64, f64); 2] {
         let along: [Jet<1>; CURVE] = from_fn(|i| Jet { re: z[i], eps: [way[i]] });
         self.ball.state_at(&along).map_or([(f64::NAN, f64::NAN); 2], |(state, _)| {
-            let residual = self.ball.inertia_residuals(&state, &self.ball.motion(&state));
+            let point = SlidingPoint { state, motion: self.ball.motion(&state) };
+            let residual = self.ball.inertia_residuals(&point);
             residual.map(|residual| (residual.re, residual.eps[0]))
         })
     }
 
     /// The steady motion next to a crossing, to rounding.
-    fn refined(&self, at: &EventRoot<CURVE>) -> Option<SlidingPoint> {
+    fn refined(&self, at: &EventRoot<CURVE>) -> Option<SlidingPoint<f64>> {
         let (ball, [log, nut, screw, c]) = (&self.ball, at.z);
         let scale = ball.scale([nut, screw], c);
         let found = ball.iterate::<true>([log, screw, c], &scale, true);
         let [next_log, next_screw, next_c] = found.point;
         let moved = [
             next_log - log,
-            (found.state.slip_cotangents[0] - nut) / scale[0],
+            (found.at.state.slip_cotangents[0] - nut) / scale[0],
             (next_screw - screw) / scale[1],
             (next_c - c) / scale[2],
         ];
-        let motion = found.motion;
+        let motion = found.at.motion;
         let same = (motion.inertia * motion.drive > 0.0) == (sign(at) > 0.0);
         let near = moved.iter().all(|moved| moved.abs() < REFINED);
-        (found.found && near && same).then_some(SlidingPoint { state: found.state, motion })
+        (found.found && near && same).then_some(found.at)
     }
 
     /// A state below the first root: up to there the curve is straight.

@@ -5,7 +5,7 @@
 use bsm_kin::{Field, Jet, Over, Scalar};
 use bsm_newton::{Bracket, EvalError, FunctionValue, Homotopy};
 
-use super::states::{SlidingBall, SlidingMotion, SlidingState};
+use super::states::{SlidingBall, SlidingPoint, SlidingState};
 use super::steady::rounding_floor;
 use crate::models::ball::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
@@ -81,12 +81,8 @@ impl SlidingBall<f64> {
     }
 
     /// Unknowns (S1) of a root of (S26), `sign` that of `$P/W$`.
-    pub(super) fn unknowns(
-        &self,
-        s: &SlidingState<f64>,
-        k: &SlidingMotion<f64>,
-        sign: f64,
-    ) -> [f64; BALL] {
+    pub(super) fn unknowns(&self, at: &SlidingPoint<f64>, sign: f64) -> [f64; BALL] {
+        let (s, k) = (&at.state, &at.motion);
         let rate = sign * (s.centrifugal / self.inertia_ratio).sqrt();
         let tilt = 0.5 * s.angle_difference.0.atan2(s.angle_difference.1);
         let mean = s.sin[0].atan2(s.cos[0]) + tilt;
@@ -96,7 +92,7 @@ impl SlidingBall<f64> {
         y[PRECESSION] = rate - self.nut_speed;
         y[SLIP] = k.slip[0];
         y[SLIP_ANGLE] = 1.0_f64.atan2(s.slip_cotangents[0]);
-        y[SPIN] = self.spin_moment((s, k), rate, (tilt.cos(), mean.sin()));
+        y[SPIN] = self.spin_moment(at, rate, (tilt.cos(), mean.sin()));
         y
     }
 

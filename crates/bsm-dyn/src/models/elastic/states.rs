@@ -66,31 +66,31 @@ pub struct SlidingMotion<D> {
     pub drive: D,
 }
 
+/// A point of the curve: a state of force, and the motion that goes with it.
+#[derive(Debug, Clone, Copy)]
+pub struct SlidingPoint<D> {
+    /// Of force.
+    pub state: SlidingState<D>,
+    /// Of the ball.
+    pub motion: SlidingMotion<D>,
+}
+
 impl<P: Field> SlidingBall<P> {
     /// With a friction that has the sign of the speed.
     #[inline(always)]
     pub fn of(ball: &ScaledBall<P>, friction: P) -> Self {
-        let &ScaledBall {
-            lead: (sin, cos),
-            arc,
-            nut_speed,
-            radial_distance,
-            offsets,
-            approaches,
-            ..
-        } = ball;
-        let (cot, inertia_ratio) = (cos / sin, ball.inertia_ratio());
+        let (sin, cos) = ball.lead;
         Self {
             friction,
             sin,
             cos,
-            cot,
-            arc,
-            inertia_ratio,
-            nut_speed,
-            offsets,
-            approaches,
-            radial_distance,
+            cot: cos / sin,
+            arc: ball.arc,
+            inertia_ratio: ball.inertia_ratio(),
+            nut_speed: ball.nut_speed,
+            offsets: ball.offsets,
+            approaches: ball.approaches,
+            radial_distance: ball.radial_distance,
         }
     }
 }
@@ -241,21 +241,20 @@ impl<P: Field> SlidingBall<P> {
     #[inline(always)]
     pub fn inertia_residuals<D: FieldOver<P>>(
         &self,
-        s: &SlidingState<D>,
-        k: &SlidingMotion<D>,
+        SlidingPoint { state, motion }: &SlidingPoint<D>,
     ) -> [D; 2] {
         // (1 − g) √(M/μ) = ± (π/d + Ω_n/W)                                (S26)
-        let circling = k.inertia * (s.centrifugal * self.inertia_ratio.recip()).sqrt();
-        [circling - k.drive, circling + k.drive]
+        let circling = motion.inertia * (state.centrifugal * self.inertia_ratio.recip()).sqrt();
+        [circling - motion.drive, circling + motion.drive]
     }
 }
 
-impl<F: Compare> SlidingState<F> {
-    /// Where it slides against friction on its flanks.
+impl<F: Compare> SlidingPoint<F> {
+    /// Where the ball slides against friction on its flanks.
     #[inline(always)]
-    pub fn is_admissible(&self, motion: &SlidingMotion<F>) -> F::Mask {
-        let zero = self.push.constant(0.0);
-        let (Self { sin, cos, .. }, [a, b]) = (self, motion.slip);
+    pub(super) fn is_admissible(&self) -> F::Mask {
+        let SlidingState { sin, cos, push, .. } = &self.state;
+        let (zero, [a, b]) = (push.constant(0.0), self.motion.slip);
         a.gt(zero)
             & b.gt(zero)
             & zero.le(sin[0])
@@ -264,19 +263,21 @@ impl<F: Compare> SlidingState<F> {
             & cos[1].gt(zero)
     }
 
-    /// Where the centrifugal force has grown by a factor since another state, and nothing else in (S27) has
+    /// Where the centrifugal force has grown by a factor since another point, and nothing else in (S27) has
     /// changed, to a relative `change`.
     #[inline(always)]
-    pub fn has_only_grown(
-        &self,
-        motion: &SlidingMotion<F>,
-        (begin, begin_motion): (&Self, &SlidingMotion<F>),
-        factor: F,
-        change: f64,
-    ) -> F::Mask {
-        is_near(self.centrifugal / begin.centrifugal, factor, change)
-            & is_near(motion.inertia, begin_motion.inertia, change)
-            & is_near(motion.drive, begin_motion.drive, change)
+    pub(super) fn has_only_grown(&self, begin: &Self, factor: F, change: f64) -> F::Mask {
+        is_near(self.state.centrifugal / begin.state.centrifugal, factor, change)
+            & is_near(self.motion.inertia, begin.motion.inertia, change)
+            & is_near(self.motion.drive, begin.motion.drive, change)
+    }
+
+    /// Logarithm of the `$\mu$` with which it is a steady motion.
+    #[inline(always)]
+    pub(super) fn log_inertia(&self) -> F {
+        let SlidingMotion { inertia, drive, .. } = self.motion;
+        // ln μ = ln M + 2 ln |(1 − g)/(π/d + Ω_n/W)|                          (S27)
+        self.state.centrifugal.ln() + (inertia / drive).abs().ln() * 2.0
     }
 }
 

@@ -6,7 +6,7 @@
 use bsm_kin::{Field, FieldOver};
 use bsm_simd::{Compare, DualNumber};
 
-use super::states::{SlidingBall, SlidingMotion, SlidingState};
+use super::states::{SlidingBall, SlidingMotion, SlidingPoint, SlidingState};
 use crate::contact::friction_torque;
 use crate::models::ball::friction_power;
 
@@ -51,10 +51,8 @@ pub(super) type Coordinates<F> = [F; 3];
 #[derive(Clone, Copy)]
 pub(super) struct CurveState<F: Field> {
     pub(super) point: Coordinates<F>,
-    /// Of force.
-    pub(super) state: SlidingState<F>,
-    /// The motion that goes with it.
-    pub(super) motion: SlidingMotion<F>,
+    /// Forces and motion there.
+    pub(super) at: SlidingPoint<F>,
     /// Residuals of (S14) and (S20).
     pub(super) residual: F,
     /// Newton steps.
@@ -68,10 +66,8 @@ pub(super) struct CurveState<F: Field> {
 pub struct SlidingRoot<F: Field> {
     /// The ball.
     pub ball: SlidingBall<F>,
-    /// Of force.
-    pub state: SlidingState<F>,
-    /// Slips.
-    pub motion: SlidingMotion<F>,
+    /// Its forces and slips.
+    pub at: SlidingPoint<F>,
     /// `$P/W$`.
     pub rate: F,
     /// Sine and cosine of the tilt `$\nu$`.
@@ -121,11 +117,9 @@ impl<F: Compare> CurveState<F> {
         let growth = F::select(rise.lt(most), rise, most).exp();
         // A place may be far from the begin and have the factors of the begin again.
         let large = LARGE * change;
-        let begin = (&start.state, &start.motion);
-        self.state.has_only_grown(&self.motion, begin, growth, change)
-            & (self.state.slip_cotangents[0] - start.state.slip_cotangents[0])
-                .abs()
-                .le(scale[0] * large)
+        let [x, begin] = [self.at.state.slip_cotangents[0], start.at.state.slip_cotangents[0]];
+        self.at.has_only_grown(&start.at, growth, change)
+            & (x - begin).abs().le(scale[0] * large)
             & (self.point[1] - start.point[1]).abs().le(scale[1] * large)
             & (self.point[2] - start.point[2]).abs().le(scale[2] * large)
     }
@@ -138,31 +132,12 @@ impl<F: Compare> CurveState<F> {
             & (self.point[2] - point[2]).abs().le(by_c)
     }
 
-    /// Where the ball slides against friction on its flanks.
-    #[inline(always)]
-    pub(super) fn is_admissible(&self) -> F::Mask {
-        self.state.is_admissible(&self.motion)
-    }
-
-    /// Logarithm of the `$\mu$` with which the state is that of a steady motion.
-    #[inline(always)]
-    pub(super) fn log_inertia(&self) -> F {
-        log_inertia(&self.state, &self.motion)
-    }
-
     /// Scale of a state.
     #[inline(always)]
     pub(super) fn scale(&self, ball: &SlidingBall<F>) -> [F; 3] {
-        let [nut, screw] = self.state.slip_cotangents;
+        let [nut, screw] = self.at.state.slip_cotangents;
         ball.scale([nut, screw], self.point[2])
     }
-}
-
-/// Logarithm of the `$\mu$` with which a state is that of a steady motion.
-#[inline(always)]
-pub(super) fn log_inertia<F: Compare>(state: &SlidingState<F>, motion: &SlidingMotion<F>) -> F {
-    // ln μ = ln M + 2 ln |(1 − g)/(π/d + Ω_n/W)|                          (S27)
-    state.centrifugal.ln() + (motion.inertia / motion.drive).abs().ln() * 2.0
 }
 
 /// How many times more than [`CLOSED`] is rounding: where friction all but holds the load, `$Y$` is one over
@@ -205,7 +180,7 @@ impl<F: Compare> SlidingBall<F> {
     #[inline(always)]
     pub(super) fn spin_moment(
         &self,
-        (state, motion): (&SlidingState<F>, &SlidingMotion<F>),
+        SlidingPoint { state, motion }: &SlidingPoint<F>,
         rate: F,
         (tilt, mean): (F, F),
     ) -> F {
@@ -263,19 +238,19 @@ where
             (self.friction.constant(0.0), self.friction.constant(1.0), start.scale(self));
         // M ~ q, up to where the curve bends. Where nut and screw turn together, the inertia of the begin
         // underflows, its logarithm does not.
-        let root = self.inertia_ratio.ln() - start.log_inertia() + NO_INERTIA;
+        let root = self.inertia_ratio.ln() - start.at.log_inertia() + NO_INERTIA;
         let inside = start.found & root.lt(zero) & root.gt(one * NO_INERTIA);
         let (mut guess, mut expected) = ([root, start.point[1], start.point[2]], inside);
         let (mut steady, mut found, mut steps) = (zero.lt(zero), zero.lt(zero), start.steps);
         let mut walked = false;
         let (node, residual) = loop {
             let node = self.iterate::<true>(guess, &scale, expected);
-            let back = (node.motion.drive * node.motion.inertia).lt(zero);
-            let [forwards, backwards] = self.inertia_residuals(&node.state, &node.motion);
-            let residual = (F::select(back, backwards, forwards) / node.motion.drive).abs();
+            let back = (node.at.motion.drive * node.at.motion.inertia).lt(zero);
+            let [forwards, backwards] = self.inertia_residuals(&node.at);
+            let residual = (F::select(back, backwards, forwards) / node.at.motion.drive).abs();
             // What the logarithm of q has no finer digits than; where rounding decides, a search does its best.
             let rounding = node.point[0].abs().larger(one) * (4.0 * f64::EPSILON);
-            let admissible = node.found & node.is_admissible();
+            let admissible = node.found & node.at.is_admissible();
             let near = if walked {
                 node.is_within(&guess, &scale)
             } else {
@@ -295,14 +270,13 @@ where
             }
             (expected, steps) = (arrived, steps + more_steps);
         };
-        let size = (node.state.centrifugal / self.inertia_ratio).sqrt();
-        let back = (node.motion.drive * node.motion.inertia).lt(zero);
-        let (sin, cos) = node.state.angle_difference;
+        let size = (node.at.state.centrifugal / self.inertia_ratio).sqrt();
+        let back = (node.at.motion.drive * node.at.motion.inertia).lt(zero);
+        let (sin, cos) = node.at.state.angle_difference;
         let half = ((cos + 1.0) * 0.5).sqrt();
         SlidingRoot {
             ball: *self,
-            state: node.state,
-            motion: node.motion,
+            at: node.at,
             rate: F::select(back, -size, size),
             tilt: (sin * 0.5 / half, half),
             steps,
@@ -330,10 +304,15 @@ where
         let mut change = [steps; 2];
         for step in 0..=MOST_UPWARDS {
             let to = if step == 0 { point[0] } else { point[0] + UPWARDS };
+<<<<<<< HEAD
             let ahead = [to, point[1] + change[0], point[2] + change[1]];
             let next =
                 self.iterate_to::<false>((STEP_ON_THE_WAY, CLOSED_ON_THE_WAY), ahead, scale, active);
             let inertia = next.log_inertia();
+=======
+            let next = self.iterate::<false>([to, point[1], point[2]], scale, active);
+            let inertia = next.at.log_inertia();
+>>>>>>> solver
             let below = inertia.lt(goal);
             steps = steps + next.steps;
             active = active & next.found;
@@ -438,14 +417,14 @@ where
         let q = point[0].exp();
         let (load_excess, square) = self.nut_square([q, point[1], point[2]]);
         let (state, [a, b]) = self.state([square.sqrt(), point[1]], load_excess, q, point[2]);
-        let motion = self.motion(&state);
+        let at = SlidingPoint { state, motion: self.motion(&state) };
         let residual = a.abs().larger(b.abs());
         let found = expected
             & converged
             & residual.lt(rounding_floor(&state) * closed)
             & state.push.gt(zero)
             & state.push.lt(infinity);
-        CurveState { point, state, motion, residual, steps, found }
+        CurveState { point, at, residual, steps, found }
     }
 
     /// The first steady motions of several points, where the inertia only rises up to them.
@@ -464,13 +443,14 @@ impl<F: Compare> SlidingRoot<F> {
     /// Rotation relative to the nut over `$W$`, in the Frenet-Serret triad `$(t, n, b)$`.
     #[inline(always)]
     pub fn rotation(&self) -> [F; 3] {
-        let Self { ball, state, motion, rate, tilt: (s, c), .. } = self;
-        let SlidingState { sin: [sin_a, _], cos: [cos_a, _], slip_cotangents: [x, _], .. } = *state;
+        let Self { ball, at, rate, tilt: (s, c), .. } = self;
+        let SlidingState { sin: [sin_a, _], cos: [cos_a, _], slip_cotangents: [x, _], .. } =
+            at.state;
         // β = β_A + ν                                                     (P3)
         let (sin, cos) = (sin_a * *c + cos_a * *s, cos_a * *c - sin_a * *s);
         // θ_A = atan2(1, x_A)
-        let slip = motion.slip[0] / (x.square() + 1.0).sqrt();
-        let moment = ball.spin_moment((state, motion), *rate, (*c, sin));
+        let slip = at.motion.slip[0] / (x.square() + 1.0).sqrt();
+        let moment = ball.spin_moment(at, *rate, (*c, sin));
         let spin = (moment, ball.gyration(*rate));
         let [along, normal, across] =
             rotation(ball.arc, [slip * x, slip], self.precession(), spin, self.tilt);
@@ -487,7 +467,8 @@ impl<F: Compare> SlidingRoot<F> {
     /// Friction on the ball over `$F_a$` at nut and screw, across the groove and along it.
     #[inline(always)]
     pub fn friction(&self) -> [[F; 2]; 2] {
-        let ([x_a, x_b], pull) = (self.state.slip_cotangents, self.ball.friction * self.state.push);
+        let SlidingState { slip_cotangents: [x_a, x_b], push, .. } = self.at.state;
+        let pull = self.ball.friction * push;
         // Friction is F Y (−x_A, −1) at A and F Y (x_B, 1) at B, across and along  (S13)
         [[-(pull * x_a), -pull], [pull * x_b, pull]]
     }
@@ -495,7 +476,7 @@ impl<F: Compare> SlidingRoot<F> {
     /// Torque on the screw per ball over `$r_b F_a$`.
     #[inline(always)]
     pub fn torque(&self) -> F {
-        let SlidingState { loads: [_, load], sin: [_, sin], cos: [_, cos], .. } = self.state;
+        let SlidingState { loads: [_, load], sin: [_, sin], cos: [_, cos], .. } = self.at.state;
         let SlidingBall { sin: sin_a, cos: cos_a, arc, .. } = self.ball;
         friction_torque((load, self.friction()[1]), (sin_a, cos_a), (sin, cos), arc * cos_a)
     }
@@ -503,6 +484,6 @@ impl<F: Compare> SlidingRoot<F> {
     /// Power lost in friction over `$r_b F_a |W|$`.
     #[inline(always)]
     pub fn friction_power(&self) -> F {
-        friction_power(self.ball.friction.abs(), self.state.loads, self.motion.slip)
+        friction_power(self.ball.friction.abs(), self.at.state.loads, self.at.motion.slip)
     }
 }

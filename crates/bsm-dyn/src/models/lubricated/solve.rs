@@ -2,6 +2,8 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y22), (Y23), (Y28) to (Y31).
 
+use std::iter::successors;
+
 use bsm_kin::{Motion, Scalar};
 use bsm_newton::Bracket;
 
@@ -173,23 +175,19 @@ impl Lubricated {
             // hA (T − T₀) = Σ P(T)                                        (Y28)
             Ok((heat_transfer * (kelvin - ambient) - heat, solved))
         };
-        let (mut low, mut below) = (ambient, surplus_cooling(ambient)?.0);
-        loop {
-            let high = low + WARMING;
-            if high > HOTTEST {
-                let evidence = crate::models::ball::Evidence::Traced { resolution: WARMING };
-                let reason = Reason::LubricantRunsAway { hottest: HOTTEST };
-                return Err(Unsolved::none(evidence, reason));
-            }
-            let (above, _) = surplus_cooling(high)?;
-            if above < 0.0 {
-                (low, below) = (high, above);
-                continue;
-            }
-            let mut answer = Err(Unsolved::LOST);
-            let bracket =
-                Bracket { x_tol: SETTLED / high, ..Bracket::new([low, high], [below, above]) };
-            let found = bracket.root(|kelvin| match surplus_cooling(kelvin) {
+        let places = successors(Some(ambient + WARMING), |kelvin| Some(kelvin + WARMING))
+            .take_while(|kelvin| *kelvin <= HOTTEST);
+        let begin = (ambient, surplus_cooling(ambient)?.0);
+        let change = Bracket::first_change(begin, places, |kelvin| Ok(surplus_cooling(kelvin)?.0))?;
+        let Some(bracket) = change else {
+            let evidence = crate::models::ball::Evidence::Traced { resolution: WARMING };
+            let reason = Reason::LubricantRunsAway { hottest: HOTTEST };
+            return Err(Unsolved::none(evidence, reason));
+        };
+        let mut answer = Err(Unsolved::LOST);
+        let ends = bracket.ends;
+        let found = Bracket { x_tol: SETTLED / ends[1], ..bracket }.root(|kelvin| {
+            match surplus_cooling(kelvin) {
                 Ok((value, solved)) => {
                     answer = Ok(solved);
                     value
@@ -198,12 +196,12 @@ impl Lubricated {
                     answer = Err(why);
                     f64::NAN
                 }
-            });
-            // An end that is the root was solved before the other.
-            return match found.root() {
-                Some(root) if [low, high].contains(&root.x) => Ok(surplus_cooling(root.x)?.1),
-                _ => answer,
-            };
+            }
+        });
+        // An end that is the root was solved before the other.
+        match found.root() {
+            Some(root) if ends.contains(&root.x) => Ok(surplus_cooling(root.x)?.1),
+            _ => answer,
         }
     }
 

@@ -2,6 +2,9 @@
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W2), (W12) to (W15).
 
+use std::convert::Infallible;
+use std::iter::successors;
+
 use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar, Site};
 use bsm_newton::{Bracket, EvalError, JacobianUpdate, Options, Report, Scales, solve};
 use bsm_simd::Arch;
@@ -53,7 +56,7 @@ impl<'a, P: Scalar> Balance<'a, P> {
 
     /// Loads, angles and contacts of the unknowns.
     pub(super) fn loaded<D: Over<P>>(&self, &[c, screw]: &[D; STATIC]) -> BallLoads<D> {
-        let jones = &self.contacts.jones;
+        let ElasticContacts { helix, contact_angle, scaled, .. } = self.contacts;
         let nut = screw + c;
         let [a, b] = self.statics.loaded([c, screw]);
         let one = D::from(1.0);
@@ -62,8 +65,8 @@ impl<'a, P: Scalar> Balance<'a, P> {
         let tilt = c.atan2(nut * screw + 1.0) * 0.5;
         let contacts = [Contact::tilted(Site::Nut, -tilt), Contact::tilted(Site::Screw, tilt)];
         let mean = angles[1] - tilt;
-        let frame = BallFrame::turned(D::from(self.contacts.helix.lead_angle), mean);
-        let unloaded = (jones.nut_offset + jones.screw_offset) * jones.contact_angle.sin();
+        let frame = BallFrame::turned(D::from(helix.lead_angle), mean);
+        let unloaded = (scaled.offsets[0] + scaled.offsets[1]) * contact_angle.sin();
         let displacement = axial_displacement([a.length, b.length], [a.sin, b.sin], unloaded);
         BallLoads { loads: [a.load, b.load], tilt, angles, frame, contacts, displacement }
     }
@@ -201,7 +204,7 @@ impl Balance<'_> {
 
     /// Cotangent of the unloaded contact angle.
     fn unloaded(&self) -> f64 {
-        let angle = self.contacts.jones.contact_angle;
+        let angle = self.contacts.contact_angle;
         angle.cos() / angle.sin()
     }
 
@@ -215,12 +218,12 @@ impl Balance<'_> {
         let difference = |cot: f64| {
             self.statics.contact(0, cot).radial_distance() - self.statics.radial_distance
         };
-        let mut ends = [0.0, 1.0];
-        while difference(ends[1]) < 0.0 && ends[1] < f64::MAX.sqrt() {
-            ends = [ends[1], 4.0 * ends[1]];
-        }
-        let found = Bracket::new(ends, ends.map(difference)).root(difference);
-        found.root().map_or(ends[1], |root| root.ends[0])
+        let most = f64::MAX.sqrt();
+        let places = successors(Some(1.0), |cot| Some(4.0 * cot).filter(|cot| *cot < most));
+        let value = |cot| Ok::<_, Infallible>(difference(cot));
+        let Ok(change) = Bracket::first_change((0.0, difference(0.0)), places, value);
+        let root = change.and_then(|bracket| bracket.root(difference).root());
+        root.map_or(most, |root| root.ends[0])
     }
 
     /// `$P/W$` at a difference of the cotangents.

@@ -10,16 +10,16 @@ use std::cell::{Ref, RefCell, RefMut};
 use std::f64::consts::FRAC_PI_2;
 
 use bsm_kin::Jet;
-use bsm_newton::{Equations, EvalError};
+use bsm_newton::{Equations, EvalError, Report, Scales, solve};
 use bsm_simd::{Arch, BLOCK, Compare, Lane, Simd, WithSimd};
 
-use super::{Lubrication, OMEGA, SlipBall};
+use super::equations::{Lubrication, OMEGA, SlipBall};
 use crate::contact::torque;
 use crate::cost;
-use crate::ellipse::{Dry, OilLaw, Patch, PointLaw, Resultants, SUMS, sums, surface_drop};
+use crate::ellipse::{Dry, OilLaw, Patch, PointLaw, Resultants, SUMS, sums};
 use crate::models::ball::equation::{AXIAL_LOAD, FORCE, MOMENT};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
-use crate::models::ball::{BALL, EhlPoint, ROWS, ScaledBall, ScaledFilm, linear};
+use crate::models::ball::{BALL, EhlPoint, ROWS, ScaledBall, ScaledFilm, Workspace, linear};
 
 /// What belongs to a state, all scaled.
 #[derive(Debug, Clone, Copy)]
@@ -49,30 +49,6 @@ pub struct TractionPoint<F = f64> {
     pub creep: F,
     /// The unknowns are those of a ball under a high centrifugal load (T10).
     pub nut_chart: bool,
-}
-
-/// Lever arm of friction over the ball radius `$h$`, that of the ends of ellipses longer than the ball.
-///
-/// * `semi_axes`: of the loaded ellipses.
-#[inline(always)]
-pub(super) fn lever<F: Compare>(semi_axes: [F; 2], pressed_radius: [F; 2]) -> F {
-    let mut lever = semi_axes[0].constant(1.0);
-    for i in 0..2 {
-        let a = semi_axes[i];
-        lever = lever.larger(a.larger(surface_drop(a, pressed_radius[i])));
-    }
-    lever
-}
-
-/// Sizes of the forces along t and t × N and of the moments.
-///
-/// * `force`: the inertia force over the load.
-#[inline(always)]
-pub(super) fn sizes<F: Compare>(force: F, friction: F, lever: F) -> (F, F) {
-    // D_F = diag(w, w₀, w, w/(f h), w/(f h), w/(f h), w)                  (T3)
-    let one = force.constant(1.0);
-    let force = force.larger(one);
-    (force, force * F::select(friction.lt(one), friction, one) * lever)
 }
 
 impl SlipBall<'_> {
@@ -209,6 +185,21 @@ impl<'a> LastEvaluation<'a> {
             self.evaluated::<false>(y)?;
         }
         Ok(Ref::map(self.last.borrow(), |(_, found)| found))
+    }
+}
+
+impl SlipBall<'_> {
+    /// One damped Newton solve from `y`.
+    pub(super) fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
+        LastEvaluation::new(self).run(y, newton)
+    }
+}
+
+impl LastEvaluation<'_> {
+    pub(super) fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
+        let weights = self.ball.weights(y);
+        let scales = Scales { x: &[1.0; BALL], f: &weights };
+        solve(self, y, &scales, &self.ball.options(), newton)
     }
 }
 
@@ -804,8 +795,7 @@ fn add_inertia<F: Compare, const SLOPED: bool>(
     residual[f_n] = residual[f_n] - centrifugal * rotation.cos;
     residual[f_c] = residual[f_c] + centrifugal * rotation.sin;
     // Σ M − I P (ω'_n k × n − ω'_c n)                                     (B5), (T5)
-    // I = (2/5) m r_b²                                                    (B2)
-    let inertia = point.scaled.mass * 0.4;
+    let inertia = point.scaled.ball().inertia();
     let (second, third) = (
         sin_lead * rotation.sin * radial - rotation.cos * around,
         sin_lead * rotation.cos * radial + rotation.sin * around,

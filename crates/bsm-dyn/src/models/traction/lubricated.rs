@@ -8,12 +8,11 @@ use bsm_kin::{Helix, Jet};
 use bsm_newton::{Continuation, follow};
 
 use super::columns::LastEvaluation;
+use super::equations::{COARSE, Lubrication, NEAR, SEARCH, SlipBall, SlipState};
 use super::root::{BRIEF, FULL_STEPS, RootWithPower, SlipRoot};
-use super::{
-    COARSE, FrozenRule, Lubrication, NEAR, SEARCH, SlipBall, SlipState, Start, Traction,
-    TractionWorkspace,
-};
+use super::{Start, Traction, TractionWorkspace};
 use crate::contact::ideal_torque;
+use crate::ellipse::FrozenRule;
 use crate::models::ball::{
     EhlPoint, ElasticContacts, LubricatedState, LubricatedWorkspace, SolveInfo, SteadyRoot,
     Unsolved, Workspace, domain_error, moving_root, to_both,
@@ -191,10 +190,12 @@ impl<const M: usize> Traction<Jet<M>> {
         let creep = self.creep * contacts.slip_scale();
         let (newton, quadrature) = (&mut traction.newton, lubricated.both(self.accuracy)[0]);
         let ball = SlipBall::of_contacts(&contacts, quadrature, creep).of(&root);
-        let ball = SlipBall { plans: Some(&plans), ..ball };
-        let lubrication = Lubrication { ehl, fraction: 1.0, complete: true };
-        let moving = ball.over(&inputs, Some(lubrication));
-        let system = ball.lubricated(values).complete(1.0);
+        let system = SlipBall { plans: Some(&plans), ..ball.lubricated(values).complete(1.0) };
+        let moving = SlipBall {
+            plans: Some(&plans),
+            lubrication: Some(Lubrication { ehl, fraction: 1.0, complete: true }),
+            ..SlipBall::of_contacts(&inputs, quadrature, creep).of(&root)
+        };
         let weights = ball.weights(&root.unknowns);
         let y = moving_root(
             &LastEvaluation::new(&system),

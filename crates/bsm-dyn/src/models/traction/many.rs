@@ -15,14 +15,15 @@ use bsm_simd::{Arch, BLOCK, Compare, Lane, Mask, NullaryFnOnce, Simd, WithSimd};
 
 use super::columns::{
     Angle, ContactGeometry, ContactTraction, EquationValues, TractionPoint, contact_geometry,
-    evaluate, lever, sizes,
+    evaluate,
 };
+use super::equations::{COARSE, OMEGA, ROOT, lever, sizes};
 use super::root::{FASTEST, LEFT, LEVELS};
 use super::slips::slid;
-use super::{COARSE, OMEGA, ROOT, creep_effect};
+
 use crate::ellipse::{Dry, ManyNodes, ManyQuadrature, Quadrature, SplitPoint};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
-use crate::models::ball::{BALL, ScaledBall};
+use crate::models::ball::{BALL, ScaledBall, creep_effect};
 
 /// Residual from which the first try is left to the quadrature that is asked for: less than of a single point, as the steps
 /// there are not damped here.

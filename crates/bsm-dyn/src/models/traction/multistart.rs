@@ -4,8 +4,8 @@ use std::f64::consts::FRAC_PI_2;
 
 use bsm_newton::Continuation;
 
+use super::equations::{OMEGA, SlipBall};
 use super::root::SlipRoot;
-use super::{OMEGA, SlipBall};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::models::ball::{BALL, Workspace, weyl_point};
 
@@ -19,7 +19,7 @@ impl SlipBall<'_> {
         let contacts = self.contacts;
         let [nut_angle, screw_angle, nut_load, screw_load, rate, slow, along, radial, around] =
             weyl_point(number);
-        let unloaded = contacts.jones.contact_angle;
+        let unloaded = contacts.contact_angle;
         // Angles apart as inertia turns them, or as friction does.
         let angles = match number % 3 {
             0 => {

@@ -10,8 +10,8 @@ use bsm_newton::{
     Trace, follow, trace,
 };
 
-use super::SlipBall;
-use super::root::SlipRoot;
+use super::equations::SlipBall;
+use super::root::{SlipRoot, are_on_flanks};
 use crate::ellipse::Integrate;
 use crate::models::ball::unknown::PRECESSION;
 use crate::models::ball::{BALL, Workspace, linear};
@@ -117,16 +117,7 @@ fn seed(y: &[f64; BALL], u: f64) -> Seed<PATH> {
     Seed { z: from_fn(|i| if i < BALL { y[i] } else { u }), towards: UP }
 }
 
-/// True if no contact is more than `margin` beyond its flank.
-pub(super) fn are_on_flanks(angles: [f64; 2], margin: f64) -> bool {
-    angles.iter().all(|angle| (-margin..FRAC_PI_2 + margin).contains(angle))
-}
-
 impl SlipBall<'_> {
-    pub(super) fn rate(&self, y: &[f64; BALL]) -> f64 {
-        y[PRECESSION] + self.offset()
-    }
-
     /// Contact angles at nut and screw.
     pub(super) fn angles(&self, y: &[f64; BALL]) -> [f64; 2] {
         self.loaded(y).map_or([f64::NAN; 2], |loaded| loaded.angles)

@@ -1,25 +1,19 @@
-//! Where the root of a point is looked for, and when there is none.
+//! The root that a start leads to, and what makes it one.
 //!
-//! Theory: `docs/theory/09-traction.md`, equation (T10), sections "Starts" and "Existence".
+//! Theory: `docs/theory/09-traction.md`, equations (T10), (T24) and (T25).
 
 use std::cell::OnceCell;
+use std::f64::consts::FRAC_PI_2;
 
-use super::columns::{LastEvaluation, PowerFlow};
-use super::multistart::{MANY, STARTS};
-use super::path::{PathResult, STEP_CONTROL, are_on_flanks};
-use super::{FrozenRule, OMEGA, SlipBall, SlipState};
+use bsm_kin::Helix;
 use bsm_newton::{Continuation, follow};
 use bsm_simd::Block;
 
+use super::columns::{EquationValues, LastEvaluation, PowerFlow};
+use super::equations::{OMEGA, SlipBall, SlipState};
 use crate::contact::{POWER_BALANCE_TOL, Power, ideal_torque};
-use crate::models::ball::{
-    Attempt, BALL, BallLoads, Evidence, Reason, Unsolved, Workspace, first_answer,
-};
-use crate::models::elastic::GrossSlip;
-use crate::models::raceway_control::RollingBall;
-
-/// Onset number from which the skidding ball is the nearer start.
-pub const SKID_ONSET: f64 = 0.5;
+use crate::ellipse::FrozenRule;
+use crate::models::ball::{BALL, BallLoads, Reason, Workspace, quadrature_error};
 
 /// Newton steps and halvings of a step of a solve after which others may do better; of most points the solve after a
 /// step at [`LEVEL`] takes full steps.
@@ -36,9 +30,6 @@ pub(super) const LEFT: f64 = 0.1;
 
 /// No ball turns that fast: friction takes the power that the screw puts in.
 pub(super) const FASTEST: f64 = 1e9;
-
-/// Inertia over friction below which a path that leaves the flanks is not asked about twice.
-const SMALL_INERTIA: f64 = 1e-3;
 
 /// Centrifugal force over the load from which the contact angle at the nut has less than ten digits as
 /// a difference of two others.
@@ -61,6 +52,18 @@ pub(super) struct RootWithPower {
     pub(super) torque_slope: Block,
     /// Its contacts.
     pub(super) loaded: BallLoads<f64>,
+}
+
+/// True if no contact is more than `margin` beyond its flank.
+pub(super) fn are_on_flanks(angles: [f64; 2], margin: f64) -> bool {
+    angles.iter().all(|angle| (-margin..FRAC_PI_2 + margin).contains(angle))
+}
+
+impl<P: Copy> SlipBall<'_, P> {
+    /// The equations in the unknowns of a root.
+    pub(super) fn of(&self, root: &SlipRoot) -> Self {
+        Self { nut_chart: root.nut_chart, ..*self }
+    }
 }
 
 impl SlipBall<'_> {
@@ -96,7 +99,7 @@ impl SlipBall<'_> {
     }
 
     /// Where a Newton step at the creep speed [`LEVEL`] leads to.
-    fn predicted(&self, y: &[f64; BALL], newton: &mut Workspace) -> Option<[f64; BALL]> {
+    pub(super) fn predicted(&self, y: &[f64; BALL], newton: &mut Workspace) -> Option<[f64; BALL]> {
         let level = Self { creep: LEVEL.max(self.creep), ..*self };
         let residual = newton.linearize(&LastEvaluation::new(&level), y, &level.weights(y)).ok()?;
         level.stepped(y, &residual, newton)
@@ -113,7 +116,7 @@ impl SlipBall<'_> {
     }
 
     /// The root that Newton finds from `y` over a few levels of the creep speed, if it is on the flanks.
-    fn descended(
+    pub(super) fn descended(
         &self,
         mut y: [f64; BALL],
         levels: &[f64],
@@ -200,11 +203,6 @@ impl SlipBall<'_> {
         if report.converged() { charted } else { root }
     }
 
-    /// The equations in the unknowns of a root.
-    pub(super) fn of(&self, root: &SlipRoot) -> Self {
-        Self { nut_chart: root.nut_chart, ..*self }
-    }
-
     /// True for a root with both contacts on their flanks.
     pub(super) fn is_admissible(&self, root: &SlipRoot) -> bool {
         self.admitted(root).is_some()
@@ -230,157 +228,29 @@ impl SlipBall<'_> {
         })
     }
 
-    /// True if inertia forces are too small against friction to move the ball to another root.
-    fn is_calm(&self) -> bool {
-        let rate = self.contacts.scaled.nut_speed.abs().max(1.0);
-        self.contacts.inertia_ratio() * rate * rate < SMALL_INERTIA * self.contacts.friction
-    }
-}
-
-/// A point on the way to its root.
-struct SlipRootSearch<'a> {
-    ball: SlipBall<'a>,
-    rolling_ball: &'a RollingBall,
-    newton: &'a mut Workspace,
-    steps: &'a mut usize,
-    /// What the path of growing inertia has shown.
-    shown: PathResult,
-    /// Scattered starts that have led to no root.
-    starts: u32,
-}
-
-impl SlipBall<'_> {
-    /// The root that is found without a search along a path.
-    pub(super) fn search_near(
-        &self,
-        rolling_ball: &RollingBall,
-        newton: &mut Workspace,
-        steps: &mut usize,
-    ) -> Option<SlipRoot> {
-        let mut search = SlipRootSearch::new(*self, rolling_ball, newton, steps);
-        first_answer(&mut search, &SlipRootSearch::NEAR).ok()
-    }
-
-    /// The root by all strategies.
+    /// Bound of the error of the efficiency of a root of another quadrature, from that of this one (T25).
     ///
-    /// Where the roots of the path are all beyond the flanks, and no start leads to another, the
-    /// answer is that there is none.
-    pub(super) fn search(
+    /// * `accuracy`: of the other one. * `found`: there, of this quadrature. * `slope`: of the torque by the unknowns. * `newton`: as the solve
+    ///   for the root has left it.
+    pub(super) fn error(
         &self,
-        rolling_ball: &RollingBall,
+        accuracy: f64,
+        found: Option<&EquationValues>,
+        slope: &Block,
+        efficiency: f64,
         newton: &mut Workspace,
-        steps: &mut usize,
-    ) -> Result<SlipRoot, Unsolved> {
-        let mut search = SlipRootSearch::new(*self, rolling_ball, newton, steps);
-        first_answer(&mut search, &SlipRootSearch::ALL)
-    }
-}
-
-impl<'a> SlipRootSearch<'a> {
-    const NEAR: [fn(&mut Self) -> Attempt<SlipRoot>; 3] =
-        [Self::likely_start, Self::other_start, Self::falling_creep];
-    const ALL: [fn(&mut Self) -> Attempt<SlipRoot>; 6] = {
-        let [likely, other, creep] = Self::NEAR;
-        [likely, other, creep, Self::growing_inertia, Self::scattered_starts, Self::what_is_shown]
-    };
-
-    fn new(
-        ball: SlipBall<'a>,
-        rolling_ball: &'a RollingBall,
-        newton: &'a mut Workspace,
-        steps: &'a mut usize,
-    ) -> Self {
-        Self { ball, rolling_ball, newton, steps, shown: PathResult::Nothing, starts: 0 }
-    }
-
-    /// True if the skidding ball is nearer than the rolling one.
-    fn is_skidding(&self) -> bool {
-        let onset = self.rolling_ball.skid(self.ball.contacts).onset_number();
-        onset.is_some_and(|onset| onset > SKID_ONSET)
-    }
-
-    /// The rolling ball.
-    fn rolling(&self) -> [f64; BALL] {
-        self.ball.unknowns(&self.rolling_ball.loaded, &self.rolling_ball.to_nut)
-    }
-
-    /// From the nearer one of the rolling and the skidding ball.
-    fn likely_start(&mut self) -> Attempt<SlipRoot> {
-        self.start(self.is_skidding())
-    }
-
-    fn other_start(&mut self) -> Attempt<SlipRoot> {
-        self.start(!self.is_skidding())
-    }
-
-    /// By Newton from a ball that skids, whose slips are nearly those of the root, or from the rolling one, which has none
-    /// and takes a step at a high creep speed first.
-    fn start(&mut self, skidding: bool) -> Attempt<SlipRoot> {
-        let (rolling, Self { ball, newton, steps, .. }) = (self.rolling(), self);
-        let (y, near) = if skidding {
-            let skid = GrossSlip::start(ball.contacts).ok()?;
-            **steps += skid.steps();
-            let y = ball.unknowns(skid.state().0, skid.state().1);
-            (y, Some(y))
-        } else {
-            let predicted = ball.predicted(&rolling, newton);
-            **steps += usize::from(predicted.is_some());
-            (rolling, predicted)
-        };
-        if let Some(y) = near {
-            let direct = SlipBall { limits: FULL_STEPS, ..*ball };
-            if let Ok(root) = direct.solved(y, newton, steps) {
-                return Some(Ok(root));
-            }
-        }
-        // The step to the first of them has not led to the root.
-        let mut levels = LEVELS.into_iter().rev();
-        levels.find_map(|levels| ball.descended(y, levels, newton, steps)).map(Ok)
-    }
-
-    /// From friction that is nearly proportional to the slip.
-    fn falling_creep(&mut self) -> Attempt<SlipRoot> {
-        let control = Continuation { first: 1.0, shortest: 0.05 };
-        self.ball.by_falling_creep(self.rolling(), 0.0, control, self.newton, self.steps).map(Ok)
-    }
-
-    /// Along the path of growing inertia.
-    fn growing_inertia(&mut self) -> Attempt<SlipRoot> {
-        let Self { ball, newton, steps, .. } = self;
-        self.shown = ball.followed(newton, steps);
-        if matches!(self.shown, PathResult::Nothing) {
-            // It may be the digits that were lost.
-            self.shown = SlipBall { nut_chart: true, ..*ball }.followed(newton, steps);
-        }
-        match self.shown {
-            PathResult::SlipRoot(root) => ball.is_balanced(&root).then_some(Ok(root)),
-            _ => None,
-        }
-    }
-
-    /// From starts spread over what a ball can do.
-    fn scattered_starts(&mut self) -> Attempt<SlipRoot> {
-        self.starts = match self.shown {
-            PathResult::OffFlank(_) if self.ball.is_calm() => 0,
-            PathResult::Ended(_) => MANY,
-            _ => STARTS,
-        };
-        self.ball.multistart(self.starts, self.newton, self.steps).map(Ok)
-    }
-
-    /// What the path has shown where no start leads to a root.
-    fn what_is_shown(&mut self) -> Attempt<SlipRoot> {
-        match self.shown {
-            // Rounding has eaten it, which its powers will show.
-            PathResult::SlipRoot(root) => Some(Ok(root)),
-            PathResult::OffFlank([nut, screw]) | PathResult::Ended([nut, screw]) => {
-                let evidence = match self.starts {
-                    0 => Evidence::Traced { resolution: STEP_CONTROL.longest },
-                    starts => Evidence::Sampled { starts },
-                };
-                Some(Err(Unsolved::none(evidence, Reason::BallLeavesFlank { nut, screw })))
-            }
-            PathResult::Nothing => None,
-        }
+    ) -> f64 {
+        let other = found.and_then(|found| {
+            // y' = y − J⁻¹ F'(y)                                          (T24)
+            let step = newton.correction(&found.residual).ok()?;
+            let further = step.iter().zip(slope).map(|(x, slope)| x * slope).sum::<f64>();
+            let torque = found.transmitted.torque + further;
+            let Helix { radius, lead_angle } = self.contacts.helix;
+            let ideal = ideal_torque(1.0, radius, lead_angle.tan());
+            Some(crate::contact::efficiency(self.contacts.direction.is_back(), ideal, torque))
+        });
+        let other = other.unwrap_or(f64::NAN);
+        let error = quadrature_error(other - efficiency, accuracy);
+        if error.is_finite() { error } else { (1.0 - efficiency).abs() }
     }
 }

@@ -5,7 +5,9 @@
 use bsm_kin::Jet;
 
 use super::columns::LastEvaluation;
-use super::{NotFound, SlipBall, SlipRoot, Start, Traction, TractionWorkspace};
+use super::equations::SlipBall;
+use super::root::SlipRoot;
+use super::{NotFound, Start, Traction, TractionWorkspace};
 use crate::models::ball::{Performance, Unsolved, domain_error, moving_root};
 use crate::models::raceway_control::RollingBall;
 
@@ -35,10 +37,9 @@ impl<const M: usize> Traction<Jet<M>> {
         let TractionWorkspace { newton, rules, .. } = work;
         let [[quadrature, _]] = rules.dry([self.accuracy]);
         let creep = self.creep * point.slip_scale();
-        let SlipRoot { unknowns, nut_chart, .. } = root;
-        let system =
-            SlipBall { nut_chart: *nut_chart, ..SlipBall::of_contacts(&point, quadrature, creep) };
-        let equations = system.over(&inputs, None);
+        let unknowns = &root.unknowns;
+        let system = SlipBall::of_contacts(&point, quadrature, creep).of(root);
+        let equations = SlipBall::of_contacts(&inputs, quadrature, creep).of(root);
         let residual = |y: &_| equations.residual(y);
         let y = moving_root(
             &LastEvaluation::new(&system),

@@ -8,7 +8,7 @@
 use bsm_simd::Compare;
 
 use super::columns::{Mean, Sides, TractionPoint};
-use super::{OMEGA, SlipBall};
+use super::equations::{OMEGA, SlipBall};
 use crate::models::ball::BALL;
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 

@@ -8,9 +8,12 @@ use bsm_sample::campaign;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use super::equations::OMEGA;
 use super::*;
 use crate::Status;
 use crate::extreme::{extreme, practical};
+use crate::models::ball::BALL;
+use crate::models::ball::unknown::{PRECESSION, TILT};
 
 /// The point of a seed and a number.
 fn point(seed: u64, number: u64) -> ElasticPoint {
@@ -26,7 +29,7 @@ fn solved(screw: ElasticPoint, work: &mut TractionWorkspace) -> Solution {
 /// A random state, of a ball that rolls more or less or hardly circles.
 fn state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
     let contacts = ball.contacts;
-    let (unloaded, mu) = (contacts.jones.contact_angle, contacts.inertia_ratio());
+    let (unloaded, mu) = (contacts.contact_angle, contacts.inertia_ratio());
     let mut part = |low: f64, high: f64| low + rng.random::<f64>() * (high - low);
     let [nut, screw] = match part(0.0, 3.0) {
         ..1.0 => [part(0.0, FRAC_PI_2), part(0.0, FRAC_PI_2)],
@@ -247,7 +250,7 @@ fn columns_by_hand_are_those_of_the_jets() {
         // Normal forces, those of inertia, and moments: of friction, and gyroscopic ones.
         let turning = y[4..].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         let centrifugal = contacts.inertia_ratio() * rate * rate;
-        let gyroscopic = contacts.ball.inertia() * rate.abs() * turning;
+        let gyroscopic = contacts.scaled.ball().inertia() * rate.abs() * turning;
         let size =
             (y[NUT_LOAD].max(y[SCREW_LOAD]) * ball.lever(&y)).max(centrifugal).max(gyroscopic);
         for i in 0..BALL {

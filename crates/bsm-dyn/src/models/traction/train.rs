@@ -6,64 +6,22 @@ use std::array::from_fn;
 use std::cell::Cell;
 use std::f64::consts::TAU;
 
-use bsm_kin::{BallFrame, Motion, Over, Scalar};
+use bsm_kin::Motion;
 use bsm_newton::{Continuation, Equations, EvalError, Scales, follow, solve};
 
+use super::Traction;
 use super::columns::{LastEvaluation, PowerFlow};
+use super::equations::{Lubrication, SlipBall};
 use super::lubricated::ENOUGH;
+use super::push::Push;
 use super::root::LARGE_INERTIA;
-use super::{Lubrication, SlipBall, Traction};
-use crate::contact::{POWER_BALANCE_TOL, Wrench};
+use crate::contact::POWER_BALANCE_TOL;
 use crate::ellipse::Integrate;
 use crate::models::ball::unknown::PRECESSION;
 use crate::models::ball::{
-    BALL, BallLoads, BallState, EhlPoint, ElasticContacts, ElasticPoint, ROWS, Workspace,
+    BALL, BallState, EhlPoint, ElasticContacts, ElasticPoint, ROWS, Workspace,
 };
 use crate::models::workspace::ModelWorkspace;
-
-/// Normal forces of both neighbours over the axial load of the ball.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Push {
-    /// Of the neighbour in front, in the direction of travel.
-    front: f64,
-    /// Of the one behind.
-    back: f64,
-    /// Coefficient between balls.
-    friction: f64,
-}
-
-impl Push {
-    /// Force and moment on the ball.
-    fn wrench<P: Scalar, D: Over<P>>(
-        &self,
-        contacts: &ElasticContacts<P>,
-        frame: &BallFrame<D>,
-        to_nut: &Motion<D>,
-    ) -> Wrench<D> {
-        let rolling = to_nut.across_groove(&frame.k);
-        let speed = rolling.dot(&rolling).sqrt();
-        let normal = D::from(self.front + self.back);
-        // M_b = −f_b r_b (N_f + N_b) e                                    (O2)
-        let moment = rolling * -contacts.signed(normal * self.friction / speed);
-        // F_b = [s (N_b − N_f) − (M_b·k)/d] t                             (O3)
-        let along = contacts.signed(D::from(self.back - self.front))
-            - moment.dot(&frame.k) / D::from(contacts.scaled.arc);
-        Wrench { force: BallFrame::tangent() * along, moment }
-    }
-
-    /// Adds force and moment to the rows of the balance.
-    pub(super) fn add_to<P: Scalar, D: Over<P>>(
-        &self,
-        residual: &mut [D; BALL],
-        contacts: &ElasticContacts<P>,
-        (loaded, to_nut): (&BallLoads<D>, &Motion<D>),
-    ) {
-        let Wrench { force, moment } = self.wrench(contacts, &loaded.frame, to_nut);
-        for (residual, term) in residual.iter_mut().zip(force.iter().chain(moment.iter())) {
-            *residual += *term;
-        }
-    }
-}
 
 /// Of the pushes where one step does not do.
 const STRIDE: Continuation = Continuation { first: 1.0, shortest: 0.02 };

@@ -17,19 +17,18 @@ impl ElasticContacts {
     pub(crate) fn static_balance(&self, rate: f64) -> [f64; 3] {
         let axial = self.helix.lead_angle.cos().recip();
         let centrifugal = self.inertia_ratio() * rate * rate / axial;
-        let jones = &self.jones;
-        let target = (jones.nut_offset + jones.screw_offset) * jones.contact_angle.cos();
+        let ([nut_offset, screw_offset], target) =
+            (self.scaled.offsets, self.scaled.radial_distance);
         let at = |screw: f64| {
             // cotβ_A − cotβ_B = m r_m P² cosα / F_a
             let nut = 1.0_f64.atan2(centrifugal + screw.cos() / screw.sin());
             let loads = [axial / nut.sin(), axial / screw.sin()];
             let [a, b] = self.approaches(loads);
-            let radial_distance =
-                (jones.nut_offset + a) * nut.cos() + (jones.screw_offset + b) * screw.cos();
+            let radial_distance = (nut_offset + a) * nut.cos() + (screw_offset + b) * screw.cos();
             ([loads[0], loads[1], 0.5 * (screw - nut)], radial_distance / target - 1.0)
         };
-        let (mut state, too_far) = at(jones.contact_angle);
-        let ends = [jones.contact_angle, PI];
+        let (mut state, too_far) = at(self.contact_angle);
+        let ends = [self.contact_angle, PI];
         let bracket = Bracket { f_tol: 1e-3, ..Bracket::new(ends, [too_far, -2.0 / target]) };
         bracket.root(|screw| {
             let (found, excess) = at(screw);

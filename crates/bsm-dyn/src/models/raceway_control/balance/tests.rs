@@ -47,21 +47,21 @@ fn screws() -> impl Strategy<Value = ElasticPoint> {
 /// Residual of the radial balance at a contact angle of the screw, written in angles; `None`
 /// where no angle of the nut closes the triangle, or where the nut's would be the larger one.
 fn residual(contacts: &ElasticContacts, control: Control, screw: f64) -> Option<f64> {
-    let jones = &contacts.jones;
+    let [nut_offset, screw_offset] = contacts.scaled.offsets;
     let lead = contacts.helix.lead_angle;
     let load = |angle: f64| (lead.cos() * angle.sin()).recip();
     let along = |i: usize, offset: f64, angle: f64| {
         (offset + contacts.approach_of(i, load(angle))) * angle.cos()
     };
-    let radial_distance = (jones.nut_offset + jones.screw_offset) * jones.contact_angle.cos();
-    let rest = radial_distance - along(1, jones.screw_offset, screw);
+    let radial_distance = (nut_offset + screw_offset) * contacts.contact_angle.cos();
+    let rest = radial_distance - along(1, screw_offset, screw);
     let (mut low, mut high) = (1e-9, screw);
-    if along(0, jones.nut_offset, low) < rest || along(0, jones.nut_offset, high) > rest {
+    if along(0, nut_offset, low) < rest || along(0, nut_offset, high) > rest {
         return None;
     }
     for _ in 0..80 {
         let middle = 0.5 * (low + high);
-        if along(0, jones.nut_offset, middle) > rest {
+        if along(0, nut_offset, middle) > rest {
             low = middle;
         } else {
             high = middle;

@@ -1,0 +1,175 @@
+//! Where the root of a point is looked for, and when there is none.
+//!
+//! Theory: `docs/theory/09-traction.md`, sections "Starts" and "Existence".
+
+use bsm_newton::Continuation;
+
+use super::equations::SlipBall;
+use super::multistart::{MANY, STARTS};
+use super::path::{PathResult, STEP_CONTROL};
+use super::root::{FULL_STEPS, LEVELS, SlipRoot};
+use crate::models::ball::{Attempt, BALL, Evidence, Reason, Unsolved, Workspace, first_answer};
+use crate::models::elastic::GrossSlip;
+use crate::models::raceway_control::RollingBall;
+
+/// Onset number from which the skidding ball is the nearer start.
+pub const SKID_ONSET: f64 = 0.5;
+
+/// Inertia over friction below which a path that leaves the flanks is not asked about twice.
+const SMALL_INERTIA: f64 = 1e-3;
+
+impl SlipBall<'_> {
+    /// True if inertia forces are too small against friction to move the ball to another root.
+    fn is_calm(&self) -> bool {
+        let rate = self.contacts.scaled.nut_speed.abs().max(1.0);
+        self.contacts.inertia_ratio() * rate * rate < SMALL_INERTIA * self.contacts.friction
+    }
+}
+
+/// A point on the way to its root.
+struct SlipRootSearch<'a> {
+    ball: SlipBall<'a>,
+    rolling_ball: &'a RollingBall,
+    newton: &'a mut Workspace,
+    steps: &'a mut usize,
+    /// What the path of growing inertia has shown.
+    shown: PathResult,
+    /// Scattered starts that have led to no root.
+    starts: u32,
+}
+
+impl SlipBall<'_> {
+    /// The root that is found without a search along a path.
+    pub(super) fn search_near(
+        &self,
+        rolling_ball: &RollingBall,
+        newton: &mut Workspace,
+        steps: &mut usize,
+    ) -> Option<SlipRoot> {
+        let mut search = SlipRootSearch::new(*self, rolling_ball, newton, steps);
+        first_answer(&mut search, &SlipRootSearch::NEAR).ok()
+    }
+
+    /// The root by all strategies.
+    ///
+    /// Where the roots of the path are all beyond the flanks, and no start leads to another, the
+    /// answer is that there is none.
+    pub(super) fn search(
+        &self,
+        rolling_ball: &RollingBall,
+        newton: &mut Workspace,
+        steps: &mut usize,
+    ) -> Result<SlipRoot, Unsolved> {
+        let mut search = SlipRootSearch::new(*self, rolling_ball, newton, steps);
+        first_answer(&mut search, &SlipRootSearch::ALL)
+    }
+}
+
+impl<'a> SlipRootSearch<'a> {
+    const NEAR: [fn(&mut Self) -> Attempt<SlipRoot>; 3] =
+        [Self::likely_start, Self::other_start, Self::falling_creep];
+    const ALL: [fn(&mut Self) -> Attempt<SlipRoot>; 6] = {
+        let [likely, other, creep] = Self::NEAR;
+        [likely, other, creep, Self::growing_inertia, Self::scattered_starts, Self::what_is_shown]
+    };
+
+    fn new(
+        ball: SlipBall<'a>,
+        rolling_ball: &'a RollingBall,
+        newton: &'a mut Workspace,
+        steps: &'a mut usize,
+    ) -> Self {
+        Self { ball, rolling_ball, newton, steps, shown: PathResult::Nothing, starts: 0 }
+    }
+
+    /// True if the skidding ball is nearer than the rolling one.
+    fn is_skidding(&self) -> bool {
+        let onset = self.rolling_ball.skid(self.ball.contacts).onset_number();
+        onset.is_some_and(|onset| onset > SKID_ONSET)
+    }
+
+    /// The rolling ball.
+    fn rolling(&self) -> [f64; BALL] {
+        self.ball.unknowns(&self.rolling_ball.loaded, &self.rolling_ball.to_nut)
+    }
+
+    /// From the nearer one of the rolling and the skidding ball.
+    fn likely_start(&mut self) -> Attempt<SlipRoot> {
+        self.start(self.is_skidding())
+    }
+
+    fn other_start(&mut self) -> Attempt<SlipRoot> {
+        self.start(!self.is_skidding())
+    }
+
+    /// By Newton from a ball that skids, whose slips are nearly those of the root, or from the rolling one, which has none
+    /// and takes a step at a high creep speed first.
+    fn start(&mut self, skidding: bool) -> Attempt<SlipRoot> {
+        let (rolling, Self { ball, newton, steps, .. }) = (self.rolling(), self);
+        let (y, near) = if skidding {
+            let skid = GrossSlip::start(ball.contacts).ok()?;
+            **steps += skid.steps();
+            let y = ball.unknowns(skid.state().0, skid.state().1);
+            (y, Some(y))
+        } else {
+            let predicted = ball.predicted(&rolling, newton);
+            **steps += usize::from(predicted.is_some());
+            (rolling, predicted)
+        };
+        if let Some(y) = near {
+            let direct = SlipBall { limits: FULL_STEPS, ..*ball };
+            if let Ok(root) = direct.solved(y, newton, steps) {
+                return Some(Ok(root));
+            }
+        }
+        // The step to the first of them has not led to the root.
+        let mut levels = LEVELS.into_iter().rev();
+        levels.find_map(|levels| ball.descended(y, levels, newton, steps)).map(Ok)
+    }
+
+    /// From friction that is nearly proportional to the slip.
+    fn falling_creep(&mut self) -> Attempt<SlipRoot> {
+        let control = Continuation { first: 1.0, shortest: 0.05 };
+        self.ball.by_falling_creep(self.rolling(), 0.0, control, self.newton, self.steps).map(Ok)
+    }
+
+    /// Along the path of growing inertia.
+    fn growing_inertia(&mut self) -> Attempt<SlipRoot> {
+        let Self { ball, newton, steps, .. } = self;
+        self.shown = ball.followed(newton, steps);
+        if matches!(self.shown, PathResult::Nothing) {
+            // It may be the digits that were lost.
+            self.shown = SlipBall { nut_chart: true, ..*ball }.followed(newton, steps);
+        }
+        match self.shown {
+            PathResult::SlipRoot(root) => ball.is_balanced(&root).then_some(Ok(root)),
+            _ => None,
+        }
+    }
+
+    /// From starts spread over what a ball can do.
+    fn scattered_starts(&mut self) -> Attempt<SlipRoot> {
+        self.starts = match self.shown {
+            PathResult::OffFlank(_) if self.ball.is_calm() => 0,
+            PathResult::Ended(_) => MANY,
+            _ => STARTS,
+        };
+        self.ball.multistart(self.starts, self.newton, self.steps).map(Ok)
+    }
+
+    /// What the path has shown where no start leads to a root.
+    fn what_is_shown(&mut self) -> Attempt<SlipRoot> {
+        match self.shown {
+            // Rounding has eaten it, which its powers will show.
+            PathResult::SlipRoot(root) => Some(Ok(root)),
+            PathResult::OffFlank([nut, screw]) | PathResult::Ended([nut, screw]) => {
+                let evidence = match self.starts {
+                    0 => Evidence::Traced { resolution: STEP_CONTROL.longest },
+                    starts => Evidence::Sampled { starts },
+                };
+                Some(Err(Unsolved::none(evidence, Reason::BallLeavesFlank { nut, screw })))
+            }
+            PathResult::Nothing => None,
+        }
+    }
+}
