@@ -174,16 +174,17 @@ pub(crate) const ALL: &str = "all";
 
 impl ModelArgs {
     /// Model and settings.
-    pub(crate) fn settings(&self) -> Result<Settings, CaseError> {
+    pub(crate) fn settings(&self) -> Result<Settings, Failure> {
         let word = |key| value(&self.solver, key);
-        let named = Settings::named(&self.model, word("control"), word("friction"))?;
         let number = |key, usual| word(key).and_then(|text| text.parse().ok()).unwrap_or(usual);
-        Ok(Settings {
-            tolerance: number("tolerance", named.tolerance),
-            accuracy: number("accuracy", named.accuracy),
-            creep: number("creep", named.creep),
-            ..named
-        })
+        Settings::named(&self.model, word("control"), word("friction"))
+            .and_then(|named| {
+                let tolerance = number("tolerance", named.tolerance);
+                let accuracy = number("accuracy", named.accuracy);
+                let creep = number("creep", named.creep);
+                Settings { tolerance, accuracy, creep, ..named }.checked()
+            })
+            .map_err(|error| Failure::Input(format!("--solver: {error}")))
     }
 
     /// True if a setting is given.

@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use bsm_dyn::{Model, ModelWorkspace, Status};
-use serde_json::{Value, json};
+use serde_json::json;
 
-use crate::{Answer, Case, CaseError, Content, ModelChoice, Record, Table};
+use crate::{Answer, Case, CaseError, Column, Content, ModelChoice, OUTPUTS, Record, Table};
 
 /// Solves of a model, of which the fastest counts.
 const REPEATS: usize = 20;
@@ -38,22 +38,22 @@ pub fn comparison(case: &Case) -> Result<Answer, CaseError> {
         let model = record.model().name();
         record.warnings(case).into_iter().map(move |text| format!("{model}: {text}"))
     });
-    let columns = "model | efficiency | ball_torque_Nm=torque N m | nut_normal_load_N=Q nut N \
-                   | screw_normal_load_N=Q screw N | nut_contact_angle_deg=angle nut deg \
-                   | screw_contact_angle_deg=angle screw deg | =time us | status";
-    let mut table = Table::of(columns, []);
-    let numbers = &table.columns[1..=6];
+    let shown = "model | efficiency | ball_torque_Nm=torque N m | nut_normal_load_N=Q nut N \
+                 | screw_normal_load_N=Q screw N | nut_contact_angle_deg=angle nut deg \
+                 | screw_contact_angle_deg=angle screw deg | =time us | status | -time_us";
+    let mut table = Table::of(shown, []);
+    let is_shown = |name: &str| Column::all_of(shown).any(|column| column.name == name);
+    let others = ["message", "choice", "without_error_bound"].into_iter();
+    let others = others.chain(OUTPUTS.iter().map(|output| output.name));
+    let unseen = |name| Column { head: None, ..Column::of(name) };
+    table.columns.extend(others.filter(|name| !is_shown(name)).map(unseen));
     let row = |(record, time): &(Record, f64)| {
-        let numbers = numbers.iter().map(|column| json!(record.number(column.name)));
-        let ends = [json!(format!("{time:.2}")), json!(record.status_name())];
-        std::iter::once(json!(record.model().name())).chain(numbers).chain(ends).collect()
+        let mut json = record.to_json();
+        json.insert("time_us".to_owned(), json!(time));
+        json.insert(String::new(), json!(format!("{time:.2}")));
+        table.columns.iter().map(|column| json[column.name].clone()).collect()
     };
     table.rows = answers.iter().map(row).collect();
-    let model = |(record, time): &(Record, f64)| {
-        let mut map = record.to_json();
-        map.insert("time_us".to_owned(), json!(time));
-        Value::Object(map)
-    };
     // By the most complete model that solved the point.
     let regime = answers.iter().rev().find_map(|(record, _)| record.regime());
     let mut answer = Answer {
@@ -63,8 +63,7 @@ pub fn comparison(case: &Case) -> Result<Answer, CaseError> {
         ..Answer::default()
     }
     .with("regime", Content::Text("regime ", regime.map(str::to_owned)))
-    .with("models", Content::Json(answers.iter().map(model).collect()))
-    .with_shown(Content::Table(table));
+    .with("models", Content::Table(table));
     for (record, _) in &answers {
         let why = record.message().map(str::to_owned);
         answer = answer.with_shown(Content::Text(record.model().name(), why));

@@ -171,7 +171,34 @@ impl Settings {
         })
     }
 
-    /// Checks the settings.
+    /// The settings as a user gives them: the model uses each that is not as by default.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::Entry`] for a setting of another model, [`CaseError::OutOfRange`].
+    pub fn checked(self) -> Result<Self, CaseError> {
+        self.check()?;
+        let usual = Self::default();
+        let is_set = |value: f64, usual: f64| value.to_bits() != usual.to_bits();
+        let (auto, traction, raceway) =
+            (ModelChoice::Auto, Model::Traction.into(), Model::RacewayControl.into());
+        let settings = [
+            ("tolerance", auto, is_set(self.tolerance, usual.tolerance)),
+            ("accuracy", traction, is_set(self.accuracy, usual.accuracy)),
+            ("creep", traction, is_set(self.creep, usual.creep)),
+            ("control", raceway, self.control != usual.control),
+            ("friction", raceway, self.friction != usual.friction),
+        ];
+        match settings.into_iter().find(|(_, owner, is_set)| *is_set && *owner != self.model) {
+            None => Ok(self),
+            Some((key, owner, _)) => {
+                let (owner, model) = (owner.name(), self.model.name());
+                Err(bad(key, format!("is a setting of model {owner}, not of model {model}")))
+            }
+        }
+    }
+
+    /// Checks the ranges of the settings.
     ///
     /// # Errors
     ///

@@ -67,6 +67,8 @@ pub struct Table {
 pub struct Column {
     /// Its name in JSON; one with an empty name is for people alone.
     pub name: &'static str,
+    /// What its cells are, as the schema of answers names it; a number unless said.
+    pub kind: &'static str,
     /// Its unit.
     pub unit: &'static str,
     /// Its head for people; one without is for programs alone.
@@ -74,14 +76,20 @@ pub struct Column {
 }
 
 impl Column {
-    /// A column `name`, `name=head`, `=head` for people alone, or `-name` for programs alone.
+    /// A column `name`, `name=head`, `=head` for people alone, or `-name` for programs alone; `name:kind` in place of `name`
+    /// if its cells are no numbers.
     pub(crate) fn of(text: &'static str) -> Self {
-        let (name, head) = match (text.strip_prefix('-'), text.split_once('=')) {
-            (Some(name), _) => (name, None),
-            (None, Some((name, head))) => (name, Some(head)),
-            (None, None) => (text, Some(text)),
-        };
-        Self { name, unit: "", head }
+        let (shown, head) = text.split_once('=').map_or((text, None), |(a, b)| (a, Some(b)));
+        let (name, kind) = shown.split_once(':').unwrap_or((shown, "number"));
+        match name.strip_prefix('-') {
+            Some(name) => Self { name, kind, unit: "", head: None },
+            None => Self { name, kind, unit: "", head: head.or(Some(name)) },
+        }
+    }
+
+    /// Columns of such texts, which bars separate.
+    pub fn all_of(text: &'static str) -> impl Iterator<Item = Self> {
+        text.split('|').map(|column| Self::of(column.trim()))
     }
 }
 
@@ -137,10 +145,10 @@ impl Criterion {
 }
 
 impl Table {
-    /// Rows under columns, see [`Column::of`], which bars separate.
+    /// Rows under columns, see [`Column::all_of`].
     pub(crate) fn of(columns: &'static str, rows: impl IntoIterator<Item = Vec<Value>>) -> Self {
-        let columns = columns.split('|').map(|text| Column::of(text.trim())).collect();
-        Self { columns, rows: rows.into_iter().collect(), keyed: false }
+        let (columns, rows) = (Column::all_of(columns).collect(), rows.into_iter().collect());
+        Self { columns, rows, keyed: false }
     }
 
     /// The same as an object of objects by the first column.
