@@ -693,8 +693,9 @@ class Report(Mapping[str, Any]):
 
     def __getitem__(self, name: str) -> Any:
         if name not in self._entries:
-            inside = next((key for key, value in self._entries.items() if isinstance(value, Mapping) and name in value), None)
-            raise KeyError(f"{name}: it is in [{inside!r}]" if inside else f"{name}{_near(name, self._entries)}")
+            inside = {name: key for key, value in self._entries.items() if isinstance(value, Mapping) for name in value}
+            raise KeyError(f"{name}: it is in [{inside[name]!r}]" if name in inside
+                           else f"{name}{_near(name, [*self._entries, *inside])}")
         return self._entries[name]
 
     def __iter__(self) -> Iterator[str]:

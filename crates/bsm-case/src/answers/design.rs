@@ -406,14 +406,13 @@ fn row(check: &Check) -> DesignRow {
 
 /// A rule of the sheet beside the steps.
 fn of_rule(rule: &Criterion) -> DesignRow {
-    let sign = if rule.at_least { ">=" } else { "<=" };
     DesignRow {
         step: 11,
         name: rule.name,
         label: label(rule.name).unwrap_or(rule.title),
         unit: rule.unit,
         value: Some(rule.value),
-        requirement: rule.limit.map(|limit| format!("{sign} {}", trimmed(limit))),
+        requirement: rule.must_be(),
         passes: rule.passes(),
     }
 }

@@ -193,7 +193,7 @@ impl Settings {
             None => Ok(self),
             Some((key, owner, _)) => {
                 let (owner, model) = (owner.name(), self.model.name());
-                Err(bad(key, format!("is a setting of model {owner}, not of model {model}")))
+                Err(bad(key, format!("model {model} does not use it; model {owner} does")))
             }
         }
     }

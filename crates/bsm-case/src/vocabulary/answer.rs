@@ -3,7 +3,7 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::{Numbers, Output, Scope};
+use crate::{Numbers, Output, Scope, trimmed};
 
 /// An answer.
 #[derive(Debug, Clone, Default)]
@@ -127,6 +127,15 @@ impl Criterion {
         Some(if self.at_least { self.value / limit } else { limit / self.value })
     }
 
+    fn sign(&self) -> &'static str {
+        if self.at_least { ">=" } else { "<=" }
+    }
+
+    /// What the number must be, as text; `None` if nothing is required.
+    pub fn must_be(&self) -> Option<String> {
+        Some(format!("{} {}", self.sign(), trimmed(self.limit?)))
+    }
+
     /// JSON object.
     pub fn to_json(&self) -> Value {
         json!({
@@ -134,7 +143,7 @@ impl Criterion {
             "name": self.name,
             "unit": self.unit,
             "value": self.value,
-            "must_be": if self.at_least { ">=" } else { "<=" },
+            "must_be": self.sign(),
             "limit": self.limit,
             "margin": self.margin(),
             "passes": self.passes(),
