@@ -171,7 +171,7 @@ impl Settings {
         })
     }
 
-    /// The settings as a user gives them: the model uses each that is not as by default.
+    /// The settings as a user gives them: the model uses each that is not as by default. `auto` may come to any model.
     ///
     /// # Errors
     ///
@@ -180,8 +180,8 @@ impl Settings {
         self.check()?;
         let usual = Self::default();
         let is_set = |value: f64, usual: f64| value.to_bits() != usual.to_bits();
-        let (auto, traction, raceway) =
-            (ModelChoice::Auto, Model::Traction.into(), Model::RacewayControl.into());
+        let auto = ModelChoice::Auto;
+        let (traction, raceway) = (Model::Traction.into(), Model::RacewayControl.into());
         let settings = [
             ("tolerance", auto, is_set(self.tolerance, usual.tolerance)),
             ("accuracy", traction, is_set(self.accuracy, usual.accuracy)),
@@ -189,7 +189,8 @@ impl Settings {
             ("control", raceway, self.control != usual.control),
             ("friction", raceway, self.friction != usual.friction),
         ];
-        match settings.into_iter().find(|(_, owner, is_set)| *is_set && *owner != self.model) {
+        let is_idle = |owner| self.model != auto && self.model != owner;
+        match settings.into_iter().find(|(_, owner, is_set)| *is_set && is_idle(*owner)) {
             None => Ok(self),
             Some((key, owner, _)) => {
                 let (owner, model) = (owner.name(), self.model.name());
