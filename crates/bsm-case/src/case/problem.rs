@@ -175,28 +175,23 @@ impl Settings {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] for a setting of another model, [`CaseError::OutOfRange`].
+    /// [`CaseError::Invalid`] with the settings that the model uses, [`CaseError::OutOfRange`].
     pub fn checked(self) -> Result<Self, CaseError> {
         self.check()?;
-        let usual = Self::default();
-        let is_set = |value: f64, usual: f64| value.to_bits() != usual.to_bits();
-        let auto = ModelChoice::Auto;
-        let (traction, raceway) = (Model::Traction.into(), Model::RacewayControl.into());
-        let settings = [
-            ("tolerance", auto, is_set(self.tolerance, usual.tolerance)),
-            ("accuracy", traction, is_set(self.accuracy, usual.accuracy)),
-            ("creep", traction, is_set(self.creep, usual.creep)),
-            ("control", raceway, self.control != usual.control),
-            ("friction", raceway, self.friction != usual.friction),
-        ];
-        let is_idle = |owner| self.model != auto && self.model != owner;
-        match settings.into_iter().find(|(_, owner, is_set)| *is_set && is_idle(*owner)) {
-            None => Ok(self),
-            Some((key, owner, _)) => {
-                let (owner, model) = (owner.name(), self.model.name());
-                Err(bad(key, format!("model {model} does not use it; model {owner} does")))
+        let usual = Self { model: self.model, ..Self::default() };
+        let Self { accuracy, creep, control, friction, .. } = usual;
+        let (others, used) = match self.model {
+            ModelChoice::Auto => return Ok(self),
+            ModelChoice::Fixed(Model::Traction) => {
+                (Self { accuracy, creep, ..self }, "accuracy and creep alone")
             }
-        }
+            ModelChoice::Fixed(Model::RacewayControl) => {
+                (Self { control, friction, ..self }, "control and friction alone")
+            }
+            ModelChoice::Fixed(_) => (self, "no settings"),
+        };
+        let why = || CaseError::Invalid(format!("model {} uses {used}", self.model.name()));
+        if others == usual { Ok(self) } else { Err(why()) }
     }
 
     /// Checks the ranges of the settings.
