@@ -10,6 +10,19 @@ use crate::{Answer, Case, CaseError, Column, Content, ModelChoice, OUTPUTS, Reco
 /// Solves of a model, of which the fastest counts.
 const REPEATS: usize = 20;
 
+/// What people see of a model, with its heads.
+const SHOWN: [(&str, &str); 9] = [
+    ("model", "model"),
+    ("status", "status"),
+    ("efficiency", "efficiency"),
+    ("ball_torque_Nm", "torque N m"),
+    ("nut_normal_load_N", "Q nut N"),
+    ("screw_normal_load_N", "Q screw N"),
+    ("nut_contact_angle_deg", "angle nut deg"),
+    ("screw_contact_angle_deg", "angle screw deg"),
+    ("", "time us"),
+];
+
 /// The answers of all models that a case has inputs for side by side, by the number of inputs, with the time of one solve \[µs\];
 /// and why each of the others does not answer.
 ///
@@ -38,15 +51,11 @@ pub fn comparison(case: &Case) -> Result<Answer, CaseError> {
         let model = record.model().name();
         record.warnings(case).into_iter().map(move |text| format!("{model}: {text}"))
     });
-    let shown = "model | efficiency | ball_torque_Nm=torque N m | nut_normal_load_N=Q nut N \
-                 | screw_normal_load_N=Q screw N | nut_contact_angle_deg=angle nut deg \
-                 | screw_contact_angle_deg=angle screw deg | =time us | status | -time_us";
-    let mut table = Table::of(shown, []);
-    let is_shown = |name: &str| Column::all_of(shown).any(|column| column.name == name);
-    let others = ["message", "choice", "without_error_bound"].into_iter();
-    let others = others.chain(OUTPUTS.iter().map(|output| output.name));
-    let unseen = |name| Column { head: None, ..Column::of(name) };
-    table.columns.extend(others.filter(|name| !is_shown(name)).map(unseen));
+    let texts = ["model", "status", "message", "choice", "without_error_bound"].into_iter();
+    let members = texts.chain(OUTPUTS.iter().map(|output| output.name)).chain(["time_us", ""]);
+    let head = |name: &str| SHOWN.iter().find(|(own, _)| *own == name).map(|(_, head)| *head);
+    let columns = members.map(|name| Column { head: head(name), ..Column::of(name) });
+    let mut table = Table { columns: columns.collect(), ..Table::default() };
     let row = |(record, time): &(Record, f64)| {
         let mut json = record.to_json();
         json.insert("time_us".to_owned(), json!(time));
