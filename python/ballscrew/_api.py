@@ -693,8 +693,9 @@ class Report(Mapping[str, Any]):
 
     def __getitem__(self, name: str) -> Any:
         if name not in self._entries:
-            inside = next((key for key, value in self._entries.items() if isinstance(value, Mapping) and name in value), None)
-            raise KeyError(f"{name}: it is in [{inside!r}]" if inside else f"{name}{_near(name, self._entries)}")
+            inside = {name: key for key, value in self._entries.items() if isinstance(value, Mapping) for name in value}
+            raise KeyError(f"{name}: it is in [{inside[name]!r}]" if name in inside
+                           else f"{name}{_near(name, [*self._entries, *inside])}")
         return self._entries[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -1023,16 +1024,7 @@ def compare(case: Point = None, /, **inputs: Unpack[Inputs]) -> Table:
     >>> bs.compare(contact_angle_deg=45, lead_angle_deg=8, friction_coefficient=0.01)["model"].tolist()
     ['closed-form']
     """
-    asked = _case(case, inputs)
-    rows: list[dict[str, Any]] = []
-    refused: InputError | None = None
-    for model in MODELS[1:]:
-        try:
-            rows.append(solve(asked, model=model, check=False).to_dict())
-        except InputError as error:
-            refused = refused or error
-    if not rows and refused is not None:
-        raise refused
+    rows = _report(_core.compare(_case(case, inputs)))["models"]
     names = ["model", "status", *(quantity.name for quantity in _OF_A_SOLUTION)]
     return _listed(names, [[row[name] for name in names] for row in rows])
 

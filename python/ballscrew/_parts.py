@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple, TypedDict, Unpack
+from typing import NamedTuple, Self, TypedDict, Unpack
 
 from ballscrew import _core
 from ballscrew._api import (
@@ -100,48 +100,37 @@ class Verification(NamedTuple):
     failed: int
 
 
-class Plan:
+class Plan(_core.Plan):
     """Plan of a folder: everything that determines the bytes of its parts.
 
     Made by `plan` or `Plan.open`.
+
+    Attributes
+    ----------
+    id, text : str
+        SHA-256 of the text; the text of `plan.json`.
+    rows, parts, rows_per_part : int
+        Number of rows, of parts, and of the rows of a part; the last may have fewer.
+    folder : path
+        The folder.
+    points : path or None
+        Path of the table of points; beside the folder unless given.
     """
 
-    def __init__(self, core: _core.Plan, folder: Path, points: Path | None = None) -> None:
-        self._core = core
-        self.folder = folder
-        """The folder."""
-        self.points = points
-        """Path of the table of points; beside the folder unless given."""
+    folder: Path
+    points: Path | None
+
+    def __new__(
+        cls, text: str, folder: str | os.PathLike[str], points: str | os.PathLike[str] | None = None
+    ) -> Self:
+        self = super().__new__(cls, text)
+        self.folder, self.points = Path(folder), Path(points) if points is not None else None
+        return self
 
     @classmethod
     def open(cls, folder: str | os.PathLike[str], *, points: str | os.PathLike[str] | None = None) -> Plan:
         """Open the plan that is in a folder."""
-        return cls(_core.Plan.open(Path(folder)), Path(folder), Path(points) if points is not None else None)
-
-    @property
-    def id(self) -> str:
-        """SHA-256 of the text."""
-        return self._core.id
-
-    @property
-    def text(self) -> str:
-        """The text of `plan.json`."""
-        return self._core.text
-
-    @property
-    def rows(self) -> int:
-        """Number of rows."""
-        return self._core.rows
-
-    @property
-    def parts(self) -> int:
-        """Number of parts."""
-        return self._core.parts
-
-    @property
-    def rows_per_part(self) -> int:
-        """Rows of a part; the last may have fewer."""
-        return self._core.rows_per_part
+        return cls(_core.Plan.within(Path(folder)).text, folder, points)
 
     @property
     def files(self) -> list[str]:
@@ -150,7 +139,7 @@ class Plan:
 
     def estimate(self) -> Estimate:
         """Core-hours and bytes to expect: nominal times for rolling balls, sizes at most."""
-        seconds, size = self._core.estimate()
+        seconds, size = self.cost()
         return Estimate(seconds / 3600, size)
 
     def run(
@@ -175,20 +164,18 @@ class Plan:
             As in `solve_many`.
         """
         which = sorted(set(parts)) if parts is not None else None
-        solved, there = self._core.run(self.folder, which, self.points, repair, threads, _shown(progress))
-        if which is None:
-            self._core.finish(self.folder, solved)
+        solved, there = self.solve_into(self.folder, which, self.points, repair, threads, _shown(progress))
         return Summary(len(solved), len(there), sum(part[2] for part in solved), sum(part[3] for part in solved))
 
     def verify(self, deep: bool = False) -> Verification:
         """List existing, missing and damaged parts; reads all bytes if `deep`, else the footers."""
-        return self._survey(deep)[1]
+        return self._verified(deep, False)
 
-    def _survey(self, deep: bool) -> tuple[list[_core.Part], Verification]:
-        parts, missing, damaged, foreign = self._core.survey(self.folder, deep)
+    def _verified(self, deep: bool, finish: bool) -> Verification:
+        parts, missing, damaged, foreign = self.survey(self.folder, deep, finish)
         rows, failed = sum(part[2] for part in parts), sum(part[3] for part in parts)
         told = [(str(path), why) for path, why in damaged], [str(path) for path in foreign]
-        return parts, Verification(missing, *told, not missing and not damaged, rows, failed)
+        return Verification(missing, *told, not missing and not damaged, rows, failed)
 
     def finish(self) -> None:
         """Write `parts.parquet`, and remove unfinished files.
@@ -198,12 +185,11 @@ class Plan:
         PartError
             If a part is missing or damaged.
         """
-        parts, found = self._survey(False)
+        found = self._verified(False, True)
         if not found.complete:
             count = sum(stop - start for start, stop in found.missing)
             words = [f"{count} of {self.parts} parts are missing"] if count else []
             raise PartError("; ".join(words + [f"{path} {why}" for path, why in found.damaged[:3]]))
-        self._core.finish(self.folder, parts)
 
     def __repr__(self) -> str:
         return f"Plan({str(self.folder)!r}: {self.rows:,} rows in {self.parts:,} parts, {self.id[:12]})"
@@ -265,7 +251,7 @@ def plan(
     if draw is not None and samples is not None:
         random = (seed, samples, _laws(draw))
     table = Path(points) if points is not None else None
-    core = _core.Plan.new(
+    core = _core.Plan.of(
         _case(base, {}),
         _axes(vary or {}),
         random,
@@ -275,7 +261,7 @@ def plan(
         rows_per_part,
     )
     core.begin(Path(folder))
-    return Plan(core, Path(folder), table)
+    return Plan(core.text, folder, table)
 
 
 def run_part(
@@ -301,9 +287,8 @@ def run_part(
     threads : int
         Threads.
     """
-    core = _core.Plan.from_text(text)
-    table = Path(points) if points is not None else None
-    parts, there = core.run(Path(folder), [part], table, False, threads, None)
+    planned = Plan(text, folder, points)
+    parts, there = planned.solve_into(planned.folder, [part], planned.points, False, threads, None)
     _, _, rows, failed, _, size, sha256 = parts[0]
     return SolvedPart(part=part, rows=rows, failed=failed, bytes=size, data_sha256=sha256, skipped=bool(there))
 
@@ -343,4 +328,4 @@ def solve_part(
     >>> pl.DataFrame(bs.solve_part(plan.text, 0))["efficiency"].max() > 0.9
     True
     """
-    return _core.Plan.from_text(text).solve(part, Path(points) if points is not None else None, threads)
+    return _core.Plan(text).solve(part, Path(points) if points is not None else None, threads)

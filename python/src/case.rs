@@ -85,9 +85,7 @@ impl<'py> FromPyObject<'_, 'py> for How {
     fn extract(object: Borrowed<'_, 'py, PyAny>) -> Result<Self> {
         let (model, tolerance, accuracy, creep, control, friction): Keywords = object.extract()?;
         let named = Settings::named(&model, control.as_deref(), Some(&friction))?;
-        let settings = Settings { tolerance, accuracy, creep, ..named };
-        settings.check()?;
-        Ok(Self(settings))
+        Ok(Self(Settings { tolerance, accuracy, creep, ..named }.checked()?))
     }
 }
 

@@ -86,49 +86,33 @@ fn draws(seed: u64, count: u64, of: Vec<String>) -> Result<Vec<(&'static str, Py
 }
 
 #[pymodule]
-fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    // The models, `auto` first; raceways that may control; where friction of a lubricant may be computed.
-    module.add("MODELS", ModelChoice::names().collect::<Vec<_>>())?;
-    module.add("RACEWAYS", Control::ALL.map(Control::name))?;
-    module.add("FRICTIONS", RacewayFriction::ALL.map(RacewayFriction::name))?;
-    module.add_class::<case::Case>()?;
-    module.add_class::<solution::Solution>()?;
-    module.add_class::<points::Rows>()?;
-    module.add_class::<table::Arrow>()?;
-    module.add_class::<table::KeptColumn>()?;
-    module.add_class::<parts::PyPlan>()?;
-    module.add_class::<reports::Nuts>()?;
-    for function in [
-        wrap_pyfunction!(inputs, module)?,
-        wrap_pyfunction!(outputs, module)?,
-        wrap_pyfunction!(case_choices, module)?,
-        wrap_pyfunction!(draws, module)?,
-        wrap_pyfunction!(requirements, module)?,
-        wrap_pyfunction!(solution::sensitivities, module)?,
-        wrap_pyfunction!(solution::gradient, module)?,
-        wrap_pyfunction!(points::solve_many, module)?,
-        wrap_pyfunction!(points::sweep, module)?,
-        wrap_pyfunction!(table::read_arrow, module)?,
-        wrap_pyfunction!(table::to_arrow, module)?,
-        wrap_pyfunction!(reports::of_motion, module)?,
-        wrap_pyfunction!(reports::ratings, module)?,
-        wrap_pyfunction!(reports::nut, module)?,
-        wrap_pyfunction!(reports::nut_columns, module)?,
-        wrap_pyfunction!(reports::nut_samples, module)?,
-        wrap_pyfunction!(reports::fit, module)?,
-        wrap_pyfunction!(reports::fit_table, module)?,
-        wrap_pyfunction!(reports::select, module)?,
-        wrap_pyfunction!(reports::optimum, module)?,
-        wrap_pyfunction!(reports::axis, module)?,
-        wrap_pyfunction!(reports::select_nuts, module)?,
-        wrap_pyfunction!(reports::manufacturers, module)?,
-        wrap_pyfunction!(reports::validate, module)?,
-        wrap_pyfunction!(reports::write_numbers, module)?,
-        wrap_pyfunction!(clock::batch_seconds, module)?,
-        wrap_pyfunction!(clock::solve_seconds, module)?,
-    ] {
-        module.add_function(function)?;
+mod _core {
+    use super::{Control, ModelChoice, RacewayFriction};
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use super::{
+        case::Case,
+        case_choices,
+        clock::{batch_seconds, solve_seconds},
+        draws, inputs, outputs,
+        parts::PyPlan,
+        points::{Rows, solve_many, sweep},
+        reports::{
+            Nuts, axis, compare, fit, fit_table, manufacturers, nut, nut_columns, nut_samples,
+            of_motion, optimum, ratings, select, select_nuts, validate, write_numbers,
+        },
+        requirements,
+        solution::{Solution, gradient, sensitivities},
+        table::{Arrow, KeptColumn, read_arrow, to_arrow},
+    };
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        // The models, `auto` first; raceways that may control; where friction of a lubricant may be computed.
+        module.add("MODELS", ModelChoice::names().collect::<Vec<_>>())?;
+        module.add("RACEWAYS", Control::ALL.map(Control::name))?;
+        module.add("FRICTIONS", RacewayFriction::ALL.map(RacewayFriction::name))
     }
-    Ok(())
 }

@@ -1,6 +1,5 @@
 //! Folders of parts: plans, their parts, and what is there of them.
 
-use std::collections::BTreeMap;
 use std::io;
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::ops::Range;
@@ -37,10 +36,6 @@ fn told(part: &Part) -> RowReport {
     (number, first_row, rows, failed, several, data_bytes, data_sha256)
 }
 
-fn part_of((number, first_row, rows, failed, several, data_bytes, data_sha256): RowReport) -> Part {
-    Part { number, first_row, rows, failed, several, data_bytes, data_sha256 }
-}
-
 /// Parts, missing ranges, what is damaged and why, foreign files.
 type Survey = (Vec<RowReport>, Vec<(u64, u64)>, Vec<(PathBuf, String)>, Vec<PathBuf>);
 
@@ -48,7 +43,7 @@ type Survey = (Vec<RowReport>, Vec<(u64, u64)>, Vec<(PathBuf, String)>, Vec<Path
 type Random = (u64, u64, Vec<String>);
 
 /// A plan.
-#[pyclass(frozen, name = "Plan", module = "ballscrew._core")]
+#[pyclass(frozen, subclass, name = "Plan", module = "ballscrew._core")]
 pub(crate) struct PyPlan(Plan);
 
 #[pymethods]
@@ -56,7 +51,7 @@ impl PyPlan {
     /// * `axes`: of a grid, or `random` points, or `table` with columns to keep: one of them.
     #[staticmethod]
     #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
-    fn new(
+    fn of(
         py: Python<'_>,
         base: &Bound<'_, Case>,
         axes: Vec<String>,
@@ -92,14 +87,14 @@ impl PyPlan {
         Ok(Self(plan))
     }
 
-    #[staticmethod]
+    #[new]
     fn from_text(text: &str) -> Result<Self> {
         Plan::from_text(text).map(Self).map_err(planned)
     }
 
     /// The plan that is in a folder.
     #[staticmethod]
-    fn open(folder: PathBuf) -> Result<Self> {
+    fn within(folder: PathBuf) -> Result<Self> {
         Ok(Self(Dataset::open(&folder, make)?.plan().clone()))
     }
 
@@ -108,42 +103,47 @@ impl PyPlan {
         Ok(Dataset::resume(&folder, self.0.clone(), make).map(drop)?)
     }
 
+    /// The text of `plan.json`.
     #[getter]
     fn text(&self) -> &str {
         self.0.text()
     }
 
+    /// SHA-256 of the text.
     #[getter]
     fn id(&self) -> &str {
         self.0.id()
     }
 
+    /// Number of rows.
     #[getter]
     fn rows(&self) -> u64 {
         self.0.rows()
     }
 
+    /// Number of parts.
     #[getter]
     fn parts(&self) -> u64 {
         self.0.parts()
     }
 
+    /// Rows of a part; the last may have fewer.
     #[getter]
     fn rows_per_part(&self) -> u64 {
         self.0.rows_per_part()
     }
 
     /// Seconds on one core and bytes at most.
-    fn estimate(&self) -> Result<(f64, f64)> {
+    fn cost(&self) -> Result<(f64, f64)> {
         let estimate = self.0.estimate().map_err(planned)?;
         Ok((estimate.core_seconds, estimate.bytes))
     }
 
     /// Solves parts into a folder, which is begun if it is not, and returns them, and which of them were there.
     ///
-    /// * `numbers`: growing numbers; all unless given. * `table`: where the table of the plan is.
+    /// * `numbers`: growing numbers; unless given all, and the list of parts is written too. * `table`: where the table of the plan is.
     #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
-    fn run(
+    fn solve_into(
         &self,
         py: Python<'_>,
         folder: PathBuf,
@@ -177,6 +177,7 @@ impl PyPlan {
             let found = parts.run_parts(&task, &points, numbers, repair, &workers, &mut tell)?;
             if all {
                 parts.check_names()?;
+                parts.finish(&found)?;
             }
             Ok::<_, DatasetError>((found.values().map(told).collect(), there))
         };
@@ -205,22 +206,22 @@ impl PyPlan {
     }
 
     /// What is in a folder: parts, missing ranges, what is damaged and why, foreign files.
-    fn survey(&self, py: Python<'_>, folder: PathBuf, deep: bool) -> Result<Survey> {
+    ///
+    /// * `finish`: also write the list of parts, if all are there.
+    fn survey(&self, py: Python<'_>, folder: PathBuf, deep: bool, finish: bool) -> Result<Survey> {
         let survey = watched(py, false, 0, Some(NonZeroUsize::MIN), None, |stop, _| {
             let workers = Workers::start(None, stop).map_err(DatasetError::Thread)?;
-            Dataset::resume(&folder, self.0.clone(), make)?.survey(deep, &workers)
+            let folder = Dataset::resume(&folder, self.0.clone(), make)?;
+            let survey = folder.survey(deep, &workers)?;
+            if finish && survey.missing(&self.0).is_empty() && survey.damaged.is_empty() {
+                folder.finish(&survey.parts)?;
+            }
+            Ok::<_, DatasetError>(survey)
         })?;
         let range = |Range { start, end }| (start, end);
         let missing = survey.missing(&self.0).into_iter().map(range).collect();
         let FolderScan { parts, damaged, unknown_files } = survey;
         let damaged = damaged.into_iter().map(|(path, why)| (path, why.to_string())).collect();
         Ok((parts.values().map(told).collect(), missing, damaged, unknown_files))
-    }
-
-    /// Writes the list of all parts.
-    fn finish(&self, folder: PathBuf, parts: Vec<RowReport>) -> Result<()> {
-        let parts: BTreeMap<_, _> = parts.into_iter().map(|told| (told.0, part_of(told))).collect();
-        let folder = Dataset::resume(&folder, self.0.clone(), make)?;
-        Ok(folder.finish(&parts)?)
     }
 }

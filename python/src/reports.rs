@@ -67,6 +67,13 @@ pub(crate) fn of_motion(
     })
 }
 
+/// All models that a case has inputs for.
+#[pyfunction]
+pub(crate) fn compare(py: Python<'_>, case: &Bound<'_, Case>) -> Result<Report> {
+    let case = &case.get().0;
+    on_threads(py, || Ok(told(&bsm_case::comparison(case)?)))
+}
+
 /// Ratings of a nut.
 #[pyfunction]
 pub(crate) fn ratings(py: Python<'_>, case: &Bound<'_, Case>) -> Result<Report> {

@@ -134,6 +134,8 @@ def test_one_coefficient_for_each_contact() -> None:
         assert table["dissipated_power_W"][0] == pytest.approx(answer.dissipated_power_W, rel=1e-10)
     with pytest.raises(bs.InputError, match="local, contact"):
         bs.solve(oiled, friction="everywhere")  # type: ignore[arg-type]
+    with pytest.raises(bs.InputError, match="model traction uses accuracy and creep alone"):
+        bs.solve(oiled, model="traction", friction="contact")
 
 
 def test_torque_by_its_parts() -> None:

@@ -22,3 +22,16 @@ pub(crate) mod selection;
 pub(crate) mod sensitivity;
 pub(crate) mod slip;
 pub(crate) mod warm;
+
+/// Columns of the tables of answers, by the names that the schema has for their rows.
+pub const TABLES: [(&str, &str); 9] = [
+    ("interval", record::INTERVALS),
+    ("derivatives", sensitivity::SENSITIVITIES),
+    ("verdict", moving::VERDICTS),
+    ("ellipse", ellipses::CONTACT),
+    ("conductance", warm::CONDUCTANCES),
+    ("range", warm::RANGES),
+    ("step", design::STEP_COLUMNS),
+    ("value", calibration::FOUND),
+    ("point", calibration::POINTS),
+];

@@ -32,6 +32,7 @@ mod answers;
 mod case;
 mod vocabulary;
 
+pub use answers::TABLES;
 pub use answers::analysis::table;
 pub use answers::axis::{AxisReport, Order, ScrewTorque, sheet_columns, torque_parts};
 pub use answers::calibration::{Calibration, CalibrationReport};

@@ -88,6 +88,7 @@ pub(crate) enum Command {
     /// sizes or a manufacturer's, to filter and sort. Try: bsm select examples/requirements/axis.json
     Select(SelectArgs),
     /// Solve many points, one row each: a grid (--vary), random points (--draw) or a table (--points).
+    /// Try: bsm sweep examples/feed_drive.json --vary axial_load_kN=1:20:5 --columns efficiency -o -
     Sweep(SweepArgs),
     /// Parts of a folder that `bsm sweep -o DIR/ --plan` has planned: solve them, check them.
     #[command(subcommand)]
@@ -174,16 +175,17 @@ pub(crate) const ALL: &str = "all";
 
 impl ModelArgs {
     /// Model and settings.
-    pub(crate) fn settings(&self) -> Result<Settings, CaseError> {
+    pub(crate) fn settings(&self) -> Result<Settings, Failure> {
         let word = |key| value(&self.solver, key);
-        let named = Settings::named(&self.model, word("control"), word("friction"))?;
         let number = |key, usual| word(key).and_then(|text| text.parse().ok()).unwrap_or(usual);
-        Ok(Settings {
-            tolerance: number("tolerance", named.tolerance),
-            accuracy: number("accuracy", named.accuracy),
-            creep: number("creep", named.creep),
-            ..named
-        })
+        Settings::named(&self.model, word("control"), word("friction"))
+            .and_then(|named| {
+                let tolerance = number("tolerance", named.tolerance);
+                let accuracy = number("accuracy", named.accuracy);
+                let creep = number("creep", named.creep);
+                Settings { tolerance, accuracy, creep, ..named }.checked()
+            })
+            .map_err(|error| Failure::Input(format!("--solver: {error}")))
     }
 
     /// True if a setting is given.
@@ -231,8 +233,8 @@ fn value<'a>(pairs: &'a [(String, String)], key: &str) -> Option<&'a str> {
 /// Format of a table that is read.
 #[derive(Debug, Args)]
 pub(crate) struct DialectArgs {
-    /// delimiter=comma, semicolon, tab or bar; decimal=point or comma; names=FILE, JSON from its columns to ours or
-    /// null; output=same, for CSV of bsm sweep.
+    /// delimiter=comma, semicolon, tab or bar; decimal=point or comma; of points and nuts names=FILE, JSON from its
+    /// columns to ours or null; of bsm sweep output=same, for CSV like it.
     #[arg(long, value_name = "KEY=VALUE,..", value_delimiter = ',', value_parser = sign)]
     dialect: Vec<(String, String)>,
 }
@@ -344,8 +346,6 @@ pub(crate) struct ViewArgs {
     /// Further cases, side by side with the first.
     #[arg(value_name = "CASE.json")]
     pub(crate) beside: Vec<PathBuf>,
-    #[command(flatten)]
-    pub(crate) model: ModelArgs,
     /// Port of the server on 127.0.0.1; a free one unless given.
     #[arg(long, default_value_t = 0, hide_default_value = true)]
     pub(crate) port: u16,
@@ -356,6 +356,8 @@ pub(crate) struct ViewArgs {
     /// case" of the server's page writes the case; without it the browser saves it.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) model: ModelArgs,
 }
 
 /// Numbers of a nut that make the table.
@@ -369,8 +371,6 @@ pub(crate) enum NutTable {
 pub(crate) struct NutArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
-    #[command(flatten)]
-    pub(crate) model: ModelArgs,
     /// What a table of -o has: a row for each of the balls, or the curve of displacement, stiffness and remaining
     /// preload over the axial load, beyond the load and the limit load.
     #[arg(long, value_enum, default_value = "balls", requires_if("curve", "output"))]
@@ -383,6 +383,8 @@ pub(crate) struct NutArgs {
     #[arg(long, value_name = "S", requires = "samples")]
     pub(crate) seed: Option<u64>,
     #[command(flatten)]
+    pub(crate) model: ModelArgs,
+    #[command(flatten)]
     pub(crate) out: OutArgs,
 }
 
@@ -393,14 +395,14 @@ pub(crate) struct NutArgs {
 pub(crate) struct AxisArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
-    #[command(flatten)]
-    pub(crate) model: ModelArgs,
     /// Load cycle: CSV with the columns time_s or share, force_N, feed_m_min or screw_speed_rpm, and acceleration_m_s2, in any unit; in
     /// place of the cycle of the case.
     #[arg(long, value_name = "CYCLE.csv")]
     pub(crate) cycle: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) dialect: DialectArgs,
+    #[command(flatten)]
+    pub(crate) model: ModelArgs,
     #[command(flatten)]
     pub(crate) out: OutArgs,
 }

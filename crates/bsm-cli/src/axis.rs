@@ -20,7 +20,7 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
         let cycle = PhaseEntry::from_csv(&bytes, &format);
         case.nut.cycle = Some(cycle.map_err(|e| Failure::case(table, &e))?);
     }
-    let settings = args.model.settings().map_err(in_file)?;
+    let settings = args.model.settings()?;
     let line = case.asks_warm().then(|| waiting("warm steady state, its band and its fold"));
     let report = AxisReport::of(&case, &settings);
     if let Some(line) = line {

@@ -6,8 +6,8 @@ use std::io::{self, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use bsm_case::{Case, CaseError, column_names, exact};
-use bsm_report::{Figure, report_files};
+use bsm_case::{Case, CaseError, column_names};
+use bsm_report::{figure_files, report_files};
 use serde_json::Value;
 use tempfile::NamedTempFile;
 
@@ -312,12 +312,7 @@ pub(crate) fn write_drawn(folder: &Path, drawn: &Pictures, results: &Value) -> R
         report_files(page.clone(), results, &drawn.figures)?
     } else {
         make_folder(folder)?;
-        let svg = |figure: &Figure| (format!("{}.svg", figure.key), figure.svg());
-        let mut files: Vec<_> = drawn.figures.iter().map(svg).collect();
-        for figure in &drawn.figures {
-            files.push((format!("{}.csv", figure.key), figure.csv(exact)?));
-        }
-        files
+        figure_files("", &drawn.figures)?
     };
     for (name, text) in files {
         write(&folder.join(name), &text)?;

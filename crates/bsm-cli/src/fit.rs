@@ -12,7 +12,7 @@ use crate::files::{self, MOST_OF_A_TABLE};
 
 pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     let case = args.case.read()?;
-    let settings = args.model.settings().map_err(args.case.failure())?;
+    let settings = args.model.settings()?;
     let endings: &[&'static str] =
         if args.points.is_some() { &["json", "svg", "png"] } else { &["json"] };
     args.out.check(endings, &[Some(args.case.path())])?;

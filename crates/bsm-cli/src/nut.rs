@@ -19,7 +19,7 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
         &["csv", "jsonl", "parquet", "xlsx", "json"]
     };
     args.out.check(endings, &[Some(args.case.path())])?;
-    let settings = args.model.settings().map_err(in_file)?;
+    let settings = args.model.settings()?;
     let problem = NutProblem::of(&case, &settings).map_err(in_file)?;
     let mut figures = Vec::new();
     let mut answer = if let Some(number) = args.samples {

@@ -1,8 +1,8 @@
 //! `bsm schema`: what files and answers look like, from the tables that answers are made from.
 
 use bsm_case::{
-    AnalysisKind, CATALOGUE, INPUTS, OUTPUTS, Scope, derived_schema, input_schema, output_schema,
-    sheet_columns,
+    AnalysisKind, CATALOGUE, Column, INPUTS, OUTPUTS, Scope, TABLES, derived_schema, input_schema,
+    output_schema, sheet_columns,
 };
 use bsm_validate::{Check, tradeoff::Tradeoff};
 use schemars::generate::Contract;
@@ -43,25 +43,12 @@ const OBJECTS: &[(&str, &str)] = &[
         "settings",
         "name string, tolerance number, accuracy number, creep number, control string?, friction string",
     ),
-    ("interval", "low number, high number"),
     ("torque", "@torques, contacts string"),
-    (
-        "derivatives",
-        "efficiency number, ball_torque_Nm number?, efficiency_relative number?, ball_torque_relative number?",
-    ),
     ("models", "regime string?, models [model], left_out texts, @said"),
     ("model", "@output, time_us number"),
     ("slip", "model string, @slip, verdicts *verdict, lacks texts, @said"),
     ("jam", "model string, @jam, verdicts *verdict, lacks texts, @said"),
     ("ellipses", "model string, contacts [ellipse], @said"),
-    (
-        "ellipse",
-        "contact string, contact_angle_deg number, normal_load_N number, semi_axes_mm numbers, max_pressure_MPa number, \
-         friction_force_N numbers, friction_over_load number, spin_rad_s number, creep_speed_m_s number, saturated boolean, \
-         rolling_lines numbers, spin_poles [numbers], places numbers, pressure_MPa [number?], slip_across_m_s [number?], \
-         slip_along_m_s [number?], friction_across [number?], friction_along [number?], sticking_share number",
-    ),
-    ("verdict", "answer boolean, words string"),
     ("optimum", "@optimum, model? string, by_model? best, @said"),
     ("ratings", "@ratings, @as used, preloaded boolean, steps steps, @said"),
     (
@@ -79,8 +66,6 @@ const OBJECTS: &[(&str, &str)] = &[
         "program string, passes boolean, inputs case, screw screw, results results, warm? warm, conductances? *conductance, band? *range, rules [rule], \
          phases [phase], not_modelled texts, @said",
     ),
-    ("conductance", "value number, origin given|computed|default"),
-    ("range", "low number, value number, high number"),
     ("results", "@axis"),
     (
         "rule",
@@ -89,7 +74,6 @@ const OBJECTS: &[(&str, &str)] = &[
     ),
     ("phase", "@phase, @torques, contacts string, body_axial_N numbers?"),
     ("design", "found boolean, reasons texts, steps [step], case case, @said"),
-    ("step", "step integer, name string, value number?, required string?, passes boolean"),
     ("catalogue", "@catalogue, @sheet?"),
     ("manufacturer", "nut string, @manufacturer, @sheet?, passes? boolean"),
     ("fit", "measured measured, found [fitted], reachable [number?]?, message string, @said"),
@@ -99,8 +83,6 @@ const OBJECTS: &[(&str, &str)] = &[
         "calibration",
         "output string, found *value, root_mean_square number, condition number?, points [point], @said",
     ),
-    ("value", "value number, standard_deviation number?"),
-    ("point", "measured number, fitted number"),
     (
         "parts",
         "plan string, parts integer, finished integer, complete boolean, deep boolean, missing texts, damaged [damage], \
@@ -140,8 +122,8 @@ fn answer(name: &str) -> Value {
     Value::Object(schema)
 }
 
-/// Type of a member of an object: `number`, `integer`, `string`, `boolean`, `texts`, `numbers`, texts `a|b`, or one of the
-/// [`OBJECTS`] or of the tables; `[kind]` a list of it, `*kind` an object of it by names that are not known beforehand, `kind?` the same or null.
+/// Type of a member of an object: `number`, `integer`, `string`, `boolean`, `texts`, `numbers`, texts `a/b`, or one of the
+/// [`OBJECTS`], of the [`TABLES`] or of the tables of numbers; `[kind]` a list of it, `*kind` an object of it by names that are not known beforehand, `kind?` the same or null.
 fn kind(word: &str) -> Value {
     if let Some(known) = word.strip_suffix('?') {
         let mut schema = kind(known);
@@ -154,8 +136,8 @@ fn kind(word: &str) -> Value {
     if let Some(items) = word.strip_prefix('[').and_then(|word| word.strip_suffix(']')) {
         return json!({ "type": "array", "items": kind(items) });
     }
-    if word.contains('|') {
-        return json!({ "enum": word.split('|').collect::<Vec<_>>() });
+    if word.contains('/') {
+        return json!({ "enum": word.split('/').collect::<Vec<_>>() });
     }
     match word {
         "number" | "integer" | "string" | "boolean" => return json!({ "type": word }),
@@ -163,11 +145,18 @@ fn kind(word: &str) -> Value {
         "numbers" => return kind("[number]"),
         _ => {}
     }
-    let of_one_table = format!("@{word}");
-    let members = OBJECTS.iter().find(|(own, _)| *own == word);
-    let members = members.map_or(&of_one_table[..], |(_, members)| members);
+    let members = match OBJECTS.iter().find(|(own, _)| *own == word) {
+        Some((_, members)) => members.split(',').map(|member| member.trim().to_owned()).collect(),
+        None => match TABLES.into_iter().find(|(own, _)| *own == word) {
+            Some((_, columns)) => {
+                let named = Column::all_of(columns).filter(|column| !column.name.is_empty());
+                named.map(|Column { name, kind, .. }| format!("{name} {kind}")).collect()
+            }
+            None => vec![format!("@{word}")],
+        },
+    };
     let (mut properties, mut required) = (Map::new(), Vec::new());
-    for member in members.split(',').map(str::trim) {
+    for member in &members {
         let (own, always) = if let Some(table) = member.strip_prefix('@') {
             (numbers(table.trim_end_matches('?')), !table.ends_with('?'))
         } else {

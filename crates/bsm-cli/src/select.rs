@@ -138,7 +138,8 @@ fn keys() -> String {
     let table = table::plain(None, &rows, usize::MAX);
     format!(
         "A requirement needs axial_load_N or screw_torque_Nm with screw_speed_rpm or feed_m_min, or a cycle;\n\
-         stroke_mm or screw_length_mm. friction_coefficient is 0.06 unless given. All rules of bsm axis are limits.\n\
+         stroke_mm or screw_length_mm; required_life_h, without which any life will do. friction_coefficient is 0.06 unless\n\
+         given. All rules of bsm axis are limits.\n\
          The design chooses lead_mm or lead_angle_deg, ball_diameter_mm, pitch_circle_diameter_mm,\n\
          contact_angle_deg, nut_conformity and loaded_turns unless given.\n\
          These are inputs of a case (bsm schema input), or one of the following keys.\n\n{table}"

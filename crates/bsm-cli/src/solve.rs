@@ -63,7 +63,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         let answer = comparison(&case).map_err(args.case.failure())?;
         return Reply::about(&case, answer).give(&args.out, || Ok(Pictures::default()));
     }
-    let mut settings = args.model.settings().map_err(args.case.failure())?;
+    let mut settings = args.model.settings()?;
     // All parts are of one motion.
     if shown.iter().any(|part| matches!(part, Show::Slip | Show::Ellipses | Show::Jam)) {
         settings.model = settings.model.of_motion(case.stated());

@@ -19,7 +19,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let path = case.or(args.points.as_deref()).unwrap_or(Path::new("--set"));
     let files = Files::of(args)?;
     let in_file = |e: CaseError| Failure::case(path, &e);
-    let settings = args.model.settings().map_err(in_file)?;
+    let settings = args.model.settings()?;
     let chosen = outputs(args.columns.as_deref())?;
     if let Some(points) = &args.points {
         return of_table(args, points, (base, settings), chosen, &files, workers);

@@ -82,13 +82,12 @@ pub(crate) fn answer(answer: &Answer) -> String {
 }
 
 fn rule(rule: &Criterion) -> Vec<String> {
-    let sign = if rule.at_least { ">=" } else { "<=" };
     vec![
         rule.title.to_owned(),
         rule.name.to_owned(),
         rule.unit.to_owned(),
         if rule.value.is_nan() { "-".to_owned() } else { number(rule.value) },
-        rule.limit.map_or_else(String::new, |limit| format!("{sign} {}", number(limit))),
+        rule.must_be().unwrap_or_default(),
         rule.margin()
             .filter(|margin| !margin.is_nan())
             .map_or_else(String::new, |margin| format!("{} times", short(margin))),

@@ -12,7 +12,7 @@ use crate::files::{ending_of, keep, print, read_case, write};
 pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let case = args.case.read()?;
     let in_file = args.case.failure();
-    let settings = args.model.settings().map_err(in_file)?;
+    let settings = args.model.settings()?;
     let ending = args.output.as_deref().map(|path| ending_of("-o", path, &["html", "json"]));
     let is_page = ending.transpose()? == Some("html");
     if is_page && (args.open || args.port != 0) {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use bsm_case::exact;
 use kuva::backend::svg::SvgBackend;
 use kuva::prelude::*;
 use kuva::render::color::Color;
@@ -231,27 +232,16 @@ impl Figure {
         #[expect(clippy::cast_precision_loss, reason = "a few rows")]
         let height = SIZE.1 + ROW * legend.len().div_ceil(columns) as f64;
         let mut layout = Layout::auto_from_plots(&plots)
-            .with_x_label(&self.x.label)
-            .with_y_label(&self.y.label)
             .with_legend_position(LegendPosition::OutsideBottomColumns)
-            .with_legend_box(false)
             .with_legend_col_limit(columns)
             .with_legend_entries(legend)
-            .with_x_tick_format(tick(self.x.log))
-            .with_y_tick_format(tick(self.y.log))
-            .with_label_size(15)
-            .with_tick_size(14)
-            .with_body_size(14)
             .with_width(SIZE.0);
+        layout = with_axes(layout, &self.x, &self.y);
         if self.x.log {
             // Else it ends at a power of ten, far from the points.
             let xs = || self.curves.iter().flat_map(|curve| &curve.points).map(|(x, _)| *x);
             let (low, high) = (xs().fold(f64::INFINITY, f64::min), xs().fold(0.0, f64::max));
-            layout =
-                layout.with_log_x().with_x_axis_min(low / BEYOND).with_x_axis_max(high * BEYOND);
-        }
-        if self.y.log {
-            layout = layout.with_log_y();
+            layout = layout.with_x_axis_min(low / BEYOND).with_x_axis_max(high * BEYOND);
         }
         if self.y.equal {
             layout = layout.with_equal_aspect();
@@ -307,20 +297,18 @@ impl Figure {
 
     /// The points as CSV, one row each; one without a result has no y.
     ///
-    /// * `cell`: a number as the caller's tables have it.
-    ///
     /// # Errors
     ///
     /// [`ReportError::Table`] if the table cannot be written.
-    pub fn csv(&self, cell: impl Fn(f64) -> String) -> Result<String, ReportError> {
+    pub fn csv(&self) -> Result<String, ReportError> {
         let mut table = csv::Writer::from_writer(Vec::new());
         table.write_record(["curve", "mark", &self.x.label, &self.y.label])?;
         for curve in &self.curves {
             let label = curve.label.as_deref().unwrap_or_default();
             for (i, (x, y)) in curve.points.iter().enumerate() {
                 let mark = curve.marks.get(i).map_or("", String::as_str);
-                let y = if y.is_finite() { cell(*y) } else { String::new() };
-                table.write_record([label, mark, &cell(*x), &y])?;
+                let y = if y.is_finite() { exact(*y) } else { String::new() };
+                table.write_record([label, mark, &exact(*x), &y])?;
             }
         }
         text_of_table(table)
@@ -361,10 +349,25 @@ fn renumbered(svg: &str) -> String {
     text
 }
 
+/// Labels, scales and sizes of the axes.
+pub(crate) fn with_axes(layout: Layout, x: &Axis, y: &Axis) -> Layout {
+    let layout = layout
+        .with_x_label(&x.label)
+        .with_y_label(&y.label)
+        .with_x_tick_format(tick(x.log))
+        .with_y_tick_format(tick(y.log))
+        .with_label_size(15)
+        .with_tick_size(14)
+        .with_body_size(14)
+        .with_legend_box(false);
+    let layout = if x.log { layout.with_log_x() } else { layout };
+    if y.log { layout.with_log_y() } else { layout }
+}
+
 /// Numbers along an axis, all in one form.
 ///
 /// * `log`: powers of ten come to it with rounding.
-pub(crate) fn tick(log: bool) -> TickFormat {
+fn tick(log: bool) -> TickFormat {
     TickFormat::Custom(Arc::new(move |value| {
         let digits = if log { 3 } else { 6 };
         // Its shortest digits, after rounding.
@@ -587,6 +590,6 @@ mod tests {
         let titles = |svg: &str| svg.matches("<title>").count();
         assert_eq!((titles(&svg), titles(&figure.inline_svg())), (0, 4));
         assert!(figure.inline_svg().contains("<title>a\nx, mm: 4.0000\ny, N: 2.0000</title>"));
-        assert!(figure.csv(|x| x.to_string()).expect("a table").contains("\na,,3,\na,,4,2\n"));
+        assert!(figure.csv().expect("a table").contains("\na,,3,\na,,4,2\n"));
     }
 }

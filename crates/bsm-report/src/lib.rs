@@ -12,4 +12,4 @@ pub use dxf::groove_dxf;
 pub use error::ReportError;
 pub use figure::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 pub use map::{MOST_CELLS, Map};
-pub use page::{PROGRAM, Page, STYLE, report_files};
+pub use page::{PROGRAM, Page, STYLE, figure_files, report_files};

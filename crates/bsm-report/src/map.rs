@@ -5,7 +5,7 @@ use kuva::plot::ColorMap;
 use kuva::prelude::*;
 use kuva::render::render::{PathData, Primitive, Scene as Drawing, render_multiple};
 
-use crate::figure::{svg_of, tick};
+use crate::figure::{svg_of, with_axes};
 use crate::{Axis, ReportError};
 
 /// Size of a map with its legend.
@@ -87,35 +87,21 @@ impl Map {
         // Something must span the axes.
         let corners = LinePlot::new().with_data(vec![(left, low), (right, high)]);
         let corners = vec![Plot::Line(corners.with_stroke_width(0.0).with_color("none"))];
-        let mut layout = Layout::auto_from_plots(&corners)
+        let layout = Layout::auto_from_plots(&corners)
             .with_title(&self.title)
             .with_title_wrap(46)
-            .with_x_label(&self.x.0.label)
-            .with_y_label(&self.y.0.label)
             .with_legend_position(LegendPosition::OutsideRightTop)
-            .with_legend_box(false)
             .with_legend_title(&self.label)
             .with_legend_entries(legend)
             .with_legend_wrap(24)
             .with_show_grid(false)
-            .with_x_tick_format(tick(self.x.0.log))
-            .with_y_tick_format(tick(self.y.0.log))
-            .with_label_size(15)
-            .with_tick_size(14)
-            .with_body_size(14)
             .with_width(SIZE.0)
             .with_height(SIZE.1)
             .with_x_axis_min(left)
             .with_x_axis_max(right)
             .with_y_axis_min(low)
             .with_y_axis_max(high);
-        if self.x.0.log {
-            layout = layout.with_log_x();
-        }
-        if self.y.0.log {
-            layout = layout.with_log_y();
-        }
-        let mut drawing = render_multiple(corners, layout);
+        let mut drawing = render_multiple(corners, with_axes(layout, &self.x.0, &self.y.0));
         let clip = drawing.elements.iter().position(|e| matches!(e, Primitive::ClipStart { .. }));
         if let Some(place) = clip
             && let Primitive::ClipStart { x, y, width, height, .. } = drawing.elements[place]

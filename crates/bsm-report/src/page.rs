@@ -1,7 +1,6 @@
 //! Pages of one file each: figures inside, no network, for screen, phone and print; the only file
 //! that names the template engine.
 
-use bsm_case::exact;
 use minijinja::value::Value;
 use minijinja::{Environment, UndefinedBehavior, context};
 use serde::Serialize;
@@ -84,6 +83,23 @@ fn symbol(text: &str) -> String {
     text.split(' ').map(one).collect::<Vec<_>>().join("&#8202;")
 }
 
+/// Each figure as SVG and as a table, by their paths.
+///
+/// # Errors
+///
+/// [`ReportError`] if a table of a figure cannot be written.
+pub fn figure_files(
+    folder: &str,
+    figures: &[Figure],
+) -> Result<Vec<(String, String)>, ReportError> {
+    let mut files = Vec::new();
+    for figure in figures {
+        files.push((format!("{folder}{}.svg", figure.key), figure.svg()));
+        files.push((format!("{folder}{}.csv", figure.key), figure.csv()?));
+    }
+    Ok(files)
+}
+
 /// The files of a report, by their paths in its folder: page, numbers, and each figure as SVG and as a table.
 ///
 /// # Errors
@@ -94,11 +110,7 @@ pub fn report_files(
     results: &serde_json::Value,
     figures: &[Figure],
 ) -> Result<Vec<(String, String)>, ReportError> {
-    let mut files = Vec::new();
-    for figure in figures {
-        files.push((format!("figures/{}.svg", figure.key), figure.svg()));
-        files.push((format!("figures/{}.csv", figure.key), figure.csv(exact)?));
-    }
+    let mut files = figure_files("figures/", figures)?;
     files.push(("results.json".to_owned(), format!("{results:#}\n")));
     files.push(("report.html".to_owned(), page));
     Ok(files)

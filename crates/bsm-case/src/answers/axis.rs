@@ -462,10 +462,9 @@ fn of_phases(phases: &[ScrewTorque]) -> Table {
         "motor_torque_Nm",
         "heat_W",
     ];
-    let column = |quantity: &Quantity| Column {
-        name: quantity.name,
-        unit: quantity.unit,
-        head: SHOWN.contains(&quantity.name).then_some(quantity.name),
+    let column = |Quantity { name, unit, .. }: &Quantity| {
+        let head = SHOWN.contains(name).then_some(*name);
+        Column { unit, head, ..Column::of(name) }
     };
     let others = ["-contacts", "-body_axial_N"].map(Column::of);
     let columns =

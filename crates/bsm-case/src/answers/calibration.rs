@@ -11,6 +11,10 @@ use crate::vocabulary::number::{count, number};
 use crate::vocabulary::units::convert;
 use crate::{Answer, Case, CaseError, Content, InputKey, Output, Settings, Table, TableFormat};
 
+/// Columns of the inputs that are found, and of the measured points.
+pub(crate) const FOUND: &str = "=input | value | standard_deviation:number?=standard deviation";
+pub(crate) const POINTS: &str = "=point | measured | fitted | =difference";
+
 /// A measured point.
 #[derive(Debug, Clone)]
 struct MeasuredPoint {
@@ -142,13 +146,12 @@ impl Calibration {
         let row = |(name, value, deviation): (&str, f64, Option<f64>)| {
             vec![json!(name), json!(value), json!(deviation)]
         };
-        let found = "name=input | value | standard_deviation=standard deviation";
-        let found = Table::of(found, self.rows(report).into_iter().map(row)).keyed();
+        let found = Table::of(FOUND, self.rows(report).into_iter().map(row)).keyed();
         let point = |(place, (measured, fitted)): (usize, (f64, f64))| {
             vec![json!(place), json!(measured), json!(fitted), json!(fitted - measured)]
         };
         let points = (1..).zip(self.fitted(report)).map(point);
-        let points = Table::of("=point | measured | fitted | =difference", points);
+        let points = Table::of(POINTS, points);
         let caution = if condition > 1e3 { ": the inputs are poorly determined" } else { "" };
         Answer::default()
             .with("output", Content::Json(self.output.name.into()))

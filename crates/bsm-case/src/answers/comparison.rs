@@ -3,12 +3,25 @@
 use std::time::Instant;
 
 use bsm_dyn::{Model, ModelWorkspace, Status};
-use serde_json::{Value, json};
+use serde_json::json;
 
-use crate::{Answer, Case, CaseError, Content, ModelChoice, Record, Table};
+use crate::{Answer, Case, CaseError, Column, Content, ModelChoice, OUTPUTS, Record, Table};
 
 /// Solves of a model, of which the fastest counts.
 const REPEATS: usize = 20;
+
+/// What people see of a model, with its heads.
+const SHOWN: [(&str, &str); 9] = [
+    ("model", "model"),
+    ("status", "status"),
+    ("efficiency", "efficiency"),
+    ("ball_torque_Nm", "torque N m"),
+    ("nut_normal_load_N", "Q nut N"),
+    ("screw_normal_load_N", "Q screw N"),
+    ("nut_contact_angle_deg", "angle nut deg"),
+    ("screw_contact_angle_deg", "angle screw deg"),
+    ("", "time us"),
+];
 
 /// The answers of all models that a case has inputs for side by side, by the number of inputs, with the time of one solve \[µs\];
 /// and why each of the others does not answer.
@@ -38,22 +51,18 @@ pub fn comparison(case: &Case) -> Result<Answer, CaseError> {
         let model = record.model().name();
         record.warnings(case).into_iter().map(move |text| format!("{model}: {text}"))
     });
-    let columns = "model | efficiency | ball_torque_Nm=torque N m | nut_normal_load_N=Q nut N \
-                   | screw_normal_load_N=Q screw N | nut_contact_angle_deg=angle nut deg \
-                   | screw_contact_angle_deg=angle screw deg | =time us | status";
-    let mut table = Table::of(columns, []);
-    let numbers = &table.columns[1..=6];
+    let texts = ["model", "status", "message", "choice", "without_error_bound"].into_iter();
+    let members = texts.chain(OUTPUTS.iter().map(|output| output.name)).chain(["time_us", ""]);
+    let head = |name: &str| SHOWN.iter().find(|(own, _)| *own == name).map(|(_, head)| *head);
+    let columns = members.map(|name| Column { head: head(name), ..Column::of(name) });
+    let mut table = Table { columns: columns.collect(), ..Table::default() };
     let row = |(record, time): &(Record, f64)| {
-        let numbers = numbers.iter().map(|column| json!(record.number(column.name)));
-        let ends = [json!(format!("{time:.2}")), json!(record.status_name())];
-        std::iter::once(json!(record.model().name())).chain(numbers).chain(ends).collect()
+        let mut json = record.to_json();
+        json.insert("time_us".to_owned(), json!(time));
+        json.insert(String::new(), json!(format!("{time:.2}")));
+        table.columns.iter().map(|column| json[column.name].clone()).collect()
     };
     table.rows = answers.iter().map(row).collect();
-    let model = |(record, time): &(Record, f64)| {
-        let mut map = record.to_json();
-        map.insert("time_us".to_owned(), json!(time));
-        Value::Object(map)
-    };
     // By the most complete model that solved the point.
     let regime = answers.iter().rev().find_map(|(record, _)| record.regime());
     let mut answer = Answer {
@@ -63,8 +72,7 @@ pub fn comparison(case: &Case) -> Result<Answer, CaseError> {
         ..Answer::default()
     }
     .with("regime", Content::Text("regime ", regime.map(str::to_owned)))
-    .with("models", Content::Json(answers.iter().map(model).collect()))
-    .with_shown(Content::Table(table));
+    .with("models", Content::Table(table));
     for (record, _) in &answers {
         let why = record.message().map(str::to_owned);
         answer = answer.with_shown(Content::Text(record.model().name(), why));

@@ -63,6 +63,9 @@ pub struct DesignReport {
 /// Name of the efficiency of the whole screw.
 const EFFICIENCY: &str = "screw_efficiency";
 
+/// Columns of the steps of a choice.
+pub(crate) const STEP_COLUMNS: &str = "step:integer | -name:string | = | = | value:number? | required:string?=must be | -passes:boolean | =";
+
 thread_local! {
     /// The search solves from several threads.
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
@@ -197,7 +200,6 @@ impl DesignReport {
 
     /// The answer: whether there is a screw, the steps of it and what limits it.
     pub fn answer(&self) -> Answer {
-        let columns = "step | -name | = | = | value | required=must be | -passes | =";
         let row = |row: &DesignRow| {
             let DesignRow { step, name, label, unit, value, requirement, passes } = row;
             let verdict = if *passes { "pass" } else { "FAIL" };
@@ -212,7 +214,7 @@ impl DesignReport {
                 json!(requirement.as_ref().map(|_| verdict)),
             ]
         };
-        let steps = Table::of(columns, self.rows.iter().map(row));
+        let steps = Table::of(STEP_COLUMNS, self.rows.iter().map(row));
         let label = if self.found { "active limit" } else { "limit that cannot be met" };
         let (notes, warnings) = (self.notes.clone(), self.warnings.clone());
         Answer { notes, warnings, fails: !self.found, ..Answer::default() }
@@ -404,14 +406,13 @@ fn row(check: &Check) -> DesignRow {
 
 /// A rule of the sheet beside the steps.
 fn of_rule(rule: &Criterion) -> DesignRow {
-    let sign = if rule.at_least { ">=" } else { "<=" };
     DesignRow {
         step: 11,
         name: rule.name,
         label: label(rule.name).unwrap_or(rule.title),
         unit: rule.unit,
         value: Some(rule.value),
-        requirement: rule.limit.map(|limit| format!("{sign} {}", trimmed(limit))),
+        requirement: rule.must_be(),
         passes: rule.passes(),
     }
 }

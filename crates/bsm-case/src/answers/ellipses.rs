@@ -20,10 +20,11 @@ pub struct EllipseFields {
 
 /// What there is of a contact: coordinates over the semi-axes, the first across the groove; friction over the normal pressure;
 /// fields by rows along the groove, null outside the ellipse.
-const CONTACT: &str = "contact | -contact_angle_deg | normal_load_N=load, N | -semi_axes_mm | max_pressure_MPa=pressure, MPa \
-    | -friction_force_N | friction_over_load=friction over load | spin_rad_s=spin, rad/s | -creep_speed_m_s | -saturated \
-    | -rolling_lines | -spin_poles | -places | -pressure_MPa | -slip_across_m_s | -slip_along_m_s | -friction_across \
-    | -friction_along | sticking_share=share that sticks";
+pub(crate) const CONTACT: &str = "contact:string | -contact_angle_deg | normal_load_N=load, N | -semi_axes_mm:numbers \
+    | max_pressure_MPa=pressure, MPa | -friction_force_N:numbers | friction_over_load=friction over load \
+    | spin_rad_s=spin, rad/s | -creep_speed_m_s | -saturated:boolean | -rolling_lines:numbers | -spin_poles:[numbers] \
+    | -places:numbers | -pressure_MPa:[number?] | -slip_across_m_s:[number?] | -slip_along_m_s:[number?] \
+    | -friction_across:[number?] | -friction_along:[number?] | sticking_share=share that sticks";
 
 /// Fields of a contact at a point.
 const FIELDS: [&str; 5] =

@@ -14,6 +14,9 @@ use crate::{
 /// The contacts of a ball.
 const SITES: [Site; 3] = [Site::Nut, Site::Screw, Site::NutUnloaded];
 
+/// Columns of statements about the motion.
+pub(crate) const VERDICTS: &str = "=statement | answer:boolean= | words:string=";
+
 /// Result of an analysis of a solved motion.
 ///
 /// * `quantities`: those of its table. * `verdicts`: names of its statements, as text. * `lacks`: parts that are left out besides those that lack inputs.
@@ -29,8 +32,7 @@ pub(crate) fn of_a_motion(
         let holds = numbers.number(name).is_some_and(|number| number > 0.5);
         vec![json!(name), json!(holds), json!(words)]
     };
-    let columns = "=statement | answer= | words=";
-    let verdicts = Table::of(columns, verdicts.into_iter().map(verdict)).keyed();
+    let verdicts = Table::of(VERDICTS, verdicts.into_iter().map(verdict)).keyed();
     let lacks = without(quantities, case.given()).into_iter().chain(lacks).collect();
     let record = Record::new(solution.clone());
     let warnings = case.warnings().into_iter().chain(record.warnings(case)).collect();

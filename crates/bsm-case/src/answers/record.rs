@@ -402,6 +402,9 @@ const NOT_IN_IT: &str = "ball-to-ball contact, returns, seals and drag beyond th
                          size; contact at four points. Catalogue rules for the torque of a preloaded nut are three times that of \
                          the contacts.";
 
+/// Columns of the uncertainty of lubricated friction.
+pub(crate) const INTERVALS: &str = "- | =90 % interval | = | low | high";
+
 /// Table of the uncertainty of lubricated friction.
 fn of_band(LossInterval { loss, screw_torque, efficiency }: &LossInterval) -> Table {
     let row = |name: &str, label: &str, unit: &str, [low, high]: &[f64; 2]| {
@@ -412,7 +415,7 @@ fn of_band(LossInterval { loss, screw_torque, efficiency }: &LossInterval) -> Ta
         row("ball_torque_Nm", "torque of the balls", "N m", screw_torque),
         row("efficiency", "efficiency", "", efficiency),
     ];
-    Table::of("-name | =90 % interval | = | low | high", rows).keyed()
+    Table::of(INTERVALS, rows).keyed()
 }
 
 /// Warnings where a film leaves the range of its formulas.

@@ -86,7 +86,7 @@ impl Samples {
     /// The answer: each quantity with its quantiles.
     pub fn answer(&self) -> Answer {
         let columns =
-            "-name | =quantiles | = | 0.05=5 % | 0.25=25 % | 0.5=50 % | 0.75=75 % | 0.95=95 %";
+            "- | =quantiles | = | 0.05=5 % | 0.25=25 % | 0.5=50 % | 0.75=75 % | 0.95=95 %";
         let row = |(quantity, quantiles): &(&Quantity, [f64; 5])| {
             let words = [quantity.name, quantity.about, quantity.unit].map(|word| json!(word));
             words.into_iter().chain(quantiles.map(|q| json!(q))).collect()

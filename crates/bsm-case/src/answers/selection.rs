@@ -391,7 +391,7 @@ impl NutList {
         let head = |column: &ListColumn| {
             let Output { name, unit, .. } = *column.output;
             let shown = column.is_shown() || self.named.contains(&column.place);
-            Column { name, unit, head: shown.then_some(name) }
+            Column { unit, head: shown.then_some(name), ..Column::of(name) }
         };
         let row = |row: usize| values.iter().map(|column| json!(column[row])).collect();
         let table = Table {

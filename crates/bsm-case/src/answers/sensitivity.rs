@@ -13,6 +13,10 @@ use crate::{Case, CaseError, InputKey, InputSet, Quantity, Settings, Table};
 /// grows with their number.
 const AT_A_TIME: usize = 8;
 
+/// Columns of the derivatives.
+pub(crate) const SENSITIVITIES: &str = "=sensitivity to | =unit | =value | efficiency_relative:number?=efficiency, %/% \
+    | ball_torque_relative:number?=torque, %/% | efficiency=efficiency, 1/unit | ball_torque_Nm:number?=torque, N m/unit";
+
 /// A number with its derivatives by some inputs, each in its unit.
 type Jets = Jet<AT_A_TIME>;
 
@@ -121,8 +125,6 @@ impl Sensitivities {
 impl Sensitivity {
     /// A row an input, with unit and value for people.
     pub(crate) fn table(rows: &[Self]) -> Table {
-        let columns = "name=sensitivity to | =unit | =value | efficiency_relative=efficiency, %/% \
-                       | ball_torque_relative=torque, %/% | efficiency=efficiency, 1/unit | ball_torque_Nm=torque, N m/unit";
         let row = |row: &Self| {
             vec![
                 json!(row.input.name),
@@ -134,6 +136,6 @@ impl Sensitivity {
                 json!(row.screw_torque),
             ]
         };
-        Table::of(columns, rows.iter().map(row)).keyed()
+        Table::of(SENSITIVITIES, rows.iter().map(row)).keyed()
     }
 }

@@ -59,6 +59,10 @@ fn state(warm: &Warm) -> Option<&WarmState> {
     warm.state.as_ref()
 }
 
+/// Columns of the conductances, and of the ranges of estimated numbers.
+pub(crate) const CONDUCTANCES: &str = "=conductance | -value | origin:given/computed/default";
+pub(crate) const RANGES: &str = "=by what is estimated, phase | low | value | high";
+
 impl WarmState {
     /// Where each conductance is from: given, computed from speeds and sizes, or zero by default.
     fn conductances(&self, numbers: &Numbers) -> Table {
@@ -73,7 +77,7 @@ impl WarmState {
             };
             vec![json!(name), json!(value), json!(origin)]
         };
-        Table::of("=conductance | -value | origin", of_state.map(row)).keyed()
+        Table::of(CONDUCTANCES, of_state.map(row)).keyed()
     }
 }
 
@@ -163,8 +167,7 @@ impl Warm {
             let tension = name == "screw_tension_N" && state.tension.is_none();
             !(tension || value.is_nan())
         };
-        let columns = "=by what is estimated, phase | low | value | high";
-        Some(Table::of(columns, rows.filter(is_there).map(row)).keyed())
+        Some(Table::of(RANGES, rows.filter(is_there).map(row)).keyed())
     }
 
     /// What the temperatures rest on.

@@ -171,7 +171,30 @@ impl Settings {
         })
     }
 
-    /// Checks the settings.
+    /// The settings as a user gives them: the model uses each that is not as by default. `auto` may come to any model.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::Invalid`] with the settings that the model uses, [`CaseError::OutOfRange`].
+    pub fn checked(self) -> Result<Self, CaseError> {
+        self.check()?;
+        let usual = Self { model: self.model, ..Self::default() };
+        let Self { accuracy, creep, control, friction, .. } = usual;
+        let (others, used) = match self.model {
+            ModelChoice::Auto => return Ok(self),
+            ModelChoice::Fixed(Model::Traction) => {
+                (Self { accuracy, creep, ..self }, "accuracy and creep alone")
+            }
+            ModelChoice::Fixed(Model::RacewayControl) => {
+                (Self { control, friction, ..self }, "control and friction alone")
+            }
+            ModelChoice::Fixed(_) => (self, "no settings"),
+        };
+        let why = || CaseError::Invalid(format!("model {} uses {used}", self.model.name()));
+        if others == usual { Ok(self) } else { Err(why()) }
+    }
+
+    /// Checks the ranges of the settings.
     ///
     /// # Errors
     ///

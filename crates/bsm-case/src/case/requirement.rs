@@ -295,6 +295,9 @@ impl RequirementKeys {
                 "friction_coefficient {usual} is assumed; usual values are {low} to {high}"
             ));
         }
+        if case.required_life_h.is_none() {
+            notes.push("required_life_h is not given: no life is required".to_owned());
+        }
         // The best angles of a lubricated screw are those of the usual friction.
         let friction = case.friction_coefficient.unwrap_or(usual);
         let conformity = match (case.nut_conformity, case.screw_conformity) {

@@ -3,7 +3,7 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::{Numbers, Output, Scope};
+use crate::{Numbers, Output, Scope, trimmed};
 
 /// An answer.
 #[derive(Debug, Clone, Default)]
@@ -67,6 +67,8 @@ pub struct Table {
 pub struct Column {
     /// Its name in JSON; one with an empty name is for people alone.
     pub name: &'static str,
+    /// What its cells are, as the schema of answers names it; a number unless said.
+    pub kind: &'static str,
     /// Its unit.
     pub unit: &'static str,
     /// Its head for people; one without is for programs alone.
@@ -74,14 +76,20 @@ pub struct Column {
 }
 
 impl Column {
-    /// A column `name`, `name=head`, `=head` for people alone, or `-name` for programs alone.
+    /// A column `name`, `name=head`, `=head` for people alone, or `-name` for programs alone; `name:kind` in place of `name`
+    /// if its cells are no numbers.
     pub(crate) fn of(text: &'static str) -> Self {
-        let (name, head) = match (text.strip_prefix('-'), text.split_once('=')) {
-            (Some(name), _) => (name, None),
-            (None, Some((name, head))) => (name, Some(head)),
-            (None, None) => (text, Some(text)),
-        };
-        Self { name, unit: "", head }
+        let (shown, head) = text.split_once('=').map_or((text, None), |(a, b)| (a, Some(b)));
+        let (name, kind) = shown.split_once(':').unwrap_or((shown, "number"));
+        match name.strip_prefix('-') {
+            Some(name) => Self { name, kind, unit: "", head: None },
+            None => Self { name, kind, unit: "", head: head.or(Some(name)) },
+        }
+    }
+
+    /// Columns of such texts, which bars separate.
+    pub fn all_of(text: &'static str) -> impl Iterator<Item = Self> {
+        text.split('|').map(|column| Self::of(column.trim()))
     }
 }
 
@@ -119,6 +127,15 @@ impl Criterion {
         Some(if self.at_least { self.value / limit } else { limit / self.value })
     }
 
+    fn sign(&self) -> &'static str {
+        if self.at_least { ">=" } else { "<=" }
+    }
+
+    /// What the number must be, as text; `None` if nothing is required.
+    pub fn must_be(&self) -> Option<String> {
+        Some(format!("{} {}", self.sign(), trimmed(self.limit?)))
+    }
+
     /// JSON object.
     pub fn to_json(&self) -> Value {
         json!({
@@ -126,7 +143,7 @@ impl Criterion {
             "name": self.name,
             "unit": self.unit,
             "value": self.value,
-            "must_be": if self.at_least { ">=" } else { "<=" },
+            "must_be": self.sign(),
             "limit": self.limit,
             "margin": self.margin(),
             "passes": self.passes(),
@@ -137,10 +154,10 @@ impl Criterion {
 }
 
 impl Table {
-    /// Rows under columns, see [`Column::of`], which bars separate.
+    /// Rows under columns, see [`Column::all_of`].
     pub(crate) fn of(columns: &'static str, rows: impl IntoIterator<Item = Vec<Value>>) -> Self {
-        let columns = columns.split('|').map(|text| Column::of(text.trim())).collect();
-        Self { columns, rows: rows.into_iter().collect(), keyed: false }
+        let (columns, rows) = (Column::all_of(columns).collect(), rows.into_iter().collect());
+        Self { columns, rows, keyed: false }
     }
 
     /// The same as an object of objects by the first column.

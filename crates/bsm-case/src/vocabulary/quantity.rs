@@ -132,47 +132,26 @@ pub(crate) trait Read {
     fn values(self) -> Values;
 }
 
-impl Read for f64 {
-    fn values(self) -> Values {
-        [Some(self), None, None]
-    }
+macro_rules! read {
+    ($($kind:ty: $values:expr;)*) => {
+        $(impl Read for $kind {
+            fn values(self) -> Values {
+                let values: fn(Self) -> Values = $values;
+                values(self)
+            }
+        })*
+    };
 }
 
-impl Read for Option<f64> {
-    fn values(self) -> Values {
-        [self, None, None]
-    }
-}
-
-impl Read for Option<bool> {
-    fn values(self) -> Values {
-        self.map(|holds| f64::from(u8::from(holds))).values()
-    }
-}
-
-/// At nut and screw, or in both directions.
-impl Read for [f64; 2] {
-    fn values(self) -> Values {
-        self.map(Some).values()
-    }
-}
-
-impl Read for [Option<f64>; 2] {
-    fn values(self) -> Values {
-        [self[0], self[1], None]
-    }
-}
-
-impl Read for Option<[f64; 2]> {
-    fn values(self) -> Values {
-        self.map_or([None; 3], Read::values)
-    }
-}
-
-impl Read for Values {
-    fn values(self) -> Values {
-        self
-    }
+read! {
+    f64: |number| [Some(number), None, None];
+    Option<f64>: |number| [number, None, None];
+    Option<bool>: |holds| [holds.map(|holds| f64::from(u8::from(holds))), None, None];
+    // At nut and screw, or in both directions.
+    [f64; 2]: |[one, other]| [Some(one), Some(other), None];
+    [Option<f64>; 2]: |[one, other]| [one, other, None];
+    Option<[f64; 2]>: |pair| pair.map_or([None; 3], Read::values);
+    Values: |values| values;
 }
 
 /// Declares a table of what a file may have besides the inputs of a case: `name ["unit"] rule, default, "meaning";`.

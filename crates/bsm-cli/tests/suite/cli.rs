@@ -404,6 +404,12 @@ fn models_have_settings() {
         (["--solver", "accuracy=1e-2"], "must be from 0.0000000000001 to 0.0001"),
         (["--solver", "accuracy=0"], "must be from 0.0000000000001 to 0.0001"),
         (["--solver", "control=ball"], "nut, screw"),
+        // Accepted once without a word.
+        (["--model=rigid", "--solver=control=nut"], "--solver: model rigid uses no settings"),
+        (
+            ["--model=traction", "--solver=tolerance=0.1"],
+            "model traction uses accuracy and creep alone",
+        ),
     ] {
         let output = bsm(dir.path(), &[&["solve", &drive], &args[..]].concat(), "");
         assert_eq!(output.status.code(), Some(2));

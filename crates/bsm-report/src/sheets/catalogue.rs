@@ -28,37 +28,35 @@ use Entry::{Ball, Conformity, ContactAngle, Diameter, Lead, Turns};
 impl Entry {
     const ALL: [Self; 6] = [Diameter, Lead, Ball, Turns, Conformity, ContactAngle];
 
-    const TABLE: [EntryRow; 6] = [
-        ("nominal diameter", (" mm", MM), |size| size.diameter),
-        ("lead", (" mm", MM), |size| size.lead),
-        ("ball diameter", (" mm", MM), |size| size.ball),
-        ("loaded turns", ("", 1.0), |size| size.turns),
-        ("conformity", ("", 1.0), |size| size.conformity),
-        ("contact angle", (" deg", DEG), |size| size.contact_angle),
-    ];
-
-    fn name(self) -> &'static str {
-        Self::TABLE[self as usize].0
+    fn row(self) -> EntryRow {
+        match self {
+            Diameter => ("nominal diameter", (" mm", MM), |size| size.diameter),
+            Lead => ("lead", (" mm", MM), |size| size.lead),
+            Ball => ("ball diameter", (" mm", MM), |size| size.ball),
+            Turns => ("loaded turns", ("", 1.0), |size| size.turns),
+            Conformity => ("conformity", ("", 1.0), |size| size.conformity),
+            ContactAngle => ("contact angle", (" deg", DEG), |size| size.contact_angle),
+        }
     }
 
-    fn unit(self) -> (&'static str, f64) {
-        Self::TABLE[self as usize].1
+    fn name(self) -> &'static str {
+        self.row().0
     }
 
     fn of(self, size: &Size) -> f64 {
-        (Self::TABLE[self as usize].2)(size)
+        (self.row().2)(size)
     }
 
     /// The value of a size as it is printed, to a thousandth.
     fn printed(self, size: &Size) -> f64 {
-        (1e3 * self.of(size) / self.unit().1).round() * 1e-3
+        (1e3 * self.of(size) / self.row().1.1).round() * 1e-3
     }
 
     /// Name and value.
     fn text(self, size: &Size) -> String {
         let value = format!("{:.3}", self.printed(size));
         let value = value.trim_end_matches('0').trim_end_matches('.');
-        format!("{} {value}{}", self.name(), self.unit().0)
+        format!("{} {value}{}", self.name(), self.row().1.0)
     }
 }
 
@@ -167,7 +165,7 @@ impl Drawing {
         } else {
             String::new()
         };
-        let unit = self.x.unit().0.trim();
+        let unit = self.x.row().1.0.trim();
         let x = if unit.is_empty() { String::new() } else { format!(", {unit}") };
         Some(Figure::new(
             [

@@ -11,7 +11,7 @@ use super::{NEEDS, QUANTITIES};
 use crate::case::axis::{Machine, carriage};
 use crate::case::warm::ColdNut;
 use crate::vocabulary::answer::numbers_json;
-use crate::vocabulary::number::digits;
+use crate::vocabulary::number::short;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{MM, RPM};
 use crate::{Case, CaseError, InputKey, Numbers, NutReport, Settings};
@@ -127,7 +127,7 @@ impl Torques {
         ];
         let costly = parts.into_iter().filter(|(_, torque)| *torque > 0.0);
         let costs: Vec<_> = costly
-            .map(|(part, torque)| format!("{part} {} %", digits(100.0 * torque / input, 2)))
+            .map(|(part, torque)| format!("{part} {} %", short(100.0 * torque / input)))
             .collect();
         (!costs.is_empty()).then(|| {
             format!(
