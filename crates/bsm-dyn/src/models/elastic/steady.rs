@@ -304,15 +304,10 @@ where
         let mut change = [steps; 2];
         for step in 0..=MOST_UPWARDS {
             let to = if step == 0 { point[0] } else { point[0] + UPWARDS };
-<<<<<<< HEAD
             let ahead = [to, point[1] + change[0], point[2] + change[1]];
             let next =
                 self.iterate_to::<false>((STEP_ON_THE_WAY, CLOSED_ON_THE_WAY), ahead, scale, active);
-            let inertia = next.log_inertia();
-=======
-            let next = self.iterate::<false>([to, point[1], point[2]], scale, active);
             let inertia = next.at.log_inertia();
->>>>>>> solver
             let below = inertia.lt(goal);
             steps = steps + next.steps;
             active = active & next.found;
