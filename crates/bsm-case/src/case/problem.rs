@@ -271,7 +271,7 @@ impl Needs {
     /// Missing companions of the given inputs, as text.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let (given, mut missing) = (given.completed(), Vec::new());
-        for Quantity { words, forms, .. } in self.quantities {
+        for Quantity { words, forms } in self.quantities {
             let begun = forms.iter().filter(|form| given.contains(form.key));
             // Inputs of every form are checked below.
             let lacks = |form: &Form| form.with.without(given).without(self.all);

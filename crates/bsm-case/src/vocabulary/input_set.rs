@@ -113,14 +113,14 @@ impl InputSet {
     #[must_use]
     pub fn replaced(self) -> Self {
         let coefficient = inputs! { friction_coefficient };
-        let friction = match (self.meets(coefficient), self.meets(VISCOSITY.keys)) {
+        let friction = match (self.meets(coefficient), self.meets(VISCOSITY.keys())) {
             (true, false) => OF_A_LUBRICANT,
             (false, true) => coefficient,
             _ => Self::default(),
         };
         QUANTITIES
             .iter()
-            .map(|quantity| quantity.keys)
+            .map(Quantity::keys)
             .filter(|keys| keys.meets(self))
             .fold(self.and(friction), Self::and)
     }
@@ -136,7 +136,8 @@ impl InputSet {
     /// Two of these inputs that are forms of one quantity, for each quantity that is given so.
     pub(crate) fn two_forms(self) -> impl Iterator<Item = [InputKey; 2]> {
         QUANTITIES.iter().filter_map(move |quantity| {
-            let mut given = self.common(quantity.keys).iter();
+            let mut given =
+                quantity.forms.iter().map(|form| form.key).filter(|key| self.contains(*key));
             Some([given.next()?, given.next()?])
         })
     }
@@ -173,9 +174,8 @@ impl FromIterator<InputKey> for InputSet {
 pub(crate) struct Quantity {
     /// How a message asks for it.
     pub(crate) words: &'static str,
-    /// The forms, of which one is given, and their inputs.
+    /// The forms, of which one is given.
     pub(crate) forms: &'static [Form],
-    keys: InputSet,
 }
 
 /// One form of a quantity.
@@ -186,6 +186,13 @@ pub(crate) struct Form {
     /// Inputs that it takes besides, and what for.
     pub(crate) with: InputSet,
     pub(crate) to: &'static str,
+}
+
+impl Quantity {
+    /// The inputs of all forms.
+    fn keys(&self) -> InputSet {
+        self.forms.iter().map(|form| form.key).collect()
+    }
 }
 
 /// Declares the quantities that have several forms, each with its text in a message and its inputs.
@@ -199,7 +206,6 @@ macro_rules! forms {
                 with: InputSet::of(&[$(InputKey::$other)?]),
                 to: concat!($($to)?),
             },)+],
-            keys: InputSet::of(&[$(InputKey::$key),+]),
         };)*
 
         /// All quantities that have several forms.

@@ -305,8 +305,12 @@ where
         for step in 0..=MOST_UPWARDS {
             let to = if step == 0 { point[0] } else { point[0] + UPWARDS };
             let ahead = [to, point[1] + change[0], point[2] + change[1]];
-            let next =
-                self.iterate_to::<false>((STEP_ON_THE_WAY, CLOSED_ON_THE_WAY), ahead, scale, active);
+            let next = self.iterate_to::<false>(
+                (STEP_ON_THE_WAY, CLOSED_ON_THE_WAY),
+                ahead,
+                scale,
+                active,
+            );
             let inertia = next.at.log_inertia();
             let below = inertia.lt(goal);
             steps = steps + next.steps;
