@@ -15,13 +15,13 @@ use crate::contact::{POWER_BALANCE_TOL, Power, ideal_torque};
 use crate::ellipse::FrozenRule;
 use crate::models::ball::{BALL, BallLoads, Reason, Workspace, quadrature_error};
 
-/// Newton steps and halvings of a step of a solve after which others may do better; of most points the solve after a
-/// step at [`LEVEL`] takes full steps.
+/// Newton steps and halvings of a step of a solve after which others may do better; that from a start takes
+/// full steps at most points.
 pub(super) const BRIEF: (usize, u32) = (12, 6);
 pub(super) const FULL_STEPS: (usize, u32) = (12, 2);
 
-/// Creep speeds over `$r_b|W|$` that are solved for before the asked one, in the order of the tries of a table; single solves have
-/// tried the first, and take it last: against them friction is nearly linear in the slips of most starts.
+/// Creep speeds over `$r_b|W|$` that are solved for before the asked one, in the order of the tries of a table; single solves take
+/// the first last, which a rolling ball has tried: against them friction is nearly linear in the slips of most starts.
 pub(super) const LEVELS: [&[f64]; 2] = [&[LEVEL], &[0.3, 0.01]];
 const LEVEL: f64 = 0.1;
 

@@ -122,7 +122,7 @@ impl<'a> SlipRootSearch<'a> {
                 return Some(Ok(root));
             }
         }
-        // The step to the first of them has not led to the root.
+        // From a rolling ball the step to the first of them has not led to the root.
         let mut levels = LEVELS.into_iter().rev();
         levels.find_map(|levels| ball.descended(y, levels, newton, steps)).map(Ok)
     }
