@@ -130,7 +130,7 @@ class Plan(_core.Plan):
     @classmethod
     def open(cls, folder: str | os.PathLike[str], *, points: str | os.PathLike[str] | None = None) -> Plan:
         """Open the plan that is in a folder."""
-        return cls(_core.Plan.within(Path(folder)).text, folder, points)
+        return cls(_core.Plan._within(Path(folder)).text, folder, points)
 
     @property
     def files(self) -> list[str]:
@@ -139,7 +139,7 @@ class Plan(_core.Plan):
 
     def estimate(self) -> Estimate:
         """Core-hours and bytes to expect: nominal times for rolling balls, sizes at most."""
-        seconds, size = self.cost()
+        seconds, size = self._cost()
         return Estimate(seconds / 3600, size)
 
     def run(
@@ -164,7 +164,7 @@ class Plan(_core.Plan):
             As in `solve_many`.
         """
         which = sorted(set(parts)) if parts is not None else None
-        solved, there = self.solve_into(self.folder, which, self.points, repair, threads, _shown(progress))
+        solved, there = self._solve_into(self.folder, which, self.points, repair, threads, _shown(progress))
         return Summary(len(solved), len(there), sum(part[2] for part in solved), sum(part[3] for part in solved))
 
     def verify(self, deep: bool = False) -> Verification:
@@ -172,7 +172,7 @@ class Plan(_core.Plan):
         return self._verified(deep, False)
 
     def _verified(self, deep: bool, finish: bool) -> Verification:
-        parts, missing, damaged, foreign = self.survey(self.folder, deep, finish)
+        parts, missing, damaged, foreign = self._survey(self.folder, deep, finish)
         rows, failed = sum(part[2] for part in parts), sum(part[3] for part in parts)
         told = [(str(path), why) for path, why in damaged], [str(path) for path in foreign]
         return Verification(missing, *told, not missing and not damaged, rows, failed)
@@ -251,7 +251,7 @@ def plan(
     if draw is not None and samples is not None:
         random = (seed, samples, _laws(draw))
     table = Path(points) if points is not None else None
-    core = _core.Plan.of(
+    core = _core.Plan._of(
         _case(base, {}),
         _axes(vary or {}),
         random,
@@ -260,7 +260,7 @@ def plan(
         _columns(columns),
         rows_per_part,
     )
-    core.begin(Path(folder))
+    core._begin(Path(folder))
     return Plan(core.text, folder, table)
 
 
@@ -288,7 +288,7 @@ def run_part(
         Threads.
     """
     planned = Plan(text, folder, points)
-    parts, there = planned.solve_into(planned.folder, [part], planned.points, False, threads, None)
+    parts, there = planned._solve_into(planned.folder, [part], planned.points, False, threads, None)
     _, _, rows, failed, _, size, sha256 = parts[0]
     return SolvedPart(part=part, rows=rows, failed=failed, bytes=size, data_sha256=sha256, skipped=bool(there))
 
@@ -328,4 +328,4 @@ def solve_part(
     >>> pl.DataFrame(bs.solve_part(plan.text, 0))["efficiency"].max() > 0.9
     True
     """
-    return _core.Plan(text).solve(part, Path(points) if points is not None else None, threads)
+    return _core.Plan(text)._solve(part, Path(points) if points is not None else None, threads)

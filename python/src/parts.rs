@@ -46,10 +46,12 @@ type Random = (u64, u64, Vec<String>);
 #[pyclass(frozen, subclass, name = "Plan", module = "ballscrew._core")]
 pub(crate) struct PyPlan(Plan);
 
+// Of the Python class that inherits them, names that begin with a line are not part of the package.
 #[pymethods]
 impl PyPlan {
     /// * `axes`: of a grid, or `random` points, or `table` with columns to keep: one of them.
     #[staticmethod]
+    #[pyo3(name = "_of")]
     #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
     fn of(
         py: Python<'_>,
@@ -94,11 +96,13 @@ impl PyPlan {
 
     /// The plan that is in a folder.
     #[staticmethod]
+    #[pyo3(name = "_within")]
     fn within(folder: PathBuf) -> Result<Self> {
         Ok(Self(Dataset::open(&folder, make)?.plan().clone()))
     }
 
     /// Begins a folder, or finds that it has this plan.
+    #[pyo3(name = "_begin")]
     fn begin(&self, folder: PathBuf) -> Result<()> {
         Ok(Dataset::resume(&folder, self.0.clone(), make).map(drop)?)
     }
@@ -134,6 +138,7 @@ impl PyPlan {
     }
 
     /// Seconds on one core and bytes at most.
+    #[pyo3(name = "_cost")]
     fn cost(&self) -> Result<(f64, f64)> {
         let estimate = self.0.estimate().map_err(planned)?;
         Ok((estimate.core_seconds, estimate.bytes))
@@ -142,6 +147,7 @@ impl PyPlan {
     /// Solves parts into a folder, which is begun if it is not, and returns them, and which of them were there.
     ///
     /// * `numbers`: growing numbers; unless given all, and the list of parts is written too. * `table`: where the table of the plan is.
+    #[pyo3(name = "_solve_into")]
     #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
     fn solve_into(
         &self,
@@ -188,6 +194,7 @@ impl PyPlan {
     /// Solves a part in memory.
     ///
     /// * `table`: where the table of the plan is.
+    #[pyo3(name = "_solve")]
     fn solve(
         &self,
         py: Python<'_>,
@@ -208,6 +215,7 @@ impl PyPlan {
     /// What is in a folder: parts, missing ranges, what is damaged and why, foreign files.
     ///
     /// * `finish`: also write the list of parts, if all are there.
+    #[pyo3(name = "_survey")]
     fn survey(&self, py: Python<'_>, folder: PathBuf, deep: bool, finish: bool) -> Result<Survey> {
         let survey = watched(py, false, 0, Some(NonZeroUsize::MIN), None, |stop, _| {
             let workers = Workers::start(None, stop).map_err(DatasetError::Thread)?;

@@ -300,8 +300,8 @@ where
         let mut point = [begin, start.point[1], start.point[2]];
         let (mut guess, mut log, mut steps) = (point, begin, begin.constant(0.0));
         let (mut active, mut arrived) = (expected, begin.lt(begin));
-        // Of the last step.
-        let mut change = [steps; 2];
+        // Of x_B and c in the last step.
+        let mut change = [begin.constant(0.0); 2];
         for step in 0..=MOST_UPWARDS {
             let to = if step == 0 { point[0] } else { point[0] + UPWARDS };
             let ahead = [to, point[1] + change[0], point[2] + change[1]];

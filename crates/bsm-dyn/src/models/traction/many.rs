@@ -20,7 +20,6 @@ use super::columns::{
 use super::equations::{COARSE, OMEGA, ROOT, lever, sizes};
 use super::root::{FASTEST, LEFT, LEVELS};
 use super::slips::slid;
-
 use crate::ellipse::{Dry, ManyNodes, ManyQuadrature, Quadrature, SplitPoint};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::models::ball::{BALL, ScaledBall, creep_effect};
