@@ -46,7 +46,7 @@ type Random = (u64, u64, Vec<String>);
 #[pyclass(frozen, subclass, name = "Plan", module = "ballscrew._core")]
 pub(crate) struct PyPlan(Plan);
 
-// Of the Python class that inherits them, names that begin with a line are not part of the package.
+// The class of the package inherits these; what begins with an underscore is not for its users.
 #[pymethods]
 impl PyPlan {
     /// * `axes`: of a grid, or `random` points, or `table` with columns to keep: one of them.
