@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use bsm_design::{
-    ActiveLimit, BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, Design, DutySpeed, EndFixity, FixedValues,
-    Holds, LoadCase, MachineTable, Make, Mount, Nut, Objective, Outcome, Phase, Pitch,
+    ActiveLimit, BUCKLING_SAFETY, BindingLimit, CRITICAL_SPEED_RATIO, Design, DutySpeed, EndFixity,
+    FixedValues, LoadCase, MachineTable, Make, Mount, Nut, Objective, Outcome, Phase, Pitch,
     PreloadMethod, ProfileSegment, Quantity, Ranges, RatingFactors, Requirement, Travel, Why,
 };
 use bsm_dyn::{Angles, Direction, Material};
@@ -83,7 +83,7 @@ fn efficiency(nut: &Nut, _phase: &Phase) -> Option<f64> {
     Some(angles.efficiency(Direction::RotaryToLinear, 0.05))
 }
 
-fn found(requirement: &Requirement) -> (Design, Vec<Holds>) {
+fn found(requirement: &Requirement) -> (Design, Vec<BindingLimit>) {
     match requirement.choose(&efficiency, &accepted) {
         Outcome::Found { design, active, .. } => (design, active),
         Outcome::Infeasible { blocking, .. } => panic!("{blocking:?}"),
