@@ -492,8 +492,8 @@ impl Flow<'_> {
     /// Free length that the balls leave at rates over that of the train (O10) \[m\], less what is there.
     fn surplus(&self, rate: f64, rates: impl Iterator<Item = f64>) -> f64 {
         // Σ (p_j/p_c − 1) = X/(d θ_c)                                     (O10)
-        let left: f64 = rates.map(|of_ball| of_ball / rate - 1.0).sum();
-        left - self.room / self.pitch()
+        let gained: f64 = rates.map(|of_ball| of_ball / rate - 1.0).sum();
+        gained - self.room / self.pitch()
     }
 
     /// What the law that is linear in the pushes leaves of the free length.

@@ -125,7 +125,7 @@ impl ManyQuadrature {
         point: &Patch<Lane<S>>,
         nodes: &mut ManyNodes<S>,
     ) -> Resultants<Lane<S>> {
-        simd.vectorize(SumsCall::<S, SLOPED, ROUGH> { simd, rule: self, point, nodes })
+        simd.vectorize(ManySumsCall::<S, SLOPED, ROUGH> { simd, rule: self, point, nodes })
     }
 
     /// Frictions at both contacts of points whose panels may be split, one point after the other.
@@ -231,7 +231,7 @@ impl<S: Simd> NullaryFnOnce for PlaceNodes<'_, S> {
 }
 
 /// What [`ManyQuadrature::sums`] is asked for.
-struct SumsCall<'a, S: Simd, const SLOPED: bool, const ROUGH: bool> {
+struct ManySumsCall<'a, S: Simd, const SLOPED: bool, const ROUGH: bool> {
     simd: S,
     rule: &'a ManyQuadrature,
     point: &'a Patch<Lane<S>>,
@@ -239,7 +239,7 @@ struct SumsCall<'a, S: Simd, const SLOPED: bool, const ROUGH: bool> {
 }
 
 impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
-    for SumsCall<'_, S, SLOPED, ROUGH>
+    for ManySumsCall<'_, S, SLOPED, ROUGH>
 {
     type Output = Resultants<Lane<S>>;
 
