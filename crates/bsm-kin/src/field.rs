@@ -129,6 +129,7 @@ impl<T: DualNumCopy + DualNum<Primitive = f64>> Field for T {
 
 /// The same for each of a few parts, without a closure or a short loop: the one is a call where the instruction set differs,
 /// and of loops a kernel would have thousands, which take the compiler minutes to unroll.
+#[doc(hidden)]
 #[macro_export]
 macro_rules! parts {
     ($value:expr, $count:ident, $i:ident, $part:expr) => {{
