@@ -40,7 +40,7 @@ pub struct Workers<'a> {
 }
 
 /// Memory that is free before another thread is started: a thread that finds none ends the program.
-const ROOM: usize = 16 << 20;
+const MEMORY_RESERVE: usize = 16 << 20;
 
 impl<'a> Workers<'a> {
     /// Starts threads, one per core unless given; fewer if the system refuses more.
@@ -63,7 +63,7 @@ impl<'a> Workers<'a> {
                 work.recv().into_iter().for_each(rayon::ThreadBuilder::run);
             };
             let mut room = Vec::<u8>::new();
-            let started = match room.try_reserve_exact(ROOM) {
+            let started = match room.try_reserve_exact(MEMORY_RESERVE) {
                 Ok(()) => {
                     drop(room);
                     thread::Builder::new().stack_size(STACK).spawn(run)

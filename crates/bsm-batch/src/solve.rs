@@ -24,13 +24,13 @@ const TRACTION_STRIDE: usize = 256;
 const MODEL_STRIDE: usize = 16;
 
 /// Rows that the thread that asks solves itself: others take as long to wake up.
-const FEW: usize = 256;
+const SERIAL_ROWS: usize = 256;
 
 thread_local! {
     /// Memory of the models; chunks are many and threads are few.
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
 
-    static SPARE: Cell<SpareColumns> = const { Cell::new(SpareColumns(Vec::new())) };
+    static SCRATCH: Cell<SpareColumns> = const { Cell::new(SpareColumns(Vec::new())) };
 }
 
 /// Where the answers of a chunk go.
@@ -137,7 +137,8 @@ impl Task {
     /// True if the thread that asks solves so many rows itself: few, and none with an analysis, which may
     /// take long.
     pub fn is_quick(&self, rows: usize) -> bool {
-        rows <= FEW && self.outputs.iter().chain(&self.watched).all(|o| o.analysis().is_none())
+        rows <= SERIAL_ROWS
+            && self.outputs.iter().chain(&self.watched).all(|o| o.analysis().is_none())
     }
 }
 
@@ -240,7 +241,7 @@ impl ChunkSolve<'_> {
     fn solve(&self, ChunkPart { first, verdicts, columns }: ChunkPart<'_>) -> RowReport {
         let without: Vec<_> = columns.iter().map(Option::is_none).collect();
         // A panic leaves numbers in it, and does not give it back.
-        let mut spare = SPARE.take();
+        let mut spare = SCRATCH.take();
         let mut places = spare.columns(without.iter().filter(|none| **none).count(), self.stride);
         let place = |column: Option<_>| {
             let none = || &mut places.next().expect("as many as are without")[..verdicts.len()];
@@ -254,7 +255,7 @@ impl ChunkSolve<'_> {
         let of_spare = outputs.into_iter().enumerate().filter(|(index, _)| without[*index]);
         let values = of_spare.filter_map(|(index, column)| Some((index, first, taken(column)?)));
         let report = RowReport { messages, values: values.collect() };
-        SPARE.set(spare);
+        SCRATCH.set(spare);
         report
     }
 

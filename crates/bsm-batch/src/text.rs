@@ -28,7 +28,7 @@ pub struct CsvSource<R> {
     lines: Lines<R>,
     columns: Columns,
     /// Use of each cell of a line.
-    takes: Vec<Take>,
+    targets: Vec<CellTarget>,
     delimiter: char,
     decimal: char,
     row: u64,
@@ -36,7 +36,7 @@ pub struct CsvSource<R> {
 
 /// Where a cell goes, if it is not passed over.
 #[derive(Debug, Clone, Copy)]
-enum Take {
+enum CellTarget {
     Nothing,
     Input(usize),
     Kept(usize),
@@ -74,14 +74,14 @@ impl<R: Read> CsvSource<R> {
                 None => error,
             }
         })?;
-        let mut takes = vec![Take::Nothing; width];
+        let mut targets = vec![CellTarget::Nothing; width];
         for (input, index) in columns.input_places.iter().enumerate() {
-            takes[*index] = Take::Input(input);
+            targets[*index] = CellTarget::Input(input);
         }
         for (kept, index) in columns.kept_places.iter().enumerate() {
-            takes[*index] = Take::Kept(kept);
+            targets[*index] = CellTarget::Kept(kept);
         }
-        Ok(Self { lines, columns, takes, delimiter, decimal, row: 0 })
+        Ok(Self { lines, columns, targets, delimiter, decimal, row: 0 })
     }
 }
 
@@ -91,11 +91,11 @@ impl<R: Read + Send> Source for CsvSource<R> {
     }
 
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
-        let Self { lines, columns, takes, delimiter, decimal, .. } = self;
+        let Self { lines, columns, targets, delimiter, decimal, .. } = self;
         let mut chunk = ChunkBuilder::new(self.row + 1, columns, rows);
         let mut text = 0;
         // A cell may be a space, and a row its delimiters.
-        let is_text = matches!(takes[..], [Take::Kept(_)]);
+        let is_text = matches!(targets[..], [CellTarget::Kept(_)]);
         while chunk.len() < rows && text < TEXT {
             let line = lines.number() + 1;
             let is_blank = |line: &[u8]| {
@@ -104,12 +104,12 @@ impl<R: Read + Send> Source for CsvSource<R> {
             };
             let Some(row) = lines.next_but(is_blank)? else { break };
             text += row.len();
-            let found = split(row, *delimiter, line, |index, cell| match takes.get(index) {
-                Some(Take::Input(input)) => chunk.input(*input, &parse(&cell, *decimal)),
-                Some(Take::Kept(column)) => chunk.keep(*column, Some(&cell)),
-                Some(Take::Nothing) | None => {}
+            let found = split(row, *delimiter, line, |index, cell| match targets.get(index) {
+                Some(CellTarget::Input(input)) => chunk.input(*input, &parse(&cell, *decimal)),
+                Some(CellTarget::Kept(column)) => chunk.keep(*column, Some(&cell)),
+                Some(CellTarget::Nothing) | None => {}
             })?;
-            check_width(found, takes.len(), line)?;
+            check_width(found, targets.len(), line)?;
             chunk.end_row();
         }
         self.row += chunk.len() as u64;
@@ -279,7 +279,7 @@ fn json(to: &mut Vec<u8>, cell: &Cell<'_>) -> io::Result<()> {
 
 /// The number that a column had last, and where its digits stand: in a grid most are those of the row above.
 #[derive(Clone, Default)]
-struct Last(u64, Range<usize>);
+struct LastCell(u64, Range<usize>);
 
 /// How a row is written.
 struct RowForm {
@@ -293,11 +293,11 @@ struct RowForm {
 impl RowForm {
     fn text(&self, cells: &Cells<'_>, rows: Range<usize>) -> io::Result<Vec<u8>> {
         let mut to = Vec::new();
-        let mut last = vec![Last::default(); self.before.len()];
+        let mut last = vec![LastCell::default(); self.before.len()];
         for row in rows {
             let begin = to.len();
             let columns = cells.row(row).zip(&self.before).zip(&mut last);
-            for ((cell, before), Last(bits, digits)) in columns {
+            for ((cell, before), LastCell(bits, digits)) in columns {
                 to.extend_from_slice(before);
                 let begin = to.len();
                 match (&cell, self.dialect) {

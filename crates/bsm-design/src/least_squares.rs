@@ -4,10 +4,10 @@ use nalgebra::{DMatrix, DVector};
 
 /// Steps, and what a step in parts of the bounds is too short to matter.
 const MOST_STEPS: usize = 60;
-const SETTLED: f64 = 1e-9;
+const STEP_TOLERANCE: f64 = 1e-9;
 
 /// Step of the finite differences, relative to the bounds.
-const APART: f64 = 1e-3;
+const DIFFERENCE_STEP: f64 = 1e-3;
 
 /// Where the sum of squares is least, nearby at least.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +48,8 @@ pub fn least_squares<E>(
         let mut slopes = DMatrix::zeros(residual.len(), count);
         for k in 0..count {
             let (mut below, mut above) = (u.clone(), u.clone());
-            (below[k], above[k]) = ((u[k] - APART).max(0.0), (u[k] + APART).min(1.0));
+            (below[k], above[k]) =
+                ((u[k] - DIFFERENCE_STEP).max(0.0), (u[k] + DIFFERENCE_STEP).min(1.0));
             let ends = (residuals(&number(&below))?, residuals(&number(&above))?);
             let (Some(low), Some(high)) = ends else { return Ok(None) };
             for (i, (low, high)) in low.iter().zip(&high).enumerate() {
@@ -74,7 +75,7 @@ pub fn least_squares<E>(
             let next: Vec<_> =
                 u.iter().zip(step.iter()).map(|(u, step)| (u + step).clamp(0.0, 1.0)).collect();
             let moved = next.iter().zip(&u).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            if moved.is_nan() || moved <= SETTLED {
+            if moved.is_nan() || moved <= STEP_TOLERANCE {
                 break;
             }
             let size = |residual: &[f64]| residual.iter().map(|x| x * x).sum::<f64>();

@@ -46,7 +46,7 @@ const NEAR: f64 = 2e-3;
 
 /// A limit that holds a choice back.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Holds {
+pub struct BindingLimit {
     /// Its number.
     pub quantity: Quantity,
     /// The best number of the objective without it, of standard sizes.
@@ -62,7 +62,7 @@ pub enum Outcome {
         design: Design,
         /// The limits that hold it back: of any size, those that it meets with nothing to spare; of standard
         /// sizes, those without which a better one could be chosen.
-        active: Vec<Holds>,
+        active: Vec<BindingLimit>,
         /// The rules of all balls that better screws break.
         failed_rules: Vec<&'static str>,
     },
@@ -188,9 +188,9 @@ pub(crate) fn first_accepted<'a>(
 }
 
 /// The limits that a design meets with nothing to spare.
-fn active_constraints(design: &Design) -> Vec<Holds> {
+fn active_constraints(design: &Design) -> Vec<BindingLimit> {
     let near = |check: &&Check| check.violation().is_some_and(|violations| violations > -NEAR);
-    let holds = |check: &Check| Holds { quantity: check.quantity, without: None };
+    let holds = |check: &Check| BindingLimit { quantity: check.quantity, without: None };
     design.checks.iter().filter(near).map(holds).collect()
 }
 

@@ -167,7 +167,7 @@ pub struct Requirement {
     /// Leads or lead angles to choose from; one at least.
     pub pitches: Vec<Pitch>,
     /// Length or stroke.
-    pub reach: Travel,
+    pub travel: Travel,
     /// Ends and length of the screw.
     pub mount: Mount,
     /// Largest speed over the critical one.
@@ -379,7 +379,7 @@ impl Design {
         let (radius, ball) = (0.5 * nut.pitch_diameter, 0.5 * nut.ball_diameter);
         let body = NutBody::usual(&nut);
         let thread = nut.thread(0.0, nut.usual_lands());
-        let (length, stroke) = match requirement.reach {
+        let (length, stroke) = match requirement.travel {
             Travel::Screw(length) => (length, length - body.length),
             Travel::Stroke(stroke) => (stroke + body.length, stroke),
         };

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::procedure::first_accepted;
 use crate::{
-    AcceptedBy, ActiveLimit, Check, Design, EfficiencyOf, FixedValues, Holds, Limits, Lists,
+    AcceptedBy, ActiveLimit, BindingLimit, Check, Design, EfficiencyOf, FixedValues, Limits, Lists,
     OfferedSize, Outcome, Pitch, Requirement, Why,
 };
 
@@ -71,7 +71,7 @@ impl Requirement {
         failed: &[Design],
         chosen: &Design,
         complete: impl Fn(&Design) -> Design + Sync,
-    ) -> Vec<Holds> {
+    ) -> Vec<BindingLimit> {
         let Self { objective, .. } = *self;
         let best = chosen.objective(objective);
         // The number of the objective of a better design.
@@ -91,7 +91,7 @@ impl Requirement {
             let first = &designs[..most.min(designs.len())];
             let better = first.par_iter().filter_map(|(_, design)| better(design));
             let (_, value) = better.min_by(|a, b| a.0.total_cmp(&b.0))?;
-            Some(Holds { quantity, without: Some(value) })
+            Some(BindingLimit { quantity, without: Some(value) })
         };
         let single_violations = single_violations(nearest.iter().map(|(_, design)| *design));
         let found: Vec<_> = single_violations.into_iter().filter_map(holds).collect();
@@ -101,7 +101,7 @@ impl Requirement {
         let next = nearest.iter().take(most).find(|(_, design)| better(design).is_some());
         next.map_or_else(Vec::new, |(_, design)| {
             let failing = failing(design).into_iter();
-            failing.map(|check| Holds { quantity: check.quantity, without: None }).collect()
+            failing.map(|check| BindingLimit { quantity: check.quantity, without: None }).collect()
         })
     }
 

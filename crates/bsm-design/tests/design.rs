@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use bsm_design::{
-    ActiveLimit, BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, Design, DutySpeed, EndFixity, FixedValues,
-    Holds, LoadCase, MachineTable, Make, Mount, Nut, Objective, Outcome, Phase, Pitch,
+    ActiveLimit, BUCKLING_SAFETY, BindingLimit, CRITICAL_SPEED_RATIO, Design, DutySpeed, EndFixity,
+    FixedValues, LoadCase, MachineTable, Make, Mount, Nut, Objective, Outcome, Phase, Pitch,
     PreloadMethod, ProfileSegment, Quantity, Ranges, RatingFactors, Requirement, Travel, Why,
 };
 use bsm_dyn::{Angles, Direction, Material};
@@ -40,7 +40,7 @@ fn feed_drive() -> Requirement {
         factors: RatingFactors { dynamic_rating: 1.0, static_rating: 1.0 },
         direction: Direction::RotaryToLinear,
         pitches: vec![Pitch::Lead(10e-3)],
-        reach: Travel::Stroke(0.7),
+        travel: Travel::Stroke(0.7),
         mount: Mount {
             support: EndFixity::FixedSupported,
             length: None,
@@ -83,7 +83,7 @@ fn efficiency(nut: &Nut, _phase: &Phase) -> Option<f64> {
     Some(angles.efficiency(Direction::RotaryToLinear, 0.05))
 }
 
-fn found(requirement: &Requirement) -> (Design, Vec<Holds>) {
+fn found(requirement: &Requirement) -> (Design, Vec<BindingLimit>) {
     match requirement.choose(&efficiency, &accepted) {
         Outcome::Found { design, active, .. } => (design, active),
         Outcome::Infeasible { blocking, .. } => panic!("{blocking:?}"),
@@ -206,7 +206,7 @@ fn a_load_beyond_the_rating_is_refused() {
         conformity: Some(0.52),
         turns: Some(3.0),
     };
-    let requirement = Requirement { fixed, life: None, reach: Travel::Screw(0.2), ..feed_drive() };
+    let requirement = Requirement { fixed, life: None, travel: Travel::Screw(0.2), ..feed_drive() };
     let under = |newtons| Requirement { demand: load(newtons, 1500.0), ..requirement.clone() };
     let Outcome::Infeasible { blocking, .. } = under(12e3).choose(&efficiency, &accepted) else {
         panic!("12 kN on small balls")
@@ -221,7 +221,7 @@ fn a_load_beyond_the_rating_is_refused() {
 fn a_ball_beyond_its_land_is_refused() {
     let fixed =
         FixedValues { ball: Some(3.175e-3), contact_angle: Some(1.1), ..FixedValues::default() };
-    let requirement = Requirement { fixed, life: None, reach: Travel::Screw(0.2), ..feed_drive() };
+    let requirement = Requirement { fixed, life: None, travel: Travel::Screw(0.2), ..feed_drive() };
     let requirement = Requirement { demand: load(500.0, 1500.0), ..requirement };
     let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accepted) else {
         panic!("beyond the land")

@@ -376,9 +376,9 @@ mod tests {
     }
 
     /// A coefficient that falls from 0.1 at the rim to 0.02 at the largest pressure.
-    struct PressedOut;
+    struct FallingFriction;
 
-    impl FrictionLaw<f64> for PressedOut {
+    impl FrictionLaw<f64> for FallingFriction {
         fn coefficient(&self, pressure: f64, _speed: f64) -> f64 {
             0.1 - 0.08 * pressure
         }
@@ -390,7 +390,7 @@ mod tests {
     fn a_law_sees_the_pressure_of_each_point() {
         let (ellipse, quadrature) = ellipse();
         let motion = Motion { precession: 3.0, omega: Vector3::zeros() };
-        let (wrench, power) = ellipse.friction(&motion, 0.02, &PressedOut, 1e-9, &quadrature);
+        let (wrench, power) = ellipse.friction(&motion, 0.02, &FallingFriction, 1e-9, &quadrature);
         let full = (0.1 - 0.08 * 0.75) * 130.0;
         // The pressure falls like a root at the rim, which takes digits: 3e-6.
         assert_relative_eq!(wrench.force, Vector3::new(-full, 0.0, 0.0), max_relative = 1e-5);

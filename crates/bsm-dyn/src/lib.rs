@@ -56,10 +56,10 @@ pub use self::cost::evaluations;
 pub use self::ellipse::{EllipseSlip, Quadrature, pressed_radius};
 pub use self::models::{
     Alternatives, Auto, BallMotion, BallState, Basis, Choice, ClosedForm, ContactSite,
-    ContactState, ControllingRaceway, Driven, Elastic, ElasticPoint, ElasticWorkspace, ErrorBound,
-    GrooveForces, HertzContact, LossInterval, Lubricated, LubricatedModel, Model, ModelWorkspace,
-    OperatingPoint, Performance, PermanentSet, PrescribedBall, PrescribedContact, Problem,
-    QuasiStatic, ROLLING_BELOW, RacewayControl, RacewayFriction, RacewayWorkspace, Rigid,
+    ContactState, ControllingRaceway, DrivenBody, Elastic, ElasticPoint, ElasticWorkspace,
+    ErrorBound, GrooveForces, HertzContact, LossInterval, Lubricated, LubricatedModel, Model,
+    ModelWorkspace, OperatingPoint, Performance, PermanentSet, PrescribedBall, PrescribedContact,
+    Problem, QuasiStatic, ROLLING_BELOW, RacewayControl, RacewayFriction, RacewayWorkspace, Rigid,
     RigidRoot, RigidWorkspace, ScrewSize, SkidNumbers, Sliding, Slip, SlipPower, SlipRegime,
     Solution, SolveInfo, Solved, StaticBall, SteadyBall, Traction, TractionWorkspace, TrainBall,
     TrainMotion, Transmission, TwoContacts, rim_speed, rolling_tangent, yield_ratio,

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use bsm_newton::{EvalError, Report, Status as NewtonStatus};
+use bsm_newton::{EvalError, Report, Termination};
 
 /// An enum whose variants have names in files and on the command line.
 macro_rules! named {
@@ -215,7 +215,7 @@ pub enum Reason {
     /// The iteration ended early.
     Newton {
         /// How it ended.
-        status: NewtonStatus,
+        status: Termination,
         /// Its last scaled residual.
         residual: f64,
         /// The equation with the largest part of it, as text.

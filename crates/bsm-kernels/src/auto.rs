@@ -6,10 +6,10 @@ use bsm_dyn::internals::{ModelErrors, SlidingBall};
 use bsm_dyn::{Basis, Choice, Direction, ErrorBound, Traction};
 use bsm_simd::{Arch, Simd, WithSimd};
 
-use crate::contacts::InUnits;
+use crate::contacts::UnitsCall;
 use crate::elastic::Elastic;
 use crate::kernel::{Kernel, RowChoice, RowKernel, Rows, Selection, Sink};
-use crate::operand::{Lane, LaneInputs, Valid};
+use crate::operand::{Lane, LaneInputs, ValidCall};
 use crate::raceway::{RacewayControl, RacewayRow};
 use crate::traction;
 use crate::traction::MANY;
@@ -167,7 +167,7 @@ impl WithSimd for RollingRows<'_, '_, '_> {
         let mut rolling = Vec::with_capacity(done.len());
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
             let given = LaneInputs { simd, inputs, row: *first + row };
-            let (units, contacts) = simd.vectorize(InUnits(&given));
+            let (units, contacts) = simd.vectorize(UnitsCall(&given));
             let mut out = Sink { wanted, columns, row };
             let ball = simd.vectorize(RacewayRow {
                 given: &given,
@@ -181,7 +181,7 @@ impl WithSimd for RollingRows<'_, '_, '_> {
             let sliding = SlidingBall::of(&contacts.scaled, back.select(-friction, friction));
             let errors = ModelErrors::of(&sliding, back, ball.efficiency, ball.skid);
             let known = errors.onset_number.lt(friction.constant(f64::INFINITY));
-            let valid = simd.vectorize(Valid { given: &given, model: RacewayControl::MODEL });
+            let valid = simd.vectorize(ValidCall { given: &given, model: RacewayControl::MODEL });
             let [mut found, mut unique] = [[false; MANY]; 2];
             (ball.found & known & valid).store(&mut found);
             ball.unique.store(&mut unique);

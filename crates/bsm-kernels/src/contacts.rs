@@ -18,9 +18,9 @@ pub(super) type LaneContact<S> = LoadedContact<Lane<S>>;
 /// A lane of points in SI units and in those of its ball: a call of its own, as three kernels share it.
 ///
 /// A type, as all such calls: a closure is called through a shim that does not take the instruction set.
-pub(super) struct InUnits<'a, 'b, S>(pub(super) &'a LaneInputs<'b, S>);
+pub(super) struct UnitsCall<'a, 'b, S>(pub(super) &'a LaneInputs<'b, S>);
 
-impl<S: Simd> NullaryFnOnce for InUnits<'_, '_, S> {
+impl<S: Simd> NullaryFnOnce for UnitsCall<'_, '_, S> {
     type Output = (Units<S>, Contacts<S>);
 
     #[inline(always)]

@@ -9,7 +9,7 @@ use bsm_dyn::internals::{
 use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
-use crate::contacts::{Contacts, ElasticAnswer, InUnits};
+use crate::contacts::{Contacts, ElasticAnswer, UnitsCall};
 use crate::kernel::{Kernel, Sink};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::rigid::slip_angles;
@@ -27,12 +27,15 @@ impl Kernel for Elastic {
 
     #[inline(always)]
     fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S> {
-        let (units, contacts) = given.simd.vectorize(InUnits(given));
+        let (units, contacts) = given.simd.vectorize(UnitsCall(given));
         let friction = given.get(InputKey::friction_coefficient);
         let back = units.speed.lt(friction.constant(0.0));
         let signed = back.select(-friction, friction);
-        let skid =
-            given.simd.vectorize(GrossSlip { contacts: &contacts, friction: signed, any: false });
+        let skid = given.simd.vectorize(GrossSlipCall {
+            contacts: &contacts,
+            friction: signed,
+            any: false,
+        });
         if !skid.found.any() {
             return skid.found;
         }
@@ -69,14 +72,14 @@ impl Kernel for Elastic {
 
 /// The first roots, if the inertia only rises up to them, of a friction with the sign of the speed: a call of its
 /// own, as the code is long.
-pub(super) struct GrossSlip<'a, S: Simd> {
+pub(super) struct GrossSlipCall<'a, S: Simd> {
     pub(super) contacts: &'a Contacts<S>,
     pub(super) friction: Lane<S>,
     /// One that serves as a start is enough.
     pub(super) any: bool,
 }
 
-impl<S: Simd> NullaryFnOnce for GrossSlip<'_, S> {
+impl<S: Simd> NullaryFnOnce for GrossSlipCall<'_, S> {
     type Output = SlidingRoot<Lane<S>>;
 
     #[inline(always)]

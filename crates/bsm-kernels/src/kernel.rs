@@ -4,7 +4,7 @@ use bsm_case::{OUTPUTS, Output, OutputKey, store_outputs};
 use bsm_dyn::{Choice, Model, Solved};
 use bsm_simd::{Simd, WithSimd};
 
-use crate::operand::{InputColumns, Lane, LaneInputs, Mask, Valid};
+use crate::operand::{InputColumns, Lane, LaneInputs, Mask, ValidCall};
 
 /// A model by lanes.
 pub(crate) trait Kernel {
@@ -140,7 +140,7 @@ impl<K: Kernel> WithSimd for RowKernel<'_, '_, K> {
             let given = LaneInputs { simd, inputs, row: first + row };
             let mut out = Sink { wanted, columns: &mut *columns, row };
             let solved = self.kernel.solve(&given, &mut out);
-            let valid = simd.vectorize(Valid { given: &given, model: K::MODEL });
+            let valid = simd.vectorize(ValidCall { given: &given, model: K::MODEL });
             (solved & valid).store(&mut done[row..]);
         }
     }

@@ -163,12 +163,12 @@ impl<S: Simd> LaneInputs<'_, S> {
 }
 
 /// [`LaneInputs::valid`] as a call of its own, as all kernels share it.
-pub(crate) struct Valid<'a, 'b, S> {
+pub(crate) struct ValidCall<'a, 'b, S> {
     pub(crate) given: &'a LaneInputs<'b, S>,
     pub(crate) model: Model,
 }
 
-impl<S: Simd> NullaryFnOnce for Valid<'_, '_, S> {
+impl<S: Simd> NullaryFnOnce for ValidCall<'_, '_, S> {
     type Output = Mask<S>;
 
     #[inline(always)]

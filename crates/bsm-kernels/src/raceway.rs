@@ -14,10 +14,10 @@ use bsm_dyn::internals::{
 use bsm_dyn::{Control, FilmState, Model, Transmission};
 use bsm_simd::{NullaryFnOnce, Simd};
 
-pub(super) use self::balance::{BalanceCall, Precession, RollingMotion};
+pub(super) use self::balance::{BalanceCall, BalanceRoot, RollingMotion};
 use self::friction::Ellipse;
 use self::oil::OilLane;
-use crate::contacts::{Contacts, ElasticAnswer, InUnits};
+use crate::contacts::{Contacts, ElasticAnswer, UnitsCall};
 use crate::kernel::{Kernel, Sink};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::Units;
@@ -32,7 +32,7 @@ impl Kernel for RacewayControl {
 
     #[inline(always)]
     fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S> {
-        let (units, contacts) = given.simd.vectorize(InUnits(given));
+        let (units, contacts) = given.simd.vectorize(UnitsCall(given));
         let control = self.control;
         let ball = given.simd.vectorize(RacewayRow {
             given,
@@ -123,7 +123,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
 fn ellipse<S: Simd>(
     i: usize,
     contacts: &Contacts<S>,
-    state: &Precession<S>,
+    state: &BalanceRoot<S>,
     motion: &RollingMotion<S>,
 ) -> Ellipse<S> {
     let (side, pressed) = (&state.sides[i], &contacts.pressed[i]);
@@ -153,7 +153,7 @@ struct Losses<S: Simd> {
 fn losses<S: Simd>(
     given: &LaneInputs<'_, S>,
     (units, contacts): (&Units<S>, &Contacts<S>),
-    (state, motion): (&Precession<S>, &RollingMotion<S>),
+    (state, motion): (&BalanceRoot<S>, &RollingMotion<S>),
 ) -> Losses<S> {
     let (nut, screw) = (ellipse(0, contacts, state, motion), ellipse(1, contacts, state, motion));
     let ((nut_power, at_nut), (screw_power, at_screw)) = (nut.power(), screw.power());
@@ -193,7 +193,7 @@ pub(super) fn regime<S: Simd>(
     out: &mut Sink<'_, '_>,
     friction: Lane<S>,
     contacts: &Contacts<S>,
-    (state, motion): (&Precession<S>, &RollingMotion<S>),
+    (state, motion): (&BalanceRoot<S>, &RollingMotion<S>),
 ) -> [Lane<S>; 2] {
     let [a, b] = &state.sides;
     let rate = motion.p + contacts.scaled.nut_speed;

@@ -13,10 +13,10 @@ use bsm_dyn::internals::{
 use bsm_dyn::{ErrorBound, Model, Traction};
 use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
 
-use crate::contacts::{Contacts, ElasticAnswer, InUnits};
-use crate::elastic::GrossSlip;
+use crate::contacts::{Contacts, ElasticAnswer, UnitsCall};
+use crate::elastic::GrossSlipCall;
 use crate::kernel::{Rows, Sink};
-use crate::operand::{Lane, LaneInputs, Mask, Valid};
+use crate::operand::{Lane, LaneInputs, Mask, ValidCall};
 use crate::raceway::{BalanceCall, RollingMotion, regime};
 use crate::rigid::slip_angles;
 use crate::units::Units;
@@ -72,7 +72,7 @@ impl WithSimd for Solve<'_, '_> {
         let mut starts = TractionStart::rows(done.len() + MANY);
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
             let given = LaneInputs { simd, inputs, row: first + row };
-            let (units, contacts) = simd.vectorize(InUnits(&given));
+            let (units, contacts) = simd.vectorize(UnitsCall(&given));
             let scaled = scaled(&given, (&units, &contacts), creep);
             let lane = LanePoints { units, contacts, scaled };
             let mut out = Sink { wanted, columns: &mut *columns, row };
@@ -93,7 +93,7 @@ impl WithSimd for Solve<'_, '_> {
             let (solved, bound) = outputs(simd, lane, &root, accuracy, &mut out);
             bound.store(&mut bounds[row..]);
             let mut answered = [false; MANY];
-            let valid = simd.vectorize(Valid { given, model: Model::Traction });
+            let valid = simd.vectorize(ValidCall { given, model: Model::Traction });
             (solved & valid).store(&mut answered);
             for (i, done) in done[row..].iter_mut().enumerate().take(Lane::<S>::LEN) {
                 *done = answered[i] && found[row + i];
@@ -155,7 +155,7 @@ fn start<S: Simd>(
     let skidding = onset.gt(one * SKID_ONSET) & onset.lt(one.constant(f64::INFINITY));
     if (found & skidding).any() {
         let skid =
-            given.simd.vectorize(GrossSlip { contacts, friction: point.friction, any: true });
+            given.simd.vectorize(GrossSlipCall { contacts, friction: point.friction, any: true });
         found = found & (skid.steady | !skidding);
         let [q_a, q_b] = skid.at.state.loads;
         loads = [skidding.select(q_a, loads[0]), skidding.select(q_b, loads[1])];

@@ -126,3 +126,36 @@ impl<T: DualNumCopy + DualNum<Primitive = f64>> Field for T {
         DualNum::powf(&self, exponent)
     }
 }
+
+/// The same for each of a few parts, without a closure or a short loop: the one is a call where the instruction set differs,
+/// and of loops a kernel would have thousands, which take the compiler minutes to unroll.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! parts {
+    ($value:expr, $count:ident, $i:ident, $part:expr) => {{
+        let mut parts = $value;
+        if $count > 4 {
+            for $i in 0..$count {
+                parts[$i] = $part;
+            }
+        } else {
+            if $count > 0 {
+                let $i = 0;
+                parts[$i] = $part;
+            }
+            if $count > 1 {
+                let $i = 1;
+                parts[$i] = $part;
+            }
+            if $count > 2 {
+                let $i = 2;
+                parts[$i] = $part;
+            }
+            if $count > 3 {
+                let $i = 3;
+                parts[$i] = $part;
+            }
+        }
+        parts
+    }};
+}

@@ -1,4 +1,5 @@
-//! A value with `N` partial derivatives, for Jacobians of small systems.
+//! Numbers, or several side by side, with `N` partial derivatives: of seven unknowns for the Jacobians of a ball, of one to
+//! three for lanes.
 //!
 //! num-dual does the same in general, and is what this is tested against. On the seven equations
 //! of a ball it is the slower of the two: `cargo bench -p bsm-benches -- rigid/linearize` times
@@ -8,79 +9,104 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 
 use num_traits::{One, Zero};
 
-use crate::root::cube_root;
-use crate::{Field, Scalar};
+use crate::{Field, Scalar, parts};
 
 /// A value and its partial derivatives with respect to `N` variables.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Jet<const N: usize> {
+pub struct Jet<const N: usize, F = f64> {
     /// The value.
-    pub re: f64,
+    pub re: F,
     /// The partial derivatives.
-    pub eps: [f64; N],
+    pub eps: [F; N],
 }
 
-impl<const N: usize> Jet<N> {
+impl<const N: usize, F: Field> Jet<N, F> {
+    /// A value that does not change.
+    #[inline(always)]
+    pub fn fixed(re: F) -> Self {
+        Self { re, eps: [re.constant(0.0); N] }
+    }
+
+    /// A value that changes with variable number `i` at this rate.
+    #[inline(always)]
+    pub fn along(re: F, i: usize, rate: F) -> Self {
+        let mut variable = Self::fixed(re);
+        variable.eps[i] = rate;
+        variable
+    }
+
     /// Variable number `i` with this value.
-    pub fn variable(re: f64, i: usize) -> Self {
-        let mut eps = [0.0; N];
-        eps[i] = 1.0;
-        Self { re, eps }
+    #[inline(always)]
+    pub fn variable(re: F, i: usize) -> Self {
+        Self::along(re, i, re.constant(1.0))
     }
 
     /// A function with this value and slope at `self` (chain rule).
-    fn chain(self, re: f64, slope: f64) -> Self {
-        Self { re, eps: self.eps.map(|e| e * slope) }
+    #[inline(always)]
+    #[must_use]
+    pub fn chain(self, re: F, slope: F) -> Self {
+        Self { re, eps: parts!(self.eps, N, i, self.eps[i] * slope) }
     }
 
     /// Linear combination of the derivatives of two jets.
-    fn combine(self, a: f64, other: Self, b: f64, re: f64) -> Self {
-        Self { re, eps: std::array::from_fn(|i| a * self.eps[i] + b * other.eps[i]) }
+    #[inline(always)]
+    fn combine(self, a: F, other: Self, b: F, re: F) -> Self {
+        Self { re, eps: parts!(self.eps, N, i, a * self.eps[i] + b * other.eps[i]) }
     }
 }
 
-impl<const N: usize> Field for Jet<N> {
-    type Mask = bool;
+impl<const N: usize, F: Field> Field for Jet<N, F> {
+    type Mask = F::Mask;
 
+    #[inline(always)]
     fn constant(self, x: f64) -> Self {
-        Self::from(x)
+        Self::fixed(self.re.constant(x))
     }
 
-    fn select(mask: bool, yes: Self, no: Self) -> Self {
-        if mask { yes } else { no }
+    #[inline(always)]
+    fn select(mask: F::Mask, yes: Self, no: Self) -> Self {
+        let eps = parts!(no.eps, N, i, F::select(mask, yes.eps[i], no.eps[i]));
+        Self { re: F::select(mask, yes.re, no.re), eps }
     }
 
+    #[inline(always)]
     fn sqrt(self) -> Self {
         let root = self.re.sqrt();
-        self.chain(root, 0.5 / root)
+        self.chain(root, root.constant(0.5) / root)
     }
 
+    #[inline(always)]
     fn cbrt(self) -> Self {
-        let root = cube_root(self.re);
-        self.chain(root, (3.0 * root * root).recip())
+        let root = self.re.cbrt();
+        self.chain(root, (root * 3.0 * root).recip())
     }
 
+    #[inline(always)]
     fn recip(self) -> Self {
         let inverse = self.re.recip();
         self.chain(inverse, -inverse * inverse)
     }
 
+    #[inline(always)]
     fn powf(self, exponent: f64) -> Self {
         let power = self.re.powf(exponent);
-        self.chain(power, exponent * power / self.re)
+        self.chain(power, power * exponent / self.re)
     }
 
+    #[inline(always)]
     fn exp(self) -> Self {
         let exp = self.re.exp();
         self.chain(exp, exp)
     }
 
+    #[inline(always)]
     fn ln(self) -> Self {
         self.chain(self.re.ln(), self.re.recip())
     }
 
+    #[inline(always)]
     fn asinh(self) -> Self {
-        self.chain(self.re.asinh(), self.re.hypot(1.0).recip())
+        self.chain(self.re.asinh(), (self.re.square() + 1.0).sqrt().recip())
     }
 }
 
@@ -106,7 +132,7 @@ impl<const N: usize> Scalar for Jet<N> {
 
 impl<const N: usize> From<f64> for Jet<N> {
     fn from(re: f64) -> Self {
-        Self { re, eps: [0.0; N] }
+        Self::fixed(re)
     }
 }
 
@@ -126,41 +152,28 @@ impl<const N: usize> One for Jet<N> {
     }
 }
 
-impl<const N: usize> Neg for Jet<N> {
+impl<const N: usize, F: Field> Neg for Jet<N, F> {
     type Output = Self;
 
+    #[inline(always)]
     fn neg(self) -> Self {
-        self.chain(-self.re, -1.0)
+        Self { re: -self.re, eps: parts!(self.eps, N, i, -self.eps[i]) }
     }
 }
 
-impl<const N: usize> Add for Jet<N> {
+impl<const N: usize, F: Field> Mul for Jet<N, F> {
     type Output = Self;
 
-    fn add(self, other: Self) -> Self {
-        Self { re: self.re + other.re, eps: std::array::from_fn(|i| self.eps[i] + other.eps[i]) }
-    }
-}
-
-impl<const N: usize> Sub for Jet<N> {
-    type Output = Self;
-
-    fn sub(self, other: Self) -> Self {
-        Self { re: self.re - other.re, eps: std::array::from_fn(|i| self.eps[i] - other.eps[i]) }
-    }
-}
-
-impl<const N: usize> Mul for Jet<N> {
-    type Output = Self;
-
+    #[inline(always)]
     fn mul(self, other: Self) -> Self {
         self.combine(other.re, other, self.re, self.re * other.re)
     }
 }
 
-impl<const N: usize> Div for Jet<N> {
+impl<const N: usize, F: Field> Div for Jet<N, F> {
     type Output = Self;
 
+    #[inline(always)]
     fn div(self, other: Self) -> Self {
         let inverse = other.re.recip();
         let quotient = self.re * inverse;
@@ -168,27 +181,40 @@ impl<const N: usize> Div for Jet<N> {
     }
 }
 
-impl<const N: usize> Add<f64> for Jet<N> {
-    type Output = Self;
+macro_rules! sums {
+    ($($trait:ident $method:ident $op:tt;)*) => {$(
+        impl<const N: usize, F: Field> $trait for Jet<N, F> {
+            type Output = Self;
 
-    fn add(self, other: f64) -> Self {
-        Self { re: self.re + other, ..self }
-    }
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                let eps = parts!(self.eps, N, i, self.eps[i] $op other.eps[i]);
+                Self { re: self.re $op other.re, eps }
+            }
+        }
+
+        impl<const N: usize, F: Field> $trait<f64> for Jet<N, F> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: f64) -> Self {
+                Self { re: self.re $op other, ..self }
+            }
+        }
+    )*};
 }
 
-impl<const N: usize> Sub<f64> for Jet<N> {
-    type Output = Self;
-
-    fn sub(self, other: f64) -> Self {
-        Self { re: self.re - other, ..self }
-    }
+sums! {
+    Add add +;
+    Sub sub -;
 }
 
-impl<const N: usize> Mul<f64> for Jet<N> {
+impl<const N: usize, F: Field> Mul<f64> for Jet<N, F> {
     type Output = Self;
 
+    #[inline(always)]
     fn mul(self, other: f64) -> Self {
-        self.chain(self.re * other, other)
+        self.chain(self.re * other, self.re.constant(other))
     }
 }
 

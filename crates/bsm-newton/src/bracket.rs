@@ -189,8 +189,8 @@ impl Bracket {
             } else {
                 newton.unwrap_or_else(|| {
                     // Not nearer to an end than what is wanted, so that the other end moves too.
-                    let digit = 0.5 * tolerance.max(2.0 * f64::EPSILON * best.0.abs());
-                    let least = (digit / (other - x).abs()).min(0.5);
+                    let rounding = 0.5 * tolerance.max(2.0 * f64::EPSILON * best.0.abs());
+                    let least = (rounding / (other - x).abs()).min(0.5);
                     let part = part((x, value), (other, opposite), old).clamp(least, 1.0 - least);
                     let t = x + part * (other - x);
                     if inside(t) { t } else { halves }

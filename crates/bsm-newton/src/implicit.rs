@@ -1,6 +1,6 @@
 //! How a root moves with what its equations depend on.
 
-use crate::{Equations, Status, Workspace};
+use crate::{Equations, Termination, Workspace};
 
 /// Overwrites derivatives of the equations with those of the root `x`, by the implicit function
 /// theorem (N7).
@@ -12,24 +12,24 @@ use crate::{Equations, Status, Workspace};
 /// * `f_scale`: what counts as one unit of each equation, as in [`Scales::f`](crate::Scales::f).
 /// * `columns`: `$\partial F/\partial p$` at the root for each `$p$`; on return `$dx/dp$`.
 ///
-/// The status is [`Status::Converged`], or says why there are no derivatives:
-/// [`Status::OutsideDomain`], [`Status::SingularJacobian`].
+/// The status is [`Termination::Converged`], or says why there are no derivatives:
+/// [`Termination::OutsideDomain`], [`Termination::SingularJacobian`].
 pub fn implicit_slopes<const N: usize, E: Equations<N> + ?Sized>(
     equations: &E,
     x: &[f64; N],
     f_scale: &[f64; N],
     columns: &mut [[f64; N]],
     work: &mut Workspace<N>,
-) -> Status {
+) -> Termination {
     if work.linearize(equations, x, f_scale).is_err() {
-        return Status::OutsideDomain;
+        return Termination::OutsideDomain;
     }
     for column in columns {
         // D_F J dx/dp = −D_F ∂F/∂p                                        (N7)
         match work.correction(column) {
             Ok(slopes) if slopes.iter().all(|slope| slope.is_finite()) => *column = slopes,
-            _ => return Status::SingularJacobian,
+            _ => return Termination::SingularJacobian,
         }
     }
-    Status::Converged
+    Termination::Converged
 }

@@ -212,10 +212,10 @@ impl<const N: usize, const M: usize, F: Homotopy<N, M>> Equations<M> for OnPlane
     }
 
     fn linearize(&self, z: &[f64; M], rows: &mut [[f64; M]; M]) -> Result<[f64; M], EvalError> {
-        let (left, known) = self.homotopy.linearize(z)?;
+        let (residual, known) = self.homotopy.linearize(z)?;
         rows[..N].copy_from_slice(&known);
         rows[N] = self.normal;
-        Ok(self.values(z, &left))
+        Ok(self.values(z, &residual))
     }
 }
 

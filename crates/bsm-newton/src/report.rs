@@ -3,7 +3,7 @@
 /// Why the iteration ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Status {
+pub enum Termination {
     /// The scaled residual met `residual_tol` (N1).
     Converged,
     /// `max_steps` were taken.
@@ -22,7 +22,7 @@ pub enum Status {
     OutsideDomain,
 }
 
-impl Status {
+impl Termination {
     /// The outcome as text.
     pub fn describe(self) -> &'static str {
         match self {
@@ -54,7 +54,7 @@ pub struct Step {
 #[must_use = "a report may say that the solve did not converge"]
 pub struct Report {
     /// Why the iteration ended.
-    pub status: Status,
+    pub status: Termination,
     /// Final `$\lVert D_F F(x) \rVert_2$`.
     pub residual: f64,
     /// Index of the equation with the largest scaled residual.
@@ -73,6 +73,6 @@ pub struct Report {
 impl Report {
     /// True if the scaled residual met its tolerance.
     pub fn converged(&self) -> bool {
-        self.status == Status::Converged
+        self.status == Termination::Converged
     }
 }

@@ -3,7 +3,8 @@
 use std::array::from_fn;
 
 use crate::{
-    Dense, Equations, EvalError, JacobianUpdate, Options, Report, Scales, Singular, Status, Step,
+    Dense, Equations, EvalError, JacobianUpdate, Options, Report, Scales, Singular, Step,
+    Termination,
 };
 
 /// Sufficient-decrease constant `$\gamma$` of (N5).
@@ -108,7 +109,7 @@ pub fn solve<const N: usize, E: Equations<N> + ?Sized>(
     work: &mut Workspace<N>,
 ) -> Report {
     let mut report = Report {
-        status: Status::BadScale,
+        status: Termination::BadScale,
         residual: f64::INFINITY,
         worst_equation: 0,
         worst_equation_name: String::new(),
@@ -134,13 +135,13 @@ fn iterate<const N: usize, E: Equations<N> + ?Sized>(
     options: &Options,
     work: &mut Workspace<N>,
     report: &mut Report,
-) -> Status {
+) -> Termination {
     let joint = options.jacobian != JacobianUpdate::EveryStep;
     work.matrix = Matrix::Stale;
     work.d_f = *scales.f;
     let into = (&mut work.r, &mut work.linear, &mut work.matrix);
     if evaluate(equations, x, joint, into, report).is_err() {
-        return Status::OutsideDomain;
+        return Termination::OutsideDomain;
     }
     loop {
         (report.residual, report.worst_equation) = scaled_norm(&work.r, scales.f);
@@ -149,31 +150,31 @@ fn iterate<const N: usize, E: Equations<N> + ?Sized>(
             return status;
         }
         let is_solved = convergence == Convergence::Refinable;
-        let ended = |status| if is_solved { Status::Converged } else { status };
+        let ended = |status| if is_solved { Termination::Converged } else { status };
 
         let is_chord = joint && work.matrix == Matrix::Factors && report.is_quick();
         if !is_chord {
             if work.matrix != Matrix::Jacobian {
                 let into = (&mut work.r, &mut work.linear, &mut work.matrix);
                 if evaluate(equations, x, true, into, report).is_err() {
-                    return ended(Status::OutsideDomain);
+                    return ended(Termination::OutsideDomain);
                 }
             }
             if work.factorize().is_err() {
-                return ended(Status::SingularJacobian);
+                return ended(Termination::SingularJacobian);
             }
         }
         // D_F J(x_k) δx_k = −D_F F(x_k)
         work.dx = from_fn(|i| -work.r[i] * scales.f[i]);
         work.linear.solve(&mut work.dx);
         if !work.dx.iter().all(|dx| dx.is_finite()) {
-            return ended(Status::SingularJacobian);
+            return ended(Termination::SingularJacobian);
         }
         // ‖D_x δx_k‖∞ < step_tol                                          (N3)
         let sizes = work.dx.iter().zip(scales.x);
         let step = sizes.fold(0.0, |m: f64, (v, d)| m.max((v * d).abs()));
         if step < STEP_TOL {
-            return ended(Status::Stalled);
+            return ended(Termination::Stalled);
         }
 
         let search = LineSearch {
@@ -190,7 +191,7 @@ fn iterate<const N: usize, E: Equations<N> + ?Sized>(
                 work.matrix = Matrix::Stale;
                 continue;
             }
-            return ended(Status::LineSearchFailed);
+            return ended(Termination::LineSearchFailed);
         };
         *x = work.x_trial;
         report.steps.push(Step { residual: report.residual, step, lambda });
@@ -204,14 +205,14 @@ enum Convergence {
     Open,
     /// A solution that further steps may make more exact.
     Refinable,
-    Ended(Status),
+    Ended(Termination),
 }
 
 impl Convergence {
     fn of(report: &Report, options: &Options) -> Self {
         let residual = report.residual;
         if !residual.is_finite() {
-            return Self::Ended(Status::NotFinite);
+            return Self::Ended(Termination::NotFinite);
         }
         // ‖D_F F(x_k)‖₂ ≤ residual_tol                                    (N1)
         let is_solved = residual <= options.residual_tol;
@@ -220,9 +221,9 @@ impl Convergence {
             || report.steps.last().is_some_and(|s| residual > 0.5 * s.residual);
         let exhausted = report.steps.len() == options.max_steps;
         match (is_solved, is_refined || exhausted) {
-            (true, true) => Self::Ended(Status::Converged),
+            (true, true) => Self::Ended(Termination::Converged),
             (true, false) => Self::Refinable,
-            (false, _) if exhausted => Self::Ended(Status::MaxSteps),
+            (false, _) if exhausted => Self::Ended(Termination::MaxSteps),
             (false, _) => Self::Open,
         }
     }

@@ -4,7 +4,8 @@
 
 use std::array::from_fn;
 
-use bsm_newton::{Bordered, DynamicDense};
+use bsm_newton::Bordered;
+use nalgebra::{DMatrix, DVector};
 
 use crate::ball::{BallInGrooves, FourContacts};
 use crate::equilibrium::{FREEDOMS, Freedom, NutError, Support};
@@ -392,19 +393,14 @@ impl<'a> Assembly<'a> {
         // A nut that something does not carry has a singular border; the chain is eliminated before.
         let _ = self.matrix.factorize();
         let condensed = self.matrix.condensed();
-        let mut inner = DynamicDense::new(rings);
-        for i in 0..rings {
-            for k in 0..rings {
-                inner.set(i, k, condensed[(FREEDOMS + i) * border + FREEDOMS + k]);
-            }
-        }
+        let of_rings = |i, k| condensed[(FREEDOMS + i) * border + FREEDOMS + k];
+        let inner = DMatrix::from_fn(rings, rings, of_rings).lu();
         let mut all: [[f64; FREEDOMS]; FREEDOMS] =
             from_fn(|i| from_fn(|k| condensed[i * border + k]));
-        if rings > 0 && inner.factorize().is_ok() {
+        if rings > 0 {
             for k in 0..FREEDOMS {
-                let mut column: Vec<f64> =
-                    (0..rings).map(|i| condensed[(FREEDOMS + i) * border + k]).collect();
-                inner.solve(&mut column);
+                let column = DVector::from_fn(rings, |i, _| condensed[(FREEDOMS + i) * border + k]);
+                let Some(column) = inner.solve(&column) else { break };
                 for (i, row) in all.iter_mut().enumerate() {
                     let coupled = |(r, x): (usize, &f64)| condensed[i * border + FREEDOMS + r] * x;
                     // K5 = S_qq − S_qr S_rr⁻¹ S_rq                        (U17)

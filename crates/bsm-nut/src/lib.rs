@@ -67,7 +67,7 @@ pub use friction::{FreeMotion, FrictionSum, NutFriction};
 pub use geometry::{BallNut, BallPosition, Circuit, Errors, LeadError};
 pub use life::TurnRatings;
 pub use preload::PreloadKind;
-pub use sharing::Equal;
+pub use sharing::EqualShare;
 pub use train::{
     Advance, BallAdvance, BallOfTrain, CircuitAdvance, CircuitTrain, Exit, ExitPush, LARGEST_PUSH,
     Rolling, Train, TrainError, TrainInputs,

@@ -9,7 +9,7 @@ use crate::{BallNut, BallPosition, Bar, Circuit, Errors, Freedom, NutError, Supp
 
 /// The ball of a nut that shares its load equally.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Equal {
+pub struct EqualShare {
     /// Normal load of each ball \[N\].
     pub load: f64,
     /// Contact angle \[rad\].
@@ -27,7 +27,7 @@ impl BallNut {
     /// # Errors
     ///
     /// [`NutError::Contact`], [`NutError::NoBalls`], [`NutError::NothingCarries`].
-    pub fn equal(&self, axial: f64) -> Result<Equal, NutError> {
+    pub fn equal(&self, axial: f64) -> Result<EqualShare, NutError> {
         if self.balls() == 0 {
             return Err(NutError::NoBalls);
         }
@@ -35,7 +35,7 @@ impl BallNut {
     }
 
     /// The same with a ball that is known.
-    pub(crate) fn equal_of(&self, ball: &StaticBall, axial: f64) -> Result<Equal, NutError> {
+    pub(crate) fn equal_of(&self, ball: &StaticBall, axial: f64) -> Result<EqualShare, NutError> {
         let balls = count(self.balls());
         let alpha = self.helix.lead_angle;
         // Z Q m_b cosα = F                                                (U26)
@@ -44,7 +44,7 @@ impl BallNut {
             .map_err(|_| NutError::NothingCarries { moved: f64::NAN })?;
         let stiffness = balls * pressing.slope[0][0] * alpha.cos().powi(2);
         let displacement = displacement * axial.signum();
-        Ok(Equal { load: pressing.load, angle: pressing.angle, displacement, stiffness })
+        Ok(EqualShare { load: pressing.load, angle: pressing.angle, displacement, stiffness })
     }
 
     /// True if equal sharing is exact: rigid bodies, no errors and offsets, one flank, guides.

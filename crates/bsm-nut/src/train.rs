@@ -424,14 +424,14 @@ struct State {
 
 /// A circuit at a rate of the train.
 #[derive(Debug, Clone)]
-struct Pass {
+struct CircuitState {
     rate: f64,
     states: Vec<State>,
     /// Push at the exit \[N\].
     exit: f64,
 }
 
-impl Pass {
+impl CircuitState {
     /// Push of the first ball on those of the return \[N\].
     fn entry(&self) -> f64 {
         self.states.first().map_or(0.0, |state| state.pushes[1])
@@ -492,8 +492,8 @@ impl Flow<'_> {
     /// Free length that the balls leave at rates over that of the train (O10) \[m\], less what is there.
     fn surplus(&self, rate: f64, rates: impl Iterator<Item = f64>) -> f64 {
         // Σ (p_j/p_c − 1) = X/(d θ_c)                                     (O10)
-        let left: f64 = rates.map(|of_ball| of_ball / rate - 1.0).sum();
-        left - self.room / self.pitch()
+        let gained: f64 = rates.map(|of_ball| of_ball / rate - 1.0).sum();
+        gained - self.room / self.pitch()
     }
 
     /// What the law that is linear in the pushes leaves of the free length.
@@ -527,7 +527,7 @@ impl Flow<'_> {
     fn pass(
         &self,
         rate: f64,
-        last: &mut Pass,
+        last: &mut CircuitState,
         work: &mut ModelWorkspace,
     ) -> Result<FunctionValue, &'static str> {
         last.rate = rate;
@@ -632,7 +632,11 @@ impl Flow<'_> {
     /// The circuit at the rate of the train for which the free length is there.
     ///
     /// * `largest_load`: of the nut \[N\].
-    fn steady(&self, largest_load: f64, work: &mut ModelWorkspace) -> Result<Pass, TrainError> {
+    fn steady(
+        &self,
+        largest_load: f64,
+        work: &mut ModelWorkspace,
+    ) -> Result<CircuitState, TrainError> {
         let rates: Vec<_> = self.rolling().map(|ball| ball.free().rate).collect();
         let states = self.balls.iter().map(|ball| State {
             rolling: if ball.is_some() { Rolling::Rolls } else { Rolling::Idle },
@@ -643,7 +647,7 @@ impl Flow<'_> {
             of: [f64::NAN; 2],
         });
         let free: Vec<_> = states.collect();
-        let mut pass = Pass { rate: 0.0, states: free.clone(), exit: 0.0 };
+        let mut pass = CircuitState { rate: 0.0, states: free.clone(), exit: 0.0 };
         if rates.is_empty() {
             return Err(TrainError::Unloaded { circuit: self.circuit });
         }
@@ -745,7 +749,7 @@ impl Flow<'_> {
     }
 
     /// Powers lost at the raceways, by ball-to-ball contact and idle balls, in the return, and by catching up \[W\].
-    fn losses(&self, pass: &Pass) -> [f64; 4] {
+    fn losses(&self, pass: &CircuitState) -> [f64; 4] {
         let mut lost = [0.0; 4];
         for (ball, state) in self.balls.iter().zip(&pass.states) {
             let speed = self.speed_of(state.rate);
@@ -776,7 +780,7 @@ impl Flow<'_> {
     }
 
     /// Power that screw and load put in \[W\].
-    fn power_in(&self, pass: &Pass) -> f64 {
+    fn power_in(&self, pass: &CircuitState) -> f64 {
         let of = |(ball, state): (Option<&TrainBall>, &State)| match (ball, &state.motion) {
             (Some(ball), Some(motion)) => ball.power_in(motion),
             (Some(ball), None) => self.blocked(ball, state.rate),
@@ -786,7 +790,7 @@ impl Flow<'_> {
     }
 
     /// In the order of the circuit.
-    fn train(&self, pass: &Pass, is_reversed: bool) -> CircuitTrain {
+    fn train(&self, pass: &CircuitState, is_reversed: bool) -> CircuitTrain {
         let mut balls: Vec<_> = pass
             .states
             .iter()

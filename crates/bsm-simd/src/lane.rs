@@ -2,7 +2,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use bsm_kin::Field;
+use bsm_kin::{Field, Jet, parts};
 use pulp::Simd;
 
 /// Numbers of a few points, `N` times as many as the instruction set takes at once: the processor
@@ -19,40 +19,6 @@ pub struct Mask<S: Simd, const N: usize = 1> {
     simd: S,
     m: [S::m64s; N],
 }
-
-/// The same for each of a few parts. Closures are calls where the instruction set differs, and loops, of which a
-/// kernel would have thousands, take the compiler minutes to unroll.
-macro_rules! parts {
-    ($value:expr, $i:ident, $part:expr) => {
-        parts!($value, N, $i, $part)
-    };
-    ($value:expr, $count:ident, $i:ident, $part:expr) => {{
-        let mut parts = $value;
-        if $count > 0 {
-            let $i = 0;
-            parts[$i] = $part;
-        }
-        if $count > 1 {
-            let $i = 1;
-            parts[$i] = $part;
-        }
-        if $count > 2 {
-            let $i = 2;
-            parts[$i] = $part;
-        }
-        if $count > 3 {
-            let $i = 3;
-            parts[$i] = $part;
-        }
-        if $count > 4 {
-            for $i in 4..$count {
-                parts[$i] = $part;
-            }
-        }
-        parts
-    }};
-}
-pub(crate) use parts;
 
 impl<S: Simd, const N: usize> Lane<S, N> {
     /// How many numbers.
@@ -160,7 +126,7 @@ impl<S: Simd, const N: usize> Lane<S, N> {
     #[must_use]
     pub fn mul_add(self, b: Self, c: Self) -> Self {
         let simd = self.simd;
-        Self { x: parts!(c.x, i, simd.mul_add_f64s(self.x[i], b.x[i], c.x[i])), ..self }
+        Self { x: parts!(c.x, N, i, simd.mul_add_f64s(self.x[i], b.x[i], c.x[i])), ..self }
     }
 
     /// `c − self × b` with one rounding.
@@ -168,14 +134,14 @@ impl<S: Simd, const N: usize> Lane<S, N> {
     #[must_use]
     pub fn neg_mul_add(self, b: Self, c: Self) -> Self {
         let simd = self.simd;
-        Self { x: parts!(c.x, i, simd.negate_mul_add_f64s(self.x[i], b.x[i], c.x[i])), ..self }
+        Self { x: parts!(c.x, N, i, simd.negate_mul_add_f64s(self.x[i], b.x[i], c.x[i])), ..self }
     }
 
     /// Square root.
     #[inline(always)]
     #[must_use]
     pub fn sqrt(self) -> Self {
-        Self { x: parts!(self.x, i, self.simd.sqrt_f64s(self.x[i])), ..self }
+        Self { x: parts!(self.x, N, i, self.simd.sqrt_f64s(self.x[i])), ..self }
     }
 
     /// The first number that a halving of the numbers ends with, each time adding the second half to the first.
@@ -198,7 +164,7 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         let simd = self.simd;
         // All bits but the sign; the absolute value of pulp is a call.
         let size = simd.splat_f64s(f64::from_bits(u64::MAX >> 1));
-        Self { x: parts!(self.x, i, simd.and_f64s(size, self.x[i])), ..self }
+        Self { x: parts!(self.x, N, i, simd.and_f64s(size, self.x[i])), ..self }
     }
 
     /// The larger number.
@@ -220,7 +186,7 @@ impl<S: Simd, const N: usize> Lane<S, N> {
     pub fn lt(self, other: Self) -> Mask<S, N> {
         let simd = self.simd;
         let none = [simd.less_than_f64s(self.x[0], other.x[0]); N];
-        Mask { simd, m: parts!(none, i, simd.less_than_f64s(self.x[i], other.x[i])) }
+        Mask { simd, m: parts!(none, N, i, simd.less_than_f64s(self.x[i], other.x[i])) }
     }
 
     /// Where the number is at most another; never for NaN.
@@ -228,7 +194,7 @@ impl<S: Simd, const N: usize> Lane<S, N> {
     pub fn le(self, other: Self) -> Mask<S, N> {
         let simd = self.simd;
         let none = [simd.less_than_or_equal_f64s(self.x[0], other.x[0]); N];
-        Mask { simd, m: parts!(none, i, simd.less_than_or_equal_f64s(self.x[i], other.x[i])) }
+        Mask { simd, m: parts!(none, N, i, simd.less_than_or_equal_f64s(self.x[i], other.x[i])) }
     }
 
     /// Where the number is greater than another; never for NaN.
@@ -243,7 +209,7 @@ impl<S: Simd, const N: usize> Mask<S, N> {
     #[inline(always)]
     pub fn select(self, yes: Lane<S, N>, no: Lane<S, N>) -> Lane<S, N> {
         let simd = self.simd;
-        Lane { x: parts!(no.x, i, simd.select_f64s(self.m[i], yes.x[i], no.x[i])), ..yes }
+        Lane { x: parts!(no.x, N, i, simd.select_f64s(self.m[i], yes.x[i], no.x[i])), ..yes }
     }
 
     /// 1 where true, 0 where false.
@@ -328,7 +294,7 @@ macro_rules! lanewise {
 
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                Self { x: parts!(self.x, i, self.simd.$lanes(self.x[i], other.x[i])), ..self }
+                Self { x: parts!(self.x, N, i, self.simd.$lanes(self.x[i], other.x[i])), ..self }
             }
         }
 
@@ -356,7 +322,7 @@ impl<S: Simd, const N: usize> Neg for Lane<S, N> {
     #[inline(always)]
     fn neg(self) -> Self {
         let (simd, sign) = (self.simd, self.simd.splat_f64s(-0.0));
-        Self { x: parts!(self.x, i, simd.xor_f64s(sign, self.x[i])), ..self }
+        Self { x: parts!(self.x, N, i, simd.xor_f64s(sign, self.x[i])), ..self }
     }
 }
 
@@ -367,7 +333,7 @@ macro_rules! maskwise {
 
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                Self { m: parts!(self.m, i, self.simd.$masks(self.m[i], other.m[i])), ..self }
+                Self { m: parts!(self.m, N, i, self.simd.$masks(self.m[i], other.m[i])), ..self }
             }
         }
     )*};
@@ -383,6 +349,83 @@ impl<S: Simd, const N: usize> Not for Mask<S, N> {
 
     #[inline(always)]
     fn not(self) -> Self {
-        Self { m: parts!(self.m, i, self.simd.not_m64s(self.m[i])), ..self }
+        Self { m: parts!(self.m, N, i, self.simd.not_m64s(self.m[i])), ..self }
+    }
+}
+
+macro_rules! constant_lanes {
+    ($($trait:ident $method:ident $op:tt;)*) => {$(
+        impl<S: Simd, const N: usize, const K: usize> $trait<Lane<S, N>> for Jet<K, Lane<S, N>> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Lane<S, N>) -> Self {
+                Self { re: self.re $op other, ..self }
+            }
+        }
+    )*};
+}
+
+constant_lanes! {
+    Add add +;
+    Sub sub -;
+}
+
+impl<S: Simd, const N: usize, const K: usize> Mul<Lane<S, N>> for Jet<K, Lane<S, N>> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: Lane<S, N>) -> Self {
+        self.chain(self.re * other, other)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bsm_kin::{FieldOver, Over};
+    use proptest::prelude::*;
+    use pulp::Arch;
+
+    use super::*;
+    use crate::BLOCK;
+    use crate::tests::by_lanes;
+
+    /// Every operation in one expression.
+    #[inline(always)]
+    fn everything<D: FieldOver<P>, P>(x: D, y: D, p: P) -> D
+    where
+        P: Copy,
+    {
+        let z = (x * y + p) / (y * p + 2.0) - (x - p).square() * 0.5;
+        let both = (y.ln() * x.asinh()).exp() - y.powf(0.7);
+        both + (z.square() + 1.0).sqrt().recip() + y.cbrt() - (-x) * x.constant(0.3) - 1.5
+    }
+
+    by_lanes!(Both { x, y } -> 3: {
+        let (x, y, p) = (Jet::<2, _>::variable(x, 0), Jet::variable(y, 1), x.constant(0.7));
+        let z = everything(x, y, p);
+        [z.re, z.eps[0], z.eps[1]]
+    });
+
+    fn jets<D: Over<f64>>(x: D, y: D) -> D {
+        everything(x, y, 0.7)
+    }
+
+    proptest! {
+        #[test]
+        fn lanes_with_slopes_are_jets(
+            x in proptest::array::uniform8(-2.0..2.0_f64), y in proptest::array::uniform8(0.1..2.0_f64),
+        ) {
+            let found = Arch::new().dispatch(Both { x, y });
+            for i in 0..BLOCK {
+                let jet = jets(Jet::<2>::variable(x[i], 0), Jet::variable(y[i], 1));
+                // Rounding of a handful of terms of at most ten.
+                prop_assert!((found[0][i] - jet.re).abs() <= 1e-14 * (1.0 + jet.re.abs()));
+                for k in 0..2 {
+                    let error = (found[k + 1][i] - jet.eps[k]).abs();
+                    prop_assert!(error <= 1e-13 * (1.0 + jet.eps[k].abs()), "{error}");
+                }
+            }
+        }
     }
 }

@@ -5,7 +5,6 @@
 //! only where that is written: results are the same on every instruction set and in every lane.
 
 mod compare;
-mod dual_number;
 mod exponential;
 mod lane;
 mod polynomial;
@@ -13,7 +12,6 @@ mod root;
 mod trigonometry;
 
 pub use compare::Compare;
-pub use dual_number::DualNumber;
 pub use lane::{Lane, Mask};
 pub use polynomial::polynomial;
 pub use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};

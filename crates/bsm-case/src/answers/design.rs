@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 
 use bsm_design::{
-    ActiveLimit, Check, Design, EndFixity, Holds, LoadCase, Nut, OfferedSize, Outcome, Phase,
-    Pitch, Quantity, Requirement, Why,
+    ActiveLimit, BindingLimit, Check, Design, EndFixity, LoadCase, Nut, OfferedSize, Outcome,
+    Phase, Pitch, Quantity, Requirement, Why,
 };
 use bsm_dyn::{Direction, ModelWorkspace};
 use serde_json::json;
@@ -468,7 +468,7 @@ fn unit(quantity: Quantity) -> String {
 }
 
 /// A limit that holds the choice back, with what would be chosen without it.
-fn held_back(requirement: &RequirementFile, design: &Design, holds: &Holds) -> String {
+fn held_back(requirement: &RequirementFile, design: &Design, holds: &BindingLimit) -> String {
     let name = step(holds.quantity).about;
     let quantity = requirement.problem.objective.quantity();
     let check = |quantity| design.checks.iter().find(|check| check.quantity == quantity);

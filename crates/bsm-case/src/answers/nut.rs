@@ -7,7 +7,7 @@ use bsm_design::{Duty, drag_torque, in_series, life};
 use bsm_dyn::{ElasticPoint, Hertz, ModelWorkspace, Problem, Temperature};
 use bsm_kin::Drive;
 use bsm_nut::{
-    Advance, BallAdvance, BallInGrooves, BallNut, BallOfTrain, BallPosition, Circuit, Equal,
+    Advance, BallAdvance, BallInGrooves, BallNut, BallOfTrain, BallPosition, Circuit, EqualShare,
     Equilibrium, Flanks, Freedom, FrictionSum, NutError, NutFriction, Rolling, Support, Train,
 };
 use serde_json::{Map, Value, json};
@@ -362,7 +362,7 @@ impl NutReport {
     }
 
     /// The ball of a nut that shares its load equally: none for a preloaded one, whose bodies carry parts of it.
-    fn equal(&self) -> Option<Equal> {
+    fn equal(&self) -> Option<EqualShare> {
         let axial = self.problem.axial();
         let single = self.made.preload.is_none() && axial != 0.0;
         single.then(|| self.made.nut.equal(axial).ok())?

@@ -1,7 +1,7 @@
 //! From the inputs of a case to the SI problem of a model.
 
 use bsm_dyn::{
-    Angles, Auto, Ball, BaseOil, ClosedForm, Coulomb, Direction, Driven, Elastic, ElasticPoint,
+    Angles, Auto, Ball, BaseOil, ClosedForm, Coulomb, Direction, DrivenBody, Elastic, ElasticPoint,
     Load, Losses, Lubricant, Lubricated, LubricatedModel, Material, Model, Oil, OperatingPoint,
     Problem, QuasiStatic, RacewayControl, Rigid, Roughness, ScrewSize, Temperature, Traction,
     ZERO_CELSIUS,
@@ -119,9 +119,9 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
     fn quasi_static(&self) -> QuasiStatic<D> {
         let ball = self.value(InputKey::ball_diameter_mm);
         let driven = match self.drive().map(|d| (d.screw_speed.re(), d.nut_speed.re())) {
-            Some((screw, nut)) if screw == 0.0 && nut != 0.0 => Driven::Nut,
-            Some((_, nut)) if nut != 0.0 => Driven::Both,
-            _ => Driven::Screw,
+            Some((screw, nut)) if screw == 0.0 && nut != 0.0 => DrivenBody::Nut,
+            Some((_, nut)) if nut != 0.0 => DrivenBody::Both,
+            _ => DrivenBody::Screw,
         };
         QuasiStatic {
             angles: self.angles(),

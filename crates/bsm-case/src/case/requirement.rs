@@ -265,7 +265,7 @@ impl RequirementKeys {
         case.check()?;
         case.given().check_friction()?;
         let forms = ["screw_length_mm", "stroke_mm"];
-        let reach = match (self.number(forms[0]), case.stroke_mm) {
+        let travel = match (self.number(forms[0]), case.stroke_mm) {
             (Some(mm), None) => Travel::Screw(mm * MM),
             (None, Some(mm)) => Travel::Stroke(mm * MM),
             (None, None) => return Err(CaseError::neither(forms)),
@@ -279,7 +279,7 @@ impl RequirementKeys {
             case.pitch_circle_diameter_mm = Some(diameter);
         }
         // The screw is judged over its whole length unless that between its bearings is given.
-        if let Travel::Screw(length) = reach {
+        if let Travel::Screw(length) = travel {
             case.unsupported_length_mm.get_or_insert(length / MM);
         }
         let moves = case.screw_speed_rpm.is_some() || case.feed_m_min.is_some();
@@ -348,7 +348,7 @@ impl RequirementKeys {
             factors: rating_factors(&case),
             direction,
             pitches,
-            reach,
+            travel,
             mount: mount(&case),
             speed_ratio: case.number(InputKey::required_critical_speed_ratio),
             buckling_safety: case.number(InputKey::required_buckling_safety),

@@ -446,11 +446,11 @@ pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool>(
     found: [&mut Resultants; 2],
 ) {
     // A call for one contact and for two: the code is long.
-    simd.vectorize(All::<S, L, N, SLOPED> { simd, points, laws, nodes, done, found });
+    simd.vectorize(SumsCall::<S, L, N, SLOPED> { simd, points, laws, nodes, done, found });
 }
 
 /// What [`sums`] is asked for.
-struct All<'a, S, L, const N: usize, const SLOPED: bool> {
+struct SumsCall<'a, S, L, const N: usize, const SLOPED: bool> {
     simd: S,
     points: &'a [Patch; 2],
     laws: &'a [L; 2],
@@ -460,7 +460,7 @@ struct All<'a, S, L, const N: usize, const SLOPED: bool> {
 }
 
 impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
-    for All<'_, S, L, N, SLOPED>
+    for SumsCall<'_, S, L, N, SLOPED>
 {
     type Output = ();
 
@@ -656,19 +656,24 @@ pub(super) fn sums_on<L: PointLaw<N>, const N: usize, const SLOPED: bool>(
     law: L,
     nodes: Placement<'_>,
 ) -> Resultants {
-    let [sums, _] = arch.dispatch(Both::<L, N, SLOPED>(&[*point; 2], law, [nodes; 2], true));
+    let [sums, _] = arch.dispatch(BothSums::<L, N, SLOPED>(&[*point; 2], law, [nodes; 2], true));
     sums
 }
 
 /// Powers of both contacts with a constant coefficient.
 pub(super) fn powers_on(arch: Arch, points: &[Patch; 2], nodes: [Placement<'_>; 2]) -> [f64; 2] {
-    arch.dispatch(Both::<_, 2, false>(points, Dry, nodes, false)).map(|sums| sums.power)
+    arch.dispatch(BothSums::<_, 2, false>(points, Dry, nodes, false)).map(|sums| sums.power)
 }
 
 /// Sums of both contacts, or of the first one alone.
-struct Both<'a, L, const N: usize, const SLOPED: bool>(&'a [Patch; 2], L, [Placement<'a>; 2], bool);
+struct BothSums<'a, L, const N: usize, const SLOPED: bool>(
+    &'a [Patch; 2],
+    L,
+    [Placement<'a>; 2],
+    bool,
+);
 
-impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> WithSimd for Both<'_, L, N, SLOPED> {
+impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> WithSimd for BothSums<'_, L, N, SLOPED> {
     type Output = [Resultants; 2];
 
     #[inline(always)]

@@ -125,7 +125,7 @@ impl ManyQuadrature {
         point: &Patch<Lane<S>>,
         nodes: &mut ManyNodes<S>,
     ) -> Resultants<Lane<S>> {
-        simd.vectorize(Call::<S, SLOPED, ROUGH> { simd, rule: self, point, nodes })
+        simd.vectorize(ManySumsCall::<S, SLOPED, ROUGH> { simd, rule: self, point, nodes })
     }
 
     /// Frictions at both contacts of points whose panels may be split, one point after the other.
@@ -231,14 +231,16 @@ impl<S: Simd> NullaryFnOnce for PlaceNodes<'_, S> {
 }
 
 /// What [`ManyQuadrature::sums`] is asked for.
-struct Call<'a, S: Simd, const SLOPED: bool, const ROUGH: bool> {
+struct ManySumsCall<'a, S: Simd, const SLOPED: bool, const ROUGH: bool> {
     simd: S,
     rule: &'a ManyQuadrature,
     point: &'a Patch<Lane<S>>,
     nodes: &'a mut ManyNodes<S>,
 }
 
-impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce for Call<'_, S, SLOPED, ROUGH> {
+impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
+    for ManySumsCall<'_, S, SLOPED, ROUGH>
+{
     type Output = Resultants<Lane<S>>;
 
     #[inline(always)]
@@ -303,9 +305,9 @@ mod tests {
     /// Wrench, derivatives, power, and whether the rule resolves the friction.
     const FOUND: usize = 5 + 25 + 2;
 
-    struct All<'a>(&'a ManyQuadrature, &'a Contacts);
+    struct AllSums<'a>(&'a ManyQuadrature, &'a Contacts);
 
-    impl WithSimd for All<'_> {
+    impl WithSimd for AllSums<'_> {
         type Output = [Block; FOUND];
 
         #[inline(always)]
@@ -351,9 +353,9 @@ mod tests {
                     column[i] = x;
                 }
             }
-            let found = Arch::new().dispatch(All(&many, &contacts));
+            let found = Arch::new().dispatch(AllSums(&many, &contacts));
             for arch in bsm_simd::instruction_sets() {
-                let same = arch.dispatch(All(&many, &contacts));
+                let same = arch.dispatch(AllSums(&many, &contacts));
                 assert!(same.map(|b| b.map(f64::to_bits)) == found.map(|b| b.map(f64::to_bits)));
             }
             for i in 0..BLOCK {

@@ -15,20 +15,20 @@ pub(super) fn nodes(
     nodes: Placement<'_>,
     bend: Option<&Transition>,
 ) -> Vec<(f64, f64, f64)> {
-    Arch::new().dispatch(List(point, nodes, bend))
+    Arch::new().dispatch(ListNodes(point, nodes, bend))
 }
 
-struct List<'a>(&'a Patch, Placement<'a>, Option<&'a Transition>);
+struct ListNodes<'a>(&'a Patch, Placement<'a>, Option<&'a Transition>);
 
 /// The nodes of all lines, one by one.
-struct Collect<'a> {
+struct NodeCollector<'a> {
     rule: &'a Quadrature,
     slip: EllipseSlip<f64>,
     bend: Option<&'a Transition>,
     nodes: Vec<(f64, f64, f64)>,
 }
 
-impl<S: Simd> Visitor<S> for Collect<'_> {
+impl<S: Simd> Visitor<S> for NodeCollector<'_> {
     #[inline(always)]
     fn visit(&mut self, simd: S, _ellipse: usize, lines: &Chords) {
         for (i, (xi, weight)) in lines.xi.into_iter().zip(lines.weight).enumerate() {
@@ -58,7 +58,7 @@ impl<S: Simd> Visitor<S> for Collect<'_> {
     }
 }
 
-impl WithSimd for List<'_> {
+impl WithSimd for ListNodes<'_> {
     type Output = Vec<(f64, f64, f64)>;
 
     #[inline(always)]
@@ -67,7 +67,8 @@ impl WithSimd for List<'_> {
         if let (Some(bend), blocks @ 1..) = (bend, nodes.blocks(&point.slip())) {
             return PolarRule::of(simd, bend, &point.slip(), nodes.rule).nodes(nodes.rule, blocks);
         }
-        let mut list = Collect { rule: nodes.rule, slip: point.slip(), bend, nodes: Vec::new() };
+        let mut list =
+            NodeCollector { rule: nodes.rule, slip: point.slip(), bend, nodes: Vec::new() };
         each_chord(simd, &[nodes; 2], &[point.slip(); 2], [false, true], &mut list);
         list.nodes
     }

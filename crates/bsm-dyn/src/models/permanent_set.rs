@@ -51,7 +51,7 @@ impl ElasticPoint {
         // Q sinβ = S,  Q_A cosβ_A − Q_B cosβ_B = C, those of the model    (M1)
         let axial = [0, 1].map(|i| loads[i] * angles[i].sin());
         let radial = loads[0] * angles[0].cos() - loads[1] * angles[1].cos();
-        let closing = Closing {
+        let closing = RadialClosure {
             axial,
             radial,
             offsets: [nut_offset, screw_offset],
@@ -82,7 +82,7 @@ const CLOSING: usize = 1;
 
 /// The radial closing of the triangle of arc centres, in one unknown, the cotangent of the contact
 /// angle at the screw.
-struct Closing {
+struct RadialClosure {
     axial: [f64; 2],
     radial: f64,
     offsets: [f64; 2],
@@ -92,7 +92,7 @@ struct Closing {
     curvatures: [Curvatures; 2],
 }
 
-impl Closing {
+impl RadialClosure {
     /// Loads and cotangents of the contact angles.
     fn forces<D: Scalar>(&self, screw: D) -> Result<([D; 2], [D; 2]), EvalError> {
         let [s_a, s_b] = self.axial;
@@ -132,7 +132,7 @@ impl Closing {
     }
 }
 
-equations!(Closing, CLOSING, Closing::residual, ["radial closing of the groove arcs"]);
+equations!(RadialClosure, CLOSING, RadialClosure::residual, ["radial closing of the groove arcs"]);
 
 /// Largest pressure over that at which the softer of two bodies first yields (M4).
 ///

@@ -22,7 +22,7 @@ pub struct QuasiStatic<D = f64> {
     /// Lever arm of rolling resistance over ball radius `$f_r/r_b \ge 0$`.
     pub rolling_ratio: D,
     /// Which member turns; the torque is that of the turning one.
-    pub driven: Driven,
+    pub driven: DrivenBody,
     /// Which side drives.
     pub direction: Direction,
     /// Size and load, if the torque is wanted.
@@ -31,7 +31,7 @@ pub struct QuasiStatic<D = f64> {
 
 /// The member that turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Driven {
+pub enum DrivenBody {
     /// The screw turns, the nut does not.
     Screw,
     /// The nut turns, the screw does not.
@@ -118,7 +118,7 @@ impl<D: Scalar> QuasiStatic<D> {
             friction: self.friction.0 * sign,
             rolling_ratio: self.rolling_ratio * sign,
             size_ratio: self.size_ratio,
-            nut_turns: self.driven == Driven::Nut,
+            nut_turns: self.driven == DrivenBody::Nut,
         }
     }
 
@@ -134,7 +134,7 @@ impl<D: Scalar> QuasiStatic<D> {
 
     /// The load ratio of these contacts; refuses a point that has no balance.
     fn balance(&self, contacts: &TwoContacts<D>) -> Result<D, Unsolved> {
-        if self.driven == Driven::Both {
+        if self.driven == DrivenBody::Both {
             return Err(Unsolved::invalid(Reason::DualDrive));
         }
         let ratio = contacts.load_ratio();
@@ -188,7 +188,7 @@ mod tests {
         friction: Coulomb(0.075),
         size_ratio: 4.37 / 24.3,
         rolling_ratio: 0.0,
-        driven: Driven::Screw,
+        driven: DrivenBody::Screw,
         direction: Direction::RotaryToLinear,
         size: None,
     };
@@ -199,7 +199,7 @@ mod tests {
         // Six digits of the hand calculation.
         assert_relative_eq!(LIN.efficiency(), 1.0 - 0.020_204_4, epsilon = 1e-7);
         // Nut: 0.075 (0.179835 + 1.414214) / (0.707107 + 0.075 × 0.886942).
-        let nut = QuasiStatic { driven: Driven::Nut, ..LIN };
+        let nut = QuasiStatic { driven: DrivenBody::Nut, ..LIN };
         assert_relative_eq!(nut.efficiency(), 1.0 - 0.154_536_5, epsilon = 1e-7);
     }
 
@@ -216,7 +216,7 @@ mod tests {
                 friction: Coulomb(friction),
                 size_ratio: size,
                 rolling_ratio: rolling,
-                driven: if nut { Driven::Nut } else { Driven::Screw },
+                driven: if nut { DrivenBody::Nut } else { DrivenBody::Screw },
                 direction: if back { Direction::LinearToRotary } else { Direction::RotaryToLinear },
                 size: None,
             };
@@ -230,7 +230,7 @@ mod tests {
     #[test]
     fn no_friction_means_no_loss() {
         for direction in [Direction::RotaryToLinear, Direction::LinearToRotary] {
-            for driven in [Driven::Screw, Driven::Nut] {
+            for driven in [DrivenBody::Screw, DrivenBody::Nut] {
                 let ideal = QuasiStatic { friction: Coulomb(0.0), direction, driven, ..LIN };
                 assert_relative_eq!(ideal.efficiency(), 1.0);
             }
@@ -253,7 +253,7 @@ mod tests {
 
     #[test]
     fn dual_drive_is_refused() {
-        let solution = QuasiStatic { driven: Driven::Both, ..LIN }.solve();
+        let solution = QuasiStatic { driven: DrivenBody::Both, ..LIN }.solve();
         assert_eq!(solution.status(), crate::Status::InvalidInput);
         assert_eq!(solution.self_locking(), None);
     }

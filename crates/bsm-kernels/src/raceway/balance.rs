@@ -12,8 +12,8 @@ use crate::operand::{Lane, Mask};
 /// nearer to zero which flank carries.
 const TIE: f64 = 1e-9;
 
-/// A lane of rolling balls.
-pub(crate) struct Precession<S: Simd> {
+/// Roots of the static balances of a lane.
+pub(crate) struct BalanceRoot<S: Simd> {
     /// Where the nut controls.
     pub(crate) by_nut: Mask<S>,
     pub(crate) sides: [LaneContact<S>; 2],
@@ -39,7 +39,7 @@ pub(crate) struct RollingMotion<S: Simd> {
 
 impl<S: Simd> RollingMotion<S> {
     #[inline(always)]
-    pub(crate) fn of(contacts: &Contacts<S>, state: &Precession<S>) -> Self {
+    pub(crate) fn of(contacts: &Contacts<S>, state: &BalanceRoot<S>) -> Self {
         let ([a, b], by_nut, one) = (&state.sides, state.by_nut, contacts.constant(1.0));
         let lead = contacts.scaled.lead;
         let (p, to_nut) =
@@ -64,10 +64,10 @@ pub(crate) struct BalanceCall<'a, S: Simd> {
 }
 
 impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
-    type Output = Precession<S>;
+    type Output = BalanceRoot<S>;
 
     #[inline(always)]
-    fn call(self) -> Precession<S> {
+    fn call(self) -> BalanceRoot<S> {
         let Self { contacts, control } = self;
         let zero = contacts.constant(0.0);
         let by_nut = match control {
@@ -106,7 +106,7 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
             found = found & (nut & balance.by_nut | !nut & !balance.by_nut);
         }
         let twist = b.sin * a.cos - b.cos * a.sin;
-        Precession {
+        BalanceRoot {
             by_nut: balance.by_nut,
             sides,
             twist,

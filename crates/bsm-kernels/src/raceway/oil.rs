@@ -7,7 +7,7 @@ use bsm_dyn::{
 };
 use bsm_simd::Simd;
 
-use super::balance::{Precession, RollingMotion};
+use super::balance::{BalanceRoot, RollingMotion};
 use super::friction::Ellipse;
 use crate::contacts::Contacts;
 use crate::operand::{Lane, LaneInputs, Mask};
@@ -30,7 +30,7 @@ impl<S: Simd> OilLane<S> {
     pub(super) fn of(
         given: &LaneInputs<'_, S>,
         (units, contacts): (&Units<S>, &Contacts<S>),
-        (state, motion): (&Precession<S>, &RollingMotion<S>),
+        (state, motion): (&BalanceRoot<S>, &RollingMotion<S>),
         ellipses: [(Ellipse<S>, Lane<S>); 2],
     ) -> Option<Self> {
         let one = given.inputs.lubricant.as_ref()?;

@@ -2,7 +2,9 @@
 
 use std::array::from_fn;
 
-use super::{Dense, DynamicDense};
+use nalgebra::{DMatrix, DVectorViewMut, Dyn, LU};
+
+use super::Dense;
 use crate::Singular;
 
 /// A matrix of `count` blocks of `K` unknowns, each coupled to its neighbours, and a border of a few
@@ -34,7 +36,8 @@ pub struct Bordered<const K: usize> {
     /// Row by row; after the factorization the Schur complement.
     corner: Vec<f64>,
     border: usize,
-    schur: DynamicDense,
+    /// Factors of that.
+    schur: LU<f64, Dyn, Dyn>,
 }
 
 /// Entries of a [`Bordered`] matrix that belong to one block.
@@ -59,7 +62,7 @@ impl<const K: usize> Bordered<K> {
             bottom: vec![[0.0; K]; count * border],
             corner: vec![0.0; border * border],
             border,
-            schur: DynamicDense::new(border),
+            schur: LU::new(DMatrix::zeros(border, border)),
         }
     }
 
@@ -198,12 +201,12 @@ impl<const K: usize> Bordered<K> {
                     |i: usize| dot(&self.bottom[i * border + r], &self.right[i * border + c]);
                 let inside: f64 = (0..count).map(part).sum();
                 // S = C − B T⁻¹ R                                         (N11)
-                let entry = &mut self.corner[r * border + c];
-                *entry -= inside;
-                self.schur.set(r, c, *entry);
+                self.corner[r * border + c] -= inside;
             }
         }
-        self.schur.factorize()
+        self.schur = LU::new(DMatrix::from_row_slice(border, border, &self.corner));
+        let is_regular = self.corner.iter().all(|x| x.is_finite()) && self.schur.is_invertible();
+        if is_regular { Ok(()) } else { Err(Singular) }
     }
 
     /// Overwrites a right-hand side with its solution.
@@ -228,11 +231,11 @@ impl<const K: usize> Bordered<K> {
         }
         // S z = r_B − B T⁻¹ r,  x ← T⁻¹ r − T⁻¹ R z                       (N11)
         for (rows, x) in self.bottom.chunks_exact(border).zip(&*chain) {
-            for (left, row) in rest.iter_mut().zip(rows) {
-                *left -= dot(row, x);
+            for (entry, row) in rest.iter_mut().zip(rows) {
+                *entry -= dot(row, x);
             }
         }
-        self.schur.solve(rest);
+        self.schur.solve_mut(&mut DVectorViewMut::from_slice(rest, border));
         for (x, columns) in chain.iter_mut().zip(self.right.chunks_exact(border)) {
             for (column, z) in columns.iter().zip(&*rest) {
                 for (x, entry) in x.iter_mut().zip(column) {
@@ -250,13 +253,13 @@ fn less<const K: usize>(a: &[f64; K], rows: &[[f64; K]; K], b: &[f64; K]) -> [f6
 
 /// `$a - M b$`, `$M$` by columns.
 fn less_columns<const K: usize>(a: &[f64; K], columns: &[[f64; K]; K], b: &[f64; K]) -> [f64; K] {
-    let mut left = *a;
+    let mut difference = *a;
     for (column, b) in columns.iter().zip(b) {
-        for (left, entry) in left.iter_mut().zip(column) {
-            *left -= entry * b;
+        for (x, entry) in difference.iter_mut().zip(column) {
+            *x -= entry * b;
         }
     }
-    left
+    difference
 }
 
 fn dot<const K: usize>(a: &[f64; K], b: &[f64; K]) -> f64 {

@@ -4,7 +4,7 @@
 //! ACM Trans. Math. Softw. 7 (1981), by their numbers there.
 
 use bsm_newton::{
-    Equations, EvalError, Options, Report, Scales, Status, Workspace, implicit_slopes,
+    Equations, EvalError, Options, Report, Scales, Termination, Workspace, implicit_slopes,
     path_direction, solve,
 };
 
@@ -83,7 +83,7 @@ fn logarithm(x: &[f64; 1]) -> Values<1> {
 fn rosenbrock_takes_the_known_path() {
     let mut x = [-1.2, 1.0];
     let report = run(rosenbrock, &mut x);
-    assert_eq!(report.status, Status::Converged, "{report:?}");
+    assert_eq!(report.status, Termination::Converged, "{report:?}");
     assert!((x[0] - 1.0).abs() < 1e-14 && (x[1] - 1.0).abs() < 1e-14, "{x:?}");
     assert_eq!((report.steps.len(), report.n_jacobian, report.n_residual), (10, 10, 33));
 }
@@ -100,7 +100,7 @@ fn powell_badly_scaled_finds_the_published_root() {
         let scales = Scales { x: &ones, f: &ones };
         let system = Problem(powell_badly_scaled);
         let report = solve(&system, &mut x, &scales, &options, &mut Workspace::default());
-        assert_eq!(report.status, Status::Converged, "{report:?}");
+        assert_eq!(report.status, Termination::Converged, "{report:?}");
         // Four printed digits.
         assert!((x[0] - 1.098e-5).abs() < 5e-9 && (x[1] - 9.106).abs() < 5e-4, "{x:?}");
         path.push(report);
@@ -116,7 +116,7 @@ fn powell_badly_scaled_finds_the_published_root() {
 fn powell_singular_converges_linearly() {
     let mut x = [3.0, -1.0, 0.0, 1.0];
     let report = run(powell_singular, &mut x);
-    assert_eq!(report.status, Status::Converged, "{report:?}");
+    assert_eq!(report.status, Termination::Converged, "{report:?}");
     for pair in report.steps.windows(2).skip(1) {
         let ratio = pair[1].residual / pair[0].residual;
         // Exactly 1/4 in exact arithmetic.
@@ -128,7 +128,7 @@ fn powell_singular_converges_linearly() {
 #[test]
 fn convergence_is_quadratic_at_the_root() {
     let report = run(logarithm, &mut [1.1]);
-    assert_eq!(report.status, Status::Converged);
+    assert_eq!(report.status, Termination::Converged);
     let r: Vec<f64> = report.steps.iter().map(|s| s.residual).collect();
     assert!(r.len() >= 3, "{report:?}");
     for pair in r.windows(2) {
@@ -140,7 +140,7 @@ fn convergence_is_quadratic_at_the_root() {
 fn a_step_out_of_the_domain_is_halved() {
     let mut x = [4.0];
     let report = run(logarithm, &mut x);
-    assert_eq!(report.status, Status::Converged);
+    assert_eq!(report.status, Termination::Converged);
     assert!((x[0] - 1.0).abs() < 1e-10);
     assert!(report.steps[0].lambda < 1.0);
     assert_eq!(report.n_jacobian, report.steps.len());
@@ -150,7 +150,7 @@ fn a_step_out_of_the_domain_is_halved() {
 #[test]
 fn no_root_ends_in_the_line_search_or_a_singular_jacobian() {
     let report = run(|x: &[f64; 1]| Ok(([x[0] * x[0] + 1.0], [[2.0 * x[0]]])), &mut [0.7]);
-    assert_eq!(report.status, Status::LineSearchFailed, "{report:?}");
+    assert_eq!(report.status, Termination::LineSearchFailed, "{report:?}");
     assert!(report.residual >= 1.0);
 }
 
@@ -161,7 +161,7 @@ fn a_singular_jacobian_is_told() {
         |x: &[f64; 2]| Ok(([x[0] - 1.0, x[0] - 2.0], [[1.0, 0.0], [1.0, 0.0]])),
         &mut [0.0, 0.0],
     );
-    assert_eq!(report.status, Status::SingularJacobian);
+    assert_eq!(report.status, Termination::SingularJacobian);
     assert_eq!(report.worst_equation, 1);
     assert_eq!(report.worst_equation_name, "row 1 of 2");
     assert_eq!(report.steps.len(), 0);
@@ -172,7 +172,7 @@ fn a_singular_jacobian_is_told() {
 fn a_nan_is_told() {
     let report =
         run(|x: &[f64; 2]| Ok(([x[0], f64::NAN], [[1.0, 0.0], [0.0, 1.0]])), &mut [1.0, 1.0]);
-    assert_eq!(report.status, Status::NotFinite);
+    assert_eq!(report.status, Termination::NotFinite);
     assert_eq!(report.worst_equation, 1);
 }
 
@@ -180,14 +180,14 @@ fn a_nan_is_told() {
 #[test]
 fn a_refused_start_is_told() {
     let report = run(logarithm, &mut [-1.0]);
-    assert_eq!(report.status, Status::OutsideDomain);
+    assert_eq!(report.status, Termination::OutsideDomain);
 }
 
 /// Expected failure: steps that shrink below the tolerance of (N3) above a root of a discontinuous function.
 #[test]
 fn tiny_steps_stall() {
     let report = run(|x: &[f64; 1]| Ok(([1.0 + 0.0 * x[0]], [[1e20]])), &mut [1.0]);
-    assert_eq!(report.status, Status::Stalled, "{report:?}");
+    assert_eq!(report.status, Termination::Stalled, "{report:?}");
 }
 
 /// Expected failure: the step limit.
@@ -199,7 +199,7 @@ fn the_step_limit_is_told() {
     let mut x = [3.0, -1.0, 0.0, 1.0];
     let system = Problem(powell_singular);
     let report = solve(&system, &mut x, &scales, &options, &mut Workspace::default());
-    assert_eq!(report.status, Status::MaxSteps);
+    assert_eq!(report.status, Termination::MaxSteps);
     assert_eq!(report.steps.len(), 3);
     assert!(report.worst_equation_name.starts_with("row "), "{report:?}");
 }
@@ -212,7 +212,7 @@ fn a_bad_scale_is_told() {
         let mut x = [0.0; 2];
         let work = &mut Workspace::default();
         let report = solve(&Problem(rosenbrock), &mut x, &scales, &Options::default(), work);
-        assert_eq!(report.status, Status::BadScale, "{bad}");
+        assert_eq!(report.status, Termination::BadScale, "{bad}");
         assert_eq!((report.worst_equation, report.n_residual), (1, 0));
     }
 }
@@ -231,7 +231,7 @@ fn a_root_moves_with_its_parameters() {
     let mut columns = [[-2.0 * r, 0.0], [0.0, -x[0]]];
     let mut work = Workspace::default();
     let moved = implicit_slopes(&system, &x, &[1e-3, 50.0], &mut columns, &mut work);
-    assert_eq!(moved, Status::Converged);
+    assert_eq!(moved, Termination::Converged);
     let cube = root.powi(3);
     let expected = [x[0] / r, x[1] / r, -p * r / cube, r / root - p * p * r / cube];
     for (slope, expected) in columns.iter().flatten().zip(expected) {
@@ -266,10 +266,10 @@ fn a_root_that_does_not_move_smoothly_is_told() {
     let work = &mut Workspace::default();
     let singular =
         implicit_slopes(&Problem(powell_singular), &[0.0; 4], &[1.0; 4], &mut [[1.0; 4]], work);
-    assert_eq!(singular, Status::SingularJacobian);
+    assert_eq!(singular, Termination::SingularJacobian);
     let work = &mut Workspace::<1>::default();
     let refused = implicit_slopes(&Problem(logarithm), &[-1.0], &[1.0], &mut [[1.0]], work);
-    assert_eq!(refused, Status::OutsideDomain);
+    assert_eq!(refused, Termination::OutsideDomain);
 }
 
 /// The list of steps is the only allocation, however many steps are taken.

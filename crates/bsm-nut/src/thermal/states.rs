@@ -33,7 +33,7 @@ const OF_STEPS: f64 = 1e-3;
 const LONGEST_STEP: f64 = 8.0;
 
 /// Speed factors at which the walk from rest begins: the first that has a state.
-const SLOW: [f64; 4] = [0.05, 5e-3, 5e-4, 5e-5];
+const FIRST_FACTORS: [f64; 4] = [0.05, 5e-3, 5e-4, 5e-5];
 
 /// Size of a temperature on the walk \[K\], and of the speed factor.
 const SIZES: (f64, f64) = (20.0, 1.0);
@@ -46,7 +46,7 @@ const CLOSE: f64 = 0.25;
 const BACK: f64 = 0.8;
 
 /// Heat that is left over, relative, and Newton steps.
-const SETTLED: f64 = 1e-10;
+const RESIDUAL_TOLERANCE: f64 = 1e-10;
 const MOST_STEPS: usize = 60;
 
 /// Sweeps that eigenvalues may take: three of a matrix converge in some ten.
@@ -301,8 +301,8 @@ impl HeatBalance<'_> {
     fn steady_rises(&self, mut rises: [f64; NODES], factor: f64) -> Option<[f64; NODES]> {
         let scales = Scales { x: &[1.0 / SIZES.0; NODES], f: &[self.weight; NODES] };
         let options = Options {
-            residual_tol: SETTLED,
-            residual_goal: 0.01 * SETTLED,
+            residual_tol: RESIDUAL_TOLERANCE,
+            residual_goal: 0.01 * RESIDUAL_TOLERANCE,
             max_steps: MOST_STEPS,
             jacobian: JacobianUpdate::EveryTrial { chord_below: f64::INFINITY },
             ..Options::default()
@@ -356,7 +356,7 @@ impl HeatBalance<'_> {
             let rises = self.steady_rises(rest, factor).filter(|rises| !self.is_too_hot(rises))?;
             Some((rises, factor))
         };
-        SLOW.into_iter().find_map(state).ok_or_else(|| {
+        FIRST_FACTORS.into_iter().find_map(state).ok_or_else(|| {
             if self.has_preload.get() {
                 NoSteadyState::NotFound
             } else {
@@ -382,7 +382,7 @@ impl HeatBalance<'_> {
             // No step is shorter than the differences of its slopes.
             shortest: DIFFERENCE / SIZES.0,
             root_tolerance: ROOT_TOLERANCE,
-            goal: SETTLED,
+            goal: RESIDUAL_TOLERANCE,
             jacobian,
             ..StepControl::default()
         };

@@ -2,7 +2,9 @@
 
 use bsm_case::Case;
 use bsm_design::search::minimum_of;
-use bsm_dyn::{Angles, Coulomb, Direction, Driven, Model, ModelWorkspace, Optimum, QuasiStatic};
+use bsm_dyn::{
+    Angles, Coulomb, Direction, DrivenBody, Model, ModelWorkspace, Optimum, QuasiStatic,
+};
 use bsm_report::sheets::efficiency_as_printed;
 
 use super::{SOURCE, slender};
@@ -39,7 +41,7 @@ fn quotient() -> Check {
     for lead in (4..=40).step_by(4).map(f64::from) {
         for contact in (20..=80).step_by(5).map(f64::from) {
             for (friction, rolling_ratio) in [(F, 0.0), (0.0, 2e-3), (0.05, 2e-3)] {
-                for (driven, side) in [(Driven::Screw, -1.0), (Driven::Nut, 1.0)] {
+                for (driven, side) in [(DrivenBody::Screw, -1.0), (DrivenBody::Nut, 1.0)] {
                     let angles = angles(lead, contact);
                     let case = QuasiStatic {
                         angles,

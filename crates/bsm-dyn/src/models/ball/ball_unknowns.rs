@@ -50,8 +50,8 @@ pub(crate) const ROWS: [&str; BALL] = [
 ];
 
 /// The seven rows, from what the Newton-Euler equations and the axial load leave over.
-pub(crate) fn rows<D: Scalar>(left: &Wrench<D>, axial_load: D) -> [D; BALL] {
-    let [force, moment] = [left.force, left.moment];
+pub(crate) fn rows<D: Scalar>(residual: &Wrench<D>, axial_load: D) -> [D; BALL] {
+    let [force, moment] = [residual.force, residual.moment];
     [force.x, force.y, force.z, moment.x, moment.y, moment.z, axial_load]
 }
 

@@ -253,9 +253,9 @@ impl<P: Scalar> ElasticContacts<P> {
         let ball = Ball { radius: D::from(1.0), mass: D::from(self.scaled.mass) };
         let [nut, screw] = *wrenches;
         let radius = D::from(self.helix.radius);
-        let left = newton_euler(&(nut + screw), &ball, radius, motion, &loaded.frame);
+        let residual = newton_euler(&(nut + screw), &ball, radius, motion, &loaded.frame);
         // Σ F − m r_m P² n = 0,  Σ M − P k × Iω = 0,  F_nut·k − F_a = 0   (P5)
-        ball_unknowns::rows(&left, axial_force(&nut.force, &loaded.frame) - 1.0)
+        ball_unknowns::rows(&residual, axial_force(&nut.force, &loaded.frame) - 1.0)
     }
 
     /// Friction power over `$W$` of the ellipses at nut and screw at a motion relative to the nut (P7).

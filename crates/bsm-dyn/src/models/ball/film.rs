@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 
 use bsm_kin::{BallFrame, Field, FieldOver, Motion, Over, Scalar};
 use bsm_simd::Compare;
+use nalgebra::Vector3;
 
 use super::elastic_ball::{BallLoads, ElasticContacts, ElasticPoint, to_both};
 use super::state::{ControllingRaceway, SkidNumbers, SolveInfo};
@@ -456,16 +457,28 @@ impl<P: Scalar> EhlPoint<P> {
         creep: f64,
         sliding: D,
     ) -> EhlLoss<D> {
-        // t × N
-        let axis = BallFrame::tangent().cross(&loaded.contacts[i].normal);
-        let around = motion.omega.dot(&axis);
-        let along = [motion.precession, motion.precession * D::from(contacts.scaled.arc), around];
-        let film = self.of_motion(i, loaded.loads[i], along, loaded.frame.k.dot(&axis), creep);
+        let (film, axis, around) = self.film_at(i, (contacts, loaded), motion, creep);
         let [push, couple] = film.resist(around, creep);
         // M = r × F_h + C_h                                               (Y32)
         let wrench = Wrench { force: BallFrame::tangent() * push, moment: axis * (push + couple) };
-        let rolling = contacts.signed(ScaledFilm::resisted([push, couple], along[1], around));
+        let speed = motion.precession * D::from(contacts.scaled.arc);
+        let rolling = contacts.signed(ScaledFilm::resisted([push, couple], speed, around));
         EhlLoss { film, wrench: wrench * contacts.signed(D::from(1.0)), sliding, rolling }
+    }
+
+    /// Film at nut (0) or screw (1), the direction `$t \times N$`, and the angular velocity about that.
+    fn film_at<D: Over<P>>(
+        &self,
+        i: usize,
+        (contacts, loaded): (&ElasticContacts<P>, &BallLoads<D>),
+        motion: &Motion<D>,
+        creep: f64,
+    ) -> (ScaledFilm<D>, Vector3<D>, D) {
+        let axis = BallFrame::tangent().cross(&loaded.contacts[i].normal);
+        let around = motion.omega.dot(&axis);
+        let rates = [motion.precession, motion.precession * D::from(contacts.scaled.arc), around];
+        let film = self.of_motion(i, loaded.loads[i], rates, loaded.frame.k.dot(&axis), creep);
+        (film, axis, around)
     }
 }
 
@@ -549,8 +562,8 @@ impl EhlPoint {
         creep: f64,
     ) -> f64 {
         let motions = to_both(to_nut, &loaded.frame);
-        let [nut, screw] =
-            [0, 1].map(|i| self.loss_of(i, (contacts, loaded), &motions[i], creep, 0.0));
-        nut.film.law.most().max(screw.film.law.most())
+        let of = (contacts, loaded);
+        let [nut, screw] = [0, 1].map(|i| self.film_at(i, of, &motions[i], creep).0.law.most());
+        nut.max(screw)
     }
 }

@@ -48,7 +48,7 @@ pub(crate) fn moving_root<const N: usize, const M: usize>(
     let mut columns: [[f64; N]; M] = from_fn(|i| from_fn(|row| by_inputs[row].eps[i]));
     // dx/dp = −J⁻¹ F_p                                                    (V2)
     let status = implicit_slopes(system, x, weights, &mut columns, newton);
-    if status != bsm_newton::Status::Converged {
+    if status != bsm_newton::Termination::Converged {
         let (residual, worst_equation) = (f64::NAN, String::new());
         return Err(Unsolved::not_converged(Reason::Newton { status, residual, worst_equation }));
     }

@@ -154,8 +154,8 @@ impl<P: Field> SlidingBall<P> {
     pub fn nut_square<D: FieldOver<P>>(&self, [q, screw, c]: [D; 3]) -> (D, D) {
         // δ = q (2c + q)/(1 + c²),  x_A² = (1 + δ) x_B² + δ/(1 + F²)      (S19)
         let load_excess = (c * 2.0 + q) * q / (c.square() + 1.0);
-        let even = self.stretch().recip();
-        (load_excess, screw.square() * (load_excess + 1.0) + load_excess * even)
+        let inverse = self.stretch().recip();
+        (load_excess, screw.square() * (load_excess + 1.0) + load_excess * inverse)
     }
 
     /// The state of `$x$` at nut and screw, `$\delta$`, `$q$` and `$c$`, and what it leaves of (S14) and

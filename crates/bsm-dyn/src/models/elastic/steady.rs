@@ -3,8 +3,8 @@
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S2) to (S6), (S12), (S27), (S28).
 
-use bsm_kin::{Field, FieldOver};
-use bsm_simd::{Compare, DualNumber};
+use bsm_kin::{Field, FieldOver, Jet};
+use bsm_simd::Compare;
 
 use super::states::{SlidingBall, SlidingMotion, SlidingPoint, SlidingState};
 use crate::contact::friction_torque;
@@ -194,8 +194,8 @@ impl<F: Compare> SlidingBall<F> {
 
 impl<F: Compare> SlidingBall<F>
 where
-    DualNumber<F, 1>: FieldOver<F> + Field<Mask = F::Mask>,
-    DualNumber<F, 3>: FieldOver<F> + Field<Mask = F::Mask>,
+    Jet<1, F>: FieldOver<F> + Field<Mask = F::Mask>,
+    Jet<3, F>: FieldOver<F> + Field<Mask = F::Mask>,
 {
     /// `$x$` and `$c$` next to where the curve begins, from the cotangent of the unloaded contact angle,
     /// with Newton steps and where they are found.
@@ -205,8 +205,8 @@ where
         let (mut steps, mut converged) = (log.constant(0.0), !expected);
         for _ in 0..MOST_TO_ANGLE {
             let cot = log.exp();
-            let ([x, c], _) = self.equal_angles(DualNumber::<F, 1>::along(cot, 0, cot));
-            let none = DualNumber::fixed(cot.constant(0.0));
+            let ([x, c], _) = self.equal_angles(Jet::<1, F>::along(cot, 0, cot));
+            let none = Jet::fixed(cot.constant(0.0));
             let (_, [_, residual]) = self.state([x, x], none, none, c);
             let (one, step) = (cot.constant(1.0), residual.re / residual.eps[0]);
             let step = F::select(one.lt(step), one, step.larger(-one));
@@ -369,9 +369,9 @@ where
         for _ in 0..MOST_STEPS {
             let q = point[0].exp();
             let jets = [
-                DualNumber::<F, 3>::along(q, 0, q),
-                DualNumber::variable(point[1], 1),
-                DualNumber::variable(point[2], 2),
+                Jet::<3, F>::along(q, 0, q),
+                Jet::variable(point[1], 1),
+                Jet::variable(point[2], 2),
             ];
             let (load_excess, square) = self.nut_square(jets);
             let [q, screw, c] = jets;

@@ -11,7 +11,7 @@ use crate::models::raceway_control::RacewayControl;
 use crate::models::workspace::ModelWorkspace;
 
 /// Temperature step of a finite difference \[K\]: the losses bend over tens of kelvins.
-const APART: f64 = 1e-3;
+const DIFFERENCE_STEP: f64 = 1e-3;
 
 impl<const M: usize> Lubricated<Jet<M>> {
     /// Efficiency and torque with their derivatives.
@@ -31,7 +31,8 @@ impl<const M: usize> Lubricated<Jet<M>> {
             Ok((-ambient + kelvin) * heat_transfer - heat)
         };
         let here = surplus_cooling(temperature)?;
-        let slope = (surplus_cooling(temperature + APART)?.re - here.re) / APART;
+        let slope =
+            (surplus_cooling(temperature + DIFFERENCE_STEP)?.re - here.re) / DIFFERENCE_STEP;
         let kelvin = Jet { re: temperature, eps: here.eps.map(|eps| -eps / slope) };
         Ok(self.slopes(kelvin, work)?.0)
     }

@@ -124,7 +124,7 @@ impl<D: Scalar> Lubricated<D> {
 /// Step and end of the search for the temperature \[K\], and what it may err by.
 const WARMING: f64 = 5.0;
 const HOTTEST: f64 = ZERO_CELSIUS + 180.0;
-const SETTLED: f64 = 1e-9;
+const TEMPERATURE_TOLERANCE: f64 = 1e-9;
 
 impl Lubricated {
     /// The model that answers.
@@ -186,7 +186,7 @@ impl Lubricated {
         };
         let mut answer = Err(Unsolved::LOST);
         let ends = bracket.ends;
-        let found = Bracket { x_tol: SETTLED / ends[1], ..bracket }.root(|kelvin| {
+        let found = Bracket { x_tol: TEMPERATURE_TOLERANCE / ends[1], ..bracket }.root(|kelvin| {
             match surplus_cooling(kelvin) {
                 Ok((value, solved)) => {
                     answer = Ok(solved);

@@ -2,6 +2,7 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, sections on existence, direct sweeps and fast balls.
 
+use std::iter::successors;
 use std::mem;
 
 use bsm_newton::{Bracket, Equations, Options, Report, Scales, solve};
@@ -314,9 +315,9 @@ fn would_roll(ball: &RigidBall<f64>, first: &FirstOrder, work: &mut RigidWorkspa
 }
 
 /// Whether the first order has a root at other lead angles.
-struct Exists<'a>(&'a RigidBall<f64>, &'a Block);
+struct FirstOrderExists<'a>(&'a RigidBall<f64>, &'a Block);
 
-impl WithSimd for Exists<'_> {
+impl WithSimd for FirstOrderExists<'_> {
     type Output = [bool; BLOCK];
 
     #[inline(always)]
@@ -356,23 +357,20 @@ pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>, work: &mut RigidWorkspa
 
     let at = |lead: f64| ball.with_lead_angle(lead).first_order();
     let lead_angle = ball.sines.sin_a.atan2(ball.sines.cos_a);
-    let mut leads = [lead_angle; BLOCK];
-    let high = loop {
+    let block = |first: f64| -> Block {
+        let mut leads = [first; BLOCK];
         for i in 1..BLOCK {
             leads[i] = leads[i - 1] + STEP;
         }
-        let exists = Arch::new().dispatch(Exists(ball, &leads));
-        if let Some(first) = exists.iter().position(|exists| *exists) {
-            break leads[first];
-        }
-        leads[0] = leads[BLOCK - 1] + STEP;
-        if leads[0] > LARGEST {
-            return None;
-        }
+        leads
     };
-    if high > LARGEST.max(lead_angle) {
-        return None;
-    }
+    let (_, high) =
+        successors(Some(block(lead_angle)), |leads| Some(block(leads[BLOCK - 1] + STEP)))
+            .flat_map(|leads| {
+                Arch::new().dispatch(FirstOrderExists(ball, &leads)).into_iter().zip(leads)
+            })
+            .take_while(|(_, lead)| *lead <= LARGEST.max(lead_angle))
+            .find(|(exists, _)| *exists)?;
     // An angle that has one, next to one that has none.
     let ends = [(high - STEP).max(0.5 * high), high];
     let signs = [f64::NEG_INFINITY, f64::INFINITY];

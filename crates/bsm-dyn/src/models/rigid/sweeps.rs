@@ -17,7 +17,7 @@ const MOST_SWEEPS: usize = 24;
 const MOST_INERTIA: f64 = 100.0;
 
 /// What the directions may still change.
-const SETTLED: f64 = 1e-12;
+const CONVERGED: f64 = 1e-12;
 
 /// Largest scaled residual of an answer, as that of Newton.
 const RESIDUAL: f64 = 1e-10;
@@ -57,7 +57,7 @@ impl<F: Compare> RigidBall<F> {
             directions = directions.onward(moving, &state.next);
             count = F::select(moving, count + 1.0, count);
             // Geometric series: c/(1 − c) times the last change is left, c = change/last.
-            let converges = (change * change).lt((last - change) * SETTLED);
+            let converges = (change * change).lt((last - change) * CONVERGED);
             moving = moving & !(converges | change.lt(self.constant(f64::EPSILON)));
             last = change;
             if !F::any(moving) {
