@@ -50,7 +50,7 @@ pub fn pressed_radius<D: bsm_kin::Field>(conformity: D, ball_radius: D) -> D {
 
 /// Motion of the ball against the body of a contact, in the contact's own axes.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Local<D> {
+pub(crate) struct ContactMotion<D> {
     /// Speed of the ball centre along `$t$`.
     pub(crate) along: D,
     /// Angular velocity about `$t$`, `$N$` and `$t \times N$`.
@@ -66,7 +66,7 @@ pub(crate) struct Integral<D> {
     pub(crate) moment: [D; 3],
 }
 
-impl<D: Scalar> Local<D> {
+impl<D: Scalar> ContactMotion<D> {
     /// Components of a motion relative to the body of `contact`.
     pub(crate) fn of(motion: &Motion<D>, contact: &Contact<D>, arc_length_per_radian: D) -> Self {
         let across = BallFrame::tangent().cross(&contact.normal);
@@ -111,7 +111,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
     where
         L: FrictionLaw<D>,
     {
-        let local = Local::of(motion, &self.contact, arc_length_per_radian);
+        let local = ContactMotion::of(motion, &self.contact, arc_length_per_radian);
         let (unit, power) = self.integrate(&local, law, creep, quadrature.into());
         (unit.wrench(&self.contact) * self.load, power * self.load)
     }
@@ -119,7 +119,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
     /// Friction over `$Q$`, and its power (E3) to (E6).
     pub(crate) fn integrate<L: FrictionLaw<D>>(
         &self,
-        local: &Local<D>,
+        local: &ContactMotion<D>,
         law: &L,
         creep: f64,
         nodes: Placement<'_>,
@@ -160,7 +160,7 @@ pub(crate) trait Integrate<P: Scalar>: Over<P> {
     /// Friction over `$f Q$`, as [`Ellipse::integrate`], and the power that it takes, without derivatives.
     fn integrate(
         ellipse: &Ellipse<Self, P>,
-        local: &Local<Self>,
+        local: &ContactMotion<Self>,
         creep: f64,
         nodes: Placement<'_>,
     ) -> (Integral<Self>, f64);
@@ -168,7 +168,7 @@ pub(crate) trait Integrate<P: Scalar>: Over<P> {
     /// Powers that friction takes at two contacts, over `$f Q$`.
     fn powers(
         ellipses: &[Ellipse<Self, P>; 2],
-        locals: &[Local<Self>; 2],
+        locals: &[ContactMotion<Self>; 2],
         creep: f64,
         nodes: [Placement<'_>; 2],
     ) -> [Self; 2] {
@@ -181,7 +181,7 @@ pub(crate) trait Integrate<P: Scalar>: Over<P> {
     /// Friction of a lubricated ellipse over `$Q$`, as [`Ellipse::integrate`], and the power that it takes.
     fn lubricated(
         ellipse: &Ellipse<Self, P>,
-        local: &Local<Self>,
+        local: &ContactMotion<Self>,
         law: &MixedFriction<Self>,
         creep: f64,
         nodes: Placement<'_>,
@@ -190,7 +190,7 @@ pub(crate) trait Integrate<P: Scalar>: Over<P> {
 
 impl<P: Scalar, D: Scalar> Ellipse<D, P> {
     /// The values without derivatives.
-    fn point(&self, local: &Local<D>, creep: f64) -> Patch {
+    fn point(&self, local: &ContactMotion<D>, creep: f64) -> Patch {
         Patch {
             semi_axes: (self.semi_axes.0.re(), self.semi_axes.1.re()),
             pressed_radius: self.pressed_radius.re(),
@@ -201,7 +201,7 @@ impl<P: Scalar, D: Scalar> Ellipse<D, P> {
     }
 }
 
-impl<D: Copy> Local<D> {
+impl<D: Copy> ContactMotion<D> {
     fn numbers(&self) -> [D; MOTION] {
         let [t, n, c] = self.omega;
         [self.along, t, n, c]
@@ -217,7 +217,7 @@ impl<D: Copy> Integral<D> {
 impl Integrate<f64> for f64 {
     fn integrate(
         ellipse: &Ellipse<f64>,
-        local: &Local<f64>,
+        local: &ContactMotion<f64>,
         creep: f64,
         nodes: Placement<'_>,
     ) -> (Integral<f64>, f64) {
@@ -228,7 +228,7 @@ impl Integrate<f64> for f64 {
 
     fn powers(
         ellipses: &[Ellipse<f64>; 2],
-        locals: &[Local<f64>; 2],
+        locals: &[ContactMotion<f64>; 2],
         creep: f64,
         nodes: [Placement<'_>; 2],
     ) -> [f64; 2] {
@@ -238,7 +238,7 @@ impl Integrate<f64> for f64 {
 
     fn lubricated(
         ellipse: &Ellipse<f64>,
-        local: &Local<f64>,
+        local: &ContactMotion<f64>,
         law: &MixedFriction,
         creep: f64,
         nodes: Placement<'_>,
@@ -252,7 +252,7 @@ impl Integrate<f64> for f64 {
 impl<const N: usize> Integrate<f64> for Jet<N> {
     fn integrate(
         ellipse: &Ellipse<Self>,
-        local: &Local<Self>,
+        local: &ContactMotion<Self>,
         creep: f64,
         nodes: Placement<'_>,
     ) -> (Integral<Self>, f64) {
@@ -266,7 +266,7 @@ impl<const N: usize> Integrate<f64> for Jet<N> {
 
     fn lubricated(
         ellipse: &Ellipse<Self>,
-        local: &Local<Self>,
+        local: &ContactMotion<Self>,
         law: &MixedFriction<Self>,
         creep: f64,
         nodes: Placement<'_>,
@@ -301,7 +301,7 @@ impl<const N: usize> Integral<Jet<N>> {
 impl<const N: usize> Integrate<Self> for Jet<N> {
     fn integrate(
         ellipse: &Ellipse<Self, Self>,
-        local: &Local<Self>,
+        local: &ContactMotion<Self>,
         creep: f64,
         nodes: Placement<'_>,
     ) -> (Integral<Self>, f64) {
@@ -312,7 +312,7 @@ impl<const N: usize> Integrate<Self> for Jet<N> {
 
     fn lubricated(
         ellipse: &Ellipse<Self, Self>,
-        local: &Local<Self>,
+        local: &ContactMotion<Self>,
         law: &MixedFriction<Self>,
         creep: f64,
         nodes: Placement<'_>,
@@ -413,10 +413,11 @@ mod tests {
     fn with_slopes(
         [along, w_t, w_n, w_c]: [f64; 4],
         (a, b): (f64, f64),
-    ) -> (Ellipse<Jet<5>>, Local<Jet<5>>) {
+    ) -> (Ellipse<Jet<5>>, ContactMotion<Jet<5>>) {
         let jet = |x, i| Jet::<5>::variable(x, i);
         let growth = jet(1.0, 4);
-        let local = Local { along: jet(along, 0), omega: [jet(w_t, 1), jet(w_n, 2), jet(w_c, 3)] };
+        let local =
+            ContactMotion { along: jet(along, 0), omega: [jet(w_t, 1), jet(w_n, 2), jet(w_c, 3)] };
         let frame = BallFrame::turned(Jet::from(0.17), Jet::from(0.0));
         let ellipse = Ellipse {
             contact: Contact::new(Site::Screw, Jet::from(0.8), &frame),
@@ -447,7 +448,7 @@ mod tests {
             let jet = |x, i| Jet::<6>::variable(x, i);
             let growth = jet(1.0, 4);
             let [w_n, w_c] = [jet(omega[0], 2), jet(omega[1] * a, 3)];
-            let local = Local {
+            let local = ContactMotion {
                 along: jet(along * a, 0),
                 omega: [jet(10.0_f64.powf(roll), 1), w_n, w_c],
             };

@@ -7,7 +7,7 @@
 //!
 //! Problem, algorithm, memory ([`Workspace`]), options ([`Options`]) and outcome ([`Report`]) are
 //! separate types. Nothing is printed, nothing is allocated inside an iteration, and every outcome
-//! is data.
+//! is data. The crate is the only one that names faer.
 //!
 //! Theory: `docs/theory/05-newton.md`, (N1) to (N15).
 
@@ -27,7 +27,7 @@ pub use continuation::{Continuation, follow};
 pub use equations::Equations;
 pub use error::{EvalError, Singular};
 pub use implicit::implicit_slopes;
-pub use linear::{Bordered, BorderedBlock, Dense};
+pub use linear::{Bordered, BorderedBlock, Dense, DynamicDense};
 pub use options::{JacobianUpdate, Options, Scales};
 pub use path::{EventRoot, Homotopy, PathEnd, Seed, StepControl, Trace, path_direction, trace};
 pub use report::{Report, Step, Termination};

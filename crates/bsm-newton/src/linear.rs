@@ -5,6 +5,8 @@
 
 mod bordered;
 mod dense;
+mod dynamic;
 
 pub use bordered::{Bordered, BorderedBlock};
 pub use dense::Dense;
+pub use dynamic::DynamicDense;

@@ -199,7 +199,7 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
     /// Adds a node.
     ///
     /// * `square`: of the slip along the groove and the creep speed. * `v_c`: slip across.
-    fn add<S: Simd, const SLOPED: bool>(
+    fn add<S: Simd, const JACOBIAN: bool>(
         &self,
         to: &mut Moments<S, N>,
         pressed: Self::NodePressure<S>,
@@ -211,7 +211,7 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
     /// The sums along a few lines whose spin poles are outside.
     ///
     /// * `inner`: the number of nodes of a constant coefficient.
-    fn along<S: Simd, const SLOPED: bool>(
+    fn along<S: Simd, const JACOBIAN: bool>(
         &self,
         simd: S,
         of: (Placement<'_>, Option<usize>),
@@ -224,9 +224,9 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
 
     /// Sums an ellipse that is better not summed along lines; false of others.
     #[inline(always)]
-    fn all_over<S: Simd, const SLOPED: bool>(
+    fn all_over<S: Simd, const JACOBIAN: bool>(
         _simd: S,
-        _gather: &mut Accumulator<'_, Self, N, SLOPED>,
+        _gather: &mut Accumulator<'_, Self, N, JACOBIAN>,
         _ellipse: usize,
     ) -> bool {
         false
@@ -240,7 +240,7 @@ pub(crate) struct Dry;
 impl Dry {
     /// Adds a node, to rounding or, if `ROUGH`, to the error of a rough root.
     #[inline(always)]
-    pub(super) fn add<S: Simd, const SLOPED: bool, const ROUGH: bool>(
+    pub(super) fn add<S: Simd, const JACOBIAN: bool, const ROUGH: bool>(
         Moments([j, k]): &mut Moments<S, 2>,
         square: Lane<S>,
         v_c: Lane<S>,
@@ -252,14 +252,14 @@ impl Dry {
         // J_k = Σ w sᵏ q,  K_k = Σ w sᵏ q³,  k = 0, 1, 2                 (T21)
         let q = weight * per_speed;
         add_powers(j, q, s);
-        if SLOPED {
+        if JACOBIAN {
             add_powers(k, q * (per_speed * per_speed), s);
         }
     }
 
     /// Adds nodes of the same places on all lines.
     #[inline(always)]
-    fn add_all<S: Simd, const SLOPED: bool, const ROUGH: bool>(
+    fn add_all<S: Simd, const JACOBIAN: bool, const ROUGH: bool>(
         to: &mut Moments<S, 2>,
         square: Lane<S>,
         (b_0, b_1): (Lane<S>, Lane<S>),
@@ -267,7 +267,7 @@ impl Dry {
     ) {
         for (s, weight) in nodes {
             let (s, weight) = (square.constant(*s), square.constant(*weight));
-            Self::add::<S, SLOPED, ROUGH>(to, square, b_1.mul_add(s, b_0), (s, weight));
+            Self::add::<S, JACOBIAN, ROUGH>(to, square, b_1.mul_add(s, b_0), (s, weight));
         }
     }
 }
@@ -281,7 +281,7 @@ impl PointLaw<2> for Dry {
     fn pressed<S: Simd>(&self, _pressure: Lane<S>) {}
 
     #[inline(always)]
-    fn add<S: Simd, const SLOPED: bool>(
+    fn add<S: Simd, const JACOBIAN: bool>(
         &self,
         to: &mut Moments<S, 2>,
         (): (),
@@ -289,11 +289,11 @@ impl PointLaw<2> for Dry {
         v_c: Lane<S>,
         node: (Lane<S>, Lane<S>),
     ) {
-        Self::add::<S, SLOPED, false>(to, square, v_c, node);
+        Self::add::<S, JACOBIAN, false>(to, square, v_c, node);
     }
 
     #[inline(always)]
-    fn along<S: Simd, const SLOPED: bool>(
+    fn along<S: Simd, const JACOBIAN: bool>(
         &self,
         simd: S,
         (nodes, inner): (Placement<'_>, Option<usize>),
@@ -303,9 +303,9 @@ impl PointLaw<2> for Dry {
         let (mut sums, square) = (Moments::zero(simd), line.square(slip));
         let places = inner.map_or(&[][..], |count| &nodes.rule.inner[count]);
         if nodes.coarse {
-            Self::add_all::<S, SLOPED, true>(&mut sums, square, line.across, places);
+            Self::add_all::<S, JACOBIAN, true>(&mut sums, square, line.across, places);
         } else {
-            Self::add_all::<S, SLOPED, false>(&mut sums, square, line.across, places);
+            Self::add_all::<S, JACOBIAN, false>(&mut sums, square, line.across, places);
         }
         sums
     }
@@ -326,8 +326,8 @@ pub(super) fn add_powers<S: Simd>(sums: &mut [Lane<S>; 3], x: Lane<S>, s: Lane<S
     sums[2] = first.mul_add(s, sums[2]);
 }
 
-/// Sums over all lines of both contacts; those of the slopes only if `SLOPED`.
-pub(crate) struct Accumulator<'a, L, const N: usize, const SLOPED: bool> {
+/// Sums over all lines of both contacts; those of the slopes only if `JACOBIAN`.
+pub(crate) struct Accumulator<'a, L, const N: usize, const JACOBIAN: bool> {
     pub(super) nodes: &'a [Placement<'a>; 2],
     pub(super) points: &'a [Patch; 2],
     pub(super) slips: &'a [EllipseSlip<f64>; 2],
@@ -339,7 +339,7 @@ pub(crate) struct Accumulator<'a, L, const N: usize, const SLOPED: bool> {
 }
 
 /// The sums of a few lines whose spin poles are inside: rare, so that their code is out of the way.
-struct NearChords<'a, S: Simd, L, const N: usize, const SLOPED: bool> {
+struct NearChords<'a, S: Simd, L, const N: usize, const JACOBIAN: bool> {
     simd: S,
     rule: &'a Quadrature,
     slip: &'a EllipseSlip<Lane<S>>,
@@ -347,8 +347,8 @@ struct NearChords<'a, S: Simd, L, const N: usize, const SLOPED: bool> {
     line: &'a Chord<S>,
 }
 
-impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
-    for NearChords<'_, S, L, N, SLOPED>
+impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnce
+    for NearChords<'_, S, L, N, JACOBIAN>
 {
     type Output = Moments<S, N>;
 
@@ -362,7 +362,7 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
             for (s, weight) in near.pair(rule, pair) {
                 let inside = (-(s * s) + 1.0).max(s.constant(0.0)).sqrt();
                 let (pressed, v_c) = (law.pressed(inside * line.half_length), b_1.mul_add(s, b_0));
-                law.add::<S, SLOPED>(&mut sums, pressed, square, v_c, (s, weight));
+                law.add::<S, JACOBIAN>(&mut sums, pressed, square, v_c, (s, weight));
             }
         }
         sums
@@ -383,8 +383,8 @@ pub(super) fn reduce<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
     }
 }
 
-impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> Visitor<S>
-    for Accumulator<'_, L, N, SLOPED>
+impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> Visitor<S>
+    for Accumulator<'_, L, N, JACOBIAN>
 {
     #[inline(always)]
     fn visit(&mut self, simd: S, ellipse: usize, lines: &Chords) {
@@ -394,10 +394,10 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> Visitor<S>
             let xi = Lane::load(simd, &lines.xi[at..]);
             let weight = Lane::load(simd, &lines.weight[at..]);
             let line = Chord::new(&slip, xi, weight, Lane::load(simd, &lines.half_length[at..]));
-            let mut inner = law.along::<S, SLOPED>(simd, (nodes, lines.inner), &slip, &line);
+            let mut inner = law.along::<S, JACOBIAN>(simd, (nodes, lines.inner), &slip, &line);
             if let Some(inside) = &lines.inside {
                 let (rule, slip, line) = (nodes.rule, &slip, &line);
-                let near = NearChords::<_, _, N, SLOPED> { simd, rule, slip, law, line };
+                let near = NearChords::<_, _, N, JACOBIAN> { simd, rule, slip, law, line };
                 let is_near = Lane::load(simd, &inside[at..]).gt(xi.constant(0.0));
                 inner = inner.or(is_near, simd.vectorize(near));
             }
@@ -406,7 +406,7 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> Visitor<S>
     }
 }
 
-impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> Accumulator<'_, L, N, SLOPED> {
+impl<L: PointLaw<N>, const N: usize, const JACOBIAN: bool> Accumulator<'_, L, N, JACOBIAN> {
     /// Adds the sums of a few lines.
     #[inline(always)]
     pub(super) fn add_line<S: Simd>(
@@ -420,12 +420,12 @@ impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> Accumulator<'_, L, N, S
         let (a, b) = self.points[ellipse].semi_axes;
         let of = ((Lane::splat(simd, a), Lane::splat(simd, b)), slip);
         let [j, k, across, film] = L::kinds(inner, line.square(slip));
-        let terms = line.terms::<SLOPED>(of, [j, k, across]);
+        let terms = line.terms::<JACOBIAN>(of, [j, k, across]);
         add_to(simd, &mut self.values[ellipse], at, &terms[..VALUES]);
-        if SLOPED {
+        if JACOBIAN {
             add_to(simd, &mut self.slopes[ellipse], at, &terms[VALUES..]);
         }
-        if SLOPED && L::FILM {
+        if JACOBIAN && L::FILM {
             let weight = line.weight;
             let film = [film[0] * weight, film[1] * weight, film[2] * weight];
             add_to(simd, &mut self.by_film[ellipse], at, &line.values(of, film)[..SUMS]);
@@ -433,11 +433,11 @@ impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> Accumulator<'_, L, N, S
     }
 }
 
-/// Takes the sums of both contacts; slopes only if `SLOPED`, else they stay.
+/// Takes the sums of both contacts; slopes only if `JACOBIAN`, else they stay.
 ///
 /// * `laws`, `nodes`: of each of the points. * `done`: contacts that are not asked for.
 #[inline(always)]
-pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool>(
+pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool>(
     simd: S,
     points: &[Patch; 2],
     laws: &[L; 2],
@@ -446,11 +446,11 @@ pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool>(
     found: [&mut Resultants; 2],
 ) {
     // A call for one contact and for two: the code is long.
-    simd.vectorize(SumsCall::<S, L, N, SLOPED> { simd, points, laws, nodes, done, found });
+    simd.vectorize(SumsCall::<S, L, N, JACOBIAN> { simd, points, laws, nodes, done, found });
 }
 
 /// What [`sums`] is asked for.
-struct SumsCall<'a, S, L, const N: usize, const SLOPED: bool> {
+struct SumsCall<'a, S, L, const N: usize, const JACOBIAN: bool> {
     simd: S,
     points: &'a [Patch; 2],
     laws: &'a [L; 2],
@@ -459,8 +459,8 @@ struct SumsCall<'a, S, L, const N: usize, const SLOPED: bool> {
     found: [&'a mut Resultants; 2],
 }
 
-impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
-    for SumsCall<'_, S, L, N, SLOPED>
+impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnce
+    for SumsCall<'_, S, L, N, JACOBIAN>
 {
     type Output = ();
 
@@ -470,14 +470,14 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
         let slips = &[points[0].slip(), points[1].slip()];
         let (mut slopes, mut by_film) =
             ([[[0.0; BLOCK]; ALL - VALUES]; 2], [[[0.0; BLOCK]; SUMS]; 2]);
-        let mut sums = Accumulator::<L, N, SLOPED> {
+        let mut sums = Accumulator::<L, N, JACOBIAN> {
             nodes,
             points,
             slips,
             laws,
             values: [[[0.0; BLOCK]; VALUES]; 2],
-            slopes: if SLOPED { &mut slopes } else { &mut [] },
-            by_film: if SLOPED && L::FILM { &mut by_film } else { &mut [] },
+            slopes: if JACOBIAN { &mut slopes } else { &mut [] },
+            by_film: if JACOBIAN && L::FILM { &mut by_film } else { &mut [] },
         };
         for i in 0..2 {
             done[i] = done[i] || L::all_over(simd, &mut sums, i);
@@ -486,14 +486,14 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool> NullaryFnOnce
         for (i, found) in found.into_iter().enumerate() {
             let mut terms = [0.0; ALL];
             reduce(simd, &sums.values[i], &mut terms[..VALUES]);
-            if SLOPED {
+            if JACOBIAN {
                 reduce(simd, &sums.slopes[i], &mut terms[VALUES..]);
                 *found = Resultants::of(terms, &points[i]);
             } else {
                 found.values.copy_from_slice(&terms[..SUMS]);
                 found.power = terms[SUMS];
             }
-            if SLOPED && L::FILM {
+            if JACOBIAN && L::FILM {
                 reduce(simd, &sums.by_film[i], &mut found.by_film);
             }
         }
@@ -550,10 +550,10 @@ impl<S: Simd> Chord<S> {
         [-t, c, -(h * c), -(x * t + y * s), -(h * t), v_t * t + b_0 * c + b_1 * s]
     }
 
-    /// Values and, if `SLOPED`, what the derivatives are made of, by the sums J along the lines, K, and those by
+    /// Values and, if `JACOBIAN`, what the derivatives are made of, by the sums J along the lines, K, and those by
     /// the slip across (T23).
     #[inline(always)]
-    pub(super) fn terms<const SLOPED: bool>(
+    pub(super) fn terms<const JACOBIAN: bool>(
         &self,
         of: Shape<'_, S>,
         [j, k, across]: [[Lane<S>; 3]; 3],
@@ -561,7 +561,7 @@ impl<S: Simd> Chord<S> {
         let &Self { xi, weight, half_length, v_t, across: (b_0, b_1) } = self;
         let j = [j[0] * weight, j[1] * weight, j[2] * weight];
         let [f_t, f_c, m_t, m_n, m_c, power] = self.values(of, j);
-        if !SLOPED {
+        if !JACOBIAN {
             let mut terms = [weight.constant(0.0); ALL];
             (terms[0], terms[1], terms[2]) = (f_t, f_c, m_t);
             (terms[3], terms[4], terms[5]) = (m_n, m_c, power);
@@ -649,14 +649,14 @@ impl<F: Compare> Resultants<F> {
     }
 }
 
-/// Sums of one contact; slopes only if `SLOPED`, else zero.
-pub(super) fn sums_on<L: PointLaw<N>, const N: usize, const SLOPED: bool>(
+/// Sums of one contact; slopes only if `JACOBIAN`, else zero.
+pub(super) fn sums_on<L: PointLaw<N>, const N: usize, const JACOBIAN: bool>(
     arch: Arch,
     point: &Patch,
     law: L,
     nodes: Placement<'_>,
 ) -> Resultants {
-    let [sums, _] = arch.dispatch(BothSums::<L, N, SLOPED>(&[*point; 2], law, [nodes; 2], true));
+    let [sums, _] = arch.dispatch(BothSums::<L, N, JACOBIAN>(&[*point; 2], law, [nodes; 2], true));
     sums
 }
 
@@ -666,14 +666,16 @@ pub(super) fn powers_on(arch: Arch, points: &[Patch; 2], nodes: [Placement<'_>; 
 }
 
 /// Sums of both contacts, or of the first one alone.
-struct BothSums<'a, L, const N: usize, const SLOPED: bool>(
+struct BothSums<'a, L, const N: usize, const JACOBIAN: bool>(
     &'a [Patch; 2],
     L,
     [Placement<'a>; 2],
     bool,
 );
 
-impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> WithSimd for BothSums<'_, L, N, SLOPED> {
+impl<L: PointLaw<N>, const N: usize, const JACOBIAN: bool> WithSimd
+    for BothSums<'_, L, N, JACOBIAN>
+{
     type Output = [Resultants; 2];
 
     #[inline(always)]
@@ -681,7 +683,7 @@ impl<L: PointLaw<N>, const N: usize, const SLOPED: bool> WithSimd for BothSums<'
         let Self(points, law, nodes, alone) = self;
         let mut found = [Resultants::none(0.0); 2];
         let (laws, done) = ([law; 2], [false, alone]);
-        sums::<S, L, N, SLOPED>(simd, points, &laws, &nodes, done, found.each_mut());
+        sums::<S, L, N, JACOBIAN>(simd, points, &laws, &nodes, done, found.each_mut());
         found
     }
 }

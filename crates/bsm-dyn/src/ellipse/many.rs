@@ -117,20 +117,20 @@ impl ManyQuadrature {
         simd.vectorize(PlaceNodes { rule: self, point, nodes, frozen })
     }
 
-    /// Frictions at nodes that were placed with this; slopes only if `SLOPED`, to 1e-5 if `ROUGH`.
+    /// Frictions at nodes that were placed with this; slopes only if `JACOBIAN`, to 1e-5 if `ROUGH`.
     #[inline(always)]
-    pub(crate) fn sums<S: Simd, const SLOPED: bool, const ROUGH: bool>(
+    pub(crate) fn sums<S: Simd, const JACOBIAN: bool, const ROUGH: bool>(
         &self,
         simd: S,
         point: &Patch<Lane<S>>,
         nodes: &mut ManyNodes<S>,
     ) -> Resultants<Lane<S>> {
-        simd.vectorize(ManySumsCall::<S, SLOPED, ROUGH> { simd, rule: self, point, nodes })
+        simd.vectorize(ManySumsCall::<S, JACOBIAN, ROUGH> { simd, rule: self, point, nodes })
     }
 
     /// Frictions at both contacts of points whose panels may be split, one point after the other.
     #[inline(always)]
-    pub(crate) fn split_sums<S: Simd, const SLOPED: bool>(
+    pub(crate) fn split_sums<S: Simd, const JACOBIAN: bool>(
         &self,
         simd: S,
         patches: &[Patch<Lane<S>>; 2],
@@ -143,7 +143,7 @@ impl ManyQuadrature {
             let nodes = [nodes(&plans[0]), nodes(&plans[1])];
             let mut found = [Resultants::none(0.0); 2];
             let (laws, all) = ([Dry; 2], [false; 2]);
-            sums::<S, _, 2, SLOPED>(simd, &patches, &laws, &nodes, all, found.each_mut());
+            sums::<S, _, 2, JACOBIAN>(simd, &patches, &laws, &nodes, all, found.each_mut());
             for c in 0..2 {
                 for (block, number) in blocks[c].iter_mut().zip(found[c].numbers()) {
                     block[i] = number;
@@ -231,15 +231,15 @@ impl<S: Simd> NullaryFnOnce for PlaceNodes<'_, S> {
 }
 
 /// What [`ManyQuadrature::sums`] is asked for.
-struct ManySumsCall<'a, S: Simd, const SLOPED: bool, const ROUGH: bool> {
+struct ManySumsCall<'a, S: Simd, const JACOBIAN: bool, const ROUGH: bool> {
     simd: S,
     rule: &'a ManyQuadrature,
     point: &'a Patch<Lane<S>>,
     nodes: &'a mut ManyNodes<S>,
 }
 
-impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
-    for ManySumsCall<'_, S, SLOPED, ROUGH>
+impl<S: Simd, const JACOBIAN: bool, const ROUGH: bool> NullaryFnOnce
+    for ManySumsCall<'_, S, JACOBIAN, ROUGH>
 {
     type Output = Resultants<Lane<S>>;
 
@@ -272,15 +272,15 @@ impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
                 let mut sums = Moments::zero(simd);
                 for (s, weight) in &across[..most] {
                     let v_c = b_1.mul_add(*s, b_0);
-                    Dry::add::<S, SLOPED, ROUGH>(&mut sums, square, v_c, (*s, *weight));
+                    Dry::add::<S, JACOBIAN, ROUGH>(&mut sums, square, v_c, (*s, *weight));
                 }
                 *inner = sums;
             }
             for ((inner, half_length), (xi, weight)) in found.iter().zip(lines) {
                 let line = Chord::new(&slip, *xi, *weight, *half_length);
                 let [j, k, across, _] = Dry::kinds(*inner, line.square(&slip));
-                let terms = line.terms::<SLOPED>((point.semi_axes, &slip), [j, k, across]);
-                for i in 0..(if SLOPED { ALL } else { VALUES }) {
+                let terms = line.terms::<JACOBIAN>((point.semi_axes, &slip), [j, k, across]);
+                for i in 0..(if JACOBIAN { ALL } else { VALUES }) {
                     totals[i] = totals[i] + terms[i];
                 }
             }

@@ -190,7 +190,7 @@ impl PointLaw<4> for OilLaw {
     }
 
     #[inline(always)]
-    fn add<S: Simd, const SLOPED: bool>(
+    fn add<S: Simd, const JACOBIAN: bool>(
         &self,
         Moments([j, k, across, film]): &mut Moments<S, 4>,
         pressed: NodePressure<S>,
@@ -218,7 +218,7 @@ impl PointLaw<4> for OilLaw {
         let mu = fluid + self.boundary;
         let part = weight * per_speed;
         add_powers(j, part * mu, s);
-        if SLOPED {
+        if JACOBIAN {
             let inverse = per_speed * per_speed;
             // ∂μ/∂ln s = (1 − ξ) μ_f X⁴/(1 + X⁴) z/(√(1 + z²) arsinh z)   (Y33)
             let squared = per_both * per_both;
@@ -235,7 +235,7 @@ impl PointLaw<4> for OilLaw {
     }
 
     #[inline(always)]
-    fn along<S: Simd, const SLOPED: bool>(
+    fn along<S: Simd, const JACOBIAN: bool>(
         &self,
         simd: S,
         (nodes, _): (Placement<'_>, Option<usize>),
@@ -248,8 +248,8 @@ impl PointLaw<4> for OilLaw {
             let HalfNode { s, pressure, weight } = half.node(nodes.rule.half.at(k));
             let pressed = self.pressed(pressure * line.half_length);
             let turned = b_1 * s;
-            self.add::<S, SLOPED>(&mut sums, pressed, square, b_0 + turned, (s, weight));
-            self.add::<S, SLOPED>(&mut sums, pressed, square, b_0 - turned, (-s, weight));
+            self.add::<S, JACOBIAN>(&mut sums, pressed, square, b_0 + turned, (s, weight));
+            self.add::<S, JACOBIAN>(&mut sums, pressed, square, b_0 - turned, (-s, weight));
         }
         sums
     }
@@ -261,9 +261,9 @@ impl PointLaw<4> for OilLaw {
 
     /// On rings, where they take fewer nodes.
     #[inline(always)]
-    fn all_over<S: Simd, const SLOPED: bool>(
+    fn all_over<S: Simd, const JACOBIAN: bool>(
         simd: S,
-        sums: &mut Accumulator<'_, Self, 4, SLOPED>,
+        sums: &mut Accumulator<'_, Self, 4, JACOBIAN>,
         ellipse: usize,
     ) -> bool {
         let (law, nodes) = (sums.laws[ellipse], sums.nodes[ellipse]);
@@ -296,8 +296,8 @@ impl PointLaw<4> for OilLaw {
                 let line = Chord::new(&slip, xi, one, half_length);
                 let ((b_0, b_1), square) = (line.across, line.square(&slip));
                 let mut inner = Moments::zero(simd);
-                law.add::<S, SLOPED>(&mut inner, pressed, square, b_0 + b_1, (one, weight));
-                law.add::<S, SLOPED>(&mut inner, pressed, square, b_0 - b_1, (-one, weight));
+                law.add::<S, JACOBIAN>(&mut inner, pressed, square, b_0 + b_1, (one, weight));
+                law.add::<S, JACOBIAN>(&mut inner, pressed, square, b_0 - b_1, (-one, weight));
                 sums.add_line(simd, ellipse, first % BLOCK, &slip, (&line, inner));
             }
         }

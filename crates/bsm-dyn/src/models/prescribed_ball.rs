@@ -6,7 +6,7 @@ use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Scalar, Site};
 use bsm_newton::{Continuation, EvalError, Options, Report, Scales, Workspace, follow, solve};
 
 use crate::contact::{Ball, Coulomb, Wrench, newton_euler};
-use crate::ellipse::{Ellipse, Integrate, Local, Quadrature};
+use crate::ellipse::{ContactMotion, Ellipse, Integrate, Quadrature};
 use crate::models::ball::{Reason, Unsolved, equations};
 
 /// A contact whose load is given.
@@ -163,7 +163,7 @@ impl PrescribedBalance<'_> {
                 pressed_radius: contact.pressed_radius,
                 ball_radius: prescribed.ball.radius,
             };
-            let local = Local::of(motion, &ellipse.contact, arc);
+            let local = ContactMotion::of(motion, &ellipse.contact, arc);
             let (unit, lost) = D::integrate(&ellipse, &local, creep, self.quadrature.into());
             let sliding = prescribed.friction.0 * contact.load;
             wrench = wrench + unit.wrench(&ellipse.contact) * D::from(sliding);

@@ -10,7 +10,7 @@ use bsm_newton::EvalError;
 use nalgebra::Vector3;
 
 use crate::contact::{FrictionLaw, Wrench, friction_force, magnitude};
-use crate::ellipse::{Ellipse, EllipseSlip, Local, Quadrature};
+use crate::ellipse::{ContactMotion, Ellipse, EllipseSlip, Quadrature};
 use crate::models::ball::Control;
 use crate::models::raceway_control::rolling;
 
@@ -314,7 +314,7 @@ impl SteadyBall<f64> {
         creep: f64,
     ) -> EllipseSlip<f64> {
         let (motion, arc) = (self.relative_to(touch.site), self.helix.arc_length_per_radian());
-        let Local { along, omega } = Local::of(&motion, &self.contact(touch), arc);
+        let ContactMotion { along, omega } = ContactMotion::of(&motion, &self.contact(touch), arc);
         EllipseSlip::new(semi_axes, (pressed_radius, self.radius), along, omega, creep)
     }
 }

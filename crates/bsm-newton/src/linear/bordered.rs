@@ -2,9 +2,7 @@
 
 use std::array::from_fn;
 
-use nalgebra::{DMatrix, DVectorViewMut, Dyn, LU};
-
-use super::Dense;
+use super::{Dense, DynamicDense};
 use crate::Singular;
 
 /// A matrix of `count` blocks of `K` unknowns, each coupled to its neighbours, and a border of a few
@@ -36,8 +34,7 @@ pub struct Bordered<const K: usize> {
     /// Row by row; after the factorization the Schur complement.
     corner: Vec<f64>,
     border: usize,
-    /// Factors of that.
-    schur: LU<f64, Dyn, Dyn>,
+    schur: DynamicDense,
 }
 
 /// Entries of a [`Bordered`] matrix that belong to one block.
@@ -62,7 +59,7 @@ impl<const K: usize> Bordered<K> {
             bottom: vec![[0.0; K]; count * border],
             corner: vec![0.0; border * border],
             border,
-            schur: LU::new(DMatrix::zeros(border, border)),
+            schur: DynamicDense::new(border),
         }
     }
 
@@ -201,12 +198,12 @@ impl<const K: usize> Bordered<K> {
                     |i: usize| dot(&self.bottom[i * border + r], &self.right[i * border + c]);
                 let inside: f64 = (0..count).map(part).sum();
                 // S = C − B T⁻¹ R                                         (N11)
-                self.corner[r * border + c] -= inside;
+                let entry = &mut self.corner[r * border + c];
+                *entry -= inside;
+                self.schur.set(r, c, *entry);
             }
         }
-        self.schur = LU::new(DMatrix::from_row_slice(border, border, &self.corner));
-        let is_regular = self.corner.iter().all(|x| x.is_finite()) && self.schur.is_invertible();
-        if is_regular { Ok(()) } else { Err(Singular) }
+        self.schur.factorize()
     }
 
     /// Overwrites a right-hand side with its solution.
@@ -235,7 +232,7 @@ impl<const K: usize> Bordered<K> {
                 *entry -= dot(row, x);
             }
         }
-        self.schur.solve_mut(&mut DVectorViewMut::from_slice(rest, border));
+        self.schur.solve(rest);
         for (x, columns) in chain.iter_mut().zip(self.right.chunks_exact(border)) {
             for (column, z) in columns.iter().zip(&*rest) {
                 for (x, entry) in x.iter_mut().zip(column) {

@@ -5,7 +5,7 @@ use crate::Singular;
 /// A dense `N`×`N` matrix and its LU factors with partial pivoting.
 ///
 /// For the handful of unknowns of one body: no call, no memory but its own, and the same bits on
-/// every instruction set. Larger ones are better served by nalgebra.
+/// every instruction set. Larger ones are better served by [`DynamicDense`](super::DynamicDense).
 #[derive(Debug, Clone)]
 pub struct Dense<const N: usize> {
     rows: [[f64; N]; N],

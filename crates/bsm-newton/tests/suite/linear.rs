@@ -1,7 +1,6 @@
 //! Matrices of blocks with a border against dense solves, and Newton's iteration on them.
 
-use bsm_newton::{Bordered, Dense, Singular};
-use nalgebra::{DMatrix, DVector};
+use bsm_newton::{Bordered, Dense, DynamicDense, Singular};
 
 /// Uniform numbers in -1..1 of a fixed seed.
 struct Draw(u64);
@@ -37,16 +36,17 @@ fn entries<const K: usize>(count: usize, border: usize, seed: u64) -> Vec<(usize
 /// The blocks agree with the dense matrix of the same entries.
 fn agrees<const K: usize>(count: usize, border: usize, seed: u64) {
     let n = K * count + border;
-    let (mut blocks, mut dense) = (Bordered::<K>::new(count, border), DMatrix::zeros(n, n));
+    let (mut blocks, mut dense) = (Bordered::<K>::new(count, border), DynamicDense::new(n));
     for (i, j, value) in entries::<K>(count, border, seed) {
         blocks.add(i, j, value);
-        dense[(i, j)] = value;
+        dense.set(i, j, value);
     }
     let mut draw = Draw(7);
     let mut x: Vec<f64> = (0..n).map(|_| draw.next()).collect();
-    let y = dense.lu().solve(&DVector::from_column_slice(&x)).expect("a regular matrix");
-    assert_eq!(blocks.factorize(), Ok(()));
+    let mut y = x.clone();
+    assert_eq!((blocks.factorize(), dense.factorize()), (Ok(()), Ok(())));
     blocks.solve(&mut x);
+    dense.solve(&mut y);
     for (i, (x, y)) in x.iter().zip(&y).enumerate() {
         // Rounding of matrices of condition below 100.
         assert!((x - y).abs() <= 1e-14, "{i}: {x} {y}");
@@ -149,6 +149,7 @@ fn singular_matrices_are_told() {
     assert_eq!(zero.factorize(), Err(Singular));
     zero.rows_mut()[0][0] = f64::NAN;
     assert_eq!(zero.factorize(), Err(Singular));
+    assert!(DynamicDense::new(4).factorize().is_err());
     let mut blocks = Bordered::<2>::new(3, 1);
     for i in [0, 1, 2, 3, 5, 6] {
         blocks.add(i, i, 1.0);

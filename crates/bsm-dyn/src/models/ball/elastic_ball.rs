@@ -19,7 +19,7 @@ use crate::contact::{
     Ball, Curvatures, Groove, Hertz, Jones, Material, Raceway, Wrench, axial_force,
     contact_modulus, efficiency, newton_euler, torque,
 };
-use crate::ellipse::{Ellipse, Integrate, Local, Placement, pressed_radius, slip_scale};
+use crate::ellipse::{ContactMotion, Ellipse, Integrate, Placement, pressed_radius, slip_scale};
 use crate::models::ball::ball_unknowns;
 use crate::outcome::{Direction, Reason, Unsolved};
 
@@ -269,7 +269,7 @@ impl<P: Scalar> ElasticContacts<P> {
         let (motions, arc) = (to_both(to_nut, &loaded.frame), D::from(self.scaled.arc));
         let powers = D::powers(
             &from_fn(|i| self.ellipse(i, loaded)),
-            &from_fn(|i| Local::of(&motions[i], &loaded.contacts[i], arc)),
+            &from_fn(|i| ContactMotion::of(&motions[i], &loaded.contacts[i], arc)),
             creep,
             nodes,
         );

@@ -14,7 +14,7 @@ use crate::contact::{
     ContactFilm, Curvatures, FilmState, Hertz, Lubricant, MixedFriction, OilState, OutsidePower,
     Roughness, Wrench, contact_modulus,
 };
-use crate::ellipse::{Integrate, Local, Placement, Quadrature, Rules};
+use crate::ellipse::{ContactMotion, Integrate, Placement, Quadrature, Rules};
 use crate::outcome::Unsolved;
 
 /// What a film depends on besides load and speed: the gap of one contact \[SI\]. Its powers are taken once.
@@ -422,7 +422,7 @@ impl<P: Scalar> EhlPoint<P> {
     ) -> EhlLoss<D> {
         let (contact, load) = (&loaded.contacts[i], loaded.loads[i]);
         let loss = self.loss_of(i, (contacts, loaded), motion, creep, D::from(0.0));
-        let local = Local::of(motion, contact, D::from(contacts.scaled.arc));
+        let local = ContactMotion::of(motion, contact, D::from(contacts.scaled.arc));
         let law = &loss.film.law;
         let (unit, power) = D::lubricated(&contacts.ellipse(i, loaded), &local, law, creep, nodes);
         let wrench = unit.wrench(contact) * contacts.signed(load) + loss.wrench;

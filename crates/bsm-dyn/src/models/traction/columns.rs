@@ -52,48 +52,48 @@ pub struct TractionPoint<F = f64> {
 }
 
 impl SlipBall<'_> {
-    /// The equations at a state, with derivatives if `SLOPED`; of a lubricant, unless they are to be complete, without
+    /// The equations at a state, with derivatives if `JACOBIAN`; of a lubricant, unless they are to be complete, without
     /// those of rolling resistance and of the coefficient by the load.
     ///
     /// # Errors
     ///
     /// [`EvalError`] if a contact is lost.
-    pub(super) fn evaluated<const SLOPED: bool>(
+    pub(super) fn evaluated<const JACOBIAN: bool>(
         &self,
         y: &[f64; BALL],
     ) -> Result<EquationValues, EvalError> {
         let mut found = EquationValues::zero(0.0);
-        self.evaluate::<SLOPED>(y, &mut found)?;
+        self.evaluate::<JACOBIAN>(y, &mut found)?;
         Ok(found)
     }
 
-    /// The same in place; without `SLOPED` derivatives may stay those of another state.
-    fn evaluate<const SLOPED: bool>(
+    /// The same in place; without `JACOBIAN` derivatives may stay those of another state.
+    fn evaluate<const JACOBIAN: bool>(
         &self,
         y: &[f64; BALL],
         found: &mut EquationValues,
     ) -> Result<(), EvalError> {
         cost::evaluated();
         (found.residual, found.transmitted) = ([0.0; BALL], PowerFlow::zero(0.0));
-        if SLOPED {
+        if JACOBIAN {
             found.rows = [[0.0; BLOCK]; BALL];
         }
         let arch = Arch::new();
         let is_done = match &self.lubrication {
-            None => arch.dispatch(Evaluate::<_, SLOPED>(self, y, &Dry, found)),
+            None => arch.dispatch(Evaluate::<_, JACOBIAN>(self, y, &Dry, found)),
             Some(Lubrication { fraction, complete, .. })
-                if *fraction < 1.0 || SLOPED && *complete =>
+                if *fraction < 1.0 || JACOBIAN && *complete =>
             {
                 false
             }
             Some(Lubrication { ehl, .. }) => {
-                arch.dispatch(Evaluate::<_, SLOPED>(self, y, *ehl, found))
+                arch.dispatch(Evaluate::<_, JACOBIAN>(self, y, *ehl, found))
             }
         };
         if !is_done {
             *found = self.in_jets(y)?;
         } else if let Some(push) = &self.push {
-            let values = if SLOPED {
+            let values = if JACOBIAN {
                 let (values, slopes) = linear::<BALL, BALL>(y, |y| self.pushed_by(push, y))?;
                 for (row, slope) in found.rows.iter_mut().zip(&slopes) {
                     row.iter_mut().zip(slope).for_each(|(to, slope)| *to += slope);
@@ -167,13 +167,13 @@ impl<'a> LastEvaluation<'a> {
     }
 
     /// What belongs to a state.
-    fn evaluated<const SLOPED: bool>(
+    fn evaluated<const JACOBIAN: bool>(
         &self,
         y: &[f64; BALL],
     ) -> Result<RefMut<'_, EquationValues>, EvalError> {
         let mut last = self.last.borrow_mut();
         last.0 = None;
-        self.ball.evaluate::<SLOPED>(y, &mut last.1)?;
+        self.ball.evaluate::<JACOBIAN>(y, &mut last.1)?;
         last.0 = Some(*y);
         Ok(RefMut::map(last, |(_, found)| found))
     }
@@ -230,14 +230,14 @@ impl Equations<BALL> for LastEvaluation<'_> {
 }
 
 /// Evaluates a state, in place, if it has contacts.
-struct Evaluate<'a, R, const SLOPED: bool>(
+struct Evaluate<'a, R, const JACOBIAN: bool>(
     &'a SlipBall<'a>,
     &'a [f64; BALL],
     &'a R,
     &'a mut EquationValues,
 );
 
-impl<R: TractionLaw, const SLOPED: bool> WithSimd for Evaluate<'_, R, SLOPED> {
+impl<R: TractionLaw, const JACOBIAN: bool> WithSimd for Evaluate<'_, R, JACOBIAN> {
     type Output = bool;
 
     #[inline(always)]
@@ -249,8 +249,8 @@ impl<R: TractionLaw, const SLOPED: bool> WithSimd for Evaluate<'_, R, SLOPED> {
             return false;
         }
         let mut tractions = [ContactTraction::none(0.0); 2];
-        law.loss::<S, SLOPED>(simd, ball, y, &geometry, &mut tractions);
-        evaluate::<_, R, SLOPED>(&scaled, y, &geometry, &tractions, found);
+        law.loss::<S, JACOBIAN>(simd, ball, y, &geometry, &mut tractions);
+        evaluate::<_, R, JACOBIAN>(&scaled, y, &geometry, &tractions, found);
         true
     }
 }
@@ -288,7 +288,7 @@ pub(super) trait TractionLaw {
     const LUBRICATED: bool;
 
     /// What it does at a state, in place.
-    fn loss<S: Simd, const SLOPED: bool>(
+    fn loss<S: Simd, const JACOBIAN: bool>(
         &self,
         simd: S,
         ball: &SlipBall<'_>,
@@ -302,7 +302,7 @@ impl TractionLaw for Dry {
     const LUBRICATED: bool = false;
 
     #[inline(always)]
-    fn loss<S: Simd, const SLOPED: bool>(
+    fn loss<S: Simd, const JACOBIAN: bool>(
         &self,
         simd: S,
         ball: &SlipBall<'_>,
@@ -311,7 +311,7 @@ impl TractionLaw for Dry {
         tractions: &mut [ContactTraction; 2],
     ) {
         let coefficient = ball.contacts.directed_friction();
-        set_sums::<S, _, 2, SLOPED>(simd, ball, geometry, (&[Dry; 2], coefficient), tractions);
+        set_sums::<S, _, 2, JACOBIAN>(simd, ball, geometry, (&[Dry; 2], coefficient), tractions);
     }
 }
 
@@ -319,7 +319,7 @@ impl TractionLaw for EhlPoint {
     const LUBRICATED: bool = true;
 
     #[inline(always)]
-    fn loss<S: Simd, const SLOPED: bool>(
+    fn loss<S: Simd, const JACOBIAN: bool>(
         &self,
         simd: S,
         ball: &SlipBall<'_>,
@@ -338,7 +338,7 @@ impl TractionLaw for EhlPoint {
             let rate = along_t / arc;
             let film = self.of_motion(i, y[unknown], [rate, along_t, w_c], k_c, ball.creep);
             let ContactTraction { film: by, resistance, rolling, .. } = &mut tractions[i];
-            if SLOPED {
+            if JACOBIAN {
                 let growth = film.speed_exponent * film.rolling_speed / film.entrainment.powi(2);
                 by[PRECESSION] = -(0.5 * arc + k_c) * growth;
                 by[OMEGA[1]] -= 0.5 * side * angle.sin * growth;
@@ -354,7 +354,7 @@ impl TractionLaw for EhlPoint {
         }
         let [Some(nut), Some(screw)] = laws else { return };
         let of = (&[nut, screw], ball.contacts.signed(1.0));
-        set_sums::<S, _, 4, SLOPED>(simd, ball, geometry, of, tractions);
+        set_sums::<S, _, 4, JACOBIAN>(simd, ball, geometry, of, tractions);
     }
 }
 
@@ -362,7 +362,7 @@ impl TractionLaw for EhlPoint {
 ///
 /// * `laws`, `coefficient`: what the sums are of, and what they are multiplied with.
 #[inline(always)]
-fn set_sums<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool>(
+fn set_sums<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool>(
     simd: S,
     ball: &SlipBall<'_>,
     geometry: &ContactGeometry<f64>,
@@ -374,7 +374,7 @@ fn set_sums<S: Simd, L: PointLaw<N>, const N: usize, const SLOPED: bool>(
     }
     let (nodes, all) = ([ball.nodes(0), ball.nodes(1)], [false; 2]);
     let found = tractions.each_mut().map(|traction| &mut traction.sums);
-    sums::<S, L, N, SLOPED>(simd, &geometry.points, laws, &nodes, all, found);
+    sums::<S, L, N, JACOBIAN>(simd, &geometry.points, laws, &nodes, all, found);
 }
 
 /// A number and its derivatives by the unknowns.
@@ -506,7 +506,7 @@ impl<F: Compare> Sides<F> {
 }
 
 /// Sines and cosines of the mean contact angle and of those at nut and screw, and the height `$A_1$` of the triangle.
-pub(super) struct Mean<F: Compare> {
+pub(super) struct MeanAngle<F: Compare> {
     pub(super) angle: (F, F),
     pub(super) nut: [F; 2],
     pub(super) screw: [F; 2],
@@ -514,7 +514,7 @@ pub(super) struct Mean<F: Compare> {
     pub(super) exists: F::Mask,
 }
 
-impl<F: Compare> Mean<F> {
+impl<F: Compare> MeanAngle<F> {
     /// Of two sides that are turned apart by twice the tilt.
     #[inline(always)]
     pub(super) fn of([l_a, l_b]: [F; 2], a_2: F, (sin_y, cos_y): (F, F)) -> Self {
@@ -568,8 +568,8 @@ pub(super) fn contact_geometry<F: Compare>(
         tilts = [Angle { sin: zero, cos: one, by: [zero; BLOCK] }, between];
         angles = [nut, screw];
     } else {
-        let Mean { angle: (sin, cos), nut, screw, height, exists } =
-            Mean::of([l_a, l_b], a_2, (sin_y, cos_y));
+        let MeanAngle { angle: (sin, cos), nut, screw, height, exists } =
+            MeanAngle::of([l_a, l_b], a_2, (sin_y, cos_y));
         exist = pressed & exists;
         let ([sin_a, cos_a], [sin_b, cos_b]) = (nut, screw);
         // A₁ dβ = cosβ_A dl_A + cosβ_B dl_B + (l_A sinβ_A − l_B sinβ_B) dν
@@ -623,9 +623,9 @@ pub(super) fn contact_geometry<F: Compare>(
     (ContactGeometry { points, rotation, tilts, angles, by_t, by_b }, exist)
 }
 
-/// The equations, with derivatives if `SLOPED`, in the place of zeros.
+/// The equations, with derivatives if `JACOBIAN`, in the place of zeros.
 #[inline(always)]
-pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
+pub(super) fn evaluate<F: Compare, R: TractionLaw, const JACOBIAN: bool>(
     point: &TractionPoint<F>,
     y: &[F; BALL],
     geometry: &ContactGeometry<F>,
@@ -641,30 +641,30 @@ pub(super) fn evaluate<F: Compare, R: TractionLaw, const SLOPED: bool>(
         let sliding = pull * traction.sums.power;
         transmitted.sliding[i] = sliding;
         transmitted.power = transmitted.power + (sliding + traction.rolling);
-        let friction = friction::<F, R, SLOPED>(i, (pull, side), point, geometry, traction);
+        let friction = friction::<F, R, JACOBIAN>(i, (pull, side), point, geometry, traction);
         // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                               (T2)
         let [f_t, f_c, m_t, m_n, m_c] = &friction;
         let normal = Gradient { re: load, by: along(unknown, one) };
         let (force, moment) = ([f_t, &normal, f_c], [m_t, m_n, m_c]);
         let (tilt, angle) = (&geometry.tilts[i], &geometry.angles[i]);
-        add_vector::<F, SLOPED, GEOMETRY>((side, tilt), force, FORCE, (residual, rows));
-        add_vector::<F, SLOPED, ALL>((side, tilt), moment, MOMENT, (residual, rows));
+        add_vector::<F, JACOBIAN, GEOMETRY>((side, tilt), force, FORCE, (residual, rows));
+        add_vector::<F, JACOBIAN, ALL>((side, tilt), moment, MOMENT, (residual, rows));
         if i == 0 {
             let into = (&mut residual[AXIAL_LOAD], &mut rows[AXIAL_LOAD]);
-            set_axial_load::<F, SLOPED>(point, (side, angle), force, into);
+            set_axial_load::<F, JACOBIAN>(point, (side, angle), force, into);
         } else {
             let into = (&mut transmitted.torque, &mut *slope);
-            set_torque::<F, SLOPED>(point, (side, angle), (force, moment), into);
+            set_torque::<F, JACOBIAN>(point, (side, angle), (force, moment), into);
         }
     }
-    add_inertia::<F, SLOPED>(point, y, &geometry.rotation, (residual, rows));
+    add_inertia::<F, JACOBIAN>(point, y, &geometry.rotation, (residual, rows));
 }
 
 /// Friction at a contact: the force along t and t × N and the moment about t, N and t × N.
 ///
 /// * `pull`: `$f Q$`.
 #[inline(always)]
-fn friction<F: Compare, R: TractionLaw, const SLOPED: bool>(
+fn friction<F: Compare, R: TractionLaw, const JACOBIAN: bool>(
     i: usize,
     (pull, side): (F, F),
     point: &TractionPoint<F>,
@@ -678,7 +678,7 @@ fn friction<F: Compare, R: TractionLaw, const SLOPED: bool>(
     let [_, _, w_n, w_c] = points[i].motion;
     let (mut by_n, mut by_c) =
         (along(OMEGA[1], side * angle.cos), along(OMEGA[1], -side * angle.sin));
-    if SLOPED {
+    if JACOBIAN {
         add::<_, GEOMETRY>(&mut by_n, w_c, &angle.by);
         add::<_, ABOUT_T_B>(&mut by_n, side * angle.sin, by_b);
         add::<_, GEOMETRY>(&mut by_c, -w_n, &angle.by);
@@ -686,7 +686,7 @@ fn friction<F: Compare, R: TractionLaw, const SLOPED: bool>(
     }
     for (k, part) in friction.iter_mut().enumerate() {
         part.re = pull * sums.values[k];
-        if SLOPED {
+        if JACOBIAN {
             let [a, t, n, c, g] = sums.slopes[k];
             part.by = times(pull * n, &by_n);
             add::<_, SPINNING>(&mut part.by, pull * c, &by_c);
@@ -708,7 +708,7 @@ fn friction<F: Compare, R: TractionLaw, const SLOPED: bool>(
 
 /// The axial load that the nut's contact takes over the one that it is to take.
 #[inline(always)]
-fn set_axial_load<F: Compare, const SLOPED: bool>(
+fn set_axial_load<F: Compare, const JACOBIAN: bool>(
     point: &TractionPoint<F>,
     (side, angle): (F, &Angle<F>),
     [f_t, normal, f_c]: [&Gradient<F>; 3],
@@ -719,7 +719,7 @@ fn set_axial_load<F: Compare, const SLOPED: bool>(
     let (n, b) = turned(side, (angle.sin, angle.cos), (normal.re, f_c.re));
     // F_nut·k − F_a                                                       (P5)
     *residual = f_t.re * sin_lead + b * cos_lead - side.constant(1.0);
-    if SLOPED {
+    if JACOBIAN {
         *row = times(sin_lead, &f_t.by);
         add::<_, GEOMETRY>(row, cos_lead * side * angle.sin, &normal.by);
         add::<_, ALL>(row, cos_lead * side * angle.cos, &f_c.by);
@@ -729,7 +729,7 @@ fn set_axial_load<F: Compare, const SLOPED: bool>(
 
 /// Torque of the screw's contact on it.
 #[inline(always)]
-fn set_torque<F: Compare, const SLOPED: bool>(
+fn set_torque<F: Compare, const JACOBIAN: bool>(
     point: &TractionPoint<F>,
     (side, angle): (F, &Angle<F>),
     ([f_t, normal, f_c], [m_t, m_n, m_c]): ([&Gradient<F>; 3], [&Gradient<F>; 3]),
@@ -741,7 +741,7 @@ fn set_torque<F: Compare, const SLOPED: bool>(
     let (m_1, m_2) = turned(side, (angle.sin, angle.cos), (m_n.re, m_c.re));
     // T = [(−r_m n) × F + M]·k                                            (B7)
     *torque = m_t.re * sin_lead + m_2 * cos_lead + f_t.re * arm_t + b * arm_b;
-    if SLOPED {
+    if JACOBIAN {
         *slope = times(sin_lead, &m_t.by);
         add::<_, ALL>(slope, cos_lead * side * angle.sin, &m_n.by);
         add::<_, ALL>(slope, cos_lead * side * angle.cos, &m_c.by);
@@ -756,7 +756,7 @@ fn set_torque<F: Compare, const SLOPED: bool>(
 ///
 /// * `NORMAL`: unknowns that its component along N changes with.
 #[inline(always)]
-fn add_vector<F: Compare, const SLOPED: bool, const NORMAL: u8>(
+fn add_vector<F: Compare, const JACOBIAN: bool, const NORMAL: u8>(
     (side, tilt): (F, &Angle<F>),
     [along_t, along_n, across]: [&Gradient<F>; 3],
     [t, n, c]: [usize; 3],
@@ -766,7 +766,7 @@ fn add_vector<F: Compare, const SLOPED: bool, const NORMAL: u8>(
     residual[t] = residual[t] + along_t.re;
     residual[n] = residual[n] + second;
     residual[c] = residual[c] + third;
-    if SLOPED {
+    if JACOBIAN {
         let one = side.constant(1.0);
         add::<_, ALL>(&mut rows[t], one, &along_t.by);
         add::<_, NORMAL>(&mut rows[n], side * tilt.cos, &along_n.by);
@@ -780,7 +780,7 @@ fn add_vector<F: Compare, const SLOPED: bool, const NORMAL: u8>(
 
 /// Inertia forces and the gyroscopic moment.
 #[inline(always)]
-fn add_inertia<F: Compare, const SLOPED: bool>(
+fn add_inertia<F: Compare, const JACOBIAN: bool>(
     point: &TractionPoint<F>,
     y: &[F; BALL],
     rotation: &Angle<F>,
@@ -804,7 +804,7 @@ fn add_inertia<F: Compare, const SLOPED: bool>(
     residual[m_t] = residual[m_t] + gyro * cos_lead * radial;
     residual[m_n] = residual[m_n] - gyro * second;
     residual[m_c] = residual[m_c] - gyro * third;
-    if SLOPED {
+    if JACOBIAN {
         let change = mass * rate * 2.0;
         for (row, unknown, slope) in [
             (f_n, PRECESSION, -(change * rotation.cos)),

@@ -12,7 +12,7 @@ use bsm_simd::Compare;
 use super::push::Push;
 use crate::contact::Wrench;
 use crate::cost;
-use crate::ellipse::{FrozenRule, Integrate, Local, Placement, Quadrature, surface_drop};
+use crate::ellipse::{ContactMotion, FrozenRule, Integrate, Placement, Quadrature, surface_drop};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::models::ball::{BALL, BallLoads, EhlLoss, EhlPoint, ElasticContacts, to_both, weight};
 
@@ -125,7 +125,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         if fraction < 1.0 {
             wrench = from_fn(|i| {
                 let contact = &loaded.contacts[i];
-                let local = Local::of(&motions[i], contact, D::from(contacts.scaled.arc));
+                let local = ContactMotion::of(&motions[i], contact, D::from(contacts.scaled.arc));
                 let ellipse = contacts.ellipse(i, &loaded);
                 let (unit, unit_power) = D::integrate(&ellipse, &local, self.creep, self.nodes(i));
                 let pull = loaded.loads[i] * contacts.signed(friction);

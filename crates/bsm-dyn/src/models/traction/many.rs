@@ -365,7 +365,7 @@ impl WithSimd for SolveMany<'_> {
         let all = points.clone();
         let mut iterates = Iterate::rows(rows);
         let (mut next, mut near, mut arrived) = (Vec::new(), Vec::new(), vec![false; rows]);
-        let work = &mut Work::new(simd);
+        let work = &mut EvaluationMemory::new(simd);
         for levels in LEVELS {
             for point in &points {
                 let at = TractionStart::of_columns(&starts.row(*point));
@@ -416,13 +416,13 @@ fn load_iterates<S: Simd>(simd: S, iterates: &NumberRows, group: &[usize]) -> It
 }
 
 /// Memory of the evaluations.
-struct Work<S: Simd> {
+struct EvaluationMemory<S: Simd> {
     found: EquationValues<Lane<S>>,
     nodes: [ManyNodes<S>; 2],
     tractions: [ContactTraction<Lane<S>>; 2],
 }
 
-impl<S: Simd> Work<S> {
+impl<S: Simd> EvaluationMemory<S> {
     fn new(simd: S) -> Self {
         let zero = Lane::splat(simd, 0.0);
         Self {
@@ -434,7 +434,7 @@ impl<S: Simd> Work<S> {
 }
 
 /// The equations at a state.
-struct Here<S: Simd> {
+struct ManyState<S: Simd> {
     rotation: Angle<Lane<S>>,
     weights: (Lane<S>, Lane<S>),
     /// Where there are contacts, and on their flanks; and where the quadrature resolves their friction.
@@ -442,8 +442,8 @@ struct Here<S: Simd> {
     resolved: Mask<S>,
 }
 
-/// What [`Here`] is made of.
-struct EvaluateMany<'a, S: Simd, const SLOPED: bool, const ROUGH: bool> {
+/// What [`ManyState`] is made of.
+struct EvaluateMany<'a, S: Simd, const JACOBIAN: bool, const ROUGH: bool> {
     simd: S,
     rule: &'a ManyQuadrature,
     at: &'a TractionStart<Lane<S>>,
@@ -452,17 +452,24 @@ struct EvaluateMany<'a, S: Simd, const SLOPED: bool, const ROUGH: bool> {
     /// The points, if their panels may be split.
     split: &'a [SplitPoint],
     /// Where it goes.
-    work: &'a mut Work<S>,
+    work: &'a mut EvaluationMemory<S>,
 }
 
-impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
-    for EvaluateMany<'_, S, SLOPED, ROUGH>
+impl<S: Simd, const JACOBIAN: bool, const ROUGH: bool> NullaryFnOnce
+    for EvaluateMany<'_, S, JACOBIAN, ROUGH>
 {
-    type Output = Here<S>;
+    type Output = ManyState<S>;
 
     #[inline(always)]
-    fn call(self) -> Here<S> {
-        let Self { simd, rule, at, frozen, split, work: Work { found, nodes, tractions } } = self;
+    fn call(self) -> ManyState<S> {
+        let Self {
+            simd,
+            rule,
+            at,
+            frozen,
+            split,
+            work: EvaluationMemory { found, nodes, tractions },
+        } = self;
         let TractionStart { point, unknowns: y } = at;
         let (zero, one) = (Lane::splat(simd, 0.0), Lane::splat(simd, 1.0));
         let (geometry, mut exists) = contact_geometry(point, y, y[TILT].sin_cos_of_tilt());
@@ -482,10 +489,10 @@ impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
             for i in 0..2 {
                 let (point, nodes) = (&geometry.points[i], &mut nodes[i]);
                 resolved = resolved & rule.place_nodes(simd, point, nodes, frozen);
-                tractions[i].sums = rule.sums::<S, SLOPED, ROUGH>(simd, point, nodes);
+                tractions[i].sums = rule.sums::<S, JACOBIAN, ROUGH>(simd, point, nodes);
             }
         } else {
-            let sums = rule.split_sums::<S, SLOPED>(simd, &geometry.points, split);
+            let sums = rule.split_sums::<S, JACOBIAN>(simd, &geometry.points, split);
             (tractions[0].sums, tractions[1].sums) = (sums[0], sums[1]);
             let mut ready = [0.0; BLOCK];
             ready[..split.len()].fill(1.0);
@@ -494,12 +501,12 @@ impl<S: Simd, const SLOPED: bool, const ROUGH: bool> NullaryFnOnce
         tractions[0].coefficient = at.point.friction;
         tractions[1].coefficient = at.point.friction;
         (found.residual, found.transmitted.power) = ([zero; BALL], zero);
-        if SLOPED {
+        if JACOBIAN {
             found.rows = [[zero; BLOCK]; BALL];
         }
-        evaluate::<_, Dry, SLOPED>(point, y, &geometry, tractions, found);
+        evaluate::<_, Dry, JACOBIAN>(point, y, &geometry, tractions, found);
         let weights = (force.recip(), moment.recip());
-        Here { rotation: geometry.rotation, weights, exists, resolved }
+        ManyState { rotation: geometry.rotation, weights, exists, resolved }
     }
 }
 
@@ -524,7 +531,7 @@ struct Factors<S: Simd> {
 impl<S: Simd> Factors<S> {
     /// The rotation is eliminated along t, N and `$e_x$`, so that the derivatives of the moments are about symmetric.
     #[inline(always)]
-    fn of(found: &EquationValues<Lane<S>>, here: &Here<S>, lead: (Lane<S>, Lane<S>)) -> Self {
+    fn of(found: &EquationValues<Lane<S>>, here: &ManyState<S>, lead: (Lane<S>, Lane<S>)) -> Self {
         let ((sin_a, cos_a), Angle { sin, cos, .. }) = (lead, here.rotation);
         let mut rows = [[sin; BALL]; BALL];
         for k in 0..BALL {
@@ -583,7 +590,7 @@ impl<S: Simd> Factors<S> {
 fn approach<S: Simd>(
     simd: S,
     (rule, levels): (&ManyQuadrature, &[f64]),
-    work: &mut Work<S>,
+    work: &mut EvaluationMemory<S>,
     iterates: &mut NumberRows,
     group: &[usize],
     [next, near]: [&mut Vec<(usize, usize)>; 2],
@@ -659,7 +666,7 @@ fn approach<S: Simd>(
 fn refine<S: Simd, const SPLIT: bool>(
     simd: S,
     rules: &TractionMany,
-    work: &mut Work<S>,
+    work: &mut EvaluationMemory<S>,
     iterates: &NumberRows,
     group: &[usize],
     (roots, are_roots): &mut (NumberRows, Vec<bool>),
@@ -668,10 +675,11 @@ fn refine<S: Simd, const SPLIT: bool>(
     let (rule, check) = (&rules.rule, &rules.check);
     let mut points = vec![SplitPoint::default(); if SPLIT { group.len() } else { 0 }];
     let one = steps.constant(1.0);
-    let linearized = |at: &TractionStart<Lane<S>>, points: &[SplitPoint], work: &mut Work<S>| {
-        let (frozen, split) = (false, points);
-        simd.vectorize(EvaluateMany::<S, true, false> { simd, rule, at, frozen, split, work })
-    };
+    let linearized =
+        |at: &TractionStart<Lane<S>>, points: &[SplitPoint], work: &mut EvaluationMemory<S>| {
+            let (frozen, split) = (false, points);
+            simd.vectorize(EvaluateMany::<S, true, false> { simd, rule, at, frozen, split, work })
+        };
     let mut here = linearized(&at, &points, work);
     let mut factors = Factors::of(&work.found, &here, at.point.scaled.lead);
     if SPLIT {

@@ -57,14 +57,14 @@ pub(super) enum PathResult {
 
 /// What is varied.
 #[derive(Debug, Clone, Copy)]
-enum Along {
+enum PathParameter {
     /// The friction of a ball without inertia.
     Friction,
     /// The precession rate of the inertia forces.
     Rate { unit: f64 },
 }
 
-impl Along {
+impl PathParameter {
     /// Friction and rate, and their derivatives by `u`.
     fn at(self, friction: f64, u: f64) -> [(f64, f64); 2] {
         match self {
@@ -79,7 +79,7 @@ impl Along {
 /// The equations of a ball in which something is varied.
 struct PathEquations<'a> {
     ball: &'a SlipBall<'a>,
-    along: Along,
+    along: PathParameter,
 }
 
 impl PathEquations<'_> {
@@ -154,7 +154,7 @@ impl SlipBall<'_> {
             let resting = SlipBall { contacts: &still, ..*self };
             let goal = self.contacts.friction.ln();
             let seen = trace(
-                &PathEquations { ball: &resting, along: Along::Friction },
+                &PathEquations { ball: &resting, along: PathParameter::Friction },
                 &seed(&y, slippery.friction.ln()),
                 |z, way| [(z[BALL] - goal, way[BALL])],
                 |Trace { crossings, last, .. }| {
@@ -208,7 +208,7 @@ impl SlipBall<'_> {
         let event_rate = |z: &[f64; PATH]| unit * z[BALL].sinh();
         let (mut found, mut off_flank, mut known, mut more) = (None, None, 0, 0);
         let seen = trace(
-            &PathEquations { ball: self, along: Along::Rate { unit } },
+            &PathEquations { ball: self, along: PathParameter::Rate { unit } },
             &seed(y, 0.0),
             |z, way| {
                 let slope = way[PRECESSION] - unit * z[BALL].cosh() * way[BALL];

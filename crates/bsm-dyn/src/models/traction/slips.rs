@@ -7,7 +7,7 @@
 
 use bsm_simd::Compare;
 
-use super::columns::{Mean, Sides, TractionPoint};
+use super::columns::{MeanAngle, Sides, TractionPoint};
 use super::equations::{OMEGA, SlipBall};
 use crate::models::ball::BALL;
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
@@ -68,8 +68,8 @@ pub(super) fn slid<F: Compare>(
     let from_nut = y[PRECESSION] + (point.offset - point.scaled.nut_speed);
 
     let sides = Sides::of(point, y);
-    let Mean { angle: (sin, cos), nut, screw, height, exists } =
-        Mean::of(sides.lengths, point.scaled.radial_distance, here);
+    let MeanAngle { angle: (sin, cos), nut, screw, height, exists } =
+        MeanAngle::of(sides.lengths, point.scaled.radial_distance, here);
     let ([sin_a, cos_a], [sin_b, cos_b], [l_a, l_b]) = (nut, screw, sides.lengths);
     let (dl_a, dl_b) = (sides.slopes[0] * step[NUT_LOAD], sides.slopes[1] * step[SCREW_LOAD]);
     // A₁ dβ = cosβ_A dl_A + cosβ_B dl_B + (l_A sinβ_A − l_B sinβ_B) dν,  dβ_A = dβ − dν,  dβ_B = dβ + dν  (T28)
@@ -89,7 +89,7 @@ pub(super) fn slid<F: Compare>(
     let spin = sin * (w_b + dw_b) + cos * (w_n + dw_n) + (cos * w_b - sin * w_n) * rotation;
 
     let loaded = Sides::of(point, &next);
-    let mean = Mean::of(loaded.lengths, point.scaled.radial_distance, there);
+    let mean = MeanAngle::of(loaded.lengths, point.scaled.radial_distance, there);
     let ((sin, cos), [sin_a, cos_a], [_, cos_b]) = (mean.angle, mean.nut, mean.screw);
     // e = (u_A − u_B − d + cosα cosβ_B)/(2 cosν)                          (T29)
     let across = (nut_slip - screw_slip - arc + cos_lead * cos_b) / (there.1 * 2.0);
@@ -133,7 +133,7 @@ mod tests {
         let to_nut = ball.motion_to_nut(y, &loaded);
         let motions = crate::models::ball::to_both(&to_nut, &loaded.frame);
         let [nut, screw] = std::array::from_fn(|i| {
-            let local = crate::ellipse::Local::of(
+            let local = crate::ellipse::ContactMotion::of(
                 &motions[i],
                 &loaded.contacts[i],
                 ball.contacts.scaled.arc,

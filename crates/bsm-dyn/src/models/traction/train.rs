@@ -32,12 +32,12 @@ struct TrainEquations<'a> {
     push: Push,
     /// Precession as the unknowns of the ball have it.
     precession: f64,
-    seen: &'a Cell<Seen>,
+    seen: &'a Cell<TrainCache>,
 }
 
 /// What is kept of the states at which the equations of a held ball were evaluated.
 #[derive(Debug, Clone, Copy, Default)]
-struct Seen {
+struct TrainCache {
     /// Derivatives of the equations by the precession, where the Jacobian was last asked for.
     by_precession: [f64; BALL],
     /// The last state, and what the screw transmits there.
@@ -58,7 +58,7 @@ impl Equations<BALL> for TrainEquations<'_> {
     fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {
         let (ball, y) = self.moving(x);
         let found = ball.evaluated::<false>(&y)?;
-        self.seen.set(Seen { last: Some((*x, found.transmitted)), ..self.seen.get() });
+        self.seen.set(TrainCache { last: Some((*x, found.transmitted)), ..self.seen.get() });
         Ok(found.residual)
     }
 
@@ -75,7 +75,7 @@ impl Equations<BALL> for TrainEquations<'_> {
             to[PRECESSION] = by_push;
         }
         let by_precession = from_fn(|i| found.rows[i][PRECESSION]);
-        self.seen.set(Seen { by_precession, last: Some((*x, found.transmitted)) });
+        self.seen.set(TrainCache { by_precession, last: Some((*x, found.transmitted)) });
         Ok(found.residual)
     }
 
@@ -347,7 +347,8 @@ impl TrainBall {
                 follow(&mut x, (0.0, 1.0), STRIDE, run).ok()?;
             }
             let equations = at(1.0);
-            let ((moving, y), Seen { by_precession, last }) = (equations.moving(&x), seen.get());
+            let ((moving, y), TrainCache { by_precession, last }) =
+                (equations.moving(&x), seen.get());
             let by_front = moving.by_push(&y, [1.0, 0.0], self.contact_friction).ok()?;
             // Of all unknowns but the rate, and of the push behind, by the rate and by the push in front.
             let by_rate = newton.correction(&by_precession).ok()?;
