@@ -193,7 +193,7 @@ fn ellipses(request: &Request, points: u32) -> Result<Value, Refusal> {
 pub(crate) fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
     let report = match NutProblem::of(case, settings)?.solve() {
         Ok(report) => report,
-        Err(none) => return Ok(NutProblem::unsolved(&none).to_json()),
+        Err(none) => return Ok(NutProblem::unsolved(case, &none).to_json()),
     };
     let sections = report.answer();
     let mut answer = sections.to_json();
