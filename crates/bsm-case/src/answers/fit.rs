@@ -261,7 +261,7 @@ impl Fit {
             })
         };
         let (fails, warnings) = (report.found.is_empty(), case.warnings());
-        let mut answer = Answer { fails, warnings, ..Answer::default() }
+        let mut answer = Answer { warnings, fails, ..Answer::default() }
             .with("measured", Content::Json(json!({ self.output.name: self.measured })))
             .with("found", Content::Json(report.found.iter().map(fitted).collect()))
             .with(
