@@ -89,7 +89,7 @@ class Quantity(NamedTuple):
     kind : str
         Type in JSON: number, integer, boolean, string or array.
     analysis : str or None
-        Analysis of an output: slip, jam, optimum, ratings, nut, axis.
+        Analysis of an output: slip, jam, optimum, ratings, nut, axis, warm.
     """
 
     name: str

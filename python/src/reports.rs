@@ -93,15 +93,8 @@ pub(crate) fn nut(
 ) -> Result<(Report, Lines, Lines)> {
     let case = &case.get().0;
     on_threads(py, || match NutProblem::of(case, &how.0)?.solve() {
-        Ok(report) => {
-            let mut answer = report.answer();
-            answer.warnings.splice(0..0, case.warnings());
-            Ok((told(&answer), report.balls().rows, report.curve().rows))
-        }
-        Err(none) => {
-            let answer = Answer { warnings: case.warnings(), ..NutProblem::unsolved(&none) };
-            Ok((told(&answer), Vec::new(), Vec::new()))
-        }
+        Ok(report) => Ok((told(&report.answer()), report.balls().rows, report.curve().rows)),
+        Err(none) => Ok((told(&NutProblem::unsolved(case, &none)), Vec::new(), Vec::new())),
     })
 }
 
@@ -126,7 +119,7 @@ pub(crate) fn nut_samples(
     let case = &case.get().0;
     on_threads(py, || {
         let samples = Samples::of(&NutProblem::of(case, &how.0)?, number, None)?;
-        Ok(told(&Answer { warnings: case.warnings(), ..samples.answer() }))
+        Ok(told(&samples.answer(case)))
     })
 }
 
@@ -144,7 +137,7 @@ pub(crate) fn fit(
     on_threads(py, || {
         let fit = Fit::new(case, input, range, measured)?;
         let report = fit.run(case, &how.0)?;
-        Ok(told(&Answer { warnings: case.warnings(), ..fit.answer(case, &report) }))
+        Ok(told(&fit.answer(case, &report)))
     })
 }
 
@@ -165,10 +158,10 @@ pub(crate) fn fit_table(
         let fit = Calibration::new(case, &inputs, measured, table, &TableFormat::default())?;
         let lost = || Content::Text("", Some(Calibration::LOST.to_owned()));
         let answer = match fit.run(case, &how.0)? {
-            Some(report) => fit.answer(&report),
+            Some(report) => fit.answer(case, &report),
             None => Answer { fails: true, ..Answer::default() }.with("message", lost()),
         };
-        Ok(told(&Answer { warnings: case.warnings(), ..answer }))
+        Ok(told(&answer))
     })
 }
 

@@ -8,7 +8,7 @@ use bsm_case::{
     CaseError, InputKey, InputSet, OUTPUTS, Record, Sensitivities, Settings, Supplement, following,
     torque_parts,
 };
-use bsm_dyn::{LossInterval, ModelWorkspace};
+use bsm_dyn::ModelWorkspace;
 use bsm_report::PROGRAM;
 use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
@@ -120,23 +120,15 @@ impl Solution {
     /// As the program prints it with `--show band --json`.
     fn to_json(&self, py: Python<'_>) -> String {
         let case = &self.case.get().0;
-        let (band, parts) = py.detach(|| (self.band(), torque_parts(case, &self.settings)));
-        // Why there are none, the report of the whole nut says.
-        let parts = parts.ok().flatten();
-        let beside = Supplement { band, parts, sensitivities: None };
-        format!("{:#}", self.record.answer(PROGRAM, case, &self.settings, &beside).to_json())
+        let beside = Supplement { band: true, parts: true, sensitivities: None };
+        let answer = py.detach(|| self.record.answer(PROGRAM, case, &self.settings, &beside));
+        format!("{:#}", answer.to_json())
     }
 }
 
 impl Solution {
     fn value(&self, place: usize) -> Option<f64> {
         self.record.value(OUTPUTS.get(place)?)
-    }
-
-    /// What the data of a lubricant may do to the answer.
-    fn band(&self) -> Option<LossInterval> {
-        let problem = self.case.get().0.problem(&self.settings).ok()?;
-        WORK.with_borrow_mut(|work| problem.band(self.record.solved()?, work))
     }
 }
 

@@ -62,7 +62,7 @@ fn to_table(
         return Err(Failure::Check(format!("{}, --input NAME=LOW:HIGH", Calibration::LOST)));
     };
     let figure = figure(&fit, &report);
-    Ok((fit.answer(&report), figure))
+    Ok((fit.answer(case, &report), figure))
 }
 
 /// Fitted over measured values, and the line on which they agree.

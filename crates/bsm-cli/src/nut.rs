@@ -22,11 +22,11 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
     let settings = args.model.settings()?;
     let problem = NutProblem::of(&case, &settings).map_err(in_file)?;
     let mut figures = Vec::new();
-    let mut answer = if let Some(number) = args.samples {
-        Samples::of(&problem, number, args.seed).map_err(in_file)?.answer()
+    let answer = if let Some(number) = args.samples {
+        Samples::of(&problem, number, args.seed).map_err(in_file)?.answer(&case)
     } else {
         match problem.solve() {
-            Err(none) => NutProblem::unsolved(&none),
+            Err(none) => NutProblem::unsolved(&case, &none),
             Ok(report) => {
                 for path in args.out.tables() {
                     let table = match args.show {
@@ -42,7 +42,6 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
             }
         }
     };
-    answer.warnings.splice(0..0, case.warnings());
     Reply::about(&case, answer).give(&args.out, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 

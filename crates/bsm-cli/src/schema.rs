@@ -11,86 +11,87 @@ use serde_json::{Map, Value, json};
 use crate::failure::Failure;
 use crate::files::{pretty_json, print};
 
-/// Answers by the name of their schema: the command, and what its JSON is, one of the [`OBJECTS`] or lists of them.
-const ANSWERS: [(&str, &str, &[&str]); 14] = [
-    ("solve", "solve", &["solve"]),
-    ("models", "solve --model all", &["models"]),
-    // Without a solution there is nothing to analyse: it says why.
-    ("slip", "solve --show slip", &["slip", "solve"]),
-    ("ellipses", "solve --show ellipses", &["ellipses", "solve"]),
-    ("jam", "solve --show jam", &["jam", "solve"]),
-    ("optimum", "solve --show optimum", &["optimum"]),
-    ("ratings", "solve --show ratings", &["ratings"]),
-    ("nut", "nut", &["nut", "no nut", "samples"]),
-    ("axis", "axis", &["axis"]),
-    ("select", "select", &["design", "[catalogue]", "[manufacturer]"]),
-    ("fit", "fit", &["fit", "calibration"]),
-    ("parts", "parts check", &["parts"]),
-    ("validate", "validate", &["validate"]),
-    ("tradeoff", "tradeoff", &["tradeoff"]),
-];
-
-/// Objects and their members, each with its kind, see [`kind`]; a name with `?` may be absent. `@table` are the numbers of
-/// a table or the members of a type, `@table?` the same if they are there.
-const OBJECTS: &[(&str, &str)] = &[
+/// Answers by the name of their schema: the command, and what its JSON is, see [`kind`], between bars if it may be several.
+///
+/// Sections of an [`Answer`](bsm_case::Answer) are the tables behind `@` and the [`TABLES`]. Only two have a layout of their own:
+/// what `fit` finds, whose members are inputs that its user names, and the vectors of `nut`, whose names are those of the
+/// published cases that they are compared with (`validation/published/nut/public.json`).
+const ANSWERS: [(&str, &str, &str); 14] = [
     (
         "solve",
-        "@output, program string, inputs case, settings settings, regime string?, @said, \
+        "solve",
+        "@output, program string, inputs @case?, settings settings, regime string?, @said, \
          sensitivities? *derivatives, band? *interval, torque_parts? torque",
     ),
-    ("case", "@case?"),
+    ("models", "solve --model all", "regime string?, models [model], left_out texts, @said"),
+    // Without a solution there is nothing to analyse: it says why.
     (
-        "settings",
-        "name string, tolerance number, accuracy number, creep number, control string?, friction string",
+        "slip",
+        "solve --show slip",
+        "model string, @slip, verdicts *verdict, lacks texts, @said | solve",
     ),
-    ("torque", "@torques, contacts string"),
-    ("models", "regime string?, models [model], left_out texts, @said"),
-    ("model", "@output, time_us number"),
-    ("slip", "model string, @slip, verdicts *verdict, lacks texts, @said"),
-    ("jam", "model string, @jam, verdicts *verdict, lacks texts, @said"),
-    ("ellipses", "model string, contacts [ellipse], @said"),
-    ("optimum", "@optimum, model? string, by_model? best, @said"),
-    ("ratings", "@ratings, @as used, preloaded boolean, steps steps, @said"),
+    ("ellipses", "solve --show ellipses", "model string, contacts [ellipse], @said | solve"),
     (
+        "jam",
+        "solve --show jam",
+        "model string, @jam, verdicts *verdict, lacks texts, @said | solve",
+    ),
+    ("optimum", "solve --show optimum", "@optimum, model? string, by_model? best, @said"),
+    (
+        "ratings",
+        "solve --show ratings",
+        "@ratings, @as used, preloaded boolean, steps steps, @said",
+    ),
+    (
+        "nut",
         "nut",
         "@nut, status string, message string?, model string?, displacement_um numbers, tilt_urad numbers, reaction_SI numbers, \
          stiffness_SI numbers, body_axial_N numbers, K_series_SI? number, K_nut_SI? number, K_screw_SI? number, iterations integer, \
          nut_plus_N [number?], nut_minus_N [number?], screw_plus_N [number?], screw_minus_N [number?], nut_plus_deg [number?], \
          nut_minus_deg [number?], screw_plus_deg [number?], screw_minus_deg [number?], warm? warm, \
-         conductances? *conductance, circuits? [circuit], @said",
+         conductances? *conductance, circuits? [circuit], @said \
+         | status string, message string, @said | carried integer, failed integer, quantiles **number, @said",
     ),
-    ("no nut", "status string, message string, @said"),
-    ("samples", "carried integer, failed integer, quantiles **number, @said"),
     (
         "axis",
-        "program string, passes boolean, inputs case, screw screw, results results, warm? warm, conductances? *conductance, band? *range, rules [rule], \
-         phases [phase], not_modelled texts, @said",
+        "axis",
+        "program string, passes boolean, inputs @case?, screw screw, results @axis, warm? warm, conductances? *conductance, \
+         band? *range, rules [rule], phases [phase], not_modelled texts, @said",
     ),
-    ("results", "@axis"),
     (
-        "rule",
-        "rule string, name string, symbol string, unit string, value number?, must_be string, limit number?, margin number?, passes boolean, source string, \
-         remedy string?",
+        "select",
+        "select",
+        "found boolean, reasons texts, steps [step], case @case?, @said \
+         | [@catalogue, @sheet?] | [nut string, @manufacturer, @sheet?, passes? boolean]",
     ),
-    ("phase", "@phase, @torques, contacts string, body_axial_N numbers?"),
-    ("design", "found boolean, reasons texts, steps [step], case case, @said"),
-    ("catalogue", "@catalogue, @sheet?"),
-    ("manufacturer", "nut string, @manufacturer, @sheet?, passes? boolean"),
-    ("fit", "measured measured, found [fitted], reachable [number?]?, message string, @said"),
-    ("measured", "@solution?, screw_torque_Nm? number"),
-    ("fitted", "@input?, relative_response number?, result output"),
     (
-        "calibration",
-        "output string, found *value, root_mean_square number, condition number?, points [point], @said",
+        "fit",
+        "fit",
+        "measured measured, found [fitted], reachable [number?]?, message string, @said \
+         | output string, found *value, root_mean_square number, condition number?, points [point], @said",
     ),
     (
         "parts",
+        "parts check",
         "plan string, parts integer, finished integer, complete boolean, deep boolean, missing texts, damaged [damage], \
          foreign texts, rows integer, failed integer, several integer, @said",
     ),
+    ("validate", "validate", "program string, passed boolean, checks [check], @said"),
+    ("tradeoff", "tradeoff", "program string, tradeoff measurement, @said"),
+];
+
+/// Objects in answers that are no table, and their members.
+const OBJECTS: [(&str, &str); 7] = [
+    (
+        "settings",
+        "name string, tolerance number, accuracy number, creep number, control string?, friction string",
+    ),
+    ("torque", "@torques, contacts string"),
+    ("model", "@output, time_us number"),
+    ("phase", "@phase, @torques, contacts string, body_axial_N numbers?"),
+    ("measured", "@solution?, screw_torque_Nm? number"),
+    ("fitted", "@input?, relative_response number?, result output"),
     ("damage", "file string, reason string"),
-    ("validate", "program string, passed boolean, checks [check], @said"),
-    ("tradeoff", "program string, tradeoff measurement, @said"),
 ];
 
 /// Names with a schema.
@@ -114,7 +115,7 @@ fn answer(name: &str) -> Value {
     let mut schema = Map::new();
     schema.insert("$schema".to_owned(), input_schema()["$schema"].clone());
     schema.insert("title".to_owned(), json!(format!("result of bsm {command}")));
-    let shapes: Vec<_> = shapes.iter().map(|shape| kind(shape)).collect();
+    let shapes: Vec<_> = shapes.split(" | ").map(kind).collect();
     match &shapes[..] {
         [Value::Object(only)] => schema.extend(only.clone()),
         several => drop(schema.insert("anyOf".to_owned(), json!(several))),
@@ -122,9 +123,16 @@ fn answer(name: &str) -> Value {
     Value::Object(schema)
 }
 
-/// Type of a member of an object: `number`, `integer`, `string`, `boolean`, `texts`, `numbers`, texts `a/b`, or one of the
-/// [`OBJECTS`], of the [`TABLES`] or of the tables of numbers; `[kind]` a list of it, `*kind` an object of it by names that are not known beforehand, `kind?` the same or null.
+/// Type of a member of an object: `number`, `integer`, `string`, `boolean`, `texts`, `numbers`, texts `a/b`, `solve`, one of the
+/// [`OBJECTS`], of the [`TABLES`] or of the tables of numbers; `[kind]` a list of it, `*kind` an object of it by names
+/// that are not known beforehand, `kind?` the same or null; members of an object between commas, see [`object`].
 fn kind(word: &str) -> Value {
+    if let Some(items) = word.strip_prefix('[').and_then(|word| word.strip_suffix(']')) {
+        return json!({ "type": "array", "items": kind(items) });
+    }
+    if word.contains(", ") || word.starts_with('@') {
+        return object(word.split(", "));
+    }
     if let Some(known) = word.strip_suffix('?') {
         let mut schema = kind(known);
         schema["type"] = json!([schema["type"].take(), "null"]);
@@ -133,9 +141,6 @@ fn kind(word: &str) -> Value {
     if let Some(known) = word.strip_prefix('*') {
         return json!({ "type": "object", "additionalProperties": kind(known) });
     }
-    if let Some(items) = word.strip_prefix('[').and_then(|word| word.strip_suffix(']')) {
-        return json!({ "type": "array", "items": kind(items) });
-    }
     if word.contains('/') {
         return json!({ "enum": word.split('/').collect::<Vec<_>>() });
     }
@@ -143,20 +148,29 @@ fn kind(word: &str) -> Value {
         "number" | "integer" | "string" | "boolean" => return json!({ "type": word }),
         "texts" => return kind("[string]"),
         "numbers" => return kind("[number]"),
+        "solve" => return kind(ANSWERS[0].2),
         _ => {}
     }
-    let members = match OBJECTS.iter().find(|(own, _)| *own == word) {
-        Some((_, members)) => members.split(',').map(|member| member.trim().to_owned()).collect(),
-        None => match TABLES.into_iter().find(|(own, _)| *own == word) {
-            Some((_, columns)) => {
-                let named = Column::all_of(columns).filter(|column| !column.name.is_empty());
-                named.map(|Column { name, kind, .. }| format!("{name} {kind}")).collect()
-            }
-            None => vec![format!("@{word}")],
-        },
-    };
+    let of = |(own, _): &(&str, &str)| *own == word;
+    if let Some((_, members)) = OBJECTS.into_iter().find(of) {
+        return kind(members);
+    }
+    match TABLES.into_iter().find(of) {
+        Some((_, columns)) => {
+            let named = Column::all_of(columns).filter(|column| !column.name.is_empty());
+            let members: Vec<_> =
+                named.map(|Column { name, kind, .. }| format!("{name} {kind}")).collect();
+            object(members.iter().map(String::as_str))
+        }
+        None => object([format!("@{word}").as_str()]),
+    }
+}
+
+/// An object of members, each with its kind; a name with `?` may be absent. `@table` are the numbers of a table or the
+/// members of a type, `@table?` the same if they are there.
+fn object<'a>(members: impl IntoIterator<Item = &'a str>) -> Value {
     let (mut properties, mut required) = (Map::new(), Vec::new());
-    for member in &members {
+    for member in members {
         let (own, always) = if let Some(table) = member.strip_prefix('@') {
             (numbers(table.trim_end_matches('?')), !table.ends_with('?'))
         } else {

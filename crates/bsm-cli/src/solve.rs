@@ -2,7 +2,7 @@
 
 use bsm_case::{
     Answer, Case, CaseError, EllipseFields, ModelChoice, Record, Sensitivities, Settings,
-    Supplement, comparison, jam, slip, torque_parts,
+    Supplement, comparison, jam, slip,
 };
 use bsm_dyn::{ModelWorkspace, Solution, Status};
 use bsm_report::sheets::Study;
@@ -95,17 +95,10 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
 /// The motion, with what is shown besides.
 fn motion(args: &SolveArgs, case: &Case, settings: &Settings) -> Result<Answer, Failure> {
     let in_file = args.case.failure();
-    let problem = case.problem(settings).map_err(in_file)?;
     let mut work = ModelWorkspace::default();
-    let solution = problem.solve(&mut work);
-    let wants_band = args.show.contains(&Show::Band) || args.show.is_empty() && !args.out.json;
-    let solved = solution.solved().filter(|_| wants_band);
-    let band = solved.and_then(|solved| problem.band(solved, &mut work));
+    let solution = case.problem(settings).map_err(in_file)?.solve(&mut work);
+    let band = args.show.contains(&Show::Band) || args.show.is_empty() && !args.out.json;
     let (mut notes, mut sensitivities) = (Vec::new(), None);
-    let parts = torque_parts(case, settings).unwrap_or_else(|why| {
-        notes.push(format!("no screw torque: {why}"));
-        None
-    });
     if args.show.contains(&Show::Sensitivities) && solution.status() == Status::Converged {
         let inputs = Sensitivities::of(case, settings).map_err(in_file)?;
         match inputs.solve(&mut work) {
@@ -118,7 +111,7 @@ fn motion(args: &SolveArgs, case: &Case, settings: &Settings) -> Result<Answer, 
     }
     let lacks = args.show.contains(&Show::Sensitivities) && sensitivities.is_none();
     let mut answer =
-        point(args, case, settings, solution, &Supplement { band, parts, sensitivities })?;
+        point(args, case, settings, solution, &Supplement { band, parts: true, sensitivities })?;
     answer.notes.splice(0..0, notes);
     answer.fails |= lacks;
     Ok(answer)

@@ -84,8 +84,10 @@ fn environment() -> Environment<'static> {
         ("sin", f64::sin as fn(f64) -> f64),
         ("cos", f64::cos),
         ("tan", f64::tan),
+        ("asin", f64::asin),
         ("sqrt", f64::sqrt),
         ("radians", f64::to_radians),
+        ("degrees", f64::to_degrees),
     ] {
         environment.add_function(name, function);
     }

@@ -6,7 +6,7 @@ use bsm_batch::{Answers, Buffers, GridSource, Source, Task, Workers};
 use bsm_case::{
     Answer, Axis, AxisReport, Case, CaseError, Columns, EllipseFields, Grid, GrooveSection,
     ModelChoice, MotionAnswer, Numbers, NutProblem, Output, Quantity, Record, Row, Scope, Settings,
-    Supplement, WarmBranch, comparison, torque_parts,
+    Supplement, WarmBranch, comparison,
 };
 use bsm_dyn::{Model, ModelWorkspace, RacewayFriction, Status};
 use bsm_report::sheets::{size_page, size_results};
@@ -123,20 +123,13 @@ pub(crate) fn solved(
     Request { case, settings, rest }: &Request,
     parts: bool,
 ) -> Result<Value, Refusal> {
-    let problem = case.problem(settings)?;
-    let mut work = ModelWorkspace::default();
-    let solution = problem.solve(&mut work);
-    let wants_band = rest.get("band") == Some(&Value::Bool(true));
-    let solved = solution.solved().filter(|_| wants_band);
-    let band = solved.and_then(|solved| problem.band(solved, &mut work));
-    let record = Record::new(solution);
+    let record = Record::new(case.problem(settings)?.solve(&mut ModelWorkspace::default()));
     if record.status() == Status::InvalidInput {
         let text = record.message().unwrap_or("the model refuses the input");
         return Err(Refusal::Input(text.to_owned()));
     }
-    // Why there are none, the nut's panel says.
-    let parts = if parts { torque_parts(case, settings).ok().flatten() } else { None };
     let numbers = record.rows(case);
+    let band = rest.get("band") == Some(&Value::Bool(true));
     let beside = Supplement { band, parts, sensitivities: None };
     let Value::Object(mut report) = record.answer(PROGRAM, case, settings, &beside).to_json()
     else {
@@ -200,7 +193,7 @@ fn ellipses(request: &Request, points: u32) -> Result<Value, Refusal> {
 pub(crate) fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
     let report = match NutProblem::of(case, settings)?.solve() {
         Ok(report) => report,
-        Err(none) => return Ok(NutProblem::unsolved(&none).to_json()),
+        Err(none) => return Ok(NutProblem::unsolved(case, &none).to_json()),
     };
     let sections = report.answer();
     let mut answer = sections.to_json();

@@ -141,7 +141,7 @@ impl Calibration {
     }
 
     /// The answer: the values, what they leave over, and each point.
-    pub fn answer(&self, report: &CalibrationReport) -> Answer {
+    pub fn answer(&self, case: &Case, report: &CalibrationReport) -> Answer {
         let condition = report.found.condition;
         let row = |(name, value, deviation): (&str, f64, Option<f64>)| {
             vec![json!(name), json!(value), json!(deviation)]
@@ -153,7 +153,7 @@ impl Calibration {
         let points = (1..).zip(self.fitted(report)).map(point);
         let points = Table::of(POINTS, points);
         let caution = if condition > 1e3 { ": the inputs are poorly determined" } else { "" };
-        Answer::default()
+        Answer { warnings: case.warnings(), ..Answer::default() }
             .with("output", Content::Json(self.output.name.into()))
             .with("found", Content::Table(found))
             .with("root_mean_square", Content::Json(json!(report.scatter)))

@@ -260,7 +260,8 @@ impl Fit {
                 "result": f.record.to_json(),
             })
         };
-        let mut answer = Answer { fails: report.found.is_empty(), ..Answer::default() }
+        let (fails, warnings) = (report.found.is_empty(), case.warnings());
+        let mut answer = Answer { warnings, fails, ..Answer::default() }
             .with("measured", Content::Json(json!({ self.output.name: self.measured })))
             .with("found", Content::Json(report.found.iter().map(fitted).collect()))
             .with(

@@ -20,7 +20,7 @@ use crate::case::warm::Warm;
 use crate::vocabulary::number::count;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
-use crate::{Answer, Content, InputSet, Numbers, NutProblem, Output, Quantity, exact};
+use crate::{Answer, Case, Content, InputSet, Numbers, NutProblem, Output, Quantity, exact};
 
 mod train;
 
@@ -511,9 +511,9 @@ impl NutProblem {
     }
 
     /// The answer without a solution: the reason.
-    pub fn unsolved(none: &NutError) -> Answer {
+    pub fn unsolved(case: &Case, none: &NutError) -> Answer {
         let status = none.status().name().to_owned();
-        Answer { fails: true, ..Answer::default() }
+        Answer { fails: true, warnings: case.warnings(), ..Answer::default() }
             .with("status", Content::Text("status ", Some(status)))
             .with("message", Content::Text("message", Some(none.to_string())))
     }
@@ -831,13 +831,13 @@ impl NutReport {
         entry("iterations", json!(found.steps));
         let warm = self.problem.warm.as_deref();
         let notes = warm.map_or_else(Vec::new, Warm::notes).into_iter().chain(self.notes());
-        let warnings = warm.and_then(Warm::warning).into_iter().chain(self.warnings());
-        let answer =
-            Answer { notes: notes.collect(), warnings: warnings.collect(), ..Answer::default() }
-                .with("", Content::numbers(self.numbers(|_| true), "nut"))
-                .with("", Content::Json(Value::Object(more)))
-                .with("model", Content::Text("model ", self.model()))
-                .with_some("circuits", self.circuits().map(Content::Table));
+        let mut warnings = self.problem.warnings.clone();
+        warnings.extend(warm.and_then(Warm::warning).into_iter().chain(self.warnings()));
+        let answer = Answer { notes: notes.collect(), warnings, ..Answer::default() }
+            .with("", Content::numbers(self.numbers(|_| true), "nut"))
+            .with("", Content::Json(Value::Object(more)))
+            .with("model", Content::Text("model ", self.model()))
+            .with_some("circuits", self.circuits().map(Content::Table));
         Warm::add_to(warm, answer)
     }
 }

@@ -2,8 +2,8 @@
 
 use bsm_dyn::{
     Alternatives, Basis, Choice, ContactState, ControllingRaceway, ErrorBound, FilmState,
-    LossInterval, Model, ROLLING_BELOW, Reason, Regime, Slip, SlipRegime, Solution, Solved, Status,
-    ZERO_CELSIUS,
+    LossInterval, Model, ModelWorkspace, ROLLING_BELOW, Reason, Regime, Slip, SlipRegime, Solution,
+    Solved, Status, ZERO_CELSIUS,
 };
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
@@ -12,8 +12,8 @@ use crate::vocabulary::answer::numbers_json;
 use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::units::{DEG, MM, MPA};
 use crate::{
-    Answer, Case, CaseError, Content, ModelChoice, Numbers, OUTPUTS, Output, ScrewTorque, Section,
-    Sensitivity, Settings, Table,
+    Answer, Case, CaseError, Content, ModelChoice, Numbers, OUTPUTS, Output, Section, Sensitivity,
+    Settings, Table, torque_parts,
 };
 
 /// Hertz pressure between ball and groove from which permanent marks are usual \[Pa\]; the static
@@ -350,24 +350,31 @@ impl Record {
         settings: &Settings,
         beside: &Supplement,
     ) -> Answer {
-        let Supplement { band, parts, sensitivities } = beside;
+        let work = &mut ModelWorkspace::default();
+        let mut band = || case.problem(settings).ok()?.band(self.solved()?, work);
+        let band = if beside.band { band() } else { None };
+        let (mut notes, mut parts) = (Vec::new(), None);
+        if beside.parts {
+            match torque_parts(case, settings) {
+                Ok(found) => parts = found.filter(|parts| parts.torque().is_some()),
+                Err(why) => notes.push(format!("no screw torque: {why}")),
+            }
+        }
+        notes.extend(self.notes());
+        notes.extend(case.assumed_roughness());
+        notes.extend(case.given().unused_by_models());
         let mut map = self.to_json();
         map.insert("program".to_owned(), json!(program));
         map.insert("inputs".to_owned(), case.to_json());
         map.insert("settings".to_owned(), settings.to_json());
         map.insert("regime".to_owned(), json!(self.regime()));
         let mut answer = Answer {
-            notes: self
-                .notes()
-                .into_iter()
-                .chain(case.assumed_roughness())
-                .chain(case.given().unused_by_models())
-                .collect(),
+            notes,
             warnings: case.warnings().into_iter().chain(self.warnings(case)).collect(),
             fails: self.status() != Status::Converged,
             ..Answer::default()
         };
-        if let Some(parts) = parts.as_ref().filter(|parts| parts.torque().is_some()) {
+        if let Some(parts) = &parts {
             answer = answer
                 .with_shown(Content::numbers(parts.numbers.clone(), "screw"))
                 .with_shown(Content::Text("contacts by model", Some(parts.contacts.clone())));
@@ -378,21 +385,22 @@ impl Record {
         answer = answer.with_some("torque_parts", json);
         if let Some(band) = band {
             answer = answer
-                .with("band", Content::Table(of_band(band)))
+                .with("band", Content::Table(of_band(&band)))
                 .with_shown(Content::Text("not included:", Some(NOT_IN_IT.to_owned())));
         }
-        let rows = sensitivities.as_ref().map(|rows| Content::Table(Sensitivity::table(rows)));
+        let rows =
+            beside.sensitivities.as_ref().map(|rows| Content::Table(Sensitivity::table(rows)));
         answer.with_some("sensitivities", rows)
     }
 }
 
-/// Results beside the record of a point.
+/// What an answer has beside the record of a point.
 #[derive(Debug, Clone, Default)]
 pub struct Supplement {
     /// Uncertainty of lubricated friction.
-    pub band: Option<LossInterval>,
-    /// The screw torque by its parts ([`torque_parts`](crate::torque_parts)).
-    pub parts: Option<ScrewTorque>,
+    pub band: bool,
+    /// The screw torque by its parts ([`torque_parts`](crate::torque_parts)), or a note why not.
+    pub parts: bool,
     /// How much efficiency and torque depend on each input.
     pub sensitivities: Option<Vec<Sensitivity>>,
 }

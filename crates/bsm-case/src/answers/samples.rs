@@ -7,7 +7,7 @@ use serde_json::json;
 use super::nut::QUANTITIES;
 use crate::vocabulary::error::bad;
 use crate::vocabulary::number::count;
-use crate::{Answer, CaseError, Content, NutProblem, NutReport, Quantity, Table};
+use crate::{Answer, Case, CaseError, Content, NutProblem, NutReport, Quantity, Table};
 
 /// Quantities of the samples: those of a nut that its errors change.
 const SAMPLED: [&str; 6] = [
@@ -84,7 +84,7 @@ impl Samples {
     }
 
     /// The answer: each quantity with its quantiles.
-    pub fn answer(&self) -> Answer {
+    pub fn answer(&self, case: &Case) -> Answer {
         let columns =
             "- | =quantiles | = | 0.05=5 % | 0.25=25 % | 0.5=50 % | 0.75=75 % | 0.95=95 %";
         let row = |(quantity, quantiles): &(&Quantity, [f64; 5])| {
@@ -93,7 +93,7 @@ impl Samples {
         };
         let table = Table::of(columns, self.rows.iter().map(row)).keyed();
         let carried = format!("{} nuts carry the load, {} do not", self.carried, self.failed);
-        Answer { fails: self.failed > 0, ..Answer::default() }
+        Answer { fails: self.failed > 0, warnings: case.warnings(), ..Answer::default() }
             .with("carried", Content::Json(self.carried.into()))
             .with("failed", Content::Json(self.failed.into()))
             .with("quantiles", Content::Table(table))

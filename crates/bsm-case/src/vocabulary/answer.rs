@@ -100,6 +100,8 @@ pub struct Criterion {
     pub title: &'static str,
     /// Name of the number, with its unit as suffix.
     pub name: &'static str,
+    /// Its symbol.
+    pub symbol: &'static str,
     /// Unit as text.
     pub unit: &'static str,
     /// The number.
@@ -136,22 +138,26 @@ impl Criterion {
         Some(format!("{} {}", self.sign(), trimmed(self.limit?)))
     }
 
-    /// JSON object.
-    pub fn to_json(&self) -> Value {
-        json!({
-            "rule": self.title,
-            "name": self.name,
-            "unit": self.unit,
-            "value": self.value,
-            "must_be": self.sign(),
-            "limit": self.limit,
-            "margin": self.margin(),
-            "passes": self.passes(),
-            "source": self.source,
-            "remedy": self.remedy,
-        })
+    /// Its cells under [`RULES`].
+    fn cells(&self) -> Vec<Value> {
+        vec![
+            json!(self.title),
+            json!(self.name),
+            json!(self.symbol),
+            json!(self.unit),
+            json!(self.value),
+            json!(self.sign()),
+            json!(self.limit),
+            json!(self.margin()),
+            json!(self.passes()),
+            json!(self.source),
+            json!(self.remedy),
+        ]
     }
 }
+
+/// Columns of rules.
+pub(crate) const RULES: &str = "rule:string | name:string | symbol:string | unit:string | value:number? | must_be:string | limit:number? | margin:number? | passes:boolean | source:string | remedy:string?";
 
 impl Table {
     /// Rows under columns, see [`Column::all_of`].
@@ -268,12 +274,6 @@ impl Answer {
         })
     }
 
-    /// The symbol of one of its numbers; empty without one.
-    pub fn symbol(&self, name: &str) -> &'static str {
-        let mut rows = self.numbers().flat_map(Numbers::all);
-        rows.find(|row| row.quantity.name == name).map_or("", |row| row.quantity.symbol)
-    }
-
     /// The numbers of its first section that has some.
     pub(crate) fn into_numbers(self) -> Numbers {
         let numbers = self.sections.into_iter().find_map(|section| match section.content {
@@ -305,12 +305,8 @@ impl Answer {
             }
         }
         if !self.rules.is_empty() {
-            let rule = |rule: &Criterion| {
-                let mut json = rule.to_json();
-                json["symbol"] = json!(self.symbol(rule.name));
-                json
-            };
-            map.insert("rules".to_owned(), self.rules.iter().map(rule).collect());
+            let rules = Table::of(RULES, self.rules.iter().map(Criterion::cells));
+            map.insert("rules".to_owned(), rules.to_json());
         }
         map.insert("notes".to_owned(), json!(self.notes));
         map.insert("warnings".to_owned(), json!(self.warnings));

@@ -68,7 +68,7 @@ pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
     for rule in &report.answer.rules {
         table.write_record([
             rule.title,
-            report.answer.symbol(rule.name),
+            rule.symbol,
             &exact(rule.value),
             rule.unit,
             &text(rule.limit),
@@ -107,6 +107,8 @@ pub fn size_page(report: &AxisReport, input: Option<&str>) -> Result<String, Rep
 /// What the template shows.
 fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
     let Answer { rules, notes, warnings, .. } = &report.answer;
+    let rows = report.answer.to_json()["rules"].take();
+    let rows = rules.iter().zip(rows.as_array().into_iter().flatten());
     let limited: Vec<_> = rules.iter().filter(|rule| rule.limit.is_some()).collect();
     let mut contacts: Vec<&str> = report.phases.iter().map(|phase| &*phase.contacts).collect();
     let mut seen = BTreeSet::new();
@@ -133,7 +135,7 @@ fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
         "failed": limited.iter().filter(|rule| !rule.passes()).count(),
         "limited": limited.len(),
         "headlines": headlines.collect::<Vec<_>>(),
-        "rules": rules.iter().map(rule_row).collect::<Vec<_>>(),
+        "rules": rows.map(rule_row).collect::<Vec<_>>(),
         "parts": ScrewTorque::PARTS.map(head),
         "contacts": contacts,
         "phase_columns": COLUMNS.map(head),
@@ -172,9 +174,8 @@ fn names(report: &AxisReport) -> Vec<(&'static str, &'static str)> {
     rules.chain(rows.map(|row| (row.quantity.about.trim(), row.quantity.name))).collect()
 }
 
-fn rule_row(rule: &Criterion) -> Value {
-    let mut row = rule.to_json();
-    row["title"] = json!(rule.title);
+fn rule_row((rule, row): (&Criterion, &Value)) -> Value {
+    let mut row = row.clone();
     row["must_be"] = json!(if rule.at_least { "≥" } else { "≤" });
     row["value"] = json!(rule.value.is_finite().then(|| digits(rule.value, DIGITS[1])));
     row["limit"] = json!(rule.limit.map(trimmed));

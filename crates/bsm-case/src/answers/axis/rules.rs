@@ -2,10 +2,11 @@
 
 use bsm_design::{Axis, OPENS_AT};
 
-use super::Preload;
+use super::{Preload, QUANTITIES, SCREW};
+use crate::answers::warm::QUANTITIES as WARM;
 use crate::case::axis::{motor_speed, preload_method, speed_number_limit, useful_travel};
 use crate::vocabulary::units::{MM, UM};
-use crate::{Answer, Case, Criterion, InputKey as K, Numbers};
+use crate::{Answer, Case, Criterion, INPUTS, InputKey as K, Numbers, Quantity};
 
 /// Least multiple of its speeds at which an axis runs away.
 const FOLD: f64 = 1.25;
@@ -80,31 +81,34 @@ fn at_least(x: f64, digits: usize) -> String {
 
 /// A rule about a number, if there is one.
 ///
-/// * `names`: title, name and unit of the number, source. * `at_least`: whether the limit is the least value. * `remedy`: what to
-///   change, from how many times the rule is kept.
+/// * `name`: that of a quantity. * `at_least`: whether the limit is the least value. * `remedy`: what to change, from how many
+///   times the rule is kept.
 fn criterion(
-    [title, name, unit, source]: [&'static str; 4],
+    [title, name, source]: [&'static str; 3],
     value: Option<f64>,
     (at_least, limit): (bool, Option<f64>),
     remedy: impl Fn(f64) -> String,
 ) -> Option<Criterion> {
-    let mut rule =
-        Criterion { title, name, unit, value: value?, limit, at_least, source, remedy: None };
+    let tables = [QUANTITIES, SCREW, WARM, INPUTS];
+    let quantity = tables.into_iter().flatten().find(|quantity| quantity.name == name);
+    let Quantity { symbol, unit, .. } = *quantity.expect("rules are of quantities");
+    let (value, remedy_of, remedy) = (value?, remedy, None);
+    let mut rule = Criterion { title, name, symbol, unit, value, limit, at_least, source, remedy };
     // A number that cannot be had has no remedy; a note has the reason.
-    rule.remedy = rule.margin().filter(|m| !m.is_nan() && !rule.passes()).map(remedy);
+    rule.remedy = rule.margin().filter(|m| !m.is_nan() && !rule.passes()).map(remedy_of);
     Some(rule)
 }
 
-/// Declares rules: `"title" number ["unit"] at_most limit, "source", remedy;`, with `= value,` behind the unit where the number of that
-/// name does not tell.
+/// Declares rules: `"title" number at_most limit, "source", remedy;`, with `= value,` behind the number where that of the axis
+/// does not tell.
 macro_rules! rules {
     ($(#[$doc:meta])* $rules:ident($of:ident, $margin:ident): $(
-        $title:literal $name:ident [$unit:literal] $(= $value:expr,)? $bound:ident $limit:expr, $source:literal, $remedy:expr;
+        $title:literal $name:ident $(= $value:expr,)? $bound:ident $limit:expr, $source:literal, $remedy:expr;
     )*) => {
         $(#[$doc])*
         fn $rules($of: &RuleInputs<'_>) -> impl Iterator<Item = Criterion> {
             let all = [$(criterion(
-                [$title, stringify!($name), $unit, $source],
+                [$title, stringify!($name), $source],
                 rules!(@value $of $name $($value)?),
                 (rules!(@$bound), $limit),
                 |$margin: f64| {
@@ -124,32 +128,32 @@ macro_rules! rules {
 rules! {
     /// Of the screw between its bearings.
     of_screw(of, margin):
-    "critical speed" critical_speed_ratio [""] at_most of.input(K::required_critical_speed_ratio),
+    "critical speed" critical_speed_ratio at_most of.input(K::required_critical_speed_ratio),
         "manufacturers' catalogues: 0.8 of the critical speed (Z1)",
         format!(
             "unsupported_length_mm {} or less, or a core of {} mm, or a stiffer support",
             at_most(of.length_mm() * margin.sqrt(), 0),
             at_least(of.core_mm() / margin, 1)
         );
-    "speed number" largest_speed_number_mm_min ["mm/min"]
+    "speed number" largest_speed_number_mm_min
         at_most Some(speed_number_limit(of.case, of.axis.screw.lead, of.axis.screw.outer)),
         "limit of the ball return by screw_make, THK A-697, unless given (Z15)",
         format!(
             "lead_mm {} at the same feed, or another ball return (speed_number_limit_mm_min)",
             at_least(of.axis.screw.lead / MM / margin, 1)
         );
-    "buckling" buckling_safety [""] at_least of.input(K::required_buckling_safety),
+    "buckling" buckling_safety at_least of.input(K::required_buckling_safety),
         "Euler; half of the buckling load (Z2)",
         format!(
             "unsupported_length_mm {} or less, or a core of {} mm",
             at_most(of.length_mm() * margin.sqrt(), 0),
             at_least(of.core_mm() * margin.powf(-0.25), 1)
         );
-    "core stress" largest_load_N ["N"] = of.number("yield_load_N").map(|_| of.axis.largest_load()),
+    "core stress" largest_load_N = of.number("yield_load_N").map(|_| of.axis.largest_load()),
         at_most of.number("yield_load_N"),
         "THK and others: 147 N/mm2 (Z3)",
         format!("a core of {} mm", at_least(of.core_mm() * margin.powf(-0.5), 1));
-    "pretension left" pretension_N ["N"]
+    "pretension left" pretension_N
         at_least {
             let hindered = of.number("pretension_N").zip(of.number("screw_tension_N"));
             hindered.map(|(cold, warm)| cold - warm).filter(|force| *force > 0.0)
@@ -160,7 +164,7 @@ rules! {
             let needed = at_least(slack / margin, 0);
             format!("the screw is slack from {slack:.1} K on: pretension_K {needed}")
         };
-    "support bearings" support_bearing_load_N ["N"]
+    "support bearings" support_bearing_load_N
         = of.case.support_bearing_axial_load_N.and(of.number("support_bearing_load_N")),
         at_most of.case.support_bearing_axial_load_N,
         "manufacturer of the bearings",
@@ -170,7 +174,7 @@ rules! {
 rules! {
     /// Of accuracy grade, load ratings, motor and brake.
     of_ratings_and_drive(of, margin):
-    "travel error" travel_error_worst_um ["um"]
+    "travel error" travel_error_worst_um
         = of.needed("travel_error_worst_um", of.case.required_travel_error_um),
         at_most of.case.required_travel_error_um,
         "ISO 3408-3, JIS B 1192: deviation and half of the variation over the useful travel (Z35)",
@@ -178,57 +182,57 @@ rules! {
             || "accuracy_grade and useful_travel_mm that its standard has a value for".to_owned(),
             |grade| format!("accuracy_grade {grade}"),
         );
-    "static safety" static_safety_factor [""] at_least of.input(K::required_static_safety),
+    "static safety" static_safety_factor at_least of.input(K::required_static_safety),
         "ISO 3408-5 (Z16); by the most loaded ball too, `nut`. THK asks for 1 to 1.5, with impact for 2 to 7",
         format!("a static load rating of {} N", at_least(of.axis.static_rating / margin, 0));
-    "life" cycle_life_h ["h"]
+    "life" cycle_life_h
         = of.needed("cycle_life_h", of.case.required_life_h.filter(|_| of.moves())),
         at_least of.case.required_life_h,
         "ISO 3408-5 (D12) to (D15), reliability (Z14)",
         format!("a dynamic load rating of {} N", at_least(of.axis.dynamic_rating / margin.cbrt(), 0));
-    "modified life" modified_life_h ["h"]
+    "modified life" modified_life_h
         = of.needed("modified_life_h", of.number("fatigue_load_limit_N").filter(|_| of.moves())),
         at_least of.case.required_life_h,
         "ISO 281 with viscosity ratio and contamination (Z37) to (Z40)",
         "more viscosity, a cleaner lubricant or a larger dynamic load rating";
-    "life by all balls" cycle_life_by_balls_h ["h"] at_least of.case.required_life_h,
+    "life by all balls" cycle_life_by_balls_h at_least of.case.required_life_h,
         "loads of all balls (U24)",
         format!("a dynamic load rating of {} N", at_least(of.axis.dynamic_rating / margin.cbrt(), 0));
-    "equivalent load" equivalent_load_N ["N"] at_most Some(of.axis.dynamic_rating),
+    "equivalent load" equivalent_load_N at_most Some(of.axis.dynamic_rating),
         "dynamic load rating: a million revolutions (D13)",
         format!("a dynamic load rating of {} N", at_least(of.axis.dynamic_rating / margin, 0));
     // Of the motor, without a limit there is no rule.
-    "motor speed" motor_speed_rpm ["rpm"] = motor_speed(of.case).and(of.number("motor_speed_rpm")),
+    "motor speed" motor_speed_rpm = motor_speed(of.case).and(of.number("motor_speed_rpm")),
         at_most motor_speed(of.case),
         "THK A-719",
         format!(
             "lead_mm {} at the same feed",
             at_least(of.case.lead_mm.unwrap_or(f64::NAN) / margin, 1)
         );
-    "peak torque of the motor" peak_motor_torque_Nm ["N m"]
+    "peak torque of the motor" peak_motor_torque_Nm
         = of.case.motor_peak_torque_Nm.and(of.number("peak_motor_torque_Nm")),
         at_most of.case.motor_peak_torque_Nm,
         "THK A-720",
         "a larger motor, a smaller lead, or less acceleration";
-    "rated torque of the motor" rms_motor_torque_Nm ["N m"]
+    "rated torque of the motor" rms_motor_torque_Nm
         = of.case.motor_rated_torque_Nm.and(of.number("rms_motor_torque_Nm")),
         at_most of.case.motor_rated_torque_Nm,
         "THK, eq. 48: RMS over the cycle (Z13)",
         "a larger motor, a smaller lead, or longer rests";
-    "power of the motor" peak_motor_power_W ["W"]
+    "power of the motor" peak_motor_power_W
         = of.case.motor_rated_power_W.and(of.number("peak_motor_power_W")),
         at_most of.case.motor_rated_power_W,
         "the worst phase",
         format!("a feed of {} times this one, or a larger motor", at_most(margin, 2));
-    "inertia ratio" inertia_ratio [""] at_most of.input(K::largest_inertia_ratio),
+    "inertia ratio" inertia_ratio at_most of.input(K::largest_inertia_ratio),
         "THK, eq. 49: 3 to 10",
         format!("gear_ratio {} times this one, or a larger motor", at_least(margin.powf(-0.5), 2));
-    "acceleration time" least_acceleration_time_s ["s"]
+    "acceleration time" least_acceleration_time_s
         = of.number("shortest_ramp_s").and(of.number("least_acceleration_time_s")),
         at_most of.number("shortest_ramp_s"),
         "THK A-720 (AA11)",
         "a motor of more peak torque, or less acceleration";
-    "brake" brake_torque_Nm ["N m"]
+    "brake" brake_torque_Nm
         = of.number("required_brake_torque_Nm").and(of.case.brake_torque_Nm),
         at_least of.number("required_brake_torque_Nm"),
         "brake_safety times the weight without friction (Z18)",
@@ -241,12 +245,11 @@ rules! {
 rules! {
     /// Of the contacts, and of the preload if there is one.
     of_preload(of, margin):
-    "edge load of the contact ellipse" busier_nut_load_N ["N"]
-        = of.edge_load.map(|_| of.axis.busier_load()),
-        at_most of.edge_load,
+    "edge load of the contact ellipse" edge_load_N = of.edge_load,
+        at_least of.edge_load.map(|_| of.axis.busier_load()),
         "end of the flank (G8)",
         "a larger land: nut_bore_mm smaller, screw_outer_diameter_mm larger";
-    "preload" warm_preload_N ["N"] = of.preload.map(|preload| preload.warm),
+    "preload" warm_preload_N = of.preload.map(|preload| preload.warm),
         at_most Some(of.most_preload()),
         "THK A-687, HIWIN 3.6: 0.1 of the dynamic load rating in a double nut, else 0.05 (AA6)",
         format!(
@@ -255,7 +258,7 @@ rules! {
             at_most(of.preload_to_set(), 0),
             OPENS_AT * of.most_preload()
         );
-    "remaining preload" largest_load_N ["N"] = of.preload.map(|_| of.axis.largest_load()),
+    "remaining preload" largest_load_N = of.preload.map(|_| of.axis.largest_load()),
         at_most of.preload.map(|preload| of.number("limit_load_N").unwrap_or(OPENS_AT * preload.warm)),
         "limit load, some 2.83 times the preload (D14), (U20)",
         format!("preload_N {}", at_least(of.preload.map_or(f64::NAN, |p| p.cold) / margin, 0));
@@ -279,7 +282,7 @@ pub(super) fn rules(
 /// Of the warm steady state.
 pub(super) fn steady_state(fold: Option<f64>) -> Option<Criterion> {
     let source = "no steady state above the fold (I20); the heat is uncertain by a quarter";
-    criterion(["steady state", "fold_speed_factor", "", source], fold, (true, Some(FOLD)), |_| {
+    criterion(["steady state", "fold_speed_factor", source], fold, (true, Some(FOLD)), |_| {
         "a colder screw, a warmer nut, less preload, or O in place of X arrangement".to_owned()
     })
 }

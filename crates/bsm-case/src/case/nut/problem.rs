@@ -69,6 +69,7 @@ pub struct NutProblem {
     /// The warm steady state that it is in, if it was asked for.
     pub(crate) warm: Option<Arc<Warm>>,
     pub(crate) notes: Vec<String>,
+    pub(crate) warnings: Vec<String>,
 }
 
 /// A nut that is made and carries its load.
@@ -178,6 +179,7 @@ impl NutProblem {
             tolerance,
             settings: *settings,
             warm: None,
+            warnings: case.warnings(),
         })
     }
 
