@@ -159,7 +159,8 @@ pub(crate) fn fit_table(
         let lost = || Content::Text("", Some(Calibration::LOST.to_owned()));
         let answer = match fit.run(case, &how.0)? {
             Some(report) => fit.answer(case, &report),
-            None => Answer { fails: true, ..Answer::default() }.with("message", lost()),
+            None => Answer { fails: true, warnings: case.warnings(), ..Answer::default() }
+                .with("message", lost()),
         };
         Ok(told(&answer))
     })

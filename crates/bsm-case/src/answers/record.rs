@@ -350,9 +350,11 @@ impl Record {
         settings: &Settings,
         beside: &Supplement,
     ) -> Answer {
-        let work = &mut ModelWorkspace::default();
-        let mut band = || case.problem(settings).ok()?.band(self.solved()?, work);
-        let band = if beside.band { band() } else { None };
+        let uncertainty = || {
+            let work = &mut ModelWorkspace::default();
+            case.problem(settings).ok()?.band(self.solved()?, work)
+        };
+        let band = beside.band.then(uncertainty).flatten();
         let (mut notes, mut parts) = (Vec::new(), None);
         if beside.parts {
             match torque_parts(case, settings) {
