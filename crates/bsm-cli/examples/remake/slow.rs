@@ -124,9 +124,10 @@ pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let measured = &results["tradeoff"];
     let advice = list(measured, "advice")?;
     let times = list(measured, "settings")?.iter().map(times_row).collect::<Result<Vec<_>>>()?;
-    let header = "| model and setting | rolling | partial skid | gross skid | batch: rolling | partial skid | gross skid |";
+    let header = "| model and setting | rolling | partial skid | gross skid | all: median | 99 % | largest | batch: rolling | partial skid | gross skid |";
     Ok(vec![
         ("tradeoff/summary", Text::Whole(summary(advice)?)),
+        ("tradeoff/auto", Text::Whole(auto_means(list(measured, "settings")?)?)),
         ("tradeoff/times", Text::Whole(table(header, &times))),
         ("tradeoff/machine", Text::Whole(format!("({})", site.machine()?))),
     ])
@@ -160,19 +161,35 @@ fn summary(advice: &[Value]) -> Result<String> {
     Ok(table("| error of the efficiency | any regime | rolling | gross skid |", &rows))
 }
 
-fn times_row(setting: &Value) -> Result<String> {
-    let name = format!("{} {}", word(setting, "model")?, word(setting, "options")?);
+/// Times of one core over a group of the points.
+fn group_times<'a>(setting: &'a Value, group: &str) -> Result<Option<&'a Value>> {
     let times = list(&setting["times"], "one_core")?;
-    let cells = |time: fn(&Value) -> Result<f64>| -> Result<Vec<String>> {
-        let of = |group: &&str| {
-            let there = times.iter().find(|t| t["group"] == **group);
-            there.map_or(Ok(String::new()), |t| Ok(micro(time(t)?)))
-        };
-        ["rolling", "partial skid", "gross skid"].iter().map(of).collect()
+    Ok(times.iter().find(|times| times["group"] == *group))
+}
+
+fn times_row(setting: &Value) -> Result<String> {
+    const REGIMES: [&str; 3] = ["rolling", "partial skid", "gross skid"];
+    let name = format!("{} {}", word(setting, "model")?, word(setting, "options")?);
+    let cell = |group, time: &dyn Fn(&Value) -> Result<f64>| match group_times(setting, group)? {
+        Some(times) => Ok(micro(time(times)?)),
+        None => Ok(String::new()),
     };
-    let single = cells(|times| number(&times["single"], "mean"))?;
-    let cells = [single, cells(|times| number(times, "batch"))?].concat();
+    let single = |name: &'static str| move |times: &Value| number(&times["single"], name);
+    let batch = |times: &Value| number(times, "batch");
+    let cells = (REGIMES.iter().map(|group| cell(group, &single("mean"))))
+        .chain(["median", "q99", "max"].map(|name| cell("all", &single(name))))
+        .chain(REGIMES.iter().map(|group| cell(group, &batch)))
+        .collect::<Result<Vec<String>>>()?;
     Ok(format!("| `{}` | {} |", name.trim_end(), cells.join(" | ")))
+}
+
+/// Mean times of the default model.
+fn auto_means(settings: &[Value]) -> Result<String> {
+    let auto = |s: &&Value| s["model"] == "auto" && s["options"] == "tolerance=1e-2";
+    let times = settings.iter().find(auto).map(|setting| group_times(setting, "all"));
+    let times = times.transpose()?.flatten().ok_or("no times of auto")?;
+    let [one, row] = [number(&times["single"], "mean")?, number(times, "batch")?].map(micro);
+    Ok(format!("{one} us, a row of a table {row} us"))
 }
 
 /// `cargo bench -- seeded`: medians over the seeded points, with the ratio to `rigid`.
