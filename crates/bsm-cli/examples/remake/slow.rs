@@ -370,10 +370,10 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     for name in ["examples", "validation"] {
         std::os::unix::fs::symlink(site.root.join(name), folder.path().join(name))?;
     }
-    let row = |what: &str, words: &str, column: &str| -> Result<String> {
+    let row = |what: &str, words: &str, vary: &str, column: &str| -> Result<String> {
         let run = |rows: usize| {
             let words = format!(
-                "sweep {words} --vary screw_speed_rpm=90:110:{rows} --columns {column} --threads 1 -o rows.csv"
+                "sweep {words} --vary {vary}:{rows} --columns {column} --threads 1 -o rows.csv"
             );
             site.took(folder.path(), &words)
         };
@@ -389,19 +389,28 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     inputs.retain(|name, _| name != "iso_vg" && !name.ends_with("_roughness_um"));
     inputs.insert("friction_coefficient".to_owned(), 0.05.into());
     fs::write(folder.path().join("dry.json"), dry.to_string())?;
+    let speeds = "screw_speed_rpm=90:110";
     let rows = vec![
+        row(
+            "loads of 98 balls of different size",
+            "examples/nut_scattered.json",
+            "axial_load_N=3000:9000",
+            "max_over_mean",
+        )?,
         row(
             "friction of 98 balls",
             &format!("{TRAIN} --set ball_gap_mm=100"),
+            speeds,
             "friction_torque_Nm",
         )?,
-        row("the same, balls touch", TRAIN, "friction_torque_Nm")?,
+        row("the same, balls touch", TRAIN, speeds, "friction_torque_Nm")?,
         row(
             "warm state of a pair of 114 balls, oiled",
             &format!("{AXIS} {MODEL}"),
+            speeds,
             "warm_preload_N",
         )?,
-        row("the same, dry", &format!("dry.json {MODEL}"), "warm_preload_N")?,
+        row("the same, dry", &format!("dry.json {MODEL}"), speeds, "warm_preload_N")?,
     ];
     let text = table("| row of a sweep on one core | time |", &rows);
     Ok(vec![
