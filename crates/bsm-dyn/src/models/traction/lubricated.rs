@@ -53,7 +53,7 @@ impl SlipBall<'_> {
             LubricatedSearch::growing_part_of_oil,
             LubricatedSearch::falling_creep,
         ];
-        first_answer(&mut search, &strategies)
+        first_answer(&mut search, &strategies).map_err(|_| search.failure)
     }
 }
 
@@ -101,13 +101,13 @@ impl LubricatedSearch<'_> {
 
     /// From the rolling ball and friction that is nearly proportional to the slip.
     fn falling_creep(&mut self) -> Attempt<SlipRoot> {
-        let Self { ball, rolling_ball, newton, steps, failure, .. } = self;
+        let Self { ball, rolling_ball, newton, steps, .. } = self;
         let rolling = ball.unknowns(&rolling_ball.loaded, &rolling_ball.to_nut);
         let control = Continuation { first: 1.0, shortest: 0.05 };
-        let root = [*ball, ball.complete(1.0)]
+        [*ball, ball.complete(1.0)]
             .iter()
-            .find_map(|ball| ball.by_falling_creep(rolling, 0.0, control, newton, steps));
-        Some(root.ok_or(failure.clone()))
+            .find_map(|ball| ball.by_falling_creep(rolling, 0.0, control, newton, steps))
+            .map(Ok)
     }
 }
 
