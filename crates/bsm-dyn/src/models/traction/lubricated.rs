@@ -14,8 +14,8 @@ use super::{Start, Traction, TractionWorkspace};
 use crate::contact::ideal_torque;
 use crate::ellipse::FrozenRule;
 use crate::models::ball::{
-    Attempt, EhlPoint, ElasticContacts, LubricatedState, LubricatedWorkspace, SolveInfo,
-    SteadyRoot, Unsolved, Workspace, domain_error, first_answer, moving_root, to_both,
+    Attempt, EhlPoint, ElasticContacts, LubricatedState, LubricatedWorkspace, NoAnswer, SolveInfo,
+    SteadyRoot, Workspace, domain_error, first_answer, moving_root, to_both,
 };
 use crate::models::raceway_control::RollingBall;
 use crate::models::workspace::ModelWorkspace;
@@ -44,8 +44,8 @@ impl SlipBall<'_> {
         rolling_ball: &RollingBall,
         newton: &mut Workspace,
         steps: &mut usize,
-    ) -> Result<SlipRoot, Unsolved> {
-        let failure = Unsolved::LOST;
+    ) -> Result<SlipRoot, NoAnswer> {
+        let failure = NoAnswer::LOST;
         let mut search =
             LubricatedSearch { ball: *self, near, rolling_ball, newton, steps, failure };
         let strategies = [
@@ -66,7 +66,7 @@ struct LubricatedSearch<'a> {
     newton: &'a mut Workspace,
     steps: &'a mut usize,
     /// How the steps from there have ended.
-    failure: Unsolved,
+    failure: NoAnswer,
 }
 
 impl LubricatedSearch<'_> {
@@ -78,7 +78,7 @@ impl LubricatedSearch<'_> {
         for ball in [here, here.complete(1.0)] {
             match ball.solved(near.unknowns, self.newton, self.steps) {
                 Ok(root) => return Some(Ok(root)),
-                Err(reason) => self.failure = Unsolved::not_converged(reason),
+                Err(reason) => self.failure = NoAnswer::not_converged(reason),
             }
         }
         None
@@ -129,7 +129,7 @@ impl Traction {
         ehl: &EhlPoint,
         work: &mut TractionWorkspace,
         oil: &mut LubricatedWorkspace,
-    ) -> Result<ScaledRoot, Unsolved> {
+    ) -> Result<ScaledRoot, NoAnswer> {
         let contacts = self.at.scaled()?;
         let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
         let Start { rolling_ball, .. } = Start::new(&contacts, rolling_ball.ok().as_ref())?;
@@ -161,7 +161,7 @@ impl Traction {
         let refined = fine
             .refined(&root, &plans, newton, &mut steps)
             .or_else(|| fine.complete(1.0).refined(&root, &plans, newton, &mut steps))
-            .ok_or(Unsolved::LOST)?;
+            .ok_or(NoAnswer::LOST)?;
         let RootWithPower { root, transmitted, torque_slope, .. } = &refined;
         let checked = SlipBall { quadrature: check, ..fine.of(root) };
         let other = checked.evaluated::<false>(&root.unknowns).ok();
@@ -179,7 +179,7 @@ impl Traction {
         ehl: &EhlPoint,
         work: &mut TractionWorkspace,
         oil: &mut LubricatedWorkspace,
-    ) -> Result<SteadyRoot, Unsolved> {
+    ) -> Result<SteadyRoot, NoAnswer> {
         let ScaledRoot { contacts, rolling_ball, refined, steps, error, .. } =
             self.lubricated_root(ehl, work, oil)?;
         let RootWithPower { root, transmitted, loaded, .. } = refined;
@@ -215,7 +215,7 @@ impl<const M: usize> Traction<Jet<M>> {
         ehl: &EhlPoint<Jet<M>>,
         values: &EhlPoint,
         ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
-    ) -> Result<(ElasticContacts<Jet<M>>, LubricatedState<Jet<M>>), Unsolved> {
+    ) -> Result<(ElasticContacts<Jet<M>>, LubricatedState<Jet<M>>), NoAnswer> {
         let inputs = self.at.scaled()?;
         let ScaledRoot { contacts, refined: RootWithPower { root, .. }, plans, .. } =
             self.values().lubricated_root(values, traction, lubricated)?;
