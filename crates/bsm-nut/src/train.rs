@@ -698,10 +698,10 @@ impl Flow<'_> {
                 f64::NEG_INFINITY.into()
             }
         };
-        let left = Self::settle(guess, &mut surplus);
+        let residual = Self::settle(guess, &mut surplus);
         let failed = |what| TrainError::NotConverged { circuit: self.circuit, what };
         let allowed = LENGTH * self.room / self.pitch() + RATE * count(self.balls.len());
-        if left.value.abs() > allowed {
+        if residual.value.abs() > allowed {
             let (push, part) = (least_push, least_push / largest_load);
             return Err(if part > LARGEST_PUSH {
                 TrainError::LargePush { push, part }
@@ -710,14 +710,14 @@ impl Flow<'_> {
             });
         }
         // The surplus falls with the rate, or there is another rate that leaves the free length.
-        if !left.slope.is_some_and(|slope| slope < 0.0) {
+        if !residual.slope.is_some_and(|slope| slope < 0.0) {
             return Err(failed("more than one rate of the train leaves this free length"));
         }
         Ok(pass)
     }
 
-    /// Goes to the rate at which nothing is left of a surplus that falls with it: by Newton steps from a guess while each is at
-    /// most half the last one, and else by a bracket. Returns what is left there.
+    /// Goes to the root of a surplus that falls with the rate: by Newton steps from a guess while each is at
+    /// most half the last one, and else by a bracket. Returns the surplus there.
     fn settle(guess: f64, surplus: &mut impl FnMut(f64) -> FunctionValue) -> FunctionValue {
         // Each state begins with the one before, which a bracket that is wide would lose.
         let (mut rate, mut here, mut last) = (guess, surplus(guess), f64::INFINITY);
