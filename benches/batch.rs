@@ -30,7 +30,7 @@ const INPUTS: [&str; 7] = [
 
 /// Cases as a chunk, and the case of all the rest.
 fn chunk(cases: &[Case]) -> (Chunk, Columns, Case) {
-    let columns = Columns::sort(INPUTS, &[]).expect("known names");
+    let columns = Columns::sort(INPUTS, &[], &TableFormat::default()).expect("known names");
     let rows = cases.iter().map(|case| columns.inputs.iter().map(|key| case[*key]));
     let chunk = Chunk::of_rows(&columns, rows);
     (chunk, columns, bsm_benches::lin())
@@ -119,13 +119,14 @@ fn tables(c: &mut Criterion) {
     group.bench_function("CSV", |b| {
         b.iter(|| {
             let reader = BufReader::new(again(&mut csv));
-            let mut source = CsvSource::new(reader, &[]).expect("header");
+            let mut source = CsvSource::new(reader, &[], &TableFormat::default()).expect("header");
             run(&mut source, Format::Csv, BufWriter::new(file()))
         });
     });
     group.bench_function("Parquet", |b| {
         b.iter(|| {
-            let mut source = ParquetSource::new(again(&mut parquet), &[]).expect("schema");
+            let mut source = ParquetSource::new(again(&mut parquet), &[], &TableFormat::default())
+                .expect("schema");
             run(&mut source, Format::Parquet, BufWriter::new(file()))
         });
     });

@@ -1,6 +1,6 @@
 //! Operating points for the benches: validated cases and a seeded set.
 
-use bsm_batch::{Chunk, Columns, CsvSource, Source};
+use bsm_batch::{Chunk, Columns, CsvSource, Source, TableFormat};
 use bsm_case::{Case, InputKey};
 use bsm_dyn::{Model, Problem};
 use rand::{RngExt, SeedableRng};
@@ -71,7 +71,8 @@ pub fn seeded(count: usize) -> Vec<Case> {
 /// If the committed table cannot be used.
 pub fn ordinary(model: Model) -> Vec<Case> {
     let table = include_bytes!("../../validation/golden/tradeoff/cases.csv");
-    let mut source = CsvSource::new(&table[..], &[]).expect("committed table");
+    let mut source =
+        CsvSource::new(&table[..], &[], &TableFormat::default()).expect("committed table");
     let columns = source.columns().clone();
     let chunk = source.next(usize::MAX).expect("committed table").expect("rows");
     let mut work = bsm_dyn::ModelWorkspace::default();
@@ -99,7 +100,7 @@ pub fn values<const N: usize>(case: &Case, inputs: &[&str; N]) -> [f64; N] {
 ///
 /// If an input is unknown.
 pub fn chunk<const N: usize>(inputs: [&str; N], points: &[[f64; N]]) -> (Chunk, Columns) {
-    let columns = Columns::sort(inputs, &[]).expect("known names");
+    let columns = Columns::sort(inputs, &[], &TableFormat::default()).expect("known names");
     let rows = points.iter().map(|point| point.iter().copied().map(Some));
     (Chunk::of_rows(&columns, rows), columns)
 }

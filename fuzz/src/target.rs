@@ -1,6 +1,7 @@
 //! The targets: what is fed with bytes, and what it must keep.
 
 use std::fs;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Once;
 use std::time::{Duration, Instant};
@@ -168,25 +169,25 @@ fn words(input: &[u8]) {
 }
 
 fn csv(input: &[u8]) {
-    table(|keep| Ok(Box::new(CsvSource::new(std::io::Cursor::new(input.to_vec()), keep)?)));
+    table(|keep, of| Ok(Box::new(CsvSource::new(Cursor::new(input.to_vec()), keep, of)?)));
 }
 
 fn json_lines(input: &[u8]) {
-    table(|keep| Ok(Box::new(JsonSource::new(std::io::Cursor::new(input.to_vec()), keep)?)));
+    table(|keep, of| Ok(Box::new(JsonSource::new(Cursor::new(input.to_vec()), keep, of)?)));
 }
 
 fn parquet(input: &[u8]) {
-    table(|keep| Ok(Box::new(ParquetSource::new(Bytes::copy_from_slice(input), keep)?)));
+    table(|keep, of| Ok(Box::new(ParquetSource::new(Bytes::copy_from_slice(input), keep, of)?)));
 }
 
 /// Rows of a table that are solved at most, so that an input stays quick.
 const ROWS: usize = 3000;
 
 /// Reads a table, with a column to keep and without, and writes the answers in all forms.
-fn table(open: impl Fn(&[String]) -> Result<Box<dyn Source>, TableError>) {
+fn table(open: impl Fn(&[String], &TableFormat) -> Result<Box<dyn Source>, TableError>) {
     for keep in [&[][..], &["id".to_owned()]] {
         // The user has the error message.
-        let _ = open(keep).and_then(|mut source| rewrite(source.as_mut()));
+        let _ = open(keep, &TableFormat::default()).and_then(|mut source| rewrite(source.as_mut()));
     }
 }
 

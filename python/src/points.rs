@@ -202,7 +202,7 @@ pub(crate) fn table_of(
     let (keep, kept): (Vec<_>, Vec<_>) =
         kept.into_iter().map(|(name, column)| (name, column.get().0.clone())).unzip();
     let names = columns.iter().map(|(name, ..)| name).chain(&keep).map(String::as_str);
-    let named = Columns::sort(names, &keep)?;
+    let named = Columns::sort(names, &keep, &TableFormat::default())?;
     let input = |(input, place): (usize, &usize)| {
         let (_, values, missing) = &columns[*place];
         let mut given = vec![true; if missing.is_empty() { 0 } else { len }];

@@ -57,24 +57,13 @@ impl Columns {
     /// Sorts the names of a table into inputs and columns to keep; columns of an earlier answer are
     /// passed over.
     ///
+    /// * `keep`: names of the table. * `dialect`: what they mean, where the table has others.
+    ///
     /// # Errors
     ///
     /// [`TableError`] for a name that is neither, that appears twice or is one of the answers, or that
     /// is to be kept but is not there.
     pub fn sort<'a>(
-        names: impl IntoIterator<Item = &'a str>,
-        keep: &[String],
-    ) -> Result<Self, TableError> {
-        Self::sort_as(names, keep, &TableFormat::default())
-    }
-
-    /// Inputs and nothing else, in their units.
-    pub(crate) fn of_inputs(inputs: Vec<InputKey>) -> Self {
-        Self { input_places: (0..inputs.len()).collect(), inputs, ..Self::default() }
-    }
-
-    /// [`sort`](Self::sort) for a table that has other names; `keep` has those of the table.
-    pub(crate) fn sort_as<'a>(
         names: impl IntoIterator<Item = &'a str>,
         keep: &[String],
         dialect: &TableFormat,
@@ -136,6 +125,11 @@ impl Columns {
             (None, Some(name)) => Err(missing(name, "rename")),
             (None, None) => Ok(columns),
         }
+    }
+
+    /// Inputs and nothing else, in their units.
+    pub(crate) fn of_inputs(inputs: Vec<InputKey>) -> Self {
+        Self { input_places: (0..inputs.len()).collect(), inputs, ..Self::default() }
     }
 
     /// With the types of the columns that are carried through, which are texts otherwise.

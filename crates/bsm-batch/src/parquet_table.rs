@@ -77,19 +77,12 @@ pub struct ParquetSource {
 impl ParquetSource {
     /// Opens a table.
     ///
+    /// * `dialect`: its names.
+    ///
     /// # Errors
     ///
     /// [`TableError`] if it is not Parquet, or its columns are not inputs of numbers or in `keep`.
-    pub fn new(file: impl ChunkReader + 'static, keep: &[String]) -> Result<Self, TableError> {
-        Self::with(file, keep, &TableFormat::default())
-    }
-
-    /// [`new`](Self::new) for a table with other names.
-    ///
-    /// # Errors
-    ///
-    /// As [`new`](Self::new).
-    pub fn with(
+    pub fn new(
         file: impl ChunkReader + 'static,
         keep: &[String],
         dialect: &TableFormat,
@@ -106,8 +99,7 @@ impl ParquetSource {
         let plain = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
         let found = ArrowReaderMetadata::load(&file, plain)?;
         let fields = found.schema().fields().clone();
-        let mut columns =
-            Columns::sort_as(fields.iter().map(|f| f.name().as_str()), keep, dialect)?;
+        let mut columns = Columns::sort(fields.iter().map(|f| f.name().as_str()), keep, dialect)?;
         for (key, index) in columns.inputs.iter().zip(&columns.input_places) {
             let found = fields[*index].data_type();
             if !(found.is_numeric() || *found == DataType::Null) {

@@ -58,10 +58,10 @@ impl Format {
         Ok(match self {
             Self::Csv => {
                 let reader: Box<dyn Read + Send> = Box::new(file);
-                Box::new(CsvSource::with(reader, keep, dialect)?)
+                Box::new(CsvSource::new(reader, keep, dialect)?)
             }
-            Self::JsonLines => Box::new(JsonSource::with(BufReader::new(file), keep, dialect)?),
-            Self::Parquet => Box::new(ParquetSource::with(file, keep, dialect)?),
+            Self::JsonLines => Box::new(JsonSource::new(BufReader::new(file), keep, dialect)?),
+            Self::Parquet => Box::new(ParquetSource::new(file, keep, dialect)?),
         })
     }
 }

@@ -45,19 +45,12 @@ enum CellTarget {
 impl<R: Read> CsvSource<R> {
     /// Reads the names of the columns.
     ///
+    /// * `dialect`: its signs and names.
+    ///
     /// # Errors
     ///
     /// [`TableError`] if they are not those of inputs or of `keep`.
-    pub fn new(reader: R, keep: &[String]) -> Result<Self, TableError> {
-        Self::with(reader, keep, &TableFormat::default())
-    }
-
-    /// [`new`](Self::new) for a table with other signs or names.
-    ///
-    /// # Errors
-    ///
-    /// As [`new`](Self::new).
-    pub fn with(reader: R, keep: &[String], dialect: &TableFormat) -> Result<Self, TableError> {
+    pub fn new(reader: R, keep: &[String], dialect: &TableFormat) -> Result<Self, TableError> {
         let TableFormat { delimiter, decimal, .. } = *dialect;
         let mut lines = Lines::new(reader);
         let header = lines.next_line()?.ok_or_else(TableError::no_header)?;
@@ -65,7 +58,7 @@ impl<R: Read> CsvSource<R> {
         let width =
             split(header, delimiter, 1, |_, name| names.push(name)).map_err(TableError::from);
         let sorted = width.and_then(|width| {
-            Ok((Columns::sort_as(names.iter().map(AsRef::as_ref), keep, dialect)?, width))
+            Ok((Columns::sort(names.iter().map(AsRef::as_ref), keep, dialect)?, width))
         });
         let (columns, width) = sorted.map_err(|error| {
             let other = header.chars().find(|c| [',', ';', '\t', '|'].contains(c));
@@ -132,22 +125,15 @@ pub struct JsonSource<R> {
 impl<R: Read> JsonSource<R> {
     /// Reads the first line.
     ///
+    /// * `dialect`: its names.
+    ///
     /// # Errors
     ///
     /// [`TableError`] if it is no object, or has keys that are neither inputs nor in `keep`.
-    pub fn new(reader: R, keep: &[String]) -> Result<Self, TableError> {
-        Self::with(reader, keep, &TableFormat::default())
-    }
-
-    /// [`new`](Self::new) for a table with other names.
-    ///
-    /// # Errors
-    ///
-    /// As [`new`](Self::new).
-    pub fn with(reader: R, keep: &[String], dialect: &TableFormat) -> Result<Self, TableError> {
+    pub fn new(reader: R, keep: &[String], dialect: &TableFormat) -> Result<Self, TableError> {
         let mut lines = Lines::new(reader);
         let (first, _) = object(&mut lines)?.ok_or_else(TableError::no_header)?;
-        let columns = Columns::sort_as(first.iter().map(|(key, _)| key.as_str()), keep, dialect)?;
+        let columns = Columns::sort(first.iter().map(|(key, _)| key.as_str()), keep, dialect)?;
         Ok(Self { lines, first: Some(first), columns, row: 0 })
     }
 }

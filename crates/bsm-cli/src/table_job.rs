@@ -290,7 +290,7 @@ pub(crate) fn open(
 ) -> Result<Box<dyn Source>, Failure> {
     let source: Result<Box<dyn Source>, TableError> = if is_stdout(path) {
         let reader: Box<dyn Read + Send> = Box::new(io::stdin());
-        CsvSource::with(reader, keep, dialect).map(|source| Box::new(source) as Box<dyn Source>)
+        CsvSource::new(reader, keep, dialect).map(|source| Box::new(source) as Box<dyn Source>)
     } else {
         ending_of("--points", path, &POINTS)?;
         Format::of(path).unwrap_or(Format::Csv).open(path, keep, dialect)

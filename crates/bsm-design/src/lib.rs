@@ -63,7 +63,7 @@ pub use modified::{
 };
 pub use nut::{DynamicRating, Nut, StaticRating, turn_length};
 pub use preload::{PRELOAD_CLASSES, PreloadClass, PreloadMethod, PreloadSize, least_preload};
-pub use procedure::{ActiveLimit, BindingLimit, Outcome, Why};
+pub use procedure::{ActiveLimit, BindingLimit, Infeasibility, Outcome};
 pub use requirement::{
     AcceptedBy, Check, Design, EfficiencyOf, FixedValues, LoadCase, Objective, Pitch, Quantity,
     Ranges, Requirement, Travel,

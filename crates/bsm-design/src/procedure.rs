@@ -82,17 +82,17 @@ pub enum Outcome {
 pub struct ActiveLimit {
     /// The limit, and the value of the compromise.
     pub check: Check,
-    /// Notes.
-    pub why: Why,
+    /// Why it blocks.
+    pub cause: Infeasibility,
 }
 
-/// Why a limit blocks.
+/// Why no screw keeps a limit together with the others.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Why {
-    /// With all other limits kept, this value is the best.
-    Alone(f64),
+pub enum Infeasibility {
+    /// This limit alone is in the way: the best value with all others kept.
+    SingleLimit(f64),
     /// The other limits cannot all be kept even without this one.
-    WithOthers,
+    SeveralLimits,
     /// Only fractions of balls, or a ball that is not in stock, would do.
     WholeBalls,
 }
@@ -145,7 +145,8 @@ impl Requirement {
         if blocking.is_empty()
             && let Some(design) = least(exact.iter(), |d| search.value_of(d).largest_violation())
         {
-            let blocked = |check: &Check| ActiveLimit { check: *check, why: Why::WholeBalls };
+            let blocked =
+                |check: &Check| ActiveLimit { check: *check, cause: Infeasibility::WholeBalls };
             blocking = design.checks.iter().filter(|check| !check.passes()).map(blocked).collect();
             nut = design.nut;
         }
@@ -460,7 +461,8 @@ impl Search<'_> {
         let alone = limited.par_iter().filter_map(|check| self.without(check, turns));
         let mut blocking: Vec<_> = alone.collect();
         if blocking.is_empty() {
-            let together = |check: &Check| ActiveLimit { check: *check, why: Why::WithOthers };
+            let together =
+                |check: &Check| ActiveLimit { check: *check, cause: Infeasibility::SeveralLimits };
             blocking = checks.iter().filter(|check| !check.passes()).map(together).collect();
         }
         (at, blocking)
@@ -468,7 +470,7 @@ impl Search<'_> {
 
     /// Best value of a quantity with all other limits met; `None` if they cannot all be met.
     fn without(&self, check: &Check, turns: &[f64]) -> Option<ActiveLimit> {
-        let blocked = |best| ActiveLimit { check: *check, why: Why::Alone(best) };
+        let blocked = |best| ActiveLimit { check: *check, cause: Infeasibility::SingleLimit(best) };
         if check.quantity == Quantity::Turns {
             let more = (TURNS.0..=TURNS.1).map(f64::from).filter(|more| !turns.contains(more));
             let feasible = |turns: &f64| {

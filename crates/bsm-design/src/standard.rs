@@ -6,8 +6,8 @@ use rayon::prelude::*;
 
 use crate::procedure::first_accepted;
 use crate::{
-    AcceptedBy, ActiveLimit, BindingLimit, Check, Design, EfficiencyOf, FixedValues, Limits, Lists,
-    OfferedSize, Outcome, Pitch, Requirement, Why,
+    AcceptedBy, ActiveLimit, BindingLimit, Check, Design, EfficiencyOf, FixedValues, Infeasibility,
+    Limits, Lists, OfferedSize, Outcome, Pitch, Requirement,
 };
 
 /// Designs whose efficiency is asked to tell whether a limit holds the choice back.
@@ -170,13 +170,13 @@ fn blocked(designs: Vec<Design>, complete: impl Fn(&Design) -> Design) -> Option
         // An efficiency, which takes a solution of its model, may break another limit.
         let alone = |(_, design): &(Check, &Design)| failing(&complete(design)).len() == 1;
         let (least, _) = designs.into_iter().take(ASKED).find(alone)?;
-        Some(ActiveLimit { why: Why::Alone(least.value), check: least })
+        Some(ActiveLimit { cause: Infeasibility::SingleLimit(least.value), check: least })
     };
     let mut blocking: Vec<_> =
         single_violations(designs.iter()).into_iter().filter_map(least).collect();
     let nearest = designs.into_iter().min_by(|a, b| violation(a).total_cmp(&violation(b)))?;
     if blocking.is_empty() {
-        let with = |check: Check| ActiveLimit { check, why: Why::WithOthers };
+        let with = |check: Check| ActiveLimit { check, cause: Infeasibility::SeveralLimits };
         blocking = failing(&nearest).into_iter().map(with).collect();
     }
     Some(Outcome::Infeasible { design: complete(&nearest), blocking })

@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 
 use bsm_design::{
     ActiveLimit, BUCKLING_SAFETY, BindingLimit, CRITICAL_SPEED_RATIO, Design, DutySpeed, EndFixity,
-    FixedValues, LoadCase, MachineTable, Make, Mount, Nut, Objective, Outcome, Phase, Pitch,
-    PreloadMethod, ProfileSegment, Quantity, Ranges, RatingFactors, Requirement, Travel, Why,
+    FixedValues, Infeasibility, LoadCase, MachineTable, Make, Mount, Nut, Objective, Outcome,
+    Phase, Pitch, PreloadMethod, ProfileSegment, Quantity, Ranges, RatingFactors, Requirement,
+    Travel,
 };
 use bsm_dyn::{Angles, Direction, Material};
 
@@ -169,7 +170,9 @@ fn what_blocks_is_named_with_its_best_value() {
         panic!("a million hours")
     };
     let alone = blocking.iter().find_map(|b| match b {
-        ActiveLimit { check, why: Why::Alone(best) } if check.quantity == Quantity::Life => {
+        ActiveLimit { check, cause: Infeasibility::SingleLimit(best) }
+            if check.quantity == Quantity::Life =>
+        {
             Some(*best)
         }
         _ => None,
@@ -259,7 +262,8 @@ fn fixed_numbers_stay() {
         panic!("11 degrees are not easy to make")
     };
     let alone = |b: &ActiveLimit| {
-        b.check.quantity == Quantity::ContactAngle && matches!(b.why, Why::Alone(_))
+        b.check.quantity == Quantity::ContactAngle
+            && matches!(b.cause, Infeasibility::SingleLimit(_))
     };
     assert!(blocking.iter().any(alone), "{blocking:?}");
 }
@@ -286,5 +290,5 @@ fn whole_balls_can_be_what_is_missing() {
     let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accepted) else {
         panic!("balls of 1 mm carry 8 kN for 10 000 h")
     };
-    assert!(!blocking.is_empty() && blocking.iter().all(|b| b.why == Why::WholeBalls));
+    assert!(!blocking.is_empty() && blocking.iter().all(|b| b.cause == Infeasibility::WholeBalls));
 }

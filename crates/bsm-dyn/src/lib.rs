@@ -61,10 +61,10 @@ pub use self::models::{
     ModelWorkspace, OperatingPoint, Performance, PermanentSet, PrescribedBall, PrescribedContact,
     Problem, QuasiStatic, ROLLING_BELOW, RacewayControl, RacewayFriction, RacewayWorkspace, Rigid,
     RigidRoot, RigidWorkspace, ScrewSize, SkidNumbers, Sliding, Slip, SlipPower, SlipRegime,
-    Solution, SolveInfo, Solved, StaticBall, SteadyBall, Traction, TractionWorkspace, TrainBall,
-    TrainMotion, Transmission, TwoContacts, rim_speed, rolling_tangent, yield_ratio,
+    Solution, SolveInfo, StaticBall, SteadyBall, SteadyState, Traction, TractionWorkspace,
+    TrainBall, TrainMotion, Transmission, TwoContacts, rim_speed, rolling_tangent, yield_ratio,
 };
-pub use self::outcome::{Control, Direction, Evidence, Reason, Status, Unsolved};
+pub use self::outcome::{Control, Direction, Evidence, NoAnswer, Reason, Status};
 
 /// What kernels compute the same models with for many points, and equations that are timed and compared from outside. No
 /// part of the API: another way to solve would not have them.

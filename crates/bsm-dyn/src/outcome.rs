@@ -293,13 +293,13 @@ impl fmt::Display for Evidence {
 
 /// Why a model has no answer.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Unsolved {
+pub struct NoAnswer {
     status: Status,
     reason: Reason,
     evidence: Option<Evidence>,
 }
 
-impl Unsolved {
+impl NoAnswer {
     /// A failed search: no root is found, and none is excluded.
     pub(crate) const LOST: Self = Self::not_converged(Reason::SearchLost);
 
@@ -335,17 +335,17 @@ impl Unsolved {
 }
 
 /// What a strategy of a search says: a root, or why there is none; `None` where it leaves that open.
-pub(crate) type Attempt<R> = Option<Result<R, Unsolved>>;
+pub(crate) type Attempt<R> = Option<Result<R, NoAnswer>>;
 
 /// The first answer of strategies that are asked in their order.
 pub(crate) fn first_answer<S, R>(
     search: &mut S,
     strategies: &[fn(&mut S) -> Attempt<R>],
-) -> Result<R, Unsolved> {
-    strategies.iter().find_map(|strategy| strategy(search)).unwrap_or(Err(Unsolved::LOST))
+) -> Result<R, NoAnswer> {
+    strategies.iter().find_map(|strategy| strategy(search)).unwrap_or(Err(NoAnswer::LOST))
 }
 
 /// The answer where the model cannot be evaluated.
-pub(crate) fn domain_error(error: EvalError) -> Unsolved {
-    Unsolved::not_converged(Reason::Refused { error })
+pub(crate) fn domain_error(error: EvalError) -> NoAnswer {
+    NoAnswer::not_converged(Reason::Refused { error })
 }

@@ -2,7 +2,7 @@
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{BallContacts, ElasticMotion, LoadedContact, ScaledSize};
-use bsm_dyn::{ErrorBound, FilmState, Solved, Transmission};
+use bsm_dyn::{ErrorBound, FilmState, SteadyState, Transmission};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::kernel::Sink;
@@ -69,10 +69,10 @@ impl<S: Simd> NullaryFnOnce for ElasticAnswer<'_, '_, '_, S> {
         }
         let displacement = contacts.displacement(sides);
         let ball = motion.state(&contacts.scaled, (angles, sides), displacement, &units.answer());
-        out.put(&Solved {
+        out.put(&SteadyState {
             error: self.error,
             film: self.film,
-            ..Solved::new(&ball, *self.transmission)
+            ..SteadyState::new(&ball, *self.transmission)
         });
     }
 }

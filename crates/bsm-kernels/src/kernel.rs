@@ -1,7 +1,7 @@
 //! A model by lanes, and the rows that it runs over.
 
 use bsm_case::{OUTPUTS, Output, OutputKey, store_outputs};
-use bsm_dyn::{Choice, Model, Solved};
+use bsm_dyn::{Choice, Model, SteadyState};
 use bsm_simd::{Simd, WithSimd};
 
 use crate::operand::{InputColumns, Lane, LaneInputs, Mask, ValidCall};
@@ -86,7 +86,7 @@ impl Sink<'_, '_> {
 
     /// Stores what an answer has of the outputs that are wanted.
     #[inline(always)]
-    pub(crate) fn put<S: Simd>(&mut self, solved: &Solved<Lane<S>>) {
+    pub(crate) fn put<S: Simd>(&mut self, solved: &SteadyState<Lane<S>>) {
         let Self { wanted, columns, row } = self;
         store_outputs(
             solved,

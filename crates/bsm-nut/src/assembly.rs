@@ -5,7 +5,7 @@
 use std::array::from_fn;
 
 use bsm_newton::Bordered;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use crate::ball::{BallInGrooves, FourContacts};
 use crate::equilibrium::{FREEDOMS, Freedom, NutError, Support};
@@ -388,27 +388,21 @@ impl<'a> Assembly<'a> {
 
     /// The stiffness in the matrix, condensed to the freedoms (U17).
     pub(crate) fn condensed(&mut self) -> [[f64; FREEDOMS]; FREEDOMS] {
-        let rings = self.rings;
-        let border = FREEDOMS + rings;
         // A nut that something does not carry has a singular border; the chain is eliminated before.
         let _ = self.matrix.factorize();
-        let condensed = self.matrix.condensed();
-        let of_rings = |i, k| condensed[(FREEDOMS + i) * border + FREEDOMS + k];
-        let inner = DMatrix::from_fn(rings, rings, of_rings).lu();
-        let mut all: [[f64; FREEDOMS]; FREEDOMS] =
-            from_fn(|i| from_fn(|k| condensed[i * border + k]));
-        if rings > 0 {
-            for k in 0..FREEDOMS {
-                let column = DVector::from_fn(rings, |i, _| condensed[(FREEDOMS + i) * border + k]);
-                let Some(column) = inner.solve(&column) else { break };
-                for (i, row) in all.iter_mut().enumerate() {
-                    let coupled = |(r, x): (usize, &f64)| condensed[i * border + FREEDOMS + r] * x;
-                    // K5 = S_qq − S_qr S_rr⁻¹ S_rq                        (U17)
-                    row[k] -= column.iter().enumerate().map(coupled).sum::<f64>();
-                }
-            }
+        let (rings, border) = (self.rings, FREEDOMS + self.rings);
+        let all = DMatrix::from_row_slice(border, border, self.matrix.condensed());
+        let mut condensed = all.fixed_view::<FREEDOMS, FREEDOMS>(0, 0).into_owned();
+        let of_rings = all.view((FREEDOMS, FREEDOMS), (rings, rings)).into_owned().lu();
+        let coupled = all.view((FREEDOMS, 0), (rings, FREEDOMS)).into_owned();
+        // The solve of a matrix without rows reads beyond it.
+        if rings > 0
+            && let Some(moved) = of_rings.solve(&coupled)
+        {
+            // K5 = S_qq − S_qr S_rr⁻¹ S_rq                                (U17)
+            condensed -= all.view((0, FREEDOMS), (FREEDOMS, rings)) * moved;
         }
-        all
+        condensed.transpose().into()
     }
 }
 

@@ -698,25 +698,10 @@ impl Flow<'_> {
                 f64::NEG_INFINITY.into()
             }
         };
-        let newton = |value: &FunctionValue| {
-            let slope = value.slope.filter(|slope| *slope < 0.0);
-            slope.map_or(f64::INFINITY, |slope| -value.value / slope)
-        };
-        // Each state begins with the one before, which a bracket that is wide would lose.
-        let mut here = (guess, surplus(guess));
-        let (mut step, mut shrinks) = (newton(&here.1), true);
-        while shrinks && step.is_finite() && step.abs() > RATE * here.0 {
-            here = (here.0 + step, surplus(here.0 + step));
-            let next = newton(&here.1);
-            (step, shrinks) = (next, next.abs() <= 0.5 * step.abs());
-        }
-        if step.abs() > RATE * here.0 {
-            let found = Self::bracketed((here.0, here.1.value), &mut surplus);
-            here = found.map_or(here, |rate| (rate, surplus(rate)));
-        }
+        let residual = Self::settle(guess, &mut surplus);
         let failed = |what| TrainError::NotConverged { circuit: self.circuit, what };
         let allowed = LENGTH * self.room / self.pitch() + RATE * count(self.balls.len());
-        if here.1.value.abs() > allowed {
+        if residual.value.abs() > allowed {
             let (push, part) = (least_push, least_push / largest_load);
             return Err(if part > LARGEST_PUSH {
                 TrainError::LargePush { push, part }
@@ -725,27 +710,42 @@ impl Flow<'_> {
             });
         }
         // The surplus falls with the rate, or there is another rate that leaves the free length.
-        if !here.1.slope.is_some_and(|slope| slope < 0.0) {
+        if !residual.slope.is_some_and(|slope| slope < 0.0) {
             return Err(failed("more than one rate of the train leaves this free length"));
         }
         Ok(pass)
     }
 
-    /// Where the surplus changes its sign, on the way down from a rate and its surplus.
-    fn bracketed(
-        (rate, value): (f64, f64),
-        surplus: &mut impl FnMut(f64) -> FunctionValue,
-    ) -> Option<f64> {
+    /// Goes to the root of a surplus that falls with the rate: by Newton steps from a guess while each is at
+    /// most half the last one, and else by a bracket. Returns the surplus there.
+    fn settle(guess: f64, surplus: &mut impl FnMut(f64) -> FunctionValue) -> FunctionValue {
+        // Each state begins with the one before, which a bracket that is wide would lose.
+        let (mut rate, mut here, mut last) = (guess, surplus(guess), f64::INFINITY);
+        loop {
+            let slope = here.slope.filter(|slope| *slope < 0.0);
+            let step = slope.map_or(f64::INFINITY, |slope| -here.value / slope);
+            if step.abs() <= RATE * rate {
+                return here;
+            }
+            if !step.is_finite() || step.abs() > 0.5 * last {
+                break;
+            }
+            last = step.abs();
+            rate += step;
+            here = surplus(rate);
+        }
         let places = (0..STEPS).scan((rate, STEP), |(rate, step), _| {
-            // The surplus falls with the rate of the train.
-            *rate *= 1.0 + *step * value.signum();
+            *rate *= 1.0 + *step * here.value.signum();
             *step *= GROWTH;
             Some(*rate)
         });
         let value_at = |rate| Ok::<_, Infallible>(surplus(rate).value);
-        let Ok(change) = Bracket::first_change((rate, value), places, value_at);
-        let bracket = Bracket { x_tol: RATE, f_tol: 1e-13, ..change? };
-        Some(bracket.root(surplus).root()?.x)
+        let Ok(change) = Bracket::first_change((rate, here.value), places, value_at);
+        let bracket = change.map(|change| Bracket { x_tol: RATE, f_tol: 1e-13, ..change });
+        match bracket.and_then(|bracket| bracket.root(&mut *surplus).root()) {
+            Some(root) => surplus(root.x),
+            None => here,
+        }
     }
 
     /// Powers lost at the raceways, by ball-to-ball contact and idle balls, in the return, and by catching up \[W\].

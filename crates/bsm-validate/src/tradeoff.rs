@@ -9,7 +9,7 @@ mod errors;
 mod pareto;
 mod settings;
 
-use bsm_batch::{Chunk, Columns, CsvSource, Source};
+use bsm_batch::{Chunk, Columns, CsvSource, Source, TableFormat};
 use bsm_case::{Case, CaseError, Settings};
 use bsm_dyn::{Model, ModelWorkspace};
 use bsm_report::Figure;
@@ -45,7 +45,7 @@ impl Points {
     ///
     /// As [`Points::read`]; not for the committed table.
     pub fn committed() -> Result<Self, ValidateError> {
-        Self::read(&mut CsvSource::new(CASES.as_bytes(), &[])?)
+        Self::read(&mut CsvSource::new(CASES.as_bytes(), &[], &TableFormat::default())?)
     }
 
     /// All rows of a table.

@@ -1,6 +1,6 @@
 //! Numbers of the analyses as columns of tables.
 
-use bsm_batch::{Answers, Chunk, Columns, GridSource, Source, Task};
+use bsm_batch::{Answers, Chunk, Columns, GridSource, Source, TableFormat, Task};
 use bsm_case::{AnalysisKind, Axis, AxisReport, Case, Grid, MotionAnswer, Output, Settings};
 use bsm_dyn::{Control, Model, ModelWorkspace, Status};
 
@@ -226,7 +226,8 @@ fn columns_that_no_row_can_fill_are_told() {
         assert!(error.contains(words), "{column}: {error}");
         let watched = Task::over_grid(base.clone(), settings, Vec::new(), Some(columns[0]), &grid);
         assert!(watched.is_err(), "{column}");
-        let table = Columns::sort(["screw_speed_rpm"], &[]).expect("an input");
+        let table =
+            Columns::sort(["screw_speed_rpm"], &[], &TableFormat::default()).expect("an input");
         let error =
             Task::over_table(base, settings, columns, &table).expect_err("empty").to_string();
         assert!(error.contains(words), "{column}: {error}");
@@ -241,7 +242,8 @@ fn columns_that_no_row_can_fill_are_told() {
 #[test]
 fn columns_of_the_inputs_alone_need_no_solution() {
     let base = Case::from_json(br#"{"lead_angle_deg": 5}"#).expect("a case");
-    let columns = Columns::sort(["friction_coefficient"], &[]).expect("an input");
+    let columns =
+        Columns::sort(["friction_coefficient"], &[], &TableFormat::default()).expect("an input");
     let task = outputs(&["rotary_to_linear_optimum_contact_angle_deg"]);
     let task = Task::over_table(base, Settings::default(), task, &columns).expect("a task");
     let chunk = Chunk::of_rows(&columns, [[Some(0.075)], [None]]);
@@ -304,7 +306,8 @@ fn a_row_says_why_it_has_no_torque_with_pushes() {
 #[test]
 fn columns_of_an_earlier_answer_are_passed_over() {
     let inputs = |names: &[&str]| {
-        let columns = Columns::sort(names.iter().copied(), &[]).expect("known names");
+        let columns = Columns::sort(names.iter().copied(), &[], &TableFormat::default())
+            .expect("known names");
         columns.inputs.iter().map(|key| key.name()).collect::<Vec<_>>()
     };
     let temperature = "lubricant_temperature_C";

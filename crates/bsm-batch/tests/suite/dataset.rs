@@ -281,7 +281,10 @@ fn rows_of_parquet_are_passed_over() {
     let sink = sink.expect("a table");
     let run = task.run(&mut source, sink, u64::MAX, &workers(2), &mut |_, _| {});
     run.expect("solved").0.finish(None).expect("written");
-    let open = || ParquetSource::new(fs::File::open(&path).expect("file"), &[]).expect("Parquet");
+    let open = || {
+        ParquetSource::new(fs::File::open(&path).expect("file"), &[], &TableFormat::default())
+            .expect("Parquet")
+    };
     let all = rows(&mut open(), 10_000);
     assert_eq!(all.len(), 300_001);
     for [before, skipped] in [[0, 1], [5, 262_139], [7, 262_137], [0, 262_145], [10, 300_001]] {

@@ -5,7 +5,7 @@ use crate::alike;
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use arrow_array::Float64Array;
-use bsm_batch::{Answers, Buffers, Cell, Chunk, Columns, CsvSource, Source, Task};
+use bsm_batch::{Answers, Buffers, Cell, Chunk, Columns, CsvSource, Source, TableFormat, Task};
 use bsm_case::{Case, InputKey, ModelChoice, Output, Record, Settings};
 use bsm_dyn::{Control, Model, ModelWorkspace, RacewayFriction, Status};
 use bsm_kernels::{InputColumn, InputColumns, Rows, Selection};
@@ -74,7 +74,7 @@ fn points(count: usize) -> (Chunk, Columns) {
         ]
         .map(Cell::Number)
     };
-    let columns = Columns::sort(INPUTS, &[]).expect("known names");
+    let columns = Columns::sort(INPUTS, &[], &TableFormat::default()).expect("known names");
     (Chunk::of_rows(&columns, (0..count).map(row)), columns)
 }
 
@@ -160,7 +160,7 @@ fn lubricated_raceway_control() {
     names[place] = "lubricant_temperature_C";
     chunk.inputs[place] =
         Float64Array::from_iter_values((0..COUNT).map(|_| rng.random_range(0.0..90.0)));
-    let columns = Columns::sort(names, &[]).expect("known names");
+    let columns = Columns::sort(names, &[], &TableFormat::default()).expect("known names");
     let settings =
         Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() };
     compare_on(&settings, &base, &names, &(chunk, columns));
@@ -288,7 +288,7 @@ fn sweeps_finish_nearly_all_points() {
         ("axial_load_N", 20.0..3000.0),
     ];
     let names = ranges.each_ref().map(|(name, _)| *name);
-    let columns = Columns::sort(names, &[]).expect("known names");
+    let columns = Columns::sort(names, &[], &TableFormat::default()).expect("known names");
     let row = |_| ranges.each_ref().map(|(_, range)| Cell::Number(rng.random_range(range.clone())));
     let chunk = Chunk::of_rows(&columns, (0..COUNT).map(row));
     let (left, solved) = left_to_the_model(&Model::Rigid.into(), &base, (&chunk, &columns));
@@ -300,7 +300,7 @@ fn sweeps_finish_nearly_all_points() {
 /// and took a third of the time.
 #[test]
 fn nearly_all_ordinary_rows_stay_in_the_kernel() {
-    let mut source = CsvSource::new(TRADEOFF, &[]).expect("a table");
+    let mut source = CsvSource::new(TRADEOFF, &[], &TableFormat::default()).expect("a table");
     let columns = source.columns().clone();
     let chunk = source.next(300).expect("numbers").expect("rows");
     let settings = Model::Traction.into();
@@ -362,7 +362,11 @@ fn rows_that_are_not_ordinary_are_told() {
              "loaded_balls": 1}"#,
     )
     .expect("case");
-    let columns = Columns::sort(["ball_diameter_mm", "lead_mm", "nut_speed_rpm"], &[]);
+    let columns = Columns::sort(
+        ["ball_diameter_mm", "lead_mm", "nut_speed_rpm"],
+        &[],
+        &TableFormat::default(),
+    );
     let columns = columns.expect("known names");
     let number = Cell::Number;
     let rows = [

@@ -13,7 +13,9 @@ use arrow_array::{
     ArrayRef, BooleanArray, Date32Array, Float64Array, Int64Array, ListArray, RecordBatch,
     StringArray, StructArray, TimestampMillisecondArray, UInt16Array,
 };
-use bsm_batch::{Answers, Cell, Format, ParquetSource, Source, TableError, Task, Workers};
+use bsm_batch::{
+    Answers, Cell, Format, ParquetSource, Source, TableError, TableFormat, Task, Workers,
+};
 use bsm_case::Case;
 use bsm_dyn::Model;
 use bytes::Bytes;
@@ -33,7 +35,7 @@ type Rows = (Vec<f64>, Vec<String>);
 
 fn read(table: Vec<u8>, kept: &[&str]) -> Result<Rows, TableError> {
     let keep: Vec<_> = kept.iter().map(|name| (*name).to_owned()).collect();
-    let mut source = ParquetSource::new(Bytes::from(table), &keep)?;
+    let mut source = ParquetSource::new(Bytes::from(table), &keep, &TableFormat::default())?;
     let mut rows = Rows::default();
     while let Some(chunk) = source.next(1000)? {
         for row in 0..chunk.len {
@@ -163,7 +165,9 @@ fn kept_columns_keep_their_types() {
     let table = written([&kept[..], &[leads]].concat(), compressed(Compression::SNAPPY));
     let keep: Vec<_> = kept.iter().map(|(name, _)| (*name).to_owned()).collect();
     let solved = |format| {
-        let mut source = ParquetSource::new(Bytes::from(table.clone()), &keep).expect("a table");
+        let mut source =
+            ParquetSource::new(Bytes::from(table.clone()), &keep, &TableFormat::default())
+                .expect("a table");
         let base = include_bytes!("../../../../examples/feed_drive.json");
         let base = Case::from_json(base).expect("a case");
         let outputs = Answers::select(Some(&["efficiency".to_owned()])).expect("an output");

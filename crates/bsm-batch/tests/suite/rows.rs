@@ -2,7 +2,7 @@
 
 use crate::alike;
 
-use bsm_batch::{Answers, Cell, Chunk, Columns, CsvSource, Source, Task};
+use bsm_batch::{Answers, Cell, Chunk, Columns, CsvSource, Source, TableFormat, Task};
 use bsm_case::units::other_units;
 use bsm_case::{Case, InputKey, ModelChoice, Record, Settings};
 use bsm_dyn::{Model, ModelWorkspace, RacewayFriction, Status};
@@ -26,7 +26,8 @@ struct Table {
 
 impl Table {
     fn solve(&self, base: &Case, settings: &Settings) -> Answers {
-        let columns = Columns::sort(self.keys.iter().map(|key| key.name()), &[]);
+        let columns =
+            Columns::sort(self.keys.iter().map(|key| key.name()), &[], &TableFormat::default());
         let columns = columns.expect("inputs, each once");
         let chunk = Chunk::of_rows(&columns, self.rows.iter().cloned());
         let outputs = Answers::select(None).expect("all outputs");
@@ -417,7 +418,8 @@ fn alternatives(seed: u64, rows: usize) -> (usize, usize) {
             text.push('\n');
             cells.push(row);
         }
-        let mut source = CsvSource::new(text.as_bytes(), &[]).expect("inputs, each once");
+        let mut source = CsvSource::new(text.as_bytes(), &[], &TableFormat::default())
+            .expect("inputs, each once");
         let columns = source.columns().clone();
         let chunk = source.next(100).expect("a table").expect("rows");
         assert_eq!(chunk.len, cells.len(), "{text}");

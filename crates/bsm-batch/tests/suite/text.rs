@@ -39,11 +39,11 @@ fn keep(names: &[&str]) -> Vec<String> {
 }
 
 fn csv(table: &[u8], kept: &[&str]) -> Result<Rows, TableError> {
-    rows(&mut CsvSource::new(table, &keep(kept))?)
+    rows(&mut CsvSource::new(table, &keep(kept), &TableFormat::default())?)
 }
 
 fn json(table: &[u8], kept: &[&str]) -> Result<Rows, TableError> {
-    rows(&mut JsonSource::new(table, &keep(kept))?)
+    rows(&mut JsonSource::new(table, &keep(kept), &TableFormat::default())?)
 }
 
 /// The numbers of a table with one input and nothing kept.
@@ -129,7 +129,7 @@ fn a_blank_line_is_not_passed_over() {
 fn a_row_of_empty_cells_between_tabs_is_a_row() {
     let dialect = TableFormat { delimiter: '\t', ..TableFormat::default() };
     let tabs = |table: &str, kept: &[&str]| {
-        rows(&mut CsvSource::with(table.as_bytes(), &keep(kept), &dialect).expect("a table"))
+        rows(&mut CsvSource::new(table.as_bytes(), &keep(kept), &dialect).expect("a table"))
     };
     let table = "lead_mm\tscrew_speed_rpm\n10\t\n12\t\n\t\n \t\n";
     let read = tabs(table, &[]).expect("rows");
@@ -162,7 +162,8 @@ fn an_output_that_is_a_column_of_inputs_has_no_gaps() {
     ])
     .expect("inputs");
     let table = "lubricant_temperature_C,pressure_viscosity_1_GPa\n,\n60,\n,18.5\n-500,\n";
-    let mut source = CsvSource::new(table.as_bytes(), &[]).expect("a table");
+    let mut source =
+        CsvSource::new(table.as_bytes(), &[], &TableFormat::default()).expect("a table");
     let outputs = ["efficiency", "lubricant_temperature_C", "pressure_viscosity_1_GPa"];
     let outputs = Answers::select(Some(&outputs.map(str::to_owned))).expect("outputs");
     let settings =
@@ -188,7 +189,7 @@ fn an_output_that_is_a_column_of_inputs_has_no_gaps() {
 fn a_table_is_written_with_the_signs_of_the_points() {
     let dialect = TableFormat { delimiter: ';', decimal: ',', ..TableFormat::default() };
     let table = "id;axial_load_N\n\"a;b\";5000,5\n";
-    let mut source = CsvSource::with(table.as_bytes(), &keep(&["id"]), &dialect).expect("a table");
+    let mut source = CsvSource::new(table.as_bytes(), &keep(&["id"]), &dialect).expect("a table");
     let base =
         Case::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("a case");
     let outputs = Answers::select(Some(&["efficiency".to_owned()])).expect("an output");
@@ -215,7 +216,7 @@ fn a_table_is_written_with_the_signs_of_the_points() {
     for dialect in [dialect, TableFormat { decimal: ',', ..TableFormat::default() }] {
         let own = written(&dialect);
         let again =
-            rows(&mut CsvSource::with(own.as_bytes(), &keep(&["id"]), &dialect).expect("ours"));
+            rows(&mut CsvSource::new(own.as_bytes(), &keep(&["id"]), &dialect).expect("ours"));
         assert_eq!(
             again.expect("rows"),
             [(vec!["a;b".to_owned()], vec![Cell::Number(5000.5)])],
@@ -304,8 +305,12 @@ fn words_of_outputs_stand_as_they_are() {
     let outputs = ["controlling_raceway", "control_consistent", "iterations"].map(str::to_owned);
     let outputs = Answers::select(Some(&outputs)).expect("outputs");
     let task = Task::new(base, Model::RacewayControl.into(), outputs);
-    let mut source =
-        CsvSource::new(&b"id,axial_load_N\n\"a, b\",5000\n"[..], &keep(&["id"])).expect("a table");
+    let mut source = CsvSource::new(
+        &b"id,axial_load_N\n\"a, b\",5000\n"[..],
+        &keep(&["id"]),
+        &TableFormat::default(),
+    )
+    .expect("a table");
     let stop = AtomicBool::new(false);
     let workers = Workers::start(NonZeroUsize::new(1), &stop).expect("a thread");
     let out = task.write(&mut source, Format::Csv, Vec::new(), &workers, &mut |_, _| {});

@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 
 use bsm_design::{
-    ActiveLimit, BindingLimit, Check, Design, EndFixity, LoadCase, Nut, OfferedSize, Outcome,
-    Phase, Pitch, Quantity, Requirement, Why,
+    ActiveLimit, BindingLimit, Check, Design, EndFixity, Infeasibility, LoadCase, Nut, OfferedSize,
+    Outcome, Phase, Pitch, Quantity, Requirement,
 };
 use bsm_dyn::{Direction, ModelWorkspace};
 use serde_json::json;
@@ -483,24 +483,24 @@ fn held_back(requirement: &RequirementFile, design: &Design, holds: &BindingLimi
 }
 
 /// A limit that blocks, by how much, and why.
-fn blocks(ActiveLimit { check, why }: &ActiveLimit) -> String {
+fn blocks(ActiveLimit { check, cause }: &ActiveLimit) -> String {
     let (name, unit) = (step(check.quantity).about, unit(check.quantity));
     let number = |value: f64| format!("{}{unit}", trimmed(in_unit(check, value)));
     let rule = format!("{name} must be {}{unit}", required(check).unwrap_or_default());
-    match why {
-        Why::Alone(best) => {
+    match cause {
+        Infeasibility::SingleLimit(best) => {
             format!(
                 "{rule}: with all other limits met the best possible value is {}",
                 number(*best)
             )
         }
-        Why::WithOthers => {
+        Infeasibility::SeveralLimits => {
             format!(
                 "{rule}: the nearest compromise has {}, and others fail too",
                 number(check.value)
             )
         }
-        Why::WholeBalls => format!(
+        Infeasibility::WholeBalls => format!(
             "{rule}: the nearest screw with whole numbers of standard balls has {}; only fractions of balls would do",
             number(check.value)
         ),

@@ -3,7 +3,7 @@
 use bsm_dyn::{
     Alternatives, Basis, Choice, ContactState, ControllingRaceway, ErrorBound, FilmState,
     LossInterval, Model, ModelWorkspace, ROLLING_BELOW, Reason, Regime, Slip, SlipRegime, Solution,
-    Solved, Status, ZERO_CELSIUS,
+    Status, SteadyState, ZERO_CELSIUS,
 };
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
@@ -76,7 +76,7 @@ impl Record {
     }
 
     /// The numbers, if it converged.
-    pub fn solved(&self) -> Option<&Solved> {
+    pub fn solved(&self) -> Option<&SteadyState> {
         self.solution.as_ref()?.solved()
     }
 

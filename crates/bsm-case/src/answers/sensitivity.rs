@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use bsm_dyn::{ModelWorkspace, Performance, Problem, Unsolved};
+use bsm_dyn::{ModelWorkspace, NoAnswer, Performance, Problem};
 use bsm_kin::Jet;
 use serde_json::json;
 
@@ -94,7 +94,7 @@ impl Sensitivities {
     pub fn solve(
         &self,
         work: &mut ModelWorkspace,
-    ) -> Result<(Performance<f64>, Vec<Sensitivity>), Unsolved> {
+    ) -> Result<(Performance<f64>, Vec<Sensitivity>), NoAnswer> {
         let mut rows = Vec::new();
         let mut value = Performance { efficiency: f64::NAN, screw_torque: None };
         for Part(problem, variables) in &self.0 {

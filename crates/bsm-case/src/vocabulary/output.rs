@@ -1,6 +1,6 @@
 //! The outputs: one table that records, tables and schema are made from.
 
-use bsm_dyn::{ContactFilm, Evidence, Solution, Solved, ZERO_CELSIUS};
+use bsm_dyn::{ContactFilm, Evidence, Solution, SteadyState, ZERO_CELSIUS};
 use bsm_kin::{Field, Site};
 use bsm_simd::Compare;
 use serde_json::{Value, json};
@@ -29,7 +29,7 @@ pub struct Output {
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Origin {
     /// From the solution of a model.
-    Solution { key: OutputKey, read: fn(&Solved) -> Option<f64> },
+    Solution { key: OutputKey, read: fn(&SteadyState) -> Option<f64> },
     /// From a table of quantities, which may be that of an analysis: a number of one of them.
     Table { kind: Option<AnalysisKind> },
 }
@@ -119,7 +119,7 @@ macro_rules! outputs {
             origin: Origin::Solution {
                 key: OutputKey::$name,
                 read: |solved| {
-                    let ($s, $at): (&Solved, _) = (solved, outputs!(@site $site));
+                    let ($s, $at): (&SteadyState, _) = (solved, outputs!(@site $site));
                     $read
                 },
             },
@@ -147,7 +147,7 @@ macro_rules! outputs {
         /// Stores the outputs that have a place, in the unit of the vocabulary, of answers side by side.
         #[inline(always)]
         pub fn store_outputs<F: Compare>(
-            solved: &Solved<F>,
+            solved: &SteadyState<F>,
             place: impl Fn(OutputKey) -> Option<usize>,
             mut store: impl FnMut(usize, F),
         ) {
@@ -188,22 +188,22 @@ macro_rules! outputs {
 /// A reader at a contact, whose lanes take the instruction set only inline.
 #[inline(always)]
 fn read_at<F: Field>(
-    solved: &Solved<F>,
+    solved: &SteadyState<F>,
     at: Site,
-    read: impl Fn(&Solved<F>, Site) -> Option<F>,
+    read: impl Fn(&SteadyState<F>, Site) -> Option<F>,
 ) -> Option<F> {
     read(solved, at)
 }
 
 /// A number that all answers have.
 #[inline(always)]
-fn constant<F: Field>(solved: &Solved<F>, number: f64) -> F {
+fn constant<F: Field>(solved: &SteadyState<F>, number: f64) -> F {
     solved.transmission.efficiency.constant(number)
 }
 
 /// Yes or no of each answer.
 #[inline(always)]
-fn flags<F: Field>(solved: &Solved<F>, holds: F::Mask) -> F {
+fn flags<F: Field>(solved: &SteadyState<F>, holds: F::Mask) -> F {
     F::select(holds, constant(solved, 1.0), constant(solved, 0.0))
 }
 
@@ -214,13 +214,13 @@ fn yes(holds: bool) -> f64 {
 
 /// Angular velocity along t, n or b.
 #[inline(always)]
-fn omega<F: Field>(solved: &Solved<F>, along: usize) -> Option<F> {
+fn omega<F: Field>(solved: &SteadyState<F>, along: usize) -> Option<F> {
     let [omega] = solved.ball.motion.as_ref()?.omega.data.0;
     Some(omega[along])
 }
 
 #[inline(always)]
-fn film<F: Field>(solved: &Solved<F>, at: Site) -> Option<&ContactFilm<F>> {
+fn film<F: Field>(solved: &SteadyState<F>, at: Site) -> Option<&ContactFilm<F>> {
     let state = solved.film.as_ref()?;
     Some(if at == Site::Screw { &state.screw } else { &state.nut })
 }

@@ -11,7 +11,8 @@ use bsm_simd::{
 };
 
 use super::Quadrature;
-use super::panels::{Chords, EllipseSlip, FAR, Placement, Visitor, clamp, each_chord};
+use super::chords::{Chords, Placement, Visitor, each_chord};
+use super::slip::{EllipseSlip, FAR, clamp};
 
 /// What the sums depend on: a contact with numbers in its own axes.
 #[derive(Debug, Clone, Copy)]
@@ -394,8 +395,9 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> Visitor<S>
             let xi = Lane::load(simd, &lines.xi[at..]);
             let weight = Lane::load(simd, &lines.weight[at..]);
             let line = Chord::new(&slip, xi, weight, Lane::load(simd, &lines.half_length[at..]));
-            let mut inner = law.along::<S, JACOBIAN>(simd, (nodes, lines.inner), &slip, &line);
-            if let Some(inside) = &lines.inside {
+            let mut inner =
+                law.along::<S, JACOBIAN>(simd, (nodes, lines.inner.count), &slip, &line);
+            if let Some(inside) = &lines.inner.inside {
                 let (rule, slip, line) = (nodes.rule, &slip, &line);
                 let near = NearChords::<_, _, N, JACOBIAN> { simd, rule, slip, law, line };
                 let is_near = Lane::load(simd, &inside[at..]).gt(xi.constant(0.0));

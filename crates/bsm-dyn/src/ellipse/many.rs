@@ -1,6 +1,6 @@
 //! The sums of the friction over the ellipses of several contacts side by side, with derivatives.
 //!
-//! Nodes and sums are those of one contact in `panels.rs` and `kernel.rs`, up to rounding: eight neighbouring
+//! Nodes and sums are those of one contact in `chords.rs` and `kernel.rs`, up to rounding: eight neighbouring
 //! lines share the largest of their numbers of inner nodes, at each contact by itself.
 
 use std::cell::OnceCell;
@@ -9,8 +9,11 @@ use std::ops::Range;
 use bsm_simd::{BLOCK, Lane, Mask, NullaryFnOnce, Simd};
 
 use super::Quadrature;
+use super::chords::{FrozenRule, Placement};
 use super::kernel::{ALL, Chord, Dry, Moments, NUMBERS, Patch, PointLaw, Resultants, VALUES, sums};
-use super::panels::{FrozenRule, MOST_INNER, Placement, UNRESOLVED, clamp, half_length, line_at};
+use super::panels::line_at;
+use super::quadrature::{MOST_INNER, UNRESOLVED};
+use super::slip::{clamp, half_length};
 
 /// Most nodes of a panel.
 const MOST_NODES: usize = 16;

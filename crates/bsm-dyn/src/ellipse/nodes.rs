@@ -3,9 +3,10 @@
 use bsm_simd::{Arch, Lane, Simd, WithSimd};
 
 use super::Quadrature;
+use super::chords::{Chords, Placement, Visitor, each_chord};
 use super::kernel::{NearPole, Patch};
 use super::oil::{HalfChord, HalfNode, PolarRule};
-use super::panels::{Chords, EllipseSlip, Placement, Visitor, each_chord, half_length};
+use super::slip::{EllipseSlip, half_length};
 use crate::contact::Transition;
 
 /// Coordinates over the semi-axes and part of the load of all nodes: those of the sums of a constant
@@ -34,7 +35,7 @@ impl<S: Simd> Visitor<S> for NodeCollector<'_> {
         for (i, (xi, weight)) in lines.xi.into_iter().zip(lines.weight).enumerate() {
             let half_length = half_length(xi);
             let mut add = |s: f64, part: f64| self.nodes.push((xi, half_length * s, weight * part));
-            if lines.inside.is_some_and(|inside| inside[i] > 0.0) {
+            if lines.inner.inside.is_some_and(|inside| inside[i] > 0.0) {
                 let near = NearPole::of(&self.slip.splat(simd), Lane::<S>::splat(simd, xi));
                 for (s, part) in
                     (0..NearPole::<S>::pairs(self.rule)).flat_map(|pair| near.pair(self.rule, pair))
@@ -50,7 +51,7 @@ impl<S: Simd> Visitor<S> for NodeCollector<'_> {
                     add(s, part);
                     add(-s, part);
                 }
-            } else if let Some(count) = lines.inner {
+            } else if let Some(count) = lines.inner.count {
                 self.rule.inner[count].iter().for_each(|(s, part)| add(*s, *part));
             }
         }

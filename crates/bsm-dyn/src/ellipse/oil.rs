@@ -8,8 +8,10 @@ use std::f64::consts::FRAC_2_PI;
 use bsm_simd::{BLOCK, Lane, Simd};
 
 use super::Quadrature;
+use super::chords::{FrozenRule, Placement};
 use super::kernel::{Accumulator, Chord, Moments, PointLaw, add_powers};
-use super::panels::{EllipseSlip, FrozenRule, MOST_RINGS, Placement, part_of_a_node};
+use super::quadrature::{MOST_RINGS, part_of_a_node};
+use super::slip::{EllipseSlip, half_length};
 use crate::contact::{MixedFriction, PRESSURE_SLOPE, Transition};
 
 /// Below this the inverse hyperbolic sine is its series, whose next term is of the size of rounding.
@@ -108,7 +110,7 @@ impl<S: Simd> HalfChord<S> {
     /// About the bend of lines at `xi`.
     #[inline(always)]
     pub(super) fn of(bend: &Transition, slip: &EllipseSlip<Lane<S>>, xi: Lane<S>) -> Self {
-        let half_length = super::panels::half_length(xi);
+        let half_length = half_length(xi);
         let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across_at(xi, half_length));
         let square = v_t * v_t + b_0 * b_0 + b_1 * b_1 * 0.25 + slip.creep * slip.creep;
         let one = xi.constant(1.0);
@@ -301,7 +303,7 @@ impl PointLaw<4> for OilLaw {
                 sums.add_line(simd, ellipse, first % BLOCK, &slip, (&line, inner));
             }
         }
-        nodes.freeze(FrozenRule { blocks, ..FrozenRule::default() });
+        nodes.freeze(FrozenRule::Rings(blocks));
         true
     }
 }

@@ -7,8 +7,8 @@ use bsm_kin::Jet;
 use bsm_simd::Compare;
 
 use crate::models::ball::{
-    Basis, Choice, Direction, ElasticContacts, ElasticPoint, ErrorBound, Model, Performance,
-    SlipRegime, Solution, Solved, Unsolved,
+    Basis, Choice, Direction, ElasticContacts, ElasticPoint, ErrorBound, Model, NoAnswer,
+    Performance, SlipRegime, Solution, SteadyState,
 };
 use crate::models::elastic::{Elastic, SlidingBall};
 use crate::models::raceway_control::RacewayControl;
@@ -61,10 +61,10 @@ impl Auto {
                             Elastic { at: self.at }.solved(&contacts, &mut work.elastic)
                         })
                     {
-                        let eta = |solved: &Solved| solved.transmission.efficiency;
+                        let eta = |solved: &SteadyState| solved.transmission.efficiency;
                         let bound = errors.skid_bound((eta(solved) - eta(&skid)).abs());
                         if bound <= self.tolerance {
-                            let skid = Solved { skid: solved.skid, ..skid };
+                            let skid = SteadyState { skid: solved.skid, ..skid };
                             return (self.chosen(&skid, bound, basis), None);
                         }
                     }
@@ -107,12 +107,12 @@ impl Auto {
     }
 
     /// A solution with the bound of its error.
-    fn chosen(&self, solved: &Solved, error_bound: f64, basis: Basis) -> Solution {
+    fn chosen(&self, solved: &SteadyState, error_bound: f64, basis: Basis) -> Solution {
         let choice = Some(Choice { basis, tolerance: self.tolerance });
         let direction =
             Direction::of(self.at.point.drive.relative_speed()).expect("the point was solved");
         let error = Some(ErrorBound::of(direction, solved.transmission.efficiency, error_bound));
-        Solution { model: basis.model(), answer: Ok(Solved { error, ..*solved }), choice }
+        Solution { model: basis.model(), answer: Ok(SteadyState { error, ..*solved }), choice }
     }
 }
 
@@ -121,7 +121,7 @@ impl<const M: usize> Auto<Jet<M>> {
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
-    ) -> Result<Performance<Jet<M>>, Unsolved> {
+    ) -> Result<Performance<Jet<M>>, NoAnswer> {
         let Self { at, tolerance } = *self;
         let (solution, root) = Auto { at: at.values(), tolerance }.solve_for_root(work);
         let basis = match solution.answer {
@@ -191,7 +191,7 @@ impl<F: Compare> ModelErrors<F> {
 
 impl ModelErrors {
     /// Of a ball that rolls, where its numbers have a meaning.
-    fn of_ball(ball: &ElasticContacts, rolling_ball: &Solved) -> Option<Self> {
+    fn of_ball(ball: &ElasticContacts, rolling_ball: &SteadyState) -> Option<Self> {
         let (skid, back) = (rolling_ball.skid?, ball.direction.is_back());
         let numbers = [skid.onset_number()?, skid.cross_slip?];
         Some(Self::of(&ball.into(), back, rolling_ball.transmission.efficiency, numbers))

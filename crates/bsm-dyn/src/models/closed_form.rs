@@ -7,7 +7,7 @@ use bsm_simd::Compare;
 
 use crate::contact::{Angles, Coulomb, Load, Power, ideal_torque, torque_of};
 use crate::models::ball::{
-    BallState, Direction, Model, Performance, Solution, Solved, Transmission,
+    BallState, Direction, Model, Performance, Solution, SteadyState, Transmission,
 };
 
 /// Size and load of a screw: what the torque of a model without inertia needs beyond its efficiency.
@@ -66,7 +66,7 @@ pub fn transmitted<F: Compare>(
     load_ratio: F,
     size: Option<ScrewSize<F>>,
     (back, tan_a): (F::Mask, F),
-) -> Solved<F> {
+) -> SteadyState<F> {
     let mut transmission = Transmission {
         efficiency,
         self_locking,
@@ -85,7 +85,7 @@ pub fn transmitted<F: Compare>(
         let load = F::select(turns, load, load.constant(f64::NAN));
         (ball.nut.load, ball.screw.load) = (Some(load), Some(load));
     }
-    Solved::new(&ball, transmission)
+    SteadyState::new(&ball, transmission)
 }
 
 /// The same of a point: no torque and no loads if the screw cannot be turned.
@@ -95,7 +95,7 @@ pub(crate) fn answer(
     load_ratio: f64,
     size: Option<ScrewSize>,
     (direction, lead_angle): (Direction, f64),
-) -> Solved {
+) -> SteadyState {
     let back = direction.is_back();
     let size = size.filter(|_| turns(back, efficiency, load_ratio));
     transmitted(*ball, (efficiency, self_locking), load_ratio, size, (back, lead_angle.tan()))

@@ -24,8 +24,8 @@ use crate::models::ball::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
 };
 use crate::models::ball::{
-    BALL, BallLoads, ElasticContacts, ElasticPoint, Model, ROWS, Reason, Solution, SolveInfo,
-    Solved, Unsolved, Workspace, domain_error, equations, friction_power, weight,
+    BALL, BallLoads, ElasticContacts, ElasticPoint, Model, NoAnswer, ROWS, Reason, Solution,
+    SolveInfo, SteadyState, Workspace, domain_error, equations, friction_power, weight,
 };
 
 /// Below this ratio of inertia to friction the rounding of the loads shows in the slip.
@@ -138,14 +138,14 @@ impl GrossSlip {
     }
 
     /// A root on the curve of all states of force that serves as a start, mostly the first one.
-    pub(crate) fn start(contacts: &ElasticContacts) -> Result<Self, Unsolved> {
+    pub(crate) fn start(contacts: &ElasticContacts) -> Result<Self, NoAnswer> {
         let (y, steps) = root(contacts, true)?;
         let state = GrossSlipEquations(contacts).state(&y).map_err(domain_error)?;
         Ok(Self { state, steps, residual: f64::NAN })
     }
 
     /// The first root on the curve of all states of force.
-    pub(crate) fn of(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<Self, Unsolved> {
+    pub(crate) fn of(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<Self, NoAnswer> {
         let (y, steps, residual) = find(contacts, newton)?;
         let state = GrossSlipEquations(contacts).state(&y).map_err(domain_error)?;
         Ok(Self { state, steps, residual })
@@ -156,13 +156,13 @@ impl GrossSlip {
 type ElasticRoot = ([f64; BALL], usize, f64);
 
 /// The first root on the curve of all states of force, as (S1) has it.
-fn find(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<ElasticRoot, Unsolved> {
+fn find(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<ElasticRoot, NoAnswer> {
     let (mut y, steps) = root(contacts, false)?;
     let report = run(contacts, &mut y, newton);
     if report.converged() {
         return Ok((y, steps + report.steps.len(), report.residual));
     }
-    Err(Unsolved::not_converged(Reason::from(report)))
+    Err(NoAnswer::not_converged(Reason::from(report)))
 }
 
 /// How many times as much inertia it takes for a ball to be no longer slow.
@@ -213,7 +213,7 @@ impl Elastic {
         &self,
         contacts: &ElasticContacts,
         work: &mut ElasticWorkspace,
-    ) -> Result<Solved, Unsolved> {
+    ) -> Result<SteadyState, NoAnswer> {
         let GrossSlip { state, steps, residual } = GrossSlip::of(contacts, &mut work.0)?;
         let ball = self.at.ball_state(contacts, &state.loaded, &state.to_nut)?;
         let slips = state.slip.map(|slip| slip.norm());
@@ -222,7 +222,7 @@ impl Elastic {
         let torque = torque(&state.wrench[1], contacts.helix.radius, &state.loaded.frame);
         let transmission = self.at.transmission_at(torque, friction_power)?;
         let info = Some(SolveInfo { steps, residual });
-        Ok(Solved { info, ..Solved::new(&ball, transmission) })
+        Ok(SteadyState { info, ..SteadyState::new(&ball, transmission) })
     }
 }
 

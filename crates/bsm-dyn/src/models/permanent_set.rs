@@ -9,7 +9,7 @@ use bsm_kin::Scalar;
 use bsm_newton::{EvalError, Options, Scales, solve};
 
 use crate::contact::{Curvatures, Hertz};
-use crate::models::ball::{ElasticPoint, Reason, Unsolved, Workspace, domain_error, equations};
+use crate::models::ball::{ElasticPoint, NoAnswer, Reason, Workspace, domain_error, equations};
 
 /// Loads, contact angles and approaches at nut and screw with permanent approach.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,8 +43,8 @@ impl ElasticPoint {
         &self,
         loads: [f64; 2],
         angles: [f64; 2],
-    ) -> Result<PermanentSet, Unsolved> {
-        let invalid = Unsolved::invalid;
+    ) -> Result<PermanentSet, NoAnswer> {
+        let invalid = NoAnswer::invalid;
         let hertz = self.hertz().map_err(invalid)?;
         let curvatures = self.curvatures();
         let [nut_offset, screw_offset] = self.grooves().map(|g| g.offset(self.point.ball.radius));
@@ -65,12 +65,12 @@ impl ElasticPoint {
         let options = Options { residual_goal: 1e-14, ..Options::default() };
         let report = solve(&closing, &mut x, &scales, &options, &mut Workspace::default());
         if !report.converged() {
-            return Err(Unsolved::not_converged(Reason::from(report)));
+            return Err(NoAnswer::not_converged(Reason::from(report)));
         }
         let (loads, cotangents) = closing.forces(x[0]).map_err(domain_error)?;
         let [nut, screw] = cotangents.map(|c| FRAC_PI_2 - c.atan());
         if ![nut, screw].iter().all(|angle| (0.0..FRAC_PI_2).contains(angle)) {
-            return Err(Unsolved::not_converged(Reason::BallLeavesFlank { nut, screw }));
+            return Err(NoAnswer::not_converged(Reason::BallLeavesFlank { nut, screw }));
         }
         let [elastic, permanent] = closing.approaches(loads);
         Ok(PermanentSet { loads, angles: [nut, screw], elastic, permanent })

@@ -7,7 +7,7 @@ use bsm_newton::{Continuation, EvalError, Options, Report, Scales, Workspace, fo
 
 use crate::contact::{Ball, Coulomb, Wrench, newton_euler};
 use crate::ellipse::{ContactMotion, Ellipse, Integrate, Quadrature};
-use crate::models::ball::{Reason, Unsolved, equations};
+use crate::models::ball::{NoAnswer, Reason, equations};
 
 /// A contact whose load is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,19 +77,19 @@ impl PrescribedBall {
     ///
     /// # Errors
     ///
-    /// [`Unsolved`] if screw and nut do not move against each other, or no balance is found.
+    /// [`NoAnswer`] if screw and nut do not move against each other, or no balance is found.
     pub fn solve(
         &self,
         near: Option<&BallMotion>,
         quadrature: &Quadrature,
-    ) -> Result<BallMotion, Unsolved> {
+    ) -> Result<BallMotion, NoAnswer> {
         let speed = self.drive.relative_speed();
         let loads = self.contacts.iter().map(|contact| contact.load).sum::<f64>();
         if speed == 0.0 {
-            return Err(Unsolved::invalid(Reason::NoRelativeSpeed));
+            return Err(NoAnswer::invalid(Reason::NoRelativeSpeed));
         }
         if loads <= 0.0 || self.friction.0 <= 0.0 {
-            return Err(Unsolved::invalid(Reason::Frictionless));
+            return Err(NoAnswer::invalid(Reason::Frictionless));
         }
         let balance = PrescribedBalance { prescribed: self, loads, creep: self.creep, quadrature };
         let mut work = Workspace::<UNKNOWNS>::default();
@@ -113,7 +113,7 @@ impl PrescribedBalance<'_> {
     fn by_way_of_large_creep(
         &self,
         work: &mut Workspace<UNKNOWNS>,
-    ) -> Result<[f64; UNKNOWNS], Unsolved> {
+    ) -> Result<[f64; UNKNOWNS], NoAnswer> {
         // Half the speed of the screw, and rolling about b: where the raceways of nut and screw move on
         // opposite sides of the ball.
         let around = self.prescribed.helix.arc_length_per_radian() / self.prescribed.ball.radius;
@@ -131,7 +131,7 @@ impl PrescribedBalance<'_> {
             }
             converged
         })
-        .map_err(|_| Unsolved::not_converged(failure))?;
+        .map_err(|_| NoAnswer::not_converged(failure))?;
         Ok(y)
     }
 

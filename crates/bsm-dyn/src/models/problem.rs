@@ -3,7 +3,7 @@
 use bsm_kin::Jet;
 
 use crate::models::auto::Auto;
-use crate::models::ball::{Performance, Solution, Solved, Unsolved};
+use crate::models::ball::{NoAnswer, Performance, Solution, SteadyState};
 use crate::models::closed_form::ClosedForm;
 use crate::models::elastic::Elastic;
 use crate::models::lubricated::{LossInterval, Lubricated};
@@ -50,7 +50,7 @@ impl Problem {
     }
 
     /// Uncertainty of lubricated friction at its solution; `None` without a lubricant.
-    pub fn band(&self, solved: &Solved, work: &mut ModelWorkspace) -> Option<LossInterval> {
+    pub fn band(&self, solved: &SteadyState, work: &mut ModelWorkspace) -> Option<LossInterval> {
         let Self::Lubricated(problem) = self else { return None };
         problem.band(solved, work)
     }
@@ -74,7 +74,7 @@ impl<const M: usize> Problem<Jet<M>> {
     pub fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
-    ) -> Result<Performance<Jet<M>>, Unsolved> {
+    ) -> Result<Performance<Jet<M>>, NoAnswer> {
         // dy/dp = ∂y/∂p + ∂y/∂x dx/dp: the outputs of x and p in jets     (V3)
         match self {
             Self::ClosedForm(p) => Ok(p.transmitted()),

@@ -6,7 +6,7 @@ use bsm_kin::{Field, Scalar};
 
 use crate::contact::{Angles, Coulomb, Sines};
 use crate::models::ball::{
-    BallState, Direction, Evidence, Model, Performance, Reason, Solution, Unsolved,
+    BallState, Direction, Evidence, Model, NoAnswer, Performance, Reason, Solution,
 };
 use crate::models::closed_form::{ScrewSize, answer, performance};
 
@@ -133,20 +133,20 @@ impl<D: Scalar> QuasiStatic<D> {
     }
 
     /// The load ratio of these contacts; refuses a point that has no balance.
-    fn balance(&self, contacts: &TwoContacts<D>) -> Result<D, Unsolved> {
+    fn balance(&self, contacts: &TwoContacts<D>) -> Result<D, NoAnswer> {
         if self.driven == DrivenBody::Both {
-            return Err(Unsolved::invalid(Reason::DualDrive));
+            return Err(NoAnswer::invalid(Reason::DualDrive));
         }
         let ratio = contacts.load_ratio();
         let load_ratio = ratio.re();
         if load_ratio <= 0.0 {
-            return Err(Unsolved::none(Evidence::Proof, Reason::FrictionHoldsLoad { load_ratio }));
+            return Err(NoAnswer::none(Evidence::Proof, Reason::FrictionHoldsLoad { load_ratio }));
         }
         Ok(ratio)
     }
 
     /// Refuses a point that has no balance.
-    pub(crate) fn require_balance(&self) -> Result<(), Unsolved> {
+    pub(crate) fn require_balance(&self) -> Result<(), NoAnswer> {
         self.balance(&self.contacts()).map(drop)
     }
 

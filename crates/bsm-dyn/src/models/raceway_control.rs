@@ -17,9 +17,9 @@ pub(crate) use self::statics::STATIC;
 pub use self::statics::{StaticBalance, StaticState};
 use crate::ellipse::{Placement, Quadrature};
 use crate::models::ball::{
-    BallLoads, Control, ControllingRaceway, ElasticContacts, ElasticPoint, Model, SkidNumbers,
-    Solution, SolveInfo, Solved, Transmission, Unsolved, Workspace, domain_error, excess_of_nut,
-    to_both,
+    BallLoads, Control, ControllingRaceway, ElasticContacts, ElasticPoint, Model, NoAnswer,
+    SkidNumbers, Solution, SolveInfo, SteadyState, Transmission, Workspace, domain_error,
+    excess_of_nut, to_both,
 };
 
 /// Inputs of the raceway-control model.
@@ -108,7 +108,7 @@ impl RollingBall {
         contacts: &ElasticContacts,
         control: Option<Control>,
         newton: &mut Workspace<STATIC>,
-    ) -> Result<Self, Unsolved> {
+    ) -> Result<Self, NoAnswer> {
         let nut = Self::controlled(contacts, control.unwrap_or(Control::Nut), None, newton);
         if control.is_some() {
             return nut;
@@ -133,7 +133,7 @@ impl RollingBall {
         control: Control,
         near: Option<[f64; STATIC]>,
         newton: &mut Workspace<STATIC>,
-    ) -> Result<Self, Unsolved> {
+    ) -> Result<Self, NoAnswer> {
         let balance = Balance::new(contacts, control);
         Ok(Self::at(&balance, balance.first_root(near, newton)?))
     }
@@ -193,7 +193,7 @@ impl RollingBall {
 
     /// The same to two digits, also where centrifugal forces are so large that raceway control
     /// has no solution.
-    pub(crate) fn guess(contacts: &ElasticContacts) -> Result<Self, Unsolved> {
+    pub(crate) fn guess(contacts: &ElasticContacts) -> Result<Self, NoAnswer> {
         let balance = Balance::new(contacts, Control::Nut);
         let angle = contacts.contact_angle.sin_cos();
         let (p, _) = rolling(true, contacts.scaled.lead, contacts.scaled.arc, [angle; 2]);
@@ -279,7 +279,7 @@ impl RacewayWorkspace {
         &mut self,
         contacts: &ElasticContacts,
         control: Option<Control>,
-    ) -> Result<RollingBall, Unsolved> {
+    ) -> Result<RollingBall, NoAnswer> {
         RollingBall::of(contacts, control, &mut self.newton)
     }
 
@@ -289,7 +289,7 @@ impl RacewayWorkspace {
         screw: &ElasticPoint,
         contacts: &ElasticContacts,
         rolling_ball: &RollingBall,
-    ) -> Result<Solved, Unsolved> {
+    ) -> Result<SteadyState, NoAnswer> {
         let (loaded, nodes) = (&rolling_ball.loaded, [Placement::from(&self.quadrature); 2]);
         let [at_nut, at_screw] =
             contacts.friction_powers(loaded, &rolling_ball.to_nut, RacewayControl::CREEP, nodes);
@@ -300,7 +300,13 @@ impl RacewayWorkspace {
         let (skid, info, control) = rolling_ball.solve_info(contacts);
         let (skid, info, control) = (Some(skid), Some(info), Some(control));
         let contact_power = Some(screw.in_watts([at_nut, at_screw]));
-        Ok(Solved { skid, info, control, contact_power, ..Solved::new(&ball, transmission) })
+        Ok(SteadyState {
+            skid,
+            info,
+            control,
+            contact_power,
+            ..SteadyState::new(&ball, transmission)
+        })
     }
 
     /// Its answer with what is known of other solutions.
@@ -310,15 +316,15 @@ impl RacewayWorkspace {
         contacts: &ElasticContacts,
         rolling_ball: &RollingBall,
         control: Option<Control>,
-        solved: &Solved,
-    ) -> Solved {
+        solved: &SteadyState,
+    ) -> SteadyState {
         let consistent = control.is_none().then(|| rolling_ball.is_consistent(contacts));
         let alternatives = rolling_ball.alternatives(contacts, control, &mut self.newton);
         let alternatives = alternatives
             .iter()
             .filter_map(|rolling_ball| self.solved(screw, contacts, rolling_ball).ok());
         let control = Some(ControllingRaceway { raceway: rolling_ball.control, consistent });
-        Solved { control, ..solved.with_alternatives(alternatives) }
+        SteadyState { control, ..solved.with_alternatives(alternatives) }
     }
 }
 
@@ -372,7 +378,7 @@ mod tests {
         RacewayControl { at: screw, control: None }
     }
 
-    fn solved(case: &RacewayControl) -> Solved {
+    fn solved(case: &RacewayControl) -> SteadyState {
         case.solve(&mut RacewayWorkspace::default()).answer.expect("a solution")
     }
 

@@ -27,8 +27,8 @@ pub use self::root::RigidWorkspace;
 pub use self::sweeps::Sweeps;
 use crate::contact::Angles;
 use crate::models::ball::{
-    AnswerUnits, BALL, BallState, BallUnits, ContactState, Model, OperatingPoint, ROWS, Slip,
-    Solution, SolveInfo, Solved, Unsolved, equations, friction_angle,
+    AnswerUnits, BALL, BallState, BallUnits, ContactState, Model, NoAnswer, OperatingPoint, ROWS,
+    Slip, Solution, SolveInfo, SteadyState, equations, friction_angle,
 };
 
 /// Inputs of the rigid model: the contact angle is that of all three contacts.
@@ -101,7 +101,7 @@ equations!(RigidSystem, BALL, RigidSystem::residual_at, ROWS);
 
 impl<D: Scalar> Rigid<D> {
     /// The point in the model's own units, or why there is none.
-    fn ball(&self) -> Result<RigidBall<D>, Unsolved> {
+    fn ball(&self) -> Result<RigidBall<D>, NoAnswer> {
         let BallUnits { helix, mass, nut_speed, direction } = self.point.in_own_units()?;
         self.point.require_friction()?;
         let angles = Angles { lead: helix.lead_angle, contact: self.point.contact_angle };
@@ -130,7 +130,7 @@ impl Rigid {
     /// # Errors
     ///
     /// Status and reason if there is none.
-    pub fn root(&self, work: &mut RigidWorkspace) -> Result<RigidRoot, Unsolved> {
+    pub fn root(&self, work: &mut RigidWorkspace) -> Result<RigidRoot, NoAnswer> {
         let BallRoot { motion, steps, residual, .. } = root::find(&self.ball()?, work)?;
         let ([nut_load, unloaded_flank_load, screw_load], [u, _, tau]) =
             (motion.loads, motion.omega);
@@ -152,11 +152,11 @@ impl Rigid {
     }
 
     /// The answer of a root whose powers balance.
-    fn balanced(&self, ball: &RigidBall, root: &BallRoot) -> Result<Solved, Unsolved> {
+    fn balanced(&self, ball: &RigidBall, root: &BallRoot) -> Result<SteadyState, NoAnswer> {
         let solved = ball.solved(&root.motion, &self.point.units(), self.point.contact_angle, true);
         solved.transmission.balanced()?;
         let info = SolveInfo { steps: root.steps, residual: root.residual };
-        Ok(Solved { info: Some(info), ..solved })
+        Ok(SteadyState { info: Some(info), ..solved })
     }
 }
 
@@ -171,7 +171,7 @@ impl<F: Compare> RigidBall<F> {
         units: &AnswerUnits<F>,
         contact_angle: F,
         directions: bool,
-    ) -> Solved<F> {
+    ) -> SteadyState<F> {
         let (w, slip) = (units.speed, (units.speed * units.length).abs());
         let mut contacts = [ContactState::at_angle(contact_angle); 3];
         for (i, spin) in self.spins(motion).into_iter().enumerate() {
@@ -194,7 +194,7 @@ impl<F: Compare> RigidBall<F> {
         let lost = self.friction_power(motion);
         let lost = F::select(units.back(), -lost, lost);
         let ideal = self.ideal_torque() * units.torque;
-        Solved::new(&ball, units.transmission(ideal, self.torque(motion), lost))
+        SteadyState::new(&ball, units.transmission(ideal, self.torque(motion), lost))
     }
 }
 

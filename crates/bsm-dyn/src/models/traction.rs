@@ -27,8 +27,8 @@ pub use self::train::{TrainBall, TrainMotion};
 use crate::ellipse::Rules;
 use crate::models::ball::unknown::{NUT_LOAD, SCREW_LOAD};
 use crate::models::ball::{
-    ElasticContacts, ElasticPoint, ErrorBound, Model, Solution, SolveInfo, Solved, Status,
-    Unsolved, Workspace, creep_effect, integrated_error,
+    ElasticContacts, ElasticPoint, ErrorBound, Model, NoAnswer, Solution, SolveInfo, Status,
+    SteadyState, Workspace, creep_effect, integrated_error,
 };
 use crate::models::raceway_control::{RollingBall, STATIC};
 
@@ -86,7 +86,7 @@ impl Traction {
         start: &Start<'_>,
         tolerance: f64,
         work: &mut TractionWorkspace,
-    ) -> Result<(SlipResult, f64, f64), Unsolved> {
+    ) -> Result<(SlipResult, f64, f64), NoAnswer> {
         let bound = |found: &SlipResult| {
             integrated_error(found.error, found.solved.transmission.efficiency, found.by_creep)
         };
@@ -147,7 +147,7 @@ impl Traction {
         let refined = near.and_then(|near| ball.refined(&near, &plans, newton, &mut steps));
         let refined = match (refined, from) {
             (Some(refined), _) => refined,
-            (None, Some(_)) => return Err(Unsolved::LOST.into()),
+            (None, Some(_)) => return Err(NoAnswer::LOST.into()),
             (None, None) => {
                 let mut near = search.search(rolling_ball, newton, &mut steps);
                 if near.as_ref().is_err_and(|none| none.status() == Status::NotConverged) {
@@ -155,7 +155,7 @@ impl Traction {
                     near = smooth.search(rolling_ball, newton, &mut steps);
                 }
                 let near = near?;
-                let lost = || NotFound { near: Some(Box::new(near)), why: Unsolved::LOST };
+                let lost = || NotFound { near: Some(Box::new(near)), why: NoAnswer::LOST };
                 let plans = Default::default();
                 ball.refined(&near, &plans, newton, &mut steps).ok_or_else(lost)?
             }
@@ -172,11 +172,11 @@ impl Traction {
         let other = checked.evaluated::<false>(&root.unknowns).ok();
         let (other, efficiency) = (other.as_ref(), transmission.efficiency);
         let error = checked.error(self.accuracy, other, &torque_slope, efficiency, newton);
-        let solved = Solved {
+        let solved = SteadyState {
             skid: Some(rolling_ball.skid(contacts)),
             info: Some(SolveInfo { steps, residual: root.residual }),
             error: Some(ErrorBound::of(contacts.direction, efficiency, error)),
-            ..Solved::new(&steady, transmission)
+            ..SteadyState::new(&steady, transmission)
         };
         Ok(SlipResult { solved, root, error, by_creep })
     }
@@ -193,7 +193,7 @@ impl<'a> Start<'a> {
     pub(crate) fn new(
         contacts: &'a ElasticContacts,
         rolling_ball: Option<&RollingBall>,
-    ) -> Result<Self, Unsolved> {
+    ) -> Result<Self, NoAnswer> {
         // Centrifugal forces may be beyond a guess; the ball without them is one too.
         let guess = || {
             RollingBall::guess(contacts)
@@ -208,7 +208,7 @@ impl<'a> Start<'a> {
 
 /// A root and its answer.
 pub(crate) struct SlipResult {
-    pub(crate) solved: Solved,
+    pub(crate) solved: SteadyState,
     pub(crate) root: SlipRoot,
     /// What the quadrature may leave in the efficiency (T25).
     error: f64,
@@ -219,19 +219,19 @@ pub(crate) struct SlipResult {
 /// Why a point has no root of an accuracy.
 #[derive(Debug)]
 struct NotFound {
-    why: Unsolved,
+    why: NoAnswer,
     /// The root of the search that this accuracy has lost.
     near: Option<Box<SlipRoot>>,
 }
 
 impl NotFound {
-    fn why(self) -> Unsolved {
+    fn why(self) -> NoAnswer {
         self.why
     }
 }
 
-impl From<Unsolved> for NotFound {
-    fn from(why: Unsolved) -> Self {
+impl From<NoAnswer> for NotFound {
+    fn from(why: NoAnswer) -> Self {
         Self { why, near: None }
     }
 }

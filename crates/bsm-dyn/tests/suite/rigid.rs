@@ -3,7 +3,7 @@
 use approx::assert_relative_eq;
 use bsm_dyn::{
     Angles, Ball, Coulomb, Direction, Load, OperatingPoint, Reason, Rigid, RigidWorkspace,
-    Solution, Solved, Status,
+    Solution, Status, SteadyState,
 };
 use bsm_kin::{BallFrame, Contact, Drive, Helix, Site};
 use nalgebra::Vector3;
@@ -16,7 +16,7 @@ fn lin() -> OperatingPoint {
     screws::lin(10.0, 45.0, 2000.0, 2113.0).point
 }
 
-fn solved(case: &OperatingPoint) -> Solved {
+fn solved(case: &OperatingPoint) -> SteadyState {
     let solution = Rigid { point: *case }.solve(&mut RigidWorkspace::default());
     solution.answer.unwrap_or_else(|none| panic!("{case:?} {none:?}"))
 }

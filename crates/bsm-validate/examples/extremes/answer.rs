@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
-use bsm_batch::{Chunk, Columns, Task};
+use bsm_batch::{Chunk, Columns, TableFormat, Task};
 use bsm_case::units::{MM, RPM};
 use bsm_case::{Case, InputKey, ModelChoice, OUTPUTS, Output, Record, Sensitivities, Settings};
 use bsm_dyn::{Ball, ModelWorkspace, Reason, Status};
@@ -145,7 +145,8 @@ const ROUNDED: &str = "not_converged PowerDoesNotBalance";
 pub(crate) fn in_batch(cases: &[Case], model: ModelChoice, answers: &mut [Answer]) {
     let given = |key: &InputKey| cases.iter().any(|case| case[*key].is_some());
     let names = InputKey::ALL.into_iter().filter(given).map(InputKey::name);
-    let columns = Columns::sort(names, &[]).expect("names of inputs, each once");
+    let columns =
+        Columns::sort(names, &[], &TableFormat::default()).expect("names of inputs, each once");
     let rows = cases.iter().map(|case| columns.inputs.iter().map(|key| case[*key]));
     let chunk = Chunk::of_rows(&columns, rows);
     let efficiency = Output::named("efficiency").expect("an output");

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use bsm_batch::CsvSource;
+use bsm_batch::{CsvSource, TableFormat};
 use bsm_case::{Output, Settings};
 use bsm_dyn::{Model, ModelWorkspace, SlipRegime, Status};
 use bsm_validate::tradeoff::{self, Group, Points, Tradeoff};
@@ -57,7 +57,7 @@ static MEASURED: LazyLock<Tradeoff> = LazyLock::new(|| {
 });
 
 fn read(table: &str) -> Result<Points, ValidateError> {
-    Points::read(&mut CsvSource::new(table.as_bytes(), &[])?)
+    Points::read(&mut CsvSource::new(table.as_bytes(), &[], &TableFormat::default())?)
 }
 
 #[test]

@@ -21,7 +21,7 @@ use crate::contact::{
 };
 use crate::ellipse::{ContactMotion, Ellipse, Integrate, Placement, pressed_radius, slip_scale};
 use crate::models::ball::ball_unknowns;
-use crate::outcome::{Direction, Reason, Unsolved};
+use crate::outcome::{Direction, NoAnswer, Reason};
 
 /// An operating point of a ball screw whose balls touch nut and screw at one elastic contact each.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,10 +73,10 @@ impl<D: Scalar> ElasticPoint<D> {
     }
 
     /// The point in units of ball radius, axial load per ball and relative speed (P1).
-    pub(crate) fn scaled(&self) -> Result<ElasticContacts<D>, Unsolved> {
+    pub(crate) fn scaled(&self) -> Result<ElasticContacts<D>, NoAnswer> {
         // Lengths in r_b, forces in F_a, speeds in W, Eq (R1)             (P1)
         let BallUnits { helix, mass, nut_speed, direction } = self.point.in_own_units()?;
-        let hertz = self.hertz().map_err(Unsolved::invalid)?;
+        let hertz = self.hertz().map_err(NoAnswer::invalid)?;
         let (r_b, load) = (self.point.ball.radius, self.point.load.per_ball());
         let one = D::from(1.0);
         let [nut_offset, screw_offset] = self.grooves().map(|groove| groove.offset(one));
@@ -356,10 +356,10 @@ impl ElasticPoint {
         contacts: &ElasticContacts,
         loaded: &BallLoads<f64>,
         to_nut: &Motion<f64>,
-    ) -> Result<BallState, Unsolved> {
+    ) -> Result<BallState, NoAnswer> {
         let angles @ [nut, screw] = loaded.angles;
         if !angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle)) {
-            return Err(Unsolved::not_converged(Reason::BallLeavesFlank { nut, screw }));
+            return Err(NoAnswer::not_converged(Reason::BallLeavesFlank { nut, screw }));
         }
         let (scaled, motions) = (&contacts.scaled, to_both(to_nut, &loaded.frame));
         let touch = |i: usize| (&motions[i], &loaded.contacts[i]);
@@ -386,7 +386,7 @@ impl ElasticPoint {
         &self,
         torque: f64,
         friction_power: f64,
-    ) -> Result<Transmission, Unsolved> {
+    ) -> Result<Transmission, NoAnswer> {
         let ideal = self.point.ideal_torque();
         self.point.units().transmission(ideal, torque, friction_power).balanced()
     }

@@ -15,7 +15,7 @@ use crate::contact::{
     Roughness, Wrench, contact_modulus,
 };
 use crate::ellipse::{ContactMotion, Integrate, Placement, Quadrature, Rules};
-use crate::outcome::Unsolved;
+use crate::outcome::NoAnswer;
 
 /// What a film depends on besides load and speed: the gap of one contact \[SI\]. Its powers are taken once.
 #[derive(Debug, Clone, Copy)]
@@ -316,8 +316,8 @@ impl<P: Scalar> EhlPoint<P> {
         screw: &ElasticPoint<P>,
         lubricant: &Lubricant<P>,
         temperature: P,
-    ) -> Result<Self, Unsolved> {
-        let hertz = screw.hertz().map_err(Unsolved::invalid)?;
+    ) -> Result<Self, NoAnswer> {
+        let hertz = screw.hertz().map_err(NoAnswer::invalid)?;
         let relative = screw.point.drive.relative_speed();
         let length = screw.point.ball.radius;
         let units = EhlUnits {

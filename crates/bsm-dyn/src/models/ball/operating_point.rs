@@ -7,7 +7,7 @@ use bsm_simd::Compare;
 
 use super::state::Transmission;
 use crate::contact::{Ball, Coulomb, Load, ideal_torque};
-use crate::outcome::{Direction, Reason, Unsolved};
+use crate::outcome::{Direction, NoAnswer, Reason};
 
 /// Inertia ratios whose squares and ratios to loads double precision has room for. The extremes of
 /// practice and far beyond are between 1e-45 and 1e20.
@@ -118,9 +118,9 @@ impl<D: Scalar> OperatingPoint<D> {
     }
 
     /// Refuses a point without friction, for models in which friction takes part in the balance.
-    pub(crate) fn require_friction(&self) -> Result<(), Unsolved> {
+    pub(crate) fn require_friction(&self) -> Result<(), NoAnswer> {
         if !takes_friction(self.friction.0.re()) {
-            return Err(Unsolved::invalid(Reason::Frictionless));
+            return Err(NoAnswer::invalid(Reason::Frictionless));
         }
         Ok(())
     }
@@ -130,16 +130,16 @@ impl<D: Scalar> OperatingPoint<D> {
     /// # Errors
     ///
     /// [`Reason::NoRelativeSpeed`], [`Reason::InertiaOutOfRange`].
-    pub(crate) fn in_own_units(&self) -> Result<BallUnits<D>, Unsolved> {
+    pub(crate) fn in_own_units(&self) -> Result<BallUnits<D>, NoAnswer> {
         let Self { helix, ball, drive, load, .. } = self;
         let w = drive.relative_speed();
-        let direction = Direction::of(w.re()).ok_or(Unsolved::invalid(Reason::NoRelativeSpeed))?;
+        let direction = Direction::of(w.re()).ok_or(NoAnswer::invalid(Reason::NoRelativeSpeed))?;
         let helix = Helix { radius: helix.radius / ball.radius, ..*helix };
         let mass = ball.scaled_mass(w, load.per_ball());
         let nut_speed = drive.nut_speed / w;
         let inertia_ratio = (mass * helix.radius).re();
         if !takes_inertia(inertia_ratio) || !nut_speed.re().is_finite() {
-            return Err(Unsolved::invalid(Reason::InertiaOutOfRange { inertia_ratio }));
+            return Err(NoAnswer::invalid(Reason::InertiaOutOfRange { inertia_ratio }));
         }
         Ok(BallUnits { helix, mass, nut_speed, direction })
     }

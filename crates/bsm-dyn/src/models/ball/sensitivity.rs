@@ -9,7 +9,7 @@ use bsm_kin::{Jet, Scalar};
 use bsm_newton::{Equations, EvalError, implicit_slopes};
 
 use super::equations::Workspace;
-use crate::outcome::{Reason, Unsolved, domain_error};
+use crate::outcome::{NoAnswer, Reason, domain_error};
 
 /// What a designer asks of a screw at an operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,7 +42,7 @@ pub(crate) fn moving_root<const N: usize, const M: usize>(
     weights: &[f64; N],
     residual: impl FnOnce(&[Jet<M>; N]) -> Result<[Jet<M>; N], EvalError>,
     newton: &mut Workspace<N>,
-) -> Result<[Jet<M>; N], Unsolved> {
+) -> Result<[Jet<M>; N], NoAnswer> {
     // F_p = ∂F(x, p)/∂p at constant x                                     (V1)
     let by_inputs = residual(&x.map(Jet::from)).map_err(domain_error)?;
     let mut columns: [[f64; N]; M] = from_fn(|i| from_fn(|row| by_inputs[row].eps[i]));
@@ -50,7 +50,7 @@ pub(crate) fn moving_root<const N: usize, const M: usize>(
     let status = implicit_slopes(system, x, weights, &mut columns, newton);
     if status != bsm_newton::Termination::Converged {
         let (residual, worst_equation) = (f64::NAN, String::new());
-        return Err(Unsolved::not_converged(Reason::Newton { status, residual, worst_equation }));
+        return Err(NoAnswer::not_converged(Reason::Newton { status, residual, worst_equation }));
     }
     Ok(from_fn(|row| Jet { re: x[row], eps: from_fn(|i| columns[i][row]) }))
 }

@@ -3,8 +3,8 @@
 use bsm_kin::Site;
 
 use super::model::Model;
-use super::state::{ContactState, Solved};
-use crate::outcome::{Evidence, Reason, Status, Unsolved};
+use super::state::{ContactState, SteadyState};
+use crate::outcome::{Evidence, NoAnswer, Reason, Status};
 
 /// The result of one model at one operating point.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,25 +13,25 @@ pub struct Solution {
     /// The model.
     pub model: Model,
     /// The numbers, or why there are none.
-    pub answer: Result<Solved, Unsolved>,
+    pub answer: Result<SteadyState, NoAnswer>,
     /// Why the model was chosen, if it was chosen by the bound of its error.
     pub choice: Option<Choice>,
 }
 
 impl Solution {
     /// The answer of a model that was asked for.
-    pub fn new(model: Model, answer: Result<Solved, Unsolved>) -> Self {
+    pub fn new(model: Model, answer: Result<SteadyState, NoAnswer>) -> Self {
         Self { model, answer, choice: None }
     }
 
     /// How the solve ended.
     pub fn status(&self) -> Status {
-        self.answer.as_ref().map_or_else(Unsolved::status, |_| Status::Converged)
+        self.answer.as_ref().map_or_else(NoAnswer::status, |_| Status::Converged)
     }
 
     /// Why there is no answer.
     pub fn reason(&self) -> Option<&Reason> {
-        self.answer.as_ref().err().map(Unsolved::reason)
+        self.answer.as_ref().err().map(NoAnswer::reason)
     }
 
     /// What says that there is no solution, if there is none.
@@ -40,7 +40,7 @@ impl Solution {
     }
 
     /// The numbers, if it converged.
-    pub fn solved(&self) -> Option<&Solved> {
+    pub fn solved(&self) -> Option<&SteadyState> {
         self.answer.as_ref().ok()
     }
 

@@ -6,7 +6,7 @@ use bsm_kin::{Field, Motion, Site};
 use bsm_simd::Compare;
 
 use crate::contact::{FilmState, POWER_BALANCE_TOL, Power, efficiency};
-use crate::outcome::{Control, Direction, Reason, Unsolved, named};
+use crate::outcome::{Control, Direction, NoAnswer, Reason, named};
 
 /// What a model says of the steady ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -114,9 +114,9 @@ pub struct SolveInfo {
     pub residual: f64,
 }
 
-/// The answer of a model that has one.
+/// The steady state by a model that has an answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Solved<F: Field = f64> {
+pub struct SteadyState<F: Field = f64> {
     /// The ball.
     pub ball: BallState<F>,
     /// Torque and powers.
@@ -236,7 +236,7 @@ pub struct Alternatives {
     pub farthest_efficiency: Option<f64>,
 }
 
-impl<F: Field> Solved<F> {
+impl<F: Field> SteadyState<F> {
     /// A ball and what the screw transmits, and nothing else.
     #[inline(always)]
     pub fn new(ball: &BallState<F>, transmission: Transmission<F>) -> Self {
@@ -254,7 +254,7 @@ impl<F: Field> Solved<F> {
     }
 }
 
-impl Solved {
+impl SteadyState {
     /// The same, with what is known of other solutions.
     pub(crate) fn with_alternatives(self, alternatives: impl Iterator<Item = Self>) -> Self {
         let alternatives: Vec<_> =
@@ -338,12 +338,12 @@ impl<F: Compare> Transmission<F> {
 
 impl Transmission {
     /// The same, unless powers do not balance.
-    pub(crate) fn balanced(self) -> Result<Self, Unsolved> {
+    pub(crate) fn balanced(self) -> Result<Self, NoAnswer> {
         if self.is_balanced() {
             return Ok(self);
         }
         let imbalance = self.power_balance.unwrap_or(f64::NAN);
-        Err(Unsolved::not_converged(Reason::PowerDoesNotBalance { imbalance }))
+        Err(NoAnswer::not_converged(Reason::PowerDoesNotBalance { imbalance }))
     }
 }
 

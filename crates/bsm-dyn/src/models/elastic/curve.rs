@@ -12,7 +12,7 @@ use super::states::{SlidingBall, SlidingPoint};
 use super::steady::{CurveState, NO_INERTIA, RISES};
 use crate::cost::count_of;
 use crate::models::ball::{
-    Attempt, BALL, ElasticContacts, Evidence, Reason, Unsolved, first_answer,
+    Attempt, BALL, ElasticContacts, Evidence, NoAnswer, Reason, first_answer,
 };
 
 /// Steps along the curve, in units of its sizes; thirty are usual. Newton's method refines the root.
@@ -40,7 +40,7 @@ type CurveRoot = (SlidingPoint<f64>, f64);
 pub(super) fn root(
     contacts: &ElasticContacts,
     any: bool,
-) -> Result<([f64; BALL], usize), Unsolved> {
+) -> Result<([f64; BALL], usize), NoAnswer> {
     let mut steps = 0;
     let mut curve = SlidingCurve::of(contacts, any, &mut steps)?;
     let (root, sign) = first_answer(&mut curve, &SlidingCurve::STRATEGIES)?;
@@ -73,23 +73,23 @@ impl<'a> SlidingCurve<'a> {
     }
 
     /// The curve, if it begins.
-    fn of(contacts: &ElasticContacts, any: bool, steps: &'a mut usize) -> Result<Self, Unsolved> {
+    fn of(contacts: &ElasticContacts, any: bool, steps: &'a mut usize) -> Result<Self, NoAnswer> {
         let ball = SlidingBall::from(contacts);
         let friction_term = ball.friction / ball.cot;
         if !ball.carries() {
             let locks = Reason::SelfLocking { sin_contact_angle: 1.0, friction_term };
-            return Err(Unsolved::none(Evidence::Proof, locks));
+            return Err(NoAnswer::none(Evidence::Proof, locks));
         }
-        let begin = ball.begin(contacts.contact_angle, steps).ok_or(Unsolved::LOST)?;
+        let begin = ball.begin(contacts.contact_angle, steps).ok_or(NoAnswer::LOST)?;
         let start = ball.state_without_inertia(begin, true);
         let mut curve = Self { ball, start, any, steps };
         curve.count(start.steps);
         if !start.found {
-            return Err(Unsolved::LOST);
+            return Err(NoAnswer::LOST);
         }
         if curve.rise() < 0.0 {
             let reason = Reason::InertiaOutOfRange { inertia_ratio: ball.inertia_ratio };
-            return Err(Unsolved::invalid(reason));
+            return Err(NoAnswer::invalid(reason));
         }
         Ok(curve)
     }
@@ -172,14 +172,14 @@ impl<'a> SlidingCurve<'a> {
             return Some(Ok(root));
         }
         if end != PathEnd::Ended && (end != PathEnd::Lost || admissible) {
-            return Some(Err(Unsolved::LOST));
+            return Some(Err(NoAnswer::LOST));
         }
         let reason = match seen {
             Some((least, most)) => Reason::NoSkidAtInertia { inertia, least, most },
             None => Reason::SlipAlongFriction { slip: start.at.motion.slip[0] },
         };
         let evidence = Evidence::Traced { resolution: STEP_CONTROL.pair_resolution };
-        Some(Err(Unsolved::none(evidence, reason)))
+        Some(Err(NoAnswer::none(evidence, reason)))
     }
 
     /// Residual of (S26) for `$P/W > 0$` and for `$P/W < 0$`, and how it changes along the curve.

@@ -4,7 +4,7 @@
 
 use super::solve::{Lubricated, LubricatedModel, RacewayFriction};
 use crate::contact::{Oil, Roughness, Temperature};
-use crate::models::ball::{Direction, Solved, weyl_point};
+use crate::models::ball::{Direction, SteadyState, weyl_point};
 use crate::models::raceway_control::RacewayControl;
 use crate::models::workspace::ModelWorkspace;
 
@@ -47,7 +47,7 @@ impl Lubricated {
     ///
     /// The draws are even over their ranges and always the same. What they do to the loss is that of raceway
     /// control with one friction coefficient for each contact.
-    pub fn band(&self, solved: &Solved, work: &mut ModelWorkspace) -> Option<LossInterval> {
+    pub fn band(&self, solved: &SteadyState, work: &mut ModelWorkspace) -> Option<LossInterval> {
         let film = solved.film?;
         let loss = |number: Option<u32>, work: &mut ModelWorkspace| {
             let solution = self.sample(number, film.temperature).solve(work);

@@ -6,7 +6,7 @@ use bsm_kin::Jet;
 
 use super::solve::{Lubricated, LubricatedModel, lost};
 use crate::contact::{Temperature, efficiency};
-use crate::models::ball::{EhlPoint, LubricatedState, Performance, Unsolved};
+use crate::models::ball::{EhlPoint, LubricatedState, NoAnswer, Performance};
 use crate::models::raceway_control::RacewayControl;
 use crate::models::workspace::ModelWorkspace;
 
@@ -18,7 +18,7 @@ impl<const M: usize> Lubricated<Jet<M>> {
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
-    ) -> Result<Performance<Jet<M>>, Unsolved> {
+    ) -> Result<Performance<Jet<M>>, NoAnswer> {
         let (heat_transfer, ambient) = match self.lubricant.temperature {
             Temperature::Known(kelvin) => return Ok(self.slopes(kelvin, work)?.0),
             Temperature::Balance { heat_transfer, ambient } => (heat_transfer, ambient),
@@ -54,7 +54,7 @@ impl<const M: usize> Lubricated<Jet<M>> {
         &self,
         kelvin: Jet<M>,
         work: &mut ModelWorkspace,
-    ) -> Result<(Performance<Jet<M>>, Jet<M>), Unsolved> {
+    ) -> Result<(Performance<Jet<M>>, Jet<M>), NoAnswer> {
         let screw = self.screw();
         let ehl = EhlPoint::new(screw, &self.lubricant, kelvin)?;
         let (contacts, steady) = match &self.model {

@@ -11,8 +11,8 @@ use crate::contact::{BallOrbit, Lubricant, OutsidePower, Temperature, ZERO_CELSI
 use crate::ellipse::{Integrate, Placement, Quadrature};
 use crate::models::ball::{
     AnswerUnits, BallLoads, BallState, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint,
-    ErrorBound, FilmLoss, LubricatedState, Model, Reason, Solution, Solved, SteadyRoot,
-    Transmission, Unsolved, to_both,
+    ErrorBound, FilmLoss, LubricatedState, Model, NoAnswer, Reason, Solution, SteadyRoot,
+    SteadyState, Transmission, to_both,
 };
 use crate::models::raceway_control::RacewayControl;
 use crate::models::traction::{Traction, TrainBall};
@@ -167,7 +167,7 @@ impl Lubricated {
         heat_transfer: f64,
         ambient: f64,
         work: &mut ModelWorkspace,
-    ) -> Result<Solved, Unsolved> {
+    ) -> Result<SteadyState, NoAnswer> {
         let mut surplus_cooling = |kelvin: f64| {
             let solved = self.at(kelvin, work)?;
             let seal = solved.film.map_or(f64::NAN, |film| film.outside.seal);
@@ -182,9 +182,9 @@ impl Lubricated {
         let Some(bracket) = change else {
             let evidence = crate::models::ball::Evidence::Traced { resolution: WARMING };
             let reason = Reason::LubricantRunsAway { hottest: HOTTEST };
-            return Err(Unsolved::none(evidence, reason));
+            return Err(NoAnswer::none(evidence, reason));
         };
-        let mut answer = Err(Unsolved::LOST);
+        let mut answer = Err(NoAnswer::LOST);
         let ends = bracket.ends;
         let found = Bracket { x_tol: TEMPERATURE_TOLERANCE / ends[1], ..bracket }.root(|kelvin| {
             match surplus_cooling(kelvin) {
@@ -206,7 +206,7 @@ impl Lubricated {
     }
 
     /// The answer at a temperature.
-    fn at(&self, kelvin: f64, work: &mut ModelWorkspace) -> Result<Solved, Unsolved> {
+    fn at(&self, kelvin: f64, work: &mut ModelWorkspace) -> Result<SteadyState, NoAnswer> {
         let screw = self.screw();
         let ehl = EhlPoint::new(screw, &self.lubricant, kelvin)?;
         let found = match &self.model {
@@ -241,7 +241,7 @@ impl Lubricated {
     }
 
     /// All that a found ball tells.
-    fn results(&self, ehl: &EhlPoint, found: &SteadyRoot) -> Result<Solved, Unsolved> {
+    fn results(&self, ehl: &EhlPoint, found: &SteadyRoot) -> Result<SteadyState, NoAnswer> {
         let (screw, SteadyRoot { contacts, steady, .. }) = (self.screw(), found);
         let LubricatedState { loaded, to_nut, losses, torque } = steady;
         let AnswerUnits { torque: unit, speed, .. } = screw.point.units();
@@ -269,7 +269,7 @@ impl Lubricated {
             LubricatedModel::Traction(_) => transmission.against(lost).balanced()?,
             LubricatedModel::RacewayControl(..) => transmission,
         };
-        Ok(Solved {
+        Ok(SteadyState {
             skid: Some(found.skid),
             info: Some(found.info),
             control: found.control,
@@ -278,7 +278,7 @@ impl Lubricated {
             error: found
                 .error
                 .map(|error| ErrorBound::of(contacts.direction, transmission.efficiency, error)),
-            ..Solved::new(&ball, transmission)
+            ..SteadyState::new(&ball, transmission)
         })
     }
 }

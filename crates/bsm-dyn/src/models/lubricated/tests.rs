@@ -8,7 +8,7 @@ use bsm_kin::{Drive, Helix};
 use super::*;
 use crate::{
     Ball, BaseOil, Coulomb, ElasticPoint, Load, Losses, Lubricant, Material, ModelWorkspace, Oil,
-    OperatingPoint, RacewayControl, Roughness, Solved, Temperature, Traction,
+    OperatingPoint, RacewayControl, Roughness, SteadyState, Temperature, Traction,
 };
 
 const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
@@ -69,7 +69,7 @@ fn rolling(screw: ElasticPoint) -> LubricatedModel {
     )
 }
 
-fn solved(lubricant: Lubricant, model: LubricatedModel) -> Solved {
+fn solved(lubricant: Lubricant, model: LubricatedModel) -> SteadyState {
     let solution = Lubricated { lubricant, model }.solve(&mut ModelWorkspace::default());
     *solution.solved().unwrap_or_else(|| panic!("{:?}", solution.reason()))
 }

@@ -14,7 +14,7 @@ use super::statics::{Rates, STATIC, StaticBalance, StaticState};
 use crate::contact::axial_displacement;
 use crate::cost::count_of;
 use crate::models::ball::{
-    BallLoads, Control, ElasticContacts, Evidence, Reason, Unsolved, Workspace, equations,
+    BallLoads, Control, ElasticContacts, Evidence, NoAnswer, Reason, Workspace, equations,
 };
 
 /// Newton steps behind a bracket.
@@ -106,7 +106,7 @@ impl Balance<'_> {
         &self,
         near: Option<[f64; STATIC]>,
         newton: &mut Workspace<STATIC>,
-    ) -> Result<StaticRoot, Unsolved> {
+    ) -> Result<StaticRoot, NoAnswer> {
         let mut at = match near {
             Some(unknowns) => StaticState { unknowns, steps: 0.0, converged: false },
             None => self.statics.start(self.unloaded(), true),
@@ -128,7 +128,7 @@ impl Balance<'_> {
         if report.converged() && x[1] > 0.0 && (x[0] - bracketed[0]).abs() <= 1e-3 * bracketed[0] {
             return Ok(StaticRoot { unknowns: x, steps, residual: report.residual });
         }
-        Err(Unsolved::not_converged(Reason::from(report)))
+        Err(NoAnswer::not_converged(Reason::from(report)))
     }
 
     /// True if (W17) leaves no second root.
@@ -236,7 +236,7 @@ impl Balance<'_> {
     /// The rate is monotone in the difference of the cotangents, so that one of two cases holds up
     /// to where it changes its sign: the centrifugal force falls, and meets the straight line `c`
     /// at most once; or it rises, and its value at any lower bound of the first root is one too.
-    fn bracketed(&self) -> Result<[f64; STATIC], Unsolved> {
+    fn bracketed(&self) -> Result<[f64; STATIC], NoAnswer> {
         let farthest = self.farthest();
         let outwards = match self.control {
             Control::Nut => 1.0,
@@ -247,7 +247,7 @@ impl Balance<'_> {
             let (held, centrifugal) =
                 (farthest * self.statics.axial, self.centrifugal(rate) * self.statics.axial);
             let reason = Reason::FlanksCannotHold { control: self.control, held, centrifugal };
-            Unsolved::none(Evidence::Proof, reason)
+            NoAnswer::none(Evidence::Proof, reason)
         };
         let at_rest = self.rate_at(0.0);
         let c = if outwards * at_rest >= 0.0 {

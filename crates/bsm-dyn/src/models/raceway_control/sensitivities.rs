@@ -8,7 +8,7 @@ use super::{Balance, RacewayControl, RacewayWorkspace, RollingBall, STATIC};
 use crate::contact::efficiency;
 use crate::ellipse::{Placement, Quadrature};
 use crate::models::ball::{
-    BallLoads, ElasticContacts, Performance, Unsolved, Workspace, moving_root,
+    BallLoads, ElasticContacts, NoAnswer, Performance, Workspace, moving_root,
 };
 
 /// A point, and contacts and motion of its ball.
@@ -19,7 +19,7 @@ impl<const M: usize> RacewayControl<Jet<M>> {
     pub(crate) fn sensitivities(
         &self,
         RacewayWorkspace { newton, quadrature, slopes }: &mut RacewayWorkspace,
-    ) -> Result<Performance<Jet<M>>, Unsolved> {
+    ) -> Result<Performance<Jet<M>>, NoAnswer> {
         let (inputs, loaded, to_nut) = self.moving(newton)?;
         let transmitted = |rule: &Quadrature| {
             let nodes = [Placement::from(rule); 2];
@@ -36,7 +36,7 @@ impl<const M: usize> RacewayControl<Jet<M>> {
     }
 
     /// The point, and contacts and motion of the ball, with their derivatives.
-    fn moving(&self, newton: &mut Workspace<STATIC>) -> Result<BallInMotion<Jet<M>>, Unsolved> {
+    fn moving(&self, newton: &mut Workspace<STATIC>) -> Result<BallInMotion<Jet<M>>, NoAnswer> {
         let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
         let RollingBall { control, unknowns, .. } = RollingBall::of(&point, self.control, newton)?;
         let system = Balance::new(&point, control);
@@ -52,7 +52,7 @@ impl<const M: usize> RacewayControl<Jet<M>> {
     pub(crate) fn rolling_ball(
         &self,
         work: &mut RacewayWorkspace,
-    ) -> Result<BallInMotion<Jet<M>>, Unsolved> {
+    ) -> Result<BallInMotion<Jet<M>>, NoAnswer> {
         self.moving(&mut work.newton)
     }
 }

@@ -16,7 +16,7 @@ use super::search::{CurveSearch, LONGEST};
 use crate::contact::Sines;
 use crate::cost::count_of;
 use crate::models::ball::unknown::{SLIP, UNLOADED_FLANK_LOAD};
-use crate::models::ball::{Attempt, BALL, Evidence, Reason, Unsolved, Workspace, first_answer};
+use crate::models::ball::{Attempt, BALL, Evidence, NoAnswer, Reason, Workspace, first_answer};
 
 /// Up to this ratio of inertia to friction what the first order excludes by more than its error does not
 /// exist; above it, friction of order one leaves roots further from the first order.
@@ -51,8 +51,8 @@ impl BallRoot {
 }
 
 /// What the first order, or the sign of a root that the sweeps have found from it, says.
-fn none(reason: Reason) -> Unsolved {
-    Unsolved::none(Evidence::Bound, reason)
+fn none(reason: Reason) -> NoAnswer {
+    NoAnswer::none(Evidence::Bound, reason)
 }
 
 /// Memory of the solves.
@@ -78,7 +78,7 @@ struct RootSearch<'a> {
 ///
 /// A hair from self-locking the loads are so large that their rounding misleads all searches. Where the
 /// first order has a root by more than its error, there is one.
-pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<BallRoot, Unsolved> {
+pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<BallRoot, NoAnswer> {
     let first = ball.first_order();
     let inertia = first.inertia_scale / ball.friction();
     let mut search = RootSearch { ball, first, inertia, met: None, work };
@@ -96,7 +96,7 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
             && first.exists()
             && first.sliding_margin > margin_error(ball, &first, error)
             && first.rate.abs() > 2.0 * error;
-        if sure && none.evidence().is_some() { Unsolved::LOST } else { none }
+        if sure && none.evidence().is_some() { NoAnswer::LOST } else { none }
     })
 }
 
@@ -174,7 +174,7 @@ impl RootSearch<'_> {
             Some(motion) => inadmissible(self.ball, &motion, self.work),
             None => self.why_none(met.nearest_inertia),
         };
-        Some(Err(Unsolved::none(evidence, reason)))
+        Some(Err(NoAnswer::none(evidence, reason)))
     }
 
     /// What to say of a point where the search found no root.
@@ -198,7 +198,7 @@ pub(super) struct SearchResult {
     /// No turn can have a root.
     excluded: bool,
     /// A part of the curve was not searched, or a crossing gave no root.
-    failure: Option<Unsolved>,
+    failure: Option<NoAnswer>,
 }
 
 impl SearchResult {
@@ -214,7 +214,7 @@ impl SearchResult {
                 Ok(root)
                     if !root.motion.is_admissible() || roots.iter().any(|r| r.is_near(&root)) =>
                 {
-                    failure = Some(Unsolved::LOST);
+                    failure = Some(NoAnswer::LOST);
                 }
                 Ok(root) => roots.push(root),
                 Err(none) => failure = Some(none),
@@ -224,7 +224,7 @@ impl SearchResult {
         search.run(inertia);
         let (nearest_inertia, cut_short) = (search.nearest_inertia, search.is_cut_short());
         if cut_short && failure.is_none() {
-            failure = Some(Unsolved::LOST);
+            failure = Some(NoAnswer::LOST);
         }
         let excluded = curve.windows() == [None; 2];
         Self { roots, nearest_inertia, excluded, failure }
@@ -244,12 +244,12 @@ fn refined(
     ball: &RigidBall<f64>,
     motion: &RigidMotion<f64>,
     work: &mut RigidWorkspace,
-) -> Result<BallRoot, Unsolved> {
+) -> Result<BallRoot, NoAnswer> {
     let (equations, mut unknowns) = RigidEquations::at(ball, motion);
     let weights = ball.own_weights(motion);
     let report = run(&equations, &mut unknowns, &weights, 1e-13, work);
     if !report.converged() {
-        return Err(Unsolved::not_converged(Reason::from(report)));
+        return Err(NoAnswer::not_converged(Reason::from(report)));
     }
     let motion = equations.motion(&unknowns).expect("the residual was evaluated at the root");
     Ok(BallRoot {

@@ -7,14 +7,14 @@ use bsm_kin::Jet;
 use super::equations::{LEAST_INERTIA, RigidEquations};
 use super::{Rigid, RigidWorkspace, root};
 use crate::contact::efficiency;
-use crate::models::ball::{BALL, Performance, Unsolved, domain_error, inertia_limit, moving_root};
+use crate::models::ball::{BALL, NoAnswer, Performance, domain_error, inertia_limit, moving_root};
 
 impl<const M: usize> Rigid<Jet<M>> {
     /// Efficiency and torque with their derivatives.
     pub(crate) fn sensitivities(
         &self,
         work: &mut RigidWorkspace,
-    ) -> Result<Performance<Jet<M>>, Unsolved> {
+    ) -> Result<Performance<Jet<M>>, NoAnswer> {
         let (inputs, values) = (self.ball()?, Rigid { point: self.point.values() }.ball()?);
         let first = values.first_order();
         inertia_limit(LEAST_INERTIA * values.friction() / first.inertia_scale, |factor| {

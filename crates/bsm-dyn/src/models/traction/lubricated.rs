@@ -14,8 +14,8 @@ use super::{Start, Traction, TractionWorkspace};
 use crate::contact::ideal_torque;
 use crate::ellipse::FrozenRule;
 use crate::models::ball::{
-    EhlPoint, ElasticContacts, LubricatedState, LubricatedWorkspace, SolveInfo, SteadyRoot,
-    Unsolved, Workspace, domain_error, moving_root, to_both,
+    Attempt, EhlPoint, ElasticContacts, LubricatedState, LubricatedWorkspace, NoAnswer, SolveInfo,
+    SteadyRoot, Workspace, domain_error, first_answer, moving_root, to_both,
 };
 use crate::models::raceway_control::RollingBall;
 use crate::models::workspace::ModelWorkspace;
@@ -37,45 +37,77 @@ impl SlipBall<'_> {
         Self { lubrication: self.lubrication.map(complete), ..*self }
     }
 
-    /// The root near the one of a constant coefficient; else, while the oil takes over from it; else,
-    /// from the rolling ball and friction that is nearly proportional to the slip.
+    /// The root, best near the one of a constant coefficient.
     fn search_lubricated(
         &self,
         near: Option<&SlipRoot>,
         rolling_ball: &RollingBall,
         newton: &mut Workspace,
         steps: &mut usize,
-    ) -> Result<SlipRoot, Unsolved> {
-        let mut failure = Unsolved::LOST;
-        if let Some(near) = near {
-            let here = self.of(near);
-            for ball in [here, here.complete(1.0)] {
-                // Where full steps do not converge, halvings cost more than the path of the oil's part.
-                let direct = Self { limits: FULL_STEPS, ..ball };
-                match direct.solved(near.unknowns, newton, steps) {
-                    Ok(root) => return Ok(root),
-                    Err(reason) => failure = Unsolved::not_converged(reason),
-                }
-            }
-            let mut y = near.unknowns;
-            let control = Continuation { first: 0.25, shortest: 0.01 };
-            let arrived = follow(&mut y, (0.0, 1.0), control, |fraction, y| {
-                let report = Self { limits: BRIEF, ..here.complete(fraction) }.run(y, newton);
-                *steps += report.steps.len();
-                report.converged()
-            });
-            if arrived.is_ok()
-                && let Ok(root) = here.solved(y, newton, steps)
-            {
-                return Ok(root);
+    ) -> Result<SlipRoot, NoAnswer> {
+        let failure = NoAnswer::LOST;
+        let mut search =
+            LubricatedSearch { ball: *self, near, rolling_ball, newton, steps, failure };
+        let strategies = [
+            LubricatedSearch::dry_root,
+            LubricatedSearch::growing_part_of_oil,
+            LubricatedSearch::falling_creep,
+        ];
+        first_answer(&mut search, &strategies).map_err(|_| search.failure)
+    }
+}
+
+/// A lubricated ball on the way to its root.
+struct LubricatedSearch<'a> {
+    ball: SlipBall<'a>,
+    /// The root of a constant coefficient.
+    near: Option<&'a SlipRoot>,
+    rolling_ball: &'a RollingBall,
+    newton: &'a mut Workspace,
+    steps: &'a mut usize,
+    /// How the steps from there have ended.
+    failure: NoAnswer,
+}
+
+impl LubricatedSearch<'_> {
+    /// By full steps from the root of a constant coefficient: where they do not converge, halvings cost more than the
+    /// path of the oil's part.
+    fn dry_root(&mut self) -> Attempt<SlipRoot> {
+        let near = self.near?;
+        let here = SlipBall { limits: FULL_STEPS, ..self.ball.of(near) };
+        for ball in [here, here.complete(1.0)] {
+            match ball.solved(near.unknowns, self.newton, self.steps) {
+                Ok(root) => return Some(Ok(root)),
+                Err(reason) => self.failure = NoAnswer::not_converged(reason),
             }
         }
-        let rolling = self.unknowns(&rolling_ball.loaded, &rolling_ball.to_nut);
+        None
+    }
+
+    /// From there along the path on which the oil takes over.
+    fn growing_part_of_oil(&mut self) -> Attempt<SlipRoot> {
+        let Self { ball, near, newton, steps, .. } = self;
+        let near = (*near)?;
+        let (here, mut y) = (ball.of(near), near.unknowns);
+        let control = Continuation { first: 0.25, shortest: 0.01 };
+        follow(&mut y, (0.0, 1.0), control, |fraction, y| {
+            let report = SlipBall { limits: BRIEF, ..here.complete(fraction) }.run(y, newton);
+            **steps += report.steps.len();
+            report.converged()
+        })
+        .ok()?;
+        here.solved(y, newton, steps).ok().map(Ok)
+    }
+
+    /// From the rolling ball and friction that is nearly proportional to the slip.
+    fn falling_creep(&mut self) -> Attempt<SlipRoot> {
+        let Self { ball, rolling_ball, newton, steps, .. } = self;
+        let rolling = ball.unknowns(&rolling_ball.loaded, &rolling_ball.to_nut);
         let control = Continuation { first: 1.0, shortest: 0.05 };
-        [*self, self.complete(1.0)]
+        [*ball, ball.complete(1.0)]
             .iter()
             .find_map(|ball| ball.by_falling_creep(rolling, 0.0, control, newton, steps))
-            .ok_or(failure)
+            .map(Ok)
     }
 }
 
@@ -97,7 +129,7 @@ impl Traction {
         ehl: &EhlPoint,
         work: &mut TractionWorkspace,
         oil: &mut LubricatedWorkspace,
-    ) -> Result<ScaledRoot, Unsolved> {
+    ) -> Result<ScaledRoot, NoAnswer> {
         let contacts = self.at.scaled()?;
         let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
         let Start { rolling_ball, .. } = Start::new(&contacts, rolling_ball.ok().as_ref())?;
@@ -129,7 +161,7 @@ impl Traction {
         let refined = fine
             .refined(&root, &plans, newton, &mut steps)
             .or_else(|| fine.complete(1.0).refined(&root, &plans, newton, &mut steps))
-            .ok_or(Unsolved::LOST)?;
+            .ok_or(NoAnswer::LOST)?;
         let RootWithPower { root, transmitted, torque_slope, .. } = &refined;
         let checked = SlipBall { quadrature: check, ..fine.of(root) };
         let other = checked.evaluated::<false>(&root.unknowns).ok();
@@ -147,7 +179,7 @@ impl Traction {
         ehl: &EhlPoint,
         work: &mut TractionWorkspace,
         oil: &mut LubricatedWorkspace,
-    ) -> Result<SteadyRoot, Unsolved> {
+    ) -> Result<SteadyRoot, NoAnswer> {
         let ScaledRoot { contacts, rolling_ball, refined, steps, error, .. } =
             self.lubricated_root(ehl, work, oil)?;
         let RootWithPower { root, transmitted, loaded, .. } = refined;
@@ -183,7 +215,7 @@ impl<const M: usize> Traction<Jet<M>> {
         ehl: &EhlPoint<Jet<M>>,
         values: &EhlPoint,
         ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
-    ) -> Result<(ElasticContacts<Jet<M>>, LubricatedState<Jet<M>>), Unsolved> {
+    ) -> Result<(ElasticContacts<Jet<M>>, LubricatedState<Jet<M>>), NoAnswer> {
         let inputs = self.at.scaled()?;
         let ScaledRoot { contacts, refined: RootWithPower { root, .. }, plans, .. } =
             self.values().lubricated_root(values, traction, lubricated)?;

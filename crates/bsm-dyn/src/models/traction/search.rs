@@ -8,7 +8,7 @@ use super::equations::SlipBall;
 use super::multistart::{MANY, STARTS};
 use super::path::{PathResult, STEP_CONTROL};
 use super::root::{FULL_STEPS, LEVELS, SlipRoot};
-use crate::models::ball::{Attempt, BALL, Evidence, Reason, Unsolved, Workspace, first_answer};
+use crate::models::ball::{Attempt, BALL, Evidence, NoAnswer, Reason, Workspace, first_answer};
 use crate::models::elastic::GrossSlip;
 use crate::models::raceway_control::RollingBall;
 
@@ -59,7 +59,7 @@ impl SlipBall<'_> {
         rolling_ball: &RollingBall,
         newton: &mut Workspace,
         steps: &mut usize,
-    ) -> Result<SlipRoot, Unsolved> {
+    ) -> Result<SlipRoot, NoAnswer> {
         let mut search = SlipRootSearch::new(*self, rolling_ball, newton, steps);
         first_answer(&mut search, &SlipRootSearch::ALL)
     }
@@ -167,7 +167,7 @@ impl<'a> SlipRootSearch<'a> {
                     0 => Evidence::Traced { resolution: STEP_CONTROL.longest },
                     starts => Evidence::Sampled { starts },
                 };
-                Some(Err(Unsolved::none(evidence, Reason::BallLeavesFlank { nut, screw })))
+                Some(Err(NoAnswer::none(evidence, Reason::BallLeavesFlank { nut, screw })))
             }
             PathResult::Nothing => None,
         }

@@ -8,7 +8,7 @@ use super::columns::LastEvaluation;
 use super::equations::SlipBall;
 use super::root::SlipRoot;
 use super::{NotFound, Start, Traction, TractionWorkspace};
-use crate::models::ball::{Performance, Unsolved, domain_error, moving_root};
+use crate::models::ball::{NoAnswer, Performance, domain_error, moving_root};
 use crate::models::raceway_control::RollingBall;
 
 impl<const M: usize> Traction<Jet<M>> {
@@ -16,7 +16,7 @@ impl<const M: usize> Traction<Jet<M>> {
     pub(crate) fn sensitivities(
         &self,
         work: &mut TractionWorkspace,
-    ) -> Result<Performance<Jet<M>>, Unsolved> {
+    ) -> Result<Performance<Jet<M>>, NoAnswer> {
         let at = self.at.values();
         at.point.require_friction()?;
         let contacts = at.scaled()?;
@@ -32,7 +32,7 @@ impl<const M: usize> Traction<Jet<M>> {
         &self,
         root: &SlipRoot,
         work: &mut TractionWorkspace,
-    ) -> Result<Performance<Jet<M>>, Unsolved> {
+    ) -> Result<Performance<Jet<M>>, NoAnswer> {
         let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
         let TractionWorkspace { newton, rules, .. } = work;
         let [[quadrature, _]] = rules.dry([self.accuracy]);

@@ -4,11 +4,11 @@ use super::screws::{inertia_ratio, lin, real_screws, with};
 use approx::assert_relative_eq;
 use bsm_dyn::{
     Auto, Coulomb, Elastic, ElasticPoint, ElasticWorkspace, ModelWorkspace, RacewayControl,
-    RacewayWorkspace, Reason, Solution, Solved, Status, Traction, TractionWorkspace,
+    RacewayWorkspace, Reason, Solution, Status, SteadyState, Traction, TractionWorkspace,
 };
 use proptest::prelude::*;
 
-fn numbers(solution: Solution) -> Solved {
+fn numbers(solution: Solution) -> SteadyState {
     solution.answer.expect("a solution")
 }
 
@@ -20,12 +20,12 @@ fn onset(solution: &Solution) -> Option<f64> {
     solution.solved()?.skid?.onset_number()
 }
 
-fn traction(screw: ElasticPoint, accuracy: f64, creep: f64) -> Solved {
+fn traction(screw: ElasticPoint, accuracy: f64, creep: f64) -> SteadyState {
     let case = Traction { at: screw, accuracy, creep };
     numbers(case.solve(&mut TractionWorkspace::default()))
 }
 
-fn elastic(screw: ElasticPoint) -> Solved {
+fn elastic(screw: ElasticPoint) -> SteadyState {
     numbers(Elastic { at: screw }.solve(&mut ElasticWorkspace::default()))
 }
 

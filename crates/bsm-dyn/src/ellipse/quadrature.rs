@@ -1,0 +1,272 @@
+//! How finely friction is integrated over an ellipse: nodes and weights on [0, 1] and on [-1, 1].
+//!
+//! Theory: `docs/theory/09-traction.md`, equation (T19).
+
+use std::f64::consts::PI;
+use std::num::NonZeroUsize;
+
+use bsm_simd::{BLOCK, Block, Lane, Simd};
+use gauss_quad::GaussLegendre;
+
+use super::slip::{EllipseSlip, Pole};
+
+/// Inner nodes of a line across the ellipse beyond which the spin pole counts as inside.
+pub(super) const MOST_INNER: usize = 24;
+
+/// Inner nodes of a line whose spin pole is inside, on the way to a root: few, as the root of such sums is only a start.
+pub(super) const UNRESOLVED: usize = 8;
+
+/// The same with an oil, whose nodes are not those of the slip.
+const MOST_LUBRICATED: usize = 6;
+
+/// Rings of an oil, and blocks of angles on half a ring, beyond which lines are better.
+pub(super) const MOST_RINGS: usize = 2 * BLOCK;
+const MOST_BLOCKS: usize = 4;
+
+/// Part of a ring that belongs to a node.
+#[expect(clippy::cast_precision_loss, reason = "a few angles")]
+pub(super) fn part_of_a_node(blocks: usize) -> f64 {
+    0.5 / (blocks * BLOCK) as f64
+}
+
+/// Cosines and sines in the middles of equal parts of half a circle.
+#[expect(clippy::cast_precision_loss, reason = "a few angles")]
+fn half_ring(parts: usize) -> [Vec<f64>; 2] {
+    let angle = |k: usize| PI * (k as f64 + 0.5) / parts as f64;
+    [(0..parts).map(|k| angle(k).cos()).collect(), (0..parts).map(|k| angle(k).sin()).collect()]
+}
+
+/// How finely friction is integrated over an ellipse.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Quadrature {
+    /// Gauss-Legendre of a panel, and of a part of a split one.
+    pub(super) panel: Gauss,
+    pub(super) part: Gauss,
+    /// Of each side of a spin pole inside, along a line; of half a line of an oil.
+    pub(super) near: Gauss,
+    pub(super) half: Gauss,
+    /// For an oil: cosines and sines of angles on half a ring, [`BLOCK`] of them, twice as many, and so on.
+    pub(super) angles: Vec<[Vec<f64>; 2]>,
+    /// Least `$\cosh\eta$` of a pole for which as many of them are enough; falls with the number.
+    resolved: Vec<f64>,
+    /// Nodes and weights along a line, by their number (T19).
+    pub(super) inner: Vec<Vec<(f64, f64)>>,
+    /// Least `$\sinh^2\eta$` (T18) for which that number is enough; falls with the number.
+    pub(super) pole_distance: Vec<f64>,
+}
+
+/// Quadratures of a few accuracies, and the coarser ones of their error estimates; each is made when it is first asked for.
+#[derive(Debug, Default)]
+pub(crate) struct Rules(Vec<(f64, [Quadrature; 2])>);
+
+impl Rules {
+    /// Those of a constant coefficient.
+    pub(crate) fn dry<const N: usize>(&mut self, accuracies: [f64; N]) -> [&[Quadrature; 2]; N] {
+        self.get(accuracies, |accuracy| [Quadrature::of(accuracy), Quadrature::check(accuracy)])
+    }
+
+    /// Those of an oil.
+    pub(crate) fn of_oil<const N: usize>(&mut self, accuracies: [f64; N]) -> [&[Quadrature; 2]; N] {
+        let make = |accuracy| [Quadrature::of_oil(accuracy), Quadrature::check_of_oil(accuracy)];
+        self.get(accuracies, make)
+    }
+
+    fn get<const N: usize>(
+        &mut self,
+        accuracies: [f64; N],
+        make: impl Fn(f64) -> [Quadrature; 2],
+    ) -> [&[Quadrature; 2]; N] {
+        let indices = accuracies.map(|accuracy| {
+            let known = |(other, _): &(f64, _)| accuracy.total_cmp(other).is_eq();
+            self.0.iter().position(known).unwrap_or_else(|| {
+                self.0.push((accuracy, make(accuracy)));
+                self.0.len() - 1
+            })
+        });
+        indices.map(|index| &self.0[index].1)
+    }
+}
+
+/// Nodes and weights of Gauss-Legendre on [0, 1].
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Gauss {
+    abscissae: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+impl Gauss {
+    /// Of so many nodes, at least one.
+    fn of(nodes: usize) -> Self {
+        let rule = GaussLegendre::new(NonZeroUsize::new(nodes).unwrap_or(NonZeroUsize::MIN));
+        let (abscissae, weights) = rule.iter().map(|(x, w)| (0.5 * (x + 1.0), 0.5 * w)).unzip();
+        Self { abscissae, weights }
+    }
+
+    /// The same nodes, closer to both ends.
+    fn crowded(&self) -> Self {
+        // x² (3 − 2x), and its slope
+        let abscissae = self.abscissae.iter().map(|x| x * x * (3.0 - 2.0 * x)).collect();
+        let weights = self.abscissae.iter().zip(&self.weights);
+        Self { abscissae, weights: weights.map(|(x, w)| w * 6.0 * x * (1.0 - x)).collect() }
+    }
+
+    /// How many nodes.
+    pub(super) fn len(&self) -> usize {
+        self.abscissae.len()
+    }
+
+    /// The next nodes and weights, if they are as many as are worked on together.
+    pub(super) fn block(&self, first: usize) -> Option<(&Block, &Block)> {
+        let abscissae = self.abscissae[first..].first_chunk()?;
+        Some((abscissae, self.weights[first..].first_chunk()?))
+    }
+
+    /// All nodes and weights.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.abscissae.iter().copied().zip(self.weights.iter().copied())
+    }
+
+    /// A node and its weight.
+    pub(super) fn at(&self, node: usize) -> (f64, f64) {
+        (self.abscissae[node], self.weights[node])
+    }
+}
+
+/// Gauss-Chebyshev of the second kind: `nodes` places and weights, which sum to one.
+fn chebyshev(nodes: u32) -> Vec<(f64, f64)> {
+    let steps = f64::from(nodes + 1);
+    (1..=nodes)
+        .map(|k| {
+            let (sin, cos) = (PI * f64::from(k) / steps).sin_cos();
+            (cos, 2.0 / steps * sin * sin)
+        })
+        .collect()
+}
+
+/// Nodes of a part of a split panel, of those of a whole one.
+fn part_of_panel(nodes: usize) -> usize {
+    (3 * nodes).div_ceil(4)
+}
+
+impl Quadrature {
+    /// The rule whose wrench errs by about `accuracy` of the friction: `$n = -2\log_{10}$` of it nodes a
+    /// panel.
+    pub fn of(accuracy: f64) -> Self {
+        Self::with(Self::nodes(accuracy), accuracy, 0)
+    }
+
+    /// The same for an oil, whose coefficient bends along a line: nodes of their own on each half of it, and
+    /// many on lines whose spin pole is near.
+    pub(crate) fn of_oil(accuracy: f64) -> Self {
+        let nodes = Self::nodes(accuracy);
+        Self::lubricated(2 * nodes, 3 * nodes / 4, accuracy)
+    }
+
+    fn lubricated(nodes: usize, half: usize, accuracy: f64) -> Self {
+        let rule = Self::with(nodes, accuracy, 0);
+        Self {
+            panel: rule.panel.crowded(),
+            part: Gauss::of(2 * rule.part.len()),
+            near: Gauss::of(4 * rule.part.len()),
+            half: Gauss::of(half.min(MOST_RINGS)),
+            angles: (1..=MOST_BLOCKS).map(|blocks| half_ring(blocks * BLOCK)).collect(),
+            // e^{−2 N η}, N angles on half a ring
+            resolved: (1..=MOST_BLOCKS)
+                .map(|blocks| (-accuracy.ln() * part_of_a_node(blocks)).cosh())
+                .collect(),
+            inner: rule.inner[..=MOST_LUBRICATED].to_vec(),
+            pole_distance: rule.pole_distance[..=MOST_LUBRICATED].to_vec(),
+        }
+    }
+
+    /// The coarser rule of the error estimate of [`Self::of_oil`]: fewer nodes both ways.
+    pub(crate) fn check_of_oil(accuracy: f64) -> Self {
+        let nodes = Self::nodes(accuracy);
+        Self::lubricated(nodes, (3 * nodes / 4).saturating_sub(2), 10.0 * accuracy)
+    }
+
+    /// How many blocks of angles on half a ring resolve a slip; none where its poles are so near that lines about
+    /// them are better.
+    pub(super) fn blocks(&self, slip: &EllipseSlip<f64>) -> usize {
+        let pole_distance = slip.poles().map(|Pole { at, width }| {
+            // |z − 1| + |z + 1| = 2 cosh η of a pole z
+            let square = width * width;
+            0.5 * (((at - 1.0).powi(2) + square).sqrt() + ((at + 1.0).powi(2) + square).sqrt())
+        });
+        let pole_distance = pole_distance[0].min(pole_distance[1]);
+        self.resolved.iter().position(|least| pole_distance >= *least).map_or(0, |index| index + 1)
+    }
+
+    /// Least `$\sinh^2\eta$` of a spin pole that does not count as inside.
+    pub(super) fn least(&self) -> f64 {
+        self.pole_distance.last().copied().unwrap_or(f64::INFINITY)
+    }
+
+    /// Nodes of a panel.
+    fn nodes(accuracy: f64) -> usize {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a few digits, and one node at least"
+        )]
+        // Powers of ten are taken for what they are meant to be.
+        let nodes = (-2.0 * accuracy.log10() - 1e-9).ceil() as usize;
+        nodes.max(1)
+    }
+
+    /// The coarser rule of the error estimate: fewer nodes a panel, one more along each line.
+    /// With the same number along the lines it would not see what they miss.
+    pub(crate) fn check(accuracy: f64) -> Self {
+        Self::with(part_of_panel(Self::nodes(accuracy)), accuracy, 1)
+    }
+
+    /// `nodes` a panel, and along a line as many as leave an error of `tolerance`, and `more`.
+    pub(crate) fn with(nodes: usize, tolerance: f64, more: u32) -> Self {
+        let part = Gauss::of(part_of_panel(nodes));
+        let most = u32::try_from(MOST_INNER).expect("few");
+        // m = max(2, ⌈−ln ε/(2η)⌉ − 1): η from which m nodes are enough  (T19)
+        let pole_distance = |m: u32| {
+            let eta = -tolerance.ln() / (2.0 * f64::from(m + 1));
+            if m < 2 { f64::INFINITY } else { eta.sinh().powi(2) }
+        };
+        Self {
+            panel: Gauss::of(nodes),
+            near: part.clone(),
+            half: part.clone(),
+            part,
+            angles: Vec::new(),
+            resolved: Vec::new(),
+            inner: (0..=most).map(|m| chebyshev(m + more)).collect(),
+            pole_distance: (0..=most).map(pole_distance).collect(),
+        }
+    }
+
+    /// Number of inner nodes, for places and weights, of a line with this `$\sinh^2\eta$`; none if the
+    /// spin pole is so near that they do not suffice.
+    pub(super) fn count(&self, square: f64) -> Option<usize> {
+        // It falls with the number: a count without branches.
+        let number =
+            self.pole_distance.iter().filter(|pole_distance| square < **pole_distance).count();
+        (number < self.pole_distance.len()).then_some(number)
+    }
+
+    /// The same for several lines.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "counted one by one"
+    )]
+    #[inline(always)]
+    pub(super) fn counts<S: Simd>(&self, square: Lane<S>) -> [Option<usize>; BLOCK] {
+        let mut number = square.constant(0.0);
+        for pole_distance in &self.pole_distance {
+            number = number + square.lt(square.constant(*pole_distance)).to_numbers();
+        }
+        let mut counts = [None; BLOCK];
+        for (count, number) in counts.iter_mut().zip(number.as_slice()) {
+            let number = *number as usize;
+            *count = (number < self.pole_distance.len()).then_some(number);
+        }
+        counts
+    }
+}

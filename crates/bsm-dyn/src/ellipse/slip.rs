@@ -1,0 +1,212 @@
+//! The slip over an ellipse, and where it vanishes.
+//!
+//! Theory: `docs/theory/09-traction.md`, equations (T9), (T12), (T13), (T15), (T16), (T18).
+
+use bsm_simd::{Compare, Lane, Simd};
+
+/// Poles farther from the centre than this, in semi-axes, and wider ones, grade nothing.
+pub(super) const FAR: f64 = 8.0;
+
+/// Numbers below this are no divisors.
+const TINY: f64 = 1e-150;
+
+/// Slip of the points of an ellipse, by the place on its long axis over the semi-axis (T12), (T13).
+#[derive(Debug, Clone, Copy)]
+pub struct EllipseSlip<F> {
+    /// Coefficients of the slip along the groove.
+    pub(super) longitudinal: [F; 3],
+    /// Ball radius, and how far the surface falls off at the end of the ellipse.
+    pub(super) radius: F,
+    pub(super) sagitta: F,
+    /// Angular velocity about the groove, and that of spin by the short semi-axis.
+    rolling_rate: F,
+    pub(super) spin_speed: F,
+    pub(super) creep: F,
+}
+
+/// How far a pressed surface falls off at a distance across the groove.
+#[inline(always)]
+pub(crate) fn surface_drop<F: Compare>(across: F, pressed_radius: F) -> F {
+    across * across * 0.5 / pressed_radius
+}
+
+#[inline(always)]
+pub(super) fn clamp<F: Compare>(x: F, low: f64, high: f64) -> F {
+    let (low, high) = (x.constant(low), x.constant(high));
+    F::select(x.lt(low), low, F::select(high.lt(x), high, x))
+}
+
+/// Half the length of the line at a place on the long axis, over the short semi-axis.
+#[inline(always)]
+pub(super) fn half_length<F: Compare>(xi: F) -> F {
+    ((-xi + 1.0) * (xi + 1.0)).larger(xi.constant(0.0)).sqrt()
+}
+
+/// The number, or one that divides.
+#[inline(always)]
+fn divisor<F: Compare>(x: F) -> F {
+    let tiny = x.constant(TINY);
+    F::select(x.abs().lt(tiny), tiny, x)
+}
+
+/// A pole of what is integrated along the long axis: its real part, and its distance from the axis.
+#[derive(Clone, Copy)]
+pub(super) struct Pole<F> {
+    pub(super) at: F,
+    pub(super) width: F,
+}
+
+impl<F: Compare> Pole<F> {
+    /// The other one where the mask says so.
+    #[inline(always)]
+    fn or(self, mask: F::Mask, other: Self) -> Self {
+        let width = F::select(mask, other.width, self.width);
+        Self { at: F::select(mask, other.at, self.at), width }
+    }
+}
+
+impl<F: Compare> EllipseSlip<F> {
+    /// Of a contact in its own axes.
+    ///
+    /// * `semi_axes`: across and along the groove. * `radii`: of the pressed surface (E2) and of the ball.
+    /// * `speed`: of the ball centre along `$t$`; `omega`: about `$t$`, `$N$` and `$t \times N$`.
+    #[inline(always)]
+    pub fn new(
+        semi_axes: (F, F),
+        (pressed_radius, radius): (F, F),
+        speed: F,
+        [rolling_rate, spin, across]: [F; 3],
+        creep: F,
+    ) -> Self {
+        let (a, b) = semi_axes;
+        let sagitta = surface_drop(a, pressed_radius);
+        // q₀ = A + ω_c r_b,  q₁ = ω_N a,  q₂ = −ω_c a²/(2 R_c)           (T12)
+        let longitudinal = [speed + across * radius, spin * a, -(across * sagitta)];
+        Self { longitudinal, radius, sagitta, rolling_rate, spin_speed: spin * b, creep }
+    }
+
+    /// Slip along the groove.
+    #[inline(always)]
+    pub(super) fn along(&self, xi: F) -> F {
+        // v_t = q₀ + q₁ ξ + q₂ ξ²                                        (T12)
+        (self.longitudinal[2] * xi + self.longitudinal[1]) * xi + self.longitudinal[0]
+    }
+
+    /// Slip across it, `$-(b_0 + b_1 s)$`.
+    #[inline(always)]
+    pub(super) fn across(&self, xi: F) -> (F, F) {
+        self.across_at(xi, half_length(xi))
+    }
+
+    /// The same of a line with this [`half_length`].
+    #[inline(always)]
+    pub(super) fn across_at(&self, xi: F, half_length: F) -> (F, F) {
+        // b₀ = ω_t h,  b₁ = ω_N Y                                        (T13)
+        (self.rolling_rate * self.height(xi), self.spin_speed * half_length)
+    }
+
+    /// Height over the ball centre.
+    #[inline(always)]
+    pub(super) fn height(&self, xi: F) -> F {
+        self.radius - self.sagitta * (xi * xi)
+    }
+
+    /// `$\sinh^2\eta$` of the ellipse of analyticity of the line at `xi`.
+    #[inline(always)]
+    pub(super) fn analyticity(&self, xi: F) -> F {
+        let v_t = self.along(xi);
+        let (b_0, b_1) = self.across(xi);
+        // z = (b₀ + i √(v_t² + v_e²))/b₁                                 (T18)
+        let (square, spin) = (v_t * v_t + self.creep * self.creep, b_1 * b_1);
+        let far = (b_0.abs() - b_1.abs()) * (b_0.abs() + b_1.abs()) + square;
+        // sinh²η = [A + √(A² + 4 b₁² r²)]/(2 b₁²),  r² = v_t² + v_e²,  A = b₀² − b₁² + r²
+        let (both, near) =
+            ((far * far + spin * square * 4.0).sqrt() + far.abs(), far.lt(far.constant(0.0)));
+        let (up, down) = (F::select(near, square * 2.0, both), F::select(near, both, spin * 2.0));
+        up / divisor(down)
+    }
+
+    /// The poles that belong to the two lines of pure rolling, from left to right.
+    #[inline(always)]
+    pub(super) fn poles(&self) -> [Pole<F>; 2] {
+        let [q_0, q_1, q_2] = self.longitudinal;
+        let (zero, one) = (q_0.constant(0.0), q_0.constant(1.0));
+        let (s_1, s_2) = (F::select(q_1.lt(zero), -one, one), F::select(q_2.lt(zero), -one, one));
+        let (q_2, d) = (divisor(q_2), q_1 * q_1 - q_0 * q_2 * 4.0);
+        let complex = d.lt(zero);
+        let t = divisor(-(q_1 + s_1 * d.larger(zero).sqrt()) * 0.5);
+        let middle = -(q_1 / q_2) * 0.5;
+        let lines = [F::select(complex, middle, t / q_2), F::select(complex, middle, q_0 / t)];
+        let mut poles = [Pole { at: zero, width: one }; 2];
+        for i in 0..2 {
+            let (b_0, b_1) = self.across(clamp(lines[i], -1.0, 1.0));
+            let (b_0, b_1) = (b_0.abs(), b_1.abs());
+            // m = √(max(|b₀| − |b₁|, |b₁|/10)² + v_e²)                   (T15)
+            let rest = (b_0 - b_1).larger(b_1 * 0.1);
+            let m = (rest * rest + self.creep * self.creep).sqrt();
+            // v_t(ξ_j ± i δ_j) = ±i m,  t = −(q₁ + sign(q₁)(u + i w))/2  (T16)
+            let bend = q_2.abs() * m * 2.0;
+            let g = (d * d + bend * bend * 4.0).sqrt();
+            let long = ((g + d.abs()) * 0.5).larger(zero).sqrt();
+            let long = divisor(long);
+            let short = bend / long;
+            let (u, w) = (F::select(complex, short, long), F::select(complex, long, short) * s_2);
+            let (re, im) = (-(q_1 + s_1 * u) * 0.5, -(s_1 * w) * 0.5);
+            let (at, width) = if i == 0 {
+                (re / q_2, F::select(complex, long * 0.5 / q_2.abs(), m / long))
+            } else {
+                let square = divisor(re * re + im * im);
+                ((q_0 * re - m * im) / square, (m * re + q_0 * im).abs() / square)
+            };
+            poles[i] = Pole { at: clamp(at, -FAR, FAR), width: clamp(width, 1e-100, FAR) };
+        }
+        let [one, two] = poles;
+        let swap = two.at.lt(one.at);
+        [one.or(swap, two), two.or(swap, one)]
+    }
+}
+
+impl<F: Copy> EllipseSlip<F> {
+    /// Both, number by number.
+    #[inline(always)]
+    pub(super) fn zip<G: Copy, H>(
+        &self,
+        other: &EllipseSlip<G>,
+        f: impl Fn(F, G) -> H,
+    ) -> EllipseSlip<H> {
+        let ([q_0, q_1, q_2], [p_0, p_1, p_2]) = (self.longitudinal, other.longitudinal);
+        EllipseSlip {
+            longitudinal: [f(q_0, p_0), f(q_1, p_1), f(q_2, p_2)],
+            radius: f(self.radius, other.radius),
+            sagitta: f(self.sagitta, other.sagitta),
+            rolling_rate: f(self.rolling_rate, other.rolling_rate),
+            spin_speed: f(self.spin_speed, other.spin_speed),
+            creep: f(self.creep, other.creep),
+        }
+    }
+}
+
+impl EllipseSlip<f64> {
+    #[inline(always)]
+    pub(super) fn splat<S: Simd>(&self, simd: S) -> EllipseSlip<Lane<S>> {
+        self.zip(
+            self,
+            #[inline(always)]
+            |number, _| Lane::splat(simd, number),
+        )
+    }
+}
+
+/// Speed over `$r_b W$` of the ends of the longer ellipse when the ball turns against a raceway at `$W$`; 1 for
+/// ellipses shorter than the ball (T9).
+///
+/// * `semi_axes`, `pressed_radius`: across the grooves of nut and screw, over the ball radius.
+#[inline(always)]
+pub fn slip_scale<F: Compare>(semi_axes: [F; 2], pressed_radius: [F; 2]) -> F {
+    // max(1, a²/2R_c)                                                     (T9)
+    let mut scale = semi_axes[0].constant(1.0);
+    for i in 0..2 {
+        scale = scale.larger(surface_drop(semi_axes[i], pressed_radius[i]));
+    }
+    scale
+}
