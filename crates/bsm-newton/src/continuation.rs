@@ -47,7 +47,8 @@ pub fn follow<const N: usize>(
             (at, *y, arrived) = (next, guess, last);
             length *= 1.5;
         } else {
-            length *= 0.5;
+            // A step beyond the end was no longer than the rest of the way.
+            length = 0.5 * length.min((end - at).abs());
             if length < control.shortest {
                 return Err(Some(at));
             }
