@@ -79,6 +79,18 @@ mod tests {
         assert!((y[0] - 1e3).abs() <= 1e-6);
     }
 
+    /// A step is longer than the way.
+    #[test]
+    fn no_parameter_is_tried_twice_in_a_row() {
+        let (mut tried, control) = (Vec::new(), Continuation { first: 8.0, shortest: 0.1 });
+        let end = follow(&mut [1.0], (1.0, -1.0), control, |x, y| {
+            tried.push(x.to_bits());
+            root(x, y)
+        });
+        assert!(end.is_err() && tried.len() > 3, "{end:?}");
+        assert!(tried.windows(2).all(|pair| pair[0] != pair[1]), "{tried:?}");
+    }
+
     /// Expected failure: no root below zero.
     #[test]
     fn the_end_of_a_path_is_told() {

@@ -185,6 +185,24 @@ mod tests {
         assert!(seen > 150 && bent > 1e-3, "{seen} {bent:e}");
     }
 
+    #[test]
+    fn no_first_step_turns_a_share_round() {
+        of_practice(|ball, y, rng| {
+            let lead = ball.contacts.scaled.lead;
+            let step = std::array::from_fn(|_| rng.random_range(-10.0..10.0));
+            let part = first_part(lead, y, &step);
+            let shares = |y| {
+                let [across, ..] = frenet(lead, &y);
+                [across, across - lead.0]
+            };
+            let next = shares(std::array::from_fn(|i| y[i] + part * step[i]));
+            for (share, next) in shares(*y).into_iter().zip(next) {
+                // Small slips may.
+                assert!(share * next > 0.0 || share.abs() < 0.016, "{share} {next}");
+            }
+        });
+    }
+
     /// The derivative of a step by its length is the step, by differences.
     #[test]
     fn a_step_begins_in_its_own_direction() {
