@@ -47,7 +47,8 @@ pub fn follow<const N: usize>(
             (at, *y, arrived) = (next, guess, last);
             length *= 1.5;
         } else {
-            length *= 0.5;
+            // A step beyond the end was no longer than the rest of the way.
+            length = 0.5 * length.min((end - at).abs());
             if length < control.shortest {
                 return Err(Some(at));
             }
@@ -76,6 +77,18 @@ mod tests {
         assert_eq!(follow(&mut y, (1.0, 1e6), control, root), Ok(()));
         // Tolerance of `root`.
         assert!((y[0] - 1e3).abs() <= 1e-6);
+    }
+
+    /// A step is longer than the way.
+    #[test]
+    fn no_parameter_is_tried_twice_in_a_row() {
+        let (mut tried, control) = (Vec::new(), Continuation { first: 8.0, shortest: 0.1 });
+        let end = follow(&mut [1.0], (1.0, -1.0), control, |x, y| {
+            tried.push(x.to_bits());
+            root(x, y)
+        });
+        assert!(end.is_err() && tried.len() > 3, "{end:?}");
+        assert!(tried.windows(2).all(|pair| pair[0] != pair[1]), "{tried:?}");
     }
 
     /// Expected failure: no root below zero.

@@ -30,6 +30,11 @@ pub trait Equations<const N: usize> {
         from_fn(|i| x[i] + lambda * dx[i])
     }
 
+    /// The part of the Newton step `dx` that is tried first, at most one.
+    fn first_part(&self, _x: &[f64; N], _dx: &[f64; N]) -> f64 {
+        1.0
+    }
+
     /// Name of equation `i`, for reports.
     fn equation(&self, i: usize) -> String {
         format!("equation {i}")

@@ -263,7 +263,7 @@ struct LineSearch {
 }
 
 impl LineSearch {
-    /// Largest `$\lambda = 2^{-m}$` with a sufficient decrease; leaves the point in `x_trial`.
+    /// Largest `$\lambda = 2^{-m} \lambda_0$` with a sufficient decrease; leaves the point in `x_trial`.
     ///
     /// A trial that the model refuses counts as no decrease: the step is halved.
     fn step<const N: usize, E: Equations<N> + ?Sized>(
@@ -275,7 +275,7 @@ impl LineSearch {
     ) -> Option<f64> {
         // φ(λ) = ½ ‖D_F F(x + λ δx)‖₂²,  φ'(0) = −2 φ(0) along a Newton step   (N4)
         let phi_0 = 0.5 * report.residual.powi(2);
-        let mut lambda = 1.0;
+        let mut lambda = equations.first_part(x, &work.dx);
         for _ in 0..=self.max_halvings {
             // R(λ δx_k), R(0) = x_k, R'(0) = δx_k                          (N15)
             work.x_trial = equations.retract(x, &work.dx, lambda);

@@ -14,6 +14,7 @@ use bsm_newton::{Equations, EvalError, Report, Scales, solve};
 use bsm_simd::{Arch, BLOCK, Compare, Lane, Simd, WithSimd};
 
 use super::equations::{Lubrication, OMEGA, SlipBall};
+use super::slips::first_part;
 use crate::contact::torque;
 use crate::cost;
 use crate::ellipse::{Dry, OilLaw, Patch, PointLaw, Resultants, SUMS, sums};
@@ -206,6 +207,10 @@ impl LastEvaluation<'_> {
 impl Equations<BALL> for LastEvaluation<'_> {
     fn retract(&self, x: &[f64; BALL], dx: &[f64; BALL], lambda: f64) -> [f64; BALL] {
         self.ball.slid(x, &dx.map(|dx| lambda * dx))
+    }
+
+    fn first_part(&self, x: &[f64; BALL], dx: &[f64; BALL]) -> f64 {
+        first_part(self.ball.contacts.scaled.lead, x, dx)
     }
 
     fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {

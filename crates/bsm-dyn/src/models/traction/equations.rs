@@ -34,7 +34,7 @@ const KEEP: f64 = 1e-3;
 pub const FAST_NUT: f64 = 2.0;
 
 /// A solve may take this many steps and halvings of a step.
-const LIMITS: (usize, u32) = (20, 20);
+const LIMITS: (usize, u32) = (20, 6);
 
 /// The equations of a point.
 #[derive(Clone, Copy)]

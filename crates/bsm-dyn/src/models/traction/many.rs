@@ -19,7 +19,7 @@ use super::columns::{
 };
 use super::equations::{COARSE, OMEGA, ROOT, lever, sizes};
 use super::root::{FASTEST, LEFT, LEVELS};
-use super::slips::slid;
+use super::slips::{first_part, slid};
 use crate::ellipse::{Dry, ManyNodes, ManyQuadrature, Quadrature, SplitPoint};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::models::ball::{BALL, ScaledBall, creep_effect};
@@ -632,7 +632,8 @@ fn approach<S: Simd>(
         *y = accepted.select(arrived.select(last.unknowns[k], trial.unknowns[k]), *y);
         iterate.step[k] = lowers.select(zero, accepted.select(step[k], iterate.step[k]));
     }
-    iterate.fraction = accepted.select(size.constant(1.0), iterate.fraction * 0.5);
+    let part = first_part(trial.point.scaled.lead, &trial.unknowns, &step);
+    iterate.fraction = accepted.select(part, iterate.fraction * 0.5);
     // The next creep speed begins anew.
     iterate.before = lowers.select(infinity, accepted.select(size, iterate.before));
     let mut lower = iterate.at.point.creep;

@@ -2,7 +2,9 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, sections "Starts" and "Existence".
 
+use bsm_kin::Motion;
 use bsm_newton::Continuation;
+use nalgebra::Vector3;
 
 use super::equations::SlipBall;
 use super::multistart::{MANY, STARTS};
@@ -23,6 +25,13 @@ impl SlipBall<'_> {
     fn is_calm(&self) -> bool {
         let rate = self.contacts.scaled.nut_speed.abs().max(1.0);
         self.contacts.inertia_ratio() * rate * rate < SMALL_INERTIA * self.contacts.friction
+    }
+
+    /// A ball that stands still in the nut.
+    fn held(&self) -> Option<[f64; BALL]> {
+        let [nut, screw, tilt] = self.contacts.static_balance(self.contacts.scaled.nut_speed);
+        let loaded = self.contacts.loaded([nut, screw], tilt).ok()?;
+        Some(self.unknowns(&loaded, &Motion { precession: 0.0, omega: Vector3::zeros() }))
     }
 }
 
@@ -61,17 +70,21 @@ impl SlipBall<'_> {
         steps: &mut usize,
     ) -> Result<SlipRoot, NoAnswer> {
         let mut search = SlipRootSearch::new(*self, rolling_ball, newton, steps);
-        first_answer(&mut search, &SlipRootSearch::ALL)
+        let near = first_answer(&mut search, &SlipRootSearch::NEAR);
+        near.or_else(|_| first_answer(&mut search, &SlipRootSearch::FURTHER))
     }
 }
 
 impl<'a> SlipRootSearch<'a> {
-    const NEAR: [fn(&mut Self) -> Attempt<SlipRoot>; 3] =
-        [Self::likely_start, Self::other_start, Self::falling_creep];
-    const ALL: [fn(&mut Self) -> Attempt<SlipRoot>; 6] = {
-        let [likely, other, creep] = Self::NEAR;
-        [likely, other, creep, Self::growing_inertia, Self::scattered_starts, Self::what_is_shown]
-    };
+    const NEAR: [fn(&mut Self) -> Attempt<SlipRoot>; 5] = [
+        |search| search.start(search.is_skidding()),
+        |search| search.start(!search.is_skidding()),
+        |search| search.levels(search.is_skidding()),
+        |search| search.levels(!search.is_skidding()),
+        Self::falling_creep,
+    ];
+    const FURTHER: [fn(&mut Self) -> Attempt<SlipRoot>; 3] =
+        [Self::growing_inertia, Self::scattered_starts, Self::what_is_shown];
 
     fn new(
         ball: SlipBall<'a>,
@@ -93,36 +106,35 @@ impl<'a> SlipRootSearch<'a> {
         self.ball.unknowns(&self.rolling_ball.loaded, &self.rolling_ball.to_nut)
     }
 
-    /// From the nearer one of the rolling and the skidding ball.
-    fn likely_start(&mut self) -> Attempt<SlipRoot> {
-        self.start(self.is_skidding())
-    }
-
-    fn other_start(&mut self) -> Attempt<SlipRoot> {
-        self.start(!self.is_skidding())
-    }
-
-    /// By Newton from a ball that skids, whose slips are nearly those of the root, or from the rolling one, which has none
-    /// and takes a step at a high creep speed first.
-    fn start(&mut self, skidding: bool) -> Attempt<SlipRoot> {
-        let (rolling, Self { ball, newton, steps, .. }) = (self.rolling(), self);
-        let (y, near) = if skidding {
-            let skid = GrossSlip::start(ball.contacts).ok()?;
-            **steps += skid.steps();
-            let y = ball.unknowns(skid.state().0, skid.state().1);
-            (y, Some(y))
-        } else {
-            let predicted = ball.predicted(&rolling, newton);
-            **steps += usize::from(predicted.is_some());
-            (rolling, predicted)
-        };
-        if let Some(y) = near {
-            let direct = SlipBall { limits: FULL_STEPS, ..*ball };
-            if let Ok(root) = direct.solved(y, newton, steps) {
-                return Some(Ok(root));
-            }
+    /// A ball that skids, or the rolling one, and whether its slips are nearly those of the root; the inertia of a ball that
+    /// does not skid presses it to the nut until that holds it.
+    fn begin(&mut self, skidding: bool) -> Option<([f64; BALL], bool)> {
+        if !skidding {
+            return Some((self.rolling(), false));
         }
-        // From a rolling ball the step to the first of them has not led to the root.
+        let Ok(skid) = GrossSlip::start(self.ball.contacts) else {
+            return Some((self.ball.held()?, false));
+        };
+        *self.steps += skid.steps();
+        Some((self.ball.unknowns(skid.state().0, skid.state().1), true))
+    }
+
+    /// By Newton, where there are no slips yet after a step at a high creep speed.
+    fn start(&mut self, skidding: bool) -> Attempt<SlipRoot> {
+        let (mut y, slips) = self.begin(skidding)?;
+        let Self { ball, newton, steps, .. } = self;
+        if !slips {
+            y = ball.predicted(&y, newton)?;
+            **steps += 1;
+        }
+        SlipBall { limits: FULL_STEPS, ..*ball }.solved(y, newton, steps).ok().map(Ok)
+    }
+
+    /// Over a few levels of the creep speed.
+    fn levels(&mut self, skidding: bool) -> Attempt<SlipRoot> {
+        let (y, _) = self.begin(skidding)?;
+        let Self { ball, newton, steps, .. } = self;
+        // Where there are no slips the step to the first of them has not led to the root.
         let mut levels = LEVELS.into_iter().rev();
         levels.find_map(|levels| ball.descended(y, levels, newton, steps)).map(Ok)
     }

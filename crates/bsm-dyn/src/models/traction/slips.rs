@@ -3,7 +3,7 @@
 //! Friction follows the slips, which are small differences of large rates: a step in which the rates of (T1) change
 //! linearly turns the contacts, and leaves slips of the second order that are as large as all there is.
 //!
-//! Theory: `docs/theory/09-traction.md`, equations (T26) to (T30).
+//! Theory: `docs/theory/09-traction.md`, equations (T26) to (T31).
 
 use bsm_simd::Compare;
 
@@ -15,6 +15,11 @@ use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 /// Relative change of a load, and angle \[rad\], from which a step is bent: the slips that a straight one leaves are of its
 /// square.
 const STRAIGHT: f64 = 1e-4;
+
+/// Change of a slip across the grooves over the slip, up to which a step is tried whole, and slip over `$r_b W$` that counts as
+/// none.
+const LARGEST_CHANGE: f64 = 0.6;
+const SMALL_SLIP: f64 = 0.01;
 
 /// Spin over `$W$` whose rounding is no slip.
 const FASTEST: f64 = 1e6;
@@ -44,6 +49,19 @@ impl SlipBall<'_> {
 fn frenet<F: Compare>((sin, cos): (F, F), y: &[F; BALL]) -> [F; 3] {
     let [along, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
     [sin * along - cos * around, radial, cos * along + sin * around]
+}
+
+/// The part of a step that is tried first. Where friction is across the grooves all over both ellipses, only its second order
+/// shares the slip of the lead among them, and a step that turns a slip round has no meaning.
+#[inline(always)]
+pub(super) fn first_part<F: Compare>(lead: (F, F), y: &[F; BALL], step: &[F; BALL]) -> F {
+    let ([across, ..], [change, ..]) = (frenet(lead, y), frenet(lead, step));
+    let mut parts = change.constant(1.0);
+    // λ ≤ 0.6 (|ω_t| + 0.01)/|δω_t|,  λ ≤ 0.6 (|ω_t − sinα| + 0.01)/|δω_t|  (T31)
+    for slip in [across, across - lead.0] {
+        parts = parts.larger(change.abs() / ((slip.abs() + SMALL_SLIP) * LARGEST_CHANGE));
+    }
+    parts.recip()
 }
 
 /// Where a step leads to in which loads, tilt, both slips along the grooves, the rotation about t and the spin change
@@ -165,6 +183,24 @@ mod tests {
         });
         // A straight step leaves slips of the second order.
         assert!(seen > 150 && bent > 1e-3, "{seen} {bent:e}");
+    }
+
+    #[test]
+    fn no_first_step_turns_a_share_round() {
+        of_practice(|ball, y, rng| {
+            let lead = ball.contacts.scaled.lead;
+            let step = std::array::from_fn(|_| rng.random_range(-10.0..10.0));
+            let part = first_part(lead, y, &step);
+            let shares = |y| {
+                let [across, ..] = frenet(lead, &y);
+                [across, across - lead.0]
+            };
+            let next = shares(std::array::from_fn(|i| y[i] + part * step[i]));
+            for (share, next) in shares(*y).into_iter().zip(next) {
+                // Small slips may.
+                assert!(share * next > 0.0 || share.abs() < 0.016, "{share} {next}");
+            }
+        });
     }
 
     /// The derivative of a step by its length is the step, by differences.
