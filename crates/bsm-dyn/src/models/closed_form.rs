@@ -47,11 +47,11 @@ pub(crate) fn performance<D: Scalar>(
     efficiency: D,
     load_ratio: D,
     size: Option<ScrewSize<D>>,
-    (direction, lead_angle): (Direction, D),
+    (direction, tan_a): (Direction, D),
 ) -> Performance<D> {
     let back = direction.is_back();
     let size = size.filter(|_| turns(back, efficiency.re(), load_ratio.re()));
-    let torque = |size: ScrewSize<D>| size.torques(true, (back, lead_angle.tan()), efficiency).1;
+    let torque = |size: ScrewSize<D>| size.torques(true, (back, tan_a), efficiency).1;
     Performance { efficiency, screw_torque: size.map(torque) }
 }
 
@@ -94,11 +94,11 @@ pub(crate) fn answer(
     (efficiency, self_locking): (f64, bool),
     load_ratio: f64,
     size: Option<ScrewSize>,
-    (direction, lead_angle): (Direction, f64),
+    (direction, tan_a): (Direction, f64),
 ) -> SteadyState {
     let back = direction.is_back();
     let size = size.filter(|_| turns(back, efficiency, load_ratio));
-    transmitted(*ball, (efficiency, self_locking), load_ratio, size, (back, lead_angle.tan()))
+    transmitted(*ball, (efficiency, self_locking), load_ratio, size, (back, tan_a))
 }
 
 /// Inputs of the closed-form model.
@@ -117,23 +117,21 @@ pub struct ClosedForm<D = f64> {
 impl<D: Scalar> ClosedForm<D> {
     /// Efficiency, and torque if there is one.
     pub(crate) fn transmitted(&self) -> Performance<D> {
-        let efficiency = self.angles.efficiency(self.direction, self.friction.0);
-        let ratio = self.angles.load_ratio(self.direction, self.friction.0);
-        performance(efficiency, ratio, self.size, (self.direction, self.angles.lead))
+        let (sines, f, back) = (self.angles.sines(), self.friction.0, self.direction.is_back());
+        let (efficiency, ratio) = (sines.efficiency(back, f), sines.load_ratio(back, f));
+        performance(efficiency, ratio, self.size, (self.direction, sines.tan_a()))
     }
 }
 
 impl ClosedForm {
     /// Evaluates the closed form; it has a value at every point.
     pub fn solve(&self) -> Solution {
-        let (angles, f, direction) = (&self.angles, self.friction.0, self.direction);
-        let eta = angles.efficiency(direction, f);
-        let mut ball = BallState::at_angle(angles.contact);
-        let slip_angles = angles.sines().slip_angles(direction.is_back());
-        [ball.nut.slip_angle, ball.screw.slip_angle] = slip_angles.map(Some);
-        let (locks, ratio) = (angles.self_locking(direction, f), angles.load_ratio(direction, f));
-        let along = (direction, angles.lead);
-        let solved = answer(&ball, (eta, locks), ratio, self.size, along);
+        let (sines, f, back) = (self.angles.sines(), self.friction.0, self.direction.is_back());
+        let mut ball = BallState::at_angle(self.angles.contact);
+        [ball.nut.slip_angle, ball.screw.slip_angle] = sines.slip_angles(back).map(Some);
+        let found = (sines.efficiency(back, f), sines.self_locking(back, f));
+        let (ratio, lead) = (sines.load_ratio(back, f), (self.direction, sines.tan_a()));
+        let solved = answer(&ball, found, ratio, self.size, lead);
         Solution::new(Model::ClosedForm, Ok(solved))
     }
 }

@@ -152,8 +152,10 @@ impl<D: Scalar> QuasiStatic<D> {
 
     /// Efficiency, and torque if there is one.
     pub(crate) fn transmitted(&self) -> Performance<D> {
-        let along = (self.direction, self.angles.lead);
-        performance(self.efficiency(), self.load_ratio(), self.size, along)
+        let contacts = self.contacts();
+        let efficiency = contacts.efficiency(self.direction.is_back());
+        let lead = (self.direction, contacts.sines.tan_a());
+        performance(efficiency, contacts.load_ratio(), self.size, lead)
     }
 }
 
@@ -167,8 +169,8 @@ impl QuasiStatic {
         };
         let eta = contacts.efficiency(self.direction.is_back());
         let ball = BallState::at_angle(self.angles.contact);
-        let along = (self.direction, self.angles.lead);
-        let solved = answer(&ball, (eta, eta <= 0.0), ratio, self.size, along);
+        let lead = (self.direction, contacts.sines.tan_a());
+        let solved = answer(&ball, (eta, eta <= 0.0), ratio, self.size, lead);
         // In place: an answer is large, and a copy takes as long as the formulas.
         Solution::new(Model::QuasiStatic, Ok(solved))
     }
