@@ -192,7 +192,7 @@ fn auto_means(settings: &[Value]) -> Result<String> {
     Ok(format!("{one} us, a row of a table {row} us"))
 }
 
-/// `cargo bench -- seeded`: medians over the seeded points, with the ratio to `rigid`.
+/// `cargo bench -- seeded`: medians over the seeded points.
 pub(crate) fn seeded(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     // With --test criterion runs each group once; the medians are printed anyhow.
     let words = format!(
@@ -205,23 +205,17 @@ pub(crate) fn seeded(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         .filter_map(|line| line.strip_prefix("seeded | "))
         .map(|line| line.split(" | ").collect())
         .collect();
-    let time = |row: &[&str]| Ok::<f64, Box<dyn Error>>(row.get(1).ok_or("no time")?.parse()?);
-    let rigid = time(rows.iter().find(|row| row[0] == "rigid").ok_or("no time of rigid")?)?;
     let row = |row: &Vec<&str>| {
-        let ns = time(row)?;
+        let ns = row.get(1).ok_or("no time")?.parse()?;
         let label = match row[0].split_once(", ") {
             Some((model, setting)) => format!("`{model}`, {setting}"),
             None => format!("`{}`", row[0]),
         };
         let steps = row.get(2).ok_or("no steps")?;
-        Ok::<_, Box<dyn Error>>(format!(
-            "| {label} | {} | {} us | {steps} |",
-            short(ns / rigid),
-            micro(ns)
-        ))
+        Ok::<_, Box<dyn Error>>(format!("| {label} | {} us | {steps} |", micro(ns)))
     };
     let rows = rows.iter().map(row).collect::<Result<Vec<_>>>()?;
-    let header = "| model | time over that of `rigid` | time | Newton steps |";
+    let header = "| model | time | Newton steps |";
     Ok(vec![
         ("seeded", Text::Whole(table(header, &rows))),
         ("seeded/machine", Text::Whole(format!("({})", site.machine()?))),
