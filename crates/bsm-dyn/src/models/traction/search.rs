@@ -26,13 +26,6 @@ impl SlipBall<'_> {
         let rate = self.contacts.scaled.nut_speed.abs().max(1.0);
         self.contacts.inertia_ratio() * rate * rate < SMALL_INERTIA * self.contacts.friction
     }
-
-    /// A ball that stands still in the nut.
-    fn held(&self) -> Option<[f64; BALL]> {
-        let [nut, screw, tilt] = self.contacts.static_balance(self.contacts.scaled.nut_speed);
-        let loaded = self.contacts.loaded([nut, screw], tilt).ok()?;
-        Some(self.unknowns(&loaded, &Motion { precession: 0.0, omega: Vector3::zeros() }))
-    }
 }
 
 /// A point on the way to its root.
@@ -76,13 +69,8 @@ impl SlipBall<'_> {
 }
 
 impl<'a> SlipRootSearch<'a> {
-    const NEAR: [fn(&mut Self) -> Attempt<SlipRoot>; 5] = [
-        |search| search.start(search.is_skidding()),
-        |search| search.start(!search.is_skidding()),
-        |search| search.levels(search.is_skidding()),
-        |search| search.levels(!search.is_skidding()),
-        Self::falling_creep,
-    ];
+    const NEAR: [fn(&mut Self) -> Attempt<SlipRoot>; 4] =
+        [Self::likely_start, Self::other_start, Self::held, Self::falling_creep];
     const FURTHER: [fn(&mut Self) -> Attempt<SlipRoot>; 3] =
         [Self::growing_inertia, Self::scattered_starts, Self::what_is_shown];
 
@@ -106,35 +94,51 @@ impl<'a> SlipRootSearch<'a> {
         self.ball.unknowns(&self.rolling_ball.loaded, &self.rolling_ball.to_nut)
     }
 
-    /// A ball that skids, or the rolling one, and whether its slips are nearly those of the root; the inertia of a ball that
-    /// does not skid presses it to the nut until that holds it.
-    fn begin(&mut self, skidding: bool) -> Option<([f64; BALL], bool)> {
-        if !skidding {
-            return Some((self.rolling(), false));
-        }
-        let Ok(skid) = GrossSlip::start(self.ball.contacts) else {
-            return Some((self.ball.held()?, false));
-        };
-        *self.steps += skid.steps();
-        Some((self.ball.unknowns(skid.state().0, skid.state().1), true))
+    /// From the nearer one of the rolling and the skidding ball.
+    fn likely_start(&mut self) -> Attempt<SlipRoot> {
+        self.start(self.is_skidding())
     }
 
-    /// By Newton, where there are no slips yet after a step at a high creep speed.
+    fn other_start(&mut self) -> Attempt<SlipRoot> {
+        self.start(!self.is_skidding())
+    }
+
+    /// From a ball that skids, whose slips are nearly those of the root, or from the rolling one, which has none.
     fn start(&mut self, skidding: bool) -> Attempt<SlipRoot> {
-        let (mut y, slips) = self.begin(skidding)?;
-        let Self { ball, newton, steps, .. } = self;
-        if !slips {
-            y = ball.predicted(&y, newton)?;
-            **steps += 1;
+        if !skidding {
+            return self.without_slips(self.rolling());
         }
-        SlipBall { limits: FULL_STEPS, ..*ball }.solved(y, newton, steps).ok().map(Ok)
+        let skid = GrossSlip::start(self.ball.contacts).ok()?;
+        *self.steps += skid.steps();
+        let y = self.ball.unknowns(skid.state().0, skid.state().1);
+        self.direct(y).or_else(|| self.levels(y))
+    }
+
+    /// From a ball that stands still in the nut: inertia beyond that of a ball that skids presses it there until it is held.
+    fn held(&mut self) -> Attempt<SlipRoot> {
+        let contacts = self.ball.contacts;
+        let [nut, screw, tilt] = contacts.static_balance(contacts.scaled.nut_speed);
+        let loaded = contacts.loaded([nut, screw], tilt).ok()?;
+        let still = Motion { precession: 0.0, omega: Vector3::zeros() };
+        self.without_slips(self.ball.unknowns(&loaded, &still))
+    }
+
+    /// After a step at a high creep speed; the levels begin without it, as it has not led to the root.
+    fn without_slips(&mut self, y: [f64; BALL]) -> Attempt<SlipRoot> {
+        let predicted = self.ball.predicted(&y, self.newton);
+        *self.steps += usize::from(predicted.is_some());
+        predicted.and_then(|y| self.direct(y)).or_else(|| self.levels(y))
+    }
+
+    /// By Newton.
+    fn direct(&mut self, y: [f64; BALL]) -> Attempt<SlipRoot> {
+        let ball = SlipBall { limits: FULL_STEPS, ..self.ball };
+        ball.solved(y, self.newton, self.steps).ok().map(Ok)
     }
 
     /// Over a few levels of the creep speed.
-    fn levels(&mut self, skidding: bool) -> Attempt<SlipRoot> {
-        let (y, _) = self.begin(skidding)?;
+    fn levels(&mut self, y: [f64; BALL]) -> Attempt<SlipRoot> {
         let Self { ball, newton, steps, .. } = self;
-        // Where there are no slips the step to the first of them has not led to the root.
         let mut levels = LEVELS.into_iter().rev();
         levels.find_map(|levels| ball.descended(y, levels, newton, steps)).map(Ok)
     }
