@@ -127,11 +127,6 @@ impl<D: Scalar> QuasiStatic<D> {
         self.contacts().efficiency(self.direction.is_back())
     }
 
-    /// Normal load over axial load per ball (Q4); not positive if friction holds any load.
-    pub fn load_ratio(&self) -> D {
-        self.contacts().load_ratio()
-    }
-
     /// The load ratio of these contacts; refuses a point that has no balance.
     fn balance(&self, contacts: &TwoContacts<D>) -> Result<D, NoAnswer> {
         if self.driven == DrivenBody::Both {
