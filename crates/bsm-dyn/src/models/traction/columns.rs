@@ -210,7 +210,7 @@ impl Equations<BALL> for LastEvaluation<'_> {
     }
 
     fn first_part(&self, x: &[f64; BALL], dx: &[f64; BALL]) -> f64 {
-        if self.ball.whole_steps { 1.0 } else { first_part(self.ball.contacts.scaled.lead, x, dx) }
+        first_part(self.ball.contacts.scaled.lead, x, dx)
     }
 
     fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {

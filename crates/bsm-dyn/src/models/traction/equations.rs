@@ -54,8 +54,6 @@ pub(super) struct SlipBall<'a, P = f64> {
     pub(super) push: Option<Push>,
     /// Steps and halvings of a step after which a solve is given up.
     pub(super) limits: (usize, u32),
-    /// Steps are tried whole, not in the part (T31).
-    pub(super) whole_steps: bool,
 }
 
 /// Friction by a lubricant.
@@ -221,7 +219,6 @@ impl<'a, P> SlipBall<'a, P> {
             lubrication: None,
             push: None,
             limits: LIMITS,
-            whole_steps: false,
         }
     }
 

@@ -111,9 +111,7 @@ impl<'a> SlipRootSearch<'a> {
         let skid = GrossSlip::start(self.ball.contacts).ok()?;
         *self.steps += skid.steps();
         let y = self.ball.unknowns(skid.state().0, skid.state().1);
-        // Where this fails, tables find the root over a level of the creep speed; a shorter step may lead to another.
-        let whole = SlipBall { whole_steps: true, ..self.ball };
-        self.direct(whole, y).or_else(|| self.levels(y))
+        self.direct(y).or_else(|| self.levels(y))
     }
 
     /// From a ball that stands still in the nut: inertia beyond that of a ball that skids presses it there until it is held.
@@ -129,12 +127,12 @@ impl<'a> SlipRootSearch<'a> {
     fn without_slips(&mut self, y: [f64; BALL]) -> Attempt<SlipRoot> {
         let predicted = self.ball.predicted(&y, self.newton);
         *self.steps += usize::from(predicted.is_some());
-        predicted.and_then(|y| self.direct(self.ball, y)).or_else(|| self.levels(y))
+        predicted.and_then(|y| self.direct(y)).or_else(|| self.levels(y))
     }
 
     /// By Newton.
-    fn direct(&mut self, ball: SlipBall<'a>, y: [f64; BALL]) -> Attempt<SlipRoot> {
-        let ball = SlipBall { limits: FULL_STEPS, ..ball };
+    fn direct(&mut self, y: [f64; BALL]) -> Attempt<SlipRoot> {
+        let ball = SlipBall { limits: FULL_STEPS, ..self.ball };
         ball.solved(y, self.newton, self.steps).ok().map(Ok)
     }
 
