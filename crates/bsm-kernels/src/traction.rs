@@ -11,6 +11,7 @@ use bsm_dyn::internals::{
     quadrature_error, slip_scale, takes,
 };
 use bsm_dyn::{ErrorBound, Model, Traction};
+use bsm_kin::Field;
 use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
 
 use crate::contacts::{Contacts, ElasticAnswer, UnitsCall};
@@ -23,6 +24,11 @@ use crate::units::Units;
 
 /// Most points in a lane.
 pub(super) const MANY: usize = 4 * BLOCK;
+
+/// Friction, and long semi-axis of the rolling ball's ellipses over its radius, up to which rows are answered: points beyond may
+/// have several roots, of which the model finds another from its own starts.
+const MOST_FRICTION: f64 = 0.3;
+const LONGEST_AXIS: f64 = 1.0;
 
 /// Accuracies that are remembered: those of the choice by error bounds, and one of one's own.
 const REMEMBERED: usize = Traction::ACCURACIES.len() + 1;
@@ -142,10 +148,14 @@ fn start<S: Simd>(
     let friction = point.friction.abs();
     let rolling_rate = given.simd.vectorize(BalanceCall { contacts, control: None });
     let mut found = rolling_rate.found & takes(friction, contacts.scaled.inertia_ratio());
+    found = found & friction.le(one * MOST_FRICTION);
     let motion = RollingMotion::of(contacts, &rolling_rate);
     let [onset, _] = regime(out, friction, contacts, (&rolling_rate, &motion));
     let [a, b] = &rolling_rate.sides;
     let mut loads = [a.load, b.load];
+    for (load, (longest, _)) in loads.iter().zip(point.scaled.semi_axes) {
+        found = found & (longest * Field::cbrt(*load)).le(one * LONGEST_AXIS);
+    }
     // sin 2ν = sin(β_B − β_A)
     let between = a.cos * b.cos + a.sin * b.sin;
     let mut tilt = rolling_rate.twist.zip(between, f64::atan2) * 0.5;

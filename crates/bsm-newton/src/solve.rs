@@ -78,7 +78,7 @@ impl<const N: usize> Workspace<N> {
     }
 }
 
-/// What the matrix of a solve holds: nothing of use, the Jacobian of the last point, or the factors of this or an
+/// What the matrix of a solve holds: nothing of use, the Jacobian of the last point or trial, or the factors of this or an
 /// earlier one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Matrix {
@@ -178,8 +178,8 @@ fn iterate<const N: usize, E: Equations<N> + ?Sized>(
         }
 
         let search = LineSearch {
-            // A point that already is a solution is only refined by full steps.
-            max_halvings: if is_solved { 0 } else { options.max_halvings },
+            // A point that already is a solution is only refined by full steps, and a chord step need not lead down.
+            max_halvings: if is_solved || is_chord { 0 } else { options.max_halvings },
             joint: match options.jacobian {
                 JacobianUpdate::EveryStep => false,
                 JacobianUpdate::EveryTrial { chord_below } => report.residual > chord_below,
@@ -187,8 +187,11 @@ fn iterate<const N: usize, E: Equations<N> + ?Sized>(
         };
         let Some(lambda) = search.step(equations, x, work, report) else {
             if is_chord && !is_solved {
-                // Its own Jacobian may do.
-                work.matrix = Matrix::Stale;
+                // Its own Jacobian may do; the trials have taken the place of its residual.
+                let into = (&mut work.r, &mut work.linear, &mut work.matrix);
+                if evaluate(equations, x, true, into, report).is_err() {
+                    return Termination::OutsideDomain;
+                }
                 continue;
             }
             return ended(Termination::LineSearchFailed);
@@ -246,8 +249,9 @@ fn evaluate<const N: usize, E: Equations<N> + ?Sized>(
 ) -> Result<(), EvalError> {
     if joint {
         report.n_jacobian += 1;
-        *matrix = Matrix::Jacobian;
+        *matrix = Matrix::Stale;
         *r = equations.linearize(x, jacobian.rows_mut())?;
+        *matrix = Matrix::Jacobian;
     } else {
         report.n_residual += 1;
         *r = equations.residual(x)?;

@@ -4,8 +4,8 @@
 //! ACM Trans. Math. Softw. 7 (1981), by their numbers there.
 
 use bsm_newton::{
-    Equations, EvalError, Options, Report, Scales, Termination, Workspace, implicit_slopes,
-    path_direction, solve,
+    Equations, EvalError, JacobianUpdate, Options, Report, Scales, Termination, Workspace,
+    implicit_slopes, path_direction, solve,
 };
 
 /// Values, and rows of the Jacobian.
@@ -144,6 +144,27 @@ fn a_step_out_of_the_domain_is_halved() {
     assert!((x[0] - 1.0).abs() < 1e-10);
     assert!(report.steps[0].lambda < 1.0);
     assert_eq!(report.n_jacobian, report.steps.len());
+}
+
+/// Where the slope has changed sign, a chord leads up or to no number: the next step has its own Jacobian, and is held
+/// against the residual of its own point.
+#[test]
+fn a_chord_that_leads_up_is_left_at_once() {
+    let bent = |x: &[f64; 1]| match x[0] {
+        x if x >= 0.5 => Ok(([x], [[1.0]])),
+        x if x >= -0.01 => Ok(([0.05 - 10.0 * x], [[-10.0]])),
+        _ => Ok(([f64::NAN], [[f64::NAN]])),
+    };
+    let (mut x, ones) = ([1.0], [1.0]);
+    let jacobian = JacobianUpdate::EveryTrial { chord_below: f64::INFINITY };
+    let options = Options { jacobian, ..Options::default() };
+    let scales = Scales { x: &ones, f: &ones };
+    let report = solve(&Problem(bent), &mut x, &scales, &options, &mut Workspace::default());
+    assert_eq!(report.status, Termination::Converged, "{report:?}");
+    // Rounding of the last step.
+    assert!((x[0] - 0.005).abs() < 1e-17, "{x:?}");
+    assert_eq!((report.n_jacobian, report.n_residual), (2, 3), "{report:?}");
+    assert_eq!(report.steps.iter().map(|s| s.residual).collect::<Vec<_>>(), [1.0, 0.05]);
 }
 
 /// Expected failure: x² + 1 has no root; the line search ends at the minimum of its square.
