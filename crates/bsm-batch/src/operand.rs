@@ -31,7 +31,7 @@ pub(crate) struct ColumnPlan<'a> {
     columns: &'a Columns,
     /// Inputs that such a row has.
     given: InputSet,
-    lubricant: Option<Lubricant>,
+    lubricant: Option<(Lubricant, RacewayFriction)>,
     origins: [Origin; INPUTS.len()],
 }
 
@@ -49,12 +49,10 @@ impl<'a> ColumnPlan<'a> {
         // Rows that a model does not cover are left to it too.
         let model = settings.model.resolve(given, |_| Ok(())).ok()?;
         let lubricant = if given.is_lubricated() {
-            if model != Model::RacewayControl.into()
-                || settings.friction != RacewayFriction::PerContact
-            {
+            if model != Model::RacewayControl.into() {
                 return None;
             }
-            Some(base.lubricant_but_for_temperature(cells)?)
+            Some((base.lubricant_but_for_temperature(cells)?, settings.friction))
         } else {
             None
         };

@@ -20,11 +20,12 @@ use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
 use bsm_simd::Arch;
 
 pub(crate) use self::chords::{FrozenRule, Placement};
-pub(crate) use self::kernel::{Dry, Patch, PointLaw, Resultants, SUMS, sums};
+pub use self::kernel::Patch;
+pub(crate) use self::kernel::{Dry, PointLaw, Resultants, SUMS, sums};
 use self::kernel::{MOTION, sums_on};
 pub(crate) use self::many::{ManyNodes, ManyQuadrature, SplitPoint};
 pub(crate) use self::oil::OilLaw;
-pub use self::power::power_of_many;
+pub use self::power::{lubricated_powers, power_of_many};
 pub use self::quadrature::Quadrature;
 pub(crate) use self::quadrature::Rules;
 pub(crate) use self::slip::surface_drop;

@@ -71,7 +71,7 @@ pub use self::outcome::{Control, Direction, Evidence, NoAnswer, Reason, Status};
 #[doc(hidden)]
 pub mod internals {
     pub use crate::contact::{BallOrbit, efficiency, ideal_torque, torque_of};
-    pub use crate::ellipse::{power_of_many, slip_scale};
+    pub use crate::ellipse::{Patch, lubricated_powers, power_of_many, slip_scale};
     pub use crate::models::{
         AnswerUnits, BallContacts, EhlPoint, EhlUnits, ElasticMotion, FAST_NUT, FilmLoss,
         FirstOrder, GrooveContact, LoadedContact, LubricatedWorkspace, MOST_LOSS_ERROR,

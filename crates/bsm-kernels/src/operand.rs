@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use bsm_case::units::{DEG, drive_of_rpm};
 use bsm_case::{INPUTS, InputKey, Inputs, Relation, Rule, covered};
-use bsm_dyn::{Lubricant, Model, Sines};
+use bsm_dyn::{Lubricant, Model, RacewayFriction, Sines};
 use bsm_kin::Drive;
 use bsm_simd::{NullaryFnOnce, Simd};
 
@@ -31,15 +31,18 @@ pub struct InputColumns<'a> {
     inputs: [InputColumn<'a>; INPUTS.len()],
     /// Places of those that are columns.
     columns: Vec<usize>,
-    /// What friction comes from, but for its temperature; `None` with a coefficient.
-    pub(crate) lubricant: Option<Lubricant>,
+    /// What friction comes from, but for its temperature, and how; `None` with a coefficient.
+    pub(crate) lubricant: Option<(Lubricant, RacewayFriction)>,
 }
 
 impl<'a> InputColumns<'a> {
     /// Inputs in the order of the vocabulary.
     ///
-    /// * `lubricant`: what friction comes from, but for its temperature; `None` with a coefficient.
-    pub fn new(inputs: [InputColumn<'a>; INPUTS.len()], lubricant: Option<Lubricant>) -> Self {
+    /// * `lubricant`: what friction comes from, but for its temperature, and how; `None` with a coefficient.
+    pub fn new(
+        inputs: [InputColumn<'a>; INPUTS.len()],
+        lubricant: Option<(Lubricant, RacewayFriction)>,
+    ) -> Self {
         let is_column = |index: &usize| matches!(inputs[*index], InputColumn::Column(..));
         let columns = (0..inputs.len()).filter(is_column).collect();
         Self { inputs, columns, lubricant }

@@ -156,20 +156,16 @@ fn losses<S: Simd>(
     (state, motion): (&BalanceRoot<S>, &RollingMotion<S>),
 ) -> Losses<S> {
     let (nut, screw) = (ellipse(0, contacts, state, motion), ellipse(1, contacts, state, motion));
-    let ((nut_power, at_nut), (screw_power, at_screw)) = (nut.power(), screw.power());
-    let zero = nut_power.constant(0.0);
+    let zero = units.speed.constant(0.0);
     let back = units.speed.lt(zero);
-    let lubricated = OilLane::of(
-        given,
-        (units, contacts),
-        (state, motion),
-        [(nut, nut_power), (screw, screw_power)],
-    );
-    let (loss, friction) = if let Some(lubricated) = &lubricated {
-        (lubricated.loss(), lubricated.friction_scale())
+    let lubricated = OilLane::of(given, (units, contacts), (state, motion), [&nut, &screw]);
+    let (loss, friction, resolved) = if let Some(lubricated) = &lubricated {
+        (lubricated.loss(), lubricated.friction_scale(), lubricated.resolved)
     } else {
+        let ((at_nut, nut_resolved), (at_screw, screw_resolved)) = (nut.power(), screw.power());
         let friction = given.get(InputKey::friction_coefficient);
-        (friction_power(friction, [nut.load, screw.load], [nut_power, screw_power]), friction)
+        let loss = friction_power(friction, [nut.load, screw.load], [at_nut, at_screw]);
+        (loss, friction, nut_resolved & screw_resolved)
     };
     let tan_lead = contacts.scaled.lead.0 / contacts.scaled.lead.1;
     let ideal = ideal_torque(units.axial, units.pitch, tan_lead);
@@ -184,7 +180,7 @@ fn losses<S: Simd>(
         film = Some(lubricated.state(units, given.get(InputKey::loaded_balls), of));
     }
     let finite = torque.abs().lt(zero.constant(f64::INFINITY));
-    Losses { transmission, friction, film, resolved: at_nut & at_screw & finite }
+    Losses { transmission, friction, film, resolved: resolved & finite }
 }
 
 /// Stores skid number and onset number where they have a meaning, and returns the latter with the cross slip.

@@ -144,8 +144,8 @@ fn raceway_control() {
     }
 }
 
-/// One coefficient for each contact, of a lubricant at the temperature of the row. The losses outside the contacts
-/// are all there.
+/// Friction at every point of the contacts and one coefficient for each, of a lubricant at the temperature of the row. The
+/// losses outside the contacts are all there.
 #[test]
 fn lubricated_raceway_control() {
     const COUNT: usize = 3000;
@@ -161,9 +161,10 @@ fn lubricated_raceway_control() {
     chunk.inputs[place] =
         Float64Array::from_iter_values((0..COUNT).map(|_| rng.random_range(0.0..90.0)));
     let columns = Columns::sort(names, &[], &TableFormat::default()).expect("known names");
-    let settings =
-        Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() };
-    compare_on(&settings, &base, &names, &(chunk, columns));
+    for friction in [RacewayFriction::Local, RacewayFriction::PerContact] {
+        let settings = Settings { friction, ..Model::RacewayControl.into() };
+        compare_on(&settings, &base, &names, &(chunk.clone(), columns.clone()));
+    }
 }
 
 #[test]

@@ -16,17 +16,17 @@ use super::slip::{EllipseSlip, FAR, clamp};
 
 /// What the sums depend on: a contact with numbers in its own axes.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Patch<F = f64> {
+pub struct Patch<F = f64> {
     /// Semi-axes across and along the groove.
-    pub(crate) semi_axes: (F, F),
+    pub semi_axes: (F, F),
     /// Radius of the pressed surface.
-    pub(crate) pressed_radius: F,
+    pub pressed_radius: F,
     /// Ball radius.
-    pub(crate) ball_radius: F,
+    pub ball_radius: F,
     /// Speed of the centre along t; angular velocity about t, N, t × N.
-    pub(crate) motion: [F; MOTION],
+    pub motion: [F; MOTION],
     /// Creep speed.
-    pub(crate) creep: F,
+    pub creep: F,
 }
 
 /// Friction of a contact over `$Q$`, or over `$f Q$` of a constant coefficient.
@@ -58,18 +58,18 @@ pub(super) const ALL: usize = VALUES + 14;
 impl<F: Compare> Patch<F> {
     /// Slip along the long axis.
     #[inline(always)]
-    pub(super) fn slip(&self) -> EllipseSlip<F> {
+    pub fn slip(&self) -> EllipseSlip<F> {
         let ([speed, w_t, w_n, w_c], radii) =
             (self.motion, (self.pressed_radius, self.ball_radius));
         EllipseSlip::new(self.semi_axes, radii, speed, [w_t, w_n, w_c], self.creep)
     }
 }
 
-impl<S: Simd> Patch<Lane<S>> {
+impl<S: Simd, const N: usize> Patch<Lane<S, N>> {
     /// One of several side by side.
     #[inline(always)]
     pub(super) fn at(&self, index: usize) -> Patch {
-        let number = |lane: &Lane<S>| lane.as_slice()[index];
+        let number = |lane: &Lane<S, N>| lane.as_slice()[index];
         let Self { semi_axes: (a, b), pressed_radius, ball_radius, motion, creep } = self;
         Patch {
             semi_axes: (number(a), number(b)),

@@ -5,8 +5,12 @@
 use bsm_simd::{BLOCK, Lane, Mask, Simd};
 
 use super::Quadrature;
+use super::chords::Placement;
+use super::kernel::{Dry, Patch, Resultants, sums};
+use super::oil::OilLaw;
 use super::panels::line;
 use super::slip::{EllipseSlip, clamp};
+use crate::contact::MixedFriction;
 
 /// Power of friction over `$f Q$` of several contacts side by side, and at which of them the rule
 /// resolves it without splitting panels: the sums of `Ellipse::friction`.
@@ -78,4 +82,34 @@ fn add_power<S: Simd, const N: usize>(
         }
     }
     power
+}
+
+/// Powers of friction over `$Q$` at nut and screw of several points side by side: of their films, and of a coefficient of
+/// one. The nodes of a point fill the vectors, one point after the other.
+///
+/// * `laws`: friction at the points of both contacts. * `wanted`: the points that it is taken of; that of others is NaN.
+/// * `rules`: of an oil and of one coefficient.
+#[inline(always)]
+pub fn lubricated_powers<S: Simd, const N: usize>(
+    simd: S,
+    patches: &[Patch<Lane<S, N>>; 2],
+    laws: [&MixedFriction<Lane<S, N>>; 2],
+    wanted: Mask<S, N>,
+    rules: [&Quadrature; 2],
+) -> [[Lane<S, N>; 2]; 2] {
+    let ([oil, dry], mut is_wanted) = (rules.map(|rule| [Placement::from(rule); 2]), [false; MANY]);
+    wanted.store(&mut is_wanted);
+    let mut powers = [[[f64::NAN; MANY]; 2]; 2];
+    for row in (0..Lane::<S, N>::LEN).filter(|row| is_wanted[*row]) {
+        let points = patches.each_ref().map(|patch| patch.at(row));
+        let laws = laws.map(|law| OilLaw::of(&law.map(|lane| lane.as_slice()[row])));
+        let mut found = [[Resultants::none(0.0); 2]; 2];
+        let [of_oil, of_one] = &mut found;
+        sums::<S, _, 4, false>(simd, &points, &laws, &oil, [false; 2], of_oil.each_mut());
+        sums::<S, _, 2, false>(simd, &points, &[Dry; 2], &dry, [false; 2], of_one.each_mut());
+        for (powers, found) in powers.iter_mut().flatten().zip(found.iter().flatten()) {
+            powers[row] = found.power;
+        }
+    }
+    powers.map(|powers| powers.map(|powers| patches[0].creep.like(&powers)))
 }

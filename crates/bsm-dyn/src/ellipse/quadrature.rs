@@ -157,7 +157,7 @@ impl Quadrature {
 
     /// The same for an oil, whose coefficient bends along a line: nodes of their own on each half of it, and
     /// many on lines whose spin pole is near.
-    pub(crate) fn of_oil(accuracy: f64) -> Self {
+    pub fn of_oil(accuracy: f64) -> Self {
         let nodes = Self::nodes(accuracy);
         Self::lubricated(2 * nodes, 3 * nodes / 4, accuracy)
     }

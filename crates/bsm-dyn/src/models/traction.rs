@@ -103,9 +103,12 @@ impl Traction {
             let finer = Self { accuracy, ..case };
             match (finer.found(start, Some(&from), work), &mut found) {
                 (Ok(mut next), former) => {
-                    let before = former.as_ref().ok().and_then(|former| former.solved.info);
-                    if let (Some(info), Some(before)) = (&mut next.solved.info, before) {
-                        info.steps += before.steps;
+                    let before = match former {
+                        Ok(former) => former.solved.info.map_or(0, |info| info.steps),
+                        Err(lost) => lost.steps,
+                    };
+                    if let Some(info) = &mut next.solved.info {
+                        info.steps += before;
                     }
                     (case, found) = (finer, Ok(next));
                 }
@@ -155,9 +158,10 @@ impl Traction {
                     near = smooth.search(rolling_ball, newton, &mut steps);
                 }
                 let near = near?;
-                let lost = || NotFound { near: Some(Box::new(near)), why: NoAnswer::LOST };
                 let plans = Default::default();
-                ball.refined(&near, &plans, newton, &mut steps).ok_or_else(lost)?
+                let refined = ball.refined(&near, &plans, newton, &mut steps);
+                let lost = || NotFound { near: Some(Box::new(near)), steps, why: NoAnswer::LOST };
+                refined.ok_or_else(lost)?
             }
         };
         let RootWithPower { root, transmitted, torque_slope, loaded } = refined;
@@ -222,6 +226,8 @@ struct NotFound {
     why: NoAnswer,
     /// The root of the search that this accuracy has lost.
     near: Option<Box<SlipRoot>>,
+    /// That the search has taken.
+    steps: usize,
 }
 
 impl NotFound {
@@ -232,7 +238,7 @@ impl NotFound {
 
 impl From<NoAnswer> for NotFound {
     fn from(why: NoAnswer) -> Self {
-        Self { why, near: None }
+        Self { why, near: None, steps: 0 }
     }
 }
 

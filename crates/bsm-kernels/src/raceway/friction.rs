@@ -2,13 +2,17 @@
 
 use std::sync::LazyLock;
 
-use bsm_dyn::internals::power_of_many;
-use bsm_dyn::{EllipseSlip, Quadrature, RacewayControl};
+use bsm_dyn::internals::{Patch, lubricated_powers, power_of_many};
+use bsm_dyn::{MixedFriction, Quadrature, RacewayControl, Traction};
 use bsm_simd::Simd;
 
 use crate::operand::{Lane, Mask};
 
 static RULE: LazyLock<Quadrature> = LazyLock::new(|| Quadrature::of(RacewayControl::ACCURACY));
+
+/// Of a lubricant, and of one coefficient beside it.
+static RULES: LazyLock<[Quadrature; 2]> =
+    LazyLock::new(|| [Quadrature::of_oil(Traction::ACCURACY), Quadrature::of(Traction::ACCURACY)]);
 
 /// A rolling ellipse in units of ball radius and relative speed.
 #[derive(Clone, Copy)]
@@ -24,12 +28,27 @@ pub(super) struct Ellipse<S: Simd> {
 }
 
 impl<S: Simd> Ellipse<S> {
+    #[inline(always)]
+    fn patch(&self) -> Patch<Lane<S>> {
+        let Self { semi_axes, pressed_radius, speed, omega: [w_t, w_n, w_c], .. } = *self;
+        let (ball_radius, creep) = (speed.constant(1.0), speed.constant(RacewayControl::CREEP));
+        Patch { semi_axes, pressed_radius, ball_radius, motion: [speed, w_t, w_n, w_c], creep }
+    }
+
     /// Power over `$f Q$`, and where it is resolved; the model has finer panels elsewhere.
     #[inline(always)]
     pub(super) fn power(&self) -> (Lane<S>, Mask<S>) {
-        let (one, creep) = (self.load.constant(1.0), self.load.constant(RacewayControl::CREEP));
-        let radii = (self.pressed_radius, one);
-        let slip = EllipseSlip::new(self.semi_axes, radii, self.speed, self.omega, creep);
-        power_of_many(&RULE, &slip)
+        power_of_many(&RULE, &self.patch().slip())
+    }
+
+    /// Powers over `$Q$` at nut and screw with their films, and with a friction coefficient of one.
+    #[inline(always)]
+    pub(super) fn lubricated_powers(
+        simd: S,
+        [nut, screw]: [&Self; 2],
+        laws: [&MixedFriction<Lane<S>>; 2],
+        wanted: Mask<S>,
+    ) -> [[Lane<S>; 2]; 2] {
+        lubricated_powers(simd, &[nut.patch(), screw.patch()], laws, wanted, RULES.each_ref())
     }
 }

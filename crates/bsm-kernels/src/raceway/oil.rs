@@ -1,9 +1,10 @@
-//! One friction coefficient from the lubricant for each contact by lanes, Eqs (Y1) to (Y31).
+//! Friction from a lubricant by lanes, at every point of the contacts or by one coefficient for each, Eqs (Y1) to (Y31).
 
 use bsm_case::InputKey;
 use bsm_dyn::internals::{BallOrbit, EhlPoint, EhlUnits, FilmLoss, ScaledFilm};
 use bsm_dyn::{
-    FilmState, Hertz, Lubricant, OutsidePower, RacewayControl, Temperature, ZERO_CELSIUS,
+    FilmState, Hertz, Lubricant, OutsidePower, RacewayControl, RacewayFriction, Temperature,
+    ZERO_CELSIUS,
 };
 use bsm_simd::Simd;
 
@@ -20,20 +21,20 @@ pub(super) struct OilLane<S: Simd> {
     losses: [FilmLoss<Lane<S>>; 2],
     /// Outside the contacts, of all balls \[W\].
     pub(super) outside: OutsidePower<Lane<S>>,
+    /// Where the losses are resolved.
+    pub(super) resolved: Mask<S>,
 }
 
 impl<S: Simd> OilLane<S> {
     /// `None` with a friction coefficient.
-    ///
-    /// * `ellipses`: with the power over `$Q$` of a friction coefficient of one.
     #[inline(always)]
     pub(super) fn of(
         given: &LaneInputs<'_, S>,
         (units, contacts): (&Units<S>, &Contacts<S>),
         (state, motion): (&BalanceRoot<S>, &RollingMotion<S>),
-        ellipses: [(Ellipse<S>, Lane<S>); 2],
+        [nut, screw]: [&Ellipse<S>; 2],
     ) -> Option<Self> {
-        let one = given.inputs.lubricant.as_ref()?;
+        let (one, friction) = given.inputs.lubricant.as_ref()?;
         let kelvin = given.get(InputKey::lubricant_temperature_C) + ZERO_CELSIUS;
         let splat = one.map(
             #[inline(always)]
@@ -52,13 +53,27 @@ impl<S: Simd> OilLane<S> {
         let modulus = modulus(given, units) * units.load / (ball * ball);
         let scale = EhlUnits { load: units.load, speed: ball * speed, length: ball };
         let ehl = EhlPoint::of(&lubricant, kelvin, (&curvatures, &hertz), modulus, scale);
-        let [nut, screw] = &state.sides;
         // k·(t × N)
-        let [k_nut, k_screw] =
-            [nut.cos * contacts.scaled.lead.1, -(screw.cos * contacts.scaled.lead.1)];
+        let (cos_lead, arc) = (contacts.scaled.lead.1, contacts.scaled.arc);
+        let [k_nut, k_screw] = [state.sides[0].cos * cos_lead, -(state.sides[1].cos * cos_lead)];
+        let films = [film(&ehl, 0, (k_nut, arc), nut), film(&ehl, 1, (k_screw, arc), screw)];
+        let (slip, sliding, resolved) = match friction {
+            RacewayFriction::PerContact => {
+                let ((slip_a, at_nut), (slip_b, at_screw)) = (nut.power(), screw.power());
+                let [mean_a, mean_b] =
+                    [films[0].mean_friction(slip_a), films[1].mean_friction(slip_b)];
+                ([slip_a, slip_b], [mean_a * slip_a, mean_b * slip_b], at_nut & at_screw)
+            }
+            RacewayFriction::Local => {
+                let laws = [&films[0].law, &films[1].law];
+                let [sliding, slip] =
+                    Ellipse::lubricated_powers(given.simd, [nut, screw], laws, state.found);
+                (slip, sliding, state.found)
+            }
+        };
         let losses = [
-            loss(&ehl, 0, (k_nut, contacts, ball), &ellipses[0]),
-            loss(&ehl, 1, (k_screw, contacts, ball), &ellipses[1]),
+            loss(films[0], nut, (sliding[0], slip[0]), ball),
+            loss(films[1], screw, (sliding[1], slip[1]), ball),
         ];
         let across = motion.omega[1] - motion.p * contacts.scaled.lead.1;
         let sliding_speed = (motion.omega[0] * motion.omega[0] + across * across).sqrt();
@@ -73,7 +88,7 @@ impl<S: Simd> OilLane<S> {
             balls: given.get(InputKey::loaded_balls),
         };
         let outside = lubricant.losses.power(&circling, lubricant.oil.density);
-        Some(Self { ehl, losses, outside })
+        Some(Self { ehl, losses, outside, resolved })
     }
 
     /// The larger coefficient of nut and screw if the oil bore all that it can.
@@ -102,27 +117,36 @@ impl<S: Simd> OilLane<S> {
     }
 }
 
-/// A contact at nut (0) or screw (1).
+/// The film at nut (0) or screw (1).
 ///
-/// * `k_c`: `$k \cdot (t \times N)$`. * `slip`: `$\int|v|\,dQ/Q$` over `$W$`, the power over `$Q$` of a friction
-///   coefficient of one.
+/// * `k_c`: `$k \cdot (t \times N)$`. * `arc`: length of the helix over `$r_b$` and radian.
 #[inline(always)]
-fn loss<S: Simd>(
+fn film<S: Simd>(
     ehl: &EhlPoint<Lane<S>>,
     i: usize,
-    (k_c, contacts, ball): (Lane<S>, &Contacts<S>, Lane<S>),
-    (ellipse, slip): &(Ellipse<S>, Lane<S>),
+    (k_c, arc): (Lane<S>, Lane<S>),
+    Ellipse { load, speed, omega: [_, _, around], .. }: &Ellipse<S>,
+) -> ScaledFilm<Lane<S>> {
+    ehl.of_motion(i, *load, [*speed / arc, *speed, *around], k_c, RacewayControl::CREEP)
+}
+
+/// What a contact loses.
+///
+/// * `sliding`, `slip`: powers over `$Q$` of sliding with the film and with a friction coefficient of one. * `ball`: its
+///   radius \[m\].
+#[inline(always)]
+fn loss<S: Simd>(
+    film: ScaledFilm<Lane<S>>,
+    Ellipse { load, semi_axes: (a, b), speed, omega: [_, _, around], .. }: &Ellipse<S>,
+    (sliding, slip): (Lane<S>, Lane<S>),
+    ball: Lane<S>,
 ) -> FilmLoss<Lane<S>> {
-    let creep = RacewayControl::CREEP;
-    let ([_, _, around], (a, b)) = (ellipse.omega, ellipse.semi_axes);
-    let rate = ellipse.speed / contacts.scaled.arc;
-    let film = ehl.of_motion(i, ellipse.load, [rate, ellipse.speed, around], k_c, creep);
-    let unit = ellipse.load * *slip;
+    let resistance = film.resist(*around, RacewayControl::CREEP);
     FilmLoss {
-        sliding: film.mean_friction(*slip) * unit,
-        unit,
-        rolling: ScaledFilm::resisted(film.resist(around, creep), ellipse.speed, around),
-        semi_axes: (a * ball, b * ball),
+        sliding: sliding * *load,
+        unit: slip * *load,
+        rolling: ScaledFilm::resisted(resistance, *speed, *around),
+        semi_axes: (*a * ball, *b * ball),
         inlet: [slip.constant(f64::NAN); 2],
         film,
     }

@@ -35,6 +35,22 @@ pub struct MixedFriction<D = f64> {
     pub shear: D,
 }
 
+impl<D> MixedFriction<D> {
+    /// The same of other numbers.
+    #[inline(always)]
+    pub(crate) fn map<E>(&self, f: impl Fn(&D) -> E) -> MixedFriction<E> {
+        MixedFriction {
+            asperity_share: f(&self.asperity_share),
+            boundary: f(&self.boundary),
+            limiting_shear: f(&self.limiting_shear),
+            eyring_stress: f(&self.eyring_stress),
+            max_pressure: f(&self.max_pressure),
+            pressure_scale: f(&self.pressure_scale),
+            shear: f(&self.shear),
+        }
+    }
+}
+
 impl<D: Field> MixedFriction<D> {
     /// Of an oil in a film of a thickness \[m\].
     ///

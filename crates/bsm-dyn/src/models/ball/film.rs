@@ -17,6 +17,9 @@ use crate::contact::{
 use crate::ellipse::{ContactMotion, Integrate, Placement, Quadrature, Rules};
 use crate::outcome::NoAnswer;
 
+/// By which power of the load a film becomes thinner (Y7).
+pub(crate) const FILM_LOAD_EXPONENT: f64 = 0.067;
+
 /// What a film depends on besides load and speed: the gap of one contact \[SI\]. Its powers are taken once.
 #[derive(Debug, Clone, Copy)]
 struct Gap<P> {
@@ -136,7 +139,8 @@ impl<P: Field> EhlPoint<P> {
         let heat = (log_rate * (2.0 * 0.62)).exp() * gap.heat;
         let heating = (heat * 0.254 + 1.0).recip();
         // h ~ U^0.67 W^−0.067 φ_T                                         (Y7)
-        let thickness = (log_rate * 0.67 - weight.ln() * 0.067).exp() * gap.film * heating;
+        let thickness =
+            (log_rate * 0.67 - weight.ln() * FILM_LOAD_EXPONENT).exp() * gap.film * heating;
         // λ = h/√(R_q,ball² + R_q,raceway²),  ξ = e^{−1.4λ}               (Y9)
         let ratio = thickness * gap.roughness.recip();
         let share = (ratio * -1.4).exp();

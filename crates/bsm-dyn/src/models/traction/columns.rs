@@ -20,7 +20,9 @@ use crate::cost;
 use crate::ellipse::{Dry, OilLaw, Patch, PointLaw, Resultants, SUMS, sums};
 use crate::models::ball::equation::{AXIAL_LOAD, FORCE, MOMENT};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
-use crate::models::ball::{BALL, EhlPoint, ROWS, ScaledBall, ScaledFilm, Workspace, linear};
+use crate::models::ball::{
+    BALL, EhlPoint, FILM_LOAD_EXPONENT, ROWS, ScaledBall, ScaledFilm, Workspace, linear,
+};
 
 /// What belongs to a state, all scaled.
 #[derive(Debug, Clone, Copy)]
@@ -349,7 +351,7 @@ impl TractionLaw for EhlPoint {
                 by[OMEGA[1]] -= 0.5 * side * angle.sin * growth;
                 add::<_, ALL>(by, 0.5 * side * angle.cos * growth, &geometry.by_b);
                 add::<_, ALL>(by, -(0.5 * w_n + rate * turned) * growth, &angle.by);
-                by[unknown] -= 0.067 / y[unknown];
+                by[unknown] -= FILM_LOAD_EXPONENT / y[unknown];
             }
             let [push, couple] = film.resist(w_c, ball.creep);
             // M = r × F_h + C_h                                           (Y32)

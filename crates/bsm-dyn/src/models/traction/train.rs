@@ -287,15 +287,17 @@ impl TrainBall {
         work: &mut ModelWorkspace,
     ) -> Option<TrainMotion> {
         let begin = from.pushes;
-        self.with(work, |ball, newton| {
+        let solved = |is_near: bool, ball: &SlipBall<'_>, newton: &mut Workspace| {
             let under = |fraction: f64| {
                 let push = [0, 1].map(|i| begin[i] + (pushes[i] - begin[i]) * fraction);
                 SlipBall { push: Some(self.push(push)), ..*ball }
             };
-            let (mut y, pushed) = (from.at_pushes(pushes), under(1.0));
+            let (mut y, pushed) = (from.unknowns, under(1.0));
             let watched = LastEvaluation::new(&pushed);
-            if !watched.run(&mut y, newton).converged() {
-                y = from.unknowns;
+            if is_near {
+                y = from.at_pushes(pushes);
+                watched.run(&mut y, newton).converged().then_some(())?;
+            } else {
                 let run = |fraction, y: &mut _| under(fraction).run(y, newton).converged();
                 follow(&mut y, (0.0, 1.0), STRIDE, run).ok()?;
             }
@@ -308,7 +310,19 @@ impl TrainBall {
             let by_pushes = [by([1.0, 0.0])?, by([0.0, 1.0])?];
             let transmitted = watched.at(&y).ok()?.transmitted;
             self.motion(ball, (y, by_pushes), pushes, &transmitted)
-        })
+        };
+        self.attempts(work, solved)
+    }
+
+    /// From the state that the slopes of another lead to, then along the path from there: each with nodes of its own.
+    fn attempts(
+        &self,
+        work: &mut ModelWorkspace,
+        solve: impl Fn(bool, &SlipBall<'_>, &mut Workspace) -> Option<TrainMotion>,
+    ) -> Option<TrainMotion> {
+        [true, false]
+            .into_iter()
+            .find_map(|is_near| self.with(work, |ball, newton| solve(is_near, ball, newton)))
     }
 
     /// Its motion at the rate of the train and the force of the neighbour in front \[N\], of which that of the neighbour
@@ -325,7 +339,7 @@ impl TrainBall {
         let [load, ..] = self.units;
         let [begin, before] = from.pushes;
         let back = from.back_push(rate, front);
-        self.with(work, |ball, newton| {
+        let solved = |is_near: bool, ball: &SlipBall<'_>, newton: &mut Workspace| {
             let offset = self.contacts.scaled.nut_speed - ball.offset();
             let seen = Cell::default();
             let at = |fraction: f64| {
@@ -341,9 +355,11 @@ impl TrainBall {
             let unknowns = |y: [f64; BALL], back: f64| {
                 from_fn(|i| if i == PRECESSION { back / load } else { y[i] })
             };
-            let mut x = unknowns(from.at_pushes([front, back]), back);
-            if !run(1.0, &mut x) {
-                x = unknowns(from.unknowns, before);
+            let mut x = unknowns(from.unknowns, before);
+            if is_near {
+                x = unknowns(from.at_pushes([front, back]), back);
+                run(1.0, &mut x).then_some(())?;
+            } else {
                 follow(&mut x, (0.0, 1.0), STRIDE, run).ok()?;
             }
             let equations = at(1.0);
@@ -370,7 +386,8 @@ impl TrainBall {
                 _ => moving.evaluated::<false>(&y).ok()?.transmitted,
             };
             self.motion(ball, (y, by_pushes), [front, x[PRECESSION] * load], &transmitted)
-        })
+        };
+        self.attempts(work, solved)
     }
 
     /// In SI units, of the unknowns under these pushes.
