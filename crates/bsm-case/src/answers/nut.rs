@@ -574,7 +574,7 @@ impl NutReport {
             );
         }
         notes.extend(self.preload_notes());
-        notes.extend(self.thrown(CENTRIFUGAL[0]..CENTRIFUGAL[1]));
+        notes.extend(self.centrifugal_note(CENTRIFUGAL[0]..CENTRIFUGAL[1]));
         notes.extend(self.touch_note());
         let ball_friction = self.ball_friction();
         match ball_friction.map(|ball_friction| &ball_friction.friction) {
@@ -686,7 +686,7 @@ impl NutReport {
                 MARKS_ABOVE / MPA
             ));
         }
-        warnings.extend(self.thrown(CENTRIFUGAL[1]..f64::INFINITY));
+        warnings.extend(self.centrifugal_note(CENTRIFUGAL[1]..f64::INFINITY));
         warnings.extend(self.train_warnings());
         if let Some(NutPreload { cold, warm, .. }) = &self.made.preload
             && *cold > 0.0
@@ -708,7 +708,7 @@ impl NutReport {
     }
 
     /// Note on the neglected centrifugal force, if it is a noticeable part of the mean load of a ball.
-    fn thrown(&self, part: std::ops::Range<f64>) -> Option<String> {
+    fn centrifugal_note(&self, part: std::ops::Range<f64>) -> Option<String> {
         let (NutAtRest { nut, found, .. }, (_, drive)) =
             (&self.made, self.problem.friction.as_ref()?);
         // On the middle of both raceways the balls go half as fast as screw and nut together.

@@ -8,8 +8,8 @@ use std::f64::consts::FRAC_2_PI;
 use bsm_simd::{BLOCK, Lane, Simd};
 
 use super::Quadrature;
-use super::chords::{FrozenRule, Placement};
 use super::kernel::{Accumulator, Chord, Moments, PointLaw, add_powers};
+use super::placement::{FrozenRule, Placement};
 use super::quadrature::{MOST_RINGS, part_of_a_node};
 use super::slip::{EllipseSlip, half_length};
 use crate::contact::{MixedFriction, PRESSURE_SLOPE, Transition};
@@ -44,8 +44,9 @@ impl PolarRule {
         let (middle, b_0) = (q_0 + 0.2 * q_2, slip.across(0.0).0);
         let spread = 0.2 * (q_1 * q_1 + slip.spin_speed * slip.spin_speed);
         let square = middle * middle + b_0 * b_0 + spread + slip.creep * slip.creep;
-        let (at, surface_drop) = bend.place(Lane::<S>::splat(simd, square), Lane::splat(simd, 1.0));
-        let width = (surface_drop * 2.0).min(surface_drop.constant(8.0));
+        let (at, pole_distance) =
+            bend.pressure(Lane::<S>::splat(simd, square), Lane::splat(simd, 1.0));
+        let width = (pole_distance * 2.0).min(pole_distance.constant(8.0));
         let from = (-at / width).arsinh();
         let length = ((-at + 1.0) / width).arsinh() - from;
         let mut rings = Self {
@@ -114,16 +115,16 @@ impl<S: Simd> HalfChord<S> {
         let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across_at(xi, half_length));
         let square = v_t * v_t + b_0 * b_0 + b_1 * b_1 * 0.25 + slip.creep * slip.creep;
         let one = xi.constant(1.0);
-        let (at, surface_drop) = bend.place(square, half_length);
+        let (at, pole_distance) = bend.pressure(square, half_length);
         // ζ = t √(2 − t²): t* and the width there, √(depth)/2 at the middle of the line.
         let inside = at.min(one);
         let rest = (-(inside * inside) + 1.0).max(one.constant(0.0)).sqrt();
         let at_t = inside / (rest + 1.0).sqrt();
         let slope = rest * rest * 4.0 / (rest + 1.0);
         let beyond = (at - 1.0).max(one.constant(0.0)) * 0.5;
-        let width = ((surface_drop * surface_drop / (slope + surface_drop * 4.0) + beyond).sqrt()
-            * 2.0)
-            .min(one.constant(8.0));
+        let width =
+            ((pole_distance * pole_distance / (slope + pole_distance * 4.0) + beyond).sqrt() * 2.0)
+                .min(one.constant(8.0));
         let from = (-at_t / width).arsinh();
         let length = ((-at_t + 1.0) / width).arsinh() - from;
         Self { at: at_t, width, from, length }
@@ -269,7 +270,7 @@ impl PointLaw<4> for OilLaw {
         ellipse: usize,
     ) -> bool {
         let (law, nodes) = (sums.laws[ellipse], sums.nodes[ellipse]);
-        let blocks = nodes.blocks(&sums.slips[ellipse]);
+        let blocks = nodes.angle_blocks(&sums.slips[ellipse]);
         if blocks == 0 {
             return false;
         }

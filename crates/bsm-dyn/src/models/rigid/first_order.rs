@@ -10,7 +10,7 @@ use super::sweep::Directions;
 
 /// Crowding (R45) up to which no point was seen to have a second root: the least of those that have one
 /// is 1.8.
-const UNIQUE_BELOW: f64 = 1.0;
+const UNIQUE_MULTIPLICITY: f64 = 1.0;
 
 /// Friction from which that is so: at a coefficient of 6e-6 a ball was seen to have a second root at a crowding of 0.08,
 /// on an arc as short as friction is small.
@@ -96,7 +96,7 @@ impl<F: Compare> FirstOrder<F> {
     /// Where the point is known to have no second root.
     #[inline(always)]
     pub fn is_unique(&self) -> F::Mask {
-        self.multiplicity.lt(self.multiplicity.constant(UNIQUE_BELOW))
+        self.multiplicity.lt(self.multiplicity.constant(UNIQUE_MULTIPLICITY))
             & self.friction.gt(self.multiplicity.constant(UNIQUE_FROM))
     }
 

@@ -26,7 +26,7 @@ const SMALL_INERTIA: f64 = 0.01;
 const FIRST_ORDER_ERROR: f64 = 0.1;
 
 /// A solve may take this many steps; more means that the start was not near the root.
-const MOST_STEPS: usize = 8;
+const MOST_STEPS_NEAR_ROOT: usize = 8;
 
 /// Roots whose loads differ by less, relative, are one.
 const SAME: f64 = 1e-6;
@@ -268,7 +268,7 @@ fn run(
     residual_goal: f64,
     work: &mut RigidWorkspace,
 ) -> Report {
-    let options = Options { residual_goal, max_steps: MOST_STEPS, ..Options::default() };
+    let options = Options { residual_goal, max_steps: MOST_STEPS_NEAR_ROOT, ..Options::default() };
     let scales = Scales { x: &[1.0; BALL], f: weights };
     solve(system, &mut y.data.0[0], &scales, &options, &mut work.0)
 }

@@ -350,7 +350,7 @@ fn states(curve: &Curve, turn: f64) -> impl Iterator<Item = curve::CurvePoint> {
     let mut samples = [None; bsm_simd::BLOCK];
     curve.samples(&[turn], &mut samples);
     let [sample, ..] = samples;
-    sample.into_iter().flat_map(|sample| sample.sheets).flatten()
+    sample.into_iter().flat_map(|sample| sample.branches).flatten()
 }
 
 /// Every state of the curve is a root of the seven equations of the inertia that it belongs to.
