@@ -103,7 +103,7 @@ impl Gauss {
     }
 
     /// The same nodes, closer to both ends.
-    fn crowded(&self) -> Self {
+    fn graded(&self) -> Self {
         // x² (3 − 2x), and its slope
         let abscissae = self.abscissae.iter().map(|x| x * x * (3.0 - 2.0 * x)).collect();
         let weights = self.abscissae.iter().zip(&self.weights);
@@ -165,7 +165,7 @@ impl Quadrature {
     fn lubricated(nodes: usize, half: usize, accuracy: f64) -> Self {
         let rule = Self::with(nodes, accuracy, 0);
         Self {
-            panel: rule.panel.crowded(),
+            panel: rule.panel.graded(),
             part: Gauss::of(2 * rule.part.len()),
             near: Gauss::of(4 * rule.part.len()),
             half: Gauss::of(half.min(MOST_RINGS)),

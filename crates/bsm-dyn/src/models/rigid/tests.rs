@@ -341,7 +341,7 @@ fn an_arc_of_its_own_has_a_solution() {
     let [transverse, _] = met.roots[1].motion.directions[0];
     assert!(transverse < -0.99, "{transverse}");
     // No search is made there: unknown is not none.
-    assert!(!start.is_unique() && !start.is_crowded());
+    assert!(!start.is_unique() && !start.has_high_multiplicity());
     assert_eq!(Rigid { point: rigid }.solve(&mut work).answer.expect("a root").alternatives, None);
 }
 
