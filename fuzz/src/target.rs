@@ -194,8 +194,8 @@ fn table(open: impl Fn(&[String], &TableFormat) -> Result<Box<dyn Source>, Table
 fn rewrite(source: &mut dyn Source) -> Result<(), TableError> {
     let base = Case::from_json(BASES[0].1.as_bytes()).expect("an example");
     let outputs = Answers::select(Some(&["efficiency".to_owned()]))?;
-    let (columns, dialect) = (source.columns().clone(), TableFormat::default());
-    let sink = |format| TableSink::new(format, Vec::new(), &columns, &outputs, &dialect);
+    let (columns, table_format) = (source.columns().clone(), TableFormat::default());
+    let sink = |format| TableSink::new(format, Vec::new(), &columns, &outputs, &table_format);
     let formats = [Format::Csv, Format::JsonLines, Format::Parquet];
     let mut sinks = formats.into_iter().map(sink).collect::<Result<Vec<_>, _>>()?;
     let task = Task::new(base, Model::ClosedForm.into(), outputs.clone());

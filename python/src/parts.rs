@@ -69,7 +69,7 @@ impl PyPlan {
             |grid: &Grid| Task::over_grid(base.clone(), settings, outputs.clone(), None, grid);
         let (task, points) = if let Some((path, keep)) = table {
             format_of(&path)?;
-            let points = Points::Table { path, keep, dialect: TableFormat::default() };
+            let points = Points::Table { path, keep, table_format: TableFormat::default() };
             let source = points.open()?;
             (Task::over_table(base, settings, outputs, source.columns())?, points)
         } else if let Some((seed, count, of)) = random {

@@ -148,8 +148,8 @@ impl Rows {
     fn write_to(&self, path: &Path, format: Format) -> Result<(), TableError> {
         let file = beside(path)?;
         let mut source = self.origin.source();
-        let (columns, dialect) = (source.columns(), TableFormat::default());
-        let mut sink = TableSink::new(format, file, columns, &self.outputs, &dialect)?;
+        let (columns, table_format) = (source.columns(), TableFormat::default());
+        let mut sink = TableSink::new(format, file, columns, &self.outputs, &table_format)?;
         let mut messages = self.messages.iter().peekable();
         while let Some(chunk) = source.next(ROWS)? {
             let first = usize::try_from(chunk.first - 1).unwrap_or(0);

@@ -57,7 +57,7 @@ impl Columns {
     /// Sorts the names of a table into inputs and columns to keep; columns of an earlier answer are
     /// passed over.
     ///
-    /// * `keep`: names of the table. * `dialect`: what they mean, where the table has others.
+    /// * `keep`: names of the table. * `table_format`: what they mean, where the table has others.
     ///
     /// # Errors
     ///
@@ -66,13 +66,13 @@ impl Columns {
     pub fn sort<'a>(
         names: impl IntoIterator<Item = &'a str>,
         keep: &[String],
-        dialect: &TableFormat,
+        table_format: &TableFormat,
     ) -> Result<Self, TableError> {
         let missing = |name: &str, to: &str| {
             let message = format!("the table has no column `{}` to {to}", brief(name));
             TableError::Column { name: name.to_owned(), message }
         };
-        let mut renamed: Vec<_> = dialect.names.keys().collect();
+        let mut renamed: Vec<_> = table_format.names.keys().collect();
         if let Some(name) = keep.iter().find(|name| is_answer(name)) {
             let what = "cannot be kept: the results have a column of that name; rename yours";
             let message = format!("column `{}` {what}", brief(name));
@@ -84,7 +84,7 @@ impl Columns {
             let own = own.trim();
             renamed.retain(|name| *name != own);
             let is_kept = keep.iter().any(|kept| kept == own);
-            let Some(name) = (if is_kept { Some(own) } else { dialect.name(own) }) else {
+            let Some(name) = (if is_kept { Some(own) } else { table_format.name(own) }) else {
                 columns.unread.push(own.to_owned());
                 continue;
             };

@@ -394,8 +394,8 @@ impl Dataset {
         let file = self.folder.unfinished(&path, self.plan.id())?;
         let out = HashingWriter::new(BufWriter::new(file));
         let mut seen = |chunk: &Chunk, answers: &Answers| notify(Event::Solved(chunk, answers));
-        let (columns, dialect) = (source.columns(), TableFormat::default());
-        let sink = TableSink::new(Format::Parquet, out, columns, &task.outputs, &dialect);
+        let (columns, table_format) = (source.columns(), TableFormat::default());
+        let sink = TableSink::new(Format::Parquet, out, columns, &task.outputs, &table_format);
         let run = task.run(source, sink.map_err(unwritable)?, range.rows, workers, &mut seen);
         let (sink, count) = run.map_err(|error| not_solved(error, unwritable))?;
         range.check(count)?;

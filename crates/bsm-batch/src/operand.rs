@@ -9,18 +9,21 @@ use bsm_kernels::{InputColumn, InputColumns, is_plain};
 
 use crate::{Cell, Chunk, Columns};
 
-/// Where a kernel has an input from.
+/// Where a kernel has an input from: the first row that holds.
+///
+/// | the input | origin | value of a row |
+/// |---|---|---|
+/// | is a column | `Column`: its place, and what an empty cell means | cell; else base case or default, if other cells allow |
+/// | follows from others, by [`following`] | `OtherInputs` | calculated from its cells and the base case |
+/// | is in the base case | `Constant` | the same in every row |
+/// | has a default | `Constant` | the default |
+/// | else | `Absent` | none |
 #[derive(Debug, Clone, Copy)]
 enum Origin {
-    /// It has none.
-    Absent,
-    /// The base case, or the default.
-    Constant(f64),
-    /// A column, by its place, and what a row without a value takes: that of the base case, if the other cells of
-    /// the row leave it to that.
     Column(usize, Option<f64>),
-    /// Other inputs, of which some are columns.
-    Others,
+    OtherInputs,
+    Constant(f64),
+    Absent,
 }
 
 /// How a kernel answers the rows of a table that have a value in every column, made once for all of them.
@@ -74,7 +77,7 @@ impl<'a> ColumnPlan<'a> {
                 let leaves = without == given.and(InputSet::WITH_DEFAULT);
                 Origin::Column(column, of_base.filter(|_| leaves))
             } else if completed && !given.contains(key) && plan.follows(key, |_| 0.0).is_some() {
-                Origin::Others
+                Origin::OtherInputs
             } else if let Some(value) = of_base.filter(|_| completed) {
                 if !rule.holds(value) || !is_plain(value) {
                     return None;
@@ -112,7 +115,7 @@ impl<'a> ColumnPlan<'a> {
                 Origin::Absent => InputColumn::Absent,
                 Origin::Constant(value) => InputColumn::Constant(value),
                 Origin::Column(index, or) => InputColumn::Column(rule, numbers(chunk, index, or)),
-                Origin::Others => {
+                Origin::OtherInputs => {
                     let cell = |row, index| match chunk.cell(row, index) {
                         Cell::Number(value) => value,
                         _ => f64::NAN,

@@ -77,7 +77,7 @@ pub struct ParquetSource {
 impl ParquetSource {
     /// Opens a table.
     ///
-    /// * `dialect`: its names.
+    /// * `table_format`: its names.
     ///
     /// # Errors
     ///
@@ -85,21 +85,22 @@ impl ParquetSource {
     pub fn new(
         file: impl ChunkReader + 'static,
         keep: &[String],
-        dialect: &TableFormat,
+        table_format: &TableFormat,
     ) -> Result<Self, TableError> {
-        catch_decoder_panic(|| Self::open(file, keep, dialect))
+        catch_decoder_panic(|| Self::open(file, keep, table_format))
     }
 
     fn open(
         file: impl ChunkReader + 'static,
         keep: &[String],
-        dialect: &TableFormat,
+        table_format: &TableFormat,
     ) -> Result<Self, TableError> {
         // What Arrow adds to the types of Parquet is not needed, and panics where it is damaged.
         let plain = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
         let found = ArrowReaderMetadata::load(&file, plain)?;
         let fields = found.schema().fields().clone();
-        let mut columns = Columns::sort(fields.iter().map(|f| f.name().as_str()), keep, dialect)?;
+        let mut columns =
+            Columns::sort(fields.iter().map(|f| f.name().as_str()), keep, table_format)?;
         for (key, index) in columns.inputs.iter().zip(&columns.input_places) {
             let found = fields[*index].data_type();
             if !(found.is_numeric() || *found == DataType::Null) {

@@ -142,8 +142,8 @@ impl Task {
         workers: &Workers<'_>,
         seen: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<(W, Count), RunError> {
-        let (columns, dialect) = (source.columns(), TableFormat::default());
-        let sink = TableSink::new(format, to, columns, &self.outputs, &dialect);
+        let (columns, table_format) = (source.columns(), TableFormat::default());
+        let sink = TableSink::new(format, to, columns, &self.outputs, &table_format);
         let sink = sink.map_err(RunError::Write)?;
         let (sink, count) = self.run(source, sink, u64::MAX, workers, seen)?;
         Ok((sink.finish(None).map_err(RunError::Write)?, count))

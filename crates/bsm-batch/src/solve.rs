@@ -2,7 +2,6 @@
 
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
-use std::slice::ChunksExactMut;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use bsm_case::{
@@ -30,7 +29,8 @@ thread_local! {
     /// Memory of the models; chunks are many and threads are few.
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
 
-    static SCRATCH: Cell<SpareColumns> = const { Cell::new(SpareColumns(Vec::new())) };
+    /// Columns for outputs that have no place, all NaN: [`taken`] leaves them so, and a panic does not give them back.
+    static SPARE: Cell<Vec<f64>> = const { Cell::new(Vec::new()) };
 }
 
 /// Where the answers of a chunk go.
@@ -82,20 +82,7 @@ struct ChunkPart<'a> {
     columns: Vec<Option<&'a mut [f64]>>,
 }
 
-/// Memory of a thread for outputs that have no place: NaN before and after each use, it stays in the cache.
-#[derive(Default)]
-struct SpareColumns(Vec<f64>);
-
-impl SpareColumns {
-    /// So many columns for a stride of rows.
-    fn columns(&mut self, count: usize, stride: usize) -> ChunksExactMut<'_, f64> {
-        let padded = stride + COLUMN_PADDING;
-        self.0.resize(self.0.len().max(count * padded), f64::NAN);
-        self.0.chunks_exact_mut(padded)
-    }
-}
-
-/// The numbers of a column that is not all NaN; it is then.
+/// The numbers of a column that has any, which are NaN then.
 fn taken(column: &mut [f64]) -> Option<Vec<f64>> {
     // Without a branch for each value.
     let some = |part: &[f64]| part.iter().fold(false, |some, value| some | !value.is_nan());
@@ -240,9 +227,11 @@ impl ChunkSolve<'_> {
     /// Solves a part.
     fn solve(&self, ChunkPart { first, verdicts, columns }: ChunkPart<'_>) -> RowReport {
         let without: Vec<_> = columns.iter().map(Option::is_none).collect();
-        // A panic leaves numbers in it, and does not give it back.
-        let mut spare = SCRATCH.take();
-        let mut places = spare.columns(without.iter().filter(|none| **none).count(), self.stride);
+        let mut spare = SPARE.take();
+        let (count, stride) =
+            (without.iter().filter(|none| **none).count(), self.stride + COLUMN_PADDING);
+        spare.resize(spare.len().max(count * stride), f64::NAN);
+        let mut places = spare.chunks_exact_mut(stride);
         let place = |column: Option<_>| {
             let none = || &mut places.next().expect("as many as are without")[..verdicts.len()];
             column.map_or_else(none, |column: &mut [f64]| {
@@ -255,7 +244,7 @@ impl ChunkSolve<'_> {
         let of_spare = outputs.into_iter().enumerate().filter(|(index, _)| without[*index]);
         let values = of_spare.filter_map(|(index, column)| Some((index, first, taken(column)?)));
         let report = RowReport { messages, values: values.collect() };
-        SCRATCH.set(spare);
+        SPARE.set(spare);
         report
     }
 

@@ -43,7 +43,7 @@ impl Format {
 
     /// The rows of a file of this form.
     ///
-    /// * `dialect`: its names, and its signs, which only text has.
+    /// * `table_format`: its names, and its signs, which only text has.
     ///
     /// # Errors
     ///
@@ -52,16 +52,16 @@ impl Format {
         self,
         path: &Path,
         keep: &[String],
-        dialect: &TableFormat,
+        table_format: &TableFormat,
     ) -> Result<Box<dyn Source>, TableError> {
         let file = File::open(path)?;
         Ok(match self {
             Self::Csv => {
                 let reader: Box<dyn Read + Send> = Box::new(file);
-                Box::new(CsvSource::new(reader, keep, dialect)?)
+                Box::new(CsvSource::new(reader, keep, table_format)?)
             }
-            Self::JsonLines => Box::new(JsonSource::new(BufReader::new(file), keep, dialect)?),
-            Self::Parquet => Box::new(ParquetSource::new(file, keep, dialect)?),
+            Self::JsonLines => Box::new(JsonSource::new(BufReader::new(file), keep, table_format)?),
+            Self::Parquet => Box::new(ParquetSource::new(file, keep, table_format)?),
         })
     }
 }
@@ -81,7 +81,7 @@ enum Form<W: Write + Send> {
 impl<W: Write + Send> TableSink<W> {
     /// Writes the names of the columns of the source, then model, status, message and outputs.
     ///
-    /// * `dialect`: the signs of CSV.
+    /// * `table_format`: the signs of CSV.
     ///
     /// # Errors
     ///
@@ -91,9 +91,9 @@ impl<W: Write + Send> TableSink<W> {
         out: W,
         columns: &Columns,
         outputs: &[&'static Output],
-        dialect: &TableFormat,
+        table_format: &TableFormat,
     ) -> Result<Self, TableError> {
-        let this = Self::of_schema(format, out, columns.schema(outputs), dialect)?;
+        let this = Self::of_schema(format, out, columns.schema(outputs), table_format)?;
         Ok(Self { outputs: outputs.to_vec(), ..this })
     }
 
@@ -116,10 +116,10 @@ impl<W: Write + Send> TableSink<W> {
         format: Format,
         out: W,
         schema: SchemaRef,
-        dialect: &TableFormat,
+        table_format: &TableFormat,
     ) -> Result<Self, TableError> {
         let file = match format {
-            Format::Csv => Form::Text(TextSink::csv(out, &schema, dialect)?),
+            Format::Csv => Form::Text(TextSink::csv(out, &schema, table_format)?),
             Format::JsonLines => Form::Text(TextSink::json_lines(out, &schema)),
             Format::Parquet => Form::Parquet(Box::new(ParquetSink::new(out, schema.clone())?)),
         };

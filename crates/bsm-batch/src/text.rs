@@ -45,20 +45,20 @@ enum CellTarget {
 impl<R: Read> CsvSource<R> {
     /// Reads the names of the columns.
     ///
-    /// * `dialect`: its signs and names.
+    /// * `table_format`: its signs and names.
     ///
     /// # Errors
     ///
     /// [`TableError`] if they are not those of inputs or of `keep`.
-    pub fn new(reader: R, keep: &[String], dialect: &TableFormat) -> Result<Self, TableError> {
-        let TableFormat { delimiter, decimal, .. } = *dialect;
+    pub fn new(reader: R, keep: &[String], table_format: &TableFormat) -> Result<Self, TableError> {
+        let TableFormat { delimiter, decimal, .. } = *table_format;
         let mut lines = Lines::new(reader);
         let header = lines.next_line()?.ok_or_else(TableError::no_header)?;
         let mut names = Vec::new();
         let width =
             split(header, delimiter, 1, |_, name| names.push(name)).map_err(TableError::from);
         let sorted = width.and_then(|width| {
-            Ok((Columns::sort(names.iter().map(AsRef::as_ref), keep, dialect)?, width))
+            Ok((Columns::sort(names.iter().map(AsRef::as_ref), keep, table_format)?, width))
         });
         let (columns, width) = sorted.map_err(|error| {
             let other = header.chars().find(|c| [',', ';', '\t', '|'].contains(c));
@@ -125,15 +125,15 @@ pub struct JsonSource<R> {
 impl<R: Read> JsonSource<R> {
     /// Reads the first line.
     ///
-    /// * `dialect`: its names.
+    /// * `table_format`: its names.
     ///
     /// # Errors
     ///
     /// [`TableError`] if it is no object, or has keys that are neither inputs nor in `keep`.
-    pub fn new(reader: R, keep: &[String], dialect: &TableFormat) -> Result<Self, TableError> {
+    pub fn new(reader: R, keep: &[String], table_format: &TableFormat) -> Result<Self, TableError> {
         let mut lines = Lines::new(reader);
         let (first, _) = object(&mut lines)?.ok_or_else(TableError::no_header)?;
-        let columns = Columns::sort(first.iter().map(|(key, _)| key.as_str()), keep, dialect)?;
+        let columns = Columns::sort(first.iter().map(|(key, _)| key.as_str()), keep, table_format)?;
         Ok(Self { lines, first: Some(first), columns, row: 0 })
     }
 }
@@ -203,12 +203,12 @@ const SLICES: usize = 32;
 
 /// Separator and decimal sign of a written CSV table; both are ASCII.
 #[derive(Debug, Clone, Copy)]
-struct CsvDialect {
+struct CsvFormat {
     delimiter: u8,
     decimal: u8,
 }
 
-impl CsvDialect {
+impl CsvFormat {
     /// Appends a text as a cell of CSV, which [`split`] reads.
     fn text(self, to: &mut Vec<u8>, text: &str) {
         let odd = |byte| byte == self.delimiter || matches!(byte, b'"' | b'\n' | b'\r');
@@ -270,7 +270,7 @@ struct LastCell(u64, Range<usize>);
 /// How a row is written.
 struct RowForm {
     /// Signs of CSV; JSON Lines have none.
-    dialect: Option<CsvDialect>,
+    csv: Option<CsvFormat>,
     /// What stands before each cell, and at the end.
     before: Vec<Vec<u8>>,
     end: &'static [u8],
@@ -286,12 +286,12 @@ impl RowForm {
             for ((cell, before), LastCell(bits, digits)) in columns {
                 to.extend_from_slice(before);
                 let begin = to.len();
-                match (&cell, self.dialect) {
+                match (&cell, self.csv) {
                     (Cell::Number(x), _) if x.to_bits() == *bits && digits.end > 0 => {
                         to.extend_from_within(digits.clone());
                         continue;
                     }
-                    (_, Some(dialect)) => dialect.cell(&mut to, &cell)?,
+                    (_, Some(csv)) => csv.cell(&mut to, &cell)?,
                     (_, None) => json(&mut to, &cell)?,
                 }
                 if let Cell::Number(x) = cell {
@@ -319,19 +319,20 @@ impl<W: Write> TextSink<W> {
     pub(crate) fn csv(
         mut writer: W,
         schema: &SchemaRef,
-        dialect: &TableFormat,
+        table_format: &TableFormat,
     ) -> Result<Self, TableError> {
-        let [delimiter, decimal] = [dialect.delimiter, dialect.decimal].map(|sign| sign as u8);
-        let dialect = CsvDialect { delimiter, decimal };
+        let [delimiter, decimal] =
+            [table_format.delimiter, table_format.decimal].map(|sign| sign as u8);
+        let csv = CsvFormat { delimiter, decimal };
         let (mut head, mut before) = (Vec::new(), Vec::new());
         for field in schema.fields() {
             before.push(if before.is_empty() { Vec::new() } else { vec![delimiter] });
             head.extend(&before[before.len() - 1]);
-            dialect.text(&mut head, field.name());
+            csv.text(&mut head, field.name());
         }
         head.push(b'\n');
         writer.write_all(&head)?;
-        Ok(Self { writer, form: RowForm { dialect: Some(dialect), before, end: b"\n" } })
+        Ok(Self { writer, form: RowForm { csv: Some(csv), before, end: b"\n" } })
     }
 
     /// One JSON object a line.
@@ -341,7 +342,7 @@ impl<W: Write> TextSink<W> {
             format!("{sign}{}:", Value::from(field.name().as_str())).into_bytes()
         };
         let before = schema.fields().iter().enumerate().map(name).collect();
-        Self { writer, form: RowForm { dialect: None, before, end: b"}\n" } }
+        Self { writer, form: RowForm { csv: None, before, end: b"}\n" } }
     }
 
     /// Writes the table of a chunk: texts of its rows are made side by side and written in order.

@@ -2,7 +2,6 @@
 
 pub(crate) mod answer;
 pub(crate) mod cells;
-pub(crate) mod dialect;
 pub(crate) mod entries;
 pub(crate) mod error;
 pub(crate) mod input;
@@ -14,4 +13,5 @@ pub(crate) mod output;
 pub(crate) mod phase;
 pub(crate) mod quantity;
 pub(crate) mod rules;
+pub(crate) mod table_format;
 pub mod units;

@@ -99,17 +99,17 @@ fn of_table(
             format!("{name}: a folder of parts needs points that can be read twice, from a file");
         return Err(Failure::Input(text));
     }
-    let dialect = args.dialect.read(&["delimiter", "decimal", "names", "output"])?;
-    let output_dialect =
-        if args.dialect.is_of_output() { dialect.clone() } else { TableFormat::default() };
-    let mut source = open(path, &args.keep, &dialect)?;
+    let table_format = args.dialect.read(&["delimiter", "decimal", "names", "output"])?;
+    let output_format =
+        if args.dialect.is_of_output() { table_format.clone() } else { TableFormat::default() };
+    let mut source = open(path, &args.keep, &table_format)?;
     let task = Task::over_table(base, settings, outputs, source.columns()).map_err(|error| {
         let path = path.display();
         Failure::Input(format!("{path}: {error}; add columns, a case or --set"))
     })?;
     note_unread(&task, source.columns().set());
-    let points = Points::Table { path: path.to_owned(), keep: args.keep.clone(), dialect };
-    let job = files.job(task, args, output_dialect);
+    let points = Points::Table { path: path.to_owned(), keep: args.keep.clone(), table_format };
+    let job = files.job(task, args, output_format);
     job.run(source.as_mut(), &points, workers, |_, _, _| {}).map_err(|e| match e {
         Failure::Table(error) => Failure::table(path, &error),
         other => other,
@@ -208,8 +208,8 @@ impl<'a> Files<'a> {
         Ok(files)
     }
 
-    fn job(&self, task: Task, args: &'a SweepArgs, dialect: TableFormat) -> Job<'a> {
-        Job { task, args, table: self.table, about: self.about, dialect }
+    fn job(&self, task: Task, args: &'a SweepArgs, table_format: TableFormat) -> Job<'a> {
+        Job { task, args, table: self.table, about: self.about, table_format }
     }
 }
 

@@ -41,7 +41,7 @@ pub(crate) struct Job<'a> {
     /// File that says what the table is made from.
     pub(crate) about: Option<&'a Path>,
     /// How CSV is written.
-    pub(crate) dialect: TableFormat,
+    pub(crate) table_format: TableFormat,
 }
 
 /// Rows that are seen only.
@@ -145,7 +145,7 @@ impl Job<'_> {
             Form::Table(format) => {
                 let (columns, outputs) = (source.columns(), &self.task.outputs);
                 let out = Output::create(path)?;
-                let sink = TableSink::new(format, out, columns, outputs, &self.dialect);
+                let sink = TableSink::new(format, out, columns, outputs, &self.table_format);
                 let sink = sink.map_err(|error| unwritable(path, &error))?;
                 let run = self.task.run(source, sink, u64::MAX, workers, seen);
                 let (sink, count) = run.map_err(failed)?;
@@ -286,14 +286,14 @@ pub(crate) fn is_folder(path: &Path) -> bool {
 pub(crate) fn open(
     path: &Path,
     keep: &[String],
-    dialect: &TableFormat,
+    table_format: &TableFormat,
 ) -> Result<Box<dyn Source>, Failure> {
     let source: Result<Box<dyn Source>, TableError> = if is_stdout(path) {
         let reader: Box<dyn Read + Send> = Box::new(io::stdin());
-        CsvSource::new(reader, keep, dialect).map(|source| Box::new(source) as Box<dyn Source>)
+        CsvSource::new(reader, keep, table_format).map(|source| Box::new(source) as Box<dyn Source>)
     } else {
         ending_of("--points", path, &POINTS)?;
-        Format::of(path).unwrap_or(Format::Csv).open(path, keep, dialect)
+        Format::of(path).unwrap_or(Format::Csv).open(path, keep, table_format)
     };
     source.map_err(|e| Failure::table(path, &e))
 }

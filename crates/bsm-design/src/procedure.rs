@@ -42,7 +42,7 @@ const SMALLEST: f64 = 2e-3;
 const RESERVE: f64 = SLACK - ROUNDING;
 
 /// How near to a limit counts as held back by it.
-const NEAR: f64 = 2e-3;
+const ACTIVE_MARGIN: f64 = 2e-3;
 
 /// A limit that holds a choice back.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -190,7 +190,8 @@ pub(crate) fn first_accepted<'a>(
 
 /// The limits that a design meets with nothing to spare.
 fn active_constraints(design: &Design) -> Vec<BindingLimit> {
-    let near = |check: &&Check| check.violation().is_some_and(|violations| violations > -NEAR);
+    let near =
+        |check: &&Check| check.violation().is_some_and(|violations| violations > -ACTIVE_MARGIN);
     let holds = |check: &Check| BindingLimit { quantity: check.quantity, without: None };
     design.checks.iter().filter(near).map(holds).collect()
 }

@@ -57,7 +57,7 @@ pub use self::ellipse::{EllipseSlip, Quadrature, pressed_radius};
 pub use self::models::{
     Alternatives, Auto, BallMotion, BallState, Basis, Choice, ClosedForm, ContactSite,
     ContactState, ControllingRaceway, DrivenBody, Elastic, ElasticPoint, ElasticWorkspace,
-    ErrorBound, GrooveForces, HertzContact, LossInterval, Lubricated, LubricatedModel, Model,
+    ErrorBound, GrooveForces, HertzContact, LossInterval, LubricatedBall, LubricatedModel, Model,
     ModelWorkspace, OperatingPoint, Performance, PermanentSet, PrescribedBall, PrescribedContact,
     Problem, QuasiStatic, ROLLING_BELOW, RacewayControl, RacewayFriction, RacewayWorkspace, Rigid,
     RigidRoot, RigidWorkspace, ScrewSize, SkidNumbers, Sliding, Slip, SlipPower, SlipRegime,

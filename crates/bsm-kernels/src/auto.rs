@@ -7,10 +7,10 @@ use bsm_dyn::{Basis, Choice, Direction, ErrorBound, Traction};
 use bsm_simd::{Arch, Simd, WithSimd};
 
 use crate::contacts::UnitsCall;
-use crate::elastic::Elastic;
+use crate::elastic::ElasticKernel;
 use crate::kernel::{Kernel, RowChoice, RowKernel, Rows, Selection, Sink};
 use crate::operand::{Lane, LaneInputs, ValidCall};
-use crate::raceway::{RacewayControl, RacewayRow};
+use crate::raceway::{RacewayKernel, RacewayRow};
 use crate::traction;
 use crate::traction::MANY;
 
@@ -25,7 +25,7 @@ const OF_ROLLING: [OutputKey; 2] = [OutputKey::skid_number, OutputKey::onset_num
 pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<RowChoice> {
     let rolling = arch.dispatch(RollingRows(&mut rows));
     let asked = rows.wanted.with(&ASKED, rows.columns.len());
-    let mut auto = Auto { rows, asked, tolerance, chosen: Vec::new() };
+    let mut auto = AutoRows { rows, asked, tolerance, chosen: Vec::new() };
     let (mut skidding, mut between) = (Vec::new(), Vec::new());
     for ball in rolling {
         match ball.errors.basis(tolerance) {
@@ -40,7 +40,7 @@ pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<R
         }
     }
     let group = auto.ask(skidding.iter().map(|(ball, _)| ball), |rows| {
-        arch.dispatch(RowKernel { kernel: Elastic, rows });
+        arch.dispatch(RowKernel { kernel: ElasticKernel, rows });
     });
     for (i, (ball, basis)) in skidding.into_iter().enumerate().filter(|(i, _)| group.done[*i]) {
         let efficiency = group.efficiency(i);
@@ -73,7 +73,7 @@ pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<R
 }
 
 /// Rows with the choice of their models.
-struct Auto<'a, 'b> {
+struct AutoRows<'a, 'b> {
     rows: Rows<'a, 'b>,
     /// The outputs that are wanted, and those that the choice asks for.
     asked: Selection,
@@ -96,7 +96,7 @@ impl Group {
     }
 }
 
-impl Auto<'_, '_> {
+impl AutoRows<'_, '_> {
     /// The answers of a kernel to some of the rows.
     fn ask<'c>(
         &self,
@@ -181,7 +181,7 @@ impl WithSimd for RollingRows<'_, '_, '_> {
             let sliding = SlidingBall::of(&contacts.scaled, back.select(-friction, friction));
             let errors = ModelErrors::of(&sliding, back, ball.efficiency, ball.skid);
             let known = errors.onset_number.lt(friction.constant(f64::INFINITY));
-            let valid = simd.vectorize(ValidCall { given: &given, model: RacewayControl::MODEL });
+            let valid = simd.vectorize(ValidCall { given: &given, model: RacewayKernel::MODEL });
             let [mut found, mut unique] = [[false; MANY]; 2];
             (ball.found & known & valid).store(&mut found);
             ball.unique.store(&mut unique);

@@ -9,9 +9,9 @@ use bsm_simd::Simd;
 use crate::kernel::{Kernel, Sink};
 use crate::operand::{Lane, LaneInputs, Mask};
 
-pub(super) struct ClosedForm;
+pub(super) struct ClosedFormKernel;
 
-impl Kernel for ClosedForm {
+impl Kernel for ClosedFormKernel {
     const MODEL: Model = Model::ClosedForm;
 
     #[inline(always)]

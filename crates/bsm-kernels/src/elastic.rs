@@ -14,7 +14,7 @@ use crate::kernel::{Kernel, Sink};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::rigid::slip_angles;
 
-pub(super) struct Elastic;
+pub(super) struct ElasticKernel;
 
 /// Loads over the axial load beyond which friction all but holds it, and rounding decides.
 const MOST_LOAD: f64 = 1e3;
@@ -22,7 +22,7 @@ const MOST_LOAD: f64 = 1e3;
 /// Speed of the nut over the relative speed, beyond which the residual of the model is the rounding of both speeds.
 const MOST_NUT_SPEED: f64 = 1e4;
 
-impl Kernel for Elastic {
+impl Kernel for ElasticKernel {
     const MODEL: Model = Model::Elastic;
 
     #[inline(always)]

@@ -19,12 +19,12 @@ use bsm_case::{ModelChoice, Settings};
 use bsm_dyn::Model;
 use bsm_simd::Arch;
 
-use self::closed_form::ClosedForm;
-use self::elastic::Elastic;
+use self::closed_form::ClosedFormKernel;
+use self::elastic::ElasticKernel;
 use self::kernel::RowKernel;
-use self::quasi_static::QuasiStatic;
-use self::raceway::RacewayControl;
-use self::rigid::Rigid;
+use self::quasi_static::QuasiStaticKernel;
+use self::raceway::RacewayKernel;
+use self::rigid::RigidKernel;
 
 pub use self::kernel::{RowChoice, Rows, Selection};
 pub use operand::{InputColumn, InputColumns, is_plain};
@@ -35,20 +35,20 @@ impl Rows<'_, '_> {
         match model {
             ModelChoice::Auto => return auto::solve(arch, self, settings.tolerance),
             ModelChoice::Fixed(Model::ClosedForm) => {
-                arch.dispatch(RowKernel { kernel: ClosedForm, rows: self });
+                arch.dispatch(RowKernel { kernel: ClosedFormKernel, rows: self });
             }
             ModelChoice::Fixed(Model::QuasiStatic) => {
-                arch.dispatch(RowKernel { kernel: QuasiStatic, rows: self });
+                arch.dispatch(RowKernel { kernel: QuasiStaticKernel, rows: self });
             }
             ModelChoice::Fixed(Model::Rigid) => {
-                arch.dispatch(RowKernel { kernel: Rigid, rows: self });
+                arch.dispatch(RowKernel { kernel: RigidKernel, rows: self });
             }
             ModelChoice::Fixed(Model::RacewayControl) => {
-                let kernel = RacewayControl { control: settings.control };
+                let kernel = RacewayKernel { control: settings.control };
                 arch.dispatch(RowKernel { kernel, rows: self });
             }
             ModelChoice::Fixed(Model::Elastic) => {
-                arch.dispatch(RowKernel { kernel: Elastic, rows: self });
+                arch.dispatch(RowKernel { kernel: ElasticKernel, rows: self });
             }
             ModelChoice::Fixed(Model::Traction) => {
                 traction::solve(arch, self, settings.accuracy, settings.creep);

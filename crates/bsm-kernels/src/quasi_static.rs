@@ -10,9 +10,9 @@ use crate::closed_form::{backwards, screw_size};
 use crate::kernel::{Kernel, Sink};
 use crate::operand::{LaneInputs, Mask};
 
-pub(super) struct QuasiStatic;
+pub(super) struct QuasiStaticKernel;
 
-impl Kernel for QuasiStatic {
+impl Kernel for QuasiStaticKernel {
     const MODEL: Model = Model::QuasiStatic;
 
     #[inline(always)]

@@ -22,12 +22,12 @@ use crate::kernel::{Kernel, Sink};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::Units;
 
-pub(super) struct RacewayControl {
+pub(super) struct RacewayKernel {
     /// The controlling raceway; `None` decides by (W7).
     pub(super) control: Option<Control>,
 }
 
-impl Kernel for RacewayControl {
+impl Kernel for RacewayKernel {
     const MODEL: Model = Model::RacewayControl;
 
     #[inline(always)]
@@ -81,7 +81,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
             };
         }
         let motion = RollingMotion::of(contacts, &state);
-        let Losses { transmission, friction, film, resolved } =
+        let RacewayLosses { transmission, friction, film, resolved } =
             losses(given, (units, contacts), (&state, &motion));
         let one = contacts.constant(1.0);
         // Both centres roll; the slip of the lead is shared, against friction along e_x.
@@ -139,7 +139,7 @@ fn ellipse<S: Simd>(
 }
 
 /// What the friction of both ellipses takes.
-struct Losses<S: Simd> {
+struct RacewayLosses<S: Simd> {
     transmission: Transmission<Lane<S>>,
     /// Its coefficient, or what takes the place of one.
     friction: Lane<S>,
@@ -154,7 +154,7 @@ fn losses<S: Simd>(
     given: &LaneInputs<'_, S>,
     (units, contacts): (&Units<S>, &Contacts<S>),
     (state, motion): (&BalanceRoot<S>, &RollingMotion<S>),
-) -> Losses<S> {
+) -> RacewayLosses<S> {
     let (nut, screw) = (ellipse(0, contacts, state, motion), ellipse(1, contacts, state, motion));
     let zero = units.speed.constant(0.0);
     let back = units.speed.lt(zero);
@@ -180,7 +180,7 @@ fn losses<S: Simd>(
         film = Some(lubricated.state(units, given.get(InputKey::loaded_balls), of));
     }
     let finite = torque.abs().lt(zero.constant(f64::INFINITY));
-    Losses { transmission, friction, film, resolved: resolved & finite }
+    RacewayLosses { transmission, friction, film, resolved: resolved & finite }
 }
 
 /// Stores skid number and onset number where they have a meaning, and returns the latter with the cross slip.

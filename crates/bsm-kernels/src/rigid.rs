@@ -31,9 +31,9 @@ pub(super) fn slip_angles<S: Simd>(
     Some([friction_angle(nut), friction_angle(screw)])
 }
 
-pub(super) struct Rigid;
+pub(super) struct RigidKernel;
 
-impl Kernel for Rigid {
+impl Kernel for RigidKernel {
     const MODEL: Model = Model::Rigid;
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! Algorithms for nonlinear equations that know nothing of what the equations mean.
 //!
 //! * [`solve`]: damped Newton iteration, for a few [`Equations`].
-//! * [`Dense`], [`Bordered`]: the matrices, dense or of many small blocks with a border.
+//! * [`Dense`], [`BorderedMatrix`]: the matrices, dense or of many small blocks with a border.
 //! * [`Bracket`]: the root of one variable between two places of different sign.
 //! * [`implicit_slopes`], [`follow`], [`trace`]: how a root moves with its parameters, a little, far, and through folds.
 //!
@@ -27,7 +27,7 @@ pub use continuation::{Continuation, follow};
 pub use equations::Equations;
 pub use error::{EvalError, Singular};
 pub use implicit::implicit_slopes;
-pub use linear::{Bordered, BorderedBlock, Dense, DynamicDense};
+pub use linear::{BorderedBlock, BorderedMatrix, Dense, DynamicDense};
 pub use options::{JacobianUpdate, Options, Scales};
 pub use path::{EventRoot, Homotopy, PathEnd, Seed, StepControl, Trace, path_direction, trace};
 pub use report::{Report, Step, Termination};

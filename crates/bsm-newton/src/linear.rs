@@ -7,6 +7,6 @@ mod bordered;
 mod dense;
 mod dynamic;
 
-pub use bordered::{Bordered, BorderedBlock};
+pub use bordered::{BorderedBlock, BorderedMatrix};
 pub use dense::Dense;
 pub use dynamic::DynamicDense;

@@ -161,7 +161,7 @@ const LEAST_COSINE: f64 = 0.9;
 const SAFETY: f64 = 2.0;
 
 /// Newton steps of a correction, and up to which a step was easy.
-const MOST_STEPS: usize = 10;
+const MOST_CORRECTOR_STEPS: usize = 10;
 const EASY: usize = 4;
 
 /// Follows a curve from a seed on, through folds, and finds where events change their sign.
@@ -277,7 +277,7 @@ where
         let options = Options {
             residual_tol,
             residual_goal,
-            max_steps: MOST_STEPS,
+            max_steps: MOST_CORRECTOR_STEPS,
             jacobian: self.control.jacobian,
             ..Options::default()
         };

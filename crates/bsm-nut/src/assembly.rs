@@ -4,7 +4,7 @@
 
 use std::array::from_fn;
 
-use bsm_newton::Bordered;
+use bsm_newton::BorderedMatrix;
 use nalgebra::DMatrix;
 
 use crate::ball::{BallInGrooves, FourContacts};
@@ -57,7 +57,7 @@ pub(crate) struct Assembly<'a> {
     rings: usize,
     /// Unknowns that stand still, for each of [`StiffnessScope`].
     fixed: [Vec<bool>; 2],
-    pub(crate) matrix: Bordered<2>,
+    pub(crate) matrix: BorderedMatrix<2>,
 }
 
 /// Energy, forces and balls of a set of unknowns.
@@ -150,7 +150,7 @@ impl<'a> Assembly<'a> {
         Ok(Self {
             ball,
             seats,
-            matrix: Bordered::new(nodes.len(), FREEDOMS + rings.len()),
+            matrix: BorderedMatrix::new(nodes.len(), FREEDOMS + rings.len()),
             nodes: nodes.len(),
             along: nut.helix.lead_angle.cos(),
             nut,

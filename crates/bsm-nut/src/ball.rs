@@ -72,7 +72,7 @@ impl BallInGrooves {
 const SIGNS: [f64; 2] = [1.0, -1.0];
 
 /// Steps to the place of a ball; four are usual, a light ball that slides along a flank takes more.
-const MOST_STEPS: usize = 1000;
+const MOST_BALL_STEPS: usize = 1000;
 
 impl FourContacts {
     /// The ball where the nut's groove is displaced against the screw's by `w` \[m\], along the binormal
@@ -201,7 +201,7 @@ impl FourContacts {
         };
         let positions = starts.into_iter().flatten().map(|x| (x, at(x)));
         let (mut x, mut here) = positions.min_by(|a, b| a.1.energy.total_cmp(&b.1.energy))?;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MOST_BALL_STEPS {
             // A step where nothing holds the ball is as long as the groove is deep.
             let held = Matrix2::identity() * (self.outward.max(here.size) / self.offsets[0]);
             let inverse = inverse(here.slope).or_else(|| inverse(here.slope + held))?;

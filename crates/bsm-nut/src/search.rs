@@ -10,7 +10,7 @@ use crate::equilibrium::{Equilibrium, FREEDOMS, NutError, Support};
 use crate::{BallInGrooves, BallNut};
 
 /// Newton steps at most; ten are usual.
-const MOST_STEPS: usize = 100;
+const MOST_EQUILIBRIUM_STEPS: usize = 100;
 
 /// Forces are in balance when this part of their sum is left.
 const BALANCED: f64 = 1e-12;
@@ -65,7 +65,7 @@ impl Assembly<'_> {
         let begun = self.moved(&y);
         let mut at = EnergyPoint { y, state };
         let mut damping = 0.0;
-        for steps in 0..=MOST_STEPS {
+        for steps in 0..=MOST_EQUILIBRIUM_STEPS {
             let imbalance = self.imbalance(&at.state);
             if imbalance <= BALANCED || (steps >= ROUNDED.0 && imbalance <= ROUNDED.1) {
                 return self.finish(at, steps, imbalance).in_grooves(self.nut);
@@ -87,7 +87,7 @@ impl Assembly<'_> {
             };
             damping = if damping < 1e-7 { 0.0 } else { 0.1 * damping };
         }
-        Err(none(self.imbalance(&at.state), MOST_STEPS))
+        Err(none(self.imbalance(&at.state), MOST_EQUILIBRIUM_STEPS))
     }
 
     /// A Newton step that lowers the energy.

@@ -698,7 +698,7 @@ impl Flow<'_> {
                 f64::NEG_INFINITY.into()
             }
         };
-        let residual = Self::settle(guess, &mut surplus);
+        let residual = Self::solve_surplus(guess, &mut surplus);
         let failed = |what| TrainError::NotConverged { circuit: self.circuit, what };
         let allowed = LENGTH * self.room / self.pitch() + RATE * count(self.balls.len());
         if residual.value.abs() > allowed {
@@ -718,7 +718,7 @@ impl Flow<'_> {
 
     /// Goes to the root of a surplus that falls with the rate: by Newton steps from a guess while each is at
     /// most half the last one, and else by a bracket. Returns the surplus there.
-    fn settle(guess: f64, surplus: &mut impl FnMut(f64) -> FunctionValue) -> FunctionValue {
+    fn solve_surplus(guess: f64, surplus: &mut impl FnMut(f64) -> FunctionValue) -> FunctionValue {
         // Each state begins with the one before, which a bracket that is wide would lose.
         let (mut rate, mut here, mut last) = (guess, surplus(guess), f64::INFINITY);
         loop {

@@ -31,7 +31,7 @@ pub enum Points {
         /// Columns to carry through.
         keep: Vec<String>,
         /// How it is written.
-        dialect: TableFormat,
+        table_format: TableFormat,
     },
 }
 
@@ -45,12 +45,12 @@ impl Points {
         match self {
             Self::Grid(grid) => Ok(Box::new(GridSource::new(grid.clone()))),
             Self::Draws(draws) => Ok(Box::new(DrawSource::new(draws.clone()))),
-            Self::Table { path, keep, dialect } => {
+            Self::Table { path, keep, table_format } => {
                 let format = Format::of(path).ok_or_else(|| {
                     let words = "a table ends in .csv, .jsonl or .parquet";
                     io::Error::new(io::ErrorKind::InvalidInput, words)
                 })?;
-                format.open(path, keep, dialect)
+                format.open(path, keep, table_format)
             }
         }
     }
@@ -61,10 +61,10 @@ impl Points {
         &self,
         workers: &Workers<'_>,
     ) -> Result<(PointsEntry, u64), DatasetError> {
-        let (path, keep, dialect) = match self {
+        let (path, keep, table_format) = match self {
             Self::Grid(grid) => return Ok((written_grid(grid), grid.len() as u64)),
             Self::Draws(draws) => return Ok((written_draws(draws), draws.count())),
-            Self::Table { path, keep, dialect } => (path, keep, dialect),
+            Self::Table { path, keep, table_format } => (path, keep, table_format),
         };
         let (name, sha256, bytes) = hashed(path, workers)?;
         let mut source = self.open().map_err(DatasetError::Read)?;
@@ -78,8 +78,8 @@ impl Points {
                 return Err(DatasetError::Stopped);
             }
         }
-        let (keep, dialect) = (keep.clone(), dialect.clone());
-        let table = TableEntry { name, bytes, sha256, rows, keep, dialect };
+        let (keep, table_format) = (keep.clone(), table_format.clone());
+        let table = TableEntry { name, bytes, sha256, rows, keep, table_format };
         Ok((PointsEntry::Table(table), rows))
     }
 
@@ -95,9 +95,9 @@ impl Points {
             Self::Table { path, keep, .. } if !path.is_file() => {
                 json!({ "table": { "name": null, "keep": keep } })
             }
-            Self::Table { path, keep, dialect } => {
+            Self::Table { path, keep, table_format } => {
                 let (name, sha256, bytes) = hashed(path, workers)?;
-                let table = json!({ "name": name, "bytes": bytes, "sha256": sha256, "keep": keep, "dialect": dialect });
+                let table = json!({ "name": name, "bytes": bytes, "sha256": sha256, "keep": keep, "dialect": table_format });
                 json!({ "table": table })
             }
         })
@@ -199,7 +199,7 @@ impl PointsEntry {
             }
             Self::Table(written) => {
                 let path = table(&written.name);
-                let (keep, dialect) = (written.keep.clone(), written.dialect.clone());
+                let (keep, table_format) = (written.keep.clone(), written.table_format.clone());
                 let len = path.metadata().map_err(|e| DatasetError::io("read", &path, e))?.len();
                 // A table of another length is not read to its end to be refused.
                 if len != written.bytes || hashed(&path, workers)?.1 != written.sha256 {
@@ -209,7 +209,7 @@ impl PointsEntry {
                         written.name
                     )));
                 }
-                Ok(Points::Table { path, keep, dialect })
+                Ok(Points::Table { path, keep, table_format })
             }
         }
     }
@@ -223,6 +223,6 @@ pub(super) struct TableEntry {
     sha256: String,
     rows: u64,
     keep: Vec<String>,
-    #[serde(default, skip_serializing_if = "TableFormat::is_ours")]
-    dialect: TableFormat,
+    #[serde(rename = "dialect", default, skip_serializing_if = "TableFormat::is_ours")]
+    table_format: TableFormat,
 }

@@ -142,8 +142,8 @@ fn parts_are_the_rows_of_one_file() {
     let mut source = GridSource::new(grid());
     let columns = source.columns().clone();
     let out = fs::File::create(&one).expect("file");
-    let dialect = TableFormat::default();
-    let sink = TableSink::new(Format::Csv, out, &columns, &task.outputs, &dialect);
+    let table_format = TableFormat::default();
+    let sink = TableSink::new(Format::Csv, out, &columns, &task.outputs, &table_format);
     let sink = sink.expect("a table");
     let run = task.run(&mut source, sink, u64::MAX, &workers(2), &mut |_, _| {});
     run.expect("solved").0.finish(None).expect("written");
@@ -276,8 +276,8 @@ fn rows_of_parquet_are_passed_over() {
     let out = fs::File::create(&path).expect("file");
     let task = Task { outputs: Vec::new(), ..task(Model::ClosedForm) };
     let columns = source.columns().clone();
-    let dialect = TableFormat::default();
-    let sink = TableSink::new(Format::Parquet, out, &columns, &task.outputs, &dialect);
+    let table_format = TableFormat::default();
+    let sink = TableSink::new(Format::Parquet, out, &columns, &task.outputs, &table_format);
     let sink = sink.expect("a table");
     let run = task.run(&mut source, sink, u64::MAX, &workers(2), &mut |_, _| {});
     run.expect("solved").0.finish(None).expect("written");
@@ -329,7 +329,7 @@ fn a_table_without_rows_is_one_part() {
     let folder = temporary();
     let path = folder.path().join("points.csv");
     fs::write(&path, "axial_load_N\n").expect("writable");
-    let points = Points::Table { path, keep: Vec::new(), dialect: TableFormat::default() };
+    let points = Points::Table { path, keep: Vec::new(), table_format: TableFormat::default() };
     let map = folder.path().join("map");
     for _ in 0..2 {
         let count = fill(&map, &task(Model::Rigid), &points, 1);
@@ -446,8 +446,8 @@ fn parts_of_a_table_need_the_table_of_the_plan() {
     };
     write("500:9000");
     let task = task(Model::Rigid);
-    let (dialect, keep) = (TableFormat::default(), Vec::new());
-    let points = Points::Table { path: path.clone(), keep, dialect };
+    let (table_format, keep) = (TableFormat::default(), Vec::new());
+    let points = Points::Table { path: path.clone(), keep, table_format };
     fill(&map, &task, &points, 1);
     let expected = files(&map);
     let workers = workers(2);

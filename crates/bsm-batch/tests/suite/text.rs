@@ -127,9 +127,9 @@ fn a_blank_line_is_not_passed_over() {
 /// space.
 #[test]
 fn a_row_of_empty_cells_between_tabs_is_a_row() {
-    let dialect = TableFormat { delimiter: '\t', ..TableFormat::default() };
+    let table_format = TableFormat { delimiter: '\t', ..TableFormat::default() };
     let tabs = |table: &str, kept: &[&str]| {
-        rows(&mut CsvSource::new(table.as_bytes(), &keep(kept), &dialect).expect("a table"))
+        rows(&mut CsvSource::new(table.as_bytes(), &keep(kept), &table_format).expect("a table"))
     };
     let table = "lead_mm\tscrew_speed_rpm\n10\t\n12\t\n\t\n \t\n";
     let read = tabs(table, &[]).expect("rows");
@@ -187,9 +187,10 @@ fn an_output_that_is_a_column_of_inputs_has_no_gaps() {
 /// Audit, users 20: a table of decimal commas could not be written as one.
 #[test]
 fn a_table_is_written_with_the_signs_of_the_points() {
-    let dialect = TableFormat { delimiter: ';', decimal: ',', ..TableFormat::default() };
+    let table_format = TableFormat { delimiter: ';', decimal: ',', ..TableFormat::default() };
     let table = "id;axial_load_N\n\"a;b\";5000,5\n";
-    let mut source = CsvSource::new(table.as_bytes(), &keep(&["id"]), &dialect).expect("a table");
+    let mut source =
+        CsvSource::new(table.as_bytes(), &keep(&["id"]), &table_format).expect("a table");
     let base =
         Case::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("a case");
     let outputs = Answers::select(Some(&["efficiency".to_owned()])).expect("an output");
@@ -198,13 +199,13 @@ fn a_table_is_written_with_the_signs_of_the_points() {
     let chunk = source.next(10).expect("a table").expect("a row");
     let answers = task.solve(&chunk, &columns);
     let efficiency = answers.columns[0][0];
-    let written = |dialect: &TableFormat| {
-        let sink = TableSink::new(Format::Csv, Vec::new(), &columns, &task.outputs, dialect);
+    let written = |table_format: &TableFormat| {
+        let sink = TableSink::new(Format::Csv, Vec::new(), &columns, &task.outputs, table_format);
         let mut sink = sink.expect("a head");
         sink.write(chunk.clone(), answers.clone()).expect("a row");
         String::from_utf8(sink.finish(None).expect("written")).expect("text")
     };
-    let own = written(&dialect);
+    let own = written(&table_format);
     let comma = efficiency.to_string().replace('.', ",");
     assert_eq!(
         own,
@@ -213,10 +214,10 @@ fn a_table_is_written_with_the_signs_of_the_points() {
         )
     );
     // It is read back by the same signs, also where both are commas.
-    for dialect in [dialect, TableFormat { decimal: ',', ..TableFormat::default() }] {
-        let own = written(&dialect);
+    for table_format in [table_format, TableFormat { decimal: ',', ..TableFormat::default() }] {
+        let own = written(&table_format);
         let again =
-            rows(&mut CsvSource::new(own.as_bytes(), &keep(&["id"]), &dialect).expect("ours"));
+            rows(&mut CsvSource::new(own.as_bytes(), &keep(&["id"]), &table_format).expect("ours"));
         assert_eq!(
             again.expect("rows"),
             [(vec!["a;b".to_owned()], vec![Cell::Number(5000.5)])],

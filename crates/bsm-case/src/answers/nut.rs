@@ -458,12 +458,12 @@ impl NutProblem {
 
     /// Friction of the balls of a nut; none without speeds, and a friction coefficient or a lubricant.
     fn friction_of(&self, nut: &BallNut, found: &Equilibrium) -> Option<BallFriction> {
-        let (rubbing, drive) = self.friction.as_ref()?;
+        let (source, drive) = self.friction.as_ref()?;
         let mut work = ModelWorkspace::default();
         let (mut models, mut why) = (Vec::new(), None);
-        let (coefficient, balls) = (rubbing.coefficient(), loaded_balls(found));
+        let (coefficient, balls) = (source.coefficient(), loaded_balls(found));
         let friction = nut.friction(found, coefficient, drive, self.seal_torque, |screw| {
-            let solution = self.of_ball(rubbing, balls, screw).solve(&mut work);
+            let solution = self.of_ball(source, balls, screw).solve(&mut work);
             models.push(solution.model.name());
             if let Some(reason) = solution.reason() {
                 why = Some(message(reason));
@@ -486,20 +486,20 @@ impl NutProblem {
         oil: f64,
         between_loads: f64,
     ) -> Option<FrictionSum> {
-        let mut rubbing = self.friction.as_ref()?.0;
-        if let FrictionSource::Lubricant(lubricant) = &mut rubbing {
+        let mut source = self.friction.as_ref()?.0;
+        if let FrictionSource::Lubricant(lubricant) = &mut source {
             lubricant.temperature = Temperature::Known(oil);
         }
         let mut work = ModelWorkspace::default();
         let balls = loaded_balls(found);
-        nut.friction_sum(found, rubbing.coefficient(), drive, between_loads, |screw| {
-            self.of_ball(&rubbing, balls, screw).solve(&mut work)
+        nut.friction_sum(found, source.coefficient(), drive, between_loads, |screw| {
+            self.of_ball(&source, balls, screw).solve(&mut work)
         })
     }
 
     /// The problem of one ball, which has its part of the returns.
-    fn of_ball(&self, rubbing: &FrictionSource, balls: f64, screw: ElasticPoint) -> Problem {
-        let lubricant = match rubbing {
+    fn of_ball(&self, source: &FrictionSource, balls: f64, screw: ElasticPoint) -> Problem {
+        let lubricant = match source {
             FrictionSource::Coefficient(_) => None,
             FrictionSource::Lubricant(lubricant) => {
                 let mut lubricant = *lubricant;
@@ -574,7 +574,7 @@ impl NutReport {
             );
         }
         notes.extend(self.preload_notes());
-        notes.extend(self.thrown(CENTRIFUGAL[0]..CENTRIFUGAL[1]));
+        notes.extend(self.centrifugal_note(CENTRIFUGAL[0]..CENTRIFUGAL[1]));
         notes.extend(self.touch_note());
         let ball_friction = self.ball_friction();
         match ball_friction.map(|ball_friction| &ball_friction.friction) {
@@ -686,7 +686,7 @@ impl NutReport {
                 MARKS_ABOVE / MPA
             ));
         }
-        warnings.extend(self.thrown(CENTRIFUGAL[1]..f64::INFINITY));
+        warnings.extend(self.centrifugal_note(CENTRIFUGAL[1]..f64::INFINITY));
         warnings.extend(self.train_warnings());
         if let Some(NutPreload { cold, warm, .. }) = &self.made.preload
             && *cold > 0.0
@@ -708,7 +708,7 @@ impl NutReport {
     }
 
     /// Note on the neglected centrifugal force, if it is a noticeable part of the mean load of a ball.
-    fn thrown(&self, part: std::ops::Range<f64>) -> Option<String> {
+    fn centrifugal_note(&self, part: std::ops::Range<f64>) -> Option<String> {
         let (NutAtRest { nut, found, .. }, (_, drive)) =
             (&self.made, self.problem.friction.as_ref()?);
         // On the middle of both raceways the balls go half as fast as screw and nut together.

@@ -2,7 +2,7 @@
 
 use bsm_dyn::{
     Angles, Auto, Ball, BaseOil, ClosedForm, Coulomb, Direction, DrivenBody, Elastic, ElasticPoint,
-    Load, Losses, Lubricant, Lubricated, LubricatedModel, Material, Model, Oil, OperatingPoint,
+    Load, Losses, Lubricant, LubricatedBall, LubricatedModel, Material, Model, Oil, OperatingPoint,
     Problem, QuasiStatic, RacewayControl, Rigid, Roughness, ScrewSize, Temperature, Traction,
     ZERO_CELSIUS,
 };
@@ -252,7 +252,7 @@ pub(crate) fn in_grooves<D: Scalar>(
         } else {
             LubricatedModel::Traction(Traction { at, accuracy, creep })
         };
-        return Problem::Lubricated(Lubricated { lubricant, model });
+        return Problem::Lubricated(LubricatedBall { lubricant, model });
     }
     match model {
         ModelChoice::Fixed(Model::RacewayControl) => {

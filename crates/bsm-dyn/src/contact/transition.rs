@@ -28,7 +28,7 @@ impl Transition {
     ///
     /// * `square`: of the slip.
     #[inline(always)]
-    pub(crate) fn place<S: Simd>(&self, square: Lane<S>, part: Lane<S>) -> (Lane<S>, Lane<S>) {
+    pub(crate) fn pressure<S: Simd>(&self, square: Lane<S>, part: Lane<S>) -> (Lane<S>, Lane<S>) {
         let one = square.constant(1.0);
         // p* = a_p l/(1 − b_p l),  l = −ln[2 η s/(h τ_E)]                 (Y34)
         let log = (square * (self.shear * self.shear)).max(one.constant(TINY)).ln() * -0.5;

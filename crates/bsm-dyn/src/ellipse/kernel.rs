@@ -11,7 +11,8 @@ use bsm_simd::{
 };
 
 use super::Quadrature;
-use super::chords::{Chords, Placement, Visitor, each_chord};
+use super::chords::{AddChords, Chords, for_each_chord};
+use super::placement::Placement;
 use super::slip::{EllipseSlip, FAR, clamp};
 
 /// What the sums depend on: a contact with numbers in its own axes.
@@ -384,11 +385,11 @@ pub(super) fn reduce<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
     }
 }
 
-impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> Visitor<S>
+impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> AddChords<S>
     for Accumulator<'_, L, N, JACOBIAN>
 {
     #[inline(always)]
-    fn visit(&mut self, simd: S, ellipse: usize, lines: &Chords) {
+    fn add_chords(&mut self, simd: S, ellipse: usize, lines: &Chords) {
         let (law, nodes) = (&self.laws[ellipse], self.nodes[ellipse]);
         let slip = self.slips[ellipse].splat(simd);
         for at in (0..BLOCK).step_by(S::F64_LANES) {
@@ -484,7 +485,7 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnc
         for i in 0..2 {
             done[i] = done[i] || L::all_over(simd, &mut sums, i);
         }
-        each_chord(simd, nodes, slips, done, &mut sums);
+        for_each_chord(simd, nodes, slips, done, &mut sums);
         for (i, found) in found.into_iter().enumerate() {
             let mut terms = [0.0; ALL];
             reduce(simd, &sums.values[i], &mut terms[..VALUES]);

@@ -9,9 +9,9 @@ use std::ops::Range;
 use bsm_simd::{BLOCK, Lane, Mask, NullaryFnOnce, Simd};
 
 use super::Quadrature;
-use super::chords::{FrozenRule, Placement};
 use super::kernel::{ALL, Chord, Dry, Moments, NUMBERS, Patch, PointLaw, Resultants, VALUES, sums};
 use super::panels::line_at;
+use super::placement::{FrozenRule, Placement};
 use super::quadrature::{MOST_INNER, UNRESOLVED};
 use super::slip::{clamp, half_length};
 
@@ -56,7 +56,7 @@ pub(crate) struct ManyNodes<S: Simd> {
 /// A point whose panels may be split: the numbers of nodes at both contacts, once they are known.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct SplitPoint {
-    plans: [OnceCell<FrozenRule>; 2],
+    frozen_rules: [OnceCell<FrozenRule>; 2],
     /// It is not asked for any more.
     pub(crate) done: bool,
 }
@@ -140,10 +140,13 @@ impl ManyQuadrature {
         points: &[SplitPoint],
     ) -> [Resultants<Lane<S>>; 2] {
         let mut blocks = [[[0.0; BLOCK]; NUMBERS]; 2];
-        for (i, SplitPoint { plans, .. }) in points.iter().enumerate().filter(|(_, p)| !p.done) {
+        for (i, SplitPoint { frozen_rules, .. }) in
+            points.iter().enumerate().filter(|(_, p)| !p.done)
+        {
             let patches = [patches[0].at(i), patches[1].at(i)];
-            let nodes = |plan| Placement { rule: &self.rule, plan: Some(plan), coarse: false };
-            let nodes = [nodes(&plans[0]), nodes(&plans[1])];
+            let nodes =
+                |frozen| Placement { rule: &self.rule, frozen_rule: Some(frozen), coarse: false };
+            let nodes = [nodes(&frozen_rules[0]), nodes(&frozen_rules[1])];
             let mut found = [Resultants::none(0.0); 2];
             let (laws, all) = ([Dry; 2], [false; 2]);
             sums::<S, _, 2, JACOBIAN>(simd, &patches, &laws, &nodes, all, found.each_mut());

@@ -3,9 +3,10 @@
 use bsm_simd::{Arch, Lane, Simd, WithSimd};
 
 use super::Quadrature;
-use super::chords::{Chords, Placement, Visitor, each_chord};
+use super::chords::{AddChords, Chords, for_each_chord};
 use super::kernel::{NearPole, Patch};
 use super::oil::{HalfChord, HalfNode, PolarRule};
+use super::placement::Placement;
 use super::slip::{EllipseSlip, half_length};
 use crate::contact::Transition;
 
@@ -29,9 +30,9 @@ struct NodeCollector<'a> {
     nodes: Vec<(f64, f64, f64)>,
 }
 
-impl<S: Simd> Visitor<S> for NodeCollector<'_> {
+impl<S: Simd> AddChords<S> for NodeCollector<'_> {
     #[inline(always)]
-    fn visit(&mut self, simd: S, _ellipse: usize, lines: &Chords) {
+    fn add_chords(&mut self, simd: S, _ellipse: usize, lines: &Chords) {
         for (i, (xi, weight)) in lines.xi.into_iter().zip(lines.weight).enumerate() {
             let half_length = half_length(xi);
             let mut add = |s: f64, part: f64| self.nodes.push((xi, half_length * s, weight * part));
@@ -65,12 +66,12 @@ impl WithSimd for ListNodes<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self(point, nodes, bend) = self;
-        if let (Some(bend), blocks @ 1..) = (bend, nodes.blocks(&point.slip())) {
+        if let (Some(bend), blocks @ 1..) = (bend, nodes.angle_blocks(&point.slip())) {
             return PolarRule::of(simd, bend, &point.slip(), nodes.rule).nodes(nodes.rule, blocks);
         }
         let mut list =
             NodeCollector { rule: nodes.rule, slip: point.slip(), bend, nodes: Vec::new() };
-        each_chord(simd, &[nodes; 2], &[point.slip(); 2], [false, true], &mut list);
+        for_each_chord(simd, &[nodes; 2], &[point.slip(); 2], [false, true], &mut list);
         list.nodes
     }
 }

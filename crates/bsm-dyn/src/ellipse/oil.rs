@@ -8,8 +8,8 @@ use std::f64::consts::FRAC_2_PI;
 use bsm_simd::{BLOCK, Lane, Simd};
 
 use super::Quadrature;
-use super::chords::{FrozenRule, Placement};
 use super::kernel::{Accumulator, Chord, Moments, PointLaw, add_powers};
+use super::placement::{FrozenRule, Placement};
 use super::quadrature::{MOST_RINGS, part_of_a_node};
 use super::slip::{EllipseSlip, half_length};
 use crate::contact::{MixedFriction, PRESSURE_SLOPE, Transition};
@@ -45,7 +45,7 @@ impl PolarRule {
         let spread = 0.2 * (q_1 * q_1 + slip.spin_speed * slip.spin_speed);
         let square = middle * middle + b_0 * b_0 + spread + slip.creep * slip.creep;
         let (at, pole_distance) =
-            bend.place(Lane::<S>::splat(simd, square), Lane::splat(simd, 1.0));
+            bend.pressure(Lane::<S>::splat(simd, square), Lane::splat(simd, 1.0));
         let width = (pole_distance * 2.0).min(pole_distance.constant(8.0));
         let from = (-at / width).arsinh();
         let length = ((-at + 1.0) / width).arsinh() - from;
@@ -115,7 +115,7 @@ impl<S: Simd> HalfChord<S> {
         let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across_at(xi, half_length));
         let square = v_t * v_t + b_0 * b_0 + b_1 * b_1 * 0.25 + slip.creep * slip.creep;
         let one = xi.constant(1.0);
-        let (at, pole_distance) = bend.place(square, half_length);
+        let (at, pole_distance) = bend.pressure(square, half_length);
         // ζ = t √(2 − t²): t* and the width there, √(pole distance)/2 at the middle of the line.
         let inside = at.min(one);
         let rest = (-(inside * inside) + 1.0).max(one.constant(0.0)).sqrt();
@@ -270,7 +270,7 @@ impl PointLaw<4> for OilLaw {
         ellipse: usize,
     ) -> bool {
         let (law, nodes) = (sums.laws[ellipse], sums.nodes[ellipse]);
-        let blocks = nodes.blocks(&sums.slips[ellipse]);
+        let blocks = nodes.angle_blocks(&sums.slips[ellipse]);
         if blocks == 0 {
             return false;
         }

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use bsm_simd::{BLOCK, Block, Compare, Lane, Simd, WithSimd, for_few};
 
-use super::chords::Placement;
+use super::placement::Placement;
 use super::quadrature::Gauss;
 use super::slip::{EllipseSlip, Pole, clamp};
 
@@ -84,7 +84,7 @@ impl<'a> Panels<'a> {
         slips: &[EllipseSlip<f64>; 2],
         done: [bool; 2],
     ) -> Self {
-        // Where panels are split is known on the way to a root, and from a plan.
+        // Where panels are split is known on the way to a root, and where the rule is frozen.
         let may_split = |nodes: &Placement<'_>| !nodes.coarse && nodes.frozen().is_none();
         let near = nodes.iter().any(may_split);
         let poles = for_few(simd, PolesOfBoth { slips, near });
@@ -134,20 +134,20 @@ impl<'a> Panels<'a> {
         }
     }
 
-    /// Along an ellipse.
-    pub(super) fn walk(&self, ellipse: usize) -> Walk<'_> {
-        Walk { all: self, left: self.of[ellipse].clone(), node: 0 }
+    /// Those of an ellipse.
+    pub(super) fn nodes(&self, ellipse: usize) -> PanelNodes<'_> {
+        PanelNodes { all: self, left: self.of[ellipse].clone(), node: 0 }
     }
 }
 
-/// A walk along an ellipse: the panels that are not passed, and the next node of the first of them.
-pub(super) struct Walk<'a> {
+/// The nodes of an ellipse one after the other: the panels that are left, and the next node of the first of them.
+pub(super) struct PanelNodes<'a> {
     all: &'a Panels<'a>,
     left: Range<usize>,
     node: usize,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> PanelNodes<'a> {
     /// The next few nodes; places behind the last one repeat it without weight.
     #[inline(always)]
     pub(super) fn next(&mut self) -> Option<Nodes> {
@@ -155,7 +155,9 @@ impl<'a> Walk<'a> {
             return None;
         }
         let ([begin, end], (pole, nodes)) = self.panel();
-        let Some((abscissa, part)) = nodes.block(self.node) else { return Some(self.gather()) };
+        let Some((abscissa, part)) = nodes.block(self.node) else {
+            return Some(self.of_several_panels());
+        };
         self.pass(BLOCK);
         Some(Nodes {
             abscissa: *abscissa,
@@ -167,8 +169,8 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// Those of several panels.
-    fn gather(&mut self) -> Nodes {
+    /// The next few nodes where a panel ends among them.
+    fn of_several_panels(&mut self) -> Nodes {
         let mut all = Nodes::default();
         let (mut panel, mut abscissa) = (self.panel(), 0.0);
         for i in 0..BLOCK {
@@ -184,7 +186,7 @@ impl<'a> Walk<'a> {
         all
     }
 
-    /// Ends, pole and nodes of the panel that is walked along.
+    /// Ends, pole and nodes of the first panel that is left.
     fn panel(&self) -> ([f64; 2], (Pole<f64>, &'a Gauss)) {
         (self.all.ends[self.left.start], self.all.parts[self.left.start])
     }

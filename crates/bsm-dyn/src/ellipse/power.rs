@@ -5,10 +5,10 @@
 use bsm_simd::{BLOCK, Lane, Mask, Simd};
 
 use super::Quadrature;
-use super::chords::Placement;
 use super::kernel::{Dry, Patch, Resultants, sums};
 use super::oil::OilLaw;
 use super::panels::line;
+use super::placement::Placement;
 use super::slip::{EllipseSlip, clamp};
 use crate::contact::MixedFriction;
 

@@ -48,7 +48,7 @@ pub struct Quadrature {
     /// For an oil: cosines and sines of angles on half a ring, [`BLOCK`] of them, twice as many, and so on.
     pub(super) angles: Vec<[Vec<f64>; 2]>,
     /// Least `$\cosh\eta$` of a pole for which as many of them are enough; falls with the number.
-    resolved: Vec<f64>,
+    ring_pole_distance: Vec<f64>,
     /// Nodes and weights along a line, by their number (T19).
     pub(super) inner: Vec<Vec<(f64, f64)>>,
     /// Least `$\sinh^2\eta$` (T18) for which that number is enough; falls with the number.
@@ -103,7 +103,7 @@ impl Gauss {
     }
 
     /// The same nodes, closer to both ends.
-    fn crowded(&self) -> Self {
+    fn graded(&self) -> Self {
         // x² (3 − 2x), and its slope
         let abscissae = self.abscissae.iter().map(|x| x * x * (3.0 - 2.0 * x)).collect();
         let weights = self.abscissae.iter().zip(&self.weights);
@@ -165,13 +165,13 @@ impl Quadrature {
     fn lubricated(nodes: usize, half: usize, accuracy: f64) -> Self {
         let rule = Self::with(nodes, accuracy, 0);
         Self {
-            panel: rule.panel.crowded(),
+            panel: rule.panel.graded(),
             part: Gauss::of(2 * rule.part.len()),
             near: Gauss::of(4 * rule.part.len()),
             half: Gauss::of(half.min(MOST_RINGS)),
             angles: (1..=MOST_BLOCKS).map(|blocks| half_ring(blocks * BLOCK)).collect(),
             // e^{−2 N η}, N angles on half a ring
-            resolved: (1..=MOST_BLOCKS)
+            ring_pole_distance: (1..=MOST_BLOCKS)
                 .map(|blocks| (-accuracy.ln() * part_of_a_node(blocks)).cosh())
                 .collect(),
             inner: rule.inner[..=MOST_LUBRICATED].to_vec(),
@@ -187,14 +187,17 @@ impl Quadrature {
 
     /// How many blocks of angles on half a ring resolve a slip; none where its poles are so near that lines about
     /// them are better.
-    pub(super) fn blocks(&self, slip: &EllipseSlip<f64>) -> usize {
+    pub(super) fn angle_blocks(&self, slip: &EllipseSlip<f64>) -> usize {
         let pole_distance = slip.poles().map(|Pole { at, width }| {
             // |z − 1| + |z + 1| = 2 cosh η of a pole z
             let square = width * width;
             0.5 * (((at - 1.0).powi(2) + square).sqrt() + ((at + 1.0).powi(2) + square).sqrt())
         });
         let pole_distance = pole_distance[0].min(pole_distance[1]);
-        self.resolved.iter().position(|least| pole_distance >= *least).map_or(0, |index| index + 1)
+        self.ring_pole_distance
+            .iter()
+            .position(|least| pole_distance >= *least)
+            .map_or(0, |index| index + 1)
     }
 
     /// Least `$\sinh^2\eta$` of a spin pole that does not count as inside.
@@ -235,7 +238,7 @@ impl Quadrature {
             half: part.clone(),
             part,
             angles: Vec::new(),
-            resolved: Vec::new(),
+            ring_pole_distance: Vec::new(),
             inner: (0..=most).map(|m| chebyshev(m + more)).collect(),
             pole_distance: (0..=most).map(pole_distance).collect(),
         }

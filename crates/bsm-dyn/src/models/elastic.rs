@@ -32,7 +32,7 @@ use crate::models::ball::{
 const SMALL_INERTIA: f64 = 1e-5;
 
 /// A solve may take this many steps; it begins at the root.
-const MOST_STEPS: usize = 4;
+const MOST_STEPS_FROM_ROOT: usize = 4;
 
 /// Inputs of the elastic model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -192,7 +192,7 @@ fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
 fn run(contacts: &ElasticContacts, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
     let weights = weights(contacts, y);
     let scales = Scales { x: &[1.0; BALL], f: &weights };
-    let options = Options { max_steps: MOST_STEPS, ..Options::default() };
+    let options = Options { max_steps: MOST_STEPS_FROM_ROOT, ..Options::default() };
     solve(&GrossSlipEquations(contacts), y, &scales, &options, newton)
 }
 

@@ -7,7 +7,7 @@ mod sensitivities;
 mod solve;
 
 pub use self::band::LossInterval;
-pub use self::solve::{Lubricated, LubricatedModel, RacewayFriction};
+pub use self::solve::{LubricatedBall, LubricatedModel, RacewayFriction};
 
 #[cfg(test)]
 mod tests;

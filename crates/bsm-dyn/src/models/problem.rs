@@ -6,7 +6,7 @@ use crate::models::auto::Auto;
 use crate::models::ball::{NoAnswer, Performance, Solution, SteadyState};
 use crate::models::closed_form::ClosedForm;
 use crate::models::elastic::Elastic;
-use crate::models::lubricated::{LossInterval, Lubricated};
+use crate::models::lubricated::{LossInterval, LubricatedBall};
 use crate::models::quasi_static::QuasiStatic;
 use crate::models::raceway_control::RacewayControl;
 use crate::models::rigid::Rigid;
@@ -31,7 +31,7 @@ pub enum Problem<D = f64> {
     /// Inputs of the choice by error bounds.
     Auto(Auto<D>),
     /// Inputs of [`Model::RacewayControl`](crate::Model::RacewayControl) or [`Model::Traction`](crate::Model::Traction) with a lubricant.
-    Lubricated(Lubricated<D>),
+    Lubricated(LubricatedBall<D>),
 }
 
 impl Problem {

@@ -7,6 +7,7 @@ mod equations;
 mod lubricated;
 mod many;
 mod multistart;
+mod newton;
 mod path;
 mod push;
 mod root;
@@ -18,7 +19,7 @@ mod train;
 use self::columns::PowerFlow;
 pub use self::columns::TractionPoint;
 pub use self::equations::FAST_NUT;
-use self::equations::{COARSE, NEAR, ROOT, SEARCH, SlipBall};
+use self::equations::{COARSE, COARSE_RESIDUAL, ROOT, SEARCH, SlipBall};
 pub use self::many::{NumberRows, TractionMany, TractionRoot, TractionStart};
 use self::root::RootWithPower;
 pub(crate) use self::root::SlipRoot;
@@ -137,9 +138,9 @@ impl Traction {
         let [coarse, search, smooth, ball] =
             rules.map(|[rule, _]| SlipBall::of_contacts(contacts, rule, creep));
         let (coarse, ball) =
-            (SlipBall { enough: NEAR, ..coarse }, SlipBall { enough: ROOT, ..ball });
+            (SlipBall { enough: COARSE_RESIDUAL, ..coarse }, SlipBall { enough: ROOT, ..ball });
         let [.., [_, check]] = rules;
-        let plans = Default::default();
+        let frozen_rules = Default::default();
         let mut steps = 0;
         let near = if let Some(root) = from {
             Some(*root)
@@ -147,7 +148,7 @@ impl Traction {
             steps += rolling_ball.steps;
             coarse.search_near(rolling_ball, newton, &mut steps)
         };
-        let refined = near.and_then(|near| ball.refined(&near, &plans, newton, &mut steps));
+        let refined = near.and_then(|near| ball.refined(&near, &frozen_rules, newton, &mut steps));
         let refined = match (refined, from) {
             (Some(refined), _) => refined,
             (None, Some(_)) => return Err(NoAnswer::LOST.into()),
@@ -158,8 +159,8 @@ impl Traction {
                     near = smooth.search(rolling_ball, newton, &mut steps);
                 }
                 let near = near?;
-                let plans = Default::default();
-                let refined = ball.refined(&near, &plans, newton, &mut steps);
+                let frozen_rules = Default::default();
+                let refined = ball.refined(&near, &frozen_rules, newton, &mut steps);
                 let lost = || NotFound { near: Some(Box::new(near)), steps, why: NoAnswer::LOST };
                 refined.ok_or_else(lost)?
             }

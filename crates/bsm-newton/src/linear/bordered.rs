@@ -21,7 +21,7 @@ use crate::Singular;
 /// the cost grows with the number of blocks, not with its cube. Rows are exchanged within a block
 /// and within the border only. That is safe for positive definite matrices and for blocks that
 /// outweigh their neighbours; another matrix may be regular and have a [`Singular`] block.
-pub struct Bordered<const K: usize> {
+pub struct BorderedMatrix<const K: usize> {
     diagonal: Vec<Dense<K>>,
     /// Columns of the couplings to the next block, and after the factorization of `$D_i^{-1} U_i$`.
     above: Vec<[[f64; K]; K]>,
@@ -37,7 +37,7 @@ pub struct Bordered<const K: usize> {
     schur: DynamicDense,
 }
 
-/// Entries of a [`Bordered`] matrix that belong to one block.
+/// Entries of a [`BorderedMatrix`] that belong to one block.
 pub struct BorderedBlock<'a, const K: usize> {
     /// The block, row by row.
     pub rows: &'a mut [[f64; K]; K],
@@ -47,7 +47,7 @@ pub struct BorderedBlock<'a, const K: usize> {
     pub bottom: &'a mut [[f64; K]],
 }
 
-impl<const K: usize> Bordered<K> {
+impl<const K: usize> BorderedMatrix<K> {
     /// A matrix of zeros with so many blocks and unknowns of the border.
     pub fn new(count: usize, border: usize) -> Self {
         let couplings = vec![[[0.0; K]; K]; count.saturating_sub(1)];

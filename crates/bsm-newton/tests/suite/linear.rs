@@ -1,6 +1,6 @@
 //! Matrices of blocks with a border against dense solves, and Newton's iteration on them.
 
-use bsm_newton::{Bordered, Dense, DynamicDense, Singular};
+use bsm_newton::{BorderedMatrix, Dense, DynamicDense, Singular};
 
 /// Uniform numbers in -1..1 of a fixed seed.
 struct Draw(u64);
@@ -36,7 +36,7 @@ fn entries<const K: usize>(count: usize, border: usize, seed: u64) -> Vec<(usize
 /// The blocks agree with the dense matrix of the same entries.
 fn agrees<const K: usize>(count: usize, border: usize, seed: u64) {
     let n = K * count + border;
-    let (mut blocks, mut dense) = (Bordered::<K>::new(count, border), DynamicDense::new(n));
+    let (mut blocks, mut dense) = (BorderedMatrix::<K>::new(count, border), DynamicDense::new(n));
     for (i, j, value) in entries::<K>(count, border, seed) {
         blocks.add(i, j, value);
         dense.set(i, j, value);
@@ -67,7 +67,7 @@ fn blocks_with_a_border_agree_with_a_dense_solve() {
 #[test]
 fn a_ring_is_a_chain_with_a_border() {
     const N: usize = 9;
-    let mut ring = Bordered::<1>::new(N, 1);
+    let mut ring = BorderedMatrix::<1>::new(N, 1);
     for i in 0..=N {
         ring.add(i, i, 2.0);
         let next = (i + 1) % (N + 1);
@@ -90,7 +90,7 @@ fn a_ring_is_a_chain_with_a_border() {
 #[test]
 fn fixed_unknowns_stay_as_they_are() {
     let (count, border, fixed) = (6, 3, [0, 5, 6, 11, 13]);
-    let [mut all, mut without] = [0, 1].map(|_| Bordered::<2>::new(count, border));
+    let [mut all, mut without] = [0, 1].map(|_| BorderedMatrix::<2>::new(count, border));
     for (i, j, value) in entries::<2>(count, border, 9) {
         all.add(i, j, value);
         if !fixed.contains(&i) && !fixed.contains(&j) {
@@ -120,7 +120,7 @@ fn fixed_unknowns_stay_as_they_are() {
 /// The border alone: two springs from each of two bodies to a chain of points, in series.
 #[test]
 fn the_condensed_matrix_is_the_schur_complement() {
-    let (mut matrix, count) = (Bordered::<1>::new(4, 2), 4);
+    let (mut matrix, count) = (BorderedMatrix::<1>::new(4, 2), 4);
     for i in 0..count {
         // k₁ = 1 + i to body 0, k₂ = 2 to body 1.
         let k = [1.0 + f64::from(u32::try_from(i).expect("small")), 2.0];
@@ -150,7 +150,7 @@ fn singular_matrices_are_told() {
     zero.rows_mut()[0][0] = f64::NAN;
     assert_eq!(zero.factorize(), Err(Singular));
     assert!(DynamicDense::new(4).factorize().is_err());
-    let mut blocks = Bordered::<2>::new(3, 1);
+    let mut blocks = BorderedMatrix::<2>::new(3, 1);
     for i in [0, 1, 2, 3, 5, 6] {
         blocks.add(i, i, 1.0);
     }
@@ -184,7 +184,7 @@ fn newton_runs_on_blocks_with_a_border() {
     const N: usize = 200;
     let (bar, load, k) = (5.0, 50.0, 1.3);
     let mut x: Vec<f64> = (0..=N).map(|i| if i == N { 0.5 } else { 0.2 }).collect();
-    let mut matrix = Bordered::<1>::new(N, 1);
+    let mut matrix = BorderedMatrix::<1>::new(N, 1);
     let mut left = vec![0.0; N + 1];
     for _ in 0..5 {
         matrix.clear();

@@ -26,7 +26,7 @@ pub struct WarmPhase {
     pub drive: Drive<f64>,
 }
 
-/// A nut on its screw, with what it rubs and where the heat goes.
+/// A nut on its screw, with its friction and where the heat goes.
 #[derive(Clone)]
 pub struct WarmNut<'a> {
     /// The nut with what preloads it, at the temperature of setting.

@@ -47,7 +47,7 @@ const BACK: f64 = 0.8;
 
 /// Heat that is left over, relative, and Newton steps.
 const RESIDUAL_TOLERANCE: f64 = 1e-10;
-const MOST_STEPS: usize = 60;
+const MOST_THERMAL_STEPS: usize = 60;
 
 /// Sweeps that eigenvalues may take: three of a matrix converge in some ten.
 const MOST_SWEEPS: usize = 200;
@@ -303,7 +303,7 @@ impl HeatBalance<'_> {
         let options = Options {
             residual_tol: RESIDUAL_TOLERANCE,
             residual_goal: 0.01 * RESIDUAL_TOLERANCE,
-            max_steps: MOST_STEPS,
+            max_steps: MOST_THERMAL_STEPS,
             jacobian: JacobianUpdate::EveryTrial { chord_below: f64::INFINITY },
             ..Options::default()
         };

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use bsm_dyn::{
-    BallState, ElasticPoint, Lubricated, LubricatedModel, ModelWorkspace, Problem, Traction,
+    BallState, ElasticPoint, LubricatedBall, LubricatedModel, ModelWorkspace, Problem, Traction,
     ZERO_CELSIUS,
 };
 use bsm_kin::Drive;
@@ -84,7 +84,10 @@ impl Case {
         let traction = Traction { at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         let Some(kelvin) = self.oil else { return Problem::Traction(traction) };
         let lubricant = oil_68(kelvin).expect("an oil");
-        Problem::Lubricated(Lubricated { lubricant, model: LubricatedModel::Traction(traction) })
+        Problem::Lubricated(LubricatedBall {
+            lubricant,
+            model: LubricatedModel::Traction(traction),
+        })
     }
 
     /// Friction of the balls without pushes.

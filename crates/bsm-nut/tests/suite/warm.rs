@@ -5,8 +5,9 @@ use std::f64::consts::PI;
 
 use bsm_design::drag_torque;
 use bsm_dyn::{
-    BaseOil, Control, ElasticPoint, Losses, Lubricant, Lubricated, LubricatedModel, ModelWorkspace,
-    Oil, RacewayControl, RacewayFriction, RacewayWorkspace, Roughness, Temperature, ZERO_CELSIUS,
+    BaseOil, Control, ElasticPoint, Losses, Lubricant, LubricatedBall, LubricatedModel,
+    ModelWorkspace, Oil, RacewayControl, RacewayFriction, RacewayWorkspace, Roughness, Temperature,
+    ZERO_CELSIUS,
 };
 use bsm_kin::Drive;
 use bsm_nut::thermal::{
@@ -64,7 +65,7 @@ fn oiled(
     let solve = |at: ElasticPoint| {
         let rolling = RacewayControl { at, control: Some(Control::Nut) };
         let model = LubricatedModel::RacewayControl(rolling, RacewayFriction::Local);
-        WORK.with_borrow_mut(|work| Lubricated { lubricant, model }.solve(work))
+        WORK.with_borrow_mut(|work| LubricatedBall { lubricant, model }.solve(work))
     };
     nut.friction_sum(found, None, drive, between_loads, solve)
 }
@@ -521,7 +522,7 @@ fn without_coupling_temperatures_are_linear_in_the_heat() {
 }
 
 /// The same axis with friction in proportion to the loads of the balls, and a seal and bearings.
-fn rubbing<'a>(base: &WarmNut<'static>, friction: &'a FrictionOf<'a>) -> WarmNut<'a> {
+fn with_friction<'a>(base: &WarmNut<'static>, friction: &'a FrictionOf<'a>) -> WarmNut<'a> {
     WarmNut {
         nut: base.nut.clone(),
         phases: base.phases.clone(),
@@ -549,7 +550,7 @@ fn heat_and_conductances_in_proportion_are_the_same_state() {
     let base = axis(&reference("WS-P2")["case"]);
     let at = |factor: f64| {
         let friction = dry(factor);
-        let mut nut = rubbing(&base, &friction);
+        let mut nut = with_friction(&base, &friction);
         let of = base.network(1.0).conductances;
         for heat in [&mut nut.drag, &mut nut.seal, &mut nut.bearings, &mut nut.motor] {
             *heat *= factor;
@@ -578,7 +579,7 @@ fn heat_and_conductances_in_proportion_are_the_same_state() {
 fn without_resistance_nothing_is_warm() {
     let friction = dry(1.0);
     let of = |id: &str, free: f64, gap: f64| {
-        let mut nut = rubbing(&axis(&reference(id)["case"]), &friction);
+        let mut nut = with_friction(&axis(&reference(id)["case"]), &friction);
         (nut.drag, nut.phases[0].load) = (0.0, 0.0);
         let all = Some(free).filter(|free| *free > 0.0);
         nut.surfaces = Surfaces {
@@ -607,7 +608,7 @@ fn without_resistance_nothing_is_warm() {
 #[test]
 fn one_node_has_the_heat_over_its_surfaces() {
     let friction = dry(1.0);
-    let mut nut = rubbing(&axis(&reference("WS-P2")["case"]), &friction);
+    let mut nut = with_friction(&axis(&reference("WS-P2")["case"]), &friction);
     let free = Some(1e5);
     nut.surfaces = Surfaces { gap: free, ball_nut: free, ball_screw: free, ..nut.surfaces };
     nut.screw.bearings = [false; 2];
@@ -649,7 +650,7 @@ fn one_temperature_along_the_travel_is_lower_than_the_mean_of_a_fin() {
 #[test]
 fn temperatures_follow_the_surroundings_by_the_slopes_of_the_heat() {
     let friction = dry(1.0);
-    let base = rubbing(&axis(&reference("WS-P2")["case"]), &friction);
+    let base = with_friction(&axis(&reference("WS-P2")["case"]), &friction);
     let at = |by: f64| {
         let sinks = Sinks { air: by, structure: by, coolant: by };
         WarmNut { sinks, ..base.clone() }

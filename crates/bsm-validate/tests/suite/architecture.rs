@@ -204,6 +204,41 @@ fn layers() {
     assert!(seen > 60, "{seen} modules");
 }
 
+/// No two files of the solver import from each other, nor more of them in a circle; what a file declares with `mod` is part of it.
+#[test]
+fn no_circles_of_files() {
+    for name in ["kin", "simd", "newton", "dyn", "kernels", "nut", "design", "batch"] {
+        let source = root().join(format!("crates/bsm-{name}/src"));
+        let mut files = BTreeMap::new();
+        for file in sources::files(&source, "rs") {
+            let path = file.strip_prefix(&source).expect("a source").with_extension("");
+            let module: Vec<_> = path.iter().map(|part| part.to_str().expect("UTF-8")).collect();
+            if module == ["lib"] || module.contains(&"tests") {
+                continue;
+            }
+            let text = fs::read_to_string(&file).expect("a module");
+            let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
+            files.insert(module.join("::"), named(&module, code));
+        }
+        let (count, mut left) = (files.len(), files.keys().cloned().collect::<BTreeSet<_>>());
+        // Those that import from none that is left are in no circle.
+        loop {
+            let is_left = |used: &Vec<String>, own: &str| {
+                let mut paths = (1..=used.len()).rev().map(|end| used[..end].join("::"));
+                let file = paths.find(|path| files.contains_key(path));
+                file.is_some_and(|file| file != own && left.contains(&file))
+            };
+            let imports = |own: &&String| files[*own].iter().any(|used| is_left(used, own));
+            let next: BTreeSet<_> = left.iter().filter(imports).cloned().collect();
+            if next.len() == left.len() {
+                break;
+            }
+            left = next;
+        }
+        assert!(left.is_empty() && count > 5, "{count} files of bsm-{name}, in circles {left:?}");
+    }
+}
+
 /// Our crates under `[dependencies]` of the manifests, by the name of the crate.
 fn manifests() -> BTreeMap<String, BTreeSet<String>> {
     let crates = fs::read_dir(root().join("crates")).expect("crates");

@@ -77,7 +77,7 @@ impl NutReport {
     /// Advance of the balls, by their free motions of model traction unless raceway control is asked for.
     pub(super) fn advance_of(&self, ball_friction: &BallFriction) -> Option<Advance> {
         let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
-        let (rubbing, drive) = problem.friction.as_ref()?;
+        let (source, drive) = problem.friction.as_ref()?;
         let of = |motions: &[Option<FreeMotion>]| {
             nut.advance(found, motions, drive, problem.gaps.spacer)
         };
@@ -87,8 +87,8 @@ impl NutReport {
             // model elastic.
             let (traction, balls) = (problem.by_traction(), super::loaded_balls(found));
             let work = &mut ModelWorkspace::default();
-            let solve = |at| traction.of_ball(rubbing, balls, at).solve(work);
-            return of(&nut.free_motions(found, rubbing.coefficient(), drive, solve)?);
+            let solve = |at| traction.of_ball(source, balls, at).solve(work);
+            return of(&nut.free_motions(found, source.coefficient(), drive, solve)?);
         }
         of(&ball_friction.friction.motions)
     }
@@ -98,7 +98,7 @@ impl NutReport {
     /// * `motions`: without pushes.
     pub(super) fn pushed_of(&self, motions: &[Option<FreeMotion>]) -> Option<TrainResult> {
         let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
-        let (inputs, (rubbing, drive)) = (problem.gaps.train.as_ref()?, problem.friction.as_ref()?);
+        let (inputs, (source, drive)) = (problem.gaps.train.as_ref()?, problem.friction.as_ref()?);
         if !pushes(problem.settings.model) {
             let model = problem.settings.model.name();
             return Some(Err(format!("pushes of the balls need model traction, not {model}")));
@@ -113,13 +113,13 @@ impl NutReport {
         let (traction, balls) = (problem.by_traction(), super::loaded_balls(found));
         let friction = inputs.contact_friction;
         let in_train = |at, free: &BallState, work: &mut ModelWorkspace| match traction
-            .of_ball(rubbing, balls, at)
+            .of_ball(source, balls, at)
         {
             Problem::Traction(ball) => ball.in_train(free, friction, work),
             Problem::Lubricated(ball) => ball.in_train(free, friction, work),
             _ => None,
         };
-        let train = nut.train(found, motions, rubbing.coefficient(), drive, inputs, in_train);
+        let train = nut.train(found, motions, source.coefficient(), drive, inputs, in_train);
         Some(match train {
             Ok(train) if train.largest_push > LARGEST_PUSH * found.max_load() => {
                 let (push, part) = (train.largest_push, train.largest_push / found.max_load());

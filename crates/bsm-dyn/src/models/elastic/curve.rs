@@ -60,7 +60,7 @@ struct SlidingCurve<'a> {
 
 impl<'a> SlidingCurve<'a> {
     const STRATEGIES: [fn(&mut Self) -> Attempt<CurveRoot>; 3] =
-        [Self::straight_root, Self::coarse_walk, Self::exact_walk];
+        [Self::straight_root, Self::coarse_trace, Self::exact_trace];
 
     /// The node at a point of the curve.
     fn state_at(&self, z: &[f64; CURVE]) -> Option<SlidingPoint<f64>> {
@@ -107,18 +107,18 @@ impl<'a> SlidingCurve<'a> {
         is_root.then_some(Ok((root.at, root.rate.signum())))
     }
 
-    /// What a walk finds whose roots Newton's method refines, unless that leads elsewhere.
-    fn coarse_walk(&mut self) -> Attempt<CurveRoot> {
-        self.walk(&STEP_CONTROL)
+    /// What the continuation finds whose roots Newton's method refines, unless that leads elsewhere.
+    fn coarse_trace(&mut self) -> Attempt<CurveRoot> {
+        self.trace(&STEP_CONTROL)
     }
 
-    /// What a walk to rounding finds.
-    fn exact_walk(&mut self) -> Attempt<CurveRoot> {
-        self.walk(&EXACT)
+    /// What the continuation to rounding finds.
+    fn exact_trace(&mut self) -> Attempt<CurveRoot> {
+        self.trace(&EXACT)
     }
 
     /// The first root along the whole curve, or why there is none; nothing where a root is not refined.
-    fn walk(&mut self, control: &StepControl) -> Attempt<CurveRoot> {
+    fn trace(&mut self, control: &StepControl) -> Attempt<CurveRoot> {
         let inertia = self.ball.inertia_ratio;
         let start = self.start;
         // Smallest and largest inertia ratio of a ball that slides against friction on its flanks.
@@ -260,7 +260,7 @@ mod tests {
             let mut steps = 0;
             let Ok(mut curve) = SlidingCurve::of(&contacts, false, &mut steps) else { continue };
             let Some(Ok((straight, sign))) = curve.straight_root() else { continue };
-            let (first, same) = curve.exact_walk().expect("an answer").expect("a root");
+            let (first, same) = curve.exact_trace().expect("an answer").expect("a root");
             // Where friction all but holds the load a million times the axial load is left, ten digits;
             // another root differs by per cent.
             let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);
@@ -273,9 +273,9 @@ mod tests {
         assert!(of_practice > 900 && of_extremes > 300, "{of_practice} {of_extremes}");
     }
 
-    /// Newton on the root of a coarse walk ends where the walk to rounding does.
+    /// Newton on the root of a coarse continuation ends where that to rounding does.
     #[test]
-    fn the_root_of_a_coarse_walk_is_that_of_an_exact_one() {
+    fn the_root_of_a_coarse_trace_is_that_of_an_exact_one() {
         let mut rng = ChaCha8Rng::seed_from_u64(15);
         let (mut of_practice, mut of_extremes, mut fewer) = (0, 0, 0);
         for number in 0..2000 {
@@ -288,10 +288,10 @@ mod tests {
             let mut steps = 0;
             let Ok(mut curve) = SlidingCurve::of(&contacts, false, &mut steps) else { continue };
             let begun = *curve.steps;
-            let walks = [SlidingCurve::coarse_walk, SlidingCurve::exact_walk];
-            let coarse = first_answer(&mut curve, &walks);
+            let traces = [SlidingCurve::coarse_trace, SlidingCurve::exact_trace];
+            let coarse = first_answer(&mut curve, &traces);
             let in_all = *curve.steps - begun;
-            let exact = first_answer(&mut curve, &walks[1..]);
+            let exact = first_answer(&mut curve, &traces[1..]);
             fewer += usize::from(in_all < *curve.steps - begun - in_all);
             match (coarse, exact) {
                 (Ok((one, sign)), Ok((other, same))) => {

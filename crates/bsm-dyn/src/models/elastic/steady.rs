@@ -26,12 +26,12 @@ const CLOSED: f64 = 1e-10;
 const CLOSED_ON_THE_WAY: f64 = 1e-7;
 
 /// Newton steps to a state; more means that the guess was not near it.
-const MOST_STEPS: usize = 8;
+const MOST_TO_STATE: usize = 8;
 
 /// Newton steps to the angle without inertia of several points, and their last one, from which the state
 /// without inertia is three digits away.
 const MOST_TO_ANGLE: usize = 8;
-const NEAR: f64 = 1e-4;
+const LAST_ANGLE_STEP: f64 = 1e-4;
 
 /// Of a walk upwards in `$\ln q$`: where it begins below the root of a straight curve, its steps, their number, and the least
 /// rise of `$\ln\mu$` over that of `$\ln q$`: half of what a straight curve has at least.
@@ -212,7 +212,7 @@ where
             let step = F::select(one.lt(step), one, step.larger(-one));
             log = F::select(converged, log, log - step);
             steps = F::select(converged, steps, steps + 1.0);
-            converged = converged | step.abs().lt(one * NEAR);
+            converged = converged | step.abs().lt(one * LAST_ANGLE_STEP);
             if !F::any(!converged) {
                 break;
             }
@@ -366,7 +366,7 @@ where
         let (mut point, one) = (guess, guess[0].constant(1.0));
         let (zero, infinity) = (one.constant(0.0), one.constant(f64::INFINITY));
         let (mut steps, mut converged, mut last) = (zero, !expected, [zero; 3]);
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MOST_TO_STATE {
             let q = point[0].exp();
             let jets = [
                 Jet::<3, F>::along(q, 0, q),

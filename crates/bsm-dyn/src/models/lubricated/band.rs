@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, section "Uncertainty".
 
-use super::solve::{Lubricated, LubricatedModel, RacewayFriction};
+use super::solve::{LubricatedBall, LubricatedModel, RacewayFriction};
 use crate::contact::{Oil, Roughness, Temperature};
 use crate::models::ball::{Direction, SteadyState, weyl_point};
 use crate::models::raceway_control::RacewayControl;
@@ -42,7 +42,7 @@ const UNCERTAIN: [(f64, f64); 12] = [
     (-0.005, 0.005),
 ];
 
-impl Lubricated {
+impl LubricatedBall {
     /// The band of a solved point; `None` where too few draws have an answer.
     ///
     /// The draws are even over their ranges and always the same. What they do to the loss is that of raceway

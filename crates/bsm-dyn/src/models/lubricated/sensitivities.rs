@@ -4,7 +4,7 @@
 
 use bsm_kin::Jet;
 
-use super::solve::{Lubricated, LubricatedModel, lost};
+use super::solve::{LubricatedBall, LubricatedModel, lost};
 use crate::contact::{Temperature, efficiency};
 use crate::models::ball::{EhlPoint, LubricatedState, NoAnswer, Performance};
 use crate::models::raceway_control::RacewayControl;
@@ -13,7 +13,7 @@ use crate::models::workspace::ModelWorkspace;
 /// Temperature step of a finite difference \[K\]: the losses bend over tens of kelvins.
 const DIFFERENCE_STEP: f64 = 1e-3;
 
-impl<const M: usize> Lubricated<Jet<M>> {
+impl<const M: usize> LubricatedBall<Jet<M>> {
     /// Efficiency and torque with their derivatives.
     pub(crate) fn sensitivities(
         &self,
@@ -38,7 +38,7 @@ impl<const M: usize> Lubricated<Jet<M>> {
     }
 
     /// The same without derivatives.
-    fn values(&self) -> Lubricated {
+    fn values(&self) -> LubricatedBall {
         let model = match &self.model {
             LubricatedModel::RacewayControl(case, friction) => {
                 let (screw, control) = (case.at.values(), case.control);
@@ -46,7 +46,7 @@ impl<const M: usize> Lubricated<Jet<M>> {
             }
             LubricatedModel::Traction(case) => LubricatedModel::Traction(case.values()),
         };
-        Lubricated { lubricant: self.lubricant.map(|x| x.re), model }
+        LubricatedBall { lubricant: self.lubricant.map(|x| x.re), model }
     }
 
     /// Efficiency and torque at a temperature \[K\], and all that is lost \[W\].

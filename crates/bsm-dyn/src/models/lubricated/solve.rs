@@ -42,7 +42,7 @@ pub enum LubricatedModel<D = f64> {
 
 /// A screw with a lubricant at an operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lubricated<D = f64> {
+pub struct LubricatedBall<D = f64> {
     /// What friction comes from.
     pub lubricant: Lubricant<D>,
     /// What the ball does with it.
@@ -88,7 +88,7 @@ impl RacewayFriction {
     }
 }
 
-impl<D: Scalar> Lubricated<D> {
+impl<D: Scalar> LubricatedBall<D> {
     /// The screw.
     pub(crate) fn screw(&self) -> &ElasticPoint<D> {
         match &self.model {
@@ -126,7 +126,7 @@ const WARMING: f64 = 5.0;
 const HOTTEST: f64 = ZERO_CELSIUS + 180.0;
 const TEMPERATURE_TOLERANCE: f64 = 1e-9;
 
-impl Lubricated {
+impl LubricatedBall {
     /// The model that answers.
     pub fn name(&self) -> Model {
         match self.model {

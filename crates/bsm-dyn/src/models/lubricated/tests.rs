@@ -70,7 +70,7 @@ fn rolling(screw: ElasticPoint) -> LubricatedModel {
 }
 
 fn solved(lubricant: Lubricant, model: LubricatedModel) -> SteadyState {
-    let solution = Lubricated { lubricant, model }.solve(&mut ModelWorkspace::default());
+    let solution = LubricatedBall { lubricant, model }.solve(&mut ModelWorkspace::default());
     *solution.solved().unwrap_or_else(|| panic!("{:?}", solution.reason()))
 }
 
@@ -150,7 +150,7 @@ fn the_band_is_a_quarter_either_way_while_the_ball_rolls() {
         (4000.0, 8000.0, 0.67, 1.22),
         (1500.0, 1500.0, 0.62, 1.23),
     ] {
-        let case = Lubricated { lubricant: vg_68(), model: rolling(feed_drive(rpm, axial)) };
+        let case = LubricatedBall { lubricant: vg_68(), model: rolling(feed_drive(rpm, axial)) };
         let solution = case.solve(&mut work);
         let band = case.band(solution.solved().unwrap(), &mut work).unwrap();
         println!("{rpm} {axial}: {band:?}");
@@ -228,7 +228,7 @@ fn extremes_have_numbers_or_none() {
                 lubricant.oil.viscosities = [viscosity, 0.6 * viscosity];
                 for model in [traction(feed_drive(rpm, axial)), rolling(feed_drive(rpm, axial))] {
                     points += 1;
-                    let solution = Lubricated { lubricant, model }.solve(&mut work);
+                    let solution = LubricatedBall { lubricant, model }.solve(&mut work);
                     let Some(solved) = solution.solved() else { continue };
                     answers += 1;
                     let film = solved.film.unwrap();
@@ -322,7 +322,7 @@ fn unsolved(seed: u64, points: u64) -> u64 {
     let mut failed = 0;
     for _ in 0..points {
         let (screw, lubricant) = everyday(&mut rng);
-        let solution = Lubricated { lubricant, model: traction(screw) }.solve(&mut work);
+        let solution = LubricatedBall { lubricant, model: traction(screw) }.solve(&mut work);
         if solution.solved().is_none() {
             failed += 1;
             println!("{:?} {screw:?} {lubricant:?}", solution.reason());
@@ -374,7 +374,7 @@ fn cost_of_a_lubricant() {
     let (mut traction_ratios, mut raceway_ratios) = (Vec::new(), Vec::new());
     while micros[0].len() < 400 {
         let (screw, lubricant) = everyday(&mut rng);
-        let case = Lubricated { lubricant, model: traction(screw) };
+        let case = LubricatedBall { lubricant, model: traction(screw) };
         let solution = case.solve(&mut ModelWorkspace::default());
         let Some(film) = solution.solved().and_then(|solved| solved.film) else { continue };
         let bound = solution.solved().and_then(|solved| solved.error);
@@ -385,12 +385,12 @@ fn cost_of_a_lubricant() {
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
         let dry_traction = Traction { at: dry, accuracy, creep };
         let dry_raceway = RacewayControl { at: dry, control: None };
-        let raceway = Lubricated { lubricant, model: rolling(screw) };
+        let raceway = LubricatedBall { lubricant, model: rolling(screw) };
         let at_once = LubricatedModel::RacewayControl(
             RacewayControl { at: screw, control: None },
             RacewayFriction::PerContact,
         );
-        let at_once = Lubricated { lubricant, model: at_once };
+        let at_once = LubricatedBall { lubricant, model: at_once };
         let times = [
             time(&mut |work| drop(dry_traction.solve(&mut work.traction))),
             time(&mut |work| drop(case.solve(work))),

@@ -18,7 +18,7 @@ use crate::models::ball::{
 };
 
 /// Newton steps behind a bracket.
-const MOST_STEPS: usize = 8;
+const MOST_STEPS_FROM_BRACKET: usize = 8;
 
 /// Passes of the rising bound (W14). Each is a fixed-point step, as Newton's may pass the first root; thousands are needed
 /// where the centrifugal force nearly touches what the flanks hold.
@@ -195,7 +195,7 @@ impl Balance<'_> {
         // The displacement is a difference of lengths: down to their rounding.
         let options = Options {
             residual_goal: 3e-15,
-            max_steps: MOST_STEPS,
+            max_steps: MOST_STEPS_FROM_BRACKET,
             jacobian: JacobianUpdate::EveryTrial { chord_below: 0.0 },
             ..Options::default()
         };

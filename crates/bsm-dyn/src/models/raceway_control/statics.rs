@@ -14,7 +14,7 @@ use crate::models::ball::{LoadedContact, ScaledBall};
 pub(crate) const STATIC: usize = 2;
 
 /// Newton steps before a root is looked for in another way.
-const MOST_STEPS: usize = 6;
+const MOST_STATIC_STEPS: usize = 6;
 
 /// Steps to a closed triangle: as many halvings lead to rounding, and what that is.
 const MOST_CLOSING: usize = 60;
@@ -124,7 +124,7 @@ impl<F: Compare> StaticBalance<F> {
 
     /// Inertia (W17) up to which no ball was seen to have a second root: the least of those that have one is
     /// 3.8, and (W15) excludes one below 0.25.
-    const UNIQUE_BELOW: f64 = 2.0;
+    const UNIQUE_INERTIA: f64 = 2.0;
 
     /// Equal angles, turned apart by their centrifugal force unless that is too much.
     ///
@@ -145,7 +145,7 @@ impl<F: Compare> StaticBalance<F> {
     /// Newton steps where none has been the last.
     #[inline(always)]
     pub fn iterate(&self, at: &mut StaticState<F>) {
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MOST_STATIC_STEPS {
             if !F::any(!at.converged) {
                 break;
             }
@@ -229,7 +229,7 @@ impl<F: Compare> StaticBalance<F> {
         let nut = self.nut_speed;
         let outwards = F::select(self.by_nut, nut + 1.0, self.lever - nut);
         // μ cosα |P|/W < 2, with the largest |P| that may still rise      (W17)
-        (self.inertia * outwards).lt(nut.constant(Self::UNIQUE_BELOW))
+        (self.inertia * outwards).lt(nut.constant(Self::UNIQUE_INERTIA))
     }
 
     /// Where (W15) shows that no other root on the flanks has a smaller difference of the angles.

@@ -68,7 +68,7 @@ struct BranchSet<F: Field> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CurveSample {
     pub(super) slip_turn: f64,
-    pub(super) sheets: [Option<CurvePoint>; 4],
+    pub(super) branches: [Option<CurvePoint>; 4],
 }
 
 /// A state of the ball that solves all equations but the one for its inertia (R42).
@@ -177,20 +177,20 @@ impl WithSimd for CurveSamples<'_> {
         }
         for first in (0..turns.len()).step_by(Lane::<S>::LEN) {
             let sin = Lane::<S>::load(simd, &sines[first..]);
-            let sheets = curve.states([sin, Lane::load(simd, &cosines[first..])]);
+            let branches = curve.states([sin, Lane::load(simd, &cosines[first..])]);
             for i in first..turns.len().min(first + Lane::<S>::LEN) {
                 let sample =
-                    samples[i].insert(CurveSample { slip_turn: turns[i], sheets: [None; 4] });
+                    samples[i].insert(CurveSample { slip_turn: turns[i], branches: [None; 4] });
                 for k in 0..4 {
                     // Most directions are none.
-                    if sheets[k][0].as_slice()[i - first].is_nan() {
+                    if branches[k][0].as_slice()[i - first].is_nan() {
                         continue;
                     }
                     let mut numbers = [0.0; NUMBERS];
                     for n in 0..NUMBERS {
-                        numbers[n] = sheets[k][n].as_slice()[i - first];
+                        numbers[n] = branches[k][n].as_slice()[i - first];
                     }
-                    sample.sheets[k] = Some(CurvePoint::of(turns[i], &numbers));
+                    sample.branches[k] = Some(CurvePoint::of(turns[i], &numbers));
                 }
             }
         }
@@ -251,7 +251,7 @@ impl Curve {
 
     /// Everything that the direction of slip at B tells, from the sine and cosine of its turn.
     #[inline(always)]
-    fn fan<F: Compare>(&self, [sin, cos]: [F; 2]) -> BranchSet<F> {
+    fn branch_set<F: Compare>(&self, [sin, cos]: [F; 2]) -> BranchSet<F> {
         let Self { signed: f, contact: [sin_b, cos_b], psi: [sin_psi, cos_psi], axis, .. } = *self;
         let [k_e, k_t] = axis;
         let (zero, one) = (sin.constant(0.0), sin.constant(1.0));
@@ -328,60 +328,60 @@ impl Curve {
     #[inline(always)]
     fn states<F: Compare>(&self, slip_turn: [F; 2]) -> [[F; NUMBERS]; 4] {
         cost::evaluated();
-        let fan = self.fan(slip_turn);
+        let set = self.branch_set(slip_turn);
         let one = slip_turn[0].constant(1.0);
         // B₀ X Δ M = C₀ (B₀ N₁/(k_t d) + ω N₂),  C₀ = 5 F sinβ cosβ r_m/r_b  (R41)
-        let drive = if self.nut == 0.0 { one } else { fan.drive };
+        let drive = if self.nut == 0.0 { one } else { set.drive };
         let per_turn = drive * (1.0 / (self.axis[1] * self.arc));
-        let moving = fan.advance.combined(per_turn, &fan.resistance, one * self.nut);
+        let moving = set.advance.combined(per_turn, &set.resistance, one * self.nut);
         let balance =
-            fan.cross.times(&fan.centrifugal).combined(drive, &moving, one * -self.gyration);
+            set.cross.times(&set.centrifugal).combined(drive, &moving, one * -self.gyration);
         let zeros = balance.zeros();
-        let mut sheets = [[one; NUMBERS]; 4];
+        let mut branches = [[one; NUMBERS]; 4];
         for i in 0..4 {
-            sheets[i] = self.point(&fan, zeros[i]);
+            branches[i] = self.point(&set, zeros[i]);
         }
-        sheets
+        branches
     }
 
     /// The numbers of the state of one direction of friction.
     #[inline(always)]
-    fn point<F: Compare>(&self, fan: &BranchSet<F>, c: [F; 2]) -> [F; NUMBERS] {
+    fn point<F: Compare>(&self, set: &BranchSet<F>, c: [F; 2]) -> [F; NUMBERS] {
         let [k_e, k_t] = self.axis;
-        let denominator = fan.denominator.at(c);
+        let denominator = set.denominator.at(c);
         let per_denominator = denominator.recip();
-        let load = fan.curvature * per_denominator;
+        let load = set.curvature * per_denominator;
         let own = [load * c[0], load * c[1]];
-        let other = [fan.other[0].at(c) * per_denominator, fan.other[1].at(c) * per_denominator];
-        let (zero, larger) = (load.constant(0.0), load + fan.gap);
-        let loads = [F::select(fan.at_nut, load, larger), F::select(fan.at_nut, larger, load)];
+        let other = [set.other[0].at(c) * per_denominator, set.other[1].at(c) * per_denominator];
+        let (zero, larger) = (load.constant(0.0), load + set.gap);
+        let loads = [F::select(set.at_nut, load, larger), F::select(set.at_nut, larger, load)];
         let mut friction = [own, other];
         for k in 0..2 {
-            friction[0][k] = F::select(fan.at_nut, own[k], other[k]);
-            friction[1][k] = F::select(fan.at_nut, other[k], own[k]);
+            friction[0][k] = F::select(set.at_nut, own[k], other[k]);
+            friction[1][k] = F::select(set.at_nut, other[k], own[k]);
         }
         // V_A = B₀ S/N₂,  G = B₀ Δ X/N₂,  p = B₀ N₁/(k_t d N₂)            (R40)
         let (resistance, centrifugal, cross) =
-            (fan.resistance.at(c), fan.centrifugal.at(c), fan.cross.at(c));
-        let scale = fan.drive / resistance;
-        let slip = [scale * fan.slip[0].at(c), scale * fan.slip[1].at(c)];
-        let precession = scale * fan.advance.at(c) * (1.0 / (k_t * self.arc));
-        let at_unloaded = [slip[0], slip[1] + scale * denominator * cross * fan.b[1] * (2.0 / k_t)];
+            (set.resistance.at(c), set.centrifugal.at(c), set.cross.at(c));
+        let scale = set.drive / resistance;
+        let slip = [scale * set.slip[0].at(c), scale * set.slip[1].at(c)];
+        let precession = scale * set.advance.at(c) * (1.0 / (k_t * self.arc));
+        let at_unloaded = [slip[0], slip[1] + scale * denominator * cross * set.b[1] * (2.0 / k_t)];
         let at_screw = [-slip[0] - k_t, precession * (2.0 * self.arc) - slip[1] + (k_e - self.arc)];
         // μ A (B₀ X)² Δ (Δ M) = (C₀ N₂)²                                  (R42)
-        let rate_sign = fan.drive * cross;
+        let rate_sign = set.drive * cross;
         let part = rate_sign * (1.0 / self.gyration);
-        let given = fan.axial * self.inertia * (part * part) * denominator * centrifugal;
+        let given = set.axial * self.inertia * (part * part) * denominator * centrifugal;
         let demands = [
-            fan.curvature,
+            set.curvature,
             denominator,
             loads[0],
             loads[1],
-            fan.axial,
+            set.axial,
             centrifugal,
             dot(slip, friction[0]),
             dot(at_unloaded, friction[1]),
-            dot(at_screw, fan.b),
+            dot(at_screw, set.b),
         ];
         let mut violated = zero;
         for demand in demands {
@@ -391,14 +391,14 @@ impl Curve {
         [
             c[0],
             c[1],
-            F::select(fan.at_nut, zero.constant(1.0), zero),
+            F::select(set.at_nut, zero.constant(1.0), zero),
             friction[0][0],
             friction[0][1],
             friction[1][0],
             friction[1][1],
             loads[0],
             loads[1],
-            fan.axial,
+            set.axial,
             centrifugal * per_denominator,
             precession,
             precession + self.nut,

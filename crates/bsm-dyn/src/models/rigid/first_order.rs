@@ -8,15 +8,15 @@ use bsm_simd::Compare;
 use super::ball::RigidBall;
 use super::sweep::Directions;
 
-/// Crowding (R45) up to which no point was seen to have a second root: the least of those that have one
+/// Multiplicity (R45) up to which no point was seen to have a second root: the least of those that have one
 /// is 1.8.
-const UNIQUE_BELOW: f64 = 1.0;
+const UNIQUE_MULTIPLICITY: f64 = 1.0;
 
-/// Friction from which that is so: at a coefficient of 6e-6 a ball was seen to have a second root at a crowding of 0.08,
+/// Friction from which that is so: at a coefficient of 6e-6 a ball was seen to have a second root at a multiplicity of 0.08,
 /// on an arc as short as friction is small.
 pub(super) const UNIQUE_FROM: f64 = 1e-3;
 
-/// Crowding (R45) from which second roots are looked for: below, one point in 10 000 has any.
+/// Multiplicity (R45) from which second roots are looked for: below, one point in 10 000 has any.
 pub(super) const SEARCHED_FROM: f64 = 300.0;
 
 /// First-order solution in the inertia ratio.
@@ -89,14 +89,14 @@ impl<F: Compare> RigidBall<F> {
 impl<F: Compare> FirstOrder<F> {
     /// Where second roots are looked for, and the sweeps do not say which root is meant.
     #[inline(always)]
-    pub(super) fn is_crowded(&self) -> F::Mask {
+    pub(super) fn has_high_multiplicity(&self) -> F::Mask {
         self.multiplicity.constant(SEARCHED_FROM).le(self.multiplicity)
     }
 
     /// Where the point is known to have no second root.
     #[inline(always)]
     pub fn is_unique(&self) -> F::Mask {
-        self.multiplicity.lt(self.multiplicity.constant(UNIQUE_BELOW))
+        self.multiplicity.lt(self.multiplicity.constant(UNIQUE_MULTIPLICITY))
             & self.friction.gt(self.multiplicity.constant(UNIQUE_FROM))
     }
 

@@ -26,7 +26,7 @@ const SMALL_INERTIA: f64 = 0.01;
 const FIRST_ORDER_ERROR: f64 = 0.1;
 
 /// A solve may take this many steps; more means that the start was not near the root.
-const MOST_STEPS: usize = 8;
+const MOST_STEPS_NEAR_ROOT: usize = 8;
 
 /// Roots whose loads differ by less, relative, are one.
 const SAME: f64 = 1e-6;
@@ -73,8 +73,8 @@ struct RootSearch<'a> {
 /// Finds the root, or the reason why there is none.
 ///
 /// Of several admissible roots the one of smallest positive turn of the slip at B, then of smallest
-/// negative: the first that the branch of small inertia meets. They are looked for where the first order is
-/// [crowded](FirstOrder::is_crowded).
+/// negative: the first that the branch of small inertia meets. They are looked for where the first order has a
+/// [high multiplicity](FirstOrder::has_high_multiplicity).
 ///
 /// A hair from self-locking the loads are so large that their rounding misleads all searches. Where the
 /// first order has a root by more than its error, there is one.
@@ -83,9 +83,9 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
     let inertia = first.inertia_scale / ball.friction();
     let mut search = RootSearch { ball, first, inertia, met: None, work };
     let found = first_answer(&mut search, &RootSearch::STRATEGIES).map(|root| {
-        // Without crowding no search is due, and an empty list of one is dropped: a row of a table and
+        // At a low multiplicity no search is due, and an empty list of one is dropped: a row of a table and
         // the model report the same.
-        let met = root.alternatives.filter(|met| first.is_crowded() || !met.is_empty());
+        let met = root.alternatives.filter(|met| first.has_high_multiplicity() || !met.is_empty());
         let alternatives = met.or(first.is_unique().then(Vec::new));
         BallRoot { alternatives, ..root }
     });
@@ -268,7 +268,7 @@ fn run(
     residual_goal: f64,
     work: &mut RigidWorkspace,
 ) -> Report {
-    let options = Options { residual_goal, max_steps: MOST_STEPS, ..Options::default() };
+    let options = Options { residual_goal, max_steps: MOST_STEPS_NEAR_ROOT, ..Options::default() };
     let scales = Scales { x: &[1.0; BALL], f: weights };
     solve(system, &mut y.data.0[0], &scales, &options, &mut work.0)
 }

@@ -29,8 +29,8 @@ const NEAREST: f64 = 1e-4;
 const MOST_TURNS: usize = 200;
 
 /// A direction moves less than this in a step, as the square of its distance on the unit circle:
-/// it distinguishes the sheets.
-const NEAR: f64 = 0.04;
+/// it distinguishes the branches.
+const BRANCH_DISTANCE: f64 = 0.04;
 
 /// Below this excess at both ends of a step, two roots may be in it.
 const CLOSE: f64 = 0.2;
@@ -38,7 +38,7 @@ const CLOSE: f64 = 0.2;
 /// Where a demand breaks, inertia that is this far off at both ends of a step has no root in it.
 const FAR: f64 = 0.99;
 
-/// Most halvings of a step where a sheet that may have a root ends or moves far; and where a demand breaks or two
+/// Most halvings of a step where a branch that may have a root ends or moves far; and where a demand breaks or two
 /// roots may be close: those that take as long as one.
 const LOST: u32 = 45;
 const PAIR: u32 = 3;
@@ -99,25 +99,25 @@ fn least(value: impl Fn(usize) -> f64) -> usize {
 }
 
 impl CurveSample {
-    /// True if a sheet keeps all demands, or one of each sample together do: else no root is between them.
+    /// True if a branch keeps all demands, or one of each sample together do: else no root is between them.
     fn may_meet(&self, other: &Self) -> bool {
         let violated = |point: &CurvePoint| point.violated;
-        let two = || other.sheets.iter().flatten().map(violated);
+        let two = || other.branches.iter().flatten().map(violated);
         let met = |i: u16| i == 0 || two().any(|j| i & j == 0);
-        self.sheets.iter().flatten().map(violated).any(met) || two().any(|j| j == 0)
+        self.branches.iter().flatten().map(violated).any(met) || two().any(|j| j == 0)
     }
 
-    /// The sheets of both samples that are nearest to each other.
+    /// The branches of both samples that are nearest to each other.
     fn pairs(&self, other: &Self) -> [Option<(usize, usize)>; 4] {
-        let distance = self.sheets.each_ref().map(|one| {
-            other.sheets.each_ref().map(|two| match (one, two) {
+        let distance = self.branches.each_ref().map(|one| {
+            other.branches.each_ref().map(|two| match (one, two) {
                 (Some(one), Some(two)) => one.distance(two).min(f64::INFINITY),
                 _ => f64::INFINITY,
             })
         });
         std::array::from_fn(|i| {
             let j = least(|j| distance[i][j]);
-            let are = self.sheets[i].is_some() && other.sheets[j].is_some();
+            let are = self.branches[i].is_some() && other.branches[j].is_some();
             (are && least(|i| distance[i][j]) == i).then_some((i, j))
         })
     }
@@ -171,7 +171,7 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> CurveSearch<'a, F> {
     /// Counts a sample, and notes its admissible states.
     fn record(&mut self, sample: &CurveSample) {
         self.samples += 1;
-        for point in sample.sheets.iter().flatten().filter(|point| point.violated == 0) {
+        for point in sample.branches.iter().flatten().filter(|point| point.violated == 0) {
             let far = |ratio: f64| (ratio / self.curve.inertia).max(self.curve.inertia / ratio);
             let here = point.inertia_ratio();
             if self.nearest_inertia.is_none_or(|nearest| far(here) < far(nearest)) {
@@ -194,24 +194,24 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> CurveSearch<'a, F> {
             return false;
         }
         let pairs = a.pairs(b);
-        // A sheet that may have a root and has no partner.
+        // A branch that may have a root and has no partner.
         let branch_lost = (0..4).any(|i| {
             let alone = |branch: &Option<CurvePoint>, paired: bool| {
                 !paired && branch.as_ref().is_some_and(|point| point.violated == 0)
             };
-            alone(&a.sheets[i], pairs[i].is_some())
-                || alone(&b.sheets[i], pairs.iter().flatten().any(|(_, j)| *j == i))
+            alone(&a.branches[i], pairs[i].is_some())
+                || alone(&b.branches[i], pairs.iter().flatten().any(|(_, j)| *j == i))
         });
         // Pairs that may have one: no demand is broken at both ends.
         let live = pairs.map(|pair| {
             let (one, other) =
-                pair.and_then(|(i, j)| a.sheets[i].as_ref().zip(b.sheets[j].as_ref()))?;
+                pair.and_then(|(i, j)| a.branches[i].as_ref().zip(b.branches[j].as_ref()))?;
             (one.violated & other.violated == 0).then_some((one, other))
         });
         let any = |test: fn(&CurvePoint, &CurvePoint) -> bool| {
             live.iter().flatten().any(|(one, other)| test(one, other))
         };
-        let most = if branch_lost || any(|one, other| one.distance(other) > NEAR) {
+        let most = if branch_lost || any(|one, other| one.distance(other) > BRANCH_DISTANCE) {
             LOST
         } else if any(breaks) || any(is_close) {
             PAIR
@@ -243,17 +243,17 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> CurveSearch<'a, F> {
         })
     }
 
-    /// Visits the root between two points of one sheet if there is one.
+    /// Visits the root between two points of one branch if there is one.
     fn crossing(&mut self, one: &CurvePoint, other: &CurvePoint) -> bool {
         if (one.inertia_residual() > 0.0) == (other.inertia_residual() > 0.0) {
             return false;
         }
         let root = self.bracketed(one, other, CurvePoint::inertia_residual, ENOUGH);
-        // Where two sheets are mistaken for one, rounding ends up between them instead.
+        // Where two branches are mistaken for one, rounding ends up between them instead.
         root.violated == 0 && root.inertia_residual().abs() < CLOSE && (self.accept)(&root)
     }
 
-    /// The point between two points of one sheet where `value` changes sign.
+    /// The point between two points of one branch where `value` changes sign.
     fn bracketed(
         &mut self,
         one: &CurvePoint,
@@ -270,7 +270,7 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> CurveSearch<'a, F> {
             let mut samples = [None; BLOCK];
             self.samples(&[slip_turn], &mut samples);
             let near = |point: &CurvePoint| point.distance(&ends[0]).min(point.distance(&ends[1]));
-            let points = samples.iter().flatten().flat_map(|sample| &sample.sheets).flatten();
+            let points = samples.iter().flatten().flat_map(|sample| &sample.branches).flatten();
             points.min_by(|x, y| near(x).total_cmp(&near(y))).map_or(f64::NAN, |point| {
                 let value = value(point);
                 ends[usize::from((value > 0.0) == rises)] = *point;

@@ -47,7 +47,9 @@ impl<F: Compare> RigidBall<F> {
     pub fn sweeps(&self, first: &FirstOrder<F>) -> Sweeps<F> {
         let one = self.constant(1.0);
         let inertia = first.inertia_scale / self.friction();
-        let guided = first.pushes() & !first.is_crowded() & inertia.lt(self.constant(MOST_INERTIA));
+        let guided = first.pushes()
+            & !first.has_high_multiplicity()
+            & inertia.lt(self.constant(MOST_INERTIA));
         let (mut directions, mut last) = (first.next, first.change);
         let mut moving = guided;
         let mut count = one + 1.0;

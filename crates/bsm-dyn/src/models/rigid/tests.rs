@@ -341,7 +341,7 @@ fn an_arc_of_its_own_has_a_solution() {
     let [transverse, _] = met.roots[1].motion.directions[0];
     assert!(transverse < -0.99, "{transverse}");
     // No search is made there: unknown is not none.
-    assert!(!start.is_unique() && !start.is_crowded());
+    assert!(!start.is_unique() && !start.has_high_multiplicity());
     assert_eq!(Rigid { point: rigid }.solve(&mut work).answer.expect("a root").alternatives, None);
 }
 
@@ -350,7 +350,7 @@ fn states(curve: &Curve, turn: f64) -> impl Iterator<Item = curve::CurvePoint> {
     let mut samples = [None; bsm_simd::BLOCK];
     curve.samples(&[turn], &mut samples);
     let [sample, ..] = samples;
-    sample.into_iter().flat_map(|sample| sample.sheets).flatten()
+    sample.into_iter().flat_map(|sample| sample.branches).flatten()
 }
 
 /// Every state of the curve is a root of the seven equations of the inertia that it belongs to.

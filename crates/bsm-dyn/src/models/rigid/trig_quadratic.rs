@@ -21,7 +21,7 @@ const DIRECTIONS: [[f64; 2]; 8] = [
 
 /// Last step of a root: the error behind it is of the order of its cube, of two equal roots of its own.
 const LAST_STEP: f64 = 1e-7;
-const MOST_STEPS: usize = 80;
+const MOST_HALLEY_STEPS: usize = 80;
 
 /// `$a_0 + a_1 c + a_2 s$` of a direction `(c, s)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -202,7 +202,7 @@ fn between<F: Compare, const A: usize, const N: usize>(
         converged[i] = !crosses[i];
         t[i] = (low[i] + high[i]) * 0.5;
     }
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MOST_HALLEY_STEPS {
         let mut moving = no;
         for i in 0..N {
             moving = moving | !converged[i];

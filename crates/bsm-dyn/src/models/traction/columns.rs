@@ -6,23 +6,19 @@
 //! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T10), (T23).
 
 use std::array::from_fn;
-use std::cell::{Ref, RefCell, RefMut};
 use std::f64::consts::FRAC_PI_2;
 
 use bsm_kin::Jet;
-use bsm_newton::{Equations, EvalError, Report, Scales, solve};
+use bsm_newton::EvalError;
 use bsm_simd::{Arch, BLOCK, Compare, Lane, Simd, WithSimd};
 
 use super::equations::{Lubrication, OMEGA, SlipBall};
-use super::slips::first_part;
 use crate::contact::torque;
 use crate::cost;
 use crate::ellipse::{Dry, OilLaw, Patch, PointLaw, Resultants, SUMS, sums};
 use crate::models::ball::equation::{AXIAL_LOAD, FORCE, MOMENT};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
-use crate::models::ball::{
-    BALL, EhlPoint, FILM_LOAD_EXPONENT, ROWS, ScaledBall, ScaledFilm, Workspace, linear,
-};
+use crate::models::ball::{BALL, EhlPoint, FILM_LOAD_EXPONENT, ScaledBall, ScaledFilm, linear};
 
 /// What belongs to a state, all scaled.
 #[derive(Debug, Clone, Copy)]
@@ -71,7 +67,7 @@ impl SlipBall<'_> {
     }
 
     /// The same in place; without `JACOBIAN` derivatives may stay those of another state.
-    fn evaluate<const JACOBIAN: bool>(
+    pub(super) fn evaluate<const JACOBIAN: bool>(
         &self,
         y: &[f64; BALL],
         found: &mut EquationValues,
@@ -143,12 +139,6 @@ impl<F: Copy> EquationValues<F> {
     }
 }
 
-/// The equations of a ball, and where they were last evaluated.
-pub(super) struct LastEvaluation<'a> {
-    pub(super) ball: &'a SlipBall<'a>,
-    last: RefCell<(Option<[f64; BALL]>, EquationValues)>,
-}
-
 /// Torque on the screw, the power that friction takes, and that of sliding at nut and screw; scaled.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PowerFlow<F = f64> {
@@ -161,78 +151,6 @@ impl<F: Copy> PowerFlow<F> {
     #[inline(always)]
     fn zero(zero: F) -> Self {
         Self { torque: zero, power: zero, sliding: [zero; 2] }
-    }
-}
-
-impl<'a> LastEvaluation<'a> {
-    pub(super) fn new(ball: &'a SlipBall<'a>) -> Self {
-        Self { ball, last: RefCell::new((None, EquationValues::zero(0.0))) }
-    }
-
-    /// What belongs to a state.
-    fn evaluated<const JACOBIAN: bool>(
-        &self,
-        y: &[f64; BALL],
-    ) -> Result<RefMut<'_, EquationValues>, EvalError> {
-        let mut last = self.last.borrow_mut();
-        last.0 = None;
-        self.ball.evaluate::<JACOBIAN>(y, &mut last.1)?;
-        last.0 = Some(*y);
-        Ok(RefMut::map(last, |(_, found)| found))
-    }
-
-    /// What belongs to a state, which mostly was the last one, with the derivatives where they were last asked for.
-    pub(super) fn at(&self, y: &[f64; BALL]) -> Result<Ref<'_, EquationValues>, EvalError> {
-        let is_last = |last: [f64; BALL]| last.map(f64::to_bits) == y.map(f64::to_bits);
-        if !self.last.borrow().0.is_some_and(is_last) {
-            self.evaluated::<false>(y)?;
-        }
-        Ok(Ref::map(self.last.borrow(), |(_, found)| found))
-    }
-}
-
-impl SlipBall<'_> {
-    /// One damped Newton solve from `y`.
-    pub(super) fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
-        LastEvaluation::new(self).run(y, newton)
-    }
-}
-
-impl LastEvaluation<'_> {
-    pub(super) fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
-        let weights = self.ball.weights(y);
-        let scales = Scales { x: &[1.0; BALL], f: &weights };
-        solve(self, y, &scales, &self.ball.options(), newton)
-    }
-}
-
-impl Equations<BALL> for LastEvaluation<'_> {
-    fn retract(&self, x: &[f64; BALL], dx: &[f64; BALL], lambda: f64) -> [f64; BALL] {
-        self.ball.slid(x, &dx.map(|dx| lambda * dx))
-    }
-
-    fn first_part(&self, x: &[f64; BALL], dx: &[f64; BALL]) -> f64 {
-        first_part(self.ball.contacts.scaled.lead, x, dx)
-    }
-
-    fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {
-        Ok(self.evaluated::<false>(x)?.residual)
-    }
-
-    fn linearize(
-        &self,
-        x: &[f64; BALL],
-        rows: &mut [[f64; BALL]; BALL],
-    ) -> Result<[f64; BALL], EvalError> {
-        let found = self.evaluated::<true>(x)?;
-        for (to, from) in rows.iter_mut().zip(&found.rows) {
-            to.copy_from_slice(&from[..BALL]);
-        }
-        Ok(found.residual)
-    }
-
-    fn equation(&self, i: usize) -> String {
-        ROWS[i].to_owned()
     }
 }
 

@@ -24,7 +24,7 @@ pub(super) const OMEGA: [usize; 3] = [4, 5, 6];
 pub(super) const COARSE: f64 = 1e-4;
 pub(super) const SEARCH: f64 = 1e-6;
 /// Residual from which the first try is left to the quadrature that is asked for.
-pub(super) const NEAR: f64 = 1e-3;
+pub(super) const COARSE_RESIDUAL: f64 = 1e-3;
 /// Residual from which a last step, which is not evaluated, leads to the root.
 pub(super) const ROOT: f64 = 1e-10;
 /// Residual below which steps keep the Jacobian; that whose square is enough, if it is larger.
@@ -42,7 +42,7 @@ pub(super) struct SlipBall<'a, P = f64> {
     pub(super) contacts: &'a ElasticContacts<P>,
     pub(super) quadrature: &'a Quadrature,
     /// Numbers of nodes near a root; by the slip elsewhere.
-    pub(super) plans: Option<&'a [OnceCell<FrozenRule>; 2]>,
+    pub(super) frozen_rules: Option<&'a [OnceCell<FrozenRule>; 2]>,
     pub(super) creep: f64,
     /// The residual that is small enough for a root, and the one that is aimed at.
     pub(super) enough: f64,
@@ -157,13 +157,16 @@ impl<P: Scalar> SlipBall<'_, P> {
 
     /// The nodes at nut (0) or screw (1).
     pub(super) fn nodes(&self, i: usize) -> Placement<'_> {
-        let (rule, plan) = (self.quadrature, self.plans.map(|plans| &plans[i]));
-        Placement { rule, plan, coarse: self.is_first_try() && self.lubrication.is_none() }
+        Placement {
+            rule: self.quadrature,
+            frozen_rule: self.frozen_rules.map(|rules| &rules[i]),
+            coarse: self.is_first_try() && self.lubrication.is_none(),
+        }
     }
 
     /// True if its root is only a start for another quadrature or creep speed.
     pub(super) fn is_first_try(&self) -> bool {
-        self.enough >= NEAR
+        self.enough >= COARSE_RESIDUAL
     }
 
     /// What the unknown of the precession leaves out of its rate: the nut's speed where that is far
@@ -212,7 +215,7 @@ impl<'a, P> SlipBall<'a, P> {
         Self {
             contacts,
             quadrature,
-            plans: None,
+            frozen_rules: None,
             creep,
             enough: 1e-12,
             nut_chart: false,

@@ -7,8 +7,8 @@ use std::cell::OnceCell;
 use bsm_kin::{Helix, Jet};
 use bsm_newton::{Continuation, follow};
 
-use super::columns::LastEvaluation;
-use super::equations::{COARSE, Lubrication, NEAR, SEARCH, SlipBall, SlipState};
+use super::equations::{COARSE, COARSE_RESIDUAL, Lubrication, SEARCH, SlipBall, SlipState};
+use super::newton::LastEvaluation;
 use super::root::{BRIEF, FULL_STEPS, RootWithPower, SlipRoot};
 use super::{Start, Traction, TractionWorkspace};
 use crate::contact::ideal_torque;
@@ -116,7 +116,7 @@ struct ScaledRoot {
     contacts: ElasticContacts,
     rolling_ball: RollingBall,
     refined: RootWithPower,
-    plans: [OnceCell<FrozenRule>; 2],
+    frozen_rules: [OnceCell<FrozenRule>; 2],
     steps: usize,
     /// What the quadrature may leave in the efficiency of the contacts (T25).
     error: f64,
@@ -145,8 +145,10 @@ impl Traction {
         let [rough, smooth, fine] =
             rules.map(|[rule, _]| SlipBall::of_contacts(&contacts, rule, creep).lubricated(ehl));
         let [.., [_, check]] = rules;
-        let (coarse, rough) =
-            (SlipBall { enough: NEAR, ..coarse }, SlipBall { enough: NEAR, ..rough });
+        let (coarse, rough) = (
+            SlipBall { enough: COARSE_RESIDUAL, ..coarse },
+            SlipBall { enough: COARSE_RESIDUAL, ..rough },
+        );
         let mut steps = rolling_ball.steps;
         let near = coarse.search_near(&rolling_ball, newton, &mut steps);
         let found = rough.search_lubricated(near.as_ref(), &rolling_ball, newton, &mut steps);
@@ -156,11 +158,11 @@ impl Traction {
             let near = search.search(&rolling_ball, newton, &mut steps).ok();
             smooth.search_lubricated(near.as_ref(), &rolling_ball, newton, &mut steps)?
         };
-        let plans = Default::default();
+        let frozen_rules = Default::default();
         let fine = SlipBall { enough: ENOUGH, ..fine };
         let refined = fine
-            .refined(&root, &plans, newton, &mut steps)
-            .or_else(|| fine.complete(1.0).refined(&root, &plans, newton, &mut steps))
+            .refined(&root, &frozen_rules, newton, &mut steps)
+            .or_else(|| fine.complete(1.0).refined(&root, &frozen_rules, newton, &mut steps))
             .ok_or(NoAnswer::LOST)?;
         let RootWithPower { root, transmitted, torque_slope, .. } = &refined;
         let checked = SlipBall { quadrature: check, ..fine.of(root) };
@@ -170,7 +172,7 @@ impl Traction {
         let torque = transmitted.torque;
         let efficiency = crate::contact::efficiency(contacts.direction.is_back(), ideal, torque);
         let error = checked.error(self.accuracy, other.as_ref(), torque_slope, efficiency, newton);
-        Ok(ScaledRoot { contacts, rolling_ball, refined, plans, steps, error })
+        Ok(ScaledRoot { contacts, rolling_ball, refined, frozen_rules, steps, error })
     }
 
     /// The steady ball with a lubricant.
@@ -217,14 +219,15 @@ impl<const M: usize> Traction<Jet<M>> {
         ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
     ) -> Result<(ElasticContacts<Jet<M>>, LubricatedState<Jet<M>>), NoAnswer> {
         let inputs = self.at.scaled()?;
-        let ScaledRoot { contacts, refined: RootWithPower { root, .. }, plans, .. } =
+        let ScaledRoot { contacts, refined: RootWithPower { root, .. }, frozen_rules, .. } =
             self.values().lubricated_root(values, traction, lubricated)?;
         let creep = self.creep * contacts.slip_scale();
         let (newton, quadrature) = (&mut traction.newton, lubricated.both(self.accuracy)[0]);
         let ball = SlipBall::of_contacts(&contacts, quadrature, creep).of(&root);
-        let system = SlipBall { plans: Some(&plans), ..ball.lubricated(values).complete(1.0) };
+        let system =
+            SlipBall { frozen_rules: Some(&frozen_rules), ..ball.lubricated(values).complete(1.0) };
         let moving = SlipBall {
-            plans: Some(&plans),
+            frozen_rules: Some(&frozen_rules),
             lubrication: Some(Lubrication { ehl, fraction: 1.0, complete: true }),
             ..SlipBall::of_contacts(&inputs, quadrature, creep).of(&root)
         };

@@ -26,7 +26,7 @@ use crate::models::ball::{BALL, ScaledBall, creep_effect};
 
 /// Residual from which the first try is left to the quadrature that is asked for: less than of a single point, as the steps
 /// there are not damped here.
-const NEAR: f64 = 1e-4;
+const COARSE_RESIDUAL_BY_LANES: f64 = 1e-4;
 
 /// Residual from which a last step leads to the root however slow the former ones, and the part to which the last one
 /// has to lower it before [`ROOT`] does.
@@ -621,7 +621,7 @@ fn approach<S: Simd>(
     let enough = (size * size).le(decrease * iterate.before * iterate.before);
     let accepted = here.exists & size.lt(infinity) & (first | enough);
     let above = iterate.at.point.creep.lt(iterate.creep);
-    let arrived = accepted & !above & size.le(size.constant(NEAR));
+    let arrived = accepted & !above & size.le(size.constant(COARSE_RESIDUAL_BY_LANES));
     let lowers = accepted & above & size.le(size.constant(LEFT));
     let step = Factors::of(found, &here, iterate.at.point.scaled.lead).step(&found.residual);
     // The last step of those that have arrived is taken.

@@ -9,8 +9,9 @@ use bsm_kin::Helix;
 use bsm_newton::{Continuation, follow};
 use bsm_simd::Block;
 
-use super::columns::{EquationValues, LastEvaluation, PowerFlow};
+use super::columns::{EquationValues, PowerFlow};
 use super::equations::{OMEGA, SlipBall, SlipState};
+use super::newton::LastEvaluation;
 use crate::contact::{POWER_BALANCE_TOL, Power, ideal_torque};
 use crate::ellipse::FrozenRule;
 use crate::models::ball::{BALL, BallLoads, Reason, Workspace, quadrature_error};
@@ -70,23 +71,23 @@ impl SlipBall<'_> {
     /// The root near one of another quadrature, if it is on the flanks, with the numbers of nodes that it
     /// has there: a root may lie where they change. `newton` keeps its Jacobian.
     ///
-    /// * `plans`: filled.
+    /// * `frozen_rules`: filled.
     pub(super) fn refined(
         &self,
         near: &SlipRoot,
-        plans: &[OnceCell<FrozenRule>; 2],
+        frozen_rules: &[OnceCell<FrozenRule>; 2],
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> Option<RootWithPower> {
         let mut unknowns = near.unknowns;
-        let ball = SlipBall { plans: Some(plans), ..self.of(near) };
-        let watched = LastEvaluation::new(&ball);
-        let report = watched.run(&mut unknowns, newton);
+        let ball = SlipBall { frozen_rules: Some(frozen_rules), ..self.of(near) };
+        let equations = LastEvaluation::new(&ball);
+        let report = equations.run(&mut unknowns, newton);
         *steps += report.steps.len();
         if !report.converged() {
             return None;
         }
-        let found = watched.at(&unknowns).ok()?;
+        let found = equations.at(&unknowns).ok()?;
         let (mut transmitted, torque_slope) = (found.transmitted, found.slope);
         // The last step is far below what a torque has as digits beyond its first order.
         for (k, step) in newton.correction(&found.residual).ok()?.into_iter().enumerate() {
@@ -141,13 +142,13 @@ impl SlipBall<'_> {
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> Result<SlipRoot, Reason> {
-        let watched = LastEvaluation::new(self);
-        let report = watched.run(&mut y, newton);
+        let equations = LastEvaluation::new(self);
+        let report = equations.run(&mut y, newton);
         *steps += report.steps.len();
         if report.converged() {
             if self.is_first_try() {
                 // As in tables, the last step is taken without an evaluation.
-                let found = watched.at(&y).ok();
+                let found = equations.at(&y).ok();
                 let last = found.and_then(|found| self.stepped(&y, &found.residual, newton));
                 y = last.unwrap_or(y);
             }

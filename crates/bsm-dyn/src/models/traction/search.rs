@@ -22,7 +22,7 @@ const SMALL_INERTIA: f64 = 1e-3;
 
 impl SlipBall<'_> {
     /// True if inertia forces are too small against friction to move the ball to another root.
-    fn is_calm(&self) -> bool {
+    fn has_small_inertia(&self) -> bool {
         let rate = self.contacts.scaled.nut_speed.abs().max(1.0);
         self.contacts.inertia_ratio() * rate * rate < SMALL_INERTIA * self.contacts.friction
     }
@@ -34,9 +34,9 @@ struct SlipRootSearch<'a> {
     rolling_ball: &'a RollingBall,
     newton: &'a mut Workspace,
     steps: &'a mut usize,
-    /// What the path of growing inertia has shown.
-    shown: PathResult,
-    /// Scattered starts that have led to no root.
+    /// Where the path of growing inertia has led to.
+    path: PathResult,
+    /// Starts of the multistart, which have led to no root.
     starts: u32,
 }
 
@@ -49,7 +49,7 @@ impl SlipBall<'_> {
         steps: &mut usize,
     ) -> Option<SlipRoot> {
         let mut search = SlipRootSearch::new(*self, rolling_ball, newton, steps);
-        first_answer(&mut search, &SlipRootSearch::NEAR).ok()
+        first_answer(&mut search, &SlipRootSearch::LOCAL).ok()
     }
 
     /// The root by all strategies.
@@ -63,16 +63,16 @@ impl SlipBall<'_> {
         steps: &mut usize,
     ) -> Result<SlipRoot, NoAnswer> {
         let mut search = SlipRootSearch::new(*self, rolling_ball, newton, steps);
-        let near = first_answer(&mut search, &SlipRootSearch::NEAR);
-        near.or_else(|_| first_answer(&mut search, &SlipRootSearch::FURTHER))
+        let near = first_answer(&mut search, &SlipRootSearch::LOCAL);
+        near.or_else(|_| first_answer(&mut search, &SlipRootSearch::GLOBAL))
     }
 }
 
 impl<'a> SlipRootSearch<'a> {
-    const NEAR: [fn(&mut Self) -> Attempt<SlipRoot>; 4] =
+    const LOCAL: [fn(&mut Self) -> Attempt<SlipRoot>; 4] =
         [Self::likely_start, Self::other_start, Self::held, Self::falling_creep];
-    const FURTHER: [fn(&mut Self) -> Attempt<SlipRoot>; 3] =
-        [Self::growing_inertia, Self::scattered_starts, Self::what_is_shown];
+    const GLOBAL: [fn(&mut Self) -> Attempt<SlipRoot>; 3] =
+        [Self::growing_inertia, Self::multistart, Self::result_of_path];
 
     fn new(
         ball: SlipBall<'a>,
@@ -80,7 +80,7 @@ impl<'a> SlipRootSearch<'a> {
         newton: &'a mut Workspace,
         steps: &'a mut usize,
     ) -> Self {
-        Self { ball, rolling_ball, newton, steps, shown: PathResult::Nothing, starts: 0 }
+        Self { ball, rolling_ball, newton, steps, path: PathResult::Nothing, starts: 0 }
     }
 
     /// True if the skidding ball is nearer than the rolling one.
@@ -152,30 +152,30 @@ impl<'a> SlipRootSearch<'a> {
     /// Along the path of growing inertia.
     fn growing_inertia(&mut self) -> Attempt<SlipRoot> {
         let Self { ball, newton, steps, .. } = self;
-        self.shown = ball.followed(newton, steps);
-        if matches!(self.shown, PathResult::Nothing) {
+        self.path = ball.followed(newton, steps);
+        if matches!(self.path, PathResult::Nothing) {
             // It may be the digits that were lost.
-            self.shown = SlipBall { nut_chart: true, ..*ball }.followed(newton, steps);
+            self.path = SlipBall { nut_chart: true, ..*ball }.followed(newton, steps);
         }
-        match self.shown {
+        match self.path {
             PathResult::SlipRoot(root) => ball.is_balanced(&root).then_some(Ok(root)),
             _ => None,
         }
     }
 
     /// From starts spread over what a ball can do.
-    fn scattered_starts(&mut self) -> Attempt<SlipRoot> {
-        self.starts = match self.shown {
-            PathResult::OffFlank(_) if self.ball.is_calm() => 0,
+    fn multistart(&mut self) -> Attempt<SlipRoot> {
+        self.starts = match self.path {
+            PathResult::OffFlank(_) if self.ball.has_small_inertia() => 0,
             PathResult::Ended(_) => MANY,
             _ => STARTS,
         };
         self.ball.multistart(self.starts, self.newton, self.steps).map(Ok)
     }
 
-    /// What the path has shown where no start leads to a root.
-    fn what_is_shown(&mut self) -> Attempt<SlipRoot> {
-        match self.shown {
+    /// Where the path has led to, where no start leads to a root.
+    fn result_of_path(&mut self) -> Attempt<SlipRoot> {
+        match self.path {
             // Rounding has eaten it, which its powers will show.
             PathResult::SlipRoot(root) => Some(Ok(root)),
             PathResult::OffFlank([nut, screw]) | PathResult::Ended([nut, screw]) => {

@@ -4,8 +4,8 @@
 
 use bsm_kin::Jet;
 
-use super::columns::LastEvaluation;
 use super::equations::SlipBall;
+use super::newton::LastEvaluation;
 use super::root::SlipRoot;
 use super::{NotFound, Start, Traction, TractionWorkspace};
 use crate::models::ball::{NoAnswer, Performance, domain_error, moving_root};

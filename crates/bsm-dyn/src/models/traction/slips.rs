@@ -12,9 +12,9 @@ use super::equations::{OMEGA, SlipBall};
 use crate::models::ball::BALL;
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 
-/// Relative change of a load, and angle \[rad\], from which a step is bent: the slips that a straight one leaves are of its
+/// Relative change of a load, and angle \[rad\], from which a step is curved: the slips that a straight one leaves are of its
 /// square.
-const STRAIGHT: f64 = 1e-4;
+const CURVED_FROM: f64 = 1e-4;
 
 /// Change of a slip across the grooves over the slip, up to which a step is tried whole, and slip over `$r_b W$` that counts as
 /// none.
@@ -35,7 +35,7 @@ impl SlipBall<'_> {
             .map(|i| (step[i] / y[i]).abs())
             .into_iter()
             .fold(step[TILT].abs(), f64::max);
-        if self.nut_chart || turned < STRAIGHT {
+        if self.nut_chart || turned < CURVED_FROM {
             return next;
         }
         let tilts = [y[TILT].sin_cos(), next[TILT].sin_cos()];

@@ -10,9 +10,10 @@ use bsm_kin::Motion;
 use bsm_newton::{Continuation, Equations, EvalError, Scales, follow, solve};
 
 use super::Traction;
-use super::columns::{LastEvaluation, PowerFlow};
+use super::columns::PowerFlow;
 use super::equations::{Lubrication, SlipBall};
 use super::lubricated::ENOUGH;
+use super::newton::LastEvaluation;
 use super::push::Push;
 use super::root::LARGE_INERTIA;
 use crate::contact::POWER_BALANCE_TOL;
@@ -264,9 +265,10 @@ impl TrainBall {
         let (accuracy, newton) = ([self.accuracy], &mut traction.newton);
         let ([[dry, _]], [[oil, _]]) =
             (traction.rules.dry(accuracy), lubricated.oil.of_oil(accuracy));
-        let plans = Default::default();
+        let frozen_rules = Default::default();
         let ball = SlipBall::of_contacts(&self.contacts, dry, self.creep);
-        let ball = SlipBall { plans: Some(&plans), nut_chart: self.nut_chart, ..ball };
+        let ball =
+            SlipBall { frozen_rules: Some(&frozen_rules), nut_chart: self.nut_chart, ..ball };
         match &self.ehl {
             None => solve(&ball, newton),
             Some(ehl) => {
@@ -293,10 +295,10 @@ impl TrainBall {
                 SlipBall { push: Some(self.push(push)), ..*ball }
             };
             let (mut y, pushed) = (from.unknowns, under(1.0));
-            let watched = LastEvaluation::new(&pushed);
+            let equations = LastEvaluation::new(&pushed);
             if is_near {
                 y = from.at_pushes(pushes);
-                watched.run(&mut y, newton).converged().then_some(())?;
+                equations.run(&mut y, newton).converged().then_some(())?;
             } else {
                 let run = |fraction, y: &mut _| under(fraction).run(y, newton).converged();
                 follow(&mut y, (0.0, 1.0), STRIDE, run).ok()?;
@@ -308,7 +310,7 @@ impl TrainBall {
                 Some(newton.correction(&by_push).ok()?.map(|by| by / load))
             };
             let by_pushes = [by([1.0, 0.0])?, by([0.0, 1.0])?];
-            let transmitted = watched.at(&y).ok()?.transmitted;
+            let transmitted = equations.at(&y).ok()?.transmitted;
             self.motion(ball, (y, by_pushes), pushes, &transmitted)
         };
         self.attempts(work, solved)
