@@ -9,7 +9,7 @@ use bsm_newton::{Continuation, follow};
 
 use super::equations::{COARSE, COARSE_RESIDUAL, Lubrication, SEARCH, SlipBall, SlipState};
 use super::newton::LastEvaluation;
-use super::root::{BRIEF, FULL_STEPS, RootWithPower, SlipRoot};
+use super::root::{BRIEF, RootWithPower, START_LIMITS, SlipRoot};
 use super::{Start, Traction, TractionWorkspace};
 use crate::contact::ideal_torque;
 use crate::ellipse::FrozenRule;
@@ -70,11 +70,11 @@ struct LubricatedSearch<'a> {
 }
 
 impl LubricatedSearch<'_> {
-    /// By full steps from the root of a constant coefficient: where they do not converge, halvings cost more than the
+    /// From the root of a constant coefficient with few halvings: where that does not converge, more of them cost more than the
     /// path of the oil's part.
     fn dry_root(&mut self) -> Attempt<SlipRoot> {
         let near = self.near?;
-        let here = SlipBall { limits: FULL_STEPS, ..self.ball.of(near) };
+        let here = SlipBall { limits: START_LIMITS, ..self.ball.of(near) };
         for ball in [here, here.complete(1.0)] {
             match ball.solved(near.unknowns, self.newton, self.steps) {
                 Ok(root) => return Some(Ok(root)),

@@ -16,13 +16,12 @@ use crate::contact::{POWER_BALANCE_TOL, Power, ideal_torque};
 use crate::ellipse::FrozenRule;
 use crate::models::ball::{BALL, BallLoads, Reason, Workspace, quadrature_error};
 
-/// Newton steps and halvings of a step of a solve after which others may do better; that from a start takes
-/// full steps at most points.
+/// Newton steps and halvings of a step after which other ways to a root may do better, and those of a solve from a start.
 pub(super) const BRIEF: (usize, u32) = (12, 6);
-pub(super) const FULL_STEPS: (usize, u32) = (12, 2);
+pub(super) const START_LIMITS: (usize, u32) = (12, 2);
 
 /// Creep speeds over `$r_b|W|$` that are solved for before the asked one, in the order of the tries of a table; single solves take
-/// the first last, which a rolling ball has tried: against them friction is nearly linear in the slips of most starts.
+/// the first last, as from a rolling ball a step there has been taken: against them friction is nearly linear in the slips of most starts.
 pub(super) const LEVELS: [&[f64]; 2] = [&[LEVEL], &[0.3, 0.01]];
 const LEVEL: f64 = 0.1;
 

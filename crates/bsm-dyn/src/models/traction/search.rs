@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use super::equations::SlipBall;
 use super::multistart::{MANY, STARTS};
 use super::path::{PathResult, STEP_CONTROL};
-use super::root::{FULL_STEPS, LEVELS, SlipRoot};
+use super::root::{LEVELS, START_LIMITS, SlipRoot};
 use crate::models::ball::{Attempt, BALL, Evidence, NoAnswer, Reason, Workspace, first_answer};
 use crate::models::elastic::GrossSlip;
 use crate::models::raceway_control::RollingBall;
@@ -70,7 +70,7 @@ impl SlipBall<'_> {
 
 impl<'a> SlipRootSearch<'a> {
     const LOCAL: [fn(&mut Self) -> Attempt<SlipRoot>; 4] =
-        [Self::likely_start, Self::other_start, Self::held, Self::falling_creep];
+        [Self::likely_start, Self::other_start, Self::at_rest_in_nut, Self::falling_creep];
     const GLOBAL: [fn(&mut Self) -> Attempt<SlipRoot>; 3] =
         [Self::growing_inertia, Self::multistart, Self::result_of_path];
 
@@ -115,7 +115,7 @@ impl<'a> SlipRootSearch<'a> {
     }
 
     /// From a ball that stands still in the nut: inertia beyond that of a ball that skids presses it there until it is held.
-    fn held(&mut self) -> Attempt<SlipRoot> {
+    fn at_rest_in_nut(&mut self) -> Attempt<SlipRoot> {
         let contacts = self.ball.contacts;
         let [nut, screw, tilt] = contacts.static_balance(contacts.scaled.nut_speed);
         let loaded = contacts.loaded([nut, screw], tilt).ok()?;
@@ -132,7 +132,7 @@ impl<'a> SlipRootSearch<'a> {
 
     /// By Newton.
     fn direct(&mut self, y: [f64; BALL]) -> Attempt<SlipRoot> {
-        let ball = SlipBall { limits: FULL_STEPS, ..self.ball };
+        let ball = SlipBall { limits: START_LIMITS, ..self.ball };
         ball.solved(y, self.newton, self.steps).ok().map(Ok)
     }
 
