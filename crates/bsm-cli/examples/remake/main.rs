@@ -60,12 +60,6 @@ fn sources() -> Vec<Source> {
     }
     all.extend([
         source("tradeoff", "bsm tradeoff", "5 min", How::Slow(slow::tradeoff)),
-        source(
-            "seeded",
-            "cargo bench -p bsm-benches -- seeded",
-            "3 min, build",
-            How::Slow(slow::seeded),
-        ),
         source("many", "bsm sweep", "2 min, 2 GB of disk", How::Slow(slow::many)),
         source("nuts", "bsm sweep, bsm nut", "15 s", How::Slow(slow::nuts)),
         source("build", "cargo build --release", "5 min", How::Slow(slow::build)),

@@ -200,36 +200,6 @@ fn auto_means(settings: &[Value]) -> Result<String> {
     Ok(format!("{one} us, a row of a table {row} us"))
 }
 
-/// `cargo bench -- seeded`: medians over the seeded points.
-pub(crate) fn seeded(site: &Site) -> Result<Vec<(&'static str, Text)>> {
-    // With --test criterion runs each group once; the medians are printed anyhow.
-    let words = format!(
-        "bench --quiet --locked --profile {} -p bsm-benches --bench models -- seeded --test",
-        if site.quick { "test" } else { "bench" }
-    );
-    let (_, printed) = site.run("cargo", &words)?;
-    let rows: Vec<Vec<&str>> = printed
-        .lines()
-        .filter_map(|line| line.strip_prefix("seeded | "))
-        .map(|line| line.split(" | ").collect())
-        .collect();
-    let row = |row: &Vec<&str>| {
-        let ns = row.get(1).ok_or("no time")?.parse()?;
-        let label = match row[0].split_once(", ") {
-            Some((model, setting)) => format!("`{model}`, {setting}"),
-            None => format!("`{}`", row[0]),
-        };
-        let steps = row.get(2).ok_or("no steps")?;
-        Ok::<_, Box<dyn Error>>(format!("| {label} | {} us | {steps} |", micro(ns)))
-    };
-    let rows = rows.iter().map(row).collect::<Result<Vec<_>>>()?;
-    let header = "| model | time | Newton steps |";
-    Ok(vec![
-        ("seeded", Text::Whole(table(header, &rows))),
-        ("seeded/machine", Text::Whole(format!("({})", site.machine()?))),
-    ])
-}
-
 /// What a run of the program took.
 struct RunTime {
     time: Duration,
@@ -243,7 +213,8 @@ impl Site {
         let begin = Instant::now();
         let mut child = Command::new(&self.bsm)
             .args(words.split_whitespace())
-            .arg("--quiet")
+            // Others show no progress.
+            .args(words.starts_with("sweep").then_some("--quiet"))
             .current_dir(folder)
             .stdin(Stdio::null())
             .stdout(Stdio::null())
