@@ -58,33 +58,15 @@ fn describe(measured: &Tradeoff) -> String {
     let regimes = ["99 % rolling", "partial skid", "gross skid"];
     let header: Vec<_> = COLUMNS.iter().map(|(head, _)| *head).chain(regimes).collect();
     let rows: Vec<_> = measured.settings.iter().map(row).collect();
-    let times_header = [
-        "model and setting",
-        "regime",
-        "one point us: mean",
-        "median",
-        "90 %",
-        "99 %",
-        "max",
-        "batch us: mean",
-        "median",
-        "90 %",
-        "99 %",
-        "max",
-    ];
-    let costs_header = [
-        "model and setting",
-        "regime",
-        "steps: mean",
-        "max",
-        "evaluations: mean",
-        "max",
-        "nodes: mean",
-        "max",
-        "searches: mean",
-        "max",
-        "in % of points",
-    ];
+    let heads = |heads: &'static str| heads.split(" | ").collect::<Vec<_>>();
+    let times_header = heads(
+        "model and setting | regime | one point us: mean | median | 90 % | 99 % | max | \
+         batch us: mean | median | 90 % | 99 % | max",
+    );
+    let costs_header = heads(
+        "model and setting | regime | steps: mean | max | evaluations: mean | max | nodes: mean | max | \
+         searches: mean | max | in % of points",
+    );
     let rows_of = |row: fn(&OneCore) -> Vec<String>| -> Vec<Vec<String>> {
         let of = |result: &SettingResult| {
             let name = result.setting.name();
@@ -97,16 +79,9 @@ fn describe(measured: &Tradeoff) -> String {
     };
     let count = |count: &Count| format!("{} {}", count.group.name(), count.points);
     let counts: Vec<_> = measured.points.iter().map(count).collect();
-    let advice_header = [
-        "tolerance",
-        "regime",
-        "one point",
-        "us",
-        "error is larger in",
-        "batch, one core",
-        "us",
-        "error is larger in",
-    ];
+    let advice_header = heads(
+        "tolerance | regime | one point | us | error is larger in | batch, one core | us | error is larger in",
+    );
     let advice: Vec<_> = measured.advice.iter().map(advice_row).collect();
     format!(
         "points: {}; errors against {}; {}, {} cores\n\n{}\n\n\
