@@ -132,7 +132,6 @@ fn report_median(label: &str, problems: &[Problem], work: &mut ModelWorkspace) {
     let middle = problems.len() / 2;
     let word = |steps: Option<&usize>| steps.map_or_else(String::new, ToString::to_string);
     let (typical, most) = (word(steps.get(steps.len() / 2)), word(steps.last()));
-    // `docs/remake seeded` reads this.
     eprintln!("seeded | {label} | {} | {typical} | {most}", times[middle]);
 }
 

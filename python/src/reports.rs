@@ -15,6 +15,7 @@ use bsm_report::{ReportError, report_files};
 use bsm_validate::{PublishedData, ValidateError, validation_page};
 use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
+use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::case::{Case, How};
@@ -118,8 +119,10 @@ pub(crate) fn nut_samples(
 ) -> Result<Report> {
     let case = &case.get().0;
     on_threads(py, || {
-        let samples = Samples::of(&NutProblem::of(case, &how.0)?, number, None)?;
-        Ok(told(&samples.answer(case)))
+        let problem = NutProblem::of(case, &how.0)?;
+        let samples = Samples::new(&problem, number, None)?;
+        let nuts: Vec<_> = (0..number).into_par_iter().map(|i| samples.solve(i)).collect();
+        Ok(told(&Samples::answer(&nuts, case)))
     })
 }
 

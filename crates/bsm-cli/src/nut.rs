@@ -4,6 +4,7 @@ use std::path::Path;
 
 use bsm_case::{Case, Columns, NutProblem, Samples};
 use bsm_report::sheets::nut_figures;
+use rayon::prelude::*;
 
 use crate::answer::{Pictures, Reply};
 use crate::args::{NutArgs, NutTable};
@@ -23,7 +24,9 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
     let problem = NutProblem::of(&case, &settings).map_err(in_file)?;
     let mut figures = Vec::new();
     let answer = if let Some(number) = args.samples {
-        Samples::of(&problem, number, args.seed).map_err(in_file)?.answer(&case)
+        let samples = Samples::new(&problem, number, args.seed).map_err(in_file)?;
+        let nuts: Vec<_> = (0..number).into_par_iter().map(|i| samples.solve(i)).collect();
+        Samples::answer(&nuts, &case)
     } else {
         match problem.solve() {
             Err(none) => NutProblem::unsolved(&case, &none),

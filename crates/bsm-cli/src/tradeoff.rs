@@ -58,51 +58,43 @@ fn describe(measured: &Tradeoff) -> String {
     let regimes = ["99 % rolling", "partial skid", "gross skid"];
     let header: Vec<_> = COLUMNS.iter().map(|(head, _)| *head).chain(regimes).collect();
     let rows: Vec<_> = measured.settings.iter().map(row).collect();
-    let times_header = [
-        "model and setting",
-        "regime",
-        "one point us: mean",
-        "median",
-        "90 %",
-        "99 %",
-        "max",
-        "batch us: mean",
-        "median",
-        "90 %",
-        "99 %",
-        "max",
-        "steps: mean",
-        "max",
-        "evaluations: mean",
-        "max",
-    ];
-    let times = |result: &SettingResult| -> Vec<_> {
-        result.times.one_core.iter().map(|times| times_row(result, times)).collect()
+    let heads = |heads: &'static str| heads.split(" | ").collect::<Vec<_>>();
+    let times_header = heads(
+        "model and setting | regime | one point us: mean | median | 90 % | 99 % | max | \
+         batch us: mean | median | 90 % | 99 % | max",
+    );
+    let costs_header = heads(
+        "model and setting | regime | steps: mean | max | evaluations: mean | max | nodes: mean | max | \
+         searches: mean | max | in % of points",
+    );
+    let rows_of = |row: fn(&OneCore) -> Vec<String>| -> Vec<Vec<String>> {
+        let of = |result: &SettingResult| {
+            let name = result.setting.name();
+            let named = |times: &OneCore| {
+                [vec![name.clone(), times.group.name().to_owned()], row(times)].concat()
+            };
+            result.times.one_core.iter().map(named).collect::<Vec<_>>()
+        };
+        measured.settings.iter().flat_map(of).collect()
     };
-    let times: Vec<_> = measured.settings.iter().flat_map(times).collect();
     let count = |count: &Count| format!("{} {}", count.group.name(), count.points);
     let counts: Vec<_> = measured.points.iter().map(count).collect();
-    let advice_header = [
-        "tolerance",
-        "regime",
-        "one point",
-        "us",
-        "error is larger in",
-        "batch, one core",
-        "us",
-        "error is larger in",
-    ];
+    let advice_header = heads(
+        "tolerance | regime | one point | us | error is larger in | batch, one core | us | error is larger in",
+    );
     let advice: Vec<_> = measured.advice.iter().map(advice_row).collect();
     format!(
         "points: {}; errors against {}; {}, {} cores\n\n{}\n\n\
          batch, one core: mean of a table of all points, quantiles of tables of one point each\n\n{}\n\n\
+         one point; nodes of contact ellipses; searches along curves and paths, and from scattered starts\n\n{}\n\n\
          eta: absolute; torque and loads: relative; the last columns: eta by motion of the ball\n\n\
          the fastest that solves 99 % of the points, with an error below the tolerance at 99 %:\n\n{}",
         counts.join(", "),
         measured.reference,
         measured.instruction_set,
         measured.threads,
-        table::plain(Some(&times_header), &times, 2),
+        table::plain(Some(&times_header), &rows_of(times_row), 2),
+        table::plain(Some(&costs_header), &rows_of(costs_row), 2),
         table::plain(Some(&header), &rows, 1),
         table::plain(Some(&advice_header), &advice, usize::MAX),
     )
@@ -139,15 +131,19 @@ fn micro(ns: f64) -> String {
     short(1e-3 * ns)
 }
 
-/// Where the time goes: one by one, in tables, and in steps and evaluations.
-fn times_row(result: &SettingResult, times: &OneCore) -> Vec<String> {
-    let OneCore { group, single, batch, row, steps, evaluations } = times;
-    let mut cells = vec![result.setting.name(), group.name().to_owned()];
-    cells.extend([single.mean, single.median, single.q90, single.q99, single.max].map(micro));
-    cells.extend([*batch, row.median, row.q90, row.q99, row.max].map(micro));
-    cells.extend([steps.map(|steps| steps.mean), steps.map(|steps| steps.max)].map(cell));
-    cells.extend([evaluations.mean, evaluations.max].map(short));
-    cells
+/// Times one by one and in tables.
+fn times_row(OneCore { single, batch, row, .. }: &OneCore) -> Vec<String> {
+    let of = [single.mean, single.median, single.q90, single.q99, single.max];
+    of.into_iter().chain([*batch, row.median, row.q90, row.q99, row.max]).map(micro).collect()
+}
+
+/// Where the time goes.
+fn costs_row(
+    OneCore { steps, evaluations, nodes, searches, searching, .. }: &OneCore,
+) -> Vec<String> {
+    let counts = [*steps, Some(*evaluations), Some(*nodes), Some(*searches)];
+    let means = counts.iter().flat_map(|of| [of.map(|of| of.mean), of.map(|of| of.max)]);
+    means.map(cell).chain([format!("{:.1}", 100.0 * searching)]).collect()
 }
 
 fn advice_row(advice: &Advice) -> Vec<String> {

@@ -1,21 +1,50 @@
-//! What a solve costs: evaluations of a model's equations.
+//! What a solve costs: evaluations of a model's equations, nodes of its quadratures, searches.
 
+use std::array::from_fn;
 use std::cell::Cell;
 
 thread_local! {
     static EVALUATIONS: Cell<usize> = const { Cell::new(0) };
+    static NODES: Cell<usize> = const { Cell::new(0) };
+    static SEARCHES: Cell<usize> = const { Cell::new(0) };
 }
 
-/// Evaluations of the equations of all models on this thread since it began, samples of searches among them.
-#[must_use]
-pub fn evaluations() -> usize {
-    EVALUATIONS.get()
+/// What single solves have cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Cost {
+    /// Evaluations of the equations of all models, samples of searches among them.
+    pub evaluations: usize,
+    /// Points of contact ellipses at which friction was taken.
+    pub nodes: usize,
+    /// Walks along a curve or a path for a root or for other roots, and tries of scattered starts.
+    pub searches: usize,
+}
+
+/// What `work` makes, and what its solves on this thread have cost.
+pub fn cost_of<R>(work: impl FnOnce() -> R) -> (R, Cost) {
+    let counts = || [EVALUATIONS.get(), NODES.get(), SEARCHES.get()];
+    let before = counts();
+    let made = work();
+    let after = counts();
+    let [evaluations, nodes, searches] = from_fn(|i| after[i].wrapping_sub(before[i]));
+    (made, Cost { evaluations, nodes, searches })
 }
 
 /// Counts one evaluation of the equations of a model, or of a sample of its searches, in any scalar.
 #[inline]
 pub(crate) fn evaluated() {
     EVALUATIONS.set(EVALUATIONS.get().wrapping_add(1));
+}
+
+/// Counts the nodes of contact ellipses.
+#[inline]
+pub(crate) fn summed(nodes: usize) {
+    NODES.set(NODES.get().wrapping_add(nodes));
+}
+
+/// Counts a search.
+pub(crate) fn searched() {
+    SEARCHES.set(SEARCHES.get().wrapping_add(1));
 }
 
 /// Steps that were counted for lanes, as numbers.
@@ -30,7 +59,7 @@ mod tests {
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
-    use super::evaluations;
+    use super::cost_of;
     use crate::extreme::practical;
     use crate::{
         Elastic, ElasticPoint, Model, ModelWorkspace, Problem, RacewayControl, Rigid, Status,
@@ -56,9 +85,8 @@ mod tests {
         while counts.len() < POINTS {
             let screw = practical(&mut rng);
             let mut count = |model| {
-                let before = evaluations();
-                let solution = problem(model, screw).solve(&mut work);
-                (solution.status() == Status::Converged).then(|| evaluations() - before)
+                let (solution, cost) = cost_of(|| problem(model, screw).solve(&mut work));
+                (solution.status() == Status::Converged).then_some(cost.evaluations)
             };
             // The points of the benches: those with a root of the rigid model.
             if count(Model::Rigid).is_some() {

@@ -52,7 +52,7 @@ pub use self::contact::{
     VISCOSITY_GRADES, Wedge, ZERO_CELSIUS, apex_thrust, centrifugal_force, contact_modulus,
     flat_stiffness, impact_force, linear_impact_force, step_thrust, track_friction, viscous_drag,
 };
-pub use self::cost::evaluations;
+pub use self::cost::{Cost, cost_of};
 pub use self::ellipse::{EllipseSlip, Quadrature, pressed_radius};
 pub use self::models::{
     Alternatives, Auto, BallMotion, BallState, Basis, Choice, ClosedForm, ContactSite,

@@ -26,7 +26,7 @@ pub fn figures(published: &PublishedData) -> Result<Vec<Figure>, ValidateError> 
     Ok(figures)
 }
 
-/// Warm preload over the speed of a feed axis whose nut is cooled: both arrangements, dry and oiled.
+/// Warm preload over the speed of a feed axis whose nut is cooled: both arrangements, dry and lubricated.
 fn feed_axis(axis: &Case) -> Result<Figure, ValidateError> {
     /// What a heavy saddle takes from a nut \[W/K\].
     const COOLED: f64 = 20.0;
@@ -43,7 +43,7 @@ fn feed_axis(axis: &Case) -> Result<Figure, ValidateError> {
     let settings =
         Settings { control: Some(Control::Nut), friction, ..Model::RacewayControl.into() };
     let mut branches = Vec::new();
-    for (state, case) in [("oiled", axis), ("dry", &dry)] {
+    for (state, case) in [("lubricated", axis), ("dry", &dry)] {
         for arrangement in ["X", "O"] {
             let mut case = case.clone();
             case.nut_conductance_W_K = Some(COOLED);

@@ -129,7 +129,7 @@ export class Space {
     // The buffer is kept: it is printed.
     this.renderer = new three.WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true, powerPreference: "low-power", preserveDrawingBuffer: true });
     this.stage.append(this.canvas);
-    this.world = new three.Case();
+    this.world = new three.Scene();
     this.world.add(new three.HemisphereLight(0xffffff, 0x778899, 1.9), new three.AmbientLight(0xffffff, 0.35));
     const sun = new three.DirectionalLight(0xffffff, 2.2); sun.position.set(1, 1.6, 1.2);
     this.camera = new three.PerspectiveCamera(32, 1.5, 0.1, 10000);
@@ -371,8 +371,9 @@ function drawing(f, part, label) {
   const width = 460, height = 260, reach = f.half + 1.6 * f.lead, k = Math.min((width - 20) / (2 * reach), (height - 20) / (f.pitch + 3 * f.ball));
   const at = (z, y) => [width / 2 + k * z, height / 2 - k * y], core = f.pitch / 2 - 0.3 * f.ball;
   const rod = svg("g", {}, svg("rect", { x: 4, y: height / 2 - k * core, width: width - 8, height: 2 * k * core, style: "fill:var(--steel)" }));
-  const lines = [];
-  for (let turn = -Math.ceil(reach / f.lead); turn <= Math.ceil(reach / f.lead); turn += 1) { const points = [];
+  // Whole lines only: half a turn is half a lead long.
+  const lines = [], most = Math.floor(reach / f.lead - 0.25);
+  for (let turn = -most; turn <= most; turn += 1) { const points = [];
     for (let a = 0; a <= 18; a += 1) { const t = Math.PI * (a / 18) - Math.PI / 2;
       points.push(at(turn * f.lead + (f.lead * t) / TURN, core * Math.sin(t))); } lines.push(svg("path",
         { d: path(points), fill: "none", stroke: "var(--metal-edge)", "stroke-width": 2 })); }

@@ -1,13 +1,12 @@
 //! Many nuts like one: what scattered balls and errors of the lead make of it.
 
 use bsm_nut::LeadError;
-use rayon::prelude::*;
 use serde_json::json;
 
 use super::nut::QUANTITIES;
 use crate::vocabulary::error::bad;
 use crate::vocabulary::number::count;
-use crate::{Answer, Case, CaseError, Content, NutProblem, NutReport, Quantity, Table};
+use crate::{Answer, Case, CaseError, Content, NutProblem, NutReport, Table};
 
 /// Quantities of the samples: those of a nut that its errors change.
 const SAMPLED: [&str; 6] = [
@@ -22,29 +21,29 @@ const SAMPLED: [&str; 6] = [
 /// Samples at most.
 const MOST: u64 = 1_000_000;
 
-/// Numbers of many nuts whose balls, and the phases of whose lead errors, are drawn.
-#[derive(Debug, Clone)]
-pub struct Samples {
-    /// Nuts that carry their load.
-    pub carried: usize,
-    /// Nuts that do not, or whose preload cannot be set.
-    pub failed: usize,
-    /// Each quantity with its quantiles.
-    rows: Vec<(&'static Quantity, [f64; 5])>,
+/// Many nuts like one whose balls, and the phases of whose lead errors, are drawn.
+#[derive(Debug)]
+pub struct Samples<'a> {
+    problem: &'a NutProblem,
+    seed: u64,
+    /// Places of the lead errors whose phases are drawn.
+    waves: Vec<usize>,
 }
 
-impl Samples {
-    /// The parts of the samples that lie below the quantiles.
-    pub const PARTS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
+/// Quantities of a drawn nut; none if it does not carry its load, or its preload cannot be set.
+type DrawnNut = Option<Vec<Option<f64>>>;
 
-    /// Solves `number` nuts like the one of a problem; each follows from the seed and its own number
-    /// alone, whatever the threads.
+impl<'a> Samples<'a> {
+    /// The parts of the samples that lie below the quantiles.
+    const PARTS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
+
+    /// Draws `number` nuts like the one of a problem.
     ///
     /// # Errors
     ///
     /// [`CaseError::Entry`] if nothing of the nut scatters, [`CaseError::OutOfRange`] for no samples
     /// or too many.
-    pub fn of(problem: &NutProblem, number: u64, seed: Option<u64>) -> Result<Self, CaseError> {
+    pub fn new(problem: &'a NutProblem, number: u64, seed: Option<u64>) -> Result<Self, CaseError> {
         if number == 0 || number > MOST {
             let rule = format!("from 1 to {MOST}");
             #[expect(clippy::cast_precision_loss, reason = "a number in a message")]
@@ -59,45 +58,37 @@ impl Samples {
             let key = "ball_deviation_sd_um".to_owned();
             return Err(bad(key, what));
         }
-        let seed = seed.unwrap_or(problem.seed);
-        let solved: Vec<_> = (0..number)
-            .into_par_iter()
-            .map(|i| {
-                let one = problem.drawn(seed, i, &waves);
-                let made = one.carried().ok()?;
-                Some(NutReport::new(one, made).some(&SAMPLED))
-            })
-            .collect();
-        let carried: Vec<_> = solved.iter().flatten().collect();
-        let quantity = |(i, name): (usize, &&'static str)| {
+        Ok(Self { problem, seed: seed.unwrap_or(problem.seed), waves })
+    }
+
+    /// Solves one of the nuts, which follows from the seed and its own number alone.
+    pub fn solve(&self, number: u64) -> DrawnNut {
+        let one = self.problem.drawn(self.seed, number, &self.waves);
+        let made = one.carried().ok()?;
+        Some(NutReport::new(one, made).some(&SAMPLED))
+    }
+
+    /// The answer of all nuts: each quantity with its quantiles.
+    pub fn answer(nuts: &[DrawnNut], case: &Case) -> Answer {
+        let carried: Vec<_> = nuts.iter().flatten().collect();
+        let failed = nuts.len() - carried.len();
+        let row = |(i, name): (usize, &&str)| {
             let quantity = QUANTITIES.iter().find(|quantity| quantity.name == *name)?;
             let mut values: Vec<_> = carried.iter().filter_map(|numbers| numbers[i]).collect();
             values.sort_by(f64::total_cmp);
-            let quantiles = Self::PARTS.map(|part| quantile(&values, part));
-            (!values.is_empty()).then_some((quantity, quantiles))
+            let words = [quantity.name, quantity.about, quantity.unit].map(|word| json!(word));
+            let quantiles = Self::PARTS.map(|part| json!(quantile(&values, part)));
+            (!values.is_empty()).then(|| words.into_iter().chain(quantiles).collect())
         };
-        Ok(Self {
-            carried: carried.len(),
-            failed: solved.len() - carried.len(),
-            rows: SAMPLED.iter().enumerate().filter_map(quantity).collect(),
-        })
-    }
-
-    /// The answer: each quantity with its quantiles.
-    pub fn answer(&self, case: &Case) -> Answer {
         let columns =
             "- | =quantiles | = | 0.05=5 % | 0.25=25 % | 0.5=50 % | 0.75=75 % | 0.95=95 %";
-        let row = |(quantity, quantiles): &(&Quantity, [f64; 5])| {
-            let words = [quantity.name, quantity.about, quantity.unit].map(|word| json!(word));
-            words.into_iter().chain(quantiles.map(|q| json!(q))).collect()
-        };
-        let table = Table::of(columns, self.rows.iter().map(row)).keyed();
-        let carried = format!("{} nuts carry the load, {} do not", self.carried, self.failed);
-        Answer { fails: self.failed > 0, warnings: case.warnings(), ..Answer::default() }
-            .with("carried", Content::Json(self.carried.into()))
-            .with("failed", Content::Json(self.failed.into()))
+        let table = Table::of(columns, SAMPLED.iter().enumerate().filter_map(row)).keyed();
+        let told = format!("{} nuts carry the load, {failed} do not", carried.len());
+        Answer { fails: failed > 0, warnings: case.warnings(), ..Answer::default() }
+            .with("carried", Content::Json(carried.len().into()))
+            .with("failed", Content::Json(failed.into()))
             .with("quantiles", Content::Table(table))
-            .with_shown(Content::Text("", Some(carried)))
+            .with_shown(Content::Text("", Some(told)))
     }
 }
 

@@ -59,15 +59,9 @@ fn sources() -> Vec<Source> {
         all.push(source(name, commands, takes, How::Fast(*make)));
     }
     all.extend([
-        source("tradeoff", "bsm tradeoff", "1 min", How::Slow(slow::tradeoff)),
-        source(
-            "seeded",
-            "cargo bench -p bsm-benches -- seeded",
-            "3 min, build",
-            How::Slow(slow::seeded),
-        ),
+        source("tradeoff", "bsm tradeoff", "5 min", How::Slow(slow::tradeoff)),
         source("many", "bsm sweep", "2 min, 2 GB of disk", How::Slow(slow::many)),
-        source("nuts", "bsm sweep", "10 s", How::Slow(slow::nuts)),
+        source("nuts", "bsm sweep, bsm nut", "15 s", How::Slow(slow::nuts)),
         source("build", "cargo build --release", "5 min", How::Slow(slow::build)),
         source("peers", "benches/peers/run.sh", "5 min, Python", How::Slow(slow::peers)),
         source(

@@ -108,26 +108,31 @@ fn micro(ns: f64) -> String {
     short(1e-3 * ns)
 }
 
-/// `bsm tradeoff`: the fastest settings, and the time of a point.
+/// `bsm tradeoff`: the fastest settings, and the time of a point; means over fresh points too.
 pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
-    let few = site.folder()?.join("few.csv");
-    let words = if site.quick {
-        let cases = site.root.join("validation/golden/tradeoff/cases.csv");
-        let lines: Vec<_> =
-            fs::read_to_string(cases)?.lines().step_by(30).map(str::to_owned).collect();
-        fs::write(&few, lines.join("\n") + "\n")?;
-        format!("tradeoff --quiet --json --points {WORK}/few.csv")
-    } else {
-        "tradeoff --quiet --json".to_owned()
+    let measured = |points: &str| -> Result<Value> {
+        let words = format!("tradeoff --quiet --json{points}");
+        Ok(serde_json::from_str::<Value>(&site.run(&site.bsm, &words)?.0)?["tradeoff"].take())
     };
-    let results: Value = serde_json::from_str(&site.run(&site.bsm, &words)?.0)?;
-    let measured = &results["tradeoff"];
-    let advice = list(measured, "advice")?;
-    let times = list(measured, "settings")?.iter().map(times_row).collect::<Result<Vec<_>>>()?;
-    let header = "| model and setting | rolling | partial skid | gross skid | all: median | 99 % | batch: rolling | partial skid | gross skid |";
+    let draw = format!(
+        "run --quiet --locked --profile {} -p bsm-validate --features tools --example case_set -- {}",
+        site.profile(),
+        site.points(3000)
+    );
+    fs::write(site.folder()?.join("screws.csv"), site.run("cargo", &draw)?.0)?;
+    let fresh = measured(&format!(" --points {WORK}/screws.csv"))?;
+    let measured = if site.quick { fresh.clone() } else { measured("")? };
+    let advice = list(&measured, "advice")?;
+    let times = list(&measured, "settings")?.iter().zip(list(&fresh, "settings")?);
+    // The creep speed changes no time.
+    let times = times.filter(|(setting, _)| {
+        !setting["options"].as_str().is_some_and(|options| options.starts_with("creep"))
+    });
+    let times = times.map(times_row).collect::<Result<Vec<_>>>()?;
+    let header = "| model and setting | rolling | partial skid | gross skid | all | 99 % | batch: rolling | partial skid | gross skid | all | fresh | batch |";
     Ok(vec![
         ("tradeoff/summary", Text::Whole(summary(advice)?)),
-        ("tradeoff/auto", Text::Whole(auto_means(list(measured, "settings")?)?)),
+        ("tradeoff/auto", Text::Whole(auto_means(list(&measured, "settings")?)?)),
         ("tradeoff/times", Text::Whole(table(header, &times))),
         ("tradeoff/machine", Text::Whole(format!("({})", site.machine()?))),
     ])
@@ -167,18 +172,21 @@ fn group_times<'a>(setting: &'a Value, group: &str) -> Result<Option<&'a Value>>
     Ok(times.iter().find(|times| times["group"] == *group))
 }
 
-fn times_row(setting: &Value) -> Result<String> {
-    const REGIMES: [&str; 3] = ["rolling", "partial skid", "gross skid"];
+fn times_row((setting, fresh): (&Value, &Value)) -> Result<String> {
+    const GROUPS: [&str; 4] = ["rolling", "partial skid", "gross skid", "all"];
     let name = format!("{} {}", word(setting, "model")?, word(setting, "options")?);
-    let cell = |group, time: &dyn Fn(&Value) -> Result<f64>| match group_times(setting, group)? {
+    let cell = |setting, group, time: fn(&Value) -> Result<f64>| match group_times(setting, group)?
+    {
         Some(times) => Ok(micro(time(times)?)),
         None => Ok(String::new()),
     };
-    let single = |name: &'static str| move |times: &Value| number(&times["single"], name);
+    let mean = |times: &Value| number(&times["single"], "mean");
+    let most = |times: &Value| number(&times["single"], "q99");
     let batch = |times: &Value| number(times, "batch");
-    let cells = (REGIMES.iter().map(|group| cell(group, &single("mean"))))
-        .chain(["median", "q99"].map(|name| cell("all", &single(name))))
-        .chain(REGIMES.iter().map(|group| cell(group, &batch)))
+    let cells = (GROUPS.iter().map(|group| cell(setting, group, mean)))
+        .chain([cell(setting, "all", most)])
+        .chain(GROUPS.iter().map(|group| cell(setting, group, batch)))
+        .chain([mean, batch].map(|time| cell(fresh, "all", time)))
         .collect::<Result<Vec<String>>>()?;
     Ok(format!("| `{}` | {} |", name.trim_end(), cells.join(" | ")))
 }
@@ -190,36 +198,6 @@ fn auto_means(settings: &[Value]) -> Result<String> {
     let times = times.transpose()?.flatten().ok_or("no times of auto")?;
     let [one, row] = [number(&times["single"], "mean")?, number(times, "batch")?].map(micro);
     Ok(format!("{one} us, a row of a table {row} us"))
-}
-
-/// `cargo bench -- seeded`: medians over the seeded points.
-pub(crate) fn seeded(site: &Site) -> Result<Vec<(&'static str, Text)>> {
-    // With --test criterion runs each group once; the medians are printed anyhow.
-    let words = format!(
-        "bench --quiet --locked --profile {} -p bsm-benches --bench models -- seeded --test",
-        if site.quick { "test" } else { "bench" }
-    );
-    let (_, printed) = site.run("cargo", &words)?;
-    let rows: Vec<Vec<&str>> = printed
-        .lines()
-        .filter_map(|line| line.strip_prefix("seeded | "))
-        .map(|line| line.split(" | ").collect())
-        .collect();
-    let row = |row: &Vec<&str>| {
-        let ns = row.get(1).ok_or("no time")?.parse()?;
-        let label = match row[0].split_once(", ") {
-            Some((model, setting)) => format!("`{model}`, {setting}"),
-            None => format!("`{}`", row[0]),
-        };
-        let steps = row.get(2).ok_or("no steps")?;
-        Ok::<_, Box<dyn Error>>(format!("| {label} | {} us | {steps} |", micro(ns)))
-    };
-    let rows = rows.iter().map(row).collect::<Result<Vec<_>>>()?;
-    let header = "| model | time | Newton steps |";
-    Ok(vec![
-        ("seeded", Text::Whole(table(header, &rows))),
-        ("seeded/machine", Text::Whole(format!("({})", site.machine()?))),
-    ])
 }
 
 /// What a run of the program took.
@@ -235,9 +213,11 @@ impl Site {
         let begin = Instant::now();
         let mut child = Command::new(&self.bsm)
             .args(words.split_whitespace())
-            .arg("--quiet")
+            // Others show no progress.
+            .args(words.starts_with("sweep").then_some("--quiet"))
             .current_dir(folder)
             .stdin(Stdio::null())
+            .stdout(Stdio::null())
             .spawn()?;
         let mut memory = None;
         loop {
@@ -304,13 +284,15 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let (rigid, closed, small) =
         (grid("rigid", axis)?, grid("closed-form", axis)?, grid("rigid", axis / 10)?);
     let side = axis / 10;
-    let traction = site.took(
-        folder,
-        &format!(
-            "sweep {case} --model traction --vary screw_speed_rpm=100:6000:{side} \
-             --vary axial_load_N=500:20000:{side} --columns efficiency,ball_torque_Nm -o traction/"
-        ),
-    )?;
+    let map = |options: &str, out: &str| {
+        let words = format!(
+            "sweep {case} {options} --vary screw_speed_rpm=100:6000:{side} \
+             --vary axial_load_N=500:20000:{side} --columns efficiency,ball_torque_Nm -o {out}/"
+        );
+        site.took(folder, &words)
+    };
+    let (traction, auto) =
+        (map("--model traction", "traction")?, map("--model auto --threads 1", "auto")?);
     let (points, rows) = (f64::from(axis.pow(2)), f64::from(cube.pow(3)));
     let bytes = parquet_bytes(&folder.join(format!("rigid-{axis}")))? / points;
     let memory = |took: &RunTime| {
@@ -339,7 +321,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         Text::Whole(format!(
             "\nThese {} points take {} (`closed-form` {}){}{fewer}, and {bytes:.1} bytes a row. {} rows with three varied\n\
              inputs take {} from Parquet to Parquet and {} from CSV to CSV. {} points of the same drive with `traction`\n\
-             take {}{}. ({})\n",
+             take {}{}; with `auto` a row takes {} us on one core. ({})\n",
             millions(points),
             seconds(&rigid),
             seconds(&closed),
@@ -350,6 +332,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
             millions(points / 100.0),
             seconds(&traction),
             memory(&traction),
+            short(1e6 * auto.time.as_secs_f64() / f64::from(side.pow(2))),
             site.machine()?
         )),
     )])
@@ -384,6 +367,9 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     inputs.insert("friction_coefficient".to_owned(), 0.05.into());
     fs::write(folder.path().join("dry.json"), dry.to_string())?;
     let speeds = "screw_speed_rpm=90:110";
+    let nuts = site.points(10_000);
+    let drawn = format!("nut examples/nut_scattered.json --samples {nuts} -o drawn.json");
+    let drawn = site.took(folder.path(), &drawn)?;
     let rows = vec![
         row(
             "loads of 98 balls of different size",
@@ -399,12 +385,13 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         )?,
         row("the same, balls touch", TRAIN, speeds, "friction_torque_Nm")?,
         row(
-            "warm state of a pair of 114 balls, oiled",
+            "warm state of a pair of 114 balls, lubricated",
             &format!("{AXIS} {MODEL}"),
             speeds,
             "warm_preload_N",
         )?,
         row("the same, dry", &format!("dry.json {MODEL}"), speeds, "warm_preload_N")?,
+        format!("| {nuts} drawn nuts of 98 balls, all cores | {} |", seconds(&drawn)),
     ];
     let text = table("| row of a sweep on one core | time |", &rows);
     Ok(vec![

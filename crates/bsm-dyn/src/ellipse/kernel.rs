@@ -14,6 +14,7 @@ use super::Quadrature;
 use super::chords::{AddChords, Chords, for_each_chord};
 use super::placement::Placement;
 use super::slip::{EllipseSlip, FAR, clamp};
+use crate::cost;
 
 /// What the sums depend on: a contact with numbers in its own axes.
 #[derive(Debug, Clone, Copy)]
@@ -210,7 +211,7 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
         node: (Lane<S>, Lane<S>),
     );
 
-    /// The sums along a few lines whose spin poles are outside.
+    /// The sums along a few lines whose spin poles are outside, and how many nodes each has.
     ///
     /// * `inner`: the number of nodes of a constant coefficient.
     fn along<S: Simd, const JACOBIAN: bool>(
@@ -219,7 +220,7 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
         of: (Placement<'_>, Option<usize>),
         slip: &EllipseSlip<Lane<S>>,
         line: &Chord<S>,
-    ) -> Moments<S, N>;
+    ) -> (Moments<S, N>, usize);
 
     /// J, K, those by the slip across, and J by the film.
     fn kinds<S: Simd>(inner: Moments<S, N>, square: Lane<S>) -> [[Lane<S>; 3]; 4];
@@ -301,7 +302,7 @@ impl PointLaw<2> for Dry {
         (nodes, inner): (Placement<'_>, Option<usize>),
         slip: &EllipseSlip<Lane<S>>,
         line: &Chord<S>,
-    ) -> Moments<S, 2> {
+    ) -> (Moments<S, 2>, usize) {
         let (mut sums, square) = (Moments::zero(simd), line.square(slip));
         let places = inner.map_or(&[][..], |count| &nodes.rule.inner[count]);
         if nodes.coarse {
@@ -309,7 +310,7 @@ impl PointLaw<2> for Dry {
         } else {
             Self::add_all::<S, JACOBIAN, false>(&mut sums, square, line.across, places);
         }
-        sums
+        (sums, places.len())
     }
 
     #[inline(always)]
@@ -338,6 +339,8 @@ pub(crate) struct Accumulator<'a, L, const N: usize, const JACOBIAN: bool> {
     values: [[Block; VALUES]; 2],
     slopes: &'a mut [[Block; ALL - VALUES]],
     by_film: &'a mut [[Block; SUMS]],
+    /// Nodes of all lines that were worked on side by side.
+    pub(super) count: usize,
 }
 
 /// The sums of a few lines whose spin poles are inside: rare, so that their code is out of the way.
@@ -396,13 +399,15 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> AddChords<S>
             let xi = Lane::load(simd, &lines.xi[at..]);
             let weight = Lane::load(simd, &lines.weight[at..]);
             let line = Chord::new(&slip, xi, weight, Lane::load(simd, &lines.half_length[at..]));
-            let mut inner =
+            let (mut inner, count) =
                 law.along::<S, JACOBIAN>(simd, (nodes, lines.inner.count), &slip, &line);
+            self.count += count;
             if let Some(inside) = &lines.inner.inside {
                 let (rule, slip, line) = (nodes.rule, &slip, &line);
                 let near = NearChords::<_, _, N, JACOBIAN> { simd, rule, slip, law, line };
                 let is_near = Lane::load(simd, &inside[at..]).gt(xi.constant(0.0));
                 inner = inner.or(is_near, simd.vectorize(near));
+                self.count += 2 * NearPole::<S>::pairs(rule);
             }
             self.add_line(simd, ellipse, at, &slip, (&line, inner));
         }
@@ -481,11 +486,13 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnc
             values: [[[0.0; BLOCK]; VALUES]; 2],
             slopes: if JACOBIAN { &mut slopes } else { &mut [] },
             by_film: if JACOBIAN && L::FILM { &mut by_film } else { &mut [] },
+            count: 0,
         };
         for i in 0..2 {
             done[i] = done[i] || L::all_over(simd, &mut sums, i);
         }
         for_each_chord(simd, nodes, slips, done, &mut sums);
+        cost::summed(S::F64_LANES * sums.count);
         for (i, found) in found.into_iter().enumerate() {
             let mut terms = [0.0; ALL];
             reduce(simd, &sums.values[i], &mut terms[..VALUES]);

@@ -9,6 +9,7 @@ use super::oil::{HalfChord, HalfNode, PolarRule};
 use super::placement::Placement;
 use super::slip::{EllipseSlip, half_length};
 use crate::contact::Transition;
+use crate::cost;
 
 /// Coordinates over the semi-axes and part of the load of all nodes: those of the sums of a constant
 /// coefficient, or of one that bends.
@@ -17,7 +18,9 @@ pub(super) fn nodes(
     nodes: Placement<'_>,
     bend: Option<&Transition>,
 ) -> Vec<(f64, f64, f64)> {
-    Arch::new().dispatch(ListNodes(point, nodes, bend))
+    let list = Arch::new().dispatch(ListNodes(point, nodes, bend));
+    cost::summed(list.len());
+    list
 }
 
 struct ListNodes<'a>(&'a Patch, Placement<'a>, Option<&'a Transition>);

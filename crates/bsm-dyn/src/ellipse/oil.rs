@@ -244,7 +244,7 @@ impl PointLaw<4> for OilLaw {
         (nodes, _): (Placement<'_>, Option<usize>),
         slip: &EllipseSlip<Lane<S>>,
         line: &Chord<S>,
-    ) -> Moments<S, 4> {
+    ) -> (Moments<S, 4>, usize) {
         let (mut sums, square) = (Moments::zero(simd), line.square(slip));
         let (half, (b_0, b_1)) = (HalfChord::of(&self.bend, slip, line.xi), line.across);
         for k in 0..nodes.rule.half.len() {
@@ -254,7 +254,7 @@ impl PointLaw<4> for OilLaw {
             self.add::<S, JACOBIAN>(&mut sums, pressed, square, b_0 + turned, (s, weight));
             self.add::<S, JACOBIAN>(&mut sums, pressed, square, b_0 - turned, (-s, weight));
         }
-        sums
+        (sums, 2 * nodes.rule.half.len())
     }
 
     #[inline(always)]
@@ -304,6 +304,7 @@ impl PointLaw<4> for OilLaw {
                 sums.add_line(simd, ellipse, first % BLOCK, &slip, (&line, inner));
             }
         }
+        sums.count += 2 * rings.count * cos.len() / S::F64_LANES;
         nodes.freeze(FrozenRule::Rings(blocks));
         true
     }

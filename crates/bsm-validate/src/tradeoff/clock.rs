@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use bsm_batch::{Chunk, Task};
 use bsm_case::{Case, CaseError, ModelChoice, Output, Settings};
-use bsm_dyn::{Model, ModelWorkspace, evaluations};
+use bsm_dyn::{Cost, Model, ModelWorkspace, cost_of};
 use bsm_simd::Arch;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use schemars::JsonSchema;
@@ -41,6 +41,12 @@ pub struct OneCore {
     pub steps: Option<Distribution>,
     /// Evaluations of the equations, one by one.
     pub evaluations: Distribution,
+    /// Nodes of the contact ellipses at which friction was taken, one by one.
+    pub nodes: Distribution,
+    /// Searches for a root or for other roots, one by one.
+    pub searches: Distribution,
+    /// Share of the points with a search.
+    pub searching: f64,
 }
 
 impl Times {
@@ -83,6 +89,7 @@ enum Way {
 }
 
 /// Times of every setting.
+#[expect(clippy::cast_precision_loss, reason = "counts are small")]
 pub(super) fn times(
     points: &Points,
     groups: &[(Group, Vec<usize>)],
@@ -120,13 +127,18 @@ pub(super) fn times(
             let over = |of: &dyn Fn(usize) -> Option<f64>| {
                 Distribution::of(places.iter().filter_map(|place| of(*place)).collect())
             };
+            let count = |of: fn(&Cost) -> usize| over(&|place| Some(of(&work[place].1) as f64));
+            let searching = places.iter().filter(|place| work[**place].1.searches > 0).count();
             Some(OneCore {
                 group: *group,
                 single: over(&|place| Some(single[place]))?,
                 batch: batch[0],
                 row: over(&|place| Some(row[place]))?,
                 steps: over(&|place| work[place].0),
-                evaluations: over(&|place| Some(work[place].1))?,
+                evaluations: count(|cost| cost.evaluations)?,
+                nodes: count(|cost| cost.nodes)?,
+                searches: count(|cost| cost.searches)?,
+                searching: searching as f64 / places.len() as f64,
             })
         });
         all.push(Times {
@@ -195,19 +207,18 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// Steps and evaluations of each point.
+    /// Steps and cost of each point.
     #[expect(clippy::cast_precision_loss, reason = "counts are small")]
     fn work(
         &self,
         setting: &Setting,
         work: &mut ModelWorkspace,
-    ) -> Result<Vec<(Option<f64>, f64)>, CaseError> {
+    ) -> Result<Vec<(Option<f64>, Cost)>, CaseError> {
         let count = |case: &Case| {
-            let before = evaluations();
-            let solution = case.problem(&setting.settings)?.solve(work);
-            let steps = solution.solved().and_then(|solved| solved.info);
-            let evaluations = evaluations().wrapping_sub(before) as f64;
-            Ok((steps.map(|info| info.steps as f64), evaluations))
+            let problem = case.problem(&setting.settings)?;
+            let (solution, cost) = cost_of(|| problem.solve(work));
+            let info = solution.solved().and_then(|solved| solved.info);
+            Ok((info.map(|info| info.steps as f64), cost))
         };
         self.points.cases.iter().map(count).collect()
     }

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use crate::sources::files;
 
-/// Names of the plotting library.
-const OF_LIBRARIES: [&str; 2] = ["scene as drawing", "render_scene"];
+/// Names of the libraries that plot and draw in space.
+const OF_LIBRARIES: [&str; 3] = ["scene as drawing", "render_scene", "three.scene"];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the repository")

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use bsm_batch::{CsvSource, TableFormat};
 use bsm_case::{Output, Settings};
 use bsm_dyn::{Model, ModelWorkspace, SlipRegime, Status};
-use bsm_validate::tradeoff::{self, Group, Points, Tradeoff};
+use bsm_validate::tradeoff::{self, Group, OneCore, Points, Tradeoff};
 use bsm_validate::{ValidateError, tradeoff_page};
 
 const GOLDEN: &str = include_str!("../../../../validation/golden/tradeoff/accuracy-1e-10.csv");
@@ -82,6 +82,14 @@ fn errors_and_times_are_measured() {
             // Closed formulas are no equations of a solve; all others are evaluated in each step.
             let steps = times.steps.map_or(0.0, |steps| steps.mean);
             assert!(steps <= times.evaluations.mean, "{name}: {times:?}");
+            // Sums over ellipses are half of the evaluations at least, and have many nodes.
+            if name.starts_with("traction") {
+                assert!(times.nodes.mean > times.evaluations.mean, "{name}: {times:?}");
+            }
+            assert!(name != "rigid" || times.nodes.max == 0.0, "{name}: {times:?}");
+            let OneCore { searches, searching, .. } = times;
+            assert!((0.0..=1.0).contains(searching), "{name}: {times:?}");
+            assert!(*searching <= searches.mean && searches.mean <= searches.max, "{name}");
         }
         for errors in &result.errors {
             for distribution in [errors.efficiency, errors.torque, errors.loads, errors.angles_deg]

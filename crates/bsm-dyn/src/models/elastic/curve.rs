@@ -10,7 +10,7 @@ use bsm_newton::{EventRoot, JacobianUpdate, PathEnd, Seed, StepControl, Trace, t
 use super::forces::CURVE;
 use super::states::{SlidingBall, SlidingPoint};
 use super::steady::{CurveState, NO_INERTIA, RISES};
-use crate::cost::count_of;
+use crate::cost::{count_of, searched};
 use crate::models::ball::{
     Attempt, BALL, ElasticContacts, Evidence, NoAnswer, Reason, first_answer,
 };
@@ -119,6 +119,7 @@ impl<'a> SlidingCurve<'a> {
 
     /// The first root along the whole curve, or why there is none; nothing where a root is not refined.
     fn trace(&mut self, control: &StepControl) -> Attempt<CurveRoot> {
+        searched();
         let inertia = self.ball.inertia_ratio;
         let start = self.start;
         // Smallest and largest inertia ratio of a ball that slides against friction on its flanks.

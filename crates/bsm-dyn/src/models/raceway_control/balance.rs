@@ -12,7 +12,7 @@ use bsm_simd::Arch;
 use super::rolling::rolling;
 use super::statics::{Rates, STATIC, StaticBalance, StaticState};
 use crate::contact::axial_displacement;
-use crate::cost::count_of;
+use crate::cost::{count_of, searched};
 use crate::models::ball::{
     BallLoads, Control, ElasticContacts, Evidence, NoAnswer, Reason, Workspace, equations,
 };
@@ -148,6 +148,7 @@ impl Balance<'_> {
 
     /// The roots beyond a first one.
     fn scan(&self, first: f64, newton: &mut Workspace<STATIC>) -> Vec<StaticRoot> {
+        searched();
         let farthest = self.farthest();
         let difference = |c: f64| c - self.centrifugal(self.rate_at(c));
         let begin = (first * (1.0 + SAME)).max(1e-3 * farthest);

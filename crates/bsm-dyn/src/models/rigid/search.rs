@@ -8,6 +8,7 @@ use bsm_newton::Bracket;
 use bsm_simd::BLOCK;
 
 use super::curve::{Curve, CurvePoint, CurveSample};
+use crate::cost;
 
 /// The search begins at this turn of the slip at B over the inertia of the first order, and there at
 /// the latest and earliest \[rad\]: no root is that near to no inertia.
@@ -133,6 +134,9 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> CurveSearch<'a, F> {
     pub(super) fn run(&mut self, inertia: f64) -> bool {
         let first = (BEGIN * inertia).clamp(EARLIEST, LATEST);
         let [below, above] = self.curve.windows();
+        if below.or(above).is_some() {
+            cost::searched();
+        }
         let nearest = NEAREST * self.curve.friction_over_inertia();
         let above = above.map(|window| turns(first, window, nearest));
         let below = below.map(|[low, high]| turns(first, [-high, -low], nearest));

@@ -89,6 +89,7 @@ impl LubricatedSearch<'_> {
         let Self { ball, near, newton, steps, .. } = self;
         let near = (*near)?;
         let (here, mut y) = (ball.of(near), near.unknowns);
+        crate::cost::searched();
         let control = Continuation { first: 0.25, shortest: 0.01 };
         follow(&mut y, (0.0, 1.0), control, |fraction, y| {
             let report = SlipBall { limits: BRIEF, ..here.complete(fraction) }.run(y, newton);
@@ -103,6 +104,7 @@ impl LubricatedSearch<'_> {
     fn falling_creep(&mut self) -> Attempt<SlipRoot> {
         let Self { ball, rolling_ball, newton, steps, .. } = self;
         let rolling = ball.unknowns(&rolling_ball.loaded, &rolling_ball.to_nut);
+        crate::cost::searched();
         let control = Continuation { first: 1.0, shortest: 0.05 };
         [*ball, ball.complete(1.0)]
             .iter()

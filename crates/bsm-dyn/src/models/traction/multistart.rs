@@ -6,6 +6,7 @@ use bsm_newton::Continuation;
 
 use super::equations::{OMEGA, SlipBall};
 use super::root::SlipRoot;
+use crate::cost::searched;
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::models::ball::{BALL, Workspace, weyl_point};
 
@@ -63,6 +64,9 @@ impl SlipBall<'_> {
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> Option<SlipRoot> {
+        if starts > 0 {
+            searched();
+        }
         let control = Continuation { first: 2.0, shortest: 0.2 };
         let end = self.creep.ln();
         (0..starts).find_map(|number| {

@@ -12,6 +12,7 @@ use bsm_newton::{
 
 use super::equations::SlipBall;
 use super::root::{SlipRoot, are_on_flanks};
+use crate::cost::searched;
 use crate::ellipse::Integrate;
 use crate::models::ball::unknown::PRECESSION;
 use crate::models::ball::{BALL, Workspace, linear};
@@ -135,6 +136,7 @@ impl SlipBall<'_> {
 
     /// The first root on the flanks along the path of growing inertia forces.
     pub(super) fn followed(&self, newton: &mut Workspace, steps: &mut usize) -> PathResult {
+        searched();
         let still = self.contacts.with_inertia(0.0);
         let slippery = still.with_friction(self.contacts.friction.min(SMALL_FRICTION));
         let Ok(guess) = RollingBall::guess(&still) else { return PathResult::Nothing };

@@ -145,6 +145,7 @@ impl<'a> SlipRootSearch<'a> {
 
     /// From friction that is nearly proportional to the slip.
     fn falling_creep(&mut self) -> Attempt<SlipRoot> {
+        crate::cost::searched();
         let control = Continuation { first: 1.0, shortest: 0.05 };
         self.ball.by_falling_creep(self.rolling(), 0.0, control, self.newton, self.steps).map(Ok)
     }
