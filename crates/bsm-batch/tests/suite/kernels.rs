@@ -2,6 +2,8 @@
 
 use crate::alike;
 
+use std::fs;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use arrow_array::Float64Array;
@@ -175,6 +177,31 @@ fn elastic() {
 #[test]
 fn traction() {
     compare(&Model::Traction.into(), campaign(1000));
+}
+
+/// Of several roots too: `validation/hard`.
+#[test]
+fn hard_points_have_one_root_in_tables_and_alone() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/hard/solved");
+    let case = |entry: Result<fs::DirEntry, _>| Case::read(&entry.expect("entry").path());
+    let cases: Vec<_> = fs::read_dir(folder).expect("cases").map(case).collect();
+    assert!(cases.len() >= 15);
+    let (settings, outputs) =
+        (Model::Traction.into(), [Output::named("efficiency").expect("known")]);
+    for case in cases {
+        let case = case.expect("a complete case");
+        let alone = record(&case, &settings).number("efficiency").expect("solved");
+        let given = InputKey::ALL.into_iter().filter(|key| case[*key].is_some());
+        let names: Vec<_> = given.map(InputKey::name).collect();
+        let columns = Columns::sort(names, &[], &TableFormat::default()).expect("known names");
+        let row = columns.inputs.iter().map(|key| case[*key]);
+        let chunk = Chunk::of_rows(&columns, [row]);
+        let answers =
+            Task::new(Case::default(), settings, outputs.to_vec()).solve(&chunk, &columns);
+        // The tolerance of all rows.
+        let in_table = answers.columns[0][0];
+        assert!((in_table - alone).abs() <= 1e-10 * alone.abs(), "{case:?}: {in_table} {alone}");
+    }
 }
 
 /// At an accuracy whose panels do not fill the blocks of lines.
