@@ -69,14 +69,8 @@ impl SlipBall<'_> {
 }
 
 impl<'a> SlipRootSearch<'a> {
-    const LOCAL: [fn(&mut Self) -> Attempt<SlipRoot>; 6] = [
-        |search| search.direct_from(search.is_skidding()),
-        |search| search.direct_from(!search.is_skidding()),
-        |search| search.levels_from(search.is_skidding()),
-        |search| search.levels_from(!search.is_skidding()),
-        Self::at_rest_in_nut,
-        Self::falling_creep,
-    ];
+    const LOCAL: [fn(&mut Self) -> Attempt<SlipRoot>; 4] =
+        [Self::likely_start, Self::other_start, Self::at_rest_in_nut, Self::falling_creep];
     const GLOBAL: [fn(&mut Self) -> Attempt<SlipRoot>; 3] =
         [Self::growing_inertia, Self::multistart, Self::result_of_path];
 
@@ -100,26 +94,24 @@ impl<'a> SlipRootSearch<'a> {
         self.ball.unknowns(&self.rolling_ball.loaded, &self.rolling_ball.to_nut)
     }
 
-    /// A ball that skids, whose slips are nearly those of the root, or the rolling one, which has none.
-    fn begin(&mut self, skidding: bool) -> Option<[f64; BALL]> {
+    /// From the nearer one of the rolling and the skidding ball.
+    fn likely_start(&mut self) -> Attempt<SlipRoot> {
+        self.start(self.is_skidding())
+    }
+
+    fn other_start(&mut self) -> Attempt<SlipRoot> {
+        self.start(!self.is_skidding())
+    }
+
+    /// From a ball that skids, whose slips are nearly those of the root, or from the rolling one, which has none.
+    fn start(&mut self, skidding: bool) -> Attempt<SlipRoot> {
         if !skidding {
-            return Some(self.rolling());
+            return self.without_slips(self.rolling());
         }
         let skid = GrossSlip::start(self.ball.contacts).ok()?;
         *self.steps += skid.steps();
-        Some(self.ball.unknowns(skid.state().0, skid.state().1))
-    }
-
-    /// By Newton from there, the nearer of both first.
-    fn direct_from(&mut self, skidding: bool) -> Attempt<SlipRoot> {
-        let y = self.begin(skidding)?;
-        if skidding { self.direct(y) } else { self.predicted(y) }
-    }
-
-    /// Over levels of the creep speed; from the rolling ball they begin without the step that has not led to the root.
-    fn levels_from(&mut self, skidding: bool) -> Attempt<SlipRoot> {
-        let y = self.begin(skidding)?;
-        self.levels(y)
+        let y = self.ball.unknowns(skid.state().0, skid.state().1);
+        self.direct(y).or_else(|| self.levels(y))
     }
 
     /// From a ball that stands still in the nut: inertia beyond that of a ball that skids presses it there until it is held.
@@ -128,15 +120,14 @@ impl<'a> SlipRootSearch<'a> {
         let [nut, screw, tilt] = contacts.static_balance(contacts.scaled.nut_speed);
         let loaded = contacts.loaded([nut, screw], tilt).ok()?;
         let still = Motion { precession: 0.0, omega: Vector3::zeros() };
-        let y = self.ball.unknowns(&loaded, &still);
-        self.predicted(y).or_else(|| self.levels(y))
+        self.without_slips(self.ball.unknowns(&loaded, &still))
     }
 
-    /// By Newton from a ball without slips, after a step at a high creep speed.
-    fn predicted(&mut self, y: [f64; BALL]) -> Attempt<SlipRoot> {
-        let predicted = self.ball.predicted(&y, self.newton)?;
-        *self.steps += 1;
-        self.direct(predicted)
+    /// After a step at a high creep speed; the levels begin without it, as it has not led to the root.
+    fn without_slips(&mut self, y: [f64; BALL]) -> Attempt<SlipRoot> {
+        let predicted = self.ball.predicted(&y, self.newton);
+        *self.steps += usize::from(predicted.is_some());
+        predicted.and_then(|y| self.direct(y)).or_else(|| self.levels(y))
     }
 
     /// By Newton.
