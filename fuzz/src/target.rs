@@ -123,8 +123,10 @@ fn nut(input: &[u8]) {
     if problem.balls() > BALLS {
         return;
     }
-    let _ =
-        Samples::of(&problem, 2, None).map(|samples| samples.answer(&case).to_json().to_string());
+    let _ = Samples::new(&problem, 2, None).map(|samples| {
+        let nuts = [0, 1].map(|number| samples.solve(number));
+        Samples::answer(&nuts, &case).to_json().to_string()
+    });
     let Ok(report) = problem.solve() else { return };
     for Row { quantity, values } in report.numbers(|_| true).rows() {
         assert!(values.iter().flatten().all(|value| value.is_finite()), "{}", quantity.name);
