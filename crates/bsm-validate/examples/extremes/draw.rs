@@ -61,7 +61,8 @@ fn draw(rng: &mut impl Rng, model: ModelChoice) -> Case {
     };
     // Models in whose balance friction takes part refuse none.
     let needs = [Model::Rigid, Model::Elastic, Model::Traction].map(ModelChoice::from);
-    let friction = if !needs.contains(&model) && rng.random_ratio(1, 50) { 0.0 } else { friction };
+    let takes_none = model != ModelChoice::Auto && !needs.contains(&model);
+    let friction = if takes_none && rng.random_ratio(1, 50) { 0.0 } else { friction };
     Case {
         ball_diameter_mm: Some(ball),
         pitch_circle_diameter_mm: Some(ball / ratio),
