@@ -49,8 +49,8 @@ impl Kernel for RigidKernel {
         let ball = RigidBall::new(given.sines(), radius, si.mass, nut_speed, signed);
         let first = ball.first_order();
         let swept = ball.sweeps(&first);
-        let found = ball.is_covered() & swept.converged & swept.motion.is_admissible();
-        let found = found & first.load.abs().lt(zero.constant(MOST_LOAD));
+        let is_sure = first.load.abs().lt(zero.constant(MOST_LOAD));
+        let found = ball.is_covered() & is_sure & swept.converged & swept.motion.is_admissible();
         if !found.any() {
             return found;
         }

@@ -59,10 +59,10 @@ fn draw(rng: &mut impl Rng, model: ModelChoice) -> Case {
         _ if model == Model::QuasiStatic.into() => (speed, 0.0),
         _ => (speed, other),
     };
-    // Models in whose balance friction takes part refuse none.
-    let needs = [Model::Rigid, Model::Elastic, Model::Traction].map(ModelChoice::from);
-    let takes_none = model != ModelChoice::Auto && !needs.contains(&model);
-    let friction = if takes_none && rng.random_ratio(1, 50) { 0.0 } else { friction };
+    // Models in whose balance friction takes part refuse none, and `auto`, which may come to them.
+    let fixed = [Model::Rigid, Model::Elastic, Model::Traction].map(ModelChoice::from);
+    let needs = model == ModelChoice::Auto || fixed.contains(&model);
+    let friction = if !needs && rng.random_ratio(1, 50) { 0.0 } else { friction };
     Case {
         ball_diameter_mm: Some(ball),
         pitch_circle_diameter_mm: Some(ball / ratio),
