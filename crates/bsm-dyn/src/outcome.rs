@@ -239,7 +239,7 @@ impl From<Report> for Reason {
 pub enum Evidence {
     /// A proof from the equations of the model, up to rounding.
     Proof,
-    /// An expansion whose measured error is smaller than what decides.
+    /// What was measured of many points excludes it: the error of an expansion, or where there are several solutions.
     Bound,
     /// A curve with every solution on it was followed: two solutions in one step may be missed.
     Traced {

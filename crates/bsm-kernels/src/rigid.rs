@@ -59,7 +59,7 @@ impl Kernel for RigidKernel {
         out.put(&solved);
         out.set_all(OutputKey::iterations, [swept.count, swept.residual]);
         // Unknown where no search is made.
-        let others = first.is_unique().select(zero, zero.constant(f64::NAN));
+        let others = first.is_unique.select(zero, zero.constant(f64::NAN));
         out.set(OutputKey::other_solutions, others);
         found & solved.transmission.is_balanced()
     }

@@ -171,13 +171,11 @@ impl WithSimd for CurveSamples<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self(curve, turns, samples) = self;
-        let (mut sines, mut cosines): (Block, Block) = ([0.0; BLOCK], [1.0; BLOCK]);
-        for i in 0..turns.len() {
-            (sines[i], cosines[i]) = turns[i].sin_cos();
-        }
+        let mut block: Block = [0.0; BLOCK];
+        block[..turns.len()].copy_from_slice(turns);
         for first in (0..turns.len()).step_by(Lane::<S>::LEN) {
-            let sin = Lane::<S>::load(simd, &sines[first..]);
-            let branches = curve.states([sin, Lane::load(simd, &cosines[first..])]);
+            let (sin, cos) = Lane::<S>::load(simd, &block[first..]).sin_cos_of_tilt();
+            let branches = curve.states([sin, cos]);
             for i in first..turns.len().min(first + Lane::<S>::LEN) {
                 let sample =
                     samples[i].insert(CurveSample { slip_turn: turns[i], branches: [None; 4] });
@@ -337,9 +335,11 @@ impl Curve {
         let balance =
             set.cross.times(&set.centrifugal).combined(drive, &moving, one * -self.gyration);
         let zeros = balance.zeros();
-        let mut branches = [[one; NUMBERS]; 4];
+        let mut branches = [[one * f64::NAN; NUMBERS]; 4];
         for i in 0..4 {
-            branches[i] = self.point(&set, zeros[i]);
+            if F::any(zeros[i][0].lt(one + 1.0)) {
+                branches[i] = self.point(&set, zeros[i]);
+            }
         }
         branches
     }

@@ -3,18 +3,25 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R13) to (R20), (R23), (R45).
 
+use bsm_kin::Field;
 use bsm_simd::Compare;
 
 use super::ball::RigidBall;
 use super::sweep::Directions;
 
-/// Multiplicity (R45) up to which no point was seen to have a second root: the least of those that have one
-/// is 1.8.
-const UNIQUE_MULTIPLICITY: f64 = 1.0;
+/// Ratio of inertia to the square of friction, for friction up to a limit, up to which no point was seen to have a
+/// second root: the least of those that have one is 23.
+const UNIQUE_INERTIA: f64 = 10.0;
+pub(super) const UNIQUE_MOST_FRICTION: f64 = 0.15;
 
-/// Friction from which that is so: at a coefficient of 6e-6 a ball was seen to have a second root at a multiplicity of 0.08,
-/// on an arc as short as friction is small.
-pub(super) const UNIQUE_FROM: f64 = 1e-3;
+/// The same of the multiplicity (R45) for friction from a limit and contact angles of more than 44.4 deg, by their sine:
+/// the least is 142.
+const UNIQUE_LEAST_FRICTION: f64 = 1e-3;
+const UNIQUE_MULTIPLICITY: f64 = 30.0;
+pub(super) const STEEP: f64 = 0.7;
+
+/// Both for a ball that circles faster than this.
+pub(super) const UNIQUE_LEAST_RATE: f64 = 0.1;
 
 /// Multiplicity (R45) from which second roots are looked for: below, one point in 10 000 has any.
 pub(super) const SEARCHED_FROM: f64 = 300.0;
@@ -23,7 +30,7 @@ pub(super) const SEARCHED_FROM: f64 = 300.0;
 ///
 /// Loads are exact to first order in `$\varepsilon = m r_m P^2/F_a$`, the motion to zeroth.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FirstOrder<F = f64> {
+pub struct FirstOrder<F: Field = f64> {
     /// `$Q_A/F_a = Q_B/F_a$`; negative means self-locking.
     pub load: F,
     /// `$q_{A'} = Q_{A'}/(\varepsilon F_a)$`; negative means that A' would have to act in tension.
@@ -46,8 +53,8 @@ pub struct FirstOrder<F = f64> {
     /// Inertia forces times the load of a contact, over friction and over `$(P/W)^2$`: what roots have to
     /// exceed to be several.
     pub multiplicity: F,
-    /// Coulomb coefficient `$f$`.
-    pub friction: F,
+    /// Where the point is known to have no second root.
+    pub is_unique: F::Mask,
     /// The directions that the first sweep leads to, and how far they are from those that it began with.
     pub(super) next: Directions<F>,
     pub(super) change: F,
@@ -65,6 +72,15 @@ impl<F: Compare> RigidBall<F> {
         // P/W = p + Ω_n/W,  ε = μ (P/W)²                                  (R14)
         let (rate, inertia) = (state.rate, state.centrifugal);
         let inertia_scale = self.inertia_size(rate);
+        let friction = self.friction();
+        // C = q ι / (f (P/W)²)                                            (R45)
+        let multiplicity = load.abs() * inertia_scale / (friction * rate.square());
+        let little = inertia_scale.lt(friction * friction * UNIQUE_INERTIA)
+            & friction.lt(self.constant(UNIQUE_MOST_FRICTION));
+        let steep = self.sines.sin_b.gt(self.constant(STEEP))
+            & friction.gt(self.constant(UNIQUE_LEAST_FRICTION))
+            & multiplicity.lt(self.constant(UNIQUE_MULTIPLICITY));
+        let circles = rate.abs().gt(self.constant(UNIQUE_LEAST_RATE));
         FirstOrder {
             load,
             unloaded: state.unloaded,
@@ -77,9 +93,8 @@ impl<F: Compare> RigidBall<F> {
             slip: state.slip,
             // s = −2 F q cosψ / (cosα cosβ)                               (R20)
             spin: load * self.signed * self.per_h * -2.0,
-            // C = q ι / (f (P/W)²)                                        (R45)
-            multiplicity: load.abs() * inertia_scale / (self.friction() * rate.square()),
-            friction: self.friction(),
+            multiplicity,
+            is_unique: circles & (little | steep),
             next: state.next,
             change: start.farthest(&state.next),
         }
@@ -91,13 +106,6 @@ impl<F: Compare> FirstOrder<F> {
     #[inline(always)]
     pub(super) fn has_high_multiplicity(&self) -> F::Mask {
         self.multiplicity.constant(SEARCHED_FROM).le(self.multiplicity)
-    }
-
-    /// Where the point is known to have no second root.
-    #[inline(always)]
-    pub fn is_unique(&self) -> F::Mask {
-        self.multiplicity.lt(self.multiplicity.constant(UNIQUE_MULTIPLICITY))
-            & self.friction.gt(self.multiplicity.constant(UNIQUE_FROM))
     }
 
     /// Where the contacts push to first order.

@@ -13,6 +13,7 @@ use super::curve::Curve;
 use super::equations::{ExistenceLimit, LEAST_INERTIA, RigidEquations, Unknowns};
 use super::first_order::FirstOrder;
 use super::search::{CurveSearch, LONGEST};
+use super::sweeps::Sweeps;
 use crate::contact::Sines;
 use crate::cost::count_of;
 use crate::models::ball::unknown::{SLIP, UNLOADED_FLANK_LOAD};
@@ -23,7 +24,7 @@ use crate::models::ball::{Attempt, BALL, Evidence, NoAnswer, Reason, Workspace, 
 const SMALL_INERTIA: f64 = 0.01;
 
 /// Relative error of the first-order existence test over the ratio of inertia to friction.
-const FIRST_ORDER_ERROR: f64 = 0.1;
+const FIRST_ORDER_ERROR: f64 = 0.2;
 
 /// A solve may take this many steps; more means that the start was not near the root.
 const MOST_STEPS_NEAR_ROOT: usize = 8;
@@ -65,8 +66,8 @@ struct RootSearch<'a> {
     first: FirstOrder,
     /// Ratio of inertia to friction.
     inertia: f64,
-    /// What the sweeps have met, if it is no root.
-    met: Option<RigidMotion<f64>>,
+    /// Where the sweeps have ended, if at no root.
+    met: Option<Sweeps<f64>>,
     work: &'a mut RigidWorkspace,
 }
 
@@ -86,7 +87,7 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
         // At a low multiplicity no search is due, and an empty list of one is dropped: a row of a table and
         // the model report the same.
         let met = root.alternatives.filter(|met| first.has_high_multiplicity() || !met.is_empty());
-        let alternatives = met.or(first.is_unique().then(Vec::new));
+        let alternatives = met.or(first.is_unique.then(Vec::new));
         BallRoot { alternatives, ..root }
     });
     found.map_err(|none| {
@@ -139,22 +140,19 @@ impl RootSearch<'_> {
     /// The root that the sweeps go to from the first order, where that is a guide.
     fn sweeps(&mut self) -> Attempt<BallRoot> {
         let swept = self.ball.sweeps(&self.first);
-        if !swept.converged {
-            return None;
-        }
         let motion = swept.motion;
         if motion.is_admissible() {
-            return Some(Ok(BallRoot {
-                motion,
-                steps: count_of(swept.count),
-                residual: swept.residual,
-                alternatives: None,
-            }));
+            return swept.converged.then(|| {
+                let (steps, residual) = (count_of(swept.count), swept.residual);
+                Ok(BallRoot { motion, steps, residual, alternatives: None })
+            });
         }
-        if self.inertia < SMALL_INERTIA {
-            return Some(Err(none(inadmissible(self.ball, &motion, self.work))));
+        let small = swept.converged && self.inertia < SMALL_INERTIA;
+        // The only state of the ball is none of sliding contacts that push.
+        if small || (swept.stationary && self.first.is_unique) {
+            return Some(Err(none(inadmissible(self.ball, &swept, self.work))));
         }
-        self.met = Some(motion);
+        self.met = swept.converged.then_some(swept);
         None
     }
 
@@ -171,7 +169,7 @@ impl RootSearch<'_> {
         let evidence =
             if met.excluded { Evidence::Proof } else { Evidence::Traced { resolution: LONGEST } };
         let reason = match self.met {
-            Some(motion) => inadmissible(self.ball, &motion, self.work),
+            Some(swept) => inadmissible(self.ball, &swept, self.work),
             None => self.why_none(met.nearest_inertia),
         };
         Some(Err(NoAnswer::none(evidence, reason)))
@@ -273,12 +271,9 @@ fn run(
     solve(system, &mut y.data.0[0], &scales, &options, &mut work.0)
 }
 
-/// Why a root of the extended equations is not one of the physical ones.
-fn inadmissible(
-    ball: &RigidBall<f64>,
-    motion: &RigidMotion<f64>,
-    work: &mut RigidWorkspace,
-) -> Reason {
+/// Why the motion that sweeps have ended at is no physical one.
+fn inadmissible(ball: &RigidBall<f64>, swept: &Sweeps<f64>, work: &mut RigidWorkspace) -> Reason {
+    let motion = &swept.motion;
     let ([nut, unloaded, screw], slip) = (motion.loads, motion.speeds[0]);
     if nut <= 0.0 || screw <= 0.0 {
         return Reason::LoadedContactWouldPull { nut_load_ratio: nut, screw_load_ratio: screw };
@@ -287,7 +282,7 @@ fn inadmissible(
         return Reason::UnloadedFlankWouldPull { load_ratio: unloaded };
     }
     let critical_lead_angle = critical_lead_angle(ball, work);
-    Reason::NutContactWouldRoll { slip, exact: true, critical_lead_angle }
+    Reason::NutContactWouldRoll { slip, exact: swept.converged, critical_lead_angle }
 }
 
 /// What a relative error of the first order makes of its margin.

@@ -35,6 +35,8 @@ pub struct Sweeps<F: Field> {
     pub residual: F,
     /// How many sweeps.
     pub count: F,
+    /// Where directions of slip lead to themselves.
+    pub stationary: F::Mask,
     /// Where it solves the equations, and is the root that the branch of small inertia meets.
     pub converged: F::Mask,
 }
@@ -70,8 +72,9 @@ impl<F: Compare> RigidBall<F> {
         let residual = self.scaled_residual(&motion);
         let least_rate = F::select(inertia.lt(self.constant(0.5)), inertia * 2.0, one) * LEAST_RATE;
         let circles = motion.rate.abs().gt(least_rate);
-        let converged = guided & !moving & circles & residual.lt(self.constant(RESIDUAL));
-        Sweeps { motion, residual, count, converged }
+        let stationary = guided & !moving;
+        let converged = stationary & circles & residual.lt(self.constant(RESIDUAL));
+        Sweeps { motion, residual, count, stationary, converged }
     }
 
     /// The motion of the last state.

@@ -12,7 +12,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::curve::Curve;
-use super::first_order::{SEARCHED_FROM, UNIQUE_FROM};
+use super::first_order::{SEARCHED_FROM, STEEP, UNIQUE_LEAST_RATE, UNIQUE_MOST_FRICTION};
 use super::*;
 use crate::extreme::extreme;
 use crate::models::ball::Workspace;
@@ -208,9 +208,9 @@ fn many_starts_find_few_roots_that_are_not_known() {
     assert!(missed.is_empty(), "{missed:#?}");
 }
 
-/// Where a second root is excluded (R45) the search along the whole curve finds none, where it is said to be
-/// looked for it is known, and the answer is the first root of that search everywhere; over practice
-/// and over the extremes.
+/// Where a second root is excluded the search along the whole curve finds none, where it is said to be
+/// looked for it is known, the answer is the first root of that search everywhere, and where there is no solution it finds
+/// none; over practice and over the extremes.
 #[test]
 fn a_second_root_needs_inertia() {
     count_second_roots([4000, 2000].map(campaign));
@@ -218,9 +218,9 @@ fn a_second_root_needs_inertia() {
 
 /// As many as the limits were measured with.
 #[test]
-#[ignore = "takes a minute"]
+#[ignore = "takes two minutes"]
 fn second_roots_counted() {
-    count_second_roots([30_000, 20_000]);
+    count_second_roots([2_000_000, 2_000_000]);
 }
 
 /// * `counts`: points of practice, and of the extremes.
@@ -230,28 +230,45 @@ fn count_second_roots(counts: [usize; 2]) {
     let draws =
         [("practice", practical as fn(&mut ChaCha8Rng) -> OperatingPoint), ("extremes", screw)];
     for ((name, draw), count) in draws.into_iter().zip(counts) {
-        let (mut tried, mut several, mut below, mut least) = (0, 0, 0, f64::INFINITY);
+        let (mut tried, mut denied, mut several, mut below) = (0, 0, 0, 0);
+        let (mut least_inertia, mut least_multiplicity) = (f64::INFINITY, f64::INFINITY);
         while tried < count {
             let rigid = draw(&mut rng);
             let Ok(case) = Rigid { point: rigid }.ball() else { continue };
             let start = case.first_order();
+            let friction = case.friction();
             // Below, rounding decides about loads.
-            if start.inertia_scale < 1e-3 * case.friction() {
+            if start.inertia_scale < 1e-3 * friction {
                 continue;
             }
             tried += 1;
-            let multiplicity = start.multiplicity;
-            let Ok(root) = root::find(&case, &mut work) else { continue };
+            let answer = root::find(&case, &mut work);
             let met = root::SearchResult::of(&case, start.inertia, &mut work);
-            if let Some(first) = met.roots.first() {
-                assert!(root.is_near(first), "{rigid:?} {root:?} {first:?}");
-            }
             // The root at infinity does not balance the powers.
-            if balanced(&rigid, &case, &met.roots) > 1 {
+            let count = balanced(&rigid, &case, &met.roots);
+            let Ok(root) = answer else {
+                denied += usize::from(start.is_unique);
+                assert!(!start.is_unique || count == 0, "{rigid:?} {answer:?} {:?}", met.roots);
+                continue;
+            };
+            if let Some(first) = met.roots.first() {
+                // Rounding of large loads leaves that of the unloaded flank fewer digits.
+                let [nut, .., screw] = first.motion.loads;
+                assert_relative_eq!(root.motion.loads[0], nut, max_relative = 1e-6);
+                assert_relative_eq!(root.motion.loads[2], screw, max_relative = 1e-6);
+            }
+            if count > 1 {
                 several += 1;
+                let multiplicity = start.multiplicity;
                 below += usize::from(multiplicity < SEARCHED_FROM);
-                if case.friction() > UNIQUE_FROM {
-                    least = least.min(multiplicity);
+                if start.rate.abs() > UNIQUE_LEAST_RATE {
+                    if friction < UNIQUE_MOST_FRICTION {
+                        least_inertia =
+                            least_inertia.min(start.inertia_scale / (friction * friction));
+                    }
+                    if case.sines.sin_b > STEEP {
+                        least_multiplicity = least_multiplicity.min(multiplicity);
+                    }
                 }
                 let known = root.alternatives.map(|alternatives| alternatives.len());
                 assert_ne!(known, Some(0), "{rigid:?} {:?}", met.roots);
@@ -263,11 +280,10 @@ fn count_second_roots(counts: [usize; 2]) {
             }
         }
         println!(
-            "{name}: {several} of {tried} have several roots, {below} of them at C < {SEARCHED_FROM}, \
-             the least at C = {least:.1}"
+            "{name}: {several} of {tried} have several roots, {below} of them at C < {SEARCHED_FROM}, the \
+             least at {least_inertia:.0} f^2 and, at steep contact, C = {least_multiplicity:.0}; {denied} denied"
         );
-        // The least of 30 000 points is 1.8.
-        assert!(several >= campaign(3).max(count / 1000) && least > 1.0, "{several} {least}");
+        assert!(several >= campaign(3).max(count / 1000), "{several}");
     }
 }
 
@@ -341,7 +357,7 @@ fn an_arc_of_its_own_has_a_solution() {
     let [transverse, _] = met.roots[1].motion.directions[0];
     assert!(transverse < -0.99, "{transverse}");
     // No search is made there: unknown is not none.
-    assert!(!start.is_unique() && !start.has_high_multiplicity());
+    assert!(!start.is_unique && !start.has_high_multiplicity());
     assert_eq!(Rigid { point: rigid }.solve(&mut work).answer.expect("a root").alternatives, None);
 }
 

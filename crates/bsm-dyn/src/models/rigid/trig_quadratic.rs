@@ -1,7 +1,5 @@
 //! Zeros of a quadratic form on the unit circle, for one form and for several side by side.
 
-#![expect(clippy::needless_range_loop, reason = "closures do not take the instruction set")]
-
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use bsm_kin::Field;
@@ -19,9 +17,8 @@ const DIRECTIONS: [[f64; 2]; 8] = [
     [FRAC_1_SQRT_2, -FRAC_1_SQRT_2],
 ];
 
-/// Last step of a root: the error behind it is of the order of its cube, of two equal roots of its own.
-const LAST_STEP: f64 = 1e-7;
-const MOST_HALLEY_STEPS: usize = 80;
+/// Newton's steps for the factors of a quartic: from 1e-7 to rounding, and one for what rounding leaves of close roots.
+const FACTOR_STEPS: usize = 2;
 
 /// `$a_0 + a_1 c + a_2 s$` of a direction `(c, s)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -141,105 +138,81 @@ impl<F: Compare> Quadratic<F> {
     }
 }
 
-/// Real roots of a quartic with its coefficients from the constant upwards, in ascending order;
-/// `NaN` for those that are missing.
+/// Real roots of a quartic with its coefficients from the constant upwards; `NaN` for those that are missing.
+///
+/// Those of two real quadratics whose product it is (Ferrari).
 #[inline(always)]
 fn real_roots<F: Compare>(a: &[F; 5]) -> [F; 4] {
-    let slope = [a[1], a[2] * 2.0, a[3] * 3.0, a[4] * 4.0];
-    let bend = [a[2], a[3] * 3.0, a[4] * 6.0];
-    // All roots of a polynomial and of its derivatives are within Cauchy's bound.
-    let mut bound = a[4] * 0.0;
-    for i in 0..4 {
-        bound = bound.larger((a[i] / a[4]).abs());
+    let monic = a[4].recip();
+    let a = [a[0] * monic, a[1] * monic, a[2] * monic, a[3] * monic];
+    let mut factors = real_factors(&a);
+    for _ in 0..FACTOR_STEPS {
+        factors = nearer(&a, factors);
     }
-    let bound = bound + 1.0;
-    // Between the places where its derivative vanishes a polynomial has at most one root.
-    let (zero, root) = (bound * 0.0, (bend[1] * bend[1] - bend[0] * bend[2] * 4.0).sqrt());
-    let root = F::select(bend[1].lt(zero), -root, root);
-    let q = (bend[1] + root) * -0.5;
-    let (one, two) = (q / bend[2], bend[0] / q);
-    let turns = [F::select(two.lt(one), two, one), F::select(two.lt(one), one, two)];
-    let flat: [F; 3] = isolated(&slope, &turns, bound);
-    isolated(a, &flat, bound)
+    let mut roots = [monic; 4];
+    for i in 0..2 {
+        let [c, b] = factors[i];
+        let root = (b * b - c * 4.0).sqrt();
+        (roots[2 * i], roots[2 * i + 1]) = ((b + root) * -0.5, (root - b) * 0.5);
+    }
+    roots
 }
 
-/// The `N` roots of a polynomial of degree `N` between the places `flat` where its slope vanishes; `NaN` for
-/// those that are missing.
+/// `$c$` and `$b$` of both factors `$t^2 + b t + c$` of `$t^4 + a_3 t^3 + a_2 t^2 + a_1 t + a_0$`, to 1e-7; those without
+/// real roots may be `NaN`.
 #[inline(always)]
-fn isolated<F: Compare, const A: usize, const B: usize, const N: usize>(
-    a: &[F; A],
-    flat: &[F; B],
-    bound: F,
-) -> [F; N] {
-    let (mut low, mut high, mut end) = ([bound; N], [bound; N], -bound);
-    for i in 0..N {
-        low[i] = end;
-        if i < B {
-            // Where a place is missing, or beyond the bound, the interval before it goes on.
-            let here = flat[i].abs().lt(bound) & end.le(flat[i]);
-            high[i] = F::select(here, flat[i], end);
-        }
-        end = high[i];
-    }
-    between(a, low, high)
-}
-
-/// The roots of a polynomial between places where it has other signs, by Halley's steps within them; `NaN` where
-/// the signs are the same. Steps of all roots are taken side by side, as each waits for its division.
-#[inline(always)]
-fn between<F: Compare, const A: usize, const N: usize>(
-    a: &[F; A],
-    mut low: [F; N],
-    mut high: [F; N],
-) -> [F; N] {
+fn real_factors<F: Compare>(a: &[F; 4]) -> [[F; 2]; 2] {
     let zero = a[0].constant(0.0);
-    let no = zero.lt(zero);
-    let (mut t, mut crosses, mut above, mut converged) = (low, [no; N], [no; N], [no; N]);
-    for i in 0..N {
-        let below = horner(a, low[i])[0].gt(zero);
-        above[i] = horner(a, high[i])[0].gt(zero);
-        crosses[i] = (below & !above[i]) | (above[i] & !below);
-        converged[i] = !crosses[i];
-        t[i] = (low[i] + high[i]) * 0.5;
+    // t = y - a_3/4:  y^4 + p y^2 + q y + r
+    let shift = a[3] * 0.25;
+    let square = shift * shift;
+    let p = a[2] - square * 6.0;
+    let q = a[1] - shift * (a[2] - square * 4.0) * 2.0;
+    let r = a[0] - shift * a[1] + square * (a[2] - square * 3.0);
+    // (y^2 + w y + m - u) (y^2 - w y + m + u), where z = w^2 solves z^3 + 2 p z^2 + (p^2 - 4 r) z - q^2 = 0
+    let slope = p * p - r * 4.0;
+    let spread = p * p + r * 12.0;
+    let skew = (p * p * 2.0 - r * 72.0) * p + q * q * 27.0;
+    // Of its three roots the one that lies apart, or the only one: z = ±x - 2 p/3
+    let (size, cube) = (skew.abs(), spread * spread * spread * 4.0);
+    let discriminant = skew * skew - cube;
+    let alone = zero.lt(discriminant);
+    let v = size / cube.sqrt();
+    // cos(arccos(v)/3), to 1e-4
+    let cosine = ((v * 0.0099 - 0.0427) * v + 1.0 / 6.0) * v + 0.866_025;
+    let root = (F::select(alone, size + discriminant.sqrt(), zero + 1.0) * 0.5).cbrt();
+    let x = F::select(alone, root + spread / root, cosine * spread.sqrt() * 2.0) * (1.0 / 3.0);
+    let mut z = F::select(skew.lt(zero), -x, x) - p * (2.0 / 3.0);
+    for _ in 0..2 {
+        let value = ((z + p * 2.0) * z + slope) * z - q * q;
+        let (rise, bend) = ((z * 3.0 + p * 4.0) * z + slope, z * 3.0 + p * 2.0);
+        z = z - value * rise / (rise * rise - value * bend);
     }
-    for _ in 0..MOST_HALLEY_STEPS {
-        let mut moving = no;
-        for i in 0..N {
-            moving = moving | !converged[i];
-        }
-        if !F::any(moving) {
-            break;
-        }
-        for i in 0..N {
-            let [value, slope, bend] = horner(a, t[i]);
-            let positive = value.gt(zero);
-            let is_high = (positive & above[i]) | (!positive & !above[i]);
-            low[i] = F::select(is_high, low[i], t[i]);
-            high[i] = F::select(is_high, t[i], high[i]);
-            let halley = t[i] - value * slope / (slope * slope - value * bend);
-            let inside = low[i].le(halley) & halley.le(high[i]);
-            let next = F::select(inside, halley, (low[i] + high[i]) * 0.5);
-            let step = (next - t[i]).abs();
-            t[i] = F::select(converged[i], t[i], next);
-            converged[i] = converged[i] | step.le((t[i].abs() + 1.0) * LAST_STEP);
-        }
-    }
-    for i in 0..N {
-        t[i] = F::select(crosses[i], t[i], zero.constant(f64::NAN));
-    }
-    t
+    // Where it has three roots, and some are negative, the quartic has none.
+    let none = !(alone | (p.lt(zero) & zero.lt(slope)));
+    let z = F::select(none, zero + f64::NAN, zero.larger(z));
+    let (w, m) = (z.sqrt(), (p + z) * 0.5);
+    let u = zero.larger(m * m - r).sqrt();
+    let u = F::select(q.lt(zero), -u, u);
+    [[square + shift * w + m - u, shift * 2.0 + w], [square - shift * w + m + u, shift * 2.0 - w]]
 }
 
-/// A polynomial, its coefficients from the constant upwards, its slope, and half its second derivative.
+/// Newton's step for two factors of a quartic.
 #[inline(always)]
-fn horner<F: Compare, const A: usize>(a: &[F; A], t: F) -> [F; 3] {
-    let (mut value, mut slope, mut bend) = (a[A - 1], t.constant(0.0), t.constant(0.0));
-    for i in 1..A {
-        bend = bend.mul_add(t, slope);
-        slope = slope.mul_add(t, value);
-        value = value.mul_add(t, a[A - 1 - i]);
-    }
-    [value, slope, bend]
+fn nearer<F: Compare>(a: &[F; 4], [[c, b], [d, e]]: [[F; 2]; 2]) -> [[F; 2]; 2] {
+    // (t^2 + b t + c) (t^2 + e t + d) less the quartic, without what changes of e and d take away
+    let cubic = a[3] - b - e;
+    let square = a[2] - c - d - b * e - b * cubic;
+    let linear = a[1] - b * d - e * c - b * square - c * cubic;
+    let constant = a[0] - c * d - c * square;
+    let (of_b, of_c) = (b - e, c - d);
+    let along = b * of_b - of_c;
+    let resultant = c * of_b * of_b - of_c * along;
+    let zero = resultant * 0.0;
+    let per = F::select(zero.lt(resultant.abs()), resultant.recip(), zero);
+    let more_b = (of_b * constant - of_c * linear) * per;
+    let more_c = (along * constant - c * of_b * linear) * per;
+    [[c + more_c, b + more_b], [d + (square - more_c + of_b * more_b), e + (cubic - more_b)]]
 }
 
 #[cfg(test)]
