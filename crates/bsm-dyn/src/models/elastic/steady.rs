@@ -250,8 +250,8 @@ where
             let back = (node.at.motion.drive * node.at.motion.inertia).lt(zero);
             let [forwards, backwards] = self.inertia_residuals(&node.at);
             let residual = (F::select(back, backwards, forwards) / node.at.motion.drive).abs();
-            // What the logarithm of q has no finer digits than; where rounding decides, a search does its best.
-            let rounding = node.point[0].abs().larger(one) * (4.0 * f64::EPSILON);
+            // Some roundings of the terms, and of the logarithm of q; where rounding decides, a search does its best.
+            let rounding = node.point[0].abs().larger(one) * (16.0 * f64::EPSILON);
             let admissible = node.found & node.at.is_admissible();
             let near = if walked {
                 node.is_within(&guess, &scale)
