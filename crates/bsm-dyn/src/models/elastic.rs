@@ -31,9 +31,6 @@ use crate::models::ball::{
 /// Below this ratio of inertia to friction the rounding of the loads shows in the slip.
 const SMALL_INERTIA: f64 = 1e-5;
 
-/// A solve may take this many steps; it begins at the root.
-const MOST_STEPS_FROM_ROOT: usize = 4;
-
 /// Inputs of the elastic model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Elastic<D = f64> {
@@ -192,8 +189,7 @@ fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
 fn run(contacts: &ElasticContacts, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
     let weights = weights(contacts, y);
     let scales = Scales { x: &[1.0; BALL], f: &weights };
-    let options = Options { max_steps: MOST_STEPS_FROM_ROOT, ..Options::default() };
-    solve(&GrossSlipEquations(contacts), y, &scales, &options, newton)
+    solve(&GrossSlipEquations(contacts), y, &scales, &Options::default(), newton)
 }
 
 impl Elastic {

@@ -1,6 +1,6 @@
 //! Static balance of the rolling ball by lanes, which raceway controls, and the motion.
 
-use bsm_dyn::internals::{StaticBalance, rolling, spread_of_control};
+use bsm_dyn::internals::{StaticBalance, StaticState, rolling, spread_of_control};
 use bsm_dyn::{Control, RacewayControl};
 use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
@@ -74,25 +74,42 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
             Some(Control::Screw) => zero.lt(zero),
             Some(Control::Nut) | None => zero.le(zero),
         };
+        let unloaded = contacts.cos_b / contacts.sin_b;
         let mut balance = StaticBalance::of(&contacts.scaled, by_nut);
-        let mut at = balance.start(contacts.cos_b / contacts.sin_b, contacts.regular);
+        let mut at = balance.start(unloaded, contacts.regular);
         balance.iterate(&mut at);
-        let mut unique = balance.is_unique();
-        let mut found = contacts.regular & at.converged & (unique | balance.is_first(at.unknowns));
-        if control.is_none() {
+        let first = balance.is_first(at.unknowns);
+        let mut found = contacts.regular & at.converged;
+        let mut unique;
+        if control.is_some() {
+            unique = balance.is_unique(unloaded, found);
+            found = found & (unique | first);
+        } else {
             let sides = balance.loaded(at.unknowns);
-            let excess = contacts.nut_excess(&sides);
-            balance.by_nut = zero.lt(excess);
-            found = found
-                & excess
-                    .abs()
-                    .gt(cotangent_difference(contacts, &sides) * RacewayControl::CLEAR + TIE);
+            let (excess, tie) = (contacts.nut_excess(&sides), zero.constant(TIE));
+            let nut = tie.lt(excess);
+            unique = balance.is_unique(unloaded, found & (nut | !first));
+            found = found & (unique | first) & excess.abs().gt(tie);
+            balance.by_nut = nut;
+            let screw = StaticBalance::of(&contacts.scaled, zero.lt(zero));
+            let by_screw = screw.is_unique(unloaded, found);
+            // Does the screw control its own ball too?
+            let close = excess.le(cotangent_difference(contacts, &sides) * RacewayControl::CLEAR);
+            let close = found & nut & close;
+            if close.any() {
+                let mut other = StaticState { converged: !close, ..at };
+                screw.iterate(&mut other);
+                let on_flanks = zero.lt(other.unknowns[1]);
+                let first = by_screw & on_flanks | screw.is_first(other.unknowns);
+                let by_nut = tie.lt(contacts.nut_excess(&screw.loaded(other.unknowns)));
+                found = found & (!close | other.converged & first & by_nut);
+            }
             at.converged = at.converged & balance.by_nut | !found;
             balance.iterate(&mut at);
-            let by_screw = StaticBalance::of(&contacts.scaled, zero.lt(zero)).is_unique();
             // The ball of the nut is one where the screw controls the other.
             unique = by_screw & (unique | !balance.by_nut);
-            found = found & at.converged & (balance.is_unique() | balance.is_first(at.unknowns));
+            found =
+                found & at.converged & (by_screw | balance.by_nut | balance.is_first(at.unknowns));
         }
         let sides = balance.loaded(at.unknowns);
         let [a, b] = &sides;
@@ -102,8 +119,9 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
         let mut found = found & on_flanks & closed;
         if control.is_none() {
             // The raceway that controls by the ball of the nut does by its own.
-            let nut = zero.lt(contacts.nut_excess(&sides));
-            found = found & (nut & balance.by_nut | !nut & !balance.by_nut);
+            let excess = contacts.nut_excess(&sides);
+            let excess = balance.by_nut.select(excess, -excess);
+            found = found & zero.constant(TIE).lt(excess);
         }
         let twist = b.sin * a.cos - b.cos * a.sin;
         BalanceRoot {

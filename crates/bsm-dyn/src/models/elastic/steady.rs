@@ -33,12 +33,14 @@ const MOST_TO_STATE: usize = 8;
 const MOST_TO_ANGLE: usize = 8;
 const LAST_ANGLE_STEP: f64 = 1e-4;
 
-/// Of a walk upwards in `$\ln q$`: where it begins below the root of a straight curve, its steps, their number, and the least
-/// rise of `$\ln\mu$` over that of `$\ln q$`: half of what a straight curve has at least.
-const BELOW: f64 = 4.0;
+/// Of a walk up to a root along roots of growing inertia: `$\ln\mu$` of the first below that of the root, steps of `$\ln q$`
+/// that are aimed at and the longest, their number with those that were too long, and the most growth of `$\ln q$` over
+/// that of `$\ln\mu$`: twice what a straight curve has at most.
+const BELOW: f64 = 3.0;
 const UPWARDS: f64 = 1.0;
+const LONGEST: f64 = 1.5;
 const MOST_UPWARDS: usize = 12;
-const LEAST_RISE: f64 = 0.25;
+const MOST_SLOPE: f64 = 4.0;
 
 /// A step in the scale of a state that leaves an error of about its square: of a result, rounding.
 const STEP_TOLERANCE: f64 = 1e-8;
@@ -127,7 +129,7 @@ impl<F: Compare> CurveState<F> {
     /// Where it is at most a step from a place.
     #[inline(always)]
     fn is_within(&self, point: &Coordinates<F>, &[_, by_screw, by_c]: &[F; 3]) -> F::Mask {
-        (self.point[0] - point[0]).abs().le(by_c.constant(UPWARDS))
+        (self.point[0] - point[0]).abs().le(by_c.constant(LONGEST))
             & (self.point[1] - point[1]).abs().le(by_screw)
             & (self.point[2] - point[2]).abs().le(by_c)
     }
@@ -239,7 +241,7 @@ where
         // M ~ q, up to where the curve bends. Where nut and screw turn together, the inertia of the begin
         // underflows, its logarithm does not.
         let root = self.inertia_ratio.ln() - start.at.log_inertia() + NO_INERTIA;
-        let inside = start.found & root.lt(zero) & root.gt(one * NO_INERTIA);
+        let inside = start.found & root.lt(one * BELOW) & root.gt(one * NO_INERTIA);
         let (mut guess, mut expected) = ([root, start.point[1], start.point[2]], inside);
         let (mut steady, mut found, mut steps) = (zero.lt(zero), zero.lt(zero), start.steps);
         let mut walked = false;
@@ -248,8 +250,8 @@ where
             let back = (node.at.motion.drive * node.at.motion.inertia).lt(zero);
             let [forwards, backwards] = self.inertia_residuals(&node.at);
             let residual = (F::select(back, backwards, forwards) / node.at.motion.drive).abs();
-            // What the logarithm of q has no finer digits than; where rounding decides, a search does its best.
-            let rounding = node.point[0].abs().larger(one) * (4.0 * f64::EPSILON);
+            // Some roundings of the terms, and of the logarithm of q; where rounding decides, a search does its best.
+            let rounding = node.point[0].abs().larger(one) * (16.0 * f64::EPSILON);
             let admissible = node.found & node.at.is_admissible();
             let near = if walked {
                 node.is_within(&guess, &scale)
@@ -264,7 +266,7 @@ where
                 break (node, residual);
             }
             walked = true;
-            let (above, arrived, more_steps) = self.upwards(start, root - BELOW, &scale, rest);
+            let (above, arrived, more_steps) = self.upwards(start, root, &scale, rest);
             for k in 0..3 {
                 guess[k] = F::select(arrived, above[k], node.point[k]);
             }
@@ -286,61 +288,61 @@ where
         }
     }
 
-    /// A guess of the first steady motion by steps upwards in `$\ln q$` from a state where the curve is straight, where
-    /// every step is short in the scale of the states and the inertia rises; and the Newton steps.
+    /// A guess of the first steady motion by those of growing inertia, from one where the curve is straight, while every step
+    /// is short in the scale of the states and the inertia rises; and the Newton steps.
+    ///
+    /// * `root`: `$\ln q$` if the curve were straight.
     #[inline(always)]
     fn upwards(
         &self,
         start: &CurveState<F>,
-        begin: F,
+        root: F,
         scale: &[F; 3],
         expected: F::Mask,
     ) -> (Coordinates<F>, F::Mask, F) {
-        let (one, goal) = (begin.constant(1.0), self.inertia_ratio.ln());
-        let mut point = [begin, start.point[1], start.point[2]];
-        let (mut guess, mut log, mut steps) = (point, begin, begin.constant(0.0));
-        let (mut active, mut arrived) = (expected, begin.lt(begin));
-        // Of x_B and c in the last step.
-        let mut change = [begin.constant(0.0); 2];
+        let (zero, one) = (root.constant(0.0), root.constant(1.0));
+        let (mut point, mut before) = (start.point, start.point);
+        // How far ln μ is below that of the root, the growth of ln q over that of ln μ, and the step of ln q.
+        let (mut below, mut slope, mut length) = (zero, one, one * UPWARDS);
+        let (mut steps, mut active, mut arrived) = (zero, expected, zero.lt(zero));
         for step in 0..=MOST_UPWARDS {
-            let to = if step == 0 { point[0] } else { point[0] + UPWARDS };
-            let ahead = [to, point[1] + change[0], point[2] + change[1]];
-            let next = self.iterate_to::<false>(
-                (STEP_ON_THE_WAY, CLOSED_ON_THE_WAY),
-                ahead,
-                scale,
-                active,
-            );
-            let inertia = next.at.log_inertia();
-            let below = inertia.lt(goal);
-            steps = steps + next.steps;
-            active = active & next.found;
-            if step == 0 {
-                active = active & below & next.is_straight_from(start, scale, RISES);
-            } else {
-                let rise = inertia - log;
-                active =
-                    active & next.is_within(&point, &next.scale(self)) & rise.gt(one * LEAST_RISE);
-                let (here, fraction) = (active & !below, (goal - log) / rise);
-                for k in 0..3 {
-                    let between = point[k] + (next.point[k] - point[k]) * fraction;
-                    guess[k] = F::select(here, between, guess[k]);
+            let (mut guess, mut to) = ([root - BELOW, point[1], point[2]], one * BELOW);
+            if step > 0 {
+                to = (below - length / slope).larger(zero);
+                let rise = (below - to) * slope;
+                // x_B and c change with q.
+                let growth = (rise.exp() - 1.0) / (-(before[0] - point[0]).exp() + 1.0);
+                guess[0] = point[0] + rise;
+                for k in 1..3 {
+                    guess[k] = point[k] + (point[k] - before[k]) * growth;
                 }
-                arrived = arrived | here;
-                active = active & below;
             }
+            let tolerances = (STEP_ON_THE_WAY, CLOSED_ON_THE_WAY);
+            let next = self.iterate_to::<true>(tolerances, (guess, to), scale, active);
+            steps = steps + next.steps;
+            let near = if step == 0 {
+                active = active & next.found & next.is_straight_from(start, scale, RISES);
+                active
+            } else {
+                let (rise, rise_of_inertia) = (next.point[0] - point[0], below - to);
+                let rises = rise.gt(zero) & rise.lt(rise_of_inertia * MOST_SLOPE);
+                let near = next.found & next.is_within(&point, &next.scale(self)) & rises;
+                slope = F::select(near, rise / rise_of_inertia, slope);
+                length = F::select(near, length, length * 0.5);
+                near
+            };
+            for k in 0..3 {
+                before[k] = F::select(near, point[k], before[k]);
+                point[k] = F::select(near, next.point[k], point[k]);
+            }
+            below = F::select(near, to, below);
+            arrived = arrived | active & near & to.le(zero);
+            active = active & !arrived;
             if !F::any(active) {
                 break;
             }
-            log = F::select(active, inertia, log);
-            if step > 0 {
-                change = [next.point[1] - point[1], next.point[2] - point[2]];
-            }
-            for (own, next) in point.iter_mut().zip(next.point) {
-                *own = F::select(active, next, *own);
-            }
         }
-        (guess, arrived, steps)
+        (point, arrived, steps)
     }
 
     /// The states next to a guess: steady motions, or with the same `$q$`.
@@ -351,15 +353,18 @@ where
         scale: &[F; 3],
         expected: F::Mask,
     ) -> CurveState<F> {
-        self.iterate_to::<STEADY>((STEP_TOLERANCE, CLOSED), guess, scale, expected)
+        let at = (guess, guess[0].constant(0.0));
+        self.iterate_to::<STEADY>((STEP_TOLERANCE, CLOSED), at, scale, expected)
     }
 
     /// The same to a step and to what (S14) and (S20) may leave.
+    ///
+    /// * `below`: how far `$\ln\mu$` of the steady motions is below that of the ball.
     #[inline(always)]
     fn iterate_to<const STEADY: bool>(
         &self,
         (last_step, closed): (f64, f64),
-        guess: Coordinates<F>,
+        (guess, below): (Coordinates<F>, F),
         &[_, by_screw, by_c]: &[F; 3],
         expected: F::Mask,
     ) -> CurveState<F> {
@@ -381,7 +386,7 @@ where
                 let SlidingMotion { inertia: i, drive: d, .. } = self.motion(&state);
                 let (m, ratio) = (state.centrifugal, i.re / d.re);
                 // 0 = ln[(M/μ) ((1 − g)/(π/d + Ω_n/W))²], to the last digit of its argument  (S27)
-                residual = (m.re / self.inertia_ratio * ratio * ratio).ln();
+                residual = (m.re / self.inertia_ratio * ratio * ratio).ln() + below;
                 for (k, across) in across.iter_mut().enumerate() {
                     *across = m.eps[k] / m.re + (i.eps[k] / i.re - d.eps[k] / d.re) * 2.0;
                 }

@@ -131,9 +131,9 @@ impl Balance<'_> {
         Err(NoAnswer::not_converged(Reason::from(report)))
     }
 
-    /// True if (W17) leaves no second root.
+    /// True if there is no second root.
     pub(super) fn is_unique(&self) -> bool {
-        self.statics.is_unique()
+        self.statics.is_unique(self.unloaded(), true)
     }
 
     /// Roots on the flanks whose contact angles differ by more than those of the first root `x`, up to

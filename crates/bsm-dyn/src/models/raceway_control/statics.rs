@@ -20,6 +20,12 @@ const MOST_STATIC_STEPS: usize = 6;
 const MOST_CLOSING: usize = 60;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
+/// Passes of the falling bound (W18) before roots are counted by a scan: most need two or three.
+const MOST_FALLING: usize = 4;
+
+/// How exactly the triangle is closed at a bound, which is a bound with this error too.
+const BOUNDED: f64 = 1e-3;
+
 /// Last step of an angle \[rad\]: the error behind it is of the order of its square.
 const LAST_STEP: f64 = 1e-9;
 
@@ -191,10 +197,15 @@ impl<F: Compare> StaticBalance<F> {
         ]
     }
 
-    /// Cotangent of the screw's contact angle that closes the triangle at a difference `c`, by Newton within
-    /// zero and the cotangent of the unloaded angle: (W13) rises with it.
+    /// Cotangent of the screw's contact angle that closes the triangle at a difference `c`.
     #[inline(always)]
     pub(super) fn closed(&self, c: F, unloaded: F) -> F {
+        self.closed_to(ROUNDING, c, unloaded)
+    }
+
+    /// The same to a part of the cotangent of the unloaded angle, by Newton within zero and that: (W13) rises with it.
+    #[inline(always)]
+    fn closed_to(&self, part: f64, c: F, unloaded: F) -> F {
         let zero = c.constant(0.0);
         let (mut low, mut high, mut cot) = (zero, unloaded, unloaded * 0.5);
         let mut converged = zero.lt(zero);
@@ -209,7 +220,7 @@ impl<F: Compare> StaticBalance<F> {
             let next = F::select(inside, newton, (low + high) * 0.5);
             let step = (next - cot).abs();
             cot = F::select(converged, cot, next);
-            converged = converged | step.le(unloaded * ROUNDING);
+            converged = converged | step.le(unloaded * part);
             if !F::any(!converged) {
                 break;
             }
@@ -223,13 +234,28 @@ impl<F: Compare> StaticBalance<F> {
         self.rate(&self.loaded([c, self.closed(c, unloaded)]))
     }
 
-    /// Where (W17) leaves no second root.
+    /// Where (W17) leaves no second root, or bounds (W18) of all roots fall to where (W15) leaves one.
+    ///
+    /// * `unloaded`: cotangent of the unloaded contact angle. * `expected`: where it is asked.
     #[inline(always)]
-    pub fn is_unique(&self) -> F::Mask {
+    pub fn is_unique(&self, unloaded: F, expected: F::Mask) -> F::Mask {
         let nut = self.nut_speed;
         let outwards = F::select(self.by_nut, nut + 1.0, self.lever - nut);
         // μ cosα |P|/W < 2, with the largest |P| that may still rise      (W17)
-        (self.inertia * outwards).lt(nut.constant(Self::UNIQUE_INERTIA))
+        let mut unique = (self.inertia * outwards).lt(nut.constant(Self::UNIQUE_INERTIA));
+        let mut bound = self.inertia * outwards.square();
+        for _ in 0..MOST_FALLING {
+            if !F::any(expected & !unique) {
+                break;
+            }
+            let screw = self.closed_to(BOUNDED, bound, unloaded) - unloaded * BOUNDED;
+            // A flatter angle has a larger |P|, and there is one where the bound is beyond the flanks.
+            let at = [bound, screw.larger(unloaded * f64::EPSILON)];
+            unique = unique | self.is_first(at);
+            // c ← μ cosα (P(c)/W)²                                        (W18)
+            bound = self.inertia * self.rate(&self.loaded(at)).square();
+        }
+        unique
     }
 
     /// Where (W15) shows that no other root on the flanks has a smaller difference of the angles.
