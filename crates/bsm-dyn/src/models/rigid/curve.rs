@@ -93,21 +93,22 @@ pub(super) struct CurvePoint {
     /// What an admissible state must not have, a bit for each: loads that pull, slips against their
     /// directions.
     pub(super) violated: u16,
-    /// Both sides of (R42): the inertia that there is, and the one that makes it a root.
-    inertia: [f64; 2],
+    /// Excess of the inertia that there is over the one that would make this a root (R42), from -1 to 1.
+    pub(super) inertia_residual: f64,
     /// Changes sign with `$P$`.
     pub(super) rate_sign: f64,
 }
 
 /// Numbers of a [`CurvePoint`] but for its turn.
-const NUMBERS: usize = 19;
+const NUMBERS: usize = 18;
 
 impl CurvePoint {
     /// Of its numbers, as [`Curve::point`] has them.
     #[inline(always)]
     fn of(slip_turn: f64, numbers: &[f64; NUMBERS]) -> Self {
         let [c, s, at_nut, a_x, a_t, m_x, m_t, nut, unloaded, axial, centrifugal, ..] = *numbers;
-        let [.., precession, rate, slip_x, slip_t, violated, given, wanted, rate_sign] = *numbers;
+        let [.., precession, rate, slip_x, slip_t, violated, inertia_residual, rate_sign] =
+            *numbers;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "nine bits")]
         let violated = violated as u16;
         Self {
@@ -122,20 +123,14 @@ impl CurvePoint {
             rate,
             slip: [slip_x, slip_t],
             violated,
-            inertia: [given, wanted],
+            inertia_residual,
             rate_sign,
         }
     }
 
-    /// Excess of the inertia over the one that would make this a root, from -1 to 1.
-    pub(super) fn inertia_residual(&self) -> f64 {
-        let [given, wanted] = self.inertia;
-        (given - wanted) / (given.abs() + wanted)
-    }
-
     /// What changes sign with `$P$` where there is more inertia than a root has, else zero: around `$P = 0$` any is too little.
     pub(super) fn rate_sign_above(&self) -> f64 {
-        if self.inertia_residual() > 0.0 { self.rate_sign } else { 0.0 }
+        if self.inertia_residual > 0.0 { self.rate_sign } else { 0.0 }
     }
 
     /// The inertia ratio `$\mu$` that would make this a root.
@@ -372,6 +367,7 @@ impl Curve {
         let rate_sign = set.drive * cross;
         let part = rate_sign * (1.0 / self.gyration);
         let given = set.axial * self.inertia * (part * part) * denominator * centrifugal;
+        let wanted = resistance * resistance;
         let demands = [
             set.curvature,
             denominator,
@@ -405,8 +401,7 @@ impl Curve {
             slip[0],
             slip[1],
             violated,
-            given,
-            resistance * resistance,
+            (given - wanted) / (given.abs() + wanted),
             rate_sign,
         ]
     }

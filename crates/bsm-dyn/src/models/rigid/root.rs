@@ -220,7 +220,7 @@ impl SearchResult {
             false
         });
         search.run(inertia);
-        let (nearest_inertia, cut_short) = (search.nearest_inertia, search.is_cut_short());
+        let (nearest_inertia, cut_short) = (search.nearest_inertia(), search.is_cut_short());
         if cut_short && failure.is_none() {
             failure = Some(NoAnswer::LOST);
         }

@@ -55,7 +55,7 @@ pub(super) struct CurveSearch<'a, F> {
     curve: &'a Curve,
     accept: F,
     /// The inertia ratio nearest to that of the point at which an admissible state was met.
-    pub(super) nearest_inertia: Option<f64>,
+    nearest: Option<(f64, f64)>,
     samples: usize,
 }
 
@@ -126,7 +126,7 @@ impl CurveSample {
 
 impl<'a, F: FnMut(&CurvePoint) -> bool> CurveSearch<'a, F> {
     pub(super) fn new(curve: &'a Curve, accept: F) -> Self {
-        Self { curve, accept, nearest_inertia: None, samples: 0 }
+        Self { curve, accept, nearest: None, samples: 0 }
     }
 
     /// Visits the roots in the order of the turn upwards from zero, then downwards, until a visit
@@ -159,6 +159,11 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> CurveSearch<'a, F> {
         })
     }
 
+    /// The inertia ratio nearest to that of the point at which an admissible state was met.
+    pub(super) fn nearest_inertia(&self) -> Option<f64> {
+        self.nearest.map(|(_, inertia_ratio)| inertia_ratio)
+    }
+
     /// True if steps were left that should have been halved further.
     pub(super) fn is_cut_short(&self) -> bool {
         self.samples >= MOST_SAMPLES
@@ -176,10 +181,10 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> CurveSearch<'a, F> {
     fn record(&mut self, sample: &CurveSample) {
         self.samples += 1;
         for point in sample.branches.iter().flatten().filter(|point| point.violated == 0) {
-            let far = |ratio: f64| (ratio / self.curve.inertia).max(self.curve.inertia / ratio);
-            let here = point.inertia_ratio();
-            if self.nearest_inertia.is_none_or(|nearest| far(here) < far(nearest)) {
-                self.nearest_inertia = Some(here);
+            // It grows with the ratio of both inertias, either way.
+            let far = point.inertia_residual.abs();
+            if self.nearest.is_none_or(|(nearest, _)| far < nearest) {
+                self.nearest = Some((far, point.inertia_ratio()));
             }
         }
     }
@@ -249,12 +254,12 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> CurveSearch<'a, F> {
 
     /// Visits the root between two points of one branch if there is one.
     fn crossing(&mut self, one: &CurvePoint, other: &CurvePoint) -> bool {
-        if (one.inertia_residual() > 0.0) == (other.inertia_residual() > 0.0) {
+        if (one.inertia_residual > 0.0) == (other.inertia_residual > 0.0) {
             return false;
         }
-        let root = self.bracketed(one, other, CurvePoint::inertia_residual, ENOUGH);
+        let root = self.bracketed(one, other, |point| point.inertia_residual, ENOUGH);
         // Where two branches are mistaken for one, rounding ends up between them instead.
-        root.violated == 0 && root.inertia_residual().abs() < CLOSE && (self.accept)(&root)
+        root.violated == 0 && root.inertia_residual.abs() < CLOSE && (self.accept)(&root)
     }
 
     /// The point between two points of one branch where `value` changes sign.
@@ -289,11 +294,11 @@ impl<'a, F: FnMut(&CurvePoint) -> bool> CurveSearch<'a, F> {
 /// True if a demand breaks between two points that may have a root between them.
 fn breaks(one: &CurvePoint, other: &CurvePoint) -> bool {
     one.violated != other.violated
-        && one.inertia_residual().abs().min(other.inertia_residual().abs()) < FAR
+        && one.inertia_residual.abs().min(other.inertia_residual.abs()) < FAR
 }
 
 /// True if two points on the same side of a root are so near to it that two may be between them.
 fn is_close(one: &CurvePoint, other: &CurvePoint) -> bool {
-    let (x, y) = (one.inertia_residual(), other.inertia_residual());
+    let (x, y) = (one.inertia_residual, other.inertia_residual);
     x * y > 0.0 && x.abs().max(y.abs()) < CLOSE
 }
