@@ -6,9 +6,9 @@ use std::rc::Rc;
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{
-    ElasticMotion, FAST_NUT, MOST_LOSS_ERROR, Plane, SKID_ONSET, TractionMany, TractionPoint,
-    TractionRoot, TractionStart, efficiency, ideal_torque, integrated_error, loss_error,
-    quadrature_error, slip_scale, takes,
+    ElasticMotion, FAST_NUT, MOST_LOSS_ERROR, NumberRows, Plane, SKID_ONSET, TractionMany,
+    TractionPoint, TractionRoot, TractionStart, efficiency, ideal_torque, integrated_error,
+    loss_error, quadrature_error, slip_scale, takes,
 };
 use bsm_dyn::{ErrorBound, Model, Traction};
 use bsm_kin::Field;
@@ -16,7 +16,7 @@ use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
 
 use crate::contacts::{Contacts, ElasticAnswer, UnitsCall};
 use crate::elastic::GrossSlipCall;
-use crate::kernel::{Rows, Sink};
+use crate::kernel::{Rows, Selection, Sink};
 use crate::operand::{Lane, LaneInputs, Mask, ValidCall};
 use crate::raceway::{BalanceCall, RollingMotion, regime};
 use crate::rigid::slip_angles;
@@ -51,7 +51,7 @@ fn quadratures(accuracy: f64) -> Option<Rc<TractionMany>> {
     })
 }
 
-/// Answers the rows that its start leads to the root of, and returns the bounds of their errors (A6).
+/// Answers the rows that one of two starts leads to the root of, and returns the bounds of their errors (A6).
 pub(super) fn solve(arch: Arch, rows: Rows<'_, '_>, accuracy: f64, creep: f64) -> Vec<f64> {
     quadratures(accuracy).map_or_else(Vec::new, |many| {
         arch.dispatch(Solve { arch, rows, accuracy, creep, many: &many })
@@ -74,23 +74,33 @@ impl WithSimd for Solve<'_, '_> {
         let Self { arch, rows, accuracy, creep, many } = self;
         let Rows { inputs, wanted, first, columns, done } = rows;
         let (mut lanes, mut points) = (Vec::new(), Vec::new());
-        // Lanes are stored whole.
-        let mut starts = TractionStart::rows(done.len() + MANY);
+        let mut starts = TractionStart::rows(done.len());
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
             let given = LaneInputs { simd, inputs, row: first + row };
-            let (units, contacts) = simd.vectorize(UnitsCall(&given));
-            let scaled = scaled(&given, (&units, &contacts), creep);
-            let lane = LanePoints { units, contacts, scaled };
+            let lane = LanePoints::of(&given, creep);
             let mut out = Sink { wanted, columns: &mut *columns, row };
-            let (start, found) = start(&given, &lane, &mut out);
+            let rows = row..done.len().min(row + Lane::<S>::LEN);
+            begin((&given, &lane), true, &rows, &mut out, (&mut starts, &mut points));
             lanes.push((given, lane));
-            starts.store(&(row..), start.columns(Lane::splat(simd, 0.0)));
-            let mut begun = [false; MANY];
-            found.store(&mut begun);
-            let rows = Lane::<S>::LEN.min(done.len() - row);
-            points.extend((0..rows).filter(|i| begun[*i]).map(|i| row + i));
         }
-        let (roots, found) = many.solve(arch, &starts, points);
+        // Lanes are loaded whole.
+        let rows = done.len() + MANY;
+        let mut roots = (TractionRoot::rows(rows), vec![false; rows]);
+        let left = many.solve(arch, &starts, points, &mut roots);
+        if !left.is_empty() {
+            let of_chunk: Vec<_> = left.iter().map(|row| first + row).collect();
+            let (inputs, wanted) = (&inputs.select(&of_chunk), &Selection::of(&[]));
+            let mut points = Vec::new();
+            for row in (0..left.len()).step_by(Lane::<S>::LEN) {
+                let given = LaneInputs { simd, inputs, row };
+                let lane = LanePoints::of(&given, creep);
+                let mut out = Sink { wanted, columns: &mut [], row };
+                let rows = left[row..].iter().copied().take(Lane::<S>::LEN);
+                begin((&given, &lane), false, &rows, &mut out, (&mut starts, &mut points));
+            }
+            many.solve(arch, &starts, points, &mut roots);
+        }
+        let (roots, found) = roots;
         let mut bounds = vec![0.0; lanes.len() * Lane::<S>::LEN];
         for (given, lane) in &lanes {
             let row = given.row - first;
@@ -116,25 +126,43 @@ struct LanePoints<S: Simd> {
     scaled: TractionPoint<Lane<S>>,
 }
 
-#[inline(always)]
-fn scaled<S: Simd>(
-    given: &LaneInputs<'_, S>,
-    (units, contacts): (&Units<S>, &Contacts<S>),
-    creep: f64,
-) -> TractionPoint<Lane<S>> {
-    let (zero, one) = (contacts.constant(0.0), contacts.constant(1.0));
-    let friction = given.get(InputKey::friction_coefficient);
-    let scaled = contacts.scaled;
-    let [(nut, _), (screw, _)] = scaled.semi_axes;
-    let scale = slip_scale([nut, screw], scaled.pressed_radius);
-    let fast = scaled.nut_speed.abs().gt(one * FAST_NUT);
-    TractionPoint {
-        scaled,
-        friction: units.speed.lt(zero).select(-friction, friction),
-        offset: fast.select(scaled.nut_speed, zero),
-        creep: scale * creep,
-        nut_chart: false,
+impl<S: Simd> LanePoints<S> {
+    #[inline(always)]
+    fn of(given: &LaneInputs<'_, S>, creep: f64) -> Self {
+        let (units, contacts) = given.simd.vectorize(UnitsCall(given));
+        let (zero, one) = (contacts.constant(0.0), contacts.constant(1.0));
+        let friction = given.get(InputKey::friction_coefficient);
+        let scaled = contacts.scaled;
+        let [(nut, _), (screw, _)] = scaled.semi_axes;
+        let scale = slip_scale([nut, screw], scaled.pressed_radius);
+        let fast = scaled.nut_speed.abs().gt(one * FAST_NUT);
+        let scaled = TractionPoint {
+            scaled,
+            friction: units.speed.lt(zero).select(-friction, friction),
+            offset: fast.select(scaled.nut_speed, zero),
+            creep: scale * creep,
+            nut_chart: false,
+        };
+        Self { units, contacts, scaled }
     }
+}
+
+/// Stores where the solves of a lane of rows start, and adds those that have a start to the points.
+///
+/// * `likely`: from the nearer one of the rolling and the skidding ball.
+#[inline(always)]
+fn begin<S: Simd>(
+    (given, lane): (&LaneInputs<'_, S>, &LanePoints<S>),
+    likely: bool,
+    rows: &(impl Iterator<Item = usize> + Clone),
+    out: &mut Sink<'_, '_>,
+    (starts, points): (&mut NumberRows, &mut Vec<usize>),
+) {
+    let (start, found) = start(given, lane, likely, out);
+    starts.store(rows, start.columns(Lane::splat(given.simd, 0.0)));
+    let mut begun = [false; MANY];
+    found.store(&mut begun);
+    points.extend(rows.clone().zip(begun).filter(|(_, begun)| *begun).map(|(row, _)| row));
 }
 
 /// Where the solves of some rows start, and the rows that have a start.
@@ -142,6 +170,7 @@ fn scaled<S: Simd>(
 fn start<S: Simd>(
     given: &LaneInputs<'_, S>,
     LanePoints { contacts, scaled: point, .. }: &LanePoints<S>,
+    likely: bool,
     out: &mut Sink<'_, '_>,
 ) -> (TractionStart<Lane<S>>, Mask<S>) {
     let one = contacts.constant(1.0);
@@ -163,6 +192,7 @@ fn start<S: Simd>(
     // Along t, n and b.
     let mut omega = [contacts.scaled.lead.0 * 0.5, motion.omega[0], motion.omega[1]];
     let skidding = onset.gt(one * SKID_ONSET) & onset.lt(one.constant(f64::INFINITY));
+    let skidding = if likely { skidding } else { !skidding };
     if (found & skidding).any() {
         let skid =
             given.simd.vectorize(GrossSlipCall { contacts, friction: point.friction, any: true });

@@ -66,6 +66,10 @@ impl<'a> Placement<'a> {
         if self.coarse || rule.least() <= least {
             return InnerNodes { count: rule.count(least).or(Some(UNRESOLVED)), inside: None };
         }
+        if rule.is_dry() {
+            // Nodes about a pole resolve lines without one too, and are computed for all neighbours.
+            return InnerNodes { count: None, inside: Some([1.0; BLOCK]) };
+        }
         let (mut inside, mut outside) = ([0.0; BLOCK], *squares);
         for (inside, square) in inside.iter_mut().zip(&mut outside) {
             // One NaN makes every sum NaN.

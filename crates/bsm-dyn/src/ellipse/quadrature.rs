@@ -205,6 +205,11 @@ impl Quadrature {
         self.pole_distance.last().copied().unwrap_or(f64::INFINITY)
     }
 
+    /// True for a constant coefficient.
+    pub(super) fn is_dry(&self) -> bool {
+        self.angles.is_empty()
+    }
+
     /// Nodes of a panel.
     fn nodes(accuracy: f64) -> usize {
         #[expect(

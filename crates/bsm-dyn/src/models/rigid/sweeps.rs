@@ -9,8 +9,10 @@ use super::ball::{RigidBall, RigidMotion, times};
 use super::first_order::FirstOrder;
 use super::sweep::SweepState;
 
-/// Sweeps before a point is left to the search.
-const MOST_SWEEPS: usize = 24;
+/// Sweeps before a point is left to the search, and those after which an end at no root tells nothing: slow ones were
+/// seen to pass by a root.
+const MOST_SWEEPS: usize = 64;
+const MOST_SWEEPS_TO_NO_ROOT: f64 = 24.0;
 
 /// Largest ratio of inertia to friction. Up to there the sweeps found the root of the search at every one of 10 000
 /// seeded points, in `sweeps_and_the_search_find_the_same_root`.
@@ -35,7 +37,7 @@ pub struct Sweeps<F: Field> {
     pub residual: F,
     /// How many sweeps.
     pub count: F,
-    /// Where directions of slip lead to themselves.
+    /// Where directions of slip soon lead to themselves.
     pub stationary: F::Mask,
     /// Where it solves the equations, and is the root that the branch of small inertia meets.
     pub converged: F::Mask,
@@ -72,8 +74,9 @@ impl<F: Compare> RigidBall<F> {
         let residual = self.scaled_residual(&motion);
         let least_rate = F::select(inertia.lt(self.constant(0.5)), inertia * 2.0, one) * LEAST_RATE;
         let circles = motion.rate.abs().gt(least_rate);
-        let stationary = guided & !moving;
-        let converged = stationary & circles & residual.lt(self.constant(RESIDUAL));
+        let ended = guided & !moving;
+        let stationary = ended & count.lt(self.constant(MOST_SWEEPS_TO_NO_ROOT));
+        let converged = ended & circles & residual.lt(self.constant(RESIDUAL));
         Sweeps { motion, residual, count, stationary, converged }
     }
 

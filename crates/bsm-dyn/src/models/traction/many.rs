@@ -18,7 +18,7 @@ use super::columns::{
     evaluate,
 };
 use super::equations::{COARSE, OMEGA, ROOT, lever, sizes};
-use super::root::{FASTEST, LEFT, LEVELS};
+use super::root::{FASTEST, LEFT, LEVEL};
 use super::slips::{first_part, slid};
 use crate::ellipse::{Dry, ManyNodes, ManyQuadrature, Quadrature, SplitPoint};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
@@ -33,7 +33,8 @@ const COARSE_RESIDUAL_BY_LANES: f64 = 1e-4;
 const GOAL: f64 = 1e-12;
 const QUICK: f64 = 1e-2;
 
-/// Evaluations at each creep speed with the coarse and with the fine quadrature before a point is left to the model.
+/// Evaluations at each creep speed with the coarse quadrature before a start is given up, and with the fine one before a point is
+/// left to the model.
 const MOST_COARSE: f64 = 12.0;
 const MOST_FINE: usize = 8;
 
@@ -334,16 +335,18 @@ impl TractionMany {
         Some(Self { rule, check: ManyQuadrature::new(Quadrature::check(accuracy), 1)? })
     }
 
-    /// The roots that some starts lead to, columns of [`TractionRoot`], and at which places there is one.
+    /// Finds the roots that some starts lead to; returns the places of those that come near none.
     ///
-    /// * `starts`: columns of [`TractionStart`]. * `points`: the places to start from.
+    /// * `starts`: columns of [`TractionStart`]. * `points`: the places to start from. * `roots`: columns of [`TractionRoot`], and at
+    ///   which places there is one.
     pub fn solve(
         &self,
         arch: Arch,
         starts: &NumberRows,
         points: Vec<usize>,
-    ) -> (NumberRows, Vec<bool>) {
-        arch.dispatch(SolveMany { rules: self, starts, points })
+        roots: &mut (NumberRows, Vec<bool>),
+    ) -> Vec<usize> {
+        arch.dispatch(SolveMany { rules: self, starts, points, roots })
     }
 }
 
@@ -351,59 +354,58 @@ struct SolveMany<'a> {
     rules: &'a TractionMany,
     starts: &'a NumberRows,
     points: Vec<usize>,
+    roots: &'a mut (NumberRows, Vec<bool>),
 }
 
 impl WithSimd for SolveMany<'_> {
-    type Output = (NumberRows, Vec<bool>);
+    type Output = Vec<usize>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self { rules, starts, mut points } = self;
-        let rows = starts.len();
-        let mut roots = (TractionRoot::rows(rows), vec![false; rows]);
-        let Some(coarse) = &*NEARBY else { return roots };
-        let all = points.clone();
-        let mut iterates = Iterate::rows(rows);
-        let (mut next, mut near, mut arrived) = (Vec::new(), Vec::new(), vec![false; rows]);
-        let work = &mut EvaluationMemory::new(simd);
-        for levels in LEVELS {
-            for point in &points {
-                let at = TractionStart::of_columns(&starts.row(*point));
-                let steps = Iterate::of_columns(&iterates.row(*point)).steps;
-                let creep = at.point.creep.max(levels[0]);
-                let begin =
-                    Iterate { at, before: f64::INFINITY, steps, creep, ..Iterate::default() };
-                iterates.row_mut(*point).copy_from_slice(&begin.columns(0.0));
-            }
-            while !points.is_empty() {
-                for group in points.chunks(Lane::<S>::LEN) {
-                    let waiting = [&mut next, &mut near];
-                    approach(simd, (coarse, levels), work, &mut iterates, group, waiting);
-                }
-                // Neighbours share the largest of their numbers of nodes.
-                next.sort_unstable();
-                points.clear();
-                points.extend(next.drain(..).map(|(_, point)| point));
-            }
-            near.sort_unstable();
-            let resolved = near.partition_point(|(size, _)| *size < SPLIT);
-            let mut group: Vec<_> = near.drain(..).map(|(_, point)| point).collect();
-            // What is not refined needs no other start.
-            for point in &group {
-                arrived[*point] = true;
-            }
-            let mut split = group.split_off(resolved);
-            for group in group.chunks(Lane::<S>::LEN) {
-                let unresolved =
-                    refine::<_, false>(simd, rules, work, &iterates, group, &mut roots);
-                split.extend(unresolved);
-            }
-            for group in split.chunks(Lane::<S>::LEN) {
-                refine::<_, true>(simd, rules, work, &iterates, group, &mut roots);
-            }
-            points.extend(all.iter().filter(|point| !arrived[**point]));
+        let Self { rules, starts, mut points, roots } = self;
+        let Some(coarse) = &*NEARBY else { return points };
+        let mut iterates = Iterate::rows(starts.len());
+        for point in &points {
+            let at = TractionStart::of_columns(&starts.row(*point));
+            let (creep, before) = (at.point.creep.max(LEVEL), f64::INFINITY);
+            let steps = TractionRoot::of_columns(&roots.0.row(*point)).steps;
+            let begin = Iterate { at, before, steps, creep, ..Iterate::default() };
+            iterates.row_mut(*point).copy_from_slice(&begin.columns(0.0));
         }
-        roots
+        let (mut next, mut near, mut left) = (Vec::new(), Vec::new(), Vec::new());
+        let work = &mut EvaluationMemory::new(simd);
+        while !points.is_empty() {
+            for group in points.chunks(Lane::<S>::LEN) {
+                approach(
+                    simd,
+                    coarse,
+                    work,
+                    &mut iterates,
+                    group,
+                    [&mut next, &mut near, &mut left],
+                );
+            }
+            // Neighbours share the largest of their numbers of nodes.
+            next.sort_unstable();
+            points.clear();
+            points.extend(next.drain(..).map(|(_, point)| point));
+        }
+        near.sort_unstable();
+        let resolved = near.partition_point(|(size, _)| *size < SPLIT);
+        let mut group: Vec<_> = near.into_iter().map(|(_, point)| point).collect();
+        let mut split = group.split_off(resolved);
+        for group in group.chunks(Lane::<S>::LEN) {
+            split.extend(refine::<_, false>(simd, rules, work, &iterates, group, roots));
+        }
+        for group in split.chunks(Lane::<S>::LEN) {
+            refine::<_, true>(simd, rules, work, &iterates, group, roots);
+        }
+        for (_, point) in &left {
+            let steps = Iterate::of_columns(&iterates.row(*point)).steps;
+            let none = TractionRoot { steps, ..TractionRoot::default() };
+            roots.0.row_mut(*point).copy_from_slice(&none.columns(0.0));
+        }
+        left.into_iter().map(|(_, point)| point).collect()
     }
 }
 
@@ -589,11 +591,11 @@ impl<S: Simd> Factors<S> {
 #[inline(always)]
 fn approach<S: Simd>(
     simd: S,
-    (rule, levels): (&ManyQuadrature, &[f64]),
+    rule: &ManyQuadrature,
     work: &mut EvaluationMemory<S>,
     iterates: &mut NumberRows,
     group: &[usize],
-    [next, near]: [&mut Vec<(usize, usize)>; 2],
+    [next, near, left]: [&mut Vec<(usize, usize)>; 3],
 ) {
     let mut iterate = load_iterates(simd, iterates, group);
     let mut step = iterate.step;
@@ -636,12 +638,7 @@ fn approach<S: Simd>(
     iterate.fraction = accepted.select(part, iterate.fraction * 0.5);
     // The next creep speed begins anew.
     iterate.before = lowers.select(infinity, accepted.select(size, iterate.before));
-    let mut lower = iterate.at.point.creep;
-    for creep in levels {
-        let creep = lower.constant(*creep);
-        lower = creep.lt(iterate.creep).select(lower.larger(creep), lower);
-    }
-    iterate.creep = lowers.select(lower, iterate.creep);
+    iterate.creep = lowers.select(iterate.at.point.creep, iterate.creep);
     iterate.tries = lowers.select(zero, iterate.tries + 1.0);
     (iterate.weights, iterate.steps) = (weights, iterate.steps + 1.0);
     let alive = accepted | !first;
@@ -657,6 +654,8 @@ fn approach<S: Simd>(
             near.push((if resolved[i] { size } else { SPLIT }, *point));
         } else if goes_on[i] {
             next.push((size, *point));
+        } else {
+            left.push((size, *point));
         }
     }
 }
@@ -749,7 +748,8 @@ fn refine<S: Simd, const SPLIT: bool>(
     let ready = resolved & converged & other.exists & other.resolved;
     let [mut solved, mut unresolved] = [[false; BLOCK]; 2];
     ready.store(&mut solved);
-    (here.exists & !here.resolved).store(&mut unresolved);
+    let resolved = here.resolved & (other.resolved | !converged);
+    (here.exists & !resolved).store(&mut unresolved);
     let (unknowns, residual) = (at.unknowns, before);
     let root = TractionRoot { unknowns, torque, power, error, by_creep, steps, residual };
     roots.store(&group.iter().copied(), root.columns(residual));

@@ -20,10 +20,10 @@ use crate::models::ball::{BALL, BallLoads, Reason, Workspace, quadrature_error};
 pub(super) const BRIEF: (usize, u32) = (12, 6);
 pub(super) const START_LIMITS: (usize, u32) = (12, 2);
 
-/// Creep speeds over `$r_b|W|$` that are solved for before the asked one, in the order of the tries of a table; single solves take
-/// the first last, as from a rolling ball a step there has been taken: against them friction is nearly linear in the slips of most starts.
-pub(super) const LEVELS: [&[f64]; 2] = [&[LEVEL], &[0.3, 0.01]];
-const LEVEL: f64 = 0.1;
+/// Creep speeds over `$r_b|W|$` that are solved for before the asked one: against them friction is nearly linear in the slips of
+/// most starts. The one of the first step comes last, as that step has not led to the root.
+pub(super) const LEVELS: [&[f64]; 2] = [&[0.3, 0.01], &[LEVEL]];
+pub(super) const LEVEL: f64 = 0.1;
 
 /// Residual from which a level is left.
 pub(super) const LEFT: f64 = 0.1;

@@ -69,8 +69,15 @@ impl SlipBall<'_> {
 }
 
 impl<'a> SlipRootSearch<'a> {
-    const LOCAL: [fn(&mut Self) -> Attempt<SlipRoot>; 4] =
-        [Self::likely_start, Self::other_start, Self::at_rest_in_nut, Self::falling_creep];
+    /// Where one start fails the other one mostly takes a few evaluations, and levels take dozens.
+    const LOCAL: [fn(&mut Self) -> Attempt<SlipRoot>; 6] = [
+        Self::likely_start,
+        Self::other_start,
+        Self::levels_of_likely_start,
+        Self::levels_of_other_start,
+        Self::at_rest_in_nut,
+        Self::falling_creep,
+    ];
     const GLOBAL: [fn(&mut Self) -> Attempt<SlipRoot>; 3] =
         [Self::growing_inertia, Self::multistart, Self::result_of_path];
 
@@ -94,6 +101,13 @@ impl<'a> SlipRootSearch<'a> {
         self.ball.unknowns(&self.rolling_ball.loaded, &self.rolling_ball.to_nut)
     }
 
+    /// The skidding ball.
+    fn skidding(&mut self) -> Option<[f64; BALL]> {
+        let skid = GrossSlip::start(self.ball.contacts).ok()?;
+        *self.steps += skid.steps();
+        Some(self.ball.unknowns(skid.state().0, skid.state().1))
+    }
+
     /// From the nearer one of the rolling and the skidding ball.
     fn likely_start(&mut self) -> Attempt<SlipRoot> {
         self.start(self.is_skidding())
@@ -103,15 +117,27 @@ impl<'a> SlipRootSearch<'a> {
         self.start(!self.is_skidding())
     }
 
+    fn levels_of_likely_start(&mut self) -> Attempt<SlipRoot> {
+        self.levels_of(self.is_skidding())
+    }
+
+    fn levels_of_other_start(&mut self) -> Attempt<SlipRoot> {
+        self.levels_of(!self.is_skidding())
+    }
+
     /// From a ball that skids, whose slips are nearly those of the root, or from the rolling one, which has none.
     fn start(&mut self, skidding: bool) -> Attempt<SlipRoot> {
-        if !skidding {
-            return self.without_slips(self.rolling());
+        if skidding {
+            let y = self.skidding()?;
+            self.direct(y)
+        } else {
+            self.without_slips(self.rolling())
         }
-        let skid = GrossSlip::start(self.ball.contacts).ok()?;
-        *self.steps += skid.steps();
-        let y = self.ball.unknowns(skid.state().0, skid.state().1);
-        self.direct(y).or_else(|| self.levels(y))
+    }
+
+    fn levels_of(&mut self, skidding: bool) -> Attempt<SlipRoot> {
+        let y = if skidding { self.skidding()? } else { self.rolling() };
+        self.levels(y)
     }
 
     /// From a ball that stands still in the nut: inertia beyond that of a ball that skids presses it there until it is held.
@@ -120,14 +146,15 @@ impl<'a> SlipRootSearch<'a> {
         let [nut, screw, tilt] = contacts.static_balance(contacts.scaled.nut_speed);
         let loaded = contacts.loaded([nut, screw], tilt).ok()?;
         let still = Motion { precession: 0.0, omega: Vector3::zeros() };
-        self.without_slips(self.ball.unknowns(&loaded, &still))
+        let y = self.ball.unknowns(&loaded, &still);
+        self.without_slips(y).or_else(|| self.levels(y))
     }
 
-    /// After a step at a high creep speed; the levels begin without it, as it has not led to the root.
+    /// After a step at a high creep speed.
     fn without_slips(&mut self, y: [f64; BALL]) -> Attempt<SlipRoot> {
         let predicted = self.ball.predicted(&y, self.newton);
         *self.steps += usize::from(predicted.is_some());
-        predicted.and_then(|y| self.direct(y)).or_else(|| self.levels(y))
+        predicted.and_then(|y| self.direct(y))
     }
 
     /// By Newton.
@@ -139,8 +166,7 @@ impl<'a> SlipRootSearch<'a> {
     /// Over a few levels of the creep speed.
     fn levels(&mut self, y: [f64; BALL]) -> Attempt<SlipRoot> {
         let Self { ball, newton, steps, .. } = self;
-        let mut levels = LEVELS.into_iter().rev();
-        levels.find_map(|levels| ball.descended(y, levels, newton, steps)).map(Ok)
+        LEVELS.iter().find_map(|levels| ball.descended(y, levels, newton, steps)).map(Ok)
     }
 
     /// From friction that is nearly proportional to the slip.
