@@ -27,7 +27,7 @@ pub(super) const MANY: usize = 4 * BLOCK;
 
 /// Friction, and long semi-axis of the rolling ball's ellipses over its radius, up to which rows are answered: points beyond may
 /// have several roots, of which the model finds another from its own starts.
-const MOST_FRICTION: f64 = 0.3;
+const MOST_FRICTION: f64 = 0.2;
 const LONGEST_AXIS: f64 = 1.0;
 
 /// Accuracies that are remembered: those of the choice by error bounds, and one of one's own.

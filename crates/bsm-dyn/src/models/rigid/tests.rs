@@ -280,8 +280,8 @@ fn count_second_roots(counts: [usize; 2]) {
             }
         }
         println!(
-            "{name}: {several} of {tried} have several roots, {below} of them at C < {SEARCHED_FROM}, the \
-             least at {least_inertia:.0} f^2 and, at steep contact, C = {least_multiplicity:.0}; {denied} denied"
+            "{name}: {several} of {tried} have several roots, {below} at C < {SEARCHED_FROM}, least \
+             {least_inertia:.0} f^2, steep C = {least_multiplicity:.0}; {denied} denied"
         );
         assert!(several >= campaign(3).max(count / 1000), "{several}");
     }
