@@ -409,7 +409,7 @@ fn a_failed_point_says_why() {
     let message = record.message().expect("a reason");
     assert!(message.contains("critical lead angle of this point is 7.075"), "{message}");
     let json = record.to_json();
-    assert_eq!(json["evidence"], "traced");
+    assert_eq!(json["evidence"], "bound");
     let numbers = json.iter().filter(|(key, value)| {
         !["model", "status", "message", "evidence"].contains(&key.as_str()) && !value.is_null()
     });
