@@ -330,7 +330,7 @@ impl Curve {
         let balance =
             set.cross.times(&set.centrifugal).combined(drive, &moving, one * -self.gyration);
         let zeros = balance.zeros();
-        let mut branches = [[one * f64::NAN; NUMBERS]; 4];
+        let mut branches = [[one.constant(f64::NAN); NUMBERS]; 4];
         for i in 0..4 {
             if F::any(zeros[i][0].lt(one + 1.0)) {
                 branches[i] = self.point(&set, zeros[i]);

@@ -11,19 +11,19 @@ use super::sweep::Directions;
 
 /// Ratio of inertia to the square of friction, for friction up to a limit, up to which no point was seen to have a
 /// second root: the least of those that have one is 23.
-const UNIQUE_INERTIA: f64 = 10.0;
+pub(super) const UNIQUE_INERTIA: f64 = 10.0;
 pub(super) const UNIQUE_MOST_FRICTION: f64 = 0.15;
 
 /// The same of the multiplicity (R45) for friction from a limit and contact angles of more than 44.4 deg, by their sine:
 /// the least is 142.
 const UNIQUE_LEAST_FRICTION: f64 = 1e-3;
-const UNIQUE_MULTIPLICITY: f64 = 30.0;
+pub(super) const UNIQUE_MULTIPLICITY: f64 = 30.0;
 pub(super) const STEEP: f64 = 0.7;
 
 /// Both for a ball that circles faster than this.
 pub(super) const UNIQUE_LEAST_RATE: f64 = 0.1;
 
-/// Multiplicity (R45) from which second roots are looked for: below, one point in 10 000 has any.
+/// Multiplicity (R45) from which second roots are looked for: below, three to six points in 10 000 have any.
 pub(super) const SEARCHED_FROM: f64 = 300.0;
 
 /// First-order solution in the inertia ratio.

@@ -180,9 +180,10 @@ fn real_factors<F: Compare>(a: &[F; 4]) -> [[F; 2]; 2] {
     let v = size / cube.sqrt();
     // cos(arccos(v)/3), to 1e-4
     let cosine = ((v * 0.0099 - 0.0427) * v + 1.0 / 6.0) * v + 0.866_025;
-    let root = (F::select(alone, size + discriminant.sqrt(), zero + 1.0) * 0.5).cbrt();
+    let root = (F::select(alone, size + discriminant.sqrt(), zero.constant(1.0)) * 0.5).cbrt();
     let x = F::select(alone, root + spread / root, cosine * spread.sqrt() * 2.0) * (1.0 / 3.0);
     let mut z = F::select(skew.lt(zero), -x, x) - p * (2.0 / 3.0);
+    // Halley: 1e-4, 1e-12, rounding
     for _ in 0..2 {
         let value = ((z + p * 2.0) * z + slope) * z - q * q;
         let (rise, bend) = ((z * 3.0 + p * 4.0) * z + slope, z * 3.0 + p * 2.0);
@@ -190,7 +191,7 @@ fn real_factors<F: Compare>(a: &[F; 4]) -> [[F; 2]; 2] {
     }
     // Where it has three roots, and some are negative, the quartic has none.
     let none = !(alone | (p.lt(zero) & zero.lt(slope)));
-    let z = F::select(none, zero + f64::NAN, zero.larger(z));
+    let z = F::select(none, zero.constant(f64::NAN), zero.larger(z));
     let (w, m) = (z.sqrt(), (p + z) * 0.5);
     let u = zero.larger(m * m - r).sqrt();
     let u = F::select(q.lt(zero), -u, u);
@@ -208,7 +209,7 @@ fn nearer<F: Compare>(a: &[F; 4], [[c, b], [d, e]]: [[F; 2]; 2]) -> [[F; 2]; 2] 
     let (of_b, of_c) = (b - e, c - d);
     let along = b * of_b - of_c;
     let resultant = c * of_b * of_b - of_c * along;
-    let zero = resultant * 0.0;
+    let zero = resultant.constant(0.0);
     let per = F::select(zero.lt(resultant.abs()), resultant.recip(), zero);
     let more_b = (of_b * constant - of_c * linear) * per;
     let more_c = (along * constant - c * of_b * linear) * per;
