@@ -124,7 +124,7 @@ fn slip_powers(program: &Program) -> Blocks {
     };
     let models = ["raceway-control", "traction", "elastic"];
     let rows = models.map(row).into_iter().collect::<Result<Vec<_>, _>>()?;
-    Ok(table("| model | slip at the centre | spin | curvature | all |", &rows))
+    Ok(table("| model | slip at the center | spin | curvature | total |", &rows))
 }
 
 fn catalogue(program: &Program) -> Blocks {
