@@ -8,6 +8,7 @@ import { download } from "bsm/save";
 export function showAxis(host, answer, sheet) {
   if (answer instanceof Error) { host.replaceChildren(none(answer.message)); return; }
   const rules = answer.rules.filter(({ limit }) => limit != null), failed = rules.filter(({ passes }) => !passes).length;
+  const lacking = [...new Set((answer.not_given ?? []).map(({ text }) => text))];
   const open = html("button", { type: "button",
     onclick: () => sheet().then((page) => {
       if (page) globalThis.open(URL.createObjectURL(new Blob([page], { type: "text/html" })), "_blank"); }) },
@@ -27,7 +28,7 @@ export function showAxis(host, answer, sheet) {
   host.replaceChildren(
     html("div", { class: "bar" }, failed ? html("strong", { class: "fail" },
       `✗ ${failed} of ${rules.length} rules fail.`)
-      : html("strong", { class: "pass" }, `✓ All ${rules.length} rules hold.`), open, keep),
+      : html("strong", { class: "pass" }, `✓ All ${rules.length} rules hold${lacking.length ? ` for what is given; ${lacking.join("; ")}` : ""}.`), open, keep),
     table("Rules of the axis", ["rule", "value", "must be", "margin", "holds", "source"], answer.rules.map(line)),
     ...remarks(answer),
     html("details", {}, html("summary", {}, "Numbers of the axis"), html("div", { class: "tables" }, groups(answer.shown))));

@@ -84,7 +84,7 @@ impl Machine {
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
         case.check_but(case.speeds_at_rest())?;
         let mut warning = None;
-        let (groove, RatedScrew { screw: size, body, assumed }) = if case.has_ratings_only() {
+        let (groove, RatedScrew { screw: size, body, assumed }) = if case.lacks_groove() {
             (None, RatedScrew::of(case)?)
         } else {
             let nut = rated_nut::nut(case)?;
@@ -104,6 +104,8 @@ impl Machine {
         let factors = rating_factors(case);
         let stroke = case.stroke_mm.map(|mm| mm * MM);
         let shaft = mount(case).shaft(&size, body.length, stroke);
+        // Without a lead there is no usual length.
+        let shaft = shaft.filter(|shaft| !shaft.length.is_nan());
         let core = shaft.map_or(size.core, |shaft| shaft.diameter);
         let ball = calculated.map_or(0.0, |nut| nut.ball_diameter);
         let most = (LARGEST_BORE * core).min(core - ball);
@@ -122,6 +124,7 @@ impl Machine {
             let stated = case.screw_inertia_kg_m2_m.map(|inertia| inertia * shaft.length);
             (mass, stated.unwrap_or(own))
         });
+        let screw = screw.filter(|(mass, _)| !mass.is_nan());
         let of_screw = screw.map_or(0.0, |(_, inertia)| inertia);
         let drive = DriveTrain {
             lead: size.lead,
@@ -149,8 +152,8 @@ impl Machine {
     /// Stroke and length of the nut \[m\], if the stroke is given; an error where the screw is not longer.
     pub(crate) fn travel(&self, case: &Case) -> Result<Option<f64>, CaseError> {
         let travel = case.stroke_mm.map(|stroke| stroke * MM + self.body.length);
-        let is_longer = |travel| self.axis.shaft.is_none_or(|shaft| travel < shaft.length);
-        if travel.is_none_or(is_longer) {
+        let is_too_long = |travel| self.axis.shaft.is_some_and(|shaft| travel >= shaft.length);
+        if !travel.is_some_and(is_too_long) {
             return Ok(travel);
         }
         let what = "is not more than stroke and nut: the nut would run into the bearings";
@@ -318,14 +321,7 @@ pub(crate) fn motions(case: &Case) -> Result<Vec<ProfileSegment>, CaseError> {
         (Some(feed), _) if case.nut_speed_rpm.is_none() => Some(DutySpeed::Feed(feed / 60.0)),
         (_, speeds) => speeds.map(|(screw, nut)| DutySpeed::Turns((screw - nut) * RPM)),
     };
-    let (Some(pace), Some(force)) = (pace, case.axial_load_N) else {
-        let needed = [
-            (case.axial_load_N.is_none(), "axial_load_N (or cycle)"),
-            (pace.is_none(), "screw_speed_rpm or feed_m_min (or cycle)"),
-        ];
-        let missing = needed.iter().filter(|(absent, _)| *absent);
-        let missing: Vec<_> = missing.map(|(_, name)| (*name).to_owned()).collect();
-        return Err(CaseError::missing(&missing, "for the axis"));
-    };
+    // A result that needs a load or a speed is left out without it.
+    let (pace, force) = (pace.unwrap_or(DutySpeed::Turns(0.0)), case.axial_load_N.unwrap_or(0.0));
     Ok(vec![ProfileSegment { time: 1.0, force, pace, acceleration: 0.0, load_factor }])
 }

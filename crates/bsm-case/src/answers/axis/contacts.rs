@@ -3,7 +3,6 @@
 use bsm_design::{Efficiency, Phase, viscosity_ratio_by_film};
 use bsm_dyn::{ModelWorkspace, Status};
 
-use crate::vocabulary::units::RPM;
 use crate::{Case, CaseError, InputKey, NutProblem, NutReport, Record, Settings};
 
 /// Friction of the contacts in a phase.
@@ -15,21 +14,6 @@ pub(super) struct Contacts {
     pub(super) text: String,
 }
 
-/// A case at another load and speed of its axis: with a load of zero only where the nut takes it. Screw and nut turn in
-/// the ratio of the case.
-///
-/// * `speed`: of the screw against the nut \[rad/s\].
-fn at(case: &Case, load: f64, speed: f64) -> Case {
-    let turning = case.speeds_rpm().map(|(screw, nut)| nut / (screw - nut));
-    let nut = turning.filter(|share| share.is_finite() && *share != 0.0);
-    let nut = nut.map(|share| share * speed / RPM);
-    let mut case = case.clone();
-    (case.axial_load_N, case.feed_m_min) = (Some(load), None);
-    case.screw_speed_rpm = Some(speed / RPM + nut.unwrap_or(0.0));
-    case.nut_speed_rpm = nut;
-    case
-}
-
 /// The nut of an axis under a load, with all its balls.
 pub(super) fn nut_at(
     case: &Case,
@@ -38,7 +22,7 @@ pub(super) fn nut_at(
     speed: f64,
 ) -> Result<NutReport, CaseError> {
     // Seals have a line of their own.
-    let case = Case { seal_torque_Nm: None, ..at(case, load, speed) };
+    let case = Case { seal_torque_Nm: None, ..case.at_point(load, speed) };
     NutProblem::of(&case, settings)?.solve().map_err(CaseError::Nut)
 }
 
@@ -50,7 +34,7 @@ pub(super) fn band(
     Phase { load, speed, .. }: &Phase,
     work: &mut ModelWorkspace,
 ) -> Option<[f64; 2]> {
-    let problem = at(case, load.abs(), load.signum() * speed).problem(settings).ok()?;
+    let problem = case.at_point(load.abs(), load.signum() * speed).problem(settings).ok()?;
     let solution = problem.solve(work);
     Some(problem.band(solution.solved()?, work)?.loss)
 }
@@ -65,7 +49,7 @@ pub(super) fn viscosity_ratio(
     (load, speed): (f64, f64),
     work: &mut ModelWorkspace,
 ) -> Option<f64> {
-    let problem = at(case, load.abs(), speed.abs()).problem(settings).ok()?;
+    let problem = case.at_point(load.abs(), speed.abs()).problem(settings).ok()?;
     let film = problem.solve(work).solved()?.film?;
     Some(viscosity_ratio_by_film(film.nut.least_ratio.min(film.screw.least_ratio)))
 }
@@ -98,7 +82,7 @@ pub(super) fn contacts(
     Phase { load, speed, .. }: &Phase,
     work: &mut ModelWorkspace,
 ) -> Result<Contacts, CaseError> {
-    if case.has_ratings_only() {
+    if case.lacks_groove() {
         let drives = load * speed < 0.0;
         let moves = f64::from(u8::from(*speed != 0.0));
         let friction = moves * by_catalogue(case).friction(advance * load, drives);
@@ -127,7 +111,7 @@ pub(super) fn contacts(
         return Ok(Contacts { friction: Some(0.0), text: "no load".to_owned() });
     }
     // The model has the load positive, and the speed negative where the load drives.
-    let case = at(case, load.abs(), load.signum() * speed);
+    let case = case.at_point(load.abs(), load.signum() * speed);
     let record = Record::new(case.problem(settings)?.solve(work));
     let torque = record.number("ball_torque_Nm").filter(|_| record.status() == Status::Converged);
     let ideal = advance * load.abs();
