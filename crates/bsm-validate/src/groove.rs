@@ -379,7 +379,8 @@ fn bands(half: &str, estimates: &[(&Row, GrooveEstimate)]) -> Result<Vec<Check>,
     for BandQuantity { key, words, value, reference, tolerance, widest } in BAND_QUANTITIES {
         let (mut differences, mut widths) = (Vec::new(), Vec::new());
         for (row, found) in estimates {
-            let band = band(found, value).map_err(|why| ValidateError::of(&row.name, why))?;
+            let band = band(found, value)
+                .map_err(|why| ValidateError::of(&row.name, format!("{why:?}")))?;
             let [low, _, high] = reference(&row.prototype.at_a_tenth_of_the_dynamic_rating);
             let off = relative(band.low, low).max(relative(band.high, high));
             differences.push((row.name.as_str(), off));
