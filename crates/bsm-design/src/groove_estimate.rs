@@ -167,7 +167,7 @@ pub enum Reading {
 #[derive(Debug, Clone, PartialEq)]
 pub struct RefusedLine {
     /// The nearest groove, `None` if no ball fits nominal diameter and lead.
-    pub nearest: Option<GrooveEstimate>,
+    pub nearest: Option<Box<GrooveEstimate>>,
     /// Readings of the line that a groove explains, with the logarithm of their evidence; the most likely first.
     pub readings: Vec<(Reading, f64)>,
 }
@@ -222,7 +222,9 @@ impl CatalogLine {
         let estimate = self.weighted();
         match estimate {
             Some(estimate) if estimate.ln_evidence >= LEAST_EVIDENCE => Ok(estimate),
-            nearest => Err(RefusedLine { nearest, readings: self.readings() }),
+            nearest => {
+                Err(RefusedLine { nearest: nearest.map(Box::new), readings: self.readings() })
+            }
         }
     }
 
@@ -375,7 +377,8 @@ impl GrooveEstimate {
                 let [one, other] = [one, other].map(|of| probability_of_turns(of.turns));
                 one.total_cmp(&other)
             })
-            .expect("every ball has hypotheses");
+            // Every ball has hypotheses.
+            .unwrap_or(&self.hypotheses[0]);
         let ln_sum: f64 = hypotheses().map(|of| of.probability * of.loaded_balls.ln()).sum();
         let loaded_balls = (ln_sum / ball.probability).exp();
         self.line.complete(best, loaded_balls, &unprinted([0.0; 4]))
@@ -403,7 +406,7 @@ impl GrooveEstimate {
         };
         // Rounding may leave the sum just below one.
         let at = hypotheses.iter().find(reaches).or(hypotheses.last());
-        at.expect("an estimate has hypotheses").loaded_balls
+        at.map_or(f64::NAN, |hypothesis| hypothesis.loaded_balls)
     }
 
     /// Returns the probability that the dynamic rating is raised for clean steel; zero without a static rating.
@@ -443,12 +446,14 @@ pub const FEW_DRAWS: usize = 32;
 static DRAW_POINTS: LazyLock<Vec<(f64, [f64; 4])>> = LazyLock::new(|| {
     // Real root of φ⁶ = φ + 1.
     let ratio: f64 = 1.134_724_138_401_519_4;
-    let point = |j: u32| {
+    let point = |j: usize| {
+        #[expect(clippy::cast_precision_loss, reason = "at most 128")]
+        let j = j as f64;
         // u_jk = frac(½ + j φ^−k)                                         (AB11)
-        let coordinate = |k: i32| (0.5 + f64::from(j) * ratio.powi(-k)).fract();
+        let coordinate = |k: i32| (0.5 + j * ratio.powi(-k)).fract();
         (coordinate(1), [2, 3, 4, 5].map(|k| normal_quantile(coordinate(k))))
     };
-    (1..=DRAWS as u32).map(point).collect()
+    (1..=DRAWS).map(point).collect()
 });
 
 /// Range of a number over the draws of a groove.
@@ -595,8 +600,11 @@ mod tests {
         assert_eq!(grooves.len(), 128);
         for groove in grooves.into_iter().chain([estimate.best()]) {
             let kept = [groove.ball_diameter, groove.pitch_diameter, groove.turns];
-            assert_eq!(kept, [3.2e-3, 16.8e-3, 4.1]);
-            assert_eq!((groove.conformity.0, groove.contact_angle), (0.53, 0.8));
+            let kept = [kept.as_slice(), &[groove.conformity.0, groove.contact_angle]].concat();
+            for (kept, given) in kept.into_iter().zip([3.2e-3, 16.8e-3, 4.1, 0.53, 0.8]) {
+                // The ball is converted to millimeters and back.
+                assert_relative_eq!(kept, given, max_relative = 1e-15);
+            }
             let nut = groove.nut(given.lead, (STEEL, STEEL));
             assert_relative_eq!(
                 nut.balls_per_turn * nut.turns,

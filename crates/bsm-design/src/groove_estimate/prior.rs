@@ -151,6 +151,7 @@ impl BallReturn {
     }
 
     /// Returns the prior of a return with a number of loaded turns (AB5).
+    #[expect(clippy::cast_precision_loss, reason = "23 numbers of turns")]
     fn turns_prior(self, turns: f64) -> f64 {
         let weight = |(_, weights): &(f64, [f64; 3])| weights[self as usize];
         let sum: f64 = TURNS.iter().map(weight).sum();
@@ -162,6 +163,7 @@ impl BallReturn {
 }
 
 /// Returns the balls that fit a nominal diameter and a lead, with the logarithm of their popularity (AB4); lengths in mm.
+#[expect(clippy::cast_precision_loss, reason = "33 balls")]
 pub(super) fn balls(nominal: f64, lead: f64) -> impl Iterator<Item = (f64, f64)> {
     let sum: f64 = BALLS.iter().map(|(_, weight)| weight).sum();
     // 0.05 d₀^¾ ≤ D_w ≤ min(0.82 P, 0.30 d₀)
@@ -183,13 +185,13 @@ pub(super) fn ln_ball_size(ball: f64, nominal: f64, lead: f64) -> f64 {
 pub(super) fn turns_and_returns(given: Option<f64>) -> Vec<(f64, BallReturn, f64)> {
     let listed = TURNS.iter().map(|(turns, _)| *turns);
     let turns: Vec<f64> = given.map_or_else(|| listed.collect(), |turns| vec![turns]);
-    let ln_prior = |kind: BallReturn, turns: f64| match given {
-        None => kind.turns_prior(turns).ln(),
-        Some(_) => {
-            let weight = |kind: BallReturn| kind.turns_prior(turns) + LEAST_RETURN;
-            // (v′ + 10⁻³)/Σ_t (v′ + 10⁻³)                                  (AB8)
-            (weight(kind) / BallReturn::ALL.map(weight).iter().sum::<f64>()).ln()
+    let ln_prior = |kind: BallReturn, turns: f64| {
+        if given.is_none() {
+            return kind.turns_prior(turns).ln();
         }
+        let weight = |kind: BallReturn| kind.turns_prior(turns) + LEAST_RETURN;
+        // (v′ + 10⁻³)/Σ_t (v′ + 10⁻³)                                     (AB8)
+        (weight(kind) / BallReturn::ALL.map(weight).iter().sum::<f64>()).ln()
     };
     let pairs = turns.into_iter().flat_map(|turns| BallReturn::ALL.map(|kind| (turns, kind)));
     pairs.map(|(turns, kind)| (turns, kind, ln_prior(kind, turns))).collect()
