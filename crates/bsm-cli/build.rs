@@ -1,5 +1,7 @@
 //! Passes the commit of the source tree to the program, for `bsm --version`.
 
+#![expect(clippy::print_stdout, reason = "Cargo reads the standard output of a build script")]
+
 use std::process::Command;
 
 fn main() {
