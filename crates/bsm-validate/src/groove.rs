@@ -401,6 +401,9 @@ fn bands(half: &str, estimates: &[(&Row, GrooveEstimate)]) -> Result<Vec<Check>,
     Ok(checks)
 }
 
+/// A mistake in a catalog line.
+type Corruption = fn(CatalogLine) -> CatalogLine;
+
 /// Corrupted rows that must be refused.
 fn refusals(file: &File) -> Vec<Check> {
     let misprints = file.refused.iter().map(|row| {
@@ -418,7 +421,7 @@ fn refusals(file: &File) -> Vec<Check> {
             "one printed decimal of the logarithm of the evidence",
         )
     });
-    let corruptions: [(&str, &str, fn(CatalogLine) -> CatalogLine); 2] = [
+    let corruptions: [(&str, &str, Corruption); 2] = [
         ("static-times-10", "static rating times 10", |line| CatalogLine {
             static_rating: line.static_rating.map(|rating| 10.0 * rating),
             ..line
