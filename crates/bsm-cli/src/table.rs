@@ -46,7 +46,7 @@ pub(crate) fn answer(answer: &Answer) -> String {
     let mut blocks: Vec<String> = Vec::new();
     if !answer.rules.is_empty() {
         let rules: Vec<_> = answer.rules.iter().map(rule).collect();
-        let header = ["rule", "", "", "value", "must be", "margin", "", "source"];
+        let header = ["rule", "", "", "value", "limit", "utilization", "", "source"];
         blocks.push(plain(Some(&header), &rules, usize::MAX));
         let remedy =
             |rule: &Criterion| Some(format!("  {}: {}", rule.title, rule.remedy.as_ref()?));
@@ -90,7 +90,7 @@ fn rule(rule: &Criterion) -> Vec<String> {
         rule.must_be().unwrap_or_default(),
         rule.margin()
             .filter(|margin| !margin.is_nan())
-            .map_or_else(String::new, |margin| format!("{} times", short(margin))),
+            .map_or_else(String::new, |margin| format!("{} %", short(100.0 / margin))),
         verdict(rule.limit.map(|_| rule.passes())),
         rule.source.clone().into_owned(),
     ]

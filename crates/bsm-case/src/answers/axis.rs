@@ -59,9 +59,9 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         unsupported_length_mm = INPUTS Scalar(|w| Some(w.shaft()?.length / MM));
         shaft_diameter_mm = INPUTS Scalar(|w| Some(w.shaft()?.diameter / MM));
         critical_speed_rpm ["rpm" "n_k"] Scalar(|w| Some(w.shaft()?.critical_speed() / RPM)), "critical speed";
-        critical_speed_ratio [""] Scalar(|w| w.shaft().and(w.axis().critical_speed_ratio())), "largest speed over the critical one";
+        critical_speed_ratio [""] Scalar(|w| w.shaft().and(w.axis().critical_speed_ratio())), "speed / critical speed";
         buckling_load_N ["N" "F_k"] Scalar(|w| Some(w.shaft()?.buckling_load())), "buckling load";
-        buckling_safety [""] Scalar(|w| w.shaft().and(w.axis().buckling_safety())), "buckling load over the largest load";
+        buckling_safety [""] Scalar(|w| w.shaft().and(w.axis().buckling_safety())), "buckling safety factor";
         buckling_load_of_support_N ["N"] Scalar(|w| Some(w.shaft()?.with_buckling_of_support().buckling_load())),
             "buckling load with the ends of support";
         buckling_safety_of_support [""] Scalar(|w| w.buckling_safety_of_support()), "buckling safety factor with the ends of support";
@@ -90,11 +90,11 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         steady_temperature_time_s ["s" "tau"] Scalar(|w| Some(warming_time(w.machine.screw?.0, w.heat_transfer()?))),
             "time constant of the steady-state temperature rise, of the mass of the screw";
         screw_growth_um ["um"] Scalar(|w| w.growth()),
-            "thermal expansion between the bearings, in the warm state, by screw_temperature_rise_K or by the steady-state rise";
+            "thermal growth of the screw; in the warm state, by screw_temperature_rise_K or by the steady-state rise";
         travel_deviation_um ["um" "e_p"] Scalar(|w| Some(w.grade()?.deviation(w.travel()?)? / UM)),
             "permitted deviation of the travel over the useful travel, of accuracy_grade";
         travel_variation_um ["um" "v_up"] Scalar(|w| Some(w.grade()?.variation_of_travel(w.travel()?)? / UM)),
-            "permitted variation of travel within the useful travel, of accuracy_grade";
+            "v_up (ISO 3408-3), travel variation over the useful travel";
         travel_variation_300_um ["um" "v_300p"] Scalar(|w| Some(w.grade()?.variation / UM)),
             "permitted variation of travel within any 300 mm, of accuracy_grade";
         travel_variation_2pi_um ["um" "v_2pip"] Scalar(|w| Some(w.grade()?.of_a_turn? / UM)),
@@ -122,7 +122,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
     "stiffness" {
         screw_stiffness_N_um ["N/um" "R_s"] Scalar(|w| Some(w.shaft()?.least_stiffness() * UM)), "minimum axial stiffness of the screw";
         nut_stiffness_at_largest_load_N_um ["N/um"] Scalar(|w| w.nut_stiffness()),
-            "tangent stiffness of the nut at the largest load, all balls";
+            "stiffness of the nut at the largest load; tangent of all balls, or catalog rigidity x 0.8";
         axis_stiffness_N_um ["N/um"] Scalar(|w| Some(w.stiffness()? * UM)), "stiffness of screw, nut, bearings and housings in series";
         lost_motion_um ["um"] Scalar(|w| Some(w.lost_motion()? / UM)), "lost motion on reversal: elastic, and axial play of a nut without preload";
     }

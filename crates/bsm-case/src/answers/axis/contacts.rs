@@ -54,6 +54,13 @@ pub(super) fn viscosity_ratio(
     Some(viscosity_ratio_by_film(film.nut.least_ratio.min(film.screw.least_ratio)))
 }
 
+/// Returns true if friction follows from the efficiency of a catalog: the groove is not given in full, and either ratings of a
+/// catalog are given or the model of a ball lacks inputs.
+pub(super) fn takes_catalogue_efficiency(case: &Case, settings: &Settings) -> bool {
+    let has_ratings = case.rated_dynamic_load_N.or(case.rated_static_load_N).is_some();
+    case.lacks_groove() && (has_ratings || case.at_point(1.0, 1.0).choose(settings.model).is_err())
+}
+
 /// Efficiencies of the catalogue of a screw whose groove is not known.
 pub(super) fn by_catalogue(case: &Case) -> Efficiency {
     Efficiency {
@@ -82,7 +89,7 @@ pub(super) fn contacts(
     Phase { load, speed, .. }: &Phase,
     work: &mut ModelWorkspace,
 ) -> Result<Contacts, CaseError> {
-    if case.lacks_groove() {
+    if takes_catalogue_efficiency(case, settings) {
         let drives = load * speed < 0.0;
         let moves = f64::from(u8::from(*speed != 0.0));
         let friction = moves * by_catalogue(case).friction(advance * load, drives);

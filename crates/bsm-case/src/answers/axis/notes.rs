@@ -280,7 +280,8 @@ impl AxisState<'_> {
         if self.machine.groove.is_some() {
             return Vec::new();
         }
-        let at = self.heaviest().and_then(|heaviest| {
+        let by_catalogue = contacts::takes_catalogue_efficiency(self.case, self.settings);
+        let at = self.heaviest().filter(|_| by_catalogue).and_then(|heaviest| {
             let torque = heaviest.at_screw()?;
             let drives = heaviest.phase.load * heaviest.phase.speed < 0.0;
             let friction = contacts::by_catalogue(self.case).friction(heaviest.ideal, drives);

@@ -178,7 +178,7 @@ rules! {
     "speed number" largest_speed_number_mm_min
         = of.judged("largest_speed_number_mm_min", K::speed_number_limit_mm_min),
         at_most Some(speed_number_limit(of.case, of.axis.screw.lead, of.axis.screw.outer)),
-        "limit of the ball return by screw_make, THK A-697, unless given (Z15)",
+        "DN limit, THK A-697 (Z15)",
         format!(
             "lead_mm {} at the same feed, or another ball return (speed_number_limit_mm_min)",
             at_least(of.axis.screw.lead / MM / margin, 1)
@@ -228,7 +228,7 @@ rules! {
     "static safety" static_safety_factor
         = of.judged("static_safety_factor", K::required_static_safety),
         at_least of.input(K::required_static_safety),
-        "ISO 3408-5 (Z16); by the most loaded ball too, `nut`. THK asks for 1 to 1.5, with impact for 2 to 7",
+        "ISO 3408-5 (Z16); smaller of C_0a/F and most loaded ball. THK asks for 1 to 1.5, with impact for 2 to 7",
         format!("a static load rating of {} N", at_least(of.axis.static_rating / margin, 0));
     "life" cycle_life_h
         = of.needed("cycle_life_h", of.case.required_life_h.filter(|_| of.moves())),
