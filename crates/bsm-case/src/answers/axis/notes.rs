@@ -3,6 +3,7 @@
 use bsm_design::{Axis, Grade, Phase};
 use bsm_dyn::ModelWorkspace;
 
+use super::rules::at_least;
 use super::state::AxisState;
 use super::torques::{Preload, Torques};
 use super::{contacts, no_balls};
@@ -22,6 +23,9 @@ const FAST: f64 = 100e3;
 
 /// Steady-state temperature rise above which an axis is to be cooled \[K\], usual value.
 const HOT: f64 = 40.0;
+
+/// Speeds of a driven nut over the critical speed of its screw at which it can excite the screw, usual advice.
+const RESONANCE: std::ops::RangeInclusive<f64> = 0.8..=1.25;
 
 /// Ratio of the viscosity ratios by film and by viscosity above which both are stated.
 const UNCERTAIN: f64 = 3.0;
@@ -45,14 +49,7 @@ impl AxisState<'_> {
         let films = self.machine.groove.is_some();
         notes.extend(self.case.assumed_roughness().filter(|_| films));
         notes.extend(self.to_measure());
-        if let (Some(rise), Some([low, high]), None) =
-            (self.steady_rise(), self.rise_band(), self.case.axis_heat_transfer_W_K)
-        {
-            notes.push(format!(
-                "steady-state temperature rise estimated within a factor of 2: {rise:.0} K ({low:.0} to {high:.0} K), by the \
-                 heat transfer to still air; axis_heat_transfer_W_K replaces it"
-            ));
-        }
+        notes.extend(self.about_heat());
         let mut note = |text: &str| notes.push(text.to_owned());
         if let Some(word) = self.case.nut.accuracy_grade {
             note(&word.describe());
@@ -96,19 +93,25 @@ impl AxisState<'_> {
             ));
         }
         if self.case.unsupported_length_mm.is_none() {
-            note("unsupported_length_mm is stroke, length of the nut and two leads");
+            note(
+                "unsupported_length_mm is not given: the length of the thread is taken (stroke, nut and overrun at both ends)",
+            );
         }
         notes
     }
 
     /// What is unusual: a warm axis, and a screw longer than manufacturers offer.
     pub(super) fn warnings(&self) -> Vec<String> {
-        let hot = self.steady_rise().filter(|rise| *rise > HOT).map(|rise| {
+        let rises = [self.steady_rise(), self.node_rise(0), self.node_rise(1)];
+        let rise = rises.into_iter().flatten().fold(f64::NEG_INFINITY, f64::max);
+        let hot = (rise > HOT).then(|| {
             format!(
-                "a steady-state temperature rise of {rise:.0} K is above {HOT:.0} K, for the sake of grease and preload: cool the nut \
-                 or the screw"
+                "A steady-state temperature rise of {rise:.0} K is above {HOT:.0} K, which harms grease and preload: cool the nut \
+                 or the screw."
             )
         });
+        let resonance = self.resonance();
+        let pressed = self.hindered_growth();
         let longest = make(self.case).longest(self.grade(), self.axis().screw.outer);
         let thread = self.shaft().map(|shaft| shaft.length);
         let long = thread.zip(longest).filter(|(thread, longest)| thread > longest);
@@ -136,7 +139,84 @@ impl AxisState<'_> {
         let scaled = shares.filter(is_part).filter(|sum| *sum > 0.0).map(|sum| {
             format!("the shares of the cycle sum to {}: each is taken over that", trimmed(sum))
         });
-        hot.into_iter().chain(long).chain(uncertain).chain(scaled).collect()
+        hot.into_iter()
+            .chain(resonance)
+            .chain(pressed)
+            .chain(long)
+            .chain(uncertain)
+            .chain(scaled)
+            .collect()
+    }
+
+    /// Returns the speed of a driven nut at which it can excite its screw.
+    fn resonance(&self) -> Option<String> {
+        let (shaft, ratio) = (self.shaft()?, self.axis().nut_resonance_ratio()?);
+        let critical = self.axis().fastest() / ratio;
+        let ratios = self.axis().phases.iter().map(|phase| phase.speed.abs() / critical);
+        let near = ratios.into_iter().find(|ratio| RESONANCE.contains(ratio))?;
+        Some(format!(
+            "The driven nut turns at {near:.2} of the critical speed of its screw ({:.0} rpm) and can excite it: ask the \
+             manufacturer for a damper.",
+            shaft.critical_speed_under(-self.axis().compression) / RPM
+        ))
+    }
+
+    /// Returns the compression of the screw between two fixed bearings by its growth, unless a rule judges the bearings.
+    fn hindered_growth(&self) -> Option<String> {
+        let tension = self.tension().filter(|tension| *tension < 0.0)?;
+        self.machine.held.filter(|_| self.case.support_bearing_axial_load_N.is_none())?;
+        let remedy = self.rise().map_or_else(String::new, |kelvin| {
+            format!("; pretension_K {} would keep it tight", at_least(kelvin, 1))
+        });
+        Some(format!(
+            "Hindered growth compresses the screw by {:.1} kN{remedy}. support_bearing_axial_load_N is not given, so that no rule \
+             judges the support bearings.",
+            -tension / 1e3
+        ))
+    }
+
+    /// Returns the sources of heat that are not given, and the band of the temperature rise.
+    fn about_heat(&self) -> Vec<String> {
+        let Some(powers) = self.powers() else {
+            let needs = self.machine.held.filter(|_| self.tension().is_none());
+            let cold = "The load of the support bearings is that of the cold screw: without friction there is no temperature.";
+            return needs.map(|_| cold.to_owned()).into_iter().collect();
+        };
+        let mut notes = Vec::new();
+        let not_given = |given: Option<f64>, name: &str| {
+            given.is_none().then(|| format!("{name}: not given, counted as 0"))
+        };
+        let missing: Vec<_> = not_given(self.case.seal_torque_Nm, "seals")
+            .into_iter()
+            .chain(not_given(self.case.support_bearing_torque_Nm, "support bearings"))
+            .collect();
+        if !missing.is_empty() {
+            notes.push(format!(
+                "mean heat {:.0} W; {}. Usual torques of them would add {:.0} W, which the upper end of the temperature rise \
+                 includes.",
+                powers.given.total(),
+                missing.join("; "),
+                powers.missing.total()
+            ));
+        }
+        let band =
+            self.heating.and_then(|heating| Some((heating.mean, heating.band?, heating.nodes?.0)));
+        if let Some((mean, [low, high], [nut, screw, ..])) = band {
+            notes.push(format!(
+                "steady-state temperature rise of the screw {mean:.0} K ({low:.0} to {high:.0} K; nut {nut:.0} K, screw along its \
+                 travel {screw:.0} K), by the thermal network with estimated conductances, without feedback of the temperatures; \
+                 warm_state finds the temperatures with their effect on the preload"
+            ));
+            if self.machine.groove.is_none() {
+                let link = "The conductance of the balls from nut to screw is estimated by the pitch circle, within a factor of 2.";
+                notes.push(link.to_owned());
+            }
+            if self.case.stroke_mm.is_none() {
+                let what = "stroke_mm is not given: for the temperatures the nut travels the whole screw less the overrun at both ends.";
+                notes.push(what.to_owned());
+            }
+        }
+        notes
     }
 
     /// What factors of ratings and life were taken, and which are usual.

@@ -16,7 +16,7 @@ use super::draw::draw;
 use super::friction::FrictionSource;
 use super::loading::{Amount, arrangement, preload, preload_of_bodies, support};
 use super::train::BallGaps;
-use crate::case::axis::{TorqueTolerance, mount};
+use crate::case::axis::{TorqueTolerance, thread_length};
 use crate::case::file::RISES;
 use crate::case::problem::has_lubricant;
 use crate::case::rated_nut;
@@ -153,10 +153,9 @@ impl NutProblem {
         let seed = case.number(InputKey::seed) as u64;
         let friction = FrictionSource::of(case)?;
         let gaps = BallGaps::of(case, friction, &nut)?;
-        let stroke = case.stroke_mm.map(|mm| mm * MM);
         let tolerance = TorqueTolerance {
             grade: case.nut.accuracy_grade.map(|name| name.grade),
-            length: mount(case).length_of(design.lead, body.length, stroke),
+            length: thread_length(case, design.lead, body.length),
             diameter: thread.screw.land,
         };
         Ok(Self {
